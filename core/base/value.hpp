@@ -1,0 +1,14 @@
+// The value of a channel, as stations see it: the five members of the topic's union.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+
+namespace fieldcast {
+
+using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::string>;
+
+[[nodiscard]] std::string to_text(const Value& value);  // "true", "-3", "2.5", the string itself; doubles round-trip
+
+}  // namespace fieldcast

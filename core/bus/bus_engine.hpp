@@ -1,0 +1,37 @@
+// The bus engine: everything one bus does, as on_event(event, now) -> actions. No thread, no clock, no I/O.
+//
+// The shell (BusRunner) executes the actions on one strand; tests execute them in virtual time.
+#pragma once
+
+#include <memory>
+
+#include "core/bus/event.hpp"
+#include "core/model/spec.hpp"
+#include "core/model/status.hpp"
+
+namespace fieldcast {
+
+class BusEngine {
+ public:
+  // REQUIRES: spec is as the loader makes it (every protocol known, every address inside its area).
+  explicit BusEngine(const BusSpec& spec);
+  ~BusEngine();
+  BusEngine(const BusEngine&) = delete;
+  BusEngine& operator=(const BusEngine&) = delete;
+
+  // Appends what is to be done. `now` never goes back.
+  void on_event(const BusEvent& event, Instant now, Actions& actions);
+
+  // Reports cover the time since the one before; the shell asks once a second. Does not change what the engine does.
+  [[nodiscard]] BusReport bus_report(Instant now);
+  [[nodiscard]] DeviceReport device_report(DeviceIndex device, Instant now) const;
+
+  // While set, exchanges are described in Traced actions.
+  void set_trace(bool on);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,41 @@
+// The serial line as the cost model sees it: characters, their duration, and the silences between frames.
+#pragma once
+
+#include <cstdint>
+#include <variant>
+
+#include "core/base/time.hpp"
+
+namespace fieldcast {
+
+enum class Parity : std::uint8_t { kNone, kEven, kOdd };
+
+struct LineFormat {
+  std::uint32_t baud = 19200;
+  std::uint8_t data_bits = 8;  // 7 or 8
+  Parity parity = Parity::kEven;
+  std::uint8_t stop_bits = 1;  // 1 or 2
+
+  // Start bit, data, parity, stop: 8E1 is 11.
+  [[nodiscard]] constexpr unsigned bits_per_character() const {
+    return 1u + data_bits + (parity == Parity::kNone ? 0u : 1u) + stop_bits;
+  }
+  [[nodiscard]] constexpr Duration characters(double count) const {
+    return Duration{static_cast<std::int64_t>(count * bits_per_character() * 1e9 / baud + 0.5)};
+  }
+  friend bool operator==(const LineFormat&, const LineFormat&) = default;
+};
+
+// The silence a master keeps between the end of an answer and its next request.
+struct StandardSilence {  // 3.5 characters of 11 bits up to 19200 baud, 1.750 ms above (Modbus over Serial Line V1.02, 2.5.1.1)
+  friend bool operator==(StandardSilence, StandardSilence) = default;
+};
+struct CharacterSilence {
+  double characters = 3.5;
+  friend bool operator==(CharacterSilence, CharacterSilence) = default;
+};
+using SilenceRule = std::variant<StandardSilence, CharacterSilence, Duration>;
+
+[[nodiscard]] Duration silence_of(const SilenceRule& rule, const LineFormat& line);
+
+}  // namespace fieldcast

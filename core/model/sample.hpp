@@ -1,0 +1,26 @@
+// One value of a channel as it leaves the engine. Channels are numbered within their bus: devices in the order of the spec, and the
+// channels of a device in theirs.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/cause.hpp"
+#include "core/base/quality.hpp"
+#include "core/base/time.hpp"
+#include "core/base/value.hpp"
+
+namespace fieldcast {
+
+using ChannelIndex = std::uint32_t;  // within a bus
+using DeviceIndex = std::uint16_t;   // within a bus
+
+struct Sample {
+  ChannelIndex channel = 0;
+  Value value;                 // the last good one when the quality is bad; false / 0 / "" before the first
+  Quality quality = Quality::kNotYetRead;
+  std::uint16_t device_code = 0;  // with kBadDeviceError
+  Instant acquired = kLongAgo;    // arrival of the answer's last byte; kLongAgo: never read
+  std::uint64_t sequence = 0;     // counts the samples of the channel, from 1
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,117 @@
+// What a configuration says, with every default filled in: buses, devices, channels. Plain values; the loader makes them, everything
+// else reads them. Names are checked by the loader (1..64 of letters, digits, '-', '_', '.').
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/base/time.hpp"
+#include "core/codec/value_codec.hpp"
+#include "core/frame/line.hpp"
+#include "core/protocol/protocol.hpp"
+
+namespace fieldcast {
+
+inline constexpr std::size_t kMaxNameLength = 64;
+
+enum class Mode : std::uint8_t {
+  kIntensive,  // the bus never idles: always what is least fresh
+  kScheduled,  // in time for the refresh, then the wire rests
+  kOnDemand,   // only when commanded
+};
+[[nodiscard]] std::string_view to_text(Mode mode);  // "intensive", "scheduled", "on-demand"
+
+enum class Access : std::uint8_t { kReadOnly, kReadWrite, kWriteOnly };
+[[nodiscard]] std::string_view to_text(Access access);  // "read-only", ...
+
+// One limit on a channel's value.
+struct Limits {
+  std::optional<double> low_low, low, high, high_high;
+  friend bool operator==(const Limits&, const Limits&) = default;
+};
+
+struct ChannelSpec {
+  std::string name;
+  std::string at;             // as written: "holding:100"
+  Range range;                // as understood
+  Encoding encoding;
+  Duration refresh = std::chrono::seconds{1};
+  Mode mode = Mode::kScheduled;
+  Access access = Access::kReadOnly;
+  bool on_interest = false;   // acquire: on-interest
+  int priority = 0;           // higher is kept fresh longer under overload; -100..100
+  std::string unit;           // "°C", up to 32 bytes
+  std::string description;    // up to 256 bytes
+  std::optional<double> deadband;      // publish only changes of more than this, and
+  std::optional<Duration> heartbeat;   // at the latest after this (default: the refresh)
+  Limits limits;
+  std::optional<double> write_min, write_max;
+  Duration write_interval{};  // rate limit of commands; 0 is none
+  friend bool operator==(const ChannelSpec&, const ChannelSpec&) = default;
+};
+
+struct DeviceSpec {
+  std::string name;
+  std::string protocol;             // "modbus-rtu"
+  DeviceLink link;                  // address and protocol options
+  Duration timeout = std::chrono::milliseconds{200};  // to the first byte of an answer, from the end of the request
+  unsigned retries = 1;             // 0..10 more tries of an exchange
+  Duration pause{};                 // rest after each exchange with this device
+  std::uint16_t max_block = 0;      // items in one read; 0 is the protocol's limit
+  std::optional<std::uint16_t> max_gap;  // unwanted items that a read may bridge; nothing: whatever pays
+  bool allow_raw_read = false;      // commands to addresses
+  bool allow_raw_write = false;
+  std::vector<ChannelSpec> channels;
+};
+
+struct SerialPortSpec {
+  std::string path;
+  LineFormat line;
+  bool rs485 = false;        // kernel direction control (TIOCSRS485)
+  bool low_latency = true;   // ASYNC_LOW_LATENCY where the driver knows it
+  bool exclusive = true;     // flock and TIOCEXCL
+  friend bool operator==(const SerialPortSpec&, const SerialPortSpec&) = default;
+};
+struct TcpPortSpec {
+  std::string host;
+  std::uint16_t port = 502;
+  std::optional<LineFormat> line;  // of the serial line behind a serial server; nothing: a plain TCP device
+  Duration connect_timeout = std::chrono::seconds{3};
+  friend bool operator==(const TcpPortSpec&, const TcpPortSpec&) = default;
+};
+using PortSpec = std::variant<SerialPortSpec, TcpPortSpec>;
+
+[[nodiscard]] std::string to_text(const PortSpec& port);  // "/dev/ttyUSB0 115200 8N1", "10.0.0.7:502"
+
+// The line whose characters cost time: the port's own, or, for plain TCP, a nominal fast one.
+[[nodiscard]] LineFormat line_of(const PortSpec& port);
+
+struct BusSpec {
+  std::string name;
+  PortSpec port;
+  SilenceRule silence;             // between an answer and the next request
+  Duration gap_allowance = std::chrono::milliseconds{20};  // silence inside an answer that ends it, beyond its wire time
+  std::optional<bool> echo;        // the line gives back what is sent; nothing: found out
+  std::vector<DeviceSpec> devices;
+};
+
+struct DdsSpec {
+  std::uint32_t domain = 0;                            // 0..232
+  std::vector<std::string> interfaces{"127.0.0.1"};    // IPv4 addresses that DDS may use
+  std::optional<std::string> discovery_server;         // "host:port" of a Fast DDS discovery server
+  std::optional<std::string> profile;                  // a Fast DDS XML file of the user; its participant profile "fieldcast" is used
+  std::optional<std::string> partition;
+  friend bool operator==(const DdsSpec&, const DdsSpec&) = default;
+};
+
+struct BridgeSpec {
+  std::string name;
+  DdsSpec dds;
+  std::vector<BusSpec> buses;
+};
+
+}  // namespace fieldcast

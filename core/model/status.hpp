@@ -1,0 +1,39 @@
+// What a bus and its devices report of themselves, once a second and at every change of state.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/base/cause.hpp"
+#include "core/base/time.hpp"
+
+namespace fieldcast {
+
+enum class BusState : std::uint8_t { kOpening, kRunning, kClosed, kLeased, kStopped };
+enum class DeviceState : std::uint8_t { kUnknown, kOnline, kDegraded, kOffline };
+[[nodiscard]] std::string_view to_text(BusState state);
+[[nodiscard]] std::string_view to_text(DeviceState state);
+
+struct BusReport {
+  BusState state = BusState::kOpening;
+  double utilisation = 0;        // share of the last second in which the wire was busy or had to be silent, 0..1
+  double planned_load = 0;       // share that the plan needs
+  double measured_load = 0;      // share that reading took, over the last 10 s
+  std::uint64_t exchanges = 0, samples = 0, commands = 0, deadline_misses = 0, bytes_sent = 0, bytes_received = 0, reopened = 0;
+  double stretch = 1;            // factor on all refreshes under overload
+  CauseCounters causes;
+};
+
+struct DeviceReport {
+  DeviceState state = DeviceState::kUnknown;
+  std::uint64_t exchanges = 0, failures = 0, retries = 0, deadline_misses = 0;
+  Duration answer_time{};        // learned: end of request to first byte of the answer
+  Duration answer_spread{};
+  Duration timeout{};            // in force: never above the configured one
+  std::uint16_t largest_block = 0;
+  std::vector<std::string> refused;  // addresses that the device refuses at present, at most 64
+  CauseCounters causes;
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,82 @@
+// Spellings of the model's enumerations and ports.
+#include <string>
+
+#include "core/model/command.hpp"
+#include "core/model/spec.hpp"
+#include "core/model/status.hpp"
+
+namespace fieldcast {
+
+std::string_view to_text(Mode mode) {
+  switch (mode) {
+    case Mode::kIntensive: return "intensive";
+    case Mode::kScheduled: return "scheduled";
+    case Mode::kOnDemand: return "on-demand";
+  }
+  return "?";
+}
+
+std::string_view to_text(Access access) {
+  switch (access) {
+    case Access::kReadOnly: return "read-only";
+    case Access::kReadWrite: return "read-write";
+    case Access::kWriteOnly: return "write-only";
+  }
+  return "?";
+}
+
+std::string_view to_text(CommandState state) {
+  switch (state) {
+    case CommandState::kDone: return "done";
+    case CommandState::kVerified: return "verified";
+    case CommandState::kRejected: return "rejected";
+    case CommandState::kFailed: return "failed";
+    case CommandState::kExpired: return "expired";
+  }
+  return "?";
+}
+
+std::string_view to_text(BusState state) {
+  switch (state) {
+    case BusState::kOpening: return "opening";
+    case BusState::kRunning: return "running";
+    case BusState::kClosed: return "closed";
+    case BusState::kLeased: return "leased";
+    case BusState::kStopped: return "stopped";
+  }
+  return "?";
+}
+
+std::string_view to_text(DeviceState state) {
+  switch (state) {
+    case DeviceState::kUnknown: return "unknown";
+    case DeviceState::kOnline: return "online";
+    case DeviceState::kDegraded: return "degraded";
+    case DeviceState::kOffline: return "offline";
+  }
+  return "?";
+}
+
+namespace {
+
+std::string format_text(const LineFormat& line) {
+  static constexpr char kParity[] = {'N', 'E', 'O'};
+  return std::to_string(line.baud) + ' ' + std::to_string(line.data_bits) + kParity[static_cast<int>(line.parity)] +
+         std::to_string(line.stop_bits);
+}
+
+}  // namespace
+
+std::string to_text(const PortSpec& port) {
+  if (const auto* serial = std::get_if<SerialPortSpec>(&port)) return serial->path + ' ' + format_text(serial->line);
+  const auto& tcp = std::get<TcpPortSpec>(port);
+  return tcp.host + ':' + std::to_string(tcp.port) + (tcp.line ? ' ' + format_text(*tcp.line) : std::string{});
+}
+
+LineFormat line_of(const PortSpec& port) {
+  if (const auto* serial = std::get_if<SerialPortSpec>(&port)) return serial->line;
+  // A plain TCP device has no characters; ten megabaud make its bytes nearly free, so that only requests count.
+  return std::get<TcpPortSpec>(port).line.value_or(LineFormat{10'000'000, 8, Parity::kNone, 1});
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,84 @@
+// What to read next on one bus, and when. Pure: no clock, no I/O; every call gets `now`.
+//
+// The scheduler knows points (distinct item ranges that some channel needs) with their refreshes, groups them into blocks by the wire's
+// cost, and answers one question whenever the wire is free: read this block now, or rest until then.
+//
+// Owned by the bus engine and touched by it alone.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "core/base/time.hpp"
+#include "core/model/sample.hpp"
+#include "core/model/spec.hpp"
+#include "core/protocol/protocol.hpp"
+
+namespace fieldcast {
+
+using PointIndex = std::uint32_t;  // in the order of the Points given
+
+// One distinct range that is read for one or more channels. Its refresh is the shortest of theirs.
+struct Point {
+  DeviceIndex device = 0;
+  Range range;
+  Duration refresh = std::chrono::seconds{1};
+  Mode mode = Mode::kScheduled;  // kOnDemand: never scheduled
+  int priority = 0;
+};
+
+// What the scheduler must know of a device.
+struct DeviceTiming {
+  const Protocol* protocol = nullptr;   // limits and exact sizes; outlives the scheduler
+  Duration answer_time{};               // expected: end of request to first byte of the answer
+  Duration pause{};                     // rest after each exchange with this device
+  std::uint16_t max_block = 0;          // items; 0: the protocol's limit
+  std::optional<std::uint16_t> max_gap;
+};
+
+struct ScheduleInput {
+  LineFormat line;
+  Duration silence{};                   // after each answer
+  std::vector<DeviceTiming> devices;
+  std::vector<Point> points;
+};
+
+// One read: the ranges for one request (one, for protocols without range lists) and the points whose data it brings.
+struct Block {
+  DeviceIndex device = 0;
+  std::vector<Range> ranges;
+  std::vector<PointIndex> points;
+  Duration cost{};                      // of the wire: request, answer, answer time, silence, pause
+};
+struct Rest { Instant until = kNever; };   // nothing is worth reading before then
+using Decision = std::variant<Block, Rest>;
+
+class Scheduler {
+ public:
+  virtual ~Scheduler() = default;
+  // REQUIRES: the wire is free at `now`. Points whose device is paused until later are left out.
+  [[nodiscard]] virtual Decision next(Instant now) = 0;
+  // The points of the block were acquired at `acquired` (the answer's last byte).
+  virtual void acquired(const Block& block, Instant acquired) = 0;
+  // The block failed for a reason that is not its addresses; its points stay due, tried again not before `retry_at`.
+  virtual void failed(const Block& block, Instant now, Instant retry_at) = 0;
+  // The device refused the block's addresses. More than one point: halves are read next, and a gap between two good halves is
+  // remembered as not to be bridged. A single point: it is left alone until now + forget. Returns the points that are now
+  // known to be bad (empty while the search goes on).
+  virtual std::vector<PointIndex> refused(const Block& block, Instant now, Duration forget) = 0;
+  // No reads of this device before `until` (offline, pausing); kNever stops it.
+  virtual void suspend(DeviceIndex device, Instant until) = 0;
+  virtual void set_answer_time(DeviceIndex device, Duration answer_time) = 0;
+  // Another refresh or mode for a point, effective at once (interest, overload).
+  virtual void set_point(PointIndex point, Duration refresh, Mode mode, Instant now) = 0;
+  // Share of the wire that the plan needs in the long run, 0..; above 1 is overload.
+  [[nodiscard]] virtual double planned_load() const = 0;
+  // Factor by which overload stretches all refreshes at present; 1 without overload.
+  [[nodiscard]] virtual double stretch() const = 0;
+};
+
+}  // namespace fieldcast

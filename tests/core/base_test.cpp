@@ -1,0 +1,77 @@
+#include <gtest/gtest.h>
+
+#include "core/base/bytes.hpp"
+#include "core/base/cause.hpp"
+#include "core/base/time.hpp"
+#include "core/base/value.hpp"
+#include "core/frame/line.hpp"
+
+namespace fieldcast {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(Hex, RoundTrips) {
+  const Bytes bytes{0x01, 0x03, 0xFF};
+  EXPECT_EQ(to_hex(bytes), "01 03 FF");
+  EXPECT_EQ(to_hex(bytes, '\0'), "0103FF");
+  EXPECT_EQ(from_hex("01 03 ff"), bytes);
+  EXPECT_EQ(from_hex("0x01,0x03,0xFF"), bytes);
+  EXPECT_EQ(from_hex("01:03-FF"), bytes);
+}
+
+TEST(Hex, RefusesOddAndForeignDigits) {
+  EXPECT_FALSE(from_hex("012"));
+  EXPECT_FALSE(from_hex("0G"));
+  EXPECT_EQ(from_hex(""), Bytes{});
+}
+
+TEST(DurationText, ChoosesTheUnit) {
+  EXPECT_EQ(to_text(500us), "500us");
+  EXPECT_EQ(to_text(Duration{1500us}), "1.5ms");
+  EXPECT_EQ(to_text(Duration{200ms}), "200ms");
+  EXPECT_EQ(to_text(Duration{1s}), "1s");
+  EXPECT_EQ(to_text(Duration{10min}), "10min");
+}
+
+TEST(ValueText, DoublesRoundTrip) {
+  EXPECT_EQ(to_text(Value{0.1}), "0.1");
+  EXPECT_EQ(to_text(Value{true}), "true");
+  EXPECT_EQ(to_text(Value{std::string{"abc"}}), "abc");
+}
+
+TEST(Causes, EachHasItsOwnNameAndText) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(Cause::kCount); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      EXPECT_NE(to_name(static_cast<Cause>(i)), to_name(static_cast<Cause>(k)));
+      EXPECT_NE(to_text(static_cast<Cause>(i)), to_text(static_cast<Cause>(k)));
+    }
+  }
+}
+
+TEST(CauseCounters, TotalLeavesOutNone) {
+  CauseCounters counters;
+  counters.add(Cause::kNone);
+  counters.add(Cause::kChecksum);
+  counters.add(Cause::kChecksum);
+  EXPECT_EQ(counters[Cause::kChecksum], 2u);
+  EXPECT_EQ(counters.total(), 2u);
+}
+
+// Modbus over Serial Line V1.02, 2.5.1.1: 3.5 characters up to 19200 baud, 1.750 ms above.
+TEST(Silence, FollowsTheStandard) {
+  const auto at = [](std::uint32_t baud) { return silence_of(StandardSilence{}, LineFormat{baud, 8, Parity::kEven, 1}); };
+  EXPECT_NEAR(to_seconds(at(1200)), 0.0321, 1e-4);
+  EXPECT_NEAR(to_seconds(at(9600)), 0.00401, 1e-5);
+  EXPECT_NEAR(to_seconds(at(19200)), 0.002005, 1e-6);
+  EXPECT_EQ(at(115200), Duration{1750us});
+}
+
+TEST(Line, CountsBits) {
+  EXPECT_EQ((LineFormat{9600, 8, Parity::kEven, 1}.bits_per_character()), 11u);
+  EXPECT_EQ((LineFormat{9600, 8, Parity::kNone, 1}.bits_per_character()), 10u);
+  EXPECT_EQ((LineFormat{9600, 7, Parity::kEven, 2}.bits_per_character()), 11u);
+}
+
+}  // namespace
+}  // namespace fieldcast
