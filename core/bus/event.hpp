@@ -1,6 +1,7 @@
 // The second seam: what happens to a bus, and what the bus wants done.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -33,6 +34,10 @@ using BusEvent = std::variant<Opened, Closed, Received, TimerFired, CommandArriv
 struct Send { Bytes bytes; };            // one whole request; the wire is ours until its answer or timeout
 struct SetTimer { Instant at; };         // replaces the one before; kNever: none
 struct Publish { std::vector<Sample> samples; };
+struct Promise {                         // from now on the channel is published at least this often; nothing: no promise
+  ChannelIndex channel = 0;
+  std::optional<Duration> gap;
+};
 struct Complete { CommandResult result; };
 struct Reopen { std::string reason; };   // close the port and open it again, with the shell's back-off
 // Something a log should say once; counted when it repeats.
@@ -48,7 +53,7 @@ struct Traced {
   std::string device;
   std::string text;      // "read holding 100..109: 10 items" or the failure
 };
-using Action = std::variant<Send, SetTimer, Publish, Complete, Reopen, Notice, Traced>;
+using Action = std::variant<Send, SetTimer, Publish, Promise, Complete, Reopen, Notice, Traced>;
 using Actions = std::vector<Action>;
 
 }  // namespace fieldcast

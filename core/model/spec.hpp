@@ -54,6 +54,10 @@ struct ChannelSpec {
   friend bool operator==(const ChannelSpec&, const ChannelSpec&) = default;
 };
 
+// The DEADLINE of the channel's samples: its refresh, or with a deadband the heartbeat; nothing for channels that are read only when
+// somebody asks.
+[[nodiscard]] std::optional<Duration> promised_gap(const ChannelSpec& channel);
+
 struct DeviceSpec {
   std::string name;
   std::string protocol;             // "modbus-rtu"

@@ -1,4 +1,5 @@
 // Spellings of the model's enumerations and ports.
+#include <algorithm>
 #include <string>
 
 #include "core/model/command.hpp"
@@ -23,6 +24,12 @@ std::string_view to_text(Access access) {
     case Access::kWriteOnly: return "write-only";
   }
   return "?";
+}
+
+std::optional<Duration> promised_gap(const ChannelSpec& channel) {
+  if (channel.mode == Mode::kOnDemand || channel.access == Access::kWriteOnly || channel.on_interest) return std::nullopt;
+  if (channel.deadband && channel.heartbeat) return std::max(channel.refresh, *channel.heartbeat);
+  return channel.refresh;
 }
 
 std::string_view to_text(CommandState state) {

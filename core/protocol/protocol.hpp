@@ -155,6 +155,13 @@ struct FrameField {
   std::string fault;        // what is wrong with it, or empty
 };
 
+// How an answer shows which request it belongs to. Decides what may be sent while a late answer could still come.
+enum class AnswerIdentity : std::uint8_t {
+  kSequence,  // by the request itself (Modbus TCP): anything may follow a timeout
+  kAddress,   // by the device only (Modbus RTU): until the full timeout has passed, that device is asked nothing but the same again
+  kNone,      // by nothing (S7 freeport): nor is any other device of the bus
+};
+
 // What a whole family can do, besides its areas.
 struct Traits {
   std::string_view name;               // "modbus-rtu"
@@ -163,6 +170,7 @@ struct Traits {
   std::uint16_t highest_address = 247;
   std::uint16_t max_ranges = 1;        // ranges in one read request
   bool write_read = false;             // WriteReadRequest
+  AnswerIdentity identity = AnswerIdentity::kAddress;
   bool echo_is_ambiguous = false;      // some write's answer equals its request
 };
 

@@ -73,6 +73,9 @@ class Scheduler {
   // No reads of this device before `until` (offline, pausing); kNever stops it.
   virtual void suspend(DeviceIndex device, Instant until) = 0;
   virtual void set_answer_time(DeviceIndex device, Duration answer_time) = 0;
+  // How long the wire may be blocked from `now` on by something else (a probe of a silent device) without making a point late that
+  // would otherwise be in time. Zero when there is none to spare.
+  [[nodiscard]] virtual Duration slack(Instant now) = 0;
   // Another refresh or mode for a point, effective at once (interest, overload).
   virtual void set_point(PointIndex point, Duration refresh, Mode mode, Instant now) = 0;
   // Share of the wire that the plan needs in the long run, 0..; above 1 is overload.
