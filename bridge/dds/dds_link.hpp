@@ -1,0 +1,95 @@
+// The bridge's side of DDS: publishes catalogue, samples, results and status of its buses, and hears commands and interests.
+//
+// Owns every DDS entity of the process. Handlers are called on DDS threads, must not block, and only post. Each function names
+// its thread; functions of different buses may run at the same time. No DDS type appears here.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "bridge/dds/utc_mapping.hpp"
+#include "core/model/command.hpp"
+#include "core/model/sample.hpp"
+#include "core/model/spec.hpp"
+#include "core/model/status.hpp"
+
+namespace fieldcast {
+
+// DDS could not be started, or an entity of a bus could not be made: the one exception of this folder, caught in main.
+class DdsError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// A station's wish for channels, or its end.
+struct Interest {
+  std::string station;
+  std::string pattern;              // bus/device/channel with *
+  std::optional<Duration> refresh;  // nothing: withdrawn, or the station is dead
+};
+
+class DdsLink {
+ public:
+  struct Handlers {
+    std::function<UtcMapping()> clock;  // reads both clocks now; any thread
+    // A command for a bus that was added. `expires` is its source timestamp plus the writer's LIFESPAN on the engine's clock and
+    // may have passed already: the engine answers kExpired. Commands for other buses never come here.
+    std::function<void(const std::string& bus, Command command)> on_command;
+    std::function<void(Interest interest)> on_interest;
+    std::function<void(std::string text)> on_problem;  // for the log: incompatible QoS, a limit reached, a malformed command
+  };
+
+  struct BusCounters {
+    std::uint64_t deadline_misses = 0;  // offered deadlines missed, over all channels of the bus
+    std::uint32_t sample_readers = 0;   // readers matched by the bus's busiest Sample writer
+    std::uint32_t sample_writers = 0;
+  };
+
+  // Joins the domain. Throws DdsError: an interface that does not exist, a profile that cannot be loaded.
+  DdsLink(const DdsSpec& spec, const std::string& bridge_name, Handlers handlers);
+  ~DdsLink();  // close()
+  DdsLink(const DdsLink&) = delete;
+  DdsLink& operator=(const DdsLink&) = delete;
+
+  // Publishes the catalogue of the bus and makes its Sample writers: one for each distinct refresh, none with more than 256
+  // channels. Its commands arrive from here on. Main thread. Throws DdsError. REQUIRES: no bus of this name.
+  void add_bus(const BusSpec& bus);
+
+  // Disposes every instance of the bus in all topics, so that stations see it go. Main thread. REQUIRES: nobody publishes on it
+  // any more (its strand has ended). No effect for an unknown bus.
+  void remove_bus(std::string_view bus);
+
+  // The bus's strand. Samples of one call leave in order; channels out of range are a bug. Never blocks longer than DDS needs to
+  // copy.
+  void publish(std::string_view bus, std::span<const Sample> samples, const UtcMapping& mapping);
+
+  // Moves a channel to the writer of another refresh: its last sample is written there again, then the old writer lets go of it.
+  // Nothing: no promise (on-demand). Republishes the catalogue entry. The bus's strand.
+  void set_refresh(std::string_view bus, ChannelIndex channel, std::optional<Duration> refresh);
+
+  // Publishes the one result of a command and releases its instance. Any thread. A result whose requester's reader is not matched
+  // yet is held for up to a second.
+  void complete(std::string_view bus, const CommandResult& result, const UtcMapping& mapping);
+
+  // Status, once a second and at changes. The bus's strand.
+  void report(std::string_view bus, const BusReport& report, UtcTime at);
+  void report(std::string_view bus, std::string_view device, const DeviceReport& report, UtcTime at);
+
+  [[nodiscard]] BusCounters counters(std::string_view bus) const;  // any thread
+
+  // Removes every bus, waits up to `linger` until readers have the last results, leaves the domain. Handlers are not called after
+  // it returns. Main thread; a second call has no effect.
+  void close(Duration linger = std::chrono::milliseconds{200});
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,129 @@
+// A monitoring station or plant system: the other side of DdsLink, for our tools, tests and benches.
+//
+// Owns its DDS participant. Callbacks come on DDS threads, one at a time for each subscription, and must not block. Subscribe
+// before using what arrives; the object may be used from any one thread. No DDS type appears here.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "core/base/quality.hpp"
+#include "core/base/time.hpp"
+#include "core/base/value.hpp"
+#include "core/model/command.hpp"
+#include "core/model/spec.hpp"
+#include "core/model/status.hpp"
+
+namespace fieldcast {
+
+struct StationSample {
+  std::string bus, device, channel;
+  Value value;
+  Quality quality = Quality::kNotYetRead;
+  std::uint16_t device_code = 0;
+  UtcTime acquired_at;
+  std::uint64_t sequence = 0;
+};
+
+// An entry of the catalogue.
+struct StationChannel {
+  std::string bridge, bus, device, channel;
+  std::string type;  // "float32", "string(16)"
+  std::string unit, at, description;
+  Access access = Access::kReadOnly;
+  Mode mode = Mode::kScheduled;
+  Duration refresh{};  // 0: no promise
+  Limits limits;
+  std::optional<double> write_min, write_max;
+};
+
+using CauseCounts = std::map<std::string, std::uint64_t>;  // only causes that occurred, by name: "CHECKSUM"
+
+struct StationBusStatus {
+  std::string bridge, bus;
+  BusReport report;  // all but causes
+  CauseCounts causes;
+  UtcTime reported_at;
+};
+struct StationDeviceStatus {
+  std::string bus, device;
+  DeviceReport report;  // all but causes
+  CauseCounts causes;
+  UtcTime reported_at;
+};
+
+// What a station asks for; Command with the bus it goes to. requester and expires are the station's own business.
+struct StationCommand {
+  std::string bus;
+  Command command;
+  Duration lifespan = std::chrono::seconds{5};  // the bridge never starts it later than this after it was written
+};
+struct StationResult {
+  std::string requester;
+  std::uint64_t request_id = 0;
+  std::string bus;
+  CommandState state = CommandState::kFailed;
+  std::string cause;  // "NONE", "READ_ONLY", ...
+  std::uint16_t device_code = 0;
+  std::string reason;
+  std::vector<Value> values;
+  UtcTime received_at, started_at, completed_at;
+};
+enum class StationFault : std::uint8_t {
+  kNoBridge,  // no bridge took commands within the wait
+  kNoResult,  // the command was written and no result came within its lifespan and the wait
+  kNotSent,   // it does not fit the topic: a name or a list is too long
+};
+[[nodiscard]] std::string_view to_text(StationFault fault);
+
+class Station {
+ public:
+  // Joins the domain; `name` is how other tools see the participant. Throws DdsError (dds_link.hpp).
+  Station(const DdsSpec& spec, const std::string& name);
+  ~Station();
+  Station(const Station&) = delete;
+  Station& operator=(const Station&) = delete;
+
+  // Each may be called once. `gone` is called when an instance was disposed or its bridge is gone (samples, channels).
+  struct SampleOptions {
+    std::optional<Duration> deadline;  // matches just the channels that promise this refresh or better
+    std::function<void()> on_deadline_missed;
+  };
+  using OnSample = std::function<void(const StationSample&)>;
+  using OnGone = std::function<void(const std::string& bus, const std::string& device, const std::string& channel)>;
+  void subscribe_samples(OnSample on_sample, OnGone gone, SampleOptions options);
+  void subscribe_samples(OnSample on_sample, OnGone gone = {}) { subscribe_samples(std::move(on_sample), std::move(gone), {}); }
+  void subscribe_channels(std::function<void(const StationChannel&)> on_channel, OnGone gone = {});
+  void subscribe_bus_status(std::function<void(const StationBusStatus&)> on_status);
+  void subscribe_device_status(std::function<void(const StationDeviceStatus&)> on_status);
+
+  // A wish for channels at a refresh, kept up until withdrawn or until this process dies.
+  void declare_interest(const std::string& pattern, Duration refresh);
+  void withdraw_interest(const std::string& pattern);
+
+  // Writes the command once a bridge is matched in both directions (at most wait_for_bridge) and blocks for its one result, at
+  // most lifespan + wait_for_result. request_id and requester are filled in here. Any thread; many at a time.
+  [[nodiscard]] tl::expected<StationResult, StationFault> execute(StationCommand command,
+                                                                  Duration wait_for_bridge = std::chrono::seconds{3},
+                                                                  Duration wait_for_result = std::chrono::seconds{5});
+
+  // Does not wait for the result: gives the request_id (on_result, set before the first call, is told on a DDS thread).
+  [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(StationCommand command,
+                                                               Duration wait_for_bridge = std::chrono::seconds{3});
+  void on_result(std::function<void(const StationResult&)> handler);
+
+  [[nodiscard]] const std::string& requester() const;  // unique for each process and object
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace fieldcast
