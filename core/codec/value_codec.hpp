@@ -1,14 +1,13 @@
 // Channel values from raw items and back: types, word and byte order, bit of a word, scale and offset.
 // Nothing wraps around: what does not fit is a fault. Pure functions.
 //
-// Raw items are the protocol's items in its canonical image (protocol.hpp): bit items one byte each (0 or 1), 8-bit items one byte,
-// wider items big-endian.
+// Raw items are the protocol's items in its canonical image (protocol.hpp): bit items one byte each (0 or 1), 8-bit items one
+// byte, wider items big-endian.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <string_view>
-
 #include <tl/expected.hpp>
 
 #include "core/base/bytes.hpp"
@@ -18,12 +17,26 @@
 namespace fieldcast {
 
 enum class ValueType : std::uint8_t {
-  kBool, kInt16, kUint16, kInt32, kUint32, kInt64, kUint64, kFloat32, kFloat64, kBcd16, kBcd32, kString
+  kBool,
+  kInt16,
+  kUint16,
+  kInt32,
+  kUint32,
+  kInt64,
+  kUint64,
+  kFloat32,
+  kFloat64,
+  kBcd16,
+  kBcd32,
+  kString
 };
-[[nodiscard]] std::string_view to_text(ValueType type);  // "bool", "int16", ... "bcd32", "string"
+[[nodiscard]] std::string_view to_text(ValueType type);                         // "bool", "int16", ... "bcd32", "string"
 [[nodiscard]] std::optional<ValueType> value_type_from(std::string_view text);  // without the (n) of a string
 
-enum class WordOrder : std::uint8_t { kBigEndian, kLittleEndian };  // of the 16-bit words of a wider value: high word first, or low word first
+enum class WordOrder : std::uint8_t {
+  kBigEndian,
+  kLittleEndian
+};  // of the 16-bit words of a wider value: high word first, or low word first
 enum class ByteOrder : std::uint8_t { kBigEndian, kLittleEndian };  // of the two bytes of each word
 
 // How a channel's value lies in its items.

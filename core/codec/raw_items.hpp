@@ -1,0 +1,30 @@
+// The step between items and numbers: a value's bits out of its items in the channel's word and byte order, and back.
+// Used by the two halves of value_codec alone.
+#pragma once
+
+#include <cstdint>
+#include <tl/expected.hpp>
+
+#include "core/base/bytes.hpp"
+#include "core/base/cause.hpp"
+#include "core/codec/value_codec.hpp"
+
+namespace fieldcast {
+
+// The bits of a numeric value, right-aligned. kRange: an item wider than the value holds more than the value's type can.
+[[nodiscard]] tl::expected<std::uint64_t, Cause> gather_bits(const Encoding& encoding, unsigned item_bits, ByteView items);
+
+// The reverse; items wider than the value are filled with its sign (signed types) or zeros.
+[[nodiscard]] Bytes spread_bits(const Encoding& encoding, unsigned item_bits, std::uint64_t bits);
+
+// The characters of a string in reading order: bytes of each word swapped where the channel says so. Word order does not apply.
+[[nodiscard]] Bytes string_bytes_of(const Encoding& encoding, unsigned item_bits, ByteView items);
+[[nodiscard]] Bytes items_of_string(const Encoding& encoding, unsigned item_bits, ByteView text);
+
+[[nodiscard]] constexpr bool is_signed(ValueType type) {
+  return type == ValueType::kInt16 || type == ValueType::kInt32 || type == ValueType::kInt64;
+}
+[[nodiscard]] constexpr bool is_float(ValueType type) { return type == ValueType::kFloat32 || type == ValueType::kFloat64; }
+[[nodiscard]] constexpr bool is_bcd(ValueType type) { return type == ValueType::kBcd16 || type == ValueType::kBcd32; }
+
+}  // namespace fieldcast

@@ -1,0 +1,136 @@
+// Names and sizes of value types, and values as people type them (value_codec.hpp).
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "core/codec/raw_items.hpp"
+#include "core/codec/value_codec.hpp"
+
+namespace fieldcast {
+namespace {
+
+struct TypeRow {
+  ValueType type;
+  std::string_view name;
+  unsigned width;
+};
+constexpr std::array kTypes{
+    TypeRow{ValueType::kBool, "bool", 1},        TypeRow{ValueType::kInt16, "int16", 16},
+    TypeRow{ValueType::kUint16, "uint16", 16},   TypeRow{ValueType::kInt32, "int32", 32},
+    TypeRow{ValueType::kUint32, "uint32", 32},   TypeRow{ValueType::kInt64, "int64", 64},
+    TypeRow{ValueType::kUint64, "uint64", 64},   TypeRow{ValueType::kFloat32, "float32", 32},
+    TypeRow{ValueType::kFloat64, "float64", 64}, TypeRow{ValueType::kBcd16, "bcd16", 16},
+    TypeRow{ValueType::kBcd32, "bcd32", 32},     TypeRow{ValueType::kString, "string", 0},
+};
+static_assert([] {
+  for (std::size_t i = 0; i < kTypes.size(); ++i) {
+    if (kTypes[i].type != static_cast<ValueType>(i)) return false;
+  }
+  return true;
+}());
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return result;
+}
+
+using Parsed = tl::expected<Value, Cause>;
+
+Parsed parse_bool(std::string_view text) {
+  const std::string word = lower(text);
+  for (const std::string_view on : {"true", "on", "yes", "1"}) {
+    if (word == on) return Value{true};
+  }
+  for (const std::string_view off : {"false", "off", "no", "0"}) {
+    if (word == off) return Value{false};
+  }
+  return tl::unexpected(Cause::kWrongType);
+}
+
+// "-12", "0x1F", "2.5e3" as an integer where it is one, else as a double.
+Parsed parse_number(std::string_view text) {
+  const bool negative = text.starts_with('-');
+  if (negative || text.starts_with('+')) text.remove_prefix(1);
+  if (text.empty() || text.front() == '-' || text.front() == '+') return tl::unexpected(Cause::kWrongType);
+  const bool hex = text.starts_with("0x") || text.starts_with("0X");
+  const char* const first = text.data() + (hex ? 2 : 0);
+  const char* const last = text.data() + text.size();
+
+  std::uint64_t magnitude = 0;
+  const auto whole = std::from_chars(first, last, magnitude, hex ? 16 : 10);
+  if (whole.ptr == last && first != last) {
+    constexpr std::uint64_t kTwo63 = std::uint64_t{1} << 63;
+    if (whole.ec != std::errc{} || (negative && magnitude > kTwo63)) return tl::unexpected(Cause::kRange);
+    if (!negative) return magnitude < kTwo63 ? Value{static_cast<std::int64_t>(magnitude)} : Value{magnitude};
+    return Value{magnitude == kTwo63 ? std::numeric_limits<std::int64_t>::min() : -static_cast<std::int64_t>(magnitude)};
+  }
+  double number = 0;
+  const auto real = std::from_chars(first, last, number);
+  if (hex || real.ptr != last || first == last) return tl::unexpected(Cause::kWrongType);
+  if (real.ec != std::errc{} || !std::isfinite(number)) return tl::unexpected(Cause::kRange);
+  return Value{negative ? -number : number};
+}
+
+Parsed as_double(const Value& value) {
+  if (const auto* i = std::get_if<std::int64_t>(&value)) return Value{static_cast<double>(*i)};
+  if (const auto* u = std::get_if<std::uint64_t>(&value)) return Value{static_cast<double>(*u)};
+  return value;
+}
+
+Parsed as_integer(ValueType type, const Value& value) {
+  if (const auto* d = std::get_if<double>(&value)) {
+    if (*d != std::trunc(*d)) return tl::unexpected(Cause::kWrongType);
+    constexpr double kTwo63 = 9223372036854775808.0;
+    if (*d >= -kTwo63 && *d < kTwo63) return as_integer(type, Value{static_cast<std::int64_t>(*d)});
+    if (*d >= kTwo63 && *d < 2 * kTwo63) return as_integer(type, Value{static_cast<std::uint64_t>(*d)});
+    return tl::unexpected(Cause::kRange);
+  }
+  if (const auto* i = std::get_if<std::int64_t>(&value)) {
+    if (is_signed(type)) return value;
+    if (*i < 0) return tl::unexpected(Cause::kRange);
+    return Value{static_cast<std::uint64_t>(*i)};
+  }
+  if (is_signed(type)) return tl::unexpected(Cause::kRange);  // 2^63 and more
+  return value;
+}
+
+}  // namespace
+
+std::string_view to_text(ValueType type) { return kTypes[static_cast<std::size_t>(type)].name; }
+
+std::optional<ValueType> value_type_from(std::string_view text) {
+  const auto row = std::find_if(kTypes.begin(), kTypes.end(), [&](const TypeRow& candidate) { return candidate.name == text; });
+  if (row == kTypes.end()) return std::nullopt;
+  return row->type;
+}
+
+unsigned width_bits(const Encoding& encoding) {
+  if (encoding.type == ValueType::kString) return encoding.string_bytes * 8u;
+  return kTypes[static_cast<std::size_t>(encoding.type)].width;
+}
+
+std::uint32_t item_count(const Encoding& encoding, unsigned item_bits) {
+  if (encoding.type == ValueType::kBool) return 1;
+  return (width_bits(encoding) + item_bits - 1) / item_bits;
+}
+
+tl::expected<Value, Cause> parse_value(const Encoding& encoding, std::string_view text) {
+  if (encoding.type == ValueType::kString) return Value{std::string(text)};
+  text = trimmed(text);
+  if (encoding.type == ValueType::kBool) return parse_bool(text);
+  const Parsed number = parse_number(text);
+  if (!number) return number;
+  if (is_float(encoding.type) || encoding.scaled()) return as_double(*number);
+  return as_integer(encoding.type, *number);
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,225 @@
+#include "core/codec/value_codec.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <tuple>
+
+namespace fieldcast {
+namespace {
+
+Encoding of(ValueType type) { return {.type = type}; }
+Bytes hex(std::string_view text) { return *from_hex(text); }
+Value i(std::int64_t value) { return value; }
+Value u(std::uint64_t value) { return value; }
+
+struct Pair {
+  Encoding encoding;
+  unsigned item_bits;
+  std::string items;
+  Value value;
+};
+
+class BothWays : public testing::TestWithParam<Pair> {};
+
+TEST_P(BothWays, DecodesAndEncodes) {
+  const Pair& pair = GetParam();
+  const auto decoded = decode_value(pair.encoding, pair.item_bits, hex(pair.items));
+  ASSERT_TRUE(decoded.has_value()) << to_text(decoded.error());
+  EXPECT_EQ(*decoded, pair.value) << to_text(*decoded);
+  const auto encoded = encode_value(pair.encoding, pair.item_bits, pair.value);
+  ASSERT_TRUE(encoded.has_value()) << to_text(encoded.error());
+  EXPECT_EQ(to_hex(*encoded), to_hex(hex(pair.items)));
+}
+
+Encoding ordered(ValueType type, WordOrder words, ByteOrder bytes) {
+  return {.type = type, .word_order = words, .byte_order = bytes};
+}
+constexpr auto kBig = WordOrder::kBigEndian;
+constexpr auto kLow = WordOrder::kLittleEndian;
+constexpr auto kSwapped = ByteOrder::kLittleEndian;
+
+INSTANTIATE_TEST_SUITE_P(
+    Registers, BothWays,
+    testing::Values(
+        Pair{of(ValueType::kInt16), 16, "8000", i(-32768)}, Pair{of(ValueType::kInt16), 16, "7FFF", i(32767)},
+        Pair{of(ValueType::kUint16), 16, "FFFF", u(65535)}, Pair{of(ValueType::kInt32), 16, "FFFF FFFE", i(-2)},
+        Pair{of(ValueType::kUint32), 16, "1234 5678", u(0x12345678)},
+        Pair{ordered(ValueType::kUint32, kLow, ByteOrder::kBigEndian), 16, "5678 1234", u(0x12345678)},
+        Pair{ordered(ValueType::kUint32, kBig, kSwapped), 16, "3412 7856", u(0x12345678)},
+        Pair{ordered(ValueType::kUint32, kLow, kSwapped), 16, "7856 3412", u(0x12345678)},
+        Pair{ordered(ValueType::kUint16, kLow, kSwapped), 16, "3412", u(0x1234)},
+        Pair{ordered(ValueType::kUint64, kLow, ByteOrder::kBigEndian), 16, "7788 5566 3344 1122", u(0x1122334455667788)},
+        Pair{of(ValueType::kInt64), 16, "8000 0000 0000 0000", i(INT64_MIN)},
+        Pair{of(ValueType::kUint64), 16, "FFFF FFFF FFFF FFFF", u(UINT64_MAX)},
+        Pair{of(ValueType::kFloat32), 16, "41C8 0000", Value{25.0}},
+        Pair{of(ValueType::kFloat64), 16, "C000 0000 0000 0000", Value{-2.0}}, Pair{of(ValueType::kBcd16), 16, "9876", u(9876)},
+        Pair{of(ValueType::kBcd32), 16, "1234 5678", u(12345678)},
+        Pair{ordered(ValueType::kBcd32, kLow, ByteOrder::kBigEndian), 16, "5678 1234", u(12345678)},
+        Pair{Encoding{.type = ValueType::kString, .string_bytes = 5}, 16, "4142 4344 4500", Value{std::string("ABCDE")}},
+        Pair{Encoding{.type = ValueType::kString, .string_bytes = 4, .byte_order = kSwapped}, 16, "4241 0043",
+             Value{std::string("ABC")}}));
+
+INSTANTIATE_TEST_SUITE_P(
+    BitsBytesAndWiderItems, BothWays,
+    testing::Values(
+        Pair{of(ValueType::kBool), 1, "01", Value{true}}, Pair{of(ValueType::kBool), 16, "0000", Value{false}},
+        Pair{of(ValueType::kUint32), 8, "12 34 56 78", u(0x12345678)}, Pair{of(ValueType::kUint16), 32, "0000 8000", u(0x8000)},
+        Pair{of(ValueType::kInt16), 32, "FFFF 8000", i(-32768)}, Pair{of(ValueType::kInt32), 64, "FFFFFFFF FFFFFFFF", i(-1)},
+        Pair{of(ValueType::kUint16), 1, "01 00 01 00 00 00 00 00 00 00 00 00 00 00 00 01", u(0x8005)},
+        Pair{Encoding{.type = ValueType::kString, .string_bytes = 1}, 1, "01 00 00 00 00 00 01 00", Value{std::string("A")}}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Scaled, BothWays,
+    testing::Values(Pair{Encoding{.type = ValueType::kInt16, .scale = 0.1}, 16, "007B", Value{12.3}},
+                    Pair{Encoding{.type = ValueType::kInt16, .scale = 0.001}, 16, "8001", Value{-32.767}},
+                    Pair{Encoding{.type = ValueType::kUint16, .scale = 0.5, .offset = -40}, 16, "00A1", Value{40.5}},
+                    Pair{Encoding{.type = ValueType::kUint16, .scale = -2, .offset = 10}, 16, "0003", Value{4.0}},
+                    Pair{Encoding{.type = ValueType::kFloat32, .scale = 2}, 16, "41C8 0000", Value{50.0}},
+                    Pair{Encoding{.type = ValueType::kBcd16, .scale = 0.01}, 16, "1234", Value{12.34}}));
+
+TEST(ValueCodec, BitOfAWordIsReadAndGivenAsItsMask) {
+  const Encoding bit9{.type = ValueType::kBool, .bit = 9};
+  EXPECT_EQ(decode_value(bit9, 16, hex("0200")), Value{true});
+  EXPECT_EQ(decode_value(bit9, 16, hex("FDFF")), Value{false});
+  EXPECT_EQ(encode_value(bit9, 16, Value{true}), hex("0200"));
+  EXPECT_EQ(encode_value(bit9, 16, Value{false}), hex("0000"));
+  Bytes item = hex("1234");
+  merge_bit(item, 9, false);
+  EXPECT_EQ(item, hex("1034"));
+  merge_bit(item, 0, true);
+  EXPECT_EQ(item, hex("1035"));
+}
+
+TEST(ValueCodec, ABitBeyondTheItemIsARangeFault) {
+  EXPECT_EQ(decode_value({.type = ValueType::kBool, .bit = 16}, 16, hex("FFFF")), tl::unexpected(Cause::kRange));
+  EXPECT_EQ(encode_value({.type = ValueType::kBool, .bit = 8}, 8, Value{true}), tl::unexpected(Cause::kRange));
+}
+
+TEST(ValueCodec, RawDataWithoutMeaningIsARangeFault) {
+  EXPECT_EQ(decode_value(of(ValueType::kFloat32), 16, hex("7FC0 0000")), tl::unexpected(Cause::kRange));  // NaN
+  EXPECT_EQ(decode_value(of(ValueType::kFloat32), 16, hex("FF80 0000")), tl::unexpected(Cause::kRange));  // -inf
+  EXPECT_EQ(decode_value(of(ValueType::kFloat64), 16, hex("7FF0 0000 0000 0000")), tl::unexpected(Cause::kRange));
+  EXPECT_EQ(decode_value(of(ValueType::kBcd16), 16, hex("12A4")), tl::unexpected(Cause::kRange));
+  EXPECT_EQ(decode_value(of(ValueType::kBcd32), 16, hex("F000 0000")), tl::unexpected(Cause::kRange));
+  EXPECT_EQ(decode_value(of(ValueType::kUint16), 32, hex("0001 0000")), tl::unexpected(Cause::kRange));
+  EXPECT_EQ(decode_value(of(ValueType::kInt16), 32, hex("0000 8000")), tl::unexpected(Cause::kRange));
+  EXPECT_EQ(decode_value({.type = ValueType::kFloat64, .scale = 1e300}, 16, hex("7FE0 0000 0000 0000")),
+            tl::unexpected(Cause::kRange));
+}
+
+TEST(ValueCodec, WhatDoesNotFitIsARangeFaultAndNeverWraps) {
+  const auto fault = [](ValueType type, const Value& value) {
+    return encode_value(of(type), 16, value) == tl::unexpected(Cause::kRange);
+  };
+  EXPECT_TRUE(fault(ValueType::kInt16, i(32768)));
+  EXPECT_TRUE(fault(ValueType::kInt16, i(-32769)));
+  EXPECT_TRUE(fault(ValueType::kUint16, i(-1)));
+  EXPECT_TRUE(fault(ValueType::kUint16, u(65536)));
+  EXPECT_TRUE(fault(ValueType::kUint32, Value{4294967296.0}));
+  EXPECT_TRUE(fault(ValueType::kInt64, u(UINT64_MAX)));
+  EXPECT_TRUE(fault(ValueType::kInt64, Value{9223372036854775808.0}));
+  EXPECT_TRUE(fault(ValueType::kUint64, Value{18446744073709551616.0}));
+  EXPECT_TRUE(fault(ValueType::kUint64, i(-1)));
+  EXPECT_TRUE(fault(ValueType::kBcd16, u(10000)));
+  EXPECT_TRUE(fault(ValueType::kBcd32, i(-1)));
+  EXPECT_TRUE(fault(ValueType::kFloat32, Value{3.5e38}));
+  EXPECT_TRUE(fault(ValueType::kFloat32, Value{std::numeric_limits<double>::quiet_NaN()}));
+  EXPECT_TRUE(fault(ValueType::kFloat64, Value{std::numeric_limits<double>::infinity()}));
+  EXPECT_TRUE(fault(ValueType::kUint16, Value{std::numeric_limits<double>::quiet_NaN()}));
+  EXPECT_TRUE(fault(ValueType::kBool, i(2)));
+  EXPECT_EQ(encode_value({.type = ValueType::kInt16, .scale = 0.1}, 16, Value{3276.8}), tl::unexpected(Cause::kRange));
+  EXPECT_EQ(encode_value({.type = ValueType::kInt16, .scale = 0.0, .offset = 1}, 16, Value{2.0}), tl::unexpected(Cause::kRange));
+  EXPECT_EQ(encode_value({.type = ValueType::kString, .string_bytes = 2}, 16, Value{std::string("ABC")}),
+            tl::unexpected(Cause::kRange));
+}
+
+TEST(ValueCodec, AValueOfAnotherKindIsAWrongType) {
+  const auto fault = [](ValueType type, const Value& value) {
+    return encode_value(of(type), 16, value) == tl::unexpected(Cause::kWrongType);
+  };
+  EXPECT_TRUE(fault(ValueType::kInt16, Value{std::string("12")}));
+  EXPECT_TRUE(fault(ValueType::kInt16, Value{2.5}));
+  EXPECT_TRUE(fault(ValueType::kInt16, Value{true}));
+  EXPECT_TRUE(fault(ValueType::kFloat32, Value{false}));
+  EXPECT_TRUE(fault(ValueType::kBool, Value{std::string("true")}));
+  EXPECT_EQ(encode_value({.type = ValueType::kString, .string_bytes = 2}, 16, i(1)), tl::unexpected(Cause::kWrongType));
+}
+
+TEST(ValueCodec, ScaledValuesAreRoundedToTheNearestRaw) {
+  EXPECT_EQ(encode_value({.type = ValueType::kInt16, .scale = 0.1}, 16, Value{0.3}), hex("0003"));
+  EXPECT_EQ(encode_value({.type = ValueType::kInt16, .scale = 0.1}, 16, Value{0.26}), hex("0003"));
+  EXPECT_EQ(encode_value({.type = ValueType::kInt16, .scale = 0.1}, 16, i(2)), hex("0014"));
+}
+
+// Every raw word has a scaled value that leads back to it.
+TEST(ValueCodec, EveryScaledWordRoundTrips) {
+  for (const double scale : {0.1, 0.01, 0.001, 0.05, 3.0, -0.25, 1.0 / 27648}) {
+    const Encoding encoding{.type = ValueType::kInt16, .scale = scale, .offset = -17.3};
+    for (unsigned raw = 0; raw <= 0xFFFF; ++raw) {
+      const Bytes items{static_cast<std::uint8_t>(raw >> 8), static_cast<std::uint8_t>(raw)};
+      const auto value = decode_value(encoding, 16, items);
+      ASSERT_TRUE(value.has_value());
+      ASSERT_EQ(encode_value(encoding, 16, *value), items) << "scale " << scale << " raw " << raw;
+    }
+  }
+}
+
+TEST(ValueCodec, EveryDecodableImageEncodesToItself) {
+  std::mt19937 random(7);
+  for (int round = 0; round < 20000; ++round) {
+    Encoding encoding{.type = static_cast<ValueType>(random() % 11),
+                      .word_order = random() % 2 != 0 ? kLow : kBig,
+                      .byte_order = random() % 2 != 0 ? kSwapped : ByteOrder::kBigEndian};
+    if (encoding.type == ValueType::kBool) continue;  // several images of true
+    const unsigned item_bits = std::array{1u, 8u, 16u, 32u, 64u}[random() % 5];
+    const std::uint32_t count = item_count(encoding, item_bits);
+    Bytes items(item_bits <= 8 ? count : count * (item_bits / 8));
+    for (auto& byte : items) byte = static_cast<std::uint8_t>(item_bits == 1 ? random() % 2 : random());
+    const auto value = decode_value(encoding, item_bits, items);
+    if (!value) continue;
+    const auto again = encode_value(encoding, item_bits, *value);
+    ASSERT_TRUE(again.has_value()) << to_text(encoding.type) << " " << to_hex(items);
+    ASSERT_EQ(to_hex(*again), to_hex(items)) << to_text(encoding.type);
+  }
+}
+
+TEST(ValueText, NamesOfTypesLeadBack) {
+  for (int type = 0; type <= static_cast<int>(ValueType::kString); ++type) {
+    EXPECT_EQ(value_type_from(to_text(static_cast<ValueType>(type))), static_cast<ValueType>(type));
+  }
+  EXPECT_EQ(value_type_from("int8"), std::nullopt);
+}
+
+TEST(ValueText, TypedTextsBecomeValuesOfTheChannelsKind) {
+  EXPECT_EQ(parse_value(of(ValueType::kBool), " On "), Value{true});
+  EXPECT_EQ(parse_value(of(ValueType::kBool), "0"), Value{false});
+  EXPECT_EQ(parse_value(of(ValueType::kInt16), "-12"), i(-12));
+  EXPECT_EQ(parse_value(of(ValueType::kUint16), "0x1F"), u(31));
+  EXPECT_EQ(parse_value(of(ValueType::kUint16), "2.0"), u(2));
+  EXPECT_EQ(parse_value(of(ValueType::kUint64), "18446744073709551615"), u(UINT64_MAX));
+  EXPECT_EQ(parse_value(of(ValueType::kInt64), "-9223372036854775808"), i(INT64_MIN));
+  EXPECT_EQ(parse_value(of(ValueType::kFloat32), "7"), Value{7.0});
+  EXPECT_EQ(parse_value({.type = ValueType::kInt16, .scale = 0.1}, "+2.5"), Value{2.5});
+  EXPECT_EQ(parse_value({.type = ValueType::kString, .string_bytes = 9}, " x "), Value{std::string(" x ")});
+}
+
+TEST(ValueText, WhatIsNotOfTheKindIsRefused) {
+  const auto wrong = tl::unexpected(Cause::kWrongType);
+  const auto range = tl::unexpected(Cause::kRange);
+  for (const auto* text : {"", "-", "+-1", "1 2", "0x", "0xG", "1e", "abc", "2.5", "--3"}) {
+    EXPECT_EQ(parse_value(of(ValueType::kInt16), text), wrong) << text;
+  }
+  EXPECT_EQ(parse_value(of(ValueType::kBool), "2"), wrong);
+  EXPECT_EQ(parse_value(of(ValueType::kUint16), "-1"), range);
+  EXPECT_EQ(parse_value(of(ValueType::kFloat32), "nan"), range);
+  EXPECT_EQ(parse_value(of(ValueType::kFloat32), "inf"), range);
+  EXPECT_EQ(parse_value(of(ValueType::kFloat64), "1e999"), range);
+  EXPECT_EQ(parse_value(of(ValueType::kInt64), "9223372036854775808"), range);
+  EXPECT_EQ(parse_value(of(ValueType::kUint64), "18446744073709551616"), range);
+}
+
+}  // namespace
+}  // namespace fieldcast
