@@ -1,0 +1,28 @@
+// The log: lines on stderr with a time, a level and the place they speak of ("press-shop/press-1"), and the wire trace.
+// Everything here may be called from any thread. Callers never hand in secrets: what is passed is written.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "core/base/bytes.hpp"
+#include "core/base/time.hpp"
+
+namespace fieldcast {
+
+enum class LogLevel { kDebug, kInfo, kWarning, kError };
+
+// Before the first line; level is the least that is written.
+void open_log(LogLevel level);
+void log_line(LogLevel level, std::string_view place, std::string_view text);
+
+inline void log_debug(std::string_view place, std::string_view text) { log_line(LogLevel::kDebug, place, text); }
+inline void log_info(std::string_view place, std::string_view text) { log_line(LogLevel::kInfo, place, text); }
+inline void log_warning(std::string_view place, std::string_view text) { log_line(LogLevel::kWarning, place, text); }
+inline void log_error(std::string_view place, std::string_view text) { log_line(LogLevel::kError, place, text); }
+
+// One line of the wire trace on stdout: "2024-05-01T10:00:00.000123Z press-shop >> 01 03 00 01 00 01 D5 CA".
+enum class TraceMark { kSent, kReceived, kRemark };  // ">>", "<<", "--"
+void trace_line(UtcTime at, std::string_view bus, TraceMark mark, std::string_view text);
+
+}  // namespace fieldcast

@@ -1,0 +1,101 @@
+#include "bridge/port/serial_line.hpp"
+
+#include <asm/termbits.h>  // termios2: <termios.h> cannot say a baud rate that is not in its table, and both cannot be included
+#include <fmt/format.h>
+#include <linux/serial.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace fieldcast {
+namespace {
+
+// Unix98 pseudo-terminal slaves (Documentation/admin-guide/devices.txt).
+constexpr unsigned kFirstPtyMajor = 136, kLastPtyMajor = 143;
+
+std::string last_fault(const char* what) { return fmt::format("{}: {}", what, std::strerror(errno)); }
+
+tcflag_t format_flags(const LineFormat& line) {
+  tcflag_t flags = CREAD | CLOCAL | BOTHER;
+  flags |= line.data_bits == 7 ? CS7 : CS8;
+  if (line.stop_bits == 2) flags |= CSTOPB;
+  if (line.parity != Parity::kNone) flags |= PARENB;
+  if (line.parity == Parity::kOdd) flags |= PARODD;
+  return flags;
+}
+
+termios2 raw_settings(const LineFormat& line) {
+  termios2 settings{};
+  // A byte with wrong parity arrives as 00 and fails the frame's check; breaks of an idle RS-485 line are no bytes at all.
+  settings.c_iflag = IGNBRK | (line.parity == Parity::kNone ? 0u : INPCK);
+  settings.c_cflag = format_flags(line);
+  settings.c_cc[VMIN] = 1;
+  settings.c_ispeed = settings.c_ospeed = line.baud;
+  return settings;
+}
+
+// Drivers round, or silently refuse: what is in force now?
+tl::expected<void, std::string> verify_settings(int fd, const LineFormat& line) {
+  termios2 actual{};
+  if (::ioctl(fd, TCGETS2, &actual) != 0) return tl::make_unexpected(last_fault("cannot read the line's settings back"));
+  constexpr tcflag_t kFormat = CSIZE | CSTOPB | PARENB | PARODD;
+  if ((actual.c_cflag & kFormat) != (format_flags(line) & kFormat)) {
+    return tl::make_unexpected(std::string("the driver does not support this number of data bits, parity or stop bits"));
+  }
+  // A receiver samples a character of 11 bits: with more than 3 % on one side it reads the last bits wrong.
+  const double error = static_cast<double>(actual.c_ospeed) / line.baud - 1.0;
+  if (error > 0.03 || error < -0.03) {
+    return tl::make_unexpected(fmt::format("the driver cannot do {} baud, the nearest is {}", line.baud, actual.c_ospeed));
+  }
+  return {};
+}
+
+void set_low_latency(int fd, bool pty, std::vector<LineRemark>& remarks) {
+  serial_struct settings{};
+  if (::ioctl(fd, TIOCGSERIAL, &settings) == 0) {
+    if ((settings.flags & ASYNC_LOW_LATENCY) != 0) return;
+    settings.flags |= ASYNC_LOW_LATENCY;
+    if (::ioctl(fd, TIOCSSERIAL, &settings) == 0) return;
+  }
+  // An adapter without the flag works; some only deliver every 16 ms then, which the README tells how to change.
+  remarks.push_back({pty || errno == ENOTTY || errno == EINVAL, last_fault("no low-latency mode")});
+}
+
+void set_rs485(int fd, bool pty, std::vector<LineRemark>& remarks) {
+  serial_rs485 settings{};
+  settings.flags = SER_RS485_ENABLED | SER_RS485_RTS_ON_SEND;
+  if (::ioctl(fd, TIOCSRS485, &settings) == 0) return;
+  remarks.push_back(
+      {pty, last_fault("the driver has no RS-485 mode (rs485: true); the adapter must switch direction by itself")});
+}
+
+}  // namespace
+
+bool is_pseudo_terminal(int fd) {
+  struct stat file {};
+  return ::fstat(fd, &file) == 0 && S_ISCHR(file.st_mode) && major(file.st_rdev) >= kFirstPtyMajor &&
+         major(file.st_rdev) <= kLastPtyMajor;
+}
+
+tl::expected<std::vector<LineRemark>, std::string> set_up_line(int fd, const SerialPortSpec& spec) {
+  const bool pty = is_pseudo_terminal(fd);
+  termios2 settings = raw_settings(spec.line);
+  if (::ioctl(fd, TCSETS2, &settings) != 0) {
+    return tl::make_unexpected(errno == ENOTTY ? std::string("not a serial device") : last_fault("cannot set up the line"));
+  }
+  if (!pty) {
+    if (auto verified = verify_settings(fd, spec.line); !verified) return tl::make_unexpected(verified.error());
+  }
+  std::vector<LineRemark> remarks;
+  if (spec.rs485) set_rs485(fd, pty, remarks);
+  if (spec.low_latency) set_low_latency(fd, pty, remarks);
+  ::ioctl(fd, TCFLSH, TCIOFLUSH);
+  return remarks;
+}
+
+void drop_unsent(int fd) { ::ioctl(fd, TCFLSH, TCOFLUSH); }
+
+}  // namespace fieldcast

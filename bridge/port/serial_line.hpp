@@ -1,0 +1,29 @@
+// Settings of a terminal device that plain termios cannot express portably: any baud rate, RS-485 direction control by the
+// kernel, the driver's low-latency flag. Stateless functions on an open descriptor. Linux only.
+#pragma once
+
+#include <string>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "core/model/spec.hpp"
+
+namespace fieldcast {
+
+// What the driver would not do, though the line works without it.
+struct LineRemark {
+  bool harmless = false;  // expected of this kind of device (a pseudo-terminal has no line)
+  std::string text;
+};
+
+// Raw 8-bit-clean mode at the line's baud rate and format, nothing pending either way. The error is one line for people: not a
+// terminal, or a driver that took other settings than those asked for.
+[[nodiscard]] tl::expected<std::vector<LineRemark>, std::string> set_up_line(int fd, const SerialPortSpec& spec);
+
+// A pseudo-terminal keeps no format and no baud rate: nothing about it is worth a warning.
+[[nodiscard]] bool is_pseudo_terminal(int fd);
+
+// Throws away what is unsent: else close() may wait long for a line that takes nothing.
+void drop_unsent(int fd);
+
+}  // namespace fieldcast

@@ -1,0 +1,183 @@
+#include "bridge/port/serial_port.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+
+#include <array>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <cerrno>
+#include <cstring>
+
+#include "bridge/clock.hpp"
+#include "bridge/log.hpp"
+#include "bridge/port/file_descriptor.hpp"
+#include "bridge/port/port_lock.hpp"
+#include "bridge/port/serial_line.hpp"
+#include "bridge/port/unsent.hpp"
+
+namespace fieldcast {
+namespace {
+
+namespace asio = boost::asio;
+
+// Sleeping through an answer ends this long before its last byte could come, so that a late timer never delays the answer: its
+// last bytes are waited for one by one.
+constexpr Duration kEarlyWake = std::chrono::microseconds{200};
+constexpr Duration kWorthSleeping = std::chrono::microseconds{500};
+
+std::string open_fault(const std::string& path) {
+  const int fault = errno;
+  if (fault == EBUSY) {
+    const std::string user = port_user(path);
+    return user.empty() ? "in use by another program" : "in use by " + user;
+  }
+  if (fault == EACCES) return "permission denied (is the user in the group that owns the device, often 'dialout'?)";
+  return std::strerror(fault);
+}
+
+}  // namespace
+
+// One opening of the device, from open() to its end. Handlers hold it; once over_ is set they do nothing.
+class SerialPort::Session : public std::enable_shared_from_this<Session> {
+ public:
+  Session(asio::io_context& io, const SerialPortSpec& spec, PortListener& listener)
+      : spec_(spec), listener_(listener), stream_(io), nap_(io) {}
+
+  void open() {
+    asio::post(stream_.get_executor(), [self = shared_from_this(), fault = try_open()] {
+      if (self->over_) return;
+      if (fault) return self->fail(*fault);
+      self->listener_.on_opened();
+      if (!self->over_) self->read();
+    });
+  }
+
+  void write(ByteView bytes) {
+    if (over_ || !stream_.is_open()) return;
+    drop_stale();
+    push(bytes);
+  }
+
+  void expect(std::uint32_t characters) {
+    if (characters < 2) return;
+    const Duration early = std::max(kEarlyWake, spec_.line.characters(1));
+    const Duration sleep = spec_.line.characters(characters - 1) - early;
+    if (sleep >= kWorthSleeping) sleep_ = sleep;
+  }
+
+  void close() {
+    if (std::exchange(over_, true)) return;
+    nap_.cancel();
+    boost::system::error_code ignored;
+    if (stream_.is_open()) drop_unsent(stream_.native_handle());
+    stream_.close(ignored);
+  }
+
+ private:
+  void push(ByteView bytes) {
+    switch (unsent_.write(stream_.native_handle(), bytes)) {
+      case Unsent::Outcome::kAllSent: return;
+      case Unsent::Outcome::kBlocked: return wait_for_room();
+      case Unsent::Outcome::kFailed: return fail_later(std::strerror(errno));
+      case Unsent::Outcome::kFull: return fail_later("the line takes no bytes");
+    }
+  }
+
+  // Nothing on success; else why not, in one line.
+  std::optional<std::string> try_open() {
+    // O_NONBLOCK: neither the open waits for a carrier nor a read for bytes. O_NOCTTY: a terminal must not become ours.
+    FileDescriptor fd(::open(spec_.path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+    if (!fd.valid()) return open_fault(spec_.path);
+    if (spec_.exclusive) {
+      if (auto held = lock_port(fd.get(), spec_.path)) return held;
+    }
+    auto remarks = set_up_line(fd.get(), spec_);
+    if (!remarks) return remarks.error();
+    for (const LineRemark& remark : *remarks) {
+      log_line(remark.harmless ? LogLevel::kDebug : LogLevel::kWarning, spec_.path, remark.text);
+    }
+    boost::system::error_code fault;
+    stream_.assign(fd.get(), fault);
+    if (fault) return fault.message();
+    (void)fd.release();
+    return std::nullopt;
+  }
+
+  void read() {
+    stream_.async_read_some(asio::buffer(buffer_),
+                            [self = shared_from_this()](boost::system::error_code fault, std::size_t size) {
+                              if (self->over_) return;
+                              if (fault) return self->fail(fault == asio::error::eof ? "the device is gone" : fault.message());
+                              self->sleep_ = {};
+                              self->listener_.on_received({self->buffer_.data(), size}, steady_now());
+                              if (self->over_) return;
+                              self->sleep_ == Duration::zero() ? self->read() : self->nap();
+                            });
+  }
+
+  // The rest of the answer gathers in the kernel meanwhile: one wake-up instead of one for each byte.
+  void nap() {
+    nap_.expires_after(sleep_);
+    nap_.async_wait([self = shared_from_this()](boost::system::error_code fault) {
+      if (!self->over_ && !fault) self->read();
+    });
+  }
+
+  void drop_stale() {
+    std::array<std::uint8_t, 512> stale;
+    while (::read(stream_.native_handle(), stale.data(), stale.size()) == static_cast<ssize_t>(stale.size())) {}
+  }
+
+  void wait_for_room() {
+    stream_.async_wait(asio::posix::stream_descriptor::wait_write, [self = shared_from_this()](boost::system::error_code fault) {
+      if (!self->over_ && !fault) self->push({});
+    });
+  }
+
+  void fail_later(std::string reason) {
+    asio::post(stream_.get_executor(), [self = shared_from_this(), reason = std::move(reason)]() mutable {
+      if (!self->over_) self->fail(std::move(reason));
+    });
+  }
+
+  void fail(std::string reason) {
+    close();
+    listener_.on_closed(std::move(reason));
+  }
+
+  SerialPortSpec spec_;
+  PortListener& listener_;
+  asio::posix::stream_descriptor stream_;
+  asio::steady_timer nap_;
+  Duration sleep_{};
+  Unsent unsent_{Unsent::Kind::kTerminal};
+  bool over_ = false;
+  std::array<std::uint8_t, 4096> buffer_;
+};
+
+SerialPort::SerialPort(asio::io_context& io, SerialPortSpec spec) : io_(io), spec_(std::move(spec)) {}
+SerialPort::~SerialPort() { close(); }
+
+void SerialPort::open(PortListener& listener) {
+  close();
+  session_ = std::make_shared<Session>(io_, spec_, listener);
+  session_->open();
+}
+
+void SerialPort::write(ByteView bytes) {
+  if (session_) session_->write(bytes);
+}
+
+void SerialPort::expect(std::uint32_t characters) {
+  if (session_) session_->expect(characters);
+}
+
+void SerialPort::close() {
+  if (session_) session_->close();
+  session_.reset();
+}
+
+}  // namespace fieldcast
