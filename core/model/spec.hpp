@@ -70,6 +70,7 @@ struct DeviceSpec {
   bool allow_raw_read = false;      // commands to addresses
   bool allow_raw_write = false;
   std::vector<ChannelSpec> channels;
+  friend bool operator==(const DeviceSpec&, const DeviceSpec&) = default;
 };
 
 struct SerialPortSpec {
@@ -101,6 +102,7 @@ struct BusSpec {
   Duration gap_allowance = std::chrono::milliseconds{20};  // silence inside an answer that ends it, beyond its wire time
   std::optional<bool> echo;        // the line gives back what is sent; nothing: found out
   std::vector<DeviceSpec> devices;
+  friend bool operator==(const BusSpec&, const BusSpec&) = default;  // a reload restarts only the buses that differ
 };
 
 struct DdsSpec {
@@ -112,10 +114,20 @@ struct DdsSpec {
   friend bool operator==(const DdsSpec&, const DdsSpec&) = default;
 };
 
+enum class LogLevel : std::uint8_t { kError, kWarning, kInfo, kDebug };
+[[nodiscard]] std::string_view to_text(LogLevel level);  // "error", "warning", "info", "debug"
+
+struct LogSpec {
+  LogLevel level = LogLevel::kInfo;
+  friend bool operator==(const LogSpec&, const LogSpec&) = default;
+};
+
 struct BridgeSpec {
   std::string name;
   DdsSpec dds;
+  LogSpec log;
   std::vector<BusSpec> buses;
+  friend bool operator==(const BridgeSpec&, const BridgeSpec&) = default;
 };
 
 }  // namespace fieldcast

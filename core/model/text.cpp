@@ -26,6 +26,16 @@ std::string_view to_text(Access access) {
   return "?";
 }
 
+std::string_view to_text(LogLevel level) {
+  switch (level) {
+    case LogLevel::kError: return "error";
+    case LogLevel::kWarning: return "warning";
+    case LogLevel::kInfo: return "info";
+    case LogLevel::kDebug: return "debug";
+  }
+  return "?";
+}
+
 std::optional<Duration> promised_gap(const ChannelSpec& channel) {
   if (channel.mode == Mode::kOnDemand || channel.access == Access::kWriteOnly || channel.on_interest) return std::nullopt;
   if (channel.deadband && channel.heartbeat) return std::max(channel.refresh, *channel.heartbeat);

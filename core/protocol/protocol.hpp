@@ -193,6 +193,7 @@ using Explainer = std::vector<FrameField> (*)(ByteView frame);
 struct DeviceLink {
   std::uint16_t address = 1;
   std::map<std::string, std::string> options;
+  friend bool operator==(const DeviceLink&, const DeviceLink&) = default;
 };
 struct OptionFault {
   std::string option;   // which one, or empty for the address
