@@ -1,0 +1,144 @@
+"""The rules of the tree that no compiler checks: what core may include and need, and what lies at the top level.
+
+usage: tree_test.py SOURCE_DIR CORE_LIBRARY [NM]
+
+Each rule is a function of its input, tried on planted faults as well as on the tree: a rule that finds nothing anywhere is no rule.
+"""
+
+import os
+import re
+import subprocess
+import sys
+import unittest
+
+SOURCE_DIR, CORE_LIBRARY, NM = "", "", "nm"
+
+# An arrow runs from a folder to the folders before it, never back and never across.
+LAYERS = [{"base"}, {"frame", "codec"}, {"protocol"}, {"model"}, {"plan"}, {"schedule"}, {"bus"}]
+RANK = {folder: rank for rank, folders in enumerate(LAYERS) for folder in folders}
+
+THIRD_PARTY = {"tl/expected.hpp"}
+# Headers of the standard library that bring a clock, a thread or a file. <chrono> stays: durations are values.
+IMPURE_STD = {
+    "atomic", "barrier", "condition_variable", "csignal", "cstdio", "ctime", "filesystem", "fstream", "future", "iostream", "latch",
+    "mutex", "random", "semaphore", "shared_mutex", "stop_token", "syncstream", "thread",
+}
+
+TOP_LEVEL = {"CMakeLists.txt", "README.md", "bridge", "config", "core", "idl", "tests", "tools"}
+
+# Symbols, as `nm -C` spells them, that core must not need.
+FORBIDDEN_SYMBOLS = [
+    ("clock", r"std::chrono::_V2::\w+::now\(|clock(_\w+)?|gettimeofday|time|timespec_get|localtime(_r)?|gmtime(_r)?|u?sleep|nanosleep"),
+    ("thread", r"pthread_\w+|thrd_\w+|std::thread::|std::condition_variable|std::this_thread|sem_\w+|fork|vfork|system|exec\w+"),
+    ("file", r"(f|fd|fre)?open(64|at)?|fread|fwrite|fclose|read|write|close|ioctl|v?f?printf|(f|put)?puts|putchar|__v?f?printf_chk|"
+             r"std::basic_(i|o)?fstream|std::basic_filebuf|std::(cout|cerr|clog|cin)|std::filesystem|stdout|stderr|getenv"),
+    ("socket", r"socket|connect|bind|listen|accept4?|send(to|msg)?|recv(from|msg)?|poll|p?select|epoll_\w+|getaddrinfo"),
+]
+
+
+def include_fault(folder, include):
+    """What is wrong with `#include <include>` or "include" in a file of core/folder; None when nothing is."""
+    if include in THIRD_PARTY:
+        return None
+    if include.startswith("core/"):
+        target = include.split("/")[1]
+        if target not in RANK:
+            return f"core/{target} is no layer of core"
+        if target != folder and RANK[target] >= RANK[folder]:
+            return f"the arrow runs back: {folder} must not include {target}"
+        return None
+    if "/" in include or "." in include:
+        return "core includes the standard library, tl/expected.hpp and core/... only"
+    if include in IMPURE_STD:
+        return "core has no clock, thread, file or chance"
+    return None
+
+
+def includes_of(text):
+    return re.findall(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^>"]+)[>"]', text, re.MULTILINE)
+
+
+def symbol_fault(symbol):
+    """The kind of the forbidden symbol ("clock", "file", ...), or None."""
+    bare = symbol.split("@")[0].strip()
+    for kind, pattern in FORBIDDEN_SYMBOLS:
+        # C symbols are matched whole, names of the C++ library from their beginning.
+        if re.fullmatch(pattern, bare) or bare.startswith("std::") and re.match(pattern, bare):
+            return kind
+    return None
+
+
+def undefined_symbols(library):
+    listing = subprocess.run([NM, "-C", "-u", library], check=True, capture_output=True, text=True).stdout
+    return {line.split(None, 1)[1] for line in listing.splitlines() if re.match(r"\s+[UwV] ", line)}
+
+
+def core_files():
+    for path, _, names in os.walk(os.path.join(SOURCE_DIR, "core")):
+        for name in names:
+            if name.endswith((".hpp", ".cpp")):
+                yield os.path.join(path, name)
+
+
+class Rules(unittest.TestCase):
+    """Each rule finds a planted fault."""
+
+    def test_an_arrow_that_runs_back_is_found(self):
+        self.assertIsNone(include_fault("bus", "core/model/spec.hpp"))
+        self.assertIsNone(include_fault("codec", "core/codec/value_codec.hpp"))
+        self.assertIsNotNone(include_fault("base", "core/frame/line.hpp"))
+        self.assertIsNotNone(include_fault("model", "core/schedule/scheduler.hpp"))
+        self.assertIsNotNone(include_fault("frame", "core/codec/value_codec.hpp"))
+        self.assertIsNotNone(include_fault("bus", "core/elsewhere/x.hpp"))
+
+    def test_a_foreign_header_is_found(self):
+        self.assertIsNone(include_fault("base", "tl/expected.hpp"))
+        self.assertIsNone(include_fault("base", "vector"))
+        for header in ["boost/asio.hpp", "unistd.h", "sys/socket.h", "config/loader.hpp", "thread", "fstream"]:
+            self.assertIsNotNone(include_fault("base", header), header)
+
+    def test_includes_are_seen_in_every_spelling(self):
+        self.assertEqual(includes_of('#include <a>\n  # include "b/c.hpp"\n// #include <d>\n'), ["a", "b/c.hpp"])
+
+    def test_a_clock_thread_file_or_socket_symbol_is_found(self):
+        for symbol, kind in [("std::chrono::_V2::steady_clock::now()", "clock"), ("clock_gettime@GLIBC_2.17", "clock"),
+                             ("pthread_create@GLIBC_2.34", "thread"), ("std::thread::join()", "thread"), ("fopen", "file"),
+                             ("std::cout", "file"), ("std::basic_ofstream<char, std::char_traits<char> >::open(char const*)", "file"),
+                             ("printf", "file"), ("socket", "socket"), ("recv", "socket")]:
+            self.assertEqual(symbol_fault(symbol), kind, symbol)
+        for symbol in ["memcpy", "std::__throw_length_error(char const*)", "operator new(unsigned long)", "strtod", "abort",
+                       "fieldcast::read(int)", "__assert_fail", "std::to_chars(char*, char*, double)"]:
+            self.assertIsNone(symbol_fault(symbol), symbol)
+
+
+class Tree(unittest.TestCase):
+    """The tree keeps the rules."""
+
+    def test_core_includes_only_what_its_layer_may(self):
+        faults, seen = [], 0
+        for path in core_files():
+            folder = os.path.relpath(path, os.path.join(SOURCE_DIR, "core")).split(os.sep)[0]
+            self.assertIn(folder, RANK, f"{path}: core/{folder} is no layer of core")
+            with open(path, encoding="utf-8") as file:
+                for include in includes_of(file.read()):
+                    seen += 1
+                    if fault := include_fault(folder, include):
+                        faults.append(f"{path}: {include}: {fault}")
+        self.assertGreater(seen, 0, "no include found under core/")
+        self.assertEqual(faults, [], "\n" + "\n".join(faults))
+
+    def test_the_built_core_needs_no_clock_thread_file_or_socket(self):
+        symbols = undefined_symbols(CORE_LIBRARY)
+        self.assertGreater(len(symbols), 0, f"{CORE_LIBRARY} names no symbol at all")
+        faults = [f"{symbol}: {kind}" for symbol in sorted(symbols) if (kind := symbol_fault(symbol))]
+        self.assertEqual(faults, [], "\n" + "\n".join(faults))
+
+    def test_the_top_level_holds_nothing_else(self):
+        names = {name for name in os.listdir(SOURCE_DIR) if not name.startswith(".") and not name.startswith("build")}
+        self.assertEqual(names - TOP_LEVEL, set())
+
+
+if __name__ == "__main__":
+    SOURCE_DIR, CORE_LIBRARY = sys.argv[1], sys.argv[2]
+    NM = sys.argv[3] if len(sys.argv) > 3 else "nm"
+    unittest.main(argv=sys.argv[:1], verbosity=2)
