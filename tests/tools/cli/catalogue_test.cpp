@@ -1,0 +1,44 @@
+#include "tools/cli/catalogue.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace fieldcast::cli {
+namespace {
+
+using testing::HasSubstr;
+
+Catalogue plant() {
+  Catalogue catalogue;
+  for (const auto* name : {"oil-temperature", "running"}) {
+    StationChannel channel;
+    channel.bus = "press-shop";
+    channel.device = "press-1";
+    channel.channel = name;
+    catalogue.add(channel);
+  }
+  return catalogue;
+}
+
+TEST(Catalogue, FindsByThePath) {
+  const auto catalogue = plant();
+  EXPECT_NE(catalogue.find({"press-shop", "press-1", "running"}), nullptr);
+  EXPECT_EQ(catalogue.find({"press-shop", "press-1", "speed"}), nullptr);
+  EXPECT_TRUE(catalogue.has_device("press-shop", "press-1"));
+  EXPECT_FALSE(catalogue.has_device("press-shop", "press-2"));
+  EXPECT_EQ(catalogue.count(Pattern::parse("*/*/oil*").value()), 1u);
+}
+
+TEST(Catalogue, NamesThePartThatIsUnknownAndWhatWasMeant) {
+  const auto catalogue = plant();
+  EXPECT_EQ(catalogue.explain_unknown({"press-shop", "press-1", "oil-temprature"}),
+            "channel 'oil-temprature' is unknown in press-shop/press-1; did you mean oil-temperature?");
+  EXPECT_THAT(catalogue.explain_unknown({"press-shop", "press-1", "zzz"}), HasSubstr("there are oil-temperature, running"));
+  EXPECT_THAT(catalogue.explain_unknown({"press-shop", "lathe", "running"}),
+              HasSubstr("device 'lathe' is unknown on bus press-shop"));
+  EXPECT_THAT(catalogue.explain_unknown({"pres-shop", "press-1", "running"}), HasSubstr("did you mean press-shop?"));
+  EXPECT_EQ(Catalogue{}.explain_unknown({"a", "b", "c"}), "no channel is announced at all");
+}
+
+}  // namespace
+}  // namespace fieldcast::cli

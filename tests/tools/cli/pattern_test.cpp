@@ -1,0 +1,49 @@
+#include "tools/cli/pattern.hpp"
+
+#include <gtest/gtest.h>
+
+namespace fieldcast::cli {
+namespace {
+
+Pattern pattern(std::string_view text) { return Pattern::parse(text).value(); }
+
+TEST(Glob, StarStandsForAnyRun) {
+  EXPECT_TRUE(glob_matches("*", ""));
+  EXPECT_TRUE(glob_matches("oil-*", "oil-temperature"));
+  EXPECT_TRUE(glob_matches("*-temp*", "oil-temperature"));
+  EXPECT_TRUE(glob_matches("a*b*c", "a-b-b-c"));
+  EXPECT_FALSE(glob_matches("a*b*c", "a-b-b-d"));
+  EXPECT_FALSE(glob_matches("", "a"));
+  EXPECT_FALSE(glob_matches("oil", "oil-temperature"));
+}
+
+TEST(Glob, ManyStarsEndSoon) {  // exponential matchers do not come back from this
+  std::string stars;
+  for (int i = 0; i < 64; ++i) stars += "*a";
+  EXPECT_FALSE(glob_matches(stars + "b", std::string(4096, 'a')));
+}
+
+TEST(PatternText, ShorterOneMatchesAllBelow) {
+  EXPECT_TRUE(pattern("").matches("bus", "device", "channel"));
+  EXPECT_TRUE(pattern("press-shop").matches("press-shop", "press-1", "running"));
+  EXPECT_TRUE(pattern("press-shop/press-1").matches("press-shop", "press-1", "running"));
+  EXPECT_FALSE(pattern("press-shop/press-1").matches("press-shop", "press-10", "running"));
+  EXPECT_FALSE(pattern("press").matches("press-shop", "press-1", "running"));
+  EXPECT_EQ(pattern("press-shop").text(), "press-shop/*/*");
+}
+
+TEST(PatternText, MatchesBusesAndDevicesByTheirSegments) {
+  EXPECT_TRUE(pattern("press-*/*/oil").matches("press-shop"));
+  EXPECT_TRUE(pattern("press-*/p*/oil").matches("press-shop", "p1"));
+  EXPECT_FALSE(pattern("press-*/p*/oil").matches("press-shop", "q1"));
+}
+
+TEST(PatternText, RefusesFourSegmentsAndEmptyOnes) {
+  EXPECT_FALSE(Pattern::parse("a/b/c/d"));
+  EXPECT_FALSE(Pattern::parse("a//c"));
+  EXPECT_FALSE(Pattern::parse("a/b/"));
+  EXPECT_FALSE(Pattern::parse("/b"));
+}
+
+}  // namespace
+}  // namespace fieldcast::cli

@@ -1,0 +1,47 @@
+#include "tools/cli/status_view.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace fieldcast::cli {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+StatusModel plant() {
+  StatusModel model;
+  StationBusStatus bus{"line-7", "press-shop", {}, {{"CHECKSUM", 3}, {"NO_ANSWER", 12}}, UtcTime{1'000'000'000}};
+  bus.report.state = BusState::kRunning;
+  bus.report.utilisation = 0.731;
+  bus.report.exchanges = 400;
+  model.buses[bus.bus] = bus;
+  StationDeviceStatus device{"press-shop", "press-1", {}, {}, UtcTime{1'000'000'000}};
+  device.report.state = DeviceState::kOnline;
+  device.report.answer_time = 2150us;
+  device.report.refused = {"holding:107"};
+  model.devices[{device.bus, device.device}] = device;
+  return model;
+}
+
+TEST(StatusView, ShowsUseOfTheWireAndCountersByCause) {
+  const auto lines = status_lines(plant(), UtcTime{1'500'000'000}, {});
+  ASSERT_EQ(lines.size(), 5u);
+  EXPECT_THAT(lines[1], testing::AllOf(HasSubstr("press-shop"), HasSubstr("running"), HasSubstr("73.1 %"), HasSubstr("0.50 s"),
+                                       HasSubstr("CHECKSUM 3, NO_ANSWER 12")));
+  EXPECT_THAT(lines[4], testing::AllOf(HasSubstr("press-shop/press-1"), HasSubstr("2.15 ms"), HasSubstr("holding:107")));
+}
+
+TEST(StatusView, JsonHasTheFieldsOfTheIdl) {
+  const auto model = plant();
+  const auto bus = status_json(model.buses.at("press-shop"));
+  EXPECT_EQ(bus["bus"], "press-shop");
+  EXPECT_EQ(bus["causes"]["NO_ANSWER"], 12);
+  EXPECT_EQ(bus["utilisation"], 0.731);
+  const auto device = status_json(model.devices.begin()->second);
+  EXPECT_EQ(device["answer_time"], 2'150'000);
+  EXPECT_EQ(to_line(device["refused"]), R"(["holding:107"])");
+}
+
+}  // namespace
+}  // namespace fieldcast::cli

@@ -1,0 +1,33 @@
+// PATTERN of the command line: bus/device/channel, each with `*` for any run of characters. A shorter pattern matches everything
+// below it: "press-shop" is "press-shop/*/*". Plain value.
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+
+namespace fieldcast::cli {
+
+// One segment: `*` stands for any run of characters, everything else for itself. Linear in text times stars, never exponential.
+[[nodiscard]] bool glob_matches(std::string_view glob, std::string_view text);
+
+class Pattern {
+ public:
+  Pattern() = default;  // matches everything
+
+  // The fault is a line for people: too many segments, or an empty one.
+  [[nodiscard]] static tl::expected<Pattern, std::string> parse(std::string_view text);
+
+  [[nodiscard]] bool matches(std::string_view bus, std::string_view device, std::string_view channel) const;
+  [[nodiscard]] bool matches(std::string_view bus, std::string_view device) const;
+  [[nodiscard]] bool matches(std::string_view bus) const;
+
+  // Always three segments: "press-shop/*/*".
+  [[nodiscard]] std::string text() const;
+
+ private:
+  std::array<std::string, 3> segments_{"*", "*", "*"};
+};
+
+}  // namespace fieldcast::cli

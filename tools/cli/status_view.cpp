@@ -1,0 +1,157 @@
+#include "tools/cli/status_view.hpp"
+
+#include <array>
+#include <cstdio>
+
+#include "tools/cli/sample_text.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+std::string formatted(const char* format, double number) {
+  std::array<char, 32> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), format, number);
+  return buffer.data();
+}
+
+std::string percent(double share) { return formatted("%.1f %%", share * 100); }
+std::string milliseconds(Duration time) { return time == Duration{} ? "-" : formatted("%.2f ms", to_seconds(time) * 1e3); }
+
+std::string causes_text(const CauseCounts& causes) {
+  std::string text;
+  for (const auto& [name, count] : causes) text += (text.empty() ? "" : ", ") + name + ' ' + std::to_string(count);
+  return text;
+}
+
+Tone tone_of(BusState state) {
+  return state == BusState::kRunning ? Tone::kGood : state == BusState::kClosed ? Tone::kBad : Tone::kWarning;
+}
+
+Tone tone_of(DeviceState state) {
+  switch (state) {
+    case DeviceState::kOnline: return Tone::kGood;
+    case DeviceState::kOffline: return Tone::kBad;
+    default: return Tone::kWarning;
+  }
+}
+
+Tone load_tone(double share) { return share > 1 ? Tone::kBad : share > 0.9 ? Tone::kWarning : Tone::kPlain; }
+
+TextTable bus_table(const StatusModel& model, UtcTime now) {
+  TextTable table({{"bus"},
+                   {"state"},
+                   {"wire", Align::kRight},
+                   {"planned", Align::kRight},
+                   {"reading", Align::kRight},
+                   {"stretch", Align::kRight},
+                   {"exchanges", Align::kRight},
+                   {"samples", Align::kRight},
+                   {"commands", Align::kRight},
+                   {"missed", Align::kRight},
+                   {"reopened", Align::kRight},
+                   {"age", Align::kRight},
+                   {"failures"}});
+  for (const auto& [name, status] : model.buses) {
+    const auto& report = status.report;
+    table.add_row({{name},
+                   {std::string(to_text(report.state)), tone_of(report.state)},
+                   {percent(report.utilisation)},
+                   {percent(report.planned_load), load_tone(report.planned_load)},
+                   {percent(report.measured_load)},
+                   {formatted("%.2f", report.stretch), report.stretch > 1 ? Tone::kBad : Tone::kPlain},
+                   {std::to_string(report.exchanges)},
+                   {std::to_string(report.samples)},
+                   {std::to_string(report.commands)},
+                   {std::to_string(report.deadline_misses), report.deadline_misses == 0 ? Tone::kPlain : Tone::kWarning},
+                   {std::to_string(report.reopened)},
+                   {age_text(status.reported_at, now), Tone::kFaint},
+                   {causes_text(status.causes), Tone::kWarning}});
+  }
+  return table;
+}
+
+TextTable device_table(const StatusModel& model) {
+  TextTable table({{"device"},
+                   {"state"},
+                   {"answers in", Align::kRight},
+                   {"spread", Align::kRight},
+                   {"timeout", Align::kRight},
+                   {"block", Align::kRight},
+                   {"exchanges", Align::kRight},
+                   {"failures", Align::kRight},
+                   {"retries", Align::kRight},
+                   {"missed", Align::kRight},
+                   {"refused"},
+                   {"causes"}});
+  for (const auto& [key, status] : model.devices) {
+    const auto& report = status.report;
+    std::string refused;
+    for (const auto& at : report.refused) refused += (refused.empty() ? "" : " ") + at;
+    table.add_row({{key.first + '/' + key.second},
+                   {std::string(to_text(report.state)), tone_of(report.state)},
+                   {milliseconds(report.answer_time)},
+                   {milliseconds(report.answer_spread), Tone::kFaint},
+                   {milliseconds(report.timeout)},
+                   {std::to_string(report.largest_block)},
+                   {std::to_string(report.exchanges)},
+                   {std::to_string(report.failures), report.failures == 0 ? Tone::kPlain : Tone::kWarning},
+                   {std::to_string(report.retries)},
+                   {std::to_string(report.deadline_misses), report.deadline_misses == 0 ? Tone::kPlain : Tone::kWarning},
+                   {refused, Tone::kWarning},
+                   {causes_text(status.causes), Tone::kWarning}});
+  }
+  return table;
+}
+
+}  // namespace
+
+std::vector<std::string> status_lines(const StatusModel& model, UtcTime now, const Screen& screen) {
+  auto lines = bus_table(model, now).render(screen);
+  if (!model.devices.empty()) {
+    lines.emplace_back();
+    for (auto& line : device_table(model).render(screen)) lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
+Json status_json(const StationBusStatus& status) {
+  const auto& report = status.report;
+  return {{"topic", "BusStatus"},
+          {"bridge", status.bridge},
+          {"bus", status.bus},
+          {"state", to_text(report.state)},
+          {"utilisation", report.utilisation},
+          {"planned_load", report.planned_load},
+          {"measured_load", report.measured_load},
+          {"stretch", report.stretch},
+          {"exchanges", report.exchanges},
+          {"samples", report.samples},
+          {"commands", report.commands},
+          {"deadline_misses", report.deadline_misses},
+          {"bytes_sent", report.bytes_sent},
+          {"bytes_received", report.bytes_received},
+          {"reopened", report.reopened},
+          {"causes", Json(status.causes)},
+          {"reported_at", status.reported_at.nanoseconds}};
+}
+
+Json status_json(const StationDeviceStatus& status) {
+  const auto& report = status.report;
+  return {{"topic", "DeviceStatus"},
+          {"bus", status.bus},
+          {"device", status.device},
+          {"state", to_text(report.state)},
+          {"exchanges", report.exchanges},
+          {"failures", report.failures},
+          {"retries", report.retries},
+          {"deadline_misses", report.deadline_misses},
+          {"answer_time", report.answer_time.count()},
+          {"answer_spread", report.answer_spread.count()},
+          {"timeout", report.timeout.count()},
+          {"largest_block", report.largest_block},
+          {"refused", report.refused},
+          {"causes", Json(status.causes)},
+          {"reported_at", status.reported_at.nanoseconds}};
+}
+
+}  // namespace fieldcast::cli

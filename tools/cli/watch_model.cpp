@@ -1,0 +1,85 @@
+#include "tools/cli/watch_model.hpp"
+
+#include <algorithm>
+
+namespace fieldcast::cli {
+
+void RateMeter::count(Instant now) {
+  if (!began_) began_ = now;
+  if (now - *began_ >= kWindow) {
+    last_ = static_cast<double>(counted_) / to_seconds(now - *began_);
+    began_ = now;
+    counted_ = 0;
+  }
+  ++counted_;
+}
+
+double RateMeter::rate(Instant now) const {
+  if (!began_) return 0;
+  const double elapsed = to_seconds(now - *began_);
+  // A full window without a new one begun: what came slows down, or stopped.
+  return elapsed >= to_seconds(kWindow) || last_ == 0 ? static_cast<double>(counted_) / std::max(elapsed, to_seconds(kWindow))
+                                                      : last_;
+}
+
+WatchModel::Row* WatchModel::row(const ChannelPath& path) {
+  if (!pattern_.matches(path.bus, path.device, path.channel)) return nullptr;
+  if (const auto found = rows_.find(path); found != rows_.end()) return &found->second;
+  if (rows_.size() >= kMaxChannels) return nullptr;
+  auto& row = rows_[path];
+  row.sample.bus = path.bus;
+  row.sample.device = path.device;
+  row.sample.channel = path.channel;
+  return &row;
+}
+
+void WatchModel::on_channel(const StationChannel& channel) {
+  announced_ = true;
+  if (auto* known = row({channel.bus, channel.device, channel.channel}); known != nullptr) {
+    known->gone = false;
+    catalogue_.add(channel);
+  }
+}
+
+bool WatchModel::on_sample(const StationSample& sample, Instant now) {
+  announced_ = true;
+  auto* known = row({sample.bus, sample.device, sample.channel});
+  if (known == nullptr) return false;
+  known->sample = sample;
+  known->gone = false;
+  known->rate.count(now);
+  rate_.count(now);
+  ++samples_;
+  return true;
+}
+
+void WatchModel::on_gone(const ChannelPath& path) {
+  catalogue_.remove(path);
+  if (const auto found = rows_.find(path); found != rows_.end()) found->second.gone = true;
+}
+
+std::size_t WatchModel::good() const {
+  return static_cast<std::size_t>(std::count_if(rows_.begin(), rows_.end(), [](const auto& entry) {
+    return !entry.second.gone && entry.second.sample.quality == Quality::kGood;
+  }));
+}
+
+std::size_t WatchModel::sampled() const {
+  return static_cast<std::size_t>(
+      std::count_if(rows_.begin(), rows_.end(), [](const auto& entry) { return entry.second.sample.sequence != 0; }));
+}
+
+std::size_t WatchModel::awaited() const {
+  return static_cast<std::size_t>(std::count_if(rows_.begin(), rows_.end(), [this](const auto& entry) {
+    const auto* about = catalogue_.find(entry.first);
+    return !entry.second.gone && entry.second.sample.quality == Quality::kNotYetRead && about != nullptr &&
+           about->refresh != Duration{};
+  }));
+}
+
+std::string WatchModel::summary() const {
+  return std::to_string(samples_) + (samples_ == 1 ? " sample of " : " samples of ") + std::to_string(rows_.size()) +
+         (rows_.size() == 1 ? " channel, " : " channels, ") + std::to_string(good()) + " of them GOOD";
+}
+
+}  // namespace fieldcast::cli
