@@ -1,21 +1,22 @@
 // What to read next on one bus, and when. Pure: no clock, no I/O; every call gets `now`.
 //
-// The scheduler knows points (distinct item ranges that some channel needs) with their refreshes, groups them into blocks by the wire's
-// cost, and answers one question whenever the wire is free: read this block now, or rest until then.
+// The scheduler knows points (distinct item ranges that some channel needs) with their refreshes, groups them into blocks by the
+// wire's cost, and answers one question whenever the wire is free: read this block now, or rest until then.
 //
 // Owned by the bus engine and touched by it alone.
 #pragma once
 
 #include <cstdint>
-#include <functional>
+#include <memory>
 #include <optional>
-#include <span>
+#include <string_view>
 #include <variant>
 #include <vector>
 
 #include "core/base/time.hpp"
 #include "core/model/sample.hpp"
 #include "core/model/spec.hpp"
+#include "core/plan/cost.hpp"
 #include "core/protocol/protocol.hpp"
 
 namespace fieldcast {
@@ -31,18 +32,11 @@ struct Point {
   int priority = 0;
 };
 
-// What the scheduler must know of a device.
-struct DeviceTiming {
-  const Protocol* protocol = nullptr;   // limits and exact sizes; outlives the scheduler
-  Duration answer_time{};               // expected: end of request to first byte of the answer
-  Duration pause{};                     // rest after each exchange with this device
-  std::uint16_t max_block = 0;          // items; 0: the protocol's limit
-  std::optional<std::uint16_t> max_gap;
-};
-
 struct ScheduleInput {
   LineFormat line;
-  Duration silence{};                   // after each answer
+  Duration silence{};  // after each answer
+  Duration lead =
+      std::chrono::milliseconds{2};  // how early a scheduled point is read before it is due, at most a tenth of its refresh
   std::vector<DeviceTiming> devices;
   std::vector<Point> points;
 };
@@ -52,9 +46,11 @@ struct Block {
   DeviceIndex device = 0;
   std::vector<Range> ranges;
   std::vector<PointIndex> points;
-  Duration cost{};                      // of the wire: request, answer, answer time, silence, pause
+  Duration cost{};  // of the wire: request, answer, answer time, silence, pause
 };
-struct Rest { Instant until = kNever; };   // nothing is worth reading before then
+struct Rest {
+  Instant until = kNever;
+};  // nothing is worth reading before then
 using Decision = std::variant<Block, Rest>;
 
 class Scheduler {
@@ -73,8 +69,8 @@ class Scheduler {
   // No reads of this device before `until` (offline, pausing); kNever stops it.
   virtual void suspend(DeviceIndex device, Instant until) = 0;
   virtual void set_answer_time(DeviceIndex device, Duration answer_time) = 0;
-  // How long the wire may be blocked from `now` on by something else (a probe of a silent device) without making a point late that
-  // would otherwise be in time. Zero when there is none to spare.
+  // How long the wire may be blocked from `now` on by something else (a probe of a silent device) without making a point late
+  // that would otherwise be in time. Zero when there is none to spare.
   [[nodiscard]] virtual Duration slack(Instant now) = 0;
   // Another refresh or mode for a point, effective at once (interest, overload).
   virtual void set_point(PointIndex point, Duration refresh, Mode mode, Instant now) = 0;
@@ -83,5 +79,18 @@ class Scheduler {
   // Factor by which overload stretches all refreshes at present; 1 without overload.
   [[nodiscard]] virtual double stretch() const = 0;
 };
+
+// How blocks are formed. All but kRiding are there to be compared with.
+enum class Planner : std::uint8_t {
+  kRiding,         // the most urgent point, and whatever is cheaper to read along with it than later
+  kDynamicBlocks,  // the most urgent point with its near neighbours, again and again, at most 20 blocks; then those are read
+  kFastestMember,  // fixed groups (the optimal partition), each read whole as often as its fastest member wants
+  kOnePerChannel,  // every point in a read of its own
+};
+[[nodiscard]] std::string_view to_text(Planner planner);  // "riding", "dynamic-blocks", ...
+
+// REQUIRES: points name devices of the input and areas of their protocols; refreshes are positive. A point that no request of its
+// protocol can carry is never read. Time begins with the first call of next().
+[[nodiscard]] std::unique_ptr<Scheduler> make_scheduler(const ScheduleInput& input, Planner planner = Planner::kRiding);
 
 }  // namespace fieldcast

@@ -1,0 +1,74 @@
+// What a read costs of the wire: request, the device's answer time, answer, silence, the protocol's own pauses and the device's
+// rest.
+//
+// Exact: one entry for each item count, asked from the protocol once and kept as a table, so that the inner loops of planning are
+// an addition and a look-up. Values; any thread.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/base/time.hpp"
+#include "core/frame/line.hpp"
+#include "core/protocol/protocol.hpp"
+
+namespace fieldcast {
+
+// What planning must know of a device.
+struct DeviceTiming {
+  const Protocol* protocol = nullptr;    // limits and exact sizes; outlives whoever plans with it
+  Duration answer_time{};                // expected: end of request to first byte of the answer
+  Duration pause{};                      // rest after each exchange with this device
+  std::uint16_t max_block = 0;           // items; 0: the protocol's limit
+  std::optional<std::uint16_t> max_gap;  // unwanted items that a read may bridge; nothing: whatever pays
+};
+
+// Wire time of one request with its answer. `silence` follows every answer.
+[[nodiscard]] Duration wire_time(const ExchangeSize& size, const LineFormat& line, Duration silence, const DeviceTiming& device);
+
+// The cost of reads of one range in one area of one device.
+class ReadCost {
+ public:
+  // `span`: the longest read that will ever be asked for, in items.
+  ReadCost(const DeviceTiming& device, AreaIndex area, const LineFormat& line, Duration silence, std::uint32_t span);
+
+  // The range that must be asked for to get items first .. end-1: aligned, or the whole window.
+  [[nodiscard]] Range cover(std::uint32_t first, std::uint32_t end) const;
+
+  // Within the limits of the protocol and the device. REQUIRES: range comes from cover().
+  [[nodiscard]] bool fits(const Range& range) const { return window_ || (range.count <= limit_ && at(range.count) >= 0); }
+
+  // REQUIRES: fits(range), or the range of a single point.
+  [[nodiscard]] Duration of(const Range& range) const { return Duration{fixed_ + at(range.count)}; }
+
+  // The same for a single point that no device limit shall keep from being asked for; nothing if the protocol cannot carry it.
+  [[nodiscard]] std::optional<Duration> of_single(const Range& range) const;
+
+  // Unwanted items that a read may bridge: more cost as much as another request, or are forbidden.
+  [[nodiscard]] std::uint32_t bridge() const { return bridge_; }
+
+  // Marginal cost of one more item, on average.
+  [[nodiscard]] double item_ns() const { return item_ns_; }
+
+  [[nodiscard]] std::uint32_t limit() const { return limit_; }
+  void set_answer_time(Duration answer_time);
+
+ private:
+  [[nodiscard]] std::int64_t at(std::uint32_t count) const { return variable_[count < variable_.size() ? count : 0]; }
+  void find_bridge();
+
+  AreaIndex area_;
+  std::uint32_t items_, item_bits_, alignment_;
+  bool window_;
+  std::uint32_t limit_ = 0;  // items in one read
+  std::int64_t fixed_ = 0;   // answer time, silence, pauses: paid for each round, or once
+  std::int64_t rounds_ = 1;
+  std::int64_t pauses_ = 0;             // silence and rests: what `fixed_` holds besides the answer time
+  std::vector<std::int64_t> variable_;  // by item count: characters; -1: the protocol refuses this size. [0] is -1
+  std::optional<std::uint16_t> max_gap_;
+  std::uint32_t bridge_ = 0;
+  double item_ns_ = 0;
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,96 @@
+#include "core/schedule/block_shape.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fieldcast {
+
+namespace {
+
+// Grows a slice one neighbour at a time, in one direction, and keeps the best place to stop.
+class Growth {
+ public:
+  Growth(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost, std::int64_t now, std::int64_t budget)
+      : points_(points),
+        cost_(cost),
+        now_(now),
+        budget_(budget),
+        slice_{urgent, urgent + 1},
+        first_(points[urgent].first),
+        end_(points[urgent].end) {}
+
+  // `worth(point)`: wire time that renewing the point now is worth. `rescue`: the largest worth that may still come.
+  template <typename Worth>
+  void grow(bool up, const Worth& worth, double rescue) {
+    double balance = 0;
+    std::uint32_t first = first_, end = end_;
+    for (std::uint32_t at = up ? slice_.end : slice_.begin; up ? at < points_.size() : at > 0; at += up ? 1 : 0) {
+      const std::uint32_t place = up ? at : --at;
+      const bool cut =
+          up ? cut_between(points_[place - 1], points_[place], now_) : cut_between(points_[place], points_[place + 1], now_);
+      if (cut) return;
+      const std::uint32_t before = end - first;
+      first = std::min(first, points_[place].first);
+      end = std::max(end, points_[place].end);
+      const Range range = cost_.cover(first, end);
+      if (!cost_.fits(range) || cost_.of(range).count() > budget_) return;
+      balance -= cost_.item_ns() * (end - first - before);
+      if (points_[place].ready(now_)) balance += worth(points_[place]);
+      if (balance >= 0) {
+        (up ? slice_.end : slice_.begin) = up ? place + 1 : place;
+        first_ = first;
+        end_ = end;
+        balance = 0;
+      } else if (balance + rescue < 0) {
+        return;
+      }
+    }
+  }
+  [[nodiscard]] Slice slice() const { return slice_; }
+
+ private:
+  std::span<const PointState> points_;
+  const ReadCost& cost_;
+  std::int64_t now_, budget_;
+  Slice slice_;
+  std::uint32_t first_, end_;
+};
+
+}  // namespace
+
+Slice riding_slice(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost, std::int64_t now,
+                   std::int64_t budget, const RidingWeights& weights) {
+  std::int64_t fastest = points[urgent].period;
+  for (const PointState& point : points) {
+    if (point.ready(now)) fastest = std::min(fastest, point.period);
+  }
+  // Whoever is due before the cluster's next read would need a request of its own.
+  const auto next_chance = now + static_cast<std::int64_t>(weights.horizon * static_cast<double>(fastest));
+  const double request = cost.item_ns() * cost.bridge();
+  const auto worth = [&](const PointState& point) {
+    const double items = cost.item_ns() * (point.end - point.first);
+    if (point.due <= next_chance) return request + items;
+    const double used = std::clamp(point.used(now), 0.0, 1.0);
+    return weights.soft * items * std::pow(used, weights.power);
+  };
+  Growth growth(points, urgent, cost, now, budget);
+  growth.grow(true, worth, request);
+  growth.grow(false, worth, request);
+  return growth.slice();
+}
+
+Slice whole_slice(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost, std::int64_t now) {
+  Growth growth(points, urgent, cost, now, kNeverNs);
+  const auto any = [](const PointState&) { return 1e18; };
+  growth.grow(true, any, 1e18);
+  growth.grow(false, any, 1e18);
+  return growth.slice();
+}
+
+Range range_of(std::span<const PointState> points, Slice slice, const ReadCost& cost) {
+  std::uint32_t end = 0;
+  for (std::uint32_t i = slice.begin; i < slice.end; ++i) end = std::max(end, points[i].end);
+  return cost.cover(points[slice.begin].first, end);
+}
+
+}  // namespace fieldcast

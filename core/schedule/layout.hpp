@@ -1,0 +1,47 @@
+// Where the points of a bus lie: strips (the points of one device and area, by address) cut into clusters.
+//
+// A cluster is what one request can read at most: a block of the optimal partition of the whole strip. Points further apart than
+// another request costs, or than one request can carry, are never read together, so a scheduler looks at one cluster at a time.
+// Owned by the scheduler.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/plan/cost.hpp"
+#include "core/schedule/scheduler.hpp"
+
+namespace fieldcast {
+
+using Place = std::uint32_t;  // of a point, in the order of strips and addresses
+using ClusterIndex = std::uint32_t;
+using StripIndex = std::uint32_t;
+
+struct Strip {
+  DeviceIndex device = 0;
+  AreaIndex area = 0;
+  ReadCost cost;
+  Place begin = 0, end = 0;
+};
+
+struct Cluster {
+  StripIndex strip = 0;
+  DeviceIndex device = 0;
+  Place begin = 0, end = 0;
+};
+
+struct Layout {
+  std::vector<Strip> strips;
+  std::vector<Cluster> clusters;
+  std::vector<PointIndex> point_at;                    // by place
+  std::vector<Place> place_of;                         // by point
+  std::vector<ClusterIndex> cluster_at;                // by place
+  std::vector<std::vector<ClusterIndex>> clusters_of;  // by device
+};
+
+enum class Clustering : std::uint8_t { kOptimal, kSinglePoints };
+
+// REQUIRES: points name devices of the input and areas of their protocols.
+[[nodiscard]] Layout make_layout(const ScheduleInput& input, Clustering clustering);
+
+}  // namespace fieldcast

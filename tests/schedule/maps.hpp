@@ -1,0 +1,35 @@
+// Maps of channels for tests and benches: the files in tests/maps, and random ones from a seed.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/schedule/scheduler.hpp"
+#include "tests/schedule/fake_protocol.hpp"
+
+namespace fieldcast::test {
+
+struct MapRow {
+  unsigned unit = 1;
+  std::uint32_t address = 0;
+  double refresh = 1;  // seconds
+};
+using Map = std::vector<MapRow>;
+
+// Rows of a file with the columns unit,address,refresh; throws std::runtime_error with the reason.
+[[nodiscard]] Map read_map(const std::string& path);
+
+// Clusters of registers scattered over a few units with refreshes from 100 ms to 10 s.
+[[nodiscard]] Map random_map(std::uint64_t seed, std::size_t channels, unsigned units = 3);
+
+// Modbus RTU at 11 bits a character with a silence of 3.5 characters on both sides of an answer: a read of n registers takes
+// 20 + 2n characters and the device's delay.
+[[nodiscard]] ScheduleInput input_of(const Map& map, const Protocol& protocol, std::uint32_t baud = 19200, Duration delay = {},
+                                     double stretch = 1);
+
+// The least load that any master needs: each cluster of a unit (gaps cheaper than a request) read once in its shortest refresh,
+// each register once in its own.
+[[nodiscard]] double least_load(const Map& map, std::uint32_t baud = 19200, Duration delay = {});
+
+}  // namespace fieldcast::test

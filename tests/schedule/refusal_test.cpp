@@ -1,0 +1,120 @@
+#include "core/schedule/refusal.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "tests/schedule/maps.hpp"
+#include "tests/schedule/virtual_wire.hpp"
+
+namespace fieldcast {
+namespace {
+
+using namespace std::chrono_literals;
+using test::Answer;
+using test::VirtualWire;
+
+const test::FakeProtocol kProtocol;
+
+// One device with registers 0, 2, 4 .. 38; refuses every read that touches `holes`.
+class RefusingDevice : public ::testing::Test {
+ protected:
+  RefusingDevice() {
+    test::Map map;
+    for (std::uint32_t i = 0; i < 20; ++i) map.push_back({1, 2 * i, 1.0});
+    input_ = test::input_of(map, kProtocol);
+    scheduler_ = make_scheduler(input_);
+    wire_ = std::make_unique<VirtualWire>(input_, *scheduler_);
+    wire_->device = [this](const Block& block) {
+      for (const std::uint32_t hole : holes_) {
+        if (block.ranges[0].first <= hole && hole < block.ranges[0].end()) return ++refused_, Answer::kRefused;
+      }
+      return Answer::kGood;
+    };
+  }
+  std::set<std::uint32_t> holes_;
+  unsigned refused_ = 0;
+  ScheduleInput input_;
+  std::unique_ptr<Scheduler> scheduler_;
+  std::unique_ptr<VirtualWire> wire_;
+};
+
+TEST_F(RefusingDevice, GapBetweenTwoGoodHalvesBecomesABarrier) {
+  holes_ = {15};
+  wire_->run(3s);
+  EXPECT_TRUE(wire_->bad.empty());
+  refused_ = 0;
+  wire_->forget_gaps();
+  wire_->run(60s);
+  EXPECT_EQ(refused_, 0u);
+  EXPECT_EQ(wire_->missed(), 0u);
+  EXPECT_LE(wire_->blocks(), 2 * 65u);  // the two sides of the barrier, each whole
+}
+
+TEST_F(RefusingDevice, SinglePointIsFoundBadAndTheOthersKeepTheirRefresh) {
+  holes_ = {14};
+  wire_->run(3s);
+  EXPECT_EQ(wire_->bad, std::vector<PointIndex>{7});
+  EXPECT_LE(refused_, 6u);  // a search by halves
+  refused_ = 0;
+  wire_->forget_gaps();
+  wire_->run(60s);
+  EXPECT_EQ(refused_, 0u);
+  EXPECT_EQ(wire_->missed(), 0u);
+  EXPECT_EQ(wire_->seen(7).count, 0u);
+}
+
+TEST_F(RefusingDevice, SeveralHolesAreAllFound) {
+  holes_ = {0, 13, 14, 26, 38};
+  wire_->run(10s);
+  EXPECT_EQ(std::set<PointIndex>(wire_->bad.begin(), wire_->bad.end()), (std::set<PointIndex>{0, 7, 13, 19}));
+  refused_ = 0;
+  wire_->forget_gaps();
+  wire_->run(60s);
+  EXPECT_EQ(refused_, 0u);
+  for (PointIndex point = 0; point < 20; ++point) {
+    EXPECT_EQ(wire_->seen(point).missed, 0u) << point;
+    if (holes_.count(2 * point) == 0) { EXPECT_GE(wire_->seen(point).count, 60u) << point; }
+  }
+}
+
+TEST_F(RefusingDevice, BadPointIsTriedAgainAloneAndComesBack) {
+  holes_ = {14};
+  wire_->forget = 30s;
+  wire_->run(25s);
+  EXPECT_EQ(wire_->bad.size(), 1u);
+  wire_->check = [](const Block& block) {
+    if (std::count(block.points.begin(), block.points.end(), 7u)) { EXPECT_EQ(block.points.size(), 1u); }
+  };
+  wire_->run(16s);  // still refused: alone, so nobody else suffers
+  EXPECT_EQ(wire_->bad.size(), 2u);
+  wire_->check = nullptr;
+  holes_.clear();
+  wire_->run(30s);
+  wire_->forget_gaps();
+  wire_->run(20s);
+  EXPECT_GE(wire_->seen(7).count, 20u);
+  EXPECT_LE(wire_->blocks(), 23u);  // one block again
+}
+
+TEST_F(RefusingDevice, BarrierIsForgottenAfterAWhile) {
+  holes_ = {15};
+  wire_->forget = 30s;
+  wire_->run(20s);
+  holes_.clear();
+  wire_->run(20s);
+  wire_->forget_gaps();
+  wire_->run(20s);
+  EXPECT_LE(wire_->blocks(), 23u);
+}
+
+TEST_F(RefusingDevice, DeviceThatRefusesEverythingIsLeftAloneInTheEnd) {
+  for (std::uint32_t item = 0; item < 40; ++item) holes_.insert(item);
+  wire_->run(10s);
+  EXPECT_EQ(wire_->bad.size(), 20u);
+  EXPECT_LE(refused_, 39u);
+  EXPECT_GT(std::get<Rest>(scheduler_->next(wire_->now())).until, wire_->now() + 500s);
+}
+
+}  // namespace
+}  // namespace fieldcast
