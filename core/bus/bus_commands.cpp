@@ -1,0 +1,128 @@
+// Commands: checked before the wire, one at a time on it, each ended by exactly one result.
+#include <algorithm>
+
+#include "core/bus/bus_state.hpp"
+
+namespace fieldcast {
+namespace {
+
+CommandResult refusal(const Command& command, CommandState state, Cause cause, std::string reason, Instant now) {
+  return {command.requester, command.request_id, state, cause, 0, std::move(reason), {}, now, now, now};
+}
+
+}  // namespace
+
+void BusEngine::State::accept(const Command& command, Instant now, Actions& actions) {
+  const auto reject = [&](Cause cause, std::string reason) {
+    const CommandState state = cause == Cause::kExpired ? CommandState::kExpired : CommandState::kRejected;
+    actions.push_back(Complete{refusal(command, state, cause, std::move(reason), now)});
+  };
+  const auto found = device_names.find(command.device);
+  if (found == device_names.end())
+    return reject(Cause::kUnknownDevice, "bus '" + spec.name + "' has no device '" + command.device + "'");
+  if (const auto fault = refuse(command, found->second, now)) return reject(fault->cause, fault->reason);
+  const DeviceRuntime& device = devices[found->second];
+  auto job = CommandJob::make(command, *device.spec, found->second, channels.first_of(found->second), *device.protocol);
+  if (!job) return reject(job.error().cause, job.error().reason);
+  if (const auto channel = job->written_channel()) {
+    const Duration interval = channels.spec(*channel).write_interval;
+    if (interval > Duration::zero() && last_write[*channel] != kLongAgo && now < last_write[*channel] + interval)
+      return reject(Cause::kRateLimited, "written less than " + to_text(interval) + " ago");
+    last_write[*channel] = now;
+  }
+  commands.push_back({std::move(*job), now});
+}
+
+// What holds for every command, whatever it asks.
+std::optional<CommandFault> BusEngine::State::refuse(const Command& command, DeviceIndex device, Instant now) const {
+  if (command.expires <= now) return CommandFault{Cause::kExpired, std::string(to_text(Cause::kExpired))};
+  switch (bus_state) {
+    case BusState::kStopped: return CommandFault{Cause::kShutdown, std::string(to_text(Cause::kShutdown))};
+    case BusState::kLeased: return CommandFault{Cause::kLeased, std::string(to_text(Cause::kLeased))};
+    case BusState::kOpening:
+    case BusState::kClosed: return CommandFault{Cause::kOffline, "port of bus '" + spec.name + "' is down"};
+    case BusState::kRunning: break;
+  }
+  if (devices[device].health.offline()) return CommandFault{Cause::kOffline, "device '" + command.device + "' does not answer"};
+  if (commands.size() >= kMaxCommands)
+    return CommandFault{Cause::kQueueFull, std::to_string(kMaxCommands) + " commands are waiting already"};
+  return std::nullopt;
+}
+
+// The first command whose device may be asked now; it stays the first of the queue until it is finished.
+std::optional<BusEngine::State::Flight> BusEngine::State::next_command(Instant now) {
+  if (!job_active) {
+    const auto ready = std::find_if(commands.begin(), commands.end(),
+                                    [&](const PendingCommand& c) { return devices[c.job.device()].free_at(now); });
+    if (ready == commands.end()) return std::nullopt;
+    std::rotate(commands.begin(), ready, ready + 1);
+    job_active = true;
+  }
+  CommandJob& job = commands.front().job;
+  const DeviceRuntime& device = devices[job.device()];
+  if (!device.free_at(now)) return std::nullopt;
+  job.start(now);
+  if (conversation.echo() == Echo::kUnknown && device.protocol->traits().echo_is_ambiguous) job.use_distinct_answers();
+  Flight next;
+  next.kind = Flight::Kind::kCommand;
+  next.device = job.device();
+  next.request = *job.next();
+  return next;
+}
+
+void BusEngine::State::command_done(const Reply& reply, Instant now, Actions& actions) {
+  commands.front().job.answered(reply);
+  finish_command(now, actions);
+}
+
+void BusEngine::State::command_failed(Cause cause, std::uint16_t code, Instant now, Actions& actions) {
+  commands.front().job.failed(cause, code);
+  finish_command(now, actions);
+}
+
+void BusEngine::State::finish_command(Instant now, Actions& actions) {
+  const PendingCommand& front = commands.front();
+  if (front.job.next()) return;  // more exchanges to come
+  std::vector<Sample> out;
+  for (const CommandJob::Acquired& read : front.job.acquired())
+    channels.acquired(read.channel, read.item_bits, read.items, conversation.answered(), out);
+  samples += out.size();
+  ++commands_done;
+  actions.push_back(Complete{front.job.result(front.received, now)});
+  if (!out.empty()) actions.push_back(Publish{std::move(out)});
+  commands.pop_front();
+  job_active = false;
+}
+
+void BusEngine::State::expire_commands(Instant now, Actions& actions) {
+  const auto first = commands.begin() + (job_active ? 1 : 0);  // what is on the wire is never called back
+  const auto expired =
+      std::stable_partition(first, commands.end(), [&](const PendingCommand& c) { return c.job.command().expires > now; });
+  for (auto c = expired; c != commands.end(); ++c) {
+    CommandResult result =
+        refusal(c->job.command(), CommandState::kExpired, Cause::kExpired, std::string(to_text(Cause::kExpired)), now);
+    result.received = c->received;
+    actions.push_back(Complete{std::move(result)});
+  }
+  commands.erase(expired, commands.end());
+}
+
+Instant BusEngine::State::next_command_expiry() const {
+  Instant next = kNever;
+  for (std::size_t i = job_active ? 1 : 0; i < commands.size(); ++i) next = std::min(next, commands[i].job.command().expires);
+  return next;
+}
+
+void BusEngine::State::refuse_all_commands(CommandState state, Cause cause, const std::string& reason, Instant now,
+                                           Actions& actions) {
+  for (const PendingCommand& waiting : commands) {
+    CommandResult result = refusal(waiting.job.command(), state, cause, reason, now);
+    result.received = waiting.received;
+    if (waiting.job.started()) result.reason += "; unknown whether it took effect";
+    actions.push_back(Complete{std::move(result)});
+  }
+  commands.clear();
+  job_active = false;
+}
+
+}  // namespace fieldcast

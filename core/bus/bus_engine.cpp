@@ -1,0 +1,402 @@
+// Events and decisions: what goes on the wire next, and what an exchange's end means for its device.
+#include "core/bus/bus_engine.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+#include "core/bus/bus_state.hpp"
+
+namespace fieldcast {
+namespace {
+
+// A plain TCP device needs no silence between frames; a serial server's line does.
+Duration silence_for(const BusSpec& bus) {
+  const auto* tcp = std::get_if<TcpPortSpec>(&bus.port);
+  if (tcp && !tcp->line && !std::holds_alternative<Duration>(bus.silence)) return Duration::zero();
+  return silence_of(bus.silence, line_of(bus.port));
+}
+
+Echo echo_for(const BusSpec& bus) {
+  if (std::holds_alternative<TcpPortSpec>(bus.port) && !bus.echo) return Echo::kAbsent;
+  if (!bus.echo) return Echo::kUnknown;
+  return *bus.echo ? Echo::kPresent : Echo::kAbsent;
+}
+
+bool is_distinct(const Request& request, const Traits& traits) {
+  if (!traits.echo_is_ambiguous) return true;
+  const auto* write = std::get_if<WriteRequest>(&request);
+  return !write || write->distinct_answer;
+}
+
+}  // namespace
+
+BusEngine::State::State(const BusSpec& bus)
+    : spec(bus),
+      line(line_of(spec.port)),
+      silence(silence_for(spec)),
+      channels(spec),
+      conversation(line, spec.gap_allowance, echo_for(spec)) {
+  DeviceIndex index = 0;
+  for (const DeviceSpec& device : spec.devices) {
+    const ProtocolEntry* entry = find_protocol(device.protocol);
+    assert(entry && "the loader checks protocols");
+    auto protocol = entry->make(device.link);
+    assert(protocol && "the loader checks options");
+    devices.push_back({&device, std::move(*protocol), AnswerTime(device.timeout, spec.gap_allowance), {}});
+    device_names.emplace(device.name, index++);
+  }
+  last_write.assign(channels.size(), kLongAgo);
+  wishes.resize(channels.size());
+  make_points();
+}
+
+BusEngine::BusEngine(const BusSpec& spec) : state_(std::make_unique<State>(spec)) {}
+BusEngine::~BusEngine() = default;
+
+void BusEngine::set_trace(bool on) { state_->trace = on; }
+
+void BusEngine::on_event(const BusEvent& event, Instant now, Actions& actions) {
+  State& s = *state_;
+  if (!s.begun) {
+    s.begun = true;
+    s.channels.start(now);
+    std::vector<Sample> first;
+    s.channels.not_yet_read(first);
+    if (!first.empty()) actions.push_back(Publish{std::move(first)});
+  }
+  struct Handle {
+    State& s;
+    Instant now;
+    Actions& actions;
+    void operator()(const Opened&) const { s.opened(now); }
+    void operator()(const Closed& e) const { s.closed(e.reason, now, actions); }
+    void operator()(const Received& e) const {
+      if (!s.conversation.active() || s.bus_state != BusState::kRunning) return s.conversation.count_stray(e.bytes.size());
+      Bytes out;
+      const auto outcome = s.conversation.on_bytes(e.bytes, now, out);
+      s.advance(outcome, std::move(out), now, actions);
+    }
+    void operator()(const TimerFired&) const { s.timer = kNever; }
+    void operator()(const CommandArrived& e) const { s.accept(e.command, now, actions); }
+    void operator()(const InterestChanged& e) const { s.set_interest(e.channel, e.refresh, now, actions); }
+    void operator()(const LeaseBegan&) const { s.begin_lease(now, actions); }
+    void operator()(const LeaseEnded&) const {
+      if (s.bus_state != BusState::kLeased) return;
+      s.opened(now);
+      s.channels.start(now);
+    }
+    void operator()(const StopRequested&) const {
+      s.conversation.abort();
+      s.flight.reset();
+      s.bus_state = BusState::kStopped;
+      s.refuse_all_commands(CommandState::kRejected, Cause::kShutdown, std::string(to_text(Cause::kShutdown)), now, actions);
+    }
+  };
+  std::visit(Handle{s, now, actions}, event);
+  s.settle(now, actions);
+}
+
+// After every event: what ran out by now, what goes on the wire next, and when to look again.
+void BusEngine::State::settle(Instant now, Actions& actions) {
+  if (conversation.active() && now >= conversation.deadline()) {
+    Bytes out;
+    const auto outcome = conversation.on_timer(now, out);
+    advance(outcome, std::move(out), now, actions);
+  }
+  if (bus_state != BusState::kStopped && bus_state != BusState::kLeased) expire_channels(now, actions);
+  expire_commands(now, actions);
+  if (bus_state == BusState::kRunning && !conversation.active()) decide(now, actions);
+  tell_overload(actions);
+
+  Instant next = kNever;
+  if (bus_state != BusState::kStopped) {
+    next = next_command_expiry();
+    if (bus_state != BusState::kLeased) next = std::min(next, channels.next_expiry());
+    if (conversation.active())
+      next = std::min(next, conversation.deadline());
+    else if (bus_state == BusState::kRunning)
+      next = std::min(next, std::max(free_at, rest_until));
+  }
+  if (next == timer) return;
+  timer = next;
+  actions.push_back(SetTimer{next});
+}
+
+void BusEngine::State::tell_overload(Actions& actions) {
+  const double stretch = scheduler->stretch();
+  if ((stretch > 1.001) == overloaded) return;
+  overloaded = !overloaded;
+  if (overloaded)
+    actions.push_back(Notice{Notice::Kind::kOverload,
+                             {},
+                             Cause::kNone,
+                             "more is wanted than the wire carries: refreshes are stretched by " + to_text(Value{stretch})});
+  else
+    actions.push_back(Notice{Notice::Kind::kOverloadEnded, {}, Cause::kNone, "every refresh is kept again"});
+}
+
+void BusEngine::State::decide(Instant now, Actions& actions) {
+  rest_until = kLongAgo;
+  if (now < free_at) return;
+  if (flight && flight->waiting) return transmit(now, actions);
+
+  if (job_active || !commands.empty()) {
+    // A command goes before reads, but after it a read that is due goes before the next command: neither starves the other.
+    const bool reads_turn = command_was_last && !job_active && std::holds_alternative<Block>(scheduler->next(now));
+    if (!reads_turn) {
+      if (auto command = next_command(now)) return launch(std::move(*command), now, actions);
+      if (job_active) {  // its device must rest: the wire waits for nobody else in the middle of a command
+        const DeviceRuntime& device = devices[commands.front().job.device()];
+        rest_until = std::max(device.quiet_until, device.paused_until);
+        return;
+      }
+    }
+  }
+  if (auto probe = probe_due(now)) return launch(std::move(*probe), now, actions);
+
+  Decision decision = scheduler->next(now);
+  if (auto* block = std::get_if<Block>(&decision)) {
+    Flight read;
+    read.device = block->device;
+    read.request = ReadRequest{block->ranges};
+    read.block = std::move(*block);
+    return launch(std::move(read), now, actions);
+  }
+  rest_until = std::min(std::get<Rest>(decision).until, next_probe());
+  for (const PendingCommand& waiting : commands) {  // commands whose devices are pausing
+    const DeviceRuntime& device = devices[waiting.job.device()];
+    rest_until = std::min(rest_until, std::max(device.quiet_until, device.paused_until));
+  }
+  rest_until = std::max(rest_until, now + std::chrono::microseconds{100});  // a scheduler that rests until now must not spin
+}
+
+void BusEngine::State::launch(Flight next, Instant now, Actions& actions) {
+  flight = std::move(next);
+  command_was_last = flight->kind == Flight::Kind::kCommand;
+  transmit(now, actions);
+}
+
+void BusEngine::State::transmit(Instant now, Actions& actions) {
+  DeviceRuntime& device = devices[flight->device];
+  if (flight->tries == 0) flight->started = now;
+  flight->waiting = false;
+  const Duration timeout = flight->timeout > Duration::zero() ? flight->timeout : device.answer_time.timeout();
+  Bytes out;
+  conversation.begin(device.protocol->begin(flight->request, {++device.sequence}), timeout,
+                     is_distinct(flight->request, device.protocol->traits()), now, out);
+  ++exchanges;
+  ++device.exchanges;
+  actions.push_back(Send{std::move(out)});
+}
+
+void BusEngine::State::advance(Conversation::Outcome outcome, Bytes&& out, Instant now, Actions& actions) {
+  switch (outcome) {
+    case Conversation::Outcome::kWaiting: return;
+    case Conversation::Outcome::kSend: actions.push_back(Send{std::move(out)}); return;
+    case Conversation::Outcome::kDone: return conclude(true, now, actions);
+    case Conversation::Outcome::kFailed: return conclude(false, now, actions);
+  }
+}
+
+void BusEngine::State::free_wire(Instant now, Duration extra) { free_at = now + silence + extra; }
+
+bool BusEngine::State::try_again(const Flight& tried, Cause cause) const {
+  if (cause == Cause::kDeviceError || cause == Cause::kDeviceBusy || cause == Cause::kUnsupported) return false;
+  // Writes are never repeated blindly (CommandJob reads back instead); probes are rare by themselves.
+  return tried.kind != Flight::Kind::kProbe && std::holds_alternative<ReadRequest>(tried.request) &&
+         tried.tries < devices[tried.device].spec->retries;
+}
+
+// The exchange in flight is over.
+void BusEngine::State::conclude(bool done, Instant now, Actions& actions) {
+  DeviceRuntime& device = devices[flight->device];
+  const Traits& traits = device.protocol->traits();
+  const Cause cause = done ? Cause::kNone : conversation.cause();
+  const std::uint16_t code = conversation.device_code();
+  const auto exchange = conversation.finish();
+  free_wire(now);
+  device.paused_until = now + device.spec->pause;
+  const Duration spent = free_at - flight->started;
+
+  const bool unanswered = cause == Cause::kNoAnswer || cause == Cause::kTruncated;
+  if (unanswered) {
+    device.answer_time.timed_out();
+    flight->timed_out = true;
+  }
+  if (flight->timed_out && traits.identity != AnswerIdentity::kSequence) {
+    // The answer to what timed out may still come, and looks like the answer to another question of the same shape.
+    device.quiet_until = std::max(device.quiet_until, conversation.sent_until() + device.spec->timeout);
+  }
+  if (!done) {
+    causes.add(cause);
+    device.causes.add(cause);
+    if (trace) traced(flight->device, std::string(to_text(cause)) + (code ? " " + std::to_string(code) : ""), actions);
+    if (try_again(*flight, cause)) {
+      ++flight->tries;
+      ++device.retries;
+      flight->waiting = true;
+      return;
+    }
+  }
+  Flight ended = std::move(*flight);
+  flight.reset();
+  busy += spent;
+  if (ended.kind == Flight::Kind::kRead) reading += spent;
+  if (ended.timed_out && traits.identity == AnswerIdentity::kNone) free_at = std::max(free_at, device.quiet_until);
+
+  const bool answered = done || cause == Cause::kDeviceError || cause == Cause::kDeviceBusy;
+  if (answered) {
+    if (done && !ended.timed_out) {
+      device.answer_time.learn(conversation.answer_time());
+      scheduler->set_answer_time(ended.device, device.answer_time.mean());
+    }
+    device_answered(ended.device, actions);
+  }
+  switch (ended.kind) {
+    case Flight::Kind::kRead:
+      if (done)
+        block_read(ended, exchange->reply(), now, actions);
+      else
+        block_failed(ended, cause, code, now, actions);
+      break;
+    case Flight::Kind::kCommand:
+      if (done)
+        command_done(exchange->reply(), now, actions);
+      else
+        command_failed(cause, code, now, actions);
+      break;
+    case Flight::Kind::kProbe: break;
+  }
+  if (!answered) device_failed(ended.device, cause, now, actions);
+  rest_device(ended.device, now);
+  // A stream whose framing is lost cannot be mended in place (Modbus Messaging on TCP/IP, 4.2.2 leaves the reaction open: close).
+  if (cause == Cause::kMalformed && traits.identity == AnswerIdentity::kSequence) {
+    actions.push_back(Reopen{"the answer's header makes no sense"});
+    bus_state = BusState::kOpening;
+  }
+}
+
+void BusEngine::State::device_answered(DeviceIndex index, Actions& actions) {
+  DeviceRuntime& device = devices[index];
+  const DeviceState before = device.health.state();
+  if (!device.health.answered()) return;
+  if (before == DeviceState::kOffline) { notice(Notice::Kind::kDeviceBack, index, Cause::kNone, "answers again", actions); }
+}
+
+void BusEngine::State::device_failed(DeviceIndex index, Cause cause, Instant now, Actions& actions) {
+  DeviceRuntime& device = devices[index];
+  ++device.failures;
+  if (!device.health.failed(cause, now)) return;
+  if (!device.health.offline()) return notice(Notice::Kind::kDeviceErrors, index, cause, std::string(to_text(cause)), actions);
+  device.answer_time.forget();
+  for (ChannelIndex c = channels.first_of(index); c < channels.end_of(index); ++c) channels.failing(c, cause);
+  notice(Notice::Kind::kDeviceLost, index, cause, "does not answer; asked ever more rarely until it does", actions);
+  const bool all_lost = std::all_of(devices.begin(), devices.end(), [](const DeviceRuntime& d) { return d.health.offline(); });
+  if (all_lost && std::holds_alternative<TcpPortSpec>(spec.port)) {
+    // Every device behind this connection is silent: perhaps only the connection is dead.
+    actions.push_back(Reopen{"no device answers"});
+    bus_state = BusState::kOpening;
+  }
+}
+
+// Tells the scheduler how long the device is left alone.
+void BusEngine::State::rest_device(DeviceIndex index, Instant now) {
+  DeviceRuntime& device = devices[index];
+  const Instant until = device.health.offline() ? kNever : std::max({now, device.paused_until, device.quiet_until});
+  if (until == now && !device.resting) return;
+  device.resting = until != now;
+  scheduler->suspend(index, until);
+}
+
+std::optional<BusEngine::State::Flight> BusEngine::State::probe_due(Instant now) {
+  for (DeviceIndex index = 0; index < devices.size(); ++index) {
+    DeviceRuntime& device = devices[index];
+    if (!device.health.offline() || next_probe_of(index) > now) continue;
+    Flight probe;
+    probe.kind = Flight::Kind::kProbe;
+    probe.device = index;
+    probe.request = ReadRequest{{points[*probe_point[index]].range}};
+    const auto size = device.protocol->size(probe.request);
+    const Duration wire = line.characters(size ? size->request_characters + size->answer_characters : 0) + silence;
+    const Duration spare = scheduler->slack(now) - wire;
+    probe.timeout = device.spec->timeout;
+    if (spare < probe.timeout) {
+      // Nothing to spare for a whole timeout. A while later the probe is made all the same, with what can be spared.
+      if (now < device.health.probe_at() + DeviceHealth::kLastProbe && spare < kShortestProbe) {
+        device.probe_not_before = now + kProbeRetry;
+        continue;
+      }
+      probe.timeout = std::clamp(spare, kShortestProbe, device.spec->timeout);
+    }
+    return probe;
+  }
+  return std::nullopt;
+}
+
+Instant BusEngine::State::next_probe_of(DeviceIndex index) const {
+  const DeviceRuntime& device = devices[index];
+  if (!device.health.offline() || !probe_point[index]) return kNever;
+  return std::max({device.health.probe_at(), device.quiet_until, device.paused_until, device.probe_not_before});
+}
+
+Instant BusEngine::State::next_probe() const {
+  Instant next = kNever;
+  for (DeviceIndex index = 0; index < devices.size(); ++index) next = std::min(next, next_probe_of(index));
+  return next;
+}
+
+void BusEngine::State::opened(Instant now) {
+  if (bus_state == BusState::kStopped) return;
+  bus_state = BusState::kRunning;
+  conversation.abort();
+  flight.reset();
+  free_at = now + silence;
+}
+
+void BusEngine::State::closed(const std::string& reason, Instant now, Actions& actions) {
+  if (bus_state == BusState::kStopped) return;
+  if (bus_state == BusState::kRunning) ++reopened;
+  bus_state = BusState::kClosed;
+  conversation.abort();
+  if (flight) {
+    if (flight->kind == Flight::Kind::kCommand) command_failed(Cause::kPortClosed, 0, now, actions);
+    if (flight->kind == Flight::Kind::kRead) scheduler->failed(flight->block, now, now);
+    causes.add(Cause::kPortClosed);
+  }
+  flight.reset();
+  for (ChannelIndex c = 0; c < channels.size(); ++c) channels.failing(c, Cause::kPortClosed);
+  refuse_all_commands(CommandState::kRejected, Cause::kOffline, "port is down: " + reason, now, actions);
+}
+
+void BusEngine::State::begin_lease(Instant now, Actions& actions) {
+  if (bus_state == BusState::kStopped) return;
+  conversation.abort();
+  if (flight && flight->kind == Flight::Kind::kCommand) command_failed(Cause::kLeased, 0, now, actions);
+  flight.reset();
+  bus_state = BusState::kLeased;
+  refuse_all_commands(CommandState::kRejected, Cause::kLeased, std::string(to_text(Cause::kLeased)), now, actions);
+  std::vector<Sample> out;
+  channels.all_uncertain(out);
+  if (!out.empty()) actions.push_back(Publish{std::move(out)});
+}
+
+void BusEngine::State::expire_channels(Instant now, Actions& actions) {
+  if (channels.next_expiry() > now) return;
+  std::vector<Sample> out;
+  std::vector<ChannelIndex> late;
+  channels.expire(now, out, late);
+  for (const ChannelIndex channel : late) ++devices[channels.device(channel)].deadline_misses;
+  deadline_misses += late.size();
+  samples += out.size();
+  if (!out.empty()) actions.push_back(Publish{std::move(out)});
+}
+
+void BusEngine::State::notice(Notice::Kind kind, DeviceIndex device, Cause cause, std::string text, Actions& actions) const {
+  actions.push_back(Notice{kind, spec.devices[device].name, cause, std::move(text)});
+}
+
+void BusEngine::State::traced(DeviceIndex device, std::string text, Actions& actions) const {
+  actions.push_back(Traced{spec.devices[device].name, std::move(text)});
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,163 @@
+// Reading: points from channels, samples from blocks, and what refusals and failures of blocks mean.
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+#include "core/bus/bus_state.hpp"
+#include "core/schedule/scheduler.hpp"
+
+namespace fieldcast {
+namespace {
+
+// The part of a reply that belongs to one range inside the block's ranges.
+struct Found {
+  const RangeReply* reply = nullptr;
+  ByteView items;
+};
+
+Found find_items(const Block& block, const Reply& reply, const Range& range, unsigned item_bits) {
+  for (std::size_t i = 0; i < block.ranges.size() && i < reply.size(); ++i) {
+    const Range& whole = block.ranges[i];
+    if (whole.area != range.area || range.first < whole.first || range.end() > whole.end()) continue;
+    if (reply[i].cause != Cause::kNone) return {&reply[i], {}};
+    return {
+        &reply[i],
+        ByteView(reply[i].items).subspan(image_bytes(item_bits, range.first - whole.first), image_bytes(item_bits, range.count))};
+  }
+  return {};
+}
+
+Block part_of(const Block& block, std::vector<PointIndex> points) {
+  return {block.device, block.ranges, std::move(points), block.cost};
+}
+
+}  // namespace
+
+// Channels on the same items of a device share a point.
+void BusEngine::State::make_points() {
+  std::map<std::tuple<DeviceIndex, AreaIndex, std::uint32_t, std::uint32_t>, PointIndex> known;
+  channel_point.resize(channels.size());
+  probe_point.resize(devices.size());
+  for (ChannelIndex c = 0; c < channels.size(); ++c) {
+    const ChannelSpec& channel = channels.spec(c);
+    if (channel.access == Access::kWriteOnly) continue;
+    const DeviceIndex device = channels.device(c);
+    const auto key = std::make_tuple(device, channel.range.area, channel.range.first, channel.range.count);
+    const auto [at, is_new] = known.emplace(key, static_cast<PointIndex>(points.size()));
+    if (is_new) {
+      points.push_back({device, channel.range, channel.refresh, Mode::kOnDemand, channel.priority});
+      point_channels.emplace_back();
+      if (!probe_point[device]) probe_point[device] = at->second;
+    }
+    point_channels[at->second].push_back(c);
+    channel_point[c] = at->second;
+  }
+  ScheduleInput input{line, silence, {}, {}};
+  for (const DeviceRuntime& device : devices)
+    input.devices.push_back(
+        {device.protocol.get(), Duration::zero(), device.spec->pause, device.spec->max_block, device.spec->max_gap});
+  for (PointIndex p = 0; p < points.size(); ++p) update_point(p, kLongAgo);
+  input.points = points;
+  scheduler = make_scheduler(input);
+}
+
+// A point is as urgent as the most urgent of its channels. `now` kLongAgo: the scheduler does not exist yet.
+void BusEngine::State::update_point(PointIndex index, Instant now) {
+  Point& point = points[index];
+  point.mode = Mode::kOnDemand;
+  std::optional<Duration> shortest;
+  for (const ChannelIndex c : point_channels[index]) {
+    const auto refresh = channels.refresh(c);
+    if (!refresh) continue;
+    shortest = shortest ? std::min(*shortest, *refresh) : *refresh;
+    point.priority = std::max(point.priority, channels.spec(c).priority);
+    const Mode mode = channels.spec(c).mode == Mode::kIntensive ? Mode::kIntensive : Mode::kScheduled;
+    if (point.mode != Mode::kIntensive) point.mode = mode;
+  }
+  if (shortest) point.refresh = *shortest;
+  if (now != kLongAgo) scheduler->set_point(index, point.refresh, point.mode, now);
+}
+
+void BusEngine::State::set_interest(ChannelIndex channel, std::optional<Duration> wish, Instant now, Actions& actions) {
+  if (channel >= channels.size() || !channels.spec(channel).on_interest) return;
+  channels.set_refresh(channel, wish, now);
+  actions.push_back(Promise{channel, wish});
+  if (channel_point[channel]) update_point(*channel_point[channel], now);
+}
+
+std::string BusEngine::State::point_text(PointIndex point) const { return channels.spec(point_channels[point].front()).at; }
+
+void BusEngine::State::block_read(const Flight& read, const Reply& reply, Instant now, Actions& actions) {
+  DeviceRuntime& device = devices[read.device];
+  const Instant acquired = conversation.answered();
+  std::vector<Sample> out;
+  std::vector<PointIndex> good;
+  std::vector<PointIndex> bad;
+  RangeReply refusal;
+  std::uint32_t items_read = 0;
+  for (const Range& range : read.block.ranges) items_read += range.count;
+  device.largest_block = static_cast<std::uint16_t>(std::max<std::uint32_t>(device.largest_block, items_read));
+
+  good.reserve(read.block.points.size());
+  out.reserve(read.block.points.size());
+  for (const PointIndex p : read.block.points) {
+    const Area& area = device.protocol->areas()[points[p].range.area];
+    const Found found = find_items(read.block, reply, points[p].range, area.item_bits);
+    if (!found.reply || found.reply->cause != Cause::kNone) {
+      if (found.reply) refusal = *found.reply;
+      bad.push_back(p);
+      continue;
+    }
+    good.push_back(p);
+    if (device.refused.erase(p))
+      notice(Notice::Kind::kAddressRefused, read.device, Cause::kNone, point_text(p) + " is answered again", actions);
+    for (const ChannelIndex c : point_channels[p]) channels.acquired(c, area.item_bits, found.items, acquired, out);
+  }
+  samples += out.size();
+  if (trace)
+    traced(read.device,
+           "read " + point_text(read.block.points.front()) + ".., " + std::to_string(items_read) + " items, " +
+               std::to_string(out.size()) + " samples",
+           actions);
+  if (!out.empty()) actions.push_back(Publish{std::move(out)});
+  if (!good.empty()) scheduler->acquired(part_of(read.block, std::move(good)), acquired);
+  if (!bad.empty()) {
+    std::vector<Sample> refused;
+    block_refused(part_of(read.block, std::move(bad)), refusal.cause, refusal.device_code, now, refused, actions);
+    if (!refused.empty()) actions.push_back(Publish{std::move(refused)});
+  }
+}
+
+void BusEngine::State::block_failed(const Flight& read, Cause cause, std::uint16_t code, Instant now, Actions& actions) {
+  if (cause == Cause::kDeviceError || cause == Cause::kUnsupported) {
+    std::vector<Sample> out;
+    block_refused(read.block, cause, code, now, out, actions);
+    samples += out.size();
+    if (!out.empty()) actions.push_back(Publish{std::move(out)});
+    return;
+  }
+  if (cause == Cause::kDeviceBusy) {
+    DeviceRuntime& device = devices[read.device];
+    device.paused_until = std::max(device.paused_until, now + kBusyPause);
+  }
+  for (const PointIndex p : read.block.points) {
+    for (const ChannelIndex c : point_channels[p]) channels.failing(c, cause);
+  }
+  scheduler->failed(read.block, now, now);
+}
+
+// The scheduler halves the block until the bad points stand alone; those are told at once.
+void BusEngine::State::block_refused(const Block& block, Cause cause, std::uint16_t code, Instant now, std::vector<Sample>& out,
+                                     Actions& actions) {
+  DeviceRuntime& device = devices[block.device];
+  for (const PointIndex p : scheduler->refused(block, now, kForgetRefused)) {
+    const bool news = device.refused.emplace(p, code).second;
+    for (const ChannelIndex c : point_channels[p]) channels.refused(c, cause, code, now, out);
+    if (news)
+      notice(Notice::Kind::kAddressRefused, block.device, cause,
+             point_text(p) + " is refused (code " + std::to_string(code) + "); asked again in " + to_text(kForgetRefused),
+             actions);
+  }
+}
+
+}  // namespace fieldcast

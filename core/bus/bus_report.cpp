@@ -1,0 +1,60 @@
+// What the bus and its devices say of themselves.
+#include "core/bus/bus_state.hpp"
+
+namespace fieldcast {
+namespace {
+constexpr std::size_t kMarks = 11;  // ten seconds at one report a second
+
+double share(Duration part, Duration whole) {
+  return whole > Duration::zero() ? std::min(1.0, to_seconds(part) / to_seconds(whole)) : 0.0;
+}
+}  // namespace
+
+BusReport BusEngine::bus_report(Instant now) {
+  State& s = *state_;
+  // The exchange on the wire counts as far as it has come.
+  const Duration running = s.flight ? now - s.flight->started : Duration::zero();
+  const Duration reading = s.flight && s.flight->kind == State::Flight::Kind::kRead ? running : Duration::zero();
+  const State::Mark mark{now, s.busy + running, s.reading + reading};
+  BusReport report;
+  report.state = s.bus_state;
+  if (!s.marks.empty()) {
+    report.utilisation = share(mark.busy - s.marks.back().busy, now - s.marks.back().at);
+    report.measured_load = share(mark.reading - s.marks.front().reading, now - s.marks.front().at);
+  }
+  s.marks.push_back(mark);
+  if (s.marks.size() > kMarks) s.marks.pop_front();
+  report.planned_load = s.scheduler->planned_load();
+  report.stretch = s.scheduler->stretch();
+  report.exchanges = s.exchanges;
+  report.samples = s.samples;
+  report.commands = s.commands_done;
+  report.deadline_misses = s.deadline_misses;
+  report.bytes_sent = s.conversation.bytes_sent();
+  report.bytes_received = s.conversation.bytes_received();
+  report.reopened = s.reopened;
+  report.causes = s.causes;
+  return report;
+}
+
+DeviceReport BusEngine::device_report(DeviceIndex index, Instant) const {
+  const DeviceRuntime& device = state_->devices[index];
+  DeviceReport report;
+  report.state = device.health.state();
+  report.exchanges = device.exchanges;
+  report.failures = device.failures;
+  report.retries = device.retries;
+  report.deadline_misses = device.deadline_misses;
+  report.answer_time = device.answer_time.mean();
+  report.answer_spread = device.answer_time.spread();
+  report.timeout = device.answer_time.timeout();
+  report.largest_block = device.largest_block;
+  for (const auto& [point, code] : device.refused) {
+    if (report.refused.size() == State::kMaxRefusedListed) break;
+    report.refused.push_back(state_->point_text(point));
+  }
+  report.causes = device.causes;
+  return report;
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,133 @@
+// What a BusEngine holds, and its parts: reading (bus_reads.cpp), commanding (bus_commands.cpp), deciding and events
+// (bus_engine.cpp), reporting (bus_report.cpp). Private to core/bus.
+#pragma once
+
+#include <array>
+#include <deque>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include "core/bus/bus_engine.hpp"
+#include "core/bus/channel_table.hpp"
+#include "core/bus/command_job.hpp"
+#include "core/bus/conversation.hpp"
+#include "core/bus/device_state.hpp"
+#include "core/schedule/scheduler.hpp"
+
+namespace fieldcast {
+
+struct BusEngine::State {
+  static constexpr std::size_t kMaxCommands = 1024;                       // waiting; more are answered kQueueFull
+  static constexpr Duration kForgetRefused = std::chrono::minutes{1};     // then a refused address is tried again
+  static constexpr Duration kBusyPause = std::chrono::milliseconds{100};  // after "busy"
+  static constexpr Duration kShortestProbe = std::chrono::milliseconds{10};
+  static constexpr Duration kProbeRetry = std::chrono::milliseconds{20};  // when the wire had no time for a probe
+  static constexpr std::size_t kMaxRefusedListed = 64;
+
+  // The exchange on the wire, or about to be sent again.
+  struct Flight {
+    enum class Kind : std::uint8_t { kRead, kCommand, kProbe };
+    Kind kind = Kind::kRead;
+    DeviceIndex device = 0;
+    Request request;
+    Block block;  // kRead
+    Instant started{};
+    unsigned tries = 0;
+    bool timed_out = false;  // an earlier try went unanswered: its answer may still come
+    bool waiting = false;    // for the wire to be free, to be sent again
+    Duration timeout{};
+  };
+  struct PendingCommand {
+    CommandJob job;
+    Instant received{};
+  };
+
+  explicit State(const BusSpec& bus);
+
+  // bus_engine.cpp
+  void settle(Instant now, Actions& actions);
+  void decide(Instant now, Actions& actions);
+  void tell_overload(Actions& actions);
+  void launch(Flight flight, Instant now, Actions& actions);
+  void transmit(Instant now, Actions& actions);
+  void advance(Conversation::Outcome outcome, Bytes&& out, Instant now, Actions& actions);
+  void conclude(bool done, Instant now, Actions& actions);
+  void free_wire(Instant now, Duration extra = {});
+  [[nodiscard]] bool try_again(const Flight& flight, Cause cause) const;
+  void device_answered(DeviceIndex device, Actions& actions);
+  void device_failed(DeviceIndex device, Cause cause, Instant now, Actions& actions);
+  void opened(Instant now);
+  void closed(const std::string& reason, Instant now, Actions& actions);
+  void begin_lease(Instant now, Actions& actions);
+  void expire_channels(Instant now, Actions& actions);
+  void set_interest(ChannelIndex channel, std::optional<Duration> wish, Instant now, Actions& actions);
+  [[nodiscard]] std::optional<Flight> probe_due(Instant now);
+  [[nodiscard]] Instant next_probe_of(DeviceIndex device) const;
+  [[nodiscard]] Instant next_probe() const;
+  void rest_device(DeviceIndex device, Instant now);
+  void notice(Notice::Kind kind, DeviceIndex device, Cause cause, std::string text, Actions& actions) const;
+  void traced(DeviceIndex device, std::string text, Actions& actions) const;
+
+  // bus_reads.cpp
+  void make_points();
+  void block_read(const Flight& flight, const Reply& reply, Instant now, Actions& actions);
+  void block_failed(const Flight& flight, Cause cause, std::uint16_t code, Instant now, Actions& actions);
+  void block_refused(const Block& block, Cause cause, std::uint16_t code, Instant now, std::vector<Sample>& samples,
+                     Actions& actions);
+  [[nodiscard]] std::string point_text(PointIndex point) const;
+  void update_point(PointIndex point, Instant now);
+
+  // bus_commands.cpp
+  void accept(const Command& command, Instant now, Actions& actions);
+  [[nodiscard]] std::optional<CommandFault> refuse(const Command& command, DeviceIndex device, Instant now) const;
+  [[nodiscard]] std::optional<Flight> next_command(Instant now);
+  void command_done(const Reply& reply, Instant now, Actions& actions);
+  void command_failed(Cause cause, std::uint16_t code, Instant now, Actions& actions);
+  void finish_command(Instant now, Actions& actions);
+  void expire_commands(Instant now, Actions& actions);
+  void refuse_all_commands(CommandState state, Cause cause, const std::string& reason, Instant now, Actions& actions);
+  [[nodiscard]] Instant next_command_expiry() const;
+
+  BusSpec spec;
+  LineFormat line;
+  Duration silence;
+  std::vector<DeviceRuntime> devices;
+  ChannelTable channels;
+  std::unordered_map<std::string_view, DeviceIndex> device_names;
+
+  std::vector<Point> points;
+  std::vector<std::vector<ChannelIndex>> point_channels;  // of each point
+  std::vector<std::optional<PointIndex>> channel_point;   // of each channel; nothing for write-only ones
+  std::vector<std::optional<PointIndex>> probe_point;     // of each device: the cheapest to ask
+  std::vector<std::optional<Duration>> wishes;            // of each channel
+  std::unique_ptr<Scheduler> scheduler;
+
+  Conversation conversation;
+  std::optional<Flight> flight;
+  std::deque<PendingCommand> commands;
+  bool job_active = false;          // the first of commands has begun
+  bool command_was_last = false;    // then a read that is due goes first
+  std::vector<Instant> last_write;  // of each channel
+  BusState bus_state = BusState::kOpening;
+  Instant free_at = kLongAgo;  // the wire must be silent until then
+  Instant rest_until = kLongAgo;
+  Instant timer = kNever;  // as last told to the shell
+  bool begun = false;
+  bool trace = false;
+  bool overloaded = false;
+
+  // reporting
+  std::uint64_t exchanges = 0, samples = 0, commands_done = 0, deadline_misses = 0, reopened = 0;
+  CauseCounters causes;
+  Duration busy{};     // wire time spent, in total
+  Duration reading{};  // of it for reads
+  struct Mark {
+    Instant at{};
+    Duration busy{};
+    Duration reading{};
+  };
+  std::deque<Mark> marks;  // one for each report, the last ten seconds
+};
+
+}  // namespace fieldcast

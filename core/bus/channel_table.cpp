@@ -1,0 +1,170 @@
+#include "core/bus/channel_table.hpp"
+
+#include <cmath>
+
+namespace fieldcast {
+namespace {
+
+Value zero_of(const Encoding& encoding) {
+  if (encoding.type == ValueType::kBool) return false;
+  if (encoding.type == ValueType::kString) return std::string{};
+  if (encoding.scaled() || encoding.type == ValueType::kFloat32 || encoding.type == ValueType::kFloat64) return 0.0;
+  switch (encoding.type) {
+    case ValueType::kInt16:
+    case ValueType::kInt32:
+    case ValueType::kInt64: return std::int64_t{0};
+    default: return std::uint64_t{0};
+  }
+}
+
+std::optional<double> number_of(const Value& value) {
+  if (const auto* d = std::get_if<double>(&value)) return *d;
+  if (const auto* i = std::get_if<std::int64_t>(&value)) return static_cast<double>(*i);
+  if (const auto* u = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*u);
+  return std::nullopt;
+}
+
+bool moved(const Value& a, const Value& b, double deadband) {
+  const auto x = number_of(a);
+  const auto y = number_of(b);
+  return x && y ? std::abs(*x - *y) > deadband : a != b;
+}
+
+}  // namespace
+
+ChannelTable::ChannelTable(const BusSpec& bus) : names_(bus.devices.size()) {
+  DeviceIndex device = 0;
+  for (const DeviceSpec& spec : bus.devices) {
+    first_.push_back(static_cast<ChannelIndex>(entries_.size()));
+    for (const ChannelSpec& channel : spec.channels) {
+      const auto index = static_cast<ChannelIndex>(entries_.size());
+      Entry entry;
+      entry.spec = &channel;
+      entry.device = device;
+      entry.last.channel = index;
+      entry.last.value = zero_of(channel.encoding);
+      if (channel.mode != Mode::kOnDemand && channel.access != Access::kWriteOnly && !channel.on_interest)
+        entry.refresh = channel.refresh;
+      entries_.push_back(std::move(entry));
+      names_[device].emplace(channel.name, index);
+    }
+    ++device;
+  }
+  first_.push_back(static_cast<ChannelIndex>(entries_.size()));
+}
+
+std::optional<ChannelIndex> ChannelTable::find(DeviceIndex device, std::string_view name) const {
+  const auto found = names_[device].find(name);
+  if (found == names_[device].end()) return std::nullopt;
+  return found->second;
+}
+
+std::optional<Duration> ChannelTable::refresh(ChannelIndex channel) const { return entries_[channel].refresh; }
+
+void ChannelTable::set_refresh(ChannelIndex channel, std::optional<Duration> refresh, Instant now) {
+  Entry& entry = entries_[channel];
+  entry.refresh = refresh;
+  entry.late = false;
+  rearm(channel, now);
+}
+
+void ChannelTable::rearm(ChannelIndex channel, Instant from) {
+  Entry& entry = entries_[channel];
+  entry.due = entry.refresh ? from + *entry.refresh : kNever;
+  if (entry.due >= entry.queued) return;  // the entry already queued comes first and is put back then
+  expiries_.push({entry.due, channel});
+  entry.queued = entry.due;
+}
+
+bool ChannelTable::held_back(const Entry& entry, const Value& value, Instant acquired) const {
+  if (!entry.spec->deadband || entry.last.quality != Quality::kGood) return false;
+  if (moved(value, entry.last.value, *entry.spec->deadband)) return false;
+  const Duration heartbeat = entry.spec->heartbeat.value_or(entry.spec->refresh);
+  // The next acquisition may come a whole refresh later: is there still time for it?
+  return acquired + entry.spec->refresh <= entry.published + heartbeat;
+}
+
+void ChannelTable::publish(Entry& entry, std::vector<Sample>& out, Instant when) {
+  ++entry.last.sequence;
+  entry.published = when;
+  out.push_back(entry.last);
+}
+
+void ChannelTable::acquired(ChannelIndex channel, unsigned item_bits, ByteView items, Instant acquired,
+                            std::vector<Sample>& out) {
+  Entry& entry = entries_[channel];
+  entry.late = false;
+  auto value = decode_value(entry.spec->encoding, item_bits, items);
+  rearm(channel, acquired);
+  if (!value) {
+    entry.cause = value.error();
+    entry.last.quality = quality_of(value.error());
+    entry.last.device_code = 0;
+    publish(entry, out, acquired);
+    return;
+  }
+  entry.cause = Cause::kNone;
+  if (held_back(entry, *value, acquired)) return;
+  entry.last.value = std::move(*value);
+  entry.last.quality = Quality::kGood;
+  entry.last.device_code = 0;
+  entry.last.acquired = acquired;
+  publish(entry, out, acquired);
+}
+
+void ChannelTable::refused(ChannelIndex channel, Cause cause, std::uint16_t device_code, Instant now, std::vector<Sample>& out) {
+  Entry& entry = entries_[channel];
+  const Quality quality = quality_of(cause);
+  entry.cause = cause;
+  if (entry.late && entry.last.quality == quality && entry.last.device_code == device_code) return;
+  entry.late = true;  // told: the missed refresh that follows is no news
+  entry.last.quality = quality;
+  entry.last.device_code = device_code;
+  publish(entry, out, now);
+}
+
+void ChannelTable::start(Instant now) {
+  for (ChannelIndex channel = 0; channel < entries_.size(); ++channel) {
+    if (!entries_[channel].late) rearm(channel, now);
+  }
+}
+
+void ChannelTable::expire(Instant now, std::vector<Sample>& out, std::vector<ChannelIndex>& late) {
+  while (!expiries_.empty() && expiries_.top().at <= now) {
+    const auto [at, channel] = expiries_.top();
+    expiries_.pop();
+    Entry& entry = entries_[channel];
+    if (at != entry.queued) continue;
+    entry.queued = kNever;
+    if (entry.due == kNever) continue;
+    if (entry.due > now) {
+      expiries_.push({entry.due, channel});
+      entry.queued = entry.due;
+      continue;
+    }
+    entry.due = kNever;  // armed again by the next acquisition
+    if (entry.late) continue;
+    entry.late = true;
+    late.push_back(channel);
+    entry.last.quality = entry.cause == Cause::kNone ? Quality::kUncertain : quality_of(entry.cause);
+    if (entry.last.quality == Quality::kGood) entry.last.quality = Quality::kUncertain;
+    publish(entry, out, now);
+  }
+}
+
+void ChannelTable::all_uncertain(std::vector<Sample>& out) {
+  for (Entry& entry : entries_) {
+    if (entry.last.quality != Quality::kGood) continue;
+    entry.last.quality = Quality::kUncertain;
+    entry.late = true;
+    publish(entry, out, entry.published);
+  }
+}
+
+void ChannelTable::not_yet_read(std::vector<Sample>& out) {
+  for (Entry& entry : entries_) {
+    if (!entry.refresh && entry.last.sequence == 0) publish(entry, out, kLongAgo);
+  }
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,81 @@
+// The channels of one bus at run time: their last samples, what is to be published, and when a promise breaks.
+// Owned by the bus engine.
+#pragma once
+
+#include <optional>
+#include <queue>
+#include <span>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "core/model/sample.hpp"
+#include "core/model/spec.hpp"
+#include "core/schedule/scheduler.hpp"
+
+namespace fieldcast {
+
+class ChannelTable {
+ public:
+  explicit ChannelTable(const BusSpec& bus);  // bus outlives the table
+
+  [[nodiscard]] std::size_t size() const { return entries_.size(); }
+  [[nodiscard]] const ChannelSpec& spec(ChannelIndex channel) const { return *entries_[channel].spec; }
+  [[nodiscard]] DeviceIndex device(ChannelIndex channel) const { return entries_[channel].device; }
+  [[nodiscard]] ChannelIndex first_of(DeviceIndex device) const { return first_[device]; }
+  [[nodiscard]] ChannelIndex end_of(DeviceIndex device) const { return first_[device + 1u]; }
+  [[nodiscard]] std::optional<ChannelIndex> find(DeviceIndex device, std::string_view name) const;
+
+  // The refresh in force; nothing while nobody is promised anything (on demand, no interest).
+  [[nodiscard]] std::optional<Duration> refresh(ChannelIndex channel) const;
+  void set_refresh(ChannelIndex channel, std::optional<Duration> refresh, Instant now);
+
+  // New items arrived at `acquired`: appends a sample unless the deadband holds it back.
+  void acquired(ChannelIndex channel, unsigned item_bits, ByteView items, Instant acquired, std::vector<Sample>& out);
+  // The device refused the channel's address: published at once, and once until it changes.
+  void refused(ChannelIndex channel, Cause cause, std::uint16_t device_code, Instant now, std::vector<Sample>& out);
+  // The cause that a missed refresh will show.
+  void failing(ChannelIndex channel, Cause cause) { entries_[channel].cause = cause; }
+
+  // Starts the clock of every promise: a channel that is not read within its refresh from `now` is late.
+  void start(Instant now);
+  // Publishes, once, the last value of each channel whose refresh ran out by `now`, with a bad quality. Appends the late
+  // channels.
+  void expire(Instant now, std::vector<Sample>& out, std::vector<ChannelIndex>& late);
+  [[nodiscard]] Instant next_expiry() const { return expiries_.empty() ? kNever : expiries_.top().at; }
+
+  // Every channel's last value once more as UNCERTAIN (the bus was leased).
+  void all_uncertain(std::vector<Sample>& out);
+  // First samples of channels that are only read when somebody asks, so that stations see that they exist.
+  void not_yet_read(std::vector<Sample>& out);
+
+ private:
+  struct Entry {
+    const ChannelSpec* spec = nullptr;
+    DeviceIndex device = 0;
+    std::optional<Duration> refresh;
+    Sample last;
+    Cause cause = Cause::kNone;
+    Instant due = kNever;  // when the promise breaks
+    Instant published = kLongAgo;
+    Instant queued = kNever;  // the one valid entry in expiries_
+    bool late = false;        // already told
+  };
+  struct Expiry {
+    Instant at;
+    ChannelIndex channel;
+    friend bool operator>(const Expiry& a, const Expiry& b) { return a.at > b.at; }
+  };
+
+  void rearm(ChannelIndex channel, Instant from);
+  void publish(Entry& entry, std::vector<Sample>& out, Instant when);
+  [[nodiscard]] bool held_back(const Entry& entry, const Value& value, Instant acquired) const;
+
+  std::vector<Entry> entries_;
+  std::vector<ChannelIndex> first_;  // of each device, and the end
+  std::vector<std::unordered_map<std::string_view, ChannelIndex>> names_;
+  // Lazy: an entry may be older than its channel's promise and is then put back; one that is not the channel's `queued` is dead.
+  std::priority_queue<Expiry, std::vector<Expiry>, std::greater<>> expiries_;
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,107 @@
+// One command on its way: which exchanges it still needs, and what it has come to. Checked before it exists, so a job is always
+// legal. Pure; owned by the bus engine's queue.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "core/model/command.hpp"
+#include "core/model/sample.hpp"
+#include "core/model/spec.hpp"
+#include "core/protocol/protocol.hpp"
+
+namespace fieldcast {
+
+// Why a command never reaches the wire.
+struct CommandFault {
+  Cause cause = Cause::kNone;
+  std::string reason;
+};
+
+// Something that a command reads or writes: a channel, or a stretch of items by address.
+struct CommandSubject {
+  Range range;
+  Encoding encoding;
+  std::optional<ChannelIndex> channel;
+  bool readable = true;
+};
+
+class CommandJob {
+ public:
+  // Values that one acquisition by address may ask for.
+  static constexpr std::uint32_t kMaxCount = 1000;
+
+  // `first_channel` is the index of the device's first channel on the bus. `protocol` outlives the job.
+  static tl::expected<CommandJob, CommandFault> make(const Command& command, const DeviceSpec& device, DeviceIndex index,
+                                                     ChannelIndex first_channel, const Protocol& protocol);
+
+  // The next request; nothing when the command is finished and result() is final.
+  [[nodiscard]] std::optional<Request> next() const;
+  void answered(const Reply& reply);
+  void failed(Cause cause, std::uint16_t device_code);
+  // A line that may echo cannot confirm a write whose answer equals its request.
+  void use_distinct_answers() { distinct_ = true; }
+
+  [[nodiscard]] DeviceIndex device() const { return device_; }
+  [[nodiscard]] const Command& command() const { return command_; }
+  [[nodiscard]] bool started() const { return started_.has_value(); }
+  void start(Instant now) {
+    if (!started_) started_ = now;
+  }
+
+  // Items that were read, with the channels they belong to: to be published as samples.
+  struct Acquired {
+    ChannelIndex channel;
+    unsigned item_bits;
+    ByteView items;
+  };
+  [[nodiscard]] std::vector<Acquired> acquired() const;
+  // The channel that a write went to, when it went to one.
+  [[nodiscard]] std::optional<ChannelIndex> written_channel() const;
+
+  [[nodiscard]] CommandResult result(Instant received, Instant completed) const;
+
+ private:
+  enum class Phase { kReadBefore, kWrite, kReadBack, kAcquire, kFinished };
+
+  CommandJob(const Command& command, DeviceIndex device, const Protocol& protocol)
+      : command_(command), device_(device), protocol_(&protocol) {}
+
+  [[nodiscard]] tl::expected<void, CommandFault> prepare_write(const ChannelSpec* channel);
+  [[nodiscard]] tl::expected<void, CommandFault> prepare_acquire();
+  [[nodiscard]] tl::expected<void, CommandFault> find_subjects(const DeviceSpec& device, ChannelIndex first_channel);
+  [[nodiscard]] tl::expected<void, CommandFault> find_channels(const DeviceSpec& device, const std::string& name,
+                                                               ChannelIndex first_channel);
+  [[nodiscard]] tl::expected<void, CommandFault> find_address(const DeviceSpec& device, const AddressTarget& target);
+  [[nodiscard]] const Area& area(const Range& range) const { return protocol_->areas()[range.area]; }
+  [[nodiscard]] WriteRequest write_request() const;
+  [[nodiscard]] bool reads_back_same(ByteView items) const;
+  [[nodiscard]] ByteView items_of(const CommandSubject& subject) const;
+  void finish(CommandState state, Cause cause = Cause::kNone, std::uint16_t device_code = 0, std::string reason = {});
+  void wrote();
+
+  Command command_;
+  DeviceIndex device_ = 0;
+  const Protocol* protocol_ = nullptr;
+  std::vector<CommandSubject> subjects_;
+  Bytes image_;                      // what is to be written
+  std::optional<std::uint8_t> bit_;  // only this bit of the one item
+  bool merge_needed_ = false;        // read, change the bit, write
+  bool distinct_ = false;
+  bool in_doubt_ = false;  // a write went unanswered: reading back tells whether it took effect
+  unsigned rewrites_ = 0;
+  unsigned max_rewrites_ = 0;
+  std::vector<Range> reads_;       // of an acquisition
+  std::vector<Bytes> read_items_;  // what came of them, as far as read
+  Bytes read_back_;
+  Phase phase_ = Phase::kFinished;
+  CommandState state_ = CommandState::kFailed;
+  Cause cause_ = Cause::kNone;
+  std::uint16_t device_code_ = 0;
+  std::string reason_;
+  std::optional<Instant> started_;
+};
+
+}  // namespace fieldcast

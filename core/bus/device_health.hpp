@@ -1,0 +1,36 @@
+// Whether a device is there: online, degraded, offline; and when a silent one is asked again.
+// Pure value, one for each device, owned by the bus engine.
+#pragma once
+
+#include "core/base/cause.hpp"
+#include "core/base/time.hpp"
+#include "core/model/status.hpp"
+
+namespace fieldcast {
+
+class DeviceHealth {
+ public:
+  // This many exchanges in a row without an answer, retries included in each, take a device offline.
+  static constexpr unsigned kFailuresToOffline = 2;
+  static constexpr Duration kFirstProbe = std::chrono::milliseconds{500};
+  static constexpr Duration kLastProbe = std::chrono::seconds{30};
+
+  // Each returns true when the state changed.
+  bool answered();                        // any valid answer, an exception too
+  bool failed(Cause cause, Instant now);  // an exchange with all its retries
+
+  [[nodiscard]] DeviceState state() const { return state_; }
+  [[nodiscard]] bool offline() const { return state_ == DeviceState::kOffline; }
+  [[nodiscard]] Cause cause() const { return cause_; }          // of the last failure; kNone when online
+  [[nodiscard]] Instant probe_at() const { return probe_at_; }  // when offline
+  void postpone_probe(Instant until) { probe_at_ = until; }
+
+ private:
+  DeviceState state_ = DeviceState::kUnknown;
+  Cause cause_ = Cause::kNone;
+  unsigned failures_ = 0;
+  Duration probe_interval_ = kFirstProbe;
+  Instant probe_at_ = kNever;
+};
+
+}  // namespace fieldcast

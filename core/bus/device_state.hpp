@@ -1,0 +1,35 @@
+// One device of a bus at run time. Plain state; the engine's parts read and change it.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "core/bus/answer_time.hpp"
+#include "core/bus/device_health.hpp"
+#include "core/model/spec.hpp"
+#include "core/protocol/protocol.hpp"
+#include "core/schedule/scheduler.hpp"
+
+namespace fieldcast {
+
+struct DeviceRuntime {
+  const DeviceSpec* spec = nullptr;
+  std::unique_ptr<Protocol> protocol;
+  AnswerTime answer_time;
+  DeviceHealth health;
+  std::uint16_t sequence = 0;                   // of exchanges, for ExchangeContext
+  Instant quiet_until = kLongAgo;               // a late answer may come until then: nothing but the same request again
+  Instant paused_until = kLongAgo;              // the device wants a rest
+  Instant probe_not_before = kLongAgo;          // the wire had no time for a probe
+  bool resting = false;                         // the scheduler was told to leave it alone
+  std::map<PointIndex, std::uint16_t> refused;  // points refused at present, with the device's code
+  std::uint16_t largest_block = 0;              // items, accepted so far
+  std::uint64_t exchanges = 0, failures = 0, retries = 0, deadline_misses = 0;
+  CauseCounters causes;
+
+  [[nodiscard]] bool free_at(Instant now) const { return now >= quiet_until && now >= paused_until; }
+};
+
+}  // namespace fieldcast
