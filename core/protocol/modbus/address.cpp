@@ -1,0 +1,133 @@
+// Address notations (areas.hpp).
+#include <algorithm>
+#include <charconv>
+#include <optional>
+#include <string>
+
+#include "core/protocol/modbus/areas.hpp"
+#include "core/protocol/near_miss.hpp"
+
+namespace fieldcast::modbus {
+namespace {
+
+constexpr std::uint32_t kLastAddress = 65535;
+constexpr std::string_view kAllowed =
+    "coil:N, input:N, holding:N, holding:N.BIT, input-register:N with N 0..65535 (or 0x0..0xFFFF) and BIT 0..15, or a reference "
+    "00001.., 10001.., 30001.., 40001.. (counted from 1)";
+
+struct Word {
+  std::string_view name;
+  Table table;
+};
+constexpr std::array kWords{Word{"coil", Table::kCoil}, Word{"input", Table::kInput}, Word{"discrete-input", Table::kInput},
+                            Word{"holding", Table::kHolding}, Word{"input-register", Table::kInputRegister}};
+// What people write from other tools' habit; understood for the suggestion only.
+constexpr std::array kHabits{Word{"coils", Table::kCoil},
+                             Word{"inputs", Table::kInput},
+                             Word{"discrete", Table::kInput},
+                             Word{"di", Table::kInput},
+                             Word{"hr", Table::kHolding},
+                             Word{"holding-register", Table::kHolding},
+                             Word{"holding_register", Table::kHolding},
+                             Word{"register", Table::kHolding},
+                             Word{"ir", Table::kInputRegister},
+                             Word{"input_register", Table::kInputRegister}};
+
+std::string_view name_of(Table table) { return areas(false)[static_cast<std::size_t>(table)].name; }
+bool holds_bits(Table table) { return table == Table::kCoil || table == Table::kInput; }
+
+using Parsed = tl::expected<ParsedAddress, AddressFault>;
+
+Parsed fault(std::string what, std::string suggestion = {}) {
+  return tl::unexpected(AddressFault{std::move(what), std::string(kAllowed), std::move(suggestion)});
+}
+
+std::string quoted(std::string_view text) { return "'" + std::string(text.substr(0, 64)) + "'"; }
+
+// The whole text as a number; nothing for anything else. Numbers too large for 32 bits come back as the largest.
+std::optional<std::uint32_t> number(std::string_view text) {
+  const bool hex = text.starts_with("0x") || text.starts_with("0X");
+  if (hex) text.remove_prefix(2);
+  std::uint32_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, hex ? 16 : 10);
+  if (text.empty() || end != text.data() + text.size()) return std::nullopt;
+  return error == std::errc{} ? value : UINT32_MAX;
+}
+
+ParsedAddress address(Table table, std::uint32_t first, std::optional<std::uint8_t> bit = {}) {
+  ParsedAddress parsed{.area = static_cast<AreaIndex>(table), .first = first, .bit = bit};
+  if (holds_bits(table) || bit) parsed.width_bits = 1;
+  return parsed;
+}
+
+std::string suggest_area(std::string_view area, std::string_view rest) {
+  for (const Word& habit : kHabits) {
+    if (habit.name == area) return std::string(name_of(habit.table)) + ":" + std::string(rest);
+  }
+  std::array<std::string_view, kWords.size()> names;
+  std::transform(kWords.begin(), kWords.end(), names.begin(), [](const Word& word) { return word.name; });
+  const std::string_view near = near_miss(area, names);
+  return near.empty() ? std::string{} : std::string(near) + ":" + std::string(rest.empty() ? "0" : rest);
+}
+
+// "holding:100.5"
+Parsed parse_named(std::string_view area, std::string_view rest) {
+  const auto word = std::find_if(kWords.begin(), kWords.end(), [&](const Word& candidate) { return candidate.name == area; });
+  if (word == kWords.end()) return fault("area " + quoted(area) + " is unknown", suggest_area(area, rest));
+
+  const std::size_t dot = rest.find('.');
+  const auto first = number(rest.substr(0, dot));
+  const std::string prefix = std::string(word->name) + ":";
+  if (!first) return fault(quoted(rest.substr(0, dot)) + " is no number", prefix + "0");
+  if (*first > kLastAddress) return fault("address " + quoted(rest.substr(0, dot)) + " is beyond 65535", prefix + "65535");
+  if (dot == std::string_view::npos) return address(word->table, *first);
+
+  const std::string whole = prefix + std::string(rest.substr(0, dot));
+  if (holds_bits(word->table)) return fault("a " + std::string(word->name) + " is a bit itself and has no bits", whole);
+  const auto bit = number(rest.substr(dot + 1));
+  if (!bit || *bit > 15) return fault("bit " + quoted(rest.substr(dot + 1)) + " is not 0..15", whole + ".0");
+  return address(word->table, *first, static_cast<std::uint8_t>(*bit));
+}
+
+// "40101": first digit the table, the rest counts from 1; five digits reach 9999, six digits 65536. A bit may follow a dot.
+Parsed parse_reference(std::string_view at) {
+  const std::size_t dot = at.find('.');
+  const std::string_view digits = at.substr(0, dot);
+  if (digits.size() != 5 && digits.size() != 6) {
+    std::string near = digits.size() < 5 ? "holding:" + std::string(digits) : std::string{};
+    return fault("reference " + quoted(digits) + " has not 5 or 6 digits", std::move(near));
+  }
+  Table table{};
+  switch (digits.front()) {
+    case '0': table = Table::kCoil; break;
+    case '1': table = Table::kInput; break;
+    case '3': table = Table::kInputRegister; break;
+    case '4': table = Table::kHolding; break;
+    default: return fault("reference " + quoted(digits) + " does not begin with 0, 1, 3 or 4");
+  }
+  const std::uint32_t counted = *number(digits.substr(1));
+  if (counted == 0) return fault("references count from 1", std::string(digits.substr(0, digits.size() - 1)) + "1");
+  if (counted > kLastAddress + 1) return fault("reference " + quoted(digits) + " is beyond " + digits.front() + "65536");
+  if (dot == std::string_view::npos) return address(table, counted - 1);
+  return parse_named(name_of(table), std::to_string(counted - 1) + std::string(at.substr(dot)));
+}
+
+}  // namespace
+
+tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) {
+  if (const std::size_t colon = at.find(':'); colon != std::string_view::npos) {
+    return parse_named(at.substr(0, colon), at.substr(colon + 1));
+  }
+  const std::size_t digits = at.find_first_not_of("0123456789");
+  const std::string_view number_part = at.substr(0, digits);
+  if (!number_part.empty() && (number_part.size() == at.size() || at[number_part.size()] == '.')) return parse_reference(at);
+  // "holding100": the colon forgotten.
+  const std::size_t first_digit = at.find_first_of("0123456789");
+  if (first_digit != std::string_view::npos && first_digit > 0) {
+    const std::string near = suggest_area(at.substr(0, first_digit), at.substr(first_digit));
+    return fault(quoted(at) + " is no address", near);
+  }
+  return fault(quoted(at) + " is no address");
+}
+
+}  // namespace fieldcast::modbus

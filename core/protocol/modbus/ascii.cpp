@@ -1,0 +1,144 @@
+// ASCII: `:` begins a frame at any time, CR LF ends it; what stands between frames is ignored
+// (Modbus over Serial Line V1.02, 2.5.2).
+#include <algorithm>
+
+#include "core/codec/checksum.hpp"
+#include "core/protocol/modbus/framing.hpp"
+
+namespace fieldcast::modbus {
+namespace {
+
+constexpr std::size_t kMarks = 3;        // ':' CR LF
+constexpr std::size_t kMaxDigits = 510;  // unit, 253 bytes, LRC
+constexpr std::uint8_t kColon = ':';
+constexpr std::uint8_t kCr = '\r';
+constexpr std::uint8_t kLf = '\n';
+
+std::size_t frame_size(std::size_t pdu_size) { return kMarks + 2 * (pdu_size + 2); }
+
+void append_hex(Bytes& out, std::uint8_t byte) {
+  static constexpr char kDigits[] = "0123456789ABCDEF";
+  out.push_back(static_cast<std::uint8_t>(kDigits[byte >> 4]));
+  out.push_back(static_cast<std::uint8_t>(kDigits[byte & 15]));
+}
+
+void wrap(const Ticket& ticket, ByteView pdu, Bytes& out) {
+  out.push_back(kColon);
+  append_hex(out, ticket.unit);
+  for (const std::uint8_t byte : pdu) append_hex(out, byte);
+  append_hex(out, static_cast<std::uint8_t>(lrc8(pdu) - ticket.unit));
+  out.push_back(kCr);
+  out.push_back(kLf);
+}
+
+// Lower case is no digit of the standard, but devices that send it mean what they say.
+int digit(std::uint8_t c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  return -1;
+}
+
+// The bytes that pairs of digits spell, into the scratch; an odd last digit is left out. Nothing for any other character.
+std::optional<ByteView> spelt(ByteView digits, Scratch& scratch) {
+  const std::size_t count = std::min(digits.size() / 2, scratch.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    const int high = digit(digits[2 * i]);
+    const int low = digit(digits[2 * i + 1]);
+    if (high < 0 || low < 0) return std::nullopt;
+    scratch[i] = static_cast<std::uint8_t>(high << 4 | low);
+  }
+  return ByteView(scratch).first(count);
+}
+
+class Search {
+ public:
+  Search(ByteView all, const Ticket& ticket, const Question& question, Scratch& scratch)
+      : all_(all), unit_(ticket.unit), question_(question), scratch_(scratch) {}
+
+  Sighting run() {
+    auto colon = std::find(all_.begin(), all_.end(), kColon);
+    if (colon != all_.begin()) noise_ = std::any_of(all_.begin(), colon, [](auto byte) { return byte != 0x00 && byte != 0xFF; });
+    while (colon != all_.end() && result_.pdu.empty()) {
+      const auto next = std::find(colon + 1, all_.end(), kColon);
+      look({colon + 1, next}, next == all_.end());
+      colon = next;
+    }
+    if (result_.pdu.empty()) result_.cause = cause();
+    return result_;
+  }
+
+ private:
+  // What stands between a colon and the next, or the end of what has come.
+  void look(ByteView text, bool open) {
+    const auto cr = std::find(text.begin(), text.end(), kCr);
+    const ByteView digits(text.begin(), cr);
+    const auto bytes = spelt(digits, scratch_);
+    if (!bytes || digits.size() > kMaxDigits) return spoil();
+    const auto behind = static_cast<std::size_t>(text.end() - cr);  // CR and what follows
+    if (behind < 2) {
+      if (open)
+        begin(*bytes, text.size());
+      else
+        broken_ = true;
+      return;
+    }
+    if (*(cr + 1) != kLf || digits.size() % 2 != 0 || bytes->size() < 3 || sum8(*bytes) != 0) return spoil();
+    whole(*bytes);
+  }
+
+  void whole(ByteView frame) {
+    const ByteView pdu = frame.subspan(1, frame.size() - 2);
+    const Verdict verdict = frame[0] == unit_ ? question_.judge(pdu) : Verdict::kForeign;
+    if (verdict == Verdict::kAnswer || verdict == Verdict::kException) {
+      result_.pdu = pdu;
+      result_.kind = verdict == Verdict::kAnswer ? Sighting::Kind::kAnswer : Sighting::Kind::kException;
+      return;
+    }
+    (verdict == Verdict::kMismatch ? mismatch_ : foreign_) = true;
+    result_.kind = Sighting::Kind::kNothing;  // whatever was broken before, the line speaks clearly now: the wait goes on
+    result_.missing = 0;
+  }
+
+  void begin(ByteView bytes, std::size_t came) {
+    const bool exception = bytes.size() > 1 && (bytes[1] & kExceptionFlag) != 0;
+    const std::size_t length = frame_size(exception ? 2 : question_.answer_size()) - 1;  // behind the colon
+    result_.kind = Sighting::Kind::kBegun;
+    result_.missing = static_cast<std::uint32_t>(came < length ? length - came : 1);
+    truncated_ = true;
+  }
+
+  void spoil() {
+    broken_ = true;
+    result_.kind = Sighting::Kind::kBegun;
+    result_.missing = 0;
+  }
+
+  Cause cause() const {
+    if (mismatch_) return Cause::kMalformed;
+    if (truncated_) return Cause::kTruncated;
+    if (broken_) return Cause::kChecksum;
+    if (foreign_) return Cause::kForeign;
+    return noise_ ? Cause::kMalformed : Cause::kNoAnswer;
+  }
+
+  const ByteView all_;
+  const std::uint8_t unit_;
+  const Question& question_;
+  Scratch& scratch_;
+  Sighting result_;
+  bool truncated_ = false, mismatch_ = false, foreign_ = false, broken_ = false, noise_ = false;
+};
+
+Sighting find(ByteView all, const Ticket& ticket, const Question& question, Scratch& scratch) {
+  return Search(all, ticket, question, scratch).run();
+}
+
+}  // namespace
+
+const Framing& ascii_framing() {
+  static constexpr Framing framing{frame_size, wrap, find};
+  return framing;
+}
+
+}  // namespace fieldcast::modbus

@@ -1,0 +1,32 @@
+// One Modbus conversation: a request, and its answer.
+#pragma once
+
+#include "core/protocol/modbus/framing.hpp"
+#include "core/protocol/protocol.hpp"
+
+namespace fieldcast::modbus {
+
+class ModbusExchange final : public Exchange {
+ public:
+  // REQUIRES: pdu_sizes(request, options) holds a value.
+  ModbusExchange(const Framing& framing, Ticket ticket, const Request& request, const Options& options)
+      : framing_(framing), ticket_(ticket), question_(request, options) {}
+
+  Step start(Bytes& out) override;
+  Step on_bytes(ByteView all, Bytes& out) override;
+  Step on_silence(Bytes& out) override;
+  const Reply& reply() const override { return reply_; }
+
+ private:
+  Step take(ByteView pdu);
+
+  const Framing& framing_;
+  const Ticket ticket_;
+  const Question question_;
+  Scratch scratch_;
+  Reply reply_;
+  Cause silence_ = Cause::kNoAnswer;  // what silence means after what came last
+  Bytes fallback_;                    // the answer, if silence shows that what stood before it was noise
+};
+
+}  // namespace fieldcast::modbus

@@ -1,0 +1,151 @@
+// Frames for people: the three framings around explain_pdu().
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "core/codec/checksum.hpp"
+#include "core/protocol/modbus/explain_pdu.hpp"
+#include "core/protocol/modbus/framing.hpp"
+
+namespace fieldcast::modbus {
+namespace {
+
+constexpr std::size_t kMaxExplained = 4096;  // bytes; the rest is remarked
+constexpr std::size_t kMaxFrame = 256;
+
+std::string surplus_text(std::size_t count) { return std::to_string(count) + " bytes behind the frame"; }
+
+Bytes crc_bytes(ByteView bytes) {
+  const std::uint16_t crc = crc16_modbus(bytes);
+  return {static_cast<std::uint8_t>(crc), static_cast<std::uint8_t>(crc >> 8)};
+}
+bool crc_is_right(ByteView frame) {
+  return frame.size() >= 4 && std::ranges::equal(crc_bytes(frame.first(frame.size() - 2)), frame.last(2));
+}
+
+// How long the first frame is: the whole, or as long as its fields say when a right CRC confirms it.
+std::size_t first_frame(ByteView bytes) {
+  if (crc_is_right(bytes) && bytes.size() <= kMaxFrame) return bytes.size();
+  if (bytes.size() < 2) return bytes.size();
+  for (const std::size_t pdu : {answer_pdu_size(bytes.subspan(1)), request_pdu_size(bytes.subspan(1))}) {
+    if (pdu != 0 && pdu + 3 <= bytes.size() && crc_is_right(bytes.first(pdu + 3))) return pdu + 3;
+  }
+  return bytes.size();
+}
+
+int digit(std::uint8_t c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  return -1;
+}
+
+// The bytes that the digits spell, up to the first pair that spells none.
+Bytes spelt(ByteView digits) {
+  Bytes bytes;
+  for (std::size_t i = 0; i + 1 < digits.size(); i += 2) {
+    const int high = digit(digits[i]);
+    const int low = digit(digits[i + 1]);
+    if (high < 0 || low < 0) break;
+    bytes.push_back(static_cast<std::uint8_t>(high << 4 | low));
+  }
+  return bytes;
+}
+
+}  // namespace
+
+std::vector<FrameField> explain_rtu(ByteView frame) {
+  FieldWriter writer;
+  if (frame.size() > kMaxExplained) frame = frame.first(kMaxExplained);
+  const std::size_t length = first_frame(frame);
+  const ByteView own = frame.first(length);
+  if (own.size() < 4) {
+    writer.remark(to_hex(own), "too short for a frame: unit, function and CRC are 4 bytes at least");
+    return writer.take();
+  }
+  writer.add(0, 1, "unit", unit_text(own[0], true));
+  FieldWriter inner(1, 1, 1);
+  explain_pdu(own.subspan(1, length - 3), inner);
+  writer.append(inner.take());
+  const ByteView crc = own.last(2);
+  const Bytes right = crc_bytes(own.first(length - 2));
+  const bool good = std::ranges::equal(crc, right);
+  writer.add(length - 2, 2, "CRC", to_hex(crc, '\0'),
+             good ? "" : "CRC is " + to_hex(crc, '\0') + ", should be " + to_hex(right, '\0'));
+  if (length > kMaxFrame) writer.remark(std::to_string(length) + " bytes", "longer than 256 bytes");
+  if (length < frame.size())
+    writer.add(length, frame.size() - length, "surplus", to_hex(frame.subspan(length)), surplus_text(frame.size() - length));
+  return writer.take();
+}
+
+std::vector<FrameField> explain_ascii(ByteView frame) {
+  FieldWriter writer;
+  if (frame.size() > kMaxExplained) frame = frame.first(kMaxExplained);
+  const auto cr = std::find(frame.begin(), frame.end(), '\r');
+  // A colon restarts the frame at any time.
+  const auto colon = std::find(std::make_reverse_iterator(cr), frame.rend(), ':').base();
+  if (colon == frame.begin()) {
+    writer.remark(to_hex(frame), "no ':' begins a frame");
+    return writer.take();
+  }
+  const auto start = static_cast<std::size_t>(colon - frame.begin());  // behind the colon
+  if (start > 1) writer.add(0, start - 1, "ignored", to_hex(frame.first(start - 1)));
+  const ByteView digits(colon, cr);
+  const Bytes bytes = spelt(digits);
+  if (bytes.size() * 2 != digits.size()) {
+    const std::size_t at = bytes.size() * 2;
+    writer.add(start + at, digits.size() - at, "digits", to_hex(digits.subspan(at)),
+               digits.size() - at == 1 ? "an odd number of digits" : "not hexadecimal digits");
+  }
+  if (bytes.size() < 3) {
+    writer.remark("", "too short for a frame: unit, function and LRC are 6 digits at least");
+    return writer.take();
+  }
+  const std::size_t last = bytes.size() - 1;
+  FieldWriter outer(start, 2);
+  outer.add(0, 1, "unit", unit_text(bytes[0], true));
+  writer.append(outer.take());
+  FieldWriter inner(start + 2, 2, 1);
+  explain_pdu(ByteView(bytes).subspan(1, last - 1), inner);
+  writer.append(inner.take());
+  const Bytes right{lrc8(ByteView(bytes).first(last))};
+  const std::string lrc = to_hex(ByteView(bytes).last(1));
+  writer.add(start + 2 * last, 2, "LRC", lrc, right[0] == bytes[last] ? "" : "LRC is " + lrc + ", should be " + to_hex(right));
+  const auto end = static_cast<std::size_t>(cr - frame.begin());
+  const bool ended = end + 1 < frame.size() && frame[end + 1] == '\n';
+  writer.add(end, std::min<std::size_t>(2, frame.size() - end), "end", ended ? "CR LF" : "", ended ? "" : "CR LF is missing");
+  if (bytes.size() > 255) writer.remark(std::to_string(frame.size()) + " characters", "longer than 513 characters");
+  if (ended && end + 2 < frame.size()) {
+    writer.add(end + 2, frame.size() - end - 2, "surplus", to_hex(frame.subspan(end + 2)), surplus_text(frame.size() - end - 2));
+  }
+  return writer.take();
+}
+
+std::vector<FrameField> explain_tcp(ByteView frame) {
+  FieldWriter writer;
+  if (frame.size() > kMaxExplained) frame = frame.first(kMaxExplained);
+  if (frame.size() < 8) {
+    writer.remark(to_hex(frame), "too short for a frame: the header and a function are 8 bytes");
+    return writer.take();
+  }
+  const std::size_t counted = read_u16(frame, 4);
+  const std::size_t came = frame.size() - 6;
+  writer.add(0, 2, "transaction", to_hex(frame.first(2), '\0') + " = " + std::to_string(read_u16(frame)));
+  writer.add(2, 2, "protocol", to_hex(frame.subspan(2, 2), '\0'), read_u16(frame, 2) == 0 ? "" : "must be 0000");
+  std::string fault;
+  if (counted < 2 || counted > 254)
+    fault = "must be 2..254";
+  else if (counted > came)
+    fault = "only " + std::to_string(came) + " bytes follow";
+  writer.add(4, 2, "length", std::to_string(counted), std::move(fault));
+  writer.add(6, 1, "unit", unit_text(frame[6], false));
+  const std::size_t inside = std::clamp<std::size_t>(counted, 2, came);
+  FieldWriter inner(7, 1, 1);
+  explain_pdu(frame.subspan(7, inside - 1), inner);
+  writer.append(inner.take());
+  if (inside < came)
+    writer.add(6 + inside, came - inside, "surplus", to_hex(frame.subspan(6 + inside)), surplus_text(came - inside));
+  return writer.take();
+}
+
+}  // namespace fieldcast::modbus

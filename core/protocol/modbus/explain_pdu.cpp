@@ -1,0 +1,230 @@
+#include "core/protocol/modbus/explain_pdu.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "core/protocol/modbus/areas.hpp"
+
+namespace fieldcast::modbus {
+namespace {
+
+std::string hex16(std::uint16_t value) {
+  const std::uint8_t bytes[]{static_cast<std::uint8_t>(value >> 8), static_cast<std::uint8_t>(value)};
+  return to_hex(bytes, '\0');
+}
+std::string hex8(std::uint8_t value) { return to_hex({&value, 1}, '\0'); }
+std::string number(std::size_t value) { return std::to_string(value); }
+
+bool reads_bits(std::uint8_t function) { return function == 1 || function == 2; }
+bool reads_registers(std::uint8_t function) { return function == 3 || function == 4; }
+
+std::string_view table_name(std::uint8_t function) {
+  switch (function) {
+    case 1:
+    case 5:
+    case 15: return "coil";
+    case 2: return "input";
+    case 4: return "input-register";
+    default: return "holding";
+  }
+}
+
+// Quantity limit of a function's request; 0 for those without one.
+std::size_t quantity_limit(std::uint8_t function) {
+  if (reads_bits(function)) return kMaxReadBits;
+  if (reads_registers(function)) return kMaxReadRegisters;
+  if (function == 15) return kMaxWriteBits;
+  return function == 16 ? kMaxWriteRegisters : 0;
+}
+
+class PduExplainer {
+ public:
+  PduExplainer(ByteView pdu, FieldWriter& writer) : pdu_(pdu), writer_(writer) {}
+
+  void run() {
+    if (pdu_.empty()) return writer_.remark("", "the function is missing");
+    const std::uint8_t function = pdu_[0];
+    if ((function & kExceptionFlag) != 0) return exception();
+    const bool known = function_text(function) != "unknown function";
+    writer_.add(0, 1, "function", hex8(function) + " " + std::string(function_text(function)),
+                known ? "" : "no function of the standard");
+    switch (function) {
+      case 1:
+      case 2:
+      case 3:
+      case 4: return read();
+      case 5: return fixed_write("value", coil_fault());
+      case 6: return fixed_write("value", {});
+      case 15:
+      case 16: return write_multiple();
+      case 22: return mask_write();
+      case 23: return read_write();
+      default: return other();
+    }
+  }
+
+ private:
+  bool has(std::size_t at, std::size_t count) const { return pdu_.size() >= at + count; }
+
+  // One 16-bit field, or the fault that it is not there.
+  void word(std::size_t at, std::string name, std::string comment = {}, std::string fault = {}) {
+    if (!has(at, 2))
+      return writer_.add(std::min(at, pdu_.size()), pdu_.size() - std::min(at, pdu_.size()), std::move(name), "", "missing");
+    const std::uint16_t value = read_u16(pdu_, at);
+    writer_.add(at, 2, std::move(name), hex16(value) + " = " + number(value) + (comment.empty() ? "" : ", " + comment),
+                std::move(fault));
+  }
+
+  void address(std::size_t at, std::string name) {
+    const std::string where = has(at, 2) ? std::string(table_name(pdu_[0])) + ":" + number(read_u16(pdu_, at)) : "";
+    word(at, std::move(name), where);
+  }
+
+  std::string quantity_fault(std::size_t at, std::size_t limit) const {
+    if (!has(at, 2)) return {};
+    const std::size_t quantity = read_u16(pdu_, at);
+    if (quantity == 0 || quantity > limit) return "must be 1.." + number(limit);
+    if (read_u16(pdu_, at - 2) + quantity > 65536) return "reaches beyond address 65535";
+    return {};
+  }
+
+  void trailing(std::size_t end) {
+    if (pdu_.size() > end) writer_.add(end, pdu_.size() - end, "surplus", to_hex(pdu_.subspan(end)), "bytes behind the end");
+  }
+
+  void exception() {
+    const auto function = static_cast<std::uint8_t>(pdu_[0] & ~kExceptionFlag);
+    writer_.remark("exception answer");
+    writer_.add(0, 1, "function", hex8(pdu_[0]) + " refused: " + std::string(function_text(function)));
+    if (!has(1, 1)) return writer_.add(1, 0, "exception", "", "missing");
+    const bool known = exception_text(pdu_[1]) != "unknown exception";
+    writer_.add(1, 1, "exception", hex8(pdu_[1]) + " " + std::string(exception_text(pdu_[1])),
+                known ? "" : "no code of the standard");
+    trailing(2);
+  }
+
+  // A request is 5 bytes; an answer says its own length.
+  void read() {
+    const bool request_fits = pdu_.size() == 5 && quantity_fault(3, quantity_limit(pdu_[0])).empty();
+    const bool answer_fits =
+        has(1, 1) && pdu_.size() == 2u + pdu_[1] && pdu_[1] != 0 && (reads_bits(pdu_[0]) || pdu_[1] % 2 == 0);
+    if (request_fits && answer_fits)
+      writer_.remark("request; could be an answer of " + number(pdu_[1]) + " bytes as well");
+    else
+      writer_.remark(request_fits || (!answer_fits && pdu_.size() == 5) ? "request" : "answer");
+    if (request_fits || (!answer_fits && pdu_.size() == 5)) {
+      address(1, "first");
+      return word(3, "quantity", {}, quantity_fault(3, quantity_limit(pdu_[0])));
+    }
+    counted_data(1, reads_bits(pdu_[0]));
+  }
+
+  // A byte count and what it counts.
+  void counted_data(std::size_t at, bool bits) {
+    if (!has(at, 1)) return writer_.add(pdu_.size(), 0, "byte count", "", "missing");
+    const std::size_t count = pdu_[at];
+    const std::size_t came = pdu_.size() - at - 1;
+    std::string fault;
+    if (count != came)
+      fault = number(came) + " bytes follow";
+    else if (count == 0)
+      fault = "no data";
+    else if (!bits && count % 2 != 0)
+      fault = "registers have two bytes each";
+    writer_.add(at, 1, "byte count", number(count), std::move(fault));
+    data(at + 1, std::min(count, came), bits);
+    trailing(at + 1 + std::min(count, came));
+  }
+
+  void data(std::size_t at, std::size_t size, bool bits) {
+    writer_.deeper();
+    if (bits) {
+      for (std::size_t i = 0; i < size; ++i) {
+        std::string text;
+        for (unsigned bit = 0; bit < 8; ++bit) text += (pdu_[at + i] >> bit & 1) != 0 ? "1 " : "0 ";
+        text.pop_back();
+        writer_.add(at + i, 1, "bits +" + number(8 * i) + ".." + number(8 * i + 7), hex8(pdu_[at + i]) + " = " + text);
+      }
+    } else {
+      for (std::size_t i = 0; i + 1 < size; i += 2) word(at + i, "register +" + number(i / 2));
+      if (size % 2 != 0) writer_.add(at + size - 1, 1, "half a register", hex8(pdu_[at + size - 1]), "one byte too few");
+    }
+    writer_.higher();
+  }
+
+  std::string coil_fault() const {
+    if (!has(3, 2) || read_u16(pdu_, 3) == 0x0000 || read_u16(pdu_, 3) == 0xFF00) return {};
+    return "a coil is written FF00 (on) or 0000 (off)";
+  }
+
+  void fixed_write(std::string name, std::string fault) {
+    writer_.remark("request, or its answer: they are the same");
+    address(1, "address");
+    word(3, std::move(name), {}, std::move(fault));
+    trailing(5);
+  }
+
+  void write_multiple() {
+    const bool bits = pdu_[0] == 15;
+    const bool answer = pdu_.size() <= 5;
+    writer_.remark(answer ? "answer" : "request");
+    address(1, "first");
+    word(3, "quantity", {}, quantity_fault(3, quantity_limit(pdu_[0])));
+    if (answer) return;
+    const std::size_t quantity = read_u16(pdu_, 3);
+    const std::size_t needed = bits ? (quantity + 7) / 8 : quantity * 2;
+    if (pdu_[5] != needed) writer_.remark("", "the byte count is " + number(pdu_[5]) + ", the quantity needs " + number(needed));
+    counted_data(5, bits);
+  }
+
+  void mask_write() {
+    writer_.remark("request, or its answer: they are the same");
+    address(1, "address");
+    word(3, "and mask");
+    word(5, "or mask", "new = (old AND and) OR (or AND NOT and)");
+    trailing(7);
+  }
+
+  void read_write() {
+    const bool answer = has(1, 1) && pdu_.size() == 2u + pdu_[1] && pdu_[1] % 2 == 0;
+    const bool request = pdu_.size() == request_pdu_size(pdu_);
+    if (answer && !request) {
+      writer_.remark("answer");
+      return counted_data(1, false);
+    }
+    writer_.remark(answer ? "request; could be an answer as well" : "request");
+    address(1, "read first");
+    word(3, "read quantity", {}, quantity_fault(3, kMaxReadRegisters));
+    address(5, "write first");
+    word(7, "write quantity", {}, quantity_fault(7, kMaxReadWriteRegisters));
+    if (!has(9, 1)) return writer_.add(pdu_.size(), 0, "byte count", "", "missing");
+    if (pdu_[9] != read_u16(pdu_, 7) * 2) writer_.remark("", "the byte count does not match the write quantity");
+    counted_data(9, false);
+  }
+
+  // Functions that Fieldcast does not use: their length is checked where the standard fixes it.
+  void other() {
+    const bool tells_length = answer_pdu_size(pdu_) != 0 || request_pdu_size(pdu_) != 0;
+    const bool fits =
+        pdu_.size() == answer_pdu_size(pdu_) || pdu_.size() == request_pdu_size(pdu_) || pdu_[0] == 8 || pdu_[0] == 43;
+    const bool cut = pdu_[0] == 8 && pdu_.size() < 5;
+    writer_.add(1, pdu_.size() - 1, "data", to_hex(pdu_.subspan(1)),
+                (tells_length && !fits) || cut ? "neither a request's nor an answer's length" : "");
+  }
+
+  const ByteView pdu_;
+  FieldWriter& writer_;
+};
+
+}  // namespace
+
+void explain_pdu(ByteView pdu, FieldWriter& writer) { PduExplainer(pdu, writer).run(); }
+
+std::string unit_text(std::uint8_t unit, bool serial) {
+  const std::string text = std::to_string(unit);
+  if (serial && unit == 0) return text + ": broadcast";
+  if (serial && unit > 247) return text + ": reserved on serial lines";
+  return text;
+}
+
+}  // namespace fieldcast::modbus

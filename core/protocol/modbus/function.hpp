@@ -1,0 +1,37 @@
+// Function and exception codes (Modbus Application Protocol V1.1b3, 6 and 7), and how long an answer of each is.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "core/base/bytes.hpp"
+
+namespace fieldcast::modbus {
+
+enum class Function : std::uint8_t {
+  kReadCoils = 1,
+  kReadInputs = 2,
+  kReadHolding = 3,
+  kReadInputRegisters = 4,
+  kWriteCoil = 5,
+  kWriteRegister = 6,
+  kWriteCoils = 15,
+  kWriteRegisters = 16,
+  kMaskWrite = 22,
+  kReadWrite = 23,
+};
+
+inline constexpr std::uint8_t kExceptionFlag = 0x80;
+inline constexpr std::size_t kMaxPdu = 253;
+
+[[nodiscard]] std::string_view function_text(std::uint8_t function);  // "read coils"; "unknown function"
+[[nodiscard]] std::string_view exception_text(std::uint8_t code);     // "illegal data address"; "unknown exception"
+
+// Bytes of the answer PDU that begins with `pdu` (function first). While its length field has not come: what is needed to know
+// it. 0: a function whose answers tell no length, or pdu is empty.
+[[nodiscard]] std::size_t answer_pdu_size(ByteView pdu);
+
+// Likewise for requests.
+[[nodiscard]] std::size_t request_pdu_size(ByteView pdu);
+
+}  // namespace fieldcast::modbus

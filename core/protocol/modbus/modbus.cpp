@@ -1,0 +1,114 @@
+// Protocol objects and registry entries of the Modbus family.
+#include "core/protocol/modbus/modbus.hpp"
+
+#include <array>
+#include <string>
+
+#include "core/protocol/modbus/areas.hpp"
+#include "core/protocol/modbus/exchange.hpp"
+
+namespace fieldcast::modbus {
+namespace {
+
+constexpr Traits kRtu{.name = "modbus-rtu",
+                      .summary = "Modbus RTU on a serial line, or on a serial server's TCP port",
+                      .lowest_address = 1,
+                      .highest_address = 247,
+                      .write_read = true,
+                      .identity = AnswerIdentity::kAddress,
+                      .echo_is_ambiguous = true};
+constexpr Traits kAscii{.name = "modbus-ascii",
+                        .summary = "Modbus ASCII on a serial line",
+                        .lowest_address = 1,
+                        .highest_address = 247,
+                        .write_read = true,
+                        .identity = AnswerIdentity::kAddress,
+                        .echo_is_ambiguous = true};
+constexpr Traits kTcp{.name = "modbus-tcp",
+                      .summary = "Modbus TCP, directly or through a gateway",
+                      .lowest_address = 0,
+                      .highest_address = 255,
+                      .write_read = true,
+                      .identity = AnswerIdentity::kSequence};
+
+class ModbusProtocol final : public Protocol {
+ public:
+  ModbusProtocol(const Traits& traits, const Framing& framing, std::uint8_t unit, const Options& options)
+      : traits_(traits), framing_(framing), unit_(unit), options_(options), areas_(modbus::areas(options.mask_write)) {}
+
+  const Traits& traits() const override { return traits_; }
+  std::span<const Area> areas() const override { return areas_; }
+  tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
+    return modbus::parse_address(at);
+  }
+
+  std::optional<ExchangeSize> size(const Request& request) const override {
+    const auto pdu = pdu_sizes(request, options_);
+    if (!pdu) return std::nullopt;
+    return ExchangeSize{.request_characters = static_cast<std::uint32_t>(framing_.size(pdu->request)),
+                        .answer_characters = static_cast<std::uint32_t>(framing_.size(pdu->answer))};
+  }
+
+  std::unique_ptr<Exchange> begin(Request request, ExchangeContext context) const override {
+    return std::make_unique<ModbusExchange>(framing_, Ticket{unit_, context.sequence}, request, options_);
+  }
+
+ private:
+  const Traits& traits_;
+  const Framing& framing_;
+  const std::uint8_t unit_;
+  const Options options_;
+  const std::array<Area, 4> areas_;
+};
+
+constexpr std::array<std::string_view, 2> kOptionNames{"write-single", "mask-write"};
+
+using Made = tl::expected<std::unique_ptr<Protocol>, OptionFault>;
+
+Made make(const Traits& traits, const Framing& framing, const DeviceLink& link) {
+  if (link.address < traits.lowest_address || link.address > traits.highest_address) {
+    std::string what = "address " + std::to_string(link.address) + " is no unit of " + std::string(traits.name);
+    if (link.address == 0) what += ": 0 is the broadcast, which nobody answers";
+    return tl::unexpected(
+        OptionFault{{}, std::move(what), std::to_string(traits.lowest_address) + ".." + std::to_string(traits.highest_address)});
+  }
+  Options options;
+  for (const auto& [name, value] : link.options) {
+    if (name == "write-single") {
+      if (value != "single" && value != "multiple") {
+        return tl::unexpected(
+            OptionFault{name, "'" + value + "' is no way to write one item", "single (functions 5, 6), multiple (15, 16)"});
+      }
+      options.write_multiple = value == "multiple";
+    } else if (name == "mask-write") {
+      if (value != "true" && value != "false")
+        return tl::unexpected(OptionFault{name, "'" + value + "' is neither", "true, false"});
+      options.mask_write = value == "true";
+    } else {
+      return tl::unexpected(
+          OptionFault{name, "option '" + name + "' is unknown to " + std::string(traits.name), "write-single, mask-write"});
+    }
+  }
+  return std::make_unique<ModbusProtocol>(traits, framing, static_cast<std::uint8_t>(link.address), options);
+}
+
+Made make_rtu(const DeviceLink& link) { return make(kRtu, rtu_framing(), link); }
+Made make_ascii(const DeviceLink& link) { return make(kAscii, ascii_framing(), link); }
+Made make_tcp(const DeviceLink& link) { return make(kTcp, tcp_framing(), link); }
+
+}  // namespace
+
+const ProtocolEntry& rtu_entry() {
+  static constexpr ProtocolEntry entry{kRtu.name, kRtu.summary, make_rtu, explain_rtu, kOptionNames};
+  return entry;
+}
+const ProtocolEntry& ascii_entry() {
+  static constexpr ProtocolEntry entry{kAscii.name, kAscii.summary, make_ascii, explain_ascii, kOptionNames};
+  return entry;
+}
+const ProtocolEntry& tcp_entry() {
+  static constexpr ProtocolEntry entry{kTcp.name, kTcp.summary, make_tcp, explain_tcp, kOptionNames};
+  return entry;
+}
+
+}  // namespace fieldcast::modbus

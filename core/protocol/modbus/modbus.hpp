@@ -1,0 +1,14 @@
+// The Modbus family behind the protocol seam: three registry entries over one PDU layer.
+#pragma once
+
+#include "core/protocol/modbus/framing.hpp"
+#include "core/protocol/modbus/question.hpp"
+#include "core/protocol/protocol.hpp"
+
+namespace fieldcast::modbus {
+
+[[nodiscard]] const ProtocolEntry& rtu_entry();
+[[nodiscard]] const ProtocolEntry& ascii_entry();
+[[nodiscard]] const ProtocolEntry& tcp_entry();
+
+}  // namespace fieldcast::modbus

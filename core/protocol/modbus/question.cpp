@@ -1,0 +1,174 @@
+#include "core/protocol/modbus/question.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "core/protocol/modbus/areas.hpp"
+
+namespace fieldcast::modbus {
+namespace {
+
+constexpr std::size_t kEchoSize = 5;      // function, address, value or quantity
+constexpr std::size_t kMaskEchoSize = 7;  // function, address, two masks
+constexpr std::uint32_t kItems = 65536;   // of each table
+
+Table table_of(const Range& range) { return static_cast<Table>(range.area); }
+bool holds_bits(const Range& range) { return table_of(range) == Table::kCoil || table_of(range) == Table::kInput; }
+std::size_t packed_size(const Range& range) { return holds_bits(range) ? (range.count + 7) / 8 : range.count * 2; }
+
+bool fits(const Range& range, std::uint32_t limit) {
+  return range.area < 4 && range.count >= 1 && range.count <= limit && range.first < kItems && range.end() <= kItems;
+}
+
+// Which function carries a write; nothing when none does.
+std::optional<Function> function_of(const WriteRequest& write, const Options& options) {
+  const Table table = table_of(write.range);
+  if (table != Table::kCoil && table != Table::kHolding) return std::nullopt;
+  const bool coil = table == Table::kCoil;
+  if (!fits(write.range, coil ? kMaxWriteBits : kMaxWriteRegisters)) return std::nullopt;
+  if (write.items.size() != image_bytes(coil ? 1 : 16, write.range.count)) return std::nullopt;
+  if (write.bit && !coil) {
+    if (!options.mask_write || write.range.count != 1 || *write.bit > 15) return std::nullopt;
+    return Function::kMaskWrite;
+  }
+  const bool single = write.range.count == 1 && !options.write_multiple && !write.distinct_answer;
+  if (coil) return single ? Function::kWriteCoil : Function::kWriteCoils;
+  return single ? Function::kWriteRegister : Function::kWriteRegisters;
+}
+
+Function function_of(const Range& read) {
+  return static_cast<Function>(read.area + 1);
+}  // areas lie in the order of functions 1..4
+
+void append_range(Bytes& pdu, const Range& range) {
+  append_u16(pdu, static_cast<std::uint16_t>(range.first));
+  append_u16(pdu, static_cast<std::uint16_t>(range.count));
+}
+
+// The first item is the least significant bit of the first byte; unused bits are 0.
+void append_bits(Bytes& pdu, ByteView items) {
+  for (std::size_t at = 0; at < items.size(); at += 8) {
+    unsigned byte = 0;
+    for (std::size_t i = at; i < std::min(at + 8, items.size()); ++i) byte |= (items[i] != 0 ? 1u : 0u) << (i - at);
+    pdu.push_back(static_cast<std::uint8_t>(byte));
+  }
+}
+
+Bytes unpack_bits(ByteView packed, std::size_t count) {
+  Bytes items(count);
+  for (std::size_t i = 0; i < count; ++i) items[i] = static_cast<std::uint8_t>(packed[i / 8] >> i % 8 & 1);
+  return items;
+}
+
+void append_write(Bytes& pdu, Function function, const WriteRequest& write) {
+  const auto address = static_cast<std::uint16_t>(write.range.first);
+  pdu.push_back(static_cast<std::uint8_t>(function));
+  switch (function) {
+    case Function::kWriteCoil:
+      append_u16(pdu, address);
+      append_u16(pdu, write.items[0] != 0 ? 0xFF00 : 0x0000);
+      break;
+    case Function::kWriteRegister:
+      append_u16(pdu, address);
+      append(pdu, write.items);
+      break;
+    case Function::kMaskWrite: {  // new = (old AND and) OR (or AND NOT and)
+      const auto mask = static_cast<std::uint16_t>(1u << *write.bit);
+      append_u16(pdu, address);
+      append_u16(pdu, static_cast<std::uint16_t>(~mask));
+      append_u16(pdu, read_u16(write.items) & mask);
+      break;
+    }
+    default:
+      append_range(pdu, write.range);
+      pdu.push_back(static_cast<std::uint8_t>(packed_size(write.range)));
+      if (holds_bits(write.range))
+        append_bits(pdu, write.items);
+      else
+        append(pdu, write.items);
+  }
+}
+
+std::optional<PduSizes> sizes_of(const ReadRequest& read) {
+  if (read.ranges.size() != 1) return std::nullopt;
+  const Range& range = read.ranges.front();
+  if (!fits(range, holds_bits(range) ? kMaxReadBits : kMaxReadRegisters)) return std::nullopt;
+  return PduSizes{5, 2 + packed_size(range)};
+}
+
+std::optional<PduSizes> sizes_of(const WriteRequest& write, const Options& options) {
+  const auto function = function_of(write, options);
+  if (!function) return std::nullopt;
+  switch (*function) {
+    case Function::kWriteCoil:
+    case Function::kWriteRegister: return PduSizes{kEchoSize, kEchoSize};
+    case Function::kMaskWrite: return PduSizes{kMaskEchoSize, kMaskEchoSize};
+    default: return PduSizes{6 + packed_size(write.range), kEchoSize};
+  }
+}
+
+std::optional<PduSizes> sizes_of(const WriteReadRequest& both) {
+  const Range& written = both.write.range;
+  if (table_of(written) != Table::kHolding || table_of(both.read) != Table::kHolding || both.write.bit) return std::nullopt;
+  if (!fits(written, kMaxReadWriteRegisters) || !fits(both.read, kMaxReadRegisters)) return std::nullopt;
+  if (both.write.items.size() != packed_size(written)) return std::nullopt;
+  return PduSizes{10 + packed_size(written), 2 + packed_size(both.read)};
+}
+
+}  // namespace
+
+std::optional<PduSizes> pdu_sizes(const Request& request, const Options& options) {
+  if (const auto* read = std::get_if<ReadRequest>(&request)) return sizes_of(*read);
+  if (const auto* write = std::get_if<WriteRequest>(&request)) return sizes_of(*write, options);
+  return sizes_of(std::get<WriteReadRequest>(request));
+}
+
+Question::Question(const Request& request, const Options& options) {
+  const auto sizes = pdu_sizes(request, options);
+  if (!sizes) std::abort();  // REQUIRES
+  pdu_.reserve(sizes->request);
+  answer_size_ = sizes->answer;
+  if (const auto* read = std::get_if<ReadRequest>(&request)) {
+    const Range& range = read->ranges.front();
+    pdu_.push_back(static_cast<std::uint8_t>(function_of(range)));
+    append_range(pdu_, range);
+    read_count_ = static_cast<std::uint16_t>(range.count);
+    bits_ = holds_bits(range);
+  } else if (const auto* write = std::get_if<WriteRequest>(&request)) {
+    append_write(pdu_, *function_of(*write, options), *write);
+  } else {
+    const auto& both = std::get<WriteReadRequest>(request);
+    pdu_.push_back(static_cast<std::uint8_t>(Function::kReadWrite));
+    append_range(pdu_, both.read);
+    append_range(pdu_, both.write.range);
+    pdu_.push_back(static_cast<std::uint8_t>(both.write.items.size()));
+    append(pdu_, both.write.items);
+    read_count_ = static_cast<std::uint16_t>(both.read.count);
+    writes_and_reads_ = true;
+  }
+}
+
+Verdict Question::judge(ByteView answer) const {
+  if (answer.empty()) return Verdict::kMismatch;
+  if (answer[0] == (function() | kExceptionFlag)) {
+    return answer.size() == 2 && answer[1] != 0 ? Verdict::kException : Verdict::kMismatch;
+  }
+  if (answer[0] != function()) return Verdict::kForeign;
+  if (answer.size() != answer_size_) return Verdict::kMismatch;
+  const bool right = read_count_ != 0 ? answer[1] == answer_size_ - 2 : std::equal(answer.begin(), answer.end(), pdu_.begin());
+  return right ? Verdict::kAnswer : Verdict::kMismatch;
+}
+
+Reply Question::unpack(ByteView answer) const {
+  Reply reply(writes_and_reads_ ? 2 : 1);
+  if (read_count_ == 0) return reply;
+  const ByteView data = answer.subspan(2);
+  Bytes& items = reply.back().items;
+  if (bits_)
+    items = unpack_bits(data, read_count_);
+  else
+    items.assign(data.begin(), data.end());
+  return reply;
+}
+
+}  // namespace fieldcast::modbus

@@ -1,0 +1,164 @@
+// RTU: binary frames without marks. Where a frame begins is certain at the start of the answer and behind every frame whose CRC
+// is right; anywhere else the search slides on byte by byte.
+#include <algorithm>
+
+#include "core/codec/checksum.hpp"
+#include "core/protocol/modbus/framing.hpp"
+
+namespace fieldcast::modbus {
+namespace {
+
+constexpr std::size_t kOverhead = 3;  // unit, CRC
+constexpr std::size_t kMaxFrame = 256;
+constexpr std::uint8_t kHighestUnit = 247;
+// A wait for the rest of something that may be noise. Each byte that comes renews it, so it need not cover the whole rest.
+constexpr std::size_t kDoubtfulWait = 8;
+
+std::size_t frame_size(std::size_t pdu_size) { return pdu_size + kOverhead; }
+
+void wrap(const Ticket& ticket, ByteView pdu, Bytes& out) {
+  const std::size_t start = out.size();
+  out.push_back(ticket.unit);
+  append(out, pdu);
+  const std::uint16_t crc = crc16_modbus(ByteView(out).subspan(start));
+  out.push_back(static_cast<std::uint8_t>(crc));
+  out.push_back(static_cast<std::uint8_t>(crc >> 8));
+}
+
+bool crc_is_right(ByteView frame) {
+  const std::size_t end = frame.size() - 2;
+  return crc16_modbus(frame.first(end)) == (frame[end] | frame[end + 1] << 8);
+}
+
+// A spurious character of an RS-485 driver that changes its direction.
+bool is_turnaround(std::uint8_t byte) { return byte == 0x00 || byte == 0xFF; }
+
+class Search {
+ public:
+  Search(ByteView all, const Ticket& ticket, const Question& question)
+      : all_(all), unit_(ticket.unit), question_(question), expected_(frame_size(question.answer_size())) {}
+
+  Sighting run() {
+    while (at_ < all_.size() && result_.pdu.empty() && result_.fallback.empty()) look();
+    if (!result_.pdu.empty()) return result_;
+    // An answer's worth of broken bytes: the right one follows at once, or not at all.
+    const bool spoilt = broken_ || noise_ >= expected_;
+    if (begun_ || spoilt) result_.kind = Sighting::Kind::kBegun;
+    result_.cause = cause();
+    return result_;
+  }
+
+ private:
+  // Judges what begins at at_, and moves on: behind a frame, or by one byte.
+  void look() {
+    const ByteView bytes = all_.subspan(at_);
+    const bool mine = bytes[0] == unit_ && (bytes.size() == 1 || (bytes[1] & ~kExceptionFlag) == question_.function());
+    const bool other = bytes[0] >= 1 && bytes[0] <= kHighestUnit && bytes.size() > 1;
+    if (!mine && !other) return slide();
+    const std::size_t length = length_of(bytes, mine);
+    if (length == 0) return slide();
+    if (bytes.size() >= length && crc_is_right(bytes.first(length))) return whole(bytes.first(length), mine);
+    // A byte count that lies in a frame that is right otherwise.
+    if (mine && bytes.size() >= expected_ && crc_is_right(bytes.first(expected_))) return skip(expected_, mismatch_);
+    if (bytes.size() < length) {
+      if (mine || at_boundary_) begin(bytes, length, mine);
+    } else if (mine || at_boundary_) {
+      broken_ = true;
+    }
+    slide();
+  }
+
+  // Size of the frame that begins here, as its own fields tell it; while they have not come, what our answer has. 0: no frame.
+  std::size_t length_of(ByteView bytes, bool mine) const {
+    const bool exception = bytes.size() > 1 && (bytes[1] & kExceptionFlag) != 0;
+    if (mine && bytes.size() < 3 && !exception) return expected_;
+    const std::size_t pdu_size = answer_pdu_size(bytes.subspan(1));
+    const std::size_t length = frame_size(pdu_size);
+    return pdu_size == 0 || length > kMaxFrame ? 0 : length;
+  }
+
+  void whole(ByteView frame, bool mine) {
+    const ByteView pdu = frame.subspan(1, frame.size() - kOverhead);
+    const Verdict verdict = mine ? question_.judge(pdu) : Verdict::kForeign;
+    if (verdict == Verdict::kAnswer || verdict == Verdict::kException) {
+      if (held_) {
+        result_.fallback = pdu;
+      } else {
+        result_.pdu = pdu;
+        result_.kind = verdict == Verdict::kAnswer ? Sighting::Kind::kAnswer : Sighting::Kind::kException;
+      }
+      return;
+    }
+    skip(frame.size(), verdict == Verdict::kMismatch ? mismatch_ : foreign_);
+  }
+
+  void skip(std::size_t size, bool& seen) {
+    seen = true;
+    at_ += size;
+    at_boundary_ = true;
+  }
+
+  // A frame that lacks bytes. At a boundary it owns whatever follows, until it is whole or silence shows that it was noise: or
+  // else an answer for us could be read out of the middle of another device's data.
+  void begin(ByteView bytes, std::size_t length, bool mine) {
+    const bool exception = bytes.size() > 1 && (bytes[1] & kExceptionFlag) != 0;
+    const bool certain = mine && at_boundary_ && (length == expected_ || exception);
+    const std::size_t missing = length - bytes.size();
+    if (!begun_) result_.missing = static_cast<std::uint32_t>(certain ? missing : std::min(missing, kDoubtfulWait));
+    begun_ = true;
+    if (at_boundary_) held_ = true;
+    if (!mine)
+      foreign_ = true;
+    else if (at_boundary_)
+      truncated_ = true;
+    else
+      cut_ = true;
+  }
+
+  void slide() {
+    if (!is_turnaround(all_[at_])) {
+      at_boundary_ = false;
+      ++noise_;
+    }
+    ++at_;
+  }
+
+  // Of everything seen, what tells most about the device that was asked.
+  Cause cause() const {
+    if (mismatch_) return Cause::kMalformed;
+    if (truncated_) return Cause::kTruncated;
+    if (broken_) return Cause::kChecksum;
+    if (cut_) return Cause::kTruncated;
+    if (foreign_) return Cause::kForeign;
+    return noise_ > 0 ? Cause::kMalformed : Cause::kNoAnswer;
+  }
+
+  const ByteView all_;
+  const std::uint8_t unit_;
+  const Question& question_;
+  const std::size_t expected_;  // size of our answer's frame
+  Sighting result_;
+  std::size_t at_ = 0;
+  std::size_t noise_ = 0;
+  bool at_boundary_ = true;
+  bool begun_ = false;      // some frame lacks bytes
+  bool held_ = false;       // and it began at a boundary
+  bool truncated_ = false;  // it is ours
+  bool cut_ = false;        // ours, but somewhere within noise
+  bool mismatch_ = false;
+  bool foreign_ = false;
+  bool broken_ = false;
+};
+
+Sighting find(ByteView all, const Ticket& ticket, const Question& question, Scratch&) {
+  return Search(all, ticket, question).run();
+}
+
+}  // namespace
+
+const Framing& rtu_framing() {
+  static constexpr Framing framing{frame_size, wrap, find};
+  return framing;
+}
+
+}  // namespace fieldcast::modbus

@@ -1,0 +1,63 @@
+// TCP: every frame tells its length and which request it answers (Modbus Messaging on TCP/IP V1.0b, 3.1.3).
+#include "core/protocol/modbus/framing.hpp"
+
+namespace fieldcast::modbus {
+namespace {
+
+constexpr std::size_t kHeader = 7;     // transaction, protocol, length, unit
+constexpr std::size_t kCounted = 6;    // what stands before the bytes that `length` counts
+constexpr std::size_t kMinLength = 2;  // unit and a function
+constexpr std::size_t kMaxLength = 254;
+
+std::size_t frame_size(std::size_t pdu_size) { return kHeader + pdu_size; }
+
+void wrap(const Ticket& ticket, ByteView pdu, Bytes& out) {
+  append_u16(out, ticket.transaction);
+  append_u16(out, 0);
+  append_u16(out, static_cast<std::uint16_t>(pdu.size() + 1));
+  out.push_back(ticket.unit);
+  append(out, pdu);
+}
+
+// A header that cannot be: the stream is out of step, and nothing later in it can be trusted. It fails the exchange at once; what
+// else has come is dropped before the next request, so the connection need not be reopened unless it happens again.
+bool is_hopeless(ByteView frame) {
+  if (frame.size() >= 4 && read_u16(frame, 2) != 0) return true;
+  if (frame.size() < kCounted) return frame.size() >= 3 && frame[2] != 0;
+  const std::size_t length = read_u16(frame, 4);
+  return length < kMinLength || length > kMaxLength;
+}
+
+Sighting find(ByteView all, const Ticket& ticket, const Question& question, Scratch&) {
+  Sighting result;
+  while (!all.empty()) {
+    if (is_hopeless(all)) return {.kind = Sighting::Kind::kHopeless, .cause = Cause::kMalformed};
+    const std::size_t length = all.size() < kCounted ? kHeader : kCounted + read_u16(all, 4);
+    if (all.size() < length) {
+      // Not kBegun: between segments a network pauses as long as it likes, so the whole timeout is waited for the rest.
+      const bool ours = all.size() < 2 || read_u16(all) == ticket.transaction;
+      if (ours || result.cause == Cause::kNoAnswer) result.cause = ours ? Cause::kTruncated : Cause::kForeign;
+      return result;
+    }
+    const ByteView pdu = all.first(length).subspan(kHeader);
+    if (read_u16(all) != ticket.transaction || all[6] != ticket.unit) {
+      if (result.cause == Cause::kNoAnswer) result.cause = Cause::kForeign;
+    } else {
+      const Verdict verdict = question.judge(pdu);
+      if (verdict == Verdict::kAnswer) return {.kind = Sighting::Kind::kAnswer, .pdu = pdu};
+      if (verdict == Verdict::kException) return {.kind = Sighting::Kind::kException, .pdu = pdu};
+      result.cause = verdict == Verdict::kMismatch ? Cause::kMalformed : Cause::kForeign;
+    }
+    all = all.subspan(length);
+  }
+  return result;
+}
+
+}  // namespace
+
+const Framing& tcp_framing() {
+  static constexpr Framing framing{frame_size, wrap, find};
+  return framing;
+}
+
+}  // namespace fieldcast::modbus

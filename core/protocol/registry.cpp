@@ -1,0 +1,25 @@
+// The protocols that are built in. A new family adds its line here.
+#include <algorithm>
+#include <array>
+
+#include "core/protocol/modbus/modbus.hpp"
+#include "core/protocol/protocol.hpp"
+
+namespace fieldcast {
+
+std::span<const ProtocolEntry> protocols() {
+  static const std::array entries{
+      modbus::rtu_entry(),
+      modbus::ascii_entry(),
+      modbus::tcp_entry(),
+  };
+  return entries;
+}
+
+const ProtocolEntry* find_protocol(std::string_view name) {
+  const auto all = protocols();
+  const auto found = std::find_if(all.begin(), all.end(), [&](const ProtocolEntry& entry) { return entry.name == name; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+}  // namespace fieldcast
