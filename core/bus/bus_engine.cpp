@@ -53,6 +53,8 @@ BusEngine::State::State(const BusSpec& bus)
 BusEngine::BusEngine(const BusSpec& spec) : state_(std::make_unique<State>(spec)) {}
 BusEngine::~BusEngine() = default;
 
+std::uint32_t BusEngine::missing() const { return state_->conversation.missing(); }
+
 void BusEngine::set_trace(bool on) { state_->trace = on; }
 
 void BusEngine::on_event(const BusEvent& event, Instant now, Actions& actions) {
@@ -289,7 +291,7 @@ void BusEngine::State::device_failed(DeviceIndex index, Cause cause, Instant now
   if (!device.health.failed(cause, now)) return;
   if (!device.health.offline()) return notice(Notice::Kind::kDeviceErrors, index, cause, std::string(to_text(cause)), actions);
   device.answer_time.forget();
-  for (ChannelIndex c = channels.first_of(index); c < channels.end_of(index); ++c) channels.failing(c, cause);
+  for (ChannelIndex c = channels.first_of(index); c < channels.end_of(index); ++c) channels.failing(c, cause, now);
   notice(Notice::Kind::kDeviceLost, index, cause, "does not answer; asked ever more rarely until it does", actions);
   const bool all_lost = std::all_of(devices.begin(), devices.end(), [](const DeviceRuntime& d) { return d.health.offline(); });
   if (all_lost && std::holds_alternative<TcpPortSpec>(spec.port)) {
@@ -364,7 +366,7 @@ void BusEngine::State::closed(const std::string& reason, Instant now, Actions& a
     causes.add(Cause::kPortClosed);
   }
   flight.reset();
-  for (ChannelIndex c = 0; c < channels.size(); ++c) channels.failing(c, Cause::kPortClosed);
+  for (ChannelIndex c = 0; c < channels.size(); ++c) channels.failing(c, Cause::kPortClosed, now);
   refuse_all_commands(CommandState::kRejected, Cause::kOffline, "port is down: " + reason, now, actions);
 }
 

@@ -26,6 +26,9 @@ class BusEngine {
   [[nodiscard]] BusReport bus_report(Instant now);
   [[nodiscard]] DeviceReport device_report(DeviceIndex device, Instant now) const;
 
+  // Characters that the answer under way lacks, at least; 0 when that is not known. The shell may let them gather.
+  [[nodiscard]] std::uint32_t missing() const;
+
   // While set, exchanges are described in Traced actions.
   void set_trace(bool on);
 

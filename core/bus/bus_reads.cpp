@@ -141,7 +141,7 @@ void BusEngine::State::block_failed(const Flight& read, Cause cause, std::uint16
     device.paused_until = std::max(device.paused_until, now + kBusyPause);
   }
   for (const PointIndex p : read.block.points) {
-    for (const ChannelIndex c : point_channels[p]) channels.failing(c, cause);
+    for (const ChannelIndex c : point_channels[p]) channels.failing(c, cause, now);
   }
   scheduler->failed(read.block, now, now);
 }

@@ -123,6 +123,17 @@ void ChannelTable::refused(ChannelIndex channel, Cause cause, std::uint16_t devi
   publish(entry, out, now);
 }
 
+void ChannelTable::failing(ChannelIndex channel, Cause cause, Instant now) {
+  Entry& entry = entries_[channel];
+  entry.cause = cause;
+  if (!entry.late || entry.last.quality != Quality::kUncertain || quality_of(cause) == Quality::kGood) return;
+  entry.unexplained = true;
+  entry.due = now;
+  if (entry.due >= entry.queued) return;
+  expiries_.push({entry.due, channel});
+  entry.queued = entry.due;
+}
+
 void ChannelTable::start(Instant now) {
   for (ChannelIndex channel = 0; channel < entries_.size(); ++channel) {
     if (!entries_[channel].late) rearm(channel, now);
@@ -143,9 +154,10 @@ void ChannelTable::expire(Instant now, std::vector<Sample>& out, std::vector<Cha
       continue;
     }
     entry.due = kNever;  // armed again by the next acquisition
-    if (entry.late) continue;
+    if (entry.late && !entry.unexplained) continue;
+    if (!entry.late) late.push_back(channel);
     entry.late = true;
-    late.push_back(channel);
+    entry.unexplained = false;
     entry.last.quality = entry.cause == Cause::kNone ? Quality::kUncertain : quality_of(entry.cause);
     if (entry.last.quality == Quality::kGood) entry.last.quality = Quality::kUncertain;
     publish(entry, out, now);

@@ -34,8 +34,8 @@ class ChannelTable {
   void acquired(ChannelIndex channel, unsigned item_bits, ByteView items, Instant acquired, std::vector<Sample>& out);
   // The device refused the channel's address: published at once, and once until it changes.
   void refused(ChannelIndex channel, Cause cause, std::uint16_t device_code, Instant now, std::vector<Sample>& out);
-  // The cause that a missed refresh will show.
-  void failing(ChannelIndex channel, Cause cause) { entries_[channel].cause = cause; }
+  // The cause that a missed refresh will show. A refresh that was missed before the cause was known is told once more, with it.
+  void failing(ChannelIndex channel, Cause cause, Instant now);
 
   // Starts the clock of every promise: a channel that is not read within its refresh from `now` is late.
   void start(Instant now);
@@ -58,8 +58,9 @@ class ChannelTable {
     Cause cause = Cause::kNone;
     Instant due = kNever;  // when the promise breaks
     Instant published = kLongAgo;
-    Instant queued = kNever;  // the one valid entry in expiries_
-    bool late = false;        // already told
+    Instant queued = kNever;   // the one valid entry in expiries_
+    bool late = false;         // already told
+    bool unexplained = false;  // late was told without a cause, which is known by now
   };
   struct Expiry {
     Instant at;

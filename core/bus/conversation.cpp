@@ -20,6 +20,7 @@ void Conversation::sending(const Step& step, Instant now, const Bytes& out) {
   received_.clear();
   echo_stripped_ = echo_ == Echo::kAbsent;
   heard_ = false;
+  missing_ = 0;
   bytes_sent_ += out.size();
   sent_until_ = now + line_.characters(static_cast<double>(out.size()));
   answer_deadline_ = sent_until_ + timeout_;
@@ -66,6 +67,7 @@ Conversation::Outcome Conversation::on_timer(Instant now, Bytes& out) {
 }
 
 Conversation::Outcome Conversation::follow(const Step& step, Instant now, Bytes& out) {
+  missing_ = step.kind == Step::Kind::kNeedMore && step.wait == Wait::kRestOfFrame ? step.characters : 0;
   switch (step.kind) {
     case Step::Kind::kSend: sending(step, now, out); return Outcome::kSend;
     case Step::Kind::kNeedMore:

@@ -36,6 +36,8 @@ class Conversation {
 
   [[nodiscard]] bool active() const { return exchange_ != nullptr; }
   [[nodiscard]] Instant deadline() const { return deadline_; }
+  // Characters that the answer under way lacks, at least; 0 when that is not known.
+  [[nodiscard]] std::uint32_t missing() const { return active() ? missing_ : 0; }
   [[nodiscard]] const Exchange& exchange() const { return *exchange_; }
   std::unique_ptr<Exchange> finish() { return std::move(exchange_); }
 
@@ -71,6 +73,7 @@ class Conversation {
   Instant answer_deadline_{};  // for the first byte of the answer
   Instant hard_deadline_{};    // for its last, whatever babbles
   Instant deadline_ = kNever;
+  std::uint32_t missing_ = 0;
   Instant last_byte_{};
   Cause cause_ = Cause::kNone;
   std::uint16_t device_code_ = 0;
