@@ -4,11 +4,11 @@
 #include <sys/prctl.h>
 
 #include <algorithm>
+#include <cassert>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <string>
 
-#include "bridge/check.hpp"
 
 namespace fieldcast {
 namespace {
@@ -25,7 +25,7 @@ struct IoThreads::Worker {
 };
 
 IoThreads::IoThreads(std::size_t count) {
-  FIELDCAST_CHECK(count >= 1);
+  assert(count >= 1);
   for (std::size_t i = 0; i < count; ++i) {
     Worker& worker = *workers_.emplace_back(std::make_unique<Worker>());
     worker.thread = std::thread([&worker, name = "io-" + std::to_string(i)] {

@@ -7,10 +7,9 @@
 
 #include "core/base/bytes.hpp"
 #include "core/base/time.hpp"
+#include "core/model/spec.hpp"
 
 namespace fieldcast {
-
-enum class LogLevel { kDebug, kInfo, kWarning, kError };
 
 // Before the first line; level is the least that is written.
 void open_log(LogLevel level);

@@ -1,0 +1,187 @@
+#include "bridge/bridge.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <future>
+#include <map>
+#include <vector>
+
+#include "bridge/bus_outlet.hpp"
+#include "bridge/bus_runner.hpp"
+#include "bridge/clock.hpp"
+#include "bridge/command_desk.hpp"
+#include "bridge/dds/dds_link.hpp"
+#include "bridge/io_threads.hpp"
+#include "bridge/log.hpp"
+#include "bridge/reload_plan.hpp"
+
+namespace fieldcast {
+namespace {
+
+// For all buses together; what is not done by then is left behind, so that a stop ends within two seconds.
+constexpr std::chrono::milliseconds kStopLimit{1200};
+constexpr std::chrono::milliseconds kLinger{200};
+
+class DdsOutlet final : public BusOutlet {
+ public:
+  DdsOutlet(DdsLink& link, std::string bus) : link_(link), bus_(std::move(bus)) {}
+  void publish(std::span<const Sample> samples, const UtcMapping& mapping) override { link_.publish(bus_, samples, mapping); }
+  void promise(ChannelIndex channel, std::optional<Duration> gap) override { link_.set_refresh(bus_, channel, gap); }
+  void complete(const CommandResult& result, const UtcMapping& mapping) override { link_.complete(bus_, result, mapping); }
+  void report(const BusReport& report, UtcTime at) override { link_.report(bus_, report, at); }
+  void report(std::string_view device, const DeviceReport& report, UtcTime at) override {
+    link_.report(bus_, device, report, at);
+  }
+
+ private:
+  DdsLink& link_;
+  std::string bus_;
+};
+
+struct RunningBus {
+  std::unique_ptr<DdsOutlet> outlet;  // outlives the runner
+  std::shared_ptr<BusRunner> runner;
+};
+
+}  // namespace
+
+struct Bridge::State {
+  BridgeSpec spec;
+  bool trace = false;
+  IoThreads io{IoThreads::default_count()};
+  CommandDesk desk;
+  std::map<std::string, RunningBus, std::less<>> buses;
+  std::unique_ptr<DdsLink> link;  // its handlers enter the members above: closed before they end
+
+  void join();
+  void start_bus(const BusSpec& bus);
+  void stop_buses(const std::vector<std::string>& names);
+  void stop_all();
+  void restart(const std::vector<std::string>& names, const BridgeSpec& from);
+};
+
+// Throws DdsError.
+void Bridge::State::join() {
+  DdsLink::Handlers handlers;
+  handlers.clock = [] { return read_clocks(); };
+  handlers.on_command = [this](const std::string& bus, Command command) {
+    if (const auto refused = desk.take(bus, std::move(command), steady_now())) link->complete(bus, *refused, read_clocks());
+  };
+  handlers.on_interest = [](const Interest&) {};
+  handlers.on_problem = [](const std::string& text) { log_warning("dds", text); };
+  link = std::make_unique<DdsLink>(spec.dds, spec.name, std::move(handlers));
+}
+
+// Throws DdsError, and then nothing of the bus is left.
+void Bridge::State::start_bus(const BusSpec& bus) {
+  assert(!buses.contains(bus.name));
+  RunningBus made;
+  made.outlet = std::make_unique<DdsOutlet>(*link, bus.name);
+  made.runner = std::make_shared<BusRunner>(io.next(), bus, *made.outlet);
+  desk.add(bus.name, made.runner);  // before the bus is announced: its commands may come at once
+  try {
+    link->add_bus(bus);
+  } catch (const DdsError&) {
+    desk.remove(bus.name);
+    made.runner->stop().wait();  // answers what came meanwhile
+    link->remove_bus(bus.name);
+    throw;
+  }
+  made.runner->set_trace(trace);
+  made.runner->start();
+  buses.emplace(bus.name, std::move(made));
+}
+
+void Bridge::State::stop_buses(const std::vector<std::string>& names) {
+  const auto deadline = std::chrono::steady_clock::now() + kStopLimit;
+  std::vector<std::future<void>> stopped;
+  for (const std::string& name : names) {
+    desk.remove(name);                                 // 1. no more commands come in; whoever sends one hears kShutdown
+    stopped.push_back(buses.at(name).runner->stop());  // 2. pending commands are answered, the port is closed
+  }
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (stopped[i].wait_until(deadline) != std::future_status::ready) {
+      log_error(names[i], "the bus did not stop in time");
+      io.stop();  // nothing may run on what is about to be taken away
+    }
+    link->remove_bus(names[i]);  // 3. stations see the bus go
+    buses.erase(names[i]);
+  }
+}
+
+// The order of a shutdown, all of it.
+void Bridge::State::stop_all() {
+  if (!link) return;
+  std::vector<std::string> names;
+  for (const auto& [name, bus] : buses) names.push_back(name);
+  stop_buses(names);     // 1.-3. above, all buses at the same time
+  link->close(kLinger);  // 4. the last results reach their readers, then we leave the domain; no handler is called afterwards
+  link.reset();          // 5.
+}
+
+Bridge::Bridge() : state_(std::make_unique<State>()) {}
+
+Bridge::~Bridge() {
+  stop();
+  state_->io.stop();
+}
+
+tl::expected<void, std::string> Bridge::start(const BridgeSpec& spec) {
+  assert(!state_->link);
+  state_->spec = spec;
+  try {
+    state_->join();
+    for (const BusSpec& bus : spec.buses) state_->start_bus(bus);
+  } catch (const DdsError& error) {
+    state_->stop_all();
+    return tl::make_unexpected(std::string(error.what()));
+  }
+  return {};
+}
+
+void Bridge::State::restart(const std::vector<std::string>& names, const BridgeSpec& from) {
+  for (const BusSpec& bus : from.buses) {
+    if (std::find(names.begin(), names.end(), bus.name) != names.end()) start_bus(bus);
+  }
+}
+
+tl::expected<void, std::string> Bridge::reload(const BridgeSpec& wanted) {
+  State& s = *state_;
+  const BridgeSpec before = s.spec;
+  const ReloadPlan plan = plan_reload(before, wanted);
+  if (plan.whole_bridge) {
+    s.stop_all();
+    auto started = start(wanted);
+    if (started) return {};
+    if (auto back = start(before); !back)
+      return tl::make_unexpected(fmt::format("{}; and then {}", started.error(), back.error()));
+    return started;
+  }
+  s.stop_buses(plan.stop);
+  try {
+    s.restart(plan.start, wanted);
+  } catch (const DdsError& error) {
+    std::vector<std::string> begun;
+    for (const std::string& name : plan.start) {
+      if (s.buses.contains(name)) begun.push_back(name);
+    }
+    s.stop_buses(begun);
+    s.restart(plan.stop, before);
+    return tl::make_unexpected(std::string(error.what()));
+  }
+  s.spec = wanted;
+  log_info(wanted.name, fmt::format("reloaded: {} buses stopped, {} started, {} untouched", plan.stop.size(), plan.start.size(),
+                                    plan.untouched.size()));
+  return {};
+}
+
+void Bridge::set_trace(bool on) {
+  state_->trace = on;
+  for (auto& [name, bus] : state_->buses) bus.runner->set_trace(on);
+}
+
+void Bridge::stop() { state_->stop_all(); }
+
+}  // namespace fieldcast

@@ -1,0 +1,25 @@
+// Where a bus's samples, results and reports go. In the daemon this is DDS; in the tests of the runner it is a record.
+// Called on the bus's io thread only.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "bridge/dds/utc_mapping.hpp"
+#include "core/model/command.hpp"
+#include "core/model/sample.hpp"
+#include "core/model/status.hpp"
+
+namespace fieldcast {
+
+class BusOutlet {
+ public:
+  virtual ~BusOutlet() = default;
+  virtual void publish(std::span<const Sample> samples, const UtcMapping& mapping) = 0;
+  virtual void promise(ChannelIndex channel, std::optional<Duration> gap) = 0;
+  virtual void complete(const CommandResult& result, const UtcMapping& mapping) = 0;
+  virtual void report(const BusReport& report, UtcTime at) = 0;
+  virtual void report(std::string_view device, const DeviceReport& report, UtcTime at) = 0;
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,238 @@
+#include "bridge/bus_runner.hpp"
+
+#include <atomic>
+#include <cassert>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+
+#include "bridge/back_off.hpp"
+#include "bridge/clock.hpp"
+#include "bridge/engine_timer.hpp"
+#include "bridge/log.hpp"
+#include "bridge/notice_log.hpp"
+#include "bridge/port/port.hpp"
+#include "core/bus/bus_engine.hpp"
+
+namespace fieldcast {
+namespace {
+
+namespace asio = boost::asio;
+
+constexpr Duration kReportPeriod = std::chrono::seconds{1};
+constexpr Duration kLeastReportGap = std::chrono::milliseconds{100};  // however often the state changes
+
+CommandResult shutdown_result(const Command& command, Instant now) {
+  CommandResult result;
+  result.requester = command.requester;
+  result.request_id = command.request_id;
+  result.state = CommandState::kRejected;
+  result.cause = Cause::kShutdown;
+  result.reason = "the bridge is stopping this bus";
+  result.received = result.started = result.completed = now;
+  return result;
+}
+
+}  // namespace
+
+// Everything on the io thread. One turn: an event and its `now` go into the engine, the actions that come out are executed in
+// order.
+class BusRunner::Loop final : public PortListener, public std::enable_shared_from_this<Loop> {
+ public:
+  Loop(asio::io_context& io, const BusSpec& spec, BusOutlet& outlet)
+      : io_(io),
+        spec_(spec),
+        outlet_(outlet),
+        engine_(spec),
+        port_(make_port(io, spec.port)),
+        timer_(io, *this),
+        reopening_(io),
+        ticking_(io),
+        notices_(spec.name),
+        mapping_(read_clocks()) {}
+
+  asio::io_context& io() { return io_; }
+  std::atomic<std::size_t> waiting{0};
+
+  void start() {
+    next_tick_ = std::chrono::steady_clock::now();
+    tick();
+    port_->open(*this);
+  }
+
+  void stop() {
+    if (stopped_) return;
+    turn(StopRequested{}, steady_now());
+    stopped_ = true;
+    report(steady_now(), BusState::kStopped);
+    timer_.cancel();
+    reopening_.cancel();
+    ticking_.cancel();
+    port_->close();
+  }
+
+  void command(Command command) {
+    if (stopped_) return outlet_.complete(shutdown_result(command, steady_now()), mapping_);
+    turn(CommandArrived{std::move(command)}, steady_now());
+  }
+
+  void event(const BusEvent& event) { turn(event, steady_now()); }
+
+  void set_trace(bool on) {
+    if (stopped_) return;
+    trace_ = on;
+    engine_.set_trace(on);
+  }
+
+  void on_timer() { turn(TimerFired{}, steady_now()); }
+
+  void on_opened() override {
+    const Instant now = steady_now();
+    back_off_.opened(now);
+    notices_.port_opened();
+    report_soon_ = true;
+    turn(Opened{}, now);
+  }
+
+  void on_received(ByteView bytes, Instant arrival) override {
+    if (trace_) trace_line(mapping_.to_utc(arrival), spec_.name, TraceMark::kReceived, to_hex(bytes));
+    turn(Received{bytes}, arrival);
+    port_->expect(engine_.missing());
+  }
+
+  void on_closed(std::string reason) override {
+    const Instant now = steady_now();
+    notices_.port_closed(reason, now);
+    report_soon_ = true;
+    turn(Closed{std::move(reason)}, now);
+    reopen_later(now);
+  }
+
+ private:
+  void turn(const BusEvent& event, Instant now) {
+    if (stopped_) return;
+    assert(!turning_);  // ports and outlets never call back from inside
+    turning_ = true;
+    actions_.clear();
+    engine_.on_event(event, now, actions_);
+    for (const Action& action : actions_) {
+      std::visit([&](const auto& what) { execute(what, now); }, action);
+    }
+    turning_ = false;
+    if (report_soon_ && now - reported_ >= kLeastReportGap) report(now);
+  }
+
+  void execute(const Send& send, Instant now) {
+    if (trace_) trace_line(mapping_.to_utc(now), spec_.name, TraceMark::kSent, to_hex(send.bytes));
+    port_->write(send.bytes);
+  }
+  void execute(const SetTimer& timer, Instant) { timer_.set(timer.at); }
+  void execute(const Publish& publish, Instant) { outlet_.publish(publish.samples, mapping_); }
+  void execute(const Promise& promise, Instant) { outlet_.promise(promise.channel, promise.gap); }
+  void execute(const Complete& complete, Instant) { outlet_.complete(complete.result, mapping_); }
+  void execute(const Reopen& reopen, Instant now) {
+    notices_.port_closed(reopen.reason, now);
+    port_->close();
+    reopen_later(now);
+  }
+  void execute(const Notice& notice, Instant now) {
+    notices_.notice(notice, now);
+    report_soon_ = true;
+  }
+  void execute(const Traced& traced, Instant now) {
+    if (trace_) trace_line(mapping_.to_utc(now), spec_.name, TraceMark::kRemark, traced.device + ": " + traced.text);
+  }
+
+  void reopen_later(Instant now) {
+    if (stopped_) return;
+    reopening_.expires_after(back_off_.closed(now));
+    reopening_.async_wait([self = shared_from_this()](boost::system::error_code cancelled) {
+      if (!cancelled && !self->stopped_) self->port_->open(*self);
+    });
+  }
+
+  void tick() {
+    const Instant now = steady_now();
+    mapping_ = read_clocks();
+    notices_.tick(now);
+    report(now);
+    next_tick_ += kReportPeriod;
+    ticking_.expires_at(next_tick_);
+    ticking_.async_wait([self = shared_from_this()](boost::system::error_code cancelled) {
+      if (!cancelled && !self->stopped_) self->tick();
+    });
+  }
+
+  void report(Instant now, std::optional<BusState> state = {}) {
+    report_soon_ = false;
+    reported_ = now;
+    const UtcTime at = mapping_.to_utc(now);
+    BusReport bus = engine_.bus_report(now);
+    if (state) bus.state = *state;
+    outlet_.report(bus, at);
+    for (std::size_t i = 0; i < spec_.devices.size(); ++i) {
+      outlet_.report(spec_.devices[i].name, engine_.device_report(static_cast<DeviceIndex>(i), now), at);
+    }
+  }
+
+  asio::io_context& io_;
+  const BusSpec spec_;
+  BusOutlet& outlet_;
+  BusEngine engine_;
+  std::unique_ptr<Port> port_;
+  EngineTimer<Loop> timer_;
+  asio::steady_timer reopening_;
+  asio::steady_timer ticking_;
+  std::chrono::steady_clock::time_point next_tick_;
+  BackOff back_off_;
+  NoticeLog notices_;
+  UtcMapping mapping_;
+  Actions actions_;
+  Instant reported_{};
+  bool report_soon_ = false;
+  bool trace_ = false;
+  bool turning_ = false;
+  bool stopped_ = false;
+};
+
+BusRunner::BusRunner(asio::io_context& io, const BusSpec& spec, BusOutlet& outlet)
+    : loop_(std::make_shared<Loop>(io, spec, outlet)) {}
+
+BusRunner::~BusRunner() = default;
+
+void BusRunner::start() {
+  asio::post(loop_->io(), [loop = loop_] { loop->start(); });
+}
+
+bool BusRunner::post(Command command) {
+  if (loop_->waiting.fetch_add(1, std::memory_order_relaxed) >= kMaxWaiting) {
+    loop_->waiting.fetch_sub(1, std::memory_order_relaxed);
+    return false;
+  }
+  asio::post(loop_->io(), [loop = loop_, command = std::move(command)]() mutable {
+    loop->waiting.fetch_sub(1, std::memory_order_relaxed);
+    loop->command(std::move(command));
+  });
+  return true;
+}
+
+void BusRunner::post(InterestChanged interest) {
+  asio::post(loop_->io(), [loop = loop_, interest] { loop->event(interest); });
+}
+
+void BusRunner::set_trace(bool on) {
+  asio::post(loop_->io(), [loop = loop_, on] { loop->set_trace(on); });
+}
+
+std::future<void> BusRunner::stop() {
+  auto done = std::make_shared<std::promise<void>>();
+  auto ready = done->get_future();
+  asio::post(loop_->io(), [loop = loop_, done] {
+    loop->stop();
+    // Handlers that were cancelled come after this one; when the next one runs, none of them is left.
+    asio::post(loop->io(), [loop, done] { done->set_value(); });
+  });
+  return ready;
+}
+
+}  // namespace fieldcast

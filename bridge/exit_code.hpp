@@ -1,0 +1,14 @@
+// What fieldcast-bridge tells its caller when it ends.
+#pragma once
+
+namespace fieldcast {
+
+enum class ExitCode : int {
+  kOk = 0,                // stopped in order, or --check found no fault
+  kInternal = 1,          // a fault of our own
+  kUsage = 2,             // the command line
+  kBadConfiguration = 3,  // faults in the file: all of them are on stderr
+  kCannotStart = 4,       // DDS cannot be joined as configured
+};
+
+}  // namespace fieldcast

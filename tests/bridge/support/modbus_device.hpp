@@ -1,0 +1,86 @@
+// A scripted Modbus RTU device at the other end of a pseudo-terminal, in a thread of its own. It knows function 03, where
+// register r holds r until it is written, and 06; written from the standard, apart from the core's codec. Unit 1.
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "tests/bridge/support/pty.hpp"
+
+namespace fieldcast::test {
+
+class ModbusDevice {
+ public:
+  explicit ModbusDevice(const Pty& pty) : pty_(pty), thread_([this] { serve(); }) {}
+  ~ModbusDevice() { stop(); }
+  void stop() {
+    running_ = false;
+    if (thread_.joinable()) thread_.join();
+  }
+
+  void set_silent(bool silent) { silent_ = silent; }
+  [[nodiscard]] unsigned reads() const { return reads_; }
+  [[nodiscard]] unsigned writes() const { return writes_; }
+  [[nodiscard]] std::uint16_t held(std::uint16_t number) {
+    const std::lock_guard lock(mutex_);
+    return value_of(number);
+  }
+
+ private:
+  static std::uint16_t crc(ByteView bytes) {
+    std::uint16_t sum = 0xFFFF;
+    for (const std::uint8_t byte : bytes) {
+      sum = static_cast<std::uint16_t>(sum ^ byte);
+      for (int bit = 0; bit < 8; ++bit) sum = static_cast<std::uint16_t>((sum & 1) != 0 ? (sum >> 1) ^ 0xA001 : sum >> 1);
+    }
+    return sum;
+  }
+  std::uint16_t value_of(std::uint16_t number) const {
+    const auto found = written_.find(number);
+    return found == written_.end() ? number : found->second;
+  }
+
+  void serve() {
+    Bytes heard;
+    while (running_) {
+      pollfd wait{pty_.master(), POLLIN, 0};
+      if (::poll(&wait, 1, 5) <= 0) continue;
+      append(heard, pty_.take());
+      while (heard.size() >= 8) {
+        const Bytes request(heard.begin(), heard.begin() + 8);
+        heard.erase(heard.begin(), heard.begin() + 8);
+        answer(request);
+      }
+    }
+  }
+  void answer(const Bytes& request) {
+    if (silent_ || request[0] != 1) return;
+    const std::lock_guard lock(mutex_);
+    Bytes reply{1, request[1]};
+    if (request[1] == 3) {
+      const std::uint16_t count = read_u16(request, 4);
+      reply.push_back(static_cast<std::uint8_t>(2 * count));
+      for (std::uint16_t i = 0; i < count; ++i) append_u16(reply, value_of(static_cast<std::uint16_t>(read_u16(request, 2) + i)));
+      ++reads_;
+    } else {
+      written_[read_u16(request, 2)] = read_u16(request, 4);
+      reply.assign(request.begin(), request.begin() + 6);
+      ++writes_;
+    }
+    const std::uint16_t sum = crc(reply);
+    reply.push_back(static_cast<std::uint8_t>(sum));
+    reply.push_back(static_cast<std::uint8_t>(sum >> 8));
+    pty_.send(reply);
+  }
+
+  const Pty& pty_;
+  std::mutex mutex_;
+  std::map<std::uint16_t, std::uint16_t> written_;
+  std::atomic<bool> running_{true}, silent_{false};
+  std::atomic<unsigned> reads_{0}, writes_{0};
+  std::thread thread_;
+};
+
+}  // namespace fieldcast::test
