@@ -1,0 +1,142 @@
+#include "tools/cli/arguments.hpp"
+
+#include <CLI/CLI.hpp>
+#include <sstream>
+
+#include "tools/cli/duration_text.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+constexpr const char* kExitCodes =
+    "exit codes: 0 done, 1 found at fault, 2 usage, 3 no bridge, 4 nothing there, 5 rejected, 6 failed, 7 expired, 8 no result, "
+    "9 trouble, 130 interrupted";
+
+// Texts that become values only after the parse, so that every fault is told in the same way.
+struct Texts {
+  std::string pattern, time, refresh, timeout;
+  bool once = false;  // of status: its default, which scripts may say aloud
+};
+
+void add_connection(CLI::App& command, ConnectionOptions& connection) {
+  command.add_option("--config", connection.config, "Join the DDS domain of this configuration file")->check(CLI::ExistingFile);
+  command.add_option("--domain", connection.domain, "DDS domain (default 0)")->check(CLI::Range(0, 232));
+  command.add_option("--interface", connection.interfaces, "IPv4 address that DDS may use (default 127.0.0.1); may be repeated");
+}
+
+CLI::App* add_watch(CLI::App& app, WatchOptions& watch, Texts& texts) {
+  auto* command = app.add_subcommand("watch", "Show samples: a live table, lines, or JSON lines");
+  command->add_option("PATTERN", texts.pattern, "BUS/DEVICE/CHANNEL with *; a shorter one matches all below it");
+  command->add_flag("--json", watch.json, "JSON lines");
+  command->add_flag("--once", watch.once, "Each matching channel once, then end");
+  command->add_option("--for", texts.time, "End after this time (20, 500ms, 2min); with --once the longest wait (10s)");
+  command->add_option("--refresh", texts.refresh, "Wish the channels at this refresh while watching");
+  add_connection(*command, watch.connection);
+  return command;
+}
+
+CLI::App* add_write(CLI::App& app, WriteOptions& write, Texts& texts) {
+  auto* command = app.add_subcommand("write", "Write values to channels, and wait for the results");
+  command->add_option("ASSIGNMENT", write.words, "BUS/DEVICE/CHANNEL=VALUE ..; with --at: BUS/DEVICE VALUE ..")->required();
+  command->add_flag("--verify", write.verify, "Read back what was written");
+  command->add_option("--at", write.at, "Write to an address of the device, in the PLC's own notation (holding:100)");
+  command->add_option("--type", write.type, "Type of the values at the address: uint16, float32, string(8), ..")->needs("--at");
+  command->add_option("--timeout", texts.timeout, "The command is not started later than this (5s)");
+  command->add_flag("--json", write.json, "JSON lines");
+  add_connection(*command, write.connection);
+  return command;
+}
+
+CLI::App* add_acquire(CLI::App& app, AcquireOptions& acquire, Texts& texts) {
+  auto* command = app.add_subcommand("acquire", "Read from a device now");
+  command->add_option("TARGET", acquire.target, "BUS/DEVICE or BUS/DEVICE/CHANNEL")->required();
+  command->add_option("--at", acquire.at, "Read an address of the device, in the PLC's own notation (holding:100)");
+  command->add_option("--count", acquire.count, "How many values at the address (1)")->check(CLI::Range(1, 2000))->needs("--at");
+  command->add_option("--type", acquire.type, "Type of the values at the address: uint16, float32, string(8), ..")->needs("--at");
+  command->add_option("--timeout", texts.timeout, "The command is not started later than this (5s)");
+  command->add_flag("--json", acquire.json, "JSON lines");
+  add_connection(*command, acquire.connection);
+  return command;
+}
+
+CLI::App* add_status(CLI::App& app, StatusOptions& status, Texts& texts) {
+  auto* command = app.add_subcommand("status", "Show buses and devices: state, load, learned times, failures by cause");
+  command->add_flag("--once", texts.once, "Each bus and device once, then end (the default)");
+  command->add_option("--for", texts.time, "Follow it for this time (20, 2min)")->excludes("--once");
+  command->add_flag("--json", status.json, "JSON lines");
+  add_connection(*command, status.connection);
+  return command;
+}
+
+CLI::App* add_plan(CLI::App& app, PlanOptions& plan) {
+  auto* command = app.add_subcommand("plan", "Predict blocks, load and gaps of every bus of a configuration; needs no bridge");
+  command->add_option("CONFIG", plan.config, "The configuration file")->required()->check(CLI::ExistingFile);
+  command->add_flag("--json", plan.json, "JSON lines");
+  return command;
+}
+
+CLI::App* add_inspect(CLI::App& app, InspectOptions& inspect) {
+  auto* command = app.add_subcommand("inspect", "Explain a frame; needs no bridge");
+  command->add_option("PROTOCOL", inspect.protocol, "modbus-rtu, modbus-ascii, modbus-tcp, ..")->required();
+  command->add_option("HEX", inspect.hex, "The frame's bytes; from standard input when there are none");
+  command->add_flag("--json", inspect.json, "One JSON object");
+  return command;
+}
+
+// An empty text keeps the default.
+template <typename Target>
+void set_duration(Target& target, const std::string& text, const char* option) {
+  if (text.empty()) return;
+  const auto time = parse_duration(text);
+  if (!time) throw CLI::ValidationError(option, time.error());
+  target = *time;
+}
+
+}  // namespace
+
+tl::expected<Arguments, NoCommand> parse_arguments(int argc, const char* const* argv) {
+  CLI::App app{"Fieldcast's command line: samples, commands, state and plans of the buses that fieldcast-bridge serves.", "fieldcast"};
+  app.set_version_flag("--version", std::string("fieldcast ") + FIELDCAST_VERSION);
+  app.footer(kExitCodes);
+  app.require_subcommand(1);
+
+  InspectOptions inspect;
+  WatchOptions watch;
+  WriteOptions write;
+  AcquireOptions acquire;
+  StatusOptions status;
+  PlanOptions plan;
+  Texts texts;
+  const auto* watch_command = add_watch(app, watch, texts);
+  const auto* write_command = add_write(app, write, texts);
+  const auto* acquire_command = add_acquire(app, acquire, texts);
+  const auto* status_command = add_status(app, status, texts);
+  const auto* plan_command = add_plan(app, plan);
+  const auto* inspect_command = add_inspect(app, inspect);
+
+  try {
+    app.parse(argc, argv);
+    set_duration(watch.time, texts.time, "--for");
+    set_duration(status.time, texts.time, "--for");
+    set_duration(watch.refresh, texts.refresh, "--refresh");
+    set_duration(write.timeout, texts.timeout, "--timeout");
+    set_duration(acquire.timeout, texts.timeout, "--timeout");
+    auto pattern = Pattern::parse(texts.pattern);
+    if (!pattern) throw CLI::ValidationError("PATTERN", pattern.error());
+    watch.pattern = *std::move(pattern);
+  } catch (const CLI::ParseError& error) {
+    std::ostringstream out;
+    std::ostringstream err;
+    const bool asked = app.exit(error, out, err) == 0;  // help and version are "errors" of code 0
+    return tl::unexpected(NoCommand{asked ? ExitCode::kOk : ExitCode::kUsage, asked ? out.str() : "fieldcast: " + err.str()});
+  }
+  if (watch_command->parsed()) return watch;
+  if (write_command->parsed()) return write;
+  if (acquire_command->parsed()) return acquire;
+  if (status_command->parsed()) return status;
+  if (plan_command->parsed()) return plan;
+  if (inspect_command->parsed()) return inspect;
+  return tl::unexpected(NoCommand{ExitCode::kUsage, app.help()});
+}
+
+}  // namespace fieldcast::cli

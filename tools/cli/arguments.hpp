@@ -1,0 +1,28 @@
+// The command line as values: one alternative for each subcommand.
+#pragma once
+
+#include <string>
+#include <variant>
+
+#include <tl/expected.hpp>
+
+#include "tools/cli/acquire.hpp"
+#include "tools/cli/inspect.hpp"
+#include "tools/cli/plan.hpp"
+#include "tools/cli/status.hpp"
+#include "tools/cli/watch.hpp"
+#include "tools/cli/write.hpp"
+
+namespace fieldcast::cli {
+
+using Arguments = std::variant<InspectOptions, WatchOptions, WriteOptions, AcquireOptions, StatusOptions, PlanOptions>;
+
+// Not a command to be run: help, the version, or a fault with what is wrong.
+struct NoCommand {
+  ExitCode code = ExitCode::kOk;
+  std::string text;
+};
+
+[[nodiscard]] tl::expected<Arguments, NoCommand> parse_arguments(int argc, const char* const* argv);
+
+}  // namespace fieldcast::cli

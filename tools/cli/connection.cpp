@@ -1,0 +1,30 @@
+#include "tools/cli/connection.hpp"
+
+#include "config/loader.hpp"
+
+namespace fieldcast::cli {
+
+tl::expected<DdsSpec, std::string> resolve(const ConnectionOptions& options) {
+  DdsSpec spec;
+  if (!options.config.empty()) {
+    auto loaded = config::load_file(options.config);
+    if (!loaded) return tl::unexpected(config::to_text(loaded.error()));
+    spec = std::move(loaded->dds);
+  }
+  if (options.domain) spec.domain = *options.domain;
+  if (!options.interfaces.empty()) spec.interfaces = options.interfaces;
+  return spec;
+}
+
+std::string place_text(const DdsSpec& spec) {
+  std::string text = "DDS domain " + std::to_string(spec.domain) + " on ";
+  for (std::size_t i = 0; i < spec.interfaces.size(); ++i) text += (i == 0 ? "" : ", ") + spec.interfaces[i];
+  return text;
+}
+
+std::string no_bridge_text(const DdsSpec& spec) {
+  return "no bridge found in " + place_text(spec) + " within " + to_text(kBridgeWait) +
+         ": is fieldcast-bridge running, with the same domain and interfaces? (--config FILE, or --domain N and --interface A)";
+}
+
+}  // namespace fieldcast::cli

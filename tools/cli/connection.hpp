@@ -1,0 +1,34 @@
+// Where a command looks for bridges: the DDS domain of a configuration file, or that of --domain and --interface.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "core/base/time.hpp"
+#include "core/model/spec.hpp"
+
+namespace fieldcast::cli {
+
+inline constexpr Duration kBridgeWait = std::chrono::seconds{3};   // until a bridge must have shown itself
+inline constexpr Duration kQuietTime = std::chrono::milliseconds{700};  // nothing new for so long: what is there is known
+
+struct ConnectionOptions {
+  std::string config;                     // its `dds:` section; empty: none
+  std::optional<std::uint32_t> domain;    // goes before the file's
+  std::vector<std::string> interfaces;    // goes before the file's
+};
+
+// The fault is for people: every fault of the file, one on each line.
+[[nodiscard]] tl::expected<DdsSpec, std::string> resolve(const ConnectionOptions& options);
+
+// "DDS domain 0 on 127.0.0.1"
+[[nodiscard]] std::string place_text(const DdsSpec& spec);
+
+// Nobody was found there: what that means and what to look at.
+[[nodiscard]] std::string no_bridge_text(const DdsSpec& spec);
+
+}  // namespace fieldcast::cli

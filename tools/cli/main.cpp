@@ -1,0 +1,53 @@
+// `fieldcast`: reads the command line, runs one command, ends with its exit code.
+#include <exception>
+#include <iostream>
+
+#include "tools/cli/arguments.hpp"
+#include "tools/cli/console.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+struct Run {
+  ExitCode operator()(const InspectOptions& options) const {
+    return inspect(options, std::cin, std::cout, std::cerr, output_screen());
+  }
+  ExitCode operator()(const PlanOptions& options) const { return plan(options, std::cout, std::cerr); }
+  ExitCode operator()(const WatchOptions& options) const { return joined(options, watch); }
+  ExitCode operator()(const WriteOptions& options) const { return joined(options, write); }
+  ExitCode operator()(const AcquireOptions& options) const { return joined(options, acquire); }
+  ExitCode operator()(const StatusOptions& options) const { return joined(options, status); }
+
+ private:
+  template <typename Options, typename Command>
+  static ExitCode joined(const Options& options, Command command) {
+    Interrupt interrupt;  // before DDS starts its threads
+    const auto spec = resolve(options.connection);
+    if (!spec) {
+      std::cerr << spec.error() << '\n';
+      return ExitCode::kUsage;
+    }
+    return command(options, *spec, interrupt, std::cout, std::cerr);
+  }
+};
+
+int run(int argc, const char* const* argv) {
+  const auto arguments = parse_arguments(argc, argv);
+  if (!arguments) {
+    (arguments.error().code == ExitCode::kOk ? std::cout : std::cerr) << arguments.error().text;
+    return to_int(arguments.error().code);
+  }
+  return to_int(std::visit(Run{}, *arguments));
+}
+
+}  // namespace
+}  // namespace fieldcast::cli
+
+int main(int argc, char** argv) {
+  try {
+    return fieldcast::cli::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "fieldcast: " << error.what() << '\n';
+    return to_int(fieldcast::cli::ExitCode::kTrouble);
+  }
+}
