@@ -95,7 +95,8 @@ void set_duration(Target& target, const std::string& text, const char* option) {
 }  // namespace
 
 tl::expected<Arguments, NoCommand> parse_arguments(int argc, const char* const* argv) {
-  CLI::App app{"Fieldcast's command line: samples, commands, state and plans of the buses that fieldcast-bridge serves.", "fieldcast"};
+  CLI::App app{"Fieldcast's command line: samples, commands, state and plans of the buses that fieldcast-bridge serves.",
+               "fieldcast"};
   app.set_version_flag("--version", std::string("fieldcast ") + FIELDCAST_VERSION);
   app.footer(kExitCodes);
   app.require_subcommand(1);

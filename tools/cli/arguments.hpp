@@ -2,9 +2,8 @@
 #pragma once
 
 #include <string>
-#include <variant>
-
 #include <tl/expected.hpp>
+#include <variant>
 
 #include "tools/cli/acquire.hpp"
 #include "tools/cli/inspect.hpp"

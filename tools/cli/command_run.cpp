@@ -34,7 +34,8 @@ bool CommandRun::learn(const std::vector<ChannelPath>& paths) {
     const auto now = instant_now();
     if (!catalogue_.channels().empty() && now - last_news >= kQuietTime) return true;
     if (now - began >= kBridgeWait) break;
-    const auto until = catalogue_.channels().empty() ? began + kBridgeWait : std::min(began + kBridgeWait, last_news + kQuietTime);
+    const auto until =
+        catalogue_.channels().empty() ? began + kBridgeWait : std::min(began + kBridgeWait, last_news + kQuietTime);
     for (const auto& event : session_.inbox().take(to_steady(until))) {
       if (const auto* channel = std::get_if<StationChannel>(&event)) {
         catalogue_.add(*channel);
@@ -91,7 +92,8 @@ ExitCode CommandRun::execute(std::vector<Errand> errands) {
     }
     if (waiting.empty()) continue;
 
-    const auto soonest = std::min_element(waiting.begin(), waiting.end(), [](const auto& a, const auto& b) { return a.second.until < b.second.until; });
+    const auto soonest = std::min_element(waiting.begin(), waiting.end(),
+                                          [](const auto& a, const auto& b) { return a.second.until < b.second.until; });
     for (const auto& event : session_.inbox().take(to_steady(soonest->second.until))) {
       const auto* result = std::get_if<StationResult>(&event);
       const auto found = result == nullptr ? waiting.end() : waiting.find(result->request_id);

@@ -4,22 +4,21 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <vector>
-
 #include <tl/expected.hpp>
+#include <vector>
 
 #include "core/base/time.hpp"
 #include "core/model/spec.hpp"
 
 namespace fieldcast::cli {
 
-inline constexpr Duration kBridgeWait = std::chrono::seconds{3};   // until a bridge must have shown itself
+inline constexpr Duration kBridgeWait = std::chrono::seconds{3};        // until a bridge must have shown itself
 inline constexpr Duration kQuietTime = std::chrono::milliseconds{700};  // nothing new for so long: what is there is known
 
 struct ConnectionOptions {
-  std::string config;                     // its `dds:` section; empty: none
-  std::optional<std::uint32_t> domain;    // goes before the file's
-  std::vector<std::string> interfaces;    // goes before the file's
+  std::string config;                   // its `dds:` section; empty: none
+  std::optional<std::uint32_t> domain;  // goes before the file's
+  std::vector<std::string> interfaces;  // goes before the file's
 };
 
 // The fault is for people: every fault of the file, one on each line.

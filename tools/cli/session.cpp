@@ -9,15 +9,17 @@ Session::Session(const DdsSpec& spec, Interrupt& interrupt) : interrupt_(interru
 Session::~Session() { interrupt_.on_raise({}); }
 
 void Session::hear_channels() {
-  station_.subscribe_channels(
-      [this](const StationChannel& channel) { inbox_.put(channel); },
-      [this](const auto& bus, const auto& device, const auto& channel) { inbox_.put(ChannelGone{{bus, device, channel}}); });
+  station_.subscribe_channels([this](const StationChannel& channel) { inbox_.put(channel); },
+                              [this](const auto& bus, const auto& device, const auto& channel) {
+                                inbox_.put(ChannelGone{{bus, device, channel}});
+                              });
 }
 
 void Session::hear_samples() {
-  station_.subscribe_samples(
-      [this](const StationSample& sample) { inbox_.put(sample); },
-      [this](const auto& bus, const auto& device, const auto& channel) { inbox_.put(ChannelGone{{bus, device, channel}}); });
+  station_.subscribe_samples([this](const StationSample& sample) { inbox_.put(sample); },
+                             [this](const auto& bus, const auto& device, const auto& channel) {
+                               inbox_.put(ChannelGone{{bus, device, channel}});
+                             });
 }
 
 void Session::hear_status() {

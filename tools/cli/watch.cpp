@@ -128,8 +128,9 @@ ExitCode Watch::verdict() const {
     return ExitCode::kNoBridge;
   }
   err_ << "fieldcast watch: a bridge is there, but "
-       << (model_.rows().empty() ? "none of its channels matches " + model_.pattern().text() + "; fieldcast watch --once lists them"
-                                 : std::string("no sample came; fieldcast status says what the bus does"))
+       << (model_.rows().empty()
+               ? "none of its channels matches " + model_.pattern().text() + "; fieldcast watch --once lists them"
+               : std::string("no sample came; fieldcast status says what the bus does"))
        << '\n';
   return ExitCode::kNothing;
 }

@@ -52,7 +52,8 @@ void hold_back_if_any_is_refused(std::vector<Errand>& errands) {
   }
 }
 
-ExitCode write_channels(const WriteOptions& options, const DdsSpec& spec, Interrupt& interrupt, std::ostream& out, std::ostream& err) {
+ExitCode write_channels(const WriteOptions& options, const DdsSpec& spec, Interrupt& interrupt, std::ostream& out,
+                        std::ostream& err) {
   std::vector<Assignment> assignments;
   std::vector<ChannelPath> paths;
   for (const auto& word : options.words) {
@@ -70,7 +71,8 @@ ExitCode write_channels(const WriteOptions& options, const DdsSpec& spec, Interr
   return run.execute(std::move(errands));
 }
 
-ExitCode write_address(const WriteOptions& options, const DdsSpec& spec, Interrupt& interrupt, std::ostream& out, std::ostream& err) {
+ExitCode write_address(const WriteOptions& options, const DdsSpec& spec, Interrupt& interrupt, std::ostream& out,
+                       std::ostream& err) {
   const auto device = parse_device_or_channel(options.words.front());
   if (!device || !device->channel.empty()) return usage(err, "with --at write BUS/DEVICE and then the values");
   if (options.words.size() < 2) return usage(err, "no value for " + options.at + "; write them after BUS/DEVICE");

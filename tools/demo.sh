@@ -1,0 +1,108 @@
+#!/usr/bin/env bash
+# A plant on your desk: simulated devices on simulated serial lines, the bridge, and a live table of what it publishes.
+#
+#   tools/demo.sh [--seconds N] [--config FILE]
+#
+# Installs and builds what is missing. --seconds N: ends by itself, with exit code 0 only when values flowed. --config: another plant
+# than config/examples/demo.yaml; its serial lines and its DDS domain are replaced. Whatever ends it, no process, link, file or
+# shared-memory segment stays.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+fail() { echo "tools/demo.sh: $*" >&2; exit 1; }
+usage() { sed -n '2,8s/^# \{0,1\}//p' "$0"; }
+
+seconds="" config=config/examples/demo.yaml
+while [ $# -gt 0 ]; do
+  case "$1" in
+    --seconds) seconds="${2:-}"; [[ "$seconds" =~ ^[1-9][0-9]*$ ]] || fail "--seconds needs a number, for instance 20"; shift 2 ;;
+    --config) config="${2:-}"; [ -f "$config" ] || fail "no configuration '$config'"; shift 2 ;;
+    -h | --help) usage; exit 0 ;;
+    *) usage >&2; fail "unknown argument '$1'" ;;
+  esac
+done
+
+domain=$((60 + $$ % 40))  # not that of a bridge at work; below 101, so that its ports are none that the kernel lends out
+run="" sim="" bridge="" shm_before=""
+
+# REQUIRES: a child of this script. Asks it to end, and insists after three seconds.
+end_process() {
+  [ -n "$1" ] || return 0
+  kill -TERM "$1" 2>/dev/null || true
+  for _ in $(seq 60); do kill -0 "$1" 2>/dev/null || break; sleep 0.05; done
+  kill -KILL "$1" 2>/dev/null || true
+  wait "$1" 2>/dev/null || true
+}
+
+# Segments that appeared since the start and that no process maps: a participant that was killed leaves its own behind.
+sweep_shared_memory() {
+  local name
+  for name in $(comm -13 <(echo "$shm_before") <(shared_memory)); do
+    grep -qsF "/dev/shm/$name" /proc/[0-9]*/maps || rm -f "/dev/shm/$name"
+  done
+}
+shared_memory() { (cd /dev/shm 2>/dev/null && ls -A1 | grep -E '^(sem\.)?fastrtps_' | sort) || true; }
+
+clean_up() {
+  local code=$?
+  trap '' INT TERM HUP  # once is enough
+  end_process "$bridge"  # before the plant, so that it ends in order
+  end_process "$sim"
+  [ -z "$run" ] || { rm -rf "$run"; sweep_shared_memory; }
+  exit "$code"
+}
+trap clean_up EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM HUP
+
+tools/install.sh
+echo "building .." >&2
+log=$(mktemp)
+{ { [ -f build/CMakeCache.txt ] || cmake -S . -B build -G Ninja; } &&
+  cmake --build build --parallel "$(nproc)" --target fieldcast fieldcast-bridge fieldcast-sim; } >"$log" 2>&1 ||
+  { tail -40 "$log" >&2; rm -f "$log"; fail "the build failed, see above"; }
+rm -f "$log"
+
+run=$(mktemp -d)
+shm_before=$(shared_memory)
+
+# The plant with its lines in the run folder and a domain of its own. Lists and templates beside the file come along.
+folder=$(dirname "$config")
+find "$folder" -maxdepth 1 -name '*.csv' -exec cp {} "$run" \;
+[ ! -d "$folder/devices" ] || cp -r "$folder/devices" "$run"
+awk -v run="$run" -v domain="$domain" '
+  /^dds:/ { skipping = 1; next }
+  skipping && /^[ \t#]|^$/ { next }
+  { skipping = 0 }
+  match($0, /serial:[ \t]*[^ \t,}]+/) {
+    path = substr($0, RSTART, RLENGTH); sub(/^serial:[ \t]*/, "", path); gsub(/["\047]/, "", path); sub(/.*\//, "", path)
+    $0 = substr($0, 1, RSTART - 1) "serial: " run "/" path substr($0, RSTART + RLENGTH)
+  }
+  { print }
+  END { print "dds: { domain: " domain ", interfaces: [127.0.0.1] }" }' "$config" >"$run/plant.yaml"
+
+alive() { kill -0 "$1" 2>/dev/null; }
+explain() { echo "--- $1:" >&2; tail -20 "$run/$1.log" >&2; }
+
+# In sessions of their own: Ctrl-C in the terminal is for the table, the rest ends in order after it.
+setsid build/bin/fieldcast-sim "$run/plant.yaml" >"$run/sim.log" 2>&1 &
+sim=$!
+for path in $(grep -o "serial: $run/[^ ,}]*" "$run/plant.yaml" | cut -d' ' -f2); do
+  for _ in $(seq 200); do [ -e "$path" ] || ! alive "$sim" || { sleep 0.05; continue; }; break; done
+  [ -e "$path" ] || { explain sim; fail "the simulated line $(basename "$path") did not appear"; }
+done
+setsid build/bin/fieldcast-bridge "$run/plant.yaml" >"$run/bridge.log" 2>&1 &
+bridge=$!
+
+watch=(build/bin/fieldcast watch --config "$run/plant.yaml")
+code=0
+if [ -t 1 ] || [ -z "$seconds" ]; then
+  "${watch[@]}" ${seconds:+--for "${seconds}s"} 2>"$run/watch.log" || code=$?
+else  # no terminal: thousands of lines help nobody, the last state does
+  "${watch[@]}" --for "${seconds}s" >"$run/samples.log" 2>"$run/watch.log" || code=$?
+  alive "$bridge" && [ "$code" -eq 0 ] && { "${watch[@]}" --once 2>/dev/null || true; }
+fi
+cat "$run/watch.log"
+for name in sim bridge; do alive "${!name}" || { explain "$name"; fail "fieldcast-$name ended by itself"; }; done
+[ "$code" -eq 0 ] || { explain bridge; fail "no values flowed (fieldcast watch ended with $code)"; }
+[ -z "$seconds" ] || grep -qE ' [1-9][0-9]* of them GOOD' "$run/watch.log" || { explain bridge; fail "samples came, but none was GOOD"; }
