@@ -41,7 +41,7 @@ sweep_shared_memory() {
     grep -qsF "/dev/shm/$name" /proc/[0-9]*/maps || rm -f "/dev/shm/$name"
   done
 }
-shared_memory() { (cd /dev/shm 2>/dev/null && ls -A1 | grep -E '^(sem\.)?fastrtps_' | sort) || true; }
+shared_memory() { find /dev/shm -maxdepth 1 \( -name 'fastrtps_*' -o -name 'sem.fastrtps_*' \) -printf '%f\n' 2>/dev/null | sort || true; }
 
 clean_up() {
   local code=$?
@@ -87,7 +87,8 @@ explain() { echo "--- $1:" >&2; tail -20 "$run/$1.log" >&2; }
 # In sessions of their own: Ctrl-C in the terminal is for the table, the rest ends in order after it.
 setsid build/bin/fieldcast-sim "$run/plant.yaml" >"$run/sim.log" 2>&1 &
 sim=$!
-for path in $(grep -o "serial: $run/[^ ,}]*" "$run/plant.yaml" | cut -d' ' -f2); do
+mapfile -t lines < <(grep -o "serial: $run/[^ ,}]*" "$run/plant.yaml" | cut -d' ' -f2)
+for path in "${lines[@]}"; do
   for _ in $(seq 200); do [ -e "$path" ] || ! alive "$sim" || { sleep 0.05; continue; }; break; done
   [ -e "$path" ] || { explain sim; fail "the simulated line $(basename "$path") did not appear"; }
 done

@@ -10,8 +10,8 @@ cd "$(dirname "$0")/.."
 build=build
 options=(-DFIELDCAST_ASAN=OFF -DFIELDCAST_TSAN=OFF)
 case "${1:-}" in
-  --asan) build=build-asan; options=(-DFIELDCAST_ASAN=ON -DFIELDCAST_TSAN=OFF); shift ;;
-  --tsan) build=build-tsan; options=(-DFIELDCAST_ASAN=OFF -DFIELDCAST_TSAN=ON); shift ;;
+  --asan) build='build-asan'; options=(-DFIELDCAST_ASAN=ON -DFIELDCAST_TSAN=OFF); shift ;;
+  --tsan) build='build-tsan'; options=(-DFIELDCAST_ASAN=OFF -DFIELDCAST_TSAN=ON); shift ;;
   -h | --help) sed -n '2,6s/^# \{0,1\}//p' "$0"; exit 0 ;;
 esac
 

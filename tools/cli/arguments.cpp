@@ -1,9 +1,13 @@
 #include "tools/cli/arguments.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <optional>
 #include <sstream>
+#include <vector>
 
 #include "tools/cli/duration_text.hpp"
+#include "tools/cli/suggestion.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -92,6 +96,19 @@ void set_duration(Target& target, const std::string& text, const char* option) {
   target = *time;
 }
 
+// CLI11 would only say that a subcommand is required.
+std::optional<NoCommand> unknown_command(const CLI::App& app, std::string_view word) {
+  std::vector<std::string> names;
+  for (const auto* command : app.get_subcommands({})) names.push_back(command->get_name());
+  if (word.empty() || word.front() == '-' || std::find(names.begin(), names.end(), word) != names.end()) return std::nullopt;
+  std::string text = "fieldcast: '" + printable(word) + "' is no command; ";
+  if (const auto near = nearest(word, names); !near.empty())
+    return NoCommand{ExitCode::kUsage, text + "did you mean " + near + "?\n"};
+  text += "there are";
+  for (const auto& name : names) text += ' ' + name;
+  return NoCommand{ExitCode::kUsage, text + '\n'};
+}
+
 }  // namespace
 
 tl::expected<Arguments, NoCommand> parse_arguments(int argc, const char* const* argv) {
@@ -115,6 +132,9 @@ tl::expected<Arguments, NoCommand> parse_arguments(int argc, const char* const* 
   const auto* plan_command = add_plan(app, plan);
   const auto* inspect_command = add_inspect(app, inspect);
 
+  if (argc > 1) {
+    if (auto fault = unknown_command(app, argv[1])) return tl::unexpected(*std::move(fault));
+  }
   try {
     app.parse(argc, argv);
     set_duration(watch.time, texts.time, "--for");
