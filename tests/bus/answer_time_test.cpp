@@ -1,0 +1,55 @@
+#include "core/bus/answer_time.hpp"
+
+#include <gtest/gtest.h>
+
+namespace fieldcast {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(AnswerTime, UnknownDeviceGetsTheConfiguredTimeout) {
+  const AnswerTime time(200ms, 20ms);
+  EXPECT_EQ(time.timeout(), 200ms);
+  EXPECT_FALSE(time.known());
+}
+
+TEST(AnswerTime, SteadyAnswersShortenTheTimeout) {
+  AnswerTime time(200ms, 20ms);
+  for (int i = 0; i < 100; ++i) time.learn(5ms);
+  EXPECT_EQ(time.mean(), 5ms);
+  EXPECT_LT(time.timeout(), 31ms);
+  EXPECT_GE(time.timeout(), 30ms);
+}
+
+TEST(AnswerTime, NeverAboveTheConfiguredTimeout) {
+  AnswerTime time(200ms, 20ms);
+  for (int i = 0; i < 10; ++i) time.learn(150ms);
+  EXPECT_EQ(time.timeout(), 200ms);
+}
+
+TEST(AnswerTime, TimeoutsDoubleItUntilTheNextAnswer) {
+  AnswerTime time(1s, 20ms);
+  for (int i = 0; i < 100; ++i) time.learn(5ms);
+  const Duration before = time.timeout();
+  time.timed_out();
+  EXPECT_EQ(time.timeout(), 2 * before);
+  for (int i = 0; i < 20; ++i) time.timed_out();
+  EXPECT_EQ(time.timeout(), 1s);
+  time.learn(5ms);
+  EXPECT_LE(time.timeout(), before);
+}
+
+TEST(AnswerTime, SpreadWidensIt) {
+  AnswerTime time(1s, 20ms);
+  for (int i = 0; i < 100; ++i) time.learn(i % 2 ? 5ms : 45ms);
+  EXPECT_GT(time.timeout(), 100ms);
+}
+
+TEST(AnswerTime, NegativeMeasurementsCountAsZero) {
+  AnswerTime time(1s, 20ms);
+  time.learn(-3ms);
+  EXPECT_EQ(time.mean(), 0ms);
+}
+
+}  // namespace
+}  // namespace fieldcast

@@ -1,0 +1,157 @@
+#include "core/bus/channel_table.hpp"
+
+#include <gtest/gtest.h>
+
+namespace fieldcast {
+namespace {
+
+using namespace std::chrono_literals;
+
+ChannelSpec channel(const std::string& name, Duration refresh) {
+  ChannelSpec spec;
+  spec.name = name;
+  spec.refresh = refresh;
+  return spec;
+}
+
+BusSpec one_device(std::vector<ChannelSpec> channels) {
+  BusSpec bus;
+  bus.devices.emplace_back();
+  bus.devices.back().channels = std::move(channels);
+  return bus;
+}
+
+Bytes items(std::uint16_t value) { return {static_cast<std::uint8_t>(value >> 8), static_cast<std::uint8_t>(value)}; }
+
+TEST(ChannelTable, EverySampleCarriesItsSequenceAndArrival) {
+  const BusSpec bus = one_device({channel("a", 1s)});
+  ChannelTable table(bus);
+  std::vector<Sample> out;
+  table.acquired(0, 16, items(7), Instant{1s}, out);
+  table.acquired(0, 16, items(7), Instant{2s}, out);
+  ASSERT_EQ(out.size(), 2u);
+  EXPECT_EQ(out[1].sequence, 2u);
+  EXPECT_EQ(out[1].acquired, Instant{2s});
+  EXPECT_EQ(out[1].quality, Quality::kGood);
+  EXPECT_EQ(std::get<std::uint64_t>(out[1].value), 7u);
+}
+
+TEST(ChannelTable, MissedRefreshIsToldOnceWithTheOldInstant) {
+  const BusSpec bus = one_device({channel("a", 1s)});
+  ChannelTable table(bus);
+  std::vector<Sample> out;
+  std::vector<ChannelIndex> late;
+  table.start(Instant{});
+  table.acquired(0, 16, items(7), Instant{500ms}, out);
+  table.failing(0, Cause::kNoAnswer);
+  out.clear();
+  table.expire(Instant{1499ms}, out, late);
+  EXPECT_TRUE(out.empty());
+  table.expire(Instant{1500ms}, out, late);
+  ASSERT_EQ(out.size(), 1u);
+  EXPECT_EQ(out[0].quality, Quality::kBadNoAnswer);
+  EXPECT_EQ(out[0].acquired, Instant{500ms});
+  EXPECT_EQ(std::get<std::uint64_t>(out[0].value), 7u);
+  EXPECT_EQ(late.size(), 1u);
+  table.expire(Instant{10s}, out, late);
+  EXPECT_EQ(out.size(), 1u) << "told once";
+}
+
+TEST(ChannelTable, ChannelThatWasNeverReadIsLateToo) {
+  const BusSpec bus = one_device({channel("a", 1s)});
+  ChannelTable table(bus);
+  std::vector<Sample> out;
+  std::vector<ChannelIndex> late;
+  table.start(Instant{});
+  table.failing(0, Cause::kPortClosed);
+  table.expire(Instant{1s}, out, late);
+  ASSERT_EQ(out.size(), 1u);
+  EXPECT_EQ(out[0].quality, Quality::kBadNoAnswer);
+  EXPECT_EQ(out[0].acquired, kLongAgo);
+}
+
+TEST(ChannelTable, ValueOutOfRangeKeepsTheLastGoodOne) {
+  ChannelSpec bcd = channel("a", 1s);
+  bcd.encoding.type = ValueType::kBcd16;
+  const BusSpec bus = one_device({bcd});
+  ChannelTable table(bus);
+  std::vector<Sample> out;
+  table.acquired(0, 16, items(0x1234), Instant{1s}, out);
+  table.acquired(0, 16, items(0xABCD), Instant{2s}, out);
+  ASSERT_EQ(out.size(), 2u);
+  EXPECT_EQ(out[1].quality, Quality::kBadRange);
+  EXPECT_EQ(to_text(out[1].value), "1234");
+  EXPECT_EQ(out[1].acquired, Instant{1s}) << "a stale value never looks fresh";
+}
+
+TEST(ChannelTable, DeadbandHoldsBackAndTheHeartbeatIsKept) {
+  ChannelSpec quiet = channel("a", 1s);
+  quiet.deadband = 5;
+  quiet.heartbeat = 4s;
+  const BusSpec bus = one_device({quiet});
+  ChannelTable table(bus);
+  std::vector<Sample> out;
+  Instant last{};
+  for (int second = 0; second < 60; ++second) {
+    const std::size_t before = out.size();
+    table.acquired(0, 16, items(static_cast<std::uint16_t>(100 + second % 3)), Instant{std::chrono::seconds{second}}, out);
+    if (out.size() == before) continue;
+    EXPECT_LE(Instant{std::chrono::seconds{second}} - last, 4s);
+    last = Instant{std::chrono::seconds{second}};
+  }
+  EXPECT_LE(out.size(), 21u);
+  EXPECT_GE(out.size(), 15u);
+  const std::size_t before = out.size();
+  table.acquired(0, 16, items(120), Instant{60s}, out);
+  EXPECT_EQ(out.size(), before + 1) << "a change beyond the deadband goes out at once";
+}
+
+TEST(ChannelTable, OnDemandChannelsAreNeverLate) {
+  ChannelSpec demand = channel("a", 1s);
+  demand.mode = Mode::kOnDemand;
+  const BusSpec bus = one_device({demand});
+  ChannelTable table(bus);
+  std::vector<Sample> out;
+  std::vector<ChannelIndex> late;
+  table.start(Instant{});
+  table.expire(Instant{100s}, out, late);
+  EXPECT_TRUE(late.empty());
+  table.not_yet_read(out);
+  ASSERT_EQ(out.size(), 1u);
+  EXPECT_EQ(out[0].quality, Quality::kNotYetRead);
+}
+
+TEST(ChannelTable, ShorterRefreshTakesEffectAtOnce) {
+  ChannelSpec wished = channel("a", 10s);
+  wished.on_interest = true;
+  const BusSpec bus = one_device({wished});
+  ChannelTable table(bus);
+  std::vector<Sample> out;
+  std::vector<ChannelIndex> late;
+  table.set_refresh(0, 10s, Instant{});
+  table.set_refresh(0, 200ms, Instant{1s});
+  EXPECT_EQ(table.next_expiry(), Instant{1200ms});
+  table.expire(Instant{1200ms}, out, late);
+  EXPECT_EQ(late.size(), 1u);
+  table.set_refresh(0, std::nullopt, Instant{2s});
+  table.expire(Instant{100s}, out, late);
+  EXPECT_EQ(late.size(), 1u);
+}
+
+TEST(ChannelTable, RefusedChannelIsToldAtOnceAndOnce) {
+  const BusSpec bus = one_device({channel("a", 1s)});
+  ChannelTable table(bus);
+  std::vector<Sample> out;
+  std::vector<ChannelIndex> late;
+  table.start(Instant{});
+  table.refused(0, Cause::kDeviceError, 2, Instant{100ms}, out);
+  table.refused(0, Cause::kDeviceError, 2, Instant{60s}, out);
+  ASSERT_EQ(out.size(), 1u);
+  EXPECT_EQ(out[0].quality, Quality::kBadDeviceError);
+  EXPECT_EQ(out[0].device_code, 2);
+  table.expire(Instant{100s}, out, late);
+  EXPECT_EQ(out.size(), 1u);
+}
+
+}  // namespace
+}  // namespace fieldcast
