@@ -1,14 +1,14 @@
 // The way from a configuration file to the model: a BridgeSpec with every default filled in, or the list of all faults at once.
 //
-// Functions without state; any thread. No exception leaves them, whatever the text holds. Sizes are bounded: see config/limits.hpp.
+// Functions without state; any thread. No exception leaves them, whatever the text holds. Sizes are bounded: see
+// config/limits.hpp.
 #pragma once
 
 #include <functional>
 #include <string>
 #include <string_view>
-#include <vector>
-
 #include <tl/expected.hpp>
+#include <vector>
 
 #include "config/fault.hpp"
 #include "core/model/spec.hpp"

@@ -1,0 +1,85 @@
+#include "config/bus.hpp"
+
+#include <array>
+
+#include "config/limits.hpp"
+#include "config/port.hpp"
+#include "config/scalars.hpp"
+#include "config/unique_names.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+// "standard", "3.5c" or a duration.
+struct SilenceRuleReader {
+  std::optional<SilenceRule> operator()(const Node& node, std::string_view key, FaultList& faults) const {
+    static constexpr std::string_view kForms = "standard, characters such as 3.5c, a duration such as 500us";
+    const std::string* text = scalar_of(node, key, kForms, faults);
+    if (text == nullptr) return std::nullopt;
+    if (*text == "standard") return StandardSilence{};
+    if (text->ends_with('c')) {
+      const auto characters = number_from(std::string_view(*text).substr(0, text->size() - 1));
+      if (characters && *characters >= 0 && *characters <= kMaxSilenceCharacters) return CharacterSilence{*characters};
+    }
+    if (duration_from(*text)) {
+      if (const auto duration = DurationRule{Duration{}, kMaxSilence}(node, key, faults)) return *duration;
+      return std::nullopt;
+    }
+    const std::string meant = number_from(*text) ? *text + 'c' : closest(*text, std::array<std::string_view, 1>{"standard"});
+    faults.add(node.place, std::string(key) + " '" + *text + "' is unknown", std::string(kForms), meant);
+    return std::nullopt;
+  }
+};
+
+constexpr std::pair<std::string_view, std::optional<bool>> kEchoes[] = {{"auto", std::nullopt}, {"true", true}, {"false", false}};
+
+void read_defaults(MapReader& bus, BusSpec& spec, DeviceDefaults& defaults) {
+  const Node* node = bus.find("defaults");
+  if (node == nullptr) return;
+  MapReader map(*node, kBusDefaultKeys, bus.faults());
+  read_device_defaults(map, defaults);
+  map.read("silence", spec.silence, SilenceRuleReader{});
+  map.read("gap-allowance", spec.gap_allowance, DurationRule{Duration{}, kMaxSilence});
+}
+
+void read_devices(MapReader& bus, const DeviceContext& context, BusSpec& spec, Session& session) {
+  const Node* list = bus.require("devices", "a list of devices");
+  if (list == nullptr) return;
+  auto& faults = session.faults;
+  if (list->kind != Kind::kList || list->items.empty()) {
+    faults.add(list->place, "devices is " + (list->kind == Kind::kList ? "empty" : std::string(to_text(list->kind))),
+               "a list of devices");
+    return;
+  }
+  UniqueNames names;
+  for (const Node* node : list->items) {
+    if (spec.devices.size() == kMaxDevices) {
+      faults.add(node->place, "too many devices", std::to_string(kMaxDevices) + " of a bus");
+      return;
+    }
+    spec.devices.push_back(read_device(*node, context, session));
+    names.add("device", spec.devices.back().name, node->place, faults);
+  }
+}
+
+}  // namespace
+
+BusSpec read_bus(const Node& node, Session& session) {
+  MapReader map(node, kBusKeys, session.faults);
+  BusSpec spec;
+  UniqueNames addresses;
+  DeviceContext context{{}, map.place_of("protocol"), {}, spec.port, addresses};
+  map.read_required("name", spec.name, NameRule{}, "a name for the bus");
+  const ProtocolEntry* entry = nullptr;
+  if (const Node* protocol = map.find("protocol")) entry = read_protocol(*protocol, "protocol", session.faults);
+  if (entry != nullptr) context.protocol = entry->name;
+  if (const Node* port = map.require("port", "port: { serial: PATH } or { tcp: HOST:PORT }")) {
+    spec.port = read_port(*port, context.protocol, session.faults);
+  }
+  map.read("echo", spec.echo, ChoiceRule<std::optional<bool>>{kEchoes});
+  read_defaults(map, spec, context.defaults);
+  read_devices(map, context, spec, session);
+  return spec;
+}
+
+}  // namespace fieldcast::config

@@ -1,0 +1,39 @@
+// Defaults that flow down: those of the bus, then of the device's template, then of the device, then of the channel. The last
+// that speaks wins; each level starts with a copy of the one above.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "config/map_reader.hpp"
+#include "core/model/spec.hpp"
+
+namespace fieldcast::config {
+
+struct ChannelDefaults {
+  Duration refresh = std::chrono::seconds{1};
+  Mode mode = Mode::kScheduled;
+  Access access = Access::kReadOnly;
+  bool on_interest = false;
+  int priority = 0;
+  WordOrder word_order = WordOrder::kBigEndian;
+  ByteOrder byte_order = ByteOrder::kBigEndian;
+  std::optional<Duration> heartbeat;
+};
+
+struct DeviceDefaults {
+  Duration timeout = std::chrono::milliseconds{200};
+  unsigned retries = 1;
+  Duration pause{};
+  std::uint16_t max_block = 0;
+  std::optional<std::uint16_t> max_gap;
+  ChannelDefaults channels;
+};
+
+// refresh, mode, access, acquire, priority, word-order, byte-order, heartbeat.
+void read_channel_defaults(MapReader& map, ChannelDefaults& defaults);
+
+// Those, and timeout, retries, pause, max-block, max-gap.
+void read_device_defaults(MapReader& map, DeviceDefaults& defaults);
+
+}  // namespace fieldcast::config

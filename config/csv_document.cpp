@@ -1,0 +1,219 @@
+// A channel list as engineers keep it: comma-separated values (RFC 4180), with the tolerance that spreadsheets need: byte order
+// mark, CRLF, ';' or tab instead of ',' (whichever the header row uses), blank lines, and lines that begin with '#'.
+//
+// Each row becomes the map that a channel would be in YAML, so that channel.cpp reads both.
+#include <algorithm>
+#include <optional>
+
+#include "config/document.hpp"
+#include "config/fault_list.hpp"
+#include "config/keys.hpp"
+#include "config/limits.hpp"
+#include "config/suggest.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+struct Cell {
+  std::string text;
+  Place place;
+};
+using Row = std::vector<Cell>;
+
+constexpr std::size_t kMaxCells = 64;  // of a row; the format has 24 columns
+
+// Walks the text once, row by row.
+class RowReader {
+ public:
+  RowReader(const Source& source, FaultList& faults) : source_(source), text_(source.text), faults_(faults) {
+    const auto header = text_.find_first_of(",;\t\n");
+    if (header != std::string_view::npos && text_[header] != '\n') separator_ = text_[header];
+  }
+
+  // The next row that holds anything; nothing at the end, or after a fault that makes the rest meaningless.
+  std::optional<Row> next() {
+    while (at_ < text_.size()) {
+      if (text_[at_] == '#') {
+        at_ = std::min(text_.find('\n', at_), text_.size());
+        end_line();
+        continue;
+      }
+      Row row;
+      if (!read_row(row)) return std::nullopt;
+      if (std::ranges::any_of(row, [](const Cell& cell) { return !cell.text.empty(); })) return row;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  [[nodiscard]] Place here() const { return {&source_, line_, static_cast<std::uint32_t>(at_ - line_start_)}; }
+
+  void end_line() {
+    if (at_ < text_.size()) ++at_;
+    ++line_;
+    line_start_ = at_;
+  }
+
+  bool read_row(Row& row) {
+    for (;;) {
+      if (row.size() == kMaxCells) {
+        faults_.add(here(), "a row has too many cells", std::to_string(kMaxCells));
+        return false;
+      }
+      Cell cell{{}, here()};
+      if (!(at_ < text_.size() && text_[at_] == '"' ? read_quoted(cell) : read_plain(cell))) return false;
+      row.push_back(std::move(cell));
+      if (at_ < text_.size() && text_[at_] == separator_) {
+        ++at_;
+        continue;
+      }
+      if (at_ < text_.size() && text_[at_] == '\r') ++at_;
+      end_line();
+      return true;
+    }
+  }
+
+  bool read_plain(Cell& cell) {
+    const auto end = std::min(text_.find_first_of(std::string{separator_, '\n'}, at_), text_.size());
+    std::string_view text = text_.substr(at_, end - at_);
+    at_ = end;
+    if (text.ends_with('\r')) text.remove_suffix(1);
+    while (text.starts_with(' ')) text.remove_prefix(1), ++cell.place.column;
+    while (text.ends_with(' ')) text.remove_suffix(1);
+    cell.text = text;
+    return true;
+  }
+
+  bool read_quoted(Cell& cell) {
+    const Place start = here();
+    for (++at_; at_ < text_.size(); ++at_) {
+      if (text_[at_] == '"') {
+        if (at_ + 1 < text_.size() && text_[at_ + 1] == '"') {
+          ++at_;
+        } else {
+          ++at_;
+          return after_quote();
+        }
+      } else if (text_[at_] == '\n') {
+        ++line_;
+        line_start_ = at_ + 1;
+      }
+      cell.text += text_[at_];
+    }
+    faults_.add(start, "a quoted cell has no end", "a closing '\"'");
+    return false;
+  }
+
+  bool after_quote() {
+    while (at_ < text_.size() && text_[at_] == ' ') ++at_;
+    if (at_ == text_.size() || text_[at_] == separator_ || text_[at_] == '\n' || text_.substr(at_).starts_with("\r\n"))
+      return true;
+    faults_.add(here(), "text after a quoted cell",
+                std::string("'") + separator_ + "' or the end of the line; a quote inside is written \"\"");
+    return false;
+  }
+
+  const Source& source_;
+  std::string_view text_;
+  FaultList& faults_;
+  char separator_ = ',';
+  std::size_t at_ = 0, line_start_ = 0;
+  std::uint32_t line_ = 0;
+};
+
+// The columns of the header row; nothing stands for a column that is unknown.
+std::vector<const Column*> read_header(const Row& row, FaultList& faults) {
+  std::vector<std::string_view> names;
+  for (const auto& column : columns()) names.push_back(column.name);
+  std::vector<const Column*> header;
+  for (const auto& cell : row) {
+    const auto found = std::ranges::find(columns(), cell.text, &Column::name);
+    const Column* column = found == columns().end() ? nullptr : &*found;
+    if (column == nullptr) {
+      faults.add(cell.place, "unknown column '" + cell.text + "'", joined(names), closest(cell.text, names));
+    } else if (std::ranges::find(header, column) != header.end()) {
+      faults.add(cell.place, "column '" + cell.text + "' stands twice", "each column once");
+    }
+    header.push_back(column);
+  }
+  for (const std::string_view needed : {"name", "at"}) {
+    if (std::ranges::none_of(header, [&](const Column* column) { return column != nullptr && column->name == needed; })) {
+      faults.add(row.front().place, "column '" + std::string(needed) + "' is missing", joined(names));
+    }
+  }
+  return header;
+}
+
+class ListBuilder {
+ public:
+  explicit ListBuilder(Document& document) : document_(document) {}
+
+  Node& make(Kind kind, const Place& place, std::string text = {}) {
+    Node& node = document_.nodes.emplace_back();
+    node.kind = kind;
+    node.place = place;
+    node.text = std::move(text);
+    return node;
+  }
+
+  const Node& channel(const std::vector<const Column*>& header, const Row& row) {
+    Node& channel = make(Kind::kMap, row.front().place);
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const Column* column = header[i];
+      if (column == nullptr || row[i].text.empty()) continue;  // an empty cell: as if the key were absent
+      Node& map = column->map.empty() ? channel : inner(channel, column->map, row[i].place);
+      map.entries.push_back(
+          {&make(Kind::kScalar, row[i].place, std::string(column->key)), &make(Kind::kScalar, row[i].place, row[i].text)});
+    }
+    return channel;
+  }
+
+ private:
+  Node& inner(Node& channel, std::string_view key, const Place& place) {
+    for (const auto& entry : channel.entries) {
+      if (entry.key->text == key) return const_cast<Node&>(*entry.value);  // made below, by us
+    }
+    Node& map = make(Kind::kMap, place);
+    channel.entries.push_back({&make(Kind::kScalar, place, std::string(key)), &map});
+    return map;
+  }
+
+  Document& document_;
+};
+
+}  // namespace
+
+std::unique_ptr<Document> parse_csv(Source source, FaultList& faults) {
+  auto document = std::make_unique<Document>();
+  document->source = std::move(source);
+  if (!check_text(document->source, faults)) return document;
+  const auto faults_before = faults.size();
+  RowReader rows(document->source, faults);
+  const auto first = rows.next();
+  if (!first) {
+    if (faults.size() == faults_before) {
+      faults.add({&document->source, 0, 0}, "the channel list is empty",
+                 "a header row such as name,at,type,refresh, then one row for each channel");
+    }
+    return document;
+  }
+  const auto header = read_header(*first, faults);
+  ListBuilder builder(*document);
+  Node& list = builder.make(Kind::kList, first->front().place);
+  while (const auto row = rows.next()) {
+    if (row->size() != header.size()) {
+      faults.add(row->front().place, "the row has " + std::to_string(row->size()) + " cells",
+                 std::to_string(header.size()) + ", as the header row");
+      continue;
+    }
+    if (list.items.size() == kMaxChannels) {
+      faults.add(row->front().place, "too many channels", std::to_string(kMaxChannels));
+      break;
+    }
+    list.items.push_back(&builder.channel(header, *row));
+  }
+  document->root = &list;
+  return document;
+}
+
+}  // namespace fieldcast::config

@@ -1,0 +1,198 @@
+#include "config/device.hpp"
+
+#include <algorithm>
+
+#include "config/channel.hpp"
+#include "config/limits.hpp"
+#include "config/port.hpp"
+#include "config/scalars.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+// A device while it is read: the parts that a template and the device both fill.
+struct Draft {
+  DeviceSpec spec;
+  DeviceDefaults defaults;
+  std::map<std::string, Place> option_places;
+  std::vector<const Node*> channels;  // first those of the template
+};
+
+struct AddressRule {
+  std::optional<std::int64_t> operator()(const Node& node, std::string_view key, FaultList& faults) const {
+    return WholeRule{0, 65535}(node, key, faults);  // the protocol narrows it
+  }
+};
+
+// allow: [raw-read, raw-write]
+void read_allow(MapReader& map, DeviceSpec& spec) {
+  const Node* node = map.find("allow");
+  if (node == nullptr) return;
+  static constexpr std::pair<std::string_view, int> kRights[] = {{"raw-read", 0}, {"raw-write", 1}};
+  if (node->kind != Kind::kList) {
+    map.faults().add(node->place, "allow is " + std::string(to_text(node->kind)), "a list of raw-read, raw-write",
+                     node->kind == Kind::kScalar ? '[' + node->text + ']' : "");
+    return;
+  }
+  spec.allow_raw_read = spec.allow_raw_write = false;  // the device's list replaces that of its template
+  for (const Node* item : node->items) {
+    const auto right = ChoiceRule<int>{kRights}(*item, "allow", map.faults());
+    if (right) (*right == 0 ? spec.allow_raw_read : spec.allow_raw_write) = true;
+  }
+}
+
+// options: { name: value }, checked by the protocol afterwards.
+void read_options(MapReader& map, Draft& draft) {
+  const Node* node = map.find("options");
+  if (node == nullptr) return;
+  if (node->kind != Kind::kMap || node->entries.size() > kMaxOptions) {
+    map.faults().add(node->place,
+                     node->kind == Kind::kMap ? "too many options" : "options is " + std::string(to_text(node->kind)),
+                     "a map of at most " + std::to_string(kMaxOptions) + " options of the protocol");
+    return;
+  }
+  for (const auto& [key, value] : node->entries) {
+    const auto text = TextRule{kMaxDescription}(*value, key->text, map.faults());
+    if (!text) continue;
+    draft.spec.link.options[key->text] = *text;
+    draft.option_places[key->text] = key->place;
+  }
+}
+
+// channels: a list, or the name of a file with one.
+void read_channel_nodes(MapReader& map, Draft& draft, Session& session) {
+  const Node* node = map.find("channels");
+  if (node == nullptr) return;
+  if (node->kind == Kind::kScalar) node = session.library.channel_list(*node);
+  if (node == nullptr) return;
+  if (node->kind != Kind::kList) {
+    session.faults.add(node->place, "channels is " + std::string(to_text(node->kind)),
+                       "a list of channels, or the name of a CSV file");
+    return;
+  }
+  draft.channels.insert(draft.channels.end(), node->items.begin(), node->items.end());
+}
+
+// protocols: [modbus-rtu, ...]: those whose address notation the template is written in.
+void check_template_protocols(MapReader& map, const Node& naming, const std::string& protocol) {
+  const Node* node = map.find("protocols");
+  if (node == nullptr) return;
+  if (node->kind != Kind::kList || node->items.empty()) {
+    map.faults().add(node->place, "protocols is " + (node->kind == Kind::kList ? "empty" : std::string(to_text(node->kind))),
+                     "a list of protocols");
+    return;
+  }
+  std::vector<std::string_view> names;
+  for (const Node* item : node->items) {
+    if (const auto* entry = read_protocol(*item, "protocol", map.faults())) names.push_back(entry->name);
+  }
+  if (protocol.empty() || names.size() != node->items.size() || std::ranges::find(names, protocol) != names.end()) return;
+  map.faults().add(naming.place, "template '" + naming.text + "' is not for " + protocol, joined(names));
+}
+
+void read_template(const Node& naming, const std::string& protocol, Draft& draft, Session& session) {
+  const Node* root = session.library.device_template(naming);
+  if (root == nullptr) return;
+  MapReader map(*root, kTemplateKeys, session.faults);
+  std::string description;
+  map.read("description", description, TextRule{kMaxDescription});
+  check_template_protocols(map, naming, protocol);
+  if (const Node* defaults = map.find("defaults")) {
+    MapReader inner(*defaults, kTemplateDefaultKeys, session.faults);
+    read_device_defaults(inner, draft.defaults);
+  }
+  read_options(map, draft);
+  read_allow(map, draft.spec);
+  read_channel_nodes(map, draft, session);
+}
+
+// The protocol object for this device, or nothing and the faults of address and options.
+std::unique_ptr<Protocol> make_protocol(MapReader& map, const ProtocolEntry& entry, bool has_address, const Draft& draft) {
+  bool known = true;
+  for (const auto& [name, value] : draft.spec.link.options) {
+    if (std::ranges::find(entry.options, name) != entry.options.end()) continue;
+    known = false;
+    map.faults().add(draft.option_places.at(name), "unknown option '" + name + "' of " + std::string(entry.name),
+                     entry.options.empty() ? "no options" : joined(entry.options), closest(name, entry.options));
+  }
+  if (!known) return nullptr;
+  auto protocol = entry.make(draft.spec.link);
+  if (protocol) return std::move(*protocol);
+  const auto& fault = protocol.error();
+  const auto option = draft.option_places.find(fault.option);
+  if (fault.option.empty() && !has_address) return nullptr;  // the address is missing or no number: said already
+  map.faults().add(option == draft.option_places.end() ? map.place_of("address") : option->second, fault.what, fault.allowed);
+  return nullptr;
+}
+
+void read_channels(const Draft& draft, const Protocol* protocol, const Place& place, DeviceSpec& spec, Session& session) {
+  const ChannelContext context{protocol, draft.defaults.channels, draft.defaults.max_block};
+  UniqueNames names;
+  spec.channels.reserve(std::min(draft.channels.size(), kMaxChannels));
+  for (const Node* node : draft.channels) {
+    if (session.channels++ >= kMaxChannels) {
+      session.faults.add(place, "too many channels", std::to_string(kMaxChannels) + " of a bridge");
+      return;
+    }
+    spec.channels.push_back(read_channel(*node, context, session.faults));
+    names.add("channel", spec.channels.back().name, node->place, session.faults);
+  }
+}
+
+}  // namespace
+
+const ProtocolEntry* read_protocol(const Node& node, std::string_view key, FaultList& faults) {
+  std::vector<std::string_view> names;
+  for (const auto& entry : protocols()) names.push_back(entry.name);
+  const std::string* text = scalar_of(node, key, joined(names), faults);
+  if (text == nullptr) return nullptr;
+  if (const auto* entry = find_protocol(*text)) return entry;
+  faults.add(node.place, std::string(key) + " '" + *text + "' is unknown", joined(names), closest(*text, names));
+  return nullptr;
+}
+
+DeviceSpec read_device(const Node& node, const DeviceContext& context, Session& session) {
+  MapReader map(node, kDeviceKeys, session.faults);
+  Draft draft{{}, context.defaults, {}, {}};
+  DeviceSpec& spec = draft.spec;
+  map.read_required("name", spec.name, NameRule{}, "a name for the device");
+  const bool has_address = map.read_required("address", spec.link.address, AddressRule{}, "the device's address on the bus");
+
+  const ProtocolEntry* entry = find_protocol(context.protocol);
+  if (const Node* own = map.find("protocol")) {
+    entry = read_protocol(*own, "protocol", session.faults);
+  } else if (context.protocol.empty() && map.is_map() && !map.has("protocol")) {
+    session.faults.add(map.place(), "'protocol' is missing in a device, and its bus names none", "a protocol here or in the bus");
+  }
+  if (entry != nullptr) {
+    spec.protocol = entry->name;
+    check_port(spec.protocol, context.port, map.has("protocol") ? map.place_of("protocol") : context.protocol_place,
+               session.faults);
+  }
+  if (has_address && entry != nullptr) {
+    const std::string address = std::to_string(spec.link.address) + " (" + spec.protocol + ')';
+    context.addresses.add("address", address, map.place_of("address"), session.faults);
+  }
+
+  if (const Node* naming = map.find("template")) read_template(*naming, spec.protocol, draft, session);
+  read_device_defaults(map, draft.defaults);
+  read_options(map, draft);
+  read_allow(map, spec);
+  read_channel_nodes(map, draft, session);
+
+  spec.timeout = draft.defaults.timeout;
+  spec.retries = draft.defaults.retries;
+  spec.pause = draft.defaults.pause;
+  spec.max_block = draft.defaults.max_block;
+  spec.max_gap = draft.defaults.max_gap;
+
+  const auto protocol = entry == nullptr ? nullptr : make_protocol(map, *entry, has_address, draft);
+  if (draft.channels.empty() && map.is_map() && !map.has("channels") && !map.has("template") && !spec.allow_raw_read &&
+      !spec.allow_raw_write) {
+    session.faults.add(map.place(), "a device without channels", "channels, a template, or allow: [raw-read, raw-write]");
+  }
+  read_channels(draft, protocol.get(), map.place_of("channels"), spec, session);
+  return spec;
+}
+
+}  // namespace fieldcast::config

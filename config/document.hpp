@@ -1,0 +1,70 @@
+// A text as a tree of nodes that know their place. YAML and CSV both become documents, so that everything after reads one shape.
+//
+// A Document owns its text and its nodes; nodes and places point into it and live as long. Not copied, not moved.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace fieldcast::config {
+
+class FaultList;
+
+struct Source {
+  std::string file;  // as it stands in faults
+  std::string text;
+  std::size_t order = 0;  // 0: the main file; others in the order in which they were opened
+};
+
+struct Place {
+  const Source* source = nullptr;
+  std::uint32_t line = 0;    // from 0
+  std::uint32_t column = 0;  // from 0, in bytes
+};
+
+enum class Kind : std::uint8_t { kNull, kScalar, kList, kMap };
+
+struct Node {
+  struct Entry {
+    const Node* key;  // always a scalar, never twice in a map
+    const Node* value;
+  };
+  Kind kind = Kind::kNull;
+  bool quoted = false;  // a quoted scalar is text, never a number
+  Place place;
+  std::string text;  // of a scalar
+  std::vector<const Node*> items;
+  std::vector<Entry> entries;
+};
+
+struct Document {
+  Source source;
+  std::deque<Node> nodes;
+  const Node* root = nullptr;  // nothing: the text is broken (a fault says where) or empty
+
+  Document() = default;
+  Document(const Document&) = delete;
+  Document& operator=(const Document&) = delete;
+};
+
+// The text as one YAML document. Every fault of syntax is noted: broken text, duplicate keys, tags, too many or too deep nodes.
+[[nodiscard]] std::unique_ptr<Document> parse_yaml(Source source, FaultList& faults);
+
+// The text as a list of maps, one for each row, with the keys of a channel (csv.hpp says which column becomes which key).
+[[nodiscard]] std::unique_ptr<Document> parse_csv(Source source, FaultList& faults);
+
+// Drops a byte order mark; false and a fault for bytes that are no text (not UTF-8, or control characters).
+[[nodiscard]] bool check_text(Source& source, FaultList& faults);
+
+// "a list", for faults.
+[[nodiscard]] std::string_view to_text(Kind kind);
+
+// The folder of a file with its trailing '/', or nothing for a bare name.
+[[nodiscard]] std::string_view directory_of(std::string_view path);
+[[nodiscard]] std::string resolve(const Source& from, std::string_view path);  // relative to the folder of the naming file
+
+}  // namespace fieldcast::config

@@ -1,0 +1,106 @@
+#include "config/library.hpp"
+
+#include "config/limits.hpp"
+#include "config/suggest.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+// Template names are words, not paths: what a bridge reads is decided by its folders.
+bool is_word(std::string_view name) {
+  return !name.empty() && name.size() <= kMaxNameLength && name != "." && name != ".." &&
+         name.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_.") == std::string_view::npos;
+}
+
+std::string with_slash(std::string directory) {
+  if (!directory.empty() && !directory.ends_with('/')) directory += '/';
+  return directory;
+}
+
+}  // namespace
+
+Library::Library(const FileReader& reader, const LoadOptions& options, FaultList& faults, std::size_t used)
+    : reader_(reader), options_(options), faults_(faults), used_(used) {}
+
+tl::expected<std::string, FileError> Library::read(const std::string& path) {
+  if (!reader_.read) return tl::unexpected(FileError::kMissing);
+  auto text = reader_.read(path);
+  if (!text) return text;
+  used_ += text->size();
+  if (text->size() > kMaxFileBytes || used_ > kMaxTotalBytes) return tl::unexpected(FileError::kTooLarge);
+  return text;
+}
+
+const Node* Library::opened(const std::string& path, const Node& naming, std::string_view what, bool csv) {
+  if (const auto known = documents_.find(path); known != documents_.end()) return known->second->root;
+  auto text = read(path);
+  if (!text) {
+    const std::string directories[] = {std::string(directory_of(path))};
+    fault_missing(naming, std::string(what) + " '" + naming.text + "' ", text.error(), directories, "");
+    return nullptr;
+  }
+  return keep(path, std::move(*text), csv);
+}
+
+const Node* Library::keep(const std::string& path, std::string text, bool csv) {
+  Source source{path, std::move(text), documents_.size() + 1};
+  const auto faults_before = faults_.size();
+  auto document = csv ? parse_csv(std::move(source), faults_) : parse_yaml(std::move(source), faults_);
+  if (document->root == nullptr && faults_.size() == faults_before) faults_.add({&document->source, 0, 0}, "the file is empty");
+  return documents_.emplace(path, std::move(document)).first->second->root;
+}
+
+const Node* Library::channel_list(const Node& naming) {
+  return opened(resolve(*naming.place.source, naming.text), naming, "channel list", true);
+}
+
+const Node* Library::device_template(const Node& naming) {
+  if (naming.kind != Kind::kScalar || !is_word(naming.text)) {
+    faults_.add(naming.place,
+                naming.kind == Kind::kScalar ? "template '" + naming.text + "' is no name"
+                                             : "template is " + std::string(to_text(naming.kind)),
+                "the name of a file in devices/, without .yaml");
+    return nullptr;
+  }
+  std::vector<std::string> directories{resolve(*naming.place.source, "devices/")};
+  for (const auto& directory : options_.template_directories) directories.push_back(with_slash(directory));
+  FileError worst = FileError::kMissing;
+  for (const auto& directory : directories) {
+    const std::string path = directory + naming.text + ".yaml";
+    if (documents_.contains(path)) return opened(path, naming, "template", false);
+    auto text = read(path);
+    if (!text) {
+      if (text.error() == FileError::kMissing) continue;
+      worst = text.error();
+      break;
+    }
+    return keep(path, std::move(*text), false);
+  }
+  fault_missing(naming, "template '" + naming.text + "' ", worst, directories, ".yaml");
+  return nullptr;
+}
+
+std::string Library::check_file(const Node& naming) {
+  const std::string path = resolve(*naming.place.source, naming.text);
+  if (const auto text = read(path); !text)
+    faults_.add(naming.place, "file '" + naming.text + "' " + std::string(to_text(text.error())));
+  return path;
+}
+
+void Library::fault_missing(const Node& naming, const std::string& what, FileError error,
+                            std::span<const std::string> directories, std::string_view suffix) {
+  std::vector<std::string> names;
+  if (reader_.list) {
+    for (const auto& directory : directories) {
+      for (auto& name : reader_.list(directory)) {
+        if (!name.ends_with(suffix)) continue;
+        name.resize(name.size() - suffix.size());
+        names.push_back(std::move(name));
+      }
+    }
+  }
+  const std::vector<std::string_view> candidates(names.begin(), names.end());
+  faults_.add(naming.place, what + std::string(to_text(error)), {}, closest(naming.text, candidates));
+}
+
+}  // namespace fieldcast::config

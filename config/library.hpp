@@ -1,0 +1,43 @@
+// The files that a configuration names: channel lists and device templates. Each is read and parsed once, however many devices
+// use it.
+//
+// Owns their documents for the length of one load; nodes given out point into them.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "config/document.hpp"
+#include "config/fault_list.hpp"
+#include "config/loader.hpp"
+
+namespace fieldcast::config {
+
+class Library {
+ public:
+  // Borrows all three. `used` is the size of the main file: all files together share kMaxTotalBytes.
+  Library(const FileReader& reader, const LoadOptions& options, FaultList& faults, std::size_t used);
+
+  // The content as a tree, or nothing with the faults noted: at `naming` when there is no such file, inside the file otherwise.
+  const Node* channel_list(const Node& naming);
+  const Node* device_template(const Node& naming);
+
+  // For other files that are only named: a fault at `naming` when it cannot be read. Returns its path from here.
+  std::string check_file(const Node& naming);
+
+ private:
+  const Node* opened(const std::string& path, const Node& naming, std::string_view what, bool csv);
+  const Node* keep(const std::string& path, std::string text, bool csv);
+  void fault_missing(const Node& naming, const std::string& what, FileError error, std::span<const std::string> directories,
+                     std::string_view suffix);
+  tl::expected<std::string, FileError> read(const std::string& path);
+
+  const FileReader& reader_;
+  const LoadOptions& options_;
+  FaultList& faults_;
+  std::size_t used_;
+  std::map<std::string, std::unique_ptr<Document>> documents_;
+};
+
+}  // namespace fieldcast::config

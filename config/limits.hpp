@@ -1,0 +1,43 @@
+// How much a configuration may hold. Beyond a limit is a fault that names it, never a slow or a dead process.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+
+#include "core/base/time.hpp"
+
+namespace fieldcast::config {
+
+// Text. Includes cannot nest: a bridge names templates and channel lists, a template names channel lists, and those name nothing.
+inline constexpr std::size_t kMaxFileBytes = 16u << 20;
+inline constexpr std::size_t kMaxTotalBytes = 64u << 20;  // of a configuration and the files it names
+inline constexpr std::size_t kMaxNodes = 3'000'000;       // of one document, counting what aliases repeat
+inline constexpr std::size_t kMaxNesting = 16;            // of maps and lists; the format itself needs 8
+inline constexpr std::size_t kMaxFaults = 1'000;          // reported at once
+
+// The plant.
+inline constexpr std::size_t kMaxBuses = 256;
+inline constexpr std::size_t kMaxDevices = 247;       // of a bus
+inline constexpr std::size_t kMaxChannels = 100'000;  // of a bridge
+inline constexpr std::size_t kMaxInterfaces = 16;
+inline constexpr std::size_t kMaxOptions = 32;  // of a device
+
+// Texts, in bytes. Unit and description as in core/model/spec.hpp.
+inline constexpr std::size_t kMaxUnit = 32;
+inline constexpr std::size_t kMaxDescription = 256;
+inline constexpr std::size_t kMaxPath = 1024;
+inline constexpr std::size_t kMaxPartition = 256;
+
+// Times.
+inline constexpr Duration kMinRefresh = std::chrono::milliseconds{1};
+inline constexpr Duration kMaxRefresh = std::chrono::hours{24};
+inline constexpr Duration kMinTimeout = std::chrono::milliseconds{1};
+inline constexpr Duration kMaxTimeout = std::chrono::minutes{1};
+inline constexpr Duration kMaxPause = std::chrono::minutes{1};
+inline constexpr Duration kMaxSilence = std::chrono::seconds{10};
+inline constexpr double kMaxSilenceCharacters = 1'000;
+inline constexpr unsigned kMaxRetries = 10;
+inline constexpr int kMaxPriority = 100;
+inline constexpr unsigned kMaxDomain = 232;  // DDS: the ports of 233 would be above 65535
+
+}  // namespace fieldcast::config

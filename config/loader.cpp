@@ -1,0 +1,140 @@
+#include "config/loader.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "config/bus.hpp"
+#include "config/limits.hpp"
+#include "config/port.hpp"
+#include "config/scalars.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+constexpr std::pair<std::string_view, LogLevel> kLevels[] = {
+    {"error", LogLevel::kError}, {"warning", LogLevel::kWarning}, {"info", LogLevel::kInfo}, {"debug", LogLevel::kDebug}};
+
+// "192.168.1.7": DDS matches interfaces by address.
+bool is_ipv4(std::string_view text) {
+  unsigned parts = 0;
+  while (true) {
+    const auto point = std::min(text.find('.'), text.size());
+    const auto part = text.substr(0, point);
+    const auto value = whole_from(part);
+    if (part.empty() || part.size() > 3 || part.find_first_not_of("0123456789") != part.npos || !value || *value > 255)
+      return false;
+    ++parts;
+    if (point == text.size()) return parts == 4;
+    text.remove_prefix(point + 1);
+  }
+}
+
+void read_interfaces(MapReader& map, DdsSpec& spec) {
+  const Node* node = map.find("interfaces");
+  if (node == nullptr) return;
+  if (node->kind != Kind::kList || node->items.empty() || node->items.size() > kMaxInterfaces) {
+    const bool count = node->kind == Kind::kList;
+    map.faults().add(node->place,
+                     "interfaces is " + (count ? (node->items.empty() ? "empty" : "too long") : std::string(to_text(node->kind))),
+                     "a list of 1 to " + std::to_string(kMaxInterfaces) + " IPv4 addresses",
+                     node->kind == Kind::kScalar && is_ipv4(node->text) ? '[' + node->text + ']' : "");
+    return;
+  }
+  spec.interfaces.clear();
+  for (const Node* item : node->items) {
+    const std::string* text = scalar_of(*item, "interface", "an IPv4 address", map.faults());
+    if (text == nullptr) continue;
+    if (!is_ipv4(*text)) {
+      const bool loopback = *text == "lo" || *text == "localhost";
+      map.faults().add(item->place, "interface '" + *text + "' is no IPv4 address",
+                       "the address of a network interface of this machine", loopback ? "127.0.0.1" : "");
+    }
+    spec.interfaces.push_back(*text);
+  }
+}
+
+void read_dds(MapReader& bridge, DdsSpec& spec, Library& library) {
+  const Node* node = bridge.find("dds");
+  if (node == nullptr) return;
+  MapReader map(*node, kDdsKeys, bridge.faults());
+  map.read("domain", spec.domain, WholeRule{0, kMaxDomain});
+  read_interfaces(map, spec);
+  if (map.read("discovery-server", spec.discovery_server, TextRule{kMaxPath}) && !host_port_from(*spec.discovery_server)) {
+    bridge.faults().add(map.place_of("discovery-server"),
+                        "discovery-server '" + *spec.discovery_server + "' names no host and port",
+                        "HOST:PORT with a port 1 to 65535", *spec.discovery_server + ":11811");
+  }
+  std::string profile;
+  if (map.read("profile", profile, TextRule{kMaxPath})) spec.profile = library.check_file(*map.find("profile"));
+  map.read("partition", spec.partition, TextRule{kMaxPartition});
+}
+
+void read_log(MapReader& bridge, LogSpec& spec) {
+  const Node* node = bridge.find("log");
+  if (node == nullptr) return;
+  MapReader map(*node, kLogKeys, bridge.faults());
+  map.read("level", spec.level, ChoiceRule<LogLevel>{kLevels});
+}
+
+void read_buses(MapReader& bridge, BridgeSpec& spec, Session& session) {
+  auto& faults = session.faults;
+  const Node* list = bridge.require("buses", "a list of buses");
+  if (list == nullptr) return;
+  if (list->kind != Kind::kList || list->items.empty()) {
+    faults.add(list->place, "buses is " + (list->kind == Kind::kList ? "empty" : std::string(to_text(list->kind))),
+               "a list of buses");
+    return;
+  }
+  UniqueNames names, paths;
+  for (const Node* node : list->items) {
+    if (spec.buses.size() == kMaxBuses) {
+      faults.add(node->place, "too many buses", std::to_string(kMaxBuses) + " of a bridge");
+      return;
+    }
+    const auto& bus = spec.buses.emplace_back(read_bus(*node, session));
+    names.add("bus", bus.name, node->place, faults);
+    if (const auto* serial = std::get_if<SerialPortSpec>(&bus.port))
+      paths.add("a bus on port", serial->path, node->place, faults);
+  }
+}
+
+void read_bridge(const Node& root, BridgeSpec& spec, Session& session) {
+  MapReader map(root, kBridgeKeys, session.faults);
+  map.read_required("bridge", spec.name, NameRule{}, "a name for the bridge");
+  read_dds(map, spec.dds, session.library);
+  read_log(map, spec.log);
+  read_buses(map, spec, session);
+}
+
+std::vector<Fault> whole_file(const std::string& file, std::string what, std::string allowed = {}) {
+  return {Fault{file, 1, 1, std::move(what), std::move(allowed), {}}};
+}
+
+}  // namespace
+
+Loaded load_text(std::string_view text, const std::string& file_name, const FileReader& reader, const LoadOptions& options) {
+  if (text.size() > kMaxFileBytes) {
+    return tl::unexpected(whole_file(file_name, "the file is too large", std::to_string(kMaxFileBytes >> 20) + " MiB"));
+  }
+  FaultList faults;
+  const auto document = parse_yaml(Source{file_name, std::string(text), 0}, faults);
+  BridgeSpec spec;
+  if (document->root != nullptr) {
+    Library library(reader, options, faults, text.size());
+    Session session{faults, library};
+    read_bridge(*document->root, spec, session);
+  } else if (faults.empty()) {
+    return tl::unexpected(whole_file(file_name, "the file is empty", "a map with " + joined(kBridgeKeys.keys)));
+  }
+  if (!faults.empty()) return tl::unexpected(faults.take());
+  return spec;
+}
+
+Loaded load_file(const std::string& path, const LoadOptions& options) {
+  const auto reader = disk_reader();
+  const auto text = reader.read(path);
+  if (!text) return tl::unexpected(whole_file(path, "the file " + std::string(to_text(text.error()))));
+  return load_text(*text, path, reader, options);
+}
+
+}  // namespace fieldcast::config

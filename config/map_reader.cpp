@@ -1,0 +1,80 @@
+#include "config/map_reader.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+
+#include "config/suggest.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+[[noreturn]] void bug(std::string_view what, std::string_view key) {
+  std::fprintf(stderr, "config: %.*s: %.*s\n", static_cast<int>(what.size()), what.data(), static_cast<int>(key.size()),
+               key.data());
+  std::abort();
+}
+
+}  // namespace
+
+MapReader::MapReader(const Node& node, const KeyTable& table, FaultList& faults)
+    : node_(node), table_(table), faults_(faults), read_(table.keys.size()) {
+  if (node.kind != Kind::kMap) {
+    faults_.add(node.place, std::string(table.what) + " is " + std::string(to_text(node.kind)),
+                "a map with " + joined(table.keys));
+    return;
+  }
+  for (const auto& [key, value] : node.entries) {
+    if (std::ranges::find(table.keys, key->text) != table.keys.end()) continue;
+    auto meant = closest(key->text, table.keys);
+    faults_.add(key->place,
+                "unknown key '" + key->text + "' in " + std::string(table.what) +
+                    (meant.empty() ? where_it_belongs(key->text, table) : std::string{}),
+                joined(table.keys), meant);
+    if (!meant.empty()) meant_.push_back(std::move(meant));
+  }
+}
+
+MapReader::~MapReader() {
+  for (std::size_t i = 0; i < read_.size(); ++i) {
+    if (!read_[i]) bug("a key is listed and never read", table_.keys[i]);
+  }
+}
+
+const Node::Entry* MapReader::entry(std::string_view key) const {
+  for (const auto& entry : node_.entries) {
+    if (entry.key->text == key) return &entry;
+  }
+  return nullptr;
+}
+
+const Node* MapReader::find(std::string_view key) {
+  const auto listed = std::ranges::find(table_.keys, key);
+  if (listed == table_.keys.end()) bug("a key is read and not listed", key);
+  read_[static_cast<std::size_t>(listed - table_.keys.begin())] = true;
+  const auto* found = entry(key);
+  if (found == nullptr) return nullptr;
+  if (found->value->kind == Kind::kNull) {
+    faults_.add(found->key->place, "'" + std::string(key) + "' has no value");
+    return nullptr;
+  }
+  return found->value;
+}
+
+const Node* MapReader::require(std::string_view key, std::string_view allowed) {
+  const Node* value = find(key);
+  const bool misspelt = std::ranges::find(meant_, key) != meant_.end();
+  if (value == nullptr && is_map() && !has(key) && !misspelt) {
+    faults_.add(node_.place, "'" + std::string(key) + "' is missing in " + std::string(table_.what), std::string(allowed));
+  }
+  return value;
+}
+
+bool MapReader::has(std::string_view key) const { return entry(key) != nullptr; }
+
+Place MapReader::place_of(std::string_view key) const {
+  const auto* found = entry(key);
+  return found == nullptr ? node_.place : found->value->place;
+}
+
+}  // namespace fieldcast::config

@@ -1,0 +1,71 @@
+// Reads the keys of one map. Unknown keys are noted at the start; each known key is read by name.
+//
+// Borrows the node and the fault list; lives while the map is read. A key that the table has and nobody reads is a bug, and
+// aborts.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "config/document.hpp"
+#include "config/fault_list.hpp"
+#include "config/keys.hpp"
+
+namespace fieldcast::config {
+
+class MapReader {
+ public:
+  MapReader(const Node& node, const KeyTable& table, FaultList& faults);
+  ~MapReader();
+  MapReader(const MapReader&) = delete;
+  MapReader& operator=(const MapReader&) = delete;
+
+  // The key's value; null when absent, or when it has no value (a fault). REQUIRES: the key is in the table.
+  const Node* find(std::string_view key);
+  // As find(), and absence is a fault; `allowed` says what should stand there.
+  const Node* require(std::string_view key, std::string_view allowed);
+
+  // Puts the value of the key into target by a rule of scalars.hpp; leaves target when the key is absent or faulty.
+  // True when a value was put.
+  template <typename Target, typename Rule>
+  bool read(std::string_view key, Target& target, const Rule& rule) {
+    const Node* value = find(key);
+    return value != nullptr && put(*value, key, target, rule);
+  }
+  template <typename Target, typename Rule>
+  bool read_required(std::string_view key, Target& target, const Rule& rule, std::string_view allowed) {
+    const Node* value = require(key, allowed);
+    return value != nullptr && put(*value, key, target, rule);
+  }
+
+  [[nodiscard]] bool is_map() const { return node_.kind == Kind::kMap; }
+  [[nodiscard]] bool has(std::string_view key) const;
+  [[nodiscard]] Place place_of(std::string_view key) const;  // of its value, or of the map when absent
+  [[nodiscard]] const Place& place() const { return node_.place; }
+  [[nodiscard]] FaultList& faults() { return faults_; }
+
+ private:
+  template <typename Target, typename Rule>
+  bool put(const Node& value, std::string_view key, Target& target, const Rule& rule) {
+    auto result = rule(value, key, faults_);
+    if (!result) return false;
+    if constexpr (requires { target = std::move(*result); } && !std::is_arithmetic_v<Target>) {
+      target = std::move(*result);
+    } else {
+      target = static_cast<Target>(*result);  // the rule's bounds fit the target
+    }
+    return true;
+  }
+  [[nodiscard]] const Node::Entry* entry(std::string_view key) const;
+
+  const Node& node_;
+  const KeyTable& table_;
+  FaultList& faults_;
+  std::vector<bool> read_;          // by the key's place in the table
+  std::vector<std::string> meant_;  // what unknown keys probably mean: not missing as well
+};
+
+}  // namespace fieldcast::config

@@ -1,0 +1,165 @@
+#include "config/port.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "config/limits.hpp"
+#include "config/map_reader.hpp"
+#include "config/scalars.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+// What termios knows (termios(3), B50 .. B4000000), from the slowest that a PLC speaks.
+constexpr std::array<std::uint32_t, 22> kBauds{300,     600,     1200,    1800,    2400,    4800,   9600,   19200,
+                                               38400,   57600,   115200,  230400,  460800,  500000, 576000, 921600,
+                                               1000000, 1152000, 1500000, 2000000, 3000000, 4000000};
+
+std::string baud_list() {
+  std::string text;
+  for (const auto baud : kBauds) text += (text.empty() ? "" : ", ") + std::to_string(baud);
+  return text;
+}
+
+struct BaudRule {
+  std::optional<std::uint32_t> operator()(const Node& node, std::string_view key, FaultList& faults) const {
+    const auto value = WholeRule{1, kBauds.back()}(node, key, faults);
+    if (!value) return std::nullopt;
+    const auto baud = static_cast<std::uint32_t>(*value);
+    if (std::ranges::find(kBauds, baud) != kBauds.end()) return baud;
+    const auto distance = [&](std::uint32_t other) { return other > baud ? other - baud : baud - other; };
+    const auto near = *std::ranges::min_element(kBauds, {}, distance);
+    faults.add(node.place, "baud " + std::to_string(baud) + " is no rate of serial ports", baud_list(), std::to_string(near));
+    return std::nullopt;
+  }
+};
+
+struct FormatRule {
+  std::optional<LineFormat> operator()(const Node& node, std::string_view key, FaultList& faults) const {
+    static constexpr std::string_view kForm = "data bits 7 or 8, parity N, E or O, stop bits 1 or 2, such as 8E1";
+    const std::string* text = scalar_of(node, key, kForm, faults);
+    if (text == nullptr) return std::nullopt;
+    const auto format = format_from(*text);
+    if (format) return format;
+    std::string upper = *text;
+    for (char& c : upper) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+    faults.add(node.place, "format '" + *text + "' is unknown", std::string(kForm), format_from(upper) ? upper : "");
+    return std::nullopt;
+  }
+};
+
+struct HostPortRule {
+  std::optional<std::pair<std::string, std::uint16_t>> operator()(const Node& node, std::string_view key,
+                                                                  FaultList& faults) const {
+    const std::string* text = scalar_of(node, key, "HOST:PORT", faults);
+    if (text == nullptr) return std::nullopt;
+    auto endpoint = host_port_from(*text);
+    if (!endpoint) {
+      const bool host_alone = !text->empty() && text->find(':') == std::string::npos;
+      faults.add(node.place, std::string(key) + " '" + *text + "' names no host and port", "HOST:PORT with a port 1 to 65535",
+                 host_alone ? *text + ":502" : "");
+    }
+    return endpoint;
+  }
+};
+
+// Keys that belong to the other kind of port.
+void refuse(MapReader& map, std::string_view kind, std::span<const std::string_view> keys) {
+  for (const auto key : keys) {
+    if (map.find(key) == nullptr) continue;
+    map.faults().add(map.place_of(key), "'" + std::string(key) + "' has no meaning for a " + std::string(kind) + " port");
+  }
+}
+
+SerialPortSpec read_serial(MapReader& map, const LineFormat& standard) {
+  SerialPortSpec port;
+  LineFormat format = standard;
+  map.read("serial", port.path, TextRule{kMaxPath});
+  map.read("baud", port.line.baud, BaudRule{});
+  map.read("format", format, FormatRule{});
+  format.baud = port.line.baud;
+  port.line = format;
+  map.read("rs485", port.rs485, FlagRule{});
+  map.read("low-latency", port.low_latency, FlagRule{});
+  map.read("exclusive", port.exclusive, FlagRule{});
+  refuse(map, "serial", std::array<std::string_view, 1>{"connect-timeout"});
+  return port;
+}
+
+TcpPortSpec read_tcp(MapReader& map, const LineFormat& standard) {
+  TcpPortSpec port;
+  std::pair<std::string, std::uint16_t> endpoint;
+  if (map.read("tcp", endpoint, HostPortRule{})) port.host = endpoint.first, port.port = endpoint.second;
+  map.read("connect-timeout", port.connect_timeout, DurationRule{std::chrono::milliseconds{10}, kMaxTimeout});
+  LineFormat format = standard;
+  std::uint32_t baud = 0;
+  const bool has_format = map.read("format", format, FormatRule{});
+  if (map.read("baud", baud, BaudRule{})) {
+    format.baud = baud;
+    port.line = format;
+  } else if (has_format && !map.has("baud")) {
+    map.faults().add(map.place_of("format"), "'format' without 'baud'",
+                     "both for the line behind a serial server, none for a plain TCP device");
+  }
+  refuse(map, "tcp", std::array<std::string_view, 3>{"rs485", "low-latency", "exclusive"});
+  return port;
+}
+
+}  // namespace
+
+std::optional<LineFormat> format_from(std::string_view text) {
+  if (text.size() != 3 || (text[0] != '7' && text[0] != '8') || (text[2] != '1' && text[2] != '2')) return std::nullopt;
+  LineFormat format;
+  format.data_bits = static_cast<std::uint8_t>(text[0] - '0');
+  format.stop_bits = static_cast<std::uint8_t>(text[2] - '0');
+  switch (text[1]) {
+    case 'N': format.parity = Parity::kNone; return format;
+    case 'E': format.parity = Parity::kEven; return format;
+    case 'O': format.parity = Parity::kOdd; return format;
+    default: return std::nullopt;
+  }
+}
+
+std::optional<std::pair<std::string, std::uint16_t>> host_port_from(std::string_view text) {
+  const auto colon = text.rfind(':');
+  if (colon == std::string_view::npos || colon == 0) return std::nullopt;
+  std::string_view host = text.substr(0, colon);
+  const auto port = whole_from(text.substr(colon + 1));
+  if (!port || *port < 1 || *port > 65535 || text.substr(colon + 1).starts_with("0x")) return std::nullopt;
+  const bool bracketed = host.starts_with('[') && host.ends_with(']');
+  if (bracketed) host = host.substr(1, host.size() - 2);
+  if (host.empty() || host.size() > 253 || (!bracketed && host.find(':') != std::string_view::npos)) return std::nullopt;
+  for (const char c : host) {
+    const bool fits = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' || c == '-' ||
+                      c == '_' || (bracketed && (c == ':' || c == '%'));
+    if (!fits) return std::nullopt;
+  }
+  return std::pair{std::string(host), static_cast<std::uint16_t>(*port)};
+}
+
+// By the protocols' names, as users know them: what ends in -tcp frames its own stream; RTU needs whole bytes (Modbus over Serial
+// Line V1.02, 2.5.1).
+void check_port(const std::string& protocol, const PortSpec& port, const Place& place, FaultList& faults) {
+  if (protocol.ends_with("-tcp") && std::holds_alternative<SerialPortSpec>(port)) {
+    faults.add(place, protocol + " over a serial port", "port: { tcp: HOST:PORT }", protocol == "modbus-tcp" ? "modbus-rtu" : "");
+  }
+  if (protocol == "modbus-rtu" && line_of(port).data_bits != 8) {
+    faults.add(place, "modbus-rtu over a line of 7 data bits", "format: 8E1, 8N2, 8O1, 8N1", "modbus-ascii");
+  }
+}
+
+PortSpec read_port(const Node& node, std::string_view protocol, FaultList& faults) {
+  LineFormat standard;
+  if (protocol == "modbus-ascii") standard.data_bits = 7;  // Modbus over Serial Line V1.02, 2.5.2
+  MapReader map(node, kPortKeys, faults);
+  const Node* serial = map.find("serial");
+  const Node* tcp = map.find("tcp");
+  if (serial != nullptr && tcp != nullptr) faults.add(map.place_of("tcp"), "a port is both serial and tcp", "one of serial, tcp");
+  if (map.is_map() && !map.has("serial") && !map.has("tcp")) {
+    faults.add(map.place(), "'port' names neither serial nor tcp", "serial: PATH, tcp: HOST:PORT");
+  }
+  if (tcp != nullptr || map.has("tcp")) return read_tcp(map, standard);
+  return read_serial(map, standard);
+}
+
+}  // namespace fieldcast::config

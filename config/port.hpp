@@ -1,0 +1,28 @@
+// `port`: how a bus is reached; and its spellings "8E1" and "host:port".
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "config/document.hpp"
+#include "config/fault_list.hpp"
+#include "core/model/spec.hpp"
+
+namespace fieldcast::config {
+
+// { serial: PATH, baud, format, rs485, low-latency, exclusive } or { tcp: HOST:PORT, baud, format, connect-timeout }.
+// Without a format the line is what the standard of the protocol says: 7E1 for modbus-ascii, 8E1 otherwise.
+[[nodiscard]] PortSpec read_port(const Node& node, std::string_view protocol, FaultList& faults);
+
+// Faults at `place` where a protocol cannot run over the port.
+void check_port(const std::string& protocol, const PortSpec& port, const Place& place, FaultList& faults);
+
+// Data bits, parity and stop bits of "8N1".
+[[nodiscard]] std::optional<LineFormat> format_from(std::string_view text);
+
+// "10.0.0.7:502", "[::1]:502"; the port is 1..65535.
+[[nodiscard]] std::optional<std::pair<std::string, std::uint16_t>> host_port_from(std::string_view text);
+
+}  // namespace fieldcast::config

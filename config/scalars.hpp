@@ -1,0 +1,75 @@
+// What a value of a key may be: each rule reads one node and gives the value, or notes a fault and gives nothing.
+//
+// A rule is called as rule(node, key, faults); MapReader::read() takes any of them.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "config/document.hpp"
+#include "config/fault_list.hpp"
+#include "config/suggest.hpp"
+#include "core/base/time.hpp"
+
+namespace fieldcast::config {
+
+// The node's text, when it is a scalar. `wanted` says what the key takes: "a duration".
+[[nodiscard]] const std::string* scalar_of(const Node& node, std::string_view key, std::string_view wanted, FaultList& faults);
+
+// "500ms", or nothing: a number, directly followed by us, ms, s or min.
+[[nodiscard]] std::optional<Duration> duration_from(std::string_view text);
+// A finite number in full: "2", "-0.5", "1e3".
+[[nodiscard]] std::optional<double> number_from(std::string_view text);
+// A whole number in full: "12", "-3", "0x1F".
+[[nodiscard]] std::optional<std::int64_t> whole_from(std::string_view text);
+
+struct DurationRule {
+  Duration min, max;
+  std::optional<Duration> operator()(const Node& node, std::string_view key, FaultList& faults) const;
+};
+
+struct WholeRule {
+  std::int64_t min, max;
+  std::optional<std::int64_t> operator()(const Node& node, std::string_view key, FaultList& faults) const;
+};
+
+struct NumberRule {
+  std::optional<double> operator()(const Node& node, std::string_view key, FaultList& faults) const;
+};
+
+struct FlagRule {  // true, false
+  std::optional<bool> operator()(const Node& node, std::string_view key, FaultList& faults) const;
+};
+
+struct TextRule {  // one line without control characters
+  std::size_t max_bytes;
+  std::optional<std::string> operator()(const Node& node, std::string_view key, FaultList& faults) const;
+};
+
+struct NameRule {  // 1..64 of letters, digits, '-', '_', '.': names become parts of paths and patterns
+  std::optional<std::string> operator()(const Node& node, std::string_view key, FaultList& faults) const;
+};
+
+// One word of a closed set.
+template <typename T>
+struct ChoiceRule {
+  std::span<const std::pair<std::string_view, T>> choices;
+
+  std::optional<T> operator()(const Node& node, std::string_view key, FaultList& faults) const {
+    std::vector<std::string_view> words;
+    for (const auto& [word, value] : choices) words.push_back(word);
+    const std::string* text = scalar_of(node, key, "one of " + joined(words), faults);
+    if (text == nullptr) return std::nullopt;
+    for (const auto& [word, value] : choices) {
+      if (*text == word) return value;
+    }
+    faults.add(node.place, std::string(key) + " '" + *text + "' is unknown", joined(words), closest(*text, words));
+    return std::nullopt;
+  }
+};
+
+}  // namespace fieldcast::config

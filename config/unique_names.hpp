@@ -1,0 +1,30 @@
+// Notes what may stand once only, and faults the second.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "config/document.hpp"
+#include "config/fault_list.hpp"
+
+namespace fieldcast::config {
+
+class UniqueNames {
+ public:
+  // `what`: "channel". An empty name (a fault already) is not counted.
+  void add(std::string_view what, const std::string& name, const Place& place, FaultList& faults) {
+    if (name.empty()) return;
+    const auto [first, fresh] = places_.emplace(name, place);
+    if (fresh) return;
+    const Place& there = first->second;
+    const std::string file = there.source == place.source ? "" : there.source->file + ", ";
+    faults.add(place,
+               std::string(what) + " '" + name + "' exists already (" + file + "line " + std::to_string(there.line + 1) + ')');
+  }
+
+ private:
+  std::map<std::string, Place> places_;
+};
+
+}  // namespace fieldcast::config

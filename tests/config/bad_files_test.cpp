@@ -1,0 +1,40 @@
+// One broken file for each fault in tests/config/bad: its head says, line for line, what the loader must say of it.
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "tests/config/support.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+constexpr std::string_view kExpect = "# expect: ";
+
+std::string expected_of(const std::string& text) {
+  std::string expected;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with(kExpect)) expected += line.substr(kExpect.size()) + '\n';
+  }
+  return expected;
+}
+
+class BadFile : public testing::TestWithParam<std::filesystem::path> {};
+
+TEST_P(BadFile, IsRefusedWithExactlyTheFaultsAtItsHead) {
+  const auto text = slurp(GetParam());
+  const auto expected = expected_of(text);
+  ASSERT_NE(expected, "") << "the file says nothing that should be said of it";
+  const auto loaded = load_text(text, GetParam().filename().string(), within(GetParam().parent_path()));
+  EXPECT_EQ(faults_of(loaded), expected);
+}
+
+INSTANTIATE_TEST_SUITE_P(Config, BadFile, testing::ValuesIn(files_of(source_dir() / "tests/config/bad", ".yaml")),
+                         [](const auto& file) {
+                           std::string name = file.param.stem().string();
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace fieldcast::config
