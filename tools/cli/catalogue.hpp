@@ -9,7 +9,7 @@
 #include <tl/expected.hpp>
 
 #include "bridge/dds/station.hpp"
-#include "tools/cli/pattern.hpp"
+#include "core/model/pattern.hpp"
 
 namespace fieldcast::cli {
 

@@ -8,7 +8,7 @@
 #include "tools/cli/connection.hpp"
 #include "tools/cli/exit_code.hpp"
 #include "tools/cli/interrupt.hpp"
-#include "tools/cli/pattern.hpp"
+#include "core/model/pattern.hpp"
 
 namespace fieldcast::cli {
 

@@ -11,7 +11,7 @@
 #include "bridge/dds/station.hpp"
 #include "core/base/time.hpp"
 #include "tools/cli/catalogue.hpp"
-#include "tools/cli/pattern.hpp"
+#include "core/model/pattern.hpp"
 
 namespace fieldcast::cli {
 

@@ -1,4 +1,4 @@
-#include "tools/cli/pattern.hpp"
+#include "core/model/pattern.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// PATTERN of the command line: bus/device/channel, each with `*` for any run of characters. A shorter pattern matches everything
+// PATTERN of interests and of the command line: bus/device/channel, each with `*` for any run of characters. A shorter pattern matches everything
 // below it: "press-shop" is "press-shop/*/*". Plain value.
 #pragma once
 
@@ -7,7 +7,7 @@
 #include <string_view>
 #include <tl/expected.hpp>
 
-namespace fieldcast::cli {
+namespace fieldcast {
 
 // One segment: `*` stands for any run of characters, everything else for itself. Linear in text times stars, never exponential.
 [[nodiscard]] bool glob_matches(std::string_view glob, std::string_view text);
@@ -30,4 +30,4 @@ class Pattern {
   std::array<std::string, 3> segments_{"*", "*", "*"};
 };
 
-}  // namespace fieldcast::cli
+}  // namespace fieldcast

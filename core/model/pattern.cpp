@@ -1,6 +1,6 @@
-#include "tools/cli/pattern.hpp"
+#include "core/model/pattern.hpp"
 
-namespace fieldcast::cli {
+namespace fieldcast {
 
 bool glob_matches(std::string_view glob, std::string_view text) {
   // After a mismatch only the last star can take one character more: earlier ones cannot help.
@@ -55,4 +55,4 @@ bool Pattern::matches(std::string_view bus) const { return glob_matches(segments
 
 std::string Pattern::text() const { return segments_[0] + '/' + segments_[1] + '/' + segments_[2]; }
 
-}  // namespace fieldcast::cli
+}  // namespace fieldcast
