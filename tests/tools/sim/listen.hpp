@@ -1,0 +1,35 @@
+// Lets an ear hear bytes at the speed of a line, and then a long silence.
+#pragma once
+
+#include "core/base/bytes.hpp"
+#include "core/frame/line.hpp"
+#include "tools/sim/device.hpp"
+
+namespace fieldcast::sim::test {
+
+inline constexpr LineFormat kLine{19200, 8, Parity::kEven, 1};
+inline constexpr Instant kBegin{Duration{1'000'000'000}};
+
+// What the device does about all of it. REQUIRES: it answers once at most.
+inline Reaction listen(Ear& ear, ByteView bytes, Instant start = kBegin, bool then_silence = true) {
+  Reaction all;
+  Instant end = start;
+  const auto take = [&](const Reaction& one) {
+    if (!one.answer.empty()) all.answer = one.answer;
+    all.hang_up = all.hang_up || one.hang_up;
+  };
+  for (const std::uint8_t byte : bytes) {
+    end += kLine.characters(1);
+    Reaction one;
+    ear.hear(byte, end, one);
+    take(one);
+  }
+  if (then_silence && ear.silence_due() != kNever) {
+    Reaction one;
+    ear.on_silence(ear.silence_due(), one);
+    take(one);
+  }
+  return all;
+}
+
+}  // namespace fieldcast::sim::test

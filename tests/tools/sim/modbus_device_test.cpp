@@ -1,0 +1,147 @@
+#include <gtest/gtest.h>
+
+#include "core/codec/checksum.hpp"
+#include "tests/tools/sim/listen.hpp"
+#include "tools/sim/modbus_ears.hpp"
+
+namespace fieldcast::sim {
+namespace {
+
+Bytes rtu(Bytes frame) {
+  const std::uint16_t crc = crc16_modbus(frame);
+  frame.push_back(static_cast<std::uint8_t>(crc));
+  frame.push_back(static_cast<std::uint8_t>(crc >> 8));
+  return frame;
+}
+
+Bytes said(ModbusUnit& unit, const Bytes& frame) {
+  RtuEar ear(unit, test::kLine, false);
+  return test::listen(ear, frame).answer;
+}
+
+TEST(ModbusAddressText, ReadsNamesAndReferenceNumbers) {
+  const auto holding = parse_modbus_address("holding:107.3");
+  ASSERT_TRUE(holding);
+  EXPECT_EQ(holding->area, ModbusArea::kHolding);
+  EXPECT_EQ(holding->first, 107);
+  EXPECT_EQ(holding->bit, 3);
+  EXPECT_EQ(parse_modbus_address("40108")->first, 107);
+  EXPECT_EQ(parse_modbus_address("00001")->area, ModbusArea::kCoil);
+  EXPECT_EQ(parse_modbus_address("10001")->area, ModbusArea::kInput);
+  EXPECT_EQ(parse_modbus_address("365536")->first, 65535);
+  for (const char* wrong :
+       {"", "holding", "holding:", "holding:65536", "holding:1.16", "40000", "50001", "4001", "465537", "coil:-1", "4x001"}) {
+    EXPECT_FALSE(parse_modbus_address(wrong)) << wrong;
+  }
+}
+
+TEST(RtuEar, WrongChecksumGetsSilenceAndIsCounted) {
+  ModbusUnit unit(1, test::kBegin);
+  Bytes frame = rtu({1, 6, 0, 5, 0, 9});
+  for (std::size_t bit = 0; bit < frame.size() * 8; ++bit) {
+    Bytes broken = frame;
+    broken[bit / 8] = static_cast<std::uint8_t>(broken[bit / 8] ^ 1u << (bit % 8));
+    EXPECT_TRUE(said(unit, broken).empty()) << bit;
+  }
+  EXPECT_TRUE(unit.statistics().writes.empty());
+  EXPECT_GT(unit.statistics().bad_frames, 0u);
+}
+
+TEST(RtuEar, BroadcastIsExecutedWithoutAnswer) {
+  ModbusUnit unit(7, test::kBegin);
+  EXPECT_TRUE(said(unit, rtu({0, 6, 0, 5, 0x12, 0x34})).empty());
+  EXPECT_EQ(unit.memory().read(ModbusArea::kHolding, 5, 1, test::kBegin)[0], 0x1234);
+  EXPECT_EQ(unit.statistics().broadcasts, 1u);
+}
+
+TEST(RtuEar, AfterABrokenFrameOnlySilenceHelps) {
+  ModbusUnit unit(1, test::kBegin);
+  RtuEar ear(unit, test::kLine, false);
+  Bytes broken = rtu({1, 3, 0, 0, 0, 1});
+  broken[3] = 9;
+  const Bytes good = rtu({1, 3, 0, 0, 0, 1});
+  const Instant next = test::kBegin + test::kLine.characters(8);
+  EXPECT_TRUE(test::listen(ear, broken, test::kBegin, false).answer.empty());
+  EXPECT_TRUE(test::listen(ear, good, next, false).answer.empty());  // hard upon it
+  EXPECT_FALSE(test::listen(ear, good, next + test::kLine.characters(13), false).answer.empty());
+}
+
+TEST(RtuEar, ForeignAnswerThatHoldsARequestForUsIsNotExecuted) {
+  ModbusUnit unit(1, test::kBegin);
+  RtuEar ear(unit, test::kLine, false);
+  Bytes answer{2, 3, 8};
+  append(answer, rtu({1, 6, 0, 1, 0, 1}));
+  EXPECT_TRUE(test::listen(ear, rtu(answer)).answer.empty());
+  EXPECT_TRUE(unit.statistics().requests.empty());
+}
+
+TEST(RtuEar, HeldBackHalfOfAFrameIsAFrameOnAStream) {
+  const Bytes request = rtu({1, 3, 0, 0, 0, 1});
+  for (const bool stream : {false, true}) {
+    ModbusUnit unit(1, test::kBegin);
+    RtuEar ear(unit, test::kLine, stream);
+    EXPECT_TRUE(test::listen(ear, ByteView(request).first(3), test::kBegin, false).answer.empty());
+    const Instant later = test::kBegin + std::chrono::milliseconds{20};
+    EXPECT_EQ(test::listen(ear, ByteView(request).subspan(3), later).answer.empty(), !stream);
+  }
+}
+
+TEST(ModbusUnit, ChecksInTheOrderOfTheStandard) {
+  ModbusUnit unit(1, test::kBegin);
+  unit.refuse({{"holding", 107, 109, 2}, {"coil", 0, 0, 6}});
+  const auto code = [&](const Bytes& pdu) { return unit.execute(pdu, test::kBegin).at(1); };
+  EXPECT_EQ(code({0x03, 0, 107, 0, 0}), 3);      // the quantity first
+  EXPECT_EQ(code({0x03, 0, 106, 0, 2}), 2);      // touches 107
+  EXPECT_EQ(code({0x03, 0, 105, 0, 2}), 4);      // a good answer: its byte count
+  EXPECT_EQ(code({0x03, 0xFF, 0xFF, 0, 2}), 2);  // beyond the area
+  EXPECT_EQ(code({0x01, 0, 0, 0, 1}), 6);
+  EXPECT_EQ(code({0x63, 0, 0, 0, 1}), 1);
+  EXPECT_EQ(code({0x10, 0, 107, 0, 1, 2, 0, 1}), 2);
+  EXPECT_EQ(code({0x17, 0, 1, 0, 1, 0, 107, 0, 1, 2, 0, 1}), 2);
+  EXPECT_TRUE(unit.statistics().writes.empty());
+}
+
+TEST(ModbusUnit, OnlyConfiguredAddressesExistWhenSo) {
+  ModbusUnit unit(1, test::kBegin);
+  unit.refuse_unconfigured();
+  Encoding real;
+  real.type = ValueType::kFloat32;
+  ASSERT_TRUE(unit.memory().add_channel(*parse_modbus_address("holding:10"), real, Waveform{}));
+  const auto refused = [&](std::uint8_t first, std::uint8_t count) {
+    return unit.execute(Bytes{3, 0, first, 0, count}, test::kBegin)[0] != 3;
+  };
+  EXPECT_FALSE(refused(10, 2));
+  EXPECT_FALSE(refused(11, 1));
+  EXPECT_TRUE(refused(9, 2));
+  EXPECT_TRUE(refused(11, 2));
+}
+
+TEST(ModbusMemory, WrittenChannelsHoldAndOthersMove) {
+  ModbusMemory memory(test::kBegin);
+  const Waveform wave{Shape::kRamp, 0, 1000, std::chrono::seconds{10}, 0};
+  ASSERT_TRUE(memory.add_channel(*parse_modbus_address("holding:1"), {}, wave));
+  ASSERT_TRUE(memory.add_channel(*parse_modbus_address("holding:2"), {}, wave));
+  memory.write(ModbusArea::kHolding, 1, {4711});
+  const auto later = memory.read(ModbusArea::kHolding, 1, 2, test::kBegin + std::chrono::seconds{5});
+  EXPECT_EQ(later, (std::vector<std::uint16_t>{4711, 500}));
+}
+
+TEST(ModbusMemory, BitsOfOneWordMoveApart) {
+  ModbusMemory memory(test::kBegin);
+  Encoding flag;
+  flag.type = ValueType::kBool;
+  const Waveform square{Shape::kSquare, 0, 1, std::chrono::seconds{2}, 0};
+  const Waveform slower{Shape::kSquare, 0, 1, std::chrono::seconds{4}, 0};
+  ASSERT_TRUE(memory.add_channel(*parse_modbus_address("holding:5.0"), flag, square));
+  ASSERT_TRUE(memory.add_channel(*parse_modbus_address("holding:5.15"), flag, slower));
+  const auto word = [&](int seconds) {
+    return memory.read(ModbusArea::kHolding, 5, 1, test::kBegin + std::chrono::seconds{seconds})[0];
+  };
+  EXPECT_EQ(word(0), 0);
+  EXPECT_EQ(word(1), 1);
+  EXPECT_EQ(word(2), 0x8000);
+  EXPECT_EQ(word(3), 0x8001);
+}
+
+}  // namespace
+}  // namespace fieldcast::sim

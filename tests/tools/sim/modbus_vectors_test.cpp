@@ -1,0 +1,193 @@
+// The simulated device against the golden frames: as the slave of every vector whose request is printed.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/sim/listen.hpp"
+#include "tools/sim/modbus_ears.hpp"
+
+namespace fieldcast::sim {
+namespace {
+
+struct Vector {
+  std::string name, framing, kind;
+  Bytes request, response;
+};
+
+std::vector<Vector> vectors() {
+  std::ifstream file(FIELDCAST_VECTORS "/modbus.json");
+  std::vector<Vector> all;
+  for (const auto& entry : nlohmann::json::parse(file)) {
+    if (entry.value("request_unverified", false)) continue;
+    all.push_back({entry["name"], entry["framing"], entry["kind"], *from_hex(entry.value("request_hex", "")),
+                   *from_hex(entry.value("response_hex", ""))});
+  }
+  return all;
+}
+
+// Unit and PDU of a good frame.
+Bytes content(const Vector& vector, const Bytes& frame) {
+  if (vector.framing == "rtu") return {frame.begin(), frame.end() - 2};
+  if (vector.framing == "tcp") return {frame.begin() + 6, frame.end()};
+  const std::string digits(frame.begin() + 1, frame.end() - 4);
+  return *from_hex(digits);
+}
+
+std::unique_ptr<Ear> ear_for(const Vector& vector, ModbusUnit& unit) {
+  if (vector.framing == "rtu") return std::make_unique<RtuEar>(unit, test::kLine, false);
+  if (vector.framing == "ascii") return std::make_unique<AsciiEar>(unit);
+  return std::make_unique<TcpEar>(unit, false);
+}
+
+std::vector<std::uint16_t> registers(ByteView bytes) {
+  std::vector<std::uint16_t> values;
+  for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) values.push_back(read_u16(bytes, i));
+  return values;
+}
+
+std::vector<std::uint16_t> bits(ByteView bytes, std::size_t count) {
+  std::vector<std::uint16_t> values;
+  for (std::size_t i = 0; i < count; ++i) values.push_back(bytes[i / 8] >> (i % 8) & 1u);
+  return values;
+}
+
+// Gives the device the memory from which the vector's answer must follow.
+void prepare(ModbusUnit& unit, ByteView request, ByteView answer) {
+  const std::uint8_t function = request[1];
+  ModbusMemory& memory = unit.memory();
+  const auto first = [&] { return read_u16(request, 2); };
+  switch (function) {
+    case 0x01: return memory.preset(ModbusArea::kCoil, first(), bits(answer.subspan(3), read_u16(request, 4)));
+    case 0x02: return memory.preset(ModbusArea::kInput, first(), bits(answer.subspan(3), read_u16(request, 4)));
+    case 0x03: return memory.preset(ModbusArea::kHolding, first(), registers(answer.subspan(3)));
+    case 0x04: return memory.preset(ModbusArea::kInputRegister, first(), registers(answer.subspan(3)));
+    case 0x07: return memory.preset(ModbusArea::kCoil, 0, bits(answer.subspan(2), 8));
+    case 0x16: return memory.preset(ModbusArea::kHolding, first(), {0x0012});
+    case 0x17: return memory.preset(ModbusArea::kHolding, first(), registers(answer.subspan(3)));
+    case 0x2B: {
+      std::vector<std::string> objects;
+      for (std::size_t at = 8; at + 1 < answer.size(); at += 2u + answer[at + 1]) {
+        objects.emplace_back(answer.begin() + static_cast<std::ptrdiff_t>(at) + 2,
+                             answer.begin() + static_cast<std::ptrdiff_t>(at) + 2 + answer[at + 1]);
+      }
+      return unit.identify_as(objects);
+    }
+    default: return;
+  }
+}
+
+// Refuses what the vector's exception is about, unless the request itself is wrong.
+void prepare_exception(ModbusUnit& unit, std::uint8_t code) {
+  std::vector<RefusedRange> ranges;
+  if (code == 3) return;
+  for (const auto area : kModbusAreaNames) ranges.push_back({std::string(area), 0, 65535, code});
+  unit.refuse(ranges);
+}
+
+// File records and FIFO queues: this device has none.
+bool unsupported(std::uint8_t function) { return function == 0x14 || function == 0x15 || function == 0x18; }
+
+TEST(ModbusVectors, DeviceAnswersAsPrinted) {
+  int good = 0, refused = 0;
+  for (const Vector& vector : vectors()) {
+    if (vector.kind == "malformed" || vector.request.empty() || vector.response.empty()) continue;
+    SCOPED_TRACE(vector.name);
+    const Bytes request = content(vector, vector.request), answer = content(vector, vector.response);
+    ModbusUnit unit(request[0], test::kBegin);
+    if (vector.kind == "ok") {
+      prepare(unit, request, answer);
+    } else {
+      prepare_exception(unit, answer[2]);
+    }
+    const Bytes said = test::listen(*ear_for(vector, unit), vector.request).answer;
+    if (vector.framing != "tcp" && request[0] == 0) {
+      EXPECT_TRUE(said.empty()) << "a broadcast has no answer";
+    } else if (unsupported(request[1])) {
+      EXPECT_EQ(content(vector, said), (Bytes{request[0], static_cast<std::uint8_t>(request[1] | 0x80u), 1}));
+    } else {
+      EXPECT_EQ(to_hex(said), to_hex(vector.response));
+    }
+    ++(vector.kind == "ok" ? good : refused);
+  }
+  EXPECT_GE(good, 50);
+  EXPECT_GE(refused, 25);
+}
+
+TEST(ModbusVectors, WritesLandInMemory) {
+  const auto holding = [](ModbusUnit& unit, std::uint32_t first, std::uint32_t count) {
+    return unit.memory().read(ModbusArea::kHolding, first, count, test::kBegin);
+  };
+  const auto written = [](ModbusUnit& unit, const char* request) {
+    RtuEar ear(unit, test::kLine, false);
+    return test::listen(ear, *from_hex(request)).answer;
+  };
+  ModbusUnit unit(0x2A, test::kBegin), seventeen(0x11, test::kBegin);
+  EXPECT_FALSE(written(unit, "2A06001012348363").empty());
+  EXPECT_EQ(holding(unit, 0x10, 1), (std::vector<std::uint16_t>{0x1234}));
+  EXPECT_FALSE(written(unit, "2A100010000204123456780773").empty());
+  EXPECT_EQ(holding(unit, 0x10, 2), (std::vector<std::uint16_t>{0x1234, 0x5678}));
+  EXPECT_FALSE(written(unit, "2A0F0010000A021234002E").empty());
+  EXPECT_EQ(unit.memory().read(ModbusArea::kCoil, 0x10, 16, test::kBegin),
+            (std::vector<std::uint16_t>{0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}));  // bits beyond the tenth are ignored
+  EXPECT_FALSE(written(seventeen, "111700030006000E00030600FF00FF00FF4B54").empty());
+  EXPECT_EQ(holding(seventeen, 14, 3), (std::vector<std::uint16_t>{0xFF, 0xFF, 0xFF}));
+  EXPECT_EQ(unit.statistics().writes.at("holding:16"), 2u);
+  EXPECT_EQ(unit.statistics().writes.at("holding:17"), 1u);
+}
+
+struct Malformed {
+  const char* name;
+  enum { kSilence, kBroadcast, kAnswer, kRefusal1, kRefusal3, kHangUp } expected;
+};
+
+TEST(ModbusVectors, MalformedRequestsDoNoHarm) {
+  const Malformed table[] = {
+      {"ascii_garbage_prefix", Malformed::kBroadcast},
+      {"ascii_restart_on_colon", Malformed::kAnswer},
+      {"ascii_lowercase", Malformed::kSilence},
+      {"ascii_nonhex", Malformed::kSilence},
+      {"tcp_bad_protocol_id", Malformed::kHangUp},
+      {"tcp_bad_protocol_id_pymodbus", Malformed::kHangUp},
+      {"tcp_len_zero", Malformed::kHangUp},
+      {"tcp_len_max", Malformed::kRefusal1},
+      {"tcp_bad_fc15_bc0", Malformed::kRefusal3},
+      {"tcp_bad_fc15_missing", Malformed::kRefusal3},
+      {"tcp_bad_fc16_bc3", Malformed::kRefusal3},
+      {"tcp_bad_fc16_trailing", Malformed::kRefusal3},
+      {"tcp_fc23_write122_overlong", Malformed::kHangUp},
+  };
+  const auto all = vectors();
+  for (const Malformed& row : table) {
+    SCOPED_TRACE(row.name);
+    const auto found = std::ranges::find(all, row.name, &Vector::name);
+    ASSERT_NE(found, all.end());
+    const Bytes& stream = found->request.empty() ? found->response : found->request;  // requests are printed on either side
+    const bool tcp = found->framing == "tcp";
+    ModbusUnit unit(tcp ? stream[6] : 0x11, test::kBegin);
+    const Reaction reaction = test::listen(*ear_for(*found, unit), stream);
+    EXPECT_EQ(reaction.hang_up, row.expected == Malformed::kHangUp);
+    EXPECT_TRUE(unit.statistics().writes.empty());
+    EXPECT_EQ(unit.statistics().broadcasts, row.expected == Malformed::kBroadcast ? 1u : 0u);
+    if (row.expected == Malformed::kRefusal1 || row.expected == Malformed::kRefusal3) {
+      ASSERT_EQ(reaction.answer.size(), 9u);
+      EXPECT_EQ(reaction.answer[8], row.expected == Malformed::kRefusal1 ? 1 : 3);
+    } else {
+      EXPECT_EQ(reaction.answer.empty(), row.expected != Malformed::kAnswer);
+    }
+  }
+}
+
+TEST(ModbusVectors, TwoSlavesBackToBack) {
+  const Bytes stream = *from_hex("02030000000184390203021234F133010300000001840A");
+  ModbusUnit unit(1, test::kBegin);
+  unit.memory().preset(ModbusArea::kHolding, 0, {0});
+  RtuEar ear(unit, test::kLine, false);
+  EXPECT_EQ(to_hex(test::listen(ear, stream, test::kBegin, false).answer, '\0'), "0103020000B844");
+  EXPECT_EQ(unit.statistics().requests.at("03"), 1u);
+  EXPECT_EQ(unit.statistics().bad_frames, 0u);
+}
+
+}  // namespace
+}  // namespace fieldcast::sim

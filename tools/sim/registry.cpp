@@ -1,0 +1,25 @@
+#include <algorithm>
+#include <array>
+
+#include "tools/sim/device.hpp"
+#include "tools/sim/modbus_device.hpp"
+#include "tools/sim/modbus_memory.hpp"
+
+namespace fieldcast::sim {
+
+std::span<const DeviceKind> device_kinds() {
+  static const std::array kinds{
+      DeviceKind{"modbus-rtu", kModbusAreaNames, true, &make_modbus_rtu_device},
+      DeviceKind{"modbus-ascii", kModbusAreaNames, true, &make_modbus_ascii_device},
+      DeviceKind{"modbus-tcp", kModbusAreaNames, false, &make_modbus_tcp_device},
+  };
+  return kinds;
+}
+
+const DeviceKind* find_device_kind(std::string_view protocol) {
+  const auto kinds = device_kinds();
+  const auto found = std::ranges::find(kinds, protocol, &DeviceKind::protocol);
+  return found == kinds.end() ? nullptr : &*found;
+}
+
+}  // namespace fieldcast::sim
