@@ -27,7 +27,8 @@ TEST(SampleJson, HasTheFieldsOfTheIdl) {
 TEST(SampleJson, IntegersAreExactAndDoublesRoundTrip) {
   EXPECT_EQ(json_value(std::numeric_limits<std::int64_t>::min()), "-9223372036854775808");
   EXPECT_EQ(json_value(std::numeric_limits<std::uint64_t>::max()), "18446744073709551615");
-  for (const double number : {0.1, 1e300, -5e-324, 1.0 / 3.0, 2.0}) EXPECT_EQ(std::strtod(json_value(number).c_str(), nullptr), number);
+  for (const double number : {0.1, 1e300, -5e-324, 1.0 / 3.0, 2.0})
+    EXPECT_EQ(std::strtod(json_value(number).c_str(), nullptr), number);
 }
 
 TEST(SampleJson, NoNumberIsNull) {

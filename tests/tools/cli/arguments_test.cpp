@@ -1,0 +1,83 @@
+#include "tools/cli/arguments.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace fieldcast::cli {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+tl::expected<Arguments, NoCommand> parse(std::vector<const char*> words) {
+  words.insert(words.begin(), "fieldcast");
+  return parse_arguments(static_cast<int>(words.size()), words.data());
+}
+
+TEST(Arguments, WatchTakesPatternAndTimes) {
+  const auto parsed =
+      parse({"watch", "press-shop/press-1", "--json", "--once", "--for", "500ms", "--refresh", "1s", "--domain", "7"});
+  const auto& watch = std::get<WatchOptions>(parsed.value());
+  EXPECT_EQ(watch.pattern.text(), "press-shop/press-1/*");
+  EXPECT_TRUE(watch.json);
+  EXPECT_TRUE(watch.once);
+  EXPECT_EQ(watch.time, Duration{500ms});
+  EXPECT_EQ(watch.refresh, Duration{1s});
+  EXPECT_EQ(watch.connection.domain, 7u);
+}
+
+TEST(Arguments, WriteTakesAssignmentsAndNegativeValues) {
+  const auto assignments = parse({"write", "a/b/c=-1", "a/b/d=x y", "--verify"});
+  EXPECT_THAT(std::get<WriteOptions>(assignments.value()).words, testing::ElementsAre("a/b/c=-1", "a/b/d=x y"));
+  const auto address = parse({"write", "a/b", "--at", "holding:100", "--type", "int16", "-5", "7"});
+  EXPECT_THAT(std::get<WriteOptions>(address.value()).words, testing::ElementsAre("a/b", "-5", "7"));
+  EXPECT_EQ(std::get<WriteOptions>(address.value()).at, "holding:100");
+}
+
+TEST(Arguments, AcquireTakesAnAddressWithCountAndType) {
+  const auto parsed = parse({"acquire", "a/b", "--at", "holding:100", "--count", "4", "--type", "float32", "--timeout", "2"});
+  const auto& acquire = std::get<AcquireOptions>(parsed.value());
+  EXPECT_EQ(acquire.count, 4u);
+  EXPECT_EQ(acquire.type, "float32");
+  EXPECT_EQ(acquire.timeout, Duration{2s});
+}
+
+TEST(Arguments, InterfacesMayBeRepeated) {
+  const auto parsed = parse({"status", "--interface", "127.0.0.1", "--interface", "10.0.0.2"});
+  EXPECT_THAT(std::get<StatusOptions>(parsed.value()).connection.interfaces, testing::ElementsAre("127.0.0.1", "10.0.0.2"));
+}
+
+TEST(Arguments, HelpIsNoFault) {
+  for (const auto& words : std::vector<std::vector<const char*>>{{"--help"}, {"watch", "--help"}, {"--version"}}) {
+    const auto parsed = parse(words);
+    ASSERT_FALSE(parsed);
+    EXPECT_EQ(parsed.error().code, ExitCode::kOk);
+    EXPECT_THAT(parsed.error().text, HasSubstr("fieldcast"));
+  }
+}
+
+TEST(Arguments, FaultsSayWhatIsWrong) {
+  const std::vector<std::pair<std::vector<const char*>, const char*>> faults{
+      {{}, "subcommand"},
+      {{"wach", "a"}, "did you mean watch?"},
+      {{"frobnicate"}, "there are"},
+      {{"watch", "a/b/c/d"}, "more than three segments"},
+      {{"watch", "--for", "soon"}, "is no duration"},
+      {{"watch", "--domain", "233"}, "--domain"},
+      {{"watch", "--config", "/nonexistent.yaml"}, "/nonexistent.yaml"},
+      {{"write"}, "ASSIGNMENT"},
+      {{"acquire", "a/b", "--count", "3"}, "--at"},
+      {{"acquire", "a/b", "--at", "holding:1", "--count", "0"}, "--count"},
+  };
+  for (const auto& [words, text] : faults) {
+    const auto parsed = parse(words);
+    ASSERT_FALSE(parsed) << text;
+    EXPECT_EQ(parsed.error().code, ExitCode::kUsage) << text;
+    EXPECT_THAT(parsed.error().text, HasSubstr(text));
+  }
+}
+
+}  // namespace
+}  // namespace fieldcast::cli

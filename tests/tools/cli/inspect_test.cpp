@@ -1,0 +1,65 @@
+#include "tools/cli/inspect.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "tools/cli/json.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+using testing::HasSubstr;
+
+struct Inspected {
+  ExitCode code;
+  std::string out, err;
+};
+
+Inspected run(InspectOptions options, const std::string& input = {}) {
+  std::istringstream in(input);
+  std::ostringstream out;
+  std::ostringstream err;
+  const auto code = inspect(options, in, out, err, {});
+  return {code, out.str(), err.str()};
+}
+
+// unit 42 reads input registers 0x10..0x12: stepfunc/rodbus, rodbus/src/serial/frame.rs
+constexpr const char* kReadInputs = "2A0400100003B7D5";
+
+TEST(Inspect, WholeFrameHasNoFault) {
+  const auto inspected = run({"modbus-rtu", {kReadInputs}, false});
+  EXPECT_EQ(inspected.code, ExitCode::kOk);
+  EXPECT_THAT(inspected.out, HasSubstr("modbus-rtu, 8 bytes: no fault"));
+  EXPECT_THAT(inspected.out, HasSubstr("42"));
+}
+
+TEST(Inspect, WrongChecksumIsFound) {
+  const auto inspected = run({"modbus-rtu", {"2A 04 00 10", "00 03 B7 D6"}, false});
+  EXPECT_EQ(inspected.code, ExitCode::kFound);
+  EXPECT_THAT(inspected.out, HasSubstr("!!"));
+}
+
+TEST(Inspect, ReadsStandardInputWhenThereIsNoArgument) {
+  const auto inspected = run({"modbus-rtu", {}, true}, std::string(kReadInputs) + "\n");
+  EXPECT_EQ(inspected.code, ExitCode::kOk);
+  const auto json = Json::parse(inspected.out);
+  EXPECT_EQ(json["frame"], kReadInputs);
+  EXPECT_EQ(json["faults"], 0);
+}
+
+TEST(Inspect, UnknownProtocolIsAnsweredWithTheListAndASuggestion) {
+  const auto inspected = run({"modbus-rut", {kReadInputs}, false});
+  EXPECT_EQ(inspected.code, ExitCode::kUsage);
+  EXPECT_THAT(inspected.err, HasSubstr("did you mean modbus-rtu?"));
+  EXPECT_THAT(inspected.err, HasSubstr("\n  modbus-tcp"));
+}
+
+TEST(Inspect, RefusesWhatIsNoHexadecimal) {
+  for (const auto* hex : {"", "0", "zz", "01 0"}) EXPECT_EQ(run({"modbus-rtu", {hex}, false}).code, ExitCode::kUsage) << hex;
+  EXPECT_EQ(run({"modbus-rtu", {}, false}, std::string(100'000, '0')).code, ExitCode::kUsage);
+}
+
+}  // namespace
+}  // namespace fieldcast::cli
