@@ -1,28 +1,30 @@
 #!/usr/bin/env bash
 # A plant on your desk: simulated devices on simulated serial lines, the bridge, and a live table of what it publishes.
 #
-#   tools/demo.sh [--seconds N] [--config FILE]
+#   tools/demo.sh [--seconds N] [--config FILE] [--domain N] [--bin DIR]
 #
 # Installs and builds what is missing. --seconds N: ends by itself, with exit code 0 only when values flowed. --config: another plant
-# than config/examples/demo.yaml; its serial lines and its DDS domain are replaced. Whatever ends it, no process, link, file or
-# shared-memory segment stays.
+# than config/examples/demo.yaml; its serial lines and DDS domain are replaced. --bin: programs that are built already.
+# Whatever ends it, no process, link, file or shared-memory segment stays.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 fail() { echo "tools/demo.sh: $*" >&2; exit 1; }
 usage() { sed -n '2,8s/^# \{0,1\}//p' "$0"; }
 
-seconds="" config=config/examples/demo.yaml
+seconds="" config=config/examples/demo.yaml bin=""
+domain=$((60 + $$ % 40))  # not that of a bridge at work; below 101, so that its ports are none that the kernel lends out
 while [ $# -gt 0 ]; do
   case "$1" in
     --seconds) seconds="${2:-}"; [[ "$seconds" =~ ^[1-9][0-9]*$ ]] || fail "--seconds needs a number, for instance 20"; shift 2 ;;
     --config) config="${2:-}"; [ -f "$config" ] || fail "no configuration '$config'"; shift 2 ;;
+    --domain) domain="${2:-}"; [[ "$domain" =~ ^[0-9]+$ ]] || fail "--domain needs a number, 0 to 232"; shift 2 ;;
+    --bin) bin=$(cd "${2:-}" && pwd) || fail "no folder '${2:-}'"; shift 2 ;;
     -h | --help) usage; exit 0 ;;
     *) usage >&2; fail "unknown argument '$1'" ;;
   esac
 done
 
-domain=$((60 + $$ % 40))  # not that of a bridge at work; below 101, so that its ports are none that the kernel lends out
 run="" sim="" bridge="" shm_before=""
 
 # REQUIRES: a child of this script. Asks it to end, and insists after three seconds.
@@ -55,13 +57,16 @@ trap clean_up EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM HUP
 
-tools/install.sh
-echo "building .." >&2
-log=$(mktemp)
-{ { [ -f build/CMakeCache.txt ] || cmake -S . -B build -G Ninja; } &&
-  cmake --build build --parallel "$(nproc)" --target fieldcast fieldcast-bridge fieldcast-sim; } >"$log" 2>&1 ||
-  { tail -40 "$log" >&2; rm -f "$log"; fail "the build failed, see above"; }
-rm -f "$log"
+if [ -z "$bin" ]; then
+  tools/install.sh
+  echo "building .." >&2
+  log=$(mktemp)
+  { { [ -f build/CMakeCache.txt ] || cmake -S . -B build -G Ninja; } &&
+    cmake --build build --parallel "$(nproc)" --target fieldcast fieldcast-bridge fieldcast-sim; } >"$log" 2>&1 ||
+    { tail -40 "$log" >&2; rm -f "$log"; fail "the build failed, see above"; }
+  rm -f "$log"
+  bin=$PWD/build/bin
+fi
 
 run=$(mktemp -d)
 shm_before=$(shared_memory)
@@ -85,17 +90,17 @@ alive() { kill -0 "$1" 2>/dev/null; }
 explain() { echo "--- $1:" >&2; tail -20 "$run/$1.log" >&2; }
 
 # In sessions of their own: Ctrl-C in the terminal is for the table, the rest ends in order after it.
-setsid build/bin/fieldcast-sim "$run/plant.yaml" >"$run/sim.log" 2>&1 &
+setsid "$bin/fieldcast-sim" "$run/plant.yaml" >"$run/sim.log" 2>&1 &
 sim=$!
 mapfile -t lines < <(grep -o "serial: $run/[^ ,}]*" "$run/plant.yaml" | cut -d' ' -f2)
 for path in "${lines[@]}"; do
   for _ in $(seq 200); do [ -e "$path" ] || ! alive "$sim" || { sleep 0.05; continue; }; break; done
   [ -e "$path" ] || { explain sim; fail "the simulated line $(basename "$path") did not appear"; }
 done
-setsid build/bin/fieldcast-bridge "$run/plant.yaml" >"$run/bridge.log" 2>&1 &
+setsid "$bin/fieldcast-bridge" "$run/plant.yaml" >"$run/bridge.log" 2>&1 &
 bridge=$!
 
-watch=(build/bin/fieldcast watch --config "$run/plant.yaml")
+watch=("$bin/fieldcast" watch --config "$run/plant.yaml")
 code=0
 if [ -t 1 ] || [ -z "$seconds" ]; then
   "${watch[@]}" ${seconds:+--for "${seconds}s"} 2>"$run/watch.log" || code=$?

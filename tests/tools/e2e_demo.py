@@ -1,0 +1,66 @@
+"""tools/demo.sh: values flow, and whatever ends it, nothing stays behind.
+
+usage: e2e_demo.py BIN_DIR SOURCE_DIR DOMAIN
+"""
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from plant import shared_memory
+
+BIN_DIR, SOURCE_DIR, DOMAIN = "", "", 0
+
+
+class Demo(unittest.TestCase):
+    def demo(self, *arguments):
+        return subprocess.Popen([os.path.join(SOURCE_DIR, "tools", "demo.sh"), "--bin", BIN_DIR, "--domain", str(DOMAIN), *arguments],
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+                                env={**os.environ, "TMPDIR": self.folder.name})
+
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory(prefix="fieldcast-e2e-")
+        self.addCleanup(self.folder.cleanup)
+
+    def nothing_is_left(self):
+        self.assertEqual(os.listdir(self.folder.name), [], "the demo left files")
+        running = [pid for pid in os.listdir("/proc") if pid.isdigit() and self.folder.name.encode() in command_line(pid)]
+        self.assertEqual(running, [], "the demo left processes")
+
+    def test_values_flow_and_nothing_is_left(self):
+        before = shared_memory()
+        process = self.demo("--seconds", "5")
+        out, err = process.communicate(timeout=120)
+        self.assertEqual(process.returncode, 0, out + err)
+        self.assertRegex(out, r"[1-9]\d* samples of 1\d\d channels, [1-9]\d* of them GOOD")
+        self.nothing_is_left()
+        self.assertEqual({name for name in shared_memory() - before if of_domain(name, DOMAIN)}, set())
+
+    def test_control_c_leaves_nothing(self):
+        process = self.demo()
+        self.assertTrue(process.stdout.readline(), "no sample came")
+        os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+        process.communicate(timeout=30)
+        self.nothing_is_left()
+
+
+def command_line(pid):
+    try:
+        with open(f"/proc/{pid}/cmdline", "rb") as file:
+            return file.read()
+    except OSError:
+        return b""
+
+
+def of_domain(name, domain):
+    """Fast DDS names the segments of its ports by their number: 7400 + 250 * domain and up."""
+    digits = "".join(c if c.isdigit() else " " for c in name).split()
+    return any(7400 + 250 * domain <= int(number) < 7400 + 250 * (domain + 1) for number in digits if len(number) <= 5)
+
+
+if __name__ == "__main__":
+    BIN_DIR, SOURCE_DIR, DOMAIN = sys.argv[1], sys.argv[2], int(sys.argv[3])
+    unittest.main(argv=sys.argv[:1], verbosity=2)

@@ -1,0 +1,222 @@
+"""Simulator, bridge and command line together: values come, commands go, refusals give their reasons.
+
+usage: e2e_plant.py BIN_DIR DOMAIN
+"""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+import unittest
+
+from plant import Plant, wait_until
+
+BIN_DIR, DOMAIN = "", 0
+
+CONFIG = """
+bridge: e2e
+buses:
+  - name: fast
+    port: { serial: {run}/fast, baud: 115200, format: 8N1 }
+    protocol: modbus-rtu
+    defaults: { refresh: 500ms }
+    devices:
+      - name: press
+        address: 1
+        allow: [raw-read, raw-write]
+        channels:
+          - { name: temperature, at: "holding:100", type: float32, unit: °C, refresh: 200ms }
+          - { name: level, at: "input-register:3", type: uint16 }
+          - { name: setpoint, at: "holding:200", type: int16, access: read-write, write: { min: -100, max: 1000 } }
+          - { name: speed, at: "holding:210", type: uint16, scale: 0.1, unit: rpm, access: read-write }
+          - { name: energy, at: "holding:220", type: uint64, access: read-write }
+          - { name: running, at: "coil:3", type: bool, access: read-write }
+          - { name: label, at: "holding:300", type: string(8), access: read-write }
+  - name: slow
+    port: { serial: {run}/slow, baud: 9600, format: 8E1 }
+    protocol: modbus-ascii
+    devices:
+      - name: meter
+        address: 7
+        channels:
+          - { name: voltage, at: "holding:0", type: float32, unit: V }
+          - { name: counts, at: "holding:10", type: int32 }
+"""
+CHANNELS = {"fast/press/" + name for name in ("temperature", "level", "setpoint", "speed", "energy", "running", "label")}
+CHANNELS |= {"slow/meter/voltage", "slow/meter/counts"}
+
+plant = None
+
+
+def setUpModule():
+    global plant
+    plant = Plant(BIN_DIR, DOMAIN, CONFIG)
+    plant.__enter__()
+
+
+def tearDownModule():
+    plant.__exit__(None, None, None)
+
+
+def path_of(sample):
+    return "/".join((sample["bus"], sample["device"], sample["channel"]))
+
+
+class Watch(unittest.TestCase):
+    def once(self, *arguments):
+        result = plant.cli("watch", "--json", "--once", *arguments)
+        self.assertEqual(result.code, 0, str(result))
+        return {path_of(sample): sample for sample in result.json_lines()}
+
+    def test_every_channel_is_good(self):
+        samples = self.once()
+        self.assertEqual(set(samples), CHANNELS)
+        self.assertEqual({path: sample["quality"] for path, sample in samples.items()}, dict.fromkeys(CHANNELS, "GOOD"))
+        self.assertIsInstance(samples["fast/press/running"]["value"], bool)
+        self.assertIsInstance(samples["fast/press/level"]["value"], int)
+        self.assertIsInstance(samples["fast/press/temperature"]["value"], float)
+        self.assertIsInstance(samples["fast/press/label"]["value"], str)
+        for sample in samples.values():
+            self.assertLess(abs(time.time_ns() - sample["acquired_at"]), 30e9)
+            self.assertGreater(sample["sequence"], 0)
+
+    def test_a_pattern_selects(self):
+        self.assertEqual(set(self.once("slow")), {"slow/meter/voltage", "slow/meter/counts"})
+        self.assertEqual(set(self.once("*/press/s*")), {"fast/press/setpoint", "fast/press/speed"})
+
+    def test_a_pattern_of_nothing_says_so(self):
+        result = plant.cli("watch", "nowhere", "--once")
+        self.assertEqual(result.code, 4, str(result))
+        self.assertIn("none of its channels matches nowhere/*/*", result.err)
+
+    def test_samples_keep_coming_at_their_refresh(self):
+        result = plant.cli("watch", "fast/press/temperature", "--json", "--for", "3s")
+        self.assertEqual(result.code, 0, str(result))
+        sequences = [sample["sequence"] for sample in result.json_lines()]
+        self.assertGreater(len(sequences), 5, "a refresh of 200 ms gives about 15 samples in 3 s")
+        self.assertEqual(sequences, sorted(set(sequences)))
+
+    def test_control_c_ends_it_at_once(self):
+        process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast"), "watch", "--config", plant.file, "--json"],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.assertTrue(process.stdout.readline())
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=10)
+        self.assertEqual(process.returncode, 0, err)
+        self.assertIn("of them GOOD", err)
+
+
+class Write(unittest.TestCase):
+    def write(self, *arguments):
+        return plant.cli("write", *arguments, "--json")
+
+    def acquired(self, channel):
+        result = plant.cli("acquire", channel, "--json")
+        self.assertEqual(result.code, 0, str(result))
+        return result.json_lines()[0]["values"]
+
+    def test_a_verified_write_is_what_the_device_then_holds(self):
+        for channel, text, value in [("setpoint", "-42", -42), ("speed", "12.5", 12.5), ("energy", "18446744073709551615", 2**64 - 1),
+                                     ("running", "true", True), ("running", "off", False), ("label", "line 7", "line 7")]:
+            with self.subTest(channel=channel, text=text):
+                result = self.write(f"fast/press/{channel}={text}", "--verify")
+                self.assertEqual(result.code, 0, str(result))
+                line = result.json_lines()[0]
+                self.assertEqual((line["state"], line["cause"]), ("verified", "NONE"))
+                self.assertEqual(self.acquired(f"fast/press/{channel}"), [value])
+
+    def test_a_written_value_is_published(self):
+        self.assertEqual(self.write("fast/press/setpoint=77").code, 0)
+
+        def seen():
+            sample = plant.cli("watch", "fast/press/setpoint", "--json", "--once").json_lines()[0]
+            return sample["value"] == 77 and sample["quality"] == "GOOD"
+        wait_until(seen, 10, "the value written was never published")
+
+    def test_several_assignments_each_have_their_result(self):
+        result = self.write("fast/press/setpoint=5", "fast/press/running=1")
+        self.assertEqual(result.code, 0, str(result))
+        self.assertEqual({line["target"]: line["state"] for line in result.json_lines()}, {"setpoint": "done", "running": "done"})
+
+    def test_refusals_give_reason_and_exit_code(self):
+        for assignment, cause in [("fast/press/temperature=5", "READ_ONLY"), ("fast/press/setpoint=1001", "RANGE"),
+                                  ("fast/press/setpoint=70000", "RANGE"), ("fast/press/setpoint=warm", "WRONG_TYPE"),
+                                  ("fast/press/setpoint=1.5", "WRONG_TYPE"), ("fast/press/running=maybe", "WRONG_TYPE"),
+                                  ("fast/press/setpint=5", "UNKNOWN_CHANNEL"), ("fast/pres/setpoint=5", "UNKNOWN_CHANNEL"),
+                                  ("fst/press/setpoint=5", "UNKNOWN_CHANNEL")]:
+            with self.subTest(assignment=assignment):
+                result = self.write(assignment)
+                self.assertEqual(result.code, 5, str(result))
+                line = result.json_lines()[0]
+                self.assertEqual((line["state"], line["cause"]), ("rejected", cause))
+                self.assertTrue(line["reason"], "a refusal without a reason")
+
+    def test_one_refused_assignment_holds_back_the_others(self):
+        self.assertEqual(self.write("fast/press/setpoint=11").code, 0)
+        result = self.write("fast/press/setpoint=12", "fast/press/nothing=1")
+        self.assertEqual(result.code, 5, str(result))
+        self.assertEqual(self.acquired("fast/press/setpoint"), [11])
+
+    def test_an_unknown_channel_is_answered_with_what_was_meant(self):
+        result = plant.cli("write", "fast/press/setpint=5")
+        self.assertEqual(result.code, 5, str(result))
+        self.assertIn("did you mean setpoint?", result.err)
+
+    def test_addresses_of_a_device_that_allows_it(self):
+        result = self.write("fast/press", "--at", "holding:400", "--type", "int16", "-1", "2", "3")
+        self.assertEqual(result.code, 0, str(result))
+        result = plant.cli("acquire", "fast/press", "--at", "holding:400", "--count", "3", "--type", "int16", "--json")
+        self.assertEqual(result.code, 0, str(result))
+        self.assertEqual(result.json_lines()[0]["values"], [-1, 2, 3])
+
+    def test_addresses_of_a_device_that_does_not(self):
+        result = self.write("slow/meter", "--at", "holding:5", "1")
+        self.assertEqual((result.code, result.json_lines()[0]["cause"]), (5, "RAW_NOT_ALLOWED"), str(result))
+
+
+class Acquire(unittest.TestCase):
+    def test_a_device_is_read_channel_by_channel(self):
+        result = plant.cli("acquire", "slow/meter", "--json")
+        self.assertEqual(result.code, 0, str(result))
+        self.assertEqual({line["target"] for line in result.json_lines()}, {"voltage", "counts"})
+        for line in result.json_lines():
+            self.assertEqual((line["state"], len(line["values"])), ("done", 1))
+
+    def test_refusals_give_reason_and_exit_code(self):
+        for arguments, cause in [(("fast/press/nothing",), "UNKNOWN_CHANNEL"), (("fast/press", "--at", "holdin:1"), "BAD_ADDRESS"),
+                                 (("slow/meter", "--at", "holding:1"), "RAW_NOT_ALLOWED")]:
+            with self.subTest(arguments=arguments):
+                result = plant.cli("acquire", *arguments, "--json")
+                self.assertEqual(result.code, 5, str(result))
+                self.assertEqual(result.json_lines()[0]["cause"], cause)
+                self.assertTrue(result.json_lines()[0]["reason"])
+
+
+class Status(unittest.TestCase):
+    def test_every_bus_and_device_is_there(self):
+        result = plant.cli("status", "--json")
+        self.assertEqual(result.code, 0, str(result))
+        lines = result.json_lines()
+        buses = {line["bus"]: line for line in lines if line["topic"] == "BusStatus"}
+        devices = {line["bus"] + "/" + line["device"]: line for line in lines if line["topic"] == "DeviceStatus"}
+        self.assertEqual(set(buses), {"fast", "slow"})
+        self.assertEqual(set(devices), {"fast/press", "slow/meter"})
+        for bus in buses.values():
+            self.assertEqual(bus["state"], "running")
+            self.assertGreater(bus["samples"], 0)
+            self.assertTrue(0 <= bus["utilisation"] <= 1, bus)
+        for device in devices.values():
+            self.assertEqual(device["state"], "online")
+            self.assertGreater(device["answer_time"], 0)
+
+    def test_people_get_a_table(self):
+        result = plant.cli("status")
+        self.assertEqual(result.code, 0, str(result))
+        self.assertIn("fast/press", result.out)
+        self.assertIn("online", result.out)
+
+
+if __name__ == "__main__":
+    BIN_DIR, DOMAIN = sys.argv[1], int(sys.argv[2])
+    unittest.main(argv=sys.argv[:1], verbosity=2)

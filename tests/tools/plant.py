@@ -1,0 +1,132 @@
+"""A simulated plant with its bridge, for end-to-end tests: the real programs, on a DDS domain and in a folder of their own.
+
+    with Plant(bin_dir, domain, CONFIG) as plant:
+        plant.cli("watch", "--json", "--once")
+
+CONFIG is a plant's YAML in which {run} stands for the folder. Everything is started by this process and ended by its pid; on leaving,
+what the programs left behind (processes, links, shared memory) is a failure.
+"""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+
+START_SECONDS = 20  # until the simulated lines and the bridge's first status are there
+STOP_SECONDS = 10
+CLI_SECONDS = 60
+
+
+class Failure(AssertionError):
+    pass
+
+
+def wait_until(condition, seconds, reason):
+    """The first true result of condition(); Failure with the reason when it does not come."""
+    deadline = time.monotonic() + seconds
+    while True:
+        if result := condition():
+            return result
+        if time.monotonic() > deadline:
+            raise Failure(f"not within {seconds} s: {reason() if callable(reason) else reason}")
+        time.sleep(0.02)
+
+
+def shared_memory():
+    return {name for name in os.listdir("/dev/shm") if "fastrtps" in name}
+
+
+class Result:
+    def __init__(self, process):
+        self.code, self.out, self.err = process.returncode, process.stdout, process.stderr
+
+    def json_lines(self):
+        return [json.loads(line) for line in self.out.splitlines()]
+
+    def __str__(self):
+        return f"exit code {self.code}\n--- stdout\n{self.out}\n--- stderr\n{self.err}"
+
+
+def run_cli(bin_dir, *arguments, seconds=CLI_SECONDS, stdin=""):
+    process = subprocess.run([os.path.join(bin_dir, "fieldcast"), *arguments], capture_output=True, text=True, timeout=seconds, input=stdin)
+    return Result(process)
+
+
+class Plant:
+    def __init__(self, bin_dir, domain, config):
+        self.bin_dir, self.domain, self.config = bin_dir, domain, config
+        self.run = self.sim = self.bridge = None
+
+    def __enter__(self):
+        self.run = tempfile.mkdtemp(prefix="fieldcast-e2e-")
+        self.file = os.path.join(self.run, "plant.yaml")
+        with open(self.file, "w", encoding="utf-8") as file:
+            file.write(self.config.replace("{run}", self.run))
+            file.write(f"\ndds: {{ domain: {self.domain}, interfaces: [127.0.0.1] }}\n")
+        try:
+            self.sim = self._start("fieldcast-sim")
+            for path in self._lines():
+                wait_until(lambda p=path: os.path.exists(p) or self._ended(self.sim), START_SECONDS, lambda: f"{path} is not there\n" + self.log("fieldcast-sim"))
+            self.bridge = self._start("fieldcast-bridge")
+            wait_until(lambda: self._status() or self._ended(self.bridge), START_SECONDS, lambda: "no bus runs\n" + self.log("fieldcast-bridge"))
+        except BaseException:
+            self._stop_all()
+            shutil.rmtree(self.run, ignore_errors=True)
+            raise
+        return self
+
+    def __exit__(self, kind, value, trace):
+        codes = self._stop_all()
+        logs = self.log("fieldcast-sim") + self.log("fieldcast-bridge")
+        left = [path for path in self._lines() if os.path.lexists(path)]
+        shutil.rmtree(self.run, ignore_errors=True)
+        if kind is not None:
+            return
+        if any(code != 0 for code in codes.values()):
+            raise Failure(f"the programs ended with {codes}\n{logs}")
+        if left:
+            raise Failure(f"the simulator left {left}")
+
+    def cli(self, command, *arguments, seconds=CLI_SECONDS):
+        return run_cli(self.bin_dir, command, *arguments, "--config", self.file, seconds=seconds)
+
+    def log(self, name):
+        with open(os.path.join(self.run, name + ".log"), encoding="utf-8", errors="replace") as file:
+            return f"--- {name}:\n" + "".join(file.readlines()[-40:])
+
+    def _lines(self):
+        words = self.config.replace("{run}", self.run).replace(",", " ").replace("}", " ").split()
+        return [words[i + 1] for i, word in enumerate(words) if word == "serial:"]
+
+    def _start(self, name):
+        with open(os.path.join(self.run, name + ".log"), "w", encoding="utf-8") as log:
+            return subprocess.Popen([os.path.join(self.bin_dir, name), self.file], stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
+
+    def _ended(self, process):
+        if process.poll() is not None:
+            name = os.path.basename(process.args[0])
+            raise Failure(f"{name} ended by itself with {process.returncode}\n{self.log(name)}")
+        return False
+
+    def _status(self):
+        result = self.cli("status", "--json")
+        buses = [line for line in result.json_lines() if line["topic"] == "BusStatus"] if result.code == 0 else []
+        return len(buses) == len(self._lines()) and all(bus["state"] == "running" for bus in buses)
+
+    def _stop_all(self):
+        codes = {}
+        for process in (self.bridge, self.sim):  # the bridge first: a plant that vanishes is another test
+            if process is None:
+                continue
+            if process.poll() is None:
+                process.send_signal(signal.SIGTERM)
+            try:
+                codes[os.path.basename(process.args[0])] = process.wait(STOP_SECONDS)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+                codes[os.path.basename(process.args[0])] = f"killed: still there {STOP_SECONDS} s after SIGTERM"
+        return codes
