@@ -175,8 +175,11 @@ std::optional<Request> CommandJob::next() const {
     case Phase::kReadBefore: return ReadRequest{{subjects_.front().range}};
     case Phase::kWrite: {
       WriteRequest write = write_request();
-      if (command_.verify && !bit_ && subjects_.front().readable && protocol_->traits().write_read)
-        return WriteReadRequest{write, write.range};
+      if (command_.verify && !bit_ && subjects_.front().readable && protocol_->traits().write_read) {
+        // Not every write can be read back in one round: Modbus has it for registers, not for coils.
+        Request both = WriteReadRequest{write, write.range};
+        if (protocol_->size(both)) return both;
+      }
       return write;
     }
     case Phase::kReadBack: return ReadRequest{{write_request().range}};

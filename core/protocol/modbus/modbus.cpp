@@ -2,10 +2,10 @@
 #include "core/protocol/modbus/modbus.hpp"
 
 #include <array>
-#include <string>
 
 #include "core/protocol/modbus/areas.hpp"
 #include "core/protocol/modbus/exchange.hpp"
+#include "core/protocol/option_reader.hpp"
 
 namespace fieldcast::modbus {
 namespace {
@@ -14,27 +14,26 @@ constexpr Traits kRtu{.name = "modbus-rtu",
                       .summary = "Modbus RTU on a serial line, or on a serial server's TCP port",
                       .lowest_address = 1,
                       .highest_address = 247,
-                      .write_read = true,
                       .identity = AnswerIdentity::kAddress,
                       .echo_is_ambiguous = true};
 constexpr Traits kAscii{.name = "modbus-ascii",
                         .summary = "Modbus ASCII on a serial line",
                         .lowest_address = 1,
                         .highest_address = 247,
-                        .write_read = true,
                         .identity = AnswerIdentity::kAddress,
                         .echo_is_ambiguous = true};
 constexpr Traits kTcp{.name = "modbus-tcp",
                       .summary = "Modbus TCP, directly or through a gateway",
                       .lowest_address = 0,
                       .highest_address = 255,
-                      .write_read = true,
                       .identity = AnswerIdentity::kSequence};
 
 class ModbusProtocol final : public Protocol {
  public:
   ModbusProtocol(const Traits& traits, const Framing& framing, std::uint8_t unit, const Options& options)
-      : traits_(traits), framing_(framing), unit_(unit), options_(options), areas_(modbus::areas(options.mask_write)) {}
+      : traits_(traits), framing_(framing), unit_(unit), options_(options), areas_(modbus::areas(options.mask_write)) {
+    traits_.write_read = options.read_write;
+  }
 
   const Traits& traits() const override { return traits_; }
   std::span<const Area> areas() const override { return areas_; }
@@ -54,41 +53,23 @@ class ModbusProtocol final : public Protocol {
   }
 
  private:
-  const Traits& traits_;
+  Traits traits_;
   const Framing& framing_;
   const std::uint8_t unit_;
   const Options options_;
   const std::array<Area, 4> areas_;
 };
 
-constexpr std::array<std::string_view, 2> kOptionNames{"write-single", "mask-write"};
+constexpr std::array<std::string_view, 3> kOptionNames{"write-single", "mask-write", "read-write"};
 
 using Made = tl::expected<std::unique_ptr<Protocol>, OptionFault>;
 
 Made make(const Traits& traits, const Framing& framing, const DeviceLink& link) {
-  if (link.address < traits.lowest_address || link.address > traits.highest_address) {
-    std::string what = "address " + std::to_string(link.address) + " is no unit of " + std::string(traits.name);
-    if (link.address == 0) what += ": 0 is the broadcast, which nobody answers";
-    return tl::unexpected(
-        OptionFault{{}, std::move(what), std::to_string(traits.lowest_address) + ".." + std::to_string(traits.highest_address)});
-  }
-  Options options;
-  for (const auto& [name, value] : link.options) {
-    if (name == "write-single") {
-      if (value != "single" && value != "multiple") {
-        return tl::unexpected(
-            OptionFault{name, "'" + value + "' is no way to write one item", "single (functions 5, 6), multiple (15, 16)"});
-      }
-      options.write_multiple = value == "multiple";
-    } else if (name == "mask-write") {
-      if (value != "true" && value != "false")
-        return tl::unexpected(OptionFault{name, "'" + value + "' is neither", "true, false"});
-      options.mask_write = value == "true";
-    } else {
-      return tl::unexpected(
-          OptionFault{name, "option '" + name + "' is unknown to " + std::string(traits.name), "write-single, mask-write"});
-    }
-  }
+  OptionReader reader(link, traits, kOptionNames);
+  const Options options{.write_multiple = reader.choice("write-single", {"single", "multiple"}) == 1,
+                        .mask_write = reader.flag("mask-write", false),
+                        .read_write = reader.flag("read-write", false)};
+  if (reader.fault()) return tl::unexpected(*reader.fault());
   return std::make_unique<ModbusProtocol>(traits, framing, static_cast<std::uint8_t>(link.address), options);
 }
 

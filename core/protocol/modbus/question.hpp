@@ -25,6 +25,7 @@ namespace fieldcast::modbus {
 struct Options {
   bool write_multiple = false;  // functions 15 and 16 for single items too: some devices know no 5 and 6
   bool mask_write = false;      // function 22 for one bit of a register
+  bool read_write = false;      // function 23 for a write that is read back at once
 };
 
 struct PduSizes {
