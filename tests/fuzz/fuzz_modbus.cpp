@@ -1,0 +1,51 @@
+// Fuzz target: any bytes into every Modbus decoder and explainer.
+//
+// Input: one byte that chooses framing and request, one that says how the bytes arrive, then the bytes of the answer.
+#include <array>
+#include <cstdlib>
+
+#include "core/protocol/modbus/areas.hpp"
+#include "core/protocol/modbus/exchange.hpp"
+#include "tests/fuzz/fuzz.hpp"
+#include "tests/support/drive.hpp"
+
+namespace fieldcast::modbus {
+namespace {
+
+Range range(Table table, std::uint32_t first, std::uint32_t count) { return {static_cast<AreaIndex>(table), first, count}; }
+
+void fuzz(ByteView data) {
+  static const std::array<Request, 6> requests{
+      ReadRequest{{range(Table::kCoil, 19, 19)}},
+      ReadRequest{{range(Table::kHolding, 107, 3)}},
+      ReadRequest{{range(Table::kInputRegister, 0, 125)}},
+      WriteRequest{.range = range(Table::kHolding, 1, 1), .items = {0, 3}},
+      WriteRequest{.range = range(Table::kCoil, 3, 2), .items = {1, 0}},
+      WriteReadRequest{{.range = range(Table::kHolding, 14, 1), .items = {0, 255}}, range(Table::kHolding, 3, 2)},
+  };
+  static const std::array framings{&rtu_framing(), &ascii_framing(), &tcp_framing()};
+  if (data.size() < 2) return;
+  const Request& request = requests[data[0] / 3 % requests.size()];
+  const Ticket ticket{17, 0x1501};
+  ModbusExchange exchange(*framings[data[0] % 3], ticket, request, {});
+  const Bytes answer(data.begin() + 2, data.end());
+  const std::array<std::size_t, 2> cuts{data[1] & 15u, 16u + (data[1] >> 4)};
+  const test::Outcome outcome = test::drive(exchange, std::span(&answer, 1), cuts);
+  if (outcome.done()) {
+    const auto* read = std::get_if<ReadRequest>(&request);
+    const unsigned bits = read != nullptr && read->ranges[0].area < 2 ? 1 : 16;
+    const std::size_t size = read != nullptr ? image_bytes(bits, read->ranges[0].count) : 0;
+    if (read != nullptr && outcome.reply.at(0).items.size() != size) std::abort();
+  }
+  fuzz::check_explanation(explain_rtu(answer), answer.size());
+  fuzz::check_explanation(explain_ascii(answer), answer.size());
+  fuzz::check_explanation(explain_tcp(answer), answer.size());
+}
+
+}  // namespace
+}  // namespace fieldcast::modbus
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  fieldcast::modbus::fuzz({data, size});
+  return 0;
+}
