@@ -10,18 +10,17 @@ namespace {
 // Grows a slice one neighbour at a time, in one direction, and keeps the best place to stop.
 class Growth {
  public:
-  Growth(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost, std::int64_t now, std::int64_t budget)
+  Growth(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost, std::int64_t now)
       : points_(points),
         cost_(cost),
         now_(now),
-        budget_(budget),
         slice_{urgent, urgent + 1},
         first_(points[urgent].first),
         end_(points[urgent].end) {}
 
   // `worth(point)`: wire time that renewing the point now is worth. `rescue`: the largest worth that may still come.
   template <typename Worth>
-  void grow(bool up, const Worth& worth, double rescue) {
+  void grow(bool up, const Worth& worth, double rescue, std::int64_t budget) {
     double balance = 0;
     std::uint32_t first = first_, end = end_;
     for (std::uint32_t at = up ? slice_.end : slice_.begin; up ? at < points_.size() : at > 0; at += up ? 1 : 0) {
@@ -33,7 +32,7 @@ class Growth {
       first = std::min(first, points_[place].first);
       end = std::max(end, points_[place].end);
       const Range range = cost_.cover(first, end);
-      if (!cost_.fits(range) || cost_.of(range).count() > budget_) return;
+      if (!cost_.fits(range) || cost_.of(range).count() > budget) return;
       balance -= cost_.item_ns() * (end - first - before);
       if (points_[place].ready(now_)) balance += worth(points_[place]);
       if (balance >= 0) {
@@ -51,7 +50,7 @@ class Growth {
  private:
   std::span<const PointState> points_;
   const ReadCost& cost_;
-  std::int64_t now_, budget_;
+  std::int64_t now_;
   Slice slice_;
   std::uint32_t first_, end_;
 };
@@ -67,23 +66,27 @@ Slice riding_slice(std::span<const PointState> points, std::uint32_t urgent, con
   // Whoever is due before the cluster's next read would need a request of its own.
   const auto next_chance = now + static_cast<std::int64_t>(weights.horizon * static_cast<double>(fastest));
   const double request = cost.item_ns() * cost.bridge();
-  const auto worth = [&](const PointState& point) {
-    const double items = cost.item_ns() * (point.end - point.first);
-    if (point.due <= next_chance) return request + items;
-    const double used = std::clamp(point.used(now), 0.0, 1.0);
-    return weights.soft * items * std::pow(used, weights.power);
+  const auto items = [&](const PointState& point) { return cost.item_ns() * (point.end - point.first); };
+  const auto must = [&](const PointState& point) { return point.due <= next_chance ? request + items(point) : 0.0; };
+  const auto gain = [&](const PointState& point) {
+    if (point.due <= next_chance || point.eager) return request + items(point);
+    return weights.soft * items(point) * std::pow(std::clamp(point.used(now), 0.0, 1.0), weights.power);
   };
-  Growth growth(points, urgent, cost, now, budget);
-  growth.grow(true, worth, request);
-  growth.grow(false, worth, request);
+  Growth growth(points, urgent, cost, now);
+  growth.grow(true, must, request, kNeverNs);
+  growth.grow(false, must, request, kNeverNs);
+  if (budget > 0) {
+    growth.grow(true, gain, request, budget);
+    growth.grow(false, gain, request, budget);
+  }
   return growth.slice();
 }
 
 Slice whole_slice(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost, std::int64_t now) {
-  Growth growth(points, urgent, cost, now, kNeverNs);
+  Growth growth(points, urgent, cost, now);
   const auto any = [](const PointState&) { return 1e18; };
-  growth.grow(true, any, 1e18);
-  growth.grow(false, any, 1e18);
+  growth.grow(true, any, 1e18, kNeverNs);
+  growth.grow(false, any, 1e18, kNeverNs);
   return growth.slice();
 }
 

@@ -65,6 +65,10 @@ void RidingScheduler::set_stretch() {
     set_period(point);
     if (point.due != kNeverNs) point.due += point.period - before;
   }
+  std::int64_t fastest = kNeverNs;
+  for (const PointState& point : points_)
+    if (point.wanted()) fastest = std::min(fastest, point.period);
+  reserve_ = fastest == kNeverNs ? 0 : static_cast<std::int64_t>(weights_.reserve * static_cast<double>(fastest));
 }
 
 // The load of one cluster if it were alone on the wire: its next reads, each made when it is due.
@@ -90,7 +94,7 @@ double RidingScheduler::cluster_load(ClusterIndex cluster) const {
     now = points[urgent].due;
     Slice slice{urgent, urgent + 1};
     if (planner_ == Planner::kRiding)
-      slice = riding_slice(points, urgent, cost, now, kNeverNs, weights_);
+      slice = riding_slice(points, urgent, cost, now, 0, weights_);
     else if (planner_ != Planner::kOnePerChannel)
       slice = whole_slice(points, urgent, cost, now);
     const Range range = range_of(points, slice, cost);
@@ -107,7 +111,7 @@ double RidingScheduler::planned_load() const { return load_; }
 void RidingScheduler::refresh_cluster(ClusterIndex index, std::int64_t now) {
   ClusterState& cluster = clusters_[index];
   const auto points = points_of(index);
-  std::int64_t due = kNeverNs, spare = kNeverNs, wake = kNeverNs, period = kNeverNs;
+  std::int64_t due = kNeverNs, spare = kNeverNs, wake = kNeverNs;
   const DeviceIndex device = layout_.clusters[index].device;
   const bool suspended = devices_[device].suspended_until > now;
   for (std::uint32_t i = 0; i < points.size(); ++i) {
@@ -117,7 +121,6 @@ void RidingScheduler::refresh_cluster(ClusterIndex index, std::int64_t now) {
       wake = std::min(wake, point.retry_at);
       continue;
     }
-    period = std::min(period, point.period);
     if (point.due < due) due = point.due, cluster.urgent = i;
     if ((point.eager || point.mode == Mode::kIntensive) && point.due < spare) spare = point.due, cluster.spare_urgent = i;
   }
@@ -128,9 +131,29 @@ void RidingScheduler::refresh_cluster(ClusterIndex index, std::int64_t now) {
     return;
   }
   due_.put(index, due);
-  cluster.period = period;
-  const Slice slice = shape(index, cluster.urgent, std::max(now, due), kNeverNs);
-  cluster.cost = cost_of(index).of(range_of(points, slice, cost_of(index))).count();
+  write_agenda(index, now);
+}
+
+// Reads the cluster in imagination, each time at the last moment.
+void RidingScheduler::write_agenda(ClusterIndex index, std::int64_t now) {
+  ClusterState& cluster = clusters_[index];
+  const ReadCost& cost = cost_of(index);
+  const auto points = points_of(index);
+  imagined_.assign(points.begin(), points.end());
+  for (PointState& point : imagined_) point.suspect = false;  // here: read in imagination
+  std::uint32_t urgent = cluster.urgent;
+  for (Coming& coming : cluster.agenda) {
+    const std::int64_t at = std::max(now, imagined_[urgent].due);
+    const Slice slice = shape(index, imagined_, urgent, at, 0);
+    coming = {imagined_[urgent].due, cost.of(range_of(imagined_, slice, cost)).count(), imagined_[urgent].suspect};
+    for (std::uint32_t i = slice.begin; i < slice.end; ++i) {
+      imagined_[i].due = sum(at, imagined_[i].period);
+      imagined_[i].suspect = true;
+    }
+    for (std::uint32_t i = 0; i < imagined_.size(); ++i) {
+      if (imagined_[i].ready(now) && imagined_[i].due < imagined_[urgent].due) urgent = i;
+    }
+  }
 }
 
 void RidingScheduler::wake(std::int64_t now) {
@@ -170,34 +193,39 @@ RidingScheduler::Slack RidingScheduler::look_ahead(std::int64_t now) {
     std::push_heap(ahead_.begin(), ahead_.end(), later);
   };
   const ClusterIndex first = due_.top();
-  const std::int64_t own = clusters_[first].cost;
-  std::int64_t others = kNeverNs, taken = 0;
+  const std::int64_t own = clusters_[first].agenda[0].cost;
+  std::int64_t others = kNeverNs, end = now;
   ahead_.clear();
-  push({due_.top_key(), first, 0});
-  for (std::size_t count = 0; count < kLookAhead && !ahead_.empty(); ++count) {
+  push({due_.top_key(), first, 0, 0});
+  for (std::size_t count = 0; count < static_cast<std::size_t>(weights_.ahead) && !ahead_.empty(); ++count) {
     std::pop_heap(ahead_.begin(), ahead_.end(), later);
     const Ahead ahead = ahead_.back();
     ahead_.pop_back();
     if (ahead.due == kNeverNs) break;
-    const ClusterState& cluster = clusters_[ahead.cluster];
+    const auto& agenda = clusters_[ahead.cluster].agenda;
+    std::int64_t early = 0;  // how much sooner than at the last moment it will be read
     if (count > 0) {
-      taken += cluster.cost;
-      others = std::min(others, ahead.due + silence_ - taken - now);
+      end += agenda[ahead.step].cost;
+      others = std::min(others, ahead.due + silence_ - end);
       if (others <= own) break;
+      early = std::max<std::int64_t>(0, ahead.due - sum(end, others));
     }
-    push({sum(ahead.due, cluster.period), ahead.cluster, kNoSlot});
+    if (ahead.step + 1 < kAgenda) {
+      const Coming& coming = agenda[ahead.step + 1];
+      push({coming.again ? coming.due - early : coming.due, ahead.cluster, kNoSlot, ahead.step + 1});
+    }
     if (ahead.slot == kNoSlot) continue;
     for (std::size_t child = 2 * std::size_t{ahead.slot} + 1; child <= 2 * std::size_t{ahead.slot} + 2 && child < due_.size();
          ++child) {
-      push({due_.key(due_.at(child)), due_.at(child), static_cast<std::uint32_t>(child)});
+      push({due_.key(due_.at(child)), due_.at(child), static_cast<std::uint32_t>(child), 0});
     }
   }
-  const std::int64_t rest = std::min(due_.top_key() + silence_ - own - now, others == kNeverNs ? kNeverNs : others - own);
-  return {rest, std::max(others, own)};
+  const std::int64_t budget = std::min(others, due_.top_key() + silence_ - now);
+  return {budget - own - reserve_, std::max(budget, own)};
 }
 
-Slice RidingScheduler::shape(ClusterIndex cluster, std::uint32_t urgent, std::int64_t now, std::int64_t budget) const {
-  const auto points = points_of(cluster);
+Slice RidingScheduler::shape(ClusterIndex cluster, std::span<const PointState> points, std::uint32_t urgent, std::int64_t now,
+                             std::int64_t budget) const {
   switch (planner_) {
     case Planner::kRiding: return riding_slice(points, urgent, cost_of(cluster), now, budget, weights_);
     case Planner::kOnePerChannel: return {urgent, urgent + 1};
@@ -209,7 +237,7 @@ Slice RidingScheduler::shape(ClusterIndex cluster, std::uint32_t urgent, std::in
 
 Block RidingScheduler::make_block(ClusterIndex cluster, std::uint32_t urgent, std::int64_t now, std::int64_t budget) const {
   const auto points = points_of(cluster);
-  const Slice slice = shape(cluster, urgent, now, budget);
+  const Slice slice = shape(cluster, points, urgent, now, budget);
   const Range range = range_of(points, slice, cost_of(cluster));
   Block block;
   block.device = layout_.clusters[cluster].device;
@@ -227,13 +255,13 @@ Decision RidingScheduler::next(Instant at) {
   wake(now);
   if (due_.empty()) return Rest{instant(next_wake())};
   const Slack free = look_ahead(now);
-  if (free.rest <= 0) return make_block(due_.top(), clusters_[due_.top()].urgent, now, free.budget);
+  const ClusterIndex first = due_.top();
+  if (free.rest <= 0) return make_block(first, clusters_[first].urgent, now, free.budget);
   if (!spare_.empty()) {
-    const ClusterIndex cluster = spare_.top();
-    Block block = make_block(cluster, clusters_[cluster].spare_urgent, now, std::max(free.rest, clusters_[cluster].cost));
-    const bool first = cluster == due_.top() || clusters_[cluster].cost <= free.rest;
-    if (first) return block;
-    return make_block(due_.top(), clusters_[due_.top()].urgent, now, free.budget);
+    const ClusterIndex other = spare_.top();
+    if (other == first || clusters_[other].agenda[0].cost > free.rest)
+      return make_block(first, clusters_[first].urgent, now, free.budget);
+    return make_block(other, clusters_[other].spare_urgent, now, free.rest);
   }
   return Rest{instant(std::min(sum(now, free.rest), next_wake()))};
 }

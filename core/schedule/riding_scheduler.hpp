@@ -5,6 +5,7 @@
 // a while. Owned by the bus engine and touched by it alone.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -34,12 +35,18 @@ class RidingScheduler final : public Scheduler {
   [[nodiscard]] double stretch() const override { return stretch_; }
 
  private:
+  // One of the next reads of a cluster, if each is made as late as possible.
+  struct Coming {
+    std::int64_t due = kNeverNs;
+    std::int64_t cost = 0;
+    bool again = false;  // its most urgent point was read by one of those before: due so much sooner as that was
+  };
+  static constexpr std::size_t kAgenda = 6;
   struct ClusterState {
     std::uint32_t urgent = 0;        // place within the cluster
     std::uint32_t spare_urgent = 0;  // the same among those that want spare wire time
-    std::int64_t cost = 0;           // of its next read, expected
-    std::int64_t period = 1;         // of its fastest point
-    double load = 0;                 // share of the wire that it needs, unstretched
+    std::array<Coming, kAgenda> agenda;
+    double load = 0;  // share of the wire that it needs, unstretched
   };
   struct DeviceState {
     std::int64_t suspended_until = 0;
@@ -55,10 +62,12 @@ class RidingScheduler final : public Scheduler {
   void wake(std::int64_t now);
   [[nodiscard]] std::int64_t next_wake() const;
   [[nodiscard]] Slack look_ahead(std::int64_t now);
-  [[nodiscard]] Slice shape(ClusterIndex cluster, std::uint32_t urgent, std::int64_t now, std::int64_t budget) const;
+  [[nodiscard]] Slice shape(ClusterIndex cluster, std::span<const PointState> points, std::uint32_t urgent, std::int64_t now,
+                            std::int64_t budget) const;
   [[nodiscard]] Block make_block(ClusterIndex cluster, std::uint32_t urgent, std::int64_t now, std::int64_t budget) const;
 
   void refresh_cluster(ClusterIndex cluster, std::int64_t now);
+  void write_agenda(ClusterIndex cluster, std::int64_t now);
   void refresh_clusters_of(const Block& block, std::int64_t now);
   void postpone(PointState& point, std::int64_t from);
   void set_period(PointState& point) const;
@@ -88,13 +97,16 @@ class RidingScheduler final : public Scheduler {
   RefusalSearch refusals_;
   double load_ = 0;  // unstretched
   double stretch_ = 1;
+  std::int64_t reserve_ = 0;
   bool begun_ = false;
   struct Ahead {
     std::int64_t due;
     std::uint32_t cluster;
     std::uint32_t slot;
+    std::uint32_t step;  // in the agenda
   };
-  std::vector<Ahead> ahead_;  // scratch of look_ahead()
+  std::vector<Ahead> ahead_;          // scratch of look_ahead()
+  std::vector<PointState> imagined_;  // scratch of write_agenda()
 };
 
 }  // namespace fieldcast

@@ -1,0 +1,66 @@
+// What a bus will do before it does it: the scheduler itself, run in virtual time over an ideal wire.
+//
+// Deterministic, no clock; a few hundred milliseconds of work at most. For `fieldcast plan`, and for the check of a
+// configuration.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/schedule/scheduler.hpp"
+
+namespace fieldcast {
+
+struct PredictionOptions {
+  Duration horizon{};                 // virtual time; 0: three times the longest refresh, at least 60 s and at most an hour
+  std::uint64_t max_reads = 100'000;  // the run ends here at the latest
+  bool remedies = true;               // when infeasible, look for what would work
+  Planner planner = Planner::kRiding;
+};
+
+// What one point will get.
+struct PointForecast {
+  Duration refresh{};    // as wished
+  Duration worst_gap{};  // between two samples; the whole run if it was read less than twice
+  std::uint64_t reads = 0;
+  std::uint64_t missed = 0;  // gaps longer than the refresh
+};
+
+// One block as it will be seen on the wire; those of the riding planner vary, so each shape stands for itself.
+struct BlockForecast {
+  DeviceIndex device = 0;
+  std::vector<Range> ranges;
+  std::size_t points = 0;
+  Duration cost{};  // of the wire
+  double per_second = 0;
+};
+
+// Points of one refresh and the refresh that they would need.
+struct SlowerPoints {
+  Duration from{}, to{};
+  std::vector<PointIndex> points;
+};
+
+// The nearest configurations that work; nothing where none was found.
+struct Remedies {
+  std::optional<double> stretch;      // all refreshes longer by this factor
+  std::optional<std::uint32_t> baud;  // the next standard rate
+  std::vector<SlowerPoints> slower;   // only the fastest points slower, as far as needed
+};
+
+struct Prediction {
+  bool feasible = false;    // nothing is read later than its refresh allows
+  double planned_load = 0;  // share of the wire that the wished refreshes need
+  double load = 0;          // share of the wire that the run used
+  double stretch = 1;       // factor on all refreshes by which overload is met
+  Duration horizon{};       // virtual time that was run
+  std::uint64_t reads = 0, missed = 0;
+  std::vector<PointForecast> points;  // in the order of the input
+  std::vector<BlockForecast> blocks;  // by device and address; at most 1 000, the most frequent
+  Remedies remedies;                  // empty when feasible
+};
+
+[[nodiscard]] Prediction predict(const ScheduleInput& input, const PredictionOptions& options = {});
+
+}  // namespace fieldcast
