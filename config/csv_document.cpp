@@ -25,10 +25,7 @@ constexpr std::size_t kMaxCells = 64;  // of a row; the format has 24 columns
 // Walks the text once, row by row.
 class RowReader {
  public:
-  RowReader(const Source& source, FaultList& faults) : source_(source), text_(source.text), faults_(faults) {
-    const auto header = text_.find_first_of(",;\t\n");
-    if (header != std::string_view::npos && text_[header] != '\n') separator_ = text_[header];
-  }
+  RowReader(const Source& source, FaultList& faults) : source_(source), text_(source.text), faults_(faults) {}
 
   // The next row that holds anything; nothing at the end, or after a fault that makes the rest meaningless.
   std::optional<Row> next() {
@@ -38,6 +35,7 @@ class RowReader {
         end_line();
         continue;
       }
+      if (separator_ == '\0') separator_ = separator_of(text_.substr(at_));
       Row row;
       if (!read_row(row)) return std::nullopt;
       if (std::ranges::any_of(row, [](const Cell& cell) { return !cell.text.empty(); })) return row;
@@ -52,6 +50,13 @@ class RowReader {
     if (at_ < text_.size()) ++at_;
     ++line_;
     line_start_ = at_;
+  }
+
+  // The first line that holds anything decides; a line of one column has the usual one.
+  static char separator_of(std::string_view text) {
+    const auto found = text.find_first_of(",;\t\n");
+    if (found == std::string_view::npos) return ',';
+    return text[found] == '\n' ? (found > 1 ? ',' : '\0') : text[found];
   }
 
   bool read_row(Row& row) {
@@ -116,12 +121,12 @@ class RowReader {
   const Source& source_;
   std::string_view text_;
   FaultList& faults_;
-  char separator_ = ',';
+  char separator_ = '\0';  // not known yet
   std::size_t at_ = 0, line_start_ = 0;
   std::uint32_t line_ = 0;
 };
 
-// The columns of the header row; nothing stands for a column that is unknown.
+// The columns of the header row, nothing for one that is unknown; none at all without name and at, which every row needs.
 std::vector<const Column*> read_header(const Row& row, FaultList& faults) {
   std::vector<std::string_view> names;
   for (const auto& column : columns()) names.push_back(column.name);
@@ -136,12 +141,14 @@ std::vector<const Column*> read_header(const Row& row, FaultList& faults) {
     }
     header.push_back(column);
   }
+  bool complete = true;
   for (const std::string_view needed : {"name", "at"}) {
     if (std::ranges::none_of(header, [&](const Column* column) { return column != nullptr && column->name == needed; })) {
       faults.add(row.front().place, "column '" + std::string(needed) + "' is missing", joined(names));
+      complete = false;
     }
   }
-  return header;
+  return complete ? header : std::vector<const Column*>{};
 }
 
 class ListBuilder {
@@ -198,6 +205,7 @@ std::unique_ptr<Document> parse_csv(Source source, FaultList& faults) {
     return document;
   }
   const auto header = read_header(*first, faults);
+  if (header.empty()) return document;
   ListBuilder builder(*document);
   Node& list = builder.make(Kind::kList, first->front().place);
   while (const auto row = rows.next()) {
