@@ -1,0 +1,139 @@
+#include "tools/sim/plant_loop.hpp"
+
+#include <sys/epoll.h>
+#include <sys/signalfd.h>
+#include <sys/timerfd.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <ctime>
+
+#include "tools/sim/report.hpp"
+
+namespace fieldcast::sim {
+
+Instant now() {
+  timespec time{};
+  ::clock_gettime(CLOCK_MONOTONIC, &time);
+  return Instant{Duration{static_cast<std::int64_t>(time.tv_sec) * 1'000'000'000 + time.tv_nsec}};
+}
+
+PlantLoop::PlantLoop(const std::vector<std::unique_ptr<SimBus>>& buses, LoopOptions options)
+    : buses_(buses),
+      options_(std::move(options)),
+      epoll_(::epoll_create1(EPOLL_CLOEXEC)),
+      timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)) {
+  sigset_t taken;
+  sigemptyset(&taken);
+  for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) sigaddset(&taken, signal);
+  ::pthread_sigmask(SIG_BLOCK, &taken, nullptr);
+  signals_.reset(::signalfd(-1, &taken, SFD_NONBLOCK | SFD_CLOEXEC));
+  watch(timer_.get());
+  watch(signals_.get());
+}
+
+PlantLoop::~PlantLoop() { served_.clear(); }
+
+tl::expected<void, std::string> PlantLoop::open() {
+  for (const auto& bus : buses_) {
+    serving_ = served_.size();
+    served_.push_back({serve(*bus, *this)});
+    if (const auto opened = served_.back().bus->open(now()); !opened) {
+      served_.clear();
+      return tl::unexpected(bus->spec().name + ": " + opened.error());
+    }
+  }
+  return {};
+}
+
+std::vector<std::string> PlantLoop::places() const {
+  std::vector<std::string> places;
+  for (const Entry& entry : served_) places.push_back(entry.bus->place());
+  return places;
+}
+
+void PlantLoop::watch(int fd) {
+  if (owner_.size() <= static_cast<std::size_t>(fd)) owner_.resize(static_cast<std::size_t>(fd) + 1);
+  owner_[static_cast<std::size_t>(fd)] = serving_;
+  epoll_event event{};
+  event.events = EPOLLIN;
+  event.data.fd = fd;
+  ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, fd, &event);
+}
+
+void PlantLoop::forget(int fd) { ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, fd, nullptr); }
+
+void PlantLoop::arm(Instant at) {
+  if (at == armed_) return;
+  armed_ = at;
+  itimerspec timer{};
+  if (at != kNever) {
+    const auto since = std::max(at.time_since_epoch(), Duration{1});  // zero would disarm
+    timer.it_value.tv_sec = since.count() / 1'000'000'000;
+    timer.it_value.tv_nsec = since.count() % 1'000'000'000;
+  }
+  ::timerfd_settime(timer_.get(), TFD_TIMER_ABSTIME, &timer, nullptr);
+}
+
+void PlantLoop::take_signal() {
+  signalfd_siginfo info{};
+  while (::read(signals_.get(), &info, sizeof info) == sizeof info) {
+    if (info.ssi_signo == SIGUSR1) {
+      reported_ = report() && reported_;
+    } else {
+      stopping_ = true;
+    }
+  }
+}
+
+void PlantLoop::take(int fd) {
+  if (fd == signals_.get()) return take_signal();
+  if (fd == timer_.get()) {
+    std::uint64_t expirations = 0;
+    [[maybe_unused]] const ssize_t count = ::read(fd, &expirations, sizeof expirations);
+    armed_ = kNever;
+    return;
+  }
+  serving_ = owner_[static_cast<std::size_t>(fd)];
+  served_[serving_].bus->on_readable(fd, now());
+  served_[serving_].due = kLongAgo;  // what it heard may change when it has something to do
+}
+
+void PlantLoop::wait(Instant until) {
+  const Instant sleep_until = until == kNever ? kNever : until - options_.spin;
+  bool sleep = now() < sleep_until;
+  if (sleep) arm(sleep_until);
+  std::array<epoll_event, 64> events;
+  for (;;) {
+    const int count = ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), sleep ? -1 : 0);
+    for (int i = 0; i < count; ++i) take(events[static_cast<std::size_t>(i)].data.fd);
+    if (count > 0 || stopping_ || now() >= until) return;
+    sleep = false;
+  }
+}
+
+bool PlantLoop::run() {
+  while (!stopping_) {
+    Instant until = options_.end;
+    const Instant turn = now();
+    for (serving_ = 0; serving_ < served_.size(); ++serving_) {
+      Entry& entry = served_[serving_];
+      if (entry.due <= turn) entry.due = entry.bus->on_time(turn);
+      until = std::min(until, entry.due);
+    }
+    if (turn >= options_.end) break;
+    wait(until);
+  }
+  const bool written = report();
+  served_.clear();
+  return written && reported_;
+}
+
+bool PlantLoop::report() const {
+  if (options_.report.empty()) return true;
+  const Duration running = buses_.empty() ? Duration{} : now() - buses_.front()->start();
+  return write_report(options_.report, report_of(buses_, running));
+}
+
+}  // namespace fieldcast::sim

@@ -1,0 +1,17 @@
+// What the plant did, as JSON: for people who look and for tests that count.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+
+#include "tools/sim/sim_bus.hpp"
+
+namespace fieldcast::sim {
+
+[[nodiscard]] std::string report_of(std::span<const std::unique_ptr<SimBus>> buses, Duration running);
+
+// Replaces the file in one step, so that a reader never sees half of it. False: errno says why.
+[[nodiscard]] bool write_report(const std::string& path, const std::string& report);
+
+}  // namespace fieldcast::sim
