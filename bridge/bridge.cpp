@@ -13,6 +13,7 @@
 #include "bridge/clock.hpp"
 #include "bridge/command_desk.hpp"
 #include "bridge/dds/dds_link.hpp"
+#include "bridge/interest_desk.hpp"
 #include "bridge/io_threads.hpp"
 #include "bridge/log.hpp"
 #include "bridge/reload_plan.hpp"
@@ -51,7 +52,8 @@ struct Bridge::State {
   BridgeSpec spec;
   bool trace = false;
   IoThreads io{IoThreads::default_count()};
-  CommandDesk desk;
+  CommandDesk commands;
+  InterestDesk interests;
   std::map<std::string, RunningBus, std::less<>> buses;
   std::unique_ptr<DdsLink> link;  // its handlers enter the members above: closed before they end
 
@@ -67,9 +69,13 @@ void Bridge::State::join() {
   DdsLink::Handlers handlers;
   handlers.clock = [] { return read_clocks(); };
   handlers.on_command = [this](const std::string& bus, Command command) {
-    if (const auto refused = desk.take(bus, std::move(command), steady_now())) link->complete(bus, *refused, read_clocks());
+    if (const auto refused = commands.take(bus, std::move(command), steady_now())) link->complete(bus, *refused, read_clocks());
   };
-  handlers.on_interest = [](const Interest&) {};
+  handlers.on_interest = [this](const Interest& interest) {
+    if (const auto noted = interests.note(interest.station, interest.pattern, interest.refresh); !noted) {
+      log_warning("dds", noted.error());
+    }
+  };
   handlers.on_problem = [](const std::string& text) { log_warning("dds", text); };
   link = std::make_unique<DdsLink>(spec.dds, spec.name, std::move(handlers));
 }
@@ -80,17 +86,18 @@ void Bridge::State::start_bus(const BusSpec& bus) {
   RunningBus made;
   made.outlet = std::make_unique<DdsOutlet>(*link, bus.name);
   made.runner = std::make_shared<BusRunner>(io.next(), bus, *made.outlet);
-  desk.add(bus.name, made.runner);  // before the bus is announced: its commands may come at once
+  commands.add(bus.name, made.runner);  // before the bus is announced: its commands may come at once
   try {
     link->add_bus(bus);
   } catch (const DdsError&) {
-    desk.remove(bus.name);
+    commands.remove(bus.name);
     made.runner->stop().wait();  // answers what came meanwhile
     link->remove_bus(bus.name);
     throw;
   }
   made.runner->set_trace(trace);
   made.runner->start();
+  interests.add(bus, made.runner);
   buses.emplace(bus.name, std::move(made));
 }
 
@@ -98,7 +105,8 @@ void Bridge::State::stop_buses(const std::vector<std::string>& names) {
   const auto deadline = std::chrono::steady_clock::now() + kStopLimit;
   std::vector<std::future<void>> stopped;
   for (const std::string& name : names) {
-    desk.remove(name);                                 // 1. no more commands come in; whoever sends one hears kShutdown
+    interests.remove(name);
+    commands.remove(name);                             // 1. no more commands come in; whoever sends one hears kShutdown
     stopped.push_back(buses.at(name).runner->stop());  // 2. pending commands are answered, the port is closed
   }
   for (std::size_t i = 0; i < names.size(); ++i) {

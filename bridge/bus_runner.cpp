@@ -1,10 +1,10 @@
 #include "bridge/bus_runner.hpp"
 
 #include <atomic>
-#include <cassert>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <cassert>
 
 #include "bridge/back_off.hpp"
 #include "bridge/clock.hpp"
@@ -216,8 +216,10 @@ bool BusRunner::post(Command command) {
   return true;
 }
 
-void BusRunner::post(InterestChanged interest) {
-  asio::post(loop_->io(), [loop = loop_, interest] { loop->event(interest); });
+void BusRunner::post(std::vector<InterestChanged> interests) {
+  asio::post(loop_->io(), [loop = loop_, interests = std::move(interests)] {
+    for (const InterestChanged& interest : interests) loop->event(interest);
+  });
 }
 
 void BusRunner::set_trace(bool on) {

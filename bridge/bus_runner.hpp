@@ -5,6 +5,7 @@
 
 #include <future>
 #include <memory>
+#include <vector>
 
 #include "bridge/bus_outlet.hpp"
 #include "core/bus/event.hpp"
@@ -32,7 +33,7 @@ class BusRunner {
 
   // False: too many wait (the caller answers kQueueFull). A command taken ends in exactly one BusOutlet::complete().
   [[nodiscard]] bool post(Command command);
-  void post(InterestChanged interest);
+  void post(std::vector<InterestChanged> interests);
   // Wire trace on stdout.
   void set_trace(bool on);
 

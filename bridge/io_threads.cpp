@@ -4,11 +4,10 @@
 #include <sys/prctl.h>
 
 #include <algorithm>
-#include <cassert>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
+#include <cassert>
 #include <string>
-
 
 namespace fieldcast {
 namespace {

@@ -68,8 +68,7 @@ void NoticeLog::fault(LogLevel level, const std::string& key, const std::string&
 
 void NoticeLog::over(const std::string& key, const std::string& place, const std::string& text) {
   const auto verdict = filter_.recovered(key);
-  log_info(place,
-           verdict.suppressed == 0 ? text : fmt::format("{} (after {} times)", text, verdict.suppressed + 1));
+  log_info(place, verdict.suppressed == 0 ? text : fmt::format("{} (after {} times)", text, verdict.suppressed + 1));
 }
 
 }  // namespace fieldcast
