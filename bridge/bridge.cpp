@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cassert>
 #include <future>
 #include <map>
 #include <vector>
 
 #include "bridge/bus_outlet.hpp"
 #include "bridge/bus_runner.hpp"
+#include "bridge/check.hpp"
 #include "bridge/clock.hpp"
 #include "bridge/command_desk.hpp"
 #include "bridge/dds/dds_link.hpp"
@@ -82,7 +82,7 @@ void Bridge::State::join() {
 
 // Throws DdsError, and then nothing of the bus is left.
 void Bridge::State::start_bus(const BusSpec& bus) {
-  assert(!buses.contains(bus.name));
+  FIELDCAST_CHECK(!buses.contains(bus.name));
   RunningBus made;
   made.outlet = std::make_unique<DdsOutlet>(*link, bus.name);
   made.runner = std::make_shared<BusRunner>(io.next(), bus, *made.outlet);
@@ -137,7 +137,7 @@ Bridge::~Bridge() {
 }
 
 tl::expected<void, std::string> Bridge::start(const BridgeSpec& spec) {
-  assert(!state_->link);
+  FIELDCAST_CHECK(!state_->link);
   state_->spec = spec;
   try {
     state_->join();

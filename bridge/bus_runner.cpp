@@ -4,9 +4,9 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <cassert>
 
 #include "bridge/back_off.hpp"
+#include "bridge/check.hpp"
 #include "bridge/clock.hpp"
 #include "bridge/engine_timer.hpp"
 #include "bridge/log.hpp"
@@ -111,7 +111,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
  private:
   void turn(const BusEvent& event, Instant now) {
     if (stopped_) return;
-    assert(!turning_);  // ports and outlets never call back from inside
+    FIELDCAST_CHECK(!turning_);  // ports and outlets never call back from inside
     turning_ = true;
     actions_.clear();
     engine_.on_event(event, now, actions_);

@@ -6,8 +6,9 @@
 #include <algorithm>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
-#include <cassert>
 #include <string>
+
+#include "bridge/check.hpp"
 
 namespace fieldcast {
 namespace {
@@ -24,7 +25,7 @@ struct IoThreads::Worker {
 };
 
 IoThreads::IoThreads(std::size_t count) {
-  assert(count >= 1);
+  FIELDCAST_CHECK(count >= 1);
   for (std::size_t i = 0; i < count; ++i) {
     Worker& worker = *workers_.emplace_back(std::make_unique<Worker>());
     worker.thread = std::thread([&worker, name = "io-" + std::to_string(i)] {
