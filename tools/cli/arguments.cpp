@@ -18,7 +18,7 @@ constexpr const char* kExitCodes =
 
 // Texts that become values only after the parse, so that every fault is told in the same way.
 struct Texts {
-  std::string pattern, time, refresh, timeout;
+  std::string pattern, time, refresh, timeout, answer;
   bool once = false;  // of status: its default, which scripts may say aloud
 };
 
@@ -72,9 +72,10 @@ CLI::App* add_status(CLI::App& app, StatusOptions& status, Texts& texts) {
   return command;
 }
 
-CLI::App* add_plan(CLI::App& app, PlanOptions& plan) {
+CLI::App* add_plan(CLI::App& app, PlanOptions& plan, Texts& texts) {
   auto* command = app.add_subcommand("plan", "Predict blocks, load and gaps of every bus of a configuration; needs no bridge");
   command->add_option("CONFIG", plan.config, "The configuration file")->required()->check(CLI::ExistingFile);
+  command->add_option("--answer", texts.answer, "How long each device is taken to think before it answers (5ms)");
   command->add_flag("--json", plan.json, "JSON lines");
   return command;
 }
@@ -129,7 +130,7 @@ tl::expected<Arguments, NoCommand> parse_arguments(int argc, const char* const* 
   const auto* write_command = add_write(app, write, texts);
   const auto* acquire_command = add_acquire(app, acquire, texts);
   const auto* status_command = add_status(app, status, texts);
-  const auto* plan_command = add_plan(app, plan);
+  const auto* plan_command = add_plan(app, plan, texts);
   const auto* inspect_command = add_inspect(app, inspect);
 
   if (argc > 1) {
@@ -142,6 +143,7 @@ tl::expected<Arguments, NoCommand> parse_arguments(int argc, const char* const* 
     set_duration(watch.refresh, texts.refresh, "--refresh");
     set_duration(write.timeout, texts.timeout, "--timeout");
     set_duration(acquire.timeout, texts.timeout, "--timeout");
+    set_duration(plan.answer_time, texts.answer, "--answer");
     auto pattern = Pattern::parse(texts.pattern);
     if (!pattern) throw CLI::ValidationError("PATTERN", pattern.error());
     watch.pattern = *std::move(pattern);

@@ -8,11 +8,14 @@
 namespace fieldcast::cli {
 namespace {
 
+// For what is printed once: better wrapped by the terminal than cut.
+Screen wide_screen() { return {0, 0, output_screen().colour}; }
+
 struct Run {
   ExitCode operator()(const InspectOptions& options) const {
-    return inspect(options, std::cin, std::cout, std::cerr, output_screen());
+    return inspect(options, std::cin, std::cout, std::cerr, wide_screen());
   }
-  ExitCode operator()(const PlanOptions& options) const { return plan(options, std::cout, std::cerr); }
+  ExitCode operator()(const PlanOptions& options) const { return plan(options, std::cout, std::cerr, wide_screen()); }
   ExitCode operator()(const WatchOptions& options) const { return joined(options, watch); }
   ExitCode operator()(const WriteOptions& options) const { return joined(options, write); }
   ExitCode operator()(const AcquireOptions& options) const { return joined(options, acquire); }

@@ -5,10 +5,10 @@
 #include <optional>
 
 #include "core/base/time.hpp"
+#include "core/model/pattern.hpp"
 #include "tools/cli/connection.hpp"
 #include "tools/cli/exit_code.hpp"
 #include "tools/cli/interrupt.hpp"
-#include "core/model/pattern.hpp"
 
 namespace fieldcast::cli {
 

@@ -10,8 +10,8 @@
 
 #include "bridge/dds/station.hpp"
 #include "core/base/time.hpp"
-#include "tools/cli/catalogue.hpp"
 #include "core/model/pattern.hpp"
+#include "tools/cli/catalogue.hpp"
 
 namespace fieldcast::cli {
 

@@ -1,0 +1,95 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tools/cli/bus_plan.hpp"
+#include "tools/cli/plan_view.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+ChannelSpec channel(std::string name, std::uint32_t first, Duration refresh) {
+  ChannelSpec channel;
+  channel.name = std::move(name);
+  channel.at = "holding:" + std::to_string(first);
+  channel.refresh = refresh;
+  Range range;
+  const auto areas = find_protocol("modbus-rtu")->make({1, {}}).value()->parse_address(channel.at);
+  range.area = areas->area;
+  range.first = first;
+  channel.range = range;
+  return channel;
+}
+
+BusSpec line(std::vector<ChannelSpec> channels) {
+  BusSpec bus;
+  bus.name = "line";
+  bus.port = SerialPortSpec{"/dev/ttyUSB0", {9600, 8, Parity::kEven, 1}};
+  DeviceSpec device;
+  device.name = "meter";
+  device.protocol = "modbus-rtu";
+  device.channels = std::move(channels);
+  bus.devices = {device};
+  return bus;
+}
+
+TEST(BusPlan, ChannelsOnTheSameItemsShareAPointOfTheShortestRefresh) {
+  const auto bus = line({channel("a", 5, 2s), channel("b", 5, 1s), channel("c", 6, 1s)});
+  const auto plan = make_plan(bus, 5ms);
+  EXPECT_EQ(plan.point_of[0], plan.point_of[1]);
+  EXPECT_NE(plan.point_of[0], plan.point_of[2]);
+  EXPECT_EQ(plan.input.points[*plan.point_of[0]].refresh, Duration{1s});
+}
+
+TEST(BusPlan, WhatIsReadOnlyOnDemandCostsNothing) {
+  auto on_demand = channel("a", 5, 1s);
+  on_demand.mode = Mode::kOnDemand;
+  auto write_only = channel("b", 6, 1s);
+  write_only.access = Access::kWriteOnly;
+  auto on_interest = channel("c", 7, 1s);
+  on_interest.on_interest = true;
+  const auto bus = line({on_demand, write_only, on_interest});
+  const auto plan = make_plan(bus, 5ms);
+  EXPECT_TRUE(plan.input.points.empty());
+  EXPECT_TRUE(plan.prediction.feasible);
+  EXPECT_THAT(plan_lines(plan, {}), testing::Contains("3 channels are read only when somebody asks, and cost nothing here"));
+}
+
+TEST(PlanView, FeasiblePlanNeedsNoAdvice) {
+  const auto bus = line({channel("a", 0, 1s), channel("b", 4000, 1s)});
+  const auto plan = make_plan(bus, 5ms);
+  ASSERT_TRUE(plan.prediction.feasible);
+  EXPECT_TRUE(advice(plan).empty());
+  const auto json = plan_json(plan);
+  EXPECT_EQ(json["feasible"], true);
+  EXPECT_EQ(json["channels"].size(), 2u);
+  EXPECT_LE(json["channels"][0]["worst_gap"], json["channels"][0]["refresh"]);
+  EXPECT_EQ(json["answer_time"], 5'000'000);
+  EXPECT_THAT(plan_lines(plan, {}).front(), HasSubstr("line  /dev/ttyUSB0 9600 8E1: feasible"));
+}
+
+TEST(PlanView, InfeasiblePlanSaysWhatWouldHelp) {
+  const auto bus = line({channel("a", 0, 20ms), channel("b", 4000, 20ms)});  // one read alone takes more at 9600 baud
+  const auto plan = make_plan(bus, 5ms);
+  ASSERT_FALSE(plan.prediction.feasible);
+  EXPECT_FALSE(advice(plan).empty());
+  EXPECT_THAT(plan_lines(plan, {}).front(), HasSubstr("NOT FEASIBLE"));
+  EXPECT_THAT(plan_lines(plan, {}), testing::Contains("any of these would make it feasible:"));
+}
+
+TEST(PlanView, TightestChannelComesFirst) {
+  const auto bus = line({channel("slow", 0, 5s), channel("fast", 4000, 100ms), channel("other", 9000, 700ms)});
+  const auto json = plan_json(make_plan(bus, 5ms));
+  ASSERT_EQ(json["channels"].size(), 3u);
+  double before = 1e9;
+  for (const auto& row : json["channels"]) {
+    const auto tightness = row["worst_gap"].get<double>() / row["refresh"].get<double>();
+    EXPECT_LE(tightness, before);
+    before = tightness;
+  }
+}
+
+}  // namespace
+}  // namespace fieldcast::cli
