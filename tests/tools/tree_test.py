@@ -20,7 +20,7 @@ RANK = {folder: rank for rank, folders in enumerate(LAYERS) for folder in folder
 THIRD_PARTY = {"tl/expected.hpp"}
 # Headers of the standard library that bring a clock, a thread or a file. <chrono> stays: durations are values.
 IMPURE_STD = {
-    "atomic", "barrier", "condition_variable", "csignal", "cstdio", "ctime", "filesystem", "fstream", "future", "iostream", "latch",
+    "atomic", "barrier", "condition_variable", "csignal", "ctime", "filesystem", "fstream", "future", "iostream", "latch",
     "mutex", "random", "semaphore", "shared_mutex", "stop_token", "syncstream", "thread",
 }
 
