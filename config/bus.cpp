@@ -68,7 +68,7 @@ BusSpec read_bus(const Node& node, Session& session) {
   MapReader map(node, kBusKeys, session.faults);
   BusSpec spec;
   UniqueNames addresses;
-  DeviceContext context{{}, map.place_of("protocol"), {}, spec.port, addresses};
+  DeviceContext context{{}, map.has("protocol"), map.place_of("protocol"), {}, spec.port, addresses};
   map.read_required("name", spec.name, NameRule{}, "a name for the bus");
   const ProtocolEntry* entry = nullptr;
   if (const Node* protocol = map.find("protocol")) entry = read_protocol(*protocol, "protocol", session.faults);

@@ -103,13 +103,15 @@ void check_type(MapReader& map, Draft& draft) {
   const unsigned item_bits = draft.area->item_bits;
   const unsigned notation_bits = item_bits == 1 ? 1u : draft.address->width_bits.value_or(0);
   const Place type_place = map.place_of(map.has("type") ? "type" : "at");
-  if (encoding.bit && !is_bool) {
+  if (encoding.bit && item_bits == 1) {
+    map.faults().add(map.place_of("bit"), "a bit of " + quoted(draft.spec.at) + ", which is a bit already", "no 'bit'");
+  } else if (encoding.bit && !is_bool) {
     map.faults().add(type_place, "type " + type + " with a bit of a word", "bool", "bool");
   } else if (encoding.bit && *encoding.bit >= item_bits) {
     map.faults().add(map.place_of(map.has("bit") ? "bit" : "at"),
                      "bit " + std::to_string(*encoding.bit) + " is beyond " + quoted(draft.spec.at),
-                     item_bits == 1 ? "no bit: the address is a bit already" : "0 to " + std::to_string(item_bits - 1));
-  } else if (is_bool && !encoding.bit && item_bits > 1) {
+                     "0 to " + std::to_string(item_bits - 1));
+  } else if (is_bool && !encoding.bit && item_bits > 1 && !map.has("bit")) {
     map.faults().add(type_place, "a bool in " + quoted(draft.spec.at) + " needs a bit",
                      "a bit in 'at', or 'bit': 0 to " + std::to_string(item_bits - 1), draft.spec.at + ".0");
   } else if (notation_bits == 1 && !is_bool) {

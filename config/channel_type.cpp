@@ -15,10 +15,11 @@ constexpr std::array<ValueType, 11> kPlainTypes{ValueType::kBool,    ValueType::
 
 // What other programs call them.
 constexpr std::pair<std::string_view, std::string_view> kOtherNames[] = {
-    {"boolean", "bool"},   {"bit", "bool"},      {"int", "int16"},     {"short", "int16"},     {"word", "uint16"},
-    {"uint", "uint16"},    {"dint", "int32"},    {"long", "int32"},    {"dword", "uint32"},    {"udint", "uint32"},
-    {"lint", "int64"},     {"ulint", "uint64"},  {"float", "float32"}, {"real", "float32"},    {"single", "float32"},
-    {"double", "float64"}, {"lreal", "float64"}, {"bcd", "bcd16"},     {"text", "string(20)"}, {"string", "string(20)"}};
+    {"boolean", "bool"},     {"bit", "bool"},       {"int", "int16"},     {"integer", "int16"}, {"short", "int16"},
+    {"word", "uint16"},      {"uint", "uint16"},    {"dint", "int32"},    {"long", "int32"},    {"dword", "uint32"},
+    {"udint", "uint32"},     {"lint", "int64"},     {"ulint", "uint64"},  {"float", "float32"}, {"real", "float32"},
+    {"single", "float32"},   {"double", "float64"}, {"lreal", "float64"}, {"bcd", "bcd16"},     {"text", "string(20)"},
+    {"string", "string(20)"}};
 
 std::string lower(std::string text) {
   for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;

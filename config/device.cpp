@@ -121,7 +121,9 @@ std::unique_ptr<Protocol> make_protocol(MapReader& map, const ProtocolEntry& ent
   const auto& fault = protocol.error();
   const auto option = draft.option_places.find(fault.option);
   if (fault.option.empty() && !has_address) return nullptr;  // the address is missing or no number: said already
-  map.faults().add(option == draft.option_places.end() ? map.place_of("address") : option->second, fault.what, fault.allowed);
+  const bool of_option = option != draft.option_places.end();
+  map.faults().add(of_option ? option->second : map.place_of("address"),
+                   (of_option ? "option '" + fault.option + "': " : std::string{}) + fault.what, fault.allowed);
   return nullptr;
 }
 
@@ -161,7 +163,7 @@ DeviceSpec read_device(const Node& node, const DeviceContext& context, Session& 
   const ProtocolEntry* entry = find_protocol(context.protocol);
   if (const Node* own = map.find("protocol")) {
     entry = read_protocol(*own, "protocol", session.faults);
-  } else if (context.protocol.empty() && map.is_map() && !map.has("protocol")) {
+  } else if (!context.protocol_named && map.is_map() && !map.has("protocol")) {
     session.faults.add(map.place(), "'protocol' is missing in a device, and its bus names none", "a protocol here or in the bus");
   }
   if (entry != nullptr) {

@@ -18,7 +18,8 @@ struct Session {
 };
 
 struct DeviceContext {
-  std::string protocol;  // of the bus; empty when it names none
+  std::string protocol;         // of the bus; empty when it names none, or an unknown one
+  bool protocol_named = false;  // rightly or wrongly
   Place protocol_place;
   DeviceDefaults defaults;
   const PortSpec& port;

@@ -22,7 +22,11 @@ unsigned characters_before(const Place& place) {
   return count;
 }
 
-void shorten(std::string& text) {
+// What a file says may hold line breaks and escape codes; a fault is one line for a terminal.
+void make_presentable(std::string& text) {
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
+  }
   if (text.size() <= kLongestShown) return;
   std::size_t end = kLongestShown;
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // whole characters only
@@ -49,7 +53,8 @@ bool FaultList::full() const { return entries_.size() > kMaxFaults; }
 
 void FaultList::add(const Place& place, std::string what, std::string allowed, std::string suggestion) {
   if (full()) return;
-  shorten(what);
+  make_presentable(what);
+  make_presentable(suggestion);
   if (!known_.insert({place.source->order, place.line, place.column, what}).second) return;
   if (entries_.size() == kMaxFaults) what = "more faults follow; they are shown when these are gone", allowed = suggestion = {};
   entries_.push_back({place.source->order, Fault{place.source->file, place.line + 1, characters_before(place) + 1,

@@ -56,7 +56,7 @@ constexpr Column kColumns[] = {
 
 }  // namespace
 
-const KeyTable kBridgeKeys{"bridge", "a bridge", kBridge};
+const KeyTable kBridgeKeys{"bridge", "the configuration", kBridge};
 const KeyTable kDdsKeys{"dds", "'dds'", kDds};
 const KeyTable kLogKeys{"log", "'log'", kLog};
 const KeyTable kBusKeys{"bus", "a bus", kBus};

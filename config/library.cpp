@@ -100,7 +100,9 @@ void Library::fault_missing(const Node& naming, const std::string& what, FileErr
     }
   }
   const std::vector<std::string_view> candidates(names.begin(), names.end());
-  faults_.add(naming.place, what + std::string(to_text(error)), {}, closest(naming.text, candidates));
+  const auto folder = directory_of(naming.text);
+  const auto meant = closest(std::string_view(naming.text).substr(folder.size()), candidates);
+  faults_.add(naming.place, what + std::string(to_text(error)), {}, meant.empty() ? meant : std::string(folder) + meant);
 }
 
 }  // namespace fieldcast::config

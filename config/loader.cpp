@@ -93,8 +93,11 @@ void read_buses(MapReader& bridge, BridgeSpec& spec, Session& session) {
     }
     const auto& bus = spec.buses.emplace_back(read_bus(*node, session));
     names.add("bus", bus.name, node->place, faults);
-    if (const auto* serial = std::get_if<SerialPortSpec>(&bus.port))
-      paths.add("a bus on port", serial->path, node->place, faults);
+    if (const auto* serial = std::get_if<SerialPortSpec>(&bus.port)) {
+      for (const auto& [key, value] : node->entries) {
+        if (key->text == "port") paths.add("serial port", serial->path, value->place, faults);
+      }
+    }
   }
 }
 

@@ -26,6 +26,10 @@ MapReader::MapReader(const Node& node, const KeyTable& table, FaultList& faults)
   }
   for (const auto& [key, value] : node.entries) {
     if (std::ranges::find(table.keys, key->text) != table.keys.end()) continue;
+    if (key->text == "<<") {
+      faults_.add(key->place, "a merge key '<<'", "defaults, templates, and aliases of whole values");
+      continue;
+    }
     auto meant = closest(key->text, table.keys);
     faults_.add(key->place,
                 "unknown key '" + key->text + "' in " + std::string(table.what) +
@@ -63,14 +67,15 @@ const Node* MapReader::find(std::string_view key) {
 
 const Node* MapReader::require(std::string_view key, std::string_view allowed) {
   const Node* value = find(key);
-  const bool misspelt = std::ranges::find(meant_, key) != meant_.end();
-  if (value == nullptr && is_map() && !has(key) && !misspelt) {
+  if (value == nullptr && is_map() && !has_or_means(key)) {
     faults_.add(node_.place, "'" + std::string(key) + "' is missing in " + std::string(table_.what), std::string(allowed));
   }
   return value;
 }
 
 bool MapReader::has(std::string_view key) const { return entry(key) != nullptr; }
+
+bool MapReader::has_or_means(std::string_view key) const { return has(key) || std::ranges::find(meant_, key) != meant_.end(); }
 
 Place MapReader::place_of(std::string_view key) const {
   const auto* found = entry(key);

@@ -43,6 +43,8 @@ class MapReader {
 
   [[nodiscard]] bool is_map() const { return node_.kind == Kind::kMap; }
   [[nodiscard]] bool has(std::string_view key) const;
+  // Also true when an unknown key probably means this one: it is not missing as well.
+  [[nodiscard]] bool has_or_means(std::string_view key) const;
   [[nodiscard]] Place place_of(std::string_view key) const;  // of its value, or of the map when absent
   [[nodiscard]] const Place& place() const { return node_.place; }
   [[nodiscard]] FaultList& faults() { return faults_; }
@@ -65,7 +67,7 @@ class MapReader {
   const KeyTable& table_;
   FaultList& faults_;
   std::vector<bool> read_;          // by the key's place in the table
-  std::vector<std::string> meant_;  // what unknown keys probably mean: not missing as well
+  std::vector<std::string> meant_;  // what unknown keys probably mean
 };
 
 }  // namespace fieldcast::config

@@ -155,7 +155,7 @@ PortSpec read_port(const Node& node, std::string_view protocol, FaultList& fault
   const Node* serial = map.find("serial");
   const Node* tcp = map.find("tcp");
   if (serial != nullptr && tcp != nullptr) faults.add(map.place_of("tcp"), "a port is both serial and tcp", "one of serial, tcp");
-  if (map.is_map() && !map.has("serial") && !map.has("tcp")) {
+  if (map.is_map() && !map.has_or_means("serial") && !map.has_or_means("tcp")) {
     faults.add(map.place(), "'port' names neither serial nor tcp", "serial: PATH, tcp: HOST:PORT");
   }
   if (tcp != nullptr || map.has("tcp")) return read_tcp(map, standard);

@@ -33,6 +33,8 @@ std::string likely_duration(std::string_view text) {
   if (!plain_decimal(number)) return {};
   std::string_view unit = text.substr(length);
   while (unit.starts_with(' ')) unit.remove_prefix(1);
+  const auto whole = whole_from(number);
+  if (whole && *whole <= 24 && (unit == "h" || unit == "hour" || unit == "hours")) return std::to_string(*whole * 60) + "min";
   static constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kSpellings{{{"", "ms"},
                                                                                              {"us", "us"},
                                                                                              {"µs", "us"},
@@ -99,7 +101,11 @@ std::optional<Duration> DurationRule::operator()(const Node& node, std::string_v
   const std::string bounds = fieldcast::to_text(min) + " to " + fieldcast::to_text(max);
   if (!value) {
     const bool bare = number_from(*text) && !text->starts_with('-');
-    faults.add(node.place, quoted(key, *text) + (bare ? " has no unit" : " is no duration"),
+    const bool negative = text->starts_with('-') && duration_from(std::string_view(*text).substr(1));
+    faults.add(node.place,
+               quoted(key, *text) + (bare       ? " has no unit"
+                                     : negative ? " is negative"
+                                                : " is no duration"),
                std::string(kDurationForm) + ", " + bounds, likely_duration(*text));
     return std::nullopt;
   }

@@ -154,6 +154,17 @@ class Builder final : public YAML::EventHandler {
   unsigned documents_ = 0;
 };
 
+// What the parser's message does not say.
+bool indented_with_tab(std::string_view text, std::uint32_t line) {
+  std::size_t start = 0;
+  for (; line > 0; --line) {
+    start = text.find('\n', start);
+    if (start++ == std::string_view::npos) return false;
+  }
+  const auto first = text.find_first_not_of(' ', start);
+  return first != std::string_view::npos && text[first] == '\t';
+}
+
 }  // namespace
 
 std::unique_ptr<Document> parse_yaml(Source source, FaultList& faults) {
@@ -167,10 +178,13 @@ std::unique_ptr<Document> parse_yaml(Source source, FaultList& faults) {
     while (parser.HandleNextDocument(builder)) {}
   } catch (const YAML::Exception& fault) {
     document->root = nullptr;
-    const bool known = !fault.mark.is_null();
-    faults.add({&document->source, known ? static_cast<std::uint32_t>(fault.mark.line) : 0,
-                known ? static_cast<std::uint32_t>(fault.mark.column) : 0},
-               "YAML: " + fault.msg);
+    Place place{&document->source, 0, 0};
+    if (!fault.mark.is_null()) {
+      place.line = static_cast<std::uint32_t>(fault.mark.line);
+      place.column = static_cast<std::uint32_t>(fault.mark.column);
+    }
+    const bool tab = indented_with_tab(document->source.text, place.line);
+    faults.add(place, "YAML: " + fault.msg, tab ? "spaces for indentation, no tabs" : "");
   } catch (const Abandoned&) { document->root = nullptr; }
   return document;
 }
