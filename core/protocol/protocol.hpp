@@ -4,7 +4,8 @@
 // to people, and makes exchanges. An exchange is one conversation without a socket or a clock: it is told all bytes that came since it
 // last sent, and says what to do next. Timeouts, retries, echo, statistics, tracing and fuzzing are written once, around it.
 //
-// Protocol objects are immutable after construction and may be shared; an Exchange belongs to one conversation. No threads here.
+// A Protocol object is made for one device and does not change, but for what its own exchanges must remember of that device (the bytes
+// that an S7 freeport station holds). An Exchange belongs to one conversation. No threads here.
 #pragma once
 
 #include <cstdint>

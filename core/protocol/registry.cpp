@@ -4,6 +4,7 @@
 
 #include "core/protocol/modbus/modbus.hpp"
 #include "core/protocol/protocol.hpp"
+#include "core/protocol/s7_freeport/s7_freeport.hpp"
 
 namespace fieldcast {
 
@@ -12,6 +13,7 @@ std::span<const ProtocolEntry> protocols() {
       modbus::rtu_entry(),
       modbus::ascii_entry(),
       modbus::tcp_entry(),
+      s7_freeport::entry(),
   };
   return entries;
 }
