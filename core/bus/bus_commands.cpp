@@ -118,7 +118,10 @@ void BusEngine::State::refuse_all_commands(CommandState state, Cause cause, cons
   for (const PendingCommand& waiting : commands) {
     CommandResult result = refusal(waiting.job.command(), state, cause, reason, now);
     result.received = waiting.received;
-    if (waiting.job.started()) result.reason += "; unknown whether it took effect";
+    if (waiting.job.started()) {
+      result.state = CommandState::kFailed;
+      result.reason += "; unknown whether it took effect";
+    }
     actions.push_back(Complete{std::move(result)});
   }
   commands.clear();

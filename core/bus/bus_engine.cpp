@@ -155,6 +155,7 @@ void BusEngine::State::decide(Instant now, Actions& actions) {
     }
   }
   if (auto probe = probe_due(now)) return launch(std::move(*probe), now, actions);
+  const Instant next_admission = admit_deferred(now);
 
   Decision decision = scheduler->next(now);
   if (auto* block = std::get_if<Block>(&decision)) {
@@ -164,7 +165,7 @@ void BusEngine::State::decide(Instant now, Actions& actions) {
     read.block = std::move(*block);
     return launch(std::move(read), now, actions);
   }
-  rest_until = std::min(std::get<Rest>(decision).until, next_probe());
+  rest_until = std::min({std::get<Rest>(decision).until, next_probe(), next_admission});
   for (const PendingCommand& waiting : commands) {  // commands whose devices are pausing
     const DeviceRuntime& device = devices[waiting.job.device()];
     rest_until = std::min(rest_until, std::max(device.quiet_until, device.paused_until));
@@ -205,8 +206,10 @@ void BusEngine::State::free_wire(Instant now, Duration extra) { free_at = now + 
 bool BusEngine::State::try_again(const Flight& tried, Cause cause) const {
   if (cause == Cause::kDeviceError || cause == Cause::kDeviceBusy || cause == Cause::kUnsupported) return false;
   // Writes are never repeated blindly (CommandJob reads back instead); probes are rare by themselves.
+  // A sick device's reads wait until the wire has time for them (defer()).
+  const DeviceRuntime& device = devices[tried.device];
   return tried.kind != Flight::Kind::kProbe && std::holds_alternative<ReadRequest>(tried.request) &&
-         tried.tries < devices[tried.device].spec->retries;
+         tried.tries < device.spec->retries && !(tried.kind == Flight::Kind::kRead && device.sick());
 }
 
 // The exchange in flight is over.
@@ -229,6 +232,8 @@ void BusEngine::State::conclude(bool done, Instant now, Actions& actions) {
     // The answer to what timed out may still come, and looks like the answer to another question of the same shape.
     device.quiet_until = std::max(device.quiet_until, conversation.sent_until() + device.spec->timeout);
   }
+  const bool answered = done || cause == Cause::kDeviceError || cause == Cause::kDeviceBusy;
+  device.tried(answered);
   if (!done) {
     causes.add(cause);
     device.causes.add(cause);
@@ -246,7 +251,6 @@ void BusEngine::State::conclude(bool done, Instant now, Actions& actions) {
   if (ended.kind == Flight::Kind::kRead) reading += spent;
   if (ended.timed_out && traits.identity == AnswerIdentity::kNone) free_at = std::max(free_at, device.quiet_until);
 
-  const bool answered = done || cause == Cause::kDeviceError || cause == Cause::kDeviceBusy;
   if (answered) {
     if (done && !ended.timed_out) {
       device.answer_time.learn(conversation.answer_time());
@@ -269,7 +273,10 @@ void BusEngine::State::conclude(bool done, Instant now, Actions& actions) {
       break;
     case Flight::Kind::kProbe: break;
   }
-  if (!answered) device_failed(ended.device, cause, now, actions);
+  if (!answered) {
+    device_failed(ended.device, cause, now, actions);
+    if (device.sick()) defer(ended.device, spent, now);
+  }
   rest_device(ended.device, now);
   // A stream whose framing is lost cannot be mended in place (Modbus Messaging on TCP/IP, 4.2.2 leaves the reaction open: close).
   if (cause == Cause::kMalformed && traits.identity == AnswerIdentity::kSequence) {
@@ -301,10 +308,36 @@ void BusEngine::State::device_failed(DeviceIndex index, Cause cause, Instant now
   }
 }
 
+// A device whose answers are often lost or broken shall not cost the others their refresh: it is asked again when the wire has
+// time to waste, or when its failures would still be a small part of the wire's time.
+void BusEngine::State::defer(DeviceIndex index, Duration wasted, Instant now) {
+  devices[index].wasted = wasted;
+  devices[index].deferred_until = now + wasted * kSickShare;
+}
+
+// Lets go of the deferred devices whose time has come; says when to look again for the others.
+Instant BusEngine::State::admit_deferred(Instant now) {
+  Instant next = kNever;
+  std::optional<Duration> slack;
+  for (DeviceIndex index = 0; index < devices.size(); ++index) {
+    DeviceRuntime& device = devices[index];
+    if (device.deferred_until == kLongAgo) continue;
+    if (!slack) slack = scheduler->slack(now);
+    if (now >= device.deferred_until || *slack > device.wasted) {
+      device.deferred_until = kLongAgo;
+      rest_device(index, now);
+    } else {
+      next = std::min(next, device.deferred_until);
+    }
+  }
+  return next;
+}
+
 // Tells the scheduler how long the device is left alone.
 void BusEngine::State::rest_device(DeviceIndex index, Instant now) {
   DeviceRuntime& device = devices[index];
-  const Instant until = device.health.offline() ? kNever : std::max({now, device.paused_until, device.quiet_until});
+  const bool stopped = device.health.offline() || device.deferred_until != kLongAgo;
+  const Instant until = stopped ? kNever : std::max({now, device.paused_until, device.quiet_until});
   if (until == now && !device.resting) return;
   device.resting = until != now;
   scheduler->suspend(index, until);

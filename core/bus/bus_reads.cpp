@@ -59,6 +59,10 @@ void BusEngine::State::make_points() {
   for (PointIndex p = 0; p < points.size(); ++p) update_point(p, kLongAgo);
   input.points = points;
   scheduler = make_scheduler(input);
+  if (scheduler->planned_load() > kLightLoad) return;
+  // A light bus can afford to read so early that a broken answer can be asked for again in time.
+  input.lead = kEarlyLead;
+  scheduler = make_scheduler(input);
 }
 
 // A point is as urgent as the most urgent of its channels. `now` kLongAgo: the scheduler does not exist yet.

@@ -3,7 +3,8 @@
 
 namespace fieldcast {
 namespace {
-constexpr std::size_t kMarks = 11;  // ten seconds at one report a second
+constexpr Duration kLoadWindow = std::chrono::seconds{10};
+constexpr Duration kMarkGap = std::chrono::milliseconds{900};  // reports at changes of state come between the regular ones
 
 double share(Duration part, Duration whole) {
   return whole > Duration::zero() ? std::min(1.0, to_seconds(part) / to_seconds(whole)) : 0.0;
@@ -22,8 +23,8 @@ BusReport BusEngine::bus_report(Instant now) {
     report.utilisation = share(mark.busy - s.marks.back().busy, now - s.marks.back().at);
     report.measured_load = share(mark.reading - s.marks.front().reading, now - s.marks.front().at);
   }
-  s.marks.push_back(mark);
-  if (s.marks.size() > kMarks) s.marks.pop_front();
+  if (s.marks.empty() || now - s.marks.back().at >= kMarkGap) s.marks.push_back(mark);
+  while (now - s.marks.front().at > kLoadWindow) s.marks.pop_front();
   report.planned_load = s.scheduler->planned_load();
   report.stretch = s.scheduler->stretch();
   report.exchanges = s.exchanges;

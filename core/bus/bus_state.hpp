@@ -23,6 +23,9 @@ struct BusEngine::State {
   static constexpr Duration kBusyPause = std::chrono::milliseconds{100};  // after "busy"
   static constexpr Duration kShortestProbe = std::chrono::milliseconds{10};
   static constexpr Duration kProbeRetry = std::chrono::milliseconds{20};  // when the wire had no time for a probe
+  static constexpr int kSickShare = 10;  // a sick device wastes at most one part in this many of the wire
+  static constexpr double kLightLoad = 0.5;
+  static constexpr Duration kEarlyLead = std::chrono::milliseconds{60};  // of a light bus, at most a tenth of a refresh
   static constexpr std::size_t kMaxRefusedListed = 64;
 
   // The exchange on the wire, or about to be sent again.
@@ -65,6 +68,8 @@ struct BusEngine::State {
   [[nodiscard]] std::optional<Flight> probe_due(Instant now);
   [[nodiscard]] Instant next_probe_of(DeviceIndex device) const;
   [[nodiscard]] Instant next_probe() const;
+  void defer(DeviceIndex device, Duration wasted, Instant now);
+  [[nodiscard]] Instant admit_deferred(Instant now);
   void rest_device(DeviceIndex device, Instant now);
   void notice(Notice::Kind kind, DeviceIndex device, Cause cause, std::string text, Actions& actions) const;
   void traced(DeviceIndex device, std::string text, Actions& actions) const;

@@ -22,6 +22,9 @@ struct DeviceRuntime {
   std::uint16_t sequence = 0;                   // of exchanges, for ExchangeContext
   Instant quiet_until = kLongAgo;               // a late answer may come until then: nothing but the same request again
   Instant paused_until = kLongAgo;              // the device wants a rest
+  double failure_share = 0;                     // of its last tries, 0..1
+  Instant deferred_until = kLongAgo;            // a sick device waits until the wire has time for it, at the latest until then
+  Duration wasted{};                            // wire time of its last failure
   Instant probe_not_before = kLongAgo;          // the wire had no time for a probe
   bool resting = false;                         // the scheduler was told to leave it alone
   std::map<PointIndex, std::uint16_t> refused;  // points refused at present, with the device's code
@@ -29,6 +32,8 @@ struct DeviceRuntime {
   std::uint64_t exchanges = 0, failures = 0, retries = 0, deadline_misses = 0;
   CauseCounters causes;
 
+  void tried(bool well) { failure_share += ((well ? 0.0 : 1.0) - failure_share) / 8; }
+  [[nodiscard]] bool sick() const { return failure_share > 0.2; }
   [[nodiscard]] bool free_at(Instant now) const { return now >= quiet_until && now >= paused_until; }
 };
 

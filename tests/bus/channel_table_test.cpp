@@ -43,7 +43,7 @@ TEST(ChannelTable, MissedRefreshIsToldOnceWithTheOldInstant) {
   std::vector<ChannelIndex> late;
   table.start(Instant{});
   table.acquired(0, 16, items(7), Instant{500ms}, out);
-  table.failing(0, Cause::kNoAnswer);
+  table.failing(0, Cause::kNoAnswer, Instant{500ms});
   out.clear();
   table.expire(Instant{1499ms}, out, late);
   EXPECT_TRUE(out.empty());
@@ -63,7 +63,7 @@ TEST(ChannelTable, ChannelThatWasNeverReadIsLateToo) {
   std::vector<Sample> out;
   std::vector<ChannelIndex> late;
   table.start(Instant{});
-  table.failing(0, Cause::kPortClosed);
+  table.failing(0, Cause::kPortClosed, Instant{});
   table.expire(Instant{1s}, out, late);
   ASSERT_EQ(out.size(), 1u);
   EXPECT_EQ(out[0].quality, Quality::kBadNoAnswer);

@@ -38,7 +38,9 @@ class CommandJobTest : public testing::Test {
     command.verify = verify;
     return command;
   }
-  tl::expected<CommandJob, CommandFault> make(const Command& command) { return CommandJob::make(command, device_, 0, 10, *protocol_); }
+  tl::expected<CommandJob, CommandFault> make(const Command& command) {
+    return CommandJob::make(command, device_, 0, 10, *protocol_);
+  }
   static CommandResult result(const CommandJob& job) { return job.result(Instant{}, Instant{1s}); }
   static Reply items(Bytes bytes) { return {{Cause::kNone, 0, std::move(bytes)}}; }
 
@@ -148,7 +150,7 @@ TEST_F(CommandJobTest, WholeDeviceIsAcquiredInFewReads) {
   command.target = ChannelTarget{};
   auto job = make(command);
   ASSERT_TRUE(job);
-  job->answered(items({1}));                                    // the coil
+  job->answered(items({1}));                                   // the coil
   job->answered(items({0x00, 0x05, 0x00, 0x06, 0x00, 0x08}));  // three registers side by side
   EXPECT_FALSE(job->next());
   EXPECT_EQ(result(*job).values, (std::vector<Value>{std::uint64_t{5}, std::uint64_t{6}, true, true}));

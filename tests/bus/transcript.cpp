@@ -1,6 +1,7 @@
 #include "tests/bus/transcript.hpp"
 
 #include <charconv>
+#include <cmath>
 #include <sstream>
 #include <vector>
 
@@ -16,10 +17,11 @@ std::optional<Duration> parse_instant(std::string_view text) {
   if (error != std::errc{}) return std::nullopt;
   const std::string_view unit(end, static_cast<std::size_t>(text.data() + text.size() - end));
   if (unit.empty() && number == 0) return Duration::zero();
-  if (unit == "us") return from_seconds(number / 1e6);
-  if (unit == "ms") return from_seconds(number / 1e3);
-  if (unit == "s") return from_seconds(number);
-  if (unit == "min") return from_seconds(number * 60);
+  const auto nanoseconds = [&](double scale) { return Duration{std::llround(number * scale)}; };
+  if (unit == "us") return nanoseconds(1e3);
+  if (unit == "ms") return nanoseconds(1e6);
+  if (unit == "s") return nanoseconds(1e9);
+  if (unit == "min") return nanoseconds(60e9);
   return std::nullopt;
 }
 
@@ -101,8 +103,10 @@ std::optional<Command> parse_command(const std::vector<std::string>& words, cons
   const std::string name = slash == std::string::npos ? "" : words[4].substr(slash + 1);
   Encoding encoding;
   const auto colon = name.find(':');
-  if (colon != std::string::npos) command.target = AddressTarget{name, encoding};
-  else command.target = ChannelTarget{name};
+  if (colon != std::string::npos)
+    command.target = AddressTarget{name, encoding};
+  else
+    command.target = ChannelTarget{name};
   for (const DeviceSpec& device : bus.devices)
     for (const ChannelSpec& channel : device.channels)
       if (device.name == command.device && channel.name == name) encoding = channel.encoding;

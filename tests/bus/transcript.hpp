@@ -1,5 +1,5 @@
-// A bus engine's day as a text: instants, bytes, events, and what the engine did. The file is input and expectation in one; replaying
-// its events must give back the file itself.
+// A bus engine's day as a text: instants, bytes, events, and what the engine did. The file is input and expectation in one;
+// replaying its events must give back the file itself.
 //
 //     bus: { ... }                       a configuration, up to a line of three hyphens
 //     ---

@@ -1,4 +1,6 @@
 // Every file of tests/transcripts, replayed.
+#include "tests/bus/transcript.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -6,14 +8,13 @@
 #include <fstream>
 #include <sstream>
 
-#include "tests/bus/transcript.hpp"
-
 namespace fieldcast::test {
 namespace {
 
 std::vector<std::string> transcripts() {
   std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(FIELDCAST_TRANSCRIPTS)) names.push_back(entry.path().stem().string());
+  for (const auto& entry : std::filesystem::directory_iterator(FIELDCAST_TRANSCRIPTS))
+    names.push_back(entry.path().stem().string());
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -29,7 +30,8 @@ TEST_P(Transcript, ReplaysToItself) {
 
 INSTANTIATE_TEST_SUITE_P(Files, Transcript, testing::ValuesIn(transcripts()), [](const auto& file) {
   std::string name = file.param;
-  std::replace_if(name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
   return name;
 });
 
