@@ -42,7 +42,8 @@ BusEngine::State::State(const BusSpec& bus)
     assert(entry && "the loader checks protocols");
     auto protocol = entry->make(device.link);
     assert(protocol && "the loader checks options");
-    devices.push_back({&device, std::move(*protocol), AnswerTime(device.timeout, spec.gap_allowance), {}});
+    devices.push_back(
+        {&device, std::move(*protocol), AnswerTime(device.timeout, std::max(spec.gap_allowance, device.timeout / 4)), {}});
     device_names.emplace(device.name, index++);
   }
   last_write.assign(channels.size(), kLongAgo);

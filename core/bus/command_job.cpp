@@ -238,6 +238,7 @@ void CommandJob::answered(const Reply& reply) {
       } else if (in_doubt_ && rewrites_ < max_rewrites_) {
         ++rewrites_;
         in_doubt_ = false;
+        read_back_.clear();  // it shows what was, not what will be
         phase_ = Phase::kWrite;
       } else {
         finish(CommandState::kFailed, in_doubt_ ? Cause::kNoAnswer : Cause::kNotVerified, 0,

@@ -46,8 +46,17 @@ class Replay {
       feed(TimerFired{}, at);
     }
   }
+  // What an instant with this many pluses counts from: the beginning, the next request that is not yet answered, the last event.
+  Instant base(unsigned pluses) {
+    if (pluses == 0) return Instant{};
+    if (pluses == 2) return last_;
+    for (int turns = 0; !unanswered_ && timer_ != kNever && turns < 1000; ++turns) run_timers_until(timer_ + Duration{1});
+    unanswered_ = false;
+    return sent_;
+  }
   void event(const BusEvent& event, Instant at, const std::string& line) {
     out_ += line + '\n';
+    last_ = at;
     feed(event, at);
   }
   void remark(const std::string& line) { out_ += line + '\n'; }
@@ -65,7 +74,11 @@ class Replay {
     stamp.resize(std::max<std::size_t>(stamp.size() + 1, 10), ' ');
     out_ += stamp + what + '\n';
   }
-  void tell(const Send& a, Instant at) { line(at, ">> " + to_hex(a.bytes)); }
+  void tell(const Send& a, Instant at) {
+    sent_ = at;
+    unanswered_ = true;
+    line(at, ">> " + to_hex(a.bytes));
+  }
   void tell(const SetTimer& a, Instant) { timer_ = a.at; }
   void tell(const Publish& a, Instant at) {
     for (const Sample& s : a.samples) {
@@ -89,6 +102,9 @@ class Replay {
   std::vector<std::string> names_;
   std::string out_;
   Instant timer_ = kNever;
+  Instant sent_{};
+  Instant last_{};
+  bool unanswered_ = false;
 };
 
 // "command c1 write press-1/setpoint = 5 verify expires 2s", "command c2 acquire press-1/running"
@@ -136,9 +152,10 @@ void replay_line(Replay& replay, const std::string& line) {
   if (words.empty() || words[0][0] == '#') return replay.remark(line);
   if (words.size() < 2) return replay.remark("!! no instant and event: " + line);
   if (is_outcome(words[1])) return;  // for the engine to say
-  const auto instant = parse_instant(words[0]);
-  if (!instant) return replay.remark("!! no instant: " + line);
-  const Instant at{*instant};
+  const std::size_t pluses = words[0].find_first_not_of('+');
+  const auto instant = parse_instant(std::string_view(words[0]).substr(std::min(pluses, words[0].size())));
+  if (!instant || pluses > 2) return replay.remark("!! no instant: " + line);
+  const Instant at = replay.base(static_cast<unsigned>(pluses)) + *instant;
   replay.run_timers_until(at);
   if (words[1] == "<<") {
     const auto bytes = from_hex(line.substr(line.find("<<") + 2));
@@ -150,7 +167,7 @@ void replay_line(Replay& replay, const std::string& line) {
   if (words[1] == "leased") return replay.event(LeaseBegan{"engineer"}, at, line);
   if (words[1] == "released") return replay.event(LeaseEnded{}, at, line);
   if (words[1] == "stop") return replay.event(StopRequested{}, at, line);
-  if (words[1] == "end") return replay.remark(line);
+  if (words[1] == "end" || words[1] == "lost") return replay.remark(line);
   if (words[1] == "command") {
     const auto command = parse_command(words, replay.bus(), at);
     if (!command) return replay.remark("!! no command: " + line);
