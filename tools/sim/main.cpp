@@ -1,4 +1,6 @@
 // fieldcast-sim: the plant of a configuration file, simulated where the bridge looks for it.
+#include <sched.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -19,7 +21,7 @@ struct Arguments {
   std::string config, faults, report;
   std::uint64_t seed = 1;
   double seconds = 0;
-  bool quiet = false, json = false, spin = false;
+  bool quiet = false, json = false, spin = false, realtime = false;
 };
 
 void describe(CLI::App& app, Arguments& given) {
@@ -32,6 +34,7 @@ void describe(CLI::App& app, Arguments& given) {
   app.add_option("--seconds", given.seconds, "end by itself after this time")->check(CLI::Range(0.0, 1e9));
   app.add_option("--report", given.report, "write counters of every device to this file at the end, as JSON");
   app.add_flag("--spin", given.spin, "busy-wait the last 100 us before each instant: exact to a few us, costs a core");
+  app.add_flag("--realtime", given.realtime, "run before everything else on this machine (SCHED_RR; needs the right to)");
   app.add_flag("--quiet", given.quiet, "say nothing but errors");
   app.add_flag("--json", given.json, "say where the buses are as JSON lines");
 }
@@ -78,6 +81,10 @@ int simulate(const Arguments& given) {
   if (given.seconds > 0) options.end = start + from_seconds(given.seconds);
   if (given.spin) options.spin = std::chrono::microseconds{100};
   options.report = given.report;
+  const sched_param lowest{1};
+  if (given.realtime && ::sched_setscheduler(0, SCHED_RR, &lowest) != 0) {
+    return fail(kBadArguments, "--realtime: not permitted; give the right with 'ulimit -r 1' or CAP_SYS_NICE");
+  }
   sim::PlantLoop loop(buses, options);
   if (const auto opened = loop.open(); !opened) return fail(kNoPort, opened.error());
   say(given, buses, loop.places());
