@@ -1,0 +1,128 @@
+"""What the interop tests share: programs that say READY, a null-modem cable, and mbpoll."""
+
+import os
+import re
+import select
+import socket
+import subprocess
+import threading
+import time
+import tty
+
+DEADLINE = 30  # seconds; far above what anything takes, so that only a fault reaches it
+
+
+class Program:
+    """A program of ours under test. Ends with it, and never touches another."""
+
+    def __init__(self, *command):
+        self.command = [str(word) for word in command]
+        self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.said = ""
+
+    def wait_ready(self):
+        end = time.monotonic() + DEADLINE
+        while "READY" not in self.said:
+            left = end - time.monotonic()
+            if left <= 0 or not select.select([self.process.stdout], [], [], left)[0]:
+                raise AssertionError(f"{self.command} did not say READY in {DEADLINE} s")
+            data = os.read(self.process.stdout.fileno(), 4096)
+            if not data:
+                raise AssertionError(f"{self.command} ended: {self.process.stderr.read().decode()}")
+            self.said += data.decode()
+        return self
+
+    def signal(self, number):
+        self.process.send_signal(number)
+
+    def stop(self):
+        """SIGTERM, and the exit code."""
+        self.process.terminate()
+        return self.wait()
+
+    def wait(self):
+        try:
+            code = self.process.wait(DEADLINE)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            raise AssertionError(f"{self.command} did not end in {DEADLINE} s")
+        finally:
+            self.errors = self.process.stderr.read().decode()
+            self.process.stdout.close()
+            self.process.stderr.close()
+        return code
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
+        for pipe in (self.process.stdout, self.process.stderr):
+            pipe.close()
+
+
+class Cable:
+    """Two terminals joined by a thread: what is written to `left` is read from `right`, and back."""
+
+    def __enter__(self):
+        self.ends = [os.openpty(), os.openpty()]
+        for master, slave in self.ends:
+            tty.setraw(slave)
+            os.set_blocking(master, False)
+        self.left, self.right = (os.ttyname(slave) for _, slave in self.ends)
+        self.wake, self.waker = os.pipe()
+        self.thread = threading.Thread(target=self._pump)
+        self.thread.start()
+        return self
+
+    def _pump(self):
+        masters = [master for master, _ in self.ends]
+        while True:
+            readable = select.select(masters + [self.wake], [], [])[0]
+            if self.wake in readable:
+                return
+            for master in readable:
+                os.write(masters[1 - masters.index(master)], os.read(master, 4096))
+
+    def __exit__(self, *_):
+        os.write(self.waker, b"x")
+        self.thread.join()
+        for fd in [self.wake, self.waker] + [fd for end in self.ends for fd in end]:
+            os.close(fd)
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+TABLES = {"coil": "0", "input": "1", "input-register": "3", "holding": "4"}
+
+
+class Mbpoll:
+    """The master that others wrote. place: a serial path (8N1), or 127.0.0.1 with a port."""
+
+    def __init__(self, place, port=None, baud=115200, unit=1, timeout=5):
+        self.place = place
+        self.link = ["-m", "tcp", "-p", str(port)] if port else ["-m", "rtu", "-b", str(baud), "-d", "8", "-P", "none", "-s", "1"]
+        self.unit, self.timeout = unit, timeout
+
+    def _run(self, area, first, *more):
+        command = ["mbpoll", *self.link, "-a", str(self.unit), "-0", "-1", "-q", "-o", str(self.timeout), "-t", TABLES[area], "-r", str(first)]
+        done = subprocess.run(command + [str(word) for word in more], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                              timeout=DEADLINE, text=True)
+        return done.stdout
+
+    def read(self, area, first, count):
+        """The values, or the text of the failure."""
+        text = self._run(area, first, "-c", count, self.place)
+        values = [int(value) for value in re.findall(r"^\[\d+\]:\s+(-?\d+)", text, re.M)]
+        return values if len(values) == count else text
+
+    def write(self, area, first, *values):
+        """True, or the text of the failure."""
+        text = self._run(area, first, self.place, *values)
+        return True if f"Written {len(values)} references" in text else text

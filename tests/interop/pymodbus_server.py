@@ -1,0 +1,63 @@
+"""A Modbus device made of pymodbus: something that others wrote, for the bridge to read.
+
+usage: pymodbus_server.py rtu PATH [BAUD [UNIT]]     8N1; default 115200 baud, unit 1
+       pymodbus_server.py ascii PATH [BAUD [UNIT]]
+       pymodbus_server.py tcp PORT [UNIT]            127.0.0.1
+
+Prints READY when it serves, ends with SIGTERM. Memory, all areas 0..499, the same as in libmodbus_server.cpp:
+  coil n = (n % 3 == 0)   input n = (n % 2 == 1)   holding n = 1000 + n   input-register n = 2000 + n
+"""
+
+import asyncio
+import signal
+import sys
+
+from pymodbus.datastore import ModbusSequentialDataBlock, ModbusServerContext, ModbusSlaveContext
+from pymodbus.server.async_io import ModbusSerialServer, ModbusTcpServer
+from pymodbus.transaction import ModbusAsciiFramer, ModbusRtuFramer, ModbusSocketFramer
+
+ITEMS = range(500)
+
+
+def memory(unit):
+    device = ModbusSlaveContext(
+        co=ModbusSequentialDataBlock(0, [n % 3 == 0 for n in ITEMS]),
+        di=ModbusSequentialDataBlock(0, [n % 2 == 1 for n in ITEMS]),
+        hr=ModbusSequentialDataBlock(0, [1000 + n for n in ITEMS]),
+        ir=ModbusSequentialDataBlock(0, [2000 + n for n in ITEMS]),
+        zero_mode=True,
+    )
+    return ModbusServerContext(slaves={unit: device}, single=False)
+
+
+async def serve(kind, place, numbers):
+    if kind == "tcp":
+        server = ModbusTcpServer(memory(*(numbers or [1])), framer=ModbusSocketFramer, address=("127.0.0.1", int(place)),
+                                 allow_reuse_address=True)
+        running = asyncio.ensure_future(server.serve_forever())
+        await server.serving
+    else:
+        framer = ModbusRtuFramer if kind == "rtu" else ModbusAsciiFramer
+        baud, unit = numbers + [115200, 1][len(numbers):]
+        server = ModbusSerialServer(memory(unit), framer=framer, port=place, baudrate=baud, bytesize=8, parity="N", stopbits=1,
+                                    ignore_missing_slaves=True, timeout=1)
+        await server.start()
+        if server.transport is None:
+            sys.exit(f"pymodbus_server.py: {place} does not open")
+        running = asyncio.ensure_future(server.serve_forever())
+    stop = asyncio.Event()
+    for name in (signal.SIGTERM, signal.SIGINT):
+        asyncio.get_running_loop().add_signal_handler(name, stop.set)
+    print("READY", flush=True)
+    await stop.wait()
+    running.cancel()
+
+
+def main():
+    if len(sys.argv) < 3 or sys.argv[1] not in ("rtu", "ascii", "tcp"):
+        sys.exit(__doc__)
+    asyncio.run(serve(sys.argv[1], sys.argv[2], [int(n) for n in sys.argv[3:]]))
+
+
+if __name__ == "__main__":
+    main()
