@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "config/loader.hpp"
+
 namespace fieldcast::sim {
 namespace {
 
@@ -105,6 +107,14 @@ TEST(FaultFile, EveryFaultIsNamedAtOnceWithItsPlace) {
         "did you mean holding?", "the range ends before it begins", "f.yaml:8:3: no bus 'mill'"}) {
     EXPECT_NE(faults.find(part), std::string::npos) << part << "\nin\n" << faults;
   }
+}
+
+TEST(FaultFile, TheExampleFitsItsPlant) {
+  const auto example = config::load_file(FIELDCAST_SIM_EXAMPLES "/plant.yaml");
+  ASSERT_TRUE(example) << config::to_text(example.error());
+  const auto loaded = load_faults(FIELDCAST_SIM_EXAMPLES "/faults.yaml", *example);
+  ASSERT_TRUE(loaded) << config::to_text(loaded.error());
+  EXPECT_EQ(loaded->buses.at("press-shop").devices.at("press-2").refused.size(), 1u);
 }
 
 TEST(FaultFile, WrongShapesAreFaultsNotCrashes) {
