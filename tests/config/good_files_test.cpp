@@ -1,6 +1,9 @@
 // Whole files that load: the examples that users start from, and what they mean.
 #include <gtest/gtest.h>
 
+#include <memory>
+
+#include "core/schedule/scheduler.hpp"
 #include "tests/config/support.hpp"
 
 namespace fieldcast::config {
@@ -32,6 +35,184 @@ TEST(GoodFiles, TheMinimalExampleHasTheDefaultsOfTheStandard) {
   EXPECT_EQ(channel.refresh, std::chrono::seconds{1});
   EXPECT_EQ(channel.unit, "V");
   EXPECT_EQ(loaded->dds, DdsSpec{});
+}
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+using std::chrono::minutes;
+using std::chrono::seconds;
+
+class Everything : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto folder = source_dir() / "tests/config/good";
+    auto loaded = load_text(slurp(folder / "everything.yaml"), "everything.yaml", within(folder));
+    ASSERT_TRUE(loaded) << faults_of(loaded);
+    spec = std::move(*loaded);
+    ASSERT_EQ(spec.buses.size(), 3u);
+    ASSERT_EQ(spec.buses[0].devices.size(), 3u);
+  }
+
+  // The channel "full", the same in YAML and in CSV.
+  static ChannelSpec full() {
+    ChannelSpec channel;
+    channel.name = "full";
+    channel.at = "40101";
+    channel.range = {2, 100, 2};
+    channel.encoding = {ValueType::kInt32, 0, WordOrder::kLittleEndian, ByteOrder::kLittleEndian, std::nullopt, 0.5, -40};
+    channel.refresh = milliseconds{250};
+    channel.mode = Mode::kScheduled;
+    channel.access = Access::kReadWrite;
+    channel.on_interest = true;
+    channel.priority = 100;
+    channel.unit = "°C";
+    channel.description = "every key of a channel";
+    channel.deadband = 0.25;
+    channel.heartbeat = minutes{1};
+    channel.limits = {-10, -5, 50, 60.5};
+    channel.write_min = -4;
+    channel.write_max = 40;
+    channel.write_interval = milliseconds{200};
+    return channel;
+  }
+
+  BridgeSpec spec;
+};
+
+TEST_F(Everything, TopLevelKeysArrive) {
+  EXPECT_EQ(spec.name, "all.keys_1");
+  EXPECT_EQ(spec.dds, (DdsSpec{7, {"127.0.0.1", "192.168.1.20"}, "10.0.0.2:11811", "profile.xml", "hall"}));
+  EXPECT_EQ(spec.log.level, LogLevel::kDebug);
+}
+
+TEST_F(Everything, PortsArrive) {
+  EXPECT_EQ(spec.buses[0].port,
+            PortSpec(SerialPortSpec{"/dev/ttyS7", LineFormat{57600, 7, Parity::kOdd, 2}, true, false, false}));
+  EXPECT_EQ(spec.buses[1].port, PortSpec(TcpPortSpec{"plc.local", 4001, LineFormat{9600, 8, Parity::kNone, 1}, seconds{5}}));
+  EXPECT_EQ(spec.buses[2].port, PortSpec(TcpPortSpec{"fe80::1", 502, std::nullopt, seconds{3}}));
+}
+
+TEST_F(Everything, BusKeysArrive) {
+  EXPECT_EQ(spec.buses[0].silence, SilenceRule{CharacterSilence{4.5}});
+  EXPECT_EQ(spec.buses[0].gap_allowance, milliseconds{33});
+  EXPECT_EQ(spec.buses[0].echo, true);
+  EXPECT_EQ(spec.buses[1].silence, SilenceRule{Duration{microseconds{600}}});
+  EXPECT_EQ(spec.buses[1].echo, false);
+  EXPECT_EQ(spec.buses[2].silence, SilenceRule{StandardSilence{}});
+  EXPECT_EQ(spec.buses[2].echo, std::nullopt);
+}
+
+TEST_F(Everything, DefaultsOfABusReachDevicesAndChannelsThatSayNothing) {
+  const auto& device = spec.buses[0].devices[0];
+  EXPECT_EQ(device.protocol, "modbus-ascii");
+  EXPECT_EQ(device.link, (DeviceLink{0x11, {}}));
+  EXPECT_EQ(device.timeout, milliseconds{1500});
+  EXPECT_EQ(device.retries, 4u);
+  EXPECT_EQ(device.pause, microseconds{750});
+  EXPECT_EQ(device.max_block, 64);
+  EXPECT_EQ(device.max_gap, 0);
+  EXPECT_FALSE(device.allow_raw_read || device.allow_raw_write);
+
+  ChannelSpec value;
+  value.name = "value";
+  value.at = "holding:0";
+  value.range = {2, 0, 1};
+  value.encoding = {ValueType::kUint16, 0, WordOrder::kLittleEndian, ByteOrder::kLittleEndian};
+  value.refresh = seconds{2};
+  value.mode = Mode::kIntensive;
+  value.access = Access::kReadWrite;
+  value.on_interest = true;
+  value.priority = -7;
+  value.deadband = 2;
+  value.heartbeat = seconds{90};
+  EXPECT_EQ(device.channels.at(0), value);
+}
+
+TEST_F(Everything, DefaultsHoldWhereTheyCan) {
+  const auto& fixed = spec.buses[0].devices[0].channels.at(1);
+  EXPECT_EQ(fixed.access, Access::kReadOnly) << "an input cannot be written, whatever the bus says";
+  EXPECT_EQ(fixed.heartbeat, std::nullopt) << "no deadband, no heartbeat";
+  EXPECT_EQ(fixed.encoding.type, ValueType::kBool) << "an input is one bit";
+}
+
+TEST_F(Everything, ADeviceOverridesItsTemplateAndTheTemplateItsBus) {
+  const auto& device = spec.buses[0].devices[1];
+  EXPECT_EQ(device.link, (DeviceLink{18, {{"mask-write", "true"}, {"write-single", "multiple"}}}));
+  EXPECT_FALSE(device.allow_raw_read);
+  EXPECT_TRUE(device.allow_raw_write);
+  EXPECT_EQ(device.timeout, milliseconds{60});
+  EXPECT_EQ(device.retries, 0u);
+  EXPECT_EQ(device.pause, milliseconds{1});
+  EXPECT_EQ(device.max_block, 32);
+  EXPECT_EQ(device.max_gap, 5);
+
+  ASSERT_EQ(device.channels.size(), 3u);
+  ChannelSpec coil;
+  coil.name = "from-template";
+  coil.at = "coil:5";
+  coil.range = {0, 5, 1};
+  coil.encoding.type = ValueType::kBool;
+  coil.refresh = seconds{3};
+  coil.mode = Mode::kOnDemand;
+  coil.priority = 8;
+  EXPECT_EQ(device.channels[0], coil);
+}
+
+TEST_F(Everything, AChannelOverridesItsDevice) {
+  EXPECT_EQ(spec.buses[0].devices[1].channels.at(1), full());
+  const auto& bit = spec.buses[0].devices[1].channels.at(2);
+  EXPECT_EQ(bit.encoding.bit, 9);
+  EXPECT_EQ(bit.range, (Range{2, 7, 1}));
+}
+
+TEST_F(Everything, AChannelListSaysTheSameAsYaml) {
+  const auto& channels = spec.buses[0].devices[2].channels;
+  ASSERT_EQ(channels.size(), 2u);
+  auto same = full();
+  same.description = "a \"list\"; of keys";
+  EXPECT_EQ(channels[0], same);
+  EXPECT_EQ(channels[1].encoding.bit, 9);
+}
+
+TEST_F(Everything, ADeviceMaySpeakAnotherProtocolThanItsBus) {
+  EXPECT_EQ(spec.buses[1].devices[0].protocol, "modbus-rtu");
+  EXPECT_TRUE(spec.buses[1].devices[0].allow_raw_read && spec.buses[1].devices[0].allow_raw_write);
+  EXPECT_EQ(spec.buses[2].devices[0].link.address, 255);
+}
+
+TEST(GoodFiles, TheDemoHasAHundredChannelsOnSixDevices) {
+  const auto demo = load_file((source_dir() / "config/examples/demo.yaml").string());
+  ASSERT_TRUE(demo) << faults_of(demo);
+  std::size_t devices = 0, channels = 0;
+  for (const auto& bus : demo->buses) {
+    devices += bus.devices.size();
+    for (const auto& device : bus.devices) channels += device.channels.size();
+  }
+  EXPECT_EQ(demo->buses.size(), 2u);
+  EXPECT_EQ(devices, 6u);
+  EXPECT_EQ(channels, 100u);
+}
+
+// With devices that answer after 5 ms. What a plan needs is the scheduler's word; this keeps the examples honest.
+TEST(GoodFiles, ExamplesNeedLessThanHalfOfEachWire) {
+  for (const auto& path : files_of(source_dir() / "config/examples", ".yaml")) {
+    const auto loaded = load_file(path.string());
+    ASSERT_TRUE(loaded) << faults_of(loaded);
+    for (const auto& bus : loaded->buses) {
+      const auto line = line_of(bus.port);
+      ScheduleInput input{line, silence_of(bus.silence, line), {}, {}};
+      std::vector<std::unique_ptr<Protocol>> protocols;
+      for (const auto& device : bus.devices) {
+        protocols.push_back(std::move(*find_protocol(device.protocol)->make(device.link)));
+        input.devices.push_back({protocols.back().get(), milliseconds{5}, device.pause, device.max_block, device.max_gap});
+        for (const auto& channel : device.channels) {
+          const auto index = static_cast<DeviceIndex>(input.devices.size() - 1);
+          input.points.push_back({index, channel.range, channel.refresh, channel.mode, channel.priority});
+        }
+      }
+      EXPECT_LT(make_scheduler(input)->planned_load(), 0.5) << path << ", bus " << bus.name;
+    }
+  }
 }
 
 }  // namespace

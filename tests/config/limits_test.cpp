@@ -1,0 +1,111 @@
+// What a configuration may hold: at the limit it loads, beyond it a fault says so.
+#include "config/limits.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/config/support.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+using testing::HasSubstr;
+
+std::string channel_lines(std::size_t count) {
+  std::string lines;
+  for (std::size_t i = 0; i < count; ++i) {
+    lines += "          - { name: c" + std::to_string(i) + ", at: \"holding:" + std::to_string(i % 60000) + "\", type: int16 }\n";
+  }
+  return lines;
+}
+
+Loaded load(const std::string& text) { return load_text(text, "plant.yaml", {}); }
+
+TEST(Limits, AHundredThousandChannelsLoadAndOneMoreIsAFault) {
+  const auto most = load(plant(channel_lines(kMaxChannels)));
+  ASSERT_TRUE(most) << faults_of(most);
+  EXPECT_EQ(most->buses[0].devices[0].channels.size(), kMaxChannels);
+
+  const auto more = load(plant(channel_lines(kMaxChannels + 1)));
+  EXPECT_EQ(faults_of(more), "plant.yaml:10:11: too many channels; allowed: 100000 of a bridge\n");
+}
+
+TEST(Limits, ChannelsOfTemplatesCountOnceForEachDevice) {
+  std::string shared = "channels:\n";
+  for (int i = 0; i < 1000; ++i) shared += "  - { name: c" + std::to_string(i) + ", at: \"coil:" + std::to_string(i) + "\" }\n";
+  std::string text = "bridge: b\nbuses:\n  - name: bus\n    port: { tcp: \"h:502\" }\n    protocol: modbus-tcp\n    devices:\n";
+  for (int i = 1; i <= 101; ++i)
+    text += "      - { name: d" + std::to_string(i) + ", address: " + std::to_string(i) + ", template: big }\n";
+  const auto loaded = load_text(text, "plant.yaml", texts({{"devices/big.yaml", shared}}));
+  EXPECT_EQ(faults_of(loaded), "plant.yaml:107:9: too many channels; allowed: 100000 of a bridge\n");
+}
+
+std::string buses(std::size_t count) {
+  std::string text = "bridge: b\nbuses:\n";
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto n = std::to_string(i);
+    text += "  - { name: b" + n + ", port: { serial: /dev/ttyS" + n +
+            " }, protocol: modbus-rtu, devices: [ { name: d, address: 1, allow: [raw-read] } ] }\n";
+  }
+  return text;
+}
+
+TEST(Limits, TwoHundredAndFiftySixBusesLoadAndOneMoreIsAFault) {
+  EXPECT_EQ(faults_of(load(buses(kMaxBuses))), "");
+  EXPECT_EQ(faults_of(load(buses(kMaxBuses + 1))), "plant.yaml:259:5: too many buses; allowed: 256 of a bridge\n");
+}
+
+TEST(Limits, ABusHoldsAsManyDevicesAsModbusHasAddresses) {
+  std::string text = "bridge: b\nbuses:\n  - name: bus\n    port: { tcp: \"h:502\" }\n    protocol: modbus-tcp\n    devices:\n";
+  for (unsigned i = 1; i <= kMaxDevices; ++i) {
+    text += "      - { name: d" + std::to_string(i) + ", address: " + std::to_string(i) + ", allow: [raw-read] }\n";
+  }
+  EXPECT_EQ(faults_of(load(text)), "");
+  EXPECT_EQ(faults_of(load(text + "      - { name: more, address: 248, allow: [raw-read] }\n")),
+            "plant.yaml:254:9: too many devices; allowed: 247 of a bus\n");
+}
+
+TEST(Limits, FaultsEndWithAWordAboutTheRest) {
+  std::string lines;
+  for (std::size_t i = 0; i < kMaxFaults + 50; ++i)
+    lines += "          - { name: c" + std::to_string(i) + ", at: nowhere, type: int16 }\n";
+  const auto loaded = load(plant(lines));
+  ASSERT_FALSE(loaded);
+  EXPECT_EQ(loaded.error().size(), kMaxFaults + 1);
+  EXPECT_THAT(loaded.error().back().what, HasSubstr("more faults"));
+}
+
+TEST(Limits, AFileBeyondItsSizeIsNotParsed) {
+  EXPECT_EQ(faults_of(load(std::string(kMaxFileBytes + 1, '['))), "plant.yaml:1:1: the file is too large; allowed: 16 MiB\n");
+}
+
+TEST(Limits, NamedFilesShareOneBudget) {
+  const std::string list = "name,at,type\n" + std::string(kMaxFileBytes - 100, '#') + "\na,holding:1,int16\n";
+  std::map<std::string, std::string> files;
+  std::string text = "bridge: b\nbuses:\n  - name: bus\n    port: { tcp: \"h:502\" }\n    protocol: modbus-tcp\n    devices:\n";
+  for (int i = 1; i <= 5; ++i) {
+    const auto n = std::to_string(i);
+    files[n + ".csv"] = list;
+    text += "      - { name: d" + n + ", address: " + n + ", channels: " + n + ".csv }\n";
+  }
+  EXPECT_THAT(faults_of(load_text(text, "plant.yaml", texts(files))),
+              testing::EndsWith("channel list '4.csv' is too large\nplant.yaml:11:43: channel list '5.csv' is too large\n"));
+}
+
+TEST(Limits, NestingBeyondEveryParserEndsEarly) {
+  for (const char open : {'[', '{'}) EXPECT_FALSE(load(std::string(200'000, open)));
+  std::string dashes;
+  for (int i = 0; i < 100'000; ++i) dashes += "- ";
+  EXPECT_THAT(faults_of(load(dashes)), HasSubstr("too deep nesting"));
+}
+
+TEST(Limits, AnAliasMayRepeatWhatItNames) {
+  const auto loaded =
+      load(plant("          - { name: a, at: \"holding:1\", type: int16, limits: &l { low: 1, high: 2 } }\n"
+                 "          - { name: b, at: \"holding:2\", type: int16, limits: *l }\n"));
+  ASSERT_TRUE(loaded) << faults_of(loaded);
+  EXPECT_EQ(loaded->buses[0].devices[0].channels[1].limits.high, 2);
+}
+
+}  // namespace
+}  // namespace fieldcast::config

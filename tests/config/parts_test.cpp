@@ -1,0 +1,120 @@
+// The small parts: spellings of numbers, durations and ports, suggestions, and where files are looked for.
+#include <gtest/gtest.h>
+
+#include "config/port.hpp"
+#include "config/scalars.hpp"
+#include "config/suggest.hpp"
+#include "tests/config/support.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+using std::chrono::minutes;
+
+TEST(Duration, IsANumberDirectlyFollowedByItsUnit) {
+  EXPECT_EQ(duration_from("500us"), microseconds{500});
+  EXPECT_EQ(duration_from("0.25ms"), microseconds{250});
+  EXPECT_EQ(duration_from("1.5s"), milliseconds{1500});
+  EXPECT_EQ(duration_from("2min"), minutes{2});
+  EXPECT_EQ(duration_from("0s"), Duration{});
+  for (const auto* text :
+       {"", "s", "1", "1 s", "-1s", "+1s", "1.s", ".5s", "1.2.3s", "1e3s", "0x1s", "infs", "nans", "1h", "1m", "1sms"}) {
+    EXPECT_EQ(duration_from(text), std::nullopt) << text;
+  }
+}
+
+TEST(Duration, TooLargeForItsTypeIsLongerThanEveryLimit) {
+  for (const auto* text : {"9999999999999s", "99999999999999999999999999min"})
+    EXPECT_GT(duration_from(text), minutes{60 * 24 * 365}) << text;
+  EXPECT_GT(duration_from(std::string(400, '9') + "us"), minutes{60 * 24 * 365});
+}
+
+TEST(Number, IsFiniteAndWhole) {
+  EXPECT_EQ(number_from("-2.5e1"), -25.0);
+  for (const auto* text : {"", "x", "1x", "1 ", " 1", "inf", "nan", "1e999", "0,1", "--1"})
+    EXPECT_EQ(number_from(text), std::nullopt) << text;
+  EXPECT_EQ(whole_from("0x1F"), 31);
+  EXPECT_EQ(whole_from("-7"), -7);
+  for (const auto* text : {"", "0x", "0x-1", "1.0", "9223372036854775808", "one"})
+    EXPECT_EQ(whole_from(text), std::nullopt) << text;
+}
+
+TEST(PortText, FormatIsDataParityStop) {
+  EXPECT_EQ(format_from("8N1"), (LineFormat{19200, 8, Parity::kNone, 1}));
+  EXPECT_EQ(format_from("7E2"), (LineFormat{19200, 7, Parity::kEven, 2}));
+  EXPECT_EQ(format_from("8O1"), (LineFormat{19200, 8, Parity::kOdd, 1}));
+  for (const auto* text : {"", "8n1", "9N1", "8N3", "8N", "8N11", "8X1"}) EXPECT_EQ(format_from(text), std::nullopt) << text;
+}
+
+TEST(PortText, EndpointIsHostAndPort) {
+  EXPECT_EQ(host_port_from("10.0.0.7:502"), (std::pair<std::string, std::uint16_t>{"10.0.0.7", 502}));
+  EXPECT_EQ(host_port_from("plc-1.local:65535"), (std::pair<std::string, std::uint16_t>{"plc-1.local", 65535}));
+  EXPECT_EQ(host_port_from("[::1]:1"), (std::pair<std::string, std::uint16_t>{"::1", 1}));
+  for (const auto* text :
+       {"", ":", "h", "h:", ":502", "h:0", "h:65536", "h:-1", "h:0x10", "h:5x", "::1:502", "[]:502", "a b:502", "a/b:502"}) {
+    EXPECT_EQ(host_port_from(text), std::nullopt) << text;
+  }
+}
+
+TEST(Suggestion, IsAHabitANearMissOrABeginning) {
+  static constexpr std::string_view kKeys[] = {"refresh", "float32", "description", "at"};
+  EXPECT_EQ(closest("period", kKeys), "refresh");
+  EXPECT_EQ(closest("refersh", kKeys), "refresh");
+  EXPECT_EQ(closest("Refresh", kKeys), "refresh");
+  EXPECT_EQ(closest("float", kKeys), "float32");
+  EXPECT_EQ(closest("address", kKeys), "at");
+  EXPECT_EQ(closest("zebra", kKeys), "");
+  EXPECT_EQ(closest("", kKeys), "");
+}
+
+TEST(Files, AreRelativeToTheFileThatNamesThem) {
+  const auto reader = texts({{"plants/devices/kind.yaml", "channels: lists/kind.csv\n"},
+                             {"plants/devices/lists/kind.csv", "name,at\na,coil:1\n"},
+                             {"plants/own.csv", "name,at\nb,coil:2\n"}});
+  const auto loaded = load_text(
+      "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0 }\n    protocol: modbus-rtu\n    devices:\n"
+      "      - { name: d, address: 1, template: kind, channels: own.csv }\n",
+      "plants/line.yaml", reader);
+  ASSERT_TRUE(loaded) << faults_of(loaded);
+  ASSERT_EQ(loaded->buses[0].devices[0].channels.size(), 2u);
+  EXPECT_EQ(loaded->buses[0].devices[0].channels[0].name, "a");
+  EXPECT_EQ(loaded->buses[0].devices[0].channels[1].name, "b");
+}
+
+TEST(Files, TheFolderBesideTheConfigurationComesBeforeTheShippedTemplates) {
+  const std::string text =
+      "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0 }\n    protocol: modbus-rtu\n    devices:\n"
+      "      - { name: d, address: 1, template: kind }\n";
+  const std::string shipped = "channels: [ { name: shipped, at: \"coil:1\" } ]\n",
+                    own = "channels: [ { name: own, at: \"coil:1\" } ]\n";
+  const LoadOptions options{{"/share/first", "/share/second/"}};
+  const auto name = [&](const FileReader& reader) {
+    return load_text(text, "/etc/line.yaml", reader, options)->buses[0].devices[0].channels[0].name;
+  };
+  EXPECT_EQ(name(texts({{"/share/second/kind.yaml", shipped}})), "shipped");
+  EXPECT_EQ(name(texts({{"/share/second/kind.yaml", shipped}, {"/etc/devices/kind.yaml", own}})), "own");
+}
+
+TEST(Files, WhatIsNoRegularFileIsAFault) {
+  EXPECT_EQ(faults_of(load_file("/dev/zero")), "/dev/zero:1:1: the file cannot be read\n");
+  EXPECT_EQ(faults_of(load_file("/")), "/:1:1: the file cannot be read\n");
+  EXPECT_EQ(faults_of(load_file("/no/such.yaml")), "/no/such.yaml:1:1: the file does not exist\n");
+}
+
+TEST(Files, SmallWindowsHabitsAreTolerated) {
+  std::string text = "\xEF\xBB\xBF" + plant("          - { name: a, at: \"holding:1\", type: int16 }\n");
+  std::string crlf;
+  for (const char c : text) crlf += c == '\n' ? std::string("\r\n") : std::string(1, c);
+  EXPECT_EQ(faults_of(load_text(crlf, "plant.yaml", {})), "");
+}
+
+TEST(Faults, SpeakInOneLine) {
+  EXPECT_EQ(to_text(Fault{"a.yaml", 3, 7, "what", "this, that", "this"}),
+            "a.yaml:3:7: what; allowed: this, that; did you mean this?");
+  EXPECT_EQ(to_text(Fault{"a.yaml", 3, 7, "what", "", ""}), "a.yaml:3:7: what");
+}
+
+}  // namespace
+}  // namespace fieldcast::config
