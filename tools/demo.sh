@@ -102,13 +102,16 @@ bridge=$!
 
 watch=("$bin/fieldcast" watch --config "$run/plant.yaml")
 code=0
+trap : INT  # ends the table; then its sum, and everything in order
 if [ -t 1 ] || [ -z "$seconds" ]; then
   "${watch[@]}" ${seconds:+--for "${seconds}s"} 2>"$run/watch.log" || code=$?
 else  # no terminal: thousands of lines help nobody, the last state does
   "${watch[@]}" --for "${seconds}s" >"$run/samples.log" 2>"$run/watch.log" || code=$?
   alive "$bridge" && [ "$code" -eq 0 ] && { "${watch[@]}" --once 2>/dev/null || true; }
 fi
+trap 'exit 130' INT
 cat "$run/watch.log"
+[ "$code" -ne 130 ] || exit 130
 for name in sim bridge; do alive "${!name}" || { explain "$name"; fail "fieldcast-$name ended by itself"; }; done
 [ "$code" -eq 0 ] || { explain bridge; fail "no values flowed (fieldcast watch ended with $code)"; }
 [ -z "$seconds" ] || grep -qE ' [1-9][0-9]* of them GOOD' "$run/watch.log" || { explain bridge; fail "samples came, but none was GOOD"; }

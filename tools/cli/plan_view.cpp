@@ -91,9 +91,7 @@ TextTable channel_table(const BusPlan& plan) {
                    {row.channel->at, Tone::kFaint},
                    {to_text(row.channel->refresh)},
                    {milliseconds(row.forecast->worst_gap), tightness > 1 ? Tone::kBad : Tone::kPlain},
-                   {formatted("%.0f %%", tightness * 100), tightness > 1      ? Tone::kBad
-                                                           : tightness > 0.95 ? Tone::kWarning
-                                                                              : Tone::kGood},
+                   {formatted("%.0f %%", tightness * 100), tightness > 1 ? Tone::kBad : Tone::kGood},
                    {std::to_string(row.forecast->reads)}});
   }
   return table;
