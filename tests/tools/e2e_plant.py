@@ -32,6 +32,8 @@ buses:
           - { name: speed, at: "holding:210", type: uint16, scale: 0.1, unit: rpm, access: read-write }
           - { name: energy, at: "holding:220", type: uint64, access: read-write }
           - { name: running, at: "coil:3", type: bool, access: read-write }
+          - { name: article, at: "holding:310", type: uint16, acquire: on-interest }
+          - { name: batch, at: "holding:320", type: uint16, acquire: on-interest }
           - { name: label, at: "holding:300", type: string(8), access: read-write }
   - name: slow
     port: { serial: {run}/slow, baud: 9600, format: 8E1 }
@@ -43,8 +45,9 @@ buses:
           - { name: voltage, at: "holding:0", type: float32, unit: V }
           - { name: counts, at: "holding:10", type: int32 }
 """
-CHANNELS = {"fast/press/" + name for name in ("temperature", "level", "setpoint", "speed", "energy", "running", "label")}
+CHANNELS = {"fast/press/" + name for name in ("temperature", "level", "setpoint", "speed", "energy", "running", "article", "batch", "label")}
 CHANNELS |= {"slow/meter/voltage", "slow/meter/counts"}
+WISHED, NEVER_WISHED = "fast/press/article", "fast/press/batch"  # read only while somebody wishes them
 
 plant = None
 
@@ -72,7 +75,11 @@ class Watch(unittest.TestCase):
     def test_every_channel_is_good(self):
         samples = self.once()
         self.assertEqual(set(samples), CHANNELS)
-        self.assertEqual({path: sample["quality"] for path, sample in samples.items()}, dict.fromkeys(CHANNELS, "GOOD"))
+        qualities = {path: sample["quality"] for path, sample in samples.items()}
+        qualities.pop(WISHED)  # by another test, at some time or other
+        self.assertEqual(qualities, {**dict.fromkeys(CHANNELS - {WISHED}, "GOOD"), NEVER_WISHED: "NOT_YET_READ"})
+        self.assertIsNone(samples.pop(NEVER_WISHED)["value"])
+        samples.pop(WISHED)
         self.assertIsInstance(samples["fast/press/running"]["value"], bool)
         self.assertIsInstance(samples["fast/press/level"]["value"], int)
         self.assertIsInstance(samples["fast/press/temperature"]["value"], float)
@@ -96,6 +103,18 @@ class Watch(unittest.TestCase):
         sequences = [sample["sequence"] for sample in result.json_lines()]
         self.assertGreater(len(sequences), 5, "a refresh of 200 ms gives about 15 samples in 3 s")
         self.assertEqual(sequences, sorted(set(sequences)))
+
+    def test_a_wish_is_granted_while_it_lasts(self):
+        result = plant.cli("watch", WISHED, "--refresh", "200ms", "--json", "--for", "4s")
+        self.assertEqual(result.code, 0, str(result))
+        self.assertGreater(sum(sample["quality"] == "GOOD" for sample in result.json_lines()), 5, str(result))
+
+    def test_a_closed_output_ends_it(self):
+        process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast"), "watch", "--config", plant.file, "--json"],
+                                   stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        self.assertTrue(process.stdout.readline())
+        process.stdout.close()
+        self.assertEqual(process.wait(timeout=10), 9)
 
     def test_control_c_ends_it_at_once(self):
         process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast"), "watch", "--config", plant.file, "--json"],

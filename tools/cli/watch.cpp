@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 #include <ostream>
+#include <utility>
 
 #include "tools/cli/clock.hpp"
 #include "tools/cli/console.hpp"
@@ -30,6 +31,7 @@ class Watch {
   void draw(Instant now);
   [[nodiscard]] bool complete(Instant now) const;
   void print_all();
+  void print_table(const Screen& screen);
   void print(const StationSample& sample);
   [[nodiscard]] ExitCode verdict() const;
 
@@ -70,7 +72,7 @@ ExitCode Watch::run() {
     }
     out_.flush();
   }
-  screen_.reset();
+  if (std::exchange(screen_, nullptr)) print_table(output_screen());
   if (options_.once && !session_.interrupted()) print_all();
   out_.flush();
   err_ << "fieldcast watch: " << model_.summary();
@@ -98,17 +100,20 @@ void Watch::draw(Instant now) {
 }
 
 bool Watch::complete(Instant now) const {
-  return model_.anything_announced() && model_.awaited() == 0 && now - last_news_ > kQuietTime;
+  return model_.anything_announced() && model_.awaited(options_.refresh.has_value()) == 0 && now - last_news_ > kQuietTime;
 }
 
 void Watch::print_all() {
   if (!options_.json && output_is_terminal()) {
     auto screen = output_screen();
     screen.rows = 0;
-    for (const auto& line : watch_lines(model_, instant_now(), utc_now(), screen)) out_ << line << '\n';
-    return;
+    return print_table(screen);
   }
   for (const auto& [path, row] : model_.rows()) print(row.sample);
+}
+
+void Watch::print_table(const Screen& screen) {
+  for (const auto& line : watch_lines(model_, instant_now(), utc_now(), screen)) out_ << line << '\n';
 }
 
 void Watch::print(const StationSample& sample) {

@@ -17,9 +17,9 @@ void RateMeter::count(Instant now) {
 double RateMeter::rate(Instant now) const {
   if (!began_) return 0;
   const double elapsed = to_seconds(now - *began_);
-  // A full window without a new one begun: what came slows down, or stopped.
-  return elapsed >= to_seconds(kWindow) || last_ == 0 ? static_cast<double>(counted_) / std::max(elapsed, to_seconds(kWindow))
-                                                      : last_;
+  if (last_ != 0 && elapsed < to_seconds(kWindow)) return last_;
+  // The first window, or a full one without a new one begun: what came slows down, or stopped. Two samples make one interval.
+  return counted_ < 2 || elapsed <= 0 ? 0 : static_cast<double>(counted_ - 1) / elapsed;
 }
 
 WatchModel::Row* WatchModel::row(const ChannelPath& path) {
@@ -69,11 +69,11 @@ std::size_t WatchModel::sampled() const {
       std::count_if(rows_.begin(), rows_.end(), [](const auto& entry) { return entry.second.sample.sequence != 0; }));
 }
 
-std::size_t WatchModel::awaited() const {
-  return static_cast<std::size_t>(std::count_if(rows_.begin(), rows_.end(), [this](const auto& entry) {
+std::size_t WatchModel::awaited(bool wished) const {
+  return static_cast<std::size_t>(std::count_if(rows_.begin(), rows_.end(), [&](const auto& entry) {
     const auto* about = catalogue_.find(entry.first);
     return !entry.second.gone && entry.second.sample.quality == Quality::kNotYetRead && about != nullptr &&
-           about->refresh != Duration{};
+           (wished || about->refresh != Duration{});
   }));
 }
 

@@ -53,8 +53,8 @@ class WatchModel {
   [[nodiscard]] std::size_t good() const;
   [[nodiscard]] std::size_t sampled() const;                            // channels of which at least one sample came
   [[nodiscard]] bool anything_announced() const { return announced_; }  // a bridge is there, whatever it has
-  // Announced channels that promise samples and of which no real one came yet.
-  [[nodiscard]] std::size_t awaited() const;
+  // Announced channels that promise samples and of which no real one came yet; with a wish of ours every one of them promises.
+  [[nodiscard]] std::size_t awaited(bool wished = false) const;
 
   // "1234 samples of 100 channels, 98 of them GOOD"
   [[nodiscard]] std::string summary() const;

@@ -42,8 +42,10 @@ TEST(WatchModel, AwaitsChannelsThatPromiseSamplesOnly) {
   model.on_channel(channel("d", "promised"));
   model.on_channel(channel("d", "on-demand", 0ns));
   EXPECT_EQ(model.awaited(), 1u);
+  EXPECT_EQ(model.awaited(true), 2u);
   model.on_sample(sample("d", "promised", false, Quality::kNotYetRead), kStart);
   EXPECT_EQ(model.awaited(), 1u);
+  EXPECT_EQ(model.awaited(true), 2u);
   model.on_sample(sample("d", "promised", false, Quality::kBadNoAnswer), kStart);  // bad news are news
   EXPECT_EQ(model.awaited(), 0u);
 }
@@ -61,6 +63,9 @@ TEST(WatchModel, ChannelThatIsGoneIsNoLongerGoodUntilItIsBack) {
 TEST(RateMeter, FollowsWhatComes) {
   RateMeter meter;
   EXPECT_EQ(meter.rate(kStart), 0);
+  meter.count(kStart - 1s);
+  meter.count(kStart - 500ms);
+  EXPECT_NEAR(meter.rate(kStart - 500ms), 2, 1e-9);
   for (int i = 0; i < 40; ++i) meter.count(kStart + i * 100ms);
   EXPECT_NEAR(meter.rate(kStart + 4s), 10, 0.6);
   EXPECT_LT(meter.rate(kStart + 60s), 1);
@@ -75,7 +80,7 @@ TEST(WatchView, ShowsValueUnitQualityAgeAndRefresh) {
   const auto lines = watch_lines(model, kStart, UtcTime{kUtc.nanoseconds + 250'000'000}, {});
   ASSERT_EQ(lines.size(), 3u);
   EXPECT_THAT(lines[0], HasSubstr("1 sample of 1 channel, 1 of them GOOD"));
-  EXPECT_THAT(lines[2], testing::MatchesRegex("bus/d/a +2.5 +bar +GOOD +0.25 s +500ms +0.5/s"));
+  EXPECT_THAT(lines[2], testing::MatchesRegex("bus/d/a +2.5 +bar +GOOD +0.25 s +500ms +0.0/s"));
 }
 
 TEST(WatchView, NeverHasMoreLinesThanTheScreen) {
