@@ -1,0 +1,226 @@
+// The whole bridge in this process: pseudo-terminals on one side, a DDS station on the other.
+#include "bridge/bridge.hpp"
+
+#include <gmock/gmock.h>
+
+#include <condition_variable>
+
+#include "bridge/dds/station.hpp"
+#include "tests/bridge/support/modbus_device.hpp"
+
+namespace fieldcast {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using test::ModbusDevice;
+using test::Pty;
+
+BusSpec bus_at(const std::string& name, const std::string& path) {
+  BusSpec bus;
+  bus.name = name;
+  SerialPortSpec port;
+  port.path = path;
+  port.line = {115200, 8, Parity::kNone, 1};
+  bus.port = port;
+  DeviceSpec device;
+  device.name = "plc";
+  device.protocol = "modbus-rtu";
+  device.timeout = milliseconds{100};
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    ChannelSpec channel;
+    channel.name = "r" + std::to_string(i);
+    channel.at = "holding:" + std::to_string(i);
+    channel.range = {2, i, 1};
+    channel.refresh = milliseconds{100};
+    channel.access = Access::kReadWrite;
+    device.channels.push_back(channel);
+  }
+  bus.devices.push_back(device);
+  return bus;
+}
+
+// What a station hears, waited for with a deadline.
+class Ear {
+ public:
+  explicit Ear(const DdsSpec& dds) : station(dds, "ear") {
+    station.subscribe_samples([this](const StationSample& sample) {
+      {
+        const std::lock_guard lock(mutex_);
+        samples_.push_back(sample);
+      }
+      changed_.notify_all();
+    });
+  }
+  [[nodiscard]] bool hears(const std::function<bool(const StationSample&)>& wanted, milliseconds limit = seconds{15}) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, limit, [&] { return std::any_of(samples_.begin(), samples_.end(), wanted); });
+  }
+  void forget() {
+    const std::lock_guard lock(mutex_);
+    samples_.clear();
+  }
+  [[nodiscard]] std::vector<StationSample> samples() {
+    const std::lock_guard lock(mutex_);
+    return samples_;
+  }
+  Station station;
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<StationSample> samples_;
+};
+
+std::function<bool(const StationSample&)> good_from(const std::string& bus) {
+  return [bus](const StationSample& sample) { return sample.bus == bus && sample.quality == Quality::kGood; };
+}
+
+StationCommand write_to(const std::string& bus, const std::string& channel, std::uint64_t value) {
+  StationCommand command;
+  command.bus = bus;
+  command.command.device = "plc";
+  command.command.target = ChannelTarget{channel};
+  command.command.values = {Value{value}};
+  return command;
+}
+
+struct BridgeTest : testing::Test {
+  BridgeTest() {
+    // A domain of its own for each test of each run: tests run at the same time.
+    spec.name = "line";
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    spec.dds.domain = 100 + static_cast<std::uint32_t>((std::hash<std::string>{}(info->name()) + ::getpid()) % 100);
+    spec.buses = {bus_at("one", first.path()), bus_at("two", second.path())};
+  }
+
+  BridgeSpec spec;
+  Pty first, second;
+};
+
+TEST_F(BridgeTest, AStationHearsEveryBus) {
+  ModbusDevice a(first), b(second);
+  Ear ear(spec.dds);
+  Bridge bridge;
+  ASSERT_TRUE(bridge.start(spec));
+  EXPECT_TRUE(ear.hears(good_from("one")));
+  EXPECT_TRUE(ear.hears(good_from("two")));
+}
+
+TEST_F(BridgeTest, ACommandReachesTheDeviceAndItsResultTheStation) {
+  ModbusDevice a(first), b(second);
+  Ear ear(spec.dds);
+  Bridge bridge;
+  ASSERT_TRUE(bridge.start(spec));
+  ASSERT_TRUE(ear.hears(good_from("two")));
+  const auto result = ear.station.execute(write_to("two", "r1", 4711), seconds{10});
+  ASSERT_TRUE(result) << to_text(result.error());
+  EXPECT_EQ(result->state, CommandState::kDone) << result->reason;
+  EXPECT_EQ(b.held(1), 4711);
+  EXPECT_EQ(b.writes(), 1u);
+  EXPECT_EQ(a.writes(), 0u);
+}
+
+TEST_F(BridgeTest, ReloadRestartsOnlyWhatChanged) {
+  ModbusDevice a(first), b(second);
+  Ear ear(spec.dds);
+  Bridge bridge;
+  ASSERT_TRUE(bridge.start(spec));
+  ASSERT_TRUE(ear.hears(good_from("one")));
+  ASSERT_TRUE(ear.hears(good_from("two")));
+  BridgeSpec wanted = spec;
+  wanted.buses[1].devices[0].channels[0].name = "renamed";
+  ASSERT_TRUE(bridge.reload(wanted));
+  EXPECT_TRUE(
+      ear.hears([](const StationSample& s) { return s.bus == "two" && s.channel == "renamed" && s.quality == Quality::kGood; }));
+  ear.forget();
+  ASSERT_TRUE(ear.hears(good_from("one")));
+  // A bus that was restarted counts its samples from 1 again; this one went on.
+  std::map<std::string, std::uint64_t> last;
+  for (const StationSample& sample : ear.samples()) {
+    if (sample.bus != "one") continue;
+    EXPECT_GT(sample.sequence, 1u);
+    EXPECT_GT(sample.sequence, last[sample.channel]);
+    last[sample.channel] = sample.sequence;
+  }
+}
+
+TEST_F(BridgeTest, ARemovedBusIsSilentAndANewOneSpeaks) {
+  ModbusDevice a(first), b(second);
+  Ear ear(spec.dds);
+  Bridge bridge;
+  BridgeSpec before = spec;
+  before.buses.pop_back();
+  ASSERT_TRUE(bridge.start(before));
+  ASSERT_TRUE(ear.hears(good_from("one")));
+  BridgeSpec after = spec;
+  after.buses.erase(after.buses.begin());
+  ASSERT_TRUE(bridge.reload(after));
+  EXPECT_TRUE(ear.hears(good_from("two")));
+  const unsigned reads = a.reads();
+  ear.forget();
+  ASSERT_TRUE(ear.hears(good_from("two")));
+  EXPECT_EQ(a.reads(), reads);
+}
+
+TEST_F(BridgeTest, AReloadThatCannotWorkLeavesTheOldOneRunning) {
+  ModbusDevice a(first), b(second);
+  Ear ear(spec.dds);
+  Bridge bridge;
+  ASSERT_TRUE(bridge.start(spec));
+  ASSERT_TRUE(ear.hears(good_from("one")));
+  BridgeSpec wanted = spec;
+  wanted.dds.interfaces = {"203.0.113.77"};  // of nobody (RFC 5737)
+  EXPECT_FALSE(bridge.reload(wanted));
+  ear.forget();
+  EXPECT_TRUE(ear.hears(good_from("one")));
+  EXPECT_TRUE(ear.hears(good_from("two")));
+}
+
+TEST_F(BridgeTest, StoppingAnswersWhatWaitsAndEndsInTime) {
+  ModbusDevice a(first), b(second);
+  Ear ear(spec.dds);
+  std::mutex mutex;
+  std::map<std::uint64_t, int> results;
+  ear.station.on_result([&](const StationResult& result) {
+    const std::lock_guard lock(mutex);
+    ++results[result.request_id];
+  });
+  Bridge bridge;
+  ASSERT_TRUE(bridge.start(spec));
+  ASSERT_TRUE(ear.hears(good_from("one")));
+  a.set_silent(true);
+  constexpr std::size_t kCommands = 20;
+  std::vector<std::uint64_t> sent;
+  for (std::size_t i = 0; i < kCommands; ++i) {
+    const auto id = ear.station.send(write_to("one", "r0", i), seconds{10});
+    ASSERT_TRUE(id) << to_text(id.error());
+    sent.push_back(*id);
+  }
+  // Commands of one writer arrive in order: with the answer to a later one, all of them are in the bridge.
+  ASSERT_TRUE(ear.station.execute(write_to("two", "r0", 1), seconds{10}));
+  const auto before = std::chrono::steady_clock::now();
+  bridge.stop();
+  EXPECT_LT(std::chrono::steady_clock::now() - before, seconds{2});  // the promise of the program, not a measurement
+  const auto deadline = std::chrono::steady_clock::now() + seconds{5};
+  for (;;) {
+    {
+      const std::lock_guard lock(mutex);
+      if (results.size() > kCommands || std::chrono::steady_clock::now() > deadline) break;
+    }
+    std::this_thread::yield();
+  }
+  const std::lock_guard lock(mutex);
+  for (const std::uint64_t id : sent) EXPECT_EQ(results[id], 1) << "request " << id;
+}
+
+TEST_F(BridgeTest, DdsThatCannotBeJoinedIsAnErrorInWords) {
+  spec.dds.interfaces = {"203.0.113.77"};
+  Bridge bridge;
+  const auto started = bridge.start(spec);
+  ASSERT_FALSE(started);
+  EXPECT_THAT(started.error(), testing::HasSubstr("203.0.113.77"));
+}
+
+}  // namespace
+}  // namespace fieldcast
