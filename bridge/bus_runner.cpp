@@ -84,7 +84,10 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     engine_.set_trace(on);
   }
 
-  void on_timer() { turn(TimerFired{}, steady_now()); }
+  void on_timer() {
+    port_->poll();
+    turn(TimerFired{}, steady_now());
+  }
 
   void on_opened() override {
     const Instant now = steady_now();

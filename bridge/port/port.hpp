@@ -17,7 +17,8 @@ class io_context;
 
 namespace fieldcast {
 
-// Told by a port. Callbacks never come from inside open(), write() or close(), and none comes after close() returned.
+// Told by a port. Callbacks come from inside poll() or from the io thread itself, never from inside open(), write() or close(),
+// and none comes after close() returned.
 class PortListener {
  public:
   virtual ~PortListener() = default;
@@ -40,6 +41,9 @@ class Port {
   // At least that many characters are still to come before on_received is of use: the port may sleep for their time on the wire
   // instead of waking for each byte. Bytes are never lost by it, only delivered together. A hint: a port may ignore it.
   virtual void expect(std::uint32_t characters) = 0;
+  // Delivers at once what has already arrived. Asked before a timeout is believed: a process that was held up sees the timer and
+  // the bytes that beat it at the same moment.
+  virtual void poll() = 0;
   virtual void close() = 0;
 
   static constexpr std::size_t kMaxUnsent = 4096;

@@ -51,7 +51,7 @@ class SerialPort::Session : public std::enable_shared_from_this<Session> {
       if (self->over_) return;
       if (fault) return self->fail(*fault);
       self->listener_.on_opened();
-      if (!self->over_) self->read();
+      if (!self->over_) self->listen();
     });
   }
 
@@ -66,6 +66,10 @@ class SerialPort::Session : public std::enable_shared_from_this<Session> {
     const Duration early = std::max(kEarlyWake, spec_.line.characters(1));
     const Duration sleep = spec_.line.characters(characters - 1) - early;
     if (sleep >= kWorthSleeping) sleep_ = sleep;
+  }
+
+  void poll() {
+    if (!over_ && stream_.is_open()) take();
   }
 
   void close() {
@@ -106,23 +110,35 @@ class SerialPort::Session : public std::enable_shared_from_this<Session> {
     return std::nullopt;
   }
 
-  void read() {
-    stream_.async_read_some(asio::buffer(buffer_),
-                            [self = shared_from_this()](boost::system::error_code fault, std::size_t size) {
-                              if (self->over_) return;
-                              if (fault) return self->fail(fault == asio::error::eof ? "the device is gone" : fault.message());
-                              self->sleep_ = {};
-                              self->listener_.on_received({self->buffer_.data(), size}, steady_now());
-                              if (self->over_) return;
-                              self->sleep_ == Duration::zero() ? self->read() : self->nap();
-                            });
+  // Waits for bytes and then takes them, in two steps: nothing is taken that is not delivered at once, so that poll() may come
+  // between.
+  void listen() {
+    stream_.async_wait(asio::posix::stream_descriptor::wait_read, [self = shared_from_this()](boost::system::error_code fault) {
+      if (self->over_) return;
+      if (fault) return self->fail(fault.message());
+      self->sleep_ = {};
+      if (!self->take() || self->over_) return;
+      self->sleep_ == Duration::zero() ? self->listen() : self->nap();
+    });
+  }
+
+  // False: the device is gone, and that was told.
+  bool take() {
+    const ssize_t size = ::read(stream_.native_handle(), buffer_.data(), buffer_.size());
+    if (size > 0) {
+      listener_.on_received({buffer_.data(), static_cast<std::size_t>(size)}, steady_now());
+    } else if (size == 0 || (errno != EAGAIN && errno != EINTR)) {
+      fail(size == 0 || errno == EIO ? "the device is gone" : std::strerror(errno));
+      return false;
+    }
+    return true;
   }
 
   // The rest of the answer gathers in the kernel meanwhile: one wake-up instead of one for each byte.
   void nap() {
     nap_.expires_after(sleep_);
     nap_.async_wait([self = shared_from_this()](boost::system::error_code fault) {
-      if (!self->over_ && !fault) self->read();
+      if (!self->over_ && !fault) self->listen();
     });
   }
 
@@ -173,6 +189,10 @@ void SerialPort::write(ByteView bytes) {
 
 void SerialPort::expect(std::uint32_t characters) {
   if (session_) session_->expect(characters);
+}
+
+void SerialPort::poll() {
+  if (session_) session_->poll();
 }
 
 void SerialPort::close() {

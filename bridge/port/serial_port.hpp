@@ -17,6 +17,7 @@ class SerialPort final : public Port {
   void open(PortListener& listener) override;
   void write(ByteView bytes) override;
   void expect(std::uint32_t characters) override;
+  void poll() override;
   void close() override;
 
  private:

@@ -64,6 +64,10 @@ class TcpPort::Session : public std::enable_shared_from_this<Session> {
     push(bytes);
   }
 
+  void poll() {
+    if (!over_ && connected_) take();
+  }
+
   void close() {
     if (std::exchange(over_, true)) return;
     limit_.cancel();
@@ -92,19 +96,31 @@ class TcpPort::Session : public std::enable_shared_from_this<Session> {
       tune(self->socket_.native_handle());
       self->connected_ = true;
       self->listener_.on_opened();
-      self->read();
+      self->listen();
     });
   }
 
-  void read() {
+  // Waits for bytes and then takes them, in two steps: nothing is taken that is not delivered at once, so that poll() may come
+  // between.
+  void listen() {
     if (over_) return;
-    socket_.async_read_some(asio::buffer(buffer_),
-                            [self = shared_from_this()](boost::system::error_code fault, std::size_t size) {
-                              if (self->over_) return;
-                              if (fault) return self->fail(fault == asio::error::eof ? "closed by the peer" : fault.message());
-                              self->listener_.on_received({self->buffer_.data(), size}, steady_now());
-                              self->read();
-                            });
+    socket_.async_wait(tcp::socket::wait_read, [self = shared_from_this()](boost::system::error_code fault) {
+      if (self->over_) return;
+      if (fault) return self->fail(fault.message());
+      if (self->take()) self->listen();
+    });
+  }
+
+  // False: the peer is gone, and that was told.
+  bool take() {
+    const ssize_t size = ::recv(socket_.native_handle(), buffer_.data(), buffer_.size(), MSG_DONTWAIT);
+    if (size > 0) {
+      listener_.on_received({buffer_.data(), static_cast<std::size_t>(size)}, steady_now());
+    } else if (size == 0 || (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR)) {
+      fail(size == 0 ? "closed by the peer" : std::strerror(errno));
+      return false;
+    }
+    return true;
   }
 
   void drop_stale() {
@@ -151,6 +167,10 @@ void TcpPort::open(PortListener& listener) {
 
 void TcpPort::write(ByteView bytes) {
   if (session_) session_->write(bytes);
+}
+
+void TcpPort::poll() {
+  if (session_) session_->poll();
 }
 
 void TcpPort::close() {

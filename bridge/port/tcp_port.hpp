@@ -15,6 +15,7 @@ class TcpPort final : public Port {
   void open(PortListener& listener) override;
   void write(ByteView bytes) override;
   void expect(std::uint32_t) override {}  // the network delivers answers in one piece, or at its own rhythm
+  void poll() override;
   void close() override;
 
  private:

@@ -56,6 +56,19 @@ TEST_F(SerialPortTest, OpeningIsToldLaterNotAtOnce) {
   EXPECT_TRUE(run_until(io, [this] { return probe.opened == 1; }));
 }
 
+TEST_F(SerialPortTest, PollingDeliversAtOnceWhatHasArrived) {
+  SerialPort port(io, spec());
+  open(port);
+  port.poll();
+  EXPECT_EQ(probe.deliveries, 0);
+  pty.send(Bytes{1, 2});
+  port.poll();
+  EXPECT_EQ(probe.received, (Bytes{1, 2}));
+  pty.send(Bytes{3});
+  ASSERT_TRUE(run_until(io, [this] { return probe.received.size() == 3; }));
+  EXPECT_EQ(probe.received, (Bytes{1, 2, 3}));
+}
+
 TEST_F(SerialPortTest, ArrivalIsTheInstantOfReading) {
   SerialPort port(io, spec());
   open(port);
