@@ -1,0 +1,142 @@
+#include "bridge/dds/command_client.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <random>
+
+namespace fieldcast {
+
+namespace {
+
+// "name:pid:random": unique for each process and object, also across hosts and restarts.
+std::string make_requester(const std::string& name) {
+  std::random_device random;
+  const std::uint64_t number = static_cast<std::uint64_t>(random()) << 32 | random();
+  return cut_text(name, 64) + ":" + std::to_string(getpid()) + ":" + std::to_string(number);
+}
+
+auto participant_of(const dds::InstanceHandle_t& endpoint) { return eprosima::fastrtps::rtps::iHandle2GUID(endpoint).guidPrefix; }
+
+}  // namespace
+
+CommandClient::CommandClient(Domain& domain, const std::string& name) : domain_(domain), requester_(make_requester(name)) {
+  listener_.client = this;
+  // Results are volatile: listen before asking.
+  results_ =
+      domain_.reader<idl::CommandResultPubSubType>(kCommandResultTopic, request_reader_qos(), &listener_,
+                                                   dds::StatusMask::data_available() << dds::StatusMask::subscription_matched());
+}
+
+CommandClient::~CommandClient() {
+  for (auto& [lifespan, writer] : writers_) domain_.remove(writer->entity);
+  domain_.remove(results_);
+}
+
+void CommandClient::on_result(std::function<void(const StationResult&)> handler) {
+  const std::lock_guard lock(mutex_);
+  handler_ = std::move(handler);
+}
+
+void CommandClient::Writer::on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) {
+  const std::lock_guard lock(client->mutex_);
+  if (status.current_count_change > 0) {
+    readers.insert(status.last_subscription_handle);
+  } else {
+    readers.erase(status.last_subscription_handle);
+  }
+  client->changed_.notify_all();
+}
+
+void CommandClient::ResultListener::on_subscription_matched(dds::DataReader*, const dds::SubscriptionMatchedStatus& status) {
+  const std::lock_guard lock(client->mutex_);
+  if (status.current_count_change > 0) {
+    client->result_writers_.insert(status.last_publication_handle);
+  } else {
+    client->result_writers_.erase(status.last_publication_handle);
+  }
+  client->changed_.notify_all();
+}
+
+void CommandClient::ResultListener::on_data_available(dds::DataReader* reader) {
+  idl::CommandResult sample;
+  dds::SampleInfo info;
+  while (reader->take_next_sample(&sample, &info) == ReturnCode_t::RETCODE_OK) {
+    if (!info.valid_data || client->requester_ != sample.requester().c_str()) continue;
+    StationResult result = from_idl(sample);
+    std::function<void(const StationResult&)> handler;
+    {
+      const std::lock_guard lock(client->mutex_);
+      handler = client->handler_;
+      const auto found = client->awaited_.find(result.request_id);
+      if (found != client->awaited_.end() && !found->second) {
+        found->second = result;
+        client->changed_.notify_all();
+      }
+    }
+    if (handler) handler(result);
+  }
+}
+
+CommandClient::Writer& CommandClient::writer_for(Duration lifespan) {
+  const std::lock_guard making(making_);
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto found = writers_.find(lifespan); found != writers_.end()) return *found->second;
+    if (writers_.size() >= kMaxLifespans) {
+      const auto above = writers_.upper_bound(lifespan);
+      return above == writers_.begin() ? *above->second : *std::prev(above)->second;
+    }
+  }
+  // Not under mutex_: the library may tell of matches while it makes the writer.
+  auto made = std::make_unique<Writer>();
+  made->client = this;
+  made->entity = domain_.writer<idl::CommandPubSubType>(kCommandTopic, request_writer_qos(lifespan), requester_, made.get(),
+                                                        dds::StatusMask::publication_matched());
+  const std::lock_guard lock(mutex_);
+  return *(writers_[lifespan] = std::move(made));
+}
+
+bool CommandClient::matched_both_ways(const Writer& writer) const {
+  if (writer.readers.empty()) return false;
+  // Every bridge that hears commands must also be heard: the command may be for any of them.
+  return std::all_of(writer.readers.begin(), writer.readers.end(), [this](const auto& reader) {
+    return std::any_of(result_writers_.begin(), result_writers_.end(),
+                       [&](const auto& result_writer) { return participant_of(result_writer) == participant_of(reader); });
+  });
+}
+
+tl::expected<std::uint64_t, StationFault> CommandClient::send(StationCommand command, Duration wait_for_bridge, bool awaited) {
+  command.command.requester = requester_;
+  idl::Command out;
+  Writer& writer = writer_for(command.lifespan);
+  std::uint64_t id = 0;
+  {
+    std::unique_lock lock(mutex_);
+    if (!changed_.wait_for(lock, wait_for_bridge, [&] { return matched_both_ways(writer); }) && writer.readers.empty()) {
+      return tl::unexpected(StationFault::kNoBridge);
+    }
+    id = command.command.request_id = next_id_++;
+    if (!to_idl(command.bus, command.command, out)) return tl::unexpected(StationFault::kNotSent);
+    if (awaited) awaited_[id];
+  }
+  if (!writer.entity->write(&out)) {
+    const std::lock_guard lock(mutex_);
+    awaited_.erase(id);
+    return tl::unexpected(StationFault::kNotSent);
+  }
+  writer.entity->unregister_instance(&out, dds::HANDLE_NIL);
+  return id;
+}
+
+tl::expected<StationResult, StationFault> CommandClient::await(std::uint64_t request_id, Duration wait) {
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, wait, [&] { return awaited_.at(request_id).has_value(); });
+  std::optional<StationResult> result = std::move(awaited_.at(request_id));
+  awaited_.erase(request_id);
+  if (!result) return tl::unexpected(StationFault::kNoResult);
+  return std::move(*result);
+}
+
+}  // namespace fieldcast

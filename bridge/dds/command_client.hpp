@@ -1,0 +1,60 @@
+// A station's side of commands: writes Command, matches CommandResult to it. Any thread.
+#pragma once
+
+#include <condition_variable>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+
+#include "bridge/dds/conversion.hpp"
+#include "bridge/dds/domain.hpp"
+
+namespace fieldcast {
+
+class CommandClient {
+ public:
+  CommandClient(Domain& domain, const std::string& name);
+  ~CommandClient();
+
+  [[nodiscard]] const std::string& requester() const { return requester_; }
+  void on_result(std::function<void(const StationResult&)> handler);
+  [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(StationCommand command, Duration wait_for_bridge, bool awaited);
+  [[nodiscard]] tl::expected<StationResult, StationFault> await(std::uint64_t request_id, Duration wait);
+
+ private:
+  static constexpr std::size_t kMaxLifespans =
+      16;  // distinct lifespans, each with a writer; the nearest shorter one serves beyond
+
+  // LIFESPAN is a writer's: one writer for each that is asked for.
+  struct Writer : dds::DataWriterListener {
+    void on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) override;
+    CommandClient* client = nullptr;
+    dds::DataWriter* entity = nullptr;
+    std::set<dds::InstanceHandle_t> readers;  // of bridges
+  };
+  struct ResultListener : dds::DataReaderListener {
+    void on_data_available(dds::DataReader* reader) override;
+    void on_subscription_matched(dds::DataReader*, const dds::SubscriptionMatchedStatus& status) override;
+    CommandClient* client = nullptr;
+  };
+
+  Writer& writer_for(Duration lifespan);
+  [[nodiscard]] bool matched_both_ways(const Writer& writer) const;
+
+  Domain& domain_;
+  const std::string requester_;
+  std::mutex mutex_;  // everything below but the entities themselves
+  std::condition_variable changed_;
+  std::mutex making_;  // one thread makes writers
+  std::map<Duration, std::unique_ptr<Writer>> writers_;
+  ResultListener listener_;
+  dds::DataReader* results_ = nullptr;
+  std::set<dds::InstanceHandle_t> result_writers_;
+  std::uint64_t next_id_ = 1;
+  std::map<std::uint64_t, std::optional<StationResult>> awaited_;
+  std::function<void(const StationResult&)> handler_;
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,56 @@
+// Hears Command: converts, finds out when it expires, and hands it on. Calls come on DDS threads.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+
+#include "bridge/dds/conversion.hpp"
+#include "bridge/dds/domain.hpp"
+
+namespace fieldcast {
+
+// LIFESPAN is the writer's; the library's reader applies its own instead, so the writers' are collected from discovery.
+class CommandLifespans : public dds::DomainParticipantListener {
+ public:
+  using Guid = eprosima::fastrtps::rtps::GUID_t;
+  static constexpr Duration kDefault =
+      std::chrono::seconds{5};                      // also for writers that say "infinite": a late command never runs
+  static constexpr std::size_t kMaxWriters = 4096;  // those beyond it get the default
+
+  [[nodiscard]] Duration of(const Guid& writer) const;
+
+ private:
+  void on_publisher_discovery(dds::DomainParticipant* participant, eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) override;
+
+  mutable std::mutex mutex_;
+  std::map<Guid, Duration> lifespans_;
+};
+
+// When a command expires on the engine's clock. Its age is what the wall clocks of both machines say, never less than nothing.
+[[nodiscard]] Instant expiry_of(UtcTime source, Duration lifespan, const UtcMapping& now);
+
+class CommandReceiver : private dds::DataReaderListener {
+ public:
+  struct Handlers {
+    std::function<UtcMapping()> clock;
+    std::function<bool(const std::string& bus)> is_ours;  // commands for other buses belong to other bridges
+    std::function<void(const std::string& bus, Command command)> accepted;
+    std::function<void(const std::string& bus, const idl::Command& command, const MalformedCommand& why)> malformed;
+    std::function<void(const std::string& requester, const CommandLifespans::Guid& writer)> heard;  // before either
+  };
+  CommandReceiver(Domain& domain, const CommandLifespans& lifespans, Handlers handlers);
+  void close();  // nothing is handed on after it returns
+
+ private:
+  void on_data_available(dds::DataReader* reader) override;
+  void take(const idl::Command& command, const dds::SampleInfo& info);
+
+  Domain& domain_;
+  const CommandLifespans& lifespans_;
+  Handlers handlers_;
+  dds::DataReader* reader_ = nullptr;
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,115 @@
+// Status of buses and devices: topic types from core types and back.
+#include <algorithm>
+
+#include "bridge/dds/conversion.hpp"
+
+namespace fieldcast {
+
+static_assert(static_cast<int>(idl::BUS_STOPPED) == static_cast<int>(BusState::kStopped));
+static_assert(static_cast<int>(idl::DEVICE_OFFLINE) == static_cast<int>(DeviceState::kOffline));
+static_assert(static_cast<std::size_t>(Cause::kCount) <= 64, "the IDL's sequence<CauseCount, 64>");
+
+namespace {
+
+constexpr std::size_t kMaxRefused = 64, kMaxRefusedText = 64;
+
+void to_idl(const CauseCounters& counters, std::vector<idl::CauseCount>& out) {
+  out.clear();
+  for (std::size_t i = 1; i < static_cast<std::size_t>(Cause::kCount); ++i) {
+    const auto cause = static_cast<Cause>(i);
+    if (counters[cause] == 0) continue;
+    out.emplace_back();
+    out.back().cause() = std::string(to_name(cause));
+    out.back().count(counters[cause]);
+  }
+}
+
+CauseCounts from_idl(const std::vector<idl::CauseCount>& counts) {
+  CauseCounts out;
+  for (const idl::CauseCount& count : counts) out[count.cause().c_str()] = count.count();
+  return out;
+}
+
+}  // namespace
+
+void to_idl(std::string_view bridge, std::string_view bus, const BusReport& report, UtcTime at, idl::BusStatus& out) {
+  out.bus() = cut_text(bus, kMaxNameLength);
+  out.bridge() = cut_text(bridge, kMaxNameLength);
+  out.state(static_cast<idl::BusState>(report.state));
+  out.utilisation(report.utilisation);
+  out.planned_load(report.planned_load);
+  out.measured_load(report.measured_load);
+  out.stretch(report.stretch);
+  out.exchanges(report.exchanges);
+  out.samples(report.samples);
+  out.commands(report.commands);
+  out.deadline_misses(report.deadline_misses);
+  out.bytes_sent(report.bytes_sent);
+  out.bytes_received(report.bytes_received);
+  out.reopened(report.reopened);
+  to_idl(report.causes, out.causes());
+  out.reported_at(at.nanoseconds);
+}
+
+StationBusStatus from_idl(const idl::BusStatus& status) {
+  StationBusStatus out;
+  out.bridge = status.bridge().c_str();
+  out.bus = status.bus().c_str();
+  BusReport& report = out.report;
+  report.state = status.state() <= idl::BUS_STOPPED ? static_cast<BusState>(status.state()) : BusState::kStopped;
+  report.utilisation = status.utilisation();
+  report.planned_load = status.planned_load();
+  report.measured_load = status.measured_load();
+  report.stretch = status.stretch();
+  report.exchanges = status.exchanges();
+  report.samples = status.samples();
+  report.commands = status.commands();
+  report.deadline_misses = status.deadline_misses();
+  report.bytes_sent = status.bytes_sent();
+  report.bytes_received = status.bytes_received();
+  report.reopened = status.reopened();
+  out.causes = from_idl(status.causes());
+  out.reported_at = {status.reported_at()};
+  return out;
+}
+
+void to_idl(std::string_view bus, std::string_view device, const DeviceReport& report, UtcTime at, idl::DeviceStatus& out) {
+  out.bus() = cut_text(bus, kMaxNameLength);
+  out.device() = cut_text(device, kMaxNameLength);
+  out.state(static_cast<idl::DeviceState>(report.state));
+  out.exchanges(report.exchanges);
+  out.failures(report.failures);
+  out.retries(report.retries);
+  out.deadline_misses(report.deadline_misses);
+  out.answer_time(report.answer_time.count());
+  out.answer_spread(report.answer_spread.count());
+  out.timeout(report.timeout.count());
+  out.largest_block(report.largest_block);
+  auto& refused = out.refused();
+  refused.resize(std::min(report.refused.size(), kMaxRefused));
+  for (std::size_t i = 0; i < refused.size(); ++i) refused[i].at() = cut_text(report.refused[i], kMaxRefusedText);
+  to_idl(report.causes, out.causes());
+  out.reported_at(at.nanoseconds);
+}
+
+StationDeviceStatus from_idl(const idl::DeviceStatus& status) {
+  StationDeviceStatus out;
+  out.bus = status.bus().c_str();
+  out.device = status.device().c_str();
+  DeviceReport& report = out.report;
+  report.state = status.state() <= idl::DEVICE_OFFLINE ? static_cast<DeviceState>(status.state()) : DeviceState::kUnknown;
+  report.exchanges = status.exchanges();
+  report.failures = status.failures();
+  report.retries = status.retries();
+  report.deadline_misses = status.deadline_misses();
+  report.answer_time = Duration{status.answer_time()};
+  report.answer_spread = Duration{status.answer_spread()};
+  report.timeout = Duration{status.timeout()};
+  report.largest_block = status.largest_block();
+  for (const idl::RefusedAddress& refused : status.refused()) report.refused.emplace_back(refused.at().c_str());
+  out.causes = from_idl(status.causes());
+  out.reported_at = {status.reported_at()};
+  return out;
+}
+
+}  // namespace fieldcast

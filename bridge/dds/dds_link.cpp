@@ -1,0 +1,194 @@
+#include "bridge/dds/dds_link.hpp"
+
+#include <map>
+#include <shared_mutex>
+
+#include "bridge/dds/command_receiver.hpp"
+#include "bridge/dds/interest_receiver.hpp"
+#include "bridge/dds/result_sender.hpp"
+#include "bridge/dds/sample_writers.hpp"
+
+namespace fieldcast {
+
+namespace {
+
+// What one bus has in the domain besides the writers shared by all.
+struct Bus {
+  Bus(Domain& domain, const std::string& bridge, const BusSpec& bus) : samples(domain, bridge, bus) {}
+  SampleWriters samples;
+  std::vector<idl::Channel> catalogue;               // by channel index, as published
+  std::map<std::string, idl::DeviceStatus> devices;  // published at least once
+  idl::BusStatus status;
+  bool reported = false;
+  bool write_failed = false;
+};
+
+}  // namespace
+
+struct DdsLink::State {
+  State(const DdsSpec& spec, const std::string& name, Handlers given)
+      : bridge(name),
+        handlers(std::move(given)),
+        domain(spec, "fieldcast-bridge " + name, &lifespans),
+        results(domain, "fieldcast-bridge " + name, handlers.clock, handlers.on_problem) {
+    const std::string label = "fieldcast-bridge " + name;
+    catalogue = domain.writer<idl::ChannelPubSubType>(kChannelTopic, state_writer_qos(kMaxChannels), label);
+    bus_status = domain.writer<idl::BusStatusPubSubType>(kBusStatusTopic, state_writer_qos(kMaxDevices), label);
+    device_status = domain.writer<idl::DeviceStatusPubSubType>(kDeviceStatusTopic, state_writer_qos(kMaxDevices), label);
+    interests = std::make_unique<InterestReceiver>(domain, handlers.on_interest);
+    commands = std::make_unique<CommandReceiver>(domain, lifespans, command_handlers());
+  }
+
+  CommandReceiver::Handlers command_handlers() {
+    return {.clock = handlers.clock,
+            .is_ours =
+                [this](const std::string& name) {
+                  const std::shared_lock lock(mutex);
+                  return buses.contains(name);
+                },
+            .accepted = [this](const std::string& name, Command command) { handlers.on_command(name, std::move(command)); },
+            .malformed = [this](const std::string& name, const idl::Command& command,
+                                const MalformedCommand& why) { reject(name, command, why); },
+            .heard = [this](const std::string& requester,
+                            const CommandLifespans::Guid& writer) { results.remember(requester, writer.guidPrefix); }};
+  }
+
+  // A command that says nothing a bus engine could understand is answered here.
+  void reject(const std::string& bus, const idl::Command& command, const MalformedCommand& why) {
+    const UtcMapping now = handlers.clock();
+    CommandResult result;
+    result.requester = command.requester().c_str();
+    result.request_id = command.request_id();
+    result.state = CommandState::kRejected;
+    result.cause = why.cause;
+    result.reason = why.reason;
+    result.received = result.started = result.completed = now.instant;
+    idl::CommandResult out;
+    to_idl(bus, result, now, out);
+    results.send(out);
+  }
+
+  // The bus, or null. REQUIRES: mutex held, shared or not.
+  Bus* find(std::string_view name) {
+    const auto found = buses.find(name);
+    return found == buses.end() ? nullptr : found->second.get();
+  }
+
+  void dispose(Bus& bus, Duration linger) {
+    bus.samples.dispose(linger);
+    for (idl::Channel& channel : bus.catalogue) catalogue->unregister_instance(&channel, dds::HANDLE_NIL);
+    for (auto& [name, status] : bus.devices) device_status->unregister_instance(&status, dds::HANDLE_NIL);
+    if (bus.reported) bus_status->unregister_instance(&bus.status, dds::HANDLE_NIL);
+  }
+
+  const std::string bridge;
+  const Handlers handlers;
+  CommandLifespans lifespans;
+  Domain domain;
+  ResultSender results;
+  dds::DataWriter* catalogue = nullptr;
+  dds::DataWriter* bus_status = nullptr;
+  dds::DataWriter* device_status = nullptr;
+  std::unique_ptr<InterestReceiver> interests;
+  std::unique_ptr<CommandReceiver> commands;
+  std::shared_mutex mutex;  // the set of buses: shared to use one, alone to add or remove one
+  std::map<std::string, std::unique_ptr<Bus>, std::less<>> buses;
+  bool closed = false;
+};
+
+DdsLink::DdsLink(const DdsSpec& spec, const std::string& bridge_name, Handlers handlers)
+    : state_(std::make_unique<State>(spec, bridge_name, std::move(handlers))) {}
+
+DdsLink::~DdsLink() { close(); }
+
+void DdsLink::add_bus(const BusSpec& spec) {
+  auto bus = std::make_unique<Bus>(state_->domain, state_->bridge, spec);
+  ChannelIndex index = 0;
+  for (const DeviceSpec& device : spec.devices) {
+    for (const ChannelSpec& channel : device.channels) {
+      idl::Channel& entry = bus->catalogue.emplace_back();
+      to_idl(state_->bridge, spec.name, device, channel, bus->samples.refresh_of(index++), entry);
+      if (!state_->catalogue->write(&entry)) throw DdsError("dds: the catalogue of bus " + spec.name + " does not fit");
+    }
+  }
+  const std::unique_lock lock(state_->mutex);
+  state_->buses[spec.name] = std::move(bus);
+}
+
+void DdsLink::remove_bus(std::string_view name) {
+  std::unique_ptr<Bus> bus;
+  {
+    const std::unique_lock lock(state_->mutex);
+    const auto found = state_->buses.find(name);
+    if (found == state_->buses.end()) return;
+    bus = std::move(found->second);
+    state_->buses.erase(found);
+  }
+  state_->dispose(*bus, std::chrono::milliseconds{100});
+}
+
+void DdsLink::publish(std::string_view name, std::span<const Sample> samples, const UtcMapping& mapping) {
+  const std::shared_lock lock(state_->mutex);
+  Bus* bus = state_->find(name);
+  if (bus == nullptr || bus->samples.write(samples, mapping) || bus->write_failed) return;
+  bus->write_failed = true;  // said once
+  state_->handlers.on_problem("bus " + std::string(name) + ": DDS did not take a sample; its readers do not acknowledge");
+}
+
+void DdsLink::set_refresh(std::string_view name, ChannelIndex channel, std::optional<Duration> refresh) {
+  const std::shared_lock lock(state_->mutex);
+  Bus* bus = state_->find(name);
+  if (bus == nullptr || !bus->samples.move(channel, refresh)) return;
+  idl::Channel& entry = bus->catalogue[channel];
+  entry.refresh(refresh.value_or(Duration::zero()).count());
+  state_->catalogue->write(&entry);
+}
+
+void DdsLink::complete(std::string_view bus, const CommandResult& result, const UtcMapping& mapping) {
+  idl::CommandResult out;
+  to_idl(bus, result, mapping, out);
+  state_->results.send(out);
+}
+
+void DdsLink::report(std::string_view name, const BusReport& report, UtcTime at) {
+  state_->results.flush_overdue();
+  const std::shared_lock lock(state_->mutex);
+  Bus* bus = state_->find(name);
+  if (bus == nullptr) return;
+  to_idl(state_->bridge, name, report, at, bus->status);
+  bus->reported = true;
+  state_->bus_status->write(&bus->status);
+}
+
+void DdsLink::report(std::string_view name, std::string_view device, const DeviceReport& report, UtcTime at) {
+  const std::shared_lock lock(state_->mutex);
+  Bus* bus = state_->find(name);
+  if (bus == nullptr) return;
+  idl::DeviceStatus& status = bus->devices[std::string(device)];
+  to_idl(name, device, report, at, status);
+  state_->device_status->write(&status);
+}
+
+DdsLink::BusCounters DdsLink::counters(std::string_view name) const {
+  const std::shared_lock lock(state_->mutex);
+  Bus* bus = state_->find(name);
+  return bus == nullptr ? BusCounters{} : bus->samples.counters();
+}
+
+// In this order: nothing new comes in, the last results go out, the buses say goodbye, the participant leaves with the state.
+void DdsLink::close(Duration linger) {
+  if (state_->closed) return;
+  state_->closed = true;
+  state_->commands->close();
+  state_->interests->close();
+  state_->results.close(linger);
+  std::map<std::string, std::unique_ptr<Bus>, std::less<>> buses;
+  {
+    const std::unique_lock lock(state_->mutex);
+    buses.swap(state_->buses);
+  }
+  for (auto& [name, bus] : buses) state_->dispose(*bus, Duration::zero());
+  state_->catalogue->wait_for_acknowledgments(to_dds(linger));
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,161 @@
+#include "bridge/dds/domain.hpp"
+
+#include <arpa/inet.h>
+#include <fastdds/rtps/attributes/ServerAttributes.h>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
+#include <ifaddrs.h>
+
+#include <charconv>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <memory>
+
+#include "bridge/dds/dds_link.hpp"
+
+namespace fieldcast {
+
+namespace {
+
+namespace rtps = eprosima::fastrtps::rtps;
+using eprosima::fastdds::rtps::SharedMemTransportDescriptor;
+using eprosima::fastdds::rtps::UDPv4TransportDescriptor;
+
+constexpr const char* kProfile = "fieldcast";
+constexpr std::uint32_t kHighestDomain = 232;  // the ports of RTPS end there (RTPS 2.2, 9.6.1)
+
+// The library would silently listen nowhere.
+bool has_interface(const std::string& address) {
+  ifaddrs* list = nullptr;
+  if (getifaddrs(&list) != 0) return true;  // cannot be known
+  const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> owner(list, freeifaddrs);
+  in_addr wanted{};
+  if (inet_pton(AF_INET, address.c_str(), &wanted) != 1) return false;
+  for (const ifaddrs* one = list; one != nullptr; one = one->ifa_next) {
+    if (one->ifa_addr == nullptr || one->ifa_addr->sa_family != AF_INET) continue;
+    if (reinterpret_cast<const sockaddr_in*>(one->ifa_addr)->sin_addr.s_addr == wanted.s_addr) return true;
+  }
+  return false;
+}
+
+void set_transports(const DdsSpec& spec, dds::DomainParticipantQos& qos) {
+  auto& transport = qos.transport();
+  transport.use_builtin_transports = false;
+  auto shared_memory = std::make_shared<SharedMemTransportDescriptor>();
+  transport.user_transports.push_back(shared_memory);
+  auto udp = std::make_shared<UDPv4TransportDescriptor>();
+  udp->interfaceWhiteList = spec.interfaces;
+  transport.user_transports.push_back(udp);
+}
+
+void set_discovery_server(const std::string& server, dds::DomainParticipantQos& qos) {
+  const auto colon = server.rfind(':');
+  const std::string host = server.substr(0, colon);
+  unsigned port = 0;
+  const char* end = server.data() + server.size();
+  if (colon == std::string::npos || std::from_chars(server.data() + colon + 1, end, port).ptr != end || port == 0 ||
+      port > 65535) {
+    throw DdsError("dds: discovery server '" + server + "' is not host:port");
+  }
+  const auto found = rtps::IPLocator::resolveNameDNS(host);
+  const std::string address = rtps::IPLocator::isIPv4(host) ? host : found.first.empty() ? "" : *found.first.begin();
+  if (address.empty()) throw DdsError("dds: discovery server: no address known for '" + host + "'");
+  rtps::Locator_t locator(LOCATOR_KIND_UDPv4, port);
+  rtps::IPLocator::setIPv4(locator, address);
+  rtps::RemoteServerAttributes attributes;
+  eprosima::fastdds::rtps::get_server_client_default_guidPrefix(0, attributes.guidPrefix);  // `fast-discovery-server -i 0`
+  attributes.metatrafficUnicastLocatorList.push_back(locator);
+  auto& discovery = qos.wire_protocol().builtin.discovery_config;
+  discovery.discoveryProtocol = rtps::DiscoveryProtocol_t::CLIENT;
+  discovery.m_DiscoveryServers.push_back(attributes);
+}
+
+dds::DomainParticipantQos participant_qos(const DdsSpec& spec, const std::string& name) {
+  auto* factory = dds::DomainParticipantFactory::get_instance();
+  dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
+  if (spec.profile) {
+    if (factory->load_XML_profiles_file(*spec.profile) != ReturnCode_t::RETCODE_OK) {
+      throw DdsError("dds: cannot read the profile file " + *spec.profile);
+    }
+    if (factory->get_participant_qos_from_profile(kProfile, qos) != ReturnCode_t::RETCODE_OK) {
+      throw DdsError("dds: " + *spec.profile + " has no participant profile 'fieldcast'");
+    }
+  } else {
+    // A silent peer is forgotten after 10 s instead of 20.
+    auto& discovery = qos.wire_protocol().builtin.discovery_config;
+    discovery.leaseDuration = {10, 0};
+    discovery.leaseDuration_announcementperiod = {3, 0};
+  }
+  qos.name() = name;
+  // Transports of the user's profile are the user's business; without any, ours.
+  if (!spec.profile || qos.transport().user_transports.empty()) set_transports(spec, qos);
+  if (spec.discovery_server) set_discovery_server(*spec.discovery_server, qos);
+  return qos;
+}
+
+}  // namespace
+
+Domain::Domain(const DdsSpec& spec, const std::string& name, dds::DomainParticipantListener* listener) {
+  if (spec.domain > kHighestDomain) throw DdsError("dds: domain " + std::to_string(spec.domain) + " is not 0..232");
+  for (const std::string& address : spec.interfaces) {
+    if (!has_interface(address)) throw DdsError("dds: no interface of this machine has the address " + address);
+  }
+  auto* factory = dds::DomainParticipantFactory::get_instance();
+  const dds::DomainParticipantQos qos = participant_qos(spec, name);
+  // Discovery is heard all the same: it has no bit in the mask.
+  participant_.reset(factory->create_participant(spec.domain, qos, listener, dds::StatusMask::none()));
+  if (participant_ == nullptr) throw DdsError("dds: cannot join domain " + std::to_string(spec.domain));
+  dds::PublisherQos publisher = dds::PUBLISHER_QOS_DEFAULT;
+  dds::SubscriberQos subscriber = dds::SUBSCRIBER_QOS_DEFAULT;
+  if (spec.partition) {
+    publisher.partition().push_back(spec.partition->c_str());
+    subscriber.partition().push_back(spec.partition->c_str());
+  }
+  publisher_ = participant_->create_publisher(publisher);
+  subscriber_ = participant_->create_subscriber(subscriber);
+  if (publisher_ == nullptr || subscriber_ == nullptr) throw DdsError("dds: cannot make a publisher and a subscriber");
+}
+
+void Domain::Leave::operator()(dds::DomainParticipant* participant) const {
+  participant->set_listener(nullptr);
+  participant->delete_contained_entities();
+  dds::DomainParticipantFactory::get_instance()->delete_participant(participant);
+}
+
+dds::Topic* Domain::make_topic(const char* name, dds::TypeSupport type) {
+  dds::Topic*& topic = topics_[name];
+  if (topic != nullptr) return topic;
+  const std::string type_name = "fieldcast::" + std::string(name).substr(std::string(name).find('/') + 1);
+  if (type.register_type(participant_.get(), type_name) != ReturnCode_t::RETCODE_OK)
+    throw DdsError("dds: type " + type_name + " is taken");
+  topic = participant_->create_topic(name, type_name, dds::TOPIC_QOS_DEFAULT);
+  if (topic == nullptr) throw DdsError(std::string("dds: cannot make topic ") + name);
+  return topic;
+}
+
+dds::DataWriter* Domain::make_writer(dds::Topic* topic, dds::DataWriterQos qos, const std::string& label,
+                                     dds::DataWriterListener* listener, dds::StatusMask mask) {
+  qos.user_data().setValue(std::vector<eprosima::fastrtps::rtps::octet>(label.begin(), label.end()));
+  dds::DataWriter* writer = publisher_->create_datawriter(topic, qos, listener, mask);
+  if (writer == nullptr) throw DdsError("dds: cannot make a writer of " + topic->get_name());
+  return writer;
+}
+
+dds::DataReader* Domain::make_reader(dds::Topic* topic, dds::DataReaderQos qos, dds::DataReaderListener* listener,
+                                     dds::StatusMask mask) {
+  dds::DataReader* reader = subscriber_->create_datareader(topic, qos, listener, mask);
+  if (reader == nullptr) throw DdsError("dds: cannot make a reader of " + topic->get_name());
+  return reader;
+}
+
+void Domain::remove(dds::DataWriter* writer) {
+  writer->set_listener(nullptr);
+  publisher_->delete_datawriter(writer);
+}
+
+void Domain::remove(dds::DataReader* reader) {
+  reader->set_listener(nullptr);
+  subscriber_->delete_datareader(reader);
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,67 @@
+// One participant in a DDS domain, with the transports, names and topics of Fieldcast. Owns every entity that is made through it.
+// Created, closed and asked for new endpoints on one thread at a time.
+#pragma once
+
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantListener.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/dds/topic/Topic.hpp>
+#include <fastdds/dds/topic/TypeSupport.hpp>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "bridge/dds/topic_type.hpp"
+#include "bridge/dds/topics.hpp"
+#include "core/model/spec.hpp"
+
+namespace fieldcast {
+
+class Domain {
+ public:
+  // `name` is what other participants see. The listener hears discovery only and outlives the domain; may be null.
+  // Throws DdsError: an address of no interface here, a profile that cannot be read, a discovery server that is not host:port.
+  Domain(const DdsSpec& spec, const std::string& name, dds::DomainParticipantListener* listener);
+  Domain(const Domain&) = delete;
+  Domain& operator=(const Domain&) = delete;
+
+  // Endpoints of a topic whose type fastddsgen made, with `label` as user data for people who look at the domain. The listener
+  // outlives the endpoint; may be null. Throws DdsError.
+  template <class Generated>
+  dds::DataWriter* writer(const char* topic_name, dds::DataWriterQos qos, const std::string& label,
+                          dds::DataWriterListener* listener = nullptr, dds::StatusMask mask = dds::StatusMask::none()) {
+    return make_writer(topic<Generated>(topic_name), std::move(qos), label, listener, mask);
+  }
+  template <class Generated>
+  dds::DataReader* reader(const char* topic_name, dds::DataReaderQos qos, dds::DataReaderListener* listener,
+                          dds::StatusMask mask) {
+    return make_reader(topic<Generated>(topic_name), std::move(qos), listener, mask);
+  }
+  // Its listener is not called any more when these return.
+  void remove(dds::DataWriter* writer);
+  void remove(dds::DataReader* reader);
+
+ private:
+  template <class Generated>
+  dds::Topic* topic(const char* name) {
+    return make_topic(name, dds::TypeSupport(new TopicType<Generated>()));
+  }
+  dds::Topic* make_topic(const char* name, dds::TypeSupport type);
+  dds::DataWriter* make_writer(dds::Topic* topic, dds::DataWriterQos qos, const std::string& label,
+                               dds::DataWriterListener* listener, dds::StatusMask mask);
+  dds::DataReader* make_reader(dds::Topic* topic, dds::DataReaderQos qos, dds::DataReaderListener* listener,
+                               dds::StatusMask mask);
+
+  struct Leave {
+    void operator()(dds::DomainParticipant* participant) const;  // deletes every entity first
+  };
+  std::unique_ptr<dds::DomainParticipant, Leave> participant_;
+  dds::Publisher* publisher_ = nullptr;
+  dds::Subscriber* subscriber_ = nullptr;
+  std::map<std::string, dds::Topic*> topics_;
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,35 @@
+#include "bridge/dds/interest_receiver.hpp"
+
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+
+namespace fieldcast {
+
+InterestReceiver::InterestReceiver(Domain& domain, std::function<void(Interest)> handler)
+    : domain_(domain), handler_(std::move(handler)) {
+  reader_ =
+      domain.reader<idl::InterestPubSubType>(kInterestTopic, interest_reader_qos(), this, dds::StatusMask::data_available());
+}
+
+void InterestReceiver::close() { domain_.remove(reader_); }
+
+void InterestReceiver::on_data_available(dds::DataReader* reader) {
+  const std::lock_guard lock(mutex_);
+  idl::Interest sample;
+  dds::SampleInfo info;
+  while (reader->take_next_sample(&sample, &info) == ReturnCode_t::RETCODE_OK) {
+    const auto known = wishes_.find(info.instance_handle);
+    if (info.valid_data && info.instance_state == dds::ALIVE_INSTANCE_STATE) {
+      std::optional<Interest> wish = from_idl(sample);
+      if (!wish || (known == wishes_.end() && wishes_.size() >= static_cast<std::size_t>(kMaxInterests))) continue;
+      wishes_[info.instance_handle] = *wish;
+      handler_(std::move(*wish));
+    } else if (info.instance_state != dds::ALIVE_INSTANCE_STATE && known != wishes_.end()) {
+      Interest ended = std::move(known->second);
+      wishes_.erase(known);
+      ended.refresh.reset();
+      handler_(std::move(ended));
+    }
+  }
+}
+
+}  // namespace fieldcast

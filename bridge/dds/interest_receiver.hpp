@@ -1,0 +1,27 @@
+// Hears Interest: what stations wish for, and when a wish ends: withdrawn, or its station is dead. Calls come on DDS threads.
+#pragma once
+
+#include <functional>
+#include <map>
+
+#include "bridge/dds/conversion.hpp"
+#include "bridge/dds/domain.hpp"
+
+namespace fieldcast {
+
+class InterestReceiver : private dds::DataReaderListener {
+ public:
+  InterestReceiver(Domain& domain, std::function<void(Interest)> handler);
+  void close();  // nothing is handed on after it returns
+
+ private:
+  void on_data_available(dds::DataReader* reader) override;
+
+  Domain& domain_;
+  std::function<void(Interest)> handler_;
+  dds::DataReader* reader_ = nullptr;
+  std::mutex mutex_;                                  // the reader is called on any of the participant's threads
+  std::map<dds::InstanceHandle_t, Interest> wishes_;  // the end of a wish comes without its names; at most kMaxInterests
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,121 @@
+#include "bridge/dds/sample_writers.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace fieldcast {
+
+struct SampleWriters::Writer : dds::DataWriterListener {
+  std::optional<Duration> refresh;
+  dds::DataWriter* entity = nullptr;
+  std::uint32_t channels = 0;
+  std::atomic<std::uint64_t> misses{0};
+  std::atomic<std::uint32_t> readers{0};
+
+  void on_offered_deadline_missed(dds::DataWriter*, const dds::OfferedDeadlineMissedStatus& status) override {
+    misses.store(status.total_count, std::memory_order_relaxed);
+  }
+  void on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) override {
+    readers.store(static_cast<std::uint32_t>(status.current_count), std::memory_order_relaxed);
+  }
+};
+
+SampleWriters::SampleWriters(Domain& domain, const std::string& bridge, const BusSpec& bus)
+    : domain_(domain), label_("fieldcast-bridge " + bridge + ": " + bus.name) {
+  for (const DeviceSpec& device : bus.devices) {
+    for (const ChannelSpec& channel : device.channels) {
+      Slot& slot = slots_.emplace_back();
+      slot.sample.bus() = cut_text(bus.name, kMaxNameLength);
+      slot.sample.device() = cut_text(device.name, kMaxNameLength);
+      slot.sample.channel() = cut_text(channel.name, kMaxNameLength);
+      if (channel.access != Access::kWriteOnly) attach(slot, promised_gap(channel));
+    }
+  }
+}
+
+SampleWriters::~SampleWriters() { dispose(Duration::zero()); }
+
+SampleWriters::Writer& SampleWriters::writer_for(std::optional<Duration> refresh) {
+  for (const auto& writer : writers_) {
+    if (writer->refresh == refresh && writer->channels < static_cast<std::uint32_t>(kChannelsPerWriter)) return *writer;
+  }
+  auto made = std::make_unique<Writer>();
+  made->refresh = refresh;
+  const std::string label = label_ + (refresh ? ", refresh " + to_text(*refresh) : ", no refresh");
+  made->entity =
+      domain_.writer<idl::SamplePubSubType>(kSampleTopic, sample_writer_qos(refresh), label, made.get(),
+                                            dds::StatusMask::offered_deadline_missed() << dds::StatusMask::publication_matched());
+  const std::lock_guard lock(writers_mutex_);
+  return *writers_.emplace_back(std::move(made));
+}
+
+void SampleWriters::attach(Slot& slot, std::optional<Duration> refresh) {
+  slot.writer = &writer_for(refresh);
+  ++slot.writer->channels;
+}
+
+bool SampleWriters::write(std::span<const Sample> samples, const UtcMapping& mapping) {
+  bool taken = true;
+  for (const Sample& sample : samples) {
+    assert(sample.channel < slots_.size());
+    Slot& slot = slots_[sample.channel];
+    if (slot.writer == nullptr) attach(slot, std::nullopt);  // somebody acquired a write-only channel
+    to_idl(sample, mapping, slot.sample);
+    slot.written = true;
+    taken &= slot.writer->entity->write(&slot.sample);
+  }
+  return taken;
+}
+
+bool SampleWriters::move(ChannelIndex channel, std::optional<Duration> refresh) {
+  assert(channel < slots_.size());
+  Slot& slot = slots_[channel];
+  Writer* const old = slot.writer;
+  if (old != nullptr && old->refresh == refresh) return false;
+  attach(slot, refresh);
+  if (old == nullptr) return true;
+  --old->channels;
+  if (slot.written) {
+    slot.writer->entity->write(&slot.sample);
+    old->entity->unregister_instance(&slot.sample, dds::HANDLE_NIL);
+  }
+  if (old->channels > 0) return true;
+  // Wishes come and go; their writers must not pile up. Readers see the last value of the new one.
+  domain_.remove(old->entity);
+  const std::lock_guard lock(writers_mutex_);
+  std::erase_if(writers_, [old](const auto& writer) { return writer.get() == old; });
+  return true;
+}
+
+std::optional<Duration> SampleWriters::refresh_of(ChannelIndex channel) const {
+  assert(channel < slots_.size());
+  const Writer* writer = slots_[channel].writer;
+  return writer == nullptr ? std::nullopt : writer->refresh;
+}
+
+void SampleWriters::dispose(Duration linger) {
+  for (Slot& slot : slots_) {
+    if (slot.written) slot.writer->entity->dispose(&slot.sample, dds::HANDLE_NIL);
+    slot.written = false;
+    slot.writer = nullptr;
+  }
+  for (const auto& writer : writers_) {
+    if (linger > Duration::zero()) writer->entity->wait_for_acknowledgments(to_dds(linger));
+    domain_.remove(writer->entity);
+  }
+  const std::lock_guard lock(writers_mutex_);
+  writers_.clear();
+}
+
+DdsLink::BusCounters SampleWriters::counters() const {
+  const std::lock_guard lock(writers_mutex_);
+  DdsLink::BusCounters counters;
+  for (const auto& writer : writers_) {
+    counters.deadline_misses += writer->misses.load(std::memory_order_relaxed);
+    counters.sample_readers = std::max(counters.sample_readers, writer->readers.load(std::memory_order_relaxed));
+    ++counters.sample_writers;
+  }
+  return counters;
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,127 @@
+#include "bridge/dds/station.hpp"
+
+#include <cassert>
+#include <mutex>
+
+#include "bridge/dds/command_client.hpp"
+#include "bridge/dds/conversion.hpp"
+#include "bridge/dds/domain.hpp"
+#include "bridge/dds/subscription.hpp"
+
+namespace fieldcast {
+
+struct Station::State {
+  State(const DdsSpec& spec, const std::string& station) : name(cut_text(station, 128)), domain(spec, station, nullptr) {}
+
+  // Made at the first command: a station that only looks on has no writers.
+  CommandClient& client() {
+    const std::lock_guard lock(mutex);
+    if (!commands) commands = std::make_unique<CommandClient>(domain, name);
+    return *commands;
+  }
+
+  const std::string name;
+  Domain domain;
+  std::mutex mutex;
+  std::unique_ptr<Subscription<idl::SamplePubSubType>> samples;
+  std::unique_ptr<Subscription<idl::ChannelPubSubType>> channels;
+  std::unique_ptr<Subscription<idl::BusStatusPubSubType>> buses;
+  std::unique_ptr<Subscription<idl::DeviceStatusPubSubType>> devices;
+  dds::DataWriter* interests = nullptr;
+  std::unique_ptr<CommandClient> commands;
+};
+
+std::string_view to_text(StationFault fault) {
+  switch (fault) {
+    case StationFault::kNoBridge: return "no bridge answers in this domain";
+    case StationFault::kNoResult: return "no result came in time";
+    case StationFault::kNotSent: return "the command does not fit the topic";
+  }
+  return "?";
+}
+
+Station::Station(const DdsSpec& spec, const std::string& name) : state_(std::make_unique<State>(spec, name)) {}
+Station::~Station() = default;
+
+void Station::subscribe_samples(OnSample on_sample, OnGone gone, SampleOptions options) {
+  assert(!state_->samples);
+  Subscription<idl::SamplePubSubType>::Handlers handlers;
+  handlers.sample = [on_sample = std::move(on_sample)](const idl::Sample& sample) {
+    if (const auto known = from_idl(sample)) on_sample(*known);
+  };
+  if (gone) {
+    handlers.gone = [gone = std::move(gone)](const idl::Sample& last) {
+      gone(last.bus().c_str(), last.device().c_str(), last.channel().c_str());
+    };
+  }
+  handlers.deadline_missed = std::move(options.on_deadline_missed);
+  state_->samples = std::make_unique<Subscription<idl::SamplePubSubType>>(
+      state_->domain, kSampleTopic, sample_reader_qos(options.deadline), std::move(handlers));
+}
+
+void Station::subscribe_channels(std::function<void(const StationChannel&)> on_channel, OnGone gone) {
+  assert(!state_->channels);
+  Subscription<idl::ChannelPubSubType>::Handlers handlers;
+  handlers.sample = [on_channel = std::move(on_channel)](const idl::Channel& channel) { on_channel(from_idl(channel)); };
+  if (gone) {
+    handlers.gone = [gone = std::move(gone)](const idl::Channel& last) {
+      gone(last.bus().c_str(), last.device().c_str(), last.channel().c_str());
+    };
+  }
+  state_->channels = std::make_unique<Subscription<idl::ChannelPubSubType>>(state_->domain, kChannelTopic,
+                                                                            state_reader_qos(kMaxChannels), std::move(handlers));
+}
+
+void Station::subscribe_bus_status(std::function<void(const StationBusStatus&)> on_status) {
+  assert(!state_->buses);
+  Subscription<idl::BusStatusPubSubType>::Handlers handlers;
+  handlers.sample = [on_status = std::move(on_status)](const idl::BusStatus& status) { on_status(from_idl(status)); };
+  state_->buses = std::make_unique<Subscription<idl::BusStatusPubSubType>>(state_->domain, kBusStatusTopic,
+                                                                           state_reader_qos(kMaxDevices), std::move(handlers));
+}
+
+void Station::subscribe_device_status(std::function<void(const StationDeviceStatus&)> on_status) {
+  assert(!state_->devices);
+  Subscription<idl::DeviceStatusPubSubType>::Handlers handlers;
+  handlers.sample = [on_status = std::move(on_status)](const idl::DeviceStatus& status) { on_status(from_idl(status)); };
+  state_->devices = std::make_unique<Subscription<idl::DeviceStatusPubSubType>>(
+      state_->domain, kDeviceStatusTopic, state_reader_qos(kMaxDevices), std::move(handlers));
+}
+
+void Station::declare_interest(const std::string& pattern, Duration refresh) {
+  if (state_->interests == nullptr) {
+    state_->interests = state_->domain.writer<idl::InterestPubSubType>(kInterestTopic, interest_writer_qos(), state_->name);
+  }
+  idl::Interest wish;
+  wish.station() = state_->name;
+  wish.pattern() = pattern;
+  wish.refresh(refresh.count());
+  state_->interests->write(&wish);
+}
+
+void Station::withdraw_interest(const std::string& pattern) {
+  if (state_->interests == nullptr) return;
+  idl::Interest wish;
+  wish.station() = state_->name;
+  wish.pattern() = pattern;
+  state_->interests->unregister_instance(&wish, dds::HANDLE_NIL);  // disposes it
+}
+
+tl::expected<StationResult, StationFault> Station::execute(StationCommand command, Duration wait_for_bridge,
+                                                           Duration wait_for_result) {
+  CommandClient& client = state_->client();
+  const Duration wait = command.lifespan + wait_for_result;
+  const auto id = client.send(std::move(command), wait_for_bridge, true);
+  if (!id) return tl::unexpected(id.error());
+  return client.await(*id, wait);
+}
+
+tl::expected<std::uint64_t, StationFault> Station::send(StationCommand command, Duration wait_for_bridge) {
+  return state_->client().send(std::move(command), wait_for_bridge, false);
+}
+
+void Station::on_result(std::function<void(const StationResult&)> handler) { state_->client().on_result(std::move(handler)); }
+
+const std::string& Station::requester() const { return state_->client().requester(); }
+
+}  // namespace fieldcast

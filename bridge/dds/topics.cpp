@@ -1,0 +1,109 @@
+#include "bridge/dds/topics.hpp"
+
+namespace fieldcast {
+
+namespace {
+
+using eprosima::fastrtps::rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
+
+template <class Qos>
+void limit(Qos& qos, std::int32_t instances, std::int32_t per_instance, std::int32_t samples) {
+  auto& limits = qos.resource_limits();
+  limits.max_instances = instances;
+  limits.max_samples_per_instance = per_instance;
+  limits.max_samples = samples;
+  limits.allocated_samples = 0;
+}
+
+// What all endpoints share. Payloads are made as long as they are (a Sample is about 100 bytes, its bound 500) and reused.
+template <class Qos>
+void common(Qos& qos) {
+  qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
+  qos.endpoint().history_memory_policy = DYNAMIC_REUSABLE_MEMORY_MODE;
+  qos.data_sharing().off();
+}
+
+}  // namespace
+
+DdsDuration to_dds(Duration duration) {
+  if (duration == kInfinite) return eprosima::fastrtps::c_TimeInfinite;
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(duration);
+  return {static_cast<std::int32_t>(seconds.count()), static_cast<std::uint32_t>((duration - seconds).count())};
+}
+
+Duration from_dds(const DdsDuration& duration) {
+  if (duration == eprosima::fastrtps::c_TimeInfinite) return kInfinite;
+  return std::chrono::seconds{duration.seconds} + std::chrono::nanoseconds{duration.nanosec};
+}
+
+dds::DataWriterQos state_writer_qos(std::int32_t max_instances) {
+  dds::DataWriterQos qos;
+  common(qos);
+  qos.durability().kind = dds::TRANSIENT_LOCAL_DURABILITY_QOS;
+  qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
+  qos.history().depth = 1;
+  limit(qos, max_instances, 1, max_instances);
+  qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
+  qos.reliability().max_blocking_time = {0, 10'000'000};
+  return qos;
+}
+
+dds::DataReaderQos state_reader_qos(std::int32_t max_instances) {
+  dds::DataReaderQos qos;
+  common(qos);
+  qos.durability().kind = dds::TRANSIENT_LOCAL_DURABILITY_QOS;
+  qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
+  qos.history().depth = 1;
+  limit(qos, max_instances, 1, max_instances);
+  return qos;
+}
+
+dds::DataWriterQos sample_writer_qos(std::optional<Duration> refresh) {
+  dds::DataWriterQos qos = state_writer_qos(kChannelsPerWriter);
+  // A channel that moves to another writer is unregistered here and lives on there.
+  qos.writer_data_lifecycle().autodispose_unregistered_instances = false;
+  if (refresh) qos.deadline().period = to_dds(*refresh);
+  return qos;
+}
+
+dds::DataReaderQos sample_reader_qos(std::optional<Duration> deadline) {
+  dds::DataReaderQos qos = state_reader_qos(kMaxChannels);
+  if (deadline) qos.deadline().period = to_dds(*deadline);
+  return qos;
+}
+
+dds::DataWriterQos request_writer_qos(std::optional<Duration> lifespan) {
+  dds::DataWriterQos qos;
+  common(qos);
+  qos.durability().kind = dds::VOLATILE_DURABILITY_QOS;
+  qos.history().kind = dds::KEEP_ALL_HISTORY_QOS;
+  // Two per instance: the data, and the note that the instance is let go.
+  limit(qos, kMaxPendingCommands, 2, 2 * kMaxPendingCommands);
+  qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
+  qos.reliability().max_blocking_time = {0, 10'000'000};
+  qos.writer_data_lifecycle().autodispose_unregistered_instances = false;
+  if (lifespan) qos.lifespan().duration = to_dds(*lifespan);
+  return qos;
+}
+
+dds::DataReaderQos request_reader_qos() {
+  dds::DataReaderQos qos;
+  common(qos);
+  qos.durability().kind = dds::VOLATILE_DURABILITY_QOS;
+  qos.history().kind = dds::KEEP_ALL_HISTORY_QOS;
+  // With a bound on the instances the library reuses those that are empty, even when a foreign writer never unregisters.
+  limit(qos, kMaxPendingCommands, 16, 2 * kMaxPendingCommands);
+  return qos;
+}
+
+dds::DataWriterQos interest_writer_qos() {
+  dds::DataWriterQos qos = state_writer_qos(kMaxInterests);
+  qos.liveliness().kind = dds::AUTOMATIC_LIVELINESS_QOS;
+  qos.liveliness().lease_duration = {6, 0};
+  qos.liveliness().announcement_period = {2, 0};
+  return qos;
+}
+
+dds::DataReaderQos interest_reader_qos() { return state_reader_qos(kMaxInterests); }
+
+}  // namespace fieldcast

@@ -1,0 +1,54 @@
+// Names and QoS of the topics, in one place for both ends (design, section 4).
+//
+// Every keyed endpoint gets resource limits of its own: the library's default is 10 instances, and of 100 channels 90 would
+// vanish without a word.
+#pragma once
+
+#include <cstdint>
+#include <fastdds/dds/publisher/qos/DataWriterQos.hpp>
+#include <fastdds/dds/subscriber/qos/DataReaderQos.hpp>
+#include <optional>
+#include <string>
+
+#include "core/base/time.hpp"
+
+namespace fieldcast {
+
+namespace dds = eprosima::fastdds::dds;
+using DdsDuration = eprosima::fastrtps::Duration_t;
+
+inline constexpr const char* kSampleTopic = "fieldcast/Sample";
+inline constexpr const char* kChannelTopic = "fieldcast/Channel";
+inline constexpr const char* kCommandTopic = "fieldcast/Command";
+inline constexpr const char* kCommandResultTopic = "fieldcast/CommandResult";
+inline constexpr const char* kInterestTopic = "fieldcast/Interest";
+inline constexpr const char* kBusStatusTopic = "fieldcast/BusStatus";
+inline constexpr const char* kDeviceStatusTopic = "fieldcast/DeviceStatus";
+
+inline constexpr std::int32_t kChannelsPerWriter = 256;  // DEADLINE costs a scan over a writer's instances at nearly every write
+inline constexpr std::int32_t kMaxChannels = 100'000;    // in the domain, at one reader; and in the catalogue of one bridge
+inline constexpr std::int32_t kMaxDevices = 10'000;      // the same for status
+inline constexpr std::int32_t kMaxPendingCommands = 4096;  // commands and results not yet acknowledged or taken
+inline constexpr std::int32_t kMaxInterests = 4096;
+
+[[nodiscard]] DdsDuration to_dds(Duration duration);
+[[nodiscard]] Duration from_dds(const DdsDuration& duration);  // kInfinite for an infinite one
+inline constexpr Duration kInfinite = Duration::max();
+
+// Last value of each instance, kept for late joiners: catalogue and status. Unregistering an instance disposes it.
+[[nodiscard]] dds::DataWriterQos state_writer_qos(std::int32_t max_instances);
+[[nodiscard]] dds::DataReaderQos state_reader_qos(std::int32_t max_instances);
+
+// Samples of one refresh class; nothing: no promise.
+[[nodiscard]] dds::DataWriterQos sample_writer_qos(std::optional<Duration> refresh);
+[[nodiscard]] dds::DataReaderQos sample_reader_qos(std::optional<Duration> deadline);
+
+// Commands and results: volatile, all of them, and no instance kept afterwards.
+[[nodiscard]] dds::DataWriterQos request_writer_qos(std::optional<Duration> lifespan);
+[[nodiscard]] dds::DataReaderQos request_reader_qos();
+
+// The station's writer promises to be alive; the bridge's reader asks for nothing, so that any vendor's default QoS is heard.
+[[nodiscard]] dds::DataWriterQos interest_writer_qos();
+[[nodiscard]] dds::DataReaderQos interest_reader_qos();
+
+}  // namespace fieldcast
