@@ -1,7 +1,8 @@
 #include "bridge/dds/sample_writers.hpp"
 
 #include <algorithm>
-#include <cassert>
+
+#include "bridge/check.hpp"
 
 namespace fieldcast {
 
@@ -57,7 +58,7 @@ void SampleWriters::attach(Slot& slot, std::optional<Duration> refresh) {
 bool SampleWriters::write(std::span<const Sample> samples, const UtcMapping& mapping) {
   bool taken = true;
   for (const Sample& sample : samples) {
-    assert(sample.channel < slots_.size());
+    FIELDCAST_CHECK(sample.channel < slots_.size());
     Slot& slot = slots_[sample.channel];
     if (slot.writer == nullptr) attach(slot, std::nullopt);  // somebody acquired a write-only channel
     to_idl(sample, mapping, slot.sample);
@@ -68,7 +69,7 @@ bool SampleWriters::write(std::span<const Sample> samples, const UtcMapping& map
 }
 
 bool SampleWriters::move(ChannelIndex channel, std::optional<Duration> refresh) {
-  assert(channel < slots_.size());
+  FIELDCAST_CHECK(channel < slots_.size());
   Slot& slot = slots_[channel];
   Writer* const old = slot.writer;
   if (old != nullptr && old->refresh == refresh) return false;
@@ -88,7 +89,7 @@ bool SampleWriters::move(ChannelIndex channel, std::optional<Duration> refresh) 
 }
 
 std::optional<Duration> SampleWriters::refresh_of(ChannelIndex channel) const {
-  assert(channel < slots_.size());
+  FIELDCAST_CHECK(channel < slots_.size());
   const Writer* writer = slots_[channel].writer;
   return writer == nullptr ? std::nullopt : writer->refresh;
 }

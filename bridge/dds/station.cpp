@@ -1,8 +1,8 @@
 #include "bridge/dds/station.hpp"
 
-#include <cassert>
 #include <mutex>
 
+#include "bridge/check.hpp"
 #include "bridge/dds/command_client.hpp"
 #include "bridge/dds/conversion.hpp"
 #include "bridge/dds/domain.hpp"
@@ -44,7 +44,7 @@ Station::Station(const DdsSpec& spec, const std::string& name) : state_(std::mak
 Station::~Station() = default;
 
 void Station::subscribe_samples(OnSample on_sample, OnGone gone, SampleOptions options) {
-  assert(!state_->samples);
+  FIELDCAST_CHECK(!state_->samples);
   Subscription<idl::SamplePubSubType>::Handlers handlers;
   handlers.sample = [on_sample = std::move(on_sample)](const idl::Sample& sample) {
     if (const auto known = from_idl(sample)) on_sample(*known);
@@ -60,7 +60,7 @@ void Station::subscribe_samples(OnSample on_sample, OnGone gone, SampleOptions o
 }
 
 void Station::subscribe_channels(std::function<void(const StationChannel&)> on_channel, OnGone gone) {
-  assert(!state_->channels);
+  FIELDCAST_CHECK(!state_->channels);
   Subscription<idl::ChannelPubSubType>::Handlers handlers;
   handlers.sample = [on_channel = std::move(on_channel)](const idl::Channel& channel) { on_channel(from_idl(channel)); };
   if (gone) {
@@ -73,7 +73,7 @@ void Station::subscribe_channels(std::function<void(const StationChannel&)> on_c
 }
 
 void Station::subscribe_bus_status(std::function<void(const StationBusStatus&)> on_status) {
-  assert(!state_->buses);
+  FIELDCAST_CHECK(!state_->buses);
   Subscription<idl::BusStatusPubSubType>::Handlers handlers;
   handlers.sample = [on_status = std::move(on_status)](const idl::BusStatus& status) { on_status(from_idl(status)); };
   state_->buses = std::make_unique<Subscription<idl::BusStatusPubSubType>>(state_->domain, kBusStatusTopic,
@@ -81,7 +81,7 @@ void Station::subscribe_bus_status(std::function<void(const StationBusStatus&)> 
 }
 
 void Station::subscribe_device_status(std::function<void(const StationDeviceStatus&)> on_status) {
-  assert(!state_->devices);
+  FIELDCAST_CHECK(!state_->devices);
   Subscription<idl::DeviceStatusPubSubType>::Handlers handlers;
   handlers.sample = [on_status = std::move(on_status)](const idl::DeviceStatus& status) { on_status(from_idl(status)); };
   state_->devices = std::make_unique<Subscription<idl::DeviceStatusPubSubType>>(

@@ -1,0 +1,346 @@
+#include "bridge/dds/conversion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace fieldcast {
+namespace {
+
+using namespace std::chrono_literals;
+
+Instant at(Duration since_start) { return Instant{since_start}; }
+const UtcMapping kMapping{at(100s), {1'700'000'000'000'000'000}};
+
+TEST(UtcMapping, DistancesAreKeptAndNoTimeIsZero) {
+  EXPECT_EQ(kMapping.to_utc(at(101s)).nanoseconds, 1'700'000'001'000'000'000);
+  EXPECT_EQ(kMapping.to_utc(at(99s)).nanoseconds, 1'699'999'999'000'000'000);
+  EXPECT_EQ(kMapping.to_utc(kLongAgo), UtcTime{});
+  EXPECT_EQ(kMapping.to_utc(kNever), UtcTime{});
+}
+
+TEST(UtcMapping, SaturatesInsteadOfWrapping) {
+  EXPECT_EQ(kMapping.to_utc(Instant{Duration{INT64_MAX - 1}}).nanoseconds, INT64_MAX);
+  EXPECT_EQ(kMapping.to_utc(Instant{Duration{INT64_MIN + 1}}).nanoseconds, INT64_MIN);
+}
+
+TEST(ValueConversion, EveryKindComesBackAsItWas) {
+  const Value values[] = {true,
+                          false,
+                          std::int64_t{-5},
+                          std::numeric_limits<std::int64_t>::min(),
+                          std::numeric_limits<std::uint64_t>::max(),
+                          2.5,
+                          std::string{},
+                          std::string("Öl 80 °C"),
+                          std::string(kMaxTextValue, 'x')};
+  idl::Value topic;  // one object for all: a kind that stays behind would show
+  for (const Value& value : values) {
+    ASSERT_TRUE(to_idl(value, topic)) << to_text(value);
+    EXPECT_EQ(from_idl(topic), value) << to_text(value);
+  }
+}
+
+TEST(ValueConversion, TooLongATextIsRefused) {
+  idl::Value topic;
+  EXPECT_FALSE(to_idl(std::string(kMaxTextValue + 1, 'x'), topic));
+  EXPECT_FALSE(to_idl(std::string("a\0b", 3), topic));
+}
+
+TEST(ValueConversion, UnknownKindIsNoValue) {
+  idl::Value topic;
+  topic._d() = static_cast<idl::ValueKind>(99);
+  EXPECT_EQ(from_idl(topic), std::nullopt);
+}
+
+TEST(SampleConversion, ComesBackWithUtcTime) {
+  Sample sample{
+      .channel = 7, .value = 2.5, .quality = Quality::kBadDeviceError, .device_code = 2, .acquired = at(98s), .sequence = 42};
+  idl::Sample topic;
+  topic.bus() = "b";
+  topic.device() = "d";
+  topic.channel() = "c";
+  to_idl(sample, kMapping, topic);
+  const auto back = from_idl(topic);
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->bus + "/" + back->device + "/" + back->channel, "b/d/c");
+  EXPECT_EQ(back->value, Value{2.5});
+  EXPECT_EQ(back->quality, Quality::kBadDeviceError);
+  EXPECT_EQ(back->device_code, 2);
+  EXPECT_EQ(back->acquired_at.nanoseconds, 1'699'999'998'000'000'000);
+  EXPECT_EQ(back->sequence, 42u);
+}
+
+TEST(SampleConversion, EveryQualityComesBack) {
+  for (int i = 0; i <= static_cast<int>(Quality::kNotYetRead); ++i) {
+    const auto quality = static_cast<Quality>(i);
+    EXPECT_EQ(from_idl(to_idl(quality)), quality);
+  }
+}
+
+TEST(SampleConversion, TextBeyondTheBoundIsBadAndEmptyNeverShortened) {
+  idl::Sample topic;
+  to_idl(Sample{.value = std::string(300, 'x'), .quality = Quality::kGood}, kMapping, topic);
+  const auto back = from_idl(topic);
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->quality, Quality::kBadRange);
+  EXPECT_EQ(back->value, Value{std::string{}});
+}
+
+TEST(SampleConversion, UnknownQualityIsRefused) {
+  idl::Sample topic;
+  topic.quality(static_cast<idl::Quality>(77));
+  EXPECT_FALSE(from_idl(topic));
+}
+
+TEST(ChannelConversion, SaysWhatTheConfigurationSays) {
+  DeviceSpec device;
+  device.name = "press-1";
+  ChannelSpec channel;
+  channel.name = "oil-temperature";
+  channel.at = "holding:100";
+  channel.encoding.type = ValueType::kString;
+  channel.encoding.string_bytes = 16;
+  channel.unit = "°C";
+  channel.description = "in the sump";
+  channel.access = Access::kReadWrite;
+  channel.mode = Mode::kIntensive;
+  channel.limits.high = 80.0;
+  channel.limits.low_low = -5.0;
+  channel.write_max = 60.0;
+  idl::Channel topic;
+  to_idl("line-7", "press-shop", device, channel, 500ms, topic);
+  const StationChannel back = from_idl(topic);
+  EXPECT_EQ(back.bridge, "line-7");
+  EXPECT_EQ(back.bus + "/" + back.device + "/" + back.channel, "press-shop/press-1/oil-temperature");
+  EXPECT_EQ(back.type, "string(16)");
+  EXPECT_EQ(back.at, "holding:100");
+  EXPECT_EQ(back.unit, "°C");
+  EXPECT_EQ(back.description, "in the sump");
+  EXPECT_EQ(back.access, Access::kReadWrite);
+  EXPECT_EQ(back.mode, Mode::kIntensive);
+  EXPECT_EQ(back.refresh, 500ms);
+  EXPECT_EQ(back.limits, channel.limits);
+  EXPECT_EQ(back.write_min, std::nullopt);
+  EXPECT_EQ(back.write_max, 60.0);
+  to_idl("line-7", "press-shop", device, channel, std::nullopt, topic);
+  EXPECT_EQ(from_idl(topic).refresh, Duration::zero());
+}
+
+TEST(CutText, NeverCutsACharacter) {
+  EXPECT_EQ(cut_text("abc", 3), "abc");
+  EXPECT_EQ(cut_text("ab°", 3), "ab");  // ° is two bytes
+  EXPECT_EQ(cut_text("ab°", 4), "ab°");
+  EXPECT_EQ(cut_text(std::string_view("a\0b", 3), 9), "a");
+}
+
+Command some_command() {
+  Command command;
+  command.requester = "station:1";
+  command.request_id = 9;
+  command.device = "press-1";
+  command.target = ChannelTarget{"running"};
+  command.values = {true};
+  command.verify = true;
+  return command;
+}
+
+TEST(CommandConversion, ChannelWriteComesBack) {
+  idl::Command topic;
+  ASSERT_TRUE(to_idl("press-shop", some_command(), topic));
+  EXPECT_STREQ(topic.bus().c_str(), "press-shop");
+  const auto back = from_idl(topic);
+  ASSERT_TRUE(back) << back.error().reason;
+  EXPECT_EQ(back->requester, "station:1");
+  EXPECT_EQ(back->request_id, 9u);
+  EXPECT_EQ(back->device, "press-1");
+  EXPECT_EQ(std::get<ChannelTarget>(back->target).name, "running");
+  EXPECT_EQ(back->operation, Operation::kWrite);
+  EXPECT_EQ(back->values, std::vector<Value>{true});
+  EXPECT_TRUE(back->verify);
+}
+
+TEST(CommandConversion, AddressWithItsEncodingComesBack) {
+  Command command = some_command();
+  Encoding encoding;
+  encoding.type = ValueType::kBool;
+  encoding.bit = 12;
+  encoding.word_order = WordOrder::kLittleEndian;
+  encoding.byte_order = ByteOrder::kLittleEndian;
+  encoding.scale = 0.1;
+  encoding.offset = -40;
+  command.target = AddressTarget{"DM100", encoding};
+  command.operation = Operation::kAcquire;
+  command.values.clear();
+  command.count = 12;
+  idl::Command topic;
+  ASSERT_TRUE(to_idl("b", command, topic));
+  const auto back = from_idl(topic);
+  ASSERT_TRUE(back) << back.error().reason;
+  EXPECT_EQ(std::get<AddressTarget>(back->target).at, "DM100");
+  EXPECT_EQ(std::get<AddressTarget>(back->target).encoding, encoding);
+  EXPECT_EQ(back->operation, Operation::kAcquire);
+  EXPECT_EQ(back->count, 12u);
+}
+
+TEST(CommandConversion, WhatDoesNotFitIsNotSent) {
+  idl::Command topic;
+  Command command = some_command();
+  command.device = std::string(65, 'x');
+  EXPECT_FALSE(to_idl("b", command, topic));
+  command = some_command();
+  command.values.assign(kMaxCommandValues + 1, Value{true});
+  EXPECT_FALSE(to_idl("b", command, topic));
+  command = some_command();
+  command.values = {std::string(300, 'x')};
+  EXPECT_FALSE(to_idl("b", command, topic));
+}
+
+// Each line breaks one thing of a good command.
+TEST(CommandConversion, EveryMalformationHasItsCause) {
+  struct Case {
+    Cause cause;
+    std::function<void(idl::Command&)> damage;
+  };
+  const auto to_address = [](idl::Command& c) { c.target_kind(idl::TARGET_ADDRESS); };
+  const Case cases[] = {
+      {Cause::kUnsupported, [](auto& c) { c.operation(static_cast<idl::Operation>(7)); }},
+      {Cause::kUnsupported, [](auto& c) { c.target_kind(static_cast<idl::TargetKind>(7)); }},
+      {Cause::kUnknownChannel, [](auto& c) { c.target() = ""; }},
+      {Cause::kWrongType, [](auto& c) { c.values().clear(); }},
+      {Cause::kWrongType, [](auto& c) { c.values()[0]._d() = static_cast<idl::ValueKind>(7); }},
+      {Cause::kRange, [](auto& c) { c.values().resize(kMaxCommandValues + 1); }},
+      {Cause::kWrongType, [&](auto& c) { to_address(c), c.encoding().type(static_cast<idl::ValueType>(70)); }},
+      {Cause::kRange, [&](auto& c) { to_address(c), c.encoding().bit(64); }},
+      {Cause::kRange, [&](auto& c) { to_address(c), c.encoding().bit(-2); }},
+      {Cause::kWrongType, [&](auto& c) { to_address(c), c.encoding().bit(3), c.encoding().type(idl::TYPE_INT16); }},
+      {Cause::kRange, [&](auto& c) { to_address(c), c.encoding().scale(std::numeric_limits<double>::quiet_NaN()); }},
+      {Cause::kRange, [&](auto& c) { to_address(c), c.encoding().type(idl::TYPE_STRING), c.encoding().string_bytes(0); }},
+      {Cause::kRange, [&](auto& c) { to_address(c), c.encoding().type(idl::TYPE_STRING), c.encoding().string_bytes(251); }},
+      {Cause::kRange, [&](auto& c) { to_address(c), c.operation(idl::OPERATION_ACQUIRE), c.count(0); }},
+      {Cause::kRange, [&](auto& c) { to_address(c), c.operation(idl::OPERATION_ACQUIRE), c.count(2049); }},
+  };
+  int number = 0;
+  for (const Case& one : cases) {
+    idl::Command topic;
+    ASSERT_TRUE(to_idl("b", some_command(), topic));
+    ASSERT_TRUE(from_idl(topic));
+    one.damage(topic);
+    const auto back = from_idl(topic);
+    ASSERT_FALSE(back) << "case " << number;
+    EXPECT_EQ(back.error().cause, one.cause) << "case " << number;
+    EXPECT_FALSE(back.error().reason.empty());
+    ++number;
+  }
+}
+
+TEST(ResultConversion, ComesBackWithItsTimes) {
+  CommandResult result{.requester = "r",
+                       .request_id = 3,
+                       .state = CommandState::kRejected,
+                       .cause = Cause::kReadOnly,
+                       .device_code = 4,
+                       .reason = "read-only",
+                       .values = {std::int64_t{1}, std::string("x")},
+                       .received = at(100s),
+                       .started = at(101s),
+                       .completed = at(102s)};
+  idl::CommandResult topic;
+  to_idl("b", result, kMapping, topic);
+  const StationResult back = from_idl(topic);
+  EXPECT_EQ(back.requester, "r");
+  EXPECT_EQ(back.request_id, 3u);
+  EXPECT_EQ(back.bus, "b");
+  EXPECT_EQ(back.state, CommandState::kRejected);
+  EXPECT_EQ(back.cause, to_name(Cause::kReadOnly));
+  EXPECT_EQ(back.device_code, 4);
+  EXPECT_EQ(back.reason, "read-only");
+  EXPECT_EQ(back.values, result.values);
+  EXPECT_EQ(back.completed_at.nanoseconds - back.received_at.nanoseconds, 2'000'000'000);
+}
+
+TEST(ResultConversion, ValuesBeyondTheBoundAreLeftOutAndTheReasonSaysSo) {
+  CommandResult result;
+  result.values.assign(kMaxCommandValues + 5, Value{true});
+  idl::CommandResult topic;
+  to_idl("b", result, kMapping, topic);
+  const StationResult back = from_idl(topic);
+  EXPECT_EQ(back.values.size(), kMaxCommandValues);
+  EXPECT_NE(back.reason.find("2048"), std::string::npos) << back.reason;
+}
+
+TEST(InterestConversion, WithoutNamesOrRefreshItIsNone) {
+  idl::Interest topic;
+  topic.station() = "s";
+  topic.pattern() = "b/*/*";
+  topic.refresh(Duration(200ms).count());
+  const auto interest = from_idl(topic);
+  ASSERT_TRUE(interest);
+  EXPECT_EQ(interest->refresh, 200ms);
+  topic.refresh(0);
+  EXPECT_FALSE(from_idl(topic));
+  topic.refresh(-1);
+  EXPECT_FALSE(from_idl(topic));
+  topic.refresh(1);
+  topic.station() = "";
+  EXPECT_FALSE(from_idl(topic));
+}
+
+TEST(StatusConversion, BusComesBackWithItsCauses) {
+  BusReport report;
+  report.state = BusState::kLeased;
+  report.utilisation = 0.5;
+  report.planned_load = 0.4;
+  report.measured_load = 0.3;
+  report.stretch = 1.5;
+  report.exchanges = 1, report.samples = 2, report.commands = 3, report.deadline_misses = 4;
+  report.bytes_sent = 5, report.bytes_received = 6, report.reopened = 7;
+  report.causes.add(Cause::kChecksum);
+  report.causes.add(Cause::kChecksum);
+  report.causes.add(Cause::kNoAnswer);
+  idl::BusStatus topic;
+  to_idl("line-7", "b", report, {77}, topic);
+  const StationBusStatus back = from_idl(topic);
+  EXPECT_EQ(back.bridge, "line-7");
+  EXPECT_EQ(back.bus, "b");
+  EXPECT_EQ(back.report.state, BusState::kLeased);
+  EXPECT_EQ(back.report.utilisation, 0.5);
+  EXPECT_EQ(back.report.planned_load, 0.4);
+  EXPECT_EQ(back.report.measured_load, 0.3);
+  EXPECT_EQ(back.report.stretch, 1.5);
+  EXPECT_EQ(back.report.exchanges, 1u);
+  EXPECT_EQ(back.report.samples, 2u);
+  EXPECT_EQ(back.report.commands, 3u);
+  EXPECT_EQ(back.report.deadline_misses, 4u);
+  EXPECT_EQ(back.report.bytes_sent, 5u);
+  EXPECT_EQ(back.report.bytes_received, 6u);
+  EXPECT_EQ(back.report.reopened, 7u);
+  EXPECT_EQ(back.causes, (CauseCounts{{std::string(to_name(Cause::kChecksum)), 2}, {std::string(to_name(Cause::kNoAnswer)), 1}}));
+  EXPECT_EQ(back.reported_at.nanoseconds, 77);
+}
+
+TEST(StatusConversion, DeviceComesBackWithAtMost64Refusals) {
+  DeviceReport report;
+  report.state = DeviceState::kDegraded;
+  report.exchanges = 1, report.failures = 2, report.retries = 3, report.deadline_misses = 4;
+  report.answer_time = 5ms, report.answer_spread = 6ms, report.timeout = 7ms;
+  report.largest_block = 125;
+  report.refused.assign(70, "holding:107");
+  idl::DeviceStatus topic;
+  to_idl("b", "d", report, {78}, topic);
+  const StationDeviceStatus back = from_idl(topic);
+  EXPECT_EQ(back.bus + "/" + back.device, "b/d");
+  EXPECT_EQ(back.report.state, DeviceState::kDegraded);
+  EXPECT_EQ(back.report.exchanges, 1u);
+  EXPECT_EQ(back.report.failures, 2u);
+  EXPECT_EQ(back.report.retries, 3u);
+  EXPECT_EQ(back.report.deadline_misses, 4u);
+  EXPECT_EQ(back.report.answer_time, 5ms);
+  EXPECT_EQ(back.report.answer_spread, 6ms);
+  EXPECT_EQ(back.report.timeout, 7ms);
+  EXPECT_EQ(back.report.largest_block, 125);
+  EXPECT_EQ(back.report.refused, std::vector<std::string>(64, "holding:107"));
+}
+
+}  // namespace
+}  // namespace fieldcast

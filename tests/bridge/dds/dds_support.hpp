@@ -1,0 +1,113 @@
+// What the DDS tests share: a domain for each process, a bus to publish, waits that have a deadline and give a reason.
+#pragma once
+
+#include <unistd.h>
+
+#include <chrono>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "bridge/dds/dds_link.hpp"
+#include "bridge/dds/station.hpp"
+
+namespace fieldcast::testing {
+
+// Two test processes at once must not hear each other. Domains above 100 have ports that the system hands out to others.
+inline DdsSpec loopback() {
+  DdsSpec spec;
+  spec.domain = 10 + static_cast<std::uint32_t>(getpid()) % 90;
+  return spec;
+}
+
+// Should two processes draw the same domain, their buses still differ.
+inline std::string bus_name(const std::string& stem) { return stem + "-" + std::to_string(getpid()); }
+
+inline UtcMapping both_clocks() {
+  const auto steady = std::chrono::steady_clock::now().time_since_epoch();
+  const auto utc = std::chrono::system_clock::now().time_since_epoch();
+  return {Instant{steady}, {std::chrono::duration_cast<std::chrono::nanoseconds>(utc).count()}};
+}
+
+// True as soon as the condition holds; false after 10 s.
+inline bool eventually(const std::function<bool()>& condition) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{10};
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds{2});
+  }
+  return true;
+}
+
+// One device "d" with channels "c0", "c1", ... whose refresh is given by their number.
+inline BusSpec bus_of(const std::string& name, std::size_t channels, const std::function<Duration(std::size_t)>& refresh) {
+  BusSpec bus;
+  bus.name = name;
+  DeviceSpec& device = bus.devices.emplace_back();
+  device.name = "d";
+  for (std::size_t i = 0; i < channels; ++i) {
+    ChannelSpec& channel = device.channels.emplace_back();
+    channel.name = "c" + std::to_string(i);
+    channel.at = "holding:" + std::to_string(i);
+    channel.refresh = refresh(i);
+  }
+  return bus;
+}
+inline BusSpec bus_of(const std::string& name, std::size_t channels) {
+  return bus_of(name, channels, [](std::size_t) { return Duration{std::chrono::seconds{10}}; });
+}
+
+inline Sample good(ChannelIndex channel, Value value, std::uint64_t sequence = 1) {
+  Sample sample;
+  sample.channel = channel;
+  sample.value = std::move(value);
+  sample.quality = Quality::kGood;
+  sample.acquired = both_clocks().instant;
+  sample.sequence = sequence;
+  return sample;
+}
+
+// Collects what a subscription brings; any thread.
+template <class T>
+class Collected {
+ public:
+  void add(T item) {
+    const std::lock_guard lock(mutex_);
+    items_.push_back(std::move(item));
+  }
+  [[nodiscard]] std::vector<T> all() const {
+    const std::lock_guard lock(mutex_);
+    return items_;
+  }
+  [[nodiscard]] std::size_t size() const {
+    const std::lock_guard lock(mutex_);
+    return items_.size();
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<T> items_;
+};
+
+// Handlers of a link that hears commands and wishes.
+struct Heard {
+  Collected<std::pair<std::string, Command>> commands;
+  Collected<Interest> interests;
+  Collected<std::string> problems;
+  std::function<void(const std::string& bus, const Command& command)> answer;
+
+  DdsLink::Handlers handlers() {
+    return {.clock = both_clocks,
+            .on_command =
+                [this](const std::string& bus, Command command) {
+                  commands.add({bus, command});
+                  if (answer) answer(bus, command);
+                },
+            .on_interest = [this](Interest interest) { interests.add(std::move(interest)); },
+            .on_problem = [this](std::string text) { problems.add(std::move(text)); }};
+  }
+};
+
+}  // namespace fieldcast::testing
