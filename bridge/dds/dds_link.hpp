@@ -48,7 +48,7 @@ class DdsLink {
   struct BusCounters {
     std::uint64_t deadline_misses = 0;  // offered deadlines missed, over all channels of the bus
     std::uint32_t sample_readers = 0;   // readers matched by the bus's busiest Sample writer
-    std::uint32_t sample_writers = 0;
+    std::uint32_t sample_writers = 0;   // that have channels
   };
 
   // Joins the domain. Throws DdsError: an interface that does not exist, a profile that cannot be loaded.

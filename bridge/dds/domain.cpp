@@ -12,6 +12,7 @@
 #include <memory>
 
 #include "bridge/dds/dds_link.hpp"
+#include "bridge/dds/library.hpp"
 
 namespace fieldcast {
 
@@ -100,6 +101,7 @@ Domain::Domain(const DdsSpec& spec, const std::string& name, dds::DomainParticip
   for (const std::string& address : spec.interfaces) {
     if (!has_interface(address)) throw DdsError("dds: no interface of this machine has the address " + address);
   }
+  prepare_library();
   auto* factory = dds::DomainParticipantFactory::get_instance();
   const dds::DomainParticipantQos qos = participant_qos(spec, name);
   // Discovery is heard all the same: it has no bit in the mask.

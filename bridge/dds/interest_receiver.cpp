@@ -6,8 +6,8 @@ namespace fieldcast {
 
 InterestReceiver::InterestReceiver(Domain& domain, std::function<void(Interest)> handler)
     : domain_(domain), handler_(std::move(handler)) {
-  reader_ =
-      domain.reader<idl::InterestPubSubType>(kInterestTopic, interest_reader_qos(), this, dds::StatusMask::data_available());
+  reader_ = domain.reader<idl::InterestPubSubType>(kInterestTopic, interest_reader_qos(), this,
+                                                   dds::StatusMask::data_available() << dds::StatusMask::subscription_matched());
 }
 
 void InterestReceiver::close() { domain_.remove(reader_); }
@@ -21,14 +21,30 @@ void InterestReceiver::on_data_available(dds::DataReader* reader) {
     if (info.valid_data && info.instance_state == dds::ALIVE_INSTANCE_STATE) {
       std::optional<Interest> wish = from_idl(sample);
       if (!wish || (known == wishes_.end() && wishes_.size() >= static_cast<std::size_t>(kMaxInterests))) continue;
-      wishes_[info.instance_handle] = *wish;
+      wishes_[info.instance_handle] = {*wish, info.publication_handle};
       handler_(std::move(*wish));
     } else if (info.instance_state != dds::ALIVE_INSTANCE_STATE && known != wishes_.end()) {
-      Interest ended = std::move(known->second);
+      Interest ended = std::move(known->second.interest);
       wishes_.erase(known);
       ended.refresh.reset();
       handler_(std::move(ended));
     }
+  }
+}
+
+// A station that dies, or leaves without withdrawing: the library delivers no note for its instances.
+void InterestReceiver::on_subscription_matched(dds::DataReader*, const dds::SubscriptionMatchedStatus& status) {
+  if (status.current_count_change >= 0) return;
+  const std::lock_guard lock(mutex_);
+  for (auto wish = wishes_.begin(); wish != wishes_.end();) {
+    if (wish->second.writer != status.last_publication_handle) {
+      ++wish;
+      continue;
+    }
+    Interest ended = std::move(wish->second.interest);
+    wish = wishes_.erase(wish);
+    ended.refresh.reset();
+    handler_(std::move(ended));
   }
 }
 

@@ -16,12 +16,18 @@ class InterestReceiver : private dds::DataReaderListener {
 
  private:
   void on_data_available(dds::DataReader* reader) override;
+  void on_subscription_matched(dds::DataReader* reader, const dds::SubscriptionMatchedStatus& status) override;
+
+  struct Wish {
+    Interest interest;
+    dds::InstanceHandle_t writer;
+  };
 
   Domain& domain_;
   std::function<void(Interest)> handler_;
   dds::DataReader* reader_ = nullptr;
-  std::mutex mutex_;                                  // the reader is called on any of the participant's threads
-  std::map<dds::InstanceHandle_t, Interest> wishes_;  // the end of a wish comes without its names; at most kMaxInterests
+  std::mutex mutex_;                              // the reader is called on any of the participant's threads
+  std::map<dds::InstanceHandle_t, Wish> wishes_;  // the end of a wish comes without its names; at most kMaxInterests
 };
 
 }  // namespace fieldcast

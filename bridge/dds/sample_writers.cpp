@@ -80,12 +80,22 @@ bool SampleWriters::move(ChannelIndex channel, std::optional<Duration> refresh) 
     slot.writer->entity->write(&slot.sample);
     old->entity->unregister_instance(&slot.sample, dds::HANDLE_NIL);
   }
-  if (old->channels > 0) return true;
-  // Wishes come and go; their writers must not pile up. Readers see the last value of the new one.
-  domain_.remove(old->entity);
-  const std::lock_guard lock(writers_mutex_);
-  std::erase_if(writers_, [old](const auto& writer) { return writer.get() == old; });
+  if (old->channels == 0) remove_idle_writers();
   return true;
+}
+
+void SampleWriters::remove_idle_writers() {
+  auto idle = std::count_if(writers_.begin(), writers_.end(), [](const auto& writer) { return writer->channels == 0; });
+  for (auto writer = writers_.begin(); writer != writers_.end() && idle > static_cast<std::ptrdiff_t>(kMaxIdleWriters);) {
+    if ((*writer)->channels > 0) {
+      ++writer;
+      continue;
+    }
+    domain_.remove((*writer)->entity);
+    const std::lock_guard lock(writers_mutex_);
+    writer = writers_.erase(writer);
+    --idle;
+  }
 }
 
 std::optional<Duration> SampleWriters::refresh_of(ChannelIndex channel) const {
@@ -114,7 +124,7 @@ DdsLink::BusCounters SampleWriters::counters() const {
   for (const auto& writer : writers_) {
     counters.deadline_misses += writer->misses.load(std::memory_order_relaxed);
     counters.sample_readers = std::max(counters.sample_readers, writer->readers.load(std::memory_order_relaxed));
-    ++counters.sample_writers;
+    counters.sample_writers += writer->channels > 0;
   }
   return counters;
 }

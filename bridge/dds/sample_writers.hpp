@@ -45,7 +45,12 @@ class SampleWriters {
     Writer* writer = nullptr;  // null: never sampled (write-only)
     bool written = false;
   };
+  // Wishes come and go: a writer without channels stays for the next one, and so that its readers hear the last channel leave,
+  // but not more than this many of them.
+  static constexpr std::size_t kMaxIdleWriters = 4;
+
   Writer& writer_for(std::optional<Duration> refresh);
+  void remove_idle_writers();
   void attach(Slot& slot, std::optional<Duration> refresh);
 
   Domain& domain_;

@@ -26,6 +26,7 @@ class Subscription : private dds::DataReaderListener {
   Subscription(Domain& domain, const char* topic, const dds::DataReaderQos& qos, Handlers handlers)
       : domain_(domain), limit_(static_cast<std::size_t>(qos.resource_limits().max_instances)), handlers_(std::move(handlers)) {
     dds::StatusMask mask = dds::StatusMask::data_available();
+    if (handlers_.gone) mask << dds::StatusMask::subscription_matched();
     if (handlers_.deadline_missed) mask << dds::StatusMask::requested_deadline_missed();
     reader_ = domain_.reader<Generated>(topic, qos, this, mask);
   }
@@ -39,16 +40,43 @@ class Subscription : private dds::DataReaderListener {
     dds::SampleInfo info;
     while (reader->take_next_sample(&received_, &info) == ReturnCode_t::RETCODE_OK) {
       if (info.valid_data) {
-        if (handlers_.gone && known_.size() < limit_) known_.try_emplace(info.instance_handle, received_);
+        if (handlers_.gone) remember(info);
         handlers_.sample(received_);
       } else if (handlers_.gone && info.instance_state != dds::ALIVE_INSTANCE_STATE) {
         // Such a note comes without its keys.
-        if (auto node = known_.extract(info.instance_handle)) handlers_.gone(node.mapped());
+        if (auto node = known_.extract(info.instance_handle)) handlers_.gone(node.mapped().last);
       }
+    }
+  }
+  // A writer that dies or leaves without a word marks its instances, but the library delivers no note of it.
+  void on_subscription_matched(dds::DataReader*, const dds::SubscriptionMatchedStatus& status) override {
+    if (status.current_count_change >= 0) return;
+    const std::lock_guard lock(mutex_);
+    for (auto known = known_.begin(); known != known_.end();) {
+      if (known->second.writer != status.last_publication_handle) {
+        ++known;
+        continue;
+      }
+      const Topic last = std::move(known->second.last);
+      known = known_.erase(known);
+      handlers_.gone(last);
     }
   }
   void on_requested_deadline_missed(dds::DataReader*, const dds::RequestedDeadlineMissedStatus&) override {
     handlers_.deadline_missed();
+  }
+
+  struct Known {
+    Topic last;                    // for its keys
+    dds::InstanceHandle_t writer;  // of the latest sample
+  };
+  void remember(const dds::SampleInfo& info) {
+    const auto known = known_.find(info.instance_handle);
+    if (known != known_.end()) {
+      known->second.writer = info.publication_handle;
+    } else if (known_.size() < limit_) {
+      known_.emplace(info.instance_handle, Known{received_, info.publication_handle});
+    }
   }
 
   Domain& domain_;
@@ -56,7 +84,7 @@ class Subscription : private dds::DataReaderListener {
   const Handlers handlers_;
   std::mutex mutex_;  // the library calls on any of the participant's threads
   Topic received_;
-  std::map<dds::InstanceHandle_t, Topic> known_;  // only with `gone`; at most limit_
+  std::map<dds::InstanceHandle_t, Known> known_;  // only with `gone`; at most limit_
   dds::DataReader* reader_ = nullptr;
 };
 

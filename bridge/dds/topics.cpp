@@ -4,22 +4,24 @@ namespace fieldcast {
 
 namespace {
 
-using eprosima::fastrtps::rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
+using eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
 
 template <class Qos>
-void limit(Qos& qos, std::int32_t instances, std::int32_t per_instance, std::int32_t samples) {
+void limit(Qos& qos, std::int32_t instances, std::int32_t per_instance) {
   auto& limits = qos.resource_limits();
   limits.max_instances = instances;
   limits.max_samples_per_instance = per_instance;
-  limits.max_samples = samples;
+  limits.max_samples = instances * per_instance;  // less is refused as inconsistent
   limits.allocated_samples = 0;
 }
 
-// What all endpoints share. Payloads are made as long as they are (a Sample is about 100 bytes, its bound 500) and reused.
+// What all endpoints share. The memory policy matters at readers: with the DYNAMIC ones Fast DDS 2.9.1 drops every note that an
+// instance was disposed or unregistered ("Problem copying CacheChange, received data is: 0 bytes"). How large the first
+// allocation is says TopicType.
 template <class Qos>
 void common(Qos& qos) {
   qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
-  qos.endpoint().history_memory_policy = DYNAMIC_REUSABLE_MEMORY_MODE;
+  qos.endpoint().history_memory_policy = PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   qos.data_sharing().off();
 }
 
@@ -42,7 +44,7 @@ dds::DataWriterQos state_writer_qos(std::int32_t max_instances) {
   qos.durability().kind = dds::TRANSIENT_LOCAL_DURABILITY_QOS;
   qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
   qos.history().depth = 1;
-  limit(qos, max_instances, 1, max_instances);
+  limit(qos, max_instances, 1);
   qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
   qos.reliability().max_blocking_time = {0, 10'000'000};
   return qos;
@@ -54,7 +56,7 @@ dds::DataReaderQos state_reader_qos(std::int32_t max_instances) {
   qos.durability().kind = dds::TRANSIENT_LOCAL_DURABILITY_QOS;
   qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
   qos.history().depth = 1;
-  limit(qos, max_instances, 1, max_instances);
+  limit(qos, max_instances, 1);
   return qos;
 }
 
@@ -78,7 +80,7 @@ dds::DataWriterQos request_writer_qos(std::optional<Duration> lifespan) {
   qos.durability().kind = dds::VOLATILE_DURABILITY_QOS;
   qos.history().kind = dds::KEEP_ALL_HISTORY_QOS;
   // Two per instance: the data, and the note that the instance is let go.
-  limit(qos, kMaxPendingCommands, 2, 2 * kMaxPendingCommands);
+  limit(qos, kMaxPendingCommands, 2);
   qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
   qos.reliability().max_blocking_time = {0, 10'000'000};
   qos.writer_data_lifecycle().autodispose_unregistered_instances = false;
@@ -92,7 +94,7 @@ dds::DataReaderQos request_reader_qos() {
   qos.durability().kind = dds::VOLATILE_DURABILITY_QOS;
   qos.history().kind = dds::KEEP_ALL_HISTORY_QOS;
   // With a bound on the instances the library reuses those that are empty, even when a foreign writer never unregisters.
-  limit(qos, kMaxPendingCommands, 16, 2 * kMaxPendingCommands);
+  limit(qos, kMaxPendingCommands, 4);
   return qos;
 }
 

@@ -28,7 +28,7 @@ idl::Command long_command() {
 }
 
 std::vector<std::uint8_t> bytes_of(TopicType<idl::CommandPubSubType>& type, idl::Command& command) {
-  SerializedPayload_t payload(type.m_typeSize);
+  SerializedPayload_t payload(type.largest());
   EXPECT_TRUE(type.serialize(&command, &payload));
   return {payload.data, payload.data + payload.length};
 }
@@ -63,6 +63,22 @@ TEST(TopicType, KeysOfManyThreadsDoNotMix) {
   EXPECT_NE(key_of(1), key_of(2));
 }
 
+// The padding after "bus" must not hold what a longer key left there.
+TEST(TopicType, KeyDoesNotDependOnTheKeyBefore) {
+  TopicType<idl::SamplePubSubType> type;
+  const auto key_of = [&](const std::string& bus) {
+    idl::Sample sample;
+    sample.bus() = bus;
+    sample.device() = "d";
+    InstanceHandle_t handle;
+    EXPECT_TRUE(type.getKey(&sample, &handle, false));
+    return handle;
+  };
+  const InstanceHandle_t first = key_of("b");
+  (void)key_of("quite another and longer name");
+  EXPECT_EQ(key_of("b"), first);
+}
+
 TEST(TopicType, EveryTruncationIsRefused) {
   TopicType<idl::CommandPubSubType> type;
   idl::Command command = long_command(), out;
@@ -91,7 +107,7 @@ TEST(TopicType, LongerThanTheTypeCanBeIsRefused) {
   TopicType<idl::CommandPubSubType> type;
   idl::Command command = long_command(), out;
   auto bytes = bytes_of(type, command);
-  bytes.resize(type.m_typeSize + 1);
+  bytes.resize(type.largest() + 1);
   EXPECT_FALSE(read(type, bytes, out));
 }
 

@@ -1,0 +1,46 @@
+#include "bridge/dds/library.hpp"
+
+#include <fastrtps/xmlparser/XMLProfileManager.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <fastdds/dds/log/Log.hpp>
+#include <memory>
+#include <mutex>
+#include <string_view>
+
+namespace fieldcast {
+
+namespace {
+
+using eprosima::fastdds::dds::Log;
+
+// Said when an instance with a deadline is unregistered (Fast DDS 2.9.1, DataWriterImpl): the timer it then looks for is meant to
+// be gone. Every channel that moves to another writer would print it.
+constexpr std::string_view kHarmless = "Could not set the next deadline in the history";
+
+class PlainLines : public eprosima::fastdds::dds::LogConsumer {
+ public:
+  void Consume(const Log::Entry& entry) override {
+    if (entry.message == kHarmless) return;
+    std::fprintf(stderr, "Fast DDS %s: %s (%s)\n", entry.kind == Log::Error ? "error" : "warning", entry.message.c_str(),
+                 entry.context.category);
+  }
+};
+
+}  // namespace
+
+void prepare_library() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    Log::ClearConsumers();
+    Log::RegisterConsumer(std::make_unique<PlainLines>());
+    // The library's own view of a problem in the field: warnings, beside the errors that are always shown.
+    if (std::getenv("FIELDCAST_DDS_WARNINGS") != nullptr) Log::SetVerbosity(Log::Warning);
+    eprosima::fastrtps::LibrarySettingsAttributes settings;
+    settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
+    eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
+  });
+}
+
+}  // namespace fieldcast

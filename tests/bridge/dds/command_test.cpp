@@ -1,0 +1,143 @@
+// Commands from a station to the link and their results back, over real DDS on loopback.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "tests/bridge/dds/dds_support.hpp"
+
+namespace fieldcast::testing {
+namespace {
+
+using namespace std::chrono_literals;
+
+StationCommand write_running(const std::string& bus) {
+  StationCommand command;
+  command.bus = bus;
+  command.command.device = "d";
+  command.command.target = ChannelTarget{"c0"};
+  command.command.values = {true};
+  return command;
+}
+
+CommandResult done(const Command& command) {
+  CommandResult result;
+  result.requester = command.requester;
+  result.request_id = command.request_id;
+  result.state = CommandState::kDone;
+  result.values = command.values;
+  result.received = result.started = result.completed = both_clocks().instant;
+  return result;
+}
+
+// A bridge that does at once what it is told.
+struct Obedient {
+  explicit Obedient(const std::string& bus) : link(loopback(), "test", heard.handlers()) {
+    heard.answer = [this](const std::string& name, const Command& command) { link.complete(name, done(command), both_clocks()); };
+    link.add_bus(bus_of(bus, 1));
+  }
+  Heard heard;
+  DdsLink link;
+};
+
+TEST(DdsCommand, RunsAndItsResultComesBack) {
+  const std::string bus = bus_name("command");
+  Obedient bridge(bus);
+  Station station(loopback(), "operator");
+  const auto result = station.execute(write_running(bus));
+  ASSERT_TRUE(result) << to_text(result.error());
+  EXPECT_EQ(result->state, CommandState::kDone);
+  EXPECT_EQ(result->values, std::vector<Value>{true});
+  EXPECT_EQ(result->bus, bus);
+  EXPECT_EQ(result->requester, station.requester());
+  ASSERT_EQ(bridge.heard.commands.size(), 1u);
+  EXPECT_EQ(bridge.heard.commands.all()[0].first, bus);
+}
+
+TEST(DdsCommand, ExpiresTheWritersLifespanAfterItWasWritten) {
+  const std::string bus = bus_name("lifespan");
+  Obedient bridge(bus);
+  Station station(loopback(), "operator");
+  for (const Duration lifespan : {2s, 30s}) {
+    StationCommand command = write_running(bus);
+    command.lifespan = lifespan;
+    const Instant before = both_clocks().instant;
+    ASSERT_TRUE(station.execute(command));
+    const Instant expires = bridge.heard.commands.all().back().second.expires;
+    EXPECT_GE(expires, before + lifespan - 100ms);
+    EXPECT_LE(expires, both_clocks().instant + lifespan + 100ms);
+  }
+}
+
+TEST(DdsCommand, ForAnotherBridgesBusIsNotHeard) {
+  const std::string bus = bus_name("ours");
+  Obedient bridge(bus);
+  Station station(loopback(), "operator");
+  StationCommand foreign = write_running("not-" + bus);
+  foreign.lifespan = 100ms;
+  const auto nothing = station.execute(foreign, 3s, 100ms);
+  ASSERT_FALSE(nothing);
+  EXPECT_EQ(nothing.error(), StationFault::kNoResult);
+  ASSERT_TRUE(station.execute(write_running(bus)));
+  EXPECT_EQ(bridge.heard.commands.size(), 1u);
+}
+
+TEST(DdsCommand, WithoutABridgeIsNotWritten) {
+  DdsSpec empty = loopback();
+  empty.partition = bus_name("nobody");
+  Station station(empty, "operator");
+  const auto result = station.execute(write_running("b"), 100ms);
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error(), StationFault::kNoBridge);
+}
+
+TEST(DdsCommand, RestartedBridgeNeverHearsAnOldOne) {
+  const std::string bus = bus_name("restart");
+  Station station(loopback(), "operator");
+  {
+    Obedient first(bus);
+    ASSERT_TRUE(station.execute(write_running(bus)));
+  }
+  Obedient second(bus);
+  ASSERT_TRUE(station.execute(write_running(bus)));  // what was written before would have come before
+  EXPECT_EQ(second.heard.commands.size(), 1u);
+}
+
+TEST(DdsCommand, MalformedIsRejectedWithAReason) {
+  const std::string bus = bus_name("malformed");
+  Obedient bridge(bus);
+  Station station(loopback(), "operator");
+  StationCommand command = write_running(bus);
+  command.command.values.clear();
+  const auto result = station.execute(command);
+  ASSERT_TRUE(result) << to_text(result.error());
+  EXPECT_EQ(result->state, CommandState::kRejected);
+  EXPECT_EQ(result->cause, to_name(Cause::kWrongType));
+  EXPECT_FALSE(result->reason.empty());
+  EXPECT_EQ(bridge.heard.commands.size(), 0u);
+}
+
+TEST(DdsCommand, ManyRequestersEachGetTheirOwnResults) {
+  const std::string bus = bus_name("many");
+  Obedient bridge(bus);
+  std::vector<std::thread> threads;
+  std::atomic<int> right{0};
+  for (int t = 0; t < 3; ++t) {
+    threads.emplace_back([&, t] {
+      Station station(loopback(), "operator-" + std::to_string(t));
+      for (int i = 0; i < 50; ++i) {
+        StationCommand command = write_running(bus);
+        command.command.values = {std::int64_t{t * 1000 + i}};
+        const auto result = station.execute(command);
+        right += result && result->values == command.command.values;
+      }
+    });
+  }
+  for (auto& thread : threads) thread.join();
+  EXPECT_EQ(right, 150);
+  EXPECT_EQ(bridge.heard.commands.size(), 150u);
+  EXPECT_THAT(bridge.heard.problems.all(), ::testing::IsEmpty());
+}
+
+}  // namespace
+}  // namespace fieldcast::testing

@@ -1,0 +1,247 @@
+// The bridge's link and a station, over real DDS on loopback.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "tests/bridge/dds/dds_support.hpp"
+
+namespace fieldcast::testing {
+namespace {
+
+using namespace std::chrono_literals;
+
+// The distinct channels among samples of one bus.
+std::set<std::string> channels_of(const std::vector<StationSample>& samples, const std::string& bus) {
+  std::set<std::string> names;
+  for (const StationSample& sample : samples) {
+    if (sample.bus == bus) names.insert(sample.channel);
+  }
+  return names;
+}
+
+std::vector<Sample> one_of_each(std::size_t channels, std::uint64_t sequence = 1) {
+  std::vector<Sample> samples;
+  for (std::size_t i = 0; i < channels; ++i)
+    samples.push_back(good(static_cast<ChannelIndex>(i), static_cast<double>(i), sequence));
+  return samples;
+}
+
+TEST(DdsLink, EveryChannelOf300ArrivesFromOneRefreshClass) {
+  const std::string bus = bus_name("wide");
+  Heard heard;
+  DdsLink link(loopback(), "test", heard.handlers());
+  Station station(loopback(), "watcher");
+  Collected<StationSample> samples;
+  station.subscribe_samples([&](const StationSample& sample) { samples.add(sample); });
+  link.add_bus(bus_of(bus, 300));
+  EXPECT_EQ(link.counters(bus).sample_writers, 2u) << "256 channels at most for one writer";
+
+  link.publish(bus, one_of_each(300), both_clocks());
+  ASSERT_TRUE(eventually([&] { return channels_of(samples.all(), bus).size() == 300; }))
+      << channels_of(samples.all(), bus).size() << " of 300 channels came";
+  for (const StationSample& sample : samples.all()) {
+    if (sample.bus != bus) continue;
+    EXPECT_EQ("c" + to_text(sample.value), sample.channel);
+    EXPECT_EQ(sample.device, "d");
+    EXPECT_EQ(sample.quality, Quality::kGood);
+  }
+  EXPECT_THAT(heard.problems.all(), ::testing::IsEmpty());
+}
+
+TEST(DdsLink, LateJoinerGetsTheCatalogueAndTheLastValueOfEveryChannel) {
+  const std::string bus = bus_name("late");
+  Heard heard;
+  DdsLink link(loopback(), "test", heard.handlers());
+  link.add_bus(bus_of(bus, 300));
+  for (std::uint64_t sequence = 1; sequence <= 3; ++sequence) link.publish(bus, one_of_each(300, sequence), both_clocks());
+
+  Station station(loopback(), "late");
+  Collected<StationSample> samples;
+  Collected<StationChannel> channels;
+  station.subscribe_samples([&](const StationSample& sample) { samples.add(sample); });
+  station.subscribe_channels([&](const StationChannel& channel) {
+    if (channel.bus == bus) channels.add(channel);
+  });
+  ASSERT_TRUE(eventually([&] { return channels_of(samples.all(), bus).size() == 300 && channels.size() == 300; }))
+      << channels_of(samples.all(), bus).size() << " values and " << channels.size() << " catalogue entries of 300";
+  for (const StationSample& sample : samples.all()) EXPECT_EQ(sample.sequence, 3u) << "only the last value";
+  EXPECT_EQ(channels.all().front().refresh, 10s);
+  EXPECT_EQ(channels.all().front().bridge, "test");
+}
+
+TEST(DdsLink, StationThatAsksForADeadlineGetsJustTheChannelsThatPromiseIt) {
+  const std::string bus = bus_name("mixed");
+  Heard heard;
+  DdsLink link(loopback(), "test", heard.handlers());
+  link.add_bus(bus_of(bus, 20, [](std::size_t i) { return i % 2 == 0 ? Duration{5s} : Duration{60s}; }));
+  Station demanding(loopback(), "demanding"), content(loopback(), "content");
+  Collected<StationSample> fresh, all;
+  demanding.subscribe_samples([&](const StationSample& sample) { fresh.add(sample); }, {}, {.deadline = 10s});
+  content.subscribe_samples([&](const StationSample& sample) { all.add(sample); });
+  link.publish(bus, one_of_each(20), both_clocks());
+  ASSERT_TRUE(eventually([&] { return channels_of(all.all(), bus).size() == 20 && channels_of(fresh.all(), bus).size() == 10; }))
+      << channels_of(all.all(), bus).size() << " of 20, " << channels_of(fresh.all(), bus).size() << " of 10";
+  for (const StationSample& sample : fresh.all()) EXPECT_EQ(static_cast<int>(std::get<double>(sample.value)) % 2, 0);
+}
+
+TEST(DdsLink, MissedPromisesAreCounted) {
+  const std::string bus = bus_name("missed");
+  Heard heard;
+  DdsLink link(loopback(), "test", heard.handlers());
+  link.add_bus(bus_of(bus, 2, [](std::size_t) { return 50ms; }));
+  link.publish(bus, one_of_each(2), both_clocks());
+  EXPECT_TRUE(eventually([&] { return link.counters(bus).deadline_misses >= 2; }));
+}
+
+TEST(DdsLink, NothingIsMissedBeforeTheFirstSample) {
+  const std::string bus = bus_name("unwritten");
+  Heard heard;
+  DdsLink link(loopback(), "test", heard.handlers());
+  BusSpec spec = bus_of(bus, 2, [](std::size_t i) { return i == 0 ? 20ms : 10s; });
+  spec.devices[0].channels[0].name = "silent";
+  link.add_bus(spec);
+  // The other class' own promise is the clock: when it was missed, the first had 10 times its refresh to be missed too.
+  BusSpec other = bus_of(bus + "x", 1, [](std::size_t) { return 200ms; });
+  link.add_bus(other);
+  link.publish(bus + "x", one_of_each(1), both_clocks());
+  ASSERT_TRUE(eventually([&] { return link.counters(bus + "x").deadline_misses >= 1; }));
+  EXPECT_EQ(link.counters(bus).deadline_misses, 0u);
+}
+
+TEST(DdsLink, ChangedRefreshMovesTheChannelWithItsValueAndItsCatalogueEntry) {
+  const std::string bus = bus_name("moving");
+  Heard heard;
+  DdsLink link(loopback(), "test", heard.handlers());
+  link.add_bus(bus_of(bus, 4, [](std::size_t) { return 60s; }));
+  link.publish(bus, one_of_each(4), both_clocks());
+  Station demanding(loopback(), "demanding"), content(loopback(), "content");
+  Collected<StationSample> fresh, all;
+  Collected<std::string> gone;
+  std::mutex mutex;
+  std::map<std::string, Duration> refresh;
+  demanding.subscribe_samples([&](const StationSample& sample) { fresh.add(sample); }, {}, {.deadline = 1s});
+  content.subscribe_samples([&](const StationSample& sample) { all.add(sample); },
+                            [&](const std::string&, const std::string&, const std::string& channel) { gone.add(channel); });
+  content.subscribe_channels([&](const StationChannel& channel) {
+    const std::lock_guard lock(mutex);
+    if (channel.bus == bus) refresh[channel.channel] = channel.refresh;
+  });
+  ASSERT_TRUE(eventually([&] { return channels_of(all.all(), bus).size() == 4; }));
+  EXPECT_EQ(link.counters(bus).sample_writers, 1u);
+
+  link.set_refresh(bus, 2, 500ms);
+  EXPECT_EQ(link.counters(bus).sample_writers, 2u);
+  EXPECT_TRUE(eventually([&] { return channels_of(fresh.all(), bus) == std::set<std::string>{"c2"}; }))
+      << "the station that asks for 1 s sees it now";
+  EXPECT_TRUE(eventually([&] {
+    const std::lock_guard lock(mutex);
+    return refresh["c2"] == 500ms && refresh["c1"] == 60s;
+  })) << "and the catalogue says so";
+
+  link.set_refresh(bus, 2, 60s);  // back: the writer of the wish is gone again
+  EXPECT_EQ(link.counters(bus).sample_writers, 1u);
+  link.publish(bus, one_of_each(4, 2), both_clocks());
+  EXPECT_TRUE(eventually([&] {
+    const auto seen = all.all();
+    return std::any_of(seen.begin(), seen.end(), [](const StationSample& s) { return s.channel == "c2" && s.sequence == 2; });
+  }));
+  EXPECT_THAT(gone.all(), ::testing::IsEmpty()) << "a channel that moves never looks gone";
+}
+
+TEST(DdsLink, RemovedBusIsSeenToGoAndComesBackUnderTheSameName) {
+  const std::string bus = bus_name("removed");
+  Heard heard;
+  DdsLink link(loopback(), "test", heard.handlers());
+  Station station(loopback(), "watcher");
+  Collected<std::string> gone_samples, gone_channels;
+  Collected<StationSample> samples;
+  Collected<StationChannel> channels;
+  station.subscribe_samples([&](const StationSample& sample) { samples.add(sample); },
+                            [&](const std::string&, const std::string&, const std::string& name) { gone_samples.add(name); });
+  station.subscribe_channels([&](const StationChannel& channel) { channels.add(channel); },
+                             [&](const std::string&, const std::string&, const std::string& name) { gone_channels.add(name); });
+  for (std::size_t round = 1; round <= 2; ++round) {
+    link.add_bus(bus_of(bus, 5));
+    link.publish(bus, one_of_each(5), both_clocks());
+    ASSERT_TRUE(eventually([&] { return samples.size() == 5 * round && channels.size() == 5 * round; }))
+        << samples.size() << " samples, " << channels.size() << " catalogue entries in round " << round;
+    link.remove_bus(bus);
+    EXPECT_TRUE(eventually([&] { return gone_samples.size() == 5 * round && gone_channels.size() == 5 * round; }))
+        << gone_samples.size() << " samples and " << gone_channels.size() << " entries gone in round " << round;
+  }
+}
+
+TEST(DdsLink, StatusArrivesAndGoesWithItsBus) {
+  const std::string bus = bus_name("status");
+  Heard heard;
+  DdsLink link(loopback(), "test", heard.handlers());
+  link.add_bus(bus_of(bus, 1));
+  Station station(loopback(), "watcher");
+  Collected<StationBusStatus> buses;
+  Collected<StationDeviceStatus> devices;
+  station.subscribe_bus_status([&](const StationBusStatus& status) { buses.add(status); });
+  station.subscribe_device_status([&](const StationDeviceStatus& status) { devices.add(status); });
+  BusReport report;
+  report.state = BusState::kRunning;
+  report.causes.add(Cause::kForeign);
+  link.report(bus, report, {5});
+  DeviceReport device;
+  device.refused = {"holding:7"};
+  link.report(bus, "d", device, {6});
+  ASSERT_TRUE(eventually([&] { return buses.size() >= 1 && devices.size() >= 1; }));
+  EXPECT_EQ(buses.all()[0].bus, bus);
+  EXPECT_EQ(buses.all()[0].report.state, BusState::kRunning);
+  EXPECT_EQ(buses.all()[0].causes.begin()->first, to_name(Cause::kForeign));
+  EXPECT_EQ(devices.all()[0].report.refused, std::vector<std::string>{"holding:7"});
+}
+
+TEST(DdsLink, WishesAreHeardAndEndWhenWithdrawnOrTheirStationGoes) {
+  Heard heard;
+  DdsLink link(loopback(), "test", heard.handlers());
+  const std::string name = bus_name("wisher");
+  auto station = std::make_unique<Station>(loopback(), name);
+  station->declare_interest("a/*/*", 200ms);
+  station->declare_interest("b/*/*", 300ms);
+  const auto of = [&](const std::string& pattern) {
+    std::vector<std::optional<Duration>> seen;
+    for (const Interest& interest : heard.interests.all()) {
+      if (interest.station == name && interest.pattern == pattern) seen.push_back(interest.refresh);
+    }
+    return seen;
+  };
+  using Wishes = std::vector<std::optional<Duration>>;
+  ASSERT_TRUE(eventually([&] { return of("a/*/*") == Wishes{200ms} && of("b/*/*") == Wishes{300ms}; }));
+  station->withdraw_interest("a/*/*");
+  EXPECT_TRUE(eventually([&] { return of("a/*/*") == Wishes{200ms, std::nullopt}; }));
+  station.reset();
+  EXPECT_TRUE(eventually([&] { return of("b/*/*") == Wishes{300ms, std::nullopt}; })) << "the station has left";
+}
+
+TEST(DdsLink, UnknownInterfaceIsAnErrorAtTheStart) {
+  DdsSpec spec = loopback();
+  spec.interfaces = {"203.0.113.7"};
+  Heard heard;
+  EXPECT_THROW(DdsLink(spec, "test", heard.handlers()), DdsError);
+}
+
+TEST(DdsLink, PartitionSeparatesStations) {
+  const std::string bus = bus_name("partition");
+  DdsSpec inside = loopback();
+  inside.partition = "plant-a";
+  Heard heard;
+  DdsLink link(inside, "test", heard.handlers());
+  link.add_bus(bus_of(bus, 1));
+  link.publish(bus, one_of_each(1), both_clocks());
+  Station member(inside, "member"), stranger(loopback(), "stranger");
+  Collected<StationSample> seen, unseen;
+  stranger.subscribe_samples([&](const StationSample& sample) { unseen.add(sample); });
+  member.subscribe_samples([&](const StationSample& sample) { seen.add(sample); });
+  EXPECT_TRUE(eventually([&] { return channels_of(seen.all(), bus).size() == 1; }));
+  EXPECT_TRUE(channels_of(unseen.all(), bus).empty());
+}
+
+}  // namespace
+}  // namespace fieldcast::testing
