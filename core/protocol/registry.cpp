@@ -3,6 +3,7 @@
 #include <array>
 
 #include "core/protocol/modbus/modbus.hpp"
+#include "core/protocol/omron_hostlink/omron_hostlink.hpp"
 #include "core/protocol/protocol.hpp"
 #include "core/protocol/s7_freeport/s7_freeport.hpp"
 
@@ -13,6 +14,7 @@ std::span<const ProtocolEntry> protocols() {
       modbus::rtu_entry(),
       modbus::ascii_entry(),
       modbus::tcp_entry(),
+      omron::hostlink_entry(),
       s7_freeport::entry(),
   };
   return entries;

@@ -28,7 +28,8 @@ GoldenVector vector_of(const json& object) {
   if (object.contains("exchange")) {
     for (const json& step : object["exchange"]) {
       const Bytes bytes = from_hex(step.value("hex", "")).value_or(Bytes{});
-      if (step.value("dir", "") == "M>S") {
+      const std::string direction = step.value("dir", "");  // "M>S" of a master, "H>P" of a host
+      if (direction == "M>S" || direction == "H>P") {
         vector.master.push_back(bytes);
         vector.slave.emplace_back();
       } else if (!vector.slave.empty()) {

@@ -1,0 +1,42 @@
+// The memory areas of Omron PLCs in the two languages that a Host Link port speaks, and their notation.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "core/protocol/protocol.hpp"
+
+namespace fieldcast::omron {
+
+// C-mode: two-letter commands that every Host Link PLC knows. FINS in Host Link (header FA): CS, CJ, CP and later.
+enum class Mode : std::uint8_t { kCMode, kFins };
+
+// One area. Zero in a column: that language cannot reach it.
+struct AreaRow {
+  std::string_view name;       // "DM"
+  std::string_view other;      // a second spelling: "D"
+  char letter = 0;             // C-mode commands: R + letter reads, W + letter writes
+  std::uint32_t c_items = 0;   // reached by four decimal digits
+  std::uint8_t word_code = 0;  // FINS area codes of CS/CJ/CP (Omron W342, 5-2-2)
+  std::uint8_t bit_code = 0;
+  std::uint32_t fins_items = 0;
+  std::uint32_t c_offset = 0;     // counters stand behind the timers: from 2048 in C-mode,
+  std::uint32_t fins_offset = 0;  // from 8000h in FINS
+  bool flags = false;             // one bit each
+};
+
+inline constexpr std::uint32_t kBankWords = 32768;  // of EM; address = bank * kBankWords + word
+inline constexpr std::uint32_t kBanks = 13;         // 0 to C
+
+// EM's word and bit codes carry the bank.
+[[nodiscard]] bool is_extended(const AreaRow& row);
+
+// The areas of one language, in the order of Protocol::areas().
+[[nodiscard]] const std::vector<const AreaRow*>& rows_of(Mode mode);
+[[nodiscard]] const std::vector<Area>& areas_of(Mode mode);
+
+// "DM100", "CIO12.03", "W5", "HR10", "AR3", "LR7", "T5", "C5", "TF5", "E1_100".
+[[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_address(Mode mode, std::string_view at);
+
+}  // namespace fieldcast::omron

@@ -1,0 +1,294 @@
+#include "core/protocol/omron_hostlink/c_mode.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/codec/digits.hpp"
+#include "core/protocol/omron_hostlink/hostlink.hpp"
+#include "core/protocol/omron_hostlink/limits.hpp"
+
+namespace fieldcast::omron {
+namespace {
+
+constexpr std::size_t kMaxReceived = 1024;  // since the last send: eight frames
+constexpr std::uint16_t kNotSupported = 0x16;
+constexpr std::uint32_t kWordDigits = 4;
+
+const AreaRow& row_of(const Range& range) { return *rows_of(Mode::kCMode)[range.area]; }
+std::uint32_t digits_of(const Range& range) { return row_of(range).flags ? range.count : range.count * kWordDigits; }
+
+bool fits(const Range& range, std::uint32_t limit) {
+  const auto& areas = areas_of(Mode::kCMode);
+  if (range.area >= areas.size() || range.count == 0 || range.count > limit) return false;
+  if (range.first >= areas[range.area].items || range.count > areas[range.area].items - range.first) return false;
+  if (!is_extended(row_of(range))) return true;
+  const std::uint32_t word = range.first % kBankWords;  // four digits reach just so far into a bank
+  return word + range.count <= 10000;
+}
+
+// How many frames carry so many data characters.
+std::uint32_t frames_for(std::uint32_t digits, std::uint32_t first, std::uint32_t later) {
+  return digits <= first ? 1 : 1 + (digits - first + later - 1) / later;
+}
+
+// EM's bank and the first word.
+void append_place(Bytes& out, const Range& range) {
+  const AreaRow& row = row_of(range);
+  std::uint32_t first = range.first + row.c_offset;
+  if (is_extended(row)) {
+    append_digits(out, first / kBankWords, 2);
+    first %= kBankWords;
+  }
+  append_digits(out, first, 4, 10);
+}
+std::uint32_t place_size(const Range& range) { return is_extended(row_of(range)) ? 6 : 4; }
+
+// What the two kinds of exchange share: the answer's first frame, and giving up in the middle of a transfer.
+class CModeExchange : public Exchange {
+ public:
+  CModeExchange(std::uint16_t unit, std::string header) : unit_(unit), header_(std::move(header)) {}
+
+  Step on_bytes(ByteView all, Bytes& out) final {
+    if (giving_up_) return Step::need_answer();
+    if (all.size() > kMaxReceived) return fail(Cause::kOverlong, out);
+    return take(all, out);
+  }
+  Step on_silence(Bytes& out) final {
+    if (giving_up_) return Step::failed(silence_);
+    return fail(silence_, out);
+  }
+  const Reply& reply() const final { return reply_; }
+
+ protected:
+  virtual Step take(ByteView all, Bytes& out) = 0;
+  // The text of our command's answer behind its end code 00.
+  virtual Step accept(ByteView text, bool last, Bytes& out) = 0;
+
+  // Walks through marked frames until one is ours. `expected`: characters of the whole frame that is waited for.
+  Step search(ByteView all, std::size_t expected, Bytes& out) {
+    silence_ =
+        std::any_of(all.begin(), all.end(), [](auto c) { return c != 0x00 && c != 0xFF; }) ? Cause::kMalformed : Cause::kNoAnswer;
+    Step step = Step::need_answer();
+    for (;;) {
+      const Seen seen = first_frame(all);
+      if (seen.kind == Seen::Kind::kNothing) return step;
+      if (seen.kind == Seen::Kind::kOpen) {
+        silence_ = Cause::kTruncated;
+        return Step::need_rest(static_cast<std::uint32_t>(expected > seen.text.size() ? expected - seen.text.size() : 1));
+      }
+      if (seen.kind == Seen::Kind::kBroken) {
+        silence_ = Cause::kChecksum;
+        step = Step::need_rest(0);
+      } else {
+        step = judge(seen, out);
+        if (step.kind != Step::Kind::kNeedMore) return step;
+      }
+      all = all.subspan(seen.end);
+    }
+  }
+
+  // While a transfer is open, the PLC takes any command for a delimiter: it is closed by XZ, which has no answer.
+  Step fail(Cause cause, Bytes& out) {
+    silence_ = cause;
+    if (!open_) return Step::failed(cause);
+    giving_up_ = true;
+    out.clear();
+    append_head(out, unit_, "XZ");
+    append_end(out, 0, true);
+    return Step::send(0);
+  }
+
+  const std::uint16_t unit_;
+  const std::string header_;
+  Reply reply_;
+  Cause silence_ = Cause::kNoAnswer;
+  bool open_ = false;  // frames are still to come, in one direction or the other
+
+ private:
+  Step judge(const Seen& seen, Bytes& out) {
+    const ByteView text = seen.text;
+    silence_ = Cause::kForeign;
+    if (text.size() < kHeadSize || read_digits(text.subspan(1, 2), 10) != unit_) return Step::need_answer();
+    const std::string header(text.begin() + 3, text.begin() + kHeadSize);
+    if (header == "IC" && seen.last) return Step::failed(Cause::kDeviceError, kNotSupported);
+    if (header != header_) return Step::need_answer();
+    silence_ = Cause::kMalformed;
+    if (text.size() < kHeadSize + kEndCodeSize) return Step::need_answer();
+    const auto code = read_digits(text.subspan(kHeadSize, kEndCodeSize));
+    if (!code) return Step::need_answer();
+    const ByteView data = text.subspan(kHeadSize + kEndCodeSize);
+    if (*code == 0) return accept(data, seen.last, out);
+    // The XOR does not see two equal characters vanish: a refusal must have the shape of one, too.
+    if (!data.empty() || !seen.last) return Step::need_answer();
+    return Step::failed(Cause::kDeviceError, static_cast<std::uint16_t>(*code));
+  }
+
+  bool giving_up_ = false;
+};
+
+class CModeRead final : public CModeExchange {
+ public:
+  CModeRead(std::uint16_t unit, const Range& range)
+      : CModeExchange(unit, {'R', row_of(range).letter}), range_(range), digits_(digits_of(range)), flags_(row_of(range).flags) {}
+
+  Step start(Bytes& out) override {
+    append_head(out, unit_, header_);
+    append_place(out, range_);
+    append_digits(out, range_.count, 4, 10);
+    append_end(out, 0, true);
+    return Step::send(static_cast<std::uint32_t>(kHeadSize + kEndCodeSize) + frame_size(flags_ ? kFlagsFirst : kReadFirst));
+  }
+
+ private:
+  // Characters of the next frame from its data on, if the PLC fills it as far as it may.
+  std::uint32_t frame_size(std::uint32_t capacity) const {
+    const auto left = static_cast<std::uint32_t>(digits_ - data_.size());
+    return std::min(left, capacity) + static_cast<std::uint32_t>(end_size(left <= capacity));
+  }
+
+  Step take(ByteView all, Bytes& out) override {
+    if (!open_ || all.front() == kAt) {
+      const std::uint32_t first = open_ ? 0 : frame_size(flags_ ? kFlagsFirst : kReadFirst);
+      return search(all, kHeadSize + kEndCodeSize + first, out);
+    }
+    const Seen seen = later_frame(all);
+    if (seen.kind == Seen::Kind::kFrame) return accept(seen.text, seen.last, out);
+    silence_ = seen.kind == Seen::Kind::kBroken ? Cause::kChecksum : Cause::kTruncated;
+    const std::size_t whole = frame_size(kReadLater);
+    return Step::need_rest(
+        static_cast<std::uint32_t>(seen.kind == Seen::Kind::kOpen ? whole - std::min(whole - 1, all.size()) : 0));
+  }
+
+  Step accept(ByteView text, bool last, Bytes& out) override {
+    const bool whole = flags_ || text.size() % kWordDigits == 0;  // no word is cut between two frames
+    const bool fits =
+        whole && (last ? data_.size() + text.size() == digits_ : !text.empty() && data_.size() + text.size() < digits_);
+    if (!fits) {
+      silence_ = Cause::kMalformed;
+      return open_ ? fail(Cause::kMalformed, out) : Step::need_answer();  // before anything else: an answer to an earlier request
+    }
+    append(data_, text);
+    if (!last) {
+      open_ = true;
+      out.push_back(kCr);
+      return Step::send(frame_size(flags_ ? kFlagsLater : kReadLater));
+    }
+    open_ = false;
+    return finish();
+  }
+
+  Step finish() {
+    RangeReply reply;
+    if (flags_) {
+      for (const std::uint8_t c : data_) {
+        if (c != '0' && c != '1') return Step::failed(Cause::kMalformed);
+        reply.items.push_back(c - '0');
+      }
+    } else {
+      auto bytes = read_hex_bytes(data_);
+      if (!bytes) return Step::failed(Cause::kMalformed);
+      reply.items = std::move(*bytes);
+    }
+    reply_.push_back(std::move(reply));
+    return Step::done();
+  }
+
+  const Range range_;
+  const std::size_t digits_;
+  const bool flags_;
+  Bytes data_;
+};
+
+class CModeWrite final : public CModeExchange {
+ public:
+  CModeWrite(std::uint16_t unit, const WriteRequest& write)
+      : CModeExchange(unit, {'W', row_of(write.range).letter}), range_(write.range) {
+    if (row_of(range_).flags) {
+      for (const std::uint8_t item : write.items) data_.push_back(item != 0 ? '1' : '0');
+    } else {
+      append_hex_bytes(data_, write.items);
+    }
+  }
+
+  Step start(Bytes& out) override {
+    append_head(out, unit_, header_);
+    append_place(out, range_);
+    return send_next(kWriteFirst, 0, out);
+  }
+
+ private:
+  static constexpr std::size_t kAnswer = kHeadSize + kEndCodeSize + kFcsSize + 2;
+
+  Step send_next(std::size_t capacity, std::size_t start, Bytes& out) {
+    const std::size_t size = std::min(capacity, data_.size() - sent_);
+    append(out, ByteView(data_).subspan(sent_, size));
+    sent_ += size;
+    open_ = sent_ < data_.size();
+    append_end(out, start, !open_);
+    return Step::send(open_ ? 1 : kAnswer);
+  }
+
+  Step take(ByteView all, Bytes& out) override {
+    const auto cr = std::find(all.begin(), all.end(), kCr);
+    if (open_ && cr != all.end() && std::find(all.begin(), cr, kAt) == cr) {
+      out.clear();
+      return send_next(kWriteLater, 0, out);
+    }
+    return search(all, kAnswer, out);
+  }
+
+  Step accept(ByteView text, bool last, Bytes&) override {
+    if (open_ || !last || !text.empty()) return Step::need_answer();
+    reply_.emplace_back();
+    return Step::done();
+  }
+
+  const Range range_;
+  Bytes data_;
+  std::size_t sent_ = 0;
+};
+
+ExchangeSize read_size(const Range& range) {
+  const std::uint32_t digits = digits_of(range);
+  const bool flags = row_of(range).flags;
+  const std::uint32_t frames = frames_for(digits, flags ? kFlagsFirst : kReadFirst, flags ? kFlagsLater : kReadLater);
+  return {.request_characters = static_cast<std::uint32_t>(kHeadSize) + place_size(range) + 4 + 4 + (frames - 1),
+          .answer_characters = static_cast<std::uint32_t>(kHeadSize + kEndCodeSize) + digits + 3 * frames + 1,
+          .rounds = frames};
+}
+
+ExchangeSize write_size(const Range& range) {
+  const std::uint32_t digits = digits_of(range);
+  const std::uint32_t frames = frames_for(digits, kWriteFirst, kWriteLater);
+  return {.request_characters = static_cast<std::uint32_t>(kHeadSize) + place_size(range) + digits + 3 * frames + 1,
+          .answer_characters = 11 + (frames - 1),
+          .rounds = frames};
+}
+
+}  // namespace
+
+std::optional<ExchangeSize> c_mode_size(const Request& request) {
+  if (const auto* read = std::get_if<ReadRequest>(&request)) {
+    if (read->ranges.size() != 1) return std::nullopt;
+    const Range& range = read->ranges.front();
+    if (range.area >= areas_of(Mode::kCMode).size() || !fits(range, areas_of(Mode::kCMode)[range.area].max_read))
+      return std::nullopt;
+    return read_size(range);
+  }
+  const auto* write = std::get_if<WriteRequest>(&request);
+  if (write == nullptr || write->bit) return std::nullopt;
+  const Range& range = write->range;
+  if (range.area >= areas_of(Mode::kCMode).size() || !fits(range, areas_of(Mode::kCMode)[range.area].max_write))
+    return std::nullopt;
+  if (write->items.size() != image_bytes(row_of(range).flags ? 1 : 16, range.count)) return std::nullopt;
+  return write_size(range);
+}
+
+std::unique_ptr<Exchange> begin_c_mode(std::uint16_t unit, const Request& request) {
+  if (const auto* read = std::get_if<ReadRequest>(&request)) return std::make_unique<CModeRead>(unit, read->ranges.front());
+  return std::make_unique<CModeWrite>(unit, std::get<WriteRequest>(request));
+}
+
+}  // namespace fieldcast::omron

@@ -1,0 +1,278 @@
+// Host Link frames for people: C-mode and FINS, request and answer, first and later frames.
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "core/codec/checksum.hpp"
+#include "core/codec/digits.hpp"
+#include "core/protocol/field_writer.hpp"
+#include "core/protocol/omron_hostlink/fins.hpp"
+#include "core/protocol/omron_hostlink/hostlink.hpp"
+#include "core/protocol/omron_hostlink/omron_hostlink.hpp"
+
+namespace fieldcast::omron {
+namespace {
+
+constexpr std::size_t kMaxExplained = 4096;
+constexpr std::size_t kMaxCMode = 131;
+
+std::string text_of(ByteView characters) {
+  std::string text;
+  for (const std::uint8_t c : characters) {
+    if (c >= 0x20 && c < 0x7F)
+      text += static_cast<char>(c);
+    else
+      text += "<" + to_hex({&c, 1}) + ">";
+  }
+  return text;
+}
+
+struct HeaderRow {
+  std::string_view header;
+  std::string_view text;
+};
+constexpr std::array kHeaders{HeaderRow{"RR", "read CIO"},
+                              HeaderRow{"RL", "read LR"},
+                              HeaderRow{"RH", "read HR"},
+                              HeaderRow{"RJ", "read AR"},
+                              HeaderRow{"RD", "read DM"},
+                              HeaderRow{"RE", "read EM"},
+                              HeaderRow{"RC", "read timer/counter present values"},
+                              HeaderRow{"RG", "read timer/counter flags"},
+                              HeaderRow{"WR", "write CIO"},
+                              HeaderRow{"WL", "write LR"},
+                              HeaderRow{"WH", "write HR"},
+                              HeaderRow{"WJ", "write AR"},
+                              HeaderRow{"WD", "write DM"},
+                              HeaderRow{"WE", "write EM"},
+                              HeaderRow{"WC", "write timer/counter present values"},
+                              HeaderRow{"WG", "write timer/counter flags"},
+                              HeaderRow{"MS", "status read"},
+                              HeaderRow{"SC", "set mode"},
+                              HeaderRow{"MM", "model read"},
+                              HeaderRow{"TS", "echo test"},
+                              HeaderRow{"KS", "force set"},
+                              HeaderRow{"KR", "force reset"},
+                              HeaderRow{"KC", "cancel forced bits"},
+                              HeaderRow{"MF", "error read"},
+                              HeaderRow{"QQ", "register areas and read them"},
+                              HeaderRow{"XZ", "abort"},
+                              HeaderRow{"IC", "undefined command"},
+                              HeaderRow{"FA", "FINS"}};
+
+class HostLinkExplainer {
+ public:
+  explicit HostLinkExplainer(ByteView frame) : frame_(frame) {}
+
+  std::vector<FrameField> run() {
+    if (std::ranges::equal(frame_, std::string_view("@**\r"))) {
+      writer_.remark("INITIALIZE: every unit forgets unfinished transfers; no answer");
+      return writer_.take();
+    }
+    if (frame_.size() == 1 && frame_[0] == kCr) {
+      writer_.remark("delimiter: go on with the next frame");
+      return writer_.take();
+    }
+    const auto at = std::find(frame_.begin(), frame_.end(), kAt);
+    if (at != frame_.begin() && at != frame_.end()) {
+      start_ = static_cast<std::size_t>(at - frame_.begin());
+      writer_.add(0, start_, "ignored", text_of(frame_.first(start_)));
+    }
+    marked_ = at != frame_.end();
+    body();
+    return writer_.take();
+  }
+
+ private:
+  void body() {
+    const ByteView own = frame_.subspan(start_);
+    const auto cr = std::find(own.begin(), own.end(), kCr);
+    auto end = static_cast<std::size_t>(cr - own.begin());  // of the FCS, later
+    const bool ended = cr != own.end();
+    const bool last = end > 0 && own[end - 1] == kStar;
+    if (last) --end;
+    if (end < kFcsSize + (marked_ ? kHeadSize : 1)) return writer_.remark(text_of(own), "too short for a frame");
+    const ByteView text = own.first(end - kFcsSize);
+    if (marked_)
+      head(text);
+    else
+      add(0, text.size(), "data", "of a later frame: " + text_of(text), digits_fault(text));
+    const ByteView fcs = own.subspan(end - kFcsSize, kFcsSize);
+    Bytes right;
+    append_digits(right, xor8(text), 2);
+    add(end - kFcsSize, kFcsSize, "FCS", text_of(fcs),
+        std::ranges::equal(fcs, right) ? "" : "FCS is " + text_of(fcs) + ", should be " + text_of(right));
+    add(end, own.size() - end, "end", last ? "the last frame" : "more frames follow", ended ? "" : "CR is missing");
+    const auto size = static_cast<std::size_t>(cr - own.begin()) + 1;
+    if (marked_ && size > kMaxCMode && !is_fins_)
+      writer_.remark(std::to_string(size) + " characters", "longer than 131 characters");
+    if (ended && size < own.size()) writer_.remark("", std::to_string(own.size() - size) + " characters behind the frame");
+  }
+
+  void add(std::size_t at, std::size_t length, std::string name, std::string value, std::string fault = {}) {
+    writer_.add(start_ + at, length, std::move(name), std::move(value), std::move(fault));
+  }
+
+  static std::string digits_fault(ByteView characters) {
+    for (const std::uint8_t c : characters) {
+      if (hex_digit(c) < 0) return "not upper-case hexadecimal digits";
+    }
+    return {};
+  }
+
+  void head(ByteView text) {
+    const ByteView unit = text.subspan(1, 2);
+    const auto number = read_digits(unit, 10);
+    add(1, 2, "unit", text_of(unit), number && *number <= 31 ? "" : "must be 00..31 in decimal");
+    const std::string header(text.begin() + 3, text.begin() + kHeadSize);
+    const auto row = std::find_if(kHeaders.begin(), kHeaders.end(), [&](const HeaderRow& each) { return each.header == header; });
+    add(3, 2, "header", header + (row != kHeaders.end() ? " " + std::string(row->text) : ""),
+        row != kHeaders.end() ? "" : "no command");
+    const ByteView rest = text.subspan(kHeadSize);
+    is_fins_ = header == "FA";
+    if (is_fins_)
+      fins(rest);
+    else if (header[0] == 'R')
+      read(rest, header[1]);
+    else if (header[0] == 'W')
+      write(rest, header[1]);
+    else if (!rest.empty())
+      add(kHeadSize, rest.size(), "text", text_of(rest));
+  }
+
+  void end_code(ByteView rest) {
+    const auto code = read_digits(rest.first(std::min<std::size_t>(2, rest.size())));
+    const bool known = rest.size() >= 2 && code && end_code_text(static_cast<std::uint16_t>(*code)) != "unknown end code";
+    add(kHeadSize, std::min<std::size_t>(2, rest.size()), "end code",
+        text_of(rest.first(std::min<std::size_t>(2, rest.size()))) +
+            (code ? " " + std::string(end_code_text(static_cast<std::uint16_t>(*code))) : ""),
+        known ? "" : "no end code");
+  }
+
+  // Eight decimal digits (ten for EM) are a request; an answer has an end code and then words, or flags. Eight digits that begin
+  // with an end code could be an answer of six digits, which no area but flags gives.
+  void read(ByteView rest, char letter) {
+    const std::size_t place = letter == 'E' ? 6 : 4;
+    const bool flags = letter == 'G';
+    const bool request = rest.size() == place + 4 && !(flags && rest.size() == 2);
+    if (!request && rest.size() >= 2 && (flags || (rest.size() - 2) % 4 == 0)) {
+      writer_.remark("answer");
+      end_code(rest);
+      return data(rest.subspan(2), kHeadSize + 2, flags);
+    }
+    writer_.remark("request", request ? "" : "neither a request's nor an answer's length");
+    if (!request) return add(kHeadSize, rest.size(), "text", text_of(rest));
+    if (letter == 'E') add(kHeadSize, 2, "bank", text_of(rest.first(2)));
+    decimal(rest.subspan(place - 4, 4), kHeadSize + place - 4, "first");
+    decimal(rest.subspan(place, 4), kHeadSize + place, "count");
+  }
+
+  void decimal(ByteView digits, std::size_t at, const char* name) {
+    add(at, digits.size(), name, text_of(digits), read_digits(digits, 10) ? "" : "not decimal");
+  }
+
+  void write(ByteView rest, char letter) {
+    if (rest.size() == 2) {
+      writer_.remark("answer");
+      return end_code(rest);
+    }
+    const std::size_t place = letter == 'E' ? 6 : 4;
+    writer_.remark("request");
+    if (rest.size() <= place) return add(kHeadSize, rest.size(), "text", text_of(rest), "too short");
+    if (letter == 'E') add(kHeadSize, 2, "bank", text_of(rest.first(2)));
+    decimal(rest.subspan(place - 4, 4), kHeadSize + place - 4, "first");
+    data(rest.subspan(place), kHeadSize + place, letter == 'G');
+  }
+
+  void data(ByteView digits, std::size_t at, bool flags) {
+    if (digits.empty()) return;
+    std::string words;
+    for (std::size_t i = 0; i < digits.size(); i += flags ? 1 : 4) {
+      words += (words.empty() ? "" : " ") + text_of(digits.subspan(i, std::min<std::size_t>(flags ? 1 : 4, digits.size() - i)));
+    }
+    std::string fault = digits_fault(digits);
+    if (fault.empty() && !flags && digits.size() % 4 != 0) fault = "words have four digits each";
+    add(at, digits.size(), flags ? "flags" : "words", std::move(words), std::move(fault));
+  }
+
+  // An answer's ICF has bit 6 and stands behind a two-digit end code; a request's stands behind one digit.
+  void fins(ByteView rest) {
+    const bool request = rest.size() % 2 == 1;
+    writer_.remark(request ? "request" : "answer");
+    if (rest.empty()) return writer_.remark("", "nothing behind FA");
+    if (request)
+      add(kHeadSize, 1, "wait", text_of(rest.first(1)) + " * 10 ms", digits_fault(rest.first(1)));
+    else
+      end_code(rest);
+    const std::size_t skip = request ? 1 : 2;
+    const auto bytes = read_hex_bytes(rest.subspan(skip));
+    if (!bytes)
+      return add(kHeadSize + skip, rest.size() - skip, "message", text_of(rest.subspan(skip)),
+                 "not upper-case hexadecimal digits");
+    if (bytes->empty()) {
+      if (request) writer_.remark("", "the FINS message is missing");
+      return;
+    }
+    message(*bytes, kHeadSize + skip, request);
+  }
+
+  void message(ByteView bytes, std::size_t at, bool request) {
+    FieldWriter inner(start_ + at, 2, 1);
+    const std::size_t head = (bytes[0] & 0x80) != 0 ? 10 : 4;
+    const std::size_t least = head + (request ? 2 : 4);
+    if (bytes.size() < least) {
+      inner.add(0, bytes.size(), "message", to_hex(bytes), "too short");
+      return writer_.append(inner.take());
+    }
+    const bool answer_flag = (bytes[0] & 0x40) != 0;
+    inner.add(0, 1, "ICF", to_hex(bytes.first(1)) + (answer_flag ? " answer" : " request"),
+              answer_flag != request ? "" : "the other direction's flag");
+    inner.add(1, head - 2, head == 4 ? "DA2 SA2" : "RSV GCT DNA DA1 DA2 SNA SA1 SA2", to_hex(bytes.subspan(1, head - 2)));
+    inner.add(head - 1, 1, "SID", to_hex(bytes.subspan(head - 1, 1)));
+    inner.add(head, 2, "command", command_text(read_u16(bytes, head)));
+    if (!request) {
+      const std::uint16_t end = read_u16(bytes, head + 2);
+      inner.add(head + 2, 2, "end code",
+                to_hex(bytes.subspan(head + 2, 2), '\0') + " " + std::string(fins_end_text(end & 0x7F3F)));
+    }
+    if (bytes.size() > least)
+      inner.add(least, bytes.size() - least, request ? "parameters" : "data", to_hex(bytes.subspan(least)));
+    writer_.append(inner.take());
+  }
+
+  static std::string command_text(std::uint16_t command) {
+    const std::uint8_t bytes[]{static_cast<std::uint8_t>(command >> 8), static_cast<std::uint8_t>(command)};
+    std::string text = to_hex(bytes, '\0');
+    switch (command) {
+      case 0x0101: return text + " memory area read";
+      case 0x0102: return text + " memory area write";
+      case 0x0103: return text + " memory area fill";
+      case 0x0104: return text + " multiple memory area read";
+      case 0x0105: return text + " memory area transfer";
+      case 0x0306: return text + " program area read";
+      case 0x0307: return text + " program area write";
+      case 0x0308: return text + " program area clear";
+      case 0x0401: return text + " run";
+      case 0x0402: return text + " stop";
+      case 0x0501: return text + " CPU unit data read";
+      case 0x0601: return text + " CPU unit status read";
+      case 0x0620: return text + " cycle time read";
+      case 0x0701: return text + " clock read";
+      default: return text;
+    }
+  }
+
+  const ByteView frame_;
+  FieldWriter writer_;
+  std::size_t start_ = 0;
+  bool marked_ = false;
+  bool is_fins_ = false;
+};
+
+}  // namespace
+
+std::vector<FrameField> explain_hostlink(ByteView frame) {
+  return HostLinkExplainer(frame.first(std::min(frame.size(), kMaxExplained))).run();
+}
+
+}  // namespace fieldcast::omron

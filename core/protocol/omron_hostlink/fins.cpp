@@ -1,0 +1,293 @@
+#include "core/protocol/omron_hostlink/fins.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <string>
+
+#include "core/codec/digits.hpp"
+#include "core/protocol/omron_hostlink/hostlink.hpp"
+#include "core/protocol/omron_hostlink/limits.hpp"
+
+namespace fieldcast::omron {
+namespace {
+
+constexpr std::size_t kMaxReceived = 4096;  // three of the largest frames
+constexpr std::uint16_t kRead = 0x0101, kWrite = 0x0102, kReadMany = 0x0104;
+constexpr std::size_t kDirectHeader = 4, kRelayedHeader = 10;  // bytes up to and with SID
+constexpr std::size_t kCommandSize = 2, kEndSize = 2, kItemSize = 4, kCountSize = 2;
+constexpr std::uint8_t kAnswerFlag = 0x40, kRelayedFlag = 0x80;
+constexpr std::uint8_t kGatewayCount = 0x02;
+// Host Link's part of a request and of an answer: @uuFA and w or ee, FCS * CR.
+constexpr std::size_t kRequestFrame = kHeadSize + 1 + kFcsSize + 2;
+constexpr std::size_t kAnswerFrame = kHeadSize + kEndCodeSize + kFcsSize + 2;
+
+const AreaRow& row_of(const Range& range) { return *rows_of(Mode::kFins)[range.area]; }
+std::size_t header_size(const FinsRoute& route) { return route.relayed ? kRelayedHeader : kDirectHeader; }
+std::size_t item_bytes(const Range& range) { return row_of(range).flags ? 1 : 2; }
+
+bool fits(const Range& range, bool write) {
+  const auto& areas = areas_of(Mode::kFins);
+  if (range.area >= areas.size()) return false;
+  const Area& area = areas[range.area];
+  if (range.count == 0 || range.count > (write ? area.max_write : area.max_read)) return false;
+  if (range.first >= area.items || range.count > area.items - range.first) return false;
+  // Each bank of EM has an area code of its own.
+  return !is_extended(row_of(range)) || range.first / kBankWords == (range.end() - 1) / kBankWords;
+}
+
+void append_place(Bytes& out, const Range& range, std::optional<std::uint8_t> bit = {}) {
+  const AreaRow& row = row_of(range);
+  std::uint32_t first = range.first + row.fins_offset;
+  std::uint8_t code = bit || row.flags ? row.bit_code : row.word_code;
+  if (is_extended(row)) {
+    code = static_cast<std::uint8_t>(code + first / kBankWords);
+    first %= kBankWords;
+  }
+  out.push_back(code);
+  append_u16(out, static_cast<std::uint16_t>(first));
+  out.push_back(bit.value_or(0));
+}
+
+struct Sizes {
+  std::size_t request = 0;  // bytes of command and parameters
+  std::size_t answer = 0;   // bytes of data
+};
+
+std::optional<Sizes> sizes_of(const ReadRequest& read) {
+  if (read.ranges.empty() || read.ranges.size() > kFinsItems) return std::nullopt;
+  for (const Range& range : read.ranges) {
+    if (!fits(range, false)) return std::nullopt;
+  }
+  if (read.ranges.size() == 1) {
+    return Sizes{kCommandSize + kItemSize + kCountSize, read.ranges[0].count * item_bytes(read.ranges[0])};
+  }
+  Sizes sizes{kCommandSize, 0};
+  std::size_t items = 0;
+  for (const Range& range : read.ranges) {
+    items += range.count;
+    sizes.request += range.count * kItemSize;
+    sizes.answer += range.count * (1 + item_bytes(range));
+  }
+  if (items > kFinsItems) return std::nullopt;
+  return sizes;
+}
+
+std::optional<Sizes> sizes_of(const WriteRequest& write) {
+  if (!fits(write.range, true) || write.items.size() != image_bytes(16, write.range.count)) return std::nullopt;
+  if (write.bit && (write.range.count != 1 || *write.bit > 15 || row_of(write.range).bit_code == 0)) return std::nullopt;
+  return Sizes{kCommandSize + kItemSize + kCountSize + (write.bit ? 1 : write.items.size()), 0};
+}
+
+std::optional<Sizes> sizes_of(const Request& request) {
+  if (const auto* read = std::get_if<ReadRequest>(&request)) return sizes_of(*read);
+  if (const auto* write = std::get_if<WriteRequest>(&request)) return sizes_of(*write);
+  return std::nullopt;
+}
+
+class FinsExchange final : public Exchange {
+ public:
+  FinsExchange(const FinsRoute& route, std::uint8_t sid, const Request& request) : route_(route) {
+    const auto sizes = sizes_of(request);
+    if (!sizes) std::abort();  // REQUIRES
+    answer_size_ = sizes->answer;
+    append_header(sid);
+    if (const auto* write = std::get_if<WriteRequest>(&request)) {
+      append_write(*write);
+    } else {
+      ranges_ = std::get<ReadRequest>(request).ranges;
+      append_read();
+    }
+  }
+
+  Step start(Bytes& out) override {
+    append_head(out, route_.host_unit, "FA");
+    append_digits(out, route_.wait, 1);
+    append_hex_bytes(out, message_);
+    append_end(out, 0, true);
+    return Step::send(static_cast<std::uint32_t>(frame_size()));
+  }
+
+  Step on_bytes(ByteView all, Bytes&) override {
+    if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
+    silence_ =
+        std::any_of(all.begin(), all.end(), [](auto c) { return c != 0x00 && c != 0xFF; }) ? Cause::kMalformed : Cause::kNoAnswer;
+    Step step = Step::need_answer();
+    for (;;) {
+      const Seen seen = first_frame(all);
+      if (seen.kind == Seen::Kind::kNothing) return step;
+      if (seen.kind == Seen::Kind::kOpen) {
+        silence_ = Cause::kTruncated;
+        return Step::need_rest(static_cast<std::uint32_t>(frame_size() > seen.text.size() ? frame_size() - seen.text.size() : 1));
+      }
+      if (seen.kind == Seen::Kind::kBroken) {
+        silence_ = Cause::kChecksum;
+        step = Step::need_rest(0);
+      } else {
+        step = judge(seen.text, seen.last);
+        if (step.kind != Step::Kind::kNeedMore) return step;
+      }
+      all = all.subspan(seen.end);
+    }
+  }
+
+  Step on_silence(Bytes&) override { return Step::failed(silence_); }
+  const Reply& reply() const override { return reply_; }
+
+ private:
+  std::size_t frame_size() const { return kAnswerFrame + 2 * (header_size(route_) + kCommandSize + kEndSize + answer_size_); }
+
+  void append_header(std::uint8_t sid) {
+    if (route_.relayed)
+      message_ = {kRelayedFlag, 0, kGatewayCount, route_.network, route_.node, route_.unit, 0, 0, 0, sid};
+    else
+      message_ = {0, route_.unit, 0, sid};
+  }
+
+  void append_read() {
+    if (ranges_.size() == 1) {
+      append_u16(message_, kRead);
+      append_place(message_, ranges_[0]);
+      append_u16(message_, static_cast<std::uint16_t>(ranges_[0].count));
+      return;
+    }
+    append_u16(message_, kReadMany);
+    for (const Range& range : ranges_) {
+      for (std::uint32_t i = 0; i < range.count; ++i) append_place(message_, {range.area, range.first + i, 1});
+    }
+  }
+
+  void append_write(const WriteRequest& write) {
+    append_u16(message_, kWrite);
+    append_place(message_, write.range, write.bit);
+    append_u16(message_, static_cast<std::uint16_t>(write.range.count));
+    if (write.bit)
+      message_.push_back((read_u16(write.items) >> *write.bit & 1) != 0 ? 1 : 0);
+    else
+      append(message_, write.items);
+  }
+
+  // One whole frame with a right FCS.
+  Step judge(ByteView text, bool last) {
+    silence_ = Cause::kForeign;
+    if (text.size() < kHeadSize || read_digits(text.subspan(1, 2), 10) != route_.host_unit) return Step::need_answer();
+    if (text[3] != 'F' || text[4] != 'A') return Step::need_answer();
+    silence_ = Cause::kMalformed;
+    const auto bytes = read_hex_bytes(text.subspan(kHeadSize));
+    if (!last || !bytes || bytes->empty()) return Step::need_answer();
+    const std::uint8_t end_code = bytes->front();
+    const std::size_t head = header_size(route_);
+    const ByteView message = ByteView(*bytes).subspan(1);
+    if (message.size() >= head && (message[0] & kAnswerFlag) != 0 && message[head - 1] != message_[head - 1]) {
+      silence_ = Cause::kForeign;  // an answer to an earlier request
+      return Step::need_answer();
+    }
+    if (end_code != 0) {
+      const bool shaped = message.empty() || (message.size() > head && (message[0] & kAnswerFlag) != 0);
+      return shaped ? Step::failed(Cause::kDeviceError, end_code) : Step::need_answer();
+    }
+    return judge_message(message, head);
+  }
+
+  Step judge_message(ByteView message, std::size_t head) {
+    if (message.size() < head + kCommandSize + kEndSize) return Step::need_answer();
+    const std::uint8_t flags = message[0];
+    if ((flags & kAnswerFlag) == 0 || ((flags & kRelayedFlag) != 0) != route_.relayed) return Step::need_answer();
+    if (!std::equal(message.begin() + static_cast<std::ptrdiff_t>(head),
+                    message.begin() + static_cast<std::ptrdiff_t>(head + kCommandSize),
+                    message_.begin() + static_cast<std::ptrdiff_t>(head))) {
+      silence_ = Cause::kForeign;
+      return Step::need_answer();
+    }
+    // Bit 7 of the first byte: a relay failed on the way. Bits 7 and 6 of the second only say that the CPU has errors.
+    const std::uint16_t end = read_u16(message, head + kCommandSize) & 0xFF3F;
+    const ByteView data = message.subspan(head + kCommandSize + kEndSize);
+    if (end != 0) {
+      // A refusal has no data but, from a relay, the node that failed. The XOR does not see two equal characters vanish.
+      const bool shaped = data.empty() || ((end & 0x8000) != 0 && data.size() == 2);
+      return shaped ? Step::failed(Cause::kDeviceError, end) : Step::need_answer();
+    }
+    if (data.size() != answer_size_) return Step::need_answer();
+    return ranges_.size() > 1 ? unpack_many(data) : unpack(data);
+  }
+
+  Step unpack(ByteView data) {
+    RangeReply reply{.items = Bytes(data.begin(), data.end())};
+    if (!ranges_.empty() && row_of(ranges_[0]).flags && !are_bits(reply.items)) return Step::need_answer();
+    reply_.push_back(std::move(reply));
+    return Step::done();
+  }
+
+  // Each item repeats its area code.
+  Step unpack_many(ByteView data) {
+    Reply reply(ranges_.size());
+    ByteView asked = ByteView(message_).subspan(header_size(route_) + kCommandSize);
+    for (std::size_t r = 0; r < ranges_.size(); ++r) {
+      const std::size_t size = item_bytes(ranges_[r]);
+      for (std::uint32_t i = 0; i < ranges_[r].count; ++i) {
+        if (data[0] != asked[0]) return Step::need_answer();
+        append(reply[r].items, data.subspan(1, size));
+        data = data.subspan(1 + size);
+        asked = asked.subspan(kItemSize);
+      }
+      if (row_of(ranges_[r]).flags && !are_bits(reply[r].items)) return Step::need_answer();
+    }
+    reply_ = std::move(reply);
+    return Step::done();
+  }
+
+  static bool are_bits(ByteView items) {
+    return std::all_of(items.begin(), items.end(), [](auto item) { return item <= 1; });
+  }
+
+  const FinsRoute route_;
+  Bytes message_;              // header and command
+  std::vector<Range> ranges_;  // of a read
+  std::size_t answer_size_ = 0;
+  Reply reply_;
+  Cause silence_ = Cause::kNoAnswer;
+};
+
+}  // namespace
+
+std::optional<ExchangeSize> fins_size(const FinsRoute& route, const Request& request) {
+  const auto sizes = sizes_of(request);
+  if (!sizes) return std::nullopt;
+  const std::size_t head = header_size(route);
+  return ExchangeSize{
+      .request_characters = static_cast<std::uint32_t>(kRequestFrame + 2 * (head + sizes->request)),
+      .answer_characters = static_cast<std::uint32_t>(kAnswerFrame + 2 * (head + kCommandSize + kEndSize + sizes->answer)),
+      .pauses = std::chrono::milliseconds{10} * route.wait};
+}
+
+std::unique_ptr<Exchange> begin_fins(const FinsRoute& route, std::uint8_t sid, const Request& request) {
+  return std::make_unique<FinsExchange>(route, sid, request);
+}
+
+std::string_view fins_end_text(std::uint16_t code) {
+  switch (code) {
+    case 0x0000: return "normal completion";
+    case 0x0001: return "service interrupted";
+    case 0x0205: return "destination did not respond";
+    case 0x0401: return "undefined command";
+    case 0x0402: return "not supported by this model";
+    case 0x1001: return "command too long";
+    case 0x1002: return "command too short";
+    case 0x1003: return "item count differs from the data";
+    case 0x1004: return "command format error";
+    case 0x1005: return "header error";
+    case 0x1101: return "no such memory area";
+    case 0x1102: return "access size error";
+    case 0x1103: return "start address out of range";
+    case 0x1104: return "end of the range out of range";
+    case 0x110B: return "answer too long";
+    case 0x110C: return "parameter error";
+    case 0x2201: return "wrong mode: running";
+    case 0x2203: return "wrong mode: PROGRAM";
+    case 0x2502: return "checksum error in memory";
+    case 0x3001: return "no access right";
+    case 0x4001: return "aborted";
+    default: return code >> 8 == 0x21 ? "write refused" : code >> 8 == 0x05 ? "routing error" : "unknown end code";
+  }
+}
+
+}  // namespace fieldcast::omron

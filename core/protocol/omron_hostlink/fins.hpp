@@ -1,0 +1,39 @@
+// FINS commands in Host Link frames with the header FA: reads of ranges and of scattered words, writes of words and single bits.
+//
+//     request   @ uu FA w ICF DA2 SA2 SID command.. FCS * CR                            the CPU on the line: ICF 00
+//               @ uu FA w ICF RSV GCT DNA DA1 DA2 SNA SA1 SA2 SID command.. FCS * CR    another node: ICF 80
+//     answer    @ uu FA ee ICF .. SID command(2) end(2) data.. FCS * CR                 ICF 40 or C0, the same fields
+//
+//     0101  area address(2) bit count(2)               ->  data
+//     0102  area address(2) bit count(2) data
+//     0104  (area address(2) bit) for each item        ->  (area data) for each item
+//
+// w: the PLC waits w * 10 ms before it answers. Two digits for each byte (Omron W227 and W342).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "core/protocol/omron_hostlink/areas.hpp"
+#include "core/protocol/protocol.hpp"
+
+namespace fieldcast::omron {
+
+// Whom FINS messages go to.
+struct FinsRoute {
+  std::uint16_t host_unit = 0;  // on the serial line
+  std::uint8_t wait = 0;        // w
+  bool relayed = false;
+  std::uint8_t network = 0;  // DNA, DA1: only when relayed
+  std::uint8_t node = 0;
+  std::uint8_t unit = 0;  // DA2
+};
+
+[[nodiscard]] std::optional<ExchangeSize> fins_size(const FinsRoute& route, const Request& request);
+// REQUIRES: fins_size(route, request) holds a value.
+[[nodiscard]] std::unique_ptr<Exchange> begin_fins(const FinsRoute& route, std::uint8_t sid, const Request& request);
+
+[[nodiscard]] std::string_view fins_end_text(std::uint16_t code);  // "start address out of range"
+
+}  // namespace fieldcast::omron

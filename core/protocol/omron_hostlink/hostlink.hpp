@@ -1,0 +1,44 @@
+// The frame of Host Link: what C-mode and FINS have in common.
+//
+//     first or only   @ uu HH text FCS * CR      uu unit 00..31 in decimal, HH header; a `*` less when more frames follow
+//     later           text FCS * CR              likewise
+//     delimiter       CR                         from the side that receives a frame without `*`
+//
+// FCS: XOR of all characters of that frame before it, as two digits (Omron W227, 1-2).
+#pragma once
+
+#include <string_view>
+
+#include "core/base/bytes.hpp"
+
+namespace fieldcast::omron {
+
+inline constexpr std::uint8_t kAt = '@', kStar = '*', kCr = '\r';
+inline constexpr std::size_t kFcsSize = 2;
+inline constexpr std::size_t kHeadSize = 5;  // @ uu HH
+inline constexpr std::size_t kEndCodeSize = 2;
+
+// "@uuHH"
+void append_head(Bytes& out, std::uint16_t unit, std::string_view header);
+// FCS over out from `start` on, `*` where the frame is the last, CR.
+void append_end(Bytes& out, std::size_t start, bool last);
+
+[[nodiscard]] constexpr std::size_t end_size(bool last) { return kFcsSize + (last ? 2 : 1); }
+
+// What begins in the bytes given.
+struct Seen {
+  enum class Kind : std::uint8_t { kNothing, kOpen, kBroken, kFrame };
+  Kind kind = Kind::kNothing;
+  bool last = false;    // kFrame: with `*`
+  ByteView text;        // kFrame: without FCS and end, with `@`; kOpen: what has come
+  std::size_t end = 0;  // kFrame, kBroken: offset behind the CR
+};
+
+// The first frame that begins with `@`; another `@` restarts it, what stands before is noise.
+[[nodiscard]] Seen first_frame(ByteView bytes);
+// The later frame of an answer, which begins with the first byte.
+[[nodiscard]] Seen later_frame(ByteView bytes);
+
+[[nodiscard]] std::string_view end_code_text(std::uint16_t code);  // "FCS error"; "unknown end code"
+
+}  // namespace fieldcast::omron

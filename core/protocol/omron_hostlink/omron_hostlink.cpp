@@ -1,0 +1,85 @@
+#include "core/protocol/omron_hostlink/omron_hostlink.hpp"
+
+#include <array>
+
+#include "core/protocol/omron_hostlink/c_mode.hpp"
+#include "core/protocol/omron_hostlink/fins.hpp"
+#include "core/protocol/omron_hostlink/limits.hpp"
+#include "core/protocol/option_reader.hpp"
+
+namespace fieldcast::omron {
+namespace {
+
+constexpr Traits kCModeTraits{.name = "omron-hostlink",
+                              .summary = "Omron Host Link: C-mode commands, or FINS with the option mode: fins",
+                              .lowest_address = 0,
+                              .highest_address = 31,
+                              .identity = AnswerIdentity::kAddress};
+constexpr Traits kFinsTraits{.name = kCModeTraits.name,
+                             .summary = kCModeTraits.summary,
+                             .lowest_address = kCModeTraits.lowest_address,
+                             .highest_address = kCModeTraits.highest_address,
+                             .max_ranges = kFinsItems,
+                             .identity = AnswerIdentity::kSequence};
+
+class CModeProtocol final : public Protocol {
+ public:
+  explicit CModeProtocol(std::uint16_t unit) : unit_(unit) {}
+  const Traits& traits() const override { return kCModeTraits; }
+  std::span<const Area> areas() const override { return areas_of(Mode::kCMode); }
+  tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
+    return omron::parse_address(Mode::kCMode, at);
+  }
+  std::optional<ExchangeSize> size(const Request& request) const override { return c_mode_size(request); }
+  std::unique_ptr<Exchange> begin(Request request, ExchangeContext) const override { return begin_c_mode(unit_, request); }
+
+ private:
+  const std::uint16_t unit_;
+};
+
+class FinsProtocol final : public Protocol {
+ public:
+  explicit FinsProtocol(const FinsRoute& route) : route_(route) {}
+  const Traits& traits() const override { return kFinsTraits; }
+  std::span<const Area> areas() const override { return areas_of(Mode::kFins); }
+  tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
+    return omron::parse_address(Mode::kFins, at);
+  }
+  std::optional<ExchangeSize> size(const Request& request) const override { return fins_size(route_, request); }
+  std::unique_ptr<Exchange> begin(Request request, ExchangeContext context) const override {
+    return begin_fins(route_, static_cast<std::uint8_t>(context.sequence), request);
+  }
+
+ private:
+  const FinsRoute route_;
+};
+
+constexpr std::array<std::string_view, 5> kOptions{"mode", "wait", "network", "node", "unit"};
+
+tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link) {
+  OptionReader reader(link, kCModeTraits, kOptions);
+  const bool fins = reader.choice("mode", {"c-mode", "fins"}) == 1;
+  FinsRoute route{.host_unit = link.address};
+  route.wait = static_cast<std::uint8_t>(reader.number("wait", 0, 15, 0));
+  route.network = static_cast<std::uint8_t>(reader.number("network", 0, 127, 0));
+  route.node = static_cast<std::uint8_t>(reader.number("node", 0, 254, 0));
+  route.unit = static_cast<std::uint8_t>(reader.number("unit", 0, 254, 0));
+  route.relayed = link.options.contains("network") || link.options.contains("node");
+  if (reader.fault()) return tl::unexpected(*reader.fault());
+  if (fins) return std::make_unique<FinsProtocol>(route);
+  for (const std::string_view name : {"wait", "network", "node", "unit"}) {
+    if (link.options.contains(std::string(name))) {
+      return tl::unexpected(OptionFault{std::string(name), "'" + std::string(name) + "' belongs to FINS", "with mode: fins"});
+    }
+  }
+  return std::make_unique<CModeProtocol>(link.address);
+}
+
+}  // namespace
+
+const ProtocolEntry& hostlink_entry() {
+  static constexpr ProtocolEntry entry{kCModeTraits.name, kCModeTraits.summary, make, explain_hostlink, kOptions};
+  return entry;
+}
+
+}  // namespace fieldcast::omron

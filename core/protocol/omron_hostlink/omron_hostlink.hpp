@@ -1,0 +1,12 @@
+// Omron Host Link behind the protocol seam: C-mode commands, or FINS in Host Link frames.
+#pragma once
+
+#include "core/protocol/protocol.hpp"
+
+namespace fieldcast::omron {
+
+[[nodiscard]] const ProtocolEntry& hostlink_entry();
+
+[[nodiscard]] std::vector<FrameField> explain_hostlink(ByteView frame);
+
+}  // namespace fieldcast::omron

@@ -1,0 +1,266 @@
+// C-mode: published frames in both directions, transfers in several frames, the matrix.
+#include <gtest/gtest.h>
+
+#include "core/codec/checksum.hpp"
+#include "core/codec/digits.hpp"
+#include "tests/support/device.hpp"
+#include "tests/support/matrix.hpp"
+#include "tests/support/vectors.hpp"
+
+namespace fieldcast {
+namespace {
+
+using test::Device;
+using test::drive;
+using test::GoldenVector;
+using test::Outcome;
+
+std::string text(ByteView bytes) { return {bytes.begin(), bytes.end()}; }
+// "@00RD.." with FCS and the end of a last or an unfinished frame.
+Bytes framed(const std::string& body, bool last = true) {
+  Bytes frame(body.begin(), body.end());
+  const std::uint8_t fcs = xor8(frame);
+  append_digits(frame, fcs, 2);
+  for (const char c : std::string(last ? "*\r" : "\r")) frame.push_back(static_cast<std::uint8_t>(c));
+  return frame;
+}
+Device plc(std::uint16_t unit = 0) { return {"omron-hostlink", unit}; }
+
+bool has_fault(const std::vector<FrameField>& fields) {
+  return std::any_of(fields.begin(), fields.end(), [](const FrameField& field) { return !field.fault.empty(); });
+}
+std::vector<FrameField> explain(const Bytes& frame) { return find_protocol("omron-hostlink")->explain(frame); }
+
+// What a published C-mode request means, read without the codec; nothing for commands that Fieldcast does not send.
+struct Meant {
+  std::uint16_t unit;
+  Request request;
+};
+std::optional<Meant> meant(const std::string& q) {
+  static const std::map<char, std::string> areas{{'R', "CIO"}, {'L', "LR"}, {'H', "HR"}, {'J', "AR"},
+                                                 {'D', "DM"},  {'C', "T"},  {'G', "TF"}};
+  if (q.size() < 13 || q[0] != '@' || (q[3] != 'R' && q[3] != 'W') || !areas.contains(q[4])) return std::nullopt;
+  const auto unit = static_cast<std::uint16_t>(std::stoul(q.substr(1, 2)));
+  const std::string rest = q.substr(5, q.size() - 9);
+  if (rest.size() < 8) return std::nullopt;
+  const std::string at = areas.at(q[4]) + std::to_string(std::stoul(rest.substr(0, 4)));
+  const Device device = plc(unit);
+  if (q[3] == 'R') return Meant{unit, device.read(at, static_cast<std::uint32_t>(std::stoul(rest.substr(4, 4))))};
+  return Meant{unit, device.write(at, rest.substr(4))};
+}
+
+TEST(HostLinkVectors, OurRequestsAreTheirs) {
+  int seen = 0;
+  for (const GoldenVector& vector : test::load_vectors("hostlink")) {
+    if (vector.kind != "ok") continue;
+    const auto request = meant(text(vector.request));
+    if (!request) continue;
+    SCOPED_TRACE(vector.name);
+    ++seen;
+    EXPECT_EQ(text(plc(request->unit).request_bytes(request->request)), text(vector.request));
+  }
+  EXPECT_GE(seen, 25);
+}
+
+TEST(HostLinkVectors, TheirAnswersAreRead) {
+  int seen = 0;
+  for (const GoldenVector& vector : test::load_vectors("hostlink")) {
+    if (vector.kind != "ok" || vector.response.empty()) continue;
+    const auto request = meant(text(vector.request));
+    if (!request) continue;
+    SCOPED_TRACE(vector.name);
+    ++seen;
+    const Device device = plc(request->unit);
+    const auto exchange = device.begin(request->request);
+    const auto answers = vector.slave.empty() ? std::vector<Bytes>{vector.response} : vector.slave;
+    const Outcome outcome = drive(*exchange, answers);
+    ASSERT_TRUE(outcome.done()) << to_text(outcome);
+    if (!vector.master.empty()) { EXPECT_EQ(outcome.sent, vector.master); }
+    if (std::holds_alternative<WriteRequest>(request->request)) continue;
+    // The data of all frames: behind "@uuHHee", and before FCS and end.
+    std::string digits;
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+      const std::string frame = text(answers[i]);
+      const std::size_t head = i == 0 ? 7 : 0;
+      const std::size_t end = frame.find('*') != std::string::npos ? frame.size() - 4 : frame.size() - 3;
+      digits += frame.substr(head, end - head);
+    }
+    std::string items;
+    for (const std::uint8_t byte : outcome.reply.at(0).items) {
+      items += vector.request[4] == 'G' ? std::string(1, static_cast<char>('0' + byte)) : to_hex({&byte, 1}, '\0');
+    }
+    EXPECT_EQ(items, digits);
+  }
+  EXPECT_GE(seen, 15);
+}
+
+TEST(HostLinkVectors, EndCodesAreTheDevicesErrors) {
+  for (const GoldenVector& vector : test::load_vectors("hostlink")) {
+    if (vector.kind != "exception") continue;
+    SCOPED_TRACE(vector.name);
+    const std::string answer = text(vector.response);
+    const Device device = plc();
+    const auto exchange = device.begin(answer[3] == 'W' ? device.write("DM0", "0001") : device.read("DM0"));
+    const Outcome outcome = drive(*exchange, vector.response);
+    EXPECT_EQ(outcome.cause, Cause::kDeviceError);
+    EXPECT_EQ(outcome.code, answer[3] == 'I' ? 0x16 : static_cast<int>(std::stoul(answer.substr(5, 2), nullptr, 16)));
+    EXPECT_FALSE(has_fault(explain(vector.response)));
+  }
+}
+
+TEST(HostLinkVectors, ExplanationsFindTheFaults) {
+  for (const GoldenVector& vector : test::load_vectors("hostlink")) {
+    SCOPED_TRACE(vector.name);
+    if (vector.kind == "ok") {
+      EXPECT_FALSE(has_fault(explain(vector.request)));
+      if (!vector.response.empty()) {
+        for (const Bytes& answer : vector.slave.empty() ? std::vector<Bytes>{vector.response} : vector.slave) {
+          EXPECT_FALSE(has_fault(explain(answer)));
+        }
+      }
+    }
+    // Another unit's frame and an unfinished one are right in themselves.
+    if (vector.kind == "malformed" && vector.expect != "wrong_node" && vector.expect != "format") {
+      EXPECT_TRUE(has_fault(explain(vector.request)));
+    }
+  }
+}
+
+TEST(HostLink, SizesAreExact) {
+  const Device device = plc(10);
+  for (const std::uint32_t count : {1u, 30u, 31u, 61u, 62u, 100u, 247u}) {
+    const auto size = device.protocol().size(device.read("DM0", count));
+    ASSERT_TRUE(size.has_value());
+    std::vector<Bytes> answers;
+    std::uint32_t left = count;
+    std::size_t characters = 0;
+    for (std::uint32_t room = 30; left > 0; room = 31) {
+      const std::uint32_t words = std::min(left, room);
+      left -= words;
+      std::string body = answers.empty() ? "@10RD00" : "";
+      for (std::uint32_t i = 0; i < words; ++i) body += "12AB";
+      answers.push_back(framed(body, left == 0));
+      characters += answers.back().size();
+    }
+    const auto exchange = device.begin(device.read("DM0", count));
+    const Outcome outcome = drive(*exchange, answers);
+    ASSERT_TRUE(outcome.done()) << count << ": " << to_text(outcome);
+    EXPECT_EQ(size->rounds, answers.size());
+    EXPECT_EQ(size->answer_characters, characters);
+    std::size_t sent = 0;
+    for (const Bytes& each : outcome.sent) sent += each.size();
+    EXPECT_EQ(size->request_characters, sent);
+  }
+  EXPECT_FALSE(device.protocol().size(device.read("DM0", 248)).has_value());
+  EXPECT_FALSE(device.protocol().size(device.read("DM9999", 2)).has_value());
+}
+
+TEST(HostLink, ALongWriteWaitsForEachDelimiter) {
+  const Device device = plc();
+  std::string words;
+  for (int i = 0; i < 70; ++i) words += "00A5";
+  const Request request = device.write("DM100", words);
+  const auto exchange = device.begin(request);
+  const std::vector<Bytes> answers{{'\r'}, {'\r'}, framed("@00WD00")};
+  const Outcome outcome = drive(*exchange, answers);
+  ASSERT_TRUE(outcome.done()) << to_text(outcome);
+  ASSERT_EQ(outcome.sent.size(), 3u);
+  EXPECT_EQ(outcome.sent[0].size(), 128u);  // 29 words and no `*`
+  EXPECT_EQ(outcome.sent[1].size(), 127u);
+  EXPECT_EQ(text(outcome.sent[2]).substr(0, 40), words.substr(0, 40));
+  std::size_t sent = 0;
+  for (const Bytes& each : outcome.sent) sent += each.size();
+  EXPECT_EQ(device.protocol().size(request)->request_characters, sent);
+  EXPECT_EQ(device.protocol().size(request)->rounds, 3u);
+}
+
+TEST(HostLink, AWriteThatThePlcAbortsFailsWithItsCode) {
+  const Device device = plc();
+  const auto exchange = device.begin(device.write("DM100", std::string(4 * 70, '0')));
+  const std::vector<Bytes> answers{{'\r'}, framed("@00WDA3")};
+  const Outcome outcome = drive(*exchange, answers);
+  EXPECT_EQ(outcome.cause, Cause::kDeviceError);
+  EXPECT_EQ(outcome.code, 0xA3);
+}
+
+TEST(HostLink, AnInterruptedTransferIsClosedBeforeItFails) {
+  const Device device = plc();
+  const auto exchange = device.begin(device.read("DM0", 40));
+  const std::vector<Bytes> answers{framed("@00RD00" + std::string(120, '0'), false)};
+  const Outcome outcome = drive(*exchange, answers);
+  EXPECT_FALSE(outcome.done());
+  ASSERT_EQ(outcome.sent.size(), 3u);
+  EXPECT_EQ(text(outcome.sent[1]), "\r");
+  EXPECT_EQ(text(outcome.sent[2]), text(framed("@00XZ")));
+}
+
+TEST(HostLink, FramesOfOthersArePassedOver) {
+  const Device device = plc(1);
+  const auto exchange = device.begin(device.read("DM0"));
+  Bytes stream = framed("@02RD001111");
+  append(stream, framed("@01RR001111"));
+  append(stream, framed("@01RD0011112222"));  // an answer of another length
+  append(stream, framed("@01RD00ABCD"));
+  const Outcome outcome = drive(*exchange, stream);
+  ASSERT_TRUE(outcome.done()) << to_text(outcome);
+  EXPECT_EQ(to_hex(outcome.reply[0].items), "AB CD");
+  const auto alone = device.begin(device.read("DM0"));
+  EXPECT_EQ(drive(*alone, framed("@02RD001111")).cause, Cause::kForeign);
+}
+
+TEST(HostLink, TheMatrixHolds) {
+  const Device device = plc();
+  test::expect_matrix(
+      {.begin = [&] { return device.begin(device.read("DM150", 3)); }, .answers = {framed("@00RD00B005270F0000")}});
+  test::expect_matrix({.begin = [&] { return device.begin(device.read("TF0", 3)); }, .answers = {framed("@00RG00101")}});
+  test::expect_matrix({.begin = [&] { return device.begin(device.write("CIO100", "00F0")); }, .answers = {framed("@00WR00")}});
+  test::expect_matrix({.begin = [&] { return device.begin(device.read("DM0")); }, .answers = {framed("@00RD13")}});
+  std::string words;
+  for (int i = 0; i < 40; ++i) words += to_hex(Bytes{static_cast<std::uint8_t>(7 * i), static_cast<std::uint8_t>(i * i)}, '\0');
+  const test::MatrixCase long_read{.begin = [&] { return device.begin(device.read("DM0", 40)); },
+                                   .answers = {framed("@00RD00" + words.substr(0, 120), false), framed(words.substr(120))}};
+  test::expect_matrix(long_read);
+  test::expect_random_bytes_are_refused(long_read, 3, 5000);
+}
+
+TEST(HostLinkAddress, NotationsAreUnderstood) {
+  const Device c = plc();
+  const Device fins("omron-hostlink", 0, {{"mode", "fins"}});
+  const auto name = [](const Device& device, std::string_view at) {
+    const auto parsed = device.protocol().parse_address(at);
+    if (!parsed) return "fault: " + parsed.error().what;
+    return std::string(device.protocol().areas()[parsed->area].name) + ":" + std::to_string(parsed->first) +
+           (parsed->bit ? "." + std::to_string(*parsed->bit) : "");
+  };
+  EXPECT_EQ(name(c, "DM100"), "DM:100");
+  EXPECT_EQ(name(c, "D100"), "DM:100");
+  EXPECT_EQ(name(c, "CIO12.03"), "CIO:12.3");
+  EXPECT_EQ(name(c, "IR12"), "CIO:12");
+  EXPECT_EQ(name(c, "HR10"), "HR:10");
+  EXPECT_EQ(name(c, "E1_100"), "EM:" + std::to_string(32768 + 100));
+  EXPECT_EQ(name(c, "T5"), "T:5");
+  EXPECT_EQ(name(c, "TIM5"), "T:5");
+  EXPECT_EQ(name(c, "CNT7"), "C:7");
+  EXPECT_EQ(name(c, "TF5"), "TF:5");
+  EXPECT_EQ(name(fins, "W5.07"), "W:5.7");
+  EXPECT_EQ(name(fins, "EMC_9"), "EM:" + std::to_string(12 * 32768 + 9));
+  EXPECT_EQ(c.protocol().parse_address("TF5")->width_bits, 1u);
+}
+
+TEST(HostLinkAddress, FaultsSayWhatWasMeant) {
+  const Device device = plc();
+  for (const auto* at :
+       {"", "DM", "X5", "DM10000", "W5", "CIO1.16", "CIO1.", "TF5.1", "E100", "E1_32768", "E1_10000", "DM-1", "100"}) {
+    const auto parsed = device.protocol().parse_address(at);
+    ASSERT_FALSE(parsed.has_value()) << at;
+    EXPECT_FALSE(parsed.error().allowed.empty());
+    if (!parsed.error().suggestion.empty()) {
+      EXPECT_TRUE(device.protocol().parse_address(parsed.error().suggestion).has_value()) << parsed.error().suggestion;
+    }
+  }
+  EXPECT_EQ(device.protocol().parse_address("dm5").error().suggestion, "DM5");
+  EXPECT_EQ(device.protocol().parse_address("COI5").error().suggestion, "CIO5");
+}
+
+}  // namespace
+}  // namespace fieldcast
