@@ -3,6 +3,7 @@
 usage: e2e_plant.py BIN_DIR DOMAIN
 """
 
+import json
 import os
 import signal
 import subprocess
@@ -72,14 +73,11 @@ class Watch(unittest.TestCase):
         self.assertEqual(result.code, 0, str(result))
         return {path_of(sample): sample for sample in result.json_lines()}
 
-    def test_every_channel_is_good(self):
+    def test_every_channel_is_there_with_its_kind_of_value(self):
         samples = self.once()
         self.assertEqual(set(samples), CHANNELS)
-        qualities = {path: sample["quality"] for path, sample in samples.items()}
-        qualities.pop(WISHED)  # by another test, at some time or other
-        self.assertEqual(qualities, {**dict.fromkeys(CHANNELS - {WISHED}, "GOOD"), NEVER_WISHED: "NOT_YET_READ"})
         self.assertIsNone(samples.pop(NEVER_WISHED)["value"])
-        samples.pop(WISHED)
+        samples.pop(WISHED)  # by another test, before or after
         self.assertIsInstance(samples["fast/press/running"]["value"], bool)
         self.assertIsInstance(samples["fast/press/level"]["value"], int)
         self.assertIsInstance(samples["fast/press/temperature"]["value"], float)
@@ -87,6 +85,14 @@ class Watch(unittest.TestCase):
         for sample in samples.values():
             self.assertLess(abs(time.time_ns() - sample["acquired_at"]), 30e9)
             self.assertGreater(sample["sequence"], 0)
+
+    def test_every_channel_is_good(self):
+        expected = {**dict.fromkeys(CHANNELS - {WISHED}, "GOOD"), NEVER_WISHED: "NOT_YET_READ"}
+
+        def qualities():
+            return {path: sample["quality"] for path, sample in self.once().items() if path != WISHED}
+        # A machine that is busy with other things may miss a refresh now and then, and says so.
+        wait_until(lambda: qualities() == expected, 30, lambda: str(qualities()))
 
     def test_a_pattern_selects(self):
         self.assertEqual(set(self.once("slow")), {"slow/meter/voltage", "slow/meter/counts"})
@@ -97,17 +103,27 @@ class Watch(unittest.TestCase):
         self.assertEqual(result.code, 4, str(result))
         self.assertIn("none of its channels matches nowhere/*/*", result.err)
 
-    def test_samples_keep_coming_at_their_refresh(self):
-        result = plant.cli("watch", "fast/press/temperature", "--json", "--for", "3s")
-        self.assertEqual(result.code, 0, str(result))
-        sequences = [sample["sequence"] for sample in result.json_lines()]
-        self.assertGreater(len(sequences), 5, "a refresh of 200 ms gives about 15 samples in 3 s")
+    def stream(self, *arguments):
+        """A watch that prints JSON lines until the test ends."""
+        process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast"), "watch", *arguments, "--config", plant.file, "--json", "--for", "60s"],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(process.communicate)
+        self.addCleanup(process.terminate)
+        return process
+
+    def test_samples_keep_coming_in_their_order(self):
+        stream = self.stream("fast/press/temperature").stdout
+        samples = []
+        while sum(sample["quality"] == "GOOD" for sample in samples) < 10:
+            samples.append(json.loads(stream.readline()))
+        sequences = [sample["sequence"] for sample in samples]
         self.assertEqual(sequences, sorted(set(sequences)))
 
     def test_a_wish_is_granted_while_it_lasts(self):
-        result = plant.cli("watch", WISHED, "--refresh", "200ms", "--json", "--for", "4s")
-        self.assertEqual(result.code, 0, str(result))
-        self.assertGreater(sum(sample["quality"] == "GOOD" for sample in result.json_lines()), 5, str(result))
+        stream = self.stream(WISHED, "--refresh", "200ms").stdout
+        good = 0
+        while good < 5:
+            good += json.loads(stream.readline())["quality"] == "GOOD"
 
     def test_a_closed_output_ends_it(self):
         process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast"), "watch", "--config", plant.file, "--json"],
@@ -149,8 +165,8 @@ class Write(unittest.TestCase):
         self.assertEqual(self.write("fast/press/setpoint=77").code, 0)
 
         def seen():
-            sample = plant.cli("watch", "fast/press/setpoint", "--json", "--once").json_lines()[0]
-            return sample["value"] == 77 and sample["quality"] == "GOOD"
+            samples = plant.cli("watch", "fast/press/setpoint", "--json", "--once").json_lines()
+            return [(sample["value"], sample["quality"]) for sample in samples] == [(77, "GOOD")]
         wait_until(seen, 10, "the value written was never published")
 
     def test_several_assignments_each_have_their_result(self):
