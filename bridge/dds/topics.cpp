@@ -6,6 +6,10 @@ namespace {
 
 using eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
 
+// A sample that was lost on its way is repaired at the next heartbeat. The library's 3 s are longer than most refreshes;
+// heartbeats are sent only while something is unacknowledged.
+const DdsDuration kHeartbeat{0, 100'000'000};
+
 template <class Qos>
 void limit(Qos& qos, std::int32_t instances, std::int32_t per_instance) {
   auto& limits = qos.resource_limits();
@@ -46,6 +50,7 @@ dds::DataWriterQos state_writer_qos(std::int32_t max_instances) {
   qos.history().depth = 1;
   limit(qos, max_instances, 1);
   qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
+  qos.reliable_writer_qos().times.heartbeatPeriod = kHeartbeat;
   qos.reliability().max_blocking_time = {0, 10'000'000};
   return qos;
 }
@@ -82,6 +87,7 @@ dds::DataWriterQos request_writer_qos(std::optional<Duration> lifespan) {
   // Two per instance: the data, and the note that the instance is let go.
   limit(qos, kMaxPendingCommands, 2);
   qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
+  qos.reliable_writer_qos().times.heartbeatPeriod = kHeartbeat;
   qos.reliability().max_blocking_time = {0, 10'000'000};
   qos.writer_data_lifecycle().autodispose_unregistered_instances = false;
   if (lifespan) qos.lifespan().duration = to_dds(*lifespan);
