@@ -3,6 +3,7 @@
 //
 // Each row becomes the map that a channel would be in YAML, so that channel.cpp reads both.
 #include <algorithm>
+#include <map>
 #include <optional>
 
 #include "config/document.hpp"
@@ -165,24 +166,28 @@ class ListBuilder {
 
   const Node& channel(const std::vector<const Column*>& header, const Row& row) {
     Node& channel = make(Kind::kMap, row.front().place);
+    std::map<std::string_view, Node*> inner;  // limits, write: made when a cell first needs them
     for (std::size_t i = 0; i < row.size(); ++i) {
       const Column* column = header[i];
-      if (column == nullptr || row[i].text.empty()) continue;  // an empty cell: as if the key were absent
-      Node& map = column->map.empty() ? channel : inner(channel, column->map, row[i].place);
-      map.entries.push_back(
-          {&make(Kind::kScalar, row[i].place, std::string(column->key)), &make(Kind::kScalar, row[i].place, row[i].text)});
+      const Cell& cell = row[i];
+      if (column == nullptr || cell.text.empty()) continue;  // an empty cell: as if the key were absent
+      Node* map = &channel;
+      if (!column->map.empty()) {
+        Node*& known = inner[column->map];
+        if (known == nullptr) {
+          known = &make(Kind::kMap, cell.place);
+          add(channel, column->map, *known);
+        }
+        map = known;
+      }
+      add(*map, column->key, make(Kind::kScalar, cell.place, cell.text));
     }
     return channel;
   }
 
  private:
-  Node& inner(Node& channel, std::string_view key, const Place& place) {
-    for (const auto& entry : channel.entries) {
-      if (entry.key->text == key) return const_cast<Node&>(*entry.value);  // made below, by us
-    }
-    Node& map = make(Kind::kMap, place);
-    channel.entries.push_back({&make(Kind::kScalar, place, std::string(key)), &map});
-    return map;
+  void add(Node& map, std::string_view key, const Node& value) {
+    map.entries.push_back({&make(Kind::kScalar, value.place, std::string(key)), &value});
   }
 
   Document& document_;
