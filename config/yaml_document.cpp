@@ -165,12 +165,31 @@ bool indented_with_tab(std::string_view text, std::uint32_t line) {
   return first != std::string_view::npos && text[first] == '\t';
 }
 
+// What would make the parser hold too much at once, wherever it stands.
+bool check_tokens(const Source& source, FaultList& faults) {
+  std::size_t brackets = 0, commas = 0;
+  Place place{&source, 0, 0};
+  for (const char c : source.text) {
+    if (c == '[' || c == '{') ++brackets;
+    if (c == ',') ++commas;
+    if (brackets > kMaxBrackets || commas > kMaxCommas) {
+      const std::string limit =
+          brackets > kMaxBrackets ? std::to_string(kMaxBrackets) + " of [ and {" : std::to_string(kMaxCommas) + " commas";
+      faults.add(place, "the file holds too many values", limit + "; long channel lists belong in CSV files");
+      return false;
+    }
+    ++place.column;
+    if (c == '\n') ++place.line, place.column = 0;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::unique_ptr<Document> parse_yaml(Source source, FaultList& faults) {
   auto document = std::make_unique<Document>();
   document->source = std::move(source);
-  if (!check_text(document->source, faults)) return document;
+  if (!check_text(document->source, faults) || !check_tokens(document->source, faults)) return document;
   try {
     std::istringstream stream(document->source.text);
     YAML::Parser parser(stream);

@@ -99,6 +99,14 @@ TEST(Limits, NestingBeyondEveryParserEndsEarly) {
   EXPECT_THAT(faults_of(load(dashes)), HasSubstr("too deep nesting"));
 }
 
+TEST(Limits, MoreBracketsOrCommasThanAnyPlantNeedsAreNotParsed) {
+  EXPECT_THAT(faults_of(load(std::string(kMaxBrackets + 1, '['))),
+              HasSubstr("400000 of [ and {; long channel lists belong in CSV"));
+  std::string values = "[";
+  for (std::size_t i = 0; i <= kMaxCommas; ++i) values += "1,";
+  EXPECT_THAT(faults_of(load(values)), HasSubstr("1500000 commas"));
+}
+
 TEST(Limits, AnAliasMayRepeatWhatItNames) {
   const auto loaded =
       load(plant("          - { name: a, at: \"holding:1\", type: int16, limits: &l { low: 1, high: 2 } }\n"
