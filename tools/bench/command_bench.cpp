@@ -1,0 +1,124 @@
+// 1 000 writes while the line is read at full load: one result each, each seen once by the device, and how long a result takes
+// against the time of one block.
+//
+// usage: command_bench
+#include <chrono>
+#include <condition_variable>
+#include <cstdio>
+#include <exception>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <string>
+
+#include "tools/bench/figures.hpp"
+#include "tools/bench/plant.hpp"
+
+namespace fieldcast::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr int kWrites = 1000;
+constexpr int kDevices = 3;
+constexpr int kRegisters = 100;
+
+std::string buses() {
+  return "  - name: bus\n    port: { serial: {dir}/bus, baud: 115200, format: 8E1 }\n    protocol: modbus-rtu\n"
+         "    defaults: { refresh: 1s, mode: intensive, silence: 3.5c }\n    devices:\n" +
+         scattered_devices(kDevices, kRegisters, "      ", 5);
+}
+
+// What came back, by request.
+struct Results {
+  std::mutex lock;
+  std::condition_variable arrived;
+  std::map<std::uint64_t, Clock::time_point> asked;
+  std::map<std::uint64_t, int> count;
+  std::vector<double> milliseconds;
+  int done = 0;
+};
+
+std::uint64_t executed_writes(const std::string& report_path) {
+  std::ifstream file(report_path);
+  const auto report = nlohmann::json::parse(file);
+  std::uint64_t writes = 0;
+  for (const auto& bus : report.at("buses"))
+    for (const auto& device : bus.at("devices")) writes += device.at("write_requests").get<std::uint64_t>();
+  return writes;
+}
+
+void run() {
+  Plant plant(buses());
+  const std::string report = plant.folder().path() + "/report.json";
+  plant.start_simulator({"--report", report});
+  if (!wait_for_path(plant.link("bus"), 10)) throw std::runtime_error("the simulator made no link");
+  plant.listen();
+  plant.start_bridge();
+  plant.wait_until_seen(kDevices * kRegisters, 20);
+  let_run(2);
+
+  Results results;
+  plant.station().on_result([&](const StationResult& result) {
+    const auto now = Clock::now();
+    const std::lock_guard guard(results.lock);
+    ++results.count[result.request_id];
+    results.done += result.state == CommandState::kDone;
+    const auto asked = results.asked.find(result.request_id);
+    if (asked != results.asked.end())
+      results.milliseconds.push_back(std::chrono::duration<double, std::milli>(now - asked->second).count());
+    results.arrived.notify_one();
+  });
+  const auto before = plant.buses().at("bus").report;
+  const auto began = Clock::now();
+  std::mt19937 random(3);
+  for (int i = 0; i < kWrites; ++i) {
+    StationCommand command{"bus", {}, std::chrono::seconds{5}};
+    command.command.device = "unit-" + std::to_string(1 + i % kDevices);
+    command.command.target = ChannelTarget{"r" + std::to_string(random() % kRegisters)};
+    command.command.values = {Value{std::uint64_t{random() % 65536}}};
+    std::unique_lock guard(results.lock);
+    const auto asked = Clock::now();
+    const auto id = plant.station().send(std::move(command));
+    if (!id) throw std::runtime_error("a command could not be sent: " + std::string(to_text(id.error())));
+    results.asked[*id] = asked;
+    guard.unlock();
+    let_run(0.010 + 0.00002 * static_cast<double>(random() % 1000));  // not in step with the blocks
+  }
+  std::unique_lock guard(results.lock);
+  results.arrived.wait_for(guard, std::chrono::seconds(10), [&] { return results.count.size() >= kWrites; });
+  guard.unlock();
+  let_run(1.5);  // a second result for anything would come now; and the status counts all
+  const double wall = std::chrono::duration<double>(Clock::now() - began).count();
+  const auto after = plant.buses().at("bus").report;
+  plant.stop_bridge();
+  plant.stop_simulator();
+
+  guard.lock();
+  int total = 0;
+  for (const auto& [id, count] : results.count) total += count;
+  const double reads = static_cast<double>(after.exchanges - before.exchanges) - kWrites;
+  const double block_ms = 1000 * wall / std::max(1.0, reads);
+  print_figure("commands sent", kWrites, "", "");
+  print_figure("results", total, "", "goal 1000");
+  print_figure("results 'done'", results.done, "", "goal 1000");
+  print_figure("writes executed by the devices", static_cast<double>(executed_writes(report)), "", "goal 1000");
+  print_figure("time of one block at full load", block_ms, "ms", "");
+  print_figure("time to result, median", quantile(results.milliseconds, 0.5), "ms", "goal < two block times");
+  print_figure("time to result, median, in block times", quantile(results.milliseconds, 0.5) / block_ms, "", "goal < 2");
+  print_figure("time to result, 99th percentile", quantile(results.milliseconds, 0.99), "ms", "");
+}
+
+}  // namespace
+}  // namespace fieldcast::bench
+
+int main() {
+  try {
+    fieldcast::bench::run();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "command_bench: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

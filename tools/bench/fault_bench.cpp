@@ -1,0 +1,69 @@
+// Ten devices on one line, one of them dead, then one whose answers are half noise: what the nine others lose of their refreshes.
+//
+// usage: fault_bench [--seconds N]
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include "tools/bench/figures.hpp"
+#include "tools/bench/plant.hpp"
+
+namespace fieldcast::bench {
+namespace {
+
+const char* kSick = "bus/unit-4";
+
+std::string buses() {
+  return "  - name: bus\n    port: { serial: {dir}/bus, baud: 19200, format: 8E1 }\n    protocol: modbus-rtu\n"
+         "    defaults: { refresh: 1s, mode: scheduled, timeout: 200ms, retries: 1 }\n    devices:\n" +
+         scattered_devices(10, 12, "      ", 11);
+}
+
+void measure(const char* what, const std::string& faults, double seconds) {
+  Plant plant(buses(), faults);
+  plant.start_simulator();
+  if (!wait_for_path(plant.link("bus"), 10)) throw std::runtime_error("the simulator made no link");
+  plant.listen();
+  plant.start_bridge();
+  plant.wait_until_seen(9 * 12, 20);
+  let_run(5);  // the first failures of the sick device are over
+  const auto before = plant.devices();
+  plant.forget_samples();
+  let_run(seconds);
+  const auto after = plant.devices();
+  double missed = 0;
+  for (const auto& [name, device] : after) {
+    if (name != kSick) missed += static_cast<double>(device.report.deadline_misses - before.at(name).report.deadline_misses);
+  }
+  double longest = 0;
+  double refreshes = 0;
+  for (const auto& [name, seen] : plant.seen()) {
+    if (name.rfind(std::string(kSick) + '/', 0) == 0) continue;
+    longest = std::max(longest, static_cast<double>(seen.longest_gap) / 1e9);
+    refreshes += static_cast<double>(seen.samples);
+  }
+  std::printf("%s\n", what);
+  print_figure("  refreshes of the nine healthy devices", refreshes, "", "");
+  print_figure("  refreshes that they missed", missed, "", "goal 0");
+  print_figure("  longest gap between two samples of theirs", longest, "s", "promise 1");
+  print_figure("  load measured", plant.buses().at("bus").report.measured_load, "", "");
+  print_figure("  exchanges of the sick device that failed",
+               static_cast<double>(after.at(kSick).report.failures - before.at(kSick).report.failures), "", "");
+}
+
+}  // namespace
+}  // namespace fieldcast::bench
+
+int main(int argc, char** argv) {
+  using namespace fieldcast::bench;
+  try {
+    const double seconds = seconds_from(argc, argv, 30);
+    measure("all ten well", "", seconds);
+    measure("unit-4 dead", "faults: [{ bus: bus, device: unit-4, silence: always }]\n", seconds);
+    measure("half of unit-4's answers are noise", "faults: [{ bus: bus, device: unit-4, garble: 0.5 }]\n", seconds);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "fault_bench: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,76 @@
+// A simulated plant, the bridge that reads it, and a station that listens: what most benches measure. Each is a process of its
+// own but the station.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bridge/dds/station.hpp"
+#include "tools/bench/process.hpp"
+
+namespace fieldcast::bench {
+
+// What the station saw of one channel between two marks.
+struct Seen {
+  std::uint64_t samples = 0;
+  std::uint64_t bad = 0;
+  std::int64_t last_acquired = 0;  // UTC nanoseconds
+  std::int64_t longest_gap = 0;    // nanoseconds between acquisitions
+  std::int64_t shortest_gap = INT64_MAX;
+};
+
+class Plant {
+ public:
+  // `buses` is the YAML list below `buses:`, with {dir} for the folder of the serial links.
+  Plant(const std::string& buses, const std::string& faults = {});
+
+  void start_simulator(const std::vector<std::string>& more = {});
+  void start_bridge();
+  void stop_bridge() { bridge_.reset(); }
+  void stop_simulator() { simulator_.reset(); }
+  void listen_to_status();  // with a station in this process
+  void listen();            // to samples too
+
+  [[nodiscard]] std::string link(const std::string& bus) const { return folder_.path() + '/' + bus; }
+  [[nodiscard]] const ScratchFolder& folder() const { return folder_; }
+  [[nodiscard]] const std::string& config() const { return config_; }
+  [[nodiscard]] Process& bridge() { return *bridge_; }
+  [[nodiscard]] Station& station() { return *station_; }
+
+  void forget_samples();                                   // a new measurement begins
+  [[nodiscard]] std::map<std::string, Seen> seen() const;  // by bus/device/channel
+  [[nodiscard]] std::map<std::string, StationBusStatus> buses() const;
+  [[nodiscard]] std::map<std::string, StationDeviceStatus> devices() const;  // by bus/device
+  // Waits until `channels` channels have had a good sample; throws with what is missing after `seconds`.
+  void wait_until_seen(std::size_t channels, double seconds);
+
+ private:
+  ScratchFolder folder_;
+  DdsSpec dds_;
+  std::string config_;
+  std::string faults_;
+  bool listening_ = false;
+  std::unique_ptr<Process> simulator_;
+  std::unique_ptr<Process> bridge_;
+  mutable std::mutex lock_;
+  std::map<std::string, Seen> seen_;
+  std::map<std::string, StationBusStatus> buses_;
+  std::map<std::string, StationDeviceStatus> devices_;
+  std::unique_ptr<Station> station_;  // last: its callbacks use what is above
+};
+
+// Measures by the clock on the wall: the only waiting that benches do.
+void let_run(double seconds);
+
+// --seconds N of the command line, or what a bench does by default.
+[[nodiscard]] double seconds_from(int argc, char** argv, double by_default);
+
+// `devices` devices with `registers` scattered holding registers each (every third one or so), seeded; YAML for the list
+// `devices:`.
+[[nodiscard]] std::string scattered_devices(int devices, int registers, const std::string& indent, unsigned seed);
+
+}  // namespace fieldcast::bench

@@ -1,0 +1,49 @@
+// A child process of a bench: started, measured, and ended by its id whatever happens.
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+#include <vector>
+
+namespace fieldcast::bench {
+
+class Process {
+ public:
+  // Starts `program` of the folder in which this executable lies; its output goes to log_path. Throws std::runtime_error.
+  Process(const std::string& program, const std::vector<std::string>& arguments, const std::string& log_path);
+  ~Process();  // stop()
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  void stop();                               // SIGTERM, and SIGKILL after five seconds
+  [[nodiscard]] double cpu_seconds() const;  // user and system
+  [[nodiscard]] double resident_mb() const;
+  [[nodiscard]] pid_t id() const { return id_; }
+
+ private:
+  pid_t id_ = -1;
+};
+
+// A folder of its own below the system's temporary one, removed at the end.
+class ScratchFolder {
+ public:
+  ScratchFolder();
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  [[nodiscard]] const std::string& path() const { return path_; }
+  // Writes a file and returns its path.
+  std::string write(const std::string& name, const std::string& text) const;
+
+ private:
+  std::string path_;
+};
+
+// Waits until the path exists; false after the time is over.
+[[nodiscard]] bool wait_for_path(const std::string& path, double seconds);
+
+// A DDS domain that no other run of this machine is likely to use: 100..199 by the process id.
+[[nodiscard]] unsigned own_domain();
+
+}  // namespace fieldcast::bench

@@ -1,0 +1,185 @@
+// 300 scattered holding registers in 3 units on one 115200-baud line, devices answering after 2 ms: how many channel refreshes a
+// second the bridge gets from the wire, against a bare blocking loop over the optimal partition on the same emulated wire, and
+// against theory.
+//
+// usage: wire_bench [--seconds N]
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <stdexcept>
+#include <string>
+
+#include "config/loader.hpp"
+#include "core/codec/checksum.hpp"
+#include "core/plan/cost.hpp"
+#include "core/plan/partition.hpp"
+#include "core/protocol/protocol.hpp"
+#include "tools/bench/figures.hpp"
+#include "tools/bench/plant.hpp"
+
+namespace fieldcast::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr int kUnits = 3;
+constexpr int kRegisters = 100;
+constexpr auto kAnswerTime = std::chrono::milliseconds(2);
+
+std::string buses() {
+  return "  - name: bus\n    port: { serial: {dir}/bus, baud: 115200, format: 8E1 }\n    protocol: modbus-rtu\n"
+         "    defaults: { refresh: 1s, mode: intensive, silence: 3.5c }\n    devices:\n" +
+         scattered_devices(kUnits, kRegisters, "      ", 42);
+}
+
+// One read of the bare loop.
+struct BareRead {
+  Bytes request;
+  std::size_t answer = 0;    // bytes
+  std::size_t channels = 0;  // that it refreshes
+};
+
+struct BarePlan {
+  std::vector<BareRead> reads;
+  Duration theory{};  // wire time of one round of all of them
+};
+
+BarePlan optimal_plan(const BusSpec& bus) {
+  BarePlan plan;
+  const LineFormat line = line_of(bus.port);
+  const Duration silence = silence_of(bus.silence, line);
+  for (const DeviceSpec& device : bus.devices) {
+    const auto protocol = find_protocol(device.protocol)->make(device.link);
+    std::vector<Wanted> wanted;
+    for (const ChannelSpec& channel : device.channels) wanted.push_back({channel.range.first, channel.range.end()});
+    const DeviceTiming timing{protocol->get(), kAnswerTime};
+    const ReadCost cost(timing, device.channels.front().range.area, line, silence, 125);
+    const auto slices = optimal_partition(wanted, cost);
+    plan.theory += cost_of(wanted, slices, cost);
+    for (const Slice& slice : slices) {
+      const Range range = range_of(wanted, slice, cost);
+      Bytes request{static_cast<std::uint8_t>(device.link.address), 3};
+      append_u16(request, static_cast<std::uint16_t>(range.first));
+      append_u16(request, static_cast<std::uint16_t>(range.count));
+      const std::uint16_t crc = crc16_modbus(request);
+      request.push_back(static_cast<std::uint8_t>(crc));
+      request.push_back(static_cast<std::uint8_t>(crc >> 8));
+      plan.reads.push_back({std::move(request), 5 + 2 * range.count, slice.end - slice.begin});
+    }
+  }
+  return plan;
+}
+
+// The whole answer, or an exception: this loop knows no faults.
+void read_exactly(int line, std::size_t bytes) {
+  std::uint8_t buffer[512];
+  for (std::size_t got = 0; got < bytes;) {
+    pollfd readable{line, POLLIN, 0};
+    if (poll(&readable, 1, 1000) <= 0) throw std::runtime_error("the bare loop got no answer");
+    const auto n = read(line, buffer, sizeof buffer);
+    if (n <= 0) throw std::runtime_error("the bare loop lost its line");
+    got += static_cast<std::size_t>(n);
+  }
+}
+
+// Channel refreshes a second of the simplest master that knows the optimal partition.
+double bare_loop(const BarePlan& plan, const std::string& path, Duration silence, double seconds) {
+  const int line = open(path.c_str(), O_RDWR | O_NOCTTY);
+  if (line < 0) throw std::runtime_error("cannot open " + path);
+  termios raw{};
+  tcgetattr(line, &raw);
+  cfmakeraw(&raw);
+  tcsetattr(line, TCSANOW, &raw);
+  tcflush(line, TCIOFLUSH);
+  std::uint64_t refreshes = 0;
+  const auto start = Clock::now();
+  const auto end = start + std::chrono::duration<double>(seconds);
+  while (Clock::now() < end) {
+    for (const BareRead& one : plan.reads) {
+      if (write(line, one.request.data(), one.request.size()) < 0) throw std::runtime_error("the bare loop cannot write");
+      read_exactly(line, one.answer);
+      refreshes += one.channels;
+      const timespec rest{0, silence.count()};
+      clock_nanosleep(CLOCK_MONOTONIC, 0, &rest, nullptr);
+    }
+  }
+  const double wall = std::chrono::duration<double>(Clock::now() - start).count();
+  close(line);
+  return static_cast<double>(refreshes) / wall;
+}
+
+struct BridgeFigures {
+  double refreshes = 0;  // a second
+  double evenness = 0;   // longest gap of any channel / shortest of any
+};
+
+BridgeFigures bridge_figures(Plant& plant, double seconds) {
+  plant.listen();
+  plant.start_bridge();
+  plant.wait_until_seen(kUnits * kRegisters, 20);
+  let_run(2);
+  plant.forget_samples();
+  const auto start = Clock::now();
+  let_run(seconds);
+  const auto seen = plant.seen();
+  const double wall = std::chrono::duration<double>(Clock::now() - start).count();
+  double longest = 0;
+  double shortest = 1e18;
+  double samples = 0;
+  for (const auto& [name, channel] : seen) {
+    samples += static_cast<double>(channel.samples);
+    longest = std::max(longest, static_cast<double>(channel.longest_gap));
+    shortest = std::min(shortest, static_cast<double>(channel.shortest_gap));
+  }
+  return {samples / wall, longest / shortest};
+}
+
+void run(double seconds) {
+  prctl(PR_SET_TIMERSLACK, 1000);
+  Plant plant(buses());
+  const auto loaded = config::load_file(plant.config());
+  if (!loaded) throw std::runtime_error("the bench's own configuration is faulty: " + to_text(loaded.error().front()));
+  const BusSpec& bus = loaded->buses.front();
+  const BarePlan plan = optimal_plan(bus);
+  plant.start_simulator();
+  if (!wait_for_path(plant.link("bus"), 10)) throw std::runtime_error("the simulator made no link");
+  const double theory = kUnits * kRegisters / to_seconds(plan.theory);
+  // Twice each, in turns: whatever else this machine does falls on both.
+  double bare = 0;
+  double bridged = 0;
+  double evenness = 0;
+  for (int turn = 0; turn < 2; ++turn) {
+    bare += bare_loop(plan, plant.link("bus"), silence_of(bus.silence, line_of(bus.port)), seconds) / 2;
+    const BridgeFigures figures = bridge_figures(plant, seconds);
+    bridged += figures.refreshes / 2;
+    evenness = std::max(evenness, figures.evenness);
+    plant.stop_bridge();
+    let_run(0.2);
+  }
+  std::printf("%d registers, %zu reads in the optimal partition\n", kUnits * kRegisters, plan.reads.size());
+  print_figure("theory, channel refreshes a second", theory, "1/s", "");
+  print_figure("bare blocking loop", bare, "1/s", "");
+  print_figure("bare loop / theory", bare / theory, "", "about 0.95");
+  print_figure("bridge, samples at a station", bridged, "1/s", "");
+  print_figure("bridge / bare loop", bridged / bare, "", "goal >= 0.98");
+  print_figure("bridge / theory", bridged / theory, "", "");
+  print_figure("longest gap of any channel / shortest", evenness, "", "goal <= 1.3");
+}
+
+}  // namespace
+}  // namespace fieldcast::bench
+
+int main(int argc, char** argv) {
+  try {
+    fieldcast::bench::run(fieldcast::bench::seconds_from(argc, argv, 10));
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "wire_bench: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}
