@@ -1,0 +1,103 @@
+"""The bridge reading and writing Modbus devices that others wrote: libmodbus and pymodbus, over serial lines and TCP, all at once.
+
+usage: bridge_peers_test.py BIN_FOLDER LIBMODBUS_SERVER DOMAIN
+"""
+
+import contextlib
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+from peers import DEADLINE, Cable, Program, free_port
+
+BIN = LIBMODBUS = DOMAIN = ""
+PYMODBUS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "pymodbus_server.py")
+
+CHANNELS = {  # name: (at, type, value in the servers' memory)
+    "coil-3": ("coil:3", "bool", True),
+    "coil-4": ("coil:4", "bool", False),
+    "input-5": ("input:5", "bool", True),
+    "register-7": ("holding:7", "uint16", 1007),
+    "pair": ("holding:10", "uint32", (1010 << 16) + 1011),
+    "swapped-pair": ("holding:12", "uint32, word-order: little-endian", (1013 << 16) + 1012),
+    "far": ("holding:499", "uint16", 1499),
+    "input-register-20": ("input-register:20", "int16", 2020),
+    "setpoint": ("holding:40", "int16, access: read-write", 1040),
+    "switch": ("coil:41", "bool, access: read-write", False),
+    "bit": ("holding:60.3", "bool, access: read-write", bool(1060 >> 3 & 1)),
+}
+
+
+def bus(name, port, protocol, unit):
+    channels = "".join(f'          - {{ name: {channel}, at: "{at}", type: {kind} }}\n' for channel, (at, kind, _) in CHANNELS.items())
+    return (f"  - name: {name}\n    port: {{ {port} }}\n    protocol: {protocol}\n    defaults: {{ refresh: 500ms, timeout: 1s }}\n"
+            f"    devices:\n      - name: device\n        address: {unit}\n        channels:\n{channels}")
+
+
+class BridgePeersTest(unittest.TestCase):
+    def cli(self, *arguments):
+        return subprocess.run([os.path.join(BIN, "fieldcast"), *arguments, "--config", self.file], capture_output=True, text=True, timeout=DEADLINE)
+
+    def samples(self):
+        """The last sample of every channel, as the command line prints them."""
+        done = self.cli("watch", "--json", "--once")
+        return {(s["bus"], s["channel"]): s for s in map(json.loads, done.stdout.splitlines())}
+
+    def expect_values(self, buses, expected):
+        end = time.monotonic() + DEADLINE
+        while True:
+            samples = self.samples()
+            wrong = {(b, c): samples.get((b, c)) for b in buses for c, value in expected.items()
+                     if samples.get((b, c), {}).get("quality") != "GOOD" or samples[b, c]["value"] != value}
+            if not wrong:
+                return
+            self.assertLess(time.monotonic(), end, f"never as expected: {wrong}")
+
+    def test_every_value_and_every_kind_of_write(self):
+        with contextlib.ExitStack() as stack:
+            folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="fieldcast-interop-"))
+            text = f"bridge: interop\ndds: {{ domain: {DOMAIN}, interfaces: [127.0.0.1] }}\nbuses:\n"
+            buses = []
+            for name, server, kind in (("libmodbus-rtu", [LIBMODBUS], "rtu"), ("pymodbus-rtu", [sys.executable, PYMODBUS], "rtu"),
+                                       ("pymodbus-ascii", [sys.executable, PYMODBUS], "ascii")):
+                cable = stack.enter_context(Cable())
+                stack.enter_context(Program(*server, kind, cable.right, 115200, 7)).wait_ready()
+                text += bus(name, f"serial: {cable.left}, baud: 115200, format: 8N1", f"modbus-{kind}", 7)
+                buses.append(name)
+            for name, server in (("libmodbus-tcp", [LIBMODBUS]), ("pymodbus-tcp", [sys.executable, PYMODBUS])):
+                port = free_port()
+                stack.enter_context(Program(*server, "tcp", port)).wait_ready()
+                text += bus(name, f'tcp: "127.0.0.1:{port}"', "modbus-tcp", 1)
+                buses.append(name)
+            self.file = os.path.join(folder, "bridge.yaml")
+            with open(self.file, "w", encoding="utf-8") as file:
+                file.write(text)
+            log = stack.enter_context(open(os.path.join(folder, "bridge.log"), "w+", encoding="utf-8"))
+            bridge = subprocess.Popen([os.path.join(BIN, "fieldcast-bridge"), self.file], stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+            try:
+                self.expect_values(buses, {channel: value for channel, (_, _, value) in CHANNELS.items()})
+                writes = {"setpoint": -123, "switch": True, "bit": not CHANNELS["bit"][2]}
+                for name in buses:
+                    for channel, value in writes.items():
+                        done = self.cli("write", f"{name}/device/{channel}={json.dumps(value)}", "--verify", "--json")
+                        self.assertEqual((done.returncode, json.loads(done.stdout)["state"]), (0, "verified"), done.stdout + done.stderr)
+                self.expect_values(buses, writes)
+                bridge.terminate()
+                self.assertEqual(bridge.wait(DEADLINE), 0)
+            except BaseException:
+                log.seek(0)
+                sys.stderr.write(log.read())
+                raise
+            finally:
+                if bridge.poll() is None:
+                    bridge.kill()
+                    bridge.wait()
+
+
+if __name__ == "__main__":
+    DOMAIN, LIBMODBUS, BIN = sys.argv.pop(), sys.argv.pop(), sys.argv.pop()
+    unittest.main()
