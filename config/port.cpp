@@ -21,6 +21,15 @@ std::string baud_list() {
   return text;
 }
 
+// What a family's devices speak as they come from the factory; other families: the default of LineFormat, 19200 8E1, which is
+// that of Modbus (Modbus over Serial Line V1.02, 2.5.1 and 2.5.2).
+LineFormat standard_line(std::string_view protocol) {
+  if (protocol == "modbus-ascii") return {19200, 7, Parity::kEven, 1};
+  if (protocol == "omron-hostlink") return {9600, 7, Parity::kEven, 2};
+  if (protocol == "s7-freeport") return {9600, 8, Parity::kNone, 1};
+  return {};
+}
+
 struct BaudRule {
   std::optional<std::uint32_t> operator()(const Node& node, std::string_view key, FaultList& faults) const {
     const auto value = WholeRule{1, kBauds.back()}(node, key, faults);
@@ -73,12 +82,12 @@ void refuse(MapReader& map, std::string_view kind, std::span<const std::string_v
 
 SerialPortSpec read_serial(MapReader& map, const LineFormat& standard) {
   SerialPortSpec port;
-  LineFormat format = standard;
+  std::uint32_t baud = standard.baud;
+  port.line = standard;
   map.read("serial", port.path, TextRule{kMaxPath});
-  map.read("baud", port.line.baud, BaudRule{});
-  map.read("format", format, FormatRule{});
-  format.baud = port.line.baud;
-  port.line = format;
+  map.read("format", port.line, FormatRule{});
+  map.read("baud", baud, BaudRule{});
+  port.line.baud = baud;
   map.read("rs485", port.rs485, FlagRule{});
   map.read("low-latency", port.low_latency, FlagRule{});
   map.read("exclusive", port.exclusive, FlagRule{});
@@ -149,8 +158,7 @@ void check_port(const std::string& protocol, const PortSpec& port, const Place& 
 }
 
 PortSpec read_port(const Node& node, std::string_view protocol, FaultList& faults) {
-  LineFormat standard;
-  if (protocol == "modbus-ascii") standard.data_bits = 7;  // Modbus over Serial Line V1.02, 2.5.2
+  const LineFormat standard = standard_line(protocol);
   MapReader map(node, kPortKeys, faults);
   const Node* serial = map.find("serial");
   const Node* tcp = map.find("tcp");

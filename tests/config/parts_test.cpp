@@ -48,6 +48,19 @@ TEST(PortText, FormatIsDataParityStop) {
   for (const auto* text : {"", "8n1", "9N1", "8N3", "8N", "8N11", "8X1"}) EXPECT_EQ(format_from(text), std::nullopt) << text;
 }
 
+TEST(PortText, LineIsAsTheProtocolsDevicesComeFromTheFactory) {
+  const auto line = [](const std::string& protocol) {
+    const auto loaded = load_text("bridge: b\nbuses:\n  - { name: bus, port: { serial: /dev/ttyS0 }, protocol: " + protocol +
+                                      ", devices: [ { name: d, address: 1, allow: [raw-read] } ] }\n",
+                                  "plant.yaml", {});
+    return loaded ? to_text(loaded->buses[0].port) : faults_of(loaded);
+  };
+  EXPECT_EQ(line("modbus-rtu"), "/dev/ttyS0 19200 8E1");
+  EXPECT_EQ(line("modbus-ascii"), "/dev/ttyS0 19200 7E1");
+  EXPECT_EQ(line("omron-hostlink"), "/dev/ttyS0 9600 7E2");
+  EXPECT_EQ(line("s7-freeport"), "/dev/ttyS0 9600 8N1");
+}
+
 TEST(PortText, EndpointIsHostAndPort) {
   EXPECT_EQ(host_port_from("10.0.0.7:502"), (std::pair<std::string, std::uint16_t>{"10.0.0.7", 502}));
   EXPECT_EQ(host_port_from("plc-1.local:65535"), (std::pair<std::string, std::uint16_t>{"plc-1.local", 65535}));
