@@ -1,0 +1,207 @@
+// fieldcast-bridge as its user sees it: a process with signals, lines of a log and an exit code.
+#include <gmock/gmock.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "bridge/exit_code.hpp"
+#include "tests/bridge/support/modbus_device.hpp"
+
+extern char** environ;
+
+namespace fieldcast {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::AllOf;
+using testing::HasSubstr;
+
+// A started program whose output can be waited for. Killed at the end if it still runs.
+class Process {
+ public:
+  explicit Process(const std::vector<std::string>& arguments) {
+    int out[2];
+    EXPECT_EQ(::pipe2(out, O_CLOEXEC), 0);
+    output_.reset(out[0]);
+    const FileDescriptor write_end(out[1]);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, write_end.get(), STDOUT_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, write_end.get(), STDERR_FILENO);
+    std::string program = FIELDCAST_BRIDGE;
+    std::vector<std::string> copy = arguments;
+    std::vector<char*> argv{program.data()};
+    for (std::string& argument : copy) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    EXPECT_EQ(::posix_spawn(&pid_, program.c_str(), &actions, nullptr, argv.data(), environ), 0);
+    posix_spawn_file_actions_destroy(&actions);
+  }
+  ~Process() {
+    if (pid_ <= 0) return;
+    ::kill(pid_, SIGKILL);
+    ::waitpid(pid_, nullptr, 0);
+  }
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  void signal(int number) const { ASSERT_EQ(::kill(pid_, number), 0); }
+
+  // Everything it said so far, once that contains the text; also when it never does.
+  const std::string& said(const std::string& text, milliseconds limit = seconds{15}) {
+    const auto deadline = std::chrono::steady_clock::now() + limit;
+    while (said_.find(text) == std::string::npos && std::chrono::steady_clock::now() < deadline && read_some()) {}
+    return said_;
+  }
+
+  // -1 after the limit or for a signal's death.
+  int exit_code(milliseconds limit = seconds{15}) {
+    const auto deadline = std::chrono::steady_clock::now() + limit;
+    while (std::chrono::steady_clock::now() < deadline && read_some()) {  // the output ends with the process
+    }
+    int status = 0;
+    if (::waitpid(pid_, &status, WNOHANG) != pid_) return -1;
+    pid_ = 0;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+  [[nodiscard]] const std::string& output() const { return said_; }
+
+ private:
+  // False at the end of the output.
+  bool read_some() {
+    pollfd wait{output_.get(), POLLIN, 0};
+    if (::poll(&wait, 1, 50) <= 0) return true;
+    char buffer[4096];
+    const ssize_t size = ::read(output_.get(), buffer, sizeof buffer);
+    if (size <= 0) {
+      // The pipe closes a moment before the process can be waited for.
+      siginfo_t ended{};
+      ::waitid(P_PID, static_cast<id_t>(pid_), &ended, WEXITED | WNOWAIT);
+      return false;
+    }
+    said_.append(buffer, static_cast<std::size_t>(size));
+    return true;
+  }
+
+  pid_t pid_ = 0;
+  FileDescriptor output_;
+  std::string said_;
+};
+
+struct DaemonTest : testing::Test {
+  DaemonTest() {
+    folder = std::filesystem::path(testing::TempDir()) /
+             ("fieldcast-daemon-" + std::to_string(::getpid()) + testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::create_directories(folder);
+    file = folder / "plant.yaml";
+    write("holding:0");
+  }
+  ~DaemonTest() override { std::filesystem::remove_all(folder); }
+
+  // Bus one at the pseudo-terminal, bus two at a port that does not exist, whose channel lies at `at`.
+  void write(const std::string& at, const std::string& interface = "127.0.0.1") const {
+    std::ofstream(file) << "bridge: test\n"
+                        << "dds: { domain: " << 100 + ::getpid() % 100 << ", interfaces: [" << interface << "] }\n"
+                        << "buses:\n"
+                        << bus("one", pty.path(), "holding:0") << bus("two", folder / "no-such-port", at);
+  }
+  static std::string bus(const std::string& name, const std::string& path, const std::string& at) {
+    return "  - name: " + name + "\n    port: { serial: " + path + ", baud: 115200, format: 8N1 }\n" +
+           "    protocol: modbus-rtu\n    devices:\n      - name: plc\n        address: 1\n        channels:\n" +
+           "          - { name: level, at: \"" + at + "\", type: uint16, refresh: 100ms }\n";
+  }
+
+  test::Pty pty;
+  std::filesystem::path folder;
+  std::string file;
+};
+
+TEST_F(DaemonTest, StopsInOrderWithinTwoSecondsOfSigterm) {
+  test::ModbusDevice device(pty);
+  Process bridge({file});
+  ASSERT_THAT(bridge.said("one: the port is open"), HasSubstr("one: the port is open"));
+  bridge.signal(SIGTERM);
+  EXPECT_EQ(bridge.exit_code(seconds{2}), static_cast<int>(ExitCode::kOk)) << bridge.output();
+  EXPECT_THAT(bridge.output(), HasSubstr("stopped"));
+}
+
+TEST_F(DaemonTest, RunsWithoutItsPorts) {
+  Process bridge({file});
+  EXPECT_THAT(bridge.said("two: the port is closed"), HasSubstr("two: the port is closed: No such file or directory"));
+  bridge.signal(SIGINT);
+  EXPECT_EQ(bridge.exit_code(), 0);
+}
+
+TEST_F(DaemonTest, ABadFileLeavesTheOldOneRunning) {
+  test::ModbusDevice device(pty);
+  Process bridge({file});
+  bridge.said("one: the port is open");
+  write("holdin:0");
+  bridge.signal(SIGHUP);
+  EXPECT_THAT(bridge.said("goes on running"), AllOf(HasSubstr("plant.yaml:"), HasSubstr("goes on running")));
+  const unsigned reads = device.reads();
+  const auto deadline = std::chrono::steady_clock::now() + seconds{10};
+  while (device.reads() < reads + 3 && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
+  EXPECT_GE(device.reads(), reads + 3);
+  bridge.signal(SIGTERM);
+  EXPECT_EQ(bridge.exit_code(), 0);
+}
+
+TEST_F(DaemonTest, SighupRestartsOnlyTheChangedBus) {
+  Process bridge({file});
+  bridge.said("one: the port is open");
+  write("holding:7");
+  bridge.signal(SIGHUP);
+  EXPECT_THAT(bridge.said("untouched"), HasSubstr("1 buses stopped, 1 started, 1 untouched"));
+  bridge.signal(SIGTERM);
+  EXPECT_EQ(bridge.exit_code(), 0);
+}
+
+TEST_F(DaemonTest, Sigusr1SwitchesTheWireTrace) {
+  test::ModbusDevice device(pty);
+  Process bridge({file});
+  bridge.said("one: the port is open");
+  EXPECT_THAT(bridge.output(), testing::Not(HasSubstr(">>")));
+  bridge.signal(SIGUSR1);
+  EXPECT_THAT(bridge.said("<< 01 03"),
+              AllOf(HasSubstr("one >> 01 03 00 00 00 01 84 0A"), HasSubstr("one << 01 03 02 00 00 B8 44")));
+  bridge.signal(SIGUSR1);
+  EXPECT_THAT(bridge.said("trace: off"), HasSubstr("trace: off"));
+  bridge.signal(SIGTERM);
+  EXPECT_EQ(bridge.exit_code(), 0);
+}
+
+TEST_F(DaemonTest, CheckTellsWhatAFileConfigures) {
+  Process bridge({file, "--check"});
+  EXPECT_EQ(bridge.exit_code(), static_cast<int>(ExitCode::kOk));
+  EXPECT_THAT(bridge.output(), HasSubstr("1 devices, 1 channels"));
+}
+
+TEST_F(DaemonTest, CheckTellsEveryFaultAndItsPlace) {
+  std::ofstream(file, std::ios::app) << bus("three", "/dev/x", "holdin:1") << bus("four", "/dev/y", "holding:99999");
+  for (const std::vector<std::string>& arguments : {std::vector{file, std::string("--check")}, std::vector{file}}) {
+    Process bridge(arguments);
+    EXPECT_EQ(bridge.exit_code(), static_cast<int>(ExitCode::kBadConfiguration));
+    EXPECT_THAT(bridge.output(), AllOf(HasSubstr("plant.yaml:27:"), HasSubstr("plant.yaml:35:")));
+  }
+}
+
+TEST_F(DaemonTest, WrongUsageHasItsOwnCode) {
+  Process none({});
+  EXPECT_EQ(none.exit_code(), static_cast<int>(ExitCode::kUsage));
+  Process unknown({file, "--chekc"});
+  EXPECT_EQ(unknown.exit_code(), static_cast<int>(ExitCode::kUsage));
+}
+
+TEST_F(DaemonTest, DdsThatCannotBeJoinedHasItsOwnCode) {
+  write("holding:0", "203.0.113.77");  // of nobody (RFC 5737)
+  Process bridge({file});
+  EXPECT_EQ(bridge.exit_code(), static_cast<int>(ExitCode::kCannotStart));
+  EXPECT_THAT(bridge.output(), HasSubstr("203.0.113.77"));
+}
+
+}  // namespace
+}  // namespace fieldcast
