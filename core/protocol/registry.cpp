@@ -6,6 +6,7 @@
 #include "core/protocol/omron_hostlink/omron_hostlink.hpp"
 #include "core/protocol/protocol.hpp"
 #include "core/protocol/s7_freeport/s7_freeport.hpp"
+#include "core/protocol/s7_ppi/s7_ppi.hpp"
 
 namespace fieldcast {
 
@@ -16,6 +17,7 @@ std::span<const ProtocolEntry> protocols() {
       modbus::tcp_entry(),
       omron::hostlink_entry(),
       s7_freeport::entry(),
+      s7_ppi::entry(),
   };
   return entries;
 }

@@ -1,0 +1,100 @@
+#include "core/protocol/s7_ppi/areas.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+#include <string>
+
+namespace fieldcast::s7_ppi {
+namespace {
+
+constexpr std::string_view kAllowed =
+    "VB100, VW100, VD100, V100.3 and likewise M, I, Q, S, SM; AIW4, AQW0 (even numbers); T37, C5, HC0";
+
+using Parsed = tl::expected<ParsedAddress, AddressFault>;
+
+Parsed fault(std::string what, std::string suggestion = {}) {
+  return tl::unexpected(AddressFault{std::move(what), std::string(kAllowed), std::move(suggestion)});
+}
+std::string quoted(std::string_view text) { return "'" + std::string(text.substr(0, 64)) + "'"; }
+
+// UINT32_MAX when it is too large for any area; nothing for what is no number.
+std::optional<std::uint32_t> number(std::string_view text) {
+  std::uint32_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || end != text.data() + text.size()) return std::nullopt;
+  return error == std::errc{} ? value : UINT32_MAX;
+}
+
+struct Named {
+  AreaIndex area;
+  unsigned width = 0;  // bits that B, W or D says; 0: a bit follows, or a number
+};
+
+std::optional<Named> named(std::string_view letters) {
+  for (AreaIndex area = 0; area < kAreaCount; ++area) {
+    const std::string_view name = kAreas[area].name;
+    if (!letters.starts_with(name)) continue;
+    const std::string_view width = letters.substr(name.size());
+    const bool words = kAreas[area].item_bits == 16 && !kCodes[area].counted;
+    if (width.empty() && !words) return Named{area};
+    if (kCodes[area].counted) continue;
+    if (words && width != "W") continue;
+    if (width == "B") return Named{area, 8};
+    if (width == "W") return Named{area, 16};
+    if (width == "D") return Named{area, 32};
+  }
+  return std::nullopt;
+}
+
+// What the Siemens software says in German, and lower case.
+std::string suggestion(std::string_view letters, std::string_view rest) {
+  std::string upper(letters);
+  for (char& c : upper) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  if (upper.starts_with("E"))
+    upper[0] = 'I';
+  else if (upper == "A" || upper == "AB" || upper == "AW" || upper == "AD")
+    upper[0] = 'Q';
+  else if (upper == "Z")
+    upper = "C";
+  else if (upper == "AI" || upper == "AQ")
+    upper += "W";
+  return named(upper) ? upper + std::string(rest) : std::string{};
+}
+
+}  // namespace
+
+tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) {
+  const std::size_t digits = std::min(at.find_first_of("0123456789"), at.size());
+  const std::string_view letters = at.substr(0, digits);
+  const auto name = named(letters);
+  if (!name) return fault("area " + quoted(letters) + " is unknown", suggestion(letters, at.substr(digits)));
+  const Area& area = kAreas[name->area];
+  const AreaCode& code = kCodes[name->area];
+  const std::size_t dot = at.find('.');
+  const std::string_view place = at.substr(digits, dot == std::string_view::npos ? dot : dot - digits);
+  const auto first = number(place);
+  if (!first) return fault(quoted(place) + " is no number");
+  ParsedAddress address{.area = name->area, .first = *first};
+  if (area.item_bits == 16 && !code.counted) {
+    if (*first % 2 != 0)
+      return fault(quoted(at) + ": words have even numbers", std::string(letters) + std::to_string(*first - 1));
+    address.first /= 2;
+  }
+  if (address.first >= area.items) return fault(quoted(at) + " is beyond the end of " + std::string(area.name));
+  if (dot == std::string_view::npos) {
+    if (name->width == 0 && !code.counted) {
+      return fault(quoted(at) + " says neither a bit nor a width", std::string(letters) + "B" + std::string(place));
+    }
+    if (!code.counted) address.width_bits = name->width;
+    return address;
+  }
+  if (name->width != 0 || code.counted) return fault(quoted(at) + " has no bits", std::string(at.substr(0, dot)));
+  const auto bit = number(at.substr(dot + 1));
+  if (!bit || *bit > 7) return fault("bit " + quoted(at.substr(dot + 1)) + " is not 0..7", std::string(at.substr(0, dot)) + ".0");
+  address.bit = static_cast<std::uint8_t>(*bit);
+  address.width_bits = 1;
+  return address;
+}
+
+}  // namespace fieldcast::s7_ppi

@@ -1,0 +1,12 @@
+// Siemens S7-200 PPI behind the protocol seam.
+#pragma once
+
+#include "core/protocol/protocol.hpp"
+
+namespace fieldcast::s7_ppi {
+
+[[nodiscard]] const ProtocolEntry& entry();
+
+[[nodiscard]] std::vector<FrameField> explain(ByteView frame);
+
+}  // namespace fieldcast::s7_ppi

@@ -1,0 +1,69 @@
+#include "core/protocol/s7_ppi/telegram.hpp"
+
+#include <algorithm>
+
+#include "core/codec/checksum.hpp"
+
+namespace fieldcast::s7_ppi {
+namespace {
+
+Seen look_long(ByteView bytes) {
+  const bool wrong = (bytes.size() > 1 && bytes[1] < kLinkHead) || (bytes.size() > 1 && bytes[1] + kLongFrame > kMaxLong) ||
+                     (bytes.size() > 2 && bytes[2] != bytes[1]) || (bytes.size() > 3 && bytes[3] != kMarkLong);
+  if (wrong) return {};
+  if (bytes.size() < 4) return {.kind = Seen::Kind::kOpen, .size = kLongFrame + kLinkHead};
+  const std::size_t length = bytes[1];
+  const std::size_t size = length + kLongFrame;
+  if (bytes.size() < size) return {.kind = Seen::Kind::kOpen, .size = size};
+  const ByteView counted = bytes.subspan(4, length);
+  if (sum8(counted) != bytes[size - 2] || bytes[size - 1] != kEnd) return {.kind = Seen::Kind::kBroken};
+  return {.kind = Seen::Kind::kLong,
+          .size = size,
+          .to = counted[0],
+          .from = counted[1],
+          .control = counted[2],
+          .unit = counted.subspan(3)};
+}
+
+Seen look_short(ByteView bytes) {
+  if (bytes.size() < kShortSize) return {.kind = Seen::Kind::kOpen, .size = kShortSize};
+  if (sum8(bytes.subspan(1, 3)) != bytes[4] || bytes[5] != kEnd) return {.kind = Seen::Kind::kBroken};
+  return {.kind = Seen::Kind::kShort, .size = kShortSize, .to = bytes[1], .from = bytes[2], .control = bytes[3]};
+}
+
+// Its two bytes are addresses: anything else shows that it is noise.
+Seen look_token(ByteView bytes) {
+  for (std::size_t i = 1; i < std::min<std::size_t>(bytes.size(), 3); ++i) {
+    if (bytes[i] > kHighestAddress) return {};
+  }
+  return {.kind = bytes.size() < 3 ? Seen::Kind::kOpen : Seen::Kind::kToken, .size = 3};
+}
+
+}  // namespace
+
+void append_long(Bytes& out, std::uint8_t to, std::uint8_t from, std::uint8_t control, ByteView unit) {
+  const auto length = static_cast<std::uint8_t>(unit.size() + kLinkHead);
+  const Bytes head{kMarkLong, length, length, kMarkLong, to, from, control};
+  append(out, head);
+  append(out, unit);
+  out.push_back(sum8(ByteView(out).last(length)));
+  out.push_back(kEnd);
+}
+
+void append_short(Bytes& out, std::uint8_t to, std::uint8_t from, std::uint8_t control) {
+  const auto sum = static_cast<std::uint8_t>(to + from + control);
+  const Bytes frame{kMarkShort, to, from, control, sum, kEnd};
+  append(out, frame);
+}
+
+Seen look(ByteView bytes) {
+  switch (bytes[0]) {
+    case kMarkLong: return look_long(bytes);
+    case kMarkShort: return look_short(bytes);
+    case kMarkAcknowledge: return {.kind = Seen::Kind::kAcknowledge};
+    case kMarkToken: return look_token(bytes);
+    default: return {};
+  }
+}
+
+}  // namespace fieldcast::s7_ppi
