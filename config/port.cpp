@@ -27,6 +27,7 @@ LineFormat standard_line(std::string_view protocol) {
   if (protocol == "modbus-ascii") return {19200, 7, Parity::kEven, 1};
   if (protocol == "omron-hostlink") return {9600, 7, Parity::kEven, 2};
   if (protocol == "s7-freeport") return {9600, 8, Parity::kNone, 1};
+  if (protocol == "s7-ppi") return {9600, 8, Parity::kEven, 1};
   return {};
 }
 
