@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <future>
 #include <map>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "bridge/clock.hpp"
 #include "bridge/command_desk.hpp"
 #include "bridge/dds/dds_link.hpp"
+#include "bridge/exit_code.hpp"
 #include "bridge/interest_desk.hpp"
 #include "bridge/io_threads.hpp"
 #include "bridge/log.hpp"
@@ -21,7 +23,7 @@
 namespace fieldcast {
 namespace {
 
-// For all buses together; what is not done by then is left behind, so that a stop ends within two seconds.
+// For all buses together, so that a stop ends within two seconds.
 constexpr std::chrono::milliseconds kStopLimit{1200};
 constexpr std::chrono::milliseconds kLinger{200};
 
@@ -61,6 +63,7 @@ struct Bridge::State {
   void start_bus(const BusSpec& bus);
   void stop_buses(const std::vector<std::string>& names);
   void stop_all();
+  [[noreturn]] void abandon(const std::string& bus);
   void restart(const std::vector<std::string>& names, const BridgeSpec& from);
 };
 
@@ -110,10 +113,7 @@ void Bridge::State::stop_buses(const std::vector<std::string>& names) {
     stopped.push_back(buses.at(name).runner->stop());  // 2. pending commands are answered, the port is closed
   }
   for (std::size_t i = 0; i < names.size(); ++i) {
-    if (stopped[i].wait_until(deadline) != std::future_status::ready) {
-      log_error(names[i], "the bus did not stop in time");
-      io.stop();  // nothing may run on what is about to be taken away
-    }
+    if (stopped[i].wait_until(deadline) != std::future_status::ready) abandon(names[i]);
     link->remove_bus(names[i]);  // 3. stations see the bus go
     buses.erase(names[i]);
   }
@@ -127,6 +127,15 @@ void Bridge::State::stop_all() {
   stop_buses(names);     // 1.-3. above, all buses at the same time
   link->close(kLinger);  // 4. the last results reach their readers, then we leave the domain; no handler is called afterwards
   link.reset();          // 5.
+  interests.forget();    // 6. stations tell their wishes again to whoever joins next
+}
+
+// A bus whose thread hangs in a driver (a USB adapter that died in the middle of an ioctl) cannot be taken away under its feet.
+// What the others had to say is said; the process ends here, and its supervisor starts it anew.
+void Bridge::State::abandon(const std::string& bus) {
+  log_error(bus, "the bus hangs in its driver and cannot be stopped: the process ends");
+  link->close(kLinger);
+  std::_Exit(static_cast<int>(ExitCode::kInternal));
 }
 
 Bridge::Bridge() : state_(std::make_unique<State>()) {}
@@ -157,6 +166,7 @@ void Bridge::State::restart(const std::vector<std::string>& names, const BridgeS
 
 tl::expected<void, std::string> Bridge::reload(const BridgeSpec& wanted) {
   State& s = *state_;
+  if (!s.link) return start(wanted);  // a reload failed before, and so did the way back
   const BridgeSpec before = s.spec;
   const ReloadPlan plan = plan_reload(before, wanted);
   if (plan.whole_bridge) {

@@ -12,6 +12,12 @@ void InterestDesk::remove(const std::string& bus) {
   buses_.erase(bus);
 }
 
+void InterestDesk::forget() {
+  const std::lock_guard lock(mutex_);
+  book_ = {};
+  for (auto& [name, bus] : buses_) tell(bus);
+}
+
 tl::expected<void, std::string> InterestDesk::note(const std::string& station, const std::string& pattern,
                                                    std::optional<Duration> refresh) {
   const std::lock_guard lock(mutex_);

@@ -18,6 +18,9 @@ class InterestDesk {
   void add(const BusSpec& bus, std::shared_ptr<BusRunner> runner);
   void remove(const std::string& bus);
 
+  // Nobody wishes anything any more.
+  void forget();
+
   // As InterestBook::note().
   [[nodiscard]] tl::expected<void, std::string> note(const std::string& station, const std::string& pattern,
                                                      std::optional<Duration> refresh);

@@ -121,6 +121,20 @@ TEST_F(BridgeTest, ACommandReachesTheDeviceAndItsResultTheStation) {
   EXPECT_EQ(a.writes(), 0u);
 }
 
+TEST_F(BridgeTest, AChannelOnInterestIsReadOnceAStationWishesIt) {
+  ModbusDevice a(first), b(second);
+  Ear ear(spec.dds);
+  spec.buses[0].devices[0].channels[0].on_interest = true;
+  Bridge bridge;
+  ASSERT_TRUE(bridge.start(spec));
+  const auto wished = [](const StationSample& s) { return s.bus == "one" && s.channel == "r0" && s.quality == Quality::kGood; };
+  const auto other = [](const StationSample& s) { return s.bus == "one" && s.channel == "r1" && s.sequence >= 3; };
+  ASSERT_TRUE(ear.hears(other));
+  for (const StationSample& sample : ear.samples()) EXPECT_FALSE(wished(sample));
+  ear.station.declare_interest("one/plc/r0", milliseconds{100});
+  EXPECT_TRUE(ear.hears([&](const StationSample& s) { return wished(s) && s.sequence >= 5; }));
+}
+
 TEST_F(BridgeTest, ReloadRestartsOnlyWhatChanged) {
   ModbusDevice a(first), b(second);
   Ear ear(spec.dds);

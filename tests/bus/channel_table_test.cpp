@@ -57,6 +57,25 @@ TEST(ChannelTable, MissedRefreshIsToldOnceWithTheOldInstant) {
   EXPECT_EQ(out.size(), 1u) << "told once";
 }
 
+TEST(ChannelTable, CauseThatIsKnownAfterTheMissIsToldOnceMore) {
+  const BusSpec bus = one_device({channel("a", 50ms)});
+  ChannelTable table(bus);
+  std::vector<Sample> out;
+  std::vector<ChannelIndex> late;
+  table.start(Instant{});
+  table.expire(Instant{50ms}, out, late);
+  ASSERT_EQ(out.size(), 1u);
+  EXPECT_EQ(out[0].quality, Quality::kUncertain);
+  table.failing(0, Cause::kNoAnswer, Instant{100ms});
+  table.expire(Instant{100ms}, out, late);
+  ASSERT_EQ(out.size(), 2u);
+  EXPECT_EQ(out[1].quality, Quality::kBadNoAnswer);
+  EXPECT_EQ(late.size(), 1u) << "one refresh was missed";
+  table.failing(0, Cause::kNoAnswer, Instant{200ms});
+  table.expire(Instant{200ms}, out, late);
+  EXPECT_EQ(out.size(), 2u) << "told once";
+}
+
 TEST(ChannelTable, ChannelThatWasNeverReadIsLateToo) {
   const BusSpec bus = one_device({channel("a", 1s)});
   ChannelTable table(bus);

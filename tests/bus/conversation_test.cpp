@@ -41,6 +41,19 @@ TEST(Conversation, AnswerTimeIsWithoutTheWire) {
   EXPECT_NEAR(to_seconds(line.conversation.answer_time()), 0.005, 1e-6);
 }
 
+TEST(Conversation, KnowsWhatTheAnswerLacks) {
+  Line line;
+  line.ask(Instant{});
+  EXPECT_EQ(line.conversation.missing(), 0u) << "when the answer begins is not known";
+  (void)line.hear({kAnswer.begin(), kAnswer.begin() + 3}, Instant{20ms});
+  EXPECT_EQ(line.conversation.missing(), 4u);
+  (void)line.hear({kAnswer.begin() + 3, kAnswer.end() - 1}, Instant{21ms});
+  EXPECT_EQ(line.conversation.missing(), 1u);
+  EXPECT_EQ(line.hear({kAnswer.end() - 1, kAnswer.end()}, Instant{22ms}), Outcome::kDone);
+  line.conversation.finish();
+  EXPECT_EQ(line.conversation.missing(), 0u);
+}
+
 TEST(Conversation, SilenceEndsItAfterTheTimeout) {
   Line line;
   line.ask(Instant{});

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fieldcast::cli {
+namespace fieldcast {
 namespace {
 
 Pattern pattern(std::string_view text) { return Pattern::parse(text).value(); }
@@ -46,4 +46,4 @@ TEST(PatternText, RefusesFourSegmentsAndEmptyOnes) {
 }
 
 }  // namespace
-}  // namespace fieldcast::cli
+}  // namespace fieldcast
