@@ -3,7 +3,6 @@
 #include <arpa/inet.h>
 #include <fastdds/rtps/attributes/ServerAttributes.h>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
 #include <ifaddrs.h>
 
@@ -19,7 +18,6 @@ namespace fieldcast {
 namespace {
 
 namespace rtps = eprosima::fastrtps::rtps;
-using eprosima::fastdds::rtps::SharedMemTransportDescriptor;
 using eprosima::fastdds::rtps::UDPv4TransportDescriptor;
 
 constexpr const char* kProfile = "fieldcast";
@@ -39,11 +37,13 @@ bool has_interface(const std::string& address) {
   return false;
 }
 
+// UDP alone, although shared memory is the library's default: in Fast DDS 2.9 a participant that leaves before all others have
+// read its last message leaves them with a message whose memory is gone, and they try to read it for ever: a whole processor
+// each, and deaf to everybody (repaired upstream in 2023, eProsima/Fast-DDS #3759). Tools that come and go would do that to the
+// bridge.
 void set_transports(const DdsSpec& spec, dds::DomainParticipantQos& qos) {
   auto& transport = qos.transport();
   transport.use_builtin_transports = false;
-  auto shared_memory = std::make_shared<SharedMemTransportDescriptor>();
-  transport.user_transports.push_back(shared_memory);
   auto udp = std::make_shared<UDPv4TransportDescriptor>();
   udp->interfaceWhiteList = spec.interfaces;
   transport.user_transports.push_back(udp);
