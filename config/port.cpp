@@ -24,6 +24,7 @@ std::string baud_list() {
 // What a family's devices speak as they come from the factory; other families: the default of LineFormat, 19200 8E1, which is
 // that of Modbus (Modbus over Serial Line V1.02, 2.5.1 and 2.5.2).
 LineFormat standard_line(std::string_view protocol) {
+  if (protocol == "mitsubishi-fx") return {9600, 7, Parity::kEven, 1};
   if (protocol == "modbus-ascii") return {19200, 7, Parity::kEven, 1};
   if (protocol == "omron-hostlink") return {9600, 7, Parity::kEven, 2};
   if (protocol == "s7-freeport") return {9600, 8, Parity::kNone, 1};

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/protocol/mitsubishi_fx/mitsubishi_fx.hpp"
 #include "core/protocol/modbus/modbus.hpp"
 #include "core/protocol/omron_hostlink/omron_hostlink.hpp"
 #include "core/protocol/protocol.hpp"
@@ -11,7 +12,9 @@
 namespace fieldcast {
 
 std::span<const ProtocolEntry> protocols() {
+  // clang-format off
   static const std::array entries{
+      mitsubishi_fx::entry(),
       modbus::rtu_entry(),
       modbus::ascii_entry(),
       modbus::tcp_entry(),
@@ -19,6 +22,7 @@ std::span<const ProtocolEntry> protocols() {
       s7_freeport::entry(),
       s7_ppi::entry(),
   };
+  // clang-format on
   return entries;
 }
 

@@ -107,8 +107,7 @@ class FreeportExchange final : public Exchange {
     if (!code || *code == 0 || !check_is_right(frame)) return broken(code ? Cause::kChecksum : Cause::kMalformed);
     return Step::failed(Cause::kDeviceError, static_cast<std::uint16_t>(*code));
   }
-  // Waited out: the right frame may follow.
-  Step broken(Cause cause) {
+  Step broken(Cause cause) {  // waited out: the right frame may follow
     silence_ = cause;
     return Step::need_rest(0);
   }
@@ -183,7 +182,6 @@ class FreeportProtocol final : public Protocol {
 };
 
 constexpr std::array<std::string_view, 1> kOptions{"letters"};
-
 tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link) {
   OptionReader reader(link, kTraits, kOptions);
   const bool swapped = reader.choice("letters", {"normal", "swapped"}) == 1;

@@ -1,0 +1,134 @@
+#include "core/protocol/mitsubishi_fx/areas.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <string>
+
+namespace fieldcast::mitsubishi_fx {
+namespace {
+
+// Bits lie eight to a byte from the base on; words are two bytes each, 32-bit counters four. Where the sources of the extended
+// map disagree (contacts and coils of timers and counters, 32-bit counters) it is left empty.
+constexpr std::array kRows{
+    DeviceRow{.name = "D", .classic = {8000, 0x1000, {}}, .extended = {8000, 0x4000, {}}},
+    DeviceRow{.name = "D", .first = 8000, .classic = {256, 0x0E00, {}}, .extended = {512, 0x8000, {}}},
+    DeviceRow{.name = "T", .other = "TN", .classic = {256, 0x0800, {}}, .extended = {320, 0x1000, {}}},
+    DeviceRow{.name = "C", .other = "CN", .classic = {200, 0x0A00, {}}, .extended = {200, 0x0A00, {}}},
+    DeviceRow{.name = "C", .other = "CN", .item_bits = 32, .first = 200, .classic = {56, 0x0C00, {}}},
+    DeviceRow{.name = "M", .item_bits = 1, .classic = {1536, 0x0100, 0x0800}, .extended = {7680, 0x8800, 0x4000}},
+    DeviceRow{.name = "M", .item_bits = 1, .first = 8000, .classic = {256, 0x01E0, 0x0F00}, .extended = {512, 0x8C00, 0x6000}},
+    DeviceRow{.name = "X", .item_bits = 1, .octal = true, .classic = {256, 0x0080, {}}, .extended = {256, 0x8CA0, {}}},
+    DeviceRow{.name = "Y", .item_bits = 1, .octal = true, .classic = {256, 0x00A0, 0x0500}, .extended = {256, 0x8BC0, 0x5E00}},
+    DeviceRow{.name = "S", .item_bits = 1, .classic = {1000, 0x0000, 0x0000}, .extended = {4096, 0x8CE0, 0x6700}},
+    DeviceRow{.name = "TS", .item_bits = 1, .classic = {256, 0x00C0, {}}},
+    DeviceRow{.name = "TC", .item_bits = 1, .classic = {256, 0x02C0, {}}},
+    DeviceRow{.name = "CS", .item_bits = 1, .classic = {256, 0x01C0, {}}},
+    DeviceRow{.name = "CC", .item_bits = 1, .classic = {256, 0x03C0, {}}},
+};
+
+std::vector<const DeviceRow*> rows_reached(Commands commands) {
+  std::vector<const DeviceRow*> rows;
+  for (const DeviceRow& row : kRows) {
+    if (row.place(commands).items != 0) rows.push_back(&row);
+  }
+  return rows;
+}
+
+// Two areas of one name are told apart by their first number.
+std::string_view area_name(const DeviceRow& row) {
+  if (row.first == 8000) return row.name == "D" ? "D8000" : "M8000";
+  return row.first == 200 ? "C200" : row.name;
+}
+
+std::vector<Area> areas_reached(Commands commands) {
+  std::vector<Area> areas;
+  for (const DeviceRow* row : rows_of(commands)) {
+    const bool bits = row->item_bits == 1;
+    const auto in_frame = static_cast<std::uint16_t>(kMaxBytes * 8 / row->item_bits);
+    Area area{.name = area_name(*row), .item_bits = row->item_bits, .items = row->place(commands).items};
+    area.max_read = in_frame;
+    area.max_write = bits ? (row->place(commands).force ? 1 : 0) : in_frame;  // bits are forced one by one
+    area.writable = area.max_write != 0;
+    area.bit_write = bits && area.writable;
+    area.alignment = bits ? 8 : 1;
+    areas.push_back(area);
+  }
+  return areas;
+}
+
+constexpr std::string_view kAllowed =
+    "D100, D100.3, D8010, M14, M8001, X17 and Y5 (octal), S3, T5 and C5 (values), TS5, CS5 (contacts), TC5, CC5 (coils)";
+
+using Parsed = tl::expected<ParsedAddress, AddressFault>;
+
+Parsed fault(std::string what, std::string suggestion = {}) {
+  return tl::unexpected(AddressFault{std::move(what), std::string(kAllowed), std::move(suggestion)});
+}
+std::string quoted(std::string_view text) { return "'" + std::string(text.substr(0, 64)) + "'"; }
+
+// UINT32_MAX when it is too large for any device; nothing for what is no number of that base.
+std::optional<std::uint32_t> number(std::string_view text, int base = 10) {
+  std::uint32_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, base);
+  if (text.empty() || end != text.data() + text.size()) return std::nullopt;
+  return error == std::errc{} ? value : UINT32_MAX;
+}
+
+bool is_named(const DeviceRow& row, std::string_view letters) {
+  return row.name == letters || (!row.other.empty() && row.other == letters);
+}
+
+}  // namespace
+
+const std::vector<const DeviceRow*>& rows_of(Commands commands) {
+  static const std::vector<const DeviceRow*> classic = rows_reached(Commands::kClassic);
+  static const std::vector<const DeviceRow*> extended = rows_reached(Commands::kExtended);
+  return commands == Commands::kClassic ? classic : extended;
+}
+
+const std::vector<Area>& areas_of(Commands commands) {
+  static const std::vector<Area> classic = areas_reached(Commands::kClassic);
+  static const std::vector<Area> extended = areas_reached(Commands::kExtended);
+  return commands == Commands::kClassic ? classic : extended;
+}
+
+tl::expected<ParsedAddress, AddressFault> parse_address(Commands commands, std::string_view at) {
+  const std::size_t digits = std::min(at.find_first_of("0123456789"), at.size());
+  const std::string_view letters = at.substr(0, digits);
+  const std::size_t dot = std::min(at.find('.'), at.size());
+  const std::string_view place = at.substr(digits, std::max(dot, digits) - digits);
+  bool known = false;
+  bool octal = false;
+  for (const DeviceRow& row : kRows) {
+    if (!is_named(row, letters)) continue;
+    known = true;
+    octal = row.octal;
+  }
+  if (!known) {
+    std::string upper(letters);
+    for (char& c : upper) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+    const bool named = std::any_of(kRows.begin(), kRows.end(), [&](const DeviceRow& row) { return is_named(row, upper); });
+    return fault("device " + quoted(letters) + " is unknown", named ? upper + std::string(at.substr(digits)) : "");
+  }
+  const auto which = number(place, octal ? 8 : 10);
+  if (!which) return fault(quoted(place) + (octal ? " is no octal number" : " is no number"), std::string(letters) + "0");
+  const auto& rows = rows_of(commands);
+  const auto row = std::find_if(rows.begin(), rows.end(), [&](const DeviceRow* each) {
+    return is_named(*each, letters) && *which >= each->first && *which - each->first < each->place(commands).items;
+  });
+  if (row == rows.end())
+    return fault(quoted(at) + " does not exist" + (commands == Commands::kExtended ? " in the extended map" : ""));
+  ParsedAddress address{.area = static_cast<AreaIndex>(row - rows.begin()), .first = *which - (*row)->first};
+  if ((*row)->item_bits != 16) address.width_bits = (*row)->item_bits;
+  if (dot == at.size()) return address;
+  const std::string whole(at.substr(0, dot));
+  if ((*row)->item_bits == 1) return fault(quoted(whole) + " is a bit itself", whole);
+  const auto bit = number(at.substr(dot + 1));
+  if (!bit || *bit >= (*row)->item_bits) return fault("bit " + quoted(at.substr(dot + 1)) + " does not exist", whole + ".0");
+  address.bit = static_cast<std::uint8_t>(*bit);
+  address.width_bits = 1;
+  return address;
+}
+
+}  // namespace fieldcast::mitsubishi_fx

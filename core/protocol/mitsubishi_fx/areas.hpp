@@ -1,0 +1,43 @@
+// The devices of a Mitsubishi FX as its programming port addresses them, and their notation.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/protocol/protocol.hpp"
+
+namespace fieldcast::mitsubishi_fx {
+
+// Classic commands 0, 1, 7, 8 (every FX), or the extended E00, E10, E7, E8 of FX3 and later, which have an address map of their
+// own.
+enum class Commands : std::uint8_t { kClassic, kExtended };
+
+// Where one class of devices lies in one address map.
+struct Place {
+  std::uint32_t items = 0;             // 0: not reached
+  std::uint32_t base = 0;              // byte address of item 0
+  std::optional<std::uint32_t> force;  // bit address of item 0 for forcing
+};
+
+struct DeviceRow {
+  std::string_view name;    // "D"
+  std::string_view other;   // a second spelling, or empty
+  unsigned item_bits = 16;  // 1, 16 or 32
+  std::uint32_t first = 0;  // number of item 0: 8000 for special registers, 200 for 32-bit counters
+  bool octal = false;       // X and Y
+  Place classic, extended;
+  [[nodiscard]] const Place& place(Commands commands) const { return commands == Commands::kClassic ? classic : extended; }
+};
+
+inline constexpr std::uint32_t kMaxBytes = 64;  // in one frame
+
+// The areas of one address map, in the order of Protocol::areas().
+[[nodiscard]] const std::vector<const DeviceRow*>& rows_of(Commands commands);
+[[nodiscard]] const std::vector<Area>& areas_of(Commands commands);
+
+// "D100", "D100.3", "D8010", "T5" (value), "TS5" (contact), "TC5" (coil), "C5", "C200", "M14", "M8001", "X17", "Y5" (octal),
+// "S3".
+[[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_address(Commands commands, std::string_view at);
+
+}  // namespace fieldcast::mitsubishi_fx

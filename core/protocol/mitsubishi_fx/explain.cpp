@@ -1,0 +1,109 @@
+// Frames of the FX programming port for people.
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "core/codec/checksum.hpp"
+#include "core/codec/digits.hpp"
+#include "core/protocol/field_writer.hpp"
+#include "core/protocol/mitsubishi_fx/mitsubishi_fx.hpp"
+
+namespace fieldcast::mitsubishi_fx {
+namespace {
+
+constexpr std::uint8_t kStx = 0x02, kEtx = 0x03, kEnq = 0x05, kAck = 0x06, kNak = 0x15;
+
+struct CommandRow {
+  std::string_view spelling;
+  std::string_view text;
+  bool force = false;
+  bool with_data = false;
+};
+// Longer spellings first: E10 and E1 begin alike.
+constexpr std::array kCommands{CommandRow{"E00", "extended read"},
+                               CommandRow{"E10", "extended write", false, true},
+                               CommandRow{"E01", "program read"},
+                               CommandRow{"E11", "program write", false, true},
+                               CommandRow{"E7", "extended force on", true},
+                               CommandRow{"E8", "extended force off", true},
+                               CommandRow{"0", "read"},
+                               CommandRow{"1", "write", false, true},
+                               CommandRow{"7", "force on", true},
+                               CommandRow{"8", "force off", true}};
+
+std::string text_of(ByteView characters) {
+  std::string text;
+  for (const std::uint8_t c : characters)
+    text += c >= 0x20 && c < 0x7F ? std::string(1, static_cast<char>(c)) : "<" + to_hex({&c, 1}) + ">";
+  return text;
+}
+
+// A request's digits are odd in number, an answer's even; only the extended force is even, too.
+const CommandRow* command_of(ByteView body) {
+  for (const CommandRow& row : kCommands) {
+    if (body.size() < row.spelling.size() || !std::equal(row.spelling.begin(), row.spelling.end(), body.begin())) continue;
+    const std::size_t fixed = row.spelling.size() + (row.force ? 4 : 6);
+    const bool fits = row.with_data ? body.size() >= fixed : body.size() == fixed;
+    if (fits && (body.size() % 2 == 1 || row.force)) return &row;
+  }
+  return nullptr;
+}
+
+void explain_request(ByteView body, const CommandRow& row, FieldWriter& writer) {
+  const std::size_t at = row.spelling.size();
+  writer.remark("request");
+  writer.add(1, at, "command", text_of(body.first(at)) + " " + std::string(row.text));
+  writer.add(1 + at, 4, "address", text_of(body.subspan(at, 4)) + (row.force ? ", low pair first" : ""),
+             read_digits(body.subspan(at, 4)) ? "" : "not upper-case hexadecimal digits");
+  if (row.force) return;
+  const auto count = read_digits(body.subspan(at + 4, 2));
+  std::string fault;
+  if (!count)
+    fault = "not upper-case hexadecimal digits";
+  else if (row.with_data && body.size() - at - 6 != 2 * *count)
+    fault = std::to_string(body.size() - at - 6) + " digits of data follow";
+  writer.add(1 + at + 4, 2, "bytes", text_of(body.subspan(at + 4, 2)), std::move(fault));
+  if (body.size() > at + 6) writer.add(1 + at + 6, body.size() - at - 6, "data", text_of(body.subspan(at + 6)));
+}
+
+void explain_answer(ByteView body, FieldWriter& writer) {
+  writer.remark("answer");
+  const bool digits = read_hex_bytes(body).has_value();
+  writer.add(1, body.size(), "data", text_of(body), digits ? "" : "not pairs of upper-case hexadecimal digits");
+}
+
+}  // namespace
+
+std::vector<FrameField> explain(ByteView frame) {
+  constexpr std::size_t kMaxExplained = 1024;
+  frame = frame.first(std::min(frame.size(), kMaxExplained));
+  FieldWriter writer;
+  if (frame.size() == 1 && (frame[0] == kEnq || frame[0] == kAck || frame[0] == kNak)) {
+    writer.add(0, 1, "character", frame[0] == kEnq ? "05 ready?" : frame[0] == kAck ? "06 done, or ready" : "15 refused");
+    return writer.take();
+  }
+  if (frame.empty() || frame[0] != kStx) {
+    writer.remark(text_of(frame), "no frame begins so: 02, or one of 05, 06, 15 alone");
+    return writer.take();
+  }
+  const auto etx = std::find(frame.begin(), frame.end(), kEtx);
+  if (etx == frame.end()) {
+    writer.remark(text_of(frame), "incomplete: 03 and the sum are missing");
+    return writer.take();
+  }
+  const auto end = static_cast<std::size_t>(etx - frame.begin());
+  const ByteView body = frame.subspan(1, end - 1);
+  if (const CommandRow* row = command_of(body))
+    explain_request(body, *row, writer);
+  else
+    explain_answer(body, writer);
+  const ByteView sum = frame.subspan(end + 1, std::min<std::size_t>(2, frame.size() - end - 1));
+  Bytes right;
+  append_digits(right, sum8(frame.subspan(1, end)), 2);
+  writer.add(end + 1, sum.size(), "sum", text_of(sum), std::ranges::equal(sum, right) ? "" : "should be " + text_of(right));
+  if (frame.size() > end + 3)
+    writer.add(end + 3, frame.size() - end - 3, "surplus", text_of(frame.subspan(end + 3)), "characters behind the frame");
+  return writer.take();
+}
+
+}  // namespace fieldcast::mitsubishi_fx

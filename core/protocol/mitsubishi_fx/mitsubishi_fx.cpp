@@ -1,0 +1,255 @@
+// ASCII frames between STX and ETX, numbers in upper-case hexadecimal digits:
+//
+//     read      02 `0` address(4) count(2) 03 sum(2)           ->  02 data 03 sum(2)
+//     write     02 `1` address(4) count(2) data 03 sum(2)      ->  06, or 15 when the PLC refuses
+//     force on  02 `7` address(4) 03 sum(2)                    ->  06, or 15      address: low pair of digits first
+//     force off 02 `8` address(4) 03 sum(2)                    ->  06, or 15
+//
+// count in bytes; words with their low byte first; sum of all characters behind STX up to ETX. The extended commands are spelt
+// E00, E10, E7 and E8. One PLC for each port: answers carry no address.
+#include "core/protocol/mitsubishi_fx/mitsubishi_fx.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "core/codec/checksum.hpp"
+#include "core/codec/digits.hpp"
+#include "core/protocol/mitsubishi_fx/areas.hpp"
+#include "core/protocol/option_reader.hpp"
+
+namespace fieldcast::mitsubishi_fx {
+namespace {
+
+constexpr std::uint8_t kStx = 0x02, kEtx = 0x03, kAck = 0x06, kNak = 0x15;
+constexpr std::size_t kEnvelope = 4;       // STX, ETX, sum
+constexpr std::size_t kMaxReceived = 600;  // four of the largest answers
+
+constexpr Traits kTraits{.name = "mitsubishi-fx",
+                         .summary = "Mitsubishi FX programming port: registers and bits of one PLC on the line",
+                         .lowest_address = 0,
+                         .highest_address = 247,
+                         .identity = AnswerIdentity::kNone};
+
+const DeviceRow& row_of(Commands commands, const Range& range) { return *rows_of(commands)[range.area]; }
+bool is_extended(Commands commands) { return commands == Commands::kExtended; }
+
+// Bytes that carry the range: bits come by whole bytes.
+std::uint32_t bytes_of(const DeviceRow& row, const Range& range) {
+  if (row.item_bits != 1) return range.count * (row.item_bits / 8);
+  return (range.end() + 7) / 8 - range.first / 8;
+}
+
+bool fits(Commands commands, const Range& range, bool write) {
+  const auto& areas = areas_of(commands);
+  if (range.area >= areas.size()) return false;
+  const Area& area = areas[range.area];
+  if (range.count == 0 || range.count > (write ? area.max_write : area.max_read)) return false;
+  if (range.first >= area.items || range.count > area.items - range.first) return false;
+  return bytes_of(row_of(commands, range), range) <= kMaxBytes;
+}
+
+bool fits(Commands commands, const WriteRequest& write) {
+  if (!fits(commands, write.range, true)) return false;
+  const unsigned item_bits = row_of(commands, write.range).item_bits;
+  if (write.bit && item_bits != 1) return false;
+  return write.items.size() == image_bytes(item_bits, write.range.count);
+}
+
+// Words and dwords travel with their low byte first: the image has it last.
+Bytes turned(ByteView bytes, std::size_t each) {
+  Bytes result(bytes.begin(), bytes.end());
+  for (std::size_t at = 0; at + each <= result.size(); at += each) {
+    std::reverse(result.begin() + static_cast<std::ptrdiff_t>(at), result.begin() + static_cast<std::ptrdiff_t>(at + each));
+  }
+  return result;
+}
+
+void append_text(Bytes& out, std::string_view text) { out.insert(out.end(), text.begin(), text.end()); }
+// The sum runs from behind STX, which is the first byte of out.
+void append_end(Bytes& out) {
+  out.push_back(kEtx);
+  append_digits(out, sum8(ByteView(out).subspan(1)), 2);
+}
+
+bool is_noise_only(ByteView bytes) {
+  return std::all_of(bytes.begin(), bytes.end(), [](auto byte) { return byte == 0x00 || byte == 0xFF; });
+}
+
+class FxRead final : public Exchange {
+ public:
+  FxRead(Commands commands, const Range& range)
+      : commands_(commands), row_(row_of(commands, range)), range_(range), bytes_(bytes_of(row_, range)) {}
+
+  Step start(Bytes& out) override {
+    const std::uint32_t offset = row_.item_bits == 1 ? range_.first / 8 : range_.first * (row_.item_bits / 8);
+    out.push_back(kStx);
+    append_text(out, is_extended(commands_) ? "E00" : "0");
+    append_digits(out, row_.place(commands_).base + offset, 4);
+    append_digits(out, bytes_, 2);
+    append_end(out);
+    return Step::send(static_cast<std::uint32_t>(frame_size()));
+  }
+
+  Step on_bytes(ByteView all, Bytes&) override {
+    if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
+    silence_ = is_noise_only(all) ? Cause::kNoAnswer : Cause::kMalformed;
+    // A refusal is one unprotected character: it counts when nothing comes with it.
+    const bool refused = all.size() == 1 && all[0] == kNak;
+    if (refused) silence_ = Cause::kDeviceError;
+    Step step = refused ? Step::need_rest(0) : Step::need_answer();
+    for (auto stx = std::find(all.begin(), all.end(), kStx); stx != all.end();) {  // STX begins a frame at any time
+      const auto next = std::find(stx + 1, all.end(), kStx);
+      step = look({stx, next});
+      if (step.kind != Step::Kind::kNeedMore) break;
+      stx = next;
+    }
+    return step;
+  }
+
+  Step on_silence(Bytes&) override { return Step::failed(silence_, silence_ == Cause::kDeviceError ? kNak : 0); }
+  const Reply& reply() const override { return reply_; }
+
+ private:
+  std::size_t frame_size() const { return kEnvelope + 2 * std::size_t{bytes_}; }
+
+  Step look(ByteView text) {
+    const auto etx = std::find(text.begin(), text.end(), kEtx);
+    const std::size_t come = text.size();
+    const auto size = static_cast<std::size_t>(etx - text.begin()) + 3;  // with ETX and sum
+    if ((etx == text.end() && come < frame_size()) || (etx != text.end() && come < size)) {
+      silence_ = Cause::kTruncated;
+      return Step::need_rest(static_cast<std::uint32_t>(frame_size() > come ? frame_size() - come : 1));
+    }
+    if (etx == text.end()) return broken(Cause::kMalformed);
+    const ByteView frame = text.first(size);
+    if (read_digits(frame.last(2)) != sum8(frame.subspan(1, size - 3))) return broken(Cause::kChecksum);
+    const auto data = read_hex_bytes(frame.subspan(1, size - kEnvelope));
+    if (!data || data->size() != bytes_) return broken(Cause::kMalformed);
+    reply_.push_back({.items = items_of(*data)});
+    return Step::done();
+  }
+
+  Bytes items_of(const Bytes& data) const {
+    if (row_.item_bits != 1) return turned(data, row_.item_bits / 8);
+    Bytes items(range_.count);
+    for (std::uint32_t i = 0; i < range_.count; ++i) {
+      const std::uint32_t bit = range_.first % 8 + i;
+      items[i] = static_cast<std::uint8_t>(data[bit / 8] >> bit % 8 & 1);
+    }
+    return items;
+  }
+
+  Step broken(Cause cause) {
+    silence_ = cause;
+    return Step::need_rest(0);
+  }
+
+  const Commands commands_;
+  const DeviceRow& row_;
+  const Range range_;
+  const std::uint32_t bytes_;
+  Reply reply_;
+  Cause silence_ = Cause::kNoAnswer;
+};
+
+class FxWrite final : public Exchange {
+ public:
+  FxWrite(Commands commands, const WriteRequest& write) {
+    const DeviceRow& row = row_of(commands, write.range);
+    const Place& place = row.place(commands);
+    request_.push_back(kStx);
+    if (is_extended(commands)) request_.push_back('E');
+    if (row.item_bits == 1) {
+      append_text(request_, write.items[0] != 0 ? "7" : "8");
+      const std::uint32_t address = *place.force + write.range.first;
+      append_digits(request_, address & 0xFF, 2);
+      append_digits(request_, address >> 8, 2);
+    } else {
+      const std::size_t each = row.item_bits / 8;
+      append_text(request_, is_extended(commands) ? "10" : "1");
+      append_digits(request_, place.base + write.range.first * static_cast<std::uint32_t>(each), 4);
+      append_digits(request_, static_cast<std::uint32_t>(write.items.size()), 2);
+      append_hex_bytes(request_, turned(write.items, each));
+    }
+    append_end(request_);
+  }
+
+  Step start(Bytes& out) override {
+    out = request_;
+    return Step::send(1);
+  }
+
+  // The acknowledgement is one unprotected character: it counts only when nothing but the noise of a turn-around stands before
+  // it.
+  Step on_bytes(ByteView all, Bytes&) override {
+    if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
+    const auto first = std::find_if(all.begin(), all.end(), [](auto byte) { return byte != 0x00 && byte != 0xFF; });
+    if (first == all.end()) return Step::need_answer();
+    if (*first == kAck) {
+      reply_.resize(1);
+      return Step::done();
+    }
+    silence_ = *first == kNak && first + 1 == all.end() ? Cause::kDeviceError : Cause::kMalformed;
+    return Step::need_rest(0);
+  }
+
+  Step on_silence(Bytes&) override { return Step::failed(silence_, silence_ == Cause::kDeviceError ? kNak : 0); }
+  const Reply& reply() const override { return reply_; }
+
+ private:
+  Bytes request_;
+  Reply reply_;
+  Cause silence_ = Cause::kNoAnswer;
+};
+
+class FxProtocol final : public Protocol {
+ public:
+  explicit FxProtocol(Commands commands) : commands_(commands) {}
+  const Traits& traits() const override { return kTraits; }
+  std::span<const Area> areas() const override { return areas_of(commands_); }
+  tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
+    return mitsubishi_fx::parse_address(commands_, at);
+  }
+
+  std::optional<ExchangeSize> size(const Request& request) const override {
+    const std::uint32_t longer = is_extended(commands_) ? 2 : 0;
+    if (const auto* read = std::get_if<ReadRequest>(&request)) {
+      if (read->ranges.size() != 1 || !fits(commands_, read->ranges[0], false)) return std::nullopt;
+      const std::uint32_t bytes = bytes_of(row_of(commands_, read->ranges[0]), read->ranges[0]);
+      return ExchangeSize{.request_characters = 11 + longer,
+                          .answer_characters = static_cast<std::uint32_t>(kEnvelope) + 2 * bytes};
+    }
+    const auto* write = std::get_if<WriteRequest>(&request);
+    if (write == nullptr || !fits(commands_, *write)) return std::nullopt;
+    if (row_of(commands_, write->range).item_bits == 1)
+      return ExchangeSize{.request_characters = 9 + longer / 2, .answer_characters = 1};
+    return ExchangeSize{.request_characters = 11 + longer + 2 * static_cast<std::uint32_t>(write->items.size()),
+                        .answer_characters = 1};
+  }
+
+  std::unique_ptr<Exchange> begin(Request request, ExchangeContext) const override {
+    if (const auto* read = std::get_if<ReadRequest>(&request)) return std::make_unique<FxRead>(commands_, read->ranges[0]);
+    return std::make_unique<FxWrite>(commands_, std::get<WriteRequest>(request));
+  }
+
+ private:
+  const Commands commands_;
+};
+
+constexpr std::array<std::string_view, 1> kOptions{"commands"};
+
+tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link) {
+  OptionReader reader(link, kTraits, kOptions);
+  const bool extended = reader.choice("commands", {"classic", "extended"}) == 1;
+  if (reader.fault()) return tl::unexpected(*reader.fault());
+  return std::make_unique<FxProtocol>(extended ? Commands::kExtended : Commands::kClassic);
+}
+
+}  // namespace
+
+const ProtocolEntry& entry() {
+  static constexpr ProtocolEntry row{kTraits.name, kTraits.summary, make, explain, kOptions};
+  return row;
+}
+
+}  // namespace fieldcast::mitsubishi_fx

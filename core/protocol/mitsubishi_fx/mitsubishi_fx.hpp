@@ -1,0 +1,12 @@
+// The programming port of Mitsubishi FX PLCs behind the protocol seam.
+#pragma once
+
+#include "core/protocol/protocol.hpp"
+
+namespace fieldcast::mitsubishi_fx {
+
+[[nodiscard]] const ProtocolEntry& entry();
+
+[[nodiscard]] std::vector<FrameField> explain(ByteView frame);
+
+}  // namespace fieldcast::mitsubishi_fx
