@@ -5,7 +5,7 @@
 #
 # Installs and builds what is missing. --seconds N: ends by itself, with exit code 0 only when values flowed. --config: another plant
 # than config/examples/demo.yaml; its serial lines and DDS domain are replaced. --bin: programs that are built already.
-# Whatever ends it, no process, link, file or shared-memory segment stays.
+# Whatever ends it, no process, link or file stays.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -25,7 +25,7 @@ while [ $# -gt 0 ]; do
   esac
 done
 
-run="" sim="" bridge="" shm_before=""
+run="" sim="" bridge=""
 
 # REQUIRES: a child of this script. Asks it to end, and insists after three seconds.
 end_process() {
@@ -36,21 +36,12 @@ end_process() {
   wait "$1" 2>/dev/null || true
 }
 
-# Segments that appeared since the start and that no process maps: a participant that was killed leaves its own behind.
-sweep_shared_memory() {
-  local name
-  for name in $(comm -13 <(echo "$shm_before") <(shared_memory)); do
-    grep -qsF "/dev/shm/$name" /proc/[0-9]*/maps || rm -f "/dev/shm/$name"
-  done
-}
-shared_memory() { find /dev/shm -maxdepth 1 \( -name 'fastrtps_*' -o -name 'sem.fastrtps_*' \) -printf '%f\n' 2>/dev/null | sort || true; }
-
 clean_up() {
   local code=$?
   trap '' INT TERM HUP  # once is enough
   end_process "$bridge"  # before the plant, so that it ends in order
   end_process "$sim"
-  [ -z "$run" ] || { rm -rf "$run"; sweep_shared_memory; }
+  [ -z "$run" ] || rm -rf "$run"
   exit "$code"
 }
 trap clean_up EXIT
@@ -69,7 +60,6 @@ if [ -z "$bin" ]; then
 fi
 
 run=$(mktemp -d)
-shm_before=$(shared_memory)
 
 # The plant with its lines in the run folder and a domain of its own. Lists and templates beside the file come along.
 folder=$(dirname "$config")

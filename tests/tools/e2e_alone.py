@@ -1,6 +1,6 @@
 """The programs without a plant: nobody there, bad files, plans, frames.
 
-usage: e2e_alone.py BIN_DIR DOMAIN
+usage: e2e_alone.py BIN_DIR
 """
 
 import os
@@ -9,9 +9,9 @@ import sys
 import tempfile
 import unittest
 
-from plant import run_cli
+from plant import claim_domain, run_cli
 
-BIN_DIR, DOMAIN = "", 0
+BIN_DIR = ""
 
 PLAN = """
 bridge: plan
@@ -46,15 +46,19 @@ class File:
 
 
 class NobodyThere(unittest.TestCase):
+    def setUp(self):
+        self.domain, claim = claim_domain()
+        self.addCleanup(claim.close)
+
     def test_each_command_says_what_to_look_at(self):
         for arguments in [("watch", "--once"), ("write", "a/b/c=1"), ("acquire", "a/b"), ("status",)]:
             with self.subTest(arguments=arguments):
-                result = run_cli(BIN_DIR, *arguments, "--domain", str(DOMAIN))
+                result = run_cli(BIN_DIR, *arguments, "--domain", str(self.domain))
                 self.assertEqual(result.code, 3, str(result))
-                self.assertIn(f"no bridge found in DDS domain {DOMAIN} on 127.0.0.1", result.err)
+                self.assertIn(f"no bridge found in DDS domain {self.domain} on 127.0.0.1", result.err)
 
     def test_an_interface_that_does_not_exist_is_named(self):
-        result = run_cli(BIN_DIR, "status", "--domain", str(DOMAIN), "--interface", "192.0.2.1")
+        result = run_cli(BIN_DIR, "status", "--domain", str(self.domain), "--interface", "192.0.2.1")
         self.assertNotEqual(result.code, 0, str(result))
         self.assertIn("192.0.2.1", result.err)
 
@@ -116,5 +120,5 @@ class Inspect(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    BIN_DIR, DOMAIN = sys.argv[1], int(sys.argv[2])
+    BIN_DIR = sys.argv[1]
     unittest.main(argv=sys.argv[:1], verbosity=2)

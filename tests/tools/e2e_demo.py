@@ -1,6 +1,6 @@
 """tools/demo.sh: values flow, and whatever ends it, nothing stays behind.
 
-usage: e2e_demo.py BIN_DIR SOURCE_DIR DOMAIN
+usage: e2e_demo.py BIN_DIR SOURCE_DIR
 """
 
 import os
@@ -8,22 +8,25 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import unittest
 
-from plant import shared_memory
+from plant import claim_domain, shared_memory
 
-BIN_DIR, SOURCE_DIR, DOMAIN = "", "", 0
+BIN_DIR, SOURCE_DIR = "", ""
 
 
 class Demo(unittest.TestCase):
     def demo(self, *arguments):
-        return subprocess.Popen([os.path.join(SOURCE_DIR, "tools", "demo.sh"), "--bin", BIN_DIR, "--domain", str(DOMAIN), *arguments],
+        return subprocess.Popen([os.path.join(SOURCE_DIR, "tools", "demo.sh"), "--bin", BIN_DIR, "--domain", str(self.domain), *arguments],
                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
                                 env={**os.environ, "TMPDIR": self.folder.name})
 
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory(prefix="fieldcast-e2e-")
         self.addCleanup(self.folder.cleanup)
+        self.domain, claim = claim_domain()
+        self.addCleanup(claim.close)
 
     def nothing_is_left(self):
         self.assertEqual(os.listdir(self.folder.name), [], "the demo left files")
@@ -37,10 +40,13 @@ class Demo(unittest.TestCase):
         self.assertEqual(process.returncode, 0, out + err)
         self.assertRegex(out, r"[1-9]\d* samples of 1\d\d channels, [1-9]\d* of them GOOD")
         self.nothing_is_left()
-        self.assertEqual({name for name in shared_memory() - before if of_domain(name, DOMAIN)}, set())
+        self.assertEqual({name for name in shared_memory() - before if of_domain(name, self.domain)}, set())
 
     def test_control_c_leaves_nothing(self):
         process = self.demo()
+        limit = threading.Timer(60, lambda: os.killpg(process.pid, signal.SIGTERM))
+        limit.start()
+        self.addCleanup(limit.cancel)
         self.assertTrue(process.stdout.readline(), "no sample came")
         os.killpg(process.pid, signal.SIGINT)  # as a terminal does
         process.communicate(timeout=30)
@@ -62,5 +68,5 @@ def of_domain(name, domain):
 
 
 if __name__ == "__main__":
-    BIN_DIR, SOURCE_DIR, DOMAIN = sys.argv[1], sys.argv[2], int(sys.argv[3])
+    BIN_DIR, SOURCE_DIR = sys.argv[1], sys.argv[2]
     unittest.main(argv=sys.argv[:1], verbosity=2)

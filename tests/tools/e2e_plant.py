@@ -1,10 +1,9 @@
 """Simulator, bridge and command line together: values come, commands go, refusals give their reasons.
 
-usage: e2e_plant.py BIN_DIR DOMAIN
+usage: e2e_plant.py BIN_DIR
 """
 
 import json
-import os
 import signal
 import subprocess
 import sys
@@ -13,7 +12,7 @@ import unittest
 
 from plant import Plant, wait_until
 
-BIN_DIR, DOMAIN = "", 0
+BIN_DIR = ""
 
 CONFIG = """
 bridge: e2e
@@ -55,7 +54,7 @@ plant = None
 
 def setUpModule():
     global plant
-    plant = Plant(BIN_DIR, DOMAIN, CONFIG)
+    plant = Plant(BIN_DIR, CONFIG)
     plant.__enter__()
 
 
@@ -103,10 +102,9 @@ class Watch(unittest.TestCase):
         self.assertEqual(result.code, 4, str(result))
         self.assertIn("none of its channels matches nowhere/*/*", result.err)
 
-    def stream(self, *arguments):
-        """A watch that prints JSON lines until the test ends."""
-        process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast"), "watch", *arguments, "--config", plant.file, "--json", "--for", "60s"],
-                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    def stream(self, *arguments, **options):
+        """A watch that prints JSON lines, for a minute at most."""
+        process = plant.start_cli("watch", *arguments, "--json", "--for", "60s", **options)
         self.addCleanup(process.communicate)
         self.addCleanup(process.terminate)
         return process
@@ -126,19 +124,19 @@ class Watch(unittest.TestCase):
             good += json.loads(stream.readline())["quality"] == "GOOD"
 
     def test_a_closed_output_ends_it(self):
-        process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast"), "watch", "--config", plant.file, "--json"],
-                                   stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        process = plant.start_cli("watch", "--json", "--for", "60s", stderr=subprocess.DEVNULL)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.terminate)
         self.assertTrue(process.stdout.readline())
         process.stdout.close()
-        self.assertEqual(process.wait(timeout=10), 9)
+        self.assertEqual(process.wait(timeout=20), 9)
 
     def test_control_c_ends_it_at_once(self):
-        process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast"), "watch", "--config", plant.file, "--json"],
-                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        process = self.stream(stderr=subprocess.PIPE)
         self.assertTrue(process.stdout.readline())
         process.send_signal(signal.SIGINT)
-        _, err = process.communicate(timeout=10)
-        self.assertEqual(process.returncode, 0, err)
+        _, err = process.communicate(timeout=20)
+        self.assertEqual(process.returncode, 130, err)
         self.assertIn("of them GOOD", err)
 
 
@@ -253,5 +251,5 @@ class Status(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    BIN_DIR, DOMAIN = sys.argv[1], int(sys.argv[2])
+    BIN_DIR = sys.argv[1]
     unittest.main(argv=sys.argv[:1], verbosity=2)

@@ -1,16 +1,17 @@
 """A simulated plant with its bridge, for end-to-end tests: the real programs, on a DDS domain and in a folder of their own.
 
-    with Plant(bin_dir, domain, CONFIG) as plant:
+    with Plant(bin_dir, CONFIG) as plant:
         plant.cli("watch", "--json", "--once")
 
 CONFIG is a plant's YAML in which {run} stands for the folder. Everything is started by this process and ended by its pid; on leaving,
-what the programs left behind (processes, links, shared memory) is a failure.
+what the programs left behind (processes, links) is a failure.
 """
 
 import json
 import os
 import shutil
 import signal
+import socket
 import subprocess
 import tempfile
 import time
@@ -39,6 +40,23 @@ def shared_memory():
     return {name for name in os.listdir("/dev/shm") if "fastrtps" in name}
 
 
+def claim_domain():
+    """A DDS domain that no other test on this machine uses while the result lives: (its number, what holds it).
+
+    The claim is the highest port of the domain's range (7400 + 250 * domain ..), which no participant below the 120th takes.
+    Above domain 100 the ports are those that the kernel lends out.
+    """
+    for attempt in range(90):
+        domain = 10 + (os.getpid() + attempt) % 90
+        claim = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        try:
+            claim.bind(("127.0.0.1", 7400 + 250 * domain + 249))
+            return domain, claim
+        except OSError:
+            claim.close()
+    raise Failure("every DDS domain from 10 to 99 is claimed by a test")
+
+
 class Result:
     def __init__(self, process):
         self.code, self.out, self.err = process.returncode, process.stdout, process.stderr
@@ -56,8 +74,9 @@ def run_cli(bin_dir, *arguments, seconds=CLI_SECONDS, stdin=""):
 
 
 class Plant:
-    def __init__(self, bin_dir, domain, config):
-        self.bin_dir, self.domain, self.config = bin_dir, domain, config
+    def __init__(self, bin_dir, config):
+        self.bin_dir, self.config = bin_dir, config
+        self.domain, self._claim = claim_domain()
         self.run = self.sim = self.bridge = None
 
     def __enter__(self):
@@ -74,12 +93,14 @@ class Plant:
             wait_until(lambda: self._status() or self._ended(self.bridge), START_SECONDS, lambda: "no bus runs\n" + self.log("fieldcast-bridge"))
         except BaseException:
             self._stop_all()
+            self._claim.close()
             shutil.rmtree(self.run, ignore_errors=True)
             raise
         return self
 
     def __exit__(self, kind, value, trace):
         codes = self._stop_all()
+        self._claim.close()
         logs = self.log("fieldcast-sim") + self.log("fieldcast-bridge")
         left = [path for path in self._lines() if os.path.lexists(path)]
         shutil.rmtree(self.run, ignore_errors=True)
@@ -96,6 +117,11 @@ class Plant:
     def log(self, name):
         with open(os.path.join(self.run, name + ".log"), encoding="utf-8", errors="replace") as file:
             return f"--- {name}:\n" + "".join(file.readlines()[-40:])
+
+    def start_cli(self, command, *arguments, **options):
+        """For a test that talks to it while it runs; it must end by itself, so that no wait for its output is endless."""
+        return subprocess.Popen([os.path.join(self.bin_dir, "fieldcast"), command, *arguments, "--config", self.file],
+                                stdout=subprocess.PIPE, text=True, **options)
 
     def _lines(self):
         words = self.config.replace("{run}", self.run).replace(",", " ").replace("}", " ").split()

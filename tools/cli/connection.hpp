@@ -12,7 +12,7 @@
 
 namespace fieldcast::cli {
 
-inline constexpr Duration kBridgeWait = std::chrono::seconds{3};        // until a bridge must have shown itself
+inline constexpr Duration kBridgeWait = std::chrono::seconds{5};        // until a bridge must have shown itself
 inline constexpr Duration kQuietTime = std::chrono::milliseconds{700};  // nothing new for so long: what is there is known
 
 struct ConnectionOptions {
