@@ -4,7 +4,7 @@
 #   tools/demo.sh [--seconds N] [--config FILE] [--domain N] [--bin DIR]
 #
 # Installs and builds what is missing. --seconds N: ends by itself, with exit code 0 only when values flowed. --config: another plant
-# than config/examples/demo.yaml; its serial lines and DDS domain are replaced. --bin: programs that are built already.
+# than config/examples/demo.yaml; its ports and DDS domain are replaced. --bin: programs that are built already.
 # Whatever ends it, no process, link or file stays.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -61,7 +61,8 @@ fi
 
 run=$(mktemp -d)
 
-# The plant with its lines in the run folder and a domain of its own. Lists and templates beside the file come along.
+# The plant with its lines in the run folder, its TCP devices on this machine and a domain of its own. Lists and templates that lie
+# beside the file come along.
 folder=$(dirname "$config")
 find "$folder" -maxdepth 1 -name '*.csv' -exec cp {} "$run" \;
 [ ! -d "$folder/devices" ] || cp -r "$folder/devices" "$run"
@@ -72,6 +73,10 @@ awk -v run="$run" -v domain="$domain" '
   match($0, /serial:[ \t]*[^ \t,}]+/) {
     path = substr($0, RSTART, RLENGTH); sub(/^serial:[ \t]*/, "", path); gsub(/["\047]/, "", path); sub(/.*\//, "", path)
     $0 = substr($0, 1, RSTART - 1) "serial: " run "/" path substr($0, RSTART + RLENGTH)
+  }
+  match($0, /tcp:[ \t]*"?[^:" \t]+:/) {  # the simulated devices listen on this machine, whatever host the file names
+    quote = substr($0, RSTART, RLENGTH) ~ /"/ ? "\"" : ""
+    $0 = substr($0, 1, RSTART - 1) "tcp: " quote "127.0.0.1:" substr($0, RSTART + RLENGTH)
   }
   { print }
   END { print "dds: { domain: " domain ", interfaces: [127.0.0.1] }" }' "$config" >"$run/plant.yaml"
