@@ -1,5 +1,5 @@
-// What a BusEngine holds, and its parts: reading (bus_reads.cpp), commanding (bus_commands.cpp), deciding and events
-// (bus_engine.cpp), reporting (bus_report.cpp). Private to core/bus.
+// What a BusEngine holds, and its parts: events, decisions and exchanges (bus_engine.cpp), devices (bus_devices.cpp), reading
+// (bus_reads.cpp), commanding (bus_commands.cpp), reporting (bus_report.cpp). Private to core/bus.
 #pragma once
 
 #include <array>
@@ -58,21 +58,23 @@ struct BusEngine::State {
   void conclude(bool done, Instant now, Actions& actions);
   void free_wire(Instant now, Duration extra = {});
   [[nodiscard]] bool try_again(const Flight& flight, Cause cause) const;
-  void device_answered(DeviceIndex device, Actions& actions);
-  void device_failed(DeviceIndex device, Cause cause, Instant now, Actions& actions);
   void opened(Instant now);
   void closed(const std::string& reason, Instant now, Actions& actions);
   void begin_lease(Instant now, Actions& actions);
   void expire_channels(Instant now, Actions& actions);
   void set_interest(ChannelIndex channel, std::optional<Duration> wish, Instant now, Actions& actions);
+  void notice(Notice::Kind kind, DeviceIndex device, Cause cause, std::string text, Actions& actions) const;
+  void traced(DeviceIndex device, std::string text, Actions& actions) const;
+
+  // bus_devices.cpp
+  void device_answered(DeviceIndex device, Actions& actions);
+  void device_failed(DeviceIndex device, Cause cause, Instant now, Actions& actions);
   [[nodiscard]] std::optional<Flight> probe_due(Instant now);
   [[nodiscard]] Instant next_probe_of(DeviceIndex device) const;
   [[nodiscard]] Instant next_probe() const;
   void defer(DeviceIndex device, Duration wasted, Instant now);
   [[nodiscard]] Instant admit_deferred(Instant now);
   void rest_device(DeviceIndex device, Instant now);
-  void notice(Notice::Kind kind, DeviceIndex device, Cause cause, std::string text, Actions& actions) const;
-  void traced(DeviceIndex device, std::string text, Actions& actions) const;
 
   // bus_reads.cpp
   void make_points();

@@ -1,0 +1,104 @@
+// The devices of a bus: there or not, sick or well, and when each may be asked.
+#include <algorithm>
+#include <optional>
+
+#include "core/bus/bus_state.hpp"
+
+namespace fieldcast {
+
+void BusEngine::State::device_answered(DeviceIndex index, Actions& actions) {
+  DeviceRuntime& device = devices[index];
+  const DeviceState before = device.health.state();
+  if (!device.health.answered()) return;
+  if (before == DeviceState::kOffline) { notice(Notice::Kind::kDeviceBack, index, Cause::kNone, "answers again", actions); }
+}
+
+void BusEngine::State::device_failed(DeviceIndex index, Cause cause, Instant now, Actions& actions) {
+  DeviceRuntime& device = devices[index];
+  ++device.failures;
+  if (!device.health.failed(cause, now)) return;
+  if (!device.health.offline()) return notice(Notice::Kind::kDeviceErrors, index, cause, std::string(to_text(cause)), actions);
+  device.answer_time.forget();
+  for (ChannelIndex c = channels.first_of(index); c < channels.end_of(index); ++c) channels.failing(c, cause, now);
+  notice(Notice::Kind::kDeviceLost, index, cause, "does not answer; asked ever more rarely until it does", actions);
+  const bool all_lost = std::all_of(devices.begin(), devices.end(), [](const DeviceRuntime& d) { return d.health.offline(); });
+  if (all_lost && std::holds_alternative<TcpPortSpec>(spec.port)) {
+    // Every device behind this connection is silent: perhaps only the connection is dead.
+    actions.push_back(Reopen{"no device answers"});
+    bus_state = BusState::kOpening;
+  }
+}
+
+// A device whose answers are often lost or broken shall not cost the others their refresh: it is asked again when the wire has
+// time to waste, or when its failures would still be a small part of the wire's time.
+void BusEngine::State::defer(DeviceIndex index, Duration wasted, Instant now) {
+  devices[index].wasted = wasted;
+  devices[index].deferred_until = now + wasted * kSickShare;
+}
+
+// Lets go of the deferred devices whose time has come; says when to look again for the others.
+Instant BusEngine::State::admit_deferred(Instant now) {
+  Instant next = kNever;
+  std::optional<Duration> slack;
+  for (DeviceIndex index = 0; index < devices.size(); ++index) {
+    DeviceRuntime& device = devices[index];
+    if (device.deferred_until == kLongAgo) continue;
+    if (!slack) slack = scheduler->slack(now);
+    if (now >= device.deferred_until || *slack > device.wasted) {
+      device.deferred_until = kLongAgo;
+      rest_device(index, now);
+    } else {
+      next = std::min(next, device.deferred_until);
+    }
+  }
+  return next;
+}
+
+// Tells the scheduler how long the device is left alone.
+void BusEngine::State::rest_device(DeviceIndex index, Instant now) {
+  DeviceRuntime& device = devices[index];
+  const bool stopped = device.health.offline() || device.deferred_until != kLongAgo;
+  const Instant until = stopped ? kNever : std::max({now, device.paused_until, device.quiet_until});
+  if (until == now && !device.resting) return;
+  device.resting = until != now;
+  scheduler->suspend(index, until);
+}
+
+std::optional<BusEngine::State::Flight> BusEngine::State::probe_due(Instant now) {
+  for (DeviceIndex index = 0; index < devices.size(); ++index) {
+    DeviceRuntime& device = devices[index];
+    if (!device.health.offline() || next_probe_of(index) > now) continue;
+    Flight probe;
+    probe.kind = Flight::Kind::kProbe;
+    probe.device = index;
+    probe.request = ReadRequest{{points[*probe_point[index]].range}};
+    const auto size = device.protocol->size(probe.request);
+    const Duration wire = line.characters(size ? size->request_characters + size->answer_characters : 0) + silence;
+    const Duration spare = scheduler->slack(now) - wire;
+    probe.timeout = device.spec->timeout;
+    if (spare < probe.timeout) {
+      // Nothing to spare for a whole timeout. A while later the probe is made all the same, with what can be spared.
+      if (now < device.health.probe_at() + DeviceHealth::kLastProbe && spare < kShortestProbe) {
+        device.probe_not_before = now + kProbeRetry;
+        continue;
+      }
+      probe.timeout = std::clamp(spare, kShortestProbe, device.spec->timeout);
+    }
+    return probe;
+  }
+  return std::nullopt;
+}
+
+Instant BusEngine::State::next_probe_of(DeviceIndex index) const {
+  const DeviceRuntime& device = devices[index];
+  if (!device.health.offline() || !probe_point[index]) return kNever;
+  return std::max({device.health.probe_at(), device.quiet_until, device.paused_until, device.probe_not_before});
+}
+
+Instant BusEngine::State::next_probe() const {
+  Instant next = kNever;
+  for (DeviceIndex index = 0; index < devices.size(); ++index) next = std::min(next, next_probe_of(index));
+  return next;
+}
+
+}  // namespace fieldcast
