@@ -25,6 +25,13 @@ std::string to_text(Duration d) {
   return number_text(static_cast<double>(ns) / 1e9) + "s";
 }
 
+std::optional<double> as_number(const Value& value) {
+  if (const auto* d = std::get_if<double>(&value)) return *d;
+  if (const auto* i = std::get_if<std::int64_t>(&value)) return static_cast<double>(*i);
+  if (const auto* u = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*u);
+  return std::nullopt;
+}
+
 std::string to_text(const Value& value) {
   struct Spell {
     std::string operator()(bool b) const { return b ? "true" : "false"; }

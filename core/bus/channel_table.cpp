@@ -17,16 +17,9 @@ Value zero_of(const Encoding& encoding) {
   }
 }
 
-std::optional<double> number_of(const Value& value) {
-  if (const auto* d = std::get_if<double>(&value)) return *d;
-  if (const auto* i = std::get_if<std::int64_t>(&value)) return static_cast<double>(*i);
-  if (const auto* u = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*u);
-  return std::nullopt;
-}
-
 bool moved(const Value& a, const Value& b, double deadband) {
-  const auto x = number_of(a);
-  const auto y = number_of(b);
+  const auto x = as_number(a);
+  const auto y = as_number(b);
   return x && y ? std::abs(*x - *y) > deadband : a != b;
 }
 
