@@ -42,11 +42,24 @@ void CommandClient::on_result(std::function<void(const StationResult&)> handler)
 void CommandClient::Writer::on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) {
   const std::lock_guard lock(client->mutex_);
   if (status.current_count_change > 0) {
+    room = 0;
     readers.insert(status.last_subscription_handle);
   } else {
     readers.erase(status.last_subscription_handle);
   }
   client->changed_.notify_all();
+}
+
+bool CommandClient::Writer::write(idl::Command& command) {
+  const std::lock_guard lock(writing);
+  if (!entity->write(&command)) return false;
+  entity->unregister_instance(&command, dds::HANDLE_NIL);
+  if (room == 0) {
+    entity->wait_for_acknowledgments({1, 0});  // a bridge that has died costs this once for each window, until its lease ends
+    room = kWindow;
+  }
+  --room;
+  return true;
 }
 
 void CommandClient::ResultListener::on_subscription_matched(dds::DataReader*, const dds::SubscriptionMatchedStatus& status) {
@@ -92,7 +105,7 @@ CommandClient::Writer& CommandClient::writer_for(Duration lifespan) {
   // Not under mutex_: the library may tell of matches while it makes the writer.
   auto made = std::make_unique<Writer>();
   made->client = this;
-  made->entity = domain_.writer<idl::CommandPubSubType>(kCommandTopic, request_writer_qos(lifespan), requester_, made.get(),
+  made->entity = domain_.writer<idl::CommandPubSubType>(kCommandTopic, command_writer_qos(lifespan), requester_, made.get(),
                                                         dds::StatusMask::publication_matched());
   const std::lock_guard lock(mutex_);
   return *(writers_[lifespan] = std::move(made));
@@ -121,12 +134,11 @@ tl::expected<std::uint64_t, StationFault> CommandClient::send(StationCommand com
     if (!to_idl(command.bus, command.command, out)) return tl::unexpected(StationFault::kNotSent);
     if (awaited) awaited_[id];
   }
-  if (!writer.entity->write(&out)) {
+  if (!writer.write(out)) {
     const std::lock_guard lock(mutex_);
     awaited_.erase(id);
     return tl::unexpected(StationFault::kNotSent);
   }
-  writer.entity->unregister_instance(&out, dds::HANDLE_NIL);
   return id;
 }
 

@@ -21,6 +21,9 @@ namespace rtps = eprosima::fastrtps::rtps;
 using eprosima::fastdds::rtps::UDPv4TransportDescriptor;
 
 constexpr const char* kProfile = "fieldcast";
+// Bytes that the kernel holds for us, or less where net.core.rmem_max says so. A datagram costs about 800 there: the usual 200
+// KiB are full after 270 samples, and a bridge of 32 buses publishes bursts beyond that.
+constexpr std::uint32_t kReceiveBuffer = 1 << 20;
 constexpr std::uint32_t kHighestDomain = 232;  // the ports of RTPS end there (RTPS 2.2, 9.6.1)
 
 // The library would silently listen nowhere.
@@ -46,6 +49,7 @@ void set_transports(const DdsSpec& spec, dds::DomainParticipantQos& qos) {
   transport.use_builtin_transports = false;
   auto udp = std::make_shared<UDPv4TransportDescriptor>();
   udp->interfaceWhiteList = spec.interfaces;
+  udp->receiveBufferSize = kReceiveBuffer;
   transport.user_transports.push_back(udp);
 }
 

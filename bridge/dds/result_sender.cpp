@@ -7,7 +7,7 @@ namespace fieldcast {
 ResultSender::ResultSender(Domain& domain, const std::string& label, std::function<UtcMapping()> clock,
                            std::function<void(std::string)> on_problem)
     : domain_(domain), clock_(std::move(clock)), on_problem_(std::move(on_problem)) {
-  writer_ = domain.writer<idl::CommandResultPubSubType>(kCommandResultTopic, request_writer_qos(std::nullopt), label, this,
+  writer_ = domain.writer<idl::CommandResultPubSubType>(kCommandResultTopic, result_writer_qos(), label, this,
                                                         dds::StatusMask::publication_matched());
 }
 
@@ -33,7 +33,13 @@ void ResultSender::send(const idl::CommandResult& result) {
 }
 
 void ResultSender::write(idl::CommandResult& result) {
-  if (!writer_->write(&result)) {
+  bool written = writer_->write(&result);
+  if (!written) {
+    // Full of results that are not acknowledged yet. The library waits for room for samples, but not for instances.
+    writer_->wait_for_acknowledgments(to_dds(kWaitForRoom));
+    written = writer_->write(&result);
+  }
+  if (!written) {
     on_problem_("result " + std::to_string(result.request_id()) + " of " + result.requester().c_str() +
                 " was not sent: readers do not acknowledge");
     return;

@@ -40,6 +40,7 @@ class ResultSender : private dds::DataWriterListener {
   static constexpr std::size_t kMaxRequesters = 4096;
   static constexpr std::size_t kMaxHeld = 1024;  // the oldest is sent regardless
   static constexpr Duration kHold = std::chrono::seconds{1};
+  static constexpr Duration kWaitForRoom = std::chrono::milliseconds{20};  // a bus's strand waits
 
   struct Held {
     GuidPrefix participant;

@@ -9,12 +9,13 @@ namespace fieldcast {
 struct SampleWriters::Writer : dds::DataWriterListener {
   std::optional<Duration> refresh;
   dds::DataWriter* entity = nullptr;
-  std::uint32_t channels = 0;
+  std::atomic<std::uint32_t> channels{0};
+  std::optional<Instant> idle_since;  // without channels; known from the next write on
   std::atomic<std::uint64_t> misses{0};
   std::atomic<std::uint32_t> readers{0};
 
   void on_offered_deadline_missed(dds::DataWriter*, const dds::OfferedDeadlineMissedStatus& status) override {
-    misses.store(status.total_count, std::memory_order_relaxed);
+    if (channels > 0) misses.fetch_add(status.total_count_change, std::memory_order_relaxed);
   }
   void on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) override {
     readers.store(static_cast<std::uint32_t>(status.current_count), std::memory_order_relaxed);
@@ -56,6 +57,7 @@ void SampleWriters::attach(Slot& slot, std::optional<Duration> refresh) {
 }
 
 bool SampleWriters::write(std::span<const Sample> samples, const UtcMapping& mapping) {
+  if (any_idle_) remove_idle_writers(mapping.instant);
   bool taken = true;
   for (const Sample& sample : samples) {
     FIELDCAST_CHECK(sample.channel < slots_.size());
@@ -78,23 +80,34 @@ bool SampleWriters::move(ChannelIndex channel, std::optional<Duration> refresh) 
   --old->channels;
   if (slot.written) {
     slot.writer->entity->write(&slot.sample);
-    old->entity->unregister_instance(&slot.sample, dds::HANDLE_NIL);
+    // Never the last one: Fast DDS 2.9.1 looks for the next deadline of a writer without instances, and finds nothing to look at.
+    if (old->channels > 0) old->entity->unregister_instance(&slot.sample, dds::HANDLE_NIL);
   }
-  if (old->channels == 0) remove_idle_writers();
+  if (old->channels == 0) {
+    old->idle_since.reset();
+    any_idle_ = true;
+  }
   return true;
 }
 
-void SampleWriters::remove_idle_writers() {
-  auto idle = std::count_if(writers_.begin(), writers_.end(), [](const auto& writer) { return writer->channels == 0; });
-  for (auto writer = writers_.begin(); writer != writers_.end() && idle > static_cast<std::ptrdiff_t>(kMaxIdleWriters);) {
-    if ((*writer)->channels > 0) {
+void SampleWriters::remove_idle_writers(Instant now) {
+  any_idle_ = false;
+  for (auto writer = writers_.begin(); writer != writers_.end();) {
+    Writer& one = **writer;
+    if (one.channels > 0) {
       ++writer;
       continue;
     }
-    domain_.remove((*writer)->entity);
+    if (!one.idle_since) one.idle_since = now;
+    if (now - *one.idle_since < kIdle) {
+      any_idle_ = true;
+      ++writer;
+      continue;
+    }
+    domain_.remove(one.entity);
     const std::lock_guard lock(writers_mutex_);
+    retired_misses_ += one.misses.load(std::memory_order_relaxed);
     writer = writers_.erase(writer);
-    --idle;
   }
 }
 
@@ -120,7 +133,7 @@ void SampleWriters::dispose(Duration linger) {
 
 DdsLink::BusCounters SampleWriters::counters() const {
   const std::lock_guard lock(writers_mutex_);
-  DdsLink::BusCounters counters;
+  DdsLink::BusCounters counters{.deadline_misses = retired_misses_};
   for (const auto& writer : writers_) {
     counters.deadline_misses += writer->misses.load(std::memory_order_relaxed);
     counters.sample_readers = std::max(counters.sample_readers, writer->readers.load(std::memory_order_relaxed));

@@ -45,18 +45,19 @@ class SampleWriters {
     Writer* writer = nullptr;  // null: never sampled (write-only)
     bool written = false;
   };
-  // Wishes come and go: a writer without channels stays for the next one, and so that its readers hear the last channel leave,
-  // but not more than this many of them.
-  static constexpr std::size_t kMaxIdleWriters = 4;
+  // A writer whose last channel has moved away stays this long, so that its readers have the channel from the new writer first.
+  static constexpr Duration kIdle = std::chrono::seconds{1};
 
   Writer& writer_for(std::optional<Duration> refresh);
-  void remove_idle_writers();
+  void remove_idle_writers(Instant now);
   void attach(Slot& slot, std::optional<Duration> refresh);
 
   Domain& domain_;
   std::string label_;
   std::vector<Slot> slots_;
   std::vector<std::unique_ptr<Writer>> writers_;
+  bool any_idle_ = false;
+  std::uint64_t retired_misses_ = 0;  // of writers that are gone
   mutable std::mutex writers_mutex_;  // the list, against counters()
 };
 

@@ -6,10 +6,6 @@ namespace {
 
 using eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
 
-// A sample that was lost on its way is repaired at the next heartbeat. The library's 3 s are longer than most refreshes;
-// heartbeats are sent only while something is unacknowledged.
-const DdsDuration kHeartbeat{0, 100'000'000};
-
 template <class Qos>
 void limit(Qos& qos, std::int32_t instances, std::int32_t per_instance) {
   auto& limits = qos.resource_limits();
@@ -29,6 +25,14 @@ void common(Qos& qos) {
   qos.data_sharing().off();
 }
 
+// The last message before a rest, if lost, is missed only at the next heartbeat: the library's default is 3 s. Heartbeats cost
+// nothing while everything is acknowledged.
+void repair_soon(dds::DataWriterQos& qos) {
+  auto& times = qos.reliable_writer_qos().times;
+  times.initialHeartbeatDelay = {0, 5'000'000};
+  times.heartbeatPeriod = {0, 50'000'000};
+}
+
 }  // namespace
 
 DdsDuration to_dds(Duration duration) {
@@ -45,12 +49,12 @@ Duration from_dds(const DdsDuration& duration) {
 dds::DataWriterQos state_writer_qos(std::int32_t max_instances) {
   dds::DataWriterQos qos;
   common(qos);
+  repair_soon(qos);
   qos.durability().kind = dds::TRANSIENT_LOCAL_DURABILITY_QOS;
   qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
   qos.history().depth = 1;
   limit(qos, max_instances, 1);
   qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
-  qos.reliable_writer_qos().times.heartbeatPeriod = kHeartbeat;
   qos.reliability().max_blocking_time = {0, 10'000'000};
   return qos;
 }
@@ -79,18 +83,24 @@ dds::DataReaderQos sample_reader_qos(std::optional<Duration> deadline) {
   return qos;
 }
 
-dds::DataWriterQos request_writer_qos(std::optional<Duration> lifespan) {
+dds::DataWriterQos result_writer_qos() {
   dds::DataWriterQos qos;
   common(qos);
+  repair_soon(qos);
   qos.durability().kind = dds::VOLATILE_DURABILITY_QOS;
   qos.history().kind = dds::KEEP_ALL_HISTORY_QOS;
   // Two per instance: the data, and the note that the instance is let go.
   limit(qos, kMaxPendingCommands, 2);
   qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
-  qos.reliable_writer_qos().times.heartbeatPeriod = kHeartbeat;
   qos.reliability().max_blocking_time = {0, 10'000'000};
   qos.writer_data_lifecycle().autodispose_unregistered_instances = false;
-  if (lifespan) qos.lifespan().duration = to_dds(*lifespan);
+  return qos;
+}
+
+dds::DataWriterQos command_writer_qos(Duration lifespan) {
+  dds::DataWriterQos qos = result_writer_qos();
+  qos.lifespan().duration = to_dds(lifespan);
+  qos.reliability().max_blocking_time = {1, 0};
   return qos;
 }
 
@@ -99,8 +109,10 @@ dds::DataReaderQos request_reader_qos() {
   common(qos);
   qos.durability().kind = dds::VOLATILE_DURABILITY_QOS;
   qos.history().kind = dds::KEEP_ALL_HISTORY_QOS;
-  // With a bound on the instances the library reuses those that are empty, even when a foreign writer never unregisters.
-  limit(qos, kMaxPendingCommands, 4);
+  // With a bound on the instances the library reuses those that are empty, even when a foreign writer never unregisters. Whatever
+  // came ahead of a lost message counts against its own instance (Fast DDS 2.9.1, DataReaderHistory): a small bound there would
+  // reject it.
+  limit(qos, kMaxPendingCommands, kMaxPendingCommands);
   return qos;
 }
 

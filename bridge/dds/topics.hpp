@@ -44,7 +44,8 @@ inline constexpr Duration kInfinite = Duration::max();
 [[nodiscard]] dds::DataReaderQos sample_reader_qos(std::optional<Duration> deadline);
 
 // Commands and results: volatile, all of them, and no instance kept afterwards.
-[[nodiscard]] dds::DataWriterQos request_writer_qos(std::optional<Duration> lifespan);
+[[nodiscard]] dds::DataWriterQos command_writer_qos(Duration lifespan);  // waits up to a second for readers that lag
+[[nodiscard]] dds::DataWriterQos result_writer_qos();                    // waits 10 ms: it is written from a bus's strand
 [[nodiscard]] dds::DataReaderQos request_reader_qos();
 
 // The station's writer promises to be alive; the bridge's reader asks for nothing, so that any vendor's default QoS is heard.

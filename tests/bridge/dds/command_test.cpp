@@ -139,5 +139,23 @@ TEST(DdsCommand, ManyRequestersEachGetTheirOwnResults) {
   EXPECT_THAT(bridge.heard.problems.all(), ::testing::IsEmpty());
 }
 
+// Twice what any endpoint may hold: without release of instances the second half would fail.
+TEST(DdsCommand, InstancesAreReleased) {
+  constexpr std::uint64_t kCommands = 10'000;
+  const std::string bus = bus_name("flood");
+  Obedient bridge(bus);
+  Station station(loopback(), "operator");
+  std::atomic<std::uint64_t> results{0};
+  station.on_result([&](const StationResult&) { ++results; });
+  for (std::uint64_t i = 0; i < kCommands; ++i) {
+    ASSERT_TRUE(station.send(write_running(bus))) << "command " << i;
+    if (i % 256 != 255) continue;
+    ASSERT_TRUE(eventually([&] { return results >= i - 255; }))
+        << results << " results of " << i << ", " << bridge.heard.commands.size() << " heard";
+  }
+  EXPECT_TRUE(eventually([&] { return results == kCommands; })) << results << " results";
+  EXPECT_THAT(bridge.heard.problems.all(), ::testing::IsEmpty());
+}
+
 }  // namespace
 }  // namespace fieldcast::testing
