@@ -42,7 +42,7 @@ void CommandClient::on_result(std::function<void(const StationResult&)> handler)
 void CommandClient::Writer::on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) {
   const std::lock_guard lock(client->mutex_);
   if (status.current_count_change > 0) {
-    room = 0;
+    found_new = true;
     readers.insert(status.last_subscription_handle);
   } else {
     readers.erase(status.last_subscription_handle);
@@ -52,13 +52,13 @@ void CommandClient::Writer::on_publication_matched(dds::DataWriter*, const dds::
 
 bool CommandClient::Writer::write(idl::Command& command) {
   const std::lock_guard lock(writing);
-  if (!entity->write(&command)) return false;
-  entity->unregister_instance(&command, dds::HANDLE_NIL);
-  if (room == 0) {
-    entity->wait_for_acknowledgments({1, 0});  // a bridge that has died costs this once for each window, until its lease ends
-    room = kWindow;
+  if (!entity->write(&command)) {
+    // Full. The library clears out what is acknowledged only when it is waited for, and never waits for room for instances.
+    entity->wait_for_acknowledgments({1, 0});
+    if (!entity->write(&command)) return false;
   }
-  --room;
+  entity->unregister_instance(&command, dds::HANDLE_NIL);
+  if (found_new.exchange(false)) entity->wait_for_acknowledgments({1, 0});
   return true;
 }
 

@@ -25,23 +25,22 @@ class CommandClient {
   [[nodiscard]] tl::expected<StationResult, StationFault> await(std::uint64_t request_id, Duration wait);
 
  private:
-  static constexpr unsigned kWindow = 64;
   static constexpr std::size_t kMaxLifespans =
       16;  // distinct lifespans, each with a writer; the nearest shorter one serves beyond
 
   // LIFESPAN is a writer's: one writer for each that is asked for.
   struct Writer : dds::DataWriterListener {
     void on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) override;
-    // The command, and the note that its instance is let go. Not more than kWindow commands are on their way unacknowledged, and
-    // just one to a bridge that was found just now: with more than 256 messages before its reader knows this writer, Fast
-    // DDS 2.9.1 loses what lies beyond the first 256 and calls it acknowledged.
+    // The command, and the note that its instance is let go. The first one to a bridge that was found just now goes alone: with
+    // more than 256 messages before its reader knows this writer, Fast DDS 2.9.1 loses what lies beyond them and calls it
+    // acknowledged.
     [[nodiscard]] bool write(idl::Command& command);
 
     CommandClient* client = nullptr;
     dds::DataWriter* entity = nullptr;
     std::set<dds::InstanceHandle_t> readers;  // of bridges
     std::mutex writing;
-    std::atomic<unsigned> room{0};
+    std::atomic<bool> found_new{true};
   };
   struct ResultListener : dds::DataReaderListener {
     void on_data_available(dds::DataReader* reader) override;

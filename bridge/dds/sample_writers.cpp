@@ -57,6 +57,7 @@ void SampleWriters::attach(Slot& slot, std::optional<Duration> refresh) {
 }
 
 bool SampleWriters::write(std::span<const Sample> samples, const UtcMapping& mapping) {
+  if (!leaving_.empty()) let_go(mapping.instant);
   if (any_idle_) remove_idle_writers(mapping.instant);
   bool taken = true;
   for (const Sample& sample : samples) {
@@ -80,14 +81,24 @@ bool SampleWriters::move(ChannelIndex channel, std::optional<Duration> refresh) 
   --old->channels;
   if (slot.written) {
     slot.writer->entity->write(&slot.sample);
-    // Never the last one: Fast DDS 2.9.1 looks for the next deadline of a writer without instances, and finds nothing to look at.
-    if (old->channels > 0) old->entity->unregister_instance(&slot.sample, dds::HANDLE_NIL);
+    leaving_.push_back({channel, old, std::nullopt});
   }
   if (old->channels == 0) {
     old->idle_since.reset();
     any_idle_ = true;
   }
   return true;
+}
+
+void SampleWriters::let_go(Instant now) {
+  std::erase_if(leaving_, [&](Leaving& one) {
+    if (!one.since) one.since = now;
+    if (now - *one.since < kIdle) return false;
+    Slot& slot = slots_[one.channel];
+    // Never the last one: Fast DDS 2.9.1 looks for the next deadline of a writer without instances, and finds nothing to look at.
+    if (slot.writer != one.old && one.old->channels > 0) one.old->entity->unregister_instance(&slot.sample, dds::HANDLE_NIL);
+    return true;
+  });
 }
 
 void SampleWriters::remove_idle_writers(Instant now) {
@@ -118,6 +129,7 @@ std::optional<Duration> SampleWriters::refresh_of(ChannelIndex channel) const {
 }
 
 void SampleWriters::dispose(Duration linger) {
+  leaving_.clear();
   for (Slot& slot : slots_) {
     if (slot.written) slot.writer->entity->dispose(&slot.sample, dds::HANDLE_NIL);
     slot.written = false;

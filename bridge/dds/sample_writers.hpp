@@ -48,6 +48,13 @@ class SampleWriters {
   // A writer whose last channel has moved away stays this long, so that its readers have the channel from the new writer first.
   static constexpr Duration kIdle = std::chrono::seconds{1};
 
+  // A channel that has moved is unregistered at its old writer after the same time: notes of two writers may overtake each other.
+  struct Leaving {
+    ChannelIndex channel;
+    Writer* old;
+    std::optional<Instant> since;  // known from the next write on
+  };
+  void let_go(Instant now);
   Writer& writer_for(std::optional<Duration> refresh);
   void remove_idle_writers(Instant now);
   void attach(Slot& slot, std::optional<Duration> refresh);
@@ -56,6 +63,7 @@ class SampleWriters {
   std::string label_;
   std::vector<Slot> slots_;
   std::vector<std::unique_ptr<Writer>> writers_;
+  std::vector<Leaving> leaving_;
   bool any_idle_ = false;
   std::uint64_t retired_misses_ = 0;  // of writers that are gone
   mutable std::mutex writers_mutex_;  // the list, against counters()
