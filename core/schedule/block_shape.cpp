@@ -1,11 +1,12 @@
 #include "core/schedule/block_shape.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace fieldcast {
 
 namespace {
+
+std::int64_t part(double share, std::int64_t of) { return static_cast<std::int64_t>(share * static_cast<double>(of)); }
 
 // Grows a slice one neighbour at a time, in one direction, and keeps the best place to stop.
 class Growth {
@@ -18,7 +19,8 @@ class Growth {
         first_(points[urgent].first),
         end_(points[urgent].end) {}
 
-  // `worth(point)`: wire time that renewing the point now is worth. `rescue`: the largest worth that may still come.
+  // `worth(point)`: wire time that renewing the point now is worth. `rescue`: the largest worth that may still come. `budget`: of
+  // the whole block.
   template <typename Worth>
   void grow(bool up, const Worth& worth, double rescue, std::int64_t budget) {
     double balance = 0;
@@ -45,6 +47,11 @@ class Growth {
       }
     }
   }
+  template <typename Worth>
+  void both_ways(const Worth& worth, double rescue, std::int64_t budget) {
+    grow(true, worth, rescue, budget);
+    grow(false, worth, rescue, budget);
+  }
   [[nodiscard]] Slice slice() const { return slice_; }
 
  private:
@@ -58,35 +65,52 @@ class Growth {
 }  // namespace
 
 Slice riding_slice(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost, std::int64_t now,
-                   std::int64_t budget, const RidingWeights& weights) {
-  std::int64_t fastest = points[urgent].period;
-  for (const PointState& point : points) {
-    if (point.ready(now)) fastest = std::min(fastest, point.period);
+                   const Allowance& allowance, const RidingWeights& weights) {
+  std::int64_t beat = allowance.spacing, base = std::max(now, points[urgent].due);
+  if (beat == 0) {
+    beat = points[urgent].period;
+    base = now;
+    for (const PointState& point : points) {
+      if (point.ready(now)) beat = std::min(beat, point.period);
+    }
   }
   // Whoever is due before the cluster's next read would need a request of its own.
-  const auto next_chance = now + static_cast<std::int64_t>(weights.horizon * static_cast<double>(fastest));
+  const std::int64_t next_read = base + part(weights.reach, beat);
+  const std::int64_t one_later = next_read + beat;
   const double request = cost.item_ns() * cost.bridge();
   const auto items = [&](const PointState& point) { return cost.item_ns() * (point.end - point.first); };
-  const auto must = [&](const PointState& point) { return point.due <= next_chance ? request + items(point) : 0.0; };
-  const auto gain = [&](const PointState& point) {
-    if (point.due <= next_chance || point.eager) return request + items(point);
-    return weights.soft * items(point) * std::pow(std::clamp(point.used(now), 0.0, 1.0), weights.power);
+  const auto must = [&](const PointState& point) {
+    return (allowance.pressed ? point.deadline : point.due) <= next_read ? request + items(point) : 0.0;
   };
+  const auto early = [&](const PointState& point) {
+    if (point.due <= next_read) return request + items(point);
+    return point.due <= one_later && point.used(now) >= 0.5 ? weights.early * items(point) : 0.0;
+  };
+  const auto eager = [&](const PointState& point) {
+    return point.due <= next_read || point.eager ? request + items(point) : 0.0;
+  };
+
   Growth growth(points, urgent, cost, now);
-  growth.grow(true, must, request, kNeverNs);
-  growth.grow(false, must, request, kNeverNs);
-  if (budget > 0) {
-    growth.grow(true, gain, request, budget);
-    growth.grow(false, gain, request, budget);
+  growth.both_ways(must, request, allowance.longest);
+  if (allowance.budget > 0) {
+    growth.both_ways(early, request, std::min(allowance.budget, allowance.level));
+    growth.both_ways(eager, request, allowance.budget);
   }
+  return growth.slice();
+}
+
+Slice near_slice(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost, std::int64_t now) {
+  Growth growth(points, urgent, cost, now);
+  const double request = cost.item_ns() * cost.bridge();
+  const auto half_used = [&](const PointState& point) { return point.used(now) >= 0.5 ? request : 0.0; };
+  growth.both_ways(half_used, request, kNeverNs);
   return growth.slice();
 }
 
 Slice whole_slice(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost, std::int64_t now) {
   Growth growth(points, urgent, cost, now);
-  const auto any = [](const PointState&) { return 1e18; };
-  growth.grow(true, any, 1e18, kNeverNs);
-  growth.grow(false, any, 1e18, kNeverNs);
+  constexpr double kAnything = 1e18;
+  growth.both_ways([](const PointState&) { return kAnything; }, kAnything, kNeverNs);
   return growth.slice();
 }
 

@@ -4,10 +4,6 @@
 
 namespace fieldcast {
 
-namespace {
-std::int64_t later(std::int64_t now, std::int64_t by) { return by >= kNeverNs - now ? kNeverNs : now + by; }
-}  // namespace
-
 void RefusalSearch::cut(std::span<PointState> points, Place begin, Place end, std::int64_t now, std::int64_t forget) {
   for (Node& node : open_) {
     if (begin >= node.begin && end <= node.end) node.half_refused = true;

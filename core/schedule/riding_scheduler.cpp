@@ -1,18 +1,21 @@
 #include "core/schedule/riding_scheduler.hpp"
 
 #include <algorithm>
-#include <cassert>
 
 namespace fieldcast {
 
 namespace {
 
+constexpr std::uint32_t kNoSlot = ~0u;
+constexpr std::size_t kMostBatch = 20;  // blocks that kDynamicBlocks plans at a time
+
 std::int64_t ns(Instant instant) { return instant.time_since_epoch().count(); }
 Instant instant(std::int64_t at) { return at == kNeverNs ? kNever : Instant{Duration{at}}; }
-std::int64_t sum(std::int64_t at, std::int64_t by) { return at >= kNeverNs - by ? kNeverNs : at + by; }
+std::int64_t part(double share, std::int64_t of) { return static_cast<std::int64_t>(share * static_cast<double>(of)); }
 
-constexpr std::uint32_t kNoSlot = ~0u;  // a repetition: no place in the queue
-constexpr std::size_t kLookAhead = 64;  // reads that the look ahead counts
+Clustering clustering_of(Planner planner) {
+  return planner == Planner::kOnePerChannel ? Clustering::kSinglePoints : Clustering::kOptimal;
+}
 
 }  // namespace
 
@@ -21,15 +24,15 @@ RidingScheduler::RidingScheduler(const ScheduleInput& input, Planner planner, co
       weights_(weights),
       lead_(input.lead.count()),
       silence_(input.silence.count()),
-      layout_(make_layout(input, planner == Planner::kOnePerChannel ? Clustering::kSinglePoints : Clustering::kOptimal)),
+      layout_(make_layout(input, clustering_of(planner))),
       points_(input.points.size()),
       clusters_(layout_.clusters.size()),
-      devices_(input.devices.size()),
+      suspended_until_(input.devices.size(), 0),
       due_(clusters_.size()),
+      deadline_(clusters_.size()),
       spare_(clusters_.size()),
       asleep_(clusters_.size()),
-      suspended_(devices_.size()) {
-  for (std::size_t device = 0; device < devices_.size(); ++device) devices_[device].pause = input.devices[device].pause.count();
+      suspended_(input.devices.size()) {
   for (Place place = 0; place < points_.size(); ++place) {
     const Point& from = input.points[layout_.point_at[place]];
     PointState& point = points_[place];
@@ -40,123 +43,47 @@ RidingScheduler::RidingScheduler(const ScheduleInput& input, Planner planner, co
     point.refresh = std::max<std::int64_t>(1, from.refresh.count());
     const ReadCost& cost = cost_of(layout_.cluster_at[place]);
     point.readable = cost.of_single(cost.cover(point.first, point.end)).has_value();
-    set_period(point);
   }
-  for (ClusterIndex cluster = 0; cluster < clusters_.size(); ++cluster) load_ += clusters_[cluster].load = cluster_load(cluster);
-  set_stretch();
+  plan();
 }
 
-void RidingScheduler::begin(std::int64_t now) {
-  begun_ = true;
-  for (PointState& point : points_) point.due = sum(now, point.period);
-  for (ClusterIndex cluster = 0; cluster < clusters_.size(); ++cluster) refresh_cluster(cluster, now);
+Decision RidingScheduler::next(Instant at) {
+  const std::int64_t now = ns(at);
+  wake(now);
+  if (due_.empty()) return Rest{instant(next_wake())};
+  if (planner_ == Planner::kDynamicBlocks) return next_of_batch(now);
+  const Slack free = look_ahead(now);
+  const auto read = [&](ClusterIndex cluster, std::uint32_t urgent, std::int64_t budget) {
+    return make_block(cluster, urgent, now, allowance(clusters_[cluster].beat.spacing, budget, clusters_[cluster].level));
+  };
+  if (free.tight && deadline_.top_key() - now < part(weights_.press, fastest_)) {
+    const ClusterIndex cluster = deadline_.top();
+    Allowance least = allowance(clusters_[cluster].beat.spacing, 0, 0);
+    least.pressed = clusters_[cluster].beat.spacing > 0;
+    if (least.pressed) leave_behind(cluster, now);
+    return make_block(cluster, clusters_[cluster].pressed, now, least);
+  }
+  const ClusterIndex first = due_.top();
+  if (free.rest <= 0) return read(first, clusters_[first].urgent, free.budget);
+  if (spare_.empty()) return Rest{instant(std::min(later(now, free.rest), next_wake()))};
+  const ClusterIndex other = spare_.top();
+  if (other != first) {
+    Block block = read(other, clusters_[other].spare_urgent, free.rest);
+    if (block.cost.count() <= free.rest) return block;
+  }
+  return read(first, clusters_[first].urgent, free.budget);
 }
 
-void RidingScheduler::set_period(PointState& point) const {
-  const auto stretched = static_cast<std::int64_t>(static_cast<double>(point.refresh) * stretch_);
-  point.period = std::max<std::int64_t>(1, stretched - std::min(lead_, stretched / 10));
-}
-
-void RidingScheduler::set_stretch() {
-  constexpr double kFull = 0.95;  // what blocks that cannot be interrupted leave of a wire
-  stretch_ = std::max(1.0, load_ / kFull);
-  for (PointState& point : points_) {
-    const std::int64_t before = point.period;
-    set_period(point);
-    if (point.due != kNeverNs) point.due += point.period - before;
-  }
-  std::int64_t fastest = kNeverNs;
-  for (const PointState& point : points_)
-    if (point.wanted()) fastest = std::min(fastest, point.period);
-  reserve_ = fastest == kNeverNs ? 0 : static_cast<std::int64_t>(weights_.reserve * static_cast<double>(fastest));
-}
-
-// The load of one cluster if it were alone on the wire: its next reads, each made when it is due.
-double RidingScheduler::cluster_load(ClusterIndex cluster) const {
-  constexpr int kReads = 200;
-  const auto span = points_of(cluster);
-  const ReadCost& cost = cost_of(cluster);
-  std::vector<PointState> points(span.begin(), span.end());
-  std::int64_t longest = 0;
-  for (PointState& point : points) {
-    point.retry_at = 0;
-    point.period = point.refresh - std::min(lead_, point.refresh / 10);
-    point.due = point.period;
-    if (point.wanted()) longest = std::max(longest, point.period);
-  }
-  if (longest == 0) return 0;
-  std::int64_t now = 0, spent = 0;
-  for (int read = 0; read < kReads && now <= 2 * longest; ++read) {
-    std::uint32_t urgent = 0;
-    for (std::uint32_t i = 0; i < points.size(); ++i) {
-      if (points[i].wanted() && (!points[urgent].wanted() || points[i].due < points[urgent].due)) urgent = i;
-    }
-    now = points[urgent].due;
-    Slice slice{urgent, urgent + 1};
-    if (planner_ == Planner::kRiding)
-      slice = riding_slice(points, urgent, cost, now, 0, weights_);
-    else if (planner_ != Planner::kOnePerChannel)
-      slice = whole_slice(points, urgent, cost, now);
-    const Range range = range_of(points, slice, cost);
-    spent += cost.of_single(range).value_or(Duration{0}).count();
-    for (PointState& point : points) {
-      if (point.first >= range.first && point.end <= range.end()) point.due = now + point.period;
-    }
-  }
-  return now > 0 ? static_cast<double>(spent) / static_cast<double>(now) : 0;
-}
-
-double RidingScheduler::planned_load() const { return load_; }
-
-void RidingScheduler::refresh_cluster(ClusterIndex index, std::int64_t now) {
-  ClusterState& cluster = clusters_[index];
-  const auto points = points_of(index);
-  std::int64_t due = kNeverNs, spare = kNeverNs, wake = kNeverNs;
-  const DeviceIndex device = layout_.clusters[index].device;
-  const bool suspended = devices_[device].suspended_until > now;
-  for (std::uint32_t i = 0; i < points.size(); ++i) {
-    const PointState& point = points[i];
-    if (!point.wanted() || suspended) continue;
-    if (point.retry_at > now) {
-      wake = std::min(wake, point.retry_at);
-      continue;
-    }
-    if (point.due < due) due = point.due, cluster.urgent = i;
-    if ((point.eager || point.mode == Mode::kIntensive) && point.due < spare) spare = point.due, cluster.spare_urgent = i;
-  }
-  wake == kNeverNs ? asleep_.remove(index) : asleep_.put(index, wake);
-  spare == kNeverNs ? spare_.remove(index) : spare_.put(index, spare);
-  if (due == kNeverNs) {
-    due_.remove(index);
-    return;
-  }
-  due_.put(index, due);
-  write_agenda(index, now);
-}
-
-// Reads the cluster in imagination, each time at the last moment.
-void RidingScheduler::write_agenda(ClusterIndex index, std::int64_t now) {
-  ClusterState& cluster = clusters_[index];
-  const ReadCost& cost = cost_of(index);
-  const auto points = points_of(index);
-  imagined_.assign(points.begin(), points.end());
-  for (PointState& point : imagined_) point.suspect = false;  // here: read in imagination
-  std::uint32_t urgent = cluster.urgent;
-  for (Coming& coming : cluster.agenda) {
-    const std::int64_t at = std::max(now, imagined_[urgent].due);
-    const Slice slice = shape(index, imagined_, urgent, at, 0);
-    coming = {imagined_[urgent].due, cost.of(range_of(imagined_, slice, cost)).count(), imagined_[urgent].suspect};
-    for (std::uint32_t i = slice.begin; i < slice.end; ++i) {
-      imagined_[i].due = sum(at, imagined_[i].period);
-      imagined_[i].suspect = true;
-    }
-    for (std::uint32_t i = 0; i < imagined_.size(); ++i) {
-      if (imagined_[i].ready(now) && imagined_[i].due < imagined_[urgent].due) urgent = i;
-    }
-  }
+Duration RidingScheduler::slack(Instant at) {
+  const std::int64_t now = ns(at);
+  wake(now);
+  if (due_.empty()) return Duration::max();
+  return Duration{std::max<std::int64_t>(0, look_ahead(now).rest)};
 }
 
 void RidingScheduler::wake(std::int64_t now) {
+  if (!begun_) begin(now);
+  if (stale_) replan(now);
   while (!suspended_.empty() && suspended_.top_key() <= now) {
     const auto device = static_cast<DeviceIndex>(suspended_.top());
     suspended_.remove(device);
@@ -184,31 +111,31 @@ std::int64_t RidingScheduler::next_wake() const {
   return at;
 }
 
-// Walks the next reads in the order of their deadlines as if each were made at the last moment: if the k-th must be complete at D
-// and all up to it take C together, the first of them must begin at D - C.
+// Walks the next reads in the order in which they are due, as if the wire began now and did not rest: if the k-th ends S before
+// it is due, the wire may rest S at most. A cluster that is read sooner than it is due is due sooner the next time.
 RidingScheduler::Slack RidingScheduler::look_ahead(std::int64_t now) {
-  const auto later = [](const Ahead& a, const Ahead& b) { return a.due > b.due; };
+  const auto sooner = [](const Ahead& a, const Ahead& b) { return a.due > b.due; };
   const auto push = [&](const Ahead& ahead) {
     ahead_.push_back(ahead);
-    std::push_heap(ahead_.begin(), ahead_.end(), later);
+    std::push_heap(ahead_.begin(), ahead_.end(), sooner);
   };
   const ClusterIndex first = due_.top();
   const std::int64_t own = clusters_[first].agenda[0].cost;
-  std::int64_t others = kNeverNs, end = now;
+  std::int64_t others = kNeverNs, end = now;  // slack of all but the first; end of the reads so far, without the first
   ahead_.clear();
   push({due_.top_key(), first, 0, 0});
-  for (std::size_t count = 0; count < static_cast<std::size_t>(weights_.ahead) && !ahead_.empty(); ++count) {
-    std::pop_heap(ahead_.begin(), ahead_.end(), later);
+  for (unsigned count = 0; count < weights_.look_ahead && !ahead_.empty(); ++count) {
+    std::pop_heap(ahead_.begin(), ahead_.end(), sooner);
     const Ahead ahead = ahead_.back();
     ahead_.pop_back();
     if (ahead.due == kNeverNs) break;
     const auto& agenda = clusters_[ahead.cluster].agenda;
-    std::int64_t early = 0;  // how much sooner than at the last moment it will be read
+    std::int64_t early = 0;
     if (count > 0) {
-      end += agenda[ahead.step].cost;
+      end = later(end, agenda[ahead.step].cost);
       others = std::min(others, ahead.due + silence_ - end);
       if (others <= own) break;
-      early = std::max<std::int64_t>(0, ahead.due - sum(end, others));
+      early = std::max<std::int64_t>(0, ahead.due - later(end, others));
     }
     if (ahead.step + 1 < kAgenda) {
       const Coming& coming = agenda[ahead.step + 1];
@@ -221,23 +148,29 @@ RidingScheduler::Slack RidingScheduler::look_ahead(std::int64_t now) {
     }
   }
   const std::int64_t budget = std::min(others, due_.top_key() + silence_ - now);
-  return {budget - own - reserve_, std::max(budget, own)};
+  return {budget - own - reserve_, std::max(budget, own), budget <= own};
+}
+
+Allowance RidingScheduler::allowance(std::int64_t spacing, std::int64_t budget, std::int64_t level) const {
+  const std::int64_t longest = crowded_ && spacing > 0 ? part(weights_.longest, spacing) : kNeverNs;
+  return {.budget = budget, .level = crowded_ ? level : 0, .longest = longest, .spacing = spacing};
 }
 
 Slice RidingScheduler::shape(ClusterIndex cluster, std::span<const PointState> points, std::uint32_t urgent, std::int64_t now,
-                             std::int64_t budget) const {
+                             const Allowance& allowance) const {
   switch (planner_) {
-    case Planner::kRiding: return riding_slice(points, urgent, cost_of(cluster), now, budget, weights_);
+    case Planner::kRiding: return riding_slice(points, urgent, cost_of(cluster), now, allowance, weights_);
+    case Planner::kDynamicBlocks: return near_slice(points, urgent, cost_of(cluster), now);
     case Planner::kOnePerChannel: return {urgent, urgent + 1};
-    case Planner::kDynamicBlocks:
     case Planner::kFastestMember: break;
   }
   return whole_slice(points, urgent, cost_of(cluster), now);
 }
 
-Block RidingScheduler::make_block(ClusterIndex cluster, std::uint32_t urgent, std::int64_t now, std::int64_t budget) const {
+Block RidingScheduler::make_block(ClusterIndex cluster, std::uint32_t urgent, std::int64_t now,
+                                  const Allowance& allowance) const {
   const auto points = points_of(cluster);
-  const Slice slice = shape(cluster, points, urgent, now, budget);
+  const Slice slice = shape(cluster, points, urgent, now, allowance);
   const Range range = range_of(points, slice, cost_of(cluster));
   Block block;
   block.device = layout_.clusters[cluster].device;
@@ -249,29 +182,118 @@ Block RidingScheduler::make_block(ClusterIndex cluster, std::uint32_t urgent, st
   return block;
 }
 
-Decision RidingScheduler::next(Instant at) {
-  const std::int64_t now = ns(at);
-  if (!begun_) begin(now);
-  wake(now);
-  if (due_.empty()) return Rest{instant(next_wake())};
-  const Slack free = look_ahead(now);
-  const ClusterIndex first = due_.top();
-  if (free.rest <= 0) return make_block(first, clusters_[first].urgent, now, free.budget);
-  if (!spare_.empty()) {
-    const ClusterIndex other = spare_.top();
-    if (other == first || clusters_[other].agenda[0].cost > free.rest)
-      return make_block(first, clusters_[first].urgent, now, free.budget);
-    return make_block(other, clusters_[other].spare_urgent, now, free.rest);
+// The simple algorithm, for comparison: the most urgent clusters, each as a block, twenty at a time.
+Decision RidingScheduler::next_of_batch(std::int64_t now) {
+  if (batch_.empty()) {
+    const Slack free = look_ahead(now);
+    if (free.rest > 0 && spare_.empty()) return Rest{instant(std::min(later(now, free.rest), next_wake()))};
+    std::vector<std::pair<std::int64_t, ClusterIndex>> taken;
+    while (!due_.empty() && taken.size() < kMostBatch) {
+      const ClusterIndex cluster = due_.top();
+      taken.emplace_back(due_.top_key(), cluster);
+      batch_.push_back(make_block(cluster, clusters_[cluster].urgent, now, {}));
+      due_.remove(cluster);
+    }
+    for (const auto& [key, cluster] : taken) due_.put(cluster, key);
+    std::reverse(batch_.begin(), batch_.end());
   }
-  return Rest{instant(std::min(sum(now, free.rest), next_wake()))};
+  Block block = std::move(batch_.back());
+  batch_.pop_back();
+  return block;
 }
 
-Duration RidingScheduler::slack(Instant at) {
-  const std::int64_t now = ns(at);
-  if (!begun_) begin(now);
-  wake(now);
-  if (due_.empty()) return Duration::max();
-  return Duration{std::max<std::int64_t>(0, look_ahead(now).rest)};
+// Riders whose turn it is, but who can wait for the next one, do.
+void RidingScheduler::leave_behind(ClusterIndex index, std::int64_t now) {
+  const ClusterState& cluster = clusters_[index];
+  const auto points = points_of(index);
+  Allowance least = allowance(cluster.beat.spacing, 0, 0);
+  const Slice all = shape(index, points, cluster.pressed, now, least);
+  least.pressed = true;
+  const Slice must = shape(index, points, cluster.pressed, now, least);
+  for (std::uint32_t i = all.begin; i < all.end; ++i) {
+    if (i >= must.begin && i < must.end) continue;
+    points[i].due = std::min(points[i].deadline, later(points[i].due, cluster.beat.spacing));
+  }
+}
+
+std::int64_t RidingScheduler::next_due(ClusterIndex cluster, const PointState& point, std::int64_t acquired) const {
+  const Beat& beat = clusters_[cluster].beat;
+  if (point.mode == Mode::kIntensive || beat.spacing == 0) return later(acquired, point.period);
+  if (!point.eager) return due_after(beat, acquired, point.period);
+  // After the first acquisition: the point's own turn on the beat, so that what is read together at the start does not stay
+  // together.
+  const std::int64_t lap = std::max<std::int64_t>(1, point.period / beat.spacing) * beat.spacing;
+  const std::int64_t latest = later(acquired, point.period);
+  const std::int64_t past = ((latest - point.first_due) % lap + lap) % lap;
+  const std::int64_t turn = latest - past;
+  return turn - acquired >= part(0.6, beat.spacing) ? turn : due_after(beat, acquired, point.period);
+}
+
+// A point that came along early keeps its turn; otherwise it gets its next one.
+void RidingScheduler::renew(ClusterIndex cluster, PointState& point, std::int64_t at) const {
+  const bool keeps = planner_ == Planner::kRiding && point.mode == Mode::kScheduled && !point.eager && !point.suspect;
+  if (!keeps || point.used(at) >= weights_.keep) point.due = next_due(cluster, point, at);
+  point.deadline = later(at, point.period);
+}
+
+// What failed waits its turn anew: half a period later it is due again, sooner if the wire would rest.
+void RidingScheduler::postpone(PointState& point, std::int64_t from) const {
+  point.due = point.deadline = later(from, point.period / 2);
+  point.eager = true;
+}
+
+void RidingScheduler::refresh_cluster(ClusterIndex index, std::int64_t now) {
+  ClusterState& cluster = clusters_[index];
+  const auto points = points_of(index);
+  take_out(index);
+  if (suspended_until_[layout_.clusters[index].device] > now) return;
+  std::int64_t due = kNeverNs, deadline = kNeverNs, spare = kNeverNs, wake = kNeverNs;
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    const PointState& point = points[i];
+    if (!point.wanted()) continue;
+    if (point.retry_at > now) {
+      wake = std::min(wake, point.retry_at);
+      continue;
+    }
+    if (point.due < due) due = point.due, cluster.urgent = i;
+    if (point.deadline < deadline) deadline = point.deadline, cluster.pressed = i;
+    if ((point.eager || point.mode == Mode::kIntensive) && point.due < spare) spare = point.due, cluster.spare_urgent = i;
+  }
+  if (wake != kNeverNs) asleep_.put(index, wake);
+  if (spare != kNeverNs) spare_.put(index, spare);
+  if (due == kNeverNs) return;
+  due_.put(index, due);
+  deadline_.put(index, deadline);
+  write_agenda(index, now);
+}
+
+void RidingScheduler::take_out(ClusterIndex cluster) {
+  due_.remove(cluster);
+  deadline_.remove(cluster);
+  spare_.remove(cluster);
+  asleep_.remove(cluster);
+}
+
+// Reads the cluster in imagination, each time at the last moment.
+void RidingScheduler::write_agenda(ClusterIndex index, std::int64_t now) {
+  ClusterState& cluster = clusters_[index];
+  const ReadCost& cost = cost_of(index);
+  const auto points = points_of(index);
+  imagined_.assign(points.begin(), points.end());
+  std::uint32_t urgent = cluster.urgent;
+  for (Coming& coming : cluster.agenda) {
+    PointState& head = imagined_[urgent];
+    const std::int64_t at = std::max(now, head.due);
+    const Slice slice = shape(index, imagined_, urgent, at, allowance(cluster.beat.spacing, 0, 0));
+    coming = {head.due, cost.of(range_of(imagined_, slice, cost)).count(), head.again};
+    for (std::uint32_t i = slice.begin; i < slice.end; ++i) {
+      renew(index, imagined_[i], at);
+      imagined_[i].again = true;
+    }
+    for (std::uint32_t i = 0; i < imagined_.size(); ++i) {
+      if (imagined_[i].ready(now) && imagined_[i].due < imagined_[urgent].due) urgent = i;
+    }
+  }
 }
 
 void RidingScheduler::refresh_clusters_of(const Block& block, std::int64_t now) {
@@ -289,7 +311,8 @@ void RidingScheduler::acquired(const Block& block, Instant at) {
   for (const PointIndex index : block.points) {
     const Place place = layout_.place_of[index];
     PointState& point = points_[place];
-    point.due = sum(now, point.period);
+    if (!point.eager) watch_lateness(now > point.deadline);
+    renew(layout_.cluster_at[place], point, now);
     point.retry_at = 0;
     point.eager = point.bad = point.suspect = false;
     low = std::min(low, place);
@@ -299,13 +322,8 @@ void RidingScheduler::acquired(const Block& block, Instant at) {
   refresh_clusters_of(block, now);
 }
 
-// What failed waits its turn anew: half a period later it is due again, sooner if the wire would rest.
-void RidingScheduler::postpone(PointState& point, std::int64_t from) {
-  point.due = sum(from, point.period / 2);
-  point.eager = true;
-}
-
 void RidingScheduler::failed(const Block& block, Instant at, Instant retry_at) {
+  batch_.clear();
   for (const PointIndex index : block.points) {
     PointState& point = points_[layout_.place_of[index]];
     point.retry_at = ns(retry_at);
@@ -317,16 +335,19 @@ void RidingScheduler::failed(const Block& block, Instant at, Instant retry_at) {
 std::vector<PointIndex> RidingScheduler::refused(const Block& block, Instant at, Duration forget) {
   const std::int64_t now = ns(at);
   std::vector<PointIndex> bad;
+  batch_.clear();
   Place low = kNoSlot, high = 0;
   for (const PointIndex index : block.points) {
     const Place place = layout_.place_of[index];
     low = std::min(low, place);
     high = std::max(high, place + 1);
     points_[place].due = std::min(points_[place].due, now);
+    points_[place].deadline = std::min(points_[place].deadline, now);
+    points_[place].eager = true;  // a search is no lateness
   }
   if (low >= high) return bad;
   if (block.points.size() == 1) {
-    refusals_.mark_bad(points_, layout_.place_of[block.points.front()], now, forget.count());
+    refusals_.mark_bad(points_, low, now, forget.count());
     refusals_.settle(points_, low, high);
     bad.push_back(block.points.front());
   } else {
@@ -337,13 +358,10 @@ std::vector<PointIndex> RidingScheduler::refused(const Block& block, Instant at,
 }
 
 void RidingScheduler::suspend(DeviceIndex device, Instant until) {
-  devices_[device].suspended_until = ns(until);
+  batch_.clear();
+  suspended_until_[device] = ns(until);
   suspended_.put(device, ns(until));
-  for (const ClusterIndex cluster : layout_.clusters_of[device]) {
-    due_.remove(cluster);
-    spare_.remove(cluster);
-    asleep_.remove(cluster);
-  }
+  for (const ClusterIndex cluster : layout_.clusters_of[device]) take_out(cluster);
 }
 
 void RidingScheduler::set_answer_time(DeviceIndex device, Duration answer_time) {
@@ -352,8 +370,10 @@ void RidingScheduler::set_answer_time(DeviceIndex device, Duration answer_time) 
   }
   for (const ClusterIndex cluster : layout_.clusters_of[device]) {
     load_ -= clusters_[cluster].load;
-    load_ += clusters_[cluster].load = cluster_load(cluster);
+    load_ += clusters_[cluster].load = cluster_load(cluster, false);
+    changed_.push_back(cluster);
   }
+  stale_ = true;
 }
 
 void RidingScheduler::set_point(PointIndex index, Duration refresh, Mode mode, Instant at) {
@@ -361,20 +381,18 @@ void RidingScheduler::set_point(PointIndex index, Duration refresh, Mode mode, I
   const ClusterIndex cluster = layout_.cluster_at[place];
   PointState& point = points_[place];
   const bool was_wanted = point.wanted();
-  const std::int64_t before = point.period;
+  batch_.clear();
   point.refresh = std::max<std::int64_t>(1, refresh.count());
   point.mode = mode;
   set_period(point);
-  load_ -= clusters_[cluster].load;
-  load_ += clusters_[cluster].load = cluster_load(cluster);
-  if (!begun_) return;
-  if (was_wanted) {
-    point.due += point.period - before;
-  } else {
-    point.due = sum(ns(at), point.period);
+  if (begun_ && !was_wanted) {
+    point.due = point.deadline = later(ns(at), point.period);
     point.eager = true;
   }
-  refresh_cluster(cluster, ns(at));
+  load_ -= clusters_[cluster].load;
+  load_ += clusters_[cluster].load = cluster_load(cluster, false);
+  changed_.push_back(cluster);
+  stale_ = true;
 }
 
 std::string_view to_text(Planner planner) {

@@ -1,8 +1,10 @@
-// The scheduler: earliest deadline first over clusters, never pre-empted, with a look ahead that says how long the wire may rest.
+// The scheduler: earliest due first over clusters, never pre-empted, with a look ahead that says how long the wire may rest.
 //
-// Three queues hold clusters: `due_` all that can be read, by the point whose time runs out first; `spare_` those that have use
-// for wire time that would otherwise be rest (intensive, never read, failed); `asleep_` those with points that are left alone for
-// a while. Owned by the bus engine and touched by it alone.
+// Each cluster falls due on a beat of its own (rhythm.hpp); slower points ride along with the reads of the cluster
+// (block_shape.hpp). Three queues hold clusters: `due_` and `deadline_` all that can be read, by turn and by the end of the
+// period; `spare_` those that have use for wire time that would otherwise be rest (intensive, never read, failed); `asleep_`
+// those with points that are left alone for a while. README.md beside this file tells what was tried. Owned by the bus engine and
+// touched by it alone.
 #pragma once
 
 #include <array>
@@ -15,6 +17,7 @@
 #include "core/schedule/layout.hpp"
 #include "core/schedule/point_state.hpp"
 #include "core/schedule/refusal.hpp"
+#include "core/schedule/rhythm.hpp"
 #include "core/schedule/scheduler.hpp"
 
 namespace fieldcast {
@@ -31,7 +34,7 @@ class RidingScheduler final : public Scheduler {
   void set_answer_time(DeviceIndex device, Duration answer_time) override;
   [[nodiscard]] Duration slack(Instant now) override;
   void set_point(PointIndex point, Duration refresh, Mode mode, Instant now) override;
-  [[nodiscard]] double planned_load() const override;
+  [[nodiscard]] double planned_load() const override { return load_; }
   [[nodiscard]] double stretch() const override { return stretch_; }
 
  private:
@@ -43,43 +46,69 @@ class RidingScheduler final : public Scheduler {
   };
   static constexpr std::size_t kAgenda = 6;
   struct ClusterState {
-    std::uint32_t urgent = 0;        // place within the cluster
-    std::uint32_t spare_urgent = 0;  // the same among those that want spare wire time
+    std::uint32_t urgent = 0;        // place within the cluster of the point that is due first,
+    std::uint32_t pressed = 0;       // whose deadline is first,
+    std::uint32_t spare_urgent = 0;  // and that is due first among those that want spare wire time
     std::array<Coming, kAgenda> agenda;
-    double load = 0;  // share of the wire that it needs, unstretched
-  };
-  struct DeviceState {
-    std::int64_t suspended_until = 0;
-    std::int64_t pause = 0;
+    Beat beat;
+    std::int64_t level = 0;  // wire time of a read with early riders
+    double load = 0;         // share of the wire that it needs, unstretched
   };
   // How much wire time is free before the earliest latest start.
   struct Slack {
     std::int64_t rest = 0;    // before anything must begin
-    std::int64_t budget = 0;  // for the most urgent cluster's block, so that all others are still in time
+    std::int64_t budget = 0;  // for the most urgent cluster's block, so that it and all others are still in time
+    bool tight = false;       // none to spare
+  };
+  struct Ahead {
+    std::int64_t due;
+    ClusterIndex cluster;
+    std::uint32_t slot;  // in the queue; kNoSlot: a repetition
+    std::uint32_t step;  // in the agenda
   };
 
+  // riding_plan.cpp: what is worked out once, and when refreshes or costs change
+  void plan();
+  void find_fastest();
+  void set_reserve();
+  [[nodiscard]] double margin() const;
+  void stretch_by(double factor);
+  [[nodiscard]] double cluster_load(ClusterIndex cluster, bool stretched);
+  [[nodiscard]] double total_load(bool stretched);
+  void spread(std::int64_t now);
+  void spread_cluster(ClusterIndex cluster, std::int64_t now, Leveller& leveller);
   void begin(std::int64_t now);
+  void replan(std::int64_t now);
+  void set_period(PointState& point) const;
+  void watch_lateness(bool late);
+
+  // riding_scheduler.cpp: decisions
   void wake(std::int64_t now);
   [[nodiscard]] std::int64_t next_wake() const;
   [[nodiscard]] Slack look_ahead(std::int64_t now);
+  [[nodiscard]] Allowance allowance(std::int64_t spacing, std::int64_t budget, std::int64_t level) const;
   [[nodiscard]] Slice shape(ClusterIndex cluster, std::span<const PointState> points, std::uint32_t urgent, std::int64_t now,
-                            std::int64_t budget) const;
-  [[nodiscard]] Block make_block(ClusterIndex cluster, std::uint32_t urgent, std::int64_t now, std::int64_t budget) const;
+                            const Allowance& allowance) const;
+  [[nodiscard]] Block make_block(ClusterIndex cluster, std::uint32_t urgent, std::int64_t now, const Allowance& allowance) const;
+  [[nodiscard]] Decision next_of_batch(std::int64_t now);
+  void leave_behind(ClusterIndex cluster, std::int64_t now);
+
+  [[nodiscard]] std::int64_t next_due(ClusterIndex cluster, const PointState& point, std::int64_t acquired) const;
+  void renew(ClusterIndex cluster, PointState& point, std::int64_t at) const;
+  void postpone(PointState& point, std::int64_t from) const;
 
   void refresh_cluster(ClusterIndex cluster, std::int64_t now);
-  void write_agenda(ClusterIndex cluster, std::int64_t now);
   void refresh_clusters_of(const Block& block, std::int64_t now);
-  void postpone(PointState& point, std::int64_t from);
-  void set_period(PointState& point) const;
-  void set_stretch();
-  [[nodiscard]] double cluster_load(ClusterIndex cluster) const;
+  void write_agenda(ClusterIndex cluster, std::int64_t now);
+  void take_out(ClusterIndex cluster);
 
   [[nodiscard]] std::span<PointState> points_of(ClusterIndex cluster) {
-    return std::span(points_).subspan(layout_.clusters[cluster].begin,
-                                      layout_.clusters[cluster].end - layout_.clusters[cluster].begin);
+    const Cluster& from = layout_.clusters[cluster];
+    return std::span(points_).subspan(from.begin, from.end - from.begin);
   }
   [[nodiscard]] std::span<const PointState> points_of(ClusterIndex cluster) const {
-    return const_cast<RidingScheduler*>(this)->points_of(cluster);
+    const Cluster& from = layout_.clusters[cluster];
+    return std::span(points_).subspan(from.begin, from.end - from.begin);
   }
   [[nodiscard]] const ReadCost& cost_of(ClusterIndex cluster) const {
     return layout_.strips[layout_.clusters[cluster].strip].cost;
@@ -91,22 +120,25 @@ class RidingScheduler final : public Scheduler {
   Layout layout_;
   std::vector<PointState> points_;  // by place
   std::vector<ClusterState> clusters_;
-  std::vector<DeviceState> devices_;
-  DueQueue due_, spare_, asleep_;
+  std::vector<std::int64_t> suspended_until_;  // by device
+  DueQueue due_, deadline_, spare_, asleep_;
   DueQueue suspended_;  // devices, by when they come back
   RefusalSearch refusals_;
-  double load_ = 0;  // unstretched
-  double stretch_ = 1;
-  std::int64_t reserve_ = 0;
+  std::vector<Block> batch_;  // kDynamicBlocks: what is still to be read, last first
+  double load_ = 0;           // unstretched
+  double stretch_ = 1;        // of the points of the lowest priority
+  std::size_t priorities_ = 1;
+  double overrun_ = 1;        // how much more the wire needs than planned
+  double planned_for_ = 0;    // load and overrun of the plan in force
+  std::int64_t reserve_ = 0;  // the rest ends this much before it must
+  bool crowded_ = false;      // blocks are kept short
+  std::int64_t fastest_ = 1;  // period of the bus
+  std::uint32_t late_ = 0, watched_ = 0;
+  std::vector<ClusterIndex> changed_;  // since the last plan
+  bool stale_ = false;                 // a new plan may be needed
   bool begun_ = false;
-  struct Ahead {
-    std::int64_t due;
-    std::uint32_t cluster;
-    std::uint32_t slot;
-    std::uint32_t step;  // in the agenda
-  };
   std::vector<Ahead> ahead_;          // scratch of look_ahead()
-  std::vector<PointState> imagined_;  // scratch of write_agenda()
+  std::vector<PointState> imagined_;  // scratch of write_agenda() and cluster_load()
 };
 
 }  // namespace fieldcast

@@ -48,7 +48,7 @@ TEST_F(RefusingDevice, GapBetweenTwoGoodHalvesBecomesABarrier) {
   wire_->run(60s);
   EXPECT_EQ(refused_, 0u);
   EXPECT_EQ(wire_->missed(), 0u);
-  EXPECT_LE(wire_->blocks(), 2 * 65u);  // the two sides of the barrier, each whole
+  EXPECT_LE(wire_->blocks(), 2 * 72u);  // the two sides of the barrier, each whole
 }
 
 TEST_F(RefusingDevice, SinglePointIsFoundBadAndTheOthersKeepTheirRefresh) {
