@@ -122,7 +122,7 @@ class Exchange {
   // `all` is everything received since the last send, hostile or not. Frames of others are skipped and the wait goes on; a frame
   // that is broken is waited out (kRestOfFrame) in case the right one follows. Never consumes: it may be called with any growing prefix.
   [[nodiscard]] virtual Step on_bytes(ByteView all, Bytes& out) = 0;
-  // The wait that the last step named ran out: the reason in kFailed, or another send.
+  // The wait that the last step named ran out: the reason in kFailed, another send, or kDone when what kept the answer back was noise.
   [[nodiscard]] virtual Step on_silence(Bytes& out) = 0;
   // After kDone.
   [[nodiscard]] virtual const Reply& reply() const = 0;
