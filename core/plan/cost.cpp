@@ -31,8 +31,8 @@ ReadCost::ReadCost(const DeviceTiming& device, AreaIndex area, const LineFormat&
   if (device.max_block != 0) limit_ = std::min<std::uint32_t>(limit_, device.max_block);
   if (window_) limit_ = span = items_;
 
-  // One entry more than is ever read, so that single points beyond the device's limit can be asked for.
-  const std::uint32_t longest = std::min<std::uint32_t>({span + alignment_, items_, 65536});
+  // Also beyond the device's limit, for single points; and both ends may have to be widened to whole units.
+  const std::uint32_t longest = std::min<std::uint32_t>({span + 2 * alignment_, items_, 65536});
   variable_.assign(longest + 1, -1);
   Request request = ReadRequest{{Range{area, 0, 1}}};
   Range& range = std::get<ReadRequest>(request).ranges.front();

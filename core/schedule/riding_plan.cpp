@@ -234,15 +234,17 @@ void RidingScheduler::replan(std::int64_t now) {
   stale_ = false;
 }
 
-// A wire that is slower than planned (retries, late answers) shows in points that come late although the plan has room.
-void RidingScheduler::watch_lateness(bool late) {
+// A wire that is slower than planned (retries, late answers) shows in points that come late although the wire never rests.
+void RidingScheduler::watch_lateness(bool late, std::int64_t now) {
   constexpr std::uint32_t kWindow = 256;
-  constexpr double kMostOverrun = 16;
+  constexpr double kMostOverrun = 16, kRests = 0.02;
+  if (watched_ == 0) window_began_ = now, rested_ = 0;
   late_ += late ? 1 : 0;
   if (++watched_ < kWindow) return;
   const double before = overrun_;
-  if (late_ > kWindow / 20) overrun_ = std::min(kMostOverrun, overrun_ * 1.05);
-  if (late_ == 0) overrun_ = std::max(1.0, overrun_ * 0.99);
+  const bool rests = static_cast<double>(rested_) > kRests * static_cast<double>(now - window_began_);
+  if (late_ > kWindow / 20 && !rests) overrun_ = std::min(kMostOverrun, overrun_ * 1.05);
+  if (late_ == 0 || rests) overrun_ = std::max(1.0, overrun_ * 0.99);
   stale_ = stale_ || overrun_ != before;
   late_ = watched_ = 0;
 }

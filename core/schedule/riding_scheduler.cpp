@@ -50,6 +50,13 @@ RidingScheduler::RidingScheduler(const ScheduleInput& input, Planner planner, co
 Decision RidingScheduler::next(Instant at) {
   const std::int64_t now = ns(at);
   wake(now);
+  if (rests_since_ < now) rested_ += now - rests_since_;
+  Decision decision = decide(now);
+  rests_since_ = std::holds_alternative<Rest>(decision) ? now : kNeverNs;
+  return decision;
+}
+
+Decision RidingScheduler::decide(std::int64_t now) {
   if (due_.empty()) return Rest{instant(next_wake())};
   if (planner_ == Planner::kDynamicBlocks) return next_of_batch(now);
   const Slack free = look_ahead(now);
@@ -188,8 +195,11 @@ Decision RidingScheduler::next_of_batch(std::int64_t now) {
     const Slack free = look_ahead(now);
     if (free.rest > 0 && spare_.empty()) return Rest{instant(std::min(later(now, free.rest), next_wake()))};
     std::vector<std::pair<std::int64_t, ClusterIndex>> taken;
+    std::int64_t end = now;
     while (!due_.empty() && taken.size() < kMostBatch) {
       const ClusterIndex cluster = due_.top();
+      end = later(end, clusters_[cluster].agenda[0].cost);
+      if (!taken.empty() && due_.top_key() - end > reserve_) break;
       taken.emplace_back(due_.top_key(), cluster);
       batch_.push_back(make_block(cluster, clusters_[cluster].urgent, now, {}));
       due_.remove(cluster);
@@ -311,7 +321,7 @@ void RidingScheduler::acquired(const Block& block, Instant at) {
   for (const PointIndex index : block.points) {
     const Place place = layout_.place_of[index];
     PointState& point = points_[place];
-    if (!point.eager) watch_lateness(now > point.deadline);
+    if (!point.eager) watch_lateness(now > point.deadline, now);
     renew(layout_.cluster_at[place], point, now);
     point.retry_at = 0;
     point.eager = point.bad = point.suspect = false;

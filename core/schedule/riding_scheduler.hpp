@@ -80,9 +80,10 @@ class RidingScheduler final : public Scheduler {
   void begin(std::int64_t now);
   void replan(std::int64_t now);
   void set_period(PointState& point) const;
-  void watch_lateness(bool late);
+  void watch_lateness(bool late, std::int64_t now);
 
   // riding_scheduler.cpp: decisions
+  [[nodiscard]] Decision decide(std::int64_t now);
   void wake(std::int64_t now);
   [[nodiscard]] std::int64_t next_wake() const;
   [[nodiscard]] Slack look_ahead(std::int64_t now);
@@ -134,6 +135,7 @@ class RidingScheduler final : public Scheduler {
   bool crowded_ = false;      // blocks are kept short
   std::int64_t fastest_ = 1;  // period of the bus
   std::uint32_t late_ = 0, watched_ = 0;
+  std::int64_t window_began_ = 0, rested_ = 0, rests_since_ = kNeverNs;
   std::vector<ClusterIndex> changed_;  // since the last plan
   bool stale_ = false;                 // a new plan may be needed
   bool begun_ = false;

@@ -44,6 +44,11 @@ TEST(ReadCost, AlignedAreasAreReadByWholeUnits) {
   EXPECT_EQ(cost.cover(7, 17), (Range{kBytewise, 0, 24}));
 }
 
+TEST(ReadCost, OnePointAcrossTwoUnitsIsReadable) {
+  const ReadCost cost(timing(), kBytewise, kLine, 3ms, 2);
+  EXPECT_TRUE(cost.of_single(cost.cover(7, 9)));
+}
+
 TEST(ReadCost, WindowsAreReadWhole) {
   const ReadCost cost(timing(), kWindow, kLine, 3ms, 1);
   EXPECT_EQ(cost.cover(20, 22), (Range{kWindow, 0, 64}));

@@ -4,8 +4,10 @@
 #include <array>
 #include <cstdio>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <random>
+#include <set>
 #include <stdexcept>
 
 namespace fieldcast::test {
@@ -80,6 +82,29 @@ double least_load(const Map& map, std::uint32_t baud, Duration delay) {
       load += item / rows[i].refresh;
     }
     load += request / fastest;
+  }
+  return load;
+}
+
+double proven_load(const Map& map, std::uint32_t baud, Duration delay) {
+  const double character = 11.0 / baud;
+  const double request = 20 * character + to_seconds(delay), item = 2 * character;
+  std::map<unsigned, std::map<double, std::vector<std::uint32_t>>> units;  // unit: refresh: addresses
+  for (const MapRow& row : map) units[row.unit][row.refresh].push_back(row.address);
+  double load = 0;
+  for (const auto& [unit, classes] : units) {
+    std::set<std::uint32_t> wanted;
+    double before = 0;
+    for (const auto& [refresh, addresses] : classes) {
+      wanted.insert(addresses.begin(), addresses.end());
+      double cost = request;
+      for (auto at = wanted.begin(); at != wanted.end(); ++at) {
+        cost += item;
+        if (at != wanted.begin()) cost += std::min(request, item * (*at - *std::prev(at) - 1));
+      }
+      load += (cost - before) / refresh;
+      before = cost;
+    }
   }
   return load;
 }

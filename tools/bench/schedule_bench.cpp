@@ -48,28 +48,35 @@ double sustained(const test::Map& map, Planner planner, Duration delay) {
 }
 
 void print_sustained() {
-  std::puts("sustained load, share of the least any master needs, 30 min without a missed refresh, 19200 baud");
+  std::puts(
+      "sustained load, share of the least any master needs, 30 min without a missed refresh, 19200 baud;\n"
+      "at most: what the tighter bound leaves possible (tests/schedule/maps.hpp)");
   std::printf("%-10s %6s", "map", "delay");
   const Planner planners[] = {Planner::kRiding, Planner::kDynamicBlocks, Planner::kFastestMember, Planner::kOnePerChannel};
-  for (const Planner planner : planners) std::printf(" %16s", std::string(to_text(planner)).c_str());
-  std::puts("");
-  double sum[4] = {};
+  for (const Planner planner : planners) std::printf(" %15s", std::string(to_text(planner)).c_str());
+  std::printf(" %12s %15s\n", "at most", "riding of that");
+  double sum[4] = {}, most_sum = 0, share_sum = 0;
   for (const int number : {11, 12, 13, 14}) {
     const test::Map map = test::read_map(std::string(FIELDCAST_MAPS) + "/map" + std::to_string(number) + ".csv");
     for (const Duration delay : {Duration{0}, Duration{5ms}}) {
       std::printf("map%-7d %4.0fms", number, to_seconds(delay) * 1e3);
+      const double most = test::least_load(map, kBaud, delay) / test::proven_load(map, kBaud, delay);
+      double riding = 0;
       for (std::size_t i = 0; i < std::size(planners); ++i) {
         const double load = sustained(map, planners[i], delay);
         sum[i] += load / 8;
-        std::printf(" %16.3f", load);
+        if (planners[i] == Planner::kRiding) riding = load;
+        std::printf(" %15.3f", load);
         std::fflush(stdout);
       }
-      std::puts("");
+      most_sum += most / 8;
+      share_sum += riding / most / 8;
+      std::printf(" %12.3f %15.3f\n", most, riding / most);
     }
   }
   std::printf("%-17s", "average");
-  for (const double load : sum) std::printf(" %16.3f", load);
-  std::puts("\n");
+  for (const double load : sum) std::printf(" %15.3f", load);
+  std::printf(" %12.3f %15.3f\n\n", most_sum, share_sum);
 }
 
 void print_spent() {
