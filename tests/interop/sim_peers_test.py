@@ -7,6 +7,7 @@ import json
 import os
 import shutil
 import signal
+import socket
 import sys
 import tempfile
 import time
@@ -147,6 +148,19 @@ buses:
         self.assertTrue(os.path.lexists(self.path("mill")))
         self.eventually(lambda: os.path.lexists(self.path("shop")), "the port did not come back")
         self.assertEqual(len(Mbpoll(self.path("shop")).read("holding", 100, 1)), 1)
+
+    def test_an_unplugged_tcp_device_comes_back(self):
+        faults = self.file("faults.yaml", "buses: { hall: { unplug: { at: 0s, for: 1s } } }")
+        self.start("--faults", faults).wait_ready()
+        master = Mbpoll("127.0.0.1", port=self.port)
+        self.assertIn("Connection refused", master.read("holding", 0, 1))
+        self.eventually(lambda: isinstance(master.read("holding", 0, 1), list), "the listener did not come back")
+
+    def test_a_stream_beyond_repair_is_closed(self):
+        self.start().wait_ready()
+        with socket.create_connection(("127.0.0.1", self.port), DEADLINE) as stream:
+            stream.sendall(bytes.fromhex("0007CAFE00062A0300000001"))
+            self.assertEqual(stream.recv(100), b"")
 
     def test_links_go_with_the_simulator(self):
         for end in (signal.SIGTERM, signal.SIGINT):

@@ -23,42 +23,37 @@ bool receive(int fd, BusLine& line, Instant now) {
   return count > 0 || (count < 0 && (errno == EAGAIN || errno == EINTR));
 }
 
-class SerialBus : public ServedBus {
+// What a serial port and a listener have in common: faults unplug them and plug them in again.
+class PluggedBus : public ServedBus {
  public:
-  SerialBus(SimBus& bus, Watcher& watcher)
-      : bus_(bus), watcher_(watcher), path_(std::get<SerialPortSpec>(bus.spec().port).path) {}
-  ~SerialBus() override { unplug(); }
+  explicit PluggedBus(SimBus& bus) : bus_(bus) {}
 
   tl::expected<void, std::string> open(Instant now) override {
-    return unplugged(now) ? tl::expected<void, std::string>{} : plug();
-  }
-
-  [[nodiscard]] std::string place() const override { return path_ + (port_ ? " -> " + port_->terminal() : " (unplugged)"); }
-
-  void on_readable(int, Instant now) override {
-    if (line_) receive(port_->fd(), *line_, now);
+    if (unplugged(now)) return {};
+    auto opened = plug();
+    plugged_ = opened.has_value();
+    return opened;
   }
 
   Instant on_time(Instant now) override {
-    if (unplugged(now) == port_.has_value()) {
-      if (port_) {
-        unplug();
-      } else if (now >= next_try_ && !plug()) {
-        next_try_ = now + 1s;  // somebody took the path meanwhile
-      }
+    if (plugged_ && unplugged(now)) {
+      unplug();
+      plugged_ = false;
+    } else if (!plugged_ && !unplugged(now) && now >= next_try_) {
+      plugged_ = plug().has_value();
+      next_try_ = now + 1s;  // somebody took the place meanwhile
     }
-    if (!line_) return unplugged(now) ? next_change(now) : next_try_;
-    if (now >= next_care_) {
-      port_->forget_exclusive_use();
-      next_care_ = now + 1s;
-    }
-    said_.clear();
-    line_->advance(now, said_);
-    // A full terminal means that nobody reads; a line does not wait for its listeners.
-    if (!said_.empty()) [[maybe_unused]]
-      const ssize_t count = ::write(port_->fd(), said_.data(), said_.size());
-    return std::min({line_->next_due(), next_care_, next_change(now)});
+    if (plugged_) return std::min(talk(now), next_change(now));
+    return unplugged(now) ? next_change(now) : next_try_;
   }
+
+ protected:
+  [[nodiscard]] virtual tl::expected<void, std::string> plug() = 0;
+  virtual void unplug() = 0;
+  // Does what is due on a plugged bus and says when it wants to be called next.
+  virtual Instant talk(Instant now) = 0;
+  [[nodiscard]] SimBus& bus() { return bus_; }
+  [[nodiscard]] bool plugged() const { return plugged_; }
 
  private:
   [[nodiscard]] bool unplugged(Instant now) const {
@@ -73,48 +68,69 @@ class SerialBus : public ServedBus {
     }
     return next;
   }
-  tl::expected<void, std::string> plug() {
+
+  SimBus& bus_;
+  bool plugged_ = false;
+  Instant next_try_ = kLongAgo;
+};
+
+class SerialBus : public PluggedBus {
+ public:
+  SerialBus(SimBus& bus, Watcher& watcher)
+      : PluggedBus(bus), watcher_(watcher), path_(std::get<SerialPortSpec>(bus.spec().port).path) {}
+  ~SerialBus() override { SerialBus::unplug(); }
+
+  [[nodiscard]] std::string place() const override { return path_ + (port_ ? " -> " + port_->terminal() : " (unplugged)"); }
+
+  void on_readable(int, Instant now) override {
+    if (line_) receive(port_->fd(), *line_, now);
+  }
+
+ private:
+  tl::expected<void, std::string> plug() override {
     auto port = PtyPort::open(path_);
     if (!port) return tl::unexpected(port.error());
     port_.emplace(std::move(*port));
-    line_ = bus_.open_line();
+    line_ = bus().open_line();
     watcher_.watch(port_->fd());
     return {};
   }
-  void unplug() {
+
+  void unplug() override {
     if (port_) watcher_.forget(port_->fd());
     line_.reset();
     port_.reset();
   }
 
-  SimBus& bus_;
+  Instant talk(Instant now) override {
+    if (now >= next_care_) {
+      port_->forget_exclusive_use();
+      next_care_ = now + 1s;
+    }
+    said_.clear();
+    line_->advance(now, said_);
+    // A full terminal means that nobody reads; a line does not wait for its listeners.
+    if (!said_.empty()) [[maybe_unused]]
+      const ssize_t count = ::write(port_->fd(), said_.data(), said_.size());
+    return std::min(line_->next_due(), next_care_);
+  }
+
   Watcher& watcher_;
   std::string path_;
   std::optional<PtyPort> port_;  // none while unplugged
   std::unique_ptr<BusLine> line_;
   Bytes said_;
-  Instant next_care_ = kLongAgo, next_try_ = kLongAgo;
+  Instant next_care_ = kLongAgo;
 };
 
-class TcpBus : public ServedBus {
+class TcpBus : public PluggedBus {
  public:
-  TcpBus(SimBus& bus, Watcher& watcher) : bus_(bus), watcher_(watcher), spec_(std::get<TcpPortSpec>(bus.spec().port)) {}
-  ~TcpBus() override {
-    for (const auto& [fd, connection] : connections_) watcher_.forget(fd);
-    if (listener_) watcher_.forget(listener_.get());
-  }
-
-  tl::expected<void, std::string> open(Instant) override {
-    auto listener = listen_on(loopback_for(spec_.host), spec_.port);
-    if (!listener) return tl::unexpected(listener.error());
-    listener_ = std::move(*listener);
-    watcher_.watch(listener_.get());
-    return {};
-  }
+  TcpBus(SimBus& bus, Watcher& watcher) : PluggedBus(bus), watcher_(watcher), spec_(std::get<TcpPortSpec>(bus.spec().port)) {}
+  ~TcpBus() override { TcpBus::unplug(); }
 
   [[nodiscard]] std::string place() const override {
     const std::string loopback = loopback_for(spec_.host);
-    const std::string place = loopback + ":" + std::to_string(spec_.port);
+    const std::string place = loopback + ":" + std::to_string(spec_.port) + (plugged() ? "" : " (unplugged)");
     return loopback == spec_.host ? place : place + " (for " + spec_.host + ")";
   }
 
@@ -124,14 +140,34 @@ class TcpBus : public ServedBus {
         if (connections_.size() >= kMaxConnections) continue;
         watcher_.watch(accepted.get());
         const int key = accepted.get();
-        connections_.emplace(key, Connection{std::move(accepted), bus_.open_line()});
+        connections_.emplace(key, Connection{std::move(accepted), bus().open_line()});
       }
     } else if (const auto found = connections_.find(fd); found != connections_.end()) {
       if (!receive(fd, *found->second.line, now)) close(found);
     }
   }
 
-  Instant on_time(Instant now) override {
+ private:
+  struct Connection {
+    Fd fd;
+    std::unique_ptr<BusLine> line;
+  };
+
+  tl::expected<void, std::string> plug() override {
+    auto listener = listen_on(loopback_for(spec_.host), spec_.port);
+    if (!listener) return tl::unexpected(listener.error());
+    listener_ = std::move(*listener);
+    watcher_.watch(listener_.get());
+    return {};
+  }
+
+  void unplug() override {
+    while (!connections_.empty()) close(connections_.begin());
+    if (listener_) watcher_.forget(listener_.get());
+    listener_.reset();
+  }
+
+  Instant talk(Instant now) override {
     Instant next = kNever;
     for (auto at = connections_.begin(); at != connections_.end();) {
       const auto current = at++;
@@ -150,17 +186,11 @@ class TcpBus : public ServedBus {
     return next;
   }
 
- private:
-  struct Connection {
-    Fd fd;
-    std::unique_ptr<BusLine> line;
-  };
   void close(std::map<int, Connection>::iterator connection) {
     watcher_.forget(connection->first);
     connections_.erase(connection);
   }
 
-  SimBus& bus_;
   Watcher& watcher_;
   TcpPortSpec spec_;
   Fd listener_;
