@@ -151,7 +151,6 @@ void DdsLink::complete(std::string_view bus, const CommandResult& result, const 
 }
 
 void DdsLink::report(std::string_view name, const BusReport& report, UtcTime at) {
-  state_->results.flush_overdue();
   const std::shared_lock lock(state_->mutex);
   Bus* bus = state_->find(name);
   if (bus == nullptr) return;

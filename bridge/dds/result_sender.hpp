@@ -1,16 +1,19 @@
 // Publishes command results, one for each command, and lets go of each instance at once, so that memory stays flat over millions.
 //
 // Results are volatile. A requester that has just joined may have had its command heard before its reader was discovered; its
-// result is held until then, for at most a second. Any thread.
+// result is held until then, for at most a second. Readers of other vendors get a moment more: Cyclone DDS throws away what comes
+// before the first heartbeat of a writer, and takes that heartbeat for the beginning. Any thread; one of its own sends what was
+// held.
 #pragma once
 
+#include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <functional>
 #include <map>
 #include <mutex>
-#include <set>
 #include <string>
+#include <thread>
 
 #include "bridge/dds/conversion.hpp"
 #include "bridge/dds/domain.hpp"
@@ -23,6 +26,7 @@ class ResultSender : private dds::DataWriterListener {
 
   ResultSender(Domain& domain, const std::string& label, std::function<UtcMapping()> clock,
                std::function<void(std::string)> on_problem);
+  ~ResultSender() override;  // close()
 
   // The participant that a requester's commands come from. At most kMaxRequesters are remembered; the results of others are not
   // held.
@@ -30,18 +34,24 @@ class ResultSender : private dds::DataWriterListener {
 
   void send(const idl::CommandResult& result);
 
-  // Sends what was held for too long. Called once a second or so.
-  void flush_overdue();
-
-  // Waits at most `linger` until every reader has what was sent, and removes the writer.
+  // Sends what is held, waits at most `linger` until every reader has what was sent, and removes the writer. Once.
   void close(Duration linger);
 
  private:
   static constexpr std::size_t kMaxRequesters = 4096;
   static constexpr std::size_t kMaxHeld = 1024;  // the oldest is sent regardless
   static constexpr Duration kHold = std::chrono::seconds{1};
+  static constexpr Duration kSettle = std::chrono::milliseconds{50};       // ten times the delay of a writer's first heartbeat
   static constexpr Duration kWaitForRoom = std::chrono::milliseconds{20};  // a bus's strand waits
 
+  struct Requester {
+    GuidPrefix participant;
+    Instant heard;  // for the first time
+  };
+  struct Match {
+    std::size_t readers = 0;
+    Instant since;
+  };
   struct Held {
     GuidPrefix participant;
     Instant until;
@@ -49,6 +59,9 @@ class ResultSender : private dds::DataWriterListener {
   };
 
   void on_publication_matched(dds::DataWriter* writer, const dds::PublicationMatchedStatus& status) override;
+  // When a result may leave; nothing: at once. REQUIRES: mutex_ held.
+  [[nodiscard]] std::optional<Instant> hold_until(const Requester& requester, Instant now) const;
+  void send_overdue();  // the thread
   void write(idl::CommandResult& result);
 
   Domain& domain_;
@@ -56,9 +69,12 @@ class ResultSender : private dds::DataWriterListener {
   std::function<void(std::string)> on_problem_;
   dds::DataWriter* writer_ = nullptr;
   std::mutex mutex_;  // never held while writing
-  std::map<std::string, GuidPrefix> requesters_;
-  std::multiset<GuidPrefix> matched_;  // participants with a result reader, once for each reader
+  std::condition_variable changed_;
+  std::map<std::string, Requester> requesters_;
+  std::map<GuidPrefix, Match> matched_;  // participants with a result reader
   std::deque<Held> held_;
+  bool closing_ = false;
+  std::thread thread_;
 };
 
 }  // namespace fieldcast
