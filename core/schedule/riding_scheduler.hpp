@@ -86,7 +86,6 @@ class RidingScheduler final : public Scheduler {
   [[nodiscard]] Decision decide(std::int64_t now);
   void wake(std::int64_t now);
   [[nodiscard]] std::int64_t next_wake() const;
-  [[nodiscard]] Slack look_ahead(std::int64_t now);
   [[nodiscard]] Allowance allowance(std::int64_t spacing, std::int64_t budget, std::int64_t level) const;
   [[nodiscard]] Slice shape(ClusterIndex cluster, std::span<const PointState> points, std::uint32_t urgent, std::int64_t now,
                             const Allowance& allowance) const;
@@ -98,8 +97,11 @@ class RidingScheduler final : public Scheduler {
   void renew(ClusterIndex cluster, PointState& point, std::int64_t at) const;
   void postpone(PointState& point, std::int64_t from) const;
 
-  void refresh_cluster(ClusterIndex cluster, std::int64_t now);
   void refresh_clusters_of(const Block& block, std::int64_t now);
+
+  // riding_outlook.cpp: what comes next
+  [[nodiscard]] Slack look_ahead(std::int64_t now);
+  void refresh_cluster(ClusterIndex cluster, std::int64_t now);
   void write_agenda(ClusterIndex cluster, std::int64_t now);
   void take_out(ClusterIndex cluster);
 
