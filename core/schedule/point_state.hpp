@@ -19,7 +19,8 @@ struct PointState {
   bool bad = false;                  // refused by the device, alone
   bool again = false;                // in imagination: read once already
   bool suspect = false;              // part of a refused block that is being bisected
-  std::int64_t refresh = 0;          // as wished
+  std::int64_t refresh = 0;          // as wished, but not less than
+  std::int64_t least_refresh = 1;    // its own wire time
   double stretch = 1;                // factor on it under overload
   std::int64_t period = 1;           // largest gap allowed at present: stretched, less the lead
   std::int64_t due = kNeverNs;       // when it should be read again

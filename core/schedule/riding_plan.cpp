@@ -166,6 +166,7 @@ void RidingScheduler::spread_cluster(ClusterIndex index, std::int64_t now, Level
   beat = {};
   if (own == kNeverNs) return;
   beat.spacing = beat_spacing(own, fastest_, margin());
+  if (beat.spacing <= 0) return;
 
   // Neighbours of one period share their turns, so that they share the way; far ones take other turns, so that no read is long.
   struct Riders {

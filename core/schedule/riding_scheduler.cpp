@@ -40,9 +40,12 @@ RidingScheduler::RidingScheduler(const ScheduleInput& input, Planner planner, co
     point.end = from.range.end();
     point.mode = from.mode;
     point.priority = static_cast<std::int8_t>(std::clamp(from.priority, -100, 100));
-    point.refresh = std::max<std::int64_t>(1, from.refresh.count());
     const ReadCost& cost = cost_of(layout_.cluster_at[place]);
-    point.readable = cost.of_single(cost.cover(point.first, point.end)).has_value();
+    const auto alone = cost.of_single(cost.cover(point.first, point.end));
+    point.readable = alone.has_value();
+    // Nobody is asked for more often than the wire can carry it: an absurd wish would stretch everybody else's.
+    point.least_refresh = std::max<std::int64_t>(1, alone.value_or(Duration{1}).count());
+    point.refresh = std::max(point.least_refresh, from.refresh.count());
   }
   plan();
 }
@@ -298,7 +301,7 @@ void RidingScheduler::set_point(PointIndex index, Duration refresh, Mode mode, I
   PointState& point = points_[place];
   const bool was_wanted = point.wanted();
   batch_.clear();
-  point.refresh = std::max<std::int64_t>(1, refresh.count());
+  point.refresh = std::max(point.least_refresh, refresh.count());
   point.mode = mode;
   set_period(point);
   if (begun_ && !was_wanted) {

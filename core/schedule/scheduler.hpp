@@ -89,8 +89,8 @@ enum class Planner : std::uint8_t {
 };
 [[nodiscard]] std::string_view to_text(Planner planner);  // "riding", "dynamic-blocks", ...
 
-// REQUIRES: points name devices of the input and areas of their protocols; refreshes are positive. A point that no request of its
-// protocol can carry is never read. Time begins with the first call of next().
+// REQUIRES: points name devices of the input and areas of their protocols. A refresh shorter than the wire time of its own
+// point counts as that time. A point that no request of its protocol can carry is never read. Time begins with the first call of next().
 [[nodiscard]] std::unique_ptr<Scheduler> make_scheduler(const ScheduleInput& input, Planner planner = Planner::kRiding);
 
 }  // namespace fieldcast

@@ -223,5 +223,21 @@ TEST(Scheduler, OverloadStretchesEveryRefreshAndStarvesNobody) {
   }
 }
 
+TEST(Scheduler, AbsurdRefreshesNeitherHangNorStarve) {
+  ScheduleInput input = plant(2);
+  add_points(input, 0, 0, 3, 1, Duration{0});
+  add_points(input, 0, 10, 3, 1, 1ns);
+  add_points(input, 1, 0, 3, 1, Duration::max());
+  add_points(input, 1, 500, 3, 1, 1s);
+  input.points.back().priority = 100;
+  const auto scheduler = make_scheduler(input);
+  VirtualWire wire(input, *scheduler);
+  wire.run(20s);
+  scheduler->set_point(9, Duration{-5}, Mode::kScheduled, wire.now());
+  scheduler->set_point(10, Duration::max(), Mode::kIntensive, wire.now());
+  wire.run(20s);
+  for (const PointIndex point : {0u, 3u, 9u, 11u}) EXPECT_GT(wire.seen(point).count, 1u) << point;
+}
+
 }  // namespace
 }  // namespace fieldcast
