@@ -11,35 +11,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-StationCommand write_running(const std::string& bus) {
-  StationCommand command;
-  command.bus = bus;
-  command.command.device = "d";
-  command.command.target = ChannelTarget{"c0"};
-  command.command.values = {true};
-  return command;
-}
-
-CommandResult done(const Command& command) {
-  CommandResult result;
-  result.requester = command.requester;
-  result.request_id = command.request_id;
-  result.state = CommandState::kDone;
-  result.values = command.values;
-  result.received = result.started = result.completed = both_clocks().instant;
-  return result;
-}
-
-// A bridge that does at once what it is told.
-struct Obedient {
-  explicit Obedient(const std::string& bus) : link(loopback(), "test", heard.handlers()) {
-    heard.answer = [this](const std::string& name, const Command& command) { link.complete(name, done(command), both_clocks()); };
-    link.add_bus(bus_of(bus, 1));
-  }
-  Heard heard;
-  DdsLink link;
-};
-
 TEST(DdsCommand, RunsAndItsResultComesBack) {
   const std::string bus = bus_name("command");
   Obedient bridge(bus);

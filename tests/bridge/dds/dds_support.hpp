@@ -110,4 +110,35 @@ struct Heard {
   }
 };
 
+// A command for the first channel of bus_of().
+inline StationCommand write_running(const std::string& bus) {
+  StationCommand command;
+  command.bus = bus;
+  command.command.device = "d";
+  command.command.target = ChannelTarget{"c0"};
+  command.command.values = {true};
+  return command;
+}
+
+inline CommandResult done(const Command& command) {
+  CommandResult result;
+  result.requester = command.requester;
+  result.request_id = command.request_id;
+  result.state = CommandState::kDone;
+  result.values = command.values;
+  result.received = result.started = result.completed = both_clocks().instant;
+  return result;
+}
+
+// A bridge with one bus that does at once what it is told.
+struct Obedient {
+  explicit Obedient(const std::string& bus, std::size_t channels = 1, const DdsSpec& spec = loopback())
+      : link(spec, "test", heard.handlers()) {
+    heard.answer = [this](const std::string& name, const Command& command) { link.complete(name, done(command), both_clocks()); };
+    link.add_bus(bus_of(bus, channels));
+  }
+  Heard heard;
+  DdsLink link;
+};
+
 }  // namespace fieldcast::testing

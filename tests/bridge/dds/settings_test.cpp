@@ -1,0 +1,211 @@
+// The `dds:` settings that change how a bridge and its stations find each other, over real DDS on loopback.
+#include <arpa/inet.h>
+#include <fastdds/rtps/attributes/ServerAttributes.h>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/domain/DomainParticipantListener.hpp>
+#include <filesystem>
+#include <fstream>
+
+#include "bridge/dds/domain.hpp"
+#include "bridge/dds/library.hpp"
+#include "tests/bridge/dds/dds_support.hpp"
+
+namespace fieldcast::testing {
+namespace {
+
+namespace rtps = eprosima::fastrtps::rtps;
+
+// A file with this text while it lives.
+class TextFile {
+ public:
+  explicit TextFile(const std::string& text) {
+    static int count = 0;
+    path_ = std::filesystem::temp_directory_path() /
+            ("fieldcast-profile-" + std::to_string(getpid()) + "-" + std::to_string(++count) + ".xml");
+    std::ofstream(path_) << text;
+  }
+  ~TextFile() { std::filesystem::remove(path_); }
+  TextFile(const TextFile&) = delete;
+  TextFile& operator=(const TextFile&) = delete;
+  [[nodiscard]] std::string path() const { return path_.string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::string participant_profile(const std::string& name, const std::string& rtps_elements) {
+  return R"(<?xml version="1.0" encoding="UTF-8"?>
+<dds xmlns="http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles"><profiles><participant profile_name=")" +
+         name + R"("><rtps>)" + rtps_elements + "</rtps></participant></profiles></dds>";
+}
+
+// What other participants of the domain see of a new one: its user data, and its name.
+class Discoveries : public dds::DomainParticipantListener {
+ public:
+  explicit Discoveries(const DdsSpec& spec) : domain_(spec, "looker", this) {}
+  [[nodiscard]] std::string user_data_of(const std::string& name) const {
+    const std::lock_guard lock(mutex_);
+    const auto found = seen_.find(name);
+    return found == seen_.end() ? "" : found->second;
+  }
+
+ private:
+  void on_participant_discovery(dds::DomainParticipant*, rtps::ParticipantDiscoveryInfo&& info) override {
+    const std::lock_guard lock(mutex_);
+    seen_[info.info.m_participantName.to_string()] = std::string(info.info.m_userData.begin(), info.info.m_userData.end());
+  }
+  mutable std::mutex mutex_;
+  std::map<std::string, std::string> seen_;
+  Domain domain_;
+};
+
+std::string error_of(const DdsSpec& spec) {
+  Heard heard;
+  try {
+    DdsLink link(spec, "test", heard.handlers());
+  } catch (const DdsError& error) { return error.what(); }
+  return "no error";
+}
+
+// Before the next: the library keeps a profile until its process ends.
+TEST(DdsSettings, ProfileThatCannotBeUsedIsAnErrorThatNamesIt) {
+  DdsSpec spec = loopback();
+  spec.profile = "/nonexistent/dds.xml";
+  EXPECT_EQ(error_of(spec), "dds: cannot read the profile file /nonexistent/dds.xml");
+
+  const TextFile garbage("<dds><profiles><participant");
+  spec.profile = garbage.path();
+  EXPECT_EQ(error_of(spec), "dds: cannot read the profile file " + garbage.path());
+
+  const TextFile other(participant_profile("somebody-else", "<name>x</name>"));
+  spec.profile = other.path();
+  EXPECT_EQ(error_of(spec), "dds: " + other.path() + " has no participant profile 'fieldcast'");
+}
+
+TEST(DdsSettings, ParticipantOfTheUsersProfileIsUsed) {
+  const TextFile file(participant_profile("fieldcast", "<userData><value>0x68.0x69</value></userData>"));
+  const std::string name = bus_name("profiled");
+  Discoveries discoveries(loopback());
+  DdsSpec spec = loopback();
+  spec.profile = file.path();
+  Heard heard;
+  DdsLink link(spec, name, heard.handlers());
+  EXPECT_TRUE(eventually([&] { return discoveries.user_data_of("fieldcast-bridge " + name) == "hi"; }))
+      << "its user data is '" << discoveries.user_data_of("fieldcast-bridge " + name) << "'";
+}
+
+// A discovery server as `fast-discovery-server -i 0 -l 127.0.0.1 -p PORT` starts one.
+class Server {
+ public:
+  Server() {
+    prepare_library();
+    dds::DomainParticipantQos qos;
+    qos.name() = "server";
+    auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+    udp->interfaceWhiteList = {"127.0.0.1"};
+    qos.transport().use_builtin_transports = false;
+    qos.transport().user_transports.push_back(udp);
+    qos.wire_protocol().builtin.discovery_config.discoveryProtocol = rtps::DiscoveryProtocol_t::SERVER;
+    eprosima::fastdds::rtps::get_server_client_default_guidPrefix(0, qos.wire_protocol().prefix);
+    rtps::Locator_t locator(LOCATOR_KIND_UDPv4, port_);
+    rtps::IPLocator::setIPv4(locator, "127.0.0.1");
+    qos.wire_protocol().builtin.metatrafficUnicastLocatorList.push_back(locator);
+    participant_ = factory_->create_participant(loopback().domain, qos);
+  }
+  ~Server() { factory_->delete_participant(participant_); }
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  [[nodiscard]] bool runs() const { return participant_ != nullptr; }
+  [[nodiscard]] std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
+
+ private:
+  static std::uint16_t free_udp_port() {
+    const int fd = socket(AF_INET, SOCK_DGRAM, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    EXPECT_EQ(bind(fd, reinterpret_cast<sockaddr*>(&address), size), 0);
+    EXPECT_EQ(getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size), 0);
+    close(fd);
+    return ntohs(address.sin_port);
+  }
+  const std::uint16_t port_ = free_udp_port();
+  dds::DomainParticipantFactory* const factory_ = dds::DomainParticipantFactory::get_instance();
+  dds::DomainParticipant* participant_ = nullptr;
+};
+
+TEST(DdsSettings, DiscoveryServerBringsBridgeAndStationTogether) {
+  const Server server;
+  ASSERT_TRUE(server.runs());
+  DdsSpec spec = loopback();
+  spec.discovery_server = server.address();
+  const std::string bus = bus_name("served");
+  Obedient bridge(bus, 20, spec);
+  std::vector<Sample> samples;
+  for (ChannelIndex i = 0; i < 20; ++i) samples.push_back(good(i, static_cast<double>(i)));
+  bridge.link.publish(bus, samples, both_clocks());
+
+  Station station(spec, "client");
+  Collected<StationSample> seen;
+  station.subscribe_samples([&](const StationSample& sample) {
+    if (sample.bus == bus) seen.add(sample);
+  });
+  EXPECT_TRUE(eventually([&] { return seen.size() == 20; })) << seen.size() << " of 20 samples";
+  const auto result = station.execute(write_running(bus), std::chrono::seconds{10});
+  EXPECT_TRUE(result) << to_text(result.error());
+}
+
+TEST(DdsSettings, WithoutItsServerAClientFindsNobody) {
+  DdsSpec spec = loopback();
+  {
+    const Server gone;
+    spec.discovery_server = gone.address();
+  }
+  const std::string bus = bus_name("unserved");
+  Heard heard;
+  DdsLink link(spec, "test", heard.handlers());
+  link.add_bus(bus_of(bus, 1));
+  link.publish(bus, std::vector<Sample>{good(0, 1.0)}, both_clocks());
+  // The clock: a pair that needs no server finds each other meanwhile.
+  DdsLink open(loopback(), "open", heard.handlers());
+  open.add_bus(bus_of(bus + "-open", 1));
+  open.publish(bus + "-open", std::vector<Sample>{good(0, 1.0)}, both_clocks());
+  Station client(spec, "client"), plain(loopback(), "plain");
+  Collected<StationSample> unseen, seen;
+  client.subscribe_samples([&](const StationSample& sample) { unseen.add(sample); });
+  plain.subscribe_samples([&](const StationSample& sample) { seen.add(sample); });
+  EXPECT_TRUE(eventually([&] { return seen.size() >= 1; }));
+  EXPECT_EQ(unseen.size(), 0u);
+}
+
+TEST(DdsSettings, DiscoveryServerThatIsNoAddressIsAnError) {
+  DdsSpec spec = loopback();
+  for (const char* server : {"somewhere", "127.0.0.1:", "127.0.0.1:0", "127.0.0.1:65536", "127.0.0.1:12x"}) {
+    spec.discovery_server = server;
+    EXPECT_EQ(error_of(spec), "dds: discovery server '" + std::string(server) + "' is not host:port");
+  }
+}
+
+TEST(DdsSettings, PartitionHoldsForCommandsToo) {
+  const std::string bus = bus_name("walled");
+  DdsSpec inside = loopback(), beside = loopback();
+  inside.partition = "plant-a";
+  beside.partition = "plant-b";
+  Obedient bridge(bus, 1, inside);
+  Station stranger(beside, "stranger"), member(inside, "member");
+  EXPECT_TRUE(member.execute(write_running(bus)));
+  const auto refused = stranger.execute(write_running(bus), std::chrono::milliseconds{300});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error(), StationFault::kNoBridge);
+  EXPECT_EQ(bridge.heard.commands.size(), 1u);
+}
+
+}  // namespace
+}  // namespace fieldcast::testing
