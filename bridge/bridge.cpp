@@ -18,6 +18,7 @@
 #include "bridge/interest_desk.hpp"
 #include "bridge/io_threads.hpp"
 #include "bridge/log.hpp"
+#include "bridge/outlet_thread.hpp"
 #include "bridge/reload_plan.hpp"
 
 namespace fieldcast {
@@ -27,24 +28,34 @@ namespace {
 constexpr std::chrono::milliseconds kStopLimit{1200};
 constexpr std::chrono::milliseconds kLinger{200};
 
+// Hands everything to the outlet thread: a bus never waits for DDS.
 class DdsOutlet final : public BusOutlet {
  public:
-  DdsOutlet(DdsLink& link, std::string bus) : link_(link), bus_(std::move(bus)) {}
-  void publish(std::span<const Sample> samples, const UtcMapping& mapping) override { link_.publish(bus_, samples, mapping); }
-  void promise(ChannelIndex channel, std::optional<Duration> gap) override { link_.set_refresh(bus_, channel, gap); }
-  void complete(const CommandResult& result, const UtcMapping& mapping) override { link_.complete(bus_, result, mapping); }
-  void report(const BusReport& report, UtcTime at) override { link_.report(bus_, report, at); }
+  DdsOutlet(OutletThread& thread, DdsLink& link, std::string bus) : thread_(thread), link_(link), bus_(std::move(bus)) {}
+  void publish(std::vector<Sample> samples, const UtcMapping& mapping) override {
+    thread_.post([this, samples = std::move(samples), mapping] { link_.publish(bus_, samples, mapping); });
+  }
+  void promise(ChannelIndex channel, std::optional<Duration> gap) override {
+    thread_.post([this, channel, gap] { link_.set_refresh(bus_, channel, gap); });
+  }
+  void complete(const CommandResult& result, const UtcMapping& mapping) override {
+    thread_.post([this, result, mapping] { link_.complete(bus_, result, mapping); });
+  }
+  void report(const BusReport& report, UtcTime at) override {
+    thread_.post([this, report, at] { link_.report(bus_, report, at); });
+  }
   void report(std::string_view device, const DeviceReport& report, UtcTime at) override {
-    link_.report(bus_, device, report, at);
+    thread_.post([this, device = std::string(device), report, at] { link_.report(bus_, device, report, at); });
   }
 
  private:
+  OutletThread& thread_;
   DdsLink& link_;
   std::string bus_;
 };
 
 struct RunningBus {
-  std::unique_ptr<DdsOutlet> outlet;  // outlives the runner
+  std::unique_ptr<DdsOutlet> outlet;  // outlives the runner, and what it has posted
   std::shared_ptr<BusRunner> runner;
 };
 
@@ -57,6 +68,7 @@ struct Bridge::State {
   CommandDesk commands;
   InterestDesk interests;
   std::map<std::string, RunningBus, std::less<>> buses;
+  OutletThread outlets;
   std::unique_ptr<DdsLink> link;  // its handlers enter the members above: closed before they end
 
   void join();
@@ -87,7 +99,7 @@ void Bridge::State::join() {
 void Bridge::State::start_bus(const BusSpec& bus) {
   FIELDCAST_CHECK(!buses.contains(bus.name));
   RunningBus made;
-  made.outlet = std::make_unique<DdsOutlet>(*link, bus.name);
+  made.outlet = std::make_unique<DdsOutlet>(outlets, *link, bus.name);
   made.runner = std::make_shared<BusRunner>(io.next(), bus, *made.outlet);
   commands.add(bus.name, made.runner);  // before the bus is announced: its commands may come at once
   try {
@@ -95,6 +107,7 @@ void Bridge::State::start_bus(const BusSpec& bus) {
   } catch (const DdsError&) {
     commands.remove(bus.name);
     made.runner->stop().wait();  // answers what came meanwhile
+    outlets.drain();
     link->remove_bus(bus.name);
     throw;
   }
@@ -114,8 +127,11 @@ void Bridge::State::stop_buses(const std::vector<std::string>& names) {
   }
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (stopped[i].wait_until(deadline) != std::future_status::ready) abandon(names[i]);
-    link->remove_bus(names[i]);  // 3. stations see the bus go
-    buses.erase(names[i]);
+  }
+  outlets.drain();  // 3. what they had to say is said
+  for (const std::string& name : names) {
+    link->remove_bus(name);  // 4. stations see the bus go
+    buses.erase(name);
   }
 }
 
@@ -124,10 +140,10 @@ void Bridge::State::stop_all() {
   if (!link) return;
   std::vector<std::string> names;
   for (const auto& [name, bus] : buses) names.push_back(name);
-  stop_buses(names);     // 1.-3. above, all buses at the same time
-  link->close(kLinger);  // 4. the last results reach their readers, then we leave the domain; no handler is called afterwards
-  link.reset();          // 5.
-  interests.forget();    // 6. stations tell their wishes again to whoever joins next
+  stop_buses(names);     // 1.-4. above, all buses at the same time
+  link->close(kLinger);  // 5. the last results reach their readers, then we leave the domain; no handler is called afterwards
+  link.reset();          // 6.
+  interests.forget();    // 7. stations tell their wishes again to whoever joins next
 }
 
 // A bus whose thread hangs in a driver (a USB adapter that died in the middle of an ioctl) cannot be taken away under its feet.

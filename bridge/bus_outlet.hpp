@@ -2,8 +2,8 @@
 // Called on the bus's io thread only.
 #pragma once
 
-#include <span>
 #include <string_view>
+#include <vector>
 
 #include "bridge/dds/utc_mapping.hpp"
 #include "core/model/command.hpp"
@@ -15,7 +15,7 @@ namespace fieldcast {
 class BusOutlet {
  public:
   virtual ~BusOutlet() = default;
-  virtual void publish(std::span<const Sample> samples, const UtcMapping& mapping) = 0;
+  virtual void publish(std::vector<Sample> samples, const UtcMapping& mapping) = 0;
   virtual void promise(ChannelIndex channel, std::optional<Duration> gap) = 0;
   virtual void complete(const CommandResult& result, const UtcMapping& mapping) = 0;
   virtual void report(const BusReport& report, UtcTime at) = 0;

@@ -118,8 +118,8 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     turning_ = true;
     actions_.clear();
     engine_.on_event(event, now, actions_);
-    for (const Action& action : actions_) {
-      std::visit([&](const auto& what) { execute(what, now); }, action);
+    for (Action& action : actions_) {
+      std::visit([&](auto& what) { execute(what, now); }, action);
     }
     turning_ = false;
     if (report_soon_ && now - reported_ >= kLeastReportGap) report(now);
@@ -130,7 +130,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     port_->write(send.bytes);
   }
   void execute(const SetTimer& timer, Instant) { timer_.set(timer.at); }
-  void execute(const Publish& publish, Instant) { outlet_.publish(publish.samples, mapping_); }
+  void execute(Publish& publish, Instant) { outlet_.publish(std::move(publish.samples), mapping_); }
   void execute(const Promise& promise, Instant) { outlet_.promise(promise.channel, promise.gap); }
   void execute(const Complete& complete, Instant) { outlet_.complete(complete.result, mapping_); }
   void execute(const Reopen& reopen, Instant now) {

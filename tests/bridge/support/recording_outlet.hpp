@@ -22,7 +22,7 @@ class RecordingOutlet final : public BusOutlet {
     std::map<std::string, DeviceReport, std::less<>> devices;
   };
 
-  void publish(std::span<const Sample> samples, const UtcMapping& mapping) override {
+  void publish(std::vector<Sample> samples, const UtcMapping& mapping) override {
     note([&](Record& r) {
       for (const Sample& sample : samples) {
         r.samples.push_back(sample);
