@@ -13,6 +13,18 @@ void BusEngine::State::device_answered(DeviceIndex index, Actions& actions) {
   if (before == DeviceState::kOffline) { notice(Notice::Kind::kDeviceBack, index, Cause::kNone, "answers again", actions); }
 }
 
+// The scheduler plans anew with each answer time it is told: only real changes are worth it.
+void BusEngine::State::learn_answer_time(DeviceIndex index) {
+  DeviceRuntime& device = devices[index];
+  device.answer_time.learn(conversation.answer_time());
+  const Duration learned = device.answer_time.mean();
+  const Duration change =
+      learned > device.planned_answer_time ? learned - device.planned_answer_time : device.planned_answer_time - learned;
+  if (change < std::max(kAnswerTimeStep, device.planned_answer_time / 8)) return;
+  device.planned_answer_time = learned;
+  scheduler->set_answer_time(index, learned);
+}
+
 void BusEngine::State::device_failed(DeviceIndex index, Cause cause, Instant now, Actions& actions) {
   DeviceRuntime& device = devices[index];
   ++device.failures;

@@ -43,7 +43,7 @@ BusEngine::State::State(const BusSpec& bus)
     auto protocol = entry->make(device.link);
     assert(protocol && "the loader checks options");
     devices.push_back(
-        {&device, std::move(*protocol), AnswerTime(device.timeout, std::max(spec.gap_allowance, device.timeout / 4)), {}});
+        {&device, std::move(*protocol), AnswerTime(device.timeout, std::max(spec.gap_allowance, device.timeout / 4))});
     device_names.emplace(device.name, index++);
   }
   last_write.assign(channels.size(), kLongAgo);
@@ -254,8 +254,7 @@ void BusEngine::State::conclude(bool done, Instant now, Actions& actions) {
 
   if (answered) {
     if (done && !ended.timed_out) {
-      device.answer_time.learn(conversation.answer_time());
-      scheduler->set_answer_time(ended.device, device.answer_time.mean());
+      learn_answer_time(ended.device);
     }
     device_answered(ended.device, actions);
   }

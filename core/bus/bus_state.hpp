@@ -23,6 +23,7 @@ struct BusEngine::State {
   static constexpr Duration kBusyPause = std::chrono::milliseconds{100};  // after "busy"
   static constexpr Duration kShortestProbe = std::chrono::milliseconds{10};
   static constexpr Duration kProbeRetry = std::chrono::milliseconds{20};  // when the wire had no time for a probe
+  static constexpr Duration kAnswerTimeStep = std::chrono::microseconds{500};
   static constexpr int kSickShare = 10;  // a sick device wastes at most one part in this many of the wire
   static constexpr double kLightLoad = 0.5;
   static constexpr Duration kEarlyLead = std::chrono::milliseconds{60};  // of a light bus, at most a tenth of a refresh
@@ -67,6 +68,7 @@ struct BusEngine::State {
   void traced(DeviceIndex device, std::string text, Actions& actions) const;
 
   // bus_devices.cpp
+  void learn_answer_time(DeviceIndex device);
   void device_answered(DeviceIndex device, Actions& actions);
   void device_failed(DeviceIndex device, Cause cause, Instant now, Actions& actions);
   [[nodiscard]] std::optional<Flight> probe_due(Instant now);

@@ -18,6 +18,7 @@ struct DeviceRuntime {
   const DeviceSpec* spec = nullptr;
   std::unique_ptr<Protocol> protocol;
   AnswerTime answer_time;
+  Duration planned_answer_time{};        // as the scheduler was last told
   DeviceHealth health;
   std::uint16_t sequence = 0;                   // of exchanges, for ExchangeContext
   Instant quiet_until = kLongAgo;               // a late answer may come until then: nothing but the same request again

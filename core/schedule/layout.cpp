@@ -8,25 +8,20 @@
 
 namespace fieldcast {
 
-namespace {
-
-// Cuts places begin .. end-1 into clusters.
-void cut_strip(const ScheduleInput& input, Clustering clustering, StripIndex index, Layout& layout) {
-  const Strip& strip = layout.strips[index];
-  std::vector<Wanted> wanted;
-  for (Place place = strip.begin; place < strip.end; ++place) {
-    const Range& range = input.points[layout.point_at[place]].range;
-    wanted.push_back({range.first, range.end(), clustering == Clustering::kSinglePoints});
-  }
-  for (const Slice slice : optimal_partition(wanted, strip.cost)) {
-    const auto cluster = static_cast<ClusterIndex>(layout.clusters.size());
-    layout.clusters.push_back({index, strip.device, strip.begin + slice.begin, strip.begin + slice.end});
-    layout.clusters_of[strip.device].push_back(cluster);
-    layout.cluster_at.insert(layout.cluster_at.end(), slice.end - slice.begin, cluster);
+void cut_into_clusters(std::span<const Wanted> wanted, Layout& layout) {
+  layout.clusters.clear();
+  layout.cluster_at.clear();
+  for (auto& clusters : layout.clusters_of) clusters.clear();
+  for (StripIndex index = 0; index < layout.strips.size(); ++index) {
+    const Strip& strip = layout.strips[index];
+    for (const Slice slice : optimal_partition(wanted.subspan(strip.begin, strip.end - strip.begin), strip.cost)) {
+      const auto cluster = static_cast<ClusterIndex>(layout.clusters.size());
+      layout.clusters.push_back({index, strip.device, strip.begin + slice.begin, strip.begin + slice.end});
+      layout.clusters_of[strip.device].push_back(cluster);
+      layout.cluster_at.insert(layout.cluster_at.end(), slice.end - slice.begin, cluster);
+    }
   }
 }
-
-}  // namespace
 
 Layout make_layout(const ScheduleInput& input, Clustering clustering) {
   Layout layout;
@@ -52,8 +47,13 @@ Layout make_layout(const ScheduleInput& input, Clustering clustering) {
     }
     const ReadCost cost(input.devices[head.device], head.range.area, input.line, input.silence, last_item - head.range.first);
     layout.strips.push_back({head.device, head.range.area, cost, begin, end});
-    cut_strip(input, clustering, static_cast<StripIndex>(layout.strips.size() - 1), layout);
   }
+  std::vector<Wanted> wanted;
+  for (const PointIndex point : layout.point_at) {
+    const Range& range = input.points[point].range;
+    wanted.push_back({range.first, range.end(), clustering == Clustering::kSinglePoints});
+  }
+  cut_into_clusters(wanted, layout);
   return layout;
 }
 

@@ -6,9 +6,11 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/plan/cost.hpp"
+#include "core/plan/partition.hpp"
 #include "core/schedule/scheduler.hpp"
 
 namespace fieldcast {
@@ -28,6 +30,7 @@ struct Cluster {
   StripIndex strip = 0;
   DeviceIndex device = 0;
   Place begin = 0, end = 0;
+  friend bool operator==(const Cluster&, const Cluster&) = default;
 };
 
 struct Layout {
@@ -43,5 +46,8 @@ enum class Clustering : std::uint8_t { kOptimal, kSinglePoints };
 
 // REQUIRES: points name devices of the input and areas of their protocols.
 [[nodiscard]] Layout make_layout(const ScheduleInput& input, Clustering clustering);
+
+// Cuts the strips into clusters by their present costs; `wanted` is what each place holds.
+void cut_into_clusters(std::span<const Wanted> wanted, Layout& layout);
 
 }  // namespace fieldcast

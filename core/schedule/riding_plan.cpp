@@ -235,6 +235,27 @@ void RidingScheduler::replan(std::int64_t now) {
   stale_ = false;
 }
 
+// Answer times that were learned change what a request costs, and with it which neighbours are worth reading together. Points keep
+// their turns; only the clusters are cut anew.
+void RidingScheduler::recut(std::int64_t now) {
+  costs_changed_ = false;
+  if (planner_ == Planner::kOnePerChannel) return;
+  std::vector<Wanted> wanted;
+  wanted.reserve(points_.size());
+  for (const PointState& point : points_) wanted.push_back({point.first, point.end, false});
+  const std::vector<Cluster> before = layout_.clusters;
+  cut_into_clusters(wanted, layout_);
+  if (layout_.clusters == before) return;
+  const std::size_t count = layout_.clusters.size();
+  clusters_.assign(count, {});
+  due_ = deadline_ = spare_ = asleep_ = DueQueue(count);
+  batch_.clear();
+  changed_.clear();
+  plan();
+  spread(now);
+  for (ClusterIndex cluster = 0; cluster < count; ++cluster) refresh_cluster(cluster, now);
+}
+
 // A wire that is slower than planned (retries, late answers) shows in points that come late although the wire never rests.
 void RidingScheduler::watch_lateness(bool late, std::int64_t now) {
   constexpr std::uint32_t kWindow = 256;

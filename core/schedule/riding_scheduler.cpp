@@ -17,6 +17,11 @@ Clustering clustering_of(Planner planner) {
   return planner == Planner::kOnePerChannel ? Clustering::kSinglePoints : Clustering::kOptimal;
 }
 
+bool one_period(std::span<const PointState> points) {
+  return std::all_of(points.begin(), points.end(),
+                     [&](const PointState& p) { return p.mode == Mode::kIntensive && p.period == points.front().period; });
+}
+
 }  // namespace
 
 RidingScheduler::RidingScheduler(const ScheduleInput& input, Planner planner, const RidingWeights& weights)
@@ -93,6 +98,7 @@ Duration RidingScheduler::slack(Instant at) {
 
 void RidingScheduler::wake(std::int64_t now) {
   if (!begun_) begin(now);
+  if (costs_changed_) recut(now);
   if (stale_) replan(now);
   while (!suspended_.empty() && suspended_.top_key() <= now) {
     const auto device = static_cast<DeviceIndex>(suspended_.top());
@@ -129,7 +135,11 @@ Allowance RidingScheduler::allowance(std::int64_t spacing, std::int64_t budget, 
 Slice RidingScheduler::shape(ClusterIndex cluster, std::span<const PointState> points, std::uint32_t urgent, std::int64_t now,
                              const Allowance& allowance) const {
   switch (planner_) {
-    case Planner::kRiding: return riding_slice(points, urgent, cost_of(cluster), now, allowance, weights_);
+    case Planner::kRiding:
+      // On a wire that never rests, neighbours of one refresh go round together: the optimal partition, always.
+      if (points[urgent].mode == Mode::kIntensive && one_period(points))
+        return whole_slice(points, urgent, cost_of(cluster), now);
+      return riding_slice(points, urgent, cost_of(cluster), now, allowance, weights_);
     case Planner::kDynamicBlocks: return near_slice(points, urgent, cost_of(cluster), now);
     case Planner::kOnePerChannel: return {urgent, urgent + 1};
     case Planner::kFastestMember: break;
@@ -292,7 +302,7 @@ void RidingScheduler::set_answer_time(DeviceIndex device, Duration answer_time) 
     load_ += clusters_[cluster].load = cluster_load(cluster, false);
     changed_.push_back(cluster);
   }
-  stale_ = true;
+  stale_ = costs_changed_ = true;
 }
 
 void RidingScheduler::set_point(PointIndex index, Duration refresh, Mode mode, Instant at) {

@@ -79,6 +79,7 @@ class RidingScheduler final : public Scheduler {
   void spread_cluster(ClusterIndex cluster, std::int64_t now, Leveller& leveller);
   void begin(std::int64_t now);
   void replan(std::int64_t now);
+  void recut(std::int64_t now);
   void set_period(PointState& point) const;
   void watch_lateness(bool late, std::int64_t now);
 
@@ -140,6 +141,7 @@ class RidingScheduler final : public Scheduler {
   std::int64_t window_began_ = 0, rested_ = 0, rests_since_ = kNeverNs;
   std::vector<ClusterIndex> changed_;  // since the last plan
   bool stale_ = false;                 // a new plan may be needed
+  bool costs_changed_ = false;         // clusters may have to be cut anew
   bool begun_ = false;
   std::vector<Ahead> ahead_;          // scratch of look_ahead()
   std::vector<PointState> imagined_;  // scratch of write_agenda() and cluster_load()
