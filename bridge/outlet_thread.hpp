@@ -1,5 +1,6 @@
-// The thread on which everything leaves for DDS. A DataWriter takes some 10 us for each sample and wakes other threads; on the bus's
-// own thread that time would be missing from the silence after an answer, and the next request would be late.
+// The thread on which results, reports and larger blocks of samples leave for DDS. A DataWriter takes some 10 us for each sample
+// and wakes other threads; on the bus's own thread that time would be missing from the silence after an answer, and the next
+// request would be late.
 //
 // Tasks run one after the other, in the order in which they were posted. Any thread may post.
 #pragma once

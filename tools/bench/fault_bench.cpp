@@ -26,7 +26,7 @@ void measure(const char* what, const std::string& faults, double seconds) {
   plant.listen();
   plant.start_bridge();
   plant.wait_until_seen(9 * 12, 20);
-  let_run(5);  // the first failures of the sick device are over
+  let_run(8);  // the first failures of the sick device are over, and reported
   const auto before = plant.devices();
   plant.forget_samples();
   let_run(seconds);
@@ -37,14 +37,17 @@ void measure(const char* what, const std::string& faults, double seconds) {
   }
   double longest = 0;
   double refreshes = 0;
+  double bad = 0;
   for (const auto& [name, seen] : plant.seen()) {
     if (name.rfind(std::string(kSick) + '/', 0) == 0) continue;
     longest = std::max(longest, static_cast<double>(seen.longest_gap) / 1e9);
     refreshes += static_cast<double>(seen.samples);
+    bad += static_cast<double>(seen.bad);
   }
   std::printf("%s\n", what);
   print_figure("  refreshes of the nine healthy devices", refreshes, "", "");
   print_figure("  refreshes that they missed", missed, "", "goal 0");
+  print_figure("  bad samples of theirs", bad, "", "goal 0");
   print_figure("  longest gap between two samples of theirs", longest, "s", "promise 1");
   print_figure("  load measured", plant.buses().at("bus").report.measured_load, "", "");
   print_figure("  exchanges of the sick device that failed",
@@ -59,8 +62,8 @@ int main(int argc, char** argv) {
   try {
     const double seconds = seconds_from(argc, argv, 30);
     measure("all ten well", "", seconds);
-    measure("unit-4 dead", "faults: [{ bus: bus, device: unit-4, silence: always }]\n", seconds);
-    measure("half of unit-4's answers are noise", "faults: [{ bus: bus, device: unit-4, garble: 0.5 }]\n", seconds);
+    measure("unit-4 dead", "buses: { bus: { devices: { unit-4: { silence: always } } } }\n", seconds);
+    measure("half of unit-4's answers are noise", "buses: { bus: { devices: { unit-4: { garble: 0.5 } } } }\n", seconds);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "fault_bench: %s\n", error.what());
     return 1;

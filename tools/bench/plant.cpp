@@ -61,7 +61,7 @@ void Plant::listen() {
       return;
     }
     const std::int64_t at = sample.acquired_at.nanoseconds;
-    if (seen.samples > 0) {
+    if (seen.last_acquired > 0) {
       seen.longest_gap = std::max(seen.longest_gap, at - seen.last_acquired);
       seen.shortest_gap = std::min(seen.shortest_gap, at - seen.last_acquired);
     }
@@ -72,7 +72,8 @@ void Plant::listen() {
 
 void Plant::forget_samples() {
   const std::lock_guard guard(lock_);
-  seen_.clear();
+  // The gap that is open at the mark counts whole.
+  for (auto& [name, seen] : seen_) seen = Seen{.last_acquired = seen.last_acquired};
 }
 
 std::map<std::string, Seen> Plant::seen() const {
