@@ -57,7 +57,11 @@ bool CommandClient::Writer::write(idl::Command& command) {
     entity->wait_for_acknowledgments({1, 0});
     if (!entity->write(&command)) return false;
   }
-  entity->unregister_instance(&command, dds::HANDLE_NIL);
+  // Kept if it does not fit: the instance would stay for ever.
+  if (entity->unregister_instance(&command, dds::HANDLE_NIL) != ReturnCode_t::RETCODE_OK) {
+    entity->wait_for_acknowledgments({1, 0});
+    entity->unregister_instance(&command, dds::HANDLE_NIL);
+  }
   if (found_new.exchange(false)) entity->wait_for_acknowledgments({1, 0});
   return true;
 }

@@ -21,7 +21,7 @@ ResultSender::ResultSender(Domain& domain, const std::string& label, std::functi
     : domain_(domain), clock_(std::move(clock)), on_problem_(std::move(on_problem)) {
   writer_ = domain.writer<idl::CommandResultPubSubType>(kCommandResultTopic, result_writer_qos(), label, this,
                                                         dds::StatusMask::publication_matched());
-  thread_ = std::thread([this] { send_overdue(); });
+  thread_ = std::thread([this] { run(); });
 }
 
 ResultSender::~ResultSender() {
@@ -46,33 +46,39 @@ std::optional<Instant> ResultSender::hold_until(const Requester& requester, Inst
 
 void ResultSender::send(const idl::CommandResult& result) {
   std::unique_lock lock(mutex_);
-  idl::CommandResult next = result;
   if (const auto requester = requesters_.find(result.requester().c_str()); requester != requesters_.end()) {
     if (const auto until = hold_until(requester->second, clock_().instant)) {
-      held_.push_back({requester->second.participant, *until, std::move(next)});
+      held_.push_back({requester->second.participant, *until, result});
+      if (held_.size() > kMaxHeld) held_.front().until = Instant{};
       changed_.notify_one();
-      if (held_.size() <= kMaxHeld) return;
-      next = std::move(held_.front().result);
-      held_.pop_front();
+      return;
     }
   }
-  lock.unlock();
-  write(next);
+  Ready ready{result};
+  if (ready_.empty() && !sending_) {
+    lock.unlock();
+    if (try_send(ready)) return;
+    lock.lock();
+  }
+  enqueue(std::move(ready), lock);
 }
 
-void ResultSender::write(idl::CommandResult& result) {
-  bool written = writer_->write(&result);
-  if (!written) {
-    // Full of results that are not acknowledged yet. The library waits for room for samples, but not for instances.
-    writer_->wait_for_acknowledgments(to_dds(kWaitForRoom));
-    written = writer_->write(&result);
-  }
-  if (!written) {
-    on_problem_("result " + std::to_string(result.request_id()) + " of " + result.requester().c_str() +
-                " was not sent: readers do not acknowledge");
+void ResultSender::enqueue(Ready ready, std::unique_lock<std::mutex>& lock) {
+  if (ready_.size() < kMaxReady) {
+    ready_.push_back(std::move(ready));
+    changed_.notify_one();
     return;
   }
-  writer_->unregister_instance(&result, dds::HANDLE_NIL);
+  lock.unlock();
+  on_problem_("result " + std::to_string(ready.result.request_id()) + " of " + ready.result.requester().c_str() +
+              " was not sent: readers do not acknowledge");
+}
+
+bool ResultSender::try_send(Ready& ready) {
+  if (!ready.written && !writer_->write(&ready.result)) return false;
+  ready.written = true;
+  const ReturnCode_t let_go = writer_->unregister_instance(&ready.result, dds::HANDLE_NIL);
+  return let_go != ReturnCode_t::RETCODE_TIMEOUT && let_go != ReturnCode_t::RETCODE_OUT_OF_RESOURCES;
 }
 
 void ResultSender::on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) {
@@ -93,22 +99,35 @@ void ResultSender::on_publication_matched(dds::DataWriter*, const dds::Publicati
   changed_.notify_one();
 }
 
-void ResultSender::send_overdue() {
+void ResultSender::take_due() {
+  const Instant now = clock_().instant;
+  std::erase_if(held_, [&](Held& held) {
+    if (held.until > now) return false;
+    ready_.push_back({std::move(held.result)});
+    return true;
+  });
+}
+
+void ResultSender::run() {
   std::unique_lock lock(mutex_);
   while (!closing_) {
-    const Instant now = clock_().instant;
-    const auto next =
-        std::min_element(held_.begin(), held_.end(), [](const Held& a, const Held& b) { return a.until < b.until; });
-    if (next == held_.end()) {
-      changed_.wait(lock);
-    } else if (next->until > now) {
-      changed_.wait_for(lock, next->until - now);
-    } else {
-      idl::CommandResult result = std::move(next->result);
-      held_.erase(next);
+    take_due();
+    if (!ready_.empty()) {
+      Ready next = std::move(ready_.front());
+      ready_.pop_front();
+      sending_ = true;
       lock.unlock();
-      write(result);
+      // The library clears out what is acknowledged when it is waited for, and never waits for room for instances by itself.
+      const bool sent = try_send(next) || (writer_->wait_for_acknowledgments(to_dds(kWaitForRoom)), try_send(next));
       lock.lock();
+      sending_ = false;
+      if (!sent) ready_.push_front(std::move(next));
+    } else if (held_.empty()) {
+      changed_.wait(lock);
+    } else {
+      const auto next =
+          std::min_element(held_.begin(), held_.end(), [](const Held& a, const Held& b) { return a.until < b.until; });
+      changed_.wait_for(lock, next->until - clock_().instant);
     }
   }
 }
@@ -120,12 +139,19 @@ void ResultSender::close(Duration linger) {
     changed_.notify_one();
   }
   thread_.join();
-  std::deque<Held> last;
+  std::deque<Ready> last;
   {
     const std::lock_guard lock(mutex_);
-    last.swap(held_);
+    for (Held& held : held_) ready_.push_back({std::move(held.result)});
+    held_.clear();
+    last.swap(ready_);
   }
-  for (Held& held : last) write(held.result);
+  bool waited = false;  // once for all: the bridge is on its way out
+  for (Ready& ready : last) {
+    if (try_send(ready) || std::exchange(waited, true)) continue;
+    writer_->wait_for_acknowledgments(to_dds(linger));
+    (void)try_send(ready);
+  }
   writer_->wait_for_acknowledgments(to_dds(linger));
   domain_.remove(std::exchange(writer_, nullptr));
 }

@@ -39,10 +39,11 @@ class ResultSender : private dds::DataWriterListener {
 
  private:
   static constexpr std::size_t kMaxRequesters = 4096;
-  static constexpr std::size_t kMaxHeld = 1024;  // the oldest is sent regardless
+  static constexpr std::size_t kMaxHeld = 1024;                  // the oldest is sent regardless
+  static constexpr std::size_t kMaxReady = kMaxPendingCommands;  // what comes beyond is dropped, and said
   static constexpr Duration kHold = std::chrono::seconds{1};
   static constexpr Duration kSettle = std::chrono::milliseconds{50};       // ten times the delay of a writer's first heartbeat
-  static constexpr Duration kWaitForRoom = std::chrono::milliseconds{20};  // a bus's strand waits
+  static constexpr Duration kWaitForRoom = std::chrono::milliseconds{20};  // between two looks at whether to end
 
   struct Requester {
     GuidPrefix participant;
@@ -57,12 +58,18 @@ class ResultSender : private dds::DataWriterListener {
     Instant until;
     idl::CommandResult result;
   };
+  struct Ready {
+    idl::CommandResult result;
+    bool written = false;  // its instance is still to be let go
+  };
 
   void on_publication_matched(dds::DataWriter* writer, const dds::PublicationMatchedStatus& status) override;
   // When a result may leave; nothing: at once. REQUIRES: mutex_ held.
   [[nodiscard]] std::optional<Instant> hold_until(const Requester& requester, Instant now) const;
-  void send_overdue();  // the thread
-  void write(idl::CommandResult& result);
+  void run();       // the thread
+  void take_due();  // from held_ to ready_. REQUIRES: mutex_ held.
+  void enqueue(Ready ready, std::unique_lock<std::mutex>& lock);
+  [[nodiscard]] bool try_send(Ready& ready);  // false: no room now
 
   Domain& domain_;
   std::function<UtcMapping()> clock_;
@@ -73,6 +80,8 @@ class ResultSender : private dds::DataWriterListener {
   std::map<std::string, Requester> requesters_;
   std::map<GuidPrefix, Match> matched_;  // participants with a result reader
   std::deque<Held> held_;
+  std::deque<Ready> ready_;
+  bool sending_ = false;  // the thread, the one that was first in ready_
   bool closing_ = false;
   std::thread thread_;
 };

@@ -60,8 +60,10 @@ double Process::cpu_seconds() const {
   return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
 
-double Process::resident_mb() const {
-  std::ifstream file("/proc/" + std::to_string(id_) + "/status");
+double Process::resident_mb() const { return bench::resident_mb(id_); }
+
+double resident_mb(pid_t process) {
+  std::ifstream file("/proc/" + std::to_string(process) + "/status");
   for (std::string line; std::getline(file, line);) {
     if (line.rfind("VmRSS:", 0) == 0) return std::stod(line.substr(6)) / 1024;
   }

@@ -25,6 +25,9 @@ class Process {
   pid_t id_ = -1;
 };
 
+// What a process holds in memory; 0 if it is gone.
+[[nodiscard]] double resident_mb(pid_t process);
+
 // A folder of its own below the system's temporary one, removed at the end.
 class ScratchFolder {
  public:

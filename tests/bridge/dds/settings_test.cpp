@@ -10,6 +10,8 @@
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <set>
 
 #include "bridge/dds/domain.hpp"
 #include "bridge/dds/library.hpp"
@@ -44,7 +46,7 @@ std::string participant_profile(const std::string& name, const std::string& rtps
          name + R"("><rtps>)" + rtps_elements + "</rtps></participant></profiles></dds>";
 }
 
-// What other participants of the domain see of a new one: its user data, and its name.
+// What other participants of the domain see of a new one: its name with its user data, and the topics that it writes.
 class Discoveries : public dds::DomainParticipantListener {
  public:
   explicit Discoveries(const DdsSpec& spec) : domain_(spec, "looker", this) {}
@@ -54,13 +56,23 @@ class Discoveries : public dds::DomainParticipantListener {
     return found == seen_.end() ? "" : found->second;
   }
 
+  [[nodiscard]] bool is_written(const std::string& topic) const {
+    const std::lock_guard lock(mutex_);
+    return topics_.contains(topic);
+  }
+
  private:
+  void on_publisher_discovery(dds::DomainParticipant*, rtps::WriterDiscoveryInfo&& info) override {
+    const std::lock_guard lock(mutex_);
+    topics_.insert(info.info.topicName().to_string());
+  }
   void on_participant_discovery(dds::DomainParticipant*, rtps::ParticipantDiscoveryInfo&& info) override {
     const std::lock_guard lock(mutex_);
     seen_[info.info.m_participantName.to_string()] = std::string(info.info.m_userData.begin(), info.info.m_userData.end());
   }
   mutable std::mutex mutex_;
   std::map<std::string, std::string> seen_;
+  std::set<std::string> topics_;
   Domain domain_;
 };
 
@@ -190,6 +202,18 @@ TEST(DdsSettings, DiscoveryServerThatIsNoAddressIsAnError) {
   for (const char* server : {"somewhere", "127.0.0.1:", "127.0.0.1:0", "127.0.0.1:65536", "127.0.0.1:12x"}) {
     spec.discovery_server = server;
     EXPECT_EQ(error_of(spec), "dds: discovery server '" + std::string(server) + "' is not host:port");
+  }
+}
+
+// The library's own measurements, asked for by its own variable: latencies, throughput, machine and process of each participant.
+TEST(DdsSettings, StatisticsOfTheLibraryArePublishedWhenAskedFor) {
+  Discoveries discoveries(loopback());
+  setenv("FASTDDS_STATISTICS", "HISTORY_LATENCY_TOPIC;PHYSICAL_DATA_TOPIC", 1);
+  Heard heard;
+  DdsLink link(loopback(), "test", heard.handlers());
+  unsetenv("FASTDDS_STATISTICS");
+  for (const char* topic : {"_fastdds_statistics_history2history_latency", "_fastdds_statistics_physical_data"}) {
+    EXPECT_TRUE(eventually([&] { return discoveries.is_written(topic); })) << topic;
   }
 }
 
