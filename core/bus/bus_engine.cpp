@@ -40,7 +40,9 @@ BusEngine::State::State(const BusSpec& bus)
   for (const DeviceSpec& device : spec.devices) {
     const ProtocolEntry* entry = find_protocol(device.protocol);
     assert(entry && "the loader checks protocols");
-    auto protocol = entry->make(device.link);
+    DeviceLink link = device.link;
+    link.line = line;
+    auto protocol = entry->make(link);
     assert(protocol && "the loader checks options");
     devices.push_back(
         {&device, std::move(*protocol), AnswerTime(device.timeout, std::max(spec.gap_allowance, device.timeout / 4))});

@@ -23,6 +23,7 @@
 #include "core/base/bytes.hpp"
 #include "core/base/cause.hpp"
 #include "core/base/time.hpp"
+#include "core/frame/line.hpp"
 
 namespace fieldcast {
 
@@ -190,10 +191,12 @@ class Protocol {
 // Explains one frame to people; never fails: what cannot be understood is a field with a fault.
 using Explainer = std::vector<FrameField> (*)(ByteView frame);
 
-// A protocol for one device: its address and the protocol's own options (name -> text, from the configuration).
+// A protocol for one device: its address and the protocol's own options (name -> text, from the configuration), and the line of its bus,
+// which the engine fills in for those who weigh what the wire costs (DTC: what is worth compressing).
 struct DeviceLink {
   std::uint16_t address = 1;
   std::map<std::string, std::string> options;
+  LineFormat line{};
   friend bool operator==(const DeviceLink&, const DeviceLink&) = default;
 };
 struct OptionFault {

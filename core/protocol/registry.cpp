@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/protocol/dtc/dtc.hpp"
 #include "core/protocol/mitsubishi_fx/mitsubishi_fx.hpp"
 #include "core/protocol/modbus/modbus.hpp"
 #include "core/protocol/omron_hostlink/omron_hostlink.hpp"
@@ -14,6 +15,7 @@ namespace fieldcast {
 std::span<const ProtocolEntry> protocols() {
   // clang-format off
   static const std::array entries{
+      dtc::entry(),
       mitsubishi_fx::entry(),
       modbus::rtu_entry(),
       modbus::ascii_entry(),

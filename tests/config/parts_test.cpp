@@ -60,6 +60,7 @@ TEST(PortText, LineIsAsTheProtocolsDevicesComeFromTheFactory) {
   EXPECT_EQ(line("omron-hostlink"), "/dev/ttyS0 9600 7E2");
   EXPECT_EQ(line("s7-freeport"), "/dev/ttyS0 9600 8N1");
   EXPECT_EQ(line("s7-ppi"), "/dev/ttyS0 9600 8E1");
+  EXPECT_EQ(line("dtc"), "/dev/ttyS0 19200 8E1");
   EXPECT_EQ(line("mitsubishi-fx"), "/dev/ttyS0 9600 7E1");
 }
 

@@ -2,6 +2,7 @@
 #include <array>
 
 #include "tools/sim/device.hpp"
+#include "tools/sim/dtc_device.hpp"
 #include "tools/sim/modbus_device.hpp"
 #include "tools/sim/modbus_memory.hpp"
 
@@ -12,6 +13,7 @@ std::span<const DeviceKind> device_kinds() {
       DeviceKind{"modbus-rtu", kModbusAreaNames, true, &make_modbus_rtu_device},
       DeviceKind{"modbus-ascii", kModbusAreaNames, true, &make_modbus_ascii_device},
       DeviceKind{"modbus-tcp", kModbusAreaNames, false, &make_modbus_tcp_device},
+      DeviceKind{"dtc", kDtcAreaNames, true, &make_dtc_device},
   };
   return kinds;
 }

@@ -1,0 +1,195 @@
+// One round: a packet there, a packet back. The answer repeats nothing but address and command, so its length, which the request
+// fixes, is checked as if it were a field; a packet of any other length is not the answer.
+#include "core/protocol/dtc/dtc.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "core/codec/lzw.hpp"
+#include "core/protocol/dtc/message.hpp"
+#include "core/protocol/dtc/packet.hpp"
+#include "core/protocol/dtc/threshold.hpp"
+#include "core/protocol/dtc/types.hpp"
+#include "core/protocol/option_reader.hpp"
+
+namespace fieldcast::dtc {
+namespace {
+
+constexpr std::size_t kNoiseAllowed = 512;  // bytes beside the answer; more is a babbling line
+constexpr std::uint32_t kDefaultMessage = 1024, kLeastMessage = 32;
+constexpr Traits kTraits{.name = "dtc",
+                         .summary = "DTC: scattered variables of several types in one message, compressed by LZW where it pays",
+                         .lowest_address = 0,
+                         .highest_address = 255,
+                         .max_ranges = 1,  // by max-message, for each device
+                         .identity = AnswerIdentity::kAddress};
+
+struct Link {
+  std::uint8_t address = 1;
+  std::size_t longest = kDefaultMessage;  // message, before compression
+  std::size_t threshold = kNever;
+};
+
+class DtcExchange final : public Exchange {
+ public:
+  DtcExchange(const Link& link, Request request)
+      : link_(link),
+        request_(std::move(request)),
+        sent_(message_of(link.address, request_)),
+        answer_size_(message_sizes(request_, link.longest)->answer) {}
+
+  Step start(Bytes& out) override {
+    append_packet(out, sent_, link_.threshold);
+    return Step::send(static_cast<std::uint32_t>(kPacketHead + answer_size_));
+  }
+
+  Step on_bytes(ByteView all, Bytes&) override {
+    if (all.size() > kPacketHead + answer_size_ + kNoiseAllowed) return Step::failed(Cause::kOverlong);
+    const Step step = scan(all);
+    if (open_) received_.assign(all.begin(), all.end());
+    return step;
+  }
+
+  // Noise may have looked like the head of a packet, and the answer stands behind it.
+  Step on_silence(Bytes&) override {
+    while (open_) {
+      const Cause before = silence_;
+      ++judged_;
+      const Step step = scan(received_);
+      if (step.kind != Step::Kind::kNeedMore) return step;
+      silence_ = before;
+    }
+    return Step::failed(silence_);
+  }
+
+  const Reply& reply() const override { return reply_; }
+
+ private:
+  // Goes on where the last call stopped: no byte is judged twice as the beginning of a packet, whatever is received.
+  Step scan(ByteView all) {
+    open_ = false;
+    while (judged_ < all.size()) {
+      const ByteView bytes = all.subspan(judged_);
+      const Seen seen = look(bytes);
+      if (seen.kind == Seen::Kind::kOpen) {
+        open_ = true;
+        if (!waited_out_) silence_ = Cause::kTruncated;  // else that is the better reason
+        return Step::need_rest(static_cast<std::uint32_t>(seen.size - bytes.size()));
+      }
+      if (seen.kind == Seen::Kind::kNoise) {
+        if (silence_ == Cause::kNoAnswer && bytes[0] != 0x00 && bytes[0] != 0xFF) silence_ = Cause::kMalformed;
+        ++judged_;
+        continue;
+      }
+      const auto step = judge(seen);
+      if (step) return *step;
+    }
+    return waited_out_ ? Step::need_rest(0) : Step::need_answer();
+  }
+
+  // Nothing: not the answer, passed over.
+  std::optional<Step> judge(const Seen& seen) {
+    Bytes expanded;
+    ByteView message = seen.content;
+    if (seen.compressed) {
+      if (!lzw_decode(seen.content, seen.original, expanded)) return broken(Cause::kMalformed, 1);
+      message = expanded;
+    }
+    if (!crc_is_right(message)) return broken(Cause::kChecksum, 1);
+    const std::uint8_t command = sent_[1];
+    const bool ours = message[0] == link_.address && (message[1] & ~kRefused) == command;
+    if (!ours || std::ranges::equal(message, sent_)) return broken(Cause::kForeign, seen.size);  // of others, or our own echo
+    if ((message[1] & kRefused) != 0) {
+      if (message.size() != kRefusalSize) return broken(Cause::kMalformed, seen.size);
+      return Step::failed(Cause::kDeviceError, message[kMessageHead]);
+    }
+    if (message.size() != answer_size_) return broken(Cause::kMalformed, seen.size);
+    reply_ = reply_of(request_, message.subspan(kMessageHead, message.size() - kMessageHead - kCrcBytes));
+    return Step::done();
+  }
+
+  std::optional<Step> broken(Cause cause, std::size_t size) {
+    silence_ = cause;
+    judged_ += size;
+    waited_out_ = cause != Cause::kForeign;
+    return std::nullopt;
+  }
+
+  const Link link_;
+  const Request request_;
+  const Bytes sent_;  // the message
+  const std::size_t answer_size_;
+  std::size_t judged_ = 0;   // bytes that begin no answer
+  bool open_ = false;        // what stands at judged_ may be a packet that is not complete
+  bool waited_out_ = false;  // the last packet was broken: what was the answer, perhaps, is over
+  Bytes received_;           // while open_
+  Reply reply_;
+  Cause silence_ = Cause::kNoAnswer;
+};
+
+class DtcProtocol final : public Protocol {
+ public:
+  explicit DtcProtocol(const Link& link) : link_(link), traits_(kTraits) {
+    const std::size_t room = link.longest - kMessageHead - kCrcBytes;
+    traits_.max_ranges = static_cast<std::uint16_t>(room / kGroupHead);
+    for (AreaIndex type = 0; type < kTypeCount; ++type) {
+      areas_[type] = {.name = kTypeNames[type],
+                      .item_bits = kTypeBits[type],
+                      .items = kVariables,
+                      .writable = true,
+                      .max_read = static_cast<std::uint16_t>(room * 8 / kTypeBits[type]),
+                      .max_write = static_cast<std::uint16_t>((room - kGroupHead) * 8 / kTypeBits[type])};
+    }
+  }
+
+  const Traits& traits() const override { return traits_; }
+  std::span<const Area> areas() const override { return areas_; }
+  tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override { return dtc::parse_address(at); }
+
+  // Of plain packets: what compression saves is known only when the values are; a packet is never longer.
+  std::optional<ExchangeSize> size(const Request& request) const override {
+    const auto sizes = message_sizes(request, link_.longest);
+    if (!sizes) return std::nullopt;
+    return ExchangeSize{.request_characters = static_cast<std::uint32_t>(kPacketHead + sizes->request),
+                        .answer_characters = static_cast<std::uint32_t>(kPacketHead + sizes->answer)};
+  }
+
+  std::unique_ptr<Exchange> begin(Request request, ExchangeContext) const override {
+    return std::make_unique<DtcExchange>(link_, std::move(request));
+  }
+
+ private:
+  const Link link_;
+  Traits traits_;
+  std::array<Area, kTypeCount> areas_;
+};
+
+constexpr std::array<std::string_view, 3> kOptions{"codec-ns-per-byte", "max-message", "threshold"};
+constexpr std::uint32_t kCodecNs = 1000;  // both ends together: a 32-bit controller of 100 MHz as the device
+
+tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link) {
+  OptionReader reader(link, kTraits, kOptions);
+  Link dtc{.address = static_cast<std::uint8_t>(link.address)};
+  dtc.longest = reader.number("max-message", kLeastMessage, kMaxMessage, kDefaultMessage);
+  const Duration per_byte{reader.number("codec-ns-per-byte", 0, 1'000'000, kCodecNs)};
+  if (reader.fault()) return tl::unexpected(*reader.fault());
+  const auto threshold = link.options.find("threshold");
+  if (threshold == link.options.end() || threshold->second == "auto") {
+    dtc.threshold = auto_threshold(link.line, per_byte);
+  } else {
+    dtc.threshold = reader.number("threshold", 0, kNever, kNever);
+    if (reader.fault()) {
+      return tl::unexpected(OptionFault{"threshold", reader.fault()->what, "auto, or bytes " + reader.fault()->allowed});
+    }
+  }
+  return std::make_unique<DtcProtocol>(dtc);
+}
+
+}  // namespace
+
+const ProtocolEntry& entry() {
+  static constexpr ProtocolEntry row{kTraits.name, kTraits.summary, make, explain, kOptions};
+  return row;
+}
+
+}  // namespace fieldcast::dtc

@@ -1,0 +1,13 @@
+// DTC behind the protocol seam: any number of scattered variables of several types in one message, compressed where that pays.
+#pragma once
+
+#include "core/protocol/protocol.hpp"
+
+namespace fieldcast::dtc {
+
+[[nodiscard]] const ProtocolEntry& entry();
+
+// A packet, the message in it and, of a request, its groups.
+[[nodiscard]] std::vector<FrameField> explain(ByteView frame);
+
+}  // namespace fieldcast::dtc

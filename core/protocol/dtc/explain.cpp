@@ -1,0 +1,111 @@
+// DTC packets for people.
+#include <algorithm>
+#include <string>
+
+#include "core/codec/checksum.hpp"
+#include "core/codec/lzw.hpp"
+#include "core/protocol/dtc/dtc.hpp"
+#include "core/protocol/dtc/message.hpp"
+#include "core/protocol/dtc/packet.hpp"
+#include "core/protocol/dtc/types.hpp"
+#include "core/protocol/field_writer.hpp"
+
+namespace fieldcast::dtc {
+namespace {
+
+constexpr std::size_t kMaxExplained = 2 * (kPacketHead + kMaxMessage);
+
+std::string hex(std::uint8_t byte) { return to_hex({&byte, 1}); }
+
+// One group at the beginning of `bytes`: its size with data, or 0 when no group is complete there.
+std::size_t group_size(ByteView bytes, bool with_data) {
+  if (bytes.size() < kGroupHead || bytes[2] >= kTypeCount) return 0;
+  const std::size_t data = with_data ? data_bytes(bytes[2], read_u16(bytes, 3)) : 0;
+  return kGroupHead + data <= bytes.size() ? kGroupHead + data : 0;
+}
+
+// Nothing in a message says whether it is a request; groups that fill it to the last byte do.
+bool all_groups(ByteView bytes, bool with_data) {
+  if (bytes.empty()) return false;
+  while (!bytes.empty()) {
+    const std::size_t size = group_size(bytes, with_data);
+    if (size == 0 || read_u16(bytes, 3) == 0) return false;
+    bytes = bytes.subspan(size);
+  }
+  return true;
+}
+
+void explain_message(FieldWriter& writer, ByteView message) {
+  writer.add(0, 1, "address", std::to_string(message[0]));
+  const bool refused = (message[1] & kRefused) != 0;
+  const std::uint8_t command = message[1] & static_cast<std::uint8_t>(~kRefused);
+  const std::string name = command == kRead ? " read" : command == kWrite ? " write" : " unknown";
+  writer.add(1, 1, "command", hex(message[1]) + name + (refused ? " refused" : ""), command > kWrite ? "neither 00 nor 01" : "");
+  const ByteView rest = message.subspan(kMessageHead, message.size() - kMessageHead - kCrcBytes);
+  if (refused) {
+    writer.add(kMessageHead, rest.size(), "code", rest.empty() ? "" : hex(rest[0]) + " " + std::string(refusal_text(rest[0])),
+               rest.size() == 1 ? "" : "a refusal has one byte of code");
+  } else if (const bool write = command == kWrite; all_groups(rest, write)) {
+    for (std::size_t at = 0; at < rest.size();) {
+      const ByteView group = rest.subspan(at);
+      const std::size_t size = group_size(group, write);
+      std::string text = std::string(kTypeNames[group[2]]) + ":" + std::to_string(read_u16(group)) + ", count " +
+                         std::to_string(read_u16(group, 3));
+      if (write) text += " = " + to_hex(group.subspan(kGroupHead, size - kGroupHead));
+      writer.add(kMessageHead + at, size, "group", std::move(text),
+                 read_u16(group) + std::size_t{read_u16(group, 3)} <= kVariables ? "" : "beyond the last variable");
+      at += size;
+    }
+  } else if (write && !rest.empty()) {
+    writer.add(kMessageHead, rest.size(), "groups", to_hex(rest), "not a list of whole groups");
+  } else if (!rest.empty()) {
+    writer.add(kMessageHead, rest.size(), "data", to_hex(rest));
+  }
+  const std::size_t end = message.size() - kCrcBytes;
+  const std::uint16_t right = crc16_modbus(message.first(end));
+  const Bytes bytes{static_cast<std::uint8_t>(right), static_cast<std::uint8_t>(right >> 8)};
+  writer.add(end, kCrcBytes, "CRC", to_hex(message.last(kCrcBytes)), crc_is_right(message) ? "" : "should be " + to_hex(bytes));
+}
+
+// Returns the size of the packet, or of all when it is none.
+std::size_t explain_packet(FieldWriter& all, std::size_t at, ByteView bytes) {
+  const Seen seen = look(bytes);
+  if (seen.kind != Seen::Kind::kWhole) {
+    const bool open = seen.kind == Seen::Kind::kOpen;
+    all.add(at, bytes.size(), "packet", to_hex(bytes.first(std::min<std::size_t>(bytes.size(), 64))),
+            open ? "incomplete: " + std::to_string(bytes.size()) + " bytes of at least " + std::to_string(seen.size)
+                 : "no packet: flag 00 or 01, then a length that a message can have");
+    return bytes.size();
+  }
+  all.add(at, 1, "flag", seen.compressed ? "01 compressed" : "00 plain");
+  all.add(at + 1, 2, "length", std::to_string(seen.size - kPacketHead));
+  const std::size_t start = at + seen.size - seen.content.size();
+  if (!seen.compressed) {
+    FieldWriter inner(start, 1, 1);
+    explain_message(inner, seen.content);
+    all.append(inner.take());
+    return seen.size;
+  }
+  all.add(at + kPacketHead, 2, "original length", std::to_string(seen.original));
+  Bytes message;
+  const auto expanded = lzw_decode(seen.content, seen.original, message);
+  all.add(start, seen.content.size(), "LZW codes", std::to_string(seen.content.size()) + " bytes",
+          expanded ? "" : std::string(to_text(expanded.error())));
+  if (!expanded) return seen.size;
+  FieldWriter inner(start, 0, 1);  // what was compressed has no place of its own on the wire
+  explain_message(inner, message);
+  all.append(inner.take());
+  return seen.size;
+}
+
+}  // namespace
+
+std::vector<FrameField> explain(ByteView frame) {
+  FieldWriter writer;
+  frame = frame.first(std::min(frame.size(), kMaxExplained));
+  for (std::size_t at = 0; at < frame.size();) at += explain_packet(writer, at, frame.subspan(at));
+  if (frame.empty()) writer.remark("", "nothing to explain");
+  return writer.take();
+}
+
+}  // namespace fieldcast::dtc

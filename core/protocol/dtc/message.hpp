@@ -1,0 +1,37 @@
+// The messages of DTC.
+//
+//     request   address(1) command(1) group.. CRC(2)      group: first(2) type(1) count(2) [data, in a write]
+//     answer    address(1) command(1) data.. CRC(2)       of all groups in the order asked; none to a write
+//     refusal   address(1) command|80 code(1) CRC(2)
+//
+// Numbers are big-endian, bits packed from the least significant; the CRC is Modbus's, its low byte first.
+#pragma once
+
+#include <optional>
+
+#include "core/protocol/protocol.hpp"
+
+namespace fieldcast::dtc {
+
+inline constexpr std::uint8_t kRead = 0x00, kWrite = 0x01, kRefused = 0x80;
+inline constexpr std::size_t kMessageHead = 2, kCrcBytes = 2, kGroupHead = 5, kRefusalSize = 5;
+
+struct MessageSizes {
+  std::size_t request = 0;
+  std::size_t answer = 0;
+};
+// Nothing when a limit is broken, or either message would be longer than `longest`. Allocates nothing.
+[[nodiscard]] std::optional<MessageSizes> message_sizes(const Request& request, std::size_t longest);
+
+// REQUIRES: message_sizes(request) holds a value.
+[[nodiscard]] Bytes message_of(std::uint8_t address, const Request& request);
+
+// Low byte first at its end, over all before it. REQUIRES: message.size() > kCrcBytes.
+[[nodiscard]] bool crc_is_right(ByteView message);
+
+// REQUIRES: data are those of message_sizes().answer.
+[[nodiscard]] Reply reply_of(const Request& request, ByteView data);
+
+[[nodiscard]] std::string_view refusal_text(std::uint8_t code);  // "address out of range"
+
+}  // namespace fieldcast::dtc

@@ -1,0 +1,51 @@
+#include "core/protocol/dtc/packet.hpp"
+
+#include "core/codec/lzw.hpp"
+
+namespace fieldcast::dtc {
+
+void append_packet(Bytes& out, ByteView message, std::size_t threshold) {
+  const std::size_t start = out.size();
+  // A body that is one byte shorter than the message at most: more codes are not worth writing to their end.
+  const std::size_t shorter = message.size() - 1;
+  if (message.size() >= threshold && shorter > kOriginalBytes) {
+    out.resize(start + kPacketHead + shorter);
+    const auto body = std::span(out).subspan(start + kPacketHead);
+    LzwEncoder encoder;
+    if (const auto codes = encoder.encode(message, body.subspan(kOriginalBytes))) {
+      const std::size_t length = kOriginalBytes + *codes;
+      out[start] = kCompressed;
+      out[start + 1] = static_cast<std::uint8_t>(length >> 8);
+      out[start + 2] = static_cast<std::uint8_t>(length);
+      body[0] = static_cast<std::uint8_t>(message.size() >> 8);
+      body[1] = static_cast<std::uint8_t>(message.size());
+      out.resize(start + kPacketHead + length);
+      return;
+    }
+    out.resize(start);
+  }
+  out.push_back(kPlain);
+  append_u16(out, static_cast<std::uint16_t>(message.size()));
+  append(out, message);
+}
+
+Seen look(ByteView bytes) {
+  const std::uint8_t flag = bytes[0];
+  if (flag != kPlain && flag != kCompressed) return {};
+  Seen seen{.kind = Seen::Kind::kOpen, .size = kPacketHead + kMinMessage, .compressed = flag == kCompressed};
+  if (bytes.size() < kPacketHead) return seen;
+  const std::size_t length = read_u16(bytes, 1);
+  const std::size_t least = seen.compressed ? kOriginalBytes + 1 : kMinMessage;
+  if (length < least || length > kMaxMessage) return {};
+  seen.size = kPacketHead + length;
+  const std::size_t head = kPacketHead + (seen.compressed ? kOriginalBytes : 0);
+  if (bytes.size() < head) return seen;
+  seen.original = seen.compressed ? read_u16(bytes, kPacketHead) : length;
+  if (seen.compressed && (seen.original <= length || seen.original > kMaxMessage)) return {};
+  if (bytes.size() < seen.size) return seen;
+  seen.kind = Seen::Kind::kWhole;
+  seen.content = bytes.subspan(head, seen.size - head);
+  return seen;
+}
+
+}  // namespace fieldcast::dtc

@@ -1,0 +1,18 @@
+#include "core/protocol/dtc/threshold.hpp"
+
+#include <cmath>
+
+namespace fieldcast::dtc {
+
+std::size_t auto_threshold(const LineFormat& line, Duration per_byte) {
+  constexpr double kSaved = 0.5;      // of a byte, once strings repeat; dtc_bench prints what real data save
+  constexpr double kLearning = 16.0;  // bytes that save nothing
+  constexpr double kLengthBytes = 2.0;
+  const double character = static_cast<double>(line.characters(1).count());
+  const double gain = kSaved * character - static_cast<double>(per_byte.count());
+  if (gain <= 0) return kNever;
+  const double least = std::ceil((kSaved * kLearning + kLengthBytes) * character / gain);
+  return least < static_cast<double>(kNever) ? static_cast<std::size_t>(least) : kNever;
+}
+
+}  // namespace fieldcast::dtc

@@ -1,0 +1,65 @@
+#include "core/protocol/dtc/types.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <string>
+
+#include "core/protocol/near_miss.hpp"
+
+namespace fieldcast::dtc {
+namespace {
+
+constexpr std::string_view kAllowed =
+    "bit:N, int16:N, int32:N, float32:N, float64:N with N 0..65535, or int16:N.BIT, int32:N.BIT for a bit of an integer";
+
+using Parsed = tl::expected<ParsedAddress, AddressFault>;
+
+Parsed fault(std::string what, std::string suggestion = {}) {
+  return tl::unexpected(AddressFault{std::move(what), std::string(kAllowed), std::move(suggestion)});
+}
+std::string quoted(std::string_view text) { return "'" + std::string(text.substr(0, 64)) + "'"; }
+
+// UINT32_MAX when it is too large for anything; nothing for what is no number.
+std::optional<std::uint32_t> number(std::string_view text) {
+  std::uint32_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || end != text.data() + text.size()) return std::nullopt;
+  return error == std::errc{} ? value : UINT32_MAX;
+}
+
+}  // namespace
+
+Parsed parse_address(std::string_view at) {
+  const std::size_t colon = at.find(':');
+  const std::string_view name = at.substr(0, colon);
+  const auto found = std::ranges::find(kTypeNames, name);
+  if (colon == std::string_view::npos || found == kTypeNames.end()) {
+    const std::string_view near = near_miss(name, kTypeNames);
+    const std::string rest(colon == std::string_view::npos ? ":0" : at.substr(colon));
+    return fault("type " + quoted(name) + " is unknown", near.empty() || rest.size() > 16 ? "" : std::string(near) + rest);
+  }
+  ParsedAddress address{.area = static_cast<AreaIndex>(found - kTypeNames.begin())};
+  const unsigned bits = kTypeBits[address.area];
+  const std::string_view place = at.substr(colon + 1);
+  const std::size_t dot = place.find('.');
+  const auto first = number(place.substr(0, dot));
+  if (!first) return fault(quoted(place.substr(0, dot)) + " is no number", std::string(name) + ":0");
+  if (*first >= kVariables) return fault(quoted(at) + " is beyond the end of " + std::string(name), std::string(name) + ":65535");
+  address.first = *first;
+  if (dot == std::string_view::npos) {
+    // Numbers with a point are whole; a value may be made of several integers.
+    if (address.area == kBit || address.area == kFloat32 || address.area == kFloat64) address.width_bits = bits;
+    return address;
+  }
+  const std::string whole(at.substr(0, colon + 1 + dot));
+  if (address.area != kInt16 && address.area != kInt32) return fault(quoted(at) + " has no bits", whole);
+  const auto bit = number(place.substr(dot + 1));
+  if (!bit || *bit >= bits) {
+    return fault("bit " + quoted(place.substr(dot + 1)) + " is not 0.." + std::to_string(bits - 1), whole + ".0");
+  }
+  address.bit = static_cast<std::uint8_t>(*bit);
+  address.width_bits = 1;
+  return address;
+}
+
+}  // namespace fieldcast::dtc
