@@ -70,11 +70,9 @@ BusSpec read_bus(const Node& node, Session& session) {
   UniqueNames addresses;
   DeviceContext context{{}, map.has("protocol"), map.place_of("protocol"), {}, spec.port, addresses};
   map.read_required("name", spec.name, NameRule{}, "a name for the bus");
-  const ProtocolEntry* entry = nullptr;
-  if (const Node* protocol = map.find("protocol")) entry = read_protocol(*protocol, "protocol", session.faults);
-  if (entry != nullptr) context.protocol = entry->name;
+  if (const Node* protocol = map.find("protocol")) context.protocol = read_protocol(*protocol, "protocol", session);
   if (const Node* port = map.require("port", "port: { serial: PATH } or { tcp: HOST:PORT }")) {
-    spec.port = read_port(*port, context.protocol, session.faults);
+    spec.port = read_port(*port, context.protocol.name, session.faults);
   }
   map.read("echo", spec.echo, ChoiceRule<std::optional<bool>>{kEchoes});
   read_defaults(map, spec, context.defaults);

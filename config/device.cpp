@@ -6,6 +6,7 @@
 #include "config/limits.hpp"
 #include "config/port.hpp"
 #include "config/scalars.hpp"
+#include "core/model/make_protocol.hpp"
 
 namespace fieldcast::config {
 namespace {
@@ -74,7 +75,7 @@ void read_channel_nodes(MapReader& map, Draft& draft, Session& session) {
 }
 
 // protocols: [modbus-rtu, ...]: those whose address notation the template is written in.
-void check_template_protocols(MapReader& map, const Node& naming, const std::string& protocol) {
+void check_template_protocols(MapReader& map, const Node& naming, const std::string& protocol, Session& session) {
   const Node* node = map.find("protocols");
   if (node == nullptr) return;
   if (node->kind != Kind::kList || node->items.empty()) {
@@ -82,12 +83,15 @@ void check_template_protocols(MapReader& map, const Node& naming, const std::str
                      "a list of protocols");
     return;
   }
-  std::vector<std::string_view> names;
+  std::vector<std::string> names;
   for (const Node* item : node->items) {
-    if (const auto* entry = read_protocol(*item, "protocol", map.faults())) names.push_back(entry->name);
+    // A declaration is looked for beside the configuration, not beside the template: the device's own is known already.
+    if (item->kind == Kind::kScalar && !protocol.empty() && item->text == protocol) return;
+    if (auto choice = read_protocol(*item, "protocol", session); choice.known()) names.push_back(std::move(choice.name));
   }
-  if (protocol.empty() || names.size() != node->items.size() || std::ranges::find(names, protocol) != names.end()) return;
-  map.faults().add(naming.place, "template '" + naming.text + "' is not for " + protocol, joined(names));
+  if (protocol.empty() || names.size() != node->items.size()) return;
+  map.faults().add(naming.place, "template '" + naming.text + "' is not for " + protocol,
+                   joined(std::vector<std::string_view>(names.begin(), names.end())));
 }
 
 void read_template(const Node& naming, const std::string& protocol, Draft& draft, Session& session) {
@@ -96,7 +100,7 @@ void read_template(const Node& naming, const std::string& protocol, Draft& draft
   MapReader map(*root, kTemplateKeys, session.faults);
   std::string description;
   map.read("description", description, TextRule{kMaxDescription});
-  check_template_protocols(map, naming, protocol);
+  check_template_protocols(map, naming, protocol, session);
   if (const Node* defaults = map.find("defaults")) {
     MapReader inner(*defaults, kTemplateDefaultKeys, session.faults);
     read_device_defaults(inner, draft.defaults);
@@ -107,16 +111,18 @@ void read_template(const Node& naming, const std::string& protocol, Draft& draft
 }
 
 // The protocol object for this device, or nothing and the faults of address and options.
-std::unique_ptr<Protocol> make_protocol(MapReader& map, const ProtocolEntry& entry, bool has_address, const Draft& draft) {
+std::unique_ptr<Protocol> protocol_of(MapReader& map, const ProtocolChoice& choice, const PortSpec& port, bool has_address,
+                                      const Draft& draft) {
+  const auto options = choice.built_in != nullptr ? choice.built_in->options : std::span<const std::string_view>{};
   bool known = true;
   for (const auto& [name, value] : draft.spec.link.options) {
-    if (std::ranges::find(entry.options, name) != entry.options.end()) continue;
+    if (std::ranges::find(options, name) != options.end()) continue;
     known = false;
-    map.faults().add(draft.option_places.at(name), "unknown option '" + name + "' of " + std::string(entry.name),
-                     entry.options.empty() ? "no options" : joined(entry.options), closest(name, entry.options));
+    map.faults().add(draft.option_places.at(name), "unknown option '" + name + "' of " + choice.name,
+                     options.empty() ? "no options" : joined(options), closest(name, options));
   }
   if (!known) return nullptr;
-  auto protocol = entry.make(draft.spec.link);
+  auto protocol = make_protocol(draft.spec, line_of(port));
   if (protocol) return std::move(*protocol);
   const auto& fault = protocol.error();
   const auto option = draft.option_places.find(fault.option);
@@ -143,16 +149,6 @@ void read_channels(const Draft& draft, const Protocol* protocol, const Place& pl
 
 }  // namespace
 
-const ProtocolEntry* read_protocol(const Node& node, std::string_view key, FaultList& faults) {
-  std::vector<std::string_view> names;
-  for (const auto& entry : protocols()) names.push_back(entry.name);
-  const std::string* text = scalar_of(node, key, joined(names), faults);
-  if (text == nullptr) return nullptr;
-  if (const auto* entry = find_protocol(*text)) return entry;
-  faults.add(node.place, std::string(key) + " '" + *text + "' is unknown", joined(names), closest(*text, names));
-  return nullptr;
-}
-
 DeviceSpec read_device(const Node& node, const DeviceContext& context, Session& session) {
   MapReader map(node, kDeviceKeys, session.faults);
   Draft draft{{}, context.defaults, {}, {}};
@@ -160,18 +156,19 @@ DeviceSpec read_device(const Node& node, const DeviceContext& context, Session& 
   map.read_required("name", spec.name, NameRule{}, "a name for the device");
   const bool has_address = map.read_required("address", spec.link.address, AddressRule{}, "the device's address on the bus");
 
-  const ProtocolEntry* entry = find_protocol(context.protocol);
+  ProtocolChoice choice = context.protocol;
   if (const Node* own = map.find("protocol")) {
-    entry = read_protocol(*own, "protocol", session.faults);
+    choice = read_protocol(*own, "protocol", session);
   } else if (!context.protocol_named && map.is_map() && !map.has("protocol")) {
     session.faults.add(map.place(), "'protocol' is missing in a device, and its bus names none", "a protocol here or in the bus");
   }
-  if (entry != nullptr) {
-    spec.protocol = entry->name;
+  if (choice.known()) {
+    spec.protocol = choice.name;
+    spec.declaration = choice.declaration;
     check_port(spec.protocol, context.port, map.has("protocol") ? map.place_of("protocol") : context.protocol_place,
                session.faults);
   }
-  if (has_address && entry != nullptr) {
+  if (has_address && choice.known()) {
     const std::string address = std::to_string(spec.link.address) + " (" + spec.protocol + ')';
     context.addresses.add("address", address, map.place_of("address"), session.faults);
   }
@@ -188,7 +185,7 @@ DeviceSpec read_device(const Node& node, const DeviceContext& context, Session& 
   spec.max_block = draft.defaults.max_block;
   spec.max_gap = draft.defaults.max_gap;
 
-  const auto protocol = entry == nullptr ? nullptr : make_protocol(map, *entry, has_address, draft);
+  const auto protocol = choice.known() ? protocol_of(map, choice, context.port, has_address, draft) : nullptr;
   if (draft.channels.empty() && map.is_map() && !map.has("channels") && !map.has("template") && !spec.allow_raw_read &&
       !spec.allow_raw_write) {
     session.faults.add(map.place(), "a device without channels", "channels, a template, or allow: [raw-read, raw-write]");

@@ -4,21 +4,14 @@
 #include <string>
 
 #include "config/cascade.hpp"
-#include "config/library.hpp"
+#include "config/protocol_choice.hpp"
 #include "config/unique_names.hpp"
 #include "core/model/spec.hpp"
 
 namespace fieldcast::config {
 
-// What one load shares.
-struct Session {
-  FaultList& faults;
-  Library& library;
-  std::size_t channels = 0;  // so far, of the whole bridge
-};
-
 struct DeviceContext {
-  std::string protocol;         // of the bus; empty when it names none, or an unknown one
+  ProtocolChoice protocol;      // of the bus; unknown when it names none, or a wrong one
   bool protocol_named = false;  // rightly or wrongly
   Place protocol_place;
   DeviceDefaults defaults;
@@ -28,8 +21,5 @@ struct DeviceContext {
 
 // Faults are noted; with faults the result is whatever could be read.
 [[nodiscard]] DeviceSpec read_device(const Node& node, const DeviceContext& context, Session& session);
-
-// The protocol's row, or nothing and a fault with the nearest name.
-const ProtocolEntry* read_protocol(const Node& node, std::string_view key, FaultList& faults);
 
 }  // namespace fieldcast::config

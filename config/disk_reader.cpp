@@ -54,6 +54,9 @@ std::string_view to_text(FileError error) {
 
 FileReader disk_reader() { return {read_disk, list_disk}; }
 
-LoadOptions default_options() { return {{FIELDCAST_SOURCE_TEMPLATES, FIELDCAST_INSTALLED_TEMPLATES}}; }
+LoadOptions default_options() {
+  return {{FIELDCAST_SOURCE_FOLDER "/devices", FIELDCAST_INSTALLED_FOLDER "/devices"},
+          {FIELDCAST_SOURCE_FOLDER "/protocols", FIELDCAST_INSTALLED_FOLDER "/protocols"}};
+}
 
 }  // namespace fieldcast::config

@@ -1,5 +1,7 @@
 #include "config/library.hpp"
 
+#include <algorithm>
+
 #include "config/limits.hpp"
 #include "config/suggest.hpp"
 
@@ -15,6 +17,13 @@ bool is_word(std::string_view name) {
 std::string with_slash(std::string directory) {
   if (!directory.empty() && !directory.ends_with('/')) directory += '/';
   return directory;
+}
+
+// Those beside the naming file come first.
+std::vector<std::string> folders(const Node& naming, std::string_view own, std::span<const std::string> others) {
+  std::vector<std::string> directories{resolve(*naming.place.source, own)};
+  for (const auto& directory : others) directories.push_back(with_slash(directory));
+  return directories;
 }
 
 }  // namespace
@@ -62,22 +71,32 @@ const Node* Library::device_template(const Node& naming) {
                 "the name of a file in devices/, without .yaml");
     return nullptr;
   }
-  std::vector<std::string> directories{resolve(*naming.place.source, "devices/")};
-  for (const auto& directory : options_.template_directories) directories.push_back(with_slash(directory));
-  FileError worst = FileError::kMissing;
+  const auto directories = folders(naming, "devices/", options_.template_directories);
+  const Found found = in_directories(naming, "template", directories);
+  if (!found.exists) fault_missing(naming, "template '" + naming.text + "' ", FileError::kMissing, directories, ".yaml");
+  return found.root;
+}
+
+Library::Found Library::protocol_declaration(const Node& naming) {
+  if (!is_word(naming.text)) return {};
+  return in_directories(naming, "protocol", folders(naming, "protocols/", options_.protocol_directories));
+}
+
+std::vector<std::string> Library::declared_protocols(const Node& naming) const {
+  return names_in(folders(naming, "protocols/", options_.protocol_directories), ".yaml");
+}
+
+Library::Found Library::in_directories(const Node& naming, std::string_view what, std::span<const std::string> directories) {
   for (const auto& directory : directories) {
     const std::string path = directory + naming.text + ".yaml";
-    if (documents_.contains(path)) return opened(path, naming, "template", false);
+    if (documents_.contains(path)) return {true, opened(path, naming, what, false)};
     auto text = read(path);
-    if (!text) {
-      if (text.error() == FileError::kMissing) continue;
-      worst = text.error();
-      break;
-    }
-    return keep(path, std::move(*text), false);
+    if (text) return {true, keep(path, std::move(*text), false)};
+    if (text.error() == FileError::kMissing) continue;
+    fault_missing(naming, std::string(what) + " '" + naming.text + "' ", text.error(), directories, ".yaml");
+    return {true, nullptr};
   }
-  fault_missing(naming, "template '" + naming.text + "' ", worst, directories, ".yaml");
-  return nullptr;
+  return {};
 }
 
 std::string Library::check_file(const Node& naming) {
@@ -87,18 +106,24 @@ std::string Library::check_file(const Node& naming) {
   return path;
 }
 
-void Library::fault_missing(const Node& naming, const std::string& what, FileError error,
-                            std::span<const std::string> directories, std::string_view suffix) {
+std::vector<std::string> Library::names_in(std::span<const std::string> directories, std::string_view suffix) const {
   std::vector<std::string> names;
-  if (reader_.list) {
-    for (const auto& directory : directories) {
-      for (auto& name : reader_.list(directory)) {
-        if (!name.ends_with(suffix)) continue;
-        name.resize(name.size() - suffix.size());
-        names.push_back(std::move(name));
-      }
+  if (!reader_.list) return names;
+  for (const auto& directory : directories) {
+    for (auto& name : reader_.list(directory)) {
+      if (!name.ends_with(suffix)) continue;
+      name.resize(name.size() - suffix.size());
+      names.push_back(std::move(name));
     }
   }
+  std::ranges::sort(names);
+  names.erase(std::ranges::unique(names).begin(), names.end());
+  return names;
+}
+
+void Library::fault_missing(const Node& naming, const std::string& what, FileError error,
+                            std::span<const std::string> directories, std::string_view suffix) {
+  const auto names = names_in(directories, suffix);
   const std::vector<std::string_view> candidates(names.begin(), names.end());
   const auto folder = directory_of(naming.text);
   const auto meant = closest(std::string_view(naming.text).substr(folder.size()), candidates);

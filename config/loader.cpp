@@ -4,6 +4,7 @@
 #include <array>
 
 #include "config/bus.hpp"
+#include "config/declaration.hpp"
 #include "config/limits.hpp"
 #include "config/port.hpp"
 #include "config/scalars.hpp"
@@ -138,6 +139,34 @@ Loaded load_file(const std::string& path, const LoadOptions& options) {
   const auto text = reader.read(path);
   if (!text) return tl::unexpected(whole_file(path, "the file " + std::string(to_text(text.error()))));
   return load_text(*text, path, reader, options);
+}
+
+LoadedDeclaration load_declaration_text(std::string_view text, const std::string& file_name) {
+  FaultList faults;
+  const auto document = parse_yaml(Source{file_name, std::string(text), 0}, faults);
+  declared::SharedDeclaration declaration;
+  if (document->root != nullptr) {
+    std::string_view name = std::string_view(file_name).substr(directory_of(file_name).size());
+    if (name.ends_with(".yaml")) name.remove_suffix(5);
+    declaration = read_declaration(*document->root, std::string(name), faults);
+  } else if (faults.empty()) {
+    return tl::unexpected(whole_file(file_name, "the file is empty", "a map with summary, areas, operations"));
+  }
+  if (!faults.empty()) return tl::unexpected(faults.take());
+  return declaration;
+}
+
+LoadedDeclaration load_declaration(const std::string& path_or_name, const LoadOptions& options) {
+  const auto reader = disk_reader();
+  auto text = reader.read(path_or_name);
+  std::string path = path_or_name;
+  for (const auto& directory : options.protocol_directories) {
+    if (text || path_or_name.find('/') != std::string::npos) break;
+    path = directory + '/' + path_or_name + ".yaml";
+    text = reader.read(path);
+  }
+  if (!text) return tl::unexpected(whole_file(path_or_name, "the file " + std::string(to_text(text.error()))));
+  return load_declaration_text(*text, path);
 }
 
 }  // namespace fieldcast::config

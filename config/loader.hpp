@@ -33,9 +33,11 @@ struct FileReader {
 struct LoadOptions {
   // Where `template: press` looks for press.yaml after the folder devices/ beside the configuration.
   std::vector<std::string> template_directories;
+  // And `protocol: instrument` for instrument.yaml after the folder protocols/.
+  std::vector<std::string> protocol_directories;
 };
 
-// The device templates that come with Fieldcast: those of the source tree or of the installation.
+// The device templates and declared protocols that come with Fieldcast: those of the source tree or of the installation.
 [[nodiscard]] LoadOptions default_options();
 
 using Loaded = tl::expected<BridgeSpec, std::vector<Fault>>;
@@ -46,5 +48,11 @@ using Loaded = tl::expected<BridgeSpec, std::vector<Fault>>;
 // As load_file, with the text at hand. `file_name` stands in the faults, and its folder is where relative names begin.
 [[nodiscard]] Loaded load_text(std::string_view text, const std::string& file_name, const FileReader& reader,
                                const LoadOptions& options = {});
+
+// The declaration of a protocol by itself, from a file or from the name of one that comes with Fieldcast; its name is that of the
+// file.
+using LoadedDeclaration = tl::expected<declared::SharedDeclaration, std::vector<Fault>>;
+[[nodiscard]] LoadedDeclaration load_declaration(const std::string& path_or_name, const LoadOptions& options = default_options());
+[[nodiscard]] LoadedDeclaration load_declaration_text(std::string_view text, const std::string& file_name);
 
 }  // namespace fieldcast::config

@@ -5,6 +5,7 @@
 #include <cassert>
 
 #include "core/bus/bus_state.hpp"
+#include "core/model/make_protocol.hpp"
 
 namespace fieldcast {
 namespace {
@@ -38,19 +39,15 @@ BusEngine::State::State(const BusSpec& bus)
       conversation(line, spec.gap_allowance, echo_for(spec)) {
   DeviceIndex index = 0;
   for (const DeviceSpec& device : spec.devices) {
-    const ProtocolEntry* entry = find_protocol(device.protocol);
-    assert(entry && "the loader checks protocols");
-    DeviceLink link = device.link;
-    link.line = line;
-    auto protocol = entry->make(link);
-    assert(protocol && "the loader checks options");
+    auto protocol = make_protocol(device, line);
+    assert(protocol && "the loader checks protocols, addresses and options");
     devices.push_back(
         {&device, std::move(*protocol), AnswerTime(device.timeout, std::max(spec.gap_allowance, device.timeout / 4))});
     device_names.emplace(device.name, index++);
   }
   last_write.assign(channels.size(), kLongAgo);
   wishes.resize(channels.size());
-  make_scheduler();
+  make_points();
 }
 
 BusEngine::BusEngine(const BusSpec& spec) : state_(std::make_unique<State>(spec)) {}

@@ -12,6 +12,7 @@
 #include "core/base/time.hpp"
 #include "core/codec/value_codec.hpp"
 #include "core/frame/line.hpp"
+#include "core/protocol/declared/declaration.hpp"
 #include "core/protocol/protocol.hpp"
 
 namespace fieldcast {
@@ -54,16 +55,14 @@ struct ChannelSpec {
   friend bool operator==(const ChannelSpec&, const ChannelSpec&) = default;
 };
 
-// Whether the bridge reads the channel without being asked.
-[[nodiscard]] bool read_by_itself(const ChannelSpec& channel);
-
 // The DEADLINE of the channel's samples: its refresh, or with a deadband the heartbeat; nothing for channels that are read only when
 // somebody asks.
 [[nodiscard]] std::optional<Duration> promised_gap(const ChannelSpec& channel);
 
 struct DeviceSpec {
   std::string name;
-  std::string protocol;             // "modbus-rtu"
+  std::string protocol;             // "modbus-rtu", or the name of a declaration
+  declared::SharedDeclaration declaration;  // when the protocol is a declared one
   DeviceLink link;                  // address and protocol options
   Duration timeout = std::chrono::milliseconds{200};  // to the first byte of an answer, from the end of the request
   unsigned retries = 1;             // 0..10 more tries of an exchange

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "core/model/make_protocol.hpp"
 #include "core/schedule/scheduler.hpp"
 #include "tests/config/support.hpp"
 
@@ -203,7 +204,7 @@ TEST(GoodFiles, ExamplesNeedLessThanHalfOfEachWire) {
       ScheduleInput input{line, silence_of(bus.silence, line), {}, {}};
       std::vector<std::unique_ptr<Protocol>> protocols;
       for (const auto& device : bus.devices) {
-        protocols.push_back(std::move(*find_protocol(device.protocol)->make(device.link)));
+        protocols.push_back(std::move(*make_protocol(device, line)));
         input.devices.push_back({protocols.back().get(), milliseconds{5}, device.pause, device.max_block, device.max_gap});
         for (const auto& channel : device.channels) {
           const auto index = static_cast<DeviceIndex>(input.devices.size() - 1);

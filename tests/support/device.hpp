@@ -14,6 +14,8 @@ class Device {
  public:
   Device(std::string_view protocol, std::uint16_t address, std::map<std::string, std::string> options = {});
 
+  explicit Device(std::unique_ptr<Protocol> protocol) : protocol_(std::move(protocol)) {}
+
   [[nodiscard]] const Protocol& protocol() const { return *protocol_; }
   // `count` items from an address such as "holding:100"; a gtest failure when the address is not understood.
   [[nodiscard]] Range range(std::string_view at, std::uint32_t count = 1) const;

@@ -82,7 +82,7 @@ CLI::App* add_plan(CLI::App& app, PlanOptions& plan, Texts& texts) {
 
 CLI::App* add_inspect(CLI::App& app, InspectOptions& inspect) {
   auto* command = app.add_subcommand("inspect", "Explain a frame; needs no bridge");
-  command->add_option("PROTOCOL", inspect.protocol, "modbus-rtu, modbus-ascii, modbus-tcp, ..")->required();
+  command->add_option("PROTOCOL", inspect.protocol, "modbus-rtu, omron-hostlink, .., or a declaration: instrument, ./mine.yaml")->required();
   command->add_option("HEX", inspect.hex, "The frame's bytes; from standard input when there are none");
   command->add_flag("--json", inspect.json, "One JSON object");
   return command;

@@ -1,4 +1,5 @@
-// `fieldcast inspect PROTOCOL HEX`: a frame for people. Needs no DDS.
+// `fieldcast inspect PROTOCOL HEX`: a frame for people. PROTOCOL is built in, the path of a declaration, or the name of one that comes
+// with Fieldcast. Needs no DDS.
 #pragma once
 
 #include <iosfwd>

@@ -1,0 +1,297 @@
+// What a declaration contradicts itself in (declared_frame.hpp). Each rule notes its fault where the user has to change
+// something.
+#include <algorithm>
+#include <map>
+
+#include "config/declared_frame.hpp"
+#include "config/suggest.hpp"
+#include "core/protocol/declared/frame.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+using declared::Declaration;
+using declared::DeclaredArea;
+using declared::Field;
+using declared::FieldKind;
+
+std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
+
+class OperationCheck {
+ public:
+  OperationCheck(const Declaration& declaration, const DraftOperation& draft, FaultList& faults)
+      : declaration_(declaration),
+        draft_(draft),
+        operation_(draft.operation),
+        area_(declaration.areas[draft.operation.area]),
+        faults_(faults) {}
+
+  void run() {
+    check_frame(draft_.request);
+    check_frame(draft_.answer);
+    check_payload();
+    check_addressing();
+    check_variable(draft_.answer);
+    for (const auto& draft : draft_.request.fields) {
+      if (draft.field.variable) faults_.add(draft.place, "a variable text in a request", "a fixed one: requests have one length");
+    }
+  }
+
+ private:
+  void needs(bool there, const Place& place, const std::string& what, const std::string& allowed) {
+    if (!there) faults_.add(place, what, allowed);
+  }
+
+  // Every number that a field may have to hold.
+  void check_frame(const DraftFrame& frame) {
+    const std::uint64_t last = area_.items == 0 ? 0 : area_.items - 1, count = operation_.max_count;
+    for (const DraftField& draft : frame.fields) {
+      const Field& field = draft.field;
+      const auto holds = [&](std::uint64_t lowest, std::uint64_t highest, const std::string& what) {
+        const auto largest = std::min(declared::largest(field.word), UINT64_MAX >> (64 - field.bits));
+        const bool below = field.plus < 0 && lowest < static_cast<std::uint64_t>(-field.plus);
+        if (below || highest + static_cast<std::uint64_t>(field.plus) > largest)
+          faults_.add(
+              draft.place,
+              quoted(field.name) + " is too narrow: " + what + " " +
+                  (below ? "falls below 0" : "reaches " + std::to_string(highest + static_cast<std::uint64_t>(field.plus))),
+              "0 to " + std::to_string(largest) + ", or a wider field");
+      };
+      switch (field.kind) {
+        case FieldKind::kAddress: holds(declaration_.lowest_address, declaration_.highest_address, "the address"); break;
+        case FieldKind::kCommand:
+          needs(draft_.has_command, draft.place, "the operation " + quoted(operation_.name) + " has no command",
+                "command: a number, in the operation");
+          holds(operation_.command, operation_.command, "the command");
+          break;
+        case FieldKind::kFirst: holds(0, last * field.times, "the last item"); break;
+        case FieldKind::kCount: holds(operation_.min_count * std::uint64_t{field.times}, count * field.times, "the count"); break;
+        case FieldKind::kLength: check_length(frame, draft, holds); break;
+        case FieldKind::kItems:
+          if (area_.record)
+            faults_.add(draft.place, quoted(area_.name) + " is a record and has no items", "is: value, for each of its values");
+          if (area_.item_bits > 1 && field.word.notation == declared::Notation::kDecimal &&
+              declared::largest(field.word) < UINT64_MAX >> (64 - area_.item_bits))
+            faults_.add(draft.place,
+                        quoted(field.name) + " is too narrow for items of " + std::to_string(area_.item_bits) + " bits",
+                        "more digits");
+          break;
+        case FieldKind::kValue:
+          if (!area_.record)
+            faults_.add(draft.place, quoted(area_.name) + " is no record and has no values",
+                        "is: items, or record: true in the area");
+          break;
+        default: break;
+      }
+    }
+    if (!frame.good) return;
+    const auto whole = declared::size_of(frame.frame(), area_.item_bits, operation_.max_count);
+    if (whole > declared::kMaxFrame)
+      faults_.add(draft_.count_place, "a frame of " + std::to_string(whole) + " characters is too long",
+                  "at most " + std::to_string(declared::kMaxFrame));
+  }
+
+  template <typename Holds>
+  void check_length(const DraftFrame& frame, const DraftField& draft, const Holds& holds) {
+    if (!frame.good) return;
+    std::uint64_t longest = 0;
+    const auto fields = frame.frame();
+    for (std::size_t i = draft.field.of.from; i <= draft.field.of.to; ++i) {
+      const Field& counted = fields.fields[i];
+      const auto size = declared::size_of(fields, i, i + 1, area_.item_bits, operation_.max_count);
+      const bool digits = counted.word.notation == declared::Notation::kHex && counted.text.empty() && counted.text_size == 0 &&
+                          !draft.field.in_characters;
+      longest += digits ? size / 2 : size;
+    }
+    holds(longest, longest, "the length");
+  }
+
+  static std::size_t number_of(const DraftFrame& frame, FieldKind kind) {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(frame.fields, [&](const DraftField& draft) { return draft.field.kind == kind; }));
+  }
+
+  // What is read must be in the answer, what is written in the request.
+  void check_payload() {
+    const auto kind = area_.record ? FieldKind::kValue : FieldKind::kItems;
+    const std::string wanted = area_.record ? "is: value" : "is: items";
+    const DraftFrame& carrier = operation_.write ? draft_.request : draft_.answer;
+    if (carrier.fields.empty()) return;
+    const std::string where = operation_.write ? "the request of a write carries no " : "the answer of a read carries no ";
+    needs(number_of(carrier, kind) > 0, carrier.place, where + (area_.record ? "values" : "items"), "a field that " + wanted);
+    for (const auto* frame : {&draft_.request, &draft_.answer}) {
+      if (number_of(*frame, FieldKind::kItems) > 1)
+        faults_.add(frame->place, "items stand twice in one frame", "one field that is: items");
+    }
+    if (!operation_.write && draft_.request.find(FieldKind::kItems) != nullptr)
+      faults_.add(draft_.request.find(FieldKind::kItems)->place, "the request of a read carries items", "is: count, is: first");
+    if (!operation_.write && draft_.request.find(FieldKind::kValue) != nullptr)
+      faults_.add(draft_.request.find(FieldKind::kValue)->place, "the request of a read carries a value",
+                  "a constant, or is: unused");
+  }
+
+  // The device must be told which items, and how many.
+  void check_addressing() {
+    if (area_.record || draft_.request.fields.empty()) return;
+    needs(area_.items == 1 || draft_.request.find(FieldKind::kFirst) != nullptr, draft_.request.place,
+          "the request does not say which of " + std::to_string(area_.items) + " items it means", "a field that is: first");
+    if (operation_.min_count == operation_.max_count) return;
+    const bool counted = draft_.request.find(FieldKind::kCount) != nullptr || draft_.request.find(FieldKind::kLength) != nullptr;
+    needs(counted, draft_.request.place, "the request does not say how many items it means",
+          "a field that is: count, or no 'count' in the operation");
+  }
+
+  // A text that may be shorter ends at a constant, or a length before it says where.
+  void check_variable(const DraftFrame& frame) {
+    for (std::size_t i = 0; i < frame.fields.size(); ++i) {
+      const Field& field = frame.fields[i].field;
+      if (!field.variable) continue;
+      const bool told =
+          std::any_of(frame.fields.begin(), frame.fields.begin() + static_cast<std::ptrdiff_t>(i),
+                      [&](const DraftField& other) { return other.field.kind == FieldKind::kLength && other.field.of.holds(i); });
+      const bool ended =
+          i + 1 < frame.fields.size() && frame.fields[i + 1].field.kind == FieldKind::kConstant && !frame.fields[i + 1].shares;
+      needs(told || ended, frame.fields[i].place, "nothing tells where " + quoted(field.name) + " ends",
+            "a constant behind it, or a length of it before it");
+      if (std::ranges::count_if(frame.fields, [](const DraftField& each) { return each.field.variable; }) > 1)
+        faults_.add(frame.fields[i].place, "two variable texts in one frame", "one");
+    }
+  }
+
+  const Declaration& declaration_;
+  const DraftOperation& draft_;
+  const declared::Operation& operation_;
+  const DeclaredArea& area_;
+  FaultList& faults_;
+};
+
+// The values of one frame, each with its place; those of an answer to a read define them.
+class Placing {
+ public:
+  Placing(Declaration& declaration, FaultList& faults) : declaration_(declaration), faults_(faults) {}
+
+  void define(DraftOperation& draft) {
+    DeclaredArea& area = declaration_.areas[draft.operation.area];
+    if (!area.places.empty()) {
+      faults_.add(draft.place, "the record " + quoted(area.name) + " is read twice", "one operation that reads it");
+      return;
+    }
+    for (DraftField& field : draft.answer.fields) {
+      if (field.field.kind != FieldKind::kValue) continue;
+      const auto items = declared::items_of(field.field);
+      for (const auto& other : declaration_.areas) {
+        if (std::ranges::find(other.places, field.field.name, &declared::Place::name) != other.places.end())
+          faults_.add(field.place, "value " + quoted(field.field.name) + " exists already", "names that occur once");
+      }
+      field.field.place = static_cast<std::uint16_t>(area.items);
+      const auto bits = field.field.text_size != 0 ? std::uint8_t{0} : field.field.bits;
+      area.places.push_back({field.field.name, field.field.place, items, bits});
+      area.items += items;
+    }
+  }
+
+  // Values of a write, in its request and in its answer.
+  void resolve(DraftOperation& draft) {
+    DeclaredArea& area = declaration_.areas[draft.operation.area];
+    std::uint32_t low = UINT32_MAX, high = 0, sum = 0;
+    for (DraftFrame* frame : {&draft.request, &draft.answer}) {
+      for (DraftField& field : frame->fields) {
+        if (field.field.kind != FieldKind::kValue || !find(area, field)) continue;
+        if (frame != &draft.request) continue;
+        const std::uint32_t items = declared::items_of(field.field);
+        low = std::min<std::uint32_t>(low, field.field.place);
+        high = std::max(high, field.field.place + items);
+        sum += items;
+      }
+    }
+    if (sum == 0) return;
+    if (high - low != sum)
+      faults_.add(draft.request.place, "the values of a write do not follow each other in the record",
+                  "neighbours, or a write for each");
+    draft.operation.first = static_cast<std::uint16_t>(low);
+    draft.operation.min_count = draft.operation.max_count = static_cast<std::uint16_t>(high - low);
+  }
+
+ private:
+  bool find(const DeclaredArea& area, DraftField& draft) {
+    std::vector<std::string_view> names;
+    for (const auto& place : area.places) names.push_back(place.name);
+    const auto place = std::ranges::find(area.places, draft.field.name, &declared::Place::name);
+    if (place == area.places.end()) {
+      faults_.add(draft.place, "no answer brings a value " + quoted(draft.field.name), joined(names),
+                  closest(draft.field.name, names));
+      return false;
+    }
+    const unsigned bits = draft.field.text_size != 0 ? 0u : draft.field.bits;
+    if (bits != place->bits || declared::items_of(draft.field) != place->items) {
+      faults_.add(draft.place, "value " + quoted(draft.field.name) + " has another width than in the answer that brings it",
+                  std::to_string(place->bits) + " bits");
+      return false;
+    }
+    draft.field.place = place->first;
+    return true;
+  }
+
+  Declaration& declaration_;
+  FaultList& faults_;
+};
+
+}  // namespace
+
+void place_values(Declaration& declaration, std::vector<DraftOperation>& operations, FaultList& faults) {
+  Placing placing(declaration, faults);
+  const auto of_record = [&](const DraftOperation& draft) {
+    return draft.good && declaration.areas[draft.operation.area].record;
+  };
+  for (auto& draft : operations) {
+    if (of_record(draft) && !draft.operation.write) placing.define(draft);
+  }
+  for (auto& draft : operations) {
+    if (of_record(draft) && draft.operation.write && draft.request.good && draft.answer.good) placing.resolve(draft);
+  }
+}
+
+void check_operation(const Declaration& declaration, const DraftOperation& draft, FaultList& faults) {
+  if (draft.good) OperationCheck(declaration, draft, faults).run();
+}
+
+void check_refusal(const Declaration& declaration, const std::vector<DraftOperation>& operations, const DraftFrame& refusal,
+                   FaultList& faults) {
+  if (refusal.fields.empty()) return;
+  if (refusal.find(FieldKind::kError) == nullptr) faults.add(refusal.place, "a refusal without a code", "a field that is: error");
+  for (const DraftField& draft : refusal.fields) {
+    const auto kind = draft.field.kind;
+    if (kind == FieldKind::kItems || kind == FieldKind::kValue || kind == FieldKind::kFirst || kind == FieldKind::kCount)
+      faults.add(draft.place, "a refusal brings no " + quoted(draft.field.name),
+                 "constant, address, command, error, length, sequence, checksum, unused");
+    if (kind == FieldKind::kAddress && declaration.highest_address > declared::largest(draft.field.word))
+      faults.add(draft.place,
+                 quoted(draft.field.name) + " is too narrow: the address reaches " + std::to_string(declaration.highest_address),
+                 "a wider field");
+  }
+  // A refusal that an answer could be taken for: nothing but its code would tell them apart.
+  if (!refusal.good) return;
+  for (const auto& draft : operations) {
+    if (!draft.good || !draft.answer.good) continue;
+    const auto& area = declaration.areas[draft.operation.area];
+    const auto size = declared::size_of(refusal.frame(), 16, 0);
+    const auto shortest = declared::size_of(draft.answer.frame(), area.item_bits, draft.operation.min_count);
+    const auto longest = declared::size_of(draft.answer.frame(), area.item_bits, draft.operation.max_count);
+    const auto marks = [](const DraftFrame& frame) {
+      std::vector<std::string> all;
+      for (const auto& field : frame.fields) {
+        const auto kind = field.field.kind;
+        if (kind == FieldKind::kConstant || kind == FieldKind::kCommand)
+          all.push_back(field.field.text + '/' + std::to_string(field.field.number) + '/' + std::to_string(field.field.plus));
+      }
+      return all;
+    };
+    const bool told_apart = size < shortest || size > longest || marks(refusal) != marks(draft.answer) ||
+                            draft.answer.find(FieldKind::kError) != nullptr;
+    if (!told_apart)
+      faults.add(refusal.place, "a refusal cannot be told from the answer of " + quoted(draft.operation.name),
+                 "another length, constant or command, or is: error in the answer too");
+  }
+}
+
+}  // namespace fieldcast::config

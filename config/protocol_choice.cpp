@@ -1,0 +1,30 @@
+#include "config/protocol_choice.hpp"
+
+#include <algorithm>
+
+#include "config/declaration.hpp"
+#include "config/scalars.hpp"
+
+namespace fieldcast::config {
+
+ProtocolChoice read_protocol(const Node& node, std::string_view key, Session& session) {
+  std::vector<std::string> names;
+  for (const auto& entry : protocols()) names.emplace_back(entry.name);
+  const auto listed = [&] { return std::vector<std::string_view>(names.begin(), names.end()); };
+  const std::string* text = scalar_of(node, key, joined(listed()) + ", or the name of a declaration", session.faults);
+  if (text == nullptr) return {};
+  if (const auto* entry = find_protocol(*text)) return {*text, entry, {}};
+  const auto found = session.library.protocol_declaration(node);
+  if (!found.exists) {
+    for (auto& name : session.library.declared_protocols(node)) names.push_back(std::move(name));
+    session.faults.add(node.place, std::string(key) + " '" + *text + "' is unknown", joined(listed()), closest(*text, listed()));
+    return {};
+  }
+  if (found.root == nullptr) return {};
+  const auto [known, fresh] = session.declarations.try_emplace(found.root);
+  if (fresh) known->second = read_declaration(*found.root, *text, session.faults);
+  if (!known->second) return {};
+  return {*text, nullptr, known->second};
+}
+
+}  // namespace fieldcast::config

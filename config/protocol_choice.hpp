@@ -1,0 +1,32 @@
+// Which protocol a bus or a device speaks: one that is built in, or one that a file declares.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "config/library.hpp"
+#include "core/protocol/declared/declaration.hpp"
+
+namespace fieldcast::config {
+
+// What one load shares.
+struct Session {
+  FaultList& faults;
+  Library& library;
+  std::map<const Node*, declared::SharedDeclaration> declarations{};  // by their document; nothing: faulty
+  std::size_t channels = 0;                                           // so far, of the whole bridge
+};
+
+struct ProtocolChoice {
+  std::string name;                         // empty: unknown
+  const ProtocolEntry* built_in = nullptr;  // one of these two
+  declared::SharedDeclaration declaration;
+  [[nodiscard]] bool known() const { return built_in != nullptr || declaration; }
+};
+
+// Built-in names come first; other words are files in protocols/ beside the configuration, then those that come with Fieldcast.
+// What is neither is a fault with the nearest name; a declaration with faults notes them and leaves the choice unknown.
+[[nodiscard]] ProtocolChoice read_protocol(const Node& node, std::string_view key, Session& session);
+
+}  // namespace fieldcast::config

@@ -1,0 +1,166 @@
+#include "core/protocol/declared/exchange.hpp"
+
+#include <algorithm>
+
+namespace fieldcast::declared {
+namespace {
+
+// A wait for the rest of something that may be noise. Each byte that comes renews it, so it need not cover the whole rest.
+constexpr std::size_t kDoubtfulWait = 8;
+
+// A spurious character of an RS-485 driver that changes its direction.
+bool is_turnaround(std::uint8_t byte) { return byte == 0x00 || byte == 0xFF; }
+
+bool strict(const Sight& sight) { return !sight.foreign && !sight.mismatch; }
+
+// Goes through the bytes for the answer. Where a frame begins is certain at the start and behind every frame whose check is
+// right; anywhere else the search slides on byte by byte.
+class Search {
+ public:
+  Search(ByteView all, const Declaration& declaration, const Operation& operation, const Facts& facts)
+      : all_(all), declaration_(declaration), operation_(operation), facts_(facts), refused_(facts) {
+    refused_.refusal = true;
+    const DeclaredArea& area = declaration.areas[operation.area];
+    record_items_ = area.record ? area.items : 0;
+    expected_ = size_of(operation.answer, facts.item_bits, facts.count);
+  }
+
+  void run() {
+    while (at_ < all_.size() && !found) look_here();
+    if (found) return;
+    if (noise_ >= expected_ || broken_)
+      begun = true;  // an answer's worth of broken bytes: the right one follows at once, or not at all
+  }
+
+  std::optional<Sight> found;
+  bool refusal = false;   // `found` is one
+  bool doubtful = false;  // `found` stands behind what looks like the beginning of another frame
+  bool begun = false;
+  std::size_t missing = 0;
+
+  // Of everything seen, what tells most about the device that was asked.
+  [[nodiscard]] Cause cause() const {
+    if (mismatch_) return Cause::kMalformed;
+    if (truncated_) return Cause::kTruncated;
+    if (broken_) return Cause::kChecksum;
+    if (cut_) return Cause::kTruncated;
+    if (foreign_) return Cause::kForeign;
+    return noise_ > 0 ? Cause::kMalformed : Cause::kNoAnswer;
+  }
+
+ private:
+  void look_here() {
+    if (try_frame(operation_.answer, facts_, record_items_, true)) return;
+    if (!declaration_.refusal.fields.empty() && try_frame(declaration_.refusal, refused_, 0, true)) return;
+    if (boundary_ && try_others()) return;
+    if (!is_turnaround(all_[at_])) boundary_ = false, ++noise_;
+    ++at_;
+  }
+
+  // Answers of other devices, and answers to other requests: skipped whole, or an answer could be read out of their middle.
+  bool try_others() {
+    for (const Operation& other : declaration_.operations) {
+      const DeclaredArea& area = declaration_.areas[other.area];
+      Facts facts{.address = facts_.address, .command = other.command, .sequence = facts_.sequence, .item_bits = area.item_bits};
+      if (&other != &operation_ && try_frame(other.answer, facts, area.record ? area.items : 0, false)) return true;
+      facts.refusal = true;
+      if (!declaration_.refusal.fields.empty() && try_frame(declaration_.refusal, facts, 0, false)) return true;
+    }
+    return false;
+  }
+
+  // True when the frame is whole here: it is found, or skipped.
+  bool try_frame(const Frame& frame, const Facts& facts, std::size_t record_items, bool mine) {
+    Sight sight = look(frame, all_.subspan(at_), facts, record_items);
+    if (sight.fit == Sight::Fit::kNone) return false;
+    const bool ours = mine && strict(sight);
+    if (sight.fit == Sight::Fit::kPart) {
+      begin(sight, ours);
+      return false;
+    }
+    if (sight.bad_check) {
+      broken_ = broken_ || ours;
+      return false;
+    }
+    if (ours) {
+      found = std::move(sight);
+      refusal = facts.refusal;
+      doubtful = held_;
+      return true;
+    }
+    if (!sight.checked) {  // nothing shows that it is a frame at all
+      mismatch_ = mismatch_ || (boundary_ && !sight.foreign);
+      return false;
+    }
+    (sight.foreign || !mine ? foreign_ : mismatch_) = true;
+    at_ += sight.size;
+    boundary_ = true;
+    return true;
+  }
+
+  // A frame that lacks characters. At a boundary it owns whatever follows, until it is whole or silence shows that it was noise.
+  void begin(const Sight& sight, bool ours) {
+    if (!ours && (!boundary_ || sight.known == 0)) return;
+    if (!begun) missing = ours && boundary_ ? sight.missing : std::min(sight.missing, kDoubtfulWait);
+    begun = true;
+    held_ = held_ || boundary_;
+    if (!ours)
+      foreign_ = true;
+    else
+      (boundary_ ? truncated_ : cut_) = true;
+  }
+
+  const ByteView all_;
+  const Declaration& declaration_;
+  const Operation& operation_;
+  const Facts& facts_;
+  Facts refused_;
+  std::size_t record_items_ = 0;
+  std::size_t expected_ = 0;
+  std::size_t at_ = 0;
+  std::size_t noise_ = 0;
+  bool boundary_ = true;
+  bool held_ = false, truncated_ = false, cut_ = false, mismatch_ = false, foreign_ = false, broken_ = false;
+};
+
+}  // namespace
+
+DeclaredExchange::DeclaredExchange(std::shared_ptr<const Declaration> declaration, const Operation& operation, Facts facts,
+                                   Range wanted)
+    : declaration_(std::move(declaration)), operation_(operation), facts_(std::move(facts)), wanted_(wanted) {}
+
+Step DeclaredExchange::start(Bytes& out) {
+  append_frame(out, operation_.request, facts_);
+  silence_ = Cause::kNoAnswer;
+  fallback_.reset();
+  return Step::send(static_cast<std::uint32_t>(size_of(operation_.answer, facts_.item_bits, facts_.count)));
+}
+
+Step DeclaredExchange::on_bytes(ByteView all, Bytes&) {
+  if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
+  Search search(all, *declaration_, operation_, facts_);
+  search.run();
+  silence_ = search.cause();
+  fallback_.reset();
+  if (!search.found) return search.begun ? Step::need_rest(static_cast<std::uint32_t>(search.missing)) : Step::need_answer();
+  Step step = Step::done();
+  if (search.refusal) {
+    const bool busy = std::ranges::find(declaration_->busy, search.found->error) != declaration_->busy.end();
+    step = Step::failed(busy ? Cause::kDeviceBusy : Cause::kDeviceError, search.found->error);
+  } else {
+    reply_.assign(1, {});
+    if (!operation_.write) {
+      const Bytes& items = search.found->items;
+      const bool record = declaration_->areas[operation_.area].record;
+      const auto from = items.begin() + static_cast<std::ptrdiff_t>(record ? 2 * wanted_.first : 0);
+      reply_[0].items.assign(from, record ? from + static_cast<std::ptrdiff_t>(2 * wanted_.count) : items.end());
+    }
+  }
+  if (!search.doubtful) return step;
+  fallback_ = step;
+  return Step::need_rest(static_cast<std::uint32_t>(search.missing));
+}
+
+Step DeclaredExchange::on_silence(Bytes&) { return fallback_ ? *fallback_ : Step::failed(silence_); }
+
+}  // namespace fieldcast::declared

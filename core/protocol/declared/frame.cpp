@@ -1,0 +1,164 @@
+// Sizes, numbers and items of a frame: what writing and reading share (frame.hpp).
+#include "core/protocol/declared/frame.hpp"
+
+#include <algorithm>
+
+namespace fieldcast::declared {
+namespace {
+
+std::size_t characters_of(const Field& field, unsigned item_bits, std::uint32_t count) {
+  if (field.kind == FieldKind::kItems) return items_size(field, item_bits, count);
+  if (!field.text.empty()) return field.text.size();
+  if (field.text_size != 0) return field.text_size;
+  return field.opens ? field.word.characters : 0;
+}
+
+std::uint64_t length_of(const Frame& frame, const Field& length, unsigned item_bits, std::uint32_t count) {
+  std::uint64_t total = 0;
+  for (std::size_t i = length.of.from; i <= length.of.to; ++i) {
+    const Field& field = frame.fields[i];
+    const std::size_t characters = characters_of(field, item_bits, count);
+    const bool digits = field.word.notation == Notation::kHex && field.text.empty() && field.text_size == 0;
+    total += digits && !length.in_characters ? characters / 2 : characters;
+  }
+  return total + static_cast<std::uint64_t>(length.plus);
+}
+
+void append_value(Bytes& out, const Field& field, const Facts& facts, std::uint64_t& word) {
+  const std::size_t items = items_of(field), at = field.place - facts.first;
+  if (field.text_size != 0) {
+    for (std::size_t i = 0; i < field.text_size; ++i) out.push_back(facts.items[2 * at + i]);
+    return;
+  }
+  word |= (value_in(facts.items, at, items) & (UINT64_MAX >> (64 - field.bits))) << field.shift;
+}
+
+}  // namespace
+
+std::uint64_t value_in(ByteView image, std::size_t at, std::size_t items) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 2 * at; i < 2 * (at + items); ++i) value = value << 8 | image[i];
+  return value;
+}
+
+std::size_t items_size(const Field& field, unsigned item_bits, std::uint32_t count) {
+  if (item_bits == 1 && field.packed) return (count + 7) / 8 * field.word.characters;
+  return std::size_t{count} * field.word.characters;
+}
+
+std::size_t size_of(const Frame& frame, std::size_t from, std::size_t to, unsigned item_bits, std::uint32_t count) {
+  std::size_t size = 0;
+  for (std::size_t i = from; i < to; ++i) size += characters_of(frame.fields[i], item_bits, count);
+  return size;
+}
+
+std::optional<std::uint64_t> number_of(const Field& field, const Facts& facts) {
+  const auto plus = static_cast<std::uint64_t>(field.plus);
+  const auto narrow = [&](std::uint64_t number) { return number & (UINT64_MAX >> (64 - field.bits)); };
+  switch (field.kind) {
+    case FieldKind::kConstant: return narrow(field.number);
+    case FieldKind::kAddress: return narrow(facts.address + plus);
+    case FieldKind::kCommand: return narrow(facts.command + plus);
+    case FieldKind::kFirst: return narrow(std::uint64_t{facts.first} * field.times + plus);
+    case FieldKind::kCount: return narrow(std::uint64_t{facts.count} * field.times + plus);
+    case FieldKind::kSequence: return narrow(facts.sequence);
+    default: return std::nullopt;
+  }
+}
+
+void append_items(Bytes& out, const Field& field, unsigned item_bits, ByteView items) {
+  if (item_bits == 1 && field.packed) {
+    for (std::size_t at = 0; at < items.size(); at += 8) {
+      std::uint64_t byte = 0;
+      for (std::size_t i = at; i < std::min(at + 8, items.size()); ++i) byte |= (items[i] != 0 ? 1u : 0u) << (i - at);
+      append_word(out, field.word, byte);
+    }
+    return;
+  }
+  const std::size_t width = image_bytes(item_bits, 1);
+  for (std::size_t at = 0; at < items.size(); at += width) {
+    std::uint64_t item = 0;
+    for (std::size_t i = at; i < at + width; ++i) item = item << 8 | items[i];
+    append_word(out, field.word, item_bits == 1 ? (item != 0 ? field.on : field.off) : item);
+  }
+}
+
+std::optional<Bytes> read_items(ByteView characters, const Field& field, unsigned item_bits, std::uint32_t count) {
+  Bytes items;
+  const bool packed = item_bits == 1 && field.packed;
+  for (std::size_t at = 0; at < characters.size(); at += field.word.characters) {
+    const auto word = read_word(characters.subspan(at, field.word.characters), field.word);
+    if (!word) return std::nullopt;
+    if (packed) {
+      for (unsigned bit = 0; bit < 8 && items.size() < count; ++bit) items.push_back(static_cast<std::uint8_t>(*word >> bit & 1));
+    } else if (item_bits == 1) {
+      if (*word != field.on && *word != field.off) return std::nullopt;
+      items.push_back(*word == field.on ? 1 : 0);
+    } else {
+      for (std::size_t i = image_bytes(item_bits, 1); i-- > 0;) items.push_back(static_cast<std::uint8_t>(*word >> 8 * i));
+    }
+  }
+  return items;
+}
+
+Bytes covered(const Frame& frame, const Field& sum, ByteView bytes, std::span<const std::size_t> starts) {
+  const ByteView all = bytes.subspan(starts[sum.of.from], starts[sum.of.to + 1u] - starts[sum.of.from]);
+  if (!sum.check.over_bytes) return {all.begin(), all.end()};
+  Bytes meant;
+  for (std::size_t i = sum.of.from; i <= sum.of.to; ++i) {
+    const Field& field = frame.fields[i];
+    const ByteView part = bytes.subspan(starts[i], starts[i + 1] - starts[i]);
+    const bool digits =
+        field.word.notation == Notation::kHex && field.text.empty() && field.text_size == 0 && part.size() % 2 == 0;
+    const Word byte{Notation::kHex, 2, false};
+    for (std::size_t at = 0; at < part.size(); at += digits ? 2 : 1)
+      meant.push_back(static_cast<std::uint8_t>(digits ? read_word(part.subspan(at, 2), byte).value_or(0) : part[at]));
+  }
+  return meant;
+}
+
+void append_frame(Bytes& out, const Frame& frame, const Facts& facts) {
+  const auto& fields = frame.fields;
+  const std::size_t begin = out.size();
+  std::vector<std::size_t> starts;
+  std::uint64_t word = 0;  // of the fields that share one
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const Field& field = fields[i];
+    starts.push_back(out.size() - begin);
+    if (field.kind == FieldKind::kItems) {
+      append_items(out, field, facts.item_bits, facts.items);
+      continue;
+    }
+    if (!field.text.empty()) {
+      out.insert(out.end(), field.text.begin(), field.text.end());
+      continue;
+    }
+    if (field.opens) word = 0;
+    if (field.kind == FieldKind::kValue) {
+      append_value(out, field, facts, word);
+      if (field.text_size != 0) continue;
+    } else if (field.kind == FieldKind::kLength) {
+      word |= length_of(frame, field, facts.item_bits, facts.count) << field.shift;
+    } else if (field.kind == FieldKind::kUnused || field.kind == FieldKind::kError) {
+      word |= field.number << field.shift;
+    } else {
+      word |= number_of(field, facts).value_or(0) << field.shift;
+    }
+    // The first field of a shared word holds its characters; the last one knows its number.
+    if (field.opens) out.resize(out.size() + field.word.characters);
+    if (i + 1 == fields.size() || fields[i + 1].opens) {
+      out.resize(out.size() - field.word.characters);
+      append_word(out, field.word, word);
+    }
+  }
+  starts.push_back(out.size() - begin);
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    if (fields[i].kind != FieldKind::kChecksum) continue;
+    Bytes sum;
+    append_word(sum, fields[i].word,
+                check_of(fields[i].check, fields[i].bits, covered(frame, fields[i], ByteView(out).subspan(begin), starts)));
+    std::copy(sum.begin(), sum.end(), out.begin() + static_cast<std::ptrdiff_t>(begin + starts[i]));
+  }
+}
+
+}  // namespace fieldcast::declared

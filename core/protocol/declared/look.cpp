@@ -1,0 +1,232 @@
+// Recognises a declared frame at the start of some bytes (frame.hpp).
+#include <algorithm>
+#include <array>
+
+#include "core/protocol/declared/frame.hpp"
+
+namespace fieldcast::declared {
+namespace {
+
+class Look {
+ public:
+  Look(const Frame& frame, ByteView bytes, const Facts& facts, std::size_t record_items)
+      : fields_(frame.fields), frame_(frame), bytes_(bytes), facts_(facts), record_(2 * record_items) {}
+
+  Sight run() {
+    for (at_ = 0; at_ < fields_.size(); ++at_) {
+      starts_[at_] = place_;
+      if (!step(fields_[at_])) return std::move(sight_);
+    }
+    starts_[at_] = place_;
+    sight_.fit = Sight::Fit::kWhole;
+    sight_.size = place_;
+    for (const Field& field : fields_) {
+      if (field.kind == FieldKind::kChecksum) check(field);
+    }
+    if (sight_.items.empty()) sight_.items = std::move(record_);
+    return std::move(sight_);
+  }
+
+ private:
+  // False: the sight is decided.
+  bool step(const Field& field) {
+    if (field.kind == FieldKind::kItems) return items(field);
+    if (field.kind == FieldKind::kValue && field.text_size != 0) return text_value(field);
+    if (!field.text.empty()) return text_constant(field);
+    if (field.opens && !open(field)) return false;
+    return number(field, word_ >> field.shift & (UINT64_MAX >> (64 - field.bits)));
+  }
+
+  bool none() {
+    sight_.fit = Sight::Fit::kNone;
+    return false;
+  }
+  bool part() {
+    const std::size_t whole = place_ + size_of(frame_, at_, fields_.size(), facts_.item_bits, facts_.count);
+    sight_.fit = Sight::Fit::kPart;
+    sight_.missing = std::max<std::size_t>(1, whole - std::min(whole - 1, bytes_.size()));
+    return false;
+  }
+  bool lacks(std::size_t characters) const { return bytes_.size() - place_ < characters; }
+  ByteView rest() const { return bytes_.subspan(place_); }
+
+  // The word that this field begins.
+  bool open(const Field& field) {
+    if (lacks(field.word.characters)) return begins(field) ? part() : none();
+    const auto word = read_word(rest().first(field.word.characters), field.word);
+    if (!word) return none();
+    word_ = *word;
+    if (word_ >> 1 >> (bits_of_word(field) - 1) != 0) return none();  // decimal digits hold more than their fields
+    return true;
+  }
+  static unsigned bits_of_word(const Field& field) {
+    return field.word.notation == Notation::kDecimal ? 64u
+                                                     : field.word.characters * (field.word.notation == Notation::kHex ? 4u : 8u);
+  }
+  bool begins(const Field& field) const {
+    if (!could_begin(rest(), field.word)) return false;
+    const bool fixed = field.kind == FieldKind::kConstant || field.kind == FieldKind::kCommand;
+    if (!fixed || field.bits != bits_of_word(field)) return true;
+    Bytes right;
+    append_word(right, field.word, *number_of(field, facts_));
+    return std::equal(rest().begin(), rest().end(), right.begin());
+  }
+
+  // The number has come. Moves on behind the last field of its word.
+  bool number(const Field& field, std::uint64_t number) {
+    const auto right = number_of(field, facts_);
+    const bool equal = right && *right == number;
+    switch (field.kind) {
+      case FieldKind::kConstant:
+      case FieldKind::kCommand:
+        if (!equal) return none();
+        ++sight_.known;
+        break;
+      case FieldKind::kAddress:
+      case FieldKind::kSequence: sight_.foreign |= !equal; break;
+      case FieldKind::kFirst:
+      case FieldKind::kCount: sight_.mismatch |= !equal; break;
+      case FieldKind::kLength:
+        if (!length(field, number)) return none();
+        break;
+      case FieldKind::kError:
+        if (facts_.refusal == (number == field.number)) return none();
+        sight_.error = static_cast<std::uint16_t>(number);
+        break;
+      case FieldKind::kValue: value(field, number); break;
+      default: break;
+    }
+    if (at_ + 1 == fields_.size() || fields_[at_ + 1].opens) place_ += field.word.characters;
+    return true;
+  }
+
+  // What a length says of the fields behind it. One that is not what we expect is followed: its frame is skipped whole.
+  bool length(const Field& field, std::uint64_t number) {
+    std::int64_t left = static_cast<std::int64_t>(number & 0x7FFFFFFFu) - field.plus;
+    std::int64_t expected = 0;
+    const Field* elastic = nullptr;
+    for (std::size_t i = field.of.from; i <= field.of.to; ++i) {
+      const auto size = static_cast<std::int64_t>(size_of(frame_, i, i + 1, facts_.item_bits, facts_.count));
+      const bool digits = doubled(fields_[i], field);
+      const bool soft = i > at_ && (fields_[i].kind == FieldKind::kItems || fields_[i].variable);
+      expected = digits ? size / 2 : size;
+      if (soft)
+        elastic = &fields_[i], elastic_at_ = i;
+      else
+        left -= expected;
+    }
+    if (elastic == nullptr) {
+      sight_.mismatch |= left != 0;
+      return true;
+    }
+    if (left < 0 || left > static_cast<std::int64_t>(kMaxFrame)) return false;
+    told_ = static_cast<std::size_t>(left) * (doubled(*elastic, field) ? 2 : 1);
+    return true;
+  }
+  static bool doubled(const Field& counted, const Field& length) {
+    return counted.word.notation == Notation::kHex && counted.text.empty() && counted.text_size == 0 && !length.in_characters;
+  }
+  std::optional<std::size_t> told() const { return told_ && elastic_at_ == at_ ? told_ : std::nullopt; }
+
+  bool items(const Field& field) {
+    const std::size_t expected = items_size(field, facts_.item_bits, facts_.count);
+    const std::size_t size = told().value_or(expected);
+    if (size == 0 || size > kMaxFrame) return none();
+    sight_.mismatch |= size != expected;
+    if (lacks(size)) {
+      if (!could_begin_items(field)) return none();
+      part();
+      sight_.missing += size > expected ? size - expected : 0;
+      return false;
+    }
+    if (size == expected) {
+      auto items = read_items(rest().first(size), field, facts_.item_bits, facts_.count);
+      if (!items) return none();
+      sight_.mismatch |= facts_.written && *items != facts_.items;
+      sight_.items = std::move(*items);
+    }
+    place_ += size;
+    return true;
+  }
+  bool could_begin_items(const Field& field) const { return could_begin(rest(), field.word); }
+
+  bool text_constant(const Field& field) {
+    const std::size_t size = std::min(field.text.size(), rest().size());
+    if (!std::equal(rest().begin(), rest().begin() + static_cast<std::ptrdiff_t>(size), field.text.begin(),
+                    [](std::uint8_t a, char b) { return a == static_cast<std::uint8_t>(b); }))
+      return none();
+    if (size < field.text.size()) return part();
+    ++sight_.known;
+    place_ += size;
+    return true;
+  }
+
+  bool text_value(const Field& field) {
+    std::size_t size = field.text_size;
+    if (field.variable) {
+      if (const auto said = told()) {
+        size = *said;
+      } else {
+        const auto end = std::find(rest().begin(), rest().end(), terminator(fields_[at_ + 1]));
+        size = static_cast<std::size_t>(end - rest().begin());
+        if (end == rest().end() && size <= field.text_size) {
+          part();
+          sight_.missing = 1;
+          return false;
+        }
+      }
+      if (size > field.text_size) return none();
+    }
+    if (lacks(size)) return part();
+    const std::size_t from = 2u * field.place;
+    for (std::size_t i = 0; i < size && from + i < record_.size(); ++i) record_[from + i] = rest()[i];
+    place_ += size;
+    return true;
+  }
+  static std::uint8_t terminator(const Field& field) {
+    if (!field.text.empty()) return static_cast<std::uint8_t>(field.text.front());
+    Bytes first;
+    append_word(first, field.word, field.number);
+    return first.front();
+  }
+
+  void value(const Field& field, std::uint64_t number) {
+    const std::size_t items = items_of(field);
+    const bool negative = field.is_signed && (number >> (field.bits - 1) & 1u) != 0;
+    if (negative && field.bits < 64) number |= UINT64_MAX << field.bits;
+    const std::size_t from = 2u * field.place, width = 2u * items;
+    for (std::size_t i = 0; i < width && from + i < record_.size(); ++i)
+      record_[from + i] = static_cast<std::uint8_t>(number >> 8 * (width - 1 - i));
+    if (!facts_.written || field.place < facts_.first || field.place + items > facts_.first + facts_.count) return;
+    const auto sent = value_in(facts_.items, field.place - facts_.first, items);
+    sight_.mismatch |= ((sent ^ number) & (UINT64_MAX >> (64 - field.bits))) != 0;
+  }
+
+  void check(const Field& field) {
+    sight_.checked = true;
+    const std::size_t at = starts_[static_cast<std::size_t>(&field - fields_.data())];
+    const auto said = read_word(bytes_.subspan(at, field.word.characters), field.word);
+    sight_.bad_check |= said != check_of(field.check, field.bits, covered(frame_, field, bytes_, starts_));
+  }
+
+  const std::vector<Field>& fields_;
+  const Frame& frame_;
+  const ByteView bytes_;
+  const Facts& facts_;
+  Bytes record_;
+  Sight sight_;
+  std::array<std::size_t, kMaxFields + 1> starts_{};
+  std::size_t at_ = 0;               // the field
+  std::size_t place_ = 0;            // its first character
+  std::uint64_t word_ = 0;           // that the field is part of
+  std::optional<std::size_t> told_;  // characters of the field that a length measures
+  std::size_t elastic_at_ = 0;
+};
+
+}  // namespace
+
+Sight look(const Frame& frame, ByteView bytes, const Facts& facts, std::size_t record_items) {
+  return Look(frame, bytes, facts, record_items).run();
+}
+
+}  // namespace fieldcast::declared

@@ -1,0 +1,172 @@
+// A declaration as a Protocol: which operation carries a request, and what it costs.
+#include <algorithm>
+#include <array>
+
+#include "core/protocol/declared/exchange.hpp"
+#include "core/protocol/declared/notation.hpp"
+#include "core/protocol/option_reader.hpp"
+
+namespace fieldcast::declared {
+namespace {
+
+bool has(const Frame& frame, FieldKind kind) {
+  return std::ranges::any_of(frame.fields, [&](const Field& field) { return field.kind == kind; });
+}
+
+// By what the weakest answer shows whose it is.
+AnswerIdentity identity_of(const Declaration& declaration) {
+  const auto all = [&](FieldKind kind) {
+    return std::ranges::all_of(declaration.operations, [&](const Operation& each) { return has(each.answer, kind); }) &&
+           (declaration.refusal.fields.empty() || has(declaration.refusal, kind));
+  };
+  if (all(FieldKind::kSequence)) return AnswerIdentity::kSequence;
+  return all(FieldKind::kAddress) ? AnswerIdentity::kAddress : AnswerIdentity::kNone;
+}
+
+class DeclaredProtocol final : public Protocol {
+ public:
+  DeclaredProtocol(std::shared_ptr<const Declaration> declaration, std::uint16_t address, const Traits& traits)
+      : declaration_(std::move(declaration)), address_(address), traits_(traits) {
+    for (const DeclaredArea& each : declaration_->areas) {
+      Area area{.name = each.name,
+                .item_bits = each.item_bits,
+                .items = each.items,
+                .max_read = 0,
+                .max_write = 0,
+                .window = each.record};
+      for (const Operation& operation : declaration_->operations) {
+        if (&declaration_->areas[operation.area] != &each) continue;
+        if (operation.write)
+          area.writable = true, area.max_write = std::max(area.max_write, operation.max_count);
+        else
+          area.max_read =
+              std::max<std::uint16_t>(area.max_read, each.record ? static_cast<std::uint16_t>(each.items) : operation.max_count);
+      }
+      area.bit_write = area.writable && each.item_bits == 1;
+      areas_.push_back(area);
+    }
+    for (const Operation& operation : declaration_->operations) {
+      const unsigned bits = declaration_->areas[operation.area].item_bits;
+      const bool record = declaration_->areas[operation.area].record;
+      const auto fixed = [&](const Frame& frame) { return static_cast<std::uint32_t>(size_of(frame, bits, 0)); };
+      prepared_.push_back({fixed(operation.request), fixed(operation.answer), items_field(operation.request),
+                           items_field(operation.answer), bits, record, operation.echoes()});
+    }
+  }
+
+  const Traits& traits() const override { return traits_; }
+  std::span<const Area> areas() const override { return areas_; }
+  tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
+    return declared::parse_address(*declaration_, at);
+  }
+
+  std::optional<ExchangeSize> size(const Request& request) const override {
+    const auto at = operation_for(request);
+    if (!at) return std::nullopt;
+    const Prepared& sizes = prepared_[*at];
+    const std::uint32_t count = range_of(request).count;
+    const auto items = [&](std::size_t field, const Frame& frame) {
+      return field == frame.fields.size() ? 0u
+                                          : static_cast<std::uint32_t>(items_size(frame.fields[field], sizes.item_bits, count));
+    };
+    const Operation& operation = declaration_->operations[*at];
+    return ExchangeSize{.request_characters = sizes.request + items(sizes.request_items, operation.request),
+                        .answer_characters = sizes.answer + items(sizes.answer_items, operation.answer)};
+  }
+
+  std::unique_ptr<Exchange> begin(Request request, ExchangeContext context) const override {
+    const auto at = operation_for(request);
+    if (!at) std::abort();  // REQUIRES
+    const Operation& operation = declaration_->operations[*at];
+    const Range& range = range_of(request);
+    Facts facts{.address = address_,
+                .command = operation.command,
+                .first = range.first,
+                .count = range.count,
+                .sequence = context.sequence,
+                .item_bits = prepared_[*at].item_bits};
+    if (auto* write = std::get_if<WriteRequest>(&request)) facts.written = true, facts.items = std::move(write->items);
+    return std::make_unique<DeclaredExchange>(declaration_, operation, std::move(facts), range);
+  }
+
+ private:
+  struct Prepared {
+    std::uint32_t request = 0, answer = 0;            // characters without items
+    std::size_t request_items = 0, answer_items = 0;  // the field, or the end
+    unsigned item_bits = 16;
+    bool record = false;
+    bool echoes = false;
+  };
+
+  static std::size_t items_field(const Frame& frame) {
+    const auto at = std::ranges::find(frame.fields, FieldKind::kItems, &Field::kind);
+    return static_cast<std::size_t>(at - frame.fields.begin());
+  }
+  // REQUIRES: operation_for() has found one.
+  static const Range& range_of(const Request& request) {
+    if (const auto* read = std::get_if<ReadRequest>(&request)) return read->ranges.front();
+    return std::get<WriteRequest>(request).range;
+  }
+
+  std::optional<std::size_t> operation_for(const Request& request) const {
+    const auto* read = std::get_if<ReadRequest>(&request);
+    const auto* write = std::get_if<WriteRequest>(&request);
+    if (read != nullptr ? read->ranges.size() != 1 : write == nullptr) return std::nullopt;
+    const Range& range = range_of(request);
+    if (range.area >= areas_.size() || range.count == 0) return std::nullopt;
+    const Area& area = areas_[range.area];
+    if (range.first >= area.items || range.count > area.items - range.first) return std::nullopt;
+    if (write != nullptr && write->items.size() != image_bytes(area.item_bits, range.count)) return std::nullopt;
+    if (write != nullptr && write->bit && area.item_bits != 1) return std::nullopt;
+    std::optional<std::size_t> echoing;  // what serves when nothing better does
+    for (std::size_t i = 0; i < prepared_.size(); ++i) {
+      const Operation& operation = declaration_->operations[i];
+      if (operation.area != range.area || operation.write != (write != nullptr)) continue;
+      if (prepared_[i].record && write != nullptr) {
+        if (operation.first != range.first || operation.max_count != range.count || !values_fit(operation, *write)) continue;
+      } else if (!prepared_[i].record && (range.count < operation.min_count || range.count > operation.max_count)) {
+        continue;
+      }
+      if (write == nullptr || !write->distinct_answer || !prepared_[i].echoes) return i;
+      if (!echoing) echoing = i;
+    }
+    return echoing;
+  }
+
+  // Nothing wraps around: a number that its field cannot hold is not sent.
+  static bool values_fit(const Operation& operation, const WriteRequest& write) {
+    for (const Field& field : operation.request.fields) {
+      if (field.kind != FieldKind::kValue || field.text_size != 0) continue;
+      const unsigned width = 16u * items_of(field);
+      const auto value = value_in(write.items, field.place - operation.first, items_of(field));
+      const std::uint64_t above = (value >> 1) >> (field.bits - 1);
+      const std::uint64_t ones = width == field.bits ? 0 : (UINT64_MAX >> (64 - (width - field.bits)));
+      const bool negative = field.is_signed && (value >> (field.bits - 1) & 1u) != 0;
+      if (field.bits < width && above != (negative ? ones : 0)) return false;
+    }
+    return true;
+  }
+
+  const std::shared_ptr<const Declaration> declaration_;
+  const std::uint16_t address_;
+  const Traits traits_;
+  std::vector<Area> areas_;
+  std::vector<Prepared> prepared_;  // beside declaration_->operations
+};
+
+}  // namespace
+
+tl::expected<std::unique_ptr<Protocol>, OptionFault> make(std::shared_ptr<const Declaration> declaration,
+                                                          const DeviceLink& link) {
+  const Traits traits{.name = declaration->name,
+                      .summary = declaration->summary,
+                      .lowest_address = declaration->lowest_address,
+                      .highest_address = declaration->highest_address,
+                      .identity = identity_of(*declaration),
+                      .echo_is_ambiguous = std::ranges::any_of(declaration->operations, &Operation::echoes)};
+  const OptionReader reader(link, traits, {});
+  if (reader.fault()) return tl::unexpected(*reader.fault());
+  return std::make_unique<DeclaredProtocol>(std::move(declaration), link.address, traits);
+}
+
+}  // namespace fieldcast::declared

@@ -1,0 +1,26 @@
+// A declared protocol for one device of a test. Header only, for tests that link config.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "config/loader.hpp"
+#include "tests/support/device.hpp"
+
+namespace fieldcast::test {
+
+// A declaration that comes with Fieldcast; a gtest failure with all its faults when it does not load.
+inline std::shared_ptr<const declared::Declaration> declaration(const std::string& name) {
+  const auto loaded = config::load_declaration(name);
+  if (!loaded) {
+    ADD_FAILURE() << config::to_text(std::span(loaded.error()));
+    return nullptr;
+  }
+  return loaded->value;
+}
+
+// REQUIRES: the declaration loads.
+inline Device declared_device(const std::string& name, std::uint16_t address) {
+  return Device(std::move(*declared::make(declaration(name), {.address = address})));
+}
+
+}  // namespace fieldcast::test
