@@ -83,7 +83,7 @@ std::optional<BusEngine::State::Flight> BusEngine::State::probe_due(Instant now)
     Flight probe;
     probe.kind = Flight::Kind::kProbe;
     probe.device = index;
-    probe.request = ReadRequest{{points[*probe_point[index]].range}};
+    probe.request = ReadRequest{{map.points[*probe_point[index]].range}};
     const auto size = device.protocol->size(probe.request);
     const Duration wire = line.characters(size ? size->request_characters + size->answer_characters : 0) + silence;
     const Duration spare = scheduler->slack(now) - wire;

@@ -47,7 +47,7 @@ BusEngine::State::State(const BusSpec& bus)
   }
   last_write.assign(channels.size(), kLongAgo);
   wishes.resize(channels.size());
-  make_points();
+  make_scheduler();
 }
 
 BusEngine::BusEngine(const BusSpec& spec) : state_(std::make_unique<State>(spec)) {}

@@ -1,7 +1,5 @@
 // Reading: points from channels, samples from blocks, and what refusals and failures of blocks mean.
 #include <algorithm>
-#include <map>
-#include <tuple>
 
 #include "core/bus/bus_state.hpp"
 #include "core/schedule/scheduler.hpp"
@@ -33,63 +31,44 @@ Block part_of(const Block& block, std::vector<PointIndex> points) {
 
 }  // namespace
 
-// Channels on the same items of a device share a point.
-void BusEngine::State::make_points() {
-  std::map<std::tuple<DeviceIndex, AreaIndex, std::uint32_t, std::uint32_t>, PointIndex> known;
-  channel_point.resize(channels.size());
+void BusEngine::State::make_scheduler() {
+  map = map_points(spec);
   probe_point.resize(devices.size());
-  for (ChannelIndex c = 0; c < channels.size(); ++c) {
-    const ChannelSpec& channel = channels.spec(c);
-    if (channel.access == Access::kWriteOnly) continue;
-    const DeviceIndex device = channels.device(c);
-    const auto key = std::make_tuple(device, channel.range.area, channel.range.first, channel.range.count);
-    const auto [at, is_new] = known.emplace(key, static_cast<PointIndex>(points.size()));
-    if (is_new) {
-      points.push_back({device, channel.range, channel.refresh, Mode::kOnDemand, channel.priority});
-      point_channels.emplace_back();
-      if (!probe_point[device]) probe_point[device] = at->second;
-    }
-    point_channels[at->second].push_back(c);
-    channel_point[c] = at->second;
+  ScheduleInput input;
+  input.line = line;
+  input.silence = silence;
+  input.points = map.points;
+  for (PointIndex p = 0; p < map.points.size(); ++p) {
+    if (auto& probe = probe_point[map.points[p].device]; !probe) probe = p;
   }
-  ScheduleInput input{line, silence, {}, {}};
-  for (const DeviceRuntime& device : devices)
+  for (DeviceRuntime& device : devices) {
+    device.planned_answer_time = kAssumedAnswerTime;
     input.devices.push_back(
-        {device.protocol.get(), Duration::zero(), device.spec->pause, device.spec->max_block, device.spec->max_gap});
-  for (PointIndex p = 0; p < points.size(); ++p) update_point(p, kLongAgo);
-  input.points = points;
-  scheduler = make_scheduler(input);
+        {device.protocol.get(), kAssumedAnswerTime, device.spec->pause, device.spec->max_block, device.spec->max_gap});
+  }
+  scheduler = fieldcast::make_scheduler(input);
   if (scheduler->planned_load() > kLightLoad) return;
   // A light bus can afford to read so early that a broken answer can be asked for again in time.
   input.lead = kEarlyLead;
-  scheduler = make_scheduler(input);
+  scheduler = fieldcast::make_scheduler(input);
 }
 
-// A point is as urgent as the most urgent of its channels. `now` kLongAgo: the scheduler does not exist yet.
+// A point is as urgent as the most urgent of its channels at present.
 void BusEngine::State::update_point(PointIndex index, Instant now) {
-  Point& point = points[index];
+  Point& point = map.points[index];
   point.mode = Mode::kOnDemand;
-  std::optional<Duration> shortest;
-  for (const ChannelIndex c : point_channels[index]) {
-    const auto refresh = channels.refresh(c);
-    if (!refresh) continue;
-    shortest = shortest ? std::min(*shortest, *refresh) : *refresh;
-    point.priority = std::max(point.priority, channels.spec(c).priority);
-    const Mode mode = channels.spec(c).mode == Mode::kIntensive ? Mode::kIntensive : Mode::kScheduled;
-    if (point.mode != Mode::kIntensive) point.mode = mode;
-  }
-  if (shortest) point.refresh = *shortest;
-  if (now != kLongAgo) scheduler->set_point(index, point.refresh, point.mode, now);
+  for (const ChannelIndex c : map.channels_of[index]) ask_for(point, channels.spec(c), channels.refresh(c));
+  scheduler->set_point(index, point.refresh, point.mode, now);
 }
 
 void BusEngine::State::set_interest(ChannelIndex channel, std::optional<Duration> wish, Instant now, Actions& actions) {
   if (channel >= channels.size() || !channels.spec(channel).on_interest) return;
   channels.set_refresh(channel, wish, now);
   actions.push_back(Promise{channel, wish});
-  if (channel_point[channel]) update_point(*channel_point[channel], now);
+  if (map.point_of[channel]) update_point(*map.point_of[channel], now);
 }
 
-std::string BusEngine::State::point_text(PointIndex point) const { return channels.spec(point_channels[point].front()).at; }
+std::string BusEngine::State::point_text(PointIndex point) const { return channels.spec(map.channels_of[point].front()).at; }
 
 void BusEngine::State::block_read(const Flight& read, const Reply& reply, Instant now, Actions& actions) {
   DeviceRuntime& device = devices[read.device];
@@ -105,8 +84,8 @@ void BusEngine::State::block_read(const Flight& read, const Reply& reply, Instan
   good.reserve(read.block.points.size());
   out.reserve(read.block.points.size());
   for (const PointIndex p : read.block.points) {
-    const Area& area = device.protocol->areas()[points[p].range.area];
-    const Found found = find_items(read.block, reply, points[p].range, area.item_bits);
+    const Area& area = device.protocol->areas()[map.points[p].range.area];
+    const Found found = find_items(read.block, reply, map.points[p].range, area.item_bits);
     if (!found.reply || found.reply->cause != Cause::kNone) {
       if (found.reply) refusal = *found.reply;
       bad.push_back(p);
@@ -115,7 +94,7 @@ void BusEngine::State::block_read(const Flight& read, const Reply& reply, Instan
     good.push_back(p);
     if (device.refused.erase(p))
       notice(Notice::Kind::kAddressRefused, read.device, Cause::kNone, point_text(p) + " is answered again", actions);
-    for (const ChannelIndex c : point_channels[p]) channels.acquired(c, area.item_bits, found.items, acquired, out);
+    for (const ChannelIndex c : map.channels_of[p]) channels.acquired(c, area.item_bits, found.items, acquired, out);
   }
   samples += out.size();
   if (trace)
@@ -145,7 +124,7 @@ void BusEngine::State::block_failed(const Flight& read, Cause cause, std::uint16
     device.paused_until = std::max(device.paused_until, now + kBusyPause);
   }
   for (const PointIndex p : read.block.points) {
-    for (const ChannelIndex c : point_channels[p]) channels.failing(c, cause, now);
+    for (const ChannelIndex c : map.channels_of[p]) channels.failing(c, cause, now);
   }
   scheduler->failed(read.block, now, now);
 }
@@ -156,7 +135,7 @@ void BusEngine::State::block_refused(const Block& block, Cause cause, std::uint1
   DeviceRuntime& device = devices[block.device];
   for (const PointIndex p : scheduler->refused(block, now, kForgetRefused)) {
     const bool news = device.refused.emplace(p, code).second;
-    for (const ChannelIndex c : point_channels[p]) channels.refused(c, cause, code, now, out);
+    for (const ChannelIndex c : map.channels_of[p]) channels.refused(c, cause, code, now, out);
     if (news)
       notice(Notice::Kind::kAddressRefused, block.device, cause,
              point_text(p) + " is refused (code " + std::to_string(code) + "); asked again in " + to_text(kForgetRefused),

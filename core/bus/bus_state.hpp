@@ -13,6 +13,7 @@
 #include "core/bus/command_job.hpp"
 #include "core/bus/conversation.hpp"
 #include "core/bus/device_state.hpp"
+#include "core/schedule/point_map.hpp"
 #include "core/schedule/scheduler.hpp"
 
 namespace fieldcast {
@@ -22,7 +23,8 @@ struct BusEngine::State {
   static constexpr Duration kForgetRefused = std::chrono::minutes{1};     // then a refused address is tried again
   static constexpr Duration kBusyPause = std::chrono::milliseconds{100};  // after "busy"
   static constexpr Duration kShortestProbe = std::chrono::milliseconds{10};
-  static constexpr Duration kProbeRetry = std::chrono::milliseconds{20};  // when the wire had no time for a probe
+  static constexpr Duration kProbeRetry = std::chrono::milliseconds{20};        // when the wire had no time for a probe
+  static constexpr Duration kAssumedAnswerTime = std::chrono::milliseconds{2};  // until the device's own is learned
   static constexpr Duration kAnswerTimeStep = std::chrono::microseconds{500};
   static constexpr int kSickShare = 10;  // a sick device wastes at most one part in this many of the wire
   static constexpr double kLightLoad = 0.5;
@@ -79,7 +81,7 @@ struct BusEngine::State {
   void rest_device(DeviceIndex device, Instant now);
 
   // bus_reads.cpp
-  void make_points();
+  void make_scheduler();
   void block_read(const Flight& flight, const Reply& reply, Instant now, Actions& actions);
   void block_failed(const Flight& flight, Cause cause, std::uint16_t code, Instant now, Actions& actions);
   void block_refused(const Block& block, Cause cause, std::uint16_t code, Instant now, std::vector<Sample>& samples,
@@ -105,11 +107,9 @@ struct BusEngine::State {
   ChannelTable channels;
   std::unordered_map<std::string_view, DeviceIndex> device_names;
 
-  std::vector<Point> points;
-  std::vector<std::vector<ChannelIndex>> point_channels;  // of each point
-  std::vector<std::optional<PointIndex>> channel_point;   // of each channel; nothing for write-only ones
-  std::vector<std::optional<PointIndex>> probe_point;     // of each device: the cheapest to ask
-  std::vector<std::optional<Duration>> wishes;            // of each channel
+  PointMap map;
+  std::vector<std::optional<PointIndex>> probe_point;  // of each device: the cheapest to ask
+  std::vector<std::optional<Duration>> wishes;         // of each channel
   std::unique_ptr<Scheduler> scheduler;
 
   Conversation conversation;

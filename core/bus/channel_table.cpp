@@ -36,8 +36,7 @@ ChannelTable::ChannelTable(const BusSpec& bus) : names_(bus.devices.size()) {
       entry.device = device;
       entry.last.channel = index;
       entry.last.value = zero_of(channel.encoding);
-      if (channel.mode != Mode::kOnDemand && channel.access != Access::kWriteOnly && !channel.on_interest)
-        entry.refresh = channel.refresh;
+      if (read_by_itself(channel)) entry.refresh = channel.refresh;
       entries_.push_back(std::move(entry));
       names_[device].emplace(channel.name, index);
     }

@@ -55,6 +55,9 @@ struct ChannelSpec {
   friend bool operator==(const ChannelSpec&, const ChannelSpec&) = default;
 };
 
+// Whether the bridge reads the channel without being asked.
+[[nodiscard]] bool read_by_itself(const ChannelSpec& channel);
+
 // The DEADLINE of the channel's samples: its refresh, or with a deadband the heartbeat; nothing for channels that are read only when
 // somebody asks.
 [[nodiscard]] std::optional<Duration> promised_gap(const ChannelSpec& channel);

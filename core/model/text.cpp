@@ -36,8 +36,12 @@ std::string_view to_text(LogLevel level) {
   return "?";
 }
 
+bool read_by_itself(const ChannelSpec& channel) {
+  return channel.access != Access::kWriteOnly && channel.mode != Mode::kOnDemand && !channel.on_interest;
+}
+
 std::optional<Duration> promised_gap(const ChannelSpec& channel) {
-  if (channel.mode == Mode::kOnDemand || channel.access == Access::kWriteOnly || channel.on_interest) return std::nullopt;
+  if (!read_by_itself(channel)) return std::nullopt;
   if (channel.deadband && channel.heartbeat) return std::max(channel.refresh, *channel.heartbeat);
   return channel.refresh;
 }

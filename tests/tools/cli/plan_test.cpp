@@ -52,7 +52,8 @@ TEST(BusPlan, WhatIsReadOnlyOnDemandCostsNothing) {
   on_interest.on_interest = true;
   const auto bus = line({on_demand, write_only, on_interest});
   const auto plan = make_plan(bus, 5ms);
-  EXPECT_TRUE(plan.input.points.empty());
+  for (const Point& point : plan.input.points) EXPECT_EQ(point.mode, Mode::kOnDemand);
+  EXPECT_EQ(plan.prediction.load, 0);
   EXPECT_TRUE(plan.prediction.feasible);
   EXPECT_THAT(plan_lines(plan, {}), testing::Contains("3 channels are read only when somebody asks, and cost nothing here"));
 }
