@@ -43,7 +43,7 @@ CommandResult done(const Command& command) {
 
 // A bridge that does at once what it is told, until SIGTERM.
 void run_bridge(const DdsSpec& spec) {
-  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // whatever state the library is in
   sigset_t ending;
   sigemptyset(&ending);
   sigaddset(&ending, SIGTERM);
