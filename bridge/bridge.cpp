@@ -33,11 +33,15 @@ constexpr std::chrono::milliseconds kLinger{200};
 // goes to the outlet thread, so that a bus never waits for DDS. Order is kept: nothing overtakes what the thread still has.
 class DdsOutlet final : public BusOutlet {
  public:
-  static constexpr std::size_t kAtOnce = 16;  // samples; DDS takes some 10 us for each
+  static constexpr Duration kOneSample = std::chrono::microseconds{50};  // what DDS takes for it, on a small machine
 
-  DdsOutlet(OutletThread& thread, DdsLink& link, std::string bus) : thread_(thread), link_(link), bus_(std::move(bus)) {}
+  DdsOutlet(OutletThread& thread, DdsLink& link, const BusSpec& bus)
+      : thread_(thread),
+        link_(link),
+        bus_(bus.name),
+        at_once_(static_cast<std::size_t>(silence_of(bus.silence, line_of(bus.port)) / kOneSample)) {}
   void publish(std::vector<Sample> samples, const UtcMapping& mapping) override {
-    if (samples.size() <= kAtOnce && waiting_ == 0) return link_.publish(bus_, samples, mapping);
+    if (samples.size() <= at_once_ && waiting_ == 0) return link_.publish(bus_, samples, mapping);
     post([this, samples = std::move(samples), mapping] { link_.publish(bus_, samples, mapping); });
   }
   void promise(ChannelIndex channel, std::optional<Duration> gap) override {
@@ -66,6 +70,7 @@ class DdsOutlet final : public BusOutlet {
   OutletThread& thread_;
   DdsLink& link_;
   std::string bus_;
+  std::size_t at_once_;                  // samples that the silence has time for
   std::atomic<std::size_t> waiting_{0};  // this bus's tasks that have not ended
 };
 
@@ -114,7 +119,7 @@ void Bridge::State::join() {
 void Bridge::State::start_bus(const BusSpec& bus) {
   FIELDCAST_CHECK(!buses.contains(bus.name));
   RunningBus made;
-  made.outlet = std::make_unique<DdsOutlet>(outlets, *link, bus.name);
+  made.outlet = std::make_unique<DdsOutlet>(outlets, *link, bus);
   made.runner = std::make_shared<BusRunner>(io.next(), bus, *made.outlet);
   commands.add(bus.name, made.runner);  // before the bus is announced: its commands may come at once
   try {

@@ -33,6 +33,10 @@ void Plant::start_simulator(const std::vector<std::string>& more) {
 }
 
 void Plant::start_bridge() {
+  {
+    const std::lock_guard guard(lock_);
+    seen_.clear();  // of the bridge before
+  }
   bridge_ = std::make_unique<Process>("fieldcast-bridge", std::vector<std::string>{config_}, folder_.path() + "/bridge.log");
 }
 
