@@ -147,6 +147,7 @@ class DeclarationReader {
   bool area_named(const Node& naming, AreaIndex& index) {
     std::vector<std::string_view> names;
     for (const auto& area : declaration_.areas) names.push_back(area.name);
+    if (names.empty()) return false;  // said already
     const auto* text = scalar_of(naming, "area", joined(names), faults_);
     if (text == nullptr) return false;
     const auto found = std::ranges::find(names, *text);
@@ -214,12 +215,15 @@ class DeclarationReader {
 
   // An area that no operation can read or write is a slip.
   void check_areas() {
+    if (operations_.empty()) return;
     for (std::size_t i = 0; i < declaration_.areas.size(); ++i) {
       const auto uses = [&](bool write) {
         return std::ranges::count_if(operations_, [&](const DraftOperation& draft) {
           return (draft.operation.area == i && draft.operation.write == write) || !draft.good;
         });
       };
+      const auto same = [&](const DeclaredArea& other) { return other.name == declaration_.areas[i].name; };
+      if (std::ranges::count_if(declaration_.areas, same) > 1) continue;  // two of one name: said already
       const std::string area = "area '" + declaration_.areas[i].name + "'";
       if (uses(false) == 0)
         faults_.add(area_places_[i], area + " is read by no operation", "an operation with read: " + declaration_.areas[i].name);

@@ -47,6 +47,7 @@ class OperationCheck {
     const std::uint64_t last = area_.items == 0 ? 0 : area_.items - 1, count = operation_.max_count;
     for (const DraftField& draft : frame.fields) {
       const Field& field = draft.field;
+      if (!draft.fits) continue;  // said already
       const auto holds = [&](std::uint64_t lowest, std::uint64_t highest, const std::string& what) {
         const auto largest = std::min(declared::largest(field.word), UINT64_MAX >> (64 - field.bits));
         const bool below = field.plus < 0 && lowest < static_cast<std::uint64_t>(-field.plus);
@@ -116,7 +117,7 @@ class OperationCheck {
     const auto kind = area_.record ? FieldKind::kValue : FieldKind::kItems;
     const std::string wanted = area_.record ? "is: value" : "is: items";
     const DraftFrame& carrier = operation_.write ? draft_.request : draft_.answer;
-    if (carrier.fields.empty()) return;
+    if (!carrier.good) return;
     const std::string where = operation_.write ? "the request of a write carries no " : "the answer of a read carries no ";
     needs(number_of(carrier, kind) > 0, carrier.place, where + (area_.record ? "values" : "items"), "a field that " + wanted);
     for (const auto* frame : {&draft_.request, &draft_.answer}) {
@@ -132,7 +133,7 @@ class OperationCheck {
 
   // The device must be told which items, and how many.
   void check_addressing() {
-    if (area_.record || draft_.request.fields.empty()) return;
+    if (area_.record || !draft_.request.good) return;
     needs(area_.items == 1 || draft_.request.find(FieldKind::kFirst) != nullptr, draft_.request.place,
           "the request does not say which of " + std::to_string(area_.items) + " items it means", "a field that is: first");
     if (operation_.min_count == operation_.max_count) return;
@@ -145,7 +146,7 @@ class OperationCheck {
   void check_variable(const DraftFrame& frame) {
     for (std::size_t i = 0; i < frame.fields.size(); ++i) {
       const Field& field = frame.fields[i].field;
-      if (!field.variable) continue;
+      if (!field.variable || !frame.fields[i].fits) continue;
       const bool told =
           std::any_of(frame.fields.begin(), frame.fields.begin() + static_cast<std::ptrdiff_t>(i),
                       [&](const DraftField& other) { return other.field.kind == FieldKind::kLength && other.field.of.holds(i); });

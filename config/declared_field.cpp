@@ -220,8 +220,7 @@ class FieldReader {
     if (draft_.shares || field.word.notation == Notation::kDecimal || field.bits % 8 != 0 || field.bits < needed ||
         field.bits > 32)
       faults_.add(map_.has("bytes") || map_.has("bits") || map_.has("digits") ? draft_.width_place : kind->place,
-                  "a checksum " + kind->text + " does not fit its field", "bytes: " + std::string(needed == 16 ? "2" : "1 to 4"),
-                  needed == 16 ? "bytes: 2" : "");
+                  "a checksum " + kind->text + " does not fit its field", "bytes: " + std::string(needed == 16 ? "2" : "1 to 4"));
   }
 
   void refuse_meaningless() {

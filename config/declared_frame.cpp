@@ -150,8 +150,10 @@ DraftFrame read_frame(const Node& node, std::string_view what, const FieldDefaul
     frame.fields.push_back(read_field(*item, defaults, item_bits, faults));
     frame.good = frame.good && frame.fields.back().fits;
   }
-  if (frame.good) Sharing(frame, defaults.high_first, faults).run();
-  for (std::size_t i = 0; i < frame.fields.size(); ++i) resolve_span(frame, i, faults);
+  const bool readable = frame.good;
+  if (readable) Sharing(frame, defaults.high_first, faults).run();
+  // Among fields that could not be read a name is not missed.
+  for (std::size_t i = 0; i < frame.fields.size() && readable; ++i) resolve_span(frame, i, faults);
   return frame;
 }
 

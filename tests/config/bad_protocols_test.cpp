@@ -1,0 +1,98 @@
+// One broken declaration for each fault in tests/config/bad_protocols: its head says, line for line, what the loader must say of
+// it.
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "tests/config/support.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+constexpr std::string_view kExpect = "# expect: ";
+
+class BadProtocol : public testing::TestWithParam<std::filesystem::path> {};
+
+TEST_P(BadProtocol, IsRefusedWithExactlyTheFaultsAtItsHead) {
+  const auto text = slurp(GetParam());
+  std::string expected;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with(kExpect)) expected += line.substr(kExpect.size()) + '\n';
+  }
+  ASSERT_NE(expected, "") << "the file says nothing that should be said of it";
+  const auto loaded = load_declaration_text(text, GetParam().filename().string());
+  EXPECT_EQ(loaded ? "" : to_text(std::span(loaded.error())), expected);
+}
+
+INSTANTIATE_TEST_SUITE_P(Config, BadProtocol, testing::ValuesIn(files_of(source_dir() / "tests/config/bad_protocols", ".yaml")),
+                         [](const auto& file) {
+                           std::string name = file.param.stem().string();
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+TEST(DeclaredProtocols, ThoseThatComeWithFieldcastLoad) {
+  for (const auto& path : files_of(source_dir() / "config/protocols", ".yaml")) {
+    const auto loaded = load_declaration(path.string());
+    EXPECT_TRUE(loaded) << to_text(std::span(loaded.error()));
+  }
+}
+
+TEST(DeclaredProtocols, EveryTruncationIsADeclarationOrFaults) {
+  for (const auto& path : files_of(source_dir() / "config/protocols", ".yaml")) {
+    const auto text = slurp(path);
+    for (std::size_t length = 0; length < text.size(); length += 3) {
+      const auto loaded = load_declaration_text(std::string_view(text).substr(0, length), "cut.yaml");
+      if (!loaded) { EXPECT_FALSE(loaded.error().empty()) << length; }
+    }
+  }
+}
+
+std::string bridge(const std::string& protocol, const std::string& at) {
+  return "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0 }\n    protocol: " + protocol +
+         "\n    devices:\n      - name: d\n        address: 3\n        channels:\n          - { name: c, at: \"" + at +
+         "\", type: uint16 }\n";
+}
+
+TEST(DeclaredProtocols, AreFoundBesideTheConfigurationFirst) {
+  auto instrument = slurp(source_dir() / "config/protocols/instrument.yaml");
+  const LoadOptions options{{}, {"/share/protocols"}};
+  const auto shared = texts({{"/share/protocols/thing.yaml", instrument}});
+  const auto loaded = load_text(bridge("thing", "status"), "/etc/plant.yaml", shared, options);
+  ASSERT_TRUE(loaded) << faults_of(loaded);
+  const auto& device = loaded->buses[0].devices[0];
+  EXPECT_EQ(device.protocol, "thing");
+  ASSERT_TRUE(device.declaration);
+  EXPECT_EQ(device.declaration.value->name, "thing");
+  EXPECT_EQ(device.channels[0].range, (Range{0, 0, 1}));
+
+  const auto both = texts({{"/share/protocols/thing.yaml", instrument}, {"/etc/protocols/thing.yaml", "summary: mine\n"}});
+  EXPECT_NE(faults_of(load_text(bridge("thing", "status"), "/etc/plant.yaml", both, options)).find("/etc/protocols/thing.yaml"),
+            std::string::npos);
+}
+
+TEST(DeclaredProtocols, AreComparedByWhatTheySay) {
+  const auto instrument = slurp(source_dir() / "config/protocols/instrument.yaml");
+  const auto load = [&](const std::string& text) {
+    return *load_text(bridge("thing", "status"), "plant.yaml", texts({{"protocols/thing.yaml", text}}));
+  };
+  EXPECT_EQ(load(instrument), load(instrument));
+  EXPECT_EQ(load(instrument), load(instrument + "# a remark\n"));
+  auto other = instrument;
+  other.replace(other.find("0x55"), 4, "0x56");
+  EXPECT_NE(load(instrument), load(other));
+}
+
+TEST(DeclaredProtocols, PlacesThatAreMisspeltAreFaultsOfTheChannel) {
+  const auto instrument = slurp(source_dir() / "config/protocols/instrument.yaml");
+  const auto loaded = load_text(bridge("thing", "statuss"), "plant.yaml", texts({{"protocols/thing.yaml", instrument}}));
+  EXPECT_NE(
+      faults_of(loaded).find(
+          "'statuss' is no address; allowed: status, analog, unit, input, output; a bit as .BIT behind it; did you mean status?"),
+      std::string::npos)
+      << faults_of(loaded);
+}
+
+}  // namespace
+}  // namespace fieldcast::config

@@ -1,0 +1,143 @@
+// Declarations of texts: hexadecimal digits, LRC over the bytes they mean, texts that end at a mark; and the checksums by their
+// names.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "core/protocol/declared/check.hpp"
+#include "tests/support/declared_device.hpp"
+#include "tests/support/matrix.hpp"
+
+namespace fieldcast {
+namespace {
+
+using test::Device;
+using test::drive;
+
+Device declared_by(std::string_view text, std::uint16_t address) {
+  const auto loaded = config::load_declaration_text(text, "test.yaml");
+  if (!loaded) throw std::invalid_argument(config::to_text(std::span(loaded.error())));
+  return Device(std::move(*declared::make(loaded->value, {.address = address})));
+}
+
+// (Modbus over Serial Line V1.02, 2.5.2)
+constexpr std::string_view kModbusAscii = R"(
+summary: registers by Modbus ASCII
+addresses: { from: 1, to: 247 }
+encoding: hex
+areas: [{ name: holding }]
+operations:
+  - name: read
+    read: holding
+    command: 3
+    count: 125
+    request: &ask
+      - { name: start, constant: ":" }
+      - { is: address }
+      - { is: command }
+      - { is: first, bytes: 2 }
+      - { is: count, bytes: 2 }
+      - { is: checksum, kind: lrc, of: address..count, over: bytes }
+      - { name: end, constant: "\r\n" }
+    answer:
+      - { name: start, constant: ":" }
+      - { is: address }
+      - { is: command }
+      - { is: length, of: items }
+      - { is: items }
+      - { is: checksum, kind: lrc, of: address..items, over: bytes }
+      - { name: end, constant: "\r\n" }
+)";
+
+Bytes ascii_answer(std::uint8_t unit, std::uint32_t registers, std::mt19937& random) {
+  Bytes bytes{unit, 3, static_cast<std::uint8_t>(2 * registers)};
+  for (std::uint32_t i = 0; i < 2 * registers; ++i) bytes.push_back(static_cast<std::uint8_t>(random()));
+  std::uint8_t sum = 0;
+  for (const auto byte : bytes) sum = static_cast<std::uint8_t>(sum + byte);
+  bytes.push_back(static_cast<std::uint8_t>(0x100u - sum));
+  const std::string text = ":" + to_hex(bytes, '\0') + "\r\n";
+  return {text.begin(), text.end()};
+}
+
+TEST(DeclaredText, ModbusAsciiIsThatOfTheBuiltInOne) {
+  const Device ours = declared_by(kModbusAscii, 9), theirs("modbus-ascii", 9);
+  std::mt19937 random(11);
+  for (int i = 0; i < 300; ++i) {
+    const auto count = static_cast<std::uint32_t>(1 + random() % 125);
+    const std::string at = "holding:" + std::to_string(random() % 65000);
+    const Request request = ours.read(at, count), same = theirs.read(at, count);
+    ASSERT_EQ(to_hex(ours.request_bytes(request)), to_hex(theirs.request_bytes(same)));
+    EXPECT_EQ(ours.protocol().size(request)->answer_characters, theirs.protocol().size(same)->answer_characters);
+    const Bytes answer = ascii_answer(9, count, random);
+    const auto mine = drive(*ours.begin(request), answer), built_in = drive(*theirs.begin(same), answer);
+    ASSERT_TRUE(mine.done() && built_in.done()) << to_text(mine) << ", " << to_text(built_in);
+    EXPECT_EQ(mine.reply[0].items, built_in.reply[0].items);
+  }
+  const Request request = ours.read("holding:1", 3);
+  test::expect_matrix({.begin = [&] { return ours.begin(request); }, .answers = {ascii_answer(9, 3, random)}});
+}
+
+constexpr std::string_view kScale = R"(
+summary: scales that answer in texts of their own length
+addresses: { from: 0, to: 99 }
+areas: [{ name: state, record: true }]
+operations:
+  - name: weigh
+    read: state
+    request:
+      - { name: ask, constant: "W" }
+      - { is: address, as: decimal, digits: 2 }
+      - { name: end, constant: "\r" }
+    answer:
+      - { name: mark, constant: "w" }
+      - { is: address, as: decimal, digits: 2 }
+      - { name: weight, is: value, text: 8, variable: true }
+      - { name: end, constant: "\r" }
+)";
+
+TEST(DeclaredText, ATextEndsAtItsMark) {
+  const Device scale = declared_by(kScale, 4);
+  const Request request = scale.read("weight", 4);
+  const auto text = [](std::string_view characters) { return Bytes(characters.begin(), characters.end()); };
+  EXPECT_EQ(scale.request_bytes(request), text("W04\r"));
+  for (const std::string_view weight : {"", "1", "12.5", "12345.67"}) {
+    const auto outcome = drive(*scale.begin(request), text("w04" + std::string(weight) + "\r"));
+    ASSERT_TRUE(outcome.done()) << weight;
+    Bytes padded = text(weight);
+    padded.resize(8);
+    EXPECT_EQ(outcome.reply[0].items, padded) << weight;
+  }
+  EXPECT_FALSE(drive(*scale.begin(request), text("w04123456789\r")).done());
+  EXPECT_FALSE(drive(*scale.begin(request), text("w0512.5\r")).done());
+  EXPECT_EQ(drive(*scale.begin(request), text("w0412")).cause, Cause::kTruncated);
+}
+
+// The answers to "123456789" in the catalogue of parametrised CRC algorithms.
+TEST(DeclaredCheck, CrcsGiveTheirPublishedCheckValues) {
+  const std::string_view digits = "123456789";
+  const Bytes bytes(digits.begin(), digits.end());
+  using declared::crc16;
+  EXPECT_EQ(crc16({0x8005, 0xFFFF, 0x0000, true}, bytes), 0x4B37);   // modbus
+  EXPECT_EQ(crc16({0x8005, 0x0000, 0x0000, true}, bytes), 0xBB3D);   // arc
+  EXPECT_EQ(crc16({0x8005, 0xFFFF, 0xFFFF, true}, bytes), 0xB4C8);   // usb
+  EXPECT_EQ(crc16({0x1021, 0xFFFF, 0x0000, false}, bytes), 0x29B1);  // ccitt
+  EXPECT_EQ(crc16({0x1021, 0x0000, 0x0000, false}, bytes), 0x31C3);  // xmodem
+  EXPECT_EQ(crc16({0x1021, 0x0000, 0x0000, true}, bytes), 0x2189);   // kermit
+  EXPECT_EQ(crc16({0x1021, 0xFFFF, 0xFFFF, true}, bytes), 0x906E);   // x25
+  EXPECT_EQ(crc16({0x3D65, 0x0000, 0xFFFF, true}, bytes), 0xEA82);   // dnp
+}
+
+TEST(DeclaredCheck, SumsAndTheirComplements) {
+  using namespace declared;
+  const Bytes bytes{0xF0, 0x3C, 0x81};
+  EXPECT_EQ(check_of({.kind = CheckKind::kSum}, 8, bytes), 0xADu);
+  EXPECT_EQ(check_of({.kind = CheckKind::kSum}, 16, bytes), 0x1ADu);
+  EXPECT_EQ(check_of({.kind = CheckKind::kXor}, 8, bytes), 0x4Du);
+  EXPECT_EQ(check_of({.kind = CheckKind::kAnd}, 8, bytes), 0x00u);
+  EXPECT_EQ(check_of({.kind = CheckKind::kAnd}, 8, ByteView(bytes).first(2)), 0x30u);
+  EXPECT_EQ(check_of({.kind = CheckKind::kSum, .complement = Complement::kTwos}, 8, bytes), 0x53u);
+  EXPECT_EQ(check_of({.kind = CheckKind::kSum, .complement = Complement::kOnes}, 8, bytes), 0x52u);
+}
+
+}  // namespace
+}  // namespace fieldcast
