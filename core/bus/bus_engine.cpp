@@ -46,7 +46,6 @@ BusEngine::State::State(const BusSpec& bus)
     device_names.emplace(device.name, index++);
   }
   last_write.assign(channels.size(), kLongAgo);
-  wishes.resize(channels.size());
   make_scheduler();
 }
 
@@ -201,7 +200,7 @@ void BusEngine::State::advance(Conversation::Outcome outcome, Bytes&& out, Insta
   }
 }
 
-void BusEngine::State::free_wire(Instant now, Duration extra) { free_at = now + silence + extra; }
+void BusEngine::State::free_wire(Instant now) { free_at = now + silence; }
 
 bool BusEngine::State::try_again(const Flight& tried, Cause cause) const {
   if (cause == Cause::kDeviceError || cause == Cause::kDeviceBusy || cause == Cause::kUnsupported) return false;

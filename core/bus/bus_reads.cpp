@@ -107,6 +107,7 @@ void BusEngine::State::block_read(const Flight& read, const Reply& reply, Instan
   if (!bad.empty()) {
     std::vector<Sample> refused;
     block_refused(part_of(read.block, std::move(bad)), refusal.cause, refusal.device_code, now, refused, actions);
+    samples += refused.size();
     if (!refused.empty()) actions.push_back(Publish{std::move(refused)});
   }
 }

@@ -2,7 +2,6 @@
 // (bus_reads.cpp), commanding (bus_commands.cpp), reporting (bus_report.cpp). Private to core/bus.
 #pragma once
 
-#include <array>
 #include <deque>
 #include <optional>
 #include <unordered_map>
@@ -59,7 +58,7 @@ struct BusEngine::State {
   void transmit(Instant now, Actions& actions);
   void advance(Conversation::Outcome outcome, Bytes&& out, Instant now, Actions& actions);
   void conclude(bool done, Instant now, Actions& actions);
-  void free_wire(Instant now, Duration extra = {});
+  void free_wire(Instant now);
   [[nodiscard]] bool try_again(const Flight& flight, Cause cause) const;
   void opened(Instant now);
   void closed(const std::string& reason, Instant now, Actions& actions);
@@ -108,8 +107,7 @@ struct BusEngine::State {
   std::unordered_map<std::string_view, DeviceIndex> device_names;
 
   PointMap map;
-  std::vector<std::optional<PointIndex>> probe_point;  // of each device: the cheapest to ask
-  std::vector<std::optional<Duration>> wishes;         // of each channel
+  std::vector<std::optional<PointIndex>> probe_point;  // of each device: its first
   std::unique_ptr<Scheduler> scheduler;
 
   Conversation conversation;
