@@ -52,15 +52,9 @@ void CommandClient::Writer::on_publication_matched(dds::DataWriter*, const dds::
 
 bool CommandClient::Writer::write(idl::Command& command) {
   const std::lock_guard lock(writing);
-  if (!entity->write(&command)) {
-    // Full. The library clears out what is acknowledged only when it is waited for, and never waits for room for instances.
-    entity->wait_for_acknowledgments({1, 0});
-    if (!entity->write(&command)) return false;
-  }
-  // Kept if it does not fit: the instance would stay for ever.
-  if (entity->unregister_instance(&command, dds::HANDLE_NIL) != ReturnCode_t::RETCODE_OK) {
-    entity->wait_for_acknowledgments({1, 0});
-    entity->unregister_instance(&command, dds::HANDLE_NIL);
+  if (!once.write(command)) {
+    once.make_room(std::chrono::seconds{1});
+    if (!once.write(command)) return false;
   }
   if (found_new.exchange(false)) entity->wait_for_acknowledgments({1, 0});
   return true;
@@ -111,6 +105,7 @@ CommandClient::Writer& CommandClient::writer_for(Duration lifespan) {
   made->client = this;
   made->entity = domain_.writer<idl::CommandPubSubType>(kCommandTopic, command_writer_qos(lifespan), requester_, made.get(),
                                                         dds::StatusMask::publication_matched());
+  made->once.attach(made->entity);
   const std::lock_guard lock(mutex_);
   return *(writers_[lifespan] = std::move(made));
 }

@@ -11,6 +11,7 @@
 
 #include "bridge/dds/conversion.hpp"
 #include "bridge/dds/domain.hpp"
+#include "bridge/dds/once_writer.hpp"
 
 namespace fieldcast {
 
@@ -31,13 +32,13 @@ class CommandClient {
   // LIFESPAN is a writer's: one writer for each that is asked for.
   struct Writer : dds::DataWriterListener {
     void on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) override;
-    // The command, and the note that its instance is let go. The first one to a bridge that was found just now goes alone: with
-    // more than 256 messages before its reader knows this writer, Fast DDS 2.9.1 loses what lies beyond them and calls it
-    // acknowledged.
+    // The first command to a bridge that was found just now goes alone: with more than 256 messages before its reader knows this
+    // writer, Fast DDS 2.9.1 loses what lies beyond them and calls it acknowledged.
     [[nodiscard]] bool write(idl::Command& command);
 
     CommandClient* client = nullptr;
     dds::DataWriter* entity = nullptr;
+    OnceWriter<idl::Command> once;
     std::set<dds::InstanceHandle_t> readers;  // of bridges
     std::mutex writing;
     std::atomic<bool> found_new{true};

@@ -21,6 +21,7 @@ ResultSender::ResultSender(Domain& domain, const std::string& label, std::functi
     : domain_(domain), clock_(std::move(clock)), on_problem_(std::move(on_problem)) {
   writer_ = domain.writer<idl::CommandResultPubSubType>(kCommandResultTopic, result_writer_qos(), label, this,
                                                         dds::StatusMask::publication_matched());
+  once_.attach(writer_);
   thread_ = std::thread([this] { run(); });
 }
 
@@ -54,31 +55,27 @@ void ResultSender::send(const idl::CommandResult& result) {
       return;
     }
   }
-  Ready ready{result};
   if (ready_.empty() && !sending_) {
     lock.unlock();
-    if (try_send(ready)) return;
+    const bool sent = once_.write(const_cast<idl::CommandResult&>(result));  // the library wants it so; it only reads
     lock.lock();
+    if (sent) {
+      if (std::exchange(settled_, false)) changed_.notify_one();
+      return;
+    }
   }
-  enqueue(std::move(ready), lock);
+  enqueue(result, lock);
 }
 
-void ResultSender::enqueue(Ready ready, std::unique_lock<std::mutex>& lock) {
+void ResultSender::enqueue(const idl::CommandResult& result, std::unique_lock<std::mutex>& lock) {
   if (ready_.size() < kMaxReady) {
-    ready_.push_back(std::move(ready));
+    ready_.push_back(result);
     changed_.notify_one();
     return;
   }
   lock.unlock();
-  on_problem_("result " + std::to_string(ready.result.request_id()) + " of " + ready.result.requester().c_str() +
+  on_problem_("result " + std::to_string(result.request_id()) + " of " + result.requester().c_str() +
               " was not sent: readers do not acknowledge");
-}
-
-bool ResultSender::try_send(Ready& ready) {
-  if (!ready.written && !writer_->write(&ready.result)) return false;
-  ready.written = true;
-  const ReturnCode_t let_go = writer_->unregister_instance(&ready.result, dds::HANDLE_NIL);
-  return let_go != ReturnCode_t::RETCODE_TIMEOUT && let_go != ReturnCode_t::RETCODE_OUT_OF_RESOURCES;
 }
 
 void ResultSender::on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) {
@@ -103,7 +100,7 @@ void ResultSender::take_due() {
   const Instant now = clock_().instant;
   std::erase_if(held_, [&](Held& held) {
     if (held.until > now) return false;
-    ready_.push_back({std::move(held.result)});
+    ready_.push_back(std::move(held.result));
     return true;
   });
 }
@@ -113,22 +110,31 @@ void ResultSender::run() {
   while (!closing_) {
     take_due();
     if (!ready_.empty()) {
-      Ready next = std::move(ready_.front());
+      idl::CommandResult next = std::move(ready_.front());
       ready_.pop_front();
       sending_ = true;
       lock.unlock();
-      // The library clears out what is acknowledged when it is waited for, and never waits for room for instances by itself.
-      const bool sent = try_send(next) || (writer_->wait_for_acknowledgments(to_dds(kWaitForRoom)), try_send(next));
+      const bool sent = once_.write(next) || (once_.make_room(kWaitForRoom), once_.write(next));
       lock.lock();
       sending_ = false;
+      settled_ = false;
       if (!sent) ready_.push_front(std::move(next));
-    } else if (held_.empty()) {
-      changed_.wait(lock);
-    } else {
-      const auto next =
-          std::min_element(held_.begin(), held_.end(), [](const Held& a, const Held& b) { return a.until < b.until; });
-      changed_.wait_for(lock, next->until - clock_().instant);
+      continue;
     }
+    std::optional<Instant> until;
+    for (const Held& held : held_) until = std::min(until.value_or(held.until), held.until);
+    if (!settled_) until = std::min(until.value_or(Instant::max()), clock_().instant + kWaitForRoom);
+    if (!until) {
+      changed_.wait(lock);
+      continue;
+    }
+    changed_.wait_for(lock, *until - clock_().instant);
+    if (settled_) continue;
+    settled_ = true;
+    lock.unlock();
+    const bool settled = once_.settle();
+    lock.lock();
+    settled_ = settled_ && settled;  // not if something was sent meanwhile
   }
 }
 
@@ -139,18 +145,18 @@ void ResultSender::close(Duration linger) {
     changed_.notify_one();
   }
   thread_.join();
-  std::deque<Ready> last;
+  std::deque<idl::CommandResult> last;
   {
     const std::lock_guard lock(mutex_);
-    for (Held& held : held_) ready_.push_back({std::move(held.result)});
+    for (Held& held : held_) ready_.push_back(std::move(held.result));
     held_.clear();
     last.swap(ready_);
   }
   bool waited = false;  // once for all: the bridge is on its way out
-  for (Ready& ready : last) {
-    if (try_send(ready) || std::exchange(waited, true)) continue;
-    writer_->wait_for_acknowledgments(to_dds(linger));
-    (void)try_send(ready);
+  for (idl::CommandResult& result : last) {
+    if (once_.write(result) || std::exchange(waited, true)) continue;
+    once_.make_room(linger);
+    (void)once_.write(result);
   }
   writer_->wait_for_acknowledgments(to_dds(linger));
   domain_.remove(std::exchange(writer_, nullptr));

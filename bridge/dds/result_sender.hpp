@@ -1,4 +1,4 @@
-// Publishes command results, one for each command, and lets go of each instance at once, so that memory stays flat over millions.
+// Publishes command results, one for each command.
 //
 // Results are volatile. A requester that has just joined may have had its command heard before its reader was discovered; its
 // result is held until then, for at most a second. Readers of other vendors get a moment more: Cyclone DDS throws away what comes
@@ -17,6 +17,7 @@
 
 #include "bridge/dds/conversion.hpp"
 #include "bridge/dds/domain.hpp"
+#include "bridge/dds/once_writer.hpp"
 
 namespace fieldcast {
 
@@ -43,7 +44,7 @@ class ResultSender : private dds::DataWriterListener {
   static constexpr std::size_t kMaxReady = kMaxPendingCommands;  // what comes beyond is dropped, and said
   static constexpr Duration kHold = std::chrono::seconds{1};
   static constexpr Duration kSettle = std::chrono::milliseconds{50};       // ten times the delay of a writer's first heartbeat
-  static constexpr Duration kWaitForRoom = std::chrono::milliseconds{20};  // between two looks at whether to end
+  static constexpr Duration kWaitForRoom = std::chrono::milliseconds{20};  // between two looks at whether to end, or at what is acknowledged
 
   struct Requester {
     GuidPrefix participant;
@@ -58,29 +59,26 @@ class ResultSender : private dds::DataWriterListener {
     Instant until;
     idl::CommandResult result;
   };
-  struct Ready {
-    idl::CommandResult result;
-    bool written = false;  // its instance is still to be let go
-  };
 
   void on_publication_matched(dds::DataWriter* writer, const dds::PublicationMatchedStatus& status) override;
   // When a result may leave; nothing: at once. REQUIRES: mutex_ held.
   [[nodiscard]] std::optional<Instant> hold_until(const Requester& requester, Instant now) const;
   void run();       // the thread
   void take_due();  // from held_ to ready_. REQUIRES: mutex_ held.
-  void enqueue(Ready ready, std::unique_lock<std::mutex>& lock);
-  [[nodiscard]] bool try_send(Ready& ready);  // false: no room now
+  void enqueue(const idl::CommandResult& result, std::unique_lock<std::mutex>& lock);
 
   Domain& domain_;
   std::function<UtcMapping()> clock_;
   std::function<void(std::string)> on_problem_;
   dds::DataWriter* writer_ = nullptr;
+  OnceWriter<idl::CommandResult> once_;
   std::mutex mutex_;  // never held while writing
   std::condition_variable changed_;
   std::map<std::string, Requester> requesters_;
   std::map<GuidPrefix, Match> matched_;  // participants with a result reader
   std::deque<Held> held_;
-  std::deque<Ready> ready_;
+  std::deque<idl::CommandResult> ready_;
+  bool settled_ = true;  // every instance that was sent is let go, as far as the thread knows
   bool sending_ = false;  // the thread, the one that was first in ready_
   bool closing_ = false;
   std::thread thread_;
