@@ -1,0 +1,261 @@
+// PostgreSQL by libpq. Rows are sent as a pipeline, so that a batch costs one way to the server and not one for each row.
+#include <libpq-fe.h>
+#include <poll.h>
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <map>
+
+#include "bridge/store/sql.hpp"
+
+namespace fieldcast {
+namespace {
+
+// Rows in one pipeline: small enough that the answers fit the socket's buffer while libpq still sends.
+constexpr std::size_t kPipelined = 256;
+
+// A server that is there and says nothing: longer than its own statement_timeout, so that its reason comes first.
+constexpr std::chrono::seconds kPatience{12};
+
+// Of pg_type.dat: what the columns of our tables can be.
+constexpr Oid kInt8 = 20, kInt2 = 21, kInt4 = 23, kFloat8 = 701;
+
+struct FinishConnection {
+  void operator()(PGconn* connection) const { PQfinish(connection); }
+};
+struct ClearResult {
+  void operator()(PGresult* result) const { PQclear(result); }
+};
+using Connection = std::unique_ptr<PGconn, FinishConnection>;
+using Result = std::unique_ptr<PGresult, ClearResult>;
+
+// libpq ends its messages with a line break, and says several lines when it tried several addresses.
+std::string one_line(std::string text) {
+  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+// The server takes no text that is not UTF-8, and no zero in it; what a device sends may be anything.
+std::string plain_text(std::string_view text) {
+  std::string plain;
+  for (std::size_t i = 0; i < text.size();) {
+    const auto lead = static_cast<unsigned char>(text[i]);
+    const std::size_t length = lead < 0x80                   ? 1
+                               : lead >= 0xC2 && lead < 0xE0 ? 2
+                               : lead >= 0xE0 && lead < 0xF0 ? 3
+                               : lead >= 0xF0 && lead < 0xF5 ? 4
+                                                             : 0;
+    bool good = length > 0 && lead != 0 && i + length <= text.size();
+    for (std::size_t k = 1; good && k < length; ++k) good = (static_cast<unsigned char>(text[i + k]) & 0xC0) == 0x80;
+    if (good && length > 2) {  // over-long forms, surrogates, beyond U+10FFFF
+      const auto second = static_cast<unsigned char>(text[i + 1]);
+      good = !(lead == 0xE0 && second < 0xA0) && !(lead == 0xED && second > 0x9F) && !(lead == 0xF0 && second < 0x90) &&
+             !(lead == 0xF4 && second > 0x8F);
+    }
+    plain += good ? std::string(text.substr(i, length)) : "?";
+    i += good ? length : 1;
+  }
+  return plain;
+}
+
+std::string spelled(double value) {
+  if (std::isnan(value)) return "NaN";
+  if (std::isinf(value)) return value > 0 ? "Infinity" : "-Infinity";
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
+// A row's texts, and the pointers to them that libpq wants.
+class Parameters {
+ public:
+  explicit Parameters(const SqlRow& row) : texts_(row.size()), pointers_(row.size(), nullptr) {
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      if (std::holds_alternative<std::monostate>(row[i])) continue;
+      if (const auto* integer = std::get_if<std::int64_t>(&row[i])) texts_[i] = std::to_string(*integer);
+      if (const auto* real = std::get_if<double>(&row[i])) texts_[i] = spelled(*real);
+      if (const auto* text = std::get_if<std::string>(&row[i])) texts_[i] = plain_text(*text);
+      pointers_[i] = texts_[i].c_str();
+    }
+  }
+  [[nodiscard]] int count() const { return static_cast<int>(pointers_.size()); }
+  [[nodiscard]] const char* const* data() const { return pointers_.data(); }
+
+ private:
+  std::vector<std::string> texts_;
+  std::vector<const char*> pointers_;
+};
+
+SqlValue column(const PGresult* result, int row, int at) {
+  if (PQgetisnull(result, row, at)) return std::monostate{};
+  const std::string_view text(PQgetvalue(result, row, at), static_cast<std::size_t>(PQgetlength(result, row, at)));
+  const Oid type = PQftype(result, at);
+  if (type == kInt2 || type == kInt4 || type == kInt8) {
+    std::int64_t integer = 0;
+    std::from_chars(text.data(), text.data() + text.size(), integer);
+    return integer;
+  }
+  if (type == kFloat8) {
+    double real = 0;
+    std::from_chars(text.data(), text.data() + text.size(), real);
+    return real;
+  }
+  return std::string(text);
+}
+
+class PostgresConnection final : public SqlConnection {
+ public:
+  PostgresConnection(std::string place, Connection connection) : place_(std::move(place)), connection_(std::move(connection)) {
+    PQsetNoticeProcessor(
+        connection_.get(), [](void*, const char*) {}, nullptr);  // "table exists": nothing to say
+  }
+
+  Dialect dialect() const override { return Dialect::kPostgres; }
+
+  void script(const std::string& sql) override {
+    if (PQsendQuery(connection_.get(), sql.c_str()) != 1) fail();
+    answer();
+  }
+
+  std::uint64_t execute(const std::string& sql, std::span<const SqlRow> rows) override {
+    if (rows.empty()) return 0;
+    const std::string& name = prepared(sql);
+    if (rows.size() == 1) {
+      const Parameters parameters(rows[0]);
+      if (PQsendQueryPrepared(connection_.get(), name.c_str(), parameters.count(), parameters.data(), nullptr, nullptr, 0) != 1)
+        fail();
+      return answer();
+    }
+    std::uint64_t changed = 0;
+    for (std::size_t at = 0; at < rows.size(); at += kPipelined) {
+      changed += pipeline(name, rows.subspan(at, std::min(kPipelined, rows.size() - at)));
+    }
+    return changed;
+  }
+
+  void query(const std::string& sql, const SqlRow& parameters, const std::function<bool(const SqlRow&)>& on_row) override {
+    const std::string& name = prepared(sql);
+    const Parameters texts(parameters);
+    if (PQsendQueryPrepared(connection_.get(), name.c_str(), texts.count(), texts.data(), nullptr, nullptr, 0) != 1) fail();
+    PQsetSingleRowMode(connection_.get());  // an answer of any size is never held whole
+    bool wanted = true;
+    std::string problem;
+    SqlRow row;
+    while (const Result result = next()) {
+      const ExecStatusType status = PQresultStatus(result.get());
+      if (status != PGRES_SINGLE_TUPLE && status != PGRES_TUPLES_OK && problem.empty()) problem = text_of(result.get());
+      for (int i = 0; wanted && i < PQntuples(result.get()); ++i) {
+        row.resize(static_cast<std::size_t>(PQnfields(result.get())));
+        for (std::size_t k = 0; k < row.size(); ++k) row[k] = column(result.get(), i, static_cast<int>(k));
+        wanted = on_row(row);
+      }
+    }
+    if (!problem.empty()) throw StoreError(problem);
+  }
+
+ private:
+  [[noreturn]] void fail() const { throw StoreError("store " + place_ + ": " + one_line(PQerrorMessage(connection_.get()))); }
+  std::string text_of(const PGresult* result) const { return "store " + place_ + ": " + one_line(PQresultErrorMessage(result)); }
+
+  // The next result, or null at the end of an answer.
+  Result next() {
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    while (PQisBusy(connection_.get()) == 1) {
+      const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+      pollfd socket{PQsocket(connection_.get()), POLLIN, 0};
+      if (left.count() <= 0 || ::poll(&socket, 1, static_cast<int>(left.count())) == 0) {
+        throw StoreError("store " + place_ + ": the server does not answer");
+      }
+      if (PQconsumeInput(connection_.get()) != 1) fail();
+    }
+    return Result(PQgetResult(connection_.get()));
+  }
+
+  // Takes a whole answer; the rows that it changed.
+  std::uint64_t answer() {
+    std::uint64_t changed = 0;
+    std::string problem;
+    while (const Result result = next()) {
+      const ExecStatusType status = PQresultStatus(result.get());
+      if (status != PGRES_COMMAND_OK && status != PGRES_TUPLES_OK && status != PGRES_EMPTY_QUERY) {
+        if (problem.empty()) problem = text_of(result.get());
+        if (PQstatus(connection_.get()) != CONNECTION_OK) break;
+      }
+      changed += changed_by(result.get());
+    }
+    if (!problem.empty()) throw StoreError(problem);
+    return changed;
+  }
+
+  static std::uint64_t changed_by(PGresult* result) {
+    const std::string_view text = PQcmdTuples(result);
+    std::uint64_t changed = 0;
+    std::from_chars(text.data(), text.data() + text.size(), changed);
+    return changed;
+  }
+
+  const std::string& prepared(const std::string& sql) {
+    const auto found = statements_.find(sql);
+    if (found != statements_.end()) return found->second;
+    const std::string name = "s" + std::to_string(statements_.size());
+    if (PQsendPrepare(connection_.get(), name.c_str(), sql.c_str(), 0, nullptr) != 1) fail();
+    answer();
+    return statements_.emplace(sql, name).first->second;
+  }
+
+  std::uint64_t pipeline(const std::string& name, std::span<const SqlRow> rows) {
+    PGconn* const to = connection_.get();
+    if (PQenterPipelineMode(to) != 1) fail();
+    for (const SqlRow& row : rows) {
+      const Parameters parameters(row);
+      if (PQsendQueryPrepared(to, name.c_str(), parameters.count(), parameters.data(), nullptr, nullptr, 0) != 1) fail();
+    }
+    if (PQpipelineSync(to) != 1) fail();
+    std::uint64_t changed = 0;
+    std::string problem;
+    for (bool synced = false; !synced;) {
+      const Result result = next();
+      if (!result) {  // the end of one statement's answer; of all of them, when the server is gone
+        if (PQstatus(to) != CONNECTION_OK) fail();
+        continue;
+      }
+      const ExecStatusType status = PQresultStatus(result.get());
+      synced = status == PGRES_PIPELINE_SYNC;
+      if (status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK) changed += changed_by(result.get());
+      if (status == PGRES_FATAL_ERROR && problem.empty()) problem = text_of(result.get());
+      if (status == PGRES_FATAL_ERROR && PQstatus(to) != CONNECTION_OK) break;
+    }
+    PQexitPipelineMode(to);
+    if (!problem.empty()) throw StoreError(problem);
+    return changed;
+  }
+
+  const std::string place_;
+  Connection connection_;
+  std::map<std::string, std::string> statements_;  // name by text
+};
+
+}  // namespace
+
+std::unique_ptr<SqlConnection> open_postgres(const StoreAddress& address) {
+  // What the connection string says goes before these.
+  const char* const keys[] = {"connect_timeout", "tcp_user_timeout", "application_name", "options", "dbname", nullptr};
+  const char* const values[] = {
+      "5", "10000", "fieldcast", "-c statement_timeout=10s -c lock_timeout=10s", address.text().c_str(), nullptr};
+  Connection connection(PQconnectdbParams(keys, values, 1));
+  const std::string place = address.masked();
+  if (!connection) throw StoreError("store " + place + ": no memory");
+  if (PQstatus(connection.get()) != CONNECTION_OK) {
+    // A string that cannot be parsed stands in libpq's message, with its password.
+    const char* const user = PQuser(connection.get());
+    throw StoreError("store " + place + ": " +
+                     (user == nullptr ? "the connection string cannot be understood; postgresql://USER@HOST:PORT/DATABASE"
+                                      : one_line(PQerrorMessage(connection.get()))));
+  }
+  PQsetClientEncoding(connection.get(), "UTF8");
+  return std::make_unique<PostgresConnection>(place, std::move(connection));
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,40 @@
+#include "bridge/store/sql.hpp"
+
+#include "bridge/store/schema.hpp"
+
+namespace fieldcast {
+
+SqlTransaction::SqlTransaction(SqlConnection& connection) : connection_(connection) {
+  // SQLite: to take the write lock at once, and wait for it, is the one way that cannot fail half-way through.
+  connection_.script(connection_.dialect() == SqlConnection::Dialect::kSqlite ? "begin immediate" : "begin");
+}
+
+SqlTransaction::~SqlTransaction() {
+  if (!open_) return;
+  try {
+    connection_.script("rollback");
+  } catch (const StoreError&) {}  // the connection is gone, and the transaction with it
+}
+
+void SqlTransaction::commit() {
+  connection_.script("commit");
+  open_ = false;
+}
+
+std::unique_ptr<SqlConnection> open_store(const StoreAddress& address, IfMissing missing) {
+  auto connection = address.is_server() ? open_postgres(address) : open_sqlite(address.text(), missing);
+  bring_to_present(*connection, address.masked());
+  return connection;
+}
+
+std::int64_t integer_at(const SqlRow& row, std::size_t column) {
+  const auto* value = std::get_if<std::int64_t>(&row.at(column));
+  return value == nullptr ? 0 : *value;
+}
+
+std::string text_at(const SqlRow& row, std::size_t column) {
+  const auto* value = std::get_if<std::string>(&row.at(column));
+  return value == nullptr ? std::string() : *value;
+}
+
+}  // namespace fieldcast

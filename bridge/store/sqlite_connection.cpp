@@ -1,0 +1,149 @@
+// SQLite in WAL mode: one writes while others read. A commit reaches the kernel, so that the death of the process loses nothing;
+// the disk is waited for at checkpoints only, so that a power failure may take the last seconds (sqlite.org/pragma.html,
+// synchronous).
+#include <fcntl.h>
+#include <sqlite3.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <map>
+
+#include "bridge/store/sql.hpp"
+
+namespace fieldcast {
+namespace {
+
+constexpr int kBusyMilliseconds = 5000;  // another process writes: a command line, a backup
+constexpr const char* kSettings =
+    "pragma journal_mode = wal; pragma synchronous = normal; pragma wal_autocheckpoint = 4000; pragma journal_size_limit = "
+    "67108864;"
+    "pragma cache_size = -16384";
+
+struct CloseDatabase {
+  void operator()(sqlite3* database) const { sqlite3_close_v2(database); }
+};
+struct FinalizeStatement {
+  void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+};
+using Database = std::unique_ptr<sqlite3, CloseDatabase>;
+using Statement = std::unique_ptr<sqlite3_stmt, FinalizeStatement>;
+
+class SqliteConnection final : public SqlConnection {
+ public:
+  SqliteConnection(std::string path, Database database) : path_(std::move(path)), database_(std::move(database)) {
+    sqlite3_busy_timeout(database_.get(), kBusyMilliseconds);
+    script(kSettings);
+  }
+
+  Dialect dialect() const override { return Dialect::kSqlite; }
+
+  void script(const std::string& sql) override {
+    if (sqlite3_exec(database_.get(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) fail();
+  }
+
+  std::uint64_t execute(const std::string& sql, std::span<const SqlRow> rows) override {
+    sqlite3_stmt* statement = prepared(sql);
+    std::uint64_t changed = 0;
+    for (const SqlRow& row : rows) {
+      const Reset reset{statement};
+      bind(statement, row);
+      int step = 0;
+      while ((step = sqlite3_step(statement)) == SQLITE_ROW) {}
+      if (step != SQLITE_DONE) fail();
+      changed += static_cast<std::uint64_t>(sqlite3_changes(database_.get()));
+    }
+    return changed;
+  }
+
+  void query(const std::string& sql, const SqlRow& parameters, const std::function<bool(const SqlRow&)>& on_row) override {
+    sqlite3_stmt* statement = prepared(sql);
+    const Reset reset{statement};
+    bind(statement, parameters);
+    SqlRow row(static_cast<std::size_t>(sqlite3_column_count(statement)));
+    for (;;) {
+      const int step = sqlite3_step(statement);
+      if (step == SQLITE_DONE) return;
+      if (step != SQLITE_ROW) fail();
+      for (std::size_t i = 0; i < row.size(); ++i) row[i] = column(statement, static_cast<int>(i));
+      if (!on_row(row)) return;
+    }
+  }
+
+ private:
+  struct Reset {
+    sqlite3_stmt* statement;
+    ~Reset() { sqlite3_reset(statement); }
+  };
+
+  [[noreturn]] void fail() const { throw StoreError("store " + path_ + ": " + sqlite3_errmsg(database_.get())); }
+
+  sqlite3_stmt* prepared(const std::string& sql) {
+    Statement& statement = statements_[sql];
+    if (!statement) {
+      sqlite3_stmt* made = nullptr;
+      if (sqlite3_prepare_v3(database_.get(), sql.c_str(), -1, SQLITE_PREPARE_PERSISTENT, &made, nullptr) != SQLITE_OK) fail();
+      statement.reset(made);
+    }
+    return statement.get();
+  }
+
+  void bind(sqlite3_stmt* statement, const SqlRow& row) {
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const int at = static_cast<int>(i) + 1;
+      int done = SQLITE_OK;
+      if (const auto* integer = std::get_if<std::int64_t>(&row[i])) {
+        done = sqlite3_bind_int64(statement, at, *integer);
+      } else if (const auto* real = std::get_if<double>(&row[i])) {
+        done = sqlite3_bind_double(statement, at, *real);
+      } else if (const auto* text = std::get_if<std::string>(&row[i])) {
+        done = sqlite3_bind_text64(statement, at, text->data(), text->size(), SQLITE_STATIC, SQLITE_UTF8);
+      } else {
+        done = sqlite3_bind_null(statement, at);
+      }
+      if (done != SQLITE_OK) fail();
+    }
+  }
+
+  static SqlValue column(sqlite3_stmt* statement, int at) {
+    switch (sqlite3_column_type(statement, at)) {
+      case SQLITE_INTEGER: return static_cast<std::int64_t>(sqlite3_column_int64(statement, at));
+      case SQLITE_FLOAT: return sqlite3_column_double(statement, at);
+      case SQLITE_NULL: return std::monostate{};
+      default: {
+        const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement, at));
+        return std::string(text, static_cast<std::size_t>(sqlite3_column_bytes(statement, at)));
+      }
+    }
+  }
+
+  const std::string path_;
+  Database database_;
+  std::map<std::string, Statement> statements_;  // before the database goes: it waits for none of them
+};
+
+// SQLite gives its own files the permissions of the database's: passwords' hashes lie in all of them.
+void make_private_file(const std::string& path) {
+  const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  if (file < 0) {
+    throw StoreError("store " + path + ": cannot be opened for writing (" + std::strerror(errno) +
+                     "); the folder must exist, and its owner must be who runs this program");
+  }
+  ::close(file);
+}
+
+}  // namespace
+
+std::unique_ptr<SqlConnection> open_sqlite(const std::string& path, IfMissing missing) {
+  if (missing == IfMissing::kFail && ::access(path.c_str(), F_OK) != 0) {
+    throw StoreError("store " + path + ": there is no such file; the bridge makes it when it first runs with this store");
+  }
+  make_private_file(path);
+  sqlite3* made = nullptr;
+  const int opened = sqlite3_open_v2(path.c_str(), &made, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, nullptr);
+  Database database(made);
+  if (opened != SQLITE_OK) throw StoreError("store " + path + ": " + sqlite3_errstr(opened));
+  return std::make_unique<SqliteConnection>(path, std::move(database));
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,24 @@
+// Where a store lies: a file of SQLite, or a PostgreSQL server by its connection string.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace fieldcast {
+
+class StoreAddress {
+ public:
+  StoreAddress() = default;
+  // "postgresql://.." or "postgres://.." is a server, anything else a file.
+  explicit StoreAddress(std::string text) : text_(std::move(text)) {}
+
+  [[nodiscard]] bool is_server() const;
+  [[nodiscard]] const std::string& text() const { return text_; }  // with the password: never for a log
+  [[nodiscard]] std::string masked() const;                        // for logs: a password shows as ***
+
+ private:
+  std::string text_;
+};
+
+}  // namespace fieldcast

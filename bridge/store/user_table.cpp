@@ -1,0 +1,69 @@
+#include "bridge/store/user_table.hpp"
+
+#include <algorithm>
+
+#include "bridge/store/password.hpp"
+#include "bridge/store/users.hpp"
+
+namespace fieldcast {
+namespace {
+
+// What an unknown user's password is compared with: as costly as the real ones.
+const std::string& nobody() {
+  static const std::string hash = hash_password("nobody");
+  return hash;
+}
+
+bool plain(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_' || c == '.' ||
+         c == '@';
+}
+
+}  // namespace
+
+bool UserTable::add(const std::string& name, Role role, const std::string& password, UtcTime now) {
+  return connection_.execute(
+             "insert into users (name, role, password_hash, created_at) values ($1, $2, $3, $4) on conflict do nothing",
+             SqlRow{name, std::string(to_text(role)), hash_password(password), now.nanoseconds}) == 1;
+}
+
+bool UserTable::remove(const std::string& name) {
+  return connection_.execute("delete from users where name = $1", SqlRow{name}) == 1;
+}
+
+std::vector<User> UserTable::list() {
+  std::vector<User> users;
+  connection_.query("select name, role, created_at from users order by name", {}, [&](const SqlRow& row) {
+    const auto role = role_from(text_at(row, 1));
+    if (!role) throw StoreError("store: user " + text_at(row, 0) + " has the unknown role " + text_at(row, 1));
+    users.push_back({text_at(row, 0), *role, UtcTime{integer_at(row, 2)}});
+    return true;
+  });
+  return users;
+}
+
+std::optional<Role> UserTable::verify(const std::string& name, const std::string& password) {
+  std::string hash = nobody();
+  std::optional<Role> role;
+  connection_.query("select role, password_hash from users where name = $1", SqlRow{name}, [&](const SqlRow& row) {
+    role = role_from(text_at(row, 0));
+    hash = text_at(row, 1);
+    return false;
+  });
+  return password_fits(hash, password) ? role : std::nullopt;
+}
+
+std::string fault_of_user_name(std::string_view name) {
+  if (!name.empty() && name.size() <= Logins::kMaxUserBytes && std::all_of(name.begin(), name.end(), plain)) return {};
+  return "a user's name has 1 to 64 letters, digits, '-', '_', '.', '@'";
+}
+
+std::string fault_of_password(std::string_view password) {
+  if (password.size() < Logins::kMinPasswordBytes)
+    return "a password has at least " + std::to_string(Logins::kMinPasswordBytes) + " characters";
+  if (password.size() > Logins::kMaxPasswordBytes)
+    return "a password has at most " + std::to_string(Logins::kMaxPasswordBytes) + " bytes";
+  return {};
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,155 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <fstream>
+#include <future>
+#include <sstream>
+
+#include "bridge/store/login_desk.hpp"
+#include "bridge/store/user_table.hpp"
+#include "tests/bridge/store/scratch.hpp"
+
+namespace fieldcast {
+namespace {
+
+using test::RecordingAudit;
+using test::Scratch;
+using testing::HasSubstr;
+using testing::Not;
+
+const UtcTime kNow{1'700'000'000'000'000'000};
+
+class Users : public testing::Test {
+ protected:
+  Users() { (void)table_.add("ann", Role::kProgrammer, "correct horse", kNow); }
+
+  LoginResult ask(LoginDesk& desk, const std::string& user, const std::string& password) {
+    std::promise<LoginResult> answered;
+    auto answer = answered.get_future();
+    desk.authenticate({user, password, "10.0.0.1"}, [&](LoginResult result) { answered.set_value(result); });
+    if (answer.wait_for(std::chrono::seconds{30}) != std::future_status::ready) {
+      ADD_FAILURE() << "no answer in 30 s";
+      std::abort();
+    }
+    return answer.get();
+  }
+
+  Scratch scratch_;
+  StoreAddress address_{scratch_.path("store.db")};
+  std::unique_ptr<SqlConnection> connection_ = open_store(address_, IfMissing::kCreate);
+  UserTable table_{*connection_};
+  RecordingAudit audit_;
+};
+
+TEST_F(Users, AreListedByNameWithTheirRole) {
+  EXPECT_TRUE(table_.add("bob", Role::kViewer, "another password", kNow));
+  const auto users = table_.list();
+  ASSERT_EQ(users.size(), 2u);
+  EXPECT_EQ(users[0].name, "ann");
+  EXPECT_EQ(users[0].role, Role::kProgrammer);
+  EXPECT_EQ(users[1].name, "bob");
+  EXPECT_EQ(users[1].role, Role::kViewer);
+  EXPECT_EQ(users[1].created_at, kNow);
+}
+
+TEST_F(Users, AreAddedOnceAndRemovedOnce) {
+  EXPECT_FALSE(table_.add("ann", Role::kViewer, "other password", kNow));
+  EXPECT_EQ(table_.verify("ann", "correct horse"), Role::kProgrammer);
+  EXPECT_TRUE(table_.remove("ann"));
+  EXPECT_FALSE(table_.remove("ann"));
+  EXPECT_FALSE(table_.verify("ann", "correct horse"));
+}
+
+TEST_F(Users, AreKeptWithoutTheirPasswords) {
+  connection_.reset();  // the last to close writes everything into the file
+  std::ifstream file(address_.text(), std::ios::binary);
+  std::stringstream content;
+  content << file.rdbuf();
+  EXPECT_THAT(content.str(), HasSubstr("$argon2id$"));
+  EXPECT_THAT(content.str(), Not(HasSubstr("correct horse")));
+}
+
+TEST_F(Users, AreReadableByTheOwnerOfTheFileOnly) {
+  for (const char* suffix : {"", "-wal"}) {
+    struct stat info {};
+    ASSERT_EQ(::stat((address_.text() + suffix).c_str(), &info), 0) << suffix;
+    EXPECT_EQ(info.st_mode & 0777, 0600u) << suffix;
+  }
+}
+
+TEST_F(Users, HaveNamesThatCanStandInALine) {
+  EXPECT_EQ(fault_of_user_name("ann.smith@plant-7_b"), "");
+  for (const std::string bad : {"", "two words", "a\nb", "\x01", "ü", std::string(65, 'a').c_str()}) {
+    EXPECT_NE(fault_of_user_name(bad), "") << bad;
+  }
+  EXPECT_NE(fault_of_password("short"), "");
+  EXPECT_NE(fault_of_password(std::string(Logins::kMaxPasswordBytes + 1, 'x')), "");
+  EXPECT_EQ(fault_of_password("long enough"), "");
+}
+
+TEST_F(Users, LogInWithTheirPasswordAndGetTheirRole) {
+  LoginDesk desk(address_, audit_);
+  const auto result = ask(desk, "ann", "correct horse");
+  ASSERT_TRUE(result.has_value());
+  EXPECT_EQ(*result, Role::kProgrammer);
+  ASSERT_EQ(audit_.entries().size(), 1u);
+  EXPECT_EQ(audit_.entries()[0].who, "ann from 10.0.0.1");
+  EXPECT_EQ(audit_.entries()[0].what, "login");
+  EXPECT_EQ(audit_.entries()[0].result, "done");
+}
+
+TEST_F(Users, WrongPasswordsAndUnknownUsersAreAnsweredAlikeSlowedDownAndAudited) {
+  LoginDesk desk(address_, audit_);
+  EXPECT_EQ(ask(desk, "ann", "wrong").error().why, LoginRefused::Why::kWrong);
+  EXPECT_EQ(ask(desk, "eve", "correct horse").error().why, LoginRefused::Why::kWrong);
+  EXPECT_EQ(to_text(ask(desk, "ann", "").error()), to_text(ask(desk, "eve", "x").error()));
+  EXPECT_EQ(ask(desk, "ann", "wrong").error().why, LoginRefused::Why::kWrong);
+  const auto slowed = ask(desk, "ann", "correct horse");
+  ASSERT_FALSE(slowed.has_value());
+  EXPECT_EQ(slowed.error().why, LoginRefused::Why::kTooSoon);
+  EXPECT_GT(slowed.error().wait, Duration{});
+  const auto entries = audit_.entries();
+  ASSERT_EQ(entries.size(), 6u);
+  EXPECT_EQ(entries[0].result, "refused: wrong user or password");
+  EXPECT_THAT(entries[5].result, HasSubstr("try again in 1s"));
+}
+
+TEST_F(Users, GuessesThatAreSentAllAtOnceAreSlowedDownToo) {
+  LoginDesk desk(address_, audit_);
+  std::vector<std::future<LoginResult>> answers;
+  for (int i = 0; i < 10; ++i) {
+    auto answered = std::make_shared<std::promise<LoginResult>>();
+    answers.push_back(answered->get_future());
+    desk.authenticate({"ann", "guess" + std::to_string(i), "10.0.0.1"},
+                      [answered](LoginResult result) { answered->set_value(result); });
+  }
+  unsigned looked_at = 0;
+  for (auto& answer : answers) looked_at += answer.get().error().why == LoginRefused::Why::kWrong;
+  EXPECT_LE(looked_at, LoginBrake::kFreeOfUser);
+}
+
+TEST_F(Users, WhatComesFromTheNetworkIsHarmlessInTheAudit) {
+  LoginDesk desk(address_, audit_);
+  EXPECT_EQ(ask(desk, "a\n2024 fake line" + std::string(5000, 'x'), "p").error().why, LoginRefused::Why::kWrong);
+  EXPECT_EQ(ask(desk, "ann", std::string(1 << 20, 'p')).error().why, LoginRefused::Why::kWrong);
+  EXPECT_THAT(audit_.entries()[0].who, Not(HasSubstr("\n")));
+  EXPECT_LT(audit_.entries()[0].who.size(), 200u);
+}
+
+TEST_F(Users, AStoreThatIsNotThereRefusesEverybody) {
+  LoginDesk desk(StoreAddress{scratch_.path("absent/store.db")}, audit_);
+  EXPECT_EQ(ask(desk, "ann", "correct horse").error().why, LoginRefused::Why::kUnavailable);
+}
+
+TEST_F(Users, WhoStillWaitsWhenTheDeskClosesHearsIt) {
+  std::atomic<unsigned> answered{0};
+  {
+    LoginDesk desk(address_, audit_);
+    for (int i = 0; i < 5; ++i) desk.authenticate({"ann", "correct horse", "10.0.0.1"}, [&](const LoginResult&) { ++answered; });
+  }
+  EXPECT_EQ(answered, 5u);
+}
+
+}  // namespace
+}  // namespace fieldcast
