@@ -10,10 +10,11 @@
 namespace fieldcast::config {
 namespace {
 
-// What termios knows (termios(3), B50 .. B4000000), from the slowest that a PLC speaks.
-constexpr std::array<std::uint32_t, 22> kBauds{300,     600,     1200,    1800,    2400,    4800,   9600,   19200,
-                                               38400,   57600,   115200,  230400,  460800,  500000, 576000, 921600,
-                                               1000000, 1152000, 1500000, 2000000, 3000000, 4000000};
+// What termios names (termios(3), B50 .. B4000000), from the slowest that a PLC speaks, and what PLCs speak besides: 93750 and
+// 187500 are rates of S7-200's PPI, the others come from dividers of common crystals.
+constexpr std::array<std::uint32_t, 29> kBauds{
+    300,    600,    1200,   1800,   2400,   4800,   9600,   14400,  19200,   28800,   38400,   57600,   76800,   93750,  115200,
+    125000, 187500, 230400, 250000, 460800, 500000, 576000, 921600, 1000000, 1152000, 1500000, 2000000, 3000000, 4000000};
 
 std::string baud_list() {
   std::string text;
