@@ -31,6 +31,7 @@ struct SilenceRuleReader {
   }
 };
 
+constexpr std::pair<std::string_view, Planner> kPlanners[] = {{"riding", Planner::kRiding}, {"dynamic", Planner::kDynamicBlocks}};
 constexpr std::pair<std::string_view, std::optional<bool>> kEchoes[] = {{"auto", std::nullopt}, {"true", true}, {"false", false}};
 
 void read_defaults(MapReader& bus, BusSpec& spec, DeviceDefaults& defaults) {
@@ -38,6 +39,8 @@ void read_defaults(MapReader& bus, BusSpec& spec, DeviceDefaults& defaults) {
   if (node == nullptr) return;
   MapReader map(*node, kBusDefaultKeys, bus.faults());
   read_device_defaults(map, defaults);
+  read_options(map, defaults);
+  read_allow(map, defaults);
   map.read("silence", spec.silence, SilenceRuleReader{});
   map.read("gap-allowance", spec.gap_allowance, DurationRule{Duration{}, kMaxSilence});
 }
@@ -74,6 +77,7 @@ BusSpec read_bus(const Node& node, Session& session) {
   if (const Node* port = map.require("port", "port: { serial: PATH } or { tcp: HOST:PORT }")) {
     spec.port = read_port(*port, context.protocol.name, session.faults);
   }
+  map.read("planner", spec.planner, ChoiceRule<Planner>{kPlanners});
   map.read("echo", spec.echo, ChoiceRule<std::optional<bool>>{kEchoes});
   read_defaults(map, spec, context.defaults);
   read_devices(map, context, spec, session);

@@ -24,6 +24,7 @@ void read_channel_defaults(MapReader& map, ChannelDefaults& defaults) {
   map.read("access", defaults.access, ChoiceRule<Access>{kAccesses});
   map.read("acquire", defaults.on_interest, ChoiceRule<bool>{kAcquires});
   map.read("priority", defaults.priority, WholeRule{-kMaxPriority, kMaxPriority});
+  map.read("elasticity", defaults.elasticity, NumberRule{kMinElasticity, kMaxElasticity});
   map.read("word-order", defaults.word_order, ChoiceRule<WordOrder>{kWordOrders});
   map.read("byte-order", defaults.byte_order, ChoiceRule<ByteOrder>{kByteOrders});
   map.read("heartbeat", defaults.heartbeat, DurationRule{kMinRefresh, kMaxRefresh});
@@ -36,6 +37,41 @@ void read_device_defaults(MapReader& map, DeviceDefaults& defaults) {
   map.read("max-block", defaults.max_block, WholeRule{1, 65535});
   map.read("max-gap", defaults.max_gap, WholeRule{0, 65535});
   read_channel_defaults(map, defaults.channels);
+}
+
+// allow: [raw-read, raw-write]
+void read_allow(MapReader& map, DeviceDefaults& defaults) {
+  const Node* node = map.find("allow");
+  if (node == nullptr) return;
+  static constexpr std::pair<std::string_view, int> kRights[] = {{"raw-read", 0}, {"raw-write", 1}};
+  if (node->kind != Kind::kList) {
+    map.faults().add(node->place, "allow is " + std::string(to_text(node->kind)), "a list of raw-read, raw-write",
+                     node->kind == Kind::kScalar ? '[' + node->text + ']' : "");
+    return;
+  }
+  defaults.allow_raw_read = defaults.allow_raw_write = false;
+  for (const Node* item : node->items) {
+    const auto right = ChoiceRule<int>{kRights}(*item, "allow", map.faults());
+    if (right) (*right == 0 ? defaults.allow_raw_read : defaults.allow_raw_write) = true;
+  }
+}
+
+// options: { name: value }
+void read_options(MapReader& map, DeviceDefaults& defaults) {
+  const Node* node = map.find("options");
+  if (node == nullptr) return;
+  if (node->kind != Kind::kMap || node->entries.size() > kMaxOptions) {
+    map.faults().add(node->place,
+                     node->kind == Kind::kMap ? "too many options" : "options is " + std::string(to_text(node->kind)),
+                     "a map of at most " + std::to_string(kMaxOptions) + " options of the protocol");
+    return;
+  }
+  for (const auto& [key, value] : node->entries) {
+    const auto text = TextRule{kMaxDescription}(*value, key->text, map.faults());
+    if (!text) continue;
+    defaults.options.texts[key->text] = *text;
+    defaults.options.places[key->text] = key->place;
+  }
 }
 
 }  // namespace fieldcast::config

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
+#include <string>
 
 #include "config/map_reader.hpp"
 #include "core/model/spec.hpp"
@@ -16,9 +18,16 @@ struct ChannelDefaults {
   Access access = Access::kReadOnly;
   bool on_interest = false;
   int priority = 0;
+  double elasticity = 1;
   WordOrder word_order = WordOrder::kBigEndian;
   ByteOrder byte_order = ByteOrder::kBigEndian;
   std::optional<Duration> heartbeat;
+};
+
+// Options of the protocol, checked by it when the device is complete.
+struct OptionTexts {
+  std::map<std::string, std::string> texts;
+  std::map<std::string, Place> places;
 };
 
 struct DeviceDefaults {
@@ -27,13 +36,20 @@ struct DeviceDefaults {
   Duration pause{};
   std::uint16_t max_block = 0;
   std::optional<std::uint16_t> max_gap;
+  OptionTexts options;
+  bool allow_raw_read = false;
+  bool allow_raw_write = false;
   ChannelDefaults channels;
 };
 
-// refresh, mode, access, acquire, priority, word-order, byte-order, heartbeat.
+// refresh, mode, access, acquire, priority, elasticity, word-order, byte-order, heartbeat.
 void read_channel_defaults(MapReader& map, ChannelDefaults& defaults);
 
 // Those, and timeout, retries, pause, max-block, max-gap.
 void read_device_defaults(MapReader& map, DeviceDefaults& defaults);
+
+// options, allow: the option that speaks last wins; a list of rights replaces the one above.
+void read_options(MapReader& map, DeviceDefaults& defaults);
+void read_allow(MapReader& map, DeviceDefaults& defaults);
 
 }  // namespace fieldcast::config

@@ -218,6 +218,7 @@ ChannelSpec read_channel(const Node& node, const ChannelContext& context, FaultL
   spec.access = values.access;
   spec.on_interest = values.on_interest;
   spec.priority = values.priority;
+  spec.elasticity = values.elasticity;
   spec.heartbeat = values.heartbeat;
   spec.encoding.word_order = values.word_order;
   spec.encoding.byte_order = values.byte_order;

@@ -15,7 +15,6 @@ namespace {
 struct Draft {
   DeviceSpec spec;
   DeviceDefaults defaults;
-  std::map<std::string, Place> option_places;
   std::vector<const Node*> channels;  // first those of the template
 };
 
@@ -24,41 +23,6 @@ struct AddressRule {
     return WholeRule{0, 65535}(node, key, faults);  // the protocol narrows it
   }
 };
-
-// allow: [raw-read, raw-write]
-void read_allow(MapReader& map, DeviceSpec& spec) {
-  const Node* node = map.find("allow");
-  if (node == nullptr) return;
-  static constexpr std::pair<std::string_view, int> kRights[] = {{"raw-read", 0}, {"raw-write", 1}};
-  if (node->kind != Kind::kList) {
-    map.faults().add(node->place, "allow is " + std::string(to_text(node->kind)), "a list of raw-read, raw-write",
-                     node->kind == Kind::kScalar ? '[' + node->text + ']' : "");
-    return;
-  }
-  spec.allow_raw_read = spec.allow_raw_write = false;  // the device's list replaces that of its template
-  for (const Node* item : node->items) {
-    const auto right = ChoiceRule<int>{kRights}(*item, "allow", map.faults());
-    if (right) (*right == 0 ? spec.allow_raw_read : spec.allow_raw_write) = true;
-  }
-}
-
-// options: { name: value }, checked by the protocol afterwards.
-void read_options(MapReader& map, Draft& draft) {
-  const Node* node = map.find("options");
-  if (node == nullptr) return;
-  if (node->kind != Kind::kMap || node->entries.size() > kMaxOptions) {
-    map.faults().add(node->place,
-                     node->kind == Kind::kMap ? "too many options" : "options is " + std::string(to_text(node->kind)),
-                     "a map of at most " + std::to_string(kMaxOptions) + " options of the protocol");
-    return;
-  }
-  for (const auto& [key, value] : node->entries) {
-    const auto text = TextRule{kMaxDescription}(*value, key->text, map.faults());
-    if (!text) continue;
-    draft.spec.link.options[key->text] = *text;
-    draft.option_places[key->text] = key->place;
-  }
-}
 
 // channels: a list, or the name of a file with one.
 void read_channel_nodes(MapReader& map, Draft& draft, Session& session) {
@@ -105,8 +69,8 @@ void read_template(const Node& naming, const std::string& protocol, Draft& draft
     MapReader inner(*defaults, kTemplateDefaultKeys, session.faults);
     read_device_defaults(inner, draft.defaults);
   }
-  read_options(map, draft);
-  read_allow(map, draft.spec);
+  read_options(map, draft.defaults);
+  read_allow(map, draft.defaults);
   read_channel_nodes(map, draft, session);
 }
 
@@ -118,16 +82,16 @@ std::unique_ptr<Protocol> protocol_of(MapReader& map, const ProtocolChoice& choi
   for (const auto& [name, value] : draft.spec.link.options) {
     if (std::ranges::find(options, name) != options.end()) continue;
     known = false;
-    map.faults().add(draft.option_places.at(name), "unknown option '" + name + "' of " + choice.name,
+    map.faults().add(draft.defaults.options.places.at(name), "unknown option '" + name + "' of " + choice.name,
                      options.empty() ? "no options" : joined(options), closest(name, options));
   }
   if (!known) return nullptr;
   auto protocol = make_protocol(draft.spec, line_of(port));
   if (protocol) return std::move(*protocol);
   const auto& fault = protocol.error();
-  const auto option = draft.option_places.find(fault.option);
+  const auto option = draft.defaults.options.places.find(fault.option);
   if (fault.option.empty() && !has_address) return nullptr;  // the address is missing or no number: said already
-  const bool of_option = option != draft.option_places.end();
+  const bool of_option = option != draft.defaults.options.places.end();
   map.faults().add(of_option ? option->second : map.place_of("address"),
                    (of_option ? "option '" + fault.option + "': " : std::string{}) + fault.what, fault.allowed);
   return nullptr;
@@ -151,7 +115,7 @@ void read_channels(const Draft& draft, const Protocol* protocol, const Place& pl
 
 DeviceSpec read_device(const Node& node, const DeviceContext& context, Session& session) {
   MapReader map(node, kDeviceKeys, session.faults);
-  Draft draft{{}, context.defaults, {}, {}};
+  Draft draft{{}, context.defaults, {}};
   DeviceSpec& spec = draft.spec;
   map.read_required("name", spec.name, NameRule{}, "a name for the device");
   const bool has_address = map.read_required("address", spec.link.address, AddressRule{}, "the device's address on the bus");
@@ -159,6 +123,8 @@ DeviceSpec read_device(const Node& node, const DeviceContext& context, Session& 
   ProtocolChoice choice = context.protocol;
   if (const Node* own = map.find("protocol")) {
     choice = read_protocol(*own, "protocol", session);
+    // The bus's options are those of its protocol.
+    if (context.protocol_named && choice.name != context.protocol.name) draft.defaults.options = {};
   } else if (!context.protocol_named && map.is_map() && !map.has("protocol")) {
     session.faults.add(map.place(), "'protocol' is missing in a device, and its bus names none", "a protocol here or in the bus");
   }
@@ -175,8 +141,8 @@ DeviceSpec read_device(const Node& node, const DeviceContext& context, Session& 
 
   if (const Node* naming = map.find("template")) read_template(*naming, spec.protocol, draft, session);
   read_device_defaults(map, draft.defaults);
-  read_options(map, draft);
-  read_allow(map, spec);
+  read_options(map, draft.defaults);
+  read_allow(map, draft.defaults);
   read_channel_nodes(map, draft, session);
 
   spec.timeout = draft.defaults.timeout;
@@ -184,6 +150,9 @@ DeviceSpec read_device(const Node& node, const DeviceContext& context, Session& 
   spec.pause = draft.defaults.pause;
   spec.max_block = draft.defaults.max_block;
   spec.max_gap = draft.defaults.max_gap;
+  spec.link.options = draft.defaults.options.texts;
+  spec.allow_raw_read = draft.defaults.allow_raw_read;
+  spec.allow_raw_write = draft.defaults.allow_raw_write;
 
   const auto protocol = choice.known() ? protocol_of(map, choice, context.port, has_address, draft) : nullptr;
   if (draft.channels.empty() && map.is_map() && !map.has("channels") && !map.has("template") && !spec.allow_raw_read &&

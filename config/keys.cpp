@@ -9,20 +9,22 @@ namespace {
 constexpr std::string_view kBridge[] = {"bridge", "dds", "log", "buses"};
 constexpr std::string_view kDds[] = {"domain", "interfaces", "discovery-server", "profile", "partition"};
 constexpr std::string_view kLog[] = {"level"};
-constexpr std::string_view kBus[] = {"name", "port", "protocol", "defaults", "echo", "devices"};
+constexpr std::string_view kBus[] = {"name", "port", "protocol", "planner", "defaults", "echo", "devices"};
 constexpr std::string_view kPort[] = {"serial", "tcp", "baud", "format", "rs485", "low-latency", "exclusive", "connect-timeout"};
-constexpr std::string_view kBusDefaults[] = {"refresh",    "mode",       "access",    "acquire", "priority",
-                                             "word-order", "byte-order", "heartbeat", "timeout", "retries",
-                                             "pause",      "max-block",  "max-gap",   "silence", "gap-allowance"};
-constexpr std::string_view kTemplateDefaults[] = {"refresh",    "mode",       "access",    "acquire", "priority",
-                                                  "word-order", "byte-order", "heartbeat", "timeout", "retries",
-                                                  "pause",      "max-block",  "max-gap"};
-constexpr std::string_view kDevice[] = {"name",      "address", "protocol", "template", "channels",  "options",    "allow",
-                                        "refresh",   "mode",    "access",   "acquire",  "priority",  "word-order", "byte-order",
-                                        "heartbeat", "timeout", "retries",  "pause",    "max-block", "max-gap"};
-constexpr std::string_view kChannel[] = {"name",     "at",       "type",        "refresh", "mode",   "access",     "acquire",
-                                         "priority", "unit",     "description", "scale",   "offset", "word-order", "byte-order",
-                                         "bit",      "deadband", "heartbeat",   "limits",  "write"};
+constexpr std::string_view kBusDefaults[] = {"refresh",    "mode",       "access",    "acquire", "priority",      "elasticity",
+                                             "word-order", "byte-order", "heartbeat", "timeout", "retries",       "pause",
+                                             "max-block",  "max-gap",    "options",   "allow",   "silence",       "gap-allowance"};
+constexpr std::string_view kTemplateDefaults[] = {"refresh",    "mode",       "access",    "acquire", "priority", "elasticity",
+                                                  "word-order", "byte-order", "heartbeat", "timeout", "retries",  "pause",
+                                                  "max-block",  "max-gap"};
+constexpr std::string_view kDevice[] = {"name",       "address",    "protocol",   "template",  "channels", "options", "allow",
+                                        "refresh",    "mode",       "access",     "acquire",   "priority", "elasticity",
+                                        "word-order", "byte-order", "heartbeat",  "timeout",   "retries",  "pause",   "max-block",
+                                        "max-gap"};
+constexpr std::string_view kChannel[] = {"name",       "at",         "type",      "refresh",    "mode",
+                                         "access",     "acquire",    "priority",  "elasticity", "unit",
+                                         "description", "scale",     "offset",    "word-order", "byte-order",
+                                         "bit",        "deadband",   "heartbeat", "limits",     "write"};
 constexpr std::string_view kLimits[] = {"low-low", "low", "high", "high-high"};
 constexpr std::string_view kWrite[] = {"min", "max", "interval"};
 constexpr std::string_view kTemplate[] = {"description", "protocols", "defaults", "options", "allow", "channels"};
@@ -36,6 +38,7 @@ constexpr Column kColumns[] = {
     {"access", "", "access"},
     {"acquire", "", "acquire"},
     {"priority", "", "priority"},
+    {"elasticity", "", "elasticity"},
     {"unit", "", "unit"},
     {"description", "", "description"},
     {"scale", "", "scale"},

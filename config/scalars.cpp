@@ -137,6 +137,10 @@ std::optional<double> NumberRule::operator()(const Node& node, std::string_view 
   const std::string* text = scalar_of(node, key, "a number", faults);
   if (text == nullptr) return std::nullopt;
   const auto value = number_from(*text);
+  if (value && !node.quoted && (*value < min || *value > max)) {
+    faults.add(node.place, quoted(key, *text) + " is out of range", fieldcast::to_text(Value{min}) + " to " + fieldcast::to_text(Value{max}));
+    return std::nullopt;
+  }
   if (value && !node.quoted) return value;
   std::string with_point = *text;
   if (const auto comma = with_point.find(','); comma != std::string::npos) with_point[comma] = '.';

@@ -3,6 +3,7 @@
 // A rule is called as rule(node, key, faults); MapReader::read() takes any of them.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -38,6 +39,7 @@ struct WholeRule {
 };
 
 struct NumberRule {
+  double min = std::numeric_limits<double>::lowest(), max = std::numeric_limits<double>::max();
   std::optional<double> operator()(const Node& node, std::string_view key, FaultList& faults) const;
 };
 

@@ -6,16 +6,10 @@
 
 #include "core/bus/bus_state.hpp"
 #include "core/model/make_protocol.hpp"
+#include "core/schedule/bus_schedule.hpp"
 
 namespace fieldcast {
 namespace {
-
-// A plain TCP device needs no silence between frames; a serial server's line does.
-Duration silence_for(const BusSpec& bus) {
-  const auto* tcp = std::get_if<TcpPortSpec>(&bus.port);
-  if (tcp && !tcp->line && !std::holds_alternative<Duration>(bus.silence)) return Duration::zero();
-  return silence_of(bus.silence, line_of(bus.port));
-}
 
 Echo echo_for(const BusSpec& bus) {
   if (std::holds_alternative<TcpPortSpec>(bus.port) && !bus.echo) return Echo::kAbsent;

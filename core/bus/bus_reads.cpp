@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "core/bus/bus_state.hpp"
-#include "core/schedule/scheduler.hpp"
+#include "core/schedule/bus_schedule.hpp"
 
 namespace fieldcast {
 namespace {
@@ -34,23 +34,15 @@ Block part_of(const Block& block, std::vector<PointIndex> points) {
 void BusEngine::State::make_scheduler() {
   map = map_points(spec);
   probe_point.resize(devices.size());
-  ScheduleInput input;
-  input.line = line;
-  input.silence = silence;
-  input.points = map.points;
   for (PointIndex p = 0; p < map.points.size(); ++p) {
     if (auto& probe = probe_point[map.points[p].device]; !probe) probe = p;
   }
+  std::vector<const Protocol*> protocols;
   for (DeviceRuntime& device : devices) {
     device.planned_answer_time = kAssumedAnswerTime;
-    input.devices.push_back(
-        {device.protocol.get(), kAssumedAnswerTime, device.spec->pause, device.spec->max_block, device.spec->max_gap});
+    protocols.push_back(device.protocol.get());
   }
-  scheduler = fieldcast::make_scheduler(input);
-  if (scheduler->planned_load() > kLightLoad) return;
-  // A light bus can afford to read so early that a broken answer can be asked for again in time.
-  input.lead = kEarlyLead;
-  scheduler = fieldcast::make_scheduler(input);
+  scheduler = fieldcast::make_scheduler(schedule_input(spec, protocols, map.points, kAssumedAnswerTime), spec.planner);
 }
 
 // A point is as urgent as the most urgent of its channels at present.

@@ -26,8 +26,6 @@ struct BusEngine::State {
   static constexpr Duration kAssumedAnswerTime = std::chrono::milliseconds{2};  // until the device's own is learned
   static constexpr Duration kAnswerTimeStep = std::chrono::microseconds{500};
   static constexpr int kSickShare = 10;  // a sick device wastes at most one part in this many of the wire
-  static constexpr double kLightLoad = 0.5;
-  static constexpr Duration kEarlyLead = std::chrono::milliseconds{60};  // of a light bus, at most a tenth of a refresh
   static constexpr std::size_t kMaxRefusedListed = 64;
 
   // The exchange on the wire, or about to be sent again.

@@ -26,6 +26,15 @@ enum class Mode : std::uint8_t {
 };
 [[nodiscard]] std::string_view to_text(Mode mode);  // "intensive", "scheduled", "on-demand"
 
+// How the scheduler forms blocks. A configuration chooses between the first two; the others are there to be compared with.
+enum class Planner : std::uint8_t {
+  kRiding,         // the most urgent point, and whatever is cheaper to read along with it than later
+  kDynamicBlocks,  // the most urgent point with its near neighbours, again and again, at most 20 blocks; then those are read
+  kFastestMember,  // fixed groups (the optimal partition), each read whole as often as its fastest member wants
+  kOnePerChannel,  // every point in a read of its own
+};
+[[nodiscard]] std::string_view to_text(Planner planner);  // "riding", "dynamic", ...
+
 enum class Access : std::uint8_t { kReadOnly, kReadWrite, kWriteOnly };
 [[nodiscard]] std::string_view to_text(Access access);  // "read-only", ...
 
@@ -45,6 +54,7 @@ struct ChannelSpec {
   Access access = Access::kReadOnly;
   bool on_interest = false;   // acquire: on-interest
   int priority = 0;           // higher is kept fresh longer under overload; -100..100
+  double elasticity = 1;      // its share of a stretch beside others of its priority; 0.1..10
   std::string unit;           // "°C", up to 32 bytes
   std::string description;    // up to 256 bytes
   std::optional<double> deadband;      // publish only changes of more than this, and
@@ -106,6 +116,7 @@ struct BusSpec {
   SilenceRule silence;             // between an answer and the next request
   Duration gap_allowance = std::chrono::milliseconds{20};  // silence inside an answer that ends it, beyond its wire time
   std::optional<bool> echo;        // the line gives back what is sent; nothing: found out
+  Planner planner = Planner::kRiding;
   std::vector<DeviceSpec> devices;
   friend bool operator==(const BusSpec&, const BusSpec&) = default;  // a reload restarts only the buses that differ
 };

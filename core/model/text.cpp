@@ -17,6 +17,16 @@ std::string_view to_text(Mode mode) {
   return "?";
 }
 
+std::string_view to_text(Planner planner) {
+  switch (planner) {
+    case Planner::kRiding: return "riding";
+    case Planner::kDynamicBlocks: return "dynamic";
+    case Planner::kFastestMember: return "fastest-member";
+    case Planner::kOnePerChannel: return "one-per-channel";
+  }
+  return "?";
+}
+
 std::string_view to_text(Access access) {
   switch (access) {
     case Access::kReadOnly: return "read-only";

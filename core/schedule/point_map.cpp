@@ -17,7 +17,7 @@ PointMap map_points(const BusSpec& bus) {
         const auto key = std::make_tuple(device, channel.range.area, channel.range.first, channel.range.count);
         const auto [at, is_new] = known.emplace(key, static_cast<PointIndex>(map.points.size()));
         if (is_new) {
-          map.points.push_back({device, channel.range, channel.refresh, Mode::kOnDemand, channel.priority});
+          map.points.push_back({device, channel.range, channel.refresh, Mode::kOnDemand, channel.priority, channel.elasticity});
           map.channels_of.emplace_back();
         }
         ask_for(map.points[at->second], channel, read_by_itself(channel) ? std::optional(channel.refresh) : std::nullopt);
@@ -35,6 +35,7 @@ void ask_for(Point& point, const ChannelSpec& channel, std::optional<Duration> r
   const bool first = point.mode == Mode::kOnDemand;
   point.refresh = first ? *refresh : std::min(point.refresh, *refresh);
   point.priority = first ? channel.priority : std::max(point.priority, channel.priority);
+  point.elasticity = first ? channel.elasticity : std::min(point.elasticity, channel.elasticity);
   if (first || channel.mode == Mode::kIntensive)
     point.mode = channel.mode == Mode::kIntensive ? Mode::kIntensive : Mode::kScheduled;
 }

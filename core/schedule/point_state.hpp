@@ -14,6 +14,7 @@ struct PointState {
   std::uint32_t first = 0, end = 1;  // its items
   Mode mode = Mode::kScheduled;
   std::int8_t priority = 0;
+  float elasticity = 1;
   bool readable = true;              // some request can carry it
   bool eager = true;                 // to be read as soon as the wire would rest: never read yet, or failed
   bool bad = false;                  // refused by the device, alone

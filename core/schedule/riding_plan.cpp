@@ -14,8 +14,8 @@ namespace {
 constexpr double kFull = 1.0;            // planned load from which on refreshes are stretched
 constexpr double kCrowded = 0.6;         // planned load from which on long blocks are cut short for the others' sake
 constexpr double kMostPerPriority = 4;   // how far points of one priority are stretched before those of the next higher one are
+constexpr double kMostApart = 16;        // how much further the lowest priority than the highest: nobody starves
 constexpr double kSimpleReserve = 0.25;  // of the fastest period, for the planners that are there to be compared with
-constexpr std::size_t kMostSteps = 10;   // priorities that are told apart in that; all higher ones count as one
 
 std::int64_t less_lead(double refresh, std::int64_t lead) {
   const auto whole = static_cast<std::int64_t>(std::min(refresh, 1e18));
@@ -88,21 +88,28 @@ void RidingScheduler::find_fastest() {
 }
 
 // Overload is met by longer refreshes: those of the lowest priority first, each priority up to a factor before the next one gives
-// way, then all in the same proportion.
+// way, then all. Within a priority each takes its share by its elasticity (Buttazzo, Lipari, Abeni: Elastic Task Model, 1998).
 void RidingScheduler::stretch_by(double factor) {
   std::map<std::int8_t, std::size_t> rank;
   for (const PointState& point : points_) {
     if (point.wanted()) rank.try_emplace(point.priority, 0);
   }
   std::size_t step = 0;
-  for (auto& [priority, place] : rank) place = std::min(step++, kMostSteps);
+  for (auto& [priority, place] : rank) place = step++;
+  const double ranks = static_cast<double>(std::max<std::size_t>(rank.size(), 2));
+  const double apart = std::min(kMostPerPriority, std::pow(kMostApart, 1 / (ranks - 1)));
+  stretch_ = least_elasticity_ = 1;
+  uneven_ = false;
   for (PointState& point : points_) {
     const auto found = rank.find(point.priority);
-    const double less = found == rank.end() ? 1.0 : std::pow(kMostPerPriority, static_cast<double>(found->second));
-    point.stretch = std::max(1.0, factor / less);
+    const double less = found == rank.end() ? 1.0 : std::pow(apart, static_cast<double>(found->second));
+    point.stretch = 1.0 + std::max(0.0, factor / less - 1.0) * point.elasticity;
+    if (!point.wanted()) continue;
+    stretch_ = std::max(stretch_, point.stretch);
+    least_elasticity_ = std::min(least_elasticity_, static_cast<double>(point.elasticity));
+    uneven_ = uneven_ || point.elasticity != 1.0F;
   }
   priorities_ = rank.size();
-  stretch_ = factor;
 }
 
 // Works out loads and the stretch from the refreshes wished.
@@ -118,9 +125,10 @@ void RidingScheduler::plan() {
   planned_for_ = load_ * overrun_;
   if (planned_for_ > kFull) {
     double enough = planned_for_ / kFull;
-    if (priorities_ > 1) {
-      double fails = enough;
-      enough *= std::pow(kMostPerPriority, static_cast<double>(std::min(priorities_ - 1, kMostSteps)));
+    if (priorities_ > 1 || uneven_) {
+      double fails = uneven_ ? 1 : enough;
+      if (uneven_) enough = 1 + (enough - 1) / least_elasticity_;
+      enough *= kMostApart;
       for (int halving = 0; halving < 14; ++halving) {
         const double middle = std::sqrt(fails * enough);
         stretch_by(middle);

@@ -45,6 +45,7 @@ RidingScheduler::RidingScheduler(const ScheduleInput& input, Planner planner, co
     point.end = from.range.end();
     point.mode = from.mode;
     point.priority = static_cast<std::int8_t>(std::clamp(from.priority, -100, 100));
+    point.elasticity = static_cast<float>(std::clamp(from.elasticity, 0.1, 10.0));
     const ReadCost& cost = cost_of(layout_.cluster_at[place]);
     const auto alone = cost.of_single(cost.cover(point.first, point.end));
     point.readable = alone.has_value();
@@ -322,16 +323,6 @@ void RidingScheduler::set_point(PointIndex index, Duration refresh, Mode mode, I
   load_ += clusters_[cluster].load = cluster_load(cluster, false);
   changed_.push_back(cluster);
   stale_ = true;
-}
-
-std::string_view to_text(Planner planner) {
-  switch (planner) {
-    case Planner::kRiding: return "riding";
-    case Planner::kDynamicBlocks: return "dynamic-blocks";
-    case Planner::kFastestMember: return "fastest-member";
-    case Planner::kOnePerChannel: return "one-per-channel";
-  }
-  return "?";
 }
 
 std::unique_ptr<Scheduler> make_scheduler(const ScheduleInput& input, Planner planner) {

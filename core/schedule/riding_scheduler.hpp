@@ -130,7 +130,9 @@ class RidingScheduler final : public Scheduler {
   RefusalSearch refusals_;
   std::vector<Block> batch_;  // kDynamicBlocks: what is still to be read, last first
   double load_ = 0;           // unstretched
-  double stretch_ = 1;        // of the points of the lowest priority
+  double stretch_ = 1;        // the greatest of all points
+  double least_elasticity_ = 1;
+  bool uneven_ = false;  // not every elasticity is 1
   std::size_t priorities_ = 1;
   double overrun_ = 1;        // how much more the wire needs than planned
   double planned_for_ = 0;    // load and overrun of the plan in force

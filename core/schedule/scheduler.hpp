@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -30,6 +29,7 @@ struct Point {
   Duration refresh = std::chrono::seconds{1};
   Mode mode = Mode::kScheduled;  // kOnDemand: never scheduled
   int priority = 0;
+  double elasticity = 1;  // its share of a stretch beside the other points of its priority
 };
 
 struct ScheduleInput {
@@ -79,15 +79,6 @@ class Scheduler {
   // Factor by which overload stretches all refreshes at present; 1 without overload.
   [[nodiscard]] virtual double stretch() const = 0;
 };
-
-// How blocks are formed. All but kRiding are there to be compared with.
-enum class Planner : std::uint8_t {
-  kRiding,         // the most urgent point, and whatever is cheaper to read along with it than later
-  kDynamicBlocks,  // the most urgent point with its near neighbours, again and again, at most 20 blocks; then those are read
-  kFastestMember,  // fixed groups (the optimal partition), each read whole as often as its fastest member wants
-  kOnePerChannel,  // every point in a read of its own
-};
-[[nodiscard]] std::string_view to_text(Planner planner);  // "riding", "dynamic-blocks", ...
 
 // REQUIRES: points name devices of the input and areas of their protocols. A refresh shorter than the wire time of its own
 // point counts as that time. A point that no request of its protocol can carry is never read. Time begins with the first call of next().

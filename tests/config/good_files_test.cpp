@@ -66,6 +66,7 @@ class Everything : public testing::Test {
     channel.access = Access::kReadWrite;
     channel.on_interest = true;
     channel.priority = 100;
+    channel.elasticity = 2.5;
     channel.unit = "°C";
     channel.description = "every key of a channel";
     channel.deadband = 0.25;
@@ -97,6 +98,8 @@ TEST_F(Everything, BusKeysArrive) {
   EXPECT_EQ(spec.buses[0].silence, SilenceRule{CharacterSilence{4.5}});
   EXPECT_EQ(spec.buses[0].gap_allowance, milliseconds{33});
   EXPECT_EQ(spec.buses[0].echo, true);
+  EXPECT_EQ(spec.buses[0].planner, Planner::kDynamicBlocks);
+  EXPECT_EQ(spec.buses[1].planner, Planner::kRiding);
   EXPECT_EQ(spec.buses[1].silence, SilenceRule{Duration{microseconds{600}}});
   EXPECT_EQ(spec.buses[1].echo, false);
   EXPECT_EQ(spec.buses[2].silence, SilenceRule{StandardSilence{}});
@@ -106,13 +109,14 @@ TEST_F(Everything, BusKeysArrive) {
 TEST_F(Everything, DefaultsOfABusReachDevicesAndChannelsThatSayNothing) {
   const auto& device = spec.buses[0].devices[0];
   EXPECT_EQ(device.protocol, "modbus-ascii");
-  EXPECT_EQ(device.link, (DeviceLink{0x11, {}}));
+  EXPECT_EQ(device.link, (DeviceLink{0x11, {{"read-write", "true"}}}));
   EXPECT_EQ(device.timeout, milliseconds{1500});
   EXPECT_EQ(device.retries, 4u);
   EXPECT_EQ(device.pause, microseconds{750});
   EXPECT_EQ(device.max_block, 64);
   EXPECT_EQ(device.max_gap, 0);
-  EXPECT_FALSE(device.allow_raw_read || device.allow_raw_write);
+  EXPECT_TRUE(device.allow_raw_read);
+  EXPECT_FALSE(device.allow_raw_write);
 
   ChannelSpec value;
   value.name = "value";
@@ -124,6 +128,7 @@ TEST_F(Everything, DefaultsOfABusReachDevicesAndChannelsThatSayNothing) {
   value.access = Access::kReadWrite;
   value.on_interest = true;
   value.priority = -7;
+  value.elasticity = 0.5;
   value.deadband = 2;
   value.heartbeat = seconds{90};
   EXPECT_EQ(device.channels.at(0), value);
@@ -138,7 +143,7 @@ TEST_F(Everything, DefaultsHoldWhereTheyCan) {
 
 TEST_F(Everything, ADeviceOverridesItsTemplateAndTheTemplateItsBus) {
   const auto& device = spec.buses[0].devices[1];
-  EXPECT_EQ(device.link, (DeviceLink{18, {{"mask-write", "true"}, {"write-single", "multiple"}}}));
+  EXPECT_EQ(device.link, (DeviceLink{18, {{"mask-write", "true"}, {"read-write", "true"}, {"write-single", "multiple"}}}));
   EXPECT_FALSE(device.allow_raw_read);
   EXPECT_TRUE(device.allow_raw_write);
   EXPECT_EQ(device.timeout, milliseconds{60});
@@ -156,6 +161,7 @@ TEST_F(Everything, ADeviceOverridesItsTemplateAndTheTemplateItsBus) {
   coil.refresh = seconds{3};
   coil.mode = Mode::kOnDemand;
   coil.priority = 8;
+  coil.elasticity = 3;
   EXPECT_EQ(device.channels[0], coil);
 }
 
@@ -177,6 +183,7 @@ TEST_F(Everything, AChannelListSaysTheSameAsYaml) {
 
 TEST_F(Everything, ADeviceMaySpeakAnotherProtocolThanItsBus) {
   EXPECT_EQ(spec.buses[1].devices[0].protocol, "modbus-rtu");
+  EXPECT_TRUE(spec.buses[1].devices[0].link.options.empty()) << "the bus's options are those of its own protocol";
   EXPECT_TRUE(spec.buses[1].devices[0].allow_raw_read && spec.buses[1].devices[0].allow_raw_write);
   EXPECT_EQ(spec.buses[2].devices[0].link.address, 255);
 }

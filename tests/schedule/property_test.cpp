@@ -146,6 +146,58 @@ TEST(Overload, LowPriorityGivesWayFirst) {
   EXPECT_GT(low, 700ms);
 }
 
+TEST(Overload, OfOnePriorityEachGivesWayByItsElasticity) {
+  ScheduleInput input = test::input_of(test::random_map(4, 90), kProtocol);
+  constexpr std::array kElasticities{0.2, 1.0, 4.0};  // by device
+  for (Point& point : input.points) {
+    point.refresh = 350ms;
+    point.elasticity = kElasticities[point.device];
+  }
+  const auto scheduler = make_scheduler(input);
+  ASSERT_GT(scheduler->planned_load(), 1.0);
+  VirtualWire wire(input, *scheduler);
+  wire.run(30s);
+  wire.forget_gaps();
+  wire.run(120s);
+  std::array<Duration, 3> longest{};
+  for (PointIndex point = 0; point < input.points.size(); ++point) {
+    Duration& of_device = longest[input.points[point].device];
+    of_device = std::max(of_device, wire.seen(point).longest);
+  }
+  EXPECT_LT(longest[0], longest[1]);
+  EXPECT_LT(1.5 * longest[1], longest[2]);
+  EXPECT_NEAR(to_seconds(longest[2]), 0.35 * scheduler->stretch(), 0.25 * 0.35 * scheduler->stretch());
+}
+
+// Refreshes that ask for many times what the wire carries, priorities and elasticities of any kind: everybody moves.
+class RandomOverload : public ::testing::TestWithParam<std::uint64_t> {};
+
+TEST_P(RandomOverload, StarvesNobody) {
+  ScheduleInput input = random_input(GetParam());
+  std::mt19937_64 random(GetParam() + 2000);
+  const double overload = 2.0 + static_cast<double>(random() % 8);
+  for (Point& point : input.points) {
+    point.refresh = from_seconds(to_seconds(point.refresh) * 0.55 / overload);
+    point.priority = static_cast<int>(random() % 201) - 100;
+    point.elasticity = 0.1 * static_cast<double>(1 + random() % 100);
+    if (random() % 10 == 0) point.mode = Mode::kIntensive;
+  }
+  for (const Planner planner : {Planner::kRiding, Planner::kDynamicBlocks}) {
+    const auto scheduler = make_scheduler(input, planner);
+    ASSERT_GT(scheduler->planned_load(), 1.0);
+    EXPECT_GT(scheduler->stretch(), 1.0);
+    VirtualWire wire(input, *scheduler);
+    wire.run(120s);
+    for (PointIndex point = 0; point < input.points.size(); ++point) {
+      const double allowed = 2 * to_seconds(input.points[point].refresh) * scheduler->stretch() + 5;
+      EXPECT_LT(to_seconds(wire.now() - wire.seen(point).last), allowed) << to_text(planner) << ", point " << point;
+      EXPECT_LT(to_seconds(wire.seen(point).longest), allowed) << to_text(planner) << ", point " << point;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, RandomOverload, ::testing::Range<std::uint64_t>(1, 13));
+
 TEST(Overload, WireThatIsSlowerThanPlannedStretchesToo) {
   ScheduleInput input = test::input_of(test::random_map(4, 90), kProtocol, 115200);
   const double planned = make_scheduler(input)->planned_load();

@@ -1,0 +1,32 @@
+#include "core/schedule/bus_schedule.hpp"
+
+#include <cassert>
+
+namespace fieldcast {
+namespace {
+constexpr double kLightLoad = 0.5;
+constexpr Duration kEarlyLead = std::chrono::milliseconds{60};  // of a light bus, at most a tenth of a refresh
+}  // namespace
+
+Duration silence_for(const BusSpec& bus) {
+  const auto* tcp = std::get_if<TcpPortSpec>(&bus.port);
+  if (tcp && !tcp->line && !std::holds_alternative<Duration>(bus.silence)) return Duration::zero();
+  return silence_of(bus.silence, line_of(bus.port));
+}
+
+ScheduleInput schedule_input(const BusSpec& bus, std::span<const Protocol* const> protocols, std::vector<Point> points,
+                             Duration answer_time) {
+  assert(protocols.size() == bus.devices.size());
+  ScheduleInput input;
+  input.line = line_of(bus.port);
+  input.silence = silence_for(bus);
+  input.points = std::move(points);
+  for (std::size_t i = 0; i < protocols.size(); ++i) {
+    const DeviceSpec& device = bus.devices[i];
+    input.devices.push_back({protocols[i], answer_time, device.pause, device.max_block, device.max_gap});
+  }
+  if (make_scheduler(input, bus.planner)->planned_load() <= kLightLoad) input.lead = kEarlyLead;
+  return input;
+}
+
+}  // namespace fieldcast
