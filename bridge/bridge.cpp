@@ -17,7 +17,7 @@
 #include "bridge/dds/dds_link.hpp"
 #include "bridge/exit_code.hpp"
 #include "bridge/interest_desk.hpp"
-#include "bridge/io_threads.hpp"
+#include "bridge/io_thread.hpp"
 #include "bridge/log.hpp"
 #include "bridge/outlet_thread.hpp"
 #include "bridge/reload_plan.hpp"
@@ -76,6 +76,7 @@ class DdsOutlet final : public BusOutlet {
 
 struct RunningBus {
   std::unique_ptr<DdsOutlet> outlet;  // outlives the runner, and what it has posted
+  std::unique_ptr<IoThread> io;       // outlives the runner too
   std::shared_ptr<BusRunner> runner;
 };
 
@@ -84,7 +85,6 @@ struct RunningBus {
 struct Bridge::State {
   BridgeSpec spec;
   bool trace = false;
-  IoThreads io{IoThreads::default_count()};
   CommandDesk commands;
   InterestDesk interests;
   std::map<std::string, RunningBus, std::less<>> buses;
@@ -120,7 +120,8 @@ void Bridge::State::start_bus(const BusSpec& bus) {
   FIELDCAST_CHECK(!buses.contains(bus.name));
   RunningBus made;
   made.outlet = std::make_unique<DdsOutlet>(outlets, *link, bus);
-  made.runner = std::make_shared<BusRunner>(io.next(), bus, *made.outlet);
+  made.io = std::make_unique<IoThread>(bus.name);
+  made.runner = std::make_shared<BusRunner>(made.io->context(), bus, *made.outlet);
   commands.add(bus.name, made.runner);  // before the bus is announced: its commands may come at once
   try {
     link->add_bus(bus);
@@ -176,10 +177,7 @@ void Bridge::State::abandon(const std::string& bus) {
 
 Bridge::Bridge() : state_(std::make_unique<State>()) {}
 
-Bridge::~Bridge() {
-  stop();
-  state_->io.stop();
-}
+Bridge::~Bridge() { stop(); }
 
 tl::expected<void, std::string> Bridge::start(const BridgeSpec& spec) {
   FIELDCAST_CHECK(!state_->link);

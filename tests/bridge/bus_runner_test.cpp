@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "bridge/io_threads.hpp"
+#include "bridge/io_thread.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
 #include "tests/bridge/support/recording_outlet.hpp"
 
@@ -63,7 +63,7 @@ struct BusRunnerTest : testing::Test {
     if (runner) stop();
   }
   void begin(const BusSpec& spec) {
-    runner = std::make_unique<BusRunner>(io.next(), spec, outlet);
+    runner = std::make_unique<BusRunner>(io.context(), spec, outlet);
     runner->start();
   }
   void stop() {
@@ -73,7 +73,7 @@ struct BusRunnerTest : testing::Test {
 
   Pty pty;
   RecordingOutlet outlet;
-  IoThreads io{1};
+  IoThread io{"bus"};
   std::unique_ptr<BusRunner> runner;
 };
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "bridge/clock.hpp"
-#include "bridge/io_threads.hpp"
+#include "bridge/io_thread.hpp"
 #include "tests/bridge/support/pty.hpp"
 #include "tests/bridge/support/recording_outlet.hpp"
 
@@ -23,7 +23,7 @@ struct CommandDeskTest : testing::Test {
     BusSpec bus;
     bus.name = "bus";
     bus.port = SerialPortSpec{pty.path()};
-    runner = std::make_shared<BusRunner>(io.next(), bus, outlet);
+    runner = std::make_shared<BusRunner>(io.context(), bus, outlet);
     desk.add("bus", runner);
     runner->start();
   }
@@ -31,7 +31,7 @@ struct CommandDeskTest : testing::Test {
 
   test::Pty pty;
   test::RecordingOutlet outlet;
-  IoThreads io{1};
+  IoThread io{"bus"};
   std::shared_ptr<BusRunner> runner;
   CommandDesk desk;
 };
