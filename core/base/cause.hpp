@@ -14,7 +14,7 @@ enum class Cause : std::uint8_t {
   // the wire
   kNoAnswer,         // silence to the end of the timeout
   kTruncated,        // an answer began and did not end
-  kChecksum,         // a whole frame with a wrong CRC, LRC, sum or XOR
+  kChecksum,         // a whole frame with a wrong CRC, LRC, sum or XOR, theirs or (they say) ours
   kMalformed,        // right checksum, but lengths or fields that contradict each other or the request
   kForeign,          // only frames of another unit, function or transaction came
   kOverlong,         // more bytes than any frame of this protocol has

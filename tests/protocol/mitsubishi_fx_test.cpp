@@ -153,14 +153,25 @@ TEST(FxExchange, MalformedAnswersAreNoValue) {
   }
 }
 
-TEST(FxExchange, ARefusalIsTheDevicesError) {
+TEST(FxExchange, ARefusalIsTheDevicesErrorWhenItIsRepeated) {
   const Device device = plc();
   for (const Request& request : {device.write("D0", "0001"), device.write("M0", "01"), device.read("D0")}) {
     const auto exchange = device.begin(request);
-    const Outcome outcome = drive(*exchange, Bytes{0x15});
+    const Outcome outcome = drive(*exchange, std::vector<Bytes>{{0x15}, {0x15}});
     EXPECT_EQ(outcome.cause, Cause::kDeviceError);
     EXPECT_EQ(outcome.code, 0x15);
+    ASSERT_EQ(outcome.sent.size(), 2u);
+    EXPECT_EQ(outcome.sent[0], outcome.sent[1]);
   }
+}
+
+TEST(FxExchange, ARequestThatTheLineGarbledIsSentAgain) {
+  const Device device = plc();
+  const auto read = device.begin(device.read("D0"));
+  const Outcome outcome = drive(*read, std::vector<Bytes>{{0x15}, framed("3412")});
+  ASSERT_TRUE(outcome.done()) << to_text(outcome);
+  EXPECT_EQ(to_hex(outcome.reply[0].items), "12 34");
+  EXPECT_TRUE(drive(*device.begin(device.write("D0", "0001")), std::vector<Bytes>{{0x15}, {0x06}}).done());
 }
 
 TEST(FxExchange, AnAcknowledgementBehindOtherCharactersIsNone) {

@@ -6,7 +6,8 @@
 //     force off 02 `8` address(4) 03 sum(2)                    ->  06, or 15
 //
 // count in bytes; words with their low byte first; sum of all characters behind STX up to ETX. The extended commands are spelt
-// E00, E10, E7 and E8. One PLC for each port: answers carry no address.
+// E00, E10, E7 and E8. One PLC for each port: answers carry no address. The one character of a refusal does not tell whether the
+// line garbled the request or the PLC does not want it: the request is sent once more, and refused when that is refused, too.
 #include "core/protocol/mitsubishi_fx/mitsubishi_fx.hpp"
 
 #include <algorithm>
@@ -106,7 +107,12 @@ class FxRead final : public Exchange {
     return step;
   }
 
-  Step on_silence(Bytes&) override { return Step::failed(silence_, silence_ == Cause::kDeviceError ? kNak : 0); }
+  Step on_silence(Bytes& out) override {
+    if (silence_ != Cause::kDeviceError) return Step::failed(silence_);
+    if (asked_again_) return Step::failed(silence_, kNak);
+    asked_again_ = true;
+    return start(out);
+  }
   const Reply& reply() const override { return reply_; }
 
  private:
@@ -150,6 +156,7 @@ class FxRead final : public Exchange {
   const std::uint32_t bytes_;
   Reply reply_;
   Cause silence_ = Cause::kNoAnswer;
+  bool asked_again_ = false;
 };
 
 class FxWrite final : public Exchange {
@@ -193,13 +200,19 @@ class FxWrite final : public Exchange {
     return Step::need_rest(0);
   }
 
-  Step on_silence(Bytes&) override { return Step::failed(silence_, silence_ == Cause::kDeviceError ? kNak : 0); }
+  Step on_silence(Bytes& out) override {
+    if (silence_ != Cause::kDeviceError) return Step::failed(silence_);
+    if (asked_again_) return Step::failed(silence_, kNak);
+    asked_again_ = true;
+    return start(out);
+  }
   const Reply& reply() const override { return reply_; }
 
  private:
   Bytes request_;
   Reply reply_;
   Cause silence_ = Cause::kNoAnswer;
+  bool asked_again_ = false;
 };
 
 class FxProtocol final : public Protocol {

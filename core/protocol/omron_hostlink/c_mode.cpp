@@ -122,7 +122,7 @@ class CModeExchange : public Exchange {
     if (*code == 0) return accept(data, seen.last, out);
     // The XOR does not see two equal characters vanish: a refusal must have the shape of one, too.
     if (!data.empty() || !seen.last) return Step::need_answer();
-    return Step::failed(Cause::kDeviceError, static_cast<std::uint16_t>(*code));
+    return Step::failed(refusal_cause(*code), static_cast<std::uint16_t>(*code));
   }
 
   bool giving_up_ = false;

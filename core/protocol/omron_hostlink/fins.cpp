@@ -183,7 +183,7 @@ class FinsExchange final : public Exchange {
     }
     if (end_code != 0) {
       const bool shaped = message.empty() || (message.size() > head && (message[0] & kAnswerFlag) != 0);
-      return shaped ? Step::failed(Cause::kDeviceError, end_code) : Step::need_answer();
+      return shaped ? Step::failed(refusal_cause(end_code), end_code) : Step::need_answer();
     }
     return judge_message(message, head);
   }

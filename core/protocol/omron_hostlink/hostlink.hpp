@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "core/base/bytes.hpp"
+#include "core/base/cause.hpp"
 
 namespace fieldcast::omron {
 
@@ -38,6 +39,12 @@ struct Seen {
 [[nodiscard]] Seen first_frame(ByteView bytes);
 // The later frame of an answer, which begins with the first byte.
 [[nodiscard]] Seen later_frame(ByteView bytes);
+
+// What a refusal means. Our frames leave with a right FCS: where the PLC found it wrong, the line garbled them, and they may be
+// sent again.
+[[nodiscard]] constexpr Cause refusal_cause(std::uint32_t end_code) {
+  return end_code == 0x13 || end_code == 0xA3 ? Cause::kChecksum : Cause::kDeviceError;
+}
 
 [[nodiscard]] std::string_view end_code_text(std::uint16_t code);  // "FCS error"; "unknown end code"
 

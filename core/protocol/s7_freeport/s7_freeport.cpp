@@ -20,7 +20,7 @@
 namespace fieldcast::s7_freeport {
 namespace {
 
-constexpr std::uint32_t kBytes = 4;                                                   // of a window
+constexpr std::uint32_t kBytes = 4, kUnknownCommand = 4;  // of a window; refusal codes below: garbled by the line
 constexpr std::size_t kRequest = 17, kAnswer = 12, kRefusal = 7, kMaxReceived = 512;  // characters; more is a babbling line
 constexpr std::array kAreas{Area{.name = "window",
                                  .item_bits = 8,
@@ -105,7 +105,7 @@ class FreeportExchange final : public Exchange {
   Step refusal(ByteView frame) {
     const auto code = read_digits(frame.subspan(2, 2));
     if (!code || *code == 0 || !check_is_right(frame)) return broken(code ? Cause::kChecksum : Cause::kMalformed);
-    return Step::failed(Cause::kDeviceError, static_cast<std::uint16_t>(*code));
+    return Step::failed(*code < kUnknownCommand ? Cause::kChecksum : Cause::kDeviceError, static_cast<std::uint16_t>(*code));
   }
   Step broken(Cause cause) {  // waited out: the right frame may follow
     silence_ = cause;

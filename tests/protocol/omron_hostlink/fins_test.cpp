@@ -88,7 +88,8 @@ TEST(FinsVectors, EndCodesAreTheDevicesErrors) {
     const auto sid = static_cast<std::uint16_t>(answer.size() > 15 ? number(answer.substr(13, 2)) : 0);
     const auto exchange = device.begin(device.read("DM0"), sid);
     const Outcome outcome = drive(*exchange, vector.response);
-    EXPECT_EQ(outcome.cause, Cause::kDeviceError);
+    // An FCS that was wrong on arrival is the line's doing, to be tried again.
+    EXPECT_EQ(outcome.cause, answer.substr(5, 2) == "13" ? Cause::kChecksum : Cause::kDeviceError);
     const bool host_link_level = answer.substr(5, 2) != "00";
     EXPECT_EQ(outcome.code, number(host_link_level ? answer.substr(5, 2) : answer.substr(19, 4)));
   }

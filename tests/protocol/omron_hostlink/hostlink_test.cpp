@@ -102,7 +102,8 @@ TEST(HostLinkVectors, EndCodesAreTheDevicesErrors) {
     const Device device = plc();
     const auto exchange = device.begin(answer[3] == 'W' ? device.write("DM0", "0001") : device.read("DM0"));
     const Outcome outcome = drive(*exchange, vector.response);
-    EXPECT_EQ(outcome.cause, Cause::kDeviceError);
+    // An FCS that was wrong on arrival is the line's doing, to be tried again.
+    EXPECT_EQ(outcome.cause, answer.substr(5, 2) == "13" || answer.substr(5, 2) == "A3" ? Cause::kChecksum : Cause::kDeviceError);
     EXPECT_EQ(outcome.code, answer[3] == 'I' ? 0x16 : static_cast<int>(std::stoul(answer.substr(5, 2), nullptr, 16)));
     EXPECT_FALSE(has_fault(explain(vector.response)));
   }
@@ -176,11 +177,14 @@ TEST(HostLink, ALongWriteWaitsForEachDelimiter) {
 
 TEST(HostLink, AWriteThatThePlcAbortsFailsWithItsCode) {
   const Device device = plc();
-  const auto exchange = device.begin(device.write("DM100", std::string(4 * 70, '0')));
-  const std::vector<Bytes> answers{{'\r'}, framed("@00WDA3")};
-  const Outcome outcome = drive(*exchange, answers);
-  EXPECT_EQ(outcome.cause, Cause::kDeviceError);
-  EXPECT_EQ(outcome.code, 0xA3);
+  const auto aborted = [&](const std::string& answer) {
+    const auto exchange = device.begin(device.write("DM100", std::string(4 * 70, '0')));
+    return drive(*exchange, std::vector<Bytes>{{'\r'}, framed(answer)});
+  };
+  EXPECT_EQ(aborted("@00WDA3").cause, Cause::kChecksum);
+  EXPECT_EQ(aborted("@00WDA3").code, 0xA3);
+  EXPECT_EQ(aborted("@00WDA5").cause, Cause::kDeviceError);
+  EXPECT_EQ(aborted("@00WDA5").code, 0xA5);
 }
 
 TEST(HostLink, AnInterruptedTransferIsClosedBeforeItFails) {
@@ -214,7 +218,7 @@ TEST(HostLink, TheMatrixHolds) {
       {.begin = [&] { return device.begin(device.read("DM150", 3)); }, .answers = {framed("@00RD00B005270F0000")}});
   test::expect_matrix({.begin = [&] { return device.begin(device.read("TF0", 3)); }, .answers = {framed("@00RG00101")}});
   test::expect_matrix({.begin = [&] { return device.begin(device.write("CIO100", "00F0")); }, .answers = {framed("@00WR00")}});
-  test::expect_matrix({.begin = [&] { return device.begin(device.read("DM0")); }, .answers = {framed("@00RD13")}});
+  test::expect_matrix({.begin = [&] { return device.begin(device.read("DM0")); }, .answers = {framed("@00RD15")}});
   std::string words;
   for (int i = 0; i < 40; ++i) words += to_hex(Bytes{static_cast<std::uint8_t>(7 * i), static_cast<std::uint8_t>(i * i)}, '\0');
   const test::MatrixCase long_read{.begin = [&] { return device.begin(device.read("DM0", 40)); },
