@@ -1,0 +1,200 @@
+// The states of a connection and their time-outs; what the client sends is read in engineer_frames.cpp.
+#include "core/program/engineer.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace fieldcast::program {
+namespace {
+
+std::string seconds_text(Duration time) { return fieldcast::to_text(time); }
+
+}  // namespace
+
+Engineer::Engineer(const EngineerRules& rules, Instant now)
+    : rules_(rules), handshake_until_(now + rules.handshake), heard_(now) {}
+
+void Engineer::on_event(const EngineerEvent& event, Instant now, Actions& actions) {
+  if (over()) return;
+  std::visit([&](const auto& what) { handle(what, now, actions); }, event);
+  const Instant wake = over() ? kNever : next_wake();
+  if (wake == timer_) return;
+  timer_ = wake;
+  actions.push_back(SetTimer{wake});
+}
+
+Instant Engineer::next_wake() const {
+  switch (state_) {
+    case State::kHandshake: return std::min(handshake_until_, client_stuck_);
+    case State::kPaired:
+      return std::min({beat_, heard_ + rules_.heartbeat * kMissed + rules_.heartbeat / 2, worked_ + rules_.idle,
+                       half_from_client_, half_from_device_, client_stuck_, device_stuck_});
+    default: return kNever;
+  }
+}
+
+void Engineer::handle(const ClientGone& event, Instant now, Actions& actions) {
+  if (state_ == State::kPaired) {
+    end_pairing("the client is gone: " + event.reason, false, now, actions);
+  } else {
+    if (state_ == State::kTaking) actions.push_back(FreeDevice{});
+    actions.push_back(Remark{Remark::Kind::kEnded, "the client is gone without a pairing: " + event.reason});
+  }
+  if (over()) return;
+  state_ = State::kOver;
+  actions.push_back(HangUp{});
+}
+
+void Engineer::handle(const LoginChecked& event, Instant now, Actions& actions) {
+  if (state_ != State::kLogin) return;
+  if (!event.allowed) {
+    actions.push_back(Remark{Remark::Kind::kLoginFailed, event.reason});
+    reply(Reply::kNotAllowed, actions);
+    state_ = State::kOver;
+    actions.push_back(HangUp{});
+    return;
+  }
+  actions.push_back(Remark{Remark::Kind::kLogin, "logged in"});
+  logged_in_ = true;
+  state_ = State::kHandshake;
+  handshake_until_ = now + rules_.handshake;
+  read_frames(now, actions);
+}
+
+void Engineer::handle(const DeviceGiven&, Instant now, Actions& actions) {
+  if (state_ != State::kTaking) return;
+  state_ = State::kPaired;
+  was_paired_ = true;
+  reply(Reply::kPaired, actions);
+  actions.push_back(Remark{Remark::Kind::kPaired, by_length_ ? "framing by length" : "framing by markers"});
+  wishes_ = 0;
+  noise_ = 0;
+  to_device_ = from_device_ = 0;
+  writer_ = {};
+  lengths_ = {};
+  heard_ = worked_ = now;
+  beat_ = now + rules_.heartbeat;
+  half_from_client_ = half_from_device_ = device_stuck_ = kNever;
+  if (by_length_) {
+    read_chunks(reader_.take_rest(), now, actions);
+  } else {
+    read_frames(now, actions);
+  }
+}
+
+void Engineer::handle(const DeviceRefused& event, Instant now, Actions& actions) {
+  if (state_ == State::kTaking) refuse(event.why, event.reason, now, actions);
+}
+
+void Engineer::handle(const FromDevice& event, Instant now, Actions& actions) {
+  if (!paired() || event.bytes.empty()) return;
+  worked_ = now;
+  from_device_ += event.bytes.size();
+  Bytes out;
+  if (by_length_) {
+    append_chunks(out, event.bytes);
+  } else {
+    for (const BrokenFrame& lost : writer_.write(event.bytes, out)) broken(lost, actions);
+    half_from_device_ = writer_.partial() ? now + kHalfWait : kNever;
+  }
+  if (!out.empty()) actions.push_back(ToClient{std::move(out)});
+}
+
+void Engineer::handle(const DeviceLost& event, Instant now, Actions& actions) {
+  if (paired()) {
+    end_pairing("the device is lost: " + event.reason, true, now, actions);
+  } else if (state_ == State::kTaking) {
+    refuse(Reply::kNotOnline, event.reason, now, actions);
+  }
+}
+
+void Engineer::handle(const ClientTakes& event, Instant now, Actions&) {
+  client_stuck_ = event.takes ? kNever : std::min(client_stuck_, now + kStuckWait);
+}
+
+void Engineer::handle(const DeviceTakes& event, Instant now, Actions&) {
+  device_stuck_ = event.takes ? kNever : std::min(device_stuck_, now + kStuckWait);
+}
+
+void Engineer::handle(const Ended& event, Instant now, Actions& actions) {
+  if (paired()) end_pairing(event.reason, true, now, actions);
+  if (state_ == State::kTaking) actions.push_back(FreeDevice{});
+  close(event.reason, actions);
+}
+
+void Engineer::handle(const TimerFired&, Instant now, Actions& actions) {
+  timer_ = kNever;
+  if (now >= client_stuck_) {
+    const std::string reason = "the client takes no bytes for " + seconds_text(kStuckWait);
+    if (paired()) end_pairing(reason, false, now, actions);
+    return close(reason, actions);
+  }
+  if (state_ == State::kHandshake && now >= handshake_until_) {
+    return close("no device was asked for within " + seconds_text(rules_.handshake), actions);
+  }
+  if (!paired()) return;
+  if (now >= device_stuck_) return end_pairing("the device takes no bytes for " + seconds_text(kStuckWait), true, now, actions);
+  if (now >= heard_ + rules_.heartbeat * kMissed + rules_.heartbeat / 2) {
+    const std::string reason = std::to_string(kMissed) + " heartbeats of the client are missing";
+    end_pairing(reason, true, now, actions);
+    return close(reason, actions);
+  }
+  if (now >= worked_ + rules_.idle) {
+    return end_pairing("no program byte for " + seconds_text(rules_.idle), true, now, actions);
+  }
+  if (now >= half_from_client_) {
+    half_from_client_ = kNever;
+    if (const auto half = reader_.give_up()) broken(*half, actions);
+  }
+  if (now >= half_from_device_) {
+    half_from_device_ = kNever;
+    if (const auto half = writer_.give_up()) broken(*half, actions);
+  }
+  if (now >= beat_) {
+    beat_ = now + rules_.heartbeat;
+    Bytes out;
+    if (by_length_) {
+      append_heartbeat(out);
+    } else {
+      out = control_frame(kHeartbeatCode);
+    }
+    actions.push_back(ToClient{std::move(out)});
+  }
+}
+
+void Engineer::reply(Reply reply, Actions& actions) { actions.push_back(ToClient{control_frame(to_code(reply))}); }
+
+void Engineer::refuse(Reply why, const std::string& reason, Instant now, Actions& actions) {
+  actions.push_back(Remark{Remark::Kind::kRefused, reason.empty() ? std::string(to_text(why)) : reason});
+  reply(why, actions);
+  state_ = State::kHandshake;
+  handshake_until_ = now + rules_.handshake;
+  if (++wishes_ >= kMaxWishes) return close("too many wishes that cannot be granted", actions);
+  read_frames(now, actions);
+}
+
+// Tells the client when it still listens. With markers the connection stays: the client may ask for a device again.
+void Engineer::end_pairing(const std::string& reason, bool tell, Instant now, Actions& actions) {
+  actions.push_back(FreeDevice{});
+  actions.push_back(Remark{Remark::Kind::kEnded, reason});
+  if (tell) {
+    Bytes out;
+    if (by_length_) append_stop(out);
+    append(out, control_frame(to_code(Reply::kLost)));
+    actions.push_back(ToClient{std::move(out)});
+  }
+  state_ = State::kHandshake;
+  handshake_until_ = now + rules_.handshake;
+  if (!by_length_) return;
+  state_ = State::kOver;
+  actions.push_back(HangUp{});
+}
+
+void Engineer::close(const std::string& reason, Actions& actions) {
+  if (over()) return;
+  actions.push_back(Remark{Remark::Kind::kEnded, reason});
+  state_ = State::kOver;
+  actions.push_back(HangUp{});
+}
+
+}  // namespace fieldcast::program

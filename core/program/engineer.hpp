@@ -1,0 +1,156 @@
+// One engineer's connection as the bridge sees it: login, the wish for a device, the pairing, its end. Pure: events and `now` in,
+// actions out. The shell keeps which device is whose (TakeDevice is answered by DeviceGiven or DeviceRefused) and the bytes'
+// queues (ClientTakes, DeviceTakes tell when one is full).
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/base/time.hpp"
+#include "core/program/length_framing.hpp"
+#include "core/program/marker_writer.hpp"
+
+namespace fieldcast::program {
+
+struct EngineerRules {
+  bool login_needed = false;
+  Duration heartbeat = std::chrono::seconds{5};
+  Duration idle = std::chrono::minutes{10};       // without program bytes either way
+  Duration handshake = std::chrono::seconds{10};  // from connecting, or from the end of a pairing, to the next one
+};
+
+// Events.
+struct FromClient {
+  ByteView bytes;  // valid during the call
+};
+struct ClientGone {
+  std::string reason;
+};
+struct LoginChecked {
+  bool allowed = false;
+  std::string reason;  // why not
+};
+struct DeviceGiven {};
+struct DeviceRefused {
+  Reply why = Reply::kNotOnline;
+  std::string reason;
+};
+struct FromDevice {
+  ByteView bytes;
+};
+struct DeviceLost {
+  std::string reason;
+};
+struct ClientTakes {  // false: its queue is full; true: it has room again
+  bool takes = true;
+};
+struct DeviceTakes {
+  bool takes = true;
+};
+struct TimerFired {};
+struct Ended {  // by the bridge: it stops
+  std::string reason;
+};
+using EngineerEvent = std::variant<FromClient, ClientGone, LoginChecked, DeviceGiven, DeviceRefused, FromDevice, DeviceLost,
+                                   ClientTakes, DeviceTakes, TimerFired, Ended>;
+
+// Actions, in order.
+struct ToClient {
+  Bytes bytes;
+};
+struct ToDevice {
+  Bytes bytes;
+};
+struct CheckLogin {
+  std::string user, password;
+};
+struct TakeDevice {
+  std::string number;
+};
+struct SetLine {
+  LineSettings settings;
+};
+struct FreeDevice {};
+struct HangUp {};  // once what was sent has left
+struct SetTimer {
+  Instant at;  // replaces the one before
+};
+// For the audit and the log.
+struct Remark {
+  enum class Kind : std::uint8_t { kLogin, kLoginFailed, kRefused, kPaired, kEnded, kDropped };
+  Kind kind;
+  std::string text;
+};
+using EngineerAction = std::variant<ToClient, ToDevice, CheckLogin, TakeDevice, SetLine, FreeDevice, HangUp, SetTimer, Remark>;
+using EngineerActions = std::vector<EngineerAction>;
+
+class Engineer {
+ public:
+  static constexpr unsigned kMissed = 3;                                // heartbeats in a row
+  static constexpr Duration kHalfWait = std::chrono::seconds{2};        // for the rest of an instruction
+  static constexpr Duration kStuckWait = std::chrono::seconds{10};      // for a side that takes no bytes
+  static constexpr std::size_t kMaxNoise = 256, kMaxNoiseLater = 8192;  // bytes before and after the first pairing, then the end
+  static constexpr unsigned kMaxWishes = 10;                            // refused ones in a row
+  static constexpr std::size_t kMaxEarly = 65536;                       // bytes that come before the answer to a wish
+
+  Engineer(const EngineerRules& rules, Instant now);
+
+  void on_event(const EngineerEvent& event, Instant now, EngineerActions& actions);
+
+  [[nodiscard]] bool paired() const { return state_ == State::kPaired; }
+  [[nodiscard]] bool over() const { return state_ == State::kOver; }
+  [[nodiscard]] std::uint64_t bytes_to_device() const { return to_device_; }  // of the pairing, the last one when it is over
+  [[nodiscard]] std::uint64_t bytes_from_device() const { return from_device_; }
+
+ private:
+  enum class State : std::uint8_t { kHandshake, kLogin, kTaking, kPaired, kOver };
+  using Actions = EngineerActions;
+
+  void handle(const FromClient& event, Instant now, Actions& actions);
+  void handle(const ClientGone& event, Instant now, Actions& actions);
+  void handle(const LoginChecked& event, Instant now, Actions& actions);
+  void handle(const DeviceGiven& event, Instant now, Actions& actions);
+  void handle(const DeviceRefused& event, Instant now, Actions& actions);
+  void handle(const FromDevice& event, Instant now, Actions& actions);
+  void handle(const DeviceLost& event, Instant now, Actions& actions);
+  void handle(const ClientTakes& event, Instant now, Actions& actions);
+  void handle(const DeviceTakes& event, Instant now, Actions& actions);
+  void handle(const TimerFired& event, Instant now, Actions& actions);
+  void handle(const Ended& event, Instant now, Actions& actions);
+
+  // engineer_frames.cpp: what the client sends
+  void read_frames(Instant now, Actions& actions);
+  void read_chunks(ByteView bytes, Instant now, Actions& actions);
+  void handshake_code(const std::string& code, Instant now, Actions& actions);
+  void transmission_code(const std::string& code, Instant now, Actions& actions);
+  void login(std::string_view code, Actions& actions);
+  void broken(const BrokenFrame& frame, Actions& actions);
+  void program_bytes(Bytes bytes, Instant now, Actions& actions);
+
+  void reply(Reply reply, Actions& actions);
+  void refuse(Reply why, const std::string& reason, Instant now, Actions& actions);
+  void end_pairing(const std::string& reason, bool tell, Instant now, Actions& actions);
+  void close(const std::string& reason, Actions& actions);
+  [[nodiscard]] Instant next_wake() const;
+
+  EngineerRules rules_;
+  State state_ = State::kHandshake;
+  bool logged_in_ = false;
+  bool was_paired_ = false;
+  bool by_length_ = false;  // the wish under way, or the pairing
+  MarkerReader reader_;
+  MarkerWriter writer_;
+  LengthReader lengths_;
+  unsigned wishes_ = 0;
+  std::size_t noise_ = 0;
+  std::uint64_t to_device_ = 0, from_device_ = 0;
+  Instant handshake_until_;
+  Instant heard_{}, worked_{};                                     // the client's last bytes; the last program bytes
+  Instant half_from_client_ = kNever, half_from_device_ = kNever;  // when the rest must have come
+  Instant client_stuck_ = kNever, device_stuck_ = kNever;          // when it is given up
+  Instant beat_ = kNever;                                          // our next heartbeat
+  Instant timer_ = kNever;                                         // as last told
+};
+
+}  // namespace fieldcast::program

@@ -1,0 +1,135 @@
+// What an engineer's client sends: login, wishes, program bytes, heartbeats.
+#include <algorithm>
+#include <utility>
+
+#include "core/program/device_number.hpp"
+#include "core/program/engineer.hpp"
+
+namespace fieldcast::program {
+namespace {
+
+// Lower-case hexadecimal digits to text; nothing for anything else.
+std::optional<std::string> unhex(std::string_view digits) {
+  if (digits.size() % 2 != 0 || digits.size() > 2 * kMaxLoginText) return std::nullopt;
+  const auto value = [](char c) { return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1; };
+  std::string text;
+  for (std::size_t i = 0; i < digits.size(); i += 2) {
+    const int high = value(digits[i]), low = value(digits[i + 1]);
+    if (high < 0 || low < 0) return std::nullopt;
+    text.push_back(static_cast<char>(high * 16 + low));
+  }
+  return text;
+}
+
+}  // namespace
+
+void Engineer::handle(const FromClient& event, Instant now, Actions& actions) {
+  heard_ = now;
+  if (paired() && by_length_) return read_chunks(event.bytes, now, actions);
+  reader_.feed(event.bytes);
+  read_frames(now, actions);
+}
+
+void Engineer::read_frames(Instant now, Actions& actions) {
+  while (state_ == State::kHandshake || (paired() && !by_length_)) {
+    const bool transmission = paired();
+    auto frame = reader_.next(transmission ? MarkerReader::Phase::kTransmission : MarkerReader::Phase::kHandshake);
+    if (!frame) break;
+    if (const auto* lost = std::get_if<BrokenFrame>(&*frame)) {
+      broken(*lost, actions);
+    } else if (auto* code = std::get_if<ControlCode>(&*frame)) {
+      transmission ? transmission_code(code->code, now, actions) : handshake_code(code->code, now, actions);
+    } else {
+      program_bytes(std::move(std::get<Instruction>(*frame).bytes), now, actions);
+    }
+  }
+  half_from_client_ = paired() && !by_length_ && reader_.partial() ? now + kHalfWait : kNever;
+  const bool waiting = state_ == State::kLogin || state_ == State::kTaking;
+  if (waiting && reader_.held() > kMaxEarly) {
+    if (state_ == State::kTaking) actions.push_back(FreeDevice{});
+    close("the client does not wait for the answer to its wish", actions);
+  }
+}
+
+void Engineer::handshake_code(const std::string& code, Instant now, Actions& actions) {
+  if (code == kHeartbeatCode || code == kStopCode) return;  // of a pairing that is over
+  if (code.ends_with('\r')) {                               // likewise: the device was lost while it was on its way
+    return broken({FrameFault::kNoise, code.size()}, actions);
+  }
+  if (code.starts_with(kLoginCode) && code.find(':') != code.npos) return login(code, actions);
+  by_length_ = code.starts_with(kLengthCode);
+  const std::string number = by_length_ ? code.substr(kLengthCode.size()) : code;
+  if (!is_device_number(number)) return refuse(Reply::kNotOnline, "what is asked for is no device number", now, actions);
+  if (rules_.login_needed && !logged_in_) {
+    actions.push_back(Remark{Remark::Kind::kLoginFailed, "device " + number + " was asked for without a login"});
+    reply(Reply::kNotAllowed, actions);
+    state_ = State::kOver;
+    actions.push_back(HangUp{});
+    return;
+  }
+  state_ = State::kTaking;
+  actions.push_back(TakeDevice{number});
+}
+
+void Engineer::login(std::string_view code, Actions& actions) {
+  const auto colon = code.find(':');
+  const auto user = unhex(code.substr(kLoginCode.size(), colon - kLoginCode.size()));
+  const auto password = unhex(code.substr(colon + 1));
+  if (!user || user->empty() || !password) {
+    actions.push_back(Remark{Remark::Kind::kLoginFailed, "a login that cannot be read"});
+    reply(Reply::kNotAllowed, actions);
+    state_ = State::kOver;
+    actions.push_back(HangUp{});
+    return;
+  }
+  state_ = State::kLogin;
+  actions.push_back(CheckLogin{*user, *password});
+}
+
+void Engineer::transmission_code(const std::string& code, Instant now, Actions& actions) {
+  if (code == kStopCode) end_pairing("stopped by the engineer", false, now, actions);
+  // Heartbeats were heard already; replies are ours to give, not the client's.
+}
+
+void Engineer::broken(const BrokenFrame& frame, Actions& actions) {
+  actions.push_back(
+      Remark{Remark::Kind::kDropped, std::string(to_text(frame.fault)) + " (" + std::to_string(frame.bytes) + " bytes)"});
+  if (frame.fault != FrameFault::kNoise && paired()) return;
+  noise_ += frame.bytes;
+  if (noise_ <= (was_paired_ ? kMaxNoiseLater : kMaxNoise)) return;
+  if (paired()) {
+    actions.push_back(FreeDevice{});
+    actions.push_back(Remark{Remark::Kind::kEnded, "the client sends noise"});
+  }
+  close("noise instead of frames", actions);
+}
+
+void Engineer::read_chunks(ByteView bytes, Instant now, Actions& actions) {
+  Bytes program;
+  while (paired()) {
+    const auto frame = lengths_.next(bytes);
+    if (!frame) break;
+    if (const auto* chunk = std::get_if<ChunkBytes>(&*frame)) {
+      append(program, chunk->bytes);
+    } else if (const auto* settings = std::get_if<LineSettings>(&*frame)) {
+      program_bytes(std::exchange(program, {}), now, actions);  // what came before is sent as the line was
+      actions.push_back(SetLine{*settings});
+    } else if (std::holds_alternative<Stop>(*frame)) {
+      program_bytes(std::exchange(program, {}), now, actions);
+      end_pairing("stopped by the engineer", false, now, actions);
+    } else if (const auto* fault = std::get_if<FrameFault>(&*frame)) {
+      program_bytes(std::exchange(program, {}), now, actions);
+      end_pairing(std::string(to_text(*fault)), true, now, actions);
+    }
+  }
+  program_bytes(std::move(program), now, actions);
+}
+
+void Engineer::program_bytes(Bytes bytes, Instant now, Actions& actions) {
+  if (bytes.empty()) return;
+  worked_ = now;
+  to_device_ += bytes.size();
+  actions.push_back(ToDevice{std::move(bytes)});
+}
+
+}  // namespace fieldcast::program

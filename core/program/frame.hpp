@@ -1,0 +1,63 @@
+// What travels between an engineer's client and the bridge.
+//
+//     frame       @@ code FEFF              control: a code of the table below
+//     frame       @@ instruction CR FEFF    program bytes: one instruction with its end character
+//
+//     client      device number             I want this device (marker framing)
+//                 V2 device number          the same; after 0000 both sides speak length framing (length_framing.hpp)
+//                 AU user : password        who I am, both as lower-case hexadecimal digits, which never hold FEFF (ours)
+//                 ED                        stop, release the device
+//     bridge      0000 .. 0003, 0004        the replies; 0004 is ours: no login, or not of a programmer
+//     both        HB                        heartbeat
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/base/bytes.hpp"
+
+namespace fieldcast::program {
+
+inline constexpr std::string_view kFrameStart = "@@", kFrameEnd = "FEFF";
+inline constexpr std::string_view kStopCode = "ED", kHeartbeatCode = "HB";
+inline constexpr std::string_view kLengthCode = "V2", kLoginCode = "AU";
+inline constexpr std::size_t kMaxInstruction = 4096;   // with its end character; longer ones are dropped and reported
+inline constexpr std::size_t kMaxHandshakeCode = 600;  // a login with 128 characters of user and of password
+inline constexpr std::size_t kMaxLoginText = 128;
+
+enum class Reply : std::uint8_t { kPaired, kNotOnline, kInUse, kLost, kNotAllowed };
+[[nodiscard]] std::string_view to_code(Reply reply);  // "0000"
+[[nodiscard]] std::string_view to_text(Reply reply);  // for people
+[[nodiscard]] std::optional<Reply> reply_from(std::string_view code);
+
+// What was wrong in a stream; the stream goes on behind it.
+enum class FrameFault : std::uint8_t {
+  kNoise,      // bytes outside of any frame
+  kTooLong,    // an instruction of more than kMaxInstruction characters, dropped
+  kHalf,       // an instruction whose rest did not come, dropped
+  kAmbiguous,  // an instruction that begins like a control frame, which marker framing cannot carry, dropped
+  kBadLength,  // a length that no sender of ours writes: the stream is lost
+};
+[[nodiscard]] std::string_view to_text(FrameFault fault);
+
+// Of the real line behind a pairing. A pseudo-terminal tells the baud rate and the stop bits that a program sets, but neither
+// data bits nor parity (Linux, pty_set_termios): those stay as the bridge's configuration has them.
+struct LineSettings {
+  std::uint32_t baud = 0;
+  std::uint8_t stop_bits = 1;
+  friend bool operator==(const LineSettings&, const LineSettings&) = default;
+};
+
+// "@@" code "FEFF"
+[[nodiscard]] Bytes control_frame(std::string_view code);
+
+[[nodiscard]] inline std::string_view as_text(ByteView bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+[[nodiscard]] inline ByteView as_bytes(std::string_view text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+}  // namespace fieldcast::program

@@ -1,0 +1,112 @@
+#include "core/program/marker_reader.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace fieldcast::program {
+namespace {
+
+constexpr std::string_view kInstructionEnd = "\rFEFF";
+constexpr std::size_t kStart = kFrameStart.size(), kEnd = kFrameEnd.size();
+
+bool is_transmission_code(std::string_view code) {
+  return code == kStopCode || code == kHeartbeatCode || reply_from(code).has_value();
+}
+
+}  // namespace
+
+void MarkerReader::drop(std::size_t count) {
+  buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(count));
+  searched_ = 0;
+}
+
+// Up to the end of a frame that is too long; its tail is kept while the end may be cut.
+std::optional<MarkerFrame> MarkerReader::skip() {
+  const auto text = as_text(buffer_);
+  const auto end = text.find(kInstructionEnd);
+  if (end == text.npos) {
+    const std::size_t keep = std::min(text.size(), kInstructionEnd.size() - 1);
+    skipped_ += text.size() - keep;
+    drop(text.size() - keep);
+    return std::nullopt;
+  }
+  skipped_ += end + kInstructionEnd.size();
+  drop(end + kInstructionEnd.size());
+  skipping_ = false;
+  return BrokenFrame{FrameFault::kTooLong, std::exchange(skipped_, 0)};
+}
+
+// What stands before a frame; nothing when a frame begins, or when too little has come to say.
+std::optional<MarkerFrame> MarkerReader::noise() {
+  const auto text = as_text(buffer_);
+  const auto start = text.find(kFrameStart);
+  std::size_t foreign = start;
+  if (start == text.npos) foreign = text.ends_with('@') ? text.size() - 1 : text.size();
+  if (foreign == 0) return std::nullopt;
+  drop(foreign);
+  return BrokenFrame{FrameFault::kNoise, foreign};
+}
+
+std::optional<MarkerFrame> MarkerReader::control(Phase phase) {
+  const auto text = as_text(buffer_);
+  if (phase == Phase::kTransmission) {
+    const auto end = text.substr(0, kStart + kMaxHandshakeCode).find(kFrameEnd, kStart);
+    if (end == text.npos) return std::nullopt;
+    std::string code(text.substr(kStart, end - kStart));
+    if (!is_transmission_code(code)) return std::nullopt;
+    drop(end + kEnd);
+    return ControlCode{std::move(code)};
+  }
+  const auto end = text.find(kFrameEnd, kStart);
+  const std::size_t length = (end == text.npos ? text.size() : end) - kStart;
+  if (length > kMaxHandshakeCode) {
+    const std::size_t dropped = std::min(text.size(), kStart + length);
+    drop(dropped);
+    return BrokenFrame{FrameFault::kTooLong, dropped};
+  }
+  if (end == text.npos) return std::nullopt;
+  std::string code(text.substr(kStart, length));
+  drop(end + kEnd);
+  return ControlCode{std::move(code)};
+}
+
+std::optional<MarkerFrame> MarkerReader::next(Phase phase) {
+  if (skipping_) {
+    auto skipped = skip();
+    if (skipped || skipping_) return skipped;
+  }
+  if (auto foreign = noise()) return foreign;
+  if (buffer_.size() < kStart) return std::nullopt;
+  if (auto code = control(phase)) return code;
+  if (phase == Phase::kHandshake) return std::nullopt;
+
+  const auto text = as_text(buffer_);
+  const auto end = text.find(kInstructionEnd, std::max(searched_, kStart));
+  const std::size_t length = (end == text.npos ? text.size() : end + 1) - kStart;
+  if (length > kMaxInstruction + (end == text.npos ? kEnd : 0)) {
+    skipping_ = true;
+    return skip();
+  }
+  if (end == text.npos) {
+    searched_ = text.size() - std::min(text.size(), kInstructionEnd.size() - 1);
+    return std::nullopt;
+  }
+  Instruction instruction{Bytes(buffer_.begin() + kStart, buffer_.begin() + static_cast<std::ptrdiff_t>(kStart + length))};
+  drop(end + kInstructionEnd.size());
+  return instruction;
+}
+
+std::optional<BrokenFrame> MarkerReader::give_up() {
+  if (!partial()) return std::nullopt;
+  const std::size_t dropped = std::exchange(skipped_, 0) + buffer_.size();
+  skipping_ = false;
+  drop(buffer_.size());
+  return BrokenFrame{FrameFault::kHalf, dropped};
+}
+
+Bytes MarkerReader::take_rest() {
+  searched_ = 0;
+  return std::exchange(buffer_, {});
+}
+
+}  // namespace fieldcast::program

@@ -1,0 +1,59 @@
+// Cuts a stream of marker frames, however it arrives in pieces. Pure; owned by one end of a connection.
+//
+// In transmission a frame of program bytes ends at CR FEFF and a control frame is one whose whole code is in the table, so that
+// an instruction may hold the markers: `@00WD0000FEFF..` is no end. An end may so be known only later: what is not yet decided
+// waits.
+#pragma once
+
+#include <optional>
+#include <variant>
+
+#include "core/program/frame.hpp"
+
+namespace fieldcast::program {
+
+// A whole frame's code: a device number, a reply, ED, HB.
+struct ControlCode {
+  std::string code;
+};
+// One instruction, with its CR.
+struct Instruction {
+  Bytes bytes;
+};
+struct BrokenFrame {
+  FrameFault fault;
+  std::size_t bytes = 0;  // that were dropped
+};
+using MarkerFrame = std::variant<ControlCode, Instruction, BrokenFrame>;
+
+class MarkerReader {
+ public:
+  enum class Phase : std::uint8_t {
+    kHandshake,     // every frame is a control frame
+    kTransmission,  // program bytes, and the codes ED, HB, 0000 .. 0004
+  };
+
+  void feed(ByteView bytes) { append(buffer_, bytes); }
+  // Call until it gives nothing; then what it holds is bounded by kMaxInstruction and some.
+  [[nodiscard]] std::optional<MarkerFrame> next(Phase phase);
+  // Whether a frame has begun that did not end.
+  [[nodiscard]] bool partial() const { return !buffer_.empty() || skipping_; }
+  [[nodiscard]] std::size_t held() const { return buffer_.size(); }
+  // Its rest did not come in time. Nothing when there is none.
+  [[nodiscard]] std::optional<BrokenFrame> give_up();
+  // What came behind the last frame, when the stream goes on in another framing.
+  [[nodiscard]] Bytes take_rest();
+
+ private:
+  [[nodiscard]] std::optional<MarkerFrame> skip();
+  [[nodiscard]] std::optional<MarkerFrame> noise();
+  [[nodiscard]] std::optional<MarkerFrame> control(Phase phase);
+  void drop(std::size_t count);
+
+  Bytes buffer_;
+  std::size_t searched_ = 0;  // of the buffer: no end before
+  bool skipping_ = false;     // a frame that is too long, up to its end
+  std::size_t skipped_ = 0;
+};
+
+}  // namespace fieldcast::program

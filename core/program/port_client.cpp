@@ -1,0 +1,182 @@
+#include "core/program/port_client.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace fieldcast::program {
+namespace {
+
+std::string hex_of(std::string_view text) {
+  static constexpr char kDigits[] = "0123456789abcdef";
+  std::string out;
+  for (const char c : text) {
+    out.push_back(kDigits[static_cast<std::uint8_t>(c) >> 4]);
+    out.push_back(kDigits[static_cast<std::uint8_t>(c) & 15]);
+  }
+  return out;
+}
+
+}  // namespace
+
+void PortClient::on_event(const Event& event, Instant now, Actions& actions) {
+  if (over()) return;
+  struct Handle {
+    PortClient& me;
+    Instant now;
+    Actions& actions;
+    void operator()(const Connected&) const { me.greet(now, actions); }
+    void operator()(const FromBridge& e) const { me.hear(e.bytes, now, actions); }
+    void operator()(const FromProgram& e) const { me.send_program(e.bytes, now, actions); }
+    void operator()(const LineChanged& e) const {
+      if (!me.paired() || !me.rules_.by_length) return;
+      Bytes out;
+      append_settings(out, e.settings);
+      actions.push_back(ToBridge{std::move(out)});
+    }
+    void operator()(const BridgeGone& e) const { me.finish(PortEnd::Kind::kBridgeGone, e.reason, actions); }
+    void operator()(const StopAsked&) const { me.stop(actions); }
+    void operator()(const TimerFired&) const { me.timer(now, actions); }
+  };
+  std::visit(Handle{*this, now, actions}, event);
+  const Instant wake = next_wake();
+  if (wake == timer_) return;
+  timer_ = wake;
+  actions.push_back(SetTimer{wake});
+}
+
+Instant PortClient::next_wake() const {
+  if (state_ == State::kAsking) return reply_until_;
+  if (!paired()) return kNever;
+  return std::min({beat_, heard_ + rules_.heartbeat * kMissed + rules_.heartbeat / 2, half_from_program_});
+}
+
+void PortClient::greet(Instant now, Actions& actions) {
+  Bytes out;
+  if (!rules_.user.empty()) {
+    append(out, control_frame(std::string(kLoginCode) + hex_of(rules_.user) + ':' + hex_of(rules_.password)));
+  }
+  append(out, control_frame((rules_.by_length ? std::string(kLengthCode) : std::string()) + rules_.number));
+  actions.push_back(ToBridge{std::move(out)});
+  state_ = State::kAsking;
+  heard_ = now;
+  reply_until_ = now + rules_.reply;
+}
+
+void PortClient::hear(ByteView bytes, Instant now, Actions& actions) {
+  heard_ = now;
+  if (paired() && rules_.by_length) return read_chunks(bytes, actions);
+  reader_.feed(bytes);
+  read_frames(now, actions);
+}
+
+void PortClient::read_frames(Instant now, Actions& actions) {
+  while (state_ == State::kAsking || (paired() && !rules_.by_length)) {
+    auto frame = reader_.next(paired() ? MarkerReader::Phase::kTransmission : MarkerReader::Phase::kHandshake);
+    if (!frame) return;
+    if (const auto* lost = std::get_if<BrokenFrame>(&*frame)) {
+      if (!paired()) return finish(PortEnd::Kind::kProtocol, "what answers is no Fieldcast bridge", actions);
+      actions.push_back(Dropped{std::string(to_text(lost->fault))});
+    } else if (auto* instruction = std::get_if<Instruction>(&*frame)) {
+      from_device_ += instruction->bytes.size();
+      actions.push_back(ToProgram{std::move(instruction->bytes)});
+    } else {
+      code(std::get<ControlCode>(*frame).code, now, actions);
+    }
+  }
+}
+
+void PortClient::code(const std::string& code, Instant now, Actions& actions) {
+  const auto reply = reply_from(code);
+  if (!reply) return;  // a heartbeat
+  if (paired()) {
+    if (*reply == Reply::kLost) finish(PortEnd::Kind::kDeviceLost, std::string(to_text(*reply)), actions);
+    return;
+  }
+  if (*reply != Reply::kPaired) return finish(PortEnd::Kind::kRefused, std::string(to_text(*reply)), actions, *reply);
+  state_ = State::kPaired;
+  beat_ = now + rules_.heartbeat;
+  actions.push_back(Paired{});
+  if (rules_.by_length) read_chunks(reader_.take_rest(), actions);
+}
+
+void PortClient::read_chunks(ByteView bytes, Actions& actions) {
+  Bytes program;
+  while (paired()) {
+    const auto frame = lengths_.next(bytes);
+    if (!frame) break;
+    if (const auto* chunk = std::get_if<ChunkBytes>(&*frame)) {
+      append(program, chunk->bytes);
+      continue;
+    }
+    if (std::holds_alternative<Heartbeat>(*frame)) continue;
+    if (!program.empty()) {
+      from_device_ += program.size();
+      actions.push_back(ToProgram{std::exchange(program, {})});
+    }
+    if (std::holds_alternative<Stop>(*frame)) {
+      finish(PortEnd::Kind::kDeviceLost, std::string(to_text(Reply::kLost)), actions);
+    } else {
+      finish(PortEnd::Kind::kProtocol, "the bridge's stream makes no sense", actions);
+    }
+  }
+  if (program.empty()) return;
+  from_device_ += program.size();
+  actions.push_back(ToProgram{std::move(program)});
+}
+
+void PortClient::send_program(ByteView bytes, Instant now, Actions& actions) {
+  if (!paired() || bytes.empty()) return;
+  Bytes out;
+  to_device_ += bytes.size();
+  if (rules_.by_length) {
+    append_chunks(out, bytes);
+  } else {
+    for (const BrokenFrame& lost : writer_.write(bytes, out)) actions.push_back(Dropped{std::string(to_text(lost.fault))});
+    half_from_program_ = writer_.partial() ? now + kHalfWait : kNever;
+  }
+  if (!out.empty()) actions.push_back(ToBridge{std::move(out)});
+}
+
+void PortClient::stop(Actions& actions) {
+  if (paired()) {
+    Bytes out;
+    if (rules_.by_length) {
+      append_stop(out);
+    } else {
+      out = control_frame(kStopCode);
+    }
+    actions.push_back(ToBridge{std::move(out)});
+  }
+  finish(PortEnd::Kind::kStopped, "stopped", actions);
+}
+
+void PortClient::timer(Instant now, Actions& actions) {
+  timer_ = kNever;
+  if (state_ == State::kAsking && now >= reply_until_) {
+    return finish(PortEnd::Kind::kBridgeGone, "the bridge does not answer", actions);
+  }
+  if (!paired()) return;
+  if (now >= heard_ + rules_.heartbeat * kMissed + rules_.heartbeat / 2) {
+    return finish(PortEnd::Kind::kBridgeGone, std::to_string(kMissed) + " heartbeats of the bridge are missing", actions);
+  }
+  if (now >= half_from_program_) {
+    half_from_program_ = kNever;
+    if (const auto half = writer_.give_up()) actions.push_back(Dropped{std::string(to_text(half->fault))});
+  }
+  if (now < beat_) return;
+  beat_ = now + rules_.heartbeat;
+  Bytes out;
+  if (rules_.by_length) {
+    append_heartbeat(out);
+  } else {
+    out = control_frame(kHeartbeatCode);
+  }
+  actions.push_back(ToBridge{std::move(out)});
+}
+
+void PortClient::finish(PortEnd::Kind kind, std::string text, Actions& actions, std::optional<Reply> reply) {
+  state_ = State::kOver;
+  actions.push_back(Finish{{kind, reply, std::move(text)}});
+}
+
+}  // namespace fieldcast::program

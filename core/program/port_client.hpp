@@ -1,0 +1,104 @@
+// The engineer's side of a pairing, as `fieldcast-port` plays it: asks for the device, carries bytes both ways, keeps the
+// heartbeat, ends. Pure: events and `now` in, actions out.
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/base/time.hpp"
+#include "core/program/length_framing.hpp"
+#include "core/program/marker_writer.hpp"
+
+namespace fieldcast::program {
+
+struct PortClientRules {
+  std::string number;
+  std::string user, password;  // without a user no login is sent
+  bool by_length = true;       // any bytes; else instructions in marker frames
+  Duration heartbeat = std::chrono::seconds{5};
+  Duration reply = std::chrono::seconds{30};  // how long the bridge may take: a slowed login waits
+};
+
+// How it ended.
+struct PortEnd {
+  enum class Kind : std::uint8_t { kStopped, kRefused, kDeviceLost, kBridgeGone, kProtocol };
+  Kind kind = Kind::kStopped;
+  std::optional<Reply> reply;  // kRefused
+  std::string text;
+};
+
+class PortClient {
+ public:
+  struct Connected {};
+  struct FromBridge {
+    ByteView bytes;
+  };
+  struct FromProgram {
+    ByteView bytes;
+  };
+  struct LineChanged {
+    LineSettings settings;
+  };
+  struct BridgeGone {
+    std::string reason;
+  };
+  struct StopAsked {};
+  struct TimerFired {};
+  using Event = std::variant<Connected, FromBridge, FromProgram, LineChanged, BridgeGone, StopAsked, TimerFired>;
+
+  struct ToBridge {
+    Bytes bytes;
+  };
+  struct ToProgram {
+    Bytes bytes;
+  };
+  struct SetTimer {
+    Instant at;
+  };
+  struct Paired {};
+  struct Dropped {  // what could not be carried, for people
+    std::string text;
+  };
+  struct Finish {  // send what is left and go
+    PortEnd end;
+  };
+  using Action = std::variant<ToBridge, ToProgram, SetTimer, Paired, Dropped, Finish>;
+  using Actions = std::vector<Action>;
+
+  static constexpr unsigned kMissed = 3;
+  static constexpr Duration kHalfWait = std::chrono::seconds{2};
+
+  explicit PortClient(PortClientRules rules) : rules_(std::move(rules)) {}
+  void on_event(const Event& event, Instant now, Actions& actions);
+
+  [[nodiscard]] bool paired() const { return state_ == State::kPaired; }
+  [[nodiscard]] bool over() const { return state_ == State::kOver; }
+  [[nodiscard]] std::uint64_t bytes_to_device() const { return to_device_; }
+  [[nodiscard]] std::uint64_t bytes_from_device() const { return from_device_; }
+
+ private:
+  enum class State : std::uint8_t { kIdle, kAsking, kPaired, kOver };
+
+  void greet(Instant now, Actions& actions);
+  void hear(ByteView bytes, Instant now, Actions& actions);
+  void read_frames(Instant now, Actions& actions);
+  void read_chunks(ByteView bytes, Actions& actions);
+  void code(const std::string& code, Instant now, Actions& actions);
+  void send_program(ByteView bytes, Instant now, Actions& actions);
+  void stop(Actions& actions);
+  void timer(Instant now, Actions& actions);
+  void finish(PortEnd::Kind kind, std::string text, Actions& actions, std::optional<Reply> reply = {});
+  [[nodiscard]] Instant next_wake() const;
+
+  PortClientRules rules_;
+  State state_ = State::kIdle;
+  MarkerReader reader_;
+  MarkerWriter writer_;
+  LengthReader lengths_;
+  std::uint64_t to_device_ = 0, from_device_ = 0;
+  Instant heard_{}, beat_ = kNever, reply_until_ = kNever, half_from_program_ = kNever;
+  Instant timer_ = kNever;
+};
+
+}  // namespace fieldcast::program

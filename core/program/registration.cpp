@@ -1,0 +1,132 @@
+#include "core/program/registration.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+#include "core/program/device_number.hpp"
+#include "core/program/frame.hpp"
+
+namespace fieldcast::program {
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+  const auto is_blank = [](char c) { return c == ' ' || c == '\r' || c == '\n' || c == '\t' || c == '\0'; };
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+std::string printable(std::string_view text) {
+  std::string out;
+  for (const char c : text.substr(0, 40)) out += c >= ' ' && c <= '~' ? c : '.';
+  return out;
+}
+
+}  // namespace
+
+Registration::Registration(const RegistrationRule& rule) : rule_(rule) {
+  if (rule.ask != RegistrationRule::Ask::kWords) return;
+  const ProtocolEntry* host_link = find_protocol("omron-hostlink");
+  assert(host_link != nullptr);
+  DeviceLink link;
+  link.address = rule.unit;
+  auto made = host_link->make(link);
+  assert(made && "the loader checks the unit");
+  protocol_ = std::move(*made);
+}
+
+Registration::Outcome Registration::start(Instant now) {
+  deadline_ = now + rule_.timeout;
+  if (protocol_) return ask(now);
+  Outcome outcome;
+  outcome.wake = deadline_;
+  return outcome;
+}
+
+Registration::Outcome Registration::ask(Instant now) {
+  const auto address = protocol_->parse_address("DM" + std::to_string(rule_.first));
+  assert(address && "the loader checks the address");
+  heard_.clear();
+  exchange_ = protocol_->begin(ReadRequest{{Range{address->area, address->first, rule_.words}}}, {++tries_});
+  Bytes out;
+  const Step step = exchange_->start(out);
+  return follow(step, std::move(out), now);
+}
+
+Registration::Outcome Registration::follow(const Step& step, Bytes out, Instant now) {
+  Outcome outcome;
+  switch (step.kind) {
+    case Step::Kind::kSend:
+      heard_.clear();
+      outcome.send = std::move(out);
+      silence_ = now + kAnswerTimeout;
+      break;
+    case Step::Kind::kNeedMore: silence_ = now + (step.wait == Wait::kPause ? step.pause : kAnswerTimeout); break;
+    case Step::Kind::kFailed: return ask(now);  // noise, or the PLC was busy: until the time is over
+    case Step::Kind::kDone: {
+      const RangeReply& words = exchange_->reply().front();
+      return words.cause == Cause::kNone ? number_or_fault(as_text(words.items)) : refused(words.cause, words.device_code);
+    }
+  }
+  outcome.wake = std::min(silence_, deadline_);
+  return outcome;
+}
+
+Registration::Outcome Registration::on_bytes(ByteView bytes, Instant now) {
+  if (protocol_) {
+    if (heard_.size() + bytes.size() > kMaxText)
+      return {{}, {}, "more comes than an answer to the question for the number", kNever};
+    append(heard_, bytes);
+    Bytes out;
+    const Step step = exchange_->on_bytes(heard_, out);
+    if (step.kind == Step::Kind::kFailed && step.cause == Cause::kDeviceError) return refused(step.cause, step.device_code);
+    // What else fails while bytes come is asked again only in silence, or noise would be answered with a storm of questions.
+    if (step.kind != Step::Kind::kFailed) return follow(step, std::move(out), now);
+    silence_ = now + kAnswerTimeout;
+    return {{}, {}, {}, std::min(silence_, deadline_)};
+  }
+  append(heard_, bytes);
+  const auto text = as_text(heard_);
+  const auto begin = text.find_first_not_of("\r\n");
+  const auto end = begin == text.npos ? text.npos : text.find_first_of("\r\n", begin);
+  if (end != text.npos) return number_or_fault(text.substr(begin, end - begin));
+  if (text.size() > kMaxText)
+    return {{}, {}, "a registration text of more than " + std::to_string(kMaxText) + " characters", kNever};
+  silence_ = now + kTextEnds;
+  return {{}, {}, {}, std::min(silence_, deadline_)};
+}
+
+Registration::Outcome Registration::on_timer(Instant now) {
+  const bool text_ended = !protocol_ && !heard_.empty() && now >= silence_;
+  if (text_ended) return number_or_fault(as_text(heard_));
+  if (now >= deadline_) {
+    return {{}, {}, protocol_ ? "the PLC did not tell its number in time" : "no registration text came in time", kNever};
+  }
+  if (protocol_ && now >= silence_) {
+    Bytes out;
+    const Step step = exchange_->on_silence(out);
+    return follow(step, std::move(out), now);
+  }
+  return {{}, {}, {}, std::min(silence_, deadline_)};
+}
+
+Registration::Outcome Registration::refused(Cause cause, std::uint16_t code) {
+  return {{},
+          {},
+          "the PLC refuses to tell its number: " + std::string(fieldcast::to_text(cause)) + ' ' + std::to_string(code),
+          kNever};
+}
+
+Registration::Outcome Registration::number_or_fault(std::string_view text) const {
+  std::string_view number = trimmed(text);
+  if (!rule_.prefix.empty()) {
+    if (!number.starts_with(rule_.prefix)) {
+      return {{}, {}, "the registration text '" + printable(number) + "' does not begin with '" + rule_.prefix + "'", kNever};
+    }
+    number = trimmed(number.substr(rule_.prefix.size()));
+  }
+  if (!is_device_number(number)) return {{}, {}, "'" + printable(number) + "' is no device number", kNever};
+  return {{}, std::string(number), {}, kNever};
+}
+
+}  // namespace fieldcast::program

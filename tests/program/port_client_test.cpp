@@ -1,0 +1,198 @@
+// The client's end alone, and both ends against each other over a stream that is cut at random.
+#include "core/program/port_client.hpp"
+
+#include <gmock/gmock.h>
+
+#include <random>
+
+#include "core/program/engineer.hpp"
+
+namespace fieldcast::program {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+struct Bench {
+  explicit Bench(PortClientRules rules) : client(std::move(rules)) {}
+  void tell(const PortClient::Event& event) {
+    PortClient::Actions actions;
+    client.on_event(event, now, actions);
+    for (auto& action : actions) {
+      if (auto* to = std::get_if<PortClient::ToBridge>(&action)) append(bridge, to->bytes);
+      if (auto* to = std::get_if<PortClient::ToProgram>(&action)) append(program, to->bytes);
+      if (auto* timer = std::get_if<PortClient::SetTimer>(&action)) wake = timer->at;
+      if (auto* finish = std::get_if<PortClient::Finish>(&action)) end = finish->end;
+      if (std::holds_alternative<PortClient::Dropped>(action)) ++dropped;
+    }
+  }
+  void hears(std::string_view text) { tell(PortClient::FromBridge{as_bytes(text)}); }
+  void pass(Duration time) {
+    const Instant until = now + time;
+    while (wake <= until) {
+      now = std::max(now, wake);
+      wake = kNever;
+      tell(PortClient::TimerFired{});
+    }
+    now = until;
+  }
+  std::string sent() { return std::string(as_text(std::exchange(bridge, {}))); }
+
+  Instant now{seconds{1000}};
+  Instant wake = kNever;
+  PortClient client;
+  Bytes bridge, program;
+  std::optional<PortEnd> end;
+  int dropped = 0;
+};
+
+PortClientRules markers() {
+  PortClientRules rules;
+  rules.number = "17";
+  rules.by_length = false;
+  return rules;
+}
+
+TEST(PortClient, AsksForItsDeviceAndCarriesInstructions) {
+  Bench b(markers());
+  b.tell(PortClient::Connected{});
+  EXPECT_EQ(b.sent(), "@@17FEFF");
+  b.hears("@@0000FE");
+  EXPECT_FALSE(b.client.paired());
+  b.hears("FF@@@00first*\rFEFF");
+  EXPECT_TRUE(b.client.paired());
+  EXPECT_EQ(as_text(b.program), "@00first*\r");
+  b.tell(PortClient::FromProgram{as_bytes("@00RD*\r@00")});
+  EXPECT_EQ(b.sent(), "@@@00RD*\rFEFF");
+  b.pass(milliseconds{2001});
+  EXPECT_EQ(b.dropped, 1);
+}
+
+TEST(PortClient, ALoginGoesAheadOfTheWish) {
+  PortClientRules rules;
+  rules.number = "17";
+  rules.user = "anna";
+  rules.password = "secret";
+  Bench b(rules);
+  b.tell(PortClient::Connected{});
+  EXPECT_EQ(b.sent(), "@@AU616e6e61:736563726574FEFF@@V217FEFF");
+}
+
+TEST(PortClient, ARefusalEndsItWithItsReply) {
+  for (const Reply reply : {Reply::kNotOnline, Reply::kInUse, Reply::kLost, Reply::kNotAllowed}) {
+    Bench b(markers());
+    b.tell(PortClient::Connected{});
+    b.tell(PortClient::FromBridge{control_frame(to_code(reply))});
+    ASSERT_TRUE(b.end);
+    EXPECT_EQ(b.end->kind, PortEnd::Kind::kRefused);
+    EXPECT_EQ(b.end->reply, reply);
+  }
+}
+
+TEST(PortClient, TheEndOfTheDeviceOfTheBridgeAndOfTheUserAreTold) {
+  Bench lost(markers()), gone(markers()), stopped(markers());
+  for (Bench* b : {&lost, &gone, &stopped}) {
+    b->tell(PortClient::Connected{});
+    b->hears("@@0000FEFF");
+    (void)b->sent();
+  }
+  lost.hears("@@0003FEFF");
+  EXPECT_EQ(lost.end->kind, PortEnd::Kind::kDeviceLost);
+  gone.tell(PortClient::BridgeGone{"reset"});
+  EXPECT_EQ(gone.end->kind, PortEnd::Kind::kBridgeGone);
+  stopped.tell(PortClient::StopAsked{});
+  EXPECT_EQ(stopped.end->kind, PortEnd::Kind::kStopped);
+  EXPECT_EQ(stopped.sent(), "@@EDFEFF");
+}
+
+TEST(PortClient, ABridgeThatFallsSilentIsGone) {
+  Bench b(markers());
+  b.tell(PortClient::Connected{});
+  b.hears("@@0000FEFF");
+  b.pass(seconds{16});
+  EXPECT_FALSE(b.end);
+  EXPECT_THAT(b.sent(), testing::HasSubstr("@@HBFEFF@@HBFEFF@@HBFEFF"));
+  b.hears("@@HBFEFF");
+  b.pass(seconds{17});
+  EXPECT_FALSE(b.end);
+  b.pass(seconds{1});
+  ASSERT_TRUE(b.end);
+  EXPECT_EQ(b.end->kind, PortEnd::Kind::kBridgeGone);
+}
+
+TEST(PortClient, ABridgeThatNeverAnswersIsGivenUp) {
+  Bench b(markers());
+  b.tell(PortClient::Connected{});
+  b.pass(seconds{31});
+  ASSERT_TRUE(b.end);
+  EXPECT_EQ(b.end->kind, PortEnd::Kind::kBridgeGone);
+}
+
+TEST(PortClient, WhatIsNoBridgeIsSaidSo) {
+  Bench b(markers());
+  b.tell(PortClient::Connected{});
+  b.hears("SSH-2.0-OpenSSH_9.2\r\n");
+  ASSERT_TRUE(b.end);
+  EXPECT_EQ(b.end->kind, PortEnd::Kind::kProtocol);
+}
+
+// Takes a random piece off the front.
+Bytes piece(Bytes& stream, std::mt19937& random) {
+  const std::size_t count = std::min<std::size_t>(stream.size(), 1 + random() % 50);
+  Bytes out(stream.begin(), stream.begin() + static_cast<std::ptrdiff_t>(count));
+  stream.erase(stream.begin(), stream.begin() + static_cast<std::ptrdiff_t>(count));
+  return out;
+}
+
+// A client and the bridge's end, joined by two streams; the device echoes nothing but sends data of its own.
+TEST(PortClient, BothEndsCarryEveryByteBothWaysHoweverTheStreamIsCut) {
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    std::mt19937 random(seed);
+    PortClientRules rules;
+    rules.number = "17";
+    rules.by_length = seed % 2 == 0;
+    Bench b(rules);
+    Engineer engineer(EngineerRules{}, b.now);
+    Bytes to_engineer, to_client, at_device, at_program, down, up;
+    for (Bytes* side : {&down, &up}) {
+      for (int i = 0; i < 2000; ++i)
+        side->push_back(rules.by_length ? static_cast<std::uint8_t>(random()) : "@@FE\r*0"[random() % 7]);
+      side->push_back('\r');
+    }
+    std::size_t refused = 0;
+    const auto run = [&](const EngineerEvent& event) {
+      EngineerActions actions;
+      engineer.on_event(event, b.now, actions);
+      for (auto& action : actions) {
+        if (auto* to = std::get_if<ToClient>(&action)) append(to_client, to->bytes);
+        if (auto* to = std::get_if<ToDevice>(&action)) append(at_device, to->bytes);
+        if (std::holds_alternative<TakeDevice>(action)) ++refused;
+      }
+    };
+    b.tell(PortClient::Connected{});
+    append(to_engineer, std::exchange(b.bridge, {}));
+    Bytes left_down = down, left_up = up;
+    for (int step = 0; step < 20'000 && (at_device.size() < down.size() || b.program.size() < up.size()); ++step) {
+      switch (random() % 4) {
+        case 0:
+          if (!to_engineer.empty()) run(FromClient{piece(to_engineer, random)});
+          if (refused == 1) run(DeviceGiven{}), ++refused;
+          break;
+        case 1:
+          if (!to_client.empty()) b.tell(PortClient::FromBridge{piece(to_client, random)});
+          break;
+        case 2:
+          if (b.client.paired() && !left_down.empty()) b.tell(PortClient::FromProgram{piece(left_down, random)});
+          append(to_engineer, std::exchange(b.bridge, {}));
+          break;
+        default:
+          if (engineer.paired() && !left_up.empty()) run(FromDevice{piece(left_up, random)});
+      }
+    }
+    EXPECT_EQ(at_device, down) << seed;
+    EXPECT_EQ(b.program, up) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace fieldcast::program

@@ -1,0 +1,149 @@
+#include "core/program/registration.hpp"
+
+#include <gmock/gmock.h>
+
+#include "core/program/frame.hpp"
+
+namespace fieldcast::program {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::HasSubstr;
+
+constexpr Instant kStart{seconds{100}};
+const RegistrationRule kText;
+
+ByteView raw(std::string_view text) { return as_bytes(text); }
+
+RegistrationRule words_rule() {
+  RegistrationRule rule;
+  rule.ask = RegistrationRule::Ask::kWords;
+  rule.first = 100;
+  rule.words = 4;
+  return rule;
+}
+
+TEST(Registration, ATextEndsAtTheEndOfItsLine) {
+  for (const char* text : {"17\r\n", "\r\n17\n", " 17 \r"}) {
+    Registration registration(kText);
+    EXPECT_TRUE(registration.start(kStart).send.empty());
+    const auto outcome = registration.on_bytes(raw(text), kStart);
+    EXPECT_EQ(outcome.number, "17") << text;
+  }
+}
+
+TEST(Registration, ATextWithoutAnEndOfLineEndsInSilence) {
+  Registration registration(kText);
+  (void)registration.start(kStart);
+  auto outcome = registration.on_bytes(raw("Pre"), kStart + seconds{1});
+  outcome = registration.on_bytes(raw("ss1"), kStart + seconds{1} + milliseconds{200});
+  EXPECT_FALSE(outcome.number);
+  EXPECT_EQ(outcome.wake, kStart + seconds{1} + milliseconds{500});
+  EXPECT_FALSE(registration.on_timer(outcome.wake - milliseconds{1}).number);
+  EXPECT_EQ(registration.on_timer(outcome.wake).number, "Press1");
+}
+
+TEST(Registration, APrefixIsTakenAwayAndDemanded) {
+  RegistrationRule rule;
+  rule.prefix = "ID=";
+  Registration with(rule), without(rule);
+  (void)with.start(kStart);
+  (void)without.start(kStart);
+  EXPECT_EQ(with.on_bytes(raw("ID=17\r"), kStart).number, "17");
+  EXPECT_THAT(without.on_bytes(raw("17\r"), kStart).fault.value_or(""), HasSubstr("does not begin with 'ID='"));
+}
+
+TEST(Registration, WhatIsNoNumberIsRefusedInWords) {
+  for (const char* text : {"ED\r", "a b\r", "\x01\x02\r", "0002\r", "12345678901234567\r"}) {
+    Registration registration(kText);
+    (void)registration.start(kStart);
+    const auto outcome = registration.on_bytes(raw(text), kStart);
+    EXPECT_FALSE(outcome.number) << text;
+    EXPECT_THAT(outcome.fault.value_or(""), HasSubstr("no device number")) << text;
+  }
+}
+
+TEST(Registration, AFloodInsteadOfATextIsRefused) {
+  Registration registration(kText);
+  (void)registration.start(kStart);
+  EXPECT_TRUE(registration.on_bytes(Bytes(1000, 'x'), kStart).fault);
+}
+
+TEST(Registration, AModuleThatSaysNothingIsGivenUp) {
+  Registration registration(kText);
+  const auto first = registration.start(kStart);
+  EXPECT_EQ(first.wake, kStart + seconds{5});
+  EXPECT_TRUE(registration.on_timer(first.wake).fault);
+}
+
+// RD of DM100..103 at unit 00; "17" and blanks as an answer. FCS by the rule of W227: XOR of all characters before it.
+Bytes with_fcs(std::string_view text) {
+  Bytes out(text.begin(), text.end());
+  std::uint8_t sum = 0;
+  for (const std::uint8_t byte : out) sum ^= byte;
+  static constexpr char kDigits[] = "0123456789ABCDEF";
+  out.push_back(static_cast<std::uint8_t>(kDigits[sum >> 4]));
+  out.push_back(static_cast<std::uint8_t>(kDigits[sum & 15]));
+  out.push_back('*');
+  out.push_back('\r');
+  return out;
+}
+
+TEST(Registration, TheNumberIsReadFromWordsOfThePlc) {
+  Registration registration(words_rule());
+  EXPECT_EQ(registration.start(kStart).send, with_fcs("@00RD01000004"));
+  const Bytes answer = with_fcs(
+      "@00RD003137"
+      "4142"
+      "2020"
+      "0000");  // 17 AB blanks NUL
+  for (std::size_t i = 0; i + 1 < answer.size(); ++i) {
+    const auto outcome = registration.on_bytes(ByteView(answer).subspan(i, 1), kStart);
+    ASSERT_FALSE(outcome.number || outcome.fault) << i;
+  }
+  EXPECT_EQ(registration.on_bytes(ByteView(answer).last(1), kStart).number, "17AB");
+}
+
+TEST(Registration, APlcThatIsSilentIsAskedAgainUntilTheTimeIsOver) {
+  Registration registration(words_rule());
+  auto outcome = registration.start(kStart);
+  int asked = 1;
+  while (!outcome.fault) {
+    ASSERT_LT(asked, 20);
+    outcome = registration.on_timer(outcome.wake);
+    if (!outcome.send.empty()) ++asked;
+  }
+  EXPECT_EQ(asked, 5);
+  EXPECT_THAT(*outcome.fault, HasSubstr("in time"));
+}
+
+TEST(Registration, ABrokenAnswerIsAskedAgainInSilence) {
+  Registration registration(words_rule());
+  (void)registration.start(kStart);
+  Bytes broken = with_fcs("@00RD0031370000000000000000");
+  broken[8] ^= 1;
+  auto outcome = registration.on_bytes(broken, kStart);
+  EXPECT_FALSE(outcome.number || outcome.fault);
+  EXPECT_TRUE(outcome.send.empty());
+  while (outcome.send.empty() && !outcome.fault) outcome = registration.on_timer(outcome.wake);
+  EXPECT_EQ(outcome.send, with_fcs("@00RD01000004"));
+  EXPECT_EQ(registration
+                .on_bytes(with_fcs("@00RD003137"
+                                   "0000"
+                                   "0000"
+                                   "0000"),
+                          kStart)
+                .number,
+            "17");
+}
+
+TEST(Registration, ARefusalOfThePlcIsAFault) {
+  Registration registration(words_rule());
+  (void)registration.start(kStart);
+  const auto outcome = registration.on_bytes(with_fcs("@00RD15"), kStart);
+  EXPECT_THAT(outcome.fault.value_or(""), HasSubstr("refuses"));
+}
+
+}  // namespace
+}  // namespace fieldcast::program
