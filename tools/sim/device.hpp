@@ -37,6 +37,7 @@ struct DeviceStatistics {
 // What a device does about a character or a silence.
 struct Reaction {
   Bytes answer;          // empty: it stays silent
+  Duration pause{};      // more than the device's usual time before the answer, as the request asked for
   bool hang_up = false;  // the stream cannot be followed any more (TCP): the connection is closed
 };
 

@@ -1,8 +1,10 @@
 #include "tools/sim/dtc_device.hpp"
 
+#include <algorithm>
 #include <charconv>
 
 #include "core/codec/checksum.hpp"
+#include "tools/sim/digits.hpp"
 #include "tools/sim/dtc_lzw.hpp"
 
 namespace fieldcast::sim {
@@ -65,15 +67,35 @@ bool read_option(const DeviceLink& link, const char* name, std::size_t highest, 
   return error == std::errc{} && end == text.data() + text.size() && value <= highest;
 }
 
+std::vector<ItemArea> dtc_areas() {
+  std::vector<ItemArea> areas;
+  for (std::size_t type = 0; type < kDtcAreaNames.size(); ++type) areas.push_back({kDtcAreaNames[type], kDtcBits[type], 65536});
+  return areas;
+}
+
 }  // namespace
+
+std::optional<ItemPlace> parse_dtc_address(std::string_view at) {
+  const std::size_t colon = at.find(':'), dot = at.find('.');
+  const auto name = std::ranges::find(kDtcAreaNames, at.substr(0, colon));
+  if (colon == std::string_view::npos || name == kDtcAreaNames.end()) return std::nullopt;
+  ItemPlace place{.area = static_cast<std::size_t>(name - kDtcAreaNames.begin())};
+  const auto first = number_in(at.substr(colon + 1, dot == std::string_view::npos ? dot : dot - colon - 1));
+  if (!first || *first > 65535) return std::nullopt;
+  place.first = static_cast<std::uint32_t>(*first);
+  if (dot == std::string_view::npos) return place;
+  const bool integer = place.area == 1 || place.area == 2;
+  const auto bit = number_in(at.substr(dot + 1));
+  if (!integer || !bit || *bit >= kDtcBits[place.area]) return std::nullopt;
+  place.bit = static_cast<std::uint8_t>(*bit);
+  return place;
+}
 
 DtcDevice::DtcDevice(const DeviceSetup& setup)
     : address_(static_cast<std::uint8_t>(setup.spec.link.address)),
       line_(setup.line),
       stream_(setup.stream),
-      only_configured_(setup.only_configured),
-      refused_(setup.refused),
-      memory_(setup.start) {
+      memory_(dtc_areas(), setup) {
   (void)read_option(setup.spec.link, "max-message", kMostBytes, max_message_);
   (void)read_option(setup.spec.link, "threshold", 65535, threshold_);
 }
@@ -137,15 +159,7 @@ tl::expected<std::vector<DtcDevice::Group>, std::uint8_t> DtcDevice::groups_of(B
 std::uint8_t DtcDevice::refusal_of(const Group& group) const {
   if (group.type >= kDtcAreaNames.size()) return kType;
   if (group.count == 0) return kCount;
-  const std::uint32_t end = group.first + std::uint32_t{group.count};
-  if (end > DtcMemory::kVariables) return kAddress;
-  for (const RefusedRange& range : refused_) {
-    if (range.area == kDtcAreaNames[group.type] && range.from < end && range.to >= group.first) return range.code;
-  }
-  for (std::uint32_t at = group.first; only_configured_ && at < end; ++at) {
-    if (!memory_.configured(group.type, static_cast<std::uint16_t>(at))) return kAddress;
-  }
-  return 0;
+  return memory_.refusal(group.type, group.first, group.count, kAddress);
 }
 
 void DtcDevice::store(const Group& group) {
@@ -153,14 +167,13 @@ void DtcDevice::store(const Group& group) {
   for (std::size_t i = 0; i < group.count; ++i) {
     std::uint64_t bits = group.type == 0 ? group.data[i / 8] >> i % 8 & 1u : 0u;
     for (std::size_t byte = 0; byte < width; ++byte) bits = bits << 8 | group.data[i * width + byte];
-    memory_.write(group.type, static_cast<std::uint16_t>(group.first + i), bits);
-    ++statistics_.writes[std::string(kDtcAreaNames[group.type]) + ":" + std::to_string(group.first + i)];
+    memory_.write(group.type, static_cast<std::uint32_t>(group.first + i), bits, statistics_);
   }
 }
 
 void DtcDevice::append_values(const Group& group, Instant now, Bytes& out) const {
   for (std::size_t i = 0; i < group.count; ++i) {
-    const std::uint64_t bits = memory_.read(group.type, static_cast<std::uint16_t>(group.first + i), now);
+    const std::uint64_t bits = memory_.read(group.type, static_cast<std::uint32_t>(group.first + i), now);
     if (group.type == 0) {
       if (i % 8 == 0) out.push_back(0);
       out.back() = static_cast<std::uint8_t>(out.back() | bits << i % 8);
@@ -196,12 +209,7 @@ tl::expected<std::unique_ptr<SimDevice>, std::string> make_dtc_device(const Devi
       return tl::unexpected(spec.name + ": option " + option + " is no such number");
   }
   auto device = std::make_unique<DtcDevice>(setup);
-  for (const ChannelSpec& channel : spec.channels) {
-    const auto at = parse_dtc_address(channel.at);
-    if (!at || !device->memory().add_channel(*at, channel.encoding, waveform_for(channel, setup.seed))) {
-      return tl::unexpected(spec.name + "/" + channel.name + ": '" + channel.at + "' is not an address for its type");
-    }
-  }
+  if (auto added = device->memory().add_channels(setup, parse_dtc_address); !added) return tl::unexpected(added.error());
   return device;
 }
 

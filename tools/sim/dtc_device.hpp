@@ -6,13 +6,20 @@
 // Its options are those of the bridge's side: max-message, and threshold for what it sends (`auto` and none: 24 bytes).
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 
 #include "tools/sim/device.hpp"
-#include "tools/sim/dtc_memory.hpp"
+#include "tools/sim/item_memory.hpp"
 
 namespace fieldcast::sim {
+
+inline constexpr std::array<std::string_view, 5> kDtcAreaNames{"bit", "int16", "int32", "float32", "float64"};
+inline constexpr std::array<unsigned, 5> kDtcBits{1, 16, 32, 32, 64};  // of one variable
+
+// "int16:100" or "int16:100.3", read apart from the bridge's own parser.
+[[nodiscard]] std::optional<ItemPlace> parse_dtc_address(std::string_view at);
 
 class DtcDevice : public SimDevice {
  public:
@@ -20,7 +27,7 @@ class DtcDevice : public SimDevice {
 
   [[nodiscard]] std::unique_ptr<Ear> open_ear() override;
   [[nodiscard]] const DeviceStatistics& statistics() const override { return statistics_; }
-  [[nodiscard]] DtcMemory& memory() { return memory_; }
+  [[nodiscard]] ItemMemory& memory() { return memory_; }
 
   // The body of a packet that was heard whole. The packet to answer with, or nothing where silence is right. False: it was
   // broken.
@@ -43,10 +50,8 @@ class DtcDevice : public SimDevice {
   const std::uint8_t address_;
   const LineFormat line_;
   const bool stream_;
-  const bool only_configured_;
-  const std::vector<RefusedRange> refused_;
   std::size_t max_message_ = 1024, threshold_ = 24;
-  DtcMemory memory_;
+  ItemMemory memory_;
   DeviceStatistics statistics_;
 };
 

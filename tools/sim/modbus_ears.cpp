@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "core/codec/checksum.hpp"
+#include "tools/sim/digits.hpp"
 
 namespace fieldcast::sim {
 namespace {
@@ -85,18 +86,6 @@ Fit fit(Length length, ByteView frame) {
   return crc_holds(frame) ? Fit::kWhole : Fit::kNot;
 }
 
-std::optional<std::uint8_t> hex_digit(std::uint8_t character) {
-  if (character >= '0' && character <= '9') return static_cast<std::uint8_t>(character - '0');
-  if (character >= 'A' && character <= 'F') return static_cast<std::uint8_t>(character - 'A' + 10);
-  return std::nullopt;  // the guide allows upper case alone
-}
-
-void append_hex(Bytes& out, std::uint8_t byte) {
-  constexpr char kDigits[] = "0123456789ABCDEF";
-  out.push_back(static_cast<std::uint8_t>(kDigits[byte >> 4]));
-  out.push_back(static_cast<std::uint8_t>(kDigits[byte & 0x0Fu]));
-}
-
 }  // namespace
 
 // Modbus over Serial Line V1.02, 2.5.1.1: 3.5 characters up to 19200 baud, 1.750 ms above.
@@ -175,13 +164,9 @@ void AsciiEar::hear(std::uint8_t character, Instant end, Reaction& reaction) {
 
 void AsciiEar::answer(Instant now, Reaction& reaction) {
   Bytes frame;
-  bool good = !digits_.empty() && digits_.back() == '\r' && digits_.size() % 2 == 1;
-  for (std::size_t i = 0; good && i + 2 < digits_.size(); i += 2) {
-    const auto high = hex_digit(digits_[i]), low = hex_digit(digits_[i + 1]);
-    good = high && low;
-    if (good) frame.push_back(static_cast<std::uint8_t>(*high << 4 | *low));
-  }
-  good = good && frame.size() >= 3 && lrc8(ByteView(frame).first(frame.size() - 1)) == frame.back();
+  const bool ended = !digits_.empty() && digits_.back() == '\r';
+  if (ended) frame = bytes_in(ByteView(digits_).first(digits_.size() - 1)).value_or(Bytes{});
+  const bool good = frame.size() >= 3 && lrc8(ByteView(frame).first(frame.size() - 1)) == frame.back();
   if (!good) {
     ++unit_.statistics().bad_frames;
     return;
@@ -195,7 +180,7 @@ void AsciiEar::answer(Instant now, Reaction& reaction) {
   }
   said.push_back(lrc8(said));
   reaction.answer.push_back(':');
-  for (const std::uint8_t byte : said) append_hex(reaction.answer, byte);
+  for (const std::uint8_t byte : said) append_hex(reaction.answer, byte, 2);
   reaction.answer.push_back('\r');
   reaction.answer.push_back('\n');
 }

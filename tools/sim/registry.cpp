@@ -3,8 +3,13 @@
 
 #include "tools/sim/device.hpp"
 #include "tools/sim/dtc_device.hpp"
+#include "tools/sim/freeport_device.hpp"
+#include "tools/sim/fx_device.hpp"
+#include "tools/sim/hostlink_device.hpp"
 #include "tools/sim/modbus_device.hpp"
 #include "tools/sim/modbus_memory.hpp"
+#include "tools/sim/omron_memory.hpp"
+#include "tools/sim/ppi_device.hpp"
 
 namespace fieldcast::sim {
 
@@ -14,6 +19,10 @@ std::span<const DeviceKind> device_kinds() {
       DeviceKind{"modbus-ascii", kModbusAreaNames, true, &make_modbus_ascii_device},
       DeviceKind{"modbus-tcp", kModbusAreaNames, false, &make_modbus_tcp_device},
       DeviceKind{"dtc", kDtcAreaNames, true, &make_dtc_device},
+      DeviceKind{"mitsubishi-fx", kFxAreaNames, true, &make_fx_device},
+      DeviceKind{"omron-hostlink", kOmronAreaNames, true, &make_hostlink_device},
+      DeviceKind{"s7-freeport", kFreeportAreaNames, true, &make_freeport_device},
+      DeviceKind{"s7-ppi", kPpiAreaNames, true, &make_ppi_device},
   };
   return kinds;
 }

@@ -154,7 +154,7 @@ void BusLine::say(std::size_t device, Reaction& reaction, Instant at) {
   if (answer.characters != meant) ++member.spoiled;
   const auto speaker = static_cast<Speaker>(device);
   const std::uint64_t collisions = wire_.collisions();
-  wire_.from_device(speaker, answer.characters, std::max(at + answer.delay, wire_.talks_until(speaker)));
+  wire_.from_device(speaker, answer.characters, std::max(at + answer.delay + reaction.pause, wire_.talks_until(speaker)));
   bus_.statistics_.collisions += wire_.collisions() - collisions;
 }
 

@@ -160,7 +160,7 @@ TEST(DtcDevice, AfterNoiseOnlySilenceHelps) {
 }
 
 TEST(DtcDevice, AddressesAreReadAndChannelsLive) {
-  EXPECT_EQ(parse_dtc_address("float32:12")->type, 3);
+  EXPECT_EQ(parse_dtc_address("float32:12")->area, 3);
   EXPECT_EQ(parse_dtc_address("int16:65535.15")->bit, 15);
   for (const char* wrong : {"", "int16", "int16:", "int16:65536", "int16:1.16", "float32:1.0", "bit:1.0", "int8:1"}) {
     EXPECT_FALSE(parse_dtc_address(wrong)) << wrong;
