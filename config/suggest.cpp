@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/protocol/near_miss.hpp"
+#include "core/base/near_miss.hpp"
 
 namespace fieldcast::config {
 

@@ -8,7 +8,7 @@
 namespace fieldcast::config {
 
 // The candidate that a typing person most likely meant, or nothing ("") when none is near: another
-// program's word for it, a near miss (core/protocol/near_miss.hpp), or the beginning of a candidate ("float" for "float32").
+// program's word for it, a near miss (core/base/near_miss.hpp), or the beginning of a candidate ("float" for "float32").
 [[nodiscard]] std::string closest(std::string_view word, std::span<const std::string_view> candidates);
 
 // "a, b, c"

@@ -2,7 +2,6 @@
 
 #include <set>
 
-#include "core/protocol/near_miss.hpp"
 #include "core/protocol/protocol.hpp"
 
 namespace fieldcast {
@@ -50,21 +49,6 @@ TEST(Registry, AnAddressOutsideTheFamilyIsAFault) {
     EXPECT_EQ(made.error().option, "");
     EXPECT_FALSE(made.error().allowed.empty());
   }
-}
-
-TEST(NearMiss, OneSlipOfTheFingerIsUnderstood) {
-  constexpr std::string_view words[]{"coil", "holding", "input-register"};
-  EXPECT_EQ(near_miss("holdin", words), "holding");
-  EXPECT_EQ(near_miss("hodling", words), "holding");
-  EXPECT_EQ(near_miss("Coil", words), "coil");
-  EXPECT_EQ(near_miss("imput-regster", words), "input-register");
-}
-
-TEST(NearMiss, AnotherWordIsNoNearMiss) {
-  constexpr std::string_view words[]{"coil", "holding"};
-  EXPECT_EQ(near_miss("banana", words), "");
-  EXPECT_EQ(near_miss("", words), "");
-  EXPECT_EQ(near_miss(std::string(1000, 'c'), words), "");
 }
 
 }  // namespace

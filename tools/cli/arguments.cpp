@@ -6,8 +6,8 @@
 #include <sstream>
 #include <vector>
 
+#include "core/base/near_miss.hpp"
 #include "tools/cli/duration_text.hpp"
-#include "tools/cli/suggestion.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -82,7 +82,8 @@ CLI::App* add_plan(CLI::App& app, PlanOptions& plan, Texts& texts) {
 
 CLI::App* add_inspect(CLI::App& app, InspectOptions& inspect) {
   auto* command = app.add_subcommand("inspect", "Explain a frame; needs no bridge");
-  command->add_option("PROTOCOL", inspect.protocol, "modbus-rtu, omron-hostlink, .., or a declaration: instrument, ./mine.yaml")->required();
+  command->add_option("PROTOCOL", inspect.protocol, "modbus-rtu, omron-hostlink, .., or a declaration: instrument, ./mine.yaml")
+      ->required();
   command->add_option("HEX", inspect.hex, "The frame's bytes; from standard input when there are none");
   command->add_flag("--json", inspect.json, "One JSON object");
   return command;
@@ -103,7 +104,7 @@ std::optional<NoCommand> unknown_command(const CLI::App& app, std::string_view w
   for (const auto* command : app.get_subcommands({})) names.push_back(command->get_name());
   if (word.empty() || word.front() == '-' || std::find(names.begin(), names.end(), word) != names.end()) return std::nullopt;
   std::string text = "fieldcast: '" + printable(word) + "' is no command; ";
-  if (const auto near = nearest(word, names); !near.empty())
+  if (const auto near = near_miss(word, names); !near.empty())
     return NoCommand{ExitCode::kUsage, text + "did you mean " + near + "?\n"};
   text += "there are";
   for (const auto& name : names) text += ' ' + name;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "tools/cli/suggestion.hpp"
+#include "core/base/near_miss.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -12,7 +12,7 @@ std::string unknown(std::string_view kind, const std::string& name, std::vector<
   std::sort(known.begin(), known.end());
   known.erase(std::unique(known.begin(), known.end()), known.end());
   std::string text = std::string(kind) + " '" + name + "' is unknown" + where;
-  if (const auto near = nearest(name, known); !near.empty()) return text + "; did you mean " + near + '?';
+  if (const auto near = near_miss(name, known); !near.empty()) return text + "; did you mean " + near + '?';
   constexpr std::size_t kListed = 8;
   text += "; there ";
   text += known.size() == 1 ? "is " : "are ";

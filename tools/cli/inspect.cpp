@@ -7,10 +7,10 @@
 
 #include "config/loader.hpp"
 #include "core/base/bytes.hpp"
+#include "core/base/near_miss.hpp"
 #include "core/protocol/protocol.hpp"
 #include "tools/cli/inspect_view.hpp"
 #include "tools/cli/json.hpp"
-#include "tools/cli/suggestion.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -30,7 +30,7 @@ void explain_unknown(const std::string& name, std::ostream& err) {
   std::vector<std::string> names;
   for (const auto& entry : protocols()) names.emplace_back(entry.name);
   err << "fieldcast inspect: protocol '" << printable(name) << "' is unknown";
-  if (const auto near = nearest(name, names); !near.empty()) err << "; did you mean " << near << '?';
+  if (const auto near = near_miss(name, names); !near.empty()) err << "; did you mean " << near << '?';
   err << "\nprotocols:\n";
   for (const auto& entry : protocols()) err << "  " << entry.name << "  " << entry.summary << '\n';
 }

@@ -3,21 +3,13 @@
 #include <algorithm>
 #include <charconv>
 
-#include "core/protocol/near_miss.hpp"
+#include "core/base/near_miss.hpp"
+#include "core/protocol/address_text.hpp"
 
 namespace fieldcast::declared {
 namespace {
 
 using Parsed = tl::expected<ParsedAddress, AddressFault>;
-
-std::string quoted(std::string_view text) { return "'" + std::string(text.substr(0, 64)) + "'"; }
-
-std::optional<std::uint32_t> whole(std::string_view digits, int base) {
-  std::uint32_t number = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number, base);
-  if (digits.empty() || error != std::errc{} || end != digits.data() + digits.size()) return std::nullopt;
-  return number;
-}
 
 std::string spelt(std::uint32_t number, int base) {
   char text[16];
@@ -41,7 +33,8 @@ std::string allowed(const Declaration& declaration) {
 
 class Parser {
  public:
-  Parser(const Declaration& declaration, std::string_view at) : declaration_(declaration), at_(at) {}
+  Parser(const Declaration& declaration, std::string_view at, bool guesses = true)
+      : declaration_(declaration), at_(at), guesses_(guesses) {}
 
   Parsed run() const {
     for (std::size_t i = 0; i < declaration_.areas.size(); ++i) {
@@ -63,7 +56,7 @@ class Parser {
  private:
   bool whole_begins(const DeclaredArea& area) const {
     const auto digits = at_.substr(area.prefix.size());
-    return whole(digits.substr(0, digits.find('.')), area.base).has_value();
+    return whole_number(digits.substr(0, digits.find('.')), area.base).has_value();
   }
   Parsed fault(std::string what, std::string suggestion = {}) const {
     return tl::unexpected(AddressFault{std::move(what), allowed(declaration_), std::move(suggestion)});
@@ -75,7 +68,7 @@ class Parser {
     if (place.bits == 0) return rest.empty() ? std::optional<Parsed>(address) : std::nullopt;
     address.width_bits = 16u * place.items;
     if (rest.empty()) return address;
-    const auto bit = whole(rest.substr(1), 10);
+    const auto bit = whole_number(rest.substr(1), 10);
     if (!bit) return std::nullopt;
     if (*bit >= place.bits) {
       return fault(
@@ -90,7 +83,7 @@ class Parser {
 
   Parsed numbered(AreaIndex index, const DeclaredArea& area, std::string_view rest) const {
     const auto dot = rest.find('.');
-    const auto number = whole(rest.substr(0, dot), area.base);
+    const auto number = whole_number(rest.substr(0, dot), area.base);
     const std::uint32_t last = area.origin + area.items - 1;
     if (!number || *number < area.origin || *number > last) {
       return fault(quoted(at_) + " is outside " + area.name,
@@ -101,7 +94,7 @@ class Parser {
     if (dot == rest.npos) return address;
     const std::string without(at_.substr(0, area.prefix.size() + dot));
     if (area.item_bits == 1) return fault("a " + area.name + " is a bit itself and has no bits", without);
-    const auto bit = whole(rest.substr(dot + 1), 10);
+    const auto bit = whole_number(rest.substr(dot + 1), 10);
     if (!bit || *bit >= area.item_bits) {
       return fault("bit " + quoted(rest.substr(dot + 1)) + " is not 0.." + std::to_string(area.item_bits - 1), without + ".0");
     }
@@ -111,6 +104,8 @@ class Parser {
   }
 
   Parsed unknown() const {
+    const std::string what = quoted(at_) + " is no address";
+    if (!guesses_) return fault(what);
     const auto digits = std::min(at_.find_first_of("0123456789."), at_.size());
     const std::string_view word = at_.substr(0, digits);
     std::vector<std::string_view> names;
@@ -119,15 +114,17 @@ class Parser {
       for (const Place& place : area.places) names.push_back(place.name);
     }
     const auto near = near_miss(word, names);
-    const bool prefix =
-        std::ranges::any_of(declaration_.areas, [&](const DeclaredArea& area) { return !area.record && area.prefix == near; });
-    const std::string suggestion =
-        near.empty() ? "" : std::string(near) + std::string(prefix && digits == at_.size() ? "0" : at_.substr(digits));
-    return fault(quoted(at_) + " is no address", suggestion);
+    if (near.empty()) return fault(what);
+    // With the number as it stands, or the first place of that name.
+    for (const auto& guess : {std::string(near) + std::string(at_.substr(digits)), std::string(near), std::string(near) + "0"}) {
+      if (Parser(declaration_, guess, false).run()) return fault(what, guess);
+    }
+    return fault(what);
   }
 
   const Declaration& declaration_;
   const std::string_view at_;
+  const bool guesses_;
 };
 
 }  // namespace

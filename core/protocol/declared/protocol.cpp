@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/protocol/address_text.hpp"
 #include "core/protocol/declared/exchange.hpp"
 #include "core/protocol/declared/notation.hpp"
 #include "core/protocol/option_reader.hpp"
@@ -57,7 +58,7 @@ class DeclaredProtocol final : public Protocol {
   const Traits& traits() const override { return traits_; }
   std::span<const Area> areas() const override { return areas_; }
   tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
-    return declared::parse_address(*declaration_, at);
+    return parse_with_suggestion(at, [&](std::string_view text) { return declared::parse_address(*declaration_, text); });
   }
 
   std::optional<ExchangeSize> size(const Request& request) const override {

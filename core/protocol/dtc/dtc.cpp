@@ -6,6 +6,7 @@
 #include <array>
 
 #include "core/codec/lzw.hpp"
+#include "core/protocol/address_text.hpp"
 #include "core/protocol/dtc/message.hpp"
 #include "core/protocol/dtc/packet.hpp"
 #include "core/protocol/dtc/threshold.hpp"
@@ -144,7 +145,9 @@ class DtcProtocol final : public Protocol {
 
   const Traits& traits() const override { return traits_; }
   std::span<const Area> areas() const override { return areas_; }
-  tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override { return dtc::parse_address(at); }
+  tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
+    return parse_with_suggestion(at, dtc::parse_address);
+  }
 
   // Of plain packets: what compression saves is known only when the values are; a packet is never longer.
   std::optional<ExchangeSize> size(const Request& request) const override {

@@ -1,10 +1,10 @@
 #include "core/protocol/dtc/types.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <string>
 
-#include "core/protocol/near_miss.hpp"
+#include "core/base/near_miss.hpp"
+#include "core/protocol/address_text.hpp"
 
 namespace fieldcast::dtc {
 namespace {
@@ -17,16 +17,6 @@ using Parsed = tl::expected<ParsedAddress, AddressFault>;
 Parsed fault(std::string what, std::string suggestion = {}) {
   return tl::unexpected(AddressFault{std::move(what), std::string(kAllowed), std::move(suggestion)});
 }
-std::string quoted(std::string_view text) { return "'" + std::string(text.substr(0, 64)) + "'"; }
-
-// UINT32_MAX when it is too large for anything; nothing for what is no number.
-std::optional<std::uint32_t> number(std::string_view text) {
-  std::uint32_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || end != text.data() + text.size()) return std::nullopt;
-  return error == std::errc{} ? value : UINT32_MAX;
-}
-
 }  // namespace
 
 Parsed parse_address(std::string_view at) {
@@ -42,7 +32,7 @@ Parsed parse_address(std::string_view at) {
   const unsigned bits = kTypeBits[address.area];
   const std::string_view place = at.substr(colon + 1);
   const std::size_t dot = place.find('.');
-  const auto first = number(place.substr(0, dot));
+  const auto first = whole_number(place.substr(0, dot));
   if (!first) return fault(quoted(place.substr(0, dot)) + " is no number", std::string(name) + ":0");
   if (*first >= kVariables) return fault(quoted(at) + " is beyond the end of " + std::string(name), std::string(name) + ":65535");
   address.first = *first;
@@ -53,7 +43,7 @@ Parsed parse_address(std::string_view at) {
   }
   const std::string whole(at.substr(0, colon + 1 + dot));
   if (address.area != kInt16 && address.area != kInt32) return fault(quoted(at) + " has no bits", whole);
-  const auto bit = number(place.substr(dot + 1));
+  const auto bit = whole_number(place.substr(dot + 1));
   if (!bit || *bit >= bits) {
     return fault("bit " + quoted(place.substr(dot + 1)) + " is not 0.." + std::to_string(bits - 1), whole + ".0");
   }

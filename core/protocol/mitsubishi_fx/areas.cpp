@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <string>
+
+#include "core/protocol/address_text.hpp"
 
 namespace fieldcast::mitsubishi_fx {
 namespace {
@@ -65,16 +66,6 @@ using Parsed = tl::expected<ParsedAddress, AddressFault>;
 Parsed fault(std::string what, std::string suggestion = {}) {
   return tl::unexpected(AddressFault{std::move(what), std::string(kAllowed), std::move(suggestion)});
 }
-std::string quoted(std::string_view text) { return "'" + std::string(text.substr(0, 64)) + "'"; }
-
-// UINT32_MAX when it is too large for any device; nothing for what is no number of that base.
-std::optional<std::uint32_t> number(std::string_view text, int base = 10) {
-  std::uint32_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, base);
-  if (text.empty() || end != text.data() + text.size()) return std::nullopt;
-  return error == std::errc{} ? value : UINT32_MAX;
-}
-
 bool is_named(const DeviceRow& row, std::string_view letters) {
   return row.name == letters || (!row.other.empty() && row.other == letters);
 }
@@ -106,12 +97,11 @@ tl::expected<ParsedAddress, AddressFault> parse_address(Commands commands, std::
     octal = row.octal;
   }
   if (!known) {
-    std::string upper(letters);
-    for (char& c : upper) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+    const std::string upper = upper_case(letters);
     const bool named = std::any_of(kRows.begin(), kRows.end(), [&](const DeviceRow& row) { return is_named(row, upper); });
     return fault("device " + quoted(letters) + " is unknown", named ? upper + std::string(at.substr(digits)) : "");
   }
-  const auto which = number(place, octal ? 8 : 10);
+  const auto which = whole_number(place, octal ? 8 : 10);
   if (!which) return fault(quoted(place) + (octal ? " is no octal number" : " is no number"), std::string(letters) + "0");
   const auto& rows = rows_of(commands);
   const auto row = std::find_if(rows.begin(), rows.end(), [&](const DeviceRow* each) {
@@ -124,7 +114,7 @@ tl::expected<ParsedAddress, AddressFault> parse_address(Commands commands, std::
   if (dot == at.size()) return address;
   const std::string whole(at.substr(0, dot));
   if ((*row)->item_bits == 1) return fault(quoted(whole) + " is a bit itself", whole);
-  const auto bit = number(at.substr(dot + 1));
+  const auto bit = whole_number(at.substr(dot + 1));
   if (!bit || *bit >= (*row)->item_bits) return fault("bit " + quoted(at.substr(dot + 1)) + " does not exist", whole + ".0");
   address.bit = static_cast<std::uint8_t>(*bit);
   address.width_bits = 1;

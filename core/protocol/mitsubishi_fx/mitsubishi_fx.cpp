@@ -15,6 +15,7 @@
 
 #include "core/codec/checksum.hpp"
 #include "core/codec/digits.hpp"
+#include "core/protocol/address_text.hpp"
 #include "core/protocol/mitsubishi_fx/areas.hpp"
 #include "core/protocol/option_reader.hpp"
 
@@ -221,7 +222,7 @@ class FxProtocol final : public Protocol {
   const Traits& traits() const override { return kTraits; }
   std::span<const Area> areas() const override { return areas_of(commands_); }
   tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
-    return mitsubishi_fx::parse_address(commands_, at);
+    return parse_with_suggestion(at, [&](std::string_view text) { return mitsubishi_fx::parse_address(commands_, text); });
   }
 
   std::optional<ExchangeSize> size(const Request& request) const override {

@@ -1,11 +1,11 @@
 // Address notations (areas.hpp).
 #include <algorithm>
-#include <charconv>
 #include <optional>
 #include <string>
 
+#include "core/base/near_miss.hpp"
+#include "core/protocol/address_text.hpp"
 #include "core/protocol/modbus/areas.hpp"
-#include "core/protocol/near_miss.hpp"
 
 namespace fieldcast::modbus {
 namespace {
@@ -42,16 +42,10 @@ Parsed fault(std::string what, std::string suggestion = {}) {
   return tl::unexpected(AddressFault{std::move(what), std::string(kAllowed), std::move(suggestion)});
 }
 
-std::string quoted(std::string_view text) { return "'" + std::string(text.substr(0, 64)) + "'"; }
-
-// The whole text as a number; nothing for anything else. Numbers too large for 32 bits come back as the largest.
+// Decimal, or hexadecimal behind 0x.
 std::optional<std::uint32_t> number(std::string_view text) {
   const bool hex = text.starts_with("0x") || text.starts_with("0X");
-  if (hex) text.remove_prefix(2);
-  std::uint32_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, hex ? 16 : 10);
-  if (text.empty() || end != text.data() + text.size()) return std::nullopt;
-  return error == std::errc{} ? value : UINT32_MAX;
+  return hex ? whole_number(text.substr(2), 16) : whole_number(text);
 }
 
 ParsedAddress address(Table table, std::uint32_t first, std::optional<std::uint8_t> bit = {}) {

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "core/protocol/address_text.hpp"
 #include "core/protocol/modbus/areas.hpp"
 #include "core/protocol/modbus/exchange.hpp"
 #include "core/protocol/option_reader.hpp"
@@ -38,7 +39,7 @@ class ModbusProtocol final : public Protocol {
   const Traits& traits() const override { return traits_; }
   std::span<const Area> areas() const override { return areas_; }
   tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
-    return modbus::parse_address(at);
+    return parse_with_suggestion(at, modbus::parse_address);
   }
 
   std::optional<ExchangeSize> size(const Request& request) const override {

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <optional>
 #include <string>
 
-#include "core/protocol/near_miss.hpp"
+#include "core/base/near_miss.hpp"
+#include "core/protocol/address_text.hpp"
 #include "core/protocol/omron_hostlink/limits.hpp"
 
 namespace fieldcast::omron {
@@ -85,19 +85,8 @@ Parsed fault(Mode mode, std::string what, std::string suggestion = {}) {
       AddressFault{std::move(what), std::string(mode == Mode::kFins ? kAllowedFins : kAllowedC), std::move(suggestion)});
 }
 
-std::string quoted(std::string_view text) { return "'" + std::string(text.substr(0, 64)) + "'"; }
-
-// A decimal number; UINT32_MAX when it is too large for any area.
-std::optional<std::uint32_t> number(std::string_view text) {
-  std::uint32_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || end != text.data() + text.size()) return std::nullopt;
-  return error == std::errc{} ? value : UINT32_MAX;
-}
-
 std::string suggest(Mode mode, std::string_view letters, std::string_view rest) {
-  std::string upper(letters);
-  for (char& c : upper) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  const std::string upper = upper_case(letters);
   std::vector<std::string_view> names;
   for (const AreaRow* row : rows_of(mode)) names.insert(names.end(), {row->name, row->other});
   const std::string_view near = near_miss(upper, names);
@@ -111,7 +100,7 @@ std::optional<std::uint32_t> banked(std::string_view text) {
   if (line != 1) return std::nullopt;
   const char digit = text[0];
   const int bank = digit >= '0' && digit <= '9' ? digit - '0' : digit >= 'A' && digit <= 'C' ? digit - 'A' + 10 : -1;
-  const auto word = number(text.substr(line + 1));
+  const auto word = whole_number(text.substr(line + 1));
   if (bank < 0 || !word || *word >= kBankWords) return std::nullopt;
   return static_cast<std::uint32_t>(bank) * kBankWords + *word;
 }
@@ -152,7 +141,7 @@ tl::expected<ParsedAddress, AddressFault> parse_address(Mode mode, std::string_v
   const Area& area = areas_of(mode)[address.area];
 
   const std::size_t dot = rest.find('.');
-  const auto first = is_extended(*row) ? banked(rest.substr(0, dot)) : number(rest.substr(0, dot));
+  const auto first = is_extended(*row) ? banked(rest.substr(0, dot)) : whole_number(rest.substr(0, dot));
   if (!first)
     return fault(mode, quoted(rest.substr(0, dot)) + " is no place in " + name, name + (is_extended(*row) ? "0_0" : "0"));
   const bool past_digits = mode == Mode::kCMode && is_extended(*row) && *first % kBankWords > 9999;
@@ -163,7 +152,7 @@ tl::expected<ParsedAddress, AddressFault> parse_address(Mode mode, std::string_v
 
   const std::string whole = std::string(at.substr(0, at.find('.')));
   if (row->flags) return fault(mode, "a flag has no bits", whole);
-  const auto bit = number(rest.substr(dot + 1));
+  const auto bit = whole_number(rest.substr(dot + 1));
   if (!bit || *bit > 15) return fault(mode, "bit " + quoted(rest.substr(dot + 1)) + " is not 00..15", whole + ".00");
   address.bit = static_cast<std::uint8_t>(*bit);
   address.width_bits = 1;

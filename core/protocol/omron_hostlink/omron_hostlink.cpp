@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "core/protocol/address_text.hpp"
 #include "core/protocol/omron_hostlink/c_mode.hpp"
 #include "core/protocol/omron_hostlink/fins.hpp"
 #include "core/protocol/omron_hostlink/limits.hpp"
@@ -28,7 +29,7 @@ class CModeProtocol final : public Protocol {
   const Traits& traits() const override { return kCModeTraits; }
   std::span<const Area> areas() const override { return areas_of(Mode::kCMode); }
   tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
-    return omron::parse_address(Mode::kCMode, at);
+    return parse_with_suggestion(at, [](std::string_view text) { return omron::parse_address(Mode::kCMode, text); });
   }
   std::optional<ExchangeSize> size(const Request& request) const override { return c_mode_size(request); }
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext) const override { return begin_c_mode(unit_, request); }
@@ -43,7 +44,7 @@ class FinsProtocol final : public Protocol {
   const Traits& traits() const override { return kFinsTraits; }
   std::span<const Area> areas() const override { return areas_of(Mode::kFins); }
   tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
-    return omron::parse_address(Mode::kFins, at);
+    return parse_with_suggestion(at, [](std::string_view text) { return omron::parse_address(Mode::kFins, text); });
   }
   std::optional<ExchangeSize> size(const Request& request) const override { return fins_size(route_, request); }
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext context) const override {

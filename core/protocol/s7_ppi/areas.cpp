@@ -1,9 +1,10 @@
 #include "core/protocol/s7_ppi/areas.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 #include <string>
+
+#include "core/protocol/address_text.hpp"
 
 namespace fieldcast::s7_ppi {
 namespace {
@@ -16,16 +17,6 @@ using Parsed = tl::expected<ParsedAddress, AddressFault>;
 Parsed fault(std::string what, std::string suggestion = {}) {
   return tl::unexpected(AddressFault{std::move(what), std::string(kAllowed), std::move(suggestion)});
 }
-std::string quoted(std::string_view text) { return "'" + std::string(text.substr(0, 64)) + "'"; }
-
-// UINT32_MAX when it is too large for any area; nothing for what is no number.
-std::optional<std::uint32_t> number(std::string_view text) {
-  std::uint32_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || end != text.data() + text.size()) return std::nullopt;
-  return error == std::errc{} ? value : UINT32_MAX;
-}
-
 struct Named {
   AreaIndex area;
   unsigned width = 0;  // bits that B, W or D says; 0: a bit follows, or a number
@@ -49,8 +40,7 @@ std::optional<Named> named(std::string_view letters) {
 
 // What the Siemens software says in German, and lower case.
 std::string suggestion(std::string_view letters, std::string_view rest) {
-  std::string upper(letters);
-  for (char& c : upper) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  std::string upper = upper_case(letters);
   if (upper.starts_with("E"))
     upper[0] = 'I';
   else if (upper == "A" || upper == "AB" || upper == "AW" || upper == "AD")
@@ -73,7 +63,7 @@ tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) {
   const AreaCode& code = kCodes[name->area];
   const std::size_t dot = at.find('.');
   const std::string_view place = at.substr(digits, dot == std::string_view::npos ? dot : dot - digits);
-  const auto first = number(place);
+  const auto first = whole_number(place);
   if (!first) return fault(quoted(place) + " is no number");
   ParsedAddress address{.area = name->area, .first = *first};
   if (area.item_bits == 16 && !code.counted) {
@@ -90,7 +80,7 @@ tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) {
     return address;
   }
   if (name->width != 0 || code.counted) return fault(quoted(at) + " has no bits", std::string(at.substr(0, dot)));
-  const auto bit = number(at.substr(dot + 1));
+  const auto bit = whole_number(at.substr(dot + 1));
   if (!bit || *bit > 7) return fault("bit " + quoted(at.substr(dot + 1)) + " is not 0..7", std::string(at.substr(0, dot)) + ".0");
   address.bit = static_cast<std::uint8_t>(*bit);
   address.width_bits = 1;

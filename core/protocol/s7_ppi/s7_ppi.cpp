@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/protocol/address_text.hpp"
 #include "core/protocol/option_reader.hpp"
 #include "core/protocol/s7_ppi/areas.hpp"
 #include "core/protocol/s7_ppi/telegram.hpp"
@@ -143,7 +144,7 @@ class PpiProtocol final : public Protocol {
   const Traits& traits() const override { return kTraits; }
   std::span<const Area> areas() const override { return kAreas; }
   tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
-    return s7_ppi::parse_address(at);
+    return parse_with_suggestion(at, s7_ppi::parse_address);
   }
 
   std::optional<ExchangeSize> size(const Request& request) const override {

@@ -1,4 +1,4 @@
-#include "core/protocol/near_miss.hpp"
+#include "core/base/near_miss.hpp"
 
 #include <algorithm>
 #include <array>
@@ -46,6 +46,11 @@ std::string_view near_miss(std::string_view word, std::span<const std::string_vi
     }
   }
   return best;
+}
+
+std::string near_miss(std::string_view word, const std::vector<std::string>& candidates) {
+  const std::vector<std::string_view> views(candidates.begin(), candidates.end());
+  return std::string(near_miss(word, std::span(views)));
 }
 
 }  // namespace fieldcast
