@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "config/declaration_keys.hpp"
 #include "config/declared_frame.hpp"
 #include "config/limits.hpp"
 #include "config/scalars.hpp"
@@ -14,20 +15,6 @@ namespace {
 using declared::Declaration;
 using declared::DeclaredArea;
 using declared::Notation;
-
-constexpr std::string_view kDeclaration[] = {"summary",   "addresses", "encoding",   "order",
-                                             "bit-order", "areas",     "operations", "errors"};
-constexpr std::string_view kAddresses[] = {"from", "to"};
-constexpr std::string_view kArea[] = {"name", "item", "items", "record", "prefix", "base", "origin"};
-constexpr std::string_view kOperation[] = {"name", "read", "write", "command", "count", "request", "answer"};
-constexpr std::string_view kCount[] = {"from", "to"};
-constexpr std::string_view kErrors[] = {"frame", "codes", "busy"};
-const KeyTable kDeclarationKeys{"declaration", "a declared protocol", kDeclaration};
-const KeyTable kAddressesKeys{"addresses", "'addresses'", kAddresses};
-const KeyTable kAreaKeys{"area", "an area", kArea};
-const KeyTable kOperationKeys{"operation", "an operation", kOperation};
-const KeyTable kCountKeys{"count", "'count'", kCount};
-const KeyTable kErrorsKeys{"errors", "'errors'", kErrors};
 
 constexpr std::size_t kMaxAreas = 64;
 constexpr std::size_t kMaxCodes = 1'000;

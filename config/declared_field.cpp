@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 
+#include "config/declaration_keys.hpp"
 #include "config/declared_frame.hpp"
 #include "config/limits.hpp"
 #include "config/scalars.hpp"
@@ -16,11 +17,6 @@ using declared::Crc16;
 using declared::Field;
 using declared::FieldKind;
 using declared::Notation;
-
-constexpr std::string_view kField[] = {"name", "constant", "is",     "bytes", "bits",   "digits",    "as",  "order",
-                                       "plus", "times",    "of",     "kind",  "over",   "on",        "off", "ok",
-                                       "text", "variable", "signed", "fill",  "counts", "complement"};
-const KeyTable kFieldKeys{"field", "a field", kField};
 
 constexpr std::pair<std::string_view, FieldKind> kKinds[] = {
     {"address", FieldKind::kAddress},   {"command", FieldKind::kCommand},   {"first", FieldKind::kFirst},

@@ -5,6 +5,7 @@
 #include <set>
 #include <sstream>
 
+#include "config/declaration_keys.hpp"
 #include "config/fault_list.hpp"
 #include "config/keys.hpp"
 #include "core/protocol/protocol.hpp"
@@ -20,34 +21,39 @@ const json& schema() {
   static const json text = json::parse(slurp(source_dir() / "config/fieldcast.schema.json"));
   return text;
 }
+const json& protocol_schema() {
+  static const json text = json::parse(slurp(source_dir() / "config/protocol.schema.json"));
+  return text;
+}
 
 // The reason why a YAML file does not fit; "no YAML" when it cannot be parsed.
-std::string misfit_of(const std::filesystem::path& path, const std::string& definition) {
+std::string misfit_of(const std::filesystem::path& path, const std::string& definition, const json& whole = schema()) {
   FaultList faults;
   const auto document = parse_yaml(Source{path.filename().string(), slurp(path), 0}, faults);
   if (document->root == nullptr || !faults.empty()) return "no YAML";
-  return misfit(json_of(*document->root), schema()["$defs"][definition], schema());
+  return misfit(json_of(*document->root), whole["$defs"][definition], whole);
 }
 
-TEST(Schema, KnowsExactlyTheKeysThatTheLoaderKnows) {
-  for (const KeyTable* table : key_tables()) {
-    ASSERT_TRUE(schema()["$defs"].contains(table->name)) << table->name;
-    const auto& definition = schema()["$defs"][std::string(table->name)];
+void expect_same_keys(std::span<const KeyTable* const> tables, const json& whole) {
+  std::set<std::string> known;
+  for (const KeyTable* table : tables) {
+    known.insert(std::string(table->name));
+    ASSERT_TRUE(whole["$defs"].contains(table->name)) << table->name;
+    const auto& definition = whole["$defs"][std::string(table->name)];
     EXPECT_EQ(definition["additionalProperties"], false) << table->name;
     std::set<std::string> theirs;
     for (const auto& [key, rule] : definition["properties"].items()) theirs.insert(key);
     const std::set<std::string> ours(table->keys.begin(), table->keys.end());
     EXPECT_EQ(theirs, ours) << table->name;
   }
-}
-
-TEST(Schema, HasNoMapsThatTheLoaderDoesNotKnow) {
-  std::set<std::string> known;
-  for (const KeyTable* table : key_tables()) known.insert(std::string(table->name));
-  for (const auto& [name, definition] : schema()["$defs"].items()) {
-    EXPECT_TRUE(!definition.contains("properties") || known.contains(name)) << name;
+  for (const auto& [name, definition] : whole["$defs"].items()) {
+    EXPECT_TRUE(!definition.contains("properties") || known.contains(name)) << "the loader knows no map " << name;
   }
 }
+
+TEST(Schema, KnowsExactlyTheKeysThatTheLoaderKnows) { expect_same_keys(key_tables(), schema()); }
+
+TEST(ProtocolSchema, KnowsExactlyTheKeysThatTheLoaderKnows) { expect_same_keys(declaration_key_tables(), protocol_schema()); }
 
 TEST(Schema, NamesEveryProtocol) {
   std::set<std::string> ours;
@@ -109,6 +115,80 @@ TEST(Schema, RefusesEveryBadFileWhoseFaultLiesInOneValue) {
     EXPECT_NE(misfit_of(path, "bridge"), "") << path;
   }
   EXPECT_GT(seen, 40u);
+}
+
+TEST(ProtocolSchema, EveryDeclarationThatLoadsFits) {
+  unsigned seen = 0;
+  for (const auto& path : files_of(source_dir() / "config/protocols", ".yaml")) {
+    ++seen;
+    EXPECT_EQ(misfit_of(path, "declaration", protocol_schema()), "") << path;
+  }
+  EXPECT_GE(seen, 2u);
+}
+
+// The words of every closed set, as the loader lists them when it meets another.
+TEST(ProtocolSchema, KnowsExactlyTheWordsThatTheLoaderKnows) {
+  const std::pair<std::string, std::string> choices[] = {
+      {"declaration/encoding", "encoding: xx"},
+      {"declaration/order", "order: xx"},
+      {"declaration/bit-order", "bit-order: xx"},
+      {"area/item", "areas: [{ name: a, item: xx }]"},
+      {"area/base", "areas: [{ name: a, base: xx }]"},
+      {"field/is", "{ is: xx }"},
+      {"field/as", "{ is: count, as: xx }"},
+      {"field/order", "{ is: count, order: xx }"},
+      {"field/kind", "{ is: checksum, of: a, kind: xx }"},
+      {"field/complement", "{ is: checksum, of: a, kind: sum, complement: xx }"},
+      {"field/over", "{ is: checksum, of: a, kind: sum, over: xx }"},
+      {"field/counts", "{ is: length, of: a, counts: xx }"}};
+  for (const auto& [place, text] : choices) {
+    const auto slash = place.find('/');
+    const auto& rule = protocol_schema()["$defs"][place.substr(0, slash)]["properties"][place.substr(slash + 1)];
+    std::string words;
+    for (const auto& word : rule["enum"]) words += (words.empty() ? "" : ", ") + word.get<std::string>();
+    const bool field = place.starts_with("field");
+    const auto loaded = load_declaration_text(
+        field ? "areas: [{ name: a }]\noperations: [{ name: r, read: a, request: [" + text + "], answer: [" + text + "] }]\n"
+              : text,
+        "t.yaml");
+    ASSERT_FALSE(loaded);
+    EXPECT_TRUE(std::ranges::any_of(
+        loaded.error(),
+        [&](const Fault& fault) { return fault.what.find("'xx' is unknown") != std::string::npos && fault.allowed == words; }))
+        << place << ": " << words << '\n'
+        << to_text(std::span(loaded.error()));
+  }
+}
+
+// What one value alone makes wrong, and what a map lacks; rules between fields are the loader's alone.
+TEST(ProtocolSchema, RefusesEveryBadDeclarationWhoseFaultLiesInOneValue) {
+  static constexpr std::string_view kSeen[] = {"unknown key",
+                                               "'summary' is missing",
+                                               "'addresses' is missing",
+                                               "'areas' is missing",
+                                               "'request' is missing",
+                                               "' is unknown;",
+                                               "is no whole",
+                                               " is empty",
+                                               " is a map",
+                                               " is a list",
+                                               "busy is",
+                                               "a constant and something else",
+                                               "neither constant",
+                                               "reads and writes",
+                                               "neither reads nor writes"};
+  unsigned seen = 0;
+  for (const auto& path : files_of(source_dir() / "tests/config/bad_protocols", ".yaml")) {
+    std::istringstream lines(slurp(path));
+    bool visible = false;
+    for (std::string line; std::getline(lines, line) && line.starts_with("# expect: ");) {
+      for (const auto mark : kSeen) visible |= line.find(mark) != std::string::npos && !line.starts_with("# expect: code-is");
+    }
+    if (!visible) continue;
+    ++seen;
+    EXPECT_NE(misfit_of(path, "declaration", protocol_schema()), "") << path;
+  }
+  EXPECT_GE(seen, 14u);
 }
 
 }  // namespace
