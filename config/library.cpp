@@ -117,7 +117,7 @@ std::vector<std::string> Library::names_in(std::span<const std::string> director
     }
   }
   std::ranges::sort(names);
-  names.erase(std::ranges::unique(names).begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
   return names;
 }
 

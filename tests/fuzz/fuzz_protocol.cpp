@@ -1,18 +1,11 @@
-// Fuzz target of any registered protocol: any bytes as the answers to any request, and into its explainer.
-//
-// Input: area, first, count, kind of request, cut; then for each round length(1) and so many bytes of answer.
-// FUZZ_PROTOCOL names the protocol, FUZZ_OPTION and FUZZ_VALUE an option of it.
-#include <array>
+// Fuzz target of any registered protocol: input as in any_protocol.hpp. FUZZ_PROTOCOL names the protocol, FUZZ_OPTION and
+// FUZZ_VALUE an option of it.
 #include <cstdlib>
 
-#include "core/protocol/protocol.hpp"
-#include "tests/fuzz/fuzz.hpp"
-#include "tests/support/drive.hpp"
+#include "tests/fuzz/any_protocol.hpp"
 
 namespace fieldcast {
 namespace {
-
-constexpr std::size_t kChoices = 5;
 
 std::unique_ptr<Protocol> make() {
   DeviceLink link{.address = 1};
@@ -22,48 +15,9 @@ std::unique_ptr<Protocol> make() {
   return std::move(*made);
 }
 
-Request request_of(const Protocol& protocol, ByteView choices) {
-  const auto area = static_cast<AreaIndex>(choices[0] % protocol.areas().size());
-  const Area& row = protocol.areas()[area];
-  const Range range{area, std::uint32_t{choices[1]} / row.alignment * row.alignment, 1u + choices[2]};
-  if (choices[3] % 4 == 0) {
-    WriteRequest write{.range = range, .items = Bytes(image_bytes(row.item_bits, range.count), 1)};
-    if (choices[3] % 8 == 0) write.bit = static_cast<std::uint8_t>(choices[4] % 16);
-    return write;
-  }
-  ReadRequest read{{range}};
-  if (choices[3] % 4 == 1 && protocol.traits().max_ranges > 1) read.ranges.push_back({area, 300u + choices[4], 1});
-  return read;
-}
-
-// What a protocol calls done has an item image for each range that was asked.
-void check_reply(const Protocol& protocol, const Request& request, const Reply& reply) {
-  const auto* read = std::get_if<ReadRequest>(&request);
-  if (read == nullptr) return;
-  if (reply.size() != read->ranges.size()) std::abort();
-  for (std::size_t i = 0; i < reply.size(); ++i) {
-    const Range& range = read->ranges[i];
-    const std::size_t size = image_bytes(protocol.areas()[range.area].item_bits, range.count);
-    if (reply[i].cause == Cause::kNone && reply[i].items.size() != size) std::abort();
-  }
-}
-
 void run_one(ByteView data) {
   static const std::unique_ptr<Protocol> protocol = make();
-  if (data.size() < kChoices) return;
-  const Request request = request_of(*protocol, data);
-  const std::array<std::size_t, 2> cuts{data[4] & 15u, 16u + (data[4] >> 4)};
-  std::vector<Bytes> answers;
-  for (data = data.subspan(kChoices); !data.empty();) {
-    const std::size_t size = std::min<std::size_t>(data[0], data.size() - 1);
-    answers.emplace_back(data.begin() + 1, data.begin() + 1 + static_cast<std::ptrdiff_t>(size));
-    data = data.subspan(1 + size);
-  }
-  for (const Bytes& answer : answers) fuzz::check_explanation(find_protocol(FUZZ_PROTOCOL)->explain(answer), answer.size());
-  if (!protocol->size(request)) return;
-  const auto exchange = protocol->begin(request, {.sequence = 1});
-  const test::Outcome outcome = test::drive(*exchange, answers, cuts);
-  if (outcome.done()) check_reply(*protocol, request, outcome.reply);
+  fuzz::run_protocol(*protocol, find_protocol(FUZZ_PROTOCOL)->explain, data);
 }
 
 }  // namespace

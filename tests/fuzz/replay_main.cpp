@@ -1,5 +1,5 @@
-// Runs a fuzz target over the files of the folders given, and over mutations of them from a fixed seed: the ordinary test where
-// the compiler has no libFuzzer.
+// Runs a fuzz target over the files of the folders given, and over FUZZ_MUTATIONS of each from a fixed seed: the ordinary test
+// where the compiler has no libFuzzer.
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -12,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
 namespace {
 
-constexpr int kMutationsOfEach = 2000;
+constexpr int kMutationsOfEach = FUZZ_MUTATIONS;
 
 void run(const std::vector<std::uint8_t>& input) { (void)LLVMFuzzerTestOneInput(input.data(), input.size()); }
 

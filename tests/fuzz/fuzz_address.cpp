@@ -1,0 +1,46 @@
+// Fuzz target of address notations, which commands carry from the network: any text for any protocol.
+//
+// Input: one byte that chooses the protocol, then the text.
+#include <cstdlib>
+
+#include "config/loader.hpp"
+#include "core/protocol/protocol.hpp"
+
+namespace fieldcast {
+namespace {
+
+std::vector<std::unique_ptr<Protocol>> all() {
+  std::vector<std::unique_ptr<Protocol>> made;
+  for (const ProtocolEntry& entry : protocols()) made.push_back(std::move(*entry.make({.address = 1})));
+  made.push_back(std::move(*find_protocol("omron-hostlink")->make({.address = 1, .options = {{"mode", "fins"}}})));
+  made.push_back(std::move(*find_protocol("mitsubishi-fx")->make({.address = 1, .options = {{"commands", "extended"}}})));
+  for (const char* name : {"instrument", "modbus-rtu-declared"}) {
+    made.push_back(std::move(*declared::make(config::load_declaration(name)->value, {.address = 1})));
+  }
+  return made;
+}
+
+void run_one(ByteView data) {
+  static const auto made = all();
+  if (data.empty()) return;
+  const Protocol& protocol = *made[data[0] % made.size()];
+  const std::string text(data.begin() + 1, data.end());
+  const auto parsed = protocol.parse_address(text);
+  if (parsed) {
+    if (parsed->area >= protocol.areas().size()) std::abort();
+    const Area& area = protocol.areas()[parsed->area];
+    if (parsed->first >= area.items || (parsed->bit && *parsed->bit >= area.item_bits)) std::abort();
+    return;
+  }
+  const AddressFault& fault = parsed.error();
+  if (fault.what.empty() || fault.allowed.empty() || fault.what.size() > 256) std::abort();
+  if (!fault.suggestion.empty() && !protocol.parse_address(fault.suggestion)) std::abort();
+}
+
+}  // namespace
+}  // namespace fieldcast
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  fieldcast::run_one({data, size});
+  return 0;
+}

@@ -1,0 +1,29 @@
+// Fuzz target of a declared protocol that comes with Fieldcast: input as in any_protocol.hpp. FUZZ_PROTOCOL names it.
+#include <cstdlib>
+
+#include "config/loader.hpp"
+#include "tests/fuzz/any_protocol.hpp"
+
+namespace fieldcast {
+namespace {
+
+declared::SharedDeclaration load() {
+  const auto loaded = config::load_declaration(FUZZ_PROTOCOL);
+  if (!loaded) std::abort();
+  return *loaded;
+}
+
+void run_one(ByteView data) {
+  static const declared::SharedDeclaration declaration = load();
+  static const auto protocol = std::move(*declared::make(declaration.value, {.address = 1}));
+  fuzz::run_protocol(
+      *protocol, [](ByteView frame) { return declared::explain(*declaration.value, frame); }, data);
+}
+
+}  // namespace
+}  // namespace fieldcast
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  fieldcast::run_one({data, size});
+  return 0;
+}

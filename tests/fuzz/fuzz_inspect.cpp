@@ -1,0 +1,41 @@
+// Fuzz target of `fieldcast inspect`: any text as hexadecimal, explained by any protocol, as lines and as JSON.
+//
+// Input: one byte that chooses the protocol, then the text.
+#include <cstdlib>
+#include <sstream>
+
+#include "core/base/bytes.hpp"
+#include "core/protocol/protocol.hpp"
+#include "tools/cli/inspect.hpp"
+
+namespace fieldcast {
+namespace {
+
+void run_one(ByteView data) {
+  if (data.empty()) return;
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all{"instrument", "modbus-rtu-declared"};
+    for (const ProtocolEntry& entry : protocols()) all.emplace_back(entry.name);
+    return all;
+  }();
+  const std::string hex(data.begin() + 1, data.end());
+  for (const bool json : {false, true}) {
+    std::istringstream in(hex);
+    std::ostringstream out, err;
+    const auto code = cli::inspect({.protocol = names[data[0] % names.size()], .json = json}, in, out, err, {});
+    const bool refused = code == cli::ExitCode::kUsage;
+    if (refused != out.str().empty() || refused == err.str().empty()) std::abort();
+    // Nothing of a frame reaches the terminal as a control character.
+    for (const char c : out.str()) {
+      if (static_cast<unsigned char>(c) < 0x20 && c != '\n') std::abort();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace fieldcast
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  fieldcast::run_one({data, size});
+  return 0;
+}
