@@ -39,6 +39,7 @@ constexpr std::array<Row, static_cast<std::size_t>(Cause::kCount)> kRows{{
     {"OFFLINE", "device is offline", Quality::kBadNoAnswer},
     {"UNSUPPORTED", "not supported by the device or its protocol", Quality::kBadConfiguration},
     {"SHUTDOWN", "bridge is shutting down", Quality::kUncertain},
+    {"LATE", "not read in time", Quality::kUncertain},
 }};
 
 const Row& row(Cause cause) { return kRows[static_cast<std::size_t>(cause)]; }

@@ -39,6 +39,7 @@ enum class Cause : std::uint8_t {
   kOffline,          // the device or its port is down
   kUnsupported,      // the protocol or the device cannot do this
   kShutdown,
+  kLate,             // nothing failed: the wire came too late to it
   kCount             // not a cause: how many there are
 };
 
@@ -50,6 +51,11 @@ enum class Cause : std::uint8_t {
 class CauseCounters {
  public:
   void add(Cause cause) { ++counts_[static_cast<std::size_t>(cause)]; }
+  // One that was counted as `from` turns out to be `to`. REQUIRES: there is one.
+  void move(Cause from, Cause to) {
+    --counts_[static_cast<std::size_t>(from)];
+    add(to);
+  }
   [[nodiscard]] std::uint64_t operator[](Cause cause) const { return counts_[static_cast<std::size_t>(cause)]; }
   [[nodiscard]] std::uint64_t total() const;  // all but kNone
 

@@ -17,6 +17,13 @@ Echo echo_for(const BusSpec& bus) {
   return *bus.echo ? Echo::kPresent : Echo::kAbsent;
 }
 
+std::unique_ptr<Protocol> protocol_of(const DeviceSpec& device, const LineFormat& line, const BusEngine::ProtocolMaker& maker) {
+  if (maker) return maker(device, line);
+  auto protocol = make_protocol(device, line);
+  assert(protocol && "the loader checks protocols, addresses and options");
+  return std::move(*protocol);
+}
+
 bool is_distinct(const Request& request, const Traits& traits) {
   if (!traits.echo_is_ambiguous) return true;
   const auto* write = std::get_if<WriteRequest>(&request);
@@ -25,7 +32,7 @@ bool is_distinct(const Request& request, const Traits& traits) {
 
 }  // namespace
 
-BusEngine::State::State(const BusSpec& bus)
+BusEngine::State::State(const BusSpec& bus, const ProtocolMaker& maker)
     : spec(bus),
       line(line_of(spec.port)),
       silence(silence_for(spec)),
@@ -33,17 +40,15 @@ BusEngine::State::State(const BusSpec& bus)
       conversation(line, spec.gap_allowance, echo_for(spec)) {
   DeviceIndex index = 0;
   for (const DeviceSpec& device : spec.devices) {
-    auto protocol = make_protocol(device, line);
-    assert(protocol && "the loader checks protocols, addresses and options");
     devices.push_back(
-        {&device, std::move(*protocol), AnswerTime(device.timeout, std::max(spec.gap_allowance, device.timeout / 4))});
+        {&device, protocol_of(device, line, maker), AnswerTime(device.timeout, std::max(spec.gap_allowance, device.timeout / 4))});
     device_names.emplace(device.name, index++);
   }
   last_write.assign(channels.size(), kLongAgo);
   make_scheduler();
 }
 
-BusEngine::BusEngine(const BusSpec& spec) : state_(std::make_unique<State>(spec)) {}
+BusEngine::BusEngine(const BusSpec& spec, const ProtocolMaker& maker) : state_(std::make_unique<State>(spec, maker)) {}
 BusEngine::~BusEngine() = default;
 
 std::uint32_t BusEngine::missing() const { return state_->conversation.missing(); }

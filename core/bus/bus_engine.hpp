@@ -3,6 +3,7 @@
 // The shell (BusRunner) executes the actions on one strand; tests execute them in virtual time.
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "core/bus/event.hpp"
@@ -13,8 +14,11 @@ namespace fieldcast {
 
 class BusEngine {
  public:
+  // How the protocol of a device comes to be; nothing: make_protocol().
+  using ProtocolMaker = std::function<std::unique_ptr<Protocol>(const DeviceSpec&, const LineFormat&)>;
+
   // REQUIRES: spec is as the loader makes it (every protocol known, every address inside its area).
-  explicit BusEngine(const BusSpec& spec);
+  explicit BusEngine(const BusSpec& spec, const ProtocolMaker& maker = {});
   ~BusEngine();
   BusEngine(const BusEngine&) = delete;
   BusEngine& operator=(const BusEngine&) = delete;
@@ -25,6 +29,8 @@ class BusEngine {
   // Reports cover the time since the one before; the shell asks once a second. Does not change what the engine does.
   [[nodiscard]] BusReport bus_report(Instant now);
   [[nodiscard]] DeviceReport device_report(DeviceIndex device, Instant now) const;
+
+  [[nodiscard]] const ChannelReport& channel_report(ChannelIndex channel) const;
 
   // Characters that the answer under way lacks, at least; 0 when that is not known. The shell may let them gather.
   [[nodiscard]] std::uint32_t missing() const;

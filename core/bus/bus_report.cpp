@@ -35,8 +35,11 @@ BusReport BusEngine::bus_report(Instant now) {
   report.bytes_received = s.conversation.bytes_received();
   report.reopened = s.reopened;
   report.causes = s.causes;
+  report.misses = s.channels.misses();
   return report;
 }
+
+const ChannelReport& BusEngine::channel_report(ChannelIndex channel) const { return state_->channels.report(channel); }
 
 DeviceReport BusEngine::device_report(DeviceIndex index, Instant) const {
   const DeviceRuntime& device = state_->devices[index];

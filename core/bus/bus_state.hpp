@@ -46,7 +46,7 @@ struct BusEngine::State {
     Instant received{};
   };
 
-  explicit State(const BusSpec& bus);
+  State(const BusSpec& bus, const ProtocolMaker& maker);
 
   // bus_engine.cpp
   void settle(Instant now, Actions& actions);

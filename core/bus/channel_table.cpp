@@ -57,6 +57,7 @@ void ChannelTable::set_refresh(ChannelIndex channel, std::optional<Duration> ref
   Entry& entry = entries_[channel];
   entry.refresh = refresh;
   entry.late = false;
+  entry.read = refresh ? now : kLongAgo;
   rearm(channel, now);
 }
 
@@ -86,6 +87,9 @@ void ChannelTable::acquired(ChannelIndex channel, unsigned item_bits, ByteView i
                             std::vector<Sample>& out) {
   Entry& entry = entries_[channel];
   entry.late = false;
+  ++entry.report.readings;
+  if (entry.read != kLongAgo) entry.report.worst_gap = std::max(entry.report.worst_gap, acquired - entry.read);
+  entry.read = acquired;
   auto value = decode_value(entry.spec->encoding, item_bits, items);
   rearm(channel, acquired);
   if (!value) {
@@ -128,7 +132,9 @@ void ChannelTable::failing(ChannelIndex channel, Cause cause, Instant now) {
 
 void ChannelTable::start(Instant now) {
   for (ChannelIndex channel = 0; channel < entries_.size(); ++channel) {
-    if (!entries_[channel].late) rearm(channel, now);
+    Entry& entry = entries_[channel];
+    if (entry.refresh && entry.read == kLongAgo) entry.read = now;
+    if (!entry.late) rearm(channel, now);
   }
 }
 
@@ -147,7 +153,17 @@ void ChannelTable::expire(Instant now, std::vector<Sample>& out, std::vector<Cha
     }
     entry.due = kNever;  // armed again by the next acquisition
     if (entry.late && !entry.unexplained) continue;
-    if (!entry.late) late.push_back(channel);
+    if (!entry.late) {
+      late.push_back(channel);
+      entry.unblamed = entry.cause == Cause::kNone;
+      entry.report.last_miss = entry.unblamed ? Cause::kLate : entry.cause;
+      ++entry.report.missed;
+      misses_.add(entry.report.last_miss);
+    } else if (entry.unblamed) {
+      entry.unblamed = false;
+      entry.report.last_miss = entry.cause;
+      misses_.move(Cause::kLate, entry.cause);
+    }
     entry.late = true;
     entry.unexplained = false;
     entry.last.quality = entry.cause == Cause::kNone ? Quality::kUncertain : quality_of(entry.cause);

@@ -11,6 +11,7 @@
 
 #include "core/model/sample.hpp"
 #include "core/model/spec.hpp"
+#include "core/model/status.hpp"
 #include "core/schedule/scheduler.hpp"
 
 namespace fieldcast {
@@ -42,6 +43,9 @@ class ChannelTable {
   // Publishes, once, the last value of each channel whose refresh ran out by `now`, with a bad quality. Appends the late
   // channels.
   void expire(Instant now, std::vector<Sample>& out, std::vector<ChannelIndex>& late);
+  [[nodiscard]] const ChannelReport& report(ChannelIndex channel) const { return entries_[channel].report; }
+  // Every missed refresh so far, by its cause.
+  [[nodiscard]] const CauseCounters& misses() const { return misses_; }
   [[nodiscard]] Instant next_expiry() const { return expiries_.empty() ? kNever : expiries_.top().at; }
 
   // Every channel's last value once more as UNCERTAIN (the bus was leased).
@@ -61,6 +65,9 @@ class ChannelTable {
     Instant queued = kNever;   // the one valid entry in expiries_
     bool late = false;         // already told
     bool unexplained = false;  // late was told without a cause, which is known by now
+    bool unblamed = false;     // its last miss was counted as kLate
+    Instant read = kLongAgo;   // or the start of the promise
+    ChannelReport report;
   };
   struct Expiry {
     Instant at;
@@ -72,6 +79,7 @@ class ChannelTable {
   void publish(Entry& entry, std::vector<Sample>& out, Instant when);
   [[nodiscard]] bool held_back(const Entry& entry, const Value& value, Instant acquired) const;
 
+  CauseCounters misses_;
   std::vector<Entry> entries_;
   std::vector<ChannelIndex> first_;  // of each device, and the end
   std::vector<std::unordered_map<std::string_view, ChannelIndex>> names_;

@@ -21,8 +21,16 @@ struct BusReport {
   double planned_load = 0;       // share that the plan needs
   double measured_load = 0;      // share that reading took, over the last 10 s
   std::uint64_t exchanges = 0, samples = 0, commands = 0, deadline_misses = 0, bytes_sent = 0, bytes_received = 0, reopened = 0;
-  double stretch = 1;            // factor on all refreshes under overload
-  CauseCounters causes;
+  double stretch = 1;            // factor on refreshes under overload
+  CauseCounters causes;          // of failed exchanges
+  CauseCounters misses;          // of missed refreshes, each by its cause: together the deadline misses
+};
+
+// One channel since the start; for simulations and tests.
+struct ChannelReport {
+  std::uint64_t readings = 0, missed = 0;
+  Duration worst_gap{};            // between two readings, or from when it was promised to the first
+  Cause last_miss = Cause::kNone;  // of the last refresh that was missed
 };
 
 struct DeviceReport {

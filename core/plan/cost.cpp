@@ -1,19 +1,14 @@
 #include "core/plan/cost.hpp"
 
 #include <algorithm>
-#include <cassert>
 
 namespace fieldcast {
 
-namespace {
-
-Range aligned(AreaIndex area, std::uint32_t first, std::uint32_t end, std::uint32_t alignment, std::uint32_t items) {
-  const std::uint32_t from = first / alignment * alignment;
-  const std::uint32_t to = std::min(items, (end + alignment - 1) / alignment * alignment);
-  return {area, from, std::max(to, end) - from};
+Range ReadCost::aligned(std::uint32_t first, std::uint32_t end) const {
+  const std::uint32_t from = first / alignment_ * alignment_;
+  const std::uint32_t to = std::min(items_, (end + alignment_ - 1) / alignment_ * alignment_);
+  return {area_, from, std::max(to, end) - from};
 }
-
-}  // namespace
 
 Duration wire_time(const ExchangeSize& size, const LineFormat& line, Duration silence, const DeviceTiming& device) {
   return line.characters(size.request_characters + size.answer_characters) + size.rounds * (device.answer_time + silence) +
@@ -67,12 +62,6 @@ void ReadCost::find_bridge() {
   bridge_ = item_ns_ > 0 ? static_cast<std::uint32_t>(std::min(request / item_ns_, 65535.0)) : items_;
   bridge_ += item_bits_ < 8 ? 8 / item_bits_ - 1 : 0;  // items of one byte come together
   if (max_gap_) bridge_ = std::min<std::uint32_t>(bridge_, *max_gap_);
-}
-
-Range ReadCost::cover(std::uint32_t first, std::uint32_t end) const {
-  assert(first < end && end <= items_);
-  if (window_) return {area_, 0, items_};
-  return aligned(area_, first, end, alignment_, items_);
 }
 
 std::optional<Duration> ReadCost::of_single(const Range& range) const {

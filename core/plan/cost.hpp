@@ -5,6 +5,7 @@
 // an addition and a look-up. Values; any thread.
 #pragma once
 
+#include <cassert>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -34,7 +35,11 @@ class ReadCost {
   ReadCost(const DeviceTiming& device, AreaIndex area, const LineFormat& line, Duration silence, std::uint32_t span);
 
   // The range that must be asked for to get items first .. end-1: aligned, or the whole window.
-  [[nodiscard]] Range cover(std::uint32_t first, std::uint32_t end) const;
+  [[nodiscard]] Range cover(std::uint32_t first, std::uint32_t end) const {
+    assert(first < end && end <= items_);
+    if (window_) return {area_, 0, items_};
+    return alignment_ == 1 ? Range{area_, first, end - first} : aligned(first, end);
+  }
 
   // Within the limits of the protocol and the device. REQUIRES: range comes from cover().
   [[nodiscard]] bool fits(const Range& range) const { return window_ || (range.count <= limit_ && at(range.count) >= 0); }
@@ -56,6 +61,7 @@ class ReadCost {
 
  private:
   [[nodiscard]] std::int64_t at(std::uint32_t count) const { return variable_[count < variable_.size() ? count : 0]; }
+  [[nodiscard]] Range aligned(std::uint32_t first, std::uint32_t end) const;
   void find_bridge();
 
   AreaIndex area_;

@@ -5,10 +5,6 @@
 
 namespace fieldcast {
 
-namespace {
-constexpr std::uint32_t kNoSlot = ~0u;
-}
-
 // Walks the next reads in the order in which they are due, as if the wire began now and did not rest: if the k-th ends S before
 // it is due, the wire may rest S at most. A cluster that is read sooner than it is due is due sooner the next time.
 RidingScheduler::Slack RidingScheduler::look_ahead(std::int64_t now) {
@@ -35,14 +31,14 @@ RidingScheduler::Slack RidingScheduler::look_ahead(std::int64_t now) {
       if (others <= own) break;
       early = std::max<std::int64_t>(0, ahead.due - later(end, others));
     }
-    if (ahead.step + 1 < kAgenda) {
+    if (ahead.step + 1u < kAgenda) {
       const Coming& coming = agenda[ahead.step + 1];
-      push({coming.again ? coming.due - early : coming.due, ahead.cluster, kNoSlot, ahead.step + 1});
+      push({coming.again ? coming.due - early : coming.due, ahead.cluster, kNoSlot, (ahead.step + 1u) & 15u});
     }
     if (ahead.slot == kNoSlot) continue;
     for (std::size_t child = 2 * std::size_t{ahead.slot} + 1; child <= 2 * std::size_t{ahead.slot} + 2 && child < due_.size();
          ++child) {
-      push({due_.key(due_.at(child)), due_.at(child), static_cast<std::uint32_t>(child), 0});
+      push({due_.key(due_.at(child)), due_.at(child), static_cast<std::uint32_t>(child) & kNoSlot, 0});
     }
   }
   const std::int64_t budget = std::min(others, due_.top_key() + silence_ - now);

@@ -6,7 +6,7 @@ namespace fieldcast {
 
 namespace {
 
-constexpr std::uint32_t kNoSlot = ~0u;
+constexpr std::uint32_t kNoPlace = ~0u;
 constexpr std::size_t kMostBatch = 20;  // blocks that kDynamicBlocks plans at a time
 
 std::int64_t ns(Instant instant) { return instant.time_since_epoch().count(); }
@@ -237,7 +237,7 @@ void RidingScheduler::refresh_clusters_of(const Block& block, std::int64_t now) 
 
 void RidingScheduler::acquired(const Block& block, Instant at) {
   const std::int64_t now = ns(at);
-  Place low = kNoSlot, high = 0;
+  Place low = kNoPlace, high = 0;
   for (const PointIndex index : block.points) {
     const Place place = layout_.place_of[index];
     PointState& point = points_[place];
@@ -266,7 +266,7 @@ std::vector<PointIndex> RidingScheduler::refused(const Block& block, Instant at,
   const std::int64_t now = ns(at);
   std::vector<PointIndex> bad;
   batch_.clear();
-  Place low = kNoSlot, high = 0;
+  Place low = kNoPlace, high = 0;
   for (const PointIndex index : block.points) {
     const Place place = layout_.place_of[index];
     low = std::min(low, place);

@@ -60,11 +60,12 @@ class RidingScheduler final : public Scheduler {
     std::int64_t budget = 0;  // for the most urgent cluster's block, so that it and all others are still in time
     bool tight = false;       // none to spare
   };
-  struct Ahead {
+  static constexpr std::uint32_t kNoSlot = (1u << 28) - 1;
+  struct Ahead {  // small: heaps of it are what a decision costs
     std::int64_t due;
     ClusterIndex cluster;
-    std::uint32_t slot;  // in the queue; kNoSlot: a repetition
-    std::uint32_t step;  // in the agenda
+    std::uint32_t slot : 28;  // in the queue; kNoSlot: a repetition
+    std::uint32_t step : 4;   // in the agenda
   };
 
   // riding_plan.cpp: what is worked out once, and when refreshes or costs change

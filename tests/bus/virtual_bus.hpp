@@ -1,4 +1,4 @@
-// A bus engine and a simulated plant in virtual time: hours in seconds, replayed bit for bit by a seed.
+// A bus in virtual time (tools/sim/virtual_bus.hpp) under watch.
 //
 // Invariants are checked at every step and reported as gtest failures: one exchange at a time, a good value is fresh and right,
 // every command has exactly one result.
@@ -10,8 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/bus/bus_engine.hpp"
-#include "tools/sim/sim_bus.hpp"
+#include "tools/sim/virtual_bus.hpp"
 
 namespace fieldcast::test {
 
@@ -39,37 +38,26 @@ class VirtualBus {
   // Called for each good sample; returns what is wrong with it, or nothing.
   std::function<std::string(ChannelIndex, const Value&)> judge;
 
-  [[nodiscard]] Instant now() const { return now_; }
-  [[nodiscard]] BusEngine& engine() { return engine_; }
-  [[nodiscard]] sim::SimBus& plant() { return *plant_; }
+  [[nodiscard]] Instant now() const { return bus_.now(); }
+  [[nodiscard]] BusEngine& engine() { return bus_.engine(); }
+  [[nodiscard]] sim::SimBus& plant() { return bus_.plant(); }
   [[nodiscard]] const std::vector<Watched>& channels() const { return watched_; }
   [[nodiscard]] const std::map<std::uint64_t, std::vector<CommandResult>>& results() const { return results_; }
   [[nodiscard]] std::uint64_t commands_sent() const { return commands_; }
   [[nodiscard]] const std::vector<Notice>& notices() const { return notices_; }
   [[nodiscard]] std::uint64_t sends() const { return sends_; }
   // A number that two runs share only when everything they did was the same.
-  [[nodiscard]] std::uint64_t fingerprint() const { return fingerprint_; }
+  [[nodiscard]] std::uint64_t fingerprint() const { return bus_.fingerprint(); }
 
  private:
-  void feed(const BusEvent& event);
-  void act(const Action& action);
-  void stamp(std::uint64_t what);
+  void see(const Action& action);
 
-  BusSpec spec_;
-  std::unique_ptr<sim::SimBus> plant_;
-  std::unique_ptr<sim::BusLine> line_;
-  BusEngine engine_;
-  Instant now_{};
-  Instant timer_ = kNever;
-  Instant wire_free_{};  // end of our last request on the wire
-  Duration character_;
-  bool plugged_ = true;
   std::vector<Watched> watched_;
   std::map<std::uint64_t, std::vector<CommandResult>> results_;
   std::uint64_t commands_ = 0;
   std::uint64_t sends_ = 0;
   std::vector<Notice> notices_;
-  std::uint64_t fingerprint_ = 1469598103934665603u;  // FNV-1a
+  sim::VirtualBus bus_;
 };
 
 }  // namespace fieldcast::test

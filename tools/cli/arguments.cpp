@@ -18,7 +18,7 @@ constexpr const char* kExitCodes =
 
 // Texts that become values only after the parse, so that every fault is told in the same way.
 struct Texts {
-  std::string pattern, time, refresh, timeout, answer;
+  std::string pattern, time, refresh, timeout, answer, simulate;
   bool once = false;  // of status: its default, which scripts may say aloud
 };
 
@@ -76,6 +76,12 @@ CLI::App* add_plan(CLI::App& app, PlanOptions& plan, Texts& texts) {
   auto* command = app.add_subcommand("plan", "Predict blocks, load and gaps of every bus of a configuration; needs no bridge");
   command->add_option("CONFIG", plan.config, "The configuration file")->required()->check(CLI::ExistingFile);
   command->add_option("--answer", texts.answer, "How long each device is taken to think before it answers (5ms)");
+  auto* simulate = command->add_option("--simulate", texts.simulate,
+                                       "Run the whole engine in virtual time for so long (1h) against simulated devices");
+  command->add_option("--seed", plan.seed, "Of the simulation: one seed repeats it to the letter (1)")->needs(simulate);
+  command->add_option("--faults", plan.faults, "What goes wrong in the simulated plant: a file as fieldcast-sim takes it")
+      ->check(CLI::ExistingFile)
+      ->needs(simulate);
   command->add_flag("--json", plan.json, "JSON lines");
   return command;
 }
@@ -145,6 +151,7 @@ tl::expected<Arguments, NoCommand> parse_arguments(int argc, const char* const* 
     set_duration(write.timeout, texts.timeout, "--timeout");
     set_duration(acquire.timeout, texts.timeout, "--timeout");
     set_duration(plan.answer_time, texts.answer, "--answer");
+    set_duration(plan.simulate, texts.simulate, "--simulate");
     auto pattern = Pattern::parse(texts.pattern);
     if (!pattern) throw CLI::ValidationError("PATTERN", pattern.error());
     watch.pattern = *std::move(pattern);

@@ -1,4 +1,5 @@
-// `fieldcast plan CONFIG`: what the wire will have to carry, before anything is connected. Needs no DDS.
+// `fieldcast plan CONFIG`: what the wire will have to carry, before anything is connected; with --simulate the whole engine of each
+// bus in virtual time. Needs no DDS.
 #pragma once
 
 #include <iosfwd>
@@ -15,9 +16,12 @@ struct PlanOptions {
   bool json = false;
   Duration answer_time =
       std::chrono::milliseconds{5};  // of every device, from the end of a request to the first byte of its answer
+  Duration simulate{};  // so long in virtual time, against simulated devices; 0: only plan
+  std::uint64_t seed = 1;
+  std::string faults;  // file with what goes wrong in the simulated plant; empty: nothing
 };
 
-// kOk, kFound when some bus cannot keep its promises, kUsage when the file has faults.
+// kOk, kFound when some bus cannot keep its promises, kUsage when a file has faults.
 [[nodiscard]] ExitCode plan(const PlanOptions& options, std::ostream& out, std::ostream& err, const Screen& screen);
 
 }  // namespace fieldcast::cli

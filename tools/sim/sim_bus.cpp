@@ -19,12 +19,12 @@ SimBus::SimBus(const BusSpec& spec, const BusFaults& faults, std::uint64_t seed,
     : spec_(spec), faults_(faults), seed_(mix(seed, spec.name)), start_(start) {}
 
 tl::expected<std::unique_ptr<SimBus>, std::string> SimBus::make(const BusSpec& spec, const BusFaults& faults, std::uint64_t seed,
-                                                                Instant start) {
+                                                                Instant start, const OtherDevices& others) {
   std::unique_ptr<SimBus> bus(new SimBus(spec, faults, seed, start));
   const bool tcp = std::holds_alternative<TcpPortSpec>(spec.port);
   for (const DeviceSpec& device : spec.devices) {
     const DeviceKind* kind = find_device_kind(device.protocol);
-    if (kind == nullptr) {
+    if (kind == nullptr && !others) {
       return tl::unexpected(spec.name + "/" + device.name + ": no simulated devices speak '" + device.protocol +
                             "'; there are: " + known_protocols());
     }
@@ -33,9 +33,9 @@ tl::expected<std::unique_ptr<SimBus>, std::string> SimBus::make(const BusSpec& s
     DeviceSetup setup{
         device, line_of(spec.port), tcp, bus->members_.empty(), own.refused, own.only_configured, mix(bus->seed_, device.name),
         start};
-    auto made = kind->make(setup);
+    auto made = kind != nullptr ? kind->make(setup) : others(setup);
     if (!made) return tl::unexpected(spec.name + "/" + made.error());
-    bus->half_duplex_ = bus->half_duplex_ && kind->half_duplex;
+    bus->half_duplex_ = bus->half_duplex_ && (kind == nullptr || kind->half_duplex);
     bus->members_.push_back({device.name, std::move(*made), FaultDice(own, mix(setup.seed, "faults"))});
   }
   return bus;

@@ -4,6 +4,7 @@
 // each device, and must not outlive its bus. Pure: bytes and instants in, bytes and instants out; one thread.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -35,9 +36,13 @@ class SimBus {
     std::uint64_t spoiled = 0;  // answers that faults took away or changed
   };
 
-  // The bus, or why it cannot be simulated: a protocol without devices here, or a device that refuses its specification.
+  using OtherDevices = std::function<std::unique_ptr<SimDevice>(const DeviceSetup&)>;
+
+  // The bus, or why it cannot be simulated: a protocol without devices here, unless `others` makes them, or a device that refuses
+  // its specification.
   [[nodiscard]] static tl::expected<std::unique_ptr<SimBus>, std::string> make(const BusSpec& spec, const BusFaults& faults,
-                                                                               std::uint64_t seed, Instant start);
+                                                                               std::uint64_t seed, Instant start,
+                                                                               const OtherDevices& others = {});
 
   [[nodiscard]] std::unique_ptr<BusLine> open_line();
 

@@ -1,0 +1,113 @@
+// A bus of a configuration in virtual time: what was predicted happens, what goes wrong has a cause, and one seed is one run.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "config/loader.hpp"
+#include "tools/cli/bus_simulation.hpp"
+#include "tools/cli/simulation_view.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+BridgeSpec load(const std::string& text) {
+  auto loaded = config::load_text(text, "plant.yaml", {});
+  if (!loaded) throw std::runtime_error(to_text(loaded.error().front()));
+  return *std::move(loaded);
+}
+
+constexpr const char* kLine = R"(
+bridge: test
+buses:
+  - name: line
+    port: { serial: /dev/none, baud: 19200, format: 8E1 }
+    protocol: modbus-rtu
+    defaults: { refresh: 500ms, timeout: 100ms }
+    devices:
+      - name: a
+        address: 1
+        channels:
+          - { name: x, at: "holding:1", type: uint16, refresh: 200ms }
+          - { name: y, at: "holding:5", type: float32 }
+          - { name: asked, at: "holding:9", type: uint16, mode: on-demand }
+      - name: b
+        address: 2
+        channels: [ { name: z, at: "holding:400", type: int32 }, { name: on, at: "coil:3" } ]
+)";
+
+TEST(BusSimulation, WhatIsPredictedHappens) {
+  const BridgeSpec spec = load(kLine);
+  const BusPlan plan = make_plan(spec.buses[0], 5ms);
+  ASSERT_TRUE(plan.prediction.feasible);
+  const BusSimulation simulation = simulate(plan, {}, {10min, 1});
+  EXPECT_EQ(simulation.bus.deadline_misses, 0u);
+  EXPECT_NEAR(simulation.bus.measured_load, plan.prediction.load, 0.05 * plan.prediction.load);
+  EXPECT_NEAR(to_seconds(simulation.devices[0].answer_time), 0.005, 0.0005);
+  for (const ChannelIndex channel : {0u, 1u, 3u, 4u}) {
+    EXPECT_GT(simulation.channels[channel].readings, 1000u) << channel;
+    EXPECT_GT(simulation.channels[channel].worst_gap, Duration::zero()) << channel;
+  }
+  EXPECT_EQ(simulation.channels[2].readings, 0u) << "nobody asked";
+  EXPECT_THAT(simulation_lines(simulation, {}).front(), HasSubstr("10min simulated, seed 1: "));
+  EXPECT_EQ(simulation_json(simulation)["channels"].size(), 4u);
+}
+
+TEST(BusSimulation, EveryMissHasItsCauseAndItsChannel) {
+  const BridgeSpec spec = load(kLine);
+  const BusPlan plan = make_plan(spec.buses[0], 5ms);
+  sim::BusFaults faults;
+  faults.devices["b"].silence.push_back({60s, 90s});
+  faults.unplugged.push_back({120s, 130s});
+  const BusSimulation simulation = simulate(plan, faults, {5min, 1});
+  EXPECT_GT(simulation.bus.misses[Cause::kNoAnswer], 0u);
+  EXPECT_GT(simulation.bus.misses[Cause::kPortClosed], 0u);
+  EXPECT_EQ(simulation.bus.misses.total(), simulation.bus.deadline_misses);
+  std::uint64_t sum = 0;
+  for (const ChannelReport& channel : simulation.channels) sum += channel.missed;
+  EXPECT_EQ(sum, simulation.bus.deadline_misses);
+  EXPECT_EQ(simulation.channels[0].missed, 1u) << "the neighbour of a dead device misses only when the port is gone";
+  EXPECT_EQ(simulation.channels[0].last_miss, Cause::kPortClosed);
+  const Json json = simulation_json(simulation);
+  EXPECT_EQ(json["causes"]["NO_ANSWER"], simulation.bus.misses[Cause::kNoAnswer]);
+  EXPECT_EQ(json["channels"][0]["device"], "b") << "the worst comes first";
+}
+
+TEST(BusSimulation, OneSeedIsOneRunToTheLetter) {
+  const BridgeSpec spec = load(kLine);
+  const BusPlan plan = make_plan(spec.buses[0], 5ms);
+  sim::BusFaults faults;
+  faults.noise = 1e-4;
+  faults.devices["a"].loss = 0.05;
+  faults.devices["a"].delay.spread = 3ms;
+  const auto run = [&](std::uint64_t seed) { return to_line(simulation_json(simulate(plan, faults, {2min, seed}))); };
+  EXPECT_EQ(run(7), run(7));
+  EXPECT_NE(run(7), run(8));
+}
+
+// A protocol that the file declares: nobody has written a device for it.
+TEST(BusSimulation, ProtocolsWithoutDevicesTakeTheirTimeOnTheWire) {
+  auto loaded = config::load_file(std::string(FIELDCAST_SOURCE) + "/tests/tools/cli/declared.yaml");
+  ASSERT_TRUE(loaded) << config::to_text(loaded.error());
+  const BusPlan plan = make_plan(loaded->buses[0], 5ms);
+  ASSERT_TRUE(plan.prediction.feasible);
+  const BusSimulation simulation = simulate(plan, {}, {5min, 1});
+  EXPECT_EQ(simulation.bus.causes.total(), 0u);
+  EXPECT_EQ(simulation.bus.deadline_misses, 0u);
+  EXPECT_EQ(simulation.stood_in, std::vector<std::string>{"modbus-rtu-declared"});
+  EXPECT_NEAR(simulation.bus.measured_load, plan.prediction.load, 0.05 * plan.prediction.load);
+  EXPECT_THAT(simulation_lines(simulation, {}), testing::Contains(HasSubstr("no simulated device speaks modbus-rtu-declared")));
+
+  sim::BusFaults faults;
+  faults.devices["a"].loss = 0.1;
+  faults.devices["a"].truncate = 0.1;
+  faults.devices["a"].garble = 0.1;
+  const BusSimulation faulty = simulate(plan, faults, {5min, 1});
+  EXPECT_GT(faulty.bus.causes[Cause::kNoAnswer], 0u);
+  EXPECT_GT(faulty.bus.causes[Cause::kTruncated], 0u);
+  EXPECT_GT(faulty.bus.causes[Cause::kChecksum], 0u);
+}
+
+}  // namespace
+}  // namespace fieldcast::cli
