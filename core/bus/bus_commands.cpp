@@ -67,37 +67,85 @@ std::optional<BusEngine::State::Flight> BusEngine::State::next_command(Instant n
   next.kind = Flight::Kind::kCommand;
   next.device = job.device();
   next.request = *job.next();
+  if (auto write = job.batchable()) {
+    next.batch = gather(*write);
+    for (std::size_t i = 0; i < next.batch; ++i) commands[i].job.start(now);
+    next.request = std::move(*write);
+  }
   return next;
 }
 
-void BusEngine::State::command_done(const Reply& reply, Instant now, Actions& actions) {
-  commands.front().job.answered(reply);
-  finish_command(now, actions);
+// Writes that wait behind the first one for the same device and continue its range, on either side, travel with it: they are moved
+// to the front. The order of a device's commands stays: the first of them that does not fit ends the search.
+std::size_t BusEngine::State::gather(WriteRequest& write) {
+  const DeviceIndex device = commands.front().job.device();
+  const Protocol& protocol = *devices[device].protocol;
+  std::size_t batch = 1;
+  for (std::size_t i = 1; i < commands.size() && batch < kMaxBatch; ++i) {
+    if (commands[i].job.device() != device) continue;
+    const auto other = commands[i].job.batchable();
+    if (!other || other->range.area != write.range.area) break;
+    const bool after = other->range.first == write.range.end();
+    if (!after && other->range.end() != write.range.first) break;
+    WriteRequest both = write;
+    both.range = {write.range.area, std::min(write.range.first, other->range.first), write.range.count + other->range.count};
+    both.items.insert(after ? both.items.end() : both.items.begin(), other->items.begin(), other->items.end());
+    both.distinct_answer = write.distinct_answer || other->distinct_answer;
+    if (!protocol.size(both)) break;
+    write = std::move(both);
+    const auto at = commands.begin() + static_cast<std::ptrdiff_t>(i);
+    std::rotate(commands.begin() + static_cast<std::ptrdiff_t>(batch), at, at + 1);
+    ++batch;
+  }
+  return batch;
 }
 
-void BusEngine::State::command_failed(Cause cause, std::uint16_t code, Instant now, Actions& actions) {
-  commands.front().job.failed(cause, code);
-  finish_command(now, actions);
+void BusEngine::State::command_done(std::size_t batch, const Reply& reply, Instant now, Actions& actions) {
+  for (std::size_t i = 0; i < batch; ++i) commands[i].job.answered(reply);
+  finish_commands(batch, now, actions);
 }
 
-void BusEngine::State::finish_command(Instant now, Actions& actions) {
-  const PendingCommand& front = commands.front();
-  if (front.job.next()) return;  // more exchanges to come
+void BusEngine::State::command_failed(std::size_t batch, Cause cause, std::uint16_t code, Instant now, Actions& actions) {
+  const bool refused = cause == Cause::kDeviceError || cause == Cause::kDeviceBusy || cause == Cause::kUnsupported;
+  for (std::size_t i = 0; i < batch; ++i) {
+    if (batch > 1 && refused)
+      commands[i].job.go_alone();
+    else
+      commands[i].job.failed(cause, code);
+  }
+  finish_commands(batch, now, actions);
+}
+
+// What the last request brought to its end leaves the queue; the others have more exchanges to come.
+void BusEngine::State::finish_commands(std::size_t batch, Instant now, Actions& actions) {
+  std::size_t at = 0;
+  for (; batch > 0; --batch) {
+    if (commands[at].job.next()) {
+      ++at;
+      continue;
+    }
+    complete(commands[at], now, actions);
+    commands.erase(commands.begin() + static_cast<std::ptrdiff_t>(at));
+  }
+  job_active = at > 0;
+}
+
+void BusEngine::State::complete(const PendingCommand& done, Instant now, Actions& actions) {
   std::vector<Sample> out;
-  for (const CommandJob::Acquired& read : front.job.acquired())
+  for (const CommandJob::Acquired& read : done.job.acquired())
     channels.acquired(read.channel, read.item_bits, read.items, conversation.answered(), out);
   samples += out.size();
   ++commands_done;
-  actions.push_back(Complete{front.job.result(front.received, now)});
+  actions.push_back(Complete{done.job.result(done.received, now)});
   if (!out.empty()) actions.push_back(Publish{std::move(out)});
-  commands.pop_front();
-  job_active = false;
 }
 
 void BusEngine::State::expire_commands(Instant now, Actions& actions) {
-  const auto first = commands.begin() + (job_active ? 1 : 0);  // what is on the wire is never called back
-  const auto expired =
-      std::stable_partition(first, commands.end(), [&](const PendingCommand& c) { return c.job.command().expires > now; });
+  if (next_command_expiry() > now) return;
+  // What has begun is never called back.
+  const auto expired = std::stable_partition(commands.begin(), commands.end(), [&](const PendingCommand& c) {
+    return c.job.started() || c.job.command().expires > now;
+  });
   for (auto c = expired; c != commands.end(); ++c) {
     CommandResult result =
         refusal(c->job.command(), CommandState::kExpired, Cause::kExpired, std::string(to_text(Cause::kExpired)), now);
@@ -109,7 +157,9 @@ void BusEngine::State::expire_commands(Instant now, Actions& actions) {
 
 Instant BusEngine::State::next_command_expiry() const {
   Instant next = kNever;
-  for (std::size_t i = job_active ? 1 : 0; i < commands.size(); ++i) next = std::min(next, commands[i].job.command().expires);
+  for (const PendingCommand& c : commands) {
+    if (!c.job.started()) next = std::min(next, c.job.command().expires);
+  }
   return next;
 }
 

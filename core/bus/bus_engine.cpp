@@ -264,9 +264,9 @@ void BusEngine::State::conclude(bool done, Instant now, Actions& actions) {
       break;
     case Flight::Kind::kCommand:
       if (done)
-        command_done(exchange->reply(), now, actions);
+        command_done(ended.batch, exchange->reply(), now, actions);
       else
-        command_failed(cause, code, now, actions);
+        command_failed(ended.batch, cause, code, now, actions);
       break;
     case Flight::Kind::kProbe: break;
   }
@@ -296,7 +296,7 @@ void BusEngine::State::closed(const std::string& reason, Instant now, Actions& a
   bus_state = BusState::kClosed;
   conversation.abort();
   if (flight) {
-    if (flight->kind == Flight::Kind::kCommand) command_failed(Cause::kPortClosed, 0, now, actions);
+    if (flight->kind == Flight::Kind::kCommand) command_failed(flight->batch, Cause::kPortClosed, 0, now, actions);
     if (flight->kind == Flight::Kind::kRead) scheduler->failed(flight->block, now, now);
     causes.add(Cause::kPortClosed);
   }
@@ -308,7 +308,7 @@ void BusEngine::State::closed(const std::string& reason, Instant now, Actions& a
 void BusEngine::State::begin_lease(Instant now, Actions& actions) {
   if (bus_state == BusState::kStopped) return;
   conversation.abort();
-  if (flight && flight->kind == Flight::Kind::kCommand) command_failed(Cause::kLeased, 0, now, actions);
+  if (flight && flight->kind == Flight::Kind::kCommand) command_failed(flight->batch, Cause::kLeased, 0, now, actions);
   flight.reset();
   bus_state = BusState::kLeased;
   refuse_all_commands(CommandState::kRejected, Cause::kLeased, std::string(to_text(Cause::kLeased)), now, actions);

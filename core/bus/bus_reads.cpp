@@ -55,6 +55,10 @@ void BusEngine::State::update_point(PointIndex index, Instant now) {
 
 void BusEngine::State::set_interest(ChannelIndex channel, std::optional<Duration> wish, Instant now, Actions& actions) {
   if (channel >= channels.size() || !channels.spec(channel).on_interest) return;
+  std::vector<Sample> out;
+  if (!wish) channels.unwanted(channel, out);
+  samples += out.size();
+  if (!out.empty()) actions.push_back(Publish{std::move(out)});  // before the channel moves to the writer without a promise
   channels.set_refresh(channel, wish, now);
   actions.push_back(Promise{channel, wish});
   if (map.point_of[channel]) update_point(*map.point_of[channel], now);

@@ -19,6 +19,7 @@ namespace fieldcast {
 
 struct BusEngine::State {
   static constexpr std::size_t kMaxCommands = 1024;                       // waiting; more are answered kQueueFull
+  static constexpr std::size_t kMaxBatch = 64;                            // commands in one request
   static constexpr Duration kForgetRefused = std::chrono::minutes{1};     // then a refused address is tried again
   static constexpr Duration kBusyPause = std::chrono::milliseconds{100};  // after "busy"
   static constexpr Duration kShortestProbe = std::chrono::milliseconds{10};
@@ -40,6 +41,7 @@ struct BusEngine::State {
     bool timed_out = false;  // an earlier try went unanswered: its answer may still come
     bool waiting = false;    // for the wire to be free, to be sent again
     Duration timeout{};
+    std::size_t batch = 1;  // kCommand: how many commands, from the first on, the request carries
   };
   struct PendingCommand {
     CommandJob job;
@@ -90,9 +92,11 @@ struct BusEngine::State {
   void accept(const Command& command, Instant now, Actions& actions);
   [[nodiscard]] std::optional<CommandFault> refuse(const Command& command, DeviceIndex device, Instant now) const;
   [[nodiscard]] std::optional<Flight> next_command(Instant now);
-  void command_done(const Reply& reply, Instant now, Actions& actions);
-  void command_failed(Cause cause, std::uint16_t code, Instant now, Actions& actions);
-  void finish_command(Instant now, Actions& actions);
+  [[nodiscard]] std::size_t gather(WriteRequest& write);
+  void command_done(std::size_t batch, const Reply& reply, Instant now, Actions& actions);
+  void command_failed(std::size_t batch, Cause cause, std::uint16_t code, Instant now, Actions& actions);
+  void finish_commands(std::size_t batch, Instant now, Actions& actions);
+  void complete(const PendingCommand& done, Instant now, Actions& actions);
   void expire_commands(Instant now, Actions& actions);
   void refuse_all_commands(CommandState state, Cause cause, const std::string& reason, Instant now, Actions& actions);
   [[nodiscard]] Instant next_command_expiry() const;

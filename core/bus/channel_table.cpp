@@ -172,6 +172,13 @@ void ChannelTable::expire(Instant now, std::vector<Sample>& out, std::vector<Cha
   }
 }
 
+void ChannelTable::unwanted(ChannelIndex channel, std::vector<Sample>& out) {
+  Entry& entry = entries_[channel];
+  if (entry.last.quality != Quality::kGood) return;
+  entry.last.quality = Quality::kUncertain;
+  publish(entry, out, entry.published);
+}
+
 void ChannelTable::all_uncertain(std::vector<Sample>& out) {
   for (Entry& entry : entries_) {
     if (entry.last.quality != Quality::kGood) continue;

@@ -48,6 +48,8 @@ class ChannelTable {
   [[nodiscard]] const CauseCounters& misses() const { return misses_; }
   [[nodiscard]] Instant next_expiry() const { return expiries_.empty() ? kNever : expiries_.top().at; }
 
+  // Nobody wishes the channel any more: a last good value once more, as UNCERTAIN, for it will not be renewed.
+  void unwanted(ChannelIndex channel, std::vector<Sample>& out);
   // Every channel's last value once more as UNCERTAIN (the bus was leased).
   void all_uncertain(std::vector<Sample>& out);
   // First samples of channels that are only read when somebody asks, so that stations see that they exist.

@@ -44,6 +44,13 @@ std::optional<Request> CommandJob::next() const {
   return std::nullopt;
 }
 
+std::optional<WriteRequest> CommandJob::batchable() const {
+  if (phase_ != Phase::kWrite || bit_ || alone_ || rewrites_ > 0) return std::nullopt;
+  const auto request = next();
+  const auto* write = std::get_if<WriteRequest>(&*request);
+  return write != nullptr ? std::optional(*write) : std::nullopt;
+}
+
 bool CommandJob::reads_back_same(ByteView items) const {
   if (!bit_) return std::equal(items.begin(), items.end(), image_.begin(), image_.end());
   const std::size_t byte = image_.size() - 1 - *bit_ / 8;

@@ -39,6 +39,10 @@ class CommandJob {
 
   // The next request; nothing when the command is finished and result() is final.
   [[nodiscard]] std::optional<Request> next() const;
+  // The next request, if it is a plain write that may travel with its neighbours.
+  [[nodiscard]] std::optional<WriteRequest> batchable() const;
+  // A request of several commands was refused: which of them was meant shows only when each goes alone.
+  void go_alone() { alone_ = true; }
   void answered(const Reply& reply);
   void failed(Cause cause, std::uint16_t device_code);
   // A line that may echo cannot confirm a write whose answer equals its request.
@@ -90,6 +94,7 @@ class CommandJob {
   std::optional<std::uint8_t> bit_;  // only this bit of the one item
   bool merge_needed_ = false;        // read, change the bit, write
   bool distinct_ = false;
+  bool alone_ = false;
   bool in_doubt_ = false;  // a write went unanswered: reading back tells whether it took effect
   unsigned rewrites_ = 0;
   unsigned max_rewrites_ = 0;

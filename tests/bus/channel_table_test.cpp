@@ -172,5 +172,29 @@ TEST(ChannelTable, RefusedChannelIsToldAtOnceAndOnce) {
   EXPECT_EQ(out.size(), 1u);
 }
 
+TEST(ChannelTable, AValueThatNobodyWishesAnyMoreDoesNotLookFresh) {
+  BusSpec bus = one_device({channel("a", 1s)});
+  bus.devices[0].channels[0].on_interest = true;
+  ChannelTable table(bus);
+  std::vector<Sample> out;
+  table.unwanted(0, out);
+  EXPECT_TRUE(out.empty()) << "never read: nothing to take back";
+  table.set_refresh(0, 1s, Instant{});
+  table.acquired(0, 16, items(7), Instant{500ms}, out);
+  ASSERT_EQ(out.size(), 1u);
+  table.unwanted(0, out);
+  table.set_refresh(0, std::nullopt, Instant{600ms});
+  ASSERT_EQ(out.size(), 2u);
+  EXPECT_EQ(out[1].quality, Quality::kUncertain);
+  EXPECT_EQ(out[1].value, out[0].value);
+  EXPECT_EQ(out[1].acquired, Instant{500ms});
+  table.unwanted(0, out);
+  EXPECT_EQ(out.size(), 2u) << "said once";
+  table.set_refresh(0, 1s, Instant{2s});
+  table.acquired(0, 16, items(7), Instant{2100ms}, out);
+  ASSERT_EQ(out.size(), 3u);
+  EXPECT_EQ(out[2].quality, Quality::kGood);
+}
+
 }  // namespace
 }  // namespace fieldcast
