@@ -7,22 +7,16 @@
 namespace fieldcast {
 namespace {
 
-// The part of a reply that belongs to one range inside the block's ranges.
-struct Found {
-  const RangeReply* reply = nullptr;
-  ByteView items;
-};
+constexpr std::size_t kNowhere = ~std::size_t{0};
 
-Found find_items(const Block& block, const Reply& reply, const Range& range, unsigned item_bits) {
-  for (std::size_t i = 0; i < block.ranges.size() && i < reply.size(); ++i) {
+// Which of the block's ranges holds `range`; points and ranges of a block are both in order, so it is at `hint` or soon behind.
+std::size_t find_range(const Block& block, std::size_t answered, const Range& range, std::size_t hint) {
+  for (std::size_t tried = 0; tried < answered; ++tried) {
+    const std::size_t i = (hint + tried) % answered;
     const Range& whole = block.ranges[i];
-    if (whole.area != range.area || range.first < whole.first || range.end() > whole.end()) continue;
-    if (reply[i].cause != Cause::kNone) return {&reply[i], {}};
-    return {
-        &reply[i],
-        ByteView(reply[i].items).subspan(image_bytes(item_bits, range.first - whole.first), image_bytes(item_bits, range.count))};
+    if (whole.area == range.area && range.first >= whole.first && range.end() <= whole.end()) return i;
   }
-  return {};
+  return kNowhere;
 }
 
 Block part_of(const Block& block, std::vector<PointIndex> points) {
@@ -71,26 +65,37 @@ void BusEngine::State::block_read(const Flight& read, const Reply& reply, Instan
   const Instant acquired = conversation.answered();
   std::vector<Sample> out;
   std::vector<PointIndex> good;
-  std::vector<PointIndex> bad;
-  RangeReply refusal;
+  // What the device refused: each range for itself, so that the search for what is bad in it stays within it.
+  struct Refused {
+    std::size_t range;
+    std::vector<PointIndex> points;
+  };
+  std::vector<Refused> bad;
   std::uint32_t items_read = 0;
   for (const Range& range : read.block.ranges) items_read += range.count;
   device.largest_block = static_cast<std::uint16_t>(std::max<std::uint32_t>(device.largest_block, items_read));
 
   good.reserve(read.block.points.size());
   out.reserve(read.block.points.size());
+  const std::size_t answered = std::min(read.block.ranges.size(), reply.size());
+  std::size_t at = 0;
   for (const PointIndex p : read.block.points) {
-    const Area& area = device.protocol->areas()[map.points[p].range.area];
-    const Found found = find_items(read.block, reply, map.points[p].range, area.item_bits);
-    if (!found.reply || found.reply->cause != Cause::kNone) {
-      if (found.reply) refusal = *found.reply;
-      bad.push_back(p);
+    const Range& range = map.points[p].range;
+    const Area& area = device.protocol->areas()[range.area];
+    const std::size_t found = find_range(read.block, answered, range, at);
+    if (found != kNowhere) at = found;
+    if (found == kNowhere || reply[found].cause != Cause::kNone) {
+      if (bad.empty() || bad.back().range != found) bad.push_back({found, {}});
+      bad.back().points.push_back(p);
       continue;
     }
+    const ByteView items =
+        ByteView(reply[found].items)
+            .subspan(image_bytes(area.item_bits, range.first - read.block.ranges[found].first), image_bytes(area.item_bits, range.count));
     good.push_back(p);
     if (device.refused.erase(p))
       notice(Notice::Kind::kAddressRefused, read.device, Cause::kNone, point_text(p) + " is answered again", actions);
-    for (const ChannelIndex c : map.channels_of[p]) channels.acquired(c, area.item_bits, found.items, acquired, out);
+    for (const ChannelIndex c : map.channels_of[p]) channels.acquired(c, area.item_bits, items, acquired, out);
   }
   samples += out.size();
   if (trace)
@@ -100,12 +105,13 @@ void BusEngine::State::block_read(const Flight& read, const Reply& reply, Instan
            actions);
   if (!out.empty()) actions.push_back(Publish{std::move(out)});
   if (!good.empty()) scheduler->acquired(part_of(read.block, std::move(good)), acquired);
-  if (!bad.empty()) {
-    std::vector<Sample> refused;
-    block_refused(part_of(read.block, std::move(bad)), refusal.cause, refusal.device_code, now, refused, actions);
-    samples += refused.size();
-    if (!refused.empty()) actions.push_back(Publish{std::move(refused)});
+  std::vector<Sample> refused;
+  for (Refused& part : bad) {
+    const RangeReply answer = part.range == kNowhere ? RangeReply{} : reply[part.range];
+    block_refused(part_of(read.block, std::move(part.points)), answer.cause, answer.device_code, now, refused, actions);
   }
+  samples += refused.size();
+  if (!refused.empty()) actions.push_back(Publish{std::move(refused)});
 }
 
 void BusEngine::State::block_failed(const Flight& read, Cause cause, std::uint16_t code, Instant now, Actions& actions) {

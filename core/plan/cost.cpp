@@ -21,6 +21,7 @@ ReadCost::ReadCost(const DeviceTiming& device, AreaIndex area, const LineFormat&
   items_ = rules.items;
   item_bits_ = rules.item_bits;
   alignment_ = std::max<std::uint32_t>(1, rules.alignment);
+  bank_ = rules.bank;
   window_ = rules.window;
   limit_ = rules.max_read;
   if (device.max_block != 0) limit_ = std::min<std::uint32_t>(limit_, device.max_block);
@@ -65,7 +66,7 @@ void ReadCost::find_bridge() {
 }
 
 std::optional<Duration> ReadCost::of_single(const Range& range) const {
-  if (at(range.count) < 0) return std::nullopt;
+  if (at(range.count) < 0 || !in_one_bank(range)) return std::nullopt;
   return of(range);
 }
 

@@ -42,7 +42,9 @@ class ReadCost {
   }
 
   // Within the limits of the protocol and the device. REQUIRES: range comes from cover().
-  [[nodiscard]] bool fits(const Range& range) const { return window_ || (range.count <= limit_ && at(range.count) >= 0); }
+  [[nodiscard]] bool fits(const Range& range) const {
+    return window_ || (range.count <= limit_ && at(range.count) >= 0 && in_one_bank(range));
+  }
 
   // REQUIRES: fits(range), or the range of a single point.
   [[nodiscard]] Duration of(const Range& range) const { return Duration{fixed_ + at(range.count)}; }
@@ -62,10 +64,13 @@ class ReadCost {
  private:
   [[nodiscard]] std::int64_t at(std::uint32_t count) const { return variable_[count < variable_.size() ? count : 0]; }
   [[nodiscard]] Range aligned(std::uint32_t first, std::uint32_t end) const;
+  [[nodiscard]] bool in_one_bank(const Range& range) const {
+    return bank_ == 0 || range.first / bank_ == (range.end() - 1) / bank_;
+  }
   void find_bridge();
 
   AreaIndex area_;
-  std::uint32_t items_, item_bits_, alignment_;
+  std::uint32_t items_, item_bits_, alignment_, bank_;
   bool window_;
   std::uint32_t limit_ = 0;  // items in one read
   std::int64_t fixed_ = 0;   // answer time, silence, pauses: paid for each round, or once

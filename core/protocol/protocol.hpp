@@ -42,7 +42,12 @@ struct Area {
   bool bit_write = false;          // one bit of an item can be written without touching the others
   // A window is read whole in one request whatever is wanted of it (S7 freeport).
   bool window = false;
+  std::uint32_t bank = 0;  // no range crosses a multiple of this (EM of Omron); 0: none
 };
+
+[[nodiscard]] constexpr bool in_one_bank(const Area& area, std::uint32_t first, std::uint32_t end) {
+  return area.bank == 0 || first / area.bank == (end - 1) / area.bank;
+}
 
 // Items first .. first+count-1 of an area.
 struct Range {

@@ -64,8 +64,8 @@ class Growth {
 
 }  // namespace
 
-Slice riding_slice(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost, std::int64_t now,
-                   const Allowance& allowance, const RidingWeights& weights) {
+Turn next_turn(std::span<const PointState> points, std::uint32_t urgent, std::int64_t now, const Allowance& allowance,
+               const RidingWeights& weights) {
   std::int64_t beat = allowance.spacing, base = std::max(now, points[urgent].due);
   if (beat == 0) {
     beat = points[urgent].period;
@@ -76,7 +76,13 @@ Slice riding_slice(std::span<const PointState> points, std::uint32_t urgent, con
   }
   // Whoever is due before the cluster's next read would need a request of its own.
   const std::int64_t next_read = base + part(weights.reach, beat);
-  const std::int64_t one_later = next_read + beat;
+  return {next_read, next_read + beat};
+}
+
+Slice riding_slice(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost, std::int64_t now,
+                   const Allowance& allowance, const RidingWeights& weights) {
+  const Turn turn = next_turn(points, urgent, now, allowance, weights);
+  const std::int64_t next_read = turn.next_read, one_later = turn.one_later;
   const double request = cost.item_ns() * cost.bridge();
   const auto items = [&](const PointState& point) { return cost.item_ns() * (point.end - point.first); };
   const auto must = [&](const PointState& point) {

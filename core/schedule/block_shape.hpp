@@ -33,6 +33,13 @@ struct Allowance {
   bool pressed = false;             // only those whose deadline, not just their turn, ends before the next read
 };
 
+// When the cluster is read again, and once more after that, if `urgent` is read now.
+struct Turn {
+  std::int64_t next_read = 0, one_later = 0;
+};
+[[nodiscard]] Turn next_turn(std::span<const PointState> points, std::uint32_t urgent, std::int64_t now, const Allowance& allowance,
+                             const RidingWeights& weights);
+
 // The slice of `points` around `urgent` to be read at `now`; `points` are one cluster. Only ready points are worth anything; the
 // slice respects cuts and the limits of `cost`.
 [[nodiscard]] Slice riding_slice(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost, std::int64_t now,

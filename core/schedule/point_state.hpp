@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/model/spec.hpp"
+#include "core/protocol/protocol.hpp"
 
 namespace fieldcast {
 
@@ -12,6 +13,7 @@ inline constexpr std::int64_t kNeverNs = std::numeric_limits<std::int64_t>::max(
 
 struct PointState {
   std::uint32_t first = 0, end = 1;  // its items
+  AreaIndex area = 0;
   Mode mode = Mode::kScheduled;
   std::int8_t priority = 0;
   float elasticity = 1;

@@ -60,9 +60,8 @@ class Run {
       last_[point] = acquired;
     }
     scheduler_->acquired(block, acquired);
-    const Range& range = block.ranges.front();
     if (shapes_.size() < kMostShapes) {
-      Shape& shape = shapes_[{block.device, range.area, range.first, range.count, block.ranges.size()}];
+      Shape& shape = shapes_[key_of(block)];
       if (shape.count++ == 0) shape.block = block;
     }
   }
@@ -99,6 +98,13 @@ class Run {
     std::uint64_t count = 0;
     Block block;
   };
+  using ShapeKey = std::vector<std::uint64_t>;
+  static ShapeKey key_of(const Block& block) {
+    ShapeKey key{block.device};
+    for (const Range& range : block.ranges)
+      key.insert(key.end(), {std::uint64_t{range.area} << 32 | range.first, std::uint64_t{range.count}});
+    return key;
+  }
   const ScheduleInput& input_;
   const PredictionOptions& options_;
   std::unique_ptr<Scheduler> scheduler_;
@@ -106,7 +112,7 @@ class Run {
   Instant now_ = kStart;
   Duration busy_{};
   Prediction result_;
-  std::map<std::tuple<DeviceIndex, AreaIndex, std::uint32_t, std::uint32_t, std::size_t>, Shape> shapes_;
+  std::map<ShapeKey, Shape> shapes_;
 };
 
 bool works(const ScheduleInput& input, const PredictionOptions& options) { return Run(input, options).run(true).feasible; }

@@ -4,13 +4,14 @@
 
 namespace fieldcast {
 
-void RefusalSearch::cut(std::span<PointState> points, Place begin, Place end, std::int64_t now, std::int64_t forget) {
+void RefusalSearch::cut(std::span<PointState> points, std::span<const Place> refused, std::int64_t now, std::int64_t forget) {
+  const Place begin = refused.front(), end = refused.back() + 1;
   for (Node& node : open_) {
     if (begin >= node.begin && end <= node.end) node.half_refused = true;
   }
-  const Place middle = begin + (end - begin) / 2;
+  const Place middle = refused[refused.size() / 2];
   points[middle].cut_until = later(now, forget);
-  for (Place place = begin; place < end; ++place) {
+  for (const Place place : refused) {
     if (points[place].wanted() && !points[place].bad) points[place].suspect = true;
   }
   if (open_.size() >= kMostOpen) open_.erase(open_.begin());

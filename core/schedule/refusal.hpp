@@ -17,8 +17,8 @@ namespace fieldcast {
 
 class RefusalSearch {
  public:
-  // Places begin .. end-1 (two at least) were refused together at `now`.
-  void cut(std::span<PointState> points, Place begin, Place end, std::int64_t now, std::int64_t forget);
+  // These places (two at least, rising) were refused together at `now`.
+  void cut(std::span<PointState> points, std::span<const Place> refused, std::int64_t now, std::int64_t forget);
   // The one point at `place` was refused: left alone until now + forget.
   void mark_bad(std::span<PointState> points, Place place, std::int64_t now, std::int64_t forget);
   // Something became known of places begin .. end-1 (acquired, or found bad): searches that are complete end.

@@ -80,16 +80,15 @@ void RidingScheduler::take_out(ClusterIndex cluster) {
 // Reads the cluster in imagination, each time at the last moment.
 void RidingScheduler::write_agenda(ClusterIndex index, std::int64_t now) {
   ClusterState& cluster = clusters_[index];
-  const ReadCost& cost = cost_of(index);
   const auto points = points_of(index);
   imagined_.assign(points.begin(), points.end());
   std::uint32_t urgent = cluster.urgent;
   for (Coming& coming : cluster.agenda) {
     PointState& head = imagined_[urgent];
     const std::int64_t at = std::max(now, head.due);
-    const Slice slice = shape(index, imagined_, urgent, at, allowance(cluster.beat.spacing, 0, 0));
-    coming = {head.due, cost.of(range_of(imagined_, slice, cost)).count(), head.again};
-    for (std::uint32_t i = slice.begin; i < slice.end; ++i) {
+    const Pick& pick = shape(index, imagined_, urgent, at, allowance(cluster.beat.spacing, 0, 0));
+    coming = {head.due, pick.cost, head.again};
+    for (const std::uint32_t i : pick.members) {
       renew(index, imagined_[i], at);
       imagined_[i].again = true;
     }

@@ -37,7 +37,6 @@ void RidingScheduler::set_period(PointState& point) const {
 double RidingScheduler::cluster_load(ClusterIndex index, bool stretched) {
   constexpr int kReads = 200;
   const auto points = points_of(index);
-  const ReadCost& cost = cost_of(index);
   imagined_.assign(points.begin(), points.end());
   std::int64_t longest = 0, own = kNeverNs;
   for (PointState& point : imagined_) {
@@ -58,10 +57,10 @@ double RidingScheduler::cluster_load(ClusterIndex index, bool stretched) {
       if (imagined_[i].wanted() && sooner) urgent = i;
     }
     now = imagined_[urgent].due;
-    const Slice slice = shape(index, imagined_, urgent, now, allowance(beat.spacing, 0, 0));
+    const Pick& pick = shape(index, imagined_, urgent, now, allowance(beat.spacing, 0, 0));
     ++reads;
-    spent += cost.of(range_of(imagined_, slice, cost)).count();
-    for (std::uint32_t i = slice.begin; i < slice.end; ++i) imagined_[i].due = due_after(beat, now, imagined_[i].period);
+    spent += pick.cost;
+    for (const std::uint32_t i : pick.members) imagined_[i].due = due_after(beat, now, imagined_[i].period);
   }
   clusters_[index].level = static_cast<std::int64_t>(weights_.level * static_cast<double>(spent) / static_cast<double>(reads));
   return static_cast<double>(spent) / static_cast<double>(now);
@@ -165,7 +164,6 @@ void RidingScheduler::spread(std::int64_t now) {
 
 void RidingScheduler::spread_cluster(ClusterIndex index, std::int64_t now, Leveller& leveller) {
   const auto points = points_of(index);
-  const ReadCost& cost = cost_of(index);
   std::int64_t own = kNeverNs;
   for (const PointState& point : points) {
     if (point.wanted() && point.mode == Mode::kScheduled) own = std::min(own, point.period);
@@ -182,21 +180,26 @@ void RidingScheduler::spread_cluster(ClusterIndex index, std::int64_t now, Level
     std::int64_t turn = 0;
   };
   const auto turns = [&](const PointState& point) { return std::max<std::int64_t>(1, point.period / beat.spacing); };
-  const std::uint32_t near = std::max<std::uint32_t>(1, 2 * cost.bridge());
+  const bool list = layout_.clusters[index].list;
   const auto group = [&](const PointState& point) {
-    return std::pair(turns(point), (point.first - points.front().first) / near);
+    const std::uint32_t bridge = list ? list_cost_of(index).bridge(point.area) : cost_of(index).bridge();
+    const std::uint32_t from = list ? 0 : points.front().first;
+    return std::tuple(turns(point), point.area, (point.first - from) / std::max<std::uint32_t>(1, 2 * bridge));
   };
-  std::map<std::pair<std::int64_t, std::uint32_t>, Riders> riders;
+  std::map<std::tuple<std::int64_t, AreaIndex, std::uint32_t>, Riders> riders;
   double base = clusters_[index].load / stretch_ * static_cast<double>(beat.spacing);
   for (const PointState& point : points) {
     if (!point.wanted() || turns(point) <= 1) continue;
-    const double items = cost.item_ns() * (point.end - point.first);
-    riders[group(point)].cost += items;
+    const auto [rider, alone] = riders.try_emplace(group(point));
+    const double item_ns = list ? list_cost_of(index).item_ns(point.area) : cost_of(index).item_ns();
+    double items = item_ns * (point.end - point.first);
+    if (list && alone) items += static_cast<double>(list_cost_of(index).range_ns(point.area)) - item_ns;
+    rider->second.cost += items;
     base -= items / static_cast<double>(turns(point));
   }
   beat.offset = now + leveller.place(beat.spacing, static_cast<std::int64_t>(std::max(0.0, base)));
   for (auto& [key, entry] : riders) {
-    entry.turn = leveller.place_on({beat.offset - now, beat.spacing}, key.first, static_cast<std::int64_t>(entry.cost));
+    entry.turn = leveller.place_on({beat.offset - now, beat.spacing}, std::get<0>(key), static_cast<std::int64_t>(entry.cost));
   }
   for (PointState& point : points) {
     if (!point.wanted()) continue;

@@ -1,6 +1,7 @@
 #include "core/schedule/riding_scheduler.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 namespace fieldcast {
 
@@ -14,7 +15,8 @@ Instant instant(std::int64_t at) { return at == kNeverNs ? kNever : Instant{Dura
 std::int64_t part(double share, std::int64_t of) { return static_cast<std::int64_t>(share * static_cast<double>(of)); }
 
 Clustering clustering_of(Planner planner) {
-  return planner == Planner::kOnePerChannel ? Clustering::kSinglePoints : Clustering::kOptimal;
+  if (planner == Planner::kRiding) return Clustering::kLists;
+  return planner == Planner::kOnePerChannel ? Clustering::kSinglePoints : Clustering::kSingleRanges;
 }
 
 bool one_period(std::span<const PointState> points) {
@@ -43,10 +45,11 @@ RidingScheduler::RidingScheduler(const ScheduleInput& input, Planner planner, co
     PointState& point = points_[place];
     point.first = from.range.first;
     point.end = from.range.end();
+    point.area = from.range.area;
     point.mode = from.mode;
     point.priority = static_cast<std::int8_t>(std::clamp(from.priority, -100, 100));
     point.elasticity = static_cast<float>(std::clamp(from.elasticity, 0.1, 10.0));
-    const ReadCost& cost = cost_of(layout_.cluster_at[place]);
+    const ReadCost& cost = layout_.strips[layout_.strip_at[place]].cost;
     const auto alone = cost.of_single(cost.cover(point.first, point.end));
     point.readable = alone.has_value();
     // Nobody is asked for more often than the wire can carry it: an absurd wish would stretch everybody else's.
@@ -133,8 +136,8 @@ Allowance RidingScheduler::allowance(std::int64_t spacing, std::int64_t budget, 
   return {.budget = budget, .level = crowded_ ? level : 0, .longest = longest, .spacing = spacing};
 }
 
-Slice RidingScheduler::shape(ClusterIndex cluster, std::span<const PointState> points, std::uint32_t urgent, std::int64_t now,
-                             const Allowance& allowance) const {
+Slice RidingScheduler::slice_of(ClusterIndex cluster, std::span<const PointState> points, std::uint32_t urgent,
+                                std::int64_t now, const Allowance& allowance) const {
   switch (planner_) {
     case Planner::kRiding:
       // On a wire that never rests, neighbours of one refresh go round together: the optimal partition, always.
@@ -148,16 +151,33 @@ Slice RidingScheduler::shape(ClusterIndex cluster, std::span<const PointState> p
   return whole_slice(points, urgent, cost_of(cluster), now);
 }
 
-Block RidingScheduler::make_block(ClusterIndex cluster, std::uint32_t urgent, std::int64_t now,
-                                  const Allowance& allowance) const {
-  const auto points = points_of(cluster);
-  const Slice slice = shape(cluster, points, urgent, now, allowance);
+const Pick& RidingScheduler::shape(ClusterIndex cluster, std::span<const PointState> points, std::uint32_t urgent,
+                                   std::int64_t now, const Allowance& allowance) {
+  if (layout_.clusters[cluster].list) {
+    if (points[urgent].mode == Mode::kIntensive && one_period(points)) {
+      lists_.whole(points, urgent, list_cost_of(cluster), now, pick_);
+    } else {
+      lists_.riding(points, urgent, list_cost_of(cluster), now, allowance, weights_, pick_);
+    }
+    return pick_;
+  }
+  const Slice slice = slice_of(cluster, points, urgent, now, allowance);
   const Range range = range_of(points, slice, cost_of(cluster));
+  pick_.members.resize(slice.end - slice.begin);
+  std::iota(pick_.members.begin(), pick_.members.end(), slice.begin);
+  pick_.ranges().assign(1, range);
+  pick_.cost = cost_of(cluster).of(range).count();
+  return pick_;
+}
+
+Block RidingScheduler::make_block(ClusterIndex cluster, std::uint32_t urgent, std::int64_t now, const Allowance& allowance) {
+  const auto points = points_of(cluster);
+  const Pick& pick = shape(cluster, points, urgent, now, allowance);
   Block block;
   block.device = layout_.clusters[cluster].device;
-  block.ranges = {range};
-  block.cost = cost_of(cluster).of(range);
-  for (std::uint32_t i = slice.begin; i < slice.end; ++i) {
+  block.ranges = pick.ranges();
+  block.cost = Duration{pick.cost};
+  for (const std::uint32_t i : pick.members) {
     if (points[i].ready(now)) block.points.push_back(layout_.point_at[layout_.clusters[cluster].begin + i]);
   }
   return block;
@@ -191,12 +211,12 @@ void RidingScheduler::leave_behind(ClusterIndex index, std::int64_t now) {
   const ClusterState& cluster = clusters_[index];
   const auto points = points_of(index);
   Allowance least = allowance(cluster.beat.spacing, 0, 0);
-  const Slice all = shape(index, points, cluster.pressed, now, least);
+  left_out_.assign(points.size(), 0);
+  for (const std::uint32_t i : shape(index, points, cluster.pressed, now, least).members) left_out_[i] = 1;
   least.pressed = true;
-  const Slice must = shape(index, points, cluster.pressed, now, least);
-  for (std::uint32_t i = all.begin; i < all.end; ++i) {
-    if (i >= must.begin && i < must.end) continue;
-    points[i].due = std::min(points[i].deadline, later(points[i].due, cluster.beat.spacing));
+  for (const std::uint32_t i : shape(index, points, cluster.pressed, now, least).members) left_out_[i] = 0;
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    if (left_out_[i] != 0) points[i].due = std::min(points[i].deadline, later(points[i].due, cluster.beat.spacing));
   }
 }
 
@@ -266,22 +286,22 @@ std::vector<PointIndex> RidingScheduler::refused(const Block& block, Instant at,
   const std::int64_t now = ns(at);
   std::vector<PointIndex> bad;
   batch_.clear();
-  Place low = kNoPlace, high = 0;
+  places_.clear();
   for (const PointIndex index : block.points) {
     const Place place = layout_.place_of[index];
-    low = std::min(low, place);
-    high = std::max(high, place + 1);
+    places_.push_back(place);
     points_[place].due = std::min(points_[place].due, now);
     points_[place].deadline = std::min(points_[place].deadline, now);
     points_[place].eager = true;  // a search is no lateness
   }
-  if (low >= high) return bad;
-  if (block.points.size() == 1) {
-    refusals_.mark_bad(points_, low, now, forget.count());
-    refusals_.settle(points_, low, high);
+  if (places_.empty()) return bad;
+  std::sort(places_.begin(), places_.end());
+  if (places_.size() == 1) {
+    refusals_.mark_bad(points_, places_.front(), now, forget.count());
+    refusals_.settle(points_, places_.front(), places_.front() + 1);
     bad.push_back(block.points.front());
   } else {
-    refusals_.cut(points_, low, high, now, forget.count());
+    refusals_.cut(points_, places_, now, forget.count());
   }
   refresh_clusters_of(block, now);
   return bad;
@@ -298,6 +318,7 @@ void RidingScheduler::set_answer_time(DeviceIndex device, Duration answer_time) 
   for (Strip& strip : layout_.strips) {
     if (strip.device == device) strip.cost.set_answer_time(answer_time);
   }
+  if (auto& list = layout_.lists[device]) list->set_answer_time(answer_time);
   for (const ClusterIndex cluster : layout_.clusters_of[device]) {
     load_ -= clusters_[cluster].load;
     load_ += clusters_[cluster].load = cluster_load(cluster, false);

@@ -1,7 +1,7 @@
 // The scheduler: earliest due first over clusters, never pre-empted, with a look ahead that says how long the wire may rest.
 //
 // Each cluster falls due on a beat of its own (rhythm.hpp); slower points ride along with the reads of the cluster
-// (block_shape.hpp). Three queues hold clusters: `due_` and `deadline_` all that can be read, by turn and by the end of the
+// (block_shape.hpp; list_shape.hpp where a request carries a list of ranges). Three queues hold clusters: `due_` and `deadline_` all that can be read, by turn and by the end of the
 // period; `spare_` those that have use for wire time that would otherwise be rest (intensive, never read, failed); `asleep_`
 // those with points that are left alone for a while. README.md beside this file tells what was tried. Owned by the bus engine and
 // touched by it alone.
@@ -15,6 +15,8 @@
 #include "core/schedule/block_shape.hpp"
 #include "core/schedule/due_queue.hpp"
 #include "core/schedule/layout.hpp"
+#include "core/schedule/list_shape.hpp"
+#include "core/schedule/pick.hpp"
 #include "core/schedule/point_state.hpp"
 #include "core/schedule/refusal.hpp"
 #include "core/schedule/rhythm.hpp"
@@ -89,9 +91,12 @@ class RidingScheduler final : public Scheduler {
   void wake(std::int64_t now);
   [[nodiscard]] std::int64_t next_wake() const;
   [[nodiscard]] Allowance allowance(std::int64_t spacing, std::int64_t budget, std::int64_t level) const;
-  [[nodiscard]] Slice shape(ClusterIndex cluster, std::span<const PointState> points, std::uint32_t urgent, std::int64_t now,
-                            const Allowance& allowance) const;
-  [[nodiscard]] Block make_block(ClusterIndex cluster, std::uint32_t urgent, std::int64_t now, const Allowance& allowance) const;
+  [[nodiscard]] Slice slice_of(ClusterIndex cluster, std::span<const PointState> points, std::uint32_t urgent, std::int64_t now,
+                               const Allowance& allowance) const;
+  // Who is read with the urgent point at `now`: into pick_.
+  const Pick& shape(ClusterIndex cluster, std::span<const PointState> points, std::uint32_t urgent, std::int64_t now,
+                    const Allowance& allowance);
+  [[nodiscard]] Block make_block(ClusterIndex cluster, std::uint32_t urgent, std::int64_t now, const Allowance& allowance);
   [[nodiscard]] Decision next_of_batch(std::int64_t now);
   void leave_behind(ClusterIndex cluster, std::int64_t now);
 
@@ -115,8 +120,12 @@ class RidingScheduler final : public Scheduler {
     const Cluster& from = layout_.clusters[cluster];
     return std::span(points_).subspan(from.begin, from.end - from.begin);
   }
+  // REQUIRES: not a pack.
   [[nodiscard]] const ReadCost& cost_of(ClusterIndex cluster) const {
     return layout_.strips[layout_.clusters[cluster].strip].cost;
+  }
+  [[nodiscard]] const ListCost& list_cost_of(ClusterIndex cluster) const {
+    return *layout_.lists[layout_.clusters[cluster].device];
   }
 
   Planner planner_;
@@ -148,6 +157,10 @@ class RidingScheduler final : public Scheduler {
   bool begun_ = false;
   std::vector<Ahead> ahead_;          // scratch of look_ahead()
   std::vector<PointState> imagined_;  // scratch of write_agenda() and cluster_load()
+  ListShaper lists_;
+  Pick pick_;                          // of shape()
+  std::vector<std::uint8_t> left_out_;  // scratch of leave_behind()
+  std::vector<Place> places_;          // scratch of refused()
 };
 
 }  // namespace fieldcast

@@ -169,6 +169,52 @@ TEST(Simulation, RefusedGapIsNotBridgedAgain) {
   for (const auto& channel : bus.channels()) EXPECT_EQ(channel.quality, Quality::kGood);
 }
 
+// Scattered variables of three types in one DTC device.
+BusSpec dtc_plant(const std::string& defaults) {
+  std::string text =
+      "bridge: test\nbuses:\n  - name: bus\n    port: { serial: /dev/none, baud: 19200, format: 8N1 }\n    protocol: dtc\n    "
+      "defaults: { " +
+      defaults + " }\n    devices:\n      - name: unit\n        address: 1\n        channels:\n";
+  for (int i = 0; i < 40; ++i) {
+    const std::string at = i % 3 == 0 ? "int16" : i % 3 == 1 ? "int32" : "float64";
+    const std::string type = i % 3 == 0 ? "uint16" : i % 3 == 1 ? "uint32" : "uint64";
+    text += "          - { name: v" + std::to_string(i) + ", at: \"" + at + ":" + std::to_string(100 + 37 * i) + "\", type: " + type +
+            ", access: read-write }\n";
+  }
+  const auto loaded = config::load_text(text, "plant.yaml", {});
+  if (!loaded) throw std::runtime_error(to_text(loaded.error().front()));
+  return loaded->buses.front();
+}
+
+TEST(Simulation, ListsOfRangesBringEveryChannelItsOwnValue) {
+  const BusSpec spec = dtc_plant("refresh: 1s");
+  VirtualBus bus(spec, {}, 1);
+  fill(bus, spec);
+  bus.watch_from_now();
+  const std::uint64_t before = bus.sends();
+  bus.run_until(bus.now() + 1min);
+  EXPECT_LE(bus.sends() - before, 80u);  // one request a second for all forty
+  for (const auto& channel : bus.channels()) EXPECT_LE(channel.longest_gap, 1s);
+}
+
+TEST(Simulation, RefusedRangesOfAListLeaveTheOthersAlone) {
+  const BusSpec spec = dtc_plant("refresh: 2s");
+  sim::BusFaults faults;
+  faults.devices["unit"].refused.push_back({"int16", 100, 100, 2});           // v0
+  faults.devices["unit"].refused.push_back({"int32", 100 + 37 * 13, 600, 2});  // v13
+  VirtualBus bus(spec, faults, 5);
+  bus.run_until(Instant{20s});
+  bus.watch_from_now();
+  bus.run_until(Instant{10min});
+  for (ChannelIndex c = 0; c < bus.channels().size(); ++c) {
+    if (c == 0 || c == 13)
+      EXPECT_EQ(bus.channels()[c].quality, Quality::kBadDeviceError);
+    else
+      EXPECT_LE(bus.channels()[c].longest_gap, 2s) << "channel " << c;
+  }
+  EXPECT_EQ(bus.engine().device_report(0, bus.now()).refused, (std::vector<std::string>{"int16:100", "int32:581"}));
+}
+
 // Noise, loss, late answers, silences, an unplugged port, and a stream of commands: for many seeds.
 class Storm : public testing::TestWithParam<int> {};
 

@@ -2,7 +2,7 @@
 // each.
 //
 // The registers of tests/maps, as Modbus holding registers and as DTC int16 variables. Modbus: the optimal partition of
-// core/plan. DTC: groups and messages from a dynamic program over the protocol's own sizes. Both pay 11 bits a character, the
+// core/plan. DTC: the best requests of tests/schedule. Both pay 11 bits a character, the
 // device's 2 ms for each request, and the silence of the maps' own model: 3.5 characters on both sides of an answer
 // (tests/schedule/maps.hpp). A second table has the silence that the bridge keeps by default. Compressed figures are of real
 // packets, over many rounds of data, with the threshold that the protocol chooses for the line; the device compresses by the same
@@ -22,6 +22,7 @@
 #include "core/protocol/dtc/packet.hpp"
 #include "core/protocol/dtc/threshold.hpp"
 #include "core/protocol/protocol.hpp"
+#include "tests/schedule/best_requests.hpp"
 #include "tests/schedule/maps.hpp"
 #include "tools/bench/figures.hpp"
 
@@ -66,40 +67,11 @@ Duration modbus_round(const Units& units, const Wire& wire) {
   return sum;
 }
 
-// A gap costs two bytes for each variable in the answer, another group five in the request.
-std::vector<Range> groups_of(const std::vector<std::uint32_t>& addresses) {
-  std::vector<Range> groups;
-  for (const auto address : addresses) {
-    if (!groups.empty() && 2 * (address - groups.back().end()) < 5) {
-      groups.back().count = address + 1 - groups.back().first;
-    } else {
-      groups.push_back({kInt16, address, 1});
-    }
-  }
-  return groups;
-}
-
-// The requests of least wire time that together ask for all groups.
-std::vector<ReadRequest> best_requests(const Protocol& protocol, const std::vector<Range>& groups, const Wire& wire) {
-  std::vector<Duration> best(groups.size() + 1, Duration::max());
-  std::vector<std::size_t> from(groups.size() + 1);
-  best[0] = Duration::zero();
-  for (std::size_t begin = 0; begin < groups.size(); ++begin) {
-    ReadRequest request;
-    for (std::size_t end = begin + 1; end <= groups.size(); ++end) {
-      request.ranges.push_back(groups[end - 1]);
-      const auto size = protocol.size(request);
-      if (!size) break;
-      const Duration cost = best[begin] + wire.time(size->request_characters + size->answer_characters);
-      if (cost < best[end]) best[end] = cost, from[end] = begin;
-    }
-  }
-  std::vector<ReadRequest> requests;
-  for (std::size_t end = groups.size(); end > 0; end = from[end]) {
-    requests.push_back(
-        {{groups.begin() + static_cast<std::ptrdiff_t>(from[end]), groups.begin() + static_cast<std::ptrdiff_t>(end)}});
-  }
-  return requests;
+std::vector<ReadRequest> dtc_requests(const Protocol& protocol, const std::vector<std::uint32_t>& addresses, const Wire& wire) {
+  std::vector<Range> wanted;
+  for (const auto address : addresses) wanted.push_back({kInt16, address, 1});
+  const DeviceTiming timing{.protocol = &protocol, .answer_time = kAnswerTime};
+  return test::best_requests(wanted, ListCost(timing, wire.line, wire.silence())).requests;
 }
 
 // The plant's registers over the rounds. Idle: one in ten is 1, the others 0. Slowly changing: like measurements, temperatures
@@ -158,7 +130,7 @@ Round dtc_round(const Units& units, const Wire& wire, std::optional<Data> data) 
   const std::size_t threshold = dtc::auto_threshold(wire.line, std::chrono::microseconds{1});
   Round sum;
   for (const auto& [unit, addresses] : units) {
-    for (const ReadRequest& request : best_requests(*protocol, groups_of(addresses), wire)) {
+    for (const ReadRequest& request : dtc_requests(*protocol, addresses, wire)) {
       Registers registers(data.value_or(Data::kIdle));
       Bytes asked;
       (void)protocol->begin(request, {})->start(asked);

@@ -64,6 +64,7 @@ std::vector<Area> areas_reached(Mode mode) {
   std::vector<Area> areas;
   for (const AreaRow* row : rows_of(mode)) {
     Area area{.name = row->name, .item_bits = row->flags ? 1u : 16u, .items = fins ? row->fins_items : row->c_items};
+    if (is_extended(*row)) area.bank = kBankWords;
     area.max_read = fins ? (row->flags ? kFinsReadFlags : kFinsReadWords) : (row->flags ? kCReadFlags : kCReadWords);
     area.max_write = fins ? (row->flags ? 0 : kFinsWriteWords) : (row->flags ? kCWriteFlags : kCWriteWords);
     area.writable = area.max_write != 0;
