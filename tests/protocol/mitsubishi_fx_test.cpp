@@ -108,6 +108,8 @@ TEST(FxVectors, OurRequestsAreTheirsAndTheirAnswersAreRead) {
     const Outcome outcome = drive(*exchange, vector.response);
     ASSERT_TRUE(outcome.done()) << to_text(outcome);
     const auto* read = std::get_if<ReadRequest>(&*request);
+    test::expect_matrix(
+        {.begin = [&] { return device.begin(*request); }, .answers = {vector.response}, .noise_recovers = read != nullptr});
     if (read == nullptr) continue;
     const std::string data = text(vector.response).substr(1, vector.response.size() - 4);
     const unsigned item_bits = device.protocol().areas()[read->ranges[0].area].item_bits;

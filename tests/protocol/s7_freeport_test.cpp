@@ -45,6 +45,7 @@ TEST(FreeportVectors, RequestsAndAnswersAreTheirs) {
     ASSERT_TRUE(outcome.done()) << to_text(outcome);
     const std::string answered = text(vector.response).substr(1, 2 * meant.length);
     EXPECT_EQ(to_hex(outcome.reply.at(0).items, '\0'), q[1] == 'W' ? answered : "");
+    test::expect_matrix({.begin = [&] { return device.begin(request); }, .answers = {vector.response}});
     EXPECT_FALSE(has_fault(find_protocol("s7-freeport")->explain(vector.request)));
     EXPECT_FALSE(has_fault(find_protocol("s7-freeport")->explain(vector.response)));
   }
@@ -72,6 +73,8 @@ TEST(Freeport, TheMatrixHolds) {
   test::expect_matrix(matrix);
   test::expect_random_bytes_are_refused(matrix, 1, 5000);
   matrix = {.begin = [&] { return device.begin(device.write("window:0", "C911F57C")); }, .answers = {text("qC911F57C7DQ")}};
+  test::expect_matrix(matrix);
+  matrix.answers = {text("qE0441Q")};  // refused
   test::expect_matrix(matrix);
 }
 

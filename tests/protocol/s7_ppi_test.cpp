@@ -110,6 +110,7 @@ TEST(PpiVectors, OurRequestsAreTheirsAndTheirAnswersAreRead) {
     const Outcome outcome = drive(*exchange, vector.slave);
     ASSERT_TRUE(outcome.done()) << to_text(outcome);
     ASSERT_EQ(outcome.sent.size(), 2u);
+    test::expect_matrix({.begin = [&] { return device.begin(*request, reference); }, .answers = vector.slave});
     if (outcome.sent[0][6] == vector.request[6]) {
       EXPECT_EQ(to_hex(outcome.sent[1]), to_hex(vector.master[1]));  // the poll
     }
@@ -140,6 +141,10 @@ TEST(PpiVectors, RefusalsAreTheirCodes) {
     const Outcome outcome = drive(*exchange, vector.slave);
     EXPECT_EQ(outcome.cause, Cause::kDeviceError);
     EXPECT_EQ(outcome.code, codes.at(vector.name));
+    test::expect_matrix(
+        {.begin =
+             [&] { return device.begin(write ? device.write("QB0", "01") : device.read("MB0"), read_u16(vector.request, 11)); },
+         .answers = vector.slave});
   }
 }
 

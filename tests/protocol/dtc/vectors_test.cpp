@@ -10,7 +10,7 @@
 #include "core/codec/value_codec.hpp"
 #include "tests/protocol/dtc/dtc_text.hpp"
 #include "tests/support/device.hpp"
-#include "tests/support/drive.hpp"
+#include "tests/support/matrix.hpp"
 
 namespace fieldcast {
 namespace {
@@ -101,6 +101,8 @@ TEST(DtcVectors, ReadsAreAskedAndAnsweredAsPrinted) {
     const test::Outcome outcome = test::drive(*exchange, vector.response);
     ASSERT_TRUE(outcome.done()) << to_text(outcome);
     expect_values(json_of(vector.name)["groups"], outcome.reply);
+    if (vector.response.size() < 400)
+      test::expect_matrix({.begin = [&] { return device.begin(read); }, .answers = {vector.response}});
     EXPECT_FALSE(has_fault(find_protocol("dtc")->explain(vector.request)));
     EXPECT_FALSE(has_fault(find_protocol("dtc")->explain(vector.response)));
     const auto size = device.protocol().size(read);
@@ -153,6 +155,7 @@ TEST(DtcVectors, RefusalsCarryTheirCode) {
     const test::Outcome outcome = test::drive(*exchange, vector.response);
     EXPECT_EQ(outcome.cause, Cause::kDeviceError);
     EXPECT_EQ(outcome.code, ++code);
+    test::expect_matrix({.begin = [&] { return device.begin(device.read("int16:0")); }, .answers = {vector.response}});
   }
   EXPECT_EQ(code, 5);
 }

@@ -71,6 +71,7 @@ TEST(FinsVectors, OurRequestsAreTheirsAndTheirAnswersAreRead) {
     const auto exchange = asked->device.begin(asked->request, asked->sid);
     const Outcome outcome = drive(*exchange, vector.response);
     ASSERT_TRUE(outcome.done()) << to_text(outcome);
+    test::expect_matrix({.begin = [&] { return asked->device.begin(asked->request, asked->sid); }, .answers = {vector.response}});
     const std::string data = text(vector.response).substr(23, vector.response.size() - 27);
     EXPECT_EQ(to_hex(outcome.reply[0].items, '\0'), data);
   }
@@ -93,6 +94,24 @@ TEST(FinsVectors, EndCodesAreTheDevicesErrors) {
     const bool host_link_level = answer.substr(5, 2) != "00";
     EXPECT_EQ(outcome.code, number(host_link_level ? answer.substr(5, 2) : answer.substr(19, 4)));
   }
+}
+
+TEST(FinsVectors, WhatIsMalformedIsNoValue) {
+  int seen = 0;
+  for (const GoldenVector& vector : test::load_vectors("fins")) {
+    if (vector.framing != "hostlink" || vector.kind != "malformed" || vector.response.empty()) continue;
+    SCOPED_TRACE(vector.name);
+    ++seen;
+    const Device device = plc();
+    EXPECT_FALSE(drive(*device.begin(device.read("DM0")), vector.response).done());
+  }
+  EXPECT_GE(seen, 1);
+}
+
+TEST(Fins, TheMatrixOfARefusalHolds) {
+  const Device device = plc();
+  test::expect_matrix(
+      {.begin = [&] { return device.begin(device.read("DM0")); }, .answers = {framed("@00FA004000000001011103")}});
 }
 
 TEST(FinsVectors, ExplanationsFindTheFaults) {

@@ -76,6 +76,7 @@ TEST(HostLinkVectors, TheirAnswersAreRead) {
     const Outcome outcome = drive(*exchange, answers);
     ASSERT_TRUE(outcome.done()) << to_text(outcome);
     if (!vector.master.empty()) { EXPECT_EQ(outcome.sent, vector.master); }
+    test::expect_matrix({.begin = [&] { return device.begin(request->request); }, .answers = answers});
     if (std::holds_alternative<WriteRequest>(request->request)) continue;
     // The data of all frames: behind "@uuHHee", and before FCS and end.
     std::string digits;
