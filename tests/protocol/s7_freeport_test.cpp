@@ -145,5 +145,15 @@ TEST(Freeport, BitsHaveAWidth) {
   EXPECT_EQ(bit->width_bits, 1u);
 }
 
+TEST(Freeport, WhatIsNoFrameIsToldWhy) {
+  const auto fault = [](std::string_view frame) {
+    return find_protocol("s7-freeport")->explain(text(frame)).at(0).fault.substr(0, 20);
+  };
+  EXPECT_EQ(fault("W0504"), "begins without q: a ");
+  EXPECT_EQ(fault("qEB8"), "ends without Q: a re");
+  EXPECT_EQ(fault("qEB8Q"), "5 characters: a requ");
+  EXPECT_EQ(fault(""), "no character");
+}
+
 }  // namespace
 }  // namespace fieldcast

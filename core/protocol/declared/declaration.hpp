@@ -23,7 +23,6 @@ namespace fieldcast::declared {
 inline constexpr std::size_t kMaxFields = 64;      // of a frame
 inline constexpr std::size_t kMaxOperations = 64;  // of a declaration
 inline constexpr std::size_t kMaxFrame = 1024;     // characters of a frame, whatever its own length says
-inline constexpr std::size_t kMaxReceived = 4 * kMaxFrame;
 
 enum class FieldKind : std::uint8_t {
   kConstant,  // always `number`, or the characters of `text`

@@ -11,6 +11,17 @@ constexpr std::size_t kDoubtfulWait = 8;
 // A spurious character of an RS-485 driver that changes its direction.
 bool is_turnaround(std::uint8_t byte) { return byte == 0x00 || byte == 0xFF; }
 
+// Two of the longest frames that devices of the declaration send, and noise: the search goes through all of it for each byte that
+// comes.
+std::size_t most_received(const Declaration& declaration) {
+  std::size_t longest = 0;
+  for (const Operation& operation : declaration.operations) {
+    const unsigned item_bits = declaration.areas[operation.area].item_bits;
+    longest = std::max(longest, size_of(operation.answer, item_bits, operation.max_count));
+  }
+  return 2 * longest + 64;
+}
+
 bool strict(const Sight& sight) { return !sight.foreign && !sight.mismatch; }
 
 // Goes through the bytes for the answer. Where a frame begins is certain at the start and behind every frame whose check is
@@ -127,7 +138,11 @@ class Search {
 
 DeclaredExchange::DeclaredExchange(std::shared_ptr<const Declaration> declaration, const Operation& operation, Facts facts,
                                    Range wanted)
-    : declaration_(std::move(declaration)), operation_(operation), facts_(std::move(facts)), wanted_(wanted) {}
+    : declaration_(std::move(declaration)),
+      operation_(operation),
+      facts_(std::move(facts)),
+      wanted_(wanted),
+      most_(most_received(*declaration_)) {}
 
 Step DeclaredExchange::start(Bytes& out) {
   append_frame(out, operation_.request, facts_);
@@ -137,7 +152,7 @@ Step DeclaredExchange::start(Bytes& out) {
 }
 
 Step DeclaredExchange::on_bytes(ByteView all, Bytes&) {
-  if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
+  if (all.size() > most_) return Step::failed(Cause::kOverlong);
   Search search(all, *declaration_, operation_, facts_);
   search.run();
   silence_ = search.cause();

@@ -22,6 +22,7 @@ class DeclaredExchange final : public Exchange {
   const Operation& operation_;
   const Facts facts_;
   const Range wanted_;
+  const std::size_t most_;  // characters that are looked at; more is a babbling line
   Reply reply_;
   Cause silence_ = Cause::kNoAnswer;
   std::optional<Step> fallback_;  // what silence makes of the bytes: an answer behind what looked like another frame

@@ -70,13 +70,24 @@ class Reader {
     if (field.text_size != 0) return add(at, size, field.name, std::string(part.begin(), part.end()));
     const auto word = read_word(part, field.word);
     if (!word) return add(at, size, field.name, to_hex(part), "a character that is no digit");
-    number(field, index, at, size, *word >> field.shift & (UINT64_MAX >> (64 - field.bits)));
+    number(field, at, size, *word >> field.shift & (UINT64_MAX >> (64 - field.bits)));
   }
 
-  void number(const Field& field, std::size_t index, std::size_t at, std::size_t size, std::uint64_t number) {
-    std::string value = std::to_string(number), fault;
+  // What has no meaning as a number is spelt as it stands on the wire.
+  static std::string spelt(const Field& field, std::uint64_t number) {
+    const bool mark =
+        field.kind == FieldKind::kConstant || field.kind == FieldKind::kCommand || field.kind == FieldKind::kChecksum;
+    if (!mark || field.word.notation != Notation::kBinary || field.bits != 8u * field.word.characters)
+      return std::to_string(number);
+    Bytes bytes;
+    append_word(bytes, field.word, number);
+    return to_hex(bytes);
+  }
+
+  void number(const Field& field, std::size_t at, std::size_t size, std::uint64_t number) {
+    std::string value = spelt(field, number), fault;
     const auto must = [&](std::uint64_t right) {
-      if (number != right) fault = "should be " + std::to_string(right);
+      if (number != right) fault = "should be " + spelt(field, right);
     };
     switch (field.kind) {
       case FieldKind::kConstant:
@@ -103,7 +114,6 @@ class Reader {
       }
       default: break;
     }
-    (void)index;
     add(at, size, field.name, std::move(value), fault);
   }
 

@@ -22,6 +22,7 @@ std::string_view refusal_text(std::uint32_t code) {
 
 std::vector<FrameField> explain(ByteView frame) {
   FieldWriter writer;
+  if (frame.empty()) return {FrameField{.name = "frame", .fault = "no character"}};
   const auto field = [&](std::size_t at, std::size_t length, const char* name, const std::string& comment = {}) {
     const ByteView part = frame.subspan(at, length);
     const bool digits = read_digits(part.last(part.size() > 1 ? 2 : 1)).has_value() && read_hex_bytes(part).has_value();
@@ -31,7 +32,13 @@ std::vector<FrameField> explain(ByteView frame) {
   const bool marked = frame.size() > 2 && frame.front() == 'q' && frame.back() == 'Q';
   const bool refused = frame.size() == kRefusal;
   if (!marked || (frame.size() != kRequest && frame.size() != kAnswer && !refused)) {
-    writer.remark(to_hex(frame.first(std::min<std::size_t>(frame.size(), 64))), "no frame: q..Q with 17, 12 or 7 characters");
+    std::string text;
+    for (const std::uint8_t c : frame.first(std::min<std::size_t>(frame.size(), 64)))
+      text += c > ' ' && c < 0x7F ? static_cast<char>(c) : '.';
+    const std::string what = frame.front() != 'q'  ? "begins without q"
+                             : frame.back() != 'Q' ? "ends without Q"
+                                                   : std::to_string(frame.size()) + " characters";
+    writer.remark(text, what + ": a request has 17 characters from q to Q, an answer 12, a refusal 7");
     return writer.take();
   }
   writer.remark(frame.size() == kRequest ? "request" : refused ? "refusal" : "answer");

@@ -82,6 +82,14 @@ TEST(Instrument, TheMatrixHolds) {
   test::expect_matrix({.begin = [&] { return device.begin(device.read("status", 6)); }, .answers = {kAnswer}, .checked = false});
 }
 
+TEST(Instrument, ALineThatBabblesIsGivenUpAfterTwoFrames) {
+  const Device device = instrument();
+  Bytes babble(2 * kAnswer.size() + 64, 0x11);
+  EXPECT_EQ(drive(*device.begin(device.read("status")), babble).cause, Cause::kMalformed);
+  babble.push_back(0x11);
+  EXPECT_EQ(drive(*device.begin(device.read("status")), babble).cause, Cause::kOverlong);
+}
+
 TEST(Instrument, AnAnswerWithoutAnAddressIsNobodys) {
   EXPECT_EQ(instrument().protocol().traits().identity, AnswerIdentity::kNone);
 }
@@ -111,7 +119,10 @@ TEST(Instrument, FramesAreExplained) {
   EXPECT_TRUE(has(answer, "status", "3"));
   EXPECT_TRUE(has(answer, "output", "9"));
   EXPECT_EQ(faults(explain(*declaration, *from_hex("AA 07 01 B2"))), 0);
-  EXPECT_GT(faults(explain(*declaration, *from_hex("AA 07 01 B3"))), 0);
+  const auto broken = explain(*declaration, *from_hex("AA 07 01 B3"));
+  EXPECT_EQ(faults(broken), 1);
+  EXPECT_EQ(broken.back().value, "B3");
+  EXPECT_EQ(broken.back().fault, "should be B2");
 }
 
 }  // namespace
