@@ -74,7 +74,7 @@ BusSpec read_bus(const Node& node, Session& session) {
   DeviceContext context{{}, map.has("protocol"), map.place_of("protocol"), {}, spec.port, addresses};
   map.read_required("name", spec.name, NameRule{}, "a name for the bus");
   if (const Node* protocol = map.find("protocol")) context.protocol = read_protocol(*protocol, "protocol", session);
-  if (const Node* port = map.require("port", "port: { serial: PATH } or { tcp: HOST:PORT }")) {
+  if (const Node* port = map.require("port", "port: { serial: PATH }, { tcp: HOST:PORT } or { dial-in: NUMBER }")) {
     spec.port = read_port(*port, context.protocol.name, session.faults);
   }
   map.read("planner", spec.planner, ChoiceRule<Planner>{kPlanners});

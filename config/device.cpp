@@ -1,3 +1,4 @@
+#include "config/program.hpp"
 #include "config/device.hpp"
 
 #include <algorithm>
@@ -118,6 +119,7 @@ DeviceSpec read_device(const Node& node, const DeviceContext& context, Session& 
   Draft draft{{}, context.defaults, {}};
   DeviceSpec& spec = draft.spec;
   map.read_required("name", spec.name, NameRule{}, "a name for the device");
+  map.read("number", spec.number, DeviceNumberRule{});
   const bool has_address = map.read_required("address", spec.link.address, AddressRule{}, "the device's address on the bus");
 
   ProtocolChoice choice = context.protocol;

@@ -6,18 +6,21 @@
 namespace fieldcast::config {
 namespace {
 
-constexpr std::string_view kBridge[] = {"bridge", "dds", "log", "buses"};
+constexpr std::string_view kBridge[] = {"bridge", "dds", "log", "program", "buses"};
 constexpr std::string_view kDds[] = {"domain", "interfaces", "discovery-server", "profile", "partition"};
 constexpr std::string_view kLog[] = {"level"};
+constexpr std::string_view kProgram[] = {"engineers", "modules"};
+constexpr std::string_view kEngineers[] = {"listen", "certificate", "key", "heartbeat", "idle"};
+constexpr std::string_view kModules[] = {"listen", "ask", "prefix", "unit", "first", "words", "timeout"};
 constexpr std::string_view kBus[] = {"name", "port", "protocol", "planner", "defaults", "echo", "devices"};
-constexpr std::string_view kPort[] = {"serial", "tcp", "baud", "format", "rs485", "low-latency", "exclusive", "connect-timeout"};
+constexpr std::string_view kPort[] = {"serial", "tcp", "dial-in", "baud", "format", "rs485", "low-latency", "exclusive", "connect-timeout"};
 constexpr std::string_view kBusDefaults[] = {"refresh",    "mode",       "access",    "acquire", "priority",      "elasticity",
                                              "word-order", "byte-order", "heartbeat", "timeout", "retries",       "pause",
                                              "max-block",  "max-gap",    "options",   "allow",   "silence",       "gap-allowance"};
 constexpr std::string_view kTemplateDefaults[] = {"refresh",    "mode",       "access",    "acquire", "priority", "elasticity",
                                                   "word-order", "byte-order", "heartbeat", "timeout", "retries",  "pause",
                                                   "max-block",  "max-gap"};
-constexpr std::string_view kDevice[] = {"name",       "address",    "protocol",   "template",  "channels", "options", "allow",
+constexpr std::string_view kDevice[] = {"name",       "address",    "number",     "protocol",   "template",  "channels", "options", "allow",
                                         "refresh",    "mode",       "access",     "acquire",   "priority", "elasticity",
                                         "word-order", "byte-order", "heartbeat",  "timeout",   "retries",  "pause",   "max-block",
                                         "max-gap"};
@@ -62,6 +65,9 @@ constexpr Column kColumns[] = {
 const KeyTable kBridgeKeys{"bridge", "the configuration", kBridge};
 const KeyTable kDdsKeys{"dds", "'dds'", kDds};
 const KeyTable kLogKeys{"log", "'log'", kLog};
+const KeyTable kProgramKeys{"program", "'program'", kProgram};
+const KeyTable kEngineersKeys{"engineers", "'engineers'", kEngineers};
+const KeyTable kModulesKeys{"modules", "'modules'", kModules};
 const KeyTable kBusKeys{"bus", "a bus", kBus};
 const KeyTable kPortKeys{"port", "'port'", kPort};
 const KeyTable kBusDefaultKeys{"bus-defaults", "'defaults' of a bus", kBusDefaults};
@@ -73,7 +79,7 @@ const KeyTable kTemplateKeys{"template", "a device template", kTemplate};
 const KeyTable kTemplateDefaultKeys{"template-defaults", "'defaults' of a template", kTemplateDefaults};
 
 std::span<const KeyTable* const> key_tables() {
-  static constexpr std::array kTables{&kBridgeKeys, &kDdsKeys,        &kLogKeys,      &kBusKeys,
+  static constexpr std::array kTables{&kBridgeKeys, &kDdsKeys, &kLogKeys, &kProgramKeys, &kEngineersKeys, &kModulesKeys, &kBusKeys,
                                       &kPortKeys,   &kBusDefaultKeys, &kDeviceKeys,   &kChannelKeys,
                                       &kLimitKeys,  &kWriteKeys,      &kTemplateKeys, &kTemplateDefaultKeys};
   return kTables;
@@ -85,7 +91,7 @@ std::string where_it_belongs(std::string_view key, const KeyTable& here) {
   const auto knows = [&](const KeyTable* table) { return std::ranges::find(table->keys, key) != table->keys.end(); };
   // Nearest first: what a bus lacks is usually in its defaults, what a device lacks in its channels or its bus.
   static constexpr std::array kOrder{&kBusDefaultKeys, &kPortKeys,  &kChannelKeys, &kDeviceKeys, &kBusKeys,
-                                     &kLimitKeys,      &kWriteKeys, &kDdsKeys,     &kBridgeKeys, &kTemplateKeys};
+                                     &kLimitKeys,      &kWriteKeys, &kDdsKeys,     &kBridgeKeys, &kEngineersKeys, &kModulesKeys, &kTemplateKeys};
   for (const KeyTable* table : kOrder) {
     if (table != &here && knows(table)) return " (it belongs in " + std::string(table->what) + ')';
   }

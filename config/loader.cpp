@@ -7,6 +7,7 @@
 #include "config/declaration.hpp"
 #include "config/limits.hpp"
 #include "config/port.hpp"
+#include "config/program.hpp"
 #include "config/scalars.hpp"
 
 namespace fieldcast::config {
@@ -14,21 +15,6 @@ namespace {
 
 constexpr std::pair<std::string_view, LogLevel> kLevels[] = {
     {"error", LogLevel::kError}, {"warning", LogLevel::kWarning}, {"info", LogLevel::kInfo}, {"debug", LogLevel::kDebug}};
-
-// "192.168.1.7": DDS matches interfaces by address.
-bool is_ipv4(std::string_view text) {
-  unsigned parts = 0;
-  while (true) {
-    const auto point = std::min(text.find('.'), text.size());
-    const auto part = text.substr(0, point);
-    const auto value = whole_from(part);
-    if (part.empty() || part.size() > 3 || part.find_first_not_of("0123456789") != part.npos || !value || *value > 255)
-      return false;
-    ++parts;
-    if (point == text.size()) return parts == 4;
-    text.remove_prefix(point + 1);
-  }
-}
 
 void read_interfaces(MapReader& map, DdsSpec& spec) {
   const Node* node = map.find("interfaces");
@@ -107,7 +93,9 @@ void read_bridge(const Node& root, BridgeSpec& spec, Session& session) {
   map.read_required("bridge", spec.name, NameRule{}, "a name for the bridge");
   read_dds(map, spec.dds, session.library);
   read_log(map, spec.log);
+  read_program(map, spec.program, session.library);
   read_buses(map, spec, session);
+  if (const Node* buses = map.find("buses")) check_device_numbers(*buses, spec, session.faults);
 }
 
 std::vector<Fault> whole_file(const std::string& file, std::string what, std::string allowed = {}) {

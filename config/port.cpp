@@ -5,6 +5,7 @@
 
 #include "config/limits.hpp"
 #include "config/map_reader.hpp"
+#include "config/program.hpp"
 #include "config/scalars.hpp"
 
 namespace fieldcast::config {
@@ -75,7 +76,7 @@ struct HostPortRule {
   }
 };
 
-// Keys that belong to the other kind of port.
+// Keys that belong to another kind of port.
 void refuse(MapReader& map, std::string_view kind, std::span<const std::string_view> keys) {
   for (const auto key : keys) {
     if (map.find(key) == nullptr) continue;
@@ -98,22 +99,37 @@ SerialPortSpec read_serial(MapReader& map, const LineFormat& standard) {
   return port;
 }
 
-TcpPortSpec read_tcp(MapReader& map, const LineFormat& standard) {
-  TcpPortSpec port;
-  std::pair<std::string, std::uint16_t> endpoint;
-  if (map.read("tcp", endpoint, HostPortRule{})) port.host = endpoint.first, port.port = endpoint.second;
-  map.read("connect-timeout", port.connect_timeout, DurationRule{std::chrono::milliseconds{10}, kMaxTimeout});
+// Of the serial line behind a network; nothing where there is none.
+std::optional<LineFormat> read_far_line(MapReader& map, const LineFormat& standard) {
   LineFormat format = standard;
   std::uint32_t baud = 0;
   const bool has_format = map.read("format", format, FormatRule{});
   if (map.read("baud", baud, BaudRule{})) {
     format.baud = baud;
-    port.line = format;
-  } else if (has_format && !map.has("baud")) {
+    return format;
+  }
+  if (has_format && !map.has("baud")) {
     map.faults().add(map.place_of("format"), "'format' without 'baud'",
                      "both for the line behind a serial server, none for a plain TCP device");
   }
+  return std::nullopt;
+}
+
+TcpPortSpec read_tcp(MapReader& map, const LineFormat& standard) {
+  TcpPortSpec port;
+  std::pair<std::string, std::uint16_t> endpoint;
+  if (map.read("tcp", endpoint, HostPortRule{})) port.host = endpoint.first, port.port = endpoint.second;
+  map.read("connect-timeout", port.connect_timeout, DurationRule{std::chrono::milliseconds{10}, kMaxTimeout});
+  port.line = read_far_line(map, standard);
   refuse(map, "tcp", std::array<std::string_view, 3>{"rs485", "low-latency", "exclusive"});
+  return port;
+}
+
+DialInPortSpec read_dial_in(MapReader& map, const LineFormat& standard) {
+  DialInPortSpec port;
+  map.read("dial-in", port.number, DeviceNumberRule{});
+  port.line = read_far_line(map, standard);
+  refuse(map, "dial-in", std::array<std::string_view, 4>{"rs485", "low-latency", "exclusive", "connect-timeout"});
   return port;
 }
 
@@ -163,12 +179,22 @@ void check_port(const std::string& protocol, const PortSpec& port, const Place& 
 PortSpec read_port(const Node& node, std::string_view protocol, FaultList& faults) {
   const LineFormat standard = standard_line(protocol);
   MapReader map(node, kPortKeys, faults);
-  const Node* serial = map.find("serial");
+  (void)map.find("serial");
   const Node* tcp = map.find("tcp");
-  if (serial != nullptr && tcp != nullptr) faults.add(map.place_of("tcp"), "a port is both serial and tcp", "one of serial, tcp");
-  if (map.is_map() && !map.has_or_means("serial") && !map.has_or_means("tcp")) {
-    faults.add(map.place(), "'port' names neither serial nor tcp", "serial: PATH, tcp: HOST:PORT");
+  const Node* dial_in = map.find("dial-in");
+  static constexpr std::string_view kKinds[] = {"serial", "tcp", "dial-in"};
+  std::vector<std::string_view> named;
+  for (const auto kind : kKinds) {
+    if (map.has(kind)) named.push_back(kind);
   }
+  if (named.size() > 1) {
+    faults.add(map.place_of(named[1]), "a port is both " + std::string(named[0]) + " and " + std::string(named[1]), "one of " + joined(kKinds));
+  }
+  const bool means_one = std::ranges::any_of(kKinds, [&](auto kind) { return map.has_or_means(kind); });
+  if (map.is_map() && !means_one) {
+    faults.add(map.place(), "'port' names neither serial nor tcp nor dial-in", "serial: PATH, tcp: HOST:PORT, dial-in: NUMBER");
+  }
+  if (dial_in != nullptr && named.front() == "dial-in") return read_dial_in(map, standard);
   if (tcp != nullptr || map.has("tcp")) return read_tcp(map, standard);
   return read_serial(map, standard);
 }

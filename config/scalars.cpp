@@ -94,6 +94,20 @@ std::optional<std::int64_t> whole_from(std::string_view text) {
   return value;
 }
 
+bool is_ipv4(std::string_view text) {
+  unsigned parts = 0;
+  while (true) {
+    const auto point = std::min(text.find('.'), text.size());
+    const auto part = text.substr(0, point);
+    const auto value = whole_from(part);
+    if (part.empty() || part.size() > 3 || part.find_first_not_of("0123456789") != part.npos || !value || *value > 255)
+      return false;
+    ++parts;
+    if (point == text.size()) return parts == 4;
+    text.remove_prefix(point + 1);
+  }
+}
+
 std::optional<Duration> DurationRule::operator()(const Node& node, std::string_view key, FaultList& faults) const {
   const std::string* text = scalar_of(node, key, kDurationForm, faults);
   if (text == nullptr) return std::nullopt;

@@ -28,6 +28,9 @@ namespace fieldcast::config {
 // A whole number in full: "12", "-3", "0x1F".
 [[nodiscard]] std::optional<std::int64_t> whole_from(std::string_view text);
 
+// "192.168.1.7"
+[[nodiscard]] bool is_ipv4(std::string_view text);
+
 struct DurationRule {
   Duration min, max;
   std::optional<Duration> operator()(const Node& node, std::string_view key, FaultList& faults) const;

@@ -34,7 +34,7 @@ void BusEngine::State::device_failed(DeviceIndex index, Cause cause, Instant now
   for (ChannelIndex c = channels.first_of(index); c < channels.end_of(index); ++c) channels.failing(c, cause, now);
   notice(Notice::Kind::kDeviceLost, index, cause, "does not answer; asked ever more rarely until it does", actions);
   const bool all_lost = std::all_of(devices.begin(), devices.end(), [](const DeviceRuntime& d) { return d.health.offline(); });
-  if (all_lost && std::holds_alternative<TcpPortSpec>(spec.port)) {
+  if (all_lost && over_network(spec.port)) {
     // Every device behind this connection is silent: perhaps only the connection is dead.
     actions.push_back(Reopen{"no device answers"});
     bus_state = BusState::kOpening;

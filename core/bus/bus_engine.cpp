@@ -12,7 +12,7 @@ namespace fieldcast {
 namespace {
 
 Echo echo_for(const BusSpec& bus) {
-  if (std::holds_alternative<TcpPortSpec>(bus.port) && !bus.echo) return Echo::kAbsent;
+  if (over_network(bus.port) && !bus.echo) return Echo::kAbsent;
   if (!bus.echo) return Echo::kUnknown;
   return *bus.echo ? Echo::kPresent : Echo::kAbsent;
 }

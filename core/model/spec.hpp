@@ -12,6 +12,7 @@
 #include "core/base/time.hpp"
 #include "core/codec/value_codec.hpp"
 #include "core/frame/line.hpp"
+#include "core/program/registration.hpp"
 #include "core/protocol/declared/declaration.hpp"
 #include "core/protocol/protocol.hpp"
 
@@ -84,6 +85,7 @@ struct DeviceSpec {
   std::optional<std::uint16_t> max_gap;  // unwanted items that a read may bridge; nothing: whatever pays
   bool allow_raw_read = false;      // commands to addresses
   bool allow_raw_write = false;
+  std::string number;               // under which engineers ask for it; empty: it is not programmed through the bridge
   std::vector<ChannelSpec> channels;
   friend bool operator==(const DeviceSpec&, const DeviceSpec&) = default;
 };
@@ -103,9 +105,19 @@ struct TcpPortSpec {
   Duration connect_timeout = std::chrono::seconds{3};
   friend bool operator==(const TcpPortSpec&, const TcpPortSpec&) = default;
 };
-using PortSpec = std::variant<SerialPortSpec, TcpPortSpec>;
+// A module that dials in and tells this device number.
+struct DialInPortSpec {
+  std::string number;
+  std::optional<LineFormat> line;  // of the serial line behind the module
+  friend bool operator==(const DialInPortSpec&, const DialInPortSpec&) = default;
+};
+using PortSpec = std::variant<SerialPortSpec, TcpPortSpec, DialInPortSpec>;
 
-[[nodiscard]] std::string to_text(const PortSpec& port);  // "/dev/ttyUSB0 115200 8N1", "10.0.0.7:502"
+[[nodiscard]] std::string to_text(const PortSpec& port);  // "/dev/ttyUSB0 115200 8N1", "10.0.0.7:502", "dial-in 17"
+
+// Whether the bytes come over a network, and whether a serial line is known to carry them on the way.
+[[nodiscard]] bool over_network(const PortSpec& port);
+[[nodiscard]] bool has_line(const PortSpec& port);
 
 // The line whose characters cost time: the port's own, or, for plain TCP, a nominal fast one.
 [[nodiscard]] LineFormat line_of(const PortSpec& port);
@@ -138,10 +150,36 @@ struct LogSpec {
   friend bool operator==(const LogSpec&, const LogSpec&) = default;
 };
 
+// Where programming software and the modules that dial in reach the bridge.
+struct ListenSpec {
+  std::string host;  // an IP address
+  std::uint16_t port = 0;
+  friend bool operator==(const ListenSpec&, const ListenSpec&) = default;
+};
+[[nodiscard]] bool on_loopback(const ListenSpec& listen);
+struct EngineersSpec {
+  ListenSpec listen;
+  std::string certificate, key;  // paths; set: TLS, and a login is demanded off the loopback
+  Duration heartbeat = std::chrono::seconds{5};
+  Duration idle = std::chrono::minutes{10};
+  friend bool operator==(const EngineersSpec&, const EngineersSpec&) = default;
+};
+struct ModulesSpec {
+  ListenSpec listen;
+  program::RegistrationRule registration;
+  friend bool operator==(const ModulesSpec&, const ModulesSpec&) = default;
+};
+struct ProgramSpec {
+  std::optional<EngineersSpec> engineers;
+  std::optional<ModulesSpec> modules;
+  friend bool operator==(const ProgramSpec&, const ProgramSpec&) = default;
+};
+
 struct BridgeSpec {
   std::string name;
   DdsSpec dds;
   LogSpec log;
+  ProgramSpec program;
   std::vector<BusSpec> buses;
   friend bool operator==(const BridgeSpec&, const BridgeSpec&) = default;
 };

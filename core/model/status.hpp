@@ -44,4 +44,16 @@ struct DeviceReport {
   CauseCounters causes;
 };
 
+// An engineer's pairing with a device.
+enum class ProgramSessionState : std::uint8_t { kOpen, kClosed, kRefused };
+[[nodiscard]] std::string_view to_text(ProgramSessionState state);  // "open", "closed", "refused"
+
+struct ProgramSessionReport {
+  std::string bus, device;  // a module without a bus: "dial-in" and its device number
+  ProgramSessionState state = ProgramSessionState::kClosed;
+  std::string who;
+  std::uint64_t bytes_to_device = 0, bytes_from_device = 0;
+  UtcTime since;
+};
+
 }  // namespace fieldcast

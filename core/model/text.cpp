@@ -78,6 +78,15 @@ std::string_view to_text(BusState state) {
   return "?";
 }
 
+std::string_view to_text(ProgramSessionState state) {
+  switch (state) {
+    case ProgramSessionState::kOpen: return "open";
+    case ProgramSessionState::kClosed: return "closed";
+    case ProgramSessionState::kRefused: return "refused";
+  }
+  return "?";
+}
+
 std::string_view to_text(DeviceState state) {
   switch (state) {
     case DeviceState::kUnknown: return "unknown";
@@ -100,6 +109,9 @@ std::string format_text(const LineFormat& line) {
 
 std::string to_text(const PortSpec& port) {
   if (const auto* serial = std::get_if<SerialPortSpec>(&port)) return serial->path + ' ' + format_text(serial->line);
+  if (const auto* dial_in = std::get_if<DialInPortSpec>(&port)) {
+    return "dial-in " + dial_in->number + (dial_in->line ? ' ' + format_text(*dial_in->line) : std::string{});
+  }
   const auto& tcp = std::get<TcpPortSpec>(port);
   return tcp.host + ':' + std::to_string(tcp.port) + (tcp.line ? ' ' + format_text(*tcp.line) : std::string{});
 }
@@ -107,7 +119,21 @@ std::string to_text(const PortSpec& port) {
 LineFormat line_of(const PortSpec& port) {
   if (const auto* serial = std::get_if<SerialPortSpec>(&port)) return serial->line;
   // A plain TCP device has no characters; ten megabaud make its bytes nearly free, so that only requests count.
-  return std::get<TcpPortSpec>(port).line.value_or(LineFormat{10'000'000, 8, Parity::kNone, 1});
+  const auto* tcp = std::get_if<TcpPortSpec>(&port);
+  const auto& line = tcp ? tcp->line : std::get<DialInPortSpec>(port).line;
+  return line.value_or(LineFormat{10'000'000, 8, Parity::kNone, 1});
+}
+
+bool over_network(const PortSpec& port) { return !std::holds_alternative<SerialPortSpec>(port); }
+
+bool has_line(const PortSpec& port) {
+  if (const auto* tcp = std::get_if<TcpPortSpec>(&port)) return tcp->line.has_value();
+  if (const auto* dial_in = std::get_if<DialInPortSpec>(&port)) return dial_in->line.has_value();
+  return true;
+}
+
+bool on_loopback(const ListenSpec& listen) {
+  return listen.host.starts_with("127.") || listen.host == "::1" || listen.host == "localhost";
 }
 
 }  // namespace fieldcast

@@ -9,8 +9,7 @@ constexpr Duration kEarlyLead = std::chrono::milliseconds{60};  // of a light bu
 }  // namespace
 
 Duration silence_for(const BusSpec& bus) {
-  const auto* tcp = std::get_if<TcpPortSpec>(&bus.port);
-  if (tcp && !tcp->line && !std::holds_alternative<Duration>(bus.silence)) return Duration::zero();
+  if (!has_line(bus.port) && !std::holds_alternative<Duration>(bus.silence)) return Duration::zero();
   return silence_of(bus.silence, line_of(bus.port));
 }
 

@@ -50,7 +50,7 @@ class Everything : public testing::Test {
     auto loaded = load_text(slurp(folder / "everything.yaml"), "everything.yaml", within(folder));
     ASSERT_TRUE(loaded) << faults_of(loaded);
     spec = std::move(*loaded);
-    ASSERT_EQ(spec.buses.size(), 3u);
+    ASSERT_EQ(spec.buses.size(), 4u);
     ASSERT_EQ(spec.buses[0].devices.size(), 3u);
   }
 
@@ -92,6 +92,17 @@ TEST_F(Everything, PortsArrive) {
             PortSpec(SerialPortSpec{"/dev/ttyS7", LineFormat{57600, 7, Parity::kOdd, 2}, true, false, false}));
   EXPECT_EQ(spec.buses[1].port, PortSpec(TcpPortSpec{"plc.local", 4001, LineFormat{9600, 8, Parity::kNone, 1}, seconds{5}}));
   EXPECT_EQ(spec.buses[2].port, PortSpec(TcpPortSpec{"fe80::1", 502, std::nullopt, seconds{3}}));
+  EXPECT_EQ(spec.buses[3].port, PortSpec(DialInPortSpec{"17", LineFormat{9600, 7, Parity::kEven, 2}}));
+  EXPECT_EQ(spec.buses[1].devices[0].number, "P3");
+  ASSERT_TRUE(spec.program.engineers && spec.program.modules);
+  const EngineersSpec& engineers = *spec.program.engineers;
+  EXPECT_EQ(engineers.listen, (ListenSpec{"0.0.0.0", 4950}));
+  EXPECT_TRUE(engineers.certificate.ends_with("profile.xml") && engineers.key.ends_with("profile.xml"));
+  EXPECT_EQ(engineers.heartbeat, seconds{2});
+  EXPECT_EQ(engineers.idle, seconds{90});
+  EXPECT_EQ(spec.program.modules->listen, (ListenSpec{"::1", 4951}));
+  EXPECT_EQ(spec.program.modules->registration,
+            (program::RegistrationRule{program::RegistrationRule::Ask::kWords, "N", 3, 100, 4, seconds{9}}));
 }
 
 TEST_F(Everything, BusKeysArrive) {
