@@ -39,12 +39,12 @@ CommandResult shutdown_result(const Command& command, Instant now) {
 // order.
 class BusRunner::Loop final : public PortListener, public std::enable_shared_from_this<Loop> {
  public:
-  Loop(asio::io_context& io, const BusSpec& spec, BusOutlet& outlet)
+  Loop(asio::io_context& io, const BusSpec& spec, BusOutlet& outlet, DialInRegistry* modules)
       : io_(io),
         spec_(spec),
         outlet_(outlet),
         engine_(spec),
-        port_(make_port(io, spec.port)),
+        port_(make_port(io, spec.port, modules)),
         timer_(io, *this),
         reopening_(io),
         ticking_(io),
@@ -62,6 +62,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
 
   void stop() {
     if (stopped_) return;
+    revoke("the bus stops");
     turn(StopRequested{}, steady_now());
     stopped_ = true;
     report(steady_now(), BusState::kStopped);
@@ -77,6 +78,28 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   }
 
   void event(const BusEvent& event) { turn(event, steady_now()); }
+
+  void lease(const std::string& who, const Granted& granted, Revoked revoked) {
+    if (revoked_) return granted(tl::make_unexpected(LeaseRefused{true, "the bus is lent already"}));
+    FileDescriptor line = stopped_ ? FileDescriptor{} : port_->lend();
+    if (!line.valid()) return granted(tl::make_unexpected(LeaseRefused{false, "the port of bus " + spec_.name + " is not open"}));
+    revoked_ = std::move(revoked);
+    report_soon_ = true;
+    turn(LeaseBegan{who}, steady_now());
+    const auto* serial = std::get_if<SerialPortSpec>(&spec_.port);
+    granted(LentLine{++lease_, std::move(line), serial ? std::optional(serial->line) : std::nullopt});
+  }
+
+  void end_lease(std::uint64_t lease, std::optional<std::string> lost) {
+    if (lease != lease_ || !std::exchange(revoked_, {}) || stopped_) return;
+    if (lost) {
+      port_->close();
+      return on_closed(std::move(*lost));
+    }
+    port_->take_back();
+    report_soon_ = true;
+    turn(LeaseEnded{}, steady_now());
+  }
 
   void set_trace(bool on) {
     if (stopped_) return;
@@ -104,6 +127,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   }
 
   void on_closed(std::string reason) override {
+    revoke(reason);
     const Instant now = steady_now();
     notices_.port_closed(reason, now);
     report_soon_ = true;
@@ -112,6 +136,10 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   }
 
  private:
+  void revoke(const std::string& reason) {
+    if (const Revoked revoked = std::exchange(revoked_, {})) revoked(reason);
+  }
+
   void turn(const BusEvent& event, Instant now) {
     if (stopped_) return;
     FIELDCAST_CHECK(!turning_);  // ports and outlets never call back from inside
@@ -191,6 +219,8 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   NoticeLog notices_;
   UtcMapping mapping_;
   Actions actions_;
+  std::uint64_t lease_ = 0;  // the last one
+  Revoked revoked_;  // of the lease under way; none otherwise
   Instant reported_{};
   bool report_soon_ = false;
   bool trace_ = false;
@@ -198,8 +228,8 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   bool stopped_ = false;
 };
 
-BusRunner::BusRunner(asio::io_context& io, const BusSpec& spec, BusOutlet& outlet)
-    : loop_(std::make_shared<Loop>(io, spec, outlet)) {}
+BusRunner::BusRunner(asio::io_context& io, const BusSpec& spec, BusOutlet& outlet, DialInRegistry* modules)
+    : loop_(std::make_shared<Loop>(io, spec, outlet, modules)) {}
 
 BusRunner::~BusRunner() = default;
 
@@ -223,6 +253,16 @@ void BusRunner::post(std::vector<InterestChanged> interests) {
   asio::post(loop_->io(), [loop = loop_, interests = std::move(interests)] {
     for (const InterestChanged& interest : interests) loop->event(interest);
   });
+}
+
+void BusRunner::lease(std::string who, Granted granted, Revoked revoked) {
+  asio::post(loop_->io(), [loop = loop_, who = std::move(who), granted = std::move(granted), revoked = std::move(revoked)] {
+    loop->lease(who, granted, revoked);
+  });
+}
+
+void BusRunner::end_lease(std::uint64_t lease, std::optional<std::string> lost) {
+  asio::post(loop_->io(), [loop = loop_, lease, lost = std::move(lost)]() mutable { loop->end_lease(lease, std::move(lost)); });
 }
 
 void BusRunner::set_trace(bool on) {

@@ -3,11 +3,15 @@
 // The engine and the port live on the io thread given; the functions here may be called from any thread and only post to it.
 #pragma once
 
+#include <functional>
 #include <future>
 #include <memory>
+#include <string>
+#include <tl/expected.hpp>
 #include <vector>
 
 #include "bridge/bus_outlet.hpp"
+#include "bridge/port/file_descriptor.hpp"
 #include "core/bus/event.hpp"
 #include "core/model/spec.hpp"
 
@@ -17,13 +21,27 @@ class io_context;
 
 namespace fieldcast {
 
+class DialInRegistry;
+
+// A bus's line in the hands of a programming session.
+struct LentLine {
+  std::uint64_t lease = 0;            // which one, for end_lease()
+  FileDescriptor line;                // non-blocking, the session's own
+  std::optional<LineFormat> settings;  // of a serial port: what may be changed
+};
+struct LeaseRefused {
+  bool in_use = false;  // by another session; else the port is not open
+  std::string reason;
+};
+
 class BusRunner {
  public:
   // Commands that may wait for the io thread. More are refused; the engine's own queue has its own limit.
   static constexpr std::size_t kMaxWaiting = 1024;
 
-  // The outlet must outlive the runner's stop(). REQUIRES: spec is as the loader makes it.
-  BusRunner(boost::asio::io_context& io, const BusSpec& spec, BusOutlet& outlet);
+  // The outlet must outlive the runner's stop(), and so must the registry, which a dial-in port needs. REQUIRES: spec is as the
+  // loader makes it.
+  BusRunner(boost::asio::io_context& io, const BusSpec& spec, BusOutlet& outlet, DialInRegistry* modules = nullptr);
   ~BusRunner();  // REQUIRES: stop() was waited for, or start() never called
   BusRunner(const BusRunner&) = delete;
   BusRunner& operator=(const BusRunner&) = delete;
@@ -36,6 +54,15 @@ class BusRunner {
   void post(std::vector<InterestChanged> interests);
   // Wire trace on stdout.
   void set_trace(bool on);
+
+  // Lends the bus to `who`: its acquisition rests until end_lease(). `granted` is called once; `revoked`, after a grant, when the
+  // port is lost or the bus stops before the lease ended. Both on the io thread, where they only post.
+  using Granted = std::function<void(tl::expected<LentLine, LeaseRefused>)>;
+  using Revoked = std::function<void(std::string reason)>;
+  void lease(std::string who, Granted granted, Revoked revoked);
+  // The session's descriptor is closed. `lost`: why the line is of no use any more; then it is opened anew.
+  // A lease that was revoked is over already.
+  void end_lease(std::uint64_t lease, std::optional<std::string> lost);
 
   // Answers every pending command with kShutdown, reports the bus as stopped and closes the port. Ready when nothing of this bus
   // will happen any more. Once.

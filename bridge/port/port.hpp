@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "bridge/port/file_descriptor.hpp"
 #include "core/base/bytes.hpp"
 #include "core/base/time.hpp"
 #include "core/model/spec.hpp"
@@ -46,9 +47,19 @@ class Port {
   virtual void poll() = 0;
   virtual void close() = 0;
 
+  // Lends the line to a programming session: a second descriptor of it, non-blocking, for a thread of its own. Until take_back()
+  // nothing is delivered and nothing may be written here. Invalid when the port is not open.
+  [[nodiscard]] virtual FileDescriptor lend() = 0;
+  // The session is over: the line is set up as configured, what it received meanwhile is dropped. No effect unless lent.
+  virtual void take_back() = 0;
+
   static constexpr std::size_t kMaxUnsent = 4096;
 };
 
-[[nodiscard]] std::unique_ptr<Port> make_port(boost::asio::io_context& io, const PortSpec& spec);
+class DialInRegistry;
+
+// `modules` outlives the port; it is needed for a port that modules dial in to.
+[[nodiscard]] std::unique_ptr<Port> make_port(boost::asio::io_context& io, const PortSpec& spec,
+                                              DialInRegistry* modules = nullptr);
 
 }  // namespace fieldcast

@@ -96,6 +96,21 @@ tl::expected<std::vector<LineRemark>, std::string> set_up_line(int fd, const Ser
   return remarks;
 }
 
+tl::expected<void, std::string> change_rate(int fd, const LineFormat& line) {
+  termios2 settings{};
+  if (::ioctl(fd, TCGETS2, &settings) != 0) return tl::make_unexpected(last_fault("cannot read the line's settings"));
+  settings.c_cflag = (settings.c_cflag & ~static_cast<tcflag_t>(CBAUD | CSTOPB)) | BOTHER | (line.stop_bits == 2 ? CSTOPB : 0u);
+  settings.c_ispeed = settings.c_ospeed = line.baud;
+  if (::ioctl(fd, TCSETS2, &settings) != 0) return tl::make_unexpected(last_fault("cannot set up the line"));
+  return is_pseudo_terminal(fd) ? tl::expected<void, std::string>{} : verify_settings(fd, line);
+}
+
+std::optional<program::LineSettings> rate_of(int fd) {
+  termios2 settings{};
+  if (::ioctl(fd, TCGETS2, &settings) != 0) return std::nullopt;
+  return program::LineSettings{settings.c_ospeed, static_cast<std::uint8_t>((settings.c_cflag & CSTOPB) != 0 ? 2 : 1)};
+}
+
 void drop_unsent(int fd) { ::ioctl(fd, TCFLSH, TCOFLUSH); }
 
 }  // namespace fieldcast

@@ -2,11 +2,13 @@
 // kernel, the driver's low-latency flag. Stateless functions on an open descriptor. Linux only.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <tl/expected.hpp>
 #include <vector>
 
 #include "core/model/spec.hpp"
+#include "core/program/frame.hpp"
 
 namespace fieldcast {
 
@@ -22,6 +24,13 @@ struct LineRemark {
 
 // A pseudo-terminal keeps no format and no baud rate: nothing about it is worth a warning.
 [[nodiscard]] bool is_pseudo_terminal(int fd);
+
+// Other baud rate and stop bits, without losing what is on its way. An error for people when the driver refuses.
+[[nodiscard]] tl::expected<void, std::string> change_rate(int fd, const LineFormat& line);
+
+// Baud rate and stop bits as they are now; from the master side of a pseudo-terminal those that the program at its slave has set.
+// Of a pseudo-terminal data bits and parity cannot be told: Linux makes every one 8N (drivers/tty/pty.c, pty_set_termios).
+[[nodiscard]] std::optional<program::LineSettings> rate_of(int fd);
 
 // Throws away what is unsent: else close() may wait long for a line that takes nothing.
 void drop_unsent(int fd);

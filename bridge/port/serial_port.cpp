@@ -56,7 +56,7 @@ class SerialPort::Session : public std::enable_shared_from_this<Session> {
   }
 
   void write(ByteView bytes) {
-    if (over_ || !stream_.is_open()) return;
+    if (over_ || lent_ || !stream_.is_open()) return;
     drop_stale();
     push(bytes);
   }
@@ -69,7 +69,19 @@ class SerialPort::Session : public std::enable_shared_from_this<Session> {
   }
 
   void poll() {
-    if (!over_ && stream_.is_open()) take();
+    if (!over_ && !lent_ && stream_.is_open()) take();
+  }
+
+  FileDescriptor lend() {
+    if (over_ || !stream_.is_open()) return {};
+    lent_ = true;
+    return FileDescriptor(::fcntl(stream_.native_handle(), F_DUPFD_CLOEXEC, 0));
+  }
+
+  void take_back() {
+    if (over_ || !std::exchange(lent_, false)) return;
+    if (const auto remarks = set_up_line(stream_.native_handle(), spec_); !remarks) return fail_later(remarks.error());
+    listen();
   }
 
   void close() {
@@ -113,8 +125,10 @@ class SerialPort::Session : public std::enable_shared_from_this<Session> {
   // Waits for bytes and then takes them, in two steps: nothing is taken that is not delivered at once, so that poll() may come
   // between.
   void listen() {
+    if (lent_ || std::exchange(listening_, true)) return;
     stream_.async_wait(asio::posix::stream_descriptor::wait_read, [self = shared_from_this()](boost::system::error_code fault) {
-      if (self->over_) return;
+      self->listening_ = false;
+      if (self->over_ || self->lent_) return;
       if (fault) return self->fail(fault.message());
       self->sleep_ = {};
       if (!self->take() || self->over_) return;
@@ -171,6 +185,8 @@ class SerialPort::Session : public std::enable_shared_from_this<Session> {
   Duration sleep_{};
   Unsent unsent_{Unsent::Kind::kTerminal};
   bool over_ = false;
+  bool lent_ = false;
+  bool listening_ = false;  // a wait is under way
   std::array<std::uint8_t, 4096> buffer_;
 };
 
@@ -193,6 +209,12 @@ void SerialPort::expect(std::uint32_t characters) {
 
 void SerialPort::poll() {
   if (session_) session_->poll();
+}
+
+FileDescriptor SerialPort::lend() { return session_ ? session_->lend() : FileDescriptor{}; }
+
+void SerialPort::take_back() {
+  if (session_) session_->take_back();
 }
 
 void SerialPort::close() {

@@ -19,6 +19,8 @@ class SerialPort final : public Port {
   void expect(std::uint32_t characters) override;
   void poll() override;
   void close() override;
+  FileDescriptor lend() override;
+  void take_back() override;
 
  private:
   class Session;

@@ -5,6 +5,8 @@
 
 namespace fieldcast {
 
+class Connection;
+
 class TcpPort final : public Port {
  public:
   TcpPort(boost::asio::io_context& io, TcpPortSpec spec);
@@ -17,9 +19,12 @@ class TcpPort final : public Port {
   void expect(std::uint32_t) override {}  // the network delivers answers in one piece, or at its own rhythm
   void poll() override;
   void close() override;
+  FileDescriptor lend() override;
+  void take_back() override;
 
  private:
   class Session;
+  [[nodiscard]] Connection* connected();
   boost::asio::io_context& io_;
   TcpPortSpec spec_;
   std::shared_ptr<Session> session_;  // shared with the handlers under way

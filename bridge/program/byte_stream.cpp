@@ -1,0 +1,54 @@
+#include "bridge/program/byte_stream.hpp"
+
+#include <sys/socket.h>
+
+#include <boost/asio/generic/stream_protocol.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
+
+namespace fieldcast::program {
+namespace {
+
+namespace asio = boost::asio;
+
+template <typename Stream>
+class StreamOf final : public ByteStream {
+ public:
+  explicit StreamOf(Stream stream) : stream_(std::move(stream)) {}
+  void read_some(asio::mutable_buffer into, Done done) override { stream_.async_read_some(into, std::move(done)); }
+  void write_some(asio::const_buffer from, Done done) override { stream_.async_write_some(from, std::move(done)); }
+  void close() override {
+    boost::system::error_code ignored;
+    stream_.close(ignored);
+  }
+
+ private:
+  Stream stream_;
+};
+
+}  // namespace
+
+std::unique_ptr<ByteStream> socket_stream(asio::ip::tcp::socket socket) {
+  return std::make_unique<StreamOf<asio::ip::tcp::socket>>(std::move(socket));
+}
+
+std::unique_ptr<ByteStream> descriptor_stream(asio::io_context& io, FileDescriptor descriptor) {
+  boost::system::error_code fault;
+  int domain = 0;
+  socklen_t size = sizeof domain;
+  if (::getsockopt(descriptor.get(), SOL_SOCKET, SO_DOMAIN, &domain, &size) == 0) {
+    // As a socket: writing to one whose peer is gone is then an error and no signal.
+    asio::generic::stream_protocol::socket socket(io);
+    socket.assign(asio::generic::stream_protocol(domain, IPPROTO_TCP), descriptor.get(), fault);
+    if (fault) return nullptr;
+    (void)descriptor.release();
+    return std::make_unique<StreamOf<decltype(socket)>>(std::move(socket));
+  }
+  asio::posix::stream_descriptor stream(io);
+  stream.assign(descriptor.get(), fault);
+  if (fault) return nullptr;
+  (void)descriptor.release();
+  return std::make_unique<StreamOf<decltype(stream)>>(std::move(stream));
+}
+
+}  // namespace fieldcast::program

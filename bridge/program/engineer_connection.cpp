@@ -1,0 +1,197 @@
+#include "bridge/program/engineer_connection.hpp"
+
+#include <fmt/format.h>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+
+#include "bridge/clock.hpp"
+#include "bridge/log.hpp"
+#include "bridge/port/serial_line.hpp"
+
+namespace fieldcast::program {
+namespace {
+
+namespace asio = boost::asio;
+
+constexpr Duration kFlushPatience = std::chrono::seconds{2};  // for what is still to be sent when a side is let go
+
+}  // namespace
+
+EngineerConnection::EngineerConnection(Surroundings& around, std::unique_ptr<ByteStream> stream, std::string address,
+                                       const EngineerRules& rules)
+    : around_(around),
+      address_(std::move(address)),
+      engineer_(rules, steady_now()),
+      client_(std::make_shared<RelayEnd>(std::move(stream))),
+      timer_(around.io) {}
+
+void EngineerConnection::start() {
+  const auto self = shared_from_this();
+  client_->start({[self](ByteView bytes) { self->tell(FromClient{bytes}); },
+                  [self](const std::string& reason) { self->tell(ClientGone{reason}); },
+                  [self](bool room) {
+                    if (self->device_) self->device_->hold(!room);
+                    self->tell(ClientTakes{room});
+                  }});
+  tell(TimerFired{});  // sets the first timer
+}
+
+void EngineerConnection::end(const std::string& reason) { tell(Ended{reason}); }
+
+void EngineerConnection::tell(const EngineerEvent& event) {
+  if (over_) return;
+  EngineerActions actions;
+  engineer_.on_event(event, steady_now(), actions);
+  const auto self = shared_from_this();
+  for (const EngineerAction& action : actions) {
+    std::visit([&](const auto& what) { execute(what); }, action);
+  }
+}
+
+void EngineerConnection::execute(const ToClient& what) { client_->send(what.bytes); }
+
+void EngineerConnection::execute(const ToDevice& what) {
+  if (device_) device_->send(what.bytes);
+}
+
+void EngineerConnection::execute(const CheckLogin& what) {
+  const auto answered = [weak = weak_from_this(), &io = around_.io, user = what.user](LoginAnswer answer) {
+    asio::post(io, [weak, user, answer] {
+      const auto self = weak.lock();
+      if (!self) return;
+      if (answer.allowed) self->user_ = user;
+      self->tell(LoginChecked{answer.allowed, answer.allowed ? "" : fmt::format("user {}: {}", user, answer.reason)});
+    });
+  };
+  if (!around_.hooks.login) return answered({false, "this bridge has no users"});
+  around_.hooks.login(what.user, what.password, address_.substr(0, address_.rfind(':')), answered);
+}
+
+void EngineerConnection::execute(const TakeDevice& what) {
+  wish_ = what.number;
+  lost_.reset();
+  const auto weak = weak_from_this();
+  hold_ = around_.devices->take(what.number, who(),
+                                {[weak](FileDescriptor line) {
+                                   if (const auto self = weak.lock()) self->granted(std::move(line));
+                                 },
+                                 [weak](const Refusal& refusal) {
+                                   if (const auto self = weak.lock()) self->tell(DeviceRefused{refusal.why, refusal.reason});
+                                 },
+                                 [weak](const std::string& reason) {
+                                   const auto self = weak.lock();
+                                   if (!self) return;
+                                   self->lost_ = reason;
+                                   self->tell(DeviceLost{reason});
+                                 }});
+}
+
+void EngineerConnection::granted(FileDescriptor line) {
+  line_ = line.get();
+  auto stream = descriptor_stream(around_.io, std::move(line));
+  if (!stream) {
+    lost_ = "its line is of no use";
+    around_.devices->give_back(*hold_, lost_);
+    return tell(DeviceRefused{Reply::kNotOnline, *lost_});
+  }
+  const auto self = shared_from_this();
+  device_ = std::make_shared<RelayEnd>(std::move(stream));
+  since_ = read_clocks().to_utc(steady_now());
+  reported_bytes_ = 0;
+  tell(DeviceGiven{});
+  if (!device_) return;
+  device_->start({[self](ByteView bytes) { self->tell(FromDevice{bytes}); },
+                  [self](const std::string& reason) {
+                    self->lost_ = reason;
+                    self->tell(DeviceLost{reason});
+                  },
+                  [self](bool room) {
+                    self->client_->hold(!room);
+                    self->tell(DeviceTakes{room});
+                  }});
+  report(ProgramSessionState::kOpen);
+}
+
+void EngineerConnection::execute(const SetLine& what) {
+  if (!device_ || !hold_->settings || what.settings.baud == 0) return;
+  LineFormat line = *hold_->settings;
+  line.baud = what.settings.baud;
+  line.stop_bits = what.settings.stop_bits == 2 ? 2 : 1;
+  const auto changed = change_rate(line_, line);
+  log_info("program", fmt::format("{}/{}: line set to {} baud, {} stop bits{}", hold_->bus, hold_->device, line.baud,
+                                  line.stop_bits, changed ? "" : ": " + changed.error()));
+}
+
+void EngineerConnection::execute(const FreeDevice&) {
+  if (!hold_) return;
+  client_->hold(false);
+  if (!device_) return around_.devices->give_back(*hold_, std::nullopt);
+  report(ProgramSessionState::kClosed);
+  const auto device = std::exchange(device_, nullptr);
+  line_ = -1;
+  // The book holds the device until what was meant for it has left, or nobody waits for that any more.
+  device->finish([hold = hold_, lost = lost_, devices = around_.devices] { devices->give_back(*hold, lost); });
+  if (lost_) return device->close();
+  patience(device);
+}
+
+// Closes an end that cannot send what is left.
+void EngineerConnection::patience(const std::shared_ptr<RelayEnd>& end) {
+  if (end->unsent() == 0) return;
+  const auto limit = std::make_shared<asio::steady_timer>(around_.io, kFlushPatience);
+  limit->async_wait([limit, end](boost::system::error_code) { end->close(); });
+}
+
+void EngineerConnection::execute(const HangUp&) {
+  over_ = true;
+  timer_.cancel();
+  const auto self = shared_from_this();
+  client_->finish([self] { asio::post(self->around_.io, [self] { self->around_.over(self); }); });
+  patience(client_);
+}
+
+void EngineerConnection::execute(const SetTimer& what) {
+  timer_.cancel();
+  if (what.at == kNever) return;
+  timer_.expires_at(std::chrono::steady_clock::time_point{what.at.time_since_epoch()});
+  timer_.async_wait([weak = weak_from_this()](boost::system::error_code cancelled) {
+    const auto self = weak.lock();
+    if (!cancelled && self) self->tell(TimerFired{});
+  });
+}
+
+void EngineerConnection::execute(const Remark& what) {
+  const std::string target = wish_.empty() ? "" : hold_ ? hold_->bus + '/' + hold_->device : wish_;
+  const std::string text = fmt::format("{}{}: {}", who(), target.empty() ? "" : " at " + target, what.text);
+  switch (what.kind) {
+    case Remark::Kind::kLogin: return audit("logged in");
+    case Remark::Kind::kPaired: log_info("program", text + ", paired"); return audit("paired, " + what.text);
+    case Remark::Kind::kEnded: log_info("program", text); return audit("ended: " + what.text);
+    case Remark::Kind::kLoginFailed: log_warning("program", text); return audit("login refused: " + what.text);
+    case Remark::Kind::kRefused: log_warning("program", text); return audit("refused: " + what.text);
+    case Remark::Kind::kDropped: log_warning("program", text); return audit("dropped: " + what.text);
+  }
+}
+
+void EngineerConnection::audit(const std::string& result) const {
+  if (!around_.hooks.audit) return;
+  const std::string target = wish_.empty() ? "" : hold_ ? hold_->bus + '/' + hold_->device : wish_;
+  around_.hooks.audit({who(), target, engineer_.bytes_to_device(), engineer_.bytes_from_device(), result});
+}
+
+void EngineerConnection::tick() {
+  const std::uint64_t bytes = engineer_.bytes_to_device() + engineer_.bytes_from_device();
+  if (device_ && bytes != reported_bytes_) report(ProgramSessionState::kOpen);
+}
+
+void EngineerConnection::report(ProgramSessionState state) {
+  reported_bytes_ = engineer_.bytes_to_device() + engineer_.bytes_from_device();
+  if (!around_.hooks.report) return;
+  around_.hooks.report(
+      {hold_->bus, hold_->device, state, who(), engineer_.bytes_to_device(), engineer_.bytes_from_device(), since_});
+}
+
+std::string EngineerConnection::who() const { return user_.empty() ? address_ : user_ + " (" + address_ + ')'; }
+
+}  // namespace fieldcast::program

@@ -1,0 +1,67 @@
+// One engineer's client: its stream, the device lent to it, and the pure Engineer that decides. Executes what that says. Lives on
+// the server's io thread; the desk holds it until it is over.
+#pragma once
+
+#include <boost/asio/steady_timer.hpp>
+#include <memory>
+#include <string>
+
+#include "bridge/program/device_book.hpp"
+#include "bridge/program/hooks.hpp"
+#include "bridge/program/relay_end.hpp"
+#include "core/program/engineer.hpp"
+
+namespace fieldcast::program {
+
+class EngineerConnection : public std::enable_shared_from_this<EngineerConnection> {
+ public:
+  // What it needs of its desk, which outlives it.
+  struct Surroundings {
+    boost::asio::io_context& io;
+    std::shared_ptr<DeviceBook> devices;
+    const Hooks& hooks;
+    std::function<void(const std::shared_ptr<EngineerConnection>&)> over;
+  };
+
+  EngineerConnection(Surroundings& around, std::unique_ptr<ByteStream> stream, std::string address, const EngineerRules& rules);
+
+  void start();
+  // The bridge stops: the client is told, the device freed.
+  void end(const std::string& reason);
+  // Reports the bytes of a session that goes on.
+  void tick();
+
+ private:
+  void tell(const EngineerEvent& event);
+  void execute(const ToClient& what);
+  void execute(const ToDevice& what);
+  void execute(const CheckLogin& what);
+  void execute(const TakeDevice& what);
+  void execute(const SetLine& what);
+  void execute(const FreeDevice& what);
+  void execute(const HangUp& what);
+  void execute(const SetTimer& what);
+  void execute(const Remark& what);
+  void granted(FileDescriptor line);
+  void free_device();
+  void patience(const std::shared_ptr<RelayEnd>& end);
+  void report(ProgramSessionState state);
+  void audit(const std::string& result) const;
+  [[nodiscard]] std::string who() const;
+
+  Surroundings& around_;
+  const std::string address_;
+  std::string user_;
+  Engineer engineer_;
+  std::shared_ptr<RelayEnd> client_, device_;
+  std::shared_ptr<Hold> hold_;
+  int line_ = -1;                    // of the device, while device_ lives: for its settings
+  std::optional<std::string> lost_;  // why the device's line ended
+  boost::asio::steady_timer timer_;
+  std::string wish_;  // the device number asked for last
+  UtcTime since_{};
+  std::uint64_t reported_bytes_ = 0;
+  bool over_ = false;
+};
+
+}  // namespace fieldcast::program

@@ -1,0 +1,33 @@
+// What the programming server asks of the rest of the bridge: who may log in, where the audit goes, who hears of sessions. Each
+// may be called on the server's thread, must not block, and may be missing.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "core/base/time.hpp"
+#include "core/model/status.hpp"
+
+namespace fieldcast::program {
+
+struct LoginAnswer {
+  bool allowed = false;
+  std::string reason;  // why not
+};
+
+// One line of the audit.
+struct Transmission {
+  std::string who;     // the user and the address, or the address alone
+  std::string target;  // "press-shop/press-1", or the device number asked for
+  std::uint64_t bytes_to_device = 0, bytes_from_device = 0;
+  std::string result;  // one line for people
+};
+
+struct Hooks {
+  // `done` is called once, on any thread. Only programmers are allowed.
+  std::function<void(std::string user, std::string password, std::string address, std::function<void(LoginAnswer)> done)> login;
+  std::function<void(const Transmission&)> audit;
+  std::function<void(const ProgramSessionReport&)> report;
+};
+
+}  // namespace fieldcast::program

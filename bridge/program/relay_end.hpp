@@ -1,0 +1,52 @@
+// One side of a relay: delivers what its stream brings, sends what it is given in order, and says when too much waits to be sent.
+// Lives on one io thread.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "bridge/program/byte_stream.hpp"
+#include "core/base/bytes.hpp"
+
+namespace fieldcast::program {
+
+class RelayEnd : public std::enable_shared_from_this<RelayEnd> {
+ public:
+  static constexpr std::size_t kHigh = 128 * 1024;  // unsent bytes: the other side is to be held
+  static constexpr std::size_t kLow = 32 * 1024;    // and may go on
+  static constexpr std::size_t kPiece = 32 * 1024;  // at most, of one read
+
+  struct Handlers {
+    std::function<void(ByteView)> bytes;
+    std::function<void(std::string reason)> gone;  // once, not after close(); for people
+    std::function<void(bool)> room;                // false: more than kHigh waits; true: less than kLow again
+  };
+
+  explicit RelayEnd(std::unique_ptr<ByteStream> stream) : stream_(std::move(stream)), piece_(kPiece) {}
+
+  void start(Handlers handlers);
+  void send(ByteView bytes);
+  // Stops reading, or goes on; what has arrived in the kernel stays there and holds the peer.
+  void hold(bool held);
+  [[nodiscard]] std::size_t unsent() const { return waiting_.size() + writing_.size() - written_; }
+  // Closes at once; no handler is called any more.
+  void close();
+  // Reads no more; closes when everything is sent, or is closed before by whoever has no patience. Then calls `done`, once.
+  void finish(std::function<void()> done);
+
+ private:
+  void read();
+  void write();
+  void fail(const std::string& reason);
+
+  std::unique_ptr<ByteStream> stream_;
+  Handlers handlers_;
+  std::function<void()> finished_;
+  Bytes piece_;
+  Bytes waiting_, writing_;
+  std::size_t written_ = 0;  // of writing_
+  bool reading_ = false, held_ = false, crowded_ = false, closed_ = false;
+};
+
+}  // namespace fieldcast::program

@@ -1,0 +1,45 @@
+// The programming server of a bridge: engineers on one side, modules that dial in and the devices of the buses on the other. Owns
+// its io thread. Its functions are for the main thread.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <tl/expected.hpp>
+
+#include "bridge/program/hooks.hpp"
+#include "core/model/spec.hpp"
+
+namespace fieldcast {
+class BusRunner;
+class DialInRegistry;
+}  // namespace fieldcast
+
+namespace fieldcast::program {
+
+class Server {
+ public:
+  // The registry and what the hooks use outlive the server; the server outlives every bus that was added.
+  Server(Hooks hooks, DialInRegistry& registry);
+  ~Server();  // stop()
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  // Listens where the spec says, nowhere if it says nothing. The error is one line. REQUIRES: not started.
+  [[nodiscard]] tl::expected<void, std::string> start(const ProgramSpec& spec);
+  // Tells clients and modules that it is over, at most two seconds. It may be started again.
+  void stop();
+
+  // Devices of a bus that engineers may ask for. A bus is removed before its runner stops. May be called before start().
+  void add_bus(const BusSpec& bus, std::shared_ptr<BusRunner> runner);
+  void remove_bus(const std::string& bus);
+
+  // Where it listens: for tests that let the system choose. 0: nowhere.
+  [[nodiscard]] std::uint16_t engineers_port() const;
+  [[nodiscard]] std::uint16_t modules_port() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace fieldcast::program

@@ -1,0 +1,85 @@
+// A programming server on ports that the system chooses, with what it says to the audit kept for the test.
+#pragma once
+
+#include <gmock/gmock.h>
+
+#include <condition_variable>
+#include <mutex>
+
+#include "bridge/bus_runner.hpp"
+#include "bridge/io_thread.hpp"
+#include "bridge/port/dial_in_registry.hpp"
+#include "bridge/program/server.hpp"
+#include "tests/bridge/support/recording_outlet.hpp"
+#include "tests/bridge/support/tcp_client.hpp"
+
+namespace fieldcast::test {
+
+class ServerFixture : public testing::Test {
+ protected:
+  ServerFixture() {
+    spec.engineers.emplace().listen = {"127.0.0.1", 0};
+    spec.modules.emplace().listen = {"127.0.0.1", 0};
+  }
+
+  void start() {
+    const auto started = server.start(spec);
+    ASSERT_TRUE(started) << started.error();
+  }
+  [[nodiscard]] TcpClient module(std::string_view registration) const {
+    TcpClient made(server.modules_port());
+    made.say(registration);
+    return made;
+  }
+  [[nodiscard]] TcpClient engineer() const { return TcpClient(server.engineers_port()); }
+
+  // Asks until the device is there: a module's registration takes its moment.
+  [[nodiscard]] static std::string pair(TcpClient& client, const std::string& wish) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{10};
+    std::string reply;
+    unsigned wishes = 0;
+    do {
+      client.say("@@" + wish + "FEFF");
+      reply = client.hear("FEFF");
+    } while (reply == "@@0001FEFF" && ++wishes < 9 && std::chrono::steady_clock::now() < deadline);
+    return reply;
+  }
+
+  // False: no line of the audit has this text within the limit.
+  [[nodiscard]] bool audited(const std::string& text) {
+    std::unique_lock lock(mutex);
+    return changed.wait_for(lock, std::chrono::seconds{10}, [&] {
+      return std::any_of(audit.begin(), audit.end(),
+                         [&](const auto& entry) { return entry.result.find(text) != std::string::npos; });
+    });
+  }
+
+  program::Hooks hooks() {
+    program::Hooks made;
+    made.audit = [this](const program::Transmission& entry) {
+      {
+        const std::lock_guard lock(mutex);
+        audit.push_back(entry);
+      }
+      changed.notify_all();
+    };
+    made.report = [this](const ProgramSessionReport& report) {
+      const std::lock_guard lock(mutex);
+      reports.push_back(report);
+    };
+    made.login = [](const std::string& user, const std::string& password, const std::string&, const auto& done) {
+      done({user == "anna" && password == "secret", "wrong password"});
+    };
+    return made;
+  }
+
+  ProgramSpec spec;
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::vector<program::Transmission> audit;
+  std::vector<ProgramSessionReport> reports;
+  DialInRegistry modules;
+  program::Server server{hooks(), modules};
+};
+
+}  // namespace fieldcast::test

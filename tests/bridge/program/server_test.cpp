@@ -1,0 +1,229 @@
+// Modules, engineers and the bad input of both, over real sockets on the loopback.
+#include "bridge/program/server.hpp"
+
+#include "bridge/program/engineer_desk.hpp"
+#include "core/program/length_framing.hpp"
+#include "tests/bridge/program/program_support.hpp"
+
+namespace fieldcast {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using test::TcpClient;
+
+using ProgramServer = test::ServerFixture;
+
+// As many wishes as a module may need to be registered, each in a connection of its own.
+std::string paired(std::uint16_t port, const std::string& wish, std::unique_ptr<TcpClient>& client) {
+  const auto deadline = std::chrono::steady_clock::now() + seconds{10};
+  std::string reply;
+  do {
+    client = std::make_unique<TcpClient>(port);
+    client->say("@@" + wish + "FEFF");
+    reply = client->hear("FEFF");
+  } while (reply == "@@0001FEFF" && std::chrono::steady_clock::now() < deadline);
+  return reply;
+}
+
+TEST_F(ProgramServer, AnEngineerReachesAModuleThatDialledIn) {
+  start();
+  TcpClient module = this->module("17\r\n");
+  std::unique_ptr<TcpClient> client;
+  ASSERT_EQ(paired(server.engineers_port(), "17", client), "@@0000FEFF");
+  client->say("@@@00RD00000001*\rFEFF");
+  EXPECT_EQ(module.hear("\r"), "@00RD00000001*\r");
+  module.say("@00RD00FEFF*\r");
+  EXPECT_EQ(client->hear("\rFEFF"), "@@@00RD00FEFF*\rFEFF");
+  client->say("@@EDFEFF");
+  EXPECT_TRUE(audited("stopped by the engineer"));
+  const std::lock_guard lock(mutex);
+  EXPECT_EQ(audit.back().bytes_to_device, 15u);
+  EXPECT_EQ(audit.back().bytes_from_device, 13u);
+  EXPECT_EQ(audit.back().target, "dial-in/17");
+  ASSERT_EQ(reports.size(), 2u);
+  EXPECT_EQ(reports.front().state, ProgramSessionState::kOpen);
+  EXPECT_EQ(reports.back().state, ProgramSessionState::kClosed);
+}
+
+TEST_F(ProgramServer, FramingByLengthCarriesAllByteValuesBothWays) {
+  start();
+  TcpClient module = this->module("17\n");
+  std::unique_ptr<TcpClient> client;
+  ASSERT_EQ(paired(server.engineers_port(), "V217", client), "@@0000FEFF");
+  Bytes all(1024);
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint8_t>(i);
+  Bytes chunk;
+  program::append_chunks(chunk, all);
+  client->send(chunk);
+  EXPECT_EQ(module.hear_bytes(all.size()), std::string(all.begin(), all.end()));
+  module.send(all);
+  std::string back;
+  while (back.size() < all.size()) {
+    const std::string head = client->hear_bytes(4);
+    ASSERT_EQ(head.size(), 4u);
+    const std::size_t length = read_u32(program::as_bytes(head));
+    const std::string part = client->hear_bytes(length);
+    ASSERT_EQ(part.size(), length);
+    back += part;
+  }
+  EXPECT_EQ(back, std::string(all.begin(), all.end()));
+}
+
+TEST_F(ProgramServer, AnUnknownDeviceIsNotOnline) {
+  start();
+  TcpClient client = engineer();
+  client.say("@@4711FEFF");
+  EXPECT_EQ(client.hear("FEFF"), "@@0001FEFF");
+  EXPECT_TRUE(audited("refused: no device of this number"));
+}
+
+TEST_F(ProgramServer, ASecondEngineerHearsThatTheDeviceIsInUse) {
+  start();
+  TcpClient module = this->module("17\n");
+  std::unique_ptr<TcpClient> first;
+  ASSERT_EQ(paired(server.engineers_port(), "17", first), "@@0000FEFF");
+  TcpClient second = engineer();
+  second.say("@@17FEFF");
+  EXPECT_EQ(second.hear("FEFF"), "@@0002FEFF");
+  EXPECT_TRUE(audited("refused: in use by 127.0.0.1"));
+  first->say("@@EDFEFF");
+  ASSERT_TRUE(audited("stopped by the engineer"));
+  EXPECT_EQ(pair(second, "17"), "@@0000FEFF");
+}
+
+TEST_F(ProgramServer, ADeviceLostInMidTransferIsToldAndFreed) {
+  start();
+  std::unique_ptr<TcpClient> client;
+  {
+    TcpClient module = this->module("17\n");
+    ASSERT_EQ(paired(server.engineers_port(), "17", client), "@@0000FEFF");
+    client->say("@@@00hello*\rFEFF");
+    ASSERT_EQ(module.hear("\r"), "@00hello*\r");
+    module.say("@00half");
+  }
+  EXPECT_EQ(client->hear("FEFF"), "@@0003FEFF");
+  EXPECT_TRUE(audited("the device is lost"));
+  client->say("@@17FEFF");
+  EXPECT_EQ(client->hear("FEFF"), "@@0001FEFF");
+  TcpClient again = this->module("17\n");
+  EXPECT_EQ(pair(*client, "17"), "@@0000FEFF");
+}
+
+TEST_F(ProgramServer, AModuleThatDialsInAnewReplacesItsOldConnection) {
+  start();
+  TcpClient old = this->module("17\n");
+  std::unique_ptr<TcpClient> client;
+  ASSERT_EQ(paired(server.engineers_port(), "17", client), "@@0000FEFF");
+  TcpClient fresh = this->module("17\n");
+  EXPECT_EQ(client->hear("FEFF"), "@@0003FEFF");
+  EXPECT_TRUE(old.is_closed());
+  ASSERT_EQ(pair(*client, "17"), "@@0000FEFF");
+  client->say("@@@00x*\rFEFF");
+  EXPECT_EQ(fresh.hear("\r"), "@00x*\r");
+}
+
+TEST_F(ProgramServer, AModuleWithoutANumberIsTurnedAwayAndAudited) {
+  start();
+  TcpClient garbage = this->module("\x01\x02\x03 what?\r\n");
+  EXPECT_TRUE(garbage.is_closed());
+  EXPECT_TRUE(audited("module turned away"));
+}
+
+TEST_F(ProgramServer, AClientThatSendsNoiseIsHungUpAndAudited) {
+  start();
+  TcpClient client = engineer();
+  client.say(std::string(1000, 'x'));
+  EXPECT_TRUE(client.is_closed());
+  EXPECT_TRUE(audited("noise instead of frames"));
+}
+
+TEST_F(ProgramServer, HalfAnInstructionIsAuditedAndTheNextOneArrives) {
+  start();
+  TcpClient module = this->module("17\n");
+  std::unique_ptr<TcpClient> client;
+  ASSERT_EQ(paired(server.engineers_port(), "17", client), "@@0000FEFF");
+  client->say("@@@00half");
+  EXPECT_TRUE(audited("half an instruction"));
+  client->say("@@@00whole*\rFEFF");
+  EXPECT_EQ(module.hear("\r"), "@00whole*\r");
+}
+
+// The server's memory for it is bounded; it is let go, and the device is free for the next one.
+TEST_F(ProgramServer, AClientThatNeverReadsIsFreed) {
+  spec.engineers->heartbeat = seconds{1};  // it never speaks either
+  start();
+  TcpClient module = this->module("17\n");
+  std::unique_ptr<TcpClient> client;
+  ASSERT_EQ(paired(server.engineers_port(), "V217", client), "@@0000FEFF");
+  const Bytes much(64 * 1024, 'x');
+  std::size_t taken = 0;
+  for (const auto end = std::chrono::steady_clock::now() + seconds{10};
+       std::chrono::steady_clock::now() < end && !client->is_closed(milliseconds{0});) {
+    const ssize_t sent = ::send(module.fd(), much.data(), much.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (sent > 0) taken += static_cast<std::size_t>(sent);
+    const std::lock_guard lock(mutex);
+    if (!audit.empty() && audit.back().result.find("heartbeats") != std::string::npos) break;
+  }
+  EXPECT_TRUE(audited("heartbeats of the client are missing"));
+  EXPECT_LT(taken, 64u << 20);
+  std::unique_ptr<TcpClient> next;
+  TcpClient again = this->module("17\n");
+  EXPECT_EQ(paired(server.engineers_port(), "17", next), "@@0000FEFF");
+}
+
+TEST_F(ProgramServer, AWrongPasswordIsRefusedAndAudited) {
+  start();
+  TcpClient client = engineer();
+  client.say("@@AU616e6e61:00FEFF@@17FEFF");
+  EXPECT_EQ(client.hear("FEFF"), "@@0004FEFF");
+  EXPECT_TRUE(client.is_closed());
+  EXPECT_TRUE(audited("login refused: user anna: wrong password"));
+}
+
+TEST_F(ProgramServer, ALoginNamesTheUserInTheAudit) {
+  start();
+  TcpClient module = this->module("17\n");
+  TcpClient client = engineer();
+  client.say("@@AU616e6e61:736563726574FEFF");
+  ASSERT_EQ(pair(client, "17"), "@@0000FEFF");
+  EXPECT_TRUE(audited("paired"));
+  const std::lock_guard lock(mutex);
+  EXPECT_THAT(audit.back().who, testing::StartsWith("anna (127.0.0.1:"));
+}
+
+TEST_F(ProgramServer, StoppingTellsEveryClient) {
+  start();
+  TcpClient module = this->module("17\n");
+  std::unique_ptr<TcpClient> client;
+  ASSERT_EQ(paired(server.engineers_port(), "17", client), "@@0000FEFF");
+  server.stop();
+  EXPECT_EQ(client->hear("FEFF"), "@@0003FEFF");
+  EXPECT_TRUE(client->is_closed());
+  EXPECT_TRUE(module.is_closed());
+}
+
+TEST_F(ProgramServer, AnAddressThatIsTakenIsAnErrorInWords) {
+  start();
+  spec.engineers->listen.port = server.engineers_port();
+  DialInRegistry other;
+  program::Server second({}, other);
+  const auto started = second.start(spec);
+  ASSERT_FALSE(started);
+  EXPECT_THAT(started.error(), testing::HasSubstr("cannot listen at 127.0.0.1:"));
+}
+
+TEST(ProgramServerRules, OffTheLoopbackALoginIsDemanded) {
+  EngineersSpec spec;
+  for (const char* host : {"127.0.0.1", "127.1.2.3", "::1"}) {
+    spec.listen.host = host;
+    EXPECT_FALSE(program::rules_of(spec).login_needed) << host;
+  }
+  for (const char* host : {"0.0.0.0", "10.0.0.7", "::", "192.168.127.1"}) {
+    spec.listen.host = host;
+    EXPECT_TRUE(program::rules_of(spec).login_needed) << host;
+  }
+}
+
+}  // namespace
+}  // namespace fieldcast

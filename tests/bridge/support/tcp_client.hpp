@@ -1,0 +1,83 @@
+// A TCP client with blocking calls that end: for tests that play a module or an engineer's client.
+#pragma once
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <string>
+#include <string_view>
+
+#include "bridge/port/file_descriptor.hpp"
+#include "core/base/bytes.hpp"
+
+namespace fieldcast::test {
+
+class TcpClient {
+ public:
+  explicit TcpClient(std::uint16_t port) : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(port);
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(::connect(fd_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0) << std::strerror(errno);
+  }
+
+  void send(ByteView bytes) const {
+    while (!bytes.empty()) {
+      const ssize_t sent = ::send(fd_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
+      if (sent <= 0) return;  // the peer is gone: what follows tells
+      bytes = bytes.subspan(static_cast<std::size_t>(sent));
+    }
+  }
+  void say(std::string_view text) const { send({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}); }
+
+  // Everything up to and with `end`; what came until the limit or the peer's close, else.
+  [[nodiscard]] std::string hear(std::string_view end, std::chrono::milliseconds limit = std::chrono::seconds{10}) {
+    const auto deadline = std::chrono::steady_clock::now() + limit;
+    std::size_t found = heard_.find(end);
+    while (found == heard_.npos && std::chrono::steady_clock::now() < deadline && !closed_) {
+      receive();
+      found = heard_.find(end);
+    }
+    const std::size_t count = found == heard_.npos ? heard_.size() : found + end.size();
+    std::string out = heard_.substr(0, count);
+    heard_.erase(0, count);
+    return out;
+  }
+  [[nodiscard]] std::string hear_bytes(std::size_t count, std::chrono::milliseconds limit = std::chrono::seconds{10}) {
+    const auto deadline = std::chrono::steady_clock::now() + limit;
+    while (heard_.size() < count && std::chrono::steady_clock::now() < deadline && !closed_) receive();
+    std::string out = heard_.substr(0, count);
+    heard_.erase(0, out.size());
+    return out;
+  }
+  // The peer closed the connection.
+  [[nodiscard]] bool is_closed(std::chrono::milliseconds limit = std::chrono::seconds{10}) {
+    const auto deadline = std::chrono::steady_clock::now() + limit;
+    while (!closed_ && std::chrono::steady_clock::now() < deadline) receive();
+    return closed_;
+  }
+  void close() { fd_.reset(); }
+  [[nodiscard]] int fd() const { return fd_.get(); }
+
+ private:
+  void receive() {
+    pollfd wait{fd_.get(), POLLIN, 0};
+    if (::poll(&wait, 1, 20) <= 0) return;
+    char piece[4096];
+    const ssize_t count = ::recv(fd_.get(), piece, sizeof piece, MSG_DONTWAIT);
+    if (count > 0) heard_.append(piece, static_cast<std::size_t>(count));
+    if (count == 0 || (count < 0 && errno != EAGAIN && errno != EINTR)) closed_ = true;
+  }
+
+  FileDescriptor fd_;
+  std::string heard_;
+  bool closed_ = false;
+};
+
+}  // namespace fieldcast::test
