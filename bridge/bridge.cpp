@@ -20,6 +20,8 @@
 #include "bridge/io_thread.hpp"
 #include "bridge/log.hpp"
 #include "bridge/outlet_thread.hpp"
+#include "bridge/port/dial_in_registry.hpp"
+#include "bridge/program/server.hpp"
 #include "bridge/reload_plan.hpp"
 
 namespace fieldcast {
@@ -83,10 +85,14 @@ struct RunningBus {
 }  // namespace
 
 struct Bridge::State {
+  program::Hooks program_hooks();
+
   BridgeSpec spec;
   bool trace = false;
   CommandDesk commands;
   InterestDesk interests;
+  DialInRegistry modules;  // outlives the buses and the programming server
+  program::Server program{program_hooks(), modules};
   std::map<std::string, RunningBus, std::less<>> buses;
   OutletThread outlets;
   std::unique_ptr<DdsLink> link;  // its handlers enter the members above: closed before they end
@@ -98,6 +104,14 @@ struct Bridge::State {
   [[noreturn]] void abandon(const std::string& bus);
   void restart(const std::vector<std::string>& names, const BridgeSpec& from);
 };
+
+program::Hooks Bridge::State::program_hooks() {
+  program::Hooks hooks;
+  hooks.report = [this](const ProgramSessionReport& report) {
+    outlets.post([this, report] { link->report(report); });
+  };
+  return hooks;
+}
 
 // Throws DdsError.
 void Bridge::State::join() {
@@ -121,7 +135,7 @@ void Bridge::State::start_bus(const BusSpec& bus) {
   RunningBus made;
   made.outlet = std::make_unique<DdsOutlet>(outlets, *link, bus);
   made.io = std::make_unique<IoThread>(bus.name);
-  made.runner = std::make_shared<BusRunner>(made.io->context(), bus, *made.outlet);
+  made.runner = std::make_shared<BusRunner>(made.io->context(), bus, *made.outlet, &modules);
   commands.add(bus.name, made.runner);  // before the bus is announced: its commands may come at once
   try {
     link->add_bus(bus);
@@ -135,6 +149,7 @@ void Bridge::State::start_bus(const BusSpec& bus) {
   made.runner->set_trace(trace);
   made.runner->start();
   interests.add(bus, made.runner);
+  program.add_bus(bus, made.runner);
   buses.emplace(bus.name, std::move(made));
 }
 
@@ -142,6 +157,7 @@ void Bridge::State::stop_buses(const std::vector<std::string>& names) {
   const auto deadline = std::chrono::steady_clock::now() + kStopLimit;
   std::vector<std::future<void>> stopped;
   for (const std::string& name : names) {
+    program.remove_bus(name);  // nobody asks for its devices any more; a pairing ends with the bus
     interests.remove(name);
     commands.remove(name);                             // 1. no more commands come in; whoever sends one hears kShutdown
     stopped.push_back(buses.at(name).runner->stop());  // 2. pending commands are answered, the port is closed
@@ -159,6 +175,7 @@ void Bridge::State::stop_buses(const std::vector<std::string>& names) {
 // The order of a shutdown, all of it.
 void Bridge::State::stop_all() {
   if (!link) return;
+  program.stop();  // 0. engineers are told, their devices freed
   std::vector<std::string> names;
   for (const auto& [name, bus] : buses) names.push_back(name);
   stop_buses(names);     // 1.-4. above, all buses at the same time
@@ -185,6 +202,10 @@ tl::expected<void, std::string> Bridge::start(const BridgeSpec& spec) {
   try {
     state_->join();
     for (const BusSpec& bus : spec.buses) state_->start_bus(bus);
+    if (const auto listening = state_->program.start(spec.program); !listening) {
+      state_->stop_all();
+      return tl::make_unexpected(listening.error());
+    }
   } catch (const DdsError& error) {
     state_->stop_all();
     return tl::make_unexpected(std::string(error.what()));
@@ -211,6 +232,13 @@ tl::expected<void, std::string> Bridge::reload(const BridgeSpec& wanted) {
       return tl::make_unexpected(fmt::format("{}; and then {}", started.error(), back.error()));
     return started;
   }
+  if (plan.program) {
+    s.program.stop();
+    if (const auto listening = s.program.start(wanted.program); !listening) {
+      (void)s.program.start(before.program);
+      return tl::make_unexpected(listening.error());
+    }
+  }
   s.stop_buses(plan.stop);
   try {
     s.restart(plan.start, wanted);
@@ -220,6 +248,10 @@ tl::expected<void, std::string> Bridge::reload(const BridgeSpec& wanted) {
       if (s.buses.contains(name)) begun.push_back(name);
     }
     s.stop_buses(begun);
+    if (plan.program) {
+      s.program.stop();
+      (void)s.program.start(before.program);
+    }
     s.restart(plan.stop, before);
     return tl::make_unexpected(std::string(error.what()));
   }

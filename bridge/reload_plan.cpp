@@ -18,6 +18,7 @@ ReloadPlan plan_reload(const BridgeSpec& running, const BridgeSpec& wanted) {
     plan.whole_bridge = true;
     return plan;
   }
+  plan.program = running.program != wanted.program;
   for (const BusSpec& bus : running.buses) {
     const BusSpec* same = find_bus(wanted, bus.name);
     if (!same || *same != bus) plan.stop.push_back(bus.name);

@@ -72,6 +72,9 @@ void to_idl(std::string_view bus, std::string_view device, const DeviceReport& r
 [[nodiscard]] StationBusStatus from_idl(const idl::BusStatus& status);
 [[nodiscard]] StationDeviceStatus from_idl(const idl::DeviceStatus& status);
 
+void to_idl(const ProgramSessionReport& report, idl::ProgramSession& out);
+[[nodiscard]] ProgramSessionReport from_idl(const idl::ProgramSession& session);
+
 // The first `limit` bytes of a UTF-8 text, less where that would cut a character; ends before a NUL.
 [[nodiscard]] std::string cut_text(std::string_view text, std::size_t limit);
 

@@ -112,4 +112,26 @@ StationDeviceStatus from_idl(const idl::DeviceStatus& status) {
   return out;
 }
 
+void to_idl(const ProgramSessionReport& report, idl::ProgramSession& out) {
+  out.bus() = cut_text(report.bus, kMaxNameLength);
+  out.device() = cut_text(report.device, kMaxNameLength);
+  out.state(static_cast<idl::SessionState>(report.state));
+  out.who() = cut_text(report.who, 128);
+  out.bytes_to_device(report.bytes_to_device);
+  out.bytes_from_device(report.bytes_from_device);
+  out.since(report.since.nanoseconds);
+}
+
+ProgramSessionReport from_idl(const idl::ProgramSession& session) {
+  ProgramSessionReport out;
+  out.bus = session.bus().c_str();
+  out.device = session.device().c_str();
+  out.state = session.state() <= idl::SESSION_REFUSED ? static_cast<ProgramSessionState>(session.state()) : ProgramSessionState::kClosed;
+  out.who = session.who().c_str();
+  out.bytes_to_device = session.bytes_to_device();
+  out.bytes_from_device = session.bytes_from_device();
+  out.since = {session.since()};
+  return out;
+}
+
 }  // namespace fieldcast

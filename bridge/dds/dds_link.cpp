@@ -35,6 +35,7 @@ struct DdsLink::State {
     catalogue = domain.writer<idl::ChannelPubSubType>(kChannelTopic, state_writer_qos(kMaxChannels), label);
     bus_status = domain.writer<idl::BusStatusPubSubType>(kBusStatusTopic, state_writer_qos(kMaxDevices), label);
     device_status = domain.writer<idl::DeviceStatusPubSubType>(kDeviceStatusTopic, state_writer_qos(kMaxDevices), label);
+    sessions = domain.writer<idl::ProgramSessionPubSubType>(kProgramSessionTopic, state_writer_qos(kMaxDevices), label);
     interests = std::make_unique<InterestReceiver>(domain, handlers.on_interest);
     commands = std::make_unique<CommandReceiver>(domain, lifespans, command_handlers());
   }
@@ -89,6 +90,7 @@ struct DdsLink::State {
   dds::DataWriter* catalogue = nullptr;
   dds::DataWriter* bus_status = nullptr;
   dds::DataWriter* device_status = nullptr;
+  dds::DataWriter* sessions = nullptr;
   std::unique_ptr<InterestReceiver> interests;
   std::unique_ptr<CommandReceiver> commands;
   std::shared_mutex mutex;  // the set of buses: shared to use one, alone to add or remove one
@@ -166,6 +168,12 @@ void DdsLink::report(std::string_view name, std::string_view device, const Devic
   idl::DeviceStatus& status = bus->devices[std::string(device)];
   to_idl(name, device, report, at, status);
   state_->device_status->write(&status);
+}
+
+void DdsLink::report(const ProgramSessionReport& session) {
+  idl::ProgramSession out;
+  to_idl(session, out);
+  state_->sessions->write(&out);
 }
 
 DdsLink::BusCounters DdsLink::counters(std::string_view name) const {

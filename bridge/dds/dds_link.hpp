@@ -81,6 +81,10 @@ class DdsLink {
   void report(std::string_view bus, const BusReport& report, UtcTime at);
   void report(std::string_view bus, std::string_view device, const DeviceReport& report, UtcTime at);
 
+  // A programming session: it began, its bytes grew, it ended. Any thread. One instance for each device; no more of them than
+  // devices of a bridge.
+  void report(const ProgramSessionReport& session);
+
   [[nodiscard]] BusCounters counters(std::string_view bus) const;  // any thread
 
   // Removes every bus, waits up to `linger` until readers have the last results, leaves the domain. Handlers are not called after

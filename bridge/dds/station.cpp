@@ -27,6 +27,7 @@ struct Station::State {
   std::unique_ptr<Subscription<idl::ChannelPubSubType>> channels;
   std::unique_ptr<Subscription<idl::BusStatusPubSubType>> buses;
   std::unique_ptr<Subscription<idl::DeviceStatusPubSubType>> devices;
+  std::unique_ptr<Subscription<idl::ProgramSessionPubSubType>> sessions;
   dds::DataWriter* interests = nullptr;
   std::unique_ptr<CommandClient> commands;
 };
@@ -86,6 +87,14 @@ void Station::subscribe_device_status(std::function<void(const StationDeviceStat
   handlers.sample = [on_status = std::move(on_status)](const idl::DeviceStatus& status) { on_status(from_idl(status)); };
   state_->devices = std::make_unique<Subscription<idl::DeviceStatusPubSubType>>(
       state_->domain, kDeviceStatusTopic, state_reader_qos(kMaxDevices), std::move(handlers));
+}
+
+void Station::subscribe_program_sessions(std::function<void(const ProgramSessionReport&)> on_session) {
+  FIELDCAST_CHECK(!state_->sessions);
+  Subscription<idl::ProgramSessionPubSubType>::Handlers handlers;
+  handlers.sample = [on_session = std::move(on_session)](const idl::ProgramSession& session) { on_session(from_idl(session)); };
+  state_->sessions = std::make_unique<Subscription<idl::ProgramSessionPubSubType>>(
+      state_->domain, kProgramSessionTopic, state_reader_qos(kMaxDevices), std::move(handlers));
 }
 
 void Station::declare_interest(const std::string& pattern, Duration refresh) {

@@ -103,6 +103,7 @@ class Station {
   void subscribe_channels(std::function<void(const StationChannel&)> on_channel, OnGone gone = {});
   void subscribe_bus_status(std::function<void(const StationBusStatus&)> on_status);
   void subscribe_device_status(std::function<void(const StationDeviceStatus&)> on_status);
+  void subscribe_program_sessions(std::function<void(const ProgramSessionReport&)> on_session);
 
   // A wish for channels at a refresh, kept up until withdrawn or until this process dies.
   void declare_interest(const std::string& pattern, Duration refresh);

@@ -24,6 +24,7 @@ inline constexpr const char* kCommandResultTopic = "fieldcast/CommandResult";
 inline constexpr const char* kInterestTopic = "fieldcast/Interest";
 inline constexpr const char* kBusStatusTopic = "fieldcast/BusStatus";
 inline constexpr const char* kDeviceStatusTopic = "fieldcast/DeviceStatus";
+inline constexpr const char* kProgramSessionTopic = "fieldcast/ProgramSession";
 
 inline constexpr std::int32_t kChannelsPerWriter = 256;  // DEADLINE costs a scan over a writer's instances at nearly every write
 inline constexpr std::int32_t kMaxChannels = 100'000;    // in the domain, at one reader; and in the catalogue of one bridge

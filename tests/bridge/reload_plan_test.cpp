@@ -36,6 +36,15 @@ TEST(ReloadPlan, AnotherOrderChangesNothing) {
   EXPECT_TRUE(plan_reload(bridge({bus("a"), bus("b")}), bridge({bus("b"), bus("a")})).nothing());
 }
 
+TEST(ReloadPlan, AnotherProgrammingPortLeavesTheBusesAlone) {
+  BridgeSpec wanted = bridge({bus("a")});
+  wanted.program.engineers.emplace().listen = {"127.0.0.1", 4950};
+  const auto plan = plan_reload(bridge({bus("a")}), wanted);
+  EXPECT_TRUE(plan.program);
+  EXPECT_FALSE(plan.nothing());
+  EXPECT_THAT(plan.untouched, ElementsAre("a"));
+}
+
 TEST(ReloadPlan, OnlyTheChangedBusRestarts) {
   const auto plan = plan_reload(bridge({bus("a"), bus("b"), bus("c")}), bridge({bus("a"), bus("b", 2), bus("c")}));
   EXPECT_THAT(plan.stop, ElementsAre("b"));

@@ -72,6 +72,14 @@ CLI::App* add_status(CLI::App& app, StatusOptions& status, Texts& texts) {
   return command;
 }
 
+CLI::App* add_sessions(CLI::App& app, SessionsOptions& sessions, Texts& texts) {
+  auto* command = app.add_subcommand("sessions", "Show who programs which device through a bridge");
+  command->add_option("--for", texts.time, "Follow them for this time (20, 2min), a line for each report");
+  command->add_flag("--json", sessions.json, "JSON lines");
+  add_connection(*command, sessions.connection);
+  return command;
+}
+
 CLI::App* add_plan(CLI::App& app, PlanOptions& plan, Texts& texts) {
   auto* command = app.add_subcommand("plan", "Predict blocks, load and gaps of every bus of a configuration; needs no bridge");
   command->add_option("CONFIG", plan.config, "The configuration file")->required()->check(CLI::ExistingFile);
@@ -131,12 +139,14 @@ tl::expected<Arguments, NoCommand> parse_arguments(int argc, const char* const* 
   WriteOptions write;
   AcquireOptions acquire;
   StatusOptions status;
+  SessionsOptions sessions;
   PlanOptions plan;
   Texts texts;
   const auto* watch_command = add_watch(app, watch, texts);
   const auto* write_command = add_write(app, write, texts);
   const auto* acquire_command = add_acquire(app, acquire, texts);
   const auto* status_command = add_status(app, status, texts);
+  const auto* sessions_command = add_sessions(app, sessions, texts);
   const auto* plan_command = add_plan(app, plan, texts);
   const auto* inspect_command = add_inspect(app, inspect);
 
@@ -147,6 +157,7 @@ tl::expected<Arguments, NoCommand> parse_arguments(int argc, const char* const* 
     app.parse(argc, argv);
     set_duration(watch.time, texts.time, "--for");
     set_duration(status.time, texts.time, "--for");
+    set_duration(sessions.time, texts.time, "--for");
     set_duration(watch.refresh, texts.refresh, "--refresh");
     set_duration(write.timeout, texts.timeout, "--timeout");
     set_duration(acquire.timeout, texts.timeout, "--timeout");
@@ -165,6 +176,7 @@ tl::expected<Arguments, NoCommand> parse_arguments(int argc, const char* const* 
   if (write_command->parsed()) return write;
   if (acquire_command->parsed()) return acquire;
   if (status_command->parsed()) return status;
+  if (sessions_command->parsed()) return sessions;
   if (plan_command->parsed()) return plan;
   if (inspect_command->parsed()) return inspect;
   return tl::unexpected(NoCommand{ExitCode::kUsage, app.help()});

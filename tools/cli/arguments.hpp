@@ -8,13 +8,14 @@
 #include "tools/cli/acquire.hpp"
 #include "tools/cli/inspect.hpp"
 #include "tools/cli/plan.hpp"
+#include "tools/cli/sessions.hpp"
 #include "tools/cli/status.hpp"
 #include "tools/cli/watch.hpp"
 #include "tools/cli/write.hpp"
 
 namespace fieldcast::cli {
 
-using Arguments = std::variant<InspectOptions, WatchOptions, WriteOptions, AcquireOptions, StatusOptions, PlanOptions>;
+using Arguments = std::variant<InspectOptions, WatchOptions, WriteOptions, AcquireOptions, StatusOptions, SessionsOptions, PlanOptions>;
 
 // Not a command to be run: help, the version, or a fault with what is wrong.
 struct NoCommand {

@@ -19,6 +19,7 @@ struct Run {
   ExitCode operator()(const WatchOptions& options) const { return joined(options, watch); }
   ExitCode operator()(const WriteOptions& options) const { return joined(options, write); }
   ExitCode operator()(const AcquireOptions& options) const { return joined(options, acquire); }
+  ExitCode operator()(const SessionsOptions& options) const { return joined(options, sessions); }
   ExitCode operator()(const StatusOptions& options) const { return joined(options, status); }
 
  private:

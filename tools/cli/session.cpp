@@ -31,4 +31,9 @@ void Session::hear_results() {
   station_.on_result([this](const StationResult& result) { inbox_.put(result); });
 }
 
+void Session::hear_program_sessions() {
+  station_.subscribe_bus_status([this](const StationBusStatus& status) { inbox_.put(status); });
+  station_.subscribe_program_sessions([this](const ProgramSessionReport& session) { inbox_.put(session); });
+}
+
 }  // namespace fieldcast::cli

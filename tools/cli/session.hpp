@@ -17,7 +17,7 @@ struct ChannelGone {
   ChannelPath path;
 };
 using SessionEvent =
-    std::variant<StationChannel, StationSample, ChannelGone, StationBusStatus, StationDeviceStatus, StationResult>;
+    std::variant<StationChannel, StationSample, ChannelGone, StationBusStatus, StationDeviceStatus, StationResult, ProgramSessionReport>;
 
 class Session {
  public:
@@ -32,6 +32,7 @@ class Session {
   void hear_samples();
   void hear_status();
   void hear_results();
+  void hear_program_sessions();  // and bus status, which tells that a bridge is there
 
   [[nodiscard]] Station& station() { return station_; }
   [[nodiscard]] Inbox<SessionEvent>& inbox() { return inbox_; }

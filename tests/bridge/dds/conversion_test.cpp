@@ -342,5 +342,19 @@ TEST(StatusConversion, DeviceComesBackWithAtMost64Refusals) {
   EXPECT_EQ(back.report.refused, std::vector<std::string>(64, "holding:107"));
 }
 
+TEST(StatusConversion, AProgramSessionComesBack) {
+  idl::ProgramSession topic;
+  to_idl({"b", "d", ProgramSessionState::kOpen, "anna (10.0.0.7:5)", 1, 2, {3}}, topic);
+  const ProgramSessionReport back = from_idl(topic);
+  EXPECT_EQ(back.bus + "/" + back.device, "b/d");
+  EXPECT_EQ(back.state, ProgramSessionState::kOpen);
+  EXPECT_EQ(back.who, "anna (10.0.0.7:5)");
+  EXPECT_EQ(back.bytes_to_device, 1u);
+  EXPECT_EQ(back.bytes_from_device, 2u);
+  EXPECT_EQ(back.since.nanoseconds, 3);
+  topic.state(static_cast<idl::SessionState>(77));
+  EXPECT_EQ(from_idl(topic).state, ProgramSessionState::kClosed);
+}
+
 }  // namespace
 }  // namespace fieldcast
