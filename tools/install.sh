@@ -9,7 +9,7 @@ packages=(
   # DDS and its code generator, which needs a Java that its package does not name
   libfastrtps-dev libfastcdr-dev fastddsgen openjdk-17-jre-headless
   # libraries
-  libboost-dev libspdlog-dev libyaml-cpp-dev libcli11-dev libexpected-dev libsqlite3-dev libpq-dev libsodium-dev pkg-config nlohmann-json3-dev
+  libboost-dev libspdlog-dev libyaml-cpp-dev libcli11-dev libexpected-dev libsqlite3-dev libssl-dev openssl libpq-dev libsodium-dev pkg-config nlohmann-json3-dev
   # tests and benches
   libgtest-dev libgmock-dev libbenchmark-dev binutils python3
   # devices, masters and a DDS that others wrote, to test against

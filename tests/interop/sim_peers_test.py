@@ -182,7 +182,7 @@ buses:
         self.file("mill", "precious")
         sim = self.start()
         self.assertEqual(sim.wait(), 4)
-        self.assertIn("was not made by a simulator", sim.errors)
+        self.assertIn("was not made by Fieldcast", sim.errors)
         with open(self.path("mill"), encoding="utf-8") as file:
             self.assertEqual(file.read(), "precious")
         self.assertFalse(os.path.lexists(self.path("shop")), "the ports opened before it are closed again")

@@ -14,8 +14,6 @@
 #include <cstring>
 #include <filesystem>
 
-#include "tools/sim/waveform.hpp"
-
 namespace fieldcast::sim {
 namespace {
 
@@ -30,13 +28,13 @@ std::string target_of(const std::string& path) {
   return length > 0 ? std::string(target, static_cast<std::size_t>(length)) : std::string{};
 }
 
-// A name in the abstract socket space, bound while this simulator serves the path.
+// A name in the abstract socket space, bound while a program of ours serves the path.
 Fd take_lock(const std::string& path) {
   Fd lock(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   std::error_code ignored;
-  const std::string name = "fieldcast-sim-" + std::to_string(mix(1, std::filesystem::absolute(path, ignored).string()));
+  const std::string name = "fieldcast-pty-" + std::to_string(std::hash<std::string>{}(std::filesystem::absolute(path, ignored).string()));
   std::memcpy(address.sun_path + 1, name.data(), name.size());
   const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
   if (!lock || ::bind(lock.get(), reinterpret_cast<const sockaddr*>(&address), size) != 0) return Fd{};
@@ -55,13 +53,13 @@ bool make_raw(int fd) {
 tl::expected<PtyPort, std::string> PtyPort::open(const std::string& path) {
   PtyPort port;
   port.lock_ = take_lock(path);
-  if (!port.lock_) return tl::unexpected(path + ": another simulator serves this path");
+  if (!port.lock_) return tl::unexpected(path + ": another program of Fieldcast serves this path");
   struct stat status {};
   if (::lstat(path.c_str(), &status) == 0) {
     if (!S_ISLNK(status.st_mode) || target_of(path).rfind(kOurs, 0) != 0) {
-      return tl::unexpected(path + ": exists already and was not made by a simulator; give the bus another path, or remove it");
+      return tl::unexpected(path + ": exists already and was not made by Fieldcast; choose another path, or remove it");
     }
-    if (::unlink(path.c_str()) != 0) return tl::unexpected(reason(path, "cannot remove the link of an earlier simulator"));
+    if (::unlink(path.c_str()) != 0) return tl::unexpected(reason(path, "cannot remove the link of an earlier program"));
   }
   port.master_.reset(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   char name[64];

@@ -1,7 +1,7 @@
 // A pseudo-terminal that stands where a serial adapter would: a symbolic link at the path leads to its slave side.
 //
-// Owns the terminal and the link; both go with it. Never over a file that no simulator made: a link is known as ours by the
-// spelling of its target, and a living simulator by a socket name that dies with its process, so that a link left by a killed one
+// Owns the terminal and the link; both go with it. Never over a file that no program of ours made: a link is known as ours by the
+// spelling of its target, and a living program by a socket name that dies with its process, so that a link left by a killed one
 // is taken over.
 #pragma once
 

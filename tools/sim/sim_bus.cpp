@@ -21,6 +21,9 @@ SimBus::SimBus(const BusSpec& spec, const BusFaults& faults, std::uint64_t seed,
 tl::expected<std::unique_ptr<SimBus>, std::string> SimBus::make(const BusSpec& spec, const BusFaults& faults, std::uint64_t seed,
                                                                 Instant start, const OtherDevices& others) {
   std::unique_ptr<SimBus> bus(new SimBus(spec, faults, seed, start));
+  if (std::holds_alternative<DialInPortSpec>(spec.port)) {
+    return tl::unexpected(spec.name + ": modules that dial in are not simulated; give the bus a serial or a tcp port");
+  }
   const bool tcp = std::holds_alternative<TcpPortSpec>(spec.port);
   for (const DeviceSpec& device : spec.devices) {
     const DeviceKind* kind = find_device_kind(device.protocol);

@@ -1,0 +1,133 @@
+// The engineer's side as its user sees it.
+#include <fstream>
+
+#include "tests/tools/program-port/port_support.hpp"
+
+namespace fieldcast {
+namespace {
+
+using test::Process;
+using test::SerialSoftware;
+using test::TcpClient;
+using testing::HasSubstr;
+using Port = test::PortFixture;
+
+TEST_F(Port, SoftwareOnTheVirtualPortTalksToAFarPlc) {
+  start();
+  TcpClient module = this->module("17\n");
+  wait_for_module();
+  for (const auto& framing : {std::vector<std::string>{}, std::vector<std::string>{"--markers"}}) {
+    Process port(FIELDCAST_PORT, arguments(framing));
+    ASSERT_THAT(port.said("paired"), HasSubstr("17: paired"));
+    const SerialSoftware software(link);
+    software.say("@00FA0FEFF*\r");
+    EXPECT_EQ(module.hear("\r"), "@00FA0FEFF*\r");
+    module.say("@00FA00@@FEFF*\r");
+    EXPECT_EQ(software.hear(15), "@00FA00@@FEFF*\r");
+    port.signal(SIGINT);
+    EXPECT_EQ(port.exit_code(), 0) << port.output();
+    EXPECT_THAT(port.output(), HasSubstr("12 bytes sent"));
+    EXPECT_THAT(port.output(), HasSubstr("15 received"));
+    EXPECT_FALSE(std::filesystem::is_symlink(link));
+    ASSERT_TRUE(audited("stopped by the engineer"));
+    wait_for_module();
+  }
+}
+
+TEST_F(Port, EveryByteValuePassesBothWays) {
+  start();
+  TcpClient module = this->module("17\n");
+  wait_for_module();
+  Process port(FIELDCAST_PORT, arguments());
+  ASSERT_THAT(port.said("paired"), HasSubstr("17: paired"));
+  const SerialSoftware software(link);
+  std::string all;
+  for (int i = 0; i < 1024; ++i) all.push_back(static_cast<char>(i));
+  software.say(all);
+  EXPECT_EQ(module.hear_bytes(all.size()), all);
+  module.say(all);
+  EXPECT_EQ(software.hear(all.size()), all);
+}
+
+TEST_F(Port, ADeviceThatIsNotThereIsSaidAndTheLinkGoes) {
+  start();
+  Process port(FIELDCAST_PORT, arguments());
+  EXPECT_EQ(port.exit_code(), 3);
+  EXPECT_THAT(port.output(), HasSubstr("the device is not online"));
+  EXPECT_FALSE(std::filesystem::is_symlink(link));
+}
+
+TEST_F(Port, ADeviceInUseIsSaid) {
+  start();
+  TcpClient module = this->module("17\n");
+  TcpClient other = engineer();
+  ASSERT_EQ(pair(other, "17"), "@@0000FEFF");
+  Process port(FIELDCAST_PORT, arguments());
+  EXPECT_EQ(port.exit_code(), 3);
+  EXPECT_THAT(port.output(), HasSubstr("in use by another engineer"));
+}
+
+TEST_F(Port, TheLossOfTheDeviceEndsIt) {
+  start();
+  TcpClient module = this->module("17\n");
+  wait_for_module();
+  Process port(FIELDCAST_PORT, arguments());
+  ASSERT_THAT(port.said("paired"), HasSubstr("17: paired"));
+  module.close();
+  EXPECT_EQ(port.exit_code(), 6) << port.output();
+}
+
+TEST_F(Port, TheEndOfTheBridgeEndsIt) {
+  start();
+  TcpClient module = this->module("17\n");
+  wait_for_module();
+  Process port(FIELDCAST_PORT, arguments({"--json"}));
+  ASSERT_THAT(port.said("paired"), HasSubstr("\"state\":\"paired\""));
+  server.stop();
+  EXPECT_EQ(port.exit_code(), 6) << port.output();
+  EXPECT_FALSE(std::filesystem::is_symlink(link));
+}
+
+TEST_F(Port, NobodyListeningIsSaid) {
+  start();
+  const auto unheard = arguments();
+  server.stop();
+  Process port(FIELDCAST_PORT, unheard);
+  EXPECT_EQ(port.exit_code(), 5);
+  EXPECT_THAT(port.output(), HasSubstr("Connection refused"));
+}
+
+TEST_F(Port, AFileOfOthersIsNeverReplaced) {
+  start();
+  std::ofstream(link) << "mine";
+  Process port(FIELDCAST_PORT, arguments());
+  EXPECT_EQ(port.exit_code(), 4);
+  std::string content;
+  std::ifstream(link) >> content;
+  EXPECT_EQ(content, "mine");
+}
+
+// To a module there is no line to set; that the settings arrive there is LeaseTest's. Here: they are seen.
+TEST_F(Port, TheSpeedThatTheSoftwareSetsIsSeen) {
+  start();
+  TcpClient module = this->module("17\n");
+  wait_for_module();
+  Process port(FIELDCAST_PORT, arguments());
+  ASSERT_THAT(port.said("paired"), HasSubstr("17: paired"));
+  const SerialSoftware software(link, B115200, CSTOPB);
+  EXPECT_THAT(port.said("115200 baud"), HasSubstr("the program sets 115200 baud, 2 stop bits"));
+  software.say("still here");
+  EXPECT_EQ(module.hear("here"), "still here");
+}
+
+TEST_F(Port, APasswordThatOthersMayReadIsNotUsed) {
+  start();
+  std::ofstream(folder / "password") << "secret\n";
+  std::filesystem::permissions(folder / "password", std::filesystem::perms::owner_read | std::filesystem::perms::others_read);
+  Process port(FIELDCAST_PORT, arguments({"--user", "anna", "--password-file", folder / "password"}));
+  EXPECT_EQ(port.exit_code(), 2);
+  EXPECT_THAT(port.output(), HasSubstr("chmod 600"));
+}
+
+}  // namespace
+}  // namespace fieldcast

@@ -1,0 +1,124 @@
+// fieldcast-port: links a virtual serial port to a PLC behind a bridge, for as long as it runs.
+#include <sys/stat.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+
+#include "config/port.hpp"
+#include "core/program/device_number.hpp"
+#include "tools/program-port/port_session.hpp"
+
+namespace {
+
+using namespace fieldcast;
+using program::PortEnd;
+
+enum ExitCode : int { kStopped = 0, kTrouble = 1, kUsage = 2, kRefused = 3, kNoPort = 4, kBridgeGone = 5, kDeviceLost = 6 };
+
+struct Arguments {
+  std::string server, device, link, user, password_file, authorities;
+  bool tls = false, markers = false, json = false;
+  double heartbeat = 5;
+};
+
+void describe(CLI::App& app, Arguments& given) {
+  app.description(
+      "Makes a virtual serial port at PATH that leads to a PLC behind a bridge: programming software opens it as a COM port.");
+  app.footer(
+      "Ends with Ctrl-C, or when the device or the bridge is gone; the port goes with it.\n"
+      "Exit codes: 0 stopped, 1 trouble, 2 command line, 3 refused, 4 no virtual port, 5 bridge unreachable or gone, 6 device "
+      "lost.");
+  app.add_option("--server", given.server, "HOST:PORT where the bridge listens for engineers")->required();
+  app.add_option("--device", given.device, "number of the device")->required();
+  app.add_option("--link", given.link, "where the virtual port appears, such as /tmp/plc; never over a file that is not ours")
+      ->required();
+  app.add_option("--user", given.user, "a user of the bridge with the role programmer");
+  app.add_option("--password-file", given.password_file, "its first line is the password; readable by you alone (chmod 600)");
+  app.add_flag("--tls", given.tls, "the bridge speaks TLS, as it must off the loopback");
+  app.add_option("--ca", given.authorities, "PEM file with who signs the bridge's certificate; default: the system's");
+  app.add_flag("--markers", given.markers,
+               "marker frames: instructions that end in CR, as older bridges know them; default: any bytes");
+  app.add_option("--heartbeat", given.heartbeat, "seconds between heartbeats; the bridge's own setting or less")
+      ->check(CLI::Range(0.5, 600.0))
+      ->capture_default_str();
+  app.add_flag("--json", given.json, "say everything as JSON lines");
+}
+
+int fail(ExitCode code, const std::string& text) {
+  std::fprintf(stderr, "fieldcast-port: %s\n", text.c_str());
+  return code;
+}
+
+// The password, or why there is none.
+tl::expected<std::string, std::string> password_of(const std::string& path) {
+  struct stat file {};
+  if (::stat(path.c_str(), &file) != 0) return tl::make_unexpected(path + ": cannot be read");
+  if ((file.st_mode & (S_IRWXG | S_IRWXO)) != 0) return tl::make_unexpected(path + ": others may read it; chmod 600 " + path);
+  std::ifstream in(path);
+  std::string password;
+  if (!std::getline(in, password)) return tl::make_unexpected(path + ": no password in its first line");
+  if (password.size() > program::kMaxLoginText) return tl::make_unexpected(path + ": a password of more than 128 bytes");
+  return password;
+}
+
+ExitCode exit_code_of(const PortEnd& end) {
+  switch (end.kind) {
+    case PortEnd::Kind::kStopped: return kStopped;
+    case PortEnd::Kind::kRefused: return kRefused;
+    case PortEnd::Kind::kDeviceLost: return kDeviceLost;
+    case PortEnd::Kind::kBridgeGone: return kBridgeGone;
+    case PortEnd::Kind::kProtocol: return kTrouble;
+  }
+  return kTrouble;
+}
+
+int run(const Arguments& given) {
+  const auto server = config::host_port_from(given.server);
+  if (!server) return fail(kUsage, "--server '" + given.server + "' names no host and port");
+  if (!program::is_device_number(given.device)) {
+    return fail(kUsage, "--device '" + given.device + "' is no device number: " + std::string(program::kDeviceNumberForm));
+  }
+  port::PortOptions options;
+  options.host = server->first;
+  options.server_port = server->second;
+  options.tls = given.tls || !given.authorities.empty();
+  options.authorities = given.authorities;
+  options.rules.number = given.device;
+  options.rules.by_length = !given.markers;
+  options.rules.heartbeat = from_seconds(given.heartbeat);
+  if (given.user.empty() != given.password_file.empty()) return fail(kUsage, "--user and --password-file go together");
+  if (!given.user.empty()) {
+    if (!options.tls && !on_loopback({options.host, 0})) return fail(kUsage, "a password is not sent without --tls");
+    if (given.user.size() > program::kMaxLoginText) return fail(kUsage, "--user is too long");
+    auto password = password_of(given.password_file);
+    if (!password) return fail(kUsage, password.error());
+    options.rules.user = given.user;
+    options.rules.password = *password;
+  }
+  auto pty = sim::PtyPort::open(given.link);
+  if (!pty) return fail(kNoPort, pty.error());
+  port::PortReport report(given.json, given.device, given.link);
+  boost::asio::io_context io{1};
+  port::PortSession session(io, std::move(options), std::move(*pty), report);
+  session.start();
+  io.run();
+  const ExitCode code = exit_code_of(session.end());
+  return code == kStopped ? code : fail(code, session.end().text);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);
+  Arguments given;
+  CLI::App app;
+  describe(app, given);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) { return app.exit(error) == 0 ? kStopped : kUsage; }
+  try {
+    return run(given);
+  } catch (const std::exception& error) { return fail(kTrouble, error.what()); }
+}

@@ -1,0 +1,62 @@
+#include "tools/program-port/port_report.hpp"
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace fieldcast::port {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+void print(const std::string& line) {
+  std::printf("%s\n", line.c_str());
+  std::fflush(stdout);
+}
+
+void print(const Json& line) { print(line.dump(-1, ' ', false, Json::error_handler_t::replace)); }
+
+std::string rate_text(double bytes_per_second) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.1f kB/s", bytes_per_second / 1000);
+  return text;
+}
+
+}  // namespace
+
+void PortReport::state(const std::string& state, const std::string& text) const {
+  if (json_) return print(Json{{"device", device_}, {"link", link_}, {"state", state}, {"text", text}});
+  print(device_ + ": " + text);
+}
+
+void PortReport::dropped(const std::string& text) const {
+  if (json_) return print(Json{{"device", device_}, {"dropped", text}});
+  print(device_ + ": " + text);
+}
+
+void PortReport::line(std::uint32_t baud, unsigned stop_bits) const {
+  if (json_) return print(Json{{"device", device_}, {"baud", baud}, {"stop_bits", stop_bits}});
+  print(device_ + ": the program sets " + std::to_string(baud) + " baud, " + std::to_string(stop_bits) + " stop bits");
+}
+
+void PortReport::traffic(std::uint64_t sent, std::uint64_t received, Instant now, bool last) {
+  if (!last && sent == sent_ && received == received_) return void(at_ = now);
+  const Instant from = last ? since_ : at_;
+  const double seconds = std::max(to_seconds(now - from), 1e-3);
+  const double out = static_cast<double>(last ? sent : sent - sent_) / seconds;
+  const double in = static_cast<double>(last ? received : received - received_) / seconds;
+  at_ = now;
+  sent_ = sent;
+  received_ = received;
+  if (json_) {
+    return print(Json{{"device", device_},
+                      {"bytes_to_device", sent},
+                      {"bytes_from_device", received},
+                      {"rate_to_device", out},
+                      {"rate_from_device", in},
+                      {"seconds", seconds}});
+  }
+  print(device_ + ": " + std::to_string(sent) + " bytes sent (" + rate_text(out) + "), " + std::to_string(received) +
+        " received (" + rate_text(in) + ')' + (last ? ", in " + std::to_string(seconds) + " s" : ""));
+}
+
+}  // namespace fieldcast::port

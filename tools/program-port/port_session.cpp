@@ -1,0 +1,194 @@
+#include "tools/program-port/port_session.hpp"
+
+#include <fcntl.h>
+
+#include <boost/asio/connect.hpp>
+#include <boost/asio/post.hpp>
+#include <csignal>
+
+#include "bridge/clock.hpp"
+#include "bridge/port/connection.hpp"
+#include "bridge/port/serial_line.hpp"
+
+namespace fieldcast::port {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using program::PortClient;
+using program::PortEnd;
+
+constexpr std::chrono::seconds kConnectLimit{10};
+constexpr std::chrono::milliseconds kLook{100};  // at the virtual port's settings, beside every time that bytes come
+constexpr unsigned kLooksOfReport = 10;          // a line of traffic each second
+constexpr std::chrono::seconds kFlushLimit{1};   // for the last bytes, at the end
+
+}  // namespace
+
+PortSession::PortSession(asio::io_context& io, PortOptions options, sim::PtyPort pty, PortReport& report)
+    : io_(io),
+      options_(std::move(options)),
+      pty_(std::move(pty)),
+      report_(report),
+      client_(options_.rules),
+      resolver_(io),
+      socket_(io),
+      signals_(io, SIGINT, SIGTERM, SIGHUP),
+      timer_(io),
+      ticking_(io),
+      limit_(io),
+      settings_(rate_of(pty_.fd())) {}
+
+void PortSession::start() {
+  signals_.async_wait([this](boost::system::error_code fault, int) {
+    if (fault) return;
+    if (client_.paired()) return tell(PortClient::StopAsked{});
+    end_ = {PortEnd::Kind::kStopped, {}, "stopped"};
+    wind_up();
+  });
+  limit_.expires_after(kConnectLimit);
+  limit_.async_wait([this](boost::system::error_code cancelled) {
+    if (!cancelled) cannot_connect("no connection in time");
+  });
+  connect();
+}
+
+void PortSession::connect() {
+  report_.state("connecting", "connecting to " + options_.host + ':' + std::to_string(options_.server_port));
+  resolver_.async_resolve(options_.host, std::to_string(options_.server_port),
+                          [this](boost::system::error_code fault, tcp::resolver::results_type found) {
+                            if (over_) return;
+                            if (fault) return cannot_connect(fault.message());
+                            asio::async_connect(socket_, found, [this](boost::system::error_code refused, const tcp::endpoint&) {
+                              if (over_) return;
+                              if (refused) return cannot_connect(refused.message());
+                              tune_socket(socket_.native_handle());
+                              if (!options_.tls) return connected(program::socket_stream(std::move(socket_)));
+                              auto tls = program::TlsClient::make(options_.authorities);
+                              if (!tls) return cannot_connect(tls.error());
+                              tls_ = std::move(*tls);
+                              tls_->shake_hands(std::move(socket_), options_.host, kConnectLimit,
+                                                [this](program::TlsResult stream) {
+                                                  if (over_) return;
+                                                  stream ? connected(std::move(*stream)) : cannot_connect(stream.error());
+                                                });
+                            });
+                          });
+}
+
+void PortSession::cannot_connect(const std::string& reason) {
+  end_ = {PortEnd::Kind::kBridgeGone, {}, options_.host + ':' + std::to_string(options_.server_port) + ": " + reason};
+  wind_up();
+}
+
+void PortSession::connected(std::unique_ptr<program::ByteStream> stream) {
+  limit_.cancel();
+  bridge_ = std::make_shared<program::RelayEnd>(std::move(stream));
+  bridge_->start({[this](ByteView bytes) { tell(PortClient::FromBridge{bytes}); },
+                  [this](const std::string& reason) { tell(PortClient::BridgeGone{reason}); },
+                  [this](bool room) {
+                    if (terminal_) terminal_->hold(!room);
+                  }});
+  report_.state("asking", "connected, asking for device " + options_.rules.number);
+  tell(PortClient::Connected{});
+}
+
+void PortSession::tell(const PortClient::Event& event) {
+  if (over_) return;
+  PortClient::Actions actions;
+  client_.on_event(event, steady_now(), actions);
+  for (const auto& action : actions) {
+    std::visit([&](const auto& what) { execute(what); }, action);
+  }
+}
+
+void PortSession::execute(const PortClient::ToBridge& what) { bridge_->send(what.bytes); }
+
+void PortSession::execute(const PortClient::ToProgram& what) {
+  if (terminal_) terminal_->send(what.bytes);
+}
+
+void PortSession::execute(const PortClient::SetTimer& what) {
+  timer_.cancel();
+  if (what.at == kNever) return;
+  timer_.expires_at(std::chrono::steady_clock::time_point{what.at.time_since_epoch()});
+  timer_.async_wait([this](boost::system::error_code cancelled) {
+    if (!cancelled) tell(PortClient::TimerFired{});
+  });
+}
+
+void PortSession::execute(const PortClient::Paired&) {
+  report_.paired(steady_now());
+  report_.state("paired", "paired; the programming software may open the port");
+  open_terminal();
+  // Later than this: actions of the same turn carry bytes for the terminal that it has by now.
+  asio::post(io_, [this] {
+    if (!over_) tick();
+  });
+}
+
+void PortSession::open_terminal() {
+  auto stream = program::descriptor_stream(io_, FileDescriptor(::fcntl(pty_.fd(), F_DUPFD_CLOEXEC, 0)));
+  terminal_ = std::make_shared<program::RelayEnd>(std::move(stream));
+  terminal_->start({[this](ByteView bytes) {
+                      look_at_line();
+                      tell(PortClient::FromProgram{bytes});
+                    },
+                    [this](const std::string& reason) {
+                      end_ = {PortEnd::Kind::kProtocol, {}, "the virtual port is gone: " + reason};
+                      tell(PortClient::StopAsked{});
+                    },
+                    [this](bool room) { bridge_->hold(!room); }});
+}
+
+// Before bytes that a program sends under new settings, and now and then: a program may listen first.
+void PortSession::look_at_line() {
+  const auto now = rate_of(pty_.fd());
+  if (!now || now == settings_) return;
+  settings_ = now;
+  report_.line(now->baud, now->stop_bits);
+  tell(PortClient::LineChanged{*now});
+}
+
+void PortSession::tick() {
+  look_at_line();
+  if (++ticks_ % kLooksOfReport == 0)
+    report_.traffic(client_.bytes_to_device(), client_.bytes_from_device(), steady_now(), false);
+  ticking_.expires_after(kLook);
+  ticking_.async_wait([this](boost::system::error_code cancelled) {
+    if (!cancelled && !over_) tick();
+  });
+}
+
+void PortSession::execute(const PortClient::Dropped& what) { report_.dropped(what.text); }
+
+void PortSession::execute(const PortClient::Finish& what) {
+  end_ = what.end;
+  if (terminal_) report_.traffic(client_.bytes_to_device(), client_.bytes_from_device(), steady_now(), true);
+  wind_up();
+}
+
+// What is still to be sent either way has a moment for it; then nothing keeps the io_context busy.
+void PortSession::wind_up() {
+  if (std::exchange(over_, true)) return;
+  report_.state("ended", end_.text);
+  resolver_.cancel();
+  boost::system::error_code ignored;
+  socket_.close(ignored);
+  signals_.cancel();
+  timer_.cancel();
+  ticking_.cancel();
+  for (const auto& side : {bridge_, terminal_}) {
+    if (side) side->finish([] {});
+  }
+  limit_.expires_after(kFlushLimit);
+  const auto unsent = [this] { return (bridge_ && bridge_->unsent() > 0) || (terminal_ && terminal_->unsent() > 0); };
+  if (!unsent()) return void(limit_.cancel());
+  limit_.async_wait([this](boost::system::error_code) {
+    for (const auto& side : {bridge_, terminal_}) {
+      if (side) side->close();
+    }
+  });
+}
+
+}  // namespace fieldcast::port

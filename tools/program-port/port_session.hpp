@@ -1,0 +1,68 @@
+// From the first connection attempt to the end: a stream to the bridge, the virtual port, and the pure PortClient between them.
+// Lives on the io_context of main.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <memory>
+
+#include "bridge/program/relay_end.hpp"
+#include "bridge/program/tls.hpp"
+#include "core/program/port_client.hpp"
+#include "tools/program-port/port_report.hpp"
+#include "tools/sim/pty_port.hpp"
+
+namespace fieldcast::port {
+
+struct PortOptions {
+  std::string host;
+  std::uint16_t server_port = 0;
+  bool tls = false;
+  std::string authorities;  // PEM file; empty: the system's
+  program::PortClientRules rules;
+};
+
+class PortSession {
+ public:
+  // Takes the virtual port; the report outlives the session.
+  PortSession(boost::asio::io_context& io, PortOptions options, sim::PtyPort pty, PortReport& report);
+  // Everything happens in io.run(), which then returns.
+  void start();
+  [[nodiscard]] const program::PortEnd& end() const { return end_; }
+
+ private:
+  void connect();
+  void connected(std::unique_ptr<program::ByteStream> stream);
+  void cannot_connect(const std::string& reason);
+  void tell(const program::PortClient::Event& event);
+  void execute(const program::PortClient::ToBridge& what);
+  void execute(const program::PortClient::ToProgram& what);
+  void execute(const program::PortClient::SetTimer& what);
+  void execute(const program::PortClient::Paired& what);
+  void execute(const program::PortClient::Dropped& what);
+  void execute(const program::PortClient::Finish& what);
+  void open_terminal();
+  void look_at_line();
+  void tick();
+  void wind_up();
+
+  boost::asio::io_context& io_;
+  const PortOptions options_;
+  sim::PtyPort pty_;
+  PortReport& report_;
+  program::PortClient client_;
+  boost::asio::ip::tcp::resolver resolver_;
+  boost::asio::ip::tcp::socket socket_;
+  boost::asio::signal_set signals_;
+  boost::asio::steady_timer timer_, ticking_, limit_;
+  std::unique_ptr<program::TlsClient> tls_;
+  std::shared_ptr<program::RelayEnd> bridge_, terminal_;
+  std::optional<program::LineSettings> settings_;  // as last seen
+  unsigned ticks_ = 0;
+  program::PortEnd end_;
+  bool over_ = false;
+};
+
+}  // namespace fieldcast::port
