@@ -96,6 +96,17 @@ bool wait_for_path(const std::string& path, double seconds) {
   return true;
 }
 
+bool wait_for_text(const std::string& path, const std::string& text, double seconds) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  while (true) {
+    std::ifstream file(path);
+    const std::string all((std::istreambuf_iterator<char>(file)), {});
+    if (all.find(text) != std::string::npos) return true;
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+}
+
 unsigned own_domain() { return 100 + static_cast<unsigned>(getpid()) % 100; }
 
 }  // namespace fieldcast::bench

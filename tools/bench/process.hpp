@@ -46,6 +46,9 @@ class ScratchFolder {
 // Waits until the path exists; false after the time is over.
 [[nodiscard]] bool wait_for_path(const std::string& path, double seconds);
 
+// Waits until the file holds the text; false after the time is over.
+[[nodiscard]] bool wait_for_text(const std::string& path, const std::string& text, double seconds);
+
 // A DDS domain that no other run of this machine is likely to use: 100..199 by the process id.
 [[nodiscard]] unsigned own_domain();
 

@@ -1,0 +1,67 @@
+// What the benches of program transmission share: sockets of the loopback, a bridge in a process of its own, frames by length.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "bridge/port/file_descriptor.hpp"
+#include "core/base/bytes.hpp"
+#include "tools/bench/process.hpp"
+
+namespace fieldcast::bench {
+
+using Clock = std::chrono::steady_clock;
+[[nodiscard]] inline double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// A port that nobody listens at just now.
+[[nodiscard]] std::uint16_t free_port();
+
+// Connects to 127.0.0.1; throws std::runtime_error. With a patience it tries again until something listens.
+[[nodiscard]] FileDescriptor connect_to(std::uint16_t port, double patience = 0);
+
+void send_all(int fd, ByteView bytes);                                  // throws std::runtime_error when the peer is gone
+[[nodiscard]] Bytes receive_some(int fd, std::size_t most);             // blocks; empty at the end of the stream
+[[nodiscard]] std::string receive_until(int fd, std::string_view end);  // with the end; byte by byte: for short things
+
+// Asks for a device with framing by length until it is there; throws when it is refused otherwise.
+[[nodiscard]] FileDescriptor paired_client(std::uint16_t port, const std::string& number);
+
+// fieldcast-bridge with `program` on two free ports and the buses given (YAML, indented by two).
+class ProgramBridge {
+ public:
+  explicit ProgramBridge(const std::string& buses);
+  [[nodiscard]] std::uint16_t engineers() const { return engineers_; }
+  [[nodiscard]] std::uint16_t modules() const { return modules_; }
+  [[nodiscard]] unsigned domain() const { return own_domain(); }
+  [[nodiscard]] Process& process() { return *process_; }
+  [[nodiscard]] const ScratchFolder& folder() const { return folder_; }
+
+ private:
+  ScratchFolder folder_;
+  std::uint16_t engineers_ = free_port(), modules_ = free_port();
+  std::unique_ptr<Process> process_;
+};
+
+// The three benches.
+struct ExchangeOptions {
+  double bytes = 1e6;   // questions and answers together
+  double delay_ms = 0;  // added to each round trip
+  bool markers = false;
+};
+void exchange_bench(const ExchangeOptions& options);
+struct RelayOptions {
+  double gigabytes = 1;   // each way
+  bool terminal = false;  // through fieldcast-port too
+};
+void relay_bench(const RelayOptions& options);
+struct ManyOptions {
+  int devices = 100, pairings = 50;
+  double seconds = 20;
+};
+void many_bench(const ManyOptions& options);
+
+}  // namespace fieldcast::bench
