@@ -20,6 +20,7 @@ namespace {
 namespace asio = boost::asio;
 
 constexpr Duration kReportPeriod = std::chrono::seconds{1};
+constexpr Duration kLongestSettling = std::chrono::seconds{1};        // of a line that is lent in the middle of an exchange
 constexpr Duration kLeastReportGap = std::chrono::milliseconds{100};  // however often the state changes
 
 CommandResult shutdown_result(const Command& command, Instant now) {
@@ -48,6 +49,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
         timer_(io, *this),
         reopening_(io),
         ticking_(io),
+        settled_(io),
         notices_(spec.name),
         mapping_(read_clocks()) {}
 
@@ -81,13 +83,21 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
 
   void lease(const std::string& who, const Granted& granted, Revoked revoked) {
     if (revoked_) return granted(tl::make_unexpected(LeaseRefused{true, "the bus is lent already"}));
-    FileDescriptor line = stopped_ ? FileDescriptor{} : port_->lend();
-    if (!line.valid()) return granted(tl::make_unexpected(LeaseRefused{false, "the port of bus " + spec_.name + " is not open"}));
+    if (stopped_ || !open_) return granted(tl::make_unexpected(not_open()));
     revoked_ = std::move(revoked);
     report_soon_ = true;
+    const bool answer_comes = engine_.exchanging();
     turn(LeaseBegan{who}, steady_now());
-    const auto* serial = std::get_if<SerialPortSpec>(&spec_.port);
-    granted(LentLine{++lease_, std::move(line), serial ? std::optional(serial->line) : std::nullopt});
+    if (!answer_comes) return grant(granted);
+    // The programming software must not take the answer to our last question for one to its own.
+    settling_ = granted;
+    Duration longest{};
+    for (const DeviceSpec& device : spec_.devices) longest = std::max(longest, device.timeout);
+    settled_.expires_after(std::min(longest, kLongestSettling));
+    settled_.async_wait([self = shared_from_this()](boost::system::error_code cancelled) {
+      if (cancelled) return;
+      if (const Granted asked = std::exchange(self->settling_, {})) self->grant(asked);
+    });
   }
 
   void end_lease(std::uint64_t lease, std::optional<std::string> lost) {
@@ -114,6 +124,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
 
   void on_opened() override {
     const Instant now = steady_now();
+    open_ = true;
     back_off_.opened(now);
     notices_.port_opened();
     report_soon_ = true;
@@ -127,6 +138,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   }
 
   void on_closed(std::string reason) override {
+    open_ = false;
     revoke(reason);
     const Instant now = steady_now();
     notices_.port_closed(reason, now);
@@ -136,7 +148,25 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   }
 
  private:
+  LeaseRefused not_open() const { return {false, "the port of bus " + spec_.name + " is not open"}; }
+
+  void grant(const Granted& granted) {
+    FileDescriptor line = port_->lend();
+    if (!line.valid()) {
+      revoked_ = {};
+      turn(LeaseEnded{}, steady_now());
+      return granted(tl::make_unexpected(not_open()));
+    }
+    const auto* serial = std::get_if<SerialPortSpec>(&spec_.port);
+    granted(LentLine{++lease_, std::move(line), serial ? std::optional(serial->line) : std::nullopt});
+  }
+
   void revoke(const std::string& reason) {
+    settled_.cancel();
+    if (const Granted asked = std::exchange(settling_, {})) {
+      revoked_ = {};
+      return asked(tl::make_unexpected(LeaseRefused{false, reason}));
+    }
     if (const Revoked revoked = std::exchange(revoked_, {})) revoked(reason);
   }
 
@@ -163,6 +193,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   void execute(const Complete& complete, Instant) { outlet_.complete(complete.result, mapping_); }
   void execute(const Reopen& reopen, Instant now) {
     notices_.port_closed(reopen.reason, now);
+    open_ = false;
     port_->close();
     reopen_later(now);
   }
@@ -214,14 +245,17 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   EngineTimer<Loop> timer_;
   asio::steady_timer reopening_;
   asio::steady_timer ticking_;
+  asio::steady_timer settled_;  // of settling_
   std::chrono::steady_clock::time_point next_tick_;
   BackOff back_off_;
   NoticeLog notices_;
   UtcMapping mapping_;
   Actions actions_;
   std::uint64_t lease_ = 0;  // the last one
-  Revoked revoked_;  // of the lease under way; none otherwise
+  Granted settling_;         // a lease that waits for the line to fall silent
+  Revoked revoked_;          // of the lease under way; none otherwise
   Instant reported_{};
+  bool open_ = false;  // the port
   bool report_soon_ = false;
   bool trace_ = false;
   bool turning_ = false;

@@ -4,7 +4,6 @@
 
 #include "bridge/log.hpp"
 #include "bridge/port/connection.hpp"
-#include "bridge/program/listener.hpp"
 #include "bridge/program/tls.hpp"
 
 namespace fieldcast::program {
@@ -30,7 +29,7 @@ EngineerDesk::EngineerDesk(asio::io_context& io, EngineersSpec spec, std::shared
                 if (clients_.empty() && closed_) std::exchange(closed_, {})();
               }},
       rules_(rules_of(spec_)),
-      acceptor_(io),
+      listener_(io, [this](tcp::socket socket) { came(std::move(socket)); }),
       ticking_(io) {}
 
 EngineerDesk::~EngineerDesk() = default;
@@ -41,29 +40,17 @@ tl::expected<void, std::string> EngineerDesk::listen() {
     if (!made) return tl::make_unexpected(made.error());
     tls_ = std::move(*made);
   }
-  auto listening = listen_at(acceptor_, spec_.listen);
+  auto listening = listener_.open(spec_.listen);
   if (!listening) return listening;
-  accept();
   tick();
   return {};
 }
 
-std::uint16_t EngineerDesk::port() const { return acceptor_.local_endpoint().port(); }
+std::uint16_t EngineerDesk::port() const { return listener_.port(); }
 
-void EngineerDesk::accept() {
-  acceptor_.async_accept([this](boost::system::error_code fault, tcp::socket socket) {
-    if (closing_ || fault == asio::error::operation_aborted) return;
-    if (!fault && clients_.size() + greeting_ >= kMaxClients) {
-      refuse(address_of(socket), "too many clients are connected");
-    } else if (!fault) {
-      greet(std::move(socket));
-    }
-    accept();
-  });
-}
-
-void EngineerDesk::greet(tcp::socket socket) {
+void EngineerDesk::came(tcp::socket socket) {
   const std::string address = address_of(socket);
+  if (clients_.size() + greeting_ >= kMaxClients) return refuse(address, "too many clients are connected");
   boost::system::error_code ignored;
   socket.non_blocking(true, ignored);
   tune_socket(socket.native_handle());
@@ -97,8 +84,7 @@ void EngineerDesk::tick() {
 
 void EngineerDesk::close(const std::string& reason, std::function<void()> done) {
   closing_ = true;
-  boost::system::error_code ignored;
-  acceptor_.close(ignored);
+  listener_.close();
   ticking_.cancel();
   if (tls_) tls_->close();
   if (clients_.empty()) return done();

@@ -10,6 +10,7 @@
 #include <unordered_set>
 
 #include "bridge/program/engineer_connection.hpp"
+#include "bridge/program/listener.hpp"
 #include "core/model/spec.hpp"
 
 namespace fieldcast::program {
@@ -33,8 +34,7 @@ class EngineerDesk {
   void close(const std::string& reason, std::function<void()> done);
 
  private:
-  void accept();
-  void greet(boost::asio::ip::tcp::socket socket);
+  void came(boost::asio::ip::tcp::socket socket);
   void welcome(std::unique_ptr<ByteStream> stream, const std::string& address);
   void refuse(const std::string& address, const std::string& reason);
   void tick();
@@ -44,7 +44,7 @@ class EngineerDesk {
   const Hooks& hooks_;
   EngineerConnection::Surroundings around_;
   const EngineerRules rules_;
-  boost::asio::ip::tcp::acceptor acceptor_;
+  Listener listener_;
   boost::asio::steady_timer ticking_;
   std::unique_ptr<TlsServer> tls_;
   std::unordered_set<std::shared_ptr<EngineerConnection>> clients_;

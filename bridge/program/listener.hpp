@@ -1,7 +1,9 @@
-// Listening sockets of the programming server. Includes Asio.
+// A listening socket of the programming server. Lives on one io thread. Includes Asio.
 #pragma once
 
 #include <boost/asio/ip/tcp.hpp>
+#include <functional>
+#include <memory>
 #include <string>
 #include <tl/expected.hpp>
 
@@ -9,8 +11,23 @@
 
 namespace fieldcast::program {
 
-// Opens, binds and listens; the error is one line: "cannot listen at 127.0.0.1:4950: Address already in use".
-[[nodiscard]] tl::expected<void, std::string> listen_at(boost::asio::ip::tcp::acceptor& acceptor, const ListenSpec& spec);
+class Listener {
+ public:
+  // `come` is called with each connection, until close().
+  Listener(boost::asio::io_context& io, std::function<void(boost::asio::ip::tcp::socket)> come);
+  ~Listener();  // close()
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+
+  // The error is one line: "cannot listen at 127.0.0.1:4950: Address already in use".
+  [[nodiscard]] tl::expected<void, std::string> open(const ListenSpec& spec);
+  [[nodiscard]] std::uint16_t port() const;  // REQUIRES: open
+  void close();
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;  // shared with the handlers under way
+};
 
 // Of the peer: "10.0.0.7:51234"; "?" when it is gone.
 [[nodiscard]] std::string address_of(const boost::asio::ip::tcp::socket& socket);

@@ -10,7 +10,6 @@
 #include "bridge/clock.hpp"
 #include "bridge/log.hpp"
 #include "bridge/port/connection.hpp"
-#include "bridge/program/listener.hpp"
 
 namespace fieldcast::program {
 
@@ -140,30 +139,20 @@ class ModuleDesk::Kept : public std::enable_shared_from_this<Kept> {
 };
 
 ModuleDesk::ModuleDesk(asio::io_context& io, ModulesSpec spec, DialInRegistry& registry, const Hooks& hooks)
-    : io_(io), spec_(std::move(spec)), registry_(registry), hooks_(hooks), acceptor_(io) {}
+    : io_(io), spec_(std::move(spec)), registry_(registry), hooks_(hooks), listener_(io, [this](tcp::socket socket) {
+        came(std::move(socket));
+      }) {}
 
 ModuleDesk::~ModuleDesk() { close(); }
 
-tl::expected<void, std::string> ModuleDesk::listen() {
-  auto listening = listen_at(acceptor_, spec_.listen);
-  if (listening) accept();
-  return listening;
-}
+tl::expected<void, std::string> ModuleDesk::listen() { return listener_.open(spec_.listen); }
+std::uint16_t ModuleDesk::port() const { return listener_.port(); }
 
-std::uint16_t ModuleDesk::port() const { return acceptor_.local_endpoint().port(); }
-
-void ModuleDesk::accept() {
-  acceptor_.async_accept([this](boost::system::error_code fault, tcp::socket socket) {
-    if (closed_ || fault == asio::error::operation_aborted) return;
-    if (!fault && asked_.size() >= kMaxAsked) {
-      refused(address_of(socket), "too many modules have not told their number");
-    } else if (!fault) {
-      const auto asked = std::make_shared<Asked>(*this, std::move(socket));
-      asked_.insert(asked);
-      asked->start();
-    }
-    accept();
-  });
+void ModuleDesk::came(tcp::socket socket) {
+  if (asked_.size() >= kMaxAsked) return refused(address_of(socket), "too many modules have not told their number");
+  const auto asked = std::make_shared<Asked>(*this, std::move(socket));
+  asked_.insert(asked);
+  asked->start();
 }
 
 void ModuleDesk::registered(const std::string& number, tcp::socket socket, const std::string& address) {
@@ -208,8 +197,7 @@ void ModuleDesk::take_back(const std::string& number, bool lost) {
 
 void ModuleDesk::close() {
   if (std::exchange(closed_, true)) return;
-  boost::system::error_code ignored;
-  acceptor_.close(ignored);
+  listener_.close();
   for (const auto& asked : std::exchange(asked_, {})) asked->close();
   for (const auto& [number, module] : std::exchange(kept_, {})) module->close("the bridge stops");
 }

@@ -11,6 +11,7 @@
 
 #include "bridge/port/dial_in_registry.hpp"
 #include "bridge/program/hooks.hpp"
+#include "bridge/program/listener.hpp"
 #include "core/model/spec.hpp"
 
 namespace fieldcast::program {
@@ -36,7 +37,7 @@ class ModuleDesk {
  private:
   class Asked;
   class Kept;
-  void accept();
+  void came(boost::asio::ip::tcp::socket socket);
   void registered(const std::string& number, boost::asio::ip::tcp::socket socket, const std::string& address);
   void refused(const std::string& address, const std::string& reason);
 
@@ -44,7 +45,7 @@ class ModuleDesk {
   const ModulesSpec spec_;
   DialInRegistry& registry_;
   const Hooks& hooks_;
-  boost::asio::ip::tcp::acceptor acceptor_;
+  Listener listener_;
   std::unordered_set<std::shared_ptr<Asked>> asked_;
   std::map<std::string, std::shared_ptr<Kept>> kept_;
   bool closed_ = false;

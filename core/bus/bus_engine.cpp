@@ -53,6 +53,8 @@ BusEngine::~BusEngine() = default;
 
 std::uint32_t BusEngine::missing() const { return state_->conversation.missing(); }
 
+bool BusEngine::exchanging() const { return state_->conversation.active(); }
+
 void BusEngine::set_trace(bool on) { state_->trace = on; }
 
 void BusEngine::on_event(const BusEvent& event, Instant now, Actions& actions) {

@@ -35,6 +35,9 @@ class BusEngine {
   // Characters that the answer under way lacks, at least; 0 when that is not known. The shell may let them gather.
   [[nodiscard]] std::uint32_t missing() const;
 
+  // An answer may be on its way.
+  [[nodiscard]] bool exchanging() const;
+
   // While set, exchanges are described in Traced actions.
   void set_trace(bool on);
 

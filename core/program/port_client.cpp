@@ -86,8 +86,9 @@ void PortClient::read_frames(Instant now, Actions& actions) {
 }
 
 void PortClient::code(const std::string& code, Instant now, Actions& actions) {
+  if (code == kHeartbeatCode && paired()) return beat(actions);
   const auto reply = reply_from(code);
-  if (!reply) return;  // a heartbeat
+  if (!reply) return;
   if (paired()) {
     if (*reply == Reply::kLost) finish(PortEnd::Kind::kDeviceLost, std::string(to_text(*reply)), actions);
     return;
@@ -108,7 +109,10 @@ void PortClient::read_chunks(ByteView bytes, Actions& actions) {
       append(program, chunk->bytes);
       continue;
     }
-    if (std::holds_alternative<Heartbeat>(*frame)) continue;
+    if (std::holds_alternative<Heartbeat>(*frame)) {
+      beat(actions);
+      continue;
+    }
     if (!program.empty()) {
       from_device_ += program.size();
       actions.push_back(ToProgram{std::exchange(program, {})});
@@ -165,6 +169,10 @@ void PortClient::timer(Instant now, Actions& actions) {
   }
   if (now < beat_) return;
   beat_ = now + rules_.heartbeat;
+  beat(actions);
+}
+
+void PortClient::beat(Actions& actions) const {
   Bytes out;
   if (rules_.by_length) {
     append_heartbeat(out);

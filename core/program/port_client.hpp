@@ -87,6 +87,7 @@ class PortClient {
   void code(const std::string& code, Instant now, Actions& actions);
   void send_program(ByteView bytes, Instant now, Actions& actions);
   void stop(Actions& actions);
+  void beat(Actions& actions) const;  // at our own rhythm, and in answer to the bridge's, which may be quicker
   void timer(Instant now, Actions& actions);
   void finish(PortEnd::Kind kind, std::string text, Actions& actions, std::optional<Reply> reply = {});
   [[nodiscard]] Instant next_wake() const;

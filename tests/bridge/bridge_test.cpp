@@ -7,6 +7,7 @@
 
 #include "bridge/dds/station.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
+#include "tests/bridge/support/tcp_client.hpp"
 
 namespace fieldcast {
 namespace {
@@ -119,6 +120,76 @@ TEST_F(BridgeTest, ACommandReachesTheDeviceAndItsResultTheStation) {
   EXPECT_EQ(b.held(1), 4711);
   EXPECT_EQ(b.writes(), 1u);
   EXPECT_EQ(a.writes(), 0u);
+}
+
+TEST_F(BridgeTest, WhileADeviceIsProgrammedItsBusRestsAndTheOthersGoOn) {
+  ModbusDevice a(first), b(second);
+  Ear ear(spec.dds);
+  std::mutex mutex;
+  std::vector<ProgramSessionReport> sessions;
+  ear.station.subscribe_program_sessions([&](const ProgramSessionReport& session) {
+    const std::lock_guard lock(mutex);
+    sessions.push_back(session);
+  });
+  const auto session_becomes = [&](ProgramSessionState state) {
+    const auto deadline = std::chrono::steady_clock::now() + seconds{15};
+    while (std::chrono::steady_clock::now() < deadline) {
+      {
+        const std::lock_guard lock(mutex);
+        if (!sessions.empty() && sessions.back().state == state) return true;
+      }
+      std::this_thread::yield();
+    }
+    return false;
+  };
+  spec.buses[0].devices[0].number = "P1";
+  spec.program.engineers.emplace().listen = {"127.0.0.1", test::free_port()};
+  Bridge bridge;
+  ASSERT_TRUE(bridge.start(spec));
+  ASSERT_TRUE(ear.hears(good_from("one")));
+  ASSERT_TRUE(ear.hears(good_from("two")));
+
+  test::TcpClient engineer(spec.program.engineers->listen.port);
+  engineer.say("@@P1FEFF");
+  ASSERT_EQ(engineer.hear("FEFF"), "@@0000FEFF");
+  EXPECT_TRUE(session_becomes(ProgramSessionState::kOpen));
+  EXPECT_TRUE(ear.hears([](const StationSample& s) { return s.bus == "one" && s.quality == Quality::kUncertain; }));
+  const auto refused = ear.station.execute(write_to("one", "r1", 1), seconds{10});
+  ASSERT_TRUE(refused) << to_text(refused.error());
+  EXPECT_EQ(refused->cause, "LEASED");
+  ear.forget();
+  EXPECT_TRUE(ear.hears(good_from("two")));
+  for (const StationSample& sample : ear.samples()) EXPECT_NE(sample.bus, "one");
+
+  engineer.say("@@EDFEFF");
+  EXPECT_TRUE(ear.hears(good_from("one")));
+  EXPECT_TRUE(session_becomes(ProgramSessionState::kClosed));
+  const std::lock_guard lock(mutex);
+  EXPECT_EQ(sessions.back().bus + '/' + sessions.back().device, "one/plc");
+}
+
+TEST_F(BridgeTest, AReloadOfTheProgrammingPortLeavesTheBusesRunning) {
+  ModbusDevice a(first), b(second);
+  Ear ear(spec.dds);
+  Bridge bridge;
+  ASSERT_TRUE(bridge.start(spec));
+  ASSERT_TRUE(ear.hears(good_from("one")));
+  BridgeSpec wanted = spec;
+  wanted.program.engineers.emplace().listen = {"127.0.0.1", test::free_port()};
+  ASSERT_TRUE(bridge.reload(wanted));
+  test::TcpClient engineer(wanted.program.engineers->listen.port);
+  engineer.say("@@P1FEFF");
+  EXPECT_EQ(engineer.hear("FEFF"), "@@0001FEFF");
+  ear.forget();
+  ASSERT_TRUE(ear.hears(good_from("one")));
+  for (const StationSample& sample : ear.samples()) EXPECT_GT(sample.sequence, 1u);
+
+  BridgeSpec taken = wanted;
+  taken.program.engineers->listen.host = "203.0.113.77";  // of nobody (RFC 5737)
+  EXPECT_FALSE(bridge.reload(taken));
+  test::TcpClient again(wanted.program.engineers->listen.port);
+  again.say("@@P1FEFF");
+  EXPECT_EQ(again.hear("FEFF"), "@@0001FEFF");
 }
 
 TEST_F(BridgeTest, AChannelOnInterestIsReadOnceAStationWishesIt) {

@@ -120,6 +120,21 @@ TEST(PortClient, ABridgeThatFallsSilentIsGone) {
   EXPECT_EQ(b.end->kind, PortEnd::Kind::kBridgeGone);
 }
 
+TEST(PortClient, AHeartbeatOfTheBridgeIsAnswered) {
+  PortClientRules lengths;
+  lengths.number = "17";
+  Bench b(markers()), v2(lengths);
+  for (Bench* bench : {&b, &v2}) {
+    bench->tell(PortClient::Connected{});
+    bench->hears("@@0000FEFF");
+    (void)bench->sent();
+  }
+  b.hears("@@HBFEFF");
+  EXPECT_EQ(b.sent(), "@@HBFEFF");
+  v2.tell(PortClient::FromBridge{Bytes{0, 0, 0, 0}});
+  EXPECT_EQ(v2.sent(), std::string(4, '\0'));
+}
+
 TEST(PortClient, ABridgeThatNeverAnswersIsGivenUp) {
   Bench b(markers());
   b.tell(PortClient::Connected{});

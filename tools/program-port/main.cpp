@@ -40,7 +40,7 @@ void describe(CLI::App& app, Arguments& given) {
   app.add_option("--ca", given.authorities, "PEM file with who signs the bridge's certificate; default: the system's");
   app.add_flag("--markers", given.markers,
                "marker frames: instructions that end in CR, as older bridges know them; default: any bytes");
-  app.add_option("--heartbeat", given.heartbeat, "seconds between heartbeats; the bridge's own setting or less")
+  app.add_option("--heartbeat", given.heartbeat, "seconds between heartbeats; a bridge that is silent for 3.5 of them is gone")
       ->check(CLI::Range(0.5, 600.0))
       ->capture_default_str();
   app.add_flag("--json", given.json, "say everything as JSON lines");

@@ -178,17 +178,21 @@ void PortSession::wind_up() {
   signals_.cancel();
   timer_.cancel();
   ticking_.cancel();
-  for (const auto& side : {bridge_, terminal_}) {
-    if (side) side->finish([] {});
-  }
   limit_.expires_after(kFlushLimit);
-  const auto unsent = [this] { return (bridge_ && bridge_->unsent() > 0) || (terminal_ && terminal_->unsent() > 0); };
-  if (!unsent()) return void(limit_.cancel());
-  limit_.async_wait([this](boost::system::error_code) {
+  limit_.async_wait([this](boost::system::error_code cancelled) {
     for (const auto& side : {bridge_, terminal_}) {
-      if (side) side->close();
+      if (side && !cancelled) side->close();
     }
   });
+  const auto left = std::make_shared<int>(0);
+  for (const auto& side : {bridge_, terminal_}) *left += side ? 1 : 0;
+  if (*left == 0) limit_.cancel();
+  for (const auto& side : {bridge_, terminal_}) {
+    if (!side) continue;
+    side->finish([this, left] {
+      if (--*left == 0) limit_.cancel();
+    });
+  }
 }
 
 }  // namespace fieldcast::port
