@@ -115,12 +115,21 @@ class Run {
   std::map<ShapeKey, Shape> shapes_;
 };
 
-bool works(const ScheduleInput& input, const PredictionOptions& options) { return Run(input, options).run(true).feasible; }
-
 ScheduleInput stretched(const ScheduleInput& input, double factor) {
   ScheduleInput result = input;
   for (Point& point : result.points) point.refresh = from_seconds(to_seconds(point.refresh) * factor);
   return result;
+}
+
+// Whether a nearly full wire that missed nothing owes that to the length of the run.
+bool is_narrow(const ScheduleInput& input, const PredictionOptions& options, const Prediction& prediction) {
+  constexpr double kNearlyFull = 0.8, kShorter = 0.95;
+  return prediction.planned_load > kNearlyFull && Run(stretched(input, kShorter), options).run(true).missed > 0;
+}
+
+bool works(const ScheduleInput& input, const PredictionOptions& options) {
+  const Prediction prediction = Run(input, options).run(true);
+  return prediction.feasible && !is_narrow(input, options, prediction);
 }
 
 // The least factor on all refreshes that works, to two per cent.
@@ -198,6 +207,8 @@ std::vector<SlowerPoints> slower_that_works(const ScheduleInput& input, const Pr
 
 Prediction predict(const ScheduleInput& input, const PredictionOptions& options) {
   Prediction prediction = Run(input, options).run(false);
+  prediction.narrow = prediction.feasible && is_narrow(input, options, prediction);
+  prediction.feasible = prediction.feasible && !prediction.narrow;
   if (prediction.feasible || !options.remedies) return prediction;
   prediction.remedies.stretch = stretch_that_works(input, options, prediction.planned_load);
   prediction.remedies.baud = baud_that_works(input, options);

@@ -50,7 +50,8 @@ struct Remedies {
 };
 
 struct Prediction {
-  bool feasible = false;    // nothing is read later than its refresh allows
+  bool feasible = false;    // nothing is read later than its refresh allows, now or in a longer run
+  bool narrow = false;      // not feasible, though this run missed nothing: with refreshes 5 % shorter it would have
   double planned_load = 0;  // share of the wire that the wished refreshes need
   double load = 0;          // share of the wire that the run used
   double stretch = 1;       // factor on all refreshes by which overload is met

@@ -1,15 +1,24 @@
 // Figures of the scheduler in virtual time: the load it sustains without a missed refresh, what it spends, what a decision costs.
 //
-// usage: schedule_bench [sustained] [spent] [decision] [intensive]     (all of them without an argument)
+// usage: schedule_bench [sustained] [spent] [decision] [intensive] [mixed]     (all of them without an argument)
+//        schedule_bench mixed FIRST_SEED
 #include <time.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <memory>
+#include <random>
+#include <stdexcept>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/plan/partition.hpp"
+#include "core/schedule/prediction.hpp"
 #include "core/schedule/scheduler.hpp"
 #include "tests/schedule/maps.hpp"
 #include "tests/schedule/virtual_wire.hpp"
@@ -104,9 +113,9 @@ void print_decision() {
   for (const std::size_t channels : {300u, 1000u, 10'000u}) {
     const test::Map map = test::random_map(5, channels, 30);
     const ScheduleInput input = test::input_of(map, kProtocol, kBaud, {}, test::least_load(map, kBaud) / 0.5);
-    const auto before = std::chrono::steady_clock::now();
+    const Duration before = processor_time();
     const auto scheduler = make_scheduler(input);
-    const auto built = std::chrono::steady_clock::now();
+    const Duration built = processor_time();
     test::VirtualWire wire(input, *scheduler);
     wire.run(60s);
     wire.forget_gaps();
@@ -166,6 +175,85 @@ void print_intensive() {
               300 / to_seconds(loop), refreshes / 60 / (300 / to_seconds(loop)), to_seconds(longest) / to_seconds(shortest));
 }
 
+// A bus of two to six units that speak up to four protocols, with points of several areas and refreshes from 100 ms to 10 s, and a
+// planned load from a quarter of the wire to all of it.
+struct MixedBus {
+  std::vector<std::unique_ptr<Protocol>> protocols;
+  ScheduleInput input;
+};
+MixedBus mixed_bus(std::uint64_t seed) {
+  struct Family {
+    const char* name;
+    std::map<std::string, std::string> options;
+    const char* areas[2];
+    std::uint32_t items[2];  // of one point, at most
+    std::uint32_t end;       // of the addresses in the second area
+  };
+  static const Family families[] = {{"modbus-rtu", {}, {"holding:", "coil:"}, {2, 1}, 2000},
+                                    {"s7-ppi", {}, {"VB", "MB"}, {4, 1}, 30},
+                                    {"omron-hostlink", {{"mode", "fins"}}, {"DM", "W"}, {2, 1}, 500},
+                                    {"dtc", {}, {"int16:", "int32:"}, {2, 1}, 2000}};
+  constexpr int kRefreshes[] = {100, 200, 500, 1000, 2000, 5000, 10'000};
+  std::mt19937_64 random(seed);
+  const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
+  MixedBus bus;
+  bus.input.line = LineFormat{below(2) ? 19200u : 115200u, 8, Parity::kEven, 1};
+  bus.input.silence = silence_of(StandardSilence{}, bus.input.line);
+  const std::uint32_t units = 2 + below(5);
+  for (DeviceIndex device = 0; device < units; ++device) {
+    const Family& family = families[below(4)];
+    bus.protocols.push_back(*find_protocol(family.name)->make(
+        {.address = static_cast<std::uint16_t>(device + 1), .options = family.options, .line = bus.input.line}));
+    bus.input.devices.push_back(
+        {.protocol = bus.protocols.back().get(), .answer_time = std::chrono::microseconds{500 + below(10'000)}});
+    const std::uint32_t points = 10 + below(50);
+    for (std::uint32_t i = 0, at = below(20); i < points; ++i, at += below(6) == 0 ? 12 + below(60) : 1 + below(4)) {
+      const bool second = below(4) == 0;
+      const auto first = bus.protocols.back()->parse_address(family.areas[second] + std::to_string(second ? at % family.end : at));
+      if (!first) throw std::runtime_error(first.error().what);
+      bus.input.points.push_back({device,
+                                  {first->area, first->first, 1 + below(family.items[second])},
+                                  std::chrono::milliseconds{kRefreshes[below(7)]}});
+    }
+  }
+  const double planned = make_scheduler(bus.input)->planned_load(), wanted = 0.25 + 0.01 * below(75);
+  for (Point& point : bus.input.points) point.refresh = from_seconds(to_seconds(point.refresh) * planned / wanted);
+  return bus;
+}
+
+void print_mixed(std::uint64_t first) {
+  std::puts("200 random buses of several units, areas and protocols: what plan said of them, and ten times as long a run");
+  struct Row {
+    int buses = 0, feasible = 0, missing = 0;
+    std::uint64_t reads = 0, missed = 0;
+  };
+  std::map<int, Row> rows;  // by planned load, in tenths
+  double farthest = 0;
+  for (std::uint64_t seed = first; seed < first + 200; ++seed) {
+    const MixedBus bus = mixed_bus(seed);
+    const Prediction prediction = predict(bus.input, {.remedies = false});
+    Row& row = rows[static_cast<int>(prediction.planned_load * 10)];
+    ++row.buses;
+    if (!prediction.feasible) continue;
+    ++row.feasible;
+    const auto scheduler = make_scheduler(bus.input);
+    test::VirtualWire wire(bus.input, *scheduler);
+    wire.run(10 * prediction.horizon);
+    row.reads += wire.blocks();
+    row.missed += wire.missed();
+    row.missing += wire.missed() + wire.overdue() > 0;
+    farthest = std::max(farthest, std::abs(wire.load() / prediction.load - 1));
+    if (wire.missed() > 0)
+      std::printf("  seed %llu: planned %.3f, %llu misses in %.0f s\n", static_cast<unsigned long long>(seed), prediction.planned_load,
+                  static_cast<unsigned long long>(wire.missed()), to_seconds(10 * prediction.horizon));
+  }
+  std::puts("planned load   buses  feasible  of these with a miss   reads       misses");
+  for (const auto& [tenth, row] : rows)
+    std::printf("%.1f to %.1f %11d %9d %21d %9llu %10llu\n", tenth / 10.0, (tenth + 1) / 10.0, row.buses, row.feasible, row.missing,
+                static_cast<unsigned long long>(row.reads), static_cast<unsigned long long>(row.missed));
+  std::printf("the measured load is at most %.1f %% away from the predicted one\n\n", 100 * farthest);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -178,5 +266,6 @@ int main(int argc, char** argv) {
   if (wanted("intensive")) print_intensive();
   if (wanted("decision")) print_decision();
   if (wanted("spent")) print_spent();
+  if (wanted("mixed")) print_mixed(argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1);
   if (wanted("sustained")) print_sustained();
 }

@@ -72,7 +72,7 @@ std::string names_of(const BusPlan& plan, const std::vector<PointIndex>& points)
 
 std::string verdict(const BusPlan& plan) {
   const auto& prediction = plan.prediction;
-  return plan.bus->name + "  " + to_text(plan.bus->port) + ": " + (prediction.feasible ? "feasible" : "NOT FEASIBLE") +
+  return plan.bus->name + "  " + to_text(plan.bus->port) + ": " + (prediction.feasible ? "feasible" : prediction.narrow ? "TOO NARROW" : "NOT FEASIBLE") +
          ", wire load " + formatted("%.1f %%", prediction.planned_load * 100) + ", " + std::to_string(prediction.reads) +
          " reads in " + to_text(prediction.horizon) + " of virtual time, " + std::to_string(prediction.missed) +
          " late (devices taken to answer after " + to_text(plan.answer_time) + ')';
