@@ -22,7 +22,6 @@
 #include "bridge/outlet_thread.hpp"
 #include "bridge/port/dial_in_registry.hpp"
 #include "bridge/program/server.hpp"
-#include "bridge/program/store_hooks.hpp"
 #include "bridge/reload_plan.hpp"
 
 namespace fieldcast {
@@ -93,7 +92,6 @@ struct Bridge::State {
   CommandDesk commands;
   InterestDesk interests;
   DialInRegistry modules;  // outlives the buses and the programming server
-  program::StoreDoors doors;  // of the programming server to the store
   program::Server program{program_hooks(), modules};
   std::map<std::string, RunningBus, std::less<>> buses;
   OutletThread outlets;
@@ -109,7 +107,6 @@ struct Bridge::State {
 
 program::Hooks Bridge::State::program_hooks() {
   program::Hooks hooks;
-  join_store(hooks, doors);
   hooks.report = [this](const ProgramSessionReport& report) {
     outlets.post([this, report] { link->report(report); });
   };
