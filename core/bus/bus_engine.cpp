@@ -278,7 +278,9 @@ void BusEngine::State::conclude(bool done, Instant now, Actions& actions) {
   }
   rest_device(ended.device, now);
   // A stream whose framing is lost cannot be mended in place (Modbus Messaging on TCP/IP, 4.2.2 leaves the reaction open: close).
-  if (cause == Cause::kMalformed && traits.identity == AnswerIdentity::kSequence) {
+  // A serial line falls silent instead, also behind a serial server: there a bad frame costs its exchange alone.
+  const auto* tcp = std::get_if<TcpPortSpec>(&spec.port);
+  if (cause == Cause::kMalformed && traits.identity == AnswerIdentity::kSequence && tcp != nullptr && !tcp->line) {
     actions.push_back(Reopen{"the answer's header makes no sense"});
     bus_state = BusState::kOpening;
   }

@@ -253,6 +253,8 @@ std::optional<ExchangeSize> fins_size(const FinsRoute& route, const Request& req
   const auto sizes = sizes_of(request);
   if (!sizes) return std::nullopt;
   const std::size_t head = header_size(route);
+  const bool long_request = head + sizes->request > kFinsRequestBytes;
+  if (long_request || head + kCommandSize + kEndSize + sizes->answer > kFinsAnswerBytes) return std::nullopt;
   return ExchangeSize{
       .request_characters = static_cast<std::uint32_t>(kRequestFrame + 2 * (head + sizes->request)),
       .answer_characters = static_cast<std::uint32_t>(kAnswerFrame + 2 * (head + kCommandSize + kEndSize + sizes->answer)),

@@ -1,6 +1,7 @@
 // How much fits into frames and messages of Host Link.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace fieldcast::omron {
@@ -17,7 +18,10 @@ inline constexpr std::uint16_t kCWriteWords = 29 + 7 * 31;
 inline constexpr std::uint16_t kCReadFlags = 121 + 124;
 inline constexpr std::uint16_t kCWriteFlags = 116;
 
-// FINS in Host Link: 540 bytes of request and 538 of answer behind the Host Link part, in one frame.
+// FINS in Host Link: 540 bytes of request and 538 of answer behind the Host Link part, in one frame. A relayed message has six bytes
+// more of header and so less of data.
+inline constexpr std::size_t kFinsRequestBytes = 540;
+inline constexpr std::size_t kFinsAnswerBytes = 538;
 inline constexpr std::uint16_t kFinsReadWords = 264;
 inline constexpr std::uint16_t kFinsReadFlags = 528;
 inline constexpr std::uint16_t kFinsWriteWords = 260;
