@@ -103,6 +103,15 @@ CLI::App* add_inspect(CLI::App& app, InspectOptions& inspect) {
   return command;
 }
 
+CLI::App* add_sim_check(CLI::App& app, SimCheckOptions& check) {
+  auto* command = app.add_subcommand(
+      "sim-check", "Try a protocol's master against its simulated device, through the whole matrix; needs no bridge");
+  command->add_option("PROTOCOL", check.protocol, "modbus-rtu, omron-hostlink, .., or a declaration: instrument, ./mine.yaml")
+      ->required();
+  command->add_flag("--json", check.json, "JSON lines");
+  return command;
+}
+
 // An empty text keeps the default.
 template <typename Target>
 void set_duration(Target& target, const std::string& text, const char* option) {
@@ -141,6 +150,7 @@ tl::expected<Arguments, NoCommand> parse_arguments(int argc, const char* const* 
   StatusOptions status;
   SessionsOptions sessions;
   PlanOptions plan;
+  SimCheckOptions check;
   Texts texts;
   const auto* watch_command = add_watch(app, watch, texts);
   const auto* write_command = add_write(app, write, texts);
@@ -149,6 +159,7 @@ tl::expected<Arguments, NoCommand> parse_arguments(int argc, const char* const* 
   const auto* sessions_command = add_sessions(app, sessions, texts);
   const auto* plan_command = add_plan(app, plan, texts);
   const auto* inspect_command = add_inspect(app, inspect);
+  const auto* check_command = add_sim_check(app, check);
 
   if (argc > 1) {
     if (auto fault = unknown_command(app, argv[1])) return tl::unexpected(*std::move(fault));
@@ -179,6 +190,7 @@ tl::expected<Arguments, NoCommand> parse_arguments(int argc, const char* const* 
   if (sessions_command->parsed()) return sessions;
   if (plan_command->parsed()) return plan;
   if (inspect_command->parsed()) return inspect;
+  if (check_command->parsed()) return check;
   return tl::unexpected(NoCommand{ExitCode::kUsage, app.help()});
 }
 

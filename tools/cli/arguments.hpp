@@ -9,13 +9,15 @@
 #include "tools/cli/inspect.hpp"
 #include "tools/cli/plan.hpp"
 #include "tools/cli/sessions.hpp"
+#include "tools/cli/sim_check.hpp"
 #include "tools/cli/status.hpp"
 #include "tools/cli/watch.hpp"
 #include "tools/cli/write.hpp"
 
 namespace fieldcast::cli {
 
-using Arguments = std::variant<InspectOptions, WatchOptions, WriteOptions, AcquireOptions, StatusOptions, SessionsOptions, PlanOptions>;
+using Arguments = std::variant<InspectOptions, WatchOptions, WriteOptions, AcquireOptions, StatusOptions, SessionsOptions,
+                               PlanOptions, SimCheckOptions>;
 
 // Not a command to be run: help, the version, or a fault with what is wrong.
 struct NoCommand {

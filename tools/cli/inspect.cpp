@@ -1,16 +1,12 @@
 #include "tools/cli/inspect.hpp"
 
 #include <istream>
-#include <optional>
 #include <ostream>
-#include <span>
 
-#include "config/loader.hpp"
 #include "core/base/bytes.hpp"
-#include "core/base/near_miss.hpp"
-#include "core/protocol/protocol.hpp"
 #include "tools/cli/inspect_view.hpp"
 #include "tools/cli/json.hpp"
+#include "tools/cli/named_protocol.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -26,39 +22,11 @@ std::string hex_of(const InspectOptions& options, std::istream& in) {
   return hex;
 }
 
-void explain_unknown(const std::string& name, std::ostream& err) {
-  std::vector<std::string> names;
-  for (const auto& entry : protocols()) names.emplace_back(entry.name);
-  err << "fieldcast inspect: protocol '" << printable(name) << "' is unknown";
-  if (const auto near = near_miss(name, names); !near.empty()) err << "; did you mean " << near << '?';
-  err << "\nprotocols:\n";
-  for (const auto& entry : protocols()) err << "  " << entry.name << "  " << entry.summary << '\n';
-}
-
-// A declaration by its path, or by the name of one that comes with Fieldcast; what is wrong with it goes to err.
-std::optional<declared::SharedDeclaration> declared_protocol(const std::string& name, std::ostream& err) {
-  auto loaded = config::load_declaration(name);
-  if (loaded) return *loaded;
-  const bool is_path = name.find_first_of("/.") != std::string::npos;
-  const auto& faults = loaded.error();
-  const bool missing = faults.size() == 1 && faults.front().file == name;
-  if (missing && !is_path)
-    explain_unknown(name, err);
-  else
-    err << config::to_text(std::span(faults));
-  return std::nullopt;
-}
-
 }  // namespace
 
 ExitCode inspect(const InspectOptions& options, std::istream& in, std::ostream& out, std::ostream& err, const Screen& screen) {
-  const auto* built_in = find_protocol(options.protocol);
-  declared::SharedDeclaration declaration;
-  if (built_in == nullptr) {
-    auto loaded = declared_protocol(options.protocol, err);
-    if (!loaded) return ExitCode::kUsage;
-    declaration = std::move(*loaded);
-  }
+  const auto protocol = named_protocol(options.protocol, "inspect", err);
+  if (!protocol) return ExitCode::kUsage;
   const auto hex = hex_of(options, in);
   const auto frame = hex.size() <= kMaxHexCharacters ? from_hex(hex) : std::nullopt;
   if (!frame || frame->empty()) {
@@ -66,8 +34,9 @@ ExitCode inspect(const InspectOptions& options, std::istream& in, std::ostream& 
         << " no frame; write its bytes in hexadecimal, for instance 01 03 00 64 00 02 85 D4 or 01030064000285D4\n";
     return ExitCode::kUsage;
   }
-  const auto fields = built_in != nullptr ? built_in->explain(*frame) : declared::explain(*declaration.value, *frame);
-  const std::string_view name = built_in != nullptr ? built_in->name : std::string_view(declaration.value->name);
+  const auto fields = protocol->built_in != nullptr ? protocol->built_in->explain(*frame)
+                                                    : declared::explain(*protocol->declaration.value, *frame);
+  const std::string_view name = protocol->name();
   if (options.json) {
     out << to_line(inspect_json(name, *frame, fields)) << '\n';
   } else {

@@ -16,6 +16,7 @@ struct Run {
     return inspect(options, std::cin, std::cout, std::cerr, wide_screen());
   }
   ExitCode operator()(const PlanOptions& options) const { return plan(options, std::cout, std::cerr, wide_screen()); }
+  ExitCode operator()(const SimCheckOptions& options) const { return sim_check(options, std::cout, std::cerr, wide_screen()); }
   ExitCode operator()(const WatchOptions& options) const { return joined(options, watch); }
   ExitCode operator()(const WriteOptions& options) const { return joined(options, write); }
   ExitCode operator()(const AcquireOptions& options) const { return joined(options, acquire); }

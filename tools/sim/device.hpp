@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -58,6 +59,16 @@ class SimDevice {
   // REQUIRES: the device outlives the ear.
   [[nodiscard]] virtual std::unique_ptr<Ear> open_ear() = 0;
   [[nodiscard]] virtual const DeviceStatistics& statistics() const = 0;
+  // An item of its memory, right-aligned, past the wire; nothing for an area or item that it does not have. A poked item holds
+  // like a written one.
+  [[nodiscard]] virtual std::optional<std::uint64_t> peek([[maybe_unused]] std::string_view area,
+                                                          [[maybe_unused]] std::uint32_t item, [[maybe_unused]] Instant now) {
+    return std::nullopt;
+  }
+  virtual bool poke([[maybe_unused]] std::string_view area, [[maybe_unused]] std::uint32_t item,
+                    [[maybe_unused]] std::uint64_t bits) {
+    return false;
+  }
 };
 
 // Addresses that the device refuses with a code of its protocol.
@@ -89,5 +100,8 @@ struct DeviceKind {
 };
 [[nodiscard]] std::span<const DeviceKind> device_kinds();
 [[nodiscard]] const DeviceKind* find_device_kind(std::string_view protocol);
+// That of the device's protocol, built in or declared; nullptr where there is none.
+[[nodiscard]] const DeviceKind* kind_of(const DeviceSpec& device);
+[[nodiscard]] std::vector<std::string_view> area_names(const DeviceSpec& device);
 
 }  // namespace fieldcast::sim

@@ -27,6 +27,10 @@ class DtcDevice : public SimDevice {
 
   [[nodiscard]] std::unique_ptr<Ear> open_ear() override;
   [[nodiscard]] const DeviceStatistics& statistics() const override { return statistics_; }
+  [[nodiscard]] std::optional<std::uint64_t> peek(std::string_view area, std::uint32_t item, Instant now) override {
+    return memory_.peek(area, item, now);
+  }
+  bool poke(std::string_view area, std::uint32_t item, std::uint64_t bits) override { return memory_.poke(area, item, bits); }
   [[nodiscard]] ItemMemory& memory() { return memory_; }
 
   // The body of a packet that was heard whole. The packet to answer with, or nothing where silence is right. False: it was

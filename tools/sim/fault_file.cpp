@@ -100,7 +100,7 @@ void read_delay(const Node& node, AnswerDelay& delay, FaultList& faults) {
   map.read("spike-probability", delay.spike_probability, kProbability);
 }
 
-void read_exceptions(const Node& node, DeviceFaults& device, const DeviceKind* kind, FaultList& faults) {
+void read_exceptions(const Node& node, DeviceFaults& device, const std::vector<std::string_view>& areas, FaultList& faults) {
   device.refused.clear();
   each(node, "exceptions", faults, [&](const Node& item) {
     RefusedRange range;
@@ -112,16 +112,16 @@ void read_exceptions(const Node& node, DeviceFaults& device, const DeviceKind* k
     map.read("to", range.to, kItem);
     map.read("code", range.code, WholeRule{1, 255});
     if (range.to < range.from) faults.add(map.place_of("to"), "the range ends before it begins", "a 'to' not below 'from'");
-    const bool known = kind == nullptr || range.area.empty() || std::ranges::find(kind->areas, range.area) != kind->areas.end();
+    const bool known = areas.empty() || range.area.empty() || std::ranges::find(areas, range.area) != areas.end();
     if (!known) {
-      faults.add(map.place_of("area"), "area '" + range.area + "' is unknown", config::joined(kind->areas),
-                 config::closest(range.area, kind->areas));
+      faults.add(map.place_of("area"), "area '" + range.area + "' is unknown", config::joined(areas),
+                 config::closest(range.area, areas));
     }
     device.refused.push_back(range);
   });
 }
 
-void read_device(const Node& node, DeviceFaults& device, const DeviceKind* kind, FaultList& faults) {
+void read_device(const Node& node, DeviceFaults& device, const std::vector<std::string_view>& areas, FaultList& faults) {
   MapReader map(node, kDeviceKeys, faults);
   if (const Node* delay = map.find("delay")) read_delay(*delay, device.delay, faults);
   map.read("loss", device.loss, kProbability);
@@ -134,7 +134,7 @@ void read_device(const Node& node, DeviceFaults& device, const DeviceKind* kind,
   map.read("truncate", device.truncate, kProbability);
   map.read("stray", device.stray, kProbability);
   if (const Node* silence = map.find("silence")) read_silence(*silence, device, faults);
-  if (const Node* exceptions = map.find("exceptions")) read_exceptions(*exceptions, device, kind, faults);
+  if (const Node* exceptions = map.find("exceptions")) read_exceptions(*exceptions, device, areas, faults);
   map.read("only-configured", device.only_configured, FlagRule{});
 }
 
@@ -194,7 +194,7 @@ void read_bus(const Node& node, BusFaults& bus, const BusSpec& spec, FaultList& 
   check_names(*devices, "device", spec.devices, faults);
   for (const DeviceSpec& device : spec.devices) {
     for (const Node* found : about(*devices, device.name)) {
-      read_device(*found, bus.devices[device.name], find_device_kind(device.protocol), faults);
+      read_device(*found, bus.devices[device.name], area_names(device), faults);
     }
   }
 }

@@ -25,6 +25,10 @@ class FreeportDevice : public SimDevice {
 
   [[nodiscard]] std::unique_ptr<Ear> open_ear() override;
   [[nodiscard]] const DeviceStatistics& statistics() const override { return statistics_; }
+  [[nodiscard]] std::optional<std::uint64_t> peek(std::string_view area, std::uint32_t item, Instant now) override {
+    return memory_.peek(area, item, now);
+  }
+  bool poke(std::string_view area, std::uint32_t item, std::uint64_t bits) override { return memory_.poke(area, item, bits); }
   [[nodiscard]] ItemMemory& memory() { return memory_; }
 
   // A frame from `q` to `Q`. What to answer; empty where silence is right.

@@ -21,6 +21,10 @@ class HostLinkDevice : public SimDevice {
 
   [[nodiscard]] std::unique_ptr<Ear> open_ear() override;
   [[nodiscard]] const DeviceStatistics& statistics() const override { return statistics_; }
+  [[nodiscard]] std::optional<std::uint64_t> peek(std::string_view area, std::uint32_t item, Instant now) override {
+    return memory_.peek(area, item, now);
+  }
+  bool poke(std::string_view area, std::uint32_t item, std::uint64_t bits) override { return memory_.poke(area, item, bits); }
   [[nodiscard]] ItemMemory& memory() { return memory_; }
 
   // Everything up to a CR, which is left out; with `@` at its front, or none for a delimiter or a later frame of a write.

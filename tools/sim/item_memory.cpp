@@ -95,6 +95,23 @@ void ItemMemory::write(std::size_t area, std::uint32_t item, std::uint64_t bits,
   ++statistics.writes[std::string(areas_[area].name) + ":" + std::to_string(item)];
 }
 
+std::optional<std::size_t> ItemMemory::find(std::string_view area, std::uint32_t item) const {
+  const auto found = std::ranges::find(areas_, area, &ItemArea::name);
+  if (found == areas_.end() || item >= found->items) return std::nullopt;
+  return static_cast<std::size_t>(found - areas_.begin());
+}
+
+std::optional<std::uint64_t> ItemMemory::peek(std::string_view area, std::uint32_t item, Instant now) const {
+  const auto found = find(area, item);
+  return found ? std::optional(read(*found, item, now)) : std::nullopt;
+}
+
+bool ItemMemory::poke(std::string_view area, std::uint32_t item, std::uint64_t bits) {
+  const auto found = find(area, item);
+  if (found) write(*found, item, bits);
+  return found.has_value();
+}
+
 std::uint8_t ItemMemory::refusal(std::size_t area, std::uint32_t first, std::uint32_t count, std::uint8_t missing) const {
   if (first >= areas_[area].items || count > areas_[area].items - first) return missing;
   for (const RefusedRange& range : refused_) {

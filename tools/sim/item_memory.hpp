@@ -51,7 +51,9 @@ class ItemMemory {
   // The code of the refused range that these items touch; `missing` where they do not exist; 0: nothing refuses them.
   [[nodiscard]] std::uint8_t refusal(std::size_t area, std::uint32_t first, std::uint32_t count, std::uint8_t missing) const;
   [[nodiscard]] bool configured(std::size_t area, std::uint32_t item) const { return parts_[area].contains(item); }
-  [[nodiscard]] const std::vector<ItemArea>& areas() const { return areas_; }
+  // For SimDevice.
+  [[nodiscard]] std::optional<std::uint64_t> peek(std::string_view area, std::uint32_t item, Instant now) const;
+  bool poke(std::string_view area, std::uint32_t item, std::uint64_t bits);
 
  private:
   struct Channel {
@@ -63,6 +65,7 @@ class ItemMemory {
     std::size_t channel = 0;
     unsigned index = 0;  // of the channel's items
   };
+  [[nodiscard]] std::optional<std::size_t> find(std::string_view area, std::uint32_t item) const;
   [[nodiscard]] std::uint64_t bits_of(const Part& part, unsigned width, Instant now) const;
 
   const std::vector<ItemArea> areas_;

@@ -1,5 +1,7 @@
 #include "tools/sim/modbus_device.hpp"
 
+#include <algorithm>
+
 #include "tools/sim/modbus_ears.hpp"
 #include "tools/sim/waveform.hpp"
 
@@ -29,9 +31,25 @@ class ModbusDevice : public SimDevice {
     return std::make_unique<TcpEar>(unit_, any_unit_);
   }
   [[nodiscard]] const DeviceStatistics& statistics() const override { return unit_.statistics(); }
+  [[nodiscard]] std::optional<std::uint64_t> peek(std::string_view area, std::uint32_t item, Instant now) override {
+    const auto found = area_named(area);
+    if (!found || item >= ModbusMemory::kItems) return std::nullopt;
+    return unit_.memory().read(*found, item, 1, now)[0];
+  }
+  bool poke(std::string_view area, std::uint32_t item, std::uint64_t bits) override {
+    const auto found = area_named(area);
+    if (!found || item >= ModbusMemory::kItems) return false;
+    unit_.memory().preset(*found, item, {static_cast<std::uint16_t>(bits)});
+    return true;
+  }
   [[nodiscard]] ModbusUnit& unit() { return unit_; }
 
  private:
+  static std::optional<ModbusArea> area_named(std::string_view name) {
+    const auto found = std::ranges::find(kModbusAreaNames, name);
+    if (found == kModbusAreaNames.end()) return std::nullopt;
+    return static_cast<ModbusArea>(found - kModbusAreaNames.begin());
+  }
   ModbusUnit unit_;
   LineFormat line_;
   Framing framing_;

@@ -20,6 +20,10 @@ class PpiDevice : public SimDevice {
 
   [[nodiscard]] std::unique_ptr<Ear> open_ear() override;
   [[nodiscard]] const DeviceStatistics& statistics() const override { return unit_.statistics(); }
+  [[nodiscard]] std::optional<std::uint64_t> peek(std::string_view area, std::uint32_t item, Instant now) override {
+    return unit_.memory().peek(area, item, now);
+  }
+  bool poke(std::string_view area, std::uint32_t item, std::uint64_t bits) override { return unit_.memory().poke(area, item, bits); }
   [[nodiscard]] PpiUnit& unit() { return unit_; }
 
   // A telegram that came whole and right, from its destination to its last unit byte. Empty where silence is right.

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 
+#include "tools/sim/declared_device.hpp"
 #include "tools/sim/device.hpp"
 #include "tools/sim/dtc_device.hpp"
 #include "tools/sim/freeport_device.hpp"
@@ -31,6 +32,18 @@ const DeviceKind* find_device_kind(std::string_view protocol) {
   const auto kinds = device_kinds();
   const auto found = std::ranges::find(kinds, protocol, &DeviceKind::protocol);
   return found == kinds.end() ? nullptr : &*found;
+}
+
+const DeviceKind* kind_of(const DeviceSpec& device) {
+  static const DeviceKind declared{"", {}, true, &make_declared_device};
+  return device.declaration ? &declared : find_device_kind(device.protocol);
+}
+
+std::vector<std::string_view> area_names(const DeviceSpec& device) {
+  if (device.declaration) return declared_area_names(*device.declaration.value);
+  const DeviceKind* kind = find_device_kind(device.protocol);
+  if (kind == nullptr) return {};
+  return {kind->areas.begin(), kind->areas.end()};
 }
 
 }  // namespace fieldcast::sim

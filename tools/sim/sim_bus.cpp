@@ -26,7 +26,7 @@ tl::expected<std::unique_ptr<SimBus>, std::string> SimBus::make(const BusSpec& s
   }
   const bool tcp = std::holds_alternative<TcpPortSpec>(spec.port);
   for (const DeviceSpec& device : spec.devices) {
-    const DeviceKind* kind = find_device_kind(device.protocol);
+    const DeviceKind* kind = kind_of(device);
     if (kind == nullptr && !others) {
       return tl::unexpected(spec.name + "/" + device.name + ": no simulated devices speak '" + device.protocol +
                             "'; there are: " + known_protocols());

@@ -116,7 +116,7 @@ std::unique_ptr<Ear> StandInDevice::open_ear() { return std::make_unique<StandIn
 
 }  // namespace
 
-bool StandIns::needed(const DeviceSpec& device) { return find_device_kind(device.protocol) == nullptr; }
+bool StandIns::needed(const DeviceSpec& device) { return kind_of(device) == nullptr; }
 
 std::unique_ptr<Protocol> StandIns::protocol(const DeviceSpec& device, const LineFormat& line) {
   auto real = make_protocol(device, line);

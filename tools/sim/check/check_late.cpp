@@ -1,0 +1,137 @@
+// The whole engine against two devices of which one answers late, again and again: no channel ever shows another's value.
+#include <stdexcept>
+
+#include "core/bus/bus_engine.hpp"
+#include "core/codec/value_codec.hpp"
+#include "tools/sim/check/requests.hpp"
+#include "tools/sim/check/sim_check.hpp"
+
+namespace fieldcast::sim {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration kRun = 20s;
+constexpr std::size_t kMostChannels = 12;
+
+// A bus engine, a plant and the samples between them, in virtual time.
+class LateBus {
+ public:
+  LateBus(const Subject& subject, CheckRow& row) : requests_(subject), row_(row), spec_(bus_of(subject)) {
+    BusFaults faults;
+    DeviceFaults& own = faults.devices[spec_.devices[0].name];
+    own.late_probability = 0.2;
+    own.late = 60ms;  // beyond what the engine has learned to wait, within the timeout
+    auto plant = SimBus::make(spec_, faults, 3, now_);
+    if (!plant) throw std::runtime_error(plant.error());
+    plant_ = std::move(*plant);
+    line_ = plant_->open_line();
+    for (std::size_t device = 0; device < spec_.devices.size(); ++device) add_channels(device);
+    engine_ = std::make_unique<BusEngine>(spec_);
+  }
+
+  void run() {
+    feed(Opened{});
+
+    while (now_ < Instant{} + kRun) {
+      const Instant next = std::min(timer_, line_->next_due());
+      if (next == kNever) return row_.fail("the bus stands still from " + to_text(now_ - Instant{}), "");
+      now_ = std::max(now_, next);
+      Bytes heard;
+      line_->advance(now_, heard);
+      if (!heard.empty()) feed(Received{heard});
+      if (timer_ <= now_) {
+        timer_ = kNever;
+        feed(TimerFired{});
+      }
+    }
+    if (row_.tried == 0) row_.fail("no good sample in " + to_text(kRun), "");
+  }
+
+ private:
+  static BusSpec bus_of(const Subject& subject) {
+    BusSpec bus;
+    bus.name = "check";
+    bus.port = subject.port;
+    for (const Subject& each : {subject, subject.neighbour()}) {
+      bus.devices.push_back(each.device);
+      bus.devices.back().name += std::to_string(bus.devices.size());
+      bus.devices.back().timeout = 100ms;
+      // An FX has its port for itself.
+      if (subject.device.protocol == "mitsubishi-fx") break;
+    }
+    return bus;
+  }
+
+  // One item of each area, read by itself; each holds a number of its own.
+  void add_channels(std::size_t device) {
+    DeviceSpec& spec = spec_.devices[device];
+    for (std::size_t i = 0; i < requests_.protocol().areas().size() && spec.channels.size() < kMostChannels; ++i) {
+      const auto area = static_cast<AreaIndex>(i);
+      const Area& shape = requests_.protocol().areas()[i];
+      auto slots = requests_.places(area);
+      if (slots.empty()) slots = requests_.slots(area, 1);
+      for (const Slot& slot : slots) {
+        if (slot.range.count != 1) continue;
+        Slot whole = slot;
+        const Bytes image = Requests::contents(whole, random_);
+        if (!Requests::poke(*plant_->members()[device].device, shape.name, slot, image)) continue;
+        ChannelSpec channel;
+        channel.name = "c" + std::to_string(spec.channels.size());
+        channel.range = slot.range;
+        channel.encoding.type = ValueType::kBool;
+        if (shape.item_bits == 16) channel.encoding.type = ValueType::kUint16;
+        if (shape.item_bits == 32) channel.encoding.type = ValueType::kUint32;
+        if (shape.item_bits == 64) channel.encoding.type = ValueType::kUint64;
+        if (shape.item_bits == 8) channel.encoding.bit = 0;
+        channel.refresh = 500ms;
+        spec.channels.push_back(channel);
+        expected_.push_back(decode_value(channel.encoding, shape.item_bits, image).value_or(Value{false}));
+      }
+    }
+  }
+
+  void feed(const BusEvent& event) {
+    Actions actions;
+    engine_->on_event(event, now_, actions);
+    bool reopen = false;
+    for (const Action& action : actions) {
+      reopen = reopen || std::holds_alternative<Reopen>(action);
+      if (const auto* send = std::get_if<Send>(&action)) line_->receive(send->bytes, now_);
+      if (const auto* timer = std::get_if<SetTimer>(&action)) timer_ = std::max(timer->at, now_);
+      if (const auto* publish = std::get_if<Publish>(&action)) {
+        for (const Sample& sample : publish->samples) judge(sample);
+      }
+    }
+    if (!reopen) return;
+    line_ = plant_->open_line();
+    feed(Opened{});
+  }
+
+  void judge(const Sample& sample) {
+    if (sample.quality != Quality::kGood) return;
+    if (sample.value == expected_[sample.channel]) return row_.pass();
+    row_.fail("channel " + std::to_string(sample.channel) + " shows a value that is not its own at " + to_text(now_ - Instant{}),
+              "");
+  }
+
+  Requests requests_;
+  CheckRow& row_;
+  BusSpec spec_;
+  std::unique_ptr<SimBus> plant_;
+  std::unique_ptr<BusLine> line_;
+  std::unique_ptr<BusEngine> engine_;
+  std::vector<Value> expected_;
+  Instant now_{}, timer_ = kNever;
+  std::mt19937 random_{5};
+};
+
+}  // namespace
+
+void check_late(const Subject& subject, CheckRows& rows) {
+  CheckRow row{.check = "late answer", .where = "with the engine"};
+  LateBus(subject, row).run();
+  rows.push_back(std::move(row));
+}
+
+}  // namespace fieldcast::sim

@@ -1,0 +1,32 @@
+// What a check tried, what passed and what did not, row by row.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace fieldcast::sim {
+
+struct CheckFailure {
+  std::string what;   // "bit 3 of byte 12 flipped: taken: [00 05], undisturbed: taken: [00 04]"
+  std::string frame;  // the disturbed bytes, or the request, in hexadecimal
+};
+
+struct CheckRow {
+  static constexpr std::size_t kMostFailures = 20;  // kept; the others are counted
+
+  std::string variant, check, where;
+  std::uint64_t tried = 0, passed = 0;
+  std::string note;  // why nothing was tried, or what was let pass
+  std::vector<CheckFailure> failures;
+
+  [[nodiscard]] std::uint64_t failed() const { return tried - passed; }
+  void pass() { ++tried, ++passed; }
+  void fail(std::string what, std::string frame) {
+    ++tried;
+    if (failures.size() < kMostFailures) failures.push_back({std::move(what), std::move(frame)});
+  }
+};
+using CheckRows = std::vector<CheckRow>;
+
+}  // namespace fieldcast::sim

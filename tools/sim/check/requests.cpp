@@ -1,0 +1,118 @@
+#include "tools/sim/check/requests.hpp"
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+
+namespace fieldcast::sim {
+
+Requests::Requests(const Subject& subject) : subject_(subject), protocol_(subject.protocol()) {
+  if (!protocol_) throw std::runtime_error("no protocol " + subject.device.protocol);
+}
+
+std::vector<Slot> Requests::places(AreaIndex area) const {
+  std::vector<Slot> slots;
+  if (!subject_.device.declaration) return slots;
+  for (const declared::Place& place : subject_.device.declaration.value->areas[area].places) {
+    slots.push_back({{area, place.first, place.items}, 16, place.bits});
+  }
+  return slots;
+}
+
+std::vector<Slot> Requests::slots(AreaIndex area, std::uint32_t count) const {
+  const Area& row = protocol_->areas()[area];
+  std::vector<Slot> slots;
+  if (count == 0 || count > row.items) return slots;
+  std::set<std::uint32_t> firsts{0, row.items / 2, row.items - count};
+  for (const std::uint32_t first : firsts) {
+    const Range range{area, first, count};
+    if (first + count <= row.items && allows(ReadRequest{{range}})) slots.push_back({range, row.item_bits});
+  }
+  return slots;
+}
+
+std::optional<Range> Requests::largest_read(AreaIndex area) const {
+  const Area& row = protocol_->areas()[area];
+  for (std::uint32_t count = std::min<std::uint32_t>(row.max_read, row.items); count > 0; --count) {
+    if (allows(ReadRequest{{Range{area, 0, count}}})) return Range{area, 0, count};
+  }
+  return std::nullopt;
+}
+
+std::optional<Range> Requests::largest_write(AreaIndex area) const {
+  const Area& row = protocol_->areas()[area];
+  for (std::uint32_t count = std::min<std::uint32_t>(row.max_write, row.items); row.writable && count > 0; --count) {
+    const Range range{area, row.items - count, count};
+    if (allows(WriteRequest{.range = range, .items = Bytes(image_bytes(row.item_bits, count))})) return range;
+  }
+  return std::nullopt;
+}
+
+std::vector<NamedRequest> Requests::examples() const {
+  std::vector<NamedRequest> all;
+  ReadRequest list;
+  std::set<unsigned> large;  // widths of items of which the largest read is there: one of each is enough
+  const auto add = [&](const std::string& name, Request request) {
+    if (allows(request)) all.push_back({name, std::move(request)});
+  };
+  for (std::size_t i = 0; i < protocol_->areas().size(); ++i) {
+    const auto area = static_cast<AreaIndex>(i);
+    const Area& row = protocol_->areas()[i];
+    const std::string name(row.name);
+    std::vector<Slot> tried = places(area);
+    if (tried.empty()) tried = {{{area, 0, std::min<std::uint32_t>(3, row.items)}, row.item_bits}};
+    for (const Slot& slot : tried) {
+      add("read " + name, ReadRequest{{slot.range}});
+      WriteRequest write{.range = slot.range, .items = Bytes(image_bytes(slot.item_bits, slot.range.count))};
+      write.items.back() = 1;
+      if (!allows(write)) write.range.count = 1, write.items.resize(image_bytes(slot.item_bits, 1));
+      add("write " + name, write);
+      if (protocol_->traits().write_read) add("write and read " + name, WriteReadRequest{write, write.range});
+      if (row.bit_write && row.item_bits > 1) {
+        WriteRequest bit{.range = {area, slot.range.first, 1}, .items = Bytes(image_bytes(row.item_bits, 1), 0xFF), .bit = 3};
+        add("write a bit of " + name, bit);
+      }
+    }
+    if (const auto range = largest_read(area); range && range->count > 3 && large.insert(row.item_bits).second) {
+      add("read " + name + ", most", ReadRequest{{*range}});
+    }
+    list.ranges.push_back({area, 0, 1});
+    list.ranges.push_back({area, row.items - 1, 1});
+    if (!allows(list)) list.ranges.resize(list.ranges.size() - 2);
+  }
+  if (protocol_->traits().max_ranges > 1 && list.ranges.size() > 1) add("read a list of all areas", list);
+  return all;
+}
+
+Bytes Requests::contents(const Slot& slot, std::mt19937& random) {
+  Bytes image(image_bytes(slot.item_bits, slot.range.count));
+  for (std::uint8_t& byte : image) byte = static_cast<std::uint8_t>(slot.item_bits == 1 ? random() % 2 : random());
+  if (slot.value_bits == 0) return image;
+  for (std::size_t bit = slot.value_bits; bit < image.size() * 8; ++bit) {
+    image[image.size() - 1 - bit / 8] &= static_cast<std::uint8_t>(~(1u << bit % 8));
+  }
+  return image;
+}
+
+bool Requests::poke(SimDevice& device, std::string_view area, const Slot& slot, ByteView image) {
+  const std::size_t each = image_bytes(slot.item_bits, 1);
+  for (std::uint32_t i = 0; i < slot.range.count; ++i) {
+    std::uint64_t item = 0;
+    for (std::size_t byte = 0; byte < each; ++byte) item = item << 8 | image[i * each + byte];
+    if (!device.poke(area, slot.range.first + i, item)) return false;
+  }
+  return true;
+}
+
+std::optional<Bytes> Requests::peek(SimDevice& device, std::string_view area, const Slot& slot, Instant now) {
+  Bytes image;
+  const std::size_t each = image_bytes(slot.item_bits, 1);
+  for (std::uint32_t i = 0; i < slot.range.count; ++i) {
+    const auto item = device.peek(area, slot.range.first + i, now);
+    if (!item) return std::nullopt;
+    for (std::size_t byte = each; byte-- > 0;) image.push_back(static_cast<std::uint8_t>(*item >> 8 * byte));
+  }
+  return image;
+}
+
+}  // namespace fieldcast::sim

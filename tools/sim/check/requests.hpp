@@ -1,0 +1,51 @@
+// Requests that show what a protocol can do: for every area small and large reads and writes, for records their places.
+#pragma once
+
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "tools/sim/check/conversation_run.hpp"
+
+namespace fieldcast::sim {
+
+// A run of items that is read, and perhaps written, as one.
+struct Slot {
+  Range range;
+  unsigned item_bits = 16;
+  unsigned value_bits = 0;  // of all items together, right-aligned; 0: all that they have (a record's places have fewer)
+};
+
+struct NamedRequest {
+  std::string name;  // "read holding 3"
+  Request request;
+};
+
+class Requests {
+ public:
+  explicit Requests(const Subject& subject);
+
+  [[nodiscard]] const Protocol& protocol() const { return *protocol_; }
+  [[nodiscard]] std::string_view area_name(AreaIndex area) const { return protocol_->areas()[area].name; }
+  // Where `count` items of an area are tried: its beginning, its middle, its end, as far as they can be read at all.
+  [[nodiscard]] std::vector<Slot> slots(AreaIndex area, std::uint32_t count) const;
+  [[nodiscard]] std::optional<Range> largest_read(AreaIndex area) const;
+  [[nodiscard]] std::optional<Range> largest_write(AreaIndex area) const;
+  [[nodiscard]] bool allows(const Request& request) const { return protocol_->size(request).has_value(); }
+  // Of every kind that the protocol has, for every area: what is worth being disturbed.
+  [[nodiscard]] std::vector<NamedRequest> examples() const;
+  [[nodiscard]] std::vector<Slot> places(AreaIndex area) const;  // of a record
+
+  // Random contents of a slot, as the image of its items.
+  [[nodiscard]] static Bytes contents(const Slot& slot, std::mt19937& random);
+  // Puts them into the device past the wire; false: it has no such items.
+  static bool poke(SimDevice& device, std::string_view area, const Slot& slot, ByteView image);
+  [[nodiscard]] static std::optional<Bytes> peek(SimDevice& device, std::string_view area, const Slot& slot, Instant now);
+
+ private:
+  const Subject& subject_;
+  std::unique_ptr<Protocol> protocol_;
+};
+
+}  // namespace fieldcast::sim
