@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <set>
+#include <string>
 
 #include "core/model/make_protocol.hpp"
 #include "core/schedule/scheduler.hpp"
@@ -199,17 +201,26 @@ TEST_F(Everything, ADeviceMaySpeakAnotherProtocolThanItsBus) {
   EXPECT_EQ(spec.buses[2].devices[0].link.address, 255);
 }
 
-TEST(GoodFiles, TheDemoHasAHundredChannelsOnSixDevices) {
+TEST(GoodFiles, TheDemoHasAHundredModbusChannelsOnSixDevicesAndABusForEachFamily) {
   const auto demo = load_file((source_dir() / "config/examples/demo.yaml").string());
   ASSERT_TRUE(demo) << faults_of(demo);
   std::size_t devices = 0, channels = 0;
-  for (const auto& bus : demo->buses) {
-    devices += bus.devices.size();
-    for (const auto& device : bus.devices) channels += device.channels.size();
+  std::set<std::string> families, shared;
+  for (std::size_t i = 0; i < demo->buses.size(); ++i) {
+    std::set<std::string> here;
+    for (const auto& device : demo->buses[i].devices) {
+      here.insert(device.protocol);
+      if (i < 2) ++devices, channels += device.channels.size();
+    }
+    families.insert(here.begin(), here.end());
+    if (here.size() > 1) shared = here;
   }
-  EXPECT_EQ(demo->buses.size(), 2u);
   EXPECT_EQ(devices, 6u);
   EXPECT_EQ(channels, 100u);
+  for (const char* family : {"dtc", "instrument", "mitsubishi-fx", "modbus-rtu", "omron-hostlink", "s7-freeport", "s7-ppi"}) {
+    EXPECT_TRUE(families.contains(family)) << family;
+  }
+  EXPECT_EQ(shared.size(), 3u);
 }
 
 // With devices that answer after 5 ms. What a plan needs is the scheduler's word; this keeps the examples honest.

@@ -1,0 +1,85 @@
+"""The demo's plant, end to end: of every family values flow as GOOD, a write is verified, and what no channel names is read in the PLC's own notation.
+
+usage: e2e_families.py BIN_DIR SOURCE_DIR
+"""
+
+import os
+import re
+import sys
+import unittest
+
+from plant import Plant, wait_until
+
+BIN_DIR, SOURCE_DIR = "", ""
+
+# A channel to write, its value, and an address that no channel names.
+WRITES = {
+    "s7-ppi": ("packing/packer/seal-setpoint=150.5", "packing/packer", "VW300"),
+    "omron-hostlink": ("assembly/robot/speed=55", "assembly/robot", "DM900"),
+    "omron-hostlink, fins": ("assembly/press-fit/force-limit=12.5", "assembly/press-fit", "DM900"),
+    "mitsubishi-fx": ("lift/lift-1/target=7", "lift/lift-1", "D700"),
+    "dtc": ("mixer/mixer-1/speed=120", "mixer/mixer-1", "int16:900"),
+    "s7-freeport": ("yard/gate/open=true", "yard/gate", "window:2"),
+    "instrument": ("yard/gauge/outputs=9", "yard/gauge", "unit"),
+    "modbus-rtu": ("yard/fan/frequency=32.5", "yard/fan", "holding:900"),
+}
+BITS = ["packing/packer/running=true", "assembly/press-fit/clamp=true", "lift/lift-1/light=true", "mixer/mixer-1/valve=true"]
+
+ON_DEMAND = {"serial-number"}  # of the energy meter: read only when asked for
+
+plant = None
+
+
+def setUpModule():
+    global plant
+    with open(os.path.join(SOURCE_DIR, "config/examples/demo.yaml"), encoding="utf-8") as file:
+        text = re.sub(r"(?m)^dds:.*$", "", file.read()).replace("/tmp/fieldcast-demo", "{run}")
+    plant = Plant(BIN_DIR, text)
+    plant.__enter__()
+
+
+def tearDownModule():
+    plant.__exit__(None, None, None)
+
+
+class Families(unittest.TestCase):
+    def test_every_channel_is_good(self):
+        def samples():
+            result = plant.cli("watch", "--json", "--once")
+            self.assertEqual(result.code, 0, str(result))
+            return result.json_lines()
+
+        def bad():
+            return [sample for sample in samples() if sample["quality"] != "GOOD" and sample["channel"] not in ON_DEMAND]
+
+        wait_until(lambda: not bad(), 30, lambda: f"every channel GOOD; {bad()}")
+        self.assertEqual(len({sample["bus"] for sample in samples()}), 7)
+
+    def test_writes_are_verified(self):
+        for family, (assignment, _, _) in WRITES.items():
+            with self.subTest(family=family):
+                result = plant.cli("write", assignment, "--verify", "--json")
+                self.assertEqual(result.code, 0, str(result))
+                self.assertEqual([line["state"] for line in result.json_lines()], ["verified"], str(result))
+        for assignment in BITS:
+            with self.subTest(assignment=assignment):
+                result = plant.cli("write", assignment, "--verify", "--json")
+                self.assertEqual([line["state"] for line in result.json_lines()], ["verified"], str(result))
+
+    def test_a_write_without_verification_is_done(self):
+        result = plant.cli("write", "packing/packer/seal-setpoint=151", "--json")
+        self.assertEqual([line["state"] for line in result.json_lines()], ["done"], str(result))
+
+    def test_addresses_are_read_in_the_notation_of_the_plc(self):
+        for family, (_, device, address) in WRITES.items():
+            with self.subTest(family=family):
+                result = plant.cli("acquire", device, "--at", address, "--json")
+                self.assertEqual(result.code, 0, str(result))
+                lines = result.json_lines()
+                self.assertEqual([line["state"] for line in lines], ["done"], str(result))
+                self.assertEqual(len(lines[0]["values"]), 1, str(result))
+
+
+if __name__ == "__main__":
+    BIN_DIR, SOURCE_DIR = sys.argv[1], sys.argv[2]
+    unittest.main(argv=sys.argv[:1], verbosity=2)
