@@ -64,8 +64,8 @@ class Growth {
 
 }  // namespace
 
-Turn next_turn(std::span<const PointState> points, std::uint32_t urgent, std::int64_t now, const Allowance& allowance,
-               const RidingWeights& weights) {
+std::int64_t next_turn(std::span<const PointState> points, std::uint32_t urgent, std::int64_t now, const Allowance& allowance,
+                       const RidingWeights& weights) {
   std::int64_t beat = allowance.spacing, base = std::max(now, points[urgent].due);
   if (beat == 0) {
     beat = points[urgent].period;
@@ -74,34 +74,21 @@ Turn next_turn(std::span<const PointState> points, std::uint32_t urgent, std::in
       if (point.ready(now)) beat = std::min(beat, point.period);
     }
   }
-  // Whoever is due before the cluster's next read would need a request of its own.
-  const std::int64_t next_read = base + part(weights.reach, beat);
-  return {next_read, next_read + beat};
+  return base + part(weights.reach, beat);
 }
 
 Slice riding_slice(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost, std::int64_t now,
                    const Allowance& allowance, const RidingWeights& weights) {
-  const Turn turn = next_turn(points, urgent, now, allowance, weights);
-  const std::int64_t next_read = turn.next_read, one_later = turn.one_later;
+  const std::int64_t next_read = next_turn(points, urgent, now, allowance, weights);
   const double request = cost.item_ns() * cost.bridge();
   const auto items = [&](const PointState& point) { return cost.item_ns() * (point.end - point.first); };
-  const auto must = [&](const PointState& point) {
-    return (allowance.pressed ? point.deadline : point.due) <= next_read ? request + items(point) : 0.0;
-  };
-  const auto early = [&](const PointState& point) {
-    if (point.due <= next_read) return request + items(point);
-    return point.due <= one_later && point.used(now) >= 0.5 ? weights.early * items(point) : 0.0;
-  };
+  const auto must = [&](const PointState& point) { return point.due <= next_read ? request + items(point) : 0.0; };
   const auto eager = [&](const PointState& point) {
     return point.due <= next_read || point.eager ? request + items(point) : 0.0;
   };
-
   Growth growth(points, urgent, cost, now);
-  growth.both_ways(must, request, allowance.longest);
-  if (allowance.budget > 0) {
-    growth.both_ways(early, request, std::min(allowance.budget, allowance.level));
-    growth.both_ways(eager, request, allowance.budget);
-  }
+  growth.both_ways(must, request, kNeverNs);
+  if (allowance.budget > 0) growth.both_ways(eager, request, allowance.budget);
   return growth.slice();
 }
 

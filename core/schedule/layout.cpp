@@ -4,6 +4,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "core/plan/pace.hpp"
 #include "core/plan/partition.hpp"
 #include "core/schedule/pack.hpp"
 
@@ -76,14 +77,19 @@ void pack(const ScheduleInput& input, Layout& layout) {
 
 }  // namespace
 
-void cut_into_clusters(std::span<const Wanted> wanted, Layout& layout) {
+void cut_into_clusters(std::span<const Wanted> wanted, std::span<const double> rates, Layout& layout) {
   layout.clusters.clear();
   layout.cluster_at.clear();
   for (auto& clusters : layout.clusters_of) clusters.clear();
   for (StripIndex index = 0; index < layout.strips.size(); ++index) {
     const Strip& strip = layout.strips[index];
-    for (const Slice slice : optimal_partition(wanted.subspan(strip.begin, strip.end - strip.begin), strip.cost))
-      add_cluster(layout, {index, strip.device, strip.begin + slice.begin, strip.begin + slice.end});
+    for (const Slice slice : optimal_partition(wanted.subspan(strip.begin, strip.end - strip.begin), strip.cost)) {
+      const Place begin = strip.begin + slice.begin, size = slice.end - slice.begin;
+      const auto paces = rates.empty() || size == 1
+                             ? std::vector<Slice>{{0, size}}
+                             : partition_by_pace(wanted.subspan(begin, size), rates.subspan(begin, size), strip.cost);
+      for (const Slice pace : paces) add_cluster(layout, {index, strip.device, begin + pace.begin, begin + pace.end});
+    }
   }
   for (const Cluster& pack : layout.packs) add_cluster(layout, pack);
 }
@@ -116,7 +122,11 @@ Layout make_layout(const ScheduleInput& input, Clustering clustering) {
   if (clustering == Clustering::kLists) pack(input, layout);
   layout.place_of.resize(input.points.size());
   for (Place place = 0; place < layout.point_at.size(); ++place) layout.place_of[layout.point_at[place]] = place;
-  cut_into_clusters(wanted_of(input, layout.point_at, clustering == Clustering::kSinglePoints), layout);
+  std::vector<double> rates;
+  if (clustering == Clustering::kLists) {
+    for (const PointIndex point : layout.point_at) rates.push_back(1 / std::max(1e-9, to_seconds(input.points[point].refresh)));
+  }
+  cut_into_clusters(wanted_of(input, layout.point_at, clustering == Clustering::kSinglePoints), rates, layout);
   return layout;
 }
 

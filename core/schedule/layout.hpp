@@ -1,7 +1,8 @@
 // Where the points of a bus lie: strips (the points of one device and area, by address) cut into clusters.
 //
 // A cluster is what one request can read at most. Where a request carries one range, that is a block of the optimal partition of
-// the whole strip: points further apart than another request costs, or than one request can carry, are never read together.
+// the whole strip: points further apart than another request costs, or than one request can carry, are never read together. Those
+// that are read at different paces are cut further (plan/pace.hpp).
 // Where it carries a list of ranges, it is a pack (pack.hpp): points of any areas of one device. A scheduler looks at one
 // cluster at a time. Owned by the scheduler.
 #pragma once
@@ -54,7 +55,8 @@ enum class Clustering : std::uint8_t { kLists, kSingleRanges, kSinglePoints };
 // REQUIRES: points name devices of the input and areas of their protocols.
 [[nodiscard]] Layout make_layout(const ScheduleInput& input, Clustering clustering);
 
-// Cuts the strips into clusters by their present costs; `wanted` is what each place holds.
-void cut_into_clusters(std::span<const Wanted> wanted, Layout& layout);
+// Cuts the strips into clusters by their present costs; `wanted` is what each place holds. `rates`: how often each is read, or
+// nothing, if all that is near is to be read together.
+void cut_into_clusters(std::span<const Wanted> wanted, std::span<const double> rates, Layout& layout);
 
 }  // namespace fieldcast

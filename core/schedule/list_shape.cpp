@@ -97,7 +97,7 @@ void ListShaper::take(std::span<const PointState> points, const ListCost& cost, 
 
 void ListShaper::riding(std::span<const PointState> points, std::uint32_t urgent, const ListCost& cost, std::int64_t now,
                         const Allowance& allowance, const RidingWeights& weights, Pick& out) {
-  const Turn turn = next_turn(points, urgent, now, allowance, weights);
+  const std::int64_t next_read = next_turn(points, urgent, now, allowance, weights);
   confine(points, urgent, now);
   build(points, cost, kNeverNs, out);
   const auto collect = [&](const auto& comes) {
@@ -106,14 +106,10 @@ void ListShaper::riding(std::span<const PointState> points, std::uint32_t urgent
       if (taken_[place] == 0 && !point.bad && point.ready(now) && comes(point)) riders_.push_back({point.due, place});
     }
   };
-  collect([&](const PointState& point) { return (allowance.pressed ? point.deadline : point.due) <= turn.next_read; });
+  collect([&](const PointState& point) { return point.due <= next_read; });
   take(points, cost, kNeverNs, out);
   if (allowance.budget > 0) {
-    collect([&](const PointState& point) {
-      return point.due <= turn.next_read || (point.due <= turn.one_later && point.used(now) >= 0.5);
-    });
-    take(points, cost, std::min(allowance.budget, allowance.level), out);
-    collect([&](const PointState& point) { return point.due <= turn.next_read || point.eager; });
+    collect([&](const PointState& point) { return point.due <= next_read || point.eager; });
     take(points, cost, allowance.budget, out);
   }
   cover(points, out);

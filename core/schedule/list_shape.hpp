@@ -1,6 +1,6 @@
-// Which points of a cluster are read together where a request carries a list of ranges: the most urgent one first, then those that
-// would need another request before the next one of this cluster, then, with wire time to spare, those that are only better read
-// now than later.
+// Which points of a cluster are read together where a request carries a list of ranges: the most urgent one first, then those
+// that would need another request before the next one of this cluster, then, with wire time to spare, those that are only better
+// read now than later.
 //
 // Nobody is too far away; what limits a read is what the request and its answer hold. Pure but for its scratch.
 #pragma once

@@ -53,7 +53,8 @@ std::vector<Piece> pieces_of(std::span<const Point> points, const StripPoints& s
       };
       if (listed) offer(best[begin].cost + begin_ns * rate + item_ns * items, false);
       if (!single) continue;
-      const double request = static_cast<double>(strip.cost.of_single(range).value_or(Duration{0}).count()) - alone_ns * range.count;
+      const double request =
+          static_cast<double>(strip.cost.of_single(range).value_or(Duration{0}).count()) - alone_ns * range.count;
       offer(best[begin].cost + request * rate + alone_ns * items, true);
     }
   }

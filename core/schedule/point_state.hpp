@@ -27,7 +27,8 @@ struct PointState {
   double stretch = 1;                // factor on it under overload
   std::int64_t period = 1;           // largest gap allowed at present: stretched, less the lead
   std::int64_t due = kNeverNs;       // when it should be read again
-  std::int64_t first_due = 0;        // one of its turns on the beat of its cluster
+  std::int64_t first_due = 0;        // one of its turns on the beat of its cluster,
+  std::int64_t lap = 0;              // and from one turn to the next; 0: it has none
   std::int64_t deadline = kNeverNs;  // when its period runs out: never before it is due
   std::int64_t retry_at = 0;         // left alone until then
   std::int64_t cut_until = 0;        // until then no block may hold this point together with the one before it

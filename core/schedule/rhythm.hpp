@@ -3,12 +3,10 @@
 // If each read were due one period after the last one, whatever made it early would shift all that follow, and the phases of a
 // hundred clusters would wander and collide. Instead the fastest point of the bus gives a beat a little shorter than its period;
 // each cluster is due on every n-th beat at an offset of its own. Reads that come a little early or late leave the beat as it is.
-// Offsets are chosen so that the wire time wanted is level over time. Pure functions; owned by the scheduler.
+// Which beats, and when within them, says the timetable. Pure functions.
 #pragma once
 
 #include <cstdint>
-#include <span>
-#include <vector>
 
 namespace fieldcast {
 
@@ -23,26 +21,5 @@ struct Beat {
 
 // The spacing for a cluster whose fastest point has `period`, on a bus whose fastest point has `fastest`.
 [[nodiscard]] std::int64_t beat_spacing(std::int64_t period, std::int64_t fastest, double margin);
-
-// Finds level offsets: a table of the wire time wanted in each slot of some beats, filled cluster by cluster.
-class Leveller {
- public:
-  explicit Leveller(std::int64_t beat);
-  // Takes `cost` every `spacing` and returns the least crowded offset for it, 0 .. spacing-1.
-  [[nodiscard]] std::int64_t place(std::int64_t spacing, std::int64_t cost);
-  // The same on a given beat: which of its next `count` instants. Returns 0 .. count-1.
-  [[nodiscard]] std::int64_t place_on(const Beat& beat, std::int64_t count, std::int64_t cost);
-
- private:
-  static constexpr std::size_t kBeats = 60;  // divisible by most small numbers
-  static constexpr std::size_t kSlots = 24;  // in a beat
-  static constexpr int kTries = 48;
-  [[nodiscard]] double crowd(std::int64_t offset, std::int64_t spacing) const;
-  void take(std::int64_t offset, std::int64_t spacing, std::int64_t cost);
-
-  std::int64_t beat_;
-  std::vector<double> slots_;
-  std::uint32_t turn_ = 0;
-};
 
 }  // namespace fieldcast

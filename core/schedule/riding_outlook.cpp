@@ -5,6 +5,11 @@
 
 namespace fieldcast {
 
+namespace {
+constexpr std::uint32_t kNoSlot = ~0u;
+std::int64_t part(double share, std::int64_t of) { return static_cast<std::int64_t>(share * static_cast<double>(of)); }
+}  // namespace
+
 // Walks the next reads in the order in which they are due, as if the wire began now and did not rest: if the k-th ends S before
 // it is due, the wire may rest S at most. A cluster that is read sooner than it is due is due sooner the next time.
 RidingScheduler::Slack RidingScheduler::look_ahead(std::int64_t now) {
@@ -50,7 +55,7 @@ void RidingScheduler::refresh_cluster(ClusterIndex index, std::int64_t now) {
   const auto points = points_of(index);
   take_out(index);
   if (suspended_until_[layout_.clusters[index].device] > now) return;
-  std::int64_t due = kNeverNs, deadline = kNeverNs, spare = kNeverNs, wake = kNeverNs;
+  std::int64_t due = kNeverNs, spare = kNeverNs, wake = kNeverNs;
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     const PointState& point = points[i];
     if (!point.wanted()) continue;
@@ -59,20 +64,37 @@ void RidingScheduler::refresh_cluster(ClusterIndex index, std::int64_t now) {
       continue;
     }
     if (point.due < due) due = point.due, cluster.urgent = i;
-    if (point.deadline < deadline) deadline = point.deadline, cluster.pressed = i;
     if ((point.eager || point.mode == Mode::kIntensive) && point.due < spare) spare = point.due, cluster.spare_urgent = i;
   }
   if (wake != kNeverNs) asleep_.put(index, wake);
   if (spare != kNeverNs) spare_.put(index, spare);
   if (due == kNeverNs) return;
-  due_.put(index, due);
-  deadline_.put(index, deadline);
-  write_agenda(index, now);
+  if (planner_ != Planner::kRiding) {
+    due_.put(index, due);
+    return write_agenda(index, now);
+  }
+  const PointState& head = points[cluster.urgent];
+  const std::int64_t cost = shape(index, points, cluster.urgent, std::max(now, due), 0).cost;
+  cluster.agenda[0] = {due, cost, false};
+  const std::int64_t release = due - cost - room_of(index, head);
+  if (release <= now) {
+    due_.put(index, due);
+  } else {
+    held_.put(index, release);
+  }
+}
+
+// How much sooner than it is due a read may end. On the timetable: no more than its next one can do without; a read that comes
+// sooner yet would have to come again.
+std::int64_t RidingScheduler::room_of(ClusterIndex cluster, const PointState& head) const {
+  constexpr double kNoTurn = 0.1;  // of the period, for those without a turn
+  if (head.mode == Mode::kIntensive || head.eager || head.lap == 0) return part(kNoTurn, head.period);
+  return table_.room() * table_.request(cluster).beat;
 }
 
 void RidingScheduler::take_out(ClusterIndex cluster) {
   due_.remove(cluster);
-  deadline_.remove(cluster);
+  held_.remove(cluster);
   spare_.remove(cluster);
   asleep_.remove(cluster);
 }
@@ -86,7 +108,7 @@ void RidingScheduler::write_agenda(ClusterIndex index, std::int64_t now) {
   for (Coming& coming : cluster.agenda) {
     PointState& head = imagined_[urgent];
     const std::int64_t at = std::max(now, head.due);
-    const Pick& pick = shape(index, imagined_, urgent, at, allowance(cluster.beat.spacing, 0, 0));
+    const Pick& pick = shape(index, imagined_, urgent, at, 0);
     coming = {head.due, pick.cost, head.again};
     for (const std::uint32_t i : pick.members) {
       renew(index, imagined_[i], at);

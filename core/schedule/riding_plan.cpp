@@ -12,10 +12,12 @@ namespace fieldcast {
 namespace {
 
 constexpr double kFull = 1.0;            // planned load from which on refreshes are stretched
-constexpr double kCrowded = 0.6;         // planned load from which on long blocks are cut short for the others' sake
+constexpr double kCrowded = 0.6;         // planned load from which on reads keep closer to their last instant
 constexpr double kMostPerPriority = 4;   // how far points of one priority are stretched before those of the next higher one are
 constexpr double kMostApart = 16;        // how much further the lowest priority than the highest: nobody starves
 constexpr double kSimpleReserve = 0.25;  // of the fastest period, for the planners that are there to be compared with
+
+std::int64_t part(double share, std::int64_t of) { return static_cast<std::int64_t>(share * static_cast<double>(of)); }
 
 std::int64_t less_lead(double refresh, std::int64_t lead) {
   const auto whole = static_cast<std::int64_t>(std::min(refresh, 1e18));
@@ -57,12 +59,11 @@ double RidingScheduler::cluster_load(ClusterIndex index, bool stretched) {
       if (imagined_[i].wanted() && sooner) urgent = i;
     }
     now = imagined_[urgent].due;
-    const Pick& pick = shape(index, imagined_, urgent, now, allowance(beat.spacing, 0, 0));
+    const Pick& pick = shape(index, imagined_, urgent, now, 0);
     ++reads;
     spent += pick.cost;
     for (const std::uint32_t i : pick.members) imagined_[i].due = due_after(beat, now, imagined_[i].period);
   }
-  clusters_[index].level = static_cast<std::int64_t>(weights_.level * static_cast<double>(spent) / static_cast<double>(reads));
   return static_cast<double>(spent) / static_cast<double>(now);
 }
 
@@ -139,72 +140,67 @@ void RidingScheduler::plan() {
     find_fastest();
   }
   for (PointState& point : points_) set_period(point);
-  set_reserve();
+  reserve_ = part(kSimpleReserve, fastest_);
 }
 
 // A light bus can afford to read earlier, so that noise and retries find time that nobody needs; a full one cannot.
-void RidingScheduler::set_reserve() {
-  double share = crowded_ ? weights_.reserve : weights_.light_reserve;
-  if (planner_ != Planner::kRiding) share = kSimpleReserve;
-  reserve_ = static_cast<std::int64_t>(share * static_cast<double>(fastest_));
+double RidingScheduler::margin() const { return crowded_ ? weights_.margin : weights_.margin + weights_.light_reserve; }
+
+// What the timetable must know of a cluster; no members if nothing of it has a rhythm.
+TimetableRequest RidingScheduler::entry_of(ClusterIndex index) const {
+  TimetableRequest request;
+  const auto points = points_of(index);
+  request.list = layout_.clusters[index].list;
+  request.item_ns = request.list ? 0 : cost_of(index).item_ns();
+  const double frame = static_cast<double>(beat_spacing(fastest_, fastest_, margin()));
+  for (const PointState& point : points) {
+    if (!point.wanted() || point.mode != Mode::kScheduled) continue;
+    TimetableMember member{.first = point.first, .end = point.end};
+    if (request.list) {
+      const ListCost& cost = list_cost_of(index);
+      member.cost = cost.range_ns(point.area) + static_cast<std::int64_t>(cost.item_ns(point.area) * (point.end - point.first));
+    }
+    const double frames = static_cast<double>(point.period) * (1 - margin()) / frame;
+    member.lap = static_cast<std::uint32_t>(std::clamp(frames + 0.001, 1.0, 1e9));
+    request.members.push_back(member);
+  }
+  if (!request.members.empty()) request.base = request.list ? list_cost_of(index).request_ns() : base_of(index);
+  return request;
 }
 
-double RidingScheduler::margin() const { return crowded_ ? weights_.margin : weights_.margin + weights_.light_reserve; }
+std::int64_t RidingScheduler::base_of(ClusterIndex index) const {
+  const PointState& point = points_of(index).front();
+  const Range range = cost_of(index).cover(point.first, point.end);
+  return cost_of(index).of(range).count() - static_cast<std::int64_t>(cost_of(index).item_ns() * range.count);
+}
 
 // Gives every cluster its beat, and the points that are slower than the beat their turns on it.
 void RidingScheduler::spread(std::int64_t now) {
+  constexpr std::size_t kMany = 2000;  // points that are placed one by one more than once
   if (planner_ != Planner::kRiding) return;
-  Leveller leveller(beat_spacing(fastest_, fastest_, margin()));
-  std::vector<ClusterIndex> order(clusters_.size());
-  std::iota(order.begin(), order.end(), ClusterIndex{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](ClusterIndex a, ClusterIndex b) { return clusters_[a].load > clusters_[b].load; });
-  for (const ClusterIndex index : order) spread_cluster(index, now, leveller);
+  const std::int64_t frame = std::max<std::int64_t>(1, beat_spacing(fastest_, fastest_, margin()));
+  table_began_ = now;
+  table_ = Timetable(frame, part(margin() - weights_.give, fastest_));
+  std::vector<TimetableRequest> requests;
+  for (ClusterIndex index = 0; index < clusters_.size(); ++index) requests.push_back(entry_of(index));
+  table_.fill(std::move(requests), points_.size() > kMany ? 0 : weights_.rounds);
+  for (ClusterIndex index = 0; index < clusters_.size(); ++index) take_turns(index);
 }
 
-void RidingScheduler::spread_cluster(ClusterIndex index, std::int64_t now, Leveller& leveller) {
-  const auto points = points_of(index);
-  std::int64_t own = kNeverNs;
-  for (const PointState& point : points) {
-    if (point.wanted() && point.mode == Mode::kScheduled) own = std::min(own, point.period);
-  }
+void RidingScheduler::take_turns(ClusterIndex index) {
+  const TimetableRequest& request = table_.request(index);
   Beat& beat = clusters_[index].beat;
   beat = {};
-  if (own == kNeverNs) return;
-  beat.spacing = beat_spacing(own, fastest_, margin());
-  if (beat.spacing <= 0) return;
-
-  // Neighbours of one period share their turns, so that they share the way; far ones take other turns, so that no read is long.
-  struct Riders {
-    double cost = 0;
-    std::int64_t turn = 0;
-  };
-  const auto turns = [&](const PointState& point) { return std::max<std::int64_t>(1, point.period / beat.spacing); };
-  const bool list = layout_.clusters[index].list;
-  const auto group = [&](const PointState& point) {
-    const std::uint32_t bridge = list ? list_cost_of(index).bridge(point.area) : cost_of(index).bridge();
-    const std::uint32_t from = list ? 0 : points.front().first;
-    return std::tuple(turns(point), point.area, (point.first - from) / std::max<std::uint32_t>(1, 2 * bridge));
-  };
-  std::map<std::tuple<std::int64_t, AreaIndex, std::uint32_t>, Riders> riders;
-  double base = clusters_[index].load / stretch_ * static_cast<double>(beat.spacing);
-  for (const PointState& point : points) {
-    if (!point.wanted() || turns(point) <= 1) continue;
-    const auto [rider, alone] = riders.try_emplace(group(point));
-    const double item_ns = list ? list_cost_of(index).item_ns(point.area) : cost_of(index).item_ns();
-    double items = item_ns * (point.end - point.first);
-    if (list && alone) items += static_cast<double>(list_cost_of(index).range_ns(point.area)) - item_ns;
-    rider->second.cost += items;
-    base -= items / static_cast<double>(turns(point));
-  }
-  beat.offset = now + leveller.place(beat.spacing, static_cast<std::int64_t>(std::max(0.0, base)));
-  for (auto& [key, entry] : riders) {
-    entry.turn = leveller.place_on({beat.offset - now, beat.spacing}, std::get<0>(key), static_cast<std::int64_t>(entry.cost));
-  }
-  for (PointState& point : points) {
-    if (!point.wanted()) continue;
-    const auto found = riders.find(group(point));
-    point.first_due = beat.offset + (found == riders.end() ? 0 : found->second.turn * beat.spacing);
+  if (request.members.empty()) return;
+  beat.spacing = request.beat * table_.frame();
+  beat.offset = table_began_ + request.phase * table_.frame() + request.latest;
+  auto member = request.members.begin();
+  for (PointState& point : points_of(index)) {
+    point.lap = 0;
+    if (!point.wanted() || point.mode != Mode::kScheduled) continue;
+    point.lap = member->lap * table_.frame();
+    point.first_due = table_began_ + member->turn * table_.frame() + request.latest;
+    ++member;
   }
 }
 
@@ -235,19 +231,21 @@ void RidingScheduler::replan(std::int64_t now) {
     spread(now);
     for (ClusterIndex cluster = 0; cluster < clusters_.size(); ++cluster) refresh_cluster(cluster, now);
   } else {
-    Leveller leveller(beat_spacing(fastest_, fastest_, margin()));
     for (const ClusterIndex cluster : changed_) {
-      if (planner_ == Planner::kRiding) spread_cluster(cluster, now, leveller);
+      if (planner_ == Planner::kRiding) {
+        table_.change(cluster, entry_of(cluster));
+        take_turns(cluster);
+      }
       refresh_cluster(cluster, now);
     }
   }
-  set_reserve();
+  reserve_ = part(kSimpleReserve, fastest_);
   changed_.clear();
   stale_ = false;
 }
 
-// Answer times that were learned change what a request costs, and with it which neighbours are worth reading together. Points keep
-// their turns; only the clusters are cut anew.
+// Answer times that were learned change what a request costs, and with it which neighbours are worth reading together. Points
+// keep their turns; only the clusters are cut anew.
 void RidingScheduler::recut(std::int64_t now) {
   costs_changed_ = false;
   if (planner_ == Planner::kOnePerChannel) return;
@@ -255,11 +253,15 @@ void RidingScheduler::recut(std::int64_t now) {
   wanted.reserve(points_.size());
   for (const PointState& point : points_) wanted.push_back({point.first, point.end, false});
   const std::vector<Cluster> before = layout_.clusters;
-  cut_into_clusters(wanted, layout_);
+  std::vector<double> rates;
+  if (planner_ == Planner::kRiding) {
+    for (const PointState& point : points_) rates.push_back(1e9 / static_cast<double>(point.refresh));
+  }
+  cut_into_clusters(wanted, rates, layout_);
   if (layout_.clusters == before) return;
   const std::size_t count = layout_.clusters.size();
   clusters_.assign(count, {});
-  due_ = deadline_ = spare_ = asleep_ = DueQueue(count);
+  due_ = held_ = spare_ = asleep_ = DueQueue(count);
   batch_.clear();
   changed_.clear();
   plan();
@@ -276,7 +278,7 @@ void RidingScheduler::watch_lateness(bool late, std::int64_t now) {
   if (++watched_ < kWindow) return;
   const double before = overrun_;
   const bool rests = static_cast<double>(rested_) > kRests * static_cast<double>(now - window_began_);
-  if (late_ > kWindow / 20 && !rests) overrun_ = std::min(kMostOverrun, overrun_ * 1.05);
+  if (late_ > kWindow / 8 && !rests) overrun_ = std::min(kMostOverrun, overrun_ * 1.05);
   if (late_ == 0 || rests) overrun_ = std::max(1.0, overrun_ * 0.99);
   stale_ = stale_ || overrun_ != before;
   late_ = watched_ = 0;

@@ -12,7 +12,6 @@ constexpr std::size_t kMostBatch = 20;  // blocks that kDynamicBlocks plans at a
 
 std::int64_t ns(Instant instant) { return instant.time_since_epoch().count(); }
 Instant instant(std::int64_t at) { return at == kNeverNs ? kNever : Instant{Duration{at}}; }
-std::int64_t part(double share, std::int64_t of) { return static_cast<std::int64_t>(share * static_cast<double>(of)); }
 
 Clustering clustering_of(Planner planner) {
   if (planner == Planner::kRiding) return Clustering::kLists;
@@ -36,9 +35,9 @@ RidingScheduler::RidingScheduler(const ScheduleInput& input, Planner planner, co
       clusters_(layout_.clusters.size()),
       suspended_until_(input.devices.size(), 0),
       due_(clusters_.size()),
-      deadline_(clusters_.size()),
       spare_(clusters_.size()),
       asleep_(clusters_.size()),
+      held_(clusters_.size()),
       suspended_(input.devices.size()) {
   for (Place place = 0; place < points_.size(); ++place) {
     const Point& from = input.points[layout_.point_at[place]];
@@ -68,34 +67,63 @@ Decision RidingScheduler::next(Instant at) {
   return decision;
 }
 
-Decision RidingScheduler::decide(std::int64_t now) {
+// The other planners have no timetable: earliest due first, with a look ahead that says how long the wire may rest.
+Decision RidingScheduler::decide_ahead(std::int64_t now) {
   if (due_.empty()) return Rest{instant(next_wake())};
   if (planner_ == Planner::kDynamicBlocks) return next_of_batch(now);
   const Slack free = look_ahead(now);
-  const auto read = [&](ClusterIndex cluster, std::uint32_t urgent, std::int64_t budget) {
-    return make_block(cluster, urgent, now, allowance(clusters_[cluster].beat.spacing, budget, clusters_[cluster].level));
-  };
-  if (free.tight && deadline_.top_key() - now < part(weights_.press, fastest_)) {
-    const ClusterIndex cluster = deadline_.top();
-    Allowance least = allowance(clusters_[cluster].beat.spacing, 0, 0);
-    least.pressed = clusters_[cluster].beat.spacing > 0;
-    if (least.pressed) leave_behind(cluster, now);
-    return make_block(cluster, clusters_[cluster].pressed, now, least);
-  }
   const ClusterIndex first = due_.top();
-  if (free.rest <= 0) return read(first, clusters_[first].urgent, free.budget);
+  if (free.rest <= 0) return make_block(first, clusters_[first].urgent, now, 0);
   if (spare_.empty()) return Rest{instant(std::min(later(now, free.rest), next_wake()))};
   const ClusterIndex other = spare_.top();
   if (other != first) {
-    Block block = read(other, clusters_[other].spare_urgent, free.rest);
+    Block block = make_block(other, clusters_[other].spare_urgent, now, free.rest);
     if (block.cost.count() <= free.rest) return block;
   }
-  return read(first, clusters_[first].urgent, free.budget);
+  return make_block(first, clusters_[first].urgent, now, 0);
+}
+
+// By the timetable: of the reads that may begin, the one that is due first, unless it would keep one from its instant that is due
+// before it. Wire time that nobody has a right to goes to those that have use for it.
+Decision RidingScheduler::decide(std::int64_t now) {
+  constexpr std::size_t kLook = 8;
+  if (planner_ != Planner::kRiding) return decide_ahead(now);
+  for (std::size_t slot = 0; slot < std::min(kLook, due_.size()); ++slot) {
+    const ClusterIndex cluster = due_.at(slot);
+    if (in_the_way(due_.key(cluster), later(now, clusters_[cluster].agenda[0].cost))) continue;
+    return make_block(cluster, clusters_[cluster].urgent, now, 0);
+  }
+  const std::int64_t until = std::min(held_.empty() ? kNeverNs : held_.top_key(), next_wake());
+  if (!spare_.empty()) {
+    const ClusterIndex cluster = spare_.top();
+    const std::int64_t free = held_.empty() ? kNeverNs : held_.top_key() - now;
+    Block block = make_block(cluster, clusters_[cluster].spare_urgent, now, free);
+    if (block.cost.count() <= free) return block;
+  }
+  return Rest{instant(until)};
+}
+
+// Whether a read that is due at `due` and ends at `end` delays one that begins before that end and is due sooner.
+bool RidingScheduler::in_the_way(std::int64_t due, std::int64_t end) {
+  walk_.assign(1, 0);
+  while (!walk_.empty()) {
+    const std::size_t slot = walk_.back();
+    walk_.pop_back();
+    if (slot >= held_.size() || held_.key(held_.at(slot)) >= end) continue;
+    if (clusters_[held_.at(slot)].agenda[0].due < due) return true;
+    walk_.push_back(2 * slot + 1);
+    walk_.push_back(2 * slot + 2);
+  }
+  return false;
 }
 
 Duration RidingScheduler::slack(Instant at) {
   const std::int64_t now = ns(at);
   wake(now);
+  if (planner_ == Planner::kRiding) {
+    if (!due_.empty()) return Duration::zero();
+    return held_.empty() ? Duration::max() : Duration{held_.top_key() - now};
+  }
   if (due_.empty()) return Duration::max();
   return Duration{std::max<std::int64_t>(0, look_ahead(now).rest)};
 }
@@ -114,6 +142,11 @@ void RidingScheduler::wake(std::int64_t now) {
       refresh_cluster(cluster, now);
     }
   }
+  while (!held_.empty() && held_.top_key() <= now) {
+    const ClusterIndex cluster = held_.top();
+    held_.remove(cluster);
+    due_.put(cluster, clusters_[cluster].agenda[0].due);
+  }
   while (!asleep_.empty() && asleep_.top_key() <= now) {
     const ClusterIndex cluster = asleep_.top();
     asleep_.remove(cluster);
@@ -131,19 +164,14 @@ std::int64_t RidingScheduler::next_wake() const {
   return at;
 }
 
-Allowance RidingScheduler::allowance(std::int64_t spacing, std::int64_t budget, std::int64_t level) const {
-  const std::int64_t longest = crowded_ && spacing > 0 ? part(weights_.longest, spacing) : kNeverNs;
-  return {.budget = budget, .level = crowded_ ? level : 0, .longest = longest, .spacing = spacing};
-}
-
-Slice RidingScheduler::slice_of(ClusterIndex cluster, std::span<const PointState> points, std::uint32_t urgent,
-                                std::int64_t now, const Allowance& allowance) const {
+Slice RidingScheduler::slice_of(ClusterIndex cluster, std::span<const PointState> points, std::uint32_t urgent, std::int64_t now,
+                                std::int64_t budget) const {
   switch (planner_) {
     case Planner::kRiding:
       // On a wire that never rests, neighbours of one refresh go round together: the optimal partition, always.
       if (points[urgent].mode == Mode::kIntensive && one_period(points))
         return whole_slice(points, urgent, cost_of(cluster), now);
-      return riding_slice(points, urgent, cost_of(cluster), now, allowance, weights_);
+      return riding_slice(points, urgent, cost_of(cluster), now, Allowance{budget, clusters_[cluster].beat.spacing}, weights_);
     case Planner::kDynamicBlocks: return near_slice(points, urgent, cost_of(cluster), now);
     case Planner::kOnePerChannel: return {urgent, urgent + 1};
     case Planner::kFastestMember: break;
@@ -152,16 +180,17 @@ Slice RidingScheduler::slice_of(ClusterIndex cluster, std::span<const PointState
 }
 
 const Pick& RidingScheduler::shape(ClusterIndex cluster, std::span<const PointState> points, std::uint32_t urgent,
-                                   std::int64_t now, const Allowance& allowance) {
+                                   std::int64_t now, std::int64_t budget) {
   if (layout_.clusters[cluster].list) {
     if (points[urgent].mode == Mode::kIntensive && one_period(points)) {
       lists_.whole(points, urgent, list_cost_of(cluster), now, pick_);
     } else {
-      lists_.riding(points, urgent, list_cost_of(cluster), now, allowance, weights_, pick_);
+      lists_.riding(points, urgent, list_cost_of(cluster), now, Allowance{budget, clusters_[cluster].beat.spacing}, weights_,
+                    pick_);
     }
     return pick_;
   }
-  const Slice slice = slice_of(cluster, points, urgent, now, allowance);
+  const Slice slice = slice_of(cluster, points, urgent, now, budget);
   const Range range = range_of(points, slice, cost_of(cluster));
   pick_.members.resize(slice.end - slice.begin);
   std::iota(pick_.members.begin(), pick_.members.end(), slice.begin);
@@ -170,9 +199,9 @@ const Pick& RidingScheduler::shape(ClusterIndex cluster, std::span<const PointSt
   return pick_;
 }
 
-Block RidingScheduler::make_block(ClusterIndex cluster, std::uint32_t urgent, std::int64_t now, const Allowance& allowance) {
+Block RidingScheduler::make_block(ClusterIndex cluster, std::uint32_t urgent, std::int64_t now, std::int64_t budget) {
   const auto points = points_of(cluster);
-  const Pick& pick = shape(cluster, points, urgent, now, allowance);
+  const Pick& pick = shape(cluster, points, urgent, now, budget);
   Block block;
   block.device = layout_.clusters[cluster].device;
   block.ranges = pick.ranges();
@@ -195,7 +224,7 @@ Decision RidingScheduler::next_of_batch(std::int64_t now) {
       end = later(end, clusters_[cluster].agenda[0].cost);
       if (!taken.empty() && due_.top_key() - end > reserve_) break;
       taken.emplace_back(due_.top_key(), cluster);
-      batch_.push_back(make_block(cluster, clusters_[cluster].urgent, now, {}));
+      batch_.push_back(make_block(cluster, clusters_[cluster].urgent, now, 0));
       due_.remove(cluster);
     }
     for (const auto& [key, cluster] : taken) due_.put(cluster, key);
@@ -206,31 +235,14 @@ Decision RidingScheduler::next_of_batch(std::int64_t now) {
   return block;
 }
 
-// Riders whose turn it is, but who can wait for the next one, do.
-void RidingScheduler::leave_behind(ClusterIndex index, std::int64_t now) {
-  const ClusterState& cluster = clusters_[index];
-  const auto points = points_of(index);
-  Allowance least = allowance(cluster.beat.spacing, 0, 0);
-  left_out_.assign(points.size(), 0);
-  for (const std::uint32_t i : shape(index, points, cluster.pressed, now, least).members) left_out_[i] = 1;
-  least.pressed = true;
-  for (const std::uint32_t i : shape(index, points, cluster.pressed, now, least).members) left_out_[i] = 0;
-  for (std::uint32_t i = 0; i < points.size(); ++i) {
-    if (left_out_[i] != 0) points[i].due = std::min(points[i].deadline, later(points[i].due, cluster.beat.spacing));
-  }
-}
-
 std::int64_t RidingScheduler::next_due(ClusterIndex cluster, const PointState& point, std::int64_t acquired) const {
   const Beat& beat = clusters_[cluster].beat;
   if (point.mode == Mode::kIntensive || beat.spacing == 0) return later(acquired, point.period);
-  if (!point.eager) return due_after(beat, acquired, point.period);
-  // After the first acquisition: the point's own turn on the beat, so that what is read together at the start does not stay
-  // together.
-  const std::int64_t lap = std::max<std::int64_t>(1, point.period / beat.spacing) * beat.spacing;
+  if (point.lap == 0) return due_after(beat, acquired, point.period);
+  // The last of its turns within the period.
   const std::int64_t latest = later(acquired, point.period);
-  const std::int64_t past = ((latest - point.first_due) % lap + lap) % lap;
-  const std::int64_t turn = latest - past;
-  return turn - acquired >= part(0.6, beat.spacing) ? turn : due_after(beat, acquired, point.period);
+  const std::int64_t past = ((latest - point.first_due) % point.lap + point.lap) % point.lap;
+  return latest - past;
 }
 
 // A point that came along early keeps its turn; otherwise it gets its next one.

@@ -1,10 +1,10 @@
 // The scheduler: earliest due first over clusters, never pre-empted, with a look ahead that says how long the wire may rest.
 //
 // Each cluster falls due on a beat of its own (rhythm.hpp); slower points ride along with the reads of the cluster
-// (block_shape.hpp; list_shape.hpp where a request carries a list of ranges). Three queues hold clusters: `due_` and `deadline_` all that can be read, by turn and by the end of the
-// period; `spare_` those that have use for wire time that would otherwise be rest (intensive, never read, failed); `asleep_`
-// those with points that are left alone for a while. README.md beside this file tells what was tried. Owned by the bus engine and
-// touched by it alone.
+// (block_shape.hpp; list_shape.hpp where a request carries a list of ranges). Three queues hold clusters: `due_` and `deadline_`
+// all that can be read, by turn and by the end of the period; `spare_` those that have use for wire time that would otherwise be
+// rest (intensive, never read, failed); `asleep_` those with points that are left alone for a while. README.md beside this file
+// tells what was tried. Owned by the bus engine and touched by it alone.
 #pragma once
 
 #include <array>
@@ -21,6 +21,7 @@
 #include "core/schedule/refusal.hpp"
 #include "core/schedule/rhythm.hpp"
 #include "core/schedule/scheduler.hpp"
+#include "core/schedule/timetable.hpp"
 
 namespace fieldcast {
 
@@ -49,12 +50,10 @@ class RidingScheduler final : public Scheduler {
   static constexpr std::size_t kAgenda = 6;
   struct ClusterState {
     std::uint32_t urgent = 0;        // place within the cluster of the point that is due first,
-    std::uint32_t pressed = 0;       // whose deadline is first,
     std::uint32_t spare_urgent = 0;  // and that is due first among those that want spare wire time
     std::array<Coming, kAgenda> agenda;
     Beat beat;
-    std::int64_t level = 0;  // wire time of a read with early riders
-    double load = 0;         // share of the wire that it needs, unstretched
+    double load = 0;  // share of the wire that it needs, unstretched
   };
   // How much wire time is free before the earliest latest start.
   struct Slack {
@@ -73,13 +72,14 @@ class RidingScheduler final : public Scheduler {
   // riding_plan.cpp: what is worked out once, and when refreshes or costs change
   void plan();
   void find_fastest();
-  void set_reserve();
   [[nodiscard]] double margin() const;
   void stretch_by(double factor);
   [[nodiscard]] double cluster_load(ClusterIndex cluster, bool stretched);
   [[nodiscard]] double total_load(bool stretched);
   void spread(std::int64_t now);
-  void spread_cluster(ClusterIndex cluster, std::int64_t now, Leveller& leveller);
+  [[nodiscard]] TimetableRequest entry_of(ClusterIndex cluster) const;
+  [[nodiscard]] std::int64_t base_of(ClusterIndex cluster) const;
+  void take_turns(ClusterIndex cluster);
   void begin(std::int64_t now);
   void replan(std::int64_t now);
   void recut(std::int64_t now);
@@ -88,17 +88,17 @@ class RidingScheduler final : public Scheduler {
 
   // riding_scheduler.cpp: decisions
   [[nodiscard]] Decision decide(std::int64_t now);
+  [[nodiscard]] Decision decide_ahead(std::int64_t now);
+  [[nodiscard]] bool in_the_way(std::int64_t due, std::int64_t end);
   void wake(std::int64_t now);
   [[nodiscard]] std::int64_t next_wake() const;
-  [[nodiscard]] Allowance allowance(std::int64_t spacing, std::int64_t budget, std::int64_t level) const;
   [[nodiscard]] Slice slice_of(ClusterIndex cluster, std::span<const PointState> points, std::uint32_t urgent, std::int64_t now,
-                               const Allowance& allowance) const;
+                               std::int64_t budget) const;
   // Who is read with the urgent point at `now`: into pick_.
   const Pick& shape(ClusterIndex cluster, std::span<const PointState> points, std::uint32_t urgent, std::int64_t now,
-                    const Allowance& allowance);
-  [[nodiscard]] Block make_block(ClusterIndex cluster, std::uint32_t urgent, std::int64_t now, const Allowance& allowance);
+                    std::int64_t budget);
+  [[nodiscard]] Block make_block(ClusterIndex cluster, std::uint32_t urgent, std::int64_t now, std::int64_t budget);
   [[nodiscard]] Decision next_of_batch(std::int64_t now);
-  void leave_behind(ClusterIndex cluster, std::int64_t now);
 
   [[nodiscard]] std::int64_t next_due(ClusterIndex cluster, const PointState& point, std::int64_t acquired) const;
   void renew(ClusterIndex cluster, PointState& point, std::int64_t at) const;
@@ -110,6 +110,7 @@ class RidingScheduler final : public Scheduler {
   [[nodiscard]] Slack look_ahead(std::int64_t now);
   void refresh_cluster(ClusterIndex cluster, std::int64_t now);
   void write_agenda(ClusterIndex cluster, std::int64_t now);
+  [[nodiscard]] std::int64_t room_of(ClusterIndex cluster, const PointState& head) const;
   void take_out(ClusterIndex cluster);
 
   [[nodiscard]] std::span<PointState> points_of(ClusterIndex cluster) {
@@ -135,9 +136,12 @@ class RidingScheduler final : public Scheduler {
   std::vector<PointState> points_;  // by place
   std::vector<ClusterState> clusters_;
   std::vector<std::int64_t> suspended_until_;  // by device
-  DueQueue due_, deadline_, spare_, asleep_;
+  DueQueue due_, spare_, asleep_;
+  DueQueue held_;       // by when they may be read
   DueQueue suspended_;  // devices, by when they come back
   RefusalSearch refusals_;
+  Timetable table_{1, 0};
+  std::int64_t table_began_ = 0;
   std::vector<Block> batch_;  // kDynamicBlocks: what is still to be read, last first
   double load_ = 0;           // unstretched
   double stretch_ = 1;        // the greatest of all points
@@ -146,8 +150,8 @@ class RidingScheduler final : public Scheduler {
   std::size_t priorities_ = 1;
   double overrun_ = 1;        // how much more the wire needs than planned
   double planned_for_ = 0;    // load and overrun of the plan in force
-  std::int64_t reserve_ = 0;  // the rest ends this much before it must
-  bool crowded_ = false;      // blocks are kept short
+  std::int64_t reserve_ = 0;  // of planners without a timetable: the rest ends this much before it must
+  bool crowded_ = false;
   std::int64_t fastest_ = 1;  // period of the bus
   std::uint32_t late_ = 0, watched_ = 0;
   std::int64_t window_began_ = 0, rested_ = 0, rests_since_ = kNeverNs;
@@ -156,11 +160,11 @@ class RidingScheduler final : public Scheduler {
   bool costs_changed_ = false;         // clusters may have to be cut anew
   bool begun_ = false;
   std::vector<Ahead> ahead_;          // scratch of look_ahead()
+  std::vector<std::size_t> walk_;     // scratch of in_the_way()
   std::vector<PointState> imagined_;  // scratch of write_agenda() and cluster_load()
   ListShaper lists_;
-  Pick pick_;                          // of shape()
-  std::vector<std::uint8_t> left_out_;  // scratch of leave_behind()
-  std::vector<Place> places_;          // scratch of refused()
+  Pick pick_;                  // of shape()
+  std::vector<Place> places_;  // scratch of refused()
 };
 
 }  // namespace fieldcast

@@ -81,7 +81,8 @@ class Scheduler {
 };
 
 // REQUIRES: points name devices of the input and areas of their protocols. A refresh shorter than the wire time of its own
-// point counts as that time. A point that no request of its protocol can carry is never read. Time begins with the first call of next().
+// point counts as that time. A point that no request of its protocol can carry is never read. Time begins with the first call of
+// next().
 [[nodiscard]] std::unique_ptr<Scheduler> make_scheduler(const ScheduleInput& input, Planner planner = Planner::kRiding);
 
 }  // namespace fieldcast

@@ -1,0 +1,199 @@
+#include "core/schedule/timetable.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+namespace fieldcast {
+
+namespace {
+
+// Lengths that many numbers divide.
+constexpr std::array<std::uint32_t, 14> kLengths{1, 2, 4, 6, 12, 24, 48, 60, 72, 80, 96, 100, 120, 144};
+
+// What weighs how much when a turn is chosen: wire time; how level frames are, and in them the requests that are sent in every
+// frame, which have the least room to move. Found by measuring.
+constexpr double kWireTime = 1, kLevelFrames = 4, kLevelSteady = 8;
+
+// The most of `usable` frames that goes into a table of `frames` without a rest, and of which `beat` does.
+std::uint32_t lap_within(std::uint32_t usable, std::uint32_t beat, std::uint32_t frames) {
+  if (usable >= frames) return usable / frames * frames;
+  std::uint32_t lap = std::max(usable / beat, 1u) * beat;
+  while (lap > beat && frames % lap != 0) lap -= beat;
+  return lap;
+}
+
+double growth(std::int64_t before, double more) { return more * (2.0 * static_cast<double>(before) + more); }
+
+}  // namespace
+
+// The length that wastes least: each member is read at its lap instead of the frames that it could wait.
+void Timetable::choose_length() {
+  double least = 0;
+  for (const std::uint32_t frames : kLengths) {
+    double spent = 0;
+    for (const TimetableRequest& request : requests_) {
+      std::uint32_t own = ~0u;
+      for (const TimetableMember& member : request.members) own = std::min(own, member.lap);
+      const std::uint32_t beat = own >= frames ? frames : lap_within(own, 1, frames);
+      spent += static_cast<double>(request.base) / beat;
+      for (const TimetableMember& member : request.members) {
+        const double items = request.list ? static_cast<double>(member.cost) : request.item_ns * (member.end - member.first);
+        spent += items / lap_within(member.lap, beat, frames);
+      }
+    }
+    if (frames == kLengths.front() || spent < 0.999 * least) least = spent, frames_ = frames;
+  }
+}
+
+void Timetable::set_laps(TimetableRequest& request) const {
+  std::uint32_t own = ~0u;
+  for (const TimetableMember& member : request.members) own = std::min(own, member.lap);
+  request.beat = own >= frames_ ? frames_ : lap_within(own, 1, frames_);
+  for (TimetableMember& member : request.members) member.lap = lap_within(member.lap, request.beat, frames_);
+}
+
+std::int64_t Timetable::read(const TimetableRequest& request, std::uint32_t frame, const TimetableMember* besides) const {
+  std::uint32_t first = ~0u, end = 0;
+  std::int64_t sum = 0;
+  for (const TimetableMember& member : request.members) {
+    if (&member != besides && (member.turn == ~0u || frame % std::min(member.lap, frames_) != member.turn % frames_)) continue;
+    first = std::min(first, member.first);
+    end = std::max(end, member.end);
+    sum += member.cost;
+  }
+  if (end == 0) return 0;
+  return request.base + (request.list ? sum : static_cast<std::int64_t>(request.item_ns * (end - first)));
+}
+
+void Timetable::set_cost(std::size_t index, std::uint32_t frame, std::int64_t cost) {
+  std::int64_t& now = this->cost(index, frame);
+  total_[frame] += cost - now;
+  if (requests_[index].beat == 1) steady_[frame] += cost - now;
+  now = cost;
+}
+
+double Timetable::strain(std::size_t index, std::uint32_t frame, std::int64_t cost) const {
+  const std::int64_t now = cost_[index * frames_ + frame];
+  const auto more = static_cast<double>(cost - now);
+  const double steady = requests_[index].beat == 1 ? kLevelSteady * growth(steady_[frame], more) : 0;
+  return kWireTime * more + (kLevelFrames * growth(total_[frame], more) + steady) / static_cast<double>(frame_);
+}
+
+void Timetable::place(std::size_t index, TimetableMember& member) {
+  const TimetableRequest& request = requests_[index];
+  double least = 0;
+  std::uint32_t best = request.phase;
+  for (std::uint32_t turn = request.phase; turn < std::min(member.lap, frames_); turn += request.beat) {
+    double sum = 0;
+    for (std::uint32_t frame = turn; frame < frames_; frame += member.lap)
+      sum += strain(index, frame, read(request, frame, &member));
+    if (turn == request.phase || sum < least) least = sum, best = turn;
+  }
+  member.turn = best;
+  for (std::uint32_t frame = best; frame < frames_; frame += member.lap) set_cost(index, frame, read(request, frame, nullptr));
+}
+
+void Timetable::take_out(std::size_t index, TimetableMember& member) {
+  const std::uint32_t turn = std::exchange(member.turn, ~0u);
+  for (std::uint32_t frame = turn; frame < frames_; frame += member.lap)
+    set_cost(index, frame, read(requests_[index], frame, nullptr));
+}
+
+// The least crowded phase, then the members from the fastest to the slowest.
+void Timetable::enter(std::size_t index) {
+  TimetableRequest& request = requests_[index];
+  std::int64_t least = 0;
+  for (std::uint32_t phase = 0; phase < request.beat; ++phase) {
+    std::int64_t sum = 0;
+    for (std::uint32_t frame = phase; frame < frames_; frame += request.beat) sum += total_[frame];
+    if (phase == 0 || sum < least) least = sum, request.phase = phase;
+  }
+  std::vector<TimetableMember*> order;
+  for (TimetableMember& member : request.members) {
+    member.turn = member.lap == request.beat ? request.phase : ~0u;
+    if (member.turn == ~0u) order.push_back(&member);
+  }
+  for (std::uint32_t frame = request.phase; frame < frames_; frame += request.beat)
+    set_cost(index, frame, read(request, frame, nullptr));
+  std::stable_sort(order.begin(), order.end(), [](const auto* a, const auto* b) { return a->lap < b->lap; });
+  for (TimetableMember* member : order) place(index, *member);
+}
+
+void Timetable::leave(std::size_t index) {
+  for (std::uint32_t frame = 0; frame < frames_; ++frame) set_cost(index, frame, 0);
+}
+
+// When each request ends at the latest, if those that come before it in its frames do not end earlier than they must. Few beats
+// come first; among them those whose reads change least.
+void Timetable::find_latest() {
+  std::vector<std::size_t> order(requests_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto riders = [&](std::size_t index) {
+    const TimetableRequest& request = requests_[index];
+    return std::count_if(request.members.begin(), request.members.end(), [&](const auto& m) { return m.lap > request.beat; });
+  };
+  std::vector<std::ptrdiff_t> slower(requests_.size());
+  for (std::size_t index = 0; index < requests_.size(); ++index) slower[index] = riders(index);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return std::tuple(requests_[a].beat, slower[a]) < std::tuple(requests_[b].beat, slower[b]);
+  });
+  std::vector<std::int64_t> end(frames_, 0);
+  for (const std::size_t index : order) {
+    TimetableRequest& request = requests_[index];
+    request.latest = 0;
+    for (std::uint32_t frame = request.phase; frame < frames_; frame += request.beat) {
+      end[frame] += cost(index, frame);
+      request.latest = std::max(request.latest, end[frame]);
+    }
+    const std::int64_t earliest = request.latest - room_ * request.beat;
+    for (std::uint32_t frame = request.phase; frame < frames_; frame += request.beat) end[frame] = std::max(end[frame], earliest);
+  }
+}
+
+void Timetable::fill(std::vector<TimetableRequest> requests, unsigned rounds) {
+  requests_ = std::move(requests);
+  choose_length();
+  cost_.assign(requests_.size() * frames_, 0);
+  total_.assign(frames_, 0);
+  steady_.assign(frames_, 0);
+  for (TimetableRequest& request : requests_) set_laps(request);
+  std::vector<std::size_t> order(requests_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return requests_[a].beat < requests_[b].beat; });
+  for (const std::size_t index : order) enter(index);
+  for (unsigned round = 0; round < rounds; ++round) {
+    for (const std::size_t index : order) {
+      if (requests_[index].beat > 1) {
+        leave(index);
+        enter(index);
+        continue;
+      }
+      for (TimetableMember& member : requests_[index].members) {
+        if (member.lap == requests_[index].beat) continue;
+        take_out(index, member);
+        place(index, member);
+      }
+    }
+  }
+  find_latest();
+}
+
+void Timetable::change(std::size_t index, TimetableRequest request) {
+  leave(index);
+  requests_[index] = std::move(request);
+  if (requests_[index].members.empty()) return;
+  set_laps(requests_[index]);
+  enter(index);
+  find_latest();
+}
+
+double Timetable::load() const {
+  const std::int64_t sum = std::accumulate(total_.begin(), total_.end(), std::int64_t{0});
+  return static_cast<double>(sum) / (static_cast<double>(frame_) * frames_);
+}
+
+}  // namespace fieldcast

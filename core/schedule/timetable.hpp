@@ -1,0 +1,70 @@
+// The timetable of a bus: on which beats each request is sent, and which of its reads each point rides on.
+//
+// Time is cut into frames, a little shorter than the fastest refresh of the bus. A request goes out in every n-th frame; its
+// slower points ride on every m-th of its reads. Which turn each takes is chosen so that reads are short (neighbours share the
+// way to them) and frames are level: first one by one, then each again a few times with all others in place. Within a frame
+// requests have an order, and each is to end at the same instant of every frame in which it is sent, or its fastest points would
+// miss their refresh by the difference. Pure; owned by the scheduler.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace fieldcast {
+
+struct TimetableMember {
+  std::uint32_t first = 0, end = 1;  // its items
+  std::int64_t cost = 0;             // wire time that it adds by itself; counts where the request is a list
+  std::uint32_t lap = 1;             // frames from one reading to the next
+  std::uint32_t turn = 0;            // frame of one reading, less than lap
+};
+
+struct TimetableRequest {
+  bool list = false;        // members lie anywhere and their costs add up; otherwise one range covers those that are due
+  std::int64_t base = 0;    // wire time without any item
+  double item_ns = 0;       // wire time for each item of the range
+  std::uint32_t beat = 1;   // frames from one read to the next
+  std::uint32_t phase = 0;  // frame of one read, less than beat
+  std::int64_t latest = 0;  // its reads end at most so long after their frame began
+  std::vector<TimetableMember> members;
+};
+
+class Timetable {
+ public:
+  // `frame`: its length. `room`: how much later a read of a request may end in one frame than in the one before, for each frame
+  // of its beat.
+  Timetable(std::int64_t frame, std::int64_t room) : frame_(frame), room_(room) {}
+
+  // Finds turns for all. The laps given say how many frames fit into a member's period; what divides the whole table is taken of
+  // them.
+  void fill(std::vector<TimetableRequest> requests, unsigned rounds);
+  // Gives one request other members; the others keep their turns.
+  void change(std::size_t index, TimetableRequest request);
+
+  [[nodiscard]] const TimetableRequest& request(std::size_t index) const { return requests_[index]; }
+  [[nodiscard]] std::int64_t frame() const { return frame_; }
+  [[nodiscard]] std::int64_t room() const { return room_; }
+  [[nodiscard]] double load() const;  // share of the wire that it needs
+
+ private:
+  void choose_length();
+  void set_laps(TimetableRequest& request) const;
+  [[nodiscard]] std::int64_t& cost(std::size_t index, std::uint32_t frame) { return cost_[index * frames_ + frame]; }
+  [[nodiscard]] std::int64_t read(const TimetableRequest& request, std::uint32_t frame, const TimetableMember* besides) const;
+  void set_cost(std::size_t index, std::uint32_t frame, std::int64_t cost);
+  [[nodiscard]] double strain(std::size_t index, std::uint32_t frame, std::int64_t cost) const;
+  void enter(std::size_t index);
+  void leave(std::size_t index);
+  void place(std::size_t index, TimetableMember& member);
+  void take_out(std::size_t index, TimetableMember& member);
+  void find_latest();
+
+  std::int64_t frame_, room_;
+  std::uint32_t frames_ = 1;  // of the whole table
+  std::vector<TimetableRequest> requests_;
+  std::vector<std::int64_t> cost_;    // of each request in each frame
+  std::vector<std::int64_t> total_;   // of each frame
+  std::vector<std::int64_t> steady_;  // the same, of the requests that are sent in every frame
+};
+
+}  // namespace fieldcast
