@@ -80,14 +80,15 @@ std::int64_t next_turn(std::span<const PointState> points, std::uint32_t urgent,
 Slice riding_slice(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost, std::int64_t now,
                    const Allowance& allowance, const RidingWeights& weights) {
   const std::int64_t next_read = next_turn(points, urgent, now, allowance, weights);
+  // Whoever is due comes along, or would need a request of its own; what is between is on the way.
+  constexpr double kAnything = 1e18;
   const double request = cost.item_ns() * cost.bridge();
-  const auto items = [&](const PointState& point) { return cost.item_ns() * (point.end - point.first); };
-  const auto must = [&](const PointState& point) { return point.due <= next_read ? request + items(point) : 0.0; };
+  const auto must = [&](const PointState& point) { return point.due <= next_read ? kAnything : 0.0; };
   const auto eager = [&](const PointState& point) {
-    return point.due <= next_read || point.eager ? request + items(point) : 0.0;
+    return point.due <= next_read ? kAnything : point.eager ? request + cost.item_ns() * (point.end - point.first) : 0.0;
   };
   Growth growth(points, urgent, cost, now);
-  growth.both_ways(must, request, kNeverNs);
+  growth.both_ways(must, kAnything, kNeverNs);
   if (allowance.budget > 0) growth.both_ways(eager, request, allowance.budget);
   return growth.slice();
 }

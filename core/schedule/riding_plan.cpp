@@ -123,8 +123,9 @@ void RidingScheduler::plan() {
     load_ = total_load(false);
   }
   planned_for_ = load_ * overrun_;
+  double enough = 1;
   if (planned_for_ > kFull) {
-    double enough = planned_for_ / kFull;
+    enough = planned_for_ / kFull;
     if (priorities_ > 1 || uneven_) {
       double fails = uneven_ ? 1 : enough;
       if (uneven_) enough = 1 + (enough - 1) / least_elasticity_;
@@ -140,7 +141,29 @@ void RidingScheduler::plan() {
     find_fastest();
   }
   for (PointState& point : points_) set_period(point);
+  fit_ = 1;
+  if (planner_ == Planner::kRiding) fit(enough);
   reserve_ = part(kSimpleReserve, fastest_);
+}
+
+// Makes the timetable; its turns are whole frames, which takes more than refreshes as they are wished. If that is too much, all
+// is stretched a little more.
+void RidingScheduler::fit(double factor) {
+  constexpr double kMost = 0.99;
+  constexpr int kAttempts = 8;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    make_timetable();
+    double rhythmic = 0;
+    for (ClusterIndex index = 0; index < clusters_.size(); ++index) {
+      if (!table_.request(index).members.empty()) rhythmic += cluster_load(index, true);
+    }
+    if (rhythmic > 0) fit_ = table_.load() / rhythmic;
+    if (table_.load() * overrun_ <= kMost) return;
+    factor *= 1.002 * table_.load() * overrun_ / kMost;
+    stretch_by(factor);
+    find_fastest();
+    for (PointState& point : points_) set_period(point);
+  }
 }
 
 // A light bus can afford to read earlier, so that noise and retries find time that nobody needs; a full one cannot.
@@ -152,7 +175,7 @@ TimetableRequest RidingScheduler::entry_of(ClusterIndex index) const {
   const auto points = points_of(index);
   request.list = layout_.clusters[index].list;
   request.item_ns = request.list ? 0 : cost_of(index).item_ns();
-  const double frame = static_cast<double>(beat_spacing(fastest_, fastest_, margin()));
+  const double beat = static_cast<double>(beat_spacing(fastest_, fastest_, margin()));
   for (const PointState& point : points) {
     if (!point.wanted() || point.mode != Mode::kScheduled) continue;
     TimetableMember member{.first = point.first, .end = point.end};
@@ -160,8 +183,7 @@ TimetableRequest RidingScheduler::entry_of(ClusterIndex index) const {
       const ListCost& cost = list_cost_of(index);
       member.cost = cost.range_ns(point.area) + static_cast<std::int64_t>(cost.item_ns(point.area) * (point.end - point.first));
     }
-    const double frames = static_cast<double>(point.period) * (1 - margin()) / frame;
-    member.lap = static_cast<std::uint32_t>(std::clamp(frames + 0.001, 1.0, 1e9));
+    member.fits = static_cast<double>(point.period) * (1 - margin()) / beat;
     request.members.push_back(member);
   }
   if (!request.members.empty()) request.base = request.list ? list_cost_of(index).request_ns() : base_of(index);
@@ -174,16 +196,19 @@ std::int64_t RidingScheduler::base_of(ClusterIndex index) const {
   return cost_of(index).of(range).count() - static_cast<std::int64_t>(cost_of(index).item_ns() * range.count);
 }
 
-// Gives every cluster its beat, and the points that are slower than the beat their turns on it.
-void RidingScheduler::spread(std::int64_t now) {
-  constexpr std::size_t kMany = 2000;  // points that are placed one by one more than once
-  if (planner_ != Planner::kRiding) return;
-  const std::int64_t frame = std::max<std::int64_t>(1, beat_spacing(fastest_, fastest_, margin()));
-  table_began_ = now;
-  table_ = Timetable(frame, part(margin() - weights_.give, fastest_));
+void RidingScheduler::make_timetable() {
+  constexpr std::size_t kMany = 2000;  // points that are placed one by one only once
+  table_ = Timetable(std::max<std::int64_t>(1, beat_spacing(fastest_, fastest_, margin())),
+                     part(weights_.margin - weights_.give, fastest_));
   std::vector<TimetableRequest> requests;
   for (ClusterIndex index = 0; index < clusters_.size(); ++index) requests.push_back(entry_of(index));
   table_.fill(std::move(requests), points_.size() > kMany ? 0 : weights_.rounds);
+}
+
+// Gives every cluster its beat, and the points that are slower than the beat their turns on it.
+void RidingScheduler::spread(std::int64_t now) {
+  if (planner_ != Planner::kRiding) return;
+  table_began_ = now;
   for (ClusterIndex index = 0; index < clusters_.size(); ++index) take_turns(index);
 }
 
@@ -278,7 +303,7 @@ void RidingScheduler::watch_lateness(bool late, std::int64_t now) {
   if (++watched_ < kWindow) return;
   const double before = overrun_;
   const bool rests = static_cast<double>(rested_) > kRests * static_cast<double>(now - window_began_);
-  if (late_ > kWindow / 8 && !rests) overrun_ = std::min(kMostOverrun, overrun_ * 1.05);
+  if (late_ > kWindow / 20 && !rests) overrun_ = std::min(kMostOverrun, overrun_ * 1.05);
   if (late_ == 0 || rests) overrun_ = std::max(1.0, overrun_ * 0.99);
   stale_ = stale_ || overrun_ != before;
   late_ = watched_ = 0;

@@ -273,7 +273,7 @@ void RidingScheduler::acquired(const Block& block, Instant at) {
   for (const PointIndex index : block.points) {
     const Place place = layout_.place_of[index];
     PointState& point = points_[place];
-    if (!point.eager) watch_lateness(now > point.deadline, now);
+    if (!point.eager) watch_lateness(now - point.deadline > point.period / 20, now);  // moments late: the next frame has room
     renew(layout_.cluster_at[place], point, now);
     point.retry_at = 0;
     point.eager = point.bad = point.suspect = false;

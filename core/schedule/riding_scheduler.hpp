@@ -37,7 +37,7 @@ class RidingScheduler final : public Scheduler {
   void set_answer_time(DeviceIndex device, Duration answer_time) override;
   [[nodiscard]] Duration slack(Instant now) override;
   void set_point(PointIndex point, Duration refresh, Mode mode, Instant now) override;
-  [[nodiscard]] double planned_load() const override { return load_; }
+  [[nodiscard]] double planned_load() const override { return load_ * fit_; }
   [[nodiscard]] double stretch() const override { return stretch_; }
 
  private:
@@ -80,6 +80,8 @@ class RidingScheduler final : public Scheduler {
   [[nodiscard]] TimetableRequest entry_of(ClusterIndex cluster) const;
   [[nodiscard]] std::int64_t base_of(ClusterIndex cluster) const;
   void take_turns(ClusterIndex cluster);
+  void make_timetable();
+  void fit(double factor);
   void begin(std::int64_t now);
   void replan(std::int64_t now);
   void recut(std::int64_t now);
@@ -143,7 +145,8 @@ class RidingScheduler final : public Scheduler {
   Timetable table_{1, 0};
   std::int64_t table_began_ = 0;
   std::vector<Block> batch_;  // kDynamicBlocks: what is still to be read, last first
-  double load_ = 0;           // unstretched
+  double load_ = 0;           // unstretched,
+  double fit_ = 1;            // and how much more the timetable takes
   double stretch_ = 1;        // the greatest of all points
   double least_elasticity_ = 1;
   bool uneven_ = false;  // not every elasticity is 1

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -10,11 +11,14 @@ namespace fieldcast {
 
 namespace {
 
-// Lengths that many numbers divide.
-constexpr std::array<std::uint32_t, 14> kLengths{1, 2, 4, 6, 12, 24, 48, 60, 72, 80, 96, 100, 120, 144};
+// Lengths that many numbers divide, and parts of a beat that make other numbers whole: 2.5 beats are 5 halves.
+constexpr std::array<std::uint32_t, 36> kLengths{1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15, 16,  18,  20,
+                                                 22, 24, 26, 30, 33, 36, 40, 44, 48, 52, 60, 66, 72, 80, 84, 100, 120, 140};
+constexpr std::array<std::uint32_t, 6> kParts{1, 2, 3, 4, 5, 6};
+constexpr double kWorthALength = 0.999, kWorthParts = 0.98;  // what a longer table and shorter frames must save
 
-// What weighs how much when a turn is chosen: wire time; how level frames are, and in them the requests that are sent in every
-// frame, which have the least room to move. Found by measuring.
+// What weighs how much when a turn is chosen: wire time; how level frames are, and in them the requests that are sent most
+// often, which have the least room to move. Found by measuring.
 constexpr double kWireTime = 1, kLevelFrames = 4, kLevelSteady = 8;
 
 // The most of `usable` frames that goes into a table of `frames` without a rest, and of which `beat` does.
@@ -27,32 +31,59 @@ std::uint32_t lap_within(std::uint32_t usable, std::uint32_t beat, std::uint32_t
 
 double growth(std::int64_t before, double more) { return more * (2.0 * static_cast<double>(before) + more); }
 
+std::uint32_t frames_in(const TimetableMember& member, std::uint32_t parts) {
+  return static_cast<std::uint32_t>(std::clamp(member.fits * parts + 0.001, 1.0, 1e9));
+}
+
+std::uint32_t beat_of(const TimetableRequest& request, std::uint32_t parts, std::uint32_t frames) {
+  std::uint32_t own = ~0u;
+  for (const TimetableMember& member : request.members) own = std::min(own, frames_in(member, parts));
+  return own >= frames ? frames : lap_within(own, 1, frames);
+}
+
 }  // namespace
 
-// The length that wastes least: each member is read at its lap instead of the frames that it could wait.
-void Timetable::choose_length() {
-  double least = 0;
-  for (const std::uint32_t frames : kLengths) {
-    double spent = 0;
-    for (const TimetableRequest& request : requests_) {
-      std::uint32_t own = ~0u;
-      for (const TimetableMember& member : request.members) own = std::min(own, member.lap);
-      const std::uint32_t beat = own >= frames ? frames : lap_within(own, 1, frames);
-      spent += static_cast<double>(request.base) / beat;
-      for (const TimetableMember& member : request.members) {
-        const double items = request.list ? static_cast<double>(member.cost) : request.item_ns * (member.end - member.first);
-        spent += items / lap_within(member.lap, beat, frames);
-      }
+// Wire time for each beat, without the way to riders.
+double Timetable::spent(std::uint32_t parts, std::uint32_t frames) const {
+  double sum = 0;
+  for (const TimetableRequest& request : requests_) {
+    const std::uint32_t beat = beat_of(request, parts, frames);
+    sum += static_cast<double>(request.base) / beat;
+    for (const TimetableMember& member : request.members) {
+      const double items = request.list ? static_cast<double>(member.cost) : request.item_ns * (member.end - member.first);
+      sum += items / lap_within(frames_in(member, parts), beat, frames);
     }
-    if (frames == kLengths.front() || spent < 0.999 * least) least = spent, frames_ = frames;
+  }
+  return sum * parts;
+}
+
+// The length and the frames that waste least: each member is read at its lap instead of the frames that it could wait.
+void Timetable::choose_length() {
+  constexpr std::size_t kMany = 2000;  // members for which a long table would take too long
+  std::size_t members = 0;
+  for (const TimetableRequest& request : requests_) members += request.members.size();
+  double least = std::numeric_limits<double>::infinity();
+  for (const std::uint32_t parts : kParts) {
+    double best = std::numeric_limits<double>::infinity();
+    std::uint32_t length = 1;
+    for (const std::uint32_t frames : kLengths) {
+      if (frames > 100 && members > kMany) break;
+      const double now = spent(parts, frames);
+      if (now < kWorthALength * best) best = now, length = frames;
+    }
+    if (best < kWorthParts * least) least = best, parts_ = parts, frames_ = length;
+  }
+  frame_ = std::max<std::int64_t>(1, beat_ / parts_);
+  room_ = beat_room_ / parts_;
+  shortest_ = frames_;
+  for (const TimetableRequest& request : requests_) {
+    if (!request.members.empty()) shortest_ = std::min(shortest_, beat_of(request, parts_, frames_));
   }
 }
 
 void Timetable::set_laps(TimetableRequest& request) const {
-  std::uint32_t own = ~0u;
-  for (const TimetableMember& member : request.members) own = std::min(own, member.lap);
-  request.beat = own >= frames_ ? frames_ : lap_within(own, 1, frames_);
-  for (TimetableMember& member : request.members) member.lap = lap_within(member.lap, request.beat, frames_);
+  request.beat = beat_of(request, parts_, frames_);
+  for (TimetableMember& member : request.members) member.lap = lap_within(frames_in(member, parts_), request.beat, frames_);
 }
 
 std::int64_t Timetable::read(const TimetableRequest& request, std::uint32_t frame, const TimetableMember* besides) const {
@@ -71,14 +102,14 @@ std::int64_t Timetable::read(const TimetableRequest& request, std::uint32_t fram
 void Timetable::set_cost(std::size_t index, std::uint32_t frame, std::int64_t cost) {
   std::int64_t& now = this->cost(index, frame);
   total_[frame] += cost - now;
-  if (requests_[index].beat == 1) steady_[frame] += cost - now;
+  if (requests_[index].beat == shortest_) steady_[frame] += cost - now;
   now = cost;
 }
 
 double Timetable::strain(std::size_t index, std::uint32_t frame, std::int64_t cost) const {
   const std::int64_t now = cost_[index * frames_ + frame];
   const auto more = static_cast<double>(cost - now);
-  const double steady = requests_[index].beat == 1 ? kLevelSteady * growth(steady_[frame], more) : 0;
+  const double steady = requests_[index].beat == shortest_ ? kLevelSteady * growth(steady_[frame], more) : 0;
   return kWireTime * more + (kLevelFrames * growth(total_[frame], more) + steady) / static_cast<double>(frame_);
 }
 
@@ -167,7 +198,7 @@ void Timetable::fill(std::vector<TimetableRequest> requests, unsigned rounds) {
   for (const std::size_t index : order) enter(index);
   for (unsigned round = 0; round < rounds; ++round) {
     for (const std::size_t index : order) {
-      if (requests_[index].beat > 1) {
+      if (requests_[index].beat > shortest_) {
         leave(index);
         enter(index);
         continue;

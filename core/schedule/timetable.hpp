@@ -1,10 +1,10 @@
 // The timetable of a bus: on which beats each request is sent, and which of its reads each point rides on.
 //
-// Time is cut into frames, a little shorter than the fastest refresh of the bus. A request goes out in every n-th frame; its
-// slower points ride on every m-th of its reads. Which turn each takes is chosen so that reads are short (neighbours share the
-// way to them) and frames are level: first one by one, then each again a few times with all others in place. Within a frame
-// requests have an order, and each is to end at the same instant of every frame in which it is sent, or its fastest points would
-// miss their refresh by the difference. Pure; owned by the scheduler.
+// Time is cut into frames, a little shorter than the fastest refresh of the bus or a small part of that. A request goes out in
+// every n-th frame; its slower points ride on every m-th of its reads. Which turn each takes is chosen so that reads are short
+// (neighbours share the way to them) and frames are level: first one by one, then each again a few times with all others in
+// place. Within a frame requests have an order, and each is to end at the same instant of every frame in which it is sent, or its
+// fastest points would miss their refresh by the difference. Pure; owned by the scheduler.
 #pragma once
 
 #include <cstdint>
@@ -15,6 +15,7 @@ namespace fieldcast {
 struct TimetableMember {
   std::uint32_t first = 0, end = 1;  // its items
   std::int64_t cost = 0;             // wire time that it adds by itself; counts where the request is a list
+  double fits = 1;                   // how many of the bus's beats its period holds
   std::uint32_t lap = 1;             // frames from one reading to the next
   std::uint32_t turn = 0;            // frame of one reading, less than lap
 };
@@ -31,12 +32,10 @@ struct TimetableRequest {
 
 class Timetable {
  public:
-  // `frame`: its length. `room`: how much later a read of a request may end in one frame than in the one before, for each frame
-  // of its beat.
-  Timetable(std::int64_t frame, std::int64_t room) : frame_(frame), room_(room) {}
+  // `beat`: what the fastest of the bus allow. `room`: how much later a read of a request may end than the one a beat before.
+  Timetable(std::int64_t beat, std::int64_t room) : beat_(beat), beat_room_(room), frame_(beat), room_(room) {}
 
-  // Finds turns for all. The laps given say how many frames fit into a member's period; what divides the whole table is taken of
-  // them.
+  // Finds laps and turns for all.
   void fill(std::vector<TimetableRequest> requests, unsigned rounds);
   // Gives one request other members; the others keep their turns.
   void change(std::size_t index, TimetableRequest request);
@@ -48,6 +47,7 @@ class Timetable {
 
  private:
   void choose_length();
+  [[nodiscard]] double spent(std::uint32_t parts, std::uint32_t frames) const;
   void set_laps(TimetableRequest& request) const;
   [[nodiscard]] std::int64_t& cost(std::size_t index, std::uint32_t frame) { return cost_[index * frames_ + frame]; }
   [[nodiscard]] std::int64_t read(const TimetableRequest& request, std::uint32_t frame, const TimetableMember* besides) const;
@@ -59,12 +59,15 @@ class Timetable {
   void take_out(std::size_t index, TimetableMember& member);
   void find_latest();
 
-  std::int64_t frame_, room_;
-  std::uint32_t frames_ = 1;  // of the whole table
+  std::int64_t beat_, beat_room_;
+  std::int64_t frame_, room_;   // a part of a beat
+  std::uint32_t parts_ = 1;     // frames in a beat
+  std::uint32_t frames_ = 1;    // of the whole table
+  std::uint32_t shortest_ = 1;  // of all requests' beats
   std::vector<TimetableRequest> requests_;
   std::vector<std::int64_t> cost_;    // of each request in each frame
   std::vector<std::int64_t> total_;   // of each frame
-  std::vector<std::int64_t> steady_;  // the same, of the requests that are sent in every frame
+  std::vector<std::int64_t> steady_;  // the same, of the requests that are sent most often
 };
 
 }  // namespace fieldcast

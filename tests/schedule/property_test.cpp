@@ -126,7 +126,7 @@ TEST(Overload, LowPriorityGivesWayFirst) {
   ScheduleInput input = test::input_of(test::random_map(4, 90), kProtocol);
   for (PointIndex point = 0; point < input.points.size(); ++point) {
     input.points[point].priority = input.points[point].device == 0 ? 10 : 0;
-    input.points[point].refresh = 350ms;
+    input.points[point].refresh = 250ms;
   }
   const auto scheduler = make_scheduler(input);
   ASSERT_GT(scheduler->planned_load(), 1.0);
@@ -142,8 +142,8 @@ TEST(Overload, LowPriorityGivesWayFirst) {
     if (!favoured) low = std::min(low, wire.seen(point).longest);
     EXPECT_GT(wire.seen(point).count, 10u) << point;
   }
-  EXPECT_LE(high, 420ms);  // at most a fifth over its refresh, while the others more than double theirs
-  EXPECT_GT(low, 700ms);
+  EXPECT_LE(high, 300ms);  // at most a fifth over its refresh, while the others more than double theirs
+  EXPECT_GT(low, 500ms);
 }
 
 TEST(Overload, OfOnePriorityEachGivesWayByItsElasticity) {
