@@ -6,7 +6,6 @@
 namespace fieldcast {
 
 namespace {
-constexpr std::uint32_t kNoSlot = ~0u;
 std::int64_t part(double share, std::int64_t of) { return static_cast<std::int64_t>(share * static_cast<double>(of)); }
 }  // namespace
 

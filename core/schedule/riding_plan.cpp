@@ -174,22 +174,29 @@ TimetableRequest RidingScheduler::entry_of(ClusterIndex index) const {
   TimetableRequest request;
   const auto points = points_of(index);
   request.list = layout_.clusters[index].list;
-  request.item_ns = request.list ? 0 : cost_of(index).item_ns();
   const double beat = static_cast<double>(beat_spacing(fastest_, fastest_, margin()));
   for (const PointState& point : points) {
     if (!point.wanted() || point.mode != Mode::kScheduled) continue;
-    TimetableMember member{.first = point.first, .end = point.end};
+    TimetableMember& member = request.members.emplace_back();
+    member.first = point.first;
+    member.end = point.end;
+    member.fits = static_cast<double>(point.period) * (1 - margin()) / beat;
     if (request.list) {
       const ListCost& cost = list_cost_of(index);
-      member.cost = cost.range_ns(point.area) + static_cast<std::int64_t>(cost.item_ns(point.area) * (point.end - point.first));
+      member.area = point.area;
+      member.bridge = cost.bridge(point.area);
+      member.range_ns = cost.range_ns(point.area);
+      member.item_ns = cost.item_ns(point.area);
+    } else {
+      member.item_ns = cost_of(index).item_ns();
+      member.range_ns = static_cast<std::int64_t>(member.item_ns);
     }
-    member.fits = static_cast<double>(point.period) * (1 - margin()) / beat;
-    request.members.push_back(member);
   }
   if (!request.members.empty()) request.base = request.list ? list_cost_of(index).request_ns() : base_of(index);
   return request;
 }
 
+// Wire time of a read of the cluster besides that of its items.
 std::int64_t RidingScheduler::base_of(ClusterIndex index) const {
   const PointState& point = points_of(index).front();
   const Range range = cost_of(index).cover(point.first, point.end);

@@ -50,8 +50,7 @@ double Timetable::spent(std::uint32_t parts, std::uint32_t frames) const {
     const std::uint32_t beat = beat_of(request, parts, frames);
     sum += static_cast<double>(request.base) / beat;
     for (const TimetableMember& member : request.members) {
-      const double items = request.list ? static_cast<double>(member.cost) : request.item_ns * (member.end - member.first);
-      sum += items / lap_within(frames_in(member, parts), beat, frames);
+      sum += member.item_ns * (member.end - member.first) / std::min(frames, lap_within(frames_in(member, parts), beat, frames));
     }
   }
   return sum * parts;
@@ -87,16 +86,21 @@ void Timetable::set_laps(TimetableRequest& request) const {
 }
 
 std::int64_t Timetable::read(const TimetableRequest& request, std::uint32_t frame, const TimetableMember* besides) const {
-  std::uint32_t first = ~0u, end = 0;
-  std::int64_t sum = 0;
+  const TimetableMember* range = nullptr;  // the first of it
+  std::uint32_t end = 0;
+  double sum = 0;
   for (const TimetableMember& member : request.members) {
     if (&member != besides && (member.turn == ~0u || frame % std::min(member.lap, frames_) != member.turn % frames_)) continue;
-    first = std::min(first, member.first);
+    const bool joins = range != nullptr && (!request.list || (member.area == range->area && member.first <= end + member.bridge));
+    if (!joins) {
+      sum += static_cast<double>(member.range_ns) - member.item_ns;
+      range = &member;
+      end = member.first;
+    }
+    sum += member.item_ns * (std::max(end, member.end) - end);
     end = std::max(end, member.end);
-    sum += member.cost;
   }
-  if (end == 0) return 0;
-  return request.base + (request.list ? sum : static_cast<std::int64_t>(request.item_ns * (end - first)));
+  return range == nullptr ? 0 : request.base + static_cast<std::int64_t>(sum);
 }
 
 void Timetable::set_cost(std::size_t index, std::uint32_t frame, std::int64_t cost) {

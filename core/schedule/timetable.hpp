@@ -14,16 +14,18 @@ namespace fieldcast {
 
 struct TimetableMember {
   std::uint32_t first = 0, end = 1;  // its items
-  std::int64_t cost = 0;             // wire time that it adds by itself; counts where the request is a list
+  std::uint32_t area = 0;            // of a list: ranges are of one area each,
+  std::uint32_t bridge = 0;          // two that are no further apart share one,
+  std::int64_t range_ns = 0;         // and this is what another one of one item adds
+  double item_ns = 0;                // wire time of another item of a range
   double fits = 1;                   // how many of the bus's beats its period holds
   std::uint32_t lap = 1;             // frames from one reading to the next
   std::uint32_t turn = 0;            // frame of one reading, less than lap
 };
 
 struct TimetableRequest {
-  bool list = false;        // members lie anywhere and their costs add up; otherwise one range covers those that are due
+  bool list = false;        // a list of ranges; otherwise one range covers the members that are due
   std::int64_t base = 0;    // wire time without any item
-  double item_ns = 0;       // wire time for each item of the range
   std::uint32_t beat = 1;   // frames from one read to the next
   std::uint32_t phase = 0;  // frame of one read, less than beat
   std::int64_t latest = 0;  // its reads end at most so long after their frame began
