@@ -15,7 +15,7 @@ namespace {
 constexpr std::array<std::uint32_t, 36> kLengths{1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15, 16,  18,  20,
                                                  22, 24, 26, 30, 33, 36, 40, 44, 48, 52, 60, 66, 72, 80, 84, 100, 120, 140};
 constexpr std::array<std::uint32_t, 6> kParts{1, 2, 3, 4, 5, 6};
-constexpr double kWorthALength = 0.999, kWorthParts = 0.98;  // what a longer table and shorter frames must save
+constexpr double kWorthALength = 0.9999, kWorthParts = 0.98;  // what a longer table and shorter frames must save
 
 // What weighs how much when a turn is chosen: wire time; how level frames are, and in them the requests that are sent most
 // often, which have the least room to move. Found by measuring.
