@@ -37,7 +37,7 @@ void RidingScheduler::set_period(PointState& point) const {
 // The load of one cluster if it were alone on the wire: its next reads, each made when it is due. Also finds the level of its
 // reads.
 double RidingScheduler::cluster_load(ClusterIndex index, bool stretched) {
-  constexpr int kReads = 200;
+  constexpr int kReads = 64;
   const auto points = points_of(index);
   imagined_.assign(points.begin(), points.end());
   std::int64_t longest = 0, own = kNeverNs;
@@ -149,7 +149,7 @@ void RidingScheduler::plan() {
 // Makes the timetable; its turns are whole frames, which takes more than refreshes as they are wished. If that is too much, all
 // is stretched a little more.
 void RidingScheduler::fit(double factor) {
-  constexpr double kMost = 0.99;
+  constexpr double kMost = 0.994;
   constexpr int kAttempts = 8;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     make_timetable();
