@@ -1,10 +1,10 @@
-// The scheduler: earliest due first over clusters, never pre-empted, with a look ahead that says how long the wire may rest.
+// The scheduler: of the reads that may begin, the one that is due first, never pre-empted.
 //
-// Each cluster falls due on a beat of its own (rhythm.hpp); slower points ride along with the reads of the cluster
-// (block_shape.hpp; list_shape.hpp where a request carries a list of ranges). Three queues hold clusters: `due_` and `deadline_`
-// all that can be read, by turn and by the end of the period; `spare_` those that have use for wire time that would otherwise be
-// rest (intensive, never read, failed); `asleep_` those with points that are left alone for a while. README.md beside this file
-// tells what was tried. Owned by the bus engine and touched by it alone.
+// Each cluster has its beat and its points their turns by a timetable (timetable.hpp); slower points ride along with the reads of
+// the cluster (block_shape.hpp; list_shape.hpp where a request carries a list of ranges). Four queues hold clusters: `held_` those
+// whose read may not begin yet; `due_` those whose may; `spare_` those that have use for wire time that would otherwise be rest
+// (intensive, never read, failed); `asleep_` those with points that are left alone for a while. README.md beside this file tells
+// what was tried. Owned by the bus engine and touched by it alone.
 #pragma once
 
 #include <array>
