@@ -3,18 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstdlib>
 #include <future>
 #include <map>
 #include <vector>
 
-#include "bridge/bus_outlet.hpp"
 #include "bridge/bus_runner.hpp"
 #include "bridge/check.hpp"
 #include "bridge/clock.hpp"
+#include "bridge/command_audit.hpp"
 #include "bridge/command_desk.hpp"
 #include "bridge/dds/dds_link.hpp"
+#include "bridge/dds_outlet.hpp"
 #include "bridge/exit_code.hpp"
 #include "bridge/interest_desk.hpp"
 #include "bridge/io_thread.hpp"
@@ -23,6 +23,8 @@
 #include "bridge/port/dial_in_registry.hpp"
 #include "bridge/program/server.hpp"
 #include "bridge/reload_plan.hpp"
+#include "bridge/store/login_desk.hpp"
+#include "bridge/store/store.hpp"
 
 namespace fieldcast {
 namespace {
@@ -30,51 +32,6 @@ namespace {
 // For all buses together, so that a stop ends within two seconds.
 constexpr std::chrono::milliseconds kStopLimit{1200};
 constexpr std::chrono::milliseconds kLinger{200};
-
-// A few samples leave at once, within the silence after their answer: that is the shortest way to the stations. Everything else
-// goes to the outlet thread, so that a bus never waits for DDS. Order is kept: nothing overtakes what the thread still has.
-class DdsOutlet final : public BusOutlet {
- public:
-  static constexpr Duration kOneSample = std::chrono::microseconds{50};  // what DDS takes for it, on a small machine
-
-  DdsOutlet(OutletThread& thread, DdsLink& link, const BusSpec& bus)
-      : thread_(thread),
-        link_(link),
-        bus_(bus.name),
-        at_once_(static_cast<std::size_t>(silence_of(bus.silence, line_of(bus.port)) / kOneSample)) {}
-  void publish(std::vector<Sample> samples, const UtcMapping& mapping) override {
-    if (samples.size() <= at_once_ && waiting_ == 0) return link_.publish(bus_, samples, mapping);
-    post([this, samples = std::move(samples), mapping] { link_.publish(bus_, samples, mapping); });
-  }
-  void promise(ChannelIndex channel, std::optional<Duration> gap) override {
-    post([this, channel, gap] { link_.set_refresh(bus_, channel, gap); });
-  }
-  void complete(const CommandResult& result, const UtcMapping& mapping) override {
-    post([this, result, mapping] { link_.complete(bus_, result, mapping); });
-  }
-  void report(const BusReport& report, UtcTime at) override {
-    post([this, report, at] { link_.report(bus_, report, at); });
-  }
-  void report(std::string_view device, const DeviceReport& report, UtcTime at) override {
-    post([this, device = std::string(device), report, at] { link_.report(bus_, device, report, at); });
-  }
-
- private:
-  template <class Task>
-  void post(Task task) {
-    ++waiting_;
-    thread_.post([this, task = std::move(task)] {
-      task();
-      --waiting_;
-    });
-  }
-
-  OutletThread& thread_;
-  DdsLink& link_;
-  std::string bus_;
-  std::size_t at_once_;                  // samples that the silence has time for
-  std::atomic<std::size_t> waiting_{0};  // this bus's tasks that have not ended
-};
 
 struct RunningBus {
   std::unique_ptr<DdsOutlet> outlet;  // outlives the runner, and what it has posted
@@ -89,10 +46,13 @@ struct Bridge::State {
 
   BridgeSpec spec;
   bool trace = false;
+  CommandAudit audit;
   CommandDesk commands;
   InterestDesk interests;
   DialInRegistry modules;  // outlives the buses and the programming server
   program::Server program{program_hooks(), modules};
+  std::unique_ptr<Store> store;       // outlives the outlets of the buses; null: nothing is stored
+  std::unique_ptr<LoginDesk> logins;  // with a store only
   std::map<std::string, RunningBus, std::less<>> buses;
   OutletThread outlets;
   std::unique_ptr<DdsLink> link;  // its handlers enter the members above: closed before they end
@@ -107,9 +67,19 @@ struct Bridge::State {
 
 program::Hooks Bridge::State::program_hooks() {
   program::Hooks hooks;
-  hooks.report = [this](const ProgramSessionReport& report) {
-    outlets.post([this, report] { link->report(report); });
+  hooks.login = [this](std::string user, std::string password, std::string address,
+                       std::function<void(program::LoginAnswer)> done) {
+    if (!logins) return done({false, "this bridge has no users: its configuration has no store"});
+    logins->authenticate({std::move(user), std::move(password), std::move(address)},
+                         [done = std::move(done)](LoginResult result) {
+                           if (!result) return done({false, to_text(result.error())});
+                           done({may(*result, Role::kProgrammer), fmt::format("the role {} may not program", to_text(*result))});
+                         });
   };
+  hooks.audit = [this](const program::Transmission& what) {
+    if (store) store->append({{}, what.who, "program", what.target, what.bytes_to_device, what.bytes_from_device, what.result});
+  };
+  hooks.report = [this](const ProgramSessionReport& report) { outlets.post([this, report] { link->report(report); }); };
   return hooks;
 }
 
@@ -118,7 +88,11 @@ void Bridge::State::join() {
   DdsLink::Handlers handlers;
   handlers.clock = [] { return read_clocks(); };
   handlers.on_command = [this](const std::string& bus, Command command) {
-    if (const auto refused = commands.take(bus, std::move(command), steady_now())) link->complete(bus, *refused, read_clocks());
+    const AuditEntry asked = audit.asked(bus, command);
+    if (const auto refused = commands.take(bus, std::move(command), steady_now())) {
+      audit.refused(asked, *refused);
+      link->complete(bus, *refused, read_clocks());
+    }
   };
   handlers.on_interest = [this](const Interest& interest) {
     if (const auto noted = interests.note(interest.station, interest.pattern, interest.refresh); !noted) {
@@ -127,13 +101,18 @@ void Bridge::State::join() {
   };
   handlers.on_problem = [](const std::string& text) { log_warning("dds", text); };
   link = std::make_unique<DdsLink>(spec.dds, spec.name, std::move(handlers));
+  if (spec.store) {
+    store = std::make_unique<Store>(*spec.store);
+    logins = std::make_unique<LoginDesk>(StoreAddress(spec.store->address), *store);
+  }
+  audit.open(store.get());
 }
 
 // Throws DdsError, and then nothing of the bus is left.
 void Bridge::State::start_bus(const BusSpec& bus) {
   FIELDCAST_CHECK(!buses.contains(bus.name));
   RunningBus made;
-  made.outlet = std::make_unique<DdsOutlet>(outlets, *link, bus);
+  made.outlet = std::make_unique<DdsOutlet>(outlets, *link, store.get(), audit, bus);
   made.io = std::make_unique<IoThread>(bus.name);
   made.runner = std::make_shared<BusRunner>(made.io->context(), bus, *made.outlet, &modules);
   commands.add(bus.name, made.runner);  // before the bus is announced: its commands may come at once
@@ -176,12 +155,15 @@ void Bridge::State::stop_buses(const std::vector<std::string>& names) {
 void Bridge::State::stop_all() {
   if (!link) return;
   program.stop();  // 0. engineers are told, their devices freed
+  logins.reset();
   std::vector<std::string> names;
   for (const auto& [name, bus] : buses) names.push_back(name);
   stop_buses(names);     // 1.-4. above, all buses at the same time
   link->close(kLinger);  // 5. the last results reach their readers, then we leave the domain; no handler is called afterwards
   link.reset();          // 6.
-  interests.forget();    // 7. stations tell their wishes again to whoever joins next
+  audit.open(nullptr);
+  store.reset();       // 7. what waits is written
+  interests.forget();  // 8. stations tell their wishes again to whoever joins next
 }
 
 // A bus whose thread hangs in a driver (a USB adapter that died in the middle of an ioctl) cannot be taken away under its feet.
@@ -189,6 +171,7 @@ void Bridge::State::stop_all() {
 void Bridge::State::abandon(const std::string& bus) {
   log_error(bus, "the bus hangs in its driver and cannot be stopped: the process ends");
   link->close(kLinger);
+  if (store) (void)store->flush(kLinger);
   std::_Exit(static_cast<int>(ExitCode::kInternal));
 }
 

@@ -14,7 +14,7 @@ const BusSpec* find_bus(const BridgeSpec& bridge, const std::string& name) {
 
 ReloadPlan plan_reload(const BridgeSpec& running, const BridgeSpec& wanted) {
   ReloadPlan plan;
-  if (running.name != wanted.name || running.dds != wanted.dds) {
+  if (running.name != wanted.name || running.dds != wanted.dds || running.store != wanted.store) {
     plan.whole_bridge = true;
     return plan;
   }

@@ -9,7 +9,7 @@
 namespace fieldcast {
 
 struct ReloadPlan {
-  bool whole_bridge = false;           // the name or the DDS settings differ: everything starts anew, the lists are empty
+  bool whole_bridge = false;           // the name, the DDS settings or the store differ: everything starts anew, the lists are empty
   bool program = false;                // the programming server starts anew; pairings end, buses go on
   std::vector<std::string> stop;       // buses that are gone or changed, in their old order
   std::vector<std::string> start;      // buses that are new or changed, in their new order

@@ -62,6 +62,16 @@ void read_presentation(MapReader& map, ChannelSpec& spec) {
   map.read("deadband", spec.deadband, NumberRule{});
 }
 
+// A value that is back inside by the hysteresis must not be outside at the other end.
+void check_hysteresis(MapReader& map, const Limits& limits) {
+  if (limits.hysteresis < 0) map.faults().add(map.place_of("hysteresis"), "hysteresis is negative", "0 and above");
+  const auto lower = limits.low ? limits.low : limits.low_low;
+  const auto upper = limits.high ? limits.high : limits.high_high;
+  if (lower && upper && limits.hysteresis >= *upper - *lower && *upper > *lower) {
+    map.faults().add(map.place_of("hysteresis"), "hysteresis is as wide as the limits are apart", "less than their distance");
+  }
+}
+
 void read_limits(MapReader& channel, ChannelSpec& spec) {
   const Node* node = channel.find("limits");
   if (node == nullptr) return;
@@ -79,6 +89,13 @@ void read_limits(MapReader& channel, ChannelSpec& spec) {
                        "low-low < low < high < high-high");
     }
     below = key, bound = limit;
+  }
+  map.read("delay", spec.limits.delay, DurationRule{Duration{}, kMaxAlarmDelay});
+  if (map.read("hysteresis", spec.limits.hysteresis, NumberRule{})) check_hysteresis(map, spec.limits);
+  for (const std::string_view key : {"hysteresis", "delay"}) {
+    if (bound == nullptr && map.has(key)) {
+      map.faults().add(map.place_of(key), quoted(key) + " without a limit", "low-low, low, high, high-high");
+    }
   }
 }
 

@@ -14,7 +14,7 @@ struct KeyTable {
   std::span<const std::string_view> keys;
 };
 
-extern const KeyTable kBridgeKeys, kDdsKeys, kLogKeys, kProgramKeys, kEngineersKeys, kModulesKeys, kBusKeys, kPortKeys, kBusDefaultKeys, kDeviceKeys, kChannelKeys,
+extern const KeyTable kBridgeKeys, kDdsKeys, kLogKeys, kStoreKeys, kProgramKeys, kEngineersKeys, kModulesKeys, kBusKeys, kPortKeys, kBusDefaultKeys, kDeviceKeys, kChannelKeys,
     kLimitKeys, kWriteKeys, kTemplateKeys, kTemplateDefaultKeys;
 
 [[nodiscard]] std::span<const KeyTable* const> key_tables();

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 
 #include "core/base/time.hpp"
 
@@ -32,6 +33,13 @@ inline constexpr std::size_t kMaxDescription = 256;
 inline constexpr std::size_t kMaxPath = 1024;
 inline constexpr std::size_t kMaxPartition = 256;
 
+// The store.
+inline constexpr std::size_t kMaxPatterns = 256;
+inline constexpr std::uint64_t kMinStoreBytes = 10'000'000;
+inline constexpr std::uint64_t kMaxStoreBytes = 1'000'000'000'000'000;
+inline constexpr Duration kMinKeep = std::chrono::hours{1};
+inline constexpr Duration kMaxKeep = std::chrono::hours{24 * 36'500};
+
 // Times.
 inline constexpr Duration kMinRefresh = std::chrono::milliseconds{1};
 inline constexpr Duration kMaxRefresh = std::chrono::hours{24};
@@ -40,6 +48,7 @@ inline constexpr Duration kMaxTimeout = std::chrono::minutes{1};
 inline constexpr Duration kMaxPause = std::chrono::minutes{1};
 inline constexpr Duration kMaxSilence = std::chrono::seconds{10};
 inline constexpr double kMaxSilenceCharacters = 1'000;
+inline constexpr Duration kMaxAlarmDelay = std::chrono::hours{24};
 inline constexpr unsigned kMaxRetries = 10;
 inline constexpr int kMaxPriority = 100;
 inline constexpr double kMinElasticity = 0.1;

@@ -9,6 +9,7 @@
 #include "config/port.hpp"
 #include "config/program.hpp"
 #include "config/scalars.hpp"
+#include "config/store.hpp"
 
 namespace fieldcast::config {
 namespace {
@@ -94,6 +95,7 @@ void read_bridge(const Node& root, BridgeSpec& spec, Session& session) {
   read_dds(map, spec.dds, session.library);
   read_log(map, spec.log);
   read_program(map, spec.program, session.library);
+  read_store(map, spec.store);
   read_buses(map, spec, session);
   if (const Node* buses = map.find("buses")) check_device_numbers(*buses, spec, session.faults);
 }

@@ -74,6 +74,11 @@ void to_idl(std::string_view bus, std::string_view device, const DeviceReport& r
 
 void to_idl(const ProgramSessionReport& report, idl::ProgramSession& out);
 [[nodiscard]] ProgramSessionReport from_idl(const idl::ProgramSession& session);
+// ---- alarms
+
+void to_idl(const AlarmChange& change, const UtcMapping& mapping, idl::Alarm& out);  // all but the names
+// Nothing for a limit that is no alarm's.
+[[nodiscard]] std::optional<StationAlarm> from_idl(const idl::Alarm& alarm);
 
 // The first `limit` bytes of a UTF-8 text, less where that would cut a character; ends before a NUL.
 [[nodiscard]] std::string cut_text(std::string_view text, std::size_t limit);

@@ -16,8 +16,9 @@ namespace {
 struct Bus {
   Bus(Domain& domain, const std::string& bridge, const BusSpec& bus) : samples(domain, bridge, bus) {}
   SampleWriters samples;
-  std::vector<idl::Channel> catalogue;               // by channel index, as published
-  std::map<std::string, idl::DeviceStatus> devices;  // published at least once
+  std::vector<idl::Channel> catalogue;                              // by channel index, as published
+  std::map<std::string, idl::DeviceStatus> devices;                 // published at least once
+  std::map<std::pair<ChannelIndex, LimitKind>, idl::Alarm> alarms;  // raised at least once
   idl::BusStatus status;
   bool reported = false;
   bool write_failed = false;
@@ -34,6 +35,7 @@ struct DdsLink::State {
     const std::string label = "fieldcast-bridge " + name;
     catalogue = domain.writer<idl::ChannelPubSubType>(kChannelTopic, state_writer_qos(kMaxChannels), label);
     bus_status = domain.writer<idl::BusStatusPubSubType>(kBusStatusTopic, state_writer_qos(kMaxDevices), label);
+    alarms = domain.writer<idl::AlarmPubSubType>(kAlarmTopic, state_writer_qos(kMaxAlarms), label);
     device_status = domain.writer<idl::DeviceStatusPubSubType>(kDeviceStatusTopic, state_writer_qos(kMaxDevices), label);
     sessions = domain.writer<idl::ProgramSessionPubSubType>(kProgramSessionTopic, state_writer_qos(kMaxDevices), label);
     interests = std::make_unique<InterestReceiver>(domain, handlers.on_interest);
@@ -79,6 +81,7 @@ struct DdsLink::State {
     bus.samples.dispose(linger);
     for (idl::Channel& channel : bus.catalogue) catalogue->unregister_instance(&channel, dds::HANDLE_NIL);
     for (auto& [name, status] : bus.devices) device_status->unregister_instance(&status, dds::HANDLE_NIL);
+    for (auto& [key, alarm] : bus.alarms) alarms->unregister_instance(&alarm, dds::HANDLE_NIL);
     if (bus.reported) bus_status->unregister_instance(&bus.status, dds::HANDLE_NIL);
   }
 
@@ -91,6 +94,7 @@ struct DdsLink::State {
   dds::DataWriter* bus_status = nullptr;
   dds::DataWriter* device_status = nullptr;
   dds::DataWriter* sessions = nullptr;
+  dds::DataWriter* alarms = nullptr;
   std::unique_ptr<InterestReceiver> interests;
   std::unique_ptr<CommandReceiver> commands;
   std::shared_mutex mutex;  // the set of buses: shared to use one, alone to add or remove one
@@ -174,6 +178,19 @@ void DdsLink::report(const ProgramSessionReport& session) {
   idl::ProgramSession out;
   to_idl(session, out);
   state_->sessions->write(&out);
+}
+
+void DdsLink::report(std::string_view name, const AlarmChange& change, const UtcMapping& mapping) {
+  const std::shared_lock lock(state_->mutex);
+  Bus* bus = state_->find(name);
+  if (bus == nullptr) return;
+  const idl::Channel& channel = bus->catalogue.at(change.channel);
+  idl::Alarm& alarm = bus->alarms[{change.channel, change.limit}];
+  alarm.bus() = channel.bus();
+  alarm.device() = channel.device();
+  alarm.channel() = channel.channel();
+  to_idl(change, mapping, alarm);
+  state_->alarms->write(&alarm);
 }
 
 DdsLink::BusCounters DdsLink::counters(std::string_view name) const {

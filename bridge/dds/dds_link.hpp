@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "bridge/dds/utc_mapping.hpp"
+#include "core/alarm/alarm_book.hpp"
 #include "core/model/command.hpp"
 #include "core/model/sample.hpp"
 #include "core/model/spec.hpp"
@@ -84,6 +85,8 @@ class DdsLink {
   // A programming session: it began, its bytes grew, it ended. Any thread. One instance for each device; no more of them than
   // devices of a bridge.
   void report(const ProgramSessionReport& session);
+  // An alarm was raised or is clear. Its instance stays, active or clear, until the bus is removed. The bus's strand.
+  void report(std::string_view bus, const AlarmChange& change, const UtcMapping& mapping);
 
   [[nodiscard]] BusCounters counters(std::string_view bus) const;  // any thread
 

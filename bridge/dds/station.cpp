@@ -28,6 +28,7 @@ struct Station::State {
   std::unique_ptr<Subscription<idl::BusStatusPubSubType>> buses;
   std::unique_ptr<Subscription<idl::DeviceStatusPubSubType>> devices;
   std::unique_ptr<Subscription<idl::ProgramSessionPubSubType>> sessions;
+  std::unique_ptr<Subscription<idl::AlarmPubSubType>> alarms;
   dds::DataWriter* interests = nullptr;
   std::unique_ptr<CommandClient> commands;
 };
@@ -95,6 +96,21 @@ void Station::subscribe_program_sessions(std::function<void(const ProgramSession
   handlers.sample = [on_session = std::move(on_session)](const idl::ProgramSession& session) { on_session(from_idl(session)); };
   state_->sessions = std::make_unique<Subscription<idl::ProgramSessionPubSubType>>(
       state_->domain, kProgramSessionTopic, state_reader_qos(kMaxDevices), std::move(handlers));
+}
+
+void Station::subscribe_alarms(std::function<void(const StationAlarm&)> on_alarm, std::function<void(const StationAlarm&)> gone) {
+  FIELDCAST_CHECK(!state_->alarms);
+  Subscription<idl::AlarmPubSubType>::Handlers handlers;
+  handlers.sample = [on_alarm = std::move(on_alarm)](const idl::Alarm& alarm) {
+    if (const auto known = from_idl(alarm)) on_alarm(*known);
+  };
+  if (gone) {
+    handlers.gone = [gone = std::move(gone)](const idl::Alarm& last) {
+      if (const auto known = from_idl(last)) gone(*known);
+    };
+  }
+  state_->alarms = std::make_unique<Subscription<idl::AlarmPubSubType>>(state_->domain, kAlarmTopic, state_reader_qos(kMaxAlarms),
+                                                                        std::move(handlers));
 }
 
 void Station::declare_interest(const std::string& pattern, Duration refresh) {

@@ -14,6 +14,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
+#include "core/alarm/limit_watch.hpp"
 #include "core/base/quality.hpp"
 #include "core/base/time.hpp"
 #include "core/base/value.hpp"
@@ -57,6 +58,14 @@ struct StationDeviceStatus {
   DeviceReport report;  // all but causes
   CauseCounts causes;
   UtcTime reported_at;
+};
+
+struct StationAlarm {
+  std::string bus, device, channel;
+  LimitKind limit = LimitKind::kHigh;
+  AlarmState state = AlarmState::kClear;
+  double value = 0;
+  UtcTime since;
 };
 
 // What a station asks for; Command with the bus it goes to. requester and expires are the station's own business.
@@ -104,6 +113,8 @@ class Station {
   void subscribe_bus_status(std::function<void(const StationBusStatus&)> on_status);
   void subscribe_device_status(std::function<void(const StationDeviceStatus&)> on_status);
   void subscribe_program_sessions(std::function<void(const ProgramSessionReport&)> on_session);
+  void subscribe_alarms(std::function<void(const StationAlarm&)> on_alarm,
+                        std::function<void(const StationAlarm& last)> gone = {});
 
   // A wish for channels at a refresh, kept up until withdrawn or until this process dies.
   void declare_interest(const std::string& pattern, Duration refresh);

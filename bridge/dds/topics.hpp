@@ -25,10 +25,12 @@ inline constexpr const char* kInterestTopic = "fieldcast/Interest";
 inline constexpr const char* kBusStatusTopic = "fieldcast/BusStatus";
 inline constexpr const char* kDeviceStatusTopic = "fieldcast/DeviceStatus";
 inline constexpr const char* kProgramSessionTopic = "fieldcast/ProgramSession";
+inline constexpr const char* kAlarmTopic = "fieldcast/Alarm";
 
 inline constexpr std::int32_t kChannelsPerWriter = 256;  // DEADLINE costs a scan over a writer's instances at nearly every write
 inline constexpr std::int32_t kMaxChannels = 100'000;    // in the domain, at one reader; and in the catalogue of one bridge
 inline constexpr std::int32_t kMaxDevices = 10'000;      // the same for status
+inline constexpr std::int32_t kMaxAlarms = 100'000;      // limits that were ever passed, the same
 inline constexpr std::int32_t kMaxPendingCommands = 4096;  // commands and results not yet acknowledged or taken
 inline constexpr std::int32_t kMaxInterests = 4096;
 

@@ -240,6 +240,9 @@ class PostgresConnection final : public SqlConnection {
 }  // namespace
 
 std::unique_ptr<SqlConnection> open_postgres(const StoreAddress& address) {
+  if (address.is_ambiguous()) {
+    throw StoreError("store " + address.masked() + ": a '/' or '@' in the password must be escaped, as %2F or %40");
+  }
   // What the connection string says goes before these.
   const char* const keys[] = {"connect_timeout", "tcp_user_timeout", "application_name", "options", "dbname", nullptr};
   const char* const values[] = {

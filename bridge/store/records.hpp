@@ -22,4 +22,35 @@ struct AuditEntry {
   friend bool operator==(const AuditEntry&, const AuditEntry&) = default;
 };
 
+// A sample of the history. Published and acquired differ for a stale value, which is published again with its old instant.
+struct StoredSample {
+  std::string bus, device, channel, unit;
+  UtcTime published_at;
+  UtcTime acquired_at;  // 0: never read
+  std::uint64_t sequence = 0;
+  Quality quality = Quality::kNotYetRead;
+  std::uint16_t device_code = 0;
+  Value value;
+  friend bool operator==(const StoredSample&, const StoredSample&) = default;
+};
+
+// The newest state of a device.
+struct DeviceRecord {
+  std::string bus, device, protocol;
+  std::string address;  // "/dev/ttyUSB0 19200 8E1, 7"
+  std::string state;    // "online"
+  UtcTime since;
+  friend bool operator==(const DeviceRecord&, const DeviceRecord&) = default;
+};
+
+// A limit was passed, or is kept again.
+struct AlarmRecord {
+  std::string bus, device, channel;
+  std::string limit;  // "high-high"
+  std::string state;  // "active", "clear"
+  double value = 0;
+  UtcTime since;
+  friend bool operator==(const AlarmRecord&, const AlarmRecord&) = default;
+};
+
 }  // namespace fieldcast

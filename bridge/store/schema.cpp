@@ -60,11 +60,24 @@ std::int64_t version_of(SqlConnection& connection) {
   return version;
 }
 
+bool is_present(SqlConnection& connection) {
+  const bool sqlite = connection.dialect() == SqlConnection::Dialect::kSqlite;
+  std::int64_t tables = 0;
+  connection.query(sqlite ? "select count(*) from sqlite_master where type = 'table' and name = 'fieldcast_version'"
+                          : "select count(*) from pg_class where oid = to_regclass('fieldcast_version')",
+                   {}, [&](const SqlRow& row) {
+                     tables = integer_at(row, 0);
+                     return true;
+                   });
+  return tables > 0 && version_of(connection) == present_version();
+}
+
 }  // namespace
 
 std::int64_t present_version() { return std::size(kSteps); }
 
 void bring_to_present(SqlConnection& connection, const std::string& place) {
+  if (is_present(connection)) return;  // nearly always: who only reads takes no lock
   SqlTransaction transaction(connection);
   if (connection.dialect() == SqlConnection::Dialect::kPostgres) {
     connection.script("select pg_advisory_xact_lock(7021133)");  // any number, the same for all who do this

@@ -27,6 +27,13 @@ std::string without_parameter(std::string text, std::string_view name) {
 
 bool StoreAddress::is_server() const { return text_.starts_with("postgresql://") || text_.starts_with("postgres://"); }
 
+bool StoreAddress::is_ambiguous() const {
+  if (!is_server()) return false;
+  const std::string address = text_.substr(0, text_.find('?')).substr(text_.find("://") + 3);
+  const std::size_t at = address.rfind('@');
+  return at != std::string::npos && address.find_first_of("/@") < at;
+}
+
 std::string StoreAddress::masked() const {
   return is_server() ? without_parameter(without_userinfo_password(text_), "password=") : text_;
 }

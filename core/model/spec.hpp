@@ -39,9 +39,11 @@ enum class Planner : std::uint8_t {
 enum class Access : std::uint8_t { kReadOnly, kReadWrite, kWriteOnly };
 [[nodiscard]] std::string_view to_text(Access access);  // "read-only", ...
 
-// One limit on a channel's value.
+// Limits on a channel's value, and when passing one is an alarm.
 struct Limits {
   std::optional<double> low_low, low, high, high_high;
+  double hysteresis = 0;  // how far a value must be back inside until the alarm is clear
+  Duration delay{};       // how long it must be outside until the alarm is raised
   friend bool operator==(const Limits&, const Limits&) = default;
 };
 
@@ -150,6 +152,14 @@ struct LogSpec {
   friend bool operator==(const LogSpec&, const LogSpec&) = default;
 };
 
+struct StoreSpec {
+  std::string address;                    // a file, or postgresql://.. (which may hold a password: never for a log)
+  std::vector<std::string> samples{"*"};  // patterns of the channels whose samples are stored
+  Duration keep = std::chrono::hours{30 * 24};  // samples; 0: for ever
+  std::uint64_t max_bytes = 0;                  // of a file, then the oldest samples go; 0: no bound
+  friend bool operator==(const StoreSpec&, const StoreSpec&) = default;
+};
+
 // Where programming software and the modules that dial in reach the bridge.
 struct ListenSpec {
   std::string host;  // an IP address
@@ -180,6 +190,7 @@ struct BridgeSpec {
   DdsSpec dds;
   LogSpec log;
   ProgramSpec program;
+  std::optional<StoreSpec> store;  // nothing: nothing is stored
   std::vector<BusSpec> buses;
   friend bool operator==(const BridgeSpec&, const BridgeSpec&) = default;
 };

@@ -45,6 +45,12 @@ TEST(ReloadPlan, AnotherProgrammingPortLeavesTheBusesAlone) {
   EXPECT_THAT(plan.untouched, ElementsAre("a"));
 }
 
+TEST(ReloadPlan, AnotherStoreRestartsEverything) {
+  auto wanted = bridge({bus("a")});
+  wanted.store = StoreSpec{"plant.db"};
+  EXPECT_TRUE(plan_reload(bridge({bus("a")}), wanted).whole_bridge);
+}
+
 TEST(ReloadPlan, OnlyTheChangedBusRestarts) {
   const auto plan = plan_reload(bridge({bus("a"), bus("b"), bus("c")}), bridge({bus("a"), bus("b", 2), bus("c")}));
   EXPECT_THAT(plan.stop, ElementsAre("b"));

@@ -73,7 +73,7 @@ class Everything : public testing::Test {
     channel.description = "every key of a channel";
     channel.deadband = 0.25;
     channel.heartbeat = minutes{1};
-    channel.limits = {-10, -5, 50, 60.5};
+    channel.limits = {-10, -5, 50, 60.5, 0.75, seconds{7}};
     channel.write_min = -4;
     channel.write_max = 40;
     channel.write_interval = milliseconds{200};
@@ -87,6 +87,20 @@ TEST_F(Everything, TopLevelKeysArrive) {
   EXPECT_EQ(spec.name, "all.keys_1");
   EXPECT_EQ(spec.dds, (DdsSpec{7, {"127.0.0.1", "192.168.1.20"}, "10.0.0.2:11811", "profile.xml", "hall"}));
   EXPECT_EQ(spec.log.level, LogLevel::kDebug);
+  EXPECT_EQ(spec.store, (StoreSpec{"plant.db", {"serial", "server/*/x"}, std::chrono::hours{36}, 2'000'000'000}));
+}
+
+TEST(GoodFiles, AStoreOnAServerIsKeptAsItIsWritten) {
+  const std::string rest =
+      ", keep: forever }\nbuses: [ { name: b, port: { tcp: \"h:1\" }, protocol: modbus-rtu, devices: [ { name: d, "
+      "address: 1, allow: [raw-read] } ] } ]\n";
+  const auto loaded =
+      load_text("bridge: b\nstore: { url: \"postgresql://ann:x@h/d\", samples: []" + rest, "dir/b.yaml", disk_reader());
+  ASSERT_TRUE(loaded) << faults_of(loaded);
+  EXPECT_EQ(loaded->store, (StoreSpec{"postgresql://ann:x@h/d", {}, Duration{}, 0}));
+  const auto file = load_text("bridge: b\nstore: { path: a.db" + rest, "dir/b.yaml", disk_reader());
+  ASSERT_TRUE(file) << faults_of(file);
+  EXPECT_EQ(file->store->address, "dir/a.db") << "relative to the configuration";
 }
 
 TEST_F(Everything, PortsArrive) {

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "core/base/near_miss.hpp"
+#include "tools/cli/clock.hpp"
 #include "tools/cli/duration_text.hpp"
+#include "tools/cli/time_text.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -18,7 +20,7 @@ constexpr const char* kExitCodes =
 
 // Texts that become values only after the parse, so that every fault is told in the same way.
 struct Texts {
-  std::string pattern, time, refresh, timeout, answer, simulate;
+  std::string pattern, time, refresh, timeout, answer, simulate, from, to, role;
   bool once = false;  // of status: its default, which scripts may say aloud
 };
 
@@ -112,6 +114,82 @@ CLI::App* add_sim_check(CLI::App& app, SimCheckOptions& check) {
   return command;
 }
 
+void add_place(CLI::App& command, StorePlace& place) {
+  command.add_option("--config", place.config, "Look into the store of this configuration file")->check(CLI::ExistingFile);
+  command.add_option("--store", place.store, "Look into this store: a file, or postgresql://USER@HOST/DATABASE");
+}
+
+void add_span(CLI::App& command, Texts& texts) {
+  command.add_option("--from", texts.from, "2026-11-21T10:30 (UTC), or 2h, 3d for so long ago (1h)");
+  command.add_option("--to", texts.to, "The same (now)");
+}
+
+CLI::App* add_history(CLI::App& app, HistoryOptions& history, Texts& texts) {
+  auto* command = app.add_subcommand("history", "Show the stored samples of channels; needs no bridge");
+  command->add_option("CHANNEL", texts.pattern, "BUS/DEVICE/CHANNEL with *; a shorter one matches all below it")->required();
+  add_span(*command, texts);
+  auto* csv = command->add_flag("--csv", history.csv, "Comma-separated values with a head line");
+  command->add_flag("--json", history.json, "JSON lines")->excludes(csv);
+  add_place(*command, history.place);
+  return command;
+}
+
+CLI::App* add_devices(CLI::App& app, DevicesOptions& devices) {
+  auto* command = app.add_subcommand("devices", "Show the devices that the store knows, and their last state; needs no bridge");
+  command->add_flag("--json", devices.json, "JSON lines");
+  add_place(*command, devices.place);
+  return command;
+}
+
+CLI::App* add_audit(CLI::App& app, AuditOptions& audit, Texts& texts) {
+  auto* command = app.add_subcommand("audit", "Show who did what: commands, transmissions, logins; needs no bridge");
+  add_span(*command, texts);
+  command->add_flag("--json", audit.json, "JSON lines");
+  add_place(*command, audit.place);
+  return command;
+}
+
+CLI::App* add_user(CLI::App& app, UserOptions& user, Texts& texts) {
+  auto* command = app.add_subcommand("user", "Add, list and remove who may log in; needs no bridge");
+  command->require_subcommand(1);
+  auto* add = command->add_subcommand("add", "Add a user; the password is asked for, or the first line of the standard input");
+  add->add_option("NAME", user.name, "Letters, digits, '-', '_', '.', '@'")->required();
+  add->add_option("--role", texts.role, "viewer, operator or programmer (viewer)");
+  add->add_option("--password-file", user.password_file, "The password is its first line");
+  add->callback([&user] { user.action = UserOptions::Action::kAdd; });
+  auto* list = command->add_subcommand("list", "List them with their roles");
+  list->add_flag("--json", user.json, "JSON lines");
+  list->callback([&user] { user.action = UserOptions::Action::kList; });
+  auto* remove = command->add_subcommand("remove", "Remove a user");
+  remove->add_option("NAME", user.name, "Of the user")->required();
+  remove->callback([&user] { user.action = UserOptions::Action::kRemove; });
+  for (auto* each : {add, list, remove}) add_place(*each, user.place);
+  return command;
+}
+
+CLI::App* add_alarms(CLI::App& app, AlarmsOptions& alarms, Texts& texts) {
+  auto* command = app.add_subcommand("alarms", "Show the limits that are passed now; with --from, what the store knows");
+  add_span(*command, texts);
+  command->add_flag("--json", alarms.json, "JSON lines, of those that are clear again too");
+  command->add_option("--store", alarms.place.store, "With --from: look into this store");
+  add_connection(*command, alarms.connection);
+  return command;
+}
+
+TimeSpan span_of(const Texts& texts) {
+  const UtcTime now = utc_now();
+  const auto time = [&](const std::string& text, const char* option, UtcTime otherwise) {
+    if (text.empty()) return otherwise;
+    const auto parsed = parse_time(text, now);
+    if (!parsed) throw CLI::ValidationError(option, parsed.error());
+    return *parsed;
+  };
+  const TimeSpan span{time(texts.from, "--from", {now.nanoseconds - Duration(std::chrono::hours{1}).count()}),
+                      time(texts.to, "--to", now)};
+  if (span.to <= span.from) throw CLI::ValidationError("--to", "the end is not after the beginning");
+  return span;
+}
+
 // An empty text keeps the default.
 template <typename Target>
 void set_duration(Target& target, const std::string& text, const char* option) {
@@ -151,6 +229,11 @@ tl::expected<Arguments, NoCommand> parse_arguments(int argc, const char* const* 
   SessionsOptions sessions;
   PlanOptions plan;
   SimCheckOptions check;
+  HistoryOptions history;
+  DevicesOptions devices;
+  AuditOptions audit;
+  UserOptions user;
+  AlarmsOptions alarms;
   Texts texts;
   const auto* watch_command = add_watch(app, watch, texts);
   const auto* write_command = add_write(app, write, texts);
@@ -160,6 +243,11 @@ tl::expected<Arguments, NoCommand> parse_arguments(int argc, const char* const* 
   const auto* plan_command = add_plan(app, plan, texts);
   const auto* inspect_command = add_inspect(app, inspect);
   const auto* check_command = add_sim_check(app, check);
+  const auto* history_command = add_history(app, history, texts);
+  const auto* devices_command = add_devices(app, devices);
+  const auto* audit_command = add_audit(app, audit, texts);
+  const auto* user_command = add_user(app, user, texts);
+  const auto* alarms_command = add_alarms(app, alarms, texts);
 
   if (argc > 1) {
     if (auto fault = unknown_command(app, argv[1])) return tl::unexpected(*std::move(fault));
@@ -176,7 +264,13 @@ tl::expected<Arguments, NoCommand> parse_arguments(int argc, const char* const* 
     set_duration(plan.simulate, texts.simulate, "--simulate");
     auto pattern = Pattern::parse(texts.pattern);
     if (!pattern) throw CLI::ValidationError("PATTERN", pattern.error());
-    watch.pattern = *std::move(pattern);
+    watch.pattern = history.pattern = *std::move(pattern);
+    history.span = audit.span = span_of(texts);
+    if (!texts.from.empty() || !texts.to.empty()) alarms.span = history.span;
+    alarms.place.config = alarms.connection.config;
+    const auto role = role_from(texts.role.empty() ? to_text(user.role) : texts.role);
+    if (!role) throw CLI::ValidationError("--role", "'" + printable(texts.role) + "' is unknown; viewer, operator or programmer");
+    user.role = *role;
   } catch (const CLI::ParseError& error) {
     std::ostringstream out;
     std::ostringstream err;
@@ -191,6 +285,11 @@ tl::expected<Arguments, NoCommand> parse_arguments(int argc, const char* const* 
   if (plan_command->parsed()) return plan;
   if (inspect_command->parsed()) return inspect;
   if (check_command->parsed()) return check;
+  if (history_command->parsed()) return history;
+  if (devices_command->parsed()) return devices;
+  if (audit_command->parsed()) return audit;
+  if (user_command->parsed()) return user;
+  if (alarms_command->parsed()) return alarms;
   return tl::unexpected(NoCommand{ExitCode::kUsage, app.help()});
 }
 

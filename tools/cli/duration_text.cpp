@@ -8,8 +8,8 @@
 namespace fieldcast::cli {
 
 tl::expected<Duration, std::string> parse_duration(std::string_view text) {
-  static constexpr std::array<std::pair<std::string_view, double>, 6> kUnits{
-      {{"", 1}, {"us", 1e-6}, {"ms", 1e-3}, {"s", 1}, {"min", 60}, {"h", 3600}}};
+  static constexpr std::array<std::pair<std::string_view, double>, 7> kUnits{
+      {{"", 1}, {"us", 1e-6}, {"ms", 1e-3}, {"s", 1}, {"min", 60}, {"h", 3600}, {"d", 86400}}};
   constexpr double kYear = 365.0 * 86400;
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, std::chars_format::fixed);

@@ -17,11 +17,18 @@ struct Run {
   }
   ExitCode operator()(const PlanOptions& options) const { return plan(options, std::cout, std::cerr, wide_screen()); }
   ExitCode operator()(const SimCheckOptions& options) const { return sim_check(options, std::cout, std::cerr, wide_screen()); }
+  ExitCode operator()(const HistoryOptions& options) const { return history(options, std::cout, std::cerr); }
+  ExitCode operator()(const DevicesOptions& options) const { return devices(options, std::cout, std::cerr); }
+  ExitCode operator()(const AuditOptions& options) const { return audit(options, std::cout, std::cerr); }
+  ExitCode operator()(const UserOptions& options) const { return user(options, std::cin, std::cout, std::cerr); }
   ExitCode operator()(const WatchOptions& options) const { return joined(options, watch); }
   ExitCode operator()(const WriteOptions& options) const { return joined(options, write); }
   ExitCode operator()(const AcquireOptions& options) const { return joined(options, acquire); }
   ExitCode operator()(const SessionsOptions& options) const { return joined(options, sessions); }
   ExitCode operator()(const StatusOptions& options) const { return joined(options, status); }
+  ExitCode operator()(const AlarmsOptions& options) const {
+    return options.span ? stored_alarms(options, std::cout, std::cerr) : joined(options, alarms);
+  }
 
  private:
   template <typename Options, typename Command>

@@ -27,6 +27,11 @@ void Session::hear_status() {
   station_.subscribe_device_status([this](const StationDeviceStatus& status) { inbox_.put(status); });
 }
 
+void Session::hear_alarms() {
+  station_.subscribe_alarms([this](const StationAlarm& alarm) { inbox_.put(alarm); },
+                            [this](const StationAlarm& last) { inbox_.put(AlarmGone{last}); });
+}
+
 void Session::hear_results() {
   station_.on_result([this](const StationResult& result) { inbox_.put(result); });
 }

@@ -16,8 +16,12 @@ namespace fieldcast::cli {
 struct ChannelGone {
   ChannelPath path;
 };
+struct AlarmGone {
+  StationAlarm last;
+};
 using SessionEvent =
-    std::variant<StationChannel, StationSample, ChannelGone, StationBusStatus, StationDeviceStatus, StationResult, ProgramSessionReport>;
+    std::variant<StationChannel, StationSample, ChannelGone, StationBusStatus, StationDeviceStatus, StationResult, ProgramSessionReport,
+                 StationAlarm, AlarmGone>;
 
 class Session {
  public:
@@ -33,6 +37,7 @@ class Session {
   void hear_status();
   void hear_results();
   void hear_program_sessions();  // and bus status, which tells that a bridge is there
+  void hear_alarms();
 
   [[nodiscard]] Station& station() { return station_; }
   [[nodiscard]] Inbox<SessionEvent>& inbox() { return inbox_; }

@@ -198,6 +198,32 @@ TEST(DdsLink, StatusArrivesAndGoesWithItsBus) {
   EXPECT_EQ(devices.all()[0].report.refused, std::vector<std::string>{"holding:7"});
 }
 
+TEST(DdsLink, AnAlarmOfEveryLimitReachesLateStationsAndGoesWithItsBus) {
+  const std::string bus = bus_name("alarms");
+  Heard heard;
+  DdsLink link(loopback(), "test", heard.handlers());
+  link.add_bus(bus_of(bus, 2));
+  const UtcMapping clock = both_clocks();
+  link.report(bus, AlarmChange{1, LimitKind::kHigh, AlarmState::kActive, 90.5, clock.instant}, clock);
+  link.report(bus, AlarmChange{1, LimitKind::kHighHigh, AlarmState::kActive, 99, clock.instant}, clock);
+  link.report(bus, AlarmChange{1, LimitKind::kHighHigh, AlarmState::kClear, 91, clock.instant + 1s}, clock);
+  Station station(loopback(), "watcher");
+  Collected<StationAlarm> alarms, gone;
+  station.subscribe_alarms([&](const StationAlarm& alarm) { alarms.add(alarm); },
+                           [&](const StationAlarm& last) { gone.add(last); });
+  ASSERT_TRUE(eventually([&] { return alarms.size() >= 2; })) << alarms.size() << " alarms came";
+  std::map<LimitKind, StationAlarm> last;
+  for (const StationAlarm& alarm : alarms.all()) last[alarm.limit] = alarm;
+  EXPECT_EQ(last[LimitKind::kHigh].state, AlarmState::kActive);
+  EXPECT_EQ(last[LimitKind::kHigh].value, 90.5);
+  EXPECT_EQ(last[LimitKind::kHigh].since, clock.utc);
+  EXPECT_EQ(last[LimitKind::kHigh].bus + '/' + last[LimitKind::kHigh].device, bus + "/d");
+  EXPECT_EQ(last[LimitKind::kHigh].channel, "c1");
+  EXPECT_EQ(last[LimitKind::kHighHigh].state, AlarmState::kClear);
+  link.remove_bus(bus);
+  EXPECT_TRUE(eventually([&] { return gone.size() >= 2; })) << gone.size() << " alarms went";
+}
+
 TEST(DdsLink, WishesAreHeardAndEndWhenWithdrawnOrTheirStationGoes) {
   Heard heard;
   DdsLink link(loopback(), "test", heard.handlers());

@@ -80,6 +80,7 @@ TEST_F(Profiles, SayWhatTheBridgesOwnStationsUse) {
   expect_reader(kBusStatusTopic, state_reader_qos(kMaxDevices));
   expect_reader(kDeviceStatusTopic, state_reader_qos(kMaxDevices));
   expect_reader(kProgramSessionTopic, state_reader_qos(kMaxDevices));
+  expect_reader(kAlarmTopic, state_reader_qos(kMaxAlarms));
   expect_reader(kCommandResultTopic, request_reader_qos());
   expect_writer(kCommandTopic, command_writer_qos(5s));
   expect_writer(kInterestTopic, interest_writer_qos());

@@ -44,6 +44,43 @@ TEST(Arguments, AcquireTakesAnAddressWithCountAndType) {
   EXPECT_EQ(acquire.timeout, Duration{2s});
 }
 
+TEST(Arguments, HistoryTakesAPatternAndATime) {
+  const auto parsed = parse({"history", "a/b", "--from", "2026-11-21", "--to", "2026-11-22T10:00", "--csv", "--store", "x.db"});
+  const auto& history = std::get<HistoryOptions>(parsed.value());
+  EXPECT_EQ(history.pattern.text(), "a/b/*");
+  EXPECT_EQ(history.span.to.nanoseconds - history.span.from.nanoseconds, Duration(34h).count());
+  EXPECT_TRUE(history.csv);
+  EXPECT_EQ(history.place.store, "x.db");
+}
+
+TEST(Arguments, TimesDefaultToTheLastHour) {
+  const auto parsed = parse({"audit"});
+  const auto& audit = std::get<AuditOptions>(parsed.value());
+  EXPECT_EQ(audit.span.to.nanoseconds - audit.span.from.nanoseconds, Duration(1h).count());
+  EXPECT_FALSE(std::get<AlarmsOptions>(parse({"alarms"}).value()).span) << "now, from the bridges";
+  EXPECT_TRUE(std::get<AlarmsOptions>(parse({"alarms", "--from", "2h"}).value()).span);
+}
+
+TEST(Arguments, ATimeThatIsNoneOrEndsBeforeItBeginsIsRefused) {
+  EXPECT_THAT(parse({"history", "a", "--from", "noon"}).error().text, HasSubstr("'noon' is no time"));
+  EXPECT_THAT(parse({"history", "a", "--from", "1h", "--to", "2h"}).error().text, HasSubstr("not after the beginning"));
+  EXPECT_EQ(parse({"history"}).error().code, ExitCode::kUsage);
+  EXPECT_EQ(parse({"history", "a", "--csv", "--json"}).error().code, ExitCode::kUsage);
+}
+
+TEST(Arguments, UsersAreAddedWithARoleAndNeverWithAPassword) {
+  const auto added = parse({"user", "add", "ann", "--role", "programmer", "--password-file", "-", "--store", "x.db"});
+  const auto& user = std::get<UserOptions>(added.value());
+  EXPECT_EQ(user.action, UserOptions::Action::kAdd);
+  EXPECT_EQ(user.name, "ann");
+  EXPECT_EQ(user.role, Role::kProgrammer);
+  EXPECT_EQ(std::get<UserOptions>(parse({"user", "add", "bob"}).value()).role, Role::kViewer);
+  EXPECT_EQ(std::get<UserOptions>(parse({"user", "remove", "ann"}).value()).action, UserOptions::Action::kRemove);
+  EXPECT_EQ(parse({"user", "add", "eve", "--password", "x"}).error().code, ExitCode::kUsage);
+  EXPECT_THAT(parse({"user", "add", "eve", "--role", "root"}).error().text, HasSubstr("viewer, operator or programmer"));
+  EXPECT_EQ(parse({"user"}).error().code, ExitCode::kUsage);
+}
+
 TEST(Arguments, InterfacesMayBeRepeated) {
   const auto parsed = parse({"status", "--interface", "127.0.0.1", "--interface", "10.0.0.2"});
   EXPECT_THAT(std::get<StatusOptions>(parsed.value()).connection.interfaces, testing::ElementsAre("127.0.0.1", "10.0.0.2"));

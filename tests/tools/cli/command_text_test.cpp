@@ -123,7 +123,8 @@ TEST(DurationOption, UnderstandsUnitsAndPlainSeconds) {
   EXPECT_EQ(parse_duration("20").value(), Duration{20s});
   EXPECT_EQ(parse_duration("1.5s").value(), Duration{1500ms});
   EXPECT_EQ(parse_duration("2min").value(), Duration{2min});
-  for (const auto* text : {"", "s", "-1s", "0", "1d", "nan", "inf", "1e3s", "99999999h", "5 s"})
+  EXPECT_EQ(parse_duration("3d").value(), Duration{72h});
+  for (const auto* text : {"", "s", "-1s", "0", "1y", "nan", "inf", "1e3s", "99999999h", "5 s"})
     EXPECT_FALSE(parse_duration(text)) << text;
 }
 

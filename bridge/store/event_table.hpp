@@ -1,0 +1,32 @@
+// What happened, and how devices are: audit, alarms, devices. Everything throws StoreError.
+#pragma once
+
+#include <functional>
+
+#include "bridge/store/records.hpp"
+#include "bridge/store/sql.hpp"
+
+namespace fieldcast {
+
+class EventTable {
+ public:
+  static constexpr std::int64_t kMaxKept = 1'000'000;  // audit entries, and as many alarms: the newest
+
+  explicit EventTable(SqlConnection& connection) : connection_(connection) {}
+
+  void insert(const AuditEntry& entry);
+  void insert(const AlarmRecord& alarm);
+  void insert(const DeviceRecord& device);  // in place of what was known of it
+
+  // In the order of time, those of from <= time < to. False from the function ends it.
+  void audit(UtcTime from, UtcTime to, const std::function<bool(const AuditEntry&)>& on_entry);
+  void alarms(UtcTime from, UtcTime to, const std::function<bool(const AlarmRecord&)>& on_alarm);
+  [[nodiscard]] std::vector<DeviceRecord> devices();  // by bus and name
+
+  void remove_oldest();  // beyond kMaxKept
+
+ private:
+  SqlConnection& connection_;
+};
+
+}  // namespace fieldcast

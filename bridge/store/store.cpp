@@ -1,0 +1,254 @@
+#include "bridge/store/store.hpp"
+
+#include <fmt/format.h>
+#include <pthread.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "bridge/back_off.hpp"
+#include "bridge/clock.hpp"
+#include "bridge/log.hpp"
+#include "bridge/store/event_table.hpp"
+#include "bridge/store/retention.hpp"
+#include "core/model/pattern.hpp"
+
+namespace fieldcast {
+namespace {
+
+constexpr int kNiceness = 10;           // below the threads that serve buses
+constexpr unsigned kAttempts = 4;       // of one batch at an open database, before it is given up
+constexpr std::ptrdiff_t kRows = 4096;  // copied at a time
+constexpr Duration kIdle = std::chrono::seconds{10};
+constexpr Duration kDropLine = std::chrono::seconds{10};  // between two lines about dropped samples
+
+std::string spelled(const AuditEntry& entry) {
+  return fmt::format("{} {} {}: {} ({} bytes to the device, {} from it)", entry.who, entry.what, entry.target, entry.result,
+                     entry.bytes_to_device, entry.bytes_from_device);
+}
+std::string spelled(const AlarmRecord& alarm) {
+  return fmt::format("alarm {}/{}/{} {} {} at {}", alarm.bus, alarm.device, alarm.channel, alarm.limit, alarm.state, alarm.value);
+}
+std::string spelled(const DeviceRecord& device) {
+  return fmt::format("device {}/{} {}", device.bus, device.device, device.state);
+}
+
+void log_unstored(const std::variant<AuditEntry, AlarmRecord, DeviceRecord>& event) {
+  log_warning("store", "not stored: " + std::visit([](const auto& record) { return spelled(record); }, event));
+}
+
+}  // namespace
+
+// The database's side, on the writer's thread alone.
+class Store::Writer {
+ public:
+  Writer(const StoreSpec& spec, std::deque<Channel>& channels, std::mutex& mutex)
+      : address_(spec.address), channels_(channels), mutex_(mutex), retention_(spec) {}
+
+  // One try. Throws StoreError, and then nothing of the batch is written.
+  void write(const Batch& batch) {
+    if (!connection_) open();
+    SqlTransaction transaction(*connection_);
+    insert(batch.samples);
+    EventTable events(*connection_);
+    for (const Event& event : batch.events) std::visit([&](const auto& record) { events.insert(record); }, event);
+    transaction.commit();
+  }
+  bool tidy() { return connection_ && retention_.step(*connection_, steady_now(), read_clocks().utc); }
+  [[nodiscard]] bool is_open() const { return connection_ != nullptr; }
+  void close() {
+    connection_.reset();
+    ids_.clear();  // another file may lie there now
+  }
+
+ private:
+  void open() {
+    connection_ = open_store(address_, IfMissing::kCreate);
+    log_info("store", "open: " + address_.masked());
+  }
+
+  // Each sample with the database's number of its channel in place of ours.
+  void insert(const std::deque<SampleRow>& samples) {
+    for (auto at = samples.begin(); at != samples.end();) {
+      const auto end = at + std::min<std::ptrdiff_t>(kRows, samples.end() - at);
+      rows_.assign(at, end);
+      at = end;
+      for (SampleRow& row : rows_) {
+        std::int64_t& id = ids_[row.channel];
+        if (id == 0) id = ask_id(static_cast<std::size_t>(row.channel));
+        row.channel = id;
+      }
+      SampleTable(*connection_).insert(rows_);
+    }
+  }
+  std::int64_t ask_id(std::size_t place) {
+    const Channel* channel = nullptr;
+    {
+      const std::lock_guard lock(mutex_);
+      channel = &channels_[place];
+    }
+    return SampleTable(*connection_).channel_id(channel->bus, channel->device, channel->channel, channel->unit);
+  }
+
+  const StoreAddress address_;
+  std::deque<Channel>& channels_;
+  std::mutex& mutex_;
+  std::unique_ptr<SqlConnection> connection_;
+  std::map<std::int64_t, std::int64_t> ids_;  // by place
+  std::vector<SampleRow> rows_;
+  Retention retention_;
+};
+
+Store::Store(const StoreSpec& spec) : spec_(spec), thread_([this] { run(); }) {}
+
+Store::~Store() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  work_.notify_one();
+  thread_.join();
+}
+
+std::unique_ptr<Store::Intake> Store::intake(const BusSpec& bus) {
+  std::vector<Pattern> patterns;
+  for (const std::string& text : spec_.samples) {
+    if (auto pattern = Pattern::parse(text)) patterns.push_back(*std::move(pattern));
+  }
+  auto made = std::unique_ptr<Intake>(new Intake(*this));
+  const std::lock_guard lock(mutex_);
+  for (const DeviceSpec& device : bus.devices) {
+    for (const ChannelSpec& channel : device.channels) {
+      auto& place = made->channels_.emplace_back();
+      const auto stored = [&](const Pattern& pattern) { return pattern.matches(bus.name, device.name, channel.name); };
+      if (!std::any_of(patterns.begin(), patterns.end(), stored)) continue;
+      const auto [known, added] = places_.try_emplace(bus.name + '/' + device.name + '/' + channel.name, channels_.size());
+      if (added) channels_.push_back({bus.name, device.name, channel.name, channel.unit});
+      place = known->second;
+    }
+  }
+  return made;
+}
+
+void Store::Intake::put(std::span<const Sample> samples, const UtcMapping& mapping, UtcTime at) {
+  bool wake = false;
+  {
+    const std::lock_guard lock(store_.mutex_);
+    auto& rows = store_.waiting_.samples;
+    const bool idle = store_.waiting_.empty();
+    for (const Sample& sample : samples) {
+      const auto place = channels_.at(sample.channel);
+      if (!place) continue;
+      if (rows.size() >= kMaxWaiting) {
+        ++store_.counters_.dropped;
+        continue;
+      }
+      rows.push_back({static_cast<std::int64_t>(*place), at, mapping.to_utc(sample.acquired), sample.sequence, sample.quality,
+                      sample.device_code, sample.value});
+      ++store_.put_;
+    }
+    wake = idle && !rows.empty();
+  }
+  if (wake) store_.work_.notify_one();
+}
+
+void Store::append(AuditEntry entry) {
+  if (entry.at.nanoseconds == 0) entry.at = read_clocks().utc;
+  put_event(std::move(entry));
+}
+
+void Store::put_event(Event event) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (waiting_.events.size() < kMaxWaitingEvents) {
+      waiting_.events.push_back(std::move(event));
+      ++put_;
+      work_.notify_one();
+      return;
+    }
+  }
+  log_unstored(event);
+}
+
+StoreCounters Store::counters() const {
+  const std::lock_guard lock(mutex_);
+  StoreCounters counters = counters_;
+  counters.waiting = waiting_.samples.size();
+  return counters;
+}
+
+bool Store::flush(Duration limit) {
+  std::unique_lock lock(mutex_);
+  const std::uint64_t wanted = put_;
+  return done_.wait_for(lock, limit, [&] { return seen_ >= wanted; });
+}
+
+// False: the end. Else what came, after it had time to gather; possibly nothing.
+bool Store::gather(Batch& batch, Duration longest) {
+  std::unique_lock lock(mutex_);
+  work_.wait_for(lock, longest, [this] { return ending_ || !waiting_.empty(); });
+  if (!waiting_.empty() && !ending_) {
+    work_.wait_for(lock, kGather, [this] { return ending_; });
+  }
+  std::swap(batch, waiting_);
+  return !ending_ || !batch.empty();
+}
+
+void Store::written(const Batch& batch, bool stored) {
+  {
+    const std::lock_guard lock(mutex_);
+    (stored ? counters_.stored : counters_.dropped) += batch.samples.size();
+    seen_ += batch.samples.size() + batch.events.size();
+  }
+  done_.notify_all();
+  if (!stored) std::for_each(batch.events.begin(), batch.events.end(), log_unstored);
+}
+
+void Store::run() {
+  pthread_setname_np(pthread_self(), "store");
+  ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNiceness);  // of this thread, on Linux
+  Writer writer(spec_, channels_, mutex_);
+  BackOff back_off;
+  std::string said;  // the last failure, which is not said twice
+  std::uint64_t drops_said = 0;
+  Instant next_drop_line = kLongAgo;
+  Batch batch;
+  bool tidying = false;
+  while (gather(batch, tidying ? Duration{} : kIdle)) {
+    bool stored = batch.empty();
+    for (unsigned attempts = 0; !stored && attempts < kAttempts;) {
+      try {
+        writer.write(batch);
+        stored = true;
+        back_off.opened(steady_now());
+        said.clear();
+      } catch (const StoreError& error) {
+        if (said != error.what()) log_error("store", said = error.what());
+        attempts += writer.is_open() ? 1 : 0;  // a database that is away is waited for
+        writer.close();
+        std::unique_lock lock(mutex_);
+        if (ending_) break;
+        work_.wait_for(lock, back_off.closed(steady_now()), [this] { return ending_; });
+      }
+    }
+    written(batch, stored);
+    batch = {};
+    try {
+      tidying = writer.tidy();
+    } catch (const StoreError& error) {
+      log_error("store", error.what());
+      writer.close();
+      tidying = false;
+    }
+    const std::uint64_t dropped = counters().dropped;
+    if (dropped != drops_said && steady_now() >= next_drop_line) {
+      log_warning("store", fmt::format("{} samples were not stored: the database is too slow, or away", dropped - drops_said));
+      drops_said = dropped;
+      next_drop_line = steady_now() + kDropLine;
+    }
+  }
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,104 @@
+#include "config/store.hpp"
+
+#include <span>
+#include <utility>
+
+#include "config/limits.hpp"
+#include "config/scalars.hpp"
+#include "core/model/pattern.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+// A whole number of one of the units.
+struct UnitRule {
+  std::span<const std::pair<std::string_view, std::int64_t>> units;
+  std::int64_t min, max;
+  std::string_view allowed;
+
+  std::optional<std::int64_t> operator()(const Node& node, std::string_view key, FaultList& faults) const {
+    const std::string* text = scalar_of(node, key, allowed, faults);
+    if (text == nullptr) return std::nullopt;
+    for (const auto& [unit, worth] : units) {
+      if (!text->ends_with(unit)) continue;
+      const auto number = whole_from(std::string_view(*text).substr(0, text->size() - unit.size()));
+      if (!number || *number < 0) continue;
+      if (*number <= max / worth && *number * worth >= min) return *number * worth;
+      faults.add(node.place, std::string(key) + " '" + *text + "' is out of range", std::string(allowed));
+      return std::nullopt;
+    }
+    faults.add(node.place, std::string(key) + " '" + *text + "' cannot be understood", std::string(allowed));
+    return std::nullopt;
+  }
+};
+
+constexpr std::int64_t kHour = Duration(std::chrono::hours{1}).count();
+constexpr std::pair<std::string_view, std::int64_t> kTimes[] = {{"h", kHour}, {"d", 24 * kHour}};
+constexpr std::pair<std::string_view, std::int64_t> kSizes[] = {
+    {"MB", 1'000'000}, {"GB", 1'000'000'000}, {"TB", 1'000'000'000'000}};
+
+struct KeepRule {
+  std::optional<Duration> operator()(const Node& node, std::string_view key, FaultList& faults) const {
+    if (node.kind == Kind::kScalar && node.text == "forever") return Duration{};
+    const auto keep = UnitRule{kTimes, kMinKeep.count(), kMaxKeep.count(), "hours as 36h, days as 30d, forever; 1h to 36500d"}(
+        node, key, faults);
+    return keep ? std::optional(Duration{*keep}) : std::nullopt;
+  }
+};
+
+void read_patterns(MapReader& map, StoreSpec& spec) {
+  const Node* node = map.find("samples");
+  if (node == nullptr) return;
+  if (node->kind != Kind::kList || node->items.size() > kMaxPatterns) {
+    map.faults().add(node->place, "samples is " + (node->kind == Kind::kList ? "too long" : std::string(to_text(node->kind))),
+                     "a list of up to " + std::to_string(kMaxPatterns) + " patterns such as press-shop/*/oil-*",
+                     node->kind == Kind::kScalar ? "[\"" + node->text + "\"]" : "");
+    return;
+  }
+  spec.samples.clear();
+  for (const Node* item : node->items) {
+    const std::string* text = scalar_of(*item, "a pattern of samples", "BUS/DEVICE/CHANNEL with *", map.faults());
+    if (text == nullptr) continue;
+    if (const auto pattern = Pattern::parse(*text); !pattern) {
+      map.faults().add(item->place, "samples: " + pattern.error(), "BUS/DEVICE/CHANNEL with *");
+    }
+    spec.samples.push_back(*text);
+  }
+}
+
+// What is wrong is never shown: a password may stand in it.
+void read_url(MapReader& map, StoreSpec& spec) {
+  if (!map.read("url", spec.address, TextRule{kMaxPath})) return;
+  if (!spec.address.starts_with("postgresql://") && !spec.address.starts_with("postgres://")) {
+    map.faults().add(map.place_of("url"), "url of the store is no connection string of PostgreSQL",
+                     "postgresql://USER@HOST:PORT/DATABASE");
+  }
+}
+
+}  // namespace
+
+void read_store(MapReader& bridge, std::optional<StoreSpec>& spec) {
+  const Node* node = bridge.find("store");
+  if (node == nullptr) return;
+  MapReader map(*node, kStoreKeys, bridge.faults());
+  StoreSpec store;
+  std::string path;
+  if (map.read("path", path, TextRule{kMaxPath})) store.address = resolve(*map.place().source, path);
+  if (path.find("://") != std::string::npos) {
+    map.faults().add(map.place_of("path"), "path of the store is a connection string", "a file, or the string as url");
+  }
+  read_url(map, store);
+  if (map.is_map() && map.has("path") == map.has("url")) {
+    map.faults().add(map.place(), map.has("path") ? "'path' and 'url' in one store" : "the store has no place",
+                     "path: FILE, or url: postgresql://USER@HOST:PORT/DATABASE");
+  }
+  read_patterns(map, store);
+  map.read("keep", store.keep, KeepRule{});
+  map.read("max-size", store.max_bytes, UnitRule{kSizes, kMinStoreBytes, kMaxStoreBytes, "10MB to 1000TB, with MB, GB or TB"});
+  if (map.has("max-size") && map.has("url")) {
+    map.faults().add(map.place_of("max-size"), "'max-size' with a server, whose tables do not shrink at once", "keep");
+  }
+  spec = std::move(store);
+}
+
+}  // namespace fieldcast::config

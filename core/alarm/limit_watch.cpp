@@ -1,0 +1,62 @@
+#include "core/alarm/limit_watch.hpp"
+
+#include <cmath>
+
+namespace fieldcast {
+namespace {
+
+bool is_high(LimitKind kind) { return kind == LimitKind::kHigh || kind == LimitKind::kHighHigh; }
+
+}  // namespace
+
+std::string_view to_text(LimitKind kind) {
+  switch (kind) {
+    case LimitKind::kLowLow: return "low-low";
+    case LimitKind::kLow: return "low";
+    case LimitKind::kHigh: return "high";
+    case LimitKind::kHighHigh: return "high-high";
+  }
+  return "?";
+}
+
+std::string_view to_text(AlarmState state) { return state == AlarmState::kActive ? "active" : "clear"; }
+
+bool LimitWatch::on_good(double value, Instant acquired, Instant now) {
+  if (std::isnan(value)) {
+    on_bad();
+    return false;
+  }
+  trusted_ = true;
+  if (state_ == AlarmState::kActive) {
+    if (!back_inside(value)) return false;
+    state_ = AlarmState::kClear;
+    beyond_since_.reset();
+    value_ = value;
+    since_ = acquired;
+    return true;
+  }
+  if (!beyond(value)) {
+    beyond_since_.reset();
+    return false;
+  }
+  if (!beyond_since_) beyond_since_ = acquired;
+  value_ = value;
+  return raise_if_due(now);
+}
+
+bool LimitWatch::on_time(Instant now) { return trusted_ && waiting() && raise_if_due(now); }
+
+bool LimitWatch::raise_if_due(Instant now) {
+  if (now - *beyond_since_ < delay_) return false;
+  state_ = AlarmState::kActive;
+  since_ = *beyond_since_;
+  return true;
+}
+
+bool LimitWatch::beyond(double value) const { return is_high(kind_) ? value > limit_ : value < limit_; }
+
+bool LimitWatch::back_inside(double value) const {
+  return is_high(kind_) ? value <= limit_ - hysteresis_ : value >= limit_ + hysteresis_;
+}
+
+}  // namespace fieldcast

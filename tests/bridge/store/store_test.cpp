@@ -1,0 +1,429 @@
+#include "bridge/store/store.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "bridge/store/event_table.hpp"
+#include "bridge/store/retention.hpp"
+#include "bridge/store/schema.hpp"
+#include "bridge/store/user_table.hpp"
+#include "tests/bridge/store/postgres_server.hpp"
+#include "tests/bridge/store/scratch.hpp"
+
+namespace fieldcast {
+namespace {
+
+using std::chrono::seconds;
+using test::Scratch;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+const UtcMapping kClock{Instant{seconds{1000}}, UtcTime{1'700'000'000'000'000'000}};
+UtcTime utc(std::int64_t second) { return UtcTime{kClock.utc.nanoseconds + second * 1'000'000'000}; }
+Instant instant(std::int64_t second) { return kClock.instant + seconds{second}; }
+const UtcTime kEnd{INT64_MAX};
+
+// The samples of these tests are years old.
+StoreSpec forever(const StoreAddress& address) {
+  StoreSpec spec{address.text()};
+  spec.keep = {};
+  return spec;
+}
+
+BusSpec bus_of(const std::string& name, std::vector<std::string> channels) {
+  BusSpec bus;
+  bus.name = name;
+  DeviceSpec device;
+  device.name = "d";
+  for (auto& channel : channels) {
+    ChannelSpec made;
+    made.name = channel;
+    made.unit = "°C";
+    device.channels.push_back(made);
+  }
+  bus.devices.push_back(device);
+  return bus;
+}
+
+Sample sample(ChannelIndex channel, Value value, std::int64_t second, std::uint64_t sequence = 1) {
+  return {.channel = channel,
+          .value = std::move(value),
+          .quality = Quality::kGood,
+          .acquired = instant(second),
+          .sequence = sequence};
+}
+
+std::vector<StoredSample> history(const StoreAddress& address, const std::string& pattern, UtcTime from = {}, UtcTime to = kEnd) {
+  std::vector<StoredSample> found;
+  const auto connection = open_store(address, IfMissing::kFail);
+  SampleTable(*connection).history(*Pattern::parse(pattern), from, to, [&](const StoredSample& stored) {
+    found.push_back(stored);
+    return true;
+  });
+  return found;
+}
+
+// ---- what every database must do
+
+void keeps_every_kind_of_value(const StoreAddress& address) {
+  const std::vector<Value> values{true,
+                                  std::int64_t{-3},
+                                  std::int64_t{INT64_MIN},
+                                  std::uint64_t{UINT64_MAX},
+                                  0.1,
+                                  -std::numeric_limits<double>::infinity(),
+                                  std::numeric_limits<double>::denorm_min(),
+                                  std::string("it's 20 °C; drop table samples"),
+                                  std::string()};
+  {
+    Store store(forever(address));
+    const auto intake = store.intake(bus_of("kinds", {"c"}));
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const auto second = static_cast<std::int64_t>(i);
+      const Sample one[] = {sample(0, values[i], second, i + 1)};
+      intake->put(one, kClock, utc(second));
+    }
+    const Sample not_a_number[] = {sample(0, std::nan(""), 100, 99)};
+    intake->put(not_a_number, kClock, utc(100));
+    ASSERT_TRUE(store.flush(seconds{30}));
+    EXPECT_EQ(store.counters().stored, values.size() + 1);
+    EXPECT_EQ(store.counters().dropped, 0u);
+  }
+  const auto found = history(address, "kinds/d/c");
+  ASSERT_EQ(found.size(), values.size() + 1);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    EXPECT_EQ(found[i].value, values[i]) << to_text(values[i]);
+    EXPECT_EQ(found[i].sequence, i + 1);
+    EXPECT_EQ(found[i].acquired_at, utc(static_cast<std::int64_t>(i)));
+    EXPECT_EQ(found[i].unit, "°C");
+  }
+  EXPECT_TRUE(std::isnan(std::get<double>(found.back().value)));
+}
+
+void keeps_quality_and_both_times(const StoreAddress& address) {
+  {
+    Store store(forever(address));
+    const auto intake = store.intake(bus_of("stale", {"c"}));
+    Sample stale = sample(0, 5.0, 1, 2);
+    stale.quality = Quality::kBadDeviceError;
+    stale.device_code = 6;
+    Sample never;
+    const Sample both[] = {stale, never};
+    intake->put(both, kClock, utc(9));
+    ASSERT_TRUE(store.flush(seconds{30}));
+  }
+  const auto found = history(address, "stale");
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].acquired_at, UtcTime{}) << "by sequence within one instant";
+  EXPECT_EQ(found[0].quality, Quality::kNotYetRead);
+  EXPECT_EQ(found[1].acquired_at, utc(1));
+  EXPECT_EQ(found[1].published_at, utc(9));
+  EXPECT_EQ(found[1].quality, Quality::kBadDeviceError);
+  EXPECT_EQ(found[1].device_code, 6);
+}
+
+void answers_for_a_pattern_and_a_time(const StoreAddress& address) {
+  {
+    Store store(forever(address));
+    const auto one = store.intake(bus_of("many-1", {"b", "a"}));
+    const auto other = store.intake(bus_of("many-2", {"a"}));
+    for (int second = 0; second < 10; ++second) {
+      const auto sequence = static_cast<std::uint64_t>(second);
+      const Sample two[] = {sample(0, 1.0, second, sequence), sample(1, 2.0, second, sequence)};
+      one->put(two, kClock, utc(second));
+      other->put(std::span(two, 1), kClock, utc(second));
+    }
+    ASSERT_TRUE(store.flush(seconds{30}));
+  }
+  EXPECT_EQ(history(address, "many-*").size(), 30u);
+  EXPECT_EQ(history(address, "many-1").size(), 20u);
+  const auto some = history(address, "many-*/d/a", utc(3), utc(5));
+  std::vector<std::string> seen;
+  for (const auto& stored : some) seen.push_back(stored.bus + std::to_string(stored.sequence));
+  EXPECT_THAT(seen, ElementsAre("many-13", "many-14", "many-23", "many-24"));
+}
+
+void keeps_only_what_the_patterns_name(const StoreAddress& address) {
+  StoreSpec spec = forever(address);
+  spec.samples = {"chosen/*/a*", "nothing/x"};
+  {
+    Store store(spec);
+    const auto intake = store.intake(bus_of("chosen", {"a1", "b1", "a2"}));
+    const Sample all[] = {sample(0, 1.0, 0), sample(1, 2.0, 0), sample(2, 3.0, 0)};
+    intake->put(all, kClock, utc(0));
+    ASSERT_TRUE(store.flush(seconds{30}));
+  }
+  const auto found = history(address, "chosen");
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].channel, "a1");
+  EXPECT_EQ(found[1].channel, "a2");
+}
+
+void keeps_audit_alarms_and_devices(const StoreAddress& address) {
+  const AuditEntry entry{utc(1), "ann from 10.0.0.1", "program", "bus/d", 1ull << 40, 7, "done"};
+  const AlarmRecord raised{"bus", "d", "c", "high", "active", 91.5, utc(2)};
+  const DeviceRecord before{"bus", "d", "modbus-rtu", "/dev/ttyS0, 1", "unknown", utc(1)};
+  DeviceRecord after = before;
+  after.state = "online";
+  after.since = utc(3);
+  {
+    Store store(forever(address));
+    store.append(entry);
+    store.append({.who = "now"});
+    store.put(raised);
+    store.put(before);
+    store.put(after);
+    ASSERT_TRUE(store.flush(seconds{30}));
+  }
+  const auto connection = open_store(address, IfMissing::kFail);
+  EventTable events(*connection);
+  std::vector<AuditEntry> audit;
+  events.audit({}, kEnd, [&](const AuditEntry& found) {
+    audit.push_back(found);
+    return true;
+  });
+  ASSERT_EQ(audit.size(), 2u);
+  EXPECT_EQ(audit[0], entry);
+  EXPECT_GT(audit[1].at, entry.at) << "an entry without a time gets the present one";
+  std::vector<AlarmRecord> alarms;
+  events.alarms(utc(2), utc(3), [&](const AlarmRecord& found) {
+    alarms.push_back(found);
+    return true;
+  });
+  EXPECT_THAT(alarms, ElementsAre(raised));
+  EXPECT_THAT(events.devices(), ElementsAre(after));
+}
+
+void knows_its_users(const StoreAddress& address) {
+  const auto connection = open_store(address, IfMissing::kFail);
+  UserTable users(*connection);
+  EXPECT_TRUE(users.add("ann", Role::kOperator, "correct horse", utc(0)));
+  EXPECT_FALSE(users.add("ann", Role::kViewer, "correct horse", utc(0)));
+  EXPECT_EQ(users.verify("ann", "correct horse"), Role::kOperator);
+  EXPECT_FALSE(users.verify("ann", "wrong horse"));
+  EXPECT_TRUE(users.remove("ann"));
+}
+
+void removes_what_is_too_old(const StoreAddress& address) {
+  {
+    Store store(forever(address));
+    const auto intake = store.intake(bus_of("old", {"a", "b"}));
+    for (int second = 0; second < 100; ++second) {
+      const Sample two[] = {sample(0, 1.0, second, 1), sample(1, 1.0, second, 1)};
+      intake->put(two, kClock, utc(second));
+    }
+    ASSERT_TRUE(store.flush(seconds{30}));
+  }
+  StoreSpec spec;
+  spec.keep = seconds{10};
+  Retention retention(spec);
+  const auto connection = open_store(address, IfMissing::kFail);
+  int steps = 0;
+  while (retention.step(*connection, instant(0), utc(100))) ASSERT_LT(++steps, 1000);
+  const auto left = history(address, "old");
+  EXPECT_EQ(left.size(), 20u);
+  for (const auto& stored : left) EXPECT_GE(stored.published_at, utc(90));
+  EXPECT_FALSE(retention.step(*connection, instant(1), utc(200))) << "not before the next pass";
+  EXPECT_TRUE(retention.step(*connection, instant(60), utc(200)));
+}
+
+void all_of_it(const StoreAddress& address) {
+  (void)open_store(address, IfMissing::kCreate);
+  const std::pair<const char*, void (*)(const StoreAddress&)> all[] = {
+      {"values", keeps_every_kind_of_value},         {"times", keeps_quality_and_both_times},
+      {"pattern", answers_for_a_pattern_and_a_time}, {"chosen", keeps_only_what_the_patterns_name},
+      {"events", keeps_audit_alarms_and_devices},    {"users", knows_its_users},
+      {"retention", removes_what_is_too_old}};
+  for (const auto& [name, check] : all) {
+    SCOPED_TRACE(name);
+    check(address);
+  }
+}
+
+// ---- SQLite
+
+TEST(SqliteStore, KeepsValuesEventsUsersAndLetsOldSamplesGo) {
+  const Scratch scratch;
+  all_of_it(StoreAddress(scratch.path("store.db")));
+}
+
+TEST(SqliteStore, ThatANewerProgramMadeIsRefused) {
+  const Scratch scratch;
+  const StoreAddress address(scratch.path("store.db"));
+  open_store(address, IfMissing::kCreate)->script("update fieldcast_version set version = version + 1");
+  try {
+    (void)open_store(address, IfMissing::kFail);
+    FAIL() << "it was opened";
+  } catch (const StoreError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("a newer Fieldcast made it (version 2, this one knows 1)"));
+  }
+}
+
+TEST(SqliteStore, IsBroughtToThePresentVersionOnce) {
+  const Scratch scratch;
+  const StoreAddress address(scratch.path("store.db"));
+  for (int i = 0; i < 2; ++i) {
+    const auto connection = open_store(address, IfMissing::kCreate);
+    std::vector<std::int64_t> versions;
+    connection->query("select version from fieldcast_version", {}, [&](const SqlRow& row) {
+      versions.push_back(integer_at(row, 0));
+      return true;
+    });
+    EXPECT_THAT(versions, ElementsAre(present_version()));
+  }
+}
+
+TEST(SqliteStore, WhatIsNoDatabaseIsRefusedAndLeftAlone) {
+  const Scratch scratch;
+  const std::string path = scratch.path("notes.txt");
+  const std::string text(5000, 'x');
+  std::ofstream(path) << text;
+  EXPECT_THROW((void)open_store(StoreAddress(path), IfMissing::kCreate), StoreError);
+  std::ifstream file(path);
+  EXPECT_EQ(std::string((std::istreambuf_iterator<char>(file)), {}), text);
+}
+
+TEST(SqliteStore, ThatIsTooLargeLosesItsOldestSamples) {
+  const Scratch scratch;
+  const StoreAddress address(scratch.path("store.db"));
+  {
+    Store store(forever(address));
+    const auto intake = store.intake(bus_of("full", {"a"}));
+    for (int second = 0; second < 20'000; ++second) {
+      const Sample one[] = {sample(0, std::string(100, 'x'), second, 1)};
+      intake->put(one, kClock, utc(second));
+    }
+    ASSERT_TRUE(store.flush(seconds{60}));
+  }
+  StoreSpec spec;
+  spec.keep = {};
+  spec.max_bytes = 1'000'000;
+  Retention retention(spec);
+  const auto connection = open_store(address, IfMissing::kFail);
+  int steps = 0;
+  while (retention.step(*connection, instant(0), utc(20'000))) ASSERT_LT(++steps, 10'000);
+  const auto left = history(address, "full");
+  EXPECT_GT(left.size(), 2'000u);
+  EXPECT_LT(left.size(), 9'000u) << "of 100 bytes and more in a megabyte";
+  EXPECT_EQ(left.back().published_at, utc(19'999)) << "the newest stay";
+}
+
+// What a store does whose database is not there, and comes.
+TEST(Store, DropsAndCountsWhatFindsNoRoomAndNeverWaits) {
+  const Scratch scratch;
+  const std::string folder = scratch.path("later");
+  Store store(forever(StoreAddress(folder + "/store.db")));
+  const auto intake = store.intake(bus_of("bus", {"a"}));
+  const std::vector<Sample> many(1000, sample(0, 1.0, 0));
+  std::uint64_t put = 0;
+  for (; store.counters().dropped == 0; put += many.size()) {
+    ASSERT_LT(put, 10 * Store::kMaxWaiting);
+    intake->put(many, kClock, utc(static_cast<std::int64_t>(put)));
+  }
+  std::filesystem::create_directory(folder);
+  ASSERT_TRUE(store.flush(seconds{60})) << "the store opens when its folder comes";
+  const auto counters = store.counters();
+  EXPECT_EQ(counters.stored + counters.dropped, put);
+  EXPECT_GE(counters.stored, Store::kMaxWaiting);
+  EXPECT_EQ(counters.waiting, 0u);
+}
+
+TEST(Store, WritesWhatWaitsWhenItCloses) {
+  const Scratch scratch;
+  const StoreAddress address(scratch.path("store.db"));
+  {
+    Store store(forever(address));
+    const Sample one[] = {sample(0, 1.0, 0)};
+    store.intake(bus_of("bus", {"a"}))->put(one, kClock, utc(0));
+  }
+  EXPECT_EQ(history(address, "bus").size(), 1u);
+}
+
+// A child that stores and says what is stored, until it is killed in the midst of it.
+[[noreturn]] void store_and_tell(const std::string& path, int tell) {
+  Store store(forever(StoreAddress(path)));
+  const auto intake = store.intake(bus_of("bus", {"a"}));
+  for (std::uint64_t sequence = 1;; ++sequence) {
+    const Sample one[] = {sample(0, std::uint64_t{sequence}, static_cast<std::int64_t>(sequence), sequence)};
+    intake->put(one, kClock, utc(static_cast<std::int64_t>(sequence)));
+    if (sequence % 1000 != 0) continue;
+    const std::uint64_t stored = store.counters().stored;
+    if (::write(tell, &stored, sizeof stored) != sizeof stored) ::_exit(1);
+    while (store.counters().waiting > 50'000) std::this_thread::yield();
+  }
+}
+
+TEST(Store, KeepsWhatWasReportedStoredWhenTheProcessIsKilled) {
+  const Scratch scratch;
+  const StoreAddress address(scratch.path("store.db"));
+  int ends[2];
+  ASSERT_EQ(::pipe(ends), 0);
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) store_and_tell(address.text(), ends[1]);
+  ::close(ends[1]);
+  std::uint64_t reported = 0, now = 0;
+  while (reported < 100'000 && ::read(ends[0], &now, sizeof now) == sizeof now) reported = now;
+  ::kill(child, SIGKILL);
+  while (::read(ends[0], &now, sizeof now) == sizeof now) reported = now;  // said before it died
+  ::waitpid(child, nullptr, 0);
+  ::close(ends[0]);
+  ASSERT_GE(reported, 100'000u);
+  const auto found = history(address, "bus");
+  ASSERT_GE(found.size(), reported);
+  for (std::size_t i = 0; i < found.size(); ++i) ASSERT_EQ(found[i].sequence, i + 1) << "without a hole";
+}
+
+// ---- PostgreSQL
+
+TEST(PostgresStore, DoesAllThatSqliteDoesAndComesBackAfterItsServerDied) {
+  if (test::PostgresServer::programs().empty()) GTEST_SKIP() << "no PostgreSQL server here (Debian: postgresql): not tested";
+  test::PostgresServer server;
+  ASSERT_TRUE(server.ready()) << "the server did not start";
+  all_of_it(server.address());
+  const auto connection = open_store(server.address(), IfMissing::kFail);
+  const std::string odd = std::string("zero\0 in it", 11) + "\xff\xc3\xed\xa0\x80 \xe2\x82\xac";
+  connection->query("select $1::text", {odd}, [](const SqlRow& row) {
+    EXPECT_EQ(text_at(row, 0), "zero? in it????? \xe2\x82\xac") << "what the server does not take";
+    return true;
+  });
+  EXPECT_THROW(connection->script("select no_such_column"), StoreError);
+  EXPECT_NO_THROW(connection->script("select 1")) << "a refused statement leaves the connection as it was";
+  server.stop(SIGQUIT);
+  EXPECT_THROW(connection->script("select 1"), StoreError);
+  EXPECT_THROW((void)open_store(server.address(), IfMissing::kFail), StoreError);
+}
+
+TEST(PostgresStore, SaysWhatIsWrongWithoutThePassword) {
+  for (const std::string text :
+       {"postgresql://ann:secret@127.0.0.1:1/db", "postgresql://ann:sec:ret@secret@127.0.0.1:1/db",
+        "postgresql://ann@127.0.0.1:1/db?password=secret&connect_timeout=1", "postgresql://ann:secret@[broken"}) {
+    try {
+      (void)open_store(StoreAddress(text), IfMissing::kFail);
+      ADD_FAILURE() << "opened " << text;
+    } catch (const StoreError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("***"));
+      EXPECT_THAT(error.what(), Not(HasSubstr("secret")));
+    }
+  }
+}
+
+TEST(StoreAddress, ShowsNoPassword) {
+  EXPECT_EQ(StoreAddress("/var/lib/plant.db").masked(), "/var/lib/plant.db");
+  EXPECT_EQ(StoreAddress("postgresql://ann@host/db").masked(), "postgresql://ann@host/db");
+  EXPECT_EQ(StoreAddress("postgresql://ann:se/cr@et@host:5432/db").masked(), "postgresql://ann:***@host:5432/db");
+  EXPECT_EQ(StoreAddress("postgres:///db?password=x&user=ann").masked(), "postgres:///db?password=***&user=ann");
+  EXPECT_TRUE(StoreAddress("postgresql://ann:se/cret@host/db").is_ambiguous());
+  EXPECT_FALSE(StoreAddress("postgresql://ann:se%2Fcret@host/db?user=a@b").is_ambiguous());
+  EXPECT_TRUE(StoreAddress("postgres:///db").is_server());
+  EXPECT_FALSE(StoreAddress("postgresql.db").is_server());
+}
+
+}  // namespace
+}  // namespace fieldcast

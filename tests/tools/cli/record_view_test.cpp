@@ -1,0 +1,67 @@
+#include "tools/cli/record_view.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace fieldcast::cli {
+namespace {
+
+using testing::HasSubstr;
+
+const UtcTime kAt{1'700'000'000'000'000'000};
+
+StoredSample sample(Value value) {
+  return {"press-shop", "press-1", "oil", "°C", {kAt.nanoseconds + 5'000'000}, kAt, 7, Quality::kGood, 0, std::move(value)};
+}
+
+TEST(RecordView, ASampleHasTheFieldsOfItsTopicAndWhenItWasPublished) {
+  EXPECT_EQ(to_line(record_json(sample(21.5))),
+            R"({"bus":"press-shop","device":"press-1","channel":"oil","value":21.5,"quality":"GOOD",)"
+            R"("acquired_at":1700000000000000000,"sequence":7,"published_at":1700000000005000000})");
+  StoredSample never = sample(0.0);
+  never.acquired_at = {};
+  EXPECT_TRUE(record_json(never)["value"].is_null());
+}
+
+TEST(RecordView, PeopleSeeTheAgeOfAValueThatIsPublishedAgain) {
+  EXPECT_EQ(history_line(sample(21.5)), "2023-11-14T22:13:20.005Z  press-shop/press-1/oil  21.5 °C  GOOD");
+  StoredSample stale = sample(21.5);
+  stale.quality = Quality::kBadNoAnswer;
+  EXPECT_THAT(history_line(stale), HasSubstr("BAD_NO_ANSWER (of 2023-11-14T22:13:20.000Z)"));
+  EXPECT_THAT(history_line(sample(std::string("a\nb\x1b[2J"))), HasSubstr("a?b?[2J"));
+}
+
+TEST(RecordView, CsvQuotesWhatWouldBreakIt) {
+  EXPECT_EQ(history_csv_head(), "published_at,acquired_at,bus,device,channel,value,unit,quality");
+  EXPECT_EQ(history_csv(sample(std::string("say \"a,b\"\n"))),
+            "2023-11-14T22:13:20.005Z,2023-11-14T22:13:20.000Z,press-shop,press-1,oil,\"say \"\"a,b\"\"\n\",°C,GOOD");
+  StoredSample never = sample(0.0);
+  never.acquired_at = {};
+  EXPECT_EQ(history_csv(never), "2023-11-14T22:13:20.005Z,,press-shop,press-1,oil,,°C,GOOD");
+}
+
+TEST(RecordView, AuditSaysWhoWhatWhereHowMuchAndWhatBecameOfIt) {
+  const AuditEntry entry{kAt, "ann from 10.0.0.1", "program", "press-shop/press-1", 1000, 20, "done"};
+  EXPECT_EQ(
+      audit_line(entry),
+      "2023-11-14T22:13:20.000Z  ann from 10.0.0.1  program press-shop/press-1  1000 bytes to the device, 20 from it  done");
+  EXPECT_EQ(record_json(entry)["bytes_to_device"], 1000);
+  EXPECT_EQ(audit_line({.at = kAt, .who = "eve\n", .what = "login", .result = "refused"}),
+            "2023-11-14T22:13:20.000Z  eve?  login  refused");
+}
+
+TEST(RecordView, TablesNameDevicesAlarmsAndUsers) {
+  const auto devices =
+      device_lines({{"b", "d", "modbus-rtu", "/dev/ttyS0, 1", "offline", kAt}}, {kAt.nanoseconds + 90'000'000'000}, {});
+  ASSERT_EQ(devices.size(), 2u);
+  EXPECT_THAT(devices[1], testing::AllOf(HasSubstr("b/d"), HasSubstr("offline"), HasSubstr("1.50 min")));
+  const auto alarms = alarm_lines({{"b", "d", "c", "high-high", "active", 91.25, kAt}}, kAt, {});
+  EXPECT_THAT(alarms[1], testing::AllOf(HasSubstr("b/d/c"), HasSubstr("high-high"), HasSubstr("91.25")));
+  const auto users = user_lines({{"ann", Role::kProgrammer, kAt}}, {});
+  EXPECT_THAT(users[1], testing::AllOf(HasSubstr("ann"), HasSubstr("programmer")));
+  EXPECT_EQ(to_line(record_json(User{"ann", Role::kViewer, kAt})),
+            R"({"user":"ann","role":"viewer","created_at":1700000000000000000})");
+}
+
+}  // namespace
+}  // namespace fieldcast::cli

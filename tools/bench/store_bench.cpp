@@ -1,0 +1,246 @@
+// What the store costs those who acquire, and whether it keeps its word: 20 000 samples a second for a minute, with and without
+// it; the same in a bridge with saturated buses; and a process that is killed while it stores.
+//
+// usage: store_bench [--seconds N] [--url postgresql://..]
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <set>
+
+#include "bridge/clock.hpp"
+#include "bridge/store/store.hpp"
+#include "tools/bench/figures.hpp"
+#include "tools/bench/plant.hpp"
+
+namespace fieldcast::bench {
+namespace {
+
+constexpr std::size_t kChannels = 1000;
+constexpr std::size_t kBlock = 100;                       // samples of one answer
+constexpr Duration kBeat = std::chrono::milliseconds{5};  // 200 answers a second
+constexpr unsigned kBeats = 200;                          // in a second
+
+BusSpec bus() {
+  BusSpec made;
+  made.name = "bus";
+  made.devices.resize(1);
+  made.devices[0].name = "device";
+  made.devices[0].channels.resize(kChannels);
+  for (std::size_t i = 0; i < kChannels; ++i) made.devices[0].channels[i].name = "c" + std::to_string(i);
+  return made;
+}
+
+std::vector<Sample> block(std::uint64_t beat, Instant now) {
+  std::vector<Sample> samples(kBlock);
+  for (std::size_t i = 0; i < kBlock; ++i) {
+    const std::uint64_t number = beat * kBlock + i;
+    Sample& sample = samples[i];
+    sample.channel = static_cast<ChannelIndex>(number % kChannels);
+    sample.value = 0.001 * static_cast<double>(number);
+    sample.quality = Quality::kGood;
+    sample.acquired = now;
+    sample.sequence = number / kChannels + 1;
+  }
+  return samples;
+}
+
+struct Costs {
+  std::vector<double> lateness, put;  // microseconds
+};
+// A bus that has an answer at every beat, as a thread that keeps its time like those of the bridge.
+Costs acquire(Store::Intake* intake, double seconds) {
+  prctl(PR_SET_TIMERSLACK, 1000UL);
+  Costs costs;
+  auto next = std::chrono::steady_clock::now();
+  const auto beats = static_cast<std::uint64_t>(seconds * kBeats);
+  for (std::uint64_t beat = 0; beat < beats; ++beat) {
+    next += kBeat;
+    std::this_thread::sleep_until(next);
+    const auto began = std::chrono::steady_clock::now();
+    const UtcMapping mapping = read_clocks();
+    const auto samples = block(beat, mapping.instant);
+    const auto made = std::chrono::steady_clock::now();
+    if (intake) intake->put(samples, mapping, mapping.utc);
+    costs.lateness.push_back(std::chrono::duration<double, std::micro>(began - next).count());
+    costs.put.push_back(std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - made).count());
+  }
+  return costs;
+}
+
+double cpu_of_process() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+void print_costs(const char* what, Costs& costs) {
+  std::printf("%s\n", what);
+  print_figure("  a beat comes late by, median", quantile(costs.lateness, 0.5), "us", "");
+  print_figure("  a beat comes late by, p99", quantile(costs.lateness, 0.99), "us", "");
+  print_figure("  a beat comes late by, most", quantile(costs.lateness, 1.0), "us", "");
+  print_figure("  handing 100 samples over, median", quantile(costs.put, 0.5), "us", "");
+  print_figure("  handing 100 samples over, p99", quantile(costs.put, 0.99), "us", "");
+  print_figure("  handing 100 samples over, most", quantile(costs.put, 1.0), "us", "");
+}
+
+void throughput(const std::string& address, double seconds) {
+  Costs without = acquire(nullptr, seconds / 3);
+  print_costs("20 000 samples a second, no store", without);
+  StoreSpec spec{address};
+  const double cpu = cpu_of_process();
+  Store store(spec);
+  const auto intake = store.intake(bus());
+  Costs with = acquire(intake.get(), seconds);
+  const auto counters = store.counters();
+  const bool flushed = store.flush(std::chrono::seconds{30});
+  const double spent = cpu_of_process() - cpu;
+  print_costs("20 000 samples a second, with the store", with);
+  const double put = seconds * kBeats * kBlock;
+  print_figure("  samples stored of those put", static_cast<double>(store.counters().stored) / put, "",
+               flushed ? "goal 1" : "not flushed");
+  print_figure("  samples dropped", static_cast<double>(store.counters().dropped), "", "goal 0");
+  print_figure("  samples still waiting at the end", static_cast<double>(counters.waiting), "", "below 200 000");
+  print_figure("  processor of the process", spent / seconds, "cores", "");
+  print_figure("  p99 of the lateness, with / without", quantile(with.lateness, 0.99) / quantile(without.lateness, 0.99), "", "");
+  if (!StoreAddress(address).is_server()) {
+    print_figure("  file for one sample", static_cast<double>(std::filesystem::file_size(address)) / put, "bytes", "");
+  }
+}
+
+// ---- a bridge with saturated buses
+
+constexpr int kBuses = 8;
+
+std::string buses(bool stored) {
+  std::string text;
+  for (int b = 1; b <= kBuses; ++b) {
+    const std::string name = "bus-" + std::to_string(b);
+    text += "  - name: " + name + "\n    port: { serial: {dir}/" + name +
+            ", baud: 115200, format: 8N1 }\n    protocol: modbus-rtu\n" +
+            "    defaults: { refresh: 2s, mode: intensive }\n    devices:\n" + scattered_devices(2, 100, "      ", 7);
+  }
+  return stored ? text + "store: { path: {dir}/store.db }\n" : text;
+}
+
+struct Acquired {
+  double samples_a_second = 0, wire = 1, processor = 0;
+};
+
+Acquired saturate(bool stored, double seconds) {
+  Plant plant(buses(stored));
+  plant.start_simulator();
+  if (!wait_for_path(plant.link("bus-" + std::to_string(kBuses)), 10)) throw std::runtime_error("the simulator made no links");
+  plant.start_bridge();
+  plant.listen_to_status();
+  let_run(12);  // the measured load looks back ten seconds
+  const auto published = [&] {
+    std::uint64_t sum = 0;
+    for (const auto& [name, status] : plant.buses()) sum += status.report.samples;
+    return static_cast<double>(sum);
+  };
+  const double before = published();
+  const double cpu = plant.bridge().cpu_seconds();
+  let_run(seconds);
+  Acquired result;
+  result.samples_a_second = (published() - before) / seconds;
+  result.processor = (plant.bridge().cpu_seconds() - cpu) / seconds;
+  for (const auto& [name, status] : plant.buses()) result.wire = std::min(result.wire, status.report.measured_load);
+  return result;
+}
+
+void saturated(double seconds) {
+  const Acquired without = saturate(false, seconds);
+  const Acquired with = saturate(true, seconds);
+  std::printf("8 saturated buses at 115200 baud, the bridge without and with a store\n");
+  print_figure("  samples a second, without", without.samples_a_second, "1/s", "");
+  print_figure("  samples a second, with", with.samples_a_second, "1/s", "");
+  print_figure("  with / without", with.samples_a_second / without.samples_a_second, "", "goal 1");
+  print_figure("  share of its wire, least bus, without", without.wire, "", "");
+  print_figure("  share of its wire, least bus, with", with.wire, "", "");
+  print_figure("  processor of the bridge, without", without.processor, "cores", "");
+  print_figure("  processor of the bridge, with", with.processor, "cores", "");
+}
+
+// ---- the death of a process
+
+[[noreturn]] void store_and_tell(const std::string& address, int tell) {
+  Store store(StoreSpec{address});
+  const auto intake = store.intake(bus());
+  auto next = std::chrono::steady_clock::now();
+  for (std::uint64_t beat = 0;; ++beat) {
+    std::this_thread::sleep_until(next += kBeat);
+    const UtcMapping mapping = read_clocks();
+    intake->put(block(beat, mapping.instant), mapping, mapping.utc);
+    const std::uint64_t stored = store.counters().stored;
+    if (::write(tell, &stored, sizeof stored) != sizeof stored) ::_exit(1);
+  }
+}
+
+void killed(const std::string& address, double seconds) {
+  int ends[2];
+  if (::pipe(ends) != 0) throw std::runtime_error("no pipe");
+  const pid_t child = ::fork();
+  if (child < 0) throw std::runtime_error("no child");
+  if (child == 0) store_and_tell(address, ends[1]);
+  ::close(ends[1]);
+  std::uint64_t reported = 0, now = 0;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  while (std::chrono::steady_clock::now() < end && ::read(ends[0], &now, sizeof now) == sizeof now) reported = now;
+  ::kill(child, SIGKILL);
+  while (::read(ends[0], &now, sizeof now) == sizeof now) reported = now;
+  ::waitpid(child, nullptr, 0);
+  ::close(ends[0]);
+  std::uint64_t found = 0;
+  std::set<std::uint64_t> first;  // which of those that were reported first are there, by number
+  const auto connection = open_store(StoreAddress(address), IfMissing::kFail);
+  SampleTable(*connection).history(Pattern(), {}, UtcTime{INT64_MAX}, [&](const StoredSample& sample) {
+    ++found;
+    const std::uint64_t number = (sample.sequence - 1) * kChannels + std::stoull(sample.channel.substr(1));
+    if (number < reported) first.insert(number);
+    return true;
+  });
+  std::printf("a process that stores 20 000 samples a second, killed (SIGKILL)\n");
+  print_figure("  samples reported stored", static_cast<double>(reported), "", "");
+  print_figure("  samples found afterwards", static_cast<double>(found), "", "");
+  print_figure("  reported and lost", static_cast<double>(reported - first.size()), "", "goal 0");
+}
+
+std::string url_from(int argc, char** argv) {
+  for (int i = 1; i + 1 < argc; ++i) {
+    if (std::strcmp(argv[i], "--url") == 0) return argv[i + 1];
+  }
+  return {};
+}
+
+}  // namespace
+}  // namespace fieldcast::bench
+
+int main(int argc, char** argv) {
+  using namespace fieldcast::bench;
+  try {
+    const double seconds = seconds_from(argc, argv, 60);
+    const std::string url = url_from(argc, argv);
+    const ScratchFolder folder;
+    killed(url.empty() ? folder.path() + "/killed.db" : url, seconds / 6);  // first: it forks
+    if (url.empty()) {
+      throughput(folder.path() + "/store.db", seconds);
+      saturated(seconds / 4);
+    } else {
+      throughput(url, seconds);
+    }
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "store_bench: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

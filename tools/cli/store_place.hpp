@@ -1,0 +1,25 @@
+// Which store a command looks into: that of a configuration file, or the one named.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <tl/expected.hpp>
+
+#include "bridge/store/sql.hpp"
+#include "core/base/time.hpp"
+
+namespace fieldcast::cli {
+
+struct StorePlace {
+  std::string config;  // its `store:` section
+  std::string store;   // a file or a connection string; goes before the configuration's
+};
+
+// The fault is for people.
+[[nodiscard]] tl::expected<StoreAddress, std::string> resolve(const StorePlace& place);
+
+struct TimeSpan {
+  UtcTime from, to;
+};
+
+}  // namespace fieldcast::cli
