@@ -13,7 +13,7 @@ namespace fieldcast {
 // The riding planner's numbers; found by measuring (README.md beside this file says how).
 struct RidingWeights {
   double reach = 0.8;    // a point due within this part of a beat after the read must ride, or would need a request of its own
-  double margin = 0.06;  // the beat is shorter than the fastest period by this part,
+  double margin = 0.058;  // the beat is shorter than the fastest period by this part,
   double give =
       0.013;  // of which so much is for what nobody foresaw, and the rest for reads that end sooner or later in their frame
   double keep = 0.3;            // a point renewed before this share of its period is used keeps its turn

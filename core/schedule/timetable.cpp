@@ -18,8 +18,12 @@ constexpr std::array<std::uint32_t, 6> kParts{1, 2, 3, 4, 5, 6};
 constexpr double kWorthALength = 0.9999, kWorthParts = 0.98;  // what a longer table and shorter frames must save
 
 // What weighs how much when a turn is chosen: wire time; how level frames are, and in them the requests that are sent most
-// often, which have the least room to move. Found by measuring.
-constexpr double kWireTime = 1, kLevelFrames = 4, kLevelSteady = 8;
+// often, which have the least room to move. Found by
+// measuring; no set is the best on every bus, so each has a try.
+struct Levels {
+  double frames, steady;
+};
+constexpr std::array<Levels, 8> kLevels{{{4, 8}, {1, 3}, {2, 8}, {6, 6}, {8, 16}, {3, 3}, {12, 8}, {4, 20}}};
 
 // The most of `usable` frames that goes into a table of `frames` without a rest, and of which `beat` does.
 std::uint32_t lap_within(std::uint32_t usable, std::uint32_t beat, std::uint32_t frames) {
@@ -113,8 +117,8 @@ void Timetable::set_cost(std::size_t index, std::uint32_t frame, std::int64_t co
 double Timetable::strain(std::size_t index, std::uint32_t frame, std::int64_t cost) const {
   const std::int64_t now = cost_[index * frames_ + frame];
   const auto more = static_cast<double>(cost - now);
-  const double steady = requests_[index].beat == shortest_ ? kLevelSteady * growth(steady_[frame], more) : 0;
-  return kWireTime * more + (kLevelFrames * growth(total_[frame], more) + steady) / static_cast<double>(frame_);
+  const double steady = requests_[index].beat == shortest_ ? level_steady_ * growth(steady_[frame], more) : 0;
+  return more + (level_frames_ * growth(total_[frame], more) + steady) / static_cast<double>(frame_);
 }
 
 void Timetable::place(std::size_t index, TimetableMember& member) {
@@ -191,10 +195,26 @@ void Timetable::find_latest() {
 void Timetable::fill(std::vector<TimetableRequest> requests, unsigned rounds) {
   requests_ = std::move(requests);
   choose_length();
+  for (TimetableRequest& request : requests_) set_laps(request);
+  constexpr std::size_t kLarge = 8'000;  // reads in the table: too many to make it more than once
+  Timetable best = *this;
+  std::int64_t least = std::numeric_limits<std::int64_t>::max();
+  for (const Levels& levels : kLevels) {
+    level_frames_ = levels.frames;
+    level_steady_ = levels.steady;
+    settle(rounds);
+    std::int64_t latest = 0;
+    for (const TimetableRequest& request : requests_) latest = std::max(latest, request.latest);
+    if (latest < least) least = latest, best = *this;
+    if (cost_.size() > kLarge) return;
+  }
+  *this = std::move(best);
+}
+
+void Timetable::settle(unsigned rounds) {
   cost_.assign(requests_.size() * frames_, 0);
   total_.assign(frames_, 0);
   steady_.assign(frames_, 0);
-  for (TimetableRequest& request : requests_) set_laps(request);
   std::vector<std::size_t> order(requests_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),

@@ -49,6 +49,7 @@ class Timetable {
 
  private:
   void choose_length();
+  void settle(unsigned rounds);
   [[nodiscard]] double spent(std::uint32_t parts, std::uint32_t frames) const;
   void set_laps(TimetableRequest& request) const;
   [[nodiscard]] std::int64_t& cost(std::size_t index, std::uint32_t frame) { return cost_[index * frames_ + frame]; }
@@ -66,6 +67,7 @@ class Timetable {
   std::uint32_t parts_ = 1;     // frames in a beat
   std::uint32_t frames_ = 1;    // of the whole table
   std::uint32_t shortest_ = 1;  // of all requests' beats
+  double level_frames_ = 0, level_steady_ = 0;
   std::vector<TimetableRequest> requests_;
   std::vector<std::int64_t> cost_;    // of each request in each frame
   std::vector<std::int64_t> total_;   // of each frame
