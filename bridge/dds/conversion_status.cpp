@@ -11,7 +11,7 @@ static_assert(static_cast<std::size_t>(Cause::kCount) <= 64, "the IDL's sequence
 
 namespace {
 
-constexpr std::size_t kMaxRefused = 64, kMaxRefusedText = 64;
+constexpr std::size_t kMaxRefused = 64, kMaxRefusedText = 64, kMaxAreas = 32, kMaxAreaText = 32;
 
 void to_idl(const CauseCounters& counters, std::vector<idl::CauseCount>& out) {
   out.clear();
@@ -22,6 +22,11 @@ void to_idl(const CauseCounters& counters, std::vector<idl::CauseCount>& out) {
     out.back().cause() = std::string(to_name(cause));
     out.back().count(counters[cause]);
   }
+}
+
+void to_idl(const std::vector<std::string>& addresses, std::vector<idl::RefusedAddress>& out) {
+  out.resize(std::min(addresses.size(), kMaxRefused));
+  for (std::size_t i = 0; i < out.size(); ++i) out[i].at() = cut_text(addresses[i], kMaxRefusedText);
 }
 
 CauseCounts from_idl(const std::vector<idl::CauseCount>& counts) {
@@ -48,6 +53,7 @@ void to_idl(std::string_view bridge, std::string_view bus, const BusReport& repo
   out.bytes_received(report.bytes_received);
   out.reopened(report.reopened);
   to_idl(report.causes, out.causes());
+  to_idl(report.misses, out.misses());
   out.reported_at(at.nanoseconds);
 }
 
@@ -68,7 +74,9 @@ StationBusStatus from_idl(const idl::BusStatus& status) {
   report.bytes_sent = status.bytes_sent();
   report.bytes_received = status.bytes_received();
   report.reopened = status.reopened();
+  out.dds_deadline_misses = status.dds_deadline_misses();
   out.causes = from_idl(status.causes());
+  out.misses = from_idl(status.misses());
   out.reported_at = {status.reported_at()};
   return out;
 }
@@ -84,10 +92,19 @@ void to_idl(std::string_view bus, std::string_view device, const DeviceReport& r
   out.answer_time(report.answer_time.count());
   out.answer_spread(report.answer_spread.count());
   out.timeout(report.timeout.count());
-  out.largest_block(report.largest_block);
-  auto& refused = out.refused();
-  refused.resize(std::min(report.refused.size(), kMaxRefused));
-  for (std::size_t i = 0; i < refused.size(); ++i) refused[i].at() = cut_text(report.refused[i], kMaxRefusedText);
+  out.pause(report.pause.count());
+  out.areas().resize(std::min(report.areas.size(), kMaxAreas));
+  for (std::size_t i = 0; i < out.areas().size(); ++i) {
+    const AreaReport& learned = report.areas[i];
+    idl::LearnedArea& area = out.areas()[i];
+    area.area() = cut_text(learned.area, kMaxAreaText);
+    area.answer_time(learned.answer_time.count());
+    area.answer_spread(learned.answer_spread.count());
+    area.largest_block(learned.largest_block);
+    area.longest_block(learned.longest_block);
+  }
+  to_idl(report.refused, out.refused());
+  to_idl(report.refused_gaps, out.refused_gaps());
   to_idl(report.causes, out.causes());
   out.reported_at(at.nanoseconds);
 }
@@ -105,8 +122,12 @@ StationDeviceStatus from_idl(const idl::DeviceStatus& status) {
   report.answer_time = Duration{status.answer_time()};
   report.answer_spread = Duration{status.answer_spread()};
   report.timeout = Duration{status.timeout()};
-  report.largest_block = status.largest_block();
+  report.pause = Duration{status.pause()};
+  for (const idl::LearnedArea& area : status.areas())
+    report.areas.push_back({area.area().c_str(), Duration{area.answer_time()}, Duration{area.answer_spread()},
+                            area.largest_block(), area.longest_block()});
   for (const idl::RefusedAddress& refused : status.refused()) report.refused.emplace_back(refused.at().c_str());
+  for (const idl::RefusedAddress& gap : status.refused_gaps()) report.refused_gaps.emplace_back(gap.at().c_str());
   out.causes = from_idl(status.causes());
   out.reported_at = {status.reported_at()};
   return out;

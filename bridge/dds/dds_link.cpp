@@ -161,6 +161,7 @@ void DdsLink::report(std::string_view name, const BusReport& report, UtcTime at)
   Bus* bus = state_->find(name);
   if (bus == nullptr) return;
   to_idl(state_->bridge, name, report, at, bus->status);
+  bus->status.dds_deadline_misses(bus->samples.counters().deadline_misses);
   bus->reported = true;
   state_->bus_status->write(&bus->status);
 }

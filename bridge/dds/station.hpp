@@ -49,9 +49,11 @@ using CauseCounts = std::map<std::string, std::uint64_t>;  // only causes that o
 
 struct StationBusStatus {
   std::string bridge, bus;
-  BusReport report;  // all but causes
+  BusReport report;  // all but causes and misses
   CauseCounts causes;
   UtcTime reported_at;
+  CauseCounts misses{};
+  std::uint64_t dds_deadline_misses = 0;
 };
 struct StationDeviceStatus {
   std::string bus, device;

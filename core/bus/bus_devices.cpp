@@ -13,16 +13,54 @@ void BusEngine::State::device_answered(DeviceIndex index, Actions& actions) {
   if (before == DeviceState::kOffline) { notice(Notice::Kind::kDeviceBack, index, Cause::kNone, "answers again", actions); }
 }
 
+namespace {
+
+// The area that a request is about; areas of one device answer in times of their own.
+AreaIndex area_of(const Request& request) {
+  if (const auto* read = std::get_if<ReadRequest>(&request)) return read->ranges.front().area;
+  if (const auto* write = std::get_if<WriteRequest>(&request)) return write->range.area;
+  return std::get<WriteReadRequest>(request).read.area;
+}
+
+}  // namespace
+
 // The scheduler plans anew with each answer time it is told: only real changes are worth it.
-void BusEngine::State::learn_answer_time(DeviceIndex index) {
+void BusEngine::State::learn_answer_time(DeviceIndex index, const Request& request) {
   DeviceRuntime& device = devices[index];
-  device.answer_time.learn(conversation.answer_time());
-  const Duration learned = device.answer_time.mean();
+  const Duration measured = conversation.answer_time();
+  device.answer_time.learn(measured);
+  if (!std::holds_alternative<ReadRequest>(request)) return;  // writing takes a time of its own
+  AreaLearning& area = device.areas[area_of(request)];
+  area.answer_time.learn(measured);
+  const Duration learned = area.answer_time.mean();
   const Duration change =
-      learned > device.planned_answer_time ? learned - device.planned_answer_time : device.planned_answer_time - learned;
-  if (change < std::max(kAnswerTimeStep, device.planned_answer_time / 8)) return;
-  device.planned_answer_time = learned;
-  scheduler->set_answer_time(index, learned);
+      learned > area.planned_answer_time ? learned - area.planned_answer_time : area.planned_answer_time - learned;
+  if (change < std::max(kAnswerTimeStep, area.planned_answer_time / 8)) return;
+  area.planned_answer_time = learned;
+  scheduler->set_answer_time(index, area_of(request), learned);
+}
+
+Duration BusEngine::State::timeout_for(const DeviceRuntime& device, const Request& request) const {
+  if (!std::holds_alternative<ReadRequest>(request)) return device.answer_time.timeout();
+  return device.areas[area_of(request)].answer_time.timeout();
+}
+
+// Another device may be there when it comes back.
+void BusEngine::State::forget_learned(DeviceIndex index) {
+  DeviceRuntime& device = devices[index];
+  device.answer_time.forget();
+  device.pauses.forget();
+  device.answered_at = kLongAgo;
+  for (AreaIndex area = 0; area < device.areas.size(); ++area) {
+    device.areas[area].answer_time.forget();
+    if (device.areas[area].blocks.forget()) scheduler->set_longest(index, area, 0);
+  }
+}
+
+std::string BusEngine::State::range_text(DeviceIndex device, const Range& range) const {
+  std::string text = std::string(devices[device].protocol->areas()[range.area].name) + ':' + std::to_string(range.first);
+  if (range.count > 1) text += ".." + std::to_string(range.end() - 1);
+  return text;
 }
 
 void BusEngine::State::device_failed(DeviceIndex index, Cause cause, Instant now, Actions& actions) {
@@ -30,7 +68,7 @@ void BusEngine::State::device_failed(DeviceIndex index, Cause cause, Instant now
   ++device.failures;
   if (!device.health.failed(cause, now)) return;
   if (!device.health.offline()) return notice(Notice::Kind::kDeviceErrors, index, cause, std::string(to_text(cause)), actions);
-  device.answer_time.forget();
+  forget_learned(index);
   for (ChannelIndex c = channels.first_of(index); c < channels.end_of(index); ++c) channels.failing(c, cause, now);
   notice(Notice::Kind::kDeviceLost, index, cause, "does not answer; asked ever more rarely until it does", actions);
   const bool all_lost = std::all_of(devices.begin(), devices.end(), [](const DeviceRuntime& d) { return d.health.offline(); });

@@ -42,6 +42,8 @@ BusEngine::State::State(const BusSpec& bus, const ProtocolMaker& maker)
   for (const DeviceSpec& device : spec.devices) {
     devices.push_back(
         {&device, protocol_of(device, line, maker), AnswerTime(device.timeout, std::max(spec.gap_allowance, device.timeout / 4))});
+    DeviceRuntime& made = devices.back();
+    made.areas.assign(made.protocol->areas().size(), {made.answer_time, kAssumedAnswerTime, {}});
     device_names.emplace(device.name, index++);
   }
   last_write.assign(channels.size(), kLongAgo);
@@ -183,7 +185,8 @@ void BusEngine::State::transmit(Instant now, Actions& actions) {
   DeviceRuntime& device = devices[flight->device];
   if (flight->tries == 0) flight->started = now;
   flight->waiting = false;
-  const Duration timeout = flight->timeout > Duration::zero() ? flight->timeout : device.answer_time.timeout();
+  flight->rest = device.answered_at == kLongAgo ? Duration::max() : now - device.answered_at;
+  const Duration timeout = flight->timeout > Duration::zero() ? flight->timeout : timeout_for(device, flight->request);
   Bytes out;
   conversation.begin(device.protocol->begin(flight->request, {++device.sequence}), timeout,
                      is_distinct(flight->request, device.protocol->traits()), now, out);
@@ -220,12 +223,15 @@ void BusEngine::State::conclude(bool done, Instant now, Actions& actions) {
   const std::uint16_t code = conversation.device_code();
   const auto exchange = conversation.finish();
   free_wire(now);
-  device.paused_until = now + device.spec->pause;
+  if (done || cause == Cause::kNoAnswer) device.pauses.tried(flight->rest, done);
+  if (done) device.answered_at = conversation.answered();
+  device.paused_until = now + std::max(device.spec->pause, device.pauses.pause());
   const Duration spent = free_at - flight->started;
 
   const bool unanswered = cause == Cause::kNoAnswer || cause == Cause::kTruncated;
   if (unanswered) {
     device.answer_time.timed_out();
+    for (AreaLearning& area : device.areas) area.answer_time.timed_out();
     flight->timed_out = true;
   }
   if (flight->timed_out && traits.identity != AnswerIdentity::kSequence) {
@@ -253,7 +259,7 @@ void BusEngine::State::conclude(bool done, Instant now, Actions& actions) {
 
   if (answered) {
     if (done && !ended.timed_out) {
-      learn_answer_time(ended.device);
+      learn_answer_time(ended.device, ended.request);
     }
     device_answered(ended.device, actions);
   }

@@ -33,7 +33,6 @@ void BusEngine::State::make_scheduler() {
   }
   std::vector<const Protocol*> protocols;
   for (DeviceRuntime& device : devices) {
-    device.planned_answer_time = kAssumedAnswerTime;
     protocols.push_back(device.protocol.get());
   }
   scheduler = fieldcast::make_scheduler(schedule_input(spec, protocols, map.points, kAssumedAnswerTime), spec.planner);
@@ -73,7 +72,7 @@ void BusEngine::State::block_read(const Flight& read, const Reply& reply, Instan
   std::vector<Refused> bad;
   std::uint32_t items_read = 0;
   for (const Range& range : read.block.ranges) items_read += range.count;
-  device.largest_block = static_cast<std::uint16_t>(std::max<std::uint32_t>(device.largest_block, items_read));
+  learn_blocks(read, reply, now);
 
   good.reserve(read.block.points.size());
   out.reserve(read.block.points.size());
@@ -114,6 +113,17 @@ void BusEngine::State::block_read(const Flight& read, const Reply& reply, Instan
   if (!refused.empty()) actions.push_back(Publish{std::move(refused)});
 }
 
+// A range that was read or refused says something of how long a block the device accepts, and which gaps.
+void BusEngine::State::learn_blocks(const Flight& read, const Reply& reply, Instant now) {
+  for (std::size_t i = 0; i < read.block.ranges.size() && i < reply.size(); ++i) {
+    if (reply[i].cause != Cause::kNone) continue;
+    const Range& range = read.block.ranges[i];
+    BlockLearning& blocks = devices[read.device].areas[range.area].blocks;
+    const bool forgotten = blocks.expire(now);
+    if (blocks.read(range, now) || forgotten) scheduler->set_longest(read.device, range.area, blocks.longest());
+  }
+}
+
 void BusEngine::State::block_failed(const Flight& read, Cause cause, std::uint16_t code, Instant now, Actions& actions) {
   if (cause == Cause::kDeviceError || cause == Cause::kUnsupported) {
     std::vector<Sample> out;
@@ -136,7 +146,13 @@ void BusEngine::State::block_failed(const Flight& read, Cause cause, std::uint16
 void BusEngine::State::block_refused(const Block& block, Cause cause, std::uint16_t code, Instant now, std::vector<Sample>& out,
                                      Actions& actions) {
   DeviceRuntime& device = devices[block.device];
+  if (block.ranges.size() == 1 && block.points.size() > 1) {
+    std::vector<Range> wanted;
+    for (const PointIndex p : block.points) wanted.push_back(map.points[p].range);
+    device.areas[block.ranges[0].area].blocks.refused(block.ranges[0], std::move(wanted));
+  }
   for (const PointIndex p : scheduler->refused(block, now, kForgetRefused)) {
+    device.areas[map.points[p].range.area].blocks.bad(map.points[p].range);
     const bool news = device.refused.emplace(p, code).second;
     for (const ChannelIndex c : map.channels_of[p]) channels.refused(c, cause, code, now, out);
     if (news)

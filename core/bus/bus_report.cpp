@@ -52,7 +52,16 @@ DeviceReport BusEngine::device_report(DeviceIndex index, Instant) const {
   report.answer_time = device.answer_time.mean();
   report.answer_spread = device.answer_time.spread();
   report.timeout = device.answer_time.timeout();
-  report.largest_block = device.largest_block;
+  report.pause = std::max(device.spec->pause, device.pauses.pause());
+  for (AreaIndex area = 0; area < device.areas.size(); ++area) {
+    const AreaLearning& learned = device.areas[area];
+    if (!learned.answer_time.known()) continue;
+    report.areas.push_back({std::string(device.protocol->areas()[area].name), learned.answer_time.mean(),
+                            learned.answer_time.spread(), learned.blocks.largest_read(), learned.blocks.longest()});
+    for (const Range& gap : learned.blocks.gaps()) {
+      if (report.refused_gaps.size() < State::kMaxRefusedListed) report.refused_gaps.push_back(state_->range_text(index, gap));
+    }
+  }
   for (const auto& [point, code] : device.refused) {
     if (report.refused.size() == State::kMaxRefusedListed) break;
     report.refused.push_back(state_->point_text(point));

@@ -41,6 +41,7 @@ struct BusEngine::State {
     bool timed_out = false;  // an earlier try went unanswered: its answer may still come
     bool waiting = false;    // for the wire to be free, to be sent again
     Duration timeout{};
+    Duration rest{};        // since the device's last answer, when it was sent
     std::size_t batch = 1;  // kCommand: how many commands, from the first on, the request carries
   };
   struct PendingCommand {
@@ -69,7 +70,10 @@ struct BusEngine::State {
   void traced(DeviceIndex device, std::string text, Actions& actions) const;
 
   // bus_devices.cpp
-  void learn_answer_time(DeviceIndex device);
+  void learn_answer_time(DeviceIndex device, const Request& request);
+  void forget_learned(DeviceIndex device);
+  [[nodiscard]] Duration timeout_for(const DeviceRuntime& device, const Request& request) const;
+  [[nodiscard]] std::string range_text(DeviceIndex device, const Range& range) const;
   void device_answered(DeviceIndex device, Actions& actions);
   void device_failed(DeviceIndex device, Cause cause, Instant now, Actions& actions);
   [[nodiscard]] std::optional<Flight> probe_due(Instant now);
@@ -82,6 +86,7 @@ struct BusEngine::State {
   // bus_reads.cpp
   void make_scheduler();
   void block_read(const Flight& flight, const Reply& reply, Instant now, Actions& actions);
+  void learn_blocks(const Flight& read, const Reply& reply, Instant now);
   void block_failed(const Flight& flight, Cause cause, std::uint16_t code, Instant now, Actions& actions);
   void block_refused(const Block& block, Cause cause, std::uint16_t code, Instant now, std::vector<Sample>& samples,
                      Actions& actions);

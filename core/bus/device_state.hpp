@@ -5,20 +5,32 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/bus/answer_time.hpp"
+#include "core/bus/block_learning.hpp"
 #include "core/bus/device_health.hpp"
+#include "core/bus/pause_learning.hpp"
 #include "core/model/spec.hpp"
 #include "core/protocol/protocol.hpp"
 #include "core/schedule/scheduler.hpp"
 
 namespace fieldcast {
 
+// What was learned of one area of a device.
+struct AreaLearning {
+  AnswerTime answer_time;
+  Duration planned_answer_time{};  // as the scheduler was last told
+  BlockLearning blocks;
+};
+
 struct DeviceRuntime {
   const DeviceSpec* spec = nullptr;
   std::unique_ptr<Protocol> protocol;
   AnswerTime answer_time;
-  Duration planned_answer_time{};        // as the scheduler was last told
+  std::vector<AreaLearning> areas{};     // as the protocol has them
+  PauseLearning pauses{};
+  Instant answered_at = kLongAgo;        // its last answer
   DeviceHealth health;
   std::uint16_t sequence = 0;                   // of exchanges, for ExchangeContext
   Instant quiet_until = kLongAgo;               // a late answer may come until then: nothing but the same request again
@@ -29,7 +41,6 @@ struct DeviceRuntime {
   Instant probe_not_before = kLongAgo;          // the wire had no time for a probe
   bool resting = false;                         // the scheduler was told to leave it alone
   std::map<PointIndex, std::uint16_t> refused;  // points refused at present, with the device's code
-  std::uint16_t largest_block = 0;              // items, accepted so far
   std::uint64_t exchanges = 0, failures = 0, retries = 0, deadline_misses = 0;
   CauseCounters causes;
 

@@ -33,14 +33,25 @@ struct ChannelReport {
   Cause last_miss = Cause::kNone;  // of the last refresh that was missed
 };
 
+// What was learned of one area of a device.
+struct AreaReport {
+  std::string area;
+  Duration answer_time{}, answer_spread{};
+  std::uint32_t largest_block = 0;  // items read in one block so far
+  std::uint32_t longest_block = 0;  // that the device accepts, since it refused longer ones; 0: none refused
+  friend bool operator==(const AreaReport&, const AreaReport&) = default;
+};
+
 struct DeviceReport {
   DeviceState state = DeviceState::kUnknown;
   std::uint64_t exchanges = 0, failures = 0, retries = 0, deadline_misses = 0;
   Duration answer_time{};        // learned: end of request to first byte of the answer
   Duration answer_spread{};
   Duration timeout{};            // in force: never above the configured one
-  std::uint16_t largest_block = 0;
-  std::vector<std::string> refused;  // addresses that the device refuses at present, at most 64
+  Duration pause{};              // kept after its answers: configured, or learned
+  std::vector<AreaReport> areas;  // those that were read
+  std::vector<std::string> refused;       // addresses that the device refuses at present, at most 64
+  std::vector<std::string> refused_gaps;  // and those between them that no block may bridge, at most 64: "holding:105..107"
   CauseCounters causes;
 };
 

@@ -26,6 +26,7 @@ ReadCost::ReadCost(const DeviceTiming& device, AreaIndex area, const LineFormat&
   limit_ = rules.max_read;
   if (device.max_block != 0) limit_ = std::min<std::uint32_t>(limit_, device.max_block);
   if (window_) limit_ = span = items_;
+  most_ = limit_;
 
   // Also beyond the device's limit, for single points; and both ends may have to be widened to whole units.
   const std::uint32_t longest = std::min<std::uint32_t>({span + 2 * alignment_, items_, 65536});
@@ -48,6 +49,8 @@ void ReadCost::set_answer_time(Duration answer_time) {
   fixed_ = pauses_ + rounds_ * answer_time.count();
   find_bridge();
 }
+
+void ReadCost::set_longest(std::uint32_t items) { limit_ = items == 0 || window_ ? most_ : std::min(most_, items); }
 
 void ReadCost::find_bridge() {
   std::uint32_t longest = static_cast<std::uint32_t>(variable_.size()) - 1;

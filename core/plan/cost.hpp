@@ -60,6 +60,8 @@ class ReadCost {
 
   [[nodiscard]] std::uint32_t limit() const { return limit_; }
   void set_answer_time(Duration answer_time);
+  // The device accepts no longer reads (items); 0: as it was made.
+  void set_longest(std::uint32_t items);
 
  private:
   [[nodiscard]] std::int64_t at(std::uint32_t count) const { return variable_[count < variable_.size() ? count : 0]; }
@@ -73,6 +75,7 @@ class ReadCost {
   std::uint32_t items_, item_bits_, alignment_, bank_;
   bool window_;
   std::uint32_t limit_ = 0;  // items in one read
+  std::uint32_t most_ = 0;   // as it was made
   std::int64_t fixed_ = 0;   // answer time, silence, pauses: paid for each round, or once
   std::int64_t rounds_ = 1;
   std::int64_t pauses_ = 0;             // silence and rests: what `fixed_` holds besides the answer time

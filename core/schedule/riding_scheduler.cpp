@@ -326,17 +326,28 @@ void RidingScheduler::suspend(DeviceIndex device, Instant until) {
   for (const ClusterIndex cluster : layout_.clusters_of[device]) take_out(cluster);
 }
 
-void RidingScheduler::set_answer_time(DeviceIndex device, Duration answer_time) {
+template <typename Change>
+void RidingScheduler::change_cost(DeviceIndex device, AreaIndex area, const Change& change) {
   for (Strip& strip : layout_.strips) {
-    if (strip.device == device) strip.cost.set_answer_time(answer_time);
+    if (strip.device == device && strip.area == area) change(strip.cost);
   }
   if (auto& list = layout_.lists[device]) list->set_answer_time(answer_time);
   for (const ClusterIndex cluster : layout_.clusters_of[device]) {
+    if (layout_.strips[layout_.clusters[cluster].strip].area != area) continue;
     load_ -= clusters_[cluster].load;
     load_ += clusters_[cluster].load = cluster_load(cluster, false);
     changed_.push_back(cluster);
   }
   stale_ = costs_changed_ = true;
+}
+
+void RidingScheduler::set_answer_time(DeviceIndex device, AreaIndex area, Duration answer_time) {
+  change_cost(device, area, [&](ReadCost& cost) { cost.set_answer_time(answer_time); });
+}
+
+void RidingScheduler::set_longest(DeviceIndex device, AreaIndex area, std::uint32_t items) {
+  batch_.clear();
+  change_cost(device, area, [&](ReadCost& cost) { cost.set_longest(items); });
 }
 
 void RidingScheduler::set_point(PointIndex index, Duration refresh, Mode mode, Instant at) {

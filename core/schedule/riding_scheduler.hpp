@@ -34,7 +34,8 @@ class RidingScheduler final : public Scheduler {
   void failed(const Block& block, Instant now, Instant retry_at) override;
   std::vector<PointIndex> refused(const Block& block, Instant now, Duration forget) override;
   void suspend(DeviceIndex device, Instant until) override;
-  void set_answer_time(DeviceIndex device, Duration answer_time) override;
+  void set_answer_time(DeviceIndex device, AreaIndex area, Duration answer_time) override;
+  void set_longest(DeviceIndex device, AreaIndex area, std::uint32_t items) override;
   [[nodiscard]] Duration slack(Instant now) override;
   void set_point(PointIndex point, Duration refresh, Mode mode, Instant now) override;
   [[nodiscard]] double planned_load() const override { return load_ * fit_; }
@@ -106,6 +107,8 @@ class RidingScheduler final : public Scheduler {
   void renew(ClusterIndex cluster, PointState& point, std::int64_t at) const;
   void postpone(PointState& point, std::int64_t from) const;
 
+  template <typename Change>
+  void change_cost(DeviceIndex device, AreaIndex area, const Change& change);
   void refresh_clusters_of(const Block& block, std::int64_t now);
 
   // riding_outlook.cpp: what comes next

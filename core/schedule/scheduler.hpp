@@ -68,7 +68,10 @@ class Scheduler {
   virtual std::vector<PointIndex> refused(const Block& block, Instant now, Duration forget) = 0;
   // No reads of this device before `until` (offline, pausing); kNever stops it.
   virtual void suspend(DeviceIndex device, Instant until) = 0;
-  virtual void set_answer_time(DeviceIndex device, Duration answer_time) = 0;
+  // Learned of the device: what reads of an area take until the answer begins, and the longest of them that it accepts (items; 0:
+  // no other than the configured).
+  virtual void set_answer_time(DeviceIndex device, AreaIndex area, Duration answer_time) = 0;
+  virtual void set_longest(DeviceIndex device, AreaIndex area, std::uint32_t items) = 0;
   // How long the wire may be blocked from `now` on by something else (a probe of a silent device) without making a point late
   // that would otherwise be in time. Zero when there is none to spare.
   [[nodiscard]] virtual Duration slack(Instant now) = 0;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <set>
 
 #include "config/loader.hpp"
 #include "tests/bus/virtual_bus.hpp"
@@ -213,6 +214,27 @@ TEST(Simulation, RefusedRangesOfAListLeaveTheOthersAlone) {
       EXPECT_LE(bus.channels()[c].longest_gap, 2s) << "channel " << c;
   }
   EXPECT_EQ(bus.engine().device_report(0, bus.now()).refused, (std::vector<std::string>{"int16:100", "int32:581"}));
+}
+
+// What the device accepts is learned from its refusals, told, and forgotten when another one may be there.
+TEST(Simulation, LearnsGapsAndForgetsThemWithTheDevice) {
+  const BusSpec spec = plant(1, 6, "refresh: 1s, timeout: 100ms");
+  sim::BusFaults faults;
+  faults.devices["unit-1"].only_configured = true;
+  faults.devices["unit-1"].silence.push_back({60s, 80s});
+  VirtualBus bus(spec, faults, 8);
+  bus.run_until(Instant{30s});
+  const DeviceReport learned = bus.engine().device_report(0, bus.now());
+  EXPECT_EQ(learned.refused_gaps.size(), 5u);
+  EXPECT_EQ(std::set<std::string>(learned.refused_gaps.begin(), learned.refused_gaps.end()).count("holding:103"), 1u);
+  ASSERT_EQ(learned.areas.size(), 1u);
+  EXPECT_EQ(learned.areas[0].area, "holding");
+  EXPECT_NEAR(to_seconds(learned.areas[0].answer_time), 0.002, 0.0005);
+  EXPECT_EQ(learned.pause, Duration::zero());
+  bus.run_until(Instant{75s});
+  const DeviceReport lost = bus.engine().device_report(0, bus.now());
+  EXPECT_TRUE(lost.refused_gaps.empty());
+  EXPECT_TRUE(lost.areas.empty());
 }
 
 // Noise, loss, late answers, silences, an unplugged port, and a stream of commands: for many seeds.

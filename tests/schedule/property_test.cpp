@@ -227,11 +227,11 @@ TEST(Overload, NewAnswerTimeChangesThePlan) {
   EXPECT_EQ(scheduler->stretch(), 1.0);
   VirtualWire wire(input, *scheduler);
   wire.run(5s);
-  for (DeviceIndex device = 0; device < input.devices.size(); ++device) scheduler->set_answer_time(device, 60ms);
+  for (DeviceIndex device = 0; device < input.devices.size(); ++device) scheduler->set_answer_time(device, test::kRegisters, 60ms);
   wire.run(1s);
   EXPECT_GT(scheduler->planned_load(), 1.0);
   EXPECT_GT(scheduler->stretch(), 1.1);
-  for (DeviceIndex device = 0; device < input.devices.size(); ++device) scheduler->set_answer_time(device, 2ms);
+  for (DeviceIndex device = 0; device < input.devices.size(); ++device) scheduler->set_answer_time(device, test::kRegisters, 2ms);
   wire.run(1s);
   EXPECT_EQ(scheduler->stretch(), 1.0);
 }

@@ -23,6 +23,23 @@ std::string causes_text(const CauseCounts& causes) {
   return text;
 }
 
+std::string spaced(const std::vector<std::string>& addresses) {
+  std::string text;
+  for (const auto& at : addresses) text += (text.empty() ? "" : " ") + at;
+  return text;
+}
+
+// "holding 2.10 ms, blocks to 60, at most 64"
+std::string areas_text(const std::vector<AreaReport>& areas) {
+  std::string text;
+  for (const AreaReport& area : areas) {
+    text += (text.empty() ? "" : "; ") + area.area + ' ' + milliseconds(area.answer_time) + ", blocks to " +
+            std::to_string(area.largest_block);
+    if (area.longest_block != 0) text += ", at most " + std::to_string(area.longest_block);
+  }
+  return text;
+}
+
 Tone tone_of(BusState state) {
   return state == BusState::kRunning ? Tone::kGood : state == BusState::kClosed ? Tone::kBad : Tone::kWarning;
 }
@@ -50,7 +67,8 @@ TextTable bus_table(const StatusModel& model, UtcTime now) {
                    {"missed", Align::kRight},
                    {"reopened", Align::kRight},
                    {"age", Align::kRight},
-                   {"failures"}});
+                   {"failures"},
+                   {"missed because"}});
   for (const auto& [name, status] : model.buses) {
     const auto& report = status.report;
     table.add_row({{name},
@@ -65,7 +83,8 @@ TextTable bus_table(const StatusModel& model, UtcTime now) {
                    {std::to_string(report.deadline_misses), report.deadline_misses == 0 ? Tone::kPlain : Tone::kWarning},
                    {std::to_string(report.reopened)},
                    {age_text(status.reported_at, now), Tone::kFaint},
-                   {causes_text(status.causes), Tone::kWarning}});
+                   {causes_text(status.causes), Tone::kWarning},
+                   {causes_text(status.misses), Tone::kWarning}});
   }
   return table;
 }
@@ -76,28 +95,30 @@ TextTable device_table(const StatusModel& model) {
                    {"answers in", Align::kRight},
                    {"spread", Align::kRight},
                    {"timeout", Align::kRight},
-                   {"block", Align::kRight},
+                   {"rests", Align::kRight},
                    {"exchanges", Align::kRight},
                    {"failures", Align::kRight},
                    {"retries", Align::kRight},
                    {"missed", Align::kRight},
+                   {"areas"},
                    {"refused"},
+                   {"gaps refused"},
                    {"causes"}});
   for (const auto& [key, status] : model.devices) {
     const auto& report = status.report;
-    std::string refused;
-    for (const auto& at : report.refused) refused += (refused.empty() ? "" : " ") + at;
     table.add_row({{key.first + '/' + key.second},
                    {std::string(to_text(report.state)), tone_of(report.state)},
                    {milliseconds(report.answer_time)},
                    {milliseconds(report.answer_spread), Tone::kFaint},
                    {milliseconds(report.timeout)},
-                   {std::to_string(report.largest_block)},
+                   {milliseconds(report.pause), Tone::kFaint},
                    {std::to_string(report.exchanges)},
                    {std::to_string(report.failures), report.failures == 0 ? Tone::kPlain : Tone::kWarning},
                    {std::to_string(report.retries)},
                    {std::to_string(report.deadline_misses), report.deadline_misses == 0 ? Tone::kPlain : Tone::kWarning},
-                   {refused, Tone::kWarning},
+                   {areas_text(report.areas)},
+                   {spaced(report.refused), Tone::kWarning},
+                   {spaced(report.refused_gaps), Tone::kWarning},
                    {causes_text(status.causes), Tone::kWarning}});
   }
   return table;
@@ -131,12 +152,21 @@ Json status_json(const StationBusStatus& status) {
           {"bytes_sent", report.bytes_sent},
           {"bytes_received", report.bytes_received},
           {"reopened", report.reopened},
+          {"dds_deadline_misses", status.dds_deadline_misses},
           {"causes", Json(status.causes)},
+          {"misses", Json(status.misses)},
           {"reported_at", status.reported_at.nanoseconds}};
 }
 
 Json status_json(const StationDeviceStatus& status) {
   const auto& report = status.report;
+  Json areas = Json::array();
+  for (const AreaReport& area : report.areas)
+    areas.push_back({{"area", area.area},
+                     {"answer_time", area.answer_time.count()},
+                     {"answer_spread", area.answer_spread.count()},
+                     {"largest_block", area.largest_block},
+                     {"longest_block", area.longest_block}});
   return {{"topic", "DeviceStatus"},
           {"bus", status.bus},
           {"device", status.device},
@@ -148,8 +178,10 @@ Json status_json(const StationDeviceStatus& status) {
           {"answer_time", report.answer_time.count()},
           {"answer_spread", report.answer_spread.count()},
           {"timeout", report.timeout.count()},
-          {"largest_block", report.largest_block},
+          {"pause", report.pause.count()},
+          {"areas", std::move(areas)},
           {"refused", report.refused},
+          {"refused_gaps", report.refused_gaps},
           {"causes", Json(status.causes)},
           {"reported_at", status.reported_at.nanoseconds}};
 }

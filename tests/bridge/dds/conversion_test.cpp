@@ -298,8 +298,10 @@ TEST(StatusConversion, BusComesBackWithItsCauses) {
   report.causes.add(Cause::kChecksum);
   report.causes.add(Cause::kChecksum);
   report.causes.add(Cause::kNoAnswer);
+  report.misses.add(Cause::kLate);
   idl::BusStatus topic;
   to_idl("line-7", "b", report, {77}, topic);
+  topic.dds_deadline_misses(8);
   const StationBusStatus back = from_idl(topic);
   EXPECT_EQ(back.bridge, "line-7");
   EXPECT_EQ(back.bus, "b");
@@ -316,6 +318,8 @@ TEST(StatusConversion, BusComesBackWithItsCauses) {
   EXPECT_EQ(back.report.bytes_received, 6u);
   EXPECT_EQ(back.report.reopened, 7u);
   EXPECT_EQ(back.causes, (CauseCounts{{std::string(to_name(Cause::kChecksum)), 2}, {std::string(to_name(Cause::kNoAnswer)), 1}}));
+  EXPECT_EQ(back.misses, (CauseCounts{{std::string(to_name(Cause::kLate)), 1}}));
+  EXPECT_EQ(back.dds_deadline_misses, 8u);
   EXPECT_EQ(back.reported_at.nanoseconds, 77);
 }
 
@@ -324,8 +328,10 @@ TEST(StatusConversion, DeviceComesBackWithAtMost64Refusals) {
   report.state = DeviceState::kDegraded;
   report.exchanges = 1, report.failures = 2, report.retries = 3, report.deadline_misses = 4;
   report.answer_time = 5ms, report.answer_spread = 6ms, report.timeout = 7ms;
-  report.largest_block = 125;
+  report.pause = 8ms;
+  report.areas.assign(40, {"holding", 9ms, 10ms, 125, 64});
   report.refused.assign(70, "holding:107");
+  report.refused_gaps.assign(70, "holding:109..120");
   idl::DeviceStatus topic;
   to_idl("b", "d", report, {78}, topic);
   const StationDeviceStatus back = from_idl(topic);
@@ -338,7 +344,9 @@ TEST(StatusConversion, DeviceComesBackWithAtMost64Refusals) {
   EXPECT_EQ(back.report.answer_time, 5ms);
   EXPECT_EQ(back.report.answer_spread, 6ms);
   EXPECT_EQ(back.report.timeout, 7ms);
-  EXPECT_EQ(back.report.largest_block, 125);
+  EXPECT_EQ(back.report.pause, 8ms);
+  EXPECT_EQ(back.report.areas, std::vector<AreaReport>(32, {"holding", 9ms, 10ms, 125, 64}));
+  EXPECT_EQ(back.report.refused_gaps, std::vector<std::string>(64, "holding:109..120"));
   EXPECT_EQ(back.report.refused, std::vector<std::string>(64, "holding:107"));
 }
 

@@ -20,6 +20,8 @@ StatusModel plant() {
   device.report.state = DeviceState::kOnline;
   device.report.answer_time = 2150us;
   device.report.refused = {"holding:107"};
+  device.report.refused_gaps = {"holding:110..115"};
+  device.report.areas = {{"holding", 2100us, 40us, 60, 64}};
   model.devices[{device.bus, device.device}] = device;
   return model;
 }
@@ -29,7 +31,8 @@ TEST(StatusView, ShowsUseOfTheWireAndCountersByCause) {
   ASSERT_EQ(lines.size(), 5u);
   EXPECT_THAT(lines[1], testing::AllOf(HasSubstr("press-shop"), HasSubstr("running"), HasSubstr("73.1 %"), HasSubstr("0.50 s"),
                                        HasSubstr("CHECKSUM 3, NO_ANSWER 12")));
-  EXPECT_THAT(lines[4], testing::AllOf(HasSubstr("press-shop/press-1"), HasSubstr("2.15 ms"), HasSubstr("holding:107")));
+  EXPECT_THAT(lines[4], testing::AllOf(HasSubstr("press-shop/press-1"), HasSubstr("2.15 ms"), HasSubstr("holding:107"), HasSubstr("holding:110..115"),
+                                       HasSubstr("holding 2.10 ms, blocks to 60, at most 64")));
 }
 
 TEST(StatusView, JsonHasTheFieldsOfTheIdl) {
@@ -41,6 +44,7 @@ TEST(StatusView, JsonHasTheFieldsOfTheIdl) {
   const auto device = status_json(model.devices.begin()->second);
   EXPECT_EQ(device["answer_time"], 2'150'000);
   EXPECT_EQ(to_line(device["refused"]), R"(["holding:107"])");
+  EXPECT_EQ(device["areas"][0]["longest_block"], 64);
 }
 
 }  // namespace

@@ -1,0 +1,97 @@
+#include "core/bus/block_learning.hpp"
+
+#include <gtest/gtest.h>
+
+#include "core/bus/pause_learning.hpp"
+
+namespace fieldcast {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Instant kNow{1s};
+Range items(std::uint32_t first, std::uint32_t end) { return {0, first, end - first}; }
+
+TEST(BlockLearning, ABlockWhoseEveryItemIsReadInPiecesWasTooLong) {
+  BlockLearning learning;
+  EXPECT_FALSE(learning.read(items(0, 12), kNow));
+  learning.refused(items(0, 40), {items(0, 20), items(20, 40)});
+  EXPECT_EQ(learning.longest(), 0u) << "perhaps an address is bad";
+  EXPECT_FALSE(learning.read(items(0, 20), kNow));
+  EXPECT_TRUE(learning.read(items(20, 40), kNow));
+  EXPECT_EQ(learning.longest(), 20u);
+  EXPECT_EQ(learning.largest_read(), 20u);
+  EXPECT_TRUE(learning.gaps().empty());
+}
+
+TEST(BlockLearning, ItemsThatThePiecesLeftOutAreARefusedGap) {
+  BlockLearning learning;
+  learning.refused(items(0, 10), {items(0, 2), items(8, 10)});
+  EXPECT_FALSE(learning.read(items(0, 2), kNow));
+  EXPECT_FALSE(learning.read(items(8, 10), kNow));
+  EXPECT_EQ(learning.longest(), 0u);
+  EXPECT_EQ(learning.gaps(), std::vector<Range>{items(2, 8)});
+  EXPECT_FALSE(learning.read(items(0, 10), kNow));
+  EXPECT_TRUE(learning.gaps().empty()) << "it is bridged again";
+}
+
+TEST(BlockLearning, ABadAddressExplainsTheRefusal) {
+  BlockLearning learning;
+  learning.refused(items(0, 10), {items(0, 5), items(5, 10)});
+  learning.refused(items(0, 5), {items(0, 5)});
+  learning.bad(items(0, 5));
+  EXPECT_FALSE(learning.read(items(5, 10), kNow));
+  EXPECT_FALSE(learning.read(items(0, 5), kNow));
+  EXPECT_EQ(learning.longest(), 0u);
+}
+
+TEST(BlockLearning, WhatWasLearnedIsForgotten) {
+  BlockLearning learning;
+  learning.refused(items(0, 4), {items(0, 2), items(2, 4)});
+  EXPECT_FALSE(learning.read(items(0, 2), kNow));
+  EXPECT_TRUE(learning.read(items(2, 4), kNow));
+  EXPECT_FALSE(learning.expire(kNow + BlockLearning::kRemember / 2));
+  EXPECT_TRUE(learning.expire(kNow + BlockLearning::kRemember));
+  EXPECT_EQ(learning.longest(), 0u);
+  EXPECT_FALSE(learning.forget()) << "nothing was known any more";
+}
+
+TEST(BlockLearning, MemoryIsBounded) {
+  BlockLearning learning;
+  for (std::uint32_t i = 0; i < 1000; ++i) learning.refused(items(10 * i, 10 * i + 9), {items(10 * i, 10 * i + 1), items(10 * i + 8, 10 * i + 9)});
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    (void)learning.read(items(10 * i, 10 * i + 1), kNow);
+    (void)learning.read(items(10 * i + 8, 10 * i + 9), kNow);
+  }
+  EXPECT_EQ(learning.gaps().size(), BlockLearning::kMostOpen) << "the searches that were not given up";
+  EXPECT_EQ(learning.gaps().back(), items(9991, 9998));
+}
+
+TEST(PauseLearning, ADeviceThatIsDeafAfterItsAnswersIsGivenARest) {
+  PauseLearning learning;
+  int asked = 0;
+  for (; learning.pause() < 10ms && asked < 400; ++asked) {
+    learning.tried(learning.pause() + 1ms, learning.pause() + 1ms > 8ms);  // deaf for 8 ms
+    learning.tried(200ms, true);
+  }
+  EXPECT_EQ(learning.pause(), 10ms);
+  for (; asked < 1000; ++asked) {
+    learning.tried(11ms, true);
+    learning.tried(200ms, true);
+  }
+  EXPECT_EQ(learning.pause(), 10ms);
+  learning.forget();
+  EXPECT_EQ(learning.pause(), Duration::zero());
+}
+
+TEST(PauseLearning, ALineThatLosesAnswersAtAnyTimeNeedsNoRest) {
+  PauseLearning learning;
+  for (int i = 0; i < 1000; ++i) {
+    learning.tried(2ms, i % 3 != 0);
+    learning.tried(200ms, i % 3 != 0);
+  }
+  EXPECT_EQ(learning.pause(), Duration::zero());
+}
+
+}  // namespace
+}  // namespace fieldcast
