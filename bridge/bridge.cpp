@@ -23,6 +23,7 @@
 #include "bridge/port/dial_in_registry.hpp"
 #include "bridge/program/server.hpp"
 #include "bridge/reload_plan.hpp"
+#include "bridge/repeat_filter.hpp"
 #include "bridge/store/login_desk.hpp"
 #include "bridge/store/store.hpp"
 
@@ -53,6 +54,7 @@ struct Bridge::State {
   program::Server program{program_hooks(), modules};
   std::unique_ptr<Store> store;       // outlives the outlets of the buses; null: nothing is stored
   std::unique_ptr<LoginDesk> logins;  // with a store only
+  RepeatFilter refused_interests;
   std::map<std::string, RunningBus, std::less<>> buses;
   OutletThread outlets;
   std::unique_ptr<DdsLink> link;  // its handlers enter the members above: closed before they end
@@ -96,7 +98,11 @@ void Bridge::State::join() {
   };
   handlers.on_interest = [this](const Interest& interest) {
     if (const auto noted = interests.note(interest.station, interest.pattern, interest.refresh); !noted) {
-      log_warning("dds", noted.error());
+      // One at a time: the receiver of interests sees to it.
+      const auto verdict = refused_interests.occurred("interest", steady_now());
+      if (!verdict.log) return;
+      const std::string more = verdict.suppressed == 0 ? "" : " (" + std::to_string(verdict.suppressed) + " more were refused)";
+      log_warning("dds", noted.error() + more);
     }
   };
   handlers.on_problem = [](const std::string& text) { log_warning("dds", text); };

@@ -38,7 +38,7 @@ struct DdsLink::State {
     alarms = domain.writer<idl::AlarmPubSubType>(kAlarmTopic, state_writer_qos(kMaxAlarms), label);
     device_status = domain.writer<idl::DeviceStatusPubSubType>(kDeviceStatusTopic, state_writer_qos(kMaxDevices), label);
     sessions = domain.writer<idl::ProgramSessionPubSubType>(kProgramSessionTopic, state_writer_qos(kMaxDevices), label);
-    interests = std::make_unique<InterestReceiver>(domain, handlers.on_interest);
+    interests = std::make_unique<InterestReceiver>(domain, handlers.on_interest, handlers.on_problem);
     commands = std::make_unique<CommandReceiver>(domain, lifespans, command_handlers());
   }
 

@@ -4,8 +4,9 @@
 
 namespace fieldcast {
 
-InterestReceiver::InterestReceiver(Domain& domain, std::function<void(Interest)> handler)
-    : domain_(domain), handler_(std::move(handler)) {
+InterestReceiver::InterestReceiver(Domain& domain, std::function<void(Interest)> handler,
+                                   std::function<void(std::string)> on_problem)
+    : domain_(domain), handler_(std::move(handler)), on_problem_(std::move(on_problem)) {
   reader_ = domain.reader<idl::InterestPubSubType>(kInterestTopic, interest_reader_qos(), this,
                                                    dds::StatusMask::data_available() << dds::StatusMask::subscription_matched());
 }
@@ -20,7 +21,14 @@ void InterestReceiver::on_data_available(dds::DataReader* reader) {
     const auto known = wishes_.find(info.instance_handle);
     if (info.valid_data && info.instance_state == dds::ALIVE_INSTANCE_STATE) {
       std::optional<Interest> wish = from_idl(sample);
-      if (!wish || (known == wishes_.end() && wishes_.size() >= static_cast<std::size_t>(kMaxInterests))) continue;
+      if (!wish) {
+        refuse(sample, "it needs a station, a pattern and a refresh longer than nothing");
+        continue;
+      }
+      if (known == wishes_.end() && wishes_.size() >= static_cast<std::size_t>(kMaxInterests)) {
+        refuse(sample, std::to_string(kMaxInterests) + " are held already");
+        continue;
+      }
       wishes_[info.instance_handle] = {*wish, info.publication_handle};
       handler_(std::move(*wish));
     } else if (info.instance_state != dds::ALIVE_INSTANCE_STATE && known != wishes_.end()) {
@@ -30,6 +38,14 @@ void InterestReceiver::on_data_available(dds::DataReader* reader) {
       handler_(std::move(ended));
     }
   }
+}
+
+void InterestReceiver::refuse(const idl::Interest& interest, const std::string& why) {
+  std::uint64_t told = 1;
+  while (told <= refused_) told *= 10;
+  if (++refused_ != told) return;
+  on_problem_("the interest of station '" + std::string(interest.station().c_str()) + "' in '" + interest.pattern().c_str() +
+              "' is refused: " + why + "; refused so far: " + std::to_string(refused_));
 }
 
 // A station that dies, or leaves without withdrawing: the library delivers no note for its instances.

@@ -11,12 +11,15 @@ namespace fieldcast {
 
 class InterestReceiver : private dds::DataReaderListener {
  public:
-  InterestReceiver(Domain& domain, std::function<void(Interest)> handler);
+  // `on_problem` hears of interests that are refused: the first, the tenth, the hundredth, and so on, whatever a station sends.
+  InterestReceiver(Domain& domain, std::function<void(Interest)> handler, std::function<void(std::string)> on_problem);
   void close();  // nothing is handed on after it returns
 
  private:
   void on_data_available(dds::DataReader* reader) override;
   void on_subscription_matched(dds::DataReader* reader, const dds::SubscriptionMatchedStatus& status) override;
+
+  void refuse(const idl::Interest& interest, const std::string& why);
 
   struct Wish {
     Interest interest;
@@ -25,6 +28,8 @@ class InterestReceiver : private dds::DataReaderListener {
 
   Domain& domain_;
   std::function<void(Interest)> handler_;
+  std::function<void(std::string)> on_problem_;
+  std::uint64_t refused_ = 0;
   dds::DataReader* reader_ = nullptr;
   std::mutex mutex_;                              // the reader is called on any of the participant's threads
   std::map<dds::InstanceHandle_t, Wish> wishes_;  // the end of a wish comes without its names; at most kMaxInterests

@@ -50,7 +50,7 @@ enum class Cause : std::uint8_t {
 // One counter for each cause; never overflows in the life of a plant.
 class CauseCounters {
  public:
-  void add(Cause cause) { ++counts_[static_cast<std::size_t>(cause)]; }
+  void add(Cause cause, std::uint64_t times = 1) { counts_[static_cast<std::size_t>(cause)] += times; }
   // One that was counted as `from` turns out to be `to`. REQUIRES: there is one.
   void move(Cause from, Cause to) {
     --counts_[static_cast<std::size_t>(from)];

@@ -323,17 +323,14 @@ void BusEngine::State::begin_lease(Instant now, Actions& actions) {
   bus_state = BusState::kLeased;
   refuse_all_commands(CommandState::kRejected, Cause::kLeased, std::string(to_text(Cause::kLeased)), now, actions);
   std::vector<Sample> out;
-  channels.all_uncertain(out);
+  channels.all_uncertain(now, out);
   if (!out.empty()) actions.push_back(Publish{std::move(out)});
 }
 
 void BusEngine::State::expire_channels(Instant now, Actions& actions) {
   if (channels.next_expiry() > now) return;
   std::vector<Sample> out;
-  std::vector<ChannelIndex> late;
-  channels.expire(now, out, late);
-  for (const ChannelIndex channel : late) ++devices[channels.device(channel)].deadline_misses;
-  deadline_misses += late.size();
+  channels.expire(now, out);
   samples += out.size();
   if (!out.empty()) actions.push_back(Publish{std::move(out)});
 }

@@ -30,7 +30,7 @@ class BusEngine {
   [[nodiscard]] BusReport bus_report(Instant now);
   [[nodiscard]] DeviceReport device_report(DeviceIndex device, Instant now) const;
 
-  [[nodiscard]] const ChannelReport& channel_report(ChannelIndex channel) const;
+  [[nodiscard]] ChannelReport channel_report(ChannelIndex channel, Instant now) const;
 
   // Characters that the answer under way lacks, at least; 0 when that is not known. The shell may let them gather.
   [[nodiscard]] std::uint32_t missing() const;

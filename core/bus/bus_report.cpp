@@ -30,25 +30,26 @@ BusReport BusEngine::bus_report(Instant now) {
   report.exchanges = s.exchanges;
   report.samples = s.samples;
   report.commands = s.commands_done;
-  report.deadline_misses = s.deadline_misses;
   report.bytes_sent = s.conversation.bytes_sent();
   report.bytes_received = s.conversation.bytes_received();
   report.reopened = s.reopened;
   report.causes = s.causes;
-  report.misses = s.channels.misses();
+  report.misses = s.channels.misses(now);
+  report.deadline_misses = report.misses.total();
   return report;
 }
 
-const ChannelReport& BusEngine::channel_report(ChannelIndex channel) const { return state_->channels.report(channel); }
+ChannelReport BusEngine::channel_report(ChannelIndex channel, Instant now) const { return state_->channels.report(channel, now); }
 
-DeviceReport BusEngine::device_report(DeviceIndex index, Instant) const {
+DeviceReport BusEngine::device_report(DeviceIndex index, Instant now) const {
   const DeviceRuntime& device = state_->devices[index];
   DeviceReport report;
   report.state = device.health.state();
   report.exchanges = device.exchanges;
   report.failures = device.failures;
   report.retries = device.retries;
-  report.deadline_misses = device.deadline_misses;
+  for (ChannelIndex c = state_->channels.first_of(index); c < state_->channels.end_of(index); ++c)
+    report.deadline_misses += state_->channels.report(c, now).missed;
   report.answer_time = device.answer_time.mean();
   report.answer_spread = device.answer_time.spread();
   report.timeout = device.answer_time.timeout();

@@ -132,7 +132,7 @@ struct BusEngine::State {
   bool overloaded = false;
 
   // reporting
-  std::uint64_t exchanges = 0, samples = 0, commands_done = 0, deadline_misses = 0, reopened = 0;
+  std::uint64_t exchanges = 0, samples = 0, commands_done = 0, reopened = 0;
   CauseCounters causes;
   Duration busy{};     // wire time spent, in total
   Duration reading{};  // of it for reads

@@ -55,15 +55,56 @@ std::optional<Duration> ChannelTable::refresh(ChannelIndex channel) const { retu
 
 void ChannelTable::set_refresh(ChannelIndex channel, std::optional<Duration> refresh, Instant now) {
   Entry& entry = entries_[channel];
+  settle(entry, now);
   entry.refresh = refresh;
   entry.late = false;
   entry.read = refresh ? now : kLongAgo;
   rearm(channel, now);
 }
 
+// Whole refreshes since the last that was told. What holds a deadband back is promised at its heartbeat.
+std::uint64_t ChannelTable::passed(const Entry& entry, Instant now) {
+  if (!entry.late || !entry.refresh || now <= entry.told) return 0;
+  const Duration each = entry.spec->on_interest ? *entry.refresh : promised_gap(*entry.spec).value_or(*entry.refresh);
+  return static_cast<std::uint64_t>((now - entry.told) / each);
+}
+
+void ChannelTable::count(Entry& entry, std::uint64_t misses) {
+  if (misses == 0) return;
+  entry.report.last_miss = entry.cause == Cause::kNone ? Cause::kLate : entry.cause;
+  entry.report.missed += misses;
+  misses_.add(entry.report.last_miss, misses);
+}
+
+// Everything that was missed until `now` is counted.
+void ChannelTable::settle(Entry& entry, Instant now) {
+  if (entry.late) {
+    count(entry, passed(entry, now));
+    entry.told = now;
+  } else if (now > entry.promised) {
+    count(entry, 1);
+  }
+}
+
+ChannelReport ChannelTable::report(ChannelIndex channel, Instant now) const {
+  const Entry& entry = entries_[channel];
+  ChannelReport report = entry.report;
+  report.missed += passed(entry, now);
+  return report;
+}
+
+CauseCounters ChannelTable::misses(Instant now) const {
+  CauseCounters all = misses_;
+  for (const Entry& entry : entries_) {
+    if (entry.late) all.add(entry.cause == Cause::kNone ? Cause::kLate : entry.cause, passed(entry, now));
+  }
+  return all;
+}
+
 void ChannelTable::rearm(ChannelIndex channel, Instant from) {
   Entry& entry = entries_[channel];
-  entry.due = entry.refresh ? from + *entry.refresh : kNever;
+  entry.promised = entry.refresh ? from + *entry.refresh : kNever;
+  entry.due = entry.refresh ? entry.promised + std::min(kTellAfter, *entry.refresh / 10) : kNever;
   if (entry.due >= entry.queued) return;  // the entry already queued comes first and is put back then
   expiries_.push({entry.due, channel});
   entry.queued = entry.due;
@@ -86,6 +127,7 @@ void ChannelTable::publish(Entry& entry, std::vector<Sample>& out, Instant when)
 void ChannelTable::acquired(ChannelIndex channel, unsigned item_bits, ByteView items, Instant acquired,
                             std::vector<Sample>& out) {
   Entry& entry = entries_[channel];
+  settle(entry, acquired);
   entry.late = false;
   ++entry.report.readings;
   if (entry.read != kLongAgo) entry.report.worst_gap = std::max(entry.report.worst_gap, acquired - entry.read);
@@ -113,6 +155,8 @@ void ChannelTable::refused(ChannelIndex channel, Cause cause, std::uint16_t devi
   const Quality quality = quality_of(cause);
   entry.cause = cause;
   if (entry.late && entry.last.quality == quality && entry.last.device_code == device_code) return;
+  settle(entry, now);
+  entry.told = now;
   entry.late = true;  // told: the missed refresh that follows is no news
   entry.last.quality = quality;
   entry.last.device_code = device_code;
@@ -138,7 +182,7 @@ void ChannelTable::start(Instant now) {
   }
 }
 
-void ChannelTable::expire(Instant now, std::vector<Sample>& out, std::vector<ChannelIndex>& late) {
+void ChannelTable::expire(Instant now, std::vector<Sample>& out) {
   while (!expiries_.empty() && expiries_.top().at <= now) {
     const auto [at, channel] = expiries_.top();
     expiries_.pop();
@@ -154,16 +198,15 @@ void ChannelTable::expire(Instant now, std::vector<Sample>& out, std::vector<Cha
     entry.due = kNever;  // armed again by the next acquisition
     if (entry.late && !entry.unexplained) continue;
     if (!entry.late) {
-      late.push_back(channel);
       entry.unblamed = entry.cause == Cause::kNone;
-      entry.report.last_miss = entry.unblamed ? Cause::kLate : entry.cause;
-      ++entry.report.missed;
-      misses_.add(entry.report.last_miss);
-    } else if (entry.unblamed) {
+      count(entry, 1);
+    } else {
+      if (entry.unblamed) misses_.move(Cause::kLate, entry.cause);
+      if (entry.unblamed) entry.report.last_miss = entry.cause;
       entry.unblamed = false;
-      entry.report.last_miss = entry.cause;
-      misses_.move(Cause::kLate, entry.cause);
+      count(entry, passed(entry, now));
     }
+    entry.told = now;
     entry.late = true;
     entry.unexplained = false;
     entry.last.quality = entry.cause == Cause::kNone ? Quality::kUncertain : quality_of(entry.cause);
@@ -179,11 +222,15 @@ void ChannelTable::unwanted(ChannelIndex channel, std::vector<Sample>& out) {
   publish(entry, out, entry.published);
 }
 
-void ChannelTable::all_uncertain(std::vector<Sample>& out) {
+void ChannelTable::all_uncertain(Instant now, std::vector<Sample>& out) {
   for (Entry& entry : entries_) {
+    settle(entry, now);
+    entry.cause = Cause::kLeased;
     if (entry.last.quality != Quality::kGood) continue;
     entry.last.quality = Quality::kUncertain;
     entry.late = true;
+    entry.unblamed = false;
+    entry.told = now;
     publish(entry, out, entry.published);
   }
 }

@@ -40,18 +40,18 @@ class ChannelTable {
 
   // Starts the clock of every promise: a channel that is not read within its refresh from `now` is late.
   void start(Instant now);
-  // Publishes, once, the last value of each channel whose refresh ran out by `now`, with a bad quality. Appends the late
-  // channels.
-  void expire(Instant now, std::vector<Sample>& out, std::vector<ChannelIndex>& late);
-  [[nodiscard]] const ChannelReport& report(ChannelIndex channel) const { return entries_[channel].report; }
-  // Every missed refresh so far, by its cause.
-  [[nodiscard]] const CauseCounters& misses() const { return misses_; }
+  // Publishes, once, the last value of each channel whose refresh ran out by `now`, with a bad quality; a moment later, so that a
+  // DDS deadline of the same length, which began when the sample was written, is missed as well.
+  void expire(Instant now, std::vector<Sample>& out);
+  // Missed refreshes are counted as DDS counts deadlines: every refresh that passes without a new sample is one.
+  [[nodiscard]] ChannelReport report(ChannelIndex channel, Instant now) const;
+  [[nodiscard]] CauseCounters misses(Instant now) const;  // of all channels, by cause
   [[nodiscard]] Instant next_expiry() const { return expiries_.empty() ? kNever : expiries_.top().at; }
 
   // Nobody wishes the channel any more: a last good value once more, as UNCERTAIN, for it will not be renewed.
   void unwanted(ChannelIndex channel, std::vector<Sample>& out);
   // Every channel's last value once more as UNCERTAIN (the bus was leased).
-  void all_uncertain(std::vector<Sample>& out);
+  void all_uncertain(Instant now, std::vector<Sample>& out);
   // First samples of channels that are only read when somebody asks, so that stations see that they exist.
   void not_yet_read(std::vector<Sample>& out);
 
@@ -62,7 +62,9 @@ class ChannelTable {
     std::optional<Duration> refresh;
     Sample last;
     Cause cause = Cause::kNone;
-    Instant due = kNever;  // when the promise breaks
+    Instant promised = kNever;  // when the promise breaks,
+    Instant due = kNever;       // and when that is told
+    Instant told = kLongAgo;    // late: when it was, the last time
     Instant published = kLongAgo;
     Instant queued = kNever;   // the one valid entry in expiries_
     bool late = false;         // already told
@@ -77,6 +79,10 @@ class ChannelTable {
     friend bool operator>(const Expiry& a, const Expiry& b) { return a.at > b.at; }
   };
 
+  static constexpr Duration kTellAfter = std::chrono::milliseconds{3};  // a sample has reached its DataWriter by then
+  [[nodiscard]] static std::uint64_t passed(const Entry& entry, Instant now);
+  void count(Entry& entry, std::uint64_t misses);
+  void settle(Entry& entry, Instant now);
   void rearm(ChannelIndex channel, Instant from);
   void publish(Entry& entry, std::vector<Sample>& out, Instant when);
   [[nodiscard]] bool held_back(const Entry& entry, const Value& value, Instant acquired) const;

@@ -41,7 +41,7 @@ struct DeviceRuntime {
   Instant probe_not_before = kLongAgo;          // the wire had no time for a probe
   bool resting = false;                         // the scheduler was told to leave it alone
   std::map<PointIndex, std::uint16_t> refused;  // points refused at present, with the device's code
-  std::uint64_t exchanges = 0, failures = 0, retries = 0, deadline_misses = 0;
+  std::uint64_t exchanges = 0, failures = 0, retries = 0;
   CauseCounters causes;
 
   void tried(bool well) { failure_share += ((well ? 0.0 : 1.0) - failure_share) / 8; }

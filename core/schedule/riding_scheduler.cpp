@@ -331,17 +331,19 @@ void RidingScheduler::change_cost(DeviceIndex device, AreaIndex area, const Chan
   for (Strip& strip : layout_.strips) {
     if (strip.device == device && strip.area == area) change(strip.cost);
   }
-  if (auto& list = layout_.lists[device]) list->set_answer_time(answer_time);
-  for (const ClusterIndex cluster : layout_.clusters_of[device]) {
-    if (layout_.strips[layout_.clusters[cluster].strip].area != area) continue;
-    load_ -= clusters_[cluster].load;
-    load_ += clusters_[cluster].load = cluster_load(cluster, false);
-    changed_.push_back(cluster);
+  for (const ClusterIndex index : layout_.clusters_of[device]) {
+    const Cluster& cluster = layout_.clusters[index];
+    if (!cluster.list && layout_.strips[cluster.strip].area != area) continue;
+    load_ -= clusters_[index].load;
+    load_ += clusters_[index].load = cluster_load(index, false);
+    changed_.push_back(index);
   }
   stale_ = costs_changed_ = true;
 }
 
 void RidingScheduler::set_answer_time(DeviceIndex device, AreaIndex area, Duration answer_time) {
+  // A list of ranges is of several areas: the one that was learned last stands for all.
+  if (auto& list = layout_.lists[device]) list->set_answer_time(answer_time);
   change_cost(device, area, [&](ReadCost& cost) { cost.set_answer_time(answer_time); });
 }
 

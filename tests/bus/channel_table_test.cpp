@@ -40,39 +40,43 @@ TEST(ChannelTable, MissedRefreshIsToldOnceWithTheOldInstant) {
   const BusSpec bus = one_device({channel("a", 1s)});
   ChannelTable table(bus);
   std::vector<Sample> out;
-  std::vector<ChannelIndex> late;
   table.start(Instant{});
   table.acquired(0, 16, items(7), Instant{500ms}, out);
   table.failing(0, Cause::kNoAnswer, Instant{500ms});
   out.clear();
-  table.expire(Instant{1499ms}, out, late);
+  table.expire(Instant{1502ms}, out);
   EXPECT_TRUE(out.empty());
-  table.expire(Instant{1500ms}, out, late);
+  table.expire(Instant{1503ms}, out);
   ASSERT_EQ(out.size(), 1u);
   EXPECT_EQ(out[0].quality, Quality::kBadNoAnswer);
   EXPECT_EQ(out[0].acquired, Instant{500ms});
   EXPECT_EQ(std::get<std::uint64_t>(out[0].value), 7u);
-  EXPECT_EQ(late.size(), 1u);
-  table.expire(Instant{10s}, out, late);
+  EXPECT_EQ(table.report(0, Instant{1503ms}).missed, 1u);
+  table.expire(Instant{10s}, out);
   EXPECT_EQ(out.size(), 1u) << "told once";
+  EXPECT_EQ(table.report(0, Instant{10s}).missed, 9u) << "and counted for every refresh that passes without a sample";
+  EXPECT_EQ(table.misses(Instant{10s})[Cause::kNoAnswer], 9u);
+  table.acquired(0, 16, items(7), Instant{10s}, out);
+  EXPECT_EQ(table.misses(Instant{10900ms}).total(), 9u);
 }
 
 TEST(ChannelTable, CauseThatIsKnownAfterTheMissIsToldOnceMore) {
   const BusSpec bus = one_device({channel("a", 50ms)});
   ChannelTable table(bus);
   std::vector<Sample> out;
-  std::vector<ChannelIndex> late;
   table.start(Instant{});
-  table.expire(Instant{50ms}, out, late);
+  table.expire(Instant{53ms}, out);
   ASSERT_EQ(out.size(), 1u);
   EXPECT_EQ(out[0].quality, Quality::kUncertain);
+  EXPECT_EQ(table.misses(Instant{53ms})[Cause::kLate], 1u);
   table.failing(0, Cause::kNoAnswer, Instant{100ms});
-  table.expire(Instant{100ms}, out, late);
+  table.expire(Instant{100ms}, out);
   ASSERT_EQ(out.size(), 2u);
   EXPECT_EQ(out[1].quality, Quality::kBadNoAnswer);
-  EXPECT_EQ(late.size(), 1u) << "one refresh was missed";
+  EXPECT_EQ(table.misses(Instant{100ms})[Cause::kLate], 0u);
+  EXPECT_EQ(table.misses(Instant{100ms})[Cause::kNoAnswer], 1u) << "one refresh was missed";
   table.failing(0, Cause::kNoAnswer, Instant{200ms});
-  table.expire(Instant{200ms}, out, late);
+  table.expire(Instant{200ms}, out);
   EXPECT_EQ(out.size(), 2u) << "told once";
 }
 
@@ -80,10 +84,9 @@ TEST(ChannelTable, ChannelThatWasNeverReadIsLateToo) {
   const BusSpec bus = one_device({channel("a", 1s)});
   ChannelTable table(bus);
   std::vector<Sample> out;
-  std::vector<ChannelIndex> late;
   table.start(Instant{});
   table.failing(0, Cause::kPortClosed, Instant{});
-  table.expire(Instant{1s}, out, late);
+  table.expire(Instant{1003ms}, out);
   ASSERT_EQ(out.size(), 1u);
   EXPECT_EQ(out[0].quality, Quality::kBadNoAnswer);
   EXPECT_EQ(out[0].acquired, kLongAgo);
@@ -131,10 +134,9 @@ TEST(ChannelTable, OnDemandChannelsAreNeverLate) {
   const BusSpec bus = one_device({demand});
   ChannelTable table(bus);
   std::vector<Sample> out;
-  std::vector<ChannelIndex> late;
   table.start(Instant{});
-  table.expire(Instant{100s}, out, late);
-  EXPECT_TRUE(late.empty());
+  table.expire(Instant{100s}, out);
+  EXPECT_EQ(table.misses(Instant{100s}).total(), 0u);
   table.not_yet_read(out);
   ASSERT_EQ(out.size(), 1u);
   EXPECT_EQ(out[0].quality, Quality::kNotYetRead);
@@ -146,29 +148,28 @@ TEST(ChannelTable, ShorterRefreshTakesEffectAtOnce) {
   const BusSpec bus = one_device({wished});
   ChannelTable table(bus);
   std::vector<Sample> out;
-  std::vector<ChannelIndex> late;
   table.set_refresh(0, 10s, Instant{});
   table.set_refresh(0, 200ms, Instant{1s});
-  EXPECT_EQ(table.next_expiry(), Instant{1200ms});
-  table.expire(Instant{1200ms}, out, late);
-  EXPECT_EQ(late.size(), 1u);
+  EXPECT_EQ(table.next_expiry(), Instant{1203ms});
+  table.expire(Instant{1203ms}, out);
+  EXPECT_EQ(out.size(), 1u);
   table.set_refresh(0, std::nullopt, Instant{2s});
-  table.expire(Instant{100s}, out, late);
-  EXPECT_EQ(late.size(), 1u);
+  table.expire(Instant{100s}, out);
+  EXPECT_EQ(out.size(), 1u);
+  EXPECT_EQ(table.misses(Instant{100s}).total(), 4u) << "until nobody wished it any more";
 }
 
 TEST(ChannelTable, RefusedChannelIsToldAtOnceAndOnce) {
   const BusSpec bus = one_device({channel("a", 1s)});
   ChannelTable table(bus);
   std::vector<Sample> out;
-  std::vector<ChannelIndex> late;
   table.start(Instant{});
   table.refused(0, Cause::kDeviceError, 2, Instant{100ms}, out);
   table.refused(0, Cause::kDeviceError, 2, Instant{60s}, out);
   ASSERT_EQ(out.size(), 1u);
   EXPECT_EQ(out[0].quality, Quality::kBadDeviceError);
   EXPECT_EQ(out[0].device_code, 2);
-  table.expire(Instant{100s}, out, late);
+  table.expire(Instant{100s}, out);
   EXPECT_EQ(out.size(), 1u);
 }
 
@@ -194,6 +195,19 @@ TEST(ChannelTable, AValueThatNobodyWishesAnyMoreDoesNotLookFresh) {
   table.acquired(0, 16, items(7), Instant{2100ms}, out);
   ASSERT_EQ(out.size(), 3u);
   EXPECT_EQ(out[2].quality, Quality::kGood);
+}
+
+// A gap between the promise and the telling of its breach is a miss as well, for stations see it.
+TEST(ChannelTable, ASampleThatComesJustTooLateIsAMiss) {
+  const BusSpec bus = one_device({channel("a", 1s)});
+  ChannelTable table(bus);
+  std::vector<Sample> out;
+  table.start(Instant{});
+  table.acquired(0, 16, items(7), Instant{1s}, out);
+  EXPECT_EQ(table.misses(Instant{1s}).total(), 0u);
+  table.acquired(0, 16, items(7), Instant{2001ms}, out);
+  EXPECT_EQ(table.misses(Instant{2001ms})[Cause::kLate], 1u);
+  EXPECT_EQ(table.report(0, Instant{2001ms}).last_miss, Cause::kLate);
 }
 
 }  // namespace

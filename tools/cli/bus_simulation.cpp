@@ -45,7 +45,7 @@ BusSimulation simulate(const BusPlan& plan, const sim::BusFaults& faults, const 
   for (DeviceIndex device = 0; device < plan.bus->devices.size(); ++device) {
     result.devices.push_back(bus.engine().device_report(device, bus.now()));
     for (std::size_t i = 0; i < plan.bus->devices[device].channels.size(); ++i)
-      result.channels.push_back(bus.engine().channel_report(channel++));
+      result.channels.push_back(bus.engine().channel_report(channel++, bus.now()));
   }
   result.stood_in.assign(stood_in.begin(), stood_in.end());
   result.fingerprint = bus.fingerprint();

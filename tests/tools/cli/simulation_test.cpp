@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "config/loader.hpp"
+#include "tests/schedule/maps.hpp"
 #include "tools/cli/bus_simulation.hpp"
 #include "tools/cli/simulation_view.hpp"
 
@@ -54,6 +55,34 @@ TEST(BusSimulation, WhatIsPredictedHappens) {
   EXPECT_EQ(simulation_json(simulation)["channels"].size(), 4u);
 }
 
+// 300 registers with refreshes from 100 ms to 10 s, at half of the load that any master could sustain at most.
+TEST(BusSimulation, PlanPredictionAndMeasurementAgreeOverTheMaps) {
+  for (const int number : {11, 12, 13, 14}) {
+    const test::Map map = test::read_map(std::string(FIELDCAST_SOURCE) + "/tests/maps/map" + std::to_string(number) + ".csv");
+    const double stretch = test::least_load(map, 19200, 5ms) / 0.5;
+    std::string text =
+        "bridge: b\nbuses:\n  - name: line\n    port: { serial: /dev/none, baud: 19200, format: 8E1 }\n    protocol: "
+        "modbus-rtu\n    devices:\n";
+    for (unsigned unit = 1; unit <= 3; ++unit) {
+      text += "      - name: u" + std::to_string(unit) + "\n        address: " + std::to_string(unit) + "\n        channels:\n";
+      for (const test::MapRow& row : map) {
+        if (row.unit != unit) continue;
+        text += "          - { name: r" + std::to_string(row.address) + ", at: \"holding:" + std::to_string(row.address) +
+                "\", type: uint16, refresh: " + std::to_string(static_cast<long>(row.refresh * stretch * 1e6)) + "us }\n";
+      }
+    }
+    const BridgeSpec spec = load(text);
+    const BusPlan plan = make_plan(spec.buses[0], 5ms);
+    EXPECT_TRUE(plan.prediction.feasible) << number;
+    const BusSimulation simulation = simulate(plan, {}, {3min, 1});
+    // The plan is made anew when the answer times are learned; after that nothing is missed.
+    const BusSimulation beginning = simulate(plan, {}, {20s, 1});
+    EXPECT_EQ(simulation.bus.deadline_misses, beginning.bus.deadline_misses) << number;
+    EXPECT_NEAR(simulation.bus.measured_load, plan.prediction.load, 0.05 * plan.prediction.load) << number;
+    EXPECT_NEAR(simulation.bus.planned_load, simulation.bus.measured_load, 0.05 * simulation.bus.measured_load) << number;
+  }
+}
+
 TEST(BusSimulation, EveryMissHasItsCauseAndItsChannel) {
   const BridgeSpec spec = load(kLine);
   const BusPlan plan = make_plan(spec.buses[0], 5ms);
@@ -67,11 +96,12 @@ TEST(BusSimulation, EveryMissHasItsCauseAndItsChannel) {
   std::uint64_t sum = 0;
   for (const ChannelReport& channel : simulation.channels) sum += channel.missed;
   EXPECT_EQ(sum, simulation.bus.deadline_misses);
-  EXPECT_EQ(simulation.channels[0].missed, 1u) << "the neighbour of a dead device misses only when the port is gone";
+  // Its neighbour is dead for half a minute; it misses only what the port's absence takes: 10 s at 200 ms.
+  EXPECT_NEAR(static_cast<double>(simulation.channels[0].missed), 50, 2);
   EXPECT_EQ(simulation.channels[0].last_miss, Cause::kPortClosed);
   const Json json = simulation_json(simulation);
   EXPECT_EQ(json["causes"]["NO_ANSWER"], simulation.bus.misses[Cause::kNoAnswer]);
-  EXPECT_EQ(json["channels"][0]["device"], "b") << "the worst comes first";
+  EXPECT_GE(json["channels"][0]["missed"], json["channels"][1]["missed"]) << "the worst comes first";
 }
 
 TEST(BusSimulation, OneSeedIsOneRunToTheLetter) {
