@@ -238,11 +238,24 @@ void Timetable::settle(unsigned rounds) {
 }
 
 void Timetable::change(std::size_t index, TimetableRequest request) {
-  leave(index);
-  requests_[index] = std::move(request);
-  if (requests_[index].members.empty()) return;
-  set_laps(requests_[index]);
-  enter(index);
+  set_laps(request);
+  TimetableRequest& before = requests_[index];
+  const bool same = request.beat == before.beat &&
+                    std::equal(request.members.begin(), request.members.end(), before.members.begin(), before.members.end(),
+                               [](const TimetableMember& a, const TimetableMember& b) {
+                                 return a.first == b.first && a.end == b.end && a.area == b.area && a.lap == b.lap;
+                               });
+  if (same) {
+    request.phase = before.phase;
+    for (std::size_t i = 0; i < request.members.size(); ++i) request.members[i].turn = before.members[i].turn;
+    before = std::move(request);
+    for (std::uint32_t frame = before.phase; frame < frames_; frame += before.beat)
+      set_cost(index, frame, read(before, frame, nullptr));
+  } else {
+    leave(index);
+    before = std::move(request);
+    if (!before.members.empty()) enter(index);
+  }
   find_latest();
 }
 

@@ -39,7 +39,7 @@ class Timetable {
 
   // Finds laps and turns for all.
   void fill(std::vector<TimetableRequest> requests, unsigned rounds);
-  // Gives one request other members; the others keep their turns.
+  // Gives one request other members or costs. The others keep their turns, and so does this one if only its costs are others.
   void change(std::size_t index, TimetableRequest request);
 
   [[nodiscard]] const TimetableRequest& request(std::size_t index) const { return requests_[index]; }
