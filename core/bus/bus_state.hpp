@@ -23,8 +23,9 @@ struct BusEngine::State {
   static constexpr Duration kForgetRefused = std::chrono::minutes{1};     // then a refused address is tried again
   static constexpr Duration kBusyPause = std::chrono::milliseconds{100};  // after "busy"
   static constexpr Duration kShortestProbe = std::chrono::milliseconds{10};
-  static constexpr Duration kProbeRetry = std::chrono::milliseconds{20};        // when the wire had no time for a probe
-  static constexpr Duration kAssumedAnswerTime = std::chrono::milliseconds{2};  // until the device's own is learned
+  static constexpr Duration kProbeRetry = std::chrono::milliseconds{20};  // when the wire had no time for a probe
+  static constexpr Duration kAssumedAnswerTime =
+      std::chrono::milliseconds{5};  // as `fieldcast plan` does, until the device's own is learned
   static constexpr Duration kAnswerTimeStep = std::chrono::microseconds{500};
   static constexpr int kSickShare = 10;  // a sick device wastes at most one part in this many of the wire
   static constexpr std::size_t kMaxRefusedListed = 64;

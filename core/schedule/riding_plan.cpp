@@ -276,11 +276,25 @@ void RidingScheduler::replan(std::int64_t now) {
   stale_ = false;
 }
 
+// Cutting anew moves all turns, which costs the wire a round: only where a request has become much dearer or cheaper.
+bool RidingScheduler::worth_cutting() {
+  constexpr double kMuch = 0.3;
+  std::vector<std::uint32_t> bridges;
+  for (const Strip& strip : layout_.strips) bridges.push_back(strip.cost.bridge());
+  bool much = cut_at_.empty();
+  for (std::size_t i = 0; i < cut_at_.size(); ++i) {
+    const double before = cut_at_[i], now = bridges[i];
+    much = much || std::abs(now - before) > kMuch * std::max(1.0, before);
+  }
+  if (much) cut_at_ = std::move(bridges);
+  return much;
+}
+
 // Answer times that were learned change what a request costs, and with it which neighbours are worth reading together. Points
 // keep their turns; only the clusters are cut anew.
 void RidingScheduler::recut(std::int64_t now) {
   costs_changed_ = false;
-  if (planner_ == Planner::kOnePerChannel) return;
+  if (planner_ == Planner::kOnePerChannel || !worth_cutting()) return;
   std::vector<Wanted> wanted;
   wanted.reserve(points_.size());
   for (const PointState& point : points_) wanted.push_back({point.first, point.end, false});

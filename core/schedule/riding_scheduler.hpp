@@ -1,10 +1,10 @@
 // The scheduler: of the reads that may begin, the one that is due first, never pre-empted.
 //
 // Each cluster has its beat and its points their turns by a timetable (timetable.hpp); slower points ride along with the reads of
-// the cluster (block_shape.hpp; list_shape.hpp where a request carries a list of ranges). Four queues hold clusters: `held_` those
-// whose read may not begin yet; `due_` those whose may; `spare_` those that have use for wire time that would otherwise be rest
-// (intensive, never read, failed); `asleep_` those with points that are left alone for a while. README.md beside this file tells
-// what was tried. Owned by the bus engine and touched by it alone.
+// the cluster (block_shape.hpp; list_shape.hpp where a request carries a list of ranges). Four queues hold clusters: `held_`
+// those whose read may not begin yet; `due_` those whose may; `spare_` those that have use for wire time that would otherwise be
+// rest (intensive, never read, failed); `asleep_` those with points that are left alone for a while. README.md beside this file
+// tells what was tried. Owned by the bus engine and touched by it alone.
 #pragma once
 
 #include <array>
@@ -86,6 +86,7 @@ class RidingScheduler final : public Scheduler {
   void begin(std::int64_t now);
   void replan(std::int64_t now);
   void recut(std::int64_t now);
+  [[nodiscard]] bool worth_cutting();
   void set_period(PointState& point) const;
   void watch_lateness(bool late, std::int64_t now);
 
@@ -162,6 +163,7 @@ class RidingScheduler final : public Scheduler {
   std::uint32_t late_ = 0, watched_ = 0;
   std::int64_t window_began_ = 0, rested_ = 0, rests_since_ = kNeverNs;
   std::vector<ClusterIndex> changed_;  // since the last plan
+  std::vector<std::uint32_t> cut_at_;  // what a read may bridge, by strip, when the clusters were cut
   bool stale_ = false;                 // a new plan may be needed
   bool costs_changed_ = false;         // clusters may have to be cut anew
   bool begun_ = false;
