@@ -76,7 +76,7 @@ void RidingScheduler::refresh_cluster(ClusterIndex index, std::int64_t now) {
   const std::int64_t cost = shape(index, points, cluster.urgent, std::max(now, due), 0).cost;
   cluster.agenda[0] = {due, cost, false};
   const std::int64_t release = due - cost - room_of(index, head);
-  if (release <= now) {
+  if (release <= now || head.mode == Mode::kIntensive) {  // the intensive ones let the wire never rest
     due_.put(index, due);
   } else {
     held_.put(index, release);
@@ -87,7 +87,7 @@ void RidingScheduler::refresh_cluster(ClusterIndex index, std::int64_t now) {
 // sooner yet would have to come again.
 std::int64_t RidingScheduler::room_of(ClusterIndex cluster, const PointState& head) const {
   constexpr double kNoTurn = 0.1;  // of the period, for those without a turn
-  if (head.mode == Mode::kIntensive || head.eager || head.lap == 0) return part(kNoTurn, head.period);
+  if (head.eager || head.lap == 0) return part(kNoTurn, head.period);
   return table_.room() * table_.request(cluster).beat;
 }
 

@@ -122,8 +122,9 @@ Duration RidingScheduler::slack(Instant at) {
   const std::int64_t now = ns(at);
   wake(now);
   if (planner_ == Planner::kRiding) {
-    if (!due_.empty()) return Duration::zero();
-    return held_.empty() ? Duration::max() : Duration{held_.top_key() - now};
+    std::int64_t free = held_.empty() ? kNeverNs : held_.top_key() - now;
+    if (!due_.empty()) free = std::min(free, due_.top_key() - clusters_[due_.top()].agenda[0].cost - now);
+    return free == kNeverNs ? Duration::max() : Duration{std::max<std::int64_t>(0, free)};
   }
   if (due_.empty()) return Duration::max();
   return Duration{std::max<std::int64_t>(0, look_ahead(now).rest)};
