@@ -6,6 +6,7 @@
 #include <condition_variable>
 
 #include "bridge/dds/station.hpp"
+#include "tests/bridge/support/claimed_domain.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
 #include "tests/bridge/support/tcp_client.hpp"
 
@@ -88,13 +89,12 @@ StationCommand write_to(const std::string& bus, const std::string& channel, std:
 
 struct BridgeTest : testing::Test {
   BridgeTest() {
-    // A domain of its own for each test of each run: tests run at the same time.
     spec.name = "line";
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    spec.dds.domain = 100 + static_cast<std::uint32_t>((std::hash<std::string>{}(info->name()) + ::getpid()) % 100);
+    spec.dds.domain = domain.number();
     spec.buses = {bus_at("one", first.path()), bus_at("two", second.path())};
   }
 
+  test::ClaimedDomain domain;
   BridgeSpec spec;
   Pty first, second;
 };
@@ -174,6 +174,7 @@ TEST_F(BridgeTest, AReloadOfTheProgrammingPortLeavesTheBusesRunning) {
   Bridge bridge;
   ASSERT_TRUE(bridge.start(spec));
   ASSERT_TRUE(ear.hears(good_from("one")));
+  ASSERT_TRUE(ear.hears(good_from("two")));
   BridgeSpec wanted = spec;
   wanted.program.engineers.emplace().listen = {"127.0.0.1", test::free_port()};
   ASSERT_TRUE(bridge.reload(wanted));

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "bridge/exit_code.hpp"
+#include "tests/bridge/support/claimed_domain.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
 #include "tests/bridge/support/process.hpp"
 
@@ -34,7 +35,7 @@ struct DaemonTest : testing::Test {
   // Bus one at the pseudo-terminal, bus two at a port that does not exist, whose channel lies at `at`.
   void write(const std::string& at, const std::string& interface = "127.0.0.1") const {
     std::ofstream(file) << "bridge: test\n"
-                        << "dds: { domain: " << 100 + ::getpid() % 100 << ", interfaces: [" << interface << "] }\n"
+                        << "dds: { domain: " << domain.number() << ", interfaces: [" << interface << "] }\n"
                         << "buses:\n"
                         << bus("one", pty.path(), "holding:0") << bus("two", folder / "no-such-port", at);
   }
@@ -44,6 +45,7 @@ struct DaemonTest : testing::Test {
            "          - { name: level, at: \"" + at + "\", type: uint16, refresh: 100ms }\n";
   }
 
+  test::ClaimedDomain domain;
   test::Pty pty;
   std::filesystem::path folder;
   std::string file;

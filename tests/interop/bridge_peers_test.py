@@ -1,6 +1,6 @@
 """The bridge reading and writing Modbus devices that others wrote: libmodbus and pymodbus, over serial lines and TCP, all at once.
 
-usage: bridge_peers_test.py BIN_FOLDER LIBMODBUS_SERVER DOMAIN
+usage: bridge_peers_test.py BIN_FOLDER LIBMODBUS_SERVER
 """
 
 import contextlib
@@ -12,9 +12,11 @@ import tempfile
 import time
 import unittest
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
 from peers import DEADLINE, Cable, Program, free_port
+from plant import claim_domain
 
-BIN = LIBMODBUS = DOMAIN = ""
+BIN = LIBMODBUS = ""
 PYMODBUS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "pymodbus_server.py")
 
 CHANNELS = {  # name: (at, type, value in the servers' memory)
@@ -60,7 +62,9 @@ class BridgePeersTest(unittest.TestCase):
     def test_every_value_and_every_kind_of_write(self):
         with contextlib.ExitStack() as stack:
             folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="fieldcast-interop-"))
-            text = f"bridge: interop\ndds: {{ domain: {DOMAIN}, interfaces: [127.0.0.1] }}\nbuses:\n"
+            domain, claim = claim_domain()
+            stack.enter_context(claim)
+            text = f"bridge: interop\ndds: {{ domain: {domain}, interfaces: [127.0.0.1] }}\nbuses:\n"
             buses = []
             for name, server, kind in (("libmodbus-rtu", [LIBMODBUS], "rtu"), ("pymodbus-rtu", [sys.executable, PYMODBUS], "rtu"),
                                        ("pymodbus-ascii", [sys.executable, PYMODBUS], "ascii")):
@@ -99,5 +103,5 @@ class BridgePeersTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    DOMAIN, LIBMODBUS, BIN = sys.argv.pop(), sys.argv.pop(), sys.argv.pop()
+    LIBMODBUS, BIN = sys.argv.pop(), sys.argv.pop()
     unittest.main()

@@ -1,5 +1,6 @@
 """What the interop tests share: programs that say READY, a null-modem cable, and mbpoll."""
 
+import itertools
 import os
 import re
 import select
@@ -93,10 +94,20 @@ class Cable:
             os.close(fd)
 
 
+_asked = itertools.count()
+
+
 def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
+    """A port that nobody listens at just now, below those that the kernel lends to connections."""
+    for _ in range(12000):
+        port = 20000 + (os.getpid() * 7 + next(_asked)) % 12000
+        with socket.socket() as probe:
+            try:
+                probe.bind(("127.0.0.1", port))
+                return port
+            except OSError:
+                continue
+    raise OSError("every port from 20000 to 31999 is taken")
 
 
 TABLES = {"coil": "0", "input": "1", "input-register": "3", "holding": "4"}

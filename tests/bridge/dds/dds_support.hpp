@@ -12,17 +12,18 @@
 
 #include "bridge/dds/dds_link.hpp"
 #include "bridge/dds/station.hpp"
+#include "tests/bridge/support/claimed_domain.hpp"
 
 namespace fieldcast::testing {
 
-// Two test processes at once must not hear each other. Domains above 100 have ports that the system hands out to others.
+// Two test processes at once do not hear each other: each claims its domain until it ends.
 inline DdsSpec loopback() {
+  static const test::ClaimedDomain domain;
   DdsSpec spec;
-  spec.domain = 10 + static_cast<std::uint32_t>(getpid()) % 90;
+  spec.domain = domain.number();
   return spec;
 }
 
-// Should two processes draw the same domain, their buses still differ.
 inline std::string bus_name(const std::string& stem) { return stem + "-" + std::to_string(getpid()); }
 
 inline UtcMapping both_clocks() {
