@@ -55,6 +55,7 @@ struct Bridge::State {
   std::unique_ptr<Store> store;       // outlives the outlets of the buses; null: nothing is stored
   std::unique_ptr<LoginDesk> logins;  // with a store only
   RepeatFilter refused_interests;
+  IoThread plans{"plans"};
   std::map<std::string, RunningBus, std::less<>> buses;
   OutletThread outlets;
   std::unique_ptr<DdsLink> link;  // its handlers enter the members above: closed before they end
@@ -120,7 +121,7 @@ void Bridge::State::start_bus(const BusSpec& bus) {
   RunningBus made;
   made.outlet = std::make_unique<DdsOutlet>(outlets, *link, store.get(), audit, bus);
   made.io = std::make_unique<IoThread>(bus.name);
-  made.runner = std::make_shared<BusRunner>(made.io->context(), bus, *made.outlet, &modules);
+  made.runner = std::make_shared<BusRunner>(made.io->context(), plans.context(), bus, *made.outlet, &modules);
   commands.add(bus.name, made.runner);  // before the bus is announced: its commands may come at once
   try {
     link->add_bus(bus);

@@ -4,6 +4,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <mutex>
 
 #include "bridge/back_off.hpp"
 #include "bridge/check.hpp"
@@ -13,6 +14,7 @@
 #include "bridge/notice_log.hpp"
 #include "bridge/port/port.hpp"
 #include "core/bus/bus_engine.hpp"
+#include "core/schedule/scheduler.hpp"
 
 namespace fieldcast {
 namespace {
@@ -36,12 +38,19 @@ CommandResult shutdown_result(const Command& command, Instant now) {
 
 }  // namespace
 
+// The way back from the thread of the plans, which may finish one when the bus is gone.
+struct WayBack {
+  std::mutex mutex;
+  asio::io_context* io = nullptr;  // null: the bus has stopped
+};
+
 // Everything on the io thread. One turn: an event and its `now` go into the engine, the actions that come out are executed in
 // order.
 class BusRunner::Loop final : public PortListener, public std::enable_shared_from_this<Loop> {
  public:
-  Loop(asio::io_context& io, const BusSpec& spec, BusOutlet& outlet, DialInRegistry* modules)
+  Loop(asio::io_context& io, asio::io_context& plans, const BusSpec& spec, BusOutlet& outlet, DialInRegistry* modules)
       : io_(io),
+        plans_(plans),
         spec_(spec),
         outlet_(outlet),
         engine_(spec),
@@ -51,7 +60,9 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
         ticking_(io),
         settled_(io),
         notices_(spec.name),
-        mapping_(read_clocks()) {}
+        mapping_(read_clocks()) {
+    way_back_->io = &io;
+  }
 
   asio::io_context& io() { return io_; }
   std::atomic<std::size_t> waiting{0};
@@ -64,6 +75,10 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
 
   void stop() {
     if (stopped_) return;
+    {
+      const std::lock_guard lock(way_back_->mutex);
+      way_back_->io = nullptr;
+    }
     revoke("the bus stops");
     turn(StopRequested{}, steady_now());
     stopped_ = true;
@@ -205,6 +220,17 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     if (trace_) trace_line(mapping_.to_utc(now), spec_.name, TraceMark::kRemark, traced.device + ": " + traced.text);
   }
 
+  void execute(const MakePlan& wanted, Instant) {
+    asio::post(plans_, [draft = wanted.draft, back = way_back_, self = weak_from_this()] {
+      draft->make();
+      const std::lock_guard lock(back->mutex);
+      if (!back->io) return;
+      asio::post(*back->io, [draft, self] {
+        if (const auto loop = self.lock()) loop->event(PlanMade{draft});
+      });
+    });
+  }
+
   void reopen_later(Instant now) {
     if (stopped_) return;
     reopening_.expires_after(back_off_.closed(now));
@@ -238,6 +264,8 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   }
 
   asio::io_context& io_;
+  asio::io_context& plans_;
+  std::shared_ptr<WayBack> way_back_ = std::make_shared<WayBack>();
   const BusSpec spec_;
   BusOutlet& outlet_;
   BusEngine engine_;
@@ -262,8 +290,9 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   bool stopped_ = false;
 };
 
-BusRunner::BusRunner(asio::io_context& io, const BusSpec& spec, BusOutlet& outlet, DialInRegistry* modules)
-    : loop_(std::make_shared<Loop>(io, spec, outlet, modules)) {}
+BusRunner::BusRunner(asio::io_context& io, asio::io_context& plans, const BusSpec& spec, BusOutlet& outlet,
+                     DialInRegistry* modules)
+    : loop_(std::make_shared<Loop>(io, plans, spec, outlet, modules)) {}
 
 BusRunner::~BusRunner() = default;
 

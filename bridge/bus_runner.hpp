@@ -39,9 +39,10 @@ class BusRunner {
   // Commands that may wait for the io thread. More are refused; the engine's own queue has its own limit.
   static constexpr std::size_t kMaxWaiting = 1024;
 
-  // The outlet must outlive the runner's stop(), and so must the registry, which a dial-in port needs. REQUIRES: spec is as the
-  // loader makes it.
-  BusRunner(boost::asio::io_context& io, const BusSpec& spec, BusOutlet& outlet, DialInRegistry* modules = nullptr);
+  // `plans`: where plans are made, which takes too long for the bus's own thread; may end after the bus, or before. The outlet must
+  // outlive the runner's stop(), and so must the registry, which a dial-in port needs. REQUIRES: spec is as the loader makes it.
+  BusRunner(boost::asio::io_context& io, boost::asio::io_context& plans, const BusSpec& spec, BusOutlet& outlet,
+            DialInRegistry* modules = nullptr);
   ~BusRunner();  // REQUIRES: stop() was waited for, or start() never called
   BusRunner(const BusRunner&) = delete;
   BusRunner& operator=(const BusRunner&) = delete;

@@ -89,6 +89,7 @@ void BusEngine::on_event(const BusEvent& event, Instant now, Actions& actions) {
       s.opened(now);
       s.channels.start(now);
     }
+    void operator()(const PlanMade& e) const { s.scheduler->adopt(*e.draft, now); }
     void operator()(const StopRequested&) const {
       s.conversation.abort();
       s.flight.reset();
@@ -111,6 +112,7 @@ void BusEngine::State::settle(Instant now, Actions& actions) {
   expire_commands(now, actions);
   if (bus_state == BusState::kRunning && !conversation.active()) decide(now, actions);
   tell_overload(actions);
+  ask_for_plan(actions);
 
   Instant next = kNever;
   if (bus_state != BusState::kStopped) {
@@ -124,6 +126,19 @@ void BusEngine::State::settle(Instant now, Actions& actions) {
   if (next == timer) return;
   timer = next;
   actions.push_back(SetTimer{next});
+}
+
+void BusEngine::State::ask_for_plan(Actions& actions) {
+  struct Kept {
+    std::vector<std::shared_ptr<const Protocol>> protocols;  // the draft asks them for sizes
+    std::unique_ptr<PlanDraft> draft;
+  };
+  auto draft = scheduler->draft();
+  if (!draft) return;
+  auto kept = std::make_shared<Kept>();
+  for (const DeviceRuntime& device : devices) kept->protocols.push_back(device.protocol);
+  kept->draft = std::move(draft);
+  actions.push_back(MakePlan{{kept, kept->draft.get()}});
 }
 
 void BusEngine::State::tell_overload(Actions& actions) {
@@ -341,6 +356,16 @@ void BusEngine::State::notice(Notice::Kind kind, DeviceIndex device, Cause cause
 
 void BusEngine::State::traced(DeviceIndex device, std::string text, Actions& actions) const {
   actions.push_back(Traced{spec.devices[device].name, std::move(text)});
+}
+
+void make_plans(BusEngine& engine, Instant now, Actions& actions) {
+  for (std::size_t i = 0; i < actions.size(); ++i) {
+    const auto* wanted = std::get_if<MakePlan>(&actions[i]);
+    if (!wanted) continue;
+    const auto draft = wanted->draft;
+    draft->make();
+    engine.on_event(PlanMade{draft}, now, actions);
+  }
 }
 
 }  // namespace fieldcast

@@ -46,4 +46,7 @@ class BusEngine {
   std::unique_ptr<State> state_;
 };
 
+// For those whose time is not the wire's: executes every MakePlan among the actions at once; what follows from it is appended.
+void make_plans(BusEngine& engine, Instant now, Actions& actions);
+
 }  // namespace fieldcast

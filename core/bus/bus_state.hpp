@@ -56,6 +56,7 @@ struct BusEngine::State {
   void settle(Instant now, Actions& actions);
   void decide(Instant now, Actions& actions);
   void tell_overload(Actions& actions);
+  void ask_for_plan(Actions& actions);
   void launch(Flight flight, Instant now, Actions& actions);
   void transmit(Instant now, Actions& actions);
   void advance(Conversation::Outcome outcome, Bytes&& out, Instant now, Actions& actions);

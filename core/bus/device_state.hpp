@@ -26,7 +26,7 @@ struct AreaLearning {
 
 struct DeviceRuntime {
   const DeviceSpec* spec = nullptr;
-  std::unique_ptr<Protocol> protocol;
+  std::shared_ptr<Protocol> protocol;
   AnswerTime answer_time;
   std::vector<AreaLearning> areas{};     // as the protocol has them
   PauseLearning pauses{};

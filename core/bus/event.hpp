@@ -1,6 +1,7 @@
 // The second seam: what happens to a bus, and what the bus wants done.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -14,6 +15,8 @@
 #include "core/model/spec.hpp"
 
 namespace fieldcast {
+
+class PlanDraft;  // core/schedule/scheduler.hpp
 
 // Events. The shell tells them in the order in which they happened.
 struct Opened {};  // the port is ready; nothing sent before is on the wire any more
@@ -36,8 +39,11 @@ struct LeaseBegan {
 };  // the port belongs to a programming session from now on
 struct LeaseEnded {};
 struct StopRequested {};  // answers every pending command with kShutdown; nothing is sent afterwards
-using BusEvent =
-    std::variant<Opened, Closed, Received, TimerFired, CommandArrived, InterestChanged, LeaseBegan, LeaseEnded, StopRequested>;
+struct PlanMade {  // what MakePlan asked for
+  std::shared_ptr<PlanDraft> draft;
+};
+using BusEvent = std::variant<Opened, Closed, Received, TimerFired, CommandArrived, InterestChanged, LeaseBegan, LeaseEnded,
+                              StopRequested, PlanMade>;
 
 // Actions, to be executed in order.
 struct Send {
@@ -80,7 +86,12 @@ struct Traced {
   std::string device;
   std::string text;  // "read holding 100..109: 10 items" or the failure
 };
-using Action = std::variant<Send, SetTimer, Publish, Promise, Complete, Reopen, Notice, Traced>;
+// Call the draft's make() away from the wire's time, on any thread, then tell PlanMade; one is asked for at a time. The draft needs
+// nothing of the engine, which may end before it.
+struct MakePlan {
+  std::shared_ptr<PlanDraft> draft;
+};
+using Action = std::variant<Send, SetTimer, Publish, Promise, Complete, Reopen, Notice, Traced, MakePlan>;
 using Actions = std::vector<Action>;
 
 }  // namespace fieldcast

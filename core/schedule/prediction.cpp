@@ -60,6 +60,7 @@ class Run {
       last_[point] = acquired;
     }
     scheduler_->acquired(block, acquired);
+    replan(*scheduler_, now_);
     if (shapes_.size() < kMostShapes) {
       Shape& shape = shapes_[key_of(block)];
       if (shape.count++ == 0) shape.block = block;

@@ -69,11 +69,7 @@ double RidingScheduler::cluster_load(ClusterIndex index, bool stretched) {
 
 double RidingScheduler::total_load(bool stretched) {
   double sum = 0;
-  for (ClusterIndex cluster = 0; cluster < clusters_.size(); ++cluster) {
-    const double load = cluster_load(cluster, stretched);
-    if (!stretched) clusters_[cluster].load = load;
-    sum += load;
-  }
+  for (ClusterIndex cluster = 0; cluster < clusters_.size(); ++cluster) sum += cluster_load(cluster, stretched);
   return sum;
 }
 
@@ -247,33 +243,92 @@ void RidingScheduler::begin(std::int64_t now) {
   for (ClusterIndex cluster = 0; cluster < clusters_.size(); ++cluster) refresh_cluster(cluster, now);
 }
 
-// After a change of refreshes, answer times or of what the wire really needs: a new plan, if it makes a difference. What is due
-// stays due; the beats of the clusters follow with their next reads.
-void RidingScheduler::replan(std::int64_t now) {
-  constexpr double kDifference = 0.02;
-  const double wanted = load_ * overrun_;
-  const bool stretches = std::max(wanted, planned_for_) > kFull && std::abs(wanted - planned_for_) > kDifference * planned_for_;
-  const std::int64_t fastest = fastest_;
-  if (stretches) {
-    plan();
-  } else {
-    find_fastest();
+void RidingScheduler::touch(ClusterIndex cluster) {
+  changed_.push_back(cluster);
+  if (drafting_) touched_.push_back(layout_.clusters[cluster].begin);
+}
+
+// Clusters with other refreshes or costs get turns on the timetable in force, until there is another. What is due stays due.
+void RidingScheduler::settle_changes(std::int64_t now) {
+  std::ranges::sort(changed_);
+  changed_.erase(std::ranges::unique(changed_).begin(), changed_.end());
+  if (planner_ == Planner::kRiding) {
+    for (const ClusterIndex cluster : changed_) table_.change(cluster, entry_of(cluster));
+    table_.align();
+    for (const ClusterIndex cluster : changed_) take_turns(cluster);
   }
-  if (stretches || fastest != fastest_) {
-    spread(now);
-    for (ClusterIndex cluster = 0; cluster < clusters_.size(); ++cluster) refresh_cluster(cluster, now);
-  } else {
-    for (const ClusterIndex cluster : changed_) {
-      if (planner_ == Planner::kRiding) {
-        table_.change(cluster, entry_of(cluster));
-        take_turns(cluster);
-      }
-      refresh_cluster(cluster, now);
-    }
-  }
-  reserve_ = part(kSimpleReserve, fastest_);
+  for (const ClusterIndex cluster : changed_) refresh_cluster(cluster, now);
   changed_.clear();
-  stale_ = false;
+}
+
+struct RidingScheduler::Draft final : PlanDraft {
+  explicit Draft(const RidingScheduler& of) : plan(of) {}
+  void make() override { plan.make_plan(); }
+  RidingScheduler plan;
+};
+
+std::unique_ptr<PlanDraft> RidingScheduler::draft() {
+  if (drafting_ || !stale_) return nullptr;
+  auto draft = std::make_unique<Draft>(*this);
+  stale_ = costs_changed_ = false;
+  drafting_ = true;
+  touched_.clear();
+  return draft;
+}
+
+// Of a draft: a new plan after changes of refreshes, answer times or of what the wire really needs, if it makes a difference.
+void RidingScheduler::make_plan() {
+  constexpr double kDifference = 0.02;
+  cut_ = costs_changed_ && cut_anew();
+  planned_ = cut_;
+  if (!cut_) {
+    load_ = total_load(false);
+    const double wanted = load_ * overrun_;
+    const std::int64_t fastest = fastest_;
+    find_fastest();
+    planned_ = fastest != fastest_ || (std::max(wanted, planned_for_) > kFull &&
+                                       std::abs(wanted - planned_for_) > kDifference * planned_for_);
+  }
+  if (planned_) plan();
+}
+
+// What is due stays due, by periods stretched otherwise; the beats of the clusters follow with their next reads. Clusters that
+// changed while the plan was made find turns on it.
+void RidingScheduler::adopt(PlanDraft& draft, Instant at) {
+  RidingScheduler& plan = static_cast<Draft&>(draft).plan;
+  drafting_ = false;
+  load_ = plan.load_;
+  cut_at_ = std::move(plan.cut_at_);
+  if (!plan.planned_) return;
+  if (plan.cut_) {
+    layout_.clusters = std::move(plan.layout_.clusters);
+    layout_.cluster_at = std::move(plan.layout_.cluster_at);
+    layout_.clusters_of = std::move(plan.layout_.clusters_of);
+    clusters_.assign(layout_.clusters.size(), {});
+    due_ = held_ = spare_ = asleep_ = DueQueue(clusters_.size());
+    batch_.clear();
+  }
+  for (Place place = 0; place < points_.size(); ++place) {
+    points_[place].stretch = plan.points_[place].stretch;
+    set_period(points_[place]);
+  }
+  table_ = std::move(plan.table_);
+  fit_ = plan.fit_;
+  stretch_ = plan.stretch_;
+  least_elasticity_ = plan.least_elasticity_;
+  uneven_ = plan.uneven_;
+  priorities_ = plan.priorities_;
+  planned_for_ = plan.planned_for_;
+  crowded_ = plan.crowded_;
+  fastest_ = plan.fastest_;
+  reserve_ = plan.reserve_;
+  changed_.clear();
+  for (const Place place : touched_) changed_.push_back(layout_.cluster_at[place]);
+  if (!begun_) return;
+  const std::int64_t now = at.time_since_epoch().count();
+  settle_changes(now);
+  spread(now);
+  for (ClusterIndex cluster = 0; cluster < clusters_.size(); ++cluster) refresh_cluster(cluster, now);
 }
 
 // Cutting anew moves all turns, which costs the wire a round: only where a request has become much dearer or cheaper.
@@ -290,11 +345,10 @@ bool RidingScheduler::worth_cutting() {
   return much;
 }
 
-// Answer times that were learned change what a request costs, and with it which neighbours are worth reading together. Points
-// keep their turns; only the clusters are cut anew.
-void RidingScheduler::recut(std::int64_t now) {
-  costs_changed_ = false;
-  if (planner_ == Planner::kOnePerChannel || !worth_cutting()) return;
+// Answer times that were learned change what a request costs, and with it which neighbours are worth reading together. Whether
+// there are other clusters now.
+bool RidingScheduler::cut_anew() {
+  if (planner_ == Planner::kOnePerChannel || !worth_cutting()) return false;
   std::vector<Wanted> wanted;
   wanted.reserve(points_.size());
   for (const PointState& point : points_) wanted.push_back({point.first, point.end, false});
@@ -304,15 +358,8 @@ void RidingScheduler::recut(std::int64_t now) {
     for (const PointState& point : points_) rates.push_back(1e9 / static_cast<double>(point.refresh));
   }
   cut_into_clusters(wanted, rates, layout_);
-  if (layout_.clusters == before) return;
-  const std::size_t count = layout_.clusters.size();
-  clusters_.assign(count, {});
-  due_ = held_ = spare_ = asleep_ = DueQueue(count);
-  batch_.clear();
-  changed_.clear();
-  plan();
-  spread(now);
-  for (ClusterIndex cluster = 0; cluster < count; ++cluster) refresh_cluster(cluster, now);
+  clusters_.assign(layout_.clusters.size(), {});
+  return layout_.clusters != before;
 }
 
 // A wire that is slower than planned (retries, late answers) shows in points that come late although the wire never rests.

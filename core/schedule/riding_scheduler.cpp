@@ -132,8 +132,7 @@ Duration RidingScheduler::slack(Instant at) {
 
 void RidingScheduler::wake(std::int64_t now) {
   if (!begun_) begin(now);
-  if (costs_changed_) recut(now);
-  if (stale_) replan(now);
+  if (!changed_.empty()) settle_changes(now);
   while (!suspended_.empty() && suspended_.top_key() <= now) {
     const auto device = static_cast<DeviceIndex>(suspended_.top());
     suspended_.remove(device);
@@ -336,9 +335,7 @@ void RidingScheduler::change_cost(DeviceIndex device, AreaIndex area, const Chan
   for (const ClusterIndex index : layout_.clusters_of[device]) {
     const Cluster& cluster = layout_.clusters[index];
     if (!cluster.list && layout_.strips[cluster.strip].area != area) continue;
-    load_ -= clusters_[index].load;
-    load_ += clusters_[index].load = cluster_load(index, false);
-    changed_.push_back(index);
+    touch(index);
   }
   stale_ = costs_changed_ = true;
 }
@@ -367,10 +364,15 @@ void RidingScheduler::set_point(PointIndex index, Duration refresh, Mode mode, I
     point.due = point.deadline = later(ns(at), point.period);
     point.eager = true;
   }
-  load_ -= clusters_[cluster].load;
-  load_ += clusters_[cluster].load = cluster_load(cluster, false);
-  changed_.push_back(cluster);
+  touch(cluster);
   stale_ = true;
+}
+
+void replan(Scheduler& scheduler, Instant now) {
+  const auto draft = scheduler.draft();
+  if (!draft) return;
+  draft->make();
+  scheduler.adopt(*draft, now);
 }
 
 std::unique_ptr<Scheduler> make_scheduler(const ScheduleInput& input, Planner planner) {

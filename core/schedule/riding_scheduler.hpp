@@ -38,6 +38,8 @@ class RidingScheduler final : public Scheduler {
   void set_longest(DeviceIndex device, AreaIndex area, std::uint32_t items) override;
   [[nodiscard]] Duration slack(Instant now) override;
   void set_point(PointIndex point, Duration refresh, Mode mode, Instant now) override;
+  [[nodiscard]] std::unique_ptr<PlanDraft> draft() override;
+  void adopt(PlanDraft& draft, Instant now) override;
   [[nodiscard]] double planned_load() const override { return load_ * fit_; }
   [[nodiscard]] double stretch() const override { return stretch_; }
 
@@ -54,8 +56,8 @@ class RidingScheduler final : public Scheduler {
     std::uint32_t spare_urgent = 0;  // and that is due first among those that want spare wire time
     std::array<Coming, kAgenda> agenda;
     Beat beat;
-    double load = 0;  // share of the wire that it needs, unstretched
   };
+  struct Draft;
   // How much wire time is free before the earliest latest start.
   struct Slack {
     std::int64_t rest = 0;    // before anything must begin
@@ -84,9 +86,11 @@ class RidingScheduler final : public Scheduler {
   void make_timetable();
   void fit(double factor);
   void begin(std::int64_t now);
-  void replan(std::int64_t now);
-  void recut(std::int64_t now);
+  void settle_changes(std::int64_t now);
+  void make_plan();
+  [[nodiscard]] bool cut_anew();
   [[nodiscard]] bool worth_cutting();
+  void touch(ClusterIndex cluster);
   void set_period(PointState& point) const;
   void watch_lateness(bool late, std::int64_t now);
 
@@ -162,10 +166,13 @@ class RidingScheduler final : public Scheduler {
   std::int64_t fastest_ = 1;  // period of the bus
   std::uint32_t late_ = 0, watched_ = 0;
   std::int64_t window_began_ = 0, rested_ = 0, rests_since_ = kNeverNs;
-  std::vector<ClusterIndex> changed_;  // since the last plan
+  std::vector<ClusterIndex> changed_;  // to be given other turns
+  std::vector<Place> touched_;         // first places of clusters that changed since the draft was begun
   std::vector<std::uint32_t> cut_at_;  // what a read may bridge, by strip, when the clusters were cut
   bool stale_ = false;                 // a new plan may be needed
   bool costs_changed_ = false;         // clusters may have to be cut anew
+  bool drafting_ = false;              // a draft is out
+  bool planned_ = false, cut_ = false;  // of a draft that was made: whether there is a new plan, and other clusters
   bool begun_ = false;
   std::vector<Ahead> ahead_;          // scratch of look_ahead()
   std::vector<std::size_t> walk_;     // scratch of in_the_way()

@@ -53,6 +53,13 @@ struct Rest {
 };  // nothing is worth reading before then
 using Decision = std::variant<Block, Rest>;
 
+// A plan in the making, from a copy of all that the scheduler knew: it can be made on any thread.
+class PlanDraft {
+ public:
+  virtual ~PlanDraft() = default;
+  virtual void make() = 0;
+};
+
 class Scheduler {
  public:
   virtual ~Scheduler() = default;
@@ -77,11 +84,19 @@ class Scheduler {
   [[nodiscard]] virtual Duration slack(Instant now) = 0;
   // Another refresh or mode for a point, effective at once (interest, overload).
   virtual void set_point(PointIndex point, Duration refresh, Mode mode, Instant now) = 0;
+  // What was learned and wished since the plan in force was made may be worth another one. That takes milliseconds, for ten
+  // thousand points a tenth of a second: not on the wire's time. Null: nothing has changed, or a draft is out.
+  [[nodiscard]] virtual std::unique_ptr<PlanDraft> draft() = 0;
+  // Puts a plan in force. REQUIRES: the last draft of this scheduler, made.
+  virtual void adopt(PlanDraft& draft, Instant now) = 0;
   // Share of the wire that the plan needs in the long run, 0..; above 1 is overload.
   [[nodiscard]] virtual double planned_load() const = 0;
   // Factor by which overload stretches all refreshes at present; 1 without overload.
   [[nodiscard]] virtual double stretch() const = 0;
 };
+
+// Makes a new plan here and now, if one is due: where the caller's time is not the wire's.
+void replan(Scheduler& scheduler, Instant now);
 
 // REQUIRES: points name devices of the input and areas of their protocols. A refresh shorter than the wire time of its own
 // point counts as that time. A point that no request of its protocol can carry is never read. Time begins with the first call of

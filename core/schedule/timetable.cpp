@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <limits>
 #include <numeric>
 #include <tuple>
@@ -32,6 +33,8 @@ std::uint32_t lap_within(std::uint32_t usable, std::uint32_t beat, std::uint32_t
   while (lap > beat && frames % lap != 0) lap -= beat;
   return lap;
 }
+
+std::size_t words_for(std::size_t members) { return (members + 63) / 64; }
 
 double growth(std::int64_t before, double more) { return more * (2.0 * static_cast<double>(before) + more); }
 
@@ -89,22 +92,38 @@ void Timetable::set_laps(TimetableRequest& request) const {
   for (TimetableMember& member : request.members) member.lap = lap_within(frames_in(member, parts_), request.beat, frames_);
 }
 
-std::int64_t Timetable::read(const TimetableRequest& request, std::uint32_t frame, const TimetableMember* besides) const {
+// Wire time of a request in a frame: of the members that are due in it, and one more.
+std::int64_t Timetable::read(std::size_t index, std::uint32_t frame, std::size_t besides) const {
+  const TimetableRequest& request = requests_[index];
+  const std::size_t words = words_for(request.members.size());
+  const std::uint64_t* const due = due_[index].data() + frame * words;
   const TimetableMember* range = nullptr;  // the first of it
   std::uint32_t end = 0;
   double sum = 0;
-  for (const TimetableMember& member : request.members) {
-    if (&member != besides && (member.turn == ~0u || frame % std::min(member.lap, frames_) != member.turn % frames_)) continue;
-    const bool joins = range != nullptr && (!request.list || (member.area == range->area && member.first <= end + member.bridge));
-    if (!joins) {
-      sum += static_cast<double>(member.range_ns) - member.item_ns;
-      range = &member;
-      end = member.first;
+  for (std::size_t word = 0; word < words; ++word) {
+    std::uint64_t left = due[word];
+    if (besides / 64 == word) left |= std::uint64_t{1} << besides % 64;
+    for (; left != 0; left &= left - 1) {
+      const TimetableMember& member = request.members[word * 64 + static_cast<std::size_t>(std::countr_zero(left))];
+      const bool joins =
+          range != nullptr && (!request.list || (member.area == range->area && member.first <= end + member.bridge));
+      if (!joins) {
+        sum += static_cast<double>(member.range_ns) - member.item_ns;
+        range = &member;
+        end = member.first;
+      }
+      if (member.end <= end) continue;
+      sum += member.item_ns * (member.end - end);
+      end = member.end;
     }
-    sum += member.item_ns * (std::max(end, member.end) - end);
-    end = std::max(end, member.end);
   }
   return range == nullptr ? 0 : request.base + static_cast<std::int64_t>(sum);
+}
+
+void Timetable::mark(std::size_t index, std::size_t member, std::uint32_t frame, bool due) {
+  std::uint64_t& word = due_[index][frame * words_for(requests_[index].members.size()) + member / 64];
+  const std::uint64_t bit = std::uint64_t{1} << member % 64;
+  word = due ? word | bit : word & ~bit;
 }
 
 void Timetable::set_cost(std::size_t index, std::uint32_t frame, std::int64_t cost) {
@@ -121,24 +140,30 @@ double Timetable::strain(std::size_t index, std::uint32_t frame, std::int64_t co
   return more + (level_frames_ * growth(total_[frame], more) + steady) / static_cast<double>(frame_);
 }
 
-void Timetable::place(std::size_t index, TimetableMember& member) {
+void Timetable::place(std::size_t index, std::size_t place) {
   const TimetableRequest& request = requests_[index];
+  TimetableMember& member = requests_[index].members[place];
   double least = 0;
   std::uint32_t best = request.phase;
   for (std::uint32_t turn = request.phase; turn < std::min(member.lap, frames_); turn += request.beat) {
     double sum = 0;
-    for (std::uint32_t frame = turn; frame < frames_; frame += member.lap)
-      sum += strain(index, frame, read(request, frame, &member));
+    for (std::uint32_t frame = turn; frame < frames_ && (turn == request.phase || sum < least); frame += member.lap)
+      sum += strain(index, frame, read(index, frame, place));
     if (turn == request.phase || sum < least) least = sum, best = turn;
   }
   member.turn = best;
-  for (std::uint32_t frame = best; frame < frames_; frame += member.lap) set_cost(index, frame, read(request, frame, nullptr));
+  for (std::uint32_t frame = best; frame < frames_; frame += member.lap) {
+    mark(index, place, frame, true);
+    set_cost(index, frame, read(index, frame));
+  }
 }
 
-void Timetable::take_out(std::size_t index, TimetableMember& member) {
-  const std::uint32_t turn = std::exchange(member.turn, ~0u);
-  for (std::uint32_t frame = turn; frame < frames_; frame += member.lap)
-    set_cost(index, frame, read(requests_[index], frame, nullptr));
+void Timetable::take_out(std::size_t index, std::size_t place) {
+  TimetableMember& member = requests_[index].members[place];
+  for (std::uint32_t frame = std::exchange(member.turn, ~0u); frame < frames_; frame += member.lap) {
+    mark(index, place, frame, false);
+    set_cost(index, frame, read(index, frame));
+  }
 }
 
 // The least crowded phase, then the members from the fastest to the slowest.
@@ -150,15 +175,20 @@ void Timetable::enter(std::size_t index) {
     for (std::uint32_t frame = phase; frame < frames_; frame += request.beat) sum += total_[frame];
     if (phase == 0 || sum < least) least = sum, request.phase = phase;
   }
-  std::vector<TimetableMember*> order;
-  for (TimetableMember& member : request.members) {
+  due_[index].assign(words_for(request.members.size()) * frames_, 0);
+  std::vector<std::size_t> order;
+  for (std::size_t place = 0; place < request.members.size(); ++place) {
+    TimetableMember& member = request.members[place];
     member.turn = member.lap == request.beat ? request.phase : ~0u;
-    if (member.turn == ~0u) order.push_back(&member);
+    if (member.turn == ~0u) {
+      order.push_back(place);
+      continue;
+    }
+    for (std::uint32_t frame = request.phase; frame < frames_; frame += request.beat) mark(index, place, frame, true);
   }
-  for (std::uint32_t frame = request.phase; frame < frames_; frame += request.beat)
-    set_cost(index, frame, read(request, frame, nullptr));
-  std::stable_sort(order.begin(), order.end(), [](const auto* a, const auto* b) { return a->lap < b->lap; });
-  for (TimetableMember* member : order) place(index, *member);
+  for (std::uint32_t frame = request.phase; frame < frames_; frame += request.beat) set_cost(index, frame, read(index, frame));
+  std::ranges::stable_sort(order, {}, [&](std::size_t place) { return request.members[place].lap; });
+  for (const std::size_t place : order) this->place(index, place);
 }
 
 void Timetable::leave(std::size_t index) {
@@ -167,7 +197,7 @@ void Timetable::leave(std::size_t index) {
 
 // When each request ends at the latest, if those that come before it in its frames do not end earlier than they must. Few beats
 // come first; among them those whose reads change least.
-void Timetable::find_latest() {
+void Timetable::align() {
   std::vector<std::size_t> order(requests_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto riders = [&](std::size_t index) {
@@ -215,6 +245,7 @@ void Timetable::settle(unsigned rounds) {
   cost_.assign(requests_.size() * frames_, 0);
   total_.assign(frames_, 0);
   steady_.assign(frames_, 0);
+  due_.assign(requests_.size(), {});
   std::vector<std::size_t> order(requests_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
@@ -227,14 +258,14 @@ void Timetable::settle(unsigned rounds) {
         enter(index);
         continue;
       }
-      for (TimetableMember& member : requests_[index].members) {
-        if (member.lap == requests_[index].beat) continue;
+      for (std::size_t member = 0; member < requests_[index].members.size(); ++member) {
+        if (requests_[index].members[member].lap == requests_[index].beat) continue;
         take_out(index, member);
         place(index, member);
       }
     }
   }
-  find_latest();
+  align();
 }
 
 void Timetable::change(std::size_t index, TimetableRequest request) {
@@ -250,13 +281,12 @@ void Timetable::change(std::size_t index, TimetableRequest request) {
     for (std::size_t i = 0; i < request.members.size(); ++i) request.members[i].turn = before.members[i].turn;
     before = std::move(request);
     for (std::uint32_t frame = before.phase; frame < frames_; frame += before.beat)
-      set_cost(index, frame, read(before, frame, nullptr));
+      set_cost(index, frame, read(index, frame));
   } else {
     leave(index);
     before = std::move(request);
     if (!before.members.empty()) enter(index);
   }
-  find_latest();
 }
 
 double Timetable::load() const {

@@ -40,7 +40,10 @@ class Timetable {
   // Finds laps and turns for all.
   void fill(std::vector<TimetableRequest> requests, unsigned rounds);
   // Gives one request other members or costs. The others keep their turns, and so does this one if only its costs are others.
+  // After the last of several changes: align().
   void change(std::size_t index, TimetableRequest request);
+  // Finds anew when each request ends in its frames.
+  void align();
 
   [[nodiscard]] const TimetableRequest& request(std::size_t index) const { return requests_[index]; }
   [[nodiscard]] std::int64_t frame() const { return frame_; }
@@ -53,15 +56,16 @@ class Timetable {
   [[nodiscard]] double spent(std::uint32_t parts, std::uint32_t frames) const;
   void set_laps(TimetableRequest& request) const;
   [[nodiscard]] std::int64_t& cost(std::size_t index, std::uint32_t frame) { return cost_[index * frames_ + frame]; }
-  [[nodiscard]] std::int64_t read(const TimetableRequest& request, std::uint32_t frame, const TimetableMember* besides) const;
+  [[nodiscard]] std::int64_t read(std::size_t index, std::uint32_t frame, std::size_t besides = kNobody) const;
+  void mark(std::size_t index, std::size_t member, std::uint32_t frame, bool due);
   void set_cost(std::size_t index, std::uint32_t frame, std::int64_t cost);
   [[nodiscard]] double strain(std::size_t index, std::uint32_t frame, std::int64_t cost) const;
   void enter(std::size_t index);
   void leave(std::size_t index);
-  void place(std::size_t index, TimetableMember& member);
-  void take_out(std::size_t index, TimetableMember& member);
-  void find_latest();
+  void place(std::size_t index, std::size_t member);
+  void take_out(std::size_t index, std::size_t member);
 
+  static constexpr std::size_t kNobody = ~std::size_t{0};
   std::int64_t beat_, beat_room_;
   std::int64_t frame_, room_;   // a part of a beat
   std::uint32_t parts_ = 1;     // frames in a beat
@@ -69,6 +73,7 @@ class Timetable {
   std::uint32_t shortest_ = 1;  // of all requests' beats
   double level_frames_ = 0, level_steady_ = 0;
   std::vector<TimetableRequest> requests_;
+  std::vector<std::vector<std::uint64_t>> due_;  // by request: a bit for each of its members, frame after frame
   std::vector<std::int64_t> cost_;    // of each request in each frame
   std::vector<std::int64_t> total_;   // of each frame
   std::vector<std::int64_t> steady_;  // the same, of the requests that are sent most often

@@ -63,7 +63,7 @@ struct BusRunnerTest : testing::Test {
     if (runner) stop();
   }
   void begin(const BusSpec& spec) {
-    runner = std::make_unique<BusRunner>(io.context(), spec, outlet);
+    runner = std::make_unique<BusRunner>(io.context(), io.context(), spec, outlet);
     runner->start();
   }
   void stop() {

@@ -23,7 +23,7 @@ struct CommandDeskTest : testing::Test {
     BusSpec bus;
     bus.name = "bus";
     bus.port = SerialPortSpec{pty.path()};
-    runner = std::make_shared<BusRunner>(io.context(), bus, outlet);
+    runner = std::make_shared<BusRunner>(io.context(), io.context(), bus, outlet);
     desk.add("bus", runner);
     runner->start();
   }

@@ -115,6 +115,7 @@ void FreeportBus::publish(const Sample& sample) {
 void FreeportBus::feed(const BusEvent& event) {
   actions_.clear();
   engine_.on_event(event, now_, actions_);
+  make_plans(engine_, now_, actions_);
   for (const Action& action : actions_) {
     if (const auto* send = std::get_if<Send>(&action)) act(*send);
     if (const auto* set = std::get_if<SetTimer>(&action)) timer_ = set->at == kNever ? kNever : std::max(set->at, now_);

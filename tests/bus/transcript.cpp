@@ -67,6 +67,7 @@ class Replay {
   void feed(const BusEvent& event, Instant at) {
     Actions actions;
     engine_.on_event(event, at, actions);
+    make_plans(engine_, at, actions);
     for (const Action& action : actions) std::visit([&](const auto& a) { tell(a, at); }, action);
   }
   void line(Instant at, const std::string& what) {
@@ -96,6 +97,7 @@ class Replay {
   void tell(const Reopen& a, Instant at) { line(at, "reopen: " + a.reason); }
   void tell(const Notice& a, Instant at) { line(at, "notice " + (a.device.empty() ? bus_.name : a.device) + ": " + a.text); }
   void tell(const Traced&, Instant) {}
+  void tell(const MakePlan&, Instant) {}
 
   BusSpec bus_;
   BusEngine engine_;

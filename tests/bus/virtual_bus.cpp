@@ -80,6 +80,7 @@ void VirtualBus::see(const Action& action) {
     void operator()(const Reopen&) const {}
     void operator()(const Notice& a) const { bus.notices_.push_back(a); }
     void operator()(const Traced&) const {}
+    void operator()(const MakePlan&) const {}
   };
   std::visit(Execute{*this}, action);
 }

@@ -213,6 +213,7 @@ TEST(Overload, WireThatIsSlowerThanPlannedStretchesToo) {
       const Block& block = std::get<Block>(decision);
       now += 3 * block.cost;
       scheduler->acquired(block, now - input.silence);
+      replan(*scheduler, now);
     }
   }
   EXPECT_GT(scheduler->stretch(), 1.2);

@@ -76,9 +76,11 @@ TEST(Timetable, OtherCostsLeaveTheTurnsAndOtherMembersLeaveThoseOfTheRest) {
   TimetableRequest slower = requests[0];
   slower.base = 15'000'000;
   table.change(0, slower);
+  table.align();
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(table.request(0).members[i].turn, first.members[i].turn) << i;
   EXPECT_GT(table.request(0).latest, first.latest);
   table.change(1, request({2, 4}));
+  table.align();
   EXPECT_EQ(table.request(1).beat * table.frame(), 2 * kBeat);
   EXPECT_EQ(table.request(2).phase, last.phase);
   for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(table.request(2).members[i].turn, last.members[i].turn) << i;
@@ -89,6 +91,7 @@ TEST(Timetable, ARequestWithoutMembersTakesNoTime) {
   table.fill({request({1}), TimetableRequest{}}, 2);
   EXPECT_NEAR(table.load(), 0.11, 0.001);
   table.change(0, TimetableRequest{});
+  table.align();
   EXPECT_EQ(table.load(), 0.0);
 }
 

@@ -91,6 +91,7 @@ class VirtualWire {
     }
     for (const PointIndex point : block.points) note(point, acquired);
     scheduler_.acquired(block, acquired);
+    replan(scheduler_, now_);
   }
   void note(PointIndex point, Instant acquired) {
     Seen& seen = seen_[point];

@@ -133,6 +133,7 @@ void print_decision() {
         now = std::get<Rest>(decision).until;
       }
       took.push_back(processor_time() - asked);
+      replan(*scheduler, now);  // on another thread, in a bridge
       total += took.back();
       ++decisions;
     }

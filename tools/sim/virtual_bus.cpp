@@ -52,6 +52,7 @@ void VirtualBus::feed(const BusEvent& event) {
     spare_.pop_back();
   }
   engine_.on_event(event, now_, actions);
+  make_plans(engine_, now_, actions);
   for (const Action& action : actions) act(action);
   actions.clear();
   spare_.push_back(std::move(actions));

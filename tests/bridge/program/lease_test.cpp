@@ -37,7 +37,7 @@ BusSpec bus_of(const PortSpec& port) {
 struct Lease : test::ServerFixture {
   // A bus that runs and is known to the server, until the test ends.
   void run(const BusSpec& bus) {
-    runner = std::make_shared<BusRunner>(io.context(), bus, outlet, &modules);
+    runner = std::make_shared<BusRunner>(io.context(), io.context(), bus, outlet, &modules);
     runner->start();
     server.add_bus(bus, runner);
     name = bus.name;

@@ -94,6 +94,7 @@ class LateBus {
   void feed(const BusEvent& event) {
     Actions actions;
     engine_->on_event(event, now_, actions);
+    make_plans(*engine_, now_, actions);
     bool reopen = false;
     for (const Action& action : actions) {
       reopen = reopen || std::holds_alternative<Reopen>(action);
