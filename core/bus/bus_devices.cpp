@@ -32,7 +32,9 @@ void BusEngine::State::learn_answer_time(DeviceIndex index, const Request& reque
   if (!std::holds_alternative<ReadRequest>(request)) return;  // writing takes a time of its own
   AreaLearning& area = device.areas[area_of(request)];
   area.answer_time.learn(measured);
-  const Duration learned = area.answer_time.mean();
+  area.answers = std::min(area.answers + 1, kUsualAnswers);
+  area.usual_answer_time += (std::max(measured, Duration::zero()) - area.usual_answer_time) / area.answers;
+  const Duration learned = area.usual_answer_time;
   const Duration change =
       learned > area.planned_answer_time ? learned - area.planned_answer_time : area.planned_answer_time - learned;
   if (change < std::max(kAnswerTimeStep, area.planned_answer_time / 8)) return;
@@ -53,6 +55,7 @@ void BusEngine::State::forget_learned(DeviceIndex index) {
   device.answered_at = kLongAgo;
   for (AreaIndex area = 0; area < device.areas.size(); ++area) {
     device.areas[area].answer_time.forget();
+    device.areas[area].answers = 0;
     if (device.areas[area].blocks.forget()) scheduler->set_longest(index, area, 0);
   }
 }

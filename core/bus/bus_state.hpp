@@ -26,6 +26,7 @@ struct BusEngine::State {
   static constexpr Duration kProbeRetry = std::chrono::milliseconds{20};  // when the wire had no time for a probe
   static constexpr Duration kAssumedAnswerTime =
       std::chrono::milliseconds{5};  // as `fieldcast plan` does, until the device's own is learned
+  static constexpr int kUsualAnswers = 64;  // that a device's usual answer time follows
   static constexpr Duration kAnswerTimeStep = std::chrono::microseconds{500};
   static constexpr int kSickShare = 10;  // a sick device wastes at most one part in this many of the wire
   static constexpr std::size_t kMaxRefusedListed = 64;

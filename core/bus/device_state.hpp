@@ -22,6 +22,8 @@ struct AreaLearning {
   AnswerTime answer_time;
   Duration planned_answer_time{};  // as the scheduler was last told
   BlockLearning blocks;
+  Duration usual_answer_time{};  // over more answers than the mean that timeouts follow: plans must not follow each breath of it
+  int answers = 0;               // in the usual one
 };
 
 struct DeviceRuntime {

@@ -278,7 +278,7 @@ std::unique_ptr<PlanDraft> RidingScheduler::draft() {
 
 // Of a draft: a new plan after changes of refreshes, answer times or of what the wire really needs, if it makes a difference.
 void RidingScheduler::make_plan() {
-  constexpr double kDifference = 0.02;
+  constexpr double kMore = 1.02, kLess = 0.95;  // a new table costs the wire a round
   cut_ = costs_changed_ && cut_anew();
   planned_ = cut_;
   if (!cut_) {
@@ -287,7 +287,7 @@ void RidingScheduler::make_plan() {
     const std::int64_t fastest = fastest_;
     find_fastest();
     planned_ = fastest != fastest_ || (std::max(wanted, planned_for_) > kFull &&
-                                       std::abs(wanted - planned_for_) > kDifference * planned_for_);
+                                       (wanted > kMore * planned_for_ || wanted < kLess * planned_for_));
   }
   if (planned_) plan();
 }
@@ -366,6 +366,7 @@ bool RidingScheduler::cut_anew() {
 void RidingScheduler::watch_lateness(bool late, std::int64_t now) {
   constexpr std::uint32_t kWindow = 256;
   constexpr double kMostOverrun = 16, kRests = 0.02;
+  if (now < table_began_ + table_.length()) return;  // points find their new turns
   if (watched_ == 0) window_began_ = now, rested_ = 0;
   late_ += late ? 1 : 0;
   if (++watched_ < kWindow) return;

@@ -48,6 +48,7 @@ class Timetable {
   [[nodiscard]] const TimetableRequest& request(std::size_t index) const { return requests_[index]; }
   [[nodiscard]] std::int64_t frame() const { return frame_; }
   [[nodiscard]] std::int64_t room() const { return room_; }
+  [[nodiscard]] std::int64_t length() const { return frame_ * frames_; }
   [[nodiscard]] double load() const;  // share of the wire that it needs
 
  private:
