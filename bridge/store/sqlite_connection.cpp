@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 #include <map>
+#include <mutex>
 
 #include "bridge/store/sql.hpp"
 
@@ -122,14 +123,18 @@ class SqliteConnection final : public SqlConnection {
   std::map<std::string, Statement> statements_;  // before the database goes: it waits for none of them
 };
 
-// SQLite gives its own files the permissions of the database's: passwords' hashes lie in all of them.
+// SQLite gives its own files the permissions of the database's: passwords' hashes lie in all of them. A file that exists is not
+// opened here: closing it would take away the locks of every connection that this process has to it (sqlite.org/howtocorrupt.html,
+// 2.2), and another process that leaves would then delete the log that they go on writing to. One at a time, so that nobody has a
+// new file open before this has closed it.
 void make_private_file(const std::string& path) {
-  const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-  if (file < 0) {
-    throw StoreError("store " + path + ": cannot be opened for writing (" + std::strerror(errno) +
-                     "); the folder must exist, and its owner must be who runs this program");
-  }
-  ::close(file);
+  static std::mutex one;
+  const std::lock_guard lock(one);
+  const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (file >= 0) return void(::close(file));
+  if (errno == EEXIST && ::access(path.c_str(), R_OK | W_OK) == 0) return;
+  throw StoreError("store " + path + ": cannot be opened for writing (" + std::strerror(errno) +
+                   "); the folder must exist, and its owner must be who runs this program");
 }
 
 }  // namespace
