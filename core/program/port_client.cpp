@@ -93,11 +93,19 @@ void PortClient::code(const std::string& code, Instant now, Actions& actions) {
     if (*reply == Reply::kLost) finish(PortEnd::Kind::kDeviceLost, std::string(to_text(*reply)), actions);
     return;
   }
-  if (*reply != Reply::kPaired) return finish(PortEnd::Kind::kRefused, std::string(to_text(*reply)), actions, *reply);
+  if (*reply != Reply::kPaired) return finish(PortEnd::Kind::kRefused, refusal(*reply), actions, *reply);
   state_ = State::kPaired;
   beat_ = now + rules_.heartbeat;
   actions.push_back(Paired{});
   if (rules_.by_length) read_chunks(reader_.take_rest(), actions);
+}
+
+// The bridge tells nobody on the wire what was wrong with a login; its audit knows.
+std::string PortClient::refusal(Reply reply) const {
+  if (reply != Reply::kNotAllowed || rules_.user.empty()) return std::string(to_text(reply));
+  return "the login of " + rules_.user +
+         " is refused: a wrong password, another role than programmer, or too many wrong passwords just before; 'fieldcast "
+         "audit' at the bridge says which";
 }
 
 void PortClient::read_chunks(ByteView bytes, Actions& actions) {

@@ -85,6 +85,7 @@ class PortClient {
   void read_frames(Instant now, Actions& actions);
   void read_chunks(ByteView bytes, Actions& actions);
   void code(const std::string& code, Instant now, Actions& actions);
+  [[nodiscard]] std::string refusal(Reply reply) const;  // for people
   void send_program(ByteView bytes, Instant now, Actions& actions);
   void stop(Actions& actions);
   void beat(Actions& actions) const;  // at our own rhythm, and in answer to the bridge's, which may be quicker

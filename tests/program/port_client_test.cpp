@@ -89,6 +89,19 @@ TEST(PortClient, ARefusalEndsItWithItsReply) {
   }
 }
 
+TEST(PortClient, ARefusedLoginIsSaidWithItsUser) {
+  PortClientRules named = markers();
+  named.user = "anna";
+  Bench with(named), without(markers());
+  for (Bench* b : {&with, &without}) {
+    b->tell(PortClient::Connected{});
+    b->tell(PortClient::FromBridge{control_frame("0004")});
+    ASSERT_TRUE(b->end);
+  }
+  EXPECT_THAT(with.end->text, testing::HasSubstr("the login of anna is refused: a wrong password, another role"));
+  EXPECT_THAT(without.end->text, testing::HasSubstr("a login of a user with the role programmer is needed"));
+}
+
 TEST(PortClient, TheEndOfTheDeviceOfTheBridgeAndOfTheUserAreTold) {
   Bench lost(markers()), gone(markers()), stopped(markers());
   for (Bench* b : {&lost, &gone, &stopped}) {

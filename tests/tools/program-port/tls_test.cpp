@@ -54,7 +54,7 @@ TEST_F(Tls, AWrongPasswordIsRefused) {
   start();
   Process port(FIELDCAST_PORT, secure("wrong"));
   EXPECT_EQ(port.exit_code(), 3);
-  EXPECT_THAT(port.output(), HasSubstr("programmer is needed"));
+  EXPECT_THAT(port.output(), HasSubstr("the login of anna is refused: a wrong password"));
   EXPECT_TRUE(audited("login refused: user anna: wrong password"));
 }
 

@@ -1,0 +1,198 @@
+"""An engineer programs a simulated PLC through the bridge: over TLS, with a user of a real store. Who may does, who may not is told
+and slowed down, and the audit has a row for each.
+
+usage: e2e_program.py BIN_DIR
+"""
+
+import json
+import os
+import re
+import select
+import subprocess
+import sys
+import tempfile
+import time
+import tty
+import unittest
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "interop"))
+from peers import free_port
+from plant import Failure, Plant, wait_until
+
+BIN_DIR = ""
+DEADLINE = 30  # seconds, for what takes well under one
+REFUSED = 3    # exit code of fieldcast-port
+
+# At every address, so that the bridge demands a login; all connections of this test come from this machine.
+CONFIG = """
+bridge: e2e
+store: { path: {run}/plant.db, samples: [] }
+program: { engineers: { listen: "0.0.0.0:{port}", certificate: {keys}/cert.pem, key: {keys}/key.pem } }
+buses:
+  - name: line
+    port: { serial: {run}/line, baud: 115200, format: 7E2 }
+    protocol: omron-hostlink
+    devices:
+      - { name: plc, number: P1, address: 0, channels: [ { name: cycle, at: DM100, type: uint16, refresh: 200ms } ] }
+"""
+
+PASSWORDS = {"ann": "correct horse", "bob": "battery staple", "vic": "only looking"}
+ROLES = {"ann": "programmer", "bob": "programmer", "vic": "viewer"}
+
+plant = keys = port = None
+
+
+def setUpModule():
+    global plant, keys, port
+    keys = tempfile.TemporaryDirectory(prefix="fieldcast-e2e-keys-")
+    certificate, key = (os.path.join(keys.name, name) for name in ("cert.pem", "key.pem"))
+    subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", "2",
+                    "-subj", "/CN=bridge", "-addext", "subjectAltName=IP:127.0.0.1", "-keyout", key, "-out", certificate],
+                   check=True, capture_output=True, timeout=60)
+    port = free_port()
+    plant = Plant(BIN_DIR, CONFIG.replace("{port}", str(port)).replace("{keys}", keys.name))
+    plant.__enter__()
+    for name, password in PASSWORDS.items():
+        subprocess.run([os.path.join(BIN_DIR, "fieldcast"), "user", "add", name, "--role", ROLES[name], "--config", plant.file],
+                       input=password + "\n", text=True, check=True, capture_output=True, timeout=60)
+
+
+def tearDownModule():
+    plant.__exit__(None, None, None)
+    keys.cleanup()
+
+
+def command(link, user=None, password=None):
+    arguments = [os.path.join(BIN_DIR, "fieldcast-port"), "--server", f"127.0.0.1:{port}", "--device", "P1", "--link", link,
+                 "--ca", os.path.join(keys.name, "cert.pem"), "--json"]
+    if user is None:
+        return arguments
+    path = os.path.join(keys.name, "password-" + user)
+    with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "w", encoding="utf-8") as file:
+        file.write(password + "\n")
+    return arguments + ["--user", user, "--password-file", path]
+
+
+def refused(user=None, password=None):
+    """What fieldcast-port says of a login that must not succeed; Failure when it pairs."""
+    ended = subprocess.run(command(os.path.join(plant.run, "refused"), user, password), capture_output=True, text=True, timeout=DEADLINE)
+    if ended.returncode != REFUSED:
+        raise Failure(f"exit code {ended.returncode}: {ended.stdout}{ended.stderr}")
+    return ended.stderr
+
+
+def audit():
+    result = plant.cli("audit", "--json")
+    return result.json_lines() if result.code == 0 else []
+
+
+def row(what, result, who=""):
+    """The newest row of the audit with these texts, once it is there."""
+    def found():
+        return next((entry for entry in reversed(audit())
+                     if entry["what"] == what and result in entry["result"] and entry["who"].startswith(who)), None)
+    return wait_until(found, DEADLINE, lambda: f"a row '{what}' of '{who}' with '{result}' in {audit()}")
+
+
+class Paired:
+    """fieldcast-port while it is paired, and its virtual port opened as programming software does."""
+
+    def __init__(self, user):
+        self.link = os.path.join(plant.run, "plc")
+        self.process = subprocess.Popen(command(self.link, user, PASSWORDS[user]), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+    def __enter__(self):
+        states = []
+        for line in self.process.stdout:  # ends with the process
+            states.append(json.loads(line).get("state"))
+            if states[-1] == "paired":
+                self.line = os.open(self.link, os.O_RDWR | os.O_NOCTTY)
+                tty.setraw(self.line)
+                return self
+        raise Failure(f"not paired, but {states}: {self.process.communicate(timeout=DEADLINE)[1]}")
+
+    def ask(self, instruction):
+        os.write(self.line, instruction)
+        answer = b""
+        deadline = time.monotonic() + DEADLINE
+        while not answer.endswith(b"\r"):
+            if not select.select([self.line], [], [], max(0, deadline - time.monotonic()))[0]:
+                raise Failure(f"no answer to {instruction}, but {answer}")
+            answer += os.read(self.line, 4096)
+        return answer
+
+    def __exit__(self, *_):
+        os.close(self.line)
+        self.process.terminate()
+        self.rest = self.process.communicate(timeout=DEADLINE)[0]
+
+
+def host_link(text):
+    check = 0
+    for character in text.encode():
+        check ^= character
+    return f"{text}{check:02X}*\r".encode()
+
+
+class Programming(unittest.TestCase):
+    def test_a_programmer_reaches_the_plc_and_the_audit_has_every_byte(self):
+        instruction = host_link("@00RD01000003")
+        before = len(audit())
+        with Paired("ann") as session:
+            answer = session.ask(instruction)
+            self.assertRegex(answer, rb"\A@00RD00[0-9A-F]{12}[0-9A-F]{2}\*\r\Z")  # end code 00, three words
+            self.assertEqual(host_link(answer[:-4].decode()), answer)
+        self.assertEqual(session.process.returncode, 0, session.rest)
+        ended = row("program", "ended: stopped by the engineer")
+        self.assertRegex(ended["who"], r"\Aann \(127\.0\.0\.1:\d+\)\Z")
+        self.assertEqual(ended["target"], "line/plc")
+        self.assertEqual((ended["bytes_to_device"], ended["bytes_from_device"]), (len(instruction), len(answer)))
+        self.assertLess(abs(time.time() - ended["at"] / 1e9), 600)
+        rows = [(entry["what"], entry["who"].split()[0], entry["result"].split(",")[0]) for entry in audit()[before:]]
+        for expected in (("login", "ann", "done"), ("program", "ann", "paired"), ("program", "ann", "ended: stopped by the engineer")):
+            self.assertIn(expected, rows)
+        shown = plant.cli("audit")
+        self.assertRegex(shown.out, rf"Z  ann \(127\.0\.0\.1:\d+\)  program line/plc  {len(instruction)} bytes to the device, "
+                                    rf"{len(answer)} from it  ended: stopped by the engineer")
+
+    def test_a_wrong_password_is_refused_and_audited(self):
+        said = refused("ann", "wrong horse")
+        self.assertIn("the login of ann is refused: a wrong password", said)
+        row("login", "refused: wrong user or password", who="ann from 127.0.0.1")
+        entry = row("program", "login refused: user ann: wrong user or password")
+        self.assertRegex(entry["who"], r"\A127\.0\.0\.1:\d+\Z")
+        self.assertEqual((entry["bytes_to_device"], entry["bytes_from_device"]), (0, 0))
+        self.assertNotIn("wrong horse", str(audit()))
+
+    def test_a_viewer_is_refused_and_audited(self):
+        self.assertIn("another role than programmer", refused("vic", PASSWORDS["vic"]))
+        row("program", "login refused: user vic: the role viewer may not program")
+
+    def test_nobody_comes_without_a_login(self):
+        self.assertIn("a login of a user with the role programmer is needed", refused())
+        row("program", "device P1 was asked for without a login")
+
+    # Each wrong password past the third makes the next attempt wait, 1 s, 2 s, 4 s: sooner or later one comes too soon, however slow
+    # this machine is.
+    def test_guessing_is_slowed_down_and_the_right_password_has_to_wait_too(self):
+        def too_soon():
+            refused("bob", "a guess")
+            return next((entry for entry in audit() if re.search(r"bob: too many wrong passwords, try again in \d+s", entry["result"])), None)
+        wait_until(too_soon, DEADLINE, lambda: f"no guess was too soon: {audit()}")
+
+        def let_in():
+            try:
+                with Paired("bob"):
+                    return True
+            except Failure:
+                return False
+        wait_until(let_in, DEADLINE, "the right password never came through again")
+        done = row("login", "done", who="bob ")["at"]
+        wrong = [entry["at"] for entry in audit() if entry["who"] == "bob from 127.0.0.1" and entry["result"] == "refused: wrong user or password"]
+        self.assertGreaterEqual(len(wrong), 3)
+        self.assertGreater(done - wrong[-1], 0.9e9)  # the wait of a second, as the rows are written a moment later
+
+
+if __name__ == "__main__":
+    BIN_DIR = sys.argv[1]
+    unittest.main(argv=sys.argv[:1], verbosity=2)
