@@ -39,7 +39,8 @@ struct ListenRule {
   }
 };
 
-void read_engineers(MapReader& program, ProgramSpec& spec, Library& library) {
+// `users`: there is a store, which keeps them.
+void read_engineers(MapReader& program, ProgramSpec& spec, Library& library, bool users) {
   const Node* node = program.find("engineers");
   if (node == nullptr) return;
   auto& faults = program.faults();
@@ -58,6 +59,10 @@ void read_engineers(MapReader& program, ProgramSpec& spec, Library& library) {
                certificate ? "'certificate' without 'key'" : "'key' without 'certificate'", "both, as PEM files");
   } else if (listens && !on_loopback(engineers.listen) && !certificate) {
     faults.add(map.place_of("listen"), "engineers off the loopback without TLS", "certificate and key, or an address 127.0.0.1");
+  }
+  if (listens && !on_loopback(engineers.listen) && !users) {
+    faults.add(map.place_of("listen"), "engineers off the loopback have to log in, and without a store there are no users",
+               "store: { path: FILE } and 'fieldcast user add NAME --role programmer', or an address 127.0.0.1");
   }
 }
 
@@ -102,7 +107,7 @@ void read_program(MapReader& bridge, ProgramSpec& spec, Library& library) {
   const Node* node = bridge.find("program");
   if (node == nullptr) return;
   MapReader map(*node, kProgramKeys, bridge.faults());
-  read_engineers(map, spec, library);
+  read_engineers(map, spec, library, bridge.has("store"));
   read_modules(map, spec);
   if (spec.engineers && spec.modules && spec.engineers->listen == spec.modules->listen && spec.modules->listen.port != 0) {
     bridge.faults().add(map.place_of("modules"), "modules and engineers listen at the same port", "a port of its own for each");
