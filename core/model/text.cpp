@@ -133,7 +133,9 @@ bool has_line(const PortSpec& port) {
 }
 
 bool on_loopback(const ListenSpec& listen) {
-  return listen.host.starts_with("127.") || listen.host == "::1" || listen.host == "localhost";
+  const std::string_view host = listen.host;
+  const bool digits = host.find_first_not_of("0123456789.") == host.npos;  // 127.example.com is a name, of anybody
+  return (host.starts_with("127.") && digits) || host == "::1" || host == "localhost";
 }
 
 }  // namespace fieldcast

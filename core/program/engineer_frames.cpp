@@ -21,6 +21,11 @@ std::optional<std::string> unhex(std::string_view digits) {
   return text;
 }
 
+// A name goes into the log and the audit, line by line.
+bool can_stand_in_a_line(std::string_view text) {
+  return !text.empty() && std::none_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; });
+}
+
 }  // namespace
 
 void Engineer::handle(const FromClient& event, Instant now, Actions& actions) {
@@ -75,7 +80,7 @@ void Engineer::login(std::string_view code, Actions& actions) {
   const auto colon = code.find(':');
   const auto user = unhex(code.substr(kLoginCode.size(), colon - kLoginCode.size()));
   const auto password = unhex(code.substr(colon + 1));
-  if (!user || user->empty() || !password) {
+  if (!user || !can_stand_in_a_line(*user) || !password) {
     actions.push_back(Remark{Remark::Kind::kLoginFailed, "a login that cannot be read"});
     reply(Reply::kNotAllowed, actions);
     state_ = State::kOver;

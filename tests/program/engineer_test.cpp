@@ -276,7 +276,7 @@ TEST(Engineer, ARightLoginOpensTheWayAndAWrongOneClosesIt) {
 }
 
 TEST(Engineer, ALoginThatCannotBeReadIsRefused) {
-  for (const char* login : {"@@AU:FEFF", "@@AU6:6FEFF", "@@AUzz:00FEFF", "@@AU616E6E61:00FEFF"}) {
+  for (const char* login : {"@@AU:FEFF", "@@AU6:6FEFF", "@@AUzz:00FEFF", "@@AU610a62:00FEFF", "@@AU616E6E61:00FEFF"}) {
     Bench b;
     b.says(login);
     EXPECT_EQ(b.heard(), "@@0004FEFF") << login;

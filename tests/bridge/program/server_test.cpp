@@ -219,7 +219,7 @@ TEST(ProgramServerRules, OffTheLoopbackALoginIsDemanded) {
     spec.listen.host = host;
     EXPECT_FALSE(program::rules_of(spec).login_needed) << host;
   }
-  for (const char* host : {"0.0.0.0", "10.0.0.7", "::", "192.168.127.1"}) {
+  for (const char* host : {"0.0.0.0", "10.0.0.7", "::", "192.168.127.1", "127.0.0.1.example.com"}) {
     spec.listen.host = host;
     EXPECT_TRUE(program::rules_of(spec).login_needed) << host;
   }
