@@ -9,6 +9,8 @@
 #include "bridge/bridge.hpp"
 #include "bridge/log.hpp"
 #include "config/loader.hpp"
+#include "core/schedule/bus_schedule.hpp"
+#include "core/schedule/overload.hpp"
 
 namespace fieldcast {
 namespace {
@@ -42,6 +44,18 @@ std::string summary(const BridgeSpec& spec) {
   return text;
 }
 
+// Buses that will not keep their refreshes, and what to do: told where a configuration is taken up.
+template <typename Tell>
+void tell_overloads(const BridgeSpec& spec, Tell tell) {
+  for (const BusSpec& bus : spec.buses) {
+    if (const auto overload = overload_of(bus, kAssumedAnswerTime)) tell(bus.name, to_text(*overload));
+  }
+}
+
+void log_overloads(const BridgeSpec& spec) {
+  tell_overloads(spec, [](const std::string& bus, const std::string& text) { log_warning(bus, text); });
+}
+
 void log_faults(const std::vector<config::Fault>& faults) {
   for (const config::Fault& fault : faults) log_error("configuration", config::to_text(fault));
 }
@@ -53,6 +67,7 @@ void reload(Bridge& bridge, const std::string& path) {
     return log_error("configuration", "not reloaded: the old configuration goes on running");
   }
   open_log(wanted->log.level);
+  log_overloads(*wanted);
   if (const auto done = bridge.reload(*wanted); !done) {
     log_error("configuration", "not reloaded, the old configuration goes on running: " + done.error());
   }
@@ -67,6 +82,9 @@ ExitCode check_configuration(const std::string& path) {
     return ExitCode::kBadConfiguration;
   }
   std::fputs(summary(*loaded).c_str(), stdout);
+  tell_overloads(*loaded, [](const std::string& bus, const std::string& text) {
+    std::fputs(fmt::format("warning: {}: {}\n", bus, text).c_str(), stderr);
+  });
   return ExitCode::kOk;
 }
 
@@ -78,6 +96,7 @@ ExitCode run_daemon(const DaemonOptions& options) {
     return ExitCode::kBadConfiguration;
   }
   open_log(loaded->log.level);
+  log_overloads(*loaded);
   bool trace = options.trace;
   Bridge bridge;
   bridge.set_trace(trace);

@@ -10,6 +10,7 @@
 #include "config/program.hpp"
 #include "config/scalars.hpp"
 #include "config/store.hpp"
+#include "core/schedule/overload.hpp"
 
 namespace fieldcast::config {
 namespace {
@@ -100,6 +101,21 @@ void read_bridge(const Node& root, BridgeSpec& spec, Session& session) {
   if (const Node* buses = map.find("buses")) check_device_numbers(*buses, spec, session.faults);
 }
 
+// REQUIRES: no faults so far.
+void check_loads(const Node& root, const BridgeSpec& spec, FaultList& faults) {
+  const auto buses = std::ranges::find(root.entries, "buses", [](const Node::Entry& entry) { return entry.key->text; });
+  for (std::size_t i = 0; i < spec.buses.size(); ++i) {
+    const auto load = hopeless_load_of(spec.buses[i]);
+    if (!load) continue;
+    faults.add(buses->value->items[i]->place,
+               "bus '" + spec.buses[i].name + "' needs " + std::to_string(static_cast<std::uint64_t>(*load)) +
+                   " times its wire, even if devices answer at once",
+               "at most " + std::to_string(static_cast<int>(kHopelessLoad)) +
+                   " times, and 1 to keep every refresh: longer refreshes, fewer channels, a faster line or more buses "
+                   "('fieldcast plan' tells what is enough)");
+  }
+}
+
 std::vector<Fault> whole_file(const std::string& file, std::string what, std::string allowed = {}) {
   return {Fault{file, 1, 1, std::move(what), std::move(allowed), {}}};
 }
@@ -117,6 +133,7 @@ Loaded load_text(std::string_view text, const std::string& file_name, const File
     Library library(reader, options, faults, text.size());
     Session session{faults, library};
     read_bridge(*document->root, spec, session);
+    if (faults.empty() && options.refuse_hopeless) check_loads(*document->root, spec, faults);
   } else if (faults.empty()) {
     return tl::unexpected(whole_file(file_name, "the file is empty", "a map with " + joined(kBridgeKeys.keys)));
   }

@@ -35,6 +35,8 @@ struct LoadOptions {
   std::vector<std::string> template_directories;
   // And `protocol: instrument` for instrument.yaml after the folder protocols/.
   std::vector<std::string> protocol_directories;
+  // Whether a bus that could never carry its channels is a fault (core/schedule/overload.hpp).
+  bool refuse_hopeless = true;
 };
 
 // The device templates and declared protocols that come with Fieldcast: those of the source tree or of the installation.

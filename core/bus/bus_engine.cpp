@@ -2,7 +2,9 @@
 #include "core/bus/bus_engine.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
+#include <cstdio>
 
 #include "core/bus/bus_state.hpp"
 #include "core/model/make_protocol.hpp"
@@ -143,13 +145,15 @@ void BusEngine::State::ask_for_plan(Actions& actions) {
 
 void BusEngine::State::tell_overload(Actions& actions) {
   const double stretch = scheduler->stretch();
-  if ((stretch > 1.001) == overloaded) return;
+  if ((stretch > kStretched) == overloaded) return;
   overloaded = !overloaded;
+  std::array<char, 32> times{};
+  std::snprintf(times.data(), times.size(), "%.2f", stretch);
   if (overloaded)
     actions.push_back(Notice{Notice::Kind::kOverload,
                              {},
                              Cause::kNone,
-                             "more is wanted than the wire carries: refreshes are stretched by " + to_text(Value{stretch})});
+                             "more is wanted than the wire carries: refreshes are now up to " + std::string(times.data()) + " times as long"});
   else
     actions.push_back(Notice{Notice::Kind::kOverloadEnded, {}, Cause::kNone, "every refresh is kept again"});
 }

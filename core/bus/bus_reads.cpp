@@ -36,6 +36,7 @@ void BusEngine::State::make_scheduler() {
     protocols.push_back(device.protocol.get());
   }
   scheduler = fieldcast::make_scheduler(schedule_input(spec, protocols, map.points, kAssumedAnswerTime), spec.planner);
+  overloaded = scheduler->stretch() > kStretched;
 }
 
 // A point is as urgent as the most urgent of its channels at present.

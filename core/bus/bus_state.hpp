@@ -24,9 +24,8 @@ struct BusEngine::State {
   static constexpr Duration kBusyPause = std::chrono::milliseconds{100};  // after "busy"
   static constexpr Duration kShortestProbe = std::chrono::milliseconds{10};
   static constexpr Duration kProbeRetry = std::chrono::milliseconds{20};  // when the wire had no time for a probe
-  static constexpr Duration kAssumedAnswerTime =
-      std::chrono::milliseconds{5};  // as `fieldcast plan` does, until the device's own is learned
   static constexpr int kUsualAnswers = 64;  // that a device's usual answer time follows
+  static constexpr double kStretched = 1.001;  // more than this is overload
   static constexpr Duration kAnswerTimeStep = std::chrono::microseconds{500};
   static constexpr int kSickShare = 10;  // a sick device wastes at most one part in this many of the wire
   static constexpr std::size_t kMaxRefusedListed = 64;
@@ -132,7 +131,7 @@ struct BusEngine::State {
   Instant timer = kNever;  // as last told to the shell
   bool begun = false;
   bool trace = false;
-  bool overloaded = false;
+  bool overloaded = false;  // and told: of the refreshes configured, when they are loaded
 
   // reporting
   std::uint64_t exchanges = 0, samples = 0, commands_done = 0, reopened = 0;

@@ -13,8 +13,8 @@ Duration silence_for(const BusSpec& bus) {
   return silence_of(bus.silence, line_of(bus.port));
 }
 
-ScheduleInput schedule_input(const BusSpec& bus, std::span<const Protocol* const> protocols, std::vector<Point> points,
-                             Duration answer_time) {
+ScheduleInput wire_input(const BusSpec& bus, std::span<const Protocol* const> protocols, std::vector<Point> points,
+                         Duration answer_time) {
   assert(protocols.size() == bus.devices.size());
   ScheduleInput input;
   input.line = line_of(bus.port);
@@ -24,6 +24,12 @@ ScheduleInput schedule_input(const BusSpec& bus, std::span<const Protocol* const
     const DeviceSpec& device = bus.devices[i];
     input.devices.push_back({protocols[i], answer_time, device.pause, device.max_block, device.max_gap});
   }
+  return input;
+}
+
+ScheduleInput schedule_input(const BusSpec& bus, std::span<const Protocol* const> protocols, std::vector<Point> points,
+                             Duration answer_time) {
+  ScheduleInput input = wire_input(bus, protocols, std::move(points), answer_time);
   if (make_scheduler(input, bus.planner)->planned_load() <= kLightLoad) input.lead = kEarlyLead;
   return input;
 }

@@ -1,7 +1,6 @@
 #include "core/schedule/prediction.hpp"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <tuple>
 
@@ -116,12 +115,6 @@ class Run {
   std::map<ShapeKey, Shape> shapes_;
 };
 
-ScheduleInput stretched(const ScheduleInput& input, double factor) {
-  ScheduleInput result = input;
-  for (Point& point : result.points) point.refresh = from_seconds(to_seconds(point.refresh) * factor);
-  return result;
-}
-
 // Whether a nearly full wire that missed nothing owes that to the length of the run.
 bool is_narrow(const ScheduleInput& input, const PredictionOptions& options, const Prediction& prediction) {
   constexpr double kNearlyFull = 0.8, kShorter = 0.95;
@@ -149,16 +142,9 @@ std::optional<double> stretch_that_works(const ScheduleInput& input, const Predi
 }
 
 std::optional<std::uint32_t> baud_that_works(const ScheduleInput& input, const PredictionOptions& options) {
-  constexpr std::array<std::uint32_t, 10> kRates{2400, 4800, 9600, 19200, 38400, 57600, 115200, 230400, 460800, 921600};
-  for (const std::uint32_t baud : kRates) {
-    if (baud <= input.line.baud) continue;
-    ScheduleInput faster = input;
-    faster.line.baud = baud;
-    // Silences shrink with the characters, but not below 1.75 ms (Modbus over Serial Line V1.02, 2.5.1.1) unless they were
-    // shorter.
-    const Duration shrunk{input.silence.count() * input.line.baud / baud};
-    faster.silence = std::max(shrunk, std::min<Duration>(input.silence, std::chrono::microseconds{1750}));
-    if (works(faster, options)) return baud;
+  for (const std::uint32_t baud : kStandardRates) {
+    const auto faster = at_rate(input, baud);
+    if (faster && works(*faster, options)) return baud;
   }
   return std::nullopt;
 }
@@ -205,6 +191,22 @@ std::vector<SlowerPoints> slower_that_works(const ScheduleInput& input, const Pr
 }
 
 }  // namespace
+
+ScheduleInput stretched(const ScheduleInput& input, double factor) {
+  ScheduleInput result = input;
+  for (Point& point : result.points) point.refresh = from_seconds(to_seconds(point.refresh) * factor);
+  return result;
+}
+
+std::optional<ScheduleInput> at_rate(const ScheduleInput& input, std::uint32_t baud) {
+  if (baud <= input.line.baud) return std::nullopt;
+  ScheduleInput faster = input;
+  faster.line.baud = baud;
+  // Silences shrink with the characters, but not below 1.75 ms (Modbus over Serial Line V1.02, 2.5.1.1) unless they were shorter.
+  const Duration shrunk{input.silence.count() * input.line.baud / baud};
+  faster.silence = std::max(shrunk, std::min<Duration>(input.silence, std::chrono::microseconds{1750}));
+  return faster;
+}
 
 Prediction predict(const ScheduleInput& input, const PredictionOptions& options) {
   Prediction prediction = Run(input, options).run(false);

@@ -4,6 +4,7 @@
 // configuration.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -61,6 +62,12 @@ struct Prediction {
   std::vector<BlockForecast> blocks;  // by device and address; at most 1 000, the most frequent
   Remedies remedies;                  // empty when feasible
 };
+
+// The same with every refresh longer by the factor; on a faster line (nothing: it is as fast already).
+[[nodiscard]] ScheduleInput stretched(const ScheduleInput& input, double factor);
+inline constexpr std::array<std::uint32_t, 10> kStandardRates{2400,  4800,   9600,   19200,  38400,
+                                                              57600, 115200, 230400, 460800, 921600};
+[[nodiscard]] std::optional<ScheduleInput> at_rate(const ScheduleInput& input, std::uint32_t baud);
 
 [[nodiscard]] Prediction predict(const ScheduleInput& input, const PredictionOptions& options = {});
 

@@ -112,6 +112,40 @@ TEST_F(DaemonTest, CheckTellsWhatAFileConfigures) {
   EXPECT_THAT(bridge.output(), HasSubstr("1 devices, 1 channels"));
 }
 
+// Registers that lie far apart, so that each needs a request of its own.
+std::string crowd(std::size_t registers, const std::string& baud, const std::string& refresh) {
+  std::string text = "  - name: crowd\n    port: { serial: /dev/none, baud: " + baud + " }\n    protocol: modbus-rtu\n" +
+                     "    defaults: { refresh: " + refresh + " }\n    devices:\n      - name: plc\n        address: 1\n        channels:\n";
+  for (std::size_t i = 0; i < registers; ++i) {
+    text += "          - { name: r" + std::to_string(i) + ", at: \"holding:" + std::to_string(150 * i) + "\", type: uint16 }\n";
+  }
+  return text;
+}
+
+TEST_F(DaemonTest, CheckAndStartWarnOnceOfABusWhoseWireIsTooNarrow) {
+  std::ofstream(file, std::ios::app) << crowd(100, "19200", "1s");
+  Process check({file, "--check"});
+  EXPECT_EQ(check.exit_code(), static_cast<int>(ExitCode::kOk));
+  EXPECT_THAT(check.output(), AllOf(HasSubstr("warning: crowd: more is wanted than the wire carries"), HasSubstr("115200 baud")));
+  EXPECT_THAT(check.output(), testing::Not(HasSubstr("warning: one")));
+
+  Process bridge({file});
+  bridge.said("two: the port is closed");
+  bridge.signal(SIGTERM);
+  EXPECT_EQ(bridge.exit_code(), 0);
+  const std::string said = bridge.output();
+  const auto first = said.find("crowd: more is wanted than the wire carries");
+  ASSERT_NE(first, std::string::npos) << said;
+  EXPECT_EQ(said.find("more is wanted", first + 20), std::string::npos) << said;
+}
+
+TEST_F(DaemonTest, ABusThatCouldNeverCarryItsChannelsIsAFault) {
+  std::ofstream(file, std::ios::app) << crowd(100, "1200", "10ms");
+  Process bridge({file});
+  EXPECT_EQ(bridge.exit_code(), static_cast<int>(ExitCode::kBadConfiguration));
+  EXPECT_THAT(bridge.output(), AllOf(HasSubstr("plant.yaml:20:5: bus 'crowd' needs "), HasSubstr("'fieldcast plan' tells")));
+}
+
 TEST_F(DaemonTest, CheckTellsEveryFaultAndItsPlace) {
   std::ofstream(file, std::ios::app) << bus("three", "/dev/x", "holdin:1") << bus("four", "/dev/y", "holding:99999");
   for (const std::vector<std::string>& arguments : {std::vector{file, std::string("--check")}, std::vector{file}}) {

@@ -61,6 +61,32 @@ void fill(VirtualBus& bus, const BusSpec& spec) {
   };
 }
 
+// Of refreshes that no wire carries the user hears when they are loaded; what stations wish on top is told while it lasts.
+TEST(Simulation, OverloadIsToldWhenItBeginsAndWhenItEnds) {
+  BusSpec spec = plant(1, 200, "refresh: 1s");
+  auto& channels = spec.devices[0].channels;
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    channels[c].range.first = static_cast<std::uint32_t>(150 * c);
+    channels[c].on_interest = c >= 20;
+  }
+  VirtualBus bus(spec, {}, 1);
+  bus.run_until(Instant{10s});
+  EXPECT_TRUE(bus.notices().empty());
+  for (ChannelIndex c = 20; c < channels.size(); ++c) bus.wish(c, 1s);
+  bus.run_until(Instant{20s});
+  for (ChannelIndex c = 20; c < channels.size(); ++c) bus.wish(c, std::nullopt);
+  bus.run_until(Instant{30s});
+  ASSERT_EQ(bus.notices().size(), 2u);
+  EXPECT_EQ(bus.notices()[0].kind, Notice::Kind::kOverload);
+  EXPECT_EQ(bus.notices()[1].kind, Notice::Kind::kOverloadEnded);
+
+  for (ChannelSpec& channel : channels) channel.on_interest = false;
+  VirtualBus full(spec, {}, 1);
+  full.run_until(Instant{10s});
+  EXPECT_GT(full.engine().bus_report(full.now()).stretch, 1.0);
+  EXPECT_TRUE(full.notices().empty());
+}
+
 TEST(Simulation, HealthyPlantKeepsEveryRefresh) {
   const BusSpec spec = plant(4, 20, "refresh: 1s");
   VirtualBus bus(spec, {}, 1);

@@ -57,7 +57,9 @@ ExitCode simulate_all(const BridgeSpec& spec, const PlanOptions& options, std::o
 }  // namespace
 
 ExitCode plan(const PlanOptions& options, std::ostream& out, std::ostream& err, const Screen& screen) {
-  const auto loaded = config::load_file(options.config);
+  config::LoadOptions load = config::default_options();
+  load.refuse_hopeless = false;  // here is where its user learns what to do
+  const auto loaded = config::load_file(options.config, load);
   if (!loaded) {
     err << config::to_text(loaded.error()) << '\n';
     return ExitCode::kUsage;

@@ -5,7 +5,7 @@
 #include <iosfwd>
 #include <string>
 
-#include "core/base/time.hpp"
+#include "core/schedule/bus_schedule.hpp"
 #include "tools/cli/exit_code.hpp"
 #include "tools/cli/text_table.hpp"
 
@@ -14,8 +14,7 @@ namespace fieldcast::cli {
 struct PlanOptions {
   std::string config;
   bool json = false;
-  Duration answer_time =
-      std::chrono::milliseconds{5};  // of every device, from the end of a request to the first byte of its answer
+  Duration answer_time = kAssumedAnswerTime;
   Duration simulate{};  // so long in virtual time, against simulated devices; 0: only plan
   std::uint64_t seed = 1;
   std::string faults;  // file with what goes wrong in the simulated plant; empty: nothing
