@@ -1,6 +1,8 @@
 #include "config/channel.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "config/limits.hpp"
 #include "config/scalars.hpp"
@@ -181,9 +183,53 @@ void check_access(MapReader& map, Draft& draft) {
                      quoted(draft.spec.at) + " needs " + std::to_string(spec_items(draft)) + " items in one write",
                      "at most " + std::to_string(draft.area->max_write));
   }
+  if (draft.spec.mode == Mode::kOnDemand && draft.spec.on_interest && map.has("mode") && map.has("acquire")) {
+    map.faults().add(map.place_of("acquire"), "'acquire: on-interest' at a channel that is read by command only",
+                     "one of acquire: on-interest, mode: on-demand");
+  }
   if (access != Access::kWriteOnly) return;
   for (const std::string_view key : {"deadband", "limits"}) {
     if (map.has(key)) map.faults().add(map.place_of(key), quoted(key) + " at a channel that is write-only", "access: read-write");
+  }
+}
+
+// The least and the greatest value that the type and its scale can hold; nothing for floats.
+std::optional<std::pair<double, double>> span_of(const Encoding& encoding) {
+  double least = 0, greatest = 0;
+  switch (encoding.type) {
+    case ValueType::kInt16:
+    case ValueType::kInt32:
+    case ValueType::kInt64:
+      least = -std::ldexp(1.0, static_cast<int>(width_bits(encoding)) - 1);
+      greatest = -least - 1;
+      break;
+    case ValueType::kUint16:
+    case ValueType::kUint32:
+    case ValueType::kUint64: greatest = std::ldexp(1.0, static_cast<int>(width_bits(encoding))) - 1; break;
+    case ValueType::kBcd16: greatest = 9'999; break;
+    case ValueType::kBcd32: greatest = 99'999'999; break;
+    default: return std::nullopt;
+  }
+  return std::minmax({least * encoding.scale + encoding.offset, greatest * encoding.scale + encoding.offset});
+}
+
+// A channel that may be written, but with no value that it can hold.
+void check_write_span(MapReader& map, const ChannelSpec& spec) {
+  const auto span = span_of(spec.encoding);
+  if (!span || (spec.write_min.value_or(span->first) <= span->second && spec.write_max.value_or(span->second) >= span->first)) return;
+  map.faults().add(map.place_of("write"), "no value of this channel is within its write limits",
+                   "limits that overlap with " + fieldcast::to_text(Value{span->first}) + " to " +
+                       fieldcast::to_text(Value{span->second}));
+}
+
+// What is held back by the deadband cannot pass from one limit to the other.
+void check_deadband(MapReader& map, const ChannelSpec& spec) {
+  if (!spec.deadband) return;
+  if (*spec.deadband < 0) map.faults().add(map.place_of("deadband"), "deadband is negative", "0 and above");
+  const auto lower = spec.limits.low ? spec.limits.low : spec.limits.low_low;
+  const auto upper = spec.limits.high ? spec.limits.high : spec.limits.high_high;
+  if (lower && upper && *upper > *lower && *spec.deadband >= *upper - *lower) {
+    map.faults().add(map.place_of("deadband"), "deadband is as wide as the limits are apart", "less than their distance");
   }
 }
 
@@ -193,7 +239,8 @@ void check_numbers(MapReader& map, Draft& draft) {
   const std::string type(fieldcast::to_text(spec.encoding.type));
   const bool number = spec.encoding.type != ValueType::kBool && spec.encoding.type != ValueType::kString;
   if (spec.encoding.scale == 0) map.faults().add(map.place_of("scale"), "scale is 0", "any other number");
-  if (spec.deadband && *spec.deadband < 0) map.faults().add(map.place_of("deadband"), "deadband is negative", "0 and above");
+  check_deadband(map, spec);
+  if (draft.typed && number) check_write_span(map, spec);
   if (!draft.typed || number) return;
   for (const std::string_view key : {"scale", "offset", "limits"}) {
     if (map.has(key)) map.faults().add(map.place_of(key), quoted(key) + " at a " + type, "a channel of a numeric type");
