@@ -18,20 +18,15 @@ constexpr unsigned kFirstPtyMajor = 136, kLastPtyMajor = 143;
 
 std::string last_fault(const char* what) { return fmt::format("{}: {}", what, std::strerror(errno)); }
 
-tcflag_t format_flags(const LineFormat& line) {
-  tcflag_t flags = CREAD | CLOCAL | BOTHER;
-  flags |= line.data_bits == 7 ? CS7 : CS8;
-  if (line.stop_bits == 2) flags |= CSTOPB;
-  if (line.parity != Parity::kNone) flags |= PARENB;
-  if (line.parity == Parity::kOdd) flags |= PARODD;
-  return flags;
-}
+constexpr tcflag_t kFormat = CSIZE | CSTOPB | PARENB | PARODD;
+
+// A byte with wrong parity arrives as 00 and fails the frame's check.
+tcflag_t parity_check(const LineFormat& line) { return line.parity == Parity::kNone ? 0u : INPCK; }
 
 termios2 raw_settings(const LineFormat& line) {
   termios2 settings{};
-  // A byte with wrong parity arrives as 00 and fails the frame's check; breaks of an idle RS-485 line are no bytes at all.
-  settings.c_iflag = IGNBRK | (line.parity == Parity::kNone ? 0u : INPCK);
-  settings.c_cflag = format_flags(line);
+  settings.c_iflag = IGNBRK | parity_check(line);  // breaks of an idle RS-485 line are no bytes at all
+  settings.c_cflag = CREAD | CLOCAL | BOTHER | format_flags(line);
   settings.c_cc[VMIN] = 1;
   settings.c_ispeed = settings.c_ospeed = line.baud;
   return settings;
@@ -41,8 +36,7 @@ termios2 raw_settings(const LineFormat& line) {
 tl::expected<void, std::string> verify_settings(int fd, const LineFormat& line) {
   termios2 actual{};
   if (::ioctl(fd, TCGETS2, &actual) != 0) return tl::make_unexpected(last_fault("cannot read the line's settings back"));
-  constexpr tcflag_t kFormat = CSIZE | CSTOPB | PARENB | PARODD;
-  if ((actual.c_cflag & kFormat) != (format_flags(line) & kFormat)) {
+  if ((actual.c_cflag & kFormat) != format_flags(line)) {
     return tl::make_unexpected(std::string("the driver does not support this number of data bits, parity or stop bits"));
   }
   // A receiver samples a character of 11 bits: with more than 3 % on one side it reads the last bits wrong.
@@ -96,10 +90,19 @@ tl::expected<std::vector<LineRemark>, std::string> set_up_line(int fd, const Ser
   return remarks;
 }
 
-tl::expected<void, std::string> change_rate(int fd, const LineFormat& line) {
+unsigned format_flags(const LineFormat& line) {
+  tcflag_t flags = line.data_bits == 7 ? CS7 : CS8;
+  if (line.stop_bits == 2) flags |= CSTOPB;
+  if (line.parity != Parity::kNone) flags |= PARENB;
+  if (line.parity == Parity::kOdd) flags |= PARODD;
+  return flags;
+}
+
+tl::expected<void, std::string> change_line(int fd, const LineFormat& line) {
   termios2 settings{};
   if (::ioctl(fd, TCGETS2, &settings) != 0) return tl::make_unexpected(last_fault("cannot read the line's settings"));
-  settings.c_cflag = (settings.c_cflag & ~static_cast<tcflag_t>(CBAUD | CSTOPB)) | BOTHER | (line.stop_bits == 2 ? CSTOPB : 0u);
+  settings.c_iflag = (settings.c_iflag & ~static_cast<tcflag_t>(INPCK)) | parity_check(line);
+  settings.c_cflag = (settings.c_cflag & ~(kFormat | CBAUD)) | BOTHER | format_flags(line);
   settings.c_ispeed = settings.c_ospeed = line.baud;
   if (::ioctl(fd, TCSETS2, &settings) != 0) return tl::make_unexpected(last_fault("cannot set up the line"));
   return is_pseudo_terminal(fd) ? tl::expected<void, std::string>{} : verify_settings(fd, line);
@@ -108,7 +111,10 @@ tl::expected<void, std::string> change_rate(int fd, const LineFormat& line) {
 std::optional<program::LineSettings> rate_of(int fd) {
   termios2 settings{};
   if (::ioctl(fd, TCGETS2, &settings) != 0) return std::nullopt;
-  return program::LineSettings{settings.c_ospeed, static_cast<std::uint8_t>((settings.c_cflag & CSTOPB) != 0 ? 2 : 1)};
+  program::LineSettings rate;
+  rate.baud = settings.c_ospeed;
+  rate.stop_bits = (settings.c_cflag & CSTOPB) != 0 ? 2 : 1;
+  return rate;
 }
 
 void drop_unsent(int fd) { ::ioctl(fd, TCFLSH, TCOFLUSH); }

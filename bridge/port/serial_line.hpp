@@ -25,8 +25,11 @@ struct LineRemark {
 // A pseudo-terminal keeps no format and no baud rate: nothing about it is worth a warning.
 [[nodiscard]] bool is_pseudo_terminal(int fd);
 
-// Other baud rate and stop bits, without losing what is on its way. An error for people when the driver refuses.
-[[nodiscard]] tl::expected<void, std::string> change_rate(int fd, const LineFormat& line);
+// Another baud rate and format, without losing what is on its way. An error for people when the driver refuses.
+[[nodiscard]] tl::expected<void, std::string> change_line(int fd, const LineFormat& line);
+
+// Those bits of termios' c_cflag that are the format: data bits, parity, stop bits.
+[[nodiscard]] unsigned format_flags(const LineFormat& line);
 
 // Baud rate and stop bits as they are now; from the master side of a pseudo-terminal those that the program at its slave has set.
 // Of a pseudo-terminal data bits and parity cannot be told: Linux makes every one 8N (drivers/tty/pty.c, pty_set_termios).

@@ -114,13 +114,21 @@ void EngineerConnection::granted(FileDescriptor line) {
 }
 
 void EngineerConnection::execute(const SetLine& what) {
-  if (!device_ || !hold_->settings || what.settings.baud == 0) return;
+  if (!device_) return;
+  const std::string target = hold_->bus + '/' + hold_->device;
+  if (!hold_->settings) return log_info("program", target + ": behind a network, its line keeps its settings");
   LineFormat line = *hold_->settings;
-  line.baud = what.settings.baud;
-  line.stop_bits = what.settings.stop_bits == 2 ? 2 : 1;
-  const auto changed = change_rate(line_, line);
-  log_info("program", fmt::format("{}/{}: line set to {} baud, {} stop bits{}", hold_->bus, hold_->device, line.baud,
-                                  line.stop_bits, changed ? "" : ": " + changed.error()));
+  if (what.settings.baud != 0) line.baud = what.settings.baud;
+  line.stop_bits = what.settings.stop_bits;
+  if (what.settings.data_bits != 0) {
+    line.data_bits = what.settings.data_bits;
+    line.parity = what.settings.parity;
+  }
+  if (const auto changed = change_line(line_, line); !changed) {
+    log_warning("program", fmt::format("{}: line not set to {}: {}", target, to_text(line), changed.error()));
+    return audit(fmt::format("line not set to {}: {}", to_text(line), changed.error()));
+  }
+  log_info("program", fmt::format("{}: line set to {}", target, to_text(line)));
 }
 
 void EngineerConnection::execute(const FreeDevice&) {

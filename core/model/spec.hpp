@@ -115,6 +115,7 @@ struct DialInPortSpec {
 };
 using PortSpec = std::variant<SerialPortSpec, TcpPortSpec, DialInPortSpec>;
 
+[[nodiscard]] std::string to_text(const LineFormat& line);  // "115200 8N1"
 [[nodiscard]] std::string to_text(const PortSpec& port);  // "/dev/ttyUSB0 115200 8N1", "10.0.0.7:502", "dial-in 17"
 
 // Whether the bytes come over a network, and whether a serial line is known to carry them on the way.

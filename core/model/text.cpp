@@ -97,23 +97,19 @@ std::string_view to_text(DeviceState state) {
   return "?";
 }
 
-namespace {
-
-std::string format_text(const LineFormat& line) {
+std::string to_text(const LineFormat& line) {
   static constexpr char kParity[] = {'N', 'E', 'O'};
   return std::to_string(line.baud) + ' ' + std::to_string(line.data_bits) + kParity[static_cast<int>(line.parity)] +
          std::to_string(line.stop_bits);
 }
 
-}  // namespace
-
 std::string to_text(const PortSpec& port) {
-  if (const auto* serial = std::get_if<SerialPortSpec>(&port)) return serial->path + ' ' + format_text(serial->line);
+  if (const auto* serial = std::get_if<SerialPortSpec>(&port)) return serial->path + ' ' + to_text(serial->line);
   if (const auto* dial_in = std::get_if<DialInPortSpec>(&port)) {
-    return "dial-in " + dial_in->number + (dial_in->line ? ' ' + format_text(*dial_in->line) : std::string{});
+    return "dial-in " + dial_in->number + (dial_in->line ? ' ' + to_text(*dial_in->line) : std::string{});
   }
   const auto& tcp = std::get<TcpPortSpec>(port);
-  return tcp.host + ':' + std::to_string(tcp.port) + (tcp.line ? ' ' + format_text(*tcp.line) : std::string{});
+  return tcp.host + ':' + std::to_string(tcp.port) + (tcp.line ? ' ' + to_text(*tcp.line) : std::string{});
 }
 
 LineFormat line_of(const PortSpec& port) {

@@ -30,6 +30,7 @@ std::string_view to_text(FrameFault fault) {
     case FrameFault::kHalf: return "half an instruction whose rest did not come within 2 s, dropped";
     case FrameFault::kAmbiguous: return "an instruction that begins like a control frame, dropped; framing by length carries it";
     case FrameFault::kBadLength: return "a length that no client sends";
+    case FrameFault::kBadLine: return "line settings that no client sends";
   }
   return "?";
 }

@@ -17,6 +17,7 @@
 #include <string_view>
 
 #include "core/base/bytes.hpp"
+#include "core/frame/line.hpp"
 
 namespace fieldcast::program {
 
@@ -39,14 +40,17 @@ enum class FrameFault : std::uint8_t {
   kHalf,       // an instruction whose rest did not come, dropped
   kAmbiguous,  // an instruction that begins like a control frame, which marker framing cannot carry, dropped
   kBadLength,  // a length that no sender of ours writes: the stream is lost
+  kBadLine,    // line settings that no sender of ours writes: likewise
 };
 [[nodiscard]] std::string_view to_text(FrameFault fault);
 
 // Of the real line behind a pairing. A pseudo-terminal tells the baud rate and the stop bits that a program sets, but neither
-// data bits nor parity (Linux, pty_set_termios): those stay as the bridge's configuration has them.
+// data bits nor parity (Linux, pty_set_termios): those the engineer says to the client, or they stay as configured.
 struct LineSettings {
-  std::uint32_t baud = 0;
+  std::uint32_t baud = 0;  // 0: as the bridge's configuration has it
   std::uint8_t stop_bits = 1;
+  std::uint8_t data_bits = 0;  // 7 or 8; 0: they and the parity as the bridge's configuration has them
+  Parity parity = Parity::kNone;
   friend bool operator==(const LineSettings&, const LineSettings&) = default;
 };
 

@@ -7,7 +7,20 @@ namespace fieldcast::program {
 namespace {
 
 constexpr std::uint32_t kStopLength = 0xFFFF'FFFF, kSettingsLength = 0xFFFF'FFFE;
-constexpr std::size_t kHead = 4, kSettings = 5;
+constexpr std::size_t kHead = 4, kSettings = 7;
+
+// 4 baud, stop, data, parity.
+LengthFrame settings_from(ByteView body) {
+  LineSettings settings;
+  settings.baud = read_u32(body);
+  settings.stop_bits = body[4];
+  settings.data_bits = body[5];
+  settings.parity = static_cast<Parity>(body[6]);
+  const bool stop = settings.stop_bits == 1 || settings.stop_bits == 2;
+  const bool data = settings.data_bits == 0 || settings.data_bits == 7 || settings.data_bits == 8;
+  if (!stop || !data || settings.parity > Parity::kOdd) return FrameFault::kBadLine;
+  return settings;
+}
 
 }  // namespace
 
@@ -34,7 +47,7 @@ std::optional<LengthFrame> LengthReader::next(ByteView& in) {
   const std::uint32_t length = read_u32(head);
   if (length == 0) return Heartbeat{};
   if (length == kStopLength) return Stop{};
-  if (length == kSettingsLength) return LineSettings{read_u32(head, kHead), head[2 * kHead]};
+  if (length == kSettingsLength) return settings_from(ByteView(head).subspan(kHead));
   if (length > kMaxChunk) return FrameFault::kBadLength;
   left_ = length;
   return next(in);
@@ -56,6 +69,8 @@ void append_settings(Bytes& out, const LineSettings& settings) {
   append_u32(out, kSettingsLength);
   append_u32(out, settings.baud);
   out.push_back(settings.stop_bits);
+  out.push_back(settings.data_bits);
+  out.push_back(static_cast<std::uint8_t>(settings.parity));
 }
 
 }  // namespace fieldcast::program

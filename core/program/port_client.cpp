@@ -28,10 +28,7 @@ void PortClient::on_event(const Event& event, Instant now, Actions& actions) {
     void operator()(const FromBridge& e) const { me.hear(e.bytes, now, actions); }
     void operator()(const FromProgram& e) const { me.send_program(e.bytes, now, actions); }
     void operator()(const LineChanged& e) const {
-      if (!me.paired() || !me.rules_.by_length) return;
-      Bytes out;
-      append_settings(out, e.settings);
-      actions.push_back(ToBridge{std::move(out)});
+      if (me.paired()) me.set_line(e.settings, actions);
     }
     void operator()(const BridgeGone& e) const { me.finish(PortEnd::Kind::kBridgeGone, e.reason, actions); }
     void operator()(const StopAsked&) const { me.stop(actions); }
@@ -97,7 +94,20 @@ void PortClient::code(const std::string& code, Instant now, Actions& actions) {
   state_ = State::kPaired;
   beat_ = now + rules_.heartbeat;
   actions.push_back(Paired{});
+  if (rules_.format) set_line({}, actions);  // ahead of the program's first byte
   if (rules_.by_length) read_chunks(reader_.take_rest(), actions);
+}
+
+void PortClient::set_line(LineSettings settings, Actions& actions) const {
+  if (!rules_.by_length) return;
+  if (rules_.format) {
+    settings.data_bits = rules_.format->data_bits;
+    settings.parity = rules_.format->parity;
+    settings.stop_bits = rules_.format->stop_bits;
+  }
+  Bytes out;
+  append_settings(out, settings);
+  actions.push_back(ToBridge{std::move(out)});
 }
 
 // The bridge tells nobody on the wire what was wrong with a login; its audit knows.

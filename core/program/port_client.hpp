@@ -16,6 +16,8 @@ struct PortClientRules {
   std::string number;
   std::string user, password;  // without a user no login is sent
   bool by_length = true;       // any bytes; else instructions in marker frames
+  // Data bits, parity and stop bits of the real line, by length only; its baud rate is not looked at: the program's counts.
+  std::optional<LineFormat> format;
   Duration heartbeat = std::chrono::seconds{5};
   Duration reply = std::chrono::seconds{30};  // how long the bridge may take: a slowed login waits
 };
@@ -85,6 +87,7 @@ class PortClient {
   void read_frames(Instant now, Actions& actions);
   void read_chunks(ByteView bytes, Actions& actions);
   void code(const std::string& code, Instant now, Actions& actions);
+  void set_line(LineSettings settings, Actions& actions) const;
   [[nodiscard]] std::string refusal(Reply reply) const;  // for people
   void send_program(ByteView bytes, Instant now, Actions& actions);
   void stop(Actions& actions);

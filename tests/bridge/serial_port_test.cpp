@@ -49,6 +49,12 @@ TEST_F(SerialPortTest, CarriesEveryByteBothWays) {
   EXPECT_EQ(probe.received, all);
 }
 
+TEST(SerialLine, AFormatIsItsFlagsOfTermios) {
+  EXPECT_EQ(format_flags({9600, 8, Parity::kNone, 1}), static_cast<unsigned>(CS8));
+  EXPECT_EQ(format_flags({9600, 7, Parity::kEven, 2}), static_cast<unsigned>(CS7 | PARENB | CSTOPB));
+  EXPECT_EQ(format_flags({9600, 7, Parity::kOdd, 1}), static_cast<unsigned>(CS7 | PARENB | PARODD));
+}
+
 TEST_F(SerialPortTest, OpeningIsToldLaterNotAtOnce) {
   SerialPort port(io, spec());
   port.open(probe);

@@ -315,7 +315,7 @@ TEST(Engineer, LineSettingsComeBetweenTheBytesAroundThem) {
   Bench b;
   b.pair("@@V217FEFF");
   Bytes stream = chunk("slow");
-  append_settings(stream, {115200, 2});
+  append_settings(stream, {115200, 2, 0, Parity::kNone});
   append(stream, chunk("fast"));
   EngineerActions actions;
   b.engineer.on_event(FromClient{stream}, b.now, actions);

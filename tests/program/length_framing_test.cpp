@@ -47,7 +47,7 @@ TEST(LengthFraming, EverySplitGivesTheSame) {
   for (auto& byte : program) byte = static_cast<std::uint8_t>(random());
   Bytes stream;
   append_heartbeat(stream);
-  append_settings(stream, {115200, 2});
+  append_settings(stream, {115200, 2, 7, Parity::kEven});
   append_chunks(stream, program);
   append_heartbeat(stream);
   append_stop(stream);
@@ -55,7 +55,7 @@ TEST(LengthFraming, EverySplitGivesTheSame) {
     const Read read = read_all(stream, piece);
     ASSERT_EQ(read.program, program) << piece;
     ASSERT_EQ(read.marks, "hlhs") << piece;
-    ASSERT_EQ(read.settings, (std::vector{LineSettings{115200, 2}})) << piece;
+    ASSERT_EQ(read.settings, (std::vector{LineSettings{115200, 2, 7, Parity::kEven}})) << piece;
   }
 }
 
@@ -88,6 +88,19 @@ TEST(LengthFraming, ALengthThatNobodySendsIsALostStream) {
   stream.clear();
   append_u32(stream, 0xFFFF'FFFD);
   EXPECT_EQ(read_all(stream, 4).marks, "f");
+}
+
+TEST(LengthFraming, LineSettingsThatNobodySendsAreALostStream) {
+  for (const LineSettings& bad : {LineSettings{9600, 0, 8, Parity::kNone}, LineSettings{9600, 1, 9, Parity::kNone},
+                                  LineSettings{9600, 1, 8, static_cast<Parity>(3)}}) {
+    Bytes stream;
+    append_settings(stream, bad);
+    ByteView in = stream;
+    LengthReader reader;
+    const auto frame = reader.next(in);
+    ASSERT_TRUE(frame && std::holds_alternative<FrameFault>(*frame));
+    EXPECT_EQ(std::get<FrameFault>(*frame), FrameFault::kBadLine);
+  }
 }
 
 TEST(LengthFraming, HalfAHeadOrChunkIsPartial) {

@@ -89,6 +89,36 @@ TEST(PortClient, ARefusalEndsItWithItsReply) {
   }
 }
 
+Bytes settings(const LineSettings& line) {
+  Bytes out;
+  append_settings(out, line);
+  return out;
+}
+
+TEST(PortClient, TheFormatThatIsGivenGoesAheadOfTheFirstByteAndWithEverySpeed) {
+  PortClientRules rules;
+  rules.number = "17";
+  rules.format = LineFormat{19200, 7, Parity::kEven, 2};
+  Bench b(rules);
+  b.tell(PortClient::Connected{});
+  (void)b.sent();
+  b.hears("@@0000FEFF");
+  EXPECT_EQ(std::exchange(b.bridge, {}), settings({0, 2, 7, Parity::kEven}));
+  b.tell(PortClient::LineChanged{{115200, 1}});
+  EXPECT_EQ(std::exchange(b.bridge, {}), settings({115200, 2, 7, Parity::kEven}));
+}
+
+TEST(PortClient, WithoutAFormatOnlyWhatTheVirtualPortTellsIsCarried) {
+  PortClientRules rules;
+  rules.number = "17";
+  Bench b(rules);
+  b.tell(PortClient::Connected{});
+  b.hears("@@0000FEFF");
+  (void)b.sent();
+  b.tell(PortClient::LineChanged{{115200, 2}});
+  EXPECT_EQ(std::exchange(b.bridge, {}), settings({115200, 2, 0, Parity::kNone}));
+}
+
 TEST(PortClient, ARefusedLoginIsSaidWithItsUser) {
   PortClientRules named = markers();
   named.user = "anna";

@@ -4,13 +4,16 @@ and slowed down, and the audit has a row for each.
 usage: e2e_program.py BIN_DIR
 """
 
+import fcntl
 import json
 import os
 import re
 import select
+import struct
 import subprocess
 import sys
 import tempfile
+import termios
 import time
 import tty
 import unittest
@@ -20,8 +23,9 @@ from peers import free_port
 from plant import Failure, Plant, wait_until
 
 BIN_DIR = ""
-DEADLINE = 30  # seconds, for what takes well under one
-REFUSED = 3    # exit code of fieldcast-port
+DEADLINE = 30         # seconds, for what takes well under one
+REFUSED = 3           # exit code of fieldcast-port
+TCGETS2 = 0x802C542A  # tells any baud rate; struct termios2: c_cflag at 8, c_ospeed at 40
 
 # At every address, so that the bridge demands a login; all connections of this test come from this machine.
 CONFIG = """
@@ -30,7 +34,7 @@ store: { path: {run}/plant.db, samples: [] }
 program: { engineers: { listen: "0.0.0.0:{port}", certificate: {keys}/cert.pem, key: {keys}/key.pem } }
 buses:
   - name: line
-    port: { serial: {run}/line, baud: 115200, format: 7E2 }
+    port: { serial: {run}/line, baud: 115200, format: 7E2, exclusive: false }
     protocol: omron-hostlink
     devices:
       - { name: plc, number: P1, address: 0, channels: [ { name: cycle, at: DM100, type: uint16, refresh: 200ms } ] }
@@ -62,9 +66,9 @@ def tearDownModule():
     keys.cleanup()
 
 
-def command(link, user=None, password=None):
+def command(link, user=None, password=None, more=()):
     arguments = [os.path.join(BIN_DIR, "fieldcast-port"), "--server", f"127.0.0.1:{port}", "--device", "P1", "--link", link,
-                 "--ca", os.path.join(keys.name, "cert.pem"), "--json"]
+                 "--ca", os.path.join(keys.name, "cert.pem"), "--json", *more]
     if user is None:
         return arguments
     path = os.path.join(keys.name, "password-" + user)
@@ -97,9 +101,9 @@ def row(what, result, who=""):
 class Paired:
     """fieldcast-port while it is paired, and its virtual port opened as programming software does."""
 
-    def __init__(self, user):
+    def __init__(self, user, *more):
         self.link = os.path.join(plant.run, "plc")
-        self.process = subprocess.Popen(command(self.link, user, PASSWORDS[user]), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.process = subprocess.Popen(command(self.link, user, PASSWORDS[user], more), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
     def __enter__(self):
         states = []
@@ -125,6 +129,17 @@ class Paired:
         os.close(self.line)
         self.process.terminate()
         self.rest = self.process.communicate(timeout=DEADLINE)[0]
+
+
+def line_settings():
+    """Of the bridge's line, a pseudo-terminal: it drops data bits and "parity on" of a format, and keeps the rest."""
+    line = os.open(os.path.join(plant.run, "line"), os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    try:
+        settings = fcntl.ioctl(line, TCGETS2, bytes(44))
+    finally:
+        os.close(line)
+    flags, baud = struct.unpack_from("I", settings, 8)[0], struct.unpack_from("I", settings, 40)[0]
+    return baud, bool(flags & termios.CSTOPB), bool(flags & termios.PARODD)
 
 
 def host_link(text):
@@ -154,6 +169,18 @@ class Programming(unittest.TestCase):
         shown = plant.cli("audit")
         self.assertRegex(shown.out, rf"Z  ann \(127\.0\.0\.1:\d+\)  program line/plc  {len(instruction)} bytes to the device, "
                                     rf"{len(answer)} from it  ended: stopped by the engineer")
+
+    def test_the_line_takes_the_settings_of_the_software_and_has_its_own_again_afterwards(self):
+        def becomes(*wanted):
+            wait_until(lambda: line_settings() == wanted, DEADLINE, lambda: f"{wanted}, but {line_settings()}")
+        becomes(115200, True, False)
+        with Paired("ann", "--line", "7O1") as session:
+            becomes(115200, False, True)
+            settings = termios.tcgetattr(session.line)
+            settings[4] = settings[5] = termios.B9600
+            termios.tcsetattr(session.line, termios.TCSANOW, settings)
+            becomes(9600, False, True)
+        becomes(115200, True, False)
 
     def test_a_wrong_password_is_refused_and_audited(self):
         said = refused("ann", "wrong horse")

@@ -18,7 +18,7 @@ using program::PortEnd;
 enum ExitCode : int { kStopped = 0, kTrouble = 1, kUsage = 2, kRefused = 3, kNoPort = 4, kBridgeGone = 5, kDeviceLost = 6 };
 
 struct Arguments {
-  std::string server, device, link, user, password_file, authorities;
+  std::string server, device, link, line, user, password_file, authorities;
   bool tls = false, markers = false, json = false;
   double heartbeat = 5;
 };
@@ -34,6 +34,9 @@ void describe(CLI::App& app, Arguments& given) {
   app.add_option("--device", given.device, "number of the device")->required();
   app.add_option("--link", given.link, "where the virtual port appears, such as /tmp/plc; never over a file that is not ours")
       ->required();
+  app.add_option("--line", given.line,
+                 "data bits, parity and stop bits of the PLC's line, such as 7E2, where it is a serial line of the bridge: a virtual "
+                 "port tells the baud rate that the software sets, but not these; default: as the bridge's configuration has them");
   app.add_option("--user", given.user, "a user of the bridge with the role programmer");
   app.add_option("--password-file", given.password_file, "its first line is the password; readable by you alone (chmod 600)");
   app.add_flag("--tls", given.tls, "the bridge speaks TLS, as it must off the loopback");
@@ -88,6 +91,11 @@ int run(const Arguments& given) {
   options.rules.number = given.device;
   options.rules.by_length = !given.markers;
   options.rules.heartbeat = from_seconds(given.heartbeat);
+  if (!given.line.empty()) {
+    options.rules.format = config::format_from(given.line);
+    if (!options.rules.format) return fail(kUsage, "--line '" + given.line + "' is no format such as 8N1, 7E1 or 7E2");
+    if (given.markers) return fail(kUsage, "--line cannot be told to a bridge that speaks marker frames only (--markers)");
+  }
   if (given.user.empty() != given.password_file.empty()) return fail(kUsage, "--user and --password-file go together");
   if (!given.user.empty()) {
     if (!options.tls && !on_loopback({options.host, 0})) return fail(kUsage, "a password is not sent without --tls");

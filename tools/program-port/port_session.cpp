@@ -23,6 +23,14 @@ constexpr std::chrono::milliseconds kLook{100};  // at the virtual port's settin
 constexpr unsigned kLooksOfReport = 10;          // a line of traffic each second
 constexpr std::chrono::seconds kFlushLimit{1};   // for the last bytes, at the end
 
+// A rate that no program sets: whatever one sets, even a new terminal's 38400, is then seen as set.
+constexpr std::uint32_t kNobodysRate = 38401;
+
+std::optional<program::LineSettings> untouched(int fd) {
+  (void)change_line(fd, {kNobodysRate, 8, Parity::kNone, 1});
+  return rate_of(fd);
+}
+
 }  // namespace
 
 PortSession::PortSession(asio::io_context& io, PortOptions options, sim::PtyPort pty, PortReport& report)
@@ -37,7 +45,7 @@ PortSession::PortSession(asio::io_context& io, PortOptions options, sim::PtyPort
       timer_(io),
       ticking_(io),
       limit_(io),
-      settings_(rate_of(pty_.fd())) {}
+      settings_(untouched(pty_.fd())) {}
 
 void PortSession::start() {
   signals_.async_wait([this](boost::system::error_code fault, int) {
@@ -146,7 +154,7 @@ void PortSession::look_at_line() {
   const auto now = rate_of(pty_.fd());
   if (!now || now == settings_) return;
   settings_ = now;
-  report_.line(now->baud, now->stop_bits);
+  report_.line(now->baud, options_.rules.format ? options_.rules.format->stop_bits : now->stop_bits);
   tell(PortClient::LineChanged{*now});
 }
 

@@ -1,4 +1,6 @@
 // Buses while their devices are programmed: a module that dials in, and a serial line.
+#include <termios.h>
+
 #include "bridge/port/serial_line.hpp"
 #include "core/program/length_framing.hpp"
 #include "tests/bridge/program/program_support.hpp"
@@ -233,6 +235,35 @@ TEST_F(Lease, TheLineTakesTheSpeedThatTheEngineerSetsAndHasItsOwnAgainAfterwards
   EXPECT_TRUE(becomes({9600, 2}));
   client.close();
   EXPECT_TRUE(becomes({115200, 1}));
+}
+
+// A pseudo-terminal drops data bits and "parity on", but keeps what else the format sets: odd parity, its check, two stop bits.
+TEST_F(Lease, TheLineTakesTheFormatThatTheEngineerGivesAndHasItsOwnAgainAfterwards) {
+  Pty pty;
+  ModbusDevice device(pty);
+  start();
+  run(bus_of(serial_at(pty.path())));
+  ASSERT_TRUE(hears_more());
+  TcpClient client = engineer();
+  client.say("@@V2P1FEFF");
+  ASSERT_EQ(client.hear("FEFF"), "@@0000FEFF");
+  const auto becomes = [&](bool wanted) {
+    termios now{};
+    const auto is = [&] {
+      ::tcgetattr(pty.master(), &now);
+      return ((now.c_cflag & PARODD) != 0) == wanted && ((now.c_iflag & INPCK) != 0) == wanted;
+    };
+    for (const auto end = std::chrono::steady_clock::now() + seconds{10}; !is() && std::chrono::steady_clock::now() < end;)
+      std::this_thread::yield();
+    return is() && rate_of(pty.master()) == program::LineSettings{115200, static_cast<std::uint8_t>(wanted ? 2 : 1)};
+  };
+  EXPECT_TRUE(becomes(false));
+  Bytes settings;
+  program::append_settings(settings, {0, 2, 7, Parity::kOdd});  // at the baud rate of the configuration
+  client.send(settings);
+  EXPECT_TRUE(becomes(true));
+  client.close();
+  EXPECT_TRUE(becomes(false));
 }
 
 }  // namespace

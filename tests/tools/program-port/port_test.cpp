@@ -120,6 +120,27 @@ TEST_F(Port, TheSpeedThatTheSoftwareSetsIsSeen) {
   EXPECT_EQ(module.hear("here"), "still here");
 }
 
+// A new terminal of Linux has this rate; to set it is a wish all the same.
+TEST_F(Port, TheSpeedOfANewTerminalIsSeenWhenItIsSet) {
+  start();
+  TcpClient module = this->module("17\n");
+  wait_for_module();
+  Process port(FIELDCAST_PORT, arguments({"--line", "7E2"}));
+  ASSERT_THAT(port.said("paired"), HasSubstr("17: paired"));
+  const SerialSoftware software(link, B38400);
+  EXPECT_THAT(port.said("38400 baud"), HasSubstr("the program sets 38400 baud, 2 stop bits"));
+}
+
+TEST_F(Port, AFormatThatCannotBeCarriedIsAFaultOfTheCommandLine) {
+  start();
+  Process unknown(FIELDCAST_PORT, arguments({"--line", "7X3"}));
+  EXPECT_EQ(unknown.exit_code(), 2);
+  EXPECT_THAT(unknown.output(), HasSubstr("--line '7X3' is no format such as 8N1"));
+  Process markers(FIELDCAST_PORT, arguments({"--line", "7E2", "--markers"}));
+  EXPECT_EQ(markers.exit_code(), 2);
+  EXPECT_THAT(markers.output(), HasSubstr("marker frames only"));
+}
+
 TEST_F(Port, APasswordThatOthersMayReadIsNotUsed) {
   start();
   std::ofstream(folder / "password") << "secret\n";
