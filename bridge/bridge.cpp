@@ -49,7 +49,7 @@ struct Bridge::State {
   bool trace = false;
   CommandAudit audit;
   CommandDesk commands;
-  InterestDesk interests;
+  InterestDesk interests{[](const std::string& text) { log_info("dds", text); }};
   DialInRegistry modules;  // outlives the buses and the programming server
   program::Server program{program_hooks(), modules};
   std::unique_ptr<Store> store;       // outlives the outlets of the buses; null: nothing is stored
@@ -192,6 +192,7 @@ tl::expected<void, std::string> Bridge::start(const BridgeSpec& spec) {
   try {
     state_->join();
     for (const BusSpec& bus : spec.buses) state_->start_bus(bus);
+    state_->interests.all_added();
     if (const auto listening = state_->program.start(spec.program); !listening) {
       state_->stop_all();
       return tl::make_unexpected(listening.error());

@@ -17,36 +17,63 @@ tl::expected<void, std::string> InterestBook::note(const std::string& station, c
     if (found->second.stations.empty()) patterns_.erase(found);
     return {};
   }
-  if (*refresh <= Duration::zero()) return tl::make_unexpected("station " + station + ": a refresh must be longer than nothing");
+  if (*refresh < kShortest || *refresh > kLongest) {
+    return tl::make_unexpected("station " + station + ": an interest in " + key + " every " + to_text(*refresh) +
+                               " is refused: a refresh is " + to_text(kShortest) + " to " + to_text(kLongest));
+  }
   const bool known = found != patterns_.end() && found->second.stations.contains(station);
   if (!known && (count_ == kMaxWishes || (found == patterns_.end() && patterns_.size() == kMaxPatterns))) {
-    return tl::make_unexpected("station " + station + ": its interest is refused, too many are held");
+    return tl::make_unexpected("station " + station + ": its interest in " + key + " is refused: " + std::to_string(count_) + " wishes of " +
+                               std::to_string(patterns_.size()) + " patterns are held, at most " + std::to_string(kMaxWishes) +
+                               " of " + std::to_string(kMaxPatterns));
   }
   if (found == patterns_.end()) found = patterns_.emplace(key, Wishes{*parsed, {}}).first;
   count_ += known ? 0 : 1;
+  if (!known && news_.size() < kMaxNews) news_.push_back({station, *parsed});
   found->second.stations[station] = *refresh;
   return {};
 }
 
 std::map<ChannelIndex, Duration> InterestBook::wishes(const BusSpec& bus) const {
-  std::map<ChannelIndex, Duration> shortest;
+  struct Wanted {
+    const Pattern* pattern;
+    Duration refresh;
+  };
+  std::vector<Wanted> wanted;
   for (const auto& [text, wishes] : patterns_) {
     if (!wishes.pattern.matches(bus.name)) continue;
-    const Duration wish = std::min_element(wishes.stations.begin(), wishes.stations.end(), [](const auto& a, const auto& b) {
-                            return a.second < b.second;
-                          })->second;
-    ChannelIndex index = 0;
-    for (const DeviceSpec& device : bus.devices) {
-      for (const ChannelSpec& channel : device.channels) {
-        if (wishes.pattern.matches(bus.name, device.name, channel.name)) {
-          const auto [entry, added] = shortest.try_emplace(index, wish);
-          if (!added) entry->second = std::min(entry->second, wish);
-        }
-        ++index;
-      }
+    const auto shortest =
+        std::ranges::min_element(wishes.stations, {}, [](const auto& station) { return station.second; });
+    wanted.push_back({&wishes.pattern, shortest->second});
+  }
+  std::ranges::sort(wanted, {}, &Wanted::refresh);
+  std::map<ChannelIndex, Duration> all;
+  if (wanted.empty()) return all;
+  ChannelIndex index = 0;
+  for (const DeviceSpec& device : bus.devices) {
+    for (const ChannelSpec& channel : device.channels) {
+      const ChannelIndex at = index++;
+      if (!channel.on_interest) continue;
+      const auto first = std::ranges::find_if(
+          wanted, [&](const Wanted& one) { return one.pattern->matches(bus.name, device.name, channel.name); });
+      if (first != wanted.end()) all.emplace_hint(all.end(), at, first->refresh);
     }
   }
-  return shortest;
+  return all;
+}
+
+InterestBook::Reach InterestBook::reach(const Pattern& pattern, const BusSpec& bus) {
+  Reach reach;
+  if (!pattern.matches(bus.name)) return reach;
+  for (const DeviceSpec& device : bus.devices) {
+    if (!pattern.matches(bus.name, device.name)) continue;
+    for (const ChannelSpec& channel : device.channels) {
+      if (!pattern.matches(bus.name, device.name, channel.name)) continue;
+      ++reach.channels;
+      reach.on_interest += channel.on_interest ? 1 : 0;
+    }
+  }
+  return reach;
 }
 
 std::vector<InterestChanged> changes(const std::map<ChannelIndex, Duration>& before,

@@ -1,22 +1,40 @@
 // Where interests from DDS come in: keeps the book of wishes and tells each bus what changed for its channels. Any thread.
+//
+// note() only writes the book. What the wishes mean for channels is worked out on a thread of its own, at most every kPace: a
+// station that changes its mind a million times costs neither DDS nor a bus more than one that does so a few times a second.
 #pragma once
 
+#include <condition_variable>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <thread>
 #include <tl/expected.hpp>
 
 #include "bridge/bus_runner.hpp"
 #include "bridge/interest_book.hpp"
+#include "bridge/repeat_filter.hpp"
 
 namespace fieldcast {
 
 class InterestDesk {
  public:
-  // The bus is told the wishes that stand, and every change until it is removed.
+  static constexpr std::chrono::milliseconds kPace{50};
+
+  // `remark` hears, on the desk's thread, of interests that change nothing: one line for the log.
+  explicit InterestDesk(std::function<void(std::string)> remark);
+  ~InterestDesk();
+  InterestDesk(const InterestDesk&) = delete;
+  InterestDesk& operator=(const InterestDesk&) = delete;
+
+  // The bus is told the wishes that stand, and every change until it is removed; no more afterwards.
   void add(const BusSpec& bus, std::shared_ptr<BusRunner> runner);
   void remove(const std::string& bus);
+
+  // All buses are there: from here on an interest that meets no channel is remarked.
+  void all_added();
 
   // Nobody wishes anything any more.
   void forget();
@@ -28,14 +46,24 @@ class InterestDesk {
  private:
   struct Bus {
     BusSpec spec;
-    std::shared_ptr<BusRunner> runner;
-    std::map<ChannelIndex, Duration> told;
+    std::map<ChannelIndex, Duration> told;  // the desk's thread only
+    std::mutex mutex;
+    std::shared_ptr<BusRunner> runner;  // null: removed
   };
-  void tell(Bus& bus);
+  using Buses = std::map<std::string, std::shared_ptr<Bus>, std::less<>>;
+  void run();
+  static void tell(const InterestBook& book, Bus& bus);
+  void judge(const std::vector<InterestBook::Wish>& wishes, const Buses& buses);
+
+  std::function<void(std::string)> remark_;
+  RepeatFilter remarked_;  // the desk's thread only; by station
 
   std::mutex mutex_;
+  std::condition_variable changed_;
+  bool dirty_ = false, all_added_ = false, ending_ = false;
   InterestBook book_;
-  std::map<std::string, Bus, std::less<>> buses_;
+  Buses buses_;
+  std::thread thread_;  // last: it uses what is above
 };
 
 }  // namespace fieldcast

@@ -8,7 +8,8 @@ InterestReceiver::InterestReceiver(Domain& domain, std::function<void(Interest)>
                                    std::function<void(std::string)> on_problem)
     : domain_(domain), handler_(std::move(handler)), on_problem_(std::move(on_problem)) {
   reader_ = domain.reader<idl::InterestPubSubType>(kInterestTopic, interest_reader_qos(), this,
-                                                   dds::StatusMask::data_available() << dds::StatusMask::subscription_matched());
+                                                   dds::StatusMask::data_available() << dds::StatusMask::subscription_matched()
+                                                                                      << dds::StatusMask::sample_rejected());
 }
 
 void InterestReceiver::close() { domain_.remove(reader_); }
@@ -41,11 +42,20 @@ void InterestReceiver::on_data_available(dds::DataReader* reader) {
 }
 
 void InterestReceiver::refuse(const idl::Interest& interest, const std::string& why) {
+  refuse("the interest of station '" + std::string(interest.station().c_str()) + "' in '" + interest.pattern().c_str() +
+         "' is refused: " + why);
+}
+
+void InterestReceiver::refuse(const std::string& text) {
+  const std::uint64_t refused = ++refused_;
   std::uint64_t told = 1;
-  while (told <= refused_) told *= 10;
-  if (++refused_ != told) return;
-  on_problem_("the interest of station '" + std::string(interest.station().c_str()) + "' in '" + interest.pattern().c_str() +
-              "' is refused: " + why + "; refused so far: " + std::to_string(refused_));
+  while (told < refused) told *= 10;
+  if (refused == told) on_problem_(text + "; refused so far: " + std::to_string(refused));
+}
+
+// The library holds as many instances as we do, and takes no more until one ends. Called under the reader's lock: without ours.
+void InterestReceiver::on_sample_rejected(dds::DataReader*, const dds::SampleRejectedStatus&) {
+  refuse("interests are refused: stations declare more than the " + std::to_string(kMaxInterests) + " that a bridge holds");
 }
 
 // A station that dies, or leaves without withdrawing: the library delivers no note for its instances.

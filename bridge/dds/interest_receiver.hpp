@@ -1,6 +1,7 @@
 // Hears Interest: what stations wish for, and when a wish ends: withdrawn, or its station is dead. Calls come on DDS threads.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <map>
 
@@ -17,9 +18,11 @@ class InterestReceiver : private dds::DataReaderListener {
 
  private:
   void on_data_available(dds::DataReader* reader) override;
+  void on_sample_rejected(dds::DataReader* reader, const dds::SampleRejectedStatus& status) override;
   void on_subscription_matched(dds::DataReader* reader, const dds::SubscriptionMatchedStatus& status) override;
 
   void refuse(const idl::Interest& interest, const std::string& why);
+  void refuse(const std::string& text);
 
   struct Wish {
     Interest interest;
@@ -29,7 +32,7 @@ class InterestReceiver : private dds::DataReaderListener {
   Domain& domain_;
   std::function<void(Interest)> handler_;
   std::function<void(std::string)> on_problem_;
-  std::uint64_t refused_ = 0;
+  std::atomic<std::uint64_t> refused_{0};
   dds::DataReader* reader_ = nullptr;
   std::mutex mutex_;                              // the reader is called on any of the participant's threads
   std::map<dds::InstanceHandle_t, Wish> wishes_;  // the end of a wish comes without its names; at most kMaxInterests

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <condition_variable>
+#include <future>
 
 #include "bridge/dds/station.hpp"
 #include "tests/bridge/support/claimed_domain.hpp"
@@ -205,6 +206,33 @@ TEST_F(BridgeTest, AChannelOnInterestIsReadOnceAStationWishesIt) {
   for (const StationSample& sample : ear.samples()) EXPECT_FALSE(wished(sample));
   ear.station.declare_interest("one/plc/r0", milliseconds{100});
   EXPECT_TRUE(ear.hears([&](const StationSample& s) { return wished(s) && s.sequence >= 5; }));
+}
+
+TEST_F(BridgeTest, AnInterestInNothingIsToldOnceAndAFloodOfThemHoldsNobodyUp) {
+  ModbusDevice a(first), b(second);
+  Ear ear(spec.dds);
+  std::promise<void> renewed;
+  ear.station.subscribe_channels([&, told = false](const StationChannel& channel) mutable {
+    if (!told && channel.bus == "one" && channel.channel == "r0" && channel.refresh == milliseconds{50}) renewed.set_value(), told = true;
+  });
+  spec.buses[0].devices[0].channels[0].on_interest = true;
+  Bridge bridge;
+  testing::internal::CaptureStderr();
+  ASSERT_TRUE(bridge.start(spec));
+  const auto good = [](const StationSample& s) { return s.bus == "one" && s.channel == "r0" && s.quality == Quality::kGood; };
+  ear.station.declare_interest("one/plc/r0", milliseconds{100});
+  EXPECT_TRUE(ear.hears(good));
+  ear.station.declare_interest("one/plc/r1", milliseconds{100});
+  for (int i = 0; i < 3000; ++i) ear.station.declare_interest("nowhere/" + std::to_string(i), milliseconds{100});
+  ear.station.declare_interest("one/plc/r0", milliseconds{50});  // wishes of one station arrive in order: this is the last
+  EXPECT_EQ(renewed.get_future().wait_for(seconds{15}), std::future_status::ready);
+  ear.forget();
+  EXPECT_TRUE(ear.hears(good));
+  bridge.stop();
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(said, testing::HasSubstr("in one/plc/r1 changes nothing: its channels are read anyway"));
+  EXPECT_THAT(said, testing::HasSubstr("are held, at most 4096 of 256"));
+  EXPECT_LT(std::count(said.begin(), said.end(), '\n'), 20) << said;
 }
 
 TEST_F(BridgeTest, ReloadRestartsOnlyWhatChanged) {

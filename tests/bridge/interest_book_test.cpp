@@ -14,7 +14,11 @@ BusSpec press_shop() {
   for (const char* name : {"press-1", "press-2"}) {
     DeviceSpec device;
     device.name = name;
-    for (const char* channel : {"oil", "speed"}) device.channels.emplace_back().name = channel;
+    for (const char* name_of_channel : {"oil", "speed"}) {
+      ChannelSpec& channel = device.channels.emplace_back();
+      channel.name = name_of_channel;
+      channel.on_interest = true;
+    }
     bus.devices.push_back(device);
   }
   return bus;
@@ -56,6 +60,8 @@ TEST(InterestBook, NonsenseIsRefusedWithAReason) {
   EXPECT_FALSE(book.note("a", "one/two/three/four", milliseconds{100}));
   EXPECT_FALSE(book.note("a", "*/*/*", milliseconds{0}));
   EXPECT_FALSE(book.note("a", "*/*/*", milliseconds{-5}));
+  EXPECT_FALSE(book.note("a", "*/*/*", std::chrono::microseconds{999}));
+  EXPECT_FALSE(book.note("a", "*/*/*", std::chrono::hours{25}));
   EXPECT_TRUE(book.wishes(press_shop()).empty());
 }
 
@@ -77,6 +83,58 @@ TEST(InterestBook, MemoryIsBounded) {
     ASSERT_TRUE(book.note("s" + std::to_string(i), "bus-1", milliseconds{100}));
   }
   EXPECT_FALSE(book.note("too many", "bus-1", milliseconds{100}));
+}
+
+TEST(InterestBook, AMillionWishesAreRefusedAtOnceAndLeaveThoseThatStand) {
+  InterestBook book;
+  ASSERT_TRUE(book.note("honest", "*/press-1/oil", milliseconds{200}));
+  std::size_t taken = 0;
+  for (int i = 0; i < 500'000; ++i) {
+    taken += book.note("s", "press-shop/press-" + std::to_string(i), milliseconds{100}).has_value();      // patterns,
+    taken += book.note("s" + std::to_string(i), "*/press-1/oil", milliseconds{100}).has_value();          // stations,
+  }
+  EXPECT_EQ(taken, InterestBook::kMaxWishes - 1);
+  for (int i = 1; i < 1'000'000; ++i) ASSERT_TRUE(book.note("honest", "*/press-1/oil", milliseconds{i % 1000 + 1}));  // changes
+  ASSERT_TRUE(book.note("honest", "*/press-1/oil", milliseconds{50}));
+  EXPECT_EQ(book.wishes(press_shop()).at(0), milliseconds{50});
+  EXPECT_EQ(book.take_news().size(), InterestBook::kMaxNews);
+  EXPECT_TRUE(book.take_news().empty());
+}
+
+TEST(InterestBook, RefusalSaysWhoWhatAndWhy) {
+  InterestBook book;
+  for (std::size_t i = 0; i < InterestBook::kMaxPatterns; ++i) ASSERT_TRUE(book.note("a", "b" + std::to_string(i), milliseconds{9}));
+  EXPECT_EQ(book.note("a", "x/y/z", milliseconds{9}).error(),
+            "station a: its interest in x/y/z is refused: 256 wishes of 256 patterns are held, at most 4096 of 256");
+}
+
+TEST(InterestBook, ChannelsThatAreReadAnywayAreNotWished) {
+  BusSpec bus = press_shop();
+  bus.devices[0].channels[0].on_interest = false;
+  InterestBook book;
+  ASSERT_TRUE(book.note("a", "*/press-1/*", milliseconds{500}));
+  EXPECT_EQ(book.wishes(bus), (Wishes{{1, milliseconds{500}}}));
+}
+
+TEST(InterestBook, ReachTellsAnInterestInNothing) {
+  BusSpec bus = press_shop();
+  bus.devices[0].channels[0].on_interest = false;
+  const auto reach = [&](const char* pattern) { return InterestBook::reach(*Pattern::parse(pattern), bus); };
+  EXPECT_EQ(reach("mill/*/*").channels, 0u);
+  EXPECT_EQ(reach("*/press-3/*").channels, 0u);
+  EXPECT_EQ(reach("*/press-1/oil").channels, 1u);
+  EXPECT_EQ(reach("*/press-1/oil").on_interest, 0u);
+  EXPECT_EQ(reach("*/*/oil").channels, 2u);
+  EXPECT_EQ(reach("*/*/oil").on_interest, 1u);
+}
+
+TEST(InterestBook, NewsAreWishesThatWereNotHeld) {
+  InterestBook book;
+  ASSERT_TRUE(book.note("a", "*/press-1/*", milliseconds{500}));
+  ASSERT_TRUE(book.note("b", "*/press-1/*", milliseconds{500}));
+  EXPECT_EQ(book.take_news().size(), 2u);
+  ASSERT_TRUE(book.note("b", "*/press-1/*", milliseconds{100}));
+  EXPECT_TRUE(book.take_news().empty());
 }
 
 TEST(InterestChanges, OnlyDifferencesAreTold) {

@@ -123,6 +123,12 @@ class Watch(unittest.TestCase):
         while good < 5:
             good += json.loads(stream.readline())["quality"] == "GOOD"
 
+    def test_a_wish_for_what_is_read_anyway_or_for_nothing_says_so(self):
+        process = plant.start_cli("watch", "fast/press/temperature", "--refresh", "1ms", "--json", "--for", "3s", stderr=subprocess.PIPE)
+        self.assertIn("changes nothing for 1 of 1 channels: 1 are read anyway", process.communicate(timeout=30)[1])
+        process = plant.start_cli("watch", "nowhere", "--refresh", "200ms", "--json", "--for", "3s", stderr=subprocess.PIPE)
+        self.assertIn("the interest in nowhere/*/* meets nothing", process.communicate(timeout=30)[1])
+
     def test_a_closed_output_ends_it(self):
         process = plant.start_cli("watch", "--json", "--for", "60s", stderr=subprocess.DEVNULL)
         self.addCleanup(process.wait)

@@ -17,6 +17,7 @@ namespace fieldcast::cli {
 namespace {
 
 constexpr Duration kRedraw = std::chrono::milliseconds{200};
+constexpr Duration kWishWait = std::chrono::seconds{1};
 constexpr Duration kOnceWait = std::chrono::seconds{10};
 
 class Watch {
@@ -29,6 +30,7 @@ class Watch {
  private:
   void read(const SessionEvent& event, Instant now);
   void draw(Instant now);
+  void remark_wish(Instant now, Instant began);
   [[nodiscard]] bool complete(Instant now) const;
   void print_all();
   void print_table(const Screen& screen);
@@ -41,6 +43,7 @@ class Watch {
   WatchModel model_;
   std::ostream& out_;
   std::ostream& err_;
+  std::optional<std::string> remark_;  // of our wish, once it is known
   std::unique_ptr<LiveScreen> screen_;  // a live table in a terminal
   Instant last_news_{};                 // when the catalogue last grew
 };
@@ -60,6 +63,7 @@ ExitCode Watch::run() {
   for (auto now = began; now < end && !session_.inbox().closed() && out_; now = instant_now()) {
     for (const auto& event : session_.inbox().take(to_steady(std::min(end, now + kRedraw)))) read(event, instant_now());
     now = instant_now();
+    remark_wish(now, began);
     if (screen_ && now >= next_draw) {
       draw(now);
       next_draw = now + kRedraw;
@@ -92,10 +96,18 @@ void Watch::read(const SessionEvent& event, Instant now) {
   }
 }
 
+// Bridges announce their channels anew when a wish takes effect; what they have not announced a while later, they will not.
+void Watch::remark_wish(Instant now, Instant began) {
+  if (!options_.refresh || remark_ || !model_.anything_announced() || now - std::max(began, last_news_) < kWishWait) return;
+  remark_ = model_.wish_remark(*options_.refresh).value_or("");
+  if (!remark_->empty() && !screen_) err_ << "fieldcast watch: " << *remark_ << '\n' << std::flush;
+}
+
 void Watch::draw(Instant now) {
   const auto screen = output_screen();
   auto lines = watch_lines(model_, now, utc_now(), screen);
   if (!model_.anything_announced()) lines.push_back(clip("waiting for a bridge in " + place_text(spec_) + " ..", screen.columns));
+  if (remark_ && !remark_->empty()) lines.push_back(clip(*remark_, screen.columns));
   screen_->draw(lines);
 }
 

@@ -77,6 +77,23 @@ std::size_t WatchModel::awaited(bool wished) const {
   }));
 }
 
+std::optional<std::string> WatchModel::wish_remark(Duration refresh) const {
+  if (catalogue_.channels().empty()) {
+    return "the interest in " + pattern_.text() + " meets nothing: no announced channel matches; fieldcast watch --once lists them";
+  }
+  std::size_t slower = 0, unread = 0;
+  for (const auto& [path, channel] : catalogue_.channels()) {
+    slower += channel.refresh > refresh ? 1 : 0;
+    unread += channel.refresh == Duration::zero() ? 1 : 0;
+  }
+  if (slower + unread == 0) return std::nullopt;
+  std::string why;
+  if (slower != 0) why = std::to_string(slower) + " are read anyway, less often (acquire: always)";
+  if (unread != 0) why += (why.empty() ? "" : ", ") + std::to_string(unread) + " are not read by themselves (on-demand or write-only)";
+  return "the interest in " + pattern_.text() + " every " + to_text(refresh) + " changes nothing for " +
+         std::to_string(slower + unread) + " of " + std::to_string(catalogue_.channels().size()) + " channels: " + why;
+}
+
 std::string WatchModel::summary() const {
   return std::to_string(samples_) + (samples_ == 1 ? " sample of " : " samples of ") + std::to_string(rows_.size()) +
          (rows_.size() == 1 ? " channel, " : " channels, ") + std::to_string(good()) + " of them GOOD";

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "bridge/dds/topics.hpp"
 #include "tests/bridge/dds/dds_support.hpp"
 
 namespace fieldcast::testing {
@@ -244,6 +245,28 @@ TEST(DdsLink, WishesAreHeardAndEndWhenWithdrawnOrTheirStationGoes) {
   EXPECT_TRUE(eventually([&] { return of("a/*/*") == Wishes{200ms, std::nullopt}; }));
   station.reset();
   EXPECT_TRUE(eventually([&] { return of("b/*/*") == Wishes{300ms, std::nullopt}; })) << "the station has left";
+}
+
+// More than the reader holds, from stations of which none declares more than it may.
+TEST(DdsLink, AFloodOfWishesIsRefusedWithALineAndTheBridgeGoesOn) {
+  constexpr int kEach = 2500;
+  Heard heard;
+  DdsLink link(loopback(), "test", heard.handlers());
+  const std::string bus = bus_name("flooded");
+  link.add_bus(bus_of(bus, 1));
+  Station first(loopback(), bus_name("first")), second(loopback(), bus_name("second"));
+  for (int i = 0; i < kEach; ++i) first.declare_interest("a/*/" + std::to_string(i), 200ms);
+  ASSERT_TRUE(eventually([&] { return heard.interests.size() == kEach; })) << heard.interests.size();
+  for (int i = 0; i < kEach; ++i) second.declare_interest("b/*/" + std::to_string(i), 200ms);
+  EXPECT_TRUE(eventually([&] { return heard.problems.size() >= 1; }));
+  EXPECT_EQ(heard.interests.size(), static_cast<std::size_t>(kMaxInterests));
+  std::string problems;
+  for (const std::string& problem : heard.problems.all()) problems += problem + '\n';
+  EXPECT_THAT(problems, ::testing::HasSubstr("nterest"));
+  EXPECT_LE(heard.problems.size(), 5u) << problems;
+  // What is heard already goes on: a wish that is withdrawn makes room.
+  first.withdraw_interest("a/*/0");
+  EXPECT_TRUE(eventually([&] { return heard.interests.size() > static_cast<std::size_t>(kMaxInterests); }));
 }
 
 TEST(DdsLink, UnknownInterfaceIsAnErrorAtTheStart) {
