@@ -235,6 +235,58 @@ TEST_F(BridgeTest, AnInterestInNothingIsToldOnceAndAFloodOfThemHoldsNobodyUp) {
   EXPECT_LT(std::count(said.begin(), said.end(), '\n'), 20) << said;
 }
 
+// Of a device that falls silent: what the engine counts, what its DataWriters see and what a station's DataReader sees.
+TEST_F(BridgeTest, MissedRefreshesAreTheSameNumberForTheEngineItsWritersAndAStation) {
+  ModbusDevice a(first), b(second);
+  spec.buses.pop_back();
+  for (ChannelSpec& channel : spec.buses[0].devices[0].channels) channel.refresh = milliseconds{300};
+  Station station(spec.dds, "strict");
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::map<std::string, StationSample> last;
+  std::vector<StationBusStatus> heard;
+  std::uint64_t requested = 0;
+  const auto noted = [&](auto&& change) {
+    {
+      const std::lock_guard lock(mutex);
+      change();
+    }
+    changed.notify_all();
+  };
+  const auto reached = [&](auto&& wanted) {
+    std::unique_lock lock(mutex);
+    return changed.wait_for(lock, seconds{20}, wanted);
+  };
+  // The first sample of a channel may reach a station late, when it has joined: a deadline of its own begins then.
+  const auto all_good = [&] {
+    const auto good = [](const auto& entry) { return entry.second.quality == Quality::kGood && entry.second.sequence >= 3; };
+    return last.size() == 3 && std::ranges::all_of(last, good);
+  };
+  station.subscribe_samples([&](const StationSample& sample) { noted([&] { last[sample.channel] = sample; }); }, {},
+                            {milliseconds{300}, [&] { noted([&] { ++requested; }); }});
+  station.subscribe_bus_status([&](const StationBusStatus& status) { noted([&] { heard.push_back(status); }); });
+  Bridge bridge;
+  ASSERT_TRUE(bridge.start(spec));
+  ASSERT_TRUE(reached(all_good));
+  a.set_silent(true);
+  ASSERT_TRUE(reached([&] { return !heard.empty() && heard.back().report.deadline_misses >= 12; }));
+  a.set_silent(false);
+  ASSERT_TRUE(reached(all_good));
+  {
+    const std::lock_guard lock(mutex);
+    heard.clear();
+  }
+  ASSERT_TRUE(reached([&] { return heard.size() >= 2; }));
+  const std::lock_guard lock(mutex);
+  const StationBusStatus& status = heard.back();
+  EXPECT_EQ(status.report.deadline_misses, status.dds_deadline_misses);
+  EXPECT_EQ(status.report.deadline_misses, requested);
+  std::uint64_t explained = 0;
+  for (const auto& [cause, count] : status.misses) explained += count;
+  EXPECT_EQ(explained, status.report.deadline_misses);
+  EXPECT_EQ(status.misses.count("LATE"), 0u);
+}
+
 TEST_F(BridgeTest, ReloadRestartsOnlyWhatChanged) {
   ModbusDevice a(first), b(second);
   Ear ear(spec.dds);
