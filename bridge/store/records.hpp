@@ -16,6 +16,7 @@ struct AuditEntry {
   std::string who;     // the user, or the requester of a command; with the peer's address where there is one
   std::string what;    // "login", "write", "acquire", "program"
   std::string target;  // "press-shop/press-1/running"; empty: the bridge itself
+  // Of a transmission. A command's are not counted: several may travel in one frame.
   std::uint64_t bytes_to_device = 0;
   std::uint64_t bytes_from_device = 0;
   std::string result;  // "done", "refused: wrong password"; one line for people

@@ -10,6 +10,8 @@ StationSample as_sample(const StoredSample& stored) {
           stored.quality, stored.device_code, stored.acquired_at, stored.sequence};
 }
 
+constexpr std::string_view kTransmission = "program";  // the entries whose bytes are counted
+
 bool was_read(const StoredSample& sample) { return sample.acquired_at.nanoseconds != 0; }
 
 std::string path_of(const StoredSample& sample) { return sample.bus + '/' + sample.device + '/' + sample.channel; }
@@ -31,13 +33,13 @@ Json record_json(const StoredSample& sample) {
 }
 
 Json record_json(const AuditEntry& entry) {
-  return {{"at", entry.at.nanoseconds},
-          {"who", entry.who},
-          {"what", entry.what},
-          {"target", entry.target},
-          {"bytes_to_device", entry.bytes_to_device},
-          {"bytes_from_device", entry.bytes_from_device},
-          {"result", entry.result}};
+  Json json = {{"at", entry.at.nanoseconds}, {"who", entry.who}, {"what", entry.what}, {"target", entry.target}};
+  if (entry.what == kTransmission) {
+    json["bytes_to_device"] = entry.bytes_to_device;
+    json["bytes_from_device"] = entry.bytes_from_device;
+  }
+  json["result"] = entry.result;
+  return json;
 }
 
 Json record_json(const DeviceRecord& device) {

@@ -46,6 +46,9 @@ TEST(RecordView, AuditSaysWhoWhatWhereHowMuchAndWhatBecameOfIt) {
       audit_line(entry),
       "2023-11-14T22:13:20.000Z  ann from 10.0.0.1  program press-shop/press-1  1000 bytes to the device, 20 from it  done");
   EXPECT_EQ(record_json(entry)["bytes_to_device"], 1000);
+  const Json command = record_json(AuditEntry{.at = kAt, .who = "panel", .what = "write 5", .result = "done"});
+  EXPECT_FALSE(command.contains("bytes_to_device"));  // it is not counted, which is not 0
+  EXPECT_FALSE(command.contains("bytes_from_device"));
   EXPECT_EQ(audit_line({.at = kAt, .who = "eve\n", .what = "login", .result = "refused"}),
             "2023-11-14T22:13:20.000Z  eve?  login  refused");
 }
