@@ -80,7 +80,7 @@ TEST_F(Users, AreReadableByTheOwnerOfTheFileOnly) {
 
 TEST_F(Users, HaveNamesThatCanStandInALine) {
   EXPECT_EQ(fault_of_user_name("ann.smith@plant-7_b"), "");
-  for (const std::string bad : {"", "two words", "a\nb", "\x01", "ü", std::string(65, 'a').c_str()}) {
+  for (const std::string& bad : std::vector<std::string>{"", "two words", "a\nb", "\x01", "ü", std::string(65, 'a')}) {
     EXPECT_NE(fault_of_user_name(bad), "") << bad;
   }
   EXPECT_NE(fault_of_password("short"), "");
