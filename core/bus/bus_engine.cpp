@@ -113,7 +113,7 @@ void BusEngine::State::settle(Instant now, Actions& actions) {
   if (bus_state != BusState::kStopped && bus_state != BusState::kLeased) expire_channels(now, actions);
   expire_commands(now, actions);
   if (bus_state == BusState::kRunning && !conversation.active()) decide(now, actions);
-  tell_overload(actions);
+  tell_overload(now, actions);
   ask_for_plan(actions);
 
   Instant next = kNever;
@@ -143,9 +143,15 @@ void BusEngine::State::ask_for_plan(Actions& actions) {
   actions.push_back(MakePlan{{kept, kept->draft.get()}});
 }
 
-void BusEngine::State::tell_overload(Actions& actions) {
+// Once it has lasted: in the first seconds answer times are learned.
+void BusEngine::State::tell_overload(Instant now, Actions& actions) {
   const double stretch = scheduler->stretch();
-  if ((stretch > kStretched) == overloaded) return;
+  if ((stretch > kStretched) == overloaded) {
+    overload_turned = kNever;
+    return;
+  }
+  if (overload_turned == kNever) overload_turned = now;
+  if (now - overload_turned < kOverloadLasts) return;
   overloaded = !overloaded;
   std::array<char, 32> times{};
   std::snprintf(times.data(), times.size(), "%.2f", stretch);

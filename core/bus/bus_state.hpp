@@ -24,6 +24,7 @@ struct BusEngine::State {
   static constexpr Duration kBusyPause = std::chrono::milliseconds{100};  // after "busy"
   static constexpr Duration kShortestProbe = std::chrono::milliseconds{10};
   static constexpr Duration kProbeRetry = std::chrono::milliseconds{20};  // when the wire had no time for a probe
+  static constexpr Duration kOverloadLasts = std::chrono::seconds{5};
   static constexpr int kUsualAnswers = 64;  // that a device's usual answer time follows
   static constexpr double kStretched = 1.001;  // more than this is overload
   static constexpr Duration kAnswerTimeStep = std::chrono::microseconds{500};
@@ -55,7 +56,7 @@ struct BusEngine::State {
   // bus_engine.cpp
   void settle(Instant now, Actions& actions);
   void decide(Instant now, Actions& actions);
-  void tell_overload(Actions& actions);
+  void tell_overload(Instant now, Actions& actions);
   void ask_for_plan(Actions& actions);
   void launch(Flight flight, Instant now, Actions& actions);
   void transmit(Instant now, Actions& actions);
@@ -131,7 +132,8 @@ struct BusEngine::State {
   Instant timer = kNever;  // as last told to the shell
   bool begun = false;
   bool trace = false;
-  bool overloaded = false;  // and told: of the refreshes configured, when they are loaded
+  bool overloaded = false;  // as told, at first of the refreshes configured, when they are loaded
+  Instant overload_turned = kNever;  // since when it is otherwise
 
   // reporting
   std::uint64_t exchanges = 0, samples = 0, commands_done = 0, reopened = 0;

@@ -286,8 +286,9 @@ void RidingScheduler::make_plan() {
     const double wanted = load_ * overrun_;
     const std::int64_t fastest = fastest_;
     find_fastest();
-    planned_ = fastest != fastest_ || (std::max(wanted, planned_for_) > kFull &&
-                                       (wanted > kMore * planned_for_ || wanted < kLess * planned_for_));
+    const bool more = wanted > kFull && wanted > kMore * planned_for_;
+    const bool less = planned_for_ > kFull && (wanted <= kFull || wanted < kLess * planned_for_);
+    planned_ = fastest != fastest_ || more || less;
   }
   if (planned_) plan();
 }

@@ -1,6 +1,7 @@
 // Whole buses in virtual time, with everything that goes wrong in a plant.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 #include <set>
 
@@ -118,6 +119,35 @@ TEST(Simulation, IntensiveWireNeverRests) {
   (void)bus.engine().bus_report(bus.now());
   bus.run_until(Instant{20s});
   EXPECT_GT(bus.engine().bus_report(bus.now()).utilisation, 0.99);
+}
+
+int told(const VirtualBus& bus, Notice::Kind kind) {
+  return static_cast<int>(std::ranges::count(bus.notices(), kind, &Notice::kind));
+}
+
+// Until its answers are known, a fast line seems to be too slow for them.
+TEST(Simulation, OverloadIsToldOnceAndNotBeforeAnswerTimesAreKnown) {
+  VirtualBus enough(plant(16, 1, "refresh: 250ms"), {}, 1);
+  EXPECT_GT(enough.engine().bus_report(Instant{}).stretch, 1.0);
+  enough.run_until(Instant{2min});
+  EXPECT_EQ(enough.engine().bus_report(enough.now()).stretch, 1.0);
+  EXPECT_EQ(told(enough, Notice::Kind::kOverload), 0);
+
+  VirtualBus too_much(plant(16, 1, "refresh: 50ms"), {}, 1);
+  too_much.run_until(Instant{2min});
+  EXPECT_EQ(told(too_much, Notice::Kind::kOverload), 1);
+  EXPECT_EQ(told(too_much, Notice::Kind::kOverloadEnded), 0);
+  (void)too_much.engine().bus_report(too_much.now());
+  too_much.run_until(Instant{3min});
+  const auto report = too_much.engine().bus_report(too_much.now());
+  EXPECT_GT(report.measured_load, 0.95);
+  EXPECT_GT(report.stretch, 2.0);
+  std::uint64_t least = ~0ull, most = 0;
+  for (const auto& channel : too_much.channels()) {
+    least = std::min(least, channel.good);
+    most = std::max(most, channel.good);
+  }
+  EXPECT_LT(static_cast<double>(most), 1.2 * static_cast<double>(least));
 }
 
 TEST(Simulation, DeadDeviceCostsTheOthersNothing) {
