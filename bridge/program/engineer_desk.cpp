@@ -16,6 +16,7 @@ EngineerRules rules_of(const EngineersSpec& spec) {
   rules.login_needed = !on_loopback(spec.listen);
   rules.heartbeat = spec.heartbeat;
   rules.idle = spec.idle;
+  rules.handshake = spec.handshake;
   return rules;
 }
 

@@ -173,6 +173,7 @@ struct EngineersSpec {
   std::string certificate, key;  // paths; set: TLS, and a login is demanded off the loopback
   Duration heartbeat = std::chrono::seconds{5};
   Duration idle = std::chrono::minutes{10};
+  Duration handshake = std::chrono::seconds{10};  // for TLS, and for a wish; no key of the configuration
   friend bool operator==(const EngineersSpec&, const EngineersSpec&) = default;
 };
 struct ModulesSpec {

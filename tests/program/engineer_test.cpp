@@ -187,6 +187,20 @@ TEST(Engineer, AClientThatNeverSpeaksIsHungUp) {
   EXPECT_THAT(b.last_remark(), HasSubstr("no device was asked for"));
 }
 
+TEST(Engineer, WhoLogsInAndThenNeverAsksIsHungUp) {
+  EngineerRules rules;
+  rules.login_needed = true;
+  Bench b(rules);
+  b.pass(seconds{9});
+  b.says("@@AU616e6e61:736563726574FEFF");
+  b.tell(LoginChecked{true, ""});
+  b.pass(milliseconds{9999});
+  EXPECT_EQ(b.hung_up, 0);
+  b.pass(milliseconds{2});
+  EXPECT_EQ(b.hung_up, 1);
+  EXPECT_THAT(b.last_remark(), HasSubstr("no device was asked for"));
+}
+
 TEST(Engineer, AClientThatNeverReadsIsFreed) {
   Bench b;
   b.pair();

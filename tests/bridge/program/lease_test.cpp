@@ -190,6 +190,34 @@ TEST_F(Lease, ASerialPortThatIsUnpluggedIsLostToTheEngineer) {
   EXPECT_TRUE(outlet.wait_for([](const auto& r) { return !r.reports.empty() && r.reports.back().state == BusState::kClosed; }));
 }
 
+// The whole bus rests for one device; who asks for its neighbour waits, and the first one keeps the line.
+TEST_F(Lease, ABusThatIsLentIsBusyForItsOtherDevices) {
+  Pty pty;
+  ModbusDevice device(pty);
+  start();
+  BusSpec bus = bus_of(serial_at(pty.path()));
+  bus.devices.push_back(bus.devices.front());
+  bus.devices.back().name = "neighbour";
+  bus.devices.back().number = "P2";
+  run(bus);
+  ASSERT_TRUE(hears_more());
+  device.stop();
+  TcpClient first = engineer(), second = engineer();
+  first.say("@@P1FEFF");
+  ASSERT_EQ(first.hear("FEFF"), "@@0000FEFF");
+  (void)pty.take();
+  second.say("@@P2FEFF");
+  EXPECT_EQ(second.hear("FEFF"), "@@0002FEFF");
+  EXPECT_TRUE(audited("refused: the bus is lent already"));
+  first.say("@@@00mine*\rFEFF");
+  const Bytes heard = pty.receive(9);
+  EXPECT_EQ(std::string(heard.begin(), heard.end()), "@00mine*\r");
+  first.say("@@EDFEFF");
+  ASSERT_TRUE(audited("stopped by the engineer"));
+  second.say("@@P2FEFF");
+  EXPECT_EQ(second.hear("FEFF"), "@@0000FEFF");
+}
+
 TEST_F(Lease, ABusWhosePortIsClosedIsNotOnline) {
   start();
   run(bus_of(serial_at("/nowhere/at/all")));

@@ -149,6 +149,54 @@ TEST_F(ProgramServer, HalfAnInstructionIsAuditedAndTheNextOneArrives) {
   EXPECT_EQ(module.hear("\r"), "@00whole*\r");
 }
 
+TEST_F(ProgramServer, AClientThatLeavesInTheMiddleOfAnInstructionFreesTheDevice) {
+  start();
+  TcpClient module = this->module("17\n");
+  const std::pair<const char*, Bytes> halves[] = {{"17", {'@', '@', '@', '0', '0', 'h'}}, {"V217", {0, 0, 0}}};
+  for (const auto& [wish, half] : halves) {
+    std::unique_ptr<TcpClient> client, next;
+    ASSERT_EQ(paired(server.engineers_port(), wish, client), "@@0000FEFF") << wish;
+    client->send(half);
+    client->close();
+    const auto end = std::chrono::steady_clock::now() + seconds{10};
+    while (paired(server.engineers_port(), "17", next) == "@@0002FEFF" && std::chrono::steady_clock::now() < end) {}
+    next->say("@@@00next*\rFEFF");
+    EXPECT_EQ(module.hear("\r"), "@00next*\r") << wish;
+    next->say("@@EDFEFF@@nobody1FEFF");  // whose refusal comes when the device is free again
+    EXPECT_EQ(next->hear("FEFF"), "@@0001FEFF");
+  }
+  EXPECT_TRUE(audited("ended: the client is gone"));
+}
+
+TEST_F(ProgramServer, AClientThatNeverSpeaksOrOnlyHalfAWishIsHungUpAndAudited) {
+  spec.engineers->handshake = milliseconds{100};
+  start();
+  TcpClient silent = engineer(), half = engineer();
+  half.say("@@1");
+  EXPECT_TRUE(silent.is_closed());
+  EXPECT_TRUE(half.is_closed());
+  const auto lines = [this] {
+    return std::count_if(audit.begin(), audit.end(), [](const auto& entry) {
+      return entry.result == "ended: no device was asked for within 100ms" && !entry.who.empty();
+    });
+  };
+  std::unique_lock lock(mutex);
+  EXPECT_TRUE(changed.wait_for(lock, seconds{10}, [&] { return lines() == 2; })) << lines();
+}
+
+TEST_F(ProgramServer, AWishIsHeardBehindALittleGarbage) {
+  start();
+  TcpClient module = this->module("17\n");
+  std::unique_ptr<TcpClient> client;
+  ASSERT_EQ(paired(server.engineers_port(), "17", client), "@@0000FEFF");
+  client->say("@@EDFEFF@@nobody1FEFF");
+  ASSERT_EQ(client->hear("FEFF"), "@@0001FEFF");
+  TcpClient noisy = engineer();
+  noisy.say("AT+CWMODE=1\r\n@@17FEFF");
+  EXPECT_EQ(noisy.hear("FEFF"), "@@0000FEFF");
+  EXPECT_TRUE(audited("dropped: bytes outside of any frame"));
+}
+
 // The server's memory for it is bounded; it is let go, and the device is free for the next one.
 TEST_F(ProgramServer, AClientThatNeverReadsIsFreed) {
   spec.engineers->heartbeat = seconds{1};  // it never speaks either

@@ -74,6 +74,14 @@ TEST_F(Tls, AClientInTheClearIsTurnedAway) {
   EXPECT_TRUE(audited("TLS handshake"));
 }
 
+TEST_F(Tls, AClientThatNeverShakesHandsIsHungUpAndAudited) {
+  spec.engineers->handshake = std::chrono::milliseconds{100};
+  start();
+  TcpClient client = engineer();
+  EXPECT_TRUE(client.is_closed());
+  EXPECT_TRUE(audited("refused: no TLS handshake in time"));
+}
+
 TEST_F(Tls, AKeyThatIsNotTheCertificatesIsAnErrorInWords) {
   spec.engineers->key = folder / "right";
   const auto started = server.start(spec);
