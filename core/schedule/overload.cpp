@@ -56,7 +56,6 @@ Singly one_by_one(const ScheduleInput& input) {
   return sum;
 }
 
-// To a scheduler a refresh shorter than the point's own request is as long as that; here it counts as it is wished.
 double planned_load(const ScheduleInput& input, const Singly& singly, Planner planner) {
   const double factor = std::max(1.0, singly.tightest);
   return factor * make_scheduler(stretched(input, factor), planner)->planned_load();
@@ -99,6 +98,8 @@ std::optional<double> hopeless_load_of(const BusSpec& bus) {
   if (load <= kHopelessLoad) return std::nullopt;
   return load;
 }
+
+double wished_load(const ScheduleInput& input, Planner planner) { return planned_load(input, one_by_one(input), planner); }
 
 std::string to_text(const Overload& overload) {
   return "more is wanted than the wire carries, " + rounded(overload.load) + " times as much: refreshes will be up to " +

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/model/spec.hpp"
+#include "core/schedule/scheduler.hpp"
 
 namespace fieldcast {
 
@@ -25,6 +26,9 @@ inline constexpr double kHopelessLoad = 100;
 
 // The load, if it is hopeless even with devices that answer at once.
 [[nodiscard]] std::optional<double> hopeless_load_of(const BusSpec& bus);
+
+// The load of a plan in which a refresh shorter than its own read counts as it is wished; to a scheduler it is as long as that read.
+[[nodiscard]] double wished_load(const ScheduleInput& input, Planner planner);
 
 // One line: what will happen, and how to mend it.
 [[nodiscard]] std::string to_text(const Overload& overload);

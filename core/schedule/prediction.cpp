@@ -1,8 +1,12 @@
 #include "core/schedule/prediction.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <tuple>
+#include <utility>
+
+#include "core/schedule/overload.hpp"
 
 namespace fieldcast {
 
@@ -149,6 +153,44 @@ std::optional<std::uint32_t> baud_that_works(const ScheduleInput& input, const P
   return std::nullopt;
 }
 
+// What is left of a bus with only these devices.
+ScheduleInput part_of(const ScheduleInput& input, const std::vector<DeviceIndex>& devices) {
+  ScheduleInput part = input;
+  std::erase_if(part.points, [&](const Point& point) { return std::ranges::find(devices, point.device) == devices.end(); });
+  return part;
+}
+
+// Devices spread over the fewest lines: the heaviest first, each to the line that has the least so far.
+std::optional<std::size_t> buses_that_work(const ScheduleInput& input, const PredictionOptions& options) {
+  constexpr std::size_t kMostBuses = 8;
+  std::vector<std::pair<double, DeviceIndex>> heaviest;
+  for (DeviceIndex device = 0; device < input.devices.size(); ++device) {
+    const ScheduleInput alone = part_of(input, {device});
+    if (!alone.points.empty()) heaviest.emplace_back(wished_load(alone, options.planner), device);
+  }
+  std::ranges::sort(heaviest, std::greater<>{});
+  for (std::size_t count = 2; count <= std::min(kMostBuses, heaviest.size()); ++count) {
+    std::vector<std::pair<double, std::vector<DeviceIndex>>> lines(count);
+    for (const auto& [load, device] : heaviest) {
+      auto& least = *std::ranges::min_element(lines, {}, [](const auto& line) { return line.first; });
+      least.first += load;
+      least.second.push_back(device);
+    }
+    if (std::ranges::all_of(lines, [&](const auto& line) { return line.first < 1 && works(part_of(input, line.second), options); }))
+      return count;
+  }
+  return std::nullopt;
+}
+
+// Whether it works when a change, which says whether it is one, is made to every device.
+template <typename Change>
+bool works_with(const ScheduleInput& input, const PredictionOptions& options, Change change) {
+  ScheduleInput other = input;
+  bool changed = false;
+  for (DeviceTiming& device : other.devices) changed = change(device) || changed;
+  return changed && works(other, options);
+}
+
 // The next longer of 1, 2, 5, 10, ... in the decade of the refresh.
 Duration next_refresh(Duration refresh) {
   Duration decade{1};
@@ -212,10 +254,20 @@ Prediction predict(const ScheduleInput& input, const PredictionOptions& options)
   Prediction prediction = Run(input, options).run(false);
   prediction.narrow = prediction.feasible && is_narrow(input, options, prediction);
   prediction.feasible = prediction.feasible && !prediction.narrow;
+  if (prediction.planned_load > 1) prediction.planned_load = wished_load(input, options.planner);
   if (prediction.feasible || !options.remedies) return prediction;
   prediction.remedies.stretch = stretch_that_works(input, options, prediction.planned_load);
   prediction.remedies.baud = baud_that_works(input, options);
   prediction.remedies.slower = slower_that_works(input, options);
+  prediction.remedies.longer_reads = works_with(input, options, [](DeviceTiming& device) {
+    const bool limited = device.max_block != 0 || device.max_gap;
+    device.max_block = 0;
+    device.max_gap.reset();
+    return limited;
+  });
+  prediction.remedies.no_pause =
+      works_with(input, options, [](DeviceTiming& device) { return std::exchange(device.pause, Duration{}) > Duration{}; });
+  prediction.remedies.buses = buses_that_work(input, options);
   return prediction;
 }
 

@@ -47,13 +47,16 @@ struct SlowerPoints {
 struct Remedies {
   std::optional<double> stretch;      // all refreshes longer by this factor
   std::optional<std::uint32_t> baud;  // the next standard rate
-  std::vector<SlowerPoints> slower;   // only the fastest points slower, as far as needed
+  std::vector<SlowerPoints> slower;   // only the fastest points slower, as far as needed: all of these together
+  bool longer_reads = false;          // devices without the max-block and max-gap that are configured
+  bool no_pause = false;              // devices without their pause
+  std::optional<std::size_t> buses;   // the devices spread over so many lines of this kind
 };
 
 struct Prediction {
   bool feasible = false;    // nothing is read later than its refresh allows, now or in a longer run
   bool narrow = false;      // not feasible, though this run missed nothing: with refreshes 5 % shorter it would have
-  double planned_load = 0;  // share of the wire that the wished refreshes need
+  double planned_load = 0;  // share of the wire that the wished refreshes need; how many wires, above 1
   double load = 0;          // share of the wire that the run used
   double stretch = 1;       // factor on all refreshes by which overload is met
   Duration horizon{};       // virtual time that was run

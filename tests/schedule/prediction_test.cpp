@@ -64,6 +64,24 @@ TEST(Prediction, OverloadNamesConfigurationsThatWork) {
   EXPECT_TRUE(predict(some).feasible);
 }
 
+TEST(Prediction, DevicesAreSpreadOverLinesThatEachWork) {
+  // Six devices, each with some 0.35 of the wire.
+  ScheduleInput input = test::input_of(two_clusters(), kProtocol);
+  const DeviceTiming device = input.devices.front();
+  input.devices.assign(6, device);
+  input.points.clear();
+  for (DeviceIndex d = 0; d < 6; ++d) input.points.push_back({.device = d, .range = {0, 0, 1}, .refresh = 55ms});
+  const Prediction prediction = predict(input);
+  ASSERT_FALSE(prediction.feasible);
+  ASSERT_TRUE(prediction.remedies.buses);
+  const std::size_t lines = *prediction.remedies.buses;
+  EXPECT_GE(lines, 2u);
+  ScheduleInput fullest = input;
+  std::erase_if(fullest.points, [&](const Point& point) { return point.device >= (6 + lines - 1) / lines; });
+  EXPECT_TRUE(predict(fullest).feasible);
+  EXPECT_FALSE(predict(test::input_of(two_clusters(), kProtocol)).remedies.buses);
+}
+
 TEST(Prediction, ImpossiblePlanIsToldInBoundedTime) {
   ScheduleInput input = test::input_of(two_clusters(), kProtocol);
   for (Point& point : input.points) point.refresh = 1ns;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <set>
 
 namespace fieldcast::cli {
 namespace {
@@ -17,6 +18,11 @@ std::string formatted(const char* format, double number) {
 
 std::string milliseconds(Duration time) {
   return formatted(time < std::chrono::milliseconds{100} ? "%.2f ms" : "%.0f ms", to_seconds(time) * 1e3);
+}
+
+Duration rounded(Duration time) {
+  if (time < std::chrono::seconds{10}) return std::chrono::round<std::chrono::milliseconds>(time);
+  return std::chrono::round<std::chrono::seconds>(time);
 }
 
 struct Row {
@@ -51,30 +57,34 @@ std::string range_text(const Protocol& protocol, const Range& range) {
   return text;
 }
 
+// "d1/c1" or "52 channels (d1/c1, d1/c2, ..)": those of the points.
 std::string names_of(const BusPlan& plan, const std::vector<PointIndex>& points) {
+  const std::set<PointIndex> wanted(points.begin(), points.end());
   std::string text;
-  std::size_t named = 0;
-  std::size_t others = 0;
-  std::size_t index = 0;
+  std::size_t count = 0, index = 0;
   for (const auto& device : plan.bus->devices) {
     for (const auto& channel : device.channels) {
       const auto point = plan.point_of[index++];
-      if (!point || std::find(points.begin(), points.end(), *point) == points.end()) continue;
-      if (named == kNamesInAdvice) {
-        ++others;
-      } else {
-        text += (named++ == 0 ? "" : ", ") + device.name + '/' + channel.name;
-      }
+      if (!point || !wanted.contains(*point)) continue;
+      if (count < kNamesInAdvice) text += (count == 0 ? "" : ", ") + device.name + '/' + channel.name;
+      ++count;
     }
   }
-  return others == 0 ? text : text + " and " + std::to_string(others) + " more";
+  if (count == 1) return text;
+  return std::to_string(count) + " channels (" + text + (count > kNamesInAdvice ? ", .." : "") + ')';
+}
+
+// "wire load 98.5 %", and beyond that "3.20 times the wire is needed".
+std::string load_text(double load) {
+  if (load <= 1) return "wire load " + formatted("%.1f %%", load * 100);
+  return formatted(load < 10 ? "%.2f" : "%.0f", load) + " times the wire is needed";
 }
 
 std::string verdict(const BusPlan& plan) {
   const auto& prediction = plan.prediction;
   return plan.bus->name + "  " + to_text(plan.bus->port) + ": " + (prediction.feasible ? "feasible" : prediction.narrow ? "TOO NARROW" : "NOT FEASIBLE") +
-         ", wire load " + formatted("%.1f %%", prediction.planned_load * 100) + ", " + std::to_string(prediction.reads) +
-         " reads in " + to_text(prediction.horizon) + " of virtual time, " + std::to_string(prediction.missed) +
+         ", " + load_text(prediction.planned_load) + ", " + std::to_string(prediction.reads) +
+         " reads in " + to_text(rounded(prediction.horizon)) + " of virtual time, " + std::to_string(prediction.missed) +
          " late (devices taken to answer after " + to_text(plan.answer_time) + ')';
 }
 
@@ -118,13 +128,18 @@ std::vector<std::string> advice(const BusPlan& plan) {
   std::vector<std::string> ways;
   if (plan.prediction.feasible) return ways;
   const auto& remedies = plan.prediction.remedies;
-  for (const auto& slower : remedies.slower) {
-    ways.push_back("refresh " + names_of(plan, slower.points) + " every " + to_text(slower.to) + " instead of " +
-                   to_text(slower.from));
+  std::string slower;
+  for (const auto& group : remedies.slower) {
+    slower += (slower.empty() ? "" : ", and ") + names_of(plan, group.points) + " every " + to_text(group.to) + " instead of " +
+              to_text(group.from);
   }
+  if (!slower.empty()) ways.push_back("refresh " + slower);
   if (remedies.stretch) ways.push_back("make every refresh " + formatted("%.2f", *remedies.stretch) + " times as long");
-  if (remedies.baud) ways.push_back("run the line at " + std::to_string(*remedies.baud) + " baud");
-  if (ways.empty()) ways.emplace_back("split the bus: no longer refresh and no standard baud rate within reach is enough");
+  if (remedies.baud && has_line(plan.bus->port)) ways.push_back("run the line at " + std::to_string(*remedies.baud) + " baud");
+  if (remedies.longer_reads) ways.emplace_back("take away max-block and max-gap, if the devices answer longer reads");
+  if (remedies.no_pause) ways.emplace_back("take away the pause after each exchange, if the devices need none");
+  if (remedies.buses) ways.push_back("spread the devices over " + std::to_string(*remedies.buses) + " lines like this one");
+  if (ways.empty()) ways.emplace_back("read fewer channels of each device: no longer refresh, faster line or split of the bus within reach is enough");
   return ways;
 }
 

@@ -80,6 +80,38 @@ TEST(PlanView, InfeasiblePlanSaysWhatWouldHelp) {
   EXPECT_THAT(plan_lines(plan, {}), testing::Contains("any of these would make it feasible:"));
 }
 
+TEST(PlanView, ChannelsToSlowDownAreOneWayAndLoadIsToldInWires) {
+  // 16 characters and 5 ms: 25 ms each at 9600 baud, asked for every 10 ms and every 15 ms.
+  const auto bus = line({channel("a", 0, 10ms), channel("b", 4000, 10ms), channel("c", 8000, 15ms)});
+  const auto plan = make_plan(bus, 5ms);
+  EXPECT_NEAR(plan.prediction.planned_load, 7, 2);
+  EXPECT_THAT(plan_lines(plan, {}).front(), HasSubstr("times the wire is needed"));
+  const auto ways = advice(plan);
+  EXPECT_THAT(ways, testing::Contains(testing::AllOf(HasSubstr("refresh 2 channels ("), HasSubstr("instead of 10ms, and "),
+                                                     HasSubstr("instead of 15ms"))));
+  EXPECT_EQ(std::count_if(ways.begin(), ways.end(), [](const auto& way) { return way.starts_with("refresh"); }), 1);
+}
+
+TEST(PlanView, LimitsOfADeviceThatMakeItTooSlowAreNamed) {
+  std::vector<ChannelSpec> channels;
+  for (std::uint32_t i = 0; i < 40; ++i) channels.push_back(channel("c" + std::to_string(i), i, 500ms));
+  auto bus = line(channels);
+  EXPECT_TRUE(make_plan(bus, 5ms).prediction.feasible);
+  bus.devices[0].max_block = 1;
+  EXPECT_THAT(advice(make_plan(bus, 5ms)), testing::Contains(HasSubstr("take away max-block")));
+  bus.devices[0].max_block = 0;
+  bus.devices[0].pause = 1s;
+  EXPECT_THAT(advice(make_plan(bus, 5ms)), testing::Contains(HasSubstr("take away the pause")));
+}
+
+TEST(PlanView, ANetworkIsNotAdvisedABaudRate) {
+  auto bus = line({channel("a", 0, 10ms), channel("b", 4000, 10ms)});
+  bus.port = TcpPortSpec{"10.0.0.7", 502, std::nullopt};
+  const auto plan = make_plan(bus, 20ms);
+  ASSERT_FALSE(plan.prediction.feasible);
+  for (const auto& way : advice(plan)) EXPECT_THAT(way, testing::Not(HasSubstr("baud")));
+}
+
 TEST(PlanView, TightestChannelComesFirst) {
   const auto bus = line({channel("slow", 0, 5s), channel("fast", 4000, 100ms), channel("other", 9000, 700ms)});
   const auto json = plan_json(make_plan(bus, 5ms));
