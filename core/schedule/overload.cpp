@@ -11,7 +11,7 @@
 #include "core/model/make_protocol.hpp"
 #include "core/schedule/bus_schedule.hpp"
 #include "core/schedule/point_map.hpp"
-#include "core/schedule/prediction.hpp"
+#include "core/schedule/remedies.hpp"
 
 namespace fieldcast {
 namespace {

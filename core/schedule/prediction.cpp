@@ -1,10 +1,8 @@
 #include "core/schedule/prediction.hpp"
 
 #include <algorithm>
-#include <functional>
 #include <map>
 #include <tuple>
-#include <utility>
 
 #include "core/schedule/overload.hpp"
 
@@ -130,125 +128,7 @@ bool works(const ScheduleInput& input, const PredictionOptions& options) {
   return prediction.feasible && !is_narrow(input, options, prediction);
 }
 
-// The least factor on all refreshes that works, to two per cent.
-std::optional<double> stretch_that_works(const ScheduleInput& input, const PredictionOptions& options, double load) {
-  double works_at = std::max(1.05, load), fails_at = 1;
-  for (int doubling = 0; !works(stretched(input, works_at), options); ++doubling) {
-    if (doubling == 8) return std::nullopt;
-    fails_at = works_at;
-    works_at *= doubling < 3 ? 1.25 : 2;
-  }
-  while (works_at > fails_at * 1.02) {
-    const double middle = (works_at + fails_at) / 2;
-    (works(stretched(input, middle), options) ? works_at : fails_at) = middle;
-  }
-  return works_at;
-}
-
-std::optional<std::uint32_t> baud_that_works(const ScheduleInput& input, const PredictionOptions& options) {
-  for (const std::uint32_t baud : kStandardRates) {
-    const auto faster = at_rate(input, baud);
-    if (faster && works(*faster, options)) return baud;
-  }
-  return std::nullopt;
-}
-
-// What is left of a bus with only these devices.
-ScheduleInput part_of(const ScheduleInput& input, const std::vector<DeviceIndex>& devices) {
-  ScheduleInput part = input;
-  std::erase_if(part.points, [&](const Point& point) { return std::ranges::find(devices, point.device) == devices.end(); });
-  return part;
-}
-
-// Devices spread over the fewest lines: the heaviest first, each to the line that has the least so far.
-std::optional<std::size_t> buses_that_work(const ScheduleInput& input, const PredictionOptions& options) {
-  constexpr std::size_t kMostBuses = 8;
-  std::vector<std::pair<double, DeviceIndex>> heaviest;
-  for (DeviceIndex device = 0; device < input.devices.size(); ++device) {
-    const ScheduleInput alone = part_of(input, {device});
-    if (!alone.points.empty()) heaviest.emplace_back(wished_load(alone, options.planner), device);
-  }
-  std::ranges::sort(heaviest, std::greater<>{});
-  for (std::size_t count = 2; count <= std::min(kMostBuses, heaviest.size()); ++count) {
-    std::vector<std::pair<double, std::vector<DeviceIndex>>> lines(count);
-    for (const auto& [load, device] : heaviest) {
-      auto& least = *std::ranges::min_element(lines, {}, [](const auto& line) { return line.first; });
-      least.first += load;
-      least.second.push_back(device);
-    }
-    if (std::ranges::all_of(lines, [&](const auto& line) { return line.first < 1 && works(part_of(input, line.second), options); }))
-      return count;
-  }
-  return std::nullopt;
-}
-
-// Whether it works when a change, which says whether it is one, is made to every device.
-template <typename Change>
-bool works_with(const ScheduleInput& input, const PredictionOptions& options, Change change) {
-  ScheduleInput other = input;
-  bool changed = false;
-  for (DeviceTiming& device : other.devices) changed = change(device) || changed;
-  return changed && works(other, options);
-}
-
-// The next longer of 1, 2, 5, 10, ... in the decade of the refresh.
-Duration next_refresh(Duration refresh) {
-  Duration decade{1};
-  while (decade * 10 <= refresh) decade *= 10;
-  for (const int step : {2, 5}) {
-    if (decade * step > refresh) return decade * step;
-  }
-  return decade * 10;
-}
-
-// Slows down the points of the shortest refresh, again and again, until it works.
-std::vector<SlowerPoints> slower_that_works(const ScheduleInput& input, const PredictionOptions& options) {
-  constexpr int kMostSteps = 20;
-  ScheduleInput slower = input;
-  bool found = false;
-  for (int step = 0; step < kMostSteps && !found; ++step) {
-    Duration shortest = Duration::max();
-    for (const Point& point : slower.points) {
-      if (point.mode != Mode::kOnDemand) shortest = std::min(shortest, point.refresh);
-    }
-    if (shortest > std::chrono::hours{1}) return {};
-    for (Point& point : slower.points) {
-      if (point.refresh == shortest) point.refresh = next_refresh(shortest);
-    }
-    found = works(slower, options);
-  }
-  if (!found) return {};
-  std::map<Duration, SlowerPoints> groups;
-  for (PointIndex point = 0; point < input.points.size(); ++point) {
-    const Duration from = input.points[point].refresh, to = slower.points[point].refresh;
-    if (from == to || input.points[point].mode == Mode::kOnDemand) continue;
-    SlowerPoints& group = groups[from];
-    group.from = from;
-    group.to = to;
-    group.points.push_back(point);
-  }
-  std::vector<SlowerPoints> result;
-  for (auto& [from, group] : groups) result.push_back(std::move(group));
-  return result;
-}
-
 }  // namespace
-
-ScheduleInput stretched(const ScheduleInput& input, double factor) {
-  ScheduleInput result = input;
-  for (Point& point : result.points) point.refresh = from_seconds(to_seconds(point.refresh) * factor);
-  return result;
-}
-
-std::optional<ScheduleInput> at_rate(const ScheduleInput& input, std::uint32_t baud) {
-  if (baud <= input.line.baud) return std::nullopt;
-  ScheduleInput faster = input;
-  faster.line.baud = baud;
-  // Silences shrink with the characters, but not below 1.75 ms (Modbus over Serial Line V1.02, 2.5.1.1) unless they were shorter.
-  const Duration shrunk{input.silence.count() * input.line.baud / baud};
-  faster.silence = std::max(shrunk, std::min<Duration>(input.silence, std::chrono::microseconds{1750}));
-  return faster;
-}
 
 Prediction predict(const ScheduleInput& input, const PredictionOptions& options) {
   Prediction prediction = Run(input, options).run(false);
@@ -256,18 +136,8 @@ Prediction predict(const ScheduleInput& input, const PredictionOptions& options)
   prediction.feasible = prediction.feasible && !prediction.narrow;
   if (prediction.planned_load > 1) prediction.planned_load = wished_load(input, options.planner);
   if (prediction.feasible || !options.remedies) return prediction;
-  prediction.remedies.stretch = stretch_that_works(input, options, prediction.planned_load);
-  prediction.remedies.baud = baud_that_works(input, options);
-  prediction.remedies.slower = slower_that_works(input, options);
-  prediction.remedies.longer_reads = works_with(input, options, [](DeviceTiming& device) {
-    const bool limited = device.max_block != 0 || device.max_gap;
-    device.max_block = 0;
-    device.max_gap.reset();
-    return limited;
-  });
-  prediction.remedies.no_pause =
-      works_with(input, options, [](DeviceTiming& device) { return std::exchange(device.pause, Duration{}) > Duration{}; });
-  prediction.remedies.buses = buses_that_work(input, options);
+  const auto works_too = [&](const ScheduleInput& other) { return works(other, options); };
+  prediction.remedies = find_remedies(input, works_too, prediction.planned_load, options.planner);
   return prediction;
 }
 

@@ -4,11 +4,11 @@
 // configuration.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
+#include "core/schedule/remedies.hpp"
 #include "core/schedule/scheduler.hpp"
 
 namespace fieldcast {
@@ -37,22 +37,6 @@ struct BlockForecast {
   double per_second = 0;
 };
 
-// Points of one refresh and the refresh that they would need.
-struct SlowerPoints {
-  Duration from{}, to{};
-  std::vector<PointIndex> points;
-};
-
-// The nearest configurations that work; nothing where none was found.
-struct Remedies {
-  std::optional<double> stretch;      // all refreshes longer by this factor
-  std::optional<std::uint32_t> baud;  // the next standard rate
-  std::vector<SlowerPoints> slower;   // only the fastest points slower, as far as needed: all of these together
-  bool longer_reads = false;          // devices without the max-block and max-gap that are configured
-  bool no_pause = false;              // devices without their pause
-  std::optional<std::size_t> buses;   // the devices spread over so many lines of this kind
-};
-
 struct Prediction {
   bool feasible = false;    // nothing is read later than its refresh allows, now or in a longer run
   bool narrow = false;      // not feasible, though this run missed nothing: with refreshes 5 % shorter it would have
@@ -65,12 +49,6 @@ struct Prediction {
   std::vector<BlockForecast> blocks;  // by device and address; at most 1 000, the most frequent
   Remedies remedies;                  // empty when feasible
 };
-
-// The same with every refresh longer by the factor; on a faster line (nothing: it is as fast already).
-[[nodiscard]] ScheduleInput stretched(const ScheduleInput& input, double factor);
-inline constexpr std::array<std::uint32_t, 10> kStandardRates{2400,  4800,   9600,   19200,  38400,
-                                                              57600, 115200, 230400, 460800, 921600};
-[[nodiscard]] std::optional<ScheduleInput> at_rate(const ScheduleInput& input, std::uint32_t baud);
 
 [[nodiscard]] Prediction predict(const ScheduleInput& input, const PredictionOptions& options = {});
 
