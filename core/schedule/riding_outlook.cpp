@@ -75,7 +75,8 @@ void RidingScheduler::refresh_cluster(ClusterIndex index, std::int64_t now) {
   const PointState& head = points[cluster.urgent];
   const std::int64_t cost = shape(index, points, cluster.urgent, std::max(now, due), 0).cost;
   cluster.agenda[0] = {due, cost, false};
-  const std::int64_t release = due - cost - room_of(index, head);
+  const std::int64_t tail = !head.eager && head.lap > 0 ? tails_[layout_.clusters[index].device] : 0;  // a turn ends with it
+  const std::int64_t release = due - (cost - tail) - room_of(index, head);
   if (release <= now || head.mode == Mode::kIntensive) {  // the intensive ones let the wire never rest
     due_.put(index, due);
   } else {

@@ -221,13 +221,15 @@ void RidingScheduler::take_turns(ClusterIndex index) {
   beat = {};
   if (request.members.empty()) return;
   beat.spacing = request.beat * table_.frame();
-  beat.offset = table_began_ + request.phase * table_.frame() + request.latest;
+  // The table counts until the wire is free again; points are acquired before.
+  const std::int64_t latest = request.latest - tails_[layout_.clusters[index].device];
+  beat.offset = table_began_ + request.phase * table_.frame() + latest;
   auto member = request.members.begin();
   for (PointState& point : points_of(index)) {
     point.lap = 0;
     if (!point.wanted() || point.mode != Mode::kScheduled) continue;
     point.lap = member->lap * table_.frame();
-    point.first_due = table_began_ + member->turn * table_.frame() + request.latest;
+    point.first_due = table_began_ + member->turn * table_.frame() + latest;
     ++member;
   }
 }

@@ -55,6 +55,7 @@ RidingScheduler::RidingScheduler(const ScheduleInput& input, Planner planner, co
     point.least_refresh = std::max<std::int64_t>(1, alone.value_or(Duration{1}).count());
     point.refresh = std::max(point.least_refresh, from.refresh.count());
   }
+  for (const DeviceTiming& device : input.devices) tails_.push_back(input.silence.count() + device.pause.count());
   for (const Strip& strip : layout_.strips) cut_at_.push_back(strip.cost.bridge());
   plan();
 }

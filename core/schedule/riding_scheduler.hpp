@@ -142,6 +142,7 @@ class RidingScheduler final : public Scheduler {
   Planner planner_;
   RidingWeights weights_;
   std::int64_t lead_, silence_;
+  std::vector<std::int64_t> tails_;  // by device: from the end of its answer until the wire is free
   Layout layout_;
   std::vector<PointState> points_;  // by place
   std::vector<ClusterState> clusters_;

@@ -49,6 +49,24 @@ TEST(Scheduler, OnDemandPointsAreNeverRead) {
   EXPECT_EQ(std::get<Rest>(make_scheduler(input)->next(Instant{5s})).until, kNever);
 }
 
+// What follows an answer (silence, a pause) is a good part of these reads, and no part of their points' refresh.
+TEST(Scheduler, FewLongReadsWithLongRestsAreKeptOnACrowdedWire) {
+  for (const Duration pause : {Duration{0}, Duration{200ms}}) {
+    ScheduleInput input = plant(1, 300);
+    input.devices[0].pause = pause;
+    add_points(input, 0, 1, 2, 500, 1s);
+    const double alone = make_scheduler(input)->planned_load();
+    for (const double load : {0.6, 0.75, 0.9}) {
+      for (Point& point : input.points) point.refresh = from_seconds(alone / load);
+      const auto scheduler = make_scheduler(input);
+      VirtualWire wire(input, *scheduler);
+      wire.run(10min);
+      EXPECT_EQ(wire.missed(), 0u) << load;
+      EXPECT_LT(wire.load(), 1.15 * load) << "reads that nobody needed";
+    }
+  }
+}
+
 TEST(Scheduler, EveryPointIsReadAtOnceWhenTheWireIsIdle) {
   ScheduleInput input = plant(3);
   for (DeviceIndex device = 0; device < 3; ++device) add_points(input, device, 100, 20, 3, 60s);
