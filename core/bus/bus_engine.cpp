@@ -19,8 +19,7 @@ Echo echo_for(const BusSpec& bus) {
   return *bus.echo ? Echo::kPresent : Echo::kAbsent;
 }
 
-std::unique_ptr<Protocol> protocol_of(const DeviceSpec& device, const LineFormat& line, const BusEngine::ProtocolMaker& maker) {
-  if (maker) return maker(device, line);
+std::unique_ptr<Protocol> protocol_of(const DeviceSpec& device, const LineFormat& line) {
   auto protocol = make_protocol(device, line);
   assert(protocol && "the loader checks protocols, addresses and options");
   return std::move(*protocol);
@@ -34,7 +33,7 @@ bool is_distinct(const Request& request, const Traits& traits) {
 
 }  // namespace
 
-BusEngine::State::State(const BusSpec& bus, const ProtocolMaker& maker)
+BusEngine::State::State(const BusSpec& bus)
     : spec(bus),
       line(line_of(spec.port)),
       silence(silence_for(spec)),
@@ -43,7 +42,7 @@ BusEngine::State::State(const BusSpec& bus, const ProtocolMaker& maker)
   DeviceIndex index = 0;
   for (const DeviceSpec& device : spec.devices) {
     devices.push_back(
-        {&device, protocol_of(device, line, maker), AnswerTime(device.timeout, std::max(spec.gap_allowance, device.timeout / 4))});
+        {&device, protocol_of(device, line), AnswerTime(device.timeout, std::max(spec.gap_allowance, device.timeout / 4))});
     DeviceRuntime& made = devices.back();
     made.areas.assign(made.protocol->areas().size(), {made.answer_time, kAssumedAnswerTime, {}});
     device_names.emplace(device.name, index++);
@@ -52,7 +51,7 @@ BusEngine::State::State(const BusSpec& bus, const ProtocolMaker& maker)
   make_scheduler();
 }
 
-BusEngine::BusEngine(const BusSpec& spec, const ProtocolMaker& maker) : state_(std::make_unique<State>(spec, maker)) {}
+BusEngine::BusEngine(const BusSpec& spec) : state_(std::make_unique<State>(spec)) {}
 BusEngine::~BusEngine() = default;
 
 std::uint32_t BusEngine::missing() const { return state_->conversation.missing(); }

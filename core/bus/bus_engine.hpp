@@ -3,7 +3,6 @@
 // The shell (BusRunner) executes the actions on one strand; tests execute them in virtual time.
 #pragma once
 
-#include <functional>
 #include <memory>
 
 #include "core/bus/event.hpp"
@@ -14,11 +13,8 @@ namespace fieldcast {
 
 class BusEngine {
  public:
-  // How the protocol of a device comes to be; nothing: make_protocol().
-  using ProtocolMaker = std::function<std::unique_ptr<Protocol>(const DeviceSpec&, const LineFormat&)>;
-
   // REQUIRES: spec is as the loader makes it (every protocol known, every address inside its area).
-  explicit BusEngine(const BusSpec& spec, const ProtocolMaker& maker = {});
+  explicit BusEngine(const BusSpec& spec);
   ~BusEngine();
   BusEngine(const BusEngine&) = delete;
   BusEngine& operator=(const BusEngine&) = delete;

@@ -51,7 +51,7 @@ struct BusEngine::State {
     Instant received{};
   };
 
-  State(const BusSpec& bus, const ProtocolMaker& maker);
+  explicit State(const BusSpec& bus);
 
   // bus_engine.cpp
   void settle(Instant now, Actions& actions);

@@ -328,47 +328,6 @@ void RidingScheduler::suspend(DeviceIndex device, Instant until) {
   for (const ClusterIndex cluster : layout_.clusters_of[device]) take_out(cluster);
 }
 
-template <typename Change>
-void RidingScheduler::change_cost(DeviceIndex device, AreaIndex area, const Change& change) {
-  for (Strip& strip : layout_.strips) {
-    if (strip.device == device && strip.area == area) change(strip.cost);
-  }
-  for (const ClusterIndex index : layout_.clusters_of[device]) {
-    const Cluster& cluster = layout_.clusters[index];
-    if (!cluster.list && layout_.strips[cluster.strip].area != area) continue;
-    touch(index);
-  }
-  stale_ = costs_changed_ = true;
-}
-
-void RidingScheduler::set_answer_time(DeviceIndex device, AreaIndex area, Duration answer_time) {
-  // A list of ranges is of several areas: the one that was learned last stands for all.
-  if (auto& list = layout_.lists[device]) list->set_answer_time(answer_time);
-  change_cost(device, area, [&](ReadCost& cost) { cost.set_answer_time(answer_time); });
-}
-
-void RidingScheduler::set_longest(DeviceIndex device, AreaIndex area, std::uint32_t items) {
-  batch_.clear();
-  change_cost(device, area, [&](ReadCost& cost) { cost.set_longest(items); });
-}
-
-void RidingScheduler::set_point(PointIndex index, Duration refresh, Mode mode, Instant at) {
-  const Place place = layout_.place_of[index];
-  const ClusterIndex cluster = layout_.cluster_at[place];
-  PointState& point = points_[place];
-  const bool was_wanted = point.wanted();
-  batch_.clear();
-  point.refresh = std::max(point.least_refresh, refresh.count());
-  point.mode = mode;
-  set_period(point);
-  if (begun_ && !was_wanted) {
-    point.due = point.deadline = later(ns(at), point.period);
-    point.eager = true;
-  }
-  touch(cluster);
-  stale_ = true;
-}
-
 void replan(Scheduler& scheduler, Instant now) {
   const auto draft = scheduler.draft();
   if (!draft) return;

@@ -72,7 +72,9 @@ class RidingScheduler final : public Scheduler {
     std::uint32_t step : 4;   // in the agenda
   };
 
-  // riding_plan.cpp: what is worked out once, and when refreshes or costs change
+  static constexpr double kFull = 1.0;  // planned load from which on refreshes are stretched
+
+  // riding_plan.cpp: what is worked out once, and in drafts
   void plan();
   void find_fastest();
   [[nodiscard]] double margin() const;
@@ -86,13 +88,17 @@ class RidingScheduler final : public Scheduler {
   void make_timetable();
   void fit(double factor);
   void begin(std::int64_t now);
+  void set_period(PointState& point) const;
+  void watch_lateness(bool late, std::int64_t now);
+
+  // riding_changes.cpp: what changes while the wire runs
+  template <typename Change>
+  void change_cost(DeviceIndex device, AreaIndex area, const Change& change);
+  void touch(Place place);
   void settle_changes(std::int64_t now);
   void make_plan();
   [[nodiscard]] bool cut_anew();
   [[nodiscard]] bool worth_cutting();
-  void touch(ClusterIndex cluster);
-  void set_period(PointState& point) const;
-  void watch_lateness(bool late, std::int64_t now);
 
   // riding_scheduler.cpp: decisions
   [[nodiscard]] Decision decide(std::int64_t now);
@@ -112,8 +118,6 @@ class RidingScheduler final : public Scheduler {
   void renew(ClusterIndex cluster, PointState& point, std::int64_t at) const;
   void postpone(PointState& point, std::int64_t from) const;
 
-  template <typename Change>
-  void change_cost(DeviceIndex device, AreaIndex area, const Change& change);
   void refresh_clusters_of(const Block& block, std::int64_t now);
 
   // riding_outlook.cpp: what comes next
@@ -168,7 +172,7 @@ class RidingScheduler final : public Scheduler {
   std::uint32_t late_ = 0, watched_ = 0;
   std::int64_t window_began_ = 0, rested_ = 0, rests_since_ = kNeverNs;
   std::vector<ClusterIndex> changed_;  // to be given other turns
-  std::vector<Place> touched_;         // first places of clusters that changed since the draft was begun
+  std::vector<Place> touched_;         // of what changed since the draft was begun
   std::vector<std::uint32_t> cut_at_;  // what a read may bridge, by strip, when the clusters were cut
   bool stale_ = false;                 // a new plan may be needed
   bool costs_changed_ = false;         // clusters may have to be cut anew

@@ -1,7 +1,6 @@
 #include "tools/cli/bus_simulation.hpp"
 
 #include <algorithm>
-#include <set>
 
 #include "tools/sim/virtual_bus.hpp"
 
@@ -26,12 +25,10 @@ void run(sim::VirtualBus& bus, const sim::BusFaults& faults, Instant end) {
 BusSimulation simulate(const BusPlan& plan, const sim::BusFaults& faults, const SimulationOptions& options) {
   sim::BusFaults all = faults;
   std::ranges::sort(all.unplugged, {}, &sim::Window::from);
-  std::set<std::string> stood_in;
   for (const DeviceSpec& device : plan.bus->devices) {
     all.devices.try_emplace(device.name).first->second.delay.base = faults.devices.contains(device.name)
                                                                         ? faults.devices.at(device.name).delay.base
                                                                         : plan.answer_time;
-    if (sim::StandIns::needed(device)) stood_in.insert(device.protocol);
   }
   sim::VirtualBus bus(*plan.bus, all, options.seed);
   (void)bus.engine().bus_report(bus.now());
@@ -47,7 +44,6 @@ BusSimulation simulate(const BusPlan& plan, const sim::BusFaults& faults, const 
     for (std::size_t i = 0; i < plan.bus->devices[device].channels.size(); ++i)
       result.channels.push_back(bus.engine().channel_report(channel++, bus.now()));
   }
-  result.stood_in.assign(stood_in.begin(), stood_in.end());
   result.fingerprint = bus.fingerprint();
   return result;
 }

@@ -24,7 +24,6 @@ struct BusSimulation {
   BusReport bus;                        // its measured load covers the whole run
   std::vector<DeviceReport> devices;    // in the order of the spec
   std::vector<ChannelReport> channels;  // the same
-  std::vector<std::string> stood_in;    // protocols whose frames were not simulated, only their length
   std::uint64_t fingerprint = 0;        // two runs share it only when everything they did was the same
 };
 

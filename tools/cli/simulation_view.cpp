@@ -106,8 +106,6 @@ std::vector<std::string> simulation_lines(const BusSimulation& simulation, const
           std::to_string(bus.exchanges) + " exchanges" +
           (bus.stretch > 1.001 ? "; overload: refreshes are stretched by up to " + formatted("%.2f", bus.stretch) : "")};
   if (bus.causes.total() != 0) lines.push_back("failed exchanges: " + causes_text(bus.causes));
-  for (const std::string& protocol : simulation.stood_in)
-    lines.push_back("no simulated device speaks " + protocol + ": its exchanges have their length, and nothing in them");
   lines.emplace_back();
   for (auto& line : channel_table(simulation.plan->bus->name, rows).render(screen)) lines.push_back(std::move(line));
   return lines;
@@ -128,7 +126,6 @@ Json simulation_json(const BusSimulation& simulation) {
             {"planned_load", bus.planned_load},
             {"predicted_load", simulation.plan->prediction.load},
             {"measured_load", bus.measured_load},
-            {"stood_in", simulation.stood_in},
             {"channels", Json::array()},
             {"devices", Json::array()},
             {"fingerprint", std::to_string(simulation.fingerprint)}};

@@ -14,7 +14,7 @@ namespace fieldcast::cli {
 [[nodiscard]] std::vector<std::string> simulation_lines(const BusSimulation& simulation, const Screen& screen);
 
 // {"bus", "simulated", "seed", "refreshes", "missed", "causes": {..}, "failures": {..}, "exchanges", "stretch", "planned_load",
-// "predicted_load", "measured_load", "stood_in": [..], "channels": [{"device", "channel", "refresh", "refreshes", "missed",
+// "predicted_load", "measured_load", "channels": [{"device", "channel", "refresh", "refreshes", "missed",
 // "last_cause", "worst_gap", "predicted_gap"}], "devices": [{"device", "state", "exchanges", "failures", "retries", "answer_time",
 // "answer_spread"}], "fingerprint"}; times in nanoseconds, channels as in the text.
 [[nodiscard]] Json simulation_json(const BusSimulation& simulation);

@@ -73,6 +73,8 @@ int simulate(const Arguments& given) {
   const Instant start = sim::now();
   std::vector<std::unique_ptr<sim::SimBus>> buses;
   for (const BusSpec& spec : plant->buses) {
+    if (std::holds_alternative<DialInPortSpec>(spec.port))
+      return fail(kBadFile, given.config + ": " + spec.name + ": modules that dial in are simulated in virtual time only");
     auto bus = sim::SimBus::make(spec, faults.buses[spec.name], given.seed, start);
     if (!bus) return fail(kBadFile, given.config + ": " + bus.error());
     buses.push_back(std::move(*bus));

@@ -19,15 +19,12 @@ SimBus::SimBus(const BusSpec& spec, const BusFaults& faults, std::uint64_t seed,
     : spec_(spec), faults_(faults), seed_(mix(seed, spec.name)), start_(start) {}
 
 tl::expected<std::unique_ptr<SimBus>, std::string> SimBus::make(const BusSpec& spec, const BusFaults& faults, std::uint64_t seed,
-                                                                Instant start, const OtherDevices& others) {
+                                                                Instant start) {
   std::unique_ptr<SimBus> bus(new SimBus(spec, faults, seed, start));
-  if (std::holds_alternative<DialInPortSpec>(spec.port)) {
-    return tl::unexpected(spec.name + ": modules that dial in are not simulated; give the bus a serial or a tcp port");
-  }
   const bool tcp = std::holds_alternative<TcpPortSpec>(spec.port);
   for (const DeviceSpec& device : spec.devices) {
     const DeviceKind* kind = kind_of(device);
-    if (kind == nullptr && !others) {
+    if (kind == nullptr) {
       return tl::unexpected(spec.name + "/" + device.name + ": no simulated devices speak '" + device.protocol +
                             "'; there are: " + known_protocols());
     }
@@ -36,9 +33,9 @@ tl::expected<std::unique_ptr<SimBus>, std::string> SimBus::make(const BusSpec& s
     DeviceSetup setup{
         device, line_of(spec.port), tcp, bus->members_.empty(), own.refused, own.only_configured, mix(bus->seed_, device.name),
         start};
-    auto made = kind != nullptr ? kind->make(setup) : others(setup);
+    auto made = kind->make(setup);
     if (!made) return tl::unexpected(spec.name + "/" + made.error());
-    bus->half_duplex_ = bus->half_duplex_ && (kind == nullptr || kind->half_duplex);
+    bus->half_duplex_ = bus->half_duplex_ && kind->half_duplex;
     bus->members_.push_back({device.name, std::move(*made), FaultDice(own, mix(setup.seed, "faults"))});
   }
   return bus;

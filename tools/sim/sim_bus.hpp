@@ -36,13 +36,9 @@ class SimBus {
     std::uint64_t spoiled = 0;  // answers that faults took away or changed
   };
 
-  using OtherDevices = std::function<std::unique_ptr<SimDevice>(const DeviceSetup&)>;
-
-  // The bus, or why it cannot be simulated: a protocol without devices here, unless `others` makes them, or a device that refuses
-  // its specification.
+  // The bus, or why it cannot be simulated: a protocol without devices here, or a device that refuses its specification.
   [[nodiscard]] static tl::expected<std::unique_ptr<SimBus>, std::string> make(const BusSpec& spec, const BusFaults& faults,
-                                                                               std::uint64_t seed, Instant start,
-                                                                               const OtherDevices& others = {});
+                                                                               std::uint64_t seed, Instant start);
 
   [[nodiscard]] std::unique_ptr<BusLine> open_line();
 

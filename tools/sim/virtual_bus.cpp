@@ -8,8 +8,8 @@ namespace {
 
 constexpr Duration kReopenAfter = std::chrono::seconds{1};
 
-std::unique_ptr<SimBus> plant_of(const BusSpec& spec, const BusFaults& faults, std::uint64_t seed, StandIns& stand_ins) {
-  auto plant = SimBus::make(spec, faults, seed, Instant{}, [&](const DeviceSetup& setup) { return stand_ins.device(setup); });
+std::unique_ptr<SimBus> plant_of(const BusSpec& spec, const BusFaults& faults, std::uint64_t seed) {
+  auto plant = SimBus::make(spec, faults, seed, Instant{});
   if (!plant) throw std::runtime_error(plant.error());
   return std::move(*plant);
 }
@@ -18,8 +18,8 @@ std::unique_ptr<SimBus> plant_of(const BusSpec& spec, const BusFaults& faults, s
 
 VirtualBus::VirtualBus(const BusSpec& spec, const BusFaults& faults, std::uint64_t seed, Watcher watcher)
     : spec_(spec),
-      plant_(plant_of(spec_, faults, seed, stand_ins_)),
-      engine_(spec_, [this](const DeviceSpec& device, const LineFormat& line) { return stand_ins_.protocol(device, line); }),
+      plant_(plant_of(spec_, faults, seed)),
+      engine_(spec_),
       watcher_(std::move(watcher)),
       character_(line_of(spec.port).characters(1)) {
   plug();

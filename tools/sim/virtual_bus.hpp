@@ -10,7 +10,6 @@
 
 #include "core/bus/bus_engine.hpp"
 #include "tools/sim/sim_bus.hpp"
-#include "tools/sim/stand_in.hpp"
 
 namespace fieldcast::sim {
 
@@ -19,8 +18,7 @@ class VirtualBus {
   // Called for each action, before bytes are sent and after everything else was done.
   using Watcher = std::function<void(const Action&)>;
 
-  // The plant starts at Instant{}; throws std::runtime_error when it cannot be simulated. Protocols without simulated devices are
-  // stood in for by exchanges of the right length (stand_in.hpp).
+  // The plant starts at Instant{}; throws std::runtime_error when it cannot be simulated.
   VirtualBus(const BusSpec& spec, const BusFaults& faults, std::uint64_t seed, Watcher watcher = {});
   VirtualBus(const VirtualBus&) = delete;
   VirtualBus& operator=(const VirtualBus&) = delete;
@@ -44,7 +42,6 @@ class VirtualBus {
   void stamp(std::uint64_t what) { fingerprint_ = (fingerprint_ ^ what) * 1099511628211u; }
 
   BusSpec spec_;
-  StandIns stand_ins_;
   std::unique_ptr<SimBus> plant_;
   std::unique_ptr<BusLine> line_;
   BusEngine engine_;

@@ -55,6 +55,17 @@ TEST(BusSimulation, WhatIsPredictedHappens) {
   EXPECT_EQ(simulation_json(simulation)["channels"].size(), 4u);
 }
 
+TEST(BusSimulation, AModuleThatDialsInHasALineBehindIt) {
+  std::string text = kLine;
+  const std::string serial = "serial: /dev/none";
+  text.replace(text.find(serial), serial.size(), "dial-in: 17");
+  const BridgeSpec spec = load(text + "program: { modules: { listen: 127.0.0.1:4951 } }\n");
+  const BusPlan plan = make_plan(spec.buses[0], 5ms);
+  const BusSimulation simulation = simulate(plan, {}, {1min, 1});
+  EXPECT_EQ(simulation.bus.deadline_misses, 0u);
+  EXPECT_GT(simulation.channels[0].readings, 100u);
+}
+
 // 300 registers with refreshes from 100 ms to 10 s, at half of the load that any master could sustain at most.
 TEST(BusSimulation, PlanPredictionAndMeasurementAgreeOverTheMaps) {
   for (const int number : {11, 12, 13, 14}) {
@@ -123,7 +134,6 @@ TEST(BusSimulation, DeclaredDevicesTakeTheirTimeOnTheWire) {
   const BusSimulation simulation = simulate(plan, {}, {5min, 1});
   EXPECT_EQ(simulation.bus.causes.total(), 0u);
   EXPECT_EQ(simulation.bus.deadline_misses, 0u);
-  EXPECT_TRUE(simulation.stood_in.empty());
   EXPECT_NEAR(simulation.bus.measured_load, plan.prediction.load, 0.05 * plan.prediction.load);
 
   sim::BusFaults faults;

@@ -1,0 +1,78 @@
+// Plans that are made while the wire runs.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/schedule/fake_protocol.hpp"
+#include "tests/schedule/maps.hpp"
+#include "tests/schedule/virtual_wire.hpp"
+
+namespace fieldcast {
+namespace {
+
+using namespace std::chrono_literals;
+
+const test::FakeProtocol kProtocol;
+
+ScheduleInput plant(std::uint64_t seed) {
+  const test::Map map = test::random_map(seed, 120);
+  return test::input_of(map, kProtocol, 19200, 5ms, test::least_load(map, 19200, 5ms) / 0.3);
+}
+
+TEST(Draft, ThereIsNoneWithoutAChangeAndOneAtATime) {
+  const ScheduleInput input = plant(1);
+  const auto scheduler = make_scheduler(input);
+  EXPECT_EQ(scheduler->draft(), nullptr);
+  scheduler->set_answer_time(0, test::kRegisters, 9ms);
+  const auto draft = scheduler->draft();
+  ASSERT_NE(draft, nullptr);
+  scheduler->set_answer_time(0, test::kRegisters, 12ms);
+  EXPECT_EQ(scheduler->draft(), nullptr) << "one is out";
+  draft->make();
+  scheduler->adopt(*draft, Instant{1s});
+  EXPECT_NE(scheduler->draft(), nullptr) << "of what changed meanwhile";
+}
+
+// The clusters of the draft are others than those that changed meanwhile.
+class ChangingBus : public testing::TestWithParam<std::uint64_t> {};
+
+TEST_P(ChangingBus, KeepsWhatIsWishedWhileAPlanIsMade) {
+  std::mt19937_64 random(GetParam());
+  ScheduleInput input = plant(GetParam());
+  const auto scheduler = make_scheduler(input);
+  test::VirtualWire wire(input, *scheduler);
+  for (int round = 0; round < 6; ++round) {
+    wire.run(3s);
+    for (DeviceIndex device = 0; device < input.devices.size(); ++device)
+      scheduler->set_answer_time(device, test::kRegisters, std::chrono::microseconds{200 + random() % 20'000});
+    const auto draft = scheduler->draft();
+    ASSERT_NE(draft, nullptr);
+    wire.run(std::chrono::milliseconds{random() % 500});
+    for (int change = 0; change < 30; ++change) {
+      const auto point = static_cast<PointIndex>(random() % input.points.size());
+      input.points[point].mode = random() % 2 ? Mode::kOnDemand : Mode::kScheduled;
+      scheduler->set_point(point, input.points[point].refresh, input.points[point].mode, wire.now());
+      if (change % 10 == 0) wire.run(50ms);
+    }
+    if (round % 2) scheduler->set_longest(0, test::kRegisters, 8 + static_cast<std::uint32_t>(random() % 60));
+    draft->make();
+    scheduler->adopt(*draft, wire.now());
+  }
+  wire.run(2min);
+  wire.forget_gaps();
+  wire.run(3min);
+  EXPECT_LT(scheduler->stretch(), 1.5);
+  for (PointIndex point = 0; point < input.points.size(); ++point) {
+    if (input.points[point].mode == Mode::kOnDemand) {
+      EXPECT_EQ(wire.seen(point).count, 0u) << "only neighbours wish for it";
+    } else {
+      EXPECT_LT(wire.seen(point).longest, 1.05 * scheduler->stretch() * input.points[point].refresh) << point;
+      EXPECT_GT(wire.seen(point).count, 0u) << point;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, ChangingBus, testing::Range<std::uint64_t>(1, 21));
+
+}  // namespace
+}  // namespace fieldcast
