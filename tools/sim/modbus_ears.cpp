@@ -107,10 +107,16 @@ void RtuEar::hear(std::uint8_t character, Instant end, Reaction& reaction) {
   // Answers on the line are those of the others: nobody else answers for this unit, and nobody for the broadcast.
   const bool others = frame_[0] != 0 && frame_[0] != unit_.address();
   const Fit as_answer = others ? fit(answer_length(frame_), frame_) : Fit::kNot;
+  const bool awaited = asked_.size() == 2 && frame_.size() >= 2 && frame_[0] == asked_[0] && frame_[1] == asked_[1];
   if (as_request == Fit::kWhole && !others) {
     answer(end, reaction);
     frame_.clear();
-  } else if (as_request == Fit::kWhole || as_answer == Fit::kWhole) {
+    asked_.clear();
+  } else if (as_answer == Fit::kWhole && (awaited || as_request != Fit::kWhole)) {
+    frame_.clear();
+    asked_.clear();
+  } else if (as_request == Fit::kWhole && !(awaited && as_answer == Fit::kOpen)) {
+    asked_.assign(frame_.begin(), frame_.begin() + 2);
     frame_.clear();
   } else if ((as_request == Fit::kNot && as_answer == Fit::kNot) || frame_.size() >= kMaxRtuFrame) {
     ++unit_.statistics().bad_frames;

@@ -5,7 +5,8 @@
 //   TCP    transaction(2) 0000 length(2) unit(1) PDU        length 2..254
 //
 // A slave on a serial bus hears the others too: it knows the shapes of requests and of answers, and after a frame that is neither
-// it waits for a silence of 3.5 characters before it trusts the line again (Modbus over Serial Line V1.02, 2.5.1).
+// it waits for a silence of 3.5 characters before it trusts the line again (Modbus over Serial Line V1.02, 2.5.1). It knows whose
+// answer is next: every answer of two registers whose checksum ends with 00 begins with what would be a whole request.
 #pragma once
 
 #include "tools/sim/device.hpp"
@@ -27,6 +28,7 @@ class RtuEar : public Ear {
   ModbusUnit& unit_;
   Duration character_, gap_;
   Bytes frame_;
+  Bytes asked_;        // unit and function of the last request to another, until its answer; empty: none
   bool lost_ = false;  // inside something broken: nothing counts until a silence
   Instant last_ = kLongAgo;
 };

@@ -75,6 +75,21 @@ TEST(RtuEar, ForeignAnswerThatHoldsARequestForUsIsNotExecuted) {
   EXPECT_TRUE(unit.statistics().requests.empty());
 }
 
+// Its first eight bytes are a whole request: 01 03 04 03 80 01 with the checksum FA14.
+TEST(RtuEar, ForeignAnswerThatBeginsLikeARequestDoesNotHideTheNextOne) {
+  ModbusUnit unit(3, test::kBegin);
+  RtuEar ear(unit, test::kLine, false);
+  const Bytes answer{0x01, 0x03, 0x04, 0x03, 0x80, 0x01, 0x14, 0xFA, 0x00};
+  ASSERT_EQ(rtu({0x01, 0x03, 0x04, 0x03, 0x80, 0x01, 0x14}), answer);
+  Instant at = test::kBegin;
+  for (const Bytes& frame : {rtu({1, 3, 3, 0x0A, 0, 2}), answer}) {
+    EXPECT_TRUE(test::listen(ear, frame, at, false).answer.empty());
+    at += test::kLine.characters(static_cast<std::uint32_t>(frame.size()) + 2);
+  }
+  EXPECT_FALSE(test::listen(ear, rtu({3, 3, 0, 0xFB, 0, 0x0B}), at, false).answer.empty());
+  EXPECT_EQ(unit.statistics().bad_frames, 0u);
+}
+
 TEST(RtuEar, HeldBackHalfOfAFrameIsAFrameOnAStream) {
   const Bytes request = rtu({1, 3, 0, 0, 0, 1});
   for (const bool stream : {false, true}) {
