@@ -1,10 +1,12 @@
 // The maps of tests/maps on pseudo-terminals that are paced like wires, at 19200 and 115200 baud and at a load of 0.5 and 0.6 of
 // the least that any master needs (tests/schedule/maps.hpp): refreshes missed in so many seconds. All four lines at once, unless
-// they are wanted one by one.
+// they are wanted one by one, or those of one baud rate or load alone.
 //
-// usage: endurance_bench [--seconds N] [--map 11|12|13|14] [--one-by-one]
+// usage: endurance_bench [--seconds N] [--map 11|12|13|14] [--one-by-one] [--baud N] [--load SHARE]
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <map>
@@ -99,13 +101,21 @@ int main(int argc, char** argv) {
     const double seconds = seconds_from(argc, argv, 60);
     std::string number = "11";
     bool one_by_one = false;
+    std::uint32_t baud = 0;
+    double load = 0;
     for (int i = 1; i < argc; ++i) {
       if (std::strcmp(argv[i], "--map") == 0 && i + 1 < argc) number = argv[i + 1];
+      if (std::strcmp(argv[i], "--baud") == 0 && i + 1 < argc) baud = static_cast<std::uint32_t>(std::atoi(argv[i + 1]));
+      if (std::strcmp(argv[i], "--load") == 0 && i + 1 < argc) load = std::atof(argv[i + 1]);
       one_by_one = one_by_one || std::strcmp(argv[i], "--one-by-one") == 0;
     }
     fieldcast::test::Map map = fieldcast::test::read_map(std::string(FIELDCAST_MAPS) + "/map" + number + ".csv");
     std::ranges::stable_sort(map, {}, &fieldcast::test::MapRow::unit);
-    const std::vector<Line> lines{{19200, 0.5}, {115200, 0.5}, {19200, 0.6}, {115200, 0.6}};
+    std::vector<Line> lines{{19200, 0.5}, {115200, 0.5}, {19200, 0.6}, {115200, 0.6}};
+    std::erase_if(lines, [&](const Line& line) {
+      return (baud != 0 && line.baud != baud) || (load > 0 && std::abs(line.load - load) > 1e-6);
+    });
+    if (lines.empty()) throw std::runtime_error("no such line: --baud is 19200 or 115200, --load 0.5 or 0.6");
     if (one_by_one) {
       for (const Line& line : lines) measure({line}, map, seconds);
     } else {
