@@ -129,7 +129,7 @@ void RidingScheduler::adopt(PlanDraft& draft, Instant at) {
   uneven_ = plan.uneven_;
   priorities_ = plan.priorities_;
   planned_for_ = plan.planned_for_;
-  crowded_ = plan.crowded_;
+  room_ = plan.room_;
   fastest_ = plan.fastest_;
   reserve_ = plan.reserve_;
   changed_.clear();

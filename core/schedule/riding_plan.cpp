@@ -11,7 +11,8 @@ namespace fieldcast {
 
 namespace {
 
-constexpr double kCrowded = 0.6;         // planned load from which on reads keep closer to their last instant
+constexpr double kLight = 0.6;           // planned load up to which reads keep farthest from their last instant,
+constexpr double kCrowded = 0.95;        // and from which on they come as close to it as they can
 constexpr double kMostPerPriority = 4;   // how far points of one priority are stretched before those of the next higher one are
 constexpr double kMostApart = 16;        // how much further the lowest priority than the highest: nobody starves
 constexpr double kSimpleReserve = 0.25;  // of the fastest period, for the planners that are there to be compared with
@@ -111,11 +112,13 @@ void RidingScheduler::stretch_by(double factor) {
 void RidingScheduler::plan() {
   stretch_by(1);
   find_fastest();
-  crowded_ = false;
+  room_ = 1;
   load_ = total_load(false);
-  if (load_ > kCrowded && planner_ == Planner::kRiding) {
-    crowded_ = true;
+  if (load_ > kLight && planner_ == Planner::kRiding) {
+    room_ = 0;
     load_ = total_load(false);
+    room_ = std::clamp((kCrowded - load_) / (kCrowded - kLight), 0.0, 1.0);
+    if (room_ > 0) load_ = total_load(false);
   }
   planned_for_ = load_ * overrun_;
   double enough = 1;
@@ -162,7 +165,7 @@ void RidingScheduler::fit(double factor) {
 }
 
 // A light bus can afford to read earlier, so that noise and retries find time that nobody needs; a full one cannot.
-double RidingScheduler::margin() const { return crowded_ ? weights_.margin : weights_.margin + weights_.light_reserve; }
+double RidingScheduler::margin() const { return weights_.margin + room_ * weights_.light_reserve; }
 
 // What the timetable must know of a cluster; no members if nothing of it has a rhythm.
 TimetableRequest RidingScheduler::entry_of(ClusterIndex index) const {

@@ -167,7 +167,7 @@ class RidingScheduler final : public Scheduler {
   double overrun_ = 1;        // how much more the wire needs than planned
   double planned_for_ = 0;    // load and overrun of the plan in force
   std::int64_t reserve_ = 0;  // of planners without a timetable: the rest ends this much before it must
-  bool crowded_ = false;
+  double room_ = 1;           // 0 on a crowded wire, 1 on a light one
   std::int64_t fastest_ = 1;  // period of the bus
   std::uint32_t late_ = 0, watched_ = 0;
   std::int64_t window_began_ = 0, rested_ = 0, rests_since_ = kNeverNs;
