@@ -38,10 +38,25 @@ CommandResult shutdown_result(const Command& command, Instant now) {
 
 }  // namespace
 
-// The way back from the thread of the plans, which may finish one when the bus is gone.
-struct WayBack {
-  std::mutex mutex;
-  asio::io_context* io = nullptr;  // null: the bus has stopped
+// The way to the io thread for others, who may come when the bus has stopped and its io_context is gone.
+class Gate {
+ public:
+  explicit Gate(asio::io_context& io) : io_(&io) {}
+  // False: closed, and nothing was posted.
+  template <typename Handler>
+  bool post(Handler&& handler) {
+    const std::lock_guard lock(mutex_);
+    if (io_) asio::post(*io_, std::forward<Handler>(handler));
+    return io_ != nullptr;
+  }
+  void close() {
+    const std::lock_guard lock(mutex_);
+    io_ = nullptr;
+  }
+
+ private:
+  std::mutex mutex_;
+  asio::io_context* io_;
 };
 
 // Everything on the io thread. One turn: an event and its `now` go into the engine, the actions that come out are executed in
@@ -60,11 +75,9 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
         ticking_(io),
         settled_(io),
         notices_(spec.name),
-        mapping_(read_clocks()) {
-    way_back_->io = &io;
-  }
+        mapping_(read_clocks()) {}
 
-  asio::io_context& io() { return io_; }
+  Gate& gate() { return *gate_; }
   std::atomic<std::size_t> waiting{0};
 
   void start() {
@@ -75,10 +88,6 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
 
   void stop() {
     if (stopped_) return;
-    {
-      const std::lock_guard lock(way_back_->mutex);
-      way_back_->io = nullptr;
-    }
     revoke("the bus stops");
     turn(StopRequested{}, steady_now());
     stopped_ = true;
@@ -221,11 +230,9 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   }
 
   void execute(const MakePlan& wanted, Instant) {
-    asio::post(plans_, [draft = wanted.draft, back = way_back_, self = weak_from_this()] {
+    asio::post(plans_, [draft = wanted.draft, gate = gate_, self = weak_from_this()] {
       draft->make();
-      const std::lock_guard lock(back->mutex);
-      if (!back->io) return;
-      asio::post(*back->io, [draft, self] {
+      gate->post([draft, self] {
         if (const auto loop = self.lock()) loop->event(PlanMade{draft});
       });
     });
@@ -265,7 +272,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
 
   asio::io_context& io_;
   asio::io_context& plans_;
-  std::shared_ptr<WayBack> way_back_ = std::make_shared<WayBack>();
+  const std::shared_ptr<Gate> gate_ = std::make_shared<Gate>(io_);
   const BusSpec spec_;
   BusOutlet& outlet_;
   BusEngine engine_;
@@ -297,7 +304,7 @@ BusRunner::BusRunner(asio::io_context& io, asio::io_context& plans, const BusSpe
 BusRunner::~BusRunner() = default;
 
 void BusRunner::start() {
-  asio::post(loop_->io(), [loop = loop_] { loop->start(); });
+  loop_->gate().post([loop = loop_] { loop->start(); });
 }
 
 bool BusRunner::post(Command command) {
@@ -305,41 +312,44 @@ bool BusRunner::post(Command command) {
     loop_->waiting.fetch_sub(1, std::memory_order_relaxed);
     return false;
   }
-  asio::post(loop_->io(), [loop = loop_, command = std::move(command)]() mutable {
+  return loop_->gate().post([loop = loop_, command = std::move(command)]() mutable {
     loop->waiting.fetch_sub(1, std::memory_order_relaxed);
     loop->command(std::move(command));
   });
-  return true;
 }
 
 void BusRunner::post(std::vector<InterestChanged> interests) {
-  asio::post(loop_->io(), [loop = loop_, interests = std::move(interests)] {
+  loop_->gate().post([loop = loop_, interests = std::move(interests)] {
     for (const InterestChanged& interest : interests) loop->event(interest);
   });
 }
 
 void BusRunner::lease(std::string who, Granted granted, Revoked revoked) {
-  asio::post(loop_->io(), [loop = loop_, who = std::move(who), granted = std::move(granted), revoked = std::move(revoked)] {
+  loop_->gate().post([loop = loop_, who = std::move(who), granted = std::move(granted), revoked = std::move(revoked)] {
     loop->lease(who, granted, revoked);
   });
 }
 
 void BusRunner::end_lease(std::uint64_t lease, std::optional<std::string> lost) {
-  asio::post(loop_->io(), [loop = loop_, lease, lost = std::move(lost)]() mutable { loop->end_lease(lease, std::move(lost)); });
+  loop_->gate().post([loop = loop_, lease, lost = std::move(lost)]() mutable { loop->end_lease(lease, std::move(lost)); });
 }
 
 void BusRunner::set_trace(bool on) {
-  asio::post(loop_->io(), [loop = loop_, on] { loop->set_trace(on); });
+  loop_->gate().post([loop = loop_, on] { loop->set_trace(on); });
 }
 
 std::future<void> BusRunner::stop() {
   auto done = std::make_shared<std::promise<void>>();
   auto ready = done->get_future();
-  asio::post(loop_->io(), [loop = loop_, done] {
+  const bool posted = loop_->gate().post([loop = loop_, done] {
     loop->stop();
     // Handlers that were cancelled come after this one; when the next one runs, none of them is left.
-    asio::post(loop->io(), [loop, done] { done->set_value(); });
+    loop->gate().post([loop, done] {
+      loop->gate().close();
+      done->set_value();
+    });
   });
+  if (!posted) done->set_value();  // stopped before
   return ready;
 }
 
