@@ -1,12 +1,15 @@
-// The running bridge: DDS on one side, a runner for each bus on the other, commands and interests routed between them.
+// The running bridge: DDS on one side, a runner for each bus on the other, commands and interests
+// routed between them.
 //
-// Owns the io threads, the DdsLink and the runners. The functions are for the main thread; DDS threads enter through the link's
-// handlers only.
+// Owns the io threads, the DdsLink and the runners. The functions are for the main thread; DDS
+// threads enter through the link's handlers only.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <tl/expected.hpp>
+#include <vector>
 
 #include "core/model/spec.hpp"
 
@@ -19,17 +22,30 @@ class Bridge {
   Bridge(const Bridge&) = delete;
   Bridge& operator=(const Bridge&) = delete;
 
-  // Joins DDS and starts every bus; ports that are missing are waited for. The error is one line: what DDS refused.
-  [[nodiscard]] tl::expected<void, std::string> start(const BridgeSpec& spec);
+  // Joins DDS and starts every bus; ports that are missing are waited for. The error is one line:
+  // what DDS refused. With thousands of channels it takes seconds: `give_up` is asked before each
+  // bus, and what is started then is all there is.
+  [[nodiscard]] tl::expected<void, std::string> start(
+      const BridgeSpec& spec, const std::function<bool()>& give_up = [] { return false; });
 
   // Restarts just the buses that differ. On an error everything runs as before. REQUIRES: started.
-  [[nodiscard]] tl::expected<void, std::string> reload(const BridgeSpec& wanted);
+  struct Reloaded {
+    // Not done, since engineers are at devices that it would take away, "line/plc by anna
+    // (10.0.0.7:51234)": to be tried again. Empty: done.
+    std::vector<std::string> waits_for;
+  };
+  [[nodiscard]] tl::expected<Reloaded, std::string> reload(const BridgeSpec& wanted);
 
   // The wire trace of every bus.
   void set_trace(bool on);
 
   // Every pending command is answered, every instance disposed. In under two seconds.
   void stop();
+
+  // For a thread that ends a process whose main thread hangs: what it is at, and what the store was
+  // given is written, as far as the limit allows.
+  [[nodiscard]] std::string busy_with() const;
+  void save(Duration limit);
 
  private:
   struct State;

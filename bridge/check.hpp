@@ -1,13 +1,33 @@
-// An assertion that stays on: a broken rule of our own ends the process with the place named, in every build.
+// An assertion that stays on: a broken rule of our own ends the process with the place named, in
+// every build.
 #pragma once
 
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 
-#define FIELDCAST_CHECK(condition)                                                      \
-  do {                                                                                  \
-    if (!(condition)) [[unlikely]] {                                                    \
-      std::fprintf(stderr, "%s:%d: broken rule: %s\n", __FILE__, __LINE__, #condition); \
-      std::abort();                                                                     \
-    }                                                                                   \
+namespace fieldcast {
+
+// Says what is broken, if standard error takes it soon, and ends the process.
+[[noreturn]] inline void end_for_broken_rule(const char* file, int line, const char* condition) {
+  char text[512];
+  const int size =
+      std::snprintf(text, sizeof text, "%s:%d: broken rule: %s\n", file, line, condition);
+  pollfd room{STDERR_FILENO, POLLOUT, 0};
+  if (size > 0 && ::poll(&room, 1, 100) > 0) {
+    const auto length = std::min(static_cast<std::size_t>(size), sizeof text - 1);
+    [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, text, length);
+  }
+  std::abort();
+}
+
+}  // namespace fieldcast
+
+#define FIELDCAST_CHECK(condition)                                      \
+  do {                                                                  \
+    if (!(condition)) [[unlikely]]                                      \
+      ::fieldcast::end_for_broken_rule(__FILE__, __LINE__, #condition); \
   } while (false)

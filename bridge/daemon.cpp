@@ -3,43 +3,49 @@
 #include <fmt/format.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstring>
+#include <optional>
 
 #include "bridge/bridge.hpp"
-#include "bridge/log.hpp"
+#include "bridge/bus/clock.hpp"
+#include "bridge/dds/library.hpp"
+#include "bridge/log/log.hpp"
+#include "bridge/signals.hpp"
 #include "config/loader.hpp"
+#include "core/model/overlap.hpp"
 #include "core/schedule/bus_schedule.hpp"
 #include "core/schedule/overload.hpp"
 
 namespace fieldcast {
 namespace {
 
-// Waits for our signals in the main thread; everywhere else they are blocked.
-class Signals {
- public:
-  Signals() {
-    sigemptyset(&set_);
-    for (const int signal : {SIGHUP, SIGINT, SIGTERM, SIGUSR1}) sigaddset(&set_, signal);
-    pthread_sigmask(SIG_BLOCK, &set_, nullptr);
-    ::signal(SIGPIPE, SIG_IGN);  // of stdout, when nobody reads the trace any more
-  }
-  [[nodiscard]] int wait() const {
-    int signal = 0;
-    while (sigwait(&set_, &signal) != 0) {}
-    return signal;
-  }
+constexpr Duration kLookAround = std::chrono::seconds{10};  // between two looks at counted lines
+constexpr Duration kLastWords = std::chrono::milliseconds{300};  // for the log to be written
 
- private:
-  sigset_t set_;
-};
+// What the library says may be about what anybody in the domain sends.
+void log_library(bool error, std::string_view kind, std::string_view text) {
+  log_counted(error ? LogLevel::kError : LogLevel::kWarning, "Fast DDS",
+              fmt::format("messages of {}", kind), text);
+}
+
+// A library or a driver hangs, and the stop with it.
+void last_words(Bridge& bridge) {
+  log_error("bridge", fmt::format("not stopped within {}, while {}: the process ends",
+                                  to_text(Signals::kEndLimit), bridge.busy_with()));
+  bridge.save(std::chrono::seconds{1});
+  flush_log(kLastWords);
+}
 
 std::string summary(const BridgeSpec& spec) {
-  std::string text = fmt::format("bridge {}: {} buses, DDS domain {}\n", spec.name, spec.buses.size(), spec.dds.domain);
+  std::string text = fmt::format("bridge {}: {} buses, DDS domain {}\n", spec.name,
+                                 spec.buses.size(), spec.dds.domain);
   for (const BusSpec& bus : spec.buses) {
     std::size_t channels = 0;
     for (const DeviceSpec& device : bus.devices) channels += device.channels.size();
-    text += fmt::format("  {}: {}, {} devices, {} channels\n", bus.name, to_text(bus.port), bus.devices.size(), channels);
+    text += fmt::format("  {}: {}, {} devices, {} channels\n", bus.name, to_text(bus.port),
+                        bus.devices.size(), channels);
   }
   return text;
 }
@@ -48,28 +54,135 @@ std::string summary(const BridgeSpec& spec) {
 template <typename Tell>
 void tell_overloads(const BridgeSpec& spec, Tell tell) {
   for (const BusSpec& bus : spec.buses) {
-    if (const auto overload = overload_of(bus, kAssumedAnswerTime)) tell(bus.name, to_text(*overload));
+    if (const auto overload = overload_of(bus, kAssumedAnswerTime))
+      tell(bus.name, to_text(*overload));
+  }
+}
+
+constexpr std::size_t kOverlapsTold = 20;  // of a bus; the others are counted
+
+// Channels that read the same items as different things: told by --check.
+template <typename Tell>
+void tell_overlaps(const BridgeSpec& spec, Tell tell) {
+  for (const BusSpec& bus : spec.buses) {
+    const std::vector<Overlap> overlaps = overlaps_of(bus);
+    for (std::size_t i = 0; i < std::min(overlaps.size(), kOverlapsTold); ++i)
+      tell(bus.name, to_text(overlaps[i]));
+    if (overlaps.size() > kOverlapsTold)
+      tell(bus.name, fmt::format("{} more channels overlap", overlaps.size() - kOverlapsTold));
   }
 }
 
 void log_overloads(const BridgeSpec& spec) {
-  tell_overloads(spec, [](const std::string& bus, const std::string& text) { log_warning(bus, text); });
+  tell_overloads(spec,
+                 [](const std::string& bus, const std::string& text) { log_warning(bus, text); });
 }
 
 void log_faults(const std::vector<config::Fault>& faults) {
   for (const config::Fault& fault : faults) log_error("configuration", config::to_text(fault));
 }
 
-void reload(Bridge& bridge, const std::string& path) {
-  const config::Loaded wanted = config::load_file(path);
-  if (!wanted) {
-    log_faults(wanted.error());
-    return log_error("configuration", "not reloaded: the old configuration goes on running");
+// A reload, and while engineers are at devices that it would take away, its waiting for them.
+class Reloader {
+ public:
+  static constexpr Duration kTryAgain = std::chrono::milliseconds{250};
+  static constexpr Duration kSayAgain = std::chrono::minutes{1};
+  static constexpr Duration kGiveUp = std::chrono::hours{1};
+
+  Reloader(Bridge& bridge, std::string path) : bridge_(bridge), path_(std::move(path)) {}
+
+  // The file as it is now; a reload that still waits is forgotten.
+  void begin() {
+    wanted_.reset();
+    config::Loaded loaded = config::load_file(path_);
+    if (!loaded) {
+      log_faults(loaded.error());
+      return log_error("configuration", "not reloaded: the old configuration goes on running");
+    }
+    open_log(loaded->log.level);
+    log_overloads(*loaded);
+    wanted_ = *std::move(loaded);
+    begun_ = steady_now();
+    say_at_ = begun_;
+    go_on();
   }
-  open_log(wanted->log.level);
-  log_overloads(*wanted);
-  if (const auto done = bridge.reload(*wanted); !done) {
-    log_error("configuration", "not reloaded, the old configuration goes on running: " + done.error());
+  [[nodiscard]] bool waits() const { return wanted_.has_value(); }
+  void go_on() {
+    const auto done = bridge_.reload(*wanted_);
+    if (!done) {
+      wanted_.reset();
+      return log_error("configuration",
+                       "not reloaded, the old configuration goes on running: " + done.error());
+    }
+    if (done->waits_for.empty()) return wanted_.reset();
+    const Instant now = steady_now();
+    const std::string who = fmt::format("{}", fmt::join(done->waits_for, ", "));
+    if (now - begun_ >= kGiveUp) {
+      wanted_.reset();
+      return log_error("configuration",
+                       fmt::format("not reloaded, the old configuration goes on running: still "
+                                   "programmed after {}: {}; send SIGHUP again when that has ended",
+                                   to_text(kGiveUp), who));
+    }
+    if (now < say_at_) return;
+    say_at_ = now + kSayAgain;
+    log_warning("configuration",
+                fmt::format("not reloaded yet, the old configuration goes on running: the reload "
+                            "waits for the end of programming: {}; after {} it is given up",
+                            who, to_text(kGiveUp - (now - begun_) / kSayAgain * kSayAgain)));
+  }
+
+ private:
+  Bridge& bridge_;
+  const std::string path_;
+  std::optional<BridgeSpec> wanted_;  // while it waits
+  Instant begun_{}, say_at_{};
+};
+
+class WhileItLives {
+ public:
+  WhileItLives(Signals& signals, Bridge& bridge) : signals_(signals) {
+    signals_.if_stuck([&bridge] { last_words(bridge); });
+  }
+  ~WhileItLives() { signals_.if_stuck({}); }
+  WhileItLives(const WhileItLives&) = delete;
+  WhileItLives& operator=(const WhileItLives&) = delete;
+
+ private:
+  Signals& signals_;
+};
+
+ExitCode serve(Signals& signals, const BridgeSpec& spec, const DaemonOptions& options) {
+  log_overloads(spec);
+  Bridge bridge;
+  const WhileItLives watched(signals, bridge);
+  bool trace = options.trace;
+  bridge.set_trace(trace);
+  if (const auto started = bridge.start(spec, [&signals] { return signals.ending(); }); !started) {
+    log_error(spec.name, "cannot start: " + started.error());
+    return ExitCode::kCannotStart;
+  }
+  log_info(spec.name,
+           fmt::format("running: {} buses, DDS domain {}", spec.buses.size(), spec.dds.domain));
+  Reloader reloader(bridge, options.configuration);
+  for (;;) {
+    switch (const int signal = signals.wait(reloader.waits() ? Reloader::kTryAgain : kLookAround)) {
+      case 0:
+        log_summaries(steady_now());
+        if (reloader.waits()) reloader.go_on();
+        break;
+      case SIGHUP: reloader.begin(); break;
+      case SIGUSR1:
+        trace = !trace;
+        bridge.set_trace(trace);
+        log_info("trace", trace ? "on" : "off");
+        break;
+      default:
+        log_info(spec.name, fmt::format("stopping ({})", ::sigabbrev_np(signal)));
+        bridge.stop();
+        log_info(spec.name, "stopped");
+        return ExitCode::kOk;
+    }
   }
 }
 
@@ -82,45 +195,26 @@ ExitCode check_configuration(const std::string& path) {
     return ExitCode::kBadConfiguration;
   }
   std::fputs(summary(*loaded).c_str(), stdout);
-  tell_overloads(*loaded, [](const std::string& bus, const std::string& text) {
+  const auto warn = [](const std::string& bus, const std::string& text) {
     std::fputs(fmt::format("warning: {}: {}\n", bus, text).c_str(), stderr);
-  });
+  };
+  tell_overloads(*loaded, warn);
+  tell_overlaps(*loaded, warn);
   return ExitCode::kOk;
 }
 
 ExitCode run_daemon(const DaemonOptions& options) {
-  const Signals signals;
+  Signals signals;
   const config::Loaded loaded = config::load_file(options.configuration);
   if (!loaded) {
     std::fputs(config::to_text(loaded.error()).c_str(), stderr);
     return ExitCode::kBadConfiguration;
   }
   open_log(loaded->log.level);
-  log_overloads(*loaded);
-  bool trace = options.trace;
-  Bridge bridge;
-  bridge.set_trace(trace);
-  if (const auto started = bridge.start(*loaded); !started) {
-    log_error(loaded->name, "cannot start: " + started.error());
-    return ExitCode::kCannotStart;
-  }
-  log_info(loaded->name, fmt::format("running: {} buses, DDS domain {}", loaded->buses.size(), loaded->dds.domain));
-
-  for (;;) {
-    switch (const int signal = signals.wait()) {
-      case SIGHUP: reload(bridge, options.configuration); break;
-      case SIGUSR1:
-        trace = !trace;
-        bridge.set_trace(trace);
-        log_info("trace", trace ? "on" : "off");
-        break;
-      default:
-        log_info(loaded->name, fmt::format("stopping ({})", ::sigabbrev_np(signal)));
-        bridge.stop();
-        log_info(loaded->name, "stopped");
-        return ExitCode::kOk;
-    }
-  }
+  set_library_lines(log_library);
+  const ExitCode code = serve(signals, *loaded, options);
+  flush_log(kLastWords);
+  return code;
 }
 
 }  // namespace fieldcast

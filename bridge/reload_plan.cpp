@@ -1,23 +1,45 @@
 #include "bridge/reload_plan.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 namespace fieldcast {
 namespace {
 
 const BusSpec* find_bus(const BridgeSpec& bridge, const std::string& name) {
-  const auto found = std::find_if(bridge.buses.begin(), bridge.buses.end(), [&](const BusSpec& bus) { return bus.name == name; });
+  const auto found = std::find_if(bridge.buses.begin(), bridge.buses.end(),
+                                  [&](const BusSpec& bus) { return bus.name == name; });
   return found == bridge.buses.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> changes_of_all(const BridgeSpec& running, const BridgeSpec& wanted) {
+  std::vector<std::string> changes;
+  if (running.name != wanted.name)
+    changes.push_back("the bridge " + running.name + " is now called " + wanted.name);
+  if (running.dds.domain != wanted.dds.domain)
+    changes.push_back("its DDS domain is " + std::to_string(wanted.dds.domain) + ", it was " +
+                      std::to_string(running.dds.domain));
+  else if (running.dds != wanted.dds)
+    changes.emplace_back("its DDS settings have changed");
+  if (running.store && !wanted.store)
+    changes.emplace_back("it has no store any more");
+  else if (wanted.store && !running.store)
+    changes.emplace_back("it has a store now");
+  else if (running.store != wanted.store)
+    changes.emplace_back("its store has changed");
+  return changes;
+}
+
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 }  // namespace
 
 ReloadPlan plan_reload(const BridgeSpec& running, const BridgeSpec& wanted) {
   ReloadPlan plan;
-  if (running.name != wanted.name || running.dds != wanted.dds || running.store != wanted.store) {
-    plan.whole_bridge = true;
-    return plan;
-  }
+  plan.whole_bridge = changes_of_all(running, wanted);
+  if (!plan.whole_bridge.empty()) return plan;
   plan.program = running.program != wanted.program;
   for (const BusSpec& bus : running.buses) {
     const BusSpec* same = find_bus(wanted, bus.name);
@@ -28,6 +50,24 @@ ReloadPlan plan_reload(const BridgeSpec& running, const BridgeSpec& wanted) {
     (same && *same == bus ? plan.untouched : plan.start).push_back(bus.name);
   }
   return plan;
+}
+
+std::vector<program::HeldDevice> disturbed_by(const ReloadPlan& plan, const BridgeSpec& wanted,
+                                              const std::vector<program::HeldDevice>& held) {
+  if (!plan.whole_bridge.empty() || plan.program) return held;
+  // A module without a bus that is to have one.
+  const auto begins = [&](const std::string& number) {
+    return std::any_of(wanted.buses.begin(), wanted.buses.end(), [&](const BusSpec& bus) {
+      const auto* dial_in = std::get_if<DialInPortSpec>(&bus.port);
+      return dial_in && dial_in->number == number && contains(plan.start, bus.name);
+    });
+  };
+  std::vector<program::HeldDevice> disturbed;
+  std::copy_if(held.begin(), held.end(), std::back_inserter(disturbed),
+               [&](const program::HeldDevice& device) {
+                 return contains(plan.stop, device.bus) || begins(device.number);
+               });
+  return disturbed;
 }
 
 }  // namespace fieldcast

@@ -4,20 +4,30 @@
 #include <string>
 #include <vector>
 
+#include "bridge/program/held_device.hpp"
 #include "core/model/spec.hpp"
 
 namespace fieldcast {
 
 struct ReloadPlan {
-  bool whole_bridge = false;           // the name, the DDS settings or the store differ: everything starts anew, the lists are empty
-  bool program = false;                // the programming server starts anew; pairings end, buses go on
-  std::vector<std::string> stop;       // buses that are gone or changed, in their old order
-  std::vector<std::string> start;      // buses that are new or changed, in their new order
+  // Why everything starts anew, one line for people each: the name, the DDS settings or the store
+  // differ. Then the lists below are empty.
+  std::vector<std::string> whole_bridge;
+  bool program = false;            // the programming server starts anew; buses and modules go on
+  std::vector<std::string> stop;   // buses that are gone or changed, in their old order
+  std::vector<std::string> start;  // buses that are new or changed, in their new order
   std::vector<std::string> untouched;  // buses that keep running
-  [[nodiscard]] bool nothing() const { return !whole_bridge && !program && stop.empty() && start.empty(); }
+  [[nodiscard]] bool nothing() const {
+    return whole_bridge.empty() && !program && stop.empty() && start.empty();
+  }
 };
 
 // REQUIRES: names of buses are unique in each of the two.
 [[nodiscard]] ReloadPlan plan_reload(const BridgeSpec& running, const BridgeSpec& wanted);
+
+// The devices in the hands of engineers that the plan would take away: of buses that stop or begin,
+// and all when the programming server starts anew. The reload is to wait for them.
+[[nodiscard]] std::vector<program::HeldDevice> disturbed_by(
+    const ReloadPlan& plan, const BridgeSpec& wanted, const std::vector<program::HeldDevice>& held);
 
 }  // namespace fieldcast

@@ -6,33 +6,43 @@
 #include "config/port.hpp"
 #include "config/scalars.hpp"
 #include "config/unique_names.hpp"
+#include "core/base/duration_text.hpp"
 
 namespace fieldcast::config {
 namespace {
 
 // "standard", "3.5c" or a duration.
 struct SilenceRuleReader {
-  std::optional<SilenceRule> operator()(const Node& node, std::string_view key, FaultList& faults) const {
-    static constexpr std::string_view kForms = "standard, characters such as 3.5c, a duration such as 500us";
+  std::optional<SilenceRule> operator()(const Node& node, std::string_view key,
+                                        FaultList& faults) const {
+    static constexpr std::string_view kForms =
+        "standard, characters such as 3.5c, a duration such as 500us";
     const std::string* text = scalar_of(node, key, kForms, faults);
     if (text == nullptr) return std::nullopt;
     if (*text == "standard") return StandardSilence{};
     if (text->ends_with('c')) {
       const auto characters = number_from(std::string_view(*text).substr(0, text->size() - 1));
-      if (characters && *characters >= 0 && *characters <= kMaxSilenceCharacters) return CharacterSilence{*characters};
+      if (characters && *characters >= 0 && *characters <= kMaxSilenceCharacters)
+        return CharacterSilence{*characters};
     }
     if (duration_from(*text)) {
-      if (const auto duration = DurationRule{Duration{}, kMaxSilence}(node, key, faults)) return *duration;
+      if (const auto duration = DurationRule{Duration{}, kMaxSilence}(node, key, faults))
+        return *duration;
       return std::nullopt;
     }
-    const std::string meant = number_from(*text) ? *text + 'c' : closest(*text, std::array<std::string_view, 1>{"standard"});
-    faults.add(node.place, std::string(key) + " '" + *text + "' is unknown", std::string(kForms), meant);
+    const std::string meant = number_from(*text)
+                                  ? *text + 'c'
+                                  : closest(*text, std::array<std::string_view, 1>{"standard"});
+    faults.add(node.place, std::string(key) + " '" + *text + "' is unknown", std::string(kForms),
+               meant);
     return std::nullopt;
   }
 };
 
-constexpr std::pair<std::string_view, Planner> kPlanners[] = {{"riding", Planner::kRiding}, {"dynamic", Planner::kDynamicBlocks}};
-constexpr std::pair<std::string_view, std::optional<bool>> kEchoes[] = {{"auto", std::nullopt}, {"true", true}, {"false", false}};
+constexpr std::pair<std::string_view, Planner> kPlanners[] = {{"riding", Planner::kRiding},
+                                                              {"dynamic", Planner::kDynamicBlocks}};
+constexpr std::pair<std::string_view, std::optional<bool>> kEchoes[] = {
+    {"auto", std::nullopt}, {"true", true}, {"false", false}};
 
 void read_defaults(MapReader& bus, BusSpec& spec, DeviceDefaults& defaults) {
   const Node* node = bus.find("defaults");
@@ -50,8 +60,10 @@ void read_devices(MapReader& bus, const DeviceContext& context, BusSpec& spec, S
   if (list == nullptr) return;
   auto& faults = session.faults;
   if (list->kind != Kind::kList || list->items.empty()) {
-    faults.add(list->place, "devices is " + (list->kind == Kind::kList ? "empty" : std::string(to_text(list->kind))),
-               "a list of devices");
+    faults.add(
+        list->place,
+        "devices is " + (list->kind == Kind::kList ? "empty" : std::string(to_text(list->kind))),
+        "a list of devices");
     return;
   }
   UniqueNames names;
@@ -71,10 +83,13 @@ BusSpec read_bus(const Node& node, Session& session) {
   MapReader map(node, kBusKeys, session.faults);
   BusSpec spec;
   UniqueNames addresses;
-  DeviceContext context{{}, map.has("protocol"), map.place_of("protocol"), {}, spec.port, addresses};
+  DeviceContext context{{}, map.has("protocol"), map.place_of("protocol"),
+                        {}, spec.port,           addresses};
   map.read_required("name", spec.name, NameRule{}, "a name for the bus");
-  if (const Node* protocol = map.find("protocol")) context.protocol = read_protocol(*protocol, "protocol", session);
-  if (const Node* port = map.require("port", "port: { serial: PATH }, { tcp: HOST:PORT } or { dial-in: NUMBER }")) {
+  if (const Node* protocol = map.find("protocol"))
+    context.protocol = read_protocol(*protocol, "protocol", session);
+  if (const Node* port = map.require(
+          "port", "port: { serial: PATH }, { tcp: HOST:PORT } or { dial-in: NUMBER }")) {
     spec.port = read_port(*port, context.protocol.name, session.faults);
   }
   map.read("planner", spec.planner, ChoiceRule<Planner>{kPlanners});

@@ -6,15 +6,23 @@
 namespace fieldcast::config {
 namespace {
 
-constexpr std::pair<std::string_view, Mode> kModes[] = {
-    {"intensive", Mode::kIntensive}, {"scheduled", Mode::kScheduled}, {"on-demand", Mode::kOnDemand}};
-constexpr std::pair<std::string_view, Access> kAccesses[] = {
-    {"read-only", Access::kReadOnly}, {"read-write", Access::kReadWrite}, {"write-only", Access::kWriteOnly}};
-constexpr std::pair<std::string_view, bool> kAcquires[] = {{"always", false}, {"on-interest", true}};
-constexpr std::pair<std::string_view, WordOrder> kWordOrders[] = {{"big-endian", WordOrder::kBigEndian},
-                                                                  {"little-endian", WordOrder::kLittleEndian}};
-constexpr std::pair<std::string_view, ByteOrder> kByteOrders[] = {{"big-endian", ByteOrder::kBigEndian},
-                                                                  {"little-endian", ByteOrder::kLittleEndian}};
+constexpr std::pair<std::string_view, Mode> kModes[] = {{"intensive", Mode::kIntensive},
+                                                        {"scheduled", Mode::kScheduled},
+                                                        {"on-demand", Mode::kOnDemand}};
+constexpr std::pair<std::string_view, Access> kAccesses[] = {{"read-only", Access::kReadOnly},
+                                                             {"read-write", Access::kReadWrite},
+                                                             {"write-only", Access::kWriteOnly}};
+constexpr std::pair<std::string_view, bool> kAcquires[] = {{"always", false},
+                                                           {"on-interest", true}};
+constexpr std::pair<std::string_view, WordOrder> kWordOrders[] = {
+    {"big-endian", WordOrder::kBigEndian}, {"little-endian", WordOrder::kLittleEndian}};
+constexpr std::pair<std::string_view, ByteOrder> kByteOrders[] = {
+    {"big-endian", ByteOrder::kBigEndian}, {"little-endian", ByteOrder::kLittleEndian}};
+
+constexpr std::pair<std::string_view, Charset> kCharsets[] = {{"utf-8", Charset::kUtf8},
+                                                              {"latin-1", Charset::kLatin1},
+                                                              {"gbk", Charset::kGbk},
+                                                              {"shift-jis", Charset::kShiftJis}};
 
 }  // namespace
 
@@ -27,6 +35,7 @@ void read_channel_defaults(MapReader& map, ChannelDefaults& defaults) {
   map.read("elasticity", defaults.elasticity, NumberRule{kMinElasticity, kMaxElasticity});
   map.read("word-order", defaults.word_order, ChoiceRule<WordOrder>{kWordOrders});
   map.read("byte-order", defaults.byte_order, ChoiceRule<ByteOrder>{kByteOrders});
+  map.read("encoding", defaults.charset, ChoiceRule<Charset>{kCharsets});
   map.read("heartbeat", defaults.heartbeat, DurationRule{kMinRefresh, kMaxRefresh});
 }
 
@@ -45,7 +54,8 @@ void read_allow(MapReader& map, DeviceDefaults& defaults) {
   if (node == nullptr) return;
   static constexpr std::pair<std::string_view, int> kRights[] = {{"raw-read", 0}, {"raw-write", 1}};
   if (node->kind != Kind::kList) {
-    map.faults().add(node->place, "allow is " + std::string(to_text(node->kind)), "a list of raw-read, raw-write",
+    map.faults().add(node->place, "allow is " + std::string(to_text(node->kind)),
+                     "a list of raw-read, raw-write",
                      node->kind == Kind::kScalar ? '[' + node->text + ']' : "");
     return;
   }
@@ -61,9 +71,11 @@ void read_options(MapReader& map, DeviceDefaults& defaults) {
   const Node* node = map.find("options");
   if (node == nullptr) return;
   if (node->kind != Kind::kMap || node->entries.size() > kMaxOptions) {
-    map.faults().add(node->place,
-                     node->kind == Kind::kMap ? "too many options" : "options is " + std::string(to_text(node->kind)),
-                     "a map of at most " + std::to_string(kMaxOptions) + " options of the protocol");
+    map.faults().add(
+        node->place,
+        node->kind == Kind::kMap ? "too many options"
+                                 : "options is " + std::string(to_text(node->kind)),
+        "a map of at most " + std::to_string(kMaxOptions) + " options of the protocol");
     return;
   }
   for (const auto& [key, value] : node->entries) {

@@ -1,5 +1,5 @@
-// Defaults that flow down: those of the bus, then of the device's template, then of the device, then of the channel. The last
-// that speaks wins; each level starts with a copy of the one above.
+// Defaults that flow down: those of the bus, then of the device's template, then of the device,
+// then of the channel. The last that speaks wins; each level starts with a copy of the one above.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +19,9 @@ struct ChannelDefaults {
   bool on_interest = false;
   int priority = 0;
   double elasticity = 1;
-  WordOrder word_order = WordOrder::kBigEndian;
-  ByteOrder byte_order = ByteOrder::kBigEndian;
+  std::optional<WordOrder> word_order;  // nothing: the family's own
+  std::optional<ByteOrder> byte_order;
+  Charset charset = Charset::kUtf8;
   std::optional<Duration> heartbeat;
 };
 
@@ -42,7 +43,8 @@ struct DeviceDefaults {
   ChannelDefaults channels;
 };
 
-// refresh, mode, access, acquire, priority, elasticity, word-order, byte-order, heartbeat.
+// refresh, mode, access, acquire, priority, elasticity, word-order, byte-order, encoding,
+// heartbeat.
 void read_channel_defaults(MapReader& map, ChannelDefaults& defaults);
 
 // Those, and timeout, retries, pause, max-block, max-gap.

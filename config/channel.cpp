@@ -5,6 +5,8 @@
 #include "config/channel_limits.hpp"
 #include "config/limits.hpp"
 #include "config/scalars.hpp"
+#include "config/text_number.hpp"
+#include "core/model/fit.hpp"
 
 namespace fieldcast::config {
 namespace {
@@ -20,39 +22,102 @@ struct Draft {
 };
 
 void read_address(MapReader& map, const ChannelContext& context, Draft& draft) {
-  if (!map.read_required("at", draft.spec.at, TextRule{kMaxNameLength}, "an address in the notation of the PLC")) return;
+  if (!map.read_required("at", draft.spec.at, TextRule{kMaxNameLength},
+                         "an address in the notation of the PLC"))
+    return;
   if (context.protocol == nullptr) return;
   const auto parsed = context.protocol->parse_address(draft.spec.at);
   if (!parsed) {
-    map.faults().add(map.place_of("at"), parsed.error().what, parsed.error().allowed, parsed.error().suggestion);
+    map.faults().add(map.place_of("at"), parsed.error().what, parsed.error().allowed,
+                     parsed.error().suggestion);
     return;
   }
   draft.address = *parsed;
   draft.area = &context.protocol->areas()[parsed->area];
 }
 
+// Which byte of an item; low and high are those of a word.
+void read_byte(MapReader& map, Draft& draft) {
+  static constexpr std::pair<std::string_view, std::uint8_t> kBytes[] = {
+      {"low", 0}, {"high", 1}, {"0", 0}, {"1", 1}, {"2", 2},
+      {"3", 3},   {"4", 4},    {"5", 5}, {"6", 6}, {"7", 7}};
+  std::uint8_t byte = 0;
+  if (!map.read("byte", byte, ChoiceRule<std::uint8_t>{kBytes})) return;
+  draft.spec.encoding.bit = static_cast<std::uint8_t>(8 * byte);
+  const bool wider = draft.area != nullptr && draft.area->item_bits > 16;
+  const std::string& text = map.find("byte")->text;
+  if (wider && (text == "low" || text == "high")) {
+    map.faults().add(map.place_of("byte"),
+                     "'" + text + "' at " + quoted(draft.spec.at) + ", which is no word",
+                     byte_names(draft.area->item_bits));
+  }
+  if (map.has("bit"))
+    map.faults().add(map.place_of("byte"), "a bit and a byte of one item", "one of bit, byte");
+}
+
 // The type, by the key or by the notation; and the bit of a word.
 void read_type(MapReader& map, Draft& draft) {
   auto& encoding = draft.spec.encoding;
   draft.typed = map.read("type", encoding, TypeRule{});
-  const bool fixed = draft.address && (draft.address->bit || draft.address->width_bits == 1u || draft.area->item_bits == 1);
+  const bool fixed = draft.address && (draft.address->bit || draft.address->width_bits == 1u ||
+                                       draft.area->item_bits == 1);
   if (!map.has("type")) {
     if (fixed)
       encoding.type = ValueType::kBool, draft.typed = true;
     else if (draft.address) {
-      map.faults().add(map.place(), "'type' is missing in a channel",
-                       "bool, int16, uint16, int32, uint32, int64, uint64, float32, float64, bcd16, bcd32, string(n)");
+      map.faults().add(map.place(), "'type' is missing in a channel", allowed_types());
     }
   }
+  read_byte(map, draft);
   std::uint8_t bit = 0;
   const bool has_bit = map.read("bit", bit, WholeRule{0, 63});
   if (has_bit) encoding.bit = bit;
   if (!draft.address) return;
   if (has_bit && draft.address->bit) {
-    map.faults().add(map.place_of("bit"), "the bit is named twice: " + quoted(draft.spec.at) + " has one already",
+    map.faults().add(map.place_of("bit"),
+                     "the bit is named twice: " + quoted(draft.spec.at) + " has one already",
                      "one of 'at', 'bit'");
   }
   if (draft.address->bit) encoding.bit = draft.address->bit;
+}
+
+bool is_number(const Encoding& encoding) {
+  return encoding.type != ValueType::kBool && encoding.type != ValueType::kString;
+}
+
+// A number that stands as text: by the key, or by the declaration of its place. Whether the type
+// fits there is check_type's.
+void read_text(MapReader& map, Draft& draft) {
+  auto& encoding = draft.spec.encoding;
+  TextForm form;
+  const bool said = map.read("text", form, TextFormRule{});
+  if (!draft.typed || !draft.address) return;
+  const std::uint16_t there = draft.address->text_characters;
+  const bool number = is_number(encoding) && !is_bcd(encoding.type);
+  if (map.has("text") && !number) {
+    map.faults().add(map.place_of("text"),
+                     "'text' at a " + std::string(fieldcast::to_text(encoding.type)),
+                     "a channel of an integer type, float32 or float64");
+    return;
+  }
+  if (!map.has("text") && number) form = {draft.address->text_number, there};
+  if (form.characters == 0) form.characters = there;
+  if (form.number) encoding.string_bytes = form.characters;
+  encoding.text_number = form.number;
+  if (said && form.characters == 0) {
+    map.faults().add(map.place_of("text"), "'text' does not say how many characters the number has",
+                     std::string(kTextNumberForms));
+    draft.typed = false;
+  } else if (said && there != 0 && form.characters != there) {
+    map.faults().add(map.place_of("text"),
+                     "a number of " + std::to_string(form.characters) + " characters at " +
+                         quoted(draft.spec.at) + ", which is a text of " + std::to_string(there) +
+                         " characters",
+                     std::to_string(there) + " characters");
+    draft.typed = false;
+  } else if (map.has("text") && !said) {
+    draft.typed = false;  // said already
+  }
 }
 
 void read_presentation(MapReader& map, ChannelSpec& spec) {
@@ -63,35 +128,36 @@ void read_presentation(MapReader& map, ChannelSpec& spec) {
   map.read("deadband", spec.deadband, NumberRule{});
 }
 
+// The orders of the file, or else the family's own.
+void read_order(const ChannelDefaults& values, Draft& draft) {
+  const Area family = draft.area != nullptr ? *draft.area : Area{};
+  Encoding& encoding = draft.spec.encoding;
+  const bool text = encoding.is_text();
+  encoding.word_order = values.word_order.value_or(family.word_order);
+  encoding.byte_order =
+      values.byte_order.value_or(text ? family.text_order : ByteOrder::kBigEndian);
+}
+
 // Type against notation, bit and area.
 void check_type(MapReader& map, Draft& draft) {
   if (!draft.address || !draft.typed) return;
   const auto& encoding = draft.spec.encoding;
-  const bool is_bool = encoding.type == ValueType::kBool;
+  const bool both = map.has("bit") && map.has("byte");
+  if (both || ((map.has("bit") || map.has("byte")) && !encoding.bit)) return;  // said already
   const std::string type(fieldcast::to_text(encoding.type));
-  const unsigned item_bits = draft.area->item_bits;
-  const unsigned notation_bits = item_bits == 1 ? 1u : draft.address->width_bits.value_or(0);
-  const Place type_place = map.place_of(map.has("type") ? "type" : "at");
-  if (encoding.bit && item_bits == 1) {
-    map.faults().add(map.place_of("bit"), "a bit of " + quoted(draft.spec.at) + ", which is a bit already", "no 'bit'");
-  } else if (encoding.bit && !is_bool) {
-    map.faults().add(type_place, "type " + type + " with a bit of a word", "bool", "bool");
-  } else if (encoding.bit && *encoding.bit >= item_bits) {
-    map.faults().add(map.place_of(map.has("bit") ? "bit" : "at"),
-                     "bit " + std::to_string(*encoding.bit) + " is beyond " + quoted(draft.spec.at),
-                     "0 to " + std::to_string(item_bits - 1));
-  } else if (is_bool && !encoding.bit && item_bits > 1 && !map.has("bit")) {
-    map.faults().add(type_place, "a bool in " + quoted(draft.spec.at) + " needs a bit",
-                     "a bit in 'at', or 'bit': 0 to " + std::to_string(item_bits - 1), draft.spec.at + ".0");
-  } else if (notation_bits == 1 && !is_bool) {
-    map.faults().add(type_place, "type " + type + " does not fit " + quoted(draft.spec.at) + ", which is one bit", "bool",
-                     "bool");
-  } else if (notation_bits > 1 && !is_bool && encoding.type != ValueType::kString && width_bits(encoding) != notation_bits) {
-    map.faults().add(type_place,
-                     "type " + type + " has " + std::to_string(width_bits(encoding)) + " bits, " + quoted(draft.spec.at) +
-                         " has " + std::to_string(notation_bits),
-                     "a type of " + std::to_string(notation_bits) + " bits");
+  const bool one_byte = !encoding.is_text() && width_bits(encoding) == 8;
+  if (map.has("byte") && !one_byte) {
+    return map.faults().add(map.place_of("byte"), "'byte' with type " + type, "int8, uint8, bcd8");
   }
+  if (map.has("bit") && one_byte) {
+    return map.faults().add(map.place_of("bit"), "type " + type + " with a bit of a word", "byte");
+  }
+  const auto misfit = check_fit(draft.spec.at, *draft.address, *draft.area, encoding);
+  if (!misfit) return;
+  const std::string_view part = map.has("byte") ? "byte" : map.has("bit") ? "bit" : "at";
+  const std::string_view own = map.has("type") ? "type" : "at";
+  map.faults().add(map.place_of(misfit->about == FitFault::About::kPart ? part : own), misfit->what,
+                   misfit->allowed, misfit->suggestion);
 }
 
 // The range against its area and the blocks that the device can take.
@@ -99,47 +165,75 @@ void place_range(MapReader& map, const ChannelContext& context, Draft& draft) {
   if (!draft.address || !draft.typed) return;
   const auto& area = *draft.area;
   auto& range = draft.spec.range;
-  range = {draft.address->area, draft.address->first, item_count(draft.spec.encoding, area.item_bits)};
+  range = {draft.address->area, draft.address->first,
+           item_count(draft.spec.encoding, area.item_bits)};
   const std::string count = std::to_string(range.count);
   if (range.first >= area.items || range.count > area.items - range.first) {
     map.faults().add(map.place_of("at"),
-                     quoted(draft.spec.at) + " with " + count + " items reaches beyond the area " + std::string(area.name),
+                     quoted(draft.spec.at) + " with " + count + " items reaches beyond the area " +
+                         std::string(area.name),
                      "items 0 to " + std::to_string(area.items - 1));
   }
-  const std::uint32_t block = context.max_block == 0 ? area.max_read : std::min(area.max_read, context.max_block);
+  const std::uint32_t block =
+      context.max_block == 0 ? area.max_read : std::min(area.max_read, context.max_block);
   if (range.count > block) {
-    map.faults().add(map.place_of(map.has("type") ? "type" : "at"),
-                     quoted(draft.spec.at) + " needs " + count + " items in one read",
-                     "at most " + std::to_string(block) + (block < area.max_read ? " (max-block)" : ""));
+    map.faults().add(
+        map.place_of(map.has("type") ? "type" : "at"),
+        quoted(draft.spec.at) + " needs " + count + " items in one read",
+        "at most " + std::to_string(block) + (block < area.max_read ? " (max-block)" : ""));
   }
 }
 
 std::uint32_t spec_items(const Draft& draft) { return draft.typed ? draft.spec.range.count : 0; }
 
+void check_byte_write(MapReader& map, Draft& draft) {
+  auto& access = draft.spec.access;
+  const Encoding& encoding = draft.spec.encoding;
+  if (draft.area == nullptr || !draft.typed || access == Access::kReadOnly ||
+      encoding.type == ValueType::kBool || !is_part(encoding, draft.area->item_bits))
+    return;
+  const auto why = why_no_byte_write(quoted(draft.spec.at), *draft.area);
+  if (!why) return;
+  if (map.has("access")) {
+    map.faults().add(map.place_of("access"), *why,
+                     "read-only, the whole item, or on Modbus the option mask-write: true");
+  }
+  access = Access::kReadOnly;
+}
+
 void check_access(MapReader& map, Draft& draft) {
   auto& access = draft.spec.access;
   if (draft.area != nullptr && !draft.area->writable && access != Access::kReadOnly) {
     if (map.has("access")) {
-      map.faults().add(map.place_of("access"), "area " + std::string(draft.area->name) + " cannot be written", "read-only",
+      map.faults().add(map.place_of("access"),
+                       "area " + std::string(draft.area->name) + " cannot be written", "read-only",
                        "read-only");
     }
     access = Access::kReadOnly;  // a default from above holds where it can
   }
   if (access == Access::kReadOnly && map.has("write")) {
-    map.faults().add(map.place_of("write"), "'write' at a channel that is read-only", "access: read-write, access: write-only");
+    map.faults().add(map.place_of("write"), "'write' at a channel that is read-only",
+                     "access: read-write, access: write-only");
   }
-  if (draft.area != nullptr && access != Access::kReadOnly && spec_items(draft) > draft.area->max_write) {
+  check_byte_write(map, draft);
+  if (draft.area != nullptr && access != Access::kReadOnly &&
+      spec_items(draft) > draft.area->max_write) {
     map.faults().add(map.place_of("at"),
-                     quoted(draft.spec.at) + " needs " + std::to_string(spec_items(draft)) + " items in one write",
+                     quoted(draft.spec.at) + " needs " + std::to_string(spec_items(draft)) +
+                         " items in one write",
                      "at most " + std::to_string(draft.area->max_write));
   }
-  if (draft.spec.mode == Mode::kOnDemand && draft.spec.on_interest && map.has("mode") && map.has("acquire")) {
-    map.faults().add(map.place_of("acquire"), "'acquire: on-interest' at a channel that is read by command only",
+  if (draft.spec.mode == Mode::kOnDemand && draft.spec.on_interest && map.has("mode") &&
+      map.has("acquire")) {
+    map.faults().add(map.place_of("acquire"),
+                     "'acquire: on-interest' at a channel that is read by command only",
                      "one of acquire: on-interest, mode: on-demand");
   }
   if (access != Access::kWriteOnly) return;
   for (const std::string_view key : {"deadband", "limits"}) {
-    if (map.has(key)) map.faults().add(map.place_of(key), quoted(key) + " at a channel that is write-only", "access: read-write");
+    if (map.has(key))
+      map.faults().add(map.place_of(key), quoted(key) + " at a channel that is write-only",
+                       "access: read-write");
   }
 }
 
@@ -147,29 +241,37 @@ void check_access(MapReader& map, Draft& draft) {
 void check_numbers(MapReader& map, Draft& draft) {
   auto& spec = draft.spec;
   const std::string type(fieldcast::to_text(spec.encoding.type));
-  const bool number = spec.encoding.type != ValueType::kBool && spec.encoding.type != ValueType::kString;
-  if (spec.encoding.scale == 0) map.faults().add(map.place_of("scale"), "scale is 0", "any other number");
+  const bool number = is_number(spec.encoding);
+  if (spec.encoding.scale == 0)
+    map.faults().add(map.place_of("scale"), "scale is 0", "any other number");
   check_deadband(map, spec);
   if (draft.typed && number) check_write_span(map, spec);
   if (!draft.typed || number) return;
   for (const std::string_view key : {"scale", "offset", "limits"}) {
-    if (map.has(key)) map.faults().add(map.place_of(key), quoted(key) + " at a " + type, "a channel of a numeric type");
+    if (map.has(key))
+      map.faults().add(map.place_of(key), quoted(key) + " at a " + type,
+                       "a channel of a numeric type");
   }
   if (spec.deadband.value_or(0) != 0)
-    map.faults().add(map.place_of("deadband"), "a deadband other than 0 at a " + type, "0: every change");
-  if (spec.write_min || spec.write_max) map.faults().add(map.place_of("write"), "write limits at a " + type, "interval");
+    map.faults().add(map.place_of("deadband"), "a deadband other than 0 at a " + type,
+                     "0: every change");
+  if (spec.write_min || spec.write_max)
+    map.faults().add(map.place_of("write"), "write limits at a " + type, "interval");
 }
 
 void check_heartbeat(MapReader& map, const ChannelDefaults& inherited, ChannelSpec& spec) {
   if (!spec.deadband) {
     spec.heartbeat.reset();  // a default from above holds where there is a deadband
-    if (map.has("heartbeat")) map.faults().add(map.place_of("heartbeat"), "'heartbeat' without 'deadband'", "both, or neither");
+    if (map.has("heartbeat"))
+      map.faults().add(map.place_of("heartbeat"), "'heartbeat' without 'deadband'",
+                       "both, or neither");
   } else if (spec.heartbeat && *spec.heartbeat < spec.refresh) {
     const bool own = map.has("heartbeat") || map.has("refresh");
     if (!own && inherited.heartbeat) return;
-    map.faults().add(map.place_of(map.has("heartbeat") ? "heartbeat" : "refresh"),
-                     "heartbeat " + fieldcast::to_text(*spec.heartbeat) + " is shorter than the refresh",
-                     fieldcast::to_text(spec.refresh) + " and above");
+    map.faults().add(
+        map.place_of(map.has("heartbeat") ? "heartbeat" : "refresh"),
+        "heartbeat " + fieldcast::to_text(*spec.heartbeat) + " is shorter than the refresh",
+        fieldcast::to_text(spec.refresh) + " and above");
   }
 }
 
@@ -184,6 +286,7 @@ ChannelSpec read_channel(const Node& node, const ChannelContext& context, FaultL
   read_channel_defaults(map, values);
   read_address(map, context, draft);
   read_type(map, draft);
+  read_text(map, draft);
   read_presentation(map, spec);
   read_limits(map, spec);
 
@@ -194,8 +297,13 @@ ChannelSpec read_channel(const Node& node, const ChannelContext& context, FaultL
   spec.priority = values.priority;
   spec.elasticity = values.elasticity;
   spec.heartbeat = values.heartbeat;
-  spec.encoding.word_order = values.word_order;
-  spec.encoding.byte_order = values.byte_order;
+  read_order(values, draft);
+  const bool is_string = spec.encoding.type == ValueType::kString;
+  if (is_string) spec.encoding.charset = values.charset;
+  if (map.has("encoding") && draft.typed && !is_string)
+    faults.add(map.place_of("encoding"),
+               "'encoding' at a " + std::string(fieldcast::to_text(spec.encoding.type)),
+               "a channel of type string(n)");
   read_write(map, spec);
 
   check_type(map, draft);

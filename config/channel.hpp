@@ -10,17 +10,21 @@
 namespace fieldcast::config {
 
 struct ChannelContext {
-  const Protocol* protocol = nullptr;  // nothing: it is unknown, and what depends on it stays unchecked
+  const Protocol* protocol =
+      nullptr;  // nothing: it is unknown, and what depends on it stays unchecked
   ChannelDefaults defaults;
   std::uint16_t max_block = 0;
 };
 
-// Faults are noted; with faults the result is whatever could be read, so that a load finds all of them.
-[[nodiscard]] ChannelSpec read_channel(const Node& node, const ChannelContext& context, FaultList& faults);
+// Faults are noted; with faults the result is whatever could be read, so that a load finds all of
+// them.
+[[nodiscard]] ChannelSpec read_channel(const Node& node, const ChannelContext& context,
+                                       FaultList& faults);
 
 // "float32", "string(20)"; understands the type only, leaves the rest of the encoding.
 struct TypeRule {
-  std::optional<Encoding> operator()(const Node& node, std::string_view key, FaultList& faults) const;
+  std::optional<Encoding> operator()(const Node& node, std::string_view key,
+                                     FaultList& faults) const;
 };
 
 }  // namespace fieldcast::config

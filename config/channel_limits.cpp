@@ -23,21 +23,26 @@ std::optional<std::pair<double, double>> span_of(const Encoding& encoding) {
       break;
     case ValueType::kUint16:
     case ValueType::kUint32:
-    case ValueType::kUint64: greatest = std::ldexp(1.0, static_cast<int>(width_bits(encoding))) - 1; break;
+    case ValueType::kUint64:
+      greatest = std::ldexp(1.0, static_cast<int>(width_bits(encoding))) - 1;
+      break;
     case ValueType::kBcd16: greatest = 9'999; break;
     case ValueType::kBcd32: greatest = 99'999'999; break;
     default: return std::nullopt;
   }
-  return std::minmax({least * encoding.scale + encoding.offset, greatest * encoding.scale + encoding.offset});
+  return std::minmax(
+      {least * encoding.scale + encoding.offset, greatest * encoding.scale + encoding.offset});
 }
 
 // A value that is back inside by the hysteresis must not be outside at the other end.
 void check_hysteresis(MapReader& map, const Limits& limits) {
-  if (limits.hysteresis < 0) map.faults().add(map.place_of("hysteresis"), "hysteresis is negative", "0 and above");
+  if (limits.hysteresis < 0)
+    map.faults().add(map.place_of("hysteresis"), "hysteresis is negative", "0 and above");
   const auto lower = limits.low ? limits.low : limits.low_low;
   const auto upper = limits.high ? limits.high : limits.high_high;
   if (lower && upper && limits.hysteresis >= *upper - *lower && *upper > *lower) {
-    map.faults().add(map.place_of("hysteresis"), "hysteresis is as wide as the limits are apart", "less than their distance");
+    map.faults().add(map.place_of("hysteresis"), "hysteresis is as wide as the limits are apart",
+                     "less than their distance");
   }
 }
 
@@ -47,10 +52,11 @@ void read_limits(MapReader& channel, ChannelSpec& spec) {
   const Node* node = channel.find("limits");
   if (node == nullptr) return;
   MapReader map(*node, kLimitKeys, channel.faults());
-  const std::pair<std::string_view, std::optional<double>*> ladder[] = {{"low-low", &spec.limits.low_low},
-                                                                        {"low", &spec.limits.low},
-                                                                        {"high", &spec.limits.high},
-                                                                        {"high-high", &spec.limits.high_high}};
+  const std::pair<std::string_view, std::optional<double>*> ladder[] = {
+      {"low-low", &spec.limits.low_low},
+      {"low", &spec.limits.low},
+      {"high", &spec.limits.high},
+      {"high-high", &spec.limits.high_high}};
   std::string_view below;
   const std::optional<double>* bound = nullptr;
   for (const auto& [key, limit] : ladder) {
@@ -62,10 +68,12 @@ void read_limits(MapReader& channel, ChannelSpec& spec) {
     below = key, bound = limit;
   }
   map.read("delay", spec.limits.delay, DurationRule{Duration{}, kMaxAlarmDelay});
-  if (map.read("hysteresis", spec.limits.hysteresis, NumberRule{})) check_hysteresis(map, spec.limits);
+  if (map.read("hysteresis", spec.limits.hysteresis, NumberRule{}))
+    check_hysteresis(map, spec.limits);
   for (const std::string_view key : {"hysteresis", "delay"}) {
     if (bound == nullptr && map.has(key)) {
-      map.faults().add(map.place_of(key), quoted(key) + " without a limit", "low-low, low, high, high-high");
+      map.faults().add(map.place_of(key), quoted(key) + " without a limit",
+                       "low-low, low, high, high-high");
     }
   }
 }
@@ -85,7 +93,9 @@ void read_write(MapReader& channel, ChannelSpec& spec) {
 // A channel that may be written, but with no value that it can hold.
 void check_write_span(MapReader& map, const ChannelSpec& spec) {
   const auto span = span_of(spec.encoding);
-  if (!span || (spec.write_min.value_or(span->first) <= span->second && spec.write_max.value_or(span->second) >= span->first)) return;
+  if (!span || (spec.write_min.value_or(span->first) <= span->second &&
+                spec.write_max.value_or(span->second) >= span->first))
+    return;
   map.faults().add(map.place_of("write"), "no value of this channel is within its write limits",
                    "limits that overlap with " + fieldcast::to_text(Value{span->first}) + " to " +
                        fieldcast::to_text(Value{span->second}));
@@ -94,11 +104,13 @@ void check_write_span(MapReader& map, const ChannelSpec& spec) {
 // What is held back by the deadband cannot pass from one limit to the other.
 void check_deadband(MapReader& map, const ChannelSpec& spec) {
   if (!spec.deadband) return;
-  if (*spec.deadband < 0) map.faults().add(map.place_of("deadband"), "deadband is negative", "0 and above");
+  if (*spec.deadband < 0)
+    map.faults().add(map.place_of("deadband"), "deadband is negative", "0 and above");
   const auto lower = spec.limits.low ? spec.limits.low : spec.limits.low_low;
   const auto upper = spec.limits.high ? spec.limits.high : spec.limits.high_high;
   if (lower && upper && *upper > *lower && *spec.deadband >= *upper - *lower) {
-    map.faults().add(map.place_of("deadband"), "deadband is as wide as the limits are apart", "less than their distance");
+    map.faults().add(map.place_of("deadband"), "deadband is as wide as the limits are apart",
+                     "less than their distance");
   }
 }
 

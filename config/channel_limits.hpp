@@ -1,5 +1,5 @@
-// What a channel says of its values: limits with their alarms, what may be written, the deadband; and whether that contradicts
-// itself.
+// What a channel says of its values: limits with their alarms, what may be written, the deadband;
+// and whether that contradicts itself.
 #pragma once
 
 #include "config/map_reader.hpp"

@@ -1,24 +1,21 @@
 // The type of a channel as written (channel.hpp).
-#include <array>
-
 #include "config/channel.hpp"
 #include "config/scalars.hpp"
 
 namespace fieldcast::config {
 namespace {
 
-constexpr std::int64_t kMaxStringBytes = 250;  // what one Modbus read carries: 125 registers
-
-constexpr std::array<ValueType, 11> kPlainTypes{ValueType::kBool,    ValueType::kInt16, ValueType::kUint16, ValueType::kInt32,
-                                                ValueType::kUint32,  ValueType::kInt64, ValueType::kUint64, ValueType::kFloat32,
-                                                ValueType::kFloat64, ValueType::kBcd16, ValueType::kBcd32};
-
 // What other programs call them.
 constexpr std::pair<std::string_view, std::string_view> kOtherNames[] = {
-    {"boolean", "bool"},     {"bit", "bool"},       {"int", "int16"},     {"integer", "int16"}, {"short", "int16"},
-    {"word", "uint16"},      {"uint", "uint16"},    {"dint", "int32"},    {"long", "int32"},    {"dword", "uint32"},
-    {"udint", "uint32"},     {"lint", "int64"},     {"ulint", "uint64"},  {"float", "float32"}, {"real", "float32"},
-    {"single", "float32"},   {"double", "float64"}, {"lreal", "float64"}, {"bcd", "bcd16"},     {"text", "string(20)"},
+    {"boolean", "bool"},     {"bit", "bool"},      {"byte", "uint8"},   {"usint", "uint8"},
+    {"sint", "int8"},        {"char", "uint8"},    {"int", "int16"},    {"integer", "int16"},
+    {"short", "int16"},      {"word", "uint16"},   {"uint", "uint16"},  {"dint", "int32"},
+    {"long", "int32"},       {"dword", "uint32"},  {"udint", "uint32"}, {"lint", "int64"},
+    {"ulint", "uint64"},     {"float", "float32"}, {"real", "float32"}, {"single", "float32"},
+    {"f32", "float32"},      {"f64", "float64"},   {"i8", "int8"},      {"u8", "uint8"},
+    {"i16", "int16"},        {"s16", "int16"},     {"u16", "uint16"},   {"i32", "int32"},
+    {"s32", "int32"},        {"u32", "uint32"},    {"i64", "int64"},    {"u64", "uint64"},
+    {"double", "float64"},   {"lreal", "float64"}, {"bcd", "bcd16"},    {"text", "string(20)"},
     {"string", "string(20)"}};
 
 std::string lower(std::string text) {
@@ -28,15 +25,16 @@ std::string lower(std::string text) {
 
 }  // namespace
 
-std::optional<Encoding> TypeRule::operator()(const Node& node, std::string_view key, FaultList& faults) const {
+std::optional<Encoding> TypeRule::operator()(const Node& node, std::string_view key,
+                                             FaultList& faults) const {
   std::vector<std::string_view> words;
-  for (const auto type : kPlainTypes) words.push_back(fieldcast::to_text(type));
-  const std::string allowed = joined(words) + ", string(1) to string(" + std::to_string(kMaxStringBytes) + ')';
+  for (const auto type : plain_types()) words.push_back(fieldcast::to_text(type));
+  const std::string allowed = allowed_types();
   const std::string* text = scalar_of(node, key, allowed, faults);
   if (text == nullptr) return std::nullopt;
 
   Encoding encoding;
-  for (const auto type : kPlainTypes) {
+  for (const auto type : plain_types()) {
     if (*text != fieldcast::to_text(type)) continue;
     encoding.type = type;
     return encoding;

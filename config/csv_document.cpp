@@ -1,5 +1,6 @@
-// A channel list as engineers keep it: comma-separated values (RFC 4180), with the tolerance that spreadsheets need: byte order
-// mark, CRLF, ';' or tab instead of ',' (whichever the header row uses), blank lines, and lines that begin with '#'.
+// A channel list as engineers keep it: comma-separated values (RFC 4180), with the tolerance that
+// spreadsheets need: byte order mark, CRLF, ';' or tab instead of ',' (whichever the header row
+// uses), blank lines, and lines that begin with '#'.
 //
 // Each row becomes the map that a channel would be in YAML, so that channel.cpp reads both.
 #include <algorithm>
@@ -26,9 +27,11 @@ constexpr std::size_t kMaxCells = 64;  // of a row; the format has 24 columns
 // Walks the text once, row by row.
 class RowReader {
  public:
-  RowReader(const Source& source, FaultList& faults) : source_(source), text_(source.text), faults_(faults) {}
+  RowReader(const Source& source, FaultList& faults)
+      : source_(source), text_(source.text), faults_(faults) {}
 
-  // The next row that holds anything; nothing at the end, or after a fault that makes the rest meaningless.
+  // The next row that holds anything; nothing at the end, or after a fault that makes the rest
+  // meaningless.
   std::optional<Row> next() {
     while (at_ < text_.size()) {
       if (text_[at_] == '#') {
@@ -45,7 +48,9 @@ class RowReader {
   }
 
  private:
-  [[nodiscard]] Place here() const { return {&source_, line_, static_cast<std::uint32_t>(at_ - line_start_)}; }
+  [[nodiscard]] Place here() const {
+    return {&source_, line_, static_cast<std::uint32_t>(at_ - line_start_)};
+  }
 
   void end_line() {
     if (at_ < text_.size()) ++at_;
@@ -67,7 +72,8 @@ class RowReader {
         return false;
       }
       Cell cell{{}, here()};
-      if (!(at_ < text_.size() && text_[at_] == '"' ? read_quoted(cell) : read_plain(cell))) return false;
+      if (!(at_ < text_.size() && text_[at_] == '"' ? read_quoted(cell) : read_plain(cell)))
+        return false;
       row.push_back(std::move(cell));
       if (at_ < text_.size() && text_[at_] == separator_) {
         ++at_;
@@ -80,7 +86,8 @@ class RowReader {
   }
 
   bool read_plain(Cell& cell) {
-    const auto end = std::min(text_.find_first_of(std::string{separator_, '\n'}, at_), text_.size());
+    const auto end =
+        std::min(text_.find_first_of(std::string{separator_, '\n'}, at_), text_.size());
     std::string_view text = text_.substr(at_, end - at_);
     at_ = end;
     if (text.ends_with('\r')) text.remove_suffix(1);
@@ -112,10 +119,12 @@ class RowReader {
 
   bool after_quote() {
     while (at_ < text_.size() && text_[at_] == ' ') ++at_;
-    if (at_ == text_.size() || text_[at_] == separator_ || text_[at_] == '\n' || text_.substr(at_).starts_with("\r\n"))
+    if (at_ == text_.size() || text_[at_] == separator_ || text_[at_] == '\n' ||
+        text_.substr(at_).starts_with("\r\n"))
       return true;
-    faults_.add(here(), "text after a quoted cell",
-                std::string("'") + separator_ + "' or the end of the line; a quote inside is written \"\"");
+    faults_.add(
+        here(), "text after a quoted cell",
+        std::string("'") + separator_ + "' or the end of the line; a quote inside is written \"\"");
     return false;
   }
 
@@ -127,7 +136,8 @@ class RowReader {
   std::uint32_t line_ = 0;
 };
 
-// The columns of the header row, nothing for one that is unknown; none at all without name and at, which every row needs.
+// The columns of the header row, nothing for one that is unknown; none at all without name and at,
+// which every row needs.
 std::vector<const Column*> read_header(const Row& row, FaultList& faults) {
   std::vector<std::string_view> names;
   for (const auto& column : columns()) names.push_back(column.name);
@@ -136,7 +146,8 @@ std::vector<const Column*> read_header(const Row& row, FaultList& faults) {
     const auto found = std::ranges::find(columns(), cell.text, &Column::name);
     const Column* column = found == columns().end() ? nullptr : &*found;
     if (column == nullptr) {
-      faults.add(cell.place, "unknown column '" + cell.text + "'", joined(names), closest(cell.text, names));
+      faults.add(cell.place, "unknown column '" + cell.text + "'", joined(names),
+                 closest(cell.text, names));
     } else if (std::ranges::find(header, column) != header.end()) {
       faults.add(cell.place, "column '" + cell.text + "' stands twice", "each column once");
     }
@@ -144,8 +155,11 @@ std::vector<const Column*> read_header(const Row& row, FaultList& faults) {
   }
   bool complete = true;
   for (const std::string_view needed : {"name", "at"}) {
-    if (std::ranges::none_of(header, [&](const Column* column) { return column != nullptr && column->name == needed; })) {
-      faults.add(row.front().place, "column '" + std::string(needed) + "' is missing", joined(names));
+    if (std::ranges::none_of(header, [&](const Column* column) {
+          return column != nullptr && column->name == needed;
+        })) {
+      faults.add(row.front().place, "column '" + std::string(needed) + "' is missing",
+                 joined(names));
       complete = false;
     }
   }
@@ -170,7 +184,8 @@ class ListBuilder {
     for (std::size_t i = 0; i < row.size(); ++i) {
       const Column* column = header[i];
       const Cell& cell = row[i];
-      if (column == nullptr || cell.text.empty()) continue;  // an empty cell: as if the key were absent
+      if (column == nullptr || cell.text.empty())
+        continue;  // an empty cell: as if the key were absent
       Node* map = &channel;
       if (!column->map.empty()) {
         Node*& known = inner[column->map];

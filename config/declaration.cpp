@@ -20,12 +20,16 @@ constexpr std::size_t kMaxAreas = 64;
 constexpr std::size_t kMaxCodes = 1'000;
 constexpr std::int64_t kMaxItems = 1 << 24;
 
-constexpr std::pair<std::string_view, Notation> kEncodings[] = {{"binary", Notation::kBinary}, {"hex", Notation::kHex}};
-constexpr std::pair<std::string_view, bool> kOrders[] = {{"big-endian", false}, {"little-endian", true}};
-constexpr std::pair<std::string_view, bool> kBitOrders[] = {{"low-first", false}, {"high-first", true}};
+constexpr std::pair<std::string_view, Notation> kEncodings[] = {{"binary", Notation::kBinary},
+                                                                {"hex", Notation::kHex}};
+constexpr std::pair<std::string_view, bool> kOrders[] = {{"big-endian", false},
+                                                         {"little-endian", true}};
+constexpr std::pair<std::string_view, bool> kBitOrders[] = {{"low-first", false},
+                                                            {"high-first", true}};
 constexpr std::pair<std::string_view, std::uint8_t> kItems[] = {
     {"bit", 1}, {"byte", 8}, {"16bit", 16}, {"32bit", 32}, {"64bit", 64}};
-constexpr std::pair<std::string_view, std::uint8_t> kBases[] = {{"octal", 8}, {"decimal", 10}, {"hexadecimal", 16}};
+constexpr std::pair<std::string_view, std::uint8_t> kBases[] = {
+    {"octal", 8}, {"decimal", 10}, {"hexadecimal", 16}};
 
 class DeclarationReader {
  public:
@@ -35,7 +39,8 @@ class DeclarationReader {
   }
 
   Declaration run() {
-    map_.read_required("summary", declaration_.summary, TextRule{kMaxDescription}, "one line for people");
+    map_.read_required("summary", declaration_.summary, TextRule{kMaxDescription},
+                       "one line for people");
     read_addresses();
     map_.read("encoding", defaults_.notation, ChoiceRule<Notation>{kEncodings});
     map_.read("order", defaults_.little_endian, ChoiceRule<bool>{kOrders});
@@ -62,12 +67,14 @@ class DeclarationReader {
   const Node* list(std::string_view key, std::size_t most) {
     const Node* node = map_.require(key, "a list");
     if (node == nullptr) return nullptr;
-    if (node->kind == Kind::kList && !node->items.empty() && node->items.size() <= most) return node;
+    if (node->kind == Kind::kList && !node->items.empty() && node->items.size() <= most)
+      return node;
     const bool is_list = node->kind == Kind::kList;
-    faults_.add(
-        node->place,
-        std::string(key) + " is " + (is_list ? (node->items.empty() ? "empty" : "too long") : std::string(to_text(node->kind))),
-        "a list of 1 to " + std::to_string(most));
+    faults_.add(node->place,
+                std::string(key) + " is " +
+                    (is_list ? (node->items.empty() ? "empty" : "too long")
+                             : std::string(to_text(node->kind))),
+                "a list of 1 to " + std::to_string(most));
     return nullptr;
   }
 
@@ -75,9 +82,12 @@ class DeclarationReader {
     const Node* node = map_.require("addresses", "addresses: { from: 1, to: 31 }");
     if (node == nullptr) return;
     MapReader map(*node, kAddressesKeys, faults_);
-    map.read_required("from", declaration_.lowest_address, WholeRule{0, 65535}, "the lowest address of a device");
-    map.read_required("to", declaration_.highest_address, WholeRule{0, 65535}, "the highest address of a device");
-    if (map.has("from") && map.has("to") && declaration_.lowest_address > declaration_.highest_address)
+    map.read_required("from", declaration_.lowest_address, WholeRule{0, 65535},
+                      "the lowest address of a device");
+    map.read_required("to", declaration_.highest_address, WholeRule{0, 65535},
+                      "the highest address of a device");
+    if (map.has("from") && map.has("to") &&
+        declaration_.lowest_address > declaration_.highest_address)
       faults_.add(map.place_of("to"), "addresses end below their beginning", "from <= to");
   }
 
@@ -107,12 +117,15 @@ class DeclarationReader {
     MapReader map(node, kOperationKeys, faults_);
     DraftOperation draft;
     draft.place = node.place;
-    map.read_required("name", draft.operation.name, TextRule{kMaxNameLength}, "a name for the operation");
+    map.read_required("name", draft.operation.name, TextRule{kMaxNameLength},
+                      "a name for the operation");
     const Node* read = map.find("read");
     const Node* write = map.find("write");
-    if (read != nullptr && write != nullptr) faults_.add(write->place, "an operation reads and writes", "one of read, write");
+    if (read != nullptr && write != nullptr)
+      faults_.add(write->place, "an operation reads and writes", "one of read, write");
     if (map.is_map() && !map.has_or_means("read") && !map.has_or_means("write"))
-      faults_.add(map.place(), "an operation neither reads nor writes", "read: AREA, or write: AREA");
+      faults_.add(map.place(), "an operation neither reads nor writes",
+                  "read: AREA, or write: AREA");
     draft.operation.write = read == nullptr;
     const Node* naming = read != nullptr ? read : write;
     draft.good = naming != nullptr && area_named(*naming, draft.operation.area);
@@ -139,7 +152,8 @@ class DeclarationReader {
     if (text == nullptr) return false;
     const auto found = std::ranges::find(names, *text);
     if (found == names.end()) {
-      faults_.add(naming.place, "no area is named '" + *text + "'", joined(names), closest(*text, names));
+      faults_.add(naming.place, "no area is named '" + *text + "'", joined(names),
+                  closest(*text, names));
       return false;
     }
     index = static_cast<AreaIndex>(found - names.begin());
@@ -153,7 +167,8 @@ class DeclarationReader {
     draft.count_place = node == nullptr ? draft.place : node->place;
     if (node == nullptr) return;
     if (node->kind != Kind::kMap) {
-      if (const auto most = WholeRule{1, 65535}(*node, "count", faults_)) operation.max_count = static_cast<std::uint16_t>(*most);
+      if (const auto most = WholeRule{1, 65535}(*node, "count", faults_))
+        operation.max_count = static_cast<std::uint16_t>(*most);
     } else {
       MapReader range(*node, kCountKeys, faults_);
       range.read_required("from", operation.min_count, WholeRule{1, 65535}, "the fewest items");
@@ -178,7 +193,8 @@ class DeclarationReader {
     const Node* busy = map.find("busy");
     if (busy == nullptr) return;
     if (busy->kind != Kind::kList) {
-      faults_.add(busy->place, "busy is " + std::string(to_text(busy->kind)), "a list of codes", "[" + busy->text + "]");
+      faults_.add(busy->place, "busy is " + std::string(to_text(busy->kind)), "a list of codes",
+                  "[" + busy->text + "]");
       return;
     }
     for (const Node* item : busy->items) {
@@ -189,8 +205,10 @@ class DeclarationReader {
 
   void read_codes(const Node& node) {
     if (node.kind != Kind::kMap || node.entries.size() > kMaxCodes) {
-      faults_.add(node.place, "codes is " + (node.kind == Kind::kMap ? "too long" : std::string(to_text(node.kind))),
-                  "at most " + std::to_string(kMaxCodes) + " lines CODE: TEXT");
+      faults_.add(
+          node.place,
+          "codes is " + (node.kind == Kind::kMap ? "too long" : std::string(to_text(node.kind))),
+          "at most " + std::to_string(kMaxCodes) + " lines CODE: TEXT");
       return;
     }
     for (const auto& [key, value] : node.entries) {
@@ -209,11 +227,15 @@ class DeclarationReader {
           return (draft.operation.area == i && draft.operation.write == write) || !draft.good;
         });
       };
-      const auto same = [&](const DeclaredArea& other) { return other.name == declaration_.areas[i].name; };
-      if (std::ranges::count_if(declaration_.areas, same) > 1) continue;  // two of one name: said already
+      const auto same = [&](const DeclaredArea& other) {
+        return other.name == declaration_.areas[i].name;
+      };
+      if (std::ranges::count_if(declaration_.areas, same) > 1)
+        continue;  // two of one name: said already
       const std::string area = "area '" + declaration_.areas[i].name + "'";
       if (uses(false) == 0)
-        faults_.add(area_places_[i], area + " is read by no operation", "an operation with read: " + declaration_.areas[i].name);
+        faults_.add(area_places_[i], area + " is read by no operation",
+                    "an operation with read: " + declaration_.areas[i].name);
     }
   }
 
@@ -228,7 +250,8 @@ class DeclarationReader {
 
 }  // namespace
 
-declared::SharedDeclaration read_declaration(const Node& root, const std::string& name, FaultList& faults) {
+declared::SharedDeclaration read_declaration(const Node& root, const std::string& name,
+                                             FaultList& faults) {
   const std::size_t before = faults.size();
   auto declaration = DeclarationReader(root, name, faults).run();
   if (faults.size() != before) return {};

@@ -1,5 +1,5 @@
-// The text of a declared protocol to its model (core/protocol/declared/declaration.hpp). config/protocols/README.md teaches the
-// format.
+// The text of a declared protocol to its model (core/protocol/declared/declaration.hpp).
+// config/protocols/README.md teaches the format.
 #pragma once
 
 #include <string>
@@ -10,6 +10,8 @@
 namespace fieldcast::config {
 
 // Nothing when there was a fault; all of them are noted.
-[[nodiscard]] declared::SharedDeclaration read_declaration(const Node& root, const std::string& name, FaultList& faults);
+[[nodiscard]] declared::SharedDeclaration read_declaration(const Node& root,
+                                                           const std::string& name,
+                                                           FaultList& faults);
 
 }  // namespace fieldcast::config

@@ -1,5 +1,5 @@
-// What a declaration contradicts itself in (declared_frame.hpp). Each rule notes its fault where the user has to change
-// something.
+// What a declaration contradicts itself in (declared_frame.hpp). Each rule notes its fault where
+// the user has to change something.
 #include <algorithm>
 #include <map>
 
@@ -33,7 +33,9 @@ class OperationCheck {
     check_addressing();
     check_variable(draft_.answer);
     for (const auto& draft : draft_.request.fields) {
-      if (draft.field.variable) faults_.add(draft.place, "a variable text in a request", "a fixed one: requests have one length");
+      if (draft.field.variable)
+        faults_.add(draft.place, "a variable text in a request",
+                    "a fixed one: requests have one length");
     }
   }
 
@@ -49,32 +51,42 @@ class OperationCheck {
       const Field& field = draft.field;
       if (!draft.fits) continue;  // said already
       const auto holds = [&](std::uint64_t lowest, std::uint64_t highest, const std::string& what) {
-        const auto largest = std::min(declared::largest(field.word), UINT64_MAX >> (64 - field.bits));
+        const auto largest =
+            std::min(declared::largest(field.word), UINT64_MAX >> (64 - field.bits));
         const bool below = field.plus < 0 && lowest < static_cast<std::uint64_t>(-field.plus);
         if (below || highest + static_cast<std::uint64_t>(field.plus) > largest)
-          faults_.add(
-              draft.place,
-              quoted(field.name) + " is too narrow: " + what + " " +
-                  (below ? "falls below 0" : "reaches " + std::to_string(highest + static_cast<std::uint64_t>(field.plus))),
-              "0 to " + std::to_string(largest) + ", or a wider field");
+          faults_.add(draft.place,
+                      quoted(field.name) + " is too narrow: " + what + " " +
+                          (below ? "falls below 0"
+                                 : "reaches " + std::to_string(highest + static_cast<std::uint64_t>(
+                                                                             field.plus))),
+                      "0 to " + std::to_string(largest) + ", or a wider field");
       };
       switch (field.kind) {
-        case FieldKind::kAddress: holds(declaration_.lowest_address, declaration_.highest_address, "the address"); break;
+        case FieldKind::kAddress:
+          holds(declaration_.lowest_address, declaration_.highest_address, "the address");
+          break;
         case FieldKind::kCommand:
-          needs(draft_.has_command, draft.place, "the operation " + quoted(operation_.name) + " has no command",
+          needs(draft_.has_command, draft.place,
+                "the operation " + quoted(operation_.name) + " has no command",
                 "command: a number, in the operation");
           holds(operation_.command, operation_.command, "the command");
           break;
         case FieldKind::kFirst: holds(0, last * field.times, "the last item"); break;
-        case FieldKind::kCount: holds(operation_.min_count * std::uint64_t{field.times}, count * field.times, "the count"); break;
+        case FieldKind::kCount:
+          holds(operation_.min_count * std::uint64_t{field.times}, count * field.times,
+                "the count");
+          break;
         case FieldKind::kLength: check_length(frame, draft, holds); break;
         case FieldKind::kItems:
           if (area_.record)
-            faults_.add(draft.place, quoted(area_.name) + " is a record and has no items", "is: value, for each of its values");
+            faults_.add(draft.place, quoted(area_.name) + " is a record and has no items",
+                        "is: value, for each of its values");
           if (area_.item_bits > 1 && field.word.notation == declared::Notation::kDecimal &&
               declared::largest(field.word) < UINT64_MAX >> (64 - area_.item_bits))
             faults_.add(draft.place,
-                        quoted(field.name) + " is too narrow for items of " + std::to_string(area_.item_bits) + " bits",
+                        quoted(field.name) + " is too narrow for items of " +
+                            std::to_string(area_.item_bits) + " bits",
                         "more digits");
           break;
         case FieldKind::kValue:
@@ -88,7 +100,8 @@ class OperationCheck {
     if (!frame.good) return;
     const auto whole = declared::size_of(frame.frame(), area_.item_bits, operation_.max_count);
     if (whole > declared::kMaxFrame)
-      faults_.add(draft_.count_place, "a frame of " + std::to_string(whole) + " characters is too long",
+      faults_.add(draft_.count_place,
+                  "a frame of " + std::to_string(whole) + " characters is too long",
                   "at most " + std::to_string(declared::kMaxFrame));
   }
 
@@ -100,7 +113,8 @@ class OperationCheck {
     for (std::size_t i = draft.field.of.from; i <= draft.field.of.to; ++i) {
       const Field& counted = fields.fields[i];
       const auto size = declared::size_of(fields, i, i + 1, area_.item_bits, operation_.max_count);
-      const bool digits = counted.word.notation == declared::Notation::kHex && counted.text.empty() && counted.text_size == 0 &&
+      const bool digits = counted.word.notation == declared::Notation::kHex &&
+                          counted.text.empty() && counted.text_size == 0 &&
                           !draft.field.in_characters;
       longest += digits ? size / 2 : size;
     }
@@ -108,8 +122,8 @@ class OperationCheck {
   }
 
   static std::size_t number_of(const DraftFrame& frame, FieldKind kind) {
-    return static_cast<std::size_t>(
-        std::ranges::count_if(frame.fields, [&](const DraftField& draft) { return draft.field.kind == kind; }));
+    return static_cast<std::size_t>(std::ranges::count_if(
+        frame.fields, [&](const DraftField& draft) { return draft.field.kind == kind; }));
   }
 
   // What is read must be in the answer, what is written in the request.
@@ -118,26 +132,32 @@ class OperationCheck {
     const std::string wanted = area_.record ? "is: value" : "is: items";
     const DraftFrame& carrier = operation_.write ? draft_.request : draft_.answer;
     if (!carrier.good) return;
-    const std::string where = operation_.write ? "the request of a write carries no " : "the answer of a read carries no ";
-    needs(number_of(carrier, kind) > 0, carrier.place, where + (area_.record ? "values" : "items"), "a field that " + wanted);
+    const std::string where = operation_.write ? "the request of a write carries no "
+                                               : "the answer of a read carries no ";
+    needs(number_of(carrier, kind) > 0, carrier.place, where + (area_.record ? "values" : "items"),
+          "a field that " + wanted);
     for (const auto* frame : {&draft_.request, &draft_.answer}) {
       if (number_of(*frame, FieldKind::kItems) > 1)
         faults_.add(frame->place, "items stand twice in one frame", "one field that is: items");
     }
     if (!operation_.write && draft_.request.find(FieldKind::kItems) != nullptr)
-      faults_.add(draft_.request.find(FieldKind::kItems)->place, "the request of a read carries items", "is: count, is: first");
+      faults_.add(draft_.request.find(FieldKind::kItems)->place,
+                  "the request of a read carries items", "is: count, is: first");
     if (!operation_.write && draft_.request.find(FieldKind::kValue) != nullptr)
-      faults_.add(draft_.request.find(FieldKind::kValue)->place, "the request of a read carries a value",
-                  "a constant, or is: unused");
+      faults_.add(draft_.request.find(FieldKind::kValue)->place,
+                  "the request of a read carries a value", "a constant, or is: unused");
   }
 
   // The device must be told which items, and how many.
   void check_addressing() {
     if (area_.record || !draft_.request.good) return;
-    needs(area_.items == 1 || draft_.request.find(FieldKind::kFirst) != nullptr, draft_.request.place,
-          "the request does not say which of " + std::to_string(area_.items) + " items it means", "a field that is: first");
+    needs(area_.items == 1 || draft_.request.find(FieldKind::kFirst) != nullptr,
+          draft_.request.place,
+          "the request does not say which of " + std::to_string(area_.items) + " items it means",
+          "a field that is: first");
     if (operation_.min_count == operation_.max_count) return;
-    const bool counted = draft_.request.find(FieldKind::kCount) != nullptr || draft_.request.find(FieldKind::kLength) != nullptr;
+    const bool counted = draft_.request.find(FieldKind::kCount) != nullptr ||
+                         draft_.request.find(FieldKind::kLength) != nullptr;
     needs(counted, draft_.request.place, "the request does not say how many items it means",
           "a field that is: count, or no 'count' in the operation");
   }
@@ -149,12 +169,17 @@ class OperationCheck {
       if (!field.variable || !frame.fields[i].fits) continue;
       const bool told =
           std::any_of(frame.fields.begin(), frame.fields.begin() + static_cast<std::ptrdiff_t>(i),
-                      [&](const DraftField& other) { return other.field.kind == FieldKind::kLength && other.field.of.holds(i); });
-      const bool ended =
-          i + 1 < frame.fields.size() && frame.fields[i + 1].field.kind == FieldKind::kConstant && !frame.fields[i + 1].shares;
-      needs(told || ended, frame.fields[i].place, "nothing tells where " + quoted(field.name) + " ends",
+                      [&](const DraftField& other) {
+                        return other.field.kind == FieldKind::kLength && other.field.of.holds(i);
+                      });
+      const bool ended = i + 1 < frame.fields.size() &&
+                         frame.fields[i + 1].field.kind == FieldKind::kConstant &&
+                         !frame.fields[i + 1].shares;
+      needs(told || ended, frame.fields[i].place,
+            "nothing tells where " + quoted(field.name) + " ends",
             "a constant behind it, or a length of it before it");
-      if (std::ranges::count_if(frame.fields, [](const DraftField& each) { return each.field.variable; }) > 1)
+      if (std::ranges::count_if(frame.fields,
+                                [](const DraftField& each) { return each.field.variable; }) > 1)
         faults_.add(frame.fields[i].place, "two variable texts in one frame", "one");
     }
   }
@@ -169,24 +194,30 @@ class OperationCheck {
 // The values of one frame, each with its place; those of an answer to a read define them.
 class Placing {
  public:
-  Placing(Declaration& declaration, FaultList& faults) : declaration_(declaration), faults_(faults) {}
+  Placing(Declaration& declaration, FaultList& faults)
+      : declaration_(declaration), faults_(faults) {}
 
   void define(DraftOperation& draft) {
     DeclaredArea& area = declaration_.areas[draft.operation.area];
     if (!area.places.empty()) {
-      faults_.add(draft.place, "the record " + quoted(area.name) + " is read twice", "one operation that reads it");
+      faults_.add(draft.place, "the record " + quoted(area.name) + " is read twice",
+                  "one operation that reads it");
       return;
     }
     for (DraftField& field : draft.answer.fields) {
       if (field.field.kind != FieldKind::kValue) continue;
       const auto items = declared::items_of(field.field);
       for (const auto& other : declaration_.areas) {
-        if (std::ranges::find(other.places, field.field.name, &declared::Place::name) != other.places.end())
-          faults_.add(field.place, "value " + quoted(field.field.name) + " exists already", "names that occur once");
+        if (std::ranges::find(other.places, field.field.name, &declared::Place::name) !=
+            other.places.end())
+          faults_.add(field.place, "value " + quoted(field.field.name) + " exists already",
+                      "names that occur once");
       }
       field.field.place = static_cast<std::uint16_t>(area.items);
       const auto bits = field.field.text_size != 0 ? std::uint8_t{0} : field.field.bits;
-      area.places.push_back({field.field.name, field.field.place, items, bits});
+      area.places.push_back({field.field.name, field.field.place, items, bits,
+                             field.field.is_signed, field.field.text_size,
+                             field.field.text_number});
       area.items += items;
     }
   }
@@ -207,7 +238,8 @@ class Placing {
     }
     if (sum == 0) return;
     if (high - low != sum)
-      faults_.add(draft.request.place, "the values of a write do not follow each other in the record",
+      faults_.add(draft.request.place,
+                  "the values of a write do not follow each other in the record",
                   "neighbours, or a write for each");
     draft.operation.first = static_cast<std::uint16_t>(low);
     draft.operation.min_count = draft.operation.max_count = static_cast<std::uint16_t>(high - low);
@@ -219,13 +251,15 @@ class Placing {
     for (const auto& place : area.places) names.push_back(place.name);
     const auto place = std::ranges::find(area.places, draft.field.name, &declared::Place::name);
     if (place == area.places.end()) {
-      faults_.add(draft.place, "no answer brings a value " + quoted(draft.field.name), joined(names),
-                  closest(draft.field.name, names));
+      faults_.add(draft.place, "no answer brings a value " + quoted(draft.field.name),
+                  joined(names), closest(draft.field.name, names));
       return false;
     }
     const unsigned bits = draft.field.text_size != 0 ? 0u : draft.field.bits;
     if (bits != place->bits || declared::items_of(draft.field) != place->items) {
-      faults_.add(draft.place, "value " + quoted(draft.field.name) + " has another width than in the answer that brings it",
+      faults_.add(draft.place,
+                  "value " + quoted(draft.field.name) +
+                      " has another width than in the answer that brings it",
                   std::to_string(place->bits) + " bits");
       return false;
     }
@@ -239,7 +273,8 @@ class Placing {
 
 }  // namespace
 
-void place_values(Declaration& declaration, std::vector<DraftOperation>& operations, FaultList& faults) {
+void place_values(Declaration& declaration, std::vector<DraftOperation>& operations,
+                  FaultList& faults) {
   Placing placing(declaration, faults);
   const auto of_record = [&](const DraftOperation& draft) {
     return draft.good && declaration.areas[draft.operation.area].record;
@@ -248,26 +283,32 @@ void place_values(Declaration& declaration, std::vector<DraftOperation>& operati
     if (of_record(draft) && !draft.operation.write) placing.define(draft);
   }
   for (auto& draft : operations) {
-    if (of_record(draft) && draft.operation.write && draft.request.good && draft.answer.good) placing.resolve(draft);
+    if (of_record(draft) && draft.operation.write && draft.request.good && draft.answer.good)
+      placing.resolve(draft);
   }
 }
 
-void check_operation(const Declaration& declaration, const DraftOperation& draft, FaultList& faults) {
+void check_operation(const Declaration& declaration, const DraftOperation& draft,
+                     FaultList& faults) {
   if (draft.good) OperationCheck(declaration, draft, faults).run();
 }
 
-void check_refusal(const Declaration& declaration, const std::vector<DraftOperation>& operations, const DraftFrame& refusal,
-                   FaultList& faults) {
+void check_refusal(const Declaration& declaration, const std::vector<DraftOperation>& operations,
+                   const DraftFrame& refusal, FaultList& faults) {
   if (refusal.fields.empty()) return;
-  if (refusal.find(FieldKind::kError) == nullptr) faults.add(refusal.place, "a refusal without a code", "a field that is: error");
+  if (refusal.find(FieldKind::kError) == nullptr)
+    faults.add(refusal.place, "a refusal without a code", "a field that is: error");
   for (const DraftField& draft : refusal.fields) {
     const auto kind = draft.field.kind;
-    if (kind == FieldKind::kItems || kind == FieldKind::kValue || kind == FieldKind::kFirst || kind == FieldKind::kCount)
+    if (kind == FieldKind::kItems || kind == FieldKind::kValue || kind == FieldKind::kFirst ||
+        kind == FieldKind::kCount)
       faults.add(draft.place, "a refusal brings no " + quoted(draft.field.name),
                  "constant, address, command, error, length, sequence, checksum, unused");
-    if (kind == FieldKind::kAddress && declaration.highest_address > declared::largest(draft.field.word))
+    if (kind == FieldKind::kAddress &&
+        declaration.highest_address > declared::largest(draft.field.word))
       faults.add(draft.place,
-                 quoted(draft.field.name) + " is too narrow: the address reaches " + std::to_string(declaration.highest_address),
+                 quoted(draft.field.name) + " is too narrow: the address reaches " +
+                     std::to_string(declaration.highest_address),
                  "a wider field");
   }
   // A refusal that an answer could be taken for: nothing but its code would tell them apart.
@@ -276,21 +317,26 @@ void check_refusal(const Declaration& declaration, const std::vector<DraftOperat
     if (!draft.good || !draft.answer.good) continue;
     const auto& area = declaration.areas[draft.operation.area];
     const auto size = declared::size_of(refusal.frame(), 16, 0);
-    const auto shortest = declared::size_of(draft.answer.frame(), area.item_bits, draft.operation.min_count);
-    const auto longest = declared::size_of(draft.answer.frame(), area.item_bits, draft.operation.max_count);
+    const auto shortest =
+        declared::size_of(draft.answer.frame(), area.item_bits, draft.operation.min_count);
+    const auto longest =
+        declared::size_of(draft.answer.frame(), area.item_bits, draft.operation.max_count);
     const auto marks = [](const DraftFrame& frame) {
       std::vector<std::string> all;
       for (const auto& field : frame.fields) {
         const auto kind = field.field.kind;
         if (kind == FieldKind::kConstant || kind == FieldKind::kCommand)
-          all.push_back(field.field.text + '/' + std::to_string(field.field.number) + '/' + std::to_string(field.field.plus));
+          all.push_back(field.field.text + '/' + std::to_string(field.field.number) + '/' +
+                        std::to_string(field.field.plus));
       }
       return all;
     };
-    const bool told_apart = size < shortest || size > longest || marks(refusal) != marks(draft.answer) ||
+    const bool told_apart = size < shortest || size > longest ||
+                            marks(refusal) != marks(draft.answer) ||
                             draft.answer.find(FieldKind::kError) != nullptr;
     if (!told_apart)
-      faults.add(refusal.place, "a refusal cannot be told from the answer of " + quoted(draft.operation.name),
+      faults.add(refusal.place,
+                 "a refusal cannot be told from the answer of " + quoted(draft.operation.name),
                  "another length, constant or command, or is: error in the answer too");
   }
 }

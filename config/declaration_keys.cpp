@@ -8,13 +8,16 @@ namespace {
 constexpr std::string_view kDeclaration[] = {"summary",   "addresses", "encoding",   "order",
                                              "bit-order", "areas",     "operations", "errors"};
 constexpr std::string_view kAddresses[] = {"from", "to"};
-constexpr std::string_view kArea[] = {"name", "item", "items", "record", "prefix", "base", "origin"};
-constexpr std::string_view kOperation[] = {"name", "read", "write", "command", "count", "request", "answer"};
+constexpr std::string_view kArea[] = {"name",   "item", "items", "record",
+                                      "prefix", "base", "origin"};
+constexpr std::string_view kOperation[] = {"name",  "read",    "write", "command",
+                                           "count", "request", "answer"};
 constexpr std::string_view kCount[] = {"from", "to"};
 constexpr std::string_view kErrors[] = {"frame", "codes", "busy"};
-constexpr std::string_view kField[] = {"name", "constant", "is",     "bytes", "bits",   "digits",    "as",  "order",
-                                       "plus", "times",    "of",     "kind",  "over",   "on",        "off", "ok",
-                                       "text", "variable", "signed", "fill",  "counts", "complement"};
+constexpr std::string_view kField[] = {
+    "name", "constant", "is",     "bytes", "bits",   "digits",    "as",  "order",
+    "plus", "times",    "of",     "kind",  "over",   "on",        "off", "ok",
+    "text", "variable", "signed", "fill",  "counts", "complement"};
 
 }  // namespace
 
@@ -27,8 +30,9 @@ const KeyTable kErrorsKeys{"errors", "'errors'", kErrors};
 const KeyTable kFieldKeys{"field", "a field", kField};
 
 std::span<const KeyTable* const> declaration_key_tables() {
-  static constexpr std::array kTables{&kDeclarationKeys, &kAddressesKeys, &kAreaKeys, &kOperationKeys,
-                                      &kCountKeys,       &kErrorsKeys,    &kFieldKeys};
+  static constexpr std::array kTables{&kDeclarationKeys, &kAddressesKeys, &kAreaKeys,
+                                      &kOperationKeys,   &kCountKeys,     &kErrorsKeys,
+                                      &kFieldKeys};
   return kTables;
 }
 

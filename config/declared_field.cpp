@@ -6,6 +6,7 @@
 #include "config/declared_frame.hpp"
 #include "config/limits.hpp"
 #include "config/scalars.hpp"
+#include "config/text_number.hpp"
 
 namespace fieldcast::config {
 namespace {
@@ -19,19 +20,23 @@ using declared::FieldKind;
 using declared::Notation;
 
 constexpr std::pair<std::string_view, FieldKind> kKinds[] = {
-    {"address", FieldKind::kAddress},   {"command", FieldKind::kCommand},   {"first", FieldKind::kFirst},
-    {"count", FieldKind::kCount},       {"length", FieldKind::kLength},     {"items", FieldKind::kItems},
-    {"value", FieldKind::kValue},       {"checksum", FieldKind::kChecksum}, {"error", FieldKind::kError},
-    {"sequence", FieldKind::kSequence}, {"unused", FieldKind::kUnused}};
+    {"address", FieldKind::kAddress}, {"command", FieldKind::kCommand},
+    {"first", FieldKind::kFirst},     {"count", FieldKind::kCount},
+    {"length", FieldKind::kLength},   {"items", FieldKind::kItems},
+    {"value", FieldKind::kValue},     {"checksum", FieldKind::kChecksum},
+    {"error", FieldKind::kError},     {"sequence", FieldKind::kSequence},
+    {"unused", FieldKind::kUnused}};
 constexpr std::pair<std::string_view, Notation> kNotations[] = {
     {"binary", Notation::kBinary}, {"hex", Notation::kHex}, {"decimal", Notation::kDecimal}};
-constexpr std::pair<std::string_view, bool> kOrders[] = {{"big-endian", false}, {"little-endian", true}};
+constexpr std::pair<std::string_view, bool> kOrders[] = {{"big-endian", false},
+                                                         {"little-endian", true}};
 constexpr std::pair<std::string_view, bool> kOver[] = {{"characters", false}, {"bytes", true}};
 constexpr std::pair<std::string_view, bool> kCounts[] = {{"bytes", false}, {"characters", true}};
 constexpr std::pair<std::string_view, Complement> kComplements[] = {
     {"none", Complement::kNone}, {"ones", Complement::kOnes}, {"twos", Complement::kTwos}};
 
-// The CRCs by their common names; parameters as in the catalogue of parametrised CRC algorithms (reveng.sourceforge.io).
+// The CRCs by their common names; parameters as in the catalogue of parametrised CRC algorithms
+// (reveng.sourceforge.io).
 constexpr std::pair<std::string_view, Check> kChecks[] = {
     {"sum", {CheckKind::kSum, Complement::kNone, {}, false}},
     {"and", {CheckKind::kAnd, Complement::kNone, {}, false}},
@@ -41,7 +46,8 @@ constexpr std::pair<std::string_view, Check> kChecks[] = {
     {"crc16-arc", {CheckKind::kCrc16, Complement::kNone, {0x8005, 0x0000, 0x0000, true}, false}},
     {"crc16-usb", {CheckKind::kCrc16, Complement::kNone, {0x8005, 0xFFFF, 0xFFFF, true}, false}},
     {"crc16-ccitt", {CheckKind::kCrc16, Complement::kNone, {0x1021, 0xFFFF, 0x0000, false}, false}},
-    {"crc16-xmodem", {CheckKind::kCrc16, Complement::kNone, {0x1021, 0x0000, 0x0000, false}, false}},
+    {"crc16-xmodem",
+     {CheckKind::kCrc16, Complement::kNone, {0x1021, 0x0000, 0x0000, false}, false}},
     {"crc16-kermit", {CheckKind::kCrc16, Complement::kNone, {0x1021, 0x0000, 0x0000, true}, false}},
     {"crc16-x25", {CheckKind::kCrc16, Complement::kNone, {0x1021, 0xFFFF, 0xFFFF, true}, false}},
     {"crc16-dnp", {CheckKind::kCrc16, Complement::kNone, {0x3D65, 0x0000, 0xFFFF, true}, false}},
@@ -53,7 +59,9 @@ struct Meaning {
   std::initializer_list<FieldKind> kinds;
 };
 const Meaning kMeanings[] = {
-    {"plus", {FieldKind::kAddress, FieldKind::kCommand, FieldKind::kFirst, FieldKind::kCount, FieldKind::kLength}},
+    {"plus",
+     {FieldKind::kAddress, FieldKind::kCommand, FieldKind::kFirst, FieldKind::kCount,
+      FieldKind::kLength}},
     {"times", {FieldKind::kFirst, FieldKind::kCount}},
     {"of", {FieldKind::kLength, FieldKind::kChecksum}},
     {"kind", {FieldKind::kChecksum}},
@@ -78,8 +86,13 @@ std::string_view word_of(FieldKind kind) {
 
 class FieldReader {
  public:
-  FieldReader(const Node& node, const FieldDefaults& defaults, unsigned item_bits, FaultList& faults)
-      : map_(node, kFieldKeys, faults), faults_(faults), defaults_(defaults), item_bits_(item_bits), before_(faults.size()) {
+  FieldReader(const Node& node, const FieldDefaults& defaults, unsigned item_bits,
+              FaultList& faults)
+      : map_(node, kFieldKeys, faults),
+        faults_(faults),
+        defaults_(defaults),
+        item_bits_(item_bits),
+        before_(faults.size()) {
     draft_.place = node.place;
   }
 
@@ -111,10 +124,13 @@ class FieldReader {
                     "constant: 0x55, or is: address, is: value, ...");
       return;
     }
-    if (map_.has("is")) faults_.add(map_.place_of("is"), "a field is a constant and something else", "one of constant, is");
+    if (map_.has("is"))
+      faults_.add(map_.place_of("is"), "a field is a constant and something else",
+                  "one of constant, is");
     if (constant->kind == Kind::kScalar && constant->quoted) {
       if (constant->text.empty() || constant->text.size() > 64)
-        faults_.add(constant->place, "constant is " + std::string(constant->text.empty() ? "empty" : "too long"),
+        faults_.add(constant->place,
+                    "constant is " + std::string(constant->text.empty() ? "empty" : "too long"),
                     "1 to 64 characters");
       field.text = constant->text;
     } else if (const auto number = WholeRule{0, INT64_MAX}(*constant, "constant", faults_)) {
@@ -127,37 +143,71 @@ class FieldReader {
     unsigned bytes = 0, bits = 0, digits = 0;
     const bool in_bytes = map_.read("bytes", bytes, WholeRule{1, 8});
     const bool in_bits = map_.read("bits", bits, WholeRule{1, 64});
-    const bool in_digits = map_.read("digits", digits, WholeRule{1, field.word.notation == Notation::kDecimal ? 18 : 16});
-    map_.read("text", field.text_size, WholeRule{1, 250});
+    const bool in_digits = map_.read(
+        "digits", digits, WholeRule{1, field.word.notation == Notation::kDecimal ? 18 : 16});
+    read_text();
     map_.read("variable", field.variable, FlagRule{});
     draft_.width_place = map_.has("bytes")  ? map_.place_of("bytes")
                          : map_.has("bits") ? map_.place_of("bits")
                                             : map_.place_of("digits");
-    const int widths = map_.has("bytes") + map_.has("bits") + map_.has("digits") + map_.has("text") + !field.text.empty();
-    if (widths > 1) faults_.add(draft_.place, "the width of a field is given twice", "one of bytes, bits, digits, text");
+    const int widths = map_.has("bytes") + map_.has("bits") + map_.has("digits") +
+                       map_.has("text") + !field.text.empty();
+    if (widths > 1)
+      faults_.add(draft_.place, "the width of a field is given twice",
+                  "one of bytes, bits, digits, text");
     if (field.variable && field.text_size == 0 && !map_.has_or_means("text"))
-      faults_.add(map_.place_of("variable"), "only a text can be variable", "text: the most characters that it has");
+      faults_.add(map_.place_of("variable"), "only a text can be variable",
+                  "text: the most characters that it has");
     if (in_digits && field.word.notation == Notation::kBinary)
-      faults_.add(map_.place_of("digits"), "a binary field has no digits", "as: hex or as: decimal", "bytes");
-    if (!in_digits && field.word.notation == Notation::kDecimal && field.text.empty() && field.text_size == 0)
-      faults_.add(draft_.place, "a decimal field does not say how many digits it has", "digits: 1 to 18");
+      faults_.add(map_.place_of("digits"), "a binary field has no digits", "as: hex or as: decimal",
+                  "bytes");
+    if (!in_digits && field.word.notation == Notation::kDecimal && field.text.empty() &&
+        field.text_size == 0)
+      faults_.add(draft_.place, "a decimal field does not say how many digits it has",
+                  "digits: 1 to 18");
     const bool bit_items = field.kind == FieldKind::kItems && item_bits_ == 1;
     if (field.kind == FieldKind::kItems && !bit_items && (in_bytes || in_bits))
-      faults_.add(draft_.width_place, "the width of items is that of their area", "no bytes, no bits");
+      faults_.add(draft_.width_place, "the width of items is that of their area",
+                  "no bytes, no bits");
     if (bit_items) field.packed = !map_.has("on") && !map_.has("off");
     if (field.packed && (in_bytes || in_bits))
-      faults_.add(draft_.width_place, "bits stand eight in a byte", "no width, or on and off for one that has a word of its own");
+      faults_.add(draft_.width_place, "bits stand eight in a byte",
+                  "no width, or on and off for one that has a word of its own");
     if (field.kind == FieldKind::kItems && !bit_items) bytes = std::max(1u, item_bits_ / 8);
     if (!in_bits) bits = bytes != 0 ? 8 * bytes : 8;
     draft_.in_bits = in_bits;
     draft_.shares = in_bits && bits % 8 != 0;
     field.bits = static_cast<std::uint8_t>(bits);
-    field.word.characters = static_cast<std::uint8_t>(field.word.notation == Notation::kHex ? bits / 4 : bits / 8);
+    field.word.characters =
+        static_cast<std::uint8_t>(field.word.notation == Notation::kHex ? bits / 4 : bits / 8);
     if (!in_digits) return;
     field.word.characters = static_cast<std::uint8_t>(digits);
     field.bits = static_cast<std::uint8_t>(field.word.notation == Notation::kHex ? 4 * digits : 64);
     if (field.word.notation == Notation::kHex && field.word.little_endian && digits % 2 != 0)
-      faults_.add(map_.place_of("digits"), "pairs of digits cannot be turned in an odd number", "an even number of digits");
+      faults_.add(map_.place_of("digits"), "pairs of digits cannot be turned in an odd number",
+                  "an even number of digits");
+  }
+
+  // text: 7, or a number that stands as text: decimal(7), "+000.00".
+  void read_text() {
+    const Node* node = map_.find("text");
+    if (node == nullptr) return;
+    const bool plain = node->kind != Kind::kScalar || node->text.starts_with('-') ||
+                       (whole_from(node->text) && !node->text.starts_with("00"));
+    if (plain) {
+      if (const auto size = WholeRule{1, kMaxTextCharacters}(*node, "text", faults_))
+        draft_.field.text_size = static_cast<std::uint16_t>(*size);
+      return;
+    }
+    const auto form = TextFormRule{}(*node, "text", faults_);
+    if (!form) return;
+    if (form->characters == 0) {
+      faults_.add(node->place, "text '" + node->text + "' does not say how many characters it has",
+                  std::string(kTextNumberForms), node->text + "(7)");
+      return;
+    }
+    draft_.field.text_size = form->characters;
+    draft_.field.text_number = form->number;
   }
 
   std::uint64_t most() const {
@@ -174,18 +224,21 @@ class FieldReader {
   }
   void too_wide(std::uint64_t number, const Place& place, std::string_view key) {
     if (number > most())
-      faults_.add(place, std::string(key) + " " + std::to_string(number) + " does not fit its field",
+      faults_.add(place,
+                  std::string(key) + " " + std::to_string(number) + " does not fit its field",
                   "0 to " + std::to_string(most()) + ", or a wider field");
   }
 
   void read_numbers() {
     Field& field = draft_.field;
-    if (map_.has("constant") && field.text.empty()) too_wide(field.number, map_.place_of("constant"), "constant");
+    if (map_.has("constant") && field.text.empty())
+      too_wide(field.number, map_.place_of("constant"), "constant");
     map_.read("plus", field.plus, WholeRule{-65535, 65535});
     map_.read("times", field.times, WholeRule{1, 65535});
     read_number("on", field.on);
     read_number("off", field.off);
-    if (map_.has("on") && field.on == field.off) faults_.add(map_.place_of("on"), "on and off are the same", "two numbers");
+    if (map_.has("on") && field.on == field.off)
+      faults_.add(map_.place_of("on"), "on and off are the same", "two numbers");
     read_number("ok", field.number);
     read_number("fill", field.number);
     map_.read("signed", field.is_signed, FlagRule{});
@@ -194,7 +247,8 @@ class FieldReader {
     const Node* of = measures ? map_.require("of", "a field, or FIRST..LAST") : map_.find("of");
     if (of == nullptr) return;
     draft_.of_place = of->place;
-    if (const auto* text = scalar_of(*of, "of", "a field, or FIRST..LAST", faults_)) draft_.of = *text;
+    if (const auto* text = scalar_of(*of, "of", "a field, or FIRST..LAST", faults_))
+      draft_.of = *text;
   }
 
   void read_checksum() {
@@ -207,16 +261,19 @@ class FieldReader {
     const bool checks = field.kind == FieldKind::kChecksum;
     const Node* kind = checks ? map_.require("kind", kWords) : map_.find("kind");
     if (kind != nullptr) {
-      if (const auto check = ChoiceRule<Check>{kChecks}(*kind, "kind", faults_)) field.check = *check;
+      if (const auto check = ChoiceRule<Check>{kChecks}(*kind, "kind", faults_))
+        field.check = *check;
     }
     map_.read("complement", field.check.complement, ChoiceRule<Complement>{kComplements});
     map_.read("over", field.check.over_bytes, ChoiceRule<bool>{kOver});
     if (!checks || kind == nullptr) return;
     const unsigned needed = field.check.kind == CheckKind::kCrc16 ? 16 : 8;
-    if (draft_.shares || field.word.notation == Notation::kDecimal || field.bits % 8 != 0 || field.bits < needed ||
-        field.bits > 32)
-      faults_.add(map_.has("bytes") || map_.has("bits") || map_.has("digits") ? draft_.width_place : kind->place,
-                  "a checksum " + kind->text + " does not fit its field", "bytes: " + std::string(needed == 16 ? "2" : "1 to 4"));
+    if (draft_.shares || field.word.notation == Notation::kDecimal || field.bits % 8 != 0 ||
+        field.bits < needed || field.bits > 32)
+      faults_.add(map_.has("bytes") || map_.has("bits") || map_.has("digits") ? draft_.width_place
+                                                                              : kind->place,
+                  "a checksum " + kind->text + " does not fit its field",
+                  "bytes: " + std::string(needed == 16 ? "2" : "1 to 4"));
   }
 
   void refuse_meaningless() {
@@ -225,7 +282,8 @@ class FieldReader {
       std::vector<std::string_view> words;
       for (const auto kind : kinds) words.push_back(word_of(kind));
       faults_.add(map_.place_of(key),
-                  "'" + std::string(key) + "' has no meaning for a field that is " + std::string(word_of(draft_.field.kind)),
+                  "'" + std::string(key) + "' has no meaning for a field that is " +
+                      std::string(word_of(draft_.field.kind)),
                   "it belongs to " + joined(words));
     }
   }
@@ -240,7 +298,8 @@ class FieldReader {
 
 }  // namespace
 
-DraftField read_field(const Node& node, const FieldDefaults& defaults, unsigned item_bits, FaultList& faults) {
+DraftField read_field(const Node& node, const FieldDefaults& defaults, unsigned item_bits,
+                      FaultList& faults) {
   return FieldReader(node, defaults, item_bits, faults).run();
 }
 

@@ -17,7 +17,8 @@ std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"
 // Fields narrower than a byte stand together in words of whole bytes.
 class Sharing {
  public:
-  Sharing(DraftFrame& frame, bool high_first, FaultList& faults) : frame_(frame), high_first_(high_first), faults_(faults) {}
+  Sharing(DraftFrame& frame, bool high_first, FaultList& faults)
+      : frame_(frame), high_first_(high_first), faults_(faults) {}
 
   void run() {
     for (std::size_t i = 0; i < frame_.fields.size(); ++i) {
@@ -38,10 +39,10 @@ class Sharing {
  private:
   void close() {
     if (bits_ == 0) return;
-    faults_.add(
-        frame_.fields[first_].place,
-        "the bits from " + quoted(frame_.fields[first_].field.name) + " on fill no whole byte: they are " + std::to_string(bits_),
-        "fields of 8, 16, ... bits together", "");
+    faults_.add(frame_.fields[first_].place,
+                "the bits from " + quoted(frame_.fields[first_].field.name) +
+                    " on fill no whole byte: they are " + std::to_string(bits_),
+                "fields of 8, 16, ... bits together", "");
     frame_.good = false;
     bits_ = 0;
   }
@@ -56,17 +57,21 @@ class Sharing {
       unsigned below = 0;
       for (std::size_t i = first_; i < end; ++i) {
         Field& field = frame_.fields[i].field;
-        if (field.word.notation != opener.word.notation || field.word.little_endian != opener.word.little_endian) {
+        if (field.word.notation != opener.word.notation ||
+            field.word.little_endian != opener.word.little_endian) {
           faults_.add(frame_.fields[i].place,
-                      quoted(field.name) + " shares a byte with " + quoted(opener.name) + ", which is written otherwise",
+                      quoted(field.name) + " shares a byte with " + quoted(opener.name) +
+                          ", which is written otherwise",
                       "the same 'as' and 'order'");
           frame_.good = false;
         }
         field.shift = static_cast<std::uint8_t>(high_first_ ? bits_ - below - field.bits : below);
         below += field.bits;
       }
-      const auto characters = static_cast<std::uint8_t>(opener.word.notation == Notation::kHex ? bits_ / 4 : bits_ / 8);
-      for (std::size_t i = first_; i < end; ++i) frame_.fields[i].field.word.characters = characters;
+      const auto characters =
+          static_cast<std::uint8_t>(opener.word.notation == Notation::kHex ? bits_ / 4 : bits_ / 8);
+      for (std::size_t i = first_; i < end; ++i)
+        frame_.fields[i].field.word.characters = characters;
     }
     bits_ = 0;
   }
@@ -79,7 +84,8 @@ class Sharing {
 };
 
 // The place of a field by its name; a fault when there is none, or several.
-std::optional<std::uint8_t> field_named(const DraftFrame& frame, std::string_view name, const Place& place, FaultList& faults) {
+std::optional<std::uint8_t> field_named(const DraftFrame& frame, std::string_view name,
+                                        const Place& place, FaultList& faults) {
   std::vector<std::string_view> names;
   std::optional<std::uint8_t> found;
   unsigned times = 0;
@@ -91,7 +97,8 @@ std::optional<std::uint8_t> field_named(const DraftFrame& frame, std::string_vie
   if (times == 0)
     faults.add(place, "no field is named " + quoted(name), joined(names), closest(name, names));
   else
-    faults.add(place, std::to_string(times) + " fields are named " + quoted(name), "names that occur once");
+    faults.add(place, std::to_string(times) + " fields are named " + quoted(name),
+               "names that occur once");
   return std::nullopt;
 }
 
@@ -101,7 +108,8 @@ void resolve_span(DraftFrame& frame, std::size_t at, FaultList& faults) {
   const std::string_view text = draft.of;
   const auto dots = text.find("..");
   const auto from = field_named(frame, text.substr(0, dots), draft.of_place, faults);
-  const auto to = dots == text.npos ? from : field_named(frame, text.substr(dots + 2), draft.of_place, faults);
+  const auto to =
+      dots == text.npos ? from : field_named(frame, text.substr(dots + 2), draft.of_place, faults);
   frame.good = frame.good && from && to;
   if (!from || !to) return;
   draft.field.of = {*from, *to};
@@ -110,7 +118,8 @@ void resolve_span(DraftFrame& frame, std::size_t at, FaultList& faults) {
                std::string(text.substr(dots + 2)) + ".." + std::string(text.substr(0, dots)));
   } else if (draft.field.kind == FieldKind::kChecksum && draft.field.of.holds(at)) {
     faults.add(draft.of_place, "a checksum over itself", "fields before or behind it");
-  } else if (!frame.fields[*from].field.opens || (*to + 1u < frame.fields.size() && !frame.fields[*to + 1u].field.opens)) {
+  } else if (!frame.fields[*from].field.opens ||
+             (*to + 1u < frame.fields.size() && !frame.fields[*to + 1u].field.opens)) {
     faults.add(draft.of_place, quoted(text) + " begins or ends within a byte", "whole bytes");
   } else {
     return;
@@ -133,15 +142,16 @@ const DraftField* DraftFrame::find(FieldKind kind) const {
   return nullptr;
 }
 
-DraftFrame read_frame(const Node& node, std::string_view what, const FieldDefaults& defaults, unsigned item_bits,
-                      FaultList& faults) {
+DraftFrame read_frame(const Node& node, std::string_view what, const FieldDefaults& defaults,
+                      unsigned item_bits, FaultList& faults) {
   DraftFrame frame;
   frame.place = node.place;
   if (node.kind != Kind::kList || node.items.empty() || node.items.size() > declared::kMaxFields) {
     const bool list = node.kind == Kind::kList;
     faults.add(
         node.place,
-        std::string(what) + " is " + (list ? (node.items.empty() ? "empty" : "too long") : std::string(to_text(node.kind))),
+        std::string(what) + " is " +
+            (list ? (node.items.empty() ? "empty" : "too long") : std::string(to_text(node.kind))),
         "a list of 1 to " + std::to_string(declared::kMaxFields) + " fields");
     frame.good = false;
     return frame;

@@ -1,4 +1,5 @@
-// A frame of a declared protocol while it is read: its fields, each with its place in the text. Inside config/ only.
+// A frame of a declared protocol while it is read: its fields, each with its place in the text.
+// Inside config/ only.
 #pragma once
 
 #include <string>
@@ -13,7 +14,8 @@ namespace fieldcast::config {
 struct FieldDefaults {
   declared::Notation notation = declared::Notation::kBinary;
   bool little_endian = false;
-  bool high_first = false;  // of fields that share a byte the first takes the highest bits, not the lowest
+  bool high_first =
+      false;  // of fields that share a byte the first takes the highest bits, not the lowest
 };
 
 // One field as it stands in the text.
@@ -44,18 +46,24 @@ struct DraftOperation {
 };
 
 // `item_bits`: of the area whose items the frame may hold.
-[[nodiscard]] DraftField read_field(const Node& node, const FieldDefaults& defaults, unsigned item_bits, FaultList& faults);
+[[nodiscard]] DraftField read_field(const Node& node, const FieldDefaults& defaults,
+                                    unsigned item_bits, FaultList& faults);
 
 // A list of fields; spans are resolved, shared bytes put together.
-[[nodiscard]] DraftFrame read_frame(const Node& node, std::string_view what, const FieldDefaults& defaults, unsigned item_bits,
+[[nodiscard]] DraftFrame read_frame(const Node& node, std::string_view what,
+                                    const FieldDefaults& defaults, unsigned item_bits,
                                     FaultList& faults);
 
 // Gives every value its place in the record, by the reads' answers.
-void place_values(declared::Declaration& declaration, std::vector<DraftOperation>& operations, FaultList& faults);
+void place_values(declared::Declaration& declaration, std::vector<DraftOperation>& operations,
+                  FaultList& faults);
 
-// What contradicts itself: fields too narrow for what they must hold, answers whose length nothing tells, and the like.
-void check_operation(const declared::Declaration& declaration, const DraftOperation& operation, FaultList& faults);
-void check_refusal(const declared::Declaration& declaration, const std::vector<DraftOperation>& operations,
-                   const DraftFrame& refusal, FaultList& faults);
+// What contradicts itself: fields too narrow for what they must hold, answers whose length nothing
+// tells, and the like.
+void check_operation(const declared::Declaration& declaration, const DraftOperation& operation,
+                     FaultList& faults);
+void check_refusal(const declared::Declaration& declaration,
+                   const std::vector<DraftOperation>& operations, const DraftFrame& refusal,
+                   FaultList& faults);
 
 }  // namespace fieldcast::config

@@ -1,4 +1,3 @@
-#include "config/program.hpp"
 #include "config/device.hpp"
 
 #include <algorithm>
@@ -6,6 +5,7 @@
 #include "config/channel.hpp"
 #include "config/limits.hpp"
 #include "config/port.hpp"
+#include "config/program.hpp"
 #include "config/scalars.hpp"
 #include "core/model/make_protocol.hpp"
 
@@ -20,7 +20,8 @@ struct Draft {
 };
 
 struct AddressRule {
-  std::optional<std::int64_t> operator()(const Node& node, std::string_view key, FaultList& faults) const {
+  std::optional<std::int64_t> operator()(const Node& node, std::string_view key,
+                                         FaultList& faults) const {
     return WholeRule{0, 65535}(node, key, faults);  // the protocol narrows it
   }
 };
@@ -40,26 +41,32 @@ void read_channel_nodes(MapReader& map, Draft& draft, Session& session) {
 }
 
 // protocols: [modbus-rtu, ...]: those whose address notation the template is written in.
-void check_template_protocols(MapReader& map, const Node& naming, const std::string& protocol, Session& session) {
+void check_template_protocols(MapReader& map, const Node& naming, const std::string& protocol,
+                              Session& session) {
   const Node* node = map.find("protocols");
   if (node == nullptr) return;
   if (node->kind != Kind::kList || node->items.empty()) {
-    map.faults().add(node->place, "protocols is " + (node->kind == Kind::kList ? "empty" : std::string(to_text(node->kind))),
-                     "a list of protocols");
+    map.faults().add(
+        node->place,
+        "protocols is " + (node->kind == Kind::kList ? "empty" : std::string(to_text(node->kind))),
+        "a list of protocols");
     return;
   }
   std::vector<std::string> names;
   for (const Node* item : node->items) {
-    // A declaration is looked for beside the configuration, not beside the template: the device's own is known already.
+    // A declaration is looked for beside the configuration, not beside the template: the device's
+    // own is known already.
     if (item->kind == Kind::kScalar && !protocol.empty() && item->text == protocol) return;
-    if (auto choice = read_protocol(*item, "protocol", session); choice.known()) names.push_back(std::move(choice.name));
+    if (auto choice = read_protocol(*item, "protocol", session); choice.known())
+      names.push_back(std::move(choice.name));
   }
   if (protocol.empty() || names.size() != node->items.size()) return;
   map.faults().add(naming.place, "template '" + naming.text + "' is not for " + protocol,
                    joined(std::vector<std::string_view>(names.begin(), names.end())));
 }
 
-void read_template(const Node& naming, const std::string& protocol, Draft& draft, Session& session) {
+void read_template(const Node& naming, const std::string& protocol, Draft& draft,
+                   Session& session) {
   const Node* root = session.library.device_template(naming);
   if (root == nullptr) return;
   MapReader map(*root, kTemplateKeys, session.faults);
@@ -76,14 +83,16 @@ void read_template(const Node& naming, const std::string& protocol, Draft& draft
 }
 
 // The protocol object for this device, or nothing and the faults of address and options.
-std::unique_ptr<Protocol> protocol_of(MapReader& map, const ProtocolChoice& choice, const PortSpec& port, bool has_address,
-                                      const Draft& draft) {
-  const auto options = choice.built_in != nullptr ? choice.built_in->options : std::span<const std::string_view>{};
+std::unique_ptr<Protocol> protocol_of(MapReader& map, const ProtocolChoice& choice,
+                                      const PortSpec& port, bool has_address, const Draft& draft) {
+  const auto options =
+      choice.built_in != nullptr ? choice.built_in->options : std::span<const std::string_view>{};
   bool known = true;
   for (const auto& [name, value] : draft.spec.link.options) {
     if (std::ranges::find(options, name) != options.end()) continue;
     known = false;
-    map.faults().add(draft.defaults.options.places.at(name), "unknown option '" + name + "' of " + choice.name,
+    map.faults().add(draft.defaults.options.places.at(name),
+                     "unknown option '" + name + "' of " + choice.name,
                      options.empty() ? "no options" : joined(options), closest(name, options));
   }
   if (!known) return nullptr;
@@ -91,14 +100,17 @@ std::unique_ptr<Protocol> protocol_of(MapReader& map, const ProtocolChoice& choi
   if (protocol) return std::move(*protocol);
   const auto& fault = protocol.error();
   const auto option = draft.defaults.options.places.find(fault.option);
-  if (fault.option.empty() && !has_address) return nullptr;  // the address is missing or no number: said already
+  if (fault.option.empty() && !has_address)
+    return nullptr;  // the address is missing or no number: said already
   const bool of_option = option != draft.defaults.options.places.end();
   map.faults().add(of_option ? option->second : map.place_of("address"),
-                   (of_option ? "option '" + fault.option + "': " : std::string{}) + fault.what, fault.allowed);
+                   (of_option ? "option '" + fault.option + "': " : std::string{}) + fault.what,
+                   fault.allowed);
   return nullptr;
 }
 
-void read_channels(const Draft& draft, const Protocol* protocol, const Place& place, DeviceSpec& spec, Session& session) {
+void read_channels(const Draft& draft, const Protocol* protocol, const Place& place,
+                   DeviceSpec& spec, Session& session) {
   const ChannelContext context{protocol, draft.defaults.channels, draft.defaults.max_block};
   UniqueNames names;
   spec.channels.reserve(std::min(draft.channels.size(), kMaxChannels));
@@ -120,7 +132,8 @@ DeviceSpec read_device(const Node& node, const DeviceContext& context, Session& 
   DeviceSpec& spec = draft.spec;
   map.read_required("name", spec.name, NameRule{}, "a name for the device");
   map.read("number", spec.number, DeviceNumberRule{});
-  const bool has_address = map.read_required("address", spec.link.address, AddressRule{}, "the device's address on the bus");
+  const bool has_address = map.read_required("address", spec.link.address, AddressRule{},
+                                             "the device's address on the bus");
 
   ProtocolChoice choice = context.protocol;
   if (const Node* own = map.find("protocol")) {
@@ -128,12 +141,14 @@ DeviceSpec read_device(const Node& node, const DeviceContext& context, Session& 
     // The bus's options are those of its protocol.
     if (context.protocol_named && choice.name != context.protocol.name) draft.defaults.options = {};
   } else if (!context.protocol_named && map.is_map() && !map.has("protocol")) {
-    session.faults.add(map.place(), "'protocol' is missing in a device, and its bus names none", "a protocol here or in the bus");
+    session.faults.add(map.place(), "'protocol' is missing in a device, and its bus names none",
+                       "a protocol here or in the bus");
   }
   if (choice.known()) {
     spec.protocol = choice.name;
     spec.declaration = choice.declaration;
-    check_port(spec.protocol, context.port, map.has("protocol") ? map.place_of("protocol") : context.protocol_place,
+    check_port(spec.protocol, context.port,
+               map.has("protocol") ? map.place_of("protocol") : context.protocol_place,
                session.faults);
   }
   if (has_address && choice.known()) {
@@ -141,7 +156,8 @@ DeviceSpec read_device(const Node& node, const DeviceContext& context, Session& 
     context.addresses.add("address", address, map.place_of("address"), session.faults);
   }
 
-  if (const Node* naming = map.find("template")) read_template(*naming, spec.protocol, draft, session);
+  if (const Node* naming = map.find("template"))
+    read_template(*naming, spec.protocol, draft, session);
   read_device_defaults(map, draft.defaults);
   read_options(map, draft.defaults);
   read_allow(map, draft.defaults);
@@ -156,10 +172,12 @@ DeviceSpec read_device(const Node& node, const DeviceContext& context, Session& 
   spec.allow_raw_read = draft.defaults.allow_raw_read;
   spec.allow_raw_write = draft.defaults.allow_raw_write;
 
-  const auto protocol = choice.known() ? protocol_of(map, choice, context.port, has_address, draft) : nullptr;
-  if (draft.channels.empty() && map.is_map() && !map.has("channels") && !map.has("template") && !spec.allow_raw_read &&
-      !spec.allow_raw_write) {
-    session.faults.add(map.place(), "a device without channels", "channels, a template, or allow: [raw-read, raw-write]");
+  const auto protocol =
+      choice.known() ? protocol_of(map, choice, context.port, has_address, draft) : nullptr;
+  if (draft.channels.empty() && map.is_map() && !map.has("channels") && !map.has("template") &&
+      !spec.allow_raw_read && !spec.allow_raw_write) {
+    session.faults.add(map.place(), "a device without channels",
+                       "channels, a template, or allow: [raw-read, raw-write]");
   }
   read_channels(draft, protocol.get(), map.place_of("channels"), spec, session);
   return spec;

@@ -20,6 +20,7 @@ struct DeviceContext {
 };
 
 // Faults are noted; with faults the result is whatever could be read.
-[[nodiscard]] DeviceSpec read_device(const Node& node, const DeviceContext& context, Session& session);
+[[nodiscard]] DeviceSpec read_device(const Node& node, const DeviceContext& context,
+                                     Session& session);
 
 }  // namespace fieldcast::config

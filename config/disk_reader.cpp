@@ -17,7 +17,8 @@ tl::expected<std::string, FileError> read_disk(const std::string& path) {
   std::error_code failure;
   const auto status = fs::status(path, failure);
   if (status.type() == fs::file_type::not_found) return tl::unexpected(FileError::kMissing);
-  if (failure || status.type() != fs::file_type::regular) return tl::unexpected(FileError::kUnreadable);
+  if (failure || status.type() != fs::file_type::regular)
+    return tl::unexpected(FileError::kUnreadable);
   std::ifstream file(path, std::ios::binary);
   if (!file) return tl::unexpected(FileError::kUnreadable);
   // The size may lie (it grows, or it is a file of /proc): what is read decides.

@@ -5,19 +5,24 @@
 namespace fieldcast::config {
 namespace {
 
-// Length of the UTF-8 sequence at the start of `text`; 0 when it is none (RFC 3629, 4: no overlong forms, no surrogates).
+// Length of the UTF-8 sequence at the start of `text`; 0 when it is none (RFC 3629, 4: no overlong
+// forms, no surrogates).
 std::size_t sequence_length(std::string_view text) {
-  const auto at = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
+  const auto at = [&](std::size_t i) {
+    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u;
+  };
   const auto tail = [&](std::size_t i) { return at(i) >= 0x80 && at(i) <= 0xBF; };
   const unsigned first = at(0);
   if (first < 0x80) return 1;
   if (first >= 0xC2 && first <= 0xDF) return tail(1) ? 2 : 0;
   if (first >= 0xE0 && first <= 0xEF) {
-    const bool second = tail(1) && (first != 0xE0 || at(1) >= 0xA0) && (first != 0xED || at(1) <= 0x9F);
+    const bool second =
+        tail(1) && (first != 0xE0 || at(1) >= 0xA0) && (first != 0xED || at(1) <= 0x9F);
     return second && tail(2) ? 3 : 0;
   }
   if (first >= 0xF0 && first <= 0xF4) {
-    const bool second = tail(1) && (first != 0xF0 || at(1) >= 0x90) && (first != 0xF4 || at(1) <= 0x8F);
+    const bool second =
+        tail(1) && (first != 0xF0 || at(1) >= 0x90) && (first != 0xF4 || at(1) <= 0x8F);
     return second && tail(2) && tail(3) ? 4 : 0;
   }
   return 0;
@@ -42,7 +47,8 @@ bool check_text(Source& source, FaultList& faults) {
     }
     const auto length = sequence_length(text.substr(i));
     if (length == 0) {
-      faults.add(place, "byte " + hex_byte(byte) + " is not UTF-8", "text in UTF-8; an editor can save the file so");
+      faults.add(place, "byte " + hex_byte(byte) + " is not UTF-8",
+                 "text in UTF-8; an editor can save the file so");
       return false;
     }
     place.column += static_cast<std::uint32_t>(length);
@@ -50,6 +56,19 @@ bool check_text(Source& source, FaultList& faults) {
     i += length;
   }
   return true;
+}
+
+std::string_view Source::line(std::uint32_t number) const {
+  if (line_starts.empty()) {
+    line_starts.push_back(0);
+    for (auto end = text.find('\n'); end != std::string::npos; end = text.find('\n', end + 1))
+      line_starts.push_back(end + 1);
+  }
+  if (number >= line_starts.size()) return {};
+  const auto rest = std::string_view(text).substr(line_starts[number]);
+  return number + 1 < line_starts.size()
+             ? rest.substr(0, line_starts[number + 1] - 1 - line_starts[number])
+             : rest;
 }
 
 std::string_view to_text(Kind kind) {

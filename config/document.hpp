@@ -1,6 +1,8 @@
-// A text as a tree of nodes that know their place. YAML and CSV both become documents, so that everything after reads one shape.
+// A text as a tree of nodes that know their place. YAML and CSV both become documents, so that
+// everything after reads one shape.
 //
-// A Document owns its text and its nodes; nodes and places point into it and live as long. Not copied, not moved.
+// A Document owns its text and its nodes; nodes and places point into it and live as long. Not
+// copied, not moved.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +20,11 @@ struct Source {
   std::string file;  // as it stands in faults
   std::string text;
   std::size_t order = 0;  // 0: the main file; others in the order in which they were opened
+
+  // A line, from 0, without its end; empty behind the last one. The text must not change
+  // afterwards.
+  [[nodiscard]] std::string_view line(std::uint32_t number) const;
+  mutable std::vector<std::size_t> line_starts{};  // of line(): filled when it is first asked
 };
 
 struct Place {
@@ -28,6 +35,24 @@ struct Place {
 
 enum class Kind : std::uint8_t { kNull, kScalar, kList, kMap };
 
+// A list that is empty in most nodes: one pointer instead of three.
+template <typename T>
+class LeanList {
+ public:
+  void push_back(const T& value) {
+    if (!all_) all_ = std::make_unique<std::vector<T>>();
+    all_->push_back(value);
+  }
+  [[nodiscard]] std::size_t size() const { return all_ ? all_->size() : 0; }
+  [[nodiscard]] bool empty() const { return size() == 0; }
+  [[nodiscard]] const T* begin() const { return all_ ? all_->data() : nullptr; }
+  [[nodiscard]] const T* end() const { return begin() + size(); }
+  const T& operator[](std::size_t at) const { return (*all_)[at]; }
+
+ private:
+  std::unique_ptr<std::vector<T>> all_;
+};
+
 struct Node {
   struct Entry {
     const Node* key;  // always a scalar, never twice in a map
@@ -37,8 +62,8 @@ struct Node {
   bool quoted = false;  // a quoted scalar is text, never a number
   Place place;
   std::string text;  // of a scalar
-  std::vector<const Node*> items;
-  std::vector<Entry> entries;
+  LeanList<const Node*> items;
+  LeanList<Entry> entries;
 };
 
 struct Document {
@@ -51,13 +76,16 @@ struct Document {
   Document& operator=(const Document&) = delete;
 };
 
-// The text as one YAML document. Every fault of syntax is noted: broken text, duplicate keys, tags, too many or too deep nodes.
+// The text as one YAML document. Every fault of syntax is noted: broken text, duplicate keys, tags,
+// too many or too deep nodes.
 [[nodiscard]] std::unique_ptr<Document> parse_yaml(Source source, FaultList& faults);
 
-// The text as a list of maps, one for each row, with the keys of a channel (csv.hpp says which column becomes which key).
+// The text as a list of maps, one for each row, with the keys of a channel (csv.hpp says which
+// column becomes which key).
 [[nodiscard]] std::unique_ptr<Document> parse_csv(Source source, FaultList& faults);
 
-// Drops a byte order mark; false and a fault for bytes that are no text (not UTF-8, or control characters).
+// Drops a byte order mark; false and a fault for bytes that are no text (not UTF-8, or control
+// characters).
 [[nodiscard]] bool check_text(Source& source, FaultList& faults);
 
 // "a list", for faults.
@@ -65,6 +93,7 @@ struct Document {
 
 // The folder of a file with its trailing '/', or nothing for a bare name.
 [[nodiscard]] std::string_view directory_of(std::string_view path);
-[[nodiscard]] std::string resolve(const Source& from, std::string_view path);  // relative to the folder of the naming file
+[[nodiscard]] std::string resolve(
+    const Source& from, std::string_view path);  // relative to the folder of the naming file
 
 }  // namespace fieldcast::config

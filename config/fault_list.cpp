@@ -11,14 +11,9 @@ constexpr std::size_t kLongestShown = 400;  // of a text quoted in a fault
 
 // Characters before a byte of a line: editors count characters.
 unsigned characters_before(const Place& place) {
-  std::string_view text = place.source->text;
-  for (std::uint32_t line = 0; line < place.line; ++line) {
-    const auto end = text.find('\n');
-    if (end == std::string_view::npos) return place.column;
-    text.remove_prefix(end + 1);
-  }
   unsigned count = 0;
-  for (const char c : text.substr(0, place.column)) count += (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+  for (const char c : place.source->line(place.line).substr(0, place.column))
+    count += (static_cast<unsigned char>(c) & 0xC0) != 0x80;
   return count;
 }
 
@@ -29,7 +24,8 @@ void make_presentable(std::string& text) {
   }
   if (text.size() <= kLongestShown) return;
   std::size_t end = kLongestShown;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // whole characters only
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80)
+    --end;  // whole characters only
   text.resize(end);
   text += "...";
 }
@@ -37,7 +33,8 @@ void make_presentable(std::string& text) {
 }  // namespace
 
 std::string to_text(const Fault& fault) {
-  std::string text = fault.file + ':' + std::to_string(fault.line) + ':' + std::to_string(fault.column) + ": " + fault.what;
+  std::string text = fault.file + ':' + std::to_string(fault.line) + ':' +
+                     std::to_string(fault.column) + ": " + fault.what;
   if (!fault.allowed.empty()) text += "; allowed: " + fault.allowed;
   if (!fault.suggestion.empty()) text += "; did you mean " + fault.suggestion + '?';
   return text;
@@ -51,21 +48,25 @@ std::string to_text(std::span<const Fault> faults) {
 
 bool FaultList::full() const { return entries_.size() > kMaxFaults; }
 
-void FaultList::add(const Place& place, std::string what, std::string allowed, std::string suggestion) {
+void FaultList::add(const Place& place, std::string what, std::string allowed,
+                    std::string suggestion) {
   if (full()) return;
   make_presentable(what);
   make_presentable(suggestion);
   if (!known_.insert({place.source->order, place.line, place.column, what}).second) return;
-  if (entries_.size() == kMaxFaults) what = "more faults follow; they are shown when these are gone", allowed = suggestion = {};
-  entries_.push_back({place.source->order, Fault{place.source->file, place.line + 1, characters_before(place) + 1,
-                                                 std::move(what), std::move(allowed), std::move(suggestion)}});
+  if (entries_.size() == kMaxFaults)
+    what = "more faults follow; they are shown when these are gone", allowed = suggestion = {};
+  entries_.push_back(
+      {place.source->order, Fault{place.source->file, place.line + 1, characters_before(place) + 1,
+                                  std::move(what), std::move(allowed), std::move(suggestion)}});
 }
 
 std::vector<Fault> FaultList::take() {
   // The last entry of a full list speaks of those after it and stays there.
   const auto end = full() ? entries_.end() - 1 : entries_.end();
   std::stable_sort(entries_.begin(), end, [](const Entry& a, const Entry& b) {
-    return std::tie(a.order, a.fault.line, a.fault.column) < std::tie(b.order, b.fault.line, b.fault.column);
+    return std::tie(a.order, a.fault.line, a.fault.column) <
+           std::tie(b.order, b.fault.line, b.fault.column);
   });
   std::vector<Fault> faults;
   faults.reserve(entries_.size());

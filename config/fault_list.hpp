@@ -14,7 +14,8 @@ namespace fieldcast::config {
 class FaultList {
  public:
   // A fault that is known already is dropped: a template is read once for each device that uses it.
-  void add(const Place& place, std::string what, std::string allowed = {}, std::string suggestion = {});
+  void add(const Place& place, std::string what, std::string allowed = {},
+           std::string suggestion = {});
 
   [[nodiscard]] bool empty() const { return entries_.empty(); }
   [[nodiscard]] std::size_t size() const { return entries_.size(); }

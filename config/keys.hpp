@@ -1,5 +1,6 @@
-// Every key of the format, by the map that it stands in. The readers check against these tables, and a test holds the JSON Schema
-// against them, so that neither can know a key that the other does not.
+// Every key of the format, by the map that it stands in. The readers check against these tables,
+// and a test holds the JSON Schema against them, so that neither can know a key that the other does
+// not.
 #pragma once
 
 #include <span>
@@ -14,8 +15,9 @@ struct KeyTable {
   std::span<const std::string_view> keys;
 };
 
-extern const KeyTable kBridgeKeys, kDdsKeys, kLogKeys, kStoreKeys, kProgramKeys, kEngineersKeys, kModulesKeys, kBusKeys, kPortKeys, kBusDefaultKeys, kDeviceKeys, kChannelKeys,
-    kLimitKeys, kWriteKeys, kTemplateKeys, kTemplateDefaultKeys;
+extern const KeyTable kBridgeKeys, kDdsKeys, kLogKeys, kStoreKeys, kProgramKeys, kEngineersKeys,
+    kModulesKeys, kBusKeys, kPortKeys, kBusDefaultKeys, kDeviceKeys, kChannelKeys, kLimitKeys,
+    kWriteKeys, kTemplateKeys, kTemplateDefaultKeys;
 
 [[nodiscard]] std::span<const KeyTable* const> key_tables();
 
@@ -27,7 +29,8 @@ struct Column {
 };
 [[nodiscard]] std::span<const Column> columns();
 
-// "unknown key 'timeout' in a bus (it belongs in 'defaults' of a bus)": the part in brackets, or nothing.
+// "unknown key 'timeout' in a bus (it belongs in 'defaults' of a bus)": the part in brackets, or
+// nothing.
 [[nodiscard]] std::string where_it_belongs(std::string_view key, const KeyTable& here);
 
 }  // namespace fieldcast::config

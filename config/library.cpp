@@ -11,7 +11,9 @@ namespace {
 // Template names are words, not paths: what a bridge reads is decided by its folders.
 bool is_word(std::string_view name) {
   return !name.empty() && name.size() <= kMaxNameLength && name != "." && name != ".." &&
-         name.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_.") == std::string_view::npos;
+         name.find_first_not_of(
+             "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_.") ==
+             std::string_view::npos;
 }
 
 std::string with_slash(std::string directory) {
@@ -20,7 +22,8 @@ std::string with_slash(std::string directory) {
 }
 
 // Those beside the naming file come first.
-std::vector<std::string> folders(const Node& naming, std::string_view own, std::span<const std::string> others) {
+std::vector<std::string> folders(const Node& naming, std::string_view own,
+                                 std::span<const std::string> others) {
   std::vector<std::string> directories{resolve(*naming.place.source, own)};
   for (const auto& directory : others) directories.push_back(with_slash(directory));
   return directories;
@@ -28,7 +31,8 @@ std::vector<std::string> folders(const Node& naming, std::string_view own, std::
 
 }  // namespace
 
-Library::Library(const FileReader& reader, const LoadOptions& options, FaultList& faults, std::size_t used)
+Library::Library(const FileReader& reader, const LoadOptions& options, FaultList& faults,
+                 std::size_t used)
     : reader_(reader), options_(options), faults_(faults), used_(used) {}
 
 tl::expected<std::string, FileError> Library::read(const std::string& path) {
@@ -36,16 +40,20 @@ tl::expected<std::string, FileError> Library::read(const std::string& path) {
   auto text = reader_.read(path);
   if (!text) return text;
   used_ += text->size();
-  if (text->size() > kMaxFileBytes || used_ > kMaxTotalBytes) return tl::unexpected(FileError::kTooLarge);
+  if (text->size() > kMaxFileBytes || used_ > kMaxTotalBytes)
+    return tl::unexpected(FileError::kTooLarge);
   return text;
 }
 
-const Node* Library::opened(const std::string& path, const Node& naming, std::string_view what, bool csv) {
-  if (const auto known = documents_.find(path); known != documents_.end()) return known->second->root;
+const Node* Library::opened(const std::string& path, const Node& naming, std::string_view what,
+                            bool csv) {
+  if (const auto known = documents_.find(path); known != documents_.end())
+    return known->second->root;
   auto text = read(path);
   if (!text) {
     const std::string directories[] = {std::string(directory_of(path))};
-    fault_missing(naming, std::string(what) + " '" + naming.text + "' ", text.error(), directories, "");
+    fault_missing(naming, std::string(what) + " '" + naming.text + "' ", text.error(), directories,
+                  "");
     return nullptr;
   }
   return keep(path, std::move(*text), csv);
@@ -54,8 +62,10 @@ const Node* Library::opened(const std::string& path, const Node& naming, std::st
 const Node* Library::keep(const std::string& path, std::string text, bool csv) {
   Source source{path, std::move(text), documents_.size() + 1};
   const auto faults_before = faults_.size();
-  auto document = csv ? parse_csv(std::move(source), faults_) : parse_yaml(std::move(source), faults_);
-  if (document->root == nullptr && faults_.size() == faults_before) faults_.add({&document->source, 0, 0}, "the file is empty");
+  auto document =
+      csv ? parse_csv(std::move(source), faults_) : parse_yaml(std::move(source), faults_);
+  if (document->root == nullptr && faults_.size() == faults_before)
+    faults_.add({&document->source, 0, 0}, "the file is empty");
   return documents_.emplace(path, std::move(document)).first->second->root;
 }
 
@@ -73,27 +83,32 @@ const Node* Library::device_template(const Node& naming) {
   }
   const auto directories = folders(naming, "devices/", options_.template_directories);
   const Found found = in_directories(naming, "template", directories);
-  if (!found.exists) fault_missing(naming, "template '" + naming.text + "' ", FileError::kMissing, directories, ".yaml");
+  if (!found.exists)
+    fault_missing(naming, "template '" + naming.text + "' ", FileError::kMissing, directories,
+                  ".yaml");
   return found.root;
 }
 
 Library::Found Library::protocol_declaration(const Node& naming) {
   if (!is_word(naming.text)) return {};
-  return in_directories(naming, "protocol", folders(naming, "protocols/", options_.protocol_directories));
+  return in_directories(naming, "protocol",
+                        folders(naming, "protocols/", options_.protocol_directories));
 }
 
 std::vector<std::string> Library::declared_protocols(const Node& naming) const {
   return names_in(folders(naming, "protocols/", options_.protocol_directories), ".yaml");
 }
 
-Library::Found Library::in_directories(const Node& naming, std::string_view what, std::span<const std::string> directories) {
+Library::Found Library::in_directories(const Node& naming, std::string_view what,
+                                       std::span<const std::string> directories) {
   for (const auto& directory : directories) {
     const std::string path = directory + naming.text + ".yaml";
     if (documents_.contains(path)) return {true, opened(path, naming, what, false)};
     auto text = read(path);
     if (text) return {true, keep(path, std::move(*text), false)};
     if (text.error() == FileError::kMissing) continue;
-    fault_missing(naming, std::string(what) + " '" + naming.text + "' ", text.error(), directories, ".yaml");
+    fault_missing(naming, std::string(what) + " '" + naming.text + "' ", text.error(), directories,
+                  ".yaml");
     return {true, nullptr};
   }
   return {};
@@ -106,7 +121,8 @@ std::string Library::check_file(const Node& naming) {
   return path;
 }
 
-std::vector<std::string> Library::names_in(std::span<const std::string> directories, std::string_view suffix) const {
+std::vector<std::string> Library::names_in(std::span<const std::string> directories,
+                                           std::string_view suffix) const {
   std::vector<std::string> names;
   if (!reader_.list) return names;
   for (const auto& directory : directories) {
@@ -127,7 +143,8 @@ void Library::fault_missing(const Node& naming, const std::string& what, FileErr
   const std::vector<std::string_view> candidates(names.begin(), names.end());
   const auto folder = directory_of(naming.text);
   const auto meant = closest(std::string_view(naming.text).substr(folder.size()), candidates);
-  faults_.add(naming.place, what + std::string(to_text(error)), {}, meant.empty() ? meant : std::string(folder) + meant);
+  faults_.add(naming.place, what + std::string(to_text(error)), {},
+              meant.empty() ? meant : std::string(folder) + meant);
 }
 
 }  // namespace fieldcast::config

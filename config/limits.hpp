@@ -1,4 +1,5 @@
-// How much a configuration may hold. Beyond a limit is a fault that names it, never a slow or a dead process.
+// How much a configuration may hold. Beyond a limit is a fault that names it, never a slow or a
+// dead process.
 #pragma once
 
 #include <chrono>
@@ -9,14 +10,24 @@
 
 namespace fieldcast::config {
 
-// Text. Includes cannot nest: a bridge names templates and channel lists, a template names channel lists, and those name nothing.
+// Text. Includes cannot nest: a bridge names templates and channel lists, a template names channel
+// lists, and those name nothing.
 inline constexpr std::size_t kMaxFileBytes = 16u << 20;
-inline constexpr std::size_t kMaxTotalBytes = 64u << 20;  // of a configuration and the files it names
-inline constexpr std::size_t kMaxNodes = 3'000'000;       // of one document, counting what aliases repeat
-// Of one YAML text. The parser holds every token of a bracket until it closes, a bracket at some 230 bytes and a comma at 180:
-// without these two, 16 MiB of '[' took 3.7 GB.
-inline constexpr std::size_t kMaxBrackets = 400'000;  // opening ones: 100 000 channels with limits and write have 300 000
+inline constexpr std::size_t kMaxTotalBytes = 64u
+                                              << 20;  // of a configuration and the files it names
+inline constexpr std::size_t kMaxNodes =
+    2'400'000;  // of one document, counting what aliases repeat; 100 000 channels with limits and
+                // write, each on a line of its own, have 2 300 000
+// Of one YAML text. 100 000 channels with limits and write have 300 000 maps.
+inline constexpr std::size_t kMaxCollections = 400'000;  // maps and lists
+inline constexpr std::size_t kMaxKeys = 1'000;           // of one map
+inline constexpr std::size_t kMaxLines = 1'500'000;
+inline constexpr std::size_t kMaxProperties = 200'000;  // anchors, aliases and tags
+// The parser holds every token of a bracket that could still become a key until it closes: 16 MiB
+// of '[' took 3.7 GB, and one list of 1 500 000 texts 420 MB.
+inline constexpr std::size_t kMaxBrackets = 400'000;  // opening ones
 inline constexpr std::size_t kMaxCommas = 1'500'000;
+inline constexpr std::size_t kMaxHeldBytes = 170'000'000;  // of tokens, as the parser keeps them
 inline constexpr std::size_t kMaxNesting = 16;    // of maps and lists; the format itself needs 8
 inline constexpr std::size_t kMaxFaults = 1'000;  // reported at once
 

@@ -15,18 +15,22 @@
 namespace fieldcast::config {
 namespace {
 
-constexpr std::pair<std::string_view, LogLevel> kLevels[] = {
-    {"error", LogLevel::kError}, {"warning", LogLevel::kWarning}, {"info", LogLevel::kInfo}, {"debug", LogLevel::kDebug}};
+constexpr std::pair<std::string_view, LogLevel> kLevels[] = {{"error", LogLevel::kError},
+                                                             {"warning", LogLevel::kWarning},
+                                                             {"info", LogLevel::kInfo},
+                                                             {"debug", LogLevel::kDebug}};
 
 void read_interfaces(MapReader& map, DdsSpec& spec) {
   const Node* node = map.find("interfaces");
   if (node == nullptr) return;
   if (node->kind != Kind::kList || node->items.empty() || node->items.size() > kMaxInterfaces) {
     const bool count = node->kind == Kind::kList;
-    map.faults().add(node->place,
-                     "interfaces is " + (count ? (node->items.empty() ? "empty" : "too long") : std::string(to_text(node->kind))),
-                     "a list of 1 to " + std::to_string(kMaxInterfaces) + " IPv4 addresses",
-                     node->kind == Kind::kScalar && is_ipv4(node->text) ? '[' + node->text + ']' : "");
+    map.faults().add(
+        node->place,
+        "interfaces is " + (count ? (node->items.empty() ? "empty" : "too long")
+                                  : std::string(to_text(node->kind))),
+        "a list of 1 to " + std::to_string(kMaxInterfaces) + " IPv4 addresses",
+        node->kind == Kind::kScalar && is_ipv4(node->text) ? '[' + node->text + ']' : "");
     return;
   }
   spec.interfaces.clear();
@@ -36,7 +40,8 @@ void read_interfaces(MapReader& map, DdsSpec& spec) {
     if (!is_ipv4(*text)) {
       const bool loopback = *text == "lo" || *text == "localhost";
       map.faults().add(item->place, "interface '" + *text + "' is no IPv4 address",
-                       "the address of a network interface of this machine", loopback ? "127.0.0.1" : "");
+                       "the address of a network interface of this machine",
+                       loopback ? "127.0.0.1" : "");
     }
     spec.interfaces.push_back(*text);
   }
@@ -48,13 +53,15 @@ void read_dds(MapReader& bridge, DdsSpec& spec, Library& library) {
   MapReader map(*node, kDdsKeys, bridge.faults());
   map.read("domain", spec.domain, WholeRule{0, kMaxDomain});
   read_interfaces(map, spec);
-  if (map.read("discovery-server", spec.discovery_server, TextRule{kMaxPath}) && !host_port_from(*spec.discovery_server)) {
+  if (map.read("discovery-server", spec.discovery_server, TextRule{kMaxPath}) &&
+      !host_port_from(*spec.discovery_server)) {
     bridge.faults().add(map.place_of("discovery-server"),
                         "discovery-server '" + *spec.discovery_server + "' names no host and port",
                         "HOST:PORT with a port 1 to 65535", *spec.discovery_server + ":11811");
   }
   std::string profile;
-  if (map.read("profile", profile, TextRule{kMaxPath})) spec.profile = library.check_file(*map.find("profile"));
+  if (map.read("profile", profile, TextRule{kMaxPath}))
+    spec.profile = library.check_file(*map.find("profile"));
   map.read("partition", spec.partition, TextRule{kMaxPartition});
 }
 
@@ -70,8 +77,10 @@ void read_buses(MapReader& bridge, BridgeSpec& spec, Session& session) {
   const Node* list = bridge.require("buses", "a list of buses");
   if (list == nullptr) return;
   if (list->kind != Kind::kList || list->items.empty()) {
-    faults.add(list->place, "buses is " + (list->kind == Kind::kList ? "empty" : std::string(to_text(list->kind))),
-               "a list of buses");
+    faults.add(
+        list->place,
+        "buses is " + (list->kind == Kind::kList ? "empty" : std::string(to_text(list->kind))),
+        "a list of buses");
     return;
   }
   UniqueNames names, paths;
@@ -103,15 +112,18 @@ void read_bridge(const Node& root, BridgeSpec& spec, Session& session) {
 
 // REQUIRES: no faults so far.
 void check_loads(const Node& root, const BridgeSpec& spec, FaultList& faults) {
-  const auto buses = std::ranges::find(root.entries, "buses", [](const Node::Entry& entry) { return entry.key->text; });
+  const auto buses = std::ranges::find(root.entries, "buses",
+                                       [](const Node::Entry& entry) { return entry.key->text; });
   for (std::size_t i = 0; i < spec.buses.size(); ++i) {
     const auto load = hopeless_load_of(spec.buses[i]);
     if (!load) continue;
     faults.add(buses->value->items[i]->place,
-               "bus '" + spec.buses[i].name + "' needs " + std::to_string(static_cast<std::uint64_t>(*load)) +
+               "bus '" + spec.buses[i].name + "' needs " +
+                   std::to_string(static_cast<std::uint64_t>(*load)) +
                    " times its wire, even if devices answer at once",
                "at most " + std::to_string(static_cast<int>(kHopelessLoad)) +
-                   " times, and 1 to keep every refresh: longer refreshes, fewer channels, a faster line or more buses "
+                   " times, and 1 to keep every refresh: longer refreshes, fewer channels, a "
+                   "faster line or more buses "
                    "('fieldcast plan' tells what is enough)");
   }
 }
@@ -120,11 +132,19 @@ std::vector<Fault> whole_file(const std::string& file, std::string what, std::st
   return {Fault{file, 1, 1, std::move(what), std::move(allowed), {}}};
 }
 
+std::vector<Fault> unread_file(const std::string& file, FileError error) {
+  const bool large = error == FileError::kTooLarge;
+  return whole_file(file, "the file " + std::string(to_text(error)),
+                    large ? std::to_string(kMaxFileBytes >> 20) + " MiB" : "");
+}
+
 }  // namespace
 
-Loaded load_text(std::string_view text, const std::string& file_name, const FileReader& reader, const LoadOptions& options) {
+Loaded load_text(std::string_view text, const std::string& file_name, const FileReader& reader,
+                 const LoadOptions& options) {
   if (text.size() > kMaxFileBytes) {
-    return tl::unexpected(whole_file(file_name, "the file is too large", std::to_string(kMaxFileBytes >> 20) + " MiB"));
+    return tl::unexpected(whole_file(file_name, "the file is too large",
+                                     std::to_string(kMaxFileBytes >> 20) + " MiB"));
   }
   FaultList faults;
   const auto document = parse_yaml(Source{file_name, std::string(text), 0}, faults);
@@ -135,7 +155,8 @@ Loaded load_text(std::string_view text, const std::string& file_name, const File
     read_bridge(*document->root, spec, session);
     if (faults.empty() && options.refuse_hopeless) check_loads(*document->root, spec, faults);
   } else if (faults.empty()) {
-    return tl::unexpected(whole_file(file_name, "the file is empty", "a map with " + joined(kBridgeKeys.keys)));
+    return tl::unexpected(
+        whole_file(file_name, "the file is empty", "a map with " + joined(kBridgeKeys.keys)));
   }
   if (!faults.empty()) return tl::unexpected(faults.take());
   return spec;
@@ -144,7 +165,7 @@ Loaded load_text(std::string_view text, const std::string& file_name, const File
 Loaded load_file(const std::string& path, const LoadOptions& options) {
   const auto reader = disk_reader();
   const auto text = reader.read(path);
-  if (!text) return tl::unexpected(whole_file(path, "the file " + std::string(to_text(text.error()))));
+  if (!text) return tl::unexpected(unread_file(path, text.error()));
   return load_text(*text, path, reader, options);
 }
 
@@ -157,7 +178,8 @@ LoadedDeclaration load_declaration_text(std::string_view text, const std::string
     if (name.ends_with(".yaml")) name.remove_suffix(5);
     declaration = read_declaration(*document->root, std::string(name), faults);
   } else if (faults.empty()) {
-    return tl::unexpected(whole_file(file_name, "the file is empty", "a map with summary, areas, operations"));
+    return tl::unexpected(
+        whole_file(file_name, "the file is empty", "a map with summary, areas, operations"));
   }
   if (!faults.empty()) return tl::unexpected(faults.take());
   return declaration;
@@ -172,7 +194,7 @@ LoadedDeclaration load_declaration(const std::string& path_or_name, const LoadOp
     path = directory + '/' + path_or_name + ".yaml";
     text = reader.read(path);
   }
-  if (!text) return tl::unexpected(whole_file(path_or_name, "the file " + std::string(to_text(text.error()))));
+  if (!text) return tl::unexpected(unread_file(path_or_name, text.error()));
   return load_declaration_text(*text, path);
 }
 

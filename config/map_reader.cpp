@@ -10,9 +10,17 @@ namespace fieldcast::config {
 namespace {
 
 [[noreturn]] void bug(std::string_view what, std::string_view key) {
-  std::fprintf(stderr, "config: %.*s: %.*s\n", static_cast<int>(what.size()), what.data(), static_cast<int>(key.size()),
-               key.data());
+  std::fprintf(stderr, "config: %.*s: %.*s\n", static_cast<int>(what.size()), what.data(),
+               static_cast<int>(key.size()), key.data());
   std::abort();
+}
+
+// Whether the rest of the key's line is a comment.
+bool begins_comment(const Node& key) {
+  const auto text = key.place.source->line(key.place.line);
+  const auto behind = text.find(':', std::min<std::size_t>(text.size(), key.place.column));
+  const auto sign = behind == text.npos ? behind : text.find_first_not_of(" \t", behind + 1);
+  return sign != text.npos && text[sign] == '#';
 }
 
 }  // namespace
@@ -27,15 +35,16 @@ MapReader::MapReader(const Node& node, const KeyTable& table, FaultList& faults)
   for (const auto& [key, value] : node.entries) {
     if (std::ranges::find(table.keys, key->text) != table.keys.end()) continue;
     if (key->text == "<<") {
-      faults_.add(key->place, "a merge key '<<'", "defaults, templates, and aliases of whole values");
+      faults_.add(key->place, "a merge key '<<'",
+                  "defaults, templates, and aliases of whole values");
       continue;
     }
-    auto meant = closest(key->text, table.keys);
+    auto meant = meant_key(key->text, table.keys);
     faults_.add(key->place,
                 "unknown key '" + key->text + "' in " + std::string(table.what) +
-                    (meant.empty() ? where_it_belongs(key->text, table) : std::string{}),
-                joined(table.keys), meant);
-    if (!meant.empty()) meant_.push_back(std::move(meant));
+                    (meant.key.empty() ? where_it_belongs(key->text, table) : std::string{}),
+                joined(table.keys), meant.text);
+    if (!meant.key.empty()) meant_.push_back(std::move(meant.key));
   }
 }
 
@@ -59,7 +68,10 @@ const Node* MapReader::find(std::string_view key) {
   const auto* found = entry(key);
   if (found == nullptr) return nullptr;
   if (found->value->kind == Kind::kNull) {
-    faults_.add(found->key->place, "'" + std::string(key) + "' has no value");
+    faults_.add(found->key->place, "'" + std::string(key) + "' has no value",
+                begins_comment(*found->key)
+                    ? "a value; '#' begins a comment, so a text that begins so stands in quotes"
+                    : "");
     return nullptr;
   }
   return found->value;
@@ -68,14 +80,17 @@ const Node* MapReader::find(std::string_view key) {
 const Node* MapReader::require(std::string_view key, std::string_view allowed) {
   const Node* value = find(key);
   if (value == nullptr && is_map() && !has_or_means(key)) {
-    faults_.add(node_.place, "'" + std::string(key) + "' is missing in " + std::string(table_.what), std::string(allowed));
+    faults_.add(node_.place, "'" + std::string(key) + "' is missing in " + std::string(table_.what),
+                std::string(allowed));
   }
   return value;
 }
 
 bool MapReader::has(std::string_view key) const { return entry(key) != nullptr; }
 
-bool MapReader::has_or_means(std::string_view key) const { return has(key) || std::ranges::find(meant_, key) != meant_.end(); }
+bool MapReader::has_or_means(std::string_view key) const {
+  return has(key) || std::ranges::find(meant_, key) != meant_.end();
+}
 
 Place MapReader::place_of(std::string_view key) const {
   const auto* found = entry(key);

@@ -1,7 +1,7 @@
 // Reads the keys of one map. Unknown keys are noted at the start; each known key is read by name.
 //
-// Borrows the node and the fault list; lives while the map is read. A key that the table has and nobody reads is a bug, and
-// aborts.
+// Borrows the node and the fault list; lives while the map is read. A key that the table has and
+// nobody reads is a bug, and aborts.
 #pragma once
 
 #include <string>
@@ -23,20 +23,22 @@ class MapReader {
   MapReader(const MapReader&) = delete;
   MapReader& operator=(const MapReader&) = delete;
 
-  // The key's value; null when absent, or when it has no value (a fault). REQUIRES: the key is in the table.
+  // The key's value; null when absent, or when it has no value (a fault). REQUIRES: the key is in
+  // the table.
   const Node* find(std::string_view key);
   // As find(), and absence is a fault; `allowed` says what should stand there.
   const Node* require(std::string_view key, std::string_view allowed);
 
-  // Puts the value of the key into target by a rule of scalars.hpp; leaves target when the key is absent or faulty.
-  // True when a value was put.
+  // Puts the value of the key into target by a rule of scalars.hpp; leaves target when the key is
+  // absent or faulty. True when a value was put.
   template <typename Target, typename Rule>
   bool read(std::string_view key, Target& target, const Rule& rule) {
     const Node* value = find(key);
     return value != nullptr && put(*value, key, target, rule);
   }
   template <typename Target, typename Rule>
-  bool read_required(std::string_view key, Target& target, const Rule& rule, std::string_view allowed) {
+  bool read_required(std::string_view key, Target& target, const Rule& rule,
+                     std::string_view allowed) {
     const Node* value = require(key, allowed);
     return value != nullptr && put(*value, key, target, rule);
   }
@@ -45,7 +47,8 @@ class MapReader {
   [[nodiscard]] bool has(std::string_view key) const;
   // Also true when an unknown key probably means this one: it is not missing as well.
   [[nodiscard]] bool has_or_means(std::string_view key) const;
-  [[nodiscard]] Place place_of(std::string_view key) const;  // of its value, or of the map when absent
+  [[nodiscard]] Place place_of(
+      std::string_view key) const;  // of its value, or of the map when absent
   [[nodiscard]] const Place& place() const { return node_.place; }
   [[nodiscard]] FaultList& faults() { return faults_; }
 

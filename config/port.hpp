@@ -14,17 +14,20 @@ namespace fieldcast::config {
 
 // { serial: PATH, baud, format, rs485, low-latency, exclusive } { tcp: HOST:PORT, baud, format,
 // connect-timeout } or { dial-in: NUMBER, baud, format }.
-// Without baud and format the line is what the protocol's devices have from the factory: 19200 8E1, modbus-ascii 19200 7E1,
-// mitsubishi-fx 9600 7E1, omron-hostlink 9600 7E2, s7-freeport 9600 8N1, s7-ppi 9600 8E1.
+// Without baud and format the line is what the protocol's devices have from the factory: 19200 8E1,
+// modbus-ascii 19200 7E1, mitsubishi-fx 9600 7E1, omron-hostlink 9600 7E2, s7-freeport 9600 8N1,
+// s7-ppi 9600 8E1.
 [[nodiscard]] PortSpec read_port(const Node& node, std::string_view protocol, FaultList& faults);
 
 // Faults at `place` where a protocol cannot run over the port.
-void check_port(const std::string& protocol, const PortSpec& port, const Place& place, FaultList& faults);
+void check_port(const std::string& protocol, const PortSpec& port, const Place& place,
+                FaultList& faults);
 
 // Data bits, parity and stop bits of "8N1".
 [[nodiscard]] std::optional<LineFormat> format_from(std::string_view text);
 
 // "10.0.0.7:502", "[::1]:502"; the port is 1..65535.
-[[nodiscard]] std::optional<std::pair<std::string, std::uint16_t>> host_port_from(std::string_view text);
+[[nodiscard]] std::optional<std::pair<std::string, std::uint16_t>> host_port_from(
+    std::string_view text);
 
 }  // namespace fieldcast::config

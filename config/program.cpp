@@ -13,28 +13,35 @@ namespace {
 
 using program::RegistrationRule;
 
-constexpr Duration kMinHeartbeat = std::chrono::seconds{1}, kMaxHeartbeat = std::chrono::minutes{10};
+constexpr Duration kMinHeartbeat = std::chrono::seconds{1},
+                   kMaxHeartbeat = std::chrono::minutes{10};
 constexpr Duration kMinIdle = std::chrono::seconds{10}, kMaxIdle = std::chrono::hours{24};
 constexpr Duration kMinRegistration = std::chrono::milliseconds{100};
 constexpr std::uint32_t kLastDmWord = 32767;
 constexpr std::uint16_t kMaxUnit = 31, kMaxNumberWords = 8;
 constexpr std::size_t kMaxPrefix = 32;
 
-constexpr std::pair<std::string_view, RegistrationRule::Ask> kAsks[] = {{"text", RegistrationRule::Ask::kText},
-                                                                        {"words", RegistrationRule::Ask::kWords}};
+constexpr std::pair<std::string_view, RegistrationRule::Ask> kAsks[] = {
+    {"text", RegistrationRule::Ask::kText}, {"words", RegistrationRule::Ask::kWords}};
+
+constexpr std::pair<std::string_view, LoginRule> kLogins[] = {
+    {"off-loopback", LoginRule::kOffLoopback}, {"always", LoginRule::kAlways}};
 
 // An address to listen at: a name would say too little about who can reach it.
 struct ListenRule {
-  std::optional<ListenSpec> operator()(const Node& node, std::string_view key, FaultList& faults) const {
-    static constexpr std::string_view kForm = "ADDRESS:PORT of this machine, such as 127.0.0.1:4950 or [::1]:4950";
+  std::optional<ListenSpec> operator()(const Node& node, std::string_view key,
+                                       FaultList& faults) const {
+    static constexpr std::string_view kForm =
+        "ADDRESS:PORT of this machine, such as 127.0.0.1:4950 or [::1]:4950";
     const std::string* text = scalar_of(node, key, kForm, faults);
     if (text == nullptr) return std::nullopt;
     const auto endpoint = host_port_from(*text);
-    const bool address = endpoint && (is_ipv4(endpoint->first) || endpoint->first.find(':') != std::string::npos);
+    const bool address =
+        endpoint && (is_ipv4(endpoint->first) || endpoint->first.find(':') != std::string::npos);
     if (address) return ListenSpec{endpoint->first, endpoint->second};
     const bool local = endpoint && endpoint->first == "localhost";
-    faults.add(node.place, std::string(key) + " '" + *text + "' is no address and port", std::string(kForm),
-               local ? "127.0.0.1:" + std::to_string(endpoint->second) : "");
+    faults.add(node.place, std::string(key) + " '" + *text + "' is no address and port",
+               std::string(kForm), local ? "127.0.0.1:" + std::to_string(endpoint->second) : "");
     return std::nullopt;
   }
 };
@@ -46,23 +53,33 @@ void read_engineers(MapReader& program, ProgramSpec& spec, Library& library, boo
   auto& faults = program.faults();
   MapReader map(*node, kEngineersKeys, faults);
   EngineersSpec& engineers = spec.engineers.emplace();
-  const bool listens = map.read_required("listen", engineers.listen, ListenRule{}, "listen: 127.0.0.1:4950");
-  for (const auto& [key, target] : {std::pair{"certificate", &engineers.certificate}, std::pair{"key", &engineers.key}}) {
+  const bool listens =
+      map.read_required("listen", engineers.listen, ListenRule{}, "listen: 127.0.0.1:4950");
+  for (const auto& [key, target] :
+       {std::pair{"certificate", &engineers.certificate}, std::pair{"key", &engineers.key}}) {
     std::string path;
     if (map.read(key, path, TextRule{kMaxPath})) *target = library.check_file(*map.find(key));
   }
+  map.read("login", engineers.login, ChoiceRule<LoginRule>{kLogins});
   map.read("heartbeat", engineers.heartbeat, DurationRule{kMinHeartbeat, kMaxHeartbeat});
   map.read("idle", engineers.idle, DurationRule{kMinIdle, kMaxIdle});
   const bool certificate = map.has("certificate"), key = map.has("key");
   if (certificate != key) {
     faults.add(map.place_of(certificate ? "certificate" : "key"),
-               certificate ? "'certificate' without 'key'" : "'key' without 'certificate'", "both, as PEM files");
+               certificate ? "'certificate' without 'key'" : "'key' without 'certificate'",
+               "both, as PEM files");
   } else if (listens && !on_loopback(engineers.listen) && !certificate) {
-    faults.add(map.place_of("listen"), "engineers off the loopback without TLS", "certificate and key, or an address 127.0.0.1");
+    faults.add(map.place_of("listen"), "engineers off the loopback without TLS",
+               "certificate and key, or an address 127.0.0.1");
   }
   if (listens && !on_loopback(engineers.listen) && !users) {
-    faults.add(map.place_of("listen"), "engineers off the loopback have to log in, and without a store there are no users",
-               "store: { path: FILE } and 'fieldcast user add NAME --role programmer', or an address 127.0.0.1");
+    faults.add(map.place_of("listen"),
+               "engineers off the loopback have to log in, and without a store there are no users",
+               "store: { path: FILE } and 'fieldcast user add NAME --role programmer', or an "
+               "address 127.0.0.1");
+  } else if (engineers.login == LoginRule::kAlways && !users) {
+    faults.add(map.place_of("login"), "a login needs users, and without a store there are none",
+               "store: { path: FILE } and 'fieldcast user add NAME --role programmer'");
   }
 }
 
@@ -82,7 +99,8 @@ void read_modules(MapReader& program, ProgramSpec& spec) {
   if (rule.ask == RegistrationRule::Ask::kWords) return;
   for (const char* key : {"unit", "first", "words"}) {
     if (map.has(key))
-      map.faults().add(map.place_of(key), "'" + std::string(key) + "' has no meaning for ask: text", "ask: words");
+      map.faults().add(map.place_of(key), "'" + std::string(key) + "' has no meaning for ask: text",
+                       "ask: words");
   }
 }
 
@@ -95,11 +113,13 @@ const Node* value_of(const Node& map, std::string_view key) {
 
 }  // namespace
 
-std::optional<std::string> DeviceNumberRule::operator()(const Node& node, std::string_view key, FaultList& faults) const {
+std::optional<std::string> DeviceNumberRule::operator()(const Node& node, std::string_view key,
+                                                        FaultList& faults) const {
   const std::string* text = scalar_of(node, key, program::kDeviceNumberForm, faults);
   if (text == nullptr) return std::nullopt;
   if (program::is_device_number(*text)) return *text;
-  faults.add(node.place, std::string(key) + " '" + *text + "' is no device number", std::string(program::kDeviceNumberForm));
+  faults.add(node.place, std::string(key) + " '" + *text + "' is no device number",
+             std::string(program::kDeviceNumberForm));
   return std::nullopt;
 }
 
@@ -109,8 +129,10 @@ void read_program(MapReader& bridge, ProgramSpec& spec, Library& library) {
   MapReader map(*node, kProgramKeys, bridge.faults());
   read_engineers(map, spec, library, bridge.has("store"));
   read_modules(map, spec);
-  if (spec.engineers && spec.modules && spec.engineers->listen == spec.modules->listen && spec.modules->listen.port != 0) {
-    bridge.faults().add(map.place_of("modules"), "modules and engineers listen at the same port", "a port of its own for each");
+  if (spec.engineers && spec.modules && spec.engineers->listen == spec.modules->listen &&
+      spec.modules->listen.port != 0) {
+    bridge.faults().add(map.place_of("modules"), "modules and engineers listen at the same port",
+                        "a port of its own for each");
   }
 }
 
@@ -119,20 +141,24 @@ void check_device_numbers(const Node& buses, const BridgeSpec& spec, FaultList& 
   for (std::size_t i = 0; i < std::min(buses.items.size(), spec.buses.size()); ++i) {
     const Node& bus = *buses.items[i];
     const Node* port = value_of(bus, "port");
-    if (const auto* dial_in = std::get_if<DialInPortSpec>(&spec.buses[i].port); dial_in && port && !dial_in->number.empty()) {
+    if (const auto* dial_in = std::get_if<DialInPortSpec>(&spec.buses[i].port);
+        dial_in && port && !dial_in->number.empty()) {
       const Node* number = value_of(*port, "dial-in");
       const Place& place = number ? number->place : port->place;
       numbers.add("device number", dial_in->number, place, faults);
-      if (!spec.program.modules) faults.add(place, "nothing dials in", "program: { modules: { listen: ADDRESS:PORT } }");
+      if (!spec.program.modules)
+        faults.add(place, "nothing dials in", "program: { modules: { listen: ADDRESS:PORT } }");
     }
     const Node* devices = value_of(bus, "devices");
     if (devices == nullptr) continue;
-    for (std::size_t d = 0; d < std::min(devices->items.size(), spec.buses[i].devices.size()); ++d) {
+    for (std::size_t d = 0; d < std::min(devices->items.size(), spec.buses[i].devices.size());
+         ++d) {
       const Node* number = value_of(*devices->items[d], "number");
       if (number == nullptr || spec.buses[i].devices[d].number.empty()) continue;
       numbers.add("device number", spec.buses[i].devices[d].number, number->place, faults);
       if (!spec.program.engineers)
-        faults.add(number->place, "nobody can ask for it", "program: { engineers: { listen: ADDRESS:PORT } }");
+        faults.add(number->place, "nobody can ask for it",
+                   "program: { engineers: { listen: ADDRESS:PORT } }");
     }
   }
 }

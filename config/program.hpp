@@ -7,17 +7,18 @@
 
 namespace fieldcast::config {
 
-// program: { engineers: { listen, certificate, key, heartbeat, idle }, modules: { listen, ask, prefix, unit, first, words,
-// timeout } }
+// program: { engineers: { listen, certificate, key, login, heartbeat, idle }, modules: { listen,
+// ask, prefix, unit, first, words, timeout } }
 void read_program(MapReader& bridge, ProgramSpec& spec, Library& library);
 
-// The device numbers of the whole file: each once, and only where somebody can ask for it or dial in. `buses` is the list of
-// buses as written, beside the model that was made of it.
+// The device numbers of the whole file: each once, and only where somebody can ask for it or dial
+// in. `buses` is the list of buses as written, beside the model that was made of it.
 void check_device_numbers(const Node& buses, const BridgeSpec& spec, FaultList& faults);
 
 // A device number, as core/program/device_number.hpp says.
 struct DeviceNumberRule {
-  std::optional<std::string> operator()(const Node& node, std::string_view key, FaultList& faults) const;
+  std::optional<std::string> operator()(const Node& node, std::string_view key,
+                                        FaultList& faults) const;
 };
 
 }  // namespace fieldcast::config

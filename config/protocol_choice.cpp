@@ -11,13 +11,16 @@ ProtocolChoice read_protocol(const Node& node, std::string_view key, Session& se
   std::vector<std::string> names;
   for (const auto& entry : protocols()) names.emplace_back(entry.name);
   const auto listed = [&] { return std::vector<std::string_view>(names.begin(), names.end()); };
-  const std::string* text = scalar_of(node, key, joined(listed()) + ", or the name of a declaration", session.faults);
+  const std::string* text =
+      scalar_of(node, key, joined(listed()) + ", or the name of a declaration", session.faults);
   if (text == nullptr) return {};
   if (const auto* entry = find_protocol(*text)) return {*text, entry, {}};
   const auto found = session.library.protocol_declaration(node);
   if (!found.exists) {
     for (auto& name : session.library.declared_protocols(node)) names.push_back(std::move(name));
-    session.faults.add(node.place, std::string(key) + " '" + *text + "' is unknown", joined(listed()), closest(*text, listed()));
+    const auto meant = meant_value("protocol", *text);
+    session.faults.add(node.place, std::string(key) + " '" + *text + "' is unknown",
+                       joined(listed()), meant.empty() ? closest(*text, listed()) : meant);
     return {};
   }
   if (found.root == nullptr) return {};

@@ -14,8 +14,9 @@ namespace fieldcast::config {
 struct Session {
   FaultList& faults;
   Library& library;
-  std::map<const Node*, declared::SharedDeclaration> declarations{};  // by their document; nothing: faulty
-  std::size_t channels = 0;                                           // so far, of the whole bridge
+  std::map<const Node*, declared::SharedDeclaration>
+      declarations{};        // by their document; nothing: faulty
+  std::size_t channels = 0;  // so far, of the whole bridge
 };
 
 struct ProtocolChoice {
@@ -25,8 +26,10 @@ struct ProtocolChoice {
   [[nodiscard]] bool known() const { return built_in != nullptr || declaration; }
 };
 
-// Built-in names come first; other words are files in protocols/ beside the configuration, then those that come with Fieldcast.
-// What is neither is a fault with the nearest name; a declaration with faults notes them and leaves the choice unknown.
-[[nodiscard]] ProtocolChoice read_protocol(const Node& node, std::string_view key, Session& session);
+// Built-in names come first; other words are files in protocols/ beside the configuration, then
+// those that come with Fieldcast. What is neither is a fault with the nearest name; a declaration
+// with faults notes them and leaves the choice unknown.
+[[nodiscard]] ProtocolChoice read_protocol(const Node& node, std::string_view key,
+                                           Session& session);
 
 }  // namespace fieldcast::config

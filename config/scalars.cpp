@@ -4,83 +4,33 @@
 #include <charconv>
 #include <cmath>
 
+#include "core/base/duration_text.hpp"
 #include "core/model/spec.hpp"
 
 namespace fieldcast::config {
 namespace {
 
-constexpr std::string_view kDurationForm = "a number with us, ms, s or min";
-
-std::string quoted(std::string_view key, std::string_view text) { return std::string(key) + " '" + std::string(text) + "'"; }
+std::string quoted(std::string_view key, std::string_view text) {
+  return std::string(key) + " '" + std::string(text) + "'";
+}
 
 bool digit(char c) { return c >= '0' && c <= '9'; }
 
-// Digits, at most one point between them.
-bool plain_decimal(std::string_view text) {
-  if (text.empty() || !digit(text.front()) || !digit(text.back())) return false;
-  bool point = false;
-  for (const char c : text) {
-    if (c == '.' ? std::exchange(point, true) : !digit(c)) return false;
-  }
-  return true;
-}
-
-// A likely meaning of a duration that is written another way: "500" -> "500ms", "5 sec" -> "5s".
-std::string likely_duration(std::string_view text) {
-  std::size_t length = 0;
-  while (length < text.size() && (digit(text[length]) || text[length] == '.')) ++length;
-  const auto number = text.substr(0, length);
-  if (!plain_decimal(number)) return {};
-  std::string_view unit = text.substr(length);
-  while (unit.starts_with(' ')) unit.remove_prefix(1);
-  const auto whole = whole_from(number);
-  if (whole && *whole <= 24 && (unit == "h" || unit == "hour" || unit == "hours")) return std::to_string(*whole * 60) + "min";
-  static constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kSpellings{{{"", "ms"},
-                                                                                             {"us", "us"},
-                                                                                             {"µs", "us"},
-                                                                                             {"ms", "ms"},
-                                                                                             {"msec", "ms"},
-                                                                                             {"s", "s"},
-                                                                                             {"S", "s"},
-                                                                                             {"sec", "s"},
-                                                                                             {"second", "s"},
-                                                                                             {"seconds", "s"},
-                                                                                             {"m", "min"},
-                                                                                             {"minute", "min"},
-                                                                                             {"minutes", "min"}}};
-  for (const auto& [spelling, meant] : kSpellings) {
-    if (unit == spelling) return std::string(number).append(meant);
-  }
-  return {};
-}
-
 }  // namespace
 
-const std::string* scalar_of(const Node& node, std::string_view key, std::string_view wanted, FaultList& faults) {
+const std::string* scalar_of(const Node& node, std::string_view key, std::string_view wanted,
+                             FaultList& faults) {
   if (node.kind == Kind::kScalar) return &node.text;
-  faults.add(node.place, std::string(key) + " is " + std::string(to_text(node.kind)), std::string(wanted));
+  faults.add(node.place, std::string(key) + " is " + std::string(to_text(node.kind)),
+             std::string(wanted));
   return nullptr;
-}
-
-std::optional<Duration> duration_from(std::string_view text) {
-  static constexpr std::array<std::pair<std::string_view, double>, 4> kUnits{
-      {{"us", 1e3}, {"ms", 1e6}, {"min", 60e9}, {"s", 1e9}}};
-  for (const auto& [unit, nanoseconds] : kUnits) {
-    if (!text.ends_with(unit)) continue;
-    const auto number = text.substr(0, text.size() - unit.size());
-    if (!plain_decimal(number)) continue;
-    const auto value = number_from(number);
-    // A century is far above every limit and far below overflow.
-    if (!value || *value * nanoseconds > 3.2e18) return std::chrono::hours{24 * 365 * 100};
-    return Duration{std::llround(*value * nanoseconds)};
-  }
-  return std::nullopt;
 }
 
 std::optional<double> number_from(std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
+    return std::nullopt;
   return value;
 }
 
@@ -89,7 +39,8 @@ std::optional<std::int64_t> whole_from(std::string_view text) {
   if (hexadecimal) text.remove_prefix(2);
   if (hexadecimal && text.starts_with('-')) return std::nullopt;
   std::int64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, hexadecimal ? 16 : 10);
+  const auto [end, error] =
+      std::from_chars(text.data(), text.data() + text.size(), value, hexadecimal ? 16 : 10);
   if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
   return value;
 }
@@ -100,7 +51,8 @@ bool is_ipv4(std::string_view text) {
     const auto point = std::min(text.find('.'), text.size());
     const auto part = text.substr(0, point);
     const auto value = whole_from(part);
-    if (part.empty() || part.size() > 3 || part.find_first_not_of("0123456789") != part.npos || !value || *value > 255)
+    if (part.empty() || part.size() > 3 || part.find_first_not_of("0123456789") != part.npos ||
+        !value || *value > 255)
       return false;
     ++parts;
     if (point == text.size()) return parts == 4;
@@ -108,35 +60,27 @@ bool is_ipv4(std::string_view text) {
   }
 }
 
-std::optional<Duration> DurationRule::operator()(const Node& node, std::string_view key, FaultList& faults) const {
+std::optional<Duration> DurationRule::operator()(const Node& node, std::string_view key,
+                                                 FaultList& faults) const {
   const std::string* text = scalar_of(node, key, kDurationForm, faults);
   if (text == nullptr) return std::nullopt;
-  const auto value = duration_from(*text);
-  const std::string bounds = fieldcast::to_text(min) + " to " + fieldcast::to_text(max);
-  if (!value) {
-    const bool bare = number_from(*text) && !text->starts_with('-');
-    const bool negative = text->starts_with('-') && duration_from(std::string_view(*text).substr(1));
-    faults.add(node.place,
-               quoted(key, *text) + (bare       ? " has no unit"
-                                     : negative ? " is negative"
-                                                : " is no duration"),
-               std::string(kDurationForm) + ", " + bounds, likely_duration(*text));
-    return std::nullopt;
-  }
-  if (*value < min || *value > max) {
-    faults.add(node.place, quoted(key, *text) + (*value < min ? " is too short" : " is too long"), bounds);
-    return std::nullopt;
-  }
-  return value;
+  const auto value = read_duration(*text, {min, max});
+  if (value) return *value;
+  auto fault = value.error();
+  faults.add(node.place, quoted(key, *text) + ' ' + fault.what, fault.allowed.append(or_else),
+             std::move(fault.suggestion));
+  return std::nullopt;
 }
 
-std::optional<std::int64_t> WholeRule::operator()(const Node& node, std::string_view key, FaultList& faults) const {
+std::optional<std::int64_t> WholeRule::operator()(const Node& node, std::string_view key,
+                                                  FaultList& faults) const {
   const std::string bounds = std::to_string(min) + " to " + std::to_string(max);
   const std::string* text = scalar_of(node, key, "a whole number, " + bounds, faults);
   if (text == nullptr) return std::nullopt;
   const auto value = whole_from(*text);
   if (!value || node.quoted) {
-    faults.add(node.place, quoted(key, *text) + (value ? " is quoted, so it is a text" : " is no whole number"),
+    faults.add(node.place,
+               quoted(key, *text) + (value ? " is quoted, so it is a text" : " is no whole number"),
                "a whole number, " + bounds, value ? *text : "");
     return std::nullopt;
   }
@@ -147,28 +91,34 @@ std::optional<std::int64_t> WholeRule::operator()(const Node& node, std::string_
   return value;
 }
 
-std::optional<double> NumberRule::operator()(const Node& node, std::string_view key, FaultList& faults) const {
+std::optional<double> NumberRule::operator()(const Node& node, std::string_view key,
+                                             FaultList& faults) const {
   const std::string* text = scalar_of(node, key, "a number", faults);
   if (text == nullptr) return std::nullopt;
   const auto value = number_from(*text);
   if (value && !node.quoted && (*value < min || *value > max)) {
-    faults.add(node.place, quoted(key, *text) + " is out of range", fieldcast::to_text(Value{min}) + " to " + fieldcast::to_text(Value{max}));
+    faults.add(node.place, quoted(key, *text) + " is out of range",
+               fieldcast::to_text(Value{min}) + " to " + fieldcast::to_text(Value{max}));
     return std::nullopt;
   }
   if (value && !node.quoted) return value;
   std::string with_point = *text;
   if (const auto comma = with_point.find(','); comma != std::string::npos) with_point[comma] = '.';
-  faults.add(node.place, quoted(key, *text) + (value ? " is quoted, so it is a text" : " is no number"), "a number such as 0.1",
-             number_from(with_point) ? with_point : "");
+  faults.add(node.place,
+             quoted(key, *text) + (value ? " is quoted, so it is a text" : " is no number"),
+             "a number such as 0.1", number_from(with_point) ? with_point : "");
   return std::nullopt;
 }
 
-std::optional<bool> FlagRule::operator()(const Node& node, std::string_view key, FaultList& faults) const {
+std::optional<bool> FlagRule::operator()(const Node& node, std::string_view key,
+                                         FaultList& faults) const {
   const std::string* text = scalar_of(node, key, "true, false", faults);
   if (text == nullptr) return std::nullopt;
   if (!node.quoted && (*text == "true" || *text == "false")) return *text == "true";
-  static constexpr std::array<std::string_view, 9> kTrue{"true", "True", "TRUE", "yes", "Yes", "on", "On", "y", "1"};
-  static constexpr std::array<std::string_view, 9> kFalse{"false", "False", "FALSE", "no", "No", "off", "Off", "n", "0"};
+  static constexpr std::array<std::string_view, 9> kTrue{"true", "True", "TRUE", "yes", "Yes",
+                                                         "on",   "On",   "y",    "1"};
+  static constexpr std::array<std::string_view, 9> kFalse{"false", "False", "FALSE", "no", "No",
+                                                          "off",   "Off",   "n",     "0"};
   std::string meant = closest(*text, std::array<std::string_view, 2>{"true", "false"});
   for (const auto word : kTrue) meant = *text == word ? "true" : meant;
   for (const auto word : kFalse) meant = *text == word ? "false" : meant;
@@ -176,7 +126,8 @@ std::optional<bool> FlagRule::operator()(const Node& node, std::string_view key,
   return std::nullopt;
 }
 
-std::optional<std::string> TextRule::operator()(const Node& node, std::string_view key, FaultList& faults) const {
+std::optional<std::string> TextRule::operator()(const Node& node, std::string_view key,
+                                                FaultList& faults) const {
   const std::string* text = scalar_of(node, key, "a text", faults);
   if (text == nullptr) return std::nullopt;
   std::string_view line = *text;
@@ -188,20 +139,23 @@ std::optional<std::string> TextRule::operator()(const Node& node, std::string_vi
   }
   for (const char c : line) {
     if (static_cast<unsigned char>(c) >= 0x20 && c != 0x7F) continue;
-    faults.add(node.place, std::string(key) + " holds a line break or another control character", "one line of text");
+    faults.add(node.place, std::string(key) + " holds a line break or another control character",
+               "one line of text");
     return std::nullopt;
   }
   return std::string(line);
 }
 
-std::optional<std::string> NameRule::operator()(const Node& node, std::string_view key, FaultList& faults) const {
+std::optional<std::string> NameRule::operator()(const Node& node, std::string_view key,
+                                                FaultList& faults) const {
   static constexpr std::string_view kForm = "1 to 64 letters, digits, '-', '_', '.'";
   const std::string* text = scalar_of(node, key, kForm, faults);
   if (text == nullptr) return std::nullopt;
   std::string fitting;
   bool replaced = false;
   for (const char c : *text) {
-    const bool allowed = digit(c) || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '-' || c == '_' || c == '.';
+    const bool allowed = digit(c) || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '-' ||
+                         c == '_' || c == '.';
     if (allowed)
       fitting += c;
     else if (!std::exchange(replaced, true) || !fitting.ends_with('-'))

@@ -1,4 +1,5 @@
-// What a value of a key may be: each rule reads one node and gives the value, or notes a fault and gives nothing.
+// What a value of a key may be: each rule reads one node and gives the value, or notes a fault and
+// gives nothing.
 //
 // A rule is called as rule(node, key, faults); MapReader::read() takes any of them.
 #pragma once
@@ -19,10 +20,9 @@
 namespace fieldcast::config {
 
 // The node's text, when it is a scalar. `wanted` says what the key takes: "a duration".
-[[nodiscard]] const std::string* scalar_of(const Node& node, std::string_view key, std::string_view wanted, FaultList& faults);
+[[nodiscard]] const std::string* scalar_of(const Node& node, std::string_view key,
+                                           std::string_view wanted, FaultList& faults);
 
-// "500ms", or nothing: a number, directly followed by us, ms, s or min.
-[[nodiscard]] std::optional<Duration> duration_from(std::string_view text);
 // A finite number in full: "2", "-0.5", "1e3".
 [[nodiscard]] std::optional<double> number_from(std::string_view text);
 // A whole number in full: "12", "-3", "0x1F".
@@ -31,14 +31,17 @@ namespace fieldcast::config {
 // "192.168.1.7"
 [[nodiscard]] bool is_ipv4(std::string_view text);
 
-struct DurationRule {
+struct DurationRule {  // core/base/duration_text.hpp
   Duration min, max;
-  std::optional<Duration> operator()(const Node& node, std::string_view key, FaultList& faults) const;
+  std::string_view or_else = {};  // a word that the caller takes beside durations: ", or forever"
+  std::optional<Duration> operator()(const Node& node, std::string_view key,
+                                     FaultList& faults) const;
 };
 
 struct WholeRule {
   std::int64_t min, max;
-  std::optional<std::int64_t> operator()(const Node& node, std::string_view key, FaultList& faults) const;
+  std::optional<std::int64_t> operator()(const Node& node, std::string_view key,
+                                         FaultList& faults) const;
 };
 
 struct NumberRule {
@@ -52,11 +55,14 @@ struct FlagRule {  // true, false
 
 struct TextRule {  // one line without control characters
   std::size_t max_bytes;
-  std::optional<std::string> operator()(const Node& node, std::string_view key, FaultList& faults) const;
+  std::optional<std::string> operator()(const Node& node, std::string_view key,
+                                        FaultList& faults) const;
 };
 
-struct NameRule {  // 1..64 of letters, digits, '-', '_', '.': names become parts of paths and patterns
-  std::optional<std::string> operator()(const Node& node, std::string_view key, FaultList& faults) const;
+struct NameRule {  // 1..64 of letters, digits, '-', '_', '.': names become parts of paths and
+                   // patterns
+  std::optional<std::string> operator()(const Node& node, std::string_view key,
+                                        FaultList& faults) const;
 };
 
 // One word of a closed set.
@@ -72,7 +78,9 @@ struct ChoiceRule {
     for (const auto& [word, value] : choices) {
       if (*text == word) return value;
     }
-    faults.add(node.place, std::string(key) + " '" + *text + "' is unknown", joined(words), closest(*text, words));
+    const auto meant = meant_value(key, *text);
+    faults.add(node.place, std::string(key) + " '" + *text + "' is unknown", joined(words),
+               meant.empty() ? closest(*text, words) : meant);
     return std::nullopt;
   }
 };

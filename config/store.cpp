@@ -16,7 +16,8 @@ struct UnitRule {
   std::int64_t min, max;
   std::string_view allowed;
 
-  std::optional<std::int64_t> operator()(const Node& node, std::string_view key, FaultList& faults) const {
+  std::optional<std::int64_t> operator()(const Node& node, std::string_view key,
+                                         FaultList& faults) const {
     const std::string* text = scalar_of(node, key, allowed, faults);
     if (text == nullptr) return std::nullopt;
     for (const auto& [unit, worth] : units) {
@@ -24,25 +25,24 @@ struct UnitRule {
       const auto number = whole_from(std::string_view(*text).substr(0, text->size() - unit.size()));
       if (!number || *number < 0) continue;
       if (*number <= max / worth && *number * worth >= min) return *number * worth;
-      faults.add(node.place, std::string(key) + " '" + *text + "' is out of range", std::string(allowed));
+      faults.add(node.place, std::string(key) + " '" + *text + "' is out of range",
+                 std::string(allowed));
       return std::nullopt;
     }
-    faults.add(node.place, std::string(key) + " '" + *text + "' cannot be understood", std::string(allowed));
+    faults.add(node.place, std::string(key) + " '" + *text + "' cannot be understood",
+               std::string(allowed));
     return std::nullopt;
   }
 };
 
-constexpr std::int64_t kHour = Duration(std::chrono::hours{1}).count();
-constexpr std::pair<std::string_view, std::int64_t> kTimes[] = {{"h", kHour}, {"d", 24 * kHour}};
 constexpr std::pair<std::string_view, std::int64_t> kSizes[] = {
     {"MB", 1'000'000}, {"GB", 1'000'000'000}, {"TB", 1'000'000'000'000}};
 
 struct KeepRule {
-  std::optional<Duration> operator()(const Node& node, std::string_view key, FaultList& faults) const {
+  std::optional<Duration> operator()(const Node& node, std::string_view key,
+                                     FaultList& faults) const {
     if (node.kind == Kind::kScalar && node.text == "forever") return Duration{};
-    const auto keep = UnitRule{kTimes, kMinKeep.count(), kMaxKeep.count(), "hours as 36h, days as 30d, forever; 1h to 36500d"}(
-        node, key, faults);
-    return keep ? std::optional(Duration{*keep}) : std::nullopt;
+    return DurationRule{kMinKeep, kMaxKeep, ", or forever"}(node, key, faults);
   }
 };
 
@@ -50,14 +50,17 @@ void read_patterns(MapReader& map, StoreSpec& spec) {
   const Node* node = map.find("samples");
   if (node == nullptr) return;
   if (node->kind != Kind::kList || node->items.size() > kMaxPatterns) {
-    map.faults().add(node->place, "samples is " + (node->kind == Kind::kList ? "too long" : std::string(to_text(node->kind))),
-                     "a list of up to " + std::to_string(kMaxPatterns) + " patterns such as press-shop/*/oil-*",
-                     node->kind == Kind::kScalar ? "[\"" + node->text + "\"]" : "");
+    map.faults().add(
+        node->place,
+        "samples is " + (node->kind == Kind::kList ? "too long" : std::string(to_text(node->kind))),
+        "a list of up to " + std::to_string(kMaxPatterns) + " patterns such as press-shop/*/oil-*",
+        node->kind == Kind::kScalar ? "[\"" + node->text + "\"]" : "");
     return;
   }
   spec.samples.clear();
   for (const Node* item : node->items) {
-    const std::string* text = scalar_of(*item, "a pattern of samples", "BUS/DEVICE/CHANNEL with *", map.faults());
+    const std::string* text =
+        scalar_of(*item, "a pattern of samples", "BUS/DEVICE/CHANNEL with *", map.faults());
     if (text == nullptr) continue;
     if (const auto pattern = Pattern::parse(*text); !pattern) {
       map.faults().add(item->place, "samples: " + pattern.error(), "BUS/DEVICE/CHANNEL with *");
@@ -83,20 +86,25 @@ void read_store(MapReader& bridge, std::optional<StoreSpec>& spec) {
   MapReader map(*node, kStoreKeys, bridge.faults());
   StoreSpec store;
   std::string path;
-  if (map.read("path", path, TextRule{kMaxPath})) store.address = resolve(*map.place().source, path);
+  if (map.read("path", path, TextRule{kMaxPath}))
+    store.address = resolve(*map.place().source, path);
   if (path.find("://") != std::string::npos) {
-    map.faults().add(map.place_of("path"), "path of the store is a connection string", "a file, or the string as url");
+    map.faults().add(map.place_of("path"), "path of the store is a connection string",
+                     "a file, or the string as url");
   }
   read_url(map, store);
   if (map.is_map() && map.has("path") == map.has("url")) {
-    map.faults().add(map.place(), map.has("path") ? "'path' and 'url' in one store" : "the store has no place",
+    map.faults().add(map.place(),
+                     map.has("path") ? "'path' and 'url' in one store" : "the store has no place",
                      "path: FILE, or url: postgresql://USER@HOST:PORT/DATABASE");
   }
   read_patterns(map, store);
   map.read("keep", store.keep, KeepRule{});
-  map.read("max-size", store.max_bytes, UnitRule{kSizes, kMinStoreBytes, kMaxStoreBytes, "10MB to 1000TB, with MB, GB or TB"});
+  map.read("max-size", store.max_bytes,
+           UnitRule{kSizes, kMinStoreBytes, kMaxStoreBytes, "10MB to 1000TB, with MB, GB or TB"});
   if (map.has("max-size") && map.has("url")) {
-    map.faults().add(map.place_of("max-size"), "'max-size' with a server, whose tables do not shrink at once", "keep");
+    map.faults().add(map.place_of("max-size"),
+                     "'max-size' with a server, whose tables do not shrink at once", "keep");
   }
   spec = std::move(store);
 }

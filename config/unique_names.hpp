@@ -19,8 +19,8 @@ class UniqueNames {
     if (fresh) return;
     const Place& there = first->second;
     const std::string file = there.source == place.source ? "" : there.source->file + ", ";
-    faults.add(place,
-               std::string(what) + " '" + name + "' exists already (" + file + "line " + std::to_string(there.line + 1) + ')');
+    faults.add(place, std::string(what) + " '" + name + "' exists already (" + file + "line " +
+                          std::to_string(there.line + 1) + ')');
   }
 
  private:

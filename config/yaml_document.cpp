@@ -1,10 +1,11 @@
-// The only place that knows yaml-cpp. Its events, not its nodes, are used: they tell duplicate keys apart, and aliases are
-// counted before they can grow. Its exceptions end here.
+// The only place that knows yaml-cpp. Its events, not its nodes, are used: they tell duplicate keys
+// apart, and aliases are counted before they can grow. Its exceptions end here.
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/exceptions.h>
 #include <yaml-cpp/mark.h>
 #include <yaml-cpp/parser.h>
 
+#include <optional>
 #include <sstream>
 #include <unordered_map>
 #include <unordered_set>
@@ -12,24 +13,35 @@
 #include "config/document.hpp"
 #include "config/fault_list.hpp"
 #include "config/limits.hpp"
+#include "config/yaml_scan.hpp"
+#include "config/yaml_tokens.hpp"
+#include "config/yaml_trouble.hpp"
 
 namespace fieldcast::config {
 namespace {
 
 struct Abandoned {};  // a fault that ends the parsing has been noted
 
+void add(FaultList& faults, YamlTrouble trouble) {
+  faults.add(trouble.place, std::move(trouble.what), std::move(trouble.allowed),
+             std::move(trouble.suggestion));
+}
+
 class Builder final : public YAML::EventHandler {
  public:
   Builder(Document& document, FaultList& faults) : document_(document), faults_(faults) {}
 
   void OnDocumentStart(const YAML::Mark& mark) override {
-    if (++documents_ > 1) abandon(place(mark), "a second document begins", "one document in a file, no '---' after the first");
+    if (++documents_ == 1) return;
+    add(faults_, explain_second_document(document_.source, place(mark)));
+    throw Abandoned{};
   }
   void OnDocumentEnd() override {}
 
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     Node& node = make(Kind::kNull, mark);
-    if (!open_.empty() && open_.back().key != nullptr) node.place = open_.back().key->place;  // an absent value stands nowhere
+    if (!open_.empty() && open_.back().key != nullptr)
+      node.place = open_.back().key->place;  // an absent value stands nowhere
     finish(node, anchor, 1);
   }
 
@@ -40,10 +52,12 @@ class Builder final : public YAML::EventHandler {
     attach(*found->second.node, found->second.weight);
   }
 
-  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, const std::string& value) override {
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                const std::string& value) override {
     check_tag(mark, tag);
     Node& node = make(Kind::kScalar, mark);
     node.quoted = tag == "!";
+    if (node.quoted) last_quote_ = node.place;
     node.text = value;
     finish(node, anchor, 1);
   }
@@ -55,11 +69,21 @@ class Builder final : public YAML::EventHandler {
   }
   void OnSequenceEnd() override { close(); }
 
-  void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, YAML::EmitterStyle::value) override {
+  void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value) override {
     check_tag(mark, tag);
     open(make(Kind::kMap, mark), anchor);
   }
   void OnMapEnd() override { close(); }
+
+  // The parser takes the end of the text for a closing quote. Only the last quote can be open.
+  void check_last_quote() {
+    if (!last_quote_) return;
+    const auto quote = quote_at(document_.source, *last_quote_);
+    if (!quote || quote->closed) return;
+    add(faults_, explain_yaml_error(document_.source, quote->end, "illegal EOF in scalar"));
+    throw Abandoned{};
+  }
 
  private:
   struct Open {
@@ -85,13 +109,15 @@ class Builder final : public YAML::EventHandler {
   }
 
   void check_tag(const YAML::Mark& mark, const std::string& tag) {
-    if (!tag.empty() && tag != "?" && tag != "!") faults_.add(place(mark), "tag '" + tag + "'", "no tags");
+    if (!tag.empty() && tag != "?" && tag != "!")
+      faults_.add(place(mark), "tag '" + tag + "'", "no tags");
   }
 
   void count(std::size_t nodes, const Place& at) {
     nodes_ += nodes;
     if (nodes_ > kMaxNodes)
-      abandon(at, "the file holds too many values", std::to_string(kMaxNodes) + ", with what aliases repeat");
+      abandon(at, "the file holds too many values",
+              std::to_string(kMaxNodes) + ", with what aliases repeat");
   }
 
   Node& make(Kind kind, const YAML::Mark& mark) {
@@ -103,7 +129,11 @@ class Builder final : public YAML::EventHandler {
   }
 
   void open(Node& node, YAML::anchor_t anchor) {
-    if (open_.size() == kMaxNesting) abandon(node.place, "too deep nesting", std::to_string(kMaxNesting) + " levels");
+    if (open_.size() == kMaxNesting)
+      abandon(node.place, "too deep nesting", std::to_string(kMaxNesting) + " levels");
+    if (++collections_ > kMaxCollections)
+      abandon(node.place, "the file holds too many maps and lists",
+              std::to_string(kMaxCollections) + "; long channel lists belong in CSV files");
     open_.push_back(Open{&node, anchor, 1, nullptr, {}});
   }
 
@@ -139,6 +169,8 @@ class Builder final : public YAML::EventHandler {
   void add_entry(Open& map, const Node& key, const Node& value) {
     if (key.kind != Kind::kScalar) {
       faults_.add(key.place, "a key is " + std::string(to_text(key.kind)), "a word");
+    } else if (map.keys.size() == kMaxKeys) {
+      abandon(key.place, "the map has too many keys", std::to_string(kMaxKeys));
     } else if (!map.keys.insert(key.text).second) {
       faults_.add(key.place, "key '" + key.text + "' stands twice", "each key once");
     } else {
@@ -150,60 +182,33 @@ class Builder final : public YAML::EventHandler {
   FaultList& faults_;
   std::vector<Open> open_;
   std::unordered_map<YAML::anchor_t, Anchored> anchors_;
-  std::size_t nodes_ = 0;
+  std::optional<Place> last_quote_;
+  std::size_t nodes_ = 0, collections_ = 0;
   unsigned documents_ = 0;
 };
-
-// What the parser's message does not say.
-bool indented_with_tab(std::string_view text, std::uint32_t line) {
-  std::size_t start = 0;
-  for (; line > 0; --line) {
-    start = text.find('\n', start);
-    if (start++ == std::string_view::npos) return false;
-  }
-  const auto first = text.find_first_not_of(' ', start);
-  return first != std::string_view::npos && text[first] == '\t';
-}
-
-// What would make the parser hold too much at once, wherever it stands.
-bool check_tokens(const Source& source, FaultList& faults) {
-  std::size_t brackets = 0, commas = 0;
-  Place place{&source, 0, 0};
-  for (const char c : source.text) {
-    if (c == '[' || c == '{') ++brackets;
-    if (c == ',') ++commas;
-    if (brackets > kMaxBrackets || commas > kMaxCommas) {
-      const std::string limit =
-          brackets > kMaxBrackets ? std::to_string(kMaxBrackets) + " of [ and {" : std::to_string(kMaxCommas) + " commas";
-      faults.add(place, "the file holds too many values", limit + "; long channel lists belong in CSV files");
-      return false;
-    }
-    ++place.column;
-    if (c == '\n') ++place.line, place.column = 0;
-  }
-  return true;
-}
 
 }  // namespace
 
 std::unique_ptr<Document> parse_yaml(Source source, FaultList& faults) {
   auto document = std::make_unique<Document>();
   document->source = std::move(source);
-  if (!check_text(document->source, faults) || !check_tokens(document->source, faults)) return document;
+  if (!check_text(document->source, faults) || !check_tokens(document->source, faults))
+    return document;
   try {
     std::istringstream stream(document->source.text);
     YAML::Parser parser(stream);
     Builder builder(*document, faults);
     while (parser.HandleNextDocument(builder)) {}
+    builder.check_last_quote();
   } catch (const YAML::Exception& fault) {
     document->root = nullptr;
-    Place place{&document->source, 0, 0};
+    document->nodes.clear();  // the explanation needs room of its own
+    Place stopped{&document->source, 0, 0};
     if (!fault.mark.is_null()) {
-      place.line = static_cast<std::uint32_t>(fault.mark.line);
-      place.column = static_cast<std::uint32_t>(fault.mark.column);
+      stopped.line = static_cast<std::uint32_t>(fault.mark.line);
+      stopped.column = static_cast<std::uint32_t>(fault.mark.column);
     }
-    const bool tab = indented_with_tab(document->source.text, place.line);
-    faults.add(place, "YAML: " + fault.msg, tab ? "spaces for indentation, no tabs" : "");
+    add(faults, explain_yaml_error(document->source, stopped, fault.msg));
   } catch (const Abandoned&) { document->root = nullptr; }
   return document;
 }

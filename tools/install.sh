@@ -11,7 +11,7 @@ packages=(
   # libraries
   libboost-dev libspdlog-dev libyaml-cpp-dev libcli11-dev libexpected-dev libsqlite3-dev libssl-dev openssl libpq-dev libsodium-dev pkg-config nlohmann-json3-dev
   # tests and benches
-  libgtest-dev libgmock-dev libbenchmark-dev binutils python3
+  libgtest-dev libgmock-dev libbenchmark-dev binutils clang-format python3
   # devices, masters and a DDS that others wrote, to test against
   libmodbus-dev python3-pymodbus python3-serial python3-serial-asyncio mbpoll socat cyclonedds-dev cyclonedds-tools
 )

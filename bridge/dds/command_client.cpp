@@ -17,16 +17,19 @@ std::string make_requester(const std::string& name) {
   return cut_text(name, 64) + ":" + std::to_string(getpid()) + ":" + std::to_string(number);
 }
 
-auto participant_of(const dds::InstanceHandle_t& endpoint) { return eprosima::fastrtps::rtps::iHandle2GUID(endpoint).guidPrefix; }
+auto participant_of(const dds::InstanceHandle_t& endpoint) {
+  return eprosima::fastrtps::rtps::iHandle2GUID(endpoint).guidPrefix;
+}
 
 }  // namespace
 
-CommandClient::CommandClient(Domain& domain, const std::string& name) : domain_(domain), requester_(make_requester(name)) {
+CommandClient::CommandClient(Domain& domain, const std::string& name)
+    : domain_(domain), requester_(make_requester(name)) {
   listener_.client = this;
   // Results are volatile: listen before asking.
-  results_ =
-      domain_.reader<idl::CommandResultPubSubType>(kCommandResultTopic, request_reader_qos(), &listener_,
-                                                   dds::StatusMask::data_available() << dds::StatusMask::subscription_matched());
+  results_ = domain_.reader<idl::CommandResultPubSubType>(
+      kCommandResultTopic, request_reader_qos(), &listener_,
+      dds::StatusMask::data_available() << dds::StatusMask::subscription_matched());
 }
 
 CommandClient::~CommandClient() {
@@ -39,7 +42,8 @@ void CommandClient::on_result(std::function<void(const StationResult&)> handler)
   handler_ = std::move(handler);
 }
 
-void CommandClient::Writer::on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) {
+void CommandClient::Writer::on_publication_matched(dds::DataWriter*,
+                                                   const dds::PublicationMatchedStatus& status) {
   const std::lock_guard lock(client->mutex_);
   if (status.current_count_change > 0) {
     found_new = true;
@@ -60,7 +64,8 @@ bool CommandClient::Writer::write(idl::Command& command) {
   return true;
 }
 
-void CommandClient::ResultListener::on_subscription_matched(dds::DataReader*, const dds::SubscriptionMatchedStatus& status) {
+void CommandClient::ResultListener::on_subscription_matched(
+    dds::DataReader*, const dds::SubscriptionMatchedStatus& status) {
   const std::lock_guard lock(client->mutex_);
   if (status.current_count_change > 0) {
     client->result_writers_.insert(status.last_publication_handle);
@@ -103,7 +108,8 @@ CommandClient::Writer& CommandClient::writer_for(Duration lifespan) {
   // Not under mutex_: the library may tell of matches while it makes the writer.
   auto made = std::make_unique<Writer>();
   made->client = this;
-  made->entity = domain_.writer<idl::CommandPubSubType>(kCommandTopic, command_writer_qos(lifespan), requester_, made.get(),
+  made->entity = domain_.writer<idl::CommandPubSubType>(kCommandTopic, command_writer_qos(lifespan),
+                                                        requester_, made.get(),
                                                         dds::StatusMask::publication_matched());
   made->once.attach(made->entity);
   const std::lock_guard lock(mutex_);
@@ -115,18 +121,23 @@ bool CommandClient::matched_both_ways(const Writer& writer) const {
   // Every bridge that hears commands must also be heard: the command may be for any of them.
   return std::all_of(writer.readers.begin(), writer.readers.end(), [this](const auto& reader) {
     return std::any_of(result_writers_.begin(), result_writers_.end(),
-                       [&](const auto& result_writer) { return participant_of(result_writer) == participant_of(reader); });
+                       [&](const auto& result_writer) {
+                         return participant_of(result_writer) == participant_of(reader);
+                       });
   });
 }
 
-tl::expected<std::uint64_t, StationFault> CommandClient::send(StationCommand command, Duration wait_for_bridge, bool awaited) {
+tl::expected<std::uint64_t, StationFault> CommandClient::send(StationCommand command,
+                                                              Duration wait_for_bridge,
+                                                              bool awaited) {
   command.command.requester = requester_;
   idl::Command out;
   Writer& writer = writer_for(command.lifespan);
   std::uint64_t id = 0;
   {
     std::unique_lock lock(mutex_);
-    if (!changed_.wait_for(lock, wait_for_bridge, [&] { return matched_both_ways(writer); }) && writer.readers.empty()) {
+    if (!changed_.wait_for(lock, wait_for_bridge, [&] { return matched_both_ways(writer); }) &&
+        writer.readers.empty()) {
       return tl::unexpected(StationFault::kNoBridge);
     }
     id = command.command.request_id = next_id_++;
@@ -141,7 +152,8 @@ tl::expected<std::uint64_t, StationFault> CommandClient::send(StationCommand com
   return id;
 }
 
-tl::expected<StationResult, StationFault> CommandClient::await(std::uint64_t request_id, Duration wait) {
+tl::expected<StationResult, StationFault> CommandClient::await(std::uint64_t request_id,
+                                                               Duration wait) {
   std::unique_lock lock(mutex_);
   changed_.wait_for(lock, wait, [&] { return awaited_.at(request_id).has_value(); });
   std::optional<StationResult> result = std::move(awaited_.at(request_id));

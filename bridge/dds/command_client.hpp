@@ -9,9 +9,9 @@
 #include <set>
 #include <string>
 
-#include "bridge/dds/conversion.hpp"
 #include "bridge/dds/domain.hpp"
 #include "bridge/dds/once_writer.hpp"
+#include "bridge/dds/topics/conversion.hpp"
 
 namespace fieldcast {
 
@@ -22,8 +22,11 @@ class CommandClient {
 
   [[nodiscard]] const std::string& requester() const { return requester_; }
   void on_result(std::function<void(const StationResult&)> handler);
-  [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(StationCommand command, Duration wait_for_bridge, bool awaited);
-  [[nodiscard]] tl::expected<StationResult, StationFault> await(std::uint64_t request_id, Duration wait);
+  [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(StationCommand command,
+                                                               Duration wait_for_bridge,
+                                                               bool awaited);
+  [[nodiscard]] tl::expected<StationResult, StationFault> await(std::uint64_t request_id,
+                                                                Duration wait);
 
  private:
   static constexpr std::size_t kMaxLifespans =
@@ -31,9 +34,11 @@ class CommandClient {
 
   // LIFESPAN is a writer's: one writer for each that is asked for.
   struct Writer : dds::DataWriterListener {
-    void on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) override;
-    // The first command to a bridge that was found just now goes alone: with more than 256 messages before its reader knows this
-    // writer, Fast DDS 2.9.1 loses what lies beyond them and calls it acknowledged.
+    void on_publication_matched(dds::DataWriter*,
+                                const dds::PublicationMatchedStatus& status) override;
+    // The first command to a bridge that was found just now goes alone: with more than 256 messages
+    // before its reader knows this writer, Fast DDS 2.9.1 loses what lies beyond them and calls it
+    // acknowledged.
     [[nodiscard]] bool write(idl::Command& command);
 
     CommandClient* client = nullptr;
@@ -45,7 +50,8 @@ class CommandClient {
   };
   struct ResultListener : dds::DataReaderListener {
     void on_data_available(dds::DataReader* reader) override;
-    void on_subscription_matched(dds::DataReader*, const dds::SubscriptionMatchedStatus& status) override;
+    void on_subscription_matched(dds::DataReader*,
+                                 const dds::SubscriptionMatchedStatus& status) override;
     CommandClient* client = nullptr;
   };
 

@@ -1,8 +1,15 @@
 #include "bridge/dds/command_receiver.hpp"
 
+#include <algorithm>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 
 namespace fieldcast {
+
+namespace {
+
+constexpr std::int64_t kLongest = std::int64_t{1} << 60;  // nanoseconds, 36 years
+
+}  // namespace
 
 Duration CommandLifespans::of(const Guid& writer) const {
   const std::lock_guard lock(mutex_);
@@ -10,7 +17,8 @@ Duration CommandLifespans::of(const Guid& writer) const {
   return found == lifespans_.end() ? kDefault : found->second;
 }
 
-void CommandLifespans::on_publisher_discovery(dds::DomainParticipant*, eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) {
+void CommandLifespans::on_publisher_discovery(
+    dds::DomainParticipant*, eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) {
   if (info.info.topicName() != kCommandTopic) return;
   const std::lock_guard lock(mutex_);
   if (info.status == eprosima::fastrtps::rtps::WriterDiscoveryInfo::REMOVED_WRITER) {
@@ -19,21 +27,40 @@ void CommandLifespans::on_publisher_discovery(dds::DomainParticipant*, eprosima:
   }
   const Duration lifespan = from_dds(info.info.m_qos.m_lifespan.duration);
   if (lifespan == kInfinite || lifespans_.size() >= kMaxWriters) return;
-  lifespans_[info.info.guid()] = lifespan;
+  lifespans_[info.info.guid()] = std::min(lifespan, kLongest);
 }
+
+namespace {
+
+// By the wall clocks of both machines, never less than nothing; long past is all the same, which
+// keeps sums in range.
+Duration age_of(UtcTime source, const UtcMapping& now) {
+  std::int64_t age = 0;
+  if (source.nanoseconds <= 0 ||
+      __builtin_sub_overflow(now.utc.nanoseconds, source.nanoseconds, &age))
+    age = 0;
+  return Duration{std::clamp<std::int64_t>(age, 0, kLongest)};
+}
+
+}  // namespace
 
 Instant expiry_of(UtcTime source, Duration lifespan, const UtcMapping& now) {
-  std::int64_t age = 0;
-  if (source.nanoseconds <= 0 || __builtin_sub_overflow(now.utc.nanoseconds, source.nanoseconds, &age)) age = 0;
-  age = std::max<std::int64_t>(age, 0);
-  // Long past or far ahead is all the same; this keeps the sum in range.
-  constexpr std::int64_t kLimit = std::int64_t{1} << 60;
-  return now.instant + Duration{std::min(lifespan.count(), kLimit)} - Duration{std::min(age, kLimit)};
+  return now.instant + Duration{std::min(lifespan.count(), kLongest)} - age_of(source, now);
 }
 
-CommandReceiver::CommandReceiver(Domain& domain, const CommandLifespans& lifespans, Handlers handlers)
-    : domain_(domain), lifespans_(lifespans), handlers_(std::move(handlers)) {
-  reader_ = domain.reader<idl::CommandPubSubType>(kCommandTopic, request_reader_qos(), this, dds::StatusMask::data_available());
+std::optional<Duration> written_before(Instant listening, UtcTime source, const UtcMapping& now) {
+  const Instant written = now.instant - age_of(source, now);
+  return written < listening ? std::optional(listening - written) : std::nullopt;
+}
+
+CommandReceiver::CommandReceiver(Domain& domain, const CommandLifespans& lifespans,
+                                 Handlers handlers)
+    : domain_(domain),
+      lifespans_(lifespans),
+      handlers_(std::move(handlers)),
+      listening_(handlers_.clock().instant) {
+  reader_ = domain.reader<idl::CommandPubSubType>(kCommandTopic, request_reader_qos(), this,
+                                                  dds::StatusMask::data_available());
 }
 
 void CommandReceiver::close() { domain_.remove(reader_); }
@@ -52,12 +79,19 @@ void CommandReceiver::take(const idl::Command& command, const dds::SampleInfo& i
   if (!handlers_.is_ours(bus)) return;
   const CommandLifespans::Guid writer = info.sample_identity.writer_guid();
   handlers_.heard(command.requester().c_str(), writer);
-  auto converted = from_idl(command);
-  if (!converted) {
-    handlers_.malformed(bus, command, converted.error());
-    return;
+  const UtcTime source{info.source_timestamp.to_ns()};
+  const UtcMapping now = handlers_.clock();
+  if (const auto before = written_before(listening_, source, now)) {
+    return handlers_.refused(
+        bus, command,
+        {Cause::kExpired, "it was written " +
+                              to_text(std::chrono::ceil<std::chrono::milliseconds>(*before)) +
+                              " before this bridge began to listen, by the clocks of both; if it "
+                              "is still wanted, send it anew"});
   }
-  converted->expires = expiry_of({info.source_timestamp.to_ns()}, lifespans_.of(writer), handlers_.clock());
+  auto converted = from_idl(command);
+  if (!converted) return handlers_.refused(bus, command, converted.error());
+  converted->expires = expiry_of(source, lifespans_.of(writer), now);
   handlers_.accepted(bus, std::move(*converted));
 }
 

@@ -4,41 +4,58 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 
-#include "bridge/dds/conversion.hpp"
 #include "bridge/dds/domain.hpp"
+#include "bridge/dds/topics/conversion.hpp"
 
 namespace fieldcast {
 
-// LIFESPAN is the writer's; the library's reader applies its own instead, so the writers' are collected from discovery.
+// LIFESPAN is the writer's; the library's reader applies its own instead, so the writers' are
+// collected from discovery.
 class CommandLifespans : public dds::DomainParticipantListener {
  public:
   using Guid = eprosima::fastrtps::rtps::GUID_t;
   static constexpr Duration kDefault =
-      std::chrono::seconds{5};                      // also for writers that say "infinite": a late command never runs
+      std::chrono::seconds{5};  // also for writers that say "infinite": a late command never runs
+  // A longer one counts as this: identities of commands are kept no longer.
+  static constexpr Duration kLongest = std::chrono::hours{24};
   static constexpr std::size_t kMaxWriters = 4096;  // those beyond it get the default
 
   [[nodiscard]] Duration of(const Guid& writer) const;
 
  private:
-  void on_publisher_discovery(dds::DomainParticipant* participant, eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) override;
+  void on_publisher_discovery(dds::DomainParticipant* participant,
+                              eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) override;
 
   mutable std::mutex mutex_;
   std::map<Guid, Duration> lifespans_;
 };
 
-// When a command expires on the engine's clock. Its age is what the wall clocks of both machines say, never less than nothing.
+// When a command expires on the engine's clock. Its age is what the wall clocks of both machines
+// say, never less than nothing.
 [[nodiscard]] Instant expiry_of(UtcTime source, Duration lifespan, const UtcMapping& now);
+
+// How long before `listening` the command was written: it was not for the bridge that listens now,
+// although its writer may keep it and send it again. Nothing: since then. The source time is of the
+// sender's clock, so that a sender whose clock is behind by d is refused for the first d of a
+// bridge's life, and one whose clock is ahead by d may have what is younger than d repeated.
+[[nodiscard]] std::optional<Duration> written_before(Instant listening, UtcTime source,
+                                                     const UtcMapping& now);
 
 class CommandReceiver : private dds::DataReaderListener {
  public:
   struct Handlers {
     std::function<UtcMapping()> clock;
-    std::function<bool(const std::string& bus)> is_ours;  // commands for other buses belong to other bridges
+    std::function<bool(const std::string& bus)>
+        is_ours;  // commands for other buses belong to other bridges
     std::function<void(const std::string& bus, Command command)> accepted;
-    std::function<void(const std::string& bus, const idl::Command& command, const MalformedCommand& why)> malformed;
-    std::function<void(const std::string& requester, const CommandLifespans::Guid& writer)> heard;  // before either
+    std::function<void(const std::string& bus, const idl::Command& command,
+                       const MalformedCommand& why)>
+        refused;  // malformed, or older than this receiver
+    std::function<void(const std::string& requester, const CommandLifespans::Guid& writer)>
+        heard;  // before either
   };
   CommandReceiver(Domain& domain, const CommandLifespans& lifespans, Handlers handlers);
   void close();  // nothing is handed on after it returns
@@ -50,6 +67,7 @@ class CommandReceiver : private dds::DataReaderListener {
   Domain& domain_;
   const CommandLifespans& lifespans_;
   Handlers handlers_;
+  const Instant listening_;  // since when
   dds::DataReader* reader_ = nullptr;
 };
 

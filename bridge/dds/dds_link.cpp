@@ -3,6 +3,7 @@
 #include <map>
 #include <shared_mutex>
 
+#include "bridge/dds/bridge_presence.hpp"
 #include "bridge/dds/command_receiver.hpp"
 #include "bridge/dds/interest_receiver.hpp"
 #include "bridge/dds/result_sender.hpp"
@@ -14,10 +15,11 @@ namespace {
 
 // What one bus has in the domain besides the writers shared by all.
 struct Bus {
-  Bus(Domain& domain, const std::string& bridge, const BusSpec& bus) : samples(domain, bridge, bus) {}
+  Bus(Domain& domain, const std::string& bridge, const BusSpec& bus)
+      : samples(domain, bridge, bus) {}
   SampleWriters samples;
-  std::vector<idl::Channel> catalogue;                              // by channel index, as published
-  std::map<std::string, idl::DeviceStatus> devices;                 // published at least once
+  std::vector<idl::Channel> catalogue;               // by channel index, as published
+  std::map<std::string, idl::DeviceStatus> devices;  // published at least once
   std::map<std::pair<ChannelIndex, LimitKind>, idl::Alarm> alarms;  // raised at least once
   idl::BusStatus status;
   bool reported = false;
@@ -33,13 +35,19 @@ struct DdsLink::State {
         domain(spec, "fieldcast-bridge " + name, &lifespans),
         results(domain, "fieldcast-bridge " + name, handlers.clock, handlers.on_problem) {
     const std::string label = "fieldcast-bridge " + name;
-    catalogue = domain.writer<idl::ChannelPubSubType>(kChannelTopic, state_writer_qos(kMaxChannels), label);
-    bus_status = domain.writer<idl::BusStatusPubSubType>(kBusStatusTopic, state_writer_qos(kMaxDevices), label);
+    catalogue =
+        domain.writer<idl::ChannelPubSubType>(kChannelTopic, state_writer_qos(kMaxChannels), label);
+    bus_status = domain.writer<idl::BusStatusPubSubType>(kBusStatusTopic,
+                                                         state_writer_qos(kMaxDevices), label);
     alarms = domain.writer<idl::AlarmPubSubType>(kAlarmTopic, state_writer_qos(kMaxAlarms), label);
-    device_status = domain.writer<idl::DeviceStatusPubSubType>(kDeviceStatusTopic, state_writer_qos(kMaxDevices), label);
-    sessions = domain.writer<idl::ProgramSessionPubSubType>(kProgramSessionTopic, state_writer_qos(kMaxDevices), label);
-    interests = std::make_unique<InterestReceiver>(domain, handlers.on_interest, handlers.on_problem);
-    commands = std::make_unique<CommandReceiver>(domain, lifespans, command_handlers());
+    device_status = domain.writer<idl::DeviceStatusPubSubType>(
+        kDeviceStatusTopic, state_writer_qos(kMaxDevices), label);
+    sessions = domain.writer<idl::ProgramSessionPubSubType>(kProgramSessionTopic,
+                                                            state_writer_qos(kMaxDevices), label);
+    interests =
+        std::make_unique<InterestReceiver>(domain, handlers.on_interest, handlers.on_problem);
+    if (handlers.bridges.heard)
+      presence = std::make_unique<BridgePresence>(domain, label, handlers.bridges);
   }
 
   CommandReceiver::Handlers command_handlers() {
@@ -49,14 +57,17 @@ struct DdsLink::State {
                   const std::shared_lock lock(mutex);
                   return buses.contains(name);
                 },
-            .accepted = [this](const std::string& name, Command command) { handlers.on_command(name, std::move(command)); },
-            .malformed = [this](const std::string& name, const idl::Command& command,
-                                const MalformedCommand& why) { reject(name, command, why); },
-            .heard = [this](const std::string& requester,
-                            const CommandLifespans::Guid& writer) { results.remember(requester, writer.guidPrefix); }};
+            .accepted = [this](const std::string& name,
+                               Command command) { handlers.on_command(name, std::move(command)); },
+            .refused = [this](const std::string& name, const idl::Command& command,
+                              const MalformedCommand& why) { reject(name, command, why); },
+            .heard =
+                [this](const std::string& requester, const CommandLifespans::Guid& writer) {
+                  results.remember(requester, writer.guidPrefix);
+                }};
   }
 
-  // A command that says nothing a bus engine could understand is answered here.
+  // A command that is nothing for a bus engine is answered here.
   void reject(const std::string& bus, const idl::Command& command, const MalformedCommand& why) {
     const UtcMapping now = handlers.clock();
     CommandResult result;
@@ -77,10 +88,15 @@ struct DdsLink::State {
     return found == buses.end() ? nullptr : found->second.get();
   }
 
-  void dispose(Bus& bus, Duration linger) {
-    bus.samples.dispose(linger);
-    for (idl::Channel& channel : bus.catalogue) catalogue->unregister_instance(&channel, dds::HANDLE_NIL);
-    for (auto& [name, status] : bus.devices) device_status->unregister_instance(&status, dds::HANDLE_NIL);
+  void dispose(Bus& bus, Duration linger, Duration limit = kInfinite) {
+    const auto begun = std::chrono::steady_clock::now();
+    bus.samples.dispose(linger, limit);
+    for (idl::Channel& channel : bus.catalogue) {
+      if (std::chrono::steady_clock::now() - begun >= limit) return;
+      catalogue->unregister_instance(&channel, dds::HANDLE_NIL);
+    }
+    for (auto& [name, status] : bus.devices)
+      device_status->unregister_instance(&status, dds::HANDLE_NIL);
     for (auto& [key, alarm] : bus.alarms) alarms->unregister_instance(&alarm, dds::HANDLE_NIL);
     if (bus.reported) bus_status->unregister_instance(&bus.status, dds::HANDLE_NIL);
   }
@@ -96,7 +112,8 @@ struct DdsLink::State {
   dds::DataWriter* sessions = nullptr;
   dds::DataWriter* alarms = nullptr;
   std::unique_ptr<InterestReceiver> interests;
-  std::unique_ptr<CommandReceiver> commands;
+  std::unique_ptr<CommandReceiver> commands;  // since the first bus
+  std::unique_ptr<BridgePresence> presence;
   std::shared_mutex mutex;  // the set of buses: shared to use one, alone to add or remove one
   std::map<std::string, std::unique_ptr<Bus>, std::less<>> buses;
   bool closed = false;
@@ -114,14 +131,32 @@ void DdsLink::add_bus(const BusSpec& spec) {
     for (const ChannelSpec& channel : device.channels) {
       idl::Channel& entry = bus->catalogue.emplace_back();
       to_idl(state_->bridge, spec.name, device, channel, bus->samples.refresh_of(index++), entry);
-      if (!state_->catalogue->write(&entry)) throw DdsError("dds: the catalogue of bus " + spec.name + " does not fit");
+      if (!state_->catalogue->write(&entry))
+        throw DdsError("dds: the catalogue of bus " + spec.name + " does not fit");
     }
   }
-  const std::unique_lock lock(state_->mutex);
-  state_->buses[spec.name] = std::move(bus);
+  {
+    const std::unique_lock lock(state_->mutex);
+    state_->buses[spec.name] = std::move(bus);
+  }
+  if (!state_->commands)
+    state_->commands = std::make_unique<CommandReceiver>(state_->domain, state_->lifespans,
+                                                         state_->command_handlers());
 }
 
-void DdsLink::remove_bus(std::string_view name) {
+std::string DdsLink::id() const { return state_->presence->id(); }
+
+void DdsLink::announce(const BridgeClaims& claims) { state_->presence->announce(claims); }
+
+void DdsLink::publish_again(std::string_view name) {
+  const std::unique_lock lock(state_->mutex);  // set_refresh() writes the catalogue too
+  Bus* bus = state_->find(name);
+  if (bus == nullptr) return;
+  for (idl::Channel& channel : bus->catalogue) state_->catalogue->write(&channel);
+  for (auto& [key, alarm] : bus->alarms) state_->alarms->write(&alarm);
+}
+
+void DdsLink::remove_bus(std::string_view name, Duration linger, Duration limit) {
   std::unique_ptr<Bus> bus;
   {
     const std::unique_lock lock(state_->mutex);
@@ -130,18 +165,21 @@ void DdsLink::remove_bus(std::string_view name) {
     bus = std::move(found->second);
     state_->buses.erase(found);
   }
-  state_->dispose(*bus, std::chrono::milliseconds{100});
+  state_->dispose(*bus, linger, limit);
 }
 
-void DdsLink::publish(std::string_view name, std::span<const Sample> samples, const UtcMapping& mapping) {
+void DdsLink::publish(std::string_view name, std::span<const Sample> samples,
+                      const UtcMapping& mapping) {
   const std::shared_lock lock(state_->mutex);
   Bus* bus = state_->find(name);
   if (bus == nullptr || bus->samples.write(samples, mapping) || bus->write_failed) return;
   bus->write_failed = true;  // said once
-  state_->handlers.on_problem("bus " + std::string(name) + ": DDS did not take a sample; its readers do not acknowledge");
+  state_->handlers.on_problem("bus " + std::string(name) +
+                              ": DDS did not take a sample; its readers do not acknowledge");
 }
 
-void DdsLink::set_refresh(std::string_view name, ChannelIndex channel, std::optional<Duration> refresh) {
+void DdsLink::set_refresh(std::string_view name, ChannelIndex channel,
+                          std::optional<Duration> refresh) {
   const std::shared_lock lock(state_->mutex);
   Bus* bus = state_->find(name);
   if (bus == nullptr || !bus->samples.move(channel, refresh)) return;
@@ -150,7 +188,8 @@ void DdsLink::set_refresh(std::string_view name, ChannelIndex channel, std::opti
   state_->catalogue->write(&entry);
 }
 
-void DdsLink::complete(std::string_view bus, const CommandResult& result, const UtcMapping& mapping) {
+void DdsLink::complete(std::string_view bus, const CommandResult& result,
+                       const UtcMapping& mapping) {
   idl::CommandResult out;
   to_idl(bus, result, mapping, out);
   state_->results.send(out);
@@ -163,10 +202,12 @@ void DdsLink::report(std::string_view name, const BusReport& report, UtcTime at)
   to_idl(state_->bridge, name, report, at, bus->status);
   bus->status.dds_deadline_misses(bus->samples.counters().deadline_misses);
   bus->reported = true;
+  bus->samples.tidy(state_->handlers.clock().instant);
   state_->bus_status->write(&bus->status);
 }
 
-void DdsLink::report(std::string_view name, std::string_view device, const DeviceReport& report, UtcTime at) {
+void DdsLink::report(std::string_view name, std::string_view device, const DeviceReport& report,
+                     UtcTime at) {
   const std::shared_lock lock(state_->mutex);
   Bus* bus = state_->find(name);
   if (bus == nullptr) return;
@@ -200,11 +241,12 @@ DdsLink::BusCounters DdsLink::counters(std::string_view name) const {
   return bus == nullptr ? BusCounters{} : bus->samples.counters();
 }
 
-// In this order: nothing new comes in, the last results go out, the buses say goodbye, the participant leaves with the state.
+// In this order: nothing new comes in, the last results go out, the buses say goodbye, the
+// participant leaves with the state.
 void DdsLink::close(Duration linger) {
   if (state_->closed) return;
   state_->closed = true;
-  state_->commands->close();
+  if (state_->commands) state_->commands->close();
   state_->interests->close();
   state_->results.close(linger);
   std::map<std::string, std::unique_ptr<Bus>, std::less<>> buses;
@@ -214,6 +256,7 @@ void DdsLink::close(Duration linger) {
   }
   for (auto& [name, bus] : buses) state_->dispose(*bus, Duration::zero());
   state_->catalogue->wait_for_acknowledgments(to_dds(linger));
+  if (state_->presence) state_->presence->close();  // last: who waits for a bus takes it now
 }
 
 }  // namespace fieldcast

@@ -1,7 +1,9 @@
-// The bridge's side of DDS: publishes catalogue, samples, results and status of its buses, and hears commands and interests.
+// The bridge's side of DDS: publishes catalogue, samples, results and status of its buses, and
+// hears commands and interests.
 //
-// Owns every DDS entity of the process. Handlers are called on DDS threads, must not block, and only post. Each function names
-// its thread; functions of different buses may run at the same time. No DDS type appears here.
+// Owns every DDS entity of the process. Handlers are called on DDS threads, must not block, and
+// only post. Each function names its thread; functions of different buses may run at the same time.
+// No DDS type appears here.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +15,9 @@
 #include <string>
 #include <string_view>
 
-#include "bridge/dds/utc_mapping.hpp"
-#include "core/alarm/alarm_book.hpp"
+#include "bridge/dds/topics/utc_mapping.hpp"
+#include "bridge/standby/bus_claims.hpp"
+#include "core/alarm/alarm_monitor.hpp"
 #include "core/model/command.hpp"
 #include "core/model/sample.hpp"
 #include "core/model/spec.hpp"
@@ -22,7 +25,8 @@
 
 namespace fieldcast {
 
-// DDS could not be started, or an entity of a bus could not be made: the one exception of this folder, caught in main.
+// DDS could not be started, or an entity of a bus could not be made: the one exception of this
+// folder, caught in main.
 class DdsError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -37,13 +41,23 @@ struct Interest {
 
 class DdsLink {
  public:
+  // Other bridges of the domain, by an identity that no two share. On DDS threads.
+  struct BridgeHandlers {
+    std::function<void(const std::string& id)> found;  // it has said nothing yet
+    std::function<void(const std::string& id, BridgeClaims claims)> heard;
+    std::function<void(const std::string& id, bool alive)> alive;  // by its lease
+    std::function<void(const std::string& id)> lost;
+  };
   struct Handlers {
     std::function<UtcMapping()> clock;  // reads both clocks now; any thread
-    // A command for a bus that was added. `expires` is its source timestamp plus the writer's LIFESPAN on the engine's clock and
-    // may have passed already: the engine answers kExpired. Commands for other buses never come here.
+    // A command for a bus that was added. `expires` is its source timestamp plus the writer's
+    // LIFESPAN on the engine's clock and may have passed already: the engine answers kExpired.
+    // Commands for other buses never come here.
     std::function<void(const std::string& bus, Command command)> on_command;
     std::function<void(Interest interest)> on_interest;
-    std::function<void(std::string text)> on_problem;  // for the log: incompatible QoS, a limit reached, a malformed command
+    std::function<void(std::string text)>
+        on_problem;  // for the log: incompatible QoS, a limit reached, a malformed command
+    BridgeHandlers bridges{};  // all of them or none
   };
 
   struct BusCounters {
@@ -52,46 +66,64 @@ class DdsLink {
     std::uint32_t sample_writers = 0;   // that have channels
   };
 
-  // Joins the domain. Throws DdsError: an interface that does not exist, a profile that cannot be loaded.
+  // Joins the domain. Throws DdsError: an interface that does not exist, a profile that cannot be
+  // loaded.
   DdsLink(const DdsSpec& spec, const std::string& bridge_name, Handlers handlers);
   ~DdsLink();  // close()
   DdsLink(const DdsLink&) = delete;
   DdsLink& operator=(const DdsLink&) = delete;
 
-  // Publishes the catalogue of the bus and makes its Sample writers: one for each distinct refresh, none with more than 256
-  // channels. Its commands arrive from here on. Main thread. Throws DdsError. REQUIRES: no bus of this name.
+  // Publishes the catalogue of the bus and makes its Sample writers: one for each distinct refresh,
+  // none with more than 256 channels. Its commands arrive from here on; with the first bus the
+  // bridge begins to listen for them. One thread at a time. Throws DdsError. REQUIRES: no bus of
+  // this name.
   void add_bus(const BusSpec& bus);
 
-  // Disposes every instance of the bus in all topics, so that stations see it go. Main thread. REQUIRES: nobody publishes on it
-  // any more (its strand has ended). No effect for an unknown bus.
-  void remove_bus(std::string_view bus);
+  // This bridge among the others: its identity, and what it tells them. REQUIRES: handlers for
+  // them. One thread at a time.
+  [[nodiscard]] std::string id() const;
+  void announce(const BridgeClaims& claims);
+  // Writes again what is written once: another bridge that served the bus as well took it away. One
+  // thread at a time.
+  void publish_again(std::string_view bus);
 
-  // The bus's strand. Samples of one call leave in order; channels out of range are a bug. Never blocks longer than DDS needs to
-  // copy.
+  // Disposes every instance of the bus in all topics, so that stations see it go, and waits at most
+  // `linger` until those have heard that listen to its samples. `limit`: of the disposal, for a
+  // participant that leaves the domain anyway, which ends the instances that are left. Like
+  // add_bus(). REQUIRES: nobody publishes on it any more (its strand has ended). No effect for an
+  // unknown bus.
+  void remove_bus(std::string_view bus, Duration linger = std::chrono::milliseconds{100},
+                  Duration limit = Duration::max());
+
+  // The bus's strand. Samples of one call leave in order; channels out of range are a bug. Never
+  // blocks longer than DDS needs to copy.
   void publish(std::string_view bus, std::span<const Sample> samples, const UtcMapping& mapping);
 
-  // Moves a channel to the writer of another refresh: its last sample is written there again, then the old writer lets go of it.
-  // Nothing: no promise (on-demand). Republishes the catalogue entry. The bus's strand.
+  // Moves a channel to the writer of another refresh: its last sample is written there again, then
+  // the old writer lets go of it. Nothing: no promise (on-demand). Republishes the catalogue entry.
+  // The bus's strand.
   void set_refresh(std::string_view bus, ChannelIndex channel, std::optional<Duration> refresh);
 
-  // Publishes the one result of a command and releases its instance. Any thread. A result whose requester's reader is not matched
-  // yet is held for up to a second.
+  // Publishes the one result of a command and releases its instance. Any thread. A result whose
+  // requester's reader is not matched yet is held for up to a second.
   void complete(std::string_view bus, const CommandResult& result, const UtcMapping& mapping);
 
   // Status, once a second and at changes. The bus's strand.
   void report(std::string_view bus, const BusReport& report, UtcTime at);
-  void report(std::string_view bus, std::string_view device, const DeviceReport& report, UtcTime at);
+  void report(std::string_view bus, std::string_view device, const DeviceReport& report,
+              UtcTime at);
 
-  // A programming session: it began, its bytes grew, it ended. Any thread. One instance for each device; no more of them than
-  // devices of a bridge.
+  // A programming session: it began, its bytes grew, it ended. Any thread. One instance for each
+  // device; no more of them than devices of a bridge.
   void report(const ProgramSessionReport& session);
-  // An alarm was raised or is clear. Its instance stays, active or clear, until the bus is removed. The bus's strand.
+  // An alarm was raised or is clear. Its instance stays, active or clear, until the bus is removed.
+  // The bus's strand.
   void report(std::string_view bus, const AlarmChange& change, const UtcMapping& mapping);
 
   [[nodiscard]] BusCounters counters(std::string_view bus) const;  // any thread
 
-  // Removes every bus, waits up to `linger` until readers have the last results, leaves the domain. Handlers are not called after
-  // it returns. Main thread; a second call has no effect.
+  // Removes every bus, waits up to `linger` until readers have the last results, leaves the domain.
+  // Handlers are not called after it returns. Main thread; a second call has no effect.
   void close(Duration linger = std::chrono::milliseconds{200});
 
  private:

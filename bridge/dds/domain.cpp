@@ -6,12 +6,15 @@
 #include <fastrtps/utils/IPLocator.h>
 #include <ifaddrs.h>
 
+#include <algorithm>
 #include <charconv>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <memory>
+#include <utility>
 
 #include "bridge/dds/dds_link.hpp"
 #include "bridge/dds/library.hpp"
+#include "bridge/dds/note_transport.hpp"
 
 namespace fieldcast {
 
@@ -21,8 +24,10 @@ namespace rtps = eprosima::fastrtps::rtps;
 using eprosima::fastdds::rtps::UDPv4TransportDescriptor;
 
 constexpr const char* kProfile = "fieldcast";
-// Bytes that the kernel holds for us, or less where net.core.rmem_max says so. A datagram costs about 800 there: the usual 200
-// KiB are full after 270 samples, and a bridge of 32 buses publishes bursts beyond that.
+constexpr const char* kLoopback = "127.0.0.1";
+// Bytes that the kernel holds for us, or less where net.core.rmem_max says so. A datagram costs
+// about 800 there: the usual 200 KiB are full after 270 samples, and a bridge of 32 buses publishes
+// bursts beyond that.
 constexpr std::uint32_t kReceiveBuffer = 1 << 20;
 constexpr std::uint32_t kHighestDomain = 232;  // the ports of RTPS end there (RTPS 2.2, 9.6.1)
 
@@ -35,22 +40,36 @@ bool has_interface(const std::string& address) {
   if (inet_pton(AF_INET, address.c_str(), &wanted) != 1) return false;
   for (const ifaddrs* one = list; one != nullptr; one = one->ifa_next) {
     if (one->ifa_addr == nullptr || one->ifa_addr->sa_family != AF_INET) continue;
-    if (reinterpret_cast<const sockaddr_in*>(one->ifa_addr)->sin_addr.s_addr == wanted.s_addr) return true;
+    if (reinterpret_cast<const sockaddr_in*>(one->ifa_addr)->sin_addr.s_addr == wanted.s_addr)
+      return true;
   }
   return false;
 }
 
-// UDP alone, although shared memory is the library's default: in Fast DDS 2.9 a participant that leaves before all others have
-// read its last message leaves them with a message whose memory is gone, and they try to read it for ever: a whole processor
-// each, and deaf to everybody (repaired upstream in 2023, eProsima/Fast-DDS #3759). Tools that come and go would do that to the
-// bridge.
+// UDP alone, although shared memory is the library's default: in Fast DDS 2.9 a participant that
+// leaves before all others have read its last message leaves them with a message whose memory is
+// gone, and they try to read it for ever: a whole processor each, and deaf to everybody (repaired
+// upstream in 2023, eProsima/Fast-DDS #3759). Tools that come and go would do that to the bridge.
 void set_transports(const DdsSpec& spec, dds::DomainParticipantQos& qos) {
   auto& transport = qos.transport();
   transport.use_builtin_transports = false;
   auto udp = std::make_shared<UDPv4TransportDescriptor>();
-  udp->interfaceWhiteList = spec.interfaces;
+  udp->interfaceWhiteList = used_interfaces(spec);
   udp->receiveBufferSize = kReceiveBuffer;
   transport.user_transports.push_back(udp);
+}
+
+// Messages pass through ours on their way out: notes of unregistered instances get their keys. The
+// library's own transports cannot be reached, so that UDP of the user's or ours takes their place.
+void send_through_ours(dds::TransportConfigQos& transport) {
+  if (std::exchange(transport.use_builtin_transports, false) &&
+      std::none_of(transport.user_transports.begin(), transport.user_transports.end(),
+                   [](const auto& one) {
+                     return dynamic_cast<const UDPv4TransportDescriptor*>(one.get()) != nullptr;
+                   })) {
+    transport.user_transports.push_back(std::make_shared<UDPv4TransportDescriptor>());
+  }
+  for (auto& one : transport.user_transports) one = std::make_shared<NoteTransportDescriptor>(one);
 }
 
 void set_discovery_server(const std::string& server, dds::DomainParticipantQos& qos) {
@@ -58,17 +77,21 @@ void set_discovery_server(const std::string& server, dds::DomainParticipantQos& 
   const std::string host = server.substr(0, colon);
   unsigned port = 0;
   const char* end = server.data() + server.size();
-  if (colon == std::string::npos || std::from_chars(server.data() + colon + 1, end, port).ptr != end || port == 0 ||
+  if (colon == std::string::npos ||
+      std::from_chars(server.data() + colon + 1, end, port).ptr != end || port == 0 ||
       port > 65535) {
     throw DdsError("dds: discovery server '" + server + "' is not host:port");
   }
   const auto found = rtps::IPLocator::resolveNameDNS(host);
-  const std::string address = rtps::IPLocator::isIPv4(host) ? host : found.first.empty() ? "" : *found.first.begin();
+  const std::string address = rtps::IPLocator::isIPv4(host) ? host
+                              : found.first.empty()         ? ""
+                                                            : *found.first.begin();
   if (address.empty()) throw DdsError("dds: discovery server: no address known for '" + host + "'");
   rtps::Locator_t locator(LOCATOR_KIND_UDPv4, port);
   rtps::IPLocator::setIPv4(locator, address);
   rtps::RemoteServerAttributes attributes;
-  eprosima::fastdds::rtps::get_server_client_default_guidPrefix(0, attributes.guidPrefix);  // `fast-discovery-server -i 0`
+  eprosima::fastdds::rtps::get_server_client_default_guidPrefix(
+      0, attributes.guidPrefix);  // `fast-discovery-server -i 0`
   attributes.metatrafficUnicastLocatorList.push_back(locator);
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.discoveryProtocol = rtps::DiscoveryProtocol_t::CLIENT;
@@ -85,33 +108,47 @@ dds::DomainParticipantQos participant_qos(const DdsSpec& spec, const std::string
     if (factory->get_participant_qos_from_profile(kProfile, qos) != ReturnCode_t::RETCODE_OK) {
       throw DdsError("dds: " + *spec.profile + " has no participant profile 'fieldcast'");
     }
-  } else {
-    // A silent peer is forgotten after 10 s instead of 20. Announcements are made each half second: where the first ones crossed
-    // those of the peer, the next ones complete the discovery (25 joins: at most 0.9 s, with the library's 3 s up to 3.1 s).
-    auto& discovery = qos.wire_protocol().builtin.discovery_config;
-    discovery.leaseDuration = {10, 0};
-    discovery.leaseDuration_announcementperiod = {0, 500'000'000};
   }
+  // A silent peer is forgotten after 10 s instead of 20. Announcements are made each half second:
+  // where the first ones crossed those of the peer, the next ones complete the discovery (25 joins:
+  // at most 0.9 s, with the library's 3 s up to 3.1 s). Under a profile too: what others rely on is
+  // ours.
+  auto& discovery = qos.wire_protocol().builtin.discovery_config;
+  discovery.leaseDuration = {10, 0};
+  discovery.leaseDuration_announcementperiod = {0, 500'000'000};
   qos.name() = name;
   // Transports of the user's profile are the user's business; without any, ours.
   if (!spec.profile || qos.transport().user_transports.empty()) set_transports(spec, qos);
+  send_through_ours(qos.transport());
   if (spec.discovery_server) set_discovery_server(*spec.discovery_server, qos);
   return qos;
 }
 
 }  // namespace
 
-Domain::Domain(const DdsSpec& spec, const std::string& name, dds::DomainParticipantListener* listener) {
-  if (spec.domain > kHighestDomain) throw DdsError("dds: domain " + std::to_string(spec.domain) + " is not 0..232");
+std::vector<std::string> used_interfaces(const DdsSpec& spec) {
+  std::vector<std::string> used = spec.interfaces;
+  if (!used.empty() && std::find(used.begin(), used.end(), kLoopback) == used.end())
+    used.push_back(kLoopback);
+  return used;  // an empty list: all there are
+}
+
+Domain::Domain(const DdsSpec& spec, const std::string& name,
+               dds::DomainParticipantListener* listener) {
+  if (spec.domain > kHighestDomain)
+    throw DdsError("dds: domain " + std::to_string(spec.domain) + " is not 0..232");
   for (const std::string& address : spec.interfaces) {
-    if (!has_interface(address)) throw DdsError("dds: no interface of this machine has the address " + address);
+    if (!has_interface(address))
+      throw DdsError("dds: no interface of this machine has the address " + address);
   }
   prepare_library();
   auto* factory = dds::DomainParticipantFactory::get_instance();
   const dds::DomainParticipantQos qos = participant_qos(spec, name);
   // Discovery is heard all the same: it has no bit in the mask.
-  participant_.reset(factory->create_participant(spec.domain, qos, listener, dds::StatusMask::none()));
-  if (participant_ == nullptr) throw DdsError("dds: cannot join domain " + std::to_string(spec.domain));
+  participant_.reset(
+      factory->create_participant(spec.domain, qos, listener, dds::StatusMask::none()));
+  if (participant_ == nullptr)
+    throw DdsError("dds: cannot join domain " + std::to_string(spec.domain));
   dds::PublisherQos publisher = dds::PUBLISHER_QOS_DEFAULT;
   dds::SubscriberQos subscriber = dds::SUBSCRIBER_QOS_DEFAULT;
   if (spec.partition) {
@@ -120,7 +157,27 @@ Domain::Domain(const DdsSpec& spec, const std::string& name, dds::DomainParticip
   }
   publisher_ = participant_->create_publisher(publisher);
   subscriber_ = participant_->create_subscriber(subscriber);
-  if (publisher_ == nullptr || subscriber_ == nullptr) throw DdsError("dds: cannot make a publisher and a subscriber");
+  if (publisher_ == nullptr || subscriber_ == nullptr)
+    throw DdsError("dds: cannot make a publisher and a subscriber");
+}
+
+namespace {
+
+// A writer is deleted with an empty history only. Fast DDS 2.9.1 lets go of what is left in it
+// without its lock (RTPSWriter::deinit; mended upstream in 2023, eProsima/Fast-DDS #4076): a
+// heartbeat that is made meanwhile finds messages with the number 0, looks for the gap between them
+// for ever (StatefulWriter::add_gaps_for_holes_in_history_), and the deletion waits for it.
+void empty(dds::DataWriter* writer) {
+  std::size_t removed = 0;
+  writer->clear_history(&removed);
+}
+
+}  // namespace
+
+Domain::~Domain() {
+  std::vector<dds::DataWriter*> writers;
+  publisher_->get_datawriters(writers);
+  for (dds::DataWriter* writer : writers) empty(writer);
 }
 
 void Domain::Leave::operator()(dds::DomainParticipant* participant) const {
@@ -132,7 +189,8 @@ void Domain::Leave::operator()(dds::DomainParticipant* participant) const {
 dds::Topic* Domain::make_topic(const char* name, dds::TypeSupport type) {
   dds::Topic*& topic = topics_[name];
   if (topic != nullptr) return topic;
-  const std::string type_name = "fieldcast::" + std::string(name).substr(std::string(name).find('/') + 1);
+  const std::string type_name =
+      "fieldcast::" + std::string(name).substr(std::string(name).find('/') + 1);
   if (type.register_type(participant_.get(), type_name) != ReturnCode_t::RETCODE_OK)
     throw DdsError("dds: type " + type_name + " is taken");
   topic = participant_->create_topic(name, type_name, dds::TOPIC_QOS_DEFAULT);
@@ -140,16 +198,18 @@ dds::Topic* Domain::make_topic(const char* name, dds::TypeSupport type) {
   return topic;
 }
 
-dds::DataWriter* Domain::make_writer(dds::Topic* topic, dds::DataWriterQos qos, const std::string& label,
-                                     dds::DataWriterListener* listener, dds::StatusMask mask) {
-  qos.user_data().setValue(std::vector<eprosima::fastrtps::rtps::octet>(label.begin(), label.end()));
+dds::DataWriter* Domain::make_writer(dds::Topic* topic, dds::DataWriterQos qos,
+                                     const std::string& label, dds::DataWriterListener* listener,
+                                     dds::StatusMask mask) {
+  qos.user_data().setValue(
+      std::vector<eprosima::fastrtps::rtps::octet>(label.begin(), label.end()));
   dds::DataWriter* writer = publisher_->create_datawriter(topic, qos, listener, mask);
   if (writer == nullptr) throw DdsError("dds: cannot make a writer of " + topic->get_name());
   return writer;
 }
 
-dds::DataReader* Domain::make_reader(dds::Topic* topic, dds::DataReaderQos qos, dds::DataReaderListener* listener,
-                                     dds::StatusMask mask) {
+dds::DataReader* Domain::make_reader(dds::Topic* topic, dds::DataReaderQos qos,
+                                     dds::DataReaderListener* listener, dds::StatusMask mask) {
   dds::DataReader* reader = subscriber_->create_datareader(topic, qos, listener, mask);
   if (reader == nullptr) throw DdsError("dds: cannot make a reader of " + topic->get_name());
   return reader;
@@ -157,6 +217,7 @@ dds::DataReader* Domain::make_reader(dds::Topic* topic, dds::DataReaderQos qos, 
 
 void Domain::remove(dds::DataWriter* writer) {
   writer->set_listener(nullptr);
+  empty(writer);
   publisher_->delete_datawriter(writer);
 }
 

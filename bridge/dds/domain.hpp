@@ -1,5 +1,6 @@
-// One participant in a DDS domain, with the transports, names and topics of Fieldcast. Owns every entity that is made through it.
-// Created, closed and asked for new endpoints on one thread at a time.
+// One participant in a DDS domain, with the transports, names and topics of Fieldcast. Owns every
+// entity that is made through it. Created, closed and asked for new endpoints on one thread at a
+// time.
 #pragma once
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
@@ -13,47 +14,54 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
-#include "bridge/dds/topic_type.hpp"
-#include "bridge/dds/topics.hpp"
+#include "bridge/dds/topics/topic_type.hpp"
+#include "bridge/dds/topics/topics.hpp"
 #include "core/model/spec.hpp"
 
 namespace fieldcast {
 
+// The addresses that DDS uses: those of the configuration, and the loopback. Peers on this machine
+// that use the loopback alone, as ours do unless told otherwise, must be reached whatever the
+// network is.
+[[nodiscard]] std::vector<std::string> used_interfaces(const DdsSpec& spec);
+
 class Domain {
  public:
-  // `name` is what other participants see. The listener hears discovery only and outlives the domain; may be null.
-  // Throws DdsError: an address of no interface here, a profile that cannot be read, a discovery server that is not host:port.
+  // `name` is what other participants see. The listener hears discovery only and outlives the
+  // domain; may be null. Throws DdsError: an address of no interface here, a profile that cannot be
+  // read, a discovery server that is not host:port.
   Domain(const DdsSpec& spec, const std::string& name, dds::DomainParticipantListener* listener);
+  ~Domain();  // leaves the domain
   Domain(const Domain&) = delete;
   Domain& operator=(const Domain&) = delete;
 
-  // Endpoints of a topic whose type fastddsgen made, with `label` as user data for people who look at the domain. The listener
-  // outlives the endpoint; may be null. Throws DdsError.
-  template <class Generated>
+  // Endpoints of a topic whose type fastddsgen made, with `label` as user data for people who look
+  // at the domain. The listener outlives the endpoint; may be null. Throws DdsError.
+  template <class Generated, class Type = TopicType<Generated>>
   dds::DataWriter* writer(const char* topic_name, dds::DataWriterQos qos, const std::string& label,
-                          dds::DataWriterListener* listener = nullptr, dds::StatusMask mask = dds::StatusMask::none()) {
-    return make_writer(topic<Generated>(topic_name), std::move(qos), label, listener, mask);
+                          dds::DataWriterListener* listener = nullptr,
+                          dds::StatusMask mask = dds::StatusMask::none()) {
+    return make_writer(make_topic(topic_name, dds::TypeSupport(new Type())), std::move(qos), label,
+                       listener, mask);
   }
   template <class Generated>
-  dds::DataReader* reader(const char* topic_name, dds::DataReaderQos qos, dds::DataReaderListener* listener,
-                          dds::StatusMask mask) {
-    return make_reader(topic<Generated>(topic_name), std::move(qos), listener, mask);
+  dds::DataReader* reader(const char* topic_name, dds::DataReaderQos qos,
+                          dds::DataReaderListener* listener, dds::StatusMask mask) {
+    return make_reader(make_topic(topic_name, dds::TypeSupport(new TopicType<Generated>())),
+                       std::move(qos), listener, mask);
   }
   // Its listener is not called any more when these return.
   void remove(dds::DataWriter* writer);
   void remove(dds::DataReader* reader);
 
  private:
-  template <class Generated>
-  dds::Topic* topic(const char* name) {
-    return make_topic(name, dds::TypeSupport(new TopicType<Generated>()));
-  }
   dds::Topic* make_topic(const char* name, dds::TypeSupport type);
   dds::DataWriter* make_writer(dds::Topic* topic, dds::DataWriterQos qos, const std::string& label,
                                dds::DataWriterListener* listener, dds::StatusMask mask);
-  dds::DataReader* make_reader(dds::Topic* topic, dds::DataReaderQos qos, dds::DataReaderListener* listener,
-                               dds::StatusMask mask);
+  dds::DataReader* make_reader(dds::Topic* topic, dds::DataReaderQos qos,
+                               dds::DataReaderListener* listener, dds::StatusMask mask);
 
   struct Leave {
     void operator()(dds::DomainParticipant* participant) const;  // deletes every entity first

@@ -8,11 +8,17 @@ InterestReceiver::InterestReceiver(Domain& domain, std::function<void(Interest)>
                                    std::function<void(std::string)> on_problem)
     : domain_(domain), handler_(std::move(handler)), on_problem_(std::move(on_problem)) {
   reader_ = domain.reader<idl::InterestPubSubType>(kInterestTopic, interest_reader_qos(), this,
-                                                   dds::StatusMask::data_available() << dds::StatusMask::subscription_matched()
-                                                                                      << dds::StatusMask::sample_rejected());
+                                                   dds::StatusMask::data_available()
+                                                       << dds::StatusMask::subscription_matched()
+                                                       << dds::StatusMask::sample_rejected());
+  lease_reader_ = domain.reader<idl::InterestPubSubType>(kInterestTopic, lease_reader_qos(), this,
+                                                         dds::StatusMask::liveliness_changed());
 }
 
-void InterestReceiver::close() { domain_.remove(reader_); }
+void InterestReceiver::close() {
+  domain_.remove(lease_reader_);
+  domain_.remove(reader_);
+}
 
 void InterestReceiver::on_data_available(dds::DataReader* reader) {
   const std::lock_guard lock(mutex_);
@@ -30,20 +36,24 @@ void InterestReceiver::on_data_available(dds::DataReader* reader) {
         refuse(sample, std::to_string(kMaxInterests) + " are held already");
         continue;
       }
-      wishes_[info.instance_handle] = {*wish, info.publication_handle};
+      wishes_[info.instance_handle] = {*wish, info.publication_handle, false};
       handler_(std::move(*wish));
     } else if (info.instance_state != dds::ALIVE_INSTANCE_STATE && known != wishes_.end()) {
-      Interest ended = std::move(known->second.interest);
+      const Wish ended = std::move(known->second);
       wishes_.erase(known);
-      ended.refresh.reset();
-      handler_(std::move(ended));
+      if (!ended.silent) end(ended.interest);
     }
   }
 }
 
+void InterestReceiver::end(Interest interest) {
+  interest.refresh.reset();
+  handler_(std::move(interest));
+}
+
 void InterestReceiver::refuse(const idl::Interest& interest, const std::string& why) {
-  refuse("the interest of station '" + std::string(interest.station().c_str()) + "' in '" + interest.pattern().c_str() +
-         "' is refused: " + why);
+  refuse("the interest of station '" + std::string(interest.station().c_str()) + "' in '" +
+         interest.pattern().c_str() + "' is refused: " + why);
 }
 
 void InterestReceiver::refuse(const std::string& text) {
@@ -53,13 +63,17 @@ void InterestReceiver::refuse(const std::string& text) {
   if (refused == told) on_problem_(text + "; refused so far: " + std::to_string(refused));
 }
 
-// The library holds as many instances as we do, and takes no more until one ends. Called under the reader's lock: without ours.
+// The library holds as many instances as we do, and takes no more until one ends. Called under the
+// reader's lock: without ours.
 void InterestReceiver::on_sample_rejected(dds::DataReader*, const dds::SampleRejectedStatus&) {
-  refuse("interests are refused: stations declare more than the " + std::to_string(kMaxInterests) + " that a bridge holds");
+  refuse("interests are refused: stations declare more than the " + std::to_string(kMaxInterests) +
+         " that a bridge holds");
 }
 
-// A station that dies, or leaves without withdrawing: the library delivers no note for its instances.
-void InterestReceiver::on_subscription_matched(dds::DataReader*, const dds::SubscriptionMatchedStatus& status) {
+// A station that dies, or leaves without withdrawing: the library delivers no note for its
+// instances.
+void InterestReceiver::on_subscription_matched(dds::DataReader*,
+                                               const dds::SubscriptionMatchedStatus& status) {
   if (status.current_count_change >= 0) return;
   const std::lock_guard lock(mutex_);
   for (auto wish = wishes_.begin(); wish != wishes_.end();) {
@@ -67,10 +81,21 @@ void InterestReceiver::on_subscription_matched(dds::DataReader*, const dds::Subs
       ++wish;
       continue;
     }
-    Interest ended = std::move(wish->second.interest);
+    const Wish ended = std::move(wish->second);
     wish = wishes_.erase(wish);
-    ended.refresh.reset();
-    handler_(std::move(ended));
+    if (!ended.silent) end(ended.interest);
+  }
+}
+
+void InterestReceiver::on_liveliness_changed(dds::DataReader*,
+                                             const dds::LivelinessChangedStatus& status) {
+  if (status.alive_count_change == 0) return;
+  const bool silent = status.alive_count_change < 0;
+  const std::lock_guard lock(mutex_);
+  for (auto& [instance, wish] : wishes_) {
+    if (wish.writer != status.last_publication_handle || wish.silent == silent) continue;
+    wish.silent = silent;
+    silent ? end(wish.interest) : handler_(wish.interest);
   }
 }
 

@@ -1,32 +1,45 @@
-// Hears Interest: what stations wish for, and when a wish ends: withdrawn, or its station is dead. Calls come on DDS threads.
+// Hears Interest: what stations wish for, and when a wish ends: withdrawn, or its station is dead.
+// Calls come on DDS threads.
+//
+// Any vendor's default QoS is heard, so that the reader asks for no lease, and then the library
+// tells of a dead writer only when its whole participant is given up. A second reader asks for the
+// lease that our stations promise: it takes nothing, and hears which of their writers are alive.
 #pragma once
 
 #include <atomic>
 #include <functional>
 #include <map>
 
-#include "bridge/dds/conversion.hpp"
 #include "bridge/dds/domain.hpp"
+#include "bridge/dds/topics/conversion.hpp"
 
 namespace fieldcast {
 
 class InterestReceiver : private dds::DataReaderListener {
  public:
-  // `on_problem` hears of interests that are refused: the first, the tenth, the hundredth, and so on, whatever a station sends.
-  InterestReceiver(Domain& domain, std::function<void(Interest)> handler, std::function<void(std::string)> on_problem);
+  // `on_problem` hears of interests that are refused: the first, the tenth, the hundredth, and so
+  // on, whatever a station sends.
+  InterestReceiver(Domain& domain, std::function<void(Interest)> handler,
+                   std::function<void(std::string)> on_problem);
   void close();  // nothing is handed on after it returns
 
  private:
   void on_data_available(dds::DataReader* reader) override;
-  void on_sample_rejected(dds::DataReader* reader, const dds::SampleRejectedStatus& status) override;
-  void on_subscription_matched(dds::DataReader* reader, const dds::SubscriptionMatchedStatus& status) override;
+  void on_sample_rejected(dds::DataReader* reader,
+                          const dds::SampleRejectedStatus& status) override;
+  void on_subscription_matched(dds::DataReader* reader,
+                               const dds::SubscriptionMatchedStatus& status) override;
+  void on_liveliness_changed(dds::DataReader* reader,
+                             const dds::LivelinessChangedStatus& status) override;
 
+  void end(Interest interest);
   void refuse(const idl::Interest& interest, const std::string& why);
   void refuse(const std::string& text);
 
   struct Wish {
     Interest interest;
     dds::InstanceHandle_t writer;
+    bool silent = false;  // its writer is; it stands again when the writer does
   };
 
   Domain& domain_;
@@ -34,8 +47,10 @@ class InterestReceiver : private dds::DataReaderListener {
   std::function<void(std::string)> on_problem_;
   std::atomic<std::uint64_t> refused_{0};
   dds::DataReader* reader_ = nullptr;
-  std::mutex mutex_;                              // the reader is called on any of the participant's threads
-  std::map<dds::InstanceHandle_t, Wish> wishes_;  // the end of a wish comes without its names; at most kMaxInterests
+  dds::DataReader* lease_reader_ = nullptr;
+  std::mutex mutex_;  // the reader is called on any of the participant's threads
+  std::map<dds::InstanceHandle_t, Wish>
+      wishes_;  // the end of a wish comes without its names; at most kMaxInterests
 };
 
 }  // namespace fieldcast

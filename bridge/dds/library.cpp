@@ -2,6 +2,7 @@
 
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 
+#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <fastdds/dds/log/Log.hpp>
@@ -15,27 +16,35 @@ namespace {
 
 using eprosima::fastdds::dds::Log;
 
-// Said when an instance with a deadline is unregistered (Fast DDS 2.9.1, DataWriterImpl): the timer it then looks for is meant to
-// be gone. Every channel that moves to another writer would print it.
+// Said when an instance with a deadline is unregistered (Fast DDS 2.9.1, DataWriterImpl): the timer
+// it then looks for is meant to be gone. Every channel that moves to another writer would print it.
 constexpr std::string_view kHarmless = "Could not set the next deadline in the history";
+
+std::atomic<LibraryLines> elsewhere{nullptr};
 
 class PlainLines : public eprosima::fastdds::dds::LogConsumer {
  public:
   void Consume(const Log::Entry& entry) override {
     if (entry.message == kHarmless) return;
-    std::fprintf(stderr, "Fast DDS %s: %s (%s)\n", entry.kind == Log::Error ? "error" : "warning", entry.message.c_str(),
-                 entry.context.category);
+    if (const LibraryLines lines = elsewhere) {
+      return lines(entry.kind == Log::Error, entry.context.category, entry.message);
+    }
+    std::fprintf(stderr, "Fast DDS %s: %s (%s)\n", entry.kind == Log::Error ? "error" : "warning",
+                 entry.message.c_str(), entry.context.category);
   }
 };
 
 }  // namespace
+
+void set_library_lines(LibraryLines lines) { elsewhere = lines; }
 
 void prepare_library() {
   static std::once_flag once;
   std::call_once(once, [] {
     Log::ClearConsumers();
     Log::RegisterConsumer(std::make_unique<PlainLines>());
-    // The library's own view of a problem in the field: warnings, beside the errors that are always shown.
+    // The library's own view of a problem in the field: warnings, beside the errors that are always
+    // shown.
     if (std::getenv("FIELDCAST_DDS_WARNINGS") != nullptr) Log::SetVerbosity(Log::Warning);
     eprosima::fastrtps::LibrarySettingsAttributes settings;
     settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;

@@ -1,10 +1,12 @@
-// A writer of messages whose keys never come again: each is an instance that both ends have to forget, or their memory grows for
-// ever.
+// A writer of messages whose keys never come again: each is an instance that both ends have to
+// forget, or their memory grows for ever.
 //
-// The note that an instance is let go leaves only when the message itself is acknowledged and gone from the history. Fast DDS
-// 2.9.1 walks backwards over what was acknowledged and takes out a message together with its note, while its iterator points at
-// one of them (StatefulWriter::check_acked_status, DataWriterHistory::remove_instance_changes): what comes after is then dropped
-// though nobody has it, and the writer and its readers wait for each other for ever.
+// The note that an instance is let go leaves only when the message itself is acknowledged and gone
+// from the history. Fast DDS 2.9.1 walks backwards over what was acknowledged and takes out a
+// message together with its note, while its iterator points at one of them
+// (StatefulWriter::check_acked_status, DataWriterHistory::remove_instance_changes): what comes
+// after is then dropped though nobody has it, and the writer and its readers wait for each other
+// for ever.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +15,7 @@
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <mutex>
 
-#include "bridge/dds/topics.hpp"
+#include "bridge/dds/topics/topics.hpp"
 #include "core/base/time.hpp"
 
 namespace fieldcast {
@@ -36,29 +38,32 @@ class OnceWriter {
     return true;
   }
 
-  // Waits at most `wait` until all readers have what was written. A reader that stays behind costs this wait once for each
-  // kBatch messages, until kMaxPendingCommands are not acknowledged.
+  // Waits at most `wait` until all readers have what was written. A reader that stays behind costs
+  // this wait once for each kBatch messages, until kMaxPendingCommands are not acknowledged.
   void make_room(Duration wait) {
     entity_->wait_for_acknowledgments(to_dds(wait));
     const std::lock_guard lock(mutex_);
     if (!let_go()) limit_ = std::min<std::size_t>(limit_ + kBatch, kMaxPendingCommands);
   }
 
-  // Lets go of the instances of what was written, if all of it is acknowledged. False: some are left.
+  // Lets go of the instances of what was written, if all of it is acknowledged. False: some are
+  // left.
   bool settle() {
     const std::lock_guard lock(mutex_);
     return let_go();
   }
 
  private:
-  static constexpr std::size_t kBatch = 256;  // one acknowledgement tells of so many (RTPS 2.2, 9.4.2.6)
+  static constexpr std::size_t kBatch =
+      256;  // one acknowledgement tells of so many (RTPS 2.2, 9.4.2.6)
 
   bool let_go() {
     if (written_.empty()) return true;
     if (entity_->wait_for_acknowledgments({0, 0}) != ReturnCode_t::RETCODE_OK) return false;
     while (!written_.empty()) {
       const ReturnCode_t done = entity_->unregister_instance(&written_.front(), dds::HANDLE_NIL);
-      if (done == ReturnCode_t::RETCODE_TIMEOUT || done == ReturnCode_t::RETCODE_OUT_OF_RESOURCES) return false;
+      if (done == ReturnCode_t::RETCODE_TIMEOUT || done == ReturnCode_t::RETCODE_OUT_OF_RESOURCES)
+        return false;
       written_.pop_front();
     }
     limit_ = kBatch;

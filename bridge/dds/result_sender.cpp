@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <utility>
 
+#include "bridge/dds/topics/result_type.hpp"
+#include "bridge/dds/unregister_note.hpp"
+
 namespace fieldcast {
 
 namespace {
 
-// RTPS 2.2, 9.3.1.5: a participant's identity begins with its vendor. Readers of Fast DDS keep what comes before the first
-// heartbeat.
+// RTPS 2.2, 9.3.1.5: a participant's identity begins with its vendor. Readers of Fast DDS keep what
+// comes before the first heartbeat.
 bool is_fast_dds(const ResultSender::GuidPrefix& participant) {
   const auto& vendor = eprosima::fastrtps::rtps::c_VendorId_eProsima;
   return participant.value[0] == vendor[0] && participant.value[1] == vendor[1];
@@ -16,12 +19,13 @@ bool is_fast_dds(const ResultSender::GuidPrefix& participant) {
 
 }  // namespace
 
-ResultSender::ResultSender(Domain& domain, const std::string& label, std::function<UtcMapping()> clock,
+ResultSender::ResultSender(Domain& domain, const std::string& label,
+                           std::function<UtcMapping()> clock,
                            std::function<void(std::string)> on_problem)
     : domain_(domain), clock_(std::move(clock)), on_problem_(std::move(on_problem)) {
-  writer_ = domain.writer<idl::CommandResultPubSubType>(kCommandResultTopic, result_writer_qos(), label, this,
-                                                        dds::StatusMask::publication_matched());
-  once_.attach(writer_);
+  writer_ = domain.writer<idl::CommandResultPubSubType, ResultType>(
+      kCommandResultTopic, result_writer_qos(), label, this,
+      dds::StatusMask::publication_matched());
   thread_ = std::thread([this] { run(); });
 }
 
@@ -46,40 +50,47 @@ std::optional<Instant> ResultSender::hold_until(const Requester& requester, Inst
 }
 
 void ResultSender::send(const idl::CommandResult& result) {
-  std::unique_lock lock(mutex_);
-  if (const auto requester = requesters_.find(result.requester().c_str()); requester != requesters_.end()) {
-    if (const auto until = hold_until(requester->second, clock_().instant)) {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto requester = requesters_.find(result.requester().c_str());
+    const auto until = requester == requesters_.end()
+                           ? std::nullopt
+                           : hold_until(requester->second, clock_().instant);
+    if (until) {
       held_.push_back({requester->second.participant, *until, result});
       if (held_.size() > kMaxHeld) held_.front().until = Instant{};
       changed_.notify_one();
       return;
     }
   }
-  if (ready_.empty() && !sending_) {
-    lock.unlock();
-    const bool sent = once_.write(const_cast<idl::CommandResult&>(result));  // the library wants it so; it only reads
-    lock.lock();
-    if (sent) {
-      if (std::exchange(settled_, false)) changed_.notify_one();
-      return;
-    }
-  }
-  enqueue(result, lock);
+  write(result);
 }
 
-void ResultSender::enqueue(const idl::CommandResult& result, std::unique_lock<std::mutex>& lock) {
-  if (ready_.size() < kMaxReady) {
-    ready_.push_back(result);
-    changed_.notify_one();
-    return;
+void ResultSender::write(const idl::CommandResult& result) {
+  OutgoingResult outgoing{&result};
+  if (!writer_->write(&outgoing)) {
+    return on_problem_("result " + std::to_string(result.request_id()) + " of " +
+                       result.requester().c_str() + " was not sent: DDS did not take it");
   }
-  lock.unlock();
-  on_problem_("result " + std::to_string(result.request_id()) + " of " + result.requester().c_str() +
-              " was not sent: readers do not acknowledge");
+  const std::lock_guard lock(mutex_);
+  Kept& kept = kept_.emplace_back();
+  kept.keys.requester(result.requester());
+  kept.keys.request_id(result.request_id());
+  kept.since = clock_().instant;
+  if (kept_.size() == 1 || kept_.size() > kMaxKept) changed_.notify_one();
 }
 
-void ResultSender::on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) {
-  const GuidPrefix participant = eprosima::fastrtps::rtps::iHandle2GUID(status.last_subscription_handle).guidPrefix;
+void ResultSender::let_go(const idl::CommandResult& sent) {
+  OutgoingResult outgoing{&sent, true};
+  eprosima::fastrtps::rtps::WriteParams how;
+  how.related_sample_identity(unregister_mark(ResultType::key_of(sent)));
+  writer_->write(&outgoing, how);
+}
+
+void ResultSender::on_publication_matched(dds::DataWriter*,
+                                          const dds::PublicationMatchedStatus& status) {
+  const GuidPrefix participant =
+      eprosima::fastrtps::rtps::iHandle2GUID(status.last_subscription_handle).guidPrefix;
   const std::lock_guard lock(mutex_);
   if (status.current_count_change < 0) {
     const auto match = matched_.find(participant);
@@ -91,50 +102,58 @@ void ResultSender::on_publication_matched(dds::DataWriter*, const dds::Publicati
   ++match.readers;
   match.since = now;
   for (Held& held : held_) {
-    if (held.participant == participant) held.until = is_fast_dds(participant) ? now : now + kSettle;
+    if (held.participant == participant)
+      held.until = is_fast_dds(participant) ? now : now + kSettle;
   }
   changed_.notify_one();
 }
 
-void ResultSender::take_due() {
-  const Instant now = clock_().instant;
+std::vector<idl::CommandResult> ResultSender::take_due(Instant now) {
+  std::vector<idl::CommandResult> due;
   std::erase_if(held_, [&](Held& held) {
     if (held.until > now) return false;
-    ready_.push_back(std::move(held.result));
+    due.push_back(std::move(held.result));
     return true;
   });
+  return due;
+}
+
+std::vector<idl::CommandResult> ResultSender::take_kept(Instant now) {
+  std::vector<idl::CommandResult> over;
+  while (!kept_.empty() && (kept_.size() > kMaxKept || now - kept_.front().since >= kKeep)) {
+    over.push_back(std::move(kept_.front().keys));
+    kept_.pop_front();
+  }
+  return over;
+}
+
+std::optional<Instant> ResultSender::next_due() const {
+  std::optional<Instant> next;
+  for (const Held& held : held_) next = std::min(next.value_or(held.until), held.until);
+  if (!kept_.empty()) {
+    const Instant over = kept_.front().since + kKeep;
+    next = std::min(next.value_or(over), over);
+  }
+  return next;
 }
 
 void ResultSender::run() {
   std::unique_lock lock(mutex_);
   while (!closing_) {
-    take_due();
-    if (!ready_.empty()) {
-      idl::CommandResult next = std::move(ready_.front());
-      ready_.pop_front();
-      sending_ = true;
+    const Instant now = clock_().instant;
+    const auto due = take_due(now), over = take_kept(now);
+    if (!due.empty() || !over.empty()) {
       lock.unlock();
-      const bool sent = once_.write(next) || (once_.make_room(kWaitForRoom), once_.write(next));
+      for (const idl::CommandResult& result : due) write(result);
+      for (const idl::CommandResult& sent : over) let_go(sent);
       lock.lock();
-      sending_ = false;
-      settled_ = false;
-      if (!sent) ready_.push_front(std::move(next));
       continue;
     }
-    std::optional<Instant> until;
-    for (const Held& held : held_) until = std::min(until.value_or(held.until), held.until);
-    if (!settled_) until = std::min(until.value_or(Instant::max()), clock_().instant + kWaitForRoom);
-    if (!until) {
+    if (const auto next = next_due()) {
+      changed_.wait_for(lock, *next - now);
+    } else {
       changed_.wait(lock);
-      continue;
     }
-    changed_.wait_for(lock, *until - clock_().instant);
-    if (settled_) continue;
-    settled_ = true;
-    lock.unlock();
-    const bool settled = once_.settle();
-    lock.lock();
-    settled_ = settled_ && settled;  // not if something was sent meanwhile
   }
 }
 
@@ -145,19 +164,8 @@ void ResultSender::close(Duration linger) {
     changed_.notify_one();
   }
   thread_.join();
-  std::deque<idl::CommandResult> last;
-  {
-    const std::lock_guard lock(mutex_);
-    for (Held& held : held_) ready_.push_back(std::move(held.result));
-    held_.clear();
-    last.swap(ready_);
-  }
-  bool waited = false;  // once for all: the bridge is on its way out
-  for (idl::CommandResult& result : last) {
-    if (once_.write(result) || std::exchange(waited, true)) continue;
-    once_.make_room(linger);
-    (void)once_.write(result);
-  }
+  // Nobody sends any more. What is left is due now; instances go with the writer.
+  for (const Held& held : std::exchange(held_, {})) write(held.result);
   writer_->wait_for_acknowledgments(to_dds(linger));
   domain_.remove(std::exchange(writer_, nullptr));
 }

@@ -1,9 +1,13 @@
 // Publishes command results, one for each command.
 //
-// Results are volatile. A requester that has just joined may have had its command heard before its reader was discovered; its
-// result is held until then, for at most a second. Readers of other vendors get a moment more: Cyclone DDS throws away what comes
-// before the first heartbeat of a writer, and takes that heartbeat for the beginning. Any thread; one of its own sends what was
-// held.
+// Results are volatile. A requester that has just joined may have had its command heard before its
+// reader was discovered; its result is held until then, for at most a second. Readers of other
+// vendors get a moment more: Cyclone DDS throws away what comes before the first heartbeat of a
+// writer, and takes that heartbeat for the beginning. A moment after its result, an instance is let
+// go, so that readers keep nothing of it.
+//
+// Nobody is waited for: the writer is a ring (ResultType), and a reader that takes nothing loses
+// the oldest. Any thread; one of its own sends what was held, and lets instances go.
 #pragma once
 
 #include <condition_variable>
@@ -14,10 +18,10 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
-#include "bridge/dds/conversion.hpp"
 #include "bridge/dds/domain.hpp"
-#include "bridge/dds/once_writer.hpp"
+#include "bridge/dds/topics/conversion.hpp"
 
 namespace fieldcast {
 
@@ -29,22 +33,26 @@ class ResultSender : private dds::DataWriterListener {
                std::function<void(std::string)> on_problem);
   ~ResultSender() override;  // close()
 
-  // The participant that a requester's commands come from. At most kMaxRequesters are remembered; the results of others are not
-  // held.
+  // The participant that a requester's commands come from. At most kMaxRequesters are remembered;
+  // the results of others are not held.
   void remember(const std::string& requester, const GuidPrefix& participant);
 
   void send(const idl::CommandResult& result);
 
-  // Sends what is held, waits at most `linger` until every reader has what was sent, and removes the writer. Once.
+  // Sends what is held, waits at most `linger` until every reader has what was sent, and removes
+  // the writer. Once.
   void close(Duration linger);
 
  private:
   static constexpr std::size_t kMaxRequesters = 4096;
-  static constexpr std::size_t kMaxHeld = 1024;                  // the oldest is sent regardless
-  static constexpr std::size_t kMaxReady = kMaxPendingCommands;  // what comes beyond is dropped, and said
+  static constexpr std::size_t kMaxHeld = 1024;  // the oldest is sent regardless
   static constexpr Duration kHold = std::chrono::seconds{1};
-  static constexpr Duration kSettle = std::chrono::milliseconds{50};       // ten times the delay of a writer's first heartbeat
-  static constexpr Duration kWaitForRoom = std::chrono::milliseconds{20};  // between two looks at whether to end, or at what is acknowledged
+  static constexpr Duration kSettle =
+      std::chrono::milliseconds{50};  // ten times the delay of a writer's first heartbeat
+  // After which an instance is let go, and how many may wait for it: readers hold
+  // kMaxPendingCommands instances.
+  static constexpr Duration kKeep = std::chrono::milliseconds{100};
+  static constexpr std::size_t kMaxKept = kMaxPendingCommands / 4;
 
   struct Requester {
     GuidPrefix participant;
@@ -60,26 +68,32 @@ class ResultSender : private dds::DataWriterListener {
     idl::CommandResult result;
   };
 
-  void on_publication_matched(dds::DataWriter* writer, const dds::PublicationMatchedStatus& status) override;
+  void on_publication_matched(dds::DataWriter* writer,
+                              const dds::PublicationMatchedStatus& status) override;
   // When a result may leave; nothing: at once. REQUIRES: mutex_ held.
   [[nodiscard]] std::optional<Instant> hold_until(const Requester& requester, Instant now) const;
-  void run();       // the thread
-  void take_due();  // from held_ to ready_. REQUIRES: mutex_ held.
-  void enqueue(const idl::CommandResult& result, std::unique_lock<std::mutex>& lock);
+  void write(const idl::CommandResult& result);
+  void let_go(const idl::CommandResult& sent);
+  void run();  // the thread
+  // What is due: held results to send, and instances to let go. REQUIRES: mutex_ held.
+  [[nodiscard]] std::vector<idl::CommandResult> take_due(Instant now);
+  [[nodiscard]] std::vector<idl::CommandResult> take_kept(Instant now);
+  [[nodiscard]] std::optional<Instant> next_due() const;
 
   Domain& domain_;
   std::function<UtcMapping()> clock_;
   std::function<void(std::string)> on_problem_;
   dds::DataWriter* writer_ = nullptr;
-  OnceWriter<idl::CommandResult> once_;
   std::mutex mutex_;  // never held while writing
   std::condition_variable changed_;
   std::map<std::string, Requester> requesters_;
   std::map<GuidPrefix, Match> matched_;  // participants with a result reader
   std::deque<Held> held_;
-  std::deque<idl::CommandResult> ready_;
-  bool settled_ = true;  // every instance that was sent is let go, as far as the thread knows
-  bool sending_ = false;  // the thread, the one that was first in ready_
+  struct Kept {
+    idl::CommandResult keys;  // of a result that was sent; nothing else is filled in
+    Instant since;
+  };
+  std::deque<Kept> kept_;
   bool closing_ = false;
   std::thread thread_;
 };

@@ -10,14 +10,16 @@ struct SampleWriters::Writer : dds::DataWriterListener {
   std::optional<Duration> refresh;
   dds::DataWriter* entity = nullptr;
   std::atomic<std::uint32_t> channels{0};
-  std::optional<Instant> idle_since;  // without channels; known from the next write on
+  std::optional<Instant> idle_since;  // without channels; known from the next tidy() on
   std::atomic<std::uint64_t> misses{0};
   std::atomic<std::uint32_t> readers{0};
 
-  void on_offered_deadline_missed(dds::DataWriter*, const dds::OfferedDeadlineMissedStatus& status) override {
+  void on_offered_deadline_missed(dds::DataWriter*,
+                                  const dds::OfferedDeadlineMissedStatus& status) override {
     if (channels > 0) misses.fetch_add(status.total_count_change, std::memory_order_relaxed);
   }
-  void on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) override {
+  void on_publication_matched(dds::DataWriter*,
+                              const dds::PublicationMatchedStatus& status) override {
     readers.store(static_cast<std::uint32_t>(status.current_count), std::memory_order_relaxed);
   }
 };
@@ -39,14 +41,16 @@ SampleWriters::~SampleWriters() { dispose(Duration::zero()); }
 
 SampleWriters::Writer& SampleWriters::writer_for(std::optional<Duration> refresh) {
   for (const auto& writer : writers_) {
-    if (writer->refresh == refresh && writer->channels < static_cast<std::uint32_t>(kChannelsPerWriter)) return *writer;
+    if (writer->refresh == refresh &&
+        writer->channels < static_cast<std::uint32_t>(kChannelsPerWriter))
+      return *writer;
   }
   auto made = std::make_unique<Writer>();
   made->refresh = refresh;
   const std::string label = label_ + (refresh ? ", refresh " + to_text(*refresh) : ", no refresh");
-  made->entity =
-      domain_.writer<idl::SamplePubSubType>(kSampleTopic, sample_writer_qos(refresh), label, made.get(),
-                                            dds::StatusMask::offered_deadline_missed() << dds::StatusMask::publication_matched());
+  made->entity = domain_.writer<idl::SamplePubSubType>(
+      kSampleTopic, sample_writer_qos(refresh), label, made.get(),
+      dds::StatusMask::offered_deadline_missed() << dds::StatusMask::publication_matched());
   const std::lock_guard lock(writers_mutex_);
   return *writers_.emplace_back(std::move(made));
 }
@@ -57,18 +61,23 @@ void SampleWriters::attach(Slot& slot, std::optional<Duration> refresh) {
 }
 
 bool SampleWriters::write(std::span<const Sample> samples, const UtcMapping& mapping) {
-  if (!leaving_.empty()) let_go(mapping.instant);
-  if (any_idle_) remove_idle_writers(mapping.instant);
+  tidy(mapping.instant);
   bool taken = true;
   for (const Sample& sample : samples) {
     FIELDCAST_CHECK(sample.channel < slots_.size());
     Slot& slot = slots_[sample.channel];
-    if (slot.writer == nullptr) attach(slot, std::nullopt);  // somebody acquired a write-only channel
+    if (slot.writer == nullptr)
+      attach(slot, std::nullopt);  // somebody acquired a write-only channel
     to_idl(sample, mapping, slot.sample);
     slot.written = true;
     taken &= slot.writer->entity->write(&slot.sample);
   }
   return taken;
+}
+
+void SampleWriters::tidy(Instant now) {
+  if (!leaving_.empty()) let_go(now);
+  if (any_idle_) remove_idle_writers(now);
 }
 
 bool SampleWriters::move(ChannelIndex channel, std::optional<Duration> refresh) {
@@ -95,8 +104,10 @@ void SampleWriters::let_go(Instant now) {
     if (!one.since) one.since = now;
     if (now - *one.since < kIdle) return false;
     Slot& slot = slots_[one.channel];
-    // Never the last one: Fast DDS 2.9.1 looks for the next deadline of a writer without instances, and finds nothing to look at.
-    if (slot.writer != one.old && one.old->channels > 0) one.old->entity->unregister_instance(&slot.sample, dds::HANDLE_NIL);
+    // Never the last one: Fast DDS 2.9.1 looks for the next deadline of a writer without instances,
+    // and finds nothing to look at.
+    if (slot.writer != one.old && one.old->channels > 0)
+      one.old->entity->unregister_instance(&slot.sample, dds::HANDLE_NIL);
     return true;
   });
 }
@@ -128,15 +139,19 @@ std::optional<Duration> SampleWriters::refresh_of(ChannelIndex channel) const {
   return writer == nullptr ? std::nullopt : writer->refresh;
 }
 
-void SampleWriters::dispose(Duration linger) {
+void SampleWriters::dispose(Duration linger, Duration limit) {
   leaving_.clear();
+  const auto begun = std::chrono::steady_clock::now();
   for (Slot& slot : slots_) {
-    if (slot.written) slot.writer->entity->dispose(&slot.sample, dds::HANDLE_NIL);
+    if (slot.written && std::chrono::steady_clock::now() - begun < limit)
+      slot.writer->entity->dispose(&slot.sample, dds::HANDLE_NIL);
     slot.written = false;
     slot.writer = nullptr;
   }
+  const auto end = std::chrono::steady_clock::now() + linger;
   for (const auto& writer : writers_) {
-    if (linger > Duration::zero()) writer->entity->wait_for_acknowledgments(to_dds(linger));
+    const Duration left = end - std::chrono::steady_clock::now();
+    if (left > Duration::zero()) writer->entity->wait_for_acknowledgments(to_dds(left));
     domain_.remove(writer->entity);
   }
   const std::lock_guard lock(writers_mutex_);
@@ -148,7 +163,8 @@ DdsLink::BusCounters SampleWriters::counters() const {
   DdsLink::BusCounters counters{.deadline_misses = retired_misses_};
   for (const auto& writer : writers_) {
     counters.deadline_misses += writer->misses.load(std::memory_order_relaxed);
-    counters.sample_readers = std::max(counters.sample_readers, writer->readers.load(std::memory_order_relaxed));
+    counters.sample_readers =
+        std::max(counters.sample_readers, writer->readers.load(std::memory_order_relaxed));
     counters.sample_writers += writer->channels > 0;
   }
   return counters;

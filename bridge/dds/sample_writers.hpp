@@ -1,8 +1,9 @@
-// The Sample writers of one bus: one for each distinct promise, none with more than 256 channels, because DEADLINE makes the
-// library scan a writer's instances at nearly every write (100 000 writes over 100 instances 0.26 s, over 10 000 instances 25 s).
+// The Sample writers of one bus: one for each distinct promise, none with more than 256 channels,
+// because DEADLINE makes the library scan a writer's instances at nearly every write (100 000
+// writes over 100 instances 0.26 s, over 10 000 instances 25 s).
 //
-// Owns the writers and, for each channel, the topic object that is written again and again. Used on the bus's strand, or after it
-// has ended; counters from any thread.
+// Owns the writers and, for each channel, the topic object that is written again and again. Used on
+// the bus's strand, or after it has ended; counters from any thread.
 #pragma once
 
 #include <atomic>
@@ -12,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "bridge/dds/conversion.hpp"
 #include "bridge/dds/domain.hpp"
+#include "bridge/dds/topics/conversion.hpp"
 
 namespace fieldcast {
 
@@ -25,16 +26,23 @@ class SampleWriters {
   SampleWriters(const SampleWriters&) = delete;
   SampleWriters& operator=(const SampleWriters&) = delete;
 
-  // False if the library did not take one of them (limits, or readers that do not acknowledge); the others are written.
+  // False if the library did not take one of them (limits, or readers that do not acknowledge); the
+  // others are written.
   bool write(std::span<const Sample> samples, const UtcMapping& mapping);
 
-  // False if nothing changes. The last sample is written again at the new writer, so that late joiners find it, before the old
-  // writer lets go of the instance. Throws DdsError if a writer is needed and cannot be made.
+  // False if nothing changes. The last sample is written again at the new writer, so that late
+  // joiners find it, before the old writer lets go of the instance. Throws DdsError if a writer is
+  // needed and cannot be made.
   bool move(ChannelIndex channel, std::optional<Duration> refresh);
   [[nodiscard]] std::optional<Duration> refresh_of(ChannelIndex channel) const;
 
-  // Tells readers that every instance is gone, waits for them at most `linger`, and deletes the writers.
-  void dispose(Duration linger);
+  // Removes writers whose last channel has moved away a while ago; now and then, whether samples
+  // come or not: readers go on counting the deadlines that such a writer misses.
+  void tidy(Instant now);
+
+  // Tells readers that every instance is gone, waits for all of them at most `linger`, and
+  // deletes the writers. Instances that are left after `limit` end with their writers.
+  void dispose(Duration linger, Duration limit = kInfinite);
 
   [[nodiscard]] DdsLink::BusCounters counters() const;
 
@@ -45,14 +53,16 @@ class SampleWriters {
     Writer* writer = nullptr;  // null: never sampled (write-only)
     bool written = false;
   };
-  // A writer whose last channel has moved away stays this long, so that its readers have the channel from the new writer first.
+  // A writer whose last channel has moved away stays this long, so that its readers have the
+  // channel from the new writer first.
   static constexpr Duration kIdle = std::chrono::seconds{1};
 
-  // A channel that has moved is unregistered at its old writer after the same time: notes of two writers may overtake each other.
+  // A channel that has moved is unregistered at its old writer after the same time: notes of two
+  // writers may overtake each other.
   struct Leaving {
     ChannelIndex channel;
     Writer* old;
-    std::optional<Instant> since;  // known from the next write on
+    std::optional<Instant> since;  // known from the next tidy() on
   };
   void let_go(Instant now);
   Writer& writer_for(std::optional<Duration> refresh);

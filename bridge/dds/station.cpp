@@ -4,14 +4,15 @@
 
 #include "bridge/check.hpp"
 #include "bridge/dds/command_client.hpp"
-#include "bridge/dds/conversion.hpp"
 #include "bridge/dds/domain.hpp"
 #include "bridge/dds/subscription.hpp"
+#include "bridge/dds/topics/conversion.hpp"
 
 namespace fieldcast {
 
 struct Station::State {
-  State(const DdsSpec& spec, const std::string& station) : name(cut_text(station, 128)), domain(spec, station, nullptr) {}
+  State(const DdsSpec& spec, const std::string& station)
+      : name(cut_text(station, 128)), domain(spec, station, nullptr) {}
 
   // Made at the first command: a station that only looks on has no writers.
   CommandClient& client() {
@@ -42,7 +43,8 @@ std::string_view to_text(StationFault fault) {
   return "?";
 }
 
-Station::Station(const DdsSpec& spec, const std::string& name) : state_(std::make_unique<State>(spec, name)) {}
+Station::Station(const DdsSpec& spec, const std::string& name)
+    : state_(std::make_unique<State>(spec, name)) {}
 Station::~Station() = default;
 
 void Station::subscribe_samples(OnSample on_sample, OnGone gone, SampleOptions options) {
@@ -61,44 +63,55 @@ void Station::subscribe_samples(OnSample on_sample, OnGone gone, SampleOptions o
       state_->domain, kSampleTopic, sample_reader_qos(options.deadline), std::move(handlers));
 }
 
-void Station::subscribe_channels(std::function<void(const StationChannel&)> on_channel, OnGone gone) {
+void Station::subscribe_channels(std::function<void(const StationChannel&)> on_channel,
+                                 OnGone gone) {
   FIELDCAST_CHECK(!state_->channels);
   Subscription<idl::ChannelPubSubType>::Handlers handlers;
-  handlers.sample = [on_channel = std::move(on_channel)](const idl::Channel& channel) { on_channel(from_idl(channel)); };
+  handlers.sample = [on_channel = std::move(on_channel)](const idl::Channel& channel) {
+    on_channel(from_idl(channel));
+  };
   if (gone) {
     handlers.gone = [gone = std::move(gone)](const idl::Channel& last) {
       gone(last.bus().c_str(), last.device().c_str(), last.channel().c_str());
     };
   }
-  state_->channels = std::make_unique<Subscription<idl::ChannelPubSubType>>(state_->domain, kChannelTopic,
-                                                                            state_reader_qos(kMaxChannels), std::move(handlers));
+  state_->channels = std::make_unique<Subscription<idl::ChannelPubSubType>>(
+      state_->domain, kChannelTopic, state_reader_qos(kMaxChannels), std::move(handlers));
 }
 
 void Station::subscribe_bus_status(std::function<void(const StationBusStatus&)> on_status) {
   FIELDCAST_CHECK(!state_->buses);
   Subscription<idl::BusStatusPubSubType>::Handlers handlers;
-  handlers.sample = [on_status = std::move(on_status)](const idl::BusStatus& status) { on_status(from_idl(status)); };
-  state_->buses = std::make_unique<Subscription<idl::BusStatusPubSubType>>(state_->domain, kBusStatusTopic,
-                                                                           state_reader_qos(kMaxDevices), std::move(handlers));
+  handlers.sample = [on_status = std::move(on_status)](const idl::BusStatus& status) {
+    on_status(from_idl(status));
+  };
+  state_->buses = std::make_unique<Subscription<idl::BusStatusPubSubType>>(
+      state_->domain, kBusStatusTopic, state_reader_qos(kMaxDevices), std::move(handlers));
 }
 
 void Station::subscribe_device_status(std::function<void(const StationDeviceStatus&)> on_status) {
   FIELDCAST_CHECK(!state_->devices);
   Subscription<idl::DeviceStatusPubSubType>::Handlers handlers;
-  handlers.sample = [on_status = std::move(on_status)](const idl::DeviceStatus& status) { on_status(from_idl(status)); };
+  handlers.sample = [on_status = std::move(on_status)](const idl::DeviceStatus& status) {
+    on_status(from_idl(status));
+  };
   state_->devices = std::make_unique<Subscription<idl::DeviceStatusPubSubType>>(
       state_->domain, kDeviceStatusTopic, state_reader_qos(kMaxDevices), std::move(handlers));
 }
 
-void Station::subscribe_program_sessions(std::function<void(const ProgramSessionReport&)> on_session) {
+void Station::subscribe_program_sessions(
+    std::function<void(const ProgramSessionReport&)> on_session) {
   FIELDCAST_CHECK(!state_->sessions);
   Subscription<idl::ProgramSessionPubSubType>::Handlers handlers;
-  handlers.sample = [on_session = std::move(on_session)](const idl::ProgramSession& session) { on_session(from_idl(session)); };
+  handlers.sample = [on_session = std::move(on_session)](const idl::ProgramSession& session) {
+    on_session(from_idl(session));
+  };
   state_->sessions = std::make_unique<Subscription<idl::ProgramSessionPubSubType>>(
       state_->domain, kProgramSessionTopic, state_reader_qos(kMaxDevices), std::move(handlers));
 }
 
-void Station::subscribe_alarms(std::function<void(const StationAlarm&)> on_alarm, std::function<void(const StationAlarm&)> gone) {
+void Station::subscribe_alarms(std::function<void(const StationAlarm&)> on_alarm,
+                               std::function<void(const StationAlarm&)> gone) {
   FIELDCAST_CHECK(!state_->alarms);
   Subscription<idl::AlarmPubSubType>::Handlers handlers;
   handlers.sample = [on_alarm = std::move(on_alarm)](const idl::Alarm& alarm) {
@@ -109,13 +122,14 @@ void Station::subscribe_alarms(std::function<void(const StationAlarm&)> on_alarm
       if (const auto known = from_idl(last)) gone(*known);
     };
   }
-  state_->alarms = std::make_unique<Subscription<idl::AlarmPubSubType>>(state_->domain, kAlarmTopic, state_reader_qos(kMaxAlarms),
-                                                                        std::move(handlers));
+  state_->alarms = std::make_unique<Subscription<idl::AlarmPubSubType>>(
+      state_->domain, kAlarmTopic, state_reader_qos(kMaxAlarms), std::move(handlers));
 }
 
 void Station::declare_interest(const std::string& pattern, Duration refresh) {
   if (state_->interests == nullptr) {
-    state_->interests = state_->domain.writer<idl::InterestPubSubType>(kInterestTopic, interest_writer_qos(), state_->name);
+    state_->interests = state_->domain.writer<idl::InterestPubSubType>(
+        kInterestTopic, interest_writer_qos(), state_->name);
   }
   idl::Interest wish;
   wish.station() = state_->name;
@@ -132,7 +146,8 @@ void Station::withdraw_interest(const std::string& pattern) {
   state_->interests->unregister_instance(&wish, dds::HANDLE_NIL);  // disposes it
 }
 
-tl::expected<StationResult, StationFault> Station::execute(StationCommand command, Duration wait_for_bridge,
+tl::expected<StationResult, StationFault> Station::execute(StationCommand command,
+                                                           Duration wait_for_bridge,
                                                            Duration wait_for_result) {
   CommandClient& client = state_->client();
   const Duration wait = command.lifespan + wait_for_result;
@@ -141,11 +156,14 @@ tl::expected<StationResult, StationFault> Station::execute(StationCommand comman
   return client.await(*id, wait);
 }
 
-tl::expected<std::uint64_t, StationFault> Station::send(StationCommand command, Duration wait_for_bridge) {
+tl::expected<std::uint64_t, StationFault> Station::send(StationCommand command,
+                                                        Duration wait_for_bridge) {
   return state_->client().send(std::move(command), wait_for_bridge, false);
 }
 
-void Station::on_result(std::function<void(const StationResult&)> handler) { state_->client().on_result(std::move(handler)); }
+void Station::on_result(std::function<void(const StationResult&)> handler) {
+  state_->client().on_result(std::move(handler));
+}
 
 const std::string& Station::requester() const { return state_->client().requester(); }
 

@@ -1,7 +1,9 @@
-// A monitoring station or plant system: the other side of DdsLink, for our tools, tests and benches.
+// A monitoring station or plant system: the other side of DdsLink, for our tools, tests and
+// benches.
 //
-// Owns its DDS participant. Callbacks come on DDS threads, one at a time for each subscription, and must not block. Subscribe
-// before using what arrives; the object may be used from any one thread. No DDS type appears here.
+// Owns its DDS participant. Callbacks come on DDS threads, one at a time for each subscription, and
+// must not block. Subscribe before using what arrives; the object may be used from any one thread.
+// No DDS type appears here.
 #pragma once
 
 #include <cstdint>
@@ -45,7 +47,8 @@ struct StationChannel {
   std::optional<double> write_min, write_max;
 };
 
-using CauseCounts = std::map<std::string, std::uint64_t>;  // only causes that occurred, by name: "CHECKSUM"
+using CauseCounts =
+    std::map<std::string, std::uint64_t>;  // only causes that occurred, by name: "CHECKSUM"
 
 struct StationBusStatus {
   std::string bridge, bus;
@@ -70,11 +73,13 @@ struct StationAlarm {
   UtcTime since;
 };
 
-// What a station asks for; Command with the bus it goes to. requester and expires are the station's own business.
+// What a station asks for; Command with the bus it goes to. requester and expires are the station's
+// own business.
 struct StationCommand {
   std::string bus;
   Command command;
-  Duration lifespan = std::chrono::seconds{5};  // the bridge never starts it later than this after it was written
+  Duration lifespan =
+      std::chrono::seconds{5};  // the bridge never starts it later than this after it was written
 };
 struct StationResult {
   std::string requester;
@@ -96,21 +101,27 @@ enum class StationFault : std::uint8_t {
 
 class Station {
  public:
-  // Joins the domain; `name` is how other tools see the participant. Throws DdsError (dds_link.hpp).
+  // Joins the domain; `name` is how other tools see the participant. Throws DdsError
+  // (dds_link.hpp).
   Station(const DdsSpec& spec, const std::string& name);
   ~Station();
   Station(const Station&) = delete;
   Station& operator=(const Station&) = delete;
 
-  // Each may be called once. `gone` is called when an instance was disposed or its bridge is gone (samples, channels).
+  // Each may be called once. `gone` is called when an instance was disposed or its bridge is gone
+  // (samples, channels).
   struct SampleOptions {
-    std::optional<Duration> deadline;  // matches just the channels that promise this refresh or better
+    std::optional<Duration>
+        deadline;  // matches just the channels that promise this refresh or better
     std::function<void()> on_deadline_missed;
   };
   using OnSample = std::function<void(const StationSample&)>;
-  using OnGone = std::function<void(const std::string& bus, const std::string& device, const std::string& channel)>;
+  using OnGone = std::function<void(const std::string& bus, const std::string& device,
+                                    const std::string& channel)>;
   void subscribe_samples(OnSample on_sample, OnGone gone, SampleOptions options);
-  void subscribe_samples(OnSample on_sample, OnGone gone = {}) { subscribe_samples(std::move(on_sample), std::move(gone), {}); }
+  void subscribe_samples(OnSample on_sample, OnGone gone = {}) {
+    subscribe_samples(std::move(on_sample), std::move(gone), {});
+  }
   void subscribe_channels(std::function<void(const StationChannel&)> on_channel, OnGone gone = {});
   void subscribe_bus_status(std::function<void(const StationBusStatus&)> on_status);
   void subscribe_device_status(std::function<void(const StationDeviceStatus&)> on_status);
@@ -122,15 +133,17 @@ class Station {
   void declare_interest(const std::string& pattern, Duration refresh);
   void withdraw_interest(const std::string& pattern);
 
-  // Writes the command once a bridge is matched in both directions (at most wait_for_bridge) and blocks for its one result, at
-  // most lifespan + wait_for_result. request_id and requester are filled in here. Any thread; many at a time.
-  [[nodiscard]] tl::expected<StationResult, StationFault> execute(StationCommand command,
-                                                                  Duration wait_for_bridge = std::chrono::seconds{3},
-                                                                  Duration wait_for_result = std::chrono::seconds{5});
+  // Writes the command once a bridge is matched in both directions (at most wait_for_bridge) and
+  // blocks for its one result, at most lifespan + wait_for_result. request_id and requester are
+  // filled in here. Any thread; many at a time.
+  [[nodiscard]] tl::expected<StationResult, StationFault> execute(
+      StationCommand command, Duration wait_for_bridge = std::chrono::seconds{3},
+      Duration wait_for_result = std::chrono::seconds{5});
 
-  // Does not wait for the result: gives the request_id (on_result, set before the first call, is told on a DDS thread).
-  [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(StationCommand command,
-                                                               Duration wait_for_bridge = std::chrono::seconds{3});
+  // Does not wait for the result: gives the request_id (on_result, set before the first call, is
+  // told on a DDS thread).
+  [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(
+      StationCommand command, Duration wait_for_bridge = std::chrono::seconds{3});
   void on_result(std::function<void(const StationResult&)> handler);
 
   [[nodiscard]] const std::string& requester() const;  // unique for each process and object

@@ -1,11 +1,12 @@
-// One reader of a keyed topic whose samples are converted and handed on as plain structs. Calls come on DDS threads, one at a
-// time.
+// One reader of a keyed topic whose samples are converted and handed on as plain structs. Calls
+// come on DDS threads, one at a time.
 #pragma once
 
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <functional>
 #include <map>
 #include <mutex>
+#include <set>
 #include <utility>
 
 #include "bridge/dds/domain.hpp"
@@ -18,13 +19,16 @@ class Subscription : private dds::DataReaderListener {
   using Topic = typename Generated::type;
   struct Handlers {
     std::function<void(const Topic&)> sample;
-    // An instance was disposed, or nobody writes it any more: the topic object with its keys. Null: nobody asks.
+    // An instance was disposed, or nobody writes it any more: the topic object with its keys. Null:
+    // nobody asks.
     std::function<void(const Topic&)> gone;
     std::function<void()> deadline_missed;
   };
 
   Subscription(Domain& domain, const char* topic, const dds::DataReaderQos& qos, Handlers handlers)
-      : domain_(domain), limit_(static_cast<std::size_t>(qos.resource_limits().max_instances)), handlers_(std::move(handlers)) {
+      : domain_(domain),
+        limit_(static_cast<std::size_t>(qos.resource_limits().max_instances)),
+        handlers_(std::move(handlers)) {
     dds::StatusMask mask = dds::StatusMask::data_available();
     if (handlers_.gone) mask << dds::StatusMask::subscription_matched();
     if (handlers_.deadline_missed) mask << dds::StatusMask::requested_deadline_missed();
@@ -48,8 +52,10 @@ class Subscription : private dds::DataReaderListener {
       }
     }
   }
-  // A writer that dies or leaves without a word marks its instances, but the library delivers no note of it.
-  void on_subscription_matched(dds::DataReader*, const dds::SubscriptionMatchedStatus& status) override {
+  // A writer that dies or leaves without a word marks its instances, but the library delivers no
+  // note of it.
+  void on_subscription_matched(dds::DataReader*,
+                               const dds::SubscriptionMatchedStatus& status) override {
     if (status.current_count_change >= 0) return;
     const std::lock_guard lock(mutex_);
     for (auto known = known_.begin(); known != known_.end();) {
@@ -58,11 +64,19 @@ class Subscription : private dds::DataReaderListener {
         continue;
       }
       const Topic last = std::move(known->second.last);
+      end(known->first);
       known = known_.erase(known);
       handlers_.gone(last);
     }
   }
-  void on_requested_deadline_missed(dds::DataReader*, const dds::RequestedDeadlineMissedStatus&) override {
+  // Fast DDS 2.9.1 goes on counting for an instance whose last writer has gone: what nobody writes,
+  // nobody misses. The reader's lock is held here, so that mutex_ must not be taken.
+  void on_requested_deadline_missed(dds::DataReader*,
+                                    const dds::RequestedDeadlineMissedStatus& status) override {
+    {
+      const std::lock_guard lock(ended_mutex_);
+      if (ended_.contains(status.last_instance_handle)) return;
+    }
     handlers_.deadline_missed();
   }
 
@@ -70,7 +84,15 @@ class Subscription : private dds::DataReaderListener {
     Topic last;                    // for its keys
     dds::InstanceHandle_t writer;  // of the latest sample
   };
+  void end(const dds::InstanceHandle_t& instance) {
+    const std::lock_guard lock(ended_mutex_);
+    if (handlers_.deadline_missed && ended_.size() < limit_) ended_.insert(instance);
+  }
   void remember(const dds::SampleInfo& info) {
+    if (handlers_.deadline_missed) {
+      const std::lock_guard lock(ended_mutex_);
+      ended_.erase(info.instance_handle);
+    }
     const auto known = known_.find(info.instance_handle);
     if (known != known_.end()) {
       known->second.writer = info.publication_handle;
@@ -85,6 +107,8 @@ class Subscription : private dds::DataReaderListener {
   std::mutex mutex_;  // the library calls on any of the participant's threads
   Topic received_;
   std::map<dds::InstanceHandle_t, Known> known_;  // only with `gone`; at most limit_
+  std::mutex ended_mutex_;                        // after mutex_ and the reader's
+  std::set<dds::InstanceHandle_t> ended_;         // without a writer; at most limit_
   dds::DataReader* reader_ = nullptr;
 };
 

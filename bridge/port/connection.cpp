@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "bridge/clock.hpp"
+#include "bridge/bus/clock.hpp"
 
 namespace fieldcast {
 namespace {
@@ -17,19 +17,43 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 
 constexpr int kKeepAliveIdleSeconds = 10, kKeepAliveIntervalSeconds = 3, kKeepAliveProbes = 3;
-constexpr int kUnacknowledgedMilliseconds = 10'000;
 
-void set_option(int fd, int level, int option, int value) { ::setsockopt(fd, level, option, &value, sizeof value); }
+void set_option(int fd, int level, int option, int value) {
+  ::setsockopt(fd, level, option, &value, sizeof value);
+}
 
 }  // namespace
 
-void tune_socket(int fd) {
+void tune_socket(int fd, Duration unacknowledged) {
   set_option(fd, IPPROTO_TCP, TCP_NODELAY, 1);
   set_option(fd, SOL_SOCKET, SO_KEEPALIVE, 1);
   set_option(fd, IPPROTO_TCP, TCP_KEEPIDLE, kKeepAliveIdleSeconds);
   set_option(fd, IPPROTO_TCP, TCP_KEEPINTVL, kKeepAliveIntervalSeconds);
   set_option(fd, IPPROTO_TCP, TCP_KEEPCNT, kKeepAliveProbes);
-  set_option(fd, IPPROTO_TCP, TCP_USER_TIMEOUT, kUnacknowledgedMilliseconds);
+  const auto limit = std::chrono::duration_cast<std::chrono::milliseconds>(unacknowledged);
+  set_option(fd, IPPROTO_TCP, TCP_USER_TIMEOUT, static_cast<int>(limit.count()));
+}
+
+std::optional<tcp::socket> adopt_socket(asio::io_context& io, FileDescriptor fd) {
+  sockaddr_storage address{};
+  socklen_t size = sizeof address;
+  if (::getsockname(fd.get(), reinterpret_cast<sockaddr*>(&address), &size) != 0)
+    return std::nullopt;
+  tcp::socket socket(io);
+  boost::system::error_code fault;
+  socket.assign(address.ss_family == AF_INET6 ? tcp::v6() : tcp::v4(), fd.get(), fault);
+  if (fault) return std::nullopt;
+  (void)fd.release();
+  return socket;
+}
+
+bool peer_answers(int fd) {
+  tcp_info info{};
+  socklen_t size = sizeof info;
+  if (::getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return true;
+  const bool unanswered = info.tcpi_unacked > 0 && info.tcpi_retransmits > 0 &&
+                          std::chrono::milliseconds{info.tcpi_last_ack_recv} >= kUnacknowledged;
+  return !unanswered && info.tcpi_probes < kKeepAliveProbes;
 }
 
 bool Connection::start() {
@@ -57,6 +81,13 @@ void Connection::close() {
   socket_.close(ignored);
 }
 
+FileDescriptor Connection::release() {
+  if (lent_ || std::exchange(over_, true)) return {};
+  boost::system::error_code fault;
+  const int fd = socket_.release(fault);
+  return fault ? FileDescriptor{} : FileDescriptor(fd);
+}
+
 FileDescriptor Connection::lend() {
   if (over_) return {};
   lent_ = true;
@@ -65,6 +96,7 @@ FileDescriptor Connection::lend() {
 
 void Connection::take_back() {
   if (over_ || !std::exchange(lent_, false)) return;
+  tune_socket(socket_.native_handle());  // the session had its own patience
   drop_stale();
   listen();
 }
@@ -78,21 +110,23 @@ void Connection::push(ByteView bytes) {
   }
 }
 
-// Waits for bytes and then takes them, in two steps: nothing is taken that is not delivered at once, so that poll() may come
-// between.
+// Waits for bytes and then takes them, in two steps: nothing is taken that is not delivered at
+// once, so that poll() may come between.
 void Connection::listen() {
   if (over_ || lent_ || std::exchange(listening_, true)) return;
-  socket_.async_wait(tcp::socket::wait_read, [self = shared_from_this()](boost::system::error_code fault) {
-    self->listening_ = false;
-    if (self->over_ || self->lent_) return;
-    if (fault) return self->fail(fault.message());
-    if (self->take()) self->listen();
-  });
+  socket_.async_wait(tcp::socket::wait_read,
+                     [self = shared_from_this()](boost::system::error_code fault) {
+                       self->listening_ = false;
+                       if (self->over_ || self->lent_) return;
+                       if (fault) return self->fail(fault.message());
+                       if (self->take()) self->listen();
+                     });
 }
 
 // False: the peer is gone, and that was told.
 bool Connection::take() {
-  const ssize_t size = ::recv(socket_.native_handle(), buffer_.data(), buffer_.size(), MSG_DONTWAIT);
+  const ssize_t size =
+      ::recv(socket_.native_handle(), buffer_.data(), buffer_.size(), MSG_DONTWAIT);
   if (size > 0) {
     listener_.on_received({buffer_.data(), static_cast<std::size_t>(size)}, steady_now());
   } else if (size == 0 || (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR)) {
@@ -104,25 +138,28 @@ bool Connection::take() {
 
 void Connection::drop_stale() {
   std::array<std::uint8_t, 512> stale;
-  while (::recv(socket_.native_handle(), stale.data(), stale.size(), MSG_DONTWAIT) == static_cast<ssize_t>(stale.size())) {}
+  while (::recv(socket_.native_handle(), stale.data(), stale.size(), MSG_DONTWAIT) ==
+         static_cast<ssize_t>(stale.size())) {}
 }
 
 void Connection::wait_for_room() {
-  socket_.async_wait(tcp::socket::wait_write, [self = shared_from_this()](boost::system::error_code fault) {
-    if (!self->over_ && !fault) self->push({});
-  });
+  socket_.async_wait(tcp::socket::wait_write,
+                     [self = shared_from_this()](boost::system::error_code fault) {
+                       if (!self->over_ && !fault) self->push({});
+                     });
 }
 
 void Connection::fail_later(std::string reason) {
-  asio::post(socket_.get_executor(), [self = shared_from_this(), reason = std::move(reason)]() mutable {
-    if (!self->over_) self->fail(std::move(reason));
-  });
+  asio::post(socket_.get_executor(),
+             [self = shared_from_this(), reason = std::move(reason)]() mutable {
+               if (!self->over_) self->fail(std::move(reason));
+             });
 }
 
 void Connection::fail(std::string reason) {
   if (over_) return;
   close();
-  listener_.on_closed(std::move(reason));
+  listener_.on_closed(std::move(reason), Cause::kPortClosed);
 }
 
 }  // namespace fieldcast

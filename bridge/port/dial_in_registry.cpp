@@ -1,40 +1,83 @@
 #include "bridge/port/dial_in_registry.hpp"
 
+#include <utility>
+
 namespace fieldcast {
 
-void DialInRegistry::expect(const std::string& number) {
+void DialInRegistry::set_keeper(Keeper keeper) {
   const std::lock_guard lock(mutex_);
-  entries_[number];
+  keeper_ = std::move(keeper);
 }
 
-void DialInRegistry::forget(const std::string& number) {
-  const std::lock_guard lock(mutex_);
-  entries_.erase(number);
+DialInRegistry::Ticket DialInRegistry::expect(const std::string& number) {
+  std::unique_lock lock(mutex_);
+  const Ticket ticket = ++last_;
+  entries_[number].expected = ticket;
+  const auto hand_over = keeper_.hand_over;
+  lock.unlock();
+  if (!hand_over) return ticket;
+  if (FileDescriptor kept = hand_over(number); kept.valid()) pass_on(number, std::move(kept));
+  return ticket;
 }
 
-void DialInRegistry::claim(const std::string& number, Deliver deliver) {
+void DialInRegistry::forget(const std::string& number, Ticket ticket) {
+  std::unique_lock lock(mutex_);
+  const auto found = entries_.find(number);
+  if (found == entries_.end() || found->second.expected != ticket) return;
+  FileDescriptor waiting = std::move(found->second.waiting);
+  entries_.erase(found);
+  lock.unlock();
+  if (waiting.valid()) keep(number, std::move(waiting));
+}
+
+bool DialInRegistry::expects(const std::string& number) {
+  const std::lock_guard lock(mutex_);
+  return entries_.contains(number);
+}
+
+DialInRegistry::Ticket DialInRegistry::claim(const std::string& number, Deliver deliver) {
   const std::lock_guard lock(mutex_);
   Entry& entry = entries_[number];
+  entry.claimed = ++last_;
   entry.deliver = std::move(deliver);
   if (entry.waiting.valid()) entry.deliver(std::move(entry.waiting));
+  return entry.claimed;
 }
 
-void DialInRegistry::release(const std::string& number) {
+void DialInRegistry::release(const std::string& number, Ticket ticket) {
   const std::lock_guard lock(mutex_);
   const auto found = entries_.find(number);
-  if (found != entries_.end()) found->second.deliver = {};
+  if (found != entries_.end() && found->second.claimed == ticket) found->second.deliver = {};
 }
 
-std::optional<FileDescriptor> DialInRegistry::offer(const std::string& number, FileDescriptor socket) {
+std::optional<FileDescriptor> DialInRegistry::offer(const std::string& number,
+                                                    FileDescriptor socket) {
+  return give(number, std::move(socket), Age::kNewest);
+}
+
+void DialInRegistry::pass_on(const std::string& number, FileDescriptor socket) {
+  if (auto ours = give(number, std::move(socket), Age::kOlder)) keep(number, std::move(*ours));
+}
+
+std::optional<FileDescriptor> DialInRegistry::give(const std::string& number, FileDescriptor socket,
+                                                   Age age) {
   const std::lock_guard lock(mutex_);
   const auto found = entries_.find(number);
   if (found == entries_.end()) return socket;
+  if (age == Age::kOlder && found->second.waiting.valid()) return std::nullopt;
   if (found->second.deliver) {
     found->second.deliver(std::move(socket));
   } else {
     found->second.waiting = std::move(socket);
   }
   return std::nullopt;
+}
+
+void DialInRegistry::keep(const std::string& number, FileDescriptor socket) {
+  std::unique_lock lock(mutex_);
+  const auto keep = keeper_.keep;
+  lock.unlock();
+  if (keep) keep(number, std::move(socket));
 }
 
 }  // namespace fieldcast

@@ -1,6 +1,9 @@
-// Where the socket of a module that dialled in goes: to the bus that is configured for its number. Any thread.
+// Where the socket of a module that dialled in goes: to the bus that is configured for its number,
+// and from a bus that ends to the next one of that number, or to whoever keeps modules without a
+// bus. Any thread.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <mutex>
@@ -16,23 +19,54 @@ class DialInRegistry {
   // Called on whichever thread the module came in on, or inside claim(); it only posts.
   using Deliver = std::function<void(FileDescriptor socket)>;
 
-  // A bus is there for this number, from now on until forget().
-  void expect(const std::string& number);
-  void forget(const std::string& number);
+  // Keeps the modules whose number no bus is there for.
+  struct Keeper {
+    // Any thread; only posts.
+    std::function<void(const std::string& number, FileDescriptor socket)> keep;
+    // The kept module of this number, invalid when there is none or it is lent. Called inside
+    // expect(): may wait, but not for the thread of a bus.
+    std::function<FileDescriptor(const std::string& number)> hand_over;
+  };
+  void set_keeper(Keeper keeper);
+
+  // Says which expectation or claim is meant: those of a bus that ends may outlast the beginning of
+  // the next bus of the same number, and must not take anything from that one.
+  using Ticket = std::uint64_t;
+
+  // A bus is there for this number, from now on until forget(); the latest one counts. A module
+  // that was kept is its own at once.
+  [[nodiscard]] Ticket expect(const std::string& number);
+  // A module that nobody has taken is kept by the keeper, if there is one.
+  void forget(const std::string& number, Ticket ticket);
+
+  [[nodiscard]] bool expects(const std::string& number);
 
   // The bus takes modules of its number, the one that waits already too, until release().
-  void claim(const std::string& number, Deliver deliver);
-  void release(const std::string& number);
+  [[nodiscard]] Ticket claim(const std::string& number, Deliver deliver);
+  void release(const std::string& number, Ticket ticket);
 
-  // A module told this number. Given back when no bus is there for it; a module that nobody takes yet waits, the newest one.
-  [[nodiscard]] std::optional<FileDescriptor> offer(const std::string& number, FileDescriptor socket);
+  // A module told this number just now. Given back when no bus is there for it; a module that
+  // nobody takes yet waits, the newest one.
+  [[nodiscard]] std::optional<FileDescriptor> offer(const std::string& number,
+                                                    FileDescriptor socket);
+  // A bus or the keeper gives up a module that has been there for a while: another one that waits
+  // is newer, and stays. To the keeper when no bus is there.
+  void pass_on(const std::string& number, FileDescriptor socket);
 
  private:
   struct Entry {
+    Ticket expected = 0;  // by whom
+    Ticket claimed = 0;
     Deliver deliver;         // of the claim, or none
     FileDescriptor waiting;  // or invalid
   };
+  enum class Age : std::uint8_t { kNewest, kOlder };
+  std::optional<FileDescriptor> give(const std::string& number, FileDescriptor socket, Age age);
+  void keep(const std::string& number, FileDescriptor socket);
+
   std::mutex mutex_;
+  Ticket last_ = 0;
+  Keeper keeper_;
   std::map<std::string, Entry> entries_;  // one for each bus with such a port
 };
 

@@ -25,15 +25,18 @@ std::string describe_process(long pid) {
   return name.empty() ? fmt::format("process {}", pid) : fmt::format("{} (process {})", name, pid);
 }
 
-// The process with a flock on this file: "1: FLOCK  ADVISORY  WRITE 1234 08:01:5678 0 EOF" (proc(5), /proc/locks).
+// The process with a flock on this file: "1: FLOCK  ADVISORY  WRITE 1234 08:01:5678 0 EOF"
+// (proc(5), /proc/locks).
 std::optional<long> lock_holder(const struct stat& file) {
-  const std::string wanted = fmt::format("{:02x}:{:02x}:{}", major(file.st_dev), minor(file.st_dev), file.st_ino);
+  const std::string wanted =
+      fmt::format("{:02x}:{:02x}:{}", major(file.st_dev), minor(file.st_dev), file.st_ino);
   std::ifstream locks("/proc/locks");
   for (std::string line; std::getline(locks, line);) {
     std::istringstream fields(line);
     std::string number, kind, advisory, access, identity;
     long pid = 0;
-    if (fields >> number >> kind >> advisory >> access >> pid >> identity && kind == "FLOCK" && identity == wanted && pid > 0)
+    if (fields >> number >> kind >> advisory >> access >> pid >> identity && kind == "FLOCK" &&
+        identity == wanted && pid > 0)
       return pid;
   }
   return std::nullopt;
@@ -47,7 +50,8 @@ std::optional<long> opener(const fs::path& file) {
     long pid = 0;
     const auto [end, fault] = std::from_chars(name.data(), name.data() + name.size(), pid);
     if (fault != std::errc{} || end != name.data() + name.size() || pid == ::getpid()) continue;
-    for (fs::directory_iterator fd(process.path() / "fd", ignored), last; !ignored && fd != last; fd.increment(ignored)) {
+    for (fs::directory_iterator fd(process.path() / "fd", ignored), last; !ignored && fd != last;
+         fd.increment(ignored)) {
       if (fs::read_symlink(fd->path(), ignored) == file) return pid;
     }
     ignored.clear();
@@ -74,7 +78,8 @@ std::optional<std::string> lock_port(int fd, const std::string& path) {
     const std::string user = port_user(path);
     return user.empty() ? "in use by another program" : "in use by " + user;
   }
-  ::ioctl(fd, TIOCEXCL);  // keeps out programs that know no flock; pseudo-terminals take it too, and root ignores it
+  ::ioctl(fd, TIOCEXCL);  // keeps out programs that know no flock; pseudo-terminals take it too,
+                          // and root ignores it
   return std::nullopt;
 }
 

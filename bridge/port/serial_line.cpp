@@ -16,7 +16,9 @@ namespace {
 // Unix98 pseudo-terminal slaves (Documentation/admin-guide/devices.txt).
 constexpr unsigned kFirstPtyMajor = 136, kLastPtyMajor = 143;
 
-std::string last_fault(const char* what) { return fmt::format("{}: {}", what, std::strerror(errno)); }
+std::string last_fault(const char* what) {
+  return fmt::format("{}: {}", what, std::strerror(errno));
+}
 
 constexpr tcflag_t kFormat = CSIZE | CSTOPB | PARENB | PARODD;
 
@@ -25,7 +27,8 @@ tcflag_t parity_check(const LineFormat& line) { return line.parity == Parity::kN
 
 termios2 raw_settings(const LineFormat& line) {
   termios2 settings{};
-  settings.c_iflag = IGNBRK | parity_check(line);  // breaks of an idle RS-485 line are no bytes at all
+  settings.c_iflag =
+      IGNBRK | parity_check(line);  // breaks of an idle RS-485 line are no bytes at all
   settings.c_cflag = CREAD | CLOCAL | BOTHER | format_flags(line);
   settings.c_cc[VMIN] = 1;
   settings.c_ispeed = settings.c_ospeed = line.baud;
@@ -35,14 +38,18 @@ termios2 raw_settings(const LineFormat& line) {
 // Drivers round, or silently refuse: what is in force now?
 tl::expected<void, std::string> verify_settings(int fd, const LineFormat& line) {
   termios2 actual{};
-  if (::ioctl(fd, TCGETS2, &actual) != 0) return tl::make_unexpected(last_fault("cannot read the line's settings back"));
+  if (::ioctl(fd, TCGETS2, &actual) != 0)
+    return tl::make_unexpected(last_fault("cannot read the line's settings back"));
   if ((actual.c_cflag & kFormat) != format_flags(line)) {
-    return tl::make_unexpected(std::string("the driver does not support this number of data bits, parity or stop bits"));
+    return tl::make_unexpected(
+        std::string("the driver does not support this number of data bits, parity or stop bits"));
   }
-  // A receiver samples a character of 11 bits: with more than 3 % on one side it reads the last bits wrong.
+  // A receiver samples a character of 11 bits: with more than 3 % on one side it reads the last
+  // bits wrong.
   const double error = static_cast<double>(actual.c_ospeed) / line.baud - 1.0;
   if (error > 0.03 || error < -0.03) {
-    return tl::make_unexpected(fmt::format("the driver cannot do {} baud, the nearest is {}", line.baud, actual.c_ospeed));
+    return tl::make_unexpected(
+        fmt::format("the driver cannot do {} baud, the nearest is {}", line.baud, actual.c_ospeed));
   }
   return {};
 }
@@ -54,7 +61,8 @@ void set_low_latency(int fd, bool pty, std::vector<LineRemark>& remarks) {
     settings.flags |= ASYNC_LOW_LATENCY;
     if (::ioctl(fd, TIOCSSERIAL, &settings) == 0) return;
   }
-  // An adapter without the flag works; some only deliver every 16 ms then, which the README tells how to change.
+  // An adapter without the flag works; some only deliver every 16 ms then, which the README tells
+  // how to change.
   remarks.push_back({pty || errno == ENOTTY || errno == EINVAL, last_fault("no low-latency mode")});
 }
 
@@ -62,31 +70,36 @@ void set_rs485(int fd, bool pty, std::vector<LineRemark>& remarks) {
   serial_rs485 settings{};
   settings.flags = SER_RS485_ENABLED | SER_RS485_RTS_ON_SEND;
   if (::ioctl(fd, TIOCSRS485, &settings) == 0) return;
-  remarks.push_back(
-      {pty, last_fault("the driver has no RS-485 mode (rs485: true); the adapter must switch direction by itself")});
+  remarks.push_back({pty, last_fault("the driver has no RS-485 mode (rs485: true); the adapter "
+                                     "must switch direction by itself")});
 }
 
 }  // namespace
 
 bool is_pseudo_terminal(int fd) {
   struct stat file {};
-  return ::fstat(fd, &file) == 0 && S_ISCHR(file.st_mode) && major(file.st_rdev) >= kFirstPtyMajor &&
-         major(file.st_rdev) <= kLastPtyMajor;
+  return ::fstat(fd, &file) == 0 && S_ISCHR(file.st_mode) &&
+         major(file.st_rdev) >= kFirstPtyMajor && major(file.st_rdev) <= kLastPtyMajor;
 }
 
 tl::expected<std::vector<LineRemark>, std::string> set_up_line(int fd, const SerialPortSpec& spec) {
   const bool pty = is_pseudo_terminal(fd);
   termios2 settings = raw_settings(spec.line);
   if (::ioctl(fd, TCSETS2, &settings) != 0) {
-    return tl::make_unexpected(errno == ENOTTY ? std::string("not a serial device") : last_fault("cannot set up the line"));
+    return tl::make_unexpected(errno == ENOTTY ? std::string("not a serial device")
+                                               : last_fault("cannot set up the line"));
   }
   if (!pty) {
-    if (auto verified = verify_settings(fd, spec.line); !verified) return tl::make_unexpected(verified.error());
+    if (auto verified = verify_settings(fd, spec.line); !verified)
+      return tl::make_unexpected(verified.error());
   }
   std::vector<LineRemark> remarks;
   if (spec.rs485) set_rs485(fd, pty, remarks);
   if (spec.low_latency) set_low_latency(fd, pty, remarks);
-  ::ioctl(fd, TCFLSH, TCIOFLUSH);
+  // A session's last bytes have left, or nobody takes them: those must not follow later.
+  int unsent = 0;
+  const bool stuck = ::ioctl(fd, TIOCOUTQ, &unsent) == 0 && unsent > 0;
+  ::ioctl(fd, TCFLSH, stuck ? TCIOFLUSH : TCIFLUSH);
   return remarks;
 }
 
@@ -100,11 +113,13 @@ unsigned format_flags(const LineFormat& line) {
 
 tl::expected<void, std::string> change_line(int fd, const LineFormat& line) {
   termios2 settings{};
-  if (::ioctl(fd, TCGETS2, &settings) != 0) return tl::make_unexpected(last_fault("cannot read the line's settings"));
+  if (::ioctl(fd, TCGETS2, &settings) != 0)
+    return tl::make_unexpected(last_fault("cannot read the line's settings"));
   settings.c_iflag = (settings.c_iflag & ~static_cast<tcflag_t>(INPCK)) | parity_check(line);
   settings.c_cflag = (settings.c_cflag & ~(kFormat | CBAUD)) | BOTHER | format_flags(line);
   settings.c_ispeed = settings.c_ospeed = line.baud;
-  if (::ioctl(fd, TCSETS2, &settings) != 0) return tl::make_unexpected(last_fault("cannot set up the line"));
+  if (::ioctl(fd, TCSETS2, &settings) != 0)
+    return tl::make_unexpected(last_fault("cannot set up the line"));
   return is_pseudo_terminal(fd) ? tl::expected<void, std::string>{} : verify_settings(fd, line);
 }
 

@@ -1,6 +1,7 @@
 // A serial device: real UART, USB adapter or pseudo-terminal. Lives on its bus's io thread.
 //
-// Opening and closing are done at once on the io thread: a driver takes microseconds for it, a USB adapter some milliseconds.
+// Opening and closing are done at once on the io thread: a driver takes microseconds for it, a USB
+// adapter some milliseconds.
 #pragma once
 
 #include "bridge/port/port.hpp"

@@ -31,9 +31,11 @@ class TcpPort::Session : public std::enable_shared_from_this<Session> {
     });
     resolver_.async_resolve(
         spec_.host, std::to_string(spec_.port),
-        [self = shared_from_this()](boost::system::error_code fault, const tcp::resolver::results_type& found) {
+        [self = shared_from_this()](boost::system::error_code fault,
+                                    const tcp::resolver::results_type& found) {
           if (self->over_) return;
-          if (fault) return self->fail(fmt::format("host name '{}': {}", self->spec_.host, fault.message()));
+          if (fault)
+            return self->fail(fmt::format("host name '{}': {}", self->spec_.host, fault.message()));
           self->connect(found);
         });
   }
@@ -52,19 +54,22 @@ class TcpPort::Session : public std::enable_shared_from_this<Session> {
 
  private:
   void connect(const tcp::resolver::results_type& endpoints) {
-    asio::async_connect(socket_, endpoints, [self = shared_from_this()](boost::system::error_code fault, const tcp::endpoint&) {
-      if (self->over_) return;
-      if (fault) return self->fail(fault.message());
-      self->limit_.cancel();
-      self->connection_ = std::make_shared<Connection>(std::move(self->socket_), self->listener_);
-      if (!self->connection_->start()) return self->fail("the connection is gone already");
-      self->listener_.on_opened();
-    });
+    asio::async_connect(
+        socket_, endpoints,
+        [self = shared_from_this()](boost::system::error_code fault, const tcp::endpoint&) {
+          if (self->over_) return;
+          if (fault) return self->fail(fault.message());
+          self->limit_.cancel();
+          self->connection_ =
+              std::make_shared<Connection>(std::move(self->socket_), self->listener_);
+          if (!self->connection_->start()) return self->fail("the connection is gone already");
+          self->listener_.on_opened();
+        });
   }
 
   void fail(std::string reason) {
     close();
-    listener_.on_closed(std::move(reason));
+    listener_.on_closed(std::move(reason), Cause::kPortUnreachable);
   }
 
   TcpPortSpec spec_;

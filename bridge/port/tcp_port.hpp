@@ -1,4 +1,5 @@
-// A TCP client: a Modbus TCP device, or a serial server that carries the bytes of a line. Lives on its bus's io thread.
+// A TCP client: a Modbus TCP device, or a serial server that carries the bytes of a line. Lives on
+// its bus's io thread.
 #pragma once
 
 #include "bridge/port/port.hpp"
@@ -16,7 +17,8 @@ class TcpPort final : public Port {
 
   void open(PortListener& listener) override;
   void write(ByteView bytes) override;
-  void expect(std::uint32_t) override {}  // the network delivers answers in one piece, or at its own rhythm
+  void expect(std::uint32_t) override {
+  }  // the network delivers answers in one piece, or at its own rhythm
   void poll() override;
   void close() override;
   FileDescriptor lend() override;

@@ -1,4 +1,5 @@
-// Writes to a non-blocking descriptor at once, with one system call as a rule, and keeps what it does not take.
+// Writes to a non-blocking descriptor at once, with one system call as a rule, and keeps what it
+// does not take.
 #pragma once
 
 #include <sys/types.h>
@@ -14,8 +15,9 @@ class Unsent {
 
   explicit Unsent(Kind kind) : kind_(kind) {}
 
-  // Appends bytes to what is unsent and writes as much as the descriptor takes. kBlocked: call again, with no bytes, when it is
-  // writable. kFailed: errno says why. kFull: more than Port::kMaxUnsent would wait.
+  // Appends bytes to what is unsent and writes as much as the descriptor takes. kBlocked: call
+  // again, with no bytes, when it is writable. kFailed: errno says why. kFull: more than
+  // Port::kMaxUnsent would wait.
   Outcome write(int fd, ByteView bytes);
 
  private:

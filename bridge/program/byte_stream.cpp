@@ -1,5 +1,6 @@
 #include "bridge/program/byte_stream.hpp"
 
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 
 #include <boost/asio/generic/stream_protocol.hpp>
@@ -15,8 +16,15 @@ template <typename Stream>
 class StreamOf final : public ByteStream {
  public:
   explicit StreamOf(Stream stream) : stream_(std::move(stream)) {}
-  void read_some(asio::mutable_buffer into, Done done) override { stream_.async_read_some(into, std::move(done)); }
-  void write_some(asio::const_buffer from, Done done) override { stream_.async_write_some(from, std::move(done)); }
+  void read_some(asio::mutable_buffer into, Done done) override {
+    stream_.async_read_some(into, std::move(done));
+  }
+  void write_some(asio::const_buffer from, Done done) override {
+    stream_.async_write_some(from, std::move(done));
+  }
+  std::size_t queued() const override {
+    return queued_at(const_cast<Stream&>(stream_).native_handle());
+  }
   void close() override {
     boost::system::error_code ignored;
     stream_.close(ignored);
@@ -27,6 +35,12 @@ class StreamOf final : public ByteStream {
 };
 
 }  // namespace
+
+// TIOCOUTQ is SIOCOUTQ: one question for lines and sockets.
+std::size_t queued_at(int fd) {
+  int count = 0;
+  return ::ioctl(fd, TIOCOUTQ, &count) == 0 && count > 0 ? static_cast<std::size_t>(count) : 0;
+}
 
 std::unique_ptr<ByteStream> socket_stream(asio::ip::tcp::socket socket) {
   return std::make_unique<StreamOf<asio::ip::tcp::socket>>(std::move(socket));

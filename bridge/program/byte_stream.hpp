@@ -1,5 +1,5 @@
-// Bytes both ways over a socket, a TLS connection or a descriptor of a line: what a relay needs of any of them. Lives on one io
-// thread. Includes Asio: for this folder and fieldcast-port.
+// Bytes both ways over a socket, a TLS connection or a descriptor of a line: what a relay needs of
+// any of them. Lives on one io thread. Includes Asio: for this folder and fieldcast-port.
 #pragma once
 
 #include <boost/asio/buffer.hpp>
@@ -8,12 +8,17 @@
 #include <memory>
 
 #include "bridge/port/file_descriptor.hpp"
+#include "core/base/time.hpp"
 
 namespace boost::asio {
 class io_context;
 }
 
 namespace fieldcast::program {
+
+// For the peer of a relay that takes no bytes just now, as the kernel knows it: a slow line behind
+// a peer opens the TCP window in steps. Who takes none at all is given up by Engineer.
+inline constexpr Duration kTunnelPatience = std::chrono::seconds{90};
 
 class ByteStream {
  public:
@@ -23,12 +28,20 @@ class ByteStream {
   // One read and one write at a time; the buffer lives until `done`.
   virtual void read_some(boost::asio::mutable_buffer into, Done done) = 0;
   virtual void write_some(boost::asio::const_buffer from, Done done) = 0;
+  // Bytes that the kernel has taken to send and has not got rid of: that the peer's kernel has not
+  // acknowledged, or that the line has not shifted out. A pseudo-terminal tells none.
+  [[nodiscard]] virtual std::size_t queued() const = 0;
   virtual void close() = 0;  // what is under way ends in an error
 };
 
+// ByteStream::queued() of a descriptor.
+[[nodiscard]] std::size_t queued_at(int fd);
+
 [[nodiscard]] std::unique_ptr<ByteStream> socket_stream(boost::asio::ip::tcp::socket socket);
 
-// A socket, a serial line or a pseudo-terminal, non-blocking. Null when the descriptor is of no use.
-[[nodiscard]] std::unique_ptr<ByteStream> descriptor_stream(boost::asio::io_context& io, FileDescriptor descriptor);
+// A socket, a serial line or a pseudo-terminal, non-blocking. Null when the descriptor is of no
+// use.
+[[nodiscard]] std::unique_ptr<ByteStream> descriptor_stream(boost::asio::io_context& io,
+                                                            FileDescriptor descriptor);
 
 }  // namespace fieldcast::program

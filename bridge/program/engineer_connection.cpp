@@ -5,8 +5,9 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 
-#include "bridge/clock.hpp"
-#include "bridge/log.hpp"
+#include "bridge/bus/clock.hpp"
+#include "bridge/log/log.hpp"
+#include "bridge/port/connection.hpp"
 #include "bridge/port/serial_line.hpp"
 
 namespace fieldcast::program {
@@ -14,12 +15,39 @@ namespace {
 
 namespace asio = boost::asio;
 
-constexpr Duration kFlushPatience = std::chrono::seconds{2};  // for what is still to be sent when a side is let go
+// For what is still to be sent when a side is let go: since bytes left last; in all; and in all
+// when the bridge stops.
+constexpr Duration kFlushPatience = std::chrono::seconds{5};
+constexpr Duration kFlushLongest = std::chrono::minutes{10};
+constexpr Duration kFlushAtEnd = std::chrono::seconds{2};
+constexpr Duration kFlushLook = std::chrono::milliseconds{50};
+
+// Looks after an end that finishes, until it is closed: by itself, or here when its peer takes no
+// more. Holds nothing of its connection, which may be gone before.
+class Farewell : public std::enable_shared_from_this<Farewell> {
+ public:
+  Farewell(asio::io_context& io, std::shared_ptr<RelayEnd> end, Duration longest)
+      : timer_(io), end_(std::move(end)), moved_(steady_now()), limit_(moved_ + longest) {}
+  void look() {
+    if (end_->settle()) return;
+    const Instant now = steady_now();
+    if (end_->drained()) moved_ = now;
+    if (now >= limit_ || now - moved_ >= kFlushPatience) return end_->close();
+    timer_.expires_after(kFlushLook);
+    timer_.async_wait([self = shared_from_this()](boost::system::error_code) { self->look(); });
+  }
+
+ private:
+  asio::steady_timer timer_;
+  const std::shared_ptr<RelayEnd> end_;
+  Instant moved_;
+  const Instant limit_;
+};
 
 }  // namespace
 
-EngineerConnection::EngineerConnection(Surroundings& around, std::unique_ptr<ByteStream> stream, std::string address,
-                                       const EngineerRules& rules)
+EngineerConnection::EngineerConnection(Surroundings& around, std::unique_ptr<ByteStream> stream,
+                                       std::string address, const EngineerRules& rules)
     : around_(around),
       address_(std::move(address)),
       engineer_(rules, steady_now()),
@@ -37,7 +65,15 @@ void EngineerConnection::start() {
   tell(TimerFired{});  // sets the first timer
 }
 
-void EngineerConnection::end(const std::string& reason) { tell(Ended{reason}); }
+void EngineerConnection::end(const std::string& reason) {
+  ended_ = true;
+  tell(Ended{reason});
+}
+
+void EngineerConnection::displace() {
+  displaced_ = true;
+  end("too many connections that say nothing; the oldest goes");
+}
 
 void EngineerConnection::tell(const EngineerEvent& event) {
   if (over_) return;
@@ -56,12 +92,17 @@ void EngineerConnection::execute(const ToDevice& what) {
 }
 
 void EngineerConnection::execute(const CheckLogin& what) {
-  const auto answered = [weak = weak_from_this(), &io = around_.io, user = what.user](LoginAnswer answer) {
+  const auto answered = [weak = weak_from_this(), &io = around_.io,
+                         user = what.user](LoginAnswer answer) {
     asio::post(io, [weak, user, answer] {
       const auto self = weak.lock();
       if (!self) return;
-      if (answer.allowed) self->user_ = user;
-      self->tell(LoginChecked{answer.allowed, answer.allowed ? "" : fmt::format("user {}: {}", user, answer.reason)});
+      if (answer.allowed) {
+        self->user_ = user;
+        self->around_.proven(self);
+      }
+      self->tell(LoginChecked{
+          answer.allowed, answer.allowed ? "" : fmt::format("user {}: {}", user, answer.reason)});
     });
   };
   if (!around_.hooks.login) return answered({false, "this bridge has no users"});
@@ -74,10 +115,12 @@ void EngineerConnection::execute(const TakeDevice& what) {
   const auto weak = weak_from_this();
   hold_ = around_.devices->take(what.number, who(),
                                 {[weak](FileDescriptor line) {
-                                   if (const auto self = weak.lock()) self->granted(std::move(line));
+                                   if (const auto self = weak.lock())
+                                     self->granted(std::move(line));
                                  },
                                  [weak](const Refusal& refusal) {
-                                   if (const auto self = weak.lock()) self->tell(DeviceRefused{refusal.why, refusal.reason});
+                                   if (const auto self = weak.lock())
+                                     self->tell(DeviceRefused{refusal.why, refusal.reason});
                                  },
                                  [weak](const std::string& reason) {
                                    const auto self = weak.lock();
@@ -89,16 +132,18 @@ void EngineerConnection::execute(const TakeDevice& what) {
 
 void EngineerConnection::granted(FileDescriptor line) {
   line_ = line.get();
+  tune_socket(line_, kTunnelPatience);  // no effect on a serial line
   auto stream = descriptor_stream(around_.io, std::move(line));
   if (!stream) {
     lost_ = "its line is of no use";
-    around_.devices->give_back(*hold_, lost_);
+    around_.devices->give_back(hold_, lost_);
     return tell(DeviceRefused{Reply::kNotOnline, *lost_});
   }
   const auto self = shared_from_this();
   device_ = std::make_shared<RelayEnd>(std::move(stream));
   since_ = read_clocks().to_utc(steady_now());
   reported_bytes_ = 0;
+  around_.proven(self);
   tell(DeviceGiven{});
   if (!device_) return;
   device_->start({[self](ByteView bytes) { self->tell(FromDevice{bytes}); },
@@ -116,7 +161,9 @@ void EngineerConnection::granted(FileDescriptor line) {
 void EngineerConnection::execute(const SetLine& what) {
   if (!device_) return;
   const std::string target = hold_->bus + '/' + hold_->device;
-  if (!hold_->settings) return log_info("program", target + ": behind a network, its line keeps its settings");
+  if (!hold_->settings)
+    return log_counted(LogLevel::kInfo, "program", "changes of lines",
+                       target + ": behind a network, its line keeps its settings");
   LineFormat line = *hold_->settings;
   if (what.settings.baud != 0) line.baud = what.settings.baud;
   line.stop_bits = what.settings.stop_bits;
@@ -125,38 +172,37 @@ void EngineerConnection::execute(const SetLine& what) {
     line.parity = what.settings.parity;
   }
   if (const auto changed = change_line(line_, line); !changed) {
-    log_warning("program", fmt::format("{}: line not set to {}: {}", target, to_text(line), changed.error()));
+    log_counted(LogLevel::kWarning, "program", "lines not changed",
+                fmt::format("{}: line not set to {}: {}", target, to_text(line), changed.error()));
     return audit(fmt::format("line not set to {}: {}", to_text(line), changed.error()));
   }
-  log_info("program", fmt::format("{}: line set to {}", target, to_text(line)));
+  log_counted(LogLevel::kInfo, "program", "changes of lines",
+              fmt::format("{}: line set to {}", target, to_text(line)));
 }
 
 void EngineerConnection::execute(const FreeDevice&) {
   if (!hold_) return;
   client_->hold(false);
-  if (!device_) return around_.devices->give_back(*hold_, std::nullopt);
+  if (!device_) return around_.devices->give_back(hold_, std::nullopt);
   report(ProgramSessionState::kClosed);
   const auto device = std::exchange(device_, nullptr);
   line_ = -1;
-  // The book holds the device until what was meant for it has left, or nobody waits for that any more.
-  device->finish([hold = hold_, lost = lost_, devices = around_.devices] { devices->give_back(*hold, lost); });
+  // The registry holds the device until what was meant for it has left, or nothing leaves any more.
+  hold_->leaving = device;
+  device->finish(RelayEnd::Until::kLeft, [hold = hold_, lost = lost_, devices = around_.devices] {
+    devices->give_back(hold, lost);
+  });
   if (lost_) return device->close();
-  patience(device);
-}
-
-// Closes an end that cannot send what is left.
-void EngineerConnection::patience(const std::shared_ptr<RelayEnd>& end) {
-  if (end->unsent() == 0) return;
-  const auto limit = std::make_shared<asio::steady_timer>(around_.io, kFlushPatience);
-  limit->async_wait([limit, end](boost::system::error_code) { end->close(); });
+  std::make_shared<Farewell>(around_.io, device, ended_ ? kFlushAtEnd : kFlushLongest)->look();
 }
 
 void EngineerConnection::execute(const HangUp&) {
   over_ = true;
   timer_.cancel();
   const auto self = shared_from_this();
-  client_->finish([self] { asio::post(self->around_.io, [self] { self->around_.over(self); }); });
-  patience(client_);
+  client_->finish(RelayEnd::Until::kTaken,
+                  [self] { asio::post(self->around_.io, [self] { self->around_.over(self); }); });
+  std::make_shared<Farewell>(around_.io, client_, ended_ ? kFlushAtEnd : kFlushLongest)->look();
 }
 
 void EngineerConnection::execute(const SetTimer& what) {
@@ -170,25 +216,44 @@ void EngineerConnection::execute(const SetTimer& what) {
 }
 
 void EngineerConnection::execute(const Remark& what) {
+  if (displaced_) return;
   const std::string target = wish_.empty() ? "" : hold_ ? hold_->bus + '/' + hold_->device : wish_;
-  const std::string text = fmt::format("{}{}: {}", who(), target.empty() ? "" : " at " + target, what.text);
+  const std::string text =
+      fmt::format("{}{}: {}", who(), target.empty() ? "" : " at " + target, what.text);
   switch (what.kind) {
     case Remark::Kind::kLogin: return audit("logged in");
-    case Remark::Kind::kPaired: log_info("program", text + ", paired"); return audit("paired, " + what.text);
-    case Remark::Kind::kEnded: log_info("program", text); return audit("ended: " + what.text);
-    case Remark::Kind::kLoginFailed: log_warning("program", text); return audit("login refused: " + what.text);
-    case Remark::Kind::kRefused: log_warning("program", text); return audit("refused: " + what.text);
-    case Remark::Kind::kDropped: log_warning("program", text); return audit("dropped: " + what.text);
+    case Remark::Kind::kPaired:
+      log_counted(LogLevel::kInfo, "program", "pairings", text + ", paired");
+      return audit("paired, " + what.text);
+    case Remark::Kind::kEnded:
+      log_counted(LogLevel::kInfo, "program", "ends of pairings", text);
+      return audit("ended: " + what.text);
+    case Remark::Kind::kLoginFailed:
+      log_counted(LogLevel::kWarning, "program", "logins refused", text);
+      return audit("login refused: " + what.text);
+    case Remark::Kind::kRefused:
+      log_counted(LogLevel::kWarning, "program", "engineers refused", text);
+      return audit("refused: " + what.text);
+    case Remark::Kind::kDropped:
+      log_counted(LogLevel::kWarning, "program", "connections dropped", text);
+      return audit("dropped: " + what.text);
   }
 }
 
 void EngineerConnection::audit(const std::string& result) const {
   if (!around_.hooks.audit) return;
   const std::string target = wish_.empty() ? "" : hold_ ? hold_->bus + '/' + hold_->device : wish_;
-  around_.hooks.audit({who(), target, engineer_.bytes_to_device(), engineer_.bytes_from_device(), result});
+  around_.hooks.audit(
+      {who(), target, engineer_.bytes_to_device(), engineer_.bytes_from_device(), result});
 }
 
 void EngineerConnection::tick() {
+  if (client_->crowded() && client_->drained()) tell(ClientDrains{});
+  if (device_ && device_->crowded() && device_->drained()) tell(DeviceDrains{});
+  if (device_ && !peer_answers(line_)) {
+    lost_ = "it does not answer any more";
+    return tell(DeviceLost{*lost_});
+  }
   const std::uint64_t bytes = engineer_.bytes_to_device() + engineer_.bytes_from_device();
   if (device_ && bytes != reported_bytes_) report(ProgramSessionState::kOpen);
 }
@@ -196,10 +261,12 @@ void EngineerConnection::tick() {
 void EngineerConnection::report(ProgramSessionState state) {
   reported_bytes_ = engineer_.bytes_to_device() + engineer_.bytes_from_device();
   if (!around_.hooks.report) return;
-  around_.hooks.report(
-      {hold_->bus, hold_->device, state, who(), engineer_.bytes_to_device(), engineer_.bytes_from_device(), since_});
+  around_.hooks.report({hold_->bus, hold_->device, state, who(), engineer_.bytes_to_device(),
+                        engineer_.bytes_from_device(), since_});
 }
 
-std::string EngineerConnection::who() const { return user_.empty() ? address_ : user_ + " (" + address_ + ')'; }
+std::string EngineerConnection::who() const {
+  return user_.empty() ? address_ : user_ + " (" + address_ + ')';
+}
 
 }  // namespace fieldcast::program

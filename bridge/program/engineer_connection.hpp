@@ -1,12 +1,12 @@
-// One engineer's client: its stream, the device lent to it, and the pure Engineer that decides. Executes what that says. Lives on
-// the server's io thread; the desk holds it until it is over.
+// One engineer's client: its stream, the device lent to it, and the pure Engineer that decides.
+// Executes what that says. Lives on the server's io thread; the server holds it until it is over.
 #pragma once
 
 #include <boost/asio/steady_timer.hpp>
 #include <memory>
 #include <string>
 
-#include "bridge/program/device_book.hpp"
+#include "bridge/program/device_registry.hpp"
 #include "bridge/program/hooks.hpp"
 #include "bridge/program/relay_end.hpp"
 #include "core/program/engineer.hpp"
@@ -15,20 +15,25 @@ namespace fieldcast::program {
 
 class EngineerConnection : public std::enable_shared_from_this<EngineerConnection> {
  public:
-  // What it needs of its desk, which outlives it.
+  // What it needs of its server, which outlives it.
   struct Surroundings {
     boost::asio::io_context& io;
-    std::shared_ptr<DeviceBook> devices;
+    std::shared_ptr<DeviceRegistry> devices;
     const Hooks& hooks;
     std::function<void(const std::shared_ptr<EngineerConnection>&)> over;
+    // It logged in, or was given a device.
+    std::function<void(const std::shared_ptr<EngineerConnection>&)> proven;
   };
 
-  EngineerConnection(Surroundings& around, std::unique_ptr<ByteStream> stream, std::string address, const EngineerRules& rules);
+  EngineerConnection(Surroundings& around, std::unique_ptr<ByteStream> stream, std::string address,
+                     const EngineerRules& rules);
 
   void start();
   // The bridge stops: the client is told, the device freed.
   void end(const std::string& reason);
-  // Reports the bytes of a session that goes on.
+  // It says nothing of use, and others come: its end, without a line in log and audit.
+  void displace();
+  // Once a second: reports the bytes of a session that goes on, and looks whether queues drain.
   void tick();
 
  private:
@@ -44,7 +49,6 @@ class EngineerConnection : public std::enable_shared_from_this<EngineerConnectio
   void execute(const Remark& what);
   void granted(FileDescriptor line);
   void free_device();
-  void patience(const std::shared_ptr<RelayEnd>& end);
   void report(ProgramSessionState state);
   void audit(const std::string& result) const;
   [[nodiscard]] std::string who() const;
@@ -62,6 +66,8 @@ class EngineerConnection : public std::enable_shared_from_this<EngineerConnectio
   UtcTime since_{};
   std::uint64_t reported_bytes_ = 0;
   bool over_ = false;
+  bool ended_ = false;      // by the bridge
+  bool displaced_ = false;  // likewise, and not worth a word
 };
 
 }  // namespace fieldcast::program

@@ -1,5 +1,6 @@
-// What the programming server asks of the rest of the bridge: who may log in, where the audit goes, who hears of sessions. Each
-// may be called on the server's thread, must not block, and may be missing.
+// What the programming server asks of the rest of the bridge: who may log in, where the audit goes,
+// who hears of sessions. Each may be called on the server's thread, must not block, and may be
+// missing.
 #pragma once
 
 #include <functional>
@@ -25,7 +26,9 @@ struct Transmission {
 
 struct Hooks {
   // `done` is called once, on any thread. Only programmers are allowed.
-  std::function<void(std::string user, std::string password, std::string address, std::function<void(LoginAnswer)> done)> login;
+  std::function<void(std::string user, std::string password, std::string address,
+                     std::function<void(LoginAnswer)> done)>
+      login;
   std::function<void(const Transmission&)> audit;
   std::function<void(const ProgramSessionReport&)> report;
 };

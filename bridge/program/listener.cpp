@@ -12,25 +12,28 @@ using boost::asio::ip::tcp;
 
 namespace {
 
-constexpr std::chrono::milliseconds kPause{100};  // when the system gives no socket: too many are open
+constexpr std::chrono::milliseconds kPause{
+    100};  // when the system gives no socket: too many are open
 
 }  // namespace
 
 struct Listener::State : std::enable_shared_from_this<State> {
-  State(boost::asio::io_context& io, std::function<void(tcp::socket)> given) : acceptor(io), pause(io), come(std::move(given)) {}
+  State(boost::asio::io_context& io, std::function<void(tcp::socket)> given)
+      : acceptor(io), pause(io), come(std::move(given)) {}
 
   void accept() {
-    acceptor.async_accept([self = shared_from_this()](boost::system::error_code fault, tcp::socket socket) {
-      if (self->closed) return;
-      if (!fault) {
-        self->come(std::move(socket));
-        return self->closed ? void() : self->accept();
-      }
-      self->pause.expires_after(kPause);
-      self->pause.async_wait([self](boost::system::error_code cancelled) {
-        if (!cancelled && !self->closed) self->accept();
-      });
-    });
+    acceptor.async_accept(
+        [self = shared_from_this()](boost::system::error_code fault, tcp::socket socket) {
+          if (self->closed) return;
+          if (!fault) {
+            self->come(std::move(socket));
+            return self->closed ? void() : self->accept();
+          }
+          self->pause.expires_after(kPause);
+          self->pause.async_wait([self](boost::system::error_code cancelled) {
+            if (!cancelled && !self->closed) self->accept();
+          });
+        });
   }
 
   tcp::acceptor acceptor;
@@ -52,7 +55,9 @@ tl::expected<void, std::string> Listener::open(const ListenSpec& spec) {
   if (!fault) acceptor.set_option(tcp::acceptor::reuse_address(true), fault);
   if (!fault) acceptor.bind(endpoint, fault);
   if (!fault) acceptor.listen(boost::asio::socket_base::max_listen_connections, fault);
-  if (fault) return tl::make_unexpected(fmt::format("cannot listen at {}:{}: {}", spec.host, spec.port, fault.message()));
+  if (fault)
+    return tl::make_unexpected(
+        fmt::format("cannot listen at {}:{}: {}", spec.host, spec.port, fault.message()));
   state_->accept();
   return {};
 }

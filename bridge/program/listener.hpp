@@ -31,5 +31,9 @@ class Listener {
 
 // Of the peer: "10.0.0.7:51234"; "?" when it is gone.
 [[nodiscard]] std::string address_of(const boost::asio::ip::tcp::socket& socket);
+// Such an address without its port.
+[[nodiscard]] inline std::string host_of(const std::string& address) {
+  return address.substr(0, address.rfind(':'));
+}
 
 }  // namespace fieldcast::program

@@ -14,10 +14,12 @@ void RelayEnd::start(Handlers handlers) {
 
 void RelayEnd::read() {
   if (closed_ || held_ || finished_ || std::exchange(reading_, true)) return;
-  stream_->read_some(asio::buffer(piece_), [self = shared_from_this()](boost::system::error_code fault, std::size_t count) {
+  stream_->read_some(asio::buffer(piece_), [self = shared_from_this()](
+                                               boost::system::error_code fault, std::size_t count) {
     self->reading_ = false;
     if (self->closed_ || self->finished_) return;
-    if (fault) return self->fail(fault == asio::error::eof ? "closed by the peer" : fault.message());
+    if (fault)
+      return self->fail(fault == asio::error::eof ? "closed by the peer" : fault.message());
     if (self->handlers_.bytes) self->handlers_.bytes(ByteView(self->piece_).first(count));
     self->read();
   });
@@ -40,23 +42,22 @@ void RelayEnd::write() {
     std::swap(writing_, waiting_);
   }
   if (writing_.empty()) {
-    if (const auto done = std::exchange(finished_, {})) {
-      close();
-      done();
-    }
+    if (finished_) settle();
     return;
   }
-  stream_->write_some(asio::buffer(writing_) + written_,
-                      [self = shared_from_this()](boost::system::error_code fault, std::size_t count) {
-                        if (self->closed_) return;
-                        if (fault) return self->fail(fault.message());
-                        self->written_ += count;
-                        if (self->crowded_ && self->unsent() < kLow) {
-                          self->crowded_ = false;
-                          if (self->handlers_.room) self->handlers_.room(true);
-                        }
-                        if (!self->closed_) self->write();
-                      });
+  stream_->write_some(
+      asio::buffer(writing_) + written_,
+      [self = shared_from_this()](boost::system::error_code fault, std::size_t count) {
+        if (self->closed_) return;
+        if (fault) return self->fail(fault.message());
+        self->written_ += count;
+        self->taken_ += static_cast<std::int64_t>(count);
+        if (self->crowded_ && self->unsent() < kLow) {
+          self->crowded_ = false;
+          if (self->handlers_.room) self->handlers_.room(true);
+        }
+        if (!self->closed_) self->write();
+      });
 }
 
 void RelayEnd::hold(bool held) {
@@ -71,10 +72,24 @@ void RelayEnd::close() {
   if (const auto done = std::exchange(finished_, {})) done();
 }
 
-void RelayEnd::finish(std::function<void()> done) {
+bool RelayEnd::drained() {
+  if (closed_) return false;
+  const std::int64_t left = taken_ - static_cast<std::int64_t>(stream_->queued());
+  if (left <= left_) return false;  // TLS counts what it adds: less at first, never at the end
+  left_ = left;
+  return true;
+}
+
+void RelayEnd::finish(Until until, std::function<void()> done) {
   if (closed_) return done();
+  until_ = until;
   finished_ = std::move(done);
   if (writing_.empty()) write();
+}
+
+bool RelayEnd::settle() {
+  if (!closed_ && unsent() == 0 && (until_ == Until::kTaken || stream_->queued() == 0)) close();
+  return closed_;
 }
 
 void RelayEnd::fail(const std::string& reason) {

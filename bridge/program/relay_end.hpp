@@ -1,5 +1,5 @@
-// One side of a relay: delivers what its stream brings, sends what it is given in order, and says when too much waits to be sent.
-// Lives on one io thread.
+// One side of a relay: delivers what its stream brings, sends what it is given in order, and says
+// when too much waits to be sent. Lives on one io thread.
 #pragma once
 
 #include <functional>
@@ -20,20 +20,30 @@ class RelayEnd : public std::enable_shared_from_this<RelayEnd> {
   struct Handlers {
     std::function<void(ByteView)> bytes;
     std::function<void(std::string reason)> gone;  // once, not after close(); for people
-    std::function<void(bool)> room;                // false: more than kHigh waits; true: less than kLow again
+    std::function<void(bool)> room;  // false: more than kHigh waits; true: less than kLow again
   };
 
-  explicit RelayEnd(std::unique_ptr<ByteStream> stream) : stream_(std::move(stream)), piece_(kPiece) {}
+  explicit RelayEnd(std::unique_ptr<ByteStream> stream)
+      : stream_(std::move(stream)), piece_(kPiece) {}
 
   void start(Handlers handlers);
   void send(ByteView bytes);
   // Stops reading, or goes on; what has arrived in the kernel stays there and holds the peer.
   void hold(bool held);
   [[nodiscard]] std::size_t unsent() const { return waiting_.size() + writing_.size() - written_; }
+  // More than kHigh waited, and not less than kLow yet.
+  [[nodiscard]] bool crowded() const { return crowded_; }
+  // Bytes have left this machine since it was asked last: a slow peer is no dead one.
+  [[nodiscard]] bool drained();
   // Closes at once; no handler is called any more.
   void close();
-  // Reads no more; closes when everything is sent, or is closed before by whoever has no patience. Then calls `done`, once.
-  void finish(std::function<void()> done);
+  // Reads no more; closes when everything is sent, or is closed before by whoever has no patience.
+  // Then calls `done`, once. kLeft: what the kernel took has left too; settle() is to be asked now
+  // and then, since nobody tells.
+  enum class Until : std::uint8_t { kTaken, kLeft };
+  void finish(Until until, std::function<void()> done);
+  // True: closed. REQUIRES: finish() was called.
+  bool settle();
 
  private:
   void read();
@@ -46,6 +56,9 @@ class RelayEnd : public std::enable_shared_from_this<RelayEnd> {
   Bytes piece_;
   Bytes waiting_, writing_;
   std::size_t written_ = 0;  // of writing_
+  Until until_ = Until::kTaken;
+  std::int64_t taken_ = 0;  // by the kernel, ever
+  std::int64_t left_ = 0;   // of these, when drained() was asked last
   bool reading_ = false, held_ = false, crowded_ = false, closed_ = false;
 };
 

@@ -5,9 +5,9 @@
 #include <future>
 #include <map>
 
-#include "bridge/io_thread.hpp"
-#include "bridge/log.hpp"
-#include "bridge/program/engineer_desk.hpp"
+#include "bridge/bus/io_thread.hpp"
+#include "bridge/log/log.hpp"
+#include "bridge/program/engineer_server.hpp"
 
 namespace fieldcast::program {
 namespace {
@@ -32,38 +32,77 @@ struct Server::State {
     done.get_future().wait();
   }
 
+  void open_modules();
+  void close_modules();
+
   const Hooks hooks;
   DialInRegistry& registry;
-  std::map<std::string, std::pair<BusSpec, std::shared_ptr<BusRunner>>> buses;  // of the main thread
-  IoThread io{"program"};                                                       // outlives what follows
-  std::shared_ptr<ModuleDesk> modules;
-  std::shared_ptr<DeviceBook> devices;  // of a server that is started
-  std::unique_ptr<EngineerDesk> engineers;
+  std::map<std::string, std::pair<BusSpec, std::shared_ptr<BusRunner>>>
+      buses;                                // of the main thread
+  IoThread io{"program"};                   // outlives what follows
+  std::shared_ptr<ModuleServer> modules;    // of a server that is started, or keeps them
+  std::shared_ptr<DeviceRegistry> devices;  // of a server that is started
+  std::unique_ptr<EngineerServer> engineers;
 };
 
-Server::Server(Hooks hooks, DialInRegistry& registry) : state_(std::make_unique<State>(std::move(hooks), registry)) {}
+// Modules whose bus ends come here, and go to the bus that comes for them.
+void Server::State::open_modules() {
+  modules = std::make_shared<ModuleServer>(io.context(), registry, hooks);
+  const auto keep = [this, weak = std::weak_ptr(modules)](const std::string& number,
+                                                          FileDescriptor socket) {
+    asio::post(io.context(),
+               [weak, number, kept = std::make_shared<FileDescriptor>(std::move(socket))] {
+                 if (const auto server = weak.lock()) server->keep(number, std::move(*kept));
+               });
+  };
+  const auto hand_over = [this](const std::string& number) {
+    FileDescriptor socket;
+    run([&] {
+      if (modules) socket = modules->hand_over(number);
+    });
+    return socket;
+  };
+  registry.set_keeper({keep, hand_over});
+}
+
+void Server::State::close_modules() {
+  if (!modules) return;
+  registry.set_keeper({});
+  run([&] { modules->close(); });
+  run([] {});  // what the closing cancelled has run
+  run([&] { modules.reset(); });
+}
+
+Server::Server(Hooks hooks, DialInRegistry& registry)
+    : state_(std::make_unique<State>(std::move(hooks), registry)) {}
 Server::~Server() { stop(); }
 
 tl::expected<void, std::string> Server::start(const ProgramSpec& spec) {
   State& s = *state_;
+  if (!spec.modules) s.close_modules();
   if (!spec.engineers && !spec.modules) return {};
+  if (!s.modules && spec.modules) s.open_modules();
   tl::expected<void, std::string> listening;
   s.run([&] {
-    if (spec.modules) {
-      s.modules = std::make_shared<ModuleDesk>(s.io.context(), *spec.modules, s.registry, s.hooks);
-      listening = s.modules->listen();
-    }
-    s.devices = std::make_shared<DeviceBook>(s.io.context(), s.modules);
+    if (spec.modules) listening = s.modules->listen(*spec.modules);
+    s.devices = std::make_shared<DeviceRegistry>(s.io.context(), s.modules);
     for (const auto& [name, bus] : s.buses) s.devices->add(bus.first, bus.second);
     if (!spec.engineers || !listening) return;
-    s.engineers = std::make_unique<EngineerDesk>(s.io.context(), *spec.engineers, s.devices, s.hooks);
+    s.engineers =
+        std::make_unique<EngineerServer>(s.io.context(), *spec.engineers, s.devices, s.hooks);
     listening = s.engineers->listen();
   });
-  if (!listening) stop();
+  if (!listening) stop(Modules::kKeep);
   return listening;
 }
 
-void Server::stop() {
+void Server::stop(Modules modules) {
+  State& s = *state_;
+  stop_engineers();
+  if (modules == Modules::kLetGo) s.close_modules();
+}
+
+void Server::stop_engineers() {
   State& s = *state_;
   if (!s.devices) return;
   const auto gone = std::make_shared<std::promise<void>>();
@@ -74,16 +113,20 @@ void Server::stop() {
       gone->set_value();
     }
   });
-  if (gone->get_future().wait_for(kStopLimit) != std::future_status::ready) log_warning("program", "a client does not let go");
-  s.run([&] {
-    if (s.modules) s.modules->close();
-  });
+  if (gone->get_future().wait_for(kStopLimit) != std::future_status::ready)
+    log_warning("program", "a client does not let go");
   s.run([] {});  // what the closing cancelled has run
   s.run([&] {
     s.engineers.reset();
     s.devices.reset();
-    s.modules.reset();
   });
+}
+
+std::vector<HeldDevice> Server::held() const {
+  std::vector<HeldDevice> all;
+  if (!state_->devices) return all;
+  state_->run([&] { all = state_->devices->held(); });
+  return all;
 }
 
 void Server::add_bus(const BusSpec& bus, std::shared_ptr<BusRunner> runner) {
@@ -96,7 +139,11 @@ void Server::remove_bus(const std::string& bus) {
   state_->buses.erase(bus);
 }
 
-std::uint16_t Server::engineers_port() const { return state_->engineers ? state_->engineers->port() : std::uint16_t{0}; }
-std::uint16_t Server::modules_port() const { return state_->modules ? state_->modules->port() : std::uint16_t{0}; }
+std::uint16_t Server::engineers_port() const {
+  return state_->engineers ? state_->engineers->port() : std::uint16_t{0};
+}
+std::uint16_t Server::modules_port() const {
+  return state_->modules ? state_->modules->port() : std::uint16_t{0};
+}
 
 }  // namespace fieldcast::program

@@ -1,11 +1,13 @@
-// The programming server of a bridge: engineers on one side, modules that dial in and the devices of the buses on the other. Owns
-// its io thread. Its functions are for the main thread.
+// The programming server of a bridge: engineers on one side, modules that dial in and the devices
+// of the buses on the other. Owns its io thread. Its functions are for the main thread.
 #pragma once
 
 #include <memory>
 #include <string>
 #include <tl/expected.hpp>
+#include <vector>
 
+#include "bridge/program/held_device.hpp"
 #include "bridge/program/hooks.hpp"
 #include "core/model/spec.hpp"
 
@@ -18,18 +20,27 @@ namespace fieldcast::program {
 
 class Server {
  public:
-  // The registry and what the hooks use outlive the server; the server outlives every bus that was added.
+  // The registry and what the hooks use outlive the server; the server outlives every bus that was
+  // added.
   Server(Hooks hooks, DialInRegistry& registry);
   ~Server();  // stop()
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  // Listens where the spec says, nowhere if it says nothing. The error is one line. REQUIRES: not started.
+  // Listens where the spec says, nowhere if it says nothing. The error is one line. REQUIRES: not
+  // started. Modules that stop() kept stay connected, unless nothing dials in any more.
   [[nodiscard]] tl::expected<void, std::string> start(const ProgramSpec& spec);
-  // Tells clients and modules that it is over, at most two seconds. It may be started again.
-  void stop();
+  // Tells clients, and modules unless they are kept for a start that follows, that it is over, at
+  // most two seconds. It may be started again. Kept modules are listened to meanwhile, and others
+  // may dial in.
+  enum class Modules : std::uint8_t { kLetGo, kKeep };
+  void stop(Modules modules = Modules::kLetGo);
 
-  // Devices of a bus that engineers may ask for. A bus is removed before its runner stops. May be called before start().
+  // The devices in the hands of engineers now.
+  [[nodiscard]] std::vector<HeldDevice> held() const;
+
+  // Devices of a bus that engineers may ask for. A bus is removed before its runner stops. May be
+  // called before start().
   void add_bus(const BusSpec& bus, std::shared_ptr<BusRunner> runner);
   void remove_bus(const std::string& bus);
 
@@ -38,6 +49,8 @@ class Server {
   [[nodiscard]] std::uint16_t modules_port() const;
 
  private:
+  void stop_engineers();
+
   struct State;
   std::unique_ptr<State> state_;
 };

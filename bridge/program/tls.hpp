@@ -1,5 +1,5 @@
-// TLS of the programming port, both ends (OpenSSL). Lives on one io thread. TLS 1.2 and later, server certificates only: users
-// log in with a password inside.
+// TLS of the programming port, both ends (OpenSSL). Lives on one io thread. TLS 1.2 and later,
+// server certificates only: users log in with a password inside.
 #pragma once
 
 #include <functional>
@@ -12,17 +12,20 @@
 
 namespace fieldcast::program {
 
-using TlsResult = tl::expected<std::unique_ptr<ByteStream>, std::string>;  // else why not, in one line
+using TlsResult =
+    tl::expected<std::unique_ptr<ByteStream>, std::string>;  // else why not, in one line
 
 class TlsServer {
  public:
   // PEM files. The error names the file.
-  [[nodiscard]] static tl::expected<std::unique_ptr<TlsServer>, std::string> make(const std::string& certificate,
-                                                                                  const std::string& key);
+  [[nodiscard]] static tl::expected<std::unique_ptr<TlsServer>, std::string> make(
+      const std::string& certificate, const std::string& key);
   ~TlsServer();
 
-  // `done` is called once within the limit, never inside this call; not after close().
-  void shake_hands(boost::asio::ip::tcp::socket socket, Duration limit, std::function<void(TlsResult)> done);
+  // `done` is called once within the limit, never inside this call; not after close(). What comes
+  // back ends the handshake at once, if it still goes on.
+  std::function<void()> shake_hands(boost::asio::ip::tcp::socket socket, Duration limit,
+                                    std::function<void(TlsResult)> done);
   void close();
 
  private:
@@ -33,8 +36,10 @@ class TlsServer {
 
 class TlsClient {
  public:
-  // `authorities`: a PEM file of those who may sign the bridge's certificate (or that certificate itself); empty: the system's.
-  [[nodiscard]] static tl::expected<std::unique_ptr<TlsClient>, std::string> make(const std::string& authorities);
+  // `authorities`: a PEM file of those who may sign the bridge's certificate (or that certificate
+  // itself); empty: the system's.
+  [[nodiscard]] static tl::expected<std::unique_ptr<TlsClient>, std::string> make(
+      const std::string& authorities);
   ~TlsClient();
 
   // As the server's; the certificate must be for `host`.

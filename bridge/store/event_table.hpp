@@ -10,7 +10,8 @@ namespace fieldcast {
 
 class EventTable {
  public:
-  static constexpr std::int64_t kMaxKept = 1'000'000;  // audit entries, and as many alarms: the newest
+  static constexpr std::int64_t kMaxKept =
+      1'000'000;  // audit entries, and as many alarms: the newest
 
   explicit EventTable(SqlConnection& connection) : connection_(connection) {}
 
@@ -21,6 +22,8 @@ class EventTable {
   // In the order of time, those of from <= time < to. False from the function ends it.
   void audit(UtcTime from, UtcTime to, const std::function<bool(const AuditEntry&)>& on_entry);
   void alarms(UtcTime from, UtcTime to, const std::function<bool(const AlarmRecord&)>& on_alarm);
+  // Those whose last record says active: they have not ended, whoever wrote them.
+  [[nodiscard]] std::vector<AlarmRecord> active_alarms();
   [[nodiscard]] std::vector<DeviceRecord> devices();  // by bus and name
 
   void remove_oldest();  // beyond kMaxKept

@@ -1,12 +1,13 @@
-// Argon2id of libsodium: the text that is kept of a password, and the question whether a password is the one.
+// Argon2id of libsodium: the text that is kept of a password, and the question whether a password
+// is the one.
 #pragma once
 
 #include <string>
 
 namespace fieldcast {
 
-// "$argon2id$v=19$m=65536,t=2,p=1$..": the limits are in it, so that they can rise for new ones. Throws StoreError without
-// memory.
+// "$argon2id$v=19$m=65536,t=2,p=1$..": the limits are in it, so that they can rise for new ones.
+// Throws StoreError without memory.
 [[nodiscard]] std::string hash_password(const std::string& password);
 [[nodiscard]] bool password_fits(const std::string& hash, const std::string& password);
 // Leaves nothing of a secret in its memory.

@@ -1,4 +1,5 @@
-// PostgreSQL by libpq. Rows are sent as a pipeline, so that a batch costs one way to the server and not one for each row.
+// PostgreSQL by libpq. Rows are sent as a pipeline, so that a batch costs one way to the server and
+// not one for each row.
 #include <libpq-fe.h>
 #include <poll.h>
 
@@ -13,10 +14,12 @@
 namespace fieldcast {
 namespace {
 
-// Rows in one pipeline: small enough that the answers fit the socket's buffer while libpq still sends.
+// Rows in one pipeline: small enough that the answers fit the socket's buffer while libpq still
+// sends.
 constexpr std::size_t kPipelined = 256;
 
-// A server that is there and says nothing: longer than its own statement_timeout, so that its reason comes first.
+// A server that is there and says nothing: longer than its own statement_timeout, so that its
+// reason comes first.
 constexpr std::chrono::seconds kPatience{12};
 
 // Of pg_type.dat: what the columns of our tables can be.
@@ -31,14 +34,16 @@ struct ClearResult {
 using Connection = std::unique_ptr<PGconn, FinishConnection>;
 using Result = std::unique_ptr<PGresult, ClearResult>;
 
-// libpq ends its messages with a line break, and says several lines when it tried several addresses.
+// libpq ends its messages with a line break, and says several lines when it tried several
+// addresses.
 std::string one_line(std::string text) {
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text;
 }
 
-// The server takes no text that is not UTF-8, and no zero in it; what a device sends may be anything.
+// The server takes no text that is not UTF-8, and no zero in it; what a device sends may be
+// anything.
 std::string plain_text(std::string_view text) {
   std::string plain;
   for (std::size_t i = 0; i < text.size();) {
@@ -49,11 +54,12 @@ std::string plain_text(std::string_view text) {
                                : lead >= 0xF0 && lead < 0xF5 ? 4
                                                              : 0;
     bool good = length > 0 && lead != 0 && i + length <= text.size();
-    for (std::size_t k = 1; good && k < length; ++k) good = (static_cast<unsigned char>(text[i + k]) & 0xC0) == 0x80;
+    for (std::size_t k = 1; good && k < length; ++k)
+      good = (static_cast<unsigned char>(text[i + k]) & 0xC0) == 0x80;
     if (good && length > 2) {  // over-long forms, surrogates, beyond U+10FFFF
       const auto second = static_cast<unsigned char>(text[i + 1]);
-      good = !(lead == 0xE0 && second < 0xA0) && !(lead == 0xED && second > 0x9F) && !(lead == 0xF0 && second < 0x90) &&
-             !(lead == 0xF4 && second > 0x8F);
+      good = !(lead == 0xE0 && second < 0xA0) && !(lead == 0xED && second > 0x9F) &&
+             !(lead == 0xF0 && second < 0x90) && !(lead == 0xF4 && second > 0x8F);
     }
     plain += good ? std::string(text.substr(i, length)) : "?";
     i += good ? length : 1;
@@ -74,7 +80,8 @@ class Parameters {
   explicit Parameters(const SqlRow& row) : texts_(row.size()), pointers_(row.size(), nullptr) {
     for (std::size_t i = 0; i < row.size(); ++i) {
       if (std::holds_alternative<std::monostate>(row[i])) continue;
-      if (const auto* integer = std::get_if<std::int64_t>(&row[i])) texts_[i] = std::to_string(*integer);
+      if (const auto* integer = std::get_if<std::int64_t>(&row[i]))
+        texts_[i] = std::to_string(*integer);
       if (const auto* real = std::get_if<double>(&row[i])) texts_[i] = spelled(*real);
       if (const auto* text = std::get_if<std::string>(&row[i])) texts_[i] = plain_text(*text);
       pointers_[i] = texts_[i].c_str();
@@ -90,7 +97,8 @@ class Parameters {
 
 SqlValue column(const PGresult* result, int row, int at) {
   if (PQgetisnull(result, row, at)) return std::monostate{};
-  const std::string_view text(PQgetvalue(result, row, at), static_cast<std::size_t>(PQgetlength(result, row, at)));
+  const std::string_view text(PQgetvalue(result, row, at),
+                              static_cast<std::size_t>(PQgetlength(result, row, at)));
   const Oid type = PQftype(result, at);
   if (type == kInt2 || type == kInt4 || type == kInt8) {
     std::int64_t integer = 0;
@@ -107,7 +115,8 @@ SqlValue column(const PGresult* result, int row, int at) {
 
 class PostgresConnection final : public SqlConnection {
  public:
-  PostgresConnection(std::string place, Connection connection) : place_(std::move(place)), connection_(std::move(connection)) {
+  PostgresConnection(std::string place, Connection connection)
+      : place_(std::move(place)), connection_(std::move(connection)) {
     PQsetNoticeProcessor(
         connection_.get(), [](void*, const char*) {}, nullptr);  // "table exists": nothing to say
   }
@@ -124,7 +133,8 @@ class PostgresConnection final : public SqlConnection {
     const std::string& name = prepared(sql);
     if (rows.size() == 1) {
       const Parameters parameters(rows[0]);
-      if (PQsendQueryPrepared(connection_.get(), name.c_str(), parameters.count(), parameters.data(), nullptr, nullptr, 0) != 1)
+      if (PQsendQueryPrepared(connection_.get(), name.c_str(), parameters.count(),
+                              parameters.data(), nullptr, nullptr, 0) != 1)
         fail();
       return answer();
     }
@@ -135,20 +145,25 @@ class PostgresConnection final : public SqlConnection {
     return changed;
   }
 
-  void query(const std::string& sql, const SqlRow& parameters, const std::function<bool(const SqlRow&)>& on_row) override {
+  void query(const std::string& sql, const SqlRow& parameters,
+             const std::function<bool(const SqlRow&)>& on_row) override {
     const std::string& name = prepared(sql);
     const Parameters texts(parameters);
-    if (PQsendQueryPrepared(connection_.get(), name.c_str(), texts.count(), texts.data(), nullptr, nullptr, 0) != 1) fail();
+    if (PQsendQueryPrepared(connection_.get(), name.c_str(), texts.count(), texts.data(), nullptr,
+                            nullptr, 0) != 1)
+      fail();
     PQsetSingleRowMode(connection_.get());  // an answer of any size is never held whole
     bool wanted = true;
     std::string problem;
     SqlRow row;
     while (const Result result = next()) {
       const ExecStatusType status = PQresultStatus(result.get());
-      if (status != PGRES_SINGLE_TUPLE && status != PGRES_TUPLES_OK && problem.empty()) problem = text_of(result.get());
+      if (status != PGRES_SINGLE_TUPLE && status != PGRES_TUPLES_OK && problem.empty())
+        problem = text_of(result.get());
       for (int i = 0; wanted && i < PQntuples(result.get()); ++i) {
         row.resize(static_cast<std::size_t>(PQnfields(result.get())));
-        for (std::size_t k = 0; k < row.size(); ++k) row[k] = column(result.get(), i, static_cast<int>(k));
+        for (std::size_t k = 0; k < row.size(); ++k)
+          row[k] = column(result.get(), i, static_cast<int>(k));
         wanted = on_row(row);
       }
     }
@@ -156,14 +171,19 @@ class PostgresConnection final : public SqlConnection {
   }
 
  private:
-  [[noreturn]] void fail() const { throw StoreError("store " + place_ + ": " + one_line(PQerrorMessage(connection_.get()))); }
-  std::string text_of(const PGresult* result) const { return "store " + place_ + ": " + one_line(PQresultErrorMessage(result)); }
+  [[noreturn]] void fail() const {
+    throw StoreError("store " + place_ + ": " + one_line(PQerrorMessage(connection_.get())));
+  }
+  std::string text_of(const PGresult* result) const {
+    return "store " + place_ + ": " + one_line(PQresultErrorMessage(result));
+  }
 
   // The next result, or null at the end of an answer.
   Result next() {
     const auto deadline = std::chrono::steady_clock::now() + kPatience;
     while (PQisBusy(connection_.get()) == 1) {
-      const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+      const auto left =
+          std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
       pollfd socket{PQsocket(connection_.get()), POLLIN, 0};
       if (left.count() <= 0 || ::poll(&socket, 1, static_cast<int>(left.count())) == 0) {
         throw StoreError("store " + place_ + ": the server does not answer");
@@ -210,7 +230,9 @@ class PostgresConnection final : public SqlConnection {
     if (PQenterPipelineMode(to) != 1) fail();
     for (const SqlRow& row : rows) {
       const Parameters parameters(row);
-      if (PQsendQueryPrepared(to, name.c_str(), parameters.count(), parameters.data(), nullptr, nullptr, 0) != 1) fail();
+      if (PQsendQueryPrepared(to, name.c_str(), parameters.count(), parameters.data(), nullptr,
+                              nullptr, 0) != 1)
+        fail();
     }
     if (PQpipelineSync(to) != 1) fail();
     std::uint64_t changed = 0;
@@ -223,7 +245,8 @@ class PostgresConnection final : public SqlConnection {
       }
       const ExecStatusType status = PQresultStatus(result.get());
       synced = status == PGRES_PIPELINE_SYNC;
-      if (status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK) changed += changed_by(result.get());
+      if (status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK)
+        changed += changed_by(result.get());
       if (status == PGRES_FATAL_ERROR && problem.empty()) problem = text_of(result.get());
       if (status == PGRES_FATAL_ERROR && PQstatus(to) != CONNECTION_OK) break;
     }
@@ -241,21 +264,29 @@ class PostgresConnection final : public SqlConnection {
 
 std::unique_ptr<SqlConnection> open_postgres(const StoreAddress& address) {
   if (address.is_ambiguous()) {
-    throw StoreError("store " + address.masked() + ": a '/' or '@' in the password must be escaped, as %2F or %40");
+    throw StoreError("store " + address.masked() +
+                     ": a '/' or '@' in the password must be escaped, as %2F or %40");
   }
   // What the connection string says goes before these.
-  const char* const keys[] = {"connect_timeout", "tcp_user_timeout", "application_name", "options", "dbname", nullptr};
-  const char* const values[] = {
-      "5", "10000", "fieldcast", "-c statement_timeout=10s -c lock_timeout=10s", address.text().c_str(), nullptr};
+  const char* const keys[] = {"connect_timeout", "tcp_user_timeout", "application_name",
+                              "options",         "dbname",           nullptr};
+  const char* const values[] = {"5",
+                                "10000",
+                                "fieldcast",
+                                "-c statement_timeout=10s -c lock_timeout=10s",
+                                address.text().c_str(),
+                                nullptr};
   Connection connection(PQconnectdbParams(keys, values, 1));
   const std::string place = address.masked();
   if (!connection) throw StoreError("store " + place + ": no memory");
   if (PQstatus(connection.get()) != CONNECTION_OK) {
     // A string that cannot be parsed stands in libpq's message, with its password.
     const char* const user = PQuser(connection.get());
-    throw StoreError("store " + place + ": " +
-                     (user == nullptr ? "the connection string cannot be understood; postgresql://USER@HOST:PORT/DATABASE"
-                                      : one_line(PQerrorMessage(connection.get()))));
+    throw StoreError(
+        "store " + place + ": " +
+        (user == nullptr
+             ? "the connection string cannot be understood; postgresql://USER@HOST:PORT/DATABASE"
+             : one_line(PQerrorMessage(connection.get()))));
   }
   PQsetClientEncoding(connection.get(), "UTF8");
   return std::make_unique<PostgresConnection>(place, std::move(connection));

@@ -13,7 +13,8 @@ namespace fieldcast {
 // Who did what, when, and what became of it: a login, a command, a transmission to a device.
 struct AuditEntry {
   UtcTime at;
-  std::string who;     // the user, or the requester of a command; with the peer's address where there is one
+  std::string
+      who;  // the user, or the requester of a command; with the peer's address where there is one
   std::string what;    // "login", "write", "acquire", "program"
   std::string target;  // "press-shop/press-1/running"; empty: the bridge itself
   // Of a transmission. A command's are not counted: several may travel in one frame.
@@ -23,9 +24,11 @@ struct AuditEntry {
   friend bool operator==(const AuditEntry&, const AuditEntry&) = default;
 };
 
-// A sample of the history. Published and acquired differ for a stale value, which is published again with its old instant.
+// A sample of the history. Published and acquired differ for a stale value, which is published
+// again with its old instant.
 struct StoredSample {
   std::string bus, device, channel, unit;
+  std::string type;  // "float32"; empty: an older Fieldcast stored it
   UtcTime published_at;
   UtcTime acquired_at;  // 0: never read
   std::uint64_t sequence = 0;

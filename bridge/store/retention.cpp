@@ -8,7 +8,8 @@
 namespace fieldcast {
 namespace {
 
-constexpr std::int64_t kShare = 20;  // a store that is too large loses its oldest twentieth of time, again and again
+constexpr std::int64_t kShare =
+    20;  // a store that is too large loses its oldest twentieth of time, again and again
 
 std::int64_t pragma(SqlConnection& connection, const char* name) {
   std::int64_t number = 0;
@@ -21,7 +22,8 @@ std::int64_t pragma(SqlConnection& connection, const char* name) {
 
 // What the tables take; the file itself never shrinks, its free pages are used again.
 std::uint64_t bytes_used(SqlConnection& connection) {
-  const std::int64_t pages = pragma(connection, "page_count") - pragma(connection, "freelist_count");
+  const std::int64_t pages =
+      pragma(connection, "page_count") - pragma(connection, "freelist_count");
   return static_cast<std::uint64_t>(pages * pragma(connection, "page_size"));
 }
 
@@ -34,7 +36,8 @@ bool Retention::step(SqlConnection& connection, Instant now, UtcTime utc) {
     begin(connection, utc);
     if (channels_.empty()) return false;
   }
-  if (SampleTable(connection).remove_before(channels_.back(), before_, kAtOnce) < kAtOnce) channels_.pop_back();
+  if (SampleTable(connection).remove_before(channels_.back(), before_, kAtOnce) < kAtOnce)
+    channels_.pop_back();
   return true;
 }
 
@@ -43,8 +46,8 @@ void Retention::begin(SqlConnection& connection, UtcTime utc) {
   EventTable(connection).remove_oldest();
   before_ = UtcTime{spec_.keep == Duration{} ? 0 : utc.nanoseconds - spec_.keep.count()};
   channels_ = samples.channel_ids();
-  too_large_ =
-      spec_.max_bytes != 0 && connection.dialect() == SqlConnection::Dialect::kSqlite && bytes_used(connection) > spec_.max_bytes;
+  too_large_ = spec_.max_bytes != 0 && connection.dialect() == SqlConnection::Dialect::kSqlite &&
+               bytes_used(connection) > spec_.max_bytes;
   if (too_large_) {
     std::int64_t oldest = utc.nanoseconds;
     for (const std::int64_t channel : channels_) {

@@ -1,5 +1,6 @@
-// Removes what is older than it need be, and the oldest of all when the store is too large: a little after each batch, so that
-// nobody who stores has to wait for it. One owner, on the writer's thread.
+// Removes what is older than it need be, and the oldest of all when the store is too large: a
+// little after each batch, so that nobody who stores has to wait for it. One owner, on the writer's
+// thread.
 #pragma once
 
 #include <vector>
@@ -11,8 +12,9 @@ namespace fieldcast {
 
 class Retention {
  public:
-  static constexpr Duration kPause = std::chrono::seconds{30};  // between two passes over all channels
-  static constexpr std::uint64_t kAtOnce = 5000;                // samples in one step
+  static constexpr Duration kPause =
+      std::chrono::seconds{30};                   // between two passes over all channels
+  static constexpr std::uint64_t kAtOnce = 5000;  // samples in one step
 
   explicit Retention(const StoreSpec& spec) : spec_(spec) {}
 

@@ -9,8 +9,10 @@ namespace {
 constexpr std::size_t kRows = 512;  // made at a time
 
 const std::string kInsert =
-    "insert into samples (channel, published_at, sequence, acquired_at, quality, device_code, value_kind, integer_value, "
-    "real_value, text_value) values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10) on conflict do nothing";
+    "insert into samples (channel, published_at, sequence, acquired_at, quality, device_code, "
+    "value_kind, integer_value, "
+    "real_value, text_value) values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10) on conflict do "
+    "nothing";
 enum Column : std::size_t {
   kChannel,
   kPublished,
@@ -37,7 +39,8 @@ void fill(const SampleRow& sample, SqlRow& row) {
   row[kInteger] = row[kReal] = row[kText] = std::monostate{};
   if (const auto* flag = std::get_if<bool>(&sample.value)) row[kInteger] = std::int64_t{*flag};
   if (const auto* integer = std::get_if<std::int64_t>(&sample.value)) row[kInteger] = *integer;
-  if (const auto* whole = std::get_if<std::uint64_t>(&sample.value)) row[kInteger] = std::bit_cast<std::int64_t>(*whole);
+  if (const auto* whole = std::get_if<std::uint64_t>(&sample.value))
+    row[kInteger] = std::bit_cast<std::int64_t>(*whole);
   if (const auto* real = std::get_if<double>(&sample.value)) row[kReal] = *real;
   if (const auto* text = std::get_if<std::string>(&sample.value)) row[kText] = *text;
 }
@@ -63,13 +66,15 @@ Quality quality_from(std::int64_t number) {
 
 }  // namespace
 
-std::int64_t SampleTable::channel_id(const std::string& bus, const std::string& device, const std::string& channel,
-                                     const std::string& unit) {
+std::int64_t SampleTable::channel_id(const std::string& bus, const std::string& device,
+                                     const std::string& channel, const std::string& unit,
+                                     const std::string& type) {
   std::int64_t id = 0;
   connection_.query(
-      "insert into channels (bus, device, channel, unit) values ($1, $2, $3, $4) "
-      "on conflict (bus, device, channel) do update set unit = excluded.unit returning id",
-      {bus, device, channel, unit}, [&](const SqlRow& row) {
+      "insert into channels (bus, device, channel, unit, type) values ($1, $2, $3, $4, $5) "
+      "on conflict (bus, device, channel) do update set unit = excluded.unit, type = excluded.type "
+      "returning id",
+      {bus, device, channel, unit, type}, [&](const SqlRow& row) {
         id = integer_at(row, 0);
         return true;
       });
@@ -88,21 +93,28 @@ void SampleTable::insert(std::span<const SampleRow> samples) {
 
 std::size_t SampleTable::history(const Pattern& pattern, UtcTime from, UtcTime to,
                                  const std::function<bool(const StoredSample&)>& on_sample) {
-  std::vector<std::pair<std::int64_t, StoredSample>> channels;  // a sample of each, without its values
-  connection_.query("select id, bus, device, channel, unit from channels order by bus, device, channel", {},
-                    [&](const SqlRow& row) {
-                      StoredSample sample{
-                          .bus = text_at(row, 1), .device = text_at(row, 2), .channel = text_at(row, 3), .unit = text_at(row, 4)};
-                      if (pattern.matches(sample.bus, sample.device, sample.channel))
-                        channels.emplace_back(integer_at(row, 0), std::move(sample));
-                      return true;
-                    });
+  std::vector<std::pair<std::int64_t, StoredSample>>
+      channels;  // a sample of each, without its values
+  connection_.query(
+      "select id, bus, device, channel, unit, type from channels order by bus, device, channel", {},
+      [&](const SqlRow& row) {
+        StoredSample sample{.bus = text_at(row, 1),
+                            .device = text_at(row, 2),
+                            .channel = text_at(row, 3),
+                            .unit = text_at(row, 4),
+                            .type = text_at(row, 5)};
+        if (pattern.matches(sample.bus, sample.device, sample.channel))
+          channels.emplace_back(integer_at(row, 0), std::move(sample));
+        return true;
+      });
   bool wanted = true;
   for (auto& [id, sample] : channels) {
     if (!wanted) break;
     connection_.query(
-        "select published_at, sequence, acquired_at, quality, device_code, value_kind, integer_value, real_value, text_value "
-        "from samples where channel = $1 and published_at >= $2 and published_at < $3 order by published_at, sequence",
+        "select published_at, sequence, acquired_at, quality, device_code, value_kind, "
+        "integer_value, real_value, text_value "
+        "from samples where channel = $1 and published_at >= $2 and published_at < $3 order by "
+        "published_at, sequence",
         {id, from.nanoseconds, to.nanoseconds}, [&](const SqlRow& row) {
           sample.published_at.nanoseconds = integer_at(row, 0);
           sample.sequence = static_cast<std::uint64_t>(integer_at(row, 1));
@@ -125,20 +137,24 @@ std::vector<std::int64_t> SampleTable::channel_ids() {
   return ids;
 }
 
-std::uint64_t SampleTable::remove_before(std::int64_t channel, UtcTime before, std::uint64_t limit) {
+std::uint64_t SampleTable::remove_before(std::int64_t channel, UtcTime before,
+                                         std::uint64_t limit) {
   return connection_.execute(
       "delete from samples where channel = $1 and published_at < $2 and published_at <= coalesce("
-      "(select published_at from samples where channel = $3 order by published_at limit 1 offset $4), $5)",
-      SqlRow{channel, before.nanoseconds, channel, static_cast<std::int64_t>(limit), before.nanoseconds});
+      "(select published_at from samples where channel = $3 order by published_at limit 1 offset "
+      "$4), $5)",
+      SqlRow{channel, before.nanoseconds, channel, static_cast<std::int64_t>(limit),
+             before.nanoseconds});
 }
 
 UtcTime SampleTable::oldest(std::int64_t channel) {
   UtcTime found;
-  connection_.query("select published_at from samples where channel = $1 order by published_at limit 1", {channel},
-                    [&](const SqlRow& row) {
-                      found.nanoseconds = integer_at(row, 0);
-                      return false;
-                    });
+  connection_.query(
+      "select published_at from samples where channel = $1 order by published_at limit 1",
+      {channel}, [&](const SqlRow& row) {
+        found.nanoseconds = integer_at(row, 0);
+        return false;
+      });
   return found;
 }
 

@@ -5,8 +5,10 @@
 namespace fieldcast {
 
 SqlTransaction::SqlTransaction(SqlConnection& connection) : connection_(connection) {
-  // SQLite: to take the write lock at once, and wait for it, is the one way that cannot fail half-way through.
-  connection_.script(connection_.dialect() == SqlConnection::Dialect::kSqlite ? "begin immediate" : "begin");
+  // SQLite: to take the write lock at once, and wait for it, is the one way that cannot fail
+  // half-way through.
+  connection_.script(connection_.dialect() == SqlConnection::Dialect::kSqlite ? "begin immediate"
+                                                                              : "begin");
 }
 
 SqlTransaction::~SqlTransaction() {
@@ -22,7 +24,8 @@ void SqlTransaction::commit() {
 }
 
 std::unique_ptr<SqlConnection> open_store(const StoreAddress& address, IfMissing missing) {
-  auto connection = address.is_server() ? open_postgres(address) : open_sqlite(address.text(), missing);
+  auto connection =
+      address.is_server() ? open_postgres(address) : open_sqlite(address.text(), missing);
   bring_to_present(*connection, address.masked());
   return connection;
 }

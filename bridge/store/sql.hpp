@@ -1,5 +1,6 @@
-// One connection to a database, SQLite or PostgreSQL, in the part of SQL that both speak: parameters $1, $2, .. in the order of
-// their first appearance, `on conflict`, `returning`. One owner, one thread at a time.
+// One connection to a database, SQLite or PostgreSQL, in the part of SQL that both speak:
+// parameters $1, $2, .. in the order of their first appearance, `on conflict`, `returning`. One
+// owner, one thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +23,8 @@ class StoreError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-using SqlValue = std::variant<std::monostate, std::int64_t, double, std::string>;  // monostate: null
+using SqlValue =
+    std::variant<std::monostate, std::int64_t, double, std::string>;  // monostate: null
 using SqlRow = std::vector<SqlValue>;
 
 class SqlConnection {
@@ -32,15 +34,18 @@ class SqlConnection {
   virtual ~SqlConnection() = default;
   [[nodiscard]] virtual Dialect dialect() const = 0;
 
-  // Everything below throws StoreError. Statements are prepared once, by their text: few and constant ones only.
-  // Whole scripts, several statements, no parameters; not prepared.
+  // Everything below throws StoreError. Statements are prepared once, by their text: few and
+  // constant ones only. Whole scripts, several statements, no parameters; not prepared.
   virtual void script(const std::string& sql) = 0;
   // One statement for each row of parameters; the rows that it changed.
   virtual std::uint64_t execute(const std::string& sql, std::span<const SqlRow> rows) = 0;
   // Each row of the answer goes to on_row; false ends the reading.
-  virtual void query(const std::string& sql, const SqlRow& parameters, const std::function<bool(const SqlRow&)>& on_row) = 0;
+  virtual void query(const std::string& sql, const SqlRow& parameters,
+                     const std::function<bool(const SqlRow&)>& on_row) = 0;
 
-  std::uint64_t execute(const std::string& sql, const SqlRow& row) { return execute(sql, std::span(&row, 1)); }
+  std::uint64_t execute(const std::string& sql, const SqlRow& row) {
+    return execute(sql, std::span(&row, 1));
+  }
 };
 
 // Everything since its making happens at its commit, or not at all.
@@ -57,13 +62,16 @@ class SqlTransaction {
   bool open_ = true;
 };
 
-// Connects, and brings the tables to the present version. A file that does not exist is made, readable for its owner only, when
-// `create` says so. Bounded: a server that does not answer fails within seconds. Throws StoreError.
+// Connects, and brings the tables to the present version. A file that does not exist is made,
+// readable for its owner only, when `create` says so. Bounded: a server that does not answer fails
+// within seconds. Throws StoreError.
 enum class IfMissing : std::uint8_t { kCreate, kFail };
-[[nodiscard]] std::unique_ptr<SqlConnection> open_store(const StoreAddress& address, IfMissing missing);
+[[nodiscard]] std::unique_ptr<SqlConnection> open_store(const StoreAddress& address,
+                                                        IfMissing missing);
 
 // Parts of the above.
-[[nodiscard]] std::unique_ptr<SqlConnection> open_sqlite(const std::string& path, IfMissing missing);
+[[nodiscard]] std::unique_ptr<SqlConnection> open_sqlite(const std::string& path,
+                                                         IfMissing missing);
 [[nodiscard]] std::unique_ptr<SqlConnection> open_postgres(const StoreAddress& address);
 
 // Columns of a row. REQUIRES: the column is of that kind; null is 0 and "".

@@ -1,6 +1,6 @@
-// SQLite in WAL mode: one writes while others read. A commit reaches the kernel, so that the death of the process loses nothing;
-// the disk is waited for at checkpoints only, so that a power failure may take the last seconds (sqlite.org/pragma.html,
-// synchronous).
+// SQLite in WAL mode: one writes while others read. A commit reaches the kernel, so that the death
+// of the process loses nothing; the disk is waited for at checkpoints only, so that a power failure
+// may take the last seconds (sqlite.org/pragma.html, synchronous).
 #include <fcntl.h>
 #include <sqlite3.h>
 #include <unistd.h>
@@ -17,7 +17,8 @@ namespace {
 
 constexpr int kBusyMilliseconds = 5000;  // another process writes: a command line, a backup
 constexpr const char* kSettings =
-    "pragma journal_mode = wal; pragma synchronous = normal; pragma wal_autocheckpoint = 4000; pragma journal_size_limit = "
+    "pragma journal_mode = wal; pragma synchronous = normal; pragma wal_autocheckpoint = 4000; "
+    "pragma journal_size_limit = "
     "67108864;"
     "pragma cache_size = -16384";
 
@@ -32,7 +33,8 @@ using Statement = std::unique_ptr<sqlite3_stmt, FinalizeStatement>;
 
 class SqliteConnection final : public SqlConnection {
  public:
-  SqliteConnection(std::string path, Database database) : path_(std::move(path)), database_(std::move(database)) {
+  SqliteConnection(std::string path, Database database)
+      : path_(std::move(path)), database_(std::move(database)) {
     sqlite3_busy_timeout(database_.get(), kBusyMilliseconds);
     script(kSettings);
   }
@@ -57,7 +59,8 @@ class SqliteConnection final : public SqlConnection {
     return changed;
   }
 
-  void query(const std::string& sql, const SqlRow& parameters, const std::function<bool(const SqlRow&)>& on_row) override {
+  void query(const std::string& sql, const SqlRow& parameters,
+             const std::function<bool(const SqlRow&)>& on_row) override {
     sqlite3_stmt* statement = prepared(sql);
     const Reset reset{statement};
     bind(statement, parameters);
@@ -77,13 +80,17 @@ class SqliteConnection final : public SqlConnection {
     ~Reset() { sqlite3_reset(statement); }
   };
 
-  [[noreturn]] void fail() const { throw StoreError("store " + path_ + ": " + sqlite3_errmsg(database_.get())); }
+  [[noreturn]] void fail() const {
+    throw StoreError("store " + path_ + ": " + sqlite3_errmsg(database_.get()));
+  }
 
   sqlite3_stmt* prepared(const std::string& sql) {
     Statement& statement = statements_[sql];
     if (!statement) {
       sqlite3_stmt* made = nullptr;
-      if (sqlite3_prepare_v3(database_.get(), sql.c_str(), -1, SQLITE_PREPARE_PERSISTENT, &made, nullptr) != SQLITE_OK) fail();
+      if (sqlite3_prepare_v3(database_.get(), sql.c_str(), -1, SQLITE_PREPARE_PERSISTENT, &made,
+                             nullptr) != SQLITE_OK)
+        fail();
       statement.reset(made);
     }
     return statement.get();
@@ -98,7 +105,8 @@ class SqliteConnection final : public SqlConnection {
       } else if (const auto* real = std::get_if<double>(&row[i])) {
         done = sqlite3_bind_double(statement, at, *real);
       } else if (const auto* text = std::get_if<std::string>(&row[i])) {
-        done = sqlite3_bind_text64(statement, at, text->data(), text->size(), SQLITE_STATIC, SQLITE_UTF8);
+        done = sqlite3_bind_text64(statement, at, text->data(), text->size(), SQLITE_STATIC,
+                                   SQLITE_UTF8);
       } else {
         done = sqlite3_bind_null(statement, at);
       }
@@ -120,13 +128,15 @@ class SqliteConnection final : public SqlConnection {
 
   const std::string path_;
   Database database_;
-  std::map<std::string, Statement> statements_;  // before the database goes: it waits for none of them
+  std::map<std::string, Statement>
+      statements_;  // before the database goes: it waits for none of them
 };
 
-// SQLite gives its own files the permissions of the database's: passwords' hashes lie in all of them. A file that exists is not
-// opened here: closing it would take away the locks of every connection that this process has to it (sqlite.org/howtocorrupt.html,
-// 2.2), and another process that leaves would then delete the log that they go on writing to. One at a time, so that nobody has a
-// new file open before this has closed it.
+// SQLite gives its own files the permissions of the database's: passwords' hashes lie in all of
+// them. A file that exists is not opened here: closing it would take away the locks of every
+// connection that this process has to it (sqlite.org/howtocorrupt.html, 2.2), and another process
+// that leaves would then delete the log that they go on writing to. One at a time, so that nobody
+// has a new file open before this has closed it.
 void make_private_file(const std::string& path) {
   static std::mutex one;
   const std::lock_guard lock(one);
@@ -141,11 +151,14 @@ void make_private_file(const std::string& path) {
 
 std::unique_ptr<SqlConnection> open_sqlite(const std::string& path, IfMissing missing) {
   if (missing == IfMissing::kFail && ::access(path.c_str(), F_OK) != 0) {
-    throw StoreError("store " + path + ": there is no such file; the bridge makes it when it first runs with this store");
+    throw StoreError(
+        "store " + path +
+        ": there is no such file; the bridge makes it when it first runs with this store");
   }
   make_private_file(path);
   sqlite3* made = nullptr;
-  const int opened = sqlite3_open_v2(path.c_str(), &made, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, nullptr);
+  const int opened =
+      sqlite3_open_v2(path.c_str(), &made, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, nullptr);
   Database database(made);
   if (opened != SQLITE_OK) throw StoreError("store " + path + ": " + sqlite3_errstr(opened));
   return std::make_unique<SqliteConnection>(path, std::move(database));

@@ -8,11 +8,12 @@
 #include <algorithm>
 #include <utility>
 
-#include "bridge/back_off.hpp"
-#include "bridge/clock.hpp"
-#include "bridge/log.hpp"
+#include "bridge/bus/back_off.hpp"
+#include "bridge/bus/clock.hpp"
+#include "bridge/log/log.hpp"
 #include "bridge/store/event_table.hpp"
 #include "bridge/store/retention.hpp"
+#include "core/base/number_text.hpp"
 #include "core/model/pattern.hpp"
 
 namespace fieldcast {
@@ -25,18 +26,21 @@ constexpr Duration kIdle = std::chrono::seconds{10};
 constexpr Duration kDropLine = std::chrono::seconds{10};  // between two lines about dropped samples
 
 std::string spelled(const AuditEntry& entry) {
-  return fmt::format("{} {} {}: {} ({} bytes to the device, {} from it)", entry.who, entry.what, entry.target, entry.result,
-                     entry.bytes_to_device, entry.bytes_from_device);
+  return fmt::format("{} {} {}: {} ({} bytes to the device, {} from it)", entry.who, entry.what,
+                     entry.target, entry.result, entry.bytes_to_device, entry.bytes_from_device);
 }
 std::string spelled(const AlarmRecord& alarm) {
-  return fmt::format("alarm {}/{}/{} {} {} at {}", alarm.bus, alarm.device, alarm.channel, alarm.limit, alarm.state, alarm.value);
+  return fmt::format("alarm {}/{}/{} {} {} at {}", alarm.bus, alarm.device, alarm.channel,
+                     alarm.limit, alarm.state, number_text(alarm.value));
 }
 std::string spelled(const DeviceRecord& device) {
   return fmt::format("device {}/{} {}", device.bus, device.device, device.state);
 }
 
 void log_unstored(const std::variant<AuditEntry, AlarmRecord, DeviceRecord>& event) {
-  log_warning("store", "not stored: " + std::visit([](const auto& record) { return spelled(record); }, event));
+  log_counted(
+      LogLevel::kWarning, "store", "records not stored",
+      "not stored: " + std::visit([](const auto& record) { return spelled(record); }, event));
 }
 
 }  // namespace
@@ -44,19 +48,39 @@ void log_unstored(const std::variant<AuditEntry, AlarmRecord, DeviceRecord>& eve
 // The database's side, on the writer's thread alone.
 class Store::Writer {
  public:
-  Writer(const StoreSpec& spec, std::deque<Channel>& channels, std::mutex& mutex)
-      : address_(spec.address), channels_(channels), mutex_(mutex), retention_(spec) {}
+  using Opened = std::function<void(const std::vector<AlarmRecord>& active)>;
+  Writer(const StoreSpec& spec, Opened opened, std::deque<Channel>& channels, std::mutex& mutex)
+      : address_(spec.address),
+        opened_(std::move(opened)),
+        channels_(channels),
+        mutex_(mutex),
+        retention_(spec) {}
+
+  // Throws StoreError. To be called before write(): what it tells of is of before.
+  void open() {
+    if (connection_) return;
+    auto connection = open_store(address_, IfMissing::kCreate);
+    std::vector<AlarmRecord> active;
+    if (opened_) active = EventTable(*connection).active_alarms();
+    connection_ = std::move(connection);
+    log_info("store", "open: " + address_.masked());
+    if (const Opened opened = std::exchange(opened_, {})) opened(active);
+  }
 
   // One try. Throws StoreError, and then nothing of the batch is written.
   void write(const Batch& batch) {
-    if (!connection_) open();
+    open();
     SqlTransaction transaction(*connection_);
     insert(batch.samples);
     EventTable events(*connection_);
-    for (const Event& event : batch.events) std::visit([&](const auto& record) { events.insert(record); }, event);
+    for (const Event& event : batch.events)
+      std::visit([&](const auto& record) { events.insert(record); }, event);
     transaction.commit();
   }
-  bool tidy() { return connection_ && retention_.step(*connection_, steady_now(), read_clocks().utc); }
+  bool tidy() {
+    if (opened_) open();  // somebody waits for what it knows
+    return connection_ && retention_.step(*connection_, steady_now(), read_clocks().utc);
+  }
   [[nodiscard]] bool is_open() const { return connection_ != nullptr; }
   void close() {
     connection_.reset();
@@ -64,11 +88,6 @@ class Store::Writer {
   }
 
  private:
-  void open() {
-    connection_ = open_store(address_, IfMissing::kCreate);
-    log_info("store", "open: " + address_.masked());
-  }
-
   // Each sample with the database's number of its channel in place of ours.
   void insert(const std::deque<SampleRow>& samples) {
     for (auto at = samples.begin(); at != samples.end();) {
@@ -89,10 +108,12 @@ class Store::Writer {
       const std::lock_guard lock(mutex_);
       channel = &channels_[place];
     }
-    return SampleTable(*connection_).channel_id(channel->bus, channel->device, channel->channel, channel->unit);
+    return SampleTable(*connection_)
+        .channel_id(channel->bus, channel->device, channel->channel, channel->unit, channel->type);
   }
 
   const StoreAddress address_;
+  Opened opened_;
   std::deque<Channel>& channels_;
   std::mutex& mutex_;
   std::unique_ptr<SqlConnection> connection_;
@@ -101,7 +122,8 @@ class Store::Writer {
   Retention retention_;
 };
 
-Store::Store(const StoreSpec& spec) : spec_(spec), thread_([this] { run(); }) {}
+Store::Store(const StoreSpec& spec, Opened opened)
+    : spec_(spec), opened_(std::move(opened)), thread_([this] { run(); }) {}
 
 Store::~Store() {
   {
@@ -122,10 +144,15 @@ std::unique_ptr<Store::Intake> Store::intake(const BusSpec& bus) {
   for (const DeviceSpec& device : bus.devices) {
     for (const ChannelSpec& channel : device.channels) {
       auto& place = made->channels_.emplace_back();
-      const auto stored = [&](const Pattern& pattern) { return pattern.matches(bus.name, device.name, channel.name); };
+      const auto stored = [&](const Pattern& pattern) {
+        return pattern.matches(bus.name, device.name, channel.name);
+      };
       if (!std::any_of(patterns.begin(), patterns.end(), stored)) continue;
-      const auto [known, added] = places_.try_emplace(bus.name + '/' + device.name + '/' + channel.name, channels_.size());
-      if (added) channels_.push_back({bus.name, device.name, channel.name, channel.unit});
+      const auto [known, added] =
+          places_.try_emplace(bus.name + '/' + device.name + '/' + channel.name, channels_.size());
+      if (added)
+        channels_.push_back({bus.name, device.name, channel.name, channel.unit,
+                             std::string(to_text(channel.encoding.type))});
       place = known->second;
     }
   }
@@ -145,8 +172,8 @@ void Store::Intake::put(std::span<const Sample> samples, const UtcMapping& mappi
         ++store_.counters_.dropped;
         continue;
       }
-      rows.push_back({static_cast<std::int64_t>(*place), at, mapping.to_utc(sample.acquired), sample.sequence, sample.quality,
-                      sample.device_code, sample.value});
+      rows.push_back({static_cast<std::int64_t>(*place), at, mapping.to_utc(sample.acquired),
+                      sample.sequence, sample.quality, sample.device_code, sample.value});
       ++store_.put_;
     }
     wake = idle && !rows.empty();
@@ -208,14 +235,27 @@ void Store::written(const Batch& batch, bool stored) {
 
 void Store::run() {
   pthread_setname_np(pthread_self(), "store");
-  ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNiceness);  // of this thread, on Linux
-  Writer writer(spec_, channels_, mutex_);
+  ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()),
+                kNiceness);  // of this thread, on Linux
+  Writer::Opened opened;
+  if (opened_) opened = [this](const auto& active) { opened_(*this, active); };
+  Writer writer(spec_, std::move(opened), channels_, mutex_);
   BackOff back_off;
   std::string said;  // the last failure, which is not said twice
   std::uint64_t drops_said = 0;
   Instant next_drop_line = kLongAgo;
   Batch batch;
   bool tidying = false;
+  const auto tidy = [&] {
+    try {
+      tidying = writer.tidy();
+    } catch (const StoreError& error) {
+      if (said != error.what()) log_error("store", said = error.what());
+      writer.close();
+      tidying = false;
+    }
+  };
+  tidy();
   while (gather(batch, tidying ? Duration{} : kIdle)) {
     bool stored = batch.empty();
     for (unsigned attempts = 0; !stored && attempts < kAttempts;) {
@@ -235,16 +275,12 @@ void Store::run() {
     }
     written(batch, stored);
     batch = {};
-    try {
-      tidying = writer.tidy();
-    } catch (const StoreError& error) {
-      log_error("store", error.what());
-      writer.close();
-      tidying = false;
-    }
+    tidy();
     const std::uint64_t dropped = counters().dropped;
     if (dropped != drops_said && steady_now() >= next_drop_line) {
-      log_warning("store", fmt::format("{} samples were not stored: the database is too slow, or away", dropped - drops_said));
+      log_warning("store",
+                  fmt::format("{} samples were not stored: the database is too slow, or away",
+                              dropped - drops_said));
       drops_said = dropped;
       next_drop_line = steady_now() + kDropLine;
     }

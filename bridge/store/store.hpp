@@ -1,10 +1,12 @@
-// The store of a bridge: samples, audit, alarms and device states go in from any thread without ever waiting; one thread of low
-// priority writes them in batches, each a transaction. When the database is too slow or away, what finds no room is dropped,
-// counted and said in the log: acquisition never waits for the store.
+// The store of a bridge: samples, audit, alarms and device states go in from any thread without
+// ever waiting; one thread of low priority writes them in batches, each a transaction. When the
+// database is too slow or away, what finds no room is dropped, counted and said in the log:
+// acquisition never waits for the store.
 #pragma once
 
 #include <condition_variable>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -14,7 +16,8 @@
 #include <variant>
 #include <vector>
 
-#include "bridge/dds/utc_mapping.hpp"
+#include "bridge/dds/topics/utc_mapping.hpp"
+#include "bridge/store/alarm_sink.hpp"
 #include "bridge/store/audit.hpp"
 #include "bridge/store/records.hpp"
 #include "bridge/store/sample_table.hpp"
@@ -24,24 +27,29 @@
 namespace fieldcast {
 
 struct StoreCounters {
-  std::uint64_t stored = 0;   // samples in committed transactions: the death of the process does not take them back
+  std::uint64_t stored =
+      0;  // samples in committed transactions: the death of the process does not take them back
   std::uint64_t dropped = 0;  // samples that found no room, or that the database refused
   std::size_t waiting = 0;    // samples
 };
 
-class Store final : public Audit {
+class Store final : public Audit, public AlarmSink {
  public:
-  static constexpr std::size_t kMaxWaiting = 200'000;     // samples; 10 s of 20 000 a second
-  static constexpr std::size_t kMaxWaitingEvents = 4096;  // of audit, alarms and devices; one more is written to the log
+  static constexpr std::size_t kMaxWaiting = 200'000;  // samples; 10 s of 20 000 a second
+  static constexpr std::size_t kMaxWaitingEvents =
+      4096;  // of audit, alarms and devices; one more is written to the log
   static constexpr Duration kGather = std::chrono::milliseconds{250};  // how long a batch gathers
 
-  // The database is opened by the writer, again and again until it opens.
-  explicit Store(const StoreSpec& spec);
+  // The database is opened by the writer, again and again until it opens. `opened` is then called
+  // once, on the writer's thread, with the alarms that were active when the last bridge ended.
+  using Opened = std::function<void(Store& store, const std::vector<AlarmRecord>& active)>;
+  explicit Store(const StoreSpec& spec, Opened opened = {});
   ~Store() override;  // writes what waits, if the database takes it at once
   Store(const Store&) = delete;
   Store& operator=(const Store&) = delete;
 
-  // The way of one bus's samples into the store: knows which of its channels are stored. The store must outlive it.
+  // The way of one bus's samples into the store: knows which of its channels are stored. The store
+  // must outlive it.
   class Intake {
    public:
     // Never blocks for longer than a copy. `at`: when they were published.
@@ -51,12 +59,13 @@ class Store final : public Audit {
     friend class Store;
     explicit Intake(Store& store) : store_(store) {}
     Store& store_;
-    std::vector<std::optional<std::size_t>> channels_;  // by the bus's channel index: the place in Store::channels_
+    std::vector<std::optional<std::size_t>>
+        channels_;  // by the bus's channel index: the place in Store::channels_
   };
   [[nodiscard]] std::unique_ptr<Intake> intake(const BusSpec& bus);
 
   void append(AuditEntry entry) override;
-  void put(AlarmRecord alarm) { put_event(std::move(alarm)); }
+  void put(AlarmRecord alarm) override { put_event(std::move(alarm)); }
   void put(DeviceRecord device) { put_event(std::move(device)); }
 
   [[nodiscard]] StoreCounters counters() const;
@@ -65,12 +74,12 @@ class Store final : public Audit {
 
  private:
   struct Channel {
-    std::string bus, device, channel, unit;
+    std::string bus, device, channel, unit, type;
   };
   using Event = std::variant<AuditEntry, AlarmRecord, DeviceRecord>;
   struct Batch {
-    // `channel` is the place in channels_ until it is written. A deque: a queue that grows never moves what it holds, which a bus
-    // would have to wait for.
+    // `channel` is the place in channels_ until it is written. A deque: a queue that grows never
+    // moves what it holds, which a bus would have to wait for.
     std::deque<SampleRow> samples;
     std::deque<Event> events;
     [[nodiscard]] bool empty() const { return samples.empty() && events.empty(); }
@@ -83,10 +92,12 @@ class Store final : public Audit {
   void written(const Batch& batch, bool stored);
 
   const StoreSpec spec_;
+  const Opened opened_;
   mutable std::mutex mutex_;
   std::condition_variable work_;
   std::condition_variable done_;
-  std::deque<Channel> channels_;               // of all buses there ever were, each once; a deque never moves what it holds
+  std::deque<Channel>
+      channels_;  // of all buses there ever were, each once; a deque never moves what it holds
   std::map<std::string, std::size_t> places_;  // in channels_, by path
   Batch waiting_;
   StoreCounters counters_;

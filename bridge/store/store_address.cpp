@@ -3,8 +3,9 @@
 namespace fieldcast {
 namespace {
 
-// postgresql://USER:PASSWORD@HOST: what stands between the first ':' after the scheme and the last '@' before the path. A
-// password that should have been escaped may hold any of "/?@", so the mask rather takes too much.
+// postgresql://USER:PASSWORD@HOST: what stands between the first ':' after the scheme and the last
+// '@' before the path. A password that should have been escaped may hold any of "/?@", so the mask
+// rather takes too much.
 std::string without_userinfo_password(std::string text) {
   const std::size_t begin = text.find("://") + 3;
   const std::size_t at = text.rfind('@');
@@ -25,7 +26,9 @@ std::string without_parameter(std::string text, std::string_view name) {
 
 }  // namespace
 
-bool StoreAddress::is_server() const { return text_.starts_with("postgresql://") || text_.starts_with("postgres://"); }
+bool StoreAddress::is_server() const {
+  return text_.starts_with("postgresql://") || text_.starts_with("postgres://");
+}
 
 bool StoreAddress::is_ambiguous() const {
   if (!is_server()) return false;

@@ -15,16 +15,18 @@ const std::string& nobody() {
 }
 
 bool plain(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_' || c == '.' ||
-         c == '@';
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+         c == '_' || c == '.' || c == '@';
 }
 
 }  // namespace
 
 bool UserTable::add(const std::string& name, Role role, const std::string& password, UtcTime now) {
   return connection_.execute(
-             "insert into users (name, role, password_hash, created_at) values ($1, $2, $3, $4) on conflict do nothing",
-             SqlRow{name, std::string(to_text(role)), hash_password(password), now.nanoseconds}) == 1;
+             "insert into users (name, role, password_hash, created_at) values ($1, $2, $3, $4) on "
+             "conflict do nothing",
+             SqlRow{name, std::string(to_text(role)), hash_password(password), now.nanoseconds}) ==
+         1;
 }
 
 bool UserTable::remove(const std::string& name) {
@@ -33,28 +35,34 @@ bool UserTable::remove(const std::string& name) {
 
 std::vector<User> UserTable::list() {
   std::vector<User> users;
-  connection_.query("select name, role, created_at from users order by name", {}, [&](const SqlRow& row) {
-    const auto role = role_from(text_at(row, 1));
-    if (!role) throw StoreError("store: user " + text_at(row, 0) + " has the unknown role " + text_at(row, 1));
-    users.push_back({text_at(row, 0), *role, UtcTime{integer_at(row, 2)}});
-    return true;
-  });
+  connection_.query("select name, role, created_at from users order by name", {},
+                    [&](const SqlRow& row) {
+                      const auto role = role_from(text_at(row, 1));
+                      if (!role)
+                        throw StoreError("store: user " + text_at(row, 0) +
+                                         " has the unknown role " + text_at(row, 1));
+                      users.push_back({text_at(row, 0), *role, UtcTime{integer_at(row, 2)}});
+                      return true;
+                    });
   return users;
 }
 
 std::optional<Role> UserTable::verify(const std::string& name, const std::string& password) {
   std::string hash = nobody();
   std::optional<Role> role;
-  connection_.query("select role, password_hash from users where name = $1", SqlRow{name}, [&](const SqlRow& row) {
-    role = role_from(text_at(row, 0));
-    hash = text_at(row, 1);
-    return false;
-  });
+  connection_.query("select role, password_hash from users where name = $1", SqlRow{name},
+                    [&](const SqlRow& row) {
+                      role = role_from(text_at(row, 0));
+                      hash = text_at(row, 1);
+                      return false;
+                    });
   return password_fits(hash, password) ? role : std::nullopt;
 }
 
 std::string fault_of_user_name(std::string_view name) {
-  if (!name.empty() && name.size() <= Logins::kMaxUserBytes && std::all_of(name.begin(), name.end(), plain)) return {};
+  if (!name.empty() && name.size() <= Logins::kMaxUserBytes &&
+      std::all_of(name.begin(), name.end(), plain))
+    return {};
   return "a user's name has 1 to 64 letters, digits, '-', '_', '.', '@'";
 }
 

@@ -1,4 +1,5 @@
-// The users of a store. Passwords are kept as Argon2id hashes only (libsodium, its interactive limits: 64 MiB, some 0.1 s each).
+// The users of a store. Passwords are kept as Argon2id hashes only (libsodium, its interactive
+// limits: 64 MiB, some 0.1 s each).
 #pragma once
 
 #include <optional>
@@ -23,7 +24,8 @@ class UserTable {
   explicit UserTable(SqlConnection& connection) : connection_(connection) {}
 
   // Everything throws StoreError. False: there is such a user already.
-  [[nodiscard]] bool add(const std::string& name, Role role, const std::string& password, UtcTime now);
+  [[nodiscard]] bool add(const std::string& name, Role role, const std::string& password,
+                         UtcTime now);
   [[nodiscard]] bool remove(const std::string& name);  // false: there is none
   [[nodiscard]] std::vector<User> list();              // by name
 

@@ -15,7 +15,8 @@ namespace fieldcast {
 struct LoginAttempt {
   std::string user;
   std::string password;
-  std::string peer;  // the address it comes from, without the port: guessing is slowed down by user and peer
+  std::string peer;  // the address it comes from, without the port: guessing is slowed down by user
+                     // and peer
 };
 
 struct LoginRefused {
@@ -28,7 +29,8 @@ struct LoginRefused {
   Why why = Why::kUnavailable;
   Duration wait{};  // with kTooSoon
 };
-[[nodiscard]] std::string to_text(const LoginRefused& refused);  // one line for people and for the audit; no secret in it
+[[nodiscard]] std::string to_text(
+    const LoginRefused& refused);  // one line for people and for the audit; no secret in it
 
 using LoginResult = tl::expected<Role, LoginRefused>;
 
@@ -40,8 +42,8 @@ class Logins {
   static constexpr std::size_t kMaxPasswordBytes = 1024;
 
   virtual ~Logins() = default;
-  // Any thread; never blocks. `done` is called exactly once, within 30 s: at once for what needs no thought, else on a thread of
-  // the logins, where it must only post. Every attempt is audited.
+  // Any thread; never blocks. `done` is called exactly once, within 30 s: at once for what needs no
+  // thought, else on a thread of the logins, where it must only post. Every attempt is audited.
   virtual void authenticate(LoginAttempt attempt, std::function<void(LoginResult)> done) = 0;
 };
 

@@ -19,7 +19,17 @@ std::string_view to_text(LimitKind kind) {
   return "?";
 }
 
-std::string_view to_text(AlarmState state) { return state == AlarmState::kActive ? "active" : "clear"; }
+std::optional<LimitKind> limit_kind_from(std::string_view text) {
+  for (const LimitKind kind :
+       {LimitKind::kLowLow, LimitKind::kLow, LimitKind::kHigh, LimitKind::kHighHigh}) {
+    if (text == to_text(kind)) return kind;
+  }
+  return std::nullopt;
+}
+
+std::string_view to_text(AlarmState state) {
+  return state == AlarmState::kActive ? "active" : "clear";
+}
 
 bool LimitWatch::on_good(double value, Instant acquired, Instant now) {
   if (std::isnan(value)) {
@@ -27,6 +37,8 @@ bool LimitWatch::on_good(double value, Instant acquired, Instant now) {
     return false;
   }
   trusted_ = true;
+  newest_ = value;
+  newest_at_ = acquired;
   if (state_ == AlarmState::kActive) {
     if (!back_inside(value)) return false;
     state_ = AlarmState::kClear;
@@ -46,6 +58,13 @@ bool LimitWatch::on_good(double value, Instant acquired, Instant now) {
 
 bool LimitWatch::on_time(Instant now) { return trusted_ && waiting() && raise_if_due(now); }
 
+void LimitWatch::restore(double value, Instant since) {
+  state_ = AlarmState::kActive;
+  value_ = value;
+  since_ = since;
+  if (newest_) (void)on_good(*newest_, newest_at_, newest_at_);
+}
+
 bool LimitWatch::raise_if_due(Instant now) {
   if (now - *beyond_since_ < delay_) return false;
   state_ = AlarmState::kActive;
@@ -53,7 +72,9 @@ bool LimitWatch::raise_if_due(Instant now) {
   return true;
 }
 
-bool LimitWatch::beyond(double value) const { return is_high(kind_) ? value > limit_ : value < limit_; }
+bool LimitWatch::beyond(double value) const {
+  return is_high(kind_) ? value > limit_ : value < limit_;
+}
 
 bool LimitWatch::back_inside(double value) const {
   return is_high(kind_) ? value <= limit_ - hysteresis_ : value >= limit_ + hysteresis_;

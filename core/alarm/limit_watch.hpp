@@ -1,11 +1,12 @@
-// One limit of one channel: raised when good values stay beyond it for the delay, clear when a good value is back inside by the
-// hysteresis. Pure.
+// One limit of one channel: raised when good values stay beyond it for the delay, clear when a good
+// value is back inside by the hysteresis. Pure.
 //
 //   clear --beyond--> waiting --beyond for the delay--> active --inside by the hysteresis--> clear
 //            ^-----------inside--------'
 //
-// A value that is not good says nothing: it raises nothing and clears nothing, and an alarm that is active stays so. While the
-// newest value is not good, a delay goes on, but only the next good value can end it.
+// A value that is not good says nothing: it raises nothing and clears nothing, and an alarm that is
+// active stays so. While the newest value is not good, a delay goes on, but only the next good
+// value can end it.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +19,7 @@ namespace fieldcast {
 
 enum class LimitKind : std::uint8_t { kLowLow, kLow, kHigh, kHighHigh };
 [[nodiscard]] std::string_view to_text(LimitKind kind);  // "low-low", ...
+[[nodiscard]] std::optional<LimitKind> limit_kind_from(std::string_view text);
 
 enum class AlarmState : std::uint8_t { kClear, kActive };
 [[nodiscard]] std::string_view to_text(AlarmState state);  // "clear", "active"
@@ -31,11 +33,16 @@ class LimitWatch {
   [[nodiscard]] bool on_good(double value, Instant acquired, Instant now);  // NaN is not good
   void on_bad() { trusted_ = false; }
   [[nodiscard]] bool on_time(Instant now);
+  // The alarm was active before this watch began, since then and with that value: it goes on, with
+  // its own beginning, or ends at the newest good value if that is back inside.
+  void restore(double value, Instant since);
 
   [[nodiscard]] LimitKind kind() const { return kind_; }
   [[nodiscard]] AlarmState state() const { return state_; }
-  [[nodiscard]] double value() const { return value_; }   // that changed the state
-  [[nodiscard]] Instant since() const { return since_; }  // acquired: the first value beyond, or the first one back inside
+  [[nodiscard]] double value() const { return value_; }  // that changed the state
+  [[nodiscard]] Instant since() const {
+    return since_;
+  }  // acquired: the first value beyond, or the first one back inside
   [[nodiscard]] bool waiting() const { return beyond_since_ && state_ == AlarmState::kClear; }
 
  private:
@@ -52,6 +59,8 @@ class LimitWatch {
   bool trusted_ = false;  // the newest value is good
   double value_ = 0;
   Instant since_{};
+  std::optional<double> newest_;  // good value
+  Instant newest_at_{};           // acquired
 };
 
 }  // namespace fieldcast

@@ -10,7 +10,9 @@ int digit(char c) {
   return -1;
 }
 
-bool separates(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == ':' || c == ',' || c == '-'; }
+bool separates(char c) {
+  return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == ':' || c == ',' || c == '-';
+}
 
 }  // namespace
 
@@ -31,7 +33,8 @@ std::optional<Bytes> from_hex(std::string_view text) {
   for (std::size_t i = 0; i < text.size();) {
     if (separates(text[i])) {
       ++i;
-    } else if (text[i] == '0' && i + 1 < text.size() && (text[i + 1] == 'x' || text[i + 1] == 'X')) {
+    } else if (text[i] == '0' && i + 1 < text.size() &&
+               (text[i + 1] == 'x' || text[i + 1] == 'X')) {
       i += 2;
     } else {
       if (i + 1 >= text.size()) return std::nullopt;

@@ -17,8 +17,8 @@ using ByteView = std::span<const std::uint8_t>;
 // "01 03 00 0A": upper case, one separator between bytes ('\0' for none).
 [[nodiscard]] std::string to_hex(ByteView bytes, char separator = ' ');
 
-// Accepts both cases; spaces, tabs, colons, commas, hyphens and 0x prefixes between bytes. Nothing for an odd digit count or
-// any other character.
+// Accepts both cases; spaces, tabs, colons, commas, hyphens and 0x prefixes between bytes. Nothing
+// for an odd digit count or any other character.
 [[nodiscard]] std::optional<Bytes> from_hex(std::string_view text);
 
 // Big-endian fields. REQUIRES: bytes.size() >= at + width.
@@ -36,6 +36,8 @@ inline void append_u32(Bytes& out, std::uint32_t value) {
   append_u16(out, static_cast<std::uint16_t>(value >> 16));
   append_u16(out, static_cast<std::uint16_t>(value));
 }
-inline void append(Bytes& out, ByteView bytes) { out.insert(out.end(), bytes.begin(), bytes.end()); }
+inline void append(Bytes& out, ByteView bytes) {
+  out.insert(out.end(), bytes.begin(), bytes.end());
+}
 
 }  // namespace fieldcast

@@ -1,5 +1,6 @@
 #include "core/base/cause.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 namespace fieldcast {
@@ -21,6 +22,10 @@ constexpr std::array<Row, static_cast<std::size_t>(Cause::kCount)> kRows{{
     {"FOREIGN", "answer of another device or request", Quality::kBadFrame},
     {"OVERLONG", "answer too long", Quality::kBadFrame},
     {"PORT_CLOSED", "port closed", Quality::kBadNoAnswer},
+    {"PORT_MISSING", "no such device file", Quality::kBadNoAnswer},
+    {"PORT_DENIED", "permission denied", Quality::kBadNoAnswer},
+    {"PORT_IN_USE", "in use by another program", Quality::kBadNoAnswer},
+    {"PORT_UNREACHABLE", "no connection", Quality::kBadNoAnswer},
     {"DEVICE_ERROR", "refused by the device", Quality::kBadDeviceError},
     {"DEVICE_BUSY", "device busy", Quality::kBadDeviceError},
     {"RANGE", "value out of range", Quality::kBadRange},
@@ -29,7 +34,8 @@ constexpr std::array<Row, static_cast<std::size_t>(Cause::kCount)> kRows{{
     {"UNKNOWN_CHANNEL", "unknown channel", Quality::kBadConfiguration},
     {"UNKNOWN_DEVICE", "unknown device", Quality::kBadConfiguration},
     {"BAD_ADDRESS", "no such address", Quality::kBadConfiguration},
-    {"RAW_NOT_ALLOWED", "commands to addresses are not allowed on this device", Quality::kBadConfiguration},
+    {"RAW_NOT_ALLOWED", "commands to addresses are not allowed on this device",
+     Quality::kBadConfiguration},
     {"EXPIRED", "expired before it could run", Quality::kUncertain},
     {"DUPLICATE", "duplicate of an earlier command", Quality::kUncertain},
     {"QUEUE_FULL", "too many commands are waiting", Quality::kUncertain},
@@ -48,6 +54,11 @@ const Row& row(Cause cause) { return kRows[static_cast<std::size_t>(cause)]; }
 
 std::string_view to_text(Cause cause) { return row(cause).text; }
 std::string_view to_name(Cause cause) { return row(cause).name; }
+Cause cause_named(std::string_view name) {
+  const auto found =
+      std::find_if(kRows.begin(), kRows.end(), [&](const Row& one) { return one.name == name; });
+  return found == kRows.end() ? Cause::kNone : static_cast<Cause>(found - kRows.begin());
+}
 Quality quality_of(Cause cause) { return row(cause).quality; }
 
 std::uint64_t CauseCounters::total() const {

@@ -1,4 +1,5 @@
-// Why an exchange, a value or a command failed: one enumerator, one text and one counter for each cause.
+// Why an exchange, a value or a command failed: one enumerator, one text and one counter for each
+// cause.
 #pragma once
 
 #include <array>
@@ -12,51 +13,63 @@ namespace fieldcast {
 enum class Cause : std::uint8_t {
   kNone,
   // the wire
-  kNoAnswer,         // silence to the end of the timeout
-  kTruncated,        // an answer began and did not end
-  kChecksum,         // a whole frame with a wrong CRC, LRC, sum or XOR, theirs or (they say) ours
-  kMalformed,        // right checksum, but lengths or fields that contradict each other or the request
-  kForeign,          // only frames of another unit, function or transaction came
-  kOverlong,         // more bytes than any frame of this protocol has
-  kPortClosed,       // the port vanished during the exchange
+  kNoAnswer,    // silence to the end of the timeout
+  kTruncated,   // an answer began and did not end
+  kChecksum,    // a whole frame with a wrong CRC, LRC, sum or XOR, theirs or (they say) ours
+  kMalformed,   // right checksum, but lengths or fields that contradict each other or the request
+  kForeign,     // only frames of another unit, function or transaction came
+  kOverlong,    // more bytes than any frame of this protocol has
+  kPortClosed,  // the port vanished during the exchange
+  // why a port is closed
+  kPortMissing,      // there is no such device file
+  kPortDenied,       // the user may not open it
+  kPortInUse,        // another program has it
+  kPortUnreachable,  // no connection, or no module that dialled in
   // the device
-  kDeviceError,      // the device refused, with a code of its own
-  kDeviceBusy,       // the device asked to be left alone for a while
+  kDeviceError,  // the device refused, with a code of its own
+  kDeviceBusy,   // the device asked to be left alone for a while
   // values and commands
-  kRange,            // outside the type, the scale or the configured limits
+  kRange,  // outside the type, the scale or the configured limits
   kWrongType,
   kReadOnly,
   kUnknownChannel,
   kUnknownDevice,
-  kBadAddress,       // no address of this protocol, or beyond its area
-  kRawNotAllowed,    // the device does not allow commands to addresses
+  kBadAddress,     // no address of this protocol, or beyond its area
+  kRawNotAllowed,  // the device does not allow commands to addresses
   kExpired,
   kDuplicate,
   kQueueFull,
   kRateLimited,
-  kNotVerified,      // the value read back differs from the value written
-  kLeased,           // the bus is lent to a programming session
-  kOffline,          // the device or its port is down
-  kUnsupported,      // the protocol or the device cannot do this
+  kNotVerified,  // the value read back differs from the value written
+  kLeased,       // the bus is lent to a programming session
+  kOffline,      // the device or its port is down
+  kUnsupported,  // the protocol or the device cannot do this
   kShutdown,
-  kLate,             // nothing failed: the wire came too late to it
-  kCount             // not a cause: how many there are
+  kLate,  // nothing failed: the wire came too late to it
+  kCount  // not a cause: how many there are
 };
 
-[[nodiscard]] std::string_view to_text(Cause cause);  // "no answer", "checksum error", ... for logs and results
-[[nodiscard]] std::string_view to_name(Cause cause);  // "NO_ANSWER", "CHECKSUM", ... for counters and JSON
-[[nodiscard]] Quality quality_of(Cause cause);        // the quality of a sample whose reading failed so
+[[nodiscard]] std::string_view to_text(
+    Cause cause);  // "no answer", "checksum error", ... for logs and results
+[[nodiscard]] std::string_view to_name(
+    Cause cause);  // "NO_ANSWER", "CHECKSUM", ... for counters and JSON
+[[nodiscard]] Cause cause_named(std::string_view name);  // kNone for none of them
+[[nodiscard]] Quality quality_of(Cause cause);  // the quality of a sample whose reading failed so
 
 // One counter for each cause; never overflows in the life of a plant.
 class CauseCounters {
  public:
-  void add(Cause cause, std::uint64_t times = 1) { counts_[static_cast<std::size_t>(cause)] += times; }
+  void add(Cause cause, std::uint64_t times = 1) {
+    counts_[static_cast<std::size_t>(cause)] += times;
+  }
   // One that was counted as `from` turns out to be `to`. REQUIRES: there is one.
   void move(Cause from, Cause to) {
     --counts_[static_cast<std::size_t>(from)];
     add(to);
   }
-  [[nodiscard]] std::uint64_t operator[](Cause cause) const { return counts_[static_cast<std::size_t>(cause)]; }
+  [[nodiscard]] std::uint64_t operator[](Cause cause) const {
+    return counts_[static_cast<std::size_t>(cause)];
+  }
   [[nodiscard]] std::uint64_t total() const;  // all but kNone
 
  private:

@@ -8,12 +8,14 @@ namespace fieldcast {
 
 enum class Quality : std::uint8_t {
   kGood,
-  kUncertain,         // older than its refresh promises, or from a bus that is leased for programming
-  kBadNoAnswer,       // the device is silent or its port is gone
-  kBadFrame,          // answers arrive broken
-  kBadDeviceError,    // the device refused; the sample carries its own code
-  kBadRange,          // the raw value has no meaning in the channel's type, or lies outside it after scaling
-  kBadConfiguration,  // the channel cannot work as configured (for instance its address does not exist in the device)
+  kUncertain,       // older than its refresh promises, or from a bus that is leased for programming
+  kBadNoAnswer,     // the device is silent or its port is gone
+  kBadFrame,        // answers arrive broken
+  kBadDeviceError,  // the device refused; the sample carries its own code
+  kBadRange,        // the raw value has no meaning in the channel's type, or lies outside it after
+                    // scaling
+  kBadConfiguration,  // the channel cannot work as configured (for instance its address does not
+                      // exist in the device)
   kNotYetRead,
 };
 

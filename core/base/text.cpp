@@ -1,28 +1,33 @@
 // Spellings of times and values (time.hpp, value.hpp).
-#include <array>
-#include <charconv>
-
+#include "core/base/number_text.hpp"
 #include "core/base/time.hpp"
 #include "core/base/value.hpp"
 
 namespace fieldcast {
-namespace {
-
-std::string number_text(double number) {
-  std::array<char, 32> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), number).ptr;
-  return {buffer.data(), end};
-}
-
-}  // namespace
 
 std::string to_text(Duration d) {
+  struct Unit {
+    std::string_view name;
+    std::int64_t worth, from;  // nanoseconds; used from this duration on
+  };
+  constexpr std::int64_t kMinute = 60'000'000'000, kHour = 60 * kMinute, kDay = 24 * kHour;
+  static constexpr Unit kWhole[] = {
+      {"d", kDay, 2 * kDay}, {"h", kHour, kHour}, {"min", kMinute, 2 * kMinute}};
+  static constexpr Unit kParts[] = {{"s", 1'000'000'000, 1'000'000'000},
+                                    {"ms", 1'000'000, 1'000'000}};
   const auto ns = d.count();
   const auto magnitude = ns < 0 ? -ns : ns;
-  if (magnitude < 1'000'000) return number_text(static_cast<double>(ns) / 1e3) + "us";
-  if (magnitude < 1'000'000'000) return number_text(static_cast<double>(ns) / 1e6) + "ms";
-  if (magnitude >= 120'000'000'000 && magnitude % 60'000'000'000 == 0) return number_text(static_cast<double>(ns) / 60e9) + "min";
-  return number_text(static_cast<double>(ns) / 1e9) + "s";
+  const auto spelt = [&](std::int64_t worth, std::string_view name) {
+    return number_text(static_cast<double>(ns) / static_cast<double>(worth)).append(name);
+  };
+  if (ns == 0) return "0s";
+  for (const auto& [name, worth, from] : kWhole) {
+    if (magnitude >= from && magnitude % worth == 0) return spelt(worth, name);
+  }
+  for (const auto& [name, worth, from] : kParts) {
+    if (magnitude >= from) return spelt(worth, name);
+  }
+  return spelt(1000, "us");
 }
 
 std::optional<double> as_number(const Value& value) {

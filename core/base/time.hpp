@@ -1,4 +1,5 @@
-// Monotonic instants and UTC stamps. Core never asks what time it is: `now` comes in as an argument.
+// Monotonic instants and UTC stamps. Core never asks what time it is: `now` comes in as an
+// argument.
 #pragma once
 
 #include <chrono>
@@ -19,8 +20,9 @@ struct EngineClock {
 };
 using Instant = EngineClock::time_point;
 
-inline constexpr Instant kNever = Instant::max();   // later than everything
-inline constexpr Instant kLongAgo = Instant::min(); // before everything; never add a Duration to it
+inline constexpr Instant kNever = Instant::max();  // later than everything
+inline constexpr Instant kLongAgo =
+    Instant::min();  // before everything; never add a Duration to it
 
 // Nanoseconds since 1970-01-01T00:00:00Z; 0 means "no such time".
 struct UtcTime {
@@ -28,8 +30,12 @@ struct UtcTime {
   friend auto operator<=>(const UtcTime&, const UtcTime&) = default;
 };
 
-[[nodiscard]] constexpr double to_seconds(Duration d) { return std::chrono::duration<double>(d).count(); }
-[[nodiscard]] constexpr Duration from_seconds(double s) { return Duration{static_cast<std::int64_t>(s * 1e9)}; }
+[[nodiscard]] constexpr double to_seconds(Duration d) {
+  return std::chrono::duration<double>(d).count();
+}
+[[nodiscard]] constexpr Duration from_seconds(double s) {
+  return Duration{static_cast<std::int64_t>(s * 1e9)};
+}
 
 // "200ms", "1.5s", "500us", "2min": the spelling of durations in configurations and reports.
 [[nodiscard]] std::string to_text(Duration d);

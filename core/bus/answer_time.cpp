@@ -7,7 +7,24 @@ namespace {
 constexpr unsigned kMaxDoublings = 8;
 }
 
+void AnswerTime::measure(Duration measured) {
+  if (in_window_ == kWindow) {
+    longest_before_ = longest_;
+    soonest_before_ = soonest_;
+    longest_ = Duration::zero();
+    soonest_ = Duration::max();
+    in_window_ = 0;
+    windows_ = 1;
+  }
+  ++in_window_;
+  longest_ = std::max(longest_, measured);
+  soonest_ = std::min(soonest_, measured);
+}
+
+void AnswerTime::late(Duration measured) { longest_ = std::max(longest_, measured); }
+
 void AnswerTime::learn(Duration measured) {
+  measure(measured);
   measured = std::max(measured, Duration::zero());
   if (!known_) {
     mean_ = measured;
@@ -23,17 +40,13 @@ void AnswerTime::learn(Duration measured) {
 
 void AnswerTime::timed_out() { doublings_ = std::min(doublings_ + 1, kMaxDoublings); }
 
-void AnswerTime::forget() {
-  known_ = false;
-  mean_ = spread_ = Duration::zero();
-  doublings_ = 0;
-}
+void AnswerTime::forget() { *this = AnswerTime(configured_, allowance_); }
 
 Duration AnswerTime::timeout() const {
   if (!known_) return configured_;
   // Twice the mean beside four spreads: PLCs answer once a scan, and a scan may have just begun.
   const Duration learned = (mean_ * 2 + spread_ * 4 + allowance_) * (1 << doublings_);
-  return std::min(learned, configured_);
+  return std::min(std::max(learned, longest() + allowance_), configured_);
 }
 
 }  // namespace fieldcast

@@ -5,7 +5,9 @@
 namespace fieldcast {
 namespace {
 
-bool holds(const Range& whole, const Range& part) { return whole.first <= part.first && part.end() <= whole.end(); }
+bool holds(const Range& whole, const Range& part) {
+  return whole.first <= part.first && part.end() <= whole.end();
+}
 bool touches(const Range& a, const Range& b) { return a.first < b.end() && b.first < a.end(); }
 
 }  // namespace
@@ -29,8 +31,10 @@ bool BlockLearning::read(const Range& block, Instant now) {
   std::erase_if(open_, [&](Search& search) {
     if (!touches(search.block, block)) return false;
     if (holds(block, search.block)) return true;  // it is accepted after all
-    const std::uint32_t from = std::max(block.first, search.block.first), to = std::min(block.end(), search.block.end());
-    std::fill(search.seen.begin() + (from - search.block.first), search.seen.begin() + (to - search.block.first), true);
+    const std::uint32_t from = std::max(block.first, search.block.first),
+                        to = std::min(block.end(), search.block.end());
+    std::fill(search.seen.begin() + (from - search.block.first),
+              search.seen.begin() + (to - search.block.first), true);
     std::erase_if(search.wanted, [&](const Range& point) { return holds(block, point); });
     if (!search.wanted.empty()) return false;
     changed = conclude(search, now) || changed;

@@ -1,4 +1,5 @@
-// Events and decisions: what goes on the wire next, and what an exchange's end means for its device.
+// Events and decisions: what goes on the wire next, and what an exchange's end means for its
+// device.
 #include "core/bus/bus_engine.hpp"
 
 #include <algorithm>
@@ -25,38 +26,37 @@ std::unique_ptr<Protocol> protocol_of(const DeviceSpec& device, const LineFormat
   return std::move(*protocol);
 }
 
-bool is_distinct(const Request& request, const Traits& traits) {
-  if (!traits.echo_is_ambiguous) return true;
-  const auto* write = std::get_if<WriteRequest>(&request);
-  return !write || write->distinct_answer;
-}
-
 }  // namespace
 
-BusEngine::State::State(const BusSpec& bus)
+BusEngine::State::State(const BusSpec& bus, TextCodec& text_codec)
     : spec(bus),
       line(line_of(spec.port)),
       silence(silence_for(spec)),
-      channels(spec),
-      conversation(line, spec.gap_allowance, echo_for(spec)) {
+      codec(text_codec),
+      channels(spec, codec),
+      driver(line, spec.gap_allowance, echo_for(spec)),
+      owed(
+          [this](const Asked& earlier, const Asked& later) { return mistakable(earlier, later); }) {
   DeviceIndex index = 0;
   for (const DeviceSpec& device : spec.devices) {
     devices.push_back(
-        {&device, protocol_of(device, line), AnswerTime(device.timeout, std::max(spec.gap_allowance, device.timeout / 4))});
+        {&device, protocol_of(device, line),
+         AnswerTime(device.timeout, std::max(spec.gap_allowance, device.timeout / 4))});
     DeviceRuntime& made = devices.back();
-    made.areas.assign(made.protocol->areas().size(), {made.answer_time, kAssumedAnswerTime, {}});
+    made.areas.assign(made.protocol->areas().size(), {made.answer_time, {}});
     device_names.emplace(device.name, index++);
   }
   last_write.assign(channels.size(), kLongAgo);
   make_scheduler();
 }
 
-BusEngine::BusEngine(const BusSpec& spec) : state_(std::make_unique<State>(spec)) {}
+BusEngine::BusEngine(const BusSpec& spec, TextCodec& codec)
+    : state_(std::make_unique<State>(spec, codec)) {}
 BusEngine::~BusEngine() = default;
 
-std::uint32_t BusEngine::missing() const { return state_->conversation.missing(); }
+std::uint32_t BusEngine::missing() const { return state_->driver.missing(); }
 
-bool BusEngine::exchanging() const { return state_->conversation.active(); }
+bool BusEngine::exchanging() const { return state_->driver.active(); }
 
 void BusEngine::set_trace(bool on) { state_->trace = on; }
 
@@ -74,16 +74,27 @@ void BusEngine::on_event(const BusEvent& event, Instant now, Actions& actions) {
     Instant now;
     Actions& actions;
     void operator()(const Opened&) const { s.opened(now); }
-    void operator()(const Closed& e) const { s.closed(e.reason, now, actions); }
+    void operator()(const Closed& e) const { s.closed(e, now, actions); }
     void operator()(const Received& e) const {
-      if (!s.conversation.active() || s.bus_state != BusState::kRunning) return s.conversation.count_stray(e.bytes.size());
+      if (!s.driver.active() || s.bus_state != BusState::kRunning)
+        return s.heard_stray(e.bytes, now, actions);
       Bytes out;
-      const auto outcome = s.conversation.on_bytes(e.bytes, now, out);
+      const auto outcome = s.driver.on_bytes(e.bytes, now, out);
+      if (outcome != ExchangeDriver::Outcome::kSend)
+        s.claimed += s.look_for_late_answers(s.unclaimed(), now, actions);
+      if (outcome == ExchangeDriver::Outcome::kDone && s.is_another_answer()) {
+        const State::Flight& flight = *s.flight;
+        s.driver.wait_on(s.devices[flight.device].protocol->begin(flight.request, flight.context));
+        s.hear_anew();
+        return;
+      }
       s.advance(outcome, std::move(out), now, actions);
     }
     void operator()(const TimerFired&) const { s.timer = kNever; }
     void operator()(const CommandArrived& e) const { s.accept(e.command, now, actions); }
-    void operator()(const InterestChanged& e) const { s.set_interest(e.channel, e.refresh, now, actions); }
+    void operator()(const InterestChanged& e) const {
+      s.set_interest(e.channel, e.refresh, now, actions);
+    }
     void operator()(const LeaseBegan&) const { s.begin_lease(now, actions); }
     void operator()(const LeaseEnded&) const {
       if (s.bus_state != BusState::kLeased) return;
@@ -92,10 +103,11 @@ void BusEngine::on_event(const BusEvent& event, Instant now, Actions& actions) {
     }
     void operator()(const PlanMade& e) const { s.scheduler->adopt(*e.draft, now); }
     void operator()(const StopRequested&) const {
-      s.conversation.abort();
+      s.driver.abort();
       s.flight.reset();
       s.bus_state = BusState::kStopped;
-      s.refuse_all_commands(CommandState::kRejected, Cause::kShutdown, std::string(to_text(Cause::kShutdown)), now, actions);
+      s.refuse_all_commands(CommandState::kRejected, Cause::kShutdown,
+                            std::string(to_text(Cause::kShutdown)), now, actions);
     }
   };
   std::visit(Handle{s, now, actions}, event);
@@ -104,14 +116,15 @@ void BusEngine::on_event(const BusEvent& event, Instant now, Actions& actions) {
 
 // After every event: what ran out by now, what goes on the wire next, and when to look again.
 void BusEngine::State::settle(Instant now, Actions& actions) {
-  if (conversation.active() && now >= conversation.deadline()) {
+  if (driver.active() && now >= driver.deadline()) {
     Bytes out;
-    const auto outcome = conversation.on_timer(now, out);
+    const auto outcome = driver.on_timer(now, out);
     advance(outcome, std::move(out), now, actions);
   }
-  if (bus_state != BusState::kStopped && bus_state != BusState::kLeased) expire_channels(now, actions);
+  if (bus_state != BusState::kStopped && bus_state != BusState::kLeased)
+    expire_channels(now, actions);
   expire_commands(now, actions);
-  if (bus_state == BusState::kRunning && !conversation.active()) decide(now, actions);
+  if (bus_state == BusState::kRunning && !driver.active()) decide(now, actions);
   tell_overload(now, actions);
   ask_for_plan(actions);
 
@@ -119,8 +132,8 @@ void BusEngine::State::settle(Instant now, Actions& actions) {
   if (bus_state != BusState::kStopped) {
     next = next_command_expiry();
     if (bus_state != BusState::kLeased) next = std::min(next, channels.next_expiry());
-    if (conversation.active())
-      next = std::min(next, conversation.deadline());
+    if (driver.active())
+      next = std::min(next, driver.deadline());
     else if (bus_state == BusState::kRunning)
       next = std::min(next, std::max(free_at, rest_until));
   }
@@ -158,9 +171,11 @@ void BusEngine::State::tell_overload(Instant now, Actions& actions) {
     actions.push_back(Notice{Notice::Kind::kOverload,
                              {},
                              Cause::kNone,
-                             "more is wanted than the wire carries: refreshes are now up to " + std::string(times.data()) + " times as long"});
+                             "more is wanted than the wire carries: refreshes are now up to " +
+                                 std::string(times.data()) + " times as long"});
   else
-    actions.push_back(Notice{Notice::Kind::kOverloadEnded, {}, Cause::kNone, "every refresh is kept again"});
+    actions.push_back(
+        Notice{Notice::Kind::kOverloadEnded, {}, Cause::kNone, "every refresh is kept again"});
 }
 
 void BusEngine::State::decide(Instant now, Actions& actions) {
@@ -169,14 +184,19 @@ void BusEngine::State::decide(Instant now, Actions& actions) {
   if (flight && flight->waiting) return transmit(now, actions);
 
   if (job_active || !commands.empty()) {
-    // A command goes before reads, but after it a read that is due goes before the next command: neither starves the other.
-    const bool reads_turn = command_was_last && !job_active && std::holds_alternative<Block>(scheduler->next(now));
+    // A command goes before reads, but after it a read that is due goes before the next command:
+    // neither starves the other.
+    const bool reads_turn =
+        command_was_last && !job_active && std::holds_alternative<Block>(scheduler->next(now));
     if (!reads_turn) {
       if (auto command = next_command(now)) return launch(std::move(*command), now, actions);
-      if (job_active) {  // its device must rest: the wire waits for nobody else in the middle of a command
-        const DeviceRuntime& device = devices[commands.front().job.device()];
-        rest_until = std::max(device.quiet_until, device.paused_until);
-        return;
+      if (job_active) {  // its device must rest: the wire waits for nobody else in the middle of a
+                         // command, unless that takes long
+        const Instant from = command_from(commands.front().job);
+        if (from - now <= kShortWait) {
+          rest_until = from;
+          return;
+        }
       }
     }
   }
@@ -184,19 +204,24 @@ void BusEngine::State::decide(Instant now, Actions& actions) {
   const Instant next_admission = admit_deferred(now);
 
   Decision decision = scheduler->next(now);
-  if (auto* block = std::get_if<Block>(&decision)) {
+  for (int tried = 0; std::holds_alternative<Block>(decision); ++tried) {
+    auto& block = std::get<Block>(decision);
     Flight read;
-    read.device = block->device;
-    read.request = ReadRequest{block->ranges};
-    read.block = std::move(*block);
-    return launch(std::move(read), now, actions);
+    read.device = block.device;
+    read.request = ReadRequest{block.ranges};
+    read.block = std::move(block);
+    const Instant from = askable_from(read);
+    if (from <= now || make_distinct(read, now)) return launch(std::move(read), now, actions);
+    hold(read.block, from, now);
+    decision = tried < kMostHeld ? scheduler->next(now) : Rest{from};
   }
   rest_until = std::min({std::get<Rest>(decision).until, next_probe(), next_admission});
-  for (const PendingCommand& waiting : commands) {  // commands whose devices are pausing
-    const DeviceRuntime& device = devices[waiting.job.device()];
-    rest_until = std::min(rest_until, std::max(device.quiet_until, device.paused_until));
-  }
-  rest_until = std::max(rest_until, now + std::chrono::microseconds{100});  // a scheduler that rests until now must not spin
+  // Commands whose devices are pausing; behind one that has begun the others wait.
+  for (std::size_t i = 0; i < (job_active ? 1 : commands.size()); ++i)
+    rest_until = std::min(rest_until, command_from(commands[i].job));
+  rest_until = std::max(
+      rest_until,
+      now + std::chrono::microseconds{100});  // a scheduler that rests until now must not spin
 }
 
 void BusEngine::State::launch(Flight next, Instant now, Actions& actions) {
@@ -210,45 +235,67 @@ void BusEngine::State::transmit(Instant now, Actions& actions) {
   if (flight->tries == 0) flight->started = now;
   flight->waiting = false;
   flight->rest = device.answered_at == kLongAgo ? Duration::max() : now - device.answered_at;
-  const Duration timeout = flight->timeout > Duration::zero() ? flight->timeout : timeout_for(device, flight->request);
+  const Duration timeout =
+      flight->timeout > Duration::zero() ? flight->timeout : timeout_for(device, *flight);
+  flight->context = {++device.sequence};
+  strays.clear();
+  strays_since = kNever;
+  hear_anew();
   Bytes out;
-  conversation.begin(device.protocol->begin(flight->request, {++device.sequence}), timeout,
-                     is_distinct(flight->request, device.protocol->traits()), now, out);
+  driver.begin(device.protocol->begin(flight->request, flight->context), timeout,
+               driver.echo() != Echo::kUnknown || is_distinct(flight->device, flight->request), now,
+               out);
   ++exchanges;
   ++device.exchanges;
   actions.push_back(Send{std::move(out)});
 }
 
-void BusEngine::State::advance(Conversation::Outcome outcome, Bytes&& out, Instant now, Actions& actions) {
+// No answer to this request can equal it: an echo of it is none.
+bool BusEngine::State::is_distinct(DeviceIndex device, const Request& request) const {
+  const Protocol& protocol = *devices[device].protocol;
+  if (!protocol.traits().echo_is_ambiguous) return true;
+  const auto exchange = protocol.begin(request, {});
+  Bytes sent, out;
+  (void)exchange->start(sent);
+  return exchange->on_bytes(sent, out).kind != Step::Kind::kDone;
+}
+
+void BusEngine::State::advance(ExchangeDriver::Outcome outcome, Bytes&& out, Instant now,
+                               Actions& actions) {
   switch (outcome) {
-    case Conversation::Outcome::kWaiting: return;
-    case Conversation::Outcome::kSend: actions.push_back(Send{std::move(out)}); return;
-    case Conversation::Outcome::kDone: return conclude(true, now, actions);
-    case Conversation::Outcome::kFailed: return conclude(false, now, actions);
+    case ExchangeDriver::Outcome::kWaiting: return;
+    case ExchangeDriver::Outcome::kSend:
+      hear_anew();
+      actions.push_back(Send{std::move(out)});
+      return;
+    case ExchangeDriver::Outcome::kDone: return conclude(true, now, actions);
+    case ExchangeDriver::Outcome::kFailed: return conclude(false, now, actions);
   }
 }
 
 void BusEngine::State::free_wire(Instant now) { free_at = now + silence; }
 
 bool BusEngine::State::try_again(const Flight& tried, Cause cause) const {
-  if (cause == Cause::kDeviceError || cause == Cause::kDeviceBusy || cause == Cause::kUnsupported) return false;
-  // Writes are never repeated blindly (CommandJob reads back instead); probes are rare by themselves.
-  // A sick device's reads wait until the wire has time for them (defer()).
+  if (cause == Cause::kDeviceError || cause == Cause::kDeviceBusy || cause == Cause::kUnsupported)
+    return false;
+  // Writes are never repeated blindly (CommandJob reads back instead); probes are rare by
+  // themselves. A sick device's reads wait until the wire has time for them (defer()).
   const DeviceRuntime& device = devices[tried.device];
   return tried.kind != Flight::Kind::kProbe && std::holds_alternative<ReadRequest>(tried.request) &&
-         tried.tries < device.spec->retries && !(tried.kind == Flight::Kind::kRead && device.sick());
+         tried.tries < device.spec->retries &&
+         !(tried.kind == Flight::Kind::kRead && device.sick());
 }
 
 // The exchange in flight is over.
 void BusEngine::State::conclude(bool done, Instant now, Actions& actions) {
   DeviceRuntime& device = devices[flight->device];
   const Traits& traits = device.protocol->traits();
-  const Cause cause = done ? Cause::kNone : conversation.cause();
-  const std::uint16_t code = conversation.device_code();
-  const auto exchange = conversation.finish();
+  const Cause cause = done ? Cause::kNone : driver.cause();
+  const std::uint16_t code = driver.device_code();
+  const auto exchange = driver.finish();
   free_wire(now);
   if (done || cause == Cause::kNoAnswer) device.pauses.tried(flight->rest, done);
-  if (done) device.answered_at = conversation.answered();
+  if (done) device.answered_at = driver.answered();
   device.paused_until = now + std::max(device.spec->pause, device.pauses.pause());
   const Duration spent = free_at - flight->started;
 
@@ -258,16 +305,17 @@ void BusEngine::State::conclude(bool done, Instant now, Actions& actions) {
     for (AreaLearning& area : device.areas) area.answer_time.timed_out();
     flight->timed_out = true;
   }
-  if (flight->timed_out && traits.identity != AnswerIdentity::kSequence) {
-    // The answer to what timed out may still come, and looks like the answer to another question of the same shape.
-    device.quiet_until = std::max(device.quiet_until, conversation.sent_until() + device.spec->timeout);
-  }
   const bool answered = done || cause == Cause::kDeviceError || cause == Cause::kDeviceBusy;
+  settle_debts_of(*flight, answered, !done, now);
   device.tried(answered);
+  judge_garbage(flight->device, answered, actions);
   if (!done) {
     causes.add(cause);
     device.causes.add(cause);
-    if (trace) traced(flight->device, std::string(to_text(cause)) + (code ? " " + std::to_string(code) : ""), actions);
+    if (trace)
+      traced(flight->device,
+             std::string(to_text(cause)) + device_code_note(device.protocol->traits().codes, code),
+             actions);
     if (try_again(*flight, cause)) {
       ++flight->tries;
       ++device.retries;
@@ -279,18 +327,15 @@ void BusEngine::State::conclude(bool done, Instant now, Actions& actions) {
   flight.reset();
   busy += spent;
   if (ended.kind == Flight::Kind::kRead) reading += spent;
-  if (ended.timed_out && traits.identity == AnswerIdentity::kNone) free_at = std::max(free_at, device.quiet_until);
 
   if (answered) {
-    if (done && !ended.timed_out) {
-      learn_answer_time(ended.device, ended.request);
-    }
+    if (done && !ended.timed_out) { learn_answer_time(ended.device, ended.request); }
     device_answered(ended.device, actions);
   }
   switch (ended.kind) {
     case Flight::Kind::kRead:
       if (done)
-        block_read(ended, exchange->reply(), now, actions);
+        block_read(ended, exchange->reply(), driver.answered(), now, actions);
       else
         block_failed(ended, cause, code, now, actions);
       break;
@@ -307,10 +352,12 @@ void BusEngine::State::conclude(bool done, Instant now, Actions& actions) {
     if (device.sick()) defer(ended.device, spent, now);
   }
   rest_device(ended.device, now);
-  // A stream whose framing is lost cannot be mended in place (Modbus Messaging on TCP/IP, 4.2.2 leaves the reaction open: close).
-  // A serial line falls silent instead, also behind a serial server: there a bad frame costs its exchange alone.
+  // A stream whose framing is lost cannot be mended in place (Modbus Messaging on TCP/IP, 4.2.2
+  // leaves the reaction open: close). A serial line falls silent instead, also behind a serial
+  // server: there a bad frame costs its exchange alone.
   const auto* tcp = std::get_if<TcpPortSpec>(&spec.port);
-  if (cause == Cause::kMalformed && traits.identity == AnswerIdentity::kSequence && tcp != nullptr && !tcp->line) {
+  if (cause == Cause::kMalformed && traits.identity == AnswerIdentity::kSequence &&
+      tcp != nullptr && !tcp->line) {
     actions.push_back(Reopen{"the answer's header makes no sense"});
     bus_state = BusState::kOpening;
   }
@@ -319,33 +366,52 @@ void BusEngine::State::conclude(bool done, Instant now, Actions& actions) {
 void BusEngine::State::opened(Instant now) {
   if (bus_state == BusState::kStopped) return;
   bus_state = BusState::kRunning;
-  conversation.abort();
+  owe_flight_under_way();
+  driver.abort();
   flight.reset();
+  strays.clear();
+  hear_anew();
   free_at = now + silence;
+  // Whoever did not answer on the line before may do so on this one.
+  for (DeviceRuntime& device : devices) {
+    if (device.health.offline()) device.health.probe_from(now);
+    device.probe_not_before = kLongAgo;
+  }
 }
 
-void BusEngine::State::closed(const std::string& reason, Instant now, Actions& actions) {
+void BusEngine::State::closed(const Closed& why, Instant now, Actions& actions) {
   if (bus_state == BusState::kStopped) return;
   if (bus_state == BusState::kRunning) ++reopened;
   bus_state = BusState::kClosed;
-  conversation.abort();
+  closed_because = why.cause;
+  if (why.cause != Cause::kPortClosed) causes.add(why.cause);
+  owe_flight_under_way();
+  // What a connection brought late ends with it, unless there is a serial line behind it.
+  const auto* tcp = std::get_if<TcpPortSpec>(&spec.port);
+  if (tcp != nullptr && !tcp->line) owed.forget_all();
+  driver.abort();
   if (flight) {
-    if (flight->kind == Flight::Kind::kCommand) command_failed(flight->batch, Cause::kPortClosed, 0, now, actions);
+    if (flight->kind == Flight::Kind::kCommand)
+      command_failed(flight->batch, Cause::kPortClosed, 0, now, actions);
     if (flight->kind == Flight::Kind::kRead) scheduler->failed(flight->block, now, now);
     causes.add(Cause::kPortClosed);
   }
   flight.reset();
   for (ChannelIndex c = 0; c < channels.size(); ++c) channels.failing(c, Cause::kPortClosed, now);
-  refuse_all_commands(CommandState::kRejected, Cause::kOffline, "port is down: " + reason, now, actions);
+  refuse_all_commands(CommandState::kRejected, Cause::kOffline, "port is down: " + why.reason, now,
+                      actions);
 }
 
 void BusEngine::State::begin_lease(Instant now, Actions& actions) {
   if (bus_state == BusState::kStopped) return;
-  conversation.abort();
-  if (flight && flight->kind == Flight::Kind::kCommand) command_failed(flight->batch, Cause::kLeased, 0, now, actions);
+  owe_flight_under_way();
+  driver.abort();
+  if (flight && flight->kind == Flight::Kind::kCommand)
+    command_failed(flight->batch, Cause::kLeased, 0, now, actions);
   flight.reset();
   bus_state = BusState::kLeased;
-  refuse_all_commands(CommandState::kRejected, Cause::kLeased, std::string(to_text(Cause::kLeased)), now, actions);
+  refuse_all_commands(CommandState::kRejected, Cause::kLeased, std::string(to_text(Cause::kLeased)),
+                      now, actions);
   std::vector<Sample> out;
   channels.all_uncertain(now, out);
   if (!out.empty()) actions.push_back(Publish{std::move(out)});
@@ -359,7 +425,8 @@ void BusEngine::State::expire_channels(Instant now, Actions& actions) {
   if (!out.empty()) actions.push_back(Publish{std::move(out)});
 }
 
-void BusEngine::State::notice(Notice::Kind kind, DeviceIndex device, Cause cause, std::string text, Actions& actions) const {
+void BusEngine::State::notice(Notice::Kind kind, DeviceIndex device, Cause cause, std::string text,
+                              Actions& actions) const {
   actions.push_back(Notice{kind, spec.devices[device].name, cause, std::move(text)});
 }
 

@@ -1,4 +1,5 @@
-// The bus engine: everything one bus does, as on_event(event, now) -> actions. No thread, no clock, no I/O.
+// The bus engine: everything one bus does, as on_event(event, now) -> actions. No thread, no clock,
+// no I/O.
 //
 // The shell (BusRunner) executes the actions on one strand; tests execute them in virtual time.
 #pragma once
@@ -13,8 +14,9 @@ namespace fieldcast {
 
 class BusEngine {
  public:
-  // REQUIRES: spec is as the loader makes it (every protocol known, every address inside its area).
-  explicit BusEngine(const BusSpec& spec);
+  // REQUIRES: spec is as the loader makes it (every protocol known, every address inside its area);
+  // codec outlives the engine.
+  explicit BusEngine(const BusSpec& spec, TextCodec& codec = plain_text_codec());
   ~BusEngine();
   BusEngine(const BusEngine&) = delete;
   BusEngine& operator=(const BusEngine&) = delete;
@@ -22,13 +24,15 @@ class BusEngine {
   // Appends what is to be done. `now` never goes back.
   void on_event(const BusEvent& event, Instant now, Actions& actions);
 
-  // Reports cover the time since the one before; the shell asks once a second. Does not change what the engine does.
+  // Reports cover the time since the one before; the shell asks once a second. Does not change what
+  // the engine does.
   [[nodiscard]] BusReport bus_report(Instant now);
   [[nodiscard]] DeviceReport device_report(DeviceIndex device, Instant now) const;
 
   [[nodiscard]] ChannelReport channel_report(ChannelIndex channel, Instant now) const;
 
-  // Characters that the answer under way lacks, at least; 0 when that is not known. The shell may let them gather.
+  // Characters that the answer under way lacks, at least; 0 when that is not known. The shell may
+  // let them gather.
   [[nodiscard]] std::uint32_t missing() const;
 
   // An answer may be on its way.
@@ -42,7 +46,8 @@ class BusEngine {
   std::unique_ptr<State> state_;
 };
 
-// For those whose time is not the wire's: executes every MakePlan among the actions at once; what follows from it is appended.
+// For those whose time is not the wire's: executes every MakePlan among the actions at once; what
+// follows from it is appended.
 void make_plans(BusEngine& engine, Instant now, Actions& actions);
 
 }  // namespace fieldcast

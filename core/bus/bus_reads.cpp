@@ -1,4 +1,5 @@
-// Reading: points from channels, samples from blocks, and what refusals and failures of blocks mean.
+// Reading: points from channels, samples from blocks, and what refusals and failures of blocks
+// mean.
 #include <algorithm>
 
 #include "core/bus/bus_state.hpp"
@@ -9,12 +10,15 @@ namespace {
 
 constexpr std::size_t kNowhere = ~std::size_t{0};
 
-// Which of the block's ranges holds `range`; points and ranges of a block are both in order, so it is at `hint` or soon behind.
-std::size_t find_range(const Block& block, std::size_t answered, const Range& range, std::size_t hint) {
+// Which of the block's ranges holds `range`; points and ranges of a block are both in order, so it
+// is at `hint` or soon behind.
+std::size_t find_range(const Block& block, std::size_t answered, const Range& range,
+                       std::size_t hint) {
   for (std::size_t tried = 0; tried < answered; ++tried) {
     const std::size_t i = (hint + tried) % answered;
     const Range& whole = block.ranges[i];
-    if (whole.area == range.area && range.first >= whole.first && range.end() <= whole.end()) return i;
+    if (whole.area == range.area && range.first >= whole.first && range.end() <= whole.end())
+      return i;
   }
   return kNowhere;
 }
@@ -32,10 +36,14 @@ void BusEngine::State::make_scheduler() {
     if (auto& probe = probe_point[map.points[p].device]; !probe) probe = p;
   }
   std::vector<const Protocol*> protocols;
-  for (DeviceRuntime& device : devices) {
+  std::vector<std::size_t> areas;
+  for (const DeviceRuntime& device : devices) {
     protocols.push_back(device.protocol.get());
+    areas.push_back(device.areas.size());
   }
-  scheduler = fieldcast::make_scheduler(schedule_input(spec, protocols, map.points, kAssumedAnswerTime), spec.planner);
+  planned_times = PlannedTimes(areas, kAssumedAnswerTime);
+  scheduler = fieldcast::make_scheduler(
+      schedule_input(spec, protocols, map.points, kAssumedAnswerTime), spec.planner);
   overloaded = scheduler->stretch() > kStretched;
 }
 
@@ -43,29 +51,36 @@ void BusEngine::State::make_scheduler() {
 void BusEngine::State::update_point(PointIndex index, Instant now) {
   Point& point = map.points[index];
   point.mode = Mode::kOnDemand;
-  for (const ChannelIndex c : map.channels_of[index]) ask_for(point, channels.spec(c), channels.refresh(c));
+  for (const ChannelIndex c : map.channels_of[index])
+    ask_for(point, channels.spec(c), channels.refresh(c));
   scheduler->set_point(index, point.refresh, point.mode, now);
 }
 
-void BusEngine::State::set_interest(ChannelIndex channel, std::optional<Duration> wish, Instant now, Actions& actions) {
+void BusEngine::State::set_interest(ChannelIndex channel, std::optional<Duration> wish, Instant now,
+                                    Actions& actions) {
   if (channel >= channels.size() || !channels.spec(channel).on_interest) return;
   std::vector<Sample> out;
   if (!wish) channels.unwanted(channel, out);
   samples += out.size();
-  if (!out.empty()) actions.push_back(Publish{std::move(out)});  // before the channel moves to the writer without a promise
+  if (!out.empty())
+    actions.push_back(
+        Publish{std::move(out)});  // before the channel moves to the writer without a promise
   channels.set_refresh(channel, wish, now);
   actions.push_back(Promise{channel, wish});
   if (map.point_of[channel]) update_point(*map.point_of[channel], now);
 }
 
-std::string BusEngine::State::point_text(PointIndex point) const { return channels.spec(map.channels_of[point].front()).at; }
+std::string BusEngine::State::point_text(PointIndex point) const {
+  return channels.spec(map.channels_of[point].front()).at;
+}
 
-void BusEngine::State::block_read(const Flight& read, const Reply& reply, Instant now, Actions& actions) {
+void BusEngine::State::block_read(const Flight& read, const Reply& reply, Instant acquired,
+                                  Instant now, Actions& actions) {
   DeviceRuntime& device = devices[read.device];
-  const Instant acquired = conversation.answered();
   std::vector<Sample> out;
   std::vector<PointIndex> good;
-  // What the device refused: each range for itself, so that the search for what is bad in it stays within it.
+  // What the device refused: each range for itself, so that the search for what is bad in it stays
+  // within it.
   struct Refused {
     std::size_t range;
     std::vector<PointIndex> points;
@@ -91,42 +106,53 @@ void BusEngine::State::block_read(const Flight& read, const Reply& reply, Instan
     }
     const ByteView items =
         ByteView(reply[found].items)
-            .subspan(image_bytes(area.item_bits, range.first - read.block.ranges[found].first), image_bytes(area.item_bits, range.count));
+            .subspan(image_bytes(area.item_bits, range.first - read.block.ranges[found].first),
+                     image_bytes(area.item_bits, range.count));
     good.push_back(p);
     if (device.refused.erase(p))
-      notice(Notice::Kind::kAddressRefused, read.device, Cause::kNone, point_text(p) + " is answered again", actions);
-    for (const ChannelIndex c : map.channels_of[p]) channels.acquired(c, area.item_bits, items, acquired, out);
+      notice(Notice::Kind::kAddressRefused, read.device, Cause::kNone,
+             point_text(p) + " is answered again", actions);
+    for (const ChannelIndex c : map.channels_of[p])
+      channels.acquired(c, area.item_bits, items, acquired, out);
   }
   samples += out.size();
   if (trace)
     traced(read.device,
-           "read " + point_text(read.block.points.front()) + ".., " + std::to_string(items_read) + " items, " +
-               std::to_string(out.size()) + " samples",
+           "read " + point_text(read.block.points.front()) + ".., " + std::to_string(items_read) +
+               " items, " + std::to_string(out.size()) + " samples",
            actions);
   if (!out.empty()) actions.push_back(Publish{std::move(out)});
   if (!good.empty()) scheduler->acquired(part_of(read.block, std::move(good)), acquired);
   std::vector<Sample> refused;
   for (Refused& part : bad) {
     const RangeReply answer = part.range == kNowhere ? RangeReply{} : reply[part.range];
-    block_refused(part_of(read.block, std::move(part.points)), answer.cause, answer.device_code, now, refused, actions);
+    block_refused(part_of(read.block, std::move(part.points)), answer.cause, answer.device_code,
+                  now, refused, actions);
   }
   samples += refused.size();
   if (!refused.empty()) actions.push_back(Publish{std::move(refused)});
 }
 
-// A range that was read or refused says something of how long a block the device accepts, and which gaps.
+// A range that was read or refused says something of how long a block the device accepts, and which
+// gaps.
 void BusEngine::State::learn_blocks(const Flight& read, const Reply& reply, Instant now) {
   for (std::size_t i = 0; i < read.block.ranges.size() && i < reply.size(); ++i) {
     if (reply[i].cause != Cause::kNone) continue;
     const Range& range = read.block.ranges[i];
     BlockLearning& blocks = devices[read.device].areas[range.area].blocks;
     const bool forgotten = blocks.expire(now);
-    if (blocks.read(range, now) || forgotten) scheduler->set_longest(read.device, range.area, blocks.longest());
+    if (blocks.read(range, now) || forgotten)
+      scheduler->set_longest(read.device, range.area, blocks.longest());
   }
 }
 
-void BusEngine::State::block_failed(const Flight& read, Cause cause, std::uint16_t code, Instant now, Actions& actions) {
+void BusEngine::State::block_failed(const Flight& read, Cause cause, std::uint16_t code,
+                                    Instant now, Actions& actions) {
   if (cause == Cause::kDeviceError || cause == Cause::kUnsupported) {
+    if (read.longer) {  // that says nothing of the block itself
+      devices[read.device].refused_longer = true;
+      return scheduler->failed(read.block, now, now);
+    }
     std::vector<Sample> out;
     block_refused(read.block, cause, code, now, out, actions);
     samples += out.size();
@@ -144,8 +170,8 @@ void BusEngine::State::block_failed(const Flight& read, Cause cause, std::uint16
 }
 
 // The scheduler halves the block until the bad points stand alone; those are told at once.
-void BusEngine::State::block_refused(const Block& block, Cause cause, std::uint16_t code, Instant now, std::vector<Sample>& out,
-                                     Actions& actions) {
+void BusEngine::State::block_refused(const Block& block, Cause cause, std::uint16_t code,
+                                     Instant now, std::vector<Sample>& out, Actions& actions) {
   DeviceRuntime& device = devices[block.device];
   if (block.ranges.size() == 1 && block.points.size() > 1) {
     std::vector<Range> wanted;
@@ -158,7 +184,9 @@ void BusEngine::State::block_refused(const Block& block, Cause cause, std::uint1
     for (const ChannelIndex c : map.channels_of[p]) channels.refused(c, cause, code, now, out);
     if (news)
       notice(Notice::Kind::kAddressRefused, block.device, cause,
-             point_text(p) + " is refused (code " + std::to_string(code) + "); asked again in " + to_text(kForgetRefused),
+             point_text(p) + " is refused" +
+                 device_code_note(device.protocol->traits().codes, code) + "; asked again in " +
+                 to_text(kForgetRefused),
              actions);
   }
 }

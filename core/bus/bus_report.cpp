@@ -4,7 +4,8 @@
 namespace fieldcast {
 namespace {
 constexpr Duration kLoadWindow = std::chrono::seconds{10};
-constexpr Duration kMarkGap = std::chrono::milliseconds{900};  // reports at changes of state come between the regular ones
+constexpr Duration kMarkGap =
+    std::chrono::milliseconds{900};  // reports at changes of state come between the regular ones
 
 double share(Duration part, Duration whole) {
   return whole > Duration::zero() ? std::min(1.0, to_seconds(part) / to_seconds(whole)) : 0.0;
@@ -15,10 +16,12 @@ BusReport BusEngine::bus_report(Instant now) {
   State& s = *state_;
   // The exchange on the wire counts as far as it has come.
   const Duration running = s.flight ? now - s.flight->started : Duration::zero();
-  const Duration reading = s.flight && s.flight->kind == State::Flight::Kind::kRead ? running : Duration::zero();
+  const Duration reading =
+      s.flight && s.flight->kind == State::Flight::Kind::kRead ? running : Duration::zero();
   const State::Mark mark{now, s.busy + running, s.reading + reading};
   BusReport report;
   report.state = s.bus_state;
+  if (s.bus_state == BusState::kClosed) report.closed_because = s.closed_because;
   if (!s.marks.empty()) {
     report.utilisation = share(mark.busy - s.marks.back().busy, now - s.marks.back().at);
     report.measured_load = share(mark.reading - s.marks.front().reading, now - s.marks.front().at);
@@ -30,8 +33,8 @@ BusReport BusEngine::bus_report(Instant now) {
   report.exchanges = s.exchanges;
   report.samples = s.samples;
   report.commands = s.commands_done;
-  report.bytes_sent = s.conversation.bytes_sent();
-  report.bytes_received = s.conversation.bytes_received();
+  report.bytes_sent = s.driver.bytes_sent();
+  report.bytes_received = s.driver.bytes_received();
   report.reopened = s.reopened;
   report.causes = s.causes;
   report.misses = s.channels.misses(now);
@@ -39,7 +42,9 @@ BusReport BusEngine::bus_report(Instant now) {
   return report;
 }
 
-ChannelReport BusEngine::channel_report(ChannelIndex channel, Instant now) const { return state_->channels.report(channel, now); }
+ChannelReport BusEngine::channel_report(ChannelIndex channel, Instant now) const {
+  return state_->channels.report(channel, now);
+}
 
 DeviceReport BusEngine::device_report(DeviceIndex index, Instant now) const {
   const DeviceRuntime& device = state_->devices[index];
@@ -57,10 +62,12 @@ DeviceReport BusEngine::device_report(DeviceIndex index, Instant now) const {
   for (AreaIndex area = 0; area < device.areas.size(); ++area) {
     const AreaLearning& learned = device.areas[area];
     if (!learned.answer_time.known()) continue;
-    report.areas.push_back({std::string(device.protocol->areas()[area].name), learned.answer_time.mean(),
-                            learned.answer_time.spread(), learned.blocks.largest_read(), learned.blocks.longest()});
+    report.areas.push_back({std::string(device.protocol->areas()[area].name),
+                            learned.answer_time.mean(), learned.answer_time.spread(),
+                            learned.blocks.largest_read(), learned.blocks.longest()});
     for (const Range& gap : learned.blocks.gaps()) {
-      if (report.refused_gaps.size() < State::kMaxRefusedListed) report.refused_gaps.push_back(state_->range_text(index, gap));
+      if (report.refused_gaps.size() < State::kMaxRefusedListed)
+        report.refused_gaps.push_back(state_->range_text(index, gap));
     }
   }
   for (const auto& [point, code] : device.refused) {

@@ -1,5 +1,6 @@
-// What a BusEngine holds, and its parts: events, decisions and exchanges (bus_engine.cpp), devices (bus_devices.cpp), reading
-// (bus_reads.cpp), commanding (bus_commands.cpp), reporting (bus_report.cpp). Private to core/bus.
+// What a BusEngine holds, and its parts: events, decisions and exchanges (bus_engine.cpp), late
+// answers (bus_late.cpp), devices (bus_devices.cpp), reading (bus_reads.cpp), commanding
+// (bus_commands.cpp), reporting (bus_report.cpp). Private to core/bus.
 #pragma once
 
 #include <deque>
@@ -10,26 +11,35 @@
 #include "core/bus/bus_engine.hpp"
 #include "core/bus/channel_table.hpp"
 #include "core/bus/command_job.hpp"
-#include "core/bus/conversation.hpp"
 #include "core/bus/device_state.hpp"
+#include "core/bus/exchange_driver.hpp"
+#include "core/bus/owed_answers.hpp"
+#include "core/schedule/planned_times.hpp"
 #include "core/schedule/point_map.hpp"
 #include "core/schedule/scheduler.hpp"
 
 namespace fieldcast {
 
 struct BusEngine::State {
-  static constexpr std::size_t kMaxCommands = 1024;                       // waiting; more are answered kQueueFull
-  static constexpr std::size_t kMaxBatch = 64;                            // commands in one request
-  static constexpr Duration kForgetRefused = std::chrono::minutes{1};     // then a refused address is tried again
+  static constexpr std::size_t kMaxCommands = 1024;  // waiting; more are answered kQueueFull
+  static constexpr std::size_t kMaxBatch = 64;       // commands in one request
+  static constexpr Duration kForgetRefused =
+      std::chrono::minutes{1};  // then a refused address is tried again
+  static constexpr Duration kShortWait =
+      std::chrono::milliseconds{20};  // that the wire rests for a command already begun
   static constexpr Duration kBusyPause = std::chrono::milliseconds{100};  // after "busy"
   static constexpr Duration kShortestProbe = std::chrono::milliseconds{10};
-  static constexpr Duration kProbeRetry = std::chrono::milliseconds{20};  // when the wire had no time for a probe
+  static constexpr Duration kProbeRetry =
+      std::chrono::milliseconds{20};  // when the wire had no time for a probe
   static constexpr Duration kOverloadLasts = std::chrono::seconds{5};
-  static constexpr int kUsualAnswers = 64;  // that a device's usual answer time follows
   static constexpr double kStretched = 1.001;  // more than this is overload
-  static constexpr Duration kAnswerTimeStep = std::chrono::microseconds{500};
-  static constexpr int kSickShare = 10;  // a sick device wastes at most one part in this many of the wire
+  static constexpr int kSickShare =
+      10;  // a sick device wastes at most one part in this many of the wire
   static constexpr std::size_t kMaxRefusedListed = 64;
+  static constexpr Duration kLongestStray =
+      std::chrono::milliseconds{300};           // a line that babbles longer is used all the same
+  static constexpr double kBetweenAnswers = 2;  // characters, at least
+  static constexpr int kMostHeld = 32;          // reads put off in one decision
 
   // The exchange on the wire, or about to be sent again.
   struct Flight {
@@ -40,18 +50,24 @@ struct BusEngine::State {
     Block block;  // kRead
     Instant started{};
     unsigned tries = 0;
-    bool timed_out = false;  // an earlier try went unanswered: its answer may still come
-    bool waiting = false;    // for the wire to be free, to be sent again
+    bool timed_out = false;     // an earlier try went unanswered: what comes may be its answer
+    ExchangeContext context{};  // of the last try
+    bool waiting = false;       // for the wire to be free, to be sent again
     Duration timeout{};
     Duration rest{};        // since the device's last answer, when it was sent
+    bool longer = false;    // kRead: than its block, to be told apart from what is owed
     std::size_t batch = 1;  // kCommand: how many commands, from the first on, the request carries
+  };
+  struct Held {
+    Block block;
+    Instant until{};
   };
   struct PendingCommand {
     CommandJob job;
     Instant received{};
   };
 
-  explicit State(const BusSpec& bus);
+  State(const BusSpec& bus, TextCodec& codec);
 
   // bus_engine.cpp
   void settle(Instant now, Actions& actions);
@@ -60,24 +76,55 @@ struct BusEngine::State {
   void ask_for_plan(Actions& actions);
   void launch(Flight flight, Instant now, Actions& actions);
   void transmit(Instant now, Actions& actions);
-  void advance(Conversation::Outcome outcome, Bytes&& out, Instant now, Actions& actions);
+  void advance(ExchangeDriver::Outcome outcome, Bytes&& out, Instant now, Actions& actions);
   void conclude(bool done, Instant now, Actions& actions);
   void free_wire(Instant now);
   [[nodiscard]] bool try_again(const Flight& flight, Cause cause) const;
   void opened(Instant now);
-  void closed(const std::string& reason, Instant now, Actions& actions);
+  void closed(const Closed& why, Instant now, Actions& actions);
   void begin_lease(Instant now, Actions& actions);
   void expire_channels(Instant now, Actions& actions);
-  void set_interest(ChannelIndex channel, std::optional<Duration> wish, Instant now, Actions& actions);
-  void notice(Notice::Kind kind, DeviceIndex device, Cause cause, std::string text, Actions& actions) const;
+  void set_interest(ChannelIndex channel, std::optional<Duration> wish, Instant now,
+                    Actions& actions);
+  void notice(Notice::Kind kind, DeviceIndex device, Cause cause, std::string text,
+              Actions& actions) const;
   void traced(DeviceIndex device, std::string text, Actions& actions) const;
+
+  [[nodiscard]] bool is_distinct(DeviceIndex device, const Request& request) const;
+
+  // bus_late.cpp
+  [[nodiscard]] bool mistakable(const Asked& earlier, const Asked& later) const;
+  [[nodiscard]] Instant askable_from(const Flight& next) const;
+  [[nodiscard]] bool make_distinct(Flight& read, Instant now) const;
+  [[nodiscard]] Duration late_bound(const DeviceRuntime& device, const Request& request) const;
+  void settle_debts_of(const Flight& flight, bool answered, bool refused, Instant now);
+  void learn_head(const Flight& read);
+  [[nodiscard]] bool broken_answer_came(const Flight& ended) const;
+  void owe_flight_under_way();
+  // How many characters of `heard` are spoken for: answers that were owed, up to their end.
+  [[nodiscard]] std::size_t look_for_late_answers(ByteView heard, Instant now, Actions& actions);
+  // What came since the last request and was no late answer.
+  [[nodiscard]] ByteView unclaimed() const {
+    return driver.received().subspan(std::min(claimed, driver.received().size()));
+  }
+  [[nodiscard]] std::size_t end_of_answer(const Asked& asked, ByteView heard) const;
+  void late_answer_came(OwedAnswers::Debt paid, bool refused, Instant now, Actions& actions);
+  void hear_anew() {
+    claimed = 0;
+    owed.nothing_heard();
+  }
+  void heard_stray(ByteView bytes, Instant now, Actions& actions);
+  [[nodiscard]] bool is_another_answer() const;
+  void hold(const Block& block, Instant until, Instant now);
+  void release_held(Instant now);
 
   // bus_devices.cpp
   void learn_answer_time(DeviceIndex device, const Request& request);
   void forget_learned(DeviceIndex device);
-  [[nodiscard]] Duration timeout_for(const DeviceRuntime& device, const Request& request) const;
+  [[nodiscard]] Duration timeout_for(const DeviceRuntime& device, const Flight& asked) const;
   [[nodiscard]] std::string range_text(DeviceIndex device, const Range& range) const;
   void device_answered(DeviceIndex device, Actions& actions);
+  void judge_garbage(DeviceIndex device, bool answered, Actions& actions);
   void device_failed(DeviceIndex device, Cause cause, Instant now, Actions& actions);
   [[nodiscard]] std::optional<Flight> probe_due(Instant now);
   [[nodiscard]] Instant next_probe_of(DeviceIndex device) const;
@@ -88,46 +135,61 @@ struct BusEngine::State {
 
   // bus_reads.cpp
   void make_scheduler();
-  void block_read(const Flight& flight, const Reply& reply, Instant now, Actions& actions);
+  void block_read(const Flight& flight, const Reply& reply, Instant acquired, Instant now,
+                  Actions& actions);
   void learn_blocks(const Flight& read, const Reply& reply, Instant now);
-  void block_failed(const Flight& flight, Cause cause, std::uint16_t code, Instant now, Actions& actions);
-  void block_refused(const Block& block, Cause cause, std::uint16_t code, Instant now, std::vector<Sample>& samples,
-                     Actions& actions);
+  void block_failed(const Flight& flight, Cause cause, std::uint16_t code, Instant now,
+                    Actions& actions);
+  void block_refused(const Block& block, Cause cause, std::uint16_t code, Instant now,
+                     std::vector<Sample>& samples, Actions& actions);
   [[nodiscard]] std::string point_text(PointIndex point) const;
   void update_point(PointIndex point, Instant now);
 
   // bus_commands.cpp
   void accept(const Command& command, Instant now, Actions& actions);
-  [[nodiscard]] std::optional<CommandFault> refuse(const Command& command, DeviceIndex device, Instant now) const;
+  [[nodiscard]] std::optional<CommandFault> refuse(const Command& command, DeviceIndex device,
+                                                   Instant now) const;
   [[nodiscard]] std::optional<Flight> next_command(Instant now);
+  [[nodiscard]] Instant command_from(const CommandJob& job) const;
   [[nodiscard]] std::size_t gather(WriteRequest& write);
   void command_done(std::size_t batch, const Reply& reply, Instant now, Actions& actions);
-  void command_failed(std::size_t batch, Cause cause, std::uint16_t code, Instant now, Actions& actions);
+  void command_failed(std::size_t batch, Cause cause, std::uint16_t code, Instant now,
+                      Actions& actions);
   void finish_commands(std::size_t batch, Instant now, Actions& actions);
   void complete(const PendingCommand& done, Instant now, Actions& actions);
   void expire_commands(Instant now, Actions& actions);
-  void refuse_all_commands(CommandState state, Cause cause, const std::string& reason, Instant now, Actions& actions);
+  void refuse_all_commands(CommandState state, Cause cause, const std::string& reason, Instant now,
+                           Actions& actions);
   [[nodiscard]] Instant next_command_expiry() const;
 
   BusSpec spec;
   LineFormat line;
   Duration silence;
   std::vector<DeviceRuntime> devices;
+  TextCodec& codec;
   ChannelTable channels;
   std::unordered_map<std::string_view, DeviceIndex> device_names;
 
   PointMap map;
   std::vector<std::optional<PointIndex>> probe_point;  // of each device: its first
   std::unique_ptr<Scheduler> scheduler;
+  PlannedTimes planned_times;  // what the scheduler takes for answer times
 
-  Conversation conversation;
+  ExchangeDriver driver;
+  OwedAnswers owed;
+  std::vector<Held> held;         // reads that wait until an answer that is owed has come
+  Instant last_answer{};          // the end of it
+  std::size_t claimed = 0;        // of what the driver received: late answers
+  Bytes strays;                   // what came since the last exchange ended
+  Instant strays_since = kNever;  // while they keep the wire from being free
   std::optional<Flight> flight;
   std::deque<PendingCommand> commands;
   bool job_active = false;          // the first of commands has begun
   bool command_was_last = false;    // then a read that is due goes first
   std::vector<Instant> last_write;  // of each channel
   BusState bus_state = BusState::kOpening;
-  Instant free_at = kLongAgo;  // the wire must be silent until then
+  Cause closed_because = Cause::kNone;  // while it is closed
+  Instant free_at = kLongAgo;           // the wire must be silent until then
   Instant rest_until = kLongAgo;
   Instant timer = kNever;  // as last told to the shell
   bool begun = false;

@@ -8,8 +8,11 @@ namespace {
 Value zero_of(const Encoding& encoding) {
   if (encoding.type == ValueType::kBool) return false;
   if (encoding.type == ValueType::kString) return std::string{};
-  if (encoding.scaled() || encoding.type == ValueType::kFloat32 || encoding.type == ValueType::kFloat64) return 0.0;
+  if (encoding.scaled() || encoding.type == ValueType::kFloat32 ||
+      encoding.type == ValueType::kFloat64)
+    return 0.0;
   switch (encoding.type) {
+    case ValueType::kInt8:
     case ValueType::kInt16:
     case ValueType::kInt32:
     case ValueType::kInt64: return std::int64_t{0};
@@ -25,7 +28,8 @@ bool moved(const Value& a, const Value& b, double deadband) {
 
 }  // namespace
 
-ChannelTable::ChannelTable(const BusSpec& bus) : names_(bus.devices.size()) {
+ChannelTable::ChannelTable(const BusSpec& bus, TextCodec& codec)
+    : codec_(codec), names_(bus.devices.size()) {
   DeviceIndex device = 0;
   for (const DeviceSpec& spec : bus.devices) {
     first_.push_back(static_cast<ChannelIndex>(entries_.size()));
@@ -51,7 +55,9 @@ std::optional<ChannelIndex> ChannelTable::find(DeviceIndex device, std::string_v
   return found->second;
 }
 
-std::optional<Duration> ChannelTable::refresh(ChannelIndex channel) const { return entries_[channel].refresh; }
+std::optional<Duration> ChannelTable::refresh(ChannelIndex channel) const {
+  return entries_[channel].refresh;
+}
 
 void ChannelTable::set_refresh(ChannelIndex channel, std::optional<Duration> refresh, Instant now) {
   Entry& entry = entries_[channel];
@@ -62,10 +68,12 @@ void ChannelTable::set_refresh(ChannelIndex channel, std::optional<Duration> ref
   rearm(channel, now);
 }
 
-// Whole refreshes since the last that was told. What holds a deadband back is promised at its heartbeat.
+// Whole refreshes since the last that was told. What holds a deadband back is promised at its
+// heartbeat.
 std::uint64_t ChannelTable::passed(const Entry& entry, Instant now) {
   if (!entry.late || !entry.refresh || now <= entry.told) return 0;
-  const Duration each = entry.spec->on_interest ? *entry.refresh : promised_gap(*entry.spec).value_or(*entry.refresh);
+  const Duration each =
+      entry.spec->on_interest ? *entry.refresh : promised_gap(*entry.spec).value_or(*entry.refresh);
   return static_cast<std::uint64_t>((now - entry.told) / each);
 }
 
@@ -96,7 +104,8 @@ ChannelReport ChannelTable::report(ChannelIndex channel, Instant now) const {
 CauseCounters ChannelTable::misses(Instant now) const {
   CauseCounters all = misses_;
   for (const Entry& entry : entries_) {
-    if (entry.late) all.add(entry.cause == Cause::kNone ? Cause::kLate : entry.cause, passed(entry, now));
+    if (entry.late)
+      all.add(entry.cause == Cause::kNone ? Cause::kLate : entry.cause, passed(entry, now));
   }
   return all;
 }
@@ -105,7 +114,8 @@ void ChannelTable::rearm(ChannelIndex channel, Instant from) {
   Entry& entry = entries_[channel];
   entry.promised = entry.refresh ? from + *entry.refresh : kNever;
   entry.due = entry.refresh ? entry.promised + std::min(kTellAfter, *entry.refresh / 10) : kNever;
-  if (entry.due >= entry.queued) return;  // the entry already queued comes first and is put back then
+  if (entry.due >= entry.queued)
+    return;  // the entry already queued comes first and is put back then
   expiries_.push({entry.due, channel});
   entry.queued = entry.due;
 }
@@ -124,15 +134,16 @@ void ChannelTable::publish(Entry& entry, std::vector<Sample>& out, Instant when)
   out.push_back(entry.last);
 }
 
-void ChannelTable::acquired(ChannelIndex channel, unsigned item_bits, ByteView items, Instant acquired,
-                            std::vector<Sample>& out) {
+void ChannelTable::acquired(ChannelIndex channel, unsigned item_bits, ByteView items,
+                            Instant acquired, std::vector<Sample>& out) {
   Entry& entry = entries_[channel];
   settle(entry, acquired);
   entry.late = false;
   ++entry.report.readings;
-  if (entry.read != kLongAgo) entry.report.worst_gap = std::max(entry.report.worst_gap, acquired - entry.read);
+  if (entry.read != kLongAgo)
+    entry.report.worst_gap = std::max(entry.report.worst_gap, acquired - entry.read);
   entry.read = acquired;
-  auto value = decode_value(entry.spec->encoding, item_bits, items);
+  auto value = decode_value(entry.spec->encoding, item_bits, items, codec_);
   rearm(channel, acquired);
   if (!value) {
     entry.cause = value.error();
@@ -150,7 +161,8 @@ void ChannelTable::acquired(ChannelIndex channel, unsigned item_bits, ByteView i
   publish(entry, out, acquired);
 }
 
-void ChannelTable::refused(ChannelIndex channel, Cause cause, std::uint16_t device_code, Instant now, std::vector<Sample>& out) {
+void ChannelTable::refused(ChannelIndex channel, Cause cause, std::uint16_t device_code,
+                           Instant now, std::vector<Sample>& out) {
   Entry& entry = entries_[channel];
   const Quality quality = quality_of(cause);
   entry.cause = cause;
@@ -166,7 +178,9 @@ void ChannelTable::refused(ChannelIndex channel, Cause cause, std::uint16_t devi
 void ChannelTable::failing(ChannelIndex channel, Cause cause, Instant now) {
   Entry& entry = entries_[channel];
   entry.cause = cause;
-  if (!entry.late || entry.last.quality != Quality::kUncertain || quality_of(cause) == Quality::kGood) return;
+  const bool unexplained =
+      entry.last.quality == Quality::kUncertain || entry.last.quality == Quality::kNotYetRead;
+  if (!entry.late || !unexplained || quality_of(cause) == Quality::kGood) return;
   entry.unexplained = true;
   entry.due = now;
   if (entry.due >= entry.queued) return;
@@ -209,8 +223,11 @@ void ChannelTable::expire(Instant now, std::vector<Sample>& out) {
     entry.told = now;
     entry.late = true;
     entry.unexplained = false;
-    entry.last.quality = entry.cause == Cause::kNone ? Quality::kUncertain : quality_of(entry.cause);
+    entry.last.quality = quality_of(entry.cause);
     if (entry.last.quality == Quality::kGood) entry.last.quality = Quality::kUncertain;
+    // Uncertain is what is old; what was never read is not there yet, whatever delays it.
+    if (entry.last.quality == Quality::kUncertain && entry.last.acquired == kLongAgo)
+      entry.last.quality = Quality::kNotYetRead;
     publish(entry, out, now);
   }
 }

@@ -1,5 +1,5 @@
-// The channels of one bus at run time: their last samples, what is to be published, and when a promise breaks.
-// Owned by the bus engine.
+// The channels of one bus at run time: their last samples, what is to be published, and when a
+// promise breaks. Owned by the bus engine.
 #pragma once
 
 #include <optional>
@@ -18,10 +18,13 @@ namespace fieldcast {
 
 class ChannelTable {
  public:
-  explicit ChannelTable(const BusSpec& bus);  // bus outlives the table
+  // bus and codec outlive the table
+  explicit ChannelTable(const BusSpec& bus, TextCodec& codec = plain_text_codec());
 
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
-  [[nodiscard]] const ChannelSpec& spec(ChannelIndex channel) const { return *entries_[channel].spec; }
+  [[nodiscard]] const ChannelSpec& spec(ChannelIndex channel) const {
+    return *entries_[channel].spec;
+  }
   [[nodiscard]] DeviceIndex device(ChannelIndex channel) const { return entries_[channel].device; }
   [[nodiscard]] ChannelIndex first_of(DeviceIndex device) const { return first_[device]; }
   [[nodiscard]] ChannelIndex end_of(DeviceIndex device) const { return first_[device + 1u]; }
@@ -32,27 +35,37 @@ class ChannelTable {
   void set_refresh(ChannelIndex channel, std::optional<Duration> refresh, Instant now);
 
   // New items arrived at `acquired`: appends a sample unless the deadband holds it back.
-  void acquired(ChannelIndex channel, unsigned item_bits, ByteView items, Instant acquired, std::vector<Sample>& out);
+  void acquired(ChannelIndex channel, unsigned item_bits, ByteView items, Instant acquired,
+                std::vector<Sample>& out);
   // The device refused the channel's address: published at once, and once until it changes.
-  void refused(ChannelIndex channel, Cause cause, std::uint16_t device_code, Instant now, std::vector<Sample>& out);
-  // The cause that a missed refresh will show. A refresh that was missed before the cause was known is told once more, with it.
+  void refused(ChannelIndex channel, Cause cause, std::uint16_t device_code, Instant now,
+               std::vector<Sample>& out);
+  // The cause that a missed refresh will show. A refresh that was missed before the cause was known
+  // is told once more, with it.
   void failing(ChannelIndex channel, Cause cause, Instant now);
 
-  // Starts the clock of every promise: a channel that is not read within its refresh from `now` is late.
+  // Starts the clock of every promise: a channel that is not read within its refresh from `now` is
+  // late.
   void start(Instant now);
-  // Publishes, once, the last value of each channel whose refresh ran out by `now`, with a bad quality; a moment later, so that a
-  // DDS deadline of the same length, which began when the sample was written, is missed as well.
+  // Publishes, once, the last value of each channel whose refresh ran out by `now`, with a bad
+  // quality; a moment later, so that a DDS deadline of the same length, which began when the sample
+  // was written, is missed as well.
   void expire(Instant now, std::vector<Sample>& out);
-  // Missed refreshes are counted as DDS counts deadlines: every refresh that passes without a new sample is one.
+  // Missed refreshes are counted as DDS counts deadlines: every refresh that passes without a new
+  // sample is one.
   [[nodiscard]] ChannelReport report(ChannelIndex channel, Instant now) const;
   [[nodiscard]] CauseCounters misses(Instant now) const;  // of all channels, by cause
-  [[nodiscard]] Instant next_expiry() const { return expiries_.empty() ? kNever : expiries_.top().at; }
+  [[nodiscard]] Instant next_expiry() const {
+    return expiries_.empty() ? kNever : expiries_.top().at;
+  }
 
-  // Nobody wishes the channel any more: a last good value once more, as UNCERTAIN, for it will not be renewed.
+  // Nobody wishes the channel any more: a last good value once more, as UNCERTAIN, for it will not
+  // be renewed.
   void unwanted(ChannelIndex channel, std::vector<Sample>& out);
   // Every channel's last value once more as UNCERTAIN (the bus was leased).
   void all_uncertain(Instant now, std::vector<Sample>& out);
-  // First samples of channels that are only read when somebody asks, so that stations see that they exist.
+  // First samples of channels that are only read when somebody asks, so that stations see that they
+  // exist.
   void not_yet_read(std::vector<Sample>& out);
 
  private:
@@ -79,7 +92,8 @@ class ChannelTable {
     friend bool operator>(const Expiry& a, const Expiry& b) { return a.at > b.at; }
   };
 
-  static constexpr Duration kTellAfter = std::chrono::milliseconds{3};  // a sample has reached its DataWriter by then
+  static constexpr Duration kTellAfter =
+      std::chrono::milliseconds{3};  // a sample has reached its DataWriter by then
   [[nodiscard]] static std::uint64_t passed(const Entry& entry, Instant now);
   void count(Entry& entry, std::uint64_t misses);
   void settle(Entry& entry, Instant now);
@@ -88,10 +102,12 @@ class ChannelTable {
   [[nodiscard]] bool held_back(const Entry& entry, const Value& value, Instant acquired) const;
 
   CauseCounters misses_;
+  TextCodec& codec_;
   std::vector<Entry> entries_;
   std::vector<ChannelIndex> first_;  // of each device, and the end
   std::vector<std::unordered_map<std::string_view, ChannelIndex>> names_;
-  // Lazy: an entry may be older than its channel's promise and is then put back; one that is not the channel's `queued` is dead.
+  // Lazy: an entry may be older than its channel's promise and is then put back; one that is not
+  // the channel's `queued` is dead.
   std::priority_queue<Expiry, std::vector<Expiry>, std::greater<>> expiries_;
 };
 

@@ -1,19 +1,16 @@
-// A command on its way: the next request, and what its answer or failure means. How it is checked: command_checks.cpp.
-#include <algorithm>
-#include <cstdio>
-
+// A command on its way: the next request, and what its answer or failure means. How it is checked:
+// command_checks.cpp.
 #include "core/bus/command_job.hpp"
+
+#include <algorithm>
 
 namespace fieldcast {
 namespace {
 
-std::string error_text(Cause cause, std::uint16_t code) {
+std::string error_text(Cause cause, std::uint16_t code, const Traits& traits) {
   std::string text{to_text(cause)};
-  if (cause == Cause::kDeviceError || cause == Cause::kDeviceBusy) {
-    char number[16];
-    std::snprintf(number, sizeof number, " (code %02X)", code);
-    text += number;
-  }
+  if (cause == Cause::kDeviceError || cause == Cause::kDeviceBusy)
+    text += device_code_note(traits.codes, code);
   return text;
 }
 
@@ -22,7 +19,7 @@ std::string error_text(Cause cause, std::uint16_t code) {
 WriteRequest CommandJob::write_request() const {
   Range whole = subjects_.front().range;
   whole.count = subjects_.back().range.end() - whole.first;
-  return {whole, image_, merge_needed_ ? std::nullopt : bit_, distinct_};
+  return {whole, image_, merge_needed_ ? std::nullopt : bit_, distinct_, part_bits_};
 }
 
 std::optional<Request> CommandJob::next() const {
@@ -30,8 +27,10 @@ std::optional<Request> CommandJob::next() const {
     case Phase::kReadBefore: return ReadRequest{{subjects_.front().range}};
     case Phase::kWrite: {
       WriteRequest write = write_request();
-      if (command_.verify && !bit_ && subjects_.front().readable && protocol_->traits().write_read) {
-        // Not every write can be read back in one round: Modbus has it for registers, not for coils.
+      if (command_.verify && !bit_ && subjects_.front().readable &&
+          protocol_->traits().write_read) {
+        // Not every write can be read back in one round: Modbus has it for registers, not for
+        // coils.
         Request both = WriteReadRequest{write, write.range};
         if (protocol_->size(both)) return both;
       }
@@ -52,10 +51,34 @@ std::optional<WriteRequest> CommandJob::batchable() const {
 }
 
 bool CommandJob::reads_back_same(ByteView items) const {
-  if (!bit_) return std::equal(items.begin(), items.end(), image_.begin(), image_.end());
+  if (!bit_) {
+    if (std::equal(items.begin(), items.end(), image_.begin(), image_.end())) return true;
+    // A device may spell the same number in another way: "+25.0" for " 25.00".
+    const CommandSubject& only = subjects_.front();
+    if (!only.encoding.text_number || subjects_.size() > 1) return false;
+    const unsigned bits = area(only.range).item_bits;
+    const auto back = decode_value(only.encoding, bits, items);
+    return back && back == decode_value(only.encoding, bits, image_);
+  }
   const std::size_t byte = image_.size() - 1 - *bit_ / 8;
-  const auto mask = static_cast<std::uint8_t>(1u << *bit_ % 8);
+  const auto mask = static_cast<std::uint8_t>(((1u << part_bits_) - 1) << *bit_ % 8);
   return items.size() == image_.size() && ((items[byte] ^ image_[byte]) & mask) == 0;
+}
+
+void CommandJob::read_first() {
+  if (phase_ == Phase::kWrite && subjects_.front().readable) phase_ = Phase::kReadBefore;
+}
+
+// Devices that know only one form of a write refuse the other: nothing was written, and the refusal
+// has shown whether the line echoes.
+bool CommandJob::has_plainer_form() const {
+  if (!distinct_ || phase_ != Phase::kWrite) return false;
+  WriteRequest write = write_request();
+  Bytes distinct, plain;
+  (void)protocol_->begin(write, {})->start(distinct);
+  write.distinct_answer = false;
+  (void)protocol_->begin(write, {})->start(plain);
+  return distinct != plain;
 }
 
 void CommandJob::wrote() {
@@ -71,12 +94,13 @@ void CommandJob::answered(const Reply& reply) {
   }
   switch (phase_) {
     case Phase::kReadBefore: {
+      phase_ = Phase::kWrite;
+      if (!merge_needed_) break;  // only to learn of an echo
       // Only our bit changes: the word is written as it was just read.
       const std::size_t byte = image_.size() - 1 - *bit_ / 8;
       const bool on = (image_[byte] >> *bit_ % 8 & 1) != 0;
       image_ = reply.front().items;
       merge_bit(image_, *bit_, on);
-      phase_ = Phase::kWrite;
       break;
     }
     case Phase::kWrite:
@@ -85,7 +109,8 @@ void CommandJob::answered(const Reply& reply) {
         if (reads_back_same(read_back_))
           finish(CommandState::kVerified);
         else
-          finish(CommandState::kFailed, Cause::kNotVerified, 0, std::string(to_text(Cause::kNotVerified)));
+          finish(CommandState::kFailed, Cause::kNotVerified, 0,
+                 std::string(to_text(Cause::kNotVerified)));
       } else {
         wrote();
       }
@@ -96,7 +121,8 @@ void CommandJob::answered(const Reply& reply) {
         if (command_.verify)
           finish(CommandState::kVerified);
         else
-          finish(CommandState::kDone, Cause::kNone, 0, "the answer was lost; reading back shows the value");
+          finish(CommandState::kDone, Cause::kNone, 0,
+                 "the answer was lost; reading back shows the value");
       } else if (in_doubt_ && rewrites_ < max_rewrites_) {
         ++rewrites_;
         in_doubt_ = false;
@@ -104,7 +130,8 @@ void CommandJob::answered(const Reply& reply) {
         phase_ = Phase::kWrite;
       } else {
         finish(CommandState::kFailed, in_doubt_ ? Cause::kNoAnswer : Cause::kNotVerified, 0,
-               in_doubt_ ? "no answer, and reading back shows another value" : std::string(to_text(Cause::kNotVerified)));
+               in_doubt_ ? "no answer, and reading back shows another value"
+                         : std::string(to_text(Cause::kNotVerified)));
       }
       break;
     case Phase::kAcquire:
@@ -117,13 +144,18 @@ void CommandJob::answered(const Reply& reply) {
 
 void CommandJob::failed(Cause cause, std::uint16_t device_code) {
   const bool refused = cause == Cause::kDeviceError || cause == Cause::kDeviceBusy;
-  if (phase_ == Phase::kWrite && !refused && cause != Cause::kPortClosed && subjects_.front().readable) {
+  if (cause == Cause::kDeviceError && has_plainer_form()) {
+    distinct_ = false;
+    return;
+  }
+  if (phase_ == Phase::kWrite && !refused && cause != Cause::kPortClosed &&
+      subjects_.front().readable) {
     // Never written twice blindly: the first may have taken effect.
     in_doubt_ = true;
     phase_ = Phase::kReadBack;
     return;
   }
-  std::string reason = error_text(cause, device_code);
+  std::string reason = error_text(cause, device_code, protocol_->traits());
   if (in_doubt_ || (phase_ == Phase::kWrite && !refused))
     reason += "; unknown whether the write took effect";
   else if (phase_ == Phase::kReadBack)
@@ -131,7 +163,8 @@ void CommandJob::failed(Cause cause, std::uint16_t device_code) {
   finish(CommandState::kFailed, cause, device_code, std::move(reason));
 }
 
-void CommandJob::finish(CommandState state, Cause cause, std::uint16_t device_code, std::string reason) {
+void CommandJob::finish(CommandState state, Cause cause, std::uint16_t device_code,
+                        std::string reason) {
   phase_ = Phase::kFinished;
   state_ = state;
   cause_ = cause;
@@ -142,10 +175,14 @@ void CommandJob::finish(CommandState state, Cause cause, std::uint16_t device_co
 ByteView CommandJob::items_of(const CommandSubject& subject) const {
   const unsigned bits = area(subject.range).item_bits;
   const auto cut = [&](const Range& range, const Bytes& items) -> ByteView {
-    if (range.area != subject.range.area || subject.range.first < range.first || subject.range.end() > range.end()) return {};
-    return ByteView(items).subspan(image_bytes(bits, subject.range.first - range.first), image_bytes(bits, subject.range.count));
+    if (range.area != subject.range.area || subject.range.first < range.first ||
+        subject.range.end() > range.end())
+      return {};
+    return ByteView(items).subspan(image_bytes(bits, subject.range.first - range.first),
+                                   image_bytes(bits, subject.range.count));
   };
-  if (command_.operation == Operation::kWrite) return read_back_.empty() ? ByteView{} : cut(write_request().range, read_back_);
+  if (command_.operation == Operation::kWrite)
+    return read_back_.empty() ? ByteView{} : cut(write_request().range, read_back_);
   for (std::size_t i = 0; i < read_items_.size(); ++i) {
     if (const ByteView found = cut(reads_[i], read_items_[i]); !found.empty()) return found;
   }
@@ -156,7 +193,8 @@ std::vector<CommandJob::Acquired> CommandJob::acquired() const {
   std::vector<Acquired> result;
   for (const CommandSubject& subject : subjects_) {
     const ByteView items = items_of(subject);
-    if (subject.channel && !items.empty()) result.push_back({*subject.channel, area(subject.range).item_bits, items});
+    if (subject.channel && !items.empty())
+      result.push_back({*subject.channel, area(subject.range).item_bits, items});
   }
   return result;
 }
@@ -166,17 +204,20 @@ std::optional<ChannelIndex> CommandJob::written_channel() const {
 }
 
 CommandResult CommandJob::result(Instant received, Instant completed) const {
-  CommandResult result{command_.requester, command_.request_id,          state_,   cause_, device_code_, reason_, {},
-                       received,           started_.value_or(completed), completed};
+  CommandResult result{
+      command_.requester, command_.request_id,          state_,   cause_, device_code_, reason_, {},
+      received,           started_.value_or(completed), completed};
   for (const CommandSubject& subject : subjects_) {
     const ByteView items = items_of(subject);
     if (items.empty()) continue;
-    if (auto value = decode_value(subject.encoding, area(subject.range).item_bits, items)) {
+    if (auto value =
+            decode_value(subject.encoding, area(subject.range).item_bits, items, *codec_)) {
       result.values.push_back(std::move(*value));
     } else if (result.state == CommandState::kDone) {
       result.state = CommandState::kFailed;
       result.cause = value.error();
-      result.reason = "what the device holds is no value of type " + std::string(to_text(subject.encoding.type));
+      result.reason = "what the device holds is no value of type " +
+                      std::string(to_text(subject.encoding.type));
     }
   }
   return result;

@@ -1,5 +1,5 @@
-// One command on its way: which exchanges it still needs, and what it has come to. Checked before it exists, so a job is always
-// legal. Pure; owned by the bus engine's queue.
+// One command on its way: which exchanges it still needs, and what it has come to. Checked before
+// it exists, so a job is always legal. Pure; owned by the bus engine's queue.
 #pragma once
 
 #include <optional>
@@ -30,23 +30,27 @@ struct CommandSubject {
 
 class CommandJob {
  public:
-  // Values that one acquisition by address may ask for.
-  static constexpr std::uint32_t kMaxCount = 1000;
-
-  // `first_channel` is the index of the device's first channel on the bus. `protocol` outlives the job.
-  static tl::expected<CommandJob, CommandFault> make(const Command& command, const DeviceSpec& device, DeviceIndex index,
-                                                     ChannelIndex first_channel, const Protocol& protocol);
+  // `first_channel` is the index of the device's first channel on the bus. `protocol` and `codec`
+  // outlive the job.
+  static tl::expected<CommandJob, CommandFault> make(const Command& command,
+                                                     const DeviceSpec& device, DeviceIndex index,
+                                                     ChannelIndex first_channel,
+                                                     const Protocol& protocol,
+                                                     TextCodec& codec = plain_text_codec());
 
   // The next request; nothing when the command is finished and result() is final.
   [[nodiscard]] std::optional<Request> next() const;
   // The next request, if it is a plain write that may travel with its neighbours.
   [[nodiscard]] std::optional<WriteRequest> batchable() const;
-  // A request of several commands was refused: which of them was meant shows only when each goes alone.
+  // A request of several commands was refused: which of them was meant shows only when each goes
+  // alone.
   void go_alone() { alone_ = true; }
   void answered(const Reply& reply);
   void failed(Cause cause, std::uint16_t device_code);
   // A line that may echo cannot confirm a write whose answer equals its request.
   void use_distinct_answers() { distinct_ = true; }
+  // Nothing else can be written: a read before it shows whether the line echoes.
+  void read_first();
 
   [[nodiscard]] DeviceIndex device() const { return device_; }
   [[nodiscard]] const Command& command() const { return command_; }
@@ -70,28 +74,43 @@ class CommandJob {
  private:
   enum class Phase { kReadBefore, kWrite, kReadBack, kAcquire, kFinished };
 
-  CommandJob(const Command& command, DeviceIndex device, const Protocol& protocol)
-      : command_(command), device_(device), protocol_(&protocol) {}
+  CommandJob(const Command& command, DeviceIndex device, const Protocol& protocol, TextCodec& codec)
+      : command_(command), device_(device), protocol_(&protocol), codec_(&codec) {}
+  [[nodiscard]] CommandFault unfit(const CommandSubject& subject, const Value& value,
+                                   Cause cause) const;
 
   [[nodiscard]] tl::expected<void, CommandFault> prepare_write(const ChannelSpec* channel);
   [[nodiscard]] tl::expected<void, CommandFault> prepare_acquire();
-  [[nodiscard]] tl::expected<void, CommandFault> find_subjects(const DeviceSpec& device, ChannelIndex first_channel);
-  [[nodiscard]] tl::expected<void, CommandFault> find_channels(const DeviceSpec& device, const std::string& name,
+  [[nodiscard]] tl::expected<void, CommandFault> find_subjects(const DeviceSpec& device,
                                                                ChannelIndex first_channel);
-  [[nodiscard]] tl::expected<void, CommandFault> find_address(const DeviceSpec& device, const AddressTarget& target);
-  [[nodiscard]] const Area& area(const Range& range) const { return protocol_->areas()[range.area]; }
+  [[nodiscard]] tl::expected<void, CommandFault> find_channels(const DeviceSpec& device,
+                                                               const std::string& name,
+                                                               ChannelIndex first_channel);
+  [[nodiscard]] tl::expected<void, CommandFault> find_address(const DeviceSpec& device,
+                                                              const AddressTarget& target);
+  [[nodiscard]] tl::expected<void, CommandFault> add_values(const AddressTarget& target,
+                                                            const ParsedAddress& address,
+                                                            const Encoding& encoding,
+                                                            std::uint32_t count);
+  [[nodiscard]] const Area& area(const Range& range) const {
+    return protocol_->areas()[range.area];
+  }
   [[nodiscard]] WriteRequest write_request() const;
   [[nodiscard]] bool reads_back_same(ByteView items) const;
   [[nodiscard]] ByteView items_of(const CommandSubject& subject) const;
-  void finish(CommandState state, Cause cause = Cause::kNone, std::uint16_t device_code = 0, std::string reason = {});
+  void finish(CommandState state, Cause cause = Cause::kNone, std::uint16_t device_code = 0,
+              std::string reason = {});
   void wrote();
+  [[nodiscard]] bool has_plainer_form() const;
 
   Command command_;
   DeviceIndex device_ = 0;
   const Protocol* protocol_ = nullptr;
+  TextCodec* codec_ = nullptr;
   std::vector<CommandSubject> subjects_;
   Bytes image_;                      // what is to be written
-  std::optional<std::uint8_t> bit_;  // only this bit of the one item
+  std::optional<std::uint8_t> bit_;  // only this bit of the one item, or the eight from it on
+  unsigned part_bits_ = 1;           // with bit_: 1 or 8
   bool merge_needed_ = false;        // read, change the bit, write
   bool distinct_ = false;
   bool alone_ = false;

@@ -1,5 +1,5 @@
-// Remembers which commands were seen, so that none runs twice: reliable transports and anxious operators repeat themselves.
-// Pure; one owner, who guards it if several threads ask.
+// Remembers which commands were seen, so that none runs twice: reliable transports and anxious
+// operators repeat themselves. Pure; one owner, who guards it if several threads ask.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,8 @@ class CommandLedger {
 
   explicit CommandLedger(std::size_t remembered = kRemembered) : remembered_(remembered) {}
 
-  // True if this key was not among the last `remembered` keys: the command may run. False: it is a duplicate.
-  // A duplicate does not make its key younger.
+  // True if this key was not among the last `remembered` keys: the command may run. False: it is a
+  // duplicate. A duplicate does not make its key younger.
   [[nodiscard]] bool enter(std::string_view requester, std::uint64_t request_id);
 
   [[nodiscard]] std::size_t size() const { return order_.size(); }
@@ -33,7 +33,8 @@ class CommandLedger {
   };
 
   std::size_t remembered_;
-  std::deque<Key> order_;  // oldest first; a deque never moves what it holds, so that the set may point into it
+  std::deque<Key>
+      order_;  // oldest first; a deque never moves what it holds, so that the set may point into it
   std::unordered_set<const Key*, Hash, Equal> known_;
 };
 

@@ -27,7 +27,8 @@ bool DeviceHealth::failed(Cause cause, Instant now) {
   if (failures_ >= kFailuresToOffline) {
     state_ = DeviceState::kOffline;
     probe_at_ = now + probe_interval_;
-  } else if (state_ == DeviceState::kOnline) {
+  } else if (state_ == DeviceState::kOnline ||
+             (state_ == DeviceState::kUnknown && cause != Cause::kNoAnswer)) {
     state_ = DeviceState::kDegraded;
   }
   return state_ != before;

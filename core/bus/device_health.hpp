@@ -10,7 +10,8 @@ namespace fieldcast {
 
 class DeviceHealth {
  public:
-  // This many exchanges in a row without an answer, retries included in each, take a device offline.
+  // This many exchanges in a row without an answer, retries included in each, take a device
+  // offline.
   static constexpr unsigned kFailuresToOffline = 2;
   static constexpr Duration kFirstProbe = std::chrono::milliseconds{500};
   static constexpr Duration kLastProbe = std::chrono::seconds{30};
@@ -21,9 +22,9 @@ class DeviceHealth {
 
   [[nodiscard]] DeviceState state() const { return state_; }
   [[nodiscard]] bool offline() const { return state_ == DeviceState::kOffline; }
-  [[nodiscard]] Cause cause() const { return cause_; }          // of the last failure; kNone when online
+  [[nodiscard]] Cause cause() const { return cause_; }  // of the last failure; kNone when online
   [[nodiscard]] Instant probe_at() const { return probe_at_; }  // when offline
-  void postpone_probe(Instant until) { probe_at_ = until; }
+  void probe_from(Instant until) { probe_at_ = until; }
 
  private:
   DeviceState state_ = DeviceState::kUnknown;

@@ -1,6 +1,7 @@
 // One device of a bus at run time. Plain state; the engine's parts read and change it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -10,6 +11,7 @@
 #include "core/bus/answer_time.hpp"
 #include "core/bus/block_learning.hpp"
 #include "core/bus/device_health.hpp"
+#include "core/bus/garbage.hpp"
 #include "core/bus/pause_learning.hpp"
 #include "core/model/spec.hpp"
 #include "core/protocol/protocol.hpp"
@@ -20,25 +22,28 @@ namespace fieldcast {
 // What was learned of one area of a device.
 struct AreaLearning {
   AnswerTime answer_time;
-  Duration planned_answer_time{};  // as the scheduler was last told
   BlockLearning blocks;
-  Duration usual_answer_time{};  // over more answers than the mean that timeouts follow: plans must not follow each breath of it
-  int answers = 0;               // in the usual one
 };
 
 struct DeviceRuntime {
   const DeviceSpec* spec = nullptr;
   std::shared_ptr<Protocol> protocol;
   AnswerTime answer_time;
-  std::vector<AreaLearning> areas{};     // as the protocol has them
+  std::vector<AreaLearning> areas{};  // as the protocol has them
   PauseLearning pauses{};
-  Instant answered_at = kLongAgo;        // its last answer
+  Instant answered_at = kLongAgo;  // its last answer
   DeviceHealth health;
-  std::uint16_t sequence = 0;                   // of exchanges, for ExchangeContext
-  Instant quiet_until = kLongAgo;               // a late answer may come until then: nothing but the same request again
-  Instant paused_until = kLongAgo;              // the device wants a rest
-  double failure_share = 0;                     // of its last tries, 0..1
-  Instant deferred_until = kLongAgo;            // a sick device waits until the wire has time for it, at the latest until then
+  Garbage garbage;
+  // How the last answer to each read began, marks and address.
+  using Head = std::array<std::uint8_t, 4>;
+  using Shape = std::array<std::uint32_t, 4>;
+  std::map<Shape, Head> heads;
+  bool refused_longer = false;      // a read longer than its block: not tried again
+  std::uint16_t sequence = 0;       // of exchanges, for ExchangeContext
+  Instant paused_until = kLongAgo;  // the device wants a rest
+  double failure_share = 0;         // of its last tries, 0..1
+  Instant deferred_until =
+      kLongAgo;  // a sick device waits until the wire has time for it, at the latest until then
   Duration wasted{};                            // wire time of its last failure
   Instant probe_not_before = kLongAgo;          // the wire had no time for a probe
   bool resting = false;                         // the scheduler was told to leave it alone
@@ -48,7 +53,6 @@ struct DeviceRuntime {
 
   void tried(bool well) { failure_share += ((well ? 0.0 : 1.0) - failure_share) / 8; }
   [[nodiscard]] bool sick() const { return failure_share > 0.2; }
-  [[nodiscard]] bool free_at(Instant now) const { return now >= quiet_until && now >= paused_until; }
 };
 
 }  // namespace fieldcast

@@ -22,6 +22,7 @@ class PlanDraft;  // core/schedule/scheduler.hpp
 struct Opened {};  // the port is ready; nothing sent before is on the wire any more
 struct Closed {
   std::string reason;
+  Cause cause = Cause::kPortClosed;
 };  // the port is gone, or could not be opened
 struct Received {
   ByteView bytes;
@@ -38,12 +39,13 @@ struct LeaseBegan {
   std::string who;
 };  // the port belongs to a programming session from now on
 struct LeaseEnded {};
-struct StopRequested {};  // answers every pending command with kShutdown; nothing is sent afterwards
+struct StopRequested {
+};                 // answers every pending command with kShutdown; nothing is sent afterwards
 struct PlanMade {  // what MakePlan asked for
   std::shared_ptr<PlanDraft> draft;
 };
-using BusEvent = std::variant<Opened, Closed, Received, TimerFired, CommandArrived, InterestChanged, LeaseBegan, LeaseEnded,
-                              StopRequested, PlanMade>;
+using BusEvent = std::variant<Opened, Closed, Received, TimerFired, CommandArrived, InterestChanged,
+                              LeaseBegan, LeaseEnded, StopRequested, PlanMade>;
 
 // Actions, to be executed in order.
 struct Send {
@@ -74,7 +76,9 @@ struct Notice {
     kAddressRefused,
     kOverload,
     kOverloadEnded,
-    kEchoFound
+    kEchoFound,
+    kGarbage,
+    kGarbageEnded
   };
   Kind kind;
   std::string device;  // empty for the bus
@@ -86,12 +90,13 @@ struct Traced {
   std::string device;
   std::string text;  // "read holding 100..109: 10 items" or the failure
 };
-// Call the draft's make() away from the wire's time, on any thread, then tell PlanMade; one is asked for at a time. The draft needs
-// nothing of the engine, which may end before it.
+// Call the draft's make() away from the wire's time, on any thread, then tell PlanMade; one is
+// asked for at a time. The draft needs nothing of the engine, which may end before it.
 struct MakePlan {
   std::shared_ptr<PlanDraft> draft;
 };
-using Action = std::variant<Send, SetTimer, Publish, Promise, Complete, Reopen, Notice, Traced, MakePlan>;
+using Action =
+    std::variant<Send, SetTimer, Publish, Promise, Complete, Reopen, Notice, Traced, MakePlan>;
 using Actions = std::vector<Action>;
 
 }  // namespace fieldcast

@@ -1,5 +1,5 @@
-// The checksums of the families. Pure functions, header only: the simulator's devices share this file and nothing else of the
-// codecs.
+// The checksums of the families. Pure functions, header only: the simulator's devices share this
+// file and nothing else of the codecs.
 #pragma once
 
 #include <array>
@@ -12,8 +12,8 @@ namespace fieldcast {
 
 namespace detail {
 
-// Two tables, so that two bytes cost two independent look-ups instead of a chain of two: [0] one byte, [1] one byte and a zero
-// after it.
+// Two tables, so that two bytes cost two independent look-ups instead of a chain of two: [0] one
+// byte, [1] one byte and a zero after it.
 struct Crc16Tables {
   std::array<std::array<std::uint16_t, 256>, 2> of{};
   constexpr Crc16Tables() {
@@ -32,8 +32,8 @@ inline constexpr Crc16Tables kCrc16Tables{};
 
 }  // namespace detail
 
-// CRC-16/MODBUS: polynomial 8005h reflected, start FFFFh; sent low byte first. "123456789" gives 4B37h.
-// (Modbus over Serial Line V1.02, 6.2.2)
+// CRC-16/MODBUS: polynomial 8005h reflected, start FFFFh; sent low byte first. "123456789" gives
+// 4B37h. (Modbus over Serial Line V1.02, 6.2.2)
 [[nodiscard]] constexpr std::uint16_t crc16_modbus(ByteView bytes) {
   const auto& tables = detail::kCrc16Tables.of;
   unsigned crc = 0xFFFF;
@@ -53,8 +53,11 @@ inline constexpr Crc16Tables kCrc16Tables{};
   return static_cast<std::uint8_t>(sum);
 }
 
-// Two's complement of the sum: all bytes and the LRC add up to 0 (Modbus over Serial Line V1.02, 6.2.1).
-[[nodiscard]] constexpr std::uint8_t lrc8(ByteView bytes) { return static_cast<std::uint8_t>(0x100u - sum8(bytes)); }
+// Two's complement of the sum: all bytes and the LRC add up to 0 (Modbus over Serial Line
+// V1.02, 6.2.1).
+[[nodiscard]] constexpr std::uint8_t lrc8(ByteView bytes) {
+  return static_cast<std::uint8_t>(0x100u - sum8(bytes));
+}
 
 // Exclusive or of all bytes (Host Link, S7 freeport).
 [[nodiscard]] constexpr std::uint8_t xor8(ByteView bytes) {

@@ -21,9 +21,20 @@ tl::expected<std::uint64_t, Cause> from_bcd(std::uint64_t bits, unsigned width) 
   return number;
 }
 
-// raw * scale + offset. A scale of 0.1 or 0.001 has no exact double, its reciprocal has: dividing by 10 gives the 12.3 that
-// people expect where multiplying by 0.1 gives 12.300000000000001.
+// raw * scale + offset, with the decimals that people expect: 0.1 and 0.3 have no exact double, so
+// 7 * 0.3 is 2.0999999999999996. Where scale and offset are decimals the sum is taken in whole
+// numbers, which are exact, and divided by a power of ten once: 21 / 10 is 2.1.
 double apply_scale(const Encoding& encoding, double raw) {
+  constexpr double kTwo53 = 9007199254740992.0;
+  double ten = 1;
+  for (int decimals = 0; decimals <= 15 && raw == std::trunc(raw); ++decimals, ten *= 10) {
+    const double scale = std::nearbyint(encoding.scale * ten);
+    const double offset = std::nearbyint(encoding.offset * ten);
+    if (scale / ten != encoding.scale || offset / ten != encoding.offset) continue;
+    const double product = raw * scale;
+    if (!(std::abs(product) < kTwo53 && std::abs(product + offset) < kTwo53)) break;
+    return (product + offset) / ten;
+  }
   const double reciprocal = std::nearbyint(1.0 / encoding.scale);
   const bool exact = std::abs(reciprocal) > 1.0 && 1.0 / reciprocal == encoding.scale;
   return (exact ? raw / reciprocal : raw * encoding.scale) + encoding.offset;
@@ -40,44 +51,75 @@ tl::expected<Value, Cause> finish(const Encoding& encoding, Number raw) {
   return Value{raw};
 }
 
-tl::expected<Value, Cause> decode_bool(const Encoding& encoding, unsigned item_bits, ByteView items) {
+tl::expected<Value, Cause> decode_bool(const Encoding& encoding, unsigned item_bits,
+                                       ByteView items) {
   const std::size_t bytes = item_bits <= 8 ? 1 : item_bits / 8;
   if (items.size() < bytes) std::abort();  // REQUIRES
   if (!encoding.bit)
-    return Value{std::any_of(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(bytes), [](auto b) { return b != 0; })};
+    return Value{std::any_of(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(bytes),
+                             [](auto b) { return b != 0; })};
   if (*encoding.bit >= item_bits) return tl::unexpected(Cause::kRange);
   const std::uint8_t byte = items[bytes - 1 - *encoding.bit / 8];
   return Value{(byte >> (*encoding.bit % 8) & 1) != 0};
 }
 
+// The bits of the type that a text spells.
+tl::expected<std::uint64_t, Cause> bits_of_text(const Encoding& encoding, unsigned item_bits,
+                                                ByteView items) {
+  const Bytes bytes = string_bytes_of(encoding, item_bits, items);
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (encoding.text_number.kind == TextNumber::Kind::kHex) {
+    const unsigned width = width_bits(Encoding{encoding.type});
+    const auto bits = read_hex(text);
+    if (!bits || (width < 64 && *bits >> width != 0)) return tl::unexpected(Cause::kRange);
+    return *bits;
+  }
+  const auto number = read_decimal(encoding.text_number.kind, text);
+  if (!number) return tl::unexpected(number.error());
+  const auto bits = bits_of_value(Encoding{encoding.type}, *number);
+  if (!bits) return tl::unexpected(Cause::kRange);  // a fraction, for an integer, is no wrong type
+  return *bits;
+}
+
 }  // namespace
 
-tl::expected<Value, Cause> decode_value(const Encoding& encoding, unsigned item_bits, ByteView items) {
+tl::expected<Value, Cause> decode_value(const Encoding& encoding, unsigned item_bits,
+                                        ByteView items, TextCodec& codec) {
   if (encoding.type == ValueType::kBool) return decode_bool(encoding, item_bits, items);
   if (encoding.type == ValueType::kString) {
     const Bytes text = string_bytes_of(encoding, item_bits, items);
-    return Value{std::string(text.begin(), std::find(text.begin(), text.end(), std::uint8_t{0}))};
+    const std::string bytes(text.begin(), std::find(text.begin(), text.end(), std::uint8_t{0}));
+    return Value{codec.to_utf8(encoding.charset, bytes)};
   }
-  const auto bits = gather_bits(encoding, item_bits, items);
+  const auto bits = encoding.text_number ? bits_of_text(encoding, item_bits, items)
+                                         : gather_bits(encoding, item_bits, items);
   if (!bits) return tl::unexpected(bits.error());
+  return value_of_bits(encoding, *bits);
+}
+
+tl::expected<Value, Cause> value_of_bits(const Encoding& encoding, std::uint64_t bits) {
   switch (encoding.type) {
-    case ValueType::kInt16: return finish(encoding, std::int64_t{static_cast<std::int16_t>(*bits)});
-    case ValueType::kInt32: return finish(encoding, std::int64_t{static_cast<std::int32_t>(*bits)});
-    case ValueType::kInt64: return finish(encoding, static_cast<std::int64_t>(*bits));
+    case ValueType::kInt8: return finish(encoding, std::int64_t{static_cast<std::int8_t>(bits)});
+    case ValueType::kInt16: return finish(encoding, std::int64_t{static_cast<std::int16_t>(bits)});
+    case ValueType::kInt32: return finish(encoding, std::int64_t{static_cast<std::int32_t>(bits)});
+    case ValueType::kInt64: return finish(encoding, static_cast<std::int64_t>(bits));
+    case ValueType::kUint8:
     case ValueType::kUint16:
     case ValueType::kUint32:
-    case ValueType::kUint64: return finish(encoding, std::uint64_t{*bits});
+    case ValueType::kUint64: return finish(encoding, std::uint64_t{bits});
     case ValueType::kFloat32:
     case ValueType::kFloat64: {
-      const double raw = encoding.type == ValueType::kFloat32
-                             ? static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(*bits)))
-                             : std::bit_cast<double>(*bits);
+      const double raw =
+          encoding.type == ValueType::kFloat32
+              ? static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bits)))
+              : std::bit_cast<double>(bits);
       if (!std::isfinite(raw)) return tl::unexpected(Cause::kRange);
       return finish(encoding, raw);
     }
+    case ValueType::kBcd8:
     case ValueType::kBcd16:
     case ValueType::kBcd32: {
-      const auto number = from_bcd(*bits, width_bits(encoding));
+      const auto number = from_bcd(bits, width_bits(encoding));
       if (!number) return tl::unexpected(number.error());
       return finish(encoding, *number);
     }

@@ -1,4 +1,5 @@
-// Values to items (value_codec.hpp). Every narrowing is checked: what does not fit is kRange, what is of another kind kWrongType.
+// Values to items (value_codec.hpp). Every narrowing is checked: what does not fit is kRange, what
+// is of another kind kWrongType.
 #include <bit>
 #include <cmath>
 #include <cstdlib>
@@ -19,12 +20,15 @@ struct RawLimits {
 
 RawLimits limits_of(ValueType type) {
   switch (type) {
+    case ValueType::kInt8: return {INT8_MIN, INT8_MAX};
     case ValueType::kInt16: return {INT16_MIN, INT16_MAX};
     case ValueType::kInt32: return {INT32_MIN, INT32_MAX};
     case ValueType::kInt64: return {INT64_MIN, INT64_MAX};
+    case ValueType::kUint8: return {0, UINT8_MAX};
     case ValueType::kUint16: return {0, UINT16_MAX};
     case ValueType::kUint32: return {0, UINT32_MAX};
     case ValueType::kUint64: return {0, UINT64_MAX};
+    case ValueType::kBcd8: return {0, 99};
     case ValueType::kBcd16: return {0, 9'999};
     case ValueType::kBcd32: return {0, 99'999'999};
     default: std::abort();
@@ -42,7 +46,8 @@ using Bits = tl::expected<std::uint64_t, Cause>;
 Bits checked(ValueType type, std::int64_t number) {
   const RawLimits limits = limits_of(type);
   if (number < limits.lowest) return tl::unexpected(Cause::kRange);
-  if (number > 0 && static_cast<std::uint64_t>(number) > limits.highest) return tl::unexpected(Cause::kRange);
+  if (number > 0 && static_cast<std::uint64_t>(number) > limits.highest)
+    return tl::unexpected(Cause::kRange);
   return static_cast<std::uint64_t>(number);
 }
 Bits checked(ValueType type, std::uint64_t number) {
@@ -53,7 +58,8 @@ Bits checked(ValueType type, std::uint64_t number) {
 Bits checked(ValueType type, double number) {
   constexpr double kTwo63 = 9223372036854775808.0;
   if (number >= -kTwo63 && number < kTwo63) return checked(type, static_cast<std::int64_t>(number));
-  if (number >= kTwo63 && number < 2 * kTwo63) return checked(type, static_cast<std::uint64_t>(number));
+  if (number >= kTwo63 && number < 2 * kTwo63)
+    return checked(type, static_cast<std::uint64_t>(number));
   return tl::unexpected(Cause::kRange);
 }
 
@@ -80,9 +86,10 @@ Bits float_bits(const Encoding& encoding, const Value& value) {
     if (!std::isfinite(raw)) return tl::unexpected(Cause::kRange);
     return std::bit_cast<std::uint64_t>(raw);
   }
-  // A double that rounds up past the largest float becomes infinite: the comparison comes before the conversion, which would be
-  // undefined out of range.
-  if (!(std::abs(raw) <= static_cast<double>(std::numeric_limits<float>::max()))) return tl::unexpected(Cause::kRange);
+  // A double that rounds up past the largest float becomes infinite: the comparison comes before
+  // the conversion, which would be undefined out of range.
+  if (!(std::abs(raw) <= static_cast<double>(std::numeric_limits<float>::max())))
+    return tl::unexpected(Cause::kRange);
   return std::bit_cast<std::uint32_t>(static_cast<float>(raw));
 }
 
@@ -117,7 +124,8 @@ tl::expected<bool, Cause> truth_of(const Value& value) {
   return *number == 1.0;
 }
 
-tl::expected<Bytes, Cause> encode_bool(const Encoding& encoding, unsigned item_bits, const Value& value) {
+tl::expected<Bytes, Cause> encode_bool(const Encoding& encoding, unsigned item_bits,
+                                       const Value& value) {
   const auto on = truth_of(value);
   if (!on) return tl::unexpected(on.error());
   const unsigned bit = encoding.bit.value_or(0);
@@ -127,20 +135,46 @@ tl::expected<Bytes, Cause> encode_bool(const Encoding& encoding, unsigned item_b
   return item;
 }
 
-tl::expected<Bytes, Cause> encode_string(const Encoding& encoding, unsigned item_bits, const Value& value) {
-  const auto* text = std::get_if<std::string>(&value);
-  if (text == nullptr) return tl::unexpected(Cause::kWrongType);
-  if (text->size() > encoding.string_bytes) return tl::unexpected(Cause::kRange);
-  return items_of_string(encoding, item_bits, {reinterpret_cast<const std::uint8_t*>(text->data()), text->size()});
+tl::expected<Bytes, Cause> encode_string(const Encoding& encoding, unsigned item_bits,
+                                         const Value& value, TextCodec& codec) {
+  const auto* said = std::get_if<std::string>(&value);
+  if (said == nullptr) return tl::unexpected(Cause::kWrongType);
+  const auto text = codec.from_utf8(encoding.charset, *said);
+  if (!text || text->size() > encoding.string_bytes) return tl::unexpected(Cause::kRange);
+  return items_of_string(encoding, item_bits,
+                         {reinterpret_cast<const std::uint8_t*>(text->data()), text->size()});
+}
+
+tl::expected<Bytes, Cause> encode_text_number(const Encoding& encoding, unsigned item_bits,
+                                              std::uint64_t bits) {
+  tl::expected<std::string, Cause> text;
+  if (encoding.text_number.kind == TextNumber::Kind::kHex) {
+    const unsigned width = width_bits(Encoding{encoding.type});
+    text = write_hex(encoding.string_bytes, bits & UINT64_MAX >> (64 - width));
+  } else {
+    const auto raw = value_of_bits(Encoding{encoding.type}, bits);
+    if (!raw) return tl::unexpected(raw.error());
+    text = write_decimal(encoding.text_number, encoding.string_bytes, *raw,
+                         encoding.type == ValueType::kFloat32);
+  }
+  if (!text) return tl::unexpected(text.error());
+  return items_of_string(encoding, item_bits,
+                         {reinterpret_cast<const std::uint8_t*>(text->data()), text->size()});
 }
 
 }  // namespace
 
-tl::expected<Bytes, Cause> encode_value(const Encoding& encoding, unsigned item_bits, const Value& value) {
+tl::expected<std::uint64_t, Cause> bits_of_value(const Encoding& encoding, const Value& value) {
+  return is_float(encoding.type) ? float_bits(encoding, value) : integer_bits(encoding, value);
+}
+
+tl::expected<Bytes, Cause> encode_value(const Encoding& encoding, unsigned item_bits,
+                                        const Value& value, TextCodec& codec) {
   if (encoding.type == ValueType::kBool) return encode_bool(encoding, item_bits, value);
-  if (encoding.type == ValueType::kString) return encode_string(encoding, item_bits, value);
-  const Bits bits = is_float(encoding.type) ? float_bits(encoding, value) : integer_bits(encoding, value);
+  if (encoding.type == ValueType::kString) return encode_string(encoding, item_bits, value, codec);
+  const Bits bits = bits_of_value(encoding, value);
   if (!bits) return tl::unexpected(bits.error());
+  if (encoding.text_number) return encode_text_number(encoding, item_bits, *bits);
   return spread_bits(encoding, item_bits, *bits);
 }
 

@@ -16,7 +16,8 @@ constexpr unsigned width_of(std::size_t k) {
 // Bits, most significant first, into a span that may turn out too short.
 class BitWriter {
  public:
-  explicit BitWriter(std::span<std::uint8_t> out) : at_(out.data()), begin_(out.data()), end_(out.data() + out.size()) {}
+  explicit BitWriter(std::span<std::uint8_t> out)
+      : at_(out.data()), begin_(out.data()), end_(out.data() + out.size()) {}
 
   // False: no room. At most 7 bits wait between two calls, so that nothing is lost from 32.
   bool put(unsigned code, unsigned width) {
@@ -55,7 +56,9 @@ class BitReader {
     return waiting_ >> count_ & ((1u << width) - 1);
   }
   // All bytes are used up, and what is left of the last is zero.
-  [[nodiscard]] bool at_filled_end() const { return at_ == bytes_.size() && (waiting_ & ((1u << count_) - 1)) == 0; }
+  [[nodiscard]] bool at_filled_end() const {
+    return at_ == bytes_.size() && (waiting_ & ((1u << count_) - 1)) == 0;
+  }
 
  private:
   ByteView bytes_;
@@ -87,7 +90,8 @@ std::optional<std::size_t> LzwEncoder::encode(ByteView original, std::span<std::
     if (next == kLzwEntries) return room;
     child = static_cast<std::uint16_t>(next);
     children[next].fill(0);
-    width = static_cast<unsigned>(std::bit_width(next));  // the next code may be the entry made here
+    width =
+        static_cast<unsigned>(std::bit_width(next));  // the next code may be the entry made here
     ++next;
     return room;
   };
@@ -101,8 +105,9 @@ std::optional<std::size_t> LzwEncoder::encode(ByteView original, std::span<std::
 
 tl::expected<void, LzwFault> lzw_decode(ByteView codes, std::size_t length, Bytes& out) {
   if (length > kLzwMaxOriginal) return tl::unexpected(LzwFault::kTooLong);
-  std::array<std::uint8_t, 2 * kLzwMaxOriginal> nibbles;  // left uninitialised: only what was written is read
-  std::array<std::uint16_t, kLzwEntries> start, size;     // where an entry's string stands in them
+  std::array<std::uint8_t, 2 * kLzwMaxOriginal>
+      nibbles;  // left uninitialised: only what was written is read
+  std::array<std::uint16_t, kLzwEntries> start, size;  // where an entry's string stands in them
   const std::size_t wanted = 2 * length;
   std::size_t filled = 0, last_start = 0, last_size = 0;
   BitReader reader(codes);
@@ -124,13 +129,15 @@ tl::expected<void, LzwFault> lzw_decode(ByteView codes, std::size_t length, Byte
     if (*code > defined) return tl::unexpected(LzwFault::kCode);
     last_size = size[*code];
     if (last_size > wanted - filled) return tl::unexpected(LzwFault::kOverrun);
-    // Forwards, one by one: the entry just being defined ends with its own first nibble, which this loop writes first.
+    // Forwards, one by one: the entry just being defined ends with its own first nibble, which this
+    // loop writes first.
     for (std::size_t i = 0; i < last_size; ++i) nibbles[filled + i] = nibbles[start[*code] + i];
     filled += last_size;
   }
   if (!reader.at_filled_end()) return tl::unexpected(LzwFault::kTail);
   out.reserve(out.size() + length);
-  for (std::size_t i = 0; i < wanted; i += 2) out.push_back(static_cast<std::uint8_t>(nibbles[i] << 4 | nibbles[i + 1]));
+  for (std::size_t i = 0; i < wanted; i += 2)
+    out.push_back(static_cast<std::uint8_t>(nibbles[i] << 4 | nibbles[i + 1]));
   return {};
 }
 

@@ -1,13 +1,14 @@
 // LZW over nibbles: the compression of DTC packets.
 //
 //     input       nibbles of the bytes, the high one first
-//     dictionary  0..15 the single nibbles; after each code string + next nibble under the next number, to 4096 entries; then it
-//     stays code k      bit_width(min(15 + k, 4095)) bits, most significant first (k counts from 0); the last byte is filled with
-//     zeros
+//     dictionary  0..15 the single nibbles; after each code string + next nibble under the next
+//     number, to 4096 entries; then it stays code k      bit_width(min(15 + k, 4095)) bits, most
+//     significant first (k counts from 0); the last byte is filled with zeros
 //
-// The encoder's dictionary is a trie in one flat array, sixteen children for each string; a node is cleared when it is made, so
-// that a call costs what its input is long and nothing is allocated. The decoder needs no strings at all: each entry already
-// stands in the output, where its predecessor was written, one nibble longer.
+// The encoder's dictionary is a trie in one flat array, sixteen children for each string; a node is
+// cleared when it is made, so that a call costs what its input is long and nothing is allocated.
+// The decoder needs no strings at all: each entry already stands in the output, where its
+// predecessor was written, one nibble longer.
 #pragma once
 
 #include <array>
@@ -31,12 +32,13 @@ class LzwEncoder {
  public:
   LzwEncoder() : children_(std::make_unique_for_overwrite<Trie>()) {}
 
-  // Writes the codes of `original`, of any length, to the beginning of `out`: the number of bytes, or nothing when they need more
-  // than `out` has (give as much as is worth it). Allocates nothing.
+  // Writes the codes of `original`, of any length, to the beginning of `out`: the number of bytes,
+  // or nothing when they need more than `out` has (give as much as is worth it). Allocates nothing.
   [[nodiscard]] std::optional<std::size_t> encode(ByteView original, std::span<std::uint8_t> out);
 
  private:
-  using Trie = std::array<std::array<std::uint16_t, 16>, kLzwEntries>;  // 0: no such child (code 0 is nobody's child)
+  using Trie = std::array<std::array<std::uint16_t, 16>,
+                          kLzwEntries>;  // 0: no such child (code 0 is nobody's child)
   std::unique_ptr<Trie> children_;
 };
 
@@ -49,8 +51,9 @@ enum class LzwFault : std::uint8_t {
 };
 [[nodiscard]] std::string_view to_text(LzwFault fault);
 
-// Appends the original of exactly `length` bytes to `out`; on a fault `out` is as before. Time and memory are bounded by
-// `length`, whatever the codes say.
-[[nodiscard]] tl::expected<void, LzwFault> lzw_decode(ByteView codes, std::size_t length, Bytes& out);
+// Appends the original of exactly `length` bytes to `out`; on a fault `out` is as before. Time and
+// memory are bounded by `length`, whatever the codes say.
+[[nodiscard]] tl::expected<void, LzwFault> lzw_decode(ByteView codes, std::size_t length,
+                                                      Bytes& out);
 
 }  // namespace fieldcast

@@ -15,8 +15,10 @@ std::uint64_t from_bit_items(ByteView items, std::size_t count) {
   return bits;
 }
 
-// Brings the value's bytes from the channel's order to big-endian, and back: each half is its own inverse, and they commute.
+// Brings the value's bytes from the channel's order to big-endian, and back: each half is its own
+// inverse, and they commute.
 void reorder(const Encoding& encoding, std::span<std::uint8_t> bytes) {
+  if (bytes.size() < 2) return;
   if (encoding.word_order == WordOrder::kLittleEndian) {
     for (std::size_t low = 0, high = bytes.size() - 2; low < high; low += 2, high -= 2) {
       std::swap(bytes[low], bytes[high]);
@@ -40,13 +42,16 @@ std::uint8_t filler(const Encoding& encoding, std::uint64_t bits) {
 
 }  // namespace
 
-tl::expected<std::uint64_t, Cause> gather_bits(const Encoding& encoding, unsigned item_bits, ByteView items) {
+tl::expected<std::uint64_t, Cause> gather_bits(const Encoding& encoding, unsigned item_bits,
+                                               ByteView items) {
   const std::uint32_t count = item_count(encoding, item_bits);
-  if (items.size() < (item_bits <= 8 ? count : count * (item_bits / 8))) std::abort();  // REQUIRES of decode_value
+  if (items.size() < (item_bits <= 8 ? count : count * (item_bits / 8)))
+    std::abort();  // REQUIRES of decode_value
   if (item_bits == 1) return from_bit_items(items, count);
 
   const std::size_t width = width_bits(encoding) / 8;
   const std::size_t image = count * (item_bits / 8);
+  if (is_part(encoding, item_bits)) return items[image - 1 - *encoding.bit / 8];
   const std::size_t spare = image - width;  // only where one item is wider than the value
   std::uint8_t bytes[kMaxBytes];
   std::copy_n(items.begin() + static_cast<std::ptrdiff_t>(spare), width, bytes);
@@ -68,9 +73,15 @@ Bytes spread_bits(const Encoding& encoding, unsigned item_bits, std::uint64_t bi
     return items;
   }
   const std::size_t width = width_bits(encoding) / 8;
+  if (is_part(encoding, item_bits)) {
+    Bytes item(item_bits / 8, 0);
+    item[item.size() - 1 - *encoding.bit / 8] = static_cast<std::uint8_t>(bits);
+    return item;
+  }
   Bytes items(count * (item_bits / 8), filler(encoding, bits));
   const std::span<std::uint8_t> value = std::span{items}.last(width);
-  for (std::size_t i = 0; i < width; ++i) value[i] = static_cast<std::uint8_t>(bits >> (8 * (width - 1 - i)));
+  for (std::size_t i = 0; i < width; ++i)
+    value[i] = static_cast<std::uint8_t>(bits >> (8 * (width - 1 - i)));
   reorder(encoding, value);
   return items;
 }
@@ -99,7 +110,8 @@ Bytes items_of_string(const Encoding& encoding, unsigned item_bits, ByteView tex
   Bytes items;
   items.reserve(count);
   for (const std::uint8_t byte : bytes) {
-    for (unsigned bit = 0; bit < 8; ++bit) items.push_back(static_cast<std::uint8_t>(byte >> bit & 1u));
+    for (unsigned bit = 0; bit < 8; ++bit)
+      items.push_back(static_cast<std::uint8_t>(byte >> bit & 1u));
   }
   return items;
 }

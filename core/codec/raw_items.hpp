@@ -1,5 +1,5 @@
-// The step between items and numbers: a value's bits out of its items in the channel's word and byte order, and back.
-// Used by the two halves of value_codec alone.
+// The step between items and numbers: a value's bits out of its items in the channel's word and
+// byte order, and back. Used by the two halves of value_codec alone.
 #pragma once
 
 #include <cstdint>
@@ -11,20 +11,32 @@
 
 namespace fieldcast {
 
-// The bits of a numeric value, right-aligned. kRange: an item wider than the value holds more than the value's type can.
-[[nodiscard]] tl::expected<std::uint64_t, Cause> gather_bits(const Encoding& encoding, unsigned item_bits, ByteView items);
+// The bits of a numeric value, right-aligned. kRange: an item wider than the value holds more than
+// the value's type can. With Encoding::bit the item holds more than the value, and only its byte
+// counts.
+[[nodiscard]] tl::expected<std::uint64_t, Cause> gather_bits(const Encoding& encoding,
+                                                             unsigned item_bits, ByteView items);
 
 // The reverse; items wider than the value are filled with its sign (signed types) or zeros.
 [[nodiscard]] Bytes spread_bits(const Encoding& encoding, unsigned item_bits, std::uint64_t bits);
 
-// The characters of a string in reading order: bytes of each word swapped where the channel says so. Word order does not apply.
+// The raw number of a value, its scale undone, as the bits of its type; and back.
+[[nodiscard]] tl::expected<std::uint64_t, Cause> bits_of_value(const Encoding& encoding,
+                                                               const Value& value);
+[[nodiscard]] tl::expected<Value, Cause> value_of_bits(const Encoding& encoding,
+                                                       std::uint64_t bits);
+
+// The characters of a string in reading order: bytes of each word swapped where the channel says
+// so. Word order does not apply.
 [[nodiscard]] Bytes string_bytes_of(const Encoding& encoding, unsigned item_bits, ByteView items);
 [[nodiscard]] Bytes items_of_string(const Encoding& encoding, unsigned item_bits, ByteView text);
 
 [[nodiscard]] constexpr bool is_signed(ValueType type) {
-  return type == ValueType::kInt16 || type == ValueType::kInt32 || type == ValueType::kInt64;
+  return type == ValueType::kInt8 || type == ValueType::kInt16 || type == ValueType::kInt32 ||
+         type == ValueType::kInt64;
 }
-[[nodiscard]] constexpr bool is_float(ValueType type) { return type == ValueType::kFloat32 || type == ValueType::kFloat64; }
-[[nodiscard]] constexpr bool is_bcd(ValueType type) { return type == ValueType::kBcd16 || type == ValueType::kBcd32; }
+[[nodiscard]] constexpr bool is_float(ValueType type) {
+  return type == ValueType::kFloat32 || type == ValueType::kFloat64;
+}
 
 }  // namespace fieldcast

@@ -1,18 +1,22 @@
-// Channel values from raw items and back: types, word and byte order, bit of a word, scale and offset.
-// Nothing wraps around: what does not fit is a fault. Pure functions.
+// Channel values from raw items and back: types, word and byte order, bit of a word, scale and
+// offset. Nothing wraps around: what does not fit is a fault. Pure functions.
 //
-// Raw items are the protocol's items in its canonical image (protocol.hpp): bit items one byte each (0 or 1), 8-bit items one
-// byte, wider items big-endian.
+// Raw items are the protocol's items in its canonical image (protocol.hpp): bit items one byte each
+// (0 or 1), 8-bit items one byte, wider items big-endian.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <string>
 #include <string_view>
 #include <tl/expected.hpp>
 
 #include "core/base/bytes.hpp"
 #include "core/base/cause.hpp"
 #include "core/base/value.hpp"
+#include "core/codec/text_codec.hpp"
+#include "core/codec/text_number.hpp"
 
 namespace fieldcast {
 
@@ -28,10 +32,17 @@ enum class ValueType : std::uint8_t {
   kFloat64,
   kBcd16,
   kBcd32,
-  kString
+  kString,
+  kInt8,
+  kUint8,
+  kBcd8
 };
-[[nodiscard]] std::string_view to_text(ValueType type);                         // "bool", "int16", ... "bcd32", "string"
-[[nodiscard]] std::optional<ValueType> value_type_from(std::string_view text);  // without the (n) of a string
+[[nodiscard]] std::string_view to_text(ValueType type);  // "bool", "int8", ... "bcd32", "string"
+[[nodiscard]] constexpr bool is_bcd(ValueType type) {
+  return type == ValueType::kBcd8 || type == ValueType::kBcd16 || type == ValueType::kBcd32;
+}
+[[nodiscard]] std::optional<ValueType> value_type_from(
+    std::string_view text);  // without the (n) of a string
 
 enum class WordOrder : std::uint8_t {
   kBigEndian,
@@ -39,38 +50,69 @@ enum class WordOrder : std::uint8_t {
 };  // of the 16-bit words of a wider value: high word first, or low word first
 enum class ByteOrder : std::uint8_t { kBigEndian, kLittleEndian };  // of the two bytes of each word
 
+// Every type but string(n), in the order in which people are told of them.
+[[nodiscard]] std::span<const ValueType> plain_types();
+// "bool, int8, .. bcd32, string(1) to string(250)": what is allowed, for faults.
+[[nodiscard]] std::string allowed_types();
+inline constexpr std::uint16_t kMaxStringBytes =
+    250;  // what one Modbus read carries: 125 registers
+
 // How a channel's value lies in its items.
 struct Encoding {
   ValueType type = ValueType::kUint16;
-  std::uint16_t string_bytes = 0;  // for kString: n of string(n), 1..250
+  // For kString: n of string(n), 1..kMaxStringBytes; for a number as text: its characters.
+  std::uint16_t string_bytes = 0;
   WordOrder word_order = WordOrder::kBigEndian;
   ByteOrder byte_order = ByteOrder::kBigEndian;
-  std::optional<std::uint8_t> bit;  // for kBool inside an item wider than a bit: 0 is the least significant
-  double scale = 1.0;               // value = raw * scale + offset; anything but 1 and 0 makes the value a double
+  // Inside an item wider than the value: of a bool its bit, of an 8-bit type the lowest of its
+  // eight bits (a multiple of 8). 0 is the least significant.
+  std::optional<std::uint8_t> bit;
+  double scale =
+      1.0;  // value = raw * scale + offset; anything but 1 and 0 makes the value a double
   double offset = 0.0;
+  TextNumber text_number = {};       // a number that stands as text; not for bool, BCD and kString
+  Charset charset = Charset::kUtf8;  // of kString
+  [[nodiscard]] bool is_text() const { return type == ValueType::kString || text_number; }
   [[nodiscard]] bool scaled() const { return scale != 1.0 || offset != 0.0; }
   friend bool operator==(const Encoding&, const Encoding&) = default;
 };
 
-// Bits of the type on the wire: 16 for int16, 8 * n for string(n), 1 for bool.
+[[nodiscard]] std::string to_text(const Encoding& encoding);  // "float32", "string(16)"
+
+// Bits of the value on the wire: 16 for int16, 8 * n for string(n) and for a number as text of n
+// characters, 1 for bool.
 [[nodiscard]] unsigned width_bits(const Encoding& encoding);
 
 // Items of item_bits each that hold one value. A bool is one item; int32 in 16-bit items is two.
 [[nodiscard]] std::uint32_t item_count(const Encoding& encoding, unsigned item_bits);
 
-// The value, or kRange: a NaN or infinite float, a BCD digit above 9, a scaled value that is not finite.
-// REQUIRES: items holds item_count() items of item_bits.
-[[nodiscard]] tl::expected<Value, Cause> decode_value(const Encoding& encoding, unsigned item_bits, ByteView items);
+// The value, or kRange: a NaN or infinite float, a BCD digit above 9, a scaled value that is not
+// finite, a text that spells no number of the type. REQUIRES: items holds item_count() items of
+// item_bits.
+// A string comes as printable UTF-8, by the codec.
+[[nodiscard]] tl::expected<Value, Cause> decode_value(const Encoding& encoding, unsigned item_bits,
+                                                      ByteView items,
+                                                      TextCodec& codec = plain_text_codec());
 
-// The items of a value. kWrongType: a text for a number, a fraction for an unscaled integer, a string for a bool;
-// kRange: does not fit the type after the scale is undone (rounded to nearest), string too long.
-// For a bool with `bit`, `items` comes back as the mask of that bit, all ones or all zeros under it: see merge_bit().
-[[nodiscard]] tl::expected<Bytes, Cause> encode_value(const Encoding& encoding, unsigned item_bits, const Value& value);
+// The items of a value. kWrongType: a text for a number, a fraction for an unscaled integer, a
+// string for a bool; kRange: does not fit the type after the scale is undone (rounded to nearest),
+// string too long, a number that its text has no room for. With `bit` the item holds zeros beside
+// that bit, or that byte: see merge_bits(). kRange too for a text that the
+// channel's character set does not have.
+[[nodiscard]] tl::expected<Bytes, Cause> encode_value(const Encoding& encoding, unsigned item_bits,
+                                                      const Value& value,
+                                                      TextCodec& codec = plain_text_codec());
+
+// A bool or a byte inside an item that is wider: it is read with the whole item, and written
+// without touching the rest of it.
+[[nodiscard]] bool is_part(const Encoding& encoding, unsigned item_bits);
 
 // Puts bit `bit` of one item of item_bits to `on` in its canonical image.
 void merge_bit(Bytes& item, unsigned bit, bool on);
 
-// A text as people type it, in the form that the channel's type wants: "true", "on", "1", "-12", "0x1F", "2.5".
-[[nodiscard]] tl::expected<Value, Cause> parse_value(const Encoding& encoding, std::string_view text);
+// A text as people type it, in the form that the channel's type wants: "true", "on", "1", "-12",
+// "0x1F", "2.5".
+[[nodiscard]] tl::expected<Value, Cause> parse_value(const Encoding& encoding,
+                                                     std::string_view text);
 
 }  // namespace fieldcast

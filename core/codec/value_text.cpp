@@ -23,7 +23,15 @@ constexpr std::array kTypes{
     TypeRow{ValueType::kUint64, "uint64", 64},   TypeRow{ValueType::kFloat32, "float32", 32},
     TypeRow{ValueType::kFloat64, "float64", 64}, TypeRow{ValueType::kBcd16, "bcd16", 16},
     TypeRow{ValueType::kBcd32, "bcd32", 32},     TypeRow{ValueType::kString, "string", 0},
+    TypeRow{ValueType::kInt8, "int8", 8},        TypeRow{ValueType::kUint8, "uint8", 8},
+    TypeRow{ValueType::kBcd8, "bcd8", 8},
 };
+constexpr std::array kPlainTypes{ValueType::kBool,    ValueType::kInt8,    ValueType::kUint8,
+                                 ValueType::kInt16,   ValueType::kUint16,  ValueType::kInt32,
+                                 ValueType::kUint32,  ValueType::kInt64,   ValueType::kUint64,
+                                 ValueType::kFloat32, ValueType::kFloat64, ValueType::kBcd8,
+                                 ValueType::kBcd16,   ValueType::kBcd32};
+static_assert(kPlainTypes.size() + 1 == kTypes.size());  // and string(n)
 static_assert([] {
   for (std::size_t i = 0; i < kTypes.size(); ++i) {
     if (kTypes[i].type != static_cast<ValueType>(i)) return false;
@@ -60,7 +68,8 @@ Parsed parse_bool(std::string_view text) {
 Parsed parse_number(std::string_view text) {
   const bool negative = text.starts_with('-');
   if (negative || text.starts_with('+')) text.remove_prefix(1);
-  if (text.empty() || text.front() == '-' || text.front() == '+') return tl::unexpected(Cause::kWrongType);
+  if (text.empty() || text.front() == '-' || text.front() == '+')
+    return tl::unexpected(Cause::kWrongType);
   const bool hex = text.starts_with("0x") || text.starts_with("0X");
   const char* const first = text.data() + (hex ? 2 : 0);
   const char* const last = text.data() + text.size();
@@ -69,9 +78,12 @@ Parsed parse_number(std::string_view text) {
   const auto whole = std::from_chars(first, last, magnitude, hex ? 16 : 10);
   if (whole.ptr == last && first != last) {
     constexpr std::uint64_t kTwo63 = std::uint64_t{1} << 63;
-    if (whole.ec != std::errc{} || (negative && magnitude > kTwo63)) return tl::unexpected(Cause::kRange);
-    if (!negative) return magnitude < kTwo63 ? Value{static_cast<std::int64_t>(magnitude)} : Value{magnitude};
-    return Value{magnitude == kTwo63 ? std::numeric_limits<std::int64_t>::min() : -static_cast<std::int64_t>(magnitude)};
+    if (whole.ec != std::errc{} || (negative && magnitude > kTwo63))
+      return tl::unexpected(Cause::kRange);
+    if (!negative)
+      return magnitude < kTwo63 ? Value{static_cast<std::int64_t>(magnitude)} : Value{magnitude};
+    return Value{magnitude == kTwo63 ? std::numeric_limits<std::int64_t>::min()
+                                     : -static_cast<std::int64_t>(magnitude)};
   }
   double number = 0;
   const auto real = std::from_chars(first, last, number);
@@ -91,7 +103,8 @@ Parsed as_integer(ValueType type, const Value& value) {
     if (*d != std::trunc(*d)) return tl::unexpected(Cause::kWrongType);
     constexpr double kTwo63 = 9223372036854775808.0;
     if (*d >= -kTwo63 && *d < kTwo63) return as_integer(type, Value{static_cast<std::int64_t>(*d)});
-    if (*d >= kTwo63 && *d < 2 * kTwo63) return as_integer(type, Value{static_cast<std::uint64_t>(*d)});
+    if (*d >= kTwo63 && *d < 2 * kTwo63)
+      return as_integer(type, Value{static_cast<std::uint64_t>(*d)});
     return tl::unexpected(Cause::kRange);
   }
   if (const auto* i = std::get_if<std::int64_t>(&value)) {
@@ -108,13 +121,33 @@ Parsed as_integer(ValueType type, const Value& value) {
 std::string_view to_text(ValueType type) { return kTypes[static_cast<std::size_t>(type)].name; }
 
 std::optional<ValueType> value_type_from(std::string_view text) {
-  const auto row = std::find_if(kTypes.begin(), kTypes.end(), [&](const TypeRow& candidate) { return candidate.name == text; });
+  const auto row = std::find_if(kTypes.begin(), kTypes.end(),
+                                [&](const TypeRow& candidate) { return candidate.name == text; });
   if (row == kTypes.end()) return std::nullopt;
   return row->type;
 }
 
+std::span<const ValueType> plain_types() { return kPlainTypes; }
+
+std::string allowed_types() {
+  std::string text;
+  for (const ValueType type : kPlainTypes) text += std::string(to_text(type)) + ", ";
+  return text + "string(1) to string(" + std::to_string(kMaxStringBytes) + ')';
+}
+
+std::string to_text(const Encoding& encoding) {
+  std::string text(to_text(encoding.type));
+  if (encoding.type == ValueType::kString)
+    text += '(' + std::to_string(encoding.string_bytes) + ')';
+  return text;
+}
+
+bool is_part(const Encoding& encoding, unsigned item_bits) {
+  return encoding.bit && item_bits > width_bits(encoding) && width_bits(encoding) <= 8;
+}
+
 unsigned width_bits(const Encoding& encoding) {
-  if (encoding.type == ValueType::kString) return encoding.string_bytes * 8u;
+  if (encoding.is_text()) return encoding.string_bytes * 8u;
   return kTypes[static_cast<std::size_t>(encoding.type)].width;
 }
 

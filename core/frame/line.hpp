@@ -1,4 +1,5 @@
-// The serial line as the cost model sees it: characters, their duration, and the silences between frames.
+// The serial line as the cost model sees it: characters, their duration, and the silences between
+// frames.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +28,8 @@ struct LineFormat {
 };
 
 // The silence a master keeps between the end of an answer and its next request.
-struct StandardSilence {  // 3.5 characters of 11 bits up to 19200 baud, 1.750 ms above (Modbus over Serial Line V1.02, 2.5.1.1)
+struct StandardSilence {  // 3.5 characters of 11 bits up to 19200 baud, 1.750 ms above (Modbus over
+                          // Serial Line V1.02, 2.5.1.1)
   friend bool operator==(StandardSilence, StandardSilence) = default;
 };
 struct CharacterSilence {

@@ -13,22 +13,31 @@
 
 namespace fieldcast {
 
+// Values that one command to an address may read or write.
+inline constexpr std::uint32_t kMaxRawValues = 1000;
+
 enum class Operation : std::uint8_t { kWrite, kAcquire };
 
-struct ChannelTarget { std::string name; };       // empty with kAcquire: every channel of the device
-struct AddressTarget { std::string at; Encoding encoding; };  // the PLC's own notation; needs allow: raw-read / raw-write
+struct ChannelTarget {
+  std::string name;
+};  // empty with kAcquire: every channel of the device
+struct AddressTarget {
+  std::string at;
+  Encoding encoding;  // big-endian orders stand for the family's own
+};                    // the PLC's own notation; needs allow: raw-read / raw-write
 using Target = std::variant<ChannelTarget, AddressTarget>;
 
 struct Command {
-  std::string requester;       // with request_id the key: one result for each pair
+  std::string requester;  // with request_id the key: one result for each pair
   std::uint64_t request_id = 0;
   std::string device;
   Target target;
   Operation operation = Operation::kWrite;
-  std::vector<Value> values;   // kWrite: one, or for an address one for each of `count`
-  std::uint32_t count = 1;     // kAcquire of an address: how many values
-  bool verify = false;         // read back after the write
-  Instant expires = kNever;    // never runs after this
+  std::vector<Value> values;  // kWrite: one, or for an address one for each of `count`
+  std::uint32_t count = 1;    // kAcquire of an address: how many values of the type, one behind
+                              // the other; of a bit the bits from there on
+  bool verify = false;        // read back after the write
+  Instant expires = kNever;   // never runs after this
 };
 
 enum class CommandState : std::uint8_t { kDone, kVerified, kRejected, kFailed, kExpired };
@@ -40,9 +49,10 @@ struct CommandResult {
   CommandState state = CommandState::kFailed;
   Cause cause = Cause::kNone;
   std::uint16_t device_code = 0;
-  std::string reason;          // one line for people; empty when done
-  std::vector<Value> values;   // acquired or read back
-  Instant received{}, started{}, completed{};  // started == completed == received when nothing reached the wire
+  std::string reason;         // one line for people; empty when done
+  std::vector<Value> values;  // acquired or read back
+  Instant received{}, started{},
+      completed{};  // started == completed == received when nothing reached the wire
 };
 
 }  // namespace fieldcast

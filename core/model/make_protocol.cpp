@@ -2,7 +2,8 @@
 
 namespace fieldcast {
 
-tl::expected<std::unique_ptr<Protocol>, OptionFault> make_protocol(const DeviceSpec& device, const LineFormat& line) {
+tl::expected<std::unique_ptr<Protocol>, OptionFault> make_protocol(const DeviceSpec& device,
+                                                                   const LineFormat& line) {
   DeviceLink link = device.link;
   link.line = line;
   if (device.declaration) return declared::make(device.declaration.value, link);

@@ -32,18 +32,22 @@ tl::expected<Pattern, std::string> Pattern::parse(std::string_view text) {
   std::string_view rest = text;
   for (std::size_t i = 0;; ++i) {
     if (i == pattern.segments_.size()) {
-      return tl::unexpected("pattern '" + std::string(text) + "' has more than three segments; write bus/device/channel");
+      return tl::unexpected("pattern '" + std::string(text) +
+                            "' has more than three segments; write bus/device/channel");
     }
     const auto slash = rest.find('/');
     const auto segment = rest.substr(0, slash);
-    if (segment.empty()) return tl::unexpected("pattern '" + std::string(text) + "' has an empty segment; write * for any");
+    if (segment.empty())
+      return tl::unexpected("pattern '" + std::string(text) +
+                            "' has an empty segment; write * for any");
     pattern.segments_[i] = segment;
     if (slash == std::string_view::npos) return pattern;
     rest.remove_prefix(slash + 1);
   }
 }
 
-bool Pattern::matches(std::string_view bus, std::string_view device, std::string_view channel) const {
+bool Pattern::matches(std::string_view bus, std::string_view device,
+                      std::string_view channel) const {
   return matches(bus, device) && glob_matches(segments_[2], channel);
 }
 

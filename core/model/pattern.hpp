@@ -1,5 +1,6 @@
-// PATTERN of interests and of the command line: bus/device/channel, each with `*` for any run of characters. A shorter pattern matches everything
-// below it: "press-shop" is "press-shop/*/*". Plain value.
+// PATTERN of interests and of the command line: bus/device/channel, each with `*` for any run of
+// characters. A shorter pattern matches everything below it: "press-shop" is "press-shop/*/*".
+// Plain value.
 #pragma once
 
 #include <array>
@@ -9,7 +10,8 @@
 
 namespace fieldcast {
 
-// One segment: `*` stands for any run of characters, everything else for itself. Linear in text times stars, never exponential.
+// One segment: `*` stands for any run of characters, everything else for itself. Linear in text
+// times stars, never exponential.
 [[nodiscard]] bool glob_matches(std::string_view glob, std::string_view text);
 
 class Pattern {
@@ -19,7 +21,8 @@ class Pattern {
   // The fault is a line for people: too many segments, or an empty one.
   [[nodiscard]] static tl::expected<Pattern, std::string> parse(std::string_view text);
 
-  [[nodiscard]] bool matches(std::string_view bus, std::string_view device, std::string_view channel) const;
+  [[nodiscard]] bool matches(std::string_view bus, std::string_view device,
+                             std::string_view channel) const;
   [[nodiscard]] bool matches(std::string_view bus, std::string_view device) const;
   [[nodiscard]] bool matches(std::string_view bus) const;
 

@@ -1,5 +1,5 @@
-// One value of a channel as it leaves the engine. Channels are numbered within their bus: devices in the order of the spec, and the
-// channels of a device in theirs.
+// One value of a channel as it leaves the engine. Channels are numbered within their bus: devices
+// in the order of the spec, and the channels of a device in theirs.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ using DeviceIndex = std::uint16_t;   // within a bus
 
 struct Sample {
   ChannelIndex channel = 0;
-  Value value;                 // the last good one when the quality is bad; false / 0 / "" before the first
+  Value value;  // the last good one when the quality is bad; false / 0 / "" before the first
   Quality quality = Quality::kNotYetRead;
   std::uint16_t device_code = 0;  // with kBadDeviceError
   Instant acquired = kLongAgo;    // arrival of the answer's last byte; kLongAgo: never read

@@ -1,5 +1,6 @@
-// What a configuration says, with every default filled in: buses, devices, channels. Plain values; the loader makes them, everything
-// else reads them. Names are checked by the loader (1..64 of letters, digits, '-', '_', '.').
+// What a configuration says, with every default filled in: buses, devices, channels. Plain values;
+// the loader makes them, everything else reads them. Names are checked by the loader (1..64 of
+// letters, digits, '-', '_', '.').
 #pragma once
 
 #include <cstdint>
@@ -27,11 +28,14 @@ enum class Mode : std::uint8_t {
 };
 [[nodiscard]] std::string_view to_text(Mode mode);  // "intensive", "scheduled", "on-demand"
 
-// How the scheduler forms blocks. A configuration chooses between the first two; the others are there to be compared with.
+// How the scheduler forms blocks. A configuration chooses between the first two; the others are
+// there to be compared with.
 enum class Planner : std::uint8_t {
-  kRiding,         // the most urgent point, and whatever is cheaper to read along with it than later
-  kDynamicBlocks,  // the most urgent point with its near neighbours, again and again, at most 20 blocks; then those are read
-  kFastestMember,  // fixed groups (the optimal partition), each read whole as often as its fastest member wants
+  kRiding,  // the most urgent point, and whatever is cheaper to read along with it than later
+  kDynamicBlocks,  // the most urgent point with its near neighbours, again and again, at most 20
+                   // blocks; then those are read
+  kFastestMember,  // fixed groups (the optimal partition), each read whole as often as its fastest
+                   // member wants
   kOnePerChannel,  // every point in a read of its own
 };
 [[nodiscard]] std::string_view to_text(Planner planner);  // "riding", "dynamic", ...
@@ -49,19 +53,19 @@ struct Limits {
 
 struct ChannelSpec {
   std::string name;
-  std::string at;             // as written: "holding:100"
-  Range range;                // as understood
+  std::string at;  // as written: "holding:100"
+  Range range;     // as understood
   Encoding encoding;
   Duration refresh = std::chrono::seconds{1};
   Mode mode = Mode::kScheduled;
   Access access = Access::kReadOnly;
-  bool on_interest = false;   // acquire: on-interest
-  int priority = 0;           // higher is kept fresh longer under overload; -100..100
-  double elasticity = 1;      // its share of a stretch beside others of its priority; 0.1..10
-  std::string unit;           // "°C", up to 32 bytes
-  std::string description;    // up to 256 bytes
-  std::optional<double> deadband;      // publish only changes of more than this, and
-  std::optional<Duration> heartbeat;   // at the latest after this (default: the refresh)
+  bool on_interest = false;        // acquire: on-interest
+  int priority = 0;                // higher is kept fresh longer under overload; -100..100
+  double elasticity = 1;           // its share of a stretch beside others of its priority; 0.1..10
+  std::string unit;                // "°C", up to 32 bytes
+  std::string description;         // up to 256 bytes
+  std::optional<double> deadband;  // publish only changes of more than this, and
+  std::optional<Duration> heartbeat;  // at the latest after this (default: the refresh)
   Limits limits;
   std::optional<double> write_min, write_max;
   Duration write_interval{};  // rate limit of commands; 0 is none
@@ -71,23 +75,26 @@ struct ChannelSpec {
 // Whether the bridge reads the channel without being asked.
 [[nodiscard]] bool read_by_itself(const ChannelSpec& channel);
 
-// The DEADLINE of the channel's samples: its refresh, or with a deadband the heartbeat; nothing for channels that are read only when
-// somebody asks.
+// The DEADLINE of the channel's samples: its refresh, or with a deadband the heartbeat; nothing for
+// channels that are read only when somebody asks.
 [[nodiscard]] std::optional<Duration> promised_gap(const ChannelSpec& channel);
 
 struct DeviceSpec {
   std::string name;
-  std::string protocol;             // "modbus-rtu", or the name of a declaration
+  std::string protocol;                     // "modbus-rtu", or the name of a declaration
   declared::SharedDeclaration declaration;  // when the protocol is a declared one
-  DeviceLink link;                  // address and protocol options
-  Duration timeout = std::chrono::milliseconds{200};  // to the first byte of an answer, from the end of the request
-  unsigned retries = 1;             // 0..10 more tries of an exchange
-  Duration pause{};                 // rest after each exchange with this device
-  std::uint16_t max_block = 0;      // items in one read; 0 is the protocol's limit
-  std::optional<std::uint16_t> max_gap;  // unwanted items that a read may bridge; nothing: whatever pays
-  bool allow_raw_read = false;      // commands to addresses
+  DeviceLink link;                          // address and protocol options
+  Duration timeout = std::chrono::milliseconds{
+      200};                     // to the first byte of an answer, from the end of the request
+  unsigned retries = 1;         // 0..10 more tries of an exchange
+  Duration pause{};             // rest after each exchange with this device
+  std::uint16_t max_block = 0;  // items in one read; 0 is the protocol's limit
+  std::optional<std::uint16_t>
+      max_gap;                  // unwanted items that a read may bridge; nothing: whatever pays
+  bool allow_raw_read = false;  // commands to addresses
   bool allow_raw_write = false;
-  std::string number;               // under which engineers ask for it; empty: it is not programmed through the bridge
+  std::string
+      number;  // under which engineers ask for it; empty: it is not programmed through the bridge
   std::vector<ChannelSpec> channels;
   friend bool operator==(const DeviceSpec&, const DeviceSpec&) = default;
 };
@@ -95,15 +102,16 @@ struct DeviceSpec {
 struct SerialPortSpec {
   std::string path;
   LineFormat line;
-  bool rs485 = false;        // kernel direction control (TIOCSRS485)
-  bool low_latency = true;   // ASYNC_LOW_LATENCY where the driver knows it
-  bool exclusive = true;     // flock and TIOCEXCL
+  bool rs485 = false;       // kernel direction control (TIOCSRS485)
+  bool low_latency = true;  // ASYNC_LOW_LATENCY where the driver knows it
+  bool exclusive = true;    // flock and TIOCEXCL
   friend bool operator==(const SerialPortSpec&, const SerialPortSpec&) = default;
 };
 struct TcpPortSpec {
   std::string host;
   std::uint16_t port = 502;
-  std::optional<LineFormat> line;  // of the serial line behind a serial server; nothing: a plain TCP device
+  std::optional<LineFormat>
+      line;  // of the serial line behind a serial server; nothing: a plain TCP device
   Duration connect_timeout = std::chrono::seconds{3};
   friend bool operator==(const TcpPortSpec&, const TcpPortSpec&) = default;
 };
@@ -116,9 +124,11 @@ struct DialInPortSpec {
 using PortSpec = std::variant<SerialPortSpec, TcpPortSpec, DialInPortSpec>;
 
 [[nodiscard]] std::string to_text(const LineFormat& line);  // "115200 8N1"
-[[nodiscard]] std::string to_text(const PortSpec& port);  // "/dev/ttyUSB0 115200 8N1", "10.0.0.7:502", "dial-in 17"
+[[nodiscard]] std::string to_text(
+    const PortSpec& port);  // "/dev/ttyUSB0 115200 8N1", "10.0.0.7:502", "dial-in 17"
 
-// Whether the bytes come over a network, and whether a serial line is known to carry them on the way.
+// Whether the bytes come over a network, and whether a serial line is known to carry them on the
+// way.
 [[nodiscard]] bool over_network(const PortSpec& port);
 [[nodiscard]] bool has_line(const PortSpec& port);
 
@@ -128,19 +138,22 @@ using PortSpec = std::variant<SerialPortSpec, TcpPortSpec, DialInPortSpec>;
 struct BusSpec {
   std::string name;
   PortSpec port;
-  SilenceRule silence;             // between an answer and the next request
-  Duration gap_allowance = std::chrono::milliseconds{20};  // silence inside an answer that ends it, beyond its wire time
-  std::optional<bool> echo;        // the line gives back what is sent; nothing: found out
+  SilenceRule silence;  // between an answer and the next request
+  Duration gap_allowance =
+      std::chrono::milliseconds{20};  // silence inside an answer that ends it, beyond its wire time
+  std::optional<bool> echo;           // the line gives back what is sent; nothing: found out
   Planner planner = Planner::kRiding;
   std::vector<DeviceSpec> devices;
-  friend bool operator==(const BusSpec&, const BusSpec&) = default;  // a reload restarts only the buses that differ
+  friend bool operator==(const BusSpec&,
+                         const BusSpec&) = default;  // a reload restarts only the buses that differ
 };
 
 struct DdsSpec {
-  std::uint32_t domain = 0;                            // 0..232
-  std::vector<std::string> interfaces{"127.0.0.1"};    // IPv4 addresses that DDS may use
-  std::optional<std::string> discovery_server;         // "host:port" of a Fast DDS discovery server
-  std::optional<std::string> profile;                  // a Fast DDS XML file of the user; its participant profile "fieldcast" is used
+  std::uint32_t domain = 0;                          // 0..232
+  std::vector<std::string> interfaces{"127.0.0.1"};  // IPv4 addresses that DDS may use
+  std::optional<std::string> discovery_server;       // "host:port" of a Fast DDS discovery server
+  std::optional<std::string>
+      profile;  // a Fast DDS XML file of the user; its participant profile "fieldcast" is used
   std::optional<std::string> partition;
   friend bool operator==(const DdsSpec&, const DdsSpec&) = default;
 };
@@ -154,10 +167,10 @@ struct LogSpec {
 };
 
 struct StoreSpec {
-  std::string address;                    // a file, or postgresql://.. (which may hold a password: never for a log)
-  std::vector<std::string> samples{"*"};  // patterns of the channels whose samples are stored
+  std::string address;  // a file, or postgresql://.. (which may hold a password: never for a log)
+  std::vector<std::string> samples{"*"};        // patterns of the channels whose samples are stored
   Duration keep = std::chrono::hours{30 * 24};  // samples; 0: for ever
-  std::uint64_t max_bytes = 0;                  // of a file, then the oldest samples go; 0: no bound
+  std::uint64_t max_bytes = 0;  // of a file, then the oldest samples go; 0: no bound
   friend bool operator==(const StoreSpec&, const StoreSpec&) = default;
 };
 
@@ -168,12 +181,15 @@ struct ListenSpec {
   friend bool operator==(const ListenSpec&, const ListenSpec&) = default;
 };
 [[nodiscard]] bool on_loopback(const ListenSpec& listen);
+enum class LoginRule : std::uint8_t { kOffLoopback, kAlways };  // where a login is demanded
 struct EngineersSpec {
   ListenSpec listen;
-  std::string certificate, key;  // paths; set: TLS, and a login is demanded off the loopback
+  std::string certificate, key;  // paths; set: TLS
+  LoginRule login = LoginRule::kOffLoopback;
   Duration heartbeat = std::chrono::seconds{5};
   Duration idle = std::chrono::minutes{10};
-  Duration handshake = std::chrono::seconds{10};  // for TLS, and for a wish; no key of the configuration
+  Duration handshake =
+      std::chrono::seconds{10};  // for TLS, and for a wish; no key of the configuration
   friend bool operator==(const EngineersSpec&, const EngineersSpec&) = default;
 };
 struct ModulesSpec {

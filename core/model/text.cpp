@@ -47,7 +47,8 @@ std::string_view to_text(LogLevel level) {
 }
 
 bool read_by_itself(const ChannelSpec& channel) {
-  return channel.access != Access::kWriteOnly && channel.mode != Mode::kOnDemand && !channel.on_interest;
+  return channel.access != Access::kWriteOnly && channel.mode != Mode::kOnDemand &&
+         !channel.on_interest;
 }
 
 std::optional<Duration> promised_gap(const ChannelSpec& channel) {
@@ -99,22 +100,26 @@ std::string_view to_text(DeviceState state) {
 
 std::string to_text(const LineFormat& line) {
   static constexpr char kParity[] = {'N', 'E', 'O'};
-  return std::to_string(line.baud) + ' ' + std::to_string(line.data_bits) + kParity[static_cast<int>(line.parity)] +
-         std::to_string(line.stop_bits);
+  return std::to_string(line.baud) + ' ' + std::to_string(line.data_bits) +
+         kParity[static_cast<int>(line.parity)] + std::to_string(line.stop_bits);
 }
 
 std::string to_text(const PortSpec& port) {
-  if (const auto* serial = std::get_if<SerialPortSpec>(&port)) return serial->path + ' ' + to_text(serial->line);
+  if (const auto* serial = std::get_if<SerialPortSpec>(&port))
+    return serial->path + ' ' + to_text(serial->line);
   if (const auto* dial_in = std::get_if<DialInPortSpec>(&port)) {
-    return "dial-in " + dial_in->number + (dial_in->line ? ' ' + to_text(*dial_in->line) : std::string{});
+    return "dial-in " + dial_in->number +
+           (dial_in->line ? ' ' + to_text(*dial_in->line) : std::string{});
   }
   const auto& tcp = std::get<TcpPortSpec>(port);
-  return tcp.host + ':' + std::to_string(tcp.port) + (tcp.line ? ' ' + to_text(*tcp.line) : std::string{});
+  return tcp.host + ':' + std::to_string(tcp.port) +
+         (tcp.line ? ' ' + to_text(*tcp.line) : std::string{});
 }
 
 LineFormat line_of(const PortSpec& port) {
   if (const auto* serial = std::get_if<SerialPortSpec>(&port)) return serial->line;
-  // A plain TCP device has no characters; ten megabaud make its bytes nearly free, so that only requests count.
+  // A plain TCP device has no characters; ten megabaud make its bytes nearly free, so that only
+  // requests count.
   const auto* tcp = std::get_if<TcpPortSpec>(&port);
   const auto& line = tcp ? tcp->line : std::get<DialInPortSpec>(port).line;
   return line.value_or(LineFormat{10'000'000, 8, Parity::kNone, 1});
@@ -130,7 +135,8 @@ bool has_line(const PortSpec& port) {
 
 bool on_loopback(const ListenSpec& listen) {
   const std::string_view host = listen.host;
-  const bool digits = host.find_first_not_of("0123456789.") == host.npos;  // 127.example.com is a name, of anybody
+  const bool digits =
+      host.find_first_not_of("0123456789.") == host.npos;  // 127.example.com is a name, of anybody
   return (host.starts_with("127.") && digits) || host == "::1" || host == "localhost";
 }
 

@@ -10,12 +10,14 @@ Range ReadCost::aligned(std::uint32_t first, std::uint32_t end) const {
   return {area_, from, std::max(to, end) - from};
 }
 
-Duration wire_time(const ExchangeSize& size, const LineFormat& line, Duration silence, const DeviceTiming& device) {
-  return line.characters(size.request_characters + size.answer_characters) + size.rounds * (device.answer_time + silence) +
-         size.pauses + device.pause;
+Duration wire_time(const ExchangeSize& size, const LineFormat& line, Duration silence,
+                   const DeviceTiming& device) {
+  return line.characters(size.request_characters + size.answer_characters) +
+         size.rounds * (device.answer_time + silence) + size.pauses + device.pause;
 }
 
-ReadCost::ReadCost(const DeviceTiming& device, AreaIndex area, const LineFormat& line, Duration silence, std::uint32_t span)
+ReadCost::ReadCost(const DeviceTiming& device, AreaIndex area, const LineFormat& line,
+                   Duration silence, std::uint32_t span)
     : area_(area), max_gap_(device.max_gap) {
   const Area& rules = device.protocol->areas()[area];
   items_ = rules.items;
@@ -28,7 +30,8 @@ ReadCost::ReadCost(const DeviceTiming& device, AreaIndex area, const LineFormat&
   if (window_) limit_ = span = items_;
   most_ = limit_;
 
-  // Also beyond the device's limit, for single points; and both ends may have to be widened to whole units.
+  // Also beyond the device's limit, for single points; and both ends may have to be widened to
+  // whole units.
   const std::uint32_t longest = std::min<std::uint32_t>({span + 2 * alignment_, items_, 65536});
   variable_.assign(longest + 1, -1);
   Request request = ReadRequest{{Range{area, 0, 1}}};
@@ -40,7 +43,8 @@ ReadCost::ReadCost(const DeviceTiming& device, AreaIndex area, const LineFormat&
     if (!size) continue;
     rounds_ = size->rounds;
     pauses_ = size->rounds * silence.count() + device.pause.count();
-    variable_[count] = line.characters(size->request_characters + size->answer_characters).count() + size->pauses.count();
+    variable_[count] = line.characters(size->request_characters + size->answer_characters).count() +
+                       size->pauses.count();
   }
   set_answer_time(device.answer_time);
 }
@@ -50,7 +54,9 @@ void ReadCost::set_answer_time(Duration answer_time) {
   find_bridge();
 }
 
-void ReadCost::set_longest(std::uint32_t items) { limit_ = items == 0 || window_ ? most_ : std::min(most_, items); }
+void ReadCost::set_longest(std::uint32_t items) {
+  limit_ = items == 0 || window_ ? most_ : std::min(most_, items);
+}
 
 void ReadCost::find_bridge() {
   std::uint32_t longest = static_cast<std::uint32_t>(variable_.size()) - 1;
@@ -60,10 +66,13 @@ void ReadCost::find_bridge() {
     bridge_ = items_;
     return;
   }
-  item_ns_ = longest > one ? static_cast<double>(variable_[longest] - variable_[one]) / (longest - one) : 0.0;
+  item_ns_ = longest > one
+                 ? static_cast<double>(variable_[longest] - variable_[one]) / (longest - one)
+                 : 0.0;
   // Two requests cost fixed + variable twice; one that bridges g items pays for them instead.
   const double request = static_cast<double>(fixed_ + variable_[one]) - item_ns_ * one;
-  bridge_ = item_ns_ > 0 ? static_cast<std::uint32_t>(std::min(request / item_ns_, 65535.0)) : items_;
+  bridge_ =
+      item_ns_ > 0 ? static_cast<std::uint32_t>(std::min(request / item_ns_, 65535.0)) : items_;
   bridge_ += item_bits_ < 8 ? 8 / item_bits_ - 1 : 0;  // items of one byte come together
   if (max_gap_) bridge_ = std::min<std::uint32_t>(bridge_, *max_gap_);
 }

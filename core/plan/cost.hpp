@@ -1,8 +1,8 @@
-// What a read costs of the wire: request, the device's answer time, answer, silence, the protocol's own pauses and the device's
-// rest.
+// What a read costs of the wire: request, the device's answer time, answer, silence, the protocol's
+// own pauses and the device's rest.
 //
-// Exact: one entry for each item count, asked from the protocol once and kept as a table, so that the inner loops of planning are
-// an addition and a look-up. Values; any thread.
+// Exact: one entry for each item count, asked from the protocol once and kept as a table, so that
+// the inner loops of planning are an addition and a look-up. Values; any thread.
 #pragma once
 
 #include <cassert>
@@ -18,21 +18,24 @@ namespace fieldcast {
 
 // What planning must know of a device.
 struct DeviceTiming {
-  const Protocol* protocol = nullptr;    // limits and exact sizes; outlives whoever plans with it
-  Duration answer_time{};                // expected: end of request to first byte of the answer
-  Duration pause{};                      // rest after each exchange with this device
-  std::uint16_t max_block = 0;           // items; 0: the protocol's limit
-  std::optional<std::uint16_t> max_gap;  // unwanted items that a read may bridge; nothing: whatever pays
+  const Protocol* protocol = nullptr;  // limits and exact sizes; outlives whoever plans with it
+  Duration answer_time{};              // expected: end of request to first byte of the answer
+  Duration pause{};                    // rest after each exchange with this device
+  std::uint16_t max_block = 0;         // items; 0: the protocol's limit
+  std::optional<std::uint16_t>
+      max_gap;  // unwanted items that a read may bridge; nothing: whatever pays
 };
 
 // Wire time of one request with its answer. `silence` follows every answer.
-[[nodiscard]] Duration wire_time(const ExchangeSize& size, const LineFormat& line, Duration silence, const DeviceTiming& device);
+[[nodiscard]] Duration wire_time(const ExchangeSize& size, const LineFormat& line, Duration silence,
+                                 const DeviceTiming& device);
 
 // The cost of reads of one range in one area of one device.
 class ReadCost {
  public:
   // `span`: the longest read that will ever be asked for, in items.
-  ReadCost(const DeviceTiming& device, AreaIndex area, const LineFormat& line, Duration silence, std::uint32_t span);
+  ReadCost(const DeviceTiming& device, AreaIndex area, const LineFormat& line, Duration silence,
+           std::uint32_t span);
 
   // The range that must be asked for to get items first .. end-1: aligned, or the whole window.
   [[nodiscard]] Range cover(std::uint32_t first, std::uint32_t end) const {
@@ -49,7 +52,8 @@ class ReadCost {
   // REQUIRES: fits(range), or the range of a single point.
   [[nodiscard]] Duration of(const Range& range) const { return Duration{fixed_ + at(range.count)}; }
 
-  // The same for a single point that no device limit shall keep from being asked for; nothing if the protocol cannot carry it.
+  // The same for a single point that no device limit shall keep from being asked for; nothing if
+  // the protocol cannot carry it.
   [[nodiscard]] std::optional<Duration> of_single(const Range& range) const;
 
   // Unwanted items that a read may bridge: more cost as much as another request, or are forbidden.
@@ -64,7 +68,9 @@ class ReadCost {
   void set_longest(std::uint32_t items);
 
  private:
-  [[nodiscard]] std::int64_t at(std::uint32_t count) const { return variable_[count < variable_.size() ? count : 0]; }
+  [[nodiscard]] std::int64_t at(std::uint32_t count) const {
+    return variable_[count < variable_.size() ? count : 0];
+  }
   [[nodiscard]] Range aligned(std::uint32_t first, std::uint32_t end) const;
   [[nodiscard]] bool in_one_bank(const Range& range) const {
     return bank_ == 0 || range.first / bank_ == (range.end() - 1) / bank_;
@@ -78,8 +84,9 @@ class ReadCost {
   std::uint32_t most_ = 0;   // as it was made
   std::int64_t fixed_ = 0;   // answer time, silence, pauses: paid for each round, or once
   std::int64_t rounds_ = 1;
-  std::int64_t pauses_ = 0;             // silence and rests: what `fixed_` holds besides the answer time
-  std::vector<std::int64_t> variable_;  // by item count: characters; -1: the protocol refuses this size. [0] is -1
+  std::int64_t pauses_ = 0;  // silence and rests: what `fixed_` holds besides the answer time
+  std::vector<std::int64_t>
+      variable_;  // by item count: characters; -1: the protocol refuses this size. [0] is -1
   std::optional<std::uint16_t> max_gap_;
   std::uint32_t bridge_ = 0;
   double item_ns_ = 0;

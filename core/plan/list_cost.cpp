@@ -12,18 +12,20 @@ ListCost::ListCost(const DeviceTiming& device, const LineFormat& line, Duration 
       answer_ns_(device.answer_time.count()),
       max_items_(device.max_block) {
   const std::size_t count = protocol_->areas().size();
-  for (std::size_t area = 0; area < count; ++area) areas_.push_back(measure(static_cast<AreaIndex>(area), device.max_gap));
+  for (std::size_t area = 0; area < count; ++area)
+    areas_.push_back(measure(static_cast<AreaIndex>(area), device.max_gap));
 }
 
 // Wire time without the answer time.
 std::optional<std::int64_t> ListCost::ask(const Request& request) const {
   const auto size = protocol_->size(request);
   if (!size) return std::nullopt;
-  return line_.characters(size->request_characters + size->answer_characters).count() + size->rounds * silence_ +
-         size->pauses.count() + pause_;
+  return line_.characters(size->request_characters + size->answer_characters).count() +
+         size->rounds * silence_ + size->pauses.count() + pause_;
 }
 
-// Lists of two and three ranges: what one of a single range says may be another command, with a shorter request (FINS).
+// Lists of two and three ranges: what one of a single range says may be another command, with a
+// shorter request (FINS).
 ListCost::PerArea ListCost::measure(AreaIndex index, const std::optional<std::uint16_t>& max_gap) {
   PerArea result;
   const Area& area = protocol_->areas()[index];
@@ -31,7 +33,8 @@ ListCost::PerArea ListCost::measure(AreaIndex index, const std::optional<std::ui
   Request request = ReadRequest{{{index, 0, 1}, {index, 0, 1}}};
   auto& ranges = std::get<ReadRequest>(request).ranges;
   const auto two = ask(request);
-  const std::uint32_t longer = std::min<std::uint32_t>({1 + 16 * std::max(1u, 8 / area.item_bits), area.items, area.max_read});
+  const std::uint32_t longer = std::min<std::uint32_t>(
+      {1 + 16 * std::max(1u, 8 / area.item_bits), area.items, area.max_read});
   ranges[1].count = longer;
   const auto long_one = ask(request);
   ranges[1].count = 1;
@@ -40,8 +43,8 @@ ListCost::PerArea ListCost::measure(AreaIndex index, const std::optional<std::ui
   if (!two || !three || !long_one) return result;
   result.lists = true;
   result.range_ns = *three - *two;
-  result.item_ns =
-      longer > 1 ? static_cast<double>(*long_one - *two) / (longer - 1) : static_cast<double>(result.range_ns);
+  result.item_ns = longer > 1 ? static_cast<double>(*long_one - *two) / (longer - 1)
+                              : static_cast<double>(result.range_ns);
   if (result.item_ns > 0)
     result.bridge = static_cast<std::uint32_t>(
         std::clamp(static_cast<double>(result.range_ns) / result.item_ns - 1.0, 0.0, 65535.0));
@@ -51,7 +54,8 @@ ListCost::PerArea ListCost::measure(AreaIndex index, const std::optional<std::ui
   return result;
 }
 
-bool ListCost::joins(const Range& range, AreaIndex area, std::uint32_t first, std::uint32_t end) const {
+bool ListCost::joins(const Range& range, AreaIndex area, std::uint32_t first,
+                     std::uint32_t end) const {
   if (range.area != area || first > range.end() + areas_[area].bridge) return false;
   const Area& rules = protocol_->areas()[area];
   const std::uint32_t to = std::max(range.end(), end);

@@ -9,7 +9,8 @@ namespace fieldcast {
 
 namespace {
 
-constexpr int kLevels = 32;  // from the fastest point's rate down to a thousandth of it; all that is slower counts as that
+constexpr int kLevels = 32;  // from the fastest point's rate down to a thousandth of it; all that
+                             // is slower counts as that
 
 // The reads of one slice, grown point by point.
 class PacedReads {
@@ -18,7 +19,8 @@ class PacedReads {
 
   void add(const Wanted& point, double rate) {
     const double steps = std::log(fastest_ / rate) / std::log(1.25);
-    Reach& reach = reach_[static_cast<std::size_t>(std::clamp(std::lround(steps), 0L, kLevels - 1L))];
+    Reach& reach =
+        reach_[static_cast<std::size_t>(std::clamp(std::lround(steps), 0L, kLevels - 1L))];
     reach.first = std::min(reach.first, point.first);
     reach.end = std::max(reach.end, point.end);
     reach.rate = std::max(reach.rate, rate);
@@ -51,14 +53,16 @@ class PacedReads {
 
 }  // namespace
 
-std::vector<Slice> partition_by_pace(std::span<const Wanted> points, std::span<const double> rates, const ReadCost& cost) {
+std::vector<Slice> partition_by_pace(std::span<const Wanted> points, std::span<const double> rates,
+                                     const ReadCost& cost) {
   if (points.empty()) return {};
   const auto size = static_cast<std::uint32_t>(points.size());
   const double fastest = *std::max_element(rates.begin(), rates.end());
   // Neighbours without a gap that are read equally often stay together anyhow.
   std::vector<std::uint32_t> runs;
   for (std::uint32_t i = 0; i < size; ++i) {
-    if (i == 0 || rates[i] != rates[i - 1] || points[i].first > points[i - 1].end) runs.push_back(i);
+    if (i == 0 || rates[i] != rates[i - 1] || points[i].first > points[i - 1].end)
+      runs.push_back(i);
   }
   const auto count = static_cast<std::uint32_t>(runs.size());
   runs.push_back(size);
@@ -74,7 +78,8 @@ std::vector<Slice> partition_by_pace(std::span<const Wanted> points, std::span<c
     }
   }
   std::vector<Slice> slices;
-  for (std::uint32_t end = count; end > 0; end = from[end]) slices.push_back({runs[from[end]], runs[end]});
+  for (std::uint32_t end = count; end > 0; end = from[end])
+    slices.push_back({runs[from[end]], runs[end]});
   std::reverse(slices.begin(), slices.end());
   return slices;
 }

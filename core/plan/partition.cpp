@@ -15,7 +15,8 @@ std::vector<Slice> optimal_partition(std::span<const Wanted> wanted, const ReadC
     std::uint32_t end = wanted[begin].end;
     for (std::size_t last = begin; last < n; ++last) {
       if (last > begin) {
-        // Beyond a barrier, or a gap that costs as much as another request, no longer block is better.
+        // Beyond a barrier, or a gap that costs as much as another request, no longer block is
+        // better.
         if (wanted[last].barrier || wanted[last].first > end + cost.bridge()) break;
         end = std::max(end, wanted[last].end);
       }
@@ -35,7 +36,8 @@ std::vector<Slice> optimal_partition(std::span<const Wanted> wanted, const ReadC
     }
   }
   std::vector<Slice> slices;
-  for (auto end = static_cast<std::uint32_t>(n); end > 0; end = from[end]) slices.push_back({from[end], end});
+  for (auto end = static_cast<std::uint32_t>(n); end > 0; end = from[end])
+    slices.push_back({from[end], end});
   std::reverse(slices.begin(), slices.end());
   return slices;
 }
@@ -46,9 +48,11 @@ Range range_of(std::span<const Wanted> wanted, Slice slice, const ReadCost& cost
   return cost.cover(wanted[slice.begin].first, end);
 }
 
-Duration cost_of(std::span<const Wanted> wanted, std::span<const Slice> slices, const ReadCost& cost) {
+Duration cost_of(std::span<const Wanted> wanted, std::span<const Slice> slices,
+                 const ReadCost& cost) {
   Duration sum{};
-  for (const Slice slice : slices) sum += cost.of_single(range_of(wanted, slice, cost)).value_or(Duration{0});
+  for (const Slice slice : slices)
+    sum += cost.of_single(range_of(wanted, slice, cost)).value_or(Duration{0});
   return sum;
 }
 

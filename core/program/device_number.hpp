@@ -1,4 +1,5 @@
-// The number under which a device is known to engineers and to modules that dial in: 1 to 16 letters or digits.
+// The number under which a device is known to engineers and to modules that dial in: 1 to 16
+// letters or digits.
 #pragma once
 
 #include <string_view>
@@ -7,11 +8,13 @@ namespace fieldcast::program {
 
 inline constexpr std::size_t kMaxDeviceNumber = 16;
 
-// Nothing that a frame could take for something else: not `ED`, not `HB`, not a reply (four digits that begin with 000), not
-// with the marker `FEFF` inside, and not beginning with `V2`, which asks for the framing by length.
+// Nothing that a frame could take for something else: not `ED`, not `HB`, not a reply (four digits
+// that begin with 000), not with the marker `FEFF` inside, and not beginning with `V2`, which asks
+// for the framing by length.
 [[nodiscard]] bool is_device_number(std::string_view text);
 
 inline constexpr std::string_view kDeviceNumberForm =
-    "1 to 16 letters or digits; not ED, not HB, not 000 and a digit, not beginning with V2, without FEFF";
+    "1 to 16 letters or digits; not ED, not HB, not 000 and a digit, not beginning with V2, "
+    "without FEFF";
 
 }  // namespace fieldcast::program

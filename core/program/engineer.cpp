@@ -1,4 +1,5 @@
-// The states of a connection and their time-outs; what the client sends is read in engineer_frames.cpp.
+// The states of a connection and their time-outs; what the client sends is read in
+// engineer_frames.cpp.
 #include "core/program/engineer.hpp"
 
 #include <algorithm>
@@ -27,18 +28,29 @@ Instant Engineer::next_wake() const {
   switch (state_) {
     case State::kHandshake: return std::min(handshake_until_, client_stuck_);
     case State::kPaired:
-      return std::min({beat_, heard_ + rules_.heartbeat * kMissed + rules_.heartbeat / 2, worked_ + rules_.idle,
-                       half_from_client_, half_from_device_, client_stuck_, device_stuck_});
+      return std::min({beat_, unheard_until(), worked_ + rules_.idle, half_from_client_,
+                       half_from_device_, client_stuck_, device_stuck_});
     default: return kNever;
   }
 }
 
+// When the client's heartbeats are missing. While the device's queue is full nothing is read from
+// the client: its heartbeats wait with its program bytes.
+Instant Engineer::unheard_until() const {
+  if (device_stuck_ != kNever) return kNever;
+  return heard_ + rules_.heartbeat * kMissed + rules_.heartbeat / 2;
+}
+
 void Engineer::handle(const ClientGone& event, Instant now, Actions& actions) {
+  if (paired() && !by_length_) {
+    if (auto last = reader_.take_code()) take_frame(*std::move(last), now, actions);
+  }
   if (state_ == State::kPaired) {
     end_pairing("the client is gone: " + event.reason, false, now, actions);
   } else {
     if (state_ == State::kTaking) actions.push_back(FreeDevice{});
-    actions.push_back(Remark{Remark::Kind::kEnded, "the client is gone without a pairing: " + event.reason});
+    actions.push_back(
+        Remark{Remark::Kind::kEnded, "the client is gone without a pairing: " + event.reason});
   }
   if (over()) return;
   state_ = State::kOver;
@@ -66,11 +78,12 @@ void Engineer::handle(const DeviceGiven&, Instant now, Actions& actions) {
   state_ = State::kPaired;
   was_paired_ = true;
   reply(Reply::kPaired, actions);
-  actions.push_back(Remark{Remark::Kind::kPaired, by_length_ ? "framing by length" : "framing by markers"});
+  actions.push_back(
+      Remark{Remark::Kind::kPaired, by_length_ ? "framing by length" : "framing by markers"});
   wishes_ = 0;
   noise_ = 0;
   to_device_ = from_device_ = 0;
-  writer_ = {};
+  writer_ = MarkerWriter(Sender::kBridge);
   lengths_ = {};
   heard_ = worked_ = now;
   beat_ = now + rules_.heartbeat;
@@ -113,7 +126,20 @@ void Engineer::handle(const ClientTakes& event, Instant now, Actions&) {
 }
 
 void Engineer::handle(const DeviceTakes& event, Instant now, Actions&) {
+  if (event.takes) heard_ = now;  // from here on it is read again
   device_stuck_ = event.takes ? kNever : std::min(device_stuck_, now + kStuckWait);
+}
+
+void Engineer::handle(const ClientDrains&, Instant now, Actions&) {
+  if (client_stuck_ == kNever) return;
+  client_stuck_ = now + kStuckWait;
+  worked_ = now;
+}
+
+void Engineer::handle(const DeviceDrains&, Instant now, Actions&) {
+  if (device_stuck_ == kNever) return;
+  device_stuck_ = now + kStuckWait;
+  worked_ = now;
 }
 
 void Engineer::handle(const Ended& event, Instant now, Actions& actions) {
@@ -133,8 +159,10 @@ void Engineer::handle(const TimerFired&, Instant now, Actions& actions) {
     return close("no device was asked for within " + seconds_text(rules_.handshake), actions);
   }
   if (!paired()) return;
-  if (now >= device_stuck_) return end_pairing("the device takes no bytes for " + seconds_text(kStuckWait), true, now, actions);
-  if (now >= heard_ + rules_.heartbeat * kMissed + rules_.heartbeat / 2) {
+  if (now >= device_stuck_)
+    return end_pairing("the device takes no bytes for " + seconds_text(kStuckWait), true, now,
+                       actions);
+  if (now >= unheard_until()) {
     const std::string reason = std::to_string(kMissed) + " heartbeats of the client are missing";
     end_pairing(reason, true, now, actions);
     return close(reason, actions);
@@ -144,7 +172,13 @@ void Engineer::handle(const TimerFired&, Instant now, Actions& actions) {
   }
   if (now >= half_from_client_) {
     half_from_client_ = kNever;
-    if (const auto half = reader_.give_up()) broken(*half, actions);
+    if (auto code = reader_.take_code()) {
+      take_frame(*std::move(code), now, actions);
+      read_frames(now, actions);
+      if (!paired()) return;
+    } else if (const auto half = reader_.give_up()) {
+      broken(*half, actions);
+    }
   }
   if (now >= half_from_device_) {
     half_from_device_ = kNever;
@@ -162,10 +196,13 @@ void Engineer::handle(const TimerFired&, Instant now, Actions& actions) {
   }
 }
 
-void Engineer::reply(Reply reply, Actions& actions) { actions.push_back(ToClient{control_frame(to_code(reply))}); }
+void Engineer::reply(Reply reply, Actions& actions) {
+  actions.push_back(ToClient{control_frame(to_code(reply))});
+}
 
 void Engineer::refuse(Reply why, const std::string& reason, Instant now, Actions& actions) {
-  actions.push_back(Remark{Remark::Kind::kRefused, reason.empty() ? std::string(to_text(why)) : reason});
+  actions.push_back(
+      Remark{Remark::Kind::kRefused, reason.empty() ? std::string(to_text(why)) : reason});
   reply(why, actions);
   state_ = State::kHandshake;
   handshake_until_ = now + rules_.handshake;
@@ -173,7 +210,8 @@ void Engineer::refuse(Reply why, const std::string& reason, Instant now, Actions
   read_frames(now, actions);
 }
 
-// Tells the client when it still listens. With markers the connection stays: the client may ask for a device again.
+// Tells the client when it still listens. With markers the connection stays: the client may ask for
+// a device again.
 void Engineer::end_pairing(const std::string& reason, bool tell, Instant now, Actions& actions) {
   actions.push_back(FreeDevice{});
   actions.push_back(Remark{Remark::Kind::kEnded, reason});

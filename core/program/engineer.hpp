@@ -1,6 +1,7 @@
-// One engineer's connection as the bridge sees it: login, the wish for a device, the pairing, its end. Pure: events and `now` in,
-// actions out. The shell keeps which device is whose (TakeDevice is answered by DeviceGiven or DeviceRefused) and the bytes'
-// queues (ClientTakes, DeviceTakes tell when one is full).
+// One engineer's connection as the bridge sees it: login, the wish for a device, the pairing, its
+// end. Pure: events and `now` in, actions out. The shell keeps which device is whose (TakeDevice is
+// answered by DeviceGiven or DeviceRefused) and the bytes' queues (ClientTakes, DeviceTakes tell
+// when one is full).
 #pragma once
 
 #include <string>
@@ -16,8 +17,9 @@ namespace fieldcast::program {
 struct EngineerRules {
   bool login_needed = false;
   Duration heartbeat = std::chrono::seconds{5};
-  Duration idle = std::chrono::minutes{10};       // without program bytes either way
-  Duration handshake = std::chrono::seconds{10};  // from connecting, or from the end of a pairing, to the next one
+  Duration idle = std::chrono::minutes{10};  // without program bytes either way
+  Duration handshake =
+      std::chrono::seconds{10};  // from connecting, or from the end of a pairing, to the next one
 };
 
 // Events.
@@ -48,12 +50,15 @@ struct ClientTakes {  // false: its queue is full; true: it has room again
 struct DeviceTakes {
   bool takes = true;
 };
+struct ClientDrains {};  // bytes of its queue have left this machine
+struct DeviceDrains {};
 struct TimerFired {};
 struct Ended {  // by the bridge: it stops
   std::string reason;
 };
-using EngineerEvent = std::variant<FromClient, ClientGone, LoginChecked, DeviceGiven, DeviceRefused, FromDevice, DeviceLost,
-                                   ClientTakes, DeviceTakes, TimerFired, Ended>;
+using EngineerEvent = std::variant<FromClient, ClientGone, LoginChecked, DeviceGiven, DeviceRefused,
+                                   FromDevice, DeviceLost, ClientTakes, DeviceTakes, ClientDrains,
+                                   DeviceDrains, TimerFired, Ended>;
 
 // Actions, in order.
 struct ToClient {
@@ -82,17 +87,23 @@ struct Remark {
   Kind kind;
   std::string text;
 };
-using EngineerAction = std::variant<ToClient, ToDevice, CheckLogin, TakeDevice, SetLine, FreeDevice, HangUp, SetTimer, Remark>;
+using EngineerAction = std::variant<ToClient, ToDevice, CheckLogin, TakeDevice, SetLine, FreeDevice,
+                                    HangUp, SetTimer, Remark>;
 using EngineerActions = std::vector<EngineerAction>;
 
 class Engineer {
  public:
-  static constexpr unsigned kMissed = 3;                                // heartbeats in a row
-  static constexpr Duration kHalfWait = std::chrono::seconds{2};        // for the rest of an instruction
-  static constexpr Duration kStuckWait = std::chrono::seconds{10};      // for a side that takes no bytes
-  static constexpr std::size_t kMaxNoise = 256, kMaxNoiseLater = 8192;  // bytes before and after the first pairing, then the end
-  static constexpr unsigned kMaxWishes = 10;                            // refused ones in a row
-  static constexpr std::size_t kMaxEarly = 65536;                       // bytes that come before the answer to a wish
+  static constexpr unsigned kMissed = 3;                          // heartbeats in a row
+  static constexpr Duration kHalfWait = MarkerReader::kHalfWait;  // for the rest of an instruction
+  // For a side whose queue is full and of which not one byte leaves. A slow line is no such side; a
+  // peer that reads slowly opens its TCP window in steps of several kilobytes, which at 1200 baud
+  // are more than half a minute apart.
+  static constexpr Duration kStuckWait = std::chrono::seconds{60};
+  static constexpr std::size_t kMaxNoise = 256,
+                               kMaxNoiseLater =
+                                   8192;  // bytes before and after the first pairing, then the end
+  static constexpr unsigned kMaxWishes = 10;       // refused ones in a row
+  static constexpr std::size_t kMaxEarly = 65536;  // bytes that come before the answer to a wish
 
   Engineer(const EngineerRules& rules, Instant now);
 
@@ -100,7 +111,9 @@ class Engineer {
 
   [[nodiscard]] bool paired() const { return state_ == State::kPaired; }
   [[nodiscard]] bool over() const { return state_ == State::kOver; }
-  [[nodiscard]] std::uint64_t bytes_to_device() const { return to_device_; }  // of the pairing, the last one when it is over
+  [[nodiscard]] std::uint64_t bytes_to_device() const {
+    return to_device_;
+  }  // of the pairing, the last one when it is over
   [[nodiscard]] std::uint64_t bytes_from_device() const { return from_device_; }
 
  private:
@@ -116,11 +129,14 @@ class Engineer {
   void handle(const DeviceLost& event, Instant now, Actions& actions);
   void handle(const ClientTakes& event, Instant now, Actions& actions);
   void handle(const DeviceTakes& event, Instant now, Actions& actions);
+  void handle(const ClientDrains& event, Instant now, Actions& actions);
+  void handle(const DeviceDrains& event, Instant now, Actions& actions);
   void handle(const TimerFired& event, Instant now, Actions& actions);
   void handle(const Ended& event, Instant now, Actions& actions);
 
   // engineer_frames.cpp: what the client sends
   void read_frames(Instant now, Actions& actions);
+  void take_frame(MarkerFrame frame, Instant now, Actions& actions);
   void read_chunks(ByteView bytes, Instant now, Actions& actions);
   void handshake_code(const std::string& code, Instant now, Actions& actions);
   void transmission_code(const std::string& code, Instant now, Actions& actions);
@@ -133,22 +149,24 @@ class Engineer {
   void end_pairing(const std::string& reason, bool tell, Instant now, Actions& actions);
   void close(const std::string& reason, Actions& actions);
   [[nodiscard]] Instant next_wake() const;
+  [[nodiscard]] Instant unheard_until() const;
 
   EngineerRules rules_;
   State state_ = State::kHandshake;
   bool logged_in_ = false;
   bool was_paired_ = false;
   bool by_length_ = false;  // the wish under way, or the pairing
-  MarkerReader reader_;
-  MarkerWriter writer_;
+  MarkerReader reader_{Sender::kClient};
+  MarkerWriter writer_{Sender::kBridge};
   LengthReader lengths_;
   unsigned wishes_ = 0;
   std::size_t noise_ = 0;
   std::uint64_t to_device_ = 0, from_device_ = 0;
   Instant handshake_until_;
-  Instant heard_{}, worked_{};                                     // the client's last bytes; the last program bytes
+  // The client's last bytes; the last program bytes that came, or that left after they had waited.
+  Instant heard_{}, worked_{};
   Instant half_from_client_ = kNever, half_from_device_ = kNever;  // when the rest must have come
-  Instant client_stuck_ = kNever, device_stuck_ = kNever;          // when it is given up
+  Instant client_stuck_ = kNever, device_stuck_ = kNever;          // when it is given up, if full
   Instant beat_ = kNever;                                          // our next heartbeat
   Instant timer_ = kNever;                                         // as last told
 };

@@ -11,7 +11,9 @@ namespace {
 // Lower-case hexadecimal digits to text; nothing for anything else.
 std::optional<std::string> unhex(std::string_view digits) {
   if (digits.size() % 2 != 0 || digits.size() > 2 * kMaxLoginText) return std::nullopt;
-  const auto value = [](char c) { return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1; };
+  const auto value = [](char c) {
+    return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
+  };
   std::string text;
   for (std::size_t i = 0; i < digits.size(); i += 2) {
     const int high = value(digits[i]), low = value(digits[i + 1]);
@@ -23,7 +25,8 @@ std::optional<std::string> unhex(std::string_view digits) {
 
 // A name goes into the log and the audit, line by line.
 bool can_stand_in_a_line(std::string_view text) {
-  return !text.empty() && std::none_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; });
+  return !text.empty() && std::none_of(text.begin(), text.end(),
+                                       [](unsigned char c) { return c < 0x20 || c == 0x7F; });
 }
 
 }  // namespace
@@ -37,18 +40,13 @@ void Engineer::handle(const FromClient& event, Instant now, Actions& actions) {
 
 void Engineer::read_frames(Instant now, Actions& actions) {
   while (state_ == State::kHandshake || (paired() && !by_length_)) {
-    const bool transmission = paired();
-    auto frame = reader_.next(transmission ? MarkerReader::Phase::kTransmission : MarkerReader::Phase::kHandshake);
+    auto frame = reader_.next(paired() ? MarkerReader::Phase::kTransmission
+                                       : MarkerReader::Phase::kHandshake);
     if (!frame) break;
-    if (const auto* lost = std::get_if<BrokenFrame>(&*frame)) {
-      broken(*lost, actions);
-    } else if (auto* code = std::get_if<ControlCode>(&*frame)) {
-      transmission ? transmission_code(code->code, now, actions) : handshake_code(code->code, now, actions);
-    } else {
-      program_bytes(std::move(std::get<Instruction>(*frame).bytes), now, actions);
-    }
+    take_frame(*std::move(frame), now, actions);
   }
-  half_from_client_ = paired() && !by_length_ && reader_.partial() ? now + kHalfWait : kNever;
+  half_from_client_ =
+      paired() && !by_length_ && reader_.partial() ? now + reader_.patience() : kNever;
   const bool waiting = state_ == State::kLogin || state_ == State::kTaking;
   if (waiting && reader_.held() > kMaxEarly) {
     if (state_ == State::kTaking) actions.push_back(FreeDevice{});
@@ -56,17 +54,30 @@ void Engineer::read_frames(Instant now, Actions& actions) {
   }
 }
 
+void Engineer::take_frame(MarkerFrame frame, Instant now, Actions& actions) {
+  if (const auto* lost = std::get_if<BrokenFrame>(&frame)) {
+    broken(*lost, actions);
+  } else if (auto* code = std::get_if<ControlCode>(&frame)) {
+    paired() ? transmission_code(code->code, now, actions)
+             : handshake_code(code->code, now, actions);
+  } else {
+    program_bytes(std::move(std::get<Instruction>(frame).bytes), now, actions);
+  }
+}
+
 void Engineer::handshake_code(const std::string& code, Instant now, Actions& actions) {
   if (code == kHeartbeatCode || code == kStopCode) return;  // of a pairing that is over
-  if (code.ends_with('\r')) {                               // likewise: the device was lost while it was on its way
+  if (code.ends_with('\r')) {  // likewise: the device was lost while it was on its way
     return broken({FrameFault::kNoise, code.size()}, actions);
   }
   if (code.starts_with(kLoginCode) && code.find(':') != code.npos) return login(code, actions);
   by_length_ = code.starts_with(kLengthCode);
   const std::string number = by_length_ ? code.substr(kLengthCode.size()) : code;
-  if (!is_device_number(number)) return refuse(Reply::kNotOnline, "what is asked for is no device number", now, actions);
+  if (!is_device_number(number))
+    return refuse(Reply::kNotOnline, "what is asked for is no device number", now, actions);
   if (rules_.login_needed && !logged_in_) {
-    actions.push_back(Remark{Remark::Kind::kLoginFailed, "device " + number + " was asked for without a login"});
+    actions.push_back(
+        Remark{Remark::Kind::kLoginFailed, "device " + number + " was asked for without a login"});
     reply(Reply::kNotAllowed, actions);
     state_ = State::kOver;
     actions.push_back(HangUp{});
@@ -93,12 +104,12 @@ void Engineer::login(std::string_view code, Actions& actions) {
 
 void Engineer::transmission_code(const std::string& code, Instant now, Actions& actions) {
   if (code == kStopCode) end_pairing("stopped by the engineer", false, now, actions);
-  // Heartbeats were heard already; replies are ours to give, not the client's.
+  // Heartbeats were heard already.
 }
 
 void Engineer::broken(const BrokenFrame& frame, Actions& actions) {
-  actions.push_back(
-      Remark{Remark::Kind::kDropped, std::string(to_text(frame.fault)) + " (" + std::to_string(frame.bytes) + " bytes)"});
+  actions.push_back(Remark{Remark::Kind::kDropped, std::string(to_text(frame.fault)) + " (" +
+                                                       std::to_string(frame.bytes) + " bytes)"});
   if (frame.fault != FrameFault::kNoise && paired()) return;
   noise_ += frame.bytes;
   if (noise_ <= (was_paired_ ? kMaxNoiseLater : kMaxNoise)) return;
@@ -117,7 +128,8 @@ void Engineer::read_chunks(ByteView bytes, Instant now, Actions& actions) {
     if (const auto* chunk = std::get_if<ChunkBytes>(&*frame)) {
       append(program, chunk->bytes);
     } else if (const auto* settings = std::get_if<LineSettings>(&*frame)) {
-      program_bytes(std::exchange(program, {}), now, actions);  // what came before is sent as the line was
+      program_bytes(std::exchange(program, {}), now,
+                    actions);  // what came before is sent as the line was
       actions.push_back(SetLine{*settings});
     } else if (std::holds_alternative<Stop>(*frame)) {
       program_bytes(std::exchange(program, {}), now, actions);

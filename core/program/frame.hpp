@@ -4,11 +4,12 @@
 //     frame       @@ instruction CR FEFF    program bytes: one instruction with its end character
 //
 //     client      device number             I want this device (marker framing)
-//                 V2 device number          the same; after 0000 both sides speak length framing (length_framing.hpp)
-//                 AU user : password        who I am, both as lower-case hexadecimal digits, which never hold FEFF (ours)
-//                 ED                        stop, release the device
-//     bridge      0000 .. 0003, 0004        the replies; 0004 is ours: no login, or not of a programmer
-//     both        HB                        heartbeat
+//                 V2 device number          the same; after 0000 both sides speak length framing
+//                 (length_framing.hpp) AU user : password        who I am, both as lower-case
+//                 hexadecimal digits, which never hold FEFF (ours) ED                        stop,
+//                 release the device
+//     bridge      0000 .. 0003, 0004        the replies; 0004 is ours: no login, or not of a
+//     programmer both        HB                        heartbeat
 #pragma once
 
 #include <cstdint>
@@ -22,10 +23,13 @@
 namespace fieldcast::program {
 
 inline constexpr std::string_view kFrameStart = "@@", kFrameEnd = "FEFF";
+inline constexpr std::string_view kInstructionEnd = "\rFEFF";
 inline constexpr std::string_view kStopCode = "ED", kHeartbeatCode = "HB";
 inline constexpr std::string_view kLengthCode = "V2", kLoginCode = "AU";
-inline constexpr std::size_t kMaxInstruction = 4096;   // with its end character; longer ones are dropped and reported
-inline constexpr std::size_t kMaxHandshakeCode = 600;  // a login with 128 characters of user and of password
+inline constexpr std::size_t kMaxInstruction =
+    4096;  // with its end character; longer ones are dropped and reported
+inline constexpr std::size_t kMaxHandshakeCode =
+    600;  // a login with 128 characters of user and of password
 inline constexpr std::size_t kMaxLoginText = 128;
 
 enum class Reply : std::uint8_t { kPaired, kNotOnline, kInUse, kLost, kNotAllowed };
@@ -33,23 +37,38 @@ enum class Reply : std::uint8_t { kPaired, kNotOnline, kInUse, kLost, kNotAllowe
 [[nodiscard]] std::string_view to_text(Reply reply);  // for people
 [[nodiscard]] std::optional<Reply> reply_from(std::string_view code);
 
+// Who writes a stream: each end has its own codes in transmission.
+enum class Sender : std::uint8_t { kClient, kBridge };
+
+// What the first bytes of a frame in transmission are.
+enum class Opening : std::uint8_t { kProgram, kControl, kUndecided };
+struct FrameOpening {
+  Opening what = Opening::kProgram;
+  std::string_view code;  // kControl and kUndecided: which one it is, or may be
+};
+// `text`: what has come of the frame, behind `@@`. kUndecided also while FEFF itself is missing.
+[[nodiscard]] FrameOpening opening_of(std::string_view text, Sender sender);
+
 // What was wrong in a stream; the stream goes on behind it.
 enum class FrameFault : std::uint8_t {
   kNoise,      // bytes outside of any frame
   kTooLong,    // an instruction of more than kMaxInstruction characters, dropped
   kHalf,       // an instruction whose rest did not come, dropped
-  kAmbiguous,  // an instruction that begins like a control frame, which marker framing cannot carry, dropped
+  kAmbiguous,  // an instruction that begins with a control frame and another frame's start, which
+               // marker framing cannot carry, dropped
   kBadLength,  // a length that no sender of ours writes: the stream is lost
   kBadLine,    // line settings that no sender of ours writes: likewise
 };
 [[nodiscard]] std::string_view to_text(FrameFault fault);
 
-// Of the real line behind a pairing. A pseudo-terminal tells the baud rate and the stop bits that a program sets, but neither
-// data bits nor parity (Linux, pty_set_termios): those the engineer says to the client, or they stay as configured.
+// Of the real line behind a pairing. A pseudo-terminal tells the baud rate and the stop bits that a
+// program sets, but neither data bits nor parity (Linux, pty_set_termios): those the engineer says
+// to the client, or they stay as configured.
 struct LineSettings {
   std::uint32_t baud = 0;  // 0: as the bridge's configuration has it
   std::uint8_t stop_bits = 1;
-  std::uint8_t data_bits = 0;  // 7 or 8; 0: they and the parity as the bridge's configuration has them
+  std::uint8_t data_bits =
+      0;  // 7 or 8; 0: they and the parity as the bridge's configuration has them
   Parity parity = Parity::kNone;
   friend bool operator==(const LineSettings&, const LineSettings&) = default;
 };

@@ -3,8 +3,10 @@
 //     length(4) bytes       1 .. kMaxChunk, big-endian
 //     00000000              heartbeat
 //     FFFFFFFF              stop; the bridge may say why in one marker frame behind it (@@0003FEFF)
-//     FFFFFFFE baud(4) stop(1) data(1) parity(1)    of the real line (client to bridge; ours): baud 0 and data 0 leave the baud
-//                           rate, and data bits and parity, as the bridge's configuration has them; parity 0 none, 1 even, 2 odd
+//     FFFFFFFE baud(4) stop(1) data(1) parity(1)    of the real line (client to bridge; ours): baud
+//     0 and data 0 leave the baud
+//                           rate, and data bits and parity, as the bridge's configuration has them;
+//                           parity 0 none, 1 even, 2 odd
 #pragma once
 
 #include <variant>
@@ -24,7 +26,8 @@ using LengthFrame = std::variant<ChunkBytes, Heartbeat, Stop, LineSettings, Fram
 
 class LengthReader {
  public:
-  // Takes what it understands from the front of `in`; nothing when all is taken. After Stop and after a fault the stream is over.
+  // Takes what it understands from the front of `in`; nothing when all is taken. After Stop and
+  // after a fault the stream is over.
   [[nodiscard]] std::optional<LengthFrame> next(ByteView& in);
   // In the middle of a head or a chunk.
   [[nodiscard]] bool partial() const { return left_ > 0 || !head_.empty(); }

@@ -6,14 +6,31 @@
 namespace fieldcast::program {
 namespace {
 
-constexpr std::string_view kInstructionEnd = "\rFEFF";
 constexpr std::size_t kStart = kFrameStart.size(), kEnd = kFrameEnd.size();
 
-bool is_transmission_code(std::string_view code) {
-  return code == kStopCode || code == kHeartbeatCode || reply_from(code).has_value();
+}  // namespace
+
+ControlCode MarkerReader::taken(std::string_view code) {
+  drop(kStart + code.size() + kEnd);
+  return {std::string(code)};
 }
 
-}  // namespace
+Duration MarkerReader::patience() const {
+  const auto text = as_text(buffer_);
+  if (!text.starts_with(kFrameStart)) return kHalfWait;
+  const FrameOpening opening = opening_of(text.substr(kStart), sender_);
+  const bool whole = text.size() <= kStart + opening.code.size() + kEnd + 1;  // but for one `@`
+  return opening.what == Opening::kUndecided && !opening.code.empty() && whole ? kCodeWait
+                                                                               : kHalfWait;
+}
+
+std::optional<ControlCode> MarkerReader::take_code() {
+  const auto text = as_text(buffer_);
+  if (skipping_ || !text.starts_with(kFrameStart)) return std::nullopt;
+  const FrameOpening opening = opening_of(text.substr(kStart), sender_);
+  if (opening.what != Opening::kUndecided || opening.code.empty()) return std::nullopt;
+  return taken(opening.code);
+}
 
 void MarkerReader::drop(std::size_t count) {
   buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(count));
@@ -50,12 +67,9 @@ std::optional<MarkerFrame> MarkerReader::noise() {
 std::optional<MarkerFrame> MarkerReader::control(Phase phase) {
   const auto text = as_text(buffer_);
   if (phase == Phase::kTransmission) {
-    const auto end = text.substr(0, kStart + kMaxHandshakeCode).find(kFrameEnd, kStart);
-    if (end == text.npos) return std::nullopt;
-    std::string code(text.substr(kStart, end - kStart));
-    if (!is_transmission_code(code)) return std::nullopt;
-    drop(end + kEnd);
-    return ControlCode{std::move(code)};
+    const FrameOpening opening = opening_of(text.substr(kStart), sender_);
+    if (opening.what != Opening::kControl) return std::nullopt;
+    return taken(opening.code);
   }
   const auto end = text.find(kFrameEnd, kStart);
   const std::size_t length = (end == text.npos ? text.size() : end) - kStart;
@@ -91,7 +105,8 @@ std::optional<MarkerFrame> MarkerReader::next(Phase phase) {
     searched_ = text.size() - std::min(text.size(), kInstructionEnd.size() - 1);
     return std::nullopt;
   }
-  Instruction instruction{Bytes(buffer_.begin() + kStart, buffer_.begin() + static_cast<std::ptrdiff_t>(kStart + length))};
+  Instruction instruction{Bytes(buffer_.begin() + kStart,
+                                buffer_.begin() + static_cast<std::ptrdiff_t>(kStart + length))};
   drop(end + kInstructionEnd.size());
   return instruction;
 }

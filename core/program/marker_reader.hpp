@@ -1,13 +1,23 @@
-// Cuts a stream of marker frames, however it arrives in pieces. Pure; owned by one end of a connection.
+// Cuts a stream of marker frames, however it arrives in pieces. Pure; owned by one end of a
+// connection.
 //
-// In transmission a frame of program bytes ends at CR FEFF and a control frame is one whose whole code is in the table, so that
-// an instruction may hold the markers: `@00WD0000FEFF..` is no end. An end may so be known only later: what is not yet decided
-// waits.
+// In transmission a frame of program bytes ends at CR FEFF and a control frame is one whose whole
+// code is in the table, so that an instruction may hold the markers: `@00WD0000FEFF..` is no end.
+// An end may so be known only later: what is not yet decided waits.
+//
+// An instruction may even begin like a control frame: the continuation of a Host Link answer begins
+// with any words, `0003FEFF12..`. Which of the two it is, the bytes behind FEFF tell:
+//
+//     @@0003FEFF @@ ..               control: the next frame begins
+//     @@0003FEFF .. CR FEFF          an instruction: it ends as instructions do
+//     @@0003FEFF .. CR other bytes   control, and noise behind it: CR is an instruction's last byte
+//     @@0003FEFF                     control when kCodeWait brings nothing more
 #pragma once
 
 #include <optional>
 #include <variant>
 
+#include "core/base/time.hpp"
 #include "core/program/frame.hpp"
 
 namespace fieldcast::program {
@@ -30,8 +40,14 @@ class MarkerReader {
  public:
   enum class Phase : std::uint8_t {
     kHandshake,     // every frame is a control frame
-    kTransmission,  // program bytes, and the codes ED, HB, 0000 .. 0004
+    kTransmission,  // program bytes, and the codes that its sender has in transmission
   };
+  // For the rest of an instruction, and for what may still follow a control frame: the sender
+  // writes an instruction in one piece.
+  static constexpr Duration kHalfWait = std::chrono::seconds{2},
+                            kCodeWait = std::chrono::milliseconds{200};
+
+  explicit MarkerReader(Sender sender) : sender_(sender) {}
 
   void feed(ByteView bytes) { append(buffer_, bytes); }
   // Call until it gives nothing; then what it holds is bounded by kMaxInstruction and some.
@@ -39,6 +55,11 @@ class MarkerReader {
   // Whether a frame has begun that did not end.
   [[nodiscard]] bool partial() const { return !buffer_.empty() || skipping_; }
   [[nodiscard]] std::size_t held() const { return buffer_.size(); }
+  // How long what has begun may wait, since the last bytes.
+  [[nodiscard]] Duration patience() const;
+  // No more comes, or not in time: the control frame that nothing followed, if there is one. The
+  // stream goes on behind it.
+  [[nodiscard]] std::optional<ControlCode> take_code();
   // Its rest did not come in time. Nothing when there is none.
   [[nodiscard]] std::optional<BrokenFrame> give_up();
   // What came behind the last frame, when the stream goes on in another framing.
@@ -48,8 +69,10 @@ class MarkerReader {
   [[nodiscard]] std::optional<MarkerFrame> skip();
   [[nodiscard]] std::optional<MarkerFrame> noise();
   [[nodiscard]] std::optional<MarkerFrame> control(Phase phase);
+  [[nodiscard]] ControlCode taken(std::string_view code);
   void drop(std::size_t count);
 
+  Sender sender_;
   Bytes buffer_;
   std::size_t searched_ = 0;  // of the buffer: no end before
   bool skipping_ = false;     // a frame that is too long, up to its end

@@ -8,12 +8,9 @@ namespace {
 
 constexpr std::uint8_t kCr = '\r';
 
-// "HBFEFF..": a reader takes the beginning for a control frame.
-bool looks_like_control(std::string_view instruction) {
-  const auto end = instruction.find(kFrameEnd);
-  if (end == instruction.npos) return false;
-  const auto code = instruction.substr(0, end);
-  return code == kStopCode || code == kHeartbeatCode || reply_from(code).has_value();
+// "HBFEFF..\r": a reader takes the beginning for a control frame.
+bool looks_like_control(std::string_view instruction, Sender sender) {
+  return opening_of(std::string(instruction) += kFrameEnd, sender).what == Opening::kControl;
 }
 
 }  // namespace
@@ -29,7 +26,7 @@ std::vector<BrokenFrame> MarkerWriter::write(ByteView bytes, Bytes& out) {
       if (whole) broken.push_back({FrameFault::kTooLong, std::exchange(skipped_, 0)});
     } else {
       append(instruction_, bytes.first(count));
-      if (whole && looks_like_control(as_text(instruction_))) {
+      if (whole && looks_like_control(as_text(instruction_), sender_)) {
         broken.push_back({FrameFault::kAmbiguous, instruction_.size()});
         instruction_.clear();
       } else if (whole) {
@@ -46,7 +43,8 @@ std::vector<BrokenFrame> MarkerWriter::write(ByteView bytes, Bytes& out) {
 
 std::optional<BrokenFrame> MarkerWriter::give_up() {
   if (!partial()) return std::nullopt;
-  return BrokenFrame{FrameFault::kHalf, std::exchange(skipped_, 0) + std::exchange(instruction_, {}).size()};
+  return BrokenFrame{FrameFault::kHalf,
+                     std::exchange(skipped_, 0) + std::exchange(instruction_, {}).size()};
 }
 
 }  // namespace fieldcast::program

@@ -27,10 +27,14 @@ void PortClient::on_event(const Event& event, Instant now, Actions& actions) {
     void operator()(const Connected&) const { me.greet(now, actions); }
     void operator()(const FromBridge& e) const { me.hear(e.bytes, now, actions); }
     void operator()(const FromProgram& e) const { me.send_program(e.bytes, now, actions); }
+    void operator()(const ProgramTakes& e) const {
+      me.program_takes_ = e.takes;
+      if (e.takes) me.heard_ = now;  // from here on the bridge is read again
+    }
     void operator()(const LineChanged& e) const {
       if (me.paired()) me.set_line(e.settings, actions);
     }
-    void operator()(const BridgeGone& e) const { me.finish(PortEnd::Kind::kBridgeGone, e.reason, actions); }
+    void operator()(const BridgeGone& e) const { me.bridge_gone(e.reason, now, actions); }
     void operator()(const StopAsked&) const { me.stop(actions); }
     void operator()(const TimerFired&) const { me.timer(now, actions); }
   };
@@ -44,15 +48,23 @@ void PortClient::on_event(const Event& event, Instant now, Actions& actions) {
 Instant PortClient::next_wake() const {
   if (state_ == State::kAsking) return reply_until_;
   if (!paired()) return kNever;
-  return std::min({beat_, heard_ + rules_.heartbeat * kMissed + rules_.heartbeat / 2, half_from_program_});
+  return std::min({beat_, unheard_until(), half_from_program_, half_from_bridge_});
+}
+
+// When the bridge's heartbeats are missing; while the program takes nothing they wait unread.
+Instant PortClient::unheard_until() const {
+  if (!program_takes_) return kNever;
+  return heard_ + rules_.heartbeat * kMissed + rules_.heartbeat / 2;
 }
 
 void PortClient::greet(Instant now, Actions& actions) {
   Bytes out;
   if (!rules_.user.empty()) {
-    append(out, control_frame(std::string(kLoginCode) + hex_of(rules_.user) + ':' + hex_of(rules_.password)));
+    append(out, control_frame(std::string(kLoginCode) + hex_of(rules_.user) + ':' +
+                              hex_of(rules_.password)));
   }
-  append(out, control_frame((rules_.by_length ? std::string(kLengthCode) : std::string()) + rules_.number));
+  append(out, control_frame((rules_.by_length ? std::string(kLengthCode) : std::string()) +
+                            rules_.number));
   actions.push_back(ToBridge{std::move(out)});
   state_ = State::kAsking;
   heard_ = now;
@@ -68,18 +80,33 @@ void PortClient::hear(ByteView bytes, Instant now, Actions& actions) {
 
 void PortClient::read_frames(Instant now, Actions& actions) {
   while (state_ == State::kAsking || (paired() && !rules_.by_length)) {
-    auto frame = reader_.next(paired() ? MarkerReader::Phase::kTransmission : MarkerReader::Phase::kHandshake);
-    if (!frame) return;
-    if (const auto* lost = std::get_if<BrokenFrame>(&*frame)) {
-      if (!paired()) return finish(PortEnd::Kind::kProtocol, "what answers is no Fieldcast bridge", actions);
-      actions.push_back(Dropped{std::string(to_text(lost->fault))});
-    } else if (auto* instruction = std::get_if<Instruction>(&*frame)) {
-      from_device_ += instruction->bytes.size();
-      actions.push_back(ToProgram{std::move(instruction->bytes)});
-    } else {
-      code(std::get<ControlCode>(*frame).code, now, actions);
-    }
+    auto frame = reader_.next(paired() ? MarkerReader::Phase::kTransmission
+                                       : MarkerReader::Phase::kHandshake);
+    if (!frame) break;
+    take_frame(*std::move(frame), now, actions);
   }
+  half_from_bridge_ =
+      paired() && !rules_.by_length && reader_.partial() ? now + reader_.patience() : kNever;
+}
+
+void PortClient::take_frame(MarkerFrame frame, Instant now, Actions& actions) {
+  if (const auto* lost = std::get_if<BrokenFrame>(&frame)) {
+    if (!paired())
+      return finish(PortEnd::Kind::kProtocol, "what answers is no Fieldcast bridge", actions);
+    actions.push_back(Dropped{std::string(to_text(lost->fault))});
+  } else if (auto* instruction = std::get_if<Instruction>(&frame)) {
+    from_device_ += instruction->bytes.size();
+    actions.push_back(ToProgram{std::move(instruction->bytes)});
+  } else {
+    code(std::get<ControlCode>(frame).code, now, actions);
+  }
+}
+
+void PortClient::bridge_gone(const std::string& reason, Instant now, Actions& actions) {
+  if (paired() && !rules_.by_length) {
+    if (auto last = reader_.take_code()) take_frame(*std::move(last), now, actions);
+  }
+  if (!over()) finish(PortEnd::Kind::kBridgeGone, reason, actions);
 }
 
 void PortClient::code(const std::string& code, Instant now, Actions& actions) {
@@ -87,10 +114,12 @@ void PortClient::code(const std::string& code, Instant now, Actions& actions) {
   const auto reply = reply_from(code);
   if (!reply) return;
   if (paired()) {
-    if (*reply == Reply::kLost) finish(PortEnd::Kind::kDeviceLost, std::string(to_text(*reply)), actions);
+    if (*reply == Reply::kLost)
+      finish(PortEnd::Kind::kDeviceLost, std::string(to_text(*reply)), actions);
     return;
   }
-  if (*reply != Reply::kPaired) return finish(PortEnd::Kind::kRefused, refusal(*reply), actions, *reply);
+  if (*reply != Reply::kPaired)
+    return finish(PortEnd::Kind::kRefused, refusal(*reply), actions, *reply);
   state_ = State::kPaired;
   beat_ = now + rules_.heartbeat;
   actions.push_back(Paired{});
@@ -114,7 +143,8 @@ void PortClient::set_line(LineSettings settings, Actions& actions) const {
 std::string PortClient::refusal(Reply reply) const {
   if (reply != Reply::kNotAllowed || rules_.user.empty()) return std::string(to_text(reply));
   return "the login of " + rules_.user +
-         " is refused: a wrong password, another role than programmer, or too many wrong passwords just before; 'fieldcast "
+         " is refused: a wrong password, another role than programmer, or too many wrong passwords "
+         "just before; 'fieldcast "
          "audit' at the bridge says which";
 }
 
@@ -153,7 +183,8 @@ void PortClient::send_program(ByteView bytes, Instant now, Actions& actions) {
   if (rules_.by_length) {
     append_chunks(out, bytes);
   } else {
-    for (const BrokenFrame& lost : writer_.write(bytes, out)) actions.push_back(Dropped{std::string(to_text(lost.fault))});
+    for (const BrokenFrame& lost : writer_.write(bytes, out))
+      actions.push_back(Dropped{std::string(to_text(lost.fault))});
     half_from_program_ = writer_.partial() ? now + kHalfWait : kNever;
   }
   if (!out.empty()) actions.push_back(ToBridge{std::move(out)});
@@ -178,12 +209,24 @@ void PortClient::timer(Instant now, Actions& actions) {
     return finish(PortEnd::Kind::kBridgeGone, "the bridge does not answer", actions);
   }
   if (!paired()) return;
-  if (now >= heard_ + rules_.heartbeat * kMissed + rules_.heartbeat / 2) {
-    return finish(PortEnd::Kind::kBridgeGone, std::to_string(kMissed) + " heartbeats of the bridge are missing", actions);
+  if (now >= unheard_until()) {
+    return finish(PortEnd::Kind::kBridgeGone,
+                  std::to_string(kMissed) + " heartbeats of the bridge are missing", actions);
+  }
+  if (now >= half_from_bridge_) {
+    half_from_bridge_ = kNever;
+    if (auto code = reader_.take_code()) {
+      take_frame(*std::move(code), now, actions);
+      read_frames(now, actions);
+      if (!paired()) return;
+    } else if (const auto half = reader_.give_up()) {
+      actions.push_back(Dropped{std::string(to_text(half->fault))});
+    }
   }
   if (now >= half_from_program_) {
     half_from_program_ = kNever;
-    if (const auto half = writer_.give_up()) actions.push_back(Dropped{std::string(to_text(half->fault))});
+    if (const auto half = writer_.give_up())
+      actions.push_back(Dropped{std::string(to_text(half->fault))});
   }
   if (now < beat_) return;
   beat_ = now + rules_.heartbeat;
@@ -200,7 +243,8 @@ void PortClient::beat(Actions& actions) const {
   actions.push_back(ToBridge{std::move(out)});
 }
 
-void PortClient::finish(PortEnd::Kind kind, std::string text, Actions& actions, std::optional<Reply> reply) {
+void PortClient::finish(PortEnd::Kind kind, std::string text, Actions& actions,
+                        std::optional<Reply> reply) {
   state_ = State::kOver;
   actions.push_back(Finish{{kind, reply, std::move(text)}});
 }

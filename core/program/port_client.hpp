@@ -1,5 +1,5 @@
-// The engineer's side of a pairing, as `fieldcast-port` plays it: asks for the device, carries bytes both ways, keeps the
-// heartbeat, ends. Pure: events and `now` in, actions out.
+// The engineer's side of a pairing, as `fieldcast-port` plays it: asks for the device, carries
+// bytes both ways, keeps the heartbeat, ends. Pure: events and `now` in, actions out.
 #pragma once
 
 #include <string>
@@ -16,7 +16,8 @@ struct PortClientRules {
   std::string number;
   std::string user, password;  // without a user no login is sent
   bool by_length = true;       // any bytes; else instructions in marker frames
-  // Data bits, parity and stop bits of the real line, by length only; its baud rate is not looked at: the program's counts.
+  // Data bits, parity and stop bits of the real line, by length only; its baud rate is not looked
+  // at: the program's counts.
   std::optional<LineFormat> format;
   Duration heartbeat = std::chrono::seconds{5};
   Duration reply = std::chrono::seconds{30};  // how long the bridge may take: a slowed login waits
@@ -39,6 +40,9 @@ class PortClient {
   struct FromProgram {
     ByteView bytes;
   };
+  struct ProgramTakes {  // false: its queue is full, nothing is read from the bridge; true: it is
+    bool takes = true;
+  };
   struct LineChanged {
     LineSettings settings;
   };
@@ -47,7 +51,8 @@ class PortClient {
   };
   struct StopAsked {};
   struct TimerFired {};
-  using Event = std::variant<Connected, FromBridge, FromProgram, LineChanged, BridgeGone, StopAsked, TimerFired>;
+  using Event = std::variant<Connected, FromBridge, FromProgram, ProgramTakes, LineChanged,
+                             BridgeGone, StopAsked, TimerFired>;
 
   struct ToBridge {
     Bytes bytes;
@@ -69,7 +74,7 @@ class PortClient {
   using Actions = std::vector<Action>;
 
   static constexpr unsigned kMissed = 3;
-  static constexpr Duration kHalfWait = std::chrono::seconds{2};
+  static constexpr Duration kHalfWait = MarkerReader::kHalfWait;
 
   explicit PortClient(PortClientRules rules) : rules_(std::move(rules)) {}
   void on_event(const Event& event, Instant now, Actions& actions);
@@ -85,24 +90,31 @@ class PortClient {
   void greet(Instant now, Actions& actions);
   void hear(ByteView bytes, Instant now, Actions& actions);
   void read_frames(Instant now, Actions& actions);
+  void take_frame(MarkerFrame frame, Instant now, Actions& actions);
   void read_chunks(ByteView bytes, Actions& actions);
   void code(const std::string& code, Instant now, Actions& actions);
   void set_line(LineSettings settings, Actions& actions) const;
   [[nodiscard]] std::string refusal(Reply reply) const;  // for people
   void send_program(ByteView bytes, Instant now, Actions& actions);
   void stop(Actions& actions);
-  void beat(Actions& actions) const;  // at our own rhythm, and in answer to the bridge's, which may be quicker
+  void beat(Actions& actions)
+      const;  // at our own rhythm, and in answer to the bridge's, which may be quicker
   void timer(Instant now, Actions& actions);
-  void finish(PortEnd::Kind kind, std::string text, Actions& actions, std::optional<Reply> reply = {});
+  void finish(PortEnd::Kind kind, std::string text, Actions& actions,
+              std::optional<Reply> reply = {});
+  void bridge_gone(const std::string& reason, Instant now, Actions& actions);
   [[nodiscard]] Instant next_wake() const;
+  [[nodiscard]] Instant unheard_until() const;
 
   PortClientRules rules_;
   State state_ = State::kIdle;
-  MarkerReader reader_;
-  MarkerWriter writer_;
+  MarkerReader reader_{Sender::kBridge};
+  MarkerWriter writer_{Sender::kClient};
   LengthReader lengths_;
   std::uint64_t to_device_ = 0, from_device_ = 0;
   Instant heard_{}, beat_ = kNever, reply_until_ = kNever, half_from_program_ = kNever;
+  Instant half_from_bridge_ = kNever;
+  bool program_takes_ = true;
   Instant timer_ = kNever;
 };
 

@@ -10,7 +10,9 @@ namespace fieldcast::program {
 namespace {
 
 std::string_view trimmed(std::string_view text) {
-  const auto is_blank = [](char c) { return c == ' ' || c == '\r' || c == '\n' || c == '\t' || c == '\0'; };
+  const auto is_blank = [](char c) {
+    return c == ' ' || c == '\r' || c == '\n' || c == '\t' || c == '\0';
+  };
   while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
   while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
   return text;
@@ -47,7 +49,8 @@ Registration::Outcome Registration::ask(Instant now) {
   const auto address = protocol_->parse_address("DM" + std::to_string(rule_.first));
   assert(address && "the loader checks the address");
   heard_.clear();
-  exchange_ = protocol_->begin(ReadRequest{{Range{address->area, address->first, rule_.words}}}, {++tries_});
+  exchange_ = protocol_->begin(ReadRequest{{Range{address->area, address->first, rule_.words}}},
+                               {++tries_});
   Bytes out;
   const Step step = exchange_->start(out);
   return follow(step, std::move(out), now);
@@ -61,11 +64,15 @@ Registration::Outcome Registration::follow(const Step& step, Bytes out, Instant 
       outcome.send = std::move(out);
       silence_ = now + kAnswerTimeout;
       break;
-    case Step::Kind::kNeedMore: silence_ = now + (step.wait == Wait::kPause ? step.pause : kAnswerTimeout); break;
-    case Step::Kind::kFailed: return ask(now);  // noise, or the PLC was busy: until the time is over
+    case Step::Kind::kNeedMore:
+      silence_ = now + (step.wait == Wait::kPause ? step.pause : kAnswerTimeout);
+      break;
+    case Step::Kind::kFailed:
+      return ask(now);  // noise, or the PLC was busy: until the time is over
     case Step::Kind::kDone: {
       const RangeReply& words = exchange_->reply().front();
-      return words.cause == Cause::kNone ? number_or_fault(as_text(words.items)) : refused(words.cause, words.device_code);
+      return words.cause == Cause::kNone ? number_or_fault(as_text(words.items))
+                                         : refused(words.cause, words.device_code);
     }
   }
   outcome.wake = std::min(silence_, deadline_);
@@ -79,8 +86,10 @@ Registration::Outcome Registration::on_bytes(ByteView bytes, Instant now) {
     append(heard_, bytes);
     Bytes out;
     const Step step = exchange_->on_bytes(heard_, out);
-    if (step.kind == Step::Kind::kFailed && step.cause == Cause::kDeviceError) return refused(step.cause, step.device_code);
-    // What else fails while bytes come is asked again only in silence, or noise would be answered with a storm of questions.
+    if (step.kind == Step::Kind::kFailed && step.cause == Cause::kDeviceError)
+      return refused(step.cause, step.device_code);
+    // What else fails while bytes come is asked again only in silence, or noise would be answered
+    // with a storm of questions.
     if (step.kind != Step::Kind::kFailed) return follow(step, std::move(out), now);
     silence_ = now + kAnswerTimeout;
     return {{}, {}, {}, std::min(silence_, deadline_)};
@@ -91,7 +100,10 @@ Registration::Outcome Registration::on_bytes(ByteView bytes, Instant now) {
   const auto end = begin == text.npos ? text.npos : text.find_first_of("\r\n", begin);
   if (end != text.npos) return number_or_fault(text.substr(begin, end - begin));
   if (text.size() > kMaxText)
-    return {{}, {}, "a registration text of more than " + std::to_string(kMaxText) + " characters", kNever};
+    return {{},
+            {},
+            "a registration text of more than " + std::to_string(kMaxText) + " characters",
+            kNever};
   silence_ = now + kTextEnds;
   return {{}, {}, {}, std::min(silence_, deadline_)};
 }
@@ -100,7 +112,11 @@ Registration::Outcome Registration::on_timer(Instant now) {
   const bool text_ended = !protocol_ && !heard_.empty() && now >= silence_;
   if (text_ended) return number_or_fault(as_text(heard_));
   if (now >= deadline_) {
-    return {{}, {}, protocol_ ? "the PLC did not tell its number in time" : "no registration text came in time", kNever};
+    return {
+        {},
+        {},
+        protocol_ ? "the PLC did not tell its number in time" : "no registration text came in time",
+        kNever};
   }
   if (protocol_ && now >= silence_) {
     Bytes out;
@@ -113,7 +129,8 @@ Registration::Outcome Registration::on_timer(Instant now) {
 Registration::Outcome Registration::refused(Cause cause, std::uint16_t code) {
   return {{},
           {},
-          "the PLC refuses to tell its number: " + std::string(fieldcast::to_text(cause)) + ' ' + std::to_string(code),
+          "the PLC refuses to tell its number: " + std::string(fieldcast::to_text(cause)) + ' ' +
+              std::to_string(code),
           kNever};
 }
 
@@ -121,11 +138,16 @@ Registration::Outcome Registration::number_or_fault(std::string_view text) const
   std::string_view number = trimmed(text);
   if (!rule_.prefix.empty()) {
     if (!number.starts_with(rule_.prefix)) {
-      return {{}, {}, "the registration text '" + printable(number) + "' does not begin with '" + rule_.prefix + "'", kNever};
+      return {{},
+              {},
+              "the registration text '" + printable(number) + "' does not begin with '" +
+                  rule_.prefix + "'",
+              kNever};
     }
     number = trimmed(number.substr(rule_.prefix.size()));
   }
-  if (!is_device_number(number)) return {{}, {}, "'" + printable(number) + "' is no device number", kNever};
+  if (!is_device_number(number))
+    return {{}, {}, "'" + printable(number) + "' is no device number", kNever};
   return {{}, std::string(number), {}, kNever};
 }
 

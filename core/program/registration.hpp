@@ -1,7 +1,9 @@
-// Asks a module that dialled in for its device number. Pure: bytes and silence in, requests and the number out.
+// Asks a module that dialled in for its device number. Pure: bytes and silence in, requests and the
+// number out.
 //
-// Either the module sends a registration text of its own when it connects, or the number stands as text in DM words of the PLC
-// behind it and is read with Host Link (`RD`), two characters in each word, the first in the high byte.
+// Either the module sends a registration text of its own when it connects, or the number stands as
+// text in DM words of the PLC behind it and is read with Host Link (`RD`), two characters in each
+// word, the first in the high byte.
 #pragma once
 
 #include <memory>
@@ -27,8 +29,9 @@ struct RegistrationRule {
 
 class Registration {
  public:
-  static constexpr std::size_t kMaxText = 128;                           // prefix and number and ends of line
-  static constexpr Duration kTextEnds = std::chrono::milliseconds{300};  // a text without an end of line ends in silence
+  static constexpr std::size_t kMaxText = 128;  // prefix and number and ends of line
+  static constexpr Duration kTextEnds =
+      std::chrono::milliseconds{300};  // a text without an end of line ends in silence
   static constexpr Duration kAnswerTimeout = std::chrono::milliseconds{1000};
 
   explicit Registration(const RegistrationRule& rule);

@@ -12,10 +12,14 @@
 namespace fieldcast {
 
 // For faults: as much as a line of them can bear.
-[[nodiscard]] inline std::string quoted(std::string_view text) { return "'" + std::string(text.substr(0, 64)) + "'"; }
+[[nodiscard]] inline std::string quoted(std::string_view text) {
+  return "'" + std::string(text.substr(0, 64)) + "'";
+}
 
-// The whole text as a number; UINT32_MAX when it is too large for any area, nothing for what is no number of that base.
-[[nodiscard]] inline std::optional<std::uint32_t> whole_number(std::string_view text, int base = 10) {
+// The whole text as a number; UINT32_MAX when it is too large for any area, nothing for what is no
+// number of that base.
+[[nodiscard]] inline std::optional<std::uint32_t> whole_number(std::string_view text,
+                                                               int base = 10) {
   std::uint32_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, base);
   if (text.empty() || end != text.data() + text.size()) return std::nullopt;
@@ -30,9 +34,11 @@ namespace fieldcast {
 
 // parse(at), without a suggestion that is no address itself.
 template <typename Parse>
-[[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_with_suggestion(std::string_view at, const Parse& parse) {
+[[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_with_suggestion(std::string_view at,
+                                                                              const Parse& parse) {
   auto parsed = parse(at);
-  if (!parsed && !parsed.error().suggestion.empty() && !parse(parsed.error().suggestion)) parsed.error().suggestion.clear();
+  if (!parsed && !parsed.error().suggestion.empty() && !parse(parsed.error().suggestion))
+    parsed.error().suggestion.clear();
   return parsed;
 }
 

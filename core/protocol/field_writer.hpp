@@ -1,5 +1,6 @@
-// Collects the lines of an explained frame. Positions are given in bytes of the inner data and noted in characters of the wire,
-// so that one explanation serves binary frames and hexadecimal ones.
+// Collects the lines of an explained frame. Positions are given in bytes of the inner data and
+// noted in characters of the wire, so that one explanation serves binary frames and hexadecimal
+// ones.
 #pragma once
 
 #include <cstdint>
@@ -7,18 +8,23 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/escaped.hpp"
 #include "core/protocol/protocol.hpp"
 
 namespace fieldcast {
 
 class FieldWriter {
  public:
-  // `base`: offset of inner byte 0 on the wire; `stride`: wire characters for each inner byte (1 binary, 2 hexadecimal).
+  // `base`: offset of inner byte 0 on the wire; `stride`: wire characters for each inner byte (1
+  // binary, 2 hexadecimal).
   explicit FieldWriter(std::size_t base = 0, std::size_t stride = 1, unsigned depth = 0)
       : base_(base), stride_(stride), depth_(depth) {}
 
-  void add(std::size_t at, std::size_t length, std::string name, std::string value, std::string fault = {}) {
-    fields_.push_back({depth_, base_ + at * stride_, length * stride_, std::move(name), std::move(value), std::move(fault)});
+  void add(std::size_t at, std::size_t length, std::string name, const std::string& value,
+           const std::string& fault = {}) {
+    // Both may hold characters of the frame.
+    fields_.push_back({depth_, base_ + at * stride_, length * stride_, std::move(name),
+                       escaped(value), escaped(fault)});
   }
   // About the whole.
   void remark(std::string value, std::string fault = {}) {
@@ -27,7 +33,8 @@ class FieldWriter {
   void deeper() { ++depth_; }
   void higher() { --depth_; }
   void append(std::vector<FrameField> fields) {
-    fields_.insert(fields_.end(), std::make_move_iterator(fields.begin()), std::make_move_iterator(fields.end()));
+    fields_.insert(fields_.end(), std::make_move_iterator(fields.begin()),
+                   std::make_move_iterator(fields.end()));
   }
   [[nodiscard]] unsigned depth() const { return depth_; }
   [[nodiscard]] std::vector<FrameField> take() { return std::move(fields_); }

@@ -16,7 +16,9 @@ std::string listed(std::span<const std::string_view> words) {
 
 }  // namespace
 
-OptionReader::OptionReader(const DeviceLink& link, const Traits& traits, std::span<const std::string_view> names) : link_(link) {
+OptionReader::OptionReader(const DeviceLink& link, const Traits& traits,
+                           std::span<const std::string_view> names)
+    : link_(link) {
   for (const auto& [name, value] : link.options) {
     if (std::find(names.begin(), names.end(), name) != names.end()) continue;
     const std::string_view near = near_miss(name, names);
@@ -25,7 +27,9 @@ OptionReader::OptionReader(const DeviceLink& link, const Traits& traits, std::sp
     refuse(name, std::move(what), listed(names));
   }
   if (link.address < traits.lowest_address || link.address > traits.highest_address) {
-    refuse({}, "address " + std::to_string(link.address) + " is outside what " + std::string(traits.name) + " has",
+    refuse({},
+           "address " + std::to_string(link.address) + " is outside what " +
+               std::string(traits.name) + " has",
            std::to_string(traits.lowest_address) + ".." + std::to_string(traits.highest_address));
   }
 }
@@ -39,27 +43,37 @@ void OptionReader::refuse(std::string_view name, std::string what, std::string a
   if (!fault_) fault_ = OptionFault{std::string(name), std::move(what), std::move(allowed)};
 }
 
-bool OptionReader::flag(std::string_view name, bool otherwise) { return choice(name, {"false", "true"}, otherwise ? 1 : 0) == 1; }
+bool OptionReader::flag(std::string_view name, bool otherwise) {
+  return choice(name, {"false", "true"}, otherwise ? 1 : 0) == 1;
+}
 
-std::size_t OptionReader::choice(std::string_view name, std::initializer_list<std::string_view> choices, std::size_t otherwise) {
+std::size_t OptionReader::choice(std::string_view name,
+                                 std::initializer_list<std::string_view> choices,
+                                 std::size_t otherwise) {
   const std::string* text = text_of(name);
   if (text == nullptr) return otherwise;
   const auto found = std::find(choices.begin(), choices.end(), *text);
   if (found != choices.end()) return static_cast<std::size_t>(found - choices.begin());
   const std::span<const std::string_view> words(choices.begin(), choices.size());
   const std::string_view near = near_miss(*text, words);
-  refuse(name, "'" + *text + "' is no choice" + (near.empty() ? "" : "; did you mean '" + std::string(near) + "'?"),
+  refuse(name,
+         "'" + *text + "' is no choice" +
+             (near.empty() ? "" : "; did you mean '" + std::string(near) + "'?"),
          listed(words));
   return otherwise;
 }
 
-std::uint32_t OptionReader::number(std::string_view name, std::uint32_t lowest, std::uint32_t highest, std::uint32_t otherwise) {
+std::uint32_t OptionReader::number(std::string_view name, std::uint32_t lowest,
+                                   std::uint32_t highest, std::uint32_t otherwise) {
   const std::string* text = text_of(name);
   if (text == nullptr) return otherwise;
   std::uint32_t value = 0;
   const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), value);
-  if (error == std::errc{} && end == text->data() + text->size() && value >= lowest && value <= highest) return value;
-  refuse(name, "'" + *text + "' is no such number", std::to_string(lowest) + ".." + std::to_string(highest));
+  if (error == std::errc{} && end == text->data() + text->size() && value >= lowest &&
+      value <= highest)
+    return value;
+  refuse(name, "'" + *text + "' is no such number",
+         std::to_string(lowest) + ".." + std::to_string(highest));
   return otherwise;
 }
 

@@ -28,9 +28,17 @@ std::span<const ProtocolEntry> protocols() {
   return entries;
 }
 
+// Eight bits, since no number on the wire has fewer: a narrow one comes round while it is owed.
+bool Protocol::mistakable(const Request&, ExchangeContext earlier, const Request&,
+                          ExchangeContext later) const {
+  return traits().identity != AnswerIdentity::kSequence ||
+         (earlier.sequence & 0xFF) == (later.sequence & 0xFF);
+}
+
 const ProtocolEntry* find_protocol(std::string_view name) {
   const auto all = protocols();
-  const auto found = std::find_if(all.begin(), all.end(), [&](const ProtocolEntry& entry) { return entry.name == name; });
+  const auto found = std::find_if(all.begin(), all.end(),
+                                  [&](const ProtocolEntry& entry) { return entry.name == name; });
   return found == all.end() ? nullptr : &*found;
 }
 

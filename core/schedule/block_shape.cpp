@@ -6,12 +6,15 @@ namespace fieldcast {
 
 namespace {
 
-std::int64_t part(double share, std::int64_t of) { return static_cast<std::int64_t>(share * static_cast<double>(of)); }
+std::int64_t part(double share, std::int64_t of) {
+  return static_cast<std::int64_t>(share * static_cast<double>(of));
+}
 
 // Grows a slice one neighbour at a time, in one direction, and keeps the best place to stop.
 class Growth {
  public:
-  Growth(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost, std::int64_t now)
+  Growth(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost,
+         std::int64_t now)
       : points_(points),
         cost_(cost),
         now_(now),
@@ -19,16 +22,17 @@ class Growth {
         first_(points[urgent].first),
         end_(points[urgent].end) {}
 
-  // `worth(point)`: wire time that renewing the point now is worth. `rescue`: the largest worth that may still come. `budget`: of
-  // the whole block.
+  // `worth(point)`: wire time that renewing the point now is worth. `rescue`: the largest worth
+  // that may still come. `budget`: of the whole block.
   template <typename Worth>
   void grow(bool up, const Worth& worth, double rescue, std::int64_t budget) {
     double balance = 0;
     std::uint32_t first = first_, end = end_;
-    for (std::uint32_t at = up ? slice_.end : slice_.begin; up ? at < points_.size() : at > 0; at += up ? 1 : 0) {
+    for (std::uint32_t at = up ? slice_.end : slice_.begin; up ? at < points_.size() : at > 0;
+         at += up ? 1 : 0) {
       const std::uint32_t place = up ? at : --at;
-      const bool cut =
-          up ? cut_between(points_[place - 1], points_[place], now_) : cut_between(points_[place], points_[place + 1], now_);
+      const bool cut = up ? cut_between(points_[place - 1], points_[place], now_)
+                          : cut_between(points_[place], points_[place + 1], now_);
       if (cut) return;
       const std::uint32_t before = end - first;
       first = std::min(first, points_[place].first);
@@ -64,8 +68,8 @@ class Growth {
 
 }  // namespace
 
-std::int64_t next_turn(std::span<const PointState> points, std::uint32_t urgent, std::int64_t now, const Allowance& allowance,
-                       const RidingWeights& weights) {
+std::int64_t next_turn(std::span<const PointState> points, std::uint32_t urgent, std::int64_t now,
+                       const Allowance& allowance, const RidingWeights& weights) {
   std::int64_t beat = allowance.spacing, base = std::max(now, points[urgent].due);
   if (beat == 0) {
     beat = points[urgent].period;
@@ -77,15 +81,19 @@ std::int64_t next_turn(std::span<const PointState> points, std::uint32_t urgent,
   return base + part(weights.reach, beat);
 }
 
-Slice riding_slice(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost, std::int64_t now,
-                   const Allowance& allowance, const RidingWeights& weights) {
+Slice riding_slice(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost,
+                   std::int64_t now, const Allowance& allowance, const RidingWeights& weights) {
   const std::int64_t next_read = next_turn(points, urgent, now, allowance, weights);
   // Whoever is due comes along, or would need a request of its own; what is between is on the way.
   constexpr double kAnything = 1e18;
   const double request = cost.item_ns() * cost.bridge();
-  const auto must = [&](const PointState& point) { return point.due <= next_read ? kAnything : 0.0; };
+  const auto must = [&](const PointState& point) {
+    return point.due <= next_read ? kAnything : 0.0;
+  };
   const auto eager = [&](const PointState& point) {
-    return point.due <= next_read ? kAnything : point.eager ? request + cost.item_ns() * (point.end - point.first) : 0.0;
+    return point.due <= next_read ? kAnything
+           : point.eager          ? request + cost.item_ns() * (point.end - point.first)
+                                  : 0.0;
   };
   Growth growth(points, urgent, cost, now);
   growth.both_ways(must, kAnything, kNeverNs);
@@ -93,15 +101,19 @@ Slice riding_slice(std::span<const PointState> points, std::uint32_t urgent, con
   return growth.slice();
 }
 
-Slice near_slice(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost, std::int64_t now) {
+Slice near_slice(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost,
+                 std::int64_t now) {
   Growth growth(points, urgent, cost, now);
   const double request = cost.item_ns() * cost.bridge();
-  const auto half_used = [&](const PointState& point) { return point.used(now) >= 0.5 ? request : 0.0; };
+  const auto half_used = [&](const PointState& point) {
+    return point.used(now) >= 0.5 ? request : 0.0;
+  };
   growth.both_ways(half_used, request, kNeverNs);
   return growth.slice();
 }
 
-Slice whole_slice(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost, std::int64_t now) {
+Slice whole_slice(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost,
+                  std::int64_t now) {
   Growth growth(points, urgent, cost, now);
   constexpr double kAnything = 1e18;
   growth.both_ways([](const PointState&) { return kAnything; }, kAnything, kNeverNs);

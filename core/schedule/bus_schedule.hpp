@@ -1,5 +1,5 @@
-// What the bus engine asks of its scheduler: one place for the engine, `fieldcast plan` and the simulation, so that what is
-// predicted is what will run. Pure functions.
+// What the bus engine asks of its scheduler: one place for the engine, `fieldcast plan` and the
+// simulation, so that what is predicted is what will run. Pure functions.
 #pragma once
 
 #include <span>
@@ -10,18 +10,24 @@
 
 namespace fieldcast {
 
-// Of every device, from the end of a request to the first byte of the answer, until its own is learned.
+// Of every device, from the end of a request to the first byte of the answer, until its own is
+// learned.
 inline constexpr Duration kAssumedAnswerTime = std::chrono::milliseconds{5};
 
-// Silence that is kept after each answer. A plain TCP device needs none between frames; a serial server's line does.
+// Silence that is kept after each answer. A plain TCP device needs none between frames; a serial
+// server's line does.
 [[nodiscard]] Duration silence_for(const BusSpec& bus);
 
-// What a bus asks of its wire, with the shortest lead. `protocols`: one for each device, outliving the input.
-[[nodiscard]] ScheduleInput wire_input(const BusSpec& bus, std::span<const Protocol* const> protocols, std::vector<Point> points,
-                                       Duration answer_time);
+// What a bus asks of its wire, with the shortest lead. `protocols`: one for each device, outliving
+// the input.
+[[nodiscard]] ScheduleInput wire_input(const BusSpec& bus,
+                                       std::span<const Protocol* const> protocols,
+                                       std::vector<Point> points, Duration answer_time);
 
-// The same as it will run: a bus with room is planned with a longer lead, so that a broken answer can be asked for again in time.
-[[nodiscard]] ScheduleInput schedule_input(const BusSpec& bus, std::span<const Protocol* const> protocols,
+// The same as it will run: a bus with room is planned with a longer lead, so that a broken answer
+// can be asked for again in time.
+[[nodiscard]] ScheduleInput schedule_input(const BusSpec& bus,
+                                           std::span<const Protocol* const> protocols,
                                            std::vector<Point> points, Duration answer_time);
 
 }  // namespace fieldcast

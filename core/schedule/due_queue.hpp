@@ -1,5 +1,5 @@
-// A priority queue of small integers by instant, smallest first, in which every entry can be moved or taken out. Logarithmic; no
-// allocation after construction.
+// A priority queue of small integers by instant, smallest first, in which every entry can be moved
+// or taken out. Logarithmic; no allocation after construction.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,8 @@ class DueQueue {
   [[nodiscard]] std::uint32_t top() const { return heap_.front(); }
   [[nodiscard]] std::int64_t top_key() const { return key_[heap_.front()]; }
   [[nodiscard]] bool holds(std::uint32_t id) const { return slot_of_[id] != kOut; }
-  // The heap itself, for walks that look at a few entries in order: children of slot i are 2i+1 and 2i+2.
+  // The heap itself, for walks that look at a few entries in order: children of slot i are 2i+1 and
+  // 2i+2.
   [[nodiscard]] std::uint32_t at(std::size_t slot) const { return heap_[slot]; }
   [[nodiscard]] std::int64_t key(std::uint32_t id) const { return key_[id]; }
 
@@ -60,7 +61,8 @@ class DueQueue {
   void down(std::uint32_t slot) {
     for (;;) {
       std::uint32_t least = slot;
-      for (std::uint32_t child = 2 * slot + 1; child <= 2 * slot + 2 && child < heap_.size(); ++child) {
+      for (std::uint32_t child = 2 * slot + 1; child <= 2 * slot + 2 && child < heap_.size();
+           ++child) {
         if (key_[heap_[child]] < key_[heap_[least]]) least = child;
       }
       if (least == slot) return;

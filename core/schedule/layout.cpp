@@ -19,7 +19,8 @@ void add_cluster(Layout& layout, const Cluster& cluster) {
   layout.clusters.push_back(cluster);
 }
 
-std::vector<Wanted> wanted_of(const ScheduleInput& input, std::span<const PointIndex> points, bool single) {
+std::vector<Wanted> wanted_of(const ScheduleInput& input, std::span<const PointIndex> points,
+                              bool single) {
   std::vector<Wanted> wanted;
   wanted.reserve(points.size());
   for (const PointIndex point : points) {
@@ -29,14 +30,16 @@ std::vector<Wanted> wanted_of(const ScheduleInput& input, std::span<const PointI
   return wanted;
 }
 
-// Takes the points of one device that are read by lists out of its strips: false for those in `stays`.
-std::vector<std::vector<PointIndex>> packs_of(const ScheduleInput& input, const Layout& layout, DeviceIndex device,
-                                              std::vector<bool>& stays) {
+// Takes the points of one device that are read by lists out of its strips: false for those in
+// `stays`.
+std::vector<std::vector<PointIndex>> packs_of(const ScheduleInput& input, const Layout& layout,
+                                              DeviceIndex device, std::vector<bool>& stays) {
   const ListCost& cost = *layout.lists[device];
   std::vector<StripPoints> strips;
   for (const Strip& strip : layout.strips) {
     if (strip.device != device || !cost.lists(strip.area)) continue;
-    strips.push_back({std::span(layout.point_at).subspan(strip.begin, strip.end - strip.begin), strip.cost});
+    strips.push_back(
+        {std::span(layout.point_at).subspan(strip.begin, strip.end - strip.begin), strip.cost});
   }
   auto packs = make_packs(input.points, strips, cost);
   for (const auto& pack : packs) {
@@ -52,11 +55,13 @@ void pack(const ScheduleInput& input, Layout& layout) {
   for (DeviceIndex device = 0; device < input.devices.size(); ++device) {
     if (!ListCost::can_list(*input.devices[device].protocol)) continue;
     layout.lists[device].emplace(input.devices[device], input.line, input.silence);
-    for (auto& points : packs_of(input, layout, device, stays)) packs.emplace_back(device, std::move(points));
+    for (auto& points : packs_of(input, layout, device, stays))
+      packs.emplace_back(device, std::move(points));
   }
   if (packs.empty()) return;
   std::vector<StripIndex> strip_of(input.points.size());
-  for (Place place = 0; place < layout.point_at.size(); ++place) strip_of[layout.point_at[place]] = layout.strip_at[place];
+  for (Place place = 0; place < layout.point_at.size(); ++place)
+    strip_of[layout.point_at[place]] = layout.strip_at[place];
   std::vector<PointIndex> point_at;
   for (Strip& strip : layout.strips) {
     const auto begin = static_cast<Place>(point_at.size());
@@ -69,26 +74,32 @@ void pack(const ScheduleInput& input, Layout& layout) {
   for (const auto& [device, points] : packs) {
     const auto begin = static_cast<Place>(point_at.size());
     point_at.insert(point_at.end(), points.begin(), points.end());
-    layout.packs.push_back({strip_of[points.front()], device, begin, static_cast<Place>(point_at.size()), true});
+    layout.packs.push_back(
+        {strip_of[points.front()], device, begin, static_cast<Place>(point_at.size()), true});
   }
   layout.point_at = std::move(point_at);
-  for (Place place = 0; place < layout.point_at.size(); ++place) layout.strip_at[place] = strip_of[layout.point_at[place]];
+  for (Place place = 0; place < layout.point_at.size(); ++place)
+    layout.strip_at[place] = strip_of[layout.point_at[place]];
 }
 
 }  // namespace
 
-void cut_into_clusters(std::span<const Wanted> wanted, std::span<const double> rates, Layout& layout) {
+void cut_into_clusters(std::span<const Wanted> wanted, std::span<const double> rates,
+                       Layout& layout) {
   layout.clusters.clear();
   layout.cluster_at.clear();
   for (auto& clusters : layout.clusters_of) clusters.clear();
   for (StripIndex index = 0; index < layout.strips.size(); ++index) {
     const Strip& strip = layout.strips[index];
-    for (const Slice slice : optimal_partition(wanted.subspan(strip.begin, strip.end - strip.begin), strip.cost)) {
+    for (const Slice slice :
+         optimal_partition(wanted.subspan(strip.begin, strip.end - strip.begin), strip.cost)) {
       const Place begin = strip.begin + slice.begin, size = slice.end - slice.begin;
       const auto paces = rates.empty() || size == 1
                              ? std::vector<Slice>{{0, size}}
-                             : partition_by_pace(wanted.subspan(begin, size), rates.subspan(begin, size), strip.cost);
-      for (const Slice pace : paces) add_cluster(layout, {index, strip.device, begin + pace.begin, begin + pace.end});
+                             : partition_by_pace(wanted.subspan(begin, size),
+                                                 rates.subspan(begin, size), strip.cost);
+      for (const Slice pace : paces)
+        add_cluster(layout, {index, strip.device, begin + pace.begin, begin + pace.end});
     }
   }
   for (const Cluster& pack : layout.packs) add_cluster(layout, pack);
@@ -115,18 +126,23 @@ Layout make_layout(const ScheduleInput& input, Clustering clustering) {
       if (point.device != head.device || point.range.area != head.range.area) break;
       last_item = std::max(last_item, point.range.end());
     }
-    const ReadCost cost(input.devices[head.device], head.range.area, input.line, input.silence, last_item - head.range.first);
-    layout.strip_at.insert(layout.strip_at.end(), end - begin, static_cast<StripIndex>(layout.strips.size()));
+    const ReadCost cost(input.devices[head.device], head.range.area, input.line, input.silence,
+                        last_item - head.range.first);
+    layout.strip_at.insert(layout.strip_at.end(), end - begin,
+                           static_cast<StripIndex>(layout.strips.size()));
     layout.strips.push_back({head.device, head.range.area, cost, begin, end});
   }
   if (clustering == Clustering::kLists) pack(input, layout);
   layout.place_of.resize(input.points.size());
-  for (Place place = 0; place < layout.point_at.size(); ++place) layout.place_of[layout.point_at[place]] = place;
+  for (Place place = 0; place < layout.point_at.size(); ++place)
+    layout.place_of[layout.point_at[place]] = place;
   std::vector<double> rates;
   if (clustering == Clustering::kLists) {
-    for (const PointIndex point : layout.point_at) rates.push_back(1 / std::max(1e-9, to_seconds(input.points[point].refresh)));
+    for (const PointIndex point : layout.point_at)
+      rates.push_back(1 / std::max(1e-9, to_seconds(input.points[point].refresh)));
   }
-  cut_into_clusters(wanted_of(input, layout.point_at, clustering == Clustering::kSinglePoints), rates, layout);
+  cut_into_clusters(wanted_of(input, layout.point_at, clustering == Clustering::kSinglePoints),
+                    rates, layout);
   return layout;
 }
 

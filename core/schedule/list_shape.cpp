@@ -4,7 +4,8 @@
 
 namespace fieldcast {
 
-void ListShaper::confine(std::span<const PointState> points, std::uint32_t urgent, std::int64_t now) {
+void ListShaper::confine(std::span<const PointState> points, std::uint32_t urgent,
+                         std::int64_t now) {
   reach_ = {urgent, urgent + 1};
   taken_.assign(points.size(), 0);
   taken_[urgent] = 1;
@@ -21,17 +22,20 @@ void ListShaper::cover(std::span<const PointState> points, Pick& out) const {
   for (std::uint32_t place = reach_.begin; place < reach_.end; ++place) {
     const PointState& point = points[place];
     while (range < ranges.size() &&
-           (ranges[range].area < point.area || (ranges[range].area == point.area && ranges[range].end() <= point.first)))
+           (ranges[range].area < point.area ||
+            (ranges[range].area == point.area && ranges[range].end() <= point.first)))
       ++range;
     if (range == ranges.size()) return;
     const Range& held = ranges[range];
-    if (held.area == point.area && held.first <= point.first && point.end <= held.end() && (!point.bad || taken_[place] != 0))
+    if (held.area == point.area && held.first <= point.first && point.end <= held.end() &&
+        (!point.bad || taken_[place] != 0))
       out.members.push_back(place);
   }
 }
 
 // The request for all that are taken; false when it breaks a limit.
-bool ListShaper::build(std::span<const PointState> points, const ListCost& cost, std::int64_t budget, Pick& out) {
+bool ListShaper::build(std::span<const PointState> points, const ListCost& cost,
+                       std::int64_t budget, Pick& out) {
   auto& ranges = out.ranges();
   ranges.clear();
   std::size_t wanted = 0;
@@ -42,7 +46,8 @@ bool ListShaper::build(std::span<const PointState> points, const ListCost& cost,
     if (taken_[place] == 0) continue;
     ++wanted;
     no_bad = no_bad && (!barred || ranges.empty());
-    if (!ranges.empty() && !barred && cost.joins(ranges.back(), point.area, point.first, point.end)) {
+    if (!ranges.empty() && !barred &&
+        cost.joins(ranges.back(), point.area, point.first, point.end)) {
       ranges.back().count = std::max(ranges.back().end(), point.end) - ranges.back().first;
       continue;
     }
@@ -56,7 +61,8 @@ bool ListShaper::build(std::span<const PointState> points, const ListCost& cost,
     std::uint32_t end = 0;
     for (const Range& range : ranges) end = std::max(end, range.end());
     Request& single = attempt_.request;
-    attempt_.ranges().assign(1, {ranges.front().area, ranges.front().first, end - ranges.front().first});
+    attempt_.ranges().assign(
+        1, {ranges.front().area, ranges.front().first, end - ranges.front().first});
     const auto other = cost.of(single);
     if (other && (!time || *other < *time)) {
       time = other;
@@ -68,7 +74,8 @@ bool ListShaper::build(std::span<const PointState> points, const ListCost& cost,
   return wanted == 1 || out.cost <= budget;
 }
 
-void ListShaper::take(std::span<const PointState> points, const ListCost& cost, std::int64_t budget, Pick& out) {
+void ListShaper::take(std::span<const PointState> points, const ListCost& cost, std::int64_t budget,
+                      Pick& out) {
   if (riders_.empty()) return;
   const auto mark = [&](std::size_t from, std::size_t to, std::uint8_t how) {
     for (std::size_t i = from; i < to; ++i) taken_[riders_[i].place] = how;
@@ -85,7 +92,8 @@ void ListShaper::take(std::span<const PointState> points, const ListCost& cost, 
       // Not all of them: then the most urgent ones.
       mark(0, marked, 0);
       marked = 0;
-      std::sort(riders_.begin(), riders_.end(), [](const Rider& a, const Rider& b) { return a.due < b.due; });
+      std::sort(riders_.begin(), riders_.end(),
+                [](const Rider& a, const Rider& b) { return a.due < b.due; });
       sorted = true;
     }
     attempt = (fits + fails) / 2;
@@ -95,15 +103,17 @@ void ListShaper::take(std::span<const PointState> points, const ListCost& cost, 
   riders_.clear();
 }
 
-void ListShaper::riding(std::span<const PointState> points, std::uint32_t urgent, const ListCost& cost, std::int64_t now,
-                        const Allowance& allowance, const RidingWeights& weights, Pick& out) {
+void ListShaper::riding(std::span<const PointState> points, std::uint32_t urgent,
+                        const ListCost& cost, std::int64_t now, const Allowance& allowance,
+                        const RidingWeights& weights, Pick& out) {
   const std::int64_t next_read = next_turn(points, urgent, now, allowance, weights);
   confine(points, urgent, now);
   build(points, cost, kNeverNs, out);
   const auto collect = [&](const auto& comes) {
     for (std::uint32_t place = reach_.begin; place < reach_.end; ++place) {
       const PointState& point = points[place];
-      if (taken_[place] == 0 && !point.bad && point.ready(now) && comes(point)) riders_.push_back({point.due, place});
+      if (taken_[place] == 0 && !point.bad && point.ready(now) && comes(point))
+        riders_.push_back({point.due, place});
     }
   };
   collect([&](const PointState& point) { return point.due <= next_read; });
@@ -115,12 +125,13 @@ void ListShaper::riding(std::span<const PointState> points, std::uint32_t urgent
   cover(points, out);
 }
 
-void ListShaper::whole(std::span<const PointState> points, std::uint32_t urgent, const ListCost& cost, std::int64_t now,
-                       Pick& out) {
+void ListShaper::whole(std::span<const PointState> points, std::uint32_t urgent,
+                       const ListCost& cost, std::int64_t now, Pick& out) {
   confine(points, urgent, now);
   build(points, cost, kNeverNs, out);
   for (std::uint32_t place = reach_.begin; place < reach_.end; ++place) {
-    if (place != urgent && !points[place].bad && points[place].ready(now)) riders_.push_back({points[place].due, place});
+    if (place != urgent && !points[place].bad && points[place].ready(now))
+      riders_.push_back({points[place].due, place});
   }
   take(points, cost, kNeverNs, out);
   cover(points, out);

@@ -32,7 +32,7 @@ struct Wanted {
 
 // Every point in a request of its own.
 struct Singly {
-  double load = 0;        // infinite where a protocol does not size such requests
+  double load = 0;      // infinite where a protocol does not size such requests
   double tightest = 0;  // the greatest share of its refresh that the request of one point takes
 };
 
@@ -41,7 +41,8 @@ Singly one_by_one(const ScheduleInput& input) {
   std::map<std::tuple<DeviceIndex, AreaIndex, std::uint32_t>, Duration> known;
   for (const Point& point : input.points) {
     if (point.mode == Mode::kOnDemand) continue;
-    const auto [entry, added] = known.try_emplace({point.device, point.range.area, point.range.count});
+    const auto [entry, added] =
+        known.try_emplace({point.device, point.range.area, point.range.count});
     if (added) {
       const auto size = input.devices[point.device].protocol->size(ReadRequest{{point.range}});
       if (size)
@@ -58,10 +59,11 @@ Singly one_by_one(const ScheduleInput& input) {
 
 double planned_load(const ScheduleInput& input, const Singly& singly, Planner planner) {
   const double factor = std::max(1.0, singly.tightest);
-  return factor * make_scheduler(stretched(input, factor), planner)->planned_load();
+  return factor * planned_load_of(stretched(input, factor), planner).load;
 }
 
-// A plan takes no more than its points one by one, but for the turns of its timetable and for what alignment adds.
+// A plan takes no more than its points one by one, but for the turns of its timetable and for what
+// alignment adds.
 constexpr double kPlanIsSure = 0.5;
 
 std::string rounded(double number) {
@@ -78,7 +80,7 @@ std::optional<Overload> overload_of(const BusSpec& bus, Duration answer_time) {
   if (singly.load <= kPlanIsSure) return std::nullopt;
   Overload overload{planned_load(wanted.input, singly, bus.planner), 1, std::nullopt};
   if (overload.load <= 1) return std::nullopt;
-  overload.stretch = std::max(singly.tightest, make_scheduler(wanted.input, bus.planner)->stretch());
+  overload.stretch = std::max(singly.tightest, planned_load_of(wanted.input, bus.planner).stretch);
   if (!has_line(bus.port)) return overload;
   for (const std::uint32_t baud : kStandardRates) {
     const auto faster = at_rate(wanted.input, baud);
@@ -99,11 +101,14 @@ std::optional<double> hopeless_load_of(const BusSpec& bus) {
   return load;
 }
 
-double wished_load(const ScheduleInput& input, Planner planner) { return planned_load(input, one_by_one(input), planner); }
+double wished_load(const ScheduleInput& input, Planner planner) {
+  return planned_load(input, one_by_one(input), planner);
+}
 
 std::string to_text(const Overload& overload) {
-  return "more is wanted than the wire carries, " + rounded(overload.load) + " times as much: refreshes will be up to " +
-         rounded(overload.stretch) + " times as long as configured. Refresh less often, " +
+  return "more is wanted than the wire carries, " + rounded(overload.load) +
+         " times as much: refreshes will be up to " + rounded(overload.stretch) +
+         " times as long as configured. Refresh less often, " +
          (overload.baud ? "run the line at " + std::to_string(*overload.baud) + " baud, " : "") +
          "or split the bus; 'fieldcast plan' tells what is enough";
 }

@@ -1,5 +1,5 @@
-// Whether the wire of a bus can carry what its channels ask for: the check of a configuration before anything runs. Pure
-// functions; of a bus with room they cost no plan.
+// Whether the wire of a bus can carry what its channels ask for: the check of a configuration
+// before anything runs. Pure functions; of a bus with room they cost no plan.
 #pragma once
 
 #include <cstdint>
@@ -12,22 +12,24 @@
 namespace fieldcast {
 
 struct Overload {
-  double load = 0;                    // planned: how many times the wire would be needed
-  double stretch = 1;                 // the most that a refresh will be longer than wished
-  std::optional<std::uint32_t> baud;  // the next standard rate that would carry all of it; nothing: none, or no line
+  double load = 0;     // planned: how many times the wire would be needed
+  double stretch = 1;  // the most that a refresh will be longer than wished
+  std::optional<std::uint32_t>
+      baud;  // the next standard rate that would carry all of it; nothing: none, or no line
 };
 
 // Beyond this load a bus is refused: every refresh would be a hundred times as long as wished.
 inline constexpr double kHopelessLoad = 100;
 
-// Nothing if the plan fits, with devices that answer after `answer_time`. Channels that are read only when somebody asks cost
-// nothing. REQUIRES: bus is as the loader makes it.
+// Nothing if the plan fits, with devices that answer after `answer_time`. Channels that are read
+// only when somebody asks cost nothing. REQUIRES: bus is as the loader makes it.
 [[nodiscard]] std::optional<Overload> overload_of(const BusSpec& bus, Duration answer_time);
 
 // The load, if it is hopeless even with devices that answer at once.
 [[nodiscard]] std::optional<double> hopeless_load_of(const BusSpec& bus);
 
-// The load of a plan in which a refresh shorter than its own read counts as it is wished; to a scheduler it is as long as that read.
+// The load of a plan in which a refresh shorter than its own read counts as it is wished; to a
+// scheduler it is as long as that read.
 [[nodiscard]] double wished_load(const ScheduleInput& input, Planner planner);
 
 // One line: what will happen, and how to mend it.

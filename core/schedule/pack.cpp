@@ -19,9 +19,11 @@ struct Piece {
   Duration fastest = Duration::max();
 };
 
-// Cuts a strip into pieces for lists and runs that are read alone, at the least cost for each second: whatever begins a piece is
-// paid at the rate of its fastest point, every item and the way to it at the point's own. Returns the pieces.
-std::vector<Piece> pieces_of(std::span<const Point> points, const StripPoints& strip, const ListCost& list) {
+// Cuts a strip into pieces for lists and runs that are read alone, at the least cost for each
+// second: whatever begins a piece is paid at the rate of its fastest point, every item and the way
+// to it at the point's own. Returns the pieces.
+std::vector<Piece> pieces_of(std::span<const Point> points, const StripPoints& strip,
+                             const ListCost& list) {
   struct Best {
     double cost = std::numeric_limits<double>::max();
     std::uint32_t from = 0;
@@ -29,7 +31,8 @@ std::vector<Piece> pieces_of(std::span<const Point> points, const StripPoints& s
   };
   const auto count = static_cast<std::uint32_t>(strip.points.size());
   const AreaIndex area = points[strip.points.front()].range.area;
-  const double item_ns = list.item_ns(area), begin_ns = static_cast<double>(list.range_ns(area)) - item_ns;
+  const double item_ns = list.item_ns(area),
+               begin_ns = static_cast<double>(list.range_ns(area)) - item_ns;
   const double alone_ns = strip.cost.item_ns();
   std::vector<Best> best(count + 1);
   best[0].cost = 0;
@@ -41,7 +44,8 @@ std::vector<Piece> pieces_of(std::span<const Point> points, const StripPoints& s
     for (std::uint32_t last = begin; last < count; ++last) {
       const Point& point = points[strip.points[last]];
       if (point.range.first > range.end() + strip.cost.bridge() && last > begin) break;
-      listed = listed && (last == begin || list.joins(range, area, point.range.first, point.range.end()));
+      listed = listed &&
+               (last == begin || list.joins(range, area, point.range.first, point.range.end()));
       const std::uint32_t end = std::max(range.end(), point.range.end());
       rate = std::max(rate, 1 / to_seconds(point.refresh));
       items += (end - range.end()) / to_seconds(point.refresh);
@@ -54,7 +58,8 @@ std::vector<Piece> pieces_of(std::span<const Point> points, const StripPoints& s
       if (listed) offer(best[begin].cost + begin_ns * rate + item_ns * items, false);
       if (!single) continue;
       const double request =
-          static_cast<double>(strip.cost.of_single(range).value_or(Duration{0}).count()) - alone_ns * range.count;
+          static_cast<double>(strip.cost.of_single(range).value_or(Duration{0}).count()) -
+          alone_ns * range.count;
       offer(best[begin].cost + request * rate + alone_ns * items, true);
     }
   }
@@ -92,7 +97,8 @@ class AverageRead {
       if (credit < 1) continue;
       credit -= 1;
       const Range& range = point.range;
-      if (ranges.size() > size && cost_.joins(ranges.back(), range.area, range.first, range.end())) {
+      if (ranges.size() > size &&
+          cost_.joins(ranges.back(), range.area, range.first, range.end())) {
         ranges.back().count = std::max(ranges.back().end(), range.end()) - ranges.back().first;
       } else {
         ranges.push_back(range);
@@ -124,7 +130,8 @@ class AverageRead {
 
 }  // namespace
 
-std::vector<std::vector<PointIndex>> make_packs(std::span<const Point> points, std::span<const StripPoints> strips,
+std::vector<std::vector<PointIndex>> make_packs(std::span<const Point> points,
+                                                std::span<const StripPoints> strips,
                                                 const ListCost& cost) {
   std::vector<Piece> pieces;
   for (const StripPoints& strip : strips) {
@@ -132,7 +139,8 @@ std::vector<std::vector<PointIndex>> make_packs(std::span<const Point> points, s
     std::move(of_strip.begin(), of_strip.end(), std::back_inserter(pieces));
   }
   std::stable_sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) {
-    return std::tuple(a.fastest, a.range.area, a.range.first) < std::tuple(b.fastest, b.range.area, b.range.first);
+    return std::tuple(a.fastest, a.range.area, a.range.first) <
+           std::tuple(b.fastest, b.range.area, b.range.first);
   });
   std::vector<std::vector<PointIndex>> packs;
   AverageRead average(points, cost);

@@ -1,5 +1,5 @@
-// One read as the scheduler chose it: points of one cluster, and the request that brings them. Owned by the scheduler and used
-// again for every choice.
+// One read as the scheduler chose it: points of one cluster, and the request that brings them.
+// Owned by the scheduler and used again for every choice.
 #pragma once
 
 #include <cstdint>
@@ -11,12 +11,15 @@
 namespace fieldcast {
 
 struct Pick {
-  std::vector<std::uint32_t> members;  // places within the cluster, rising: all that the ranges bring, ready or not
+  std::vector<std::uint32_t>
+      members;  // places within the cluster, rising: all that the ranges bring, ready or not
   Request request = ReadRequest{};
   std::int64_t cost = 0;  // of the wire
 
   [[nodiscard]] std::vector<Range>& ranges() { return std::get<ReadRequest>(request).ranges; }
-  [[nodiscard]] const std::vector<Range>& ranges() const { return std::get<ReadRequest>(request).ranges; }
+  [[nodiscard]] const std::vector<Range>& ranges() const {
+    return std::get<ReadRequest>(request).ranges;
+  }
 };
 
 }  // namespace fieldcast

@@ -14,13 +14,16 @@ PointMap map_points(const BusSpec& bus) {
     for (const ChannelSpec& channel : bus.devices[device].channels) {
       map.point_of.emplace_back();
       if (channel.access != Access::kWriteOnly) {
-        const auto key = std::make_tuple(device, channel.range.area, channel.range.first, channel.range.count);
+        const auto key =
+            std::make_tuple(device, channel.range.area, channel.range.first, channel.range.count);
         const auto [at, is_new] = known.emplace(key, static_cast<PointIndex>(map.points.size()));
         if (is_new) {
-          map.points.push_back({device, channel.range, channel.refresh, Mode::kOnDemand, channel.priority, channel.elasticity});
+          map.points.push_back({device, channel.range, channel.refresh, Mode::kOnDemand,
+                                channel.priority, channel.elasticity});
           map.channels_of.emplace_back();
         }
-        ask_for(map.points[at->second], channel, read_by_itself(channel) ? std::optional(channel.refresh) : std::nullopt);
+        ask_for(map.points[at->second], channel,
+                read_by_itself(channel) ? std::optional(channel.refresh) : std::nullopt);
         map.channels_of[at->second].push_back(index);
         map.point_of.back() = at->second;
       }

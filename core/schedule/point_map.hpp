@@ -1,5 +1,5 @@
-// Which points the channels of a bus need: channels on the same items of a device share one. The bus engine reads by it, and
-// `fieldcast plan` predicts by it.
+// Which points the channels of a bus need: channels on the same items of a device share one. The
+// bus engine reads by it, and `fieldcast plan` predicts by it.
 #pragma once
 
 #include <optional>
@@ -12,9 +12,10 @@
 namespace fieldcast {
 
 struct PointMap {
-  std::vector<Point> points;                           // kOnDemand: of channels that are not read by themselves
+  std::vector<Point> points;  // kOnDemand: of channels that are not read by themselves
   std::vector<std::vector<ChannelIndex>> channels_of;  // of each point
-  std::vector<std::optional<PointIndex>> point_of;     // of each channel of the bus; nothing for write-only ones
+  std::vector<std::optional<PointIndex>>
+      point_of;  // of each channel of the bus; nothing for write-only ones
 };
 
 [[nodiscard]] PointMap map_points(const BusSpec& bus);

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "core/schedule/overload.hpp"
+#include "core/schedule/planned_times.hpp"
 
 namespace fieldcast {
 
@@ -18,31 +19,49 @@ Duration horizon_of(const ScheduleInput& input, const PredictionOptions& options
   if (options.horizon > Duration{0}) return options.horizon;
   Duration longest{};
   for (const Point& point : input.points) {
-    if (point.mode != Mode::kOnDemand) longest = std::max(longest, std::min<Duration>(point.refresh, std::chrono::hours{1}));
+    if (point.mode != Mode::kOnDemand)
+      longest = std::max(longest, std::min<Duration>(point.refresh, std::chrono::hours{1}));
   }
   return std::clamp<Duration>(3 * longest, std::chrono::seconds{60}, std::chrono::hours{1});
+}
+
+ScheduleInput assumed_of(const ScheduleInput& input, const PredictionOptions& options) {
+  ScheduleInput assumed = input;
+  for (DeviceTiming& device : assumed.devices)
+    device.answer_time = options.assumed.value_or(device.answer_time);
+  return assumed;
+}
+
+std::vector<std::size_t> areas_of(const ScheduleInput& input) {
+  std::vector<std::size_t> areas;
+  for (const DeviceTiming& device : input.devices) areas.push_back(device.protocol->areas().size());
+  return areas;
 }
 
 // One run of the scheduler over an ideal wire.
 class Run {
  public:
   Run(const ScheduleInput& input, const PredictionOptions& options)
-      : input_(input), options_(options), scheduler_(make_scheduler(input, options.planner)), last_(input.points.size(), kStart) {
+      : input_(input),
+        options_(options),
+        scheduler_(make_scheduler(assumed_of(input, options), options.planner)),
+        last_(input.points.size(), kStart) {
+    if (options.assumed) times_ = PlannedTimes(areas_of(input), *options.assumed);
     result_.points.resize(input.points.size());
-    for (std::size_t i = 0; i < input.points.size(); ++i) result_.points[i].refresh = input.points[i].refresh;
-    result_.planned_load = scheduler_->planned_load();
-    result_.stretch = scheduler_->stretch();
+    for (std::size_t i = 0; i < input.points.size(); ++i)
+      result_.points[i].refresh = input.points[i].refresh;
   }
 
   // `stop_at_miss`: only feasibility is wanted.
   Prediction run(bool stop_at_miss) {
     const Instant end = kStart + horizon_of(input_, options_);
-    while (now_ < end && result_.reads < options_.max_reads && !(stop_at_miss && result_.missed > 0)) {
-      const Decision decision = scheduler_->next(now_);
+    while (now_ < end && result_.reads < options_.max_reads &&
+           !(stop_at_miss && result_.missed > 0)) {
+      Decision decision = scheduler_->next(now_);
       if (const auto* rest = std::get_if<Rest>(&decision)) {
         now_ = std::min(end, std::max(rest->until, now_ + Duration{1}));
       } else {
-        read(std::get<Block>(decision));
+        read(std::get<Block>(std::move(decision)));
       }
     }
     finish();
@@ -50,8 +69,16 @@ class Run {
   }
 
  private:
-  void read(const Block& block) {
-    const Instant acquired = now_ + block.cost - input_.silence - input_.devices[block.device].pause;
+  [[nodiscard]] Duration cost_of(const Block& block) const {
+    if (!options_.assumed) return block.cost;
+    const DeviceTiming& device = input_.devices[block.device];
+    const auto size = device.protocol->size(ReadRequest{block.ranges});
+    return size ? wire_time(*size, input_.line, input_.silence, device) : block.cost;
+  }
+  void read(Block block) {
+    block.cost = cost_of(block);
+    const DeviceTiming& device = input_.devices[block.device];
+    const Instant acquired = now_ + block.cost - input_.silence - device.pause;
     now_ += block.cost;
     busy_ += block.cost;
     ++result_.reads;
@@ -60,8 +87,10 @@ class Run {
       ++result_.points[point].reads;
       last_[point] = acquired;
     }
+    if (options_.assumed)
+      times_.answered(block.device, block.ranges.front().area, device.answer_time, *scheduler_);
     scheduler_->acquired(block, acquired);
-    replan(*scheduler_, now_);
+    replan(*scheduler_, acquired);
     if (shapes_.size() < kMostShapes) {
       Shape& shape = shapes_[key_of(block)];
       if (shape.count++ == 0) shape.block = block;
@@ -75,6 +104,8 @@ class Run {
   }
   void finish() {
     result_.horizon = now_ - kStart;
+    result_.planned_load = scheduler_->planned_load();
+    result_.stretch = scheduler_->stretch();
     for (PointIndex point = 0; point < input_.points.size(); ++point) {
       if (input_.points[point].mode != Mode::kOnDemand) gap(point, now_);
     }
@@ -83,17 +114,20 @@ class Run {
     result_.feasible = result_.missed == 0;
     std::vector<Shape*> shapes;
     for (auto& [key, shape] : shapes_) shapes.push_back(&shape);
-    std::stable_sort(shapes.begin(), shapes.end(), [](const Shape* a, const Shape* b) { return a->count > b->count; });
+    std::stable_sort(shapes.begin(), shapes.end(),
+                     [](const Shape* a, const Shape* b) { return a->count > b->count; });
     if (shapes.size() > kMostBlocks) shapes.resize(kMostBlocks);
     for (Shape* shape : shapes) {
       Block& block = shape->block;
-      result_.blocks.push_back(
-          {block.device, std::move(block.ranges), block.points.size(), block.cost, static_cast<double>(shape->count) / seconds});
+      result_.blocks.push_back({block.device, std::move(block.ranges), block.points.size(),
+                                block.cost, static_cast<double>(shape->count) / seconds});
     }
-    std::sort(result_.blocks.begin(), result_.blocks.end(), [](const BlockForecast& a, const BlockForecast& b) {
-      const Range &p = a.ranges.front(), &q = b.ranges.front();
-      return std::tuple(a.device, p.area, p.first, p.count) < std::tuple(b.device, q.area, q.first, q.count);
-    });
+    std::sort(result_.blocks.begin(), result_.blocks.end(),
+              [](const BlockForecast& a, const BlockForecast& b) {
+                const Range &p = a.ranges.front(), &q = b.ranges.front();
+                return std::tuple(a.device, p.area, p.first, p.count) <
+                       std::tuple(b.device, q.area, q.first, q.count);
+              });
   }
 
   struct Shape {
@@ -104,12 +138,14 @@ class Run {
   static ShapeKey key_of(const Block& block) {
     ShapeKey key{block.device};
     for (const Range& range : block.ranges)
-      key.insert(key.end(), {std::uint64_t{range.area} << 32 | range.first, std::uint64_t{range.count}});
+      key.insert(key.end(),
+                 {std::uint64_t{range.area} << 32 | range.first, std::uint64_t{range.count}});
     return key;
   }
   const ScheduleInput& input_;
   const PredictionOptions& options_;
   std::unique_ptr<Scheduler> scheduler_;
+  PlannedTimes times_;
   std::vector<Instant> last_;
   Instant now_ = kStart;
   Duration busy_{};
@@ -118,9 +154,11 @@ class Run {
 };
 
 // Whether a nearly full wire that missed nothing owes that to the length of the run.
-bool is_narrow(const ScheduleInput& input, const PredictionOptions& options, const Prediction& prediction) {
+bool is_narrow(const ScheduleInput& input, const PredictionOptions& options,
+               const Prediction& prediction) {
   constexpr double kNearlyFull = 0.8, kShorter = 0.95;
-  return prediction.planned_load > kNearlyFull && Run(stretched(input, kShorter), options).run(true).missed > 0;
+  return prediction.planned_load > kNearlyFull &&
+         Run(stretched(input, kShorter), options).run(true).missed > 0;
 }
 
 bool works(const ScheduleInput& input, const PredictionOptions& options) {

@@ -1,7 +1,9 @@
-// What a bus will do before it does it: the scheduler itself, run in virtual time over an ideal wire.
+// What a bus will do before it does it: the scheduler itself, run in virtual time over an ideal
+// wire. It begins as the bus engine does, with an assumed answer time, learns the true one from the
+// answers, and changes its plan as that does.
 //
-// Deterministic, no clock; a few hundred milliseconds of work at most. For `fieldcast plan`, and for the check of a
-// configuration.
+// Deterministic, no clock; a few hundred milliseconds of work at most. For `fieldcast plan`, and
+// for the check of a configuration.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +16,14 @@
 namespace fieldcast {
 
 struct PredictionOptions {
-  Duration horizon{};                 // virtual time; 0: three times the longest refresh, at least 60 s and at most an hour
+  Duration horizon{};  // virtual time; 0: three times the longest refresh, at least 60 s and at
+                       // most an hour
   std::uint64_t max_reads = 100'000;  // the run ends here at the latest
   bool remedies = true;               // when infeasible, look for what would work
   Planner planner = Planner::kRiding;
+  // What the scheduler takes for the answer time of every device before it has learned that of the
+  // input; nothing: it knows it.
+  std::optional<Duration> assumed;
 };
 
 // What one point will get.
@@ -28,7 +34,8 @@ struct PointForecast {
   std::uint64_t missed = 0;  // gaps longer than the refresh
 };
 
-// One block as it will be seen on the wire; those of the riding planner vary, so each shape stands for itself.
+// One block as it will be seen on the wire; those of the riding planner vary, so each shape stands
+// for itself.
 struct BlockForecast {
   DeviceIndex device = 0;
   std::vector<Range> ranges;
@@ -38,12 +45,14 @@ struct BlockForecast {
 };
 
 struct Prediction {
-  bool feasible = false;    // nothing is read later than its refresh allows, now or in a longer run
-  bool narrow = false;      // not feasible, though this run missed nothing: with refreshes 5 % shorter it would have
-  double planned_load = 0;  // share of the wire that the wished refreshes need; how many wires, above 1
-  double load = 0;          // share of the wire that the run used
-  double stretch = 1;       // factor on all refreshes by which overload is met
-  Duration horizon{};       // virtual time that was run
+  bool feasible = false;  // nothing is read later than its refresh allows, now or in a longer run
+  bool narrow = false;  // not feasible, though this run missed nothing: with refreshes 5 % shorter
+                        // it would have
+  double planned_load =
+      0;               // share of the wire that the wished refreshes need; how many wires, above 1
+  double load = 0;     // share of the wire that the run used
+  double stretch = 1;  // factor on all refreshes by which overload is met
+  Duration horizon{};  // virtual time that was run
   std::uint64_t reads = 0, missed = 0;
   std::vector<PointForecast> points;  // in the order of the input
   std::vector<BlockForecast> blocks;  // by device and address; at most 1 000, the most frequent

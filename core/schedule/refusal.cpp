@@ -4,7 +4,8 @@
 
 namespace fieldcast {
 
-void RefusalSearch::cut(std::span<PointState> points, std::span<const Place> refused, std::int64_t now, std::int64_t forget) {
+void RefusalSearch::cut(std::span<PointState> points, std::span<const Place> refused,
+                        std::int64_t now, std::int64_t forget) {
   const Place begin = refused.front(), end = refused.back() + 1;
   for (Node& node : open_) {
     if (begin >= node.begin && end <= node.end) node.half_refused = true;
@@ -18,7 +19,8 @@ void RefusalSearch::cut(std::span<PointState> points, std::span<const Place> ref
   open_.push_back({begin, middle, end});
 }
 
-void RefusalSearch::mark_bad(std::span<PointState> points, Place place, std::int64_t now, std::int64_t forget) {
+void RefusalSearch::mark_bad(std::span<PointState> points, Place place, std::int64_t now,
+                             std::int64_t forget) {
   for (Node& node : open_) {
     if (place >= node.begin && place < node.end) node.half_refused = true;
   }

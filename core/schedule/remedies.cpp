@@ -11,7 +11,8 @@ namespace fieldcast {
 namespace {
 
 // The least factor on all refreshes that works, to two per cent.
-std::optional<double> stretch_that_works(const ScheduleInput& input, const Works& works, double load) {
+std::optional<double> stretch_that_works(const ScheduleInput& input, const Works& works,
+                                         double load) {
   double works_at = std::max(1.05, load), fails_at = 1;
   for (int doubling = 0; !works(stretched(input, works_at)); ++doubling) {
     if (doubling == 8) return std::nullopt;
@@ -36,12 +37,16 @@ std::optional<std::uint32_t> baud_that_works(const ScheduleInput& input, const W
 // What is left of a bus with only these devices.
 ScheduleInput part_of(const ScheduleInput& input, const std::vector<DeviceIndex>& devices) {
   ScheduleInput part = input;
-  std::erase_if(part.points, [&](const Point& point) { return std::ranges::find(devices, point.device) == devices.end(); });
+  std::erase_if(part.points, [&](const Point& point) {
+    return std::ranges::find(devices, point.device) == devices.end();
+  });
   return part;
 }
 
-// Devices spread over the fewest lines: the heaviest first, each to the line that has the least so far.
-std::optional<std::size_t> buses_that_work(const ScheduleInput& input, const Works& works, Planner planner) {
+// Devices spread over the fewest lines: the heaviest first, each to the line that has the least so
+// far.
+std::optional<std::size_t> buses_that_work(const ScheduleInput& input, const Works& works,
+                                           Planner planner) {
   constexpr std::size_t kMostBuses = 8;
   std::vector<std::pair<double, DeviceIndex>> heaviest;
   for (DeviceIndex device = 0; device < input.devices.size(); ++device) {
@@ -52,11 +57,14 @@ std::optional<std::size_t> buses_that_work(const ScheduleInput& input, const Wor
   for (std::size_t count = 2; count <= std::min(kMostBuses, heaviest.size()); ++count) {
     std::vector<std::pair<double, std::vector<DeviceIndex>>> lines(count);
     for (const auto& [load, device] : heaviest) {
-      auto& least = *std::ranges::min_element(lines, {}, [](const auto& line) { return line.first; });
+      auto& least =
+          *std::ranges::min_element(lines, {}, [](const auto& line) { return line.first; });
       least.first += load;
       least.second.push_back(device);
     }
-    if (std::ranges::all_of(lines, [&](const auto& line) { return line.first < 1 && works(part_of(input, line.second)); }))
+    if (std::ranges::all_of(lines, [&](const auto& line) {
+          return line.first < 1 && works(part_of(input, line.second));
+        }))
       return count;
   }
   return std::nullopt;
@@ -116,7 +124,8 @@ std::vector<SlowerPoints> slower_that_works(const ScheduleInput& input, const Wo
 
 ScheduleInput stretched(const ScheduleInput& input, double factor) {
   ScheduleInput result = input;
-  for (Point& point : result.points) point.refresh = from_seconds(to_seconds(point.refresh) * factor);
+  for (Point& point : result.points)
+    point.refresh = from_seconds(to_seconds(point.refresh) * factor);
   return result;
 }
 
@@ -124,13 +133,16 @@ std::optional<ScheduleInput> at_rate(const ScheduleInput& input, std::uint32_t b
   if (baud <= input.line.baud) return std::nullopt;
   ScheduleInput faster = input;
   faster.line.baud = baud;
-  // Silences shrink with the characters, but not below 1.75 ms (Modbus over Serial Line V1.02, 2.5.1.1) unless they were shorter.
+  // Silences shrink with the characters, but not below 1.75 ms (Modbus over Serial Line
+  // V1.02, 2.5.1.1) unless they were shorter.
   const Duration shrunk{input.silence.count() * input.line.baud / baud};
-  faster.silence = std::max(shrunk, std::min<Duration>(input.silence, std::chrono::microseconds{1750}));
+  faster.silence =
+      std::max(shrunk, std::min<Duration>(input.silence, std::chrono::microseconds{1750}));
   return faster;
 }
 
-Remedies find_remedies(const ScheduleInput& input, const Works& works, double load, Planner planner) {
+Remedies find_remedies(const ScheduleInput& input, const Works& works, double load,
+                       Planner planner) {
   Remedies remedies;
   remedies.stretch = stretch_that_works(input, works, load);
   remedies.baud = baud_that_works(input, works);
@@ -141,8 +153,9 @@ Remedies find_remedies(const ScheduleInput& input, const Works& works, double lo
     device.max_gap.reset();
     return limited;
   });
-  remedies.no_pause =
-      works_with(input, works, [](DeviceTiming& device) { return std::exchange(device.pause, Duration{}) > Duration{}; });
+  remedies.no_pause = works_with(input, works, [](DeviceTiming& device) {
+    return std::exchange(device.pause, Duration{}) > Duration{};
+  });
   remedies.buses = buses_that_work(input, works, planner);
   return remedies;
 }

@@ -21,20 +21,24 @@ struct SlowerPoints {
 struct Remedies {
   std::optional<double> stretch;      // all refreshes longer by this factor
   std::optional<std::uint32_t> baud;  // the next standard rate
-  std::vector<SlowerPoints> slower;   // only the fastest points slower, as far as needed: all of these together
-  bool longer_reads = false;          // devices without the max-block and max-gap that are configured
-  bool no_pause = false;              // devices without their pause
-  std::optional<std::size_t> buses;   // the devices spread over so many lines of this kind
+  std::vector<SlowerPoints>
+      slower;  // only the fastest points slower, as far as needed: all of these together
+  bool longer_reads = false;  // devices without the max-block and max-gap that are configured
+  bool no_pause = false;      // devices without their pause
+  std::optional<std::size_t> buses;  // the devices spread over so many lines of this kind
 };
 
-// The same with every refresh longer by the factor; on a faster line (nothing: it is as fast already).
+// The same with every refresh longer by the factor; on a faster line (nothing: it is as fast
+// already).
 [[nodiscard]] ScheduleInput stretched(const ScheduleInput& input, double factor);
-inline constexpr std::array<std::uint32_t, 10> kStandardRates{2400,  4800,   9600,   19200,  38400,
-                                                              57600, 115200, 230400, 460800, 921600};
+inline constexpr std::array<std::uint32_t, 10> kStandardRates{
+    2400, 4800, 9600, 19200, 38400, 57600, 115200, 230400, 460800, 921600};
 [[nodiscard]] std::optional<ScheduleInput> at_rate(const ScheduleInput& input, std::uint32_t baud);
 
-// `works`: whether a bus like this keeps every refresh. `load`: what the input asks of its wire; the search for a stretch begins there.
+// `works`: whether a bus like this keeps every refresh. `load`: what the input asks of its wire;
+// the search for a stretch begins there.
 using Works = std::function<bool(const ScheduleInput&)>;
-[[nodiscard]] Remedies find_remedies(const ScheduleInput& input, const Works& works, double load, Planner planner);
+[[nodiscard]] Remedies find_remedies(const ScheduleInput& input, const Works& works, double load,
+                                     Planner planner);
 
 }  // namespace fieldcast

@@ -11,7 +11,8 @@ std::int64_t due_after(const Beat& beat, std::int64_t acquired, std::int64_t per
   if (beat.spacing <= 0) return latest;
   std::int64_t past = (latest - beat.offset) % beat.spacing;
   if (past < 0) past += beat.spacing;
-  return static_cast<double>(period - past) >= kWorth * static_cast<double>(period) ? latest - past : latest;
+  return static_cast<double>(period - past) >= kWorth * static_cast<double>(period) ? latest - past
+                                                                                    : latest;
 }
 
 std::int64_t beat_spacing(std::int64_t period, std::int64_t fastest, double margin) {

@@ -1,4 +1,5 @@
-// RidingScheduler: what changes while the wire runs, at once on the timetable in force, and the drafts of new plans.
+// RidingScheduler: what changes while the wire runs, at once on the timetable in force, and the
+// drafts of new plans.
 #include <algorithm>
 
 #include "core/schedule/riding_scheduler.hpp"
@@ -13,9 +14,13 @@ std::int64_t ns(Instant instant) { return instant.time_since_epoch().count(); }
 
 template <typename Change>
 void RidingScheduler::change_cost(DeviceIndex device, AreaIndex area, const Change& change) {
+  bool read = false;  // anything there
   for (Strip& strip : layout_.strips) {
-    if (strip.device == device && strip.area == area) change(strip.cost);
+    if (strip.device != device || strip.area != area) continue;
+    change(strip.cost);
+    read = true;
   }
+  if (!read) return;
   for (const ClusterIndex index : layout_.clusters_of[device]) {
     const Cluster& cluster = layout_.clusters[index];
     if (!cluster.list && layout_.strips[cluster.strip].area != area) continue;
@@ -57,10 +62,11 @@ void RidingScheduler::touch(Place place) {
   if (drafting_) touched_.push_back(place);
 }
 
-// Clusters with other refreshes or costs get turns on the timetable in force, until there is another. What is due stays due.
+// Clusters with other refreshes or costs get turns on the timetable in force, until there is
+// another. What is due stays due.
 void RidingScheduler::settle_changes(std::int64_t now) {
   std::ranges::sort(changed_);
-  changed_.erase(std::ranges::unique(changed_).begin(), changed_.end());
+  changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());
   if (planner_ == Planner::kRiding) {
     for (const ClusterIndex cluster : changed_) table_.change(cluster, entry_of(cluster));
     table_.align();
@@ -70,22 +76,8 @@ void RidingScheduler::settle_changes(std::int64_t now) {
   changed_.clear();
 }
 
-struct RidingScheduler::Draft final : PlanDraft {
-  explicit Draft(const RidingScheduler& of) : plan(of) {}
-  void make() override { plan.make_plan(); }
-  RidingScheduler plan;
-};
-
-std::unique_ptr<PlanDraft> RidingScheduler::draft() {
-  if (drafting_ || !stale_) return nullptr;
-  auto draft = std::make_unique<Draft>(*this);
-  stale_ = costs_changed_ = false;
-  drafting_ = true;
-  touched_.clear();
-  return draft;
-}
-
-// Of a draft: a new plan after changes of refreshes, answer times or of what the wire really needs, if it makes a difference.
+// Of a draft: a new plan after changes of refreshes, answer times or of what the wire really needs,
+// if it makes a difference.
 void RidingScheduler::make_plan() {
   constexpr double kMore = 1.02, kLess = 0.95;  // a new table costs the wire a round
   cut_ = costs_changed_ && cut_anew();
@@ -96,52 +88,15 @@ void RidingScheduler::make_plan() {
     const std::int64_t fastest = fastest_;
     find_fastest();
     const bool more = wanted > kFull && wanted > kMore * planned_for_;
-    const bool less = planned_for_ > kFull && (wanted <= kFull || wanted < kLess * planned_for_);
+    const bool ends = planned_for_ > kFull && wanted <= kFull;
+    const bool less = ends || (stretch_ > 1 && wanted < kLess * planned_for_);
     planned_ = fastest != fastest_ || more || less;
   }
   if (planned_) plan();
 }
 
-// What is due stays due, by periods stretched otherwise; the beats of the clusters follow with their next reads. Clusters that
-// changed while the plan was made find turns on it.
-void RidingScheduler::adopt(PlanDraft& draft, Instant at) {
-  RidingScheduler& plan = static_cast<Draft&>(draft).plan;
-  drafting_ = false;
-  load_ = plan.load_;
-  cut_at_ = std::move(plan.cut_at_);
-  if (!plan.planned_) return;
-  if (plan.cut_) {
-    layout_.clusters = std::move(plan.layout_.clusters);
-    layout_.cluster_at = std::move(plan.layout_.cluster_at);
-    layout_.clusters_of = std::move(plan.layout_.clusters_of);
-    clusters_.assign(layout_.clusters.size(), {});
-    due_ = held_ = spare_ = asleep_ = DueQueue(clusters_.size());
-    batch_.clear();
-  }
-  for (Place place = 0; place < points_.size(); ++place) {
-    points_[place].stretch = plan.points_[place].stretch;
-    set_period(points_[place]);
-  }
-  table_ = std::move(plan.table_);
-  fit_ = plan.fit_;
-  stretch_ = plan.stretch_;
-  least_elasticity_ = plan.least_elasticity_;
-  uneven_ = plan.uneven_;
-  priorities_ = plan.priorities_;
-  planned_for_ = plan.planned_for_;
-  room_ = plan.room_;
-  fastest_ = plan.fastest_;
-  reserve_ = plan.reserve_;
-  changed_.clear();
-  for (const Place place : touched_) changed_.push_back(layout_.cluster_at[place]);
-  if (!begun_) return;
-  const std::int64_t now = ns(at);
-  settle_changes(now);
-  spread(now);
-  for (ClusterIndex cluster = 0; cluster < clusters_.size(); ++cluster) refresh_cluster(cluster, now);
-}
-
-// Cutting anew moves all turns, which costs the wire a round: only where a request has become much dearer or cheaper.
+// Cutting anew moves all turns, which costs the wire a round: only where a request has become much
+// dearer or cheaper.
 bool RidingScheduler::worth_cutting() {
   constexpr double kMuch = 0.3;
   std::vector<std::uint32_t> bridges;
@@ -155,21 +110,26 @@ bool RidingScheduler::worth_cutting() {
   return much;
 }
 
-// Answer times that were learned change what a request costs, and with it which neighbours are worth reading together. Whether
-// there are other clusters now.
+// Answer times that were learned change what a request costs, and with it which neighbours are
+// worth reading together. Whether there are other clusters now.
 bool RidingScheduler::cut_anew() {
   if (planner_ == Planner::kOnePerChannel || !worth_cutting()) return false;
+  const std::vector<Cluster> before = layout_.clusters;
+  cut();
+  return layout_.clusters != before;
+}
+
+void RidingScheduler::cut() {
   std::vector<Wanted> wanted;
   wanted.reserve(points_.size());
   for (const PointState& point : points_) wanted.push_back({point.first, point.end, false});
-  const std::vector<Cluster> before = layout_.clusters;
   std::vector<double> rates;
   if (planner_ == Planner::kRiding) {
-    for (const PointState& point : points_) rates.push_back(1e9 / static_cast<double>(point.refresh));
+    for (const PointState& point : points_)
+      rates.push_back(1e9 / static_cast<double>(point.refresh));
   }
   cut_into_clusters(wanted, rates, layout_);
   clusters_.assign(layout_.clusters.size(), {});
-  return layout_.clusters != before;
 }
 
 }  // namespace fieldcast

@@ -6,11 +6,14 @@
 namespace fieldcast {
 
 namespace {
-std::int64_t part(double share, std::int64_t of) { return static_cast<std::int64_t>(share * static_cast<double>(of)); }
+std::int64_t part(double share, std::int64_t of) {
+  return static_cast<std::int64_t>(share * static_cast<double>(of));
+}
 }  // namespace
 
-// Walks the next reads in the order in which they are due, as if the wire began now and did not rest: if the k-th ends S before
-// it is due, the wire may rest S at most. A cluster that is read sooner than it is due is due sooner the next time.
+// Walks the next reads in the order in which they are due, as if the wire began now and did not
+// rest: if the k-th ends S before it is due, the wire may rest S at most. A cluster that is read
+// sooner than it is due is due sooner the next time.
 RidingScheduler::Slack RidingScheduler::look_ahead(std::int64_t now) {
   const auto sooner = [](const Ahead& a, const Ahead& b) { return a.due > b.due; };
   const auto push = [&](const Ahead& ahead) {
@@ -19,7 +22,8 @@ RidingScheduler::Slack RidingScheduler::look_ahead(std::int64_t now) {
   };
   const ClusterIndex first = due_.top();
   const std::int64_t own = clusters_[first].agenda[0].cost;
-  std::int64_t others = kNeverNs, end = now;  // slack of all but the first; end of the reads so far, without the first
+  std::int64_t others = kNeverNs,
+               end = now;  // slack of all but the first; end of the reads so far, without the first
   ahead_.clear();
   push({due_.top_key(), first, 0, 0});
   for (unsigned count = 0; count < weights_.look_ahead && !ahead_.empty(); ++count) {
@@ -37,12 +41,14 @@ RidingScheduler::Slack RidingScheduler::look_ahead(std::int64_t now) {
     }
     if (ahead.step + 1u < kAgenda) {
       const Coming& coming = agenda[ahead.step + 1];
-      push({coming.again ? coming.due - early : coming.due, ahead.cluster, kNoSlot, (ahead.step + 1u) & 15u});
+      push({coming.again ? coming.due - early : coming.due, ahead.cluster, kNoSlot,
+            (ahead.step + 1u) & 15u});
     }
     if (ahead.slot == kNoSlot) continue;
-    for (std::size_t child = 2 * std::size_t{ahead.slot} + 1; child <= 2 * std::size_t{ahead.slot} + 2 && child < due_.size();
-         ++child) {
-      push({due_.key(due_.at(child)), due_.at(child), static_cast<std::uint32_t>(child) & kNoSlot, 0});
+    for (std::size_t child = 2 * std::size_t{ahead.slot} + 1;
+         child <= 2 * std::size_t{ahead.slot} + 2 && child < due_.size(); ++child) {
+      push({due_.key(due_.at(child)), due_.at(child), static_cast<std::uint32_t>(child) & kNoSlot,
+            0});
     }
   }
   const std::int64_t budget = std::min(others, due_.top_key() + silence_ - now);
@@ -63,7 +69,8 @@ void RidingScheduler::refresh_cluster(ClusterIndex index, std::int64_t now) {
       continue;
     }
     if (point.due < due) due = point.due, cluster.urgent = i;
-    if ((point.eager || point.mode == Mode::kIntensive) && point.due < spare) spare = point.due, cluster.spare_urgent = i;
+    if ((point.eager || point.mode == Mode::kIntensive) && point.due < spare)
+      spare = point.due, cluster.spare_urgent = i;
   }
   if (wake != kNeverNs) asleep_.put(index, wake);
   if (spare != kNeverNs) spare_.put(index, spare);
@@ -73,19 +80,24 @@ void RidingScheduler::refresh_cluster(ClusterIndex index, std::int64_t now) {
     return write_agenda(index, now);
   }
   const PointState& head = points[cluster.urgent];
+  const DeviceIndex device = layout_.clusters[index].device;
   const std::int64_t cost = shape(index, points, cluster.urgent, std::max(now, due), 0).cost;
-  cluster.agenda[0] = {due, cost, false};
-  const std::int64_t tail = !head.eager && head.lap > 0 ? tails_[layout_.clusters[index].device] : 0;  // a turn ends with it
-  const std::int64_t release = due - (cost - tail) - room_of(index, head);
-  if (release <= now || head.mode == Mode::kIntensive) {  // the intensive ones let the wire never rest
+  const std::int64_t until_answered = paces_[device].of(cost - tails_[device]);
+  cluster.agenda[0] = {due, until_answered + tails_[device], false};
+  // A turn is when the answer ends.
+  const bool has_turn = !head.eager && head.lap > 0;
+  const std::int64_t release =
+      due - until_answered - (has_turn ? 0 : tails_[device]) - room_of(index, head);
+  if (release <= now ||
+      head.mode == Mode::kIntensive) {  // the intensive ones let the wire never rest
     due_.put(index, due);
   } else {
     held_.put(index, release);
   }
 }
 
-// How much sooner than it is due a read may end. On the timetable: no more than its next one can do without; a read that comes
-// sooner yet would have to come again.
+// How much sooner than it is due a read may end. On the timetable: no more than its next one can do
+// without; a read that comes sooner yet would have to come again.
 std::int64_t RidingScheduler::room_of(ClusterIndex cluster, const PointState& head) const {
   constexpr double kNoTurn = 0.1;  // of the period, for those without a turn
   if (head.eager || head.lap == 0) return part(kNoTurn, head.period);

@@ -1,4 +1,5 @@
-// RidingScheduler: loads, stretching, the timetable and the beats of the clusters. Other plans later: riding_changes.cpp.
+// RidingScheduler: loads, stretching, the timetable and the beats of the clusters. Other plans
+// later: riding_changes.cpp.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -11,13 +12,19 @@ namespace fieldcast {
 
 namespace {
 
-constexpr double kLight = 0.6;           // planned load up to which reads keep farthest from their last instant,
-constexpr double kCrowded = 0.95;        // and from which on they come as close to it as they can
-constexpr double kMostPerPriority = 4;   // how far points of one priority are stretched before those of the next higher one are
-constexpr double kMostApart = 16;        // how much further the lowest priority than the highest: nobody starves
-constexpr double kSimpleReserve = 0.25;  // of the fastest period, for the planners that are there to be compared with
+constexpr double kLight =
+    0.6;  // planned load up to which reads keep farthest from their last instant,
+constexpr double kCrowded = 0.95;  // and from which on they come as close to it as they can
+constexpr double kMostPerPriority =
+    4;  // how far points of one priority are stretched before those of the next higher one are
+constexpr double kMostApart =
+    16;  // how much further the lowest priority than the highest: nobody starves
+constexpr double kSimpleReserve =
+    0.25;  // of the fastest period, for the planners that are there to be compared with
 
-std::int64_t part(double share, std::int64_t of) { return static_cast<std::int64_t>(share * static_cast<double>(of)); }
+std::int64_t part(double share, std::int64_t of) {
+  return static_cast<std::int64_t>(share * static_cast<double>(of));
+}
 
 std::int64_t less_lead(double refresh, std::int64_t lead) {
   const auto whole = static_cast<std::int64_t>(std::min(refresh, 1e18));
@@ -34,8 +41,8 @@ void RidingScheduler::set_period(PointState& point) const {
   point.deadline += point.period - before;
 }
 
-// The load of one cluster if it were alone on the wire: its next reads, each made when it is due. Also finds the level of its
-// reads.
+// The load of one cluster if it were alone on the wire: its next reads, each made when it is due.
+// Also finds the level of its reads.
 double RidingScheduler::cluster_load(ClusterIndex index, bool stretched) {
   constexpr int kReads = 64;
   const auto points = points_of(index);
@@ -50,7 +57,8 @@ double RidingScheduler::cluster_load(ClusterIndex index, bool stretched) {
     own = std::min(own, point.period);
   }
   if (longest == 0) return 0;
-  const Beat beat = planner_ == Planner::kRiding ? Beat{0, beat_spacing(own, fastest_, margin())} : Beat{};
+  const Beat beat =
+      planner_ == Planner::kRiding ? Beat{0, beat_spacing(own, fastest_, margin())} : Beat{};
   std::int64_t now = 0, spent = 0, reads = 0;
   while (reads < kReads && now <= 2 * longest) {
     std::uint32_t urgent = 0;
@@ -62,14 +70,16 @@ double RidingScheduler::cluster_load(ClusterIndex index, bool stretched) {
     const Pick& pick = shape(index, imagined_, urgent, now, 0);
     ++reads;
     spent += pick.cost;
-    for (const std::uint32_t i : pick.members) imagined_[i].due = due_after(beat, now, imagined_[i].period);
+    for (const std::uint32_t i : pick.members)
+      imagined_[i].due = due_after(beat, now, imagined_[i].period);
   }
   return static_cast<double>(spent) / static_cast<double>(now);
 }
 
 double RidingScheduler::total_load(bool stretched) {
   double sum = 0;
-  for (ClusterIndex cluster = 0; cluster < clusters_.size(); ++cluster) sum += cluster_load(cluster, stretched);
+  for (ClusterIndex cluster = 0; cluster < clusters_.size(); ++cluster)
+    sum += cluster_load(cluster, stretched);
   return sum;
 }
 
@@ -77,14 +87,16 @@ void RidingScheduler::find_fastest() {
   std::int64_t fastest = kNeverNs;
   for (const PointState& point : points_) {
     if (point.wanted() && point.mode == Mode::kScheduled) {
-      fastest = std::min(fastest, less_lead(static_cast<double>(point.refresh) * point.stretch, lead_));
+      fastest =
+          std::min(fastest, less_lead(static_cast<double>(point.refresh) * point.stretch, lead_));
     }
   }
   fastest_ = fastest == kNeverNs ? 1 : fastest;
 }
 
-// Overload is met by longer refreshes: those of the lowest priority first, each priority up to a factor before the next one gives
-// way, then all. Within a priority each takes its share by its elasticity (Buttazzo, Lipari, Abeni: Elastic Task Model, 1998).
+// Overload is met by longer refreshes: those of the lowest priority first, each priority up to a
+// factor before the next one gives way, then all. Within a priority each takes its share by its
+// elasticity (Buttazzo, Lipari, Abeni: Elastic Task Model, 1998).
 void RidingScheduler::stretch_by(double factor) {
   std::map<std::int8_t, std::size_t> rank;
   for (const PointState& point : points_) {
@@ -98,7 +110,8 @@ void RidingScheduler::stretch_by(double factor) {
   uneven_ = false;
   for (PointState& point : points_) {
     const auto found = rank.find(point.priority);
-    const double less = found == rank.end() ? 1.0 : std::pow(apart, static_cast<double>(found->second));
+    const double less =
+        found == rank.end() ? 1.0 : std::pow(apart, static_cast<double>(found->second));
     point.stretch = 1.0 + std::max(0.0, factor / less - 1.0) * point.elasticity;
     if (!point.wanted()) continue;
     stretch_ = std::max(stretch_, point.stretch);
@@ -144,8 +157,8 @@ void RidingScheduler::plan() {
   reserve_ = part(kSimpleReserve, fastest_);
 }
 
-// Makes the timetable; its turns are whole frames, which takes more than refreshes as they are wished. If that is too much, all
-// is stretched a little more.
+// Makes the timetable; its turns are whole frames, which takes more than refreshes as they are
+// wished. If that is too much, all is stretched a little more.
 void RidingScheduler::fit(double factor) {
   constexpr double kMost = 0.994;
   constexpr int kAttempts = 8;
@@ -164,7 +177,8 @@ void RidingScheduler::fit(double factor) {
   }
 }
 
-// A light bus can afford to read earlier, so that noise and retries find time that nobody needs; a full one cannot.
+// A light bus can afford to read earlier, so that noise and retries find time that nobody needs; a
+// full one cannot.
 double RidingScheduler::margin() const { return weights_.margin + room_ * weights_.light_reserve; }
 
 // What the timetable must know of a cluster; no members if nothing of it has a rhythm.
@@ -190,7 +204,8 @@ TimetableRequest RidingScheduler::entry_of(ClusterIndex index) const {
       member.range_ns = static_cast<std::int64_t>(member.item_ns);
     }
   }
-  if (!request.members.empty()) request.base = request.list ? list_cost_of(index).request_ns() : base_of(index);
+  if (!request.members.empty())
+    request.base = request.list ? list_cost_of(index).request_ns() : base_of(index);
   return request;
 }
 
@@ -198,7 +213,8 @@ TimetableRequest RidingScheduler::entry_of(ClusterIndex index) const {
 std::int64_t RidingScheduler::base_of(ClusterIndex index) const {
   const PointState& point = points_of(index).front();
   const Range range = cost_of(index).cover(point.first, point.end);
-  return cost_of(index).of(range).count() - static_cast<std::int64_t>(cost_of(index).item_ns() * range.count);
+  return cost_of(index).of(range).count() -
+         static_cast<std::int64_t>(cost_of(index).item_ns() * range.count);
 }
 
 void RidingScheduler::make_timetable() {
@@ -206,14 +222,15 @@ void RidingScheduler::make_timetable() {
   table_ = Timetable(std::max<std::int64_t>(1, beat_spacing(fastest_, fastest_, margin())),
                      part(weights_.margin - weights_.give, fastest_));
   std::vector<TimetableRequest> requests;
-  for (ClusterIndex index = 0; index < clusters_.size(); ++index) requests.push_back(entry_of(index));
-  table_.fill(std::move(requests), points_.size() > kMany ? 0 : weights_.rounds);
+  for (ClusterIndex index = 0; index < clusters_.size(); ++index)
+    requests.push_back(entry_of(index));
+  ways_ = table_.fill(std::move(requests), points_.size() > kMany ? 0 : weights_.rounds);
 }
 
 // Gives every cluster its beat, and the points that are slower than the beat their turns on it.
-void RidingScheduler::spread(std::int64_t now) {
+void RidingScheduler::spread(std::int64_t began) {
   if (planner_ != Planner::kRiding) return;
-  table_began_ = now;
+  table_began_ = began;
   for (ClusterIndex index = 0; index < clusters_.size(); ++index) take_turns(index);
 }
 
@@ -239,24 +256,29 @@ void RidingScheduler::take_turns(ClusterIndex index) {
 void RidingScheduler::begin(std::int64_t now) {
   begun_ = true;
   spread(now);
+  settled_at_ = later(now, table_.length());
   for (PointState& point : points_) {
     point.deadline = later(now, point.period);
-    point.due = planner_ == Planner::kRiding && point.mode == Mode::kScheduled ? std::min(point.first_due, point.deadline)
-                                                                               : point.deadline;
+    point.due = planner_ == Planner::kRiding && point.mode == Mode::kScheduled
+                    ? std::min(point.first_due, point.deadline)
+                    : point.deadline;
   }
-  for (ClusterIndex cluster = 0; cluster < clusters_.size(); ++cluster) refresh_cluster(cluster, now);
+  for (ClusterIndex cluster = 0; cluster < clusters_.size(); ++cluster)
+    refresh_cluster(cluster, now);
 }
 
-// A wire that is slower than planned (retries, late answers) shows in points that come late although the wire never rests.
+// A wire that is slower than planned (retries, late answers) shows in points that come late
+// although the wire never rests.
 void RidingScheduler::watch_lateness(bool late, std::int64_t now) {
   constexpr std::uint32_t kWindow = 256;
   constexpr double kMostOverrun = 16, kRests = 0.02;
-  if (now < table_began_ + table_.length()) return;  // points find their new turns
+  if (now < settled_at_) return;
   if (watched_ == 0) window_began_ = now, rested_ = 0;
   late_ += late ? 1 : 0;
   if (++watched_ < kWindow) return;
   const double before = overrun_;
-  const bool rests = static_cast<double>(rested_) > kRests * static_cast<double>(now - window_began_);
+  const bool rests =
+      static_cast<double>(rested_) > kRests * static_cast<double>(now - window_began_);
   if (late_ > kWindow / 20 && !rests) overrun_ = std::min(kMostOverrun, overrun_ * 1.05);
   if (late_ == 0 || rests) overrun_ = std::max(1.0, overrun_ * 0.99);
   stale_ = stale_ || overrun_ != before;

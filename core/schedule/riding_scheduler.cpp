@@ -19,17 +19,20 @@ Clustering clustering_of(Planner planner) {
 }
 
 bool one_period(std::span<const PointState> points) {
-  return std::all_of(points.begin(), points.end(),
-                     [&](const PointState& p) { return p.mode == Mode::kIntensive && p.period == points.front().period; });
+  return std::all_of(points.begin(), points.end(), [&](const PointState& p) {
+    return p.mode == Mode::kIntensive && p.period == points.front().period;
+  });
 }
 
 }  // namespace
 
-RidingScheduler::RidingScheduler(const ScheduleInput& input, Planner planner, const RidingWeights& weights)
+RidingScheduler::RidingScheduler(const ScheduleInput& input, Planner planner, bool proven,
+                                 const RidingWeights& weights)
     : planner_(planner),
       weights_(weights),
       lead_(input.lead.count()),
       silence_(input.silence.count()),
+      paces_(input.devices.size()),
       layout_(make_layout(input, clustering_of(planner))),
       points_(input.points.size()),
       clusters_(layout_.clusters.size()),
@@ -51,25 +54,31 @@ RidingScheduler::RidingScheduler(const ScheduleInput& input, Planner planner, co
     const ReadCost& cost = layout_.strips[layout_.strip_at[place]].cost;
     const auto alone = cost.of_single(cost.cover(point.first, point.end));
     point.readable = alone.has_value();
-    // Nobody is asked for more often than the wire can carry it: an absurd wish would stretch everybody else's.
+    // Nobody is asked for more often than the wire can carry it: an absurd wish would stretch
+    // everybody else's.
     point.least_refresh = std::max<std::int64_t>(1, alone.value_or(Duration{1}).count());
     point.refresh = std::max(point.least_refresh, from.refresh.count());
   }
-  for (const DeviceTiming& device : input.devices) tails_.push_back(input.silence.count() + device.pause.count());
+  for (const DeviceTiming& device : input.devices)
+    tails_.push_back(input.silence.count() + device.pause.count());
   for (const Strip& strip : layout_.strips) cut_at_.push_back(strip.cost.bridge());
   plan();
+  if (proven) prove();
+  ways_.clear();
 }
 
 Decision RidingScheduler::next(Instant at) {
-  const std::int64_t now = ns(at);
+  const std::int64_t now = seen_ = ns(at);
   wake(now);
   if (rests_since_ < now) rested_ += now - rests_since_;
   Decision decision = decide(now);
   rests_since_ = std::holds_alternative<Rest>(decision) ? now : kNeverNs;
+  asked_ = now;
   return decision;
 }
 
-// The other planners have no timetable: earliest due first, with a look ahead that says how long the wire may rest.
+// The other planners have no timetable: earliest due first, with a look ahead that says how long
+// the wire may rest.
 Decision RidingScheduler::decide_ahead(std::int64_t now) {
   if (due_.empty()) return Rest{instant(next_wake())};
   if (planner_ == Planner::kDynamicBlocks) return next_of_batch(now);
@@ -85,8 +94,9 @@ Decision RidingScheduler::decide_ahead(std::int64_t now) {
   return make_block(first, clusters_[first].urgent, now, 0);
 }
 
-// By the timetable: of the reads that may begin, the one that is due first, unless it would keep one from its instant that is due
-// before it. Wire time that nobody has a right to goes to those that have use for it.
+// By the timetable: of the reads that may begin, the one that is due first, unless it would keep
+// one from its instant that is due before it. Wire time that nobody has a right to goes to those
+// that have use for it.
 Decision RidingScheduler::decide(std::int64_t now) {
   constexpr std::size_t kLook = 8;
   if (planner_ != Planner::kRiding) return decide_ahead(now);
@@ -105,7 +115,8 @@ Decision RidingScheduler::decide(std::int64_t now) {
   return Rest{instant(until)};
 }
 
-// Whether a read that is due at `due` and ends at `end` delays one that begins before that end and is due sooner.
+// Whether a read that is due at `due` and ends at `end` delays one that begins before that end and
+// is due sooner.
 bool RidingScheduler::in_the_way(std::int64_t due, std::int64_t end) {
   walk_.assign(1, 0);
   while (!walk_.empty()) {
@@ -124,7 +135,8 @@ Duration RidingScheduler::slack(Instant at) {
   wake(now);
   if (planner_ == Planner::kRiding) {
     std::int64_t free = held_.empty() ? kNeverNs : held_.top_key() - now;
-    if (!due_.empty()) free = std::min(free, due_.top_key() - clusters_[due_.top()].agenda[0].cost - now);
+    if (!due_.empty())
+      free = std::min(free, due_.top_key() - clusters_[due_.top()].agenda[0].cost - now);
     return free == kNeverNs ? Duration::max() : Duration{std::max<std::int64_t>(0, free)};
   }
   if (due_.empty()) return Duration::max();
@@ -166,14 +178,16 @@ std::int64_t RidingScheduler::next_wake() const {
   return at;
 }
 
-Slice RidingScheduler::slice_of(ClusterIndex cluster, std::span<const PointState> points, std::uint32_t urgent, std::int64_t now,
-                                std::int64_t budget) const {
+Slice RidingScheduler::slice_of(ClusterIndex cluster, std::span<const PointState> points,
+                                std::uint32_t urgent, std::int64_t now, std::int64_t budget) const {
   switch (planner_) {
     case Planner::kRiding:
-      // On a wire that never rests, neighbours of one refresh go round together: the optimal partition, always.
+      // On a wire that never rests, neighbours of one refresh go round together: the optimal
+      // partition, always.
       if (points[urgent].mode == Mode::kIntensive && one_period(points))
         return whole_slice(points, urgent, cost_of(cluster), now);
-      return riding_slice(points, urgent, cost_of(cluster), now, Allowance{budget, clusters_[cluster].beat.spacing}, weights_);
+      return riding_slice(points, urgent, cost_of(cluster), now,
+                          Allowance{budget, clusters_[cluster].beat.spacing}, weights_);
     case Planner::kDynamicBlocks: return near_slice(points, urgent, cost_of(cluster), now);
     case Planner::kOnePerChannel: return {urgent, urgent + 1};
     case Planner::kFastestMember: break;
@@ -181,14 +195,14 @@ Slice RidingScheduler::slice_of(ClusterIndex cluster, std::span<const PointState
   return whole_slice(points, urgent, cost_of(cluster), now);
 }
 
-const Pick& RidingScheduler::shape(ClusterIndex cluster, std::span<const PointState> points, std::uint32_t urgent,
-                                   std::int64_t now, std::int64_t budget) {
+const Pick& RidingScheduler::shape(ClusterIndex cluster, std::span<const PointState> points,
+                                   std::uint32_t urgent, std::int64_t now, std::int64_t budget) {
   if (layout_.clusters[cluster].list) {
     if (points[urgent].mode == Mode::kIntensive && one_period(points)) {
       lists_.whole(points, urgent, list_cost_of(cluster), now, pick_);
     } else {
-      lists_.riding(points, urgent, list_cost_of(cluster), now, Allowance{budget, clusters_[cluster].beat.spacing}, weights_,
-                    pick_);
+      lists_.riding(points, urgent, list_cost_of(cluster), now,
+                    Allowance{budget, clusters_[cluster].beat.spacing}, weights_, pick_);
     }
     return pick_;
   }
@@ -201,7 +215,8 @@ const Pick& RidingScheduler::shape(ClusterIndex cluster, std::span<const PointSt
   return pick_;
 }
 
-Block RidingScheduler::make_block(ClusterIndex cluster, std::uint32_t urgent, std::int64_t now, std::int64_t budget) {
+Block RidingScheduler::make_block(ClusterIndex cluster, std::uint32_t urgent, std::int64_t now,
+                                  std::int64_t budget) {
   const auto points = points_of(cluster);
   const Pick& pick = shape(cluster, points, urgent, now, budget);
   Block block;
@@ -209,16 +224,19 @@ Block RidingScheduler::make_block(ClusterIndex cluster, std::uint32_t urgent, st
   block.ranges = pick.ranges();
   block.cost = Duration{pick.cost};
   for (const std::uint32_t i : pick.members) {
-    if (points[i].ready(now)) block.points.push_back(layout_.point_at[layout_.clusters[cluster].begin + i]);
+    if (points[i].ready(now))
+      block.points.push_back(layout_.point_at[layout_.clusters[cluster].begin + i]);
   }
   return block;
 }
 
-// The simple algorithm, for comparison: the most urgent clusters, each as a block, twenty at a time.
+// The simple algorithm, for comparison: the most urgent clusters, each as a block, twenty at a
+// time.
 Decision RidingScheduler::next_of_batch(std::int64_t now) {
   if (batch_.empty()) {
     const Slack free = look_ahead(now);
-    if (free.rest > 0 && spare_.empty()) return Rest{instant(std::min(later(now, free.rest), next_wake()))};
+    if (free.rest > 0 && spare_.empty())
+      return Rest{instant(std::min(later(now, free.rest), next_wake()))};
     std::vector<std::pair<std::int64_t, ClusterIndex>> taken;
     std::int64_t end = now;
     while (!due_.empty() && taken.size() < kMostBatch) {
@@ -237,7 +255,8 @@ Decision RidingScheduler::next_of_batch(std::int64_t now) {
   return block;
 }
 
-std::int64_t RidingScheduler::next_due(ClusterIndex cluster, const PointState& point, std::int64_t acquired) const {
+std::int64_t RidingScheduler::next_due(ClusterIndex cluster, const PointState& point,
+                                       std::int64_t acquired) const {
   const Beat& beat = clusters_[cluster].beat;
   if (point.mode == Mode::kIntensive || beat.spacing == 0) return later(acquired, point.period);
   if (point.lap == 0) return due_after(beat, acquired, point.period);
@@ -249,12 +268,14 @@ std::int64_t RidingScheduler::next_due(ClusterIndex cluster, const PointState& p
 
 // A point that came along early keeps its turn; otherwise it gets its next one.
 void RidingScheduler::renew(ClusterIndex cluster, PointState& point, std::int64_t at) const {
-  const bool keeps = planner_ == Planner::kRiding && point.mode == Mode::kScheduled && !point.eager && !point.suspect;
+  const bool keeps = planner_ == Planner::kRiding && point.mode == Mode::kScheduled &&
+                     !point.eager && !point.suspect;
   if (!keeps || point.used(at) >= weights_.keep) point.due = next_due(cluster, point, at);
   point.deadline = later(at, point.period);
 }
 
-// What failed waits its turn anew: half a period later it is due again, sooner if the wire would rest.
+// What failed waits its turn anew: half a period later it is due again, sooner if the wire would
+// rest.
 void RidingScheduler::postpone(PointState& point, std::int64_t from) const {
   point.due = point.deadline = later(from, point.period / 2);
   point.eager = true;
@@ -270,12 +291,15 @@ void RidingScheduler::refresh_clusters_of(const Block& block, std::int64_t now) 
 }
 
 void RidingScheduler::acquired(const Block& block, Instant at) {
-  const std::int64_t now = ns(at);
+  const std::int64_t now = seen_ = ns(at);
+  paces_[block.device].read(now - asked_, block.cost.count() - tails_[block.device]);
   Place low = kNoPlace, high = 0;
   for (const PointIndex index : block.points) {
     const Place place = layout_.place_of[index];
     PointState& point = points_[place];
-    if (!point.eager) watch_lateness(now - point.deadline > point.period / 20, now);  // moments late: the next frame has room
+    if (!point.eager)
+      watch_lateness(now - point.deadline > point.period / 20,
+                     now);  // moments late: the next frame has room
     renew(layout_.cluster_at[place], point, now);
     point.retry_at = 0;
     point.eager = point.bad = point.suspect = false;
@@ -336,7 +360,12 @@ void replan(Scheduler& scheduler, Instant now) {
 }
 
 std::unique_ptr<Scheduler> make_scheduler(const ScheduleInput& input, Planner planner) {
-  return std::make_unique<RidingScheduler>(input, planner);
+  return std::make_unique<RidingScheduler>(input, planner, true);
+}
+
+PlannedLoad planned_load_of(const ScheduleInput& input, Planner planner) {
+  const RidingScheduler scheduler(input, planner, false);
+  return {scheduler.planned_load(), scheduler.stretch()};
 }
 
 }  // namespace fieldcast

@@ -1,10 +1,11 @@
 // The scheduler: of the reads that may begin, the one that is due first, never pre-empted.
 //
-// Each cluster has its beat and its points their turns by a timetable (timetable.hpp); slower points ride along with the reads of
-// the cluster (block_shape.hpp; list_shape.hpp where a request carries a list of ranges). Four queues hold clusters: `held_`
-// those whose read may not begin yet; `due_` those whose may; `spare_` those that have use for wire time that would otherwise be
-// rest (intensive, never read, failed); `asleep_` those with points that are left alone for a while. README.md beside this file
-// tells what was tried. Owned by the bus engine and touched by it alone.
+// Each cluster has its beat and its points their turns by a timetable (timetable.hpp); slower
+// points ride along with the reads of the cluster (block_shape.hpp; list_shape.hpp where a request
+// carries a list of ranges). Four queues hold clusters: `held_` those whose read may not begin yet;
+// `due_` those whose may; `spare_` those that have use for wire time that would otherwise be rest
+// (intensive, never read, failed); `asleep_` those with points that are left alone for a while.
+// README.md beside this file tells what was tried. Owned by the bus engine and touched by it alone.
 #pragma once
 
 #include <array>
@@ -15,6 +16,7 @@
 #include "core/schedule/block_shape.hpp"
 #include "core/schedule/due_queue.hpp"
 #include "core/schedule/layout.hpp"
+#include "core/schedule/line_pace.hpp"
 #include "core/schedule/list_shape.hpp"
 #include "core/schedule/pick.hpp"
 #include "core/schedule/point_state.hpp"
@@ -27,7 +29,10 @@ namespace fieldcast {
 
 class RidingScheduler final : public Scheduler {
  public:
-  RidingScheduler(const ScheduleInput& input, Planner planner, const RidingWeights& weights = {});
+  // `proven`: of several plans the one is taken that keeps every refresh when it is rehearsed. That
+  // takes longer; where only loads are asked for it is not worth it.
+  RidingScheduler(const ScheduleInput& input, Planner planner, bool proven,
+                  const RidingWeights& weights = {});
 
   Decision next(Instant now) override;
   void acquired(const Block& block, Instant acquired) override;
@@ -48,7 +53,8 @@ class RidingScheduler final : public Scheduler {
   struct Coming {
     std::int64_t due = kNeverNs;
     std::int64_t cost = 0;
-    bool again = false;  // its most urgent point was read by one of those before: due so much sooner as that was
+    bool again = false;  // its most urgent point was read by one of those before: due so much
+                         // sooner as that was
   };
   static constexpr std::size_t kAgenda = 6;
   struct ClusterState {
@@ -60,9 +66,10 @@ class RidingScheduler final : public Scheduler {
   struct Draft;
   // How much wire time is free before the earliest latest start.
   struct Slack {
-    std::int64_t rest = 0;    // before anything must begin
-    std::int64_t budget = 0;  // for the most urgent cluster's block, so that it and all others are still in time
-    bool tight = false;       // none to spare
+    std::int64_t rest = 0;  // before anything must begin
+    std::int64_t budget =
+        0;  // for the most urgent cluster's block, so that it and all others are still in time
+    bool tight = false;  // none to spare
   };
   static constexpr std::uint32_t kNoSlot = (1u << 28) - 1;
   struct Ahead {  // small: heaps of it are what a decision costs
@@ -76,12 +83,13 @@ class RidingScheduler final : public Scheduler {
 
   // riding_plan.cpp: what is worked out once, and in drafts
   void plan();
+  void cut();
   void find_fastest();
   [[nodiscard]] double margin() const;
   void stretch_by(double factor);
   [[nodiscard]] double cluster_load(ClusterIndex cluster, bool stretched);
   [[nodiscard]] double total_load(bool stretched);
-  void spread(std::int64_t now);
+  void spread(std::int64_t began);
   [[nodiscard]] TimetableRequest entry_of(ClusterIndex cluster) const;
   [[nodiscard]] std::int64_t base_of(ClusterIndex cluster) const;
   void take_turns(ClusterIndex cluster);
@@ -100,21 +108,33 @@ class RidingScheduler final : public Scheduler {
   [[nodiscard]] bool cut_anew();
   [[nodiscard]] bool worth_cutting();
 
+  // riding_draft.cpp: plans that are proven before they go into force
+  static constexpr std::uint64_t kAnyNumber = ~std::uint64_t{0};
+  [[nodiscard]] std::uint64_t rehearse(std::int64_t now, std::uint64_t enough);
+  [[nodiscard]] std::uint64_t late_in(const Block& block, std::int64_t acquired) const;
+  [[nodiscard]] std::int64_t latest_for(const PointState& point) const;
+  void prove();
+  void forget_paces(std::int64_t now);
+  void take(RidingScheduler&& plan, std::int64_t began, std::int64_t now);
+  void find_turns(std::int64_t now);
+
   // riding_scheduler.cpp: decisions
   [[nodiscard]] Decision decide(std::int64_t now);
   [[nodiscard]] Decision decide_ahead(std::int64_t now);
   [[nodiscard]] bool in_the_way(std::int64_t due, std::int64_t end);
   void wake(std::int64_t now);
   [[nodiscard]] std::int64_t next_wake() const;
-  [[nodiscard]] Slice slice_of(ClusterIndex cluster, std::span<const PointState> points, std::uint32_t urgent, std::int64_t now,
-                               std::int64_t budget) const;
+  [[nodiscard]] Slice slice_of(ClusterIndex cluster, std::span<const PointState> points,
+                               std::uint32_t urgent, std::int64_t now, std::int64_t budget) const;
   // Who is read with the urgent point at `now`: into pick_.
-  const Pick& shape(ClusterIndex cluster, std::span<const PointState> points, std::uint32_t urgent, std::int64_t now,
-                    std::int64_t budget);
-  [[nodiscard]] Block make_block(ClusterIndex cluster, std::uint32_t urgent, std::int64_t now, std::int64_t budget);
+  const Pick& shape(ClusterIndex cluster, std::span<const PointState> points, std::uint32_t urgent,
+                    std::int64_t now, std::int64_t budget);
+  [[nodiscard]] Block make_block(ClusterIndex cluster, std::uint32_t urgent, std::int64_t now,
+                                 std::int64_t budget);
   [[nodiscard]] Decision next_of_batch(std::int64_t now);
 
-  [[nodiscard]] std::int64_t next_due(ClusterIndex cluster, const PointState& point, std::int64_t acquired) const;
+  [[nodiscard]] std::int64_t next_due(ClusterIndex cluster, const PointState& point,
+                                      std::int64_t acquired) const;
   void renew(ClusterIndex cluster, PointState& point, std::int64_t at) const;
   void postpone(PointState& point, std::int64_t from) const;
 
@@ -147,6 +167,8 @@ class RidingScheduler final : public Scheduler {
   RidingWeights weights_;
   std::int64_t lead_, silence_;
   std::vector<std::int64_t> tails_;  // by device: from the end of its answer until the wire is free
+  std::vector<LinePace> paces_;      // by device
+  std::int64_t asked_ = 0;           // when the last block was given out
   Layout layout_;
   std::vector<PointState> points_;  // by place
   std::vector<ClusterState> clusters_;
@@ -156,28 +178,34 @@ class RidingScheduler final : public Scheduler {
   DueQueue suspended_;  // devices, by when they come back
   RefusalSearch refusals_;
   Timetable table_{1, 0};
+  std::vector<Timetable> ways_;  // of a plan just made: other timetables for it, best first
   std::int64_t table_began_ = 0;
-  std::vector<Block> batch_;  // kDynamicBlocks: what is still to be read, last first
-  double load_ = 0;           // unstretched,
-  double fit_ = 1;            // and how much more the timetable takes
-  double stretch_ = 1;        // the greatest of all points
+  std::int64_t settled_at_ = 0;  // then every point has found its turn on the table
+  std::int64_t seen_ = 0;        // the latest instant told
+  std::vector<Block> batch_;     // kDynamicBlocks: what is still to be read, last first
+  double load_ = 0;              // unstretched,
+  double fit_ = 1;               // and how much more the timetable takes
+  double stretch_ = 1;           // the greatest of all points
   double least_elasticity_ = 1;
   bool uneven_ = false;  // not every elasticity is 1
   std::size_t priorities_ = 1;
-  double overrun_ = 1;        // how much more the wire needs than planned
-  double planned_for_ = 0;    // load and overrun of the plan in force
-  std::int64_t reserve_ = 0;  // of planners without a timetable: the rest ends this much before it must
-  double room_ = 1;           // 0 on a crowded wire, 1 on a light one
+  double overrun_ = 1;      // how much more the wire needs than planned
+  double planned_for_ = 0;  // load and overrun of the plan in force
+  std::int64_t reserve_ =
+      0;             // of planners without a timetable: the rest ends this much before it must
+  double room_ = 1;  // 0 on a crowded wire, 1 on a light one
   std::int64_t fastest_ = 1;  // period of the bus
   std::uint32_t late_ = 0, watched_ = 0;
   std::int64_t window_began_ = 0, rested_ = 0, rests_since_ = kNeverNs;
   std::vector<ClusterIndex> changed_;  // to be given other turns
   std::vector<Place> touched_;         // of what changed since the draft was begun
-  std::vector<std::uint32_t> cut_at_;  // what a read may bridge, by strip, when the clusters were cut
-  bool stale_ = false;                 // a new plan may be needed
-  bool costs_changed_ = false;         // clusters may have to be cut anew
-  bool drafting_ = false;              // a draft is out
-  bool planned_ = false, cut_ = false;  // of a draft that was made: whether there is a new plan, and other clusters
+  std::vector<std::uint32_t>
+      cut_at_;                  // what a read may bridge, by strip, when the clusters were cut
+  bool stale_ = false;          // a new plan may be needed
+  bool costs_changed_ = false;  // clusters may have to be cut anew
+  bool drafting_ = false;       // a draft is out
+  // Of a draft that was made: whether there is a new plan, and other clusters.
+  bool planned_ = false, cut_ = false;
   bool begun_ = false;
   std::vector<Ahead> ahead_;          // scratch of look_ahead()
   std::vector<std::size_t> walk_;     // scratch of in_the_way()

@@ -4,11 +4,16 @@
 #include <gmock/gmock.h>
 
 #include <condition_variable>
+#include <filesystem>
 #include <future>
+#include <map>
 
 #include "bridge/dds/station.hpp"
+#include "bridge/store/event_table.hpp"
+#include "bridge/store/store_address.hpp"
 #include "tests/bridge/support/claimed_domain.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
+#include "tests/bridge/support/module_device.hpp"
 #include "tests/bridge/support/tcp_client.hpp"
 
 namespace fieldcast {
@@ -44,9 +49,9 @@ BusSpec bus_at(const std::string& name, const std::string& path) {
 }
 
 // What a station hears, waited for with a deadline.
-class Ear {
+class Receiver {
  public:
-  explicit Ear(const DdsSpec& dds) : station(dds, "ear") {
+  explicit Receiver(const DdsSpec& dds) : station(dds, "ear") {
     station.subscribe_samples([this](const StationSample& sample) {
       {
         const std::lock_guard lock(mutex_);
@@ -55,9 +60,11 @@ class Ear {
       changed_.notify_all();
     });
   }
-  [[nodiscard]] bool hears(const std::function<bool(const StationSample&)>& wanted, milliseconds limit = seconds{15}) {
+  [[nodiscard]] bool hears(const std::function<bool(const StationSample&)>& wanted,
+                           milliseconds limit = seconds{15}) {
     std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, limit, [&] { return std::any_of(samples_.begin(), samples_.end(), wanted); });
+    return changed_.wait_for(lock, limit,
+                             [&] { return std::any_of(samples_.begin(), samples_.end(), wanted); });
   }
   void forget() {
     const std::lock_guard lock(mutex_);
@@ -76,7 +83,9 @@ class Ear {
 };
 
 std::function<bool(const StationSample&)> good_from(const std::string& bus) {
-  return [bus](const StationSample& sample) { return sample.bus == bus && sample.quality == Quality::kGood; };
+  return [bus](const StationSample& sample) {
+    return sample.bus == bus && sample.quality == Quality::kGood;
+  };
 }
 
 StationCommand write_to(const std::string& bus, const std::string& channel, std::uint64_t value) {
@@ -102,7 +111,7 @@ struct BridgeTest : testing::Test {
 
 TEST_F(BridgeTest, AStationHearsEveryBus) {
   ModbusDevice a(first), b(second);
-  Ear ear(spec.dds);
+  Receiver ear(spec.dds);
   Bridge bridge;
   ASSERT_TRUE(bridge.start(spec));
   EXPECT_TRUE(ear.hears(good_from("one")));
@@ -111,7 +120,7 @@ TEST_F(BridgeTest, AStationHearsEveryBus) {
 
 TEST_F(BridgeTest, ACommandReachesTheDeviceAndItsResultTheStation) {
   ModbusDevice a(first), b(second);
-  Ear ear(spec.dds);
+  Receiver ear(spec.dds);
   Bridge bridge;
   ASSERT_TRUE(bridge.start(spec));
   ASSERT_TRUE(ear.hears(good_from("two")));
@@ -125,7 +134,7 @@ TEST_F(BridgeTest, ACommandReachesTheDeviceAndItsResultTheStation) {
 
 TEST_F(BridgeTest, WhileADeviceIsProgrammedItsBusRestsAndTheOthersGoOn) {
   ModbusDevice a(first), b(second);
-  Ear ear(spec.dds);
+  Receiver ear(spec.dds);
   std::mutex mutex;
   std::vector<ProgramSessionReport> sessions;
   ear.station.subscribe_program_sessions([&](const ProgramSessionReport& session) {
@@ -154,7 +163,8 @@ TEST_F(BridgeTest, WhileADeviceIsProgrammedItsBusRestsAndTheOthersGoOn) {
   engineer.say("@@P1FEFF");
   ASSERT_EQ(engineer.hear("FEFF"), "@@0000FEFF");
   EXPECT_TRUE(session_becomes(ProgramSessionState::kOpen));
-  EXPECT_TRUE(ear.hears([](const StationSample& s) { return s.bus == "one" && s.quality == Quality::kUncertain; }));
+  EXPECT_TRUE(ear.hears(
+      [](const StationSample& s) { return s.bus == "one" && s.quality == Quality::kUncertain; }));
   const auto refused = ear.station.execute(write_to("one", "r1", 1), seconds{10});
   ASSERT_TRUE(refused) << to_text(refused.error());
   EXPECT_EQ(refused->cause, "LEASED");
@@ -169,9 +179,173 @@ TEST_F(BridgeTest, WhileADeviceIsProgrammedItsBusRestsAndTheOthersGoOn) {
   EXPECT_EQ(sessions.back().bus + '/' + sessions.back().device, "one/plc");
 }
 
+// What the store says of the alarms, in their order: "active", "clear".
+std::vector<AlarmRecord> stored_alarms(const std::string& path) {
+  std::vector<AlarmRecord> found;
+  const auto connection = open_store(StoreAddress(path), IfMissing::kFail);
+  EventTable(*connection).alarms({INT64_MIN}, {INT64_MAX}, [&](const AlarmRecord& alarm) {
+    found.push_back(alarm);
+    return true;
+  });
+  return found;
+}
+
+TEST_F(BridgeTest, AlarmsGoOnAndEndOverRestartsAndReloads) {
+  ModbusDevice a(first), b(second);
+  Receiver ear(spec.dds);
+  std::mutex mutex;
+  std::vector<StationAlarm> heard;
+  ear.station.subscribe_alarms([&](const StationAlarm& alarm) {
+    const std::lock_guard lock(mutex);
+    heard.push_back(alarm);
+  });
+  const auto told = [&](AlarmState state) {
+    for (const auto end = std::chrono::steady_clock::now() + seconds{15};
+         std::chrono::steady_clock::now() < end; std::this_thread::yield()) {
+      const std::lock_guard lock(mutex);
+      if (!heard.empty() && heard.back().state == state) return true;
+    }
+    return false;
+  };
+  const auto last = [&] {
+    const std::lock_guard lock(mutex);
+    return heard.back();
+  };
+  const auto forget = [&] {
+    const std::lock_guard lock(mutex);
+    heard.clear();
+  };
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / ("alarms-" + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  spec.store = StoreSpec{folder / "plant.db"};
+  auto& channel = spec.buses[0].devices[0].channels[2];  // its value is 2
+  channel.limits.high = 1;
+  UtcTime since;
+  {
+    Bridge bridge;
+    ASSERT_TRUE(bridge.start(spec));
+    ASSERT_TRUE(told(AlarmState::kActive));
+    since = last().since;
+  }
+  forget();
+  {
+    Bridge bridge;  // still beyond: the same alarm
+    ASSERT_TRUE(bridge.start(spec));
+    ASSERT_TRUE(told(AlarmState::kActive));
+    const auto near = [&] {  // the clocks of the two runs differ by what the system corrected
+      return std::abs(last().since.nanoseconds - since.nanoseconds) < 20'000'000;
+    };
+    for (const auto end = std::chrono::steady_clock::now() + seconds{15};
+         !near() && std::chrono::steady_clock::now() < end; std::this_thread::yield()) {}
+    EXPECT_TRUE(near());
+    forget();
+    spec.buses[0].devices[0].channels[0].refresh = milliseconds{120};
+    ASSERT_TRUE(bridge.reload(spec));
+    ASSERT_TRUE(told(AlarmState::kActive));
+    EXPECT_TRUE(near());
+  }
+  EXPECT_EQ(stored_alarms(spec.store->address).size(), 1u);
+  forget();
+  channel.limits.high = 5;  // while the bridge is down; as if the value had fallen
+  {
+    Bridge bridge;
+    ASSERT_TRUE(bridge.start(spec));
+    ASSERT_TRUE(told(AlarmState::kClear));
+    channel.limits.high = 1;
+    forget();
+    ASSERT_TRUE(bridge.reload(spec));
+    ASSERT_TRUE(told(AlarmState::kActive));
+    channel.limits.high.reset();
+    forget();
+    ASSERT_TRUE(bridge.reload(spec));
+    EXPECT_TRUE(told(AlarmState::kClear));
+  }
+  std::vector<std::string> states;
+  for (const AlarmRecord& alarm : stored_alarms(spec.store->address)) states.push_back(alarm.state);
+  EXPECT_THAT(states, testing::ElementsAre("active", "clear", "active", "clear"));
+  std::filesystem::remove_all(folder);
+}
+
+TEST_F(BridgeTest, AReloadOfABusUnderADownloadWaitsForItsEnd) {
+  ModbusDevice a(first), b(second);
+  Receiver ear(spec.dds);
+  spec.buses[0].devices[0].number = "P1";
+  spec.program.engineers.emplace().listen = {"127.0.0.1", test::free_port()};
+  Bridge bridge;
+  ASSERT_TRUE(bridge.start(spec));
+  ASSERT_TRUE(ear.hears(good_from("one")));
+  test::TcpClient engineer(spec.program.engineers->listen.port);
+  engineer.say("@@P1FEFF");
+  ASSERT_EQ(engineer.hear("FEFF"), "@@0000FEFF");
+
+  BridgeSpec other = spec;
+  other.buses[1].devices[0].channels.pop_back();
+  const auto free = bridge.reload(other);  // not the bus that is programmed
+  ASSERT_TRUE(free) << free.error();
+  EXPECT_THAT(free->waits_for, testing::IsEmpty());
+  BridgeSpec wanted = other;
+  wanted.buses[0].devices[0].channels.pop_back();
+  const auto waiting = bridge.reload(wanted);
+  ASSERT_TRUE(waiting) << waiting.error();
+  EXPECT_THAT(waiting->waits_for,
+              testing::ElementsAre(testing::StartsWith("one/plc by 127.0.0.1:")));
+  a.stop();
+  (void)first.take();
+  engineer.say("@@@00still mine*\rFEFF");
+  const Bytes heard = first.receive(14);
+  EXPECT_EQ(std::string(heard.begin(), heard.end()), "@00still mine*\r");
+
+  engineer.say("@@EDFEFF");
+  ModbusDevice again(first);
+  auto done = bridge.reload(wanted);
+  for (const auto end = std::chrono::steady_clock::now() + seconds{10};
+       done && !done->waits_for.empty() && std::chrono::steady_clock::now() < end;)
+    done = bridge.reload(wanted);
+  ASSERT_TRUE(done) << done.error();
+  EXPECT_THAT(done->waits_for, testing::IsEmpty());
+  ear.forget();
+  EXPECT_TRUE(ear.hears(good_from("one")));
+}
+
+TEST_F(BridgeTest, NoReloadLosesAModuleThatIsConnected) {
+  ModbusDevice a(first), b(second);
+  Receiver ear(spec.dds);
+  spec.program.modules.emplace().listen = {"127.0.0.1", test::free_port()};
+  Bridge bridge;
+  ASSERT_TRUE(bridge.start(spec));
+  test::TcpClient module(spec.program.modules->listen.port);
+  module.say("17\n");
+  test::ModuleDevice plc(module);
+  const auto reload = [&](const char* what) {
+    ear.forget();
+    const auto done = bridge.reload(spec);
+    EXPECT_TRUE(done) << what << ": " << done.error();
+    const bool collected = std::any_of(spec.buses.begin(), spec.buses.end(),
+                                       [](const BusSpec& bus) { return bus.name == "far"; });
+    if (collected) { EXPECT_TRUE(ear.hears(good_from("far"))) << what; }
+    EXPECT_FALSE(module.is_closed(milliseconds{30})) << what;
+  };
+  BusSpec far = bus_at("far", "");
+  far.port = DialInPortSpec{"17", std::nullopt};
+  far.devices[0].channels.resize(1);
+  spec.buses.push_back(far);
+  reload("its bus is added");
+  spec.buses.back().devices[0].channels[0].refresh = milliseconds{120};
+  reload("its bus changes");
+  spec.program.modules->registration.prefix = "ID=";
+  reload("the registration changes");
+  spec.name = "other";
+  reload("everything starts anew");
+  spec.buses.pop_back();
+  reload("its bus goes");
+  spec.buses.push_back(far);
+  reload("its bus comes back");
+}
+
 TEST_F(BridgeTest, AReloadOfTheProgrammingPortLeavesTheBusesRunning) {
   ModbusDevice a(first), b(second);
-  Ear ear(spec.dds);
+  Receiver ear(spec.dds);
   Bridge bridge;
   ASSERT_TRUE(bridge.start(spec));
   ASSERT_TRUE(ear.hears(good_from("one")));
@@ -182,9 +356,17 @@ TEST_F(BridgeTest, AReloadOfTheProgrammingPortLeavesTheBusesRunning) {
   test::TcpClient engineer(wanted.program.engineers->listen.port);
   engineer.say("@@P1FEFF");
   EXPECT_EQ(engineer.hear("FEFF"), "@@0001FEFF");
-  ear.forget();
-  ASSERT_TRUE(ear.hears(good_from("one")));
-  for (const StationSample& sample : ear.samples()) EXPECT_GT(sample.sequence, 1u);
+  // A bus that had started anew would count from 1 again.
+  const std::uint64_t newest = ear.samples().back().sequence;
+  ASSERT_TRUE(ear.hears([&](const StationSample& sample) {
+    return sample.bus == "one" && sample.sequence > newest + 1;
+  }));
+  std::map<std::string, std::uint64_t> last;
+  for (const StationSample& sample : ear.samples()) {
+    std::uint64_t& before = last[sample.bus + '/' + sample.channel];
+    EXPECT_GT(sample.sequence, before) << sample.bus << '/' << sample.channel;
+    before = sample.sequence;
+  }
 
   BridgeSpec taken = wanted;
   taken.program.engineers->listen.host = "203.0.113.77";  // of nobody (RFC 5737)
@@ -196,12 +378,16 @@ TEST_F(BridgeTest, AReloadOfTheProgrammingPortLeavesTheBusesRunning) {
 
 TEST_F(BridgeTest, AChannelOnInterestIsReadOnceAStationWishesIt) {
   ModbusDevice a(first), b(second);
-  Ear ear(spec.dds);
+  Receiver ear(spec.dds);
   spec.buses[0].devices[0].channels[0].on_interest = true;
   Bridge bridge;
   ASSERT_TRUE(bridge.start(spec));
-  const auto wished = [](const StationSample& s) { return s.bus == "one" && s.channel == "r0" && s.quality == Quality::kGood; };
-  const auto other = [](const StationSample& s) { return s.bus == "one" && s.channel == "r1" && s.sequence >= 3; };
+  const auto wished = [](const StationSample& s) {
+    return s.bus == "one" && s.channel == "r0" && s.quality == Quality::kGood;
+  };
+  const auto other = [](const StationSample& s) {
+    return s.bus == "one" && s.channel == "r1" && s.sequence >= 3;
+  };
   ASSERT_TRUE(ear.hears(other));
   for (const StationSample& sample : ear.samples()) EXPECT_FALSE(wished(sample));
   ear.station.declare_interest("one/plc/r0", milliseconds{100});
@@ -210,36 +396,45 @@ TEST_F(BridgeTest, AChannelOnInterestIsReadOnceAStationWishesIt) {
 
 TEST_F(BridgeTest, AnInterestInNothingIsToldOnceAndAFloodOfThemHoldsNobodyUp) {
   ModbusDevice a(first), b(second);
-  Ear ear(spec.dds);
+  Receiver ear(spec.dds);
   std::promise<void> renewed;
   ear.station.subscribe_channels([&, told = false](const StationChannel& channel) mutable {
-    if (!told && channel.bus == "one" && channel.channel == "r0" && channel.refresh == milliseconds{50}) renewed.set_value(), told = true;
+    if (!told && channel.bus == "one" && channel.channel == "r0" &&
+        channel.refresh == milliseconds{50})
+      renewed.set_value(), told = true;
   });
   spec.buses[0].devices[0].channels[0].on_interest = true;
   Bridge bridge;
   testing::internal::CaptureStderr();
   ASSERT_TRUE(bridge.start(spec));
-  const auto good = [](const StationSample& s) { return s.bus == "one" && s.channel == "r0" && s.quality == Quality::kGood; };
+  const auto good = [](const StationSample& s) {
+    return s.bus == "one" && s.channel == "r0" && s.quality == Quality::kGood;
+  };
   ear.station.declare_interest("one/plc/r0", milliseconds{100});
   EXPECT_TRUE(ear.hears(good));
   ear.station.declare_interest("one/plc/r1", milliseconds{100});
-  for (int i = 0; i < 3000; ++i) ear.station.declare_interest("nowhere/" + std::to_string(i), milliseconds{100});
-  ear.station.declare_interest("one/plc/r0", milliseconds{50});  // wishes of one station arrive in order: this is the last
+  for (int i = 0; i < 3000; ++i)
+    ear.station.declare_interest("nowhere/" + std::to_string(i), milliseconds{100});
+  ear.station.declare_interest(
+      "one/plc/r0", milliseconds{50});  // wishes of one station arrive in order: this is the last
   EXPECT_EQ(renewed.get_future().wait_for(seconds{15}), std::future_status::ready);
   ear.forget();
   EXPECT_TRUE(ear.hears(good));
   bridge.stop();
   const std::string said = testing::internal::GetCapturedStderr();
-  EXPECT_THAT(said, testing::HasSubstr("in one/plc/r1 changes nothing: its channels are read anyway"));
+  EXPECT_THAT(said,
+              testing::HasSubstr("in one/plc/r1 changes nothing: its channels are read anyway"));
   EXPECT_THAT(said, testing::HasSubstr("are held, at most 4096 of 256"));
   EXPECT_LT(std::count(said.begin(), said.end(), '\n'), 20) << said;
 }
 
-// Of a device that falls silent: what the engine counts, what its DataWriters see and what a station's DataReader sees.
+// Of a device that falls silent: what the engine counts, what its DataWriters see and what a
+// station's DataReader sees.
 TEST_F(BridgeTest, MissedRefreshesAreTheSameNumberForTheEngineItsWritersAndAStation) {
   ModbusDevice a(first), b(second);
   spec.buses.pop_back();
-  for (ChannelSpec& channel : spec.buses[0].devices[0].channels) channel.refresh = milliseconds{300};
+  for (ChannelSpec& channel : spec.buses[0].devices[0].channels)
+    channel.refresh = milliseconds{300};
   Station station(spec.dds, "strict");
   std::mutex mutex;
   std::condition_variable changed;
@@ -257,14 +452,19 @@ TEST_F(BridgeTest, MissedRefreshesAreTheSameNumberForTheEngineItsWritersAndAStat
     std::unique_lock lock(mutex);
     return changed.wait_for(lock, seconds{20}, wanted);
   };
-  // The first sample of a channel may reach a station late, when it has joined: a deadline of its own begins then.
+  // The first sample of a channel may reach a station late, when it has joined: a deadline of its
+  // own begins then.
   const auto all_good = [&] {
-    const auto good = [](const auto& entry) { return entry.second.quality == Quality::kGood && entry.second.sequence >= 3; };
+    const auto good = [](const auto& entry) {
+      return entry.second.quality == Quality::kGood && entry.second.sequence >= 3;
+    };
     return last.size() == 3 && std::ranges::all_of(last, good);
   };
-  station.subscribe_samples([&](const StationSample& sample) { noted([&] { last[sample.channel] = sample; }); }, {},
-                            {milliseconds{300}, [&] { noted([&] { ++requested; }); }});
-  station.subscribe_bus_status([&](const StationBusStatus& status) { noted([&] { heard.push_back(status); }); });
+  station.subscribe_samples(
+      [&](const StationSample& sample) { noted([&] { last[sample.channel] = sample; }); }, {},
+      {milliseconds{300}, [&] { noted([&] { ++requested; }); }});
+  station.subscribe_bus_status(
+      [&](const StationBusStatus& status) { noted([&] { heard.push_back(status); }); });
   Bridge bridge;
   ASSERT_TRUE(bridge.start(spec));
   ASSERT_TRUE(reached(all_good));
@@ -279,8 +479,8 @@ TEST_F(BridgeTest, MissedRefreshesAreTheSameNumberForTheEngineItsWritersAndAStat
   ASSERT_TRUE(reached([&] { return heard.size() >= 2; }));
   const std::lock_guard lock(mutex);
   const StationBusStatus& status = heard.back();
-  // Each end's clock begins when a sample comes to it: a hiccup of the machine between them can hide one round from an end, or
-  // show it one more.
+  // Each end's clock begins when a sample comes to it: a hiccup of the machine between them can
+  // hide one round from an end, or show it one more.
   constexpr double kRound = 3;  // channels
   const auto misses = static_cast<double>(status.report.deadline_misses);
   EXPECT_NEAR(static_cast<double>(status.dds_deadline_misses), misses, kRound);
@@ -293,7 +493,7 @@ TEST_F(BridgeTest, MissedRefreshesAreTheSameNumberForTheEngineItsWritersAndAStat
 
 TEST_F(BridgeTest, ReloadRestartsOnlyWhatChanged) {
   ModbusDevice a(first), b(second);
-  Ear ear(spec.dds);
+  Receiver ear(spec.dds);
   Bridge bridge;
   ASSERT_TRUE(bridge.start(spec));
   ASSERT_TRUE(ear.hears(good_from("one")));
@@ -301,8 +501,9 @@ TEST_F(BridgeTest, ReloadRestartsOnlyWhatChanged) {
   BridgeSpec wanted = spec;
   wanted.buses[1].devices[0].channels[0].name = "renamed";
   ASSERT_TRUE(bridge.reload(wanted));
-  EXPECT_TRUE(
-      ear.hears([](const StationSample& s) { return s.bus == "two" && s.channel == "renamed" && s.quality == Quality::kGood; }));
+  EXPECT_TRUE(ear.hears([](const StationSample& s) {
+    return s.bus == "two" && s.channel == "renamed" && s.quality == Quality::kGood;
+  }));
   ear.forget();
   ASSERT_TRUE(ear.hears(good_from("one")));
   // A bus that was restarted counts its samples from 1 again; this one went on.
@@ -317,7 +518,7 @@ TEST_F(BridgeTest, ReloadRestartsOnlyWhatChanged) {
 
 TEST_F(BridgeTest, ARemovedBusIsSilentAndANewOneSpeaks) {
   ModbusDevice a(first), b(second);
-  Ear ear(spec.dds);
+  Receiver ear(spec.dds);
   Bridge bridge;
   BridgeSpec before = spec;
   before.buses.pop_back();
@@ -335,7 +536,7 @@ TEST_F(BridgeTest, ARemovedBusIsSilentAndANewOneSpeaks) {
 
 TEST_F(BridgeTest, AReloadThatCannotWorkLeavesTheOldOneRunning) {
   ModbusDevice a(first), b(second);
-  Ear ear(spec.dds);
+  Receiver ear(spec.dds);
   Bridge bridge;
   ASSERT_TRUE(bridge.start(spec));
   ASSERT_TRUE(ear.hears(good_from("one")));
@@ -349,7 +550,7 @@ TEST_F(BridgeTest, AReloadThatCannotWorkLeavesTheOldOneRunning) {
 
 TEST_F(BridgeTest, StoppingAnswersWhatWaitsAndEndsInTime) {
   ModbusDevice a(first), b(second);
-  Ear ear(spec.dds);
+  Receiver ear(spec.dds);
   std::mutex mutex;
   std::map<std::uint64_t, int> results;
   ear.station.on_result([&](const StationResult& result) {
@@ -367,11 +568,13 @@ TEST_F(BridgeTest, StoppingAnswersWhatWaitsAndEndsInTime) {
     ASSERT_TRUE(id) << to_text(id.error());
     sent.push_back(*id);
   }
-  // Commands of one writer arrive in order: with the answer to a later one, all of them are in the bridge.
+  // Commands of one writer arrive in order: with the answer to a later one, all of them are in the
+  // bridge.
   ASSERT_TRUE(ear.station.execute(write_to("two", "r0", 1), seconds{10}));
   const auto before = std::chrono::steady_clock::now();
   bridge.stop();
-  EXPECT_LT(std::chrono::steady_clock::now() - before, seconds{2});  // the promise of the program, not a measurement
+  EXPECT_LT(std::chrono::steady_clock::now() - before,
+            seconds{2});  // the promise of the program, not a measurement
   const auto deadline = std::chrono::steady_clock::now() + seconds{5};
   for (;;) {
     {

@@ -48,11 +48,26 @@ TEST(ReloadPlan, AnotherProgrammingPortLeavesTheBusesAlone) {
 TEST(ReloadPlan, AnotherStoreRestartsEverything) {
   auto wanted = bridge({bus("a")});
   wanted.store = StoreSpec{"plant.db"};
-  EXPECT_TRUE(plan_reload(bridge({bus("a")}), wanted).whole_bridge);
+  EXPECT_THAT(plan_reload(bridge({bus("a")}), wanted).whole_bridge,
+              ElementsAre("it has a store now"));
+  EXPECT_THAT(plan_reload(wanted, bridge({bus("a")})).whole_bridge,
+              ElementsAre("it has no store any more"));
+  auto other = wanted;
+  other.store->address = "other.db";
+  EXPECT_THAT(plan_reload(wanted, other).whole_bridge, ElementsAre("its store has changed"));
+}
+
+TEST(ReloadPlan, ARenamedBridgeRestartsEverything) {
+  BridgeSpec named = bridge({bus("a")}), wanted = named;
+  named.name = "line-1";
+  wanted.name = "line-2";
+  EXPECT_THAT(plan_reload(named, wanted).whole_bridge,
+              ElementsAre("the bridge line-1 is now called line-2"));
 }
 
 TEST(ReloadPlan, OnlyTheChangedBusRestarts) {
-  const auto plan = plan_reload(bridge({bus("a"), bus("b"), bus("c")}), bridge({bus("a"), bus("b", 2), bus("c")}));
+  const auto plan = plan_reload(bridge({bus("a"), bus("b"), bus("c")}),
+                                bridge({bus("a"), bus("b", 2), bus("c")}));
   EXPECT_THAT(plan.stop, ElementsAre("b"));
   EXPECT_THAT(plan.start, ElementsAre("b"));
   EXPECT_THAT(plan.untouched, ElementsAre("a", "c"));
@@ -74,8 +89,12 @@ TEST(ReloadPlan, OtherDdsSettingsRestartEverything) {
   BridgeSpec wanted = bridge({bus("a")});
   wanted.dds.domain = 7;
   const auto plan = plan_reload(bridge({bus("a")}), wanted);
-  EXPECT_TRUE(plan.whole_bridge);
+  EXPECT_THAT(plan.whole_bridge, ElementsAre("its DDS domain is 7, it was 0"));
   EXPECT_THAT(plan.stop, IsEmpty());
+  wanted = bridge({bus("a")});
+  wanted.dds.partition = "north";
+  EXPECT_THAT(plan_reload(bridge({bus("a")}), wanted).whole_bridge,
+              ElementsAre("its DDS settings have changed"));
 }
 
 TEST(ReloadPlan, AnotherLogLevelTouchesNoBus) {
@@ -90,6 +109,38 @@ TEST(ReloadPlan, EveryFieldOfAChannelCounts) {
   plain.devices[0].channels.emplace_back();
   changed.devices[0].channels.emplace_back().deadband = 0.5;
   EXPECT_THAT(plan_reload(bridge({plain}), bridge({changed})).start, ElementsAre("a"));
+}
+
+BusSpec dial_in_bus(const std::string& name, const std::string& number) {
+  BusSpec made = bus(name);
+  made.port = DialInPortSpec{number, std::nullopt};
+  return made;
+}
+
+TEST(ReloadPlan, WhoProgramsADeviceThatItWouldTakeAwayIsWaitedFor) {
+  const auto numbers = [](const std::vector<program::HeldDevice>& held) {
+    std::vector<std::string> all;
+    for (const auto& device : held) all.push_back(device.number);
+    return all;
+  };
+  const std::vector<program::HeldDevice> held{
+      {"P1", "a", "d", "anna"}, {"P2", "b", "d", "ben"}, {"17", "dial-in", "17", "cem"}};
+  const BridgeSpec running = bridge({bus("a"), bus("b")});
+  const auto disturbed = [&](const BridgeSpec& wanted) {
+    return numbers(disturbed_by(plan_reload(running, wanted), wanted, held));
+  };
+  EXPECT_THAT(disturbed(running), IsEmpty());
+  EXPECT_THAT(disturbed(bridge({bus("a"), bus("b", 2)})), ElementsAre("P2"));
+  EXPECT_THAT(disturbed(bridge({bus("a")})), ElementsAre("P2"));
+  EXPECT_THAT(disturbed(bridge({bus("a"), bus("b"), bus("c")})), IsEmpty());
+  EXPECT_THAT(disturbed(bridge({bus("a"), bus("b"), dial_in_bus("c", "17")})), ElementsAre("17"));
+  EXPECT_THAT(disturbed(bridge({bus("a"), bus("b"), dial_in_bus("c", "18")})), IsEmpty());
+  BridgeSpec wanted = running;
+  wanted.program.engineers.emplace();
+  EXPECT_THAT(disturbed(wanted), ElementsAre("P1", "P2", "17"));
+  wanted = running;
+  wanted.dds.domain = 7;
+  EXPECT_THAT(disturbed(wanted), ElementsAre("P1", "P2", "17"));
 }
 
 }  // namespace

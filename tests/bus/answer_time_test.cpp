@@ -51,5 +51,27 @@ TEST(AnswerTime, NegativeMeasurementsCountAsZero) {
   EXPECT_EQ(time.mean(), 0ms);
 }
 
+TEST(AnswerTime, IsNeverShorterThanTheLongestOfTheLastAnswers) {
+  AnswerTime time(1s, 20ms);
+  for (int i = 0; i < 50; ++i) time.learn(5ms);
+  time.learn(150ms);
+  for (int i = 0; i < 200; ++i) time.learn(5ms);
+  EXPECT_GE(time.timeout(), 150ms);
+  for (int i = 0; i < 600; ++i) time.learn(5ms);
+  EXPECT_LT(time.timeout(), 31ms) << "it is long ago";
+  time.late(400ms);
+  EXPECT_GE(time.timeout(), 400ms) << "what had been given up counts as well";
+}
+
+TEST(AnswerTime, WhatBeginsBeforeItsRequestHasEndedIsNoAnswer) {
+  AnswerTime time(1s, 20ms);
+  EXPECT_FALSE(time.too_early(-5ms, 500us)) << "nothing is known";
+  for (int i = 0; i < 50; ++i) time.learn(2ms);
+  EXPECT_TRUE(time.too_early(-5ms, 500us));
+  EXPECT_FALSE(time.too_early(0ms, 500us));
+  time.learn(-4ms);
+  EXPECT_FALSE(time.too_early(-5ms, 500us)) << "this line does not keep to its baud rate";
+}
+
 }  // namespace
 }  // namespace fieldcast

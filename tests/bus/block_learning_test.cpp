@@ -58,12 +58,15 @@ TEST(BlockLearning, WhatWasLearnedIsForgotten) {
 
 TEST(BlockLearning, MemoryIsBounded) {
   BlockLearning learning;
-  for (std::uint32_t i = 0; i < 1000; ++i) learning.refused(items(10 * i, 10 * i + 9), {items(10 * i, 10 * i + 1), items(10 * i + 8, 10 * i + 9)});
+  for (std::uint32_t i = 0; i < 1000; ++i)
+    learning.refused(items(10 * i, 10 * i + 9),
+                     {items(10 * i, 10 * i + 1), items(10 * i + 8, 10 * i + 9)});
   for (std::uint32_t i = 0; i < 1000; ++i) {
     (void)learning.read(items(10 * i, 10 * i + 1), kNow);
     (void)learning.read(items(10 * i + 8, 10 * i + 9), kNow);
   }
-  EXPECT_EQ(learning.gaps().size(), BlockLearning::kMostOpen) << "the searches that were not given up";
+  EXPECT_EQ(learning.gaps().size(), BlockLearning::kMostOpen)
+      << "the searches that were not given up";
   EXPECT_EQ(learning.gaps().back(), items(9991, 9998));
 }
 
@@ -82,6 +85,20 @@ TEST(PauseLearning, ADeviceThatIsDeafAfterItsAnswersIsGivenARest) {
   EXPECT_EQ(learning.pause(), 10ms);
   learning.forget();
   EXPECT_EQ(learning.pause(), Duration::zero());
+}
+
+// Retries show how longer rests fare.
+TEST(PauseLearning, LongerRestsAreFoundAsWell) {
+  for (const Duration deaf : {Duration{30ms}, Duration{65ms}, Duration{180ms}, Duration{800ms}}) {
+    PauseLearning learning;
+    for (int i = 0; i < 400; ++i) {
+      const Duration rest = learning.pause() + 2ms;
+      learning.tried(rest, rest >= deaf);
+      if (rest < deaf) learning.tried(2 * deaf, true);
+    }
+    EXPECT_GE(learning.pause(), deaf - 2ms);
+    EXPECT_LE(learning.pause(), 2 * deaf);
+  }
 }
 
 TEST(PauseLearning, ALineThatLosesAnswersAtAnyTimeNeedsNoRest) {

@@ -21,7 +21,9 @@ BusSpec one_device(std::vector<ChannelSpec> channels) {
   return bus;
 }
 
-Bytes items(std::uint16_t value) { return {static_cast<std::uint8_t>(value >> 8), static_cast<std::uint8_t>(value)}; }
+Bytes items(std::uint16_t value) {
+  return {static_cast<std::uint8_t>(value >> 8), static_cast<std::uint8_t>(value)};
+}
 
 TEST(ChannelTable, EverySampleCarriesItsSequenceAndArrival) {
   const BusSpec bus = one_device({channel("a", 1s)});
@@ -34,6 +36,28 @@ TEST(ChannelTable, EverySampleCarriesItsSequenceAndArrival) {
   EXPECT_EQ(out[1].acquired, Instant{2s});
   EXPECT_EQ(out[1].quality, Quality::kGood);
   EXPECT_EQ(std::get<std::uint64_t>(out[1].value), 7u);
+}
+
+// "+025.00" as the four bytes of a float was 6.26e-13, GOOD.
+TEST(ChannelTable, TextThatSpellsNoNumberIsBadRangeAndKeepsTheLastValue) {
+  BusSpec bus = one_device({channel("a", 1s)});
+  bus.devices[0].channels[0].encoding = {.type = ValueType::kFloat32,
+                                         .string_bytes = 7,
+                                         .text_number = {.kind = TextNumber::Kind::kDecimal}};
+  ChannelTable table(bus);
+  const auto text = [](std::string characters) {
+    characters.resize(8);
+    return Bytes(characters.begin(), characters.end());
+  };
+  std::vector<Sample> out;
+  table.acquired(0, 16, text("+025.00"), Instant{1s}, out);
+  table.acquired(0, 16, text("-------"), Instant{2s}, out);
+  ASSERT_EQ(out.size(), 2u);
+  EXPECT_EQ(out[0].quality, Quality::kGood);
+  EXPECT_EQ(out[0].value, Value{25.0});
+  EXPECT_EQ(out[1].quality, Quality::kBadRange);
+  EXPECT_EQ(out[1].value, Value{25.0});
+  EXPECT_EQ(out[1].acquired, Instant{1s});
 }
 
 TEST(ChannelTable, MissedRefreshIsToldOnceWithTheOldInstant) {
@@ -54,7 +78,8 @@ TEST(ChannelTable, MissedRefreshIsToldOnceWithTheOldInstant) {
   EXPECT_EQ(table.report(0, Instant{1503ms}).missed, 1u);
   table.expire(Instant{10s}, out);
   EXPECT_EQ(out.size(), 1u) << "told once";
-  EXPECT_EQ(table.report(0, Instant{10s}).missed, 9u) << "and counted for every refresh that passes without a sample";
+  EXPECT_EQ(table.report(0, Instant{10s}).missed, 9u)
+      << "and counted for every refresh that passes without a sample";
   EXPECT_EQ(table.misses(Instant{10s})[Cause::kNoAnswer], 9u);
   table.acquired(0, 16, items(7), Instant{10s}, out);
   EXPECT_EQ(table.misses(Instant{10900ms}).total(), 9u);
@@ -65,6 +90,8 @@ TEST(ChannelTable, CauseThatIsKnownAfterTheMissIsToldOnceMore) {
   ChannelTable table(bus);
   std::vector<Sample> out;
   table.start(Instant{});
+  table.acquired(0, 16, items(7), Instant{}, out);
+  out.clear();
   table.expire(Instant{53ms}, out);
   ASSERT_EQ(out.size(), 1u);
   EXPECT_EQ(out[0].quality, Quality::kUncertain);
@@ -116,7 +143,8 @@ TEST(ChannelTable, DeadbandHoldsBackAndTheHeartbeatIsKept) {
   Instant last{};
   for (int second = 0; second < 60; ++second) {
     const std::size_t before = out.size();
-    table.acquired(0, 16, items(static_cast<std::uint16_t>(100 + second % 3)), Instant{std::chrono::seconds{second}}, out);
+    table.acquired(0, 16, items(static_cast<std::uint16_t>(100 + second % 3)),
+                   Instant{std::chrono::seconds{second}}, out);
     if (out.size() == before) continue;
     EXPECT_LE(Instant{std::chrono::seconds{second}} - last, 4s);
     last = Instant{std::chrono::seconds{second}};
@@ -140,6 +168,27 @@ TEST(ChannelTable, OnDemandChannelsAreNeverLate) {
   table.not_yet_read(out);
   ASSERT_EQ(out.size(), 1u);
   EXPECT_EQ(out[0].quality, Quality::kNotYetRead);
+}
+
+TEST(ChannelTable, WhatWasNeverReadIsNotYetReadHoweverLateItIs) {
+  const BusSpec bus = one_device({channel("slow", 1s), channel("dead", 1s), channel("leased", 1s)});
+  ChannelTable table(bus);
+  std::vector<Sample> out;
+  table.start(Instant{});
+  table.failing(1, Cause::kNoAnswer, Instant{500ms});
+  table.failing(2, Cause::kLeased, Instant{500ms});
+  table.expire(Instant{2s}, out);
+  ASSERT_EQ(out.size(), 3u);
+  for (const Sample& sample : out) {
+    EXPECT_EQ(sample.quality, sample.channel == 1 ? Quality::kBadNoAnswer : Quality::kNotYetRead);
+    EXPECT_EQ(sample.acquired, kLongAgo);
+  }
+  // The reason is told once it is known.
+  out.clear();
+  table.failing(0, Cause::kNoAnswer, Instant{3s});
+  table.expire(Instant{3s}, out);
+  ASSERT_EQ(out.size(), 1u);
+  EXPECT_EQ(out[0].quality, Quality::kBadNoAnswer);
 }
 
 TEST(ChannelTable, ShorterRefreshTakesEffectAtOnce) {

@@ -59,6 +59,23 @@ TEST_F(CommandJobTest, WriteIsDoneWhenTheDeviceConfirms) {
   EXPECT_EQ(job->written_channel(), ChannelIndex{10});
 }
 
+TEST_F(CommandJobTest, TextIsWrittenInTheCharacterSetOfTheChannel) {
+  add("label", {2, 200, 2},
+      {.type = ValueType::kString, .string_bytes = 4, .charset = Charset::kLatin1},
+      Access::kReadWrite);
+  const auto job = make(write("label", std::string("Kühl"), true));
+  ASSERT_TRUE(job) << job.error().reason;
+  EXPECT_EQ(std::get<WriteRequest>(*job->next()).items, (Bytes{0x4B, 0xFC, 0x68, 0x6C}));
+  const auto reason = [&](const std::string& text) {
+    const auto refused = make(write("label", text));
+    EXPECT_EQ(refused.error().cause, Cause::kRange);
+    return refused.error().reason;
+  };
+  EXPECT_EQ(reason("5 €"), "'5 €' has a character that latin-1 does not have");
+  EXPECT_EQ(reason("\xE4\n"), "'\\xE4\\x0A' is no UTF-8");
+  EXPECT_EQ(reason("Kühle"), "'Kühle' does not fit string(4)");
+}
+
 TEST_F(CommandJobTest, VerifyReadsBack) {
   auto job = make(write("setpoint", std::uint64_t{500}, true));
   job->answered({{}});
@@ -126,6 +143,24 @@ TEST_F(CommandJobTest, BitOfAWordIsOneRequestWhereTheDeviceMasks) {
   EXPECT_EQ(std::get<WriteRequest>(*job->next()).bit, 3);
 }
 
+TEST_F(CommandJobTest, ARefusedFormIsFollowedByThePlainOneOnce) {
+  const auto function = [&](const CommandJob& job) {
+    Bytes frame;
+    (void)protocol_->begin(*job.next(), {})->start(frame);
+    return frame[1];
+  };
+  auto job = make(write("setpoint", std::uint64_t{5}));
+  job->use_distinct_answers();
+  EXPECT_EQ(function(*job), 16);
+  job->failed(Cause::kDeviceError, 1);
+  ASSERT_TRUE(job->next());
+  EXPECT_EQ(function(*job), 6);
+  job->failed(Cause::kDeviceError, 2);
+  EXPECT_FALSE(job->next());
+  EXPECT_EQ(result(*job).device_code, 2);
+  EXPECT_EQ(result(*job).state, CommandState::kFailed);
+}
+
 TEST_F(CommandJobTest, EachFaultHasItsCause) {
   EXPECT_EQ(make(write("speed", std::uint64_t{1})).error().cause, Cause::kReadOnly);
   EXPECT_EQ(make(write("nothing", std::uint64_t{1})).error().cause, Cause::kUnknownChannel);
@@ -153,8 +188,120 @@ TEST_F(CommandJobTest, WholeDeviceIsAcquiredInFewReads) {
   job->answered(items({1}));                                   // the coil
   job->answered(items({0x00, 0x05, 0x00, 0x06, 0x00, 0x08}));  // three registers side by side
   EXPECT_FALSE(job->next());
-  EXPECT_EQ(result(*job).values, (std::vector<Value>{std::uint64_t{5}, std::uint64_t{6}, true, true}));
+  EXPECT_EQ(result(*job).values,
+            (std::vector<Value>{std::uint64_t{5}, std::uint64_t{6}, true, true}));
   EXPECT_EQ(job->acquired().size(), 4u);
+}
+
+// An S7-200 that takes commands to addresses.
+class RawCommandTest : public CommandJobTest {
+ protected:
+  RawCommandTest() {
+    device_.allow_raw_read = device_.allow_raw_write = true;
+    use("s7-ppi");
+  }
+  void use(const char* protocol, std::map<std::string, std::string> options = {}) {
+    protocol_ = std::move(*find_protocol(protocol)->make({1, std::move(options)}));
+  }
+  Command raw(const std::string& at, Encoding encoding, std::vector<Value> values) {
+    Command command;
+    command.device = "press";
+    command.target = AddressTarget{at, encoding};
+    command.values = std::move(values);
+    return command;
+  }
+  Command raw_read(const std::string& at, Encoding encoding, std::uint32_t count) {
+    Command command = raw(at, encoding, {});
+    command.operation = Operation::kAcquire;
+    command.count = count;
+    return command;
+  }
+  std::string why_not(const Command& command) {
+    const auto job = make(command);
+    return job ? "taken" : job.error().reason;
+  }
+};
+
+TEST_F(RawCommandTest, AWriteTouchesNoMoreThanTheAddressNames) {
+  auto job = make(raw("VB10", {ValueType::kUint8}, {std::uint64_t{7}}));
+  ASSERT_TRUE(job) << job.error().reason;
+  const auto write = std::get<WriteRequest>(*job->next());
+  EXPECT_EQ(write.range, (Range{0, 10, 1}));
+  EXPECT_EQ(write.items, (Bytes{7}));
+  EXPECT_EQ(why_not(raw("VB10", {ValueType::kUint16}, {std::uint64_t{7}})),
+            "type uint16 has 16 bits, 'VB10' has 8; allowed: a type of 8 bits");
+}
+
+TEST_F(RawCommandTest, ATypeThatDoesNotFitTheAddressIsRejectedAsAChannelWouldBe) {
+  using enum ValueType;
+  EXPECT_EQ(make(raw_read("VW10", {kInt32}, 1)).error().cause, Cause::kWrongType);
+  EXPECT_EQ(make(raw_read("VD10", {kUint16}, 1)).error().cause, Cause::kWrongType);
+  EXPECT_EQ(make(raw_read("V10.3", {kUint8}, 1)).error().cause, Cause::kWrongType);
+  EXPECT_EQ(make(raw_read("VB10", {kBool}, 1)).error().cause, Cause::kWrongType);
+  Encoding far{kBool};
+  far.bit = 8;
+  EXPECT_EQ(make(raw_read("VB10", far, 1)).error().cause, Cause::kWrongType);
+  EXPECT_EQ(make(raw_read("V10.3", far, 1)).error().cause, Cause::kWrongType) << "the bit twice";
+  EXPECT_TRUE(make(raw_read("VD10", {kFloat32}, 1)));
+  EXPECT_TRUE(make(raw_read("VB10", {kString, 20}, 1)));
+  use("mitsubishi-fx");
+  EXPECT_EQ(make(raw_read("D0", {kString, 250}, 1)).error().cause, Cause::kRange)
+      << "more than one read carries";
+  use("modbus-rtu");
+  EXPECT_EQ(make(raw_read("holding:1", {kUint8}, 1)).error().cause, Cause::kWrongType);
+}
+
+TEST_F(RawCommandTest, CountIsValuesOfTheTypeOneBehindTheOther) {
+  auto job = make(raw_read("VW10", {ValueType::kInt16}, 3));
+  ASSERT_TRUE(job);
+  EXPECT_EQ(std::get<ReadRequest>(*job->next()).ranges, (std::vector<Range>{{0, 10, 6}}));
+  job->answered(items({0, 1, 0, 2, 0xFF, 0xFD}));
+  EXPECT_EQ(result(*job).values,
+            (std::vector<Value>{std::int64_t{1}, std::int64_t{2}, std::int64_t{-3}}));
+  job = make(raw_read("VB10", {ValueType::kUint8}, 3));
+  EXPECT_EQ(std::get<ReadRequest>(*job->next()).ranges, (std::vector<Range>{{0, 10, 3}}));
+  EXPECT_FALSE(make(raw_read("VB10", {ValueType::kUint8}, kMaxRawValues + 1)));
+}
+
+TEST_F(RawCommandTest, BitsFollowEachOther) {
+  auto job = make(raw_read("V10.6", {ValueType::kBool}, 4));
+  ASSERT_TRUE(job) << job.error().reason;
+  EXPECT_EQ(std::get<ReadRequest>(*job->next()).ranges, (std::vector<Range>{{0, 10, 2}}));
+  job->answered(items({0x80, 0x01}));  // V10.7 and V11.0
+  EXPECT_EQ(result(*job).values, (std::vector<Value>{false, true, true, false}));
+}
+
+TEST_F(RawCommandTest, AByteOfARegisterIsWrittenByAMaskOrNotAtAll) {
+  Encoding high{ValueType::kUint8};
+  high.bit = 8;
+  use("modbus-rtu");
+  EXPECT_EQ(why_not(raw("holding:5", high, {std::uint64_t{7}})),
+            "a byte of 'holding:5' cannot be written without the rest of it");
+  use("modbus-rtu", {{"mask-write", "true"}});
+  Command command = raw("holding:5", high, {std::uint64_t{0x1C}});
+  command.verify = true;
+  auto job = make(command);
+  ASSERT_TRUE(job) << job.error().reason;
+  const auto request = *job->next();
+  ASSERT_TRUE(protocol_->size(request));
+  Bytes frame;
+  (void)protocol_->begin(request, {})->start(frame);
+  EXPECT_EQ(to_hex(ByteView(frame).first(8)), to_hex(*from_hex("01 16 00 05 00 FF 1C 00")));
+  job->answered({{}});
+  job->answered(items({0x1C, 0x99}));  // the other byte is not ours
+  EXPECT_EQ(result(*job).state, CommandState::kVerified);
+  EXPECT_EQ(result(*job).values, (std::vector<Value>{std::uint64_t{0x1C}}));
+}
+
+TEST_F(RawCommandTest, TheOrderOfTheFamilyHolds) {
+  use("mitsubishi-fx");
+  auto job = make(raw("D0", {ValueType::kUint32}, {std::uint64_t{0x12345678}}));
+  EXPECT_EQ(std::get<WriteRequest>(*job->next()).items, (Bytes{0x56, 0x78, 0x12, 0x34}));
+  job = make(raw("D0", {ValueType::kString, 4}, {std::string("abcd")}));
+  EXPECT_EQ(std::get<WriteRequest>(*job->next()).items, (Bytes{'b', 'a', 'd', 'c'}));
+  use("omron-hostlink");
+  job = make(raw("DM0", {ValueType::kUint32}, {std::uint64_t{0x12345678}}));
+  EXPECT_EQ(std::get<WriteRequest>(*job->next()).items, (Bytes{0x56, 0x78, 0x12, 0x34}));
 }
 
 TEST_F(CommandJobTest, AddressesAreAcquiredAsOftenAsAsked) {

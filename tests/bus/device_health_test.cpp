@@ -23,10 +23,20 @@ TEST(DeviceHealth, BrokenAnswersShowThatSomebodyIsThere) {
   EXPECT_EQ(health.state(), DeviceState::kDegraded);
 }
 
+TEST(DeviceHealth, WhatAnswersBrokenFromTheBeginningIsNotUnknown) {
+  DeviceHealth health;
+  EXPECT_TRUE(health.failed(Cause::kForeign, Instant{1s}));
+  EXPECT_EQ(health.state(), DeviceState::kDegraded);
+  DeviceHealth silent;
+  EXPECT_FALSE(silent.failed(Cause::kNoAnswer, Instant{1s}));
+  EXPECT_EQ(silent.state(), DeviceState::kUnknown);
+}
+
 TEST(DeviceHealth, IsProbedEverMoreRarely) {
   DeviceHealth health;
   Instant now{};
-  for (unsigned i = 0; i < DeviceHealth::kFailuresToOffline; ++i) (void)health.failed(Cause::kNoAnswer, now);
+  for (unsigned i = 0; i < DeviceHealth::kFailuresToOffline; ++i)
+    (void)health.failed(Cause::kNoAnswer, now);
   Duration before{};
   for (int i = 0; i < 10; ++i) {
     const Duration interval = health.probe_at() - now;

@@ -13,7 +13,8 @@ constexpr LineFormat kLine{.baud = 9600, .data_bits = 8, .parity = Parity::kNone
 
 BusSpec spec_of(unsigned stations) {
   std::string text =
-      "bridge: test\nbuses:\n  - name: bus\n    port: { serial: /dev/none, baud: 9600, format: 8N1 }\n"
+      "bridge: test\nbuses:\n  - name: bus\n    port: { serial: /dev/none, baud: 9600, format: 8N1 "
+      "}\n"
       "    protocol: s7-freeport\n    defaults: { refresh: 10s, mode: intensive }\n    devices:\n";
   for (unsigned station = 1; station <= stations; ++station) {
     const std::string number = std::to_string(station);
@@ -25,8 +26,12 @@ BusSpec spec_of(unsigned stations) {
   return loaded->buses.front();
 }
 
-bool is_digits(const std::string& text) { return text.find_first_not_of("0123456789ABCDEF") == std::string::npos; }
-unsigned number(const std::string& digits) { return static_cast<unsigned>(std::stoul(digits, nullptr, 16)); }
+bool is_digits(const std::string& text) {
+  return text.find_first_not_of("0123456789ABCDEF") == std::string::npos;
+}
+unsigned number(const std::string& digits) {
+  return static_cast<unsigned>(std::stoul(digits, nullptr, 16));
+}
 std::string hex(std::uint32_t value, int digits) {
   std::array<char, 9> text{};
   std::snprintf(text.data(), text.size(), "%0*X", digits, value);
@@ -45,7 +50,8 @@ Bytes framed(const std::string& text) {
 }  // namespace
 
 FreeportStations::FreeportStations(unsigned count, std::uint64_t seed) : random_(seed) {
-  for (unsigned station = 1; station <= count; ++station) windows_[station] = static_cast<std::uint32_t>(random_());
+  for (unsigned station = 1; station <= count; ++station)
+    windows_[station] = static_cast<std::uint32_t>(random_());
 }
 
 Bytes FreeportStations::answer(ByteView heard) {
@@ -54,11 +60,13 @@ Bytes FreeportStations::answer(ByteView heard) {
   const std::size_t end = begin == std::string::npos ? begin : all.find('Q', begin);
   if (end == std::string::npos) return {};
   const std::string text = all.substr(begin + 1, end - begin - 1);
-  if (text.size() < 5 || text.size() == 10 || !is_digits(text.substr(1, 2))) return {};  // 10: the answer of another station
+  if (text.size() < 5 || text.size() == 10 || !is_digits(text.substr(1, 2)))
+    return {};  // 10: the answer of another station
   const auto window = windows_.find(number(text.substr(1, 2)));
   if (window == windows_.end()) return {};
   const std::string length = text.substr(3, 2);
-  if (text.size() != 15 || (is_digits(length) && (number(length) < 1 || number(length) > 4))) return framed("E02");
+  if (text.size() != 15 || (is_digits(length) && (number(length) < 1 || number(length) > 4)))
+    return framed("E02");
   if (!is_digits(text.substr(3))) return framed("E03");
   if (check_of(text.substr(0, 13)) != number(text.substr(13))) return framed("E01");
   if (text[0] != 'W') return framed("E04");
@@ -67,7 +75,8 @@ Bytes FreeportStations::answer(ByteView heard) {
   return framed(hex(window->second >> unused << unused, 8));
 }
 
-FreeportBus::FreeportBus(unsigned stations, double bit_error_rate, std::uint64_t seed, Duration answer_time)
+FreeportBus::FreeportBus(unsigned stations, double bit_error_rate, std::uint64_t seed,
+                         Duration answer_time)
     : engine_(spec_of(stations)),
       stations_(stations, seed),
       to_stations_(bit_error_rate, seed + 1),
@@ -100,7 +109,8 @@ void FreeportBus::act(const Send& send) {
   if (answer.empty()) return;
   arriving_ = to_master_.pass(answer);
   if (!arriving_.empty())
-    arrives_ = now_ + kLine.characters(static_cast<double>(send.bytes.size() + answer.size())) + answer_time_;
+    arrives_ = now_ + kLine.characters(static_cast<double>(send.bytes.size() + answer.size())) +
+               answer_time_;
 }
 
 void FreeportBus::publish(const Sample& sample) {
@@ -118,7 +128,8 @@ void FreeportBus::feed(const BusEvent& event) {
   make_plans(engine_, now_, actions_);
   for (const Action& action : actions_) {
     if (const auto* send = std::get_if<Send>(&action)) act(*send);
-    if (const auto* set = std::get_if<SetTimer>(&action)) timer_ = set->at == kNever ? kNever : std::max(set->at, now_);
+    if (const auto* set = std::get_if<SetTimer>(&action))
+      timer_ = set->at == kNever ? kNever : std::max(set->at, now_);
     if (const auto* samples = std::get_if<Publish>(&action)) {
       for (const Sample& sample : samples->samples) publish(sample);
     }

@@ -1,8 +1,10 @@
-// S7 freeport stations on one noisy line, read by the whole bus engine in virtual time: how often a wrong value is published.
+// S7 freeport stations on one noisy line, read by the whole bus engine in virtual time: how often a
+// wrong value is published.
 //
-// 9600 baud, 8N1, stations 1..n. A station's four bytes are random and new in each of its answers, so that every value of another
-// moment or another station is recognised as wrong. Each direction passes its own UART (tests/support/noisy_uart.hpp). The
-// stations are written from the rules of the protocol alone, apart from the core's codec.
+// 9600 baud, 8N1, stations 1..n. A station's four bytes are random and new in each of its answers,
+// so that every value of another moment or another station is recognised as wrong. Each direction
+// passes its own UART (tests/support/noisy_uart.hpp). The stations are written from the rules of
+// the protocol alone, apart from the core's codec.
 #pragma once
 
 #include <array>
@@ -20,7 +22,9 @@ class FreeportStations {
   FreeportStations(unsigned count, std::uint64_t seed);
   // What the line carries after what the stations heard: an answer, a refusal, or nothing.
   [[nodiscard]] Bytes answer(ByteView heard);
-  [[nodiscard]] std::uint32_t window(unsigned station) const { return windows_.at(station); }  // as last answered
+  [[nodiscard]] std::uint32_t window(unsigned station) const {
+    return windows_.at(station);
+  }  // as last answered
 
  private:
   std::map<unsigned, std::uint32_t> windows_;
@@ -30,8 +34,9 @@ class FreeportStations {
 class FreeportBus {
  public:
   struct Counts {
-    std::uint64_t exchanges = 0;                  // requests sent
-    std::uint64_t right = 0, wrong = 0, bad = 0;  // samples: good ones by their value, and those of a bad quality
+    std::uint64_t exchanges = 0;  // requests sent
+    std::uint64_t right = 0, wrong = 0,
+                  bad = 0;  // samples: good ones by their value, and those of a bad quality
   };
 
   FreeportBus(unsigned stations, double bit_error_rate, std::uint64_t seed, Duration answer_time);
@@ -39,8 +44,12 @@ class FreeportBus {
 
   [[nodiscard]] const Counts& counts() const { return counts_; }
   [[nodiscard]] Duration elapsed() const { return now_ - Instant{}; }
-  [[nodiscard]] CauseCounters causes() { return engine_.bus_report(now_).causes; }  // of exchanges that failed
-  [[nodiscard]] std::uint64_t flipped() const { return to_stations_.flipped() + to_master_.flipped(); }
+  [[nodiscard]] CauseCounters causes() {
+    return engine_.bus_report(now_).causes;
+  }  // of exchanges that failed
+  [[nodiscard]] std::uint64_t flipped() const {
+    return to_stations_.flipped() + to_master_.flipped();
+  }
 
  private:
   void feed(const BusEvent& event);

@@ -1,4 +1,5 @@
-// How often a noisy line makes S7 freeport publish a wrong value: the short, seeded run of tools/bench/freeport_bench.
+// How often a noisy line makes S7 freeport publish a wrong value: the short, seeded run of
+// tools/bench/freeport_bench.
 #include <gtest/gtest.h>
 
 #include "tests/bus/freeport_bus.hpp"

@@ -17,7 +17,8 @@ constexpr double kBitsOfExchange = 290;                            // 17 and 12 
 const Request kRead = ReadRequest{{{0, 0, 4}}};
 
 std::unique_ptr<Protocol> master_of(unsigned station) {
-  return std::move(*find_protocol("s7-freeport")->make({.address = static_cast<std::uint16_t>(station)}));
+  return std::move(
+      *find_protocol("s7-freeport")->make({.address = static_cast<std::uint16_t>(station)}));
 }
 Bytes request_of(const Protocol& master) {
   Bytes request;
@@ -32,7 +33,8 @@ bool is_wrong(const Protocol& master, const Bytes& answer, std::uint32_t window)
   return outcome.done() && read_u32(outcome.reply.at(0).items) != window;
 }
 
-// Calls `each` with what a UART makes of the transmission for every single flipped bit, and for every two.
+// Calls `each` with what a UART makes of the transmission for every single flipped bit, and for
+// every two.
 void flip_all(const Bytes& sent, const std::function<void(const Bytes&, bool two)>& each) {
   std::vector<bool> levels = line_levels(sent);
   for (std::size_t i = 0; i < levels.size(); ++i) {
@@ -62,11 +64,14 @@ std::uint64_t unseen_pairs(const Bytes& answer) {
   std::uint64_t pairs = 0;
   Bytes text = answer;
   const std::size_t first = 8 * kDataBegin, end = 8 * kEnd;
-  const auto flip = [&](std::size_t bit) { text[bit / 8] ^= static_cast<std::uint8_t>(1u << bit % 8); };
+  const auto flip = [&](std::size_t bit) {
+    text[bit / 8] ^= static_cast<std::uint8_t>(1u << bit % 8);
+  };
   for (std::size_t i = first; i < end; ++i) {
     for (std::size_t j = i + 1; j < end; ++j) {
       flip(i), flip(j);
-      pairs += passes(text);  // two bits of the check digits alone never pass: the data say what they must be
+      pairs += passes(
+          text);  // two bits of the check digits alone never pass: the data say what they must be
       flip(i), flip(j);
     }
   }

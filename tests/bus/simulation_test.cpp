@@ -13,17 +13,20 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// `devices` devices with `registers` writable holding registers each, two apart; the register at address a holds value_of(device,
-// a).
+// `devices` devices with `registers` writable holding registers each, two apart; the register at
+// address a holds value_of(device, a).
 BusSpec plant(int devices, int registers, const std::string& defaults) {
   std::string text =
-      "bridge: test\nbuses:\n  - name: bus\n    port: { serial: /dev/none, baud: 19200, format: 8E1 }\n    protocol: "
+      "bridge: test\nbuses:\n  - name: bus\n    port: { serial: /dev/none, baud: 19200, format: "
+      "8E1 }\n    protocol: "
       "modbus-rtu\n    defaults: { " +
       defaults + " }\n    devices:\n";
   for (int d = 1; d <= devices; ++d) {
-    text += "      - name: unit-" + std::to_string(d) + "\n        address: " + std::to_string(d) + "\n        channels:\n";
+    text += "      - name: unit-" + std::to_string(d) + "\n        address: " + std::to_string(d) +
+            "\n        channels:\n";
     for (int r = 0; r < registers; ++r)
-      text += "          - { name: r" + std::to_string(r) + ", at: \"holding:" + std::to_string(100 + 2 * r) +
+      text += "          - { name: r" + std::to_string(r) +
+              ", at: \"holding:" + std::to_string(100 + 2 * r) +
               "\", type: uint16, access: read-write }\n";
   }
   const auto loaded = config::load_text(text, "plant.yaml", {});
@@ -53,16 +56,18 @@ void fill(VirtualBus& bus, const BusSpec& spec) {
     bus.command(write_of(spec, c, value_of(c)));
     bus.run_until(bus.now() + 500ms);
   }
-  for (const auto& [id, results] : bus.results()) ASSERT_EQ(results.front().state, CommandState::kDone) << results.front().reason;
+  for (const auto& [id, results] : bus.results())
+    ASSERT_EQ(results.front().state, CommandState::kDone) << results.front().reason;
   bus.run_until(bus.now() + 5s);
   bus.judge = [](ChannelIndex channel, const Value& value) {
     if (std::get<std::uint64_t>(value) == value_of(channel)) return std::string{};
-    return "channel " + std::to_string(channel) + " shows " + to_text(value) + ", its register holds " +
-           std::to_string(value_of(channel));
+    return "channel " + std::to_string(channel) + " shows " + to_text(value) +
+           ", its register holds " + std::to_string(value_of(channel));
   };
 }
 
-// Of refreshes that no wire carries the user hears when they are loaded; what stations wish on top is told while it lasts.
+// Of refreshes that no wire carries the user hears when they are loaded; what stations wish on top
+// is told while it lasts.
 TEST(Simulation, OverloadIsToldWhenItBeginsAndWhenItEnds) {
   BusSpec spec = plant(1, 200, "refresh: 1s");
   auto& channels = spec.devices[0].channels;
@@ -125,7 +130,8 @@ int told(const VirtualBus& bus, Notice::Kind kind) {
   return static_cast<int>(std::ranges::count(bus.notices(), kind, &Notice::kind));
 }
 
-// What the configuration asks of devices that answer after 5 ms is told when it is loaded, not by the engine.
+// What the configuration asks of devices that answer after 5 ms is told when it is loaded, not by
+// the engine.
 TEST(Simulation, OverloadIsToldOnceWhenDevicesAreSlowerThanAssumed) {
   sim::BusFaults faults;
   for (int d = 1; d <= 16; ++d) faults.devices["unit-" + std::to_string(d)].delay.base = 20ms;
@@ -141,7 +147,8 @@ TEST(Simulation, OverloadIsToldOnceWhenDevicesAreSlowerThanAssumed) {
   const auto report = slow.engine().bus_report(slow.now());
   EXPECT_GT(report.measured_load, 0.95);
   EXPECT_GT(report.stretch, 1.1);
-  for (const auto& channel : slow.channels()) EXPECT_LT(to_seconds(channel.longest_gap), 0.4 * 1.05 * report.stretch);
+  for (const auto& channel : slow.channels())
+    EXPECT_LT(to_seconds(channel.longest_gap), 0.4 * 1.05 * report.stretch);
 }
 
 TEST(Simulation, OverloadEndsWhenDevicesAnswerSooner) {
@@ -151,6 +158,48 @@ TEST(Simulation, OverloadEndsWhenDevicesAnswerSooner) {
   EXPECT_EQ(enough.engine().bus_report(enough.now()).stretch, 1.0);
   EXPECT_EQ(told(enough, Notice::Kind::kOverload), 0);
   EXPECT_EQ(told(enough, Notice::Kind::kOverloadEnded), 1);
+}
+
+// Three times as much as the wire carries.
+TEST(Simulation, WhatAnOverloadedBusHasNotReadYetSaysSo) {
+  const BusSpec spec = plant(16, 12, "refresh: 150ms");
+  std::vector<bool> read(16 * 12);
+  std::size_t waiting = 0;
+  sim::VirtualBus bus(spec, {}, 1, [&](const Action& action) {
+    const auto* publish = std::get_if<Publish>(&action);
+    if (publish == nullptr) return;
+    for (const Sample& sample : publish->samples) {
+      if (sample.quality == Quality::kGood) read[sample.channel] = true;
+      if (read[sample.channel]) continue;
+      ++waiting;
+      EXPECT_EQ(sample.quality, Quality::kNotYetRead) << sample.channel;
+      EXPECT_EQ(sample.acquired, kLongAgo);
+    }
+  });
+  bus.run_until(Instant{20s});
+  EXPECT_GT(waiting, 0u);
+  EXPECT_TRUE(std::ranges::all_of(read, [](bool each) { return each; }));
+}
+
+TEST(Simulation, ADeviceThatIsDeafAfterItsAnswersKeepsItsRefreshes) {
+  for (const Duration deaf : {Duration{8ms}, Duration{30ms}, Duration{120ms}}) {
+    const BusSpec spec = plant(2, 6, "refresh: 500ms");
+    BusSpec scattered = spec;  // several reads for each round
+    for (DeviceSpec& device : scattered.devices) {
+      for (std::size_t c = 0; c < 3; ++c)
+        device.channels[c].range.first = static_cast<std::uint32_t>(1000 + 200 * c);
+    }
+    sim::BusFaults faults;
+    faults.devices["unit-1"].deaf = deaf;
+    VirtualBus bus(deaf > 100ms ? spec : scattered, faults, 1);
+    bus.run_until(Instant{2min});
+    bus.watch_from_now();
+    bus.run_until(Instant{5min});
+    for (const auto& channel : bus.channels()) EXPECT_LE(channel.longest_gap, 500ms);
+    const Duration pause = bus.engine().device_report(0, bus.now()).pause;
+    EXPECT_LE(pause, 2 * deaf) << "deaf for " << to_text(deaf);
+    EXPECT_EQ(bus.engine().device_report(1, bus.now()).pause, Duration::zero());
+  }
 }
 
 TEST(Simulation, DeadDeviceCostsTheOthersNothing) {
@@ -204,7 +253,8 @@ TEST(Simulation, HalfNoiseDeviceCostsTheOthersNothing) {
 TEST(Simulation, RefusedAddressLeavesTheOthersAlone) {
   const BusSpec spec = plant(1, 30, "refresh: 1s");
   sim::BusFaults faults;
-  faults.devices["unit-1"].refused.push_back({"holding", 120, 121, 2});  // r10, and the gap behind it
+  faults.devices["unit-1"].refused.push_back(
+      {"holding", 120, 121, 2});  // r10, and the gap behind it
   VirtualBus bus(spec, faults, 5);
   bus.run_until(Instant{10s});
   bus.watch_from_now();
@@ -215,13 +265,15 @@ TEST(Simulation, RefusedAddressLeavesTheOthersAlone) {
     else
       EXPECT_LE(bus.channels()[c].longest_gap, 1s) << "channel " << c;
   }
-  EXPECT_EQ(bus.engine().device_report(0, bus.now()).refused, std::vector<std::string>{"holding:120"});
+  EXPECT_EQ(bus.engine().device_report(0, bus.now()).refused,
+            std::vector<std::string>{"holding:120"});
 }
 
 TEST(Simulation, RefusedGapIsNotBridgedAgain) {
   const BusSpec spec = plant(1, 30, "refresh: 1s");
   sim::BusFaults faults;
-  faults.devices["unit-1"].only_configured = true;  // every odd address between our registers is refused
+  faults.devices["unit-1"].only_configured =
+      true;  // every odd address between our registers is refused
   VirtualBus bus(spec, faults, 6);
   bus.run_until(Instant{30s});
   bus.watch_from_now();
@@ -232,14 +284,15 @@ TEST(Simulation, RefusedGapIsNotBridgedAgain) {
 // Scattered variables of three types in one DTC device.
 BusSpec dtc_plant(const std::string& defaults) {
   std::string text =
-      "bridge: test\nbuses:\n  - name: bus\n    port: { serial: /dev/none, baud: 19200, format: 8N1 }\n    protocol: dtc\n    "
+      "bridge: test\nbuses:\n  - name: bus\n    port: { serial: /dev/none, baud: 19200, format: "
+      "8N1 }\n    protocol: dtc\n    "
       "defaults: { " +
       defaults + " }\n    devices:\n      - name: unit\n        address: 1\n        channels:\n";
   for (int i = 0; i < 40; ++i) {
     const std::string at = i % 3 == 0 ? "int16" : i % 3 == 1 ? "int32" : "float64";
     const std::string type = i % 3 == 0 ? "uint16" : i % 3 == 1 ? "uint32" : "uint64";
-    text += "          - { name: v" + std::to_string(i) + ", at: \"" + at + ":" + std::to_string(100 + 37 * i) + "\", type: " + type +
-            ", access: read-write }\n";
+    text += "          - { name: v" + std::to_string(i) + ", at: \"" + at + ":" +
+            std::to_string(100 + 37 * i) + "\", type: " + type + ", access: read-write }\n";
   }
   const auto loaded = config::load_text(text, "plant.yaml", {});
   if (!loaded) throw std::runtime_error(to_text(loaded.error().front()));
@@ -260,7 +313,7 @@ TEST(Simulation, ListsOfRangesBringEveryChannelItsOwnValue) {
 TEST(Simulation, RefusedRangesOfAListLeaveTheOthersAlone) {
   const BusSpec spec = dtc_plant("refresh: 2s");
   sim::BusFaults faults;
-  faults.devices["unit"].refused.push_back({"int16", 100, 100, 2});           // v0
+  faults.devices["unit"].refused.push_back({"int16", 100, 100, 2});            // v0
   faults.devices["unit"].refused.push_back({"int32", 100 + 37 * 13, 600, 2});  // v13
   VirtualBus bus(spec, faults, 5);
   bus.run_until(Instant{20s});
@@ -272,10 +325,12 @@ TEST(Simulation, RefusedRangesOfAListLeaveTheOthersAlone) {
     else
       EXPECT_LE(bus.channels()[c].longest_gap, 2s) << "channel " << c;
   }
-  EXPECT_EQ(bus.engine().device_report(0, bus.now()).refused, (std::vector<std::string>{"int16:100", "int32:581"}));
+  EXPECT_EQ(bus.engine().device_report(0, bus.now()).refused,
+            (std::vector<std::string>{"int16:100", "int32:581"}));
 }
 
-// What the device accepts is learned from its refusals, told, and forgotten when another one may be there.
+// What the device accepts is learned from its refusals, told, and forgotten when another one may be
+// there.
 TEST(Simulation, LearnsGapsAndForgetsThemWithTheDevice) {
   const BusSpec spec = plant(1, 6, "refresh: 1s, timeout: 100ms");
   sim::BusFaults faults;
@@ -285,7 +340,9 @@ TEST(Simulation, LearnsGapsAndForgetsThemWithTheDevice) {
   bus.run_until(Instant{30s});
   const DeviceReport learned = bus.engine().device_report(0, bus.now());
   EXPECT_EQ(learned.refused_gaps.size(), 5u);
-  EXPECT_EQ(std::set<std::string>(learned.refused_gaps.begin(), learned.refused_gaps.end()).count("holding:103"), 1u);
+  EXPECT_EQ(std::set<std::string>(learned.refused_gaps.begin(), learned.refused_gaps.end())
+                .count("holding:103"),
+            1u);
   ASSERT_EQ(learned.areas.size(), 1u);
   EXPECT_EQ(learned.areas[0].area, "holding");
   EXPECT_NEAR(to_seconds(learned.areas[0].answer_time), 0.002, 0.0005);
@@ -331,8 +388,8 @@ TEST_P(Storm, NoWrongValueNoLostCommandNoStarvation) {
   bus.run_until(bus.now() + 5s);
   bus.judge = [](ChannelIndex channel, const Value& value) {
     if (std::get<std::uint64_t>(value) == value_of(channel)) return std::string{};
-    return "channel " + std::to_string(channel) + " shows " + to_text(value) + ", its register holds " +
-           std::to_string(value_of(channel));
+    return "channel " + std::to_string(channel) + " shows " + to_text(value) +
+           ", its register holds " + std::to_string(value_of(channel));
   };
   bus.watch_from_now();
   const Instant end = bus.now() + 10min;
@@ -382,15 +439,18 @@ TEST(Simulation, OneSeedReplaysBitForBit) {
 // A recipe: many setpoints of one device at once.
 TEST(Simulation, WritesToNeighboursTravelTogether) {
   std::string text =
-      "bridge: test\nbuses:\n  - name: bus\n    port: { serial: /dev/none, baud: 19200 }\n    protocol: modbus-rtu\n    devices:\n"
+      "bridge: test\nbuses:\n  - name: bus\n    port: { serial: /dev/none, baud: 19200 }\n    "
+      "protocol: modbus-rtu\n    devices:\n"
       "      - { name: unit, address: 1, refresh: 5s, access: read-write, channels: [";
   for (int r = 0; r < 40; ++r)
-    text += (r ? "," : "") + std::string(" { name: r") + std::to_string(r) + ", at: \"holding:" + std::to_string(100 + r) +
-            "\", type: uint16 }";
+    text += (r ? "," : "") + std::string(" { name: r") + std::to_string(r) +
+            ", at: \"holding:" + std::to_string(100 + r) + "\", type: uint16 }";
   const BusSpec spec = config::load_text(text + " ] }\n", "plant.yaml", {})->buses.front();
   VirtualBus bus(spec, {}, 3);
   bus.run_until(Instant{10s});
-  const auto requests = [&] { return bus.plant().members()[0].device->statistics().write_requests; };
+  const auto requests = [&] {
+    return bus.plant().members()[0].device->statistics().write_requests;
+  };
   for (ChannelIndex c = 0; c < 40; ++c) {
     Command command = write_of(spec, c, 1000 + c);
     command.verify = c == 39;
@@ -401,10 +461,12 @@ TEST(Simulation, WritesToNeighboursTravelTogether) {
   EXPECT_LE(requests(), 4u);  // the first found the wire free
   for (const auto& [id, results] : bus.results()) {
     ASSERT_EQ(results.size(), 1u);
-    EXPECT_EQ(results[0].state, id == 40 ? CommandState::kVerified : CommandState::kDone) << results[0].reason;
+    EXPECT_EQ(results[0].state, id == 40 ? CommandState::kVerified : CommandState::kDone)
+        << results[0].reason;
   }
   EXPECT_EQ(bus.results().size(), 41u);
-  for (ChannelIndex c = 0; c < 40; ++c) EXPECT_EQ(bus.channels()[c].value, Value{std::uint64_t{c == 7 ? 77u : 1000u + c}}) << c;
+  for (ChannelIndex c = 0; c < 40; ++c)
+    EXPECT_EQ(bus.channels()[c].value, Value{std::uint64_t{c == 7 ? 77u : 1000u + c}}) << c;
 }
 
 TEST(Simulation, FloodOfCommandsStarvesNeitherSide) {

@@ -36,7 +36,8 @@ class Replay {
  public:
   explicit Replay(const BusSpec& bus) : bus_(bus), engine_(bus) {
     for (const DeviceSpec& device : bus.devices)
-      for (const ChannelSpec& channel : device.channels) names_.push_back(device.name + '/' + channel.name);
+      for (const ChannelSpec& channel : device.channels)
+        names_.push_back(device.name + '/' + channel.name);
   }
 
   void run_timers_until(Instant until) {
@@ -46,11 +47,13 @@ class Replay {
       feed(TimerFired{}, at);
     }
   }
-  // What an instant with this many pluses counts from: the beginning, the next request that is not yet answered, the last event.
+  // What an instant with this many pluses counts from: the beginning, the next request that is not
+  // yet answered, the last event.
   Instant base(unsigned pluses) {
     if (pluses == 0) return Instant{};
     if (pluses == 2) return last_;
-    for (int turns = 0; !unanswered_ && timer_ != kNever && turns < 1000; ++turns) run_timers_until(timer_ + Duration{1});
+    for (int turns = 0; !unanswered_ && timer_ != kNever && turns < 1000; ++turns)
+      run_timers_until(timer_ + Duration{1});
     unanswered_ = false;
     return sent_;
   }
@@ -84,18 +87,24 @@ class Replay {
   void tell(const Publish& a, Instant at) {
     for (const Sample& s : a.samples) {
       std::string code = s.device_code ? " code " + std::to_string(s.device_code) : "";
-      line(at, "sample " + names_[s.channel] + " = " + to_text(s.value) + ' ' + std::string(to_text(s.quality)) + code);
+      line(at, "sample " + names_[s.channel] + " = " + to_text(s.value) + ' ' +
+                   std::string(to_text(s.quality)) + code);
     }
   }
-  void tell(const Promise& a, Instant at) { line(at, "promise " + names_[a.channel] + ' ' + (a.gap ? to_text(*a.gap) : "none")); }
+  void tell(const Promise& a, Instant at) {
+    line(at, "promise " + names_[a.channel] + ' ' + (a.gap ? to_text(*a.gap) : "none"));
+  }
   void tell(const Complete& a, Instant at) {
-    std::string text = "result c" + std::to_string(a.result.request_id) + ' ' + std::string(to_text(a.result.state));
+    std::string text = "result c" + std::to_string(a.result.request_id) + ' ' +
+                       std::string(to_text(a.result.state));
     for (const Value& value : a.result.values) text += ' ' + to_text(value);
     if (!a.result.reason.empty()) text += ": " + a.result.reason;
     line(at, text);
   }
   void tell(const Reopen& a, Instant at) { line(at, "reopen: " + a.reason); }
-  void tell(const Notice& a, Instant at) { line(at, "notice " + (a.device.empty() ? bus_.name : a.device) + ": " + a.text); }
+  void tell(const Notice& a, Instant at) {
+    line(at, "notice " + (a.device.empty() ? bus_.name : a.device) + ": " + a.text);
+  }
   void tell(const Traced&, Instant) {}
   void tell(const MakePlan&, Instant) {}
 
@@ -110,7 +119,8 @@ class Replay {
 };
 
 // "command c1 write press-1/setpoint = 5 verify expires 2s", "command c2 acquire press-1/running"
-std::optional<Command> parse_command(const std::vector<std::string>& words, const BusSpec& bus, Instant now) {
+std::optional<Command> parse_command(const std::vector<std::string>& words, const BusSpec& bus,
+                                     Instant now) {
   if (words.size() < 5 || words[2].size() < 2) return std::nullopt;
   Command command;
   command.requester = "test";
@@ -146,7 +156,8 @@ std::optional<Command> parse_command(const std::vector<std::string>& words, cons
 }
 
 bool is_outcome(const std::string& word) {
-  return word == ">>" || word == "sample" || word == "result" || word == "notice" || word == "reopen:" || word == "promise";
+  return word == ">>" || word == "sample" || word == "result" || word == "notice" ||
+         word == "reopen:" || word == "promise";
 }
 
 void replay_line(Replay& replay, const std::string& line) {
@@ -155,7 +166,8 @@ void replay_line(Replay& replay, const std::string& line) {
   if (words.size() < 2) return replay.remark("!! no instant and event: " + line);
   if (is_outcome(words[1])) return;  // for the engine to say
   const std::size_t pluses = words[0].find_first_not_of('+');
-  const auto instant = parse_instant(std::string_view(words[0]).substr(std::min(pluses, words[0].size())));
+  const auto instant =
+      parse_instant(std::string_view(words[0]).substr(std::min(pluses, words[0].size())));
   if (!instant || pluses > 2) return replay.remark("!! no instant: " + line);
   const Instant at = replay.base(static_cast<unsigned>(pluses)) + *instant;
   replay.run_timers_until(at);
@@ -182,7 +194,8 @@ void replay_line(Replay& replay, const std::string& line) {
 
 std::string replay(const std::string& text) {
   const auto rule = text.find("---\n");
-  if (rule == std::string::npos) return "!! a transcript begins with a configuration and a line of three hyphens\n";
+  if (rule == std::string::npos)
+    return "!! a transcript begins with a configuration and a line of three hyphens\n";
   const std::string head = text.substr(0, rule + 4);
   const auto loaded = config::load_text(text.substr(0, rule), "transcript.yaml", {});
   if (!loaded) {

@@ -13,7 +13,8 @@ std::size_t channels_of(const BusSpec& spec) {
 }  // namespace
 
 VirtualBus::VirtualBus(const BusSpec& spec, const sim::BusFaults& faults, std::uint64_t seed)
-    : watched_(channels_of(spec)), bus_(spec, faults, seed, [this](const Action& action) { see(action); }) {}
+    : watched_(channels_of(spec)),
+      bus_(spec, faults, seed, [this](const Action& action) { see(action); }) {}
 
 void VirtualBus::run_until(Instant until) { bus_.run_until(until); }
 
@@ -46,7 +47,9 @@ void VirtualBus::see(const Action& action) {
       EXPECT_FALSE(a.bytes.empty());
       ++bus.sends_;
     }
-    void operator()(const SetTimer& a) const { EXPECT_GE(a.at, bus.now()) << "a timer in the past would spin"; }
+    void operator()(const SetTimer& a) const {
+      EXPECT_GE(a.at, bus.now()) << "a timer in the past would spin";
+    }
     void operator()(const Publish& a) const {
       EXPECT_FALSE(a.samples.empty());
       for (const Sample& sample : a.samples) publish(sample);

@@ -1,7 +1,7 @@
 // A bus in virtual time (tools/sim/virtual_bus.hpp) under watch.
 //
-// Invariants are checked at every step and reported as gtest failures: one exchange at a time, a good value is fresh and right,
-// every command has exactly one result.
+// Invariants are checked at every step and reported as gtest failures: one exchange at a time, a
+// good value is fresh and right, every command has exactly one result.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/sim/virtual_bus.hpp"
+#include "tools/sim/bus/virtual_bus.hpp"
 
 namespace fieldcast::test {
 
@@ -30,7 +30,9 @@ class VirtualBus {
   // Runs until `until`, the start being Instant{}.
   void run_until(Instant until);
   void command(Command command);  // at the instant reached; request_id is filled in
-  void wish(ChannelIndex channel, std::optional<Duration> refresh) { bus_.feed(InterestChanged{channel, refresh}); }
+  void wish(ChannelIndex channel, std::optional<Duration> refresh) {
+    bus_.feed(InterestChanged{channel, refresh});
+  }
   void unplug();
   void plug();
   void stop();            // StopRequested
@@ -43,7 +45,9 @@ class VirtualBus {
   [[nodiscard]] BusEngine& engine() { return bus_.engine(); }
   [[nodiscard]] sim::SimBus& plant() { return bus_.plant(); }
   [[nodiscard]] const std::vector<Watched>& channels() const { return watched_; }
-  [[nodiscard]] const std::map<std::uint64_t, std::vector<CommandResult>>& results() const { return results_; }
+  [[nodiscard]] const std::map<std::uint64_t, std::vector<CommandResult>>& results() const {
+    return results_;
+  }
   [[nodiscard]] std::uint64_t commands_sent() const { return commands_; }
   [[nodiscard]] const std::vector<Notice>& notices() const { return notices_; }
   [[nodiscard]] std::uint64_t sends() const { return sends_; }

@@ -1,5 +1,6 @@
-// One broken file for each fault in tests/config/bad: its head says, line for line, what the loader must say of it. There
-// {protocols} stands for the names of all protocols, so that a new one changes no file.
+// One broken file for each fault in tests/config/bad: its head says, line for line, what the loader
+// must say of it. There {protocols} stands for the names of all protocols, so that a new one
+// changes no file.
 #include <gtest/gtest.h>
 
 #include <sstream>
@@ -21,7 +22,8 @@ std::string expected_of(const std::string& text) {
   std::vector<std::string_view> names;
   for (const auto& entry : protocols()) names.push_back(entry.name);
   static constexpr std::string_view kProtocols = "{protocols}";
-  for (auto at = expected.find(kProtocols); at != std::string::npos; at = expected.find(kProtocols)) {
+  for (auto at = expected.find(kProtocols); at != std::string::npos;
+       at = expected.find(kProtocols)) {
     expected.replace(at, kProtocols.size(), joined(names));
   }
   return expected;
@@ -33,11 +35,13 @@ TEST_P(BadFile, IsRefusedWithExactlyTheFaultsAtItsHead) {
   const auto text = slurp(GetParam());
   const auto expected = expected_of(text);
   ASSERT_NE(expected, "") << "the file says nothing that should be said of it";
-  const auto loaded = load_text(text, GetParam().filename().string(), within(GetParam().parent_path()));
+  const auto loaded =
+      load_text(text, GetParam().filename().string(), within(GetParam().parent_path()));
   EXPECT_EQ(faults_of(loaded), expected);
 }
 
-INSTANTIATE_TEST_SUITE_P(Config, BadFile, testing::ValuesIn(files_of(source_dir() / "tests/config/bad", ".yaml")),
+INSTANTIATE_TEST_SUITE_P(Config, BadFile,
+                         testing::ValuesIn(files_of(source_dir() / "tests/config/bad", ".yaml")),
                          [](const auto& file) {
                            std::string name = file.param.stem().string();
                            std::replace(name.begin(), name.end(), '-', '_');

@@ -1,5 +1,5 @@
-// One broken declaration for each fault in tests/config/bad_protocols: its head says, line for line, what the loader must say of
-// it.
+// One broken declaration for each fault in tests/config/bad_protocols: its head says, line for
+// line, what the loader must say of it.
 #include <gtest/gtest.h>
 
 #include <sstream>
@@ -25,7 +25,9 @@ TEST_P(BadProtocol, IsRefusedWithExactlyTheFaultsAtItsHead) {
   EXPECT_EQ(loaded ? "" : to_text(std::span(loaded.error())), expected);
 }
 
-INSTANTIATE_TEST_SUITE_P(Config, BadProtocol, testing::ValuesIn(files_of(source_dir() / "tests/config/bad_protocols", ".yaml")),
+INSTANTIATE_TEST_SUITE_P(Config, BadProtocol,
+                         testing::ValuesIn(files_of(source_dir() / "tests/config/bad_protocols",
+                                                    ".yaml")),
                          [](const auto& file) {
                            std::string name = file.param.stem().string();
                            std::replace(name.begin(), name.end(), '-', '_');
@@ -43,16 +45,19 @@ TEST(DeclaredProtocols, EveryTruncationIsADeclarationOrFaults) {
   for (const auto& path : files_of(source_dir() / "config/protocols", ".yaml")) {
     const auto text = slurp(path);
     for (std::size_t length = 0; length < text.size(); length += 3) {
-      const auto loaded = load_declaration_text(std::string_view(text).substr(0, length), "cut.yaml");
+      const auto loaded =
+          load_declaration_text(std::string_view(text).substr(0, length), "cut.yaml");
       if (!loaded) { EXPECT_FALSE(loaded.error().empty()) << length; }
     }
   }
 }
 
 std::string bridge(const std::string& protocol, const std::string& at) {
-  return "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0 }\n    protocol: " + protocol +
-         "\n    devices:\n      - name: d\n        address: 3\n        channels:\n          - { name: c, at: \"" + at +
-         "\", type: uint16 }\n";
+  return "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0 }\n    protocol: " +
+         protocol +
+         "\n    devices:\n      - name: d\n        address: 3\n        channels:\n          - { "
+         "name: c, at: \"" +
+         at + "\", type: uint16 }\n";
 }
 
 TEST(DeclaredProtocols, AreFoundBesideTheConfigurationFirst) {
@@ -67,15 +72,18 @@ TEST(DeclaredProtocols, AreFoundBesideTheConfigurationFirst) {
   EXPECT_EQ(device.declaration.value->name, "thing");
   EXPECT_EQ(device.channels[0].range, (Range{0, 0, 1}));
 
-  const auto both = texts({{"/share/protocols/thing.yaml", instrument}, {"/etc/protocols/thing.yaml", "summary: mine\n"}});
-  EXPECT_NE(faults_of(load_text(bridge("thing", "status"), "/etc/plant.yaml", both, options)).find("/etc/protocols/thing.yaml"),
+  const auto both = texts({{"/share/protocols/thing.yaml", instrument},
+                           {"/etc/protocols/thing.yaml", "summary: mine\n"}});
+  EXPECT_NE(faults_of(load_text(bridge("thing", "status"), "/etc/plant.yaml", both, options))
+                .find("/etc/protocols/thing.yaml"),
             std::string::npos);
 }
 
 TEST(DeclaredProtocols, AreComparedByWhatTheySay) {
   const auto instrument = slurp(source_dir() / "config/protocols/instrument.yaml");
   const auto load = [&](const std::string& text) {
-    return *load_text(bridge("thing", "status"), "plant.yaml", texts({{"protocols/thing.yaml", text}}));
+    return *load_text(bridge("thing", "status"), "plant.yaml",
+                      texts({{"protocols/thing.yaml", text}}));
   };
   EXPECT_EQ(load(instrument), load(instrument));
   EXPECT_EQ(load(instrument), load(instrument + "# a remark\n"));
@@ -86,11 +94,11 @@ TEST(DeclaredProtocols, AreComparedByWhatTheySay) {
 
 TEST(DeclaredProtocols, PlacesThatAreMisspeltAreFaultsOfTheChannel) {
   const auto instrument = slurp(source_dir() / "config/protocols/instrument.yaml");
-  const auto loaded = load_text(bridge("thing", "statuss"), "plant.yaml", texts({{"protocols/thing.yaml", instrument}}));
-  EXPECT_NE(
-      faults_of(loaded).find(
-          "'statuss' is no address; allowed: status, analog, unit, input, output; a bit as .BIT behind it; did you mean status?"),
-      std::string::npos)
+  const auto loaded = load_text(bridge("thing", "statuss"), "plant.yaml",
+                                texts({{"protocols/thing.yaml", instrument}}));
+  EXPECT_NE(faults_of(loaded).find("'statuss' is no address; allowed: status, analog, unit, input, "
+                                   "output; a bit as .BIT behind it; did you mean status?"),
+            std::string::npos)
       << faults_of(loaded);
 }
 

@@ -23,7 +23,8 @@ TEST(GoodFiles, TheMinimalExampleHasTheDefaultsOfTheStandard) {
   ASSERT_TRUE(loaded) << faults_of(loaded);
   ASSERT_EQ(loaded->buses.size(), 1u);
   const auto& port = std::get<SerialPortSpec>(loaded->buses[0].port);
-  EXPECT_EQ(port, (SerialPortSpec{"/dev/ttyUSB0", LineFormat{19200, 8, Parity::kEven, 1}, false, true, true}));
+  EXPECT_EQ(port, (SerialPortSpec{"/dev/ttyUSB0", LineFormat{19200, 8, Parity::kEven, 1}, false,
+                                  true, true}));
   EXPECT_EQ(loaded->buses[0].silence, SilenceRule{StandardSilence{}});
   EXPECT_EQ(loaded->buses[0].echo, std::nullopt);
   const auto& device = loaded->buses[0].devices.at(0);
@@ -62,7 +63,13 @@ class Everything : public testing::Test {
     channel.name = "full";
     channel.at = "40101";
     channel.range = {2, 100, 2};
-    channel.encoding = {ValueType::kInt32, 0, WordOrder::kLittleEndian, ByteOrder::kLittleEndian, std::nullopt, 0.5, -40};
+    channel.encoding = {ValueType::kInt32,
+                        0,
+                        WordOrder::kLittleEndian,
+                        ByteOrder::kLittleEndian,
+                        std::nullopt,
+                        0.5,
+                        -40};
     channel.refresh = milliseconds{250};
     channel.mode = Mode::kScheduled;
     channel.access = Access::kReadWrite;
@@ -85,17 +92,22 @@ class Everything : public testing::Test {
 
 TEST_F(Everything, TopLevelKeysArrive) {
   EXPECT_EQ(spec.name, "all.keys_1");
-  EXPECT_EQ(spec.dds, (DdsSpec{7, {"127.0.0.1", "192.168.1.20"}, "10.0.0.2:11811", "profile.xml", "hall"}));
+  EXPECT_EQ(spec.dds,
+            (DdsSpec{7, {"127.0.0.1", "192.168.1.20"}, "10.0.0.2:11811", "profile.xml", "hall"}));
   EXPECT_EQ(spec.log.level, LogLevel::kDebug);
-  EXPECT_EQ(spec.store, (StoreSpec{"plant.db", {"serial", "server/*/x"}, std::chrono::hours{36}, 2'000'000'000}));
+  EXPECT_EQ(
+      spec.store,
+      (StoreSpec{"plant.db", {"serial", "server/*/x"}, std::chrono::hours{36}, 2'000'000'000}));
 }
 
 TEST(GoodFiles, AStoreOnAServerIsKeptAsItIsWritten) {
   const std::string rest =
-      ", keep: forever }\nbuses: [ { name: b, port: { tcp: \"h:1\" }, protocol: modbus-rtu, devices: [ { name: d, "
+      ", keep: forever }\nbuses: [ { name: b, port: { tcp: \"h:1\" }, protocol: modbus-rtu, "
+      "devices: [ { name: d, "
       "address: 1, allow: [raw-read] } ] } ]\n";
   const auto loaded =
-      load_text("bridge: b\nstore: { url: \"postgresql://ann:x@h/d\", samples: []" + rest, "dir/b.yaml", disk_reader());
+      load_text("bridge: b\nstore: { url: \"postgresql://ann:x@h/d\", samples: []" + rest,
+                "dir/b.yaml", disk_reader());
   ASSERT_TRUE(loaded) << faults_of(loaded);
   EXPECT_EQ(loaded->store, (StoreSpec{"postgresql://ann:x@h/d", {}, Duration{}, 0}));
   const auto file = load_text("bridge: b\nstore: { path: a.db" + rest, "dir/b.yaml", disk_reader());
@@ -105,20 +117,27 @@ TEST(GoodFiles, AStoreOnAServerIsKeptAsItIsWritten) {
 
 TEST_F(Everything, PortsArrive) {
   EXPECT_EQ(spec.buses[0].port,
-            PortSpec(SerialPortSpec{"/dev/ttyS7", LineFormat{57600, 7, Parity::kOdd, 2}, true, false, false}));
-  EXPECT_EQ(spec.buses[1].port, PortSpec(TcpPortSpec{"plc.local", 4001, LineFormat{9600, 8, Parity::kNone, 1}, seconds{5}}));
+            PortSpec(SerialPortSpec{"/dev/ttyS7", LineFormat{57600, 7, Parity::kOdd, 2}, true,
+                                    false, false}));
+  EXPECT_EQ(
+      spec.buses[1].port,
+      PortSpec(TcpPortSpec{"plc.local", 4001, LineFormat{9600, 8, Parity::kNone, 1}, seconds{5}}));
   EXPECT_EQ(spec.buses[2].port, PortSpec(TcpPortSpec{"fe80::1", 502, std::nullopt, seconds{3}}));
-  EXPECT_EQ(spec.buses[3].port, PortSpec(DialInPortSpec{"17", LineFormat{9600, 7, Parity::kEven, 2}}));
+  EXPECT_EQ(spec.buses[3].port,
+            PortSpec(DialInPortSpec{"17", LineFormat{9600, 7, Parity::kEven, 2}}));
   EXPECT_EQ(spec.buses[1].devices[0].number, "P3");
   ASSERT_TRUE(spec.program.engineers && spec.program.modules);
   const EngineersSpec& engineers = *spec.program.engineers;
   EXPECT_EQ(engineers.listen, (ListenSpec{"0.0.0.0", 4950}));
-  EXPECT_TRUE(engineers.certificate.ends_with("profile.xml") && engineers.key.ends_with("profile.xml"));
+  EXPECT_TRUE(engineers.certificate.ends_with("profile.xml") &&
+              engineers.key.ends_with("profile.xml"));
+  EXPECT_EQ(engineers.login, LoginRule::kAlways);
   EXPECT_EQ(engineers.heartbeat, seconds{2});
   EXPECT_EQ(engineers.idle, seconds{90});
   EXPECT_EQ(spec.program.modules->listen, (ListenSpec{"::1", 4951}));
   EXPECT_EQ(spec.program.modules->registration,
-            (program::RegistrationRule{program::RegistrationRule::Ask::kWords, "N", 3, 100, 4, seconds{9}}));
+            (program::RegistrationRule{program::RegistrationRule::Ask::kWords, "N", 3, 100, 4,
+                                       seconds{9}}));
 }
 
 TEST_F(Everything, BusKeysArrive) {
@@ -170,7 +189,10 @@ TEST_F(Everything, DefaultsHoldWhereTheyCan) {
 
 TEST_F(Everything, ADeviceOverridesItsTemplateAndTheTemplateItsBus) {
   const auto& device = spec.buses[0].devices[1];
-  EXPECT_EQ(device.link, (DeviceLink{18, {{"mask-write", "true"}, {"read-write", "true"}, {"write-single", "multiple"}}}));
+  EXPECT_EQ(
+      device.link,
+      (DeviceLink{18,
+                  {{"mask-write", "true"}, {"read-write", "true"}, {"write-single", "multiple"}}}));
   EXPECT_FALSE(device.allow_raw_read);
   EXPECT_TRUE(device.allow_raw_write);
   EXPECT_EQ(device.timeout, milliseconds{60});
@@ -179,7 +201,7 @@ TEST_F(Everything, ADeviceOverridesItsTemplateAndTheTemplateItsBus) {
   EXPECT_EQ(device.max_block, 32);
   EXPECT_EQ(device.max_gap, 5);
 
-  ASSERT_EQ(device.channels.size(), 3u);
+  ASSERT_EQ(device.channels.size(), 6u);
   ChannelSpec coil;
   coil.name = "from-template";
   coil.at = "coil:5";
@@ -197,20 +219,36 @@ TEST_F(Everything, AChannelOverridesItsDevice) {
   const auto& bit = spec.buses[0].devices[1].channels.at(2);
   EXPECT_EQ(bit.encoding.bit, 9);
   EXPECT_EQ(bit.range, (Range{2, 7, 1}));
+  const auto& byte = spec.buses[0].devices[1].channels.at(3);
+  EXPECT_EQ(byte.encoding.type, ValueType::kUint8);
+  EXPECT_EQ(byte.encoding.bit, 8);
+  const auto& spelt = spec.buses[0].devices[1].channels.at(4);
+  EXPECT_EQ(
+      spelt.encoding.text_number,
+      (TextNumber{
+          .kind = TextNumber::Kind::kDecimal, .decimals = 2, .leading_zeros = true, .plus = true}));
+  EXPECT_EQ(spelt.range, (Range{2, 20, 4}));
+  EXPECT_EQ(spec.buses[0].devices[1].channels.at(5).encoding.charset, Charset::kGbk);
 }
 
 TEST_F(Everything, AChannelListSaysTheSameAsYaml) {
   const auto& channels = spec.buses[0].devices[2].channels;
-  ASSERT_EQ(channels.size(), 2u);
+  ASSERT_EQ(channels.size(), 5u);
   auto same = full();
   same.description = "a \"list\"; of keys";
   EXPECT_EQ(channels[0], same);
   EXPECT_EQ(channels[1].encoding.bit, 9);
+  EXPECT_EQ(channels[2].encoding.type, ValueType::kUint8);
+  EXPECT_EQ(channels[2].encoding.bit, 8);
+  EXPECT_EQ(channels[3].encoding.text_number,
+            spec.buses[0].devices[1].channels.at(4).encoding.text_number);
+  EXPECT_EQ(channels[4].encoding.charset, Charset::kGbk);
 }
 
 TEST_F(Everything, ADeviceMaySpeakAnotherProtocolThanItsBus) {
   EXPECT_EQ(spec.buses[1].devices[0].protocol, "modbus-rtu");
-  EXPECT_TRUE(spec.buses[1].devices[0].link.options.empty()) << "the bus's options are those of its own protocol";
+  EXPECT_TRUE(spec.buses[1].devices[0].link.options.empty())
+      << "the bus's options are those of its own protocol";
   EXPECT_TRUE(spec.buses[1].devices[0].allow_raw_read && spec.buses[1].devices[0].allow_raw_write);
   EXPECT_EQ(spec.buses[2].devices[0].link.address, 255);
 }
@@ -231,13 +269,15 @@ TEST(GoodFiles, TheDemoHasAHundredModbusChannelsOnSixDevicesAndABusForEachFamily
   }
   EXPECT_EQ(devices, 6u);
   EXPECT_EQ(channels, 100u);
-  for (const char* family : {"dtc", "instrument", "mitsubishi-fx", "modbus-rtu", "omron-hostlink", "s7-freeport", "s7-ppi"}) {
+  for (const char* family : {"dtc", "instrument", "mitsubishi-fx", "modbus-rtu", "omron-hostlink",
+                             "s7-freeport", "s7-ppi"}) {
     EXPECT_TRUE(families.contains(family)) << family;
   }
   EXPECT_EQ(shared.size(), 3u);
 }
 
-// With devices that answer after 5 ms. What a plan needs is the scheduler's word; this keeps the examples honest.
+// With devices that answer after 5 ms. What a plan needs is the scheduler's word; this keeps the
+// examples honest.
 TEST(GoodFiles, ExamplesNeedLessThanHalfOfEachWire) {
   for (const auto& path : files_of(source_dir() / "config/examples", ".yaml")) {
     const auto loaded = load_file(path.string());
@@ -248,10 +288,12 @@ TEST(GoodFiles, ExamplesNeedLessThanHalfOfEachWire) {
       std::vector<std::unique_ptr<Protocol>> protocols;
       for (const auto& device : bus.devices) {
         protocols.push_back(std::move(*make_protocol(device, line)));
-        input.devices.push_back({protocols.back().get(), milliseconds{5}, device.pause, device.max_block, device.max_gap});
+        input.devices.push_back({protocols.back().get(), milliseconds{5}, device.pause,
+                                 device.max_block, device.max_gap});
         for (const auto& channel : device.channels) {
           const auto index = static_cast<DeviceIndex>(input.devices.size() - 1);
-          input.points.push_back({index, channel.range, channel.refresh, channel.mode, channel.priority});
+          input.points.push_back(
+              {index, channel.range, channel.refresh, channel.mode, channel.priority});
         }
       }
       EXPECT_LT(make_scheduler(input)->planned_load(), 0.5) << path << ", bus " << bus.name;

@@ -29,13 +29,16 @@ std::string misfit_types(const json& value, const json& types) {
 }
 
 // How many of the alternatives fit.
-std::size_t fitting(const json& value, const json& alternatives, const json& root, const std::string& path) {
+std::size_t fitting(const json& value, const json& alternatives, const json& root,
+                    const std::string& path) {
   std::size_t count = 0;
-  for (const auto& alternative : alternatives) count += misfit(value, alternative, root, path).empty() ? 1 : 0;
+  for (const auto& alternative : alternatives)
+    count += misfit(value, alternative, root, path).empty() ? 1 : 0;
   return count;
 }
 
-std::string misfit_properties(const json& value, const json& schema, const json& root, const std::string& path) {
+std::string misfit_properties(const json& value, const json& schema, const json& root,
+                              const std::string& path) {
   const json none = json::object();
   const auto& properties = schema.contains("properties") ? schema["properties"] : none;
   for (const auto& [key, inner] : value.items()) {
@@ -56,7 +59,9 @@ std::string misfit_properties(const json& value, const json& schema, const json&
 // One keyword on one value; the reason without its path.
 std::string misfit_keyword(const std::string& keyword, const json& rule, const json& value) {
   if (keyword == "type") return misfit_types(value, rule);
-  if (keyword == "enum") return std::find(rule.begin(), rule.end(), value) != rule.end() ? "" : "is none of " + rule.dump();
+  if (keyword == "enum")
+    return std::find(rule.begin(), rule.end(), value) != rule.end() ? ""
+                                                                    : "is none of " + rule.dump();
   if (keyword == "required") {
     for (const auto& key : rule) {
       if (value.is_object() && !value.contains(key)) return "lacks " + key.get<std::string>();
@@ -64,12 +69,14 @@ std::string misfit_keyword(const std::string& keyword, const json& rule, const j
     return "";
   }
   const double limit = rule.is_number() ? rule.get<double>() : 0;
-  const auto size = static_cast<double>(value.is_string() ? value.get_ref<const std::string&>().size() : value.size());
+  const auto size = static_cast<double>(
+      value.is_string() ? value.get_ref<const std::string&>().size() : value.size());
   if (keyword == "minimum") return value.is_number() && value < rule ? "is too small" : "";
   if (keyword == "maximum") return value.is_number() && value > rule ? "is too large" : "";
   if (keyword == "minItems") return value.is_array() && size < limit ? "has too few items" : "";
   if (keyword == "maxItems") return value.is_array() && size > limit ? "has too many items" : "";
-  if (keyword == "maxProperties") return value.is_object() && size > limit ? "has too many keys" : "";
+  if (keyword == "maxProperties")
+    return value.is_object() && size > limit ? "has too many keys" : "";
   if (keyword == "minLength") return value.is_string() && size < limit ? "is too short" : "";
   if (keyword == "maxLength") return value.is_string() && size > limit ? "is too long" : "";
   if (keyword == "pattern") {
@@ -102,17 +109,22 @@ json json_of(const Node& node) {
   static const std::regex kNumber("[-+]?(\\.[0-9]+|[0-9]+(\\.[0-9]*)?)([eE][-+]?[0-9]+)?");
   if (node.quoted) return node.text;
   if (node.text == "true" || node.text == "false") return node.text == "true";
-  if (std::regex_match(node.text, kInteger)) return std::stoll(node.text, nullptr, node.text.starts_with("0x") ? 16 : 10);
+  if (std::regex_match(node.text, kInteger))
+    return std::stoll(node.text, nullptr, node.text.starts_with("0x") ? 16 : 10);
   if (std::regex_match(node.text, kNumber)) return std::strtod(node.text.c_str(), nullptr);
   return node.text;
 }
 
-std::string misfit(const json& value, const json& schema, const json& root, const std::string& path) {
+std::string misfit(const json& value, const json& schema, const json& root,
+                   const std::string& path) {
   for (const auto& [keyword, rule] : schema.items()) {
     std::string reason;
-    if (keyword == "$schema" || keyword == "title" || keyword == "description" || keyword == "$defs") continue;
+    if (keyword == "$schema" || keyword == "title" || keyword == "description" ||
+        keyword == "$defs")
+      continue;
     if (keyword == "$ref") {
-      reason = misfit(value, root.at(json::json_pointer(rule.get<std::string>().substr(1))), root, path);
+      reason =
+          misfit(value, root.at(json::json_pointer(rule.get<std::string>().substr(1))), root, path);
     } else if (keyword == "properties" || keyword == "additionalProperties") {
       if (value.is_object()) reason = misfit_properties(value, schema, root, path);
     } else if (keyword == "items") {
@@ -121,7 +133,8 @@ std::string misfit(const json& value, const json& schema, const json& root, cons
       }
     } else if (keyword == "oneOf" || keyword == "anyOf") {
       const auto count = fitting(value, rule, root, path);
-      if (count == 0 || (keyword == "oneOf" && count > 1)) reason = path + ": fits " + std::to_string(count) + " alternatives";
+      if (count == 0 || (keyword == "oneOf" && count > 1))
+        reason = path + ": fits " + std::to_string(count) + " alternatives";
     } else if (reason = misfit_keyword(keyword, rule, value); !reason.empty()) {
       reason = path + ": " + value.dump().substr(0, 60) + ' ' + reason;
     }

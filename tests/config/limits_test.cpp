@@ -14,7 +14,8 @@ using testing::HasSubstr;
 std::string channel_lines(std::size_t count) {
   std::string lines;
   for (std::size_t i = 0; i < count; ++i) {
-    lines += "          - { name: c" + std::to_string(i) + ", at: \"holding:" + std::to_string(i % 60000) + "\", type: int16 }\n";
+    lines += "          - { name: c" + std::to_string(i) +
+             ", at: \"holding:" + std::to_string(i % 60000) + "\", type: int16 }\n";
   }
   return lines;
 }
@@ -32,12 +33,17 @@ TEST(Limits, AHundredThousandChannelsLoadAndOneMoreIsAFault) {
 
 TEST(Limits, ChannelsOfTemplatesCountOnceForEachDevice) {
   std::string shared = "channels:\n";
-  for (int i = 0; i < 1000; ++i) shared += "  - { name: c" + std::to_string(i) + ", at: \"coil:" + std::to_string(i) + "\" }\n";
-  std::string text = "bridge: b\nbuses:\n  - name: bus\n    port: { tcp: \"h:502\" }\n    protocol: modbus-tcp\n    devices:\n";
+  for (int i = 0; i < 1000; ++i)
+    shared += "  - { name: c" + std::to_string(i) + ", at: \"coil:" + std::to_string(i) + "\" }\n";
+  std::string text =
+      "bridge: b\nbuses:\n  - name: bus\n    port: { tcp: \"h:502\" }\n    protocol: modbus-tcp\n  "
+      "  devices:\n";
   for (int i = 1; i <= 101; ++i)
-    text += "      - { name: d" + std::to_string(i) + ", address: " + std::to_string(i) + ", template: big }\n";
+    text += "      - { name: d" + std::to_string(i) + ", address: " + std::to_string(i) +
+            ", template: big }\n";
   const auto loaded = load_text(text, "plant.yaml", texts({{"devices/big.yaml", shared}}));
-  EXPECT_EQ(faults_of(loaded), "plant.yaml:107:9: too many channels; allowed: 100000 of a bridge\n");
+  EXPECT_EQ(faults_of(loaded),
+            "plant.yaml:107:9: too many channels; allowed: 100000 of a bridge\n");
 }
 
 std::string buses(std::size_t count) {
@@ -52,13 +58,17 @@ std::string buses(std::size_t count) {
 
 TEST(Limits, TwoHundredAndFiftySixBusesLoadAndOneMoreIsAFault) {
   EXPECT_EQ(faults_of(load(buses(kMaxBuses))), "");
-  EXPECT_EQ(faults_of(load(buses(kMaxBuses + 1))), "plant.yaml:259:5: too many buses; allowed: 256 of a bridge\n");
+  EXPECT_EQ(faults_of(load(buses(kMaxBuses + 1))),
+            "plant.yaml:259:5: too many buses; allowed: 256 of a bridge\n");
 }
 
 TEST(Limits, ABusHoldsAsManyDevicesAsModbusHasAddresses) {
-  std::string text = "bridge: b\nbuses:\n  - name: bus\n    port: { tcp: \"h:502\" }\n    protocol: modbus-tcp\n    devices:\n";
+  std::string text =
+      "bridge: b\nbuses:\n  - name: bus\n    port: { tcp: \"h:502\" }\n    protocol: modbus-tcp\n  "
+      "  devices:\n";
   for (unsigned i = 1; i <= kMaxDevices; ++i) {
-    text += "      - { name: d" + std::to_string(i) + ", address: " + std::to_string(i) + ", allow: [raw-read] }\n";
+    text += "      - { name: d" + std::to_string(i) + ", address: " + std::to_string(i) +
+            ", allow: [raw-read] }\n";
   }
   EXPECT_EQ(faults_of(load(text)), "");
   EXPECT_EQ(faults_of(load(text + "      - { name: more, address: 248, allow: [raw-read] }\n")),
@@ -76,20 +86,25 @@ TEST(Limits, FaultsEndWithAWordAboutTheRest) {
 }
 
 TEST(Limits, AFileBeyondItsSizeIsNotParsed) {
-  EXPECT_EQ(faults_of(load(std::string(kMaxFileBytes + 1, '['))), "plant.yaml:1:1: the file is too large; allowed: 16 MiB\n");
+  EXPECT_EQ(faults_of(load(std::string(kMaxFileBytes + 1, '['))),
+            "plant.yaml:1:1: the file is too large; allowed: 16 MiB\n");
 }
 
 TEST(Limits, NamedFilesShareOneBudget) {
-  const std::string list = "name,at,type\n" + std::string(kMaxFileBytes - 100, '#') + "\na,holding:1,int16\n";
+  const std::string list =
+      "name,at,type\n" + std::string(kMaxFileBytes - 100, '#') + "\na,holding:1,int16\n";
   std::map<std::string, std::string> files;
-  std::string text = "bridge: b\nbuses:\n  - name: bus\n    port: { tcp: \"h:502\" }\n    protocol: modbus-tcp\n    devices:\n";
+  std::string text =
+      "bridge: b\nbuses:\n  - name: bus\n    port: { tcp: \"h:502\" }\n    protocol: modbus-tcp\n  "
+      "  devices:\n";
   for (int i = 1; i <= 5; ++i) {
     const auto n = std::to_string(i);
     files[n + ".csv"] = list;
     text += "      - { name: d" + n + ", address: " + n + ", channels: " + n + ".csv }\n";
   }
   EXPECT_THAT(faults_of(load_text(text, "plant.yaml", texts(files))),
-              testing::EndsWith("channel list '4.csv' is too large\nplant.yaml:11:43: channel list '5.csv' is too large\n"));
+              testing::EndsWith("channel list '4.csv' is too large\nplant.yaml:11:43: channel list "
+                                "'5.csv' is too large\n"));
 }
 
 TEST(Limits, NestingBeyondEveryParserEndsEarly) {
@@ -102,15 +117,38 @@ TEST(Limits, NestingBeyondEveryParserEndsEarly) {
 TEST(Limits, MoreBracketsOrCommasThanAnyPlantNeedsAreNotParsed) {
   EXPECT_THAT(faults_of(load(std::string(kMaxBrackets + 1, '['))),
               HasSubstr("400000 of [ and {; long channel lists belong in CSV"));
-  std::string values = "[";
+  std::string values = "buses: [";
   for (std::size_t i = 0; i <= kMaxCommas; ++i) values += "1,";
   EXPECT_THAT(faults_of(load(values)), HasSubstr("1500000 commas"));
 }
 
+TEST(Limits, WhatTheParserWouldHoldAtOnceIsBounded) {
+  std::string values = "[", anchors, lines(kMaxLines + 1, '\n'), maps;
+  for (int i = 0; i < 1'000'000; ++i) values += "1,";
+  for (std::size_t i = 0; i <= kMaxProperties; ++i) anchors += "&a ";
+  for (std::size_t i = 0; i <= kMaxCollections; ++i) maps += "- a:\n";
+  EXPECT_THAT(faults_of(load(values)), HasSubstr("in one pair of brackets"));
+  EXPECT_THAT(faults_of(load(anchors)), HasSubstr("200000 of &, * and !"));
+  EXPECT_THAT(faults_of(load(lines)), HasSubstr("1500000 lines"));
+  EXPECT_THAT(faults_of(load(maps)), HasSubstr("too many maps and lists; allowed: 400000"));
+}
+
+TEST(Limits, AMapHoldsNoMillionOfKeys) {
+  std::string keys;
+  for (std::size_t i = 0; i <= kMaxKeys; ++i) keys += "k" + std::to_string(i) + ": 1\n";
+  EXPECT_THAT(faults_of(load(keys)), HasSubstr("the map has too many keys; allowed: 1000"));
+}
+
+TEST(Limits, BracketsInTextsAndCommentsAreHeldByNobody) {
+  std::string text;
+  for (int i = 0; i < 700'000; ++i) text += "# [ \"\n- '}'\n";
+  EXPECT_THAT(faults_of(load(text)), testing::Not(HasSubstr("brackets")));
+}
+
 TEST(Limits, AnAliasMayRepeatWhatItNames) {
-  const auto loaded =
-      load(plant("          - { name: a, at: \"holding:1\", type: int16, limits: &l { low: 1, high: 2 } }\n"
-                 "          - { name: b, at: \"holding:2\", type: int16, limits: *l }\n"));
+  const auto loaded = load(plant(
+      "          - { name: a, at: \"holding:1\", type: int16, limits: &l { low: 1, high: 2 } }\n"
+      "          - { name: b, at: \"holding:2\", type: int16, limits: *l }\n"));
   ASSERT_TRUE(loaded) << faults_of(loaded);
   EXPECT_EQ(loaded->buses[0].devices[0].channels[1].limits.high, 2);
 }

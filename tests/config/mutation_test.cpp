@@ -1,5 +1,5 @@
-// Hostile text: whatever the bytes, the loader comes back with a model or with faults that have a place. Seeded, so that a
-// failure can be repeated.
+// Hostile text: whatever the bytes, the loader comes back with a model or with faults that have a
+// place. Seeded, so that a failure can be repeated.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -36,7 +36,8 @@ TEST(Mutation, EveryTruncationIsAModelOrAFault) {
     const auto text = slurp(path);
     const std::size_t step = std::max<std::size_t>(1, text.size() / 400);
     for (std::size_t length = 0; length < text.size(); length += step) {
-      check(text.substr(0, length), within(path.parent_path()), path.string() + " cut at " + std::to_string(length));
+      check(text.substr(0, length), within(path.parent_path()),
+            path.string() + " cut at " + std::to_string(length));
     }
   }
 }
@@ -46,7 +47,9 @@ TEST(Mutation, FlippedAndMovedBytesAreAModelOrAFault) {
       "{}[]:,-&*!|>'\"%@`#?\n\t \\\0\xff~<"
       "0";
   std::mt19937 random(20240607);
-  const auto below = [&](std::size_t limit) { return std::uniform_int_distribution<std::size_t>(0, limit - 1)(random); };
+  const auto below = [&](std::size_t limit) {
+    return std::uniform_int_distribution<std::size_t>(0, limit - 1)(random);
+  };
   for (const auto& path : seeds()) {
     const auto original = slurp(path);
     for (int round = 0; round < 400; ++round) {
@@ -69,11 +72,14 @@ TEST(Mutation, FlippedAndMovedBytesAreAModelOrAFault) {
 TEST(Mutation, MutantsOfChannelListsAndTemplatesAreAModelOrAFault) {
   const auto folder = source_dir() / "tests/config/good";
   const auto main = slurp(folder / "everything.yaml");
-  const std::map<std::string, std::string> files{{"list.csv", slurp(folder / "list.csv")},
-                                                 {"devices/kind.yaml", slurp(folder / "devices/kind.yaml")},
-                                                 {"profile.xml", "<dds/>"}};
+  const std::map<std::string, std::string> files{
+      {"list.csv", slurp(folder / "list.csv")},
+      {"devices/kind.yaml", slurp(folder / "devices/kind.yaml")},
+      {"profile.xml", "<dds/>"}};
   std::mt19937 random(7);
-  const auto below = [&](std::size_t limit) { return std::uniform_int_distribution<std::size_t>(0, limit - 1)(random); };
+  const auto below = [&](std::size_t limit) {
+    return std::uniform_int_distribution<std::size_t>(0, limit - 1)(random);
+  };
   for (int round = 0; round < 1500; ++round) {
     auto mutants = files;
     for (auto& [name, text] : mutants) {
@@ -88,7 +94,9 @@ TEST(Mutation, NoiseIsAFault) {
   std::mt19937 random(1);
   for (int round = 0; round < 2000; ++round) {
     std::string text(random() % 200, '\0');
-    for (char& c : text) c = static_cast<char>(round % 2 == 0 ? random() % 256 : " \n:-[]{}&*abc,'\"|>?!%#"[random() % 22]);
+    for (char& c : text)
+      c = static_cast<char>(round % 2 == 0 ? random() % 256
+                                           : " \n:-[]{}&*abc,'\"|>?!%#"[random() % 22]);
     const auto loaded = load_text(text, "noise.yaml", {});
     EXPECT_FALSE(loaded) << text;
     check(text, {}, "noise round " + std::to_string(round));

@@ -1,4 +1,5 @@
-// The small parts: spellings of numbers, durations and ports, suggestions, and where files are looked for.
+// The small parts: spellings of numbers, durations and ports, suggestions, and where files are
+// looked for.
 #include <gtest/gtest.h>
 
 #include "config/port.hpp"
@@ -8,28 +9,6 @@
 
 namespace fieldcast::config {
 namespace {
-
-using std::chrono::microseconds;
-using std::chrono::milliseconds;
-using std::chrono::minutes;
-
-TEST(Duration, IsANumberDirectlyFollowedByItsUnit) {
-  EXPECT_EQ(duration_from("500us"), microseconds{500});
-  EXPECT_EQ(duration_from("0.25ms"), microseconds{250});
-  EXPECT_EQ(duration_from("1.5s"), milliseconds{1500});
-  EXPECT_EQ(duration_from("2min"), minutes{2});
-  EXPECT_EQ(duration_from("0s"), Duration{});
-  for (const auto* text :
-       {"", "s", "1", "1 s", "-1s", "+1s", "1.s", ".5s", "1.2.3s", "1e3s", "0x1s", "infs", "nans", "1h", "1m", "1sms"}) {
-    EXPECT_EQ(duration_from(text), std::nullopt) << text;
-  }
-}
-
-TEST(Duration, TooLargeForItsTypeIsLongerThanEveryLimit) {
-  for (const auto* text : {"9999999999999s", "99999999999999999999999999min"})
-    EXPECT_GT(duration_from(text), minutes{60 * 24 * 365}) << text;
-  EXPECT_GT(duration_from(std::string(400, '9') + "us"), minutes{60 * 24 * 365});
-}
 
 TEST(Number, IsFiniteAndWhole) {
   EXPECT_EQ(number_from("-2.5e1"), -25.0);
@@ -45,14 +24,16 @@ TEST(PortText, FormatIsDataParityStop) {
   EXPECT_EQ(format_from("8N1"), (LineFormat{19200, 8, Parity::kNone, 1}));
   EXPECT_EQ(format_from("7E2"), (LineFormat{19200, 7, Parity::kEven, 2}));
   EXPECT_EQ(format_from("8O1"), (LineFormat{19200, 8, Parity::kOdd, 1}));
-  for (const auto* text : {"", "8n1", "9N1", "8N3", "8N", "8N11", "8X1"}) EXPECT_EQ(format_from(text), std::nullopt) << text;
+  for (const auto* text : {"", "8n1", "9N1", "8N3", "8N", "8N11", "8X1"})
+    EXPECT_EQ(format_from(text), std::nullopt) << text;
 }
 
 TEST(PortText, LineIsAsTheProtocolsDevicesComeFromTheFactory) {
   const auto line = [](const std::string& protocol) {
-    const auto loaded = load_text("bridge: b\nbuses:\n  - { name: bus, port: { serial: /dev/ttyS0 }, protocol: " + protocol +
-                                      ", devices: [ { name: d, address: 1, allow: [raw-read] } ] }\n",
-                                  "plant.yaml", {});
+    const auto loaded = load_text(
+        "bridge: b\nbuses:\n  - { name: bus, port: { serial: /dev/ttyS0 }, protocol: " + protocol +
+            ", devices: [ { name: d, address: 1, allow: [raw-read] } ] }\n",
+        "plant.yaml", {});
     return loaded ? to_text(loaded->buses[0].port) : faults_of(loaded);
   };
   EXPECT_EQ(line("modbus-rtu"), "/dev/ttyS0 19200 8E1");
@@ -65,11 +46,13 @@ TEST(PortText, LineIsAsTheProtocolsDevicesComeFromTheFactory) {
 }
 
 TEST(PortText, EndpointIsHostAndPort) {
-  EXPECT_EQ(host_port_from("10.0.0.7:502"), (std::pair<std::string, std::uint16_t>{"10.0.0.7", 502}));
-  EXPECT_EQ(host_port_from("plc-1.local:65535"), (std::pair<std::string, std::uint16_t>{"plc-1.local", 65535}));
+  EXPECT_EQ(host_port_from("10.0.0.7:502"),
+            (std::pair<std::string, std::uint16_t>{"10.0.0.7", 502}));
+  EXPECT_EQ(host_port_from("plc-1.local:65535"),
+            (std::pair<std::string, std::uint16_t>{"plc-1.local", 65535}));
   EXPECT_EQ(host_port_from("[::1]:1"), (std::pair<std::string, std::uint16_t>{"::1", 1}));
-  for (const auto* text :
-       {"", ":", "h", "h:", ":502", "h:0", "h:65536", "h:-1", "h:0x10", "h:5x", "::1:502", "[]:502", "a b:502", "a/b:502"}) {
+  for (const auto* text : {"", ":", "h", "h:", ":502", "h:0", "h:65536", "h:-1", "h:0x10", "h:5x",
+                           "::1:502", "[]:502", "a b:502", "a/b:502"}) {
     EXPECT_EQ(host_port_from(text), std::nullopt) << text;
   }
 }
@@ -90,7 +73,8 @@ TEST(Files, AreRelativeToTheFileThatNamesThem) {
                              {"plants/devices/lists/kind.csv", "name,at\na,coil:1\n"},
                              {"plants/own.csv", "name,at\nb,coil:2\n"}});
   const auto loaded = load_text(
-      "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0 }\n    protocol: modbus-rtu\n    devices:\n"
+      "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0 }\n    protocol: "
+      "modbus-rtu\n    devices:\n"
       "      - { name: d, address: 1, template: kind, channels: own.csv }\n",
       "plants/line.yaml", reader);
   ASSERT_TRUE(loaded) << faults_of(loaded);
@@ -101,7 +85,8 @@ TEST(Files, AreRelativeToTheFileThatNamesThem) {
 
 TEST(Files, TheFolderBesideTheConfigurationComesBeforeTheShippedTemplates) {
   const std::string text =
-      "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0 }\n    protocol: modbus-rtu\n    devices:\n"
+      "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0 }\n    protocol: "
+      "modbus-rtu\n    devices:\n"
       "      - { name: d, address: 1, template: kind }\n";
   const std::string shipped = "channels: [ { name: shipped, at: \"coil:1\" } ]\n",
                     own = "channels: [ { name: own, at: \"coil:1\" } ]\n";
@@ -110,7 +95,8 @@ TEST(Files, TheFolderBesideTheConfigurationComesBeforeTheShippedTemplates) {
     return load_text(text, "/etc/line.yaml", reader, options)->buses[0].devices[0].channels[0].name;
   };
   EXPECT_EQ(name(texts({{"/share/second/kind.yaml", shipped}})), "shipped");
-  EXPECT_EQ(name(texts({{"/share/second/kind.yaml", shipped}, {"/etc/devices/kind.yaml", own}})), "own");
+  EXPECT_EQ(name(texts({{"/share/second/kind.yaml", shipped}, {"/etc/devices/kind.yaml", own}})),
+            "own");
 }
 
 TEST(Files, WhatIsNoRegularFileIsAFault) {
@@ -120,7 +106,8 @@ TEST(Files, WhatIsNoRegularFileIsAFault) {
 }
 
 TEST(Files, SmallWindowsHabitsAreTolerated) {
-  std::string text = "\xEF\xBB\xBF" + plant("          - { name: a, at: \"holding:1\", type: int16 }\n");
+  std::string text =
+      "\xEF\xBB\xBF" + plant("          - { name: a, at: \"holding:1\", type: int16 }\n");
   std::string crlf;
   for (const char c : text) crlf += c == '\n' ? std::string("\r\n") : std::string(1, c);
   EXPECT_EQ(faults_of(load_text(crlf, "plant.yaml", {})), "");

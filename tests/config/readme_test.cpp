@@ -13,7 +13,8 @@ TEST(Readme, ItsExampleLoads) {
   static constexpr std::string_view kFence = "```yaml\n";
   const auto text = readme();
   unsigned examples = 0;
-  for (auto at = text.find(kFence); at != std::string::npos; at = text.find(kFence, at + 1), ++examples) {
+  for (auto at = text.find(kFence); at != std::string::npos;
+       at = text.find(kFence, at + 1), ++examples) {
     const auto start = at + kFence.size();
     const auto example = text.substr(start, text.find("```", start) - start);
     EXPECT_EQ(faults_of(load_text(example, "README.md", disk_reader(), default_options())), "");
@@ -27,9 +28,11 @@ TEST(Readme, ExplainsEveryKeyInATable) {
     for (const auto key : table->keys) {
       bool explained = false;
       const std::string word(key);
-      for (auto at = text.find("\n| "); at != std::string::npos && !explained; at = text.find("\n| ", at + 1)) {
+      for (auto at = text.find("\n| "); at != std::string::npos && !explained;
+           at = text.find("\n| ", at + 1)) {
         const auto row = text.substr(at, text.find('\n', at + 1) - at);
-        explained = row.find('`' + word + '`') != std::string::npos || row.find("{ " + word) != std::string::npos ||
+        explained = row.find('`' + word + '`') != std::string::npos ||
+                    row.find("{ " + word) != std::string::npos ||
                     row.find(", " + word) != std::string::npos;
       }
       EXPECT_TRUE(explained) << table->name << ": " << key;

@@ -1,4 +1,5 @@
-// The schema for editors and the loader say the same: the same keys, and every file that loads fits.
+// The schema for editors and the loader say the same: the same keys, and every file that loads
+// fits.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -27,7 +28,8 @@ const json& protocol_schema() {
 }
 
 // The reason why a YAML file does not fit; "no YAML" when it cannot be parsed.
-std::string misfit_of(const std::filesystem::path& path, const std::string& definition, const json& whole = schema()) {
+std::string misfit_of(const std::filesystem::path& path, const std::string& definition,
+                      const json& whole = schema()) {
   FaultList faults;
   const auto document = parse_yaml(Source{path.filename().string(), slurp(path), 0}, faults);
   if (document->root == nullptr || !faults.empty()) return "no YAML";
@@ -47,13 +49,16 @@ void expect_same_keys(std::span<const KeyTable* const> tables, const json& whole
     EXPECT_EQ(theirs, ours) << table->name;
   }
   for (const auto& [name, definition] : whole["$defs"].items()) {
-    EXPECT_TRUE(!definition.contains("properties") || known.contains(name)) << "the loader knows no map " << name;
+    EXPECT_TRUE(!definition.contains("properties") || known.contains(name))
+        << "the loader knows no map " << name;
   }
 }
 
 TEST(Schema, KnowsExactlyTheKeysThatTheLoaderKnows) { expect_same_keys(key_tables(), schema()); }
 
-TEST(ProtocolSchema, KnowsExactlyTheKeysThatTheLoaderKnows) { expect_same_keys(declaration_key_tables(), protocol_schema()); }
+TEST(ProtocolSchema, KnowsExactlyTheKeysThatTheLoaderKnows) {
+  expect_same_keys(declaration_key_tables(), protocol_schema());
+}
 
 TEST(Schema, NamesEveryProtocol) {
   std::set<std::string> ours;
@@ -69,12 +74,15 @@ TEST(Schema, OfTemplatesIsThatOfTheirDefinition) {
 
 TEST(Schema, EveryFileThatLoadsFits) {
   for (const auto* folder : {"config/examples", "tests/config/good"}) {
-    for (const auto& path : files_of(source_dir() / folder, ".yaml")) EXPECT_EQ(misfit_of(path, "bridge"), "") << path;
+    for (const auto& path : files_of(source_dir() / folder, ".yaml"))
+      EXPECT_EQ(misfit_of(path, "bridge"), "") << path;
   }
-  for (const auto& path : files_of(source_dir() / "config/devices", ".yaml")) EXPECT_EQ(misfit_of(path, "template"), "") << path;
+  for (const auto& path : files_of(source_dir() / "config/devices", ".yaml"))
+    EXPECT_EQ(misfit_of(path, "template"), "") << path;
 }
 
-// What one value alone makes wrong, an editor can underline; rules between keys are the loader's alone.
+// What one value alone makes wrong, an editor can underline; rules between keys are the loader's
+// alone.
 TEST(Schema, RefusesEveryBadFileWhoseFaultLiesInOneValue) {
   static constexpr std::string_view kSeen[] = {"unknown key",
                                                "'name' is missing",
@@ -108,7 +116,8 @@ TEST(Schema, RefusesEveryBadFileWhoseFaultLiesInOneValue) {
     bool visible = false;
     std::istringstream lines(text);
     for (std::string line; std::getline(lines, line) && line.starts_with("# expect: ");) {
-      for (const auto mark : kSeen) visible |= line.starts_with(own) && line.find(mark) != std::string::npos;
+      for (const auto mark : kSeen)
+        visible |= line.starts_with(own) && line.find(mark) != std::string::npos;
     }
     if (!visible) continue;
     ++seen;
@@ -143,24 +152,30 @@ TEST(ProtocolSchema, KnowsExactlyTheWordsThatTheLoaderKnows) {
       {"field/counts", "{ is: length, of: a, counts: xx }"}};
   for (const auto& [place, text] : choices) {
     const auto slash = place.find('/');
-    const auto& rule = protocol_schema()["$defs"][place.substr(0, slash)]["properties"][place.substr(slash + 1)];
+    const auto& rule =
+        protocol_schema()["$defs"][place.substr(0, slash)]["properties"][place.substr(slash + 1)];
     std::string words;
-    for (const auto& word : rule["enum"]) words += (words.empty() ? "" : ", ") + word.get<std::string>();
+    for (const auto& word : rule["enum"])
+      words += (words.empty() ? "" : ", ") + word.get<std::string>();
     const bool field = place.starts_with("field");
     const auto loaded = load_declaration_text(
-        field ? "areas: [{ name: a }]\noperations: [{ name: r, read: a, request: [" + text + "], answer: [" + text + "] }]\n"
+        field ? "areas: [{ name: a }]\noperations: [{ name: r, read: a, request: [" + text +
+                    "], answer: [" + text + "] }]\n"
               : text,
         "t.yaml");
     ASSERT_FALSE(loaded);
     EXPECT_TRUE(std::ranges::any_of(
         loaded.error(),
-        [&](const Fault& fault) { return fault.what.find("'xx' is unknown") != std::string::npos && fault.allowed == words; }))
+        [&](const Fault& fault) {
+          return fault.what.find("'xx' is unknown") != std::string::npos && fault.allowed == words;
+        }))
         << place << ": " << words << '\n'
         << to_text(std::span(loaded.error()));
   }
 }
 
-// What one value alone makes wrong, and what a map lacks; rules between fields are the loader's alone.
+// What one value alone makes wrong, and what a map lacks; rules between fields are the loader's
+// alone.
 TEST(ProtocolSchema, RefusesEveryBadDeclarationWhoseFaultLiesInOneValue) {
   static constexpr std::string_view kSeen[] = {"unknown key",
                                                "'summary' is missing",
@@ -182,7 +197,8 @@ TEST(ProtocolSchema, RefusesEveryBadDeclarationWhoseFaultLiesInOneValue) {
     std::istringstream lines(slurp(path));
     bool visible = false;
     for (std::string line; std::getline(lines, line) && line.starts_with("# expect: ");) {
-      for (const auto mark : kSeen) visible |= line.find(mark) != std::string::npos && !line.starts_with("# expect: code-is");
+      for (const auto mark : kSeen)
+        visible |= line.find(mark) != std::string::npos && !line.starts_with("# expect: code-is");
     }
     if (!visible) continue;
     ++seen;

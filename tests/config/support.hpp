@@ -21,7 +21,8 @@ inline std::string slurp(const std::filesystem::path& path) {
 }
 
 // The files of a folder with one extension, sorted.
-inline std::vector<std::filesystem::path> files_of(const std::filesystem::path& folder, const std::string& extension) {
+inline std::vector<std::filesystem::path> files_of(const std::filesystem::path& folder,
+                                                   const std::string& extension) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (entry.path().extension() == extension) files.push_back(entry.path());
@@ -47,11 +48,14 @@ inline FileReader within(const std::filesystem::path& folder) {
           [=](const std::string& directory) { return disk.list((folder / directory).string()); }};
 }
 
-inline std::string faults_of(const Loaded& loaded) { return loaded ? "" : to_text(std::span(loaded.error())); }
+inline std::string faults_of(const Loaded& loaded) {
+  return loaded ? "" : to_text(std::span(loaded.error()));
+}
 
 // A bridge of one device on one bus; `channels` are the lines of its channel list.
 inline std::string plant(const std::string& channels) {
-  return "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0 }\n    protocol: modbus-rtu\n    devices:\n"
+  return "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0 }\n    protocol: "
+         "modbus-rtu\n    devices:\n"
          "      - name: d\n        address: 1\n        channels:\n" +
          channels;
 }

@@ -27,14 +27,19 @@ TEST(Hex, RefusesOddAndForeignDigits) {
 }
 
 TEST(DurationText, ChoosesTheUnit) {
+  EXPECT_EQ(to_text(Duration{}), "0s");
   EXPECT_EQ(to_text(500us), "500us");
   EXPECT_EQ(to_text(Duration{1500us}), "1.5ms");
   EXPECT_EQ(to_text(Duration{200ms}), "200ms");
   EXPECT_EQ(to_text(Duration{1s}), "1s");
+  EXPECT_EQ(to_text(Duration{90s}), "90s");
   EXPECT_EQ(to_text(Duration{10min}), "10min");
+  EXPECT_EQ(to_text(Duration{24h}), "24h");
+  EXPECT_EQ(to_text(Duration{720h}), "30d");
 }
 
 TEST(ValueText, DoublesRoundTrip) {
+  EXPECT_EQ(to_text(Value{100000.0}), "100000");
   EXPECT_EQ(to_text(Value{0.1}), "0.1");
   EXPECT_EQ(to_text(Value{true}), "true");
   EXPECT_EQ(to_text(Value{std::string{"abc"}}), "abc");
@@ -60,7 +65,9 @@ TEST(CauseCounters, TotalLeavesOutNone) {
 
 // Modbus over Serial Line V1.02, 2.5.1.1: 3.5 characters up to 19200 baud, 1.750 ms above.
 TEST(Silence, FollowsTheStandard) {
-  const auto at = [](std::uint32_t baud) { return silence_of(StandardSilence{}, LineFormat{baud, 8, Parity::kEven, 1}); };
+  const auto at = [](std::uint32_t baud) {
+    return silence_of(StandardSilence{}, LineFormat{baud, 8, Parity::kEven, 1});
+  };
   EXPECT_NEAR(to_seconds(at(1200)), 0.0321, 1e-4);
   EXPECT_NEAR(to_seconds(at(9600)), 0.00401, 1e-5);
   EXPECT_NEAR(to_seconds(at(19200)), 0.002005, 1e-6);

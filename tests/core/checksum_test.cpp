@@ -19,7 +19,9 @@ std::uint16_t slow_crc(ByteView bytes) {
   return static_cast<std::uint16_t>(crc);
 }
 
-TEST(Checksum, CrcOfTheCheckStringIsTheCataloguesValue) { EXPECT_EQ(crc16_modbus(text("123456789")), 0x4B37); }
+TEST(Checksum, CrcOfTheCheckStringIsTheCataloguesValue) {
+  EXPECT_EQ(crc16_modbus(text("123456789")), 0x4B37);
+}
 
 TEST(Checksum, CrcTableEqualsBitwiseCrcForEveryLength) {
   Bytes bytes;
@@ -41,7 +43,8 @@ TEST(Checksum, BytesAndTheirLrcAddUpToZero) {
 }
 
 TEST(Checksum, XorOfHostLinkText) {
-  // `@00RD0150000351*`: the FCS of a published read of D0150 (xamidimura roof_control, Host Link tests).
+  // `@00RD0150000351*`: the FCS of a published read of D0150 (xamidimura roof_control, Host Link
+  // tests).
   EXPECT_EQ(xor8(text("@00RD01500003")), 0x51);
 }
 

@@ -16,7 +16,8 @@ std::size_t width(std::size_t k) { return bit_length(std::min<std::size_t>(15 + 
 
 std::string nibbles_of(ByteView bytes) {
   std::string nibbles;
-  for (const auto byte : bytes) nibbles += {static_cast<char>(byte / 16), static_cast<char>(byte % 16)};
+  for (const auto byte : bytes)
+    nibbles += {static_cast<char>(byte / 16), static_cast<char>(byte % 16)};
   return nibbles;
 }
 
@@ -24,7 +25,8 @@ std::string nibbles_of(ByteView bytes) {
 
 std::vector<unsigned> reference_codes(ByteView original) {
   std::map<std::string, unsigned> dictionary;
-  for (unsigned nibble = 0; nibble < 16; ++nibble) dictionary[std::string(1, static_cast<char>(nibble))] = nibble;
+  for (unsigned nibble = 0; nibble < 16; ++nibble)
+    dictionary[std::string(1, static_cast<char>(nibble))] = nibble;
   std::vector<unsigned> codes;
   std::string string;
   for (const char nibble : nibbles_of(original)) {
@@ -48,7 +50,8 @@ Bytes packed(const std::vector<unsigned>& codes) {
   for (std::size_t k = 0; k < codes.size(); ++k) {
     for (std::size_t bit = width(k); bit-- > 0; ++bits) {
       if (bits % 8 == 0) bytes.push_back(0);
-      if ((codes[k] >> bit & 1u) != 0) bytes.back() = static_cast<std::uint8_t>(bytes.back() | 0x80u >> bits % 8);
+      if ((codes[k] >> bit & 1u) != 0)
+        bytes.back() = static_cast<std::uint8_t>(bytes.back() | 0x80u >> bits % 8);
     }
   }
   return bytes;
@@ -78,7 +81,8 @@ std::optional<Bytes> reference_decode(ByteView bytes, std::size_t length) {
     out += before = string;
   }
   Bytes original;
-  for (std::size_t i = 0; i < out.size(); i += 2) original.push_back(static_cast<std::uint8_t>(out[i] * 16 + out[i + 1]));
+  for (std::size_t i = 0; i < out.size(); i += 2)
+    original.push_back(static_cast<std::uint8_t>(out[i] * 16 + out[i + 1]));
   return original;
 }
 

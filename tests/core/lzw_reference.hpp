@@ -1,5 +1,5 @@
-// LZW over nibbles as its description says it, with dictionaries of strings: slow, plain and written apart from core/codec/lzw.
-// What the codec is compared with, in tests and in the bench.
+// LZW over nibbles as its description says it, with dictionaries of strings: slow, plain and
+// written apart from core/codec/lzw. What the codec is compared with, in tests and in the bench.
 #pragma once
 
 #include <optional>

@@ -72,7 +72,8 @@ TEST(Lzw, AgreesWithADictionaryOfStringsOnAnyData) {
   std::mt19937 random(7);
   for (int round = 0; round < 600; ++round) {
     const std::size_t length = round % 10 == 0 ? 4096 - random() % 3 : 1 + random() % 700;
-    const Bytes original = data(random, length, 1u + static_cast<unsigned>(random() % 256), static_cast<unsigned>(random() % 17));
+    const Bytes original = data(random, length, 1u + static_cast<unsigned>(random() % 256),
+                                static_cast<unsigned>(random() % 17));
     const Bytes codes = encoded(original);
     ASSERT_EQ(to_hex(codes), to_hex(packed(reference_codes(original)))) << "round " << round;
     const auto back = decoded(codes, length);
@@ -130,7 +131,8 @@ TEST(Lzw, MoreThanTheCodesIsAFault) {
   EXPECT_EQ(decoded(codes, 4097).error(), LzwFault::kTooLong);
 }
 
-// A flipped bit may give other data, which the message's CRC is for; both decoders must say the same of it.
+// A flipped bit may give other data, which the message's CRC is for; both decoders must say the
+// same of it.
 TEST(Lzw, EveryFlippedBitIsJudgedAsTheReferenceDoes) {
   std::mt19937 random(13);
   const Bytes original = data(random, 150, 7, 10);
@@ -155,12 +157,14 @@ TEST(Lzw, RandomCodesAreBounded) {
     const std::size_t length = random() % 5000;
     Bytes out{0x55};
     const auto result = lzw_decode(codes, length, out);
-    ASSERT_EQ(out.size(), result ? 1 + length : 1) << "what stood before stays, and no more comes than was said";
+    ASSERT_EQ(out.size(), result ? 1 + length : 1)
+        << "what stood before stays, and no more comes than was said";
     if (result) { ASSERT_EQ(Bytes(out.begin() + 1, out.end()), reference_decode(codes, length)); }
   }
 }
 
-// The longest expansion that there is: each code one nibble longer than the last. 4096 bytes from 103, and never more.
+// The longest expansion that there is: each code one nibble longer than the last. 4096 bytes from
+// 103, and never more.
 TEST(Lzw, ABombGivesWhatItSaysOrAFault) {
   const Bytes zeros(4096, 0);
   const Bytes bomb = encoded(zeros);

@@ -11,7 +11,8 @@ TEST(NearMiss, OneSlipOfTheFingerIsUnderstood) {
   EXPECT_EQ(near_miss("hodling", words), "holding");
   EXPECT_EQ(near_miss("Coil", words), "coil");
   EXPECT_EQ(near_miss("imput-regster", words), "input-register");
-  EXPECT_EQ(near_miss("modbus-rut", std::vector<std::string>{"modbus-tcp", "modbus-rtu"}), "modbus-rtu");
+  EXPECT_EQ(near_miss("modbus-rut", std::vector<std::string>{"modbus-tcp", "modbus-rtu"}),
+            "modbus-rtu");
 }
 
 TEST(NearMiss, AnotherWordIsNoNearMiss) {

@@ -44,41 +44,59 @@ constexpr auto kSwapped = ByteOrder::kLittleEndian;
 INSTANTIATE_TEST_SUITE_P(
     Registers, BothWays,
     testing::Values(
-        Pair{of(ValueType::kInt16), 16, "8000", i(-32768)}, Pair{of(ValueType::kInt16), 16, "7FFF", i(32767)},
-        Pair{of(ValueType::kUint16), 16, "FFFF", u(65535)}, Pair{of(ValueType::kInt32), 16, "FFFF FFFE", i(-2)},
+        Pair{of(ValueType::kInt8), 8, "80", i(-128)}, Pair{of(ValueType::kInt8), 8, "7F", i(127)},
+        Pair{of(ValueType::kUint8), 8, "FF", u(255)}, Pair{of(ValueType::kBcd8), 8, "42", u(42)},
+        Pair{ordered(ValueType::kUint8, kLow, kSwapped), 8, "12", u(0x12)},
+        Pair{of(ValueType::kInt8), 16, "FFFE", i(-2)},
+        Pair{of(ValueType::kUint8), 16, "0012", u(18)},
+        Pair{of(ValueType::kInt16), 16, "8000", i(-32768)},
+        Pair{of(ValueType::kInt16), 16, "7FFF", i(32767)},
+        Pair{of(ValueType::kUint16), 16, "FFFF", u(65535)},
+        Pair{of(ValueType::kInt32), 16, "FFFF FFFE", i(-2)},
         Pair{of(ValueType::kUint32), 16, "1234 5678", u(0x12345678)},
-        Pair{ordered(ValueType::kUint32, kLow, ByteOrder::kBigEndian), 16, "5678 1234", u(0x12345678)},
+        Pair{ordered(ValueType::kUint32, kLow, ByteOrder::kBigEndian), 16, "5678 1234",
+             u(0x12345678)},
         Pair{ordered(ValueType::kUint32, kBig, kSwapped), 16, "3412 7856", u(0x12345678)},
         Pair{ordered(ValueType::kUint32, kLow, kSwapped), 16, "7856 3412", u(0x12345678)},
         Pair{ordered(ValueType::kUint16, kLow, kSwapped), 16, "3412", u(0x1234)},
-        Pair{ordered(ValueType::kUint64, kLow, ByteOrder::kBigEndian), 16, "7788 5566 3344 1122", u(0x1122334455667788)},
+        Pair{ordered(ValueType::kUint64, kLow, ByteOrder::kBigEndian), 16, "7788 5566 3344 1122",
+             u(0x1122334455667788)},
         Pair{of(ValueType::kInt64), 16, "8000 0000 0000 0000", i(INT64_MIN)},
         Pair{of(ValueType::kUint64), 16, "FFFF FFFF FFFF FFFF", u(UINT64_MAX)},
         Pair{of(ValueType::kFloat32), 16, "41C8 0000", Value{25.0}},
-        Pair{of(ValueType::kFloat64), 16, "C000 0000 0000 0000", Value{-2.0}}, Pair{of(ValueType::kBcd16), 16, "9876", u(9876)},
+        Pair{of(ValueType::kFloat64), 16, "C000 0000 0000 0000", Value{-2.0}},
+        Pair{of(ValueType::kBcd16), 16, "9876", u(9876)},
         Pair{of(ValueType::kBcd32), 16, "1234 5678", u(12345678)},
         Pair{ordered(ValueType::kBcd32, kLow, ByteOrder::kBigEndian), 16, "5678 1234", u(12345678)},
-        Pair{Encoding{.type = ValueType::kString, .string_bytes = 5}, 16, "4142 4344 4500", Value{std::string("ABCDE")}},
-        Pair{Encoding{.type = ValueType::kString, .string_bytes = 4, .byte_order = kSwapped}, 16, "4241 0043",
-             Value{std::string("ABC")}}));
+        Pair{Encoding{.type = ValueType::kString, .string_bytes = 5}, 16, "4142 4344 4500",
+             Value{std::string("ABCDE")}},
+        Pair{Encoding{.type = ValueType::kString, .string_bytes = 4, .byte_order = kSwapped}, 16,
+             "4241 0043", Value{std::string("ABC")}}));
 
 INSTANTIATE_TEST_SUITE_P(
     BitsBytesAndWiderItems, BothWays,
-    testing::Values(
-        Pair{of(ValueType::kBool), 1, "01", Value{true}}, Pair{of(ValueType::kBool), 16, "0000", Value{false}},
-        Pair{of(ValueType::kUint32), 8, "12 34 56 78", u(0x12345678)}, Pair{of(ValueType::kUint16), 32, "0000 8000", u(0x8000)},
-        Pair{of(ValueType::kInt16), 32, "FFFF 8000", i(-32768)}, Pair{of(ValueType::kInt32), 64, "FFFFFFFF FFFFFFFF", i(-1)},
-        Pair{of(ValueType::kUint16), 1, "01 00 01 00 00 00 00 00 00 00 00 00 00 00 00 01", u(0x8005)},
-        Pair{Encoding{.type = ValueType::kString, .string_bytes = 1}, 1, "01 00 00 00 00 00 01 00", Value{std::string("A")}}));
+    testing::Values(Pair{of(ValueType::kBool), 1, "01", Value{true}},
+                    Pair{of(ValueType::kBool), 16, "0000", Value{false}},
+                    Pair{of(ValueType::kUint32), 8, "12 34 56 78", u(0x12345678)},
+                    Pair{of(ValueType::kUint16), 32, "0000 8000", u(0x8000)},
+                    Pair{of(ValueType::kInt16), 32, "FFFF 8000", i(-32768)},
+                    Pair{of(ValueType::kInt32), 64, "FFFFFFFF FFFFFFFF", i(-1)},
+                    Pair{of(ValueType::kUint16), 1,
+                         "01 00 01 00 00 00 00 00 00 00 00 00 00 00 00 01", u(0x8005)},
+                    Pair{Encoding{.type = ValueType::kString, .string_bytes = 1}, 1,
+                         "01 00 00 00 00 00 01 00", Value{std::string("A")}}));
 
 INSTANTIATE_TEST_SUITE_P(
     Scaled, BothWays,
-    testing::Values(Pair{Encoding{.type = ValueType::kInt16, .scale = 0.1}, 16, "007B", Value{12.3}},
-                    Pair{Encoding{.type = ValueType::kInt16, .scale = 0.001}, 16, "8001", Value{-32.767}},
-                    Pair{Encoding{.type = ValueType::kUint16, .scale = 0.5, .offset = -40}, 16, "00A1", Value{40.5}},
-                    Pair{Encoding{.type = ValueType::kUint16, .scale = -2, .offset = 10}, 16, "0003", Value{4.0}},
-                    Pair{Encoding{.type = ValueType::kFloat32, .scale = 2}, 16, "41C8 0000", Value{50.0}},
-                    Pair{Encoding{.type = ValueType::kBcd16, .scale = 0.01}, 16, "1234", Value{12.34}}));
+    testing::Values(
+        Pair{Encoding{.type = ValueType::kInt16, .scale = 0.1}, 16, "007B", Value{12.3}},
+        Pair{Encoding{.type = ValueType::kInt16, .scale = 0.001}, 16, "8001", Value{-32.767}},
+        Pair{Encoding{.type = ValueType::kUint16, .scale = 0.5, .offset = -40}, 16, "00A1",
+             Value{40.5}},
+        Pair{Encoding{.type = ValueType::kUint16, .scale = -2, .offset = 10}, 16, "0003",
+             Value{4.0}},
+        Pair{Encoding{.type = ValueType::kFloat32, .scale = 2}, 16, "41C8 0000", Value{50.0}},
+        Pair{Encoding{.type = ValueType::kBcd16, .scale = 0.01}, 16, "1234", Value{12.34}}));
 
 TEST(ValueCodec, BitOfAWordIsReadAndGivenAsItsMask) {
   const Encoding bit9{.type = ValueType::kBool, .bit = 9};
@@ -93,21 +111,54 @@ TEST(ValueCodec, BitOfAWordIsReadAndGivenAsItsMask) {
   EXPECT_EQ(item, hex("1035"));
 }
 
+TEST(ValueCodec, AByteOfAnItemIsReadAloneAndGivenAmongZeros) {
+  Encoding byte = of(ValueType::kInt8);
+  byte.bit = 8;
+  EXPECT_EQ(decode_value(byte, 16, hex("FE12")), i(-2));
+  EXPECT_EQ(to_hex(*encode_value(byte, 16, i(-2))), to_hex(hex("FE00")));
+  byte.bit = 0;
+  EXPECT_EQ(decode_value(byte, 16, hex("FE12")), i(0x12));
+  EXPECT_EQ(to_hex(*encode_value(byte, 16, i(-2))), to_hex(hex("00FE")));
+  byte.bit = 16;
+  EXPECT_EQ(decode_value(byte, 32, hex("01FE0203")), i(-2));
+  byte.type = ValueType::kBcd8;
+  EXPECT_EQ(decode_value(byte, 32, hex("01420203")), u(42));
+  EXPECT_FALSE(decode_value(byte, 32, hex("014A0203")));
+}
+
+TEST(ValueCodec, WhatAByteCannotHoldIsARangeFault) {
+  EXPECT_EQ(encode_value(of(ValueType::kInt8), 8, i(128)).error(), Cause::kRange);
+  EXPECT_EQ(encode_value(of(ValueType::kInt8), 8, i(-129)).error(), Cause::kRange);
+  EXPECT_EQ(encode_value(of(ValueType::kUint8), 8, i(256)).error(), Cause::kRange);
+  EXPECT_EQ(encode_value(of(ValueType::kBcd8), 8, i(100)).error(), Cause::kRange);
+  EXPECT_EQ(decode_value(of(ValueType::kUint8), 16, hex("0112")).error(), Cause::kRange)
+      << "more than the byte would show";
+}
+
 TEST(ValueCodec, ABitBeyondTheItemIsARangeFault) {
-  EXPECT_EQ(decode_value({.type = ValueType::kBool, .bit = 16}, 16, hex("FFFF")), tl::unexpected(Cause::kRange));
-  EXPECT_EQ(encode_value({.type = ValueType::kBool, .bit = 8}, 8, Value{true}), tl::unexpected(Cause::kRange));
+  EXPECT_EQ(decode_value({.type = ValueType::kBool, .bit = 16}, 16, hex("FFFF")),
+            tl::unexpected(Cause::kRange));
+  EXPECT_EQ(encode_value({.type = ValueType::kBool, .bit = 8}, 8, Value{true}),
+            tl::unexpected(Cause::kRange));
 }
 
 TEST(ValueCodec, RawDataWithoutMeaningIsARangeFault) {
-  EXPECT_EQ(decode_value(of(ValueType::kFloat32), 16, hex("7FC0 0000")), tl::unexpected(Cause::kRange));  // NaN
-  EXPECT_EQ(decode_value(of(ValueType::kFloat32), 16, hex("FF80 0000")), tl::unexpected(Cause::kRange));  // -inf
-  EXPECT_EQ(decode_value(of(ValueType::kFloat64), 16, hex("7FF0 0000 0000 0000")), tl::unexpected(Cause::kRange));
-  EXPECT_EQ(decode_value(of(ValueType::kBcd16), 16, hex("12A4")), tl::unexpected(Cause::kRange));
-  EXPECT_EQ(decode_value(of(ValueType::kBcd32), 16, hex("F000 0000")), tl::unexpected(Cause::kRange));
-  EXPECT_EQ(decode_value(of(ValueType::kUint16), 32, hex("0001 0000")), tl::unexpected(Cause::kRange));
-  EXPECT_EQ(decode_value(of(ValueType::kInt16), 32, hex("0000 8000")), tl::unexpected(Cause::kRange));
-  EXPECT_EQ(decode_value({.type = ValueType::kFloat64, .scale = 1e300}, 16, hex("7FE0 0000 0000 0000")),
+  EXPECT_EQ(decode_value(of(ValueType::kFloat32), 16, hex("7FC0 0000")),
+            tl::unexpected(Cause::kRange));  // NaN
+  EXPECT_EQ(decode_value(of(ValueType::kFloat32), 16, hex("FF80 0000")),
+            tl::unexpected(Cause::kRange));  // -inf
+  EXPECT_EQ(decode_value(of(ValueType::kFloat64), 16, hex("7FF0 0000 0000 0000")),
             tl::unexpected(Cause::kRange));
+  EXPECT_EQ(decode_value(of(ValueType::kBcd16), 16, hex("12A4")), tl::unexpected(Cause::kRange));
+  EXPECT_EQ(decode_value(of(ValueType::kBcd32), 16, hex("F000 0000")),
+            tl::unexpected(Cause::kRange));
+  EXPECT_EQ(decode_value(of(ValueType::kUint16), 32, hex("0001 0000")),
+            tl::unexpected(Cause::kRange));
+  EXPECT_EQ(decode_value(of(ValueType::kInt16), 32, hex("0000 8000")),
+            tl::unexpected(Cause::kRange));
+  EXPECT_EQ(
+      decode_value({.type = ValueType::kFloat64, .scale = 1e300}, 16, hex("7FE0 0000 0000 0000")),
+      tl::unexpected(Cause::kRange));
 }
 
 TEST(ValueCodec, WhatDoesNotFitIsARangeFaultAndNeverWraps) {
@@ -130,10 +181,13 @@ TEST(ValueCodec, WhatDoesNotFitIsARangeFaultAndNeverWraps) {
   EXPECT_TRUE(fault(ValueType::kFloat64, Value{std::numeric_limits<double>::infinity()}));
   EXPECT_TRUE(fault(ValueType::kUint16, Value{std::numeric_limits<double>::quiet_NaN()}));
   EXPECT_TRUE(fault(ValueType::kBool, i(2)));
-  EXPECT_EQ(encode_value({.type = ValueType::kInt16, .scale = 0.1}, 16, Value{3276.8}), tl::unexpected(Cause::kRange));
-  EXPECT_EQ(encode_value({.type = ValueType::kInt16, .scale = 0.0, .offset = 1}, 16, Value{2.0}), tl::unexpected(Cause::kRange));
-  EXPECT_EQ(encode_value({.type = ValueType::kString, .string_bytes = 2}, 16, Value{std::string("ABC")}),
+  EXPECT_EQ(encode_value({.type = ValueType::kInt16, .scale = 0.1}, 16, Value{3276.8}),
             tl::unexpected(Cause::kRange));
+  EXPECT_EQ(encode_value({.type = ValueType::kInt16, .scale = 0.0, .offset = 1}, 16, Value{2.0}),
+            tl::unexpected(Cause::kRange));
+  EXPECT_EQ(
+      encode_value({.type = ValueType::kString, .string_bytes = 2}, 16, Value{std::string("ABC")}),
+      tl::unexpected(Cause::kRange));
 }
 
 TEST(ValueCodec, AValueOfAnotherKindIsAWrongType) {
@@ -145,13 +199,36 @@ TEST(ValueCodec, AValueOfAnotherKindIsAWrongType) {
   EXPECT_TRUE(fault(ValueType::kInt16, Value{true}));
   EXPECT_TRUE(fault(ValueType::kFloat32, Value{false}));
   EXPECT_TRUE(fault(ValueType::kBool, Value{std::string("true")}));
-  EXPECT_EQ(encode_value({.type = ValueType::kString, .string_bytes = 2}, 16, i(1)), tl::unexpected(Cause::kWrongType));
+  EXPECT_EQ(encode_value({.type = ValueType::kString, .string_bytes = 2}, 16, i(1)),
+            tl::unexpected(Cause::kWrongType));
 }
 
 TEST(ValueCodec, ScaledValuesAreRoundedToTheNearestRaw) {
   EXPECT_EQ(encode_value({.type = ValueType::kInt16, .scale = 0.1}, 16, Value{0.3}), hex("0003"));
   EXPECT_EQ(encode_value({.type = ValueType::kInt16, .scale = 0.1}, 16, Value{0.26}), hex("0003"));
   EXPECT_EQ(encode_value({.type = ValueType::kInt16, .scale = 0.1}, 16, i(2)), hex("0014"));
+}
+
+// 7 * 0.3 is 2.0999999999999996 as a double, and so it stood in every output.
+TEST(ValueCodec, ScaledIntegersHaveTheDecimalsThatPeopleExpect) {
+  const auto shown = [](double scale, double offset, std::int16_t raw) {
+    const auto bits = static_cast<std::uint16_t>(raw);
+    const auto value =
+        decode_value({.type = ValueType::kInt16, .scale = scale, .offset = offset}, 16,
+                     Bytes{static_cast<std::uint8_t>(bits >> 8), static_cast<std::uint8_t>(bits)});
+    return value ? to_text(*value) : "fault";
+  };
+  EXPECT_EQ(shown(0.3, 0, 7), "2.1");
+  EXPECT_EQ(shown(0.1, 0.1, 7), "0.8");
+  EXPECT_EQ(shown(-0.07, 273.15, 3), "272.94");
+  EXPECT_EQ(shown(-0.3, 0, 0), "0");
+  for (int raw = -3276; raw <= 3276; ++raw) {
+    const int tenths = 3 * raw + 401;  // of raw * 0.3 + 40.1
+    const std::string whole = std::to_string(std::abs(tenths) / 10);
+    const std::string part = tenths % 10 == 0 ? "" : "." + std::to_string(std::abs(tenths) % 10);
+    ASSERT_EQ(shown(0.3, 40.1, static_cast<std::int16_t>(raw)),
+              (tenths < 0 ? "-" : "") + whole + part);
+  }
 }
 
 // Every raw word has a scaled value that leads back to it.
@@ -177,7 +254,8 @@ TEST(ValueCodec, EveryDecodableImageEncodesToItself) {
     const unsigned item_bits = std::array{1u, 8u, 16u, 32u, 64u}[random() % 5];
     const std::uint32_t count = item_count(encoding, item_bits);
     Bytes items(item_bits <= 8 ? count : count * (item_bits / 8));
-    for (auto& byte : items) byte = static_cast<std::uint8_t>(item_bits == 1 ? random() % 2 : random());
+    for (auto& byte : items)
+      byte = static_cast<std::uint8_t>(item_bits == 1 ? random() % 2 : random());
     const auto value = decode_value(encoding, item_bits, items);
     if (!value) continue;
     const auto again = encode_value(encoding, item_bits, *value);
@@ -187,10 +265,10 @@ TEST(ValueCodec, EveryDecodableImageEncodesToItself) {
 }
 
 TEST(ValueText, NamesOfTypesLeadBack) {
-  for (int type = 0; type <= static_cast<int>(ValueType::kString); ++type) {
+  for (int type = 0; type <= static_cast<int>(ValueType::kBcd8); ++type) {
     EXPECT_EQ(value_type_from(to_text(static_cast<ValueType>(type))), static_cast<ValueType>(type));
   }
-  EXPECT_EQ(value_type_from("int8"), std::nullopt);
+  EXPECT_EQ(value_type_from("int24"), std::nullopt);
 }
 
 TEST(ValueText, TypedTextsBecomeValuesOfTheChannelsKind) {
@@ -203,7 +281,8 @@ TEST(ValueText, TypedTextsBecomeValuesOfTheChannelsKind) {
   EXPECT_EQ(parse_value(of(ValueType::kInt64), "-9223372036854775808"), i(INT64_MIN));
   EXPECT_EQ(parse_value(of(ValueType::kFloat32), "7"), Value{7.0});
   EXPECT_EQ(parse_value({.type = ValueType::kInt16, .scale = 0.1}, "+2.5"), Value{2.5});
-  EXPECT_EQ(parse_value({.type = ValueType::kString, .string_bytes = 9}, " x "), Value{std::string(" x ")});
+  EXPECT_EQ(parse_value({.type = ValueType::kString, .string_bytes = 9}, " x "),
+            Value{std::string(" x ")});
 }
 
 TEST(ValueText, WhatIsNotOfTheKindIsRefused) {

@@ -14,14 +14,16 @@ constexpr std::size_t kChoices = 5;
 Request request_of(const Protocol& protocol, ByteView choices) {
   const auto area = static_cast<AreaIndex>(choices[0] % protocol.areas().size());
   const Area& row = protocol.areas()[area];
-  const Range range{area, std::uint32_t{choices[1]} / row.alignment * row.alignment, 1u + choices[2]};
+  const Range range{area, std::uint32_t{choices[1]} / row.alignment * row.alignment,
+                    1u + choices[2]};
   if (choices[3] % 4 == 0) {
     WriteRequest write{.range = range, .items = Bytes(image_bytes(row.item_bits, range.count), 1)};
     if (choices[3] % 8 == 0) write.bit = static_cast<std::uint8_t>(choices[4] % 16);
     return write;
   }
   ReadRequest read{{range}};
-  if (choices[3] % 4 == 1 && protocol.traits().max_ranges > 1) read.ranges.push_back({area, 300u + choices[4], 1});
+  if (choices[3] % 4 == 1 && protocol.traits().max_ranges > 1)
+    read.ranges.push_back({area, 300u + choices[4], 1});
   return read;
 }
 
@@ -39,7 +41,8 @@ void check_reply(const Protocol& protocol, const Request& request, const Reply& 
 
 }  // namespace
 
-void run_protocol(const Protocol& protocol, const std::function<std::vector<FrameField>(ByteView)>& explain, ByteView data) {
+void run_protocol(const Protocol& protocol,
+                  const std::function<std::vector<FrameField>(ByteView)>& explain, ByteView data) {
   if (data.size() < kChoices) return;
   const Request request = request_of(protocol, data);
   const std::array<std::size_t, 2> cuts{data[4] & 15u, 16u + (data[4] >> 4)};

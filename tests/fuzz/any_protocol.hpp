@@ -1,6 +1,8 @@
-// What a fuzz target does with any protocol: bytes as the answers to a request, and into the explainer.
+// What a fuzz target does with any protocol: bytes as the answers to a request, and into the
+// explainer.
 //
-// Input: area, first, count, kind of request, cut; then for each round length(1) and so many bytes of answer.
+// Input: area, first, count, kind of request, cut; then for each round length(1) and so many bytes
+// of answer.
 #pragma once
 
 #include <functional>
@@ -9,6 +11,7 @@
 
 namespace fieldcast::fuzz {
 
-void run_protocol(const Protocol& protocol, const std::function<std::vector<FrameField>(ByteView)>& explain, ByteView data);
+void run_protocol(const Protocol& protocol,
+                  const std::function<std::vector<FrameField>(ByteView)>& explain, ByteView data);
 
 }  // namespace fieldcast::fuzz

@@ -1,4 +1,5 @@
-// Fuzz target of address notations, which commands carry from the network: any text for any protocol.
+// Fuzz target of address notations, which commands carry from the network: any text for any
+// protocol.
 //
 // Input: one byte that chooses the protocol, then the text.
 #include <cstdlib>
@@ -11,11 +12,15 @@ namespace {
 
 std::vector<std::unique_ptr<Protocol>> all() {
   std::vector<std::unique_ptr<Protocol>> made;
-  for (const ProtocolEntry& entry : protocols()) made.push_back(std::move(*entry.make({.address = 1})));
-  made.push_back(std::move(*find_protocol("omron-hostlink")->make({.address = 1, .options = {{"mode", "fins"}}})));
-  made.push_back(std::move(*find_protocol("mitsubishi-fx")->make({.address = 1, .options = {{"commands", "extended"}}})));
+  for (const ProtocolEntry& entry : protocols())
+    made.push_back(std::move(*entry.make({.address = 1})));
+  made.push_back(std::move(
+      *find_protocol("omron-hostlink")->make({.address = 1, .options = {{"mode", "fins"}}})));
+  made.push_back(std::move(*find_protocol("mitsubishi-fx")
+                                ->make({.address = 1, .options = {{"commands", "extended"}}})));
   for (const char* name : {"instrument", "modbus-rtu-declared"}) {
-    made.push_back(std::move(*declared::make(config::load_declaration(name)->value, {.address = 1})));
+    made.push_back(
+        std::move(*declared::make(config::load_declaration(name)->value, {.address = 1})));
   }
   return made;
 }
@@ -29,7 +34,8 @@ void run_one(ByteView data) {
   if (parsed) {
     if (parsed->area >= protocol.areas().size()) std::abort();
     const Area& area = protocol.areas()[parsed->area];
-    if (parsed->first >= area.items || (parsed->bit && *parsed->bit >= area.item_bits)) std::abort();
+    if (parsed->first >= area.items || (parsed->bit && *parsed->bit >= area.item_bits))
+      std::abort();
     return;
   }
   const AddressFault& fault = parsed.error();

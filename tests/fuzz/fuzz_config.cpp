@@ -1,6 +1,8 @@
-// Fuzz target of the configuration loader: any texts as a configuration and the files that it may name.
+// Fuzz target of the configuration loader: any texts as a configuration and the files that it may
+// name.
 //
-// Input: up to four texts with a zero byte between them: plant.yaml, list.csv, devices/kind.yaml, protocols/mine.yaml.
+// Input: up to four texts with a zero byte between them: plant.yaml, list.csv, devices/kind.yaml,
+// protocols/mine.yaml.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -11,7 +13,8 @@
 namespace fieldcast {
 namespace {
 
-constexpr std::array<const char*, 4> kFiles{"plant.yaml", "list.csv", "devices/kind.yaml", "protocols/mine.yaml"};
+constexpr std::array<const char*, 4> kFiles{"plant.yaml", "list.csv", "devices/kind.yaml",
+                                            "protocols/mine.yaml"};
 
 void run_one(ByteView data) {
   std::map<std::string, std::string> files;
@@ -31,7 +34,8 @@ void run_one(ByteView data) {
   if (!loaded) {
     if (loaded.error().empty()) std::abort();
     for (const config::Fault& fault : loaded.error()) {
-      if (fault.what.empty() || fault.line < 1 || fault.column < 1 || to_text(fault).find('\n') != std::string::npos)
+      if (fault.what.empty() || fault.line < 1 || fault.column < 1 ||
+          to_text(fault).find('\n') != std::string::npos)
         std::abort();
     }
     return;

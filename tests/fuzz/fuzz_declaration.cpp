@@ -21,7 +21,9 @@ void run_one(ByteView data) {
   const declared::Declaration& declaration = *loaded->value;
   const auto made = declared::make(loaded->value, {.address = declaration.lowest_address});
   if (!made) std::abort();
-  const ByteView rest = zero == data.end() ? ByteView{} : data.subspan(static_cast<std::size_t>(zero - data.begin()) + 1);
+  const ByteView rest = zero == data.end()
+                            ? ByteView{}
+                            : data.subspan(static_cast<std::size_t>(zero - data.begin()) + 1);
   fuzz::run_protocol(
       **made, [&](ByteView frame) { return declared::explain(declaration, frame); }, rest);
 }

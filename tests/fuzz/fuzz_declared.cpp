@@ -1,4 +1,5 @@
-// Fuzz target of a declared protocol that comes with Fieldcast: input as in any_protocol.hpp. FUZZ_PROTOCOL names it.
+// Fuzz target of a declared protocol that comes with Fieldcast: input as in any_protocol.hpp.
+// FUZZ_PROTOCOL names it.
 #include <cstdlib>
 
 #include "config/loader.hpp"

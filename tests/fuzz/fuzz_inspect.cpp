@@ -1,4 +1,5 @@
-// Fuzz target of `fieldcast inspect`: any text as hexadecimal, explained by any protocol, as lines and as JSON.
+// Fuzz target of `fieldcast inspect`: any text as hexadecimal, explained by any protocol, as lines
+// and as JSON.
 //
 // Input: one byte that chooses the protocol, then the text.
 #include <cstdlib>
@@ -6,7 +7,7 @@
 
 #include "core/base/bytes.hpp"
 #include "core/protocol/protocol.hpp"
-#include "tools/cli/inspect.hpp"
+#include "tools/cli/command/inspect.hpp"
 
 namespace fieldcast {
 namespace {
@@ -22,7 +23,8 @@ void run_one(ByteView data) {
   for (const bool json : {false, true}) {
     std::istringstream in(hex);
     std::ostringstream out, err;
-    const auto code = cli::inspect({.protocol = names[data[0] % names.size()], .json = json}, in, out, err, {});
+    const auto code =
+        cli::inspect({.protocol = names[data[0] % names.size()], .json = json}, in, out, err, {});
     const bool refused = code == cli::ExitCode::kUsage;
     if (refused != out.str().empty() || refused == err.str().empty()) std::abort();
     // Nothing of a frame reaches the terminal as a control character.

@@ -1,4 +1,5 @@
-// Fuzz target: any bytes as LZW codes, and as data to compress; both against the dictionary of strings.
+// Fuzz target: any bytes as LZW codes, and as data to compress; both against the dictionary of
+// strings.
 //
 // Input: the original's length(2), then codes.
 #include <cstdlib>
@@ -16,11 +17,13 @@ void run_one(ByteView data) {
   Bytes out;
   if (const auto result = lzw_decode(codes, length, out)) {
     if (out.size() != length || test::reference_decode(codes, length) != out) std::abort();
-    LzwEncoder encoder;  // these codes may be another choice of strings; what the encoder makes of it must come back
+    LzwEncoder encoder;  // these codes may be another choice of strings; what the encoder makes of
+                         // it must come back
     Bytes again(3 * length + 16);
     const auto size = encoder.encode(out, again);
     Bytes back;
-    if (!size || !lzw_decode(ByteView(again).first(*size), length, back) || back != out) std::abort();
+    if (!size || !lzw_decode(ByteView(again).first(*size), length, back) || back != out)
+      std::abort();
   } else if (!out.empty()) {
     std::abort();
   }

@@ -1,6 +1,7 @@
 // Fuzz target: any bytes into every Modbus decoder and explainer.
 //
-// Input: one byte that chooses framing and request, one that says how the bytes arrive, then the bytes of the answer.
+// Input: one byte that chooses framing and request, one that says how the bytes arrive, then the
+// bytes of the answer.
 #include <array>
 #include <cstdlib>
 
@@ -12,7 +13,9 @@
 namespace fieldcast::modbus {
 namespace {
 
-Range range(Table table, std::uint32_t first, std::uint32_t count) { return {static_cast<AreaIndex>(table), first, count}; }
+Range range(Table table, std::uint32_t first, std::uint32_t count) {
+  return {static_cast<AreaIndex>(table), first, count};
+}
 
 void fuzz(ByteView data) {
   static const std::array<Request, 6> requests{
@@ -21,7 +24,8 @@ void fuzz(ByteView data) {
       ReadRequest{{range(Table::kInputRegister, 0, 125)}},
       WriteRequest{.range = range(Table::kHolding, 1, 1), .items = {0, 3}},
       WriteRequest{.range = range(Table::kCoil, 3, 2), .items = {1, 0}},
-      WriteReadRequest{{.range = range(Table::kHolding, 14, 1), .items = {0, 255}}, range(Table::kHolding, 3, 2)},
+      WriteReadRequest{{.range = range(Table::kHolding, 14, 1), .items = {0, 255}},
+                       range(Table::kHolding, 3, 2)},
   };
   static const std::array framings{&rtu_framing(), &ascii_framing(), &tcp_framing()};
   if (data.size() < 2) return;

@@ -1,5 +1,6 @@
-// Fuzz target: any bytes as what an engineer's client sends, cut as the input says. Whatever comes, memory stays bounded, a
-// device is freed exactly as often as it was taken, and nothing happens after the end.
+// Fuzz target: any bytes as what an engineer's client sends, cut as the input says. Whatever comes,
+// memory stays bounded, a device is freed exactly as often as it was taken, and nothing happens
+// after the end.
 //
 // Input: the size of a piece(1), then the stream.
 #include <cstdlib>

@@ -1,5 +1,5 @@
-// Fuzz target of any registered protocol: input as in any_protocol.hpp. FUZZ_PROTOCOL names the protocol, FUZZ_OPTION and
-// FUZZ_VALUE an option of it.
+// Fuzz target of any registered protocol: input as in any_protocol.hpp. FUZZ_PROTOCOL names the
+// protocol, FUZZ_OPTION and FUZZ_VALUE an option of it.
 #include <cstdlib>
 
 #include "tests/fuzz/any_protocol.hpp"

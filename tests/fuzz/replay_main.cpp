@@ -1,5 +1,5 @@
-// Runs a fuzz target over the files of the folders given, and over FUZZ_MUTATIONS of each from a fixed seed: the ordinary test
-// where the compiler has no libFuzzer.
+// Runs a fuzz target over the files of the folders given, and over FUZZ_MUTATIONS of each from a
+// fixed seed: the ordinary test where the compiler has no libFuzzer.
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -14,7 +14,9 @@ namespace {
 
 constexpr int kMutationsOfEach = FUZZ_MUTATIONS;
 
-void run(const std::vector<std::uint8_t>& input) { (void)LLVMFuzzerTestOneInput(input.data(), input.size()); }
+void run(const std::vector<std::uint8_t>& input) {
+  (void)LLVMFuzzerTestOneInput(input.data(), input.size());
+}
 
 void mutate(std::vector<std::uint8_t>& input, std::mt19937& random) {
   for (unsigned edits = 1 + random() % 4; edits > 0; --edits) {

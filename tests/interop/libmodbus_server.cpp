@@ -3,8 +3,10 @@
 //   libmodbus-server rtu PATH [BAUD [UNIT [DELAY_MS]]]     8N1; default 115200 baud, unit 1
 //   libmodbus-server tcp PORT                              127.0.0.1
 //
-// Prints READY when it serves, ends with SIGTERM. Memory, all areas 0..499, the same as in pymodbus_server.py:
-//   coil n = (n % 3 == 0)   input n = (n % 2 == 1)   holding n = 1000 + n   input-register n = 2000 + n
+// Prints READY when it serves, ends with SIGTERM. Memory, all areas 0..499, the same as in
+// pymodbus_server.py:
+//   coil n = (n % 3 == 0)   input n = (n % 2 == 1)   holding n = 1000 + n   input-register n = 2000
+//   + n
 #include <modbus/modbus.h>
 #include <unistd.h>
 
@@ -47,8 +49,9 @@ int serve_rtu(modbus_t* bus, modbus_mapping_t* memory, int delay_ms) {
   std::array<std::uint8_t, MODBUS_RTU_MAX_ADU_LENGTH> request;
   for (;;) {
     const int size = modbus_receive(bus, request.data());
-    if (size < 0 && errno != EMBBADCRC && errno != ETIMEDOUT && errno != EINTR) return fail("receive");  // the port is gone
-    if (size <= 0) continue;  // broken, or to another unit
+    if (size < 0 && errno != EMBBADCRC && errno != ETIMEDOUT && errno != EINTR)
+      return fail("receive");  // the port is gone
+    if (size <= 0) continue;   // broken, or to another unit
     if (delay_ms > 0) ::usleep(static_cast<useconds_t>(delay_ms) * 1000);
     modbus_reply(bus, request.data(), size, memory);
   }
@@ -73,7 +76,9 @@ int serve_tcp(modbus_t* bus, modbus_mapping_t* memory) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const auto number = [&](int at, int otherwise) { return argc > at ? std::atoi(argv[at]) : otherwise; };
+  const auto number = [&](int at, int otherwise) {
+    return argc > at ? std::atoi(argv[at]) : otherwise;
+  };
   const std::string kind = argc > 2 ? argv[1] : "";
   // libmodbus goes on waiting when a signal interrupts it.
   std::signal(SIGTERM, [](int) { ::_exit(0); });

@@ -7,7 +7,8 @@ namespace {
 
 TEST(PtyPair, CarriesEveryByteBothWays) {
   const PtyPair pair;
-  const int left = ::open(pair.left().c_str(), O_RDWR | O_NOCTTY), right = ::open(pair.right().c_str(), O_RDWR | O_NOCTTY);
+  const int left = ::open(pair.left().c_str(), O_RDWR | O_NOCTTY),
+            right = ::open(pair.right().c_str(), O_RDWR | O_NOCTTY);
   for (const auto& [from, to] : {std::pair{left, right}, std::pair{right, left}}) {
     std::array<std::uint8_t, 256> sent{}, got{};
     for (std::size_t i = 0; i < sent.size(); ++i) sent[i] = static_cast<std::uint8_t>(i);

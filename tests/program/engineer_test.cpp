@@ -23,7 +23,8 @@ struct Bench {
     for (EngineerAction& action : actions) {
       if (auto* to = std::get_if<ToClient>(&action)) append(client, to->bytes);
       if (auto* to = std::get_if<ToDevice>(&action)) append(device, to->bytes);
-      if (auto* login = std::get_if<CheckLogin>(&action)) logins.push_back(login->user + '/' + login->password);
+      if (auto* login = std::get_if<CheckLogin>(&action))
+        logins.push_back(login->user + '/' + login->password);
       if (auto* take = std::get_if<TakeDevice>(&action)) taken.push_back(take->number);
       if (auto* line = std::get_if<SetLine>(&action)) lines.push_back(line->settings);
       if (std::holds_alternative<FreeDevice>(action)) ++freed;
@@ -52,7 +53,9 @@ struct Bench {
   }
   std::string heard() { return std::string(as_text(std::exchange(client, {}))); }
   std::string reached() { return std::string(as_text(std::exchange(device, {}))); }
-  [[nodiscard]] std::string last_remark() const { return remarks.empty() ? "" : remarks.back().text; }
+  [[nodiscard]] std::string last_remark() const {
+    return remarks.empty() ? "" : remarks.back().text;
+  }
 
   Instant now{seconds{1000}};
   Instant wake = kNever;
@@ -205,13 +208,17 @@ TEST(Engineer, AClientThatNeverReadsIsFreed) {
   Bench b;
   b.pair();
   b.tell(ClientTakes{false});
-  b.pass(seconds{4});
-  b.says("@@HBFEFF");
+  const auto beat = [&](int times) {
+    for (int i = 0; i < times; ++i) {
+      b.says("@@HBFEFF");
+      b.pass(seconds{5});
+    }
+  };
+  beat(6);
   b.tell(ClientTakes{false});  // still: the clock goes on
-  b.pass(seconds{5});
-  b.says("@@HBFEFF");
+  beat(5);
   EXPECT_EQ(b.freed, 0);
-  b.pass(seconds{1});
+  beat(1);
   EXPECT_EQ(b.freed, 1);
   EXPECT_EQ(b.hung_up, 1);
 }
@@ -220,16 +227,83 @@ TEST(Engineer, ADeviceThatTakesNoBytesIsLost) {
   Bench b;
   b.pair();
   b.tell(DeviceTakes{false});
-  b.pass(seconds{5});
-  b.says("@@HBFEFF");
+  b.pass(seconds{50});
   b.tell(DeviceTakes{true});
   b.tell(DeviceTakes{false});
-  b.pass(seconds{9});
+  b.pass(seconds{59});
   EXPECT_TRUE(b.engineer.paired());
-  b.says("@@HBFEFF");
   b.pass(seconds{1});
   EXPECT_EQ(b.freed, 1);
   EXPECT_THAT(b.heard(), HasSubstr("@@0003FEFF"));
+}
+
+// 200 KiB at 1 920 B/s: 107 s with a full queue, in which the client is not read, nor its
+// heartbeats. At 110 B/s even the idle time passes.
+TEST(Engineer, ASlowLineThatDrainsIsNeverCut) {
+  for (const auto& [step, length] :
+       {std::pair{seconds{1}, seconds{107}}, std::pair{seconds{40}, seconds{1900}}}) {
+    Bench b;
+    b.pair();
+    b.says("@@@00WD*\rFEFF");
+    b.tell(DeviceTakes{false});
+    for (auto passed = seconds{0}; passed < length; passed += step) {
+      b.pass(step);
+      b.tell(DeviceDrains{});
+      ASSERT_TRUE(b.engineer.paired()) << passed.count() << ": " << b.last_remark();
+    }
+    b.tell(DeviceTakes{true});
+    b.pass(seconds{17});
+    EXPECT_TRUE(b.engineer.paired());
+    b.pass(seconds{1});  // the client is read again and says nothing
+    EXPECT_FALSE(b.engineer.paired());
+    EXPECT_THAT(b.last_remark(), HasSubstr("heartbeats"));
+  }
+}
+
+TEST(Engineer, ASlowClientThatDrainsIsNeverCut) {
+  Bench b;
+  b.pair();
+  b.tell(ClientTakes{false});
+  for (int i = 0; i < 300; ++i) {
+    b.pass(seconds{4});
+    b.says("@@HBFEFF");
+    if (i % 10 == 0) b.tell(ClientDrains{});
+    ASSERT_TRUE(b.engineer.paired()) << i << ": " << b.last_remark();
+  }
+}
+
+TEST(Engineer, AStopThatNothingFollowsReleasesTheDeviceAllTheSame) {
+  Bench b;
+  b.pair();
+  b.says("@@EDFEFF");
+  EXPECT_EQ(b.freed, 0);
+  b.pass(milliseconds{201});
+  EXPECT_EQ(b.freed, 1);
+  EXPECT_EQ(b.last_remark(), "stopped by the engineer");
+  EXPECT_EQ(b.hung_up, 0);
+}
+
+TEST(Engineer, AClientThatStopsAndLeavesHasStopped) {
+  Bench b;
+  b.pair();
+  b.says("@@EDFEFF");
+  b.tell(ClientGone{"closed by the peer"});
+  EXPECT_EQ(b.freed, 1);
+  EXPECT_TRUE(b.engineer.over());
+  EXPECT_THAT(b.remarks,
+              testing::Contains(testing::Field(&Remark::text, "stopped by the engineer")));
+}
+
+TEST(Engineer, AContinuationThatBeginsLikeAControlFrameReachesItsSide) {
+  Bench b;
+  b.pair();
+  b.says("@@0000FEFF12\rFEFF@@EDFEFF34\rFE");
+  b.says("FF");
+  EXPECT_EQ(b.reached(), "0000FEFF12\rEDFEFF34\r");
+  b.answers("0000FEFF56\r0003FEFF78*\r");
+  EXPECT_EQ(b.heard(), "@@0000FEFF56\rFEFF@@0003FEFF78*\rFEFF");
+  EXPECT_TRUE(b.engineer.paired());
+  EXPECT_THAT(b.remarks.back().kind, Remark::Kind::kPaired);  // nothing was dropped
 }
 
 TEST(Engineer, HalfAnInstructionIsDroppedAndReportedNeverSent) {
@@ -277,7 +351,8 @@ TEST(Engineer, ARightLoginOpensTheWayAndAWrongOneClosesIt) {
   EngineerRules rules;
   rules.login_needed = true;
   Bench good(rules), bad(rules);
-  for (Bench* b : {&good, &bad}) b->says("@@AU616e6e61:736563726574FEFF@@V217FEFF");  // anna, secret
+  for (Bench* b : {&good, &bad})
+    b->says("@@AU616e6e61:736563726574FEFF@@V217FEFF");  // anna, secret
   EXPECT_THAT(good.logins, ElementsAre("anna/secret"));
   EXPECT_THAT(good.taken, IsEmpty());
   good.tell(LoginChecked{true, ""});
@@ -290,7 +365,8 @@ TEST(Engineer, ARightLoginOpensTheWayAndAWrongOneClosesIt) {
 }
 
 TEST(Engineer, ALoginThatCannotBeReadIsRefused) {
-  for (const char* login : {"@@AU:FEFF", "@@AU6:6FEFF", "@@AUzz:00FEFF", "@@AU610a62:00FEFF", "@@AU616E6E61:00FEFF"}) {
+  for (const char* login :
+       {"@@AU:FEFF", "@@AU6:6FEFF", "@@AUzz:00FEFF", "@@AU610a62:00FEFF", "@@AU616E6E61:00FEFF"}) {
     Bench b;
     b.says(login);
     EXPECT_EQ(b.heard(), "@@0004FEFF") << login;
@@ -336,7 +412,8 @@ TEST(Engineer, LineSettingsComeBetweenTheBytesAroundThem) {
   std::string order;
   for (const auto& action : actions) {
     if (auto* to = std::get_if<ToDevice>(&action)) order += std::string(as_text(to->bytes)) + ' ';
-    if (auto* line = std::get_if<SetLine>(&action)) order += std::to_string(line->settings.baud) + ' ';
+    if (auto* line = std::get_if<SetLine>(&action))
+      order += std::to_string(line->settings.baud) + ' ';
   }
   EXPECT_EQ(order, "slow 115200 fast ");
 }

@@ -25,7 +25,8 @@ Read read_all(ByteView stream, std::size_t piece) {
       if (const auto* chunk = std::get_if<ChunkBytes>(&*frame)) append(read.program, chunk->bytes);
       if (std::holds_alternative<Heartbeat>(*frame)) read.marks += 'h';
       if (std::holds_alternative<Stop>(*frame)) read.marks += 's';
-      if (const auto* line = std::get_if<LineSettings>(&*frame)) read.marks += 'l', read.settings.push_back(*line);
+      if (const auto* line = std::get_if<LineSettings>(&*frame))
+        read.marks += 'l', read.settings.push_back(*line);
       if (std::holds_alternative<FrameFault>(*frame)) return read.marks += 'f', read;
     }
     EXPECT_TRUE(in.empty());
@@ -91,8 +92,9 @@ TEST(LengthFraming, ALengthThatNobodySendsIsALostStream) {
 }
 
 TEST(LengthFraming, LineSettingsThatNobodySendsAreALostStream) {
-  for (const LineSettings& bad : {LineSettings{9600, 0, 8, Parity::kNone}, LineSettings{9600, 1, 9, Parity::kNone},
-                                  LineSettings{9600, 1, 8, static_cast<Parity>(3)}}) {
+  for (const LineSettings& bad :
+       {LineSettings{9600, 0, 8, Parity::kNone}, LineSettings{9600, 1, 9, Parity::kNone},
+        LineSettings{9600, 1, 8, static_cast<Parity>(3)}}) {
     Bytes stream;
     append_settings(stream, bad);
     ByteView in = stream;

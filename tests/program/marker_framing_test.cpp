@@ -20,7 +20,8 @@ struct Read {
   std::vector<std::size_t> lost;
   void take(const MarkerFrame& frame) {
     if (const auto* code = std::get_if<ControlCode>(&frame)) codes.push_back(code->code);
-    if (const auto* instruction = std::get_if<Instruction>(&frame)) append(program, instruction->bytes);
+    if (const auto* instruction = std::get_if<Instruction>(&frame))
+      append(program, instruction->bytes);
     if (const auto* broken = std::get_if<BrokenFrame>(&frame)) {
       faults.push_back(broken->fault);
       lost.push_back(broken->bytes);
@@ -32,19 +33,24 @@ struct Read {
   }
 };
 
-Read read_all(ByteView stream, Phase phase = Phase::kTransmission, std::size_t piece = SIZE_MAX) {
-  MarkerReader reader;
+Read read_all(ByteView stream, Phase phase = Phase::kTransmission, std::size_t piece = SIZE_MAX,
+              Sender sender = Sender::kClient) {
+  MarkerReader reader(sender);
   Read read;
   while (!stream.empty()) {
     const std::size_t count = std::min(piece, stream.size());
     read.feed(reader, stream.first(count), phase);
     stream = stream.subspan(count);
   }
+  while (const auto code = reader.take_code()) {
+    read.codes.push_back(code->code);
+    read.feed(reader, {}, phase);
+  }
   return read;
 }
 
-Bytes framed(ByteView program) {
-  MarkerWriter writer;
+Bytes framed(ByteView program, Sender sender = Sender::kClient) {
+  MarkerWriter writer(sender);
   Bytes out;
   EXPECT_TRUE(writer.write(program, out).empty());
   return out;
@@ -66,10 +72,13 @@ TEST(MarkerFraming, EverySplitOfTheStreamGivesTheSame) {
   append(stream, framed(program));
   append(stream, control_frame("ED"));
   for (std::size_t cut = 0; cut <= stream.size(); ++cut) {
-    MarkerReader reader;
+    MarkerReader reader(Sender::kClient);
     Read read;
     read.feed(reader, ByteView(stream).first(cut), Phase::kTransmission);
     read.feed(reader, ByteView(stream).subspan(cut), Phase::kTransmission);
+    EXPECT_EQ(reader.patience(), MarkerReader::kCodeWait) << cut;
+    if (const auto last = reader.take_code()) read.codes.push_back(last->code);
+    EXPECT_FALSE(reader.partial()) << cut;
     EXPECT_EQ(read.program, program) << cut;
     EXPECT_EQ(read.codes, (std::vector<std::string>{"HB", "ED"})) << cut;
     EXPECT_TRUE(read.faults.empty()) << cut;
@@ -82,14 +91,15 @@ TEST(MarkerFraming, EverySplitOfTheStreamGivesTheSame) {
 // Of an alphabet that makes markers likely.
 TEST(MarkerFraming, RandomInstructionsComeBackByteForByte) {
   std::mt19937 random(7);
-  static constexpr std::string_view kAlphabet = "@@@FFEE\r\rHBD0*\n\x11\xFF";
-  for (int round = 0; round < 3000; ++round) {
+  static constexpr std::string_view kAlphabet = "@@@FFEE\r\rHBD03*\n\x11\xFF";
+  for (int round = 0; round < 6000; ++round) {
+    const Sender sender = round % 2 == 0 ? Sender::kClient : Sender::kBridge;
     Bytes program;
     for (auto length = random() % 60; length > 0; --length) {
       program.push_back(static_cast<std::uint8_t>(kAlphabet[random() % kAlphabet.size()]));
     }
     program.push_back('\r');
-    MarkerWriter writer;
+    MarkerWriter writer(sender);
     Bytes stream;
     const auto refused = writer.write(program, stream);
     std::size_t lost = 0;
@@ -97,16 +107,74 @@ TEST(MarkerFraming, RandomInstructionsComeBackByteForByte) {
       EXPECT_EQ(broken.fault, FrameFault::kAmbiguous);
       lost += broken.bytes;
     }
-    const Read read = read_all(stream, Phase::kTransmission, 1 + random() % 7);
+    const Read read = read_all(stream, Phase::kTransmission, 1 + random() % 7, sender);
     EXPECT_EQ(read.program.size() + lost, program.size());
     EXPECT_TRUE(read.codes.empty() && read.faults.empty());
     if (refused.empty()) { EXPECT_EQ(read.program, program); }
   }
 }
 
-TEST(MarkerFraming, AnInstructionThatBeginsLikeAControlFrameIsReportedNotMistaken) {
-  for (const char* instruction : {"EDFEFF12\r", "HBFEFF\r", "0003FEFFx\r"}) {
-    MarkerWriter writer;
+// The answer to a long Host Link read comes in several frames; all but the first begin with any
+// words, and so do those of a long write.
+TEST(MarkerFraming, AContinuationOfHostLinkMayBeginLikeAControlFrame) {
+  for (const Sender sender : {Sender::kClient, Sender::kBridge}) {
+    for (const char* code : {"0000", "0001", "0002", "0003", "0004", "ED"}) {
+      const std::string first = code + std::string("FEFF");
+      for (const std::string& words : {first + "1234FEFF5A\r", first + "\r", first + "@1*\r"}) {
+        Bytes program = bytes_of("@00RD00");
+        append(program, bytes_of(words + "0000FEFF5B*\r" + words));
+        program.push_back('\r');
+        const Bytes stream = framed(program, sender);
+        for (std::size_t piece = 1; piece <= stream.size(); ++piece) {
+          const Read read = read_all(stream, Phase::kTransmission, piece, sender);
+          EXPECT_EQ(as_text(read.program), as_text(program)) << piece;
+          EXPECT_TRUE(read.codes.empty() && read.faults.empty()) << words << ' ' << piece;
+        }
+      }
+    }
+  }
+}
+
+TEST(MarkerFraming, WhatFollowsACodeTellsWhetherItIsOne) {
+  using Codes = std::vector<std::string>;
+  struct Case {
+    Sender sender;
+    std::string_view stream;
+    Codes at_once, in_the_end;
+    std::string_view program;
+  };
+  for (const Case& c : {
+           Case{Sender::kClient, "@@EDFEFF", {}, {"ED"}, ""},
+           Case{Sender::kClient, "@@EDFEFF@", {}, {"ED"}, ""},
+           Case{Sender::kClient, "@@EDFEFF@@", {"ED"}, {"ED"}, ""},
+           Case{Sender::kClient, "@@EDFEFF@@EDFEFF", {"ED"}, {"ED", "ED"}, ""},
+           Case{Sender::kClient, "@@EDFEFF\rFEF", {}, {"ED"}, ""},
+           Case{Sender::kClient, "@@EDFEFF\rFEFF", {}, {}, "EDFEFF\r"},
+           Case{Sender::kClient, "@@EDFEFF\r\n", {"ED"}, {"ED"}, ""},  // somebody types
+           Case{Sender::kClient, "@@EDFEFF12", {}, {"ED"}, ""},
+           Case{Sender::kClient, "@@HBFEFF", {"HB"}, {"HB"}, ""},
+           Case{Sender::kClient, "@@0003FEFF@@", {}, {}, ""},
+           Case{Sender::kBridge, "@@0003FEFF", {}, {"0003"}, ""},
+           Case{Sender::kBridge, "@@0003FEFF@@HBFEFF", {"0003", "HB"}, {"0003", "HB"}, ""},
+           Case{Sender::kBridge, "@@EDFEFF@@", {}, {}, ""},
+       }) {
+    MarkerReader reader(c.sender);
+    Read read;
+    read.feed(reader, as_bytes(c.stream), Phase::kTransmission);
+    EXPECT_EQ(read.codes, c.at_once) << c.stream;
+    EXPECT_EQ(as_text(read.program), c.program) << c.stream;
+    EXPECT_EQ(read_all(as_bytes(c.stream), Phase::kTransmission, 1, c.sender).codes, c.in_the_end)
+        << c.stream;
+  }
+}
+
+TEST(MarkerFraming, AnInstructionThatIsAControlFrameAndMoreIsReportedNotMistaken) {
+  const std::pair<Sender, const char*> instructions[] = {{Sender::kClient, "HBFEFF\r"},
+                                                         {Sender::kClient, "EDFEFF@@12\r"},
+                                                         {Sender::kClient, "EDFEFF1@@\r"},
+                                                         {Sender::kBridge, "0003FEFF@@\r"}};
+  for (const auto& [sender, instruction] : instructions) {
+    MarkerWriter writer(sender);
     Bytes out;
     const auto lost = writer.write(bytes_of(instruction), out);
     ASSERT_EQ(lost.size(), 1u) << instruction;
@@ -123,7 +191,7 @@ TEST(MarkerFraming, TheLongestInstructionPassesAndOneMoreIsReportedWhole) {
   Bytes longer(kMaxInstruction, 'x');
   longer.push_back('\r');
   append(longer, bytes_of("next\r"));
-  MarkerWriter writer;
+  MarkerWriter writer(Sender::kClient);
   Bytes out;
   const auto lost = writer.write(longer, out);
   ASSERT_EQ(lost.size(), 1u);
@@ -133,7 +201,8 @@ TEST(MarkerFraming, TheLongestInstructionPassesAndOneMoreIsReportedWhole) {
 }
 
 TEST(MarkerFraming, AReaderDropsAnInstructionThatIsTooLongWholeAndGoesOn) {
-  for (const std::size_t piece : {std::size_t{1}, std::size_t{3}, std::size_t{1000}, std::size_t{100'000}}) {
+  for (const std::size_t piece :
+       {std::size_t{1}, std::size_t{3}, std::size_t{1000}, std::size_t{100'000}}) {
     Bytes stream = bytes_of("@@");
     stream.insert(stream.end(), 3 * kMaxInstruction, 'x');
     append(stream, bytes_of("\rFEFF@@next\rFEFF"));
@@ -144,7 +213,7 @@ TEST(MarkerFraming, AReaderDropsAnInstructionThatIsTooLongWholeAndGoesOn) {
 }
 
 TEST(MarkerFraming, WhatAReaderHoldsIsBounded) {
-  MarkerReader reader;
+  MarkerReader reader(Sender::kClient);
   const Bytes flood(1000, 'x');
   reader.feed(bytes_of("@@"));
   for (int i = 0; i < 1000; ++i) {
@@ -162,7 +231,7 @@ TEST(MarkerFraming, NoiseBetweenFramesIsCountedAndSkipped) {
 }
 
 TEST(MarkerFraming, ACodeOutsideTheTableIsNotTaken) {
-  MarkerReader reader;
+  MarkerReader reader(Sender::kClient);
   Read read;
   read.feed(reader, bytes_of("@@XYFEFF"), Phase::kTransmission);
   EXPECT_TRUE(read.codes.empty() && read.program.empty());
@@ -176,7 +245,8 @@ TEST(MarkerFraming, ACodeOutsideTheTableIsNotTaken) {
 }
 
 TEST(MarkerFraming, InTheHandshakeEveryFrameEndsAtTheFirstMarker) {
-  const Read read = read_all(bytes_of("@@17FEFF@@V2press1FEFF@@@00RD*\rFEFF"), Phase::kHandshake, 1);
+  const Read read =
+      read_all(bytes_of("@@17FEFF@@V2press1FEFF@@@00RD*\rFEFF"), Phase::kHandshake, 1);
   EXPECT_EQ(read.codes, (std::vector<std::string>{"17", "V2press1", "@00RD*\r"}));
   Bytes endless = bytes_of("@@");
   endless.insert(endless.end(), 2 * kMaxHandshakeCode, 'x');
@@ -186,24 +256,29 @@ TEST(MarkerFraming, InTheHandshakeEveryFrameEndsAtTheFirstMarker) {
 }
 
 TEST(MarkerFraming, WhatFollowsAFrameCanBeTakenOver) {
-  MarkerReader reader;
+  MarkerReader reader(Sender::kBridge);
   reader.feed(bytes_of("@@0000FEFF\x01\x02"));
   ASSERT_TRUE(reader.next(Phase::kHandshake));
   EXPECT_EQ(reader.take_rest(), (Bytes{1, 2}));
   EXPECT_FALSE(reader.partial());
 }
 
-// The dialogues of programming software: each side's characters, in one piece and as a module with packets of 64 sends them.
+// The dialogues of programming software: each side's characters, in one piece and as a module with
+// packets of 64 sends them.
 TEST(MarkerFraming, TrafficOfProgrammingSoftwareArrivesAsItWas) {
   int carried = 0;
   for (const auto& vector : test::load_vectors("tunnel")) {
     if (vector.name == "all_byte_values") continue;  // no instructions: framing by length
     for (const Bytes& side : {vector.request, vector.response}) {
       if (side.empty()) continue;
-      MarkerWriter writer;
+      MarkerWriter writer(Sender::kClient);
       Bytes stream;
       for (std::size_t at = 0; at < side.size(); at += 64) {
-        EXPECT_TRUE(writer.write(ByteView(side).subspan(at, std::min<std::size_t>(64, side.size() - at)), stream).empty());
+        EXPECT_TRUE(
+            writer
+                .write(ByteView(side).subspan(at, std::min<std::size_t>(64, side.size() - at)),
+                       stream)
+                .empty());
       }
       EXPECT_FALSE(writer.partial()) << vector.name;
       EXPECT_EQ(read_all(stream, Phase::kTransmission, 64).program, side) << vector.name;

@@ -128,8 +128,10 @@ TEST(PortClient, ARefusedLoginIsSaidWithItsUser) {
     b->tell(PortClient::FromBridge{control_frame("0004")});
     ASSERT_TRUE(b->end);
   }
-  EXPECT_THAT(with.end->text, testing::HasSubstr("the login of anna is refused: a wrong password, another role"));
-  EXPECT_THAT(without.end->text, testing::HasSubstr("a login of a user with the role programmer is needed"));
+  EXPECT_THAT(with.end->text,
+              testing::HasSubstr("the login of anna is refused: a wrong password, another role"));
+  EXPECT_THAT(without.end->text,
+              testing::HasSubstr("a login of a user with the role programmer is needed"));
 }
 
 TEST(PortClient, TheEndOfTheDeviceOfTheBridgeAndOfTheUserAreTold) {
@@ -140,6 +142,7 @@ TEST(PortClient, TheEndOfTheDeviceOfTheBridgeAndOfTheUserAreTold) {
     (void)b->sent();
   }
   lost.hears("@@0003FEFF");
+  lost.pass(milliseconds{201});  // an instruction could begin so
   EXPECT_EQ(lost.end->kind, PortEnd::Kind::kDeviceLost);
   gone.tell(PortClient::BridgeGone{"reset"});
   EXPECT_EQ(gone.end->kind, PortEnd::Kind::kBridgeGone);
@@ -194,6 +197,43 @@ TEST(PortClient, WhatIsNoBridgeIsSaidSo) {
   EXPECT_EQ(b.end->kind, PortEnd::Kind::kProtocol);
 }
 
+TEST(PortClient, AContinuationThatBeginsLikeTheLossOfTheDeviceIsProgramBytes) {
+  Bench b(markers());
+  b.tell(PortClient::Connected{});
+  b.hears("@@0000FEFF@@0003FEFF");
+  EXPECT_FALSE(b.end);
+  b.hears("12*\rFEFF@@0000FEFF34*\rFEFF");
+  EXPECT_EQ(as_text(b.program), "0003FEFF12*\r0000FEFF34*\r");
+  b.hears("@@0003FEFF");
+  EXPECT_FALSE(b.end);
+  b.pass(milliseconds{201});
+  ASSERT_TRUE(b.end);
+  EXPECT_EQ(b.end->kind, PortEnd::Kind::kDeviceLost);
+}
+
+TEST(PortClient, ABridgeThatTellsTheLossAndClosesHasToldIt) {
+  Bench b(markers());
+  b.tell(PortClient::Connected{});
+  b.hears("@@0000FEFF@@0003FEFF");
+  b.tell(PortClient::BridgeGone{"closed by the peer"});
+  ASSERT_TRUE(b.end);
+  EXPECT_EQ(b.end->kind, PortEnd::Kind::kDeviceLost);
+}
+
+TEST(PortClient, WhileTheProgramTakesNothingNoHeartbeatIsMissed) {
+  Bench b(markers());
+  b.tell(PortClient::Connected{});
+  b.hears("@@0000FEFF");
+  b.tell(PortClient::ProgramTakes{false});
+  b.pass(seconds{120});
+  EXPECT_FALSE(b.end);
+  b.tell(PortClient::ProgramTakes{true});
+  b.pass(seconds{17});
+  EXPECT_FALSE(b.end);
+  b.pass(seconds{1});
+  EXPECT_TRUE(b.end);
+}
+
 // Takes a random piece off the front.
 Bytes piece(Bytes& stream, std::mt19937& random) {
   const std::size_t count = std::min<std::size_t>(stream.size(), 1 + random() % 50);
@@ -202,7 +242,8 @@ Bytes piece(Bytes& stream, std::mt19937& random) {
   return out;
 }
 
-// A client and the bridge's end, joined by two streams; the device echoes nothing but sends data of its own.
+// A client and the bridge's end, joined by two streams; the device echoes nothing but sends data of
+// its own.
 TEST(PortClient, BothEndsCarryEveryByteBothWaysHoweverTheStreamIsCut) {
   for (unsigned seed = 0; seed < 40; ++seed) {
     std::mt19937 random(seed);
@@ -214,7 +255,8 @@ TEST(PortClient, BothEndsCarryEveryByteBothWaysHoweverTheStreamIsCut) {
     Bytes to_engineer, to_client, at_device, at_program, down, up;
     for (Bytes* side : {&down, &up}) {
       for (int i = 0; i < 2000; ++i)
-        side->push_back(rules.by_length ? static_cast<std::uint8_t>(random()) : "@@FE\r*0"[random() % 7]);
+        side->push_back(rules.by_length ? static_cast<std::uint8_t>(random())
+                                        : "@@FE\r*0"[random() % 7]);
       side->push_back('\r');
     }
     std::size_t refused = 0;
@@ -230,7 +272,9 @@ TEST(PortClient, BothEndsCarryEveryByteBothWaysHoweverTheStreamIsCut) {
     b.tell(PortClient::Connected{});
     append(to_engineer, std::exchange(b.bridge, {}));
     Bytes left_down = down, left_up = up;
-    for (int step = 0; step < 20'000 && (at_device.size() < down.size() || b.program.size() < up.size()); ++step) {
+    for (int step = 0;
+         step < 20'000 && (at_device.size() < down.size() || b.program.size() < up.size());
+         ++step) {
       switch (random() % 4) {
         case 0:
           if (!to_engineer.empty()) run(FromClient{piece(to_engineer, random)});
@@ -240,7 +284,8 @@ TEST(PortClient, BothEndsCarryEveryByteBothWaysHoweverTheStreamIsCut) {
           if (!to_client.empty()) b.tell(PortClient::FromBridge{piece(to_client, random)});
           break;
         case 2:
-          if (b.client.paired() && !left_down.empty()) b.tell(PortClient::FromProgram{piece(left_down, random)});
+          if (b.client.paired() && !left_down.empty())
+            b.tell(PortClient::FromProgram{piece(left_down, random)});
           append(to_engineer, std::exchange(b.bridge, {}));
           break;
         default:

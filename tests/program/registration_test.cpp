@@ -51,7 +51,8 @@ TEST(Registration, APrefixIsTakenAwayAndDemanded) {
   (void)with.start(kStart);
   (void)without.start(kStart);
   EXPECT_EQ(with.on_bytes(raw("ID=17\r"), kStart).number, "17");
-  EXPECT_THAT(without.on_bytes(raw("17\r"), kStart).fault.value_or(""), HasSubstr("does not begin with 'ID='"));
+  EXPECT_THAT(without.on_bytes(raw("17\r"), kStart).fault.value_or(""),
+              HasSubstr("does not begin with 'ID='"));
 }
 
 TEST(Registration, WhatIsNoNumberIsRefusedInWords) {
@@ -77,7 +78,8 @@ TEST(Registration, AModuleThatSaysNothingIsGivenUp) {
   EXPECT_TRUE(registration.on_timer(first.wake).fault);
 }
 
-// RD of DM100..103 at unit 00; "17" and blanks as an answer. FCS by the rule of W227: XOR of all characters before it.
+// RD of DM100..103 at unit 00; "17" and blanks as an answer. FCS by the rule of W227: XOR of all
+// characters before it.
 Bytes with_fcs(std::string_view text) {
   Bytes out(text.begin(), text.end());
   std::uint8_t sum = 0;

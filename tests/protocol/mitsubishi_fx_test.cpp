@@ -14,7 +14,9 @@ using test::drive;
 using test::GoldenVector;
 using test::Outcome;
 
-Device plc(std::map<std::string, std::string> options = {}) { return {"mitsubishi-fx", 0, options}; }
+Device plc(std::map<std::string, std::string> options = {}) {
+  return {"mitsubishi-fx", 0, options};
+}
 std::string text(ByteView bytes) { return {bytes.begin(), bytes.end()}; }
 Bytes framed(const std::string& body) {
   Bytes frame;
@@ -25,10 +27,15 @@ Bytes framed(const std::string& body) {
   return frame;
 }
 bool has_fault(const std::vector<FrameField>& fields) {
-  return std::any_of(fields.begin(), fields.end(), [](const FrameField& field) { return !field.fault.empty(); });
+  return std::any_of(fields.begin(), fields.end(),
+                     [](const FrameField& field) { return !field.fault.empty(); });
 }
-std::vector<FrameField> explain(const Bytes& frame) { return find_protocol("mitsubishi-fx")->explain(frame); }
-unsigned number(const std::string& digits) { return static_cast<unsigned>(std::stoul(digits, nullptr, 16)); }
+std::vector<FrameField> explain(const Bytes& frame) {
+  return find_protocol("mitsubishi-fx")->explain(frame);
+}
+unsigned number(const std::string& digits) {
+  return static_cast<unsigned>(std::stoul(digits, nullptr, 16));
+}
 
 std::string octal(unsigned value) {
   std::string digits;
@@ -47,14 +54,18 @@ std::optional<Placed> placed(unsigned address, unsigned bytes) {
     return Placed{name + std::to_string(first + 8 * (address - base)), 8 * bytes};
   };
   if (address >= 0x1000) return Placed{"D" + std::to_string((address - 0x1000) / 2), bytes / 2};
-  if (address >= 0x0E00) return Placed{"D" + std::to_string(8000 + (address - 0x0E00) / 2), bytes / 2};
-  if (address >= 0x0C00) return Placed{"C" + std::to_string(200 + (address - 0x0C00) / 4), bytes / 4};
+  if (address >= 0x0E00)
+    return Placed{"D" + std::to_string(8000 + (address - 0x0E00) / 2), bytes / 2};
+  if (address >= 0x0C00)
+    return Placed{"C" + std::to_string(200 + (address - 0x0C00) / 4), bytes / 4};
   if (address >= 0x0A00) return Placed{"C" + std::to_string((address - 0x0A00) / 2), bytes / 2};
   if (address >= 0x01E0 && address < 0x0200) return bits("M", 0x01E0, 8000);
   if (address >= 0x01C0 && address < 0x01E0) return bits("CS", 0x01C0);
   if (address >= 0x0100 && address < 0x01C0) return bits("M", 0x0100);
-  if (address >= 0x00A0 && address < 0x00C0) return Placed{"Y" + octal(8 * (address - 0x00A0)), 8 * bytes};
-  if (address >= 0x0080 && address < 0x00A0) return Placed{"X" + octal(8 * (address - 0x0080)), 8 * bytes};
+  if (address >= 0x00A0 && address < 0x00C0)
+    return Placed{"Y" + octal(8 * (address - 0x00A0)), 8 * bytes};
+  if (address >= 0x0080 && address < 0x00A0)
+    return Placed{"X" + octal(8 * (address - 0x0080)), 8 * bytes};
   if (address < 0x0080) return bits("S", 0);
   return std::nullopt;
 }
@@ -88,7 +99,8 @@ std::optional<Request> meant(const Device& device, const std::string& q) {
     return device.write(at->at, reversed_pairs(q.substr(8, q.size() - 11), 2));
   }
   if ((q[1] == '7' || q[1] == '8') && q.size() == 9) {
-    return device.write(forced(number(q.substr(4, 2)) * 256 + number(q.substr(2, 2))), q[1] == '7' ? "01" : "00");
+    return device.write(forced(number(q.substr(4, 2)) * 256 + number(q.substr(2, 2))),
+                        q[1] == '7' ? "01" : "00");
   }
   return std::nullopt;
 }
@@ -108,8 +120,9 @@ TEST(FxVectors, OurRequestsAreTheirsAndTheirAnswersAreRead) {
     const Outcome outcome = drive(*exchange, vector.response);
     ASSERT_TRUE(outcome.done()) << to_text(outcome);
     const auto* read = std::get_if<ReadRequest>(&*request);
-    test::expect_matrix(
-        {.begin = [&] { return device.begin(*request); }, .answers = {vector.response}, .noise_recovers = read != nullptr});
+    test::expect_matrix({.begin = [&] { return device.begin(*request); },
+                         .answers = {vector.response},
+                         .noise_recovers = read != nullptr});
     if (read == nullptr) continue;
     const std::string data = text(vector.response).substr(1, vector.response.size() - 4);
     const unsigned item_bits = device.protocol().areas()[read->ranges[0].area].item_bits;
@@ -128,8 +141,9 @@ TEST(FxVectors, TheExtendedForceIsTheirs) {
   const Device device = plc({{"commands", "extended"}});
   for (const GoldenVector& vector : test::load_vectors("fx")) {
     if (!vector.name.starts_with("fx3u_m0_")) continue;
-    EXPECT_EQ(to_hex(device.request_bytes(device.write("M0", vector.name == "fx3u_m0_on" ? "01" : "00"))),
-              to_hex(vector.request));
+    EXPECT_EQ(
+        to_hex(device.request_bytes(device.write("M0", vector.name == "fx3u_m0_on" ? "01" : "00"))),
+        to_hex(vector.request));
   }
 }
 
@@ -141,6 +155,13 @@ TEST(FxVectors, ExplanationsFindTheFaults) {
       EXPECT_EQ(has_fault(explain(each)), vector.kind == "malformed") << to_hex(each);
     }
   }
+}
+
+TEST(FxExplain, TransferCompleteIsARightRequest) {
+  const auto fields = explain(*from_hex("02 42 03 34 35"));
+  EXPECT_FALSE(has_fault(fields));
+  EXPECT_EQ(fields.at(1).value, "B transfer complete");
+  EXPECT_TRUE(has_fault(explain(*from_hex("02 42 03 34 36"))));
 }
 
 TEST(FxExchange, MalformedAnswersAreNoValue) {
@@ -157,7 +178,8 @@ TEST(FxExchange, MalformedAnswersAreNoValue) {
 
 TEST(FxExchange, ARefusalIsTheDevicesErrorWhenItIsRepeated) {
   const Device device = plc();
-  for (const Request& request : {device.write("D0", "0001"), device.write("M0", "01"), device.read("D0")}) {
+  for (const Request& request :
+       {device.write("D0", "0001"), device.write("M0", "01"), device.read("D0")}) {
     const auto exchange = device.begin(request);
     const Outcome outcome = drive(*exchange, std::vector<Bytes>{{0x15}, {0x15}});
     EXPECT_EQ(outcome.cause, Cause::kDeviceError);
@@ -173,7 +195,8 @@ TEST(FxExchange, ARequestThatTheLineGarbledIsSentAgain) {
   const Outcome outcome = drive(*read, std::vector<Bytes>{{0x15}, framed("3412")});
   ASSERT_TRUE(outcome.done()) << to_text(outcome);
   EXPECT_EQ(to_hex(outcome.reply[0].items), "12 34");
-  EXPECT_TRUE(drive(*device.begin(device.write("D0", "0001")), std::vector<Bytes>{{0x15}, {0x06}}).done());
+  EXPECT_TRUE(
+      drive(*device.begin(device.write("D0", "0001")), std::vector<Bytes>{{0x15}, {0x06}}).done());
 }
 
 TEST(FxExchange, AnAcknowledgementBehindOtherCharactersIsNone) {
@@ -187,8 +210,8 @@ TEST(FxExchange, AnAcknowledgementBehindOtherCharactersIsNone) {
 TEST(FxExchange, SizesAreExact) {
   for (const auto* commands : {"classic", "extended"}) {
     const Device device = plc({{"commands", commands}});
-    for (const Request& request :
-         {device.read("D10", 5), device.read("M3", 10), device.write("D1", "00010002"), device.write("Y7", "01")}) {
+    for (const Request& request : {device.read("D10", 5), device.read("M3", 10),
+                                   device.write("D1", "00010002"), device.write("Y7", "01")}) {
       const auto size = device.protocol().size(request);
       ASSERT_TRUE(size.has_value());
       EXPECT_EQ(size->request_characters, device.request_bytes(request).size());
@@ -205,7 +228,8 @@ TEST(FxExchange, SizesAreExact) {
 
 TEST(FxExchange, BitsAreCutOutOfWholeBytes) {
   const Device device = plc();
-  const auto exchange = device.begin(device.read("M14", 4));  // M14, M15 of byte 0101 and M16, M17 of byte 0102
+  const auto exchange =
+      device.begin(device.read("M14", 4));  // M14, M15 of byte 0101 and M16, M17 of byte 0102
   const Outcome outcome = drive(*exchange, framed("4002"));
   ASSERT_TRUE(outcome.done()) << to_text(outcome);
   EXPECT_EQ(to_hex(outcome.reply[0].items), "01 00 00 01");
@@ -213,12 +237,16 @@ TEST(FxExchange, BitsAreCutOutOfWholeBytes) {
 
 TEST(FxExchange, TheMatrixHolds) {
   const Device device = plc();
-  const test::MatrixCase read{.begin = [&] { return device.begin(device.read("D123", 2)); }, .answers = {framed("0C000000")}};
+  const test::MatrixCase read{.begin = [&] { return device.begin(device.read("D123", 2)); },
+                              .answers = {framed("0C000000")}};
   test::expect_matrix(read);
-  // Eight bits of sum do not see everything that random bytes do; that nothing crashes is all that is asked.
-  test::expect_random_bytes_are_refused({.begin = read.begin, .answers = {framed("3412ABCD")}, .checked = false}, 11, 5000);
-  test::expect_matrix(
-      {.begin = [&] { return device.begin(device.write("M17", "01")); }, .answers = {{0x06}}, .noise_recovers = false});
+  // Eight bits of sum do not see everything that random bytes do; that nothing crashes is all that
+  // is asked.
+  test::expect_random_bytes_are_refused(
+      {.begin = read.begin, .answers = {framed("3412ABCD")}, .checked = false}, 11, 5000);
+  test::expect_matrix({.begin = [&] { return device.begin(device.write("M17", "01")); },
+                       .answers = {{0x06}},
+                       .noise_recovers = false});
 }
 
 TEST(FxAddress, NotationsAreUnderstood) {
@@ -226,8 +254,9 @@ TEST(FxAddress, NotationsAreUnderstood) {
   const auto name = [&](std::string_view at) {
     const auto parsed = device.protocol().parse_address(at);
     if (!parsed) return "fault: " + parsed.error().what;
-    return std::string(device.protocol().areas()[parsed->area].name) + ":" + std::to_string(parsed->first) +
-           (parsed->bit ? "." + std::to_string(*parsed->bit) : "") + "/" + std::to_string(parsed->width_bits.value_or(0));
+    return std::string(device.protocol().areas()[parsed->area].name) + ":" +
+           std::to_string(parsed->first) + (parsed->bit ? "." + std::to_string(*parsed->bit) : "") +
+           "/" + std::to_string(parsed->width_bits.value_or(0));
   };
   EXPECT_EQ(name("D100"), "D:100/0");
   EXPECT_EQ(name("D100.3"), "D:100.3/1");
@@ -245,12 +274,14 @@ TEST(FxAddress, NotationsAreUnderstood) {
 
 TEST(FxAddress, FaultsSayWhatIsWrong) {
   const Device device = plc();
-  for (const auto* at : {"", "D", "D8256", "D9000", "X8", "X400", "Y18", "M1536", "Q1", "D1.16", "M1.0", "D-1", "C256"}) {
+  for (const auto* at : {"", "D", "D8256", "D9000", "X8", "X400", "Y18", "M1536", "Q1", "D1.16",
+                         "M1.0", "D-1", "C256"}) {
     const auto parsed = device.protocol().parse_address(at);
     ASSERT_FALSE(parsed.has_value()) << at;
     EXPECT_FALSE(parsed.error().what.empty());
     if (!parsed.error().suggestion.empty()) {
-      EXPECT_TRUE(device.protocol().parse_address(parsed.error().suggestion).has_value()) << parsed.error().suggestion;
+      EXPECT_TRUE(device.protocol().parse_address(parsed.error().suggestion).has_value())
+          << parsed.error().suggestion;
     }
   }
   EXPECT_EQ(device.protocol().parse_address("d5").error().suggestion, "D5");

@@ -28,10 +28,47 @@ TEST(Registry, AProtocolKnowsItsOwnNameAndAreas) {
     EXPECT_FALSE((*made)->areas().empty());
     for (const Area& area : (*made)->areas()) {
       EXPECT_GT(area.items, 0u);
-      EXPECT_TRUE(area.item_bits == 1 || area.item_bits == 8 || area.item_bits == 16 || area.item_bits == 32 ||
-                  area.item_bits == 64);
+      EXPECT_TRUE(area.item_bits == 1 || area.item_bits == 8 || area.item_bits == 16 ||
+                  area.item_bits == 32 || area.item_bits == 64);
     }
   }
+}
+
+TEST(Registry, EveryRefusalHasWords) {
+  for (const ProtocolEntry& entry : protocols()) {
+    const auto made = entry.make({.address = 1});
+    ASSERT_TRUE(made.has_value()) << entry.name;
+    const auto codes = (*made)->traits().codes;
+    // A NAK of the FX says nothing more.
+    EXPECT_EQ(codes.empty(), entry.name == "mitsubishi-fx") << entry.name;
+    std::set<std::uint16_t> known;
+    for (const DeviceCode& row : codes) {
+      EXPECT_FALSE(row.text.empty()) << entry.name << ' ' << row.code;
+      EXPECT_TRUE(known.insert(row.code).second) << entry.name << ' ' << row.code << " twice";
+    }
+  }
+}
+
+TEST(DeviceCode, IsHexadecimalWithItsWords) {
+  static constexpr DeviceCode kCodes[] = {{0x02, "illegal data address"},
+                                          {0x1103, "start address out of range"},
+                                          {0x2100, "write refused"}};
+  EXPECT_EQ(device_code_words(kCodes, 2), "02 illegal data address");
+  EXPECT_EQ(device_code_words(kCodes, 0x1103), "1103 start address out of range");
+  EXPECT_EQ(device_code_words(kCodes, 0x2108), "2108 write refused");
+  EXPECT_EQ(device_code_words(kCodes, 0x5A), "code 5A");
+  EXPECT_EQ(device_code_note(kCodes, 2), " (02 illegal data address)");
+  EXPECT_EQ(device_code_note(kCodes, 0), "");
+}
+
+TEST(DeviceCode, FinsAndItsFrameHaveOneTable) {
+  const auto made =
+      find_protocol("omron-hostlink")->make({.address = 0, .options = {{"mode", "fins"}}});
+  ASSERT_TRUE(made.has_value());
+  const auto codes = (*made)->traits().codes;
+  EXPECT_EQ(device_code_words(codes, 0x14), "14 format error");
+  EXPECT_EQ(device_code_words(codes, 0x1101), "1101 no such memory area");
+  EXPECT_EQ(device_code_words(codes, 0x2103), "2103 write refused");
 }
 
 TEST(Registry, AnUnknownOptionIsAFaultOfThatOption) {

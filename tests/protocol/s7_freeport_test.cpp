@@ -17,7 +17,8 @@ std::string text(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
 Device station(std::uint16_t address) { return {"s7-freeport", address}; }
 
 bool has_fault(const std::vector<FrameField>& fields) {
-  return std::any_of(fields.begin(), fields.end(), [](const FrameField& field) { return !field.fault.empty(); });
+  return std::any_of(fields.begin(), fields.end(),
+                     [](const FrameField& field) { return !field.fault.empty(); });
 }
 
 // The digits of a published request, read without the codec.
@@ -38,14 +39,16 @@ TEST(FreeportVectors, RequestsAndAnswersAreTheirs) {
     const std::string q = text(vector.request);
     const Meant meant(q);
     const Device device = station(meant.station);
-    const Request request = q[1] == 'W' ? device.read("window:0", meant.length) : device.write("window:0", meant.data);
+    const Request request =
+        q[1] == 'W' ? device.read("window:0", meant.length) : device.write("window:0", meant.data);
     EXPECT_EQ(text(device.request_bytes(request)), q);
     const auto exchange = device.begin(request);
     const Outcome outcome = drive(*exchange, vector.response);
     ASSERT_TRUE(outcome.done()) << to_text(outcome);
     const std::string answered = text(vector.response).substr(1, 2 * meant.length);
     EXPECT_EQ(to_hex(outcome.reply.at(0).items, '\0'), q[1] == 'W' ? answered : "");
-    test::expect_matrix({.begin = [&] { return device.begin(request); }, .answers = {vector.response}});
+    test::expect_matrix(
+        {.begin = [&] { return device.begin(request); }, .answers = {vector.response}});
     EXPECT_FALSE(has_fault(find_protocol("s7-freeport")->explain(vector.request)));
     EXPECT_FALSE(has_fault(find_protocol("s7-freeport")->explain(vector.response)));
   }
@@ -62,17 +65,22 @@ TEST(FreeportVectors, RefusalsAreTheirCodeAndBrokenAnswersNoValue) {
     EXPECT_EQ(outcome.cause == Cause::kDeviceError, vector.name == "refusal_command");
     if (vector.kind == "exception") { EXPECT_EQ(outcome.code, vector.response[3] - '0'); }
     // What a station finds wrong with a frame is the line's doing, to be tried again.
-    if (vector.kind == "exception" && vector.name != "refusal_command") { EXPECT_EQ(outcome.cause, Cause::kChecksum); }
-    EXPECT_EQ(has_fault(find_protocol("s7-freeport")->explain(vector.response)), vector.kind == "malformed");
+    if (vector.kind == "exception" && vector.name != "refusal_command") {
+      EXPECT_EQ(outcome.cause, Cause::kChecksum);
+    }
+    EXPECT_EQ(has_fault(find_protocol("s7-freeport")->explain(vector.response)),
+              vector.kind == "malformed");
   }
 }
 
 TEST(Freeport, TheMatrixHolds) {
   const Device device = station(5);
-  test::MatrixCase matrix{.begin = [&] { return device.begin(device.read("window:0", 4)); }, .answers = {text("qC911F57C7DQ")}};
+  test::MatrixCase matrix{.begin = [&] { return device.begin(device.read("window:0", 4)); },
+                          .answers = {text("qC911F57C7DQ")}};
   test::expect_matrix(matrix);
   test::expect_random_bytes_are_refused(matrix, 1, 5000);
-  matrix = {.begin = [&] { return device.begin(device.write("window:0", "C911F57C")); }, .answers = {text("qC911F57C7DQ")}};
+  matrix = {.begin = [&] { return device.begin(device.write("window:0", "C911F57C")); },
+            .answers = {text("qC911F57C7DQ")}};
   test::expect_matrix(matrix);
   matrix.answers = {text("qE0441Q")};  // refused
   test::expect_matrix(matrix);
@@ -96,11 +104,15 @@ TEST(Freeport, BytesPastTheLengthMustBeZeroInAReadsAnswer) {
 
 TEST(Freeport, AWriteOfALaterByteSendsTheEarlierOnesAgain) {
   const Device device = station(5);
-  EXPECT_EQ(text(device.request_bytes(device.write("window:2", "AB"))).substr(0, 14), "qR05030000AB00");
+  EXPECT_EQ(text(device.request_bytes(device.write("window:2", "AB"))).substr(0, 14),
+            "qR05030000AB00");
   const auto first = device.begin(device.write("window:0", "C911"));
-  ASSERT_TRUE(drive(*first, text("qC911F57C7DQ")).done());  // the station tells what it holds behind them, too
-  EXPECT_EQ(text(device.request_bytes(device.write("window:3", "AB"))).substr(0, 14), "qR0504C911F5AB");
-  EXPECT_EQ(text(device.request_bytes(device.write_bit("window:1.7", true))).substr(0, 14), "qR0502C9910000");
+  ASSERT_TRUE(drive(*first, text("qC911F57C7DQ"))
+                  .done());  // the station tells what it holds behind them, too
+  EXPECT_EQ(text(device.request_bytes(device.write("window:3", "AB"))).substr(0, 14),
+            "qR0504C911F5AB");
+  EXPECT_EQ(text(device.request_bytes(device.write_bit("window:1.7", true))).substr(0, 14),
+            "qR0502C9910000");
 }
 
 TEST(Freeport, AnAnswerThatHoldsAnotherValueIsNoConfirmation) {
@@ -127,7 +139,8 @@ TEST(Freeport, SwappedLettersTurnTheDirections) {
 
 TEST(Freeport, PlacesOutsideTheWindowAreRefused) {
   const Device device = station(5);
-  for (const auto* at : {"window:4", "window:0.8", "window:", "window", "window:1.", "window:11", "window:0.11", "V100", ""}) {
+  for (const auto* at : {"window:4", "window:0.8", "window:", "window", "window:1.", "window:11",
+                         "window:0.11", "V100", ""}) {
     const auto parsed = device.protocol().parse_address(at);
     ASSERT_FALSE(parsed.has_value()) << at;
     EXPECT_TRUE(device.protocol().parse_address(parsed.error().suggestion).has_value());

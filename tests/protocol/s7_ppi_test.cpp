@@ -14,11 +14,16 @@ using test::GoldenVector;
 using test::Outcome;
 
 Bytes hex(std::string_view text) { return *from_hex(text); }
-Device plc(std::uint16_t station = 2, std::map<std::string, std::string> options = {}) { return {"s7-ppi", station, options}; }
-bool has_fault(const std::vector<FrameField>& fields) {
-  return std::any_of(fields.begin(), fields.end(), [](const FrameField& field) { return !field.fault.empty(); });
+Device plc(std::uint16_t station = 2, std::map<std::string, std::string> options = {}) {
+  return {"s7-ppi", station, options};
 }
-std::vector<FrameField> explain(const Bytes& frame) { return find_protocol("s7-ppi")->explain(frame); }
+bool has_fault(const std::vector<FrameField>& fields) {
+  return std::any_of(fields.begin(), fields.end(),
+                     [](const FrameField& field) { return !field.fault.empty(); });
+}
+std::vector<FrameField> explain(const Bytes& frame) {
+  return find_protocol("s7-ppi")->explain(frame);
+}
 
 // A telegram around a unit, written apart from the codec.
 Bytes telegram(std::uint8_t to, std::uint8_t from, std::uint8_t control, const Bytes& unit) {
@@ -38,7 +43,8 @@ std::string place(int area, unsigned address) {
   return kAreaNames.at(area) + "B" + std::to_string(address / 8);
 }
 
-// What a published read or write means, read without the codec: everything as bytes, bits where a bit is written.
+// What a published read or write means, read without the codec: everything as bytes, bits where a
+// bit is written.
 std::optional<Request> meant(const Device& device, const Bytes& q) {
   if (q.size() < 31 || q[0] != 0x68 || q[8] != 0x01) return std::nullopt;
   const int function = q[17];
@@ -61,16 +67,17 @@ std::optional<Request> meant(const Device& device, const Bytes& q) {
     }
     const std::size_t data = at + 12 + 4;
     if (type == 1)
-      return device.write_bit(kAreaNames.at(area) + std::to_string(address / 8) + "." + std::to_string(address % 8),
-                              q[data] != 0);
+      return device.write_bit(
+          kAreaNames.at(area) + std::to_string(address / 8) + "." + std::to_string(address % 8),
+          q[data] != 0);
     return device.write(place(area, address), to_hex(ByteView(q).subspan(data, bytes)));
   }
   if (function != 4 || read.ranges.empty()) return std::nullopt;
   return read;
 }
 
-// The frame with words and dwords asked for as so many bytes, without the byte that fills a single item, and with the control
-// that we send for its reference.
+// The frame with words and dwords asked for as so many bytes, without the byte that fills a single
+// item, and with the control that we send for its reference.
 Bytes normalised(Bytes q) {
   Bytes unit(q.begin() + 7, q.end() - 2);
   const std::size_t items = unit[11];
@@ -103,14 +110,16 @@ TEST(PpiVectors, OurRequestsAreTheirsAndTheirAnswersAreRead) {
     if (!request) continue;
     ++requests;
     const std::uint16_t reference = read_u16(vector.request, 11);
-    EXPECT_EQ(to_hex(device.request_bytes(*request, reference)), to_hex(normalised(vector.request)));
+    EXPECT_EQ(to_hex(device.request_bytes(*request, reference)),
+              to_hex(normalised(vector.request)));
     if (vector.slave.empty()) continue;
     ++answers;
     const auto exchange = device.begin(*request, reference);
     const Outcome outcome = drive(*exchange, vector.slave);
     ASSERT_TRUE(outcome.done()) << to_text(outcome);
     ASSERT_EQ(outcome.sent.size(), 2u);
-    test::expect_matrix({.begin = [&] { return device.begin(*request, reference); }, .answers = vector.slave});
+    test::expect_matrix(
+        {.begin = [&] { return device.begin(*request, reference); }, .answers = vector.slave});
     if (outcome.sent[0][6] == vector.request[6]) {
       EXPECT_EQ(to_hex(outcome.sent[1]), to_hex(vector.master[1]));  // the poll
     }
@@ -121,7 +130,8 @@ TEST(PpiVectors, OurRequestsAreTheirsAndTheirAnswersAreRead) {
     Bytes data(last.begin() + 25, last.end() - 2);
     if (vector.request[27] == 0x1F) {
       Bytes values;
-      for (std::size_t i = 0; i < data.size(); i += 5) append(values, ByteView(data).subspan(i + 1, 4));
+      for (std::size_t i = 0; i < data.size(); i += 5)
+        append(values, ByteView(data).subspan(i + 1, 4));
       data = values;
     }
     EXPECT_EQ(to_hex(outcome.reply[0].items), to_hex(data));
@@ -137,14 +147,18 @@ TEST(PpiVectors, RefusalsAreTheirCodes) {
     SCOPED_TRACE(vector.name);
     const Device device = plc();
     const bool write = vector.request[17] == 5;
-    const auto exchange = device.begin(write ? device.write("QB0", "01") : device.read("MB0"), read_u16(vector.request, 11));
+    const auto exchange = device.begin(write ? device.write("QB0", "01") : device.read("MB0"),
+                                       read_u16(vector.request, 11));
     const Outcome outcome = drive(*exchange, vector.slave);
     EXPECT_EQ(outcome.cause, Cause::kDeviceError);
     EXPECT_EQ(outcome.code, codes.at(vector.name));
-    test::expect_matrix(
-        {.begin =
-             [&] { return device.begin(write ? device.write("QB0", "01") : device.read("MB0"), read_u16(vector.request, 11)); },
-         .answers = vector.slave});
+    test::expect_matrix({.begin =
+                             [&] {
+                               return device.begin(
+                                   write ? device.write("QB0", "01") : device.read("MB0"),
+                                   read_u16(vector.request, 11));
+                             },
+                         .answers = vector.slave});
   }
 }
 
@@ -152,7 +166,8 @@ TEST(PpiVectors, OneItemMayFailWhileAnotherSucceeds) {
   for (const GoldenVector& vector : test::load_vectors("ppi")) {
     if (vector.name != "read_multi_mixed_error") continue;
     const Device device = plc();
-    const auto exchange = device.begin(ReadRequest{{device.range("VB0"), device.range("VB10239")}}, 5);
+    const auto exchange =
+        device.begin(ReadRequest{{device.range("VB0"), device.range("VB10239")}}, 5);
     const Outcome outcome = drive(*exchange, vector.slave);
     ASSERT_TRUE(outcome.done());
     ASSERT_EQ(outcome.reply.size(), 2u);
@@ -171,7 +186,8 @@ TEST(PpiVectors, ExplanationsFindTheFaults) {
       for (const Bytes& each : {vector.request, vector.response}) {
         if (!each.empty()) { EXPECT_FALSE(has_fault(explain(each))); }
       }
-    } else if (!vector.request.empty() && vector.expect != "accept_tail" && vector.expect != "ok_frame_wrong_ref") {
+    } else if (!vector.request.empty() && vector.expect != "accept_tail" &&
+               vector.expect != "ok_frame_wrong_ref") {
       EXPECT_TRUE(has_fault(explain(vector.request)));
     }
   }
@@ -198,8 +214,9 @@ TEST(PpiExchange, AcknowledgeIsFollowedByPollAfterARest) {
 
 TEST(PpiExchange, SizesAreExact) {
   const Device device = plc();
-  for (const Request& request : {device.read("VB100", 3), device.write("VB100", "0102"), device.write_bit("M0.1", true),
-                                 Request{ReadRequest{{device.range("VB0"), device.range("T37"), device.range("AIW4")}}}}) {
+  for (const Request& request :
+       {device.read("VB100", 3), device.write("VB100", "0102"), device.write_bit("M0.1", true),
+        Request{ReadRequest{{device.range("VB0"), device.range("T37"), device.range("AIW4")}}}}) {
     const auto size = device.protocol().size(request);
     ASSERT_TRUE(size.has_value());
     EXPECT_EQ(size->request_characters, device.request_bytes(request).size() + 6);
@@ -256,11 +273,13 @@ TEST(PpiExchange, OtherStationsAndOlderAnswersArePassedOver) {
 
 TEST(PpiExchange, TheMatrixHolds) {
   const Device device = plc();
-  test::MatrixCase read{.begin = [&] { return device.begin(device.read("VB100", 3)); }, .answers = {kAck, kAnswer}};
+  test::MatrixCase read{.begin = [&] { return device.begin(device.read("VB100", 3)); },
+                        .answers = {kAck, kAnswer}};
   test::expect_matrix(read);
   test::expect_random_bytes_are_refused(read, 9, 5000);
   const Bytes written = hex("68121268 0002 08 320300000000000200010000 0501 FF 47 16");
-  test::expect_matrix({.begin = [&] { return device.begin(device.write("VB100", "12")); }, .answers = {kAck, written}});
+  test::expect_matrix({.begin = [&] { return device.begin(device.write("VB100", "12")); },
+                       .answers = {kAck, written}});
 }
 
 TEST(PpiLimits, WhatDoesNotFitTheUnitIsRefused) {
@@ -268,7 +287,8 @@ TEST(PpiLimits, WhatDoesNotFitTheUnitIsRefused) {
   EXPECT_TRUE(device.protocol().size(device.read("VB0", 222)).has_value());
   EXPECT_FALSE(device.protocol().size(device.read("VB0", 223)).has_value());
   ReadRequest many;
-  for (std::uint32_t i = 0; i < 19; ++i) many.ranges.push_back(device.range("VB" + std::to_string(10 * i), 1));
+  for (std::uint32_t i = 0; i < 19; ++i)
+    many.ranges.push_back(device.range("VB" + std::to_string(10 * i), 1));
   EXPECT_TRUE(device.protocol().size(many).has_value());
   many.ranges.back().count = 150;
   EXPECT_FALSE(device.protocol().size(many).has_value());
@@ -282,8 +302,9 @@ TEST(PpiAddress, NotationsAreUnderstood) {
   const auto name = [&](std::string_view at) {
     const auto parsed = device.protocol().parse_address(at);
     if (!parsed) return "fault: " + parsed.error().what;
-    return std::string(device.protocol().areas()[parsed->area].name) + ":" + std::to_string(parsed->first) +
-           (parsed->bit ? "." + std::to_string(*parsed->bit) : "") + "/" + std::to_string(parsed->width_bits.value_or(0));
+    return std::string(device.protocol().areas()[parsed->area].name) + ":" +
+           std::to_string(parsed->first) + (parsed->bit ? "." + std::to_string(*parsed->bit) : "") +
+           "/" + std::to_string(parsed->width_bits.value_or(0));
   };
   EXPECT_EQ(name("VB100"), "V:100/8");
   EXPECT_EQ(name("VW100"), "V:100/16");
@@ -316,6 +337,11 @@ TEST(PpiAddress, FaultsSayWhatWasMeant) {
   EXPECT_EQ(suggestion("VB1.0"), "VB1");
   for (const auto* at : {"", "VB", "VB10240", "VBx", "X1", "T256", "TB1", "V.1", "VB-1", "HC6"})
     EXPECT_NE(suggestion(at), "-") << at;
+}
+
+TEST(PpiExplain, AcknowledgementsAloneAreNoFaults) {
+  for (const auto* right : {"E5", "F9", "E5 10 02 00 5C 5E 16", "DC 02 00"})
+    EXPECT_FALSE(has_fault(explain(*from_hex(right)))) << right;
 }
 
 }  // namespace

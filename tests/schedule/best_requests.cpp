@@ -33,7 +33,8 @@ BestRequests best_requests(std::span<const Range> wanted, const ListCost& cost) 
     }
   }
   BestRequests result{{}, best[count]};
-  for (std::size_t end = count; end > 0; end = from[end]) result.requests.push_back(std::move(last[end]));
+  for (std::size_t end = count; end > 0; end = from[end])
+    result.requests.push_back(std::move(last[end]));
   return result;
 }
 

@@ -35,7 +35,8 @@ TEST(ReadCost, IsTheExactWireTimeOfEveryLength) {
 TEST(ReadCost, BitsCostNothingWithinAByte) {
   const ReadCost cost(timing(), kBits, kLine, 3ms, 2000);
   EXPECT_EQ(cost.of({kBits, 0, 1}), cost.of({kBits, 3, 8}));
-  EXPECT_EQ(cost.of({kBits, 0, 9}) - cost.of({kBits, 0, 8}), kLine.characters(14 + 1) - kLine.characters(14));
+  EXPECT_EQ(cost.of({kBits, 0, 9}) - cost.of({kBits, 0, 8}),
+            kLine.characters(14 + 1) - kLine.characters(14));
 }
 
 TEST(ReadCost, AlignedAreasAreReadByWholeUnits) {

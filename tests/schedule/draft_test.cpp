@@ -44,17 +44,20 @@ TEST_P(ChangingBus, KeepsWhatIsWishedWhileAPlanIsMade) {
   for (int round = 0; round < 6; ++round) {
     wire.run(3s);
     for (DeviceIndex device = 0; device < input.devices.size(); ++device)
-      scheduler->set_answer_time(device, test::kRegisters, std::chrono::microseconds{200 + random() % 20'000});
+      scheduler->set_answer_time(device, test::kRegisters,
+                                 std::chrono::microseconds{200 + random() % 20'000});
     const auto draft = scheduler->draft();
     ASSERT_NE(draft, nullptr);
     wire.run(std::chrono::milliseconds{random() % 500});
     for (int change = 0; change < 30; ++change) {
       const auto point = static_cast<PointIndex>(random() % input.points.size());
       input.points[point].mode = random() % 2 ? Mode::kOnDemand : Mode::kScheduled;
-      scheduler->set_point(point, input.points[point].refresh, input.points[point].mode, wire.now());
+      scheduler->set_point(point, input.points[point].refresh, input.points[point].mode,
+                           wire.now());
       if (change % 10 == 0) wire.run(50ms);
     }
-    if (round % 2) scheduler->set_longest(0, test::kRegisters, 8 + static_cast<std::uint32_t>(random() % 60));
+    if (round % 2)
+      scheduler->set_longest(0, test::kRegisters, 8 + static_cast<std::uint32_t>(random() % 60));
     draft->make();
     scheduler->adopt(*draft, wire.now());
   }
@@ -66,7 +69,8 @@ TEST_P(ChangingBus, KeepsWhatIsWishedWhileAPlanIsMade) {
     if (input.points[point].mode == Mode::kOnDemand) {
       EXPECT_EQ(wire.seen(point).count, 0u) << "only neighbours wish for it";
     } else {
-      EXPECT_LT(wire.seen(point).longest, 1.05 * scheduler->stretch() * input.points[point].refresh) << point;
+      EXPECT_LT(wire.seen(point).longest, 1.05 * scheduler->stretch() * input.points[point].refresh)
+          << point;
       EXPECT_GT(wire.seen(point).count, 0u) << point;
     }
   }

@@ -1,5 +1,5 @@
-// A protocol that only has sizes, for planning without frames: those of Modbus RTU, and areas with the oddities that planning
-// knows.
+// A protocol that only has sizes, for planning without frames: those of Modbus RTU, and areas with
+// the oddities that planning knows.
 #pragma once
 
 #include <array>
@@ -14,7 +14,8 @@ class FakeProtocol final : public Protocol {
  public:
   [[nodiscard]] const Traits& traits() const override { return traits_; }
   [[nodiscard]] std::span<const Area> areas() const override { return areas_; }
-  [[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view) const override {
+  [[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_address(
+      std::string_view) const override {
     return tl::unexpected(AddressFault{});
   }
   [[nodiscard]] std::optional<ExchangeSize> size(const Request& request) const override {
@@ -22,15 +23,26 @@ class FakeProtocol final : public Protocol {
     if (read == nullptr || read->ranges.size() != 1) return std::nullopt;
     const Range& range = read->ranges.front();
     const Area& area = areas_[range.area];
-    if (range.count == 0 || range.count > area.max_read || range.end() > area.items) return std::nullopt;
-    return ExchangeSize{8, 5 + (area.item_bits == 16 ? 2 * range.count : (range.count * area.item_bits + 7) / 8)};
+    if (range.count == 0 || range.count > area.max_read || range.end() > area.items)
+      return std::nullopt;
+    return ExchangeSize{
+        8, 5 + (area.item_bits == 16 ? 2 * range.count : (range.count * area.item_bits + 7) / 8)};
   }
-  [[nodiscard]] std::unique_ptr<Exchange> begin(Request, ExchangeContext) const override { return nullptr; }
+  [[nodiscard]] std::unique_ptr<Exchange> begin(Request, ExchangeContext) const override {
+    return nullptr;
+  }
 
  private:
   Traits traits_{"fake", "sizes only"};
-  std::array<Area, 4> areas_{Area{"register", 16, 65536, false, 125}, Area{"bit", 1, 65536, false, 2000},
-                             Area{"bytewise", 1, 1024, false, 512, 0, 8}, Area{"window", 8, 64, false, 64, 0, 1, false, true}};
+  std::array<Area, 4> areas_{Area{"register", 16, 65536, false, 125},
+                             Area{"bit", 1, 65536, false, 2000},
+                             Area{"bytewise", 1, 1024, false, 512, 0, 8},
+                             Area{.name = "window",
+                                  .item_bits = 8,
+                                  .items = 64,
+                                  .max_read = 64,
+                                  .max_write = 0,
+                                  .window = true}};
 };
 
 }  // namespace fieldcast::test

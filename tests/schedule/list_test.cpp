@@ -1,4 +1,5 @@
-// Requests that carry lists of ranges: who is packed together, within which limits, and how what a device refuses is found.
+// Requests that carry lists of ranges: who is packed together, within which limits, and how what a
+// device refuses is found.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -26,11 +27,13 @@ struct Bus {
 
   Bus(const char* name, unsigned devices, std::map<std::string, std::string> options = {}) {
     input.line = LineFormat{19200, 8, Parity::kEven, 1};
-    protocol = *find_protocol(name)->make({.address = 1, .options = std::move(options), .line = input.line});
+    protocol = *find_protocol(name)->make(
+        {.address = 1, .options = std::move(options), .line = input.line});
     input.silence = 2ms;
     input.devices.assign(devices, {.protocol = protocol.get(), .answer_time = 5ms});
   }
-  PointIndex add(DeviceIndex device, const std::string& at, std::uint32_t items, Duration refresh, Mode mode = Mode::kScheduled) {
+  PointIndex add(DeviceIndex device, const std::string& at, std::uint32_t items, Duration refresh,
+                 Mode mode = Mode::kScheduled) {
     const auto parsed = protocol->parse_address(at);
     if (!parsed) throw std::runtime_error(at + ": " + parsed.error().what);
     input.points.push_back({device, {parsed->area, parsed->first, items}, refresh, mode});
@@ -39,7 +42,9 @@ struct Bus {
 };
 Bus fins(unsigned devices) { return {"omron-hostlink", devices, {{"mode", "fins"}}}; }
 
-Block first_block(const Bus& bus) { return std::get<Block>(make_scheduler(bus.input)->next(Instant{1s})); }
+Block first_block(const Bus& bus) {
+  return std::get<Block>(make_scheduler(bus.input)->next(Instant{1s}));
+}
 
 // Words three apart, in two areas.
 Bus scattered_ppi(unsigned words, Mode mode = Mode::kScheduled) {
@@ -56,16 +61,19 @@ Bus scattered_ppi(unsigned words, Mode mode = Mode::kScheduled) {
 TEST(ListCost, MarginalsAreWhatThePaperSays) {
   const Bus ppi("s7-ppi", 1);
   const ListCost items(ppi.input.devices[0], ppi.input.line, ppi.input.silence);
-  EXPECT_LE(std::abs(items.range_ns(0) - ppi.input.line.characters(12 + 4 + 2).count()), 2);  // item, data head, a byte and its filling
+  EXPECT_LE(std::abs(items.range_ns(0) - ppi.input.line.characters(12 + 4 + 2).count()),
+            2);  // item, data head, a byte and its filling
   EXPECT_NEAR(items.item_ns(0), static_cast<double>(ppi.input.line.characters(1).count()), 60'000);
   const Bus omron = fins(1);
   const ListCost words(omron.input.devices[0], omron.input.line, omron.input.silence);
   const AreaIndex dm = omron.protocol->parse_address("DM0")->area;
-  EXPECT_LE(std::abs(words.range_ns(dm) - omron.input.line.characters(2 * (4 + 3)).count()), 2);  // in hexadecimal: place; area code and word
-  EXPECT_EQ(words.bridge(dm), 0u);                                                  // every word is named
+  EXPECT_LE(std::abs(words.range_ns(dm) - omron.input.line.characters(2 * (4 + 3)).count()),
+            2);                     // in hexadecimal: place; area code and word
+  EXPECT_EQ(words.bridge(dm), 0u);  // every word is named
   const Bus dtc("dtc", 1);
   const ListCost groups(dtc.input.devices[0], dtc.input.line, dtc.input.silence);
-  EXPECT_EQ(groups.bridge(dtc.protocol->parse_address("int16:0")->area), 2u);  // five bytes a group, two a variable
+  EXPECT_EQ(groups.bridge(dtc.protocol->parse_address("int16:0")->area),
+            2u);  // five bytes a group, two a variable
 }
 
 TEST(Lists, ScatteredPointsOfSeveralAreasShareARequest) {
@@ -81,7 +89,9 @@ TEST(Lists, NoRequestIsLongerThanItsProtocolAllows) {
   const Bus bus = scattered_ppi(60, Mode::kIntensive);
   const auto scheduler = make_scheduler(bus.input);
   VirtualWire wire(bus.input, *scheduler);
-  wire.check = [&](const Block& block) { EXPECT_TRUE(bus.protocol->size(ReadRequest{block.ranges})); };
+  wire.check = [&](const Block& block) {
+    EXPECT_TRUE(bus.protocol->size(ReadRequest{block.ranges}));
+  };
   wire.run(20s);
   wire.forget_gaps();
   wire.run(60s);
@@ -125,7 +135,9 @@ TEST(Lists, RangeNeverCrossesABank) {
   bus.add(0, "E1_0", 2, 1s);
   const auto scheduler = make_scheduler(bus.input);
   VirtualWire wire(bus.input, *scheduler);
-  wire.check = [&](const Block& block) { EXPECT_TRUE(bus.protocol->size(ReadRequest{block.ranges})); };
+  wire.check = [&](const Block& block) {
+    EXPECT_TRUE(bus.protocol->size(ReadRequest{block.ranges}));
+  };
   wire.run(10s);
   EXPECT_EQ(wire.missed(), 0u);
   EXPECT_GT(wire.seen(1).count, 5u);
@@ -194,7 +206,9 @@ TEST(Lists, DeviceThatTakesFewerRangesIsAskedForFewer) {
   unsigned refused = 0;
   const auto scheduler = make_scheduler(bus.input);
   VirtualWire wire(bus.input, *scheduler);
-  wire.device = [&](const Block& block) { return block.ranges.size() > 5 ? (++refused, Answer::kRefused) : Answer::kGood; };
+  wire.device = [&](const Block& block) {
+    return block.ranges.size() > 5 ? (++refused, Answer::kRefused) : Answer::kGood;
+  };
   wire.run(10s);
   EXPECT_TRUE(wire.bad.empty());
   refused = 0;
@@ -202,6 +216,29 @@ TEST(Lists, DeviceThatTakesFewerRangesIsAskedForFewer) {
   wire.run(60s);
   EXPECT_EQ(refused, 0u);
   EXPECT_EQ(wire.missed(), 0u);
+}
+
+// A line behind a converter or a pseudo-terminal may carry characters faster than its rate says. A
+// read that ends long before its turn is that turn all the same.
+TEST(Lists, ALineThatIsFasterThanItsRateIsNotReadMoreOften) {
+  for (const std::uint32_t baud : {9600u, 19200u}) {
+    for (const double pace : {0.01, 0.3, 0.8, 1.0}) {
+      Bus bus("dtc", 1);
+      bus.input.line.baud = baud;
+      for (unsigned i = 0; i < 50; ++i) bus.add(0, "int16:" + std::to_string(i), 1, 200ms);
+      const Prediction prediction = predict(bus.input, {.remedies = false});
+      const auto scheduler = make_scheduler(bus.input);
+      VirtualWire wire(bus.input, *scheduler);
+      wire.pace = pace;
+      wire.run(5s);
+      wire.forget_gaps();
+      wire.run(60s);
+      const double planned = static_cast<double>(prediction.reads) / to_seconds(prediction.horizon);
+      EXPECT_LT(static_cast<double>(wire.blocks()) / 60, 1.1 * planned) << baud << ' ' << pace;
+      if (!prediction.feasible) continue;
+      EXPECT_EQ(wire.missed(), 0u) << baud << ' ' << pace;
+    }
+  }
 }
 
 // Three families, several units and areas, about half of what the wire could carry.
@@ -219,13 +256,17 @@ TEST_P(RandomLists, BlocksAreSoundAndWhatIsPredictedFeasibleMissesNothing) {
     for (unsigned i = 0, at = 0; i < 40; ++i, at += 2 + below(below(4) == 0 ? 60 : 4)) {
       const bool second = below(4) == 0;
       const unsigned items = family == 0 ? 2 : 1 + below(2);
-      bus.add(device, areas[family][second] + std::to_string(second ? at % (family == 0 ? 30 : 500) : at), items,
-              std::chrono::milliseconds{kRefreshes[below(kRefreshes.size())]});
+      bus.add(device,
+              areas[family][second] + std::to_string(second ? at % (family == 0 ? 30 : 500) : at),
+              items, std::chrono::milliseconds{kRefreshes[below(kRefreshes.size())]});
     }
-    if (below(3) == 0) bus.input.devices[device].max_block = static_cast<std::uint16_t>(10 + below(30)), limited = true;
+    if (below(3) == 0)
+      bus.input.devices[device].max_block = static_cast<std::uint16_t>(10 + below(30)),
+      limited = true;
   }
   const double planned = make_scheduler(bus.input)->planned_load();
-  for (Point& point : bus.input.points) point.refresh = from_seconds(to_seconds(point.refresh) * planned / 0.5);
+  for (Point& point : bus.input.points)
+    point.refresh = from_seconds(to_seconds(point.refresh) * planned / 0.5);
   const Prediction prediction = predict(bus.input, {.remedies = false});
   EXPECT_TRUE(prediction.feasible || limited);
   const auto scheduler = make_scheduler(bus.input);
@@ -233,13 +274,16 @@ TEST_P(RandomLists, BlocksAreSoundAndWhatIsPredictedFeasibleMissesNothing) {
   wire.check = [&](const Block& block) {
     const auto size = bus.protocol->size(ReadRequest{block.ranges});
     ASSERT_TRUE(size);
-    EXPECT_EQ(block.cost, wire_time(*size, bus.input.line, bus.input.silence, bus.input.devices[block.device]));
-    EXPECT_EQ(std::set<PointIndex>(block.points.begin(), block.points.end()).size(), block.points.size());
+    EXPECT_EQ(block.cost,
+              wire_time(*size, bus.input.line, bus.input.silence, bus.input.devices[block.device]));
+    EXPECT_EQ(std::set<PointIndex>(block.points.begin(), block.points.end()).size(),
+              block.points.size());
     for (const PointIndex point : block.points) {
       const Point& wanted = bus.input.points[point];
       EXPECT_EQ(wanted.device, block.device);
       EXPECT_TRUE(std::any_of(block.ranges.begin(), block.ranges.end(), [&](const Range& range) {
-        return range.area == wanted.range.area && range.first <= wanted.range.first && wanted.range.end() <= range.end();
+        return range.area == wanted.range.area && range.first <= wanted.range.first &&
+               wanted.range.end() <= range.end();
       }));
     }
   };

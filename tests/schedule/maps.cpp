@@ -44,7 +44,8 @@ Map random_map(std::uint64_t seed, std::size_t channels, unsigned units) {
   return map;
 }
 
-ScheduleInput input_of(const Map& map, const Protocol& protocol, std::uint32_t baud, Duration delay, double stretch) {
+ScheduleInput input_of(const Map& map, const Protocol& protocol, std::uint32_t baud, Duration delay,
+                       double stretch) {
   ScheduleInput input;
   input.line = LineFormat{baud, 8, Parity::kEven, 1};
   input.silence = input.line.characters(3.5);
@@ -64,6 +65,26 @@ ScheduleInput input_of(const Map& map, const Protocol& protocol, std::uint32_t b
   return input;
 }
 
+std::string configuration_of(const Map& map, double stretch, std::uint32_t baud,
+                             const Notation& notation) {
+  std::string text = "bridge: b\nbuses:\n  - name: line\n    port: { serial: /dev/none, baud: " +
+                     std::to_string(baud) + ", format: 8E1 }\n    protocol: " + notation.protocol +
+                     "\n    defaults: { silence: 3.5c }\n    devices:\n";
+  unsigned units = 0;
+  for (const MapRow& row : map) units = std::max(units, row.unit);
+  for (unsigned unit = 1; unit <= units; ++unit) {
+    text += "      - name: u" + std::to_string(unit) +
+            "\n        address: " + std::to_string(unit) + "\n        channels:\n";
+    for (const MapRow& row : map) {
+      if (row.unit != unit) continue;
+      text += "          - { name: r" + std::to_string(row.address) + ", at: \"" + notation.area +
+              std::to_string(row.address * notation.step) + "\", type: uint16, refresh: " +
+              std::to_string(static_cast<long>(row.refresh * stretch * 1e6)) + "us }\n";
+    }
+  }
+  return text;
+}
+
 double least_load(const Map& map, std::uint32_t baud, Duration delay) {
   const double character = 11.0 / baud;
   const double request = 20 * character + to_seconds(delay), item = 2 * character;
@@ -71,7 +92,8 @@ double least_load(const Map& map, std::uint32_t baud, Duration delay) {
   for (const MapRow& row : map) units[row.unit].push_back(row);
   double load = 0;
   for (auto& [unit, rows] : units) {
-    std::sort(rows.begin(), rows.end(), [](const MapRow& a, const MapRow& b) { return a.address < b.address; });
+    std::sort(rows.begin(), rows.end(),
+              [](const MapRow& a, const MapRow& b) { return a.address < b.address; });
     double fastest = rows.front().refresh;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       if (i > 0 && (rows[i].address - rows[i - 1].address - 1) * item >= request) {
@@ -89,7 +111,8 @@ double least_load(const Map& map, std::uint32_t baud, Duration delay) {
 double proven_load(const Map& map, std::uint32_t baud, Duration delay) {
   const double character = 11.0 / baud;
   const double request = 20 * character + to_seconds(delay), item = 2 * character;
-  std::map<unsigned, std::map<double, std::vector<std::uint32_t>>> units;  // unit: refresh: addresses
+  std::map<unsigned, std::map<double, std::vector<std::uint32_t>>>
+      units;  // unit: refresh: addresses
   for (const MapRow& row : map) units[row.unit][row.refresh].push_back(row.address);
   double load = 0;
   for (const auto& [unit, classes] : units) {

@@ -37,7 +37,8 @@ TEST(LoadCheck, ABusWithRoomHasNone) {
 }
 
 TEST(LoadCheck, LoadAndStretchAreThoseOfThePlan) {
-  // 19 ms each: 8 + 7 characters of 11 bits, two silences and 5 ms; so 80 in a second need 1.5 seconds.
+  // 19 ms each: 8 + 7 characters of 11 bits, two silences and 5 ms; so 80 in a second need 1.5
+  // seconds.
   const auto overload = overload_of(bus_of(80, 1s, 19200), 5ms);
   ASSERT_TRUE(overload);
   EXPECT_NEAR(overload->load, 1.5, 0.2);
@@ -70,9 +71,11 @@ TEST(LoadCheck, HopelessIsAHundredTimesTheWireAtTheLeast) {
 }
 
 TEST(LoadCheck, TextSaysHowMuchAndHowToMend) {
-  EXPECT_THAT(to_text(Overload{2.5, 2.625, 57600}), testing::AllOf(HasSubstr("2.50 times"), HasSubstr("2.62 times as long"),
-                                                                  HasSubstr("at 57600 baud"), HasSubstr("'fieldcast plan'")));
-  EXPECT_THAT(to_text(Overload{30, 31, std::nullopt}), testing::AllOf(HasSubstr("30 times"), Not(HasSubstr("baud"))));
+  EXPECT_THAT(to_text(Overload{2.5, 2.625, 57600}),
+              testing::AllOf(HasSubstr("2.50 times"), HasSubstr("2.62 times as long"),
+                             HasSubstr("at 57600 baud"), HasSubstr("'fieldcast plan'")));
+  EXPECT_THAT(to_text(Overload{30, 31, std::nullopt}),
+              testing::AllOf(HasSubstr("30 times"), Not(HasSubstr("baud"))));
 }
 
 }  // namespace

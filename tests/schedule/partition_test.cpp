@@ -15,7 +15,8 @@ const test::FakeProtocol kProtocol;
 const LineFormat kLine{19200, 8, Parity::kEven, 1};
 
 // Every way to cut the list, tried.
-Duration brute_force(const std::vector<Wanted>& wanted, const ReadCost& cost, std::uint32_t max_gap) {
+Duration brute_force(const std::vector<Wanted>& wanted, const ReadCost& cost,
+                     std::uint32_t max_gap) {
   Duration best = Duration::max();
   for (std::uint32_t cuts = 0; cuts < 1u << (wanted.size() - 1); ++cuts) {
     Duration sum{};
@@ -25,7 +26,8 @@ Duration brute_force(const std::vector<Wanted>& wanted, const ReadCost& cost, st
       if (i < wanted.size() && (cuts >> (i - 1) & 1u) == 0) continue;
       std::uint32_t end = wanted[begin].end;
       for (std::uint32_t k = begin + 1; k < i; ++k) {
-        allowed = allowed && !wanted[k].barrier && (wanted[k].first <= end || wanted[k].first - end <= max_gap);
+        allowed = allowed && !wanted[k].barrier &&
+                  (wanted[k].first <= end || wanted[k].first - end <= max_gap);
         end = std::max(end, wanted[k].end);
       }
       const Range range = cost.cover(wanted[begin].first, end);
@@ -51,7 +53,8 @@ TEST(Partition, EqualsTheBestOfAllPartitionsOnRandomLists) {
     std::uint32_t first = static_cast<std::uint32_t>(random() % 20);
     const std::size_t size = 1 + random() % 11;
     for (std::size_t i = 0; i < size; ++i) {
-      wanted.push_back({first, first + 1 + static_cast<std::uint32_t>(random() % 4), random() % 12 == 0});
+      wanted.push_back(
+          {first, first + 1 + static_cast<std::uint32_t>(random() % 4), random() % 12 == 0});
       first += static_cast<std::uint32_t>(random() % 16);
     }
     const ReadCost cost(device, area, kLine, 2ms, wanted.back().end + 8);
@@ -62,7 +65,9 @@ TEST(Partition, EqualsTheBestOfAllPartitionsOnRandomLists) {
       expected = slice.end;
     }
     EXPECT_EQ(expected, wanted.size());
-    EXPECT_EQ(cost_of(wanted, slices, cost), brute_force(wanted, cost, device.max_gap.value_or(65535))) << "round " << round;
+    EXPECT_EQ(cost_of(wanted, slices, cost),
+              brute_force(wanted, cost, device.max_gap.value_or(65535)))
+        << "round " << round;
   }
 }
 

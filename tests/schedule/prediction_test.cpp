@@ -28,14 +28,16 @@ TEST(Prediction, LightPlanIsFeasibleAndItsLoadIsWhatTheBlocksCost) {
   EXPECT_GE(prediction.horizon, 60s);
   ASSERT_EQ(prediction.blocks.size(), 2u);
   double load = 0;
-  for (const BlockForecast& block : prediction.blocks) load += block.per_second * to_seconds(block.cost);
+  for (const BlockForecast& block : prediction.blocks)
+    load += block.per_second * to_seconds(block.cost);
   EXPECT_NEAR(load, prediction.load, 1e-6);
   EXPECT_NEAR(prediction.load, prediction.planned_load, 0.05 * prediction.planned_load);
   for (const PointForecast& point : prediction.points) {
     EXPECT_LE(point.worst_gap, point.refresh);
     EXPECT_GT(point.reads, 0u);
   }
-  EXPECT_FALSE(prediction.remedies.stretch || prediction.remedies.baud || !prediction.remedies.slower.empty());
+  EXPECT_FALSE(prediction.remedies.stretch || prediction.remedies.baud ||
+               !prediction.remedies.slower.empty());
 }
 
 TEST(Prediction, OverloadNamesConfigurationsThatWork) {
@@ -47,7 +49,8 @@ TEST(Prediction, OverloadNamesConfigurationsThatWork) {
 
   ASSERT_TRUE(prediction.remedies.stretch);
   ScheduleInput slower = input;
-  for (Point& point : slower.points) point.refresh = from_seconds(to_seconds(point.refresh) * *prediction.remedies.stretch);
+  for (Point& point : slower.points)
+    point.refresh = from_seconds(to_seconds(point.refresh) * *prediction.remedies.stretch);
   EXPECT_TRUE(predict(slower).feasible);
 
   ASSERT_TRUE(prediction.remedies.baud);
@@ -70,14 +73,16 @@ TEST(Prediction, DevicesAreSpreadOverLinesThatEachWork) {
   const DeviceTiming device = input.devices.front();
   input.devices.assign(6, device);
   input.points.clear();
-  for (DeviceIndex d = 0; d < 6; ++d) input.points.push_back({.device = d, .range = {0, 0, 1}, .refresh = 55ms});
+  for (DeviceIndex d = 0; d < 6; ++d)
+    input.points.push_back({.device = d, .range = {0, 0, 1}, .refresh = 55ms});
   const Prediction prediction = predict(input);
   ASSERT_FALSE(prediction.feasible);
   ASSERT_TRUE(prediction.remedies.buses);
   const std::size_t lines = *prediction.remedies.buses;
   EXPECT_GE(lines, 2u);
   ScheduleInput fullest = input;
-  std::erase_if(fullest.points, [&](const Point& point) { return point.device >= (6 + lines - 1) / lines; });
+  std::erase_if(fullest.points,
+                [&](const Point& point) { return point.device >= (6 + lines - 1) / lines; });
   EXPECT_TRUE(predict(fullest).feasible);
   EXPECT_FALSE(predict(test::input_of(two_clusters(), kProtocol)).remedies.buses);
 }

@@ -17,7 +17,8 @@ using test::VirtualWire;
 
 const test::FakeProtocol kProtocol;
 
-// Several units, areas, widths, limits and answer times on one bus, with about half of the load that it could carry.
+// Several units, areas, widths, limits and answer times on one bus, with about half of the load
+// that it could carry.
 ScheduleInput random_input(std::uint64_t seed) {
   std::mt19937_64 random(seed);
   const auto below = [&](std::uint64_t n) { return random() % n; };
@@ -32,11 +33,13 @@ ScheduleInput random_input(std::uint64_t seed) {
     if (below(3) == 0) device.max_block = static_cast<std::uint16_t>(8 + below(40));
     if (below(3) == 0) device.max_gap = static_cast<std::uint16_t>(below(8));
     input.devices.push_back(device);
-    for (std::uint32_t first = static_cast<std::uint32_t>(below(20)); input.points.size() < 30 * (unit + 1);) {
+    for (std::uint32_t first = static_cast<std::uint32_t>(below(20));
+         input.points.size() < 30 * (unit + 1);) {
       Point point;
       point.device = static_cast<DeviceIndex>(unit);
       const AreaIndex area = static_cast<AreaIndex>(below(8) == 0 ? 1 + below(3) : 0);
-      point.range = {area, area == test::kWindow ? first % 60 : first % 900, static_cast<std::uint32_t>(1 + below(4))};
+      point.range = {area, area == test::kWindow ? first % 60 : first % 900,
+                     static_cast<std::uint32_t>(1 + below(4))};
       point.refresh = std::chrono::milliseconds{kRefreshes[below(kRefreshes.size())]};
       point.priority = static_cast<int>(below(3)) - 1;
       input.points.push_back(point);
@@ -44,7 +47,8 @@ ScheduleInput random_input(std::uint64_t seed) {
     }
   }
   const double wanted = make_scheduler(input)->planned_load();
-  for (Point& point : input.points) point.refresh = from_seconds(to_seconds(point.refresh) * wanted / 0.55);
+  for (Point& point : input.points)
+    point.refresh = from_seconds(to_seconds(point.refresh) * wanted / 0.55);
   return input;
 }
 
@@ -83,12 +87,16 @@ TEST_P(RandomBus, WhatIsPredictedFeasibleMissesNothingAndBlocksAreSound) {
     EXPECT_EQ(wire.overdue(), 0u);
     EXPECT_NEAR(wire.load(), prediction.load, 0.05 * prediction.load);
   }
-  for (PointIndex point = 0; point < input.points.size(); ++point) EXPECT_GT(wire.seen(point).count, 0u) << point;
+  for (PointIndex point = 0; point < input.points.size(); ++point)
+    EXPECT_GT(wire.seen(point).count, 0u) << point;
 }
 
-TEST_P(RandomBus, HalfTheLoadIsFeasible) { EXPECT_TRUE(predict(random_input(GetParam()), {.remedies = false}).feasible); }
+TEST_P(RandomBus, HalfTheLoadIsFeasible) {
+  EXPECT_TRUE(predict(random_input(GetParam()), {.remedies = false}).feasible);
+}
 
-// Devices that fall silent, come back, and refuse: nobody starves, and a suspended device is left alone.
+// Devices that fall silent, come back, and refuse: nobody starves, and a suspended device is left
+// alone.
 TEST_P(RandomBus, FaultsOfSomeStarveNobody) {
   const ScheduleInput input = random_input(GetParam());
   std::mt19937_64 random(GetParam() + 1000);
@@ -101,7 +109,8 @@ TEST_P(RandomBus, FaultsOfSomeStarveNobody) {
   wire.check = [&](const Block& block) { EXPECT_GE(wire.now(), suspended[block.device]); };
   wire.device = [&](const Block& block) {
     if (block.device == 0 && random() % 4 == 0) return test::Answer::kSilent;
-    if (block.ranges[0].first <= 20 && 20 < block.ranges[0].end() && block.ranges[0].area == 0) return test::Answer::kRefused;
+    if (block.ranges[0].first <= 20 && 20 < block.ranges[0].end() && block.ranges[0].area == 0)
+      return test::Answer::kRefused;
     return test::Answer::kGood;
   };
   for (int step = 0; step < 60; ++step) {
@@ -116,7 +125,9 @@ TEST_P(RandomBus, FaultsOfSomeStarveNobody) {
     const Range& range = input.points[point].range;
     if (range.area == 0 && range.first <= 20 && 20 < range.end()) continue;
     EXPECT_GT(wire.seen(point).count, 1u) << point;
-    EXPECT_LT(to_seconds(wire.now() - wire.seen(point).last), 4 * to_seconds(input.points[point].refresh) + 3) << point;
+    EXPECT_LT(to_seconds(wire.now() - wire.seen(point).last),
+              4 * to_seconds(input.points[point].refresh) + 3)
+        << point;
   }
 }
 
@@ -142,7 +153,8 @@ TEST(Overload, LowPriorityGivesWayFirst) {
     if (!favoured) low = std::min(low, wire.seen(point).longest);
     EXPECT_GT(wire.seen(point).count, 10u) << point;
   }
-  EXPECT_LE(high, 300ms);  // at most a fifth over its refresh, while the others more than double theirs
+  EXPECT_LE(high,
+            300ms);  // at most a fifth over its refresh, while the others more than double theirs
   EXPECT_GT(low, 500ms);
 }
 
@@ -166,10 +178,12 @@ TEST(Overload, OfOnePriorityEachGivesWayByItsElasticity) {
   }
   EXPECT_LT(longest[0], longest[1]);
   EXPECT_LT(1.5 * longest[1], longest[2]);
-  EXPECT_NEAR(to_seconds(longest[2]), 0.35 * scheduler->stretch(), 0.25 * 0.35 * scheduler->stretch());
+  EXPECT_NEAR(to_seconds(longest[2]), 0.35 * scheduler->stretch(),
+              0.25 * 0.35 * scheduler->stretch());
 }
 
-// Refreshes that ask for many times what the wire carries, priorities and elasticities of any kind: everybody moves.
+// Refreshes that ask for many times what the wire carries, priorities and elasticities of any kind:
+// everybody moves.
 class RandomOverload : public ::testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(RandomOverload, StarvesNobody) {
@@ -190,8 +204,10 @@ TEST_P(RandomOverload, StarvesNobody) {
     wire.run(120s);
     for (PointIndex point = 0; point < input.points.size(); ++point) {
       const double allowed = 2 * to_seconds(input.points[point].refresh) * scheduler->stretch() + 5;
-      EXPECT_LT(to_seconds(wire.now() - wire.seen(point).last), allowed) << to_text(planner) << ", point " << point;
-      EXPECT_LT(to_seconds(wire.seen(point).longest), allowed) << to_text(planner) << ", point " << point;
+      EXPECT_LT(to_seconds(wire.now() - wire.seen(point).last), allowed)
+          << to_text(planner) << ", point " << point;
+      EXPECT_LT(to_seconds(wire.seen(point).longest), allowed)
+          << to_text(planner) << ", point " << point;
     }
   }
 }
@@ -201,7 +217,8 @@ INSTANTIATE_TEST_SUITE_P(Seeds, RandomOverload, ::testing::Range<std::uint64_t>(
 TEST(Overload, WireThatIsSlowerThanPlannedStretchesToo) {
   ScheduleInput input = test::input_of(test::random_map(4, 90), kProtocol, 115200);
   const double planned = make_scheduler(input)->planned_load();
-  for (Point& point : input.points) point.refresh = from_seconds(to_seconds(point.refresh) * planned / 0.5);
+  for (Point& point : input.points)
+    point.refresh = from_seconds(to_seconds(point.refresh) * planned / 0.5);
   const auto scheduler = make_scheduler(input);
   Instant now{1s};
   // Every answer takes three times what the plan knows.
@@ -223,16 +240,19 @@ TEST(Overload, WireThatIsSlowerThanPlannedStretchesToo) {
 TEST(Overload, NewAnswerTimeChangesThePlan) {
   ScheduleInput input = test::input_of(test::random_map(4, 90), kProtocol);
   const double planned = make_scheduler(input)->planned_load();
-  for (Point& point : input.points) point.refresh = from_seconds(to_seconds(point.refresh) * planned / 0.7);
+  for (Point& point : input.points)
+    point.refresh = from_seconds(to_seconds(point.refresh) * planned / 0.7);
   const auto scheduler = make_scheduler(input);
   EXPECT_EQ(scheduler->stretch(), 1.0);
   VirtualWire wire(input, *scheduler);
   wire.run(5s);
-  for (DeviceIndex device = 0; device < input.devices.size(); ++device) scheduler->set_answer_time(device, test::kRegisters, 60ms);
+  for (DeviceIndex device = 0; device < input.devices.size(); ++device)
+    scheduler->set_answer_time(device, test::kRegisters, 60ms);
   wire.run(1s);
   EXPECT_GT(scheduler->planned_load(), 1.0);
   EXPECT_GT(scheduler->stretch(), 1.1);
-  for (DeviceIndex device = 0; device < input.devices.size(); ++device) scheduler->set_answer_time(device, test::kRegisters, 2ms);
+  for (DeviceIndex device = 0; device < input.devices.size(); ++device)
+    scheduler->set_answer_time(device, test::kRegisters, 2ms);
   wire.run(1s);
   EXPECT_EQ(scheduler->stretch(), 1.0);
 }

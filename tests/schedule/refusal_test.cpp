@@ -27,7 +27,8 @@ class RefusingDevice : public ::testing::Test {
     wire_ = std::make_unique<VirtualWire>(input_, *scheduler_);
     wire_->device = [this](const Block& block) {
       for (const std::uint32_t hole : holes_) {
-        if (block.ranges[0].first <= hole && hole < block.ranges[0].end()) return ++refused_, Answer::kRefused;
+        if (block.ranges[0].first <= hole && hole < block.ranges[0].end())
+          return ++refused_, Answer::kRefused;
       }
       return Answer::kGood;
     };
@@ -67,7 +68,8 @@ TEST_F(RefusingDevice, SinglePointIsFoundBadAndTheOthersKeepTheirRefresh) {
 TEST_F(RefusingDevice, SeveralHolesAreAllFound) {
   holes_ = {0, 13, 14, 26, 38};
   wire_->run(10s);
-  EXPECT_EQ(std::set<PointIndex>(wire_->bad.begin(), wire_->bad.end()), (std::set<PointIndex>{0, 7, 13, 19}));
+  EXPECT_EQ(std::set<PointIndex>(wire_->bad.begin(), wire_->bad.end()),
+            (std::set<PointIndex>{0, 7, 13, 19}));
   refused_ = 0;
   wire_->forget_gaps();
   wire_->run(60s);
@@ -84,7 +86,9 @@ TEST_F(RefusingDevice, BadPointIsTriedAgainAloneAndComesBack) {
   wire_->run(25s);
   EXPECT_EQ(wire_->bad.size(), 1u);
   wire_->check = [](const Block& block) {
-    if (std::count(block.points.begin(), block.points.end(), 7u)) { EXPECT_EQ(block.points.size(), 1u); }
+    if (std::count(block.points.begin(), block.points.end(), 7u)) {
+      EXPECT_EQ(block.points.size(), 1u);
+    }
   };
   wire_->run(16s);  // still refused: alone, so nobody else suffers
   EXPECT_EQ(wire_->bad.size(), 2u);

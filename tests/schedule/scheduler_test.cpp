@@ -17,8 +17,8 @@ using test::VirtualWire;
 const test::FakeProtocol kProtocol;
 
 // `count` registers from `first` on, every `step`-th.
-void add_points(ScheduleInput& input, DeviceIndex device, std::uint32_t first, std::uint32_t count, std::uint32_t step,
-                Duration refresh, Mode mode = Mode::kScheduled) {
+void add_points(ScheduleInput& input, DeviceIndex device, std::uint32_t first, std::uint32_t count,
+                std::uint32_t step, Duration refresh, Mode mode = Mode::kScheduled) {
   for (std::uint32_t i = 0; i < count; ++i) {
     Point point;
     point.device = device;
@@ -49,7 +49,8 @@ TEST(Scheduler, OnDemandPointsAreNeverRead) {
   EXPECT_EQ(std::get<Rest>(make_scheduler(input)->next(Instant{5s})).until, kNever);
 }
 
-// What follows an answer (silence, a pause) is a good part of these reads, and no part of their points' refresh.
+// What follows an answer (silence, a pause) is a good part of these reads, and no part of their
+// points' refresh.
 TEST(Scheduler, FewLongReadsWithLongRestsAreKeptOnACrowdedWire) {
   for (const Duration pause : {Duration{0}, Duration{200ms}}) {
     ScheduleInput input = plant(1, 300);
@@ -73,7 +74,8 @@ TEST(Scheduler, EveryPointIsReadAtOnceWhenTheWireIsIdle) {
   const auto scheduler = make_scheduler(input);
   VirtualWire wire(input, *scheduler);
   wire.run(2s);
-  for (PointIndex point = 0; point < input.points.size(); ++point) EXPECT_EQ(wire.seen(point).count, 1u) << point;
+  for (PointIndex point = 0; point < input.points.size(); ++point)
+    EXPECT_EQ(wire.seen(point).count, 1u) << point;
 }
 
 TEST(Scheduler, ScheduledPointsAreReadInTimeAndThenTheWireRests) {
@@ -98,7 +100,8 @@ TEST(Scheduler, IntensiveWireNeverRests) {
   EXPECT_GT(wire.load(), 0.999);
 }
 
-// 300 scattered registers in three units at 115200 baud: as good as a loop over the optimal partition, and as even.
+// 300 scattered registers in three units at 115200 baud: as good as a loop over the optimal
+// partition, and as even.
 TEST(Scheduler, IntensivePointsOfOneRefreshConvergeToTheOptimalPartition) {
   ScheduleInput input = test::input_of(test::random_map(7, 300), kProtocol, 115200, 2ms);
   Duration loop{};
@@ -148,7 +151,9 @@ TEST(Scheduler, SuspendedDevicesAreNotTouchedAndTheOthersKeepTheirRefresh) {
   const auto scheduler = make_scheduler(input);
   scheduler->suspend(1, Instant{1030s});
   VirtualWire wire(input, *scheduler);
-  wire.check = [&](const Block& block) { EXPECT_TRUE(block.device != 1 || wire.now() >= Instant{1030s}); };
+  wire.check = [&](const Block& block) {
+    EXPECT_TRUE(block.device != 1 || wire.now() >= Instant{1030s});
+  };
   wire.run(30s);
   EXPECT_EQ(wire.seen(10).count, 0u);
   wire.forget_gaps();
@@ -176,7 +181,9 @@ TEST(Scheduler, SilentBlocksDoNotStarveOthers) {
   add_points(input, 1, 0, 10, 2, 1s);
   const auto scheduler = make_scheduler(input);
   VirtualWire wire(input, *scheduler);
-  wire.device = [](const Block& block) { return block.device == 0 ? test::Answer::kSilent : test::Answer::kGood; };
+  wire.device = [](const Block& block) {
+    return block.device == 0 ? test::Answer::kSilent : test::Answer::kGood;
+  };
   wire.run(60s);
   EXPECT_EQ(wire.seen(0).count, 0u);
   for (PointIndex point = 10; point < 20; ++point) EXPECT_EQ(wire.seen(point).missed, 0u) << point;
@@ -235,7 +242,8 @@ TEST(Scheduler, OverloadStretchesEveryRefreshAndStarvesNobody) {
   wire.forget_gaps();
   wire.run(300s);
   for (PointIndex point = 0; point < input.points.size(); ++point) {
-    EXPECT_LT(to_seconds(wire.seen(point).longest), 1.6 * scheduler->stretch() * to_seconds(input.points[point].refresh))
+    EXPECT_LT(to_seconds(wire.seen(point).longest),
+              1.6 * scheduler->stretch() * to_seconds(input.points[point].refresh))
         << point;
     EXPECT_GT(wire.seen(point).count, 0u) << point;
   }

@@ -46,7 +46,8 @@ TEST(Timetable, SlowPointsOfManyRequestsAreSpreadOverTheFrames) {
   for (int i = 0; i < 20; ++i) requests.push_back(request({10}));
   table.fill(requests, 2);
   std::vector<int> in_frame(10);
-  for (std::size_t index = 0; index < requests.size(); ++index) ++in_frame[table.request(index).phase % 10];
+  for (std::size_t index = 0; index < requests.size(); ++index)
+    ++in_frame[table.request(index).phase % 10];
   EXPECT_EQ(*std::min_element(in_frame.begin(), in_frame.end()), 2);
   EXPECT_EQ(*std::max_element(in_frame.begin(), in_frame.end()), 2);
   EXPECT_NEAR(table.load(), 2 * 11.0 / 100, 0.001);  // two requests of 11 ms in each frame of 100
@@ -70,20 +71,23 @@ TEST(Timetable, AReadEndsAtTheLatestWhenThoseBeforeItDo) {
 
 TEST(Timetable, OtherCostsLeaveTheTurnsAndOtherMembersLeaveThoseOfTheRest) {
   Timetable table(kBeat, kRoom);
-  const std::vector<TimetableRequest> requests{request({1, 10, 20}), request({1, 10}), request({5, 50})};
+  const std::vector<TimetableRequest> requests{request({1, 10, 20}), request({1, 10}),
+                                               request({5, 50})};
   table.fill(requests, 2);
   const TimetableRequest first = table.request(0), last = table.request(2);
   TimetableRequest slower = requests[0];
   slower.base = 15'000'000;
   table.change(0, slower);
   table.align();
-  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(table.request(0).members[i].turn, first.members[i].turn) << i;
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_EQ(table.request(0).members[i].turn, first.members[i].turn) << i;
   EXPECT_GT(table.request(0).latest, first.latest);
   table.change(1, request({2, 4}));
   table.align();
   EXPECT_EQ(table.request(1).beat * table.frame(), 2 * kBeat);
   EXPECT_EQ(table.request(2).phase, last.phase);
-  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(table.request(2).members[i].turn, last.members[i].turn) << i;
+  for (std::size_t i = 0; i < 2; ++i)
+    EXPECT_EQ(table.request(2).members[i].turn, last.members[i].turn) << i;
 }
 
 TEST(Timetable, ARequestWithoutMembersTakesNoTime) {

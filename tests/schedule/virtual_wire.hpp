@@ -1,4 +1,5 @@
-// An ideal half-duplex line in virtual time, with a scheduler as its master: every read takes its cost, and gaps are counted.
+// An ideal half-duplex line in virtual time, with a scheduler as its master: every read takes its
+// cost, and gaps are counted.
 #pragma once
 
 #include <algorithm>
@@ -47,7 +48,9 @@ class VirtualWire {
   [[nodiscard]] std::size_t overdue() const {
     std::size_t count = 0;
     for (PointIndex point = 0; point < seen_.size(); ++point) {
-      if (input_.points[point].mode != Mode::kOnDemand && now_ - seen_[point].last > input_.points[point].refresh) ++count;
+      if (input_.points[point].mode != Mode::kOnDemand &&
+          now_ - seen_[point].last > input_.points[point].refresh)
+        ++count;
     }
     return count;
   }
@@ -63,6 +66,7 @@ class VirtualWire {
 
   std::function<Answer(const Block&)> device;
   std::function<void(const Block&)> check;
+  double pace = 1;  // what a read takes of the time that the line's rate says
   Duration timeout = std::chrono::milliseconds{200};
   Duration retry_after{};
   Duration forget = std::chrono::minutes{10};
@@ -82,11 +86,13 @@ class VirtualWire {
       scheduler_.failed(block, now_, now_ + retry_after);
       return;
     }
-    const Instant acquired = now_ + block.cost - tail;
-    now_ += block.cost;
-    busy_ += block.cost;
+    const Duration took = from_seconds(to_seconds(block.cost - tail) * pace) + tail;
+    const Instant acquired = now_ + took - tail;
+    now_ += took;
+    busy_ += took;
     if (answer == Answer::kRefused) {
-      for (const PointIndex point : scheduler_.refused(block, acquired, forget)) bad.push_back(point);
+      for (const PointIndex point : scheduler_.refused(block, acquired, forget))
+        bad.push_back(point);
       return;
     }
     for (const PointIndex point : block.points) note(point, acquired);

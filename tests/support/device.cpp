@@ -6,7 +6,8 @@
 
 namespace fieldcast::test {
 
-Device::Device(std::string_view protocol, std::uint16_t address, std::map<std::string, std::string> options) {
+Device::Device(std::string_view protocol, std::uint16_t address,
+               std::map<std::string, std::string> options) {
   const ProtocolEntry* entry = find_protocol(protocol);
   if (entry == nullptr) throw std::invalid_argument("no protocol " + std::string(protocol));
   auto made = entry->make({.address = address, .options = std::move(options)});
@@ -23,7 +24,9 @@ Range Device::range(std::string_view at, std::uint32_t count) const {
   return {parsed->area, parsed->first, count};
 }
 
-Request Device::read(std::string_view at, std::uint32_t count) const { return ReadRequest{{range(at, count)}}; }
+Request Device::read(std::string_view at, std::uint32_t count) const {
+  return ReadRequest{{range(at, count)}};
+}
 
 Request Device::write(std::string_view at, std::string_view items_hex) const {
   WriteRequest write{.range = range(at), .items = from_hex(items_hex).value()};

@@ -12,18 +12,21 @@ namespace fieldcast::test {
 
 class Device {
  public:
-  Device(std::string_view protocol, std::uint16_t address, std::map<std::string, std::string> options = {});
+  Device(std::string_view protocol, std::uint16_t address,
+         std::map<std::string, std::string> options = {});
 
   explicit Device(std::unique_ptr<Protocol> protocol) : protocol_(std::move(protocol)) {}
 
   [[nodiscard]] const Protocol& protocol() const { return *protocol_; }
-  // `count` items from an address such as "holding:100"; a gtest failure when the address is not understood.
+  // `count` items from an address such as "holding:100"; a gtest failure when the address is not
+  // understood.
   [[nodiscard]] Range range(std::string_view at, std::uint32_t count = 1) const;
   [[nodiscard]] Request read(std::string_view at, std::uint32_t count = 1) const;
   [[nodiscard]] Request write(std::string_view at, std::string_view items_hex) const;
   // With the bit of the address.
   [[nodiscard]] Request write_bit(std::string_view at, bool on) const;
-  [[nodiscard]] std::unique_ptr<Exchange> begin(const Request& request, std::uint16_t sequence = 0) const;
+  [[nodiscard]] std::unique_ptr<Exchange> begin(const Request& request,
+                                                std::uint16_t sequence = 0) const;
   // The first request of an exchange.
   [[nodiscard]] Bytes request_bytes(const Request& request, std::uint16_t sequence = 0) const;
 

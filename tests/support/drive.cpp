@@ -62,7 +62,8 @@ class Driver {
 
 }  // namespace
 
-Outcome drive(Exchange& exchange, std::span<const Bytes> answers, std::span<const std::size_t> cuts) {
+Outcome drive(Exchange& exchange, std::span<const Bytes> answers,
+              std::span<const std::size_t> cuts) {
   Driver driver(exchange);
   driver.start();
   std::size_t silences = 0;
@@ -75,12 +76,15 @@ Outcome drive(Exchange& exchange, std::span<const Bytes> answers, std::span<cons
       if (on && cut > 0 && cut < answer.size()) on = driver.show(ByteView(answer).first(cut));
     }
     if (on && !answer.empty()) on = driver.show(answer);
-    while (on && !driver.ended() && driver.rounds() == round && silences++ < kMaxSilences) driver.silence();
+    while (on && !driver.ended() && driver.rounds() == round && silences++ < kMaxSilences)
+      driver.silence();
   }
   return driver.outcome();
 }
 
-Outcome drive(Exchange& exchange, const Bytes& answer) { return drive(exchange, std::span(&answer, 1)); }
+Outcome drive(Exchange& exchange, const Bytes& answer) {
+  return drive(exchange, std::span(&answer, 1));
+}
 
 Outcome drive_bytewise(Exchange& exchange, std::span<const Bytes> answers) {
   std::size_t longest = 0;
@@ -91,7 +95,9 @@ Outcome drive_bytewise(Exchange& exchange, std::span<const Bytes> answers) {
 }
 
 std::string to_text(const Outcome& outcome) {
-  if (!outcome.done()) return "failed: " + std::string(to_text(outcome.cause)) + " code " + std::to_string(outcome.code);
+  if (!outcome.done())
+    return "failed: " + std::string(to_text(outcome.cause)) + " code " +
+           std::to_string(outcome.code);
   std::string text = "done:";
   for (const RangeReply& range : outcome.reply)
     text += " [" + std::string(to_text(range.cause)) + " " + to_hex(range.items) + "]";

@@ -1,4 +1,5 @@
-// Runs an exchange against bytes that are already known, the way the engine would: growing prefixes, then silence.
+// Runs an exchange against bytes that are already known, the way the engine would: growing
+// prefixes, then silence.
 #pragma once
 
 #include <span>
@@ -21,9 +22,11 @@ struct Outcome {
   [[nodiscard]] bool done() const { return kind == Step::Kind::kDone; }
 };
 
-// Sends, then shows the answer in pieces that end at `cuts` (ascending offsets), then silence. An exchange of several rounds gets
-// answers[round] after its round-th send. Rounds are limited to 64: an exchange that wants more fails the run with kOverlong.
-[[nodiscard]] Outcome drive(Exchange& exchange, std::span<const Bytes> answers, std::span<const std::size_t> cuts = {});
+// Sends, then shows the answer in pieces that end at `cuts` (ascending offsets), then silence. An
+// exchange of several rounds gets answers[round] after its round-th send. Rounds are limited to 64:
+// an exchange that wants more fails the run with kOverlong.
+[[nodiscard]] Outcome drive(Exchange& exchange, std::span<const Bytes> answers,
+                            std::span<const std::size_t> cuts = {});
 [[nodiscard]] Outcome drive(Exchange& exchange, const Bytes& answer);
 
 // Byte by byte.

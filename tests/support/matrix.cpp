@@ -9,15 +9,21 @@ namespace fieldcast::test {
 namespace {
 
 bool same(const Outcome& a, const Outcome& b) {
-  if (a.kind != b.kind || a.cause != b.cause || a.code != b.code || a.reply.size() != b.reply.size()) return false;
-  return std::equal(a.reply.begin(), a.reply.end(), b.reply.begin(), [](const RangeReply& x, const RangeReply& y) {
-    return x.cause == y.cause && x.device_code == y.device_code && x.items == y.items;
-  });
+  if (a.kind != b.kind || a.cause != b.cause || a.code != b.code ||
+      a.reply.size() != b.reply.size())
+    return false;
+  return std::equal(a.reply.begin(), a.reply.end(), b.reply.begin(),
+                    [](const RangeReply& x, const RangeReply& y) {
+                      return x.cause == y.cause && x.device_code == y.device_code &&
+                             x.items == y.items;
+                    });
 }
 
-// A device's refusal is an outcome of its own: a disturbed answer must not turn into one, nor into another value.
+// A device's refusal is an outcome of its own: a disturbed answer must not turn into one, nor into
+// another value.
 bool says_something(const Outcome& outcome) {
-  return outcome.done() || outcome.cause == Cause::kDeviceError || outcome.cause == Cause::kDeviceBusy;
+  return outcome.done() || outcome.cause == Cause::kDeviceError ||
+         outcome.cause == Cause::kDeviceBusy;
 }
 
 class Matrix {
@@ -42,7 +48,8 @@ class Matrix {
         answers.resize(round + 1);
         answers[round].resize(size);
         const Outcome outcome = run(answers);
-        EXPECT_FALSE(says_something(outcome)) << "round " << round << " cut to " << size << " bytes: " << to_text(outcome);
+        EXPECT_FALSE(says_something(outcome))
+            << "round " << round << " cut to " << size << " bytes: " << to_text(outcome);
       }
     }
   }
@@ -52,8 +59,8 @@ class Matrix {
       for (std::size_t bit = 0; bit < case_.answers[round].size() * 8; ++bit) {
         auto answers = case_.answers;
         answers[round][bit / 8] ^= static_cast<std::uint8_t>(1u << bit % 8);
-        const std::string what =
-            "round " + std::to_string(round) + " byte " + std::to_string(bit / 8) + " bit " + std::to_string(bit % 8);
+        const std::string what = "round " + std::to_string(round) + " byte " +
+                                 std::to_string(bit / 8) + " bit " + std::to_string(bit % 8);
         expect_refused_or_same(run(answers), what);
         const auto exchange = case_.begin();
         expect_refused_or_same(drive_bytewise(*exchange, answers), what + ", byte by byte");
@@ -91,7 +98,8 @@ class Matrix {
     return drive(*exchange, answers, cuts);
   }
   void expect_same(const Outcome& outcome, const std::string& what) const {
-    EXPECT_TRUE(same(outcome, clean_)) << what << ": " << to_text(outcome) << ", undisturbed: " << to_text(clean_);
+    EXPECT_TRUE(same(outcome, clean_))
+        << what << ": " << to_text(outcome) << ", undisturbed: " << to_text(clean_);
   }
   void expect_refused_or_same(const Outcome& outcome, const std::string& what) const {
     if (case_.checked && says_something(outcome)) expect_same(outcome, what);
@@ -107,7 +115,8 @@ class Matrix {
       return fill(answer);
     }
     const auto first = static_cast<std::ptrdiff_t>(random() % answer.size());
-    const auto last = std::min(first + 1 + static_cast<std::ptrdiff_t>(random() % 8), static_cast<std::ptrdiff_t>(answer.size()));
+    const auto last = std::min(first + 1 + static_cast<std::ptrdiff_t>(random() % 8),
+                               static_cast<std::ptrdiff_t>(answer.size()));
     Bytes span(answer.begin() + first, answer.begin() + last);
     switch (random() % 3) {
       case 0: answer.erase(answer.begin() + first, answer.begin() + last); break;

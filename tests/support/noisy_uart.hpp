@@ -1,8 +1,10 @@
-// A serial line with random bit errors, 8N1, down to start and stop bits: what a receiver's UART makes of a transmission.
+// A serial line with random bit errors, 8N1, down to start and stop bits: what a receiver's UART
+// makes of a transmission.
 //
-// Errors are independent and of one rate. A UART that finds a low bit takes the eight behind it as a character and the tenth as
-// its stop bit. A low stop bit is taken as the next start bit (National Semiconductor PC16550D, line status register, bit 3), and
-// the character is handed over all the same, as Linux does without INPCK; only a break (all bits low) is dropped.
+// Errors are independent and of one rate. A UART that finds a low bit takes the eight behind it as
+// a character and the tenth as its stop bit. A low stop bit is taken as the next start bit
+// (National Semiconductor PC16550D, line status register, bit 3), and the character is handed over
+// all the same, as Linux does without INPCK; only a break (all bits low) is dropped.
 #pragma once
 
 #include <cstdint>
@@ -15,14 +17,17 @@ namespace fieldcast::test {
 
 inline constexpr std::size_t kBitsOfCharacter = 10;  // 8N1
 
-// The levels of `characters` sent back to back, and of the resting line before and behind, one character each.
+// The levels of `characters` sent back to back, and of the resting line before and behind, one
+// character each.
 [[nodiscard]] std::vector<bool> line_levels(ByteView characters);
 // The characters that a UART finds in those levels; behind them the line rests.
 [[nodiscard]] Bytes uart_received(const std::vector<bool>& levels);
 
 class NoisyUart {
  public:
-  NoisyUart(double bit_error_rate, std::uint64_t seed) : rate_(bit_error_rate), random_(seed) { draw(); }
+  NoisyUart(double bit_error_rate, std::uint64_t seed) : rate_(bit_error_rate), random_(seed) {
+    draw();
+  }
   [[nodiscard]] Bytes pass(ByteView characters);
   [[nodiscard]] std::uint64_t flipped() const { return flipped_; }
 

@@ -1,8 +1,9 @@
-// Two serial ports joined by a null-modem cable: what is written to one path is read from the other.
+// Two serial ports joined by a null-modem cable: what is written to one path is read from the
+// other.
 //
-// Two pseudo-terminals whose masters a thread of its own joins; the paths are those of their slaves, raw. Bytes pass at once,
-// without a baud rate: the peers at both ends are real programs with their own time. Bounded: a side that does not read makes the
-// other's bytes be dropped.
+// Two pseudo-terminals whose masters a thread of its own joins; the paths are those of their
+// slaves, raw. Bytes pass at once, without a baud rate: the peers at both ends are real programs
+// with their own time. Bounded: a side that does not read makes the other's bytes be dropped.
 #pragma once
 
 #include <fcntl.h>
@@ -45,7 +46,9 @@ class PtyPair {
 
  private:
   struct End {
-    int master = -1, slave = -1;  // the slave is kept open, or its master would report a hang-up between two users
+    int master = -1,
+        slave =
+            -1;  // the slave is kept open, or its master would report a hang-up between two users
     std::string path;
   };
 
@@ -55,7 +58,8 @@ class PtyPair {
     termios raw{};
     ::cfmakeraw(&raw);
     raw.c_cflag |= CREAD | CLOCAL;
-    if (::openpty(&end.master, &end.slave, name.data(), &raw, nullptr) != 0) throw std::runtime_error("no pseudo-terminal");
+    if (::openpty(&end.master, &end.slave, name.data(), &raw, nullptr) != 0)
+      throw std::runtime_error("no pseudo-terminal");
     ::fcntl(end.master, F_SETFL, O_NONBLOCK);
     for (const int fd : {end.master, end.slave}) ::fcntl(fd, F_SETFD, FD_CLOEXEC);
     end.path = name.data();
@@ -63,13 +67,15 @@ class PtyPair {
   }
 
   void pump() const {
-    std::array<pollfd, 3> fds{pollfd{left_.master, POLLIN, 0}, pollfd{right_.master, POLLIN, 0}, pollfd{stop_, POLLIN, 0}};
+    std::array<pollfd, 3> fds{pollfd{left_.master, POLLIN, 0}, pollfd{right_.master, POLLIN, 0},
+                              pollfd{stop_, POLLIN, 0}};
     while (::poll(fds.data(), fds.size(), -1) >= 0 && fds[2].revents == 0) {
       for (std::size_t i = 0; i < 2; ++i) {
         std::array<std::uint8_t, 4096> buffer;
         const ssize_t count = ::read(fds[i].fd, buffer.data(), buffer.size());
         if (count <= 0) continue;
-        [[maybe_unused]] const ssize_t written = ::write(fds[1 - i].fd, buffer.data(), static_cast<std::size_t>(count));
+        [[maybe_unused]] const ssize_t written =
+            ::write(fds[1 - i].fd, buffer.data(), static_cast<std::size_t>(count));
       }
     }
   }

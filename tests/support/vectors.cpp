@@ -40,7 +40,8 @@ GoldenVector vector_of(const json& object) {
   return vector;
 }
 
-void load_file(const std::filesystem::path& path, std::vector<GoldenVector>& vectors, std::set<std::string>& names) {
+void load_file(const std::filesystem::path& path, std::vector<GoldenVector>& vectors,
+               std::set<std::string>& names) {
   std::ifstream file(path);
   const json all = json::parse(file, nullptr, false);
   if (!all.is_array()) {
@@ -71,7 +72,8 @@ std::vector<GoldenVector> load_vectors(const std::string& family) {
   load_file(std::filesystem::path(FIELDCAST_TREE_VECTORS) / (family + ".json"), vectors, names);
   const char* const chosen = std::getenv("FIELDCAST_VECTORS");
   const std::filesystem::path wider =
-      std::filesystem::path(chosen != nullptr ? chosen : FIELDCAST_WIDER_VECTORS) / (family + ".json");
+      std::filesystem::path(chosen != nullptr ? chosen : FIELDCAST_WIDER_VECTORS) /
+      (family + ".json");
   if (std::filesystem::exists(wider)) load_file(wider, vectors, names);
   return vectors;
 }

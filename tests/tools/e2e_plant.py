@@ -256,6 +256,36 @@ class Status(unittest.TestCase):
         self.assertIn("online", result.out)
 
 
+class RawOnly(unittest.TestCase):
+    """A bridge whose devices have no channels: nothing is in the catalogue, and commands to addresses work all the same."""
+
+    CONFIG = """
+bridge: raw
+buses:
+  - name: line
+    port: { serial: {run}/line, baud: 115200, format: 8N1 }
+    protocol: modbus-rtu
+    devices:
+      - { name: meter, address: 1, allow: [raw-read, raw-write] }
+"""
+
+    def test_addresses_are_read_and_written(self):
+        with Plant(BIN_DIR, self.CONFIG) as raw:
+            result = raw.cli("write", "line/meter", "--at", "coil:16", "true", "--json")
+            self.assertEqual((result.code, result.json_lines()[0]["state"]), (0, "done"), str(result))
+            result = raw.cli("acquire", "line/meter", "--at", "coil:16", "--json")
+            self.assertEqual((result.code, result.json_lines()[0]["values"]), (0, [True]), str(result))
+            result = raw.cli("acquire", "line/meter/speed")
+            self.assertEqual(result.code, 5, str(result))
+            self.assertIn("device 'meter' has no channels; --at ADDRESS", result.err)
+            result = raw.cli("acquire", "line/metre", "--at", "coil:16")
+            self.assertEqual(result.code, 5, str(result))
+            self.assertIn("bus 'line' has no device 'metre'", result.err)
+            result = raw.cli("acquire", "lime/meter", "--at", "coil:16")
+            self.assertEqual(result.code, 5, str(result))
+            self.assertIn("did you mean line?", result.err)
+
+
 if __name__ == "__main__":
     BIN_DIR = sys.argv[1]
     unittest.main(argv=sys.argv[:1], verbosity=2)

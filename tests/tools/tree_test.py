@@ -9,6 +9,7 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 import unittest
 
 SOURCE_DIR, CORE_LIBRARY, NM = "", "", "nm"
@@ -24,7 +25,11 @@ IMPURE_STD = {
     "mutex", "random", "semaphore", "shared_mutex", "stop_token", "syncstream", "thread",
 }
 
-TOP_LEVEL = {"CMakeLists.txt", "README.md", "bridge", "config", "core", "idl", "tests", "tools"}
+TOP_LEVEL = {
+    "CHANGELOG.md", "CMakeLists.txt", "CMakePresets.json", "CONTRIBUTING.md", "LICENSE", "README.md", "SECURITY.md",
+    "bridge", "config", "core", "docs", "idl", "tests", "tools",
+}
+
 
 # Symbols, as `nm -C` spells them, that core must not need.
 FORBIDDEN_SYMBOLS = [
@@ -80,6 +85,19 @@ def core_files():
                 yield os.path.join(path, name)
 
 
+def sources():
+    """All C and C++ of the tree."""
+    for folder in ["bridge", "config", "core", "idl", "tests", "tools"]:
+        for path, _, names in os.walk(os.path.join(SOURCE_DIR, folder)):
+            yield from (os.path.join(path, name) for name in names if name.endswith((".cpp", ".hpp", ".c", ".h")))
+
+
+def format_faults(files):
+    """What clang-format would change, as its own messages."""
+    style = "--style=file:" + os.path.join(SOURCE_DIR, ".clang-format")
+    return subprocess.run(["clang-format", style, "--dry-run", *files], capture_output=True, text=True).stderr
+
+
 class Rules(unittest.TestCase):
     """Each rule finds a planted fault."""
 
@@ -99,6 +117,12 @@ class Rules(unittest.TestCase):
 
     def test_includes_are_seen_in_every_spelling(self):
         self.assertEqual(includes_of('#include <a>\n  # include "b/c.hpp"\n// #include <d>\n'), ["a", "b/c.hpp"])
+
+    def test_a_file_that_is_not_formatted_is_found(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".cpp") as file:
+            file.write("int  f( ){return 1 ;}\n")
+            file.flush()
+            self.assertIn("clang-format-violations", format_faults([file.name]))
 
     def test_a_clock_thread_file_or_socket_symbol_is_found(self):
         for symbol, kind in [("std::chrono::_V2::steady_clock::now()", "clock"), ("clock_gettime@GLIBC_2.17", "clock"),
@@ -132,6 +156,12 @@ class Tree(unittest.TestCase):
         self.assertGreater(len(symbols), 0, f"{CORE_LIBRARY} names no symbol at all")
         faults = [f"{symbol}: {kind}" for symbol in sorted(symbols) if (kind := symbol_fault(symbol))]
         self.assertEqual(faults, [], "\n" + "\n".join(faults))
+
+    def test_every_source_is_formatted(self):
+        files = sorted(sources())
+        self.assertGreater(len(files), 0, "no source found")
+        faults = format_faults(files)
+        self.assertEqual(faults, "", "run clang-format -i on these:\n" + faults[:4000])
 
     def test_the_top_level_holds_nothing_else(self):
         names = {name for name in os.listdir(SOURCE_DIR) if not name.startswith(".") and not name.startswith("build")}

@@ -1,5 +1,5 @@
-// 1 000 writes while the line is read at full load: one result each, each seen once by the device, and how long a result takes
-// against the time of one block.
+// 1 000 writes while the line is read at full load: one result each, each seen once by the device,
+// and how long a result takes against the time of one block.
 //
 // usage: command_bench
 #include <chrono>
@@ -25,7 +25,8 @@ constexpr int kDevices = 3;
 constexpr int kRegisters = 100;
 
 std::string buses() {
-  return "  - name: bus\n    port: { serial: {dir}/bus, baud: 115200, format: 8E1 }\n    protocol: modbus-rtu\n"
+  return "  - name: bus\n    port: { serial: {dir}/bus, baud: 115200, format: 8E1 }\n    protocol: "
+         "modbus-rtu\n"
          "    defaults: { refresh: 1s, mode: intensive, silence: 3.5c }\n    devices:\n" +
          scattered_devices(kDevices, kRegisters, "      ", 5);
 }
@@ -45,7 +46,8 @@ std::uint64_t executed_writes(const std::string& report_path) {
   const auto report = nlohmann::json::parse(file);
   std::uint64_t writes = 0;
   for (const auto& bus : report.at("buses"))
-    for (const auto& device : bus.at("devices")) writes += device.at("write_requests").get<std::uint64_t>();
+    for (const auto& device : bus.at("devices"))
+      writes += device.at("write_requests").get<std::uint64_t>();
   return writes;
 }
 
@@ -67,7 +69,8 @@ void run() {
     results.done += result.state == CommandState::kDone;
     const auto asked = results.asked.find(result.request_id);
     if (asked != results.asked.end())
-      results.milliseconds.push_back(std::chrono::duration<double, std::milli>(now - asked->second).count());
+      results.milliseconds.push_back(
+          std::chrono::duration<double, std::milli>(now - asked->second).count());
     results.arrived.notify_one();
   });
   const auto before = plant.buses().at("bus").report;
@@ -81,13 +84,15 @@ void run() {
     std::unique_lock guard(results.lock);
     const auto asked = Clock::now();
     const auto id = plant.station().send(std::move(command));
-    if (!id) throw std::runtime_error("a command could not be sent: " + std::string(to_text(id.error())));
+    if (!id)
+      throw std::runtime_error("a command could not be sent: " + std::string(to_text(id.error())));
     results.asked[*id] = asked;
     guard.unlock();
     let_run(0.010 + 0.00002 * static_cast<double>(random() % 1000));  // not in step with the blocks
   }
   std::unique_lock guard(results.lock);
-  results.arrived.wait_for(guard, std::chrono::seconds(10), [&] { return results.count.size() >= kWrites; });
+  results.arrived.wait_for(guard, std::chrono::seconds(10),
+                           [&] { return results.count.size() >= kWrites; });
   guard.unlock();
   let_run(1.5);  // a second result for anything would come now; and the status counts all
   const double wall = std::chrono::duration<double>(Clock::now() - began).count();
@@ -103,10 +108,13 @@ void run() {
   print_figure("commands sent", kWrites, "", "");
   print_figure("results", total, "", "goal 1000");
   print_figure("results 'done'", results.done, "", "goal 1000");
-  print_figure("writes executed by the devices", static_cast<double>(executed_writes(report)), "", "goal 1000");
+  print_figure("writes executed by the devices", static_cast<double>(executed_writes(report)), "",
+               "goal 1000");
   print_figure("time of one block at full load", block_ms, "ms", "");
-  print_figure("time to result, median", quantile(results.milliseconds, 0.5), "ms", "goal < two block times");
-  print_figure("time to result, median, in block times", quantile(results.milliseconds, 0.5) / block_ms, "", "goal < 2");
+  print_figure("time to result, median", quantile(results.milliseconds, 0.5), "ms",
+               "goal < two block times");
+  print_figure("time to result, median, in block times",
+               quantile(results.milliseconds, 0.5) / block_ms, "", "goal < 2");
   print_figure("time to result, 99th percentile", quantile(results.milliseconds, 0.99), "ms", "");
 }
 

@@ -1,5 +1,6 @@
-// Memory over very many commands: a station sends, a bridge in another process answers at once. Every command is an instance that
-// both ends must forget again, or they grow without end. Prints what both hold at each tenth; the figures must stay flat.
+// Memory over very many commands: a station sends, a bridge in another process answers at once.
+// Every command is an instance that both ends must forget again, or they grow without end. Prints
+// what both hold at each tenth; the figures must stay flat.
 //
 // usage: command_memory_bench [COMMANDS (200000)]
 #include <sys/prctl.h>
@@ -52,9 +53,13 @@ void run_bridge(const DdsSpec& spec) {
   DdsLink link(
       spec, "bench",
       {.clock = both_clocks,
-       .on_command = [&](const std::string& bus, const Command& command) { self->complete(bus, done(command), both_clocks()); },
+       .on_command =
+           [&](const std::string& bus, const Command& command) {
+             self->complete(bus, done(command), both_clocks());
+           },
        .on_interest = [](const Interest&) {},
-       .on_problem = [](const std::string& text) { std::fprintf(stderr, "bridge: %s\n", text.c_str()); }});
+       .on_problem =
+           [](const std::string& text) { std::fprintf(stderr, "bridge: %s\n", text.c_str()); }});
   self = &link;
   BusSpec bus;
   bus.name = kBus;
@@ -76,7 +81,8 @@ void run_station(const DdsSpec& spec, std::uint64_t commands, const Process& bri
   const auto await = [&](std::uint64_t wanted) {
     std::unique_lock lock(mutex);
     if (!arrived.wait_for(lock, kWait, [&] { return results >= wanted; }))
-      throw std::runtime_error(std::to_string(results) + " results where " + std::to_string(wanted) + " were due");
+      throw std::runtime_error(std::to_string(results) + " results where " +
+                               std::to_string(wanted) + " were due");
   };
   std::printf("%12s %12s %16s %16s\n", "commands", "seconds", "station, MB", "bridge, MB");
   const auto began = std::chrono::steady_clock::now();
@@ -87,13 +93,14 @@ void run_station(const DdsSpec& spec, std::uint64_t commands, const Process& bri
     command.command.device = "device";
     command.command.target = ChannelTarget{"channel"};
     command.command.values = {Value{sent}};
-    if (const auto id = station.send(std::move(command)); !id) throw std::runtime_error(std::string(to_text(id.error())));
+    if (const auto id = station.send(std::move(command)); !id)
+      throw std::runtime_error(std::string(to_text(id.error())));
     if (sent > kInFlight) await(sent - kInFlight);
     if (sent % tenth != 0 && sent != commands) continue;
     await(sent);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - began;
-    std::printf("%12llu %12.1f %16.1f %16.1f\n", static_cast<unsigned long long>(sent), seconds.count(), resident_mb(getpid()),
-                bridge.resident_mb());
+    std::printf("%12llu %12.1f %16.1f %16.1f\n", static_cast<unsigned long long>(sent),
+                seconds.count(), resident_mb(getpid()), bridge.resident_mb());
     std::fflush(stdout);
   }
 }
@@ -107,7 +114,8 @@ void run(int argc, char** argv) {
   const std::uint64_t commands = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 200'000;
   spec.domain = own_domain();
   const ScratchFolder scratch;
-  const Process bridge("command_memory_bench", {kAsBridge, std::to_string(spec.domain)}, scratch.path() + "/bridge.log");
+  const Process bridge("command_memory_bench", {kAsBridge, std::to_string(spec.domain)},
+                       scratch.path() + "/bridge.log");
   run_station(spec, commands, bridge);
 }
 

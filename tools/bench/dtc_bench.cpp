@@ -1,12 +1,13 @@
-// DTC against Modbus RTU on the same scattered channels: the wire time of one round of all channels, with the best partition of
-// each.
+// DTC against Modbus RTU on the same scattered channels: the wire time of one round of all
+// channels, with the best partition of each.
 //
-// The registers of tests/maps, as Modbus holding registers and as DTC int16 variables. Modbus: the optimal partition of
-// core/plan. DTC: the best requests of tests/schedule. Both pay 11 bits a character, the
-// device's 2 ms for each request, and the silence of the maps' own model: 3.5 characters on both sides of an answer
-// (tests/schedule/maps.hpp). A second table has the silence that the bridge keeps by default. Compressed figures are of real
-// packets, over many rounds of data, with the threshold that the protocol chooses for the line; the device compresses by the same
-// rule.
+// The registers of tests/maps, as Modbus holding registers and as DTC int16 variables. Modbus: the
+// optimal partition of core/plan. DTC: the best requests of tests/schedule. Both pay 11 bits a
+// character, the device's 2 ms for each request, and the silence of the maps' own model: 3.5
+// characters on both sides of an answer (tests/schedule/maps.hpp). A second table has the silence
+// that the bridge keeps by default. Compressed figures are of real packets, over many rounds of
+// data, with the threshold that the protocol chooses for the line; the device compresses by the
+// same rule.
 //
 // usage: dtc_bench
 #include <algorithm>
@@ -67,23 +68,27 @@ Duration modbus_round(const Units& units, const Wire& wire) {
   return sum;
 }
 
-std::vector<ReadRequest> dtc_requests(const Protocol& protocol, const std::vector<std::uint32_t>& addresses, const Wire& wire) {
+std::vector<ReadRequest> dtc_requests(const Protocol& protocol,
+                                      const std::vector<std::uint32_t>& addresses,
+                                      const Wire& wire) {
   std::vector<Range> wanted;
   for (const auto address : addresses) wanted.push_back({kInt16, address, 1});
   const DeviceTiming timing{.protocol = &protocol, .answer_time = kAnswerTime};
   return test::best_requests(wanted, ListCost(timing, wire.line, wire.silence())).requests;
 }
 
-// The plant's registers over the rounds. Idle: one in ten is 1, the others 0. Slowly changing: like measurements, temperatures
-// of 20.0 to 25.0 degrees in tenths, one in four drifts by a tenth from round to round. Any levels: the same drift around
-// 0..1000, which is nothing that LZW could find in one message. Random: all bits are.
+// The plant's registers over the rounds. Idle: one in ten is 1, the others 0. Slowly changing: like
+// measurements, temperatures of 20.0 to 25.0 degrees in tenths, one in four drifts by a tenth from
+// round to round. Any levels: the same drift around 0..1000, which is nothing that LZW could find
+// in one message. Random: all bits are.
 class Registers {
  public:
   explicit Registers(Data data) : data_(data) {}
   void next_round() {
     for (auto& [address, value] : values_) {
       const bool drifts = data_ == Data::kSlow || data_ == Data::kLevels;
-      if (drifts && random_() % 4 == 0) value = static_cast<std::uint16_t>(value + random_() % 3 - 1);
+      if (drifts && random_() % 4 == 0)
+        value = static_cast<std::uint16_t>(value + random_() % 3 - 1);
       if (data_ == Data::kRandom) value = static_cast<std::uint16_t>(random_());
     }
   }
@@ -109,7 +114,8 @@ class Registers {
 Bytes answer_to(const ReadRequest& request, Registers& registers) {
   Bytes message{1, 0};
   for (const Range& range : request.ranges) {
-    for (std::uint32_t address = range.first; address < range.end(); ++address) append_u16(message, registers.read(address));
+    for (std::uint32_t address = range.first; address < range.end(); ++address)
+      append_u16(message, registers.read(address));
   }
   const std::uint16_t crc = crc16_modbus(message);
   message.push_back(static_cast<std::uint8_t>(crc));
@@ -154,13 +160,15 @@ void compare(const std::string& name, const Units& units, const Wire& wire, Rati
   const double modbus = to_seconds(modbus_round(units, wire));
   std::printf("%s at %u baud: Modbus RTU %.1f ms\n", name.c_str(), wire.line.baud, modbus * 1e3);
   const auto print = [&](const std::string& what, const Round& round) {
-    std::printf("  dtc %-28s %7.1f ms  %.3f of Modbus  (%.0f requests, %.0f + %.0f bytes)\n", what.c_str(), round.time * 1e3,
-                round.time / modbus, round.requests, round.request_bytes, round.answer_bytes);
+    std::printf("  dtc %-28s %7.1f ms  %.3f of Modbus  (%.0f requests, %.0f + %.0f bytes)\n",
+                what.c_str(), round.time * 1e3, round.time / modbus, round.requests,
+                round.request_bytes, round.answer_bytes);
     ratios[std::to_string(wire.line.baud) + " " + what].push_back(round.time / modbus);
   };
   print("plain", dtc_round(units, wire, std::nullopt));
   for (const Data data : {Data::kIdle, Data::kSlow, Data::kLevels, Data::kRandom}) {
-    print(std::string("compressed, ") + kDataNames[static_cast<int>(data)], dtc_round(units, wire, data));
+    print(std::string("compressed, ") + kDataNames[static_cast<int>(data)],
+          dtc_round(units, wire, data));
   }
 }
 
@@ -170,13 +178,15 @@ void run(const char* what, const SilenceRule& silence, bool goals) {
   for (const std::uint32_t baud : {115200u, 9600u}) {
     for (const int number : {11, 12, 13, 14}) {
       const std::string name = "map" + std::to_string(number);
-      compare(name, units_of(test::read_map(FIELDCAST_MAPS "/" + name + ".csv")), {{.baud = baud}, silence}, ratios);
+      compare(name, units_of(test::read_map(FIELDCAST_MAPS "/" + name + ".csv")),
+              {{.baud = baud}, silence}, ratios);
     }
   }
   std::puts("worst of the maps, of Modbus RTU");
-  const std::map<std::string, const char*> held{{"115200 plain", "goal: at most 0.55"},
-                                                {"9600 plain", "goal: at most 0.68"},
-                                                {"115200 compressed, slowly changing", "goal: at most 0.45"}};
+  const std::map<std::string, const char*> held{
+      {"115200 plain", "goal: at most 0.55"},
+      {"9600 plain", "goal: at most 0.68"},
+      {"115200 compressed, slowly changing", "goal: at most 0.45"}};
   for (const auto& [name, values] : ratios) {
     const auto goal = held.find(name);
     const double worst = *std::max_element(values.begin(), values.end());

@@ -1,4 +1,5 @@
-// Ten devices on one line, one of them dead, then one whose answers are half noise: what the nine others lose of their refreshes.
+// Ten devices on one line, one of them dead, then one whose answers are half noise: what the nine
+// others lose of their refreshes.
 //
 // usage: fault_bench [--seconds N]
 #include <cstdio>
@@ -14,8 +15,10 @@ namespace {
 const char* kSick = "bus/unit-4";
 
 std::string buses() {
-  return "  - name: bus\n    port: { serial: {dir}/bus, baud: 19200, format: 8E1 }\n    protocol: modbus-rtu\n"
-         "    defaults: { refresh: 1s, mode: scheduled, timeout: 200ms, retries: 1 }\n    devices:\n" +
+  return "  - name: bus\n    port: { serial: {dir}/bus, baud: 19200, format: 8E1 }\n    protocol: "
+         "modbus-rtu\n"
+         "    defaults: { refresh: 1s, mode: scheduled, timeout: 200ms, retries: 1 }\n    "
+         "devices:\n" +
          scattered_devices(10, 12, "      ", 11);
 }
 
@@ -33,7 +36,9 @@ void measure(const char* what, const std::string& faults, double seconds) {
   const auto after = plant.devices();
   double missed = 0;
   for (const auto& [name, device] : after) {
-    if (name != kSick) missed += static_cast<double>(device.report.deadline_misses - before.at(name).report.deadline_misses);
+    if (name != kSick)
+      missed += static_cast<double>(device.report.deadline_misses -
+                                    before.at(name).report.deadline_misses);
   }
   double longest = 0;
   double refreshes = 0;
@@ -50,8 +55,10 @@ void measure(const char* what, const std::string& faults, double seconds) {
   print_figure("  bad samples of theirs", bad, "", "goal 0");
   print_figure("  longest gap between two samples of theirs", longest, "s", "promise 1");
   print_figure("  load measured", plant.buses().at("bus").report.measured_load, "", "");
-  print_figure("  exchanges of the sick device that failed",
-               static_cast<double>(after.at(kSick).report.failures - before.at(kSick).report.failures), "", "");
+  print_figure(
+      "  exchanges of the sick device that failed",
+      static_cast<double>(after.at(kSick).report.failures - before.at(kSick).report.failures), "",
+      "");
 }
 
 }  // namespace
@@ -62,8 +69,10 @@ int main(int argc, char** argv) {
   try {
     const double seconds = seconds_from(argc, argv, 30);
     measure("all ten well", "", seconds);
-    measure("unit-4 dead", "buses: { bus: { devices: { unit-4: { silence: always } } } }\n", seconds);
-    measure("half of unit-4's answers are noise", "buses: { bus: { devices: { unit-4: { garble: 0.5 } } } }\n", seconds);
+    measure("unit-4 dead", "buses: { bus: { devices: { unit-4: { silence: always } } } }\n",
+            seconds);
+    measure("half of unit-4's answers are noise",
+            "buses: { bus: { devices: { unit-4: { garble: 0.5 } } } }\n", seconds);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "fault_bench: %s\n", error.what());
     return 1;

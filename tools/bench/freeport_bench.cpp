@@ -1,4 +1,5 @@
-// S7 freeport on a noisy line: how often a wrong value is published, against the least that its XOR check makes possible.
+// S7 freeport on a noisy line: how often a wrong value is published, against the least that its XOR
+// check makes possible.
 //
 // usage: freeport_bench [exchanges]     (10 million without an argument; virtual time)
 #include <cstdio>
@@ -22,19 +23,25 @@ void print_run(const char* line, double rate, std::uint64_t exchanges) {
   const test::FreeportBus::Counts& counts = bus.counts();
   const double seconds = to_seconds(bus.elapsed());
   std::printf("%s line: %llu exchanges in %.0f s of virtual time, %llu bits flipped\n", line,
-              static_cast<unsigned long long>(counts.exchanges), seconds, static_cast<unsigned long long>(bus.flipped()));
-  bench::print_figure("  exchanges a second", static_cast<double>(counts.exchanges) / seconds, "1/s", "");
-  bench::print_figure("  right values a second", static_cast<double>(counts.right) / seconds, "1/s", "");
+              static_cast<unsigned long long>(counts.exchanges), seconds,
+              static_cast<unsigned long long>(bus.flipped()));
+  bench::print_figure("  exchanges a second", static_cast<double>(counts.exchanges) / seconds,
+                      "1/s", "");
+  bench::print_figure("  right values a second", static_cast<double>(counts.right) / seconds, "1/s",
+                      "");
   const CauseCounters causes = bus.causes();
   bench::print_figure("  exchanges that failed, of all",
-                      static_cast<double>(causes.total()) / static_cast<double>(counts.exchanges), "", rate > 0 ? "" : "0");
+                      static_cast<double>(causes.total()) / static_cast<double>(counts.exchanges),
+                      "", rate > 0 ? "" : "0");
   for (unsigned i = 1; i < static_cast<unsigned>(Cause::kCount); ++i) {
     const auto cause = static_cast<Cause>(i);
     if (causes[cause] > 0) {
-      std::printf("    %-20s %llu\n", std::string(to_text(cause)).c_str(), static_cast<unsigned long long>(causes[cause]));
+      std::printf("    %-20s %llu\n", std::string(to_text(cause)).c_str(),
+                  static_cast<unsigned long long>(causes[cause]));
     }
   }
-  bench::print_figure("  wrong values published", static_cast<double>(counts.wrong), "", rate > 0 ? "" : "0");
+  bench::print_figure("  wrong values published", static_cast<double>(counts.wrong), "",
+                      rate > 0 ? "" : "0");
   bench::print_figure("  wrong values, of all exchanges",
                       static_cast<double>(counts.wrong) / static_cast<double>(counts.exchanges), "",
                       rate > 0 ? "at most 1e-06" : "0");
@@ -42,10 +49,15 @@ void print_run(const char* line, double rate, std::uint64_t exchanges) {
 
 void print_limit() {
   const test::FreeportPairs pairs = test::count_freeport_pairs(kStations, 400, 7);
-  std::printf("pairs of bits that turn an exchange into a wrong value, of %u stations with random windows\n", kStations);
-  bench::print_figure("  in the answer, unseen by any receiver with this check", pairs.check_allows, "pairs", "");
+  std::printf(
+      "pairs of bits that turn an exchange into a wrong value, of %u stations with random "
+      "windows\n",
+      kStations);
+  bench::print_figure("  in the answer, unseen by any receiver with this check", pairs.check_allows,
+                      "pairs", "");
   bench::print_figure("  in the answer, taken by our decoder", pairs.taken, "pairs", "the same");
-  bench::print_figure("  in the request, so that another station answers", pairs.misled, "pairs", "");
+  bench::print_figure("  in the request, so that another station answers", pairs.misled, "pairs",
+                      "");
   bench::print_figure("  single bits", static_cast<double>(pairs.single), "bits", "0");
   bench::print_figure("  the limit at 1e-4: wrong values, of all exchanges",
                       test::wrong_share(pairs.check_allows + pairs.misled, kRate), "", "");
@@ -55,8 +67,10 @@ void print_limit() {
 
 int main(int argc, char** argv) {
   const std::uint64_t exchanges = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 10'000'000;
-  std::printf("S7 freeport, %u stations, 9600 baud 8N1, answers after 5 ms, every value new; each bit flipped with 1e-4\n",
-              kStations);
+  std::printf(
+      "S7 freeport, %u stations, 9600 baud 8N1, answers after 5 ms, every value new; each bit "
+      "flipped with 1e-4\n",
+      kStations);
   print_limit();
   print_run("clean", 0, exchanges / 10);
   print_run("noisy", kRate, exchanges);

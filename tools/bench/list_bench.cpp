@@ -1,5 +1,6 @@
-// What protocols whose requests carry lists of ranges make of their wire: S7-200 PPI (items, two rounds), FINS in Host Link (multiple
-// area read) and DTC (groups). Registers of tests/maps, 300 in three stations, as V words, DM words and int16 variables.
+// What protocols whose requests carry lists of ranges make of their wire: S7-200 PPI (items, two
+// rounds), FINS in Host Link (multiple area read) and DTC (groups). Registers of tests/maps, 300 in
+// three stations, as V words, DM words and int16 variables.
 //
 // usage: list_bench [intensive] [sustained]     (all of them without an argument)
 #include <cstdio>
@@ -27,9 +28,10 @@ struct Family {
   LineFormat line;
   std::uint32_t items;  // of the area, for one register
 };
-const Family kFamilies[] = {{"s7-ppi", "VB0", {}, {19200, 8, Parity::kEven, 1}, 2},
-                            {"omron-hostlink", "DM0", {{"mode", "fins"}}, {19200, 7, Parity::kEven, 2}, 1},
-                            {"dtc", "int16:0", {}, {19200, 8, Parity::kNone, 1}, 1}};
+const Family kFamilies[] = {
+    {"s7-ppi", "VB0", {}, {19200, 8, Parity::kEven, 1}, 2},
+    {"omron-hostlink", "DM0", {{"mode", "fins"}}, {19200, 7, Parity::kEven, 2}, 1},
+    {"dtc", "int16:0", {}, {19200, 8, Parity::kNone, 1}, 1}};
 
 struct Bus {
   std::unique_ptr<Protocol> protocol;
@@ -38,7 +40,8 @@ struct Bus {
 
 Bus bus_of(const Family& family, const test::Map& map, Duration delay, double stretch, Mode mode) {
   Bus bus;
-  bus.protocol = *find_protocol(family.name)->make({.address = 1, .options = family.options, .line = family.line});
+  bus.protocol = *find_protocol(family.name)
+                      ->make({.address = 1, .options = family.options, .line = family.line});
   const auto at = bus.protocol->parse_address(family.at);
   if (!at) throw std::runtime_error(std::string(family.at) + ": " + at.error().what);
   bus.input.line = family.line;
@@ -68,8 +71,8 @@ Duration round_of(const Bus& bus, DeviceIndex device, Duration longest) {
   return test::best_requests(wanted, cost).cost;
 }
 
-// What a plan needs that reads each class of refreshes with the faster ones, in the best requests: the sum of
-// (best(up to R) - best(shorter than R)) / R.
+// What a plan needs that reads each class of refreshes with the faster ones, in the best requests:
+// the sum of (best(up to R) - best(shorter than R)) / R.
 double best_load(const Bus& bus) {
   std::set<Duration> classes;
   for (const Point& point : bus.input.points) classes.insert(point.refresh);
@@ -96,12 +99,16 @@ void print_intensive(const Family& family, const test::Map& map, const char* nam
   wire.forget_gaps();
   wire.run(600s);
   double refreshes = 0;
-  for (PointIndex point = 0; point < bus.input.points.size(); ++point) refreshes += static_cast<double>(wire.seen(point).count);
+  for (PointIndex point = 0; point < bus.input.points.size(); ++point)
+    refreshes += static_cast<double>(wire.seen(point).count);
   refreshes /= 600;
   const double most = static_cast<double>(bus.input.points.size()) / to_seconds(loop);
-  std::printf("%-15s %s %4.0f ms  %7.1f refreshes a second, the best requests %7.1f, ratio %.3f; %.1f requests a round\n", family.name, name,
-              to_seconds(delay) * 1e3, refreshes, most, refreshes / most,
-              static_cast<double>(wire.blocks()) / (refreshes * 600) * static_cast<double>(bus.input.points.size()));
+  std::printf(
+      "%-15s %s %4.0f ms  %7.1f refreshes a second, the best requests %7.1f, ratio %.3f; %.1f "
+      "requests a round\n",
+      family.name, name, to_seconds(delay) * 1e3, refreshes, most, refreshes / most,
+      static_cast<double>(wire.blocks()) / (refreshes * 600) *
+          static_cast<double>(bus.input.points.size()));
 }
 
 struct Run {
@@ -126,8 +133,9 @@ void print_sustained(const Family& family, const test::Map& map, const char* nam
     (tried.missed == 0 ? holds : fails) = load;
     if (tried.missed == 0) at = tried;
   }
-  std::printf("%-15s %s %4.0f ms  sustained load %.3f of the best requests; planned %.3f, spent %.3f\n", family.name, name,
-              to_seconds(delay) * 1e3, holds, at.planned, at.load);
+  std::printf(
+      "%-15s %s %4.0f ms  sustained load %.3f of the best requests; planned %.3f, spent %.3f\n",
+      family.name, name, to_seconds(delay) * 1e3, holds, at.planned, at.load);
   std::fflush(stdout);
 }
 
@@ -145,17 +153,22 @@ int main(int argc, char** argv) {
     for (const Family& family : kFamilies) {
       for (const char* name : names) {
         const test::Map map = test::read_map(std::string(FIELDCAST_MAPS) + "/" + name + ".csv");
-        for (const Duration delay : {Duration{2ms}, Duration{20ms}}) print(family, map, name, delay);
+        for (const Duration delay : {Duration{2ms}, Duration{20ms}})
+          print(family, map, name, delay);
       }
     }
     std::puts("");
   };
   if (wanted("intensive")) {
-    std::puts("intensive mode, all registers alike, 19200 baud: refreshes a second against a loop over the best requests");
+    std::puts(
+        "intensive mode, all registers alike, 19200 baud: refreshes a second against a loop over "
+        "the best requests");
     each(print_intensive);
   }
   if (wanted("sustained")) {
-    std::puts("scheduled mode, refreshes 100 ms to 10 s: the load that runs 30 minutes without a missed refresh");
+    std::puts(
+        "scheduled mode, refreshes 100 ms to 10 s: the load that runs 30 minutes without a missed "
+        "refresh");
     each(print_sustained);
   }
 }

@@ -1,5 +1,5 @@
-// The trie of core/codec/lzw against the obvious encoder, whose dictionary is a std::map of strings: both in one run, on the same
-// messages, with the same codes (checked).
+// The trie of core/codec/lzw against the obvious encoder, whose dictionary is a std::map of
+// strings: both in one run, on the same messages, with the same codes (checked).
 //
 // usage: lzw_bench [seconds of each measurement, 0.3]
 #include <algorithm>
@@ -21,7 +21,8 @@ using namespace fieldcast;
 using Clock = std::chrono::steady_clock;
 
 enum class Kind { kIdle, kSlow, kRandom };
-constexpr const char* kNames[] = {"idle (few values, mostly zero)", "slowly changing registers", "random"};
+constexpr const char* kNames[] = {"idle (few values, mostly zero)", "slowly changing registers",
+                                  "random"};
 
 // Messages of `length` bytes as a plant makes them.
 std::vector<Bytes> messages(Kind kind, std::size_t length) {
@@ -67,8 +68,8 @@ void compare(Kind kind, std::size_t length, double seconds) {
   std::size_t plain = 0, packed = 0;
   for (const Bytes& each : all) {
     const auto size = encoder.encode(each, out);
-    if (!size ||
-        Bytes(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(*size)) != test::packed(test::reference_codes(each))) {
+    if (!size || Bytes(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(*size)) !=
+                     test::packed(test::reference_codes(each))) {
       std::puts("the two encoders differ");
       std::exit(1);
     }
@@ -81,13 +82,15 @@ void compare(Kind kind, std::size_t length, double seconds) {
     plain += dtc::kPacketHead + each.size();
     packed += packet.size();
   }
-  const double trie = rate(all, seconds, [&](const Bytes& each) { g_sink = *encoder.encode(each, out); });
+  const double trie =
+      rate(all, seconds, [&](const Bytes& each) { g_sink = *encoder.encode(each, out); });
   const double strings = rate(all, seconds, [&](const Bytes& each) {
     g_sink = test::reference_codes(each).size();
   });  // codes alone: packing them costs our encoder extra
   std::vector<Bytes> codes;
   for (const Bytes& each : all)
-    codes.emplace_back(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(*encoder.encode(each, out)));
+    codes.emplace_back(out.begin(),
+                       out.begin() + static_cast<std::ptrdiff_t>(*encoder.encode(each, out)));
   std::size_t bytes = 0;
   double back = 0;
   const auto end = Clock::now() + std::chrono::duration<double>(seconds);
@@ -103,8 +106,9 @@ void compare(Kind kind, std::size_t length, double seconds) {
     back = std::max(back, static_cast<double>(bytes) / spent.count() / 1e6);
   } while (Clock::now() < end);
 
-  std::printf("\n%s, messages of %zu bytes; packets are %.2f of the plain ones, none is longer\n", kNames[static_cast<int>(kind)],
-              length, static_cast<double>(packed) / static_cast<double>(plain));
+  std::printf("\n%s, messages of %zu bytes; packets are %.2f of the plain ones, none is longer\n",
+              kNames[static_cast<int>(kind)], length,
+              static_cast<double>(packed) / static_cast<double>(plain));
   bench::print_figure("  trie encoder", trie, "MB/s", "goal: above 50");
   bench::print_figure("  std::map of strings", strings, "MB/s", "");
   bench::print_figure("  trie / strings", trie / strings, "times", "goal: at least 5");

@@ -20,8 +20,10 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 Plant::Plant(const std::string& buses, const std::string& faults) {
   dds_.domain = own_domain();
-  config_ = folder_.write("bridge.yaml", "bridge: bench\ndds: { domain: " + std::to_string(dds_.domain) +
-                                             ", interfaces: [127.0.0.1] }\nbuses:\n" + replaced(buses, "{dir}", folder_.path()));
+  config_ =
+      folder_.write("bridge.yaml", "bridge: bench\ndds: { domain: " + std::to_string(dds_.domain) +
+                                       ", interfaces: [127.0.0.1] }\nbuses:\n" +
+                                       replaced(buses, "{dir}", folder_.path()));
   if (!faults.empty()) faults_ = folder_.write("faults.yaml", faults);
 }
 
@@ -37,7 +39,8 @@ void Plant::start_bridge() {
     const std::lock_guard guard(lock_);
     seen_.clear();  // of the bridge before
   }
-  bridge_ = std::make_unique<Process>("fieldcast-bridge", std::vector<std::string>{config_}, folder_.path() + "/bridge.log");
+  bridge_ = std::make_unique<Process>("fieldcast-bridge", std::vector<std::string>{config_},
+                                      folder_.path() + "/bridge.log");
 }
 
 void Plant::listen_to_status() {
@@ -108,7 +111,9 @@ void Plant::wait_until_seen(std::size_t channels, double seconds) {
                            " channels had a good sample; see " + folder_.path());
 }
 
-void let_run(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
+void let_run(double seconds) {
+  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+}
 
 double seconds_from(int argc, char** argv, double by_default) {
   for (int i = 1; i + 1 < argc; ++i) {
@@ -117,15 +122,18 @@ double seconds_from(int argc, char** argv, double by_default) {
   return by_default;
 }
 
-std::string scattered_devices(int devices, int registers, const std::string& indent, unsigned seed) {
+std::string scattered_devices(int devices, int registers, const std::string& indent,
+                              unsigned seed) {
   std::mt19937 random(seed);
   std::string text;
   for (int d = 1; d <= devices; ++d) {
     const std::string name = "unit-" + std::to_string(d);
-    text += indent + "- name: " + name + "\n" + indent + "  address: " + std::to_string(d) + "\n" + indent + "  channels:\n";
+    text += indent + "- name: " + name + "\n" + indent + "  address: " + std::to_string(d) + "\n" +
+            indent + "  channels:\n";
     unsigned long address = random() % 50;
     for (int r = 0; r < registers; ++r) {
-      text += indent + "    - { name: r" + std::to_string(r) + ", at: \"holding:" + std::to_string(address) +
+      text += indent + "    - { name: r" + std::to_string(r) +
+              ", at: \"holding:" + std::to_string(address) +
               "\", type: uint16, access: read-write }\n";
       // Mostly near neighbours, now and then a hole that no read should bridge.
       address += random() % 20 == 0 ? 30 + random() % 100 : 1 + random() % 4;

@@ -1,5 +1,5 @@
-// A simulated plant, the bridge that reads it, and a station that listens: what most benches measure. Each is a process of its
-// own but the station.
+// A simulated plant, the bridge that reads it, and a station that listens: what most benches
+// measure. Each is a process of its own but the station.
 #pragma once
 
 #include <map>
@@ -35,7 +35,9 @@ class Plant {
   void listen_to_status();  // with a station in this process
   void listen();            // to samples too
 
-  [[nodiscard]] std::string link(const std::string& bus) const { return folder_.path() + '/' + bus; }
+  [[nodiscard]] std::string link(const std::string& bus) const {
+    return folder_.path() + '/' + bus;
+  }
   [[nodiscard]] const ScratchFolder& folder() const { return folder_; }
   [[nodiscard]] const std::string& config() const { return config_; }
   [[nodiscard]] Process& bridge() { return *bridge_; }
@@ -45,7 +47,8 @@ class Plant {
   [[nodiscard]] std::map<std::string, Seen> seen() const;  // by bus/device/channel
   [[nodiscard]] std::map<std::string, StationBusStatus> buses() const;
   [[nodiscard]] std::map<std::string, StationDeviceStatus> devices() const;  // by bus/device
-  // Waits until `channels` channels have had a good sample; throws with what is missing after `seconds`.
+  // Waits until `channels` channels have had a good sample; throws with what is missing after
+  // `seconds`.
   void wait_until_seen(std::size_t channels, double seconds);
 
  private:
@@ -69,8 +72,9 @@ void let_run(double seconds);
 // --seconds N of the command line, or what a bench does by default.
 [[nodiscard]] double seconds_from(int argc, char** argv, double by_default);
 
-// `devices` devices with `registers` scattered holding registers each (every third one or so), seeded; YAML for the list
-// `devices:`.
-[[nodiscard]] std::string scattered_devices(int devices, int registers, const std::string& indent, unsigned seed);
+// `devices` devices with `registers` scattered holding registers each (every third one or so),
+// seeded; YAML for the list `devices:`.
+[[nodiscard]] std::string scattered_devices(int devices, int registers, const std::string& indent,
+                                            unsigned seed);
 
 }  // namespace fieldcast::bench

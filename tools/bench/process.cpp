@@ -18,8 +18,10 @@ extern char** environ;
 
 namespace fieldcast::bench {
 
-Process::Process(const std::string& program, const std::vector<std::string>& arguments, const std::string& log_path) {
-  const std::string path = (std::filesystem::read_symlink("/proc/self/exe").parent_path() / program).string();
+Process::Process(const std::string& program, const std::vector<std::string>& arguments,
+                 const std::string& log_path) {
+  const std::string path =
+      (std::filesystem::read_symlink("/proc/self/exe").parent_path() / program).string();
   std::vector<std::string> words{path};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
@@ -28,7 +30,8 @@ Process::Process(const std::string& program, const std::vector<std::string>& arg
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
   posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, log_path.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, log_path.c_str(),
+                                   O_WRONLY | O_CREAT | O_APPEND, 0600);
   posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
   const int failed = posix_spawn(&id_, path.c_str(), &files, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&files);
@@ -53,7 +56,8 @@ double Process::cpu_seconds() const {
   std::string text((std::istreambuf_iterator<char>(file)), {});
   std::istringstream fields(text.substr(text.rfind(')') + 2));
   std::string skipped;
-  for (int i = 0; i < 11; ++i) fields >> skipped;  // proc(5): state is the third field, utime the 14th
+  for (int i = 0; i < 11; ++i)
+    fields >> skipped;  // proc(5): state is the third field, utime the 14th
   double user = 0;
   double system = 0;
   fields >> user >> system;
@@ -71,7 +75,8 @@ double resident_mb(pid_t process) {
 }
 
 ScratchFolder::ScratchFolder() {
-  std::string pattern = (std::filesystem::temp_directory_path() / "fieldcast-bench-XXXXXX").string();
+  std::string pattern =
+      (std::filesystem::temp_directory_path() / "fieldcast-bench-XXXXXX").string();
   if (!mkdtemp(pattern.data())) throw std::runtime_error("no temporary folder");
   path_ = pattern;
 }

@@ -10,8 +10,10 @@ namespace fieldcast::bench {
 
 class Process {
  public:
-  // Starts `program` of the folder in which this executable lies; its output goes to log_path. Throws std::runtime_error.
-  Process(const std::string& program, const std::vector<std::string>& arguments, const std::string& log_path);
+  // Starts `program` of the folder in which this executable lies; its output goes to log_path.
+  // Throws std::runtime_error.
+  Process(const std::string& program, const std::vector<std::string>& arguments,
+          const std::string& log_path);
   ~Process();  // stop()
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;

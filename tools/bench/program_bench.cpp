@@ -1,4 +1,5 @@
-// Program transmission measured: `exchange` against a direct line, `relay` of random bytes, `many` pairings at once.
+// Program transmission measured: `exchange` against a direct line, `relay` of random bytes, `many`
+// pairings at once.
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
@@ -8,20 +9,25 @@
 int main(int argc, char** argv) {
   using namespace fieldcast::bench;
   std::signal(SIGPIPE, SIG_IGN);
-  CLI::App app{"Measures program transmission: each bench starts its own bridge, modules and engineers on the loopback."};
+  CLI::App app{
+      "Measures program transmission: each bench starts its own bridge, modules and engineers on "
+      "the loopback."};
   app.require_subcommand(1);
   ExchangeOptions exchange;
-  auto* exchange_command =
-      app.add_subcommand("exchange", "question and answer over a 115200-baud line, with a delay of the network");
+  auto* exchange_command = app.add_subcommand(
+      "exchange", "question and answer over a 115200-baud line, with a delay of the network");
   exchange_command->add_option("--bytes", exchange.bytes)->capture_default_str();
-  exchange_command->add_option("--delay", exchange.delay_ms, "ms, added to each round trip")->capture_default_str();
+  exchange_command->add_option("--delay", exchange.delay_ms, "ms, added to each round trip")
+      ->capture_default_str();
   exchange_command->add_flag("--markers", exchange.markers, "marker frames");
   RelayOptions relay;
   auto* relay_command = app.add_subcommand("relay", "random bytes both ways at once, compared");
   relay_command->add_option("--gigabytes", relay.gigabytes, "each way")->capture_default_str();
-  relay_command->add_flag("--terminal", relay.terminal, "through fieldcast-port and its virtual port too");
+  relay_command->add_flag("--terminal", relay.terminal,
+                          "through fieldcast-port and its virtual port too");
   ManyOptions many;
-  auto* many_command = app.add_subcommand("many", "many modules, half of them programmed, the others collected");
+  auto* many_command =
+      app.add_subcommand("many", "many modules, half of them programmed, the others collected");
   many_command->add_option("--devices", many.devices)->capture_default_str();
   many_command->add_option("--pairings", many.pairings)->capture_default_str();
   many_command->add_option("--seconds", many.seconds)->capture_default_str();

@@ -1,6 +1,7 @@
-// One megabyte of questions and answers over a line of 115200 7E2: directly over a pseudo-terminal pair, and through
-// fieldcast-port, a network with a delay, the bridge and a module. The PLC's end is the same in both: it takes the time of the
-// wire for every character. Both run at the same time: they sleep nearly always.
+// One megabyte of questions and answers over a line of 115200 7E2: directly over a pseudo-terminal
+// pair, and through fieldcast-port, a network with a delay, the bridge and a module. The PLC's end
+// is the same in both: it takes the time of the wire for every character. Both run at the same
+// time: they sleep nearly always.
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <netinet/tcp.h>
@@ -23,13 +24,15 @@ namespace fieldcast::bench {
 namespace {
 
 constexpr double kCharacter = 11.0 / 115200;  // 7E2: start, seven bits, parity, two stops
-// As a program upload: 0306 for a block of 512 bytes, its answer in hexadecimal digits (FINS program read).
+// As a program upload: 0306 for a block of 512 bytes, its answer in hexadecimal digits (FINS
+// program read).
 constexpr std::size_t kQuestion = 38, kAnswer = 1067;
 constexpr std::size_t kPiece = 64;  // characters that a module or a UART hands over at once
 
 void wait_for_line(Clock::time_point& line, std::size_t characters) {
   line = std::max(line, Clock::now()) +
-         std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(kCharacter * static_cast<double>(characters)));
+         std::chrono::duration_cast<Clock::duration>(
+             std::chrono::duration<double>(kCharacter * static_cast<double>(characters)));
   std::this_thread::sleep_until(line);
 }
 
@@ -57,7 +60,8 @@ void serve_as_plc(int fd) {
 double run_software(int fd, double bytes) {
   Bytes question(kQuestion, '0');
   question.back() = '\r';
-  const int exchanges = std::max(3, static_cast<int>(bytes / static_cast<double>(kQuestion + kAnswer)));
+  const int exchanges =
+      std::max(3, static_cast<int>(bytes / static_cast<double>(kQuestion + kAnswer)));
   const auto start = Clock::now();
   for (int i = 0; i < exchanges; ++i) {
     send_all(fd, question);
@@ -75,7 +79,8 @@ struct Terminals {
     int m = -1, s = -1;
     termios raw{};
     ::cfmakeraw(&raw);
-    if (::openpty(&m, &s, nullptr, &raw, nullptr) != 0) throw std::runtime_error("no pseudo-terminal");
+    if (::openpty(&m, &s, nullptr, &raw, nullptr) != 0)
+      throw std::runtime_error("no pseudo-terminal");
     master.reset(m);
     slave.reset(s);
   }
@@ -95,7 +100,9 @@ double direct(double bytes) {
 class DelayingProxy {
  public:
   DelayingProxy(std::uint16_t target, double delay)
-      : delay_(delay / 2), listener_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)), port_(free_port()) {
+      : delay_(delay / 2),
+        listener_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)),
+        port_(free_port()) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_port = htons(port_);
@@ -123,7 +130,8 @@ class DelayingProxy {
     const FileDescriptor client(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC));
     const FileDescriptor server = connect_to(target, 5);
     std::array<Way, 2> ways{Way{client.get(), server.get()}, Way{server.get(), client.get()}};
-    const auto delay = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(delay_));
+    const auto delay =
+        std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(delay_));
     const int on = 1;
     ::setsockopt(client.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     while (!over_) {
@@ -158,8 +166,9 @@ class DelayingProxy {
 };
 
 double through(const ExchangeOptions& options) {
-  ProgramBridge bridge("  - { name: other, port: { serial: " + std::string("/nowhere") +
-                       " }, protocol: modbus-rtu, devices: [ { name: d, address: 1, allow: [raw-read] } ] }\n");
+  ProgramBridge bridge(
+      "  - { name: other, port: { serial: " + std::string("/nowhere") +
+      " }, protocol: modbus-rtu, devices: [ { name: d, address: 1, allow: [raw-read] } ] }\n");
   FileDescriptor module = connect_to(bridge.modules(), 5);
   send_all(module.get(), Bytes{'1', '7', '\n'});
   paired_client(bridge.engineers(), "17").reset();  // it is registered
@@ -168,7 +177,8 @@ double through(const ExchangeOptions& options) {
   double took = 0;
   {
     DelayingProxy proxy(bridge.engineers(), options.delay_ms / 1000);
-    std::vector<std::string> arguments{"--server", "127.0.0.1:" + std::to_string(proxy.port()), "--device", "17", "--link", link};
+    std::vector<std::string> arguments{
+        "--server", "127.0.0.1:" + std::to_string(proxy.port()), "--device", "17", "--link", link};
     if (options.markers) arguments.push_back("--markers");
     const std::string log = bridge.folder().path() + "/port.log";
     Process port("fieldcast-port", arguments, log);
@@ -195,7 +205,8 @@ void exchange_bench(const ExchangeOptions& options) {
   print_figure("exchange directly over a terminal pair", alone * 1e3, "ms", "");
   print_figure("exchange through port, network, bridge and module", took * 1e3, "ms", "");
   print_figure("delay added to each round trip", options.delay_ms, "ms", "");
-  print_figure("rate against what question and answer allow", 100 * ideal / took, "%", options.delay_ms > 0 ? ">= 95" : ">= 97");
+  print_figure("rate against what question and answer allow", 100 * ideal / took, "%",
+               options.delay_ms > 0 ? ">= 95" : ">= 97");
 }
 
 }  // namespace fieldcast::bench

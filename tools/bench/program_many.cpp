@@ -1,4 +1,5 @@
-// Many modules dialled in, half of them programmed at once, in one bridge that goes on collecting from the others.
+// Many modules dialled in, half of them programmed at once, in one bridge that goes on collecting
+// from the others.
 #include <poll.h>
 #include <sys/socket.h>
 
@@ -21,21 +22,25 @@ std::string buses_of(int devices) {
   std::string text;
   for (int i = 0; i < devices; ++i) {
     text += "  - name: " + name_of(i) + "\n    port: { dial-in: " + name_of(i) +
-            " }\n    protocol: modbus-rtu\n    defaults: { refresh: 200ms, timeout: 500ms }\n    devices:\n      - { name: plc, "
+            " }\n    protocol: modbus-rtu\n    defaults: { refresh: 200ms, timeout: 500ms }\n    "
+            "devices:\n      - { name: plc, "
             "address: 1, "
-            "channels: [ { name: a, at: \"holding:0\", type: uint16 }, { name: b, at: \"holding:1\", type: uint16 } ] }\n";
+            "channels: [ { name: a, at: \"holding:0\", type: uint16 }, { name: b, at: "
+            "\"holding:1\", type: uint16 } ] }\n";
   }
   return text;
 }
 
-// Every module: answers Modbus reads of unit 1; what begins with `@` it gives back, as a PLC that is programmed.
+// Every module: answers Modbus reads of unit 1; what begins with `@` it gives back, as a PLC that
+// is programmed.
 class Modules {
  public:
   Modules(std::uint16_t port, int count) {
     for (int i = 0; i < count; ++i) {
       sockets_.push_back(connect_to(port, 5));
       const std::string registration = name_of(i) + "\r\n";
-      send_all(sockets_.back().get(), {reinterpret_cast<const std::uint8_t*>(registration.data()), registration.size()});
+      send_all(sockets_.back().get(),
+               {reinterpret_cast<const std::uint8_t*>(registration.data()), registration.size()});
     }
     thread_ = std::thread([this] { serve(); });
   }
@@ -128,12 +133,15 @@ void many_bench(const ManyOptions& options) {
     const std::lock_guard lock(mutex);
     return good.size() == static_cast<std::size_t>(options.devices);
   };
-  while (!all_good() && seconds_since(start) < 60) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  print_figure("modules whose data is collected", static_cast<double>(good.size()), "", std::to_string(options.devices).c_str());
+  while (!all_good() && seconds_since(start) < 60)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  print_figure("modules whose data is collected", static_cast<double>(good.size()), "",
+               std::to_string(options.devices).c_str());
   print_figure("after", seconds_since(start), "s", "");
 
   std::vector<FileDescriptor> clients;
-  for (int i = 0; i < options.pairings; ++i) clients.push_back(paired_client(bridge.engineers(), name_of(i)));
+  for (int i = 0; i < options.pairings; ++i)
+    clients.push_back(paired_client(bridge.engineers(), name_of(i)));
   std::this_thread::sleep_for(std::chrono::seconds(2));  // status of before has come
   std::map<std::string, std::uint64_t> samples_before, missed_before;
   {
@@ -167,13 +175,17 @@ void many_bench(const ManyOptions& options) {
     }
   }
   const int collecting = options.devices - options.pairings;
-  print_figure("pairings at once", static_cast<double>(clients.size()), "", std::to_string(options.pairings).c_str());
-  print_figure("program bytes, all pairings, both ways", 2 * 512 * static_cast<double>(rounds) / took / 1e6, "MB/s", "");
-  print_figure("samples of each collected channel", static_cast<double>(others) / took / (2.0 * collecting), "/s",
+  print_figure("pairings at once", static_cast<double>(clients.size()), "",
+               std::to_string(options.pairings).c_str());
+  print_figure("program bytes, all pairings, both ways",
+               2 * 512 * static_cast<double>(rounds) / took / 1e6, "MB/s", "");
+  print_figure("samples of each collected channel",
+               static_cast<double>(others) / took / (2.0 * collecting), "/s",
                ">= 5 (refresh 200 ms)");
   print_figure("refreshes missed by collected buses", static_cast<double>(others_missed), "", "0");
   print_figure("good samples of leased buses", static_cast<double>(leased), "", "0");
-  print_figure("bridge: processor", (bridge.process().cpu_seconds() - cpu) / took * 100, "% of one", "");
+  print_figure("bridge: processor", (bridge.process().cpu_seconds() - cpu) / took * 100, "% of one",
+               "");
   print_figure("bridge: memory", bridge.process().resident_mb(), "MB", "");
 }
 

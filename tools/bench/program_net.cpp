@@ -45,7 +45,8 @@ FileDescriptor connect_to(std::uint16_t port, double patience) {
       ::setsockopt(fd.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
       return fd;
     }
-    if (seconds_since(start) >= patience) throw std::runtime_error("cannot connect to port " + std::to_string(port));
+    if (seconds_since(start) >= patience)
+      throw std::runtime_error("cannot connect to port " + std::to_string(port));
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
 }
@@ -86,16 +87,19 @@ FileDescriptor paired_client(std::uint16_t port, const std::string& number) {
     send_all(fd.get(), {reinterpret_cast<const std::uint8_t*>(wish.data()), wish.size()});
     const std::string reply = receive_until(fd.get(), "FEFF");
     if (reply == "@@0000FEFF") return fd;
-    if (reply != "@@0001FEFF" || seconds_since(start) > 30) throw std::runtime_error("device " + number + ": " + reply);
+    if (reply != "@@0001FEFF" || seconds_since(start) > 30)
+      throw std::runtime_error("device " + number + ": " + reply);
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
 }
 
 ProgramBridge::ProgramBridge(const std::string& buses) {
-  const std::string text = "bridge: bench\ndds: { domain: " + std::to_string(own_domain()) +
-                           " }\nprogram:\n  engineers: { listen: 127.0.0.1:" + std::to_string(engineers_) +
-                           " }\n  modules: { listen: 127.0.0.1:" + std::to_string(modules_) + " }\nbuses:\n" + buses;
-  process_ = std::make_unique<Process>("fieldcast-bridge", std::vector<std::string>{folder_.write("plant.yaml", text)},
+  const std::string text =
+      "bridge: bench\ndds: { domain: " + std::to_string(own_domain()) +
+      " }\nprogram:\n  engineers: { listen: 127.0.0.1:" + std::to_string(engineers_) +
+      " }\n  modules: { listen: 127.0.0.1:" + std::to_string(modules_) + " }\nbuses:\n" + buses;
+  process_ = std::make_unique<Process>("fieldcast-bridge",
+                                       std::vector<std::string>{folder_.write("plant.yaml", text)},
                                        folder_.path() + "/bridge.log");
   (void)connect_to(engineers_, 10);  // it runs
 }

@@ -1,4 +1,5 @@
-// What the benches of program transmission share: sockets of the loopback, a bridge in a process of its own, frames by length.
+// What the benches of program transmission share: sockets of the loopback, a bridge in a process of
+// its own, frames by length.
 #pragma once
 
 #include <chrono>
@@ -20,12 +21,15 @@ using Clock = std::chrono::steady_clock;
 // A port that nobody listens at just now.
 [[nodiscard]] std::uint16_t free_port();
 
-// Connects to 127.0.0.1; throws std::runtime_error. With a patience it tries again until something listens.
+// Connects to 127.0.0.1; throws std::runtime_error. With a patience it tries again until something
+// listens.
 [[nodiscard]] FileDescriptor connect_to(std::uint16_t port, double patience = 0);
 
-void send_all(int fd, ByteView bytes);                                  // throws std::runtime_error when the peer is gone
-[[nodiscard]] Bytes receive_some(int fd, std::size_t most);             // blocks; empty at the end of the stream
-[[nodiscard]] std::string receive_until(int fd, std::string_view end);  // with the end; byte by byte: for short things
+void send_all(int fd, ByteView bytes);  // throws std::runtime_error when the peer is gone
+[[nodiscard]] Bytes receive_some(int fd,
+                                 std::size_t most);  // blocks; empty at the end of the stream
+[[nodiscard]] std::string receive_until(
+    int fd, std::string_view end);  // with the end; byte by byte: for short things
 
 // Asks for a device with framing by length until it is there; throws when it is refused otherwise.
 [[nodiscard]] FileDescriptor paired_client(std::uint16_t port, const std::string& number);

@@ -1,5 +1,5 @@
-// Random bytes both ways at once through the bridge, and through fieldcast-port if asked: every one is compared, and the memory
-// of the processes watched.
+// Random bytes both ways at once through the bridge, and through fieldcast-port if asked: every one
+// is compared, and the memory of the processes watched.
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -23,7 +23,8 @@ class Stream {
   void fill(Bytes& out) {
     for (std::size_t i = 0; i < out.size(); i += 8) {
       const std::uint64_t word = next();
-      for (std::size_t b = 0; b < 8 && i + b < out.size(); ++b) out[i + b] = static_cast<std::uint8_t>(word >> (8 * b));
+      for (std::size_t b = 0; b < 8 && i + b < out.size(); ++b)
+        out[i + b] = static_cast<std::uint8_t>(word >> (8 * b));
     }
   }
 
@@ -95,7 +96,8 @@ std::uint64_t compare(int fd, std::uint64_t seed, std::uint64_t total, bool fram
       if (at == expected.size()) stream.fill(expected), at = 0;
       const std::size_t count = std::min(expected.size() - at, got.size() - i);
       if (!std::equal(expected.begin() + static_cast<std::ptrdiff_t>(at),
-                      expected.begin() + static_cast<std::ptrdiff_t>(at + count), got.begin() + static_cast<std::ptrdiff_t>(i)))
+                      expected.begin() + static_cast<std::ptrdiff_t>(at + count),
+                      got.begin() + static_cast<std::ptrdiff_t>(i)))
         return right;
       at += count;
       i += count;
@@ -108,7 +110,8 @@ std::uint64_t compare(int fd, std::uint64_t seed, std::uint64_t total, bool fram
 FileDescriptor open_raw(const std::string& path) {
   FileDescriptor fd(::open(path.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
   termios settings{};
-  if (!fd.valid() || ::tcgetattr(fd.get(), &settings) != 0) throw std::runtime_error("the virtual port does not open");
+  if (!fd.valid() || ::tcgetattr(fd.get(), &settings) != 0)
+    throw std::runtime_error("the virtual port does not open");
   ::cfmakeraw(&settings);
   ::tcsetattr(fd.get(), TCSANOW, &settings);
   return fd;
@@ -118,7 +121,8 @@ FileDescriptor open_raw(const std::string& path) {
 
 void relay_bench(const RelayOptions& options) {
   ProgramBridge bridge(
-      "  - { name: other, port: { serial: /nowhere }, protocol: modbus-rtu, devices: [ { name: d, address: 1, allow: [raw-read] "
+      "  - { name: other, port: { serial: /nowhere }, protocol: modbus-rtu, devices: [ { name: d, "
+      "address: 1, allow: [raw-read] "
       "} ] }\n");
   FileDescriptor module = connect_to(bridge.modules(), 5);
   send_all(module.get(), Bytes{'1', '7', '\n'});
@@ -126,12 +130,15 @@ void relay_bench(const RelayOptions& options) {
   std::unique_ptr<Process> port;
   if (options.terminal) {
     engineer.reset();
-    const std::string link = bridge.folder().path() + "/plc", log = bridge.folder().path() + "/port.log";
-    for (int attempt = 0; attempt < 20; ++attempt) {  // the bench's own pairing is freed at its own pace
-      port = std::make_unique<Process>("fieldcast-port",
-                                       std::vector<std::string>{"--server", "127.0.0.1:" + std::to_string(bridge.engineers()),
-                                                                "--device", "17", "--link", link},
-                                       log);
+    const std::string link = bridge.folder().path() + "/plc",
+                      log = bridge.folder().path() + "/port.log";
+    for (int attempt = 0; attempt < 20;
+         ++attempt) {  // the bench's own pairing is freed at its own pace
+      port = std::make_unique<Process>(
+          "fieldcast-port",
+          std::vector<std::string>{"--server", "127.0.0.1:" + std::to_string(bridge.engineers()),
+                                   "--device", "17", "--link", link},
+          log);
       if (wait_for_text(log, "paired", 1)) break;
     }
     engineer = open_raw(link);
@@ -154,8 +161,10 @@ void relay_bench(const RelayOptions& options) {
   }
   for (std::thread& thread : threads) thread.join();
   const double took = seconds_since(start);
-  print_figure("bytes to the device that came right", static_cast<double>(down.load()), "", std::to_string(total).c_str());
-  print_figure("bytes from the device that came right", static_cast<double>(up.load()), "", std::to_string(total).c_str());
+  print_figure("bytes to the device that came right", static_cast<double>(down.load()), "",
+               std::to_string(total).c_str());
+  print_figure("bytes from the device that came right", static_cast<double>(up.load()), "",
+               std::to_string(total).c_str());
   print_figure("rate, each way at once", static_cast<double>(total) / took / 1e6, "MB/s", "");
   print_figure("bridge: memory after a second", early, "MB", "");
   print_figure("bridge: highest memory", highest, "MB", "constant");

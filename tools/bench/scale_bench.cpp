@@ -1,4 +1,5 @@
-// 32 buses at 19200 baud, all saturated, one bridge: processor time, memory, and whether every bus gets its share of its wire.
+// 32 buses at 19200 baud, all saturated, one bridge: processor time, memory, and whether every bus
+// gets its share of its wire.
 //
 // usage: scale_bench [--seconds N]
 #include <cstdio>
@@ -20,9 +21,10 @@ std::string buses() {
   std::string text;
   for (int b = 1; b <= kBuses; ++b) {
     const std::string name = "bus-" + std::to_string(b);
-    text +=
-        "  - name: " + name + "\n    port: { serial: {dir}/" + name + ", baud: 19200, format: 8E1 }\n    protocol: modbus-rtu\n" +
-        "    defaults: { refresh: 2s, mode: intensive }\n    devices:\n" + scattered_devices(kDevices, kRegisters, "      ", 7);
+    text += "  - name: " + name + "\n    port: { serial: {dir}/" + name +
+            ", baud: 19200, format: 8E1 }\n    protocol: modbus-rtu\n" +
+            "    defaults: { refresh: 2s, mode: intensive }\n    devices:\n" +
+            scattered_devices(kDevices, kRegisters, "      ", 7);
   }
   return text;
 }
@@ -65,7 +67,8 @@ int main(int argc, char** argv) {
     const double seconds = seconds_from(argc, argv, 20);
     Plant plant(buses());
     plant.start_simulator();
-    if (!wait_for_path(plant.link("bus-32"), 10)) throw std::runtime_error("the simulator made no links");
+    if (!wait_for_path(plant.link("bus-32"), 10))
+      throw std::runtime_error("the simulator made no links");
     plant.start_bridge();
     plant.listen_to_status();
     let_run(12);  // the measured load looks back ten seconds

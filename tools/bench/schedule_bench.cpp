@@ -1,7 +1,10 @@
-// Figures of the scheduler in virtual time: the load it sustains without a missed refresh, what it spends, what a decision costs.
+// Figures of the scheduler in virtual time: the load it sustains without a missed refresh, what it
+// spends, what a decision costs.
 //
-// usage: schedule_bench [sustained] [spent] [decision] [intensive] [mixed]     (all of them without an argument)
+// usage: schedule_bench [sustained] [spent] [decision] [intensive] [mixed] [agree] [engine]
+//        (all of them without an argument)
 //        schedule_bench mixed FIRST_SEED
+//        schedule_bench agree|engine FIRST_SEED MAPS
 #include <time.h>
 
 #include <algorithm>
@@ -22,6 +25,7 @@
 #include "core/schedule/scheduler.hpp"
 #include "tests/schedule/maps.hpp"
 #include "tests/schedule/virtual_wire.hpp"
+#include "tools/bench/engine_agreement.hpp"
 
 namespace {
 
@@ -58,18 +62,23 @@ double sustained(const test::Map& map, Planner planner, Duration delay) {
 
 void print_sustained() {
   std::puts(
-      "sustained load, share of the least any master needs, 30 min without a missed refresh, 19200 baud;\n"
+      "sustained load, share of the least any master needs, 30 min without a missed refresh, 19200 "
+      "baud;\n"
       "at most: what the tighter bound leaves possible (tests/schedule/maps.hpp)");
   std::printf("%-10s %6s", "map", "delay");
-  const Planner planners[] = {Planner::kRiding, Planner::kDynamicBlocks, Planner::kFastestMember, Planner::kOnePerChannel};
-  for (const Planner planner : planners) std::printf(" %15s", std::string(to_text(planner)).c_str());
+  const Planner planners[] = {Planner::kRiding, Planner::kDynamicBlocks, Planner::kFastestMember,
+                              Planner::kOnePerChannel};
+  for (const Planner planner : planners)
+    std::printf(" %15s", std::string(to_text(planner)).c_str());
   std::printf(" %12s %15s\n", "at most", "riding of that");
   double sum[4] = {}, most_sum = 0, share_sum = 0;
   for (const int number : {11, 12, 13, 14}) {
-    const test::Map map = test::read_map(std::string(FIELDCAST_MAPS) + "/map" + std::to_string(number) + ".csv");
+    const test::Map map =
+        test::read_map(std::string(FIELDCAST_MAPS) + "/map" + std::to_string(number) + ".csv");
     for (const Duration delay : {Duration{0}, Duration{5ms}}) {
       std::printf("map%-7d %4.0fms", number, to_seconds(delay) * 1e3);
-      const double most = test::least_load(map, kBaud, delay) / test::proven_load(map, kBaud, delay);
+      const double most =
+          test::least_load(map, kBaud, delay) / test::proven_load(map, kBaud, delay);
       double riding = 0;
       for (std::size_t i = 0; i < std::size(planners); ++i) {
         const double load = sustained(map, planners[i], delay);
@@ -91,11 +100,14 @@ void print_sustained() {
 void print_spent() {
   std::puts("wire time in scheduled mode at half the bound's load, against the plan's own");
   for (const int number : {11, 12, 13, 14}) {
-    const test::Map map = test::read_map(std::string(FIELDCAST_MAPS) + "/map" + std::to_string(number) + ".csv");
+    const test::Map map =
+        test::read_map(std::string(FIELDCAST_MAPS) + "/map" + std::to_string(number) + ".csv");
     for (const Duration delay : {Duration{0}, Duration{5ms}}) {
-      const Spent spent = run(map, Planner::kRiding, delay, test::least_load(map, kBaud, delay) / 0.5, 30min);
-      std::printf("map%-7d %4.0fms  planned %.3f  spent %.3f  ratio %.3f  missed %llu\n", number, to_seconds(delay) * 1e3,
-                  spent.planned, spent.load, spent.load / spent.planned, static_cast<unsigned long long>(spent.missed));
+      const Spent spent =
+          run(map, Planner::kRiding, delay, test::least_load(map, kBaud, delay) / 0.5, 30min);
+      std::printf("map%-7d %4.0fms  planned %.3f  spent %.3f  ratio %.3f  missed %llu\n", number,
+                  to_seconds(delay) * 1e3, spent.planned, spent.load, spent.load / spent.planned,
+                  static_cast<unsigned long long>(spent.missed));
     }
   }
   std::puts("");
@@ -109,10 +121,12 @@ Duration processor_time() {
 }
 
 void print_decision() {
-  std::puts("cost of a decision (next and acquired) and of building, random maps at a load of about 0.5");
+  std::puts(
+      "cost of a decision (next and acquired) and of building, random maps at a load of about 0.5");
   for (const std::size_t channels : {300u, 1000u, 10'000u}) {
     const test::Map map = test::random_map(5, channels, 30);
-    const ScheduleInput input = test::input_of(map, kProtocol, kBaud, {}, test::least_load(map, kBaud) / 0.5);
+    const ScheduleInput input =
+        test::input_of(map, kProtocol, kBaud, {}, test::least_load(map, kBaud) / 0.5);
     const Duration before = processor_time();
     const auto scheduler = make_scheduler(input);
     const Duration built = processor_time();
@@ -138,16 +152,19 @@ void print_decision() {
       ++decisions;
     }
     std::sort(took.begin(), took.end());
-    std::printf("%6zu channels: build %6.1f ms, decision %5.2f us on average, %6.1f us in 999 of 1000\n", channels,
-                std::chrono::duration<double, std::milli>(built - before).count(),
-                to_seconds(total) * 1e6 / static_cast<double>(decisions), to_seconds(took[took.size() * 999 / 1000]) * 1e6);
+    std::printf(
+        "%6zu channels: build %6.1f ms, decision %5.2f us on average, %6.1f us in 999 of 1000\n",
+        channels, std::chrono::duration<double, std::milli>(built - before).count(),
+        to_seconds(total) * 1e6 / static_cast<double>(decisions),
+        to_seconds(took[took.size() * 999 / 1000]) * 1e6);
   }
   std::puts("");
 }
 
 void print_intensive() {
   std::puts(
-      "intensive mode, 300 scattered registers in 3 units, 115200 baud, 2 ms answers: against a loop over the optimal partition");
+      "intensive mode, 300 scattered registers in 3 units, 115200 baud, 2 ms answers: against a "
+      "loop over the optimal partition");
   ScheduleInput input = test::input_of(test::random_map(7, 300), kProtocol, 115200, 2ms);
   Duration loop{};
   for (DeviceIndex device = 0; device < 3; ++device) {
@@ -172,12 +189,13 @@ void print_intensive() {
     longest = std::max(longest, wire.seen(point).longest);
     shortest = std::min(shortest, wire.seen(point).shortest);
   }
-  std::printf("refreshes a second %.0f, the loop %.0f, ratio %.4f; longest gap / shortest %.3f\n\n", refreshes / 60,
-              300 / to_seconds(loop), refreshes / 60 / (300 / to_seconds(loop)), to_seconds(longest) / to_seconds(shortest));
+  std::printf("refreshes a second %.0f, the loop %.0f, ratio %.4f; longest gap / shortest %.3f\n\n",
+              refreshes / 60, 300 / to_seconds(loop), refreshes / 60 / (300 / to_seconds(loop)),
+              to_seconds(longest) / to_seconds(shortest));
 }
 
-// A bus of two to six units that speak up to four protocols, with points of several areas and refreshes from 100 ms to 10 s, and a
-// planned load from a quarter of the wire to all of it.
+// A bus of two to six units that speak up to four protocols, with points of several areas and
+// refreshes from 100 ms to 10 s, and a planned load from a quarter of the wire to all of it.
 struct MixedBus {
   std::vector<std::unique_ptr<Protocol>> protocols;
   ScheduleInput input;
@@ -190,10 +208,11 @@ MixedBus mixed_bus(std::uint64_t seed) {
     std::uint32_t items[2];  // of one point, at most
     std::uint32_t end;       // of the addresses in the second area
   };
-  static const Family families[] = {{"modbus-rtu", {}, {"holding:", "coil:"}, {2, 1}, 2000},
-                                    {"s7-ppi", {}, {"VB", "MB"}, {4, 1}, 30},
-                                    {"omron-hostlink", {{"mode", "fins"}}, {"DM", "W"}, {2, 1}, 500},
-                                    {"dtc", {}, {"int16:", "int32:"}, {2, 1}, 2000}};
+  static const Family families[] = {
+      {"modbus-rtu", {}, {"holding:", "coil:"}, {2, 1}, 2000},
+      {"s7-ppi", {}, {"VB", "MB"}, {4, 1}, 30},
+      {"omron-hostlink", {{"mode", "fins"}}, {"DM", "W"}, {2, 1}, 500},
+      {"dtc", {}, {"int16:", "int32:"}, {2, 1}, 2000}};
   constexpr int kRefreshes[] = {100, 200, 500, 1000, 2000, 5000, 10'000};
   std::mt19937_64 random(seed);
   const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
@@ -203,27 +222,35 @@ MixedBus mixed_bus(std::uint64_t seed) {
   const std::uint32_t units = 2 + below(5);
   for (DeviceIndex device = 0; device < units; ++device) {
     const Family& family = families[below(4)];
-    bus.protocols.push_back(*find_protocol(family.name)->make(
-        {.address = static_cast<std::uint16_t>(device + 1), .options = family.options, .line = bus.input.line}));
-    bus.input.devices.push_back(
-        {.protocol = bus.protocols.back().get(), .answer_time = std::chrono::microseconds{500 + below(10'000)}});
+    bus.protocols.push_back(*find_protocol(family.name)
+                                 ->make({.address = static_cast<std::uint16_t>(device + 1),
+                                         .options = family.options,
+                                         .line = bus.input.line}));
+    bus.input.devices.push_back({.protocol = bus.protocols.back().get(),
+                                 .answer_time = std::chrono::microseconds{500 + below(10'000)}});
     const std::uint32_t points = 10 + below(50);
-    for (std::uint32_t i = 0, at = below(20); i < points; ++i, at += below(6) == 0 ? 12 + below(60) : 1 + below(4)) {
+    for (std::uint32_t i = 0, at = below(20); i < points;
+         ++i, at += below(6) == 0 ? 12 + below(60) : 1 + below(4)) {
       const bool second = below(4) == 0;
-      const auto first = bus.protocols.back()->parse_address(family.areas[second] + std::to_string(second ? at % family.end : at));
+      const auto first = bus.protocols.back()->parse_address(
+          family.areas[second] + std::to_string(second ? at % family.end : at));
       if (!first) throw std::runtime_error(first.error().what);
       bus.input.points.push_back({device,
                                   {first->area, first->first, 1 + below(family.items[second])},
                                   std::chrono::milliseconds{kRefreshes[below(7)]}});
     }
   }
-  const double planned = make_scheduler(bus.input)->planned_load(), wanted = 0.25 + 0.01 * below(75);
-  for (Point& point : bus.input.points) point.refresh = from_seconds(to_seconds(point.refresh) * planned / wanted);
+  const double planned = make_scheduler(bus.input)->planned_load(),
+               wanted = 0.25 + 0.01 * below(75);
+  for (Point& point : bus.input.points)
+    point.refresh = from_seconds(to_seconds(point.refresh) * planned / wanted);
   return bus;
 }
 
 void print_mixed(std::uint64_t first) {
-  std::puts("200 random buses of several units, areas and protocols: what plan said of them, and ten times as long a run");
+  std::puts(
+      "200 random buses of several units, areas and protocols: what plan said of them, and ten "
+      "times as long a run");
   struct Row {
     int buses = 0, feasible = 0, missing = 0;
     std::uint64_t reads = 0, missed = 0;
@@ -245,14 +272,18 @@ void print_mixed(std::uint64_t first) {
     row.missing += wire.missed() + wire.overdue() > 0;
     farthest = std::max(farthest, std::abs(wire.load() / prediction.load - 1));
     if (wire.missed() > 0)
-      std::printf("  seed %llu: planned %.3f, %llu misses in %.0f s\n", static_cast<unsigned long long>(seed), prediction.planned_load,
-                  static_cast<unsigned long long>(wire.missed()), to_seconds(10 * prediction.horizon));
+      std::printf("  seed %llu: planned %.3f, %llu misses in %.0f s\n",
+                  static_cast<unsigned long long>(seed), prediction.planned_load,
+                  static_cast<unsigned long long>(wire.missed()),
+                  to_seconds(10 * prediction.horizon));
   }
   std::puts("planned load   buses  feasible  of these with a miss   reads       misses");
   for (const auto& [tenth, row] : rows)
-    std::printf("%.1f to %.1f %11d %9d %21d %9llu %10llu\n", tenth / 10.0, (tenth + 1) / 10.0, row.buses, row.feasible, row.missing,
-                static_cast<unsigned long long>(row.reads), static_cast<unsigned long long>(row.missed));
-  std::printf("the measured load is at most %.1f %% away from the predicted one\n\n", 100 * farthest);
+    std::printf("%.1f to %.1f %11d %9d %21d %9llu %10llu\n", tenth / 10.0, (tenth + 1) / 10.0,
+                row.buses, row.feasible, row.missing, static_cast<unsigned long long>(row.reads),
+                static_cast<unsigned long long>(row.missed));
+  std::printf("the measured load is at most %.1f %% away from the predicted one\n\n",
+              100 * farthest);
 }
 
 }  // namespace
@@ -269,4 +300,9 @@ int main(int argc, char** argv) {
   if (wanted("spent")) print_spent();
   if (wanted("mixed")) print_mixed(argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1);
   if (wanted("sustained")) print_sustained();
+  const auto number = [&](int at, unsigned otherwise) {
+    return argc > at ? static_cast<unsigned>(std::strtoul(argv[at], nullptr, 10)) : otherwise;
+  };
+  if (wanted("agree")) bench::print_agreement(number(2, 1), number(3, 100));
+  if (wanted("engine")) bench::print_engine(number(2, 101), number(3, 10));
 }

@@ -1,5 +1,6 @@
-// What the store costs those who acquire, and whether it keeps its word: 20 000 samples a second for a minute, with and without
-// it; the same in a bridge with saturated buses; and a process that is killed while it stores.
+// What the store costs those who acquire, and whether it keeps its word: 20 000 samples a second
+// for a minute, with and without it; the same in a bridge with saturated buses; and a process that
+// is killed while it stores.
 //
 // usage: store_bench [--seconds N] [--url postgresql://..]
 #include <sys/prctl.h>
@@ -14,7 +15,7 @@
 #include <filesystem>
 #include <set>
 
-#include "bridge/clock.hpp"
+#include "bridge/bus/clock.hpp"
 #include "bridge/store/store.hpp"
 #include "tools/bench/figures.hpp"
 #include "tools/bench/plant.hpp"
@@ -33,7 +34,8 @@ BusSpec bus() {
   made.devices.resize(1);
   made.devices[0].name = "device";
   made.devices[0].channels.resize(kChannels);
-  for (std::size_t i = 0; i < kChannels; ++i) made.devices[0].channels[i].name = "c" + std::to_string(i);
+  for (std::size_t i = 0; i < kChannels; ++i)
+    made.devices[0].channels[i].name = "c" + std::to_string(i);
   return made;
 }
 
@@ -69,7 +71,8 @@ Costs acquire(Store::Intake* intake, double seconds) {
     const auto made = std::chrono::steady_clock::now();
     if (intake) intake->put(samples, mapping, mapping.utc);
     costs.lateness.push_back(std::chrono::duration<double, std::micro>(began - next).count());
-    costs.put.push_back(std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - made).count());
+    costs.put.push_back(
+        std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - made).count());
   }
   return costs;
 }
@@ -106,14 +109,17 @@ void throughput(const std::string& address, double seconds) {
   const double spent = cpu_of_process() - cpu;
   print_costs("20 000 samples a second, with the store", with);
   const double put = seconds * kBeats * kBlock;
-  print_figure("  samples stored of those put", static_cast<double>(store.counters().stored) / put, "",
-               flushed ? "goal 1" : "not flushed");
+  print_figure("  samples stored of those put", static_cast<double>(store.counters().stored) / put,
+               "", flushed ? "goal 1" : "not flushed");
   print_figure("  samples dropped", static_cast<double>(store.counters().dropped), "", "goal 0");
-  print_figure("  samples still waiting at the end", static_cast<double>(counters.waiting), "", "below 200 000");
+  print_figure("  samples still waiting at the end", static_cast<double>(counters.waiting), "",
+               "below 200 000");
   print_figure("  processor of the process", spent / seconds, "cores", "");
-  print_figure("  p99 of the lateness, with / without", quantile(with.lateness, 0.99) / quantile(without.lateness, 0.99), "", "");
+  print_figure("  p99 of the lateness, with / without",
+               quantile(with.lateness, 0.99) / quantile(without.lateness, 0.99), "", "");
   if (!StoreAddress(address).is_server()) {
-    print_figure("  file for one sample", static_cast<double>(std::filesystem::file_size(address)) / put, "bytes", "");
+    print_figure("  file for one sample",
+                 static_cast<double>(std::filesystem::file_size(address)) / put, "bytes", "");
   }
 }
 
@@ -127,7 +133,8 @@ std::string buses(bool stored) {
     const std::string name = "bus-" + std::to_string(b);
     text += "  - name: " + name + "\n    port: { serial: {dir}/" + name +
             ", baud: 115200, format: 8N1 }\n    protocol: modbus-rtu\n" +
-            "    defaults: { refresh: 2s, mode: intensive }\n    devices:\n" + scattered_devices(2, 100, "      ", 7);
+            "    defaults: { refresh: 2s, mode: intensive }\n    devices:\n" +
+            scattered_devices(2, 100, "      ", 7);
   }
   return stored ? text + "store: { path: {dir}/store.db }\n" : text;
 }
@@ -139,7 +146,8 @@ struct Acquired {
 Acquired saturate(bool stored, double seconds) {
   Plant plant(buses(stored));
   plant.start_simulator();
-  if (!wait_for_path(plant.link("bus-" + std::to_string(kBuses)), 10)) throw std::runtime_error("the simulator made no links");
+  if (!wait_for_path(plant.link("bus-" + std::to_string(kBuses)), 10))
+    throw std::runtime_error("the simulator made no links");
   plant.start_bridge();
   plant.listen_to_status();
   let_run(12);  // the measured load looks back ten seconds
@@ -154,7 +162,8 @@ Acquired saturate(bool stored, double seconds) {
   Acquired result;
   result.samples_a_second = (published() - before) / seconds;
   result.processor = (plant.bridge().cpu_seconds() - cpu) / seconds;
-  for (const auto& [name, status] : plant.buses()) result.wire = std::min(result.wire, status.report.measured_load);
+  for (const auto& [name, status] : plant.buses())
+    result.wire = std::min(result.wire, status.report.measured_load);
   return result;
 }
 
@@ -195,7 +204,8 @@ void killed(const std::string& address, double seconds) {
   ::close(ends[1]);
   std::uint64_t reported = 0, now = 0;
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
-  while (std::chrono::steady_clock::now() < end && ::read(ends[0], &now, sizeof now) == sizeof now) reported = now;
+  while (std::chrono::steady_clock::now() < end && ::read(ends[0], &now, sizeof now) == sizeof now)
+    reported = now;
   ::kill(child, SIGKILL);
   while (::read(ends[0], &now, sizeof now) == sizeof now) reported = now;
   ::waitpid(child, nullptr, 0);
@@ -203,12 +213,14 @@ void killed(const std::string& address, double seconds) {
   std::uint64_t found = 0;
   std::set<std::uint64_t> first;  // which of those that were reported first are there, by number
   const auto connection = open_store(StoreAddress(address), IfMissing::kFail);
-  SampleTable(*connection).history(Pattern(), {}, UtcTime{INT64_MAX}, [&](const StoredSample& sample) {
-    ++found;
-    const std::uint64_t number = (sample.sequence - 1) * kChannels + std::stoull(sample.channel.substr(1));
-    if (number < reported) first.insert(number);
-    return true;
-  });
+  SampleTable(*connection)
+      .history(Pattern(), {}, UtcTime{INT64_MAX}, [&](const StoredSample& sample) {
+        ++found;
+        const std::uint64_t number =
+            (sample.sequence - 1) * kChannels + std::stoull(sample.channel.substr(1));
+        if (number < reported) first.insert(number);
+        return true;
+      });
   std::printf("a process that stores 20 000 samples a second, killed (SIGKILL)\n");
   print_figure("  samples reported stored", static_cast<double>(reported), "", "");
   print_figure("  samples found afterwards", static_cast<double>(found), "", "");

@@ -1,6 +1,6 @@
-// 300 scattered holding registers in 3 units on one 115200-baud line, devices answering after 2 ms: how many channel refreshes a
-// second the bridge gets from the wire, against a bare blocking loop over the optimal partition on the same emulated wire, and
-// against theory.
+// 300 scattered holding registers in 3 units on one 115200-baud line, devices answering after 2 ms:
+// how many channel refreshes a second the bridge gets from the wire, against a bare blocking loop
+// over the optimal partition on the same emulated wire, and against theory.
 //
 // usage: wire_bench [--seconds N]
 #include <fcntl.h>
@@ -32,7 +32,8 @@ constexpr int kRegisters = 100;
 constexpr auto kAnswerTime = std::chrono::milliseconds(2);
 
 std::string buses() {
-  return "  - name: bus\n    port: { serial: {dir}/bus, baud: 115200, format: 8E1 }\n    protocol: modbus-rtu\n"
+  return "  - name: bus\n    port: { serial: {dir}/bus, baud: 115200, format: 8E1 }\n    protocol: "
+         "modbus-rtu\n"
          "    defaults: { refresh: 1s, mode: intensive, silence: 3.5c }\n    devices:\n" +
          scattered_devices(kUnits, kRegisters, "      ", 42);
 }
@@ -56,7 +57,8 @@ BarePlan optimal_plan(const BusSpec& bus) {
   for (const DeviceSpec& device : bus.devices) {
     const auto protocol = find_protocol(device.protocol)->make(device.link);
     std::vector<Wanted> wanted;
-    for (const ChannelSpec& channel : device.channels) wanted.push_back({channel.range.first, channel.range.end()});
+    for (const ChannelSpec& channel : device.channels)
+      wanted.push_back({channel.range.first, channel.range.end()});
     const DeviceTiming timing{protocol->get(), kAnswerTime};
     const ReadCost cost(timing, device.channels.front().range.area, line, silence, 125);
     const auto slices = optimal_partition(wanted, cost);
@@ -101,7 +103,8 @@ double bare_loop(const BarePlan& plan, const std::string& path, Duration silence
   const auto end = start + std::chrono::duration<double>(seconds);
   while (Clock::now() < end) {
     for (const BareRead& one : plan.reads) {
-      if (write(line, one.request.data(), one.request.size()) < 0) throw std::runtime_error("the bare loop cannot write");
+      if (write(line, one.request.data(), one.request.size()) < 0)
+        throw std::runtime_error("the bare loop cannot write");
       read_exactly(line, one.answer);
       refreshes += one.channels;
       const timespec rest{0, silence.count()};
@@ -143,7 +146,9 @@ void run(double seconds) {
   prctl(PR_SET_TIMERSLACK, 1000);
   Plant plant(buses());
   const auto loaded = config::load_file(plant.config());
-  if (!loaded) throw std::runtime_error("the bench's own configuration is faulty: " + to_text(loaded.error().front()));
+  if (!loaded)
+    throw std::runtime_error("the bench's own configuration is faulty: " +
+                             to_text(loaded.error().front()));
   const BusSpec& bus = loaded->buses.front();
   const BarePlan plan = optimal_plan(bus);
   plant.start_simulator();
@@ -154,14 +159,16 @@ void run(double seconds) {
   double bridged = 0;
   double evenness = 0;
   for (int turn = 0; turn < 2; ++turn) {
-    bare += bare_loop(plan, plant.link("bus"), silence_of(bus.silence, line_of(bus.port)), seconds) / 2;
+    bare +=
+        bare_loop(plan, plant.link("bus"), silence_of(bus.silence, line_of(bus.port)), seconds) / 2;
     const BridgeFigures figures = bridge_figures(plant, seconds);
     bridged += figures.refreshes / 2;
     evenness = std::max(evenness, figures.evenness);
     plant.stop_bridge();
     let_run(0.2);
   }
-  std::printf("%d registers, %zu reads in the optimal partition\n", kUnits * kRegisters, plan.reads.size());
+  std::printf("%d registers, %zu reads in the optimal partition\n", kUnits * kRegisters,
+              plan.reads.size());
   print_figure("theory, channel refreshes a second", theory, "1/s", "");
   print_figure("bare blocking loop", bare, "1/s", "");
   print_figure("bare loop / theory", bare / theory, "", "about 0.95");

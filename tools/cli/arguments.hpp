@@ -5,24 +5,25 @@
 #include <tl/expected.hpp>
 #include <variant>
 
-#include "tools/cli/acquire.hpp"
-#include "tools/cli/alarms.hpp"
-#include "tools/cli/history.hpp"
-#include "tools/cli/inspect.hpp"
-#include "tools/cli/plan.hpp"
-#include "tools/cli/records.hpp"
-#include "tools/cli/sessions.hpp"
-#include "tools/cli/sim_check.hpp"
-#include "tools/cli/status.hpp"
-#include "tools/cli/user.hpp"
-#include "tools/cli/watch.hpp"
-#include "tools/cli/write.hpp"
+#include "tools/cli/command/acquire.hpp"
+#include "tools/cli/command/alarms.hpp"
+#include "tools/cli/command/history.hpp"
+#include "tools/cli/command/inspect.hpp"
+#include "tools/cli/command/plan.hpp"
+#include "tools/cli/command/records.hpp"
+#include "tools/cli/command/sessions.hpp"
+#include "tools/cli/command/sim_check.hpp"
+#include "tools/cli/command/status.hpp"
+#include "tools/cli/command/user.hpp"
+#include "tools/cli/command/watch.hpp"
+#include "tools/cli/command/write.hpp"
 
 namespace fieldcast::cli {
 
 using Arguments =
-    std::variant<InspectOptions, WatchOptions, WriteOptions, AcquireOptions, StatusOptions, SessionsOptions, PlanOptions,
-                 SimCheckOptions, HistoryOptions, DevicesOptions, AuditOptions, UserOptions, AlarmsOptions>;
+    std::variant<InspectOptions, WatchOptions, WriteOptions, AcquireOptions, StatusOptions,
+                 SessionsOptions, PlanOptions, SimCheckOptions, HistoryOptions, DevicesOptions,
+                 AuditOptions, UserOptions, AlarmsOptions>;
 
 // Not a command to be run: help, the version, or a fault with what is wrong.
 struct NoCommand {

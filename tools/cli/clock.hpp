@@ -7,10 +7,14 @@
 
 namespace fieldcast::cli {
 
-[[nodiscard]] inline Instant instant_now() { return Instant{std::chrono::steady_clock::now().time_since_epoch()}; }
+[[nodiscard]] inline Instant instant_now() {
+  return Instant{std::chrono::steady_clock::now().time_since_epoch()};
+}
 
 [[nodiscard]] inline UtcTime utc_now() {
-  return UtcTime{std::chrono::duration_cast<Duration>(std::chrono::system_clock::now().time_since_epoch()).count()};
+  return UtcTime{
+      std::chrono::duration_cast<Duration>(std::chrono::system_clock::now().time_since_epoch())
+          .count()};
 }
 
 [[nodiscard]] inline std::chrono::steady_clock::time_point to_steady(Instant at) {

@@ -18,13 +18,15 @@ tl::expected<DdsSpec, std::string> resolve(const ConnectionOptions& options) {
 
 std::string place_text(const DdsSpec& spec) {
   std::string text = "DDS domain " + std::to_string(spec.domain) + " on ";
-  for (std::size_t i = 0; i < spec.interfaces.size(); ++i) text += (i == 0 ? "" : ", ") + spec.interfaces[i];
+  for (std::size_t i = 0; i < spec.interfaces.size(); ++i)
+    text += (i == 0 ? "" : ", ") + spec.interfaces[i];
   return text;
 }
 
 std::string no_bridge_text(const DdsSpec& spec) {
   return "no bridge found in " + place_text(spec) + " within " + to_text(kBridgeWait) +
-         ": is fieldcast-bridge running, with the same domain and interfaces? (--config FILE, or --domain N and --interface A)";
+         ": is fieldcast-bridge running, with the same domain and interfaces? (--config FILE, or "
+         "--domain N and --interface A)";
 }
 
 }  // namespace fieldcast::cli

@@ -1,4 +1,5 @@
-// Where a command looks for bridges: the DDS domain of a configuration file, or that of --domain and --interface.
+// Where a command looks for bridges: the DDS domain of a configuration file, or that of --domain
+// and --interface.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +13,10 @@
 
 namespace fieldcast::cli {
 
-inline constexpr Duration kBridgeWait = std::chrono::seconds{5};        // until a bridge must have shown itself
-inline constexpr Duration kQuietTime = std::chrono::milliseconds{700};  // nothing new for so long: what is there is known
+inline constexpr Duration kBridgeWait =
+    std::chrono::seconds{5};  // until a bridge must have shown itself
+inline constexpr Duration kQuietTime =
+    std::chrono::milliseconds{700};  // nothing new for so long: what is there is known
 
 struct ConnectionOptions {
   std::string config;                   // its `dds:` section; empty: none

@@ -1,15 +1,17 @@
-// The terminal, if there is one: its size, its colours, and a region that is redrawn in place. Main thread.
+// The terminal, if there is one: its size, its colours, and a region that is redrawn in place. Main
+// thread.
 #pragma once
 
 #include <iosfwd>
 #include <string>
 #include <vector>
 
-#include "tools/cli/text_table.hpp"
+#include "tools/cli/view/text_table.hpp"
 
 namespace fieldcast::cli {
 
-// Standard output as it is now: zero bounds and no colour when it is no terminal; NO_COLOR is honoured (no-color.org).
+// Standard output as it is now: zero bounds and no colour when it is no terminal; NO_COLOR is
+// honoured (no-color.org).
 [[nodiscard]] bool output_is_terminal();
 [[nodiscard]] Screen output_screen();
 

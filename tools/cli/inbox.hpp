@@ -1,4 +1,5 @@
-// What DDS threads hand to the main thread: a bounded queue. When it is full the oldest entry goes and is counted.
+// What DDS threads hand to the main thread: a bounded queue. When it is full the oldest entry goes
+// and is counted.
 #pragma once
 
 #include <chrono>
@@ -34,7 +35,8 @@ class Inbox {
     arrived_.notify_all();
   }
 
-  // Everything that came; waits for something until `deadline`. Empty: the deadline passed, or the inbox is closed.
+  // Everything that came; waits for something until `deadline`. Empty: the deadline passed, or the
+  // inbox is closed.
   [[nodiscard]] std::deque<Event> take(Clock::time_point deadline) {
     std::unique_lock lock(mutex_);
     arrived_.wait_until(lock, deadline, [this] { return closed_ || !events_.empty(); });

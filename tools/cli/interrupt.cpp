@@ -2,7 +2,11 @@
 
 #include <pthread.h>
 
+#include <cerrno>
 #include <csignal>
+#include <cstdlib>
+
+#include "tools/cli/exit_code.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -19,7 +23,6 @@ sigset_t ending_signals() {
 Interrupt::Interrupt() {
   const auto set = ending_signals();
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
-  std::signal(SIGPIPE, SIG_IGN);  // a closed output shows as a failed stream
   thread_ = std::thread([this] { wait_for_signals(); });
 }
 
@@ -37,11 +40,18 @@ void Interrupt::on_raise(std::function<void()> wake) {
 
 void Interrupt::wait_for_signals() {
   const auto set = ending_signals();
-  for (int signal = 0; sigwait(&set, &signal) == 0 && !ending_;) {
-    raised_ = true;
+  int signal = 0;
+  while (sigwait(&set, &signal) != 0) {}
+  if (ending_) return;
+  raised_ = true;
+  {
     const std::lock_guard lock(mutex_);
     if (wake_) wake_();
   }
+  // A command whose output nobody takes hangs in it: the second signal ends it, or the limit.
+  const timespec limit{kEndLimit.count(), 0};
+  while (sigtimedwait(&set, nullptr, &limit) < 0 && errno == EINTR) {}
+  if (!ending_) std::_Exit(to_int(ExitCode::kTrouble));
 }
 
 }  // namespace fieldcast::cli

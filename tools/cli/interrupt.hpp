@@ -1,9 +1,12 @@
-// Ctrl-C and termination as an ordinary event, so that every command ends through its own last line.
+// Ctrl-C and termination as an ordinary event, so that every command ends through its own last
+// line.
 //
-// Make one in main before any thread is started: the signals are blocked there and taken by this object's thread alone.
+// Make one in main before any thread is started: the signals are blocked there and taken by this
+// object's thread alone.
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <mutex>
 #include <thread>
@@ -12,6 +15,9 @@ namespace fieldcast::cli {
 
 class Interrupt {
  public:
+  // Of a command that was asked to end; then, or with a second signal, the process ends at once.
+  static constexpr std::chrono::seconds kEndLimit{8};
+
   Interrupt();
   ~Interrupt();
   Interrupt(const Interrupt&) = delete;
@@ -19,7 +25,8 @@ class Interrupt {
 
   [[nodiscard]] bool raised() const { return raised_; }  // any thread
 
-  // Called once, on this object's thread, when a signal comes; at once if it came already. Replaces the one before; empty: none.
+  // Called once, on this object's thread, when a signal comes; at once if it came already. Replaces
+  // the one before; empty: none.
   void on_raise(std::function<void()> wake);
 
  private:

@@ -44,7 +44,8 @@ std::string asked(const char* question, std::istream& in, std::ostream& prompt) 
 
 }  // namespace
 
-tl::expected<std::string, std::string> new_password(const std::string& file, std::istream& in, std::ostream& prompt) {
+tl::expected<std::string, std::string> new_password(const std::string& file, std::istream& in,
+                                                    std::ostream& prompt) {
   if (!file.empty() && file != "-") {
     std::ifstream content(file);
     if (!content) return tl::unexpected(file + " cannot be read");
@@ -52,7 +53,8 @@ tl::expected<std::string, std::string> new_password(const std::string& file, std
   }
   if (&in != &std::cin || ::isatty(STDIN_FILENO) != 1) return first_line(in, "the standard input");
   std::string once = asked("password: ", in, prompt);
-  if (asked("once more: ", in, prompt) != once) return tl::unexpected(std::string("the two passwords differ"));
+  if (asked("once more: ", in, prompt) != once)
+    return tl::unexpected(std::string("the two passwords differ"));
   return once;
 }
 

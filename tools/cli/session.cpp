@@ -2,7 +2,8 @@
 
 namespace fieldcast::cli {
 
-Session::Session(const DdsSpec& spec, Interrupt& interrupt) : interrupt_(interrupt), station_(spec, "fieldcast-cli") {
+Session::Session(const DdsSpec& spec, Interrupt& interrupt)
+    : interrupt_(interrupt), station_(spec, "fieldcast-cli") {
   interrupt_.on_raise([this] { inbox_.close(); });
 }
 
@@ -24,7 +25,8 @@ void Session::hear_samples() {
 
 void Session::hear_status() {
   station_.subscribe_bus_status([this](const StationBusStatus& status) { inbox_.put(status); });
-  station_.subscribe_device_status([this](const StationDeviceStatus& status) { inbox_.put(status); });
+  station_.subscribe_device_status(
+      [this](const StationDeviceStatus& status) { inbox_.put(status); });
 }
 
 void Session::hear_alarms() {
@@ -38,7 +40,8 @@ void Session::hear_results() {
 
 void Session::hear_program_sessions() {
   station_.subscribe_bus_status([this](const StationBusStatus& status) { inbox_.put(status); });
-  station_.subscribe_program_sessions([this](const ProgramSessionReport& session) { inbox_.put(session); });
+  station_.subscribe_program_sessions(
+      [this](const ProgramSessionReport& session) { inbox_.put(session); });
 }
 
 }  // namespace fieldcast::cli

@@ -1,4 +1,5 @@
-// One command's time in the DDS domain: a station whose callbacks all end in one inbox, which the main thread reads.
+// One command's time in the DDS domain: a station whose callbacks all end in one inbox, which the
+// main thread reads.
 //
 // Main thread. Ctrl-C closes the inbox, so that no wait outlives it.
 #pragma once
@@ -7,9 +8,9 @@
 #include <variant>
 
 #include "bridge/dds/station.hpp"
-#include "tools/cli/catalogue.hpp"
 #include "tools/cli/inbox.hpp"
 #include "tools/cli/interrupt.hpp"
+#include "tools/cli/model/catalogue.hpp"
 
 namespace fieldcast::cli {
 
@@ -20,8 +21,8 @@ struct AlarmGone {
   StationAlarm last;
 };
 using SessionEvent =
-    std::variant<StationChannel, StationSample, ChannelGone, StationBusStatus, StationDeviceStatus, StationResult, ProgramSessionReport,
-                 StationAlarm, AlarmGone>;
+    std::variant<StationChannel, StationSample, ChannelGone, StationBusStatus, StationDeviceStatus,
+                 StationResult, ProgramSessionReport, StationAlarm, AlarmGone>;
 
 class Session {
  public:

@@ -7,10 +7,13 @@ namespace fieldcast::cli {
 tl::expected<StoreAddress, std::string> resolve(const StorePlace& place) {
   if (!place.store.empty()) return StoreAddress(place.store);
   if (place.config.empty())
-    return tl::unexpected(std::string("which store? --config FILE with a 'store' section, or --store FILE"));
+    return tl::unexpected(
+        std::string("which store? --config FILE with a 'store' section, or --store FILE"));
   const auto loaded = config::load_file(place.config);
   if (!loaded) return tl::unexpected(config::to_text(loaded.error()));
-  if (!loaded->store) return tl::unexpected(place.config + ": there is no 'store' section: the bridge stores nothing");
+  if (!loaded->store)
+    return tl::unexpected(place.config +
+                          ": there is no 'store' section: the bridge stores nothing");
   return StoreAddress(loaded->store->address);
 }
 

@@ -2,11 +2,12 @@
 #include <sys/stat.h>
 
 #include <CLI/CLI.hpp>
-#include <csignal>
 #include <cstdio>
 #include <fstream>
 
+#include "bridge/write_faults.hpp"
 #include "config/port.hpp"
+#include "core/base/duration_text.hpp"
 #include "core/program/device_number.hpp"
 #include "tools/program-port/port_session.hpp"
 
@@ -15,36 +16,56 @@ namespace {
 using namespace fieldcast;
 using program::PortEnd;
 
-enum ExitCode : int { kStopped = 0, kTrouble = 1, kUsage = 2, kRefused = 3, kNoPort = 4, kBridgeGone = 5, kDeviceLost = 6 };
+enum ExitCode : int {
+  kStopped = 0,
+  kTrouble = 1,
+  kUsage = 2,
+  kRefused = 3,
+  kNoPort = 4,
+  kBridgeGone = 5,
+  kDeviceLost = 6
+};
+
+constexpr DurationBounds kHeartbeat{std::chrono::milliseconds{500}, std::chrono::minutes{10}, true};
 
 struct Arguments {
   std::string server, device, link, line, user, password_file, authorities;
+  std::string heartbeat = "5s";
   bool tls = false, markers = false, json = false;
-  double heartbeat = 5;
 };
 
 void describe(CLI::App& app, Arguments& given) {
   app.description(
-      "Makes a virtual serial port at PATH that leads to a PLC behind a bridge: programming software opens it as a COM port.");
+      "Makes a virtual serial port at PATH that leads to a PLC behind a bridge: programming "
+      "software opens it as a COM port.");
   app.footer(
       "Ends with Ctrl-C, or when the device or the bridge is gone; the port goes with it.\n"
-      "Exit codes: 0 stopped, 1 trouble, 2 command line, 3 refused, 4 no virtual port, 5 bridge unreachable or gone, 6 device "
+      "Exit codes: 0 stopped, 1 trouble, 2 command line, 3 refused, 4 no virtual port, 5 bridge "
+      "unreachable or gone, 6 device "
       "lost.");
-  app.add_option("--server", given.server, "HOST:PORT where the bridge listens for engineers")->required();
+  app.add_option("--server", given.server, "HOST:PORT where the bridge listens for engineers")
+      ->required();
   app.add_option("--device", given.device, "number of the device")->required();
-  app.add_option("--link", given.link, "where the virtual port appears, such as /tmp/plc; never over a file that is not ours")
+  app.add_option(
+         "--link", given.link,
+         "where the virtual port appears, such as /tmp/plc; never over a file that is not ours")
       ->required();
   app.add_option("--line", given.line,
-                 "data bits, parity and stop bits of the PLC's line, such as 7E2, where it is a serial line of the bridge: a virtual "
-                 "port tells the baud rate that the software sets, but not these; default: as the bridge's configuration has them");
+                 "data bits, parity and stop bits of the PLC's line, such as 7E2, where it is a "
+                 "serial line of the bridge: a virtual "
+                 "port tells the baud rate that the software sets, but not these; default: as the "
+                 "bridge's configuration has them");
   app.add_option("--user", given.user, "a user of the bridge with the role programmer");
-  app.add_option("--password-file", given.password_file, "its first line is the password; readable by you alone (chmod 600)");
+  app.add_option("--password-file", given.password_file,
+                 "its first line is the password; readable by you alone (chmod 600)");
   app.add_flag("--tls", given.tls, "the bridge speaks TLS, as it must off the loopback");
-  app.add_option("--ca", given.authorities, "PEM file with who signs the bridge's certificate; default: the system's");
-  app.add_flag("--markers", given.markers,
-               "marker frames: instructions that end in CR, as older bridges know them; default: any bytes");
-  app.add_option("--heartbeat", given.heartbeat, "seconds between heartbeats; a bridge that is silent for 3.5 of them is gone")
-      ->check(CLI::Range(0.5, 600.0))
+  app.add_option("--ca", given.authorities,
+                 "PEM file with who signs the bridge's certificate; default: the system's");
+  app.add_flag(
+      "--markers", given.markers,
+      "marker frames: instructions that end in CR, as older bridges know them; default: any bytes");
+  app.add_option("--heartbeat", given.heartbeat,
+                 "time between heartbeats; a bridge that is silent for 3.5 of them is gone")
       ->capture_default_str();
   app.add_flag("--json", given.json, "say everything as JSON lines");
 }
@@ -58,11 +79,14 @@ int fail(ExitCode code, const std::string& text) {
 tl::expected<std::string, std::string> password_of(const std::string& path) {
   struct stat file {};
   if (::stat(path.c_str(), &file) != 0) return tl::make_unexpected(path + ": cannot be read");
-  if ((file.st_mode & (S_IRWXG | S_IRWXO)) != 0) return tl::make_unexpected(path + ": others may read it; chmod 600 " + path);
+  if ((file.st_mode & (S_IRWXG | S_IRWXO)) != 0)
+    return tl::make_unexpected(path + ": others may read it; chmod 600 " + path);
   std::ifstream in(path);
   std::string password;
-  if (!std::getline(in, password)) return tl::make_unexpected(path + ": no password in its first line");
-  if (password.size() > program::kMaxLoginText) return tl::make_unexpected(path + ": a password of more than 128 bytes");
+  if (!std::getline(in, password))
+    return tl::make_unexpected(path + ": no password in its first line");
+  if (password.size() > program::kMaxLoginText)
+    return tl::make_unexpected(path + ": a password of more than 128 bytes");
   return password;
 }
 
@@ -81,7 +105,8 @@ int run(const Arguments& given) {
   const auto server = config::host_port_from(given.server);
   if (!server) return fail(kUsage, "--server '" + given.server + "' names no host and port");
   if (!program::is_device_number(given.device)) {
-    return fail(kUsage, "--device '" + given.device + "' is no device number: " + std::string(program::kDeviceNumberForm));
+    return fail(kUsage, "--device '" + given.device +
+                            "' is no device number: " + std::string(program::kDeviceNumberForm));
   }
   port::PortOptions options;
   options.host = server->first;
@@ -90,15 +115,23 @@ int run(const Arguments& given) {
   options.authorities = given.authorities;
   options.rules.number = given.device;
   options.rules.by_length = !given.markers;
-  options.rules.heartbeat = from_seconds(given.heartbeat);
+  const auto heartbeat = read_duration(given.heartbeat, kHeartbeat);
+  if (!heartbeat)
+    return fail(kUsage, "--heartbeat: " + fault_text(given.heartbeat, heartbeat.error()));
+  options.rules.heartbeat = *heartbeat;
   if (!given.line.empty()) {
     options.rules.format = config::format_from(given.line);
-    if (!options.rules.format) return fail(kUsage, "--line '" + given.line + "' is no format such as 8N1, 7E1 or 7E2");
-    if (given.markers) return fail(kUsage, "--line cannot be told to a bridge that speaks marker frames only (--markers)");
+    if (!options.rules.format)
+      return fail(kUsage, "--line '" + given.line + "' is no format such as 8N1, 7E1 or 7E2");
+    if (given.markers)
+      return fail(kUsage,
+                  "--line cannot be told to a bridge that speaks marker frames only (--markers)");
   }
-  if (given.user.empty() != given.password_file.empty()) return fail(kUsage, "--user and --password-file go together");
+  if (given.user.empty() != given.password_file.empty())
+    return fail(kUsage, "--user and --password-file go together");
   if (!given.user.empty()) {
-    if (!options.tls && !on_loopback({options.host, 0})) return fail(kUsage, "a password is not sent without --tls");
+    if (!options.tls && !on_loopback({options.host, 0}))
+      return fail(kUsage, "a password is not sent without --tls");
     if (given.user.size() > program::kMaxLoginText) return fail(kUsage, "--user is too long");
     auto password = password_of(given.password_file);
     if (!password) return fail(kUsage, password.error());
@@ -119,7 +152,7 @@ int run(const Arguments& given) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::signal(SIGPIPE, SIG_IGN);
+  make_writes_fail_not_kill();
   Arguments given;
   CLI::App app;
   describe(app, given);

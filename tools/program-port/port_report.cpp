@@ -1,19 +1,32 @@
 #include "tools/program-port/port_report.hpp"
 
+#include <unistd.h>
+
 #include <cstdio>
 #include <nlohmann/json.hpp>
+
+#include "bridge/log/line_writer.hpp"
+#include "core/base/printable.hpp"
 
 namespace fieldcast::port {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-void print(const std::string& line) {
-  std::printf("%s\n", line.c_str());
-  std::fflush(stdout);
+// The port serves its program also while nobody reads its standard output.
+LineWriter& output() {
+  static auto& lines = *new LineWriter(STDOUT_FILENO, [](std::uint64_t lost) {
+    return "(" + std::to_string(lost) + " lines are missing here)\n";
+  });
+  return lines;
 }
 
+// What the bridge says is text from outside.
+void print(const std::string& line) { output().put(printable(line) + '\n'); }
+
 void print(const Json& line) { print(line.dump(-1, ' ', false, Json::error_handler_t::replace)); }
+
+constexpr Duration kLastWords = std::chrono::milliseconds{300};
 
 std::string rate_text(double bytes_per_second) {
   char text[64];
@@ -23,8 +36,11 @@ std::string rate_text(double bytes_per_second) {
 
 }  // namespace
 
+PortReport::~PortReport() { (void)output().flush(kLastWords); }
+
 void PortReport::state(const std::string& state, const std::string& text) const {
-  if (json_) return print(Json{{"device", device_}, {"link", link_}, {"state", state}, {"text", text}});
+  if (json_)
+    return print(Json{{"device", device_}, {"link", link_}, {"state", state}, {"text", text}});
   print(device_ + ": " + text);
 }
 
@@ -35,7 +51,8 @@ void PortReport::dropped(const std::string& text) const {
 
 void PortReport::line(std::uint32_t baud, unsigned stop_bits) const {
   if (json_) return print(Json{{"device", device_}, {"baud", baud}, {"stop_bits", stop_bits}});
-  print(device_ + ": the program sets " + std::to_string(baud) + " baud, " + std::to_string(stop_bits) + " stop bits");
+  print(device_ + ": the program sets " + std::to_string(baud) + " baud, " +
+        std::to_string(stop_bits) + " stop bits");
 }
 
 void PortReport::traffic(std::uint64_t sent, std::uint64_t received, Instant now, bool last) {
@@ -55,8 +72,9 @@ void PortReport::traffic(std::uint64_t sent, std::uint64_t received, Instant now
                       {"rate_from_device", in},
                       {"seconds", seconds}});
   }
-  print(device_ + ": " + std::to_string(sent) + " bytes sent (" + rate_text(out) + "), " + std::to_string(received) +
-        " received (" + rate_text(in) + ')' + (last ? ", in " + std::to_string(seconds) + " s" : ""));
+  print(device_ + ": " + std::to_string(sent) + " bytes sent (" + rate_text(out) + "), " +
+        std::to_string(received) + " received (" + rate_text(in) + ')' +
+        (last ? ", in " + std::to_string(seconds) + " s" : ""));
 }
 
 }  // namespace fieldcast::port

@@ -9,13 +9,17 @@ namespace fieldcast::port {
 
 class PortReport {
  public:
-  PortReport(bool json, std::string device, std::string link) : json_(json), device_(std::move(device)), link_(std::move(link)) {}
+  PortReport(bool json, std::string device, std::string link)
+      : json_(json), device_(std::move(device)), link_(std::move(link)) {}
+  ~PortReport();  // the last lines are written, if somebody reads them
+  PortReport(const PortReport&) = delete;
+  PortReport& operator=(const PortReport&) = delete;
 
   void state(const std::string& state, const std::string& text) const;
   void dropped(const std::string& text) const;
   void line(std::uint32_t baud, unsigned stop_bits) const;
-  // Totals so far and the rates since the last call; nothing when nothing moved. `last`: always, with the rates of the whole
-  // time.
+  // Totals so far and the rates since the last call; nothing when nothing moved. `last`: always,
+  // with the rates of the whole time.
   void traffic(std::uint64_t sent, std::uint64_t received, Instant now, bool last);
   void paired(Instant now) { since_ = at_ = now; }
 

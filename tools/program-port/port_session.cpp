@@ -6,7 +6,7 @@
 #include <boost/asio/post.hpp>
 #include <csignal>
 
-#include "bridge/clock.hpp"
+#include "bridge/bus/clock.hpp"
 #include "bridge/port/connection.hpp"
 #include "bridge/port/serial_line.hpp"
 
@@ -19,9 +19,12 @@ using program::PortClient;
 using program::PortEnd;
 
 constexpr std::chrono::seconds kConnectLimit{10};
-constexpr std::chrono::milliseconds kLook{100};  // at the virtual port's settings, beside every time that bytes come
-constexpr unsigned kLooksOfReport = 10;          // a line of traffic each second
-constexpr std::chrono::seconds kFlushLimit{1};   // for the last bytes, at the end
+constexpr std::chrono::milliseconds kLook{
+    100};  // at the virtual port's settings, beside every time that bytes come
+constexpr unsigned kLooksOfReport = 10;  // a line of traffic each second
+// For the last bytes, at the end, since one left: a bridge before a slow line takes them in steps.
+constexpr std::chrono::seconds kFlushBridge{10};
+constexpr std::chrono::seconds kFlushProgram{1};
 
 // A rate that no program sets: whatever one sets, even a new terminal's 38400, is then seen as set.
 constexpr std::uint32_t kNobodysRate = 38401;
@@ -33,7 +36,8 @@ std::optional<program::LineSettings> untouched(int fd) {
 
 }  // namespace
 
-PortSession::PortSession(asio::io_context& io, PortOptions options, sim::PtyPort pty, PortReport& report)
+PortSession::PortSession(asio::io_context& io, PortOptions options, sim::PtyPort pty,
+                         PortReport& report)
     : io_(io),
       options_(std::move(options)),
       pty_(std::move(pty)),
@@ -62,30 +66,37 @@ void PortSession::start() {
 }
 
 void PortSession::connect() {
-  report_.state("connecting", "connecting to " + options_.host + ':' + std::to_string(options_.server_port));
-  resolver_.async_resolve(options_.host, std::to_string(options_.server_port),
-                          [this](boost::system::error_code fault, tcp::resolver::results_type found) {
-                            if (over_) return;
-                            if (fault) return cannot_connect(fault.message());
-                            asio::async_connect(socket_, found, [this](boost::system::error_code refused, const tcp::endpoint&) {
+  report_.state("connecting",
+                "connecting to " + options_.host + ':' + std::to_string(options_.server_port));
+  resolver_.async_resolve(
+      options_.host, std::to_string(options_.server_port),
+      [this](boost::system::error_code fault, tcp::resolver::results_type found) {
+        if (over_) return;
+        if (fault) return cannot_connect(fault.message());
+        asio::async_connect(socket_, found,
+                            [this](boost::system::error_code refused, const tcp::endpoint&) {
                               if (over_) return;
                               if (refused) return cannot_connect(refused.message());
-                              tune_socket(socket_.native_handle());
-                              if (!options_.tls) return connected(program::socket_stream(std::move(socket_)));
+                              tune_socket(socket_.native_handle(), program::kTunnelPatience);
+                              if (!options_.tls)
+                                return connected(program::socket_stream(std::move(socket_)));
                               auto tls = program::TlsClient::make(options_.authorities);
                               if (!tls) return cannot_connect(tls.error());
                               tls_ = std::move(*tls);
                               tls_->shake_hands(std::move(socket_), options_.host, kConnectLimit,
                                                 [this](program::TlsResult stream) {
                                                   if (over_) return;
-                                                  stream ? connected(std::move(*stream)) : cannot_connect(stream.error());
+                                                  stream ? connected(std::move(*stream))
+                                                         : cannot_connect(stream.error());
                                                 });
                             });
-                          });
+      });
 }
 
 void PortSession::cannot_connect(const std::string& reason) {
-  end_ = {PortEnd::Kind::kBridgeGone, {}, options_.host + ':' + std::to_string(options_.server_port) + ": " + reason};
+  end_ = {PortEnd::Kind::kBridgeGone,
+          {},
+          options_.host + ':' + std::to_string(options_.server_port) + ": " + reason};
   wind_up();
 }
 
@@ -136,7 +147,8 @@ void PortSession::execute(const PortClient::Paired&) {
 }
 
 void PortSession::open_terminal() {
-  auto stream = program::descriptor_stream(io_, FileDescriptor(::fcntl(pty_.fd(), F_DUPFD_CLOEXEC, 0)));
+  auto stream =
+      program::descriptor_stream(io_, FileDescriptor(::fcntl(pty_.fd(), F_DUPFD_CLOEXEC, 0)));
   terminal_ = std::make_shared<program::RelayEnd>(std::move(stream));
   terminal_->start({[this](ByteView bytes) {
                       look_at_line();
@@ -146,15 +158,20 @@ void PortSession::open_terminal() {
                       end_ = {PortEnd::Kind::kProtocol, {}, "the virtual port is gone: " + reason};
                       tell(PortClient::StopAsked{});
                     },
-                    [this](bool room) { bridge_->hold(!room); }});
+                    [this](bool room) {
+                      bridge_->hold(!room);
+                      tell(PortClient::ProgramTakes{room});
+                    }});
 }
 
-// Before bytes that a program sends under new settings, and now and then: a program may listen first.
+// Before bytes that a program sends under new settings, and now and then: a program may listen
+// first.
 void PortSession::look_at_line() {
   const auto now = rate_of(pty_.fd());
   if (!now || now == settings_) return;
   settings_ = now;
-  report_.line(now->baud, options_.rules.format ? options_.rules.format->stop_bits : now->stop_bits);
+  report_.line(now->baud,
+               options_.rules.format ? options_.rules.format->stop_bits : now->stop_bits);
   tell(PortClient::LineChanged{*now});
 }
 
@@ -172,11 +189,13 @@ void PortSession::execute(const PortClient::Dropped& what) { report_.dropped(wha
 
 void PortSession::execute(const PortClient::Finish& what) {
   end_ = what.end;
-  if (terminal_) report_.traffic(client_.bytes_to_device(), client_.bytes_from_device(), steady_now(), true);
+  if (terminal_)
+    report_.traffic(client_.bytes_to_device(), client_.bytes_from_device(), steady_now(), true);
   wind_up();
 }
 
-// What is still to be sent either way has a moment for it; then nothing keeps the io_context busy.
+// What is still to be sent either way has its time while bytes leave; then nothing keeps the
+// io_context busy. A second signal ends it at once.
 void PortSession::wind_up() {
   if (std::exchange(over_, true)) return;
   report_.state("ended", end_.text);
@@ -186,21 +205,38 @@ void PortSession::wind_up() {
   signals_.cancel();
   timer_.cancel();
   ticking_.cancel();
-  limit_.expires_after(kFlushLimit);
-  limit_.async_wait([this](boost::system::error_code cancelled) {
+  signals_.async_wait([this](boost::system::error_code fault, int) {
     for (const auto& side : {bridge_, terminal_}) {
-      if (side && !cancelled) side->close();
+      if (side && !fault) side->close();
     }
   });
   const auto left = std::make_shared<int>(0);
   for (const auto& side : {bridge_, terminal_}) *left += side ? 1 : 0;
-  if (*left == 0) limit_.cancel();
+  if (*left == 0) signals_.cancel();
   for (const auto& side : {bridge_, terminal_}) {
     if (!side) continue;
-    side->finish([this, left] {
-      if (--*left == 0) limit_.cancel();
+    side->finish(program::RelayEnd::Until::kTaken, [this, left] {
+      if (--*left == 0) signals_.cancel();
     });
   }
+  flush(steady_now(), steady_now());
+}
+
+void PortSession::flush(Instant bridge_moved, Instant program_moved) {
+  const Instant now = steady_now();
+  bool more = false;
+  const auto look = [&](const auto& side, Instant& moved, Duration limit) {
+    if (!side || side->settle()) return;
+    if (side->drained()) moved = now;
+    now - moved < limit ? void(more = true) : side->close();
+  };
+  look(bridge_, bridge_moved, kFlushBridge);
+  look(terminal_, program_moved, kFlushProgram);
+  if (!more) return;
+  limit_.expires_after(kLook);
+  limit_.async_wait([this, bridge_moved, program_moved](boost::system::error_code cancelled) {
+    if (!cancelled) flush(bridge_moved, program_moved);
+  });
 }
 
 }  // namespace fieldcast::port

@@ -1,5 +1,5 @@
-// From the first connection attempt to the end: a stream to the bridge, the virtual port, and the pure PortClient between them.
-// Lives on the io_context of main.
+// From the first connection attempt to the end: a stream to the bridge, the virtual port, and the
+// pure PortClient between them. Lives on the io_context of main.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -27,7 +27,8 @@ struct PortOptions {
 class PortSession {
  public:
   // Takes the virtual port; the report outlives the session.
-  PortSession(boost::asio::io_context& io, PortOptions options, sim::PtyPort pty, PortReport& report);
+  PortSession(boost::asio::io_context& io, PortOptions options, sim::PtyPort pty,
+              PortReport& report);
   // Everything happens in io.run(), which then returns.
   void start();
   [[nodiscard]] const program::PortEnd& end() const { return end_; }
@@ -47,6 +48,7 @@ class PortSession {
   void look_at_line();
   void tick();
   void wind_up();
+  void flush(Instant bridge_moved, Instant program_moved);
 
   boost::asio::io_context& io_;
   const PortOptions options_;

@@ -6,8 +6,10 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "bridge/write_faults.hpp"
 #include "config/loader.hpp"
-#include "tools/sim/fault_file.hpp"
+#include "core/base/duration_text.hpp"
+#include "tools/sim/bus/fault_file.hpp"
 #include "tools/sim/plant_loop.hpp"
 
 namespace {
@@ -18,38 +20,48 @@ using namespace fieldcast;
 enum ExitCode : int { kFine = 0, kBadArguments = 2, kBadFile = 3, kNoPort = 4, kNoReport = 5 };
 
 struct Arguments {
-  std::string config, faults, report;
+  std::string config, faults, report, time;
   std::uint64_t seed = 1;
-  double seconds = 0;
   bool quiet = false, json = false, spin = false, realtime = false;
 };
 
 void describe(CLI::App& app, Arguments& given) {
-  app.description("Simulates the plant of a configuration: a pseudo-terminal at each serial path, a listener for each TCP bus.");
+  app.description(
+      "Simulates the plant of a configuration: a pseudo-terminal at each serial path, a listener "
+      "for each TCP bus.");
   app.footer(
-      "Ends with SIGINT or SIGTERM and removes its links. SIGUSR1 writes the report. The faults file: tools/sim/README.md.");
+      "Ends with SIGINT or SIGTERM and removes its links. SIGUSR1 writes the report. The faults "
+      "file: tools/sim/README.md.");
   app.add_option("CONFIG", given.config, "configuration of the bridge")->required();
   app.add_option("--faults", given.faults, "what goes wrong in the plant (YAML)");
-  app.add_option("--seed", given.seed, "of waveforms and faults; the same seed is the same plant")->capture_default_str();
-  app.add_option("--seconds", given.seconds, "end by itself after this time")->check(CLI::Range(0.0, 1e9));
-  app.add_option("--report", given.report, "write counters of every device to this file at the end, as JSON");
-  app.add_flag("--spin", given.spin, "busy-wait the last 100 us before each instant: exact to a few us, costs a core");
-  app.add_flag("--realtime", given.realtime, "run before everything else on this machine (SCHED_RR; needs the right to)");
+  app.add_option("--seed", given.seed, "of waveforms and faults; the same seed is the same plant")
+      ->capture_default_str();
+  app.add_option("--seconds,--for", given.time, "end by itself after this time (20, 500ms, 2min)");
+  app.add_option("--report", given.report,
+                 "write counters of every device to this file at the end, as JSON");
+  app.add_flag("--spin", given.spin,
+               "busy-wait the last 100 us before each instant: exact to a few us, costs a core");
+  app.add_flag("--realtime", given.realtime,
+               "run before everything else on this machine (SCHED_RR; needs the right to)");
   app.add_flag("--quiet", given.quiet, "say nothing but errors");
   app.add_flag("--json", given.json, "say where the buses are as JSON lines");
 }
 
-void say(const Arguments& given, const std::vector<std::unique_ptr<sim::SimBus>>& buses, const std::vector<std::string>& places) {
+void say(const Arguments& given, const std::vector<std::unique_ptr<sim::SimBus>>& buses,
+         const std::vector<std::string>& places) {
   if (given.quiet) return;
   for (std::size_t i = 0; i < buses.size(); ++i) {
     const BusSpec& spec = buses[i]->spec();
     if (given.json) {
-      const nlohmann::ordered_json line{
-          {"bus", spec.name}, {"place", places[i]}, {"port", to_text(spec.port)}, {"devices", spec.devices.size()}};
+      const nlohmann::ordered_json line{{"bus", spec.name},
+                                        {"place", places[i]},
+                                        {"port", to_text(spec.port)},
+                                        {"devices", spec.devices.size()}};
       std::printf("%s\n", line.dump().c_str());
     } else {
-      std::printf("%-16s %s, %zu device%s (%s)\n", spec.name.c_str(), places[i].c_str(), spec.devices.size(),
-                  spec.devices.size() == 1 ? "" : "s", to_text(spec.port).c_str());
+      std::printf("%-16s %s, %zu device%s (%s)\n", spec.name.c_str(), places[i].c_str(),
+                  spec.devices.size(), spec.devices.size() == 1 ? "" : "s",
+                  to_text(spec.port).c_str());
     }
   }
   std::puts(given.json ? "{\"ready\":true}" : "READY");
@@ -59,6 +71,14 @@ void say(const Arguments& given, const std::vector<std::unique_ptr<sim::SimBus>>
 int fail(ExitCode code, const std::string& text) {
   std::fprintf(stderr, "%s%s", text.c_str(), text.ends_with('\n') ? "" : "\n");
   return code;
+}
+
+// Where the run ends: never, or so long after `start`.
+tl::expected<Instant, std::string> end_of(const Arguments& given, Instant start) {
+  if (given.time.empty()) return kNever;
+  const auto time = read_duration(given.time, {Duration{}, std::chrono::hours{24 * 365}, true});
+  if (!time) return tl::unexpected("--seconds: " + fault_text(given.time, time.error()));
+  return *time == Duration{} ? kNever : start + *time;  // as 0 has always meant
 }
 
 int simulate(const Arguments& given) {
@@ -74,18 +94,22 @@ int simulate(const Arguments& given) {
   std::vector<std::unique_ptr<sim::SimBus>> buses;
   for (const BusSpec& spec : plant->buses) {
     if (std::holds_alternative<DialInPortSpec>(spec.port))
-      return fail(kBadFile, given.config + ": " + spec.name + ": modules that dial in are simulated in virtual time only");
+      return fail(kBadFile, given.config + ": " + spec.name +
+                                ": modules that dial in are simulated in virtual time only");
     auto bus = sim::SimBus::make(spec, faults.buses[spec.name], given.seed, start);
     if (!bus) return fail(kBadFile, given.config + ": " + bus.error());
     buses.push_back(std::move(*bus));
   }
   sim::LoopOptions options;
-  if (given.seconds > 0) options.end = start + from_seconds(given.seconds);
+  const auto end = end_of(given, start);
+  if (!end) return fail(kBadArguments, end.error());
+  options.end = *end;
   if (given.spin) options.spin = std::chrono::microseconds{100};
   options.report = given.report;
   const sched_param lowest{1};
   if (given.realtime && ::sched_setscheduler(0, SCHED_RR, &lowest) != 0) {
-    return fail(kBadArguments, "--realtime: not permitted; give the right with 'ulimit -r 1' or CAP_SYS_NICE");
+    return fail(kBadArguments,
+                "--realtime: not permitted; give the right with 'ulimit -r 1' or CAP_SYS_NICE");
   }
   sim::PlantLoop loop(buses, options);
   if (const auto opened = loop.open(); !opened) return fail(kNoPort, opened.error());
@@ -96,6 +120,7 @@ int simulate(const Arguments& given) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  make_writes_fail_not_kill();
   Arguments given;
   CLI::App app;
   describe(app, given);

@@ -54,7 +54,8 @@ std::vector<std::string> PlantLoop::places() const {
 }
 
 void PlantLoop::watch(int fd) {
-  if (owner_.size() <= static_cast<std::size_t>(fd)) owner_.resize(static_cast<std::size_t>(fd) + 1);
+  if (owner_.size() <= static_cast<std::size_t>(fd))
+    owner_.resize(static_cast<std::size_t>(fd) + 1);
   owner_[static_cast<std::size_t>(fd)] = serving_;
   epoll_event event{};
   event.events = EPOLLIN;
@@ -106,7 +107,8 @@ void PlantLoop::wait(Instant until) {
   if (sleep) arm(sleep_until);
   std::array<epoll_event, 64> events;
   for (;;) {
-    const int count = ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), sleep ? -1 : 0);
+    const int count =
+        ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), sleep ? -1 : 0);
     for (int i = 0; i < count; ++i) take(events[static_cast<std::size_t>(i)].data.fd);
     if (count > 0 || stopping_ || now() >= until) return;
     sleep = false;

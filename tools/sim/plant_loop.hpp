@@ -1,15 +1,17 @@
-// Runs all buses of the plant on one thread: waits for bytes, instants and signals, and gives each bus its turn.
+// Runs all buses of the plant on one thread: waits for bytes, instants and signals, and gives each
+// bus its turn.
 //
-// Plain epoll and one timerfd, not Asio: the loop's product is the exact instant, so it wants one absolute timer on the monotonic
-// clock (without the slack of a poll's timeout), the freedom to spin before it, and nothing between the kernel and the write.
+// Plain epoll and one timerfd, not Asio: the loop's product is the exact instant, so it wants one
+// absolute timer on the monotonic clock (without the slack of a poll's timeout), the freedom to
+// spin before it, and nothing between the kernel and the write.
 #pragma once
 
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "tools/sim/bus/served_bus.hpp"
 #include "tools/sim/fd.hpp"
-#include "tools/sim/served_bus.hpp"
 
 namespace fieldcast::sim {
 
@@ -24,14 +26,16 @@ struct LoopOptions {
 
 class PlantLoop : private Watcher {
  public:
-  // Blocks SIGINT, SIGTERM and SIGUSR1 in this thread and takes them itself. REQUIRES: the buses outlive the loop.
+  // Blocks SIGINT, SIGTERM and SIGUSR1 in this thread and takes them itself. REQUIRES: the buses
+  // outlive the loop.
   PlantLoop(const std::vector<std::unique_ptr<SimBus>>& buses, LoopOptions options);
   ~PlantLoop() override;
 
   // Opens every port; or why not, with those opened closed again.
   [[nodiscard]] tl::expected<void, std::string> open();
   [[nodiscard]] std::vector<std::string> places() const;
-  // Until the end, SIGINT or SIGTERM; then ports are closed and links gone. False: the report could not be written.
+  // Until the end, SIGINT or SIGTERM; then ports are closed and links gone. False: the report could
+  // not be written.
   [[nodiscard]] bool run();
 
  private:

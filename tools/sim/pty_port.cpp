@@ -20,7 +20,9 @@ namespace {
 // The same terminal as /dev/pts/5, in a spelling that nobody else uses.
 constexpr const char* kOurs = "/dev/pts/../pts/";
 
-std::string reason(const std::string& path, const char* what) { return path + ": " + what + " (" + std::strerror(errno) + ")"; }
+std::string reason(const std::string& path, const char* what) {
+  return path + ": " + what + " (" + std::strerror(errno) + ")";
+}
 
 std::string target_of(const std::string& path) {
   char target[PATH_MAX];
@@ -34,10 +36,13 @@ Fd take_lock(const std::string& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   std::error_code ignored;
-  const std::string name = "fieldcast-pty-" + std::to_string(std::hash<std::string>{}(std::filesystem::absolute(path, ignored).string()));
+  const std::string name =
+      "fieldcast-pty-" +
+      std::to_string(std::hash<std::string>{}(std::filesystem::absolute(path, ignored).string()));
   std::memcpy(address.sun_path + 1, name.data(), name.size());
   const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
-  if (!lock || ::bind(lock.get(), reinterpret_cast<const sockaddr*>(&address), size) != 0) return Fd{};
+  if (!lock || ::bind(lock.get(), reinterpret_cast<const sockaddr*>(&address), size) != 0)
+    return Fd{};
   return lock;
 }
 
@@ -57,9 +62,12 @@ tl::expected<PtyPort, std::string> PtyPort::open(const std::string& path) {
   struct stat status {};
   if (::lstat(path.c_str(), &status) == 0) {
     if (!S_ISLNK(status.st_mode) || target_of(path).rfind(kOurs, 0) != 0) {
-      return tl::unexpected(path + ": exists already and was not made by Fieldcast; choose another path, or remove it");
+      return tl::unexpected(
+          path +
+          ": exists already and was not made by Fieldcast; choose another path, or remove it");
     }
-    if (::unlink(path.c_str()) != 0) return tl::unexpected(reason(path, "cannot remove the link of an earlier program"));
+    if (::unlink(path.c_str()) != 0)
+      return tl::unexpected(reason(path, "cannot remove the link of an earlier program"));
   }
   port.master_.reset(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   char name[64];
@@ -69,16 +77,19 @@ tl::expected<PtyPort, std::string> PtyPort::open(const std::string& path) {
   }
   port.terminal_ = name;
   port.slave_.reset(::open(name, O_RDWR | O_NOCTTY | O_CLOEXEC));
-  if (!port.slave_ || !make_raw(port.slave_.get())) return tl::unexpected(reason(path, "the pseudo-terminal does not open"));
+  if (!port.slave_ || !make_raw(port.slave_.get()))
+    return tl::unexpected(reason(path, "the pseudo-terminal does not open"));
   const std::string target = kOurs + port.terminal_.substr(std::strlen("/dev/pts/"));
-  if (::symlink(target.c_str(), path.c_str()) != 0) return tl::unexpected(reason(path, "cannot make the link"));
+  if (::symlink(target.c_str(), path.c_str()) != 0)
+    return tl::unexpected(reason(path, "cannot make the link"));
   port.path_ = path;
   return port;
 }
 
 PtyPort::~PtyPort() {
   if (!master_ || path_.empty()) return;
-  if (target_of(path_) == kOurs + terminal_.substr(std::strlen("/dev/pts/"))) ::unlink(path_.c_str());
+  if (target_of(path_) == kOurs + terminal_.substr(std::strlen("/dev/pts/")))
+    ::unlink(path_.c_str());
 }
 
 void PtyPort::forget_exclusive_use() { ::ioctl(slave_.get(), TIOCNXCL); }

@@ -1,8 +1,9 @@
-// A pseudo-terminal that stands where a serial adapter would: a symbolic link at the path leads to its slave side.
+// A pseudo-terminal that stands where a serial adapter would: a symbolic link at the path leads to
+// its slave side.
 //
-// Owns the terminal and the link; both go with it. Never over a file that no program of ours made: a link is known as ours by the
-// spelling of its target, and a living program by a socket name that dies with its process, so that a link left by a killed one
-// is taken over.
+// Owns the terminal and the link; both go with it. Never over a file that no program of ours made:
+// a link is known as ours by the spelling of its target, and a living program by a socket name that
+// dies with its process, so that a link left by a killed one is taken over.
 #pragma once
 
 #include <string>
@@ -23,7 +24,8 @@ class PtyPort {
   [[nodiscard]] int fd() const { return master_.get(); }                   // non-blocking
   [[nodiscard]] const std::string& terminal() const { return terminal_; }  // "/dev/pts/5"
 
-  // A real adapter forgets exclusive use when its last user closes it; a terminal that the simulator keeps open would not.
+  // A real adapter forgets exclusive use when its last user closes it; a terminal that the
+  // simulator keeps open would not.
   void forget_exclusive_use();
 
  private:

@@ -30,11 +30,15 @@ Json device_report(const SimBus::Member& member) {
 
 Json bus_report(const SimBus& bus) {
   const LineStatistics& line = bus.statistics();
-  Json report{{"name", bus.spec().name},         {"port", to_text(bus.spec().port)}, {"bytes_heard", line.bytes_heard},
-              {"bytes_said", line.bytes_said},   {"lost_characters", line.lost},     {"collisions", line.collisions},
-              {"connections", line.connections}, {"shortest_rest_us", nullptr},      {"devices", Json::array()}};
-  if (line.shortest_rest) report["shortest_rest_us"] = static_cast<double>(line.shortest_rest->count()) / 1000.0;
-  for (const SimBus::Member& member : bus.members()) report["devices"].push_back(device_report(member));
+  Json report{{"name", bus.spec().name},         {"port", to_text(bus.spec().port)},
+              {"bytes_heard", line.bytes_heard}, {"bytes_said", line.bytes_said},
+              {"lost_characters", line.lost},    {"collisions", line.collisions},
+              {"connections", line.connections}, {"shortest_rest_us", nullptr},
+              {"devices", Json::array()}};
+  if (line.shortest_rest)
+    report["shortest_rest_us"] = static_cast<double>(line.shortest_rest->count()) / 1000.0;
+  for (const SimBus::Member& member : bus.members())
+    report["devices"].push_back(device_report(member));
   return report;
 }
 

@@ -5,11 +5,12 @@
 #include <span>
 #include <string>
 
-#include "tools/sim/sim_bus.hpp"
+#include "tools/sim/bus/sim_bus.hpp"
 
 namespace fieldcast::sim {
 
-[[nodiscard]] std::string report_of(std::span<const std::unique_ptr<SimBus>> buses, Duration running);
+[[nodiscard]] std::string report_of(std::span<const std::unique_ptr<SimBus>> buses,
+                                    Duration running);
 
 // Replaces the file in one step, so that a reader never sees half of it. False: errno says why.
 [[nodiscard]] bool write_report(const std::string& path, const std::string& report);

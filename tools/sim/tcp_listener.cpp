@@ -12,13 +12,15 @@ namespace fieldcast::sim {
 
 std::string loopback_for(const std::string& host) {
   in_addr address{};
-  const bool loopback = ::inet_pton(AF_INET, host.c_str(), &address) == 1 && (ntohl(address.s_addr) >> 24) == 127;
+  const bool loopback =
+      ::inet_pton(AF_INET, host.c_str(), &address) == 1 && (ntohl(address.s_addr) >> 24) == 127;
   return loopback ? host : "127.0.0.1";
 }
 
 tl::expected<Fd, std::string> listen_on(const std::string& loopback, std::uint16_t port) {
   const auto failed = [&] {
-    return tl::unexpected(loopback + ":" + std::to_string(port) + ": cannot listen (" + std::strerror(errno) + ")");
+    return tl::unexpected(loopback + ":" + std::to_string(port) + ": cannot listen (" +
+                          std::strerror(errno) + ")");
   };
   Fd listener(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (!listener) return failed();

@@ -7,8 +7,8 @@
 
 namespace fieldcast::declared {
 
-// The parameters of a CRC of 16 bits, in the words of the Rocksoft model: reflected means that the lowest bit goes first, in the
-// input as in the result.
+// The parameters of a CRC of 16 bits, in the words of the Rocksoft model: reflected means that the
+// lowest bit goes first, in the input as in the result.
 struct Crc16 {
   std::uint16_t polynomial = 0x8005, start = 0xFFFF, final_xor = 0x0000;
   bool reflected = true;
@@ -27,7 +27,8 @@ struct Check {
   friend bool operator==(const Check&, const Check&) = default;
 };
 
-// The check of these bytes, as a number of `bits` (8..32): a sum is taken modulo 2^bits, the others are as wide as they are.
+// The check of these bytes, as a number of `bits` (8..32): a sum is taken modulo 2^bits, the others
+// are as wide as they are.
 [[nodiscard]] std::uint64_t check_of(const Check& check, unsigned bits, ByteView bytes);
 
 }  // namespace fieldcast::declared

@@ -1,6 +1,6 @@
-// A device family described by data: its areas, and for each operation the frames of request and answer cut into fields. The
-// loader (config/declaration.hpp) makes it from a text and has checked all that is said here under REQUIRES; DeclaredProtocol
-// speaks it.
+// A device family described by data: its areas, and for each operation the frames of request and
+// answer cut into fields. The loader (config/declaration.hpp) makes it from a text and has checked
+// all that is said here under REQUIRES; DeclaredProtocol speaks it.
 //
 //     Declaration > Operation > Frame > Field
 //
@@ -22,7 +22,8 @@ namespace fieldcast::declared {
 
 inline constexpr std::size_t kMaxFields = 64;      // of a frame
 inline constexpr std::size_t kMaxOperations = 64;  // of a declaration
-inline constexpr std::size_t kMaxFrame = 1024;     // characters of a frame, whatever its own length says
+inline constexpr std::size_t kMaxFrame =
+    1024;  // characters of a frame, whatever its own length says
 
 enum class FieldKind : std::uint8_t {
   kConstant,  // always `number`, or the characters of `text`
@@ -46,18 +47,21 @@ struct Span {
   friend bool operator==(const Span&, const Span&) = default;
 };
 
-// Fields narrower than their word share it: the first of them carries the word's characters, all of them the same `word`.
+// Fields narrower than their word share it: the first of them carries the word's characters, all of
+// them the same `word`.
 struct Field {
   std::string name;
   FieldKind kind = FieldKind::kConstant;
-  Word word;                    // how the number stands on the wire; of items: one item, or one byte of packed bits
-  std::uint8_t bits = 8;        // 1..64, of this field's number
-  std::uint8_t shift = 0;       // of its lowest bit in the word
-  bool opens = true;            // first of its word
-  bool is_signed = false;       // a value narrower than its items is extended by its sign
-  bool in_characters = false;   // a length counts characters, not bytes
-  bool variable = false;        // a text that may be shorter: up to the constant behind it, or as a length says
+  Word word;  // how the number stands on the wire; of items: one item, or one byte of packed bits
+  std::uint8_t bits = 8;       // 1..64, of this field's number
+  std::uint8_t shift = 0;      // of its lowest bit in the word
+  bool opens = true;           // first of its word
+  bool is_signed = false;      // a value narrower than its items is extended by its sign
+  bool in_characters = false;  // a length counts characters, not bytes
+  bool variable =
+      false;  // a text that may be shorter: up to the constant behind it, or as a length says
   std::uint16_t text_size = 0;  // characters of a value that is a text, at most
+  TextNumber text_number = {};  // the number that the text spells; none: it is a text
   std::string text;             // of a constant that is one
   std::uint64_t number = 0;
   std::uint32_t times = 1;
@@ -79,12 +83,15 @@ struct Frame {
 struct Place {
   std::string name;
   std::uint16_t first = 0, items = 1;
-  std::uint8_t bits = 16;  // 0: a text
+  std::uint8_t bits = 16;        // 0: a text
+  bool is_signed = false;        // a number narrower than its items is extended by its sign
+  std::uint16_t characters = 0;  // of a text
+  TextNumber text_number = {};
   friend bool operator==(const Place&, const Place&) = default;
 };
 
-// Items that are numbered, or (with places) a record that every read brings whole: each value of the answer in 16-bit items of
-// its own, a number right-aligned, a text from the left.
+// Items that are numbered, or (with places) a record that every read brings whole: each value of
+// the answer in 16-bit items of its own, a number right-aligned, a text from the left.
 struct DeclaredArea {
   std::string name;
   std::string prefix;        // before the number: "holding:", "D"
@@ -121,7 +128,8 @@ struct Declaration {
   friend bool operator==(const Declaration&, const Declaration&) = default;
 };
 
-// What a device's specification holds; equal when what is said is equal, so that a reload restarts only what differs.
+// What a device's specification holds; equal when what is said is equal, so that a reload restarts
+// only what differs.
 struct SharedDeclaration {
   std::shared_ptr<const Declaration> value;
   explicit operator bool() const { return value != nullptr; }
@@ -131,8 +139,8 @@ struct SharedDeclaration {
 };
 
 // A protocol for one device. REQUIRES: `declaration` has passed the loader.
-[[nodiscard]] tl::expected<std::unique_ptr<Protocol>, OptionFault> make(std::shared_ptr<const Declaration> declaration,
-                                                                        const DeviceLink& link);
+[[nodiscard]] tl::expected<std::unique_ptr<Protocol>, OptionFault> make(
+    std::shared_ptr<const Declaration> declaration, const DeviceLink& link);
 
 // One frame for people, read as that of the declaration's frames which it fits best.
 [[nodiscard]] std::vector<FrameField> explain(const Declaration& declaration, ByteView frame);

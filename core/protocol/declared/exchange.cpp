@@ -5,14 +5,15 @@
 namespace fieldcast::declared {
 namespace {
 
-// A wait for the rest of something that may be noise. Each byte that comes renews it, so it need not cover the whole rest.
+// A wait for the rest of something that may be noise. Each byte that comes renews it, so it need
+// not cover the whole rest.
 constexpr std::size_t kDoubtfulWait = 8;
 
 // A spurious character of an RS-485 driver that changes its direction.
 bool is_turnaround(std::uint8_t byte) { return byte == 0x00 || byte == 0xFF; }
 
-// Two of the longest frames that devices of the declaration send, and noise: the search goes through all of it for each byte that
-// comes.
+// Two of the longest frames that devices of the declaration send, and noise: the search goes
+// through all of it for each byte that comes.
 std::size_t most_received(const Declaration& declaration) {
   std::size_t longest = 0;
   for (const Operation& operation : declaration.operations) {
@@ -24,12 +25,17 @@ std::size_t most_received(const Declaration& declaration) {
 
 bool strict(const Sight& sight) { return !sight.foreign && !sight.mismatch; }
 
-// Goes through the bytes for the answer. Where a frame begins is certain at the start and behind every frame whose check is
-// right; anywhere else the search slides on byte by byte.
+// Goes through the bytes for the answer. Where a frame begins is certain at the start and behind
+// every frame whose check is right; anywhere else the search slides on byte by byte.
 class Search {
  public:
-  Search(ByteView all, const Declaration& declaration, const Operation& operation, const Facts& facts)
-      : all_(all), declaration_(declaration), operation_(operation), facts_(facts), refused_(facts) {
+  Search(ByteView all, const Declaration& declaration, const Operation& operation,
+         const Facts& facts)
+      : all_(all),
+        declaration_(declaration),
+        operation_(operation),
+        facts_(facts),
+        refused_(facts) {
     refused_.refusal = true;
     const DeclaredArea& area = declaration.areas[operation.area];
     record_items_ = area.record ? area.items : 0;
@@ -40,7 +46,8 @@ class Search {
     while (at_ < all_.size() && !found) look_here();
     if (found) return;
     if (noise_ >= expected_ || broken_)
-      begun = true;  // an answer's worth of broken bytes: the right one follows at once, or not at all
+      begun =
+          true;  // an answer's worth of broken bytes: the right one follows at once, or not at all
   }
 
   std::optional<Sight> found;
@@ -62,20 +69,28 @@ class Search {
  private:
   void look_here() {
     if (try_frame(operation_.answer, facts_, record_items_, true)) return;
-    if (!declaration_.refusal.fields.empty() && try_frame(declaration_.refusal, refused_, 0, true)) return;
+    if (!declaration_.refusal.fields.empty() && try_frame(declaration_.refusal, refused_, 0, true))
+      return;
     if (boundary_ && try_others()) return;
     if (!is_turnaround(all_[at_])) boundary_ = false, ++noise_;
     ++at_;
   }
 
-  // Answers of other devices, and answers to other requests: skipped whole, or an answer could be read out of their middle.
+  // Answers of other devices, and answers to other requests: skipped whole, or an answer could be
+  // read out of their middle.
   bool try_others() {
     for (const Operation& other : declaration_.operations) {
       const DeclaredArea& area = declaration_.areas[other.area];
-      Facts facts{.address = facts_.address, .command = other.command, .sequence = facts_.sequence, .item_bits = area.item_bits};
-      if (&other != &operation_ && try_frame(other.answer, facts, area.record ? area.items : 0, false)) return true;
+      Facts facts{.address = facts_.address,
+                  .command = other.command,
+                  .sequence = facts_.sequence,
+                  .item_bits = area.item_bits};
+      if (&other != &operation_ &&
+          try_frame(other.answer, facts, area.record ? area.items : 0, false))
+        return true;
       facts.refusal = true;
-      if (!declaration_.refusal.fields.empty() && try_frame(declaration_.refusal, facts, 0, false)) return true;
+      if (!declaration_.refusal.fields.empty() && try_frame(declaration_.refusal, facts, 0, false))
+        return true;
     }
     return false;
   }
@@ -109,10 +124,12 @@ class Search {
     return true;
   }
 
-  // A frame that lacks characters. At a boundary it owns whatever follows, until it is whole or silence shows that it was noise.
+  // A frame that lacks characters. At a boundary it owns whatever follows, until it is whole or
+  // silence shows that it was noise.
   void begin(const Sight& sight, bool ours) {
     if (!ours && (!boundary_ || sight.known == 0)) return;
-    if (!begun) missing = ours && boundary_ ? sight.missing : std::min(sight.missing, kDoubtfulWait);
+    if (!begun)
+      missing = ours && boundary_ ? sight.missing : std::min(sight.missing, kDoubtfulWait);
     begun = true;
     held_ = held_ || boundary_;
     if (!ours)
@@ -131,13 +148,14 @@ class Search {
   std::size_t at_ = 0;
   std::size_t noise_ = 0;
   bool boundary_ = true;
-  bool held_ = false, truncated_ = false, cut_ = false, mismatch_ = false, foreign_ = false, broken_ = false;
+  bool held_ = false, truncated_ = false, cut_ = false, mismatch_ = false, foreign_ = false,
+       broken_ = false;
 };
 
 }  // namespace
 
-DeclaredExchange::DeclaredExchange(std::shared_ptr<const Declaration> declaration, const Operation& operation, Facts facts,
-                                   Range wanted)
+DeclaredExchange::DeclaredExchange(std::shared_ptr<const Declaration> declaration,
+                                   const Operation& operation, Facts facts, Range wanted)
     : declaration_(std::move(declaration)),
       operation_(operation),
       facts_(std::move(facts)),
@@ -148,7 +166,8 @@ Step DeclaredExchange::start(Bytes& out) {
   append_frame(out, operation_.request, facts_);
   silence_ = Cause::kNoAnswer;
   fallback_.reset();
-  return Step::send(static_cast<std::uint32_t>(size_of(operation_.answer, facts_.item_bits, facts_.count)));
+  return Step::send(
+      static_cast<std::uint32_t>(size_of(operation_.answer, facts_.item_bits, facts_.count)));
 }
 
 Step DeclaredExchange::on_bytes(ByteView all, Bytes&) {
@@ -157,10 +176,13 @@ Step DeclaredExchange::on_bytes(ByteView all, Bytes&) {
   search.run();
   silence_ = search.cause();
   fallback_.reset();
-  if (!search.found) return search.begun ? Step::need_rest(static_cast<std::uint32_t>(search.missing)) : Step::need_answer();
+  if (!search.found)
+    return search.begun ? Step::need_rest(static_cast<std::uint32_t>(search.missing))
+                        : Step::need_answer();
   Step step = Step::done();
   if (search.refusal) {
-    const bool busy = std::ranges::find(declaration_->busy, search.found->error) != declaration_->busy.end();
+    const bool busy =
+        std::ranges::find(declaration_->busy, search.found->error) != declaration_->busy.end();
     step = Step::failed(busy ? Cause::kDeviceBusy : Cause::kDeviceError, search.found->error);
   } else {
     reply_.assign(1, {});
@@ -168,7 +190,8 @@ Step DeclaredExchange::on_bytes(ByteView all, Bytes&) {
       const Bytes& items = search.found->items;
       const bool record = declaration_->areas[operation_.area].record;
       const auto from = items.begin() + static_cast<std::ptrdiff_t>(record ? 2 * wanted_.first : 0);
-      reply_[0].items.assign(from, record ? from + static_cast<std::ptrdiff_t>(2 * wanted_.count) : items.end());
+      reply_[0].items.assign(
+          from, record ? from + static_cast<std::ptrdiff_t>(2 * wanted_.count) : items.end());
     }
   }
   if (!search.doubtful) return step;
@@ -176,6 +199,8 @@ Step DeclaredExchange::on_bytes(ByteView all, Bytes&) {
   return Step::need_rest(static_cast<std::uint32_t>(search.missing));
 }
 
-Step DeclaredExchange::on_silence(Bytes&) { return fallback_ ? *fallback_ : Step::failed(silence_); }
+Step DeclaredExchange::on_silence(Bytes&) {
+  return fallback_ ? *fallback_ : Step::failed(silence_);
+}
 
 }  // namespace fieldcast::declared

@@ -9,8 +9,10 @@ namespace fieldcast::declared {
 
 class DeclaredExchange final : public Exchange {
  public:
-  // `wanted` is cut out of what the answer brings: of items as they come, of a record by its places. A write brings nothing.
-  DeclaredExchange(std::shared_ptr<const Declaration> declaration, const Operation& operation, Facts facts, Range wanted);
+  // `wanted` is cut out of what the answer brings: of items as they come, of a record by its
+  // places. A write brings nothing.
+  DeclaredExchange(std::shared_ptr<const Declaration> declaration, const Operation& operation,
+                   Facts facts, Range wanted);
 
   [[nodiscard]] Step start(Bytes& out) override;
   [[nodiscard]] Step on_bytes(ByteView all, Bytes& out) override;
@@ -25,7 +27,8 @@ class DeclaredExchange final : public Exchange {
   const std::size_t most_;  // characters that are looked at; more is a babbling line
   Reply reply_;
   Cause silence_ = Cause::kNoAnswer;
-  std::optional<Step> fallback_;  // what silence makes of the bytes: an answer behind what looked like another frame
+  std::optional<Step> fallback_;  // what silence makes of the bytes: an answer behind what looked
+                                  // like another frame
 };
 
 }  // namespace fieldcast::declared

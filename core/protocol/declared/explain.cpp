@@ -15,7 +15,8 @@ struct Reading {
 // Reads every byte as this frame, whatever it holds.
 class Reader {
  public:
-  Reader(const Declaration& declaration, const Frame& frame, ByteView bytes, std::uint64_t command, unsigned item_bits)
+  Reader(const Declaration& declaration, const Frame& frame, ByteView bytes, std::uint64_t command,
+         unsigned item_bits)
       : declaration_(declaration), frame_(frame), bytes_(bytes), item_bits_(item_bits) {
     facts_.command = command;
   }
@@ -27,7 +28,8 @@ class Reader {
     elastic_ = bytes_.size() > fixed ? bytes_.size() - fixed : 0;
     place();
     for (std::size_t i = 0; i < frame_.fields.size(); ++i) show(frame_.fields[i], i);
-    if (place_ < bytes_.size()) add(place_, bytes_.size() - place_, "rest", "", "bytes behind the end of the frame");
+    if (place_ < bytes_.size())
+      add(place_, bytes_.size() - place_, "rest", "", "bytes behind the end of the frame");
     return {writer_.take(), faults_};
   }
 
@@ -48,7 +50,8 @@ class Reader {
     for (const Field& field : frame_.fields) starts_.push_back(at), at += width(field);
     starts_.push_back(place_ = at);
   }
-  void add(std::size_t at, std::size_t length, const std::string& name, std::string value, const std::string& fault = {}) {
+  void add(std::size_t at, std::size_t length, const std::string& name, std::string value,
+           const std::string& fault = {}) {
     faults_ += fault.empty() ? 0 : 1;
     writer_.add(at, length, name, std::move(value), fault);
   }
@@ -64,10 +67,12 @@ class Reader {
     const ByteView part = bytes_.subspan(at, size);
     if (field.kind == FieldKind::kItems) return add(at, size, field.name, to_hex(part));
     if (!field.text.empty()) {
-      const bool right = std::ranges::equal(part, field.text, {}, {}, [](char c) { return static_cast<std::uint8_t>(c); });
+      const bool right = std::ranges::equal(part, field.text, {}, {},
+                                            [](char c) { return static_cast<std::uint8_t>(c); });
       return add(at, size, field.name, to_hex(part), right ? "" : "should be " + field.text);
     }
-    if (field.text_size != 0) return add(at, size, field.name, std::string(part.begin(), part.end()));
+    if (field.text_size != 0)
+      return add(at, size, field.name, std::string(part.begin(), part.end()));
     const auto word = read_word(part, field.word);
     if (!word) return add(at, size, field.name, to_hex(part), "a character that is no digit");
     number(field, at, size, *word >> field.shift & (UINT64_MAX >> (64 - field.bits)));
@@ -75,9 +80,10 @@ class Reader {
 
   // What has no meaning as a number is spelt as it stands on the wire.
   static std::string spelt(const Field& field, std::uint64_t number) {
-    const bool mark =
-        field.kind == FieldKind::kConstant || field.kind == FieldKind::kCommand || field.kind == FieldKind::kChecksum;
-    if (!mark || field.word.notation != Notation::kBinary || field.bits != 8u * field.word.characters)
+    const bool mark = field.kind == FieldKind::kConstant || field.kind == FieldKind::kCommand ||
+                      field.kind == FieldKind::kChecksum;
+    if (!mark || field.word.notation != Notation::kBinary ||
+        field.bits != 8u * field.word.characters)
       return std::to_string(number);
     Bytes bytes;
     append_word(bytes, field.word, number);
@@ -109,7 +115,8 @@ class Reader {
       case FieldKind::kError: {
         const auto known = declaration_.codes.find(static_cast<std::uint16_t>(number));
         if (known != declaration_.codes.end()) value += " " + known->second;
-        if (facts_.refusal == (number == field.number)) fault = facts_.refusal ? "no error" : "an error in an answer";
+        if (facts_.refusal == (number == field.number))
+          fault = facts_.refusal ? "no error" : "an error in an answer";
         break;
       }
       default: break;
@@ -121,8 +128,8 @@ class Reader {
     std::uint64_t total = static_cast<std::uint64_t>(length.plus);
     for (std::size_t i = length.of.from; i <= length.of.to; ++i) {
       const Field& field = frame_.fields[i];
-      const bool digits =
-          field.word.notation == Notation::kHex && field.text.empty() && field.text_size == 0 && !length.in_characters;
+      const bool digits = field.word.notation == Notation::kHex && field.text.empty() &&
+                          field.text_size == 0 && !length.in_characters;
       total += width(field) / (digits ? 2 : 1);
     }
     return total;
@@ -154,10 +161,13 @@ std::vector<FrameField> explain(const Declaration& declaration, ByteView frame) 
   };
   for (const Operation& operation : declaration.operations) {
     const unsigned bits = declaration.areas[operation.area].item_bits;
-    offer(Reader(declaration, operation.request, frame, operation.command, bits).run("request: " + operation.name, false));
-    offer(Reader(declaration, operation.answer, frame, operation.command, bits).run("answer: " + operation.name, false));
+    offer(Reader(declaration, operation.request, frame, operation.command, bits)
+              .run("request: " + operation.name, false));
+    offer(Reader(declaration, operation.answer, frame, operation.command, bits)
+              .run("answer: " + operation.name, false));
     if (declaration.refusal.fields.empty()) continue;
-    offer(Reader(declaration, declaration.refusal, frame, operation.command, bits).run("refusal: " + operation.name, true));
+    offer(Reader(declaration, declaration.refusal, frame, operation.command, bits)
+              .run("refusal: " + operation.name, true));
   }
   if (best) return std::move(best->fields);
   none.remark("", "the declaration has no operations");

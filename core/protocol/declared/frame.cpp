@@ -13,12 +13,14 @@ std::size_t characters_of(const Field& field, unsigned item_bits, std::uint32_t 
   return field.opens ? field.word.characters : 0;
 }
 
-std::uint64_t length_of(const Frame& frame, const Field& length, unsigned item_bits, std::uint32_t count) {
+std::uint64_t length_of(const Frame& frame, const Field& length, unsigned item_bits,
+                        std::uint32_t count) {
   std::uint64_t total = 0;
   for (std::size_t i = length.of.from; i <= length.of.to; ++i) {
     const Field& field = frame.fields[i];
     const std::size_t characters = characters_of(field, item_bits, count);
-    const bool digits = field.word.notation == Notation::kHex && field.text.empty() && field.text_size == 0;
+    const bool digits =
+        field.word.notation == Notation::kHex && field.text.empty() && field.text_size == 0;
     total += digits && !length.in_characters ? characters / 2 : characters;
   }
   return total + static_cast<std::uint64_t>(length.plus);
@@ -46,7 +48,8 @@ std::size_t items_size(const Field& field, unsigned item_bits, std::uint32_t cou
   return std::size_t{count} * field.word.characters;
 }
 
-std::size_t size_of(const Frame& frame, std::size_t from, std::size_t to, unsigned item_bits, std::uint32_t count) {
+std::size_t size_of(const Frame& frame, std::size_t from, std::size_t to, unsigned item_bits,
+                    std::uint32_t count) {
   std::size_t size = 0;
   for (std::size_t i = from; i < to; ++i) size += characters_of(frame.fields[i], item_bits, count);
   return size;
@@ -54,7 +57,9 @@ std::size_t size_of(const Frame& frame, std::size_t from, std::size_t to, unsign
 
 std::optional<std::uint64_t> number_of(const Field& field, const Facts& facts) {
   const auto plus = static_cast<std::uint64_t>(field.plus);
-  const auto narrow = [&](std::uint64_t number) { return number & (UINT64_MAX >> (64 - field.bits)); };
+  const auto narrow = [&](std::uint64_t number) {
+    return number & (UINT64_MAX >> (64 - field.bits));
+  };
   switch (field.kind) {
     case FieldKind::kConstant: return narrow(field.number);
     case FieldKind::kAddress: return narrow(facts.address + plus);
@@ -70,7 +75,8 @@ void append_items(Bytes& out, const Field& field, unsigned item_bits, ByteView i
   if (item_bits == 1 && field.packed) {
     for (std::size_t at = 0; at < items.size(); at += 8) {
       std::uint64_t byte = 0;
-      for (std::size_t i = at; i < std::min(at + 8, items.size()); ++i) byte |= (items[i] != 0 ? 1u : 0u) << (i - at);
+      for (std::size_t i = at; i < std::min(at + 8, items.size()); ++i)
+        byte |= (items[i] != 0 ? 1u : 0u) << (i - at);
       append_word(out, field.word, byte);
     }
     return;
@@ -83,36 +89,42 @@ void append_items(Bytes& out, const Field& field, unsigned item_bits, ByteView i
   }
 }
 
-std::optional<Bytes> read_items(ByteView characters, const Field& field, unsigned item_bits, std::uint32_t count) {
+std::optional<Bytes> read_items(ByteView characters, const Field& field, unsigned item_bits,
+                                std::uint32_t count) {
   Bytes items;
   const bool packed = item_bits == 1 && field.packed;
   for (std::size_t at = 0; at < characters.size(); at += field.word.characters) {
     const auto word = read_word(characters.subspan(at, field.word.characters), field.word);
     if (!word) return std::nullopt;
     if (packed) {
-      for (unsigned bit = 0; bit < 8 && items.size() < count; ++bit) items.push_back(static_cast<std::uint8_t>(*word >> bit & 1));
+      for (unsigned bit = 0; bit < 8 && items.size() < count; ++bit)
+        items.push_back(static_cast<std::uint8_t>(*word >> bit & 1));
     } else if (item_bits == 1) {
       if (*word != field.on && *word != field.off) return std::nullopt;
       items.push_back(*word == field.on ? 1 : 0);
     } else {
-      for (std::size_t i = image_bytes(item_bits, 1); i-- > 0;) items.push_back(static_cast<std::uint8_t>(*word >> 8 * i));
+      for (std::size_t i = image_bytes(item_bits, 1); i-- > 0;)
+        items.push_back(static_cast<std::uint8_t>(*word >> 8 * i));
     }
   }
   return items;
 }
 
-Bytes covered(const Frame& frame, const Field& sum, ByteView bytes, std::span<const std::size_t> starts) {
-  const ByteView all = bytes.subspan(starts[sum.of.from], starts[sum.of.to + 1u] - starts[sum.of.from]);
+Bytes covered(const Frame& frame, const Field& sum, ByteView bytes,
+              std::span<const std::size_t> starts) {
+  const ByteView all =
+      bytes.subspan(starts[sum.of.from], starts[sum.of.to + 1u] - starts[sum.of.from]);
   if (!sum.check.over_bytes) return {all.begin(), all.end()};
   Bytes meant;
   for (std::size_t i = sum.of.from; i <= sum.of.to; ++i) {
     const Field& field = frame.fields[i];
     const ByteView part = bytes.subspan(starts[i], starts[i + 1] - starts[i]);
-    const bool digits =
-        field.word.notation == Notation::kHex && field.text.empty() && field.text_size == 0 && part.size() % 2 == 0;
+    const bool digits = field.word.notation == Notation::kHex && field.text.empty() &&
+                        field.text_size == 0 && part.size() % 2 == 0;
     const Word byte{Notation::kHex, 2, false};
     for (std::size_t at = 0; at < part.size(); at += digits ? 2 : 1)
-      meant.push_back(static_cast<std::uint8_t>(digits ? read_word(part.subspan(at, 2), byte).value_or(0) : part[at]));
+      meant.push_back(static_cast<std::uint8_t>(
+          digits ? read_word(part.subspan(at, 2), byte).value_or(0) : part[at]));
   }
   return meant;
 }
@@ -156,7 +168,8 @@ void append_frame(Bytes& out, const Frame& frame, const Facts& facts) {
     if (fields[i].kind != FieldKind::kChecksum) continue;
     Bytes sum;
     append_word(sum, fields[i].word,
-                check_of(fields[i].check, fields[i].bits, covered(frame, fields[i], ByteView(out).subspan(begin), starts)));
+                check_of(fields[i].check, fields[i].bits,
+                         covered(frame, fields[i], ByteView(out).subspan(begin), starts)));
     std::copy(sum.begin(), sum.end(), out.begin() + static_cast<std::ptrdiff_t>(begin + starts[i]));
   }
 }

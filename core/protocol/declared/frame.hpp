@@ -16,14 +16,17 @@ struct Facts {
   std::uint32_t count = 0;
   std::uint16_t sequence = 0;
   unsigned item_bits = 16;
-  bool written = false;  // `items` are known: what is written, and what an answer that repeats them must show
+  bool written =
+      false;  // `items` are known: what is written, and what an answer that repeats them must show
   bool refusal = false;  // the frame is a refusal: its error field must tell one
   Bytes items;           // the image of first .. first+count-1
 };
 
 // Characters of the fields from .. to-1 with `count` items; a variable text counts in full.
-[[nodiscard]] std::size_t size_of(const Frame& frame, std::size_t from, std::size_t to, unsigned item_bits, std::uint32_t count);
-[[nodiscard]] inline std::size_t size_of(const Frame& frame, unsigned item_bits, std::uint32_t count) {
+[[nodiscard]] std::size_t size_of(const Frame& frame, std::size_t from, std::size_t to,
+                                  unsigned item_bits, std::uint32_t count);
+[[nodiscard]] inline std::size_t size_of(const Frame& frame, unsigned item_bits,
+                                         std::uint32_t count) {
   return size_of(frame, 0, frame.fields.size(), item_bits, count);
 }
 
@@ -48,17 +51,21 @@ struct Sight {
   Bytes items;  // of kItems, or the record with all its values
 };
 // `record_items`: of the record that the values fill; 0 where there is none.
-[[nodiscard]] Sight look(const Frame& frame, ByteView bytes, const Facts& facts, std::size_t record_items);
+[[nodiscard]] Sight look(const Frame& frame, ByteView bytes, const Facts& facts,
+                         std::size_t record_items);
 
 // The number that a field must show; nothing for what an answer is free to say.
 [[nodiscard]] std::optional<std::uint64_t> number_of(const Field& field, const Facts& facts);
 
 // The characters that a checksum is taken over.
-[[nodiscard]] Bytes covered(const Frame& frame, const Field& sum, ByteView bytes, std::span<const std::size_t> starts);
+[[nodiscard]] Bytes covered(const Frame& frame, const Field& sum, ByteView bytes,
+                            std::span<const std::size_t> starts);
 
-// Items as characters of an items field, and back; nothing when a character is none that an item can have.
+// Items as characters of an items field, and back; nothing when a character is none that an item
+// can have.
 void append_items(Bytes& out, const Field& field, unsigned item_bits, ByteView items);
-[[nodiscard]] std::optional<Bytes> read_items(ByteView characters, const Field& field, unsigned item_bits, std::uint32_t count);
+[[nodiscard]] std::optional<Bytes> read_items(ByteView characters, const Field& field,
+                                              unsigned item_bits, std::uint32_t count);
 [[nodiscard]] std::size_t items_size(const Field& field, unsigned item_bits, std::uint32_t count);
 
 // A value's number in the image of its record, 16-bit items from `at`.

@@ -10,7 +10,11 @@ namespace {
 class Look {
  public:
   Look(const Frame& frame, ByteView bytes, const Facts& facts, std::size_t record_items)
-      : fields_(frame.fields), frame_(frame), bytes_(bytes), facts_(facts), record_(2 * record_items) {}
+      : fields_(frame.fields),
+        frame_(frame),
+        bytes_(bytes),
+        facts_(facts),
+        record_(2 * record_items) {}
 
   Sight run() {
     for (at_ = 0; at_ < fields_.size(); ++at_) {
@@ -42,7 +46,8 @@ class Look {
     return false;
   }
   bool part() {
-    const std::size_t whole = place_ + size_of(frame_, at_, fields_.size(), facts_.item_bits, facts_.count);
+    const std::size_t whole =
+        place_ + size_of(frame_, at_, fields_.size(), facts_.item_bits, facts_.count);
     sight_.fit = Sight::Fit::kPart;
     sight_.missing = std::max<std::size_t>(1, whole - std::min(whole - 1, bytes_.size()));
     return false;
@@ -56,12 +61,14 @@ class Look {
     const auto word = read_word(rest().first(field.word.characters), field.word);
     if (!word) return none();
     word_ = *word;
-    if (word_ >> 1 >> (bits_of_word(field) - 1) != 0) return none();  // decimal digits hold more than their fields
+    if (word_ >> 1 >> (bits_of_word(field) - 1) != 0)
+      return none();  // decimal digits hold more than their fields
     return true;
   }
   static unsigned bits_of_word(const Field& field) {
-    return field.word.notation == Notation::kDecimal ? 64u
-                                                     : field.word.characters * (field.word.notation == Notation::kHex ? 4u : 8u);
+    return field.word.notation == Notation::kDecimal
+               ? 64u
+               : field.word.characters * (field.word.notation == Notation::kHex ? 4u : 8u);
   }
   bool begins(const Field& field) const {
     if (!could_begin(rest(), field.word)) return false;
@@ -100,13 +107,15 @@ class Look {
     return true;
   }
 
-  // What a length says of the fields behind it. One that is not what we expect is followed: its frame is skipped whole.
+  // What a length says of the fields behind it. One that is not what we expect is followed: its
+  // frame is skipped whole.
   bool length(const Field& field, std::uint64_t number) {
     std::int64_t left = static_cast<std::int64_t>(number & 0x7FFFFFFFu) - field.plus;
     std::int64_t expected = 0;
     const Field* elastic = nullptr;
     for (std::size_t i = field.of.from; i <= field.of.to; ++i) {
-      const auto size = static_cast<std::int64_t>(size_of(frame_, i, i + 1, facts_.item_bits, facts_.count));
+      const auto size =
+          static_cast<std::int64_t>(size_of(frame_, i, i + 1, facts_.item_bits, facts_.count));
       const bool digits = doubled(fields_[i], field);
       const bool soft = i > at_ && (fields_[i].kind == FieldKind::kItems || fields_[i].variable);
       expected = digits ? size / 2 : size;
@@ -124,9 +133,12 @@ class Look {
     return true;
   }
   static bool doubled(const Field& counted, const Field& length) {
-    return counted.word.notation == Notation::kHex && counted.text.empty() && counted.text_size == 0 && !length.in_characters;
+    return counted.word.notation == Notation::kHex && counted.text.empty() &&
+           counted.text_size == 0 && !length.in_characters;
   }
-  std::optional<std::size_t> told() const { return told_ && elastic_at_ == at_ ? told_ : std::nullopt; }
+  std::optional<std::size_t> told() const {
+    return told_ && elastic_at_ == at_ ? told_ : std::nullopt;
+  }
 
   bool items(const Field& field) {
     const std::size_t expected = items_size(field, facts_.item_bits, facts_.count);
@@ -152,7 +164,8 @@ class Look {
 
   bool text_constant(const Field& field) {
     const std::size_t size = std::min(field.text.size(), rest().size());
-    if (!std::equal(rest().begin(), rest().begin() + static_cast<std::ptrdiff_t>(size), field.text.begin(),
+    if (!std::equal(rest().begin(), rest().begin() + static_cast<std::ptrdiff_t>(size),
+                    field.text.begin(),
                     [](std::uint8_t a, char b) { return a == static_cast<std::uint8_t>(b); }))
       return none();
     if (size < field.text.size()) return part();
@@ -179,7 +192,8 @@ class Look {
     }
     if (lacks(size)) return part();
     const std::size_t from = 2u * field.place;
-    for (std::size_t i = 0; i < size && from + i < record_.size(); ++i) record_[from + i] = rest()[i];
+    for (std::size_t i = 0; i < size && from + i < record_.size(); ++i)
+      record_[from + i] = rest()[i];
     place_ += size;
     return true;
   }
@@ -197,7 +211,9 @@ class Look {
     const std::size_t from = 2u * field.place, width = 2u * items;
     for (std::size_t i = 0; i < width && from + i < record_.size(); ++i)
       record_[from + i] = static_cast<std::uint8_t>(number >> 8 * (width - 1 - i));
-    if (!facts_.written || field.place < facts_.first || field.place + items > facts_.first + facts_.count) return;
+    if (!facts_.written || field.place < facts_.first ||
+        field.place + items > facts_.first + facts_.count)
+      return;
     const auto sent = value_in(facts_.items, field.place - facts_.first, items);
     sight_.mismatch |= ((sent ^ number) & (UINT64_MAX >> (64 - field.bits))) != 0;
   }
@@ -206,7 +222,8 @@ class Look {
     sight_.checked = true;
     const std::size_t at = starts_[static_cast<std::size_t>(&field - fields_.data())];
     const auto said = read_word(bytes_.subspan(at, field.word.characters), field.word);
-    sight_.bad_check |= said != check_of(field.check, field.bits, covered(frame_, field, bytes_, starts_));
+    sight_.bad_check |=
+        said != check_of(field.check, field.bits, covered(frame_, field, bytes_, starts_));
   }
 
   const std::vector<Field>& fields_;

@@ -14,7 +14,9 @@ using Parsed = tl::expected<ParsedAddress, AddressFault>;
 std::string spelt(std::uint32_t number, int base) {
   char text[16];
   const auto [end, error] = std::to_chars(text, text + sizeof text, number, base);
-  std::transform(text, end, text, [](char c) { return c >= 'a' && c <= 'f' ? static_cast<char>(c - 'a' + 'A') : c; });
+  std::transform(text, end, text, [](char c) {
+    return c >= 'a' && c <= 'f' ? static_cast<char>(c - 'a' + 'A') : c;
+  });
   return {text, end};
 }
 
@@ -24,8 +26,8 @@ std::string allowed(const Declaration& declaration) {
     if (area.record) {
       for (const Place& place : area.places) text += (text.empty() ? "" : ", ") + place.name;
     } else {
-      text += (text.empty() ? "" : ", ") + area.prefix + "N with N " + spelt(area.origin, area.base) + ".." +
-              spelt(area.origin + area.items - 1, area.base);
+      text += (text.empty() ? "" : ", ") + area.prefix + "N with N " +
+              spelt(area.origin, area.base) + ".." + spelt(area.origin + area.items - 1, area.base);
     }
   }
   return text + "; a bit as .BIT behind it";
@@ -41,13 +43,15 @@ class Parser {
       const DeclaredArea& area = declaration_.areas[i];
       const auto index = static_cast<AreaIndex>(i);
       for (const Place& place : area.places) {
-        if (at_.starts_with(place.name) && (at_.size() == place.name.size() || at_[place.name.size()] == '.'))
+        if (at_.starts_with(place.name) &&
+            (at_.size() == place.name.size() || at_[place.name.size()] == '.'))
           if (auto found = in_place(index, place, at_.substr(place.name.size()))) return *found;
       }
     }
     for (std::size_t i = 0; i < declaration_.areas.size(); ++i) {
       const DeclaredArea& area = declaration_.areas[i];
-      if (!area.record && at_.starts_with(area.prefix) && at_.size() > area.prefix.size() && whole_begins(area))
+      if (!area.record && at_.starts_with(area.prefix) && at_.size() > area.prefix.size() &&
+          whole_begins(area))
         return numbered(static_cast<AreaIndex>(i), area, at_.substr(area.prefix.size()));
     }
     return unknown();
@@ -59,21 +63,26 @@ class Parser {
     return whole_number(digits.substr(0, digits.find('.')), area.base).has_value();
   }
   Parsed fault(std::string what, std::string suggestion = {}) const {
-    return tl::unexpected(AddressFault{std::move(what), allowed(declaration_), std::move(suggestion)});
+    return tl::unexpected(
+        AddressFault{std::move(what), allowed(declaration_), std::move(suggestion)});
   }
 
   // A place whose name goes on, as "input.2" against "input", is left to the others.
   std::optional<Parsed> in_place(AreaIndex area, const Place& place, std::string_view rest) const {
     ParsedAddress address{.area = area, .first = place.first};
+    address.text_characters = place.characters;
+    address.text_number = place.text_number;
     if (place.bits == 0) return rest.empty() ? std::optional<Parsed>(address) : std::nullopt;
     address.width_bits = 16u * place.items;
+    address.value_bits = place.bits;
+    address.value_signed = place.is_signed;
     if (rest.empty()) return address;
     const auto bit = whole_number(rest.substr(1), 10);
     if (!bit) return std::nullopt;
     if (*bit >= place.bits) {
-      return fault(
-          "bit " + std::to_string(*bit) + " is beyond " + quoted(place.name) + ", which has " + std::to_string(place.bits),
-          place.name + "." + std::to_string(place.bits - 1));
+      return fault("bit " + std::to_string(*bit) + " is beyond " + quoted(place.name) +
+                       ", which has " + std::to_string(place.bits),
+                   place.name + "." + std::to_string(place.bits - 1));
     }
     address.first += place.items - 1 - *bit / 16;  // the lowest item is the last
     address.bit = static_cast<std::uint8_t>(*bit % 16);
@@ -93,10 +102,13 @@ class Parser {
     if (area.item_bits == 1) address.width_bits = 1;
     if (dot == rest.npos) return address;
     const std::string without(at_.substr(0, area.prefix.size() + dot));
-    if (area.item_bits == 1) return fault("a " + area.name + " is a bit itself and has no bits", without);
+    if (area.item_bits == 1)
+      return fault("a " + area.name + " is a bit itself and has no bits", without);
     const auto bit = whole_number(rest.substr(dot + 1), 10);
     if (!bit || *bit >= area.item_bits) {
-      return fault("bit " + quoted(rest.substr(dot + 1)) + " is not 0.." + std::to_string(area.item_bits - 1), without + ".0");
+      return fault("bit " + quoted(rest.substr(dot + 1)) + " is not 0.." +
+                       std::to_string(area.item_bits - 1),
+                   without + ".0");
     }
     address.bit = static_cast<std::uint8_t>(*bit);
     address.width_bits = 1;
@@ -116,7 +128,8 @@ class Parser {
     const auto near = near_miss(word, names);
     if (near.empty()) return fault(what);
     // With the number as it stands, or the first place of that name.
-    for (const auto& guess : {std::string(near) + std::string(at_.substr(digits)), std::string(near), std::string(near) + "0"}) {
+    for (const auto& guess : {std::string(near) + std::string(at_.substr(digits)),
+                              std::string(near), std::string(near) + "0"}) {
       if (Parser(declaration_, guess, false).run()) return fault(what, guess);
     }
     return fault(what);
@@ -129,6 +142,8 @@ class Parser {
 
 }  // namespace
 
-Parsed parse_address(const Declaration& declaration, std::string_view at) { return Parser(declaration, at).run(); }
+Parsed parse_address(const Declaration& declaration, std::string_view at) {
+  return Parser(declaration, at).run();
+}
 
 }  // namespace fieldcast::declared

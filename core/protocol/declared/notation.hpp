@@ -1,5 +1,5 @@
-// How people write the addresses of a declared protocol: `holding:100`, `holding:100.5`, or a place of a record by its name.
-// Pure.
+// How people write the addresses of a declared protocol: `holding:100`, `holding:100.5`, or a place
+// of a record by its name. Pure.
 #pragma once
 
 #include <string_view>
@@ -8,6 +8,7 @@
 
 namespace fieldcast::declared {
 
-[[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_address(const Declaration& declaration, std::string_view at);
+[[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_address(
+    const Declaration& declaration, std::string_view at);
 
 }  // namespace fieldcast::declared

@@ -17,7 +17,8 @@ bool has(const Frame& frame, FieldKind kind) {
 // By what the weakest answer shows whose it is.
 AnswerIdentity identity_of(const Declaration& declaration) {
   const auto all = [&](FieldKind kind) {
-    return std::ranges::all_of(declaration.operations, [&](const Operation& each) { return has(each.answer, kind); }) &&
+    return std::ranges::all_of(declaration.operations,
+                               [&](const Operation& each) { return has(each.answer, kind); }) &&
            (declaration.refusal.fields.empty() || has(declaration.refusal, kind));
   };
   if (all(FieldKind::kSequence)) return AnswerIdentity::kSequence;
@@ -26,8 +27,11 @@ AnswerIdentity identity_of(const Declaration& declaration) {
 
 class DeclaredProtocol final : public Protocol {
  public:
-  DeclaredProtocol(std::shared_ptr<const Declaration> declaration, std::uint16_t address, const Traits& traits)
+  DeclaredProtocol(std::shared_ptr<const Declaration> declaration, std::uint16_t address,
+                   const Traits& traits)
       : declaration_(std::move(declaration)), address_(address), traits_(traits) {
+    for (const auto& [code, text] : declaration_->codes) codes_.push_back({code, text});
+    traits_.codes = codes_;
     for (const DeclaredArea& each : declaration_->areas) {
       Area area{.name = each.name,
                 .item_bits = each.item_bits,
@@ -40,8 +44,9 @@ class DeclaredProtocol final : public Protocol {
         if (operation.write)
           area.writable = true, area.max_write = std::max(area.max_write, operation.max_count);
         else
-          area.max_read =
-              std::max<std::uint16_t>(area.max_read, each.record ? static_cast<std::uint16_t>(each.items) : operation.max_count);
+          area.max_read = std::max<std::uint16_t>(
+              area.max_read,
+              each.record ? static_cast<std::uint16_t>(each.items) : operation.max_count);
       }
       area.bit_write = area.writable && each.item_bits == 1;
       areas_.push_back(area);
@@ -49,16 +54,20 @@ class DeclaredProtocol final : public Protocol {
     for (const Operation& operation : declaration_->operations) {
       const unsigned bits = declaration_->areas[operation.area].item_bits;
       const bool record = declaration_->areas[operation.area].record;
-      const auto fixed = [&](const Frame& frame) { return static_cast<std::uint32_t>(size_of(frame, bits, 0)); };
-      prepared_.push_back({fixed(operation.request), fixed(operation.answer), items_field(operation.request),
-                           items_field(operation.answer), bits, record, operation.echoes()});
+      const auto fixed = [&](const Frame& frame) {
+        return static_cast<std::uint32_t>(size_of(frame, bits, 0));
+      };
+      prepared_.push_back({fixed(operation.request), fixed(operation.answer),
+                           items_field(operation.request), items_field(operation.answer), bits,
+                           record, operation.echoes()});
     }
   }
 
   const Traits& traits() const override { return traits_; }
   std::span<const Area> areas() const override { return areas_; }
   tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
-    return parse_with_suggestion(at, [&](std::string_view text) { return declared::parse_address(*declaration_, text); });
+    return parse_with_suggestion(
+        at, [&](std::string_view text) { return declared::parse_address(*declaration_, text); });
   }
 
   std::optional<ExchangeSize> size(const Request& request) const override {
@@ -68,11 +77,13 @@ class DeclaredProtocol final : public Protocol {
     const std::uint32_t count = range_of(request).count;
     const auto items = [&](std::size_t field, const Frame& frame) {
       return field == frame.fields.size() ? 0u
-                                          : static_cast<std::uint32_t>(items_size(frame.fields[field], sizes.item_bits, count));
+                                          : static_cast<std::uint32_t>(items_size(
+                                                frame.fields[field], sizes.item_bits, count));
     };
     const Operation& operation = declaration_->operations[*at];
-    return ExchangeSize{.request_characters = sizes.request + items(sizes.request_items, operation.request),
-                        .answer_characters = sizes.answer + items(sizes.answer_items, operation.answer)};
+    return ExchangeSize{
+        .request_characters = sizes.request + items(sizes.request_items, operation.request),
+        .answer_characters = sizes.answer + items(sizes.answer_items, operation.answer)};
   }
 
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext context) const override {
@@ -86,8 +97,26 @@ class DeclaredProtocol final : public Protocol {
                 .count = range.count,
                 .sequence = context.sequence,
                 .item_bits = prepared_[*at].item_bits};
-    if (auto* write = std::get_if<WriteRequest>(&request)) facts.written = true, facts.items = std::move(write->items);
+    if (auto* write = std::get_if<WriteRequest>(&request))
+      facts.written = true, facts.items = std::move(write->items);
     return std::make_unique<DeclaredExchange>(declaration_, operation, std::move(facts), range);
+  }
+
+  // Answers to other commands are told apart where they show the command; those to the same one by
+  // their length, where a check or a length field binds it.
+  bool mistakable(const Request& earlier, ExchangeContext earlier_context, const Request& later,
+                  ExchangeContext later_context) const override {
+    if (!Protocol::mistakable(earlier, earlier_context, later, later_context)) return false;
+    const auto first = operation_for(earlier), second = operation_for(later);
+    if (!first || !second) return true;
+    const Operation &a = declaration_->operations[*first], &b = declaration_->operations[*second];
+    if (has(a.answer, FieldKind::kCommand) && has(b.answer, FieldKind::kCommand) &&
+        a.command != b.command)
+      return false;
+    const bool bound = has(a.answer, FieldKind::kChecksum) || has(a.answer, FieldKind::kLength);
+    if (*first != *second || !bound) return true;
+    const auto x = size(earlier), y = size(later);
+    return !x || !y || x->answer_characters == y->answer_characters;
   }
 
  private:
@@ -117,15 +146,19 @@ class DeclaredProtocol final : public Protocol {
     if (range.area >= areas_.size() || range.count == 0) return std::nullopt;
     const Area& area = areas_[range.area];
     if (range.first >= area.items || range.count > area.items - range.first) return std::nullopt;
-    if (write != nullptr && write->items.size() != image_bytes(area.item_bits, range.count)) return std::nullopt;
+    if (write != nullptr && write->items.size() != image_bytes(area.item_bits, range.count))
+      return std::nullopt;
     if (write != nullptr && write->bit && area.item_bits != 1) return std::nullopt;
     std::optional<std::size_t> echoing;  // what serves when nothing better does
     for (std::size_t i = 0; i < prepared_.size(); ++i) {
       const Operation& operation = declaration_->operations[i];
       if (operation.area != range.area || operation.write != (write != nullptr)) continue;
       if (prepared_[i].record && write != nullptr) {
-        if (operation.first != range.first || operation.max_count != range.count || !values_fit(operation, *write)) continue;
-      } else if (!prepared_[i].record && (range.count < operation.min_count || range.count > operation.max_count)) {
+        if (operation.first != range.first || operation.max_count != range.count ||
+            !values_fit(operation, *write))
+          continue;
+      } else if (!prepared_[i].record &&
+                 (range.count < operation.min_count || range.count > operation.max_count)) {
         continue;
       }
       if (write == nullptr || !write->distinct_answer || !prepared_[i].echoes) return i;
@@ -141,7 +174,8 @@ class DeclaredProtocol final : public Protocol {
       const unsigned width = 16u * items_of(field);
       const auto value = value_in(write.items, field.place - operation.first, items_of(field));
       const std::uint64_t above = (value >> 1) >> (field.bits - 1);
-      const std::uint64_t ones = width == field.bits ? 0 : (UINT64_MAX >> (64 - (width - field.bits)));
+      const std::uint64_t ones =
+          width == field.bits ? 0 : (UINT64_MAX >> (64 - (width - field.bits)));
       const bool negative = field.is_signed && (value >> (field.bits - 1) & 1u) != 0;
       if (field.bits < width && above != (negative ? ones : 0)) return false;
     }
@@ -150,21 +184,23 @@ class DeclaredProtocol final : public Protocol {
 
   const std::shared_ptr<const Declaration> declaration_;
   const std::uint16_t address_;
-  const Traits traits_;
+  std::vector<DeviceCode> codes_;  // their texts are the declaration's
+  Traits traits_;
   std::vector<Area> areas_;
   std::vector<Prepared> prepared_;  // beside declaration_->operations
 };
 
 }  // namespace
 
-tl::expected<std::unique_ptr<Protocol>, OptionFault> make(std::shared_ptr<const Declaration> declaration,
-                                                          const DeviceLink& link) {
-  const Traits traits{.name = declaration->name,
-                      .summary = declaration->summary,
-                      .lowest_address = declaration->lowest_address,
-                      .highest_address = declaration->highest_address,
-                      .identity = identity_of(*declaration),
-                      .echo_is_ambiguous = std::ranges::any_of(declaration->operations, &Operation::echoes)};
+tl::expected<std::unique_ptr<Protocol>, OptionFault> make(
+    std::shared_ptr<const Declaration> declaration, const DeviceLink& link) {
+  const Traits traits{
+      .name = declaration->name,
+      .summary = declaration->summary,
+      .lowest_address = declaration->lowest_address,
+      .highest_address = declaration->highest_address,
+      .identity = identity_of(*declaration),
+      .echo_is_ambiguous = std::ranges::any_of(declaration->operations, &Operation::echoes)};
   const OptionReader reader(link, traits, {});
   if (reader.fault()) return tl::unexpected(*reader.fault());
   return std::make_unique<DeclaredProtocol>(std::move(declaration), link.address, traits);

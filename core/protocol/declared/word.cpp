@@ -7,7 +7,8 @@
 namespace fieldcast::declared {
 namespace {
 
-// Base of one column of the word, and the columns that stay together when the order of bytes is turned.
+// Base of one column of the word, and the columns that stay together when the order of bytes is
+// turned.
 std::uint64_t base_of(Notation notation) {
   switch (notation) {
     case Notation::kBinary: return 256;
@@ -59,7 +60,9 @@ std::optional<std::uint64_t> read_word(ByteView characters, const Word& word) {
 
 bool could_begin(ByteView characters, const Word& word) {
   const int base = static_cast<int>(base_of(word.notation));
-  return base == 256 || std::ranges::all_of(characters, [&](auto c) { return hex_digit(c) >= 0 && hex_digit(c) < base; });
+  return base == 256 || std::ranges::all_of(characters, [&](auto c) {
+           return hex_digit(c) >= 0 && hex_digit(c) < base;
+         });
 }
 
 }  // namespace fieldcast::declared

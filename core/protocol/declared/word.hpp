@@ -1,4 +1,5 @@
-// A number as it stands on the wire: binary bytes, or a fixed column of ASCII digits. Pure functions.
+// A number as it stands on the wire: binary bytes, or a fixed column of ASCII digits. Pure
+// functions.
 #pragma once
 
 #include <cstdint>

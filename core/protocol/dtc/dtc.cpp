@@ -1,5 +1,6 @@
-// One round: a packet there, a packet back. The answer repeats nothing but address and command, so its length, which the request
-// fixes, is checked as if it were a field; a packet of any other length is not the answer.
+// One round: a packet there, a packet back. The answer repeats nothing but address and command, so
+// its length, which the request fixes, is checked as if it were a field; a packet of any other
+// length is not the answer.
 #include "core/protocol/dtc/dtc.hpp"
 
 #include <algorithm>
@@ -18,12 +19,15 @@ namespace {
 
 constexpr std::size_t kNoiseAllowed = 512;  // bytes beside the answer; more is a babbling line
 constexpr std::uint32_t kDefaultMessage = 1024, kLeastMessage = 32;
-constexpr Traits kTraits{.name = "dtc",
-                         .summary = "DTC: scattered variables of several types in one message, compressed by LZW where it pays",
-                         .lowest_address = 0,
-                         .highest_address = 255,
-                         .max_ranges = 1,  // by max-message, for each device
-                         .identity = AnswerIdentity::kAddress};
+constexpr Traits kTraits{
+    .name = "dtc",
+    .summary =
+        "DTC: scattered variables of several types in one message, compressed by LZW where it pays",
+    .lowest_address = 0,
+    .highest_address = 255,
+    .max_ranges = 1,  // by max-message, for each device
+    .identity = AnswerIdentity::kAddress,
+    .codes = kRefusals};
 
 struct Link {
   std::uint8_t address = 1;
@@ -45,7 +49,8 @@ class DtcExchange final : public Exchange {
   }
 
   Step on_bytes(ByteView all, Bytes&) override {
-    if (all.size() > kPacketHead + answer_size_ + kNoiseAllowed) return Step::failed(Cause::kOverlong);
+    if (all.size() > kPacketHead + answer_size_ + kNoiseAllowed)
+      return Step::failed(Cause::kOverlong);
     const Step step = scan(all);
     if (open_) received_.assign(all.begin(), all.end());
     return step;
@@ -66,7 +71,8 @@ class DtcExchange final : public Exchange {
   const Reply& reply() const override { return reply_; }
 
  private:
-  // Goes on where the last call stopped: no byte is judged twice as the beginning of a packet, whatever is received.
+  // Goes on where the last call stopped: no byte is judged twice as the beginning of a packet,
+  // whatever is received.
   Step scan(ByteView all) {
     open_ = false;
     while (judged_ < all.size()) {
@@ -78,7 +84,8 @@ class DtcExchange final : public Exchange {
         return Step::need_rest(static_cast<std::uint32_t>(seen.size - bytes.size()));
       }
       if (seen.kind == Seen::Kind::kNoise) {
-        if (silence_ == Cause::kNoAnswer && bytes[0] != 0x00 && bytes[0] != 0xFF) silence_ = Cause::kMalformed;
+        if (silence_ == Cause::kNoAnswer && bytes[0] != 0x00 && bytes[0] != 0xFF)
+          silence_ = Cause::kMalformed;
         ++judged_;
         continue;
       }
@@ -99,13 +106,15 @@ class DtcExchange final : public Exchange {
     if (!crc_is_right(message)) return broken(Cause::kChecksum, 1);
     const std::uint8_t command = sent_[1];
     const bool ours = message[0] == link_.address && (message[1] & ~kRefused) == command;
-    if (!ours || std::ranges::equal(message, sent_)) return broken(Cause::kForeign, seen.size);  // of others, or our own echo
+    if (!ours || std::ranges::equal(message, sent_))
+      return broken(Cause::kForeign, seen.size);  // of others, or our own echo
     if ((message[1] & kRefused) != 0) {
       if (message.size() != kRefusalSize) return broken(Cause::kMalformed, seen.size);
       return Step::failed(Cause::kDeviceError, message[kMessageHead]);
     }
     if (message.size() != answer_size_) return broken(Cause::kMalformed, seen.size);
-    reply_ = reply_of(request_, message.subspan(kMessageHead, message.size() - kMessageHead - kCrcBytes));
+    reply_ = reply_of(request_,
+                      message.subspan(kMessageHead, message.size() - kMessageHead - kCrcBytes));
     return Step::done();
   }
 
@@ -134,12 +143,13 @@ class DtcProtocol final : public Protocol {
     const std::size_t room = link.longest - kMessageHead - kCrcBytes;
     traits_.max_ranges = static_cast<std::uint16_t>(room / kGroupHead);
     for (AreaIndex type = 0; type < kTypeCount; ++type) {
-      areas_[type] = {.name = kTypeNames[type],
-                      .item_bits = kTypeBits[type],
-                      .items = kVariables,
-                      .writable = true,
-                      .max_read = static_cast<std::uint16_t>(room * 8 / kTypeBits[type]),
-                      .max_write = static_cast<std::uint16_t>((room - kGroupHead) * 8 / kTypeBits[type])};
+      areas_[type] = {
+          .name = kTypeNames[type],
+          .item_bits = kTypeBits[type],
+          .items = kVariables,
+          .writable = true,
+          .max_read = static_cast<std::uint16_t>(room * 8 / kTypeBits[type]),
+          .max_write = static_cast<std::uint16_t>((room - kGroupHead) * 8 / kTypeBits[type])};
     }
   }
 
@@ -149,16 +159,28 @@ class DtcProtocol final : public Protocol {
     return parse_with_suggestion(at, dtc::parse_address);
   }
 
-  // Of plain packets: what compression saves is known only when the values are; a packet is never longer.
+  // Of plain packets: what compression saves is known only when the values are; a packet is never
+  // longer.
   std::optional<ExchangeSize> size(const Request& request) const override {
     const auto sizes = message_sizes(request, link_.longest);
     if (!sizes) return std::nullopt;
-    return ExchangeSize{.request_characters = static_cast<std::uint32_t>(kPacketHead + sizes->request),
-                        .answer_characters = static_cast<std::uint32_t>(kPacketHead + sizes->answer)};
+    return ExchangeSize{
+        .request_characters = static_cast<std::uint32_t>(kPacketHead + sizes->request),
+        .answer_characters = static_cast<std::uint32_t>(kPacketHead + sizes->answer)};
   }
 
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext) const override {
     return std::make_unique<DtcExchange>(link_, std::move(request));
+  }
+
+  // An answer shows its station, its command and how long it is.
+  bool mistakable(const Request& earlier, ExchangeContext, const Request& later,
+                  ExchangeContext) const override {
+    if (std::holds_alternative<ReadRequest>(earlier) != std::holds_alternative<ReadRequest>(later))
+      return false;
+    const auto first = message_sizes(earlier, link_.longest);
+    const auto second = message_sizes(later, link_.longest);
+    return !first || !second || first->answer == second->answer;
   }
 
  private:
@@ -168,7 +190,8 @@ class DtcProtocol final : public Protocol {
 };
 
 constexpr std::array<std::string_view, 3> kOptions{"codec-ns-per-byte", "max-message", "threshold"};
-constexpr std::uint32_t kCodecNs = 1000;  // both ends together: a 32-bit controller of 100 MHz as the device
+constexpr std::uint32_t kCodecNs =
+    1000;  // both ends together: a 32-bit controller of 100 MHz as the device
 
 tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link) {
   OptionReader reader(link, kTraits, kOptions);
@@ -182,7 +205,8 @@ tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link
   } else {
     dtc.threshold = reader.number("threshold", 0, kNever, kNever);
     if (reader.fault()) {
-      return tl::unexpected(OptionFault{"threshold", reader.fault()->what, "auto, or bytes " + reader.fault()->allowed});
+      return tl::unexpected(OptionFault{"threshold", reader.fault()->what,
+                                        "auto, or bytes " + reader.fault()->allowed});
     }
   }
   return std::make_unique<DtcProtocol>(dtc);

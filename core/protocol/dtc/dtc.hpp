@@ -1,4 +1,5 @@
-// DTC behind the protocol seam: any number of scattered variables of several types in one message, compressed where that pays.
+// DTC behind the protocol seam: any number of scattered variables of several types in one message,
+// compressed where that pays.
 #pragma once
 
 #include "core/protocol/protocol.hpp"

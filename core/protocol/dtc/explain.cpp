@@ -24,12 +24,18 @@ std::size_t group_size(ByteView bytes, bool with_data) {
   return kGroupHead + data <= bytes.size() ? kGroupHead + data : 0;
 }
 
-// Nothing in a message says whether it is a request; groups that fill it to the last byte do.
+bool inside(ByteView group) {
+  return read_u16(group) + std::size_t{read_u16(group, 3)} <= kVariables;
+}
+
+// Nothing in a message says whether it is a request; groups that fill it to the last byte do. The
+// data of a read's answer may look like groups by chance, but hardly like groups that exist.
 bool all_groups(ByteView bytes, bool with_data) {
   if (bytes.empty()) return false;
   while (!bytes.empty()) {
     const std::size_t size = group_size(bytes, with_data);
     if (size == 0 || read_u16(bytes, 3) == 0) return false;
+    if (!with_data && !inside(bytes)) return false;
     bytes = bytes.subspan(size);
   }
   return true;
@@ -40,20 +46,22 @@ void explain_message(FieldWriter& writer, ByteView message) {
   const bool refused = (message[1] & kRefused) != 0;
   const std::uint8_t command = message[1] & static_cast<std::uint8_t>(~kRefused);
   const std::string name = command == kRead ? " read" : command == kWrite ? " write" : " unknown";
-  writer.add(1, 1, "command", hex(message[1]) + name + (refused ? " refused" : ""), command > kWrite ? "neither 00 nor 01" : "");
+  writer.add(1, 1, "command", hex(message[1]) + name + (refused ? " refused" : ""),
+             command > kWrite ? "neither 00 nor 01" : "");
   const ByteView rest = message.subspan(kMessageHead, message.size() - kMessageHead - kCrcBytes);
   if (refused) {
-    writer.add(kMessageHead, rest.size(), "code", rest.empty() ? "" : hex(rest[0]) + " " + std::string(refusal_text(rest[0])),
+    writer.add(kMessageHead, rest.size(), "code",
+               rest.empty() ? "" : hex(rest[0]) + " " + std::string(refusal_text(rest[0])),
                rest.size() == 1 ? "" : "a refusal has one byte of code");
   } else if (const bool write = command == kWrite; all_groups(rest, write)) {
     for (std::size_t at = 0; at < rest.size();) {
       const ByteView group = rest.subspan(at);
       const std::size_t size = group_size(group, write);
-      std::string text = std::string(kTypeNames[group[2]]) + ":" + std::to_string(read_u16(group)) + ", count " +
-                         std::to_string(read_u16(group, 3));
+      std::string text = std::string(kTypeNames[group[2]]) + ":" + std::to_string(read_u16(group)) +
+                         ", count " + std::to_string(read_u16(group, 3));
       if (write) text += " = " + to_hex(group.subspan(kGroupHead, size - kGroupHead));
       writer.add(kMessageHead + at, size, "group", std::move(text),
-                 read_u16(group) + std::size_t{read_u16(group, 3)} <= kVariables ? "" : "beyond the last variable");
+                 inside(group) ? "" : "beyond the last variable");
       at += size;
     }
   } else if (write && !rest.empty()) {
@@ -64,7 +72,8 @@ void explain_message(FieldWriter& writer, ByteView message) {
   const std::size_t end = message.size() - kCrcBytes;
   const std::uint16_t right = crc16_modbus(message.first(end));
   const Bytes bytes{static_cast<std::uint8_t>(right), static_cast<std::uint8_t>(right >> 8)};
-  writer.add(end, kCrcBytes, "CRC", to_hex(message.last(kCrcBytes)), crc_is_right(message) ? "" : "should be " + to_hex(bytes));
+  writer.add(end, kCrcBytes, "CRC", to_hex(message.last(kCrcBytes)),
+             crc_is_right(message) ? "" : "should be " + to_hex(bytes));
 }
 
 // Returns the size of the packet, or of all when it is none.
@@ -72,8 +81,10 @@ std::size_t explain_packet(FieldWriter& all, std::size_t at, ByteView bytes) {
   const Seen seen = look(bytes);
   if (seen.kind != Seen::Kind::kWhole) {
     const bool open = seen.kind == Seen::Kind::kOpen;
-    all.add(at, bytes.size(), "packet", to_hex(bytes.first(std::min<std::size_t>(bytes.size(), 64))),
-            open ? "incomplete: " + std::to_string(bytes.size()) + " bytes of at least " + std::to_string(seen.size)
+    all.add(at, bytes.size(), "packet",
+            to_hex(bytes.first(std::min<std::size_t>(bytes.size(), 64))),
+            open ? "incomplete: " + std::to_string(bytes.size()) + " bytes of at least " +
+                       std::to_string(seen.size)
                  : "no packet: flag 00 or 01, then a length that a message can have");
     return bytes.size();
   }

@@ -9,8 +9,8 @@ namespace fieldcast::dtc {
 namespace {
 
 bool fits(const Range& range) {
-  return range.area < kTypeCount && range.count >= 1 && range.count <= 0xFFFF && range.first < kVariables &&
-         range.count <= kVariables - range.first;
+  return range.area < kTypeCount && range.count >= 1 && range.count <= 0xFFFF &&
+         range.first < kVariables && range.count <= kVariables - range.first;
 }
 
 void append_group(Bytes& out, const Range& range) {
@@ -47,7 +47,9 @@ std::optional<MessageSizes> message_sizes(const Request& request, std::size_t lo
     }
   } else if (const auto* write = std::get_if<WriteRequest>(&request)) {
     const Range& range = write->range;
-    if (!fits(range) || write->bit || write->items.size() != image_bytes(kTypeBits[range.area], range.count)) return std::nullopt;
+    if (!fits(range) || write->bit ||
+        write->items.size() != image_bytes(kTypeBits[range.area], range.count))
+      return std::nullopt;
     sizes.request += kGroupHead + data_bytes(range.area, range.count);
   } else {
     return std::nullopt;
@@ -93,9 +95,8 @@ Reply reply_of(const Request& request, ByteView data) {
 }
 
 std::string_view refusal_text(std::uint8_t code) {
-  constexpr std::array<std::string_view, 6> kTexts{
-      "no such code", "unknown command", "address out of range", "unknown type", "too long, or a group is cut off", "count 0"};
-  return kTexts[code < kTexts.size() ? code : 0];
+  const auto text = device_code_text(kRefusals, code);
+  return text.empty() ? "no such code" : text;
 }
 
 }  // namespace fieldcast::dtc

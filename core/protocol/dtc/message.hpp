@@ -1,12 +1,14 @@
 // The messages of DTC.
 //
-//     request   address(1) command(1) group.. CRC(2)      group: first(2) type(1) count(2) [data, in a write]
-//     answer    address(1) command(1) data.. CRC(2)       of all groups in the order asked; none to a write
-//     refusal   address(1) command|80 code(1) CRC(2)
+//     request   address(1) command(1) group.. CRC(2)      group: first(2) type(1) count(2) [data,
+//     in a write] answer    address(1) command(1) data.. CRC(2)       of all groups in the order
+//     asked; none to a write refusal   address(1) command|80 code(1) CRC(2)
 //
-// Numbers are big-endian, bits packed from the least significant; the CRC is Modbus's, its low byte first.
+// Numbers are big-endian, bits packed from the least significant; the CRC is Modbus's, its low byte
+// first.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "core/protocol/protocol.hpp"
@@ -20,8 +22,10 @@ struct MessageSizes {
   std::size_t request = 0;
   std::size_t answer = 0;
 };
-// Nothing when a limit is broken, or either message would be longer than `longest`. Allocates nothing.
-[[nodiscard]] std::optional<MessageSizes> message_sizes(const Request& request, std::size_t longest);
+// Nothing when a limit is broken, or either message would be longer than `longest`. Allocates
+// nothing.
+[[nodiscard]] std::optional<MessageSizes> message_sizes(const Request& request,
+                                                        std::size_t longest);
 
 // REQUIRES: message_sizes(request) holds a value.
 [[nodiscard]] Bytes message_of(std::uint8_t address, const Request& request);
@@ -32,6 +36,11 @@ struct MessageSizes {
 // REQUIRES: data are those of message_sizes().answer.
 [[nodiscard]] Reply reply_of(const Request& request, ByteView data);
 
+inline constexpr std::array kRefusals{
+    DeviceCode{1, "unknown command"}, DeviceCode{2, "address out of range"},
+    DeviceCode{3, "unknown type"},    DeviceCode{4, "too long, or a group is cut off"},
+    DeviceCode{5, "count 0"},
+};
 [[nodiscard]] std::string_view refusal_text(std::uint8_t code);  // "address out of range"
 
 }  // namespace fieldcast::dtc

@@ -6,7 +6,8 @@ namespace fieldcast::dtc {
 
 void append_packet(Bytes& out, ByteView message, std::size_t threshold) {
   const std::size_t start = out.size();
-  // A body that is one byte shorter than the message at most: more codes are not worth writing to their end.
+  // A body that is one byte shorter than the message at most: more codes are not worth writing to
+  // their end.
   const std::size_t shorter = message.size() - 1;
   if (message.size() >= threshold && shorter > kOriginalBytes) {
     out.resize(start + kPacketHead + shorter);
@@ -32,7 +33,9 @@ void append_packet(Bytes& out, ByteView message, std::size_t threshold) {
 Seen look(ByteView bytes) {
   const std::uint8_t flag = bytes[0];
   if (flag != kPlain && flag != kCompressed) return {};
-  Seen seen{.kind = Seen::Kind::kOpen, .size = kPacketHead + kMinMessage, .compressed = flag == kCompressed};
+  Seen seen{.kind = Seen::Kind::kOpen,
+            .size = kPacketHead + kMinMessage,
+            .compressed = flag == kCompressed};
   if (bytes.size() < kPacketHead) return seen;
   const std::size_t length = read_u16(bytes, 1);
   const std::size_t least = seen.compressed ? kOriginalBytes + 1 : kMinMessage;

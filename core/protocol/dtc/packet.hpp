@@ -2,7 +2,8 @@
 //
 //     packet    flag(1) length(2) body(length)
 //     flag 0    body: the message
-//     flag 1    body: length of the message(2), then the codes of its LZW; only where that is shorter than the message
+//     flag 1    body: length of the message(2), then the codes of its LZW; only where that is
+//     shorter than the message
 #pragma once
 
 #include "core/base/bytes.hpp"
@@ -15,15 +16,16 @@ inline constexpr std::size_t kOriginalBytes = 2;  // the message's length before
 inline constexpr std::size_t kMinMessage = 4;     // address, command, CRC
 inline constexpr std::size_t kMaxMessage = 4096;
 
-// Appends the packet of a message: compressed if it has at least `threshold` bytes and the body becomes shorter. Never longer
-// than kPacketHead + message.size().
+// Appends the packet of a message: compressed if it has at least `threshold` bytes and the body
+// becomes shorter. Never longer than kPacketHead + message.size().
 void append_packet(Bytes& out, ByteView message, std::size_t threshold);
 
 // What begins with the first byte.
 struct Seen {
   enum class Kind : std::uint8_t { kNoise, kOpen, kWhole };
   Kind kind = Kind::kNoise;
-  std::size_t size = 1;      // kWhole: of the packet. kOpen: of the packet, as far as is known. kNoise: to move on by
+  std::size_t size =
+      1;  // kWhole: of the packet. kOpen: of the packet, as far as is known. kNoise: to move on by
   bool compressed = false;   // kWhole, and so the rest
   std::size_t original = 0;  // bytes of the message
   ByteView content;          // the message, or the codes of its LZW

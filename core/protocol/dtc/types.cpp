@@ -10,12 +10,14 @@ namespace fieldcast::dtc {
 namespace {
 
 constexpr std::string_view kAllowed =
-    "bit:N, int16:N, int32:N, float32:N, float64:N with N 0..65535, or int16:N.BIT, int32:N.BIT for a bit of an integer";
+    "bit:N, int16:N, int32:N, float32:N, float64:N with N 0..65535, or int16:N.BIT, int32:N.BIT "
+    "for a bit of an integer";
 
 using Parsed = tl::expected<ParsedAddress, AddressFault>;
 
 Parsed fault(std::string what, std::string suggestion = {}) {
-  return tl::unexpected(AddressFault{std::move(what), std::string(kAllowed), std::move(suggestion)});
+  return tl::unexpected(
+      AddressFault{std::move(what), std::string(kAllowed), std::move(suggestion)});
 }
 }  // namespace
 
@@ -26,26 +28,33 @@ Parsed parse_address(std::string_view at) {
   if (colon == std::string_view::npos || found == kTypeNames.end()) {
     const std::string_view near = near_miss(name, kTypeNames);
     const std::string rest(colon == std::string_view::npos ? ":0" : at.substr(colon));
-    return fault("type " + quoted(name) + " is unknown", near.empty() || rest.size() > 16 ? "" : std::string(near) + rest);
+    return fault("type " + quoted(name) + " is unknown",
+                 near.empty() || rest.size() > 16 ? "" : std::string(near) + rest);
   }
   ParsedAddress address{.area = static_cast<AreaIndex>(found - kTypeNames.begin())};
   const unsigned bits = kTypeBits[address.area];
   const std::string_view place = at.substr(colon + 1);
   const std::size_t dot = place.find('.');
   const auto first = whole_number(place.substr(0, dot));
-  if (!first) return fault(quoted(place.substr(0, dot)) + " is no number", std::string(name) + ":0");
-  if (*first >= kVariables) return fault(quoted(at) + " is beyond the end of " + std::string(name), std::string(name) + ":65535");
+  if (!first)
+    return fault(quoted(place.substr(0, dot)) + " is no number", std::string(name) + ":0");
+  if (*first >= kVariables)
+    return fault(quoted(at) + " is beyond the end of " + std::string(name),
+                 std::string(name) + ":65535");
   address.first = *first;
   if (dot == std::string_view::npos) {
     // Numbers with a point are whole; a value may be made of several integers.
-    if (address.area == kBit || address.area == kFloat32 || address.area == kFloat64) address.width_bits = bits;
+    if (address.area == kBit || address.area == kFloat32 || address.area == kFloat64)
+      address.width_bits = bits;
     return address;
   }
   const std::string whole(at.substr(0, colon + 1 + dot));
-  if (address.area != kInt16 && address.area != kInt32) return fault(quoted(at) + " has no bits", whole);
+  if (address.area != kInt16 && address.area != kInt32)
+    return fault(quoted(at) + " has no bits", whole);
   const auto bit = whole_number(place.substr(dot + 1));
   if (!bit || *bit >= bits) {
-    return fault("bit " + quoted(place.substr(dot + 1)) + " is not 0.." + std::to_string(bits - 1), whole + ".0");
+    return fault("bit " + quoted(place.substr(dot + 1)) + " is not 0.." + std::to_string(bits - 1),
+                 whole + ".0");
   }
   address.bit = static_cast<std::uint8_t>(*bit);
   address.width_bits = 1;

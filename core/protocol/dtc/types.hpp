@@ -1,4 +1,5 @@
-// The five types of DTC: each is an area with 65536 variables of its own, in the order of their numbers on the wire.
+// The five types of DTC: each is an area with 65536 variables of its own, in the order of their
+// numbers on the wire.
 #pragma once
 
 #include <array>
@@ -8,7 +9,8 @@
 namespace fieldcast::dtc {
 
 enum Type : AreaIndex { kBit, kInt16, kInt32, kFloat32, kFloat64, kTypeCount };
-inline constexpr std::array<std::string_view, kTypeCount> kTypeNames{"bit", "int16", "int32", "float32", "float64"};
+inline constexpr std::array<std::string_view, kTypeCount> kTypeNames{"bit", "int16", "int32",
+                                                                     "float32", "float64"};
 inline constexpr std::array<unsigned, kTypeCount> kTypeBits{1, 16, 32, 32, 64};
 inline constexpr std::uint32_t kVariables = 65536;  // of each type
 

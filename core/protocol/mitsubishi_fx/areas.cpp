@@ -9,19 +9,42 @@
 namespace fieldcast::mitsubishi_fx {
 namespace {
 
-// Bits lie eight to a byte from the base on; words are two bytes each, 32-bit counters four. Where the sources of the extended
-// map disagree (contacts and coils of timers and counters, 32-bit counters) it is left empty.
+// Bits lie eight to a byte from the base on; words are two bytes each, 32-bit counters four. Where
+// the sources of the extended map disagree (contacts and coils of timers and counters, 32-bit
+// counters) it is left empty.
 constexpr std::array kRows{
     DeviceRow{.name = "D", .classic = {8000, 0x1000, {}}, .extended = {8000, 0x4000, {}}},
-    DeviceRow{.name = "D", .first = 8000, .classic = {256, 0x0E00, {}}, .extended = {512, 0x8000, {}}},
-    DeviceRow{.name = "T", .other = "TN", .classic = {256, 0x0800, {}}, .extended = {320, 0x1000, {}}},
-    DeviceRow{.name = "C", .other = "CN", .classic = {200, 0x0A00, {}}, .extended = {200, 0x0A00, {}}},
-    DeviceRow{.name = "C", .other = "CN", .item_bits = 32, .first = 200, .classic = {56, 0x0C00, {}}},
-    DeviceRow{.name = "M", .item_bits = 1, .classic = {1536, 0x0100, 0x0800}, .extended = {7680, 0x8800, 0x4000}},
-    DeviceRow{.name = "M", .item_bits = 1, .first = 8000, .classic = {256, 0x01E0, 0x0F00}, .extended = {512, 0x8C00, 0x6000}},
-    DeviceRow{.name = "X", .item_bits = 1, .octal = true, .classic = {256, 0x0080, {}}, .extended = {256, 0x8CA0, {}}},
-    DeviceRow{.name = "Y", .item_bits = 1, .octal = true, .classic = {256, 0x00A0, 0x0500}, .extended = {256, 0x8BC0, 0x5E00}},
-    DeviceRow{.name = "S", .item_bits = 1, .classic = {1000, 0x0000, 0x0000}, .extended = {4096, 0x8CE0, 0x6700}},
+    DeviceRow{
+        .name = "D", .first = 8000, .classic = {256, 0x0E00, {}}, .extended = {512, 0x8000, {}}},
+    DeviceRow{
+        .name = "T", .other = "TN", .classic = {256, 0x0800, {}}, .extended = {320, 0x1000, {}}},
+    DeviceRow{
+        .name = "C", .other = "CN", .classic = {200, 0x0A00, {}}, .extended = {200, 0x0A00, {}}},
+    DeviceRow{
+        .name = "C", .other = "CN", .item_bits = 32, .first = 200, .classic = {56, 0x0C00, {}}},
+    DeviceRow{.name = "M",
+              .item_bits = 1,
+              .classic = {1536, 0x0100, 0x0800},
+              .extended = {7680, 0x8800, 0x4000}},
+    DeviceRow{.name = "M",
+              .item_bits = 1,
+              .first = 8000,
+              .classic = {256, 0x01E0, 0x0F00},
+              .extended = {512, 0x8C00, 0x6000}},
+    DeviceRow{.name = "X",
+              .item_bits = 1,
+              .octal = true,
+              .classic = {256, 0x0080, {}},
+              .extended = {256, 0x8CA0, {}}},
+    DeviceRow{.name = "Y",
+              .item_bits = 1,
+              .octal = true,
+              .classic = {256, 0x00A0, 0x0500},
+              .extended = {256, 0x8BC0, 0x5E00}},
+    DeviceRow{.name = "S",
+              .item_bits = 1,
+              .classic = {1000, 0x0000, 0x0000},
+              .extended = {4096, 0x8CE0, 0x6700}},
     DeviceRow{.name = "TS", .item_bits = 1, .classic = {256, 0x00C0, {}}},
     DeviceRow{.name = "TC", .item_bits = 1, .classic = {256, 0x02C0, {}}},
     DeviceRow{.name = "CS", .item_bits = 1, .classic = {256, 0x01C0, {}}},
@@ -47,24 +70,35 @@ std::vector<Area> areas_reached(Commands commands) {
   for (const DeviceRow* row : rows_of(commands)) {
     const bool bits = row->item_bits == 1;
     const auto in_frame = static_cast<std::uint16_t>(kMaxBytes * 8 / row->item_bits);
-    Area area{.name = area_name(*row), .item_bits = row->item_bits, .items = row->place(commands).items};
+    Area area{
+        .name = area_name(*row), .item_bits = row->item_bits, .items = row->place(commands).items};
     area.max_read = in_frame;
-    area.max_write = bits ? (row->place(commands).force ? 1 : 0) : in_frame;  // bits are forced one by one
+    area.max_write =
+        bits ? (row->place(commands).force ? 1 : 0) : in_frame;  // bits are forced one by one
     area.writable = area.max_write != 0;
     area.bit_write = bits && area.writable;
     area.alignment = bits ? 8 : 1;
+    // D0 holds the low word of the pair D1, D0, and the first character of a text stands in the
+    // low byte of its word (FX programming manual, 32-bit data and string handling). A 32-bit
+    // counter is one item, which the device orders itself.
+    if (row->item_bits == 16) {
+      area.word_order = WordOrder::kLittleEndian;
+      area.text_order = ByteOrder::kLittleEndian;
+    }
     areas.push_back(area);
   }
   return areas;
 }
 
 constexpr std::string_view kAllowed =
-    "D100, D100.3, D8010, M14, M8001, X17 and Y5 (octal), S3, T5 and C5 (values), TS5, CS5 (contacts), TC5, CC5 (coils)";
+    "D100, D100.3, D8010, M14, M8001, X17 and Y5 (octal), S3, T5 and C5 (values), TS5, CS5 "
+    "(contacts), TC5, CC5 (coils)";
 
 using Parsed = tl::expected<ParsedAddress, AddressFault>;
 
 Parsed fault(std::string what, std::string suggestion = {}) {
-  return tl::unexpected(AddressFault{std::move(what), std::string(kAllowed), std::move(suggestion)});
+  return tl::unexpected(
+      AddressFault{std::move(what), std::string(kAllowed), std::move(suggestion)});
 }
 bool is_named(const DeviceRow& row, std::string_view letters) {
   return row.name == letters || (!row.other.empty() && row.other == letters);
@@ -98,24 +132,32 @@ tl::expected<ParsedAddress, AddressFault> parse_address(Commands commands, std::
   }
   if (!known) {
     const std::string upper = upper_case(letters);
-    const bool named = std::any_of(kRows.begin(), kRows.end(), [&](const DeviceRow& row) { return is_named(row, upper); });
-    return fault("device " + quoted(letters) + " is unknown", named ? upper + std::string(at.substr(digits)) : "");
+    const bool named = std::any_of(kRows.begin(), kRows.end(),
+                                   [&](const DeviceRow& row) { return is_named(row, upper); });
+    return fault("device " + quoted(letters) + " is unknown",
+                 named ? upper + std::string(at.substr(digits)) : "");
   }
   const auto which = whole_number(place, octal ? 8 : 10);
-  if (!which) return fault(quoted(place) + (octal ? " is no octal number" : " is no number"), std::string(letters) + "0");
+  if (!which)
+    return fault(quoted(place) + (octal ? " is no octal number" : " is no number"),
+                 std::string(letters) + "0");
   const auto& rows = rows_of(commands);
   const auto row = std::find_if(rows.begin(), rows.end(), [&](const DeviceRow* each) {
-    return is_named(*each, letters) && *which >= each->first && *which - each->first < each->place(commands).items;
+    return is_named(*each, letters) && *which >= each->first &&
+           *which - each->first < each->place(commands).items;
   });
   if (row == rows.end())
-    return fault(quoted(at) + " does not exist" + (commands == Commands::kExtended ? " in the extended map" : ""));
-  ParsedAddress address{.area = static_cast<AreaIndex>(row - rows.begin()), .first = *which - (*row)->first};
+    return fault(quoted(at) + " does not exist" +
+                 (commands == Commands::kExtended ? " in the extended map" : ""));
+  ParsedAddress address{.area = static_cast<AreaIndex>(row - rows.begin()),
+                        .first = *which - (*row)->first};
   if ((*row)->item_bits != 16) address.width_bits = (*row)->item_bits;
   if (dot == at.size()) return address;
   const std::string whole(at.substr(0, dot));
   if ((*row)->item_bits == 1) return fault(quoted(whole) + " is a bit itself", whole);
   const auto bit = whole_number(at.substr(dot + 1));
-  if (!bit || *bit >= (*row)->item_bits) return fault("bit " + quoted(at.substr(dot + 1)) + " does not exist", whole + ".0");
+  if (!bit || *bit >= (*row)->item_bits)
+    return fault("bit " + quoted(at.substr(dot + 1)) + " does not exist", whole + ".0");
   address.bit = static_cast<std::uint8_t>(*bit);
   address.width_bits = 1;
   return address;

@@ -9,8 +9,8 @@
 
 namespace fieldcast::mitsubishi_fx {
 
-// Classic commands 0, 1, 7, 8 (every FX), or the extended E00, E10, E7, E8 of FX3 and later, which have an address map of their
-// own.
+// Classic commands 0, 1, 7, 8 (every FX), or the extended E00, E10, E7, E8 of FX3 and later, which
+// have an address map of their own.
 enum class Commands : std::uint8_t { kClassic, kExtended };
 
 // Where one class of devices lies in one address map.
@@ -27,7 +27,9 @@ struct DeviceRow {
   std::uint32_t first = 0;  // number of item 0: 8000 for special registers, 200 for 32-bit counters
   bool octal = false;       // X and Y
   Place classic, extended;
-  [[nodiscard]] const Place& place(Commands commands) const { return commands == Commands::kClassic ? classic : extended; }
+  [[nodiscard]] const Place& place(Commands commands) const {
+    return commands == Commands::kClassic ? classic : extended;
+  }
 };
 
 inline constexpr std::uint32_t kMaxBytes = 64;  // in one frame
@@ -36,8 +38,9 @@ inline constexpr std::uint32_t kMaxBytes = 64;  // in one frame
 [[nodiscard]] const std::vector<const DeviceRow*>& rows_of(Commands commands);
 [[nodiscard]] const std::vector<Area>& areas_of(Commands commands);
 
-// "D100", "D100.3", "D8010", "T5" (value), "TS5" (contact), "TC5" (coil), "C5", "C200", "M14", "M8001", "X17", "Y5" (octal),
-// "S3".
-[[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_address(Commands commands, std::string_view at);
+// "D100", "D100.3", "D8010", "T5" (value), "TS5" (contact), "TC5" (coil), "C5", "C200", "M14",
+// "M8001", "X17", "Y5" (octal), "S3".
+[[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_address(Commands commands,
+                                                                      std::string_view at);
 
 }  // namespace fieldcast::mitsubishi_fx

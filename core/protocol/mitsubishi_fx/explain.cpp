@@ -18,6 +18,7 @@ struct CommandRow {
   std::string_view text;
   bool force = false;
   bool with_data = false;
+  bool alone = false;  // nothing follows: no address, no count
 };
 // Longer spellings first: E10 and E1 begin alike.
 constexpr std::array kCommands{CommandRow{"E00", "extended read"},
@@ -29,20 +30,24 @@ constexpr std::array kCommands{CommandRow{"E00", "extended read"},
                                CommandRow{"0", "read"},
                                CommandRow{"1", "write", false, true},
                                CommandRow{"7", "force on", true},
-                               CommandRow{"8", "force off", true}};
+                               CommandRow{"8", "force off", true},
+                               CommandRow{"B", "transfer complete", false, false, true}};
 
 std::string text_of(ByteView characters) {
   std::string text;
   for (const std::uint8_t c : characters)
-    text += c >= 0x20 && c < 0x7F ? std::string(1, static_cast<char>(c)) : "<" + to_hex({&c, 1}) + ">";
+    text +=
+        c >= 0x20 && c < 0x7F ? std::string(1, static_cast<char>(c)) : "<" + to_hex({&c, 1}) + ">";
   return text;
 }
 
 // A request's digits are odd in number, an answer's even; only the extended force is even, too.
 const CommandRow* command_of(ByteView body) {
   for (const CommandRow& row : kCommands) {
-    if (body.size() < row.spelling.size() || !std::equal(row.spelling.begin(), row.spelling.end(), body.begin())) continue;
-    const std::size_t fixed = row.spelling.size() + (row.force ? 4 : 6);
+    if (body.size() < row.spelling.size() ||
+        !std::equal(row.spelling.begin(), row.spelling.end(), body.begin()))
+      continue;
+    const std::size_t fixed = row.spelling.size() + (row.alone ? 0 : row.force ? 4 : 6);
     const bool fits = row.with_data ? body.size() >= fixed : body.size() == fixed;
     if (fits && (body.size() % 2 == 1 || row.force)) return &row;
   }
@@ -53,7 +58,9 @@ void explain_request(ByteView body, const CommandRow& row, FieldWriter& writer) 
   const std::size_t at = row.spelling.size();
   writer.remark("request");
   writer.add(1, at, "command", text_of(body.first(at)) + " " + std::string(row.text));
-  writer.add(1 + at, 4, "address", text_of(body.subspan(at, 4)) + (row.force ? ", low pair first" : ""),
+  if (row.alone) return;
+  writer.add(1 + at, 4, "address",
+             text_of(body.subspan(at, 4)) + (row.force ? ", low pair first" : ""),
              read_digits(body.subspan(at, 4)) ? "" : "not upper-case hexadecimal digits");
   if (row.force) return;
   const auto count = read_digits(body.subspan(at + 4, 2));
@@ -63,13 +70,15 @@ void explain_request(ByteView body, const CommandRow& row, FieldWriter& writer) 
   else if (row.with_data && body.size() - at - 6 != 2 * *count)
     fault = std::to_string(body.size() - at - 6) + " digits of data follow";
   writer.add(1 + at + 4, 2, "bytes", text_of(body.subspan(at + 4, 2)), std::move(fault));
-  if (body.size() > at + 6) writer.add(1 + at + 6, body.size() - at - 6, "data", text_of(body.subspan(at + 6)));
+  if (body.size() > at + 6)
+    writer.add(1 + at + 6, body.size() - at - 6, "data", text_of(body.subspan(at + 6)));
 }
 
 void explain_answer(ByteView body, FieldWriter& writer) {
   writer.remark("answer");
   const bool digits = read_hex_bytes(body).has_value();
-  writer.add(1, body.size(), "data", text_of(body), digits ? "" : "not pairs of upper-case hexadecimal digits");
+  writer.add(1, body.size(), "data", text_of(body),
+             digits ? "" : "not pairs of upper-case hexadecimal digits");
 }
 
 }  // namespace
@@ -79,7 +88,10 @@ std::vector<FrameField> explain(ByteView frame) {
   frame = frame.first(std::min(frame.size(), kMaxExplained));
   FieldWriter writer;
   if (frame.size() == 1 && (frame[0] == kEnq || frame[0] == kAck || frame[0] == kNak)) {
-    writer.add(0, 1, "character", frame[0] == kEnq ? "05 ready?" : frame[0] == kAck ? "06 done, or ready" : "15 refused");
+    writer.add(0, 1, "character",
+               frame[0] == kEnq   ? "05 ready?"
+               : frame[0] == kAck ? "06 done, or ready"
+                                  : "15 refused");
     return writer.take();
   }
   if (frame.empty() || frame[0] != kStx) {
@@ -100,9 +112,11 @@ std::vector<FrameField> explain(ByteView frame) {
   const ByteView sum = frame.subspan(end + 1, std::min<std::size_t>(2, frame.size() - end - 1));
   Bytes right;
   append_digits(right, sum8(frame.subspan(1, end)), 2);
-  writer.add(end + 1, sum.size(), "sum", text_of(sum), std::ranges::equal(sum, right) ? "" : "should be " + text_of(right));
+  writer.add(end + 1, sum.size(), "sum", text_of(sum),
+             std::ranges::equal(sum, right) ? "" : "should be " + text_of(right));
   if (frame.size() > end + 3)
-    writer.add(end + 3, frame.size() - end - 3, "surplus", text_of(frame.subspan(end + 3)), "characters behind the frame");
+    writer.add(end + 3, frame.size() - end - 3, "surplus", text_of(frame.subspan(end + 3)),
+               "characters behind the frame");
   return writer.take();
 }
 

@@ -2,12 +2,13 @@
 //
 //     read      02 `0` address(4) count(2) 03 sum(2)           ->  02 data 03 sum(2)
 //     write     02 `1` address(4) count(2) data 03 sum(2)      ->  06, or 15 when the PLC refuses
-//     force on  02 `7` address(4) 03 sum(2)                    ->  06, or 15      address: low pair of digits first
-//     force off 02 `8` address(4) 03 sum(2)                    ->  06, or 15
+//     force on  02 `7` address(4) 03 sum(2)                    ->  06, or 15      address: low pair
+//     of digits first force off 02 `8` address(4) 03 sum(2)                    ->  06, or 15
 //
-// count in bytes; words with their low byte first; sum of all characters behind STX up to ETX. The extended commands are spelt
-// E00, E10, E7 and E8. One PLC for each port: answers carry no address. The one character of a refusal does not tell whether the
-// line garbled the request or the PLC does not want it: the request is sent once more, and refused when that is refused, too.
+// count in bytes; words with their low byte first; sum of all characters behind STX up to ETX. The
+// extended commands are spelt E00, E10, E7 and E8. One PLC for each port: answers carry no address.
+// The one character of a refusal does not tell whether the line garbled the request or the PLC does
+// not want it: the request is sent once more, and refused when that is refused, too.
 #include "core/protocol/mitsubishi_fx/mitsubishi_fx.hpp"
 
 #include <algorithm>
@@ -26,13 +27,16 @@ constexpr std::uint8_t kStx = 0x02, kEtx = 0x03, kAck = 0x06, kNak = 0x15;
 constexpr std::size_t kEnvelope = 4;       // STX, ETX, sum
 constexpr std::size_t kMaxReceived = 600;  // four of the largest answers
 
-constexpr Traits kTraits{.name = "mitsubishi-fx",
-                         .summary = "Mitsubishi FX programming port: registers and bits of one PLC on the line",
-                         .lowest_address = 0,
-                         .highest_address = 247,
-                         .identity = AnswerIdentity::kNone};
+constexpr Traits kTraits{
+    .name = "mitsubishi-fx",
+    .summary = "Mitsubishi FX programming port: registers and bits of one PLC on the line",
+    .lowest_address = 0,
+    .highest_address = 247,
+    .identity = AnswerIdentity::kNone};
 
-const DeviceRow& row_of(Commands commands, const Range& range) { return *rows_of(commands)[range.area]; }
+const DeviceRow& row_of(Commands commands, const Range& range) {
+  return *rows_of(commands)[range.area];
+}
 bool is_extended(Commands commands) { return commands == Commands::kExtended; }
 
 // Bytes that carry the range: bits come by whole bytes.
@@ -61,12 +65,15 @@ bool fits(Commands commands, const WriteRequest& write) {
 Bytes turned(ByteView bytes, std::size_t each) {
   Bytes result(bytes.begin(), bytes.end());
   for (std::size_t at = 0; at + each <= result.size(); at += each) {
-    std::reverse(result.begin() + static_cast<std::ptrdiff_t>(at), result.begin() + static_cast<std::ptrdiff_t>(at + each));
+    std::reverse(result.begin() + static_cast<std::ptrdiff_t>(at),
+                 result.begin() + static_cast<std::ptrdiff_t>(at + each));
   }
   return result;
 }
 
-void append_text(Bytes& out, std::string_view text) { out.insert(out.end(), text.begin(), text.end()); }
+void append_text(Bytes& out, std::string_view text) {
+  out.insert(out.end(), text.begin(), text.end());
+}
 // The sum runs from behind STX, which is the first byte of out.
 void append_end(Bytes& out) {
   out.push_back(kEtx);
@@ -74,16 +81,21 @@ void append_end(Bytes& out) {
 }
 
 bool is_noise_only(ByteView bytes) {
-  return std::all_of(bytes.begin(), bytes.end(), [](auto byte) { return byte == 0x00 || byte == 0xFF; });
+  return std::all_of(bytes.begin(), bytes.end(),
+                     [](auto byte) { return byte == 0x00 || byte == 0xFF; });
 }
 
 class FxRead final : public Exchange {
  public:
   FxRead(Commands commands, const Range& range)
-      : commands_(commands), row_(row_of(commands, range)), range_(range), bytes_(bytes_of(row_, range)) {}
+      : commands_(commands),
+        row_(row_of(commands, range)),
+        range_(range),
+        bytes_(bytes_of(row_, range)) {}
 
   Step start(Bytes& out) override {
-    const std::uint32_t offset = row_.item_bits == 1 ? range_.first / 8 : range_.first * (row_.item_bits / 8);
+    const std::uint32_t offset =
+        row_.item_bits == 1 ? range_.first / 8 : range_.first * (row_.item_bits / 8);
     out.push_back(kStx);
     append_text(out, is_extended(commands_) ? "E00" : "0");
     append_digits(out, row_.place(commands_).base + offset, 4);
@@ -99,7 +111,8 @@ class FxRead final : public Exchange {
     const bool refused = all.size() == 1 && all[0] == kNak;
     if (refused) silence_ = Cause::kDeviceError;
     Step step = refused ? Step::need_rest(0) : Step::need_answer();
-    for (auto stx = std::find(all.begin(), all.end(), kStx); stx != all.end();) {  // STX begins a frame at any time
+    for (auto stx = std::find(all.begin(), all.end(), kStx);
+         stx != all.end();) {  // STX begins a frame at any time
       const auto next = std::find(stx + 1, all.end(), kStx);
       step = look({stx, next});
       if (step.kind != Step::Kind::kNeedMore) break;
@@ -125,11 +138,13 @@ class FxRead final : public Exchange {
     const auto size = static_cast<std::size_t>(etx - text.begin()) + 3;  // with ETX and sum
     if ((etx == text.end() && come < frame_size()) || (etx != text.end() && come < size)) {
       silence_ = Cause::kTruncated;
-      return Step::need_rest(static_cast<std::uint32_t>(frame_size() > come ? frame_size() - come : 1));
+      return Step::need_rest(
+          static_cast<std::uint32_t>(frame_size() > come ? frame_size() - come : 1));
     }
     if (etx == text.end()) return broken(Cause::kMalformed);
     const ByteView frame = text.first(size);
-    if (read_digits(frame.last(2)) != sum8(frame.subspan(1, size - 3))) return broken(Cause::kChecksum);
+    if (read_digits(frame.last(2)) != sum8(frame.subspan(1, size - 3)))
+      return broken(Cause::kChecksum);
     const auto data = read_hex_bytes(frame.subspan(1, size - kEnvelope));
     if (!data || data->size() != bytes_) return broken(Cause::kMalformed);
     reply_.push_back({.items = items_of(*data)});
@@ -187,11 +202,12 @@ class FxWrite final : public Exchange {
     return Step::send(1);
   }
 
-  // The acknowledgement is one unprotected character: it counts only when nothing but the noise of a turn-around stands before
-  // it.
+  // The acknowledgement is one unprotected character: it counts only when nothing but the noise of
+  // a turn-around stands before it.
   Step on_bytes(ByteView all, Bytes&) override {
     if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
-    const auto first = std::find_if(all.begin(), all.end(), [](auto byte) { return byte != 0x00 && byte != 0xFF; });
+    const auto first = std::find_if(all.begin(), all.end(),
+                                    [](auto byte) { return byte != 0x00 && byte != 0xFF; });
     if (first == all.end()) return Step::need_answer();
     if (*first == kAck) {
       reply_.resize(1);
@@ -222,7 +238,8 @@ class FxProtocol final : public Protocol {
   const Traits& traits() const override { return kTraits; }
   std::span<const Area> areas() const override { return areas_of(commands_); }
   tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
-    return parse_with_suggestion(at, [&](std::string_view text) { return mitsubishi_fx::parse_address(commands_, text); });
+    return parse_with_suggestion(
+        at, [&](std::string_view text) { return mitsubishi_fx::parse_address(commands_, text); });
   }
 
   std::optional<ExchangeSize> size(const Request& request) const override {
@@ -237,13 +254,27 @@ class FxProtocol final : public Protocol {
     if (write == nullptr || !fits(commands_, *write)) return std::nullopt;
     if (row_of(commands_, write->range).item_bits == 1)
       return ExchangeSize{.request_characters = 9 + longer / 2, .answer_characters = 1};
-    return ExchangeSize{.request_characters = 11 + longer + 2 * static_cast<std::uint32_t>(write->items.size()),
-                        .answer_characters = 1};
+    return ExchangeSize{
+        .request_characters = 11 + longer + 2 * static_cast<std::uint32_t>(write->items.size()),
+        .answer_characters = 1};
   }
 
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext) const override {
-    if (const auto* read = std::get_if<ReadRequest>(&request)) return std::make_unique<FxRead>(commands_, read->ranges[0]);
+    if (const auto* read = std::get_if<ReadRequest>(&request))
+      return std::make_unique<FxRead>(commands_, read->ranges[0]);
     return std::make_unique<FxWrite>(commands_, std::get<WriteRequest>(request));
+  }
+
+  // What was read shows by its length alone; a write is acknowledged by one character.
+  bool mistakable(const Request& earlier, ExchangeContext, const Request& later,
+                  ExchangeContext) const override {
+    const auto* first = std::get_if<ReadRequest>(&earlier);
+    const auto* second = std::get_if<ReadRequest>(&later);
+    if ((first == nullptr) != (second == nullptr)) return false;
+    const auto bytes = [&](const Range& range) {
+      return bytes_of(row_of(commands_, range), range);
+    };
+    return first == nullptr || bytes(first->ranges[0]) == bytes(second->ranges[0]);
   }
 
  private:

@@ -12,15 +12,17 @@ namespace {
 
 constexpr std::uint32_t kLastAddress = 65535;
 constexpr std::string_view kAllowed =
-    "coil:N, input:N, holding:N, holding:N.BIT, input-register:N with N 0..65535 (or 0x0..0xFFFF) and BIT 0..15, or a reference "
+    "coil:N, input:N, holding:N, holding:N.BIT, input-register:N with N 0..65535 (or 0x0..0xFFFF) "
+    "and BIT 0..15, or a reference "
     "00001.., 10001.., 30001.., 40001.. (counted from 1)";
 
 struct Word {
   std::string_view name;
   Table table;
 };
-constexpr std::array kWords{Word{"coil", Table::kCoil}, Word{"input", Table::kInput}, Word{"discrete-input", Table::kInput},
-                            Word{"holding", Table::kHolding}, Word{"input-register", Table::kInputRegister}};
+constexpr std::array kWords{Word{"coil", Table::kCoil}, Word{"input", Table::kInput},
+                            Word{"discrete-input", Table::kInput}, Word{"holding", Table::kHolding},
+                            Word{"input-register", Table::kInputRegister}};
 // What people write from other tools' habit; understood for the suggestion only.
 constexpr std::array kHabits{Word{"coils", Table::kCoil},
                              Word{"inputs", Table::kInput},
@@ -38,8 +40,22 @@ bool holds_bits(Table table) { return table == Table::kCoil || table == Table::k
 
 using Parsed = tl::expected<ParsedAddress, AddressFault>;
 
+// "46h", "46H", "0x46", "$46": hexadecimal as data sheets and other programs write it.
+std::optional<std::string> as_hexadecimal(std::string_view text) {
+  const bool marked = text.starts_with("0x") || text.starts_with("0X");
+  const bool behind = text.ends_with('h') || text.ends_with('H');
+  const bool before = text.starts_with('$') || text.starts_with('#');
+  if (!marked && !behind && !before) return std::nullopt;
+  const auto digits = marked   ? text.substr(2)
+                      : behind ? text.substr(0, text.size() - 1)
+                               : text.substr(1);
+  if (!whole_number(digits, 16)) return std::nullopt;
+  return "0x" + std::string(digits);
+}
+
 Parsed fault(std::string what, std::string suggestion = {}) {
-  return tl::unexpected(AddressFault{std::move(what), std::string(kAllowed), std::move(suggestion)});
+  return tl::unexpected(
+      AddressFault{std::move(what), std::string(kAllowed), std::move(suggestion)});
 }
 
 // Decimal, or hexadecimal behind 0x.
@@ -59,31 +75,41 @@ std::string suggest_area(std::string_view area, std::string_view rest) {
     if (habit.name == area) return std::string(name_of(habit.table)) + ":" + std::string(rest);
   }
   std::array<std::string_view, kWords.size()> names;
-  std::transform(kWords.begin(), kWords.end(), names.begin(), [](const Word& word) { return word.name; });
+  std::transform(kWords.begin(), kWords.end(), names.begin(),
+                 [](const Word& word) { return word.name; });
   const std::string_view near = near_miss(area, names);
-  return near.empty() ? std::string{} : std::string(near) + ":" + std::string(rest.empty() ? "0" : rest);
+  return near.empty() ? std::string{}
+                      : std::string(near) + ":" + std::string(rest.empty() ? "0" : rest);
 }
 
 // "holding:100.5"
 Parsed parse_named(std::string_view area, std::string_view rest) {
-  const auto word = std::find_if(kWords.begin(), kWords.end(), [&](const Word& candidate) { return candidate.name == area; });
-  if (word == kWords.end()) return fault("area " + quoted(area) + " is unknown", suggest_area(area, rest));
+  const auto word = std::find_if(kWords.begin(), kWords.end(),
+                                 [&](const Word& candidate) { return candidate.name == area; });
+  if (word == kWords.end())
+    return fault("area " + quoted(area) + " is unknown", suggest_area(area, rest));
 
   const std::size_t dot = rest.find('.');
   const auto first = number(rest.substr(0, dot));
   const std::string prefix = std::string(word->name) + ":";
-  if (!first) return fault(quoted(rest.substr(0, dot)) + " is no number", prefix + "0");
-  if (*first > kLastAddress) return fault("address " + quoted(rest.substr(0, dot)) + " is beyond 65535", prefix + "65535");
+  if (!first)
+    return fault(quoted(rest.substr(0, dot)) + " is no number",
+                 prefix + as_hexadecimal(rest.substr(0, dot)).value_or("0"));
+  if (*first > kLastAddress)
+    return fault("address " + quoted(rest.substr(0, dot)) + " is beyond 65535", prefix + "65535");
   if (dot == std::string_view::npos) return address(word->table, *first);
 
   const std::string whole = prefix + std::string(rest.substr(0, dot));
-  if (holds_bits(word->table)) return fault("a " + std::string(word->name) + " is a bit itself and has no bits", whole);
+  if (holds_bits(word->table))
+    return fault("a " + std::string(word->name) + " is a bit itself and has no bits", whole);
   const auto bit = number(rest.substr(dot + 1));
-  if (!bit || *bit > 15) return fault("bit " + quoted(rest.substr(dot + 1)) + " is not 0..15", whole + ".0");
+  if (!bit || *bit > 15)
+    return fault("bit " + quoted(rest.substr(dot + 1)) + " is not 0..15", whole + ".0");
   return address(word->table, *first, static_cast<std::uint8_t>(*bit));
 }
 
-// "40101": first digit the table, the rest counts from 1; five digits reach 9999, six digits 65536. A bit may follow a dot.
+// "40101": first digit the table, the rest counts from 1; five digits reach 9999, six digits 65536.
+// A bit may follow a dot.
 Parsed parse_reference(std::string_view at) {
   const std::size_t dot = at.find('.');
   const std::string_view digits = at.substr(0, dot);
@@ -100,8 +126,10 @@ Parsed parse_reference(std::string_view at) {
     default: return fault("reference " + quoted(digits) + " does not begin with 0, 1, 3 or 4");
   }
   const std::uint32_t counted = *number(digits.substr(1));
-  if (counted == 0) return fault("references count from 1", std::string(digits.substr(0, digits.size() - 1)) + "1");
-  if (counted > kLastAddress + 1) return fault("reference " + quoted(digits) + " is beyond " + digits.front() + "65536");
+  if (counted == 0)
+    return fault("references count from 1", std::string(digits.substr(0, digits.size() - 1)) + "1");
+  if (counted > kLastAddress + 1)
+    return fault("reference " + quoted(digits) + " is beyond " + digits.front() + "65536");
   if (dot == std::string_view::npos) return address(table, counted - 1);
   return parse_named(name_of(table), std::to_string(counted - 1) + std::string(at.substr(dot)));
 }
@@ -114,7 +142,23 @@ tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) {
   }
   const std::size_t digits = at.find_first_not_of("0123456789");
   const std::string_view number_part = at.substr(0, digits);
-  if (!number_part.empty() && (number_part.size() == at.size() || at[number_part.size()] == '.')) return parse_reference(at);
+  if (!number_part.empty() && (number_part.size() == at.size() || at[number_part.size()] == '.'))
+    return parse_reference(at);
+  if (const auto hex = as_hexadecimal(at))
+    return fault(quoted(at) + " names no area", "holding:" + *hex);
+  // "4x0071" is a reference with an x in it; "%MW70" and "%M3" are IEC 61131's words and bits.
+  if (at.size() > 2 && (at[1] == 'x' || at[1] == 'X') && at[0] > '0' && at[0] < '5') {
+    const auto counted = whole_number(at.substr(2));
+    std::string counted_text = std::to_string(counted.value_or(0));
+    if (counted_text.size() < 4) counted_text.insert(0, 4 - counted_text.size(), '0');
+    return fault(quoted(at) + " is no address", at[0] + counted_text);
+  }
+  for (const Word& word : {Word{"%MW", Table::kHolding}, Word{"%IW", Table::kInputRegister},
+                           Word{"%M", Table::kCoil}, Word{"%I", Table::kInput}}) {
+    if (at.starts_with(word.name))
+      return fault(quoted(at) + " is no address", std::string(name_of(word.table)) + ":" +
+                                                      std::string(at.substr(word.name.size())));
+  }
   // "holding100": the colon forgotten.
   const std::size_t first_digit = at.find_first_of("0123456789");
   if (first_digit != std::string_view::npos && first_digit > 0) {

@@ -39,7 +39,8 @@ int digit(std::uint8_t c) {
   return -1;
 }
 
-// The bytes that pairs of digits spell, into the scratch; an odd last digit is left out. Nothing for any other character.
+// The bytes that pairs of digits spell, into the scratch; an odd last digit is left out. Nothing
+// for any other character.
 std::optional<ByteView> spelt(ByteView digits, Scratch& scratch) {
   const std::size_t count = std::min(digits.size() / 2, scratch.size());
   for (std::size_t i = 0; i < count; ++i) {
@@ -58,7 +59,9 @@ class Search {
 
   Sighting run() {
     auto colon = std::find(all_.begin(), all_.end(), kColon);
-    if (colon != all_.begin()) noise_ = std::any_of(all_.begin(), colon, [](auto byte) { return byte != 0x00 && byte != 0xFF; });
+    if (colon != all_.begin())
+      noise_ =
+          std::any_of(all_.begin(), colon, [](auto byte) { return byte != 0x00 && byte != 0xFF; });
     while (colon != all_.end() && result_.pdu.empty()) {
       const auto next = std::find(colon + 1, all_.end(), kColon);
       look({colon + 1, next}, next == all_.end());
@@ -83,7 +86,8 @@ class Search {
         broken_ = true;
       return;
     }
-    if (*(cr + 1) != kLf || digits.size() % 2 != 0 || bytes->size() < 3 || sum8(*bytes) != 0) return spoil();
+    if (*(cr + 1) != kLf || digits.size() % 2 != 0 || bytes->size() < 3 || sum8(*bytes) != 0)
+      return spoil();
     whole(*bytes);
   }
 
@@ -92,17 +96,20 @@ class Search {
     const Verdict verdict = frame[0] == unit_ ? question_.judge(pdu) : Verdict::kForeign;
     if (verdict == Verdict::kAnswer || verdict == Verdict::kException) {
       result_.pdu = pdu;
-      result_.kind = verdict == Verdict::kAnswer ? Sighting::Kind::kAnswer : Sighting::Kind::kException;
+      result_.kind =
+          verdict == Verdict::kAnswer ? Sighting::Kind::kAnswer : Sighting::Kind::kException;
       return;
     }
     (verdict == Verdict::kMismatch ? mismatch_ : foreign_) = true;
-    result_.kind = Sighting::Kind::kNothing;  // whatever was broken before, the line speaks clearly now: the wait goes on
+    result_.kind = Sighting::Kind::kNothing;  // whatever was broken before, the line speaks clearly
+                                              // now: the wait goes on
     result_.missing = 0;
   }
 
   void begin(ByteView bytes, std::size_t came) {
     const bool exception = bytes.size() > 1 && (bytes[1] & kExceptionFlag) != 0;
-    const std::size_t length = frame_size(exception ? 2 : question_.answer_size()) - 1;  // behind the colon
+    const std::size_t length =
+        frame_size(exception ? 2 : question_.answer_size()) - 1;  // behind the colon
     result_.kind = Sighting::Kind::kBegun;
     result_.missing = static_cast<std::uint32_t>(came < length ? length - came : 1);
     truncated_ = true;

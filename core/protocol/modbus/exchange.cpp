@@ -38,7 +38,8 @@ Step ModbusExchange::on_silence(Bytes&) {
 Step ModbusExchange::take(ByteView pdu) {
   if ((pdu[0] & kExceptionFlag) != 0) {
     const std::uint8_t code = pdu[1];
-    return Step::failed(code == kAcknowledge || code == kBusy ? Cause::kDeviceBusy : Cause::kDeviceError, code);
+    return Step::failed(
+        code == kAcknowledge || code == kBusy ? Cause::kDeviceBusy : Cause::kDeviceError, code);
   }
   reply_ = question_.unpack(pdu);
   return Step::done();

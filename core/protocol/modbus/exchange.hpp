@@ -9,7 +9,8 @@ namespace fieldcast::modbus {
 class ModbusExchange final : public Exchange {
  public:
   // REQUIRES: pdu_sizes(request, options) holds a value.
-  ModbusExchange(const Framing& framing, Ticket ticket, const Request& request, const Options& options)
+  ModbusExchange(const Framing& framing, Ticket ticket, const Request& request,
+                 const Options& options)
       : framing_(framing), ticket_(ticket), question_(request, options) {}
 
   Step start(Bytes& out) override;
@@ -26,7 +27,7 @@ class ModbusExchange final : public Exchange {
   Scratch scratch_;
   Reply reply_;
   Cause silence_ = Cause::kNoAnswer;  // what silence means after what came last
-  Bytes fallback_;                    // the answer, if silence shows that what stood before it was noise
+  Bytes fallback_;  // the answer, if silence shows that what stood before it was noise
 };
 
 }  // namespace fieldcast::modbus

@@ -13,21 +13,26 @@ namespace {
 constexpr std::size_t kMaxExplained = 4096;  // bytes; the rest is remarked
 constexpr std::size_t kMaxFrame = 256;
 
-std::string surplus_text(std::size_t count) { return std::to_string(count) + " bytes behind the frame"; }
+std::string surplus_text(std::size_t count) {
+  return std::to_string(count) + " bytes behind the frame";
+}
 
 Bytes crc_bytes(ByteView bytes) {
   const std::uint16_t crc = crc16_modbus(bytes);
   return {static_cast<std::uint8_t>(crc), static_cast<std::uint8_t>(crc >> 8)};
 }
 bool crc_is_right(ByteView frame) {
-  return frame.size() >= 4 && std::ranges::equal(crc_bytes(frame.first(frame.size() - 2)), frame.last(2));
+  return frame.size() >= 4 &&
+         std::ranges::equal(crc_bytes(frame.first(frame.size() - 2)), frame.last(2));
 }
 
-// How long the first frame is: the whole, or as long as its fields say when a right CRC confirms it.
+// How long the first frame is: the whole, or as long as its fields say when a right CRC confirms
+// it.
 std::size_t first_frame(ByteView bytes) {
   if (crc_is_right(bytes) && bytes.size() <= kMaxFrame) return bytes.size();
   if (bytes.size() < 2) return bytes.size();
-  for (const std::size_t pdu : {answer_pdu_size(bytes.subspan(1)), request_pdu_size(bytes.subspan(1))}) {
+  for (const std::size_t pdu :
+       {answer_pdu_size(bytes.subspan(1)), request_pdu_size(bytes.subspan(1))}) {
     if (pdu != 0 && pdu + 3 <= bytes.size() && crc_is_right(bytes.first(pdu + 3))) return pdu + 3;
   }
   return bytes.size();
@@ -60,7 +65,8 @@ std::vector<FrameField> explain_rtu(ByteView frame) {
   const std::size_t length = first_frame(frame);
   const ByteView own = frame.first(length);
   if (own.size() < 4) {
-    writer.remark(to_hex(own), "too short for a frame: unit, function and CRC are 4 bytes at least");
+    writer.remark(to_hex(own),
+                  "too short for a frame: unit, function and CRC are 4 bytes at least");
     return writer.take();
   }
   writer.add(0, 1, "unit", unit_text(own[0], true));
@@ -74,7 +80,8 @@ std::vector<FrameField> explain_rtu(ByteView frame) {
              good ? "" : "CRC is " + to_hex(crc, '\0') + ", should be " + to_hex(right, '\0'));
   if (length > kMaxFrame) writer.remark(std::to_string(length) + " bytes", "longer than 256 bytes");
   if (length < frame.size())
-    writer.add(length, frame.size() - length, "surplus", to_hex(frame.subspan(length)), surplus_text(frame.size() - length));
+    writer.add(length, frame.size() - length, "surplus", to_hex(frame.subspan(length)),
+               surplus_text(frame.size() - length));
   return writer.take();
 }
 
@@ -110,13 +117,17 @@ std::vector<FrameField> explain_ascii(ByteView frame) {
   writer.append(inner.take());
   const Bytes right{lrc8(ByteView(bytes).first(last))};
   const std::string lrc = to_hex(ByteView(bytes).last(1));
-  writer.add(start + 2 * last, 2, "LRC", lrc, right[0] == bytes[last] ? "" : "LRC is " + lrc + ", should be " + to_hex(right));
+  writer.add(start + 2 * last, 2, "LRC", lrc,
+             right[0] == bytes[last] ? "" : "LRC is " + lrc + ", should be " + to_hex(right));
   const auto end = static_cast<std::size_t>(cr - frame.begin());
   const bool ended = end + 1 < frame.size() && frame[end + 1] == '\n';
-  writer.add(end, std::min<std::size_t>(2, frame.size() - end), "end", ended ? "CR LF" : "", ended ? "" : "CR LF is missing");
-  if (bytes.size() > 255) writer.remark(std::to_string(frame.size()) + " characters", "longer than 513 characters");
+  writer.add(end, std::min<std::size_t>(2, frame.size() - end), "end", ended ? "CR LF" : "",
+             ended ? "" : "CR LF is missing");
+  if (bytes.size() > 255)
+    writer.remark(std::to_string(frame.size()) + " characters", "longer than 513 characters");
   if (ended && end + 2 < frame.size()) {
-    writer.add(end + 2, frame.size() - end - 2, "surplus", to_hex(frame.subspan(end + 2)), surplus_text(frame.size() - end - 2));
+    writer.add(end + 2, frame.size() - end - 2, "surplus", to_hex(frame.subspan(end + 2)),
+               surplus_text(frame.size() - end - 2));
   }
   return writer.take();
 }
@@ -130,8 +141,10 @@ std::vector<FrameField> explain_tcp(ByteView frame) {
   }
   const std::size_t counted = read_u16(frame, 4);
   const std::size_t came = frame.size() - 6;
-  writer.add(0, 2, "transaction", to_hex(frame.first(2), '\0') + " = " + std::to_string(read_u16(frame)));
-  writer.add(2, 2, "protocol", to_hex(frame.subspan(2, 2), '\0'), read_u16(frame, 2) == 0 ? "" : "must be 0000");
+  writer.add(0, 2, "transaction",
+             to_hex(frame.first(2), '\0') + " = " + std::to_string(read_u16(frame)));
+  writer.add(2, 2, "protocol", to_hex(frame.subspan(2, 2), '\0'),
+             read_u16(frame, 2) == 0 ? "" : "must be 0000");
   std::string fault;
   if (counted < 2 || counted > 254)
     fault = "must be 2..254";
@@ -144,7 +157,8 @@ std::vector<FrameField> explain_tcp(ByteView frame) {
   explain_pdu(frame.subspan(7, inside - 1), inner);
   writer.append(inner.take());
   if (inside < came)
-    writer.add(6 + inside, came - inside, "surplus", to_hex(frame.subspan(6 + inside)), surplus_text(came - inside));
+    writer.add(6 + inside, came - inside, "surplus", to_hex(frame.subspan(6 + inside)),
+               surplus_text(came - inside));
   return writer.take();
 }
 

@@ -9,7 +9,8 @@ namespace fieldcast::modbus {
 namespace {
 
 std::string hex16(std::uint16_t value) {
-  const std::uint8_t bytes[]{static_cast<std::uint8_t>(value >> 8), static_cast<std::uint8_t>(value)};
+  const std::uint8_t bytes[]{static_cast<std::uint8_t>(value >> 8),
+                             static_cast<std::uint8_t>(value)};
   return to_hex(bytes, '\0');
 }
 std::string hex8(std::uint8_t value) { return to_hex({&value, 1}, '\0'); }
@@ -69,14 +70,17 @@ class PduExplainer {
   // One 16-bit field, or the fault that it is not there.
   void word(std::size_t at, std::string name, std::string comment = {}, std::string fault = {}) {
     if (!has(at, 2))
-      return writer_.add(std::min(at, pdu_.size()), pdu_.size() - std::min(at, pdu_.size()), std::move(name), "", "missing");
+      return writer_.add(std::min(at, pdu_.size()), pdu_.size() - std::min(at, pdu_.size()),
+                         std::move(name), "", "missing");
     const std::uint16_t value = read_u16(pdu_, at);
-    writer_.add(at, 2, std::move(name), hex16(value) + " = " + number(value) + (comment.empty() ? "" : ", " + comment),
+    writer_.add(at, 2, std::move(name),
+                hex16(value) + " = " + number(value) + (comment.empty() ? "" : ", " + comment),
                 std::move(fault));
   }
 
   void address(std::size_t at, std::string name) {
-    const std::string where = has(at, 2) ? std::string(table_name(pdu_[0])) + ":" + number(read_u16(pdu_, at)) : "";
+    const std::string where =
+        has(at, 2) ? std::string(table_name(pdu_[0])) + ":" + number(read_u16(pdu_, at)) : "";
     word(at, std::move(name), where);
   }
 
@@ -89,13 +93,16 @@ class PduExplainer {
   }
 
   void trailing(std::size_t end) {
-    if (pdu_.size() > end) writer_.add(end, pdu_.size() - end, "surplus", to_hex(pdu_.subspan(end)), "bytes behind the end");
+    if (pdu_.size() > end)
+      writer_.add(end, pdu_.size() - end, "surplus", to_hex(pdu_.subspan(end)),
+                  "bytes behind the end");
   }
 
   void exception() {
     const auto function = static_cast<std::uint8_t>(pdu_[0] & ~kExceptionFlag);
     writer_.remark("exception answer");
-    writer_.add(0, 1, "function", hex8(pdu_[0]) + " refused: " + std::string(function_text(function)));
+    writer_.add(0, 1, "function",
+                hex8(pdu_[0]) + " refused: " + std::string(function_text(function)));
     if (!has(1, 1)) return writer_.add(1, 0, "exception", "", "missing");
     const bool known = exception_text(pdu_[1]) != "unknown exception";
     writer_.add(1, 1, "exception", hex8(pdu_[1]) + " " + std::string(exception_text(pdu_[1])),
@@ -105,9 +112,10 @@ class PduExplainer {
 
   // A request is 5 bytes; an answer says its own length.
   void read() {
-    const bool request_fits = pdu_.size() == 5 && quantity_fault(3, quantity_limit(pdu_[0])).empty();
-    const bool answer_fits =
-        has(1, 1) && pdu_.size() == 2u + pdu_[1] && pdu_[1] != 0 && (reads_bits(pdu_[0]) || pdu_[1] % 2 == 0);
+    const bool request_fits =
+        pdu_.size() == 5 && quantity_fault(3, quantity_limit(pdu_[0])).empty();
+    const bool answer_fits = has(1, 1) && pdu_.size() == 2u + pdu_[1] && pdu_[1] != 0 &&
+                             (reads_bits(pdu_[0]) || pdu_[1] % 2 == 0);
     if (request_fits && answer_fits)
       writer_.remark("request; could be an answer of " + number(pdu_[1]) + " bytes as well");
     else
@@ -143,11 +151,14 @@ class PduExplainer {
         std::string text;
         for (unsigned bit = 0; bit < 8; ++bit) text += (pdu_[at + i] >> bit & 1) != 0 ? "1 " : "0 ";
         text.pop_back();
-        writer_.add(at + i, 1, "bits +" + number(8 * i) + ".." + number(8 * i + 7), hex8(pdu_[at + i]) + " = " + text);
+        writer_.add(at + i, 1, "bits +" + number(8 * i) + ".." + number(8 * i + 7),
+                    hex8(pdu_[at + i]) + " = " + text);
       }
     } else {
       for (std::size_t i = 0; i + 1 < size; i += 2) word(at + i, "register +" + number(i / 2));
-      if (size % 2 != 0) writer_.add(at + size - 1, 1, "half a register", hex8(pdu_[at + size - 1]), "one byte too few");
+      if (size % 2 != 0)
+        writer_.add(at + size - 1, 1, "half a register", hex8(pdu_[at + size - 1]),
+                    "one byte too few");
     }
     writer_.higher();
   }
@@ -173,7 +184,9 @@ class PduExplainer {
     if (answer) return;
     const std::size_t quantity = read_u16(pdu_, 3);
     const std::size_t needed = bits ? (quantity + 7) / 8 : quantity * 2;
-    if (pdu_[5] != needed) writer_.remark("", "the byte count is " + number(pdu_[5]) + ", the quantity needs " + number(needed));
+    if (pdu_[5] != needed)
+      writer_.remark(
+          "", "the byte count is " + number(pdu_[5]) + ", the quantity needs " + number(needed));
     counted_data(5, bits);
   }
 
@@ -198,15 +211,16 @@ class PduExplainer {
     address(5, "write first");
     word(7, "write quantity", {}, quantity_fault(7, kMaxReadWriteRegisters));
     if (!has(9, 1)) return writer_.add(pdu_.size(), 0, "byte count", "", "missing");
-    if (pdu_[9] != read_u16(pdu_, 7) * 2) writer_.remark("", "the byte count does not match the write quantity");
+    if (pdu_[9] != read_u16(pdu_, 7) * 2)
+      writer_.remark("", "the byte count does not match the write quantity");
     counted_data(9, false);
   }
 
   // Functions that Fieldcast does not use: their length is checked where the standard fixes it.
   void other() {
     const bool tells_length = answer_pdu_size(pdu_) != 0 || request_pdu_size(pdu_) != 0;
-    const bool fits =
-        pdu_.size() == answer_pdu_size(pdu_) || pdu_.size() == request_pdu_size(pdu_) || pdu_[0] == 8 || pdu_[0] == 43;
+    const bool fits = pdu_.size() == answer_pdu_size(pdu_) ||
+                      pdu_.size() == request_pdu_size(pdu_) || pdu_[0] == 8 || pdu_[0] == 43;
     const bool cut = pdu_[0] == 8 && pdu_.size() < 5;
     writer_.add(1, pdu_.size() - 1, "data", to_hex(pdu_.subspan(1)),
                 (tells_length && !fits) || cut ? "neither a request's nor an answer's length" : "");

@@ -1,10 +1,12 @@
-// The three ways a PDU travels. Each wraps a request and finds the answer to a question in whatever came back.
+// The three ways a PDU travels. Each wraps a request and finds the answer to a question in whatever
+// came back.
 //
 //     RTU     unit PDU CRC-low CRC-high
 //     ASCII   ':' hex(unit PDU LRC) CR LF
 //     TCP     transaction(2) protocol(2)=0 length(2) unit PDU      length counts unit and PDU
 //
-// Reception is driven by lengths alone, never by silence: USB adapters and serial servers merge and split frames as they like.
+// Reception is driven by lengths alone, never by silence: USB adapters and serial servers merge and
+// split frames as they like.
 #pragma once
 
 #include <array>
@@ -24,8 +26,9 @@ struct Ticket {
 // What the bytes received so far amount to.
 struct Sighting {
   enum class Kind : std::uint8_t {
-    kNothing,    // no answer yet: foreign frames or noise at most
-    kBegun,      // an answer has begun, or a broken one has come: at most `missing` more characters may mend it
+    kNothing,  // no answer yet: foreign frames or noise at most
+    kBegun,  // an answer has begun, or a broken one has come: at most `missing` more characters may
+             // mend it
     kAnswer,     // `pdu` is the answer
     kException,  // `pdu` is an exception of our function
     kHopeless,   // the stream itself is out of step
@@ -34,8 +37,8 @@ struct Sighting {
   std::uint32_t missing = 0;
   Cause cause = Cause::kNoAnswer;  // why the exchange fails if nothing more comes
   ByteView pdu;                    // into the bytes given, or into the scratch
-  // kBegun: the answer or exception stands behind what looks like the beginning of another frame. If that frame never ends it was
-  // noise, and this is the answer.
+  // kBegun: the answer or exception stands behind what looks like the beginning of another frame.
+  // If that frame never ends it was noise, and this is the answer.
   ByteView fallback;
 };
 

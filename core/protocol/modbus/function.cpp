@@ -28,18 +28,8 @@ std::string_view function_text(std::uint8_t function) {
 }
 
 std::string_view exception_text(std::uint8_t code) {
-  switch (code) {
-    case 0x01: return "illegal function";
-    case 0x02: return "illegal data address";
-    case 0x03: return "illegal data value";
-    case 0x04: return "server device failure";
-    case 0x05: return "acknowledge: still at work";
-    case 0x06: return "server device busy";
-    case 0x08: return "memory parity error";
-    case 0x0A: return "gateway path unavailable";
-    case 0x0B: return "gateway target did not respond";
-    default: return "unknown exception";
-  }
+  const auto text = device_code_text(kExceptions, code);
+  return text.empty() ? "unknown exception" : text;
 }
 
 namespace {

@@ -1,10 +1,13 @@
-// Function and exception codes (Modbus Application Protocol V1.1b3, 6 and 7), and how long an answer of each is.
+// Function and exception codes (Modbus Application Protocol V1.1b3, 6 and 7), and how long an
+// answer of each is.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string_view>
 
 #include "core/base/bytes.hpp"
+#include "core/protocol/device_code.hpp"
 
 namespace fieldcast::modbus {
 
@@ -24,11 +27,27 @@ enum class Function : std::uint8_t {
 inline constexpr std::uint8_t kExceptionFlag = 0x80;
 inline constexpr std::size_t kMaxPdu = 253;
 
-[[nodiscard]] std::string_view function_text(std::uint8_t function);  // "read coils"; "unknown function"
-[[nodiscard]] std::string_view exception_text(std::uint8_t code);     // "illegal data address"; "unknown exception"
+[[nodiscard]] std::string_view function_text(
+    std::uint8_t function);  // "read coils"; "unknown function"
 
-// Bytes of the answer PDU that begins with `pdu` (function first). While its length field has not come: what is needed to know
-// it. 0: a function whose answers tell no length, or pdu is empty.
+// Modbus Application Protocol V1.1b3, 7.
+inline constexpr std::array kExceptions{
+    DeviceCode{0x01, "illegal function"},
+    DeviceCode{0x02, "illegal data address"},
+    DeviceCode{0x03, "illegal data value"},
+    DeviceCode{0x04, "server device failure"},
+    DeviceCode{0x05, "acknowledge: still at work"},
+    DeviceCode{0x06, "server device busy"},
+    DeviceCode{0x07, "negative acknowledgement"},  // PI-MBUS-300; older devices still send it
+    DeviceCode{0x08, "memory parity error"},
+    DeviceCode{0x0A, "gateway path unavailable"},
+    DeviceCode{0x0B, "gateway target did not respond"},
+};
+[[nodiscard]] std::string_view exception_text(
+    std::uint8_t code);  // "illegal data address"; "unknown exception"
+
+// Bytes of the answer PDU that begins with `pdu` (function first). While its length field has not
+// come: what is needed to know it. 0: a function whose answers tell no length, or pdu is empty.
 [[nodiscard]] std::size_t answer_pdu_size(ByteView pdu);
 
 // Likewise for requests.

@@ -13,11 +13,16 @@ constexpr std::size_t kMaskEchoSize = 7;  // function, address, two masks
 constexpr std::uint32_t kItems = 65536;   // of each table
 
 Table table_of(const Range& range) { return static_cast<Table>(range.area); }
-bool holds_bits(const Range& range) { return table_of(range) == Table::kCoil || table_of(range) == Table::kInput; }
-std::size_t packed_size(const Range& range) { return holds_bits(range) ? (range.count + 7) / 8 : range.count * 2; }
+bool holds_bits(const Range& range) {
+  return table_of(range) == Table::kCoil || table_of(range) == Table::kInput;
+}
+std::size_t packed_size(const Range& range) {
+  return holds_bits(range) ? (range.count + 7) / 8 : range.count * 2;
+}
 
 bool fits(const Range& range, std::uint32_t limit) {
-  return range.area < 4 && range.count >= 1 && range.count <= limit && range.first < kItems && range.end() <= kItems;
+  return range.area < 4 && range.count >= 1 && range.count <= limit && range.first < kItems &&
+         range.end() <= kItems;
 }
 
 // Which function carries a write; nothing when none does.
@@ -28,7 +33,8 @@ std::optional<Function> function_of(const WriteRequest& write, const Options& op
   if (!fits(write.range, coil ? kMaxWriteBits : kMaxWriteRegisters)) return std::nullopt;
   if (write.items.size() != image_bytes(coil ? 1 : 16, write.range.count)) return std::nullopt;
   if (write.bit && !coil) {
-    if (!options.mask_write || write.range.count != 1 || *write.bit > 15) return std::nullopt;
+    if (!options.mask_write || write.range.count != 1 || *write.bit + write.bits > 16)
+      return std::nullopt;
     return Function::kMaskWrite;
   }
   const bool single = write.range.count == 1 && !options.write_multiple && !write.distinct_answer;
@@ -49,14 +55,16 @@ void append_range(Bytes& pdu, const Range& range) {
 void append_bits(Bytes& pdu, ByteView items) {
   for (std::size_t at = 0; at < items.size(); at += 8) {
     unsigned byte = 0;
-    for (std::size_t i = at; i < std::min(at + 8, items.size()); ++i) byte |= (items[i] != 0 ? 1u : 0u) << (i - at);
+    for (std::size_t i = at; i < std::min(at + 8, items.size()); ++i)
+      byte |= (items[i] != 0 ? 1u : 0u) << (i - at);
     pdu.push_back(static_cast<std::uint8_t>(byte));
   }
 }
 
 Bytes unpack_bits(ByteView packed, std::size_t count) {
   Bytes items(count);
-  for (std::size_t i = 0; i < count; ++i) items[i] = static_cast<std::uint8_t>(packed[i / 8] >> i % 8 & 1);
+  for (std::size_t i = 0; i < count; ++i)
+    items[i] = static_cast<std::uint8_t>(packed[i / 8] >> i % 8 & 1);
   return items;
 }
 
@@ -73,7 +81,7 @@ void append_write(Bytes& pdu, Function function, const WriteRequest& write) {
       append(pdu, write.items);
       break;
     case Function::kMaskWrite: {  // new = (old AND and) OR (or AND NOT and)
-      const auto mask = static_cast<std::uint16_t>(1u << *write.bit);
+      const auto mask = static_cast<std::uint16_t>(((1u << write.bits) - 1) << *write.bit);
       append_u16(pdu, address);
       append_u16(pdu, static_cast<std::uint16_t>(~mask));
       append_u16(pdu, read_u16(write.items) & mask);
@@ -109,8 +117,11 @@ std::optional<PduSizes> sizes_of(const WriteRequest& write, const Options& optio
 
 std::optional<PduSizes> sizes_of(const WriteReadRequest& both) {
   const Range& written = both.write.range;
-  if (table_of(written) != Table::kHolding || table_of(both.read) != Table::kHolding || both.write.bit) return std::nullopt;
-  if (!fits(written, kMaxReadWriteRegisters) || !fits(both.read, kMaxReadRegisters)) return std::nullopt;
+  if (table_of(written) != Table::kHolding || table_of(both.read) != Table::kHolding ||
+      both.write.bit)
+    return std::nullopt;
+  if (!fits(written, kMaxReadWriteRegisters) || !fits(both.read, kMaxReadRegisters))
+    return std::nullopt;
   if (both.write.items.size() != packed_size(written)) return std::nullopt;
   return PduSizes{10 + packed_size(written), 2 + packed_size(both.read)};
 }
@@ -155,7 +166,8 @@ Verdict Question::judge(ByteView answer) const {
   }
   if (answer[0] != function()) return Verdict::kForeign;
   if (answer.size() != answer_size_) return Verdict::kMismatch;
-  const bool right = read_count_ != 0 ? answer[1] == answer_size_ - 2 : std::equal(answer.begin(), answer.end(), pdu_.begin());
+  const bool right = read_count_ != 0 ? answer[1] == answer_size_ - 2
+                                      : std::equal(answer.begin(), answer.end(), pdu_.begin());
   return right ? Verdict::kAnswer : Verdict::kMismatch;
 }
 

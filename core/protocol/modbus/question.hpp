@@ -1,14 +1,14 @@
 // One Modbus request as a PDU, and what its answer must look like: the layer under all framings.
 //
 //     function  request                                        answer
-//     01 02     first(2) quantity(2)                           count(1) bits..       least significant bit first
-//     03 04     first(2) quantity(2)                           count(1) registers..  big-endian
-//     05 06     address(2) value(2)                            the request
+//     01 02     first(2) quantity(2)                           count(1) bits..       least
+//     significant bit first 03 04     first(2) quantity(2)                           count(1)
+//     registers..  big-endian 05 06     address(2) value(2)                            the request
 //     0F        first(2) quantity(2) count(1) bits..           first(2) quantity(2)
 //     10        first(2) quantity(2) count(1) registers..      first(2) quantity(2)
 //     16        address(2) and-mask(2) or-mask(2)              the request
-//     17        first(2) quantity(2) first(2) quantity(2) count(1) registers..    count(1) registers..
-//     fn | 80   -                                              exception code(1)
+//     17        first(2) quantity(2) first(2) quantity(2) count(1) registers..    count(1)
+//     registers.. fn | 80   -                                              exception code(1)
 //
 // (Modbus Application Protocol V1.1b3, 6)
 #pragma once
@@ -23,9 +23,10 @@ namespace fieldcast::modbus {
 
 // What a device's configuration chooses among the functions.
 struct Options {
-  bool write_multiple = false;  // functions 15 and 16 for single items too: some devices know no 5 and 6
-  bool mask_write = false;      // function 22 for one bit of a register
-  bool read_write = false;      // function 23 for a write that is read back at once
+  bool write_multiple =
+      false;  // functions 15 and 16 for single items too: some devices know no 5 and 6
+  bool mask_write = false;  // function 22 for one bit or byte of a register
+  bool read_write = false;  // function 23 for a write that is read back at once
 };
 
 struct PduSizes {
@@ -33,14 +34,16 @@ struct PduSizes {
   std::size_t answer = 0;
 };
 
-// Nothing when the request breaks a limit or asks for what these functions cannot do. Allocates nothing.
+// Nothing when the request breaks a limit or asks for what these functions cannot do. Allocates
+// nothing.
 [[nodiscard]] std::optional<PduSizes> pdu_sizes(const Request& request, const Options& options);
 
 // What an answer PDU is to a question.
 enum class Verdict : std::uint8_t {
   kAnswer,
   kException,  // of our function
-  kMismatch,  // our function, but a byte count or an echo that is not ours: an answer to an earlier request, or a confused device
+  kMismatch,  // our function, but a byte count or an echo that is not ours: an answer to an earlier
+              // request, or a confused device
   kForeign,   // another function
 };
 
@@ -61,7 +64,8 @@ class Question {
  private:
   Bytes pdu_;
   std::size_t answer_size_ = 0;
-  std::uint16_t read_count_ = 0;  // items that the answer brings; 0: the answer echoes the start of the request
+  std::uint16_t read_count_ =
+      0;  // items that the answer brings; 0: the answer echoes the start of the request
   bool bits_ = false;
   bool writes_and_reads_ = false;
 };

@@ -1,5 +1,5 @@
-// RTU: binary frames without marks. Where a frame begins is certain at the start of the answer and behind every frame whose CRC
-// is right; anywhere else the search slides on byte by byte.
+// RTU: binary frames without marks. Where a frame begins is certain at the start of the answer and
+// behind every frame whose CRC is right; anywhere else the search slides on byte by byte.
 #include <algorithm>
 
 #include "core/codec/checksum.hpp"
@@ -11,7 +11,8 @@ namespace {
 constexpr std::size_t kOverhead = 3;  // unit, CRC
 constexpr std::size_t kMaxFrame = 256;
 constexpr std::uint8_t kHighestUnit = 247;
-// A wait for the rest of something that may be noise. Each byte that comes renews it, so it need not cover the whole rest.
+// A wait for the rest of something that may be noise. Each byte that comes renews it, so it need
+// not cover the whole rest.
 constexpr std::size_t kDoubtfulWait = 8;
 
 std::size_t frame_size(std::size_t pdu_size) { return pdu_size + kOverhead; }
@@ -36,7 +37,10 @@ bool is_turnaround(std::uint8_t byte) { return byte == 0x00 || byte == 0xFF; }
 class Search {
  public:
   Search(ByteView all, const Ticket& ticket, const Question& question)
-      : all_(all), unit_(ticket.unit), question_(question), expected_(frame_size(question.answer_size())) {}
+      : all_(all),
+        unit_(ticket.unit),
+        question_(question),
+        expected_(frame_size(question.answer_size())) {}
 
   Sighting run() {
     while (at_ < all_.size() && result_.pdu.empty() && result_.fallback.empty()) look();
@@ -52,14 +56,17 @@ class Search {
   // Judges what begins at at_, and moves on: behind a frame, or by one byte.
   void look() {
     const ByteView bytes = all_.subspan(at_);
-    const bool mine = bytes[0] == unit_ && (bytes.size() == 1 || (bytes[1] & ~kExceptionFlag) == question_.function());
+    const bool mine = bytes[0] == unit_ &&
+                      (bytes.size() == 1 || (bytes[1] & ~kExceptionFlag) == question_.function());
     const bool other = bytes[0] >= 1 && bytes[0] <= kHighestUnit && bytes.size() > 1;
     if (!mine && !other) return slide();
     const std::size_t length = length_of(bytes, mine);
     if (length == 0) return slide();
-    if (bytes.size() >= length && crc_is_right(bytes.first(length))) return whole(bytes.first(length), mine);
+    if (bytes.size() >= length && crc_is_right(bytes.first(length)))
+      return whole(bytes.first(length), mine);
     // A byte count that lies in a frame that is right otherwise.
-    if (mine && bytes.size() >= expected_ && crc_is_right(bytes.first(expected_))) return skip(expected_, mismatch_);
+    if (mine && bytes.size() >= expected_ && crc_is_right(bytes.first(expected_)))
+      return skip(expected_, mismatch_);
     if (bytes.size() < length) {
       if (mine || at_boundary_) begin(bytes, length, mine);
     } else if (mine || at_boundary_) {
@@ -68,7 +75,8 @@ class Search {
     slide();
   }
 
-  // Size of the frame that begins here, as its own fields tell it; while they have not come, what our answer has. 0: no frame.
+  // Size of the frame that begins here, as its own fields tell it; while they have not come, what
+  // our answer has. 0: no frame.
   std::size_t length_of(ByteView bytes, bool mine) const {
     const bool exception = bytes.size() > 1 && (bytes[1] & kExceptionFlag) != 0;
     if (mine && bytes.size() < 3 && !exception) return expected_;
@@ -85,7 +93,8 @@ class Search {
         result_.fallback = pdu;
       } else {
         result_.pdu = pdu;
-        result_.kind = verdict == Verdict::kAnswer ? Sighting::Kind::kAnswer : Sighting::Kind::kException;
+        result_.kind =
+            verdict == Verdict::kAnswer ? Sighting::Kind::kAnswer : Sighting::Kind::kException;
       }
       return;
     }
@@ -98,13 +107,16 @@ class Search {
     at_boundary_ = true;
   }
 
-  // A frame that lacks bytes. At a boundary it owns whatever follows, until it is whole or silence shows that it was noise: or
-  // else an answer for us could be read out of the middle of another device's data.
+  // A frame that lacks bytes. At a boundary it owns whatever follows, until it is whole or silence
+  // shows that it was noise: or else an answer for us could be read out of the middle of another
+  // device's data.
   void begin(ByteView bytes, std::size_t length, bool mine) {
     const bool exception = bytes.size() > 1 && (bytes[1] & kExceptionFlag) != 0;
     const bool certain = mine && at_boundary_ && (length == expected_ || exception);
     const std::size_t missing = length - bytes.size();
-    if (!begun_) result_.missing = static_cast<std::uint32_t>(certain ? missing : std::min(missing, kDoubtfulWait));
+    if (!begun_)
+      result_.missing =
+          static_cast<std::uint32_t>(certain ? missing : std::min(missing, kDoubtfulWait));
     begun_ = true;
     if (at_boundary_) held_ = true;
     if (!mine)

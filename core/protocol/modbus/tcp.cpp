@@ -1,4 +1,5 @@
-// TCP: every frame tells its length and which request it answers (Modbus Messaging on TCP/IP V1.0b, 3.1.3).
+// TCP: every frame tells its length and which request it answers (Modbus Messaging on TCP/IP
+// V1.0b, 3.1.3).
 #include "core/protocol/modbus/framing.hpp"
 
 namespace fieldcast::modbus {
@@ -19,8 +20,9 @@ void wrap(const Ticket& ticket, ByteView pdu, Bytes& out) {
   append(out, pdu);
 }
 
-// A header that cannot be: the stream is out of step, and nothing later in it can be trusted. It fails the exchange at once; what
-// else has come is dropped before the next request, so the connection need not be reopened unless it happens again.
+// A header that cannot be: the stream is out of step, and nothing later in it can be trusted. It
+// fails the exchange at once; what else has come is dropped before the next request, so the
+// connection need not be reopened unless it happens again.
 bool is_hopeless(ByteView frame) {
   if (frame.size() >= 4 && read_u16(frame, 2) != 0) return true;
   if (frame.size() < kCounted) return frame.size() >= 3 && frame[2] != 0;
@@ -34,9 +36,11 @@ Sighting find(ByteView all, const Ticket& ticket, const Question& question, Scra
     if (is_hopeless(all)) return {.kind = Sighting::Kind::kHopeless, .cause = Cause::kMalformed};
     const std::size_t length = all.size() < kCounted ? kHeader : kCounted + read_u16(all, 4);
     if (all.size() < length) {
-      // Not kBegun: between segments a network pauses as long as it likes, so the whole timeout is waited for the rest.
+      // Not kBegun: between segments a network pauses as long as it likes, so the whole timeout is
+      // waited for the rest.
       const bool ours = all.size() < 2 || read_u16(all) == ticket.transaction;
-      if (ours || result.cause == Cause::kNoAnswer) result.cause = ours ? Cause::kTruncated : Cause::kForeign;
+      if (ours || result.cause == Cause::kNoAnswer)
+        result.cause = ours ? Cause::kTruncated : Cause::kForeign;
       return result;
     }
     const ByteView pdu = all.first(length).subspan(kHeader);

@@ -13,14 +13,36 @@ namespace fieldcast::omron {
 namespace {
 
 constexpr std::array kRows{
-    AreaRow{
-        .name = "CIO", .other = "IR", .letter = 'R', .c_items = 10000, .word_code = 0xB0, .bit_code = 0x30, .fins_items = 6144},
+    AreaRow{.name = "CIO",
+            .other = "IR",
+            .letter = 'R',
+            .c_items = 10000,
+            .word_code = 0xB0,
+            .bit_code = 0x30,
+            .fins_items = 6144},
     AreaRow{.name = "W", .other = "WR", .word_code = 0xB1, .bit_code = 0x31, .fins_items = 512},
     AreaRow{.name = "LR", .other = "L", .letter = 'L', .c_items = 200},
-    AreaRow{.name = "HR", .other = "H", .letter = 'H', .c_items = 1536, .word_code = 0xB2, .bit_code = 0x32, .fins_items = 1536},
-    AreaRow{.name = "AR", .other = "A", .letter = 'J', .c_items = 960, .word_code = 0xB3, .bit_code = 0x33, .fins_items = 960},
-    AreaRow{
-        .name = "DM", .other = "D", .letter = 'D', .c_items = 10000, .word_code = 0x82, .bit_code = 0x02, .fins_items = 32768},
+    AreaRow{.name = "HR",
+            .other = "H",
+            .letter = 'H',
+            .c_items = 1536,
+            .word_code = 0xB2,
+            .bit_code = 0x32,
+            .fins_items = 1536},
+    AreaRow{.name = "AR",
+            .other = "A",
+            .letter = 'J',
+            .c_items = 960,
+            .word_code = 0xB3,
+            .bit_code = 0x33,
+            .fins_items = 960},
+    AreaRow{.name = "DM",
+            .other = "D",
+            .letter = 'D',
+            .c_items = 10000,
+            .word_code = 0x82,
+            .bit_code = 0x02,
+            .fins_items = 32768},
     AreaRow{.name = "EM",
             .other = "E",
             .letter = 'E',
@@ -28,7 +50,12 @@ constexpr std::array kRows{
             .word_code = 0xA0,
             .bit_code = 0x20,
             .fins_items = kBankWords * kBanks},
-    AreaRow{.name = "T", .other = "TIM", .letter = 'C', .c_items = 2048, .word_code = 0x89, .fins_items = 4096},
+    AreaRow{.name = "T",
+            .other = "TIM",
+            .letter = 'C',
+            .c_items = 2048,
+            .word_code = 0x89,
+            .fins_items = 4096},
     AreaRow{.name = "C",
             .other = "CNT",
             .letter = 'C',
@@ -37,7 +64,13 @@ constexpr std::array kRows{
             .fins_items = 4096,
             .c_offset = 2048,
             .fins_offset = 0x8000},
-    AreaRow{.name = "TF", .other = "TIMF", .letter = 'G', .c_items = 2048, .bit_code = 0x09, .fins_items = 4096, .flags = true},
+    AreaRow{.name = "TF",
+            .other = "TIMF",
+            .letter = 'G',
+            .c_items = 2048,
+            .bit_code = 0x09,
+            .fins_items = 4096,
+            .flags = true},
     AreaRow{.name = "CF",
             .other = "CNTF",
             .letter = 'G',
@@ -49,7 +82,9 @@ constexpr std::array kRows{
             .flags = true},
 };
 
-bool is_reached(const AreaRow& row, Mode mode) { return (mode == Mode::kFins ? row.fins_items : row.c_items) != 0; }
+bool is_reached(const AreaRow& row, Mode mode) {
+  return (mode == Mode::kFins ? row.fins_items : row.c_items) != 0;
+}
 
 std::vector<const AreaRow*> rows_reached(Mode mode) {
   std::vector<const AreaRow*> rows;
@@ -63,12 +98,19 @@ std::vector<Area> areas_reached(Mode mode) {
   const bool fins = mode == Mode::kFins;
   std::vector<Area> areas;
   for (const AreaRow* row : rows_of(mode)) {
-    Area area{.name = row->name, .item_bits = row->flags ? 1u : 16u, .items = fins ? row->fins_items : row->c_items};
+    Area area{.name = row->name,
+              .item_bits = row->flags ? 1u : 16u,
+              .items = fins ? row->fins_items : row->c_items};
     if (is_extended(*row)) area.bank = kBankWords;
-    area.max_read = fins ? (row->flags ? kFinsReadFlags : kFinsReadWords) : (row->flags ? kCReadFlags : kCReadWords);
-    area.max_write = fins ? (row->flags ? 0 : kFinsWriteWords) : (row->flags ? kCWriteFlags : kCWriteWords);
+    area.max_read = fins ? (row->flags ? kFinsReadFlags : kFinsReadWords)
+                         : (row->flags ? kCReadFlags : kCReadWords);
+    area.max_write =
+        fins ? (row->flags ? 0 : kFinsWriteWords) : (row->flags ? kCWriteFlags : kCWriteWords);
     area.writable = area.max_write != 0;
     area.bit_write = fins && row->bit_code != 0 && !row->flags;
+    // The lower word of a double word stands at the lower address (CS/CJ instructions manual,
+    // W340, 2-1); the first character of a text in the high byte.
+    if (!row->flags) area.word_order = WordOrder::kLittleEndian;
     areas.push_back(area);
   }
   return areas;
@@ -82,8 +124,9 @@ constexpr std::string_view kAllowedFins =
 using Parsed = tl::expected<ParsedAddress, AddressFault>;
 
 Parsed fault(Mode mode, std::string what, std::string suggestion = {}) {
-  return tl::unexpected(
-      AddressFault{std::move(what), std::string(mode == Mode::kFins ? kAllowedFins : kAllowedC), std::move(suggestion)});
+  return tl::unexpected(AddressFault{std::move(what),
+                                     std::string(mode == Mode::kFins ? kAllowedFins : kAllowedC),
+                                     std::move(suggestion)});
 }
 
 std::string suggest(Mode mode, std::string_view letters, std::string_view rest) {
@@ -100,7 +143,9 @@ std::optional<std::uint32_t> banked(std::string_view text) {
   const std::size_t line = text.find('_');
   if (line != 1) return std::nullopt;
   const char digit = text[0];
-  const int bank = digit >= '0' && digit <= '9' ? digit - '0' : digit >= 'A' && digit <= 'C' ? digit - 'A' + 10 : -1;
+  const int bank = digit >= '0' && digit <= '9'   ? digit - '0'
+                   : digit >= 'A' && digit <= 'C' ? digit - 'A' + 10
+                                                  : -1;
   const auto word = whole_number(text.substr(line + 1));
   if (bank < 0 || !word || *word >= kBankWords) return std::nullopt;
   return static_cast<std::uint32_t>(bank) * kBankWords + *word;
@@ -126,27 +171,37 @@ tl::expected<ParsedAddress, AddressFault> parse_address(Mode mode, std::string_v
   const std::size_t first_digit = std::min(at.find_first_of("0123456789"), at.size());
   std::string_view letters = at.substr(0, first_digit);
   std::string_view rest = at.substr(first_digit);
-  if (at.find('_') != std::string_view::npos && at.starts_with("E")) {  // the bank of EM may be a letter
+  if (at.find('_') != std::string_view::npos &&
+      at.starts_with("E")) {  // the bank of EM may be a letter
     letters = at.starts_with("EM") ? "EM" : "E";
     rest = at.substr(letters.size());
   }
-  const auto named = [&](const AreaRow& row) { return row.name == letters || row.other == letters; };
+  const auto named = [&](const AreaRow& row) {
+    return row.name == letters || row.other == letters;
+  };
   const auto row = std::find_if(kRows.begin(), kRows.end(), named);
-  if (row == kRows.end()) return fault(mode, "area " + quoted(letters) + " is unknown", suggest(mode, letters, rest));
+  if (row == kRows.end())
+    return fault(mode, "area " + quoted(letters) + " is unknown", suggest(mode, letters, rest));
   const std::string name(row->name);
   if (!is_reached(*row, mode)) {
-    return fault(mode, name + (mode == Mode::kFins ? " is not reached by FINS" : " is reached by FINS only (option mode: fins)"));
+    return fault(mode,
+                 name + (mode == Mode::kFins ? " is not reached by FINS"
+                                             : " is reached by FINS only (option mode: fins)"));
   }
   const auto& rows = rows_of(mode);
-  ParsedAddress address{.area = static_cast<AreaIndex>(std::find(rows.begin(), rows.end(), &*row) - rows.begin())};
+  ParsedAddress address{
+      .area = static_cast<AreaIndex>(std::find(rows.begin(), rows.end(), &*row) - rows.begin())};
   const Area& area = areas_of(mode)[address.area];
 
   const std::size_t dot = rest.find('.');
-  const auto first = is_extended(*row) ? banked(rest.substr(0, dot)) : whole_number(rest.substr(0, dot));
+  const auto first =
+      is_extended(*row) ? banked(rest.substr(0, dot)) : whole_number(rest.substr(0, dot));
   if (!first)
-    return fault(mode, quoted(rest.substr(0, dot)) + " is no place in " + name, name + (is_extended(*row) ? "0_0" : "0"));
+    return fault(mode, quoted(rest.substr(0, dot)) + " is no place in " + name,
+                 name + (is_extended(*row) ? "0_0" : "0"));
   const bool past_digits = mode == Mode::kCMode && is_extended(*row) && *first % kBankWords > 9999;
-  if (*first >= area.items || past_digits) return fault(mode, quoted(at) + " is beyond the end of " + name);
+  if (*first >= area.items || past_digits)
+    return fault(mode, quoted(at) + " is beyond the end of " + name);
   address.first = *first;
   if (row->flags) address.width_bits = 1;
   if (dot == std::string_view::npos) return address;
@@ -154,7 +209,8 @@ tl::expected<ParsedAddress, AddressFault> parse_address(Mode mode, std::string_v
   const std::string whole = std::string(at.substr(0, at.find('.')));
   if (row->flags) return fault(mode, "a flag has no bits", whole);
   const auto bit = whole_number(rest.substr(dot + 1));
-  if (!bit || *bit > 15) return fault(mode, "bit " + quoted(rest.substr(dot + 1)) + " is not 00..15", whole + ".00");
+  if (!bit || *bit > 15)
+    return fault(mode, "bit " + quoted(rest.substr(dot + 1)) + " is not 00..15", whole + ".00");
   address.bit = static_cast<std::uint8_t>(*bit);
   address.width_bits = 1;
   return address;

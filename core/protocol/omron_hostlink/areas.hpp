@@ -1,4 +1,5 @@
-// The memory areas of Omron PLCs in the two languages that a Host Link port speaks, and their notation.
+// The memory areas of Omron PLCs in the two languages that a Host Link port speaks, and their
+// notation.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +10,8 @@
 
 namespace fieldcast::omron {
 
-// C-mode: two-letter commands that every Host Link PLC knows. FINS in Host Link (header FA): CS, CJ, CP and later.
+// C-mode: two-letter commands that every Host Link PLC knows. FINS in Host Link (header FA): CS,
+// CJ, CP and later.
 enum class Mode : std::uint8_t { kCMode, kFins };
 
 // One area. Zero in a column: that language cannot reach it.
@@ -37,6 +39,7 @@ inline constexpr std::uint32_t kBanks = 13;         // 0 to C
 [[nodiscard]] const std::vector<Area>& areas_of(Mode mode);
 
 // "DM100", "CIO12.03", "W5", "HR10", "AR3", "LR7", "T5", "C5", "TF5", "E1_100".
-[[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_address(Mode mode, std::string_view at);
+[[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_address(Mode mode,
+                                                                      std::string_view at);
 
 }  // namespace fieldcast::omron

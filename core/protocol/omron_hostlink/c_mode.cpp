@@ -17,12 +17,15 @@ constexpr std::uint16_t kNotSupported = 0x16;
 constexpr std::uint32_t kWordDigits = 4;
 
 const AreaRow& row_of(const Range& range) { return *rows_of(Mode::kCMode)[range.area]; }
-std::uint32_t digits_of(const Range& range) { return row_of(range).flags ? range.count : range.count * kWordDigits; }
+std::uint32_t digits_of(const Range& range) {
+  return row_of(range).flags ? range.count : range.count * kWordDigits;
+}
 
 bool fits(const Range& range, std::uint32_t limit) {
   const auto& areas = areas_of(Mode::kCMode);
   if (range.area >= areas.size() || range.count == 0 || range.count > limit) return false;
-  if (range.first >= areas[range.area].items || range.count > areas[range.area].items - range.first) return false;
+  if (range.first >= areas[range.area].items || range.count > areas[range.area].items - range.first)
+    return false;
   if (!is_extended(row_of(range))) return true;
   const std::uint32_t word = range.first % kBankWords;  // four digits reach just so far into a bank
   return word + range.count <= 10000;
@@ -45,7 +48,8 @@ void append_place(Bytes& out, const Range& range) {
 }
 std::uint32_t place_size(const Range& range) { return is_extended(row_of(range)) ? 6 : 4; }
 
-// What the two kinds of exchange share: the answer's first frame, and giving up in the middle of a transfer.
+// What the two kinds of exchange share: the answer's first frame, and giving up in the middle of a
+// transfer.
 class CModeExchange : public Exchange {
  public:
   CModeExchange(std::uint16_t unit, std::string header) : unit_(unit), header_(std::move(header)) {}
@@ -66,17 +70,20 @@ class CModeExchange : public Exchange {
   // The text of our command's answer behind its end code 00.
   virtual Step accept(ByteView text, bool last, Bytes& out) = 0;
 
-  // Walks through marked frames until one is ours. `expected`: characters of the whole frame that is waited for.
+  // Walks through marked frames until one is ours. `expected`: characters of the whole frame that
+  // is waited for.
   Step search(ByteView all, std::size_t expected, Bytes& out) {
-    silence_ =
-        std::any_of(all.begin(), all.end(), [](auto c) { return c != 0x00 && c != 0xFF; }) ? Cause::kMalformed : Cause::kNoAnswer;
+    silence_ = std::any_of(all.begin(), all.end(), [](auto c) { return c != 0x00 && c != 0xFF; })
+                   ? Cause::kMalformed
+                   : Cause::kNoAnswer;
     Step step = Step::need_answer();
     for (;;) {
       const Seen seen = first_frame(all);
       if (seen.kind == Seen::Kind::kNothing) return step;
       if (seen.kind == Seen::Kind::kOpen) {
         silence_ = Cause::kTruncated;
-        return Step::need_rest(static_cast<std::uint32_t>(expected > seen.text.size() ? expected - seen.text.size() : 1));
+        return Step::need_rest(static_cast<std::uint32_t>(
+            expected > seen.text.size() ? expected - seen.text.size() : 1));
       }
       if (seen.kind == Seen::Kind::kBroken) {
         silence_ = Cause::kChecksum;
@@ -89,7 +96,8 @@ class CModeExchange : public Exchange {
     }
   }
 
-  // While a transfer is open, the PLC takes any command for a delimiter: it is closed by XZ, which has no answer.
+  // While a transfer is open, the PLC takes any command for a delimiter: it is closed by XZ, which
+  // has no answer.
   Step fail(Cause cause, Bytes& out) {
     silence_ = cause;
     if (!open_) return Step::failed(cause);
@@ -110,7 +118,8 @@ class CModeExchange : public Exchange {
   Step judge(const Seen& seen, Bytes& out) {
     const ByteView text = seen.text;
     silence_ = Cause::kForeign;
-    if (text.size() < kHeadSize || read_digits(text.subspan(1, 2), 10) != unit_) return Step::need_answer();
+    if (text.size() < kHeadSize || read_digits(text.subspan(1, 2), 10) != unit_)
+      return Step::need_answer();
     const std::string header(text.begin() + 3, text.begin() + kHeadSize);
     if (header == "IC" && seen.last) return Step::failed(Cause::kDeviceError, kNotSupported);
     if (header != header_) return Step::need_answer();
@@ -131,14 +140,18 @@ class CModeExchange : public Exchange {
 class CModeRead final : public CModeExchange {
  public:
   CModeRead(std::uint16_t unit, const Range& range)
-      : CModeExchange(unit, {'R', row_of(range).letter}), range_(range), digits_(digits_of(range)), flags_(row_of(range).flags) {}
+      : CModeExchange(unit, {'R', row_of(range).letter}),
+        range_(range),
+        digits_(digits_of(range)),
+        flags_(row_of(range).flags) {}
 
   Step start(Bytes& out) override {
     append_head(out, unit_, header_);
     append_place(out, range_);
     append_digits(out, range_.count, 4, 10);
     append_end(out, 0, true);
-    return Step::send(static_cast<std::uint32_t>(kHeadSize + kEndCodeSize) + frame_size(flags_ ? kFlagsFirst : kReadFirst));
+    return Step::send(static_cast<std::uint32_t>(kHeadSize + kEndCodeSize) +
+                      frame_size(flags_ ? kFlagsFirst : kReadFirst));
   }
 
  private:
@@ -157,17 +170,19 @@ class CModeRead final : public CModeExchange {
     if (seen.kind == Seen::Kind::kFrame) return accept(seen.text, seen.last, out);
     silence_ = seen.kind == Seen::Kind::kBroken ? Cause::kChecksum : Cause::kTruncated;
     const std::size_t whole = frame_size(kReadLater);
-    return Step::need_rest(
-        static_cast<std::uint32_t>(seen.kind == Seen::Kind::kOpen ? whole - std::min(whole - 1, all.size()) : 0));
+    return Step::need_rest(static_cast<std::uint32_t>(
+        seen.kind == Seen::Kind::kOpen ? whole - std::min(whole - 1, all.size()) : 0));
   }
 
   Step accept(ByteView text, bool last, Bytes& out) override {
-    const bool whole = flags_ || text.size() % kWordDigits == 0;  // no word is cut between two frames
-    const bool fits =
-        whole && (last ? data_.size() + text.size() == digits_ : !text.empty() && data_.size() + text.size() < digits_);
+    const bool whole =
+        flags_ || text.size() % kWordDigits == 0;  // no word is cut between two frames
+    const bool fits = whole && (last ? data_.size() + text.size() == digits_
+                                     : !text.empty() && data_.size() + text.size() < digits_);
     if (!fits) {
       silence_ = Cause::kMalformed;
-      return open_ ? fail(Cause::kMalformed, out) : Step::need_answer();  // before anything else: an answer to an earlier request
+      return open_ ? fail(Cause::kMalformed, out)
+                   : Step::need_answer();  // before anything else: an answer to an earlier request
     }
     append(data_, text);
     if (!last) {
@@ -253,16 +268,20 @@ class CModeWrite final : public CModeExchange {
 ExchangeSize read_size(const Range& range) {
   const std::uint32_t digits = digits_of(range);
   const bool flags = row_of(range).flags;
-  const std::uint32_t frames = frames_for(digits, flags ? kFlagsFirst : kReadFirst, flags ? kFlagsLater : kReadLater);
-  return {.request_characters = static_cast<std::uint32_t>(kHeadSize) + place_size(range) + 4 + 4 + (frames - 1),
-          .answer_characters = static_cast<std::uint32_t>(kHeadSize + kEndCodeSize) + digits + 3 * frames + 1,
+  const std::uint32_t frames =
+      frames_for(digits, flags ? kFlagsFirst : kReadFirst, flags ? kFlagsLater : kReadLater);
+  return {.request_characters =
+              static_cast<std::uint32_t>(kHeadSize) + place_size(range) + 4 + 4 + (frames - 1),
+          .answer_characters =
+              static_cast<std::uint32_t>(kHeadSize + kEndCodeSize) + digits + 3 * frames + 1,
           .rounds = frames};
 }
 
 ExchangeSize write_size(const Range& range) {
   const std::uint32_t digits = digits_of(range);
   const std::uint32_t frames = frames_for(digits, kWriteFirst, kWriteLater);
-  return {.request_characters = static_cast<std::uint32_t>(kHeadSize) + place_size(range) + digits + 3 * frames + 1,
+  return {.request_characters =
+              static_cast<std::uint32_t>(kHeadSize) + place_size(range) + digits + 3 * frames + 1,
           .answer_characters = 11 + (frames - 1),
           .rounds = frames};
 }
@@ -273,22 +292,38 @@ std::optional<ExchangeSize> c_mode_size(const Request& request) {
   if (const auto* read = std::get_if<ReadRequest>(&request)) {
     if (read->ranges.size() != 1) return std::nullopt;
     const Range& range = read->ranges.front();
-    if (range.area >= areas_of(Mode::kCMode).size() || !fits(range, areas_of(Mode::kCMode)[range.area].max_read))
+    if (range.area >= areas_of(Mode::kCMode).size() ||
+        !fits(range, areas_of(Mode::kCMode)[range.area].max_read))
       return std::nullopt;
     return read_size(range);
   }
   const auto* write = std::get_if<WriteRequest>(&request);
   if (write == nullptr || write->bit) return std::nullopt;
   const Range& range = write->range;
-  if (range.area >= areas_of(Mode::kCMode).size() || !fits(range, areas_of(Mode::kCMode)[range.area].max_write))
+  if (range.area >= areas_of(Mode::kCMode).size() ||
+      !fits(range, areas_of(Mode::kCMode)[range.area].max_write))
     return std::nullopt;
-  if (write->items.size() != image_bytes(row_of(range).flags ? 1 : 16, range.count)) return std::nullopt;
+  if (write->items.size() != image_bytes(row_of(range).flags ? 1 : 16, range.count))
+    return std::nullopt;
   return write_size(range);
 }
 
 std::unique_ptr<Exchange> begin_c_mode(std::uint16_t unit, const Request& request) {
-  if (const auto* read = std::get_if<ReadRequest>(&request)) return std::make_unique<CModeRead>(unit, read->ranges.front());
+  if (const auto* read = std::get_if<ReadRequest>(&request))
+    return std::make_unique<CModeRead>(unit, read->ranges.front());
   return std::make_unique<CModeWrite>(unit, std::get<WriteRequest>(request));
+}
+
+bool c_mode_mistakable(const Request& earlier, const Request& later) {
+  const auto* first = std::get_if<ReadRequest>(&earlier);
+  const auto* second = std::get_if<ReadRequest>(&later);
+  if ((first == nullptr) != (second == nullptr)) return false;
+  if (first != nullptr) {
+    const Range &a = first->ranges.front(), &b = second->ranges.front();
+    return row_of(a).letter == row_of(b).letter && digits_of(a) == digits_of(b);
+  }
+  return row_of(std::get<WriteRequest>(earlier).range).letter ==
+         row_of(std::get<WriteRequest>(later).range).letter;
 }
 
 }  // namespace fieldcast::omron

@@ -1,10 +1,11 @@
 // C-mode: two-letter commands, words as four digits, long data in several frames.
 //
-//     read    @ uu Rx first(4) count(4) FCS * CR      ->  @ uu Rx ee data FCS [*] CR, then data FCS [*] CR after each delimiter
-//     write   @ uu Wx first(4) data FCS [*] CR, then data FCS [*] CR after each delimiter      ->  @ uu Wx ee FCS * CR
+//     read    @ uu Rx first(4) count(4) FCS * CR      ->  @ uu Rx ee data FCS [*] CR, then data FCS
+//     [*] CR after each delimiter write   @ uu Wx first(4) data FCS [*] CR, then data FCS [*] CR
+//     after each delimiter      ->  @ uu Wx ee FCS * CR
 //
-// Addresses and counts are decimal, data hexadecimal; EM puts the bank's two digits before the address. A header that the PLC
-// does not know is answered by @ uu IC FCS * CR.
+// Addresses and counts are decimal, data hexadecimal; EM puts the bank's two digits before the
+// address. A header that the PLC does not know is answered by @ uu IC FCS * CR.
 #pragma once
 
 #include <memory>
@@ -18,5 +19,9 @@ namespace fieldcast::omron {
 [[nodiscard]] std::optional<ExchangeSize> c_mode_size(const Request& request);
 // REQUIRES: c_mode_size(request) holds a value.
 [[nodiscard]] std::unique_ptr<Exchange> begin_c_mode(std::uint16_t unit, const Request& request);
+
+// Whether an answer to the one could be taken for an answer to the other: it shows its unit, its
+// command and, of a read, how much it brings.
+[[nodiscard]] bool c_mode_mistakable(const Request& earlier, const Request& later);
 
 }  // namespace fieldcast::omron

@@ -47,6 +47,15 @@ constexpr std::array kHeaders{HeaderRow{"RR", "read CIO"},
                               HeaderRow{"WE", "write EM"},
                               HeaderRow{"WC", "write timer/counter present values"},
                               HeaderRow{"WG", "write timer/counter flags"},
+                              HeaderRow{"R#", "read a set value by its timer or counter"},
+                              HeaderRow{"R$", "read a set value"},
+                              HeaderRow{"R%", "read a set value, with its operand"},
+                              HeaderRow{"W#", "change a set value by its timer or counter"},
+                              HeaderRow{"W$", "change a set value"},
+                              HeaderRow{"W%", "change a set value, with its operand"},
+                              HeaderRow{"RP", "program read"},
+                              HeaderRow{"WP", "program write"},
+                              HeaderRow{"MI", "make the I/O table"},
                               HeaderRow{"MS", "status read"},
                               HeaderRow{"SC", "set mode"},
                               HeaderRow{"MM", "model read"},
@@ -91,7 +100,8 @@ class HostLinkExplainer {
     const bool ended = cr != own.end();
     const bool last = end > 0 && own[end - 1] == kStar;
     if (last) --end;
-    if (end < kFcsSize + (marked_ ? kHeadSize : 1)) return writer_.remark(text_of(own), "too short for a frame");
+    if (end < kFcsSize + (marked_ ? kHeadSize : 1))
+      return writer_.remark(text_of(own), "too short for a frame");
     const ByteView text = own.first(end - kFcsSize);
     if (marked_)
       head(text);
@@ -101,15 +111,20 @@ class HostLinkExplainer {
     Bytes right;
     append_digits(right, xor8(text), 2);
     add(end - kFcsSize, kFcsSize, "FCS", text_of(fcs),
-        std::ranges::equal(fcs, right) ? "" : "FCS is " + text_of(fcs) + ", should be " + text_of(right));
-    add(end, own.size() - end, "end", last ? "the last frame" : "more frames follow", ended ? "" : "CR is missing");
+        std::ranges::equal(fcs, right)
+            ? ""
+            : "FCS is " + text_of(fcs) + ", should be " + text_of(right));
+    add(end, own.size() - end, "end", last ? "the last frame" : "more frames follow",
+        ended ? "" : "CR is missing");
     const auto size = static_cast<std::size_t>(cr - own.begin()) + 1;
     if (marked_ && size > kMaxCMode && !is_fins_)
       writer_.remark(std::to_string(size) + " characters", "longer than 131 characters");
-    if (ended && size < own.size()) writer_.remark("", std::to_string(own.size() - size) + " characters behind the frame");
+    if (ended && size < own.size())
+      writer_.remark("", std::to_string(own.size() - size) + " characters behind the frame");
   }
 
-  void add(std::size_t at, std::size_t length, std::string name, std::string value, std::string fault = {}) {
+  void add(std::size_t at, std::size_t length, std::string name, std::string value,
+           std::string fault = {}) {
     writer_.add(start_ + at, length, std::move(name), std::move(value), std::move(fault));
   }
 
@@ -125,16 +140,18 @@ class HostLinkExplainer {
     const auto number = read_digits(unit, 10);
     add(1, 2, "unit", text_of(unit), number && *number <= 31 ? "" : "must be 00..31 in decimal");
     const std::string header(text.begin() + 3, text.begin() + kHeadSize);
-    const auto row = std::find_if(kHeaders.begin(), kHeaders.end(), [&](const HeaderRow& each) { return each.header == header; });
+    const auto row = std::find_if(kHeaders.begin(), kHeaders.end(),
+                                  [&](const HeaderRow& each) { return each.header == header; });
     add(3, 2, "header", header + (row != kHeaders.end() ? " " + std::string(row->text) : ""),
         row != kHeaders.end() ? "" : "no command");
     const ByteView rest = text.subspan(kHeadSize);
     is_fins_ = header == "FA";
+    const bool of_area = std::string_view("RLHJDECG").find(header[1]) != std::string_view::npos;
     if (is_fins_)
       fins(rest);
-    else if (header[0] == 'R')
+    else if (header[0] == 'R' && of_area)
       read(rest, header[1]);
-    else if (header[0] == 'W')
+    else if (header[0] == 'W' && of_area)
       write(rest, header[1]);
     else if (!rest.empty())
       add(kHeadSize, rest.size(), "text", text_of(rest));
@@ -142,15 +159,17 @@ class HostLinkExplainer {
 
   void end_code(ByteView rest) {
     const auto code = read_digits(rest.first(std::min<std::size_t>(2, rest.size())));
-    const bool known = rest.size() >= 2 && code && end_code_text(static_cast<std::uint16_t>(*code)) != "unknown end code";
+    const bool known = rest.size() >= 2 && code &&
+                       end_code_text(static_cast<std::uint16_t>(*code)) != "unknown end code";
     add(kHeadSize, std::min<std::size_t>(2, rest.size()), "end code",
         text_of(rest.first(std::min<std::size_t>(2, rest.size()))) +
             (code ? " " + std::string(end_code_text(static_cast<std::uint16_t>(*code))) : ""),
         known ? "" : "no end code");
   }
 
-  // Eight decimal digits (ten for EM) are a request; an answer has an end code and then words, or flags. Eight digits that begin
-  // with an end code could be an answer of six digits, which no area but flags gives.
+  // Eight decimal digits (ten for EM) are a request; an answer has an end code and then words, or
+  // flags. Eight digits that begin with an end code could be an answer of six digits, which no area
+  // but flags gives.
   void read(ByteView rest, char letter) {
     const std::size_t place = letter == 'E' ? 6 : 4;
     const bool flags = letter == 'G';
@@ -178,7 +197,8 @@ class HostLinkExplainer {
     }
     const std::size_t place = letter == 'E' ? 6 : 4;
     writer_.remark("request");
-    if (rest.size() <= place) return add(kHeadSize, rest.size(), "text", text_of(rest), "too short");
+    if (rest.size() <= place)
+      return add(kHeadSize, rest.size(), "text", text_of(rest), "too short");
     if (letter == 'E') add(kHeadSize, 2, "bank", text_of(rest.first(2)));
     decimal(rest.subspan(place - 4, 4), kHeadSize + place - 4, "first");
     data(rest.subspan(place), kHeadSize + place, letter == 'G');
@@ -188,14 +208,16 @@ class HostLinkExplainer {
     if (digits.empty()) return;
     std::string words;
     for (std::size_t i = 0; i < digits.size(); i += flags ? 1 : 4) {
-      words += (words.empty() ? "" : " ") + text_of(digits.subspan(i, std::min<std::size_t>(flags ? 1 : 4, digits.size() - i)));
+      words += (words.empty() ? "" : " ") +
+               text_of(digits.subspan(i, std::min<std::size_t>(flags ? 1 : 4, digits.size() - i)));
     }
     std::string fault = digits_fault(digits);
     if (fault.empty() && !flags && digits.size() % 4 != 0) fault = "words have four digits each";
     add(at, digits.size(), flags ? "flags" : "words", std::move(words), std::move(fault));
   }
 
-  // An answer's ICF has bit 6 and stands behind a two-digit end code; a request's stands behind one digit.
+  // An answer's ICF has bit 6 and stands behind a two-digit end code; a request's stands behind one
+  // digit.
   void fins(ByteView rest) {
     const bool request = rest.size() % 2 == 1;
     writer_.remark(request ? "request" : "answer");
@@ -227,21 +249,25 @@ class HostLinkExplainer {
     const bool answer_flag = (bytes[0] & 0x40) != 0;
     inner.add(0, 1, "ICF", to_hex(bytes.first(1)) + (answer_flag ? " answer" : " request"),
               answer_flag != request ? "" : "the other direction's flag");
-    inner.add(1, head - 2, head == 4 ? "DA2 SA2" : "RSV GCT DNA DA1 DA2 SNA SA1 SA2", to_hex(bytes.subspan(1, head - 2)));
+    inner.add(1, head - 2, head == 4 ? "DA2 SA2" : "RSV GCT DNA DA1 DA2 SNA SA1 SA2",
+              to_hex(bytes.subspan(1, head - 2)));
     inner.add(head - 1, 1, "SID", to_hex(bytes.subspan(head - 1, 1)));
     inner.add(head, 2, "command", command_text(read_u16(bytes, head)));
     if (!request) {
       const std::uint16_t end = read_u16(bytes, head + 2);
       inner.add(head + 2, 2, "end code",
-                to_hex(bytes.subspan(head + 2, 2), '\0') + " " + std::string(fins_end_text(end & 0x7F3F)));
+                to_hex(bytes.subspan(head + 2, 2), '\0') + " " +
+                    std::string(fins_end_text(end & 0x7F3F)));
     }
     if (bytes.size() > least)
-      inner.add(least, bytes.size() - least, request ? "parameters" : "data", to_hex(bytes.subspan(least)));
+      inner.add(least, bytes.size() - least, request ? "parameters" : "data",
+                to_hex(bytes.subspan(least)));
     writer_.append(inner.take());
   }
 
   static std::string command_text(std::uint16_t command) {
-    const std::uint8_t bytes[]{static_cast<std::uint8_t>(command >> 8), static_cast<std::uint8_t>(command)};
+    const std::uint8_t bytes[]{static_cast<std::uint8_t>(command >> 8),
+                               static_cast<std::uint8_t>(command)};
     std::string text = to_hex(bytes, '\0');
     switch (command) {
       case 0x0101: return text + " memory area read";

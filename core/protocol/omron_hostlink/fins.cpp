@@ -22,7 +22,9 @@ constexpr std::size_t kRequestFrame = kHeadSize + 1 + kFcsSize + 2;
 constexpr std::size_t kAnswerFrame = kHeadSize + kEndCodeSize + kFcsSize + 2;
 
 const AreaRow& row_of(const Range& range) { return *rows_of(Mode::kFins)[range.area]; }
-std::size_t header_size(const FinsRoute& route) { return route.relayed ? kRelayedHeader : kDirectHeader; }
+std::size_t header_size(const FinsRoute& route) {
+  return route.relayed ? kRelayedHeader : kDirectHeader;
+}
 std::size_t item_bytes(const Range& range) { return row_of(range).flags ? 1 : 2; }
 
 bool fits(const Range& range, bool write) {
@@ -59,7 +61,8 @@ std::optional<Sizes> sizes_of(const ReadRequest& read) {
     if (!fits(range, false)) return std::nullopt;
   }
   if (read.ranges.size() == 1) {
-    return Sizes{kCommandSize + kItemSize + kCountSize, read.ranges[0].count * item_bytes(read.ranges[0])};
+    return Sizes{kCommandSize + kItemSize + kCountSize,
+                 read.ranges[0].count * item_bytes(read.ranges[0])};
   }
   Sizes sizes{kCommandSize, 0};
   std::size_t items = 0;
@@ -73,8 +76,10 @@ std::optional<Sizes> sizes_of(const ReadRequest& read) {
 }
 
 std::optional<Sizes> sizes_of(const WriteRequest& write) {
-  if (!fits(write.range, true) || write.items.size() != image_bytes(16, write.range.count)) return std::nullopt;
-  if (write.bit && (write.range.count != 1 || *write.bit > 15 || row_of(write.range).bit_code == 0)) return std::nullopt;
+  if (!fits(write.range, true) || write.items.size() != image_bytes(16, write.range.count))
+    return std::nullopt;
+  if (write.bit && (write.range.count != 1 || *write.bit > 15 || row_of(write.range).bit_code == 0))
+    return std::nullopt;
   return Sizes{kCommandSize + kItemSize + kCountSize + (write.bit ? 1 : write.items.size()), 0};
 }
 
@@ -109,15 +114,17 @@ class FinsExchange final : public Exchange {
 
   Step on_bytes(ByteView all, Bytes&) override {
     if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
-    silence_ =
-        std::any_of(all.begin(), all.end(), [](auto c) { return c != 0x00 && c != 0xFF; }) ? Cause::kMalformed : Cause::kNoAnswer;
+    silence_ = std::any_of(all.begin(), all.end(), [](auto c) { return c != 0x00 && c != 0xFF; })
+                   ? Cause::kMalformed
+                   : Cause::kNoAnswer;
     Step step = Step::need_answer();
     for (;;) {
       const Seen seen = first_frame(all);
       if (seen.kind == Seen::Kind::kNothing) return step;
       if (seen.kind == Seen::Kind::kOpen) {
         silence_ = Cause::kTruncated;
-        return Step::need_rest(static_cast<std::uint32_t>(frame_size() > seen.text.size() ? frame_size() - seen.text.size() : 1));
+        return Step::need_rest(static_cast<std::uint32_t>(
+            frame_size() > seen.text.size() ? frame_size() - seen.text.size() : 1));
       }
       if (seen.kind == Seen::Kind::kBroken) {
         silence_ = Cause::kChecksum;
@@ -134,11 +141,14 @@ class FinsExchange final : public Exchange {
   const Reply& reply() const override { return reply_; }
 
  private:
-  std::size_t frame_size() const { return kAnswerFrame + 2 * (header_size(route_) + kCommandSize + kEndSize + answer_size_); }
+  std::size_t frame_size() const {
+    return kAnswerFrame + 2 * (header_size(route_) + kCommandSize + kEndSize + answer_size_);
+  }
 
   void append_header(std::uint8_t sid) {
     if (route_.relayed)
-      message_ = {kRelayedFlag, 0, kGatewayCount, route_.network, route_.node, route_.unit, 0, 0, 0, sid};
+      message_ = {kRelayedFlag, 0, kGatewayCount, route_.network, route_.node, route_.unit, 0, 0, 0,
+                  sid};
     else
       message_ = {0, route_.unit, 0, sid};
   }
@@ -152,7 +162,8 @@ class FinsExchange final : public Exchange {
     }
     append_u16(message_, kReadMany);
     for (const Range& range : ranges_) {
-      for (std::uint32_t i = 0; i < range.count; ++i) append_place(message_, {range.area, range.first + i, 1});
+      for (std::uint32_t i = 0; i < range.count; ++i)
+        append_place(message_, {range.area, range.first + i, 1});
     }
   }
 
@@ -169,7 +180,8 @@ class FinsExchange final : public Exchange {
   // One whole frame with a right FCS.
   Step judge(ByteView text, bool last) {
     silence_ = Cause::kForeign;
-    if (text.size() < kHeadSize || read_digits(text.subspan(1, 2), 10) != route_.host_unit) return Step::need_answer();
+    if (text.size() < kHeadSize || read_digits(text.subspan(1, 2), 10) != route_.host_unit)
+      return Step::need_answer();
     if (text[3] != 'F' || text[4] != 'A') return Step::need_answer();
     silence_ = Cause::kMalformed;
     const auto bytes = read_hex_bytes(text.subspan(kHeadSize));
@@ -177,12 +189,14 @@ class FinsExchange final : public Exchange {
     const std::uint8_t end_code = bytes->front();
     const std::size_t head = header_size(route_);
     const ByteView message = ByteView(*bytes).subspan(1);
-    if (message.size() >= head && (message[0] & kAnswerFlag) != 0 && message[head - 1] != message_[head - 1]) {
+    if (message.size() >= head && (message[0] & kAnswerFlag) != 0 &&
+        message[head - 1] != message_[head - 1]) {
       silence_ = Cause::kForeign;  // an answer to an earlier request
       return Step::need_answer();
     }
     if (end_code != 0) {
-      const bool shaped = message.empty() || (message.size() > head && (message[0] & kAnswerFlag) != 0);
+      const bool shaped =
+          message.empty() || (message.size() > head && (message[0] & kAnswerFlag) != 0);
       return shaped ? Step::failed(refusal_cause(end_code), end_code) : Step::need_answer();
     }
     return judge_message(message, head);
@@ -191,18 +205,21 @@ class FinsExchange final : public Exchange {
   Step judge_message(ByteView message, std::size_t head) {
     if (message.size() < head + kCommandSize + kEndSize) return Step::need_answer();
     const std::uint8_t flags = message[0];
-    if ((flags & kAnswerFlag) == 0 || ((flags & kRelayedFlag) != 0) != route_.relayed) return Step::need_answer();
+    if ((flags & kAnswerFlag) == 0 || ((flags & kRelayedFlag) != 0) != route_.relayed)
+      return Step::need_answer();
     if (!std::equal(message.begin() + static_cast<std::ptrdiff_t>(head),
                     message.begin() + static_cast<std::ptrdiff_t>(head + kCommandSize),
                     message_.begin() + static_cast<std::ptrdiff_t>(head))) {
       silence_ = Cause::kForeign;
       return Step::need_answer();
     }
-    // Bit 7 of the first byte: a relay failed on the way. Bits 7 and 6 of the second only say that the CPU has errors.
+    // Bit 7 of the first byte: a relay failed on the way. Bits 7 and 6 of the second only say that
+    // the CPU has errors.
     const std::uint16_t end = read_u16(message, head + kCommandSize) & 0xFF3F;
     const ByteView data = message.subspan(head + kCommandSize + kEndSize);
     if (end != 0) {
-      // A refusal has no data but, from a relay, the node that failed. The XOR does not see two equal characters vanish.
+      // A refusal has no data but, from a relay, the node that failed. The XOR does not see two
+      // equal characters vanish.
       const bool shaped = data.empty() || ((end & 0x8000) != 0 && data.size() == 2);
       return shaped ? Step::failed(Cause::kDeviceError, end) : Step::need_answer();
     }
@@ -212,7 +229,8 @@ class FinsExchange final : public Exchange {
 
   Step unpack(ByteView data) {
     RangeReply reply{.items = Bytes(data.begin(), data.end())};
-    if (!ranges_.empty() && row_of(ranges_[0]).flags && !are_bits(reply.items)) return Step::need_answer();
+    if (!ranges_.empty() && row_of(ranges_[0]).flags && !are_bits(reply.items))
+      return Step::need_answer();
     reply_.push_back(std::move(reply));
     return Step::done();
   }
@@ -254,42 +272,26 @@ std::optional<ExchangeSize> fins_size(const FinsRoute& route, const Request& req
   if (!sizes) return std::nullopt;
   const std::size_t head = header_size(route);
   const bool long_request = head + sizes->request > kFinsRequestBytes;
-  if (long_request || head + kCommandSize + kEndSize + sizes->answer > kFinsAnswerBytes) return std::nullopt;
+  if (long_request || head + kCommandSize + kEndSize + sizes->answer > kFinsAnswerBytes)
+    return std::nullopt;
   return ExchangeSize{
       .request_characters = static_cast<std::uint32_t>(kRequestFrame + 2 * (head + sizes->request)),
-      .answer_characters = static_cast<std::uint32_t>(kAnswerFrame + 2 * (head + kCommandSize + kEndSize + sizes->answer)),
+      .answer_characters = static_cast<std::uint32_t>(
+          kAnswerFrame + 2 * (head + kCommandSize + kEndSize + sizes->answer)),
       .pauses = std::chrono::milliseconds{10} * route.wait};
 }
 
-std::unique_ptr<Exchange> begin_fins(const FinsRoute& route, std::uint8_t sid, const Request& request) {
+std::unique_ptr<Exchange> begin_fins(const FinsRoute& route, std::uint8_t sid,
+                                     const Request& request) {
   return std::make_unique<FinsExchange>(route, sid, request);
 }
 
 std::string_view fins_end_text(std::uint16_t code) {
-  switch (code) {
-    case 0x0000: return "normal completion";
-    case 0x0001: return "service interrupted";
-    case 0x0205: return "destination did not respond";
-    case 0x0401: return "undefined command";
-    case 0x0402: return "not supported by this model";
-    case 0x1001: return "command too long";
-    case 0x1002: return "command too short";
-    case 0x1003: return "item count differs from the data";
-    case 0x1004: return "command format error";
-    case 0x1005: return "header error";
-    case 0x1101: return "no such memory area";
-    case 0x1102: return "access size error";
-    case 0x1103: return "start address out of range";
-    case 0x1104: return "end of the range out of range";
-    case 0x110B: return "answer too long";
-    case 0x110C: return "parameter error";
-    case 0x2201: return "wrong mode: running";
-    case 0x2203: return "wrong mode: PROGRAM";
-    case 0x2502: return "checksum error in memory";
-    case 0x3001: return "no access right";
-    case 0x4001: return "aborted";
-    default: return code >> 8 == 0x21 ? "write refused" : code >> 8 == 0x05 ? "routing error" : "unknown end code";
-  }
+  // What the frame around it may say is below 0100, and so are two codes of FINS.
+  if (code == 0x0000) return "normal completion";
+  if (code == 0x0001) return "service interrupted";
+  const auto text = device_code_text(kFinsCodes, code);
+  return code < 0x100 || text.empty() ? "unknown end code" : text;
 }
 
 }  // namespace fieldcast::omron

@@ -1,8 +1,12 @@
-// FINS commands in Host Link frames with the header FA: reads of ranges and of scattered words, writes of words and single bits.
+// FINS commands in Host Link frames with the header FA: reads of ranges and of scattered words,
+// writes of words and single bits.
 //
-//     request   @ uu FA w ICF DA2 SA2 SID command.. FCS * CR                            the CPU on the line: ICF 00
-//               @ uu FA w ICF RSV GCT DNA DA1 DA2 SNA SA1 SA2 SID command.. FCS * CR    another node: ICF 80
-//     answer    @ uu FA ee ICF .. SID command(2) end(2) data.. FCS * CR                 ICF 40 or C0, the same fields
+//     request   @ uu FA w ICF DA2 SA2 SID command.. FCS * CR                            the CPU on
+//     the line: ICF 00
+//               @ uu FA w ICF RSV GCT DNA DA1 DA2 SNA SA1 SA2 SID command.. FCS * CR    another
+//               node: ICF 80
+//     answer    @ uu FA ee ICF .. SID command(2) end(2) data.. FCS * CR                 ICF 40 or
+//     C0, the same fields
 //
 //     0101  area address(2) bit count(2)               ->  data
 //     0102  area address(2) bit count(2) data
@@ -11,11 +15,14 @@
 // w: the PLC waits w * 10 ms before it answers. Two digits for each byte (Omron W227 and W342).
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
 
 #include "core/protocol/omron_hostlink/areas.hpp"
+#include "core/protocol/omron_hostlink/hostlink.hpp"
 #include "core/protocol/protocol.hpp"
 
 namespace fieldcast::omron {
@@ -32,8 +39,44 @@ struct FinsRoute {
 
 [[nodiscard]] std::optional<ExchangeSize> fins_size(const FinsRoute& route, const Request& request);
 // REQUIRES: fins_size(route, request) holds a value.
-[[nodiscard]] std::unique_ptr<Exchange> begin_fins(const FinsRoute& route, std::uint8_t sid, const Request& request);
+[[nodiscard]] std::unique_ptr<Exchange> begin_fins(const FinsRoute& route, std::uint8_t sid,
+                                                   const Request& request);
 
+// End codes of FINS messages (W227, 5), behind those of the frames that carry them.
+inline constexpr auto kFinsCodes = [] {
+  constexpr std::array kOwn{
+      DeviceCode{0x0205, "destination did not respond"},
+      DeviceCode{0x0401, "undefined command"},
+      DeviceCode{0x0402, "not supported by this model"},
+      DeviceCode{0x0500, "routing error"},
+      DeviceCode{0x1001, "command too long"},
+      DeviceCode{0x1002, "command too short"},
+      DeviceCode{0x1003, "item count differs from the data"},
+      DeviceCode{0x1004, "command format error"},
+      DeviceCode{0x1005, "header error"},
+      DeviceCode{0x1101, "no such memory area"},
+      DeviceCode{0x1102, "access size error"},
+      DeviceCode{0x1103, "start address out of range"},
+      DeviceCode{0x1104, "end of the range out of range"},
+      DeviceCode{0x1106, "no such program"},
+      DeviceCode{0x110B, "answer too long"},
+      DeviceCode{0x110C, "parameter error"},
+      DeviceCode{0x2000, "read refused"},
+      DeviceCode{0x2100, "write refused"},
+      DeviceCode{0x2201, "wrong mode: running"},
+      DeviceCode{0x2203, "wrong mode: PROGRAM"},
+      DeviceCode{0x2206, "wrong mode: RUN"},
+      DeviceCode{0x2300, "no such unit"},
+      DeviceCode{0x2502, "checksum error in memory"},
+      DeviceCode{0x2600, "protected"},
+      DeviceCode{0x3001, "no access right"},
+      DeviceCode{0x4001, "aborted"},
+  };
+  std::array<DeviceCode, kEndCodes.size() + kOwn.size()> all{};
+  std::ranges::copy(kEndCodes, all.begin());
+  std::ranges::copy(kOwn, all.begin() + kEndCodes.size());
+  return all;
+}();
 [[nodiscard]] std::string_view fins_end_text(std::uint16_t code);  // "start address out of range"
 
 }  // namespace fieldcast::omron

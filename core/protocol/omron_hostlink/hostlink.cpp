@@ -37,7 +37,8 @@ Seen first_frame(ByteView bytes) {
   const auto at = std::find(bytes.begin(), bytes.end(), kAt);
   if (at == bytes.end()) return {};
   const auto cr = std::find(at, bytes.end(), kCr);
-  const auto start = std::find(std::make_reverse_iterator(cr), std::make_reverse_iterator(at), kAt).base() - 1;
+  const auto start =
+      std::find(std::make_reverse_iterator(cr), std::make_reverse_iterator(at), kAt).base() - 1;
   if (cr == bytes.end()) return {.kind = Seen::Kind::kOpen, .text = {start, cr}};
   return judged({start, cr}, static_cast<std::size_t>(cr - bytes.begin()) + 1);
 }
@@ -50,28 +51,8 @@ Seen later_frame(ByteView bytes) {
 }
 
 std::string_view end_code_text(std::uint16_t code) {
-  switch (code) {
-    case 0x00: return "normal completion";
-    case 0x01: return "not executable in RUN mode";
-    case 0x02: return "not executable in MONITOR mode";
-    case 0x03: return "program memory protected";
-    case 0x04: return "address over";
-    case 0x0B: return "not executable in PROGRAM mode";
-    case 0x13: return "FCS error";
-    case 0x14: return "format error";
-    case 0x15: return "entry number data error";
-    case 0x16: return "command not supported";
-    case 0x18: return "frame length error";
-    case 0x19: return "not executable";
-    case 0x20: return "I/O table not made";
-    case 0x21: return "CPU unit error";
-    case 0x23: return "user memory protected";
-    case 0xA3: return "aborted: FCS error in the data";
-    case 0xA4: return "aborted: format error in the data";
-    case 0xA5: return "aborted: entry number error in the data";
-    case 0xA8: return "aborted: frame length error in the data";
-    default: return "unknown end code";
-  }
+  const auto text = device_code_text(kEndCodes, code);
+  return text.empty() ? "unknown end code" : text;
 }
 
 }  // namespace fieldcast::omron

@@ -1,16 +1,18 @@
 // The frame of Host Link: what C-mode and FINS have in common.
 //
-//     first or only   @ uu HH text FCS * CR      uu unit 00..31 in decimal, HH header; a `*` less when more frames follow
-//     later           text FCS * CR              likewise
-//     delimiter       CR                         from the side that receives a frame without `*`
+//     first or only   @ uu HH text FCS * CR      uu unit 00..31 in decimal, HH header; a `*` less
+//     when more frames follow later           text FCS * CR              likewise delimiter CR from
+//     the side that receives a frame without `*`
 //
 // FCS: XOR of all characters of that frame before it, as two digits (Omron W227, 1-2).
 #pragma once
 
+#include <array>
 #include <string_view>
 
 #include "core/base/bytes.hpp"
 #include "core/base/cause.hpp"
+#include "core/protocol/device_code.hpp"
 
 namespace fieldcast::omron {
 
@@ -40,12 +42,35 @@ struct Seen {
 // The later frame of an answer, which begins with the first byte.
 [[nodiscard]] Seen later_frame(ByteView bytes);
 
-// What a refusal means. Our frames leave with a right FCS: where the PLC found it wrong, the line garbled them, and they may be
-// sent again.
+// What a refusal means. Our frames leave with a right FCS: where the PLC found it wrong, the line
+// garbled them, and they may be sent again.
 [[nodiscard]] constexpr Cause refusal_cause(std::uint32_t end_code) {
   return end_code == 0x13 || end_code == 0xA3 ? Cause::kChecksum : Cause::kDeviceError;
 }
 
-[[nodiscard]] std::string_view end_code_text(std::uint16_t code);  // "FCS error"; "unknown end code"
+// End codes of Host Link frames (W342, 4-3).
+inline constexpr std::array kEndCodes{
+    DeviceCode{0x00, "normal completion"},
+    DeviceCode{0x01, "not executable in RUN mode"},
+    DeviceCode{0x02, "not executable in MONITOR mode"},
+    DeviceCode{0x03, "program memory protected"},
+    DeviceCode{0x04, "address over"},
+    DeviceCode{0x0B, "not executable in PROGRAM mode"},
+    DeviceCode{0x13, "FCS error"},
+    DeviceCode{0x14, "format error"},
+    DeviceCode{0x15, "entry number data error"},
+    DeviceCode{0x16, "command not supported"},
+    DeviceCode{0x18, "frame length error"},
+    DeviceCode{0x19, "not executable"},
+    DeviceCode{0x20, "I/O table not made"},
+    DeviceCode{0x21, "CPU unit error"},
+    DeviceCode{0x23, "user memory protected"},
+    DeviceCode{0xA3, "aborted: FCS error in the data"},
+    DeviceCode{0xA4, "aborted: format error in the data"},
+    DeviceCode{0xA5, "aborted: entry number error in the data"},
+    DeviceCode{0xA8, "aborted: frame length error in the data"},
+};
+[[nodiscard]] std::string_view end_code_text(
+    std::uint16_t code);  // "FCS error"; "unknown end code"
 
 }  // namespace fieldcast::omron

@@ -6,8 +6,9 @@
 
 namespace fieldcast::omron {
 
-// C-mode: at most 131 characters with the terminator; longer data travel in several frames with a delimiter from the other side
-// after each (W227, C-mode commands). In data characters of one frame:
+// C-mode: at most 131 characters with the terminator; longer data travel in several frames with a
+// delimiter from the other side after each (W227, C-mode commands). In data characters of one
+// frame:
 inline constexpr std::uint32_t kReadFirst = 120, kReadLater = 124;    // 30 words, then 31
 inline constexpr std::uint32_t kFlagsFirst = 121, kFlagsLater = 124;  // one character each
 inline constexpr std::uint32_t kWriteFirst = 116, kWriteLater = 124;  // 29 words, then 31
@@ -18,8 +19,8 @@ inline constexpr std::uint16_t kCWriteWords = 29 + 7 * 31;
 inline constexpr std::uint16_t kCReadFlags = 121 + 124;
 inline constexpr std::uint16_t kCWriteFlags = 116;
 
-// FINS in Host Link: 540 bytes of request and 538 of answer behind the Host Link part, in one frame. A relayed message has six bytes
-// more of header and so less of data.
+// FINS in Host Link: 540 bytes of request and 538 of answer behind the Host Link part, in one
+// frame. A relayed message has six bytes more of header and so less of data.
 inline constexpr std::size_t kFinsRequestBytes = 540;
 inline constexpr std::size_t kFinsAnswerBytes = 538;
 inline constexpr std::uint16_t kFinsReadWords = 264;

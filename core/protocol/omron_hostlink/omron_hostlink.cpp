@@ -11,17 +11,20 @@
 namespace fieldcast::omron {
 namespace {
 
-constexpr Traits kCModeTraits{.name = "omron-hostlink",
-                              .summary = "Omron Host Link: C-mode commands, or FINS with the option mode: fins",
-                              .lowest_address = 0,
-                              .highest_address = 31,
-                              .identity = AnswerIdentity::kAddress};
+constexpr Traits kCModeTraits{
+    .name = "omron-hostlink",
+    .summary = "Omron Host Link: C-mode commands, or FINS with the option mode: fins",
+    .lowest_address = 0,
+    .highest_address = 31,
+    .identity = AnswerIdentity::kAddress,
+    .codes = kEndCodes};
 constexpr Traits kFinsTraits{.name = kCModeTraits.name,
                              .summary = kCModeTraits.summary,
                              .lowest_address = kCModeTraits.lowest_address,
                              .highest_address = kCModeTraits.highest_address,
                              .max_ranges = kFinsItems,
-                             .identity = AnswerIdentity::kSequence};
+                             .identity = AnswerIdentity::kSequence,
+                             .codes = kFinsCodes};
 
 class CModeProtocol final : public Protocol {
  public:
@@ -29,10 +32,19 @@ class CModeProtocol final : public Protocol {
   const Traits& traits() const override { return kCModeTraits; }
   std::span<const Area> areas() const override { return areas_of(Mode::kCMode); }
   tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
-    return parse_with_suggestion(at, [](std::string_view text) { return omron::parse_address(Mode::kCMode, text); });
+    return parse_with_suggestion(
+        at, [](std::string_view text) { return omron::parse_address(Mode::kCMode, text); });
   }
-  std::optional<ExchangeSize> size(const Request& request) const override { return c_mode_size(request); }
-  std::unique_ptr<Exchange> begin(Request request, ExchangeContext) const override { return begin_c_mode(unit_, request); }
+  std::optional<ExchangeSize> size(const Request& request) const override {
+    return c_mode_size(request);
+  }
+  std::unique_ptr<Exchange> begin(Request request, ExchangeContext) const override {
+    return begin_c_mode(unit_, request);
+  }
+  bool mistakable(const Request& earlier, ExchangeContext, const Request& later,
+                  ExchangeContext) const override {
+    return c_mode_mistakable(earlier, later);
+  }
 
  private:
   const std::uint16_t unit_;
@@ -44,9 +56,12 @@ class FinsProtocol final : public Protocol {
   const Traits& traits() const override { return kFinsTraits; }
   std::span<const Area> areas() const override { return areas_of(Mode::kFins); }
   tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
-    return parse_with_suggestion(at, [](std::string_view text) { return omron::parse_address(Mode::kFins, text); });
+    return parse_with_suggestion(
+        at, [](std::string_view text) { return omron::parse_address(Mode::kFins, text); });
   }
-  std::optional<ExchangeSize> size(const Request& request) const override { return fins_size(route_, request); }
+  std::optional<ExchangeSize> size(const Request& request) const override {
+    return fins_size(route_, request);
+  }
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext context) const override {
     return begin_fins(route_, static_cast<std::uint8_t>(context.sequence), request);
   }
@@ -70,7 +85,8 @@ tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link
   if (fins) return std::make_unique<FinsProtocol>(route);
   for (const std::string_view name : {"wait", "network", "node", "unit"}) {
     if (link.options.contains(std::string(name))) {
-      return tl::unexpected(OptionFault{std::string(name), "'" + std::string(name) + "' belongs to FINS", "with mode: fins"});
+      return tl::unexpected(OptionFault{
+          std::string(name), "'" + std::string(name) + "' belongs to FINS", "with mode: fins"});
     }
   }
   return std::make_unique<CModeProtocol>(link.address);
@@ -79,7 +95,8 @@ tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link
 }  // namespace
 
 const ProtocolEntry& hostlink_entry() {
-  static constexpr ProtocolEntry entry{kCModeTraits.name, kCModeTraits.summary, make, explain_hostlink, kOptions};
+  static constexpr ProtocolEntry entry{kCModeTraits.name, kCModeTraits.summary, make,
+                                       explain_hostlink, kOptions};
   return entry;
 }
 

@@ -13,9 +13,8 @@ namespace {
 constexpr std::size_t kRequest = 17, kAnswer = 12, kRefusal = 7;
 
 std::string_view refusal_text(std::uint32_t code) {
-  constexpr std::array<std::string_view, 5> kTexts{"no such code", "wrong check", "wrong length", "not a digit",
-                                                   "unknown command"};
-  return kTexts[code < kTexts.size() ? code : 0];
+  const auto text = device_code_text(kRefusals, static_cast<std::uint16_t>(code));
+  return text.empty() ? "no such code" : text;
 }
 
 }  // namespace
@@ -23,10 +22,13 @@ std::string_view refusal_text(std::uint32_t code) {
 std::vector<FrameField> explain(ByteView frame) {
   FieldWriter writer;
   if (frame.empty()) return {FrameField{.name = "frame", .fault = "no character"}};
-  const auto field = [&](std::size_t at, std::size_t length, const char* name, const std::string& comment = {}) {
+  const auto field = [&](std::size_t at, std::size_t length, const char* name,
+                         const std::string& comment = {}) {
     const ByteView part = frame.subspan(at, length);
-    const bool digits = read_digits(part.last(part.size() > 1 ? 2 : 1)).has_value() && read_hex_bytes(part).has_value();
-    writer.add(at, length, name, std::string(part.begin(), part.end()) + (comment.empty() ? "" : " " + comment),
+    const bool digits = read_digits(part.last(part.size() > 1 ? 2 : 1)).has_value() &&
+                        read_hex_bytes(part).has_value();
+    writer.add(at, length, name,
+               std::string(part.begin(), part.end()) + (comment.empty() ? "" : " " + comment),
                digits ? "" : "not upper-case digits");
   };
   const bool marked = frame.size() > 2 && frame.front() == 'q' && frame.back() == 'Q';
@@ -38,7 +40,8 @@ std::vector<FrameField> explain(ByteView frame) {
     const std::string what = frame.front() != 'q'  ? "begins without q"
                              : frame.back() != 'Q' ? "ends without Q"
                                                    : std::to_string(frame.size()) + " characters";
-    writer.remark(text, what + ": a request has 17 characters from q to Q, an answer 12, a refusal 7");
+    writer.remark(text,
+                  what + ": a request has 17 characters from q to Q, an answer 12, a refusal 7");
     return writer.take();
   }
   writer.remark(frame.size() == kRequest ? "request" : refused ? "refusal" : "answer");
@@ -51,7 +54,8 @@ std::vector<FrameField> explain(ByteView frame) {
                known ? "" : "neither W nor R");
     field(2, 2, "station");
     field(4, 2, "length");
-    if (const auto length = read_digits(frame.subspan(4, 2)); length && (*length < 1 || *length > 4))
+    if (const auto length = read_digits(frame.subspan(4, 2));
+        length && (*length < 1 || *length > 4))
       writer.remark("", "the length must be 01..04");
   } else if (refused) {
     writer.add(1, 1, "refusal", "E", frame[1] == 'E' ? "" : "must be E");

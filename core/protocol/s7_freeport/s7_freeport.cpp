@@ -1,12 +1,14 @@
-// The whole family. Upper-case hexadecimal digits between the marks `q` and `Q`, which no data can contain:
+// The whole family. Upper-case hexadecimal digits between the marks `q` and `Q`, which no data can
+// contain:
 //
 //     request   q DT DA DA LE LE DU*8 FC FC Q     17 characters
 //     answer    q DU*8 FC FC Q                    12
 //     refusal   q E CC CC FC FC Q                  7
 //
-// DT: `W` reads from the PLC (it writes to the line), `R` writes to it. DA station, LE bytes (1..4), DU four bytes, FC the XOR of
-// all characters behind `q`. A station has one window of four bytes to read and one to write; a write sets the first LE bytes and
-// is answered with all four. A later byte is written with the earlier ones as the station last told them; they start as zeros.
+// DT: `W` reads from the PLC (it writes to the line), `R` writes to it. DA station, LE bytes
+// (1..4), DU four bytes, FC the XOR of all characters behind `q`. A station has one window of four
+// bytes to read and one to write; a write sets the first LE bytes and is answered with all four. A
+// later byte is written with the earlier ones as the station last told them; they start as zeros.
 #include "core/protocol/s7_freeport/s7_freeport.hpp"
 
 #include <algorithm>
@@ -20,8 +22,10 @@
 namespace fieldcast::s7_freeport {
 namespace {
 
-constexpr std::uint32_t kBytes = 4, kUnknownCommand = 4;  // of a window; refusal codes below: garbled by the line
-constexpr std::size_t kRequest = 17, kAnswer = 12, kRefusal = 7, kMaxReceived = 512;  // characters; more is a babbling line
+constexpr std::uint32_t kBytes = 4, kUnknownCommand =
+                                        4;  // of a window; refusal codes below: garbled by the line
+constexpr std::size_t kRequest = 17, kAnswer = 12, kRefusal = 7,
+                      kMaxReceived = 512;  // characters; more is a babbling line
 constexpr std::array kAreas{Area{.name = "window",
                                  .item_bits = 8,
                                  .items = kBytes,
@@ -35,19 +39,28 @@ constexpr Traits kTraits{.name = "s7-freeport",
                          .lowest_address = 0,
                          .highest_address = 255,
                          .write_read = true,
-                         .identity = AnswerIdentity::kNone};
+                         .identity = AnswerIdentity::kNone,
+                         .codes = kRefusals};
 using Window = std::array<std::uint8_t, kBytes>;
 
 // REQUIRES: `frame` is whole, marks included.
 bool check_is_right(ByteView frame) {
-  return read_digits(frame.subspan(frame.size() - 3, 2)) == xor8(frame.subspan(1, frame.size() - 4));
+  return read_digits(frame.subspan(frame.size() - 3, 2)) ==
+         xor8(frame.subspan(1, frame.size() - 4));
 }
 
 class FreeportExchange final : public Exchange {
  public:
-  // `sent` are the bytes to write, or zeros; the answer must repeat the first `length` of a write, and end in zeros after a read.
-  FreeportExchange(char command, std::uint8_t station, std::uint32_t length, Window sent, Range wanted, Window* written)
-      : command_(command), station_(station), length_(length), sent_(sent), wanted_(wanted), written_(written) {}
+  // `sent` are the bytes to write, or zeros; the answer must repeat the first `length` of a write,
+  // and end in zeros after a read.
+  FreeportExchange(char command, std::uint8_t station, std::uint32_t length, Window sent,
+                   Range wanted, Window* written)
+      : command_(command),
+        station_(station),
+        length_(length),
+        sent_(sent),
+        wanted_(wanted),
+        written_(written) {}
 
   Step start(Bytes& out) override {
     out.push_back('q');
@@ -63,9 +76,11 @@ class FreeportExchange final : public Exchange {
   Step on_bytes(ByteView all, Bytes&) override {
     if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
     Step step = Step::need_answer();
-    silence_ =
-        std::any_of(all.begin(), all.end(), [](auto c) { return c != 0x00 && c != 0xFF; }) ? Cause::kMalformed : Cause::kNoAnswer;
-    for (auto q = std::find(all.begin(), all.end(), 'q'); q != all.end();) {  // a `q` begins a frame at any time
+    silence_ = std::any_of(all.begin(), all.end(), [](auto c) { return c != 0x00 && c != 0xFF; })
+                   ? Cause::kMalformed
+                   : Cause::kNoAnswer;
+    for (auto q = std::find(all.begin(), all.end(), 'q');
+         q != all.end();) {  // a `q` begins a frame at any time
       const auto next = std::find(q + 1, all.end(), 'q');
       step = look({q, next});
       if (step.kind != Step::Kind::kNeedMore) break;
@@ -82,30 +97,37 @@ class FreeportExchange final : public Exchange {
     const auto end = std::find(text.begin(), text.end(), 'Q');
     if (end == text.end() && text.size() < kRequest) {
       silence_ = Cause::kTruncated;
-      return Step::need_rest(static_cast<std::uint32_t>(text.size() < kAnswer ? kAnswer - text.size() : 1));
+      return Step::need_rest(
+          static_cast<std::uint32_t>(text.size() < kAnswer ? kAnswer - text.size() : 1));
     }
-    const ByteView frame = text.first(static_cast<std::size_t>(end - text.begin()) + (end != text.end() ? 1 : 0));
+    const ByteView frame =
+        text.first(static_cast<std::size_t>(end - text.begin()) + (end != text.end() ? 1 : 0));
     if (frame.size() == kRefusal && frame[1] == 'E') return refusal(frame);
     if (frame.size() != kAnswer) return broken(Cause::kMalformed);
     const auto data = read_hex_bytes(frame.subspan(1, 2 * kBytes));
     if (!data || !check_is_right(frame)) return broken(data ? Cause::kChecksum : Cause::kMalformed);
     const auto length = static_cast<std::ptrdiff_t>(length_);
     if (written_ != nullptr) {
-      if (!std::equal(data->begin(), data->begin() + length, sent_.begin())) return broken(Cause::kMalformed);
+      if (!std::equal(data->begin(), data->begin() + length, sent_.begin()))
+        return broken(Cause::kMalformed);
       std::copy(data->begin(), data->end(), written_->begin());
       reply_.emplace_back();
-    } else if (std::any_of(data->begin() + length, data->end(), [](auto byte) { return byte != 0; })) {
+    } else if (std::any_of(data->begin() + length, data->end(),
+                           [](auto byte) { return byte != 0; })) {
       return broken(Cause::kMalformed);
     }
     const auto first = data->begin() + static_cast<std::ptrdiff_t>(wanted_.first);
-    if (wanted_.count > 0) reply_.push_back({.items = Bytes(first, first + static_cast<std::ptrdiff_t>(wanted_.count))});
+    if (wanted_.count > 0)
+      reply_.push_back({.items = Bytes(first, first + static_cast<std::ptrdiff_t>(wanted_.count))});
     return Step::done();
   }
 
   Step refusal(ByteView frame) {
     const auto code = read_digits(frame.subspan(2, 2));
-    if (!code || *code == 0 || !check_is_right(frame)) return broken(code ? Cause::kChecksum : Cause::kMalformed);
-    return Step::failed(*code < kUnknownCommand ? Cause::kChecksum : Cause::kDeviceError, static_cast<std::uint16_t>(*code));
+    if (!code || *code == 0 || !check_is_right(frame))
+      return broken(code ? Cause::kChecksum : Cause::kMalformed);
+    return Step::failed(*code < kUnknownCommand ? Cause::kChecksum : Cause::kDeviceError,
+                        static_cast<std::uint16_t>(*code));
   }
   Step broken(Cause cause) {  // waited out: the right frame may follow
     silence_ = cause;
@@ -131,13 +153,16 @@ class FreeportProtocol final : public Protocol {
   std::span<const Area> areas() const override { return kAreas; }
 
   tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
-    const auto digit = [&](std::size_t place, char last) { return at.size() > place && at[place] >= '0' && at[place] <= last; };
+    const auto digit = [&](std::size_t place, char last) {
+      return at.size() > place && at[place] >= '0' && at[place] <= last;
+    };
     const bool byte = at.starts_with("window:") && digit(7, '3');
     const bool bit = byte && at.size() == 10 && at[8] == '.' && digit(9, '7');
     if (!bit && !(byte && at.size() == 8)) {
-      return tl::unexpected(AddressFault{"'" + std::string(at.substr(0, 64)) + "' is no place in the window",
-                                         "window:N with the byte N 0..3, or window:N.BIT with BIT 0..7",
-                                         byte ? std::string(at.substr(0, 8)) : "window:0"});
+      return tl::unexpected(
+          AddressFault{"'" + std::string(at.substr(0, 64)) + "' is no place in the window",
+                       "window:N with the byte N 0..3, or window:N.BIT with BIT 0..7",
+                       byte ? std::string(at.substr(0, 8)) : "window:0"});
     }
     ParsedAddress address{.first = static_cast<std::uint32_t>(at[7] - '0')};
     if (bit) address.bit = static_cast<std::uint8_t>(at[9] - '0'), address.width_bits = 1;
@@ -152,33 +177,42 @@ class FreeportProtocol final : public Protocol {
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext) const override {
     if (const auto* read = std::get_if<ReadRequest>(&request)) {
       const Range& range = read->ranges.front();
-      return std::make_unique<FreeportExchange>(read_, station_, range.end(), Window{}, range, nullptr);
+      return std::make_unique<FreeportExchange>(read_, station_, range.end(), Window{}, range,
+                                                nullptr);
     }
-    const auto* both = std::get_if<WriteReadRequest>(&request);  // the answer to a write is the window read back
+    const auto* both =
+        std::get_if<WriteReadRequest>(&request);  // the answer to a write is the window read back
     const WriteRequest& write = both != nullptr ? both->write : std::get<WriteRequest>(request);
     Window sent = written_;
     Bytes items = write.items;
-    if (write.bit) items = {sent[write.range.first]}, merge_bit(items, *write.bit, (write.items[0] >> *write.bit & 1) != 0);
+    if (write.bit)
+      items = {sent[write.range.first]},
+      merge_bit(items, *write.bit, (write.items[0] >> *write.bit & 1) != 0);
     std::copy(items.begin(), items.end(), sent.begin() + write.range.first);
     std::fill(sent.begin() + write.range.end(), sent.end(), std::uint8_t{0});
     return std::make_unique<FreeportExchange>(write_, station_, write.range.end(), sent,
-                                              both != nullptr ? both->read : Range{.count = 0}, &written_);
+                                              both != nullptr ? both->read : Range{.count = 0},
+                                              &written_);
   }
 
  private:
   static bool fits(const Range& range) {
-    return range.area == 0 && range.count >= 1 && range.first < kBytes && range.count <= kBytes - range.first;
+    return range.area == 0 && range.count >= 1 && range.first < kBytes &&
+           range.count <= kBytes - range.first;
   }
   static bool fits(const WriteRequest& write) {
     return fits(write.range) && write.items.size() == write.range.count &&
            (!write.bit || (write.range.count == 1 && *write.bit < 8));
   }
-  static bool fits(const ReadRequest& read) { return read.ranges.size() == 1 && fits(read.ranges[0]); }
+  static bool fits(const ReadRequest& read) {
+    return read.ranges.size() == 1 && fits(read.ranges[0]);
+  }
   static bool fits(const WriteReadRequest& both) { return fits(both.write) && fits(both.read); }
 
   const std::uint8_t station_;
   const char read_, write_;
-  mutable Window written_{};  // as the station last told it; only our own exchanges touch it, one at a time
+  mutable Window
+      written_{};  // as the station last told it; only our own exchanges touch it, one at a time
 };
 
 constexpr std::array<std::string_view, 1> kOptions{"letters"};

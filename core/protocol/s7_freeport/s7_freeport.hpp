@@ -1,9 +1,20 @@
-// S7-200 freeport: a user-defined protocol of ASCII frames on an S7-200's free port (s7_freeport.cpp).
+// S7-200 freeport: a user-defined protocol of ASCII frames on an S7-200's free port
+// (s7_freeport.cpp).
 #pragma once
+
+#include <array>
 
 #include "core/protocol/protocol.hpp"
 
 namespace fieldcast::s7_freeport {
+
+// Codes of its refusals.
+inline constexpr std::array kRefusals{
+    DeviceCode{1, "wrong check"},
+    DeviceCode{2, "wrong length"},
+    DeviceCode{3, "not a digit"},
+    DeviceCode{4, "unknown command"},
+};
 
 [[nodiscard]] const ProtocolEntry& entry();
 

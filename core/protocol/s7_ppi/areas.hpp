@@ -16,7 +16,8 @@ struct AreaCode {
   bool counted = false;        // addressed by number instead of by bit
 };
 
-// 240 bytes of PDU leave 222 bytes of data to a read of one item and 212 to a write (libnodave's arithmetic).
+// 240 bytes of PDU leave 222 bytes of data to a read of one item and 212 to a write (libnodave's
+// arithmetic).
 inline constexpr std::uint16_t kMaxRead = 222, kMaxWrite = 212;
 
 enum : AreaIndex { kV, kM, kI, kQ, kS, kSM, kAI, kAQ, kT, kC, kHC, kAreaCount };
@@ -30,9 +31,22 @@ inline constexpr std::array<Area, kAreaCount> kAreas{{
      .max_read = kMaxRead,
      .max_write = kMaxWrite,
      .bit_write = true},
-    {.name = "M", .item_bits = 8, .items = 32, .writable = true, .max_read = 32, .max_write = 32, .bit_write = true},
-    {.name = "I", .item_bits = 8, .items = 16, .max_read = 16, .max_write = 0},  // written by forcing only
-    {.name = "Q", .item_bits = 8, .items = 16, .writable = true, .max_read = 16, .max_write = 16, .bit_write = true},
+    {.name = "M",
+     .item_bits = 8,
+     .items = 32,
+     .writable = true,
+     .max_read = 32,
+     .max_write = 32,
+     .bit_write = true},
+    {.name = "I", .item_bits = 8, .items = 16, .max_read = 16, .max_write = 0},  // written by
+                                                                                 // forcing only
+    {.name = "Q",
+     .item_bits = 8,
+     .items = 16,
+     .writable = true,
+     .max_read = 16,
+     .max_write = 16,
+     .bit_write = true},
     {.name = "S", .item_bits = 8, .items = 32, .max_read = 32, .max_write = 0},
     {.name = "SM",
      .item_bits = 8,

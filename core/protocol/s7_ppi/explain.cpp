@@ -50,20 +50,26 @@ class PpiExplainer {
     const ByteView bytes = frame_.subspan(at);
     switch (bytes[0]) {
       case kMarkAcknowledge: writer_.add(at, 1, "acknowledge", "E5 received"); return 1;
+      case 0xF9:  // of some CPUs, to STOP and RUN
+        writer_.add(at, 1, "acknowledge", "F9 done");
+        return 1;
       case kMarkToken:
         if (bytes.size() < 3) break;
-        writer_.add(at, 3, "token", "to " + std::to_string(bytes[1]) + " from " + std::to_string(bytes[2]));
+        writer_.add(at, 3, "token",
+                    "to " + std::to_string(bytes[1]) + " from " + std::to_string(bytes[2]));
         return 3;
       case kMarkShort: return short_telegram(at, bytes);
       case kMarkLong: return long_telegram(at, bytes);
       default: break;
     }
-    writer_.add(at, bytes.size(), "noise", to_hex(bytes), "no telegram begins with " + hex(bytes[0]));
+    writer_.add(at, bytes.size(), "noise", to_hex(bytes),
+                "no telegram begins with " + hex(bytes[0]));
     return bytes.size();
   }
 
   void ends(std::size_t at, std::uint8_t sum, std::uint8_t right, std::uint8_t end) {
-    writer_.add(at, 1, "FCS", hex(sum), sum == right ? "" : "FCS is " + hex(sum) + ", should be " + hex(right));
+    writer_.add(at, 1, "FCS", hex(sum),
+                sum == right ? "" : "FCS is " + hex(sum) + ", should be " + hex(right));
     writer_.add(at + 1, 1, "end", hex(end), end == kEnd ? "" : "must be 16");
   }
 
@@ -91,12 +97,14 @@ class PpiExplainer {
     }
     writer_.add(at, 1, "start", "68 data telegram");
     const std::size_t length = bytes[1];
-    writer_.add(at + 1, 2, "length", std::to_string(length), bytes[1] == bytes[2] ? "" : "the two lengths differ");
+    writer_.add(at + 1, 2, "length", std::to_string(length),
+                bytes[1] == bytes[2] ? "" : "the two lengths differ");
     if (bytes[3] != kMarkLong) writer_.add(at + 3, 1, "start", hex(bytes[3]), "must be 68 again");
     if (length < kLinkHead || length + kLongFrame > bytes.size()) {
-      const std::string missing =
-          "incomplete: " + std::to_string(bytes.size()) + " bytes of " + std::to_string(length + kLongFrame);
-      writer_.add(at + 4, bytes.size() - 4, "rest", to_hex(bytes.subspan(4)), length < kLinkHead ? "too short" : missing);
+      const std::string missing = "incomplete: " + std::to_string(bytes.size()) + " bytes of " +
+                                  std::to_string(length + kLongFrame);
+      writer_.add(at + 4, bytes.size() - 4, "rest", to_hex(bytes.subspan(4)),
+                  length < kLinkHead ? "too short" : missing);
       return bytes.size();
     }
     const ByteView counted = bytes.subspan(4, length);
@@ -109,22 +117,30 @@ class PpiExplainer {
   }
 
   void unit(std::size_t at, ByteView bytes) {
-    if (bytes.size() < 10 || bytes[0] != 0x32) return writer_.add(at, bytes.size(), "unit", to_hex(bytes), "no S7 unit");
+    if (bytes.size() < 10 || bytes[0] != 0x32)
+      return writer_.add(at, bytes.size(), "unit", to_hex(bytes), "no S7 unit");
     const bool answer = bytes[1] == 0x02 || bytes[1] == 0x03;
     const std::size_t head = answer ? 12 : 10;
-    const char* kind = bytes[1] == 0x01 ? "01 request" : answer ? "answer" : bytes[1] == 0x07 ? "07 user data" : "unknown";
+    const char* kind = bytes[1] == 0x01   ? "01 request"
+                       : answer           ? "answer"
+                       : bytes[1] == 0x07 ? "07 user data"
+                                          : "unknown";
     writer_.add(at + 1, 1, "kind", kind);
     writer_.add(at + 4, 2, "reference", to_hex(bytes.subspan(4, 2), '\0'));
     const std::size_t parameters = read_u16(bytes, 6);
     const std::size_t data = read_u16(bytes, 8);
     const bool fits = bytes.size() >= head && head + parameters + data == bytes.size();
-    writer_.add(at + 6, 4, "lengths", "parameters " + std::to_string(parameters) + ", data " + std::to_string(data),
+    writer_.add(at + 6, 4, "lengths",
+                "parameters " + std::to_string(parameters) + ", data " + std::to_string(data),
                 fits ? "" : "they do not fit the telegram");
     if (!fits) return;
     if (answer) {
-      writer_.add(at + 10, 2, "error", read_u16(bytes, 10) == 0 ? "none" : "class " + hex(bytes[10]) + " code " + hex(bytes[11]));
+      writer_.add(
+          at + 10, 2, "error",
+          read_u16(bytes, 10) == 0 ? "none" : device_code_words(kErrorCodes, read_u16(bytes, 10)));
     }
-    parameters_and_data(at + head, bytes.subspan(head, parameters), bytes.subspan(head + parameters), answer);
+    parameters_and_data(at + head, bytes.subspan(head, parameters),
+                        bytes.subspan(head + parameters), answer);
   }
 
   void parameters_and_data(std::size_t at, ByteView parameters, ByteView data, bool answer) {
@@ -139,10 +155,12 @@ class PpiExplainer {
     const std::size_t items = parameters[1];
     const std::size_t needed = 2 + (answer ? 0 : 12 * items);
     writer_.add(at, 2, "function",
-                std::string(read ? "04 read, " : "05 write, ") + std::to_string(items) + (items == 1 ? " item" : " items"),
+                std::string(read ? "04 read, " : "05 write, ") + std::to_string(items) +
+                    (items == 1 ? " item" : " items"),
                 parameters.size() == needed
                     ? ""
-                    : "the parameters are " + std::to_string(parameters.size()) + " bytes, should be " + std::to_string(needed));
+                    : "the parameters are " + std::to_string(parameters.size()) +
+                          " bytes, should be " + std::to_string(needed));
     writer_.deeper();
     for (std::size_t i = 0; !answer && i < items && 2 + 12 * (i + 1) <= parameters.size(); ++i) {
       item(at + 2 + 12 * i, parameters.subspan(2 + 12 * i, 12));
@@ -167,8 +185,10 @@ class PpiExplainer {
     std::string place = counted ? std::to_string(address) : std::to_string(address / 8);
     if (bytes[3] == 0x01) place += "." + std::to_string(address % 8);
     const bool right = bytes[0] == 0x12 && bytes[1] == 0x0A && bytes[2] == 0x10;
-    writer_.add(at, 12, "item", name + place + ", type " + hex(bytes[3]) + ", count " + std::to_string(read_u16(bytes, 4)),
-                right ? "" : "an item begins 12 0A 10");
+    writer_.add(
+        at, 12, "item",
+        name + place + ", type " + hex(bytes[3]) + ", count " + std::to_string(read_u16(bytes, 4)),
+        right ? "" : "an item begins 12 0A 10");
   }
 
   void codes(std::size_t at, ByteView data) {
@@ -183,7 +203,9 @@ class PpiExplainer {
       std::size_t size = read_u16(head, 2);
       if (head[1] == 0x04) size /= 8;
       const bool fits = size <= data.size() - start - 4;
-      if (answer) writer_.add(at + start, 1, "result", hex(head[0]) + " " + std::string(item_code_text(head[0])));
+      if (answer)
+        writer_.add(at + start, 1, "result",
+                    hex(head[0]) + " " + std::string(item_code_text(head[0])));
       size = std::min(size, data.size() - start - 4);
       writer_.add(at + start + 1, 3 + size, "data", to_hex(data.subspan(start + 4, size)),
                   fits ? "" : "longer than the telegram");
@@ -197,6 +219,8 @@ class PpiExplainer {
 
 }  // namespace
 
-std::vector<FrameField> explain(ByteView frame) { return PpiExplainer(frame.first(std::min(frame.size(), kMaxExplained))).run(); }
+std::vector<FrameField> explain(ByteView frame) {
+  return PpiExplainer(frame.first(std::min(frame.size(), kMaxExplained))).run();
+}
 
 }  // namespace fieldcast::s7_ppi

@@ -3,7 +3,8 @@
 //     master  68 .. request .. 16
 //     slave   E5                       received; the work is queued
 //     master  10 DA SA 5C FCS 16       poll, after a rest: some CPUs miss a poll that comes at once
-//     slave   68 .. answer .. 16       or E5 again: not ready, poll once more with the other frame-count bit
+//     slave   68 .. answer .. 16       or E5 again: not ready, poll once more with the other
+//     frame-count bit
 //
 // An answer that comes without E5, or glued to it, is taken as well.
 #include "core/protocol/s7_ppi/s7_ppi.hpp"
@@ -20,19 +21,22 @@
 namespace fieldcast::s7_ppi {
 namespace {
 
-constexpr std::uint8_t kFirst = 0x6C, kOdd = 0x5C, kEven = 0x7C;  // frame control: first request, then alternating
+constexpr std::uint8_t kFirst = 0x6C, kOdd = 0x5C,
+                       kEven = 0x7C;  // frame control: first request, then alternating
 constexpr std::uint8_t kDataAnswer = 0x08, kNoResource = 0x02, kNoData = 0x09;
 constexpr std::uint8_t kControlMask = 0x0F;
 constexpr unsigned kMaxPolls = 10;
 constexpr std::size_t kMaxReceived = 1024;  // four of the largest telegrams
 constexpr std::uint16_t kBusyError = 0x8404;
 
-constexpr Traits kTraits{.name = "s7-ppi",
-                         .summary = "Siemens S7-200 PPI: several variables in one telegram, request and poll",
-                         .lowest_address = 0,
-                         .highest_address = 126,
-                         .max_ranges = kMaxItems,
-                         .identity = AnswerIdentity::kSequence};
+constexpr Traits kTraits{
+    .name = "s7-ppi",
+    .summary = "Siemens S7-200 PPI: several variables in one telegram, request and poll",
+    .lowest_address = 0,
+    .highest_address = 126,
+    .max_ranges = kMaxItems,
+    .identity = AnswerIdentity::kSequence,
+    .codes = kErrorCodes};
 
 struct Link {
   std::uint8_t station = 2;
@@ -57,15 +61,17 @@ class PpiExchange final : public Exchange {
 
   Step on_bytes(ByteView all, Bytes&) override {
     if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
-    silence_ =
-        std::any_of(all.begin(), all.end(), [](auto c) { return c != 0x00 && c != 0xFF; }) ? Cause::kMalformed : Cause::kNoAnswer;
+    silence_ = std::any_of(all.begin(), all.end(), [](auto c) { return c != 0x00 && c != 0xFF; })
+                   ? Cause::kMalformed
+                   : Cause::kNoAnswer;
     acknowledged_ = false;
     Step step = Step::need_answer();
     for (std::size_t at = 0; at < all.size();) {
       const Seen seen = look(all.subspan(at));
       if (seen.kind == Seen::Kind::kOpen) {
         silence_ = Cause::kTruncated;
-        // A telegram that begins in noise hides the acknowledgement behind it; asking for the answer does no harm.
+        // A telegram that begins in noise hides the acknowledgement behind it; asking for the
+        // answer does no harm.
         acknowledged_ = polls_ == 0 && all.back() == kMarkAcknowledge;
         if (acknowledged_) return Step::pause_for(link_.poll_delay);
         return Step::need_rest(static_cast<std::uint32_t>(seen.size - (all.size() - at)));
@@ -97,12 +103,16 @@ class PpiExchange final : public Exchange {
       case Seen::Kind::kAcknowledge: acknowledged_ = true; return Step::pause_for(link_.poll_delay);
       case Seen::Kind::kShort: return take_short(seen, before);
       case Seen::Kind::kLong: return take_long(seen, before);
-      case Seen::Kind::kBroken: silence_ = Cause::kChecksum; return acknowledged_ ? before : Step::need_rest(0);
+      case Seen::Kind::kBroken:
+        silence_ = Cause::kChecksum;
+        return acknowledged_ ? before : Step::need_rest(0);
       default: return before;
     }
   }
 
-  bool ours(const Seen& seen) const { return seen.to == link_.master && seen.from == link_.station; }
+  bool ours(const Seen& seen) const {
+    return seen.to == link_.master && seen.from == link_.station;
+  }
 
   Step take_short(const Seen& seen, const Step& before) {
     if (!ours(seen)) return before;
@@ -114,13 +124,15 @@ class PpiExchange final : public Exchange {
   Step take_long(const Seen& seen, const Step& before) {
     Judgement judgement{Judgement::Kind::kForeign};
     if (ours(seen)) {
-      judgement = (seen.control & kControlMask) == kDataAnswer ? judge_unit(seen.unit, request_, reference_)
-                                                               : Judgement{Judgement::Kind::kMalformed};
+      judgement = (seen.control & kControlMask) == kDataAnswer
+                      ? judge_unit(seen.unit, request_, reference_)
+                      : Judgement{Judgement::Kind::kMalformed};
     }
     switch (judgement.kind) {
       case Judgement::Kind::kAnswer: reply_ = std::move(judgement.reply); return Step::done();
       case Judgement::Kind::kRefused:
-        return Step::failed(judgement.code == kBusyError ? Cause::kDeviceBusy : Cause::kDeviceError, judgement.code);
+        return Step::failed(judgement.code == kBusyError ? Cause::kDeviceBusy : Cause::kDeviceError,
+                            judgement.code);
       case Judgement::Kind::kMalformed: silence_ = Cause::kMalformed; break;
       case Judgement::Kind::kForeign: silence_ = Cause::kForeign; break;
     }
@@ -150,10 +162,12 @@ class PpiProtocol final : public Protocol {
   std::optional<ExchangeSize> size(const Request& request) const override {
     const auto unit = unit_sizes(request);
     if (!unit) return std::nullopt;
-    return ExchangeSize{.request_characters = static_cast<std::uint32_t>(unit->request + kLinkHead + kLongFrame + kShortSize),
-                        .answer_characters = static_cast<std::uint32_t>(1 + unit->answer + kLinkHead + kLongFrame),
-                        .rounds = 2,
-                        .pauses = link_.poll_delay};
+    return ExchangeSize{
+        .request_characters =
+            static_cast<std::uint32_t>(unit->request + kLinkHead + kLongFrame + kShortSize),
+        .answer_characters = static_cast<std::uint32_t>(1 + unit->answer + kLinkHead + kLongFrame),
+        .rounds = 2,
+        .pauses = link_.poll_delay};
   }
 
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext context) const override {
@@ -173,8 +187,8 @@ tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link
   ppi.poll_delay = std::chrono::milliseconds{reader.number("poll-delay-ms", 0, 1000, 10)};
   if (reader.fault()) return tl::unexpected(*reader.fault());
   if (link.options.contains("master") && ppi.master == ppi.station) {
-    return tl::unexpected(
-        OptionFault{"master", "the master's address is the station's own", "0..126 without the stations of the bus"});
+    return tl::unexpected(OptionFault{"master", "the master's address is the station's own",
+                                      "0..126 without the stations of the bus"});
   }
   return std::make_unique<PpiProtocol>(ppi);
 }

@@ -8,15 +8,18 @@ namespace fieldcast::s7_ppi {
 namespace {
 
 Seen look_long(ByteView bytes) {
-  const bool wrong = (bytes.size() > 1 && bytes[1] < kLinkHead) || (bytes.size() > 1 && bytes[1] + kLongFrame > kMaxLong) ||
-                     (bytes.size() > 2 && bytes[2] != bytes[1]) || (bytes.size() > 3 && bytes[3] != kMarkLong);
+  const bool wrong = (bytes.size() > 1 && bytes[1] < kLinkHead) ||
+                     (bytes.size() > 1 && bytes[1] + kLongFrame > kMaxLong) ||
+                     (bytes.size() > 2 && bytes[2] != bytes[1]) ||
+                     (bytes.size() > 3 && bytes[3] != kMarkLong);
   if (wrong) return {};
   if (bytes.size() < 4) return {.kind = Seen::Kind::kOpen, .size = kLongFrame + kLinkHead};
   const std::size_t length = bytes[1];
   const std::size_t size = length + kLongFrame;
   if (bytes.size() < size) return {.kind = Seen::Kind::kOpen, .size = size};
   const ByteView counted = bytes.subspan(4, length);
-  if (sum8(counted) != bytes[size - 2] || bytes[size - 1] != kEnd) return {.kind = Seen::Kind::kBroken};
+  if (sum8(counted) != bytes[size - 2] || bytes[size - 1] != kEnd)
+    return {.kind = Seen::Kind::kBroken};
   return {.kind = Seen::Kind::kLong,
           .size = size,
           .to = counted[0],
@@ -27,8 +30,13 @@ Seen look_long(ByteView bytes) {
 
 Seen look_short(ByteView bytes) {
   if (bytes.size() < kShortSize) return {.kind = Seen::Kind::kOpen, .size = kShortSize};
-  if (sum8(bytes.subspan(1, 3)) != bytes[4] || bytes[5] != kEnd) return {.kind = Seen::Kind::kBroken};
-  return {.kind = Seen::Kind::kShort, .size = kShortSize, .to = bytes[1], .from = bytes[2], .control = bytes[3]};
+  if (sum8(bytes.subspan(1, 3)) != bytes[4] || bytes[5] != kEnd)
+    return {.kind = Seen::Kind::kBroken};
+  return {.kind = Seen::Kind::kShort,
+          .size = kShortSize,
+          .to = bytes[1],
+          .from = bytes[2],
+          .control = bytes[3]};
 }
 
 // Its two bytes are addresses: anything else shows that it is noise.
@@ -41,7 +49,8 @@ Seen look_token(ByteView bytes) {
 
 }  // namespace
 
-void append_long(Bytes& out, std::uint8_t to, std::uint8_t from, std::uint8_t control, ByteView unit) {
+void append_long(Bytes& out, std::uint8_t to, std::uint8_t from, std::uint8_t control,
+                 ByteView unit) {
   const auto length = static_cast<std::uint8_t>(unit.size() + kLinkHead);
   const Bytes head{kMarkLong, length, length, kMarkLong, to, from, control};
   append(out, head);

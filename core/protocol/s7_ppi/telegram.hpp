@@ -5,7 +5,8 @@
 //     SC          E5
 //     SD4 token   DC DA SA                               of other masters: skipped
 //
-// FCS: sum of DA to the last byte before it. Nothing is escaped, so the length decides where a telegram ends.
+// FCS: sum of DA to the last byte before it. Nothing is escaped, so the length decides where a
+// telegram ends.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +23,8 @@ inline constexpr std::size_t kShortSize = 6;
 inline constexpr std::uint8_t kHighestAddress = 126;
 inline constexpr std::size_t kMaxLong = 255;
 
-void append_long(Bytes& out, std::uint8_t to, std::uint8_t from, std::uint8_t control, ByteView unit);
+void append_long(Bytes& out, std::uint8_t to, std::uint8_t from, std::uint8_t control,
+                 ByteView unit);
 void append_short(Bytes& out, std::uint8_t to, std::uint8_t from, std::uint8_t control);
 
 // What begins with the first byte.

@@ -13,10 +13,13 @@ constexpr std::uint8_t kBits = 0x03, kBytesInBits = 0x04, kOctets = 0x09;  // TS
 
 bool fits(const Range& range, std::uint32_t limit) {
   if (range.area >= kAreaCount || range.count == 0 || range.count > limit) return false;
-  return range.first < kAreas[range.area].items && range.count <= kAreas[range.area].items - range.first;
+  return range.first < kAreas[range.area].items &&
+         range.count <= kAreas[range.area].items - range.first;
 }
 
-std::size_t data_size(const Range& range) { return std::size_t{range.count} * kCodes[range.area].item_size; }
+std::size_t data_size(const Range& range) {
+  return std::size_t{range.count} * kCodes[range.area].item_size;
+}
 std::size_t even(std::size_t size) { return size + size % 2; }
 
 std::optional<UnitSizes> sizes_of(const ReadRequest& read) {
@@ -34,8 +37,10 @@ std::optional<UnitSizes> sizes_of(const ReadRequest& read) {
 std::optional<UnitSizes> sizes_of(const WriteRequest& write) {
   const Range& range = write.range;
   if (range.area >= kAreaCount || !fits(range, kAreas[range.area].max_write)) return std::nullopt;
-  if (write.items.size() != image_bytes(kAreas[range.area].item_bits, range.count)) return std::nullopt;
-  if (write.bit && (!kAreas[range.area].bit_write || range.count != 1 || *write.bit > 7)) return std::nullopt;
+  if (write.items.size() != image_bytes(kAreas[range.area].item_bits, range.count))
+    return std::nullopt;
+  if (write.bit && (!kAreas[range.area].bit_write || range.count != 1 || *write.bit > 7))
+    return std::nullopt;
   return UnitSizes{kJobHead + 2 + kItem + kDataHead + write.items.size(), kAckHead + 2 + 1};
 }
 
@@ -58,12 +63,14 @@ void append_head(Bytes& out, std::uint16_t reference, std::size_t parameters, st
 
 // Bytes that a data head announces; nothing for a transport that memory never has.
 std::optional<std::size_t> announced(std::uint8_t transport, std::uint16_t length) {
-  if (transport == kBytesInBits) return length % 8 == 0 ? std::optional<std::size_t>{length / 8} : std::nullopt;
+  if (transport == kBytesInBits)
+    return length % 8 == 0 ? std::optional<std::size_t>{length / 8} : std::nullopt;
   if (transport == kOctets || transport == kBits) return length;
   return std::nullopt;
 }
 
-// The image of a range. Timers, counters and high-speed counters come with a status byte in front, or without.
+// The image of a range. Timers, counters and high-speed counters come with a status byte in front,
+// or without.
 std::optional<Bytes> image_of(ByteView data, const Range& range) {
   const std::size_t wanted = kAreas[range.area].item_bits / 8;
   if (data.size() % range.count != 0) return std::nullopt;
@@ -71,7 +78,8 @@ std::optional<Bytes> image_of(ByteView data, const Range& range) {
   const bool with_status = kCodes[range.area].counted && each == wanted + 1;
   if (each != wanted && !with_status) return std::nullopt;
   Bytes image;
-  for (std::size_t at = 0; at < data.size(); at += each) append(image, data.subspan(at + each - wanted, wanted));
+  for (std::size_t at = 0; at < data.size(); at += each)
+    append(image, data.subspan(at + each - wanted, wanted));
   return image;
 }
 
@@ -119,7 +127,8 @@ Bytes unit_of(const Request& request, std::uint16_t reference) {
   append(unit, Bytes{kWrite, 1});
   append_item(unit, write.range, write.bit);
   if (write.bit) {
-    append(unit, Bytes{0, kBits, 0, 1, static_cast<std::uint8_t>(write.items[0] >> *write.bit & 1)});
+    append(unit,
+           Bytes{0, kBits, 0, 1, static_cast<std::uint8_t>(write.items[0] >> *write.bit & 1)});
   } else {
     append(unit, Bytes{0, kBytesInBits});
     append_u16(unit, static_cast<std::uint16_t>(write.items.size() * 8));
@@ -130,7 +139,8 @@ Bytes unit_of(const Request& request, std::uint16_t reference) {
 
 Judgement judge_unit(ByteView unit, const Request& request, std::uint16_t reference) {
   using Kind = Judgement::Kind;
-  if (unit.size() < kAckHead || unit[0] != kProtocol || (unit[1] != kAckData && unit[1] != kAck)) return {Kind::kMalformed};
+  if (unit.size() < kAckHead || unit[0] != kProtocol || (unit[1] != kAckData && unit[1] != kAck))
+    return {Kind::kMalformed};
   if (read_u16(unit, 4) != reference) return {Kind::kForeign};
   const std::size_t parameters = read_u16(unit, 6);
   const std::size_t data = read_u16(unit, 8);
@@ -138,7 +148,8 @@ Judgement judge_unit(ByteView unit, const Request& request, std::uint16_t refere
   if (const std::uint16_t error = read_u16(unit, 10); error != 0) return {Kind::kRefused, error};
   const auto* read = std::get_if<ReadRequest>(&request);
   const std::size_t items = read != nullptr ? read->ranges.size() : 1;
-  if (parameters != 2 || unit[kAckHead] != (read != nullptr ? kRead : kWrite) || unit[kAckHead + 1] != items)
+  if (parameters != 2 || unit[kAckHead] != (read != nullptr ? kRead : kWrite) ||
+      unit[kAckHead + 1] != items)
     return {Kind::kMalformed};
   const ByteView body = unit.subspan(kAckHead + 2);
   if (read == nullptr) {
@@ -148,21 +159,15 @@ Judgement judge_unit(ByteView unit, const Request& request, std::uint16_t refere
   }
   auto reply = read_reply(body, *read);
   if (!reply) return {Kind::kMalformed};
-  if (items == 1 && reply->front().cause != Cause::kNone) return {Kind::kRefused, reply->front().device_code};
+  if (items == 1 && reply->front().cause != Cause::kNone)
+    return {Kind::kRefused, reply->front().device_code};
   return {Kind::kAnswer, 0, std::move(*reply)};
 }
 
 std::string_view item_code_text(std::uint8_t code) {
-  switch (code) {
-    case 0xFF: return "good";
-    case 0x01: return "hardware fault";
-    case 0x03: return "object not accessible";
-    case 0x05: return "address out of range";
-    case 0x06: return "data type not supported";
-    case 0x07: return "size does not match";
-    case 0x0A: return "object does not exist";
-    default: return "unknown code";
-  }
+  if (code == kGood) return "good";
+  const auto text = device_code_text(kErrorCodes, code);
+  return text.empty() ? "unknown code" : text;
 }
 
 }  // namespace fieldcast::s7_ppi

@@ -1,13 +1,15 @@
 // The S7 unit inside a data telegram: reads and writes of memory.
 //
-//     request   32 01 00 00 ref(2) plen(2) dlen(2)            04 n item*n           or   05 01 item, then 00 TS len(2) data
-//     item      12 0A 10 TS count(2) db(2) area address(3)    address = byte * 8 + bit, or the number of a timer or counter
-//     answer    32 03 00 00 ref(2) plen(2) dlen(2) class code 04 n, then n times code TS len(2) data   or   05 01, then a code
+//     request   32 01 00 00 ref(2) plen(2) dlen(2)            04 n item*n           or   05 01
+//     item, then 00 TS len(2) data item      12 0A 10 TS count(2) db(2) area address(3)    address
+//     = byte * 8 + bit, or the number of a timer or counter answer    32 03 00 00 ref(2) plen(2)
+//     dlen(2) class code 04 n, then n times code TS len(2) data   or   05 01, then a code
 //
-// Code FF is good. len counts bits with TS 04, items with 03, bytes with 09; every item of an answer but the last is filled to an
-// even number of bytes.
+// Code FF is good. len counts bits with TS 04, items with 03, bytes with 09; every item of an
+// answer but the last is filled to an even number of bytes.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "core/protocol/protocol.hpp"
@@ -36,6 +38,22 @@ struct Judgement {
 };
 [[nodiscard]] Judgement judge_unit(ByteView unit, const Request& request, std::uint16_t reference);
 
+// Return codes of items, and behind them class and code of a unit's header.
+inline constexpr std::array kErrorCodes{
+    DeviceCode{0x01, "hardware fault"},
+    DeviceCode{0x03, "object not accessible"},
+    DeviceCode{0x05, "address out of range"},
+    DeviceCode{0x06, "data type not supported"},
+    DeviceCode{0x07, "size does not match"},
+    DeviceCode{0x0A, "object does not exist"},
+    DeviceCode{0x8001, "wrong position of the mode switch"},
+    DeviceCode{0x8100, "syntax, size or function not supported"},
+    DeviceCode{0x8404, "busy"},
+    DeviceCode{0x8500, "wrong length"},
+    DeviceCode{0xD200, "refused by the protection of the CPU"},
+    DeviceCode{0xD600, "password missing or wrong"},
+    DeviceCode{0xDC01, "clock value out of range"},
+};
 [[nodiscard]] std::string_view item_code_text(std::uint8_t code);  // "address out of range"
 
 }  // namespace fieldcast::s7_ppi

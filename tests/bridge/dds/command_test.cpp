@@ -70,7 +70,8 @@ TEST(DdsCommand, RestartedBridgeNeverHearsAnOldOne) {
     ASSERT_TRUE(station.execute(write_running(bus)));
   }
   Obedient second(bus);
-  ASSERT_TRUE(station.execute(write_running(bus)));  // what was written before would have come before
+  ASSERT_TRUE(
+      station.execute(write_running(bus)));  // what was written before would have come before
   EXPECT_EQ(second.heard.commands.size(), 1u);
 }
 

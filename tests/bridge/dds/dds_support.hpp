@@ -1,4 +1,5 @@
-// What the DDS tests share: a domain for each process, a bus to publish, waits that have a deadline and give a reason.
+// What the DDS tests share: a domain for each process, a bus to publish, waits that have a deadline
+// and give a reason.
 #pragma once
 
 #include <unistd.h>
@@ -24,7 +25,9 @@ inline DdsSpec loopback() {
   return spec;
 }
 
-inline std::string bus_name(const std::string& stem) { return stem + "-" + std::to_string(getpid()); }
+inline std::string bus_name(const std::string& stem) {
+  return stem + "-" + std::to_string(getpid());
+}
 
 inline UtcMapping both_clocks() {
   const auto steady = std::chrono::steady_clock::now().time_since_epoch();
@@ -43,7 +46,8 @@ inline bool eventually(const std::function<bool()>& condition) {
 }
 
 // One device "d" with channels "c0", "c1", ... whose refresh is given by their number.
-inline BusSpec bus_of(const std::string& name, std::size_t channels, const std::function<Duration(std::size_t)>& refresh) {
+inline BusSpec bus_of(const std::string& name, std::size_t channels,
+                      const std::function<Duration(std::size_t)>& refresh) {
   BusSpec bus;
   bus.name = name;
   DeviceSpec& device = bus.devices.emplace_back();
@@ -133,9 +137,12 @@ inline CommandResult done(const Command& command) {
 
 // A bridge with one bus that does at once what it is told.
 struct Obedient {
-  explicit Obedient(const std::string& bus, std::size_t channels = 1, const DdsSpec& spec = loopback())
+  explicit Obedient(const std::string& bus, std::size_t channels = 1,
+                    const DdsSpec& spec = loopback())
       : link(spec, "test", heard.handlers()) {
-    heard.answer = [this](const std::string& name, const Command& command) { link.complete(name, done(command), both_clocks()); };
+    heard.answer = [this](const std::string& name, const Command& command) {
+      link.complete(name, done(command), both_clocks());
+    };
     link.add_bus(bus_of(bus, channels));
   }
   Heard heard;

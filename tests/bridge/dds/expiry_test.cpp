@@ -16,7 +16,9 @@ TEST(CommandExpiry, IsTheSourceTimestampPlusTheLifespan) {
   EXPECT_EQ(expiry_of(written(3s), 5s, kNow), Instant{1002s});
 }
 
-TEST(CommandExpiry, HasPassedForAnOldCommand) { EXPECT_LT(expiry_of(written(8s), 5s, kNow), kNow.instant); }
+TEST(CommandExpiry, HasPassedForAnOldCommand) {
+  EXPECT_LT(expiry_of(written(8s), 5s, kNow), kNow.instant);
+}
 
 TEST(CommandExpiry, IsNeverLongerThanTheLifespanForAClockThatRunsAhead) {
   EXPECT_EQ(expiry_of(written(-60s), 5s, kNow), Instant{1005s});
@@ -30,6 +32,28 @@ TEST(CommandExpiry, CountsFromNowWithoutATimestamp) {
 TEST(CommandExpiry, DoesNotWrapForHugeNumbers) {
   EXPECT_GT(expiry_of(written(0s), Duration::max(), kNow), kNow.instant + 24h);
   EXPECT_LT(expiry_of({1}, 5s, kNow), kNow.instant);
+}
+
+TEST(CommandAge, IsOlderThanTheReceiverThatWasNotThereYet) {
+  const Instant listening = kNow.instant - 2s;
+  EXPECT_EQ(written_before(listening, written(5s), kNow), Duration{3s});
+  EXPECT_EQ(written_before(listening, written(2s), kNow), std::nullopt);
+  EXPECT_EQ(written_before(listening, written(0s), kNow), std::nullopt);
+}
+
+TEST(CommandAge, IsTakenAsNoneWithoutATimestampOrFromAClockThatRunsAhead) {
+  const Instant listening = kNow.instant;
+  EXPECT_EQ(written_before(listening, {0}, kNow), std::nullopt);
+  EXPECT_EQ(written_before(listening, {INT64_MIN}, kNow), std::nullopt);
+  EXPECT_EQ(written_before(listening, written(-60s), kNow), std::nullopt);
+}
+
+// Both clocks are compared now: it does not matter what the wall clock said when the bridge began.
+TEST(CommandAge, DoesNotCareForStepsOfTheWallClock) {
+  const Instant listening = kNow.instant - 60s;
+  const UtcMapping stepped{kNow.instant, {kNow.utc.nanoseconds - Duration{1h}.count()}};
+  const UtcTime just_now{stepped.utc.nanoseconds - 1'000'000};
+  EXPECT_EQ(written_before(listening, just_now, stepped), std::nullopt);
 }
 
 }  // namespace

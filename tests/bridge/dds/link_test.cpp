@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "bridge/dds/topics.hpp"
+#include "bridge/dds/topics/topics.hpp"
 #include "tests/bridge/dds/dds_support.hpp"
 
 namespace fieldcast::testing {
@@ -15,7 +15,8 @@ namespace {
 using namespace std::chrono_literals;
 
 // The distinct channels among samples of one bus.
-std::set<std::string> channels_of(const std::vector<StationSample>& samples, const std::string& bus) {
+std::set<std::string> channels_of(const std::vector<StationSample>& samples,
+                                  const std::string& bus) {
   std::set<std::string> names;
   for (const StationSample& sample : samples) {
     if (sample.bus == bus) names.insert(sample.channel);
@@ -57,7 +58,8 @@ TEST(DdsLink, LateJoinerGetsTheCatalogueAndTheLastValueOfEveryChannel) {
   Heard heard;
   DdsLink link(loopback(), "test", heard.handlers());
   link.add_bus(bus_of(bus, 300));
-  for (std::uint64_t sequence = 1; sequence <= 3; ++sequence) link.publish(bus, one_of_each(300, sequence), both_clocks());
+  for (std::uint64_t sequence = 1; sequence <= 3; ++sequence)
+    link.publish(bus, one_of_each(300, sequence), both_clocks());
 
   Station station(loopback(), "late");
   Collected<StationSample> samples;
@@ -66,9 +68,12 @@ TEST(DdsLink, LateJoinerGetsTheCatalogueAndTheLastValueOfEveryChannel) {
   station.subscribe_channels([&](const StationChannel& channel) {
     if (channel.bus == bus) channels.add(channel);
   });
-  ASSERT_TRUE(eventually([&] { return channels_of(samples.all(), bus).size() == 300 && channels.size() == 300; }))
-      << channels_of(samples.all(), bus).size() << " values and " << channels.size() << " catalogue entries of 300";
-  for (const StationSample& sample : samples.all()) EXPECT_EQ(sample.sequence, 3u) << "only the last value";
+  ASSERT_TRUE(eventually([&] {
+    return channels_of(samples.all(), bus).size() == 300 && channels.size() == 300;
+  })) << channels_of(samples.all(), bus).size()
+      << " values and " << channels.size() << " catalogue entries of 300";
+  for (const StationSample& sample : samples.all())
+    EXPECT_EQ(sample.sequence, 3u) << "only the last value";
   EXPECT_EQ(channels.all().front().refresh, 10s);
   EXPECT_EQ(channels.all().front().bridge, "test");
 }
@@ -77,15 +82,20 @@ TEST(DdsLink, StationThatAsksForADeadlineGetsJustTheChannelsThatPromiseIt) {
   const std::string bus = bus_name("mixed");
   Heard heard;
   DdsLink link(loopback(), "test", heard.handlers());
-  link.add_bus(bus_of(bus, 20, [](std::size_t i) { return i % 2 == 0 ? Duration{5s} : Duration{60s}; }));
+  link.add_bus(
+      bus_of(bus, 20, [](std::size_t i) { return i % 2 == 0 ? Duration{5s} : Duration{60s}; }));
   Station demanding(loopback(), "demanding"), content(loopback(), "content");
   Collected<StationSample> fresh, all;
-  demanding.subscribe_samples([&](const StationSample& sample) { fresh.add(sample); }, {}, {.deadline = 10s});
+  demanding.subscribe_samples([&](const StationSample& sample) { fresh.add(sample); }, {},
+                              {.deadline = 10s});
   content.subscribe_samples([&](const StationSample& sample) { all.add(sample); });
   link.publish(bus, one_of_each(20), both_clocks());
-  ASSERT_TRUE(eventually([&] { return channels_of(all.all(), bus).size() == 20 && channels_of(fresh.all(), bus).size() == 10; }))
-      << channels_of(all.all(), bus).size() << " of 20, " << channels_of(fresh.all(), bus).size() << " of 10";
-  for (const StationSample& sample : fresh.all()) EXPECT_EQ(static_cast<int>(std::get<double>(sample.value)) % 2, 0);
+  ASSERT_TRUE(eventually([&] {
+    return channels_of(all.all(), bus).size() == 20 && channels_of(fresh.all(), bus).size() == 10;
+  })) << channels_of(all.all(), bus).size()
+      << " of 20, " << channels_of(fresh.all(), bus).size() << " of 10";
+  for (const StationSample& sample : fresh.all())
+    EXPECT_EQ(static_cast<int>(std::get<double>(sample.value)) % 2, 0);
 }
 
 TEST(DdsLink, MissedPromisesAreCounted) {
@@ -104,7 +114,8 @@ TEST(DdsLink, NothingIsMissedBeforeTheFirstSample) {
   BusSpec spec = bus_of(bus, 2, [](std::size_t i) { return i == 0 ? 20ms : 10s; });
   spec.devices[0].channels[0].name = "silent";
   link.add_bus(spec);
-  // The other class' own promise is the clock: when it was missed, the first had 10 times its refresh to be missed too.
+  // The other class' own promise is the clock: when it was missed, the first had 10 times its
+  // refresh to be missed too.
   BusSpec other = bus_of(bus + "x", 1, [](std::size_t) { return 200ms; });
   link.add_bus(other);
   link.publish(bus + "x", one_of_each(1), both_clocks());
@@ -123,9 +134,11 @@ TEST(DdsLink, ChangedRefreshMovesTheChannelWithItsValueAndItsCatalogueEntry) {
   Collected<std::string> gone;
   std::mutex mutex;
   std::map<std::string, Duration> refresh;
-  demanding.subscribe_samples([&](const StationSample& sample) { fresh.add(sample); }, {}, {.deadline = 1s});
+  demanding.subscribe_samples([&](const StationSample& sample) { fresh.add(sample); }, {},
+                              {.deadline = 1s});
   content.subscribe_samples([&](const StationSample& sample) { all.add(sample); },
-                            [&](const std::string&, const std::string&, const std::string& channel) { gone.add(channel); });
+                            [&](const std::string&, const std::string&,
+                                const std::string& channel) { gone.add(channel); });
   content.subscribe_channels([&](const StationChannel& channel) {
     const std::lock_guard lock(mutex);
     if (channel.bus == bus) refresh[channel.channel] = channel.refresh;
@@ -135,8 +148,9 @@ TEST(DdsLink, ChangedRefreshMovesTheChannelWithItsValueAndItsCatalogueEntry) {
 
   link.set_refresh(bus, 2, 500ms);
   EXPECT_EQ(link.counters(bus).sample_writers, 2u);
-  EXPECT_TRUE(eventually([&] { return channels_of(fresh.all(), bus) == std::set<std::string>{"c2"}; }))
-      << "the station that asks for 1 s sees it now";
+  EXPECT_TRUE(eventually([&] {
+    return channels_of(fresh.all(), bus) == std::set<std::string>{"c2"};
+  })) << "the station that asks for 1 s sees it now";
   EXPECT_TRUE(eventually([&] {
     const std::lock_guard lock(mutex);
     return refresh["c2"] == 500ms && refresh["c1"] == 60s;
@@ -147,7 +161,8 @@ TEST(DdsLink, ChangedRefreshMovesTheChannelWithItsValueAndItsCatalogueEntry) {
   link.publish(bus, one_of_each(4, 2), both_clocks());
   EXPECT_TRUE(eventually([&] {
     const auto seen = all.all();
-    return std::any_of(seen.begin(), seen.end(), [](const StationSample& s) { return s.channel == "c2" && s.sequence == 2; });
+    return std::any_of(seen.begin(), seen.end(),
+                       [](const StationSample& s) { return s.channel == "c2" && s.sequence == 2; });
   }));
   EXPECT_THAT(gone.all(), ::testing::IsEmpty()) << "a channel that moves never looks gone";
 }
@@ -161,17 +176,25 @@ TEST(DdsLink, RemovedBusIsSeenToGoAndComesBackUnderTheSameName) {
   Collected<StationSample> samples;
   Collected<StationChannel> channels;
   station.subscribe_samples([&](const StationSample& sample) { samples.add(sample); },
-                            [&](const std::string&, const std::string&, const std::string& name) { gone_samples.add(name); });
+                            [&](const std::string&, const std::string&, const std::string& name) {
+                              gone_samples.add(name);
+                            });
   station.subscribe_channels([&](const StationChannel& channel) { channels.add(channel); },
-                             [&](const std::string&, const std::string&, const std::string& name) { gone_channels.add(name); });
+                             [&](const std::string&, const std::string&, const std::string& name) {
+                               gone_channels.add(name);
+                             });
   for (std::size_t round = 1; round <= 2; ++round) {
     link.add_bus(bus_of(bus, 5));
     link.publish(bus, one_of_each(5), both_clocks());
-    ASSERT_TRUE(eventually([&] { return samples.size() == 5 * round && channels.size() == 5 * round; }))
-        << samples.size() << " samples, " << channels.size() << " catalogue entries in round " << round;
+    ASSERT_TRUE(eventually([&] {
+      return samples.size() == 5 * round && channels.size() == 5 * round;
+    })) << samples.size()
+        << " samples, " << channels.size() << " catalogue entries in round " << round;
     link.remove_bus(bus);
-    EXPECT_TRUE(eventually([&] { return gone_samples.size() == 5 * round && gone_channels.size() == 5 * round; }))
-        << gone_samples.size() << " samples and " << gone_channels.size() << " entries gone in round " << round;
+    EXPECT_TRUE(eventually([&] {
+      return gone_samples.size() == 5 * round && gone_channels.size() == 5 * round;
+    })) << gone_samples.size()
+        << " samples and " << gone_channels.size() << " entries gone in round " << round;
   }
 }
 
@@ -205,9 +228,12 @@ TEST(DdsLink, AnAlarmOfEveryLimitReachesLateStationsAndGoesWithItsBus) {
   DdsLink link(loopback(), "test", heard.handlers());
   link.add_bus(bus_of(bus, 2));
   const UtcMapping clock = both_clocks();
-  link.report(bus, AlarmChange{1, LimitKind::kHigh, AlarmState::kActive, 90.5, clock.instant}, clock);
-  link.report(bus, AlarmChange{1, LimitKind::kHighHigh, AlarmState::kActive, 99, clock.instant}, clock);
-  link.report(bus, AlarmChange{1, LimitKind::kHighHigh, AlarmState::kClear, 91, clock.instant + 1s}, clock);
+  link.report(bus, AlarmChange{1, LimitKind::kHigh, AlarmState::kActive, 90.5, clock.instant},
+              clock);
+  link.report(bus, AlarmChange{1, LimitKind::kHighHigh, AlarmState::kActive, 99, clock.instant},
+              clock);
+  link.report(bus, AlarmChange{1, LimitKind::kHighHigh, AlarmState::kClear, 91, clock.instant + 1s},
+              clock);
   Station station(loopback(), "watcher");
   Collected<StationAlarm> alarms, gone;
   station.subscribe_alarms([&](const StationAlarm& alarm) { alarms.add(alarm); },
@@ -240,11 +266,14 @@ TEST(DdsLink, WishesAreHeardAndEndWhenWithdrawnOrTheirStationGoes) {
     return seen;
   };
   using Wishes = std::vector<std::optional<Duration>>;
-  ASSERT_TRUE(eventually([&] { return of("a/*/*") == Wishes{200ms} && of("b/*/*") == Wishes{300ms}; }));
+  ASSERT_TRUE(
+      eventually([&] { return of("a/*/*") == Wishes{200ms} && of("b/*/*") == Wishes{300ms}; }));
   station->withdraw_interest("a/*/*");
   EXPECT_TRUE(eventually([&] { return of("a/*/*") == Wishes{200ms, std::nullopt}; }));
   station.reset();
-  EXPECT_TRUE(eventually([&] { return of("b/*/*") == Wishes{300ms, std::nullopt}; })) << "the station has left";
+  EXPECT_TRUE(eventually([&] {
+    return of("b/*/*") == Wishes{300ms, std::nullopt};
+  })) << "the station has left";
 }
 
 // More than the reader holds, from stations of which none declares more than it may.
@@ -256,9 +285,11 @@ TEST(DdsLink, AFloodOfWishesIsRefusedWithALineAndTheBridgeGoesOn) {
   link.add_bus(bus_of(bus, 1));
   Station first(loopback(), bus_name("first")), second(loopback(), bus_name("second"));
   for (int i = 0; i < kEach; ++i) first.declare_interest("a/*/" + std::to_string(i), 200ms);
-  ASSERT_TRUE(eventually([&] { return heard.interests.size() == kEach; })) << heard.interests.size();
+  ASSERT_TRUE(eventually([&] { return heard.interests.size() == kEach; }))
+      << heard.interests.size();
   for (int i = 0; i < kEach; ++i) second.declare_interest("b/*/" + std::to_string(i), 200ms);
-  EXPECT_TRUE(eventually([&] { return heard.problems.size() >= 1 && heard.interests.size() >= kMaxInterests; }));
+  EXPECT_TRUE(eventually(
+      [&] { return heard.problems.size() >= 1 && heard.interests.size() >= kMaxInterests; }));
   EXPECT_EQ(heard.interests.size(), static_cast<std::size_t>(kMaxInterests));
   std::string problems;
   for (const std::string& problem : heard.problems.all()) problems += problem + '\n';
@@ -266,7 +297,8 @@ TEST(DdsLink, AFloodOfWishesIsRefusedWithALineAndTheBridgeGoesOn) {
   EXPECT_LE(heard.problems.size(), 5u) << problems;
   // What is heard already goes on: a wish that is withdrawn makes room.
   first.withdraw_interest("a/*/0");
-  EXPECT_TRUE(eventually([&] { return heard.interests.size() > static_cast<std::size_t>(kMaxInterests); }));
+  EXPECT_TRUE(
+      eventually([&] { return heard.interests.size() > static_cast<std::size_t>(kMaxInterests); }));
 }
 
 TEST(DdsLink, UnknownInterfaceIsAnErrorAtTheStart) {

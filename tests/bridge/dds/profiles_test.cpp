@@ -1,15 +1,15 @@
-// The QoS profiles that stations on Fast DDS are given: they load, say what the bridge's own stations use, and receive every
-// channel.
+// The QoS profiles that stations on Fast DDS are given: they load, say what the bridge's own
+// stations use, and receive every channel.
 #include <gtest/gtest.h>
 
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <set>
 
-#include "bridge/dds/conversion.hpp"
 #include "bridge/dds/domain.hpp"
 #include "bridge/dds/library.hpp"
-#include "bridge/dds/topics.hpp"
+#include "bridge/dds/topics/conversion.hpp"
+#include "bridge/dds/topics/topics.hpp"
 #include "tests/bridge/dds/dds_support.hpp"
 
 namespace fieldcast::testing {
@@ -35,8 +35,10 @@ class Profiles : public ::testing::Test {
   // A station as its author would write it: the library's own interface and the generated types.
   void SetUp() override {
     prepare_library();
-    ASSERT_EQ(factory_->load_XML_profiles_file(FIELDCAST_PROFILES "/fieldcast-station.xml"), ReturnCode_t::RETCODE_OK);
-    participant_ = factory_->create_participant_with_profile(loopback().domain, "fieldcast-station");
+    ASSERT_EQ(factory_->load_XML_profiles_file(FIELDCAST_PROFILES "/fieldcast-station.xml"),
+              ReturnCode_t::RETCODE_OK);
+    participant_ =
+        factory_->create_participant_with_profile(loopback().domain, "fieldcast-station");
     ASSERT_NE(participant_, nullptr);
     subscriber_ = participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
     publisher_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
@@ -52,7 +54,8 @@ class Profiles : public ::testing::Test {
     return participant_->create_topic(name, type, dds::TOPIC_QOS_DEFAULT);
   }
   dds::DataReader* reader(dds::Topic* topic) {
-    return subscriber_->create_datareader_with_profile(topic, topic->get_name());  // profiles are named after their topics
+    return subscriber_->create_datareader_with_profile(
+        topic, topic->get_name());  // profiles are named after their topics
   }
 
   dds::DomainParticipantFactory* factory_ = dds::DomainParticipantFactory::get_instance();
@@ -65,13 +68,15 @@ TEST_F(Profiles, SayWhatTheBridgesOwnStationsUse) {
   const auto expect_reader = [this](const char* topic, const dds::DataReaderQos& ours) {
     SCOPED_TRACE(topic);
     dds::DataReaderQos profile;
-    ASSERT_EQ(subscriber_->get_datareader_qos_from_profile(topic, profile), ReturnCode_t::RETCODE_OK);
+    ASSERT_EQ(subscriber_->get_datareader_qos_from_profile(topic, profile),
+              ReturnCode_t::RETCODE_OK);
     expect_same(profile, ours);
   };
   const auto expect_writer = [this](const char* topic, const dds::DataWriterQos& ours) {
     SCOPED_TRACE(topic);
     dds::DataWriterQos profile;
-    ASSERT_EQ(publisher_->get_datawriter_qos_from_profile(topic, profile), ReturnCode_t::RETCODE_OK);
+    ASSERT_EQ(publisher_->get_datawriter_qos_from_profile(topic, profile),
+              ReturnCode_t::RETCODE_OK);
     expect_same(profile, ours);
     EXPECT_EQ(profile.publish_mode().kind, ours.publish_mode().kind);
   };
@@ -95,8 +100,10 @@ TEST_F(Profiles, EveryChannelOf300Arrives) {
   for (ChannelIndex i = 0; i < 300; ++i) samples.push_back(good(i, static_cast<double>(i)));
   link.publish(bus, samples, both_clocks());
 
-  dds::DataReader* values = reader(topic<idl::SamplePubSubType>("fieldcast/Sample", "fieldcast::Sample"));
-  dds::DataReader* catalogue = reader(topic<idl::ChannelPubSubType>("fieldcast/Channel", "fieldcast::Channel"));
+  dds::DataReader* values =
+      reader(topic<idl::SamplePubSubType>("fieldcast/Sample", "fieldcast::Sample"));
+  dds::DataReader* catalogue =
+      reader(topic<idl::ChannelPubSubType>("fieldcast/Channel", "fieldcast::Channel"));
   ASSERT_NE(values, nullptr);
   ASSERT_NE(catalogue, nullptr);
   std::set<std::string> seen, listed;
@@ -119,9 +126,11 @@ TEST_F(Profiles, ACommandGetsItsResult) {
   const std::string bus = bus_name("profile-command");
   Obedient bridge(bus);
 
-  dds::DataReader* results = reader(topic<idl::CommandResultPubSubType>("fieldcast/CommandResult", "fieldcast::CommandResult"));
+  dds::DataReader* results = reader(
+      topic<idl::CommandResultPubSubType>("fieldcast/CommandResult", "fieldcast::CommandResult"));
   dds::Topic* commands = topic<idl::CommandPubSubType>("fieldcast/Command", "fieldcast::Command");
-  dds::DataWriter* writer = publisher_->create_datawriter_with_profile(commands, commands->get_name());
+  dds::DataWriter* writer =
+      publisher_->create_datawriter_with_profile(commands, commands->get_name());
   ASSERT_NE(results, nullptr);
   ASSERT_NE(writer, nullptr);
   ASSERT_TRUE(eventually([&] {
@@ -147,7 +156,8 @@ TEST_F(Profiles, ACommandGetsItsResult) {
   EXPECT_TRUE(eventually([&] {
     dds::SampleInfo info;
     while (results->take_next_sample(&result, &info) == ReturnCode_t::RETCODE_OK) {
-      if (info.valid_data && bus == result.requester().c_str() && result.request_id() == 7) return true;
+      if (info.valid_data && bus == result.requester().c_str() && result.request_id() == 7)
+        return true;
     }
     return false;
   })) << "no result";

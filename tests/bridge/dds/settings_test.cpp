@@ -1,4 +1,5 @@
-// The `dds:` settings that change how a bridge and its stations find each other, over real DDS on loopback.
+// The `dds:` settings that change how a bridge and its stations find each other, over real DDS on
+// loopback.
 #include <arpa/inet.h>
 #include <fastdds/rtps/attributes/ServerAttributes.h>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
@@ -27,8 +28,9 @@ class TextFile {
  public:
   explicit TextFile(const std::string& text) {
     static int count = 0;
-    path_ = std::filesystem::temp_directory_path() /
-            ("fieldcast-profile-" + std::to_string(getpid()) + "-" + std::to_string(++count) + ".xml");
+    path_ =
+        std::filesystem::temp_directory_path() /
+        ("fieldcast-profile-" + std::to_string(getpid()) + "-" + std::to_string(++count) + ".xml");
     std::ofstream(path_) << text;
   }
   ~TextFile() { std::filesystem::remove(path_); }
@@ -46,7 +48,8 @@ std::string participant_profile(const std::string& name, const std::string& rtps
          name + R"("><rtps>)" + rtps_elements + "</rtps></participant></profiles></dds>";
 }
 
-// What other participants of the domain see of a new one: its name with its user data, and the topics that it writes.
+// What other participants of the domain see of a new one: its name with its user data, and the
+// topics that it writes.
 class Discoveries : public dds::DomainParticipantListener {
  public:
   explicit Discoveries(const DdsSpec& spec) : domain_(spec, "looker", this) {}
@@ -54,6 +57,12 @@ class Discoveries : public dds::DomainParticipantListener {
     const std::lock_guard lock(mutex_);
     const auto found = seen_.find(name);
     return found == seen_.end() ? "" : found->second;
+  }
+
+  [[nodiscard]] eprosima::fastrtps::Duration_t lease_of(const std::string& name) const {
+    const std::lock_guard lock(mutex_);
+    const auto found = leases_.find(name);
+    return found == leases_.end() ? eprosima::fastrtps::Duration_t() : found->second;
   }
 
   [[nodiscard]] bool is_written(const std::string& topic) const {
@@ -66,12 +75,16 @@ class Discoveries : public dds::DomainParticipantListener {
     const std::lock_guard lock(mutex_);
     topics_.insert(info.info.topicName().to_string());
   }
-  void on_participant_discovery(dds::DomainParticipant*, rtps::ParticipantDiscoveryInfo&& info) override {
+  void on_participant_discovery(dds::DomainParticipant*,
+                                rtps::ParticipantDiscoveryInfo&& info) override {
     const std::lock_guard lock(mutex_);
-    seen_[info.info.m_participantName.to_string()] = std::string(info.info.m_userData.begin(), info.info.m_userData.end());
+    leases_[info.info.m_participantName.to_string()] = info.info.m_leaseDuration;
+    seen_[info.info.m_participantName.to_string()] =
+        std::string(info.info.m_userData.begin(), info.info.m_userData.end());
   }
   mutable std::mutex mutex_;
   std::map<std::string, std::string> seen_;
+  std::map<std::string, eprosima::fastrtps::Duration_t> leases_;
   std::set<std::string> topics_;
   Domain domain_;
 };
@@ -99,16 +112,33 @@ TEST(DdsSettings, ProfileThatCannotBeUsedIsAnErrorThatNamesIt) {
   EXPECT_EQ(error_of(spec), "dds: " + other.path() + " has no participant profile 'fieldcast'");
 }
 
-TEST(DdsSettings, ParticipantOfTheUsersProfileIsUsed) {
-  const TextFile file(participant_profile("fieldcast", "<userData><value>0x68.0x69</value></userData>"));
+TEST(DdsSettings, TheLoopbackIsAlwaysAmongTheInterfaces) {
+  DdsSpec spec;
+  using Addresses = std::vector<std::string>;
+  EXPECT_EQ(used_interfaces(spec), Addresses{"127.0.0.1"});
+  spec.interfaces = {"10.0.0.7"};
+  EXPECT_EQ(used_interfaces(spec), (Addresses{"10.0.0.7", "127.0.0.1"}));
+  spec.interfaces = {"127.0.0.1", "10.0.0.7"};
+  EXPECT_EQ(used_interfaces(spec), spec.interfaces);
+}
+
+TEST(DdsSettings, ParticipantOfTheUsersProfileIsUsedWithLeaseAndNameOfOurs) {
+  const TextFile file(participant_profile(
+      "fieldcast",
+      "<userData><value>0x68.0x69</value></userData><builtin><discovery_config><leaseDuration>"
+      "<sec>77</sec></leaseDuration></discovery_config></builtin>"));
   const std::string name = bus_name("profiled");
   Discoveries discoveries(loopback());
   DdsSpec spec = loopback();
   spec.profile = file.path();
   Heard heard;
   DdsLink link(spec, name, heard.handlers());
-  EXPECT_TRUE(eventually([&] { return discoveries.user_data_of("fieldcast-bridge " + name) == "hi"; }))
-      << "its user data is '" << discoveries.user_data_of("fieldcast-bridge " + name) << "'";
+  EXPECT_TRUE(eventually([&] {
+    return discoveries.user_data_of("fieldcast-bridge " + name) == "hi";
+  })) << "its user data is '"
+      << discoveries.user_data_of("fieldcast-bridge " + name) << "'";
+  EXPECT_EQ(discoveries.lease_of("fieldcast-bridge " + name),
+            eprosima::fastrtps::Duration_t(10, 0));
 }
 
 // A discovery server as `fast-discovery-server -i 0 -l 127.0.0.1 -p PORT` starts one.
@@ -122,7 +152,8 @@ class Server {
     udp->interfaceWhiteList = {"127.0.0.1"};
     qos.transport().use_builtin_transports = false;
     qos.transport().user_transports.push_back(udp);
-    qos.wire_protocol().builtin.discovery_config.discoveryProtocol = rtps::DiscoveryProtocol_t::SERVER;
+    qos.wire_protocol().builtin.discovery_config.discoveryProtocol =
+        rtps::DiscoveryProtocol_t::SERVER;
     eprosima::fastdds::rtps::get_server_client_default_guidPrefix(0, qos.wire_protocol().prefix);
     rtps::Locator_t locator(LOCATOR_KIND_UDPv4, port_);
     rtps::IPLocator::setIPv4(locator, "127.0.0.1");
@@ -199,20 +230,24 @@ TEST(DdsSettings, WithoutItsServerAClientFindsNobody) {
 
 TEST(DdsSettings, DiscoveryServerThatIsNoAddressIsAnError) {
   DdsSpec spec = loopback();
-  for (const char* server : {"somewhere", "127.0.0.1:", "127.0.0.1:0", "127.0.0.1:65536", "127.0.0.1:12x"}) {
+  for (const char* server :
+       {"somewhere", "127.0.0.1:", "127.0.0.1:0", "127.0.0.1:65536", "127.0.0.1:12x"}) {
     spec.discovery_server = server;
-    EXPECT_EQ(error_of(spec), "dds: discovery server '" + std::string(server) + "' is not host:port");
+    EXPECT_EQ(error_of(spec),
+              "dds: discovery server '" + std::string(server) + "' is not host:port");
   }
 }
 
-// The library's own measurements, asked for by its own variable: latencies, throughput, machine and process of each participant.
+// The library's own measurements, asked for by its own variable: latencies, throughput, machine and
+// process of each participant.
 TEST(DdsSettings, StatisticsOfTheLibraryArePublishedWhenAskedFor) {
   Discoveries discoveries(loopback());
   setenv("FASTDDS_STATISTICS", "HISTORY_LATENCY_TOPIC;PHYSICAL_DATA_TOPIC", 1);
   Heard heard;
   DdsLink link(loopback(), "test", heard.handlers());
   unsetenv("FASTDDS_STATISTICS");
-  for (const char* topic : {"_fastdds_statistics_history2history_latency", "_fastdds_statistics_physical_data"}) {
+  for (const char* topic :
+       {"_fastdds_statistics_history2history_latency", "_fastdds_statistics_physical_data"}) {
     EXPECT_TRUE(eventually([&] { return discoveries.is_written(topic); })) << topic;
   }
 }

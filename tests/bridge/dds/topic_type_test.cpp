@@ -1,5 +1,5 @@
 // The type objects that Fast DDS gets: keys from many threads, bytes from hostile peers.
-#include "bridge/dds/topic_type.hpp"
+#include "bridge/dds/topics/topic_type.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 #include <thread>
 
-#include "bridge/dds/conversion.hpp"
+#include "bridge/dds/topics/conversion.hpp"
 
 namespace fieldcast {
 namespace {
@@ -33,7 +33,8 @@ std::vector<std::uint8_t> bytes_of(TopicType<idl::CommandPubSubType>& type, idl:
   return {payload.data, payload.data + payload.length};
 }
 
-bool read(TopicType<idl::CommandPubSubType>& type, const std::vector<std::uint8_t>& bytes, idl::Command& out) {
+bool read(TopicType<idl::CommandPubSubType>& type, const std::vector<std::uint8_t>& bytes,
+          idl::Command& out) {
   SerializedPayload_t payload(static_cast<std::uint32_t>(std::max<std::size_t>(bytes.size(), 1)));
   if (!bytes.empty()) std::memcpy(payload.data, bytes.data(), bytes.size());
   payload.length = static_cast<std::uint32_t>(bytes.size());
@@ -86,7 +87,9 @@ TEST(TopicType, EveryTruncationIsRefused) {
   ASSERT_TRUE(read(type, bytes, out));
   EXPECT_EQ(out.values().size(), 3u);
   for (std::size_t length = 0; length < bytes.size(); ++length) {
-    EXPECT_FALSE(read(type, {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length)}, out)) << length << " bytes";
+    EXPECT_FALSE(
+        read(type, {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length)}, out))
+        << length << " bytes";
   }
 }
 
@@ -97,9 +100,11 @@ TEST(TopicType, DamagedBytesNeverEndTheProcess) {
   std::mt19937 random(1);
   for (int round = 0; round < 20'000; ++round) {
     auto damaged = bytes;
-    for (int i = 0; i < 3; ++i) damaged[random() % damaged.size()] = static_cast<std::uint8_t>(random());
+    for (int i = 0; i < 3; ++i)
+      damaged[random() % damaged.size()] = static_cast<std::uint8_t>(random());
     idl::Command out;
-    if (read(type, damaged, out)) (void)from_idl(out);  // refused, or a command that conversion can judge
+    if (read(type, damaged, out))
+      (void)from_idl(out);  // refused, or a command that conversion can judge
   }
 }
 

@@ -5,6 +5,7 @@
 #include "core/program/length_framing.hpp"
 #include "tests/bridge/program/program_support.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
+#include "tests/bridge/support/module_device.hpp"
 
 namespace fieldcast {
 namespace {
@@ -12,8 +13,9 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 using test::ModbusDevice;
+using test::ModuleDevice;
 using test::Pty;
-using test::RecordingOutlet;
+using test::RecordingSink;
 using test::TcpClient;
 
 BusSpec bus_of(const PortSpec& port) {
@@ -39,34 +41,41 @@ BusSpec bus_of(const PortSpec& port) {
 struct Lease : test::ServerFixture {
   // A bus that runs and is known to the server, until the test ends.
   void run(const BusSpec& bus) {
-    runner = std::make_shared<BusRunner>(io.context(), io.context(), bus, outlet, &modules);
+    runner = std::make_shared<BusRunner>(io.context(), io.context(), bus, sink, &modules);
     runner->start();
     server.add_bus(bus, runner);
     name = bus.name;
   }
-  ~Lease() override {
+  // As a reload does.
+  void end_bus() {
     if (!runner) return;
     server.remove_bus(name);
     runner->stop().wait();
+    runner.reset();
   }
+  ~Lease() override { end_bus(); }
   std::size_t good() {
-    const auto record = outlet.record();
+    const auto record = sink.record();
     return static_cast<std::size_t>(
-        std::count_if(record.samples.begin(), record.samples.end(), [](const Sample& s) { return s.quality == Quality::kGood; }));
+        std::count_if(record.samples.begin(), record.samples.end(),
+                      [](const Sample& s) { return s.quality == Quality::kGood; }));
   }
   [[nodiscard]] bool hears_more() {
     const std::size_t before = good();
-    return outlet.wait_for([&](const auto& r) {
-      return static_cast<std::size_t>(std::count_if(r.samples.begin(), r.samples.end(),
-                                                    [](const Sample& s) { return s.quality == Quality::kGood; })) >= before + 3;
+    return sink.wait_for([&](const auto& r) {
+      return static_cast<std::size_t>(std::count_if(
+                 r.samples.begin(), r.samples.end(),
+                 [](const Sample& s) { return s.quality == Quality::kGood; })) >= before + 3;
     });
   }
   [[nodiscard]] bool leased() {
-    return outlet.wait_for([](const auto& r) { return !r.samples.empty() && r.samples.back().quality == Quality::kUncertain; });
+    return sink.wait_for([](const auto& r) {
+      return !r.samples.empty() && r.samples.back().quality == Quality::kUncertain;
+    });
   }
 
   IoThread io{"test"};
-  RecordingOutlet outlet;
+  RecordingSink sink;
   std::shared_ptr<BusRunner> runner;
   std::string name;
 };
@@ -99,8 +108,8 @@ TEST_F(Lease, ASerialBusIsLentAndReadsAgainAtOnce) {
   command.values = {Value{std::uint64_t{1}}};
   command.expires = kNever;
   ASSERT_TRUE(runner->post(command));
-  ASSERT_TRUE(outlet.wait_for([](const auto& r) { return r.results.size() == 1; }));
-  EXPECT_EQ(outlet.record().results[0].cause, Cause::kLeased);
+  ASSERT_TRUE(sink.wait_for([](const auto& r) { return r.results.size() == 1; }));
+  EXPECT_EQ(sink.record().results[0].cause, Cause::kLeased);
 
   client.say("@@@00program*\rFEFF");
   const Bytes heard = pty.receive(12);
@@ -113,40 +122,11 @@ TEST_F(Lease, ASerialBusIsLentAndReadsAgainAtOnce) {
   EXPECT_TRUE(hears_more());
 }
 
-// Answers reads of one holding register with 5, over the socket of a module, while it lives.
-class PlcBehindAModule {
- public:
-  explicit PlcBehindAModule(const TcpClient& module) : thread_([this, &module] { serve(module.fd()); }) {}
-  ~PlcBehindAModule() {
-    over_ = true;
-    thread_.join();
-  }
-
- private:
-  void serve(int fd) const {
-    Bytes heard;
-    while (!over_) {
-      pollfd wait{fd, POLLIN, 0};
-      std::uint8_t piece[64];
-      if (::poll(&wait, 1, 5) <= 0) continue;
-      const ssize_t count = ::recv(fd, piece, sizeof piece, MSG_DONTWAIT);
-      if (count <= 0) continue;
-      append(heard, {piece, static_cast<std::size_t>(count)});
-      if (heard.size() < 8) continue;
-      heard.clear();
-      static constexpr std::uint8_t kAnswer[] = {0x01, 0x03, 0x02, 0x00, 0x05, 0x78, 0x47};  // CRC-16/MODBUS 4778, low byte first
-      ::send(fd, kAnswer, sizeof kAnswer, MSG_NOSIGNAL);
-    }
-  }
-  std::atomic<bool> over_{false};
-  std::thread thread_;
-};
-
 TEST_F(Lease, ABusOfAModuleCollectsIsProgrammedAndCollectsAgain) {
   start();
   run(bus_of(DialInPortSpec{"17", std::nullopt}));
   TcpClient module = this->module("17\r\n");
-  auto plc = std::make_unique<PlcBehindAModule>(module);
+  auto plc = std::make_unique<ModuleDevice>(module);
   EXPECT_TRUE(hears_more());
   plc.reset();
   TcpClient client = engineer();
@@ -156,7 +136,7 @@ TEST_F(Lease, ABusOfAModuleCollectsIsProgrammedAndCollectsAgain) {
   EXPECT_THAT(module.hear("program*\r"), testing::EndsWith("@00program*\r"));
   module.say("@00ok*\r");
   EXPECT_EQ(client.hear("\rFEFF"), "@@@00ok*\rFEFF");
-  plc = std::make_unique<PlcBehindAModule>(module);
+  plc = std::make_unique<ModuleDevice>(module);
   client.say("@@EDFEFF");
   EXPECT_TRUE(hears_more());
 }
@@ -166,12 +146,127 @@ TEST_F(Lease, AModuleThatIsLostIsCollectedAgainWhenItDialsIn) {
   run(bus_of(DialInPortSpec{"17", std::nullopt}));
   {
     TcpClient module = this->module("17\r\n");
-    PlcBehindAModule plc(module);
+    ModuleDevice plc(module);
     ASSERT_TRUE(hears_more());
   }
-  ASSERT_TRUE(outlet.wait_for([](const auto& r) { return r.reports.back().state == BusState::kClosed; }));
+  ASSERT_TRUE(
+      sink.wait_for([](const auto& r) { return r.reports.back().state == BusState::kClosed; }));
   TcpClient module = this->module("17\r\n");
-  PlcBehindAModule plc(module);
+  ModuleDevice plc(module);
+  EXPECT_TRUE(hears_more());
+}
+
+TEST_F(Lease, AModuleStaysConnectedWhenItsBusStartsAnew) {
+  start();
+  BusSpec bus = bus_of(DialInPortSpec{"17", std::nullopt});
+  run(bus);
+  TcpClient module = this->module("17\r\n");
+  ModuleDevice plc(module);
+  ASSERT_TRUE(hears_more());
+  for (int reload = 0; reload < 20; ++reload) {
+    end_bus();
+    bus.devices[0].channels[0].refresh += milliseconds{1};
+    run(bus);
+    ASSERT_TRUE(hears_more()) << reload;
+  }
+  EXPECT_FALSE(module.is_closed(milliseconds{30}));
+}
+
+TEST_F(Lease, AModuleThatDialsInWhileItsBusStartsAnewIsFound) {
+  start();
+  BusSpec bus = bus_of(DialInPortSpec{"17", std::nullopt});
+  for (int reload = 0; reload < 20; ++reload) {
+    run(bus);
+    TcpClient module = this->module("17\r\n");
+    ModuleDevice plc(module);
+    if (reload % 2 == 0) {
+      end_bus();
+      run(bus);
+    }
+    ASSERT_TRUE(hears_more()) << reload;
+    end_bus();
+  }
+}
+
+TEST_F(Lease, ABusThatIsAddedFindsItsModule) {
+  start();
+  TcpClient module = this->module("17\r\n");
+  TcpClient client = engineer();
+  ASSERT_EQ(pair(client, "17"), "@@0000FEFF");  // it is there, and nobody's bus
+  client.say("@@EDFEFF@@nobody1FEFF");
+  ASSERT_EQ(client.hear("FEFF"), "@@0001FEFF");
+  run(bus_of(DialInPortSpec{"17", std::nullopt}));
+  ModuleDevice plc(module);
+  EXPECT_TRUE(hears_more());
+}
+
+TEST_F(Lease, AModuleUnderProgrammingGoesToItsNewBusAtTheEnd) {
+  start();
+  TcpClient module = this->module("17\r\n");
+  TcpClient client = engineer();
+  ASSERT_EQ(pair(client, "17"), "@@0000FEFF");
+  run(bus_of(DialInPortSpec{"17", std::nullopt}));
+  client.say("@@@00program*\rFEFF");
+  EXPECT_EQ(module.hear("\r"), "@00program*\r");
+  client.say("@@EDFEFF");
+  ModuleDevice plc(module);
+  EXPECT_TRUE(hears_more());
+}
+
+TEST_F(Lease, AModuleWhoseBusIsRemovedCanBeProgrammedAndFoundAgain) {
+  start();
+  run(bus_of(DialInPortSpec{"17", std::nullopt}));
+  TcpClient module = this->module("17\r\n");
+  auto plc = std::make_unique<ModuleDevice>(module);
+  ASSERT_TRUE(hears_more());
+  end_bus();
+  plc.reset();
+  TcpClient client = engineer();
+  ASSERT_EQ(pair(client, "17"), "@@0000FEFF");
+  client.say("@@@00program*\rFEFF");
+  EXPECT_THAT(module.hear("program*\r"), testing::EndsWith("@00program*\r"));
+  client.say("@@EDFEFF");
+  ASSERT_TRUE(audited("stopped by the engineer"));
+  run(bus_of(DialInPortSpec{"17", std::nullopt}));
+  plc = std::make_unique<ModuleDevice>(module);
+  EXPECT_TRUE(hears_more());
+}
+
+// What the client sent is all sent, at the line's own pace, before the bus asks its first question
+// again.
+TEST_F(Lease, TheLastBytesOfASlowLineArriveBeforeTheBusReadsAgain) {
+  Pty pty;
+  auto device = std::make_unique<ModbusDevice>(pty);
+  start();
+  run(bus_of(serial_at(pty.path())));
+  ASSERT_TRUE(hears_more());
+  TcpClient client = engineer();
+  client.say("@@V2P1FEFF");
+  ASSERT_EQ(client.hear("FEFF"), "@@0000FEFF");
+  device->stop();  // the test is the PLC
+  (void)pty.take();
+  const Bytes program(96 * 1024, 'p');
+  Bytes sent;
+  program::append_chunks(sent, program);
+  program::append_stop(sent);
+  client.send(sent);
+  ASSERT_TRUE(audited("stopped by the engineer"));
+  std::size_t heard = 0;
+  const auto limit = std::chrono::steady_clock::now() + seconds{60};
+  std::size_t foreign = 0;
+  for (auto next = std::chrono::steady_clock::now();
+       heard < program.size() && std::chrono::steady_clock::now() < limit;
+       next += milliseconds{100}) {
+    std::this_thread::sleep_until(next);  // the pace of the line: about 40 kB/s
+    const Bytes piece = pty.take();
+    heard += static_cast<std::size_t>(std::count(piece.begin(), piece.end(), 'p'));
+    if (heard < program.size())
+      foreign +=
+          piece.size() - static_cast<std::size_t>(std::count(piece.begin(), piece.end(), 'p'));
+  }
+  EXPECT_EQ(heard, program.size());
+  EXPECT_EQ(foreign, 0u);
+  ModbusDevice again(pty);
   EXPECT_TRUE(hears_more());
 }
 
@@ -187,10 +282,13 @@ TEST_F(Lease, ASerialPortThatIsUnpluggedIsLostToTheEngineer) {
   device.stop();
   pty.unplug();
   EXPECT_EQ(client.hear("FEFF"), "@@0003FEFF");
-  EXPECT_TRUE(outlet.wait_for([](const auto& r) { return !r.reports.empty() && r.reports.back().state == BusState::kClosed; }));
+  EXPECT_TRUE(sink.wait_for([](const auto& r) {
+    return !r.reports.empty() && r.reports.back().state == BusState::kClosed;
+  }));
 }
 
-// The whole bus rests for one device; who asks for its neighbour waits, and the first one keeps the line.
+// The whole bus rests for one device; who asks for its neighbour waits, and the first one keeps the
+// line.
 TEST_F(Lease, ABusThatIsLentIsBusyForItsOtherDevices) {
   Pty pty;
   ModbusDevice device(pty);
@@ -253,7 +351,8 @@ TEST_F(Lease, TheLineTakesTheSpeedThatTheEngineerSetsAndHasItsOwnAgainAfterwards
   ASSERT_EQ(client.hear("FEFF"), "@@0000FEFF");
   const auto becomes = [&](const program::LineSettings& wanted) {
     const auto deadline = std::chrono::steady_clock::now() + seconds{10};
-    while (rate_of(pty.master()) != wanted && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
+    while (rate_of(pty.master()) != wanted && std::chrono::steady_clock::now() < deadline)
+      std::this_thread::yield();
     return rate_of(pty.master()) == wanted;
   };
   EXPECT_TRUE(becomes({115200, 1}));
@@ -265,7 +364,8 @@ TEST_F(Lease, TheLineTakesTheSpeedThatTheEngineerSetsAndHasItsOwnAgainAfterwards
   EXPECT_TRUE(becomes({115200, 1}));
 }
 
-// A pseudo-terminal drops data bits and "parity on", but keeps what else the format sets: odd parity, its check, two stop bits.
+// A pseudo-terminal drops data bits and "parity on", but keeps what else the format sets: odd
+// parity, its check, two stop bits.
 TEST_F(Lease, TheLineTakesTheFormatThatTheEngineerGivesAndHasItsOwnAgainAfterwards) {
   Pty pty;
   ModbusDevice device(pty);
@@ -281,13 +381,16 @@ TEST_F(Lease, TheLineTakesTheFormatThatTheEngineerGivesAndHasItsOwnAgainAfterwar
       ::tcgetattr(pty.master(), &now);
       return ((now.c_cflag & PARODD) != 0) == wanted && ((now.c_iflag & INPCK) != 0) == wanted;
     };
-    for (const auto end = std::chrono::steady_clock::now() + seconds{10}; !is() && std::chrono::steady_clock::now() < end;)
+    for (const auto end = std::chrono::steady_clock::now() + seconds{10};
+         !is() && std::chrono::steady_clock::now() < end;)
       std::this_thread::yield();
-    return is() && rate_of(pty.master()) == program::LineSettings{115200, static_cast<std::uint8_t>(wanted ? 2 : 1)};
+    return is() && rate_of(pty.master()) ==
+                       program::LineSettings{115200, static_cast<std::uint8_t>(wanted ? 2 : 1)};
   };
   EXPECT_TRUE(becomes(false));
   Bytes settings;
-  program::append_settings(settings, {0, 2, 7, Parity::kOdd});  // at the baud rate of the configuration
+  program::append_settings(settings,
+                           {0, 2, 7, Parity::kOdd});  // at the baud rate of the configuration
   client.send(settings);
   EXPECT_TRUE(becomes(true));
   client.close();

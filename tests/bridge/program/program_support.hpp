@@ -1,4 +1,5 @@
-// A programming server on ports that the system chooses, with what it says to the audit kept for the test.
+// A programming server on ports that the system chooses, with what it says to the audit kept for
+// the test.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -6,11 +7,11 @@
 #include <condition_variable>
 #include <mutex>
 
-#include "bridge/bus_runner.hpp"
-#include "bridge/io_thread.hpp"
+#include "bridge/bus/bus_runner.hpp"
+#include "bridge/bus/io_thread.hpp"
 #include "bridge/port/dial_in_registry.hpp"
 #include "bridge/program/server.hpp"
-#include "tests/bridge/support/recording_outlet.hpp"
+#include "tests/bridge/support/recording_sink.hpp"
 #include "tests/bridge/support/tcp_client.hpp"
 
 namespace fieldcast::test {
@@ -49,8 +50,9 @@ class ServerFixture : public testing::Test {
   [[nodiscard]] bool audited(const std::string& text) {
     std::unique_lock lock(mutex);
     return changed.wait_for(lock, std::chrono::seconds{10}, [&] {
-      return std::any_of(audit.begin(), audit.end(),
-                         [&](const auto& entry) { return entry.result.find(text) != std::string::npos; });
+      return std::any_of(audit.begin(), audit.end(), [&](const auto& entry) {
+        return entry.result.find(text) != std::string::npos;
+      });
     });
   }
 
@@ -67,7 +69,8 @@ class ServerFixture : public testing::Test {
       const std::lock_guard lock(mutex);
       reports.push_back(report);
     };
-    made.login = [](const std::string& user, const std::string& password, const std::string&, const auto& done) {
+    made.login = [](const std::string& user, const std::string& password, const std::string&,
+                    const auto& done) {
       done({user == "anna" && password == "secret", "wrong password"});
     };
     return made;

@@ -1,7 +1,8 @@
 // Modules, engineers and the bad input of both, over real sockets on the loopback.
 #include "bridge/program/server.hpp"
 
-#include "bridge/program/engineer_desk.hpp"
+#include "bridge/program/engineer_server.hpp"
+#include "bridge/program/silent_connections.hpp"
 #include "core/program/length_framing.hpp"
 #include "tests/bridge/program/program_support.hpp"
 
@@ -15,7 +16,8 @@ using test::TcpClient;
 using ProgramServer = test::ServerFixture;
 
 // As many wishes as a module may need to be registered, each in a connection of its own.
-std::string paired(std::uint16_t port, const std::string& wish, std::unique_ptr<TcpClient>& client) {
+std::string paired(std::uint16_t port, const std::string& wish,
+                   std::unique_ptr<TcpClient>& client) {
   const auto deadline = std::chrono::steady_clock::now() + seconds{10};
   std::string reply;
   do {
@@ -152,14 +154,16 @@ TEST_F(ProgramServer, HalfAnInstructionIsAuditedAndTheNextOneArrives) {
 TEST_F(ProgramServer, AClientThatLeavesInTheMiddleOfAnInstructionFreesTheDevice) {
   start();
   TcpClient module = this->module("17\n");
-  const std::pair<const char*, Bytes> halves[] = {{"17", {'@', '@', '@', '0', '0', 'h'}}, {"V217", {0, 0, 0}}};
+  const std::pair<const char*, Bytes> halves[] = {{"17", {'@', '@', '@', '0', '0', 'h'}},
+                                                  {"V217", {0, 0, 0}}};
   for (const auto& [wish, half] : halves) {
     std::unique_ptr<TcpClient> client, next;
     ASSERT_EQ(paired(server.engineers_port(), wish, client), "@@0000FEFF") << wish;
     client->send(half);
     client->close();
     const auto end = std::chrono::steady_clock::now() + seconds{10};
-    while (paired(server.engineers_port(), "17", next) == "@@0002FEFF" && std::chrono::steady_clock::now() < end) {}
+    while (paired(server.engineers_port(), "17", next) == "@@0002FEFF" &&
+           std::chrono::steady_clock::now() < end) {}
     next->say("@@@00next*\rFEFF");
     EXPECT_EQ(module.hear("\r"), "@00next*\r") << wish;
     next->say("@@EDFEFF@@nobody1FEFF");  // whose refusal comes when the device is free again
@@ -240,6 +244,81 @@ TEST_F(ProgramServer, ALoginNamesTheUserInTheAudit) {
   EXPECT_THAT(audit.back().who, testing::StartsWith("anna (127.0.0.1:"));
 }
 
+TEST_F(ProgramServer, ALoginCanBeDemandedOnTheLoopbackToo) {
+  spec.engineers->login = LoginRule::kAlways;
+  start();
+  TcpClient module = this->module("17\n");
+  TcpClient nobody = engineer();
+  nobody.say("@@17FEFF");
+  EXPECT_EQ(nobody.hear("FEFF"), "@@0004FEFF");
+  EXPECT_TRUE(nobody.is_closed());
+  EXPECT_TRUE(audited("was asked for without a login"));
+  TcpClient anna = engineer();
+  anna.say("@@AU616e6e61:736563726574FEFF");
+  EXPECT_EQ(pair(anna, "17"), "@@0000FEFF");
+}
+
+// From one address and from many, that of the engineer among them.
+TEST_F(ProgramServer, SixHundredSilentConnectionsLockNobodyOut) {
+  start();
+  TcpClient module = this->module("17\n");
+  TcpClient first = engineer();
+  ASSERT_EQ(pair(first, "17"), "@@0000FEFF");
+  std::vector<TcpClient> silent;
+  for (const std::uint16_t port : {server.engineers_port(), server.modules_port()}) {
+    for (int i = 0; i < 300; ++i) {
+      const std::string source = "127.0.0." + std::to_string(1 + (i % 3 == 0 ? 0 : i % 200));
+      silent.emplace_back(port, source.c_str());
+    }
+  }
+  first.say("@@@00goes on*\rFEFF");
+  EXPECT_EQ(module.hear("\r"), "@00goes on*\r");
+  TcpClient late = this->module("18\n"), far(server.modules_port(), "127.0.0.250");
+  far.say("19\n");
+  std::unique_ptr<TcpClient> second, third;  // again and again: the modules come behind the flood
+  EXPECT_EQ(paired(server.engineers_port(), "18", second), "@@0000FEFF");
+  EXPECT_EQ(paired(server.engineers_port(), "19", third), "@@0000FEFF");
+  EXPECT_TRUE(silent.front().is_closed());
+  const std::lock_guard lock(mutex);
+  const auto displaced = std::count_if(audit.begin(), audit.end(), [](const auto& entry) {
+    return entry.result.find("the oldest goes") != std::string::npos;
+  });
+  EXPECT_EQ(displaced, 2);  // told once for each port, then counted
+}
+
+using program::SilentConnections;
+
+TEST(SilentConnections, OneMoreFromAFullAddressDisplacesItsOldest) {
+  std::vector<int> cut;
+  const auto cuts = [&](int number) { return [&cut, number] { cut.push_back(number); }; };
+  SilentConnections silent(10, 2);
+  const auto first = silent.add("a", cuts(1));
+  const auto second = silent.add("a", cuts(2));
+  (void)silent.add("b", cuts(3));
+  (void)silent.add("a", cuts(4));
+  EXPECT_THAT(cut, testing::ElementsAre(1));
+  EXPECT_FALSE(silent.remove(first));
+  EXPECT_TRUE(silent.remove(second));  // it spoke
+  (void)silent.add("a", cuts(5));
+  EXPECT_THAT(cut, testing::ElementsAre(1));
+}
+
+TEST(SilentConnections, WhenAllIsFullTheAddressWithTheMostLosesItsOldest) {
+  std::vector<int> cut;
+  const auto cuts = [&](int number) { return [&cut, number] { cut.push_back(number); }; };
+  SilentConnections silent(4, 3);
+  (void)silent.add("engineer", cuts(1));
+  for (int i = 2; i <= 4; ++i) (void)silent.add("flood", cuts(i));
+  (void)silent.add("other", cuts(5));
+  EXPECT_THAT(cut, testing::ElementsAre(2));
+  EXPECT_TRUE(silent.cut_one());
+  EXPECT_THAT(cut, testing::ElementsAre(2, 3));
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(silent.cut_one());
+  EXPECT_FALSE(silent.cut_one());
+  EXPECT_THAT(cut, testing::ElementsAre(2, 3, 1, 4, 5));  // among equals the oldest
+  EXPECT_EQ(silent.size(), 0u);
+}
+
 TEST_F(ProgramServer, StoppingTellsEveryClient) {
   start();
   TcpClient module = this->module("17\n");
@@ -248,6 +327,35 @@ TEST_F(ProgramServer, StoppingTellsEveryClient) {
   server.stop();
   EXPECT_EQ(client->hear("FEFF"), "@@0003FEFF");
   EXPECT_TRUE(client->is_closed());
+  EXPECT_TRUE(module.is_closed());
+}
+
+TEST_F(ProgramServer, AReloadKeepsItsModulesThoseWithoutANumberYetToo) {
+  start();
+  TcpClient module = this->module("17\n"), half = this->module("1");
+  TcpClient before = engineer();
+  ASSERT_EQ(pair(before, "17"), "@@0000FEFF");
+  server.stop(program::Server::Modules::kKeep);
+  EXPECT_EQ(before.hear("FEFF"), "@@0003FEFF");
+  spec.engineers->idle = seconds{77};
+  start();
+  TcpClient client = engineer();
+  EXPECT_EQ(pair(client, "17"), "@@0000FEFF");
+  client.say("@@@00x*\rFEFF");
+  EXPECT_EQ(module.hear("\r"), "@00x*\r");
+
+  server.stop(program::Server::Modules::kKeep);
+  spec.modules->registration.prefix = "ID=";  // how others are asked from now on
+  spec.modules->listen.host = "127.0.0.2";
+  start();
+  half.say("8\n");
+  TcpClient again = engineer(), other = engineer();
+  EXPECT_EQ(pair(again, "17"), "@@0000FEFF");
+  EXPECT_EQ(pair(other, "18"), "@@0000FEFF");
+
+  server.stop(program::Server::Modules::kKeep);
+  spec.modules.reset();
+  start();
   EXPECT_TRUE(module.is_closed());
 }
 
@@ -265,12 +373,67 @@ TEST(ProgramServerRules, OffTheLoopbackALoginIsDemanded) {
   EngineersSpec spec;
   for (const char* host : {"127.0.0.1", "127.1.2.3", "::1"}) {
     spec.listen.host = host;
+    spec.login = LoginRule::kOffLoopback;
     EXPECT_FALSE(program::rules_of(spec).login_needed) << host;
+    spec.login = LoginRule::kAlways;
+    EXPECT_TRUE(program::rules_of(spec).login_needed) << host;
   }
+  spec.login = LoginRule::kOffLoopback;
   for (const char* host : {"0.0.0.0", "10.0.0.7", "::", "192.168.127.1", "127.0.0.1.example.com"}) {
     spec.listen.host = host;
     EXPECT_TRUE(program::rules_of(spec).login_needed) << host;
   }
+}
+
+FileDescriptor some_socket() { return FileDescriptor(::socket(AF_INET, SOCK_STREAM, 0)); }
+
+TEST(DialInRegistry, ABusThatEndsLateTakesNothingFromTheNextOne) {
+  DialInRegistry registry;
+  const auto first = registry.expect("17");
+  int delivered = 0;
+  const auto old = registry.claim("17", [](FileDescriptor) { ADD_FAILURE() << "to the old bus"; });
+  const auto second = registry.expect("17");
+  const auto claim = registry.claim("17", [&](FileDescriptor) { ++delivered; });
+  registry.release("17", old);
+  registry.forget("17", first);
+  EXPECT_FALSE(registry.offer("17", some_socket()));
+  EXPECT_EQ(delivered, 1);
+  registry.release("17", claim);
+  registry.forget("17", second);
+  EXPECT_TRUE(registry.offer("17", some_socket()));
+}
+
+TEST(DialInRegistry, AnOlderConnectionNeverReplacesANewerOne) {
+  DialInRegistry registry;
+  (void)registry.expect("17");
+  FileDescriptor newer = some_socket();
+  const int wanted = newer.get();
+  EXPECT_FALSE(registry.offer("17", some_socket()));
+  EXPECT_FALSE(registry.offer("17", std::move(newer)));
+  registry.pass_on("17", some_socket());  // its bus, or who kept it, comes late
+  int given = -1;
+  (void)registry.claim("17", [&](FileDescriptor socket) { given = socket.get(); });
+  EXPECT_EQ(given, wanted);
+}
+
+TEST(DialInRegistry, AModuleThatWaitsForABusThatEndsIsKeptAndGivenToTheNextOne) {
+  DialInRegistry registry;
+  std::map<std::string, FileDescriptor> kept;
+  registry.set_keeper(
+      {[&](const std::string& number, FileDescriptor socket) { kept[number] = std::move(socket); },
+       [&](const std::string& number) {
+         const auto found = kept.find(number);
+         return found == kept.end() ? FileDescriptor{} : std::move(found->second);
+       }});
+  const auto first = registry.expect("17");
+  EXPECT_FALSE(registry.offer("17", some_socket()));
+  registry.forget("17", first);
+  EXPECT_TRUE(kept["17"].valid());
+  (void)registry.expect("17");
+  EXPECT_FALSE(kept["17"].valid());
+  int delivered = 0;
+  (void)registry.claim("17", [&](FileDescriptor socket) { delivered += socket.valid() ? 1 : 0; });
+  EXPECT_EQ(delivered, 1);
 }
 
 }  // namespace

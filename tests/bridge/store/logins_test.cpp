@@ -6,7 +6,7 @@
 #include <future>
 #include <sstream>
 
-#include "bridge/store/login_desk.hpp"
+#include "bridge/store/authenticator.hpp"
 #include "bridge/store/user_table.hpp"
 #include "tests/bridge/store/scratch.hpp"
 
@@ -24,10 +24,12 @@ class Users : public testing::Test {
  protected:
   Users() { (void)table_.add("ann", Role::kProgrammer, "correct horse", kNow); }
 
-  LoginResult ask(LoginDesk& desk, const std::string& user, const std::string& password) {
+  LoginResult ask(Authenticator& authenticator, const std::string& user,
+                  const std::string& password) {
     std::promise<LoginResult> answered;
     auto answer = answered.get_future();
-    desk.authenticate({user, password, "10.0.0.1"}, [&](LoginResult result) { answered.set_value(result); });
+    authenticator.authenticate({user, password, "10.0.0.1"},
+                               [&](LoginResult result) { answered.set_value(result); });
     if (answer.wait_for(std::chrono::seconds{30}) != std::future_status::ready) {
       ADD_FAILURE() << "no answer in 30 s";
       std::abort();
@@ -80,7 +82,8 @@ TEST_F(Users, AreReadableByTheOwnerOfTheFileOnly) {
 
 TEST_F(Users, HaveNamesThatCanStandInALine) {
   EXPECT_EQ(fault_of_user_name("ann.smith@plant-7_b"), "");
-  for (const std::string& bad : std::vector<std::string>{"", "two words", "a\nb", "\x01", "ü", std::string(65, 'a')}) {
+  for (const std::string& bad :
+       std::vector<std::string>{"", "two words", "a\nb", "\x01", "ü", std::string(65, 'a')}) {
     EXPECT_NE(fault_of_user_name(bad), "") << bad;
   }
   EXPECT_NE(fault_of_password("short"), "");
@@ -89,8 +92,8 @@ TEST_F(Users, HaveNamesThatCanStandInALine) {
 }
 
 TEST_F(Users, LogInWithTheirPasswordAndGetTheirRole) {
-  LoginDesk desk(address_, audit_);
-  const auto result = ask(desk, "ann", "correct horse");
+  Authenticator authenticator(address_, audit_);
+  const auto result = ask(authenticator, "ann", "correct horse");
   ASSERT_TRUE(result.has_value());
   EXPECT_EQ(*result, Role::kProgrammer);
   ASSERT_EQ(audit_.entries().size(), 1u);
@@ -100,12 +103,13 @@ TEST_F(Users, LogInWithTheirPasswordAndGetTheirRole) {
 }
 
 TEST_F(Users, WrongPasswordsAndUnknownUsersAreAnsweredAlikeSlowedDownAndAudited) {
-  LoginDesk desk(address_, audit_);
-  EXPECT_EQ(ask(desk, "ann", "wrong").error().why, LoginRefused::Why::kWrong);
-  EXPECT_EQ(ask(desk, "eve", "correct horse").error().why, LoginRefused::Why::kWrong);
-  EXPECT_EQ(to_text(ask(desk, "ann", "").error()), to_text(ask(desk, "eve", "x").error()));
-  EXPECT_EQ(ask(desk, "ann", "wrong").error().why, LoginRefused::Why::kWrong);
-  const auto slowed = ask(desk, "ann", "correct horse");
+  Authenticator authenticator(address_, audit_);
+  EXPECT_EQ(ask(authenticator, "ann", "wrong").error().why, LoginRefused::Why::kWrong);
+  EXPECT_EQ(ask(authenticator, "eve", "correct horse").error().why, LoginRefused::Why::kWrong);
+  EXPECT_EQ(to_text(ask(authenticator, "ann", "").error()),
+            to_text(ask(authenticator, "eve", "x").error()));
+  EXPECT_EQ(ask(authenticator, "ann", "wrong").error().why, LoginRefused::Why::kWrong);
+  const auto slowed = ask(authenticator, "ann", "correct horse");
   ASSERT_FALSE(slowed.has_value());
   EXPECT_EQ(slowed.error().why, LoginRefused::Why::kTooSoon);
   EXPECT_GT(slowed.error().wait, Duration{});
@@ -116,37 +120,42 @@ TEST_F(Users, WrongPasswordsAndUnknownUsersAreAnsweredAlikeSlowedDownAndAudited)
 }
 
 TEST_F(Users, GuessesThatAreSentAllAtOnceAreSlowedDownToo) {
-  LoginDesk desk(address_, audit_);
+  Authenticator authenticator(address_, audit_);
   std::vector<std::future<LoginResult>> answers;
   for (int i = 0; i < 10; ++i) {
     auto answered = std::make_shared<std::promise<LoginResult>>();
     answers.push_back(answered->get_future());
-    desk.authenticate({"ann", "guess" + std::to_string(i), "10.0.0.1"},
-                      [answered](LoginResult result) { answered->set_value(result); });
+    authenticator.authenticate({"ann", "guess" + std::to_string(i), "10.0.0.1"},
+                               [answered](LoginResult result) { answered->set_value(result); });
   }
   unsigned looked_at = 0;
   for (auto& answer : answers) looked_at += answer.get().error().why == LoginRefused::Why::kWrong;
-  EXPECT_LE(looked_at, LoginBrake::kFreeOfUser);
+  EXPECT_LE(looked_at, LoginThrottle::kFreeOfUser);
 }
 
 TEST_F(Users, WhatComesFromTheNetworkIsHarmlessInTheAudit) {
-  LoginDesk desk(address_, audit_);
-  EXPECT_EQ(ask(desk, "a\n2024 fake line" + std::string(5000, 'x'), "p").error().why, LoginRefused::Why::kWrong);
-  EXPECT_EQ(ask(desk, "ann", std::string(1 << 20, 'p')).error().why, LoginRefused::Why::kWrong);
+  Authenticator authenticator(address_, audit_);
+  EXPECT_EQ(ask(authenticator, "a\n2024 fake line" + std::string(5000, 'x'), "p").error().why,
+            LoginRefused::Why::kWrong);
+  EXPECT_EQ(ask(authenticator, "ann", std::string(1 << 20, 'p')).error().why,
+            LoginRefused::Why::kWrong);
   EXPECT_THAT(audit_.entries()[0].who, Not(HasSubstr("\n")));
   EXPECT_LT(audit_.entries()[0].who.size(), 200u);
 }
 
 TEST_F(Users, AStoreThatIsNotThereRefusesEverybody) {
-  LoginDesk desk(StoreAddress{scratch_.path("absent/store.db")}, audit_);
-  EXPECT_EQ(ask(desk, "ann", "correct horse").error().why, LoginRefused::Why::kUnavailable);
+  Authenticator authenticator(StoreAddress{scratch_.path("absent/store.db")}, audit_);
+  EXPECT_EQ(ask(authenticator, "ann", "correct horse").error().why,
+            LoginRefused::Why::kUnavailable);
 }
 
-TEST_F(Users, WhoStillWaitsWhenTheDeskClosesHearsIt) {
+TEST_F(Users, WhoStillWaitsWhenTheRouterClosesHearsIt) {
   std::atomic<unsigned> answered{0};
   {
-    LoginDesk desk(address_, audit_);
-    for (int i = 0; i < 5; ++i) desk.authenticate({"ann", "correct horse", "10.0.0.1"}, [&](const LoginResult&) { ++answered; });
+    Authenticator authenticator(address_, audit_);
+    for (int i = 0; i < 5; ++i)
+      authenticator.authenticate({"ann", "correct horse", "10.0.0.1"},
+                                 [&](const LoginResult&) { ++answered; });
   }
   EXPECT_EQ(answered, 5u);
 }

@@ -1,4 +1,5 @@
-// A real PostgreSQL server for one test: in a folder of its own, on a Unix socket in it and nowhere else.
+// A real PostgreSQL server for one test: in a folder of its own, on a Unix socket in it and nowhere
+// else.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -24,7 +25,8 @@ class PostgresServer {
     const std::filesystem::path root = "/usr/lib/postgresql";
     std::error_code none;
     for (const auto& version : std::filesystem::directory_iterator(root, none)) {
-      if (std::filesystem::exists(version.path() / "bin/initdb")) return (version.path() / "bin").string();
+      if (std::filesystem::exists(version.path() / "bin/initdb"))
+        return (version.path() / "bin").string();
     }
     return {};
   }
@@ -36,13 +38,15 @@ class PostgresServer {
     // The server refuses to run as root; its package made a user for it.
     if (::geteuid() == 0) owner_ = ::getpwnam("postgres");
     if (owner_ && ::chown(folder_.c_str(), owner_->pw_uid, owner_->pw_gid) != 0) return;
-    const pid_t init =
-        start("initdb", {"-D", folder_ + "/data", "-A", "trust", "-U", "fieldcast", "--no-sync", "-E", "UTF8", "--locale=C"});
+    const pid_t init = start("initdb", {"-D", folder_ + "/data", "-A", "trust", "-U", "fieldcast",
+                                        "--no-sync", "-E", "UTF8", "--locale=C"});
     int status = -1;
     ::waitpid(init, &status, 0);
     if (status != 0) return;
-    server_ = start("postgres", {"-D", folder_ + "/data", "-k", folder_, "-c", "listen_addresses=", "-c", "fsync=off"});
-    for (const auto end = std::chrono::steady_clock::now() + std::chrono::seconds{30}; std::chrono::steady_clock::now() < end;) {
+    server_ = start("postgres", {"-D", folder_ + "/data", "-k", folder_, "-c",
+                                 "listen_addresses=", "-c", "fsync=off"});
+    for (const auto end = std::chrono::steady_clock::now() + std::chrono::seconds{30};
+         std::chrono::steady_clock::now() < end;) {
       try {
         (void)open_postgres(address());
         ready_ = true;
@@ -59,7 +63,9 @@ class PostgresServer {
   PostgresServer& operator=(const PostgresServer&) = delete;
 
   [[nodiscard]] bool ready() const { return ready_; }
-  [[nodiscard]] StoreAddress address() const { return StoreAddress("postgresql://fieldcast:secret@/postgres?host=" + folder_); }
+  [[nodiscard]] StoreAddress address() const {
+    return StoreAddress("postgresql://fieldcast:secret@/postgres?host=" + folder_);
+  }
   void stop(int signal) {
     if (server_ <= 0) return;
     ::kill(server_, signal);
@@ -77,7 +83,9 @@ class PostgresServer {
     const pid_t child = ::fork();
     if (child != 0) return child;
     if (owner_ && (::setgid(owner_->pw_gid) != 0 || ::setuid(owner_->pw_uid) != 0)) ::_exit(126);
-    if (std::freopen(log.c_str(), "a", stdout) == nullptr || ::dup2(STDOUT_FILENO, STDERR_FILENO) < 0) ::_exit(126);
+    if (std::freopen(log.c_str(), "a", stdout) == nullptr ||
+        ::dup2(STDOUT_FILENO, STDERR_FILENO) < 0)
+      ::_exit(126);
     ::execv(argv[0], argv.data());
     ::_exit(127);
   }

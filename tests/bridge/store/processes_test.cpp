@@ -1,4 +1,5 @@
-// A store of SQLite that several processes have open: the bridge, by two connections, and a command line that comes and goes.
+// A store of SQLite that several processes have open: the bridge, by two connections, and a command
+// line that comes and goes.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -14,12 +15,14 @@ using test::Scratch;
 std::size_t entries_of(const StoreAddress& address) {
   const auto connection = open_store(address, IfMissing::kFail);
   std::size_t count = 0;
-  EventTable(*connection).audit(UtcTime{}, UtcTime{INT64_MAX}, [&](const AuditEntry&) { return ++count > 0; });
+  EventTable(*connection).audit(UtcTime{}, UtcTime{INT64_MAX}, [&](const AuditEntry&) {
+    return ++count > 0;
+  });
   return count;
 }
 
-// A process that looks into the store when it is told to, and ends. Made before this one opens the store: SQLite carries nothing
-// across a fork.
+// A process that looks into the store when it is told to, and ends. Made before this one opens the
+// store: SQLite carries nothing across a fork.
 class Reader {
  public:
   explicit Reader(const StoreAddress& address) {

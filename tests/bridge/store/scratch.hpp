@@ -16,7 +16,8 @@ namespace fieldcast::test {
 class Scratch {
  public:
   Scratch() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "fieldcast-store-XXXXXX").string();
+    std::string pattern =
+        (std::filesystem::temp_directory_path() / "fieldcast-store-XXXXXX").string();
     if (::mkdtemp(pattern.data()) == nullptr) ADD_FAILURE() << "no temporary folder";
     path_ = pattern;
   }

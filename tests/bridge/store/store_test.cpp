@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <thread>
 
 #include "bridge/store/event_table.hpp"
@@ -25,7 +26,9 @@ using testing::HasSubstr;
 using testing::Not;
 
 const UtcMapping kClock{Instant{seconds{1000}}, UtcTime{1'700'000'000'000'000'000}};
-UtcTime utc(std::int64_t second) { return UtcTime{kClock.utc.nanoseconds + second * 1'000'000'000}; }
+UtcTime utc(std::int64_t second) {
+  return UtcTime{kClock.utc.nanoseconds + second * 1'000'000'000};
+}
 Instant instant(std::int64_t second) { return kClock.instant + seconds{second}; }
 const UtcTime kEnd{INT64_MAX};
 
@@ -45,6 +48,7 @@ BusSpec bus_of(const std::string& name, std::vector<std::string> channels) {
     ChannelSpec made;
     made.name = channel;
     made.unit = "°C";
+    made.encoding.type = ValueType::kFloat32;
     device.channels.push_back(made);
   }
   bus.devices.push_back(device);
@@ -59,13 +63,15 @@ Sample sample(ChannelIndex channel, Value value, std::int64_t second, std::uint6
           .sequence = sequence};
 }
 
-std::vector<StoredSample> history(const StoreAddress& address, const std::string& pattern, UtcTime from = {}, UtcTime to = kEnd) {
+std::vector<StoredSample> history(const StoreAddress& address, const std::string& pattern,
+                                  UtcTime from = {}, UtcTime to = kEnd) {
   std::vector<StoredSample> found;
   const auto connection = open_store(address, IfMissing::kFail);
-  SampleTable(*connection).history(*Pattern::parse(pattern), from, to, [&](const StoredSample& stored) {
-    found.push_back(stored);
-    return true;
-  });
+  SampleTable(*connection)
+      .history(*Pattern::parse(pattern), from, to, [&](const StoredSample& stored) {
+        found.push_back(stored);
+        return true;
+      });
   return found;
 }
 
@@ -102,6 +108,7 @@ void keeps_every_kind_of_value(const StoreAddress& address) {
     EXPECT_EQ(found[i].sequence, i + 1);
     EXPECT_EQ(found[i].acquired_at, utc(static_cast<std::int64_t>(i)));
     EXPECT_EQ(found[i].unit, "°C");
+    EXPECT_EQ(found[i].type, "float32");
   }
   EXPECT_TRUE(std::isnan(std::get<double>(found.back().value)));
 }
@@ -200,6 +207,28 @@ void keeps_audit_alarms_and_devices(const StoreAddress& address) {
   EXPECT_THAT(events.devices(), ElementsAre(after));
 }
 
+// A store tells what was active, before anything is put in, to the next bridge.
+void tells_which_alarms_are_active(const StoreAddress& address) {
+  AlarmRecord ended{"a", "d", "c", "low", "active", 1.5, utc(2)};
+  AlarmRecord again{"a", "d", "c", "high", "active", 91.5, utc(3)};
+  const auto active = [&] {
+    std::promise<std::vector<AlarmRecord>> told;
+    auto answer = told.get_future();
+    Store store(forever(address), [&](Store&, const auto& found) { told.set_value(found); });
+    store.put(ended);
+    store.put(again);
+    EXPECT_EQ(answer.wait_for(seconds{30}), std::future_status::ready);
+    return answer.get();
+  };
+  (void)active();
+  ended.state = "clear";
+  again.since = utc(5);
+  EXPECT_EQ(active().size(), 2u + 1u) << "and the one of the test before";
+  std::vector<AlarmRecord> left = active();
+  std::erase_if(left, [](const AlarmRecord& alarm) { return alarm.bus != "a"; });
+  EXPECT_THAT(left, ElementsAre(again));
+}
+
 void knows_its_users(const StoreAddress& address) {
   const auto connection = open_store(address, IfMissing::kFail);
   UserTable users(*connection);
@@ -236,9 +265,13 @@ void removes_what_is_too_old(const StoreAddress& address) {
 void all_of_it(const StoreAddress& address) {
   (void)open_store(address, IfMissing::kCreate);
   const std::pair<const char*, void (*)(const StoreAddress&)> all[] = {
-      {"values", keeps_every_kind_of_value},         {"times", keeps_quality_and_both_times},
-      {"pattern", answers_for_a_pattern_and_a_time}, {"chosen", keeps_only_what_the_patterns_name},
-      {"events", keeps_audit_alarms_and_devices},    {"users", knows_its_users},
+      {"values", keeps_every_kind_of_value},
+      {"times", keeps_quality_and_both_times},
+      {"pattern", answers_for_a_pattern_and_a_time},
+      {"chosen", keeps_only_what_the_patterns_name},
+      {"events", keeps_audit_alarms_and_devices},
+      {"active alarms", tells_which_alarms_are_active},
+      {"users", knows_its_users},
       {"retention", removes_what_is_too_old}};
   for (const auto& [name, check] : all) {
     SCOPED_TRACE(name);
@@ -256,12 +289,16 @@ TEST(SqliteStore, KeepsValuesEventsUsersAndLetsOldSamplesGo) {
 TEST(SqliteStore, ThatANewerProgramMadeIsRefused) {
   const Scratch scratch;
   const StoreAddress address(scratch.path("store.db"));
-  open_store(address, IfMissing::kCreate)->script("update fieldcast_version set version = version + 1");
+  open_store(address, IfMissing::kCreate)
+      ->script("update fieldcast_version set version = version + 1");
   try {
     (void)open_store(address, IfMissing::kFail);
     FAIL() << "it was opened";
   } catch (const StoreError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("a newer Fieldcast made it (version 2, this one knows 1)"));
+    EXPECT_THAT(
+        error.what(),
+        HasSubstr("a newer Fieldcast made it (version " + std::to_string(present_version() + 1) +
+                  ", this one knows " + std::to_string(present_version()) + ")"));
   }
 }
 
@@ -277,6 +314,27 @@ TEST(SqliteStore, IsBroughtToThePresentVersionOnce) {
     });
     EXPECT_THAT(versions, ElementsAre(present_version()));
   }
+}
+
+TEST(SqliteStore, OfAnOlderProgramKeepsItsSamplesWithoutATypeUntilTheChannelComesAgain) {
+  const Scratch scratch;
+  const StoreAddress address(scratch.path("store.db"));
+  const auto put_one = [&](std::int64_t second) {
+    Store store(forever(address));
+    const Sample one[] = {sample(0, 0.5, second)};
+    store.intake(bus_of("b", {"c"}))->put(one, kClock, utc(second));
+    ASSERT_TRUE(store.flush(seconds{30}));
+  };
+  put_one(1);
+  open_store(address, IfMissing::kFail)
+      ->script(
+          "alter table channels drop column type; drop table commands;"
+          "update fieldcast_version set version = 1");
+  ASSERT_EQ(history(address, "b").size(), 1u);
+  EXPECT_EQ(history(address, "b")[0].type, "");
+  put_one(2);
+  ASSERT_EQ(history(address, "b").size(), 2u);
+  EXPECT_EQ(history(address, "b")[0].type, "float32");
 }
 
 TEST(SqliteStore, WhatIsNoDatabaseIsRefusedAndLeftAlone) {
@@ -350,7 +408,8 @@ TEST(Store, WritesWhatWaitsWhenItCloses) {
   Store store(forever(StoreAddress(path)));
   const auto intake = store.intake(bus_of("bus", {"a"}));
   for (std::uint64_t sequence = 1;; ++sequence) {
-    const Sample one[] = {sample(0, std::uint64_t{sequence}, static_cast<std::int64_t>(sequence), sequence)};
+    const Sample one[] = {
+        sample(0, std::uint64_t{sequence}, static_cast<std::int64_t>(sequence), sequence)};
     intake->put(one, kClock, utc(static_cast<std::int64_t>(sequence)));
     if (sequence % 1000 != 0) continue;
     const std::uint64_t stored = store.counters().stored;
@@ -377,13 +436,15 @@ TEST(Store, KeepsWhatWasReportedStoredWhenTheProcessIsKilled) {
   ASSERT_GE(reported, 100'000u);
   const auto found = history(address, "bus");
   ASSERT_GE(found.size(), reported);
-  for (std::size_t i = 0; i < found.size(); ++i) ASSERT_EQ(found[i].sequence, i + 1) << "without a hole";
+  for (std::size_t i = 0; i < found.size(); ++i)
+    ASSERT_EQ(found[i].sequence, i + 1) << "without a hole";
 }
 
 // ---- PostgreSQL
 
 TEST(PostgresStore, DoesAllThatSqliteDoesAndComesBackAfterItsServerDied) {
-  if (test::PostgresServer::programs().empty()) GTEST_SKIP() << "no PostgreSQL server here (Debian: postgresql): not tested";
+  if (test::PostgresServer::programs().empty())
+    GTEST_SKIP() << "no PostgreSQL server here (Debian: postgresql): not tested";
   test::PostgresServer server;
   ASSERT_TRUE(server.ready()) << "the server did not start";
   all_of_it(server.address());
@@ -394,7 +455,8 @@ TEST(PostgresStore, DoesAllThatSqliteDoesAndComesBackAfterItsServerDied) {
     return true;
   });
   EXPECT_THROW(connection->script("select no_such_column"), StoreError);
-  EXPECT_NO_THROW(connection->script("select 1")) << "a refused statement leaves the connection as it was";
+  EXPECT_NO_THROW(connection->script("select 1"))
+      << "a refused statement leaves the connection as it was";
   server.stop(SIGQUIT);
   EXPECT_THROW(connection->script("select 1"), StoreError);
   EXPECT_THROW((void)open_store(server.address(), IfMissing::kFail), StoreError);
@@ -403,7 +465,8 @@ TEST(PostgresStore, DoesAllThatSqliteDoesAndComesBackAfterItsServerDied) {
 TEST(PostgresStore, SaysWhatIsWrongWithoutThePassword) {
   for (const std::string text :
        {"postgresql://ann:secret@127.0.0.1:1/db", "postgresql://ann:sec:ret@secret@127.0.0.1:1/db",
-        "postgresql://ann@127.0.0.1:1/db?password=secret&connect_timeout=1", "postgresql://ann:secret@[broken"}) {
+        "postgresql://ann@127.0.0.1:1/db?password=secret&connect_timeout=1",
+        "postgresql://ann:secret@[broken"}) {
     try {
       (void)open_store(StoreAddress(text), IfMissing::kFail);
       ADD_FAILURE() << "opened " << text;
@@ -417,8 +480,10 @@ TEST(PostgresStore, SaysWhatIsWrongWithoutThePassword) {
 TEST(StoreAddress, ShowsNoPassword) {
   EXPECT_EQ(StoreAddress("/var/lib/plant.db").masked(), "/var/lib/plant.db");
   EXPECT_EQ(StoreAddress("postgresql://ann@host/db").masked(), "postgresql://ann@host/db");
-  EXPECT_EQ(StoreAddress("postgresql://ann:se/cr@et@host:5432/db").masked(), "postgresql://ann:***@host:5432/db");
-  EXPECT_EQ(StoreAddress("postgres:///db?password=x&user=ann").masked(), "postgres:///db?password=***&user=ann");
+  EXPECT_EQ(StoreAddress("postgresql://ann:se/cr@et@host:5432/db").masked(),
+            "postgresql://ann:***@host:5432/db");
+  EXPECT_EQ(StoreAddress("postgres:///db?password=x&user=ann").masked(),
+            "postgres:///db?password=***&user=ann");
   EXPECT_TRUE(StoreAddress("postgresql://ann:se/cret@host/db").is_ambiguous());
   EXPECT_FALSE(StoreAddress("postgresql://ann:se%2Fcret@host/db?user=a@b").is_ambiguous());
   EXPECT_TRUE(StoreAddress("postgres:///db").is_server());

@@ -1,4 +1,5 @@
-// A DDS domain that no other test on this machine uses meanwhile; tests/tools/plant.py claims by the same rule.
+// A DDS domain that no other test on this machine uses meanwhile; tests/tools/plant.py claims by
+// the same rule.
 #pragma once
 
 #include <arpa/inet.h>
@@ -12,12 +13,14 @@
 
 namespace fieldcast::test {
 
-// The claim is the highest port of the domain's range (7400 + 250 * domain ..), which no participant below the 120th takes.
-// Above domain 100 the ports are those that the kernel lends out.
+// The claim is the highest port of the domain's range (7400 + 250 * domain ..), which no
+// participant below the 120th takes. Above domain 100 the ports are those that the kernel lends
+// out.
 class ClaimedDomain {
  public:
   ClaimedDomain() {
-    static std::uint32_t claims = 0;  // the next test of this process starts elsewhere: the last one's farewells travel yet
+    static std::uint32_t claims =
+        0;  // the next test of this process starts elsewhere: the last one's farewells travel yet
     const std::uint32_t first = static_cast<std::uint32_t>(::getpid()) + 7 * claims++;
     for (std::uint32_t attempt = 0; attempt < kCount; ++attempt) {
       number_ = kLowest + (first + attempt) % kCount;

@@ -1,5 +1,6 @@
-// A scripted Modbus RTU device at the other end of a pseudo-terminal, in a thread of its own. It knows function 03, where
-// register r holds r until it is written, and 06; written from the standard, apart from the core's codec. Unit 1.
+// A scripted Modbus RTU device at the other end of a pseudo-terminal, in a thread of its own. It
+// knows function 03, where register r holds r until it is written, and 06, and refuses every
+// other one; written from the standard, apart from the core's codec. Unit 1.
 #pragma once
 
 #include <atomic>
@@ -33,7 +34,8 @@ class ModbusDevice {
     std::uint16_t sum = 0xFFFF;
     for (const std::uint8_t byte : bytes) {
       sum = static_cast<std::uint16_t>(sum ^ byte);
-      for (int bit = 0; bit < 8; ++bit) sum = static_cast<std::uint16_t>((sum & 1) != 0 ? (sum >> 1) ^ 0xA001 : sum >> 1);
+      for (int bit = 0; bit < 8; ++bit)
+        sum = static_cast<std::uint16_t>((sum & 1) != 0 ? (sum >> 1) ^ 0xA001 : sum >> 1);
     }
     return sum;
   }
@@ -48,12 +50,17 @@ class ModbusDevice {
       pollfd wait{pty_.master(), POLLIN, 0};
       if (::poll(&wait, 1, 5) <= 0) continue;
       append(heard, pty_.take());
-      while (heard.size() >= 8) {
-        const Bytes request(heard.begin(), heard.begin() + 8);
-        heard.erase(heard.begin(), heard.begin() + 8);
+      while (heard.size() >= 8 && heard.size() >= length_of(heard)) {
+        const auto end = heard.begin() + static_cast<std::ptrdiff_t>(length_of(heard));
+        const Bytes request(heard.begin(), end);
+        heard.erase(heard.begin(), end);
         answer(request);
       }
     }
+  }
+  // Functions 15 and 16 bring their values behind a count of bytes.
+  static std::size_t length_of(const Bytes& request) {
+    return request[1] == 15 || request[1] == 16 ? 9u + request[6] : 8u;
   }
   void answer(const Bytes& request) {
     if (silent_ || request[0] != 1) return;
@@ -62,12 +69,16 @@ class ModbusDevice {
     if (request[1] == 3) {
       const std::uint16_t count = read_u16(request, 4);
       reply.push_back(static_cast<std::uint8_t>(2 * count));
-      for (std::uint16_t i = 0; i < count; ++i) append_u16(reply, value_of(static_cast<std::uint16_t>(read_u16(request, 2) + i)));
+      for (std::uint16_t i = 0; i < count; ++i)
+        append_u16(reply, value_of(static_cast<std::uint16_t>(read_u16(request, 2) + i)));
       ++reads_;
-    } else {
+    } else if (request[1] == 6) {
       written_[read_u16(request, 2)] = read_u16(request, 4);
       reply.assign(request.begin(), request.begin() + 6);
       ++writes_;
+    } else {
+      reply[1] |= 0x80;  // illegal function
+      reply.push_back(1);
     }
     const std::uint16_t sum = crc(reply);
     reply.push_back(static_cast<std::uint8_t>(sum));

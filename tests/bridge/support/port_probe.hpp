@@ -22,12 +22,16 @@ class PortProbe : public PortListener {
     ++deliveries;
     if (on_bytes) on_bytes();
   }
-  void on_closed(std::string reason) override { closed.push_back(std::move(reason)); }
+  void on_closed(std::string reason, Cause cause) override {
+    closed.push_back(std::move(reason));
+    causes.push_back(cause);
+  }
 
   int opened = 0, deliveries = 0;
   Bytes received;
   Instant arrived = kLongAgo;
   std::vector<std::string> closed;
+  std::vector<Cause> causes;  // of closed
   std::function<void()> on_bytes;
 };
 

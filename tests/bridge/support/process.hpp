@@ -1,6 +1,7 @@
 // A program of ours as its user sees it: a process with signals, lines of output and an exit code.
 #pragma once
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <signal.h>
@@ -25,16 +26,11 @@ class Process {
     EXPECT_EQ(::pipe2(out, O_CLOEXEC), 0);
     output_.reset(out[0]);
     const FileDescriptor write_end(out[1]);
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, write_end.get(), STDOUT_FILENO);
-    posix_spawn_file_actions_adddup2(&actions, write_end.get(), STDERR_FILENO);
-    std::vector<std::string> copy = arguments;
-    std::vector<char*> argv{program.data()};
-    for (std::string& argument : copy) argv.push_back(argument.data());
-    argv.push_back(nullptr);
-    EXPECT_EQ(::posix_spawn(&pid_, program.c_str(), &actions, nullptr, argv.data(), environ), 0);
-    posix_spawn_file_actions_destroy(&actions);
+    start(std::move(program), arguments, write_end.get());
+  }
+  // Its output goes to the descriptor; nothing of it is heard here.
+  Process(std::string program, const std::vector<std::string>& arguments, int output) {
+    start(std::move(program), arguments, output);
   }
   ~Process() {
     if (pid_ <= 0) return;
@@ -47,16 +43,19 @@ class Process {
   void signal(int number) const { ASSERT_EQ(::kill(pid_, number), 0); }
 
   // Everything it said so far, once that contains the text; also when it never does.
-  const std::string& said(const std::string& text, std::chrono::milliseconds limit = std::chrono::seconds{15}) {
+  const std::string& said(const std::string& text,
+                          std::chrono::milliseconds limit = std::chrono::seconds{15}) {
     const auto deadline = std::chrono::steady_clock::now() + limit;
-    while (said_.find(text) == std::string::npos && std::chrono::steady_clock::now() < deadline && read_some()) {}
+    while (said_.find(text) == std::string::npos && std::chrono::steady_clock::now() < deadline &&
+           read_some()) {}
     return said_;
   }
 
   // -1 after the limit or for a signal's death.
   int exit_code(std::chrono::milliseconds limit = std::chrono::seconds{15}) {
     const auto deadline = std::chrono::steady_clock::now() + limit;
-    while (std::chrono::steady_clock::now() < deadline && read_some()) {  // the output ends with the process
+    while (std::chrono::steady_clock::now() < deadline &&
+           read_some()) {  // the output ends with the process
     }
     int status = 0;
     if (::waitpid(pid_, &status, WNOHANG) != pid_) return -1;
@@ -66,8 +65,27 @@ class Process {
   [[nodiscard]] const std::string& output() const { return said_; }
 
  private:
-  // False at the end of the output.
+  void start(std::string program, const std::vector<std::string>& arguments, int output) {
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, output, STDERR_FILENO);
+    std::vector<std::string> copy = arguments;
+    std::vector<char*> argv{program.data()};
+    for (std::string& argument : copy) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    EXPECT_EQ(::posix_spawn(&pid_, program.c_str(), &actions, nullptr, argv.data(), environ), 0);
+    posix_spawn_file_actions_destroy(&actions);
+  }
+
+  // False at the end of the output, or of the process where its output is not heard.
   bool read_some() {
+    if (!output_.valid()) {
+      siginfo_t ended{};
+      ::waitid(P_PID, static_cast<id_t>(pid_), &ended, WEXITED | WNOWAIT | WNOHANG);
+      if (ended.si_pid != pid_) ::poll(nullptr, 0, 5);
+      return ended.si_pid != pid_;
+    }
     pollfd wait{output_.get(), POLLIN, 0};
     if (::poll(&wait, 1, 50) <= 0) return true;
     char buffer[4096];

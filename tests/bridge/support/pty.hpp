@@ -1,4 +1,5 @@
-// A pseudo-terminal pair: the slave is what a SerialPort opens, the master is held by the test as the device at the other end.
+// A pseudo-terminal pair: the slave is what a SerialPort opens, the master is held by the test as
+// the device at the other end.
 #pragma once
 
 #include <fcntl.h>
@@ -31,7 +32,8 @@ class Pty {
   void unplug() { master_.reset(); }
 
   void send(ByteView bytes) const {
-    EXPECT_EQ(::write(master_.get(), bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+    EXPECT_EQ(::write(master_.get(), bytes.data(), bytes.size()),
+              static_cast<ssize_t>(bytes.size()));
   }
   // Whatever has come, at once.
   [[nodiscard]] Bytes take() const {
@@ -41,7 +43,8 @@ class Pty {
     return bytes;
   }
   // Waits for `size` bytes; fewer after the limit.
-  [[nodiscard]] Bytes receive(std::size_t size, std::chrono::milliseconds limit = std::chrono::seconds{5}) const {
+  [[nodiscard]] Bytes receive(std::size_t size,
+                              std::chrono::milliseconds limit = std::chrono::seconds{5}) const {
     Bytes all;
     const auto deadline = std::chrono::steady_clock::now() + limit;
     while (all.size() < size && std::chrono::steady_clock::now() < deadline) {

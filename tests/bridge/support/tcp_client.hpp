@@ -17,18 +17,21 @@
 
 namespace fieldcast::test {
 
-// A port that nobody listens at just now, below those that the kernel lends to connections: nobody else is given it meanwhile.
+// A port that nobody listens at just now, below those that the kernel lends to connections: nobody
+// else is given it meanwhile.
 [[nodiscard]] inline std::uint16_t free_port() {
   constexpr unsigned kLowest = 20000, kCount = 12000, kStep = 7;
   static unsigned asked = 0;
   for (unsigned attempt = 0; attempt < kCount; ++attempt) {
-    const auto port = static_cast<std::uint16_t>(kLowest + (static_cast<unsigned>(::getpid()) * kStep + asked++) % kCount);
+    const auto port = static_cast<std::uint16_t>(
+        kLowest + (static_cast<unsigned>(::getpid()) * kStep + asked++) % kCount);
     const FileDescriptor fd(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_port = htons(port);
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    if (::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) return port;
+    if (::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0)
+      return port;
   }
   ADD_FAILURE() << "every port from 20000 to 31999 is taken";
   return 0;
@@ -36,12 +39,18 @@ namespace fieldcast::test {
 
 class TcpClient {
  public:
-  explicit TcpClient(std::uint16_t port) : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+  // `source`: an address of the loopback to come from.
+  explicit TcpClient(std::uint16_t port, const char* source = "127.0.0.1")
+      : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
+    EXPECT_EQ(::inet_pton(AF_INET, source, &address.sin_addr), 1);
+    EXPECT_EQ(::bind(fd_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0)
+        << std::strerror(errno);
     address.sin_port = htons(port);
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    EXPECT_EQ(::connect(fd_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0) << std::strerror(errno);
+    EXPECT_EQ(::connect(fd_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0)
+        << std::strerror(errno);
   }
 
   void send(ByteView bytes) const {
@@ -51,10 +60,13 @@ class TcpClient {
       bytes = bytes.subspan(static_cast<std::size_t>(sent));
     }
   }
-  void say(std::string_view text) const { send({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}); }
+  void say(std::string_view text) const {
+    send({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  }
 
   // Everything up to and with `end`; what came until the limit or the peer's close, else.
-  [[nodiscard]] std::string hear(std::string_view end, std::chrono::milliseconds limit = std::chrono::seconds{10}) {
+  [[nodiscard]] std::string hear(std::string_view end,
+                                 std::chrono::milliseconds limit = std::chrono::seconds{10}) {
     const auto deadline = std::chrono::steady_clock::now() + limit;
     std::size_t found = heard_.find(end);
     while (found == heard_.npos && std::chrono::steady_clock::now() < deadline && !closed_) {
@@ -66,9 +78,11 @@ class TcpClient {
     heard_.erase(0, count);
     return out;
   }
-  [[nodiscard]] std::string hear_bytes(std::size_t count, std::chrono::milliseconds limit = std::chrono::seconds{10}) {
+  [[nodiscard]] std::string hear_bytes(std::size_t count,
+                                       std::chrono::milliseconds limit = std::chrono::seconds{10}) {
     const auto deadline = std::chrono::steady_clock::now() + limit;
-    while (heard_.size() < count && std::chrono::steady_clock::now() < deadline && !closed_) receive();
+    while (heard_.size() < count && std::chrono::steady_clock::now() < deadline && !closed_)
+      receive();
     std::string out = heard_.substr(0, count);
     heard_.erase(0, out.size());
     return out;

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/alarm/alarm_book.hpp"
+#include "core/alarm/alarm_monitor.hpp"
 
 namespace fieldcast {
 namespace {
@@ -13,7 +13,8 @@ using std::chrono::seconds;
 
 Instant at(int second) { return Instant{seconds{1000 + second}}; }
 
-// One value each second; 'R' raised, 'C' cleared, '.' nothing. NaN stands for a value that is not good.
+// One value each second; 'R' raised, 'C' cleared, '.' nothing. NaN stands for a value that is not
+// good.
 std::string told(LimitWatch& watch, const std::vector<double>& values, int from = 0) {
   std::string changes;
   for (const double value : values) {
@@ -56,6 +57,33 @@ TEST(LimitWatch, WaitsForTheDelayAndForgetsWhatWasShorter) {
   EXPECT_EQ(watch.value(), 93);
 }
 
+TEST(LimitWatch, AnAlarmOfBeforeGoesOnWithItsOwnBeginningUntilAGoodValueEndsIt) {
+  LimitWatch high(LimitKind::kHigh, 90, 2, seconds{3});
+  high.restore(93, at(-500));
+  EXPECT_EQ(high.state(), AlarmState::kActive);
+  EXPECT_EQ(high.since(), at(-500));
+  EXPECT_EQ(high.value(), 93);
+  EXPECT_EQ(told(high, {kBad, 95, 89, 88}), "...C");
+  EXPECT_EQ(high.since(), at(3));
+}
+
+TEST(LimitWatch, WhatIsRestoredLateHeedsTheValuesThatCameBefore) {
+  LimitWatch inside(LimitKind::kHigh, 90, 2, {}), near(LimitKind::kHigh, 90, 2, {}),
+      raised(LimitKind::kHigh, 90, 2, {});
+  EXPECT_EQ(told(inside, {70}), ".");
+  inside.restore(93, at(-500));
+  EXPECT_EQ(inside.state(), AlarmState::kClear);
+  EXPECT_EQ(inside.value(), 70);
+  EXPECT_EQ(inside.since(), at(0));
+  EXPECT_EQ(told(near, {89}), ".");  // within the hysteresis: it has not ended
+  near.restore(93, at(-500));
+  EXPECT_EQ(near.state(), AlarmState::kActive);
+  EXPECT_EQ(told(raised, {91, 92}), "R.");
+  raised.restore(93, at(-500));
+  EXPECT_EQ(raised.state(), AlarmState::kActive);
+  EXPECT_EQ(raised.since(), at(-500));
+}
+
 TEST(LimitWatch, RaisesByTimeAloneWhenAValueDoesNotChange) {
   LimitWatch watch(LimitKind::kHigh, 90, 0, seconds{3});
   EXPECT_FALSE(watch.on_good(91, at(0), at(0)));
@@ -96,7 +124,8 @@ BusSpec plant() {
   for (const char* name : {"free", "limited", "text", "other"}) {
     ChannelSpec channel;
     channel.name = name;
-    if (channel.name == "limited") channel.limits = {.low_low = {}, .low = 10, .high = 90, .high_high = 95};
+    if (channel.name == "limited")
+      channel.limits = {.low_low = {}, .low = 10, .high = 90, .high_high = 95};
     if (channel.name == "other") channel.limits.high = 1;
     device.channels.push_back(channel);
   }
@@ -108,11 +137,11 @@ Sample sample(ChannelIndex channel, Value value, Quality quality = Quality::kGoo
   return {.channel = channel, .value = std::move(value), .quality = quality, .acquired = at(0)};
 }
 
-TEST(AlarmBook, TellsEveryLimitThatAValuePasses) {
-  AlarmBook book(plant());
+TEST(AlarmMonitor, TellsEveryLimitThatAValuePasses) {
+  AlarmMonitor monitor(plant());
   std::vector<AlarmChange> changes;
   const Sample over[] = {sample(0, 1e9), sample(1, 96.0), sample(3, std::int64_t{2})};
-  book.on_samples(over, at(0), changes);
+  monitor.on_samples(over, at(0), changes);
   ASSERT_EQ(changes.size(), 3u);
   EXPECT_EQ(changes[0].channel, 1u);
   EXPECT_EQ(changes[0].limit, LimitKind::kHigh);
@@ -122,32 +151,32 @@ TEST(AlarmBook, TellsEveryLimitThatAValuePasses) {
   EXPECT_EQ(changes[2].value, 2.0);
   changes.clear();
   const Sample back[] = {sample(1, 92.0)};
-  book.on_samples(back, at(1), changes);
+  monitor.on_samples(back, at(1), changes);
   ASSERT_EQ(changes.size(), 1u);
   EXPECT_EQ(changes[0].limit, LimitKind::kHighHigh);
   EXPECT_EQ(changes[0].state, AlarmState::kClear);
 }
 
-TEST(AlarmBook, OnlyGoodQualityCounts) {
-  AlarmBook book(plant());
+TEST(AlarmMonitor, OnlyGoodQualityCounts) {
+  AlarmMonitor monitor(plant());
   std::vector<AlarmChange> changes;
   for (int i = 1; i <= static_cast<int>(Quality::kNotYetRead); ++i) {
     const Sample bad[] = {sample(1, 99.0, static_cast<Quality>(i))};
-    book.on_samples(bad, at(i), changes);
+    monitor.on_samples(bad, at(i), changes);
     EXPECT_TRUE(changes.empty()) << to_text(static_cast<Quality>(i));
   }
 }
 
-TEST(AlarmBook, DelaysEndWithTime) {
+TEST(AlarmMonitor, DelaysEndWithTime) {
   BusSpec bus = plant();
   bus.devices[0].channels[1].limits.delay = seconds{5};
-  AlarmBook book(bus);
+  AlarmMonitor monitor(bus);
   std::vector<AlarmChange> changes;
   const Sample over[] = {sample(1, 91.0)};
-  book.on_samples(over, at(0), changes);
-  book.on_time(at(4), changes);
+  monitor.on_samples(over, at(0), changes);
+  monitor.on_time(at(4), changes);
   EXPECT_TRUE(changes.empty());
-  book.on_time(at(5), changes);
+  monitor.on_time(at(5), changes);
   ASSERT_EQ(changes.size(), 1u);
   EXPECT_EQ(changes[0].since, at(0));
 }

@@ -153,12 +153,41 @@ class CycloneStations(unittest.TestCase):
             self.assertGreater(len(fields[4]), 5)
 
 
+    def test_thousands_of_results_leave_nothing_behind(self):
+        asked = subprocess.run([os.path.join(BIN_DIR, "cyclone-results"), str(self.plant.domain), *SETPOINT.split("/"), "4000"],
+                               capture_output=True, text=True, timeout=3 * SECONDS, env=environment())
+        self.assertEqual((asked.stdout, asked.stderr, asked.returncode), ("results\t4000\tleft\t0\n", "", 0))
+
+
 class BridgeThatLeaves(unittest.TestCase):
     def test_every_channel_is_seen_to_go(self):
         with Plant(BIN_DIR, CONFIG) as plant, Watch(plant) as watch:
             wait_until(lambda: len(watch.good()) == len(CHANNELS) + 1, SECONDS, lambda: f"{len(watch.good())} channels")
             plant.bridge.terminate()
             wait_until(lambda: watch.gone == set(watch.samples), SECONDS, lambda: f"{len(watch.gone)} gone of {len(watch.samples)}")
+
+
+class BridgeThatIsKilled(unittest.TestCase):
+    def test_commands_of_its_first_life_are_not_executed_in_its_second(self):
+        with Plant(BIN_DIR, CONFIG) as plant:
+            results, count = [], 20
+            plants = subprocess.Popen([os.path.join(BIN_DIR, "cyclone-replay"), str(plant.domain), *SETPOINT.split("/"), str(count)],
+                                      stdout=subprocess.PIPE, text=True, env=environment())
+            reader = threading.Thread(target=lambda: results.extend(line.split("\t")[1:4] for line in plants.stdout))
+            reader.start()
+            try:
+                wait_until(lambda: len(results) >= count, SECONDS, lambda: f"{results}")
+                self.assertEqual({state for _, state, _ in results}, {"DONE"})
+                plant.bridge.kill()
+                plant.bridge.wait()
+                plant.bridge = plant._start("fieldcast-bridge")
+                wait_until(lambda: len(results) >= 2 * count, SECONDS, lambda: f"{results[count:]}")
+                self.assertEqual(sorted(results[count:]), sorted([str(i + 1), "REJECTED", "EXPIRED"] for i in range(count)))
+            finally:
+                plants.terminate()
+                plants.wait()
+                reader.join()
+                plants.stdout.close()
 
 
 if __name__ == "__main__":

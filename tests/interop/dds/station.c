@@ -30,6 +30,17 @@ dds_entity_t need(dds_entity_t entity, const char* what) {
   return entity;
 }
 
+bool matched(dds_entity_t writer, dds_entity_t reader, dds_time_t until) {
+  for (; dds_time() < until; dds_sleepfor(DDS_MSECS(10))) {
+    dds_publication_matched_status_t heard = {0};
+    dds_subscription_matched_status_t hears = {0};
+    dds_get_publication_matched_status(writer, &heard);
+    dds_get_subscription_matched_status(reader, &hears);
+    if (heard.current_count > 0 && hears.current_count > 0) return true;
+  }
+  return false;
+}
+
 dds_qos_t* state_qos(dds_duration_t deadline) {
   dds_qos_t* qos = dds_create_qos();
   dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
@@ -48,8 +59,9 @@ dds_qos_t* request_qos(void) {
 }
 
 const char* quality_name(fieldcast_Quality quality) {
-  static const char* const names[] = {"GOOD",      "UNCERTAIN",         "BAD_NO_ANSWER", "BAD_FRAME", "BAD_DEVICE_ERROR",
-                                      "BAD_RANGE", "BAD_CONFIGURATION", "NOT_YET_READ"};
+  static const char* const names[] = {
+      "GOOD",      "UNCERTAIN",         "BAD_NO_ANSWER", "BAD_FRAME", "BAD_DEVICE_ERROR",
+      "BAD_RANGE", "BAD_CONFIGURATION", "NOT_YET_READ"};
   return (unsigned)quality < sizeof names / sizeof *names ? names[quality] : "?";
 }
 

@@ -1,4 +1,5 @@
-/* A monitoring station in C on Cyclone DDS: prints the catalogue and every sample, one line each, fields separated by tabs.
+/* A monitoring station in C on Cyclone DDS: prints the catalogue and every sample, one line each,
+ * fields separated by tabs.
  *
  * usage: cyclone-watch DOMAIN [DEADLINE_MS]
  *   channel BUS DEVICE CHANNEL TYPE UNIT AT REFRESH_NS
@@ -16,12 +17,13 @@ enum { kAtOnce = 64 }; /* taken from a reader at a time */
 static void print_channels(dds_entity_t reader) {
   void* channels[kAtOnce] = {NULL};
   dds_sample_info_t infos[kAtOnce];
-  for (dds_return_t n; (n = dds_take(reader, channels, infos, kAtOnce, kAtOnce)) > 0; dds_return_loan(reader, channels, n)) {
+  for (dds_return_t n; (n = dds_take(reader, channels, infos, kAtOnce, kAtOnce)) > 0;
+       dds_return_loan(reader, channels, n)) {
     for (dds_return_t i = 0; i < n; ++i) {
       const fieldcast_Channel* c = channels[i];
       if (!infos[i].valid_data) continue;
-      printf("channel\t%s\t%s\t%s\t%s\t%s\t%s\t%" PRId64 "\n", c->bus, c->device, c->channel, c->type, c->unit, c->at,
-             c->refresh);
+      printf("channel\t%s\t%s\t%s\t%s\t%s\t%s\t%" PRId64 "\n", c->bus, c->device, c->channel,
+             c->type, c->unit, c->at, c->refresh);
     }
   }
 }
@@ -29,16 +31,19 @@ static void print_channels(dds_entity_t reader) {
 static void print_samples(dds_entity_t reader) {
   void* samples[kAtOnce] = {NULL};
   dds_sample_info_t infos[kAtOnce];
-  for (dds_return_t n; (n = dds_take(reader, samples, infos, kAtOnce, kAtOnce)) > 0; dds_return_loan(reader, samples, n)) {
+  for (dds_return_t n; (n = dds_take(reader, samples, infos, kAtOnce, kAtOnce)) > 0;
+       dds_return_loan(reader, samples, n)) {
     for (dds_return_t i = 0; i < n; ++i) {
       const fieldcast_Sample* s = samples[i];
       if (!infos[i].valid_data) { /* a note about the instance: only the keys are there */
-        if (infos[i].instance_state != DDS_IST_ALIVE) printf("gone\t%s\t%s\t%s\n", s->bus, s->device, s->channel);
+        if (infos[i].instance_state != DDS_IST_ALIVE)
+          printf("gone\t%s\t%s\t%s\n", s->bus, s->device, s->channel);
         continue;
       }
       printf("sample\t%s\t%s\t%s\t%s\t", s->bus, s->device, s->channel, kind_name(s->value._d));
       print_value(&s->value);
-      printf("\t%s\t%" PRId64 "\t%" PRIu64 "\n", quality_name(s->quality), s->acquired_at, s->sequence);
+      printf("\t%s\t%" PRId64 "\t%" PRIu64 "\n", quality_name(s->quality), s->acquired_at,
+             s->sequence);
     }
   }
 }
@@ -48,21 +53,28 @@ int main(int argc, char** argv) {
     fprintf(stderr, "usage: cyclone-watch DOMAIN [DEADLINE_MS]\n");
     return 2;
   }
-  const dds_entity_t participant = need(dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL), "participant");
+  const dds_entity_t participant =
+      need(dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL), "participant");
   const dds_entity_t channel_topic =
-      need(dds_create_topic(participant, &fieldcast_Channel_desc, "fieldcast/Channel", NULL, NULL), "topic Channel");
+      need(dds_create_topic(participant, &fieldcast_Channel_desc, "fieldcast/Channel", NULL, NULL),
+           "topic Channel");
   const dds_entity_t sample_topic =
-      need(dds_create_topic(participant, &fieldcast_Sample_desc, "fieldcast/Sample", NULL, NULL), "topic Sample");
+      need(dds_create_topic(participant, &fieldcast_Sample_desc, "fieldcast/Sample", NULL, NULL),
+           "topic Sample");
   dds_qos_t* catalogue = state_qos(0);
   dds_qos_t* fresh = state_qos(argc > 2 ? DDS_MSECS(atoi(argv[2])) : 0);
-  const dds_entity_t channels = need(dds_create_reader(participant, channel_topic, catalogue, NULL), "reader of Channel");
-  const dds_entity_t samples = need(dds_create_reader(participant, sample_topic, fresh, NULL), "reader of Sample");
+  const dds_entity_t channels =
+      need(dds_create_reader(participant, channel_topic, catalogue, NULL), "reader of Channel");
+  const dds_entity_t samples =
+      need(dds_create_reader(participant, sample_topic, fresh, NULL), "reader of Sample");
   dds_delete_qos(catalogue);
   dds_delete_qos(fresh);
 
   const dds_entity_t waitset = need(dds_create_waitset(participant), "waitset");
-  dds_waitset_attach(waitset, need(dds_create_readcondition(channels, DDS_ANY_STATE), "condition"), 0);
-  dds_waitset_attach(waitset, need(dds_create_readcondition(samples, DDS_ANY_STATE), "condition"), 0);
+  dds_waitset_attach(waitset, need(dds_create_readcondition(channels, DDS_ANY_STATE), "condition"),
+                     0);
+  dds_waitset_attach(waitset, need(dds_create_readcondition(samples, DDS_ANY_STATE), "condition"),
+                     0);
   while (!stopped()) {
     dds_waitset_wait(waitset, NULL, 0, DDS_MSECS(100));
     print_channels(channels);

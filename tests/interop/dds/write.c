@@ -1,8 +1,10 @@
-/* A plant system in C on Cyclone DDS: writes an integer to a channel, and prints the one result of the command.
+/* A plant system in C on Cyclone DDS: writes an integer to a channel, and prints the one result of
+ * the command.
  *
  * usage: cyclone-write DOMAIN BUS DEVICE CHANNEL INTEGER [verify]
  *   result REQUEST_ID STATE CAUSE REASON
- * Exit code 0 only if the device has done it; 1 for every other result; 3 if no bridge is there or no result came. */
+ * Exit code 0 only if the device has done it; 1 for every other result; 3 if no bridge is there or
+ * no result came. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,19 +15,6 @@
 
 enum { kWaitSeconds = 10 };
 
-/* Waits until both ends know each other. Results are volatile: who asks before the bridge has found his reader may miss the
- * answer. */
-static bool matched(dds_entity_t writer, dds_entity_t reader, dds_time_t until) {
-  for (; dds_time() < until; dds_sleepfor(DDS_MSECS(10))) {
-    dds_publication_matched_status_t heard = {0};
-    dds_subscription_matched_status_t hears = {0};
-    dds_get_publication_matched_status(writer, &heard);
-    dds_get_subscription_matched_status(reader, &hears);
-    if (heard.current_count > 0 && hears.current_count > 0) return true;
-  }
-  return false;
-}
-
 /* The exit code. All requesters' results come by: ours is found by its keys. */
 static int await_result(dds_entity_t reader, const fieldcast_Command* command, dds_time_t until) {
   for (; dds_time() < until && !stopped(); dds_sleepfor(DDS_MSECS(2))) {
@@ -33,9 +22,12 @@ static int await_result(dds_entity_t reader, const fieldcast_Command* command, d
     dds_sample_info_t info;
     while (dds_take(reader, samples, &info, 1, 1) == 1) {
       const fieldcast_CommandResult* r = samples[0];
-      const bool ours = info.valid_data && r->request_id == command->request_id && strcmp(r->requester, command->requester) == 0;
+      const bool ours = info.valid_data && r->request_id == command->request_id &&
+                        strcmp(r->requester, command->requester) == 0;
       const fieldcast_CommandState state = r->state;
-      if (ours) printf("result\t%" PRIu64 "\t%s\t%s\t%s\n", r->request_id, state_name(state), r->cause, r->reason);
+      if (ours)
+        printf("result\t%" PRIu64 "\t%s\t%s\t%s\n", r->request_id, state_name(state), r->cause,
+               r->reason);
       dds_return_loan(reader, samples, 1);
       if (ours) return state == fieldcast_DONE || state == fieldcast_VERIFIED ? 0 : 1;
     }
@@ -49,16 +41,22 @@ int main(int argc, char** argv) {
     fprintf(stderr, "usage: cyclone-write DOMAIN BUS DEVICE CHANNEL INTEGER [verify]\n");
     return 2;
   }
-  const dds_entity_t participant = need(dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL), "participant");
+  const dds_entity_t participant =
+      need(dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL), "participant");
   const dds_entity_t command_topic =
-      need(dds_create_topic(participant, &fieldcast_Command_desc, "fieldcast/Command", NULL, NULL), "topic Command");
-  const dds_entity_t result_topic = need(
-      dds_create_topic(participant, &fieldcast_CommandResult_desc, "fieldcast/CommandResult", NULL, NULL), "topic CommandResult");
+      need(dds_create_topic(participant, &fieldcast_Command_desc, "fieldcast/Command", NULL, NULL),
+           "topic Command");
+  const dds_entity_t result_topic =
+      need(dds_create_topic(participant, &fieldcast_CommandResult_desc, "fieldcast/CommandResult",
+                            NULL, NULL),
+           "topic CommandResult");
   dds_qos_t* qos = request_qos();
-  const dds_entity_t results = need(dds_create_reader(participant, result_topic, qos, NULL), "reader of CommandResult");
+  const dds_entity_t results =
+      need(dds_create_reader(participant, result_topic, qos, NULL), "reader of CommandResult");
   dds_qset_lifespan(qos, DDS_SECS(5)); /* the bridge never starts it later than this */
   dds_qset_writer_data_lifecycle(qos, false);
-  const dds_entity_t commands = need(dds_create_writer(participant, command_topic, qos, NULL), "writer of Command");
+  const dds_entity_t commands =
+      need(dds_create_writer(participant, command_topic, qos, NULL), "writer of Command");
   dds_delete_qos(qos);
 
   const dds_time_t until = dds_time() + DDS_SECS(kWaitSeconds);
@@ -77,11 +75,13 @@ int main(int argc, char** argv) {
   snprintf(command.target, sizeof command.target, "%s", argv[4]);
   command.encoding.bit = -1;
   command.operation = fieldcast_OPERATION_WRITE;
-  command.values = (dds_sequence_fieldcast_Value){._maximum = 1, ._length = 1, ._buffer = &value, ._release = false};
+  command.values = (dds_sequence_fieldcast_Value){
+      ._maximum = 1, ._length = 1, ._buffer = &value, ._release = false};
   command.verify = argc > 6 && strcmp(argv[6], "verify") == 0;
   need(dds_write(commands, &command), "write");
   const int code = await_result(results, &command, until);
-  dds_unregister_instance(commands, &command); /* its key never comes again: both ends may forget it */
+  dds_unregister_instance(commands,
+                          &command); /* its key never comes again: both ends may forget it */
   dds_delete(participant);
   return code;
 }

@@ -13,7 +13,8 @@ using test::drive;
 
 Device instrument() { return test::declared_device("instrument", 7); }
 
-// header, status 3, analog 23.5 (41BC0000h), unit 2, inputs 0101b with outputs 1001b above them, tail
+// header, status 3, analog 23.5 (41BC0000h), unit 2, inputs 0101b with outputs 1001b above them,
+// tail
 const Bytes kAnswer = *from_hex("AA 03 41 BC 00 00 02 95 55");
 
 Value value_at(const Device& device, std::string_view at, ValueType type) {
@@ -44,8 +45,12 @@ TEST(Instrument, ItsAnswerIsCutIntoItsFields) {
   EXPECT_EQ(value_at(device, "input", ValueType::kUint16), Value(std::uint64_t{5}));
   EXPECT_EQ(value_at(device, "output", ValueType::kUint16), Value(std::uint64_t{9}));
   for (unsigned bit = 0; bit < 4; ++bit) {
-    EXPECT_EQ(value_at(device, "input." + std::to_string(bit), ValueType::kBool), Value((5u >> bit & 1u) != 0)) << bit;
-    EXPECT_EQ(value_at(device, "output." + std::to_string(bit), ValueType::kBool), Value((9u >> bit & 1u) != 0)) << bit;
+    EXPECT_EQ(value_at(device, "input." + std::to_string(bit), ValueType::kBool),
+              Value((5u >> bit & 1u) != 0))
+        << bit;
+    EXPECT_EQ(value_at(device, "output." + std::to_string(bit), ValueType::kBool),
+              Value((9u >> bit & 1u) != 0))
+        << bit;
   }
 }
 
@@ -79,7 +84,9 @@ TEST(Instrument, WhatItsFieldsCannotHoldIsNotSent) {
 TEST(Instrument, TheMatrixHolds) {
   const Device device = instrument();
   // The answer has no check: a flipped bit of a value cannot be seen.
-  test::expect_matrix({.begin = [&] { return device.begin(device.read("status", 6)); }, .answers = {kAnswer}, .checked = false});
+  test::expect_matrix({.begin = [&] { return device.begin(device.read("status", 6)); },
+                       .answers = {kAnswer},
+                       .checked = false});
 }
 
 TEST(Instrument, ALineThatBabblesIsGivenUpAfterTwoFrames) {
@@ -107,12 +114,15 @@ TEST(Instrument, PlacesHaveNamesAndNearMisses) {
 
 TEST(Instrument, FramesAreExplained) {
   const auto declaration = test::declaration("instrument");
-  const auto has = [](const std::vector<FrameField>& fields, std::string_view name, std::string_view value) {
-    return std::any_of(fields.begin(), fields.end(),
-                       [&](const FrameField& field) { return field.name == name && field.value == value; });
+  const auto has = [](const std::vector<FrameField>& fields, std::string_view name,
+                      std::string_view value) {
+    return std::any_of(fields.begin(), fields.end(), [&](const FrameField& field) {
+      return field.name == name && field.value == value;
+    });
   };
   const auto faults = [](const std::vector<FrameField>& fields) {
-    return std::count_if(fields.begin(), fields.end(), [](const FrameField& field) { return !field.fault.empty(); });
+    return std::count_if(fields.begin(), fields.end(),
+                         [](const FrameField& field) { return !field.fault.empty(); });
   };
   const auto answer = explain(*declaration, kAnswer);
   EXPECT_EQ(faults(answer), 0);

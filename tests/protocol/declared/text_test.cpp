@@ -1,5 +1,5 @@
-// Declarations of texts: hexadecimal digits, LRC over the bytes they mean, texts that end at a mark; and the checksums by their
-// names.
+// Declarations of texts: hexadecimal digits, LRC over the bytes they mean, texts that end at a
+// mark; and the checksums by their names.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -51,7 +51,8 @@ operations:
 
 Bytes ascii_answer(std::uint8_t unit, std::uint32_t registers, std::mt19937& random) {
   Bytes bytes{unit, 3, static_cast<std::uint8_t>(2 * registers)};
-  for (std::uint32_t i = 0; i < 2 * registers; ++i) bytes.push_back(static_cast<std::uint8_t>(random()));
+  for (std::uint32_t i = 0; i < 2 * registers; ++i)
+    bytes.push_back(static_cast<std::uint8_t>(random()));
   std::uint8_t sum = 0;
   for (const auto byte : bytes) sum = static_cast<std::uint8_t>(sum + byte);
   bytes.push_back(static_cast<std::uint8_t>(0x100u - sum));
@@ -67,14 +68,17 @@ TEST(DeclaredText, ModbusAsciiIsThatOfTheBuiltInOne) {
     const std::string at = "holding:" + std::to_string(random() % 65000);
     const Request request = ours.read(at, count), same = theirs.read(at, count);
     ASSERT_EQ(to_hex(ours.request_bytes(request)), to_hex(theirs.request_bytes(same)));
-    EXPECT_EQ(ours.protocol().size(request)->answer_characters, theirs.protocol().size(same)->answer_characters);
+    EXPECT_EQ(ours.protocol().size(request)->answer_characters,
+              theirs.protocol().size(same)->answer_characters);
     const Bytes answer = ascii_answer(9, count, random);
-    const auto mine = drive(*ours.begin(request), answer), built_in = drive(*theirs.begin(same), answer);
+    const auto mine = drive(*ours.begin(request), answer),
+               built_in = drive(*theirs.begin(same), answer);
     ASSERT_TRUE(mine.done() && built_in.done()) << to_text(mine) << ", " << to_text(built_in);
     EXPECT_EQ(mine.reply[0].items, built_in.reply[0].items);
   }
   const Request request = ours.read("holding:1", 3);
-  test::expect_matrix({.begin = [&] { return ours.begin(request); }, .answers = {ascii_answer(9, 3, random)}});
+  test::expect_matrix(
+      {.begin = [&] { return ours.begin(request); }, .answers = {ascii_answer(9, 3, random)}});
 }
 
 constexpr std::string_view kScale = R"(
@@ -98,7 +102,9 @@ operations:
 TEST(DeclaredText, ATextEndsAtItsMark) {
   const Device scale = declared_by(kScale, 4);
   const Request request = scale.read("weight", 4);
-  const auto text = [](std::string_view characters) { return Bytes(characters.begin(), characters.end()); };
+  const auto text = [](std::string_view characters) {
+    return Bytes(characters.begin(), characters.end());
+  };
   EXPECT_EQ(scale.request_bytes(request), text("W04\r"));
   for (const std::string_view weight : {"", "1", "12.5", "12345.67"}) {
     const auto outcome = drive(*scale.begin(request), text("w04" + std::string(weight) + "\r"));
@@ -110,6 +116,16 @@ TEST(DeclaredText, ATextEndsAtItsMark) {
   EXPECT_FALSE(drive(*scale.begin(request), text("w04123456789\r")).done());
   EXPECT_FALSE(drive(*scale.begin(request), text("w0512.5\r")).done());
   EXPECT_EQ(drive(*scale.begin(request), text("w0412")).cause, Cause::kTruncated);
+}
+
+// Nothing of a frame reaches a terminal or a JSON line as it came.
+TEST(DeclaredText, IsExplainedInPrintableUtf8) {
+  const auto loaded = config::load_declaration_text(kScale, "test.yaml");
+  ASSERT_TRUE(loaded);
+  const std::string frame = "w04\xE4\x1B[2J\r";
+  const auto fields = declared::explain(*loaded->value, Bytes(frame.begin(), frame.end()));
+  EXPECT_TRUE(std::ranges::any_of(
+      fields, [](const FrameField& field) { return field.value == "\\xE4\\x1B[2J"; }));
 }
 
 // The answers to "123456789" in the catalogue of parametrised CRC algorithms.

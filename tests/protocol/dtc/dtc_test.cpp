@@ -2,6 +2,7 @@
 
 #include <random>
 
+#include "core/codec/checksum.hpp"
 #include "core/protocol/dtc/threshold.hpp"
 #include "tests/protocol/dtc/dtc_text.hpp"
 #include "tests/support/device.hpp"
@@ -17,11 +18,14 @@ using test::dtc_message;
 using test::dtc_plain;
 using test::Outcome;
 
-Device plc(std::map<std::string, std::string> options = {{"threshold", "65535"}}) { return {"dtc", 5, std::move(options)}; }
+Device plc(std::map<std::string, std::string> options = {{"threshold", "65535"}}) {
+  return {"dtc", 5, std::move(options)};
+}
 
 // Three types in one request, and the answer to it: 0102 0304 | 1,0,1,1,0,0,0,0,1 | 1.5
 Request mixed(const Device& device) {
-  return ReadRequest{{device.range("int16:100", 2), device.range("bit:65527", 9), device.range("float32:0")}};
+  return ReadRequest{
+      {device.range("int16:100", 2), device.range("bit:65527", 9), device.range("float32:0")}};
 }
 const Bytes kMixed = dtc_message("05 00 01020304 0D01 3FC00000");
 const Bytes kRefused = dtc_plain(dtc_message("05 80 02"));
@@ -39,7 +43,8 @@ TEST(DtcExchange, SeveralTypesInOneRequest) {
   const auto exchange = device.begin(mixed(device));
   Bytes out;
   EXPECT_EQ(exchange->start(out).characters, 3 + kMixed.size());
-  EXPECT_EQ(to_hex(out), to_hex(dtc_plain(dtc_message("05 00 0064 01 0002 FFF7 00 0009 0000 03 0001"))));
+  EXPECT_EQ(to_hex(out),
+            to_hex(dtc_plain(dtc_message("05 00 0064 01 0002 FFF7 00 0009 0000 03 0001"))));
   const Outcome outcome = drive(*exchange, dtc_plain(kMixed));
   ASSERT_TRUE(outcome.done()) << to_text(outcome);
   ASSERT_EQ(outcome.reply.size(), 3u);
@@ -67,7 +72,8 @@ TEST(DtcExchange, ARequestIsCompressedFromTheThresholdOnAndWhereItIsShorter) {
     const Device device = plc({{"threshold", threshold}});
     const Bytes packet = device.request_bytes(request);
     const auto size = device.protocol().size(request);
-    EXPECT_TRUE(size && packet.size() <= size->request_characters) << "never longer than the plain one";
+    EXPECT_TRUE(size && packet.size() <= size->request_characters)
+        << "never longer than the plain one";
     return static_cast<int>(packet[0]);
   };
   ReadRequest list;
@@ -84,9 +90,11 @@ TEST(DtcExchange, ACompressedRequestIsTheSameMessage) {
   for (int round = 0; round < 200; ++round) {
     ReadRequest list;
     for (auto groups = 1 + random() % 200; groups > 0; --groups) {
-      list.ranges.push_back({static_cast<AreaIndex>(random() % 5), static_cast<std::uint32_t>(random() % 65536), 1});
+      list.ranges.push_back(
+          {static_cast<AreaIndex>(random() % 5), static_cast<std::uint32_t>(random() % 65536), 1});
     }
-    const Bytes plain = plc().request_bytes(list), packed = plc({{"threshold", "0"}}).request_bytes(list);
+    const Bytes plain = plc().request_bytes(list),
+                packed = plc({{"threshold", "0"}}).request_bytes(list);
     EXPECT_EQ(to_hex(test::dtc_unpacked(packed)), to_hex(test::dtc_unpacked(plain)));
     EXPECT_LE(packed.size(), plain.size());
   }
@@ -94,12 +102,14 @@ TEST(DtcExchange, ACompressedRequestIsTheSameMessage) {
 
 TEST(DtcExchange, OthersAreForeignAndThenTheAnswerIsStillTaken) {
   const Device device = plc();
-  for (const Bytes& other : {dtc_plain(dtc_message("06 00 0A0B")), dtc_plain(dtc_message("05 01")),
-                             dtc_compressed(many_message()), device.request_bytes(device.read("int16:9"))}) {
+  for (const Bytes& other :
+       {dtc_plain(dtc_message("06 00 0A0B")), dtc_plain(dtc_message("05 01")),
+        dtc_compressed(many_message()), device.request_bytes(device.read("int16:9"))}) {
     const auto exchange = device.begin(device.read("int16:9"));
     const Outcome alone = drive(*exchange, other);
     EXPECT_FALSE(alone.done());
-    EXPECT_TRUE(alone.cause == Cause::kForeign || alone.cause == Cause::kMalformed) << to_text(alone);
+    EXPECT_TRUE(alone.cause == Cause::kForeign || alone.cause == Cause::kMalformed)
+        << to_text(alone);
     Bytes both = other;
     append(both, dtc_plain(dtc_message("05 00 0A0B")));
     const auto again = device.begin(device.read("int16:9"));
@@ -126,17 +136,19 @@ TEST(DtcExchange, CausesAreTold) {
   EXPECT_EQ(cause(Bytes(wrong.begin(), wrong.end() - 1)), Cause::kTruncated);
   wrong.back() ^= 1;
   EXPECT_EQ(cause(wrong), Cause::kChecksum);
-  EXPECT_EQ(cause(dtc_plain(dtc_message("05 00 0A0B0C0D"))), Cause::kMalformed);  // two values where one was asked
-  EXPECT_EQ(cause(dtc_plain(dtc_message("05 80"))), Cause::kMalformed);           // a refusal without a code
+  EXPECT_EQ(cause(dtc_plain(dtc_message("05 00 0A0B0C0D"))),
+            Cause::kMalformed);  // two values where one was asked
+  EXPECT_EQ(cause(dtc_plain(dtc_message("05 80"))), Cause::kMalformed);  // a refusal without a code
   EXPECT_EQ(cause(*from_hex("77 77 77")), Cause::kMalformed);
   EXPECT_EQ(cause(Bytes(2000, 0x55)), Cause::kOverlong);
-  EXPECT_EQ(cause(*from_hex("01 0005 0006 3FC000")), Cause::kMalformed);  // a code that is not defined
+  EXPECT_EQ(cause(*from_hex("01 0005 0006 3FC000")),
+            Cause::kMalformed);  // a code that is not defined
 }
 
 TEST(DtcExchange, LengthsThatLieAreNoise) {
   const Device device = plc();
-  for (const char* head :
-       {"00 0000", "00 0003", "00 1001", "01 0002 0001", "01 0006 0005", "01 0006 1001", "02 0004", "FF FFFF"}) {
+  for (const char* head : {"00 0000", "00 0003", "00 1001", "01 0002 0001", "01 0006 0005",
+                           "01 0006 1001", "02 0004", "FF FFFF"}) {
     Bytes bytes = *from_hex(head);
     append(bytes, dtc_plain(dtc_message("05 00 0A0B")));
     const auto exchange = device.begin(device.read("int16:9"));
@@ -151,10 +163,12 @@ TEST(DtcExchange, TheMatrixHolds) {
     test::expect_random_bytes_are_refused(matrix, seed, 3000);
   };
   expect({.begin = [&] { return device.begin(mixed(device)); }, .answers = {dtc_plain(kMixed)}}, 1);
-  expect({.begin = [&] { return device.begin(many(device)); }, .answers = {dtc_compressed(many_message())}}, 2);
-  expect(
-      {.begin = [&] { return device.begin(device.write("int32:7", "01020304")); }, .answers = {dtc_plain(dtc_message("05 01"))}},
-      3);
+  expect({.begin = [&] { return device.begin(many(device)); },
+          .answers = {dtc_compressed(many_message())}},
+         2);
+  expect({.begin = [&] { return device.begin(device.write("int32:7", "01020304")); },
+          .answers = {dtc_plain(dtc_message("05 01"))}},
+         3);
   expect({.begin = [&] { return device.begin(device.read("int16:9")); }, .answers = {kRefused}}, 4);
 }
 
@@ -208,9 +222,11 @@ TEST(DtcOptions, FaultsSayWhatIsAllowed) {
 TEST(DtcThreshold, AFasterLineOrASlowerDeviceCompressesLess) {
   using std::chrono::nanoseconds;
   const LineFormat slow{9600}, fast{115200}, network{10'000'000, 8, Parity::kNone, 1};
-  EXPECT_EQ(dtc::auto_threshold(slow, nanoseconds{0}), 20u);  // (8 bytes of learning + 2 of length) / 0.5
+  EXPECT_EQ(dtc::auto_threshold(slow, nanoseconds{0}),
+            20u);  // (8 bytes of learning + 2 of length) / 0.5
   EXPECT_EQ(dtc::auto_threshold(slow, nanoseconds{1000}), 21u);
-  EXPECT_GT(dtc::auto_threshold(fast, nanoseconds{20'000}), dtc::auto_threshold(slow, nanoseconds{20'000}));
+  EXPECT_GT(dtc::auto_threshold(fast, nanoseconds{20'000}),
+            dtc::auto_threshold(slow, nanoseconds{20'000}));
   EXPECT_GT(dtc::auto_threshold(fast, nanoseconds{40'000}), 100u);
   EXPECT_EQ(dtc::auto_threshold(fast, nanoseconds{48'000}), dtc::kNever);
   EXPECT_EQ(dtc::auto_threshold(network, nanoseconds{1000}), dtc::kNever);
@@ -222,7 +238,8 @@ TEST(DtcAddress, EachTypeHasItsOwn) {
     const auto parsed = device.protocol().parse_address(at);
     if (!parsed) return "fault: " + parsed.error().what;
     return std::to_string(parsed->area) + ":" + std::to_string(parsed->first) +
-           (parsed->bit ? "." + std::to_string(*parsed->bit) : "") + "/" + std::to_string(parsed->width_bits.value_or(0));
+           (parsed->bit ? "." + std::to_string(*parsed->bit) : "") + "/" +
+           std::to_string(parsed->width_bits.value_or(0));
   };
   EXPECT_EQ(name("bit:7"), "0:7/1");
   EXPECT_EQ(name("int16:100"), "1:100/0");
@@ -247,7 +264,8 @@ TEST(DtcAddress, FaultsSayWhatWasMeant) {
   EXPECT_EQ(suggestion("int16:1.16"), "int16:1.0");
   EXPECT_EQ(suggestion("bit:1.0"), "bit:1");
   EXPECT_EQ(suggestion("float32:1.0"), "float32:1");
-  for (const auto* at : {"", ":", "int16:", "int16:-1", "int16:1.", "int16: 1", "holding:1"}) (void)suggestion(at);
+  for (const auto* at : {"", ":", "int16:", "int16:-1", "int16:1.", "int16: 1", "holding:1"})
+    (void)suggestion(at);
 }
 
 std::string explained(const Bytes& frame) {
@@ -261,7 +279,8 @@ std::string explained(const Bytes& frame) {
 TEST(DtcExplain, SaysWhatIsInThePacket) {
   const Device device = plc();
   EXPECT_EQ(explained(device.request_bytes(mixed(device))),
-            "flag 00 plain\nlength 19\naddress 5\ncommand 00 read\ngroup int16:100, count 2\ngroup bit:65527, count 9\n"
+            "flag 00 plain\nlength 19\naddress 5\ncommand 00 read\ngroup int16:100, count 2\ngroup "
+            "bit:65527, count 9\n"
             "group float32:0, count 1\nCRC " +
                 to_hex(ByteView(device.request_bytes(mixed(device))).last(2)) + "\n");
   EXPECT_NE(explained(kRefused).find("code 02 address out of range"), std::string::npos);
@@ -269,9 +288,23 @@ TEST(DtcExplain, SaysWhatIsInThePacket) {
   EXPECT_NE(packed.find("flag 01 compressed"), std::string::npos);
   EXPECT_NE(packed.find("data 00 00"), std::string::npos);
   EXPECT_EQ(packed.find('!'), std::string::npos) << packed;
-  for (const auto* wrong : {"02 0004 05010000", "00 0004 0501", "00 0004 05010000", "01 0005 0006 3FC000"}) {
+  for (const auto* wrong :
+       {"02 0004 05010000", "00 0004 0501", "00 0004 05010000", "01 0005 0006 3FC000"}) {
     EXPECT_NE(explained(*from_hex(wrong)).find('!'), std::string::npos) << wrong;
   }
+}
+
+// FFFF as the first variable and a count of 2 reach beyond the last one: this is an answer's data.
+TEST(DtcExplain, DataThatLookLikeGroupsThatCannotBeAreData) {
+  Bytes message{5, 0x00, 0xFF, 0xFF, 0x01, 0x00, 0x02};
+  const std::uint16_t crc = crc16_modbus(message);
+  message.push_back(static_cast<std::uint8_t>(crc));
+  message.push_back(static_cast<std::uint8_t>(crc >> 8));
+  Bytes packet{0x00, 0x00, static_cast<std::uint8_t>(message.size())};
+  packet.insert(packet.end(), message.begin(), message.end());
+  const std::string text = explained(packet);
+  EXPECT_NE(text.find("data FF FF 01 00 02"), std::string::npos) << text;
+  EXPECT_EQ(text.find('!'), std::string::npos) << text;
 }
 
 }  // namespace

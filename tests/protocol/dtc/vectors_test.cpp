@@ -46,15 +46,19 @@ Bytes image(const Range& range, ByteView data) {
   return bits;
 }
 
-std::uint16_t address_of(const GoldenVector& vector) { return test::dtc_unpacked(vector.request)[0]; }
+std::uint16_t address_of(const GoldenVector& vector) {
+  return test::dtc_unpacked(vector.request)[0];
+}
 std::map<std::string, std::string> threshold(const GoldenVector& vector) {
   return {{"threshold", vector.name.find("lzw") != std::string::npos ? "0" : "65535"}};
 }
 bool has_fault(const std::vector<FrameField>& fields) {
-  return std::any_of(fields.begin(), fields.end(), [](const FrameField& field) { return !field.fault.empty(); });
+  return std::any_of(fields.begin(), fields.end(),
+                     [](const FrameField& field) { return !field.fault.empty(); });
 }
 
-// The values of a vector as the JSON has them, against images: the reading of numbers is checked too.
+// The values of a vector as the JSON has them, against images: the reading of numbers is checked
+// too.
 void expect_values(const nlohmann::json& groups, const Reply& reply) {
   ASSERT_EQ(reply.size(), groups.size());
   for (std::size_t g = 0; g < reply.size(); ++g) {
@@ -67,8 +71,8 @@ void expect_values(const nlohmann::json& groups, const Reply& reply) {
       }
       Encoding encoding{.type = *value_type_from(type)};
       const std::size_t size = width_bits(encoding) / 8;
-      const auto value =
-          decode_value(encoding, static_cast<unsigned>(8 * size), ByteView(reply[g].items).subspan(i * size, size));
+      const auto value = decode_value(encoding, static_cast<unsigned>(8 * size),
+                                      ByteView(reply[g].items).subspan(i * size, size));
       ASSERT_TRUE(value.has_value());
       EXPECT_EQ(*as_number(*value), values[i].get<double>());
     }
@@ -102,7 +106,8 @@ TEST(DtcVectors, ReadsAreAskedAndAnsweredAsPrinted) {
     ASSERT_TRUE(outcome.done()) << to_text(outcome);
     expect_values(json_of(vector.name)["groups"], outcome.reply);
     if (vector.response.size() < 400)
-      test::expect_matrix({.begin = [&] { return device.begin(read); }, .answers = {vector.response}});
+      test::expect_matrix(
+          {.begin = [&] { return device.begin(read); }, .answers = {vector.response}});
     EXPECT_FALSE(has_fault(find_protocol("dtc")->explain(vector.request)));
     EXPECT_FALSE(has_fault(find_protocol("dtc")->explain(vector.response)));
     const auto size = device.protocol().size(read);
@@ -113,7 +118,8 @@ TEST(DtcVectors, ReadsAreAskedAndAnsweredAsPrinted) {
   EXPECT_GE(seen, 24);
 }
 
-// The seam writes one range at a time; a message of several groups is its parts, each in a message of its own.
+// The seam writes one range at a time; a message of several groups is its parts, each in a message
+// of its own.
 TEST(DtcVectors, WritesAreMadeOfThePrintedGroups) {
   int whole = 0, parts = 0;
   for (const GoldenVector& vector : test::load_vectors("dtc")) {
@@ -155,7 +161,8 @@ TEST(DtcVectors, RefusalsCarryTheirCode) {
     const test::Outcome outcome = test::drive(*exchange, vector.response);
     EXPECT_EQ(outcome.cause, Cause::kDeviceError);
     EXPECT_EQ(outcome.code, ++code);
-    test::expect_matrix({.begin = [&] { return device.begin(device.read("int16:0")); }, .answers = {vector.response}});
+    test::expect_matrix({.begin = [&] { return device.begin(device.read("int16:0")); },
+                         .answers = {vector.response}});
   }
   EXPECT_EQ(code, 5);
 }

@@ -21,24 +21,27 @@ TEST_P(Notation, IsUnderstood) {
   EXPECT_EQ(parsed->area, static_cast<AreaIndex>(expected.table));
   EXPECT_EQ(parsed->first, expected.first);
   EXPECT_EQ(parsed->bit, expected.bit);
-  const bool bit_wide = expected.table == Table::kCoil || expected.table == Table::kInput || expected.bit;
+  const bool bit_wide =
+      expected.table == Table::kCoil || expected.table == Table::kInput || expected.bit;
   EXPECT_EQ(parsed->width_bits, bit_wide ? std::optional<unsigned>{1} : std::nullopt);
 }
 
-INSTANTIATE_TEST_SUITE_P(Named, Notation,
-                         testing::Values(Case{"coil:3", Table::kCoil, 3}, Case{"input:0", Table::kInput, 0},
-                                         Case{"discrete-input:7", Table::kInput, 7},
-                                         Case{"holding:65535", Table::kHolding, 65535},
-                                         Case{"holding:0x64", Table::kHolding, 100},
-                                         Case{"holding:100.5", Table::kHolding, 100, 5},
-                                         Case{"input-register:100", Table::kInputRegister, 100},
-                                         Case{"input-register:0xFFFF.15", Table::kInputRegister, 65535, 15}));
-INSTANTIATE_TEST_SUITE_P(References, Notation,
-                         testing::Values(Case{"00001", Table::kCoil, 0}, Case{"09999", Table::kCoil, 9998},
-                                         Case{"10001", Table::kInput, 0}, Case{"30101", Table::kInputRegister, 100},
-                                         Case{"40101", Table::kHolding, 100}, Case{"400001", Table::kHolding, 0},
-                                         Case{"465536", Table::kHolding, 65535}, Case{"000001", Table::kCoil, 0},
-                                         Case{"40101.3", Table::kHolding, 100, 3}));
+INSTANTIATE_TEST_SUITE_P(
+    Named, Notation,
+    testing::Values(Case{"coil:3", Table::kCoil, 3}, Case{"input:0", Table::kInput, 0},
+                    Case{"discrete-input:7", Table::kInput, 7},
+                    Case{"holding:65535", Table::kHolding, 65535},
+                    Case{"holding:0x64", Table::kHolding, 100},
+                    Case{"holding:100.5", Table::kHolding, 100, 5},
+                    Case{"input-register:100", Table::kInputRegister, 100},
+                    Case{"input-register:0xFFFF.15", Table::kInputRegister, 65535, 15}));
+INSTANTIATE_TEST_SUITE_P(
+    References, Notation,
+    testing::Values(Case{"00001", Table::kCoil, 0}, Case{"09999", Table::kCoil, 9998},
+                    Case{"10001", Table::kInput, 0}, Case{"30101", Table::kInputRegister, 100},
+                    Case{"40101", Table::kHolding, 100}, Case{"400001", Table::kHolding, 0},
+                    Case{"465536", Table::kHolding, 65535}, Case{"000001", Table::kCoil, 0},
+                    Case{"40101.3", Table::kHolding, 100, 3}));
 
 struct Fault {
   std::string_view at;
@@ -53,18 +56,27 @@ TEST_P(Refused, SaysWhatIsAllowedAndWhatWasMeant) {
   EXPECT_FALSE(parsed.error().what.empty());
   EXPECT_FALSE(parsed.error().allowed.empty());
   EXPECT_EQ(parsed.error().suggestion, GetParam().suggestion);
-  if (!GetParam().suggestion.empty()) { EXPECT_TRUE(parse_address(parsed.error().suggestion).has_value()); }
+  if (!GetParam().suggestion.empty()) {
+    EXPECT_TRUE(parse_address(parsed.error().suggestion).has_value());
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Faults, Refused,
-    testing::Values(Fault{"holdin:100", "holding:100"}, Fault{"Holding:100", "holding:100"}, Fault{"hr:5", "holding:5"},
-                    Fault{"holding100", "holding:100"}, Fault{"coils:3", "coil:3"}, Fault{"banana:3", ""},
-                    Fault{"holding:65536", "holding:65535"}, Fault{"holding:-1", "holding:0"}, Fault{"holding:", "holding:0"},
-                    Fault{"holding:1x", "holding:0"}, Fault{"holding:99999999999999", "holding:65535"},
-                    Fault{"holding:100.16", "holding:100.0"}, Fault{"holding:100.", "holding:100.0"}, Fault{"coil:3.1", "coil:3"},
-                    Fault{"40000", "40001"}, Fault{"20001", ""}, Fault{"465537", ""}, Fault{"100", "holding:100"},
-                    Fault{"4000001", ""}, Fault{"", ""}, Fault{":", ""}, Fault{"00001.1", "coil:0"}));
+    testing::Values(Fault{"holdin:100", "holding:100"}, Fault{"Holding:100", "holding:100"},
+                    Fault{"hr:5", "holding:5"}, Fault{"holding100", "holding:100"},
+                    Fault{"coils:3", "coil:3"}, Fault{"banana:3", ""},
+                    Fault{"holding:65536", "holding:65535"}, Fault{"holding:-1", "holding:0"},
+                    Fault{"holding:", "holding:0"}, Fault{"holding:1x", "holding:0"},
+                    Fault{"holding:99999999999999", "holding:65535"},
+                    Fault{"holding:100.16", "holding:100.0"},
+                    Fault{"holding:100.", "holding:100.0"}, Fault{"coil:3.1", "coil:3"},
+                    Fault{"40000", "40001"}, Fault{"20001", ""}, Fault{"465537", ""},
+                    Fault{"100", "holding:100"}, Fault{"4000001", ""}, Fault{"", ""},
+                    Fault{":", ""}, Fault{"00001.1", "coil:0"}, Fault{"46h", "holding:0x46"},
+                    Fault{"0x46", "holding:0x46"}, Fault{"holding:46h", "holding:0x46"},
+                    Fault{"4x0071", "40071"}, Fault{"3x12", "30012"}, Fault{"%MW70", "holding:70"},
+                    Fault{"%M3", "coil:3"}));
 
 TEST(Refused, AHostileTextIsQuotedInPart) {
   const auto parsed = parse_address(std::string(100'000, 'h') + ":1");

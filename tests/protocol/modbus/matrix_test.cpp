@@ -24,22 +24,30 @@ struct Talk {
   Options options = {};
 };
 
-Range range(Table table, std::uint32_t first, std::uint32_t count) { return {static_cast<AreaIndex>(table), first, count}; }
+Range range(Table table, std::uint32_t first, std::uint32_t count) {
+  return {static_cast<AreaIndex>(table), first, count};
+}
 
 const Talk kTalks[]{
     {"coils", ReadRequest{{range(Table::kCoil, 19, 19)}}, "01 03 CD6B05"},
     {"inputs", ReadRequest{{range(Table::kInput, 196, 22)}}, "02 03 ACDB35"},
     {"holding", ReadRequest{{range(Table::kHolding, 107, 3)}}, "03 06 AE41 5652 4340"},
     {"input_register", ReadRequest{{range(Table::kInputRegister, 8, 1)}}, "04 02 000A"},
-    {"write_coil", WriteRequest{.range = range(Table::kCoil, 172, 1), .items = {1}}, "05 00AC FF00"},
-    {"write_register", WriteRequest{.range = range(Table::kHolding, 1, 1), .items = {0, 3}}, "06 0001 0003"},
-    {"write_coils", WriteRequest{.range = range(Table::kCoil, 19, 3), .items = {1, 0, 1}}, "0F 0013 0003"},
-    {"write_registers", WriteRequest{.range = range(Table::kHolding, 1, 2), .items = {0, 10, 1, 2}}, "10 0001 0002"},
+    {"write_coil", WriteRequest{.range = range(Table::kCoil, 172, 1), .items = {1}},
+     "05 00AC FF00"},
+    {"write_register", WriteRequest{.range = range(Table::kHolding, 1, 1), .items = {0, 3}},
+     "06 0001 0003"},
+    {"write_coils", WriteRequest{.range = range(Table::kCoil, 19, 3), .items = {1, 0, 1}},
+     "0F 0013 0003"},
+    {"write_registers", WriteRequest{.range = range(Table::kHolding, 1, 2), .items = {0, 10, 1, 2}},
+     "10 0001 0002"},
     {"mask_write",
      WriteRequest{.range = range(Table::kHolding, 4, 1), .items = {0, 4}, .bit = 2},
      "16 0004 FFFB 0004",
      {.mask_write = true}},
-    {"read_write", WriteReadRequest{{.range = range(Table::kHolding, 14, 1), .items = {0, 255}}, range(Table::kHolding, 3, 2)},
+    {"read_write",
+     WriteReadRequest{{.range = range(Table::kHolding, 14, 1), .items = {0, 255}},
+                      range(Table::kHolding, 3, 2)},
      "17 04 00FE 0ACD"},
     {"exception", ReadRequest{{range(Table::kHolding, 107, 3)}}, "83 02"},
     {"busy", ReadRequest{{range(Table::kCoil, 107, 3)}}, "81 06"},
@@ -52,8 +60,11 @@ class ModbusMatrix : public testing::TestWithParam<std::tuple<Wire, Talk>> {
     const Ticket ticket{17, 0x1501};
     Bytes answer;
     wire.framing().wrap(ticket, hex(talk.answer), answer);
-    return {.begin = [&framing = wire.framing(), ticket,
-                      &talk = talk] { return std::make_unique<ModbusExchange>(framing, ticket, talk.request, talk.options); },
+    return {.begin =
+                [&framing = wire.framing(), ticket, &talk = talk] {
+                  return std::make_unique<ModbusExchange>(framing, ticket, talk.request,
+                                                          talk.options);
+                },
             .answers = {answer},
             .checked = wire.checked,
             .noise_recovers = wire.checked};
@@ -61,7 +72,9 @@ class ModbusMatrix : public testing::TestWithParam<std::tuple<Wire, Talk>> {
 };
 
 TEST_P(ModbusMatrix, EveryCellIsTheSameValueOrNone) { test::expect_matrix(matrix()); }
-TEST_P(ModbusMatrix, RandomBytesAreRefused) { test::expect_random_bytes_are_refused(matrix(), 4711, 3000); }
+TEST_P(ModbusMatrix, RandomBytesAreRefused) {
+  test::expect_random_bytes_are_refused(matrix(), 4711, 3000);
+}
 
 TEST_P(ModbusMatrix, AnnouncedSizesAreExact) {
   const auto& [wire, talk] = GetParam();
@@ -77,11 +90,13 @@ TEST_P(ModbusMatrix, AnnouncedSizesAreExact) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ModbusMatrix,
-                         testing::Combine(testing::Values(Wire{"rtu", rtu_framing, true}, Wire{"ascii", ascii_framing, true},
+                         testing::Combine(testing::Values(Wire{"rtu", rtu_framing, true},
+                                                          Wire{"ascii", ascii_framing, true},
                                                           Wire{"tcp", tcp_framing, false}),
                                           testing::ValuesIn(kTalks)),
                          [](const auto& instance) {
-                           return std::get<0>(instance.param).name + "_" + std::get<1>(instance.param).name;
+                           return std::get<0>(instance.param).name + "_" +
+                                  std::get<1>(instance.param).name;
                          });
 
 }  // namespace

@@ -8,7 +8,8 @@ namespace {
 unsigned at16(ByteView bytes, std::size_t at) { return bytes[at] * 256u + bytes[at + 1]; }
 Bytes bits(ByteView packed, unsigned count) {
   Bytes items;
-  for (unsigned i = 0; i < count; ++i) items.push_back((packed[i / 8] & (1u << i % 8)) != 0 ? 1 : 0);
+  for (unsigned i = 0; i < count; ++i)
+    items.push_back((packed[i / 8] & (1u << i % 8)) != 0 ? 1 : 0);
   return items;
 }
 Bytes copy(ByteView bytes) { return {bytes.begin(), bytes.end()}; }
@@ -22,11 +23,14 @@ std::optional<Opened> open(const std::string& framing, ByteView frame) {
     return Opened{frame[0], 0, copy(frame.subspan(1, frame.size() - 3))};
   }
   if (framing == "tcp") {
-    if (frame.size() < 8 || at16(frame, 2) != 0 || at16(frame, 4) != frame.size() - 6 || frame.size() > 260) return std::nullopt;
+    if (frame.size() < 8 || at16(frame, 2) != 0 || at16(frame, 4) != frame.size() - 6 ||
+        frame.size() > 260)
+      return std::nullopt;
     return Opened{frame[6], static_cast<std::uint16_t>(at16(frame, 0)), copy(frame.subspan(7))};
   }
   const std::string text(frame.begin(), frame.end());
-  if (text.size() < 9 || text.front() != ':' || text.substr(text.size() - 2) != "\r\n") return std::nullopt;
+  if (text.size() < 9 || text.front() != ':' || text.substr(text.size() - 2) != "\r\n")
+    return std::nullopt;
   const auto bytes = from_hex(text.substr(1, text.size() - 3));
   if (!bytes || sum8(*bytes) != 0) return std::nullopt;
   return Opened{bytes->front(), 0, Bytes(bytes->begin() + 1, bytes->end() - 1)};
@@ -41,9 +45,12 @@ std::optional<Meant> request_of(ByteView pdu) {
     return Meant{ReadRequest{{{static_cast<AreaIndex>(function - 1), first, count}}}, {}};
   }
   if (function == 5 && (count == 0xFF00 || count == 0)) {
-    return Meant{WriteRequest{.range = {0, first, 1}, .items = {count != 0 ? std::uint8_t{1} : std::uint8_t{0}}}, {}};
+    return Meant{WriteRequest{.range = {0, first, 1},
+                              .items = {count != 0 ? std::uint8_t{1} : std::uint8_t{0}}},
+                 {}};
   }
-  if (function == 6) return Meant{WriteRequest{.range = {2, first, 1}, .items = copy(pdu.subspan(3, 2))}, {}};
+  if (function == 6)
+    return Meant{WriteRequest{.range = {2, first, 1}, .items = copy(pdu.subspan(3, 2))}, {}};
   if ((function == 15 || function == 16) && pdu.size() > 6 && pdu.size() == 6u + pdu[5]) {
     const bool coils = function == 15;
     if (pdu[5] != (coils ? (count + 7) / 8 : count * 2)) return std::nullopt;
@@ -51,7 +58,8 @@ std::optional<Meant> request_of(ByteView pdu) {
                        .items = coils ? bits(pdu.subspan(6), count) : copy(pdu.subspan(6))};
     return Meant{std::move(write), {.write_multiple = true}};
   }
-  if (function == 23 && pdu.size() > 10 && pdu.size() == 10u + pdu[9] && pdu[9] == 2 * at16(pdu, 7)) {
+  if (function == 23 && pdu.size() > 10 && pdu.size() == 10u + pdu[9] &&
+      pdu[9] == 2 * at16(pdu, 7)) {
     WriteRequest write{.range = {2, at16(pdu, 5), at16(pdu, 7)}, .items = copy(pdu.subspan(10))};
     return Meant{WriteReadRequest{std::move(write), {2, first, count}}, {}};
   }
@@ -63,12 +71,14 @@ std::optional<Meant> request_for(ByteView answer) {
   const unsigned function = answer[0] & 0x7Fu;
   const bool refused = answer[0] != function;
   const unsigned items = refused ? 1u : (function <= 2 ? answer[1] * 8u : answer[1] / 2u);
-  if (function >= 1 && function <= 4) return Meant{ReadRequest{{{static_cast<AreaIndex>(function - 1), 0, items}}}, {}};
+  if (function >= 1 && function <= 4)
+    return Meant{ReadRequest{{{static_cast<AreaIndex>(function - 1), 0, items}}}, {}};
   switch (function) {
     case 5: return Meant{WriteRequest{.range = {0, 0, 1}, .items = {1}}, {}};
     case 6: return Meant{WriteRequest{.range = {2, 0, 1}, .items = {0, 1}}, {}};
     case 15: return Meant{WriteRequest{.range = {0, 0, 1}, .items = {1}}, {.write_multiple = true}};
-    case 16: return Meant{WriteRequest{.range = {2, 0, 1}, .items = {0, 1}}, {.write_multiple = true}};
+    case 16:
+      return Meant{WriteRequest{.range = {2, 0, 1}, .items = {0, 1}}, {.write_multiple = true}};
     case 23: return Meant{WriteReadRequest{{.range = {2, 0, 1}, .items = {0, 1}}, {2, 0, 1}}, {}};
     default: return std::nullopt;
   }

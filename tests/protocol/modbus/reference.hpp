@@ -1,4 +1,5 @@
-// A second, independent reading of Modbus frames for the tests: nothing of the core but checksums and the seam's value types.
+// A second, independent reading of Modbus frames for the tests: nothing of the core but checksums
+// and the seam's value types.
 #pragma once
 
 #include <optional>
@@ -17,8 +18,8 @@ struct Opened {
 };
 [[nodiscard]] std::optional<Opened> open(const std::string& framing, ByteView frame);
 
-// The request that a master must have meant, and the options under which Fieldcast sends it so; nothing for functions that it
-// does not send, or quantities that the standard forbids.
+// The request that a master must have meant, and the options under which Fieldcast sends it so;
+// nothing for functions that it does not send, or quantities that the standard forbids.
 struct Meant {
   Request request;
   Options options;

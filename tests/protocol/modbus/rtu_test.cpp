@@ -157,7 +157,8 @@ TEST(RtuExchange, ExceptionsCarryTheirCode) {
 }
 
 TEST(RtuExchange, AWriteIsConfirmedByItsOwnEchoAlone) {
-  const Request write = WriteRequest{.range = {static_cast<AreaIndex>(Table::kHolding), 1, 1}, .items = hex("0003")};
+  const Request write =
+      WriteRequest{.range = {static_cast<AreaIndex>(Table::kHolding), 1, 1}, .items = hex("0003")};
   auto right = rtu(17, write);
   const Outcome outcome = drive(right, with_crc("11 06 0001 0003"));
   EXPECT_EQ(outcome.sent.front(), with_crc("11 06 0001 0003"));

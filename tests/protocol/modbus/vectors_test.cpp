@@ -42,7 +42,8 @@ class ModbusVectors : public testing::TestWithParam<GoldenVector> {
  protected:
   const GoldenVector& vector() const { return GetParam(); }
 
-  // The question that the vector's answer belongs to: from its request, or, where it has none that may be sent, from the answer.
+  // The question that the vector's answer belongs to: from its request, or, where it has none that
+  // may be sent, from the answer.
   struct Asked {
     Meant meant;
     Ticket ticket;
@@ -50,7 +51,8 @@ class ModbusVectors : public testing::TestWithParam<GoldenVector> {
   std::optional<Asked> asked(ByteView answer_frame) const {
     if (const auto request = reference::open(vector().framing, vector().request)) {
       auto meant = reference::request_of(request->pdu);
-      if (meant && pdu_sizes(meant->request, meant->options)) return Asked{*meant, {request->unit, request->transaction}};
+      if (meant && pdu_sizes(meant->request, meant->options))
+        return Asked{*meant, {request->unit, request->transaction}};
     }
     const auto answer = reference::open(vector().framing, answer_frame);
     if (!answer) return std::nullopt;
@@ -59,7 +61,8 @@ class ModbusVectors : public testing::TestWithParam<GoldenVector> {
     return Asked{*meant, {answer->unit, answer->transaction}};
   }
   Outcome outcome(const Asked& asked, const Bytes& answer) const {
-    ModbusExchange exchange(framing_of(vector()), asked.ticket, asked.meant.request, asked.meant.options);
+    ModbusExchange exchange(framing_of(vector()), asked.ticket, asked.meant.request,
+                            asked.meant.options);
     return test::drive(exchange, answer);
   }
 };
@@ -70,10 +73,12 @@ TEST_P(ModbusVectors, OurRequestIsTheirs) {
   const auto meant = reference::request_of(opened->pdu);
   ASSERT_TRUE(meant.has_value());
   ASSERT_TRUE(pdu_sizes(meant->request, meant->options).has_value());
-  ModbusExchange exchange(framing_of(vector()), Ticket{opened->unit, opened->transaction}, meant->request, meant->options);
+  ModbusExchange exchange(framing_of(vector()), Ticket{opened->unit, opened->transaction},
+                          meant->request, meant->options);
   Bytes ours;
   (void)exchange.start(ours);
-  if (vector().name == "rtu_fc15_rodbus") {  // it sets bits beyond the quantity; the standard pads with zeros, and so do we
+  if (vector().name == "rtu_fc15_rodbus") {  // it sets bits beyond the quantity; the standard pads
+                                             // with zeros, and so do we
     const auto again = reference::open("rtu", ours);
     ASSERT_TRUE(again.has_value());
     EXPECT_EQ(to_hex(again->pdu), "0F 00 10 00 0A 02 12 00");
@@ -91,7 +96,8 @@ TEST_P(ModbusVectors, TheirAnswerIsRead) {
   ASSERT_TRUE(question.has_value());
   const Outcome result = outcome(*question, vector().response);
   ASSERT_TRUE(result.done()) << to_text(result);
-  EXPECT_EQ(to_hex(result.reply.back().items), to_hex(reference::items_of(answer->pdu, question->meant.request)));
+  EXPECT_EQ(to_hex(result.reply.back().items),
+            to_hex(reference::items_of(answer->pdu, question->meant.request)));
 }
 
 TEST_P(ModbusVectors, AnExceptionIsItsCode) {
@@ -116,7 +122,9 @@ TEST_P(ModbusVectors, ARequestThatMustBeRefusedIsNeverSent) {
 
 TEST_P(ModbusVectors, AMalformedAnswerIsNoValue) {
   const bool shape = vector().name == "tcp_split_fc02_pymodbus";
-  if ((vector().kind != "malformed" && !shape) || vector().response.empty() || vector().expect == "resync_optional") return;
+  if ((vector().kind != "malformed" && !shape) || vector().response.empty() ||
+      vector().expect == "resync_optional")
+    return;
   auto question = asked(vector().response);
   if (!question) {  // nothing to ask in the vector: ask for one holding register
     question = Asked{{ReadRequest{{{2, 0, 1}}}, {}}, {vector().response[0], 0}};
@@ -126,7 +134,8 @@ TEST_P(ModbusVectors, AMalformedAnswerIsNoValue) {
   static const std::map<std::string, std::set<Cause>> expected{
       {"crc_error", {Cause::kChecksum}},
       {"lrc_error", {Cause::kChecksum}},
-      {"mismatched_function", {Cause::kForeign, Cause::kChecksum}},  // a length-driven reader sees another end
+      {"mismatched_function",
+       {Cause::kForeign, Cause::kChecksum}},  // a length-driven reader sees another end
       {"wrong_unit", {Cause::kForeign}},
       {"pdu_length_error", {Cause::kMalformed, Cause::kForeign}},
       {"protocol_id", {Cause::kMalformed}},
@@ -134,28 +143,38 @@ TEST_P(ModbusVectors, AMalformedAnswerIsNoValue) {
       {"incomplete", {Cause::kTruncated}},
   };
   const auto row = expected.find(vector().expect);
-  if (row != expected.end()) { EXPECT_TRUE(row->second.contains(result.cause)) << to_text(result.cause); }
+  if (row != expected.end()) {
+    EXPECT_TRUE(row->second.contains(result.cause)) << to_text(result.cause);
+  }
 }
 
 TEST_P(ModbusVectors, TheExplanationFindsAFaultWhereThereIsOne) {
   const Explainer explain = explainer_of(vector());
-  if (vector().kind == "ok" && !vector().request.empty()) { EXPECT_EQ(fault_in(explain(vector().request)), ""); }
-  if (vector().kind != "malformed" && !vector().response.empty()) { EXPECT_EQ(fault_in(explain(vector().response)), ""); }
+  if (vector().kind == "ok" && !vector().request.empty()) {
+    EXPECT_EQ(fault_in(explain(vector().request)), "");
+  }
+  if (vector().kind != "malformed" && !vector().response.empty()) {
+    EXPECT_EQ(fault_in(explain(vector().response)), "");
+  }
   static const std::set<std::string> inner{
-      "crc_error",    "lrc_error",  "pdu_length_error",          "protocol_id",        "length_error",
-      "syntax_error", "incomplete", "frame_ok_illegal_function", "frame_ok_pdu_short", "resync_optional"};
+      "crc_error",          "lrc_error",      "pdu_length_error", "protocol_id",
+      "length_error",       "syntax_error",   "incomplete",       "frame_ok_illegal_function",
+      "frame_ok_pdu_short", "resync_optional"};
   if (vector().kind != "malformed" || !inner.contains(vector().expect)) return;
-  if (vector().name == "tcp_fc05like_pymodbus" || vector().name == "tcp_fc03like_pymodbus") return;  // faultless as requests
+  if (vector().name == "tcp_fc05like_pymodbus" || vector().name == "tcp_fc03like_pymodbus")
+    return;  // faultless as requests
   const Bytes& frame = vector().response.empty() ? vector().request : vector().response;
   EXPECT_NE(fault_in(explain(frame)), "") << to_hex(frame);
 }
 
-INSTANTIATE_TEST_SUITE_P(Golden, ModbusVectors, testing::ValuesIn(test::load_vectors("modbus")), [](const auto& instance) {
-  std::string name = instance.param.name;
-  std::replace_if(
-      name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Golden, ModbusVectors, testing::ValuesIn(test::load_vectors("modbus")),
+                         [](const auto& instance) {
+                           std::string name = instance.param.name;
+                           std::replace_if(
+                               name.begin(), name.end(),
+                               [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
+                           return name;
+                         });
 
 GoldenVector named(const std::string& name) {
   for (const GoldenVector& vector : test::load_vectors("modbus")) {
@@ -169,7 +188,8 @@ TEST(ModbusVector, ALateAnswerIsPassedOverForTheRightOne) {
   const GoldenVector late = named("late_response_after_timeout");
   const auto request = reference::open("rtu", late.hex("second_request"));
   ASSERT_TRUE(request.has_value());
-  ModbusExchange exchange(rtu_framing(), Ticket{request->unit, 0}, reference::request_of(request->pdu)->request, {});
+  ModbusExchange exchange(rtu_framing(), Ticket{request->unit, 0},
+                          reference::request_of(request->pdu)->request, {});
   Bytes stream = late.response;
   append(stream, late.hex("second_response"));
   const Outcome result = test::drive_bytewise(exchange, {&stream, 1});
@@ -186,8 +206,10 @@ TEST(ModbusVector, AGoodFrameBehindABadOneIsRead) {
 }
 
 TEST(ModbusVector, AMaskWriteIsTheStandardsExampleForOneBit) {
-  // Application Protocol V1.1b3, 6.16 writes several bits at once; Fieldcast writes one: the masks differ, the frame does not.
-  ModbusExchange exchange(tcp_framing(), Ticket{17, 0x1501}, WriteRequest{.range = {2, 4, 1}, .items = {0, 0x20}, .bit = 5},
+  // Application Protocol V1.1b3, 6.16 writes several bits at once; Fieldcast writes one: the masks
+  // differ, the frame does not.
+  ModbusExchange exchange(tcp_framing(), Ticket{17, 0x1501},
+                          WriteRequest{.range = {2, 4, 1}, .items = {0, 0x20}, .bit = 5},
                           {.mask_write = true});
   Bytes request;
   (void)exchange.start(request);

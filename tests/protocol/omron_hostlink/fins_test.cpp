@@ -1,4 +1,5 @@
-// FINS in Host Link frames: published frames in both directions, scattered reads, bit writes, the matrix.
+// FINS in Host Link frames: published frames in both directions, scattered reads, bit writes, the
+// matrix.
 #include <gtest/gtest.h>
 
 #include "core/codec/checksum.hpp"
@@ -29,12 +30,18 @@ Device plc(std::map<std::string, std::string> more = {}) {
   return {"omron-hostlink", 0, more};
 }
 bool has_fault(const std::vector<FrameField>& fields) {
-  return std::any_of(fields.begin(), fields.end(), [](const FrameField& field) { return !field.fault.empty(); });
+  return std::any_of(fields.begin(), fields.end(),
+                     [](const FrameField& field) { return !field.fault.empty(); });
 }
-std::vector<FrameField> explain(const Bytes& frame) { return find_protocol("omron-hostlink")->explain(frame); }
-unsigned number(const std::string& digits) { return static_cast<unsigned>(std::stoul(digits, nullptr, 16)); }
+std::vector<FrameField> explain(const Bytes& frame) {
+  return find_protocol("omron-hostlink")->explain(frame);
+}
+unsigned number(const std::string& digits) {
+  return static_cast<unsigned>(std::stoul(digits, nullptr, 16));
+}
 
-// What a published direct request means, read without the codec: memory area reads and writes of words, and writes of one bit.
+// What a published direct request means, read without the codec: memory area reads and writes of
+// words, and writes of one bit.
 struct Meant {
   Device device;
   Request request;
@@ -47,11 +54,14 @@ std::optional<Meant> meant(const std::string& q) {
   const std::string command = q.substr(14, 4);
   if (command != "0101" && command != "0102") return std::nullopt;
   const auto area = areas.find(number(q.substr(18, 2)));
-  if (area == areas.end() || q.substr(24, 2) != "00") return std::nullopt;  // bits of several words have no request of ours
-  Device device = plc({{"wait", std::to_string(number(q.substr(5, 1)))}, {"unit", std::to_string(number(q.substr(8, 2)))}});
+  if (area == areas.end() || q.substr(24, 2) != "00")
+    return std::nullopt;  // bits of several words have no request of ours
+  Device device = plc({{"wait", std::to_string(number(q.substr(5, 1)))},
+                       {"unit", std::to_string(number(q.substr(8, 2)))}});
   const std::string at = area->second + std::to_string(number(q.substr(20, 4)));
   const auto sid = static_cast<std::uint16_t>(number(q.substr(12, 2)));
-  Request request = command == "0101" ? device.read(at, number(q.substr(26, 4))) : device.write(at, q.substr(30, q.size() - 34));
+  Request request = command == "0101" ? device.read(at, number(q.substr(26, 4)))
+                                      : device.write(at, q.substr(30, q.size() - 34));
   if (!device.protocol().size(request)) return std::nullopt;
   return Meant{std::move(device), std::move(request), sid};
 }
@@ -71,7 +81,8 @@ TEST(FinsVectors, OurRequestsAreTheirsAndTheirAnswersAreRead) {
     const auto exchange = asked->device.begin(asked->request, asked->sid);
     const Outcome outcome = drive(*exchange, vector.response);
     ASSERT_TRUE(outcome.done()) << to_text(outcome);
-    test::expect_matrix({.begin = [&] { return asked->device.begin(asked->request, asked->sid); }, .answers = {vector.response}});
+    test::expect_matrix({.begin = [&] { return asked->device.begin(asked->request, asked->sid); },
+                         .answers = {vector.response}});
     const std::string data = text(vector.response).substr(23, vector.response.size() - 27);
     EXPECT_EQ(to_hex(outcome.reply[0].items, '\0'), data);
   }
@@ -86,7 +97,8 @@ TEST(FinsVectors, EndCodesAreTheDevicesErrors) {
     SCOPED_TRACE(vector.name);
     const Device device = plc();
     const std::string answer = text(vector.response);
-    const auto sid = static_cast<std::uint16_t>(answer.size() > 15 ? number(answer.substr(13, 2)) : 0);
+    const auto sid =
+        static_cast<std::uint16_t>(answer.size() > 15 ? number(answer.substr(13, 2)) : 0);
     const auto exchange = device.begin(device.read("DM0"), sid);
     const Outcome outcome = drive(*exchange, vector.response);
     // An FCS that was wrong on arrival is the line's doing, to be tried again.
@@ -99,7 +111,8 @@ TEST(FinsVectors, EndCodesAreTheDevicesErrors) {
 TEST(FinsVectors, WhatIsMalformedIsNoValue) {
   int seen = 0;
   for (const GoldenVector& vector : test::load_vectors("fins")) {
-    if (vector.framing != "hostlink" || vector.kind != "malformed" || vector.response.empty()) continue;
+    if (vector.framing != "hostlink" || vector.kind != "malformed" || vector.response.empty())
+      continue;
     SCOPED_TRACE(vector.name);
     ++seen;
     const Device device = plc();
@@ -110,24 +123,30 @@ TEST(FinsVectors, WhatIsMalformedIsNoValue) {
 
 TEST(Fins, TheMatrixOfARefusalHolds) {
   const Device device = plc();
-  test::expect_matrix(
-      {.begin = [&] { return device.begin(device.read("DM0")); }, .answers = {framed("@00FA004000000001011103")}});
+  test::expect_matrix({.begin = [&] { return device.begin(device.read("DM0")); },
+                       .answers = {framed("@00FA004000000001011103")}});
 }
 
 TEST(FinsVectors, ExplanationsFindTheFaults) {
   for (const GoldenVector& vector : test::load_vectors("fins")) {
     if (vector.framing != "hostlink") continue;
     SCOPED_TRACE(vector.name);
-    if (vector.kind == "ok" && !vector.request.empty()) { EXPECT_FALSE(has_fault(explain(vector.request))); }
-    if (!vector.response.empty()) { EXPECT_EQ(has_fault(explain(vector.response)), vector.kind == "malformed"); }
+    if (vector.kind == "ok" && !vector.request.empty()) {
+      EXPECT_FALSE(has_fault(explain(vector.request)));
+    }
+    if (!vector.response.empty()) {
+      EXPECT_EQ(has_fault(explain(vector.response)), vector.kind == "malformed");
+    }
   }
 }
 
 TEST(Fins, ScatteredWordsComeInOneRequest) {
   const Device device = plc();
-  const Request request = ReadRequest{{device.range("DM100"), device.range("W10"), device.range("TF5", 2)}};
-  EXPECT_EQ(text(device.request_bytes(request)), text(framed("@00FA000000000010482006400B1000A0009000500"
-                                                             "09000600")));
+  const Request request =
+      ReadRequest{{device.range("DM100"), device.range("W10"), device.range("TF5", 2)}};
+  EXPECT_EQ(text(device.request_bytes(request)),
+            text(framed("@00FA000000000010482006400B1000A0009000500"
+                        "09000600")));
   const Bytes answer = framed(
       "@00FA00400000000104000082"
       "1234"
@@ -147,7 +166,8 @@ TEST(Fins, ScatteredWordsComeInOneRequest) {
   EXPECT_EQ(size->request_characters, device.request_bytes(request).size());
   EXPECT_EQ(size->answer_characters, answer.size());
   test::expect_matrix({.begin = [&] { return device.begin(request); }, .answers = {answer}});
-  test::expect_random_bytes_are_refused({.begin = [&] { return device.begin(request); }, .answers = {answer}}, 5, 5000);
+  test::expect_random_bytes_are_refused(
+      {.begin = [&] { return device.begin(request); }, .answers = {answer}}, 5, 5000);
 }
 
 TEST(Fins, AnItemOfAnotherAreaIsNoAnswer) {
@@ -161,12 +181,15 @@ TEST(Fins, AnItemOfAnotherAreaIsNoAnswer) {
 
 TEST(Fins, OneBitIsWrittenAlone) {
   const Device device = plc();
-  EXPECT_EQ(text(device.request_bytes(device.write_bit("CIO100.05", true))), text(framed("@00FA0000000000102300064050001"
-                                                                                         "01")));
-  EXPECT_EQ(text(device.request_bytes(device.write_bit("E1_2.15", false))), text(framed("@00FA000000000010221"
-                                                                                        "00020F0001"
-                                                                                        "00")));
-  EXPECT_FALSE(device.protocol().size(device.write_bit("T5", true)).has_value() && device.range("T5").area == 0);
+  EXPECT_EQ(text(device.request_bytes(device.write_bit("CIO100.05", true))),
+            text(framed("@00FA0000000000102300064050001"
+                        "01")));
+  EXPECT_EQ(text(device.request_bytes(device.write_bit("E1_2.15", false))),
+            text(framed("@00FA000000000010221"
+                        "00020F0001"
+                        "00")));
+  EXPECT_FALSE(device.protocol().size(device.write_bit("T5", true)).has_value() &&
+               device.range("T5").area == 0);
 }
 
 TEST(Fins, AnAnswerToAnEarlierRequestIsPassedOver) {
@@ -184,7 +207,8 @@ TEST(Fins, AnAnswerToAnEarlierRequestIsPassedOver) {
 
 TEST(Fins, ARelayedRequestCarriesTheWholeHeader) {
   const Device device = plc({{"network", "5"}, {"node", "3"}});
-  EXPECT_EQ(text(device.request_bytes(device.read("DM0"))), text(framed("@00FA0800002050300000000000101820000000001")));
+  EXPECT_EQ(text(device.request_bytes(device.read("DM0"))),
+            text(framed("@00FA0800002050300000000000101820000000001")));
   const auto exchange = device.begin(device.read("DM0"));
   const Outcome outcome = drive(*exchange, framed("@00FA00C00002000000050300000101000000FF"));
   ASSERT_TRUE(outcome.done()) << to_text(outcome);
@@ -199,7 +223,8 @@ TEST(Fins, ARangeAcrossTwoBanksIsRefused) {
 }
 
 TEST(Fins, OptionsOfFinsBelongToFins) {
-  const auto made = find_protocol("omron-hostlink")->make({.address = 0, .options = {{"wait", "3"}}});
+  const auto made =
+      find_protocol("omron-hostlink")->make({.address = 0, .options = {{"wait", "3"}}});
   ASSERT_FALSE(made.has_value());
   EXPECT_EQ(made.error().option, "wait");
 }

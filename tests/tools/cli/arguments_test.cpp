@@ -17,8 +17,8 @@ tl::expected<Arguments, NoCommand> parse(std::vector<const char*> words) {
 }
 
 TEST(Arguments, WatchTakesPatternAndTimes) {
-  const auto parsed =
-      parse({"watch", "press-shop/press-1", "--json", "--once", "--for", "500ms", "--refresh", "1s", "--domain", "7"});
+  const auto parsed = parse({"watch", "press-shop/press-1", "--json", "--once", "--for", "500ms",
+                             "--refresh", "1s", "--domain", "7"});
   const auto& watch = std::get<WatchOptions>(parsed.value());
   EXPECT_EQ(watch.pattern.text(), "press-shop/press-1/*");
   EXPECT_TRUE(watch.json);
@@ -30,14 +30,17 @@ TEST(Arguments, WatchTakesPatternAndTimes) {
 
 TEST(Arguments, WriteTakesAssignmentsAndNegativeValues) {
   const auto assignments = parse({"write", "a/b/c=-1", "a/b/d=x y", "--verify"});
-  EXPECT_THAT(std::get<WriteOptions>(assignments.value()).words, testing::ElementsAre("a/b/c=-1", "a/b/d=x y"));
+  EXPECT_THAT(std::get<WriteOptions>(assignments.value()).words,
+              testing::ElementsAre("a/b/c=-1", "a/b/d=x y"));
   const auto address = parse({"write", "a/b", "--at", "holding:100", "--type", "int16", "-5", "7"});
-  EXPECT_THAT(std::get<WriteOptions>(address.value()).words, testing::ElementsAre("a/b", "-5", "7"));
+  EXPECT_THAT(std::get<WriteOptions>(address.value()).words,
+              testing::ElementsAre("a/b", "-5", "7"));
   EXPECT_EQ(std::get<WriteOptions>(address.value()).at, "holding:100");
 }
 
 TEST(Arguments, AcquireTakesAnAddressWithCountAndType) {
-  const auto parsed = parse({"acquire", "a/b", "--at", "holding:100", "--count", "4", "--type", "float32", "--timeout", "2"});
+  const auto parsed = parse({"acquire", "a/b", "--at", "holding:100", "--count", "4", "--type",
+                             "float32", "--timeout", "2"});
   const auto& acquire = std::get<AcquireOptions>(parsed.value());
   EXPECT_EQ(acquire.count, 4u);
   EXPECT_EQ(acquire.type, "float32");
@@ -45,7 +48,8 @@ TEST(Arguments, AcquireTakesAnAddressWithCountAndType) {
 }
 
 TEST(Arguments, HistoryTakesAPatternAndATime) {
-  const auto parsed = parse({"history", "a/b", "--from", "2026-11-21", "--to", "2026-11-22T10:00", "--csv", "--store", "x.db"});
+  const auto parsed = parse({"history", "a/b", "--from", "2026-11-21", "--to", "2026-11-22T10:00",
+                             "--csv", "--store", "x.db"});
   const auto& history = std::get<HistoryOptions>(parsed.value());
   EXPECT_EQ(history.pattern.text(), "a/b/*");
   EXPECT_EQ(history.span.to.nanoseconds - history.span.from.nanoseconds, Duration(34h).count());
@@ -62,32 +66,56 @@ TEST(Arguments, TimesDefaultToTheLastHour) {
 }
 
 TEST(Arguments, ATimeThatIsNoneOrEndsBeforeItBeginsIsRefused) {
-  EXPECT_THAT(parse({"history", "a", "--from", "noon"}).error().text, HasSubstr("'noon' is no time"));
-  EXPECT_THAT(parse({"history", "a", "--from", "1h", "--to", "2h"}).error().text, HasSubstr("not after the beginning"));
+  EXPECT_THAT(parse({"history", "a", "--from", "noon"}).error().text,
+              HasSubstr("'noon' is no time"));
+  EXPECT_THAT(parse({"history", "a", "--from", "1h", "--to", "2h"}).error().text,
+              HasSubstr("not after the beginning"));
   EXPECT_EQ(parse({"history"}).error().code, ExitCode::kUsage);
   EXPECT_EQ(parse({"history", "a", "--csv", "--json"}).error().code, ExitCode::kUsage);
 }
 
 TEST(Arguments, UsersAreAddedWithARoleAndNeverWithAPassword) {
-  const auto added = parse({"user", "add", "ann", "--role", "programmer", "--password-file", "-", "--store", "x.db"});
+  const auto added = parse(
+      {"user", "add", "ann", "--role", "programmer", "--password-file", "-", "--store", "x.db"});
   const auto& user = std::get<UserOptions>(added.value());
   EXPECT_EQ(user.action, UserOptions::Action::kAdd);
   EXPECT_EQ(user.name, "ann");
   EXPECT_EQ(user.role, Role::kProgrammer);
   EXPECT_EQ(std::get<UserOptions>(parse({"user", "add", "bob"}).value()).role, Role::kViewer);
-  EXPECT_EQ(std::get<UserOptions>(parse({"user", "remove", "ann"}).value()).action, UserOptions::Action::kRemove);
+  EXPECT_EQ(std::get<UserOptions>(parse({"user", "remove", "ann"}).value()).action,
+            UserOptions::Action::kRemove);
   EXPECT_EQ(parse({"user", "add", "eve", "--password", "x"}).error().code, ExitCode::kUsage);
-  EXPECT_THAT(parse({"user", "add", "eve", "--role", "root"}).error().text, HasSubstr("viewer, operator or programmer"));
+  EXPECT_THAT(parse({"user", "add", "eve", "--role", "root"}).error().text,
+              HasSubstr("viewer, operator or programmer"));
   EXPECT_EQ(parse({"user"}).error().code, ExitCode::kUsage);
 }
 
 TEST(Arguments, InterfacesMayBeRepeated) {
   const auto parsed = parse({"status", "--interface", "127.0.0.1", "--interface", "10.0.0.2"});
-  EXPECT_THAT(std::get<StatusOptions>(parsed.value()).connection.interfaces, testing::ElementsAre("127.0.0.1", "10.0.0.2"));
+  EXPECT_THAT(std::get<StatusOptions>(parsed.value()).connection.interfaces,
+              testing::ElementsAre("127.0.0.1", "10.0.0.2"));
+}
+
+TEST(Arguments, DurationsAreOfOneGrammarAndANumberAloneIsSeconds) {
+  const auto plan = [](const char* answer, const char* simulate) {
+    return std::get<PlanOptions>(
+        parse({"plan", "/dev/null", "--answer", answer, "--simulate", simulate}).value());
+  };
+  EXPECT_EQ(plan("0s", "30m").answer_time, Duration{});
+  EXPECT_EQ(plan("0s", "30m").simulate, Duration{30min});
+  EXPECT_EQ(plan("500us", "1h").answer_time, Duration{500us});
+  EXPECT_EQ(plan("500us", "1d").simulate, Duration{24h});
+  EXPECT_EQ(std::get<WatchOptions>(parse({"watch", "--for", "20"}).value()).time, Duration{20s});
+  EXPECT_THAT(parse({"watch", "--for", "0s"}).error().text,
+              HasSubstr("--for: '0s' is too short; allowed: 1us to 365d"));
+  EXPECT_THAT(parse({"watch", "--for", "5 sec"}).error().text,
+              HasSubstr("'5 sec' is no duration; allowed: a number with us, ms, s, min, h or d, "
+                        "1us to 365d; did you mean 5s?"));
 }
 
 TEST(Arguments, HelpIsNoFault) {
-  for (const auto& words : std::vector<std::vector<const char*>>{{"--help"}, {"watch", "--help"}, {"--version"}}) {
+  for (const auto& words :
+       std::vector<std::vector<const char*>>{{"--help"}, {"watch", "--help"}, {"--version"}}) {
     const auto parsed = parse(words);
     ASSERT_FALSE(parsed);
     EXPECT_EQ(parsed.error().code, ExitCode::kOk);

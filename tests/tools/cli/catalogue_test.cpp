@@ -1,4 +1,4 @@
-#include "tools/cli/catalogue.hpp"
+#include "tools/cli/model/catalogue.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -31,13 +31,28 @@ TEST(Catalogue, FindsByThePath) {
 
 TEST(Catalogue, NamesThePartThatIsUnknownAndWhatWasMeant) {
   const auto catalogue = plant();
-  EXPECT_EQ(catalogue.explain_unknown({"press-shop", "press-1", "oil-temprature"}),
-            "channel 'oil-temprature' is unknown in press-shop/press-1; did you mean oil-temperature?");
-  EXPECT_THAT(catalogue.explain_unknown({"press-shop", "press-1", "zzz"}), HasSubstr("there are oil-temperature, running"));
+  EXPECT_EQ(
+      catalogue.explain_unknown({"press-shop", "press-1", "oil-temprature"}),
+      "channel 'oil-temprature' is unknown in press-shop/press-1; did you mean oil-temperature?");
+  EXPECT_THAT(catalogue.explain_unknown({"press-shop", "press-1", "zzz"}),
+              HasSubstr("there are oil-temperature, running"));
   EXPECT_THAT(catalogue.explain_unknown({"press-shop", "lathe", "running"}),
               HasSubstr("device 'lathe' is unknown on bus press-shop"));
-  EXPECT_THAT(catalogue.explain_unknown({"pres-shop", "press-1", "running"}), HasSubstr("did you mean press-shop?"));
-  EXPECT_EQ(Catalogue{}.explain_unknown({"a", "b", "c"}), "no channel is announced at all");
+  EXPECT_THAT(catalogue.explain_unknown({"pres-shop", "press-1", "running"}),
+              HasSubstr("did you mean press-shop?"));
+  EXPECT_EQ(Catalogue{}.explain_unknown({"a", "b", "c"}), "no device is announced at all");
+}
+
+TEST(Catalogue, ADeviceForAddressesAloneIsThereWithoutChannels) {
+  Catalogue catalogue;
+  EXPECT_TRUE(catalogue.empty());
+  EXPECT_TRUE(catalogue.add_device("line", "meter"));
+  EXPECT_FALSE(catalogue.add_device("line", "meter"));
+  EXPECT_FALSE(catalogue.empty());
+  EXPECT_TRUE(catalogue.has_device("line", "meter"));
+  EXPECT_THAT(catalogue.explain_unknown({"line", "metre", "x"}), HasSubstr("did you mean meter?"));
+  EXPECT_EQ(catalogue.explain_unknown({"line", "meter", "x"}),
+            "device 'meter' has no channels; --at ADDRESS reads and writes addresses");
 }
 
 }  // namespace

@@ -1,11 +1,9 @@
-#include "tools/cli/command_text.hpp"
+#include "tools/cli/view/command_text.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <limits>
-
-#include "tools/cli/duration_text.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -13,7 +11,9 @@ namespace {
 using namespace std::chrono_literals;
 using testing::HasSubstr;
 
-Value value(std::string_view type, std::string_view text) { return value_from_text(parse_type(type).value(), text).value(); }
+Value value(std::string_view type, std::string_view text) {
+  return value_from_text(parse_type(type).value(), text).value();
+}
 
 TEST(Assignment, SplitsAtTheFirstEqualsSign) {
   const auto assignment = Assignment::parse("bus/device/name=a=b").value();
@@ -24,7 +24,8 @@ TEST(Assignment, SplitsAtTheFirstEqualsSign) {
 }
 
 TEST(Assignment, RefusesWhatIsNoChannelOrSetsNothing) {
-  for (const auto* text : {"bus/device/name", "bus/device=1", "device=1", "a/b/c/d=1", "//=1", "=1", ""}) {
+  for (const auto* text :
+       {"bus/device/name", "bus/device=1", "device=1", "a/b/c/d=1", "//=1", "=1", ""}) {
     EXPECT_FALSE(Assignment::parse(text)) << text;
   }
 }
@@ -32,16 +33,18 @@ TEST(Assignment, RefusesWhatIsNoChannelOrSetsNothing) {
 TEST(Target, IsADeviceOrAChannel) {
   EXPECT_EQ(parse_device_or_channel("bus/device").value(), (ChannelPath{"bus", "device", ""}));
   EXPECT_EQ(parse_device_or_channel("bus/device/c").value(), (ChannelPath{"bus", "device", "c"}));
-  for (const auto* text : {"bus", "bus/", "/device", "a/b/c/d", ""}) EXPECT_FALSE(parse_device_or_channel(text)) << text;
+  for (const auto* text : {"bus", "bus/", "/device", "a/b/c/d", ""})
+    EXPECT_FALSE(parse_device_or_channel(text)) << text;
 }
 
 TEST(TypeText, UnderstandsEveryTypeAndStringsWithTheirLength) {
-  for (const auto* text :
-       {"bool", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64", "bcd16", "bcd32"}) {
+  for (const auto* text : {"bool", "int16", "uint16", "int32", "uint32", "int64", "uint64",
+                           "float32", "float64", "bcd8", "bcd16", "bcd32", "int8", "uint8"}) {
     EXPECT_TRUE(parse_type(text)) << text;
   }
   EXPECT_EQ(parse_type("string(16)")->string_bytes, 16);
-  for (const auto* text : {"string", "string()", "string(0)", "string(251)", "string(3", "string(3)x", "int16(2)", "real", ""}) {
+  for (const auto* text : {"string", "string()", "string(0)", "string(251)", "string(3",
+                           "string(3)x", "int16(2)", "real", ""}) {
     EXPECT_FALSE(parse_type(text)) << text;
   }
 }
@@ -49,7 +52,8 @@ TEST(TypeText, UnderstandsEveryTypeAndStringsWithTheirLength) {
 TEST(ValueText, BecomesWhatTheChannelWants) {
   EXPECT_EQ(value("bool", "on"), Value{true});
   EXPECT_EQ(value("int16", "-12"), Value{std::int64_t{-12}});
-  EXPECT_EQ(value("uint64", "18446744073709551615"), Value{std::numeric_limits<std::uint64_t>::max()});
+  EXPECT_EQ(value("uint64", "18446744073709551615"),
+            Value{std::numeric_limits<std::uint64_t>::max()});
   EXPECT_EQ(value("float32", "2.5"), Value{2.5});
   EXPECT_EQ(value("string(4)", "12"), Value{std::string("12")});
 }
@@ -60,8 +64,10 @@ TEST(ValueText, FractionForAnIntegerIsTheBridgesToJudge) {  // the channel may b
 }
 
 TEST(ValueText, RefusesWhatIsNoValueOfTheKind) {
-  EXPECT_THAT(value_from_text(parse_type("int16").value(), "warm").error(), HasSubstr("'warm' is no number"));
-  EXPECT_THAT(value_from_text(parse_type("bool").value(), "maybe").error(), HasSubstr("is no bool"));
+  EXPECT_THAT(value_from_text(parse_type("int16").value(), "warm").error(),
+              HasSubstr("'warm' is no number"));
+  EXPECT_THAT(value_from_text(parse_type("bool").value(), "maybe").error(),
+              HasSubstr("is no bool"));
   EXPECT_FALSE(value_from_text(parse_type("float32").value(), ""));
 }
 
@@ -87,7 +93,8 @@ TEST(Outcomes, EachHasItsExitCode) {
   auto silent = outcome(CommandState::kDone);
   silent.state = Outcome::State::kNoResult;
   EXPECT_EQ(exit_code_of(silent), ExitCode::kNoAnswer);
-  EXPECT_EQ(exit_code_of(refused_here({"a", "b", "c"}, true, Cause::kUnknownChannel, "?")), ExitCode::kRejected);
+  EXPECT_EQ(exit_code_of(refused_here({"a", "b", "c"}, true, Cause::kUnknownChannel, "?")),
+            ExitCode::kRejected);
 }
 
 TEST(Outcomes, LineSaysWhatCameOfIt) {
@@ -97,7 +104,8 @@ TEST(Outcomes, LineSaysWhatCameOfIt) {
   auto rejected = outcome(CommandState::kRejected);
   rejected.result.cause = "READ_ONLY";
   rejected.result.reason = "the channel is read-only";
-  EXPECT_EQ(outcome_line(rejected), "bus/device/speed = 5: rejected: the channel is read-only (READ_ONLY)");
+  EXPECT_EQ(outcome_line(rejected),
+            "bus/device/speed = 5: rejected: the channel is read-only (READ_ONLY)");
   auto read = outcome(CommandState::kDone);
   read.write = false;
   read.wanted.clear();
@@ -116,16 +124,6 @@ TEST(Outcomes, JsonHasTheFieldsOfTheResult) {
   auto silent = verified;
   silent.state = Outcome::State::kNoResult;
   EXPECT_EQ(outcome_json(silent)["state"], "no-answer");
-}
-
-TEST(DurationOption, UnderstandsUnitsAndPlainSeconds) {
-  EXPECT_EQ(parse_duration("500ms").value(), Duration{500ms});
-  EXPECT_EQ(parse_duration("20").value(), Duration{20s});
-  EXPECT_EQ(parse_duration("1.5s").value(), Duration{1500ms});
-  EXPECT_EQ(parse_duration("2min").value(), Duration{2min});
-  EXPECT_EQ(parse_duration("3d").value(), Duration{72h});
-  for (const auto* text : {"", "s", "-1s", "0", "1y", "nan", "inf", "1e3s", "99999999h", "5 s"})
-    EXPECT_FALSE(parse_duration(text)) << text;
 }
 
 }  // namespace

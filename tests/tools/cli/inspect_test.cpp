@@ -1,11 +1,11 @@
-#include "tools/cli/inspect.hpp"
+#include "tools/cli/command/inspect.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <sstream>
 
-#include "tools/cli/json.hpp"
+#include "tools/cli/view/json.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -57,7 +57,8 @@ TEST(Inspect, UnknownProtocolIsAnsweredWithTheListAndASuggestion) {
 }
 
 TEST(Inspect, RefusesWhatIsNoHexadecimal) {
-  for (const auto* hex : {"", "0", "zz", "01 0"}) EXPECT_EQ(run({"modbus-rtu", {hex}, false}).code, ExitCode::kUsage) << hex;
+  for (const auto* hex : {"", "0", "zz", "01 0"})
+    EXPECT_EQ(run({"modbus-rtu", {hex}, false}).code, ExitCode::kUsage) << hex;
   EXPECT_EQ(run({"modbus-rtu", {}, false}, std::string(100'000, '0')).code, ExitCode::kUsage);
 }
 

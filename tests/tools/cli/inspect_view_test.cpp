@@ -1,4 +1,4 @@
-#include "tools/cli/inspect_view.hpp"
+#include "tools/cli/view/inspect_view.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -26,7 +26,8 @@ TEST(InspectView, IndentsFieldsAndMarksFaults) {
 }
 
 TEST(InspectView, FieldBeyondTheFrameShowsNoBytes) {
-  const std::vector<FrameField> fields{{0, 7, 9, "data", "", "cut off"}, {0, 100, 1, "CRC", "", "missing"}};
+  const std::vector<FrameField> fields{{0, 7, 9, "data", "", "cut off"},
+                                       {0, 100, 1, "CRC", "", "missing"}};
   const auto lines = inspect_lines("modbus-rtu", kFrame, fields, {});
   EXPECT_THAT(lines[1], HasSubstr("D5"));
   EXPECT_THAT(lines[2], HasSubstr("missing"));

@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tools/cli/bus_plan.hpp"
-#include "tools/cli/plan_view.hpp"
+#include "tools/cli/model/bus_plan.hpp"
+#include "tools/cli/view/plan_view.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -55,7 +55,28 @@ TEST(BusPlan, WhatIsReadOnlyOnDemandCostsNothing) {
   for (const Point& point : plan.input.points) EXPECT_EQ(point.mode, Mode::kOnDemand);
   EXPECT_EQ(plan.prediction.load, 0);
   EXPECT_TRUE(plan.prediction.feasible);
-  EXPECT_THAT(plan_lines(plan, {}), testing::Contains("3 channels are read only when somebody asks, and cost nothing here"));
+  EXPECT_THAT(
+      plan_lines(plan, {}),
+      testing::Contains("3 channels are read only when somebody asks, and cost nothing here"));
+}
+
+TEST(PlanView, ShowsTheOrderOfWideValuesAndTexts) {
+  auto wide = channel("a", 0, 1s), text = channel("b", 10, 1s), narrow = channel("c", 20, 1s);
+  wide.encoding = {.type = ValueType::kInt32, .word_order = WordOrder::kLittleEndian};
+  wide.range.count = 2;
+  text.encoding = {
+      .type = ValueType::kString, .string_bytes = 4, .byte_order = ByteOrder::kLittleEndian};
+  text.range.count = 2;
+  const auto bus = line({wide, text, narrow});
+  const auto plan = make_plan(bus, 5ms);
+  EXPECT_THAT(plan_lines(plan, {}),
+              testing::AllOf(testing::Contains(HasSubstr("int32, low word first")),
+                             testing::Contains(HasSubstr("string(4), low byte first"))));
+  for (const auto& row : plan_json(plan)["channels"]) {
+    EXPECT_EQ(row["word_order"], row["channel"] == "a" ? "little-endian" : "big-endian");
+    EXPECT_EQ(row["byte_order"], row["channel"] == "b" ? "little-endian" : "big-endian");
+    EXPECT_FALSE(row["type"].get<std::string>().empty());
+  }
 }
 
 TEST(PlanView, FeasiblePlanNeedsNoAdvice) {
@@ -72,7 +93,8 @@ TEST(PlanView, FeasiblePlanNeedsNoAdvice) {
 }
 
 TEST(PlanView, InfeasiblePlanSaysWhatWouldHelp) {
-  const auto bus = line({channel("a", 0, 20ms), channel("b", 4000, 20ms)});  // one read alone takes more at 9600 baud
+  const auto bus = line(
+      {channel("a", 0, 20ms), channel("b", 4000, 20ms)});  // one read alone takes more at 9600 baud
   const auto plan = make_plan(bus, 5ms);
   ASSERT_FALSE(plan.prediction.feasible);
   EXPECT_FALSE(advice(plan).empty());
@@ -82,19 +104,24 @@ TEST(PlanView, InfeasiblePlanSaysWhatWouldHelp) {
 
 TEST(PlanView, ChannelsToSlowDownAreOneWayAndLoadIsToldInWires) {
   // 16 characters and 5 ms: 25 ms each at 9600 baud, asked for every 10 ms and every 15 ms.
-  const auto bus = line({channel("a", 0, 10ms), channel("b", 4000, 10ms), channel("c", 8000, 15ms)});
+  const auto bus =
+      line({channel("a", 0, 10ms), channel("b", 4000, 10ms), channel("c", 8000, 15ms)});
   const auto plan = make_plan(bus, 5ms);
   EXPECT_NEAR(plan.prediction.planned_load, 7, 2);
   EXPECT_THAT(plan_lines(plan, {}).front(), HasSubstr("times the wire is needed"));
   const auto ways = advice(plan);
-  EXPECT_THAT(ways, testing::Contains(testing::AllOf(HasSubstr("refresh 2 channels ("), HasSubstr("instead of 10ms, and "),
+  EXPECT_THAT(ways, testing::Contains(testing::AllOf(HasSubstr("refresh 2 channels ("),
+                                                     HasSubstr("instead of 10ms, and "),
                                                      HasSubstr("instead of 15ms"))));
-  EXPECT_EQ(std::count_if(ways.begin(), ways.end(), [](const auto& way) { return way.starts_with("refresh"); }), 1);
+  EXPECT_EQ(std::count_if(ways.begin(), ways.end(),
+                          [](const auto& way) { return way.starts_with("refresh"); }),
+            1);
 }
 
 TEST(PlanView, LimitsOfADeviceThatMakeItTooSlowAreNamed) {
   std::vector<ChannelSpec> channels;
-  for (std::uint32_t i = 0; i < 40; ++i) channels.push_back(channel("c" + std::to_string(i), i, 500ms));
+  for (std::uint32_t i = 0; i < 40; ++i)
+    channels.push_back(channel("c" + std::to_string(i), i, 500ms));
   auto bus = line(channels);
   EXPECT_TRUE(make_plan(bus, 5ms).prediction.feasible);
   bus.devices[0].max_block = 1;
@@ -113,7 +140,8 @@ TEST(PlanView, ANetworkIsNotAdvisedABaudRate) {
 }
 
 TEST(PlanView, TightestChannelComesFirst) {
-  const auto bus = line({channel("slow", 0, 5s), channel("fast", 4000, 100ms), channel("other", 9000, 700ms)});
+  const auto bus =
+      line({channel("slow", 0, 5s), channel("fast", 4000, 100ms), channel("other", 9000, 700ms)});
   const auto json = plan_json(make_plan(bus, 5ms));
   ASSERT_EQ(json["channels"].size(), 3u);
   double before = 1e9;

@@ -1,4 +1,4 @@
-#include "tools/cli/sample_text.hpp"
+#include "tools/cli/view/sample_text.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,9 @@ StationSample sample_of(Value value) {
   return sample;
 }
 
-std::string json_value(Value value) { return to_line(sample_json(sample_of(std::move(value)))["value"]); }
+std::string json_value(Value value) {
+  return to_line(sample_json(sample_of(std::move(value)))["value"]);
+}
 
 TEST(SampleJson, HasTheFieldsOfTheIdl) {
   EXPECT_EQ(to_line(sample_json(sample_of(true))),
@@ -38,7 +40,14 @@ TEST(SampleJson, NoNumberIsNull) {
 
 TEST(SampleJson, TextIsEscapedAndAlwaysUtf8) {
   EXPECT_EQ(json_value(std::string("a\"b\n")), R"("a\"b\n")");
-  EXPECT_EQ(json_value(std::string("\xFF")), "\"\xEF\xBF\xBD\"");
+  EXPECT_EQ(json_value(std::string("\xFF")), R"("\\xFF")");
+}
+
+TEST(SampleText, BytesThatAreNoTextAreShownInEveryOutput) {
+  const auto sample = sample_of(std::string("K\xFChl\x1B[2J"));
+  EXPECT_EQ(sample_line(sample, nullptr),
+            "2023-11-14T22:13:20.123Z  bus/device/channel  K\\xFChl\\x1B[2J  GOOD");
+  EXPECT_EQ(to_line(sample_json(sample)["value"]), R"("K\\xFChl\\x1B[2J")");
 }
 
 TEST(SampleJson, ChannelThatWasNeverReadHasNoValue) {
@@ -54,13 +63,20 @@ TEST(SampleJson, DevicesOwnCodeIsThereWhenItGaveOne) {
   sample.device_code = 2;
   EXPECT_EQ(sample_json(sample)["device_code"], 2);
   sample.quality = Quality::kBadDeviceError;
-  EXPECT_EQ(quality_text(sample), "BAD_DEVICE_ERROR (2)");
+  EXPECT_EQ(quality_text(sample), "BAD_DEVICE_ERROR (code 02)");
+  StationChannel about;
+  about.at = "holding:100";
+  EXPECT_EQ(quality_text(sample, &about), "BAD_DEVICE_ERROR (02 illegal data address)");
 }
 
-TEST(ValueForPeople, IsFreeOfBinaryNoise) {
+TEST(ValueForPeople, HasEveryDigitOfItsType) {
   EXPECT_EQ(value_text(static_cast<double>(0.1f), "float32"), "0.1");
-  EXPECT_EQ(value_text(static_cast<double>(0.1f), "float64"), "0.10000000149");
-  EXPECT_EQ(value_text(234 * 0.1, "uint16"), "23.4");
+  EXPECT_EQ(value_text(static_cast<double>(0.1f), "float64"), "0.10000000149011612");
+  EXPECT_EQ(value_text(3.141592653589793, "float64"), "3.141592653589793");
+  EXPECT_EQ(value_text(3.141592653589793, ""), "3.141592653589793");
+  EXPECT_EQ(value_text(123456789012345.67, "float64"), "123456789012345.67");
+  EXPECT_EQ(value_text(100000.0, "float32"), "100000");
+  EXPECT_EQ(value_text(23.4, "uint16"), "23.4");
   EXPECT_EQ(value_text(std::uint64_t{18446744073709551615u}, "uint64"), "18446744073709551615");
 }
 

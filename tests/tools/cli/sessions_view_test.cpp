@@ -1,4 +1,4 @@
-#include "tools/cli/sessions_view.hpp"
+#include "tools/cli/view/sessions_view.hpp"
 
 #include <gmock/gmock.h>
 
@@ -8,14 +8,17 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-const ProgramSessionReport kSession{"press-shop", "press-1",      ProgramSessionState::kOpen, "anna (10.0.0.7:51000)", 1234,
-                                    56789,        {1'000'000'000}};
+const ProgramSessionReport kSession{
+    "press-shop", "press-1",      ProgramSessionState::kOpen, "anna (10.0.0.7:51000)", 1234,
+    56789,        {1'000'000'000}};
 
 TEST(SessionsView, ShowsWhoProgramsWhatAndHowMuchWent) {
-  const auto lines = sessions_lines({{{"press-shop", "press-1"}, kSession}}, UtcTime{2'500'000'000}, {});
+  const auto lines =
+      sessions_lines({{{"press-shop", "press-1"}, kSession}}, UtcTime{2'500'000'000}, {});
   ASSERT_EQ(lines.size(), 2u);
-  EXPECT_THAT(lines[1], AllOf(HasSubstr("press-shop/press-1"), HasSubstr("open"), HasSubstr("anna (10.0.0.7:51000)"),
-                              HasSubstr("1234"), HasSubstr("56789"), HasSubstr("1.50 s")));
+  EXPECT_THAT(lines[1], AllOf(HasSubstr("press-shop/press-1"), HasSubstr("open"),
+                              HasSubstr("anna (10.0.0.7:51000)"), HasSubstr("1234"),
+                              HasSubstr("56789"), HasSubstr("1.50 s")));
 }
 
 TEST(SessionsView, SaysSoWhenThereIsNone) {

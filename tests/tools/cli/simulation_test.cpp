@@ -1,11 +1,12 @@
-// A bus of a configuration in virtual time: what was predicted happens, what goes wrong has a cause, and one seed is one run.
+// A bus of a configuration in virtual time: what was predicted happens, what goes wrong has a
+// cause, and one seed is one run.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "config/loader.hpp"
 #include "tests/schedule/maps.hpp"
-#include "tools/cli/bus_simulation.hpp"
-#include "tools/cli/simulation_view.hpp"
+#include "tools/cli/model/bus_simulation.hpp"
+#include "tools/cli/view/simulation_view.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -66,30 +67,60 @@ TEST(BusSimulation, AModuleThatDialsInHasALineBehindIt) {
   EXPECT_GT(simulation.channels[0].readings, 100u);
 }
 
-// 300 registers with refreshes from 100 ms to 10 s, at half of the load that any master could sustain at most.
+// 300 registers with refreshes from 100 ms to 10 s, at half of the load that any master could
+// sustain at most.
 TEST(BusSimulation, PlanPredictionAndMeasurementAgreeOverTheMaps) {
   for (const int number : {11, 12, 13, 14}) {
-    const test::Map map = test::read_map(std::string(FIELDCAST_SOURCE) + "/tests/maps/map" + std::to_string(number) + ".csv");
+    const test::Map map = test::read_map(std::string(FIELDCAST_SOURCE) + "/tests/maps/map" +
+                                         std::to_string(number) + ".csv");
     const double stretch = test::least_load(map, 19200, 5ms) / 0.5;
-    std::string text =
-        "bridge: b\nbuses:\n  - name: line\n    port: { serial: /dev/none, baud: 19200, format: 8E1 }\n    protocol: "
-        "modbus-rtu\n    devices:\n";
-    for (unsigned unit = 1; unit <= 3; ++unit) {
-      text += "      - name: u" + std::to_string(unit) + "\n        address: " + std::to_string(unit) + "\n        channels:\n";
-      for (const test::MapRow& row : map) {
-        if (row.unit != unit) continue;
-        text += "          - { name: r" + std::to_string(row.address) + ", at: \"holding:" + std::to_string(row.address) +
-                "\", type: uint16, refresh: " + std::to_string(static_cast<long>(row.refresh * stretch * 1e6)) + "us }\n";
-      }
-    }
-    const BridgeSpec spec = load(text);
+    const BridgeSpec spec = load(test::configuration_of(map, stretch));
     const BusPlan plan = make_plan(spec.buses[0], 5ms);
     EXPECT_TRUE(plan.prediction.feasible) << number;
     const BusSimulation simulation = simulate(plan, {}, {3min, 1});
     EXPECT_EQ(simulation.bus.deadline_misses, 0u) << number;
-    EXPECT_NEAR(simulation.bus.measured_load, plan.prediction.load, 0.05 * plan.prediction.load) << number;
-    EXPECT_NEAR(simulation.bus.planned_load, simulation.bus.measured_load, 0.05 * simulation.bus.measured_load) << number;
+    EXPECT_NEAR(simulation.bus.measured_load, plan.prediction.load, 0.05 * plan.prediction.load)
+        << number;
+    EXPECT_NEAR(simulation.bus.planned_load, simulation.bus.measured_load,
+                0.05 * simulation.bus.measured_load)
+        << number;
   }
+}
+
+constexpr Duration kSilence = 2'005'208ns;  // 3.5 characters at 19200 baud, 11 bits each
+
+// The plan is made for an assumed answer time and follows what is learned. What `plan` shows is
+// what the bus then does.
+TEST(BusSimulation, Map15KeepsAtFastAnswersWhatItsPlanForetells) {
+  const test::Map map = test::read_map(std::string(FIELDCAST_SOURCE) + "/tests/maps/map15.csv");
+  for (const Duration answer : {Duration{1us}, Duration{1ms}, kSilence, Duration{2500us}}) {
+    const double stretch = test::least_load(map, 19200, answer - kSilence) / 0.5;
+    const BridgeSpec spec = load(test::configuration_of(map, stretch));
+    const BusPlan plan = make_plan(spec.buses[0], answer);
+    EXPECT_TRUE(plan.prediction.feasible) << to_text(answer);
+    const BusSimulation simulation = simulate(plan, {}, {3min, 1});
+    EXPECT_EQ(simulation.bus.deadline_misses, 0u) << to_text(answer);
+    EXPECT_NEAR(simulation.bus.measured_load, plan.prediction.load, 0.01 * plan.prediction.load);
+  }
+}
+
+TEST(BusSimulation, WhatIsCalledFeasibleMissesNothingOnRandomMapsAtAnyAnswerTime) {
+  unsigned feasible = 0;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const test::Map map = test::random_map(seed, 120);
+    for (const Duration answer : {Duration{0}, Duration{2ms}, Duration{5ms}, Duration{20ms}}) {
+      const double stretch = test::least_load(map, 19200, answer - kSilence) /
+                             (0.35 + 0.03 * static_cast<double>(seed));
+      const BridgeSpec spec = load(test::configuration_of(map, stretch));
+      const BusPlan plan = make_plan(spec.buses[0], answer);
+      if (!plan.prediction.feasible) continue;
+      ++feasible;
+      const BusSimulation simulation = simulate(plan, {}, {3min, 1});
+      EXPECT_EQ(simulation.bus.deadline_misses, 0u)
+          << seed << ", answers after " << to_text(answer);
+    }
+  }
+  EXPECT_GE(feasible, 16u);
 }
 
 TEST(BusSimulation, EveryMissHasItsCauseAndItsChannel) {
@@ -105,12 +136,14 @@ TEST(BusSimulation, EveryMissHasItsCauseAndItsChannel) {
   std::uint64_t sum = 0;
   for (const ChannelReport& channel : simulation.channels) sum += channel.missed;
   EXPECT_EQ(sum, simulation.bus.deadline_misses);
-  // Its neighbour is dead for half a minute; it misses only what the port's absence takes: 10 s at 200 ms.
+  // Its neighbour is dead for half a minute; it misses only what the port's absence takes: 10 s at
+  // 200 ms.
   EXPECT_NEAR(static_cast<double>(simulation.channels[0].missed), 50, 2);
   EXPECT_EQ(simulation.channels[0].last_miss, Cause::kPortClosed);
   const Json json = simulation_json(simulation);
   EXPECT_EQ(json["causes"]["NO_ANSWER"], simulation.bus.misses[Cause::kNoAnswer]);
-  EXPECT_GE(json["channels"][0]["missed"], json["channels"][1]["missed"]) << "the worst comes first";
+  EXPECT_GE(json["channels"][0]["missed"], json["channels"][1]["missed"])
+      << "the worst comes first";
 }
 
 TEST(BusSimulation, OneSeedIsOneRunToTheLetter) {
@@ -120,7 +153,9 @@ TEST(BusSimulation, OneSeedIsOneRunToTheLetter) {
   faults.noise = 1e-4;
   faults.devices["a"].loss = 0.05;
   faults.devices["a"].delay.spread = 3ms;
-  const auto run = [&](std::uint64_t seed) { return to_line(simulation_json(simulate(plan, faults, {2min, seed}))); };
+  const auto run = [&](std::uint64_t seed) {
+    return to_line(simulation_json(simulate(plan, faults, {2min, seed})));
+  };
   EXPECT_EQ(run(7), run(7));
   EXPECT_NE(run(7), run(8));
 }

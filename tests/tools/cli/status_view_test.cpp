@@ -1,4 +1,4 @@
-#include "tools/cli/status_view.hpp"
+#include "tools/cli/view/status_view.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,8 @@ using testing::HasSubstr;
 
 StatusModel plant() {
   StatusModel model;
-  StationBusStatus bus{"line-7", "press-shop", {}, {{"CHECKSUM", 3}, {"NO_ANSWER", 12}}, UtcTime{1'000'000'000}};
+  StationBusStatus bus{
+      "line-7", "press-shop", {}, {{"CHECKSUM", 3}, {"NO_ANSWER", 12}}, UtcTime{1'000'000'000}};
   bus.report.state = BusState::kRunning;
   bus.report.utilisation = 0.731;
   bus.report.exchanges = 400;
@@ -29,9 +30,11 @@ StatusModel plant() {
 TEST(StatusView, ShowsUseOfTheWireAndCountersByCause) {
   const auto lines = status_lines(plant(), UtcTime{1'500'000'000}, {});
   ASSERT_EQ(lines.size(), 5u);
-  EXPECT_THAT(lines[1], testing::AllOf(HasSubstr("press-shop"), HasSubstr("running"), HasSubstr("73.1 %"), HasSubstr("0.50 s"),
-                                       HasSubstr("CHECKSUM 3, NO_ANSWER 12")));
-  EXPECT_THAT(lines[4], testing::AllOf(HasSubstr("press-shop/press-1"), HasSubstr("2.15 ms"), HasSubstr("holding:107"), HasSubstr("holding:110..115"),
+  EXPECT_THAT(lines[1],
+              testing::AllOf(HasSubstr("press-shop"), HasSubstr("running"), HasSubstr("73.1 %"),
+                             HasSubstr("0.50 s"), HasSubstr("CHECKSUM 3, NO_ANSWER 12")));
+  EXPECT_THAT(lines[4], testing::AllOf(HasSubstr("press-shop/press-1"), HasSubstr("2.15 ms"),
+                                       HasSubstr("holding:107"), HasSubstr("holding:110..115"),
                                        HasSubstr("holding 2.10 ms, blocks to 60, at most 64")));
 }
 
@@ -45,6 +48,33 @@ TEST(StatusView, JsonHasTheFieldsOfTheIdl) {
   EXPECT_EQ(device["answer_time"], 2'150'000);
   EXPECT_EQ(to_line(device["refused"]), R"(["holding:107"])");
   EXPECT_EQ(device["areas"][0]["longest_block"], 64);
+}
+
+TEST(StatusView, AClosedBusSaysWhy) {
+  StatusModel model = plant();
+  BusReport& report = model.buses.at("press-shop").report;
+  report.state = BusState::kClosed;
+  report.closed_because = Cause::kPortMissing;
+  EXPECT_THAT(status_lines(model, UtcTime{1'500'000'000}, {})[1],
+              HasSubstr("closed: no such device file"));
+  EXPECT_EQ(status_json(model.buses.at("press-shop"))["closed_because"], "PORT_MISSING");
+  report.state = BusState::kRunning;
+  report.closed_because = Cause::kNone;
+  EXPECT_FALSE(status_json(model.buses.at("press-shop")).contains("closed_because"));
+}
+
+TEST(StatusView, BytesThatAreNoAnswersComeWithWhatToTry) {
+  StatusModel model = plant();
+  StationDeviceStatus& device = model.devices.begin()->second;
+  device.report.state = DeviceState::kDegraded;
+  device.causes = {{"CHECKSUM", 41}};
+  EXPECT_THAT(status_lines(model, UtcTime{1'500'000'000}, {}).back(),
+              testing::AllOf(HasSubstr("press-shop/press-1: bytes come that are no answers"),
+                             HasSubstr("CHECKSUM 41"), HasSubstr("baud, parity")));
+  device.report.state = DeviceState::kOnline;
+  EXPECT_THAT(status_lines(model, UtcTime{1'500'000'000}, {}).back(),
+              testing::Not(HasSubstr("no answers")))
+      << "now and then noise, which costs nothing";
 }
 
 }  // namespace

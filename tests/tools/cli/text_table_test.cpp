@@ -1,4 +1,4 @@
-#include "tools/cli/text_table.hpp"
+#include "tools/cli/view/text_table.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,10 +15,10 @@ TEST(Width, CountsCodePoints) {
 }
 
 TEST(Printable, ControlCharactersAreShownNotObeyed) {
-  EXPECT_EQ(printable("\x1b[2Jgone\n"), "?[2Jgone?");
+  EXPECT_EQ(printable("\x1b[2Jgone\n"), "\\x1B[2Jgone\\x0A");
   EXPECT_EQ(printable("\xC2\x9B"
                       "2J"),
-            "?2J");  // U+009B is the one-character form of ESC [
+            "\\xC2\\x9B2J");  // U+009B is the one-character form of ESC [
   EXPECT_EQ(printable("°C"), "°C");
 }
 
@@ -35,7 +35,8 @@ TEST(Table, IsCutAtTheScreensWidth) {
   TextTable table({{"name"}, {"value", Align::kRight}, {"unit"}});
   table.add_row({{"pressure"}, {"12.25"}, {"bar"}});
   for (std::size_t columns = 1; columns < 40; ++columns) {
-    for (const auto& line : table.render({columns, 0, false})) EXPECT_LE(display_width(line), columns);
+    for (const auto& line : table.render({columns, 0, false}))
+      EXPECT_LE(display_width(line), columns);
   }
   EXPECT_THAT(table.render({12, 0, false}), ElementsAre("name      va", "pressure  12"));
 }
@@ -43,7 +44,8 @@ TEST(Table, IsCutAtTheScreensWidth) {
 TEST(Table, ColoursEndInTheirCell) {
   TextTable table({{"quality"}});
   table.add_row({{"GOOD", Tone::kGood}});
-  EXPECT_THAT(table.render({0, 0, true}), ElementsAre("\x1b[1mquality\x1b[0m", "\x1b[32mGOOD\x1b[0m"));
+  EXPECT_THAT(table.render({0, 0, true}),
+              ElementsAre("\x1b[1mquality\x1b[0m", "\x1b[32mGOOD\x1b[0m"));
 }
 
 TEST(Table, MissingCellsAreEmpty) {

@@ -1,8 +1,8 @@
-#include "tools/cli/time_text.hpp"
+#include "tools/cli/view/time_text.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tools/cli/sample_text.hpp"
+#include "tools/cli/view/sample_text.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -26,15 +26,19 @@ TEST(TimeText, DurationsAreSoLongAgo) {
   EXPECT_EQ(parsed("now"), "2023-11-14T22:13:20.123Z");
   EXPECT_EQ(parsed("2h"), "2023-11-14T20:13:20.123Z");
   EXPECT_EQ(parsed("30min"), "2023-11-14T21:43:20.123Z");
+  EXPECT_EQ(parsed("30m"), "2023-11-14T21:43:20.123Z");
   EXPECT_EQ(parsed("3d"), "2023-11-11T22:13:20.123Z");
 }
 
 TEST(TimeText, WhatIsNoTimeIsRefusedWithWhatIs) {
-  for (const char* text : {"", "yesterday", "2026-13-01", "2026-02-30", "2026-11-21T", "2026-11-21T24:00", "2026-11-21T10",
-                           "10:30", "20", "2026-11-21T10:30:05.", "2026-11-21T10:30x", "1969-12-31", "9999-01-01", "-2h"}) {
+  for (const char* text :
+       {"", "yesterday", "2026-13-01", "2026-02-30", "2026-11-21T", "2026-11-21T24:00",
+        "2026-11-21T10", "10:30", "20", "2026-11-21T10:30:05.", "2026-11-21T10:30x", "1969-12-31",
+        "9999-01-01", "-2h"}) {
     EXPECT_EQ(parsed(text), "no time") << text;
   }
-  EXPECT_NE(parse_time("yesterday", kNow).error().find("'yesterday' is no time; write 2026-11-21"), std::string::npos);
+  EXPECT_NE(parse_time("yesterday", kNow).error().find("'yesterday' is no time; write 2026-11-21"),
+            std::string::npos);
 }
 
 }  // namespace

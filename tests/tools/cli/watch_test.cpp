@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tools/cli/watch_model.hpp"
-#include "tools/cli/watch_view.hpp"
+#include "tools/cli/model/watch_model.hpp"
+#include "tools/cli/view/watch_view.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -23,7 +23,8 @@ StationChannel channel(std::string device, std::string name, Duration refresh = 
   return about;
 }
 
-StationSample sample(std::string device, std::string name, Value value = std::int64_t{5}, Quality quality = Quality::kGood) {
+StationSample sample(std::string device, std::string name, Value value = std::int64_t{5},
+                     Quality quality = Quality::kGood) {
   return {"bus", std::move(device), std::move(name), std::move(value), quality, 0, kUtc, 1};
 }
 
@@ -46,20 +47,23 @@ TEST(WatchModel, AwaitsChannelsThatPromiseSamplesOnly) {
   model.on_sample(sample("d", "promised", false, Quality::kNotYetRead), kStart);
   EXPECT_EQ(model.awaited(), 1u);
   EXPECT_EQ(model.awaited(true), 2u);
-  model.on_sample(sample("d", "promised", false, Quality::kBadNoAnswer), kStart);  // bad news are news
+  model.on_sample(sample("d", "promised", false, Quality::kBadNoAnswer),
+                  kStart);  // bad news are news
   EXPECT_EQ(model.awaited(), 0u);
 }
 
 TEST(WatchModel, AWishThatChangesNothingIsRemarked) {
   WatchModel model(Pattern::parse("bus/d").value());
-  EXPECT_THAT(model.wish_remark(200ms).value_or(""), HasSubstr("the interest in bus/d/* meets nothing"));
+  EXPECT_THAT(model.wish_remark(200ms).value_or(""),
+              HasSubstr("the interest in bus/d/* meets nothing"));
   model.on_channel(channel("d", "granted", 200ms));
   model.on_channel(channel("d", "faster than wished", 100ms));
   model.on_channel(channel("other", "not ours", 1s));
   EXPECT_FALSE(model.wish_remark(200ms));
   model.on_channel(channel("d", "read anyway", 1s));
   EXPECT_EQ(model.wish_remark(200ms),
-            "the interest in bus/d/* every 200ms changes nothing for 1 of 3 channels: 1 are read anyway, less often (acquire: always)");
+            "the interest in bus/d/* every 200ms changes nothing for 1 of 3 channels: 1 are read "
+            "anyway, less often (acquire: always)");
   model.on_channel(channel("d", "on demand", 0s));
   EXPECT_THAT(model.wish_remark(200ms).value_or(""), HasSubstr("for 2 of 4 channels"));
   EXPECT_THAT(model.wish_remark(200ms).value_or(""), HasSubstr("1 are not read by themselves"));
@@ -105,14 +109,17 @@ TEST(WatchView, NeverHasMoreLinesThanTheScreen) {
     const auto lines = watch_lines(model, kStart, kUtc, {60, rows, false});
     EXPECT_LE(lines.size(), rows);
     for (const auto& line : lines) EXPECT_LE(display_width(line), 60u);
-    if (rows < 32) { EXPECT_THAT(lines.back(), HasSubstr("and " + std::to_string(30 - (rows - 3)) + " more")); }
+    if (rows < 32) {
+      EXPECT_THAT(lines.back(), HasSubstr("and " + std::to_string(30 - (rows - 3)) + " more"));
+    }
   }
 }
 
 TEST(WatchView, HostileTextDoesNotReachTheTerminal) {
   WatchModel model({});
   model.on_sample(sample("d", "a", std::string("\x1b]0;owned\x07")), kStart);
-  for (const auto& line : watch_lines(model, kStart, kUtc, {})) EXPECT_EQ(line.find('\x1b'), std::string::npos);
+  for (const auto& line : watch_lines(model, kStart, kUtc, {}))
+    EXPECT_EQ(line.find('\x1b'), std::string::npos);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// fieldcast-port as a process beside a programming server in this one, and its virtual port opened as programming software does.
+// fieldcast-port as a process beside a programming server in this one, and its virtual port opened
+// as programming software does.
 #pragma once
 
 #include <fcntl.h>
@@ -50,15 +51,17 @@ class SerialSoftware {
 struct PortFixture : ServerFixture {
   PortFixture() {
     const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder = std::filesystem::path(testing::TempDir()) / ("fieldcast-port-" + std::to_string(::getpid()) + info->name());
+    folder = std::filesystem::path(testing::TempDir()) /
+             ("fieldcast-port-" + std::to_string(::getpid()) + info->name());
     std::filesystem::create_directories(folder);
     link = folder / "plc";
   }
   ~PortFixture() override { std::filesystem::remove_all(folder); }
 
   [[nodiscard]] std::vector<std::string> arguments(std::vector<std::string> more = {}) const {
-    std::vector<std::string> all{"--server", "127.0.0.1:" + std::to_string(server.engineers_port()), "--device", "17", "--link",
-                                 link};
+    std::vector<std::string> all{"--server", "127.0.0.1:" + std::to_string(server.engineers_port()),
+                                 "--device", "17",
+                                 "--link",   link};
     all.insert(all.end(), more.begin(), more.end());
     return all;
   }

@@ -107,7 +107,8 @@ TEST_F(Port, AFileOfOthersIsNeverReplaced) {
   EXPECT_EQ(content, "mine");
 }
 
-// To a module there is no line to set; that the settings arrive there is LeaseTest's. Here: they are seen.
+// To a module there is no line to set; that the settings arrive there is LeaseTest's. Here: they
+// are seen.
 TEST_F(Port, TheSpeedThatTheSoftwareSetsIsSeen) {
   start();
   TcpClient module = this->module("17\n");
@@ -144,8 +145,10 @@ TEST_F(Port, AFormatThatCannotBeCarriedIsAFaultOfTheCommandLine) {
 TEST_F(Port, APasswordThatOthersMayReadIsNotUsed) {
   start();
   std::ofstream(folder / "password") << "secret\n";
-  std::filesystem::permissions(folder / "password", std::filesystem::perms::owner_read | std::filesystem::perms::others_read);
-  Process port(FIELDCAST_PORT, arguments({"--user", "anna", "--password-file", folder / "password"}));
+  std::filesystem::permissions(folder / "password", std::filesystem::perms::owner_read |
+                                                        std::filesystem::perms::others_read);
+  Process port(FIELDCAST_PORT,
+               arguments({"--user", "anna", "--password-file", folder / "password"}));
   EXPECT_EQ(port.exit_code(), 2);
   EXPECT_THAT(port.output(), HasSubstr("chmod 600"));
 }

@@ -12,27 +12,32 @@ using testing::HasSubstr;
 
 struct Tls : test::PortFixture {
   Tls() {
-    Process openssl("/usr/bin/openssl", {"req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes",
-                                         "-days", "2", "-subj", "/CN=bridge", "-addext", "subjectAltName=IP:127.0.0.1", "-keyout",
-                                         folder / "key.pem", "-out", folder / "cert.pem"});
+    Process openssl(
+        "/usr/bin/openssl",
+        {"req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes",
+         "-days", "2", "-subj", "/CN=bridge", "-addext", "subjectAltName=IP:127.0.0.1", "-keyout",
+         folder / "key.pem", "-out", folder / "cert.pem"});
     EXPECT_EQ(openssl.exit_code(), 0) << openssl.output();
     std::ofstream(folder / "right") << "secret\n";
     std::ofstream(folder / "wrong") << "guess\n";
     for (const char* file : {"right", "wrong"}) {
-      std::filesystem::permissions(folder / file, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+      std::filesystem::permissions(
+          folder / file, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
     }
     spec.engineers->certificate = folder / "cert.pem";
     spec.engineers->key = folder / "key.pem";
   }
   [[nodiscard]] std::vector<std::string> secure(const std::string& password) const {
-    return arguments({"--ca", folder / "cert.pem", "--user", "anna", "--password-file", folder / password});
+    return arguments(
+        {"--ca", folder / "cert.pem", "--user", "anna", "--password-file", folder / password});
   }
 };
 
 TEST_F(Tls, ARightLoginPairsAndCarriesBytes) {
   start();
   TcpClient module = this->module("17\n");
-  // Without a client in the clear there is no way to ask whether the module is registered: it is tried again.
+  // Without a client in the clear there is no way to ask whether the module is registered: it is
+  // tried again.
   for (int attempt = 0; attempt < 50; ++attempt) {
     Process port(FIELDCAST_PORT, secure("right"));
     if (port.said("paired").find("17: paired") == std::string::npos) {
@@ -60,7 +65,8 @@ TEST_F(Tls, AWrongPasswordIsRefused) {
 
 TEST_F(Tls, ABridgeThatIsNotTheOneExpectedGetsNoPassword) {
   start();
-  Process port(FIELDCAST_PORT, arguments({"--tls", "--user", "anna", "--password-file", folder / "right"}));
+  Process port(FIELDCAST_PORT,
+               arguments({"--tls", "--user", "anna", "--password-file", folder / "right"}));
   EXPECT_EQ(port.exit_code(), 5);
   EXPECT_THAT(port.output(), HasSubstr("certificate verify failed"));
   EXPECT_TRUE(audited("TLS handshake"));

@@ -1,4 +1,5 @@
-// The whole matrix of every protocol, built in and declared: nothing fails, nothing is left untried, and what is wrong is found.
+// The whole matrix of every protocol, built in and declared: nothing fails, nothing is left
+// untried, and what is wrong is found.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,11 +26,14 @@ void expect_all_pass(const std::vector<Subject>& subjects) {
     EXPECT_EQ(failures(rows), "");
     for (const CheckRow& row : rows) {
       EXPECT_EQ(row.failed(), 0u) << row.check << ", " << row.where;
-      EXPECT_TRUE(row.tried > 0 || !row.note.empty()) << row.check << ", " << row.where << " was not tried, and nobody says why";
+      EXPECT_TRUE(row.tried > 0 || !row.note.empty())
+          << row.check << ", " << row.where << " was not tried, and nobody says why";
     }
-    for (const char* check :
-         {"read", "splits", "truncations", "flipped bits", "noise before", "device errors", "silence", "late answer"}) {
-      EXPECT_TRUE(std::ranges::any_of(rows, [&](const CheckRow& row) { return row.check == check && row.tried > 0; })) << check;
+    for (const char* check : {"read", "notation", "splits", "truncations", "flipped bits",
+                              "noise before", "device errors", "silence", "late answer"}) {
+      EXPECT_TRUE(std::ranges::any_of(rows, [&](const CheckRow& row) {
+        return row.check == check && row.tried > 0;
+      })) << check;
     }
   }
 }
@@ -56,11 +60,105 @@ TEST_P(Declared, PassesTheWholeMatrix) {
   ASSERT_TRUE(declaration) << config::to_text(std::span(declaration.error()));
   expect_all_pass(subjects_of(*declaration));
 }
-INSTANTIATE_TEST_SUITE_P(SimCheck, Declared, testing::Values("instrument", "modbus-rtu-declared"), [](const auto& chosen) {
-  std::string name = chosen.param;
-  std::ranges::replace(name, '-', '_');
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(SimCheck, Declared, testing::Values("instrument", "modbus-rtu-declared"),
+                         [](const auto& chosen) {
+                           std::string name = chosen.param;
+                           std::ranges::replace(name, '-', '_');
+                           return name;
+                         });
+
+Subject declared_as(const std::string& text) {
+  auto declaration = config::load_declaration_text(text, "mine.yaml");
+  if (!declaration) throw std::runtime_error(config::to_text(std::span(declaration.error())));
+  return subjects_of(*declaration).front();
+}
+
+// A record of two texts, one of odd length, one that ends where a constant stands; one address.
+constexpr const char* kTexts = R"(summary: A scale that says two texts
+addresses: { from: 1, to: 1 }
+areas:
+  - { name: state, record: true }
+operations:
+  - name: read
+    read: state
+    request: [ { name: header, constant: 0x05 }, { is: address } ]
+    answer:
+      - { name: header, constant: 0x02 }
+      - { is: address }
+      - { name: title, is: value, text: 7 }
+      - { name: lot, is: value, text: 9, variable: true }
+      - { name: end, constant: "Q" }
+      - { is: checksum, kind: sum, of: header..end }
+)";
+
+TEST(SimCheck, TextsOfOddLengthARecordWithoutANumberAndOneAddressAreNoFault) {
+  expect_all_pass({declared_as(kTexts)});
+}
+
+// Numbers with a sign, of three digits, of four bytes.
+constexpr const char* kNumbers = R"(summary: A meter with numbers of all kinds
+addresses: { from: 1, to: 9 }
+areas:
+  - { name: state, record: true }
+operations:
+  - name: read
+    read: state
+    request: [ { name: header, constant: 0x05 }, { is: address } ]
+    answer:
+      - { name: header, constant: 0x02 }
+      - { is: address }
+      - { name: small, is: value, signed: true }
+      - { name: count, is: value, as: decimal, digits: 3 }
+      - { name: total, is: value, bytes: 4, signed: true }
+      - { is: checksum, kind: sum, of: header..total }
+)";
+
+TEST(SimCheck, NumbersWithASignOrInDigitsAreNoFault) { expect_all_pass({declared_as(kNumbers)}); }
+
+// Areas whose numbers are hexadecimal, of bytes and of words.
+constexpr const char* kAreas = R"(summary: A controller with bytes and words
+addresses: { from: 1, to: 9 }
+areas:
+  - { name: byte, item: byte, items: 256, prefix: "B", base: hexadecimal }
+  - { name: word, item: 16bit, items: 4096, prefix: "W", base: hexadecimal, origin: 10 }
+operations:
+  - name: read bytes
+    read: byte
+    count: 16
+    command: 1
+    request:
+      - { name: header, constant: 0x05 }
+      - { is: address }
+      - { is: command }
+      - { is: first }
+      - { is: count }
+      - { is: checksum, kind: sum, of: header..count }
+    answer:
+      - { name: header, constant: 0x02 }
+      - { is: address }
+      - { is: items }
+      - { is: checksum, kind: sum, of: header..items }
+  - name: read words
+    read: word
+    count: 16
+    command: 2
+    request:
+      - { name: header, constant: 0x05 }
+      - { is: address }
+      - { is: command }
+      - { is: first, bytes: 2 }
+      - { is: count }
+      - { is: checksum, kind: sum, of: header..count }
+    answer:
+      - { name: header, constant: 0x03 }
+      - { is: address }
+      - { is: items }
+      - { is: checksum, kind: sum, of: header..items }
+)";
+
+TEST(SimCheck, HexadecimalNumbersInEitherCaseAreAddresses) {
+  expect_all_pass({declared_as(kAreas)});
+}
 
 TEST(SimCheck, WhatPassesUnseenIsAFailureWhereACheckWasPromised) {
   Subject subject = subjects_of("modbus-tcp")[0];
@@ -75,7 +173,9 @@ TEST(SimCheck, WhatPassesUnseenIsAFailureWhereACheckWasPromised) {
   EXPECT_FALSE(flips->failures[0].frame.empty());
 }
 
-TEST(SimCheck, AProtocolThatNobodyHasHasNoSubject) { EXPECT_TRUE(subjects_of("modbus-rtv").empty()); }
+TEST(SimCheck, AProtocolThatNobodyHasHasNoSubject) {
+  EXPECT_TRUE(subjects_of("modbus-rtv").empty());
+}
 
 }  // namespace
 }  // namespace fieldcast::sim

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "tests/tools/sim/listen.hpp"
-#include "tools/sim/device.hpp"
+#include "tools/sim/device/device.hpp"
 
 namespace fieldcast::sim::test {
 

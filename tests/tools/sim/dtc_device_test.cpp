@@ -1,6 +1,6 @@
-// The simulated DTC device: as the device of the golden packets, and against the bridge's own master, which was written apart
-// from it.
-#include "tools/sim/dtc_device.hpp"
+// The simulated DTC device: as the device of the golden packets, and against the bridge's own
+// master, which was written apart from it.
+#include "tools/sim/device/dtc_device.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 #include "core/codec/checksum.hpp"
 #include "core/protocol/protocol.hpp"
 #include "tests/tools/sim/listen.hpp"
-#include "tools/sim/dtc_lzw.hpp"
+#include "tools/sim/device/dtc_lzw.hpp"
 
 namespace fieldcast::sim {
 namespace {
@@ -34,7 +34,9 @@ DeviceSetup setup(std::uint16_t address, const std::string& threshold = "65535")
   return made;
 }
 
-Bytes said(DtcDevice& device, ByteView packet) { return test::listen(*device.open_ear(), packet).answer; }
+Bytes said(DtcDevice& device, ByteView packet) {
+  return test::listen(*device.open_receiver(), packet).answer;
+}
 
 Bytes plain(std::string_view hex_without_crc) {
   Bytes message = *from_hex(hex_without_crc);
@@ -46,10 +48,13 @@ Bytes plain(std::string_view hex_without_crc) {
   append(packet, message);
   return packet;
 }
-std::string refusal(DtcDevice& device, std::string_view hex) { return to_hex(said(device, plain(hex)), '\0'); }
+std::string refusal(DtcDevice& device, std::string_view hex) {
+  return to_hex(said(device, plain(hex)), '\0');
+}
 
 std::uint8_t type_of(const json& group) {
-  return static_cast<std::uint8_t>(std::ranges::find(kDtcAreaNames, group["type"].get<std::string>()) - kDtcAreaNames.begin());
+  return static_cast<std::uint8_t>(
+      std::ranges::find(kDtcAreaNames, group["type"].get<std::string>()) - kDtcAreaNames.begin());
 }
 
 // The bits of a printed value in its type.
@@ -68,7 +73,8 @@ void each_variable(const json& groups, const Visit& visit) {
   for (const json& group : groups) {
     for (std::size_t i = 0; i < group["values"].size(); ++i) {
       const std::uint8_t type = type_of(group);
-      visit(type, static_cast<std::uint16_t>(group["first"].get<unsigned>() + i), bits_of(group["values"][i], type));
+      visit(type, static_cast<std::uint16_t>(group["first"].get<unsigned>() + i),
+            bits_of(group["values"][i], type));
     }
   }
 }
@@ -84,7 +90,8 @@ TEST(DtcDeviceVectors, AnswersAsPrinted) {
     DtcDevice device(setup(request[3], name.find("lzw") != std::string::npos ? "0" : "65535"));
     const bool write = name.starts_with("write_");
     if (!write) {
-      each_variable(vector["groups"], [&](auto type, auto at, auto bits) { device.memory().write(type, at, bits); });
+      each_variable(vector["groups"],
+                    [&](auto type, auto at, auto bits) { device.memory().write(type, at, bits); });
     }
     EXPECT_EQ(to_hex(said(device, request), '\0'), vector["response_hex"].get<std::string>());
     each_variable(vector["groups"], [&](auto type, auto at, auto bits) {
@@ -105,7 +112,7 @@ TEST(DtcDeviceVectors, RefusesAsPrinted) {
   EXPECT_EQ(refusal(device, "07 00 FFFF 01 0002"), printed.at("refusal_2"));
   EXPECT_EQ(refusal(device, "07 00 0000 05 0001"), printed.at("refusal_3"));
   EXPECT_EQ(refusal(device, "07 00 0000 01 0400"), printed.at("refusal_4"));  // an answer of 2 KiB
-  EXPECT_EQ(refusal(device, "07 00 0000 01"), printed.at("refusal_4"));       // a group that is cut off
+  EXPECT_EQ(refusal(device, "07 00 0000 01"), printed.at("refusal_4"));  // a group that is cut off
   EXPECT_EQ(refusal(device, "07 00 0000 01 0000"), printed.at("refusal_5"));
   EXPECT_EQ(refusal(device, "07 02").substr(6, 6), "078201");
   EXPECT_EQ(device.statistics().exceptions.at(4), 2u);
@@ -131,7 +138,8 @@ TEST(DtcDeviceVectors, CompressesAsPrinted) {
 
 TEST(DtcDevice, AWriteIsAllOrNothing) {
   DtcDevice device(setup(7));
-  EXPECT_EQ(refusal(device, "07 01 0001 01 0001 1234 FFFF 01 0002 0000 0000").substr(6, 6), "078102");
+  EXPECT_EQ(refusal(device, "07 01 0001 01 0001 1234 FFFF 01 0002 0000 0000").substr(6, 6),
+            "078102");
   EXPECT_EQ(device.memory().read(1, 1, test::kBegin), 0u);
   EXPECT_TRUE(device.statistics().writes.empty());
 }
@@ -151,18 +159,20 @@ TEST(DtcDevice, OthersAndBrokenMessagesGetSilence) {
 
 TEST(DtcDevice, AfterNoiseOnlySilenceHelps) {
   DtcDevice device(setup(7));
-  const auto ear = device.open_ear();
+  const auto receiver = device.open_receiver();
   const Bytes request = plain("07 00 0000 01 0001");
   const Instant hard_upon = test::kBegin + test::kLine.characters(1);
-  EXPECT_TRUE(test::listen(*ear, *from_hex("55"), test::kBegin, false).answer.empty());
-  EXPECT_TRUE(test::listen(*ear, request, hard_upon, false).answer.empty());
-  EXPECT_FALSE(test::listen(*ear, request, hard_upon + test::kLine.characters(20), false).answer.empty());
+  EXPECT_TRUE(test::listen(*receiver, *from_hex("55"), test::kBegin, false).answer.empty());
+  EXPECT_TRUE(test::listen(*receiver, request, hard_upon, false).answer.empty());
+  EXPECT_FALSE(test::listen(*receiver, request, hard_upon + test::kLine.characters(20), false)
+                   .answer.empty());
 }
 
 TEST(DtcDevice, AddressesAreReadAndChannelsLive) {
   EXPECT_EQ(parse_dtc_address("float32:12")->area, 3);
   EXPECT_EQ(parse_dtc_address("int16:65535.15")->bit, 15);
-  for (const char* wrong : {"", "int16", "int16:", "int16:65536", "int16:1.16", "float32:1.0", "bit:1.0", "int8:1"}) {
+  for (const char* wrong :
+       {"", "int16", "int16:", "int16:65536", "int16:1.16", "float32:1.0", "bit:1.0", "int8:1"}) {
     EXPECT_FALSE(parse_dtc_address(wrong)) << wrong;
   }
   DeviceSetup made = setup(7);
@@ -176,7 +186,8 @@ TEST(DtcDevice, AddressesAreReadAndChannelsLive) {
   const auto device = make_dtc_device(made);
   ASSERT_TRUE(device.has_value());
   auto& dtc = dynamic_cast<DtcDevice&>(**device);
-  EXPECT_NE(dtc.memory().read(4, 4, test::kBegin), dtc.memory().read(4, 4, test::kBegin + Duration{1'700'000'000}));
+  EXPECT_NE(dtc.memory().read(4, 4, test::kBegin),
+            dtc.memory().read(4, 4, test::kBegin + Duration{1'700'000'000}));
   EXPECT_EQ(said(dtc, plain("07 00 0004 04 0001"))[4], 0x00);
   EXPECT_EQ(refusal(dtc, "07 00 0005 04 0001").substr(6, 6), "078002");
   EXPECT_EQ(refusal(dtc, "07 00 0000 00 0004").substr(6, 6), "078009");
@@ -208,14 +219,16 @@ TEST(DtcDevice, AgreesWithTheMasterOfTheBridge) {
       const Range range{type, static_cast<std::uint32_t>(8000 * i + random() % 7000),
                         static_cast<std::uint32_t>(1 + random() % 15)};
       Bytes items(image_bytes(kDtcBits[type], range.count));
-      for (auto& item : items) item = static_cast<std::uint8_t>(random() % (type == 0 ? 2 : round % 4 == 0 ? 3 : 256));
+      for (auto& item : items)
+        item = static_cast<std::uint8_t>(random() % (type == 0 ? 2 : round % 4 == 0 ? 3 : 256));
       (void)run(WriteRequest{.range = range, .items = items});
       read.ranges.push_back(range);
       expected.push_back(items);
     }
     const Reply reply = run(read);
     ASSERT_EQ(reply.size(), expected.size());
-    for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_EQ(to_hex(reply[i].items), to_hex(expected[i]));
+    for (std::size_t i = 0; i < expected.size(); ++i)
+      EXPECT_EQ(to_hex(reply[i].items), to_hex(expected[i]));
   }
   EXPECT_GT(compressed, 300);
 }

@@ -1,4 +1,4 @@
-#include "tools/sim/fault_file.hpp"
+#include "tools/sim/bus/fault_file.hpp"
 
 #include <gtest/gtest.h>
 
@@ -35,6 +35,7 @@ buses:
     noise: 1e-5
     echo: true
     babble: { rate: 2, length: 6 }
+    foreign: 3
     unplug: [{ at: 10s, for: 3s }, { at: 60s }]
     fifo: 16
     devices:
@@ -42,6 +43,9 @@ buses:
         delay: { base: 5ms, spread: 1ms, spike: 50ms, spike-probability: 0.01 }
         loss: 0.1
         late: { probability: 0.2, by: 300ms }
+        queue: true
+        doubled: { probability: 0.25, after: 4ms }
+        deaf: 30ms
         garble: 0.5
         truncate: 0.3
         stray: 0.4
@@ -56,6 +60,7 @@ buses:
   EXPECT_TRUE(bus.echo);
   EXPECT_EQ(bus.babble, 2);
   EXPECT_EQ(bus.babble_length, 6u);
+  EXPECT_EQ(bus.foreign, 3);
   EXPECT_EQ(bus.fifo, 16u);
   ASSERT_EQ(bus.unplugged.size(), 2u);
   EXPECT_TRUE(bus.unplugged[0].holds(12s));
@@ -82,8 +87,9 @@ buses:
 }
 
 TEST(FaultFile, StarSpeaksOfAllAndNamesOverrideIt) {
-  const auto loaded = parse_faults("buses: { \"*\": { devices: { oven: { delay: 9ms }, \"*\": { delay: 4ms, loss: 0.5 } } } }",
-                                   "f.yaml", plant());
+  const auto loaded = parse_faults(
+      "buses: { \"*\": { devices: { oven: { delay: 9ms }, \"*\": { delay: 4ms, loss: 0.5 } } } }",
+      "f.yaml", plant());
   ASSERT_TRUE(loaded) << config::to_text(loaded.error());
   const auto& devices = loaded->buses.at("shop").devices;
   EXPECT_EQ(devices.at("press").delay.base, 4ms);
@@ -102,8 +108,9 @@ TEST(FaultFile, EveryFaultIsNamedAtOnceWithItsPlace) {
       "      press: { exceptions: [{ area: holdin, from: 5, to: 4 }] }\n"
       "  mill: {}\n");
   for (const char* part :
-       {"f.yaml:3:5: unknown key 'noize'", "did you mean noise?", "f.yaml:5:7: no device 'pres'", "did you mean press?",
-        "f.yaml:6:21: loss '2' is out of range", "silence 'never' is unknown", "'by' is missing", "area 'holdin' is unknown",
+       {"f.yaml:3:5: unknown key 'noize'", "did you mean noise?", "f.yaml:5:7: no device 'pres'",
+        "did you mean press?", "f.yaml:6:21: loss '2' is out of range",
+        "silence 'never' is unknown", "'by' is missing", "area 'holdin' is unknown",
         "did you mean holding?", "the range ends before it begins", "f.yaml:8:3: no bus 'mill'"}) {
     EXPECT_NE(faults.find(part), std::string::npos) << part << "\nin\n" << faults;
   }
@@ -120,9 +127,11 @@ TEST(FaultFile, TheExampleFitsItsPlant) {
 TEST(FaultFile, WrongShapesAreFaultsNotCrashes) {
   EXPECT_EQ(faults_of(""), "none");
   for (const char* text :
-       {"[]", "x", "buses: 3", "buses: []", "buses: { shop: 3 }", "buses: { shop: { devices: [1] } }",
-        "buses: { shop: { devices: { oven: [] } } }", "buses: { shop: { devices: { oven: { delay: [] } } } }",
-        "buses: { shop: { devices: { oven: { silence: [3] } } } }", "buses: { shop: { unplug: 3 } }", "buses: {"}) {
+       {"[]", "x", "buses: 3", "buses: []", "buses: { shop: 3 }",
+        "buses: { shop: { devices: [1] } }", "buses: { shop: { devices: { oven: [] } } }",
+        "buses: { shop: { devices: { oven: { delay: [] } } } }",
+        "buses: { shop: { devices: { oven: { silence: [3] } } } }",
+        "buses: { shop: { unplug: 3 } }", "buses: {"}) {
     EXPECT_NE(faults_of(text), "none") << text;
   }
 }

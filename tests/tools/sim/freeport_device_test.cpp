@@ -1,5 +1,6 @@
-// The simulated freeport station: as the station of the golden frames, and beside other stations on its line.
-#include "tools/sim/freeport_device.hpp"
+// The simulated freeport station: as the station of the golden frames, and beside other stations on
+// its line.
+#include "tools/sim/device/freeport_device.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +8,7 @@
 #include "tests/support/vectors.hpp"
 #include "tests/tools/sim/device_setup.hpp"
 #include "tests/tools/sim/listen.hpp"
-#include "tools/sim/digits.hpp"
+#include "tools/sim/device/digits.hpp"
 
 namespace fieldcast::sim {
 namespace {
@@ -16,7 +17,7 @@ using fieldcast::test::GoldenVector;
 using test::device_setup;
 
 std::string said(FreeportDevice& device, const std::string& request) {
-  const Bytes answer = test::listen(*device.open_ear(), test::bytes(request)).answer;
+  const Bytes answer = test::listen(*device.open_receiver(), test::bytes(request)).answer;
   return {answer.begin(), answer.end()};
 }
 
@@ -33,14 +34,17 @@ TEST(FreeportDeviceVectors, AnswersAsPrinted) {
     if (vector.kind != "ok") continue;
     SCOPED_TRACE(vector.name);
     const std::string request(vector.request.begin(), vector.request.end());
-    FreeportDevice device(device_setup(static_cast<std::uint16_t>(std::stoul(request.substr(2, 2), nullptr, 16))));
+    FreeportDevice device(
+        device_setup(static_cast<std::uint16_t>(std::stoul(request.substr(2, 2), nullptr, 16))));
     const std::string answer(vector.response.begin(), vector.response.end());
     const Bytes window = *from_hex(answer.substr(1, 8));
     const auto length = std::stoul(request.substr(4, 2));
     const bool read = request[1] == 'W';
-    for (std::uint32_t i = 0; read && i < 4; ++i) device.memory().write(0, i, i < length ? window[i] : 0xFF);
+    for (std::uint32_t i = 0; read && i < 4; ++i)
+      device.memory().write(0, i, i < length ? window[i] : 0xFF);
     EXPECT_EQ(said(device, request), answer);
-    for (std::uint32_t i = 0; i < length; ++i) EXPECT_EQ(device.memory().read(0, i, test::kBegin), window[i]) << i;
+    for (std::uint32_t i = 0; i < length; ++i)
+      EXPECT_EQ(device.memory().read(0, i, test::kBegin), window[i]) << i;
     ++(read ? reads : writes);
   }
   EXPECT_GE(reads, 12);
@@ -50,7 +54,8 @@ TEST(FreeportDeviceVectors, AnswersAsPrinted) {
 TEST(FreeportDeviceVectors, RefusesAsPrinted) {
   std::map<std::string, std::string> printed;
   for (const GoldenVector& vector : fieldcast::test::load_vectors("freeport")) {
-    if (vector.kind == "exception") printed[vector.name] = {vector.response.begin(), vector.response.end()};
+    if (vector.kind == "exception")
+      printed[vector.name] = {vector.response.begin(), vector.response.end()};
   }
   FreeportDevice device(device_setup(5));
   EXPECT_EQ(said(device, "qW05040000000000Q"), printed.at("refusal_check"));

@@ -1,5 +1,5 @@
 // The simulated FX: as the PLC of the golden frames.
-#include "tools/sim/fx_device.hpp"
+#include "tools/sim/device/fx_device.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,14 +9,16 @@
 #include "tests/support/vectors.hpp"
 #include "tests/tools/sim/device_setup.hpp"
 #include "tests/tools/sim/listen.hpp"
-#include "tools/sim/digits.hpp"
+#include "tools/sim/device/digits.hpp"
 
 namespace fieldcast::sim {
 namespace {
 
 using fieldcast::test::GoldenVector;
 
-Bytes said(FxDevice& device, const Bytes& request) { return test::listen(*device.open_ear(), request).answer; }
+Bytes said(FxDevice& device, const Bytes& request) {
+  return test::listen(*device.open_receiver(), request).answer;
+}
 
 Bytes framed(const std::string& text) {
   Bytes body = test::bytes(text + "\x03"), frame{0x02};
@@ -24,7 +26,9 @@ Bytes framed(const std::string& text) {
   append(frame, body);
   return frame;
 }
-std::string asked(FxDevice& device, const std::string& text) { return to_hex(said(device, framed(text))); }
+std::string asked(FxDevice& device, const std::string& text) {
+  return to_hex(said(device, framed(text)));
+}
 
 std::size_t area(std::string_view name) {
   return static_cast<std::size_t>(std::ranges::find(kFxAreaNames, name) - kFxAreaNames.begin());
@@ -40,7 +44,10 @@ TEST(FxDeviceVectors, AnswersAsPrinted) {
     FxDevice device(test::device_setup(0));
     const std::string request(vector.request.begin(), vector.request.end());
     const std::string answer(vector.response.begin(), vector.response.end());
-    if (request[1] == '0') { EXPECT_EQ(asked(device, "1" + request.substr(2, 6) + answer.substr(1, answer.size() - 4)), "06"); }
+    if (request[1] == '0') {
+      EXPECT_EQ(asked(device, "1" + request.substr(2, 6) + answer.substr(1, answer.size() - 4)),
+                "06");
+    }
     EXPECT_EQ(to_hex(said(device, vector.request)), to_hex(vector.response));
     ++seen;
   }
@@ -49,16 +56,22 @@ TEST(FxDeviceVectors, AnswersAsPrinted) {
 
 TEST(FxDeviceVectors, ItemsLieWhereTheSourcesSay) {
   std::map<std::string, Bytes> requests;
-  for (const GoldenVector& vector : fieldcast::test::load_vectors("fx")) requests[vector.name] = vector.request;
+  for (const GoldenVector& vector : fieldcast::test::load_vectors("fx"))
+    requests[vector.name] = vector.request;
   FxDevice device(test::device_setup(0));
-  const auto item = [&](std::string_view name, std::uint32_t at) { return device.memory().read(area(name), at, test::kBegin); };
+  const auto item = [&](std::string_view name, std::uint32_t at) {
+    return device.memory().read(area(name), at, test::kBegin);
+  };
   EXPECT_EQ(to_hex(said(device, requests.at("write_d0_d1"))), "06");
   EXPECT_EQ(item("D", 0), 0x1234u);
   EXPECT_EQ(item("D", 1), 0x5678u);
-  for (const char* name : {"force_m17_on", "force_y0_on", "force_y12_on", "force_s5_on", "force_m8001_on", "fx3u_m0_on"}) {
+  for (const char* name : {"force_m17_on", "force_y0_on", "force_y12_on", "force_s5_on",
+                           "force_m8001_on", "fx3u_m0_on"}) {
     EXPECT_EQ(to_hex(said(device, requests.at(name))), "06") << name;
   }
-  EXPECT_EQ(item("M", 17) + item("Y", 0) + item("Y", 012) + item("S", 5) + item("M8000", 1) + item("M", 0), 6u);
+  EXPECT_EQ(item("M", 17) + item("Y", 0) + item("Y", 012) + item("S", 5) + item("M8000", 1) +
+                item("M", 0),
+            6u);
   EXPECT_EQ(to_hex(said(device, requests.at("force_m17_off"))), "06");
   EXPECT_EQ(item("M", 17), 0u);
   device.memory().write(area("D"), 123, 12);
@@ -74,8 +87,8 @@ TEST(FxDevice, RefusesWhatItCannotDo) {
   Bytes wrong_sum = framed("0100002");
   wrong_sum.back() ^= 1u;
   EXPECT_EQ(to_hex(said(device, wrong_sum)), "15");
-  for (const char* text :
-       {"9100002", "0100000", "0100041", "0FFFF02", "11000041234", "110000212345", "0G00002", "7FF1F", "E20100002"}) {
+  for (const char* text : {"9100002", "0100000", "0100041", "0FFFF02", "11000041234",
+                           "110000212345", "0G00002", "7FF1F", "E20100002"}) {
     EXPECT_EQ(asked(device, text), "15") << text;
   }
   EXPECT_EQ(asked(device, "04E7E03"), "15");  // the last D is 7999
@@ -93,8 +106,10 @@ TEST(FxDevice, SaysThatItIsThereBetweenFramesOnly) {
 
 TEST(FxDevice, NumbersOfInputsAndOutputsAreOctal) {
   DeviceSetup setup = test::device_setup(0);
-  setup.spec.channels = {test::channel("lamp", "Y12", ValueType::kBool), test::channel("big", "C200", ValueType::kInt32),
-                         test::channel("date", "D8010", ValueType::kUint16), test::channel("bit", "D7.15", ValueType::kBool)};
+  setup.spec.channels = {test::channel("lamp", "Y12", ValueType::kBool),
+                         test::channel("big", "C200", ValueType::kInt32),
+                         test::channel("date", "D8010", ValueType::kUint16),
+                         test::channel("bit", "D7.15", ValueType::kBool)};
   auto made = make_fx_device(setup);
   ASSERT_TRUE(made.has_value()) << made.error();
   auto& memory = dynamic_cast<FxDevice&>(**made).memory();

@@ -1,5 +1,6 @@
-// The simulated Omron PLC: as the PLC of the golden frames in C-mode and FINS, and its transfers in several frames.
-#include "tools/sim/hostlink_device.hpp"
+// The simulated Omron PLC: as the PLC of the golden frames in C-mode and FINS, and its transfers in
+// several frames.
+#include "tools/sim/device/hostlink_device.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +11,7 @@
 #include "tests/support/vectors.hpp"
 #include "tests/tools/sim/device_setup.hpp"
 #include "tests/tools/sim/listen.hpp"
-#include "tools/sim/digits.hpp"
+#include "tools/sim/device/digits.hpp"
 
 namespace fieldcast::sim {
 namespace {
@@ -19,7 +20,7 @@ using fieldcast::test::GoldenVector;
 
 std::string text(ByteView bytes) { return {bytes.begin(), bytes.end()}; }
 std::string said(HostLinkDevice& device, const std::string& request) {
-  return text(test::listen(*device.open_ear(), test::bytes(request)).answer);
+  return text(test::listen(*device.open_receiver(), test::bytes(request)).answer);
 }
 
 std::string framed(const std::string& body, bool last = true) {
@@ -29,22 +30,27 @@ std::string framed(const std::string& body, bool last = true) {
 }
 
 std::size_t area_of(char letter) {
-  return static_cast<std::size_t>(std::ranges::find(kOmronAreas, letter, &OmronArea::letter) - kOmronAreas.begin());
+  return static_cast<std::size_t>(std::ranges::find(kOmronAreas, letter, &OmronArea::letter) -
+                                  kOmronAreas.begin());
 }
 
 // Gives the device the memory from which the data of a C-mode answer must follow.
 void prepare(ItemMemory& memory, const std::string& request, const std::string& data) {
-  const std::size_t each = request[4] == 'G' ? 1 : 4, area = request[4] == 'G' ? 9 : area_of(request[4]);
+  const std::size_t each = request[4] == 'G' ? 1 : 4,
+                    area = request[4] == 'G' ? 9 : area_of(request[4]);
   const auto first = static_cast<std::uint32_t>(std::stoul(request.substr(5, 4)));
   for (std::size_t i = 0; i < data.size() / each; ++i) {
-    memory.write(area, first + static_cast<std::uint32_t>(i), std::stoul(data.substr(i * each, each), nullptr, 16));
+    memory.write(area, first + static_cast<std::uint32_t>(i),
+                 std::stoul(data.substr(i * each, each), nullptr, 16));
   }
 }
 
 TEST(HostLinkDeviceVectors, CModeIsAnsweredAsPrinted) {
-  // What the plant cannot be in: another PLC model, another state, or the frame shows only the form of an answer.
-  const std::set<std::string> elsewhere{"end_01",     "end_02",   "end_04",  "end_18", "end_19", "end_21",
-                                        "ms_program", "ms_fatal", "ms_fals", "kshr",   "krhr",   "multi_abort_a3"};
+  // What the plant cannot be in: another PLC model, another state, or the frame shows only the form
+  // of an answer.
+  const std::set<std::string> elsewhere{"end_01",  "end_02", "end_04",     "end_18",
+                                        "end_19",  "end_21", "ms_program", "ms_fatal",
+                                        "ms_fals", "kshr",   "krhr",       "multi_abort_a3"};
   int seen = 0;
   for (const GoldenVector& vector : fieldcast::test::load_vectors("hostlink")) {
     if (vector.kind == "malformed" || elsewhere.contains(vector.name)) continue;
@@ -56,19 +62,24 @@ TEST(HostLinkDeviceVectors, CModeIsAnsweredAsPrinted) {
     std::string data;
     for (std::size_t round = 0; round < printed.size(); ++round) {
       const std::string frame = text(printed[round]);
-      const std::size_t begin = round == 0 ? 7 : 0, end = frame.size() - (frame[frame.size() - 2] == '*' ? 4 : 3);
+      const std::size_t begin = round == 0 ? 7 : 0,
+                        end = frame.size() - (frame[frame.size() - 2] == '*' ? 4 : 3);
       if (begin < end) data += frame.substr(begin, end - begin);
     }
     if (vector.kind == "ok" && asked[0][3] == 'R') prepare(device.memory(), text(asked[0]), data);
-    for (std::size_t round = 0; round < asked.size(); ++round) EXPECT_EQ(said(device, text(asked[round])), text(printed[round]));
+    for (std::size_t round = 0; round < asked.size(); ++round)
+      EXPECT_EQ(said(device, text(asked[round])), text(printed[round]));
     ++seen;
   }
   EXPECT_GE(seen, 20);
 }
 
 TEST(HostLinkDeviceVectors, MalformedFramesAreRefusedAsTheManualSays) {
-  const std::map<std::string, std::string> expected{
-      {"fcs_error", "13"}, {"format", "14"}, {"empty_text", "14"}, {"odd_data", "14"}, {"bad_hex", "15"}};
+  const std::map<std::string, std::string> expected{{"fcs_error", "13"},
+                                                    {"format", "14"},
+                                                    {"empty_text", "14"},
+                                                    {"odd_data", "14"},
+                                                    {"bad_hex", "15"}};
   int seen = 0;
   for (const GoldenVector& vector : fieldcast::test::load_vectors("hostlink")) {
     if (vector.kind != "malformed" || vector.request.empty()) continue;
@@ -88,22 +99,31 @@ TEST(HostLinkDeviceVectors, FinsIsAnsweredAsPrinted) {
   int seen = 0;
   for (const GoldenVector& vector : fieldcast::test::load_vectors("fins")) {
     const std::string request = text(vector.request), answer = text(vector.response);
-    const bool form_only = vector.has("note") && vector.texts.at("note").find("does not follow") != std::string::npos;
+    const bool form_only =
+        vector.has("note") && vector.texts.at("note").find("does not follow") != std::string::npos;
     if (vector.framing != "hostlink" || request.empty() || answer.empty() || form_only) continue;
-    // Programs, cycle times and the CPU's own faults are not simulated; one answer shows a code for a right request.
-    const std::set<std::string> elsewhere{"fa_cycle_time_0620", "fa_program_read_last", "fa_program_write_0307",
-                                          "fa_end_0040_masked", "fa_hostlink_endcode_13"};
+    // Programs, cycle times and the CPU's own faults are not simulated; one answer shows a code for
+    // a right request.
+    const std::set<std::string> elsewhere{"fa_cycle_time_0620", "fa_program_read_last",
+                                          "fa_program_write_0307", "fa_end_0040_masked",
+                                          "fa_hostlink_endcode_13"};
     if (elsewhere.contains(vector.name)) continue;
     SCOPED_TRACE(vector.name);
-    HostLinkDevice device(test::device_setup(static_cast<std::uint16_t>(std::stoul(request.substr(1, 2)))));
+    HostLinkDevice device(
+        test::device_setup(static_cast<std::uint16_t>(std::stoul(request.substr(1, 2)))));
     const std::size_t head = request[6] == '8' ? 20 : 8;
     const Bytes asked = *from_hex(request.substr(6 + head, request.size() - 4 - 6 - head));
     const Bytes shown = *from_hex(answer.substr(7 + head, answer.size() - 4 - 7 - head));
-    if (asked[0] == 0x01 && asked[1] == 0x01) {  // a read: what it shows is written first, by the same area, address and count
+    if (asked[0] == 0x01 &&
+        asked[1] ==
+            0x01) {  // a read: what it shows is written first, by the same area, address and count
       Bytes write{0x01, 0x02};
       append(write, ByteView(asked).subspan(2));
       append(write, ByteView(shown).subspan(4));
-      EXPECT_EQ(said(device, framed("@" + request.substr(1, 2) + "FA000000000" + to_hex(write, '\0'))).substr(19, 4), "0000");
+      EXPECT_EQ(
+          said(device, framed("@" + request.substr(1, 2) + "FA000000000" + to_hex(write, '\0')))
+              .substr(19, 4),
+          "0000");
     }
     if (vector.name == "fa_multi_read_0104") {
       device.memory().write(5, 100, 0x1234);
@@ -120,12 +140,15 @@ TEST(HostLinkDevice, WordsLieWhereTheCommandsSay) {
   HostLinkDevice device(test::device_setup(0));
   EXPECT_EQ(said(device, framed("@00WD01001234ABCD")), framed("@00WD00"));
   EXPECT_EQ(device.memory().read(5, 101, test::kBegin), 0xABCDu);
-  EXPECT_EQ(said(device, framed("@00FA0000000000101820064000002")), framed("@00FA0040000000010100001234ABCD"));
+  EXPECT_EQ(said(device, framed("@00FA0000000000101820064000002")),
+            framed("@00FA0040000000010100001234ABCD"));
   EXPECT_EQ(said(device, framed("@00WE0100070042")), framed("@00WE00"));
   EXPECT_EQ(device.memory().read(kOmronEm, kEmBankWords + 7, test::kBegin), 0x42u);
-  EXPECT_EQ(said(device, framed("@00WC20550100")), framed("@00WC00"));  // counters stand behind 2048 timers
+  EXPECT_EQ(said(device, framed("@00WC20550100")),
+            framed("@00WC00"));  // counters stand behind 2048 timers
   EXPECT_EQ(device.memory().read(8, 7, test::kBegin), 0x100u);
-  EXPECT_EQ(said(device, framed("@00FA0000000000101898007000001")), framed("@00FA0040000000010100000100"));
+  EXPECT_EQ(said(device, framed("@00FA0000000000101898007000001")),
+            framed("@00FA0040000000010100000100"));
   EXPECT_EQ(said(device, framed("@00FA0000000000102310005020001"
                                 "01")),
             framed("@00FA00400000000102"
@@ -136,7 +159,8 @@ TEST(HostLinkDevice, WordsLieWhereTheCommandsSay) {
 TEST(HostLinkDevice, AWriteOfSeveralFramesIsTakenFrameByFrame) {
   HostLinkDevice device(test::device_setup(0));
   std::string data;
-  for (unsigned i = 0; i < 40; ++i) data += "00" + to_hex(Bytes{static_cast<std::uint8_t>(i)}, '\0');
+  for (unsigned i = 0; i < 40; ++i)
+    data += "00" + to_hex(Bytes{static_cast<std::uint8_t>(i)}, '\0');
   EXPECT_EQ(said(device, framed("@00WD0000" + data.substr(0, 116), false)), "\r");
   EXPECT_EQ(device.statistics().write_requests, 0u);
   EXPECT_EQ(said(device, framed(data.substr(116))), framed("@00WD00"));

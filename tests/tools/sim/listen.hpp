@@ -1,9 +1,9 @@
-// Lets an ear hear bytes at the speed of a line, and then a long silence.
+// Lets a receiver hear bytes at the speed of a line, and then a long silence.
 #pragma once
 
 #include "core/base/bytes.hpp"
 #include "core/frame/line.hpp"
-#include "tools/sim/device.hpp"
+#include "tools/sim/device/device.hpp"
 
 namespace fieldcast::sim::test {
 
@@ -11,7 +11,8 @@ inline constexpr LineFormat kLine{19200, 8, Parity::kEven, 1};
 inline constexpr Instant kBegin{Duration{1'000'000'000}};
 
 // What the device does about all of it. REQUIRES: it answers once at most.
-inline Reaction listen(Ear& ear, ByteView bytes, Instant start = kBegin, bool then_silence = true) {
+inline Reaction listen(Receiver& receiver, ByteView bytes, Instant start = kBegin,
+                       bool then_silence = true) {
   Reaction all;
   Instant end = start;
   const auto take = [&](const Reaction& one) {
@@ -21,12 +22,12 @@ inline Reaction listen(Ear& ear, ByteView bytes, Instant start = kBegin, bool th
   for (const std::uint8_t byte : bytes) {
     end += kLine.characters(1);
     Reaction one;
-    ear.hear(byte, end, one);
+    receiver.hear(byte, end, one);
     take(one);
   }
-  if (then_silence && ear.silence_due() != kNever) {
+  if (then_silence && receiver.silence_due() != kNever) {
     Reaction one;
-    ear.on_silence(ear.silence_due(), one);
+    receiver.on_silence(receiver.silence_due(), one);
     take(one);
   }
   return all;

@@ -2,7 +2,7 @@
 
 #include "core/codec/checksum.hpp"
 #include "tests/tools/sim/listen.hpp"
-#include "tools/sim/modbus_ears.hpp"
+#include "tools/sim/device/modbus_receivers.hpp"
 
 namespace fieldcast::sim {
 namespace {
@@ -15,8 +15,8 @@ Bytes rtu(Bytes frame) {
 }
 
 Bytes said(ModbusUnit& unit, const Bytes& frame) {
-  RtuEar ear(unit, test::kLine, false);
-  return test::listen(ear, frame).answer;
+  RtuReceiver receiver(unit, test::kLine, false);
+  return test::listen(receiver, frame).answer;
 }
 
 TEST(ModbusAddressText, ReadsNamesAndReferenceNumbers) {
@@ -29,13 +29,13 @@ TEST(ModbusAddressText, ReadsNamesAndReferenceNumbers) {
   EXPECT_EQ(parse_modbus_address("00001")->area, ModbusArea::kCoil);
   EXPECT_EQ(parse_modbus_address("10001")->area, ModbusArea::kInput);
   EXPECT_EQ(parse_modbus_address("365536")->first, 65535);
-  for (const char* wrong :
-       {"", "holding", "holding:", "holding:65536", "holding:1.16", "40000", "50001", "4001", "465537", "coil:-1", "4x001"}) {
+  for (const char* wrong : {"", "holding", "holding:", "holding:65536", "holding:1.16", "40000",
+                            "50001", "4001", "465537", "coil:-1", "4x001"}) {
     EXPECT_FALSE(parse_modbus_address(wrong)) << wrong;
   }
 }
 
-TEST(RtuEar, WrongChecksumGetsSilenceAndIsCounted) {
+TEST(RtuReceiver, WrongChecksumGetsSilenceAndIsCounted) {
   ModbusUnit unit(1, test::kBegin);
   Bytes frame = rtu({1, 6, 0, 5, 0, 9});
   for (std::size_t bit = 0; bit < frame.size() * 8; ++bit) {
@@ -47,57 +47,59 @@ TEST(RtuEar, WrongChecksumGetsSilenceAndIsCounted) {
   EXPECT_GT(unit.statistics().bad_frames, 0u);
 }
 
-TEST(RtuEar, BroadcastIsExecutedWithoutAnswer) {
+TEST(RtuReceiver, BroadcastIsExecutedWithoutAnswer) {
   ModbusUnit unit(7, test::kBegin);
   EXPECT_TRUE(said(unit, rtu({0, 6, 0, 5, 0x12, 0x34})).empty());
   EXPECT_EQ(unit.memory().read(ModbusArea::kHolding, 5, 1, test::kBegin)[0], 0x1234);
   EXPECT_EQ(unit.statistics().broadcasts, 1u);
 }
 
-TEST(RtuEar, AfterABrokenFrameOnlySilenceHelps) {
+TEST(RtuReceiver, AfterABrokenFrameOnlySilenceHelps) {
   ModbusUnit unit(1, test::kBegin);
-  RtuEar ear(unit, test::kLine, false);
+  RtuReceiver receiver(unit, test::kLine, false);
   Bytes broken = rtu({1, 3, 0, 0, 0, 1});
   broken[3] = 9;
   const Bytes good = rtu({1, 3, 0, 0, 0, 1});
   const Instant next = test::kBegin + test::kLine.characters(8);
-  EXPECT_TRUE(test::listen(ear, broken, test::kBegin, false).answer.empty());
-  EXPECT_TRUE(test::listen(ear, good, next, false).answer.empty());  // hard upon it
-  EXPECT_FALSE(test::listen(ear, good, next + test::kLine.characters(13), false).answer.empty());
+  EXPECT_TRUE(test::listen(receiver, broken, test::kBegin, false).answer.empty());
+  EXPECT_TRUE(test::listen(receiver, good, next, false).answer.empty());  // hard upon it
+  EXPECT_FALSE(
+      test::listen(receiver, good, next + test::kLine.characters(13), false).answer.empty());
 }
 
-TEST(RtuEar, ForeignAnswerThatHoldsARequestForUsIsNotExecuted) {
+TEST(RtuReceiver, ForeignAnswerThatHoldsARequestForUsIsNotExecuted) {
   ModbusUnit unit(1, test::kBegin);
-  RtuEar ear(unit, test::kLine, false);
+  RtuReceiver receiver(unit, test::kLine, false);
   Bytes answer{2, 3, 8};
   append(answer, rtu({1, 6, 0, 1, 0, 1}));
-  EXPECT_TRUE(test::listen(ear, rtu(answer)).answer.empty());
+  EXPECT_TRUE(test::listen(receiver, rtu(answer)).answer.empty());
   EXPECT_TRUE(unit.statistics().requests.empty());
 }
 
 // Its first eight bytes are a whole request: 01 03 04 03 80 01 with the checksum FA14.
-TEST(RtuEar, ForeignAnswerThatBeginsLikeARequestDoesNotHideTheNextOne) {
+TEST(RtuReceiver, ForeignAnswerThatBeginsLikeARequestDoesNotHideTheNextOne) {
   ModbusUnit unit(3, test::kBegin);
-  RtuEar ear(unit, test::kLine, false);
+  RtuReceiver receiver(unit, test::kLine, false);
   const Bytes answer{0x01, 0x03, 0x04, 0x03, 0x80, 0x01, 0x14, 0xFA, 0x00};
   ASSERT_EQ(rtu({0x01, 0x03, 0x04, 0x03, 0x80, 0x01, 0x14}), answer);
   Instant at = test::kBegin;
   for (const Bytes& frame : {rtu({1, 3, 3, 0x0A, 0, 2}), answer}) {
-    EXPECT_TRUE(test::listen(ear, frame, at, false).answer.empty());
+    EXPECT_TRUE(test::listen(receiver, frame, at, false).answer.empty());
     at += test::kLine.characters(static_cast<std::uint32_t>(frame.size()) + 2);
   }
-  EXPECT_FALSE(test::listen(ear, rtu({3, 3, 0, 0xFB, 0, 0x0B}), at, false).answer.empty());
+  EXPECT_FALSE(test::listen(receiver, rtu({3, 3, 0, 0xFB, 0, 0x0B}), at, false).answer.empty());
   EXPECT_EQ(unit.statistics().bad_frames, 0u);
 }
 
-TEST(RtuEar, HeldBackHalfOfAFrameIsAFrameOnAStream) {
+TEST(RtuReceiver, HeldBackHalfOfAFrameIsAFrameOnAStream) {
   const Bytes request = rtu({1, 3, 0, 0, 0, 1});
   for (const bool stream : {false, true}) {
     ModbusUnit unit(1, test::kBegin);
-    RtuEar ear(unit, test::kLine, stream);
-    EXPECT_TRUE(test::listen(ear, ByteView(request).first(3), test::kBegin, false).answer.empty());
+    RtuReceiver receiver(unit, test::kLine, stream);
+    EXPECT_TRUE(
+        test::listen(receiver, ByteView(request).first(3), test::kBegin, false).answer.empty());
     const Instant later = test::kBegin + std::chrono::milliseconds{20};
-    EXPECT_EQ(test::listen(ear, ByteView(request).subspan(3), later).answer.empty(), !stream);
+    EXPECT_EQ(test::listen(receiver, ByteView(request).subspan(3), later).answer.empty(), !stream);
   }
 }
 
@@ -137,7 +139,8 @@ TEST(ModbusMemory, WrittenChannelsHoldAndOthersMove) {
   ASSERT_TRUE(memory.add_channel(*parse_modbus_address("holding:1"), {}, wave));
   ASSERT_TRUE(memory.add_channel(*parse_modbus_address("holding:2"), {}, wave));
   memory.write(ModbusArea::kHolding, 1, {4711});
-  const auto later = memory.read(ModbusArea::kHolding, 1, 2, test::kBegin + std::chrono::seconds{5});
+  const auto later =
+      memory.read(ModbusArea::kHolding, 1, 2, test::kBegin + std::chrono::seconds{5});
   EXPECT_EQ(later, (std::vector<std::uint16_t>{4711, 500}));
 }
 

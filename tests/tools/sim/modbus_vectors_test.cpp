@@ -1,4 +1,5 @@
-// The simulated device against the golden frames: as the slave of every vector whose request is printed.
+// The simulated device against the golden frames: as the slave of every vector whose request is
+// printed.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -6,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/sim/listen.hpp"
-#include "tools/sim/modbus_ears.hpp"
+#include "tools/sim/device/modbus_receivers.hpp"
 
 namespace fieldcast::sim {
 namespace {
@@ -21,7 +22,8 @@ std::vector<Vector> vectors() {
   std::vector<Vector> all;
   for (const auto& entry : nlohmann::json::parse(file)) {
     if (entry.value("request_unverified", false)) continue;
-    all.push_back({entry["name"], entry["framing"], entry["kind"], *from_hex(entry.value("request_hex", "")),
+    all.push_back({entry["name"], entry["framing"], entry["kind"],
+                   *from_hex(entry.value("request_hex", "")),
                    *from_hex(entry.value("response_hex", ""))});
   }
   return all;
@@ -35,10 +37,10 @@ Bytes content(const Vector& vector, const Bytes& frame) {
   return *from_hex(digits);
 }
 
-std::unique_ptr<Ear> ear_for(const Vector& vector, ModbusUnit& unit) {
-  if (vector.framing == "rtu") return std::make_unique<RtuEar>(unit, test::kLine, false);
-  if (vector.framing == "ascii") return std::make_unique<AsciiEar>(unit);
-  return std::make_unique<TcpEar>(unit, false);
+std::unique_ptr<Receiver> receiver_for(const Vector& vector, ModbusUnit& unit) {
+  if (vector.framing == "rtu") return std::make_unique<RtuReceiver>(unit, test::kLine, false);
+  if (vector.framing == "ascii") return std::make_unique<AsciiReceiver>(unit);
+  return std::make_unique<TcpReceiver>(unit, false);
 }
 
 std::vector<std::uint16_t> registers(ByteView bytes) {
@@ -59,10 +61,15 @@ void prepare(ModbusUnit& unit, ByteView request, ByteView answer) {
   ModbusMemory& memory = unit.memory();
   const auto first = [&] { return read_u16(request, 2); };
   switch (function) {
-    case 0x01: return memory.preset(ModbusArea::kCoil, first(), bits(answer.subspan(3), read_u16(request, 4)));
-    case 0x02: return memory.preset(ModbusArea::kInput, first(), bits(answer.subspan(3), read_u16(request, 4)));
+    case 0x01:
+      return memory.preset(ModbusArea::kCoil, first(),
+                           bits(answer.subspan(3), read_u16(request, 4)));
+    case 0x02:
+      return memory.preset(ModbusArea::kInput, first(),
+                           bits(answer.subspan(3), read_u16(request, 4)));
     case 0x03: return memory.preset(ModbusArea::kHolding, first(), registers(answer.subspan(3)));
-    case 0x04: return memory.preset(ModbusArea::kInputRegister, first(), registers(answer.subspan(3)));
+    case 0x04:
+      return memory.preset(ModbusArea::kInputRegister, first(), registers(answer.subspan(3)));
     case 0x07: return memory.preset(ModbusArea::kCoil, 0, bits(answer.subspan(2), 8));
     case 0x16: return memory.preset(ModbusArea::kHolding, first(), {0x0012});
     case 0x17: return memory.preset(ModbusArea::kHolding, first(), registers(answer.subspan(3)));
@@ -87,25 +94,29 @@ void prepare_exception(ModbusUnit& unit, std::uint8_t code) {
 }
 
 // File records and FIFO queues: this device has none.
-bool unsupported(std::uint8_t function) { return function == 0x14 || function == 0x15 || function == 0x18; }
+bool unsupported(std::uint8_t function) {
+  return function == 0x14 || function == 0x15 || function == 0x18;
+}
 
 TEST(ModbusVectors, DeviceAnswersAsPrinted) {
   int good = 0, refused = 0;
   for (const Vector& vector : vectors()) {
     if (vector.kind == "malformed" || vector.request.empty() || vector.response.empty()) continue;
     SCOPED_TRACE(vector.name);
-    const Bytes request = content(vector, vector.request), answer = content(vector, vector.response);
+    const Bytes request = content(vector, vector.request),
+                answer = content(vector, vector.response);
     ModbusUnit unit(request[0], test::kBegin);
     if (vector.kind == "ok") {
       prepare(unit, request, answer);
     } else {
       prepare_exception(unit, answer[2]);
     }
-    const Bytes said = test::listen(*ear_for(vector, unit), vector.request).answer;
+    const Bytes said = test::listen(*receiver_for(vector, unit), vector.request).answer;
     if (vector.framing != "tcp" && request[0] == 0) {
       EXPECT_TRUE(said.empty()) << "a broadcast has no answer";
     } else if (unsupported(request[1])) {
-      EXPECT_EQ(content(vector, said), (Bytes{request[0], static_cast<std::uint8_t>(request[1] | 0x80u), 1}));
+      EXPECT_EQ(content(vector, said),
+                (Bytes{request[0], static_cast<std::uint8_t>(request[1] | 0x80u), 1}));
     } else {
       EXPECT_EQ(to_hex(said), to_hex(vector.response));
     }
@@ -120,8 +131,8 @@ TEST(ModbusVectors, WritesLandInMemory) {
     return unit.memory().read(ModbusArea::kHolding, first, count, test::kBegin);
   };
   const auto written = [](ModbusUnit& unit, const char* request) {
-    RtuEar ear(unit, test::kLine, false);
-    return test::listen(ear, *from_hex(request)).answer;
+    RtuReceiver receiver(unit, test::kLine, false);
+    return test::listen(receiver, *from_hex(request)).answer;
   };
   ModbusUnit unit(0x2A, test::kBegin), seventeen(0x11, test::kBegin);
   EXPECT_FALSE(written(unit, "2A06001012348363").empty());
@@ -130,7 +141,8 @@ TEST(ModbusVectors, WritesLandInMemory) {
   EXPECT_EQ(holding(unit, 0x10, 2), (std::vector<std::uint16_t>{0x1234, 0x5678}));
   EXPECT_FALSE(written(unit, "2A0F0010000A021234002E").empty());
   EXPECT_EQ(unit.memory().read(ModbusArea::kCoil, 0x10, 16, test::kBegin),
-            (std::vector<std::uint16_t>{0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}));  // bits beyond the tenth are ignored
+            (std::vector<std::uint16_t>{0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+                                        0}));  // bits beyond the tenth are ignored
   EXPECT_FALSE(written(seventeen, "111700030006000E00030600FF00FF00FF4B54").empty());
   EXPECT_EQ(holding(seventeen, 14, 3), (std::vector<std::uint16_t>{0xFF, 0xFF, 0xFF}));
   EXPECT_EQ(unit.statistics().writes.at("holding:16"), 2u);
@@ -163,10 +175,12 @@ TEST(ModbusVectors, MalformedRequestsDoNoHarm) {
     SCOPED_TRACE(row.name);
     const auto found = std::ranges::find(all, row.name, &Vector::name);
     ASSERT_NE(found, all.end());
-    const Bytes& stream = found->request.empty() ? found->response : found->request;  // requests are printed on either side
+    const Bytes& stream = found->request.empty()
+                              ? found->response
+                              : found->request;  // requests are printed on either side
     const bool tcp = found->framing == "tcp";
     ModbusUnit unit(tcp ? stream[6] : 0x11, test::kBegin);
-    const Reaction reaction = test::listen(*ear_for(*found, unit), stream);
+    const Reaction reaction = test::listen(*receiver_for(*found, unit), stream);
     EXPECT_EQ(reaction.hang_up, row.expected == Malformed::kHangUp);
     EXPECT_TRUE(unit.statistics().writes.empty());
     EXPECT_EQ(unit.statistics().broadcasts, row.expected == Malformed::kBroadcast ? 1u : 0u);
@@ -183,8 +197,9 @@ TEST(ModbusVectors, TwoSlavesBackToBack) {
   const Bytes stream = *from_hex("02030000000184390203021234F133010300000001840A");
   ModbusUnit unit(1, test::kBegin);
   unit.memory().preset(ModbusArea::kHolding, 0, {0});
-  RtuEar ear(unit, test::kLine, false);
-  EXPECT_EQ(to_hex(test::listen(ear, stream, test::kBegin, false).answer, '\0'), "0103020000B844");
+  RtuReceiver receiver(unit, test::kLine, false);
+  EXPECT_EQ(to_hex(test::listen(receiver, stream, test::kBegin, false).answer, '\0'),
+            "0103020000B844");
   EXPECT_EQ(unit.statistics().requests.at("03"), 1u);
   EXPECT_EQ(unit.statistics().bad_frames, 0u);
 }

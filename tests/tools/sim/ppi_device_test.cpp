@@ -1,5 +1,5 @@
 // The simulated S7-200: as the slave of the golden telegrams, and its link layer.
-#include "tools/sim/ppi_device.hpp"
+#include "tools/sim/device/ppi_device.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,8 +14,12 @@ namespace {
 
 using fieldcast::test::GoldenVector;
 
-Bytes said(PpiDevice& device, const Bytes& request) { return test::listen(*device.open_ear(), request).answer; }
-std::string asked(PpiDevice& device, std::string_view hex) { return to_hex(said(device, *from_hex(hex)), '\0'); }
+Bytes said(PpiDevice& device, const Bytes& request) {
+  return test::listen(*device.open_receiver(), request).answer;
+}
+std::string asked(PpiDevice& device, std::string_view hex) {
+  return to_hex(said(device, *from_hex(hex)), '\0');
+}
 
 // Gives the device the memory from which a read's answer must follow.
 void prepare(ItemMemory& memory, ByteView request, ByteView answer) {
@@ -30,22 +34,28 @@ void prepare(ItemMemory& memory, ByteView request, ByteView answer) {
     const std::size_t each = row->counted ? row->bits / 8 + 1 : row->bits / 8;
     for (std::size_t i = 0; i < size / each; ++i) {
       std::uint64_t value = 0;
-      for (std::size_t byte = row->counted ? 1 : 0; byte < each; ++byte) value = value << 8 | data[4 + i * each + byte];
+      for (std::size_t byte = row->counted ? 1 : 0; byte < each; ++byte)
+        value = value << 8 | data[4 + i * each + byte];
       if (request[item + 3] == 0x01) value <<= address % 8;
-      memory.write(area, (row->counted ? address : address / row->bits) + static_cast<std::uint32_t>(i), value);
+      memory.write(area,
+                   (row->counted ? address : address / row->bits) + static_cast<std::uint32_t>(i),
+                   value);
     }
     data = data.subspan(std::min(data.size(), 4 + size + size % 2));
   }
 }
 
-// Ours may leave a timer's status byte out of account: it is 0, where a running timer of a capture shows its own.
+// Ours may leave a timer's status byte out of account: it is 0, where a running timer of a capture
+// shows its own.
 TEST(PpiDeviceVectors, AnswersAsPrinted) {
   int seen = 0;
   for (const GoldenVector& vector : fieldcast::test::load_vectors("ppi")) {
-    if (vector.master.size() < 2 || vector.kind == "malformed" || vector.name == "read_t32_x3") continue;
+    if (vector.master.size() < 2 || vector.kind == "malformed" || vector.name == "read_t32_x3")
+      continue;
     SCOPED_TRACE(vector.name);
     PpiDevice device(test::device_setup(2));
-    if (vector.master[0][4 + 3 + 10] == 0x04) prepare(device.unit().memory(), vector.master[0], vector.slave[1]);
+    if (vector.master[0][4 + 3 + 10] == 0x04)
+      prepare(device.unit().memory(), vector.master[0], vector.slave[1]);
     for (std::size_t round = 0; round < vector.master.size(); ++round) {
       EXPECT_EQ(to_hex(said(device, vector.master[round])), to_hex(vector.slave[round])) << round;
     }
@@ -56,13 +66,17 @@ TEST(PpiDeviceVectors, AnswersAsPrinted) {
 
 TEST(PpiDeviceVectors, WritesLandInMemory) {
   std::map<std::string, Bytes> requests;
-  for (const GoldenVector& vector : fieldcast::test::load_vectors("ppi")) requests[vector.name] = vector.request;
+  for (const GoldenVector& vector : fieldcast::test::load_vectors("ppi"))
+    requests[vector.name] = vector.request;
   PpiDevice device(test::device_setup(2));
-  const auto item = [&](std::size_t area, std::uint32_t at) { return device.unit().memory().read(area, at, test::kBegin); };
+  const auto item = [&](std::size_t area, std::uint32_t at) {
+    return device.unit().memory().read(area, at, test::kBegin);
+  };
   EXPECT_EQ(to_hex(said(device, requests.at("write_qb0_ff"))), "E5");
   EXPECT_EQ(item(3, 0), 0xFFu);
   EXPECT_EQ(to_hex(said(device, requests.at("write_vb_multi_bytes"))), "E5");
-  EXPECT_EQ(item(0, 100) << 24 | item(0, 101) << 16 | item(0, 102) << 8 | item(0, 103), 0xDEADBEEFu);
+  EXPECT_EQ(item(0, 100) << 24 | item(0, 101) << 16 | item(0, 102) << 8 | item(0, 103),
+            0xDEADBEEFu);
   EXPECT_EQ(to_hex(said(device, requests.at("write_m0_1_on_padded"))), "E5");
   EXPECT_EQ(item(1, 0), 2u);
   EXPECT_EQ(to_hex(said(device, requests.at("write_protected"))), "E5");
@@ -72,7 +86,8 @@ TEST(PpiDeviceVectors, WritesLandInMemory) {
 TEST(PpiDeviceVectors, MalformedTelegramsGetSilence) {
   int seen = 0;
   for (const GoldenVector& vector : fieldcast::test::load_vectors("ppi")) {
-    if (vector.kind != "malformed" || vector.request.empty() || vector.name == "stale_reference") continue;
+    if (vector.kind != "malformed" || vector.request.empty() || vector.name == "stale_reference")
+      continue;
     SCOPED_TRACE(vector.name);
     PpiDevice device(test::device_setup(2));
     EXPECT_EQ(to_hex(said(device, vector.request)), vector.expect == "accept_tail" ? "E5" : "");
@@ -82,7 +97,8 @@ TEST(PpiDeviceVectors, MalformedTelegramsGetSilence) {
   EXPECT_GE(seen, 7);
 }
 
-constexpr std::string_view kReadVb0 = "681B1B6802006C320100000000000E00000401120A100200010001840000006816";
+constexpr std::string_view kReadVb0 =
+    "681B1B6802006C320100000000000E00000401120A100200010001840000006816";
 
 TEST(PpiDevice, APollBringsTheAnswerOnceAndTheSamePollItAgain) {
   PpiDevice device(test::device_setup(2));
@@ -102,9 +118,12 @@ TEST(PpiDevice, OthersGetSilenceAndTelegramsAreFoundInNoise) {
   EXPECT_EQ(asked(device, other), "");
   EXPECT_EQ(asked(device, "1003005C5F16"), "");
   EXPECT_EQ(asked(device, "00FF6868" + std::string(kReadVb0)), "E5");
-  const auto ear = device.open_ear();  // after a silence a cut telegram is forgotten
-  EXPECT_TRUE(test::listen(*ear, *from_hex("681B1B68")).answer.empty());
-  EXPECT_EQ(to_hex(test::listen(*ear, *from_hex(kReadVb0), test::kBegin + Duration{100'000'000}).answer), "E5");
+  const auto receiver = device.open_receiver();  // after a silence a cut telegram is forgotten
+  EXPECT_TRUE(test::listen(*receiver, *from_hex("681B1B68")).answer.empty());
+  EXPECT_EQ(
+      to_hex(test::listen(*receiver, *from_hex(kReadVb0), test::kBegin + Duration{100'000'000})
+                 .answer),
+      "E5");
 }
 
 TEST(PpiDevice, VariablesAreReadInTheNotationOfTheSiemensSoftware) {

@@ -33,7 +33,8 @@ TEST_F(PtyPortTest, CarriesBytesThroughItsLink) {
   ASSERT_TRUE(port) << port.error();
   const Fd user(::open(path().c_str(), O_RDWR | O_NOCTTY));
   ASSERT_TRUE(user);
-  const std::array<std::uint8_t, 4> sent{0x01, 0x0A, 0x0D, 0xFF};  // characters that a cooked terminal would change
+  const std::array<std::uint8_t, 4> sent{0x01, 0x0A, 0x0D,
+                                         0xFF};  // characters that a cooked terminal would change
   ASSERT_EQ(::write(user.get(), sent.data(), sent.size()), 4);
   pollfd ready{port->fd(), POLLIN, 0};
   ASSERT_EQ(::poll(&ready, 1, 5000), 1);

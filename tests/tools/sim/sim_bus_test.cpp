@@ -1,5 +1,5 @@
 // A whole simulated bus in virtual time.
-#include "tools/sim/sim_bus.hpp"
+#include "tools/sim/bus/sim_bus.hpp"
 
 #include <gtest/gtest.h>
 
@@ -176,7 +176,8 @@ TEST(SimBus, AMasterThatTalksIntoTheAnswerSpoilsIt) {
   master.line->receive(kRead2, master.now + 3ms);
   while (master.line->next_due() != kNever) master.line->advance(master.line->next_due(), answer);
   EXPECT_GT(master.bus->statistics().collisions, 0u);
-  EXPECT_NE(crc16_modbus(ByteView(answer).first(answer.size() - 2)), answer[answer.size() - 2] | answer.back() << 8);
+  EXPECT_NE(crc16_modbus(ByteView(answer).first(answer.size() - 2)),
+            answer[answer.size() - 2] | answer.back() << 8);
 }
 
 TEST(SimBus, PipelinedTcpRequestsAreAnsweredInOrder) {
@@ -211,7 +212,8 @@ TEST(SimBus, RandomBytesDoNoHarm) {
     std::mt19937_64 random(seed);
     for (int i = 0; i < 100; ++i) {
       Bytes noise(random() % 300);
-      for (std::uint8_t& byte : noise) byte = static_cast<std::uint8_t>(random() % 8 == 0 ? random() : random() % 4);
+      for (std::uint8_t& byte : noise)
+        byte = static_cast<std::uint8_t>(random() % 8 == 0 ? random() : random() % 4);
       [[maybe_unused]] const Bytes answer = master.ask(noise, 100ms);
     }
     EXPECT_EQ(master.ask(kRead1).size(), 25u);

@@ -1,5 +1,5 @@
 // The simulator's own encoding against the bridge's codec, which was written apart from it.
-#include "tools/sim/waveform.hpp"
+#include "tools/sim/device/waveform.hpp"
 
 #include <gtest/gtest.h>
 
@@ -17,22 +17,26 @@ Bytes image(const std::vector<std::uint16_t>& items) {
 double number(const Value& value) {
   return std::visit(
       [](const auto& v) -> double {
-        if constexpr (std::is_arithmetic_v<std::decay_t<decltype(v)>>) return static_cast<double>(v);
+        if constexpr (std::is_arithmetic_v<std::decay_t<decltype(v)>>)
+          return static_cast<double>(v);
         return 0;
       },
       value);
 }
 
 TEST(Waveform, EveryTypeAndOrderReadsBack) {
-  for (const auto type : {ValueType::kInt16, ValueType::kUint16, ValueType::kInt32, ValueType::kUint32, ValueType::kInt64,
-                          ValueType::kUint64, ValueType::kFloat32, ValueType::kFloat64, ValueType::kBcd16, ValueType::kBcd32}) {
+  for (const auto type :
+       {ValueType::kInt16, ValueType::kUint16, ValueType::kInt32, ValueType::kUint32,
+        ValueType::kInt64, ValueType::kUint64, ValueType::kFloat32, ValueType::kFloat64,
+        ValueType::kBcd16, ValueType::kBcd32}) {
     for (const auto words : {WordOrder::kBigEndian, WordOrder::kLittleEndian}) {
       for (const auto bytes : {ByteOrder::kBigEndian, ByteOrder::kLittleEndian}) {
         Encoding encoding;
         encoding.type = type;
         encoding.word_order = words;
         encoding.byte_order = bytes;
-        const bool is_signed = type == ValueType::kInt16 || type == ValueType::kInt32 || type == ValueType::kInt64;
+        const bool is_signed =
+            type == ValueType::kInt16 || type == ValueType::kInt32 || type == ValueType::kInt64;
         const double low = is_signed ? -30000 : 0, high = 9999;
         const Waveform wave{Shape::kRamp, low, high, std::chrono::seconds{10}, 0};
         for (int ms = 0; ms < 10000; ms += 37) {
@@ -77,7 +81,9 @@ TEST(Waveform, StaysInsideItsChannelsLimits) {
 TEST(Waveform, TheSameSeedIsTheSamePlant) {
   ChannelSpec channel;
   channel.name = "flow";
-  const auto at = [&](std::uint64_t seed) { return waveform_for(channel, seed).at(std::chrono::seconds{3}); };
+  const auto at = [&](std::uint64_t seed) {
+    return waveform_for(channel, seed).at(std::chrono::seconds{3});
+  };
   EXPECT_EQ(at(7), at(7));
   EXPECT_NE(at(7), at(8));
 }

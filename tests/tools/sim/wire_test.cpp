@@ -1,4 +1,4 @@
-#include "tools/sim/wire.hpp"
+#include "tools/sim/bus/wire.hpp"
 
 #include <gtest/gtest.h>
 
@@ -134,7 +134,8 @@ TEST(BitNoise, FlipsAsManyBitsAsItsRateSays) {
   std::size_t changed = 0;
   constexpr std::size_t kCharacters = 100'000;
   for (std::size_t i = 0; i < kCharacters; ++i) changed += noise.pass(0) != 0 ? 1 : 0;
-  EXPECT_NEAR(static_cast<double>(changed), kCharacters * 0.00996, 120.0);  // 1 - 0.999^10; four deviations
+  EXPECT_NEAR(static_cast<double>(changed), kCharacters * 0.00996,
+              120.0);  // 1 - 0.999^10; four deviations
   BitNoise none(0, 10, 42), all(1, 10, 42);
   EXPECT_EQ(none.pass(0x5A), 0x5A);
   for (int i = 0; i < 100; ++i) EXPECT_NE(none.garble(0x5A), 0x5A);

@@ -1,4 +1,5 @@
-// The answers of the simulated device, disturbed in every single way: the same value comes out, or none.
+// The answers of the simulated device, disturbed in every single way: the same value comes out, or
+// none.
 #include <numeric>
 
 #include "tools/sim/check/requests.hpp"
@@ -8,20 +9,24 @@ namespace fieldcast::sim {
 namespace {
 
 constexpr int kNoiseRounds = 200;
-constexpr std::size_t kMostFlipped = 160;  // characters of an answer in which every bit is flipped; beyond, one bit of each
+constexpr std::size_t kMostFlipped =
+    160;  // characters of an answer in which every bit is flipped; beyond, one bit of each
 
 class AnswerCheck {
  public:
-  AnswerCheck(const Subject& subject, CheckRows& rows) : subject_(subject), requests_(subject), live_(subject), rows_(rows) {}
+  AnswerCheck(const Subject& subject, CheckRows& rows)
+      : subject_(subject), requests_(subject), live_(subject), rows_(rows) {}
 
   void run() {
     const std::size_t first = rows_.size();
     for (const char* check : {"splits", "truncations", "flipped bits", "noise before"})
       rows_.push_back({.check = check, .where = "answers"});
-    splits_ = &rows_[first], cuts_ = &rows_[first + 1], flips_ = &rows_[first + 2], noise_ = &rows_[first + 3];
+    splits_ = &rows_[first], cuts_ = &rows_[first + 1], flips_ = &rows_[first + 2],
+    noise_ = &rows_[first + 3];
     for (const NamedRequest& example : requests_.examples()) disturb(example);
     if (!subject_.checked) {
-      flips_->note = "answers carry no check: " + std::to_string(unseen_) + " flipped bits pass unseen";
+      flips_->note =
+          "answers carry no check: " + std::to_string(unseen_) + " flipped bits pass unseen";
       noise_->note = "answers carry no check";
     }
   }
@@ -32,31 +37,40 @@ class AnswerCheck {
     const auto begin = [&] { return requests_.protocol().begin(example.request, {sequence}); };
     const RunOutcome clean = live_.run(begin());
     if (!clean.done && clean.cause != Cause::kDeviceError) {
-      splits_->fail(example.name + ": the undisturbed answer: " + clean.text(), to_hex(clean.answers.back()));
+      splits_->fail(example.name + ": the undisturbed answer: " + clean.text(),
+                    to_hex(clean.answers.back()));
       return;
     }
-    const auto run = [&](const std::vector<Bytes>& answers, const std::vector<std::size_t>& cuts = {}) {
+    const auto run = [&](const std::vector<Bytes>& answers,
+                         const std::vector<std::size_t>& cuts = {}) {
       return replay(begin(), subject_.line(), answers, cuts);
     };
-    const auto judge = [&](CheckRow& row, const RunOutcome& outcome, bool right, const std::string& what, const Bytes& frame) {
+    const auto judge = [&](CheckRow& row, const RunOutcome& outcome, bool right,
+                           const std::string& what, const Bytes& frame) {
       right ? row.pass()
-            : row.fail(example.name + ", " + what + ": " + outcome.text() + "; undisturbed: " + clean.text(), to_hex(frame));
+            : row.fail(example.name + ", " + what + ": " + outcome.text() +
+                           "; undisturbed: " + clean.text(),
+                       to_hex(frame));
     };
     for (std::size_t round = 0; round < clean.answers.size(); ++round) {
       const Bytes& answer = clean.answers[round];
-      const std::string in_round = clean.answers.size() > 1 ? " of answer " + std::to_string(round + 1) : "";
+      const std::string in_round =
+          clean.answers.size() > 1 ? " of answer " + std::to_string(round + 1) : "";
       for (std::size_t cut = 0; cut < answer.size(); ++cut) {
         std::vector<std::size_t> cuts{cut};
-        if (cut == 0) cuts.resize(answer.size()), std::iota(cuts.begin(), cuts.end(), 1);  // byte by byte
+        if (cut == 0)
+          cuts.resize(answer.size()), std::iota(cuts.begin(), cuts.end(), 1);  // byte by byte
         const RunOutcome outcome = run(clean.answers, cuts);
-        judge(*splits_, outcome, outcome.same_as(clean), "split at " + std::to_string(cut) + in_round, answer);
+        judge(*splits_, outcome, outcome.same_as(clean),
+              "split at " + std::to_string(cut) + in_round, answer);
       }
       for (std::size_t size = 0; size < answer.size(); ++size) {
         auto answers = clean.answers;
         answers.resize(round + 1);
         answers[round].resize(size);
         const RunOutcome outcome = run(answers);
-        judge(*cuts_, outcome, !outcome.says_something(), "cut to " + std::to_string(size) + in_round, answers[round]);
+        judge(*cuts_, outcome, !outcome.says_something(),
+              "cut to " + std::to_string(size) + in_round, answers[round]);
       }
       for (std::size_t bit = 0; bit<answer.size() * 8; bit += answer.size()> kMostFlipped ? 9 : 1) {
         auto answers = clean.answers;
@@ -65,7 +79,9 @@ class AnswerCheck {
         const bool right = !outcome.says_something() || outcome.same_as(clean);
         unseen_ += right ? 0 : 1;
         judge(*flips_, outcome, right || !subject_.checked,
-              "bit " + std::to_string(bit % 8) + " of byte " + std::to_string(bit / 8) + in_round + " flipped", answers[round]);
+              "bit " + std::to_string(bit % 8) + " of byte " + std::to_string(bit / 8) + in_round +
+                  " flipped",
+              answers[round]);
       }
     }
     for (int round = 0; round < kNoiseRounds; ++round) {
@@ -74,8 +90,9 @@ class AnswerCheck {
       for (std::uint8_t& byte : noise) byte = static_cast<std::uint8_t>(random_());
       answers.front().insert(answers.front().begin(), noise.begin(), noise.end());
       const RunOutcome outcome = run(answers);
-      judge(*noise_, outcome, !outcome.says_something() || outcome.same_as(clean) || !subject_.checked, "behind " + to_hex(noise),
-            answers.front());
+      judge(*noise_, outcome,
+            !outcome.says_something() || outcome.same_as(clean) || !subject_.checked,
+            "behind " + to_hex(noise), answers.front());
     }
   }
 

@@ -1,4 +1,5 @@
-// The whole engine against two devices of which one answers late, again and again: no channel ever shows another's value.
+// The whole engine against two devices of which one answers late, again and again: no channel ever
+// shows another's value.
 #include <stdexcept>
 
 #include "core/bus/bus_engine.hpp"
@@ -17,7 +18,8 @@ constexpr std::size_t kMostChannels = 12;
 // A bus engine, a plant and the samples between them, in virtual time.
 class LateBus {
  public:
-  LateBus(const Subject& subject, CheckRow& row) : requests_(subject), row_(row), spec_(bus_of(subject)) {
+  LateBus(const Subject& subject, CheckRow& row)
+      : requests_(subject), row_(row), spec_(bus_of(subject)) {
     BusFaults faults;
     DeviceFaults& own = faults.devices[spec_.devices[0].name];
     own.late_probability = 0.2;
@@ -35,7 +37,8 @@ class LateBus {
 
     while (now_ < Instant{} + kRun) {
       const Instant next = std::min(timer_, line_->next_due());
-      if (next == kNever) return row_.fail("the bus stands still from " + to_text(now_ - Instant{}), "");
+      if (next == kNever)
+        return row_.fail("the bus stands still from " + to_text(now_ - Instant{}), "");
       now_ = std::max(now_, next);
       Bytes heard;
       line_->advance(now_, heard);
@@ -53,7 +56,9 @@ class LateBus {
     BusSpec bus;
     bus.name = "check";
     bus.port = subject.port;
-    for (const Subject& each : {subject, subject.neighbour()}) {
+    std::vector<Subject> members{subject};
+    if (const auto neighbour = subject.neighbour()) members.push_back(*neighbour);
+    for (const Subject& each : members) {
       bus.devices.push_back(each.device);
       bus.devices.back().name += std::to_string(bus.devices.size());
       bus.devices.back().timeout = 100ms;
@@ -63,30 +68,45 @@ class LateBus {
     return bus;
   }
 
-  // One item of each area, read by itself; each holds a number of its own.
+  // As wide as the slot: a bool, a number or a text.
+  static Encoding encoding_of(const Slot& slot) {
+    Encoding encoding{ValueType::kBool};
+    if (slot.text_bytes != 0) {
+      encoding.type = ValueType::kString;
+      encoding.string_bytes = slot.text_bytes;
+      return encoding;
+    }
+    switch (slot.item_bits * slot.range.count) {
+      case 8: encoding.type = ValueType::kUint8; break;
+      case 16: encoding.type = ValueType::kUint16; break;
+      case 32: encoding.type = ValueType::kUint32; break;
+      case 64: encoding.type = ValueType::kUint64; break;
+      default: break;
+    }
+    return encoding;
+  }
+
+  // One item of each area, or one value of a record, read by itself; each holds a number or a text
+  // of its own.
   void add_channels(std::size_t device) {
     DeviceSpec& spec = spec_.devices[device];
-    for (std::size_t i = 0; i < requests_.protocol().areas().size() && spec.channels.size() < kMostChannels; ++i) {
+    for (std::size_t i = 0;
+         i < requests_.protocol().areas().size() && spec.channels.size() < kMostChannels; ++i) {
       const auto area = static_cast<AreaIndex>(i);
       const Area& shape = requests_.protocol().areas()[i];
       auto slots = requests_.places(area);
       if (slots.empty()) slots = requests_.slots(area, 1);
       for (const Slot& slot : slots) {
-        if (slot.range.count != 1) continue;
-        Slot whole = slot;
-        const Bytes image = Requests::contents(whole, random_);
+        const Bytes image = Requests::contents(slot, random_);
         if (!Requests::poke(*plant_->members()[device].device, shape.name, slot, image)) continue;
         ChannelSpec channel;
         channel.name = "c" + std::to_string(spec.channels.size());
         channel.range = slot.range;
-        channel.encoding.type = ValueType::kBool;
-        if (shape.item_bits == 16) channel.encoding.type = ValueType::kUint16;
-        if (shape.item_bits == 32) channel.encoding.type = ValueType::kUint32;
-        if (shape.item_bits == 64) channel.encoding.type = ValueType::kUint64;
-        if (shape.item_bits == 8) channel.encoding.bit = 0;
+        channel.encoding = encoding_of(slot);
         channel.refresh = 500ms;
         spec.channels.push_back(channel);
-        expected_.push_back(decode_value(channel.encoding, shape.item_bits, image).value_or(Value{false}));
+        expected_.push_back(
+            decode_value(channel.encoding, shape.item_bits, image).value_or(Value{false}));
       }
     }
   }
@@ -112,7 +132,8 @@ class LateBus {
   void judge(const Sample& sample) {
     if (sample.quality != Quality::kGood) return;
     if (sample.value == expected_[sample.channel]) return row_.pass();
-    row_.fail("channel " + std::to_string(sample.channel) + " shows a value that is not its own at " + to_text(now_ - Instant{}),
+    row_.fail("channel " + std::to_string(sample.channel) +
+                  " shows a value that is not its own at " + to_text(now_ - Instant{}),
               "");
   }
 

@@ -1,4 +1,5 @@
-// What a device says when it will not, what is taken for an answer when it says nothing, and when another one says it.
+// What a device says when it will not, what is taken for an answer when it says nothing, and when
+// another one says it.
 #include <algorithm>
 
 #include "tools/sim/check/requests.hpp"
@@ -18,21 +19,25 @@ std::string frames(const std::vector<Bytes>& all) {
 // Every area in turn refuses everything.
 void refusals(const Subject& subject, const Requests& requests, CheckRows& rows) {
   CheckRow row{.check = "device errors", .where = "refusals"};
-  const bool silent = subject.device.declaration && subject.device.declaration.value->refusal.fields.empty();
+  const bool silent =
+      subject.device.declaration && subject.device.declaration.value->refusal.fields.empty();
   if (silent) row.note = "no error frame is declared: the device stays silent";
   std::uint16_t sequence = 0;
   for (const NamedRequest& example : requests.examples()) {
     BusFaults faults;
     for (const Area& area : requests.protocol().areas()) {
-      faults.devices[subject.device.name].refused.push_back({std::string(area.name), 0, area.items - 1, kCode});
+      faults.devices[subject.device.name].refused.push_back(
+          {std::string(area.name), 0, area.items - 1, kCode});
     }
     LiveDevice live(subject, faults);
     const RunOutcome outcome = live.run(requests.protocol().begin(example.request, {++sequence}));
     // Of several ranges each has its own code, or all have one.
-    const bool each = outcome.done && std::ranges::all_of(outcome.reply, [](const RangeReply& range) {
-                        return range.cause == Cause::kDeviceError;
-                      });
-    const bool refused = each || outcome.cause == Cause::kDeviceError || outcome.cause == Cause::kDeviceBusy;
+    const bool each =
+        outcome.done && std::ranges::all_of(outcome.reply, [](const RangeReply& range) {
+          return range.cause == Cause::kDeviceError;
+        });
+    const bool refused =
+        each || outcome.cause == Cause::kDeviceError || outcome.cause == Cause::kDeviceBusy;
     (silent ? outcome.cause == Cause::kNoAnswer : refused)
         ? row.pass()
         : row.fail(example.name + ": " + outcome.text(), frames(outcome.answers));
@@ -48,33 +53,43 @@ void silence(const Subject& subject, const Requests& requests, CheckRows& rows) 
   std::uint16_t sequence = 0;
   for (const NamedRequest& example : requests.examples()) {
     const RunOutcome outcome = live.run(requests.protocol().begin(example.request, {++sequence}));
-    outcome.cause == Cause::kNoAnswer && !outcome.done ? row.pass()
-                                                       : row.fail(example.name + ": " + outcome.text(), frames(outcome.sent));
+    outcome.cause == Cause::kNoAnswer && !outcome.done
+        ? row.pass()
+        : row.fail(example.name + ": " + outcome.text(), frames(outcome.sent));
   }
   rows.push_back(std::move(row));
 }
 
-// A neighbour's answer to the same request; and, where a sequence tells, the answer to the request before.
+// A neighbour's answer to the same request; and, where a sequence tells, the answer to the request
+// before.
 void strangers(const Subject& subject, const Requests& requests, CheckRows& rows) {
   CheckRow row{.check = "wrong station", .where = "answers"};
   CheckRow old{.check = "late answer", .where = "of the request before"};
   const AnswerIdentity identity = requests.protocol().traits().identity;
   if (identity == AnswerIdentity::kNone)
     row.note = "answers carry no address: the engine lets the line fall silent (see late answer)";
-  if (identity != AnswerIdentity::kSequence) old.note = "answers carry no sequence: the engine keeps requests apart";
-  const Subject neighbour = subject.neighbour();
-  const auto other = neighbour.protocol();
-  LiveDevice there(neighbour), here(subject);
+  if (identity != AnswerIdentity::kSequence)
+    old.note = "answers carry no sequence: the engine keeps requests apart";
+  const std::optional<Subject> neighbour = subject.neighbour();
+  if (!neighbour) row.note = "one address: there is no other station";
+  const Subject& other_one = neighbour ? *neighbour : subject;
+  const auto other = other_one.protocol();
+  LiveDevice there(other_one), here(subject);
   std::uint16_t sequence = 0;
   for (const NamedRequest& example : requests.examples()) {
     ++sequence;
     const auto tell = [&](CheckRow& into, const RunOutcome& answered) {
-      const RunOutcome outcome = replay(requests.protocol().begin(example.request, {sequence}), subject.line(), answered.answers);
-      outcome.says_something() ? into.fail(example.name + ": " + outcome.text(), frames(answered.answers)) : into.pass();
+      const RunOutcome outcome = replay(requests.protocol().begin(example.request, {sequence}),
+                                        subject.line(), answered.answers);
+      outcome.says_something()
+          ? into.fail(example.name + ": " + outcome.text(), frames(answered.answers))
+          : into.pass();
     };
-    if (identity != AnswerIdentity::kNone) tell(row, there.run(other->begin(example.request, {sequence})));
+    if (identity != AnswerIdentity::kNone && neighbour)
+      tell(row, there.run(other->begin(example.request, {sequence})));
     if (identity == AnswerIdentity::kSequence) {
-      tell(old, here.run(requests.protocol().begin(example.request, {static_cast<std::uint16_t>(sequence + 1)})));
+      tell(old, here.run(requests.protocol().begin(example.request,
+                                                   {static_cast<std::uint16_t>(sequence + 1)})));
     }
   }
   rows.push_back(std::move(row));

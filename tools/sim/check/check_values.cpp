@@ -18,6 +18,9 @@ std::vector<TypedValues> all_types() {
   const auto u = [](std::uint64_t value) { return Value{value}; };
   std::vector<TypedValues> plain{
       {{.type = ValueType::kBool}, {Value{true}, Value{false}}},
+      {{.type = ValueType::kInt8}, {i(-128), i(-2), i(0), i(127)}},
+      {{.type = ValueType::kUint8}, {u(0), u(0x12), u(255)}},
+      {{.type = ValueType::kBcd8}, {u(0), u(12), u(99)}},
       {{.type = ValueType::kInt16}, {i(-32768), i(-2), i(0), i(32767)}},
       {{.type = ValueType::kUint16}, {u(0), u(0x1234), u(65535)}},
       {{.type = ValueType::kInt32}, {i(-2147483648LL), i(-2), i(0x12345678)}},
@@ -28,7 +31,23 @@ std::vector<TypedValues> all_types() {
       {{.type = ValueType::kFloat64}, {Value{0.0}, Value{-1e100}, Value{0.1}}},
       {{.type = ValueType::kBcd16}, {u(0), u(1234), u(9999)}},
       {{.type = ValueType::kBcd32}, {u(0), u(12345678), u(99999999)}},
-      {{.type = ValueType::kString, .string_bytes = 5}, {Value{std::string("LOT-1")}, Value{std::string("ab")}}},
+      {{.type = ValueType::kString, .string_bytes = 5},
+       {Value{std::string("LOT-1")}, Value{std::string("ab")}}},
+      {{.type = ValueType::kFloat64,
+        .string_bytes = 7,
+        .text_number = {.kind = TextNumber::Kind::kDecimal,
+                        .decimals = 2,
+                        .leading_zeros = true,
+                        .plus = true}},
+       {Value{25.0}, Value{-0.25}, Value{999.99}}},
+      {{.type = ValueType::kInt32,
+        .string_bytes = 8,
+        .text_number = {.kind = TextNumber::Kind::kDecimalComma}},
+       {i(0), i(-1234567), i(12345678)}},
+      {{.type = ValueType::kInt16,
+        .string_bytes = 4,
+        .text_number = {.kind = TextNumber::Kind::kHex}},
+       {i(-2), i(0x1234)}},
   };
   std::vector<TypedValues> all;
   for (const TypedValues& each : plain) {
@@ -36,7 +55,7 @@ std::vector<TypedValues> all_types() {
     if (width_bits(each.encoding) < 16) continue;
     all.push_back(each);
     all.back().encoding.byte_order = ByteOrder::kLittleEndian;
-    if (width_bits(each.encoding) < 32 || each.encoding.type == ValueType::kString) continue;
+    if (width_bits(each.encoding) < 32 || each.encoding.is_text()) continue;
     all.push_back(each);
     all.back().encoding.word_order = WordOrder::kLittleEndian;
   }
@@ -45,7 +64,8 @@ std::vector<TypedValues> all_types() {
 
 class ValueCheck {
  public:
-  ValueCheck(const Subject& subject, CheckRows& rows) : requests_(subject), live_(subject), rows_(rows) {}
+  ValueCheck(const Subject& subject, CheckRows& rows)
+      : requests_(subject), live_(subject), rows_(rows) {}
 
   void run() {
     const auto types = all_types();
@@ -64,6 +84,7 @@ class ValueCheck {
         if (const auto range = requests_.largest_read(area)) raw({*range, bits(area)});
         if (const auto range = requests_.largest_write(area)) raw({*range, bits(area)});
         bit(area);
+        byte(area);
       }
       if (rows_[write_].tried == 0) rows_[write_].note = "read-only";
     }
@@ -73,7 +94,9 @@ class ValueCheck {
  private:
   std::string name(AreaIndex area) const { return std::string(requests_.area_name(area)); }
   unsigned bits(AreaIndex area) const { return requests_.protocol().areas()[area].item_bits; }
-  RunOutcome ask(const Request& request) { return live_.run(requests_.protocol().begin(request, {++sequence_})); }
+  RunOutcome ask(const Request& request) {
+    return live_.run(requests_.protocol().begin(request, {++sequence_}));
+  }
   static std::string frames(const RunOutcome& outcome) {
     std::string text;
     for (const Bytes& sent : outcome.sent) text += (text.empty() ? "" : " | ") + to_hex(sent);
@@ -88,7 +111,9 @@ class ValueCheck {
       for (const Value& value : type.values) {
         const auto image = encode_value(type.encoding, bits(area), value);
         if (!image) continue;
-        const auto judge = [&](ByteView items) { return decode_value(type.encoding, bits(area), items) == value; };
+        const auto judge = [&](ByteView items) {
+          return decode_value(type.encoding, bits(area), items) == value;
+        };
         read(slot, *image, judge, std::string(to_text(type.encoding.type)));
         write(slot, *image, std::string(to_text(type.encoding.type)));
       }
@@ -111,12 +136,12 @@ class ValueCheck {
       return;
     }
     const RunOutcome outcome = ask(request);
-    const bool right =
-        outcome.done && outcome.reply.size() == 1 && outcome.reply[0].cause == Cause::kNone && judge(outcome.reply[0].items);
+    const bool right = outcome.done && outcome.reply.size() == 1 &&
+                       outcome.reply[0].cause == Cause::kNone && judge(outcome.reply[0].items);
     right ? rows_[read_].pass()
-          : rows_[read_].fail(
-                what + " from " + std::to_string(slot.range.first) + ", held " + to_hex(image) + ": " + outcome.text(),
-                frames(outcome));
+          : rows_[read_].fail(what + " from " + std::to_string(slot.range.first) + ", held " +
+                                  to_hex(image) + ": " + outcome.text(),
+                              frames(outcome));
   }
 
   // By the device's own account, and by reading it back.
@@ -127,9 +152,10 @@ class ValueCheck {
     if (!requests_.allows(whole)) {  // item by item, where no more goes
       writes.clear();
       for (std::uint32_t i = 0; i < slot.range.count; ++i) {
-        writes.push_back({.range = {slot.range.area, slot.range.first + i, 1},
-                          .items = Bytes(image.begin() + static_cast<std::ptrdiff_t>(i * each),
-                                         image.begin() + static_cast<std::ptrdiff_t>((i + 1) * each))});
+        writes.push_back(
+            {.range = {slot.range.area, slot.range.first + i, 1},
+             .items = Bytes(image.begin() + static_cast<std::ptrdiff_t>(i * each),
+                            image.begin() + static_cast<std::ptrdiff_t>((i + 1) * each))});
       }
       if (slot.value_bits != 0 || writes.empty() || !requests_.allows(writes[0])) return;
     }
@@ -140,15 +166,20 @@ class ValueCheck {
         return;
       }
       if (!outcome.done)
-        return rows_[write_].fail(what + " to " + std::to_string(slot.range.first) + ": " + outcome.text(), frames(outcome));
+        return rows_[write_].fail(
+            what + " to " + std::to_string(slot.range.first) + ": " + outcome.text(),
+            frames(outcome));
     }
     const auto held = Requests::peek(live_.device(), name(slot.range.area), slot, live_.now());
     const RunOutcome back = ask(ReadRequest{{slot.range}});
-    const bool right = held == image && back.done && back.reply.size() == 1 && back.reply[0].items == image;
-    right ? rows_[write_].pass()
-          : rows_[write_].fail(what + " to " + std::to_string(slot.range.first) + " of " + to_hex(image) + ": the device holds " +
-                                   (held ? to_hex(*held) : "nothing") + ", read back " + back.text(),
-                               frames(back));
+    const bool right =
+        held == image && back.done && back.reply.size() == 1 && back.reply[0].items == image;
+    right
+        ? rows_[write_].pass()
+        : rows_[write_].fail(what + " to " + std::to_string(slot.range.first) + " of " +
+                                 to_hex(image) + ": the device holds " +
+                                 (held ? to_hex(*held) : "nothing") + ", read back " + back.text(),
+                             frames(back));
   }
 
   // One bit of an item, without touching the others.
@@ -160,20 +191,48 @@ class ValueCheck {
       for (const bool on : {true, false}) {
         Bytes image = Requests::contents(slot, random_);
         if (!Requests::poke(live_.device(), name(area), slot, image)) return;
-        WriteRequest request{
-            .range = slot.range, .items = Bytes(image.size(), on ? 0xFF : 0x00), .bit = static_cast<std::uint8_t>(at)};
+        WriteRequest request{.range = slot.range,
+                             .items = Bytes(image.size(), on ? 0xFF : 0x00),
+                             .bit = static_cast<std::uint8_t>(at)};
         if (!requests_.allows(request)) return;
-        if (requests_.protocol().areas()[area].window) {  // the protocol keeps what it wrote: begin from there
+        if (requests_.protocol()
+                .areas()[area]
+                .window) {  // the protocol keeps what it wrote: begin from there
           if (!ask(WriteRequest{.range = slot.range, .items = image}).done) return;
         }
         const RunOutcome outcome = ask(request);
         merge_bit(image, at, on);
         const auto held = Requests::peek(live_.device(), name(area), slot, live_.now());
-        outcome.done&& held == image ? rows_[write_].pass()
-                                     : rows_[write_].fail("bit " + std::to_string(at) + ": " + outcome.text() +
-                                                              ", the device holds " + (held ? to_hex(*held) : "nothing"),
-                                                          frames(outcome));
+        outcome.done&& held == image
+            ? rows_[write_].pass()
+            : rows_[write_].fail("bit " + std::to_string(at) + ": " + outcome.text() +
+                                     ", the device holds " + (held ? to_hex(*held) : "nothing"),
+                                 frames(outcome));
       }
+    }
+  }
+
+  // One byte of an item, without touching the others.
+  void byte(AreaIndex area) {
+    const Area& row = requests_.protocol().areas()[area];
+    if (!row.byte_write) return;
+    const Slot slot{{area, row.items - 1, 1}, row.item_bits};
+    for (unsigned at = 0; at < row.item_bits; at += 8) {
+      Bytes image = Requests::contents(slot, random_);
+      if (!Requests::poke(live_.device(), name(area), slot, image)) return;
+      const auto own = static_cast<std::uint8_t>(random_());
+      WriteRequest request{.range = slot.range,
+                           .items = Bytes(image.size(), own),
+                           .bit = static_cast<std::uint8_t>(at),
+                           .bits = 8};
+      const RunOutcome outcome = ask(request);
+      image[image.size() - 1 - at / 8] = own;
+      const auto held = Requests::peek(live_.device(), name(area), slot, live_.now());
+      outcome.done&& held == image
+          ? rows_[write_].pass()
+          : rows_[write_].fail("byte " + std::to_string(at / 8) + ": " + outcome.text() +
+                                   ", the device holds " + (held ? to_hex(*held) : "nothing"),
+                               frames(outcome));
     }
   }
 
@@ -189,17 +248,22 @@ class ValueCheck {
       for (unsigned i = 0; i < std::min(most, 12u); ++i) {
         const auto area = static_cast<AreaIndex>(random_() % requests_.protocol().areas().size());
         const Area& shape = requests_.protocol().areas()[area];
-        const Slot slot{{area, static_cast<std::uint32_t>(random_() % shape.items), 1}, shape.item_bits};
+        const Slot slot{{area, static_cast<std::uint32_t>(random_() % shape.items), 1},
+                        shape.item_bits};
         const bool twice = std::ranges::find(request.ranges, slot.range) != request.ranges.end();
         request.ranges.push_back(slot.range);
         const Bytes image = Requests::contents(slot, random_);
-        const bool there = !twice && requests_.allows(request) && Requests::poke(live_.device(), name(area), slot, image);
+        const bool there = !twice && requests_.allows(request) &&
+                           Requests::poke(live_.device(), name(area), slot, image);
         there ? expected.push_back(image) : request.ranges.pop_back();
       }
       const RunOutcome outcome = ask(request);
       bool right = outcome.done && outcome.reply.size() == expected.size();
-      for (std::size_t i = 0; right && i < expected.size(); ++i) right = outcome.reply[i].items == expected[i];
-      right ? row.pass() : row.fail(std::to_string(expected.size()) + " ranges: " + outcome.text(), frames(outcome));
+      for (std::size_t i = 0; right && i < expected.size(); ++i)
+        right = outcome.reply[i].items == expected[i];
+      right ? row.pass()
+            : row.fail(std::to_string(expected.size()) + " ranges: " + outcome.text(),
+                       frames(outcome));
     }
   }
 

@@ -10,11 +10,44 @@ Requests::Requests(const Subject& subject) : subject_(subject), protocol_(subjec
   if (!protocol_) throw std::runtime_error("no protocol " + subject.device.protocol);
 }
 
+namespace {
+
+// What the field that brings a place says of it.
+void describe(const declared::Frame& frame, Slot& slot) {
+  for (std::size_t i = 0; i < frame.fields.size(); ++i) {
+    const declared::Field& field = frame.fields[i];
+    if (field.kind != declared::FieldKind::kValue || field.place != slot.range.first) continue;
+    slot.text_bytes = field.text_size;
+    if (field.text_size == 0) slot.largest = declared::largest(field.word);
+    if (!field.variable || i + 1 == frame.fields.size()) continue;
+    const declared::Field& next = frame.fields[i + 1];
+    slot.end_of_text = next.text.empty() ? static_cast<std::uint8_t>(next.number)
+                                         : static_cast<std::uint8_t>(next.text[0]);
+  }
+}
+
+// Letters, none of which ends the text; an odd text leaves its last byte empty.
+Bytes text_contents(const Slot& slot, std::mt19937& random) {
+  Bytes image(image_bytes(slot.item_bits, slot.range.count));
+  for (std::size_t i = 0; i < std::min<std::size_t>(slot.text_bytes, image.size()); ++i) {
+    do image[i] = static_cast<std::uint8_t>('A' + random() % 26);
+    while (image[i] == slot.end_of_text);
+  }
+  return image;
+}
+
+}  // namespace
+
 std::vector<Slot> Requests::places(AreaIndex area) const {
   std::vector<Slot> slots;
   if (!subject_.device.declaration) return slots;
-  for (const declared::Place& place : subject_.device.declaration.value->areas[area].places) {
-    slots.push_back({{area, place.first, place.items}, 16, place.bits});
+  const declared::Declaration& declaration = *subject_.device.declaration.value;
+  for (const declared::Place& place : declaration.areas[area].places) {
+    Slot slot{{area, place.first, place.items}, 16, place.bits, place.is_signed};
+    for (const declared::Operation& operation : declaration.operations) {
+      if (operation.area == area && !operation.write) describe(operation.answer, slot);
+    }
+    slots.push_back(slot);
   }
   return slots;
 }
@@ -26,7 +59,8 @@ std::vector<Slot> Requests::slots(AreaIndex area, std::uint32_t count) const {
   std::set<std::uint32_t> firsts{0, row.items / 2, row.items - count};
   for (const std::uint32_t first : firsts) {
     const Range range{area, first, count};
-    if (first + count <= row.items && allows(ReadRequest{{range}})) slots.push_back({range, row.item_bits});
+    if (first + count <= row.items && allows(ReadRequest{{range}}))
+      slots.push_back({range, row.item_bits});
   }
   return slots;
 }
@@ -41,9 +75,11 @@ std::optional<Range> Requests::largest_read(AreaIndex area) const {
 
 std::optional<Range> Requests::largest_write(AreaIndex area) const {
   const Area& row = protocol_->areas()[area];
-  for (std::uint32_t count = std::min<std::uint32_t>(row.max_write, row.items); row.writable && count > 0; --count) {
+  for (std::uint32_t count = std::min<std::uint32_t>(row.max_write, row.items);
+       row.writable && count > 0; --count) {
     const Range range{area, row.items - count, count};
-    if (allows(WriteRequest{.range = range, .items = Bytes(image_bytes(row.item_bits, count))})) return range;
+    if (allows(WriteRequest{.range = range, .items = Bytes(image_bytes(row.item_bits, count))}))
+      return range;
   }
   return std::nullopt;
 }
@@ -51,7 +87,8 @@ std::optional<Range> Requests::largest_write(AreaIndex area) const {
 std::vector<NamedRequest> Requests::examples() const {
   std::vector<NamedRequest> all;
   ReadRequest list;
-  std::set<unsigned> large;  // widths of items of which the largest read is there: one of each is enough
+  std::set<unsigned>
+      large;  // widths of items of which the largest read is there: one of each is enough
   const auto add = [&](const std::string& name, Request request) {
     if (allows(request)) all.push_back({name, std::move(request)});
   };
@@ -63,34 +100,47 @@ std::vector<NamedRequest> Requests::examples() const {
     if (tried.empty()) tried = {{{area, 0, std::min<std::uint32_t>(3, row.items)}, row.item_bits}};
     for (const Slot& slot : tried) {
       add("read " + name, ReadRequest{{slot.range}});
-      WriteRequest write{.range = slot.range, .items = Bytes(image_bytes(slot.item_bits, slot.range.count))};
+      WriteRequest write{.range = slot.range,
+                         .items = Bytes(image_bytes(slot.item_bits, slot.range.count))};
       write.items.back() = 1;
       if (!allows(write)) write.range.count = 1, write.items.resize(image_bytes(slot.item_bits, 1));
       add("write " + name, write);
-      if (protocol_->traits().write_read) add("write and read " + name, WriteReadRequest{write, write.range});
+      if (protocol_->traits().write_read)
+        add("write and read " + name, WriteReadRequest{write, write.range});
       if (row.bit_write && row.item_bits > 1) {
-        WriteRequest bit{.range = {area, slot.range.first, 1}, .items = Bytes(image_bytes(row.item_bits, 1), 0xFF), .bit = 3};
+        WriteRequest bit{.range = {area, slot.range.first, 1},
+                         .items = Bytes(image_bytes(row.item_bits, 1), 0xFF),
+                         .bit = 3};
         add("write a bit of " + name, bit);
       }
     }
-    if (const auto range = largest_read(area); range && range->count > 3 && large.insert(row.item_bits).second) {
+    if (const auto range = largest_read(area);
+        range && range->count > 3 && large.insert(row.item_bits).second) {
       add("read " + name + ", most", ReadRequest{{*range}});
     }
     list.ranges.push_back({area, 0, 1});
     list.ranges.push_back({area, row.items - 1, 1});
     if (!allows(list)) list.ranges.resize(list.ranges.size() - 2);
   }
-  if (protocol_->traits().max_ranges > 1 && list.ranges.size() > 1) add("read a list of all areas", list);
+  if (protocol_->traits().max_ranges > 1 && list.ranges.size() > 1)
+    add("read a list of all areas", list);
   return all;
 }
 
 Bytes Requests::contents(const Slot& slot, std::mt19937& random) {
+  if (slot.text_bytes != 0) return text_contents(slot, random);
   Bytes image(image_bytes(slot.item_bits, slot.range.count));
-  for (std::uint8_t& byte : image) byte = static_cast<std::uint8_t>(slot.item_bits == 1 ? random() % 2 : random());
+  for (std::uint8_t& byte : image)
+    byte = static_cast<std::uint8_t>(slot.item_bits == 1 ? random() % 2 : random());
   if (slot.value_bits == 0) return image;
-  for (std::size_t bit = slot.value_bits; bit < image.size() * 8; ++bit) {
-    image[image.size() - 1 - bit / 8] &= static_cast<std::uint8_t>(~(1u << bit % 8));
-  }
+  std::uint64_t number = 0;
+  for (const std::uint8_t byte : image) number = number << 8 | byte;
+  number &= UINT64_MAX >> (64 - slot.value_bits);
+  if (number > slot.largest) number %= slot.largest + 1;
+  const bool negative = slot.is_signed && (number >> (slot.value_bits - 1) & 1u) != 0;
+  if (negative && slot.value_bits < 64) number |= UINT64_MAX << slot.value_bits;
+  for (std::size_t i = image.size(); i-- > 0; number >>= 8)
+    image[i] = static_cast<std::uint8_t>(number);
   return image;
 }
 
@@ -104,13 +154,15 @@ bool Requests::poke(SimDevice& device, std::string_view area, const Slot& slot, 
   return true;
 }
 
-std::optional<Bytes> Requests::peek(SimDevice& device, std::string_view area, const Slot& slot, Instant now) {
+std::optional<Bytes> Requests::peek(SimDevice& device, std::string_view area, const Slot& slot,
+                                    Instant now) {
   Bytes image;
   const std::size_t each = image_bytes(slot.item_bits, 1);
   for (std::uint32_t i = 0; i < slot.range.count; ++i) {
     const auto item = device.peek(area, slot.range.first + i, now);
     if (!item) return std::nullopt;
-    for (std::size_t byte = each; byte-- > 0;) image.push_back(static_cast<std::uint8_t>(*item >> 8 * byte));
+    for (std::size_t byte = each; byte-- > 0;)
+      image.push_back(static_cast<std::uint8_t>(*item >> 8 * byte));
   }
   return image;
 }

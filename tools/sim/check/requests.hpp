@@ -1,4 +1,5 @@
-// Requests that show what a protocol can do: for every area small and large reads and writes, for records their places.
+// Requests that show what a protocol can do: for every area small and large reads and writes, for
+// records their places.
 #pragma once
 
 #include <optional>
@@ -6,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/sim/check/conversation_run.hpp"
+#include "tools/sim/check/exchange_run.hpp"
 
 namespace fieldcast::sim {
 
@@ -14,7 +15,14 @@ namespace fieldcast::sim {
 struct Slot {
   Range range;
   unsigned item_bits = 16;
-  unsigned value_bits = 0;  // of all items together, right-aligned; 0: all that they have (a record's places have fewer)
+  // Of a record's place: bits of all items together, right-aligned (0: all that they have), which
+  // a sign may fill; the largest number that its digits can say; or the bytes of a text, and a
+  // character that ends it.
+  unsigned value_bits = 0;
+  bool is_signed = false;
+  std::uint64_t largest = UINT64_MAX;
+  std::uint16_t text_bytes = 0;
+  std::uint8_t end_of_text = 0;
 };
 
 struct NamedRequest {
@@ -27,12 +35,17 @@ class Requests {
   explicit Requests(const Subject& subject);
 
   [[nodiscard]] const Protocol& protocol() const { return *protocol_; }
-  [[nodiscard]] std::string_view area_name(AreaIndex area) const { return protocol_->areas()[area].name; }
-  // Where `count` items of an area are tried: its beginning, its middle, its end, as far as they can be read at all.
+  [[nodiscard]] std::string_view area_name(AreaIndex area) const {
+    return protocol_->areas()[area].name;
+  }
+  // Where `count` items of an area are tried: its beginning, its middle, its end, as far as they
+  // can be read at all.
   [[nodiscard]] std::vector<Slot> slots(AreaIndex area, std::uint32_t count) const;
   [[nodiscard]] std::optional<Range> largest_read(AreaIndex area) const;
   [[nodiscard]] std::optional<Range> largest_write(AreaIndex area) const;
-  [[nodiscard]] bool allows(const Request& request) const { return protocol_->size(request).has_value(); }
+  [[nodiscard]] bool allows(const Request& request) const {
+    return protocol_->size(request).has_value();
+  }
   // Of every kind that the protocol has, for every area: what is worth being disturbed.
   [[nodiscard]] std::vector<NamedRequest> examples() const;
   [[nodiscard]] std::vector<Slot> places(AreaIndex area) const;  // of a record
@@ -41,7 +54,8 @@ class Requests {
   [[nodiscard]] static Bytes contents(const Slot& slot, std::mt19937& random);
   // Puts them into the device past the wire; false: it has no such items.
   static bool poke(SimDevice& device, std::string_view area, const Slot& slot, ByteView image);
-  [[nodiscard]] static std::optional<Bytes> peek(SimDevice& device, std::string_view area, const Slot& slot, Instant now);
+  [[nodiscard]] static std::optional<Bytes> peek(SimDevice& device, std::string_view area,
+                                                 const Slot& slot, Instant now);
 
  private:
   const Subject& subject_;

@@ -5,6 +5,7 @@ namespace fieldcast::sim {
 CheckRows sim_check(const Subject& subject) {
   CheckRows rows;
   check_values(subject, rows);
+  check_notation(subject, rows);
   check_answers(subject, rows);
   check_troubles(subject, rows);
   check_late(subject, rows);

@@ -1,7 +1,9 @@
-// What `sim-check` puts to the test: a protocol with one choice of its options, as the master and as the simulated device.
+// What `sim-check` puts to the test: a protocol with one choice of its options, as the master and
+// as the simulated device.
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,8 +19,8 @@ struct Subject {
 
   [[nodiscard]] LineFormat line() const { return line_of(port); }
   [[nodiscard]] std::unique_ptr<Protocol> protocol() const;
-  // The same at another address.
-  [[nodiscard]] Subject neighbour() const;
+  // The same at another address; nothing where there is only one.
+  [[nodiscard]] std::optional<Subject> neighbour() const;
 };
 
 // One subject for each way in which a built-in protocol speaks; empty for a name that nobody has.

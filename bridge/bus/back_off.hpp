@@ -1,0 +1,34 @@
+// How long to wait before a port is opened again: 0.1 s, doubling to 30 s. Pure; one owner.
+#pragma once
+
+#include <algorithm>
+
+#include "core/base/time.hpp"
+
+namespace fieldcast {
+
+class BackOff {
+ public:
+  static constexpr Duration kFirst = std::chrono::milliseconds{100};
+  static constexpr Duration kLongest = std::chrono::seconds{30};
+  // A port that stays open for this long has recovered; one that opens and falls at once has not.
+  static constexpr Duration kProven = std::chrono::seconds{5};
+
+  // There is a new reason to try.
+  void reset() { next_ = kFirst; }
+  void opened(Instant now) { opened_ = now; }
+  // The port is closed, or could not be opened: the wait before the next attempt.
+  [[nodiscard]] Duration closed(Instant now) {
+    if (opened_ != kLongAgo && now - opened_ >= kProven) next_ = kFirst;
+    opened_ = kLongAgo;
+    const Duration wait = next_;
+    next_ = std::min(next_ * 2, kLongest);
+    return wait;
+  }
+
+ private:
+  Instant opened_ = kLongAgo;
+  Duration next_ = kFirst;
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,403 @@
+#include "bridge/bus/bus_runner.hpp"
+
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <mutex>
+
+#include "bridge/bus/back_off.hpp"
+#include "bridge/bus/clock.hpp"
+#include "bridge/bus/engine_timer.hpp"
+#include "bridge/bus/iconv_codec.hpp"
+#include "bridge/check.hpp"
+#include "bridge/log/log.hpp"
+#include "bridge/log/notice_log.hpp"
+#include "bridge/port/device_watch.hpp"
+#include "bridge/port/port.hpp"
+#include "core/bus/bus_engine.hpp"
+#include "core/schedule/scheduler.hpp"
+
+namespace fieldcast {
+namespace {
+
+namespace asio = boost::asio;
+
+constexpr Duration kReportPeriod = std::chrono::seconds{1};
+constexpr Duration kLongestSettling =
+    std::chrono::seconds{1};  // of a line that is lent in the middle of an exchange
+constexpr Duration kLeastReportGap =
+    std::chrono::milliseconds{100};  // however often the state changes
+
+// Where the port is, before the reason why it is closed.
+std::string with_place(const PortSpec& port, const std::string& reason) {
+  if (const auto* serial = std::get_if<SerialPortSpec>(&port)) return serial->path + ": " + reason;
+  if (const auto* tcp = std::get_if<TcpPortSpec>(&port))
+    return tcp->host + ':' + std::to_string(tcp->port) + ": " + reason;
+  return reason;  // a dial-in port names its module
+}
+
+CommandResult shutdown_result(const Command& command, Instant now) {
+  CommandResult result;
+  result.requester = command.requester;
+  result.request_id = command.request_id;
+  result.state = CommandState::kRejected;
+  result.cause = Cause::kShutdown;
+  result.reason = "the bridge is stopping this bus";
+  result.received = result.started = result.completed = now;
+  return result;
+}
+
+}  // namespace
+
+// The way to the io thread for others, who may come when the bus has stopped and its io_context is
+// gone.
+class Gate {
+ public:
+  explicit Gate(asio::io_context& io) : io_(&io) {}
+  // False: closed, and nothing was posted.
+  template <typename Handler>
+  bool post(Handler&& handler) {
+    const std::lock_guard lock(mutex_);
+    if (io_) asio::post(*io_, std::forward<Handler>(handler));
+    return io_ != nullptr;
+  }
+  void close() {
+    const std::lock_guard lock(mutex_);
+    io_ = nullptr;
+  }
+
+ private:
+  std::mutex mutex_;
+  asio::io_context* io_;
+};
+
+// Everything on the io thread. One turn: an event and its `now` go into the engine, the actions
+// that come out are executed in order.
+class BusRunner::Loop final : public PortListener, public std::enable_shared_from_this<Loop> {
+ public:
+  Loop(asio::io_context& io, asio::io_context& plans, const BusSpec& spec, BusSink& sink,
+       DialInRegistry* modules)
+      : io_(io),
+        plans_(plans),
+        spec_(spec),
+        sink_(sink),
+        engine_(spec, codec_),
+        port_(make_port(io, spec.port, modules)),
+        timer_(io, *this),
+        reopening_(io),
+        ticking_(io),
+        settled_(io),
+        notices_(spec.name),
+        mapping_(read_clocks()) {
+    if (const auto* serial = std::get_if<SerialPortSpec>(&spec_.port))
+      watch_.emplace(io, serial->path, [this] { device_came(); });
+  }
+
+  Gate& gate() { return *gate_; }
+  std::atomic<std::size_t> waiting{0};
+
+  void start() {
+    next_tick_ = std::chrono::steady_clock::now();
+    tick();
+    open_port();
+  }
+
+  void stop() {
+    if (stopped_) return;
+    revoke("the bus stops");
+    turn(StopRequested{}, steady_now());
+    stopped_ = true;
+    report(steady_now(), BusState::kStopped);
+    timer_.cancel();
+    reopening_.cancel();
+    ticking_.cancel();
+    if (watch_) watch_->stop();
+    port_->retire();
+  }
+
+  void command(Command command) {
+    if (stopped_) return sink_.complete(shutdown_result(command, steady_now()), mapping_);
+    turn(CommandArrived{std::move(command)}, steady_now());
+  }
+
+  void event(const BusEvent& event) { turn(event, steady_now()); }
+
+  void lease(const std::string& who, const Granted& granted, Revoked revoked) {
+    if (revoked_)
+      return granted(tl::make_unexpected(LeaseRefused{true, "the bus is lent already"}));
+    if (stopped_ || !open_) return granted(tl::make_unexpected(not_open()));
+    revoked_ = std::move(revoked);
+    report_soon_ = true;
+    const bool answer_comes = engine_.exchanging();
+    turn(LeaseBegan{who}, steady_now());
+    if (!answer_comes) return grant(granted);
+    // The programming software must not take the answer to our last question for one to its own.
+    settling_ = granted;
+    Duration longest{};
+    for (const DeviceSpec& device : spec_.devices) longest = std::max(longest, device.timeout);
+    settled_.expires_after(std::min(longest, kLongestSettling));
+    settled_.async_wait([self = shared_from_this()](boost::system::error_code cancelled) {
+      if (cancelled) return;
+      if (const Granted asked = std::exchange(self->settling_, {})) self->grant(asked);
+    });
+  }
+
+  void end_lease(std::uint64_t lease, std::optional<std::string> lost) {
+    if (lease != lease_ || !std::exchange(revoked_, {}) || stopped_) return;
+    if (lost) {
+      port_->close();
+      return on_closed(std::move(*lost), Cause::kPortClosed);
+    }
+    port_->take_back();
+    report_soon_ = true;
+    turn(LeaseEnded{}, steady_now());
+  }
+
+  void set_trace(bool on) {
+    if (stopped_) return;
+    trace_ = on;
+    engine_.set_trace(on);
+  }
+
+  void on_timer() {
+    port_->poll();
+    turn(TimerFired{}, steady_now());
+  }
+
+  void on_opened() override {
+    const Instant now = steady_now();
+    open_ = true;
+    if (watch_) watch_->stop();
+    back_off_.opened(now);
+    notices_.port_opened();
+    report_soon_ = true;
+    turn(Opened{}, now);
+  }
+
+  void on_received(ByteView bytes, Instant arrival) override {
+    if (trace_)
+      trace_line(mapping_.to_utc(arrival), spec_.name, TraceMark::kReceived, to_hex(bytes));
+    turn(Received{bytes}, arrival);
+    port_->expect(engine_.missing());
+  }
+
+  void on_closed(std::string reason, Cause cause) override {
+    reason = with_place(spec_.port, reason);
+    open_ = false;
+    revoke(reason);
+    const Instant now = steady_now();
+    notices_.port_closed(reason, now);
+    report_soon_ = true;
+    turn(Closed{std::move(reason), cause}, now);
+    reopen_later(now);
+  }
+
+ private:
+  LeaseRefused not_open() const {
+    return {false, "the port of bus " + spec_.name + " is not open"};
+  }
+
+  void grant(const Granted& granted) {
+    FileDescriptor line = port_->lend();
+    if (!line.valid()) {
+      revoked_ = {};
+      turn(LeaseEnded{}, steady_now());
+      return granted(tl::make_unexpected(not_open()));
+    }
+    const auto* serial = std::get_if<SerialPortSpec>(&spec_.port);
+    granted(
+        LentLine{++lease_, std::move(line), serial ? std::optional(serial->line) : std::nullopt});
+  }
+
+  void revoke(const std::string& reason) {
+    settled_.cancel();
+    if (const Granted asked = std::exchange(settling_, {})) {
+      revoked_ = {};
+      return asked(tl::make_unexpected(LeaseRefused{false, reason}));
+    }
+    if (const Revoked revoked = std::exchange(revoked_, {})) revoked(reason);
+  }
+
+  void turn(const BusEvent& event, Instant now) {
+    if (stopped_) return;
+    FIELDCAST_CHECK(!turning_);  // ports and sinks never call back from inside
+    turning_ = true;
+    actions_.clear();
+    engine_.on_event(event, now, actions_);
+    for (Action& action : actions_) {
+      std::visit([&](auto& what) { execute(what, now); }, action);
+    }
+    turning_ = false;
+    if (report_soon_ && now - reported_ >= kLeastReportGap) report(now);
+  }
+
+  void execute(const Send& send, Instant now) {
+    if (trace_) trace_line(mapping_.to_utc(now), spec_.name, TraceMark::kSent, to_hex(send.bytes));
+    port_->write(send.bytes);
+  }
+  void execute(const SetTimer& timer, Instant) { timer_.set(timer.at); }
+  void execute(Publish& publish, Instant) { sink_.publish(std::move(publish.samples), mapping_); }
+  void execute(const Promise& promise, Instant) { sink_.promise(promise.channel, promise.gap); }
+  void execute(const Complete& complete, Instant) { sink_.complete(complete.result, mapping_); }
+  void execute(const Reopen& reopen, Instant now) {
+    notices_.port_closed(reopen.reason, now);
+    open_ = false;
+    port_->close();
+    reopen_later(now);
+  }
+  void execute(const Notice& notice, Instant now) {
+    notices_.notice(notice, now);
+    report_soon_ = true;
+  }
+  void execute(const Traced& traced, Instant now) {
+    if (trace_)
+      trace_line(mapping_.to_utc(now), spec_.name, TraceMark::kRemark,
+                 traced.device + ": " + traced.text);
+  }
+
+  void execute(const MakePlan& wanted, Instant) {
+    asio::post(plans_, [draft = wanted.draft, gate = gate_, self = weak_from_this()] {
+      draft->make();
+      gate->post([draft, self] {
+        if (const auto loop = self.lock()) loop->event(PlanMade{draft});
+      });
+    });
+  }
+
+  void open_port() {
+    if (watch_) tried_ = DeviceWatch::identity_of(std::get<SerialPortSpec>(spec_.port).path);
+    port_->open(*this);
+  }
+
+  // The adapter is plugged in again.
+  void device_came() {
+    if (stopped_ || open_) return;
+    back_off_.reset();
+    reopening_.cancel();
+    open_port();
+  }
+
+  void reopen_later(Instant now) {
+    if (stopped_) return;
+    if (watch_) watch_->start(tried_);
+    reopening_.expires_after(back_off_.closed(now));
+    reopening_.async_wait([self = shared_from_this()](boost::system::error_code cancelled) {
+      if (!cancelled && !self->stopped_) self->open_port();
+    });
+  }
+
+  void tick() {
+    const Instant now = steady_now();
+    mapping_ = read_clocks();
+    notices_.tick(now);
+    report(now);
+    next_tick_ += kReportPeriod;
+    ticking_.expires_at(next_tick_);
+    ticking_.async_wait([self = shared_from_this()](boost::system::error_code cancelled) {
+      if (!cancelled && !self->stopped_) self->tick();
+    });
+  }
+
+  void report(Instant now, std::optional<BusState> state = {}) {
+    report_soon_ = false;
+    reported_ = now;
+    const UtcTime at = mapping_.to_utc(now);
+    BusReport bus = engine_.bus_report(now);
+    if (state) bus.state = *state;
+    sink_.report(bus, at);
+    for (std::size_t i = 0; i < spec_.devices.size(); ++i) {
+      sink_.report(spec_.devices[i].name, engine_.device_report(static_cast<DeviceIndex>(i), now),
+                   at);
+    }
+  }
+
+  asio::io_context& io_;
+  asio::io_context& plans_;
+  const std::shared_ptr<Gate> gate_ = std::make_shared<Gate>(io_);
+  const BusSpec spec_;
+  BusSink& sink_;
+  IconvCodec codec_;
+  BusEngine engine_;
+  std::unique_ptr<Port> port_;
+  EngineTimer<Loop> timer_;
+  asio::steady_timer reopening_;
+  asio::steady_timer ticking_;
+  asio::steady_timer settled_;  // of settling_
+  std::chrono::steady_clock::time_point next_tick_;
+  BackOff back_off_;
+  std::optional<DeviceWatch> watch_;            // of a serial port; while it is closed
+  std::optional<DeviceWatch::Identity> tried_;  // what was there when the port was opened last
+  NoticeLog notices_;
+  UtcMapping mapping_;
+  Actions actions_;
+  std::uint64_t lease_ = 0;  // the last one
+  Granted settling_;         // a lease that waits for the line to fall silent
+  Revoked revoked_;          // of the lease under way; none otherwise
+  Instant reported_{};
+  bool open_ = false;  // the port
+  bool report_soon_ = false;
+  bool trace_ = false;
+  bool turning_ = false;
+  bool stopped_ = false;
+};
+
+BusRunner::BusRunner(asio::io_context& io, asio::io_context& plans, const BusSpec& spec,
+                     BusSink& sink, DialInRegistry* modules)
+    : loop_(std::make_shared<Loop>(io, plans, spec, sink, modules)) {}
+
+BusRunner::~BusRunner() = default;
+
+void BusRunner::start() {
+  loop_->gate().post([loop = loop_] { loop->start(); });
+}
+
+bool BusRunner::post(Command command) {
+  if (loop_->waiting.fetch_add(1, std::memory_order_relaxed) >= kMaxWaiting) {
+    loop_->waiting.fetch_sub(1, std::memory_order_relaxed);
+    return false;
+  }
+  return loop_->gate().post([loop = loop_, command = std::move(command)]() mutable {
+    loop->waiting.fetch_sub(1, std::memory_order_relaxed);
+    loop->command(std::move(command));
+  });
+}
+
+void BusRunner::post(std::vector<InterestChanged> interests) {
+  loop_->gate().post([loop = loop_, interests = std::move(interests)] {
+    for (const InterestChanged& interest : interests) loop->event(interest);
+  });
+}
+
+void BusRunner::lease(std::string who, Granted granted, Revoked revoked) {
+  loop_->gate().post([loop = loop_, who = std::move(who), granted = std::move(granted),
+                      revoked = std::move(revoked)] { loop->lease(who, granted, revoked); });
+}
+
+void BusRunner::end_lease(std::uint64_t lease, std::optional<std::string> lost) {
+  loop_->gate().post([loop = loop_, lease, lost = std::move(lost)]() mutable {
+    loop->end_lease(lease, std::move(lost));
+  });
+}
+
+void BusRunner::set_trace(bool on) {
+  loop_->gate().post([loop = loop_, on] { loop->set_trace(on); });
+}
+
+std::future<void> BusRunner::stop() {
+  auto done = std::make_shared<std::promise<void>>();
+  auto ready = done->get_future();
+  const bool posted = loop_->gate().post([loop = loop_, done] {
+    loop->stop();
+    // Handlers that were cancelled come after this one; when the next one runs, none of them is
+    // left.
+    loop->gate().post([loop, done] {
+      loop->gate().close();
+      done->set_value();
+    });
+  });
+  if (!posted) done->set_value();  // stopped before
+  return ready;
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,27 @@
+#include "bridge/bus/clock.hpp"
+
+namespace fieldcast {
+
+Instant steady_now() {
+  return Instant{
+      std::chrono::duration_cast<Duration>(std::chrono::steady_clock::now().time_since_epoch())};
+}
+
+UtcMapping read_clocks() {
+  // Of three readings the one with the least time around it is the truest: a preemption in between
+  // spoils a reading.
+  UtcMapping best;
+  Duration least = Duration::max();
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    const Instant before = steady_now();
+    const auto utc =
+        std::chrono::duration_cast<Duration>(std::chrono::system_clock::now().time_since_epoch());
+    const Duration around = steady_now() - before;
+    if (around >= least) continue;
+    least = around;
+    best = {before + around / 2, UtcTime{utc.count()}};
+  }
+  return best;
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,58 @@
+// Where commands from DDS come in: finds the bus, turns away duplicates and what nobody can take,
+// hands the rest to the bus. Every command ends in exactly one result. Any thread.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+#include "bridge/bus/bus_runner.hpp"
+#include "core/bus/command_ledger.hpp"
+#include "core/model/command.hpp"
+
+namespace fieldcast {
+
+class CommandRouter {
+ public:
+  enum class Identity : std::uint8_t {
+    kNew,      // kept from now on
+    kKnown,    // kept before
+    kNotKept,  // nobody could keep it
+  };
+  // Keeps the identity of a write so that it outlives this process, then calls `kept` once, on any
+  // thread.
+  using Keep = std::function<void(const std::string& requester, std::uint64_t request_id,
+                                  std::function<void(Identity)> kept)>;
+  using Refused = std::function<void(const std::string& bus, const CommandResult& result)>;
+
+  // From here on a write runs when its identity is kept and was not before; `refused` hears of the
+  // others. A null `keep` ends it: nothing of it comes any more when it has ended (its owner sees
+  // to that).
+  void keep_identities(Keep keep, Refused refused);
+
+  // A bus takes commands from here on, until it is removed.
+  void add(const std::string& bus, std::shared_ptr<BusRunner> runner);
+  void remove(const std::string& bus);
+
+  // Nothing: a bus has the command or will have it, its result follows. Else the result, at once: a
+  // duplicate, a full queue, a bus that stops.
+  [[nodiscard]] std::optional<CommandResult> take(const std::string& bus, Command command,
+                                                  Instant now);
+
+ private:
+  // REQUIRES: mutex_ held.
+  [[nodiscard]] std::optional<CommandResult> post(const std::string& bus, Command command,
+                                                  Instant now);
+  void on_identity(const std::string& bus, Command command, Identity identity, Instant received);
+
+  std::mutex mutex_;
+  CommandLedger ledger_;
+  std::map<std::string, std::shared_ptr<BusRunner>, std::less<>> runners_;
+  Keep keep_;
+  Refused refused_;
+};
+
+}  // namespace fieldcast

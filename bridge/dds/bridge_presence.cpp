@@ -1,0 +1,69 @@
+#include "bridge/dds/bridge_presence.hpp"
+
+#include <array>
+#include <cstdio>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+
+namespace fieldcast {
+
+namespace {
+
+std::string text_of(const dds::InstanceHandle_t& writer) {
+  std::array<char, 33> text{};
+  for (std::size_t i = 0; i < 16; ++i)
+    std::snprintf(&text[2 * i], 3, "%02x", static_cast<unsigned>(writer.value[i]));
+  return text.data();
+}
+
+}  // namespace
+
+BridgePresence::BridgePresence(Domain& domain, const std::string& label,
+                               DdsLink::BridgeHandlers handlers)
+    : domain_(domain),
+      handlers_(std::move(handlers)),
+      writer_(domain.writer<idl::BridgePubSubType>(kBridgeTopic, bridge_writer_qos(), label)),
+      reader_(domain.reader<idl::BridgePubSubType>(kBridgeTopic, bridge_reader_qos(), this,
+                                                   dds::StatusMask::data_available()
+                                                       << dds::StatusMask::subscription_matched()
+                                                       << dds::StatusMask::liveliness_changed())) {}
+
+std::string BridgePresence::id() const { return text_of(writer_->get_instance_handle()); }
+
+void BridgePresence::announce(const BridgeClaims& claims) {
+  to_idl(claims, said_);
+  writer_->write(&said_);
+}
+
+void BridgePresence::close() {
+  domain_.remove(reader_);
+  domain_.remove(writer_);
+}
+
+bool BridgePresence::is_own(const Handle& writer) const {
+  return writer == writer_->get_instance_handle();
+}
+
+void BridgePresence::on_data_available(dds::DataReader* reader) {
+  idl::Bridge heard;
+  dds::SampleInfo info;
+  while (reader->take_next_sample(&heard, &info) == ReturnCode_t::RETCODE_OK) {
+    if (info.valid_data && !is_own(info.publication_handle))
+      handlers_.heard(text_of(info.publication_handle), from_idl(heard));
+  }
+}
+
+void BridgePresence::on_subscription_matched(dds::DataReader*,
+                                             const dds::SubscriptionMatchedStatus& status) {
+  if (is_own(status.last_publication_handle)) return;
+  const std::string id = text_of(status.last_publication_handle);
+  status.current_count_change > 0 ? handlers_.found(id) : handlers_.lost(id);
+}
+
+void BridgePresence::on_liveliness_changed(dds::DataReader*,
+                                           const dds::LivelinessChangedStatus& status) {
+  if (is_own(status.last_publication_handle)) return;
+  if (status.alive_count_change != 0)
+    handlers_.alive(text_of(status.last_publication_handle), status.alive_count_change > 0);
+}
+
+}  // namespace fieldcast

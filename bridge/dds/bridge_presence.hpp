@@ -1,0 +1,37 @@
+// This bridge among the others of its domain: says what it serves, and hears what they say. Calls
+// come on DDS threads.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "bridge/dds/dds_link.hpp"
+#include "bridge/dds/domain.hpp"
+#include "bridge/dds/topics/conversion.hpp"
+
+namespace fieldcast {
+
+class BridgePresence : private dds::DataReaderListener {
+ public:
+  BridgePresence(Domain& domain, const std::string& label, DdsLink::BridgeHandlers handlers);
+  [[nodiscard]] std::string id() const;       // as the others know it
+  void announce(const BridgeClaims& claims);  // one call at a time
+  void close();  // the others see it go; nothing is handed on after it returns
+
+ private:
+  using Handle = dds::InstanceHandle_t;
+  void on_data_available(dds::DataReader* reader) override;
+  void on_subscription_matched(dds::DataReader* reader,
+                               const dds::SubscriptionMatchedStatus& status) override;
+  void on_liveliness_changed(dds::DataReader* reader,
+                             const dds::LivelinessChangedStatus& status) override;
+  [[nodiscard]] bool is_own(const Handle& writer) const;
+
+  Domain& domain_;
+  const DdsLink::BridgeHandlers handlers_;
+  dds::DataWriter* writer_;
+  dds::DataReader* reader_;
+  idl::Bridge said_;
+};
+
+}  // namespace fieldcast

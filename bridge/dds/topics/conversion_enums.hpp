@@ -1,0 +1,43 @@
+// Enumerators from core to the topics and back, each by its name: never by its number, which may
+// differ. A switch without default on either side, so that the compiler names what is missing.
+#pragma once
+
+#include <optional>
+
+#include "core/alarm/limit_watch.hpp"
+#include "core/base/quality.hpp"
+#include "core/model/command.hpp"
+#include "core/model/spec.hpp"
+#include "core/model/status.hpp"
+#include "idl/topics.h"
+
+namespace fieldcast {
+
+namespace idl = ::fieldcast_idl;
+
+[[nodiscard]] idl::Quality to_idl(Quality value);
+[[nodiscard]] idl::ValueType to_idl(ValueType value);
+[[nodiscard]] idl::Access to_idl(Access value);
+[[nodiscard]] idl::Mode to_idl(Mode value);
+[[nodiscard]] idl::Operation to_idl(Operation value);
+[[nodiscard]] idl::CommandState to_idl(CommandState value);
+[[nodiscard]] idl::BusState to_idl(BusState value);
+[[nodiscard]] idl::DeviceState to_idl(DeviceState value);
+[[nodiscard]] idl::AlarmState to_idl(AlarmState value);
+[[nodiscard]] idl::LimitKind to_idl(LimitKind value);
+[[nodiscard]] idl::SessionState to_idl(ProgramSessionState value);
+
+// Nothing for a number that the IDL does not name, and for limits that are no alarm's.
+[[nodiscard]] std::optional<Quality> from_idl(idl::Quality value);
+[[nodiscard]] std::optional<ValueType> from_idl(idl::ValueType value);
+[[nodiscard]] std::optional<Access> from_idl(idl::Access value);
+[[nodiscard]] std::optional<Mode> from_idl(idl::Mode value);
+[[nodiscard]] std::optional<Operation> from_idl(idl::Operation value);
+[[nodiscard]] std::optional<CommandState> from_idl(idl::CommandState value);
+[[nodiscard]] std::optional<BusState> from_idl(idl::BusState value);
+[[nodiscard]] std::optional<DeviceState> from_idl(idl::DeviceState value);
+[[nodiscard]] std::optional<AlarmState> from_idl(idl::AlarmState value);
+[[nodiscard]] std::optional<LimitKind> from_idl(idl::LimitKind value);
+[[nodiscard]] std::optional<ProgramSessionState> from_idl(idl::SessionState value);
+
+}  // namespace fieldcast

@@ -1,0 +1,171 @@
+// Status of buses and devices: topic types from core types and back.
+#include <algorithm>
+
+#include "bridge/dds/topics/conversion.hpp"
+
+namespace fieldcast {
+
+static_assert(static_cast<std::size_t>(Cause::kCount) <= 64, "the IDL's sequence<CauseCount, 64>");
+
+namespace {
+
+constexpr std::size_t kMaxRefused = 64, kMaxRefusedText = 64, kMaxAreas = 32, kMaxAreaText = 32;
+
+// `first`, if it is one, stands before the others.
+void to_idl(const CauseCounters& counters, std::vector<idl::CauseCount>& out,
+            Cause first = Cause::kNone) {
+  out.clear();
+  if (first != Cause::kNone) {
+    out.emplace_back();
+    out.back().cause() = std::string(to_name(first));
+    out.back().count(counters[first]);
+  }
+  for (std::size_t i = 1; i < static_cast<std::size_t>(Cause::kCount); ++i) {
+    const auto cause = static_cast<Cause>(i);
+    if (counters[cause] == 0 || cause == first) continue;
+    out.emplace_back();
+    out.back().cause() = std::string(to_name(cause));
+    out.back().count(counters[cause]);
+  }
+}
+
+void to_idl(const std::vector<std::string>& addresses, std::vector<idl::RefusedAddress>& out) {
+  out.resize(std::min(addresses.size(), kMaxRefused));
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out[i].at() = cut_text(addresses[i], kMaxRefusedText);
+}
+
+CauseCounts from_idl(const std::vector<idl::CauseCount>& counts) {
+  CauseCounts out;
+  for (const idl::CauseCount& count : counts) out[count.cause().c_str()] = count.count();
+  return out;
+}
+
+}  // namespace
+
+void to_idl(std::string_view bridge, std::string_view bus, const BusReport& report, UtcTime at,
+            idl::BusStatus& out) {
+  out.bus() = cut_text(bus, kMaxNameLength);
+  out.bridge() = cut_text(bridge, kMaxNameLength);
+  out.state(to_idl(report.state));
+  out.utilisation(report.utilisation);
+  out.planned_load(report.planned_load);
+  out.measured_load(report.measured_load);
+  out.stretch(report.stretch);
+  out.exchanges(report.exchanges);
+  out.samples(report.samples);
+  out.commands(report.commands);
+  out.deadline_misses(report.deadline_misses);
+  out.bytes_sent(report.bytes_sent);
+  out.bytes_received(report.bytes_received);
+  out.reopened(report.reopened);
+  to_idl(report.causes, out.causes(), report.closed_because);
+  to_idl(report.misses, out.misses());
+  out.reported_at(at.nanoseconds);
+}
+
+StationBusStatus from_idl(const idl::BusStatus& status) {
+  StationBusStatus out;
+  out.bridge = status.bridge().c_str();
+  out.bus = status.bus().c_str();
+  BusReport& report = out.report;
+  report.state = from_idl(status.state()).value_or(BusState::kStopped);
+  report.utilisation = status.utilisation();
+  report.planned_load = status.planned_load();
+  report.measured_load = status.measured_load();
+  report.stretch = status.stretch();
+  report.exchanges = status.exchanges();
+  report.samples = status.samples();
+  report.commands = status.commands();
+  report.deadline_misses = status.deadline_misses();
+  report.bytes_sent = status.bytes_sent();
+  report.bytes_received = status.bytes_received();
+  report.reopened = status.reopened();
+  out.dds_deadline_misses = status.dds_deadline_misses();
+  if (report.state == BusState::kClosed && !status.causes().empty())
+    report.closed_because = cause_named(status.causes().front().cause().c_str());
+  out.causes = from_idl(status.causes());
+  out.misses = from_idl(status.misses());
+  out.reported_at = {status.reported_at()};
+  return out;
+}
+
+void to_idl(std::string_view bus, std::string_view device, const DeviceReport& report, UtcTime at,
+            idl::DeviceStatus& out) {
+  out.bus() = cut_text(bus, kMaxNameLength);
+  out.device() = cut_text(device, kMaxNameLength);
+  out.state(to_idl(report.state));
+  out.exchanges(report.exchanges);
+  out.failures(report.failures);
+  out.retries(report.retries);
+  out.deadline_misses(report.deadline_misses);
+  out.answer_time(report.answer_time.count());
+  out.answer_spread(report.answer_spread.count());
+  out.timeout(report.timeout.count());
+  out.pause(report.pause.count());
+  out.areas().resize(std::min(report.areas.size(), kMaxAreas));
+  for (std::size_t i = 0; i < out.areas().size(); ++i) {
+    const AreaReport& learned = report.areas[i];
+    idl::LearnedArea& area = out.areas()[i];
+    area.area() = cut_text(learned.area, kMaxAreaText);
+    area.answer_time(learned.answer_time.count());
+    area.answer_spread(learned.answer_spread.count());
+    area.largest_block(learned.largest_block);
+    area.longest_block(learned.longest_block);
+  }
+  to_idl(report.refused, out.refused());
+  to_idl(report.refused_gaps, out.refused_gaps());
+  to_idl(report.causes, out.causes());
+  out.reported_at(at.nanoseconds);
+}
+
+StationDeviceStatus from_idl(const idl::DeviceStatus& status) {
+  StationDeviceStatus out;
+  out.bus = status.bus().c_str();
+  out.device = status.device().c_str();
+  DeviceReport& report = out.report;
+  report.state = from_idl(status.state()).value_or(DeviceState::kUnknown);
+  report.exchanges = status.exchanges();
+  report.failures = status.failures();
+  report.retries = status.retries();
+  report.deadline_misses = status.deadline_misses();
+  report.answer_time = Duration{status.answer_time()};
+  report.answer_spread = Duration{status.answer_spread()};
+  report.timeout = Duration{status.timeout()};
+  report.pause = Duration{status.pause()};
+  for (const idl::LearnedArea& area : status.areas())
+    report.areas.push_back({area.area().c_str(), Duration{area.answer_time()},
+                            Duration{area.answer_spread()}, area.largest_block(),
+                            area.longest_block()});
+  for (const idl::RefusedAddress& refused : status.refused())
+    report.refused.emplace_back(refused.at().c_str());
+  for (const idl::RefusedAddress& gap : status.refused_gaps())
+    report.refused_gaps.emplace_back(gap.at().c_str());
+  out.causes = from_idl(status.causes());
+  out.reported_at = {status.reported_at()};
+  return out;
+}
+
+void to_idl(const ProgramSessionReport& report, idl::ProgramSession& out) {
+  out.bus() = cut_text(report.bus, kMaxNameLength);
+  out.device() = cut_text(report.device, kMaxNameLength);
+  out.state(to_idl(report.state));
+  out.who() = cut_text(report.who, 128);
+  out.bytes_to_device(report.bytes_to_device);
+  out.bytes_from_device(report.bytes_from_device);
+  out.since(report.since.nanoseconds);
+}
+
+ProgramSessionReport from_idl(const idl::ProgramSession& session) {
+  ProgramSessionReport out;
+  out.bus = session.bus().c_str();
+  out.device = session.device().c_str();
+  out.state = from_idl(session.state()).value_or(ProgramSessionState::kClosed);
+  out.who = session.who().c_str();
+  out.bytes_to_device = session.bytes_to_device();
+  out.bytes_from_device = session.bytes_from_device();
+  out.since = {session.since()};
+  return out;
+}
+
+}  // namespace fieldcast

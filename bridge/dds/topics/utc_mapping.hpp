@@ -1,0 +1,18 @@
+// One reading of both clocks: turns monotonic engine instants into UTC where a value leaves the
+// process, and back for what arrives. A plain value; pure; any thread.
+#pragma once
+
+#include "core/base/time.hpp"
+
+namespace fieldcast {
+
+struct UtcMapping {
+  Instant instant{};  // the engine's clock, and
+  UtcTime utc{};      // the wall clock at the same moment
+
+  // 0 ("no such time") for kLongAgo and kNever. Saturates instead of wrapping.
+  [[nodiscard]] UtcTime to_utc(Instant at) const;
+  [[nodiscard]] Instant to_instant(UtcTime at) const;  // the other way
+};
+
+}  // namespace fieldcast

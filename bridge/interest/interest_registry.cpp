@@ -1,0 +1,121 @@
+#include "bridge/interest/interest_registry.hpp"
+
+#include <fmt/format.h>
+#include <pthread.h>
+
+#include "bridge/bus/clock.hpp"
+
+namespace fieldcast {
+
+InterestRegistry::InterestRegistry(std::function<void(std::string)> remark)
+    : remark_(std::move(remark)), thread_([this] { run(); }) {}
+
+InterestRegistry::~InterestRegistry() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  changed_.notify_one();
+  thread_.join();
+}
+
+void InterestRegistry::add(const BusSpec& bus, std::shared_ptr<BusRunner> runner) {
+  auto made = std::make_shared<Bus>();
+  made->spec = bus;
+  made->runner = std::move(runner);
+  {
+    const std::lock_guard lock(mutex_);
+    buses_[bus.name] = std::move(made);
+    dirty_ = true;
+  }
+  changed_.notify_one();
+}
+
+void InterestRegistry::remove(const std::string& bus) {
+  std::shared_ptr<Bus> removed;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = buses_.find(bus);
+    if (found == buses_.end()) return;
+    removed = std::move(found->second);
+    buses_.erase(found);
+  }
+  const std::lock_guard lock(removed->mutex);
+  removed->runner.reset();
+}
+
+void InterestRegistry::all_added() {
+  {
+    const std::lock_guard lock(mutex_);
+    dirty_ = all_added_ = true;
+  }
+  changed_.notify_one();
+}
+
+void InterestRegistry::forget() {
+  {
+    const std::lock_guard lock(mutex_);
+    table_ = {};
+    dirty_ = true;
+    all_added_ = false;
+  }
+  changed_.notify_one();
+}
+
+tl::expected<void, std::string> InterestRegistry::note(const std::string& station,
+                                                       const std::string& pattern,
+                                                       std::optional<Duration> refresh) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (auto noted = table_.note(station, pattern, refresh); !noted) return noted;
+    dirty_ = true;
+  }
+  changed_.notify_one();
+  return {};
+}
+
+void InterestRegistry::run() {
+  pthread_setname_np(pthread_self(), "interests");
+  std::unique_lock lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [this] { return ending_ || dirty_; });
+    if (ending_) return;
+    dirty_ = false;
+    const auto news = all_added_ ? table_.take_news() : std::vector<InterestTable::Wish>{};
+    const InterestTable table = table_;
+    const Buses buses = buses_;
+    lock.unlock();
+    for (const auto& [name, bus] : buses) tell(table, *bus);
+    judge(news, buses);
+    lock.lock();
+    changed_.wait_for(lock, kPace, [this] { return ending_; });
+  }
+}
+
+void InterestRegistry::tell(const InterestTable& table, Bus& bus) {
+  auto wishes = table.wishes(bus.spec);
+  auto changed = changes(bus.told, wishes);
+  bus.told = std::move(wishes);
+  const std::lock_guard lock(bus.mutex);
+  if (!changed.empty() && bus.runner) bus.runner->post(std::move(changed));
+}
+
+void InterestRegistry::judge(const std::vector<InterestTable::Wish>& wishes, const Buses& buses) {
+  for (const InterestTable::Wish& wish : wishes) {
+    InterestTable::Reach reach;
+    for (const auto& [name, bus] : buses) reach += InterestTable::reach(wish.pattern, bus->spec);
+    if (reach.on_interest != 0) continue;
+    const auto verdict = remarked_.occurred(wish.station, steady_now());
+    if (!verdict.log) continue;
+    remark_(fmt::format(
+        "the interest of station {} in {} changes nothing: {}{}", wish.station, wish.pattern.text(),
+        reach.channels == 0
+            ? "no channel of this bridge matches"
+            : "its channels are read anyway, at their configured refresh (acquire: always)",
+        verdict.suppressed == 0
+            ? ""
+            : fmt::format("; so did {} more of its interests", verdict.suppressed)));
+  }
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,74 @@
+// Where interests from DDS come in: keeps the table of wishes and tells each bus what changed for
+// its channels. Any thread.
+//
+// note() only writes the table. What the wishes mean for channels is worked out on a thread of its
+// own, at most every kPace: a station that changes its mind a million times costs neither DDS nor a
+// bus more than one that does so a few times a second.
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <tl/expected.hpp>
+
+#include "bridge/bus/bus_runner.hpp"
+#include "bridge/interest/interest_table.hpp"
+#include "bridge/log/repeat_filter.hpp"
+
+namespace fieldcast {
+
+class InterestRegistry {
+ public:
+  static constexpr std::chrono::milliseconds kPace{50};
+
+  // `remark` hears, on the registry's thread, of interests that change nothing: one line for the
+  // log.
+  explicit InterestRegistry(std::function<void(std::string)> remark);
+  ~InterestRegistry();
+  InterestRegistry(const InterestRegistry&) = delete;
+  InterestRegistry& operator=(const InterestRegistry&) = delete;
+
+  // The bus is told the wishes that stand, and every change until it is removed; no more
+  // afterwards.
+  void add(const BusSpec& bus, std::shared_ptr<BusRunner> runner);
+  void remove(const std::string& bus);
+
+  // All buses are there: from here on an interest that meets no channel is remarked.
+  void all_added();
+
+  // Nobody wishes anything any more.
+  void forget();
+
+  // As InterestTable::note().
+  [[nodiscard]] tl::expected<void, std::string> note(const std::string& station,
+                                                     const std::string& pattern,
+                                                     std::optional<Duration> refresh);
+
+ private:
+  struct Bus {
+    BusSpec spec;
+    std::map<ChannelIndex, Duration> told;  // the registry's thread only
+    std::mutex mutex;
+    std::shared_ptr<BusRunner> runner;  // null: removed
+  };
+  using Buses = std::map<std::string, std::shared_ptr<Bus>, std::less<>>;
+  void run();
+  static void tell(const InterestTable& table, Bus& bus);
+  void judge(const std::vector<InterestTable::Wish>& wishes, const Buses& buses);
+
+  std::function<void(std::string)> remark_;
+  RepeatFilter remarked_;  // the registry's thread only; by station
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool dirty_ = false, all_added_ = false, ending_ = false;
+  InterestTable table_;
+  Buses buses_;
+  std::thread thread_;  // last: it uses what is above
+};
+
+}  // namespace fieldcast

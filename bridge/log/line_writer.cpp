@@ -1,0 +1,151 @@
+#include "bridge/log/line_writer.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include "bridge/port/file_descriptor.hpp"
+
+namespace fieldcast {
+namespace {
+
+// A pipe that poll() calls writable takes this much at once (PIPE_BUF of Linux, pipe(7)), so that
+// the thread waits in poll(), where it can be told to end, and hardly ever in write().
+constexpr std::size_t kPiece = 4096;
+constexpr int kLookAroundMilliseconds = 100;  // how soon the thread sees that it shall end
+
+}  // namespace
+
+struct LineWriter::State {
+  FileDescriptor fd;
+  std::function<std::string(std::uint64_t)> remark;
+  std::mutex mutex;
+  std::condition_variable work, done;
+  std::deque<std::string> waiting;
+  std::size_t bytes = 0;      // of waiting
+  std::uint64_t put = 0;      // lines handed in, and
+  std::uint64_t seen = 0;     // those that are written or lost
+  std::uint64_t lost = 0;     // all that were lost, and
+  std::uint64_t to_tell = 0;  // those of which no remark was written yet
+  bool ending = false;
+
+  void run();
+  // The next lines, as many as fit one piece, behind a remark about those lost before them.
+  std::string take(std::size_t& lines, std::uint64_t& told);
+  [[nodiscard]] bool write(std::string_view text);
+  [[nodiscard]] bool is_ending() {
+    const std::lock_guard lock(mutex);
+    return ending;
+  }
+};
+
+void LineWriter::State::run() {
+  std::unique_lock lock(mutex);
+  while (true) {
+    work.wait(lock, [this] { return ending || !waiting.empty(); });
+    if (ending) return;
+    std::size_t lines = 0;
+    std::uint64_t told = 0;
+    const std::string text = take(lines, told);
+    lock.unlock();
+    const bool written = write(text);
+    lock.lock();
+    seen += lines;
+    if (!written) {
+      lost += lines;
+      to_tell += told + lines;
+    }
+    done.notify_all();
+  }
+}
+
+std::string LineWriter::State::take(std::size_t& lines, std::uint64_t& told) {
+  std::string text;
+  if (to_tell > 0) text = remark(told = std::exchange(to_tell, 0));
+  do {
+    text += waiting.front();
+    bytes -= waiting.front().size();
+    waiting.pop_front();
+    ++lines;
+  } while (!waiting.empty() && text.size() + waiting.front().size() <= kPiece);
+  return text;
+}
+
+bool LineWriter::State::write(std::string_view text) {
+  if (!fd.valid()) return false;
+  while (!text.empty()) {
+    pollfd room{fd.get(), POLLOUT, 0};
+    const int ready = ::poll(&room, 1, kLookAroundMilliseconds);
+    if (ready == 0 && is_ending()) return false;
+    if (ready <= 0) continue;
+    const ssize_t size = ::write(fd.get(), text.data(), std::min(text.size(), kPiece));
+    if (size >= 0) {
+      text.remove_prefix(static_cast<std::size_t>(size));
+    } else if (errno != EINTR && errno != EAGAIN) {
+      return false;
+    }
+  }
+  return true;
+}
+
+LineWriter::LineWriter(int fd, std::function<std::string(std::uint64_t)> remark)
+    : state_(std::make_shared<State>()) {
+  state_->fd.reset(::fcntl(fd, F_DUPFD_CLOEXEC, 0));
+  state_->remark = std::move(remark);
+  sigset_t all, before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_BLOCK, &all, &before);
+  std::thread([state = state_] {
+    pthread_setname_np(pthread_self(), "log");
+    state->run();
+  }).detach();
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
+LineWriter::~LineWriter() {
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->ending = true;
+  }
+  state_->work.notify_one();
+}
+
+void LineWriter::put(std::string line) {
+  {
+    State& s = *state_;
+    const std::lock_guard lock(s.mutex);
+    s.bytes += line.size();
+    s.waiting.push_back(std::move(line));
+    ++s.put;
+    while (s.bytes > kMaxWaiting && s.waiting.size() > 1) {
+      s.bytes -= s.waiting.front().size();
+      s.waiting.pop_front();
+      ++s.seen, ++s.lost, ++s.to_tell;
+    }
+  }
+  state_->work.notify_one();
+}
+
+bool LineWriter::flush(Duration limit) {
+  std::unique_lock lock(state_->mutex);
+  const std::uint64_t wanted = state_->put;
+  return state_->done.wait_for(lock, limit, [&] { return state_->seen >= wanted; });
+}
+
+std::uint64_t LineWriter::lost() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->lost;
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,45 @@
+// Lines for a descriptor that may take none for any length of time: a pipe that nobody reads, a
+// terminal that is stopped, a disk that is full. Whoever hands a line in never waits; a thread of
+// its own writes.
+//
+// The queue is bounded: when it is full its oldest lines go, and a remark stands in their place
+// that says how many. That thread may hang in write(2) for ever, so nothing ever joins it: it
+// shares what it uses with the LineWriter and lives on alone. (spdlog's asynchronous logger joins
+// its worker when it ends.)
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "core/base/time.hpp"
+
+namespace fieldcast {
+
+class LineWriter {
+ public:
+  static constexpr std::size_t kMaxWaiting = std::size_t{1} << 20;  // bytes; the oldest lines go
+
+  // `remark` is the line that stands for so many lines lost; it is called on the writer's thread.
+  // The descriptor is duplicated. Signals are blocked in the thread.
+  LineWriter(int fd, std::function<std::string(std::uint64_t lost)> remark);
+  ~LineWriter();  // what waits is lost: flush() first
+  LineWriter(const LineWriter&) = delete;
+  LineWriter& operator=(const LineWriter&) = delete;
+
+  // A line with its end. Any thread; never waits for the descriptor.
+  void put(std::string line);
+
+  // Waits until every line put before is written or lost; false after the limit.
+  [[nodiscard]] bool flush(Duration limit);
+
+  // Lines that found no room, or that the descriptor refused (a full disk, a closed pipe).
+  [[nodiscard]] std::uint64_t lost() const;
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;  // shared with the thread
+};
+
+}  // namespace fieldcast

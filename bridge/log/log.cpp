@@ -1,0 +1,168 @@
+#include "bridge/log/log.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/sinks/base_sink.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <ctime>
+#include <memory>
+#include <mutex>
+
+#include "bridge/bus/clock.hpp"
+#include "bridge/log/line_budget.hpp"
+#include "bridge/log/line_writer.hpp"
+#include "core/base/printable.hpp"
+
+namespace fieldcast {
+namespace {
+
+constexpr std::size_t kMaxPlace = 256;  // bytes
+
+spdlog::level::level_enum level_of(LogLevel level) {
+  switch (level) {
+    case LogLevel::kDebug: return spdlog::level::debug;
+    case LogLevel::kInfo: return spdlog::level::info;
+    case LogLevel::kWarning: return spdlog::level::warn;
+    case LogLevel::kError: return spdlog::level::err;
+  }
+  return spdlog::level::err;
+}
+
+std::string_view colour_of(spdlog::level::level_enum level) {
+  switch (level) {
+    case spdlog::level::info: return "\x1b[32m";
+    case spdlog::level::warn: return "\x1b[33;1m";
+    case spdlog::level::err: return "\x1b[31;1m";
+    default: return "\x1b[36m";
+  }
+}
+
+// Formats on the thread that logs, and leaves the writing to the LineWriter.
+class QueueSink final : public spdlog::sinks::base_sink<std::mutex> {
+ public:
+  QueueSink(LineWriter& lines, bool colour) : lines_(lines), colour_(colour) {}
+
+ private:
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    spdlog::memory_buf_t buffer;
+    formatter_->format(message, buffer);
+    std::string line(buffer.data(), buffer.size());
+    if (colour_ && message.color_range_end > message.color_range_start) {
+      line.insert(message.color_range_end, "\x1b[0m");
+      line.insert(message.color_range_start, colour_of(message.level));
+    }
+    lines_.put(std::move(line));
+  }
+  void flush_() override {}
+
+  LineWriter& lines_;
+  const bool colour_;
+};
+
+std::shared_ptr<spdlog::logger> make_logger(const char* name, LineWriter& lines, bool colour,
+                                            const char* pattern) {
+  auto made = std::make_shared<spdlog::logger>(name, std::make_shared<QueueSink>(lines, colour));
+  made->set_pattern(pattern);
+  return made;
+}
+
+// The writers are never destroyed: threads may log until the process is gone.
+LineWriter& error_lines() {
+  static auto& lines = *new LineWriter(STDERR_FILENO, [](std::uint64_t lost) {
+    return fmt::format("{} lines of the log are missing here: they could not be written in time\n",
+                       lost);
+  });
+  return lines;
+}
+
+LineWriter& trace_lines() {
+  static auto& lines = *new LineWriter(STDOUT_FILENO, [](std::uint64_t lost) {
+    return fmt::format(
+        "{} lines of the trace are missing here: they could not be written in time\n", lost);
+  });
+  return lines;
+}
+
+bool colourful(int fd) { return ::isatty(fd) == 1 && std::getenv("NO_COLOR") == nullptr; }
+
+spdlog::logger& logger() {
+  static auto& instance = *new std::shared_ptr<spdlog::logger>(make_logger(
+      "fieldcast", error_lines(), colourful(STDERR_FILENO), "%Y-%m-%dT%H:%M:%S.%e %^%l%$ %v"));
+  return *instance;
+}
+
+spdlog::logger& tracer() {
+  static auto& instance =
+      *new std::shared_ptr<spdlog::logger>(make_logger("trace", trace_lines(), false, "%v"));
+  return *instance;
+}
+
+std::mutex counted_mutex;  // of counted()
+LineBudget& counted() {
+  static auto& budget = *new LineBudget;
+  return budget;
+}
+
+std::string_view mark_text(TraceMark mark) {
+  switch (mark) {
+    case TraceMark::kSent: return ">>";
+    case TraceMark::kReceived: return "<<";
+    case TraceMark::kRemark: return "--";
+  }
+  return "--";
+}
+
+}  // namespace
+
+void open_log(LogLevel level) { logger().set_level(level_of(level)); }
+
+void log_line(LogLevel level, std::string_view place, std::string_view text) {
+  spdlog::logger& log = logger();
+  if (!log.should_log(level_of(level))) return;
+  log.log(level_of(level), "{}: {}", printable(place, kMaxPlace), printable(text));
+}
+
+void log_counted(LogLevel level, std::string_view place, std::string_view kind,
+                 std::string_view text) {
+  if (!logger().should_log(level_of(level))) return;
+  LineBudget::Verdict verdict;
+  {
+    const std::lock_guard lock(counted_mutex);
+    verdict = counted().occurred(kind, steady_now());
+  }
+  if (!verdict.log) return;
+  if (verdict.suppressed == 0) return log_line(level, place, text);
+  log_line(level, place, fmt::format("{} ({} more {} before)", text, verdict.suppressed, kind));
+}
+
+void log_summaries(Instant now) {
+  std::vector<LineBudget::Summary> summaries;
+  {
+    const std::lock_guard lock(counted_mutex);
+    summaries = counted().summaries(now);
+  }
+  for (const auto& summary : summaries)
+    log_warning("log", fmt::format("{}: {} more in {}", summary.kind, summary.suppressed,
+                                   to_text(LineBudget::kPeriod)));
+}
+
+void flush_log(Duration limit) {
+  const Instant end = steady_now() + limit;
+  (void)error_lines().flush(limit);
+  (void)trace_lines().flush(std::max(end - steady_now(), Duration::zero()));
+}
+
+void trace_line(UtcTime at, std::string_view bus, TraceMark mark, std::string_view text) {
+  const std::time_t seconds = static_cast<std::time_t>(at.nanoseconds / 1'000'000'000);
+  std::tm parts{};
+  gmtime_r(&seconds, &parts);
+  tracer().info("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:06}Z {} {} {}", parts.tm_year + 1900,
+                parts.tm_mon + 1, parts.tm_mday, parts.tm_hour, parts.tm_min, parts.tm_sec,
+                at.nanoseconds / 1000 % 1'000'000, bus, mark_text(mark), text);
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,91 @@
+#include "bridge/log/notice_log.hpp"
+
+#include <fmt/format.h>
+
+namespace fieldcast {
+namespace {
+
+std::string_view name_of(Notice::Kind kind) {
+  switch (kind) {
+    case Notice::Kind::kDeviceLost: return "device lost";
+    case Notice::Kind::kDeviceBack: return "device back";
+    case Notice::Kind::kDeviceErrors: return "errors";
+    case Notice::Kind::kAddressRefused: return "address refused";
+    case Notice::Kind::kOverload: return "overload";
+    case Notice::Kind::kOverloadEnded: return "overload ended";
+    case Notice::Kind::kEchoFound: return "echo";
+    case Notice::Kind::kGarbage: return "garbage";
+    case Notice::Kind::kGarbageEnded: return "garbage ended";
+  }
+  return "notice";
+}
+
+std::string key_of(Notice::Kind kind, const std::string& device) {
+  return fmt::format("{}/{}", device, name_of(kind));
+}
+
+}  // namespace
+
+void NoticeLog::notice(const Notice& notice, Instant now) {
+  const std::string place = place_of(notice.device);
+  switch (notice.kind) {
+    case Notice::Kind::kDeviceBack:
+      return over(key_of(Notice::Kind::kDeviceLost, notice.device), place, notice.text);
+    case Notice::Kind::kOverloadEnded:
+      return over(key_of(Notice::Kind::kOverload, notice.device), place, notice.text);
+    case Notice::Kind::kGarbageEnded:
+      return over(key_of(Notice::Kind::kGarbage, notice.device), place, notice.text);
+    case Notice::Kind::kEchoFound: return log_info(place, notice.text);
+    case Notice::Kind::kDeviceErrors:  // another cause is another fault, and so is another address
+      return fault(LogLevel::kWarning,
+                   fmt::format("{}/{}", key_of(notice.kind, notice.device), to_name(notice.cause)),
+                   place, notice.text, now);
+    case Notice::Kind::kAddressRefused:
+      return fault(LogLevel::kWarning,
+                   fmt::format("{}/{}", key_of(notice.kind, notice.device), notice.text), place,
+                   notice.text, now);
+    case Notice::Kind::kDeviceLost:
+    case Notice::Kind::kGarbage:
+    case Notice::Kind::kOverload:
+      return fault(LogLevel::kWarning, key_of(notice.kind, notice.device), place, notice.text, now);
+  }
+}
+
+void NoticeLog::port_opened() {
+  if (port_was_closed_) {
+    over("port", bus_, "the port is open");
+  } else {
+    log_info(bus_, "the port is open");
+  }
+  port_was_closed_ = false;
+}
+
+void NoticeLog::port_closed(const std::string& reason, Instant now) {
+  port_was_closed_ = true;
+  fault(LogLevel::kWarning, "port", bus_, "the port is closed: " + reason, now);
+}
+
+void NoticeLog::tick(Instant now) {
+  for (const auto& summary : filter_.summaries(now)) {
+    log_warning(bus_, fmt::format("{}: {} more times", summary.key, summary.suppressed));
+  }
+}
+
+void NoticeLog::fault(LogLevel level, const std::string& key, const std::string& place,
+                      const std::string& text, Instant now) {
+  const auto verdict = filter_.occurred(key, now);
+  if (!verdict.log) return;
+  log_line(level, place,
+           verdict.suppressed == 0
+               ? text
+               : fmt::format("{} ({} times since the last line)", text, verdict.suppressed + 1));
+}
+
+void NoticeLog::over(const std::string& key, const std::string& place, const std::string& text) {
+  const auto verdict = filter_.recovered(key);
+  log_info(place, verdict.suppressed == 0
+                      ? text
+                      : fmt::format("{} (after {} times)", text, verdict.suppressed + 1));
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,37 @@
+// What a bus has to say, as lines of the log: each fault once, then counted, summarised every ten
+// minutes and when it is over. Owned by one BusRunner, on its io thread.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "bridge/log/log.hpp"
+#include "bridge/log/repeat_filter.hpp"
+#include "core/bus/event.hpp"
+
+namespace fieldcast {
+
+class NoticeLog {
+ public:
+  explicit NoticeLog(std::string bus) : bus_(std::move(bus)) {}
+
+  void notice(const Notice& notice, Instant now);
+  void port_opened();
+  void port_closed(const std::string& reason, Instant now);
+  // Summaries of what was only counted; asked once a second.
+  void tick(Instant now);
+
+ private:
+  void fault(LogLevel level, const std::string& key, const std::string& place,
+             const std::string& text, Instant now);
+  void over(const std::string& key, const std::string& place, const std::string& text);
+  [[nodiscard]] std::string place_of(const std::string& device) const {
+    return device.empty() ? bus_ : bus_ + "/" + device;
+  }
+
+  std::string bus_;
+  RepeatFilter filter_;
+  bool port_was_closed_ = false;
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,164 @@
+#include "bridge/port/device_watch.hpp"
+
+#include <limits.h>
+#include <sys/inotify.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <boost/asio/io_context.hpp>
+#include <cstdlib>
+#include <deque>
+#include <filesystem>
+#include <utility>
+
+namespace fieldcast {
+namespace {
+
+namespace asio = boost::asio;
+namespace fs = std::filesystem;
+
+constexpr int kMaxLinks = 40;  // as the kernel allows on one way (path_resolution(7))
+constexpr std::uint32_t kEvents =
+    IN_CREATE | IN_MOVED_TO | IN_ATTRIB | IN_DELETE | IN_MOVED_FROM | IN_ONLYDIR;
+
+Duration since_epoch(const timespec& time) {
+  return std::chrono::seconds{time.tv_sec} + std::chrono::nanoseconds{time.tv_nsec};
+}
+
+}  // namespace
+
+std::vector<std::string> folders_on_the_way(const std::string& path) {
+  std::vector<std::string> folders;
+  std::error_code fault;
+  const fs::path whole = fs::absolute(path, fault);
+  std::deque<fs::path> rest(whole.begin(), whole.end());
+  fs::path at = "/";
+  for (int links = 0; !rest.empty() && !fault;) {
+    const fs::path part = rest.front();
+    rest.pop_front();
+    if (part.empty() || part == "/" || part == ".") continue;
+    if (part == "..") {
+      at = at.parent_path();
+      continue;
+    }
+    if (std::find(folders.begin(), folders.end(), at.string()) == folders.end())
+      folders.push_back(at.string());
+    const fs::path next = at / part;
+    const auto status = fs::symlink_status(next, fault);
+    if (fault || !fs::exists(status)) break;
+    if (!fs::is_symlink(status)) {
+      at = next;
+      continue;
+    }
+    if (++links > kMaxLinks) break;
+    const fs::path target = fs::read_symlink(next, fault);
+    if (target.is_absolute()) at = "/";
+    rest.insert(rest.begin(), target.begin(), target.end());
+  }
+  return folders;
+}
+
+std::optional<DeviceWatch::Identity> DeviceWatch::identity_of(const std::string& path) {
+  struct stat file {};
+  if (::stat(path.c_str(), &file) != 0) return std::nullopt;
+  return Identity{file.st_dev,
+                  file.st_rdev,
+                  file.st_ino,
+                  file.st_mode,
+                  file.st_uid,
+                  file.st_gid,
+                  since_epoch(file.st_ctim)};
+}
+
+// From start() to stop(). Handlers hold it; once over_ is set they do nothing.
+class DeviceWatch::Watching : public std::enable_shared_from_this<Watching> {
+ public:
+  Watching(asio::io_context& io, const std::string& path, const std::function<void()>& came,
+           std::optional<Identity> last)
+      : path_(path), came_(came), last_(last), stream_(io), timer_(io) {}
+
+  void start() {
+    const int fd = ::inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
+    if (fd >= 0) {
+      stream_.assign(fd);
+      watch_folders();
+      listen();
+    }
+    look_in(kSettle);
+  }
+
+  void stop() {
+    over_ = true;
+    timer_.cancel();
+    boost::system::error_code ignored;
+    stream_.close(ignored);
+  }
+
+ private:
+  // Again after each change: folders come and go. A folder that is watched already stays one watch.
+  void watch_folders() {
+    for (const std::string& folder : folders_on_the_way(path_))
+      ::inotify_add_watch(stream_.native_handle(), folder.c_str(), kEvents);
+  }
+
+  void listen() {
+    stream_.async_wait(
+        asio::posix::stream_descriptor::wait_read,
+        [self = shared_from_this()](boost::system::error_code fault) {
+          if (self->over_ || fault) return;
+          std::array<char, 4096> events;  // only that there were some matters
+          while (::read(self->stream_.native_handle(), events.data(), events.size()) > 0) {}
+          self->watch_folders();
+          self->look_in(kSettle);
+          self->listen();
+        });
+  }
+
+  // Not later for the events that come meanwhile: a folder may never rest.
+  void look_in(Duration wait) {
+    if (std::exchange(looking_, true)) return;
+    timer_.expires_after(wait);
+    timer_.async_wait([self = shared_from_this()](boost::system::error_code cancelled) {
+      if (self->over_ || cancelled) return;
+      self->looking_ = false;
+      if (!self->stream_.is_open()) self->look_in(kLook);
+      self->look();
+    });
+  }
+
+  void look() {
+    const auto found = identity_of(path_);
+    if (!found) last_.reset();
+    if (!found || found == last_) return;
+    last_ = found;
+    came_();
+  }
+
+  const std::string path_;
+  const std::function<void()> came_;
+  std::optional<Identity> last_;
+  asio::posix::stream_descriptor stream_;
+  asio::steady_timer timer_;
+  bool looking_ = false;  // soon
+  bool over_ = false;
+};
+
+DeviceWatch::DeviceWatch(asio::io_context& io, std::string path, std::function<void()> came)
+    : io_(io), path_(std::move(path)), came_(std::move(came)) {}
+
+DeviceWatch::~DeviceWatch() { stop(); }
+
+void DeviceWatch::start(std::optional<Identity> last) {
+  if (watching_) return;
+  watching_ = std::make_shared<Watching>(io_, path_, came_, last);
+  watching_->start();
+}
+
+void DeviceWatch::stop() {
+  if (!watching_) return;
+  watching_->stop();
+  watching_.reset();
+}
+
+}  // namespace fieldcast

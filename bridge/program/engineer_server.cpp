@@ -1,0 +1,127 @@
+#include "bridge/program/engineer_server.hpp"
+
+#include <fmt/format.h>
+
+#include <boost/asio/io_context.hpp>
+
+#include "bridge/bus/clock.hpp"
+#include "bridge/log/log.hpp"
+#include "bridge/port/connection.hpp"
+#include "bridge/program/tls.hpp"
+
+namespace fieldcast::program {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+
+EngineerRules rules_of(const EngineersSpec& spec) {
+  EngineerRules rules;
+  rules.login_needed = spec.login == LoginRule::kAlways || !on_loopback(spec.listen);
+  rules.heartbeat = spec.heartbeat;
+  rules.idle = spec.idle;
+  rules.handshake = spec.handshake;
+  return rules;
+}
+
+EngineerServer::EngineerServer(asio::io_context& io, EngineersSpec spec,
+                               std::shared_ptr<DeviceRegistry> devices, const Hooks& hooks)
+    : io_(io),
+      spec_(std::move(spec)),
+      hooks_(hooks),
+      around_{io, std::move(devices), hooks,
+              [this](const auto& over) {
+                silent_.remove(tickets_[over.get()]);
+                tickets_.erase(over.get());
+                clients_.erase(over);
+                if (clients_.empty() && closed_) std::exchange(closed_, {})();
+              },
+              [this](const auto& proven) { silent_.remove(tickets_[proven.get()]); }},
+      rules_(rules_of(spec_)),
+      listener_(io, [this](tcp::socket socket) { came(std::move(socket)); }),
+      ticking_(io) {}
+
+EngineerServer::~EngineerServer() = default;
+
+tl::expected<void, std::string> EngineerServer::listen() {
+  if (!spec_.certificate.empty()) {
+    auto made = TlsServer::make(spec_.certificate, spec_.key);
+    if (!made) return tl::make_unexpected(made.error());
+    tls_ = std::move(*made);
+  }
+  auto listening = listener_.open(spec_.listen);
+  if (!listening) return listening;
+  tick();
+  return {};
+}
+
+std::uint16_t EngineerServer::port() const { return listener_.port(); }
+
+void EngineerServer::came(tcp::socket socket) {
+  const std::string address = address_of(socket);
+  if (clients_.size() + greeting_ >= kMaxClients && !silent_.cut_one())
+    return refuse(address, "too many clients are connected");
+  boost::system::error_code ignored;
+  socket.non_blocking(true, ignored);
+  tune_socket(socket.native_handle(), kTunnelPatience);
+  if (!tls_) return welcome(socket_stream(std::move(socket)), address);
+  ++greeting_;
+  const auto ticket = std::make_shared<SilentConnections::Ticket>();
+  const auto cut = tls_->shake_hands(std::move(socket), rules_.handshake,
+                                     [this, address, ticket](TlsResult stream) {
+                                       --greeting_;
+                                       if (!silent_.remove(*ticket)) return;  // it was displaced
+                                       if (!stream) return refuse(address, stream.error());
+                                       if (!closing_) welcome(std::move(*stream), address);
+                                     });
+  *ticket = silent_.add(host_of(address), [this, cut, address] {
+    cut();
+    displaced(address);
+  });
+}
+
+void EngineerServer::welcome(std::unique_ptr<ByteStream> stream, const std::string& address) {
+  const auto client =
+      std::make_shared<EngineerConnection>(around_, std::move(stream), address, rules_);
+  clients_.insert(client);
+  tickets_[client.get()] =
+      silent_.add(host_of(address), [this, weak = std::weak_ptr(client), address] {
+        if (const auto silent = weak.lock()) silent->displace();
+        displaced(address);
+      });
+  client->start();
+}
+
+// Told once, then counted: whoever floods the port does not flood log and audit.
+void EngineerServer::displaced(const std::string& address) {
+  const auto verdict = displacements_.occurred("silent", steady_now());
+  if (!verdict.log) return;
+  const std::string more =
+      verdict.suppressed == 0 ? "" : fmt::format(" ({} more before)", verdict.suppressed);
+  refuse(address, "too many connections that say nothing; the oldest goes" + more);
+}
+
+void EngineerServer::refuse(const std::string& address, const std::string& reason) {
+  log_counted(LogLevel::kWarning, "program", "connections refused", address + ": " + reason);
+  if (hooks_.audit) hooks_.audit({address, "", 0, 0, "refused: " + reason});
+}
+
+void EngineerServer::tick() {
+  for (const auto& client : clients_) client->tick();
+  ticking_.expires_after(std::chrono::seconds{1});
+  ticking_.async_wait([this](boost::system::error_code cancelled) {
+    if (!cancelled && !closing_) tick();
+  });
+}
+
+void EngineerServer::close(const std::string& reason, std::function<void()> done) {
+  closing_ = true;
+  listener_.close();
+  ticking_.cancel();
+  if (tls_) tls_->close();
+  if (clients_.empty()) return done();
+  closed_ = std::move(done);
+  const auto clients = clients_;
+  for (const auto& client : clients) client->end(reason);
+}
+
+}  // namespace fieldcast::program

@@ -1,0 +1,277 @@
+#include "bridge/program/module_server.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+
+#include <array>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+
+#include "bridge/bus/clock.hpp"
+#include "bridge/log/log.hpp"
+#include "bridge/port/connection.hpp"
+
+namespace fieldcast::program {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+
+// A module whose number is being asked for. Handlers hold it; once over_ is set they do nothing.
+class ModuleServer::Asked : public std::enable_shared_from_this<Asked> {
+ public:
+  SilentConnections::Ticket ticket = 0;
+
+  Asked(ModuleServer& server, tcp::socket socket, std::string address)
+      : server_(server),
+        socket_(std::move(socket)),
+        timer_(server.io_),
+        registration_(server.spec_.registration),
+        address_(std::move(address)) {}
+
+  void start() {
+    boost::system::error_code ignored;
+    socket_.non_blocking(true, ignored);
+    tune_socket(socket_.native_handle());
+    follow(registration_.start(steady_now()));
+    read();
+  }
+  void close() {
+    over_ = true;
+    timer_.cancel();
+    boost::system::error_code ignored;
+    socket_.close(ignored);
+  }
+
+ private:
+  void read() {
+    if (over_) return;
+    socket_.async_read_some(
+        asio::buffer(buffer_),
+        [self = shared_from_this()](boost::system::error_code fault, std::size_t count) {
+          if (self->over_) return;
+          if (fault) return self->end("the module is gone before it told its number");
+          self->follow(
+              self->registration_.on_bytes(ByteView(self->buffer_.data(), count), steady_now()));
+          self->read();
+        });
+  }
+
+  void follow(Registration::Outcome outcome) {
+    if (!outcome.send.empty() &&
+        ::send(socket_.native_handle(), outcome.send.data(), outcome.send.size(), MSG_NOSIGNAL) !=
+            static_cast<ssize_t>(outcome.send.size())) {
+      return end("the module takes no question");
+    }
+    if (outcome.fault) return end(*outcome.fault);
+    if (outcome.number) {
+      over_ = true;
+      timer_.cancel();
+      const auto self = shared_from_this();
+      server_.silent_.remove(ticket);
+      server_.asked_.erase(self);
+      return server_.registered(*outcome.number, std::move(socket_), address_);
+    }
+    timer_.expires_at(std::chrono::steady_clock::time_point{outcome.wake.time_since_epoch()});
+    timer_.async_wait([self = shared_from_this()](boost::system::error_code cancelled) {
+      if (!cancelled && !self->over_) self->follow(self->registration_.on_timer(steady_now()));
+    });
+  }
+
+  void end(const std::string& reason) {
+    const auto self = shared_from_this();
+    close();
+    server_.silent_.remove(ticket);
+    server_.refused(address_, reason);
+    server_.asked_.erase(self);
+  }
+
+  ModuleServer& server_;
+  tcp::socket socket_;
+  asio::steady_timer timer_;
+  Registration registration_;
+  std::string address_;
+  bool over_ = false;
+  std::array<std::uint8_t, 256> buffer_;
+};
+
+// A registered module that is no bus. While nobody programs it, what it says is dropped and its
+// loss noticed.
+class ModuleServer::Kept : public std::enable_shared_from_this<Kept> {
+ public:
+  Kept(ModuleServer& server, std::string number, tcp::socket socket)
+      : server_(server), number_(std::move(number)), socket_(std::move(socket)) {}
+
+  void listen() {
+    if (over_ || lent_ || std::exchange(listening_, true)) return;
+    socket_.async_wait(
+        tcp::socket::wait_read, [self = shared_from_this()](boost::system::error_code fault) {
+          self->listening_ = false;
+          if (self->over_ || self->lent_) return;
+          std::array<std::uint8_t, 1024> dropped;
+          const ssize_t size = fault ? -1
+                                     : ::recv(self->socket_.native_handle(), dropped.data(),
+                                              dropped.size(), MSG_DONTWAIT);
+          if (size == 0 || (size < 0 && (fault || (errno != EAGAIN && errno != EINTR))))
+            return self->lost();
+          self->listen();
+        });
+  }
+  FileDescriptor lend(std::function<void(std::string)> revoked) {
+    if (over_ || lent_) return {};
+    lent_ = true;
+    revoked_ = std::move(revoked);
+    return FileDescriptor(::fcntl(socket_.native_handle(), F_DUPFD_CLOEXEC, 0));
+  }
+  void take_back(bool lost_now) {
+    if (!std::exchange(lent_, false)) return;
+    revoked_ = {};
+    tune_socket(socket_.native_handle());  // the session had its own patience
+    lost_now ? lost() : listen();
+  }
+  // The connection goes on elsewhere; invalid while it is lent.
+  FileDescriptor release() {
+    if (lent_ || std::exchange(over_, true)) return {};
+    boost::system::error_code fault;
+    const int fd = socket_.release(fault);
+    return fault ? FileDescriptor{} : FileDescriptor(fd);
+  }
+  void close(const std::string& reason) {
+    if (std::exchange(over_, true)) return;
+    boost::system::error_code ignored;
+    socket_.close(ignored);
+    if (const auto revoked = std::exchange(revoked_, {})) revoked(reason);
+  }
+
+ private:
+  void lost() {
+    log_counted(LogLevel::kInfo, "modules", "lines about module " + number_,
+                "module " + number_ + " is gone");
+    const auto self = shared_from_this();
+    close("the module is gone");
+    const auto found = server_.kept_.find(number_);
+    if (found != server_.kept_.end() && found->second == self) server_.kept_.erase(found);
+  }
+
+  ModuleServer& server_;
+  std::string number_;
+  tcp::socket socket_;
+  std::function<void(std::string)> revoked_;
+  bool over_ = false, lent_ = false, listening_ = false;
+};
+
+ModuleServer::ModuleServer(asio::io_context& io, DialInRegistry& registry, const Hooks& hooks)
+    : io_(io), registry_(registry), hooks_(hooks) {}
+
+ModuleServer::~ModuleServer() { close(); }
+
+tl::expected<void, std::string> ModuleServer::listen(const ModulesSpec& spec) {
+  const bool same_place = listener_ && spec.listen == spec_.listen;
+  spec_ = spec;
+  if (same_place) return {};
+  listener_.reset();
+  auto made =
+      std::make_unique<Listener>(io_, [this](tcp::socket socket) { came(std::move(socket)); });
+  auto listening = made->open(spec_.listen);
+  if (listening) listener_ = std::move(made);
+  return listening;
+}
+
+std::uint16_t ModuleServer::port() const {
+  return listener_ ? listener_->port() : std::uint16_t{0};
+}
+
+void ModuleServer::came(tcp::socket socket) {
+  const std::string address = address_of(socket);
+  const auto asked = std::make_shared<Asked>(*this, std::move(socket), address);
+  asked->ticket = silent_.add(host_of(address), [this, weak = std::weak_ptr(asked), address] {
+    const auto oldest = weak.lock();
+    if (!oldest) return;
+    oldest->close();
+    asked_.erase(oldest);
+    displaced(address);
+  });
+  asked_.insert(asked);
+  asked->start();
+}
+
+// Told once, then counted.
+void ModuleServer::displaced(const std::string& address) {
+  const auto verdict = displacements_.occurred("silent", steady_now());
+  if (!verdict.log) return;
+  const std::string more =
+      verdict.suppressed == 0 ? "" : fmt::format(" ({} more before)", verdict.suppressed);
+  refused(address, "too many modules have not told their number; the oldest goes" + more);
+}
+
+void ModuleServer::registered(const std::string& number, tcp::socket socket,
+                              const std::string& address) {
+  log_counted(LogLevel::kInfo, "modules", "lines about module " + number,
+              fmt::format("module {} dialled in from {}", number, address));
+  boost::system::error_code fault;
+  FileDescriptor released(socket.release(fault));
+  if (fault) return;
+  place(number, std::move(released), address);
+}
+
+void ModuleServer::keep(const std::string& number, FileDescriptor socket) {
+  if (!kept_.contains(number)) place(number, std::move(socket), "a bus that is gone");
+}
+
+// To the bus of this number, or among the kept ones; in both cases it replaces the one before.
+void ModuleServer::place(const std::string& number, FileDescriptor socket,
+                         const std::string& address) {
+  if (closed_) return;
+  auto ours = registry_.offer(number, std::move(socket));
+  if (const auto before = kept_.find(number); before != kept_.end()) {
+    const auto old = before->second;
+    kept_.erase(before);
+    old->close("the module dialled in anew");
+  }
+  if (!ours) return;
+  auto adopted = adopt_socket(io_, std::move(*ours));
+  if (!adopted) return;
+  if (kept_.size() >= kMaxKept)
+    return refused(address, fmt::format("module {} is one too many without a bus", number));
+  const auto module = std::make_shared<Kept>(*this, number, std::move(*adopted));
+  kept_.emplace(number, module);
+  module->listen();
+}
+
+FileDescriptor ModuleServer::hand_over(const std::string& number) {
+  const auto found = kept_.find(number);
+  if (found == kept_.end()) return {};
+  const auto module = found->second;
+  FileDescriptor socket = module->release();
+  if (socket.valid()) kept_.erase(number);
+  return socket;
+}
+
+void ModuleServer::refused(const std::string& address, const std::string& reason) {
+  log_counted(LogLevel::kWarning, "modules", "connections refused", address + ": " + reason);
+  if (hooks_.audit) hooks_.audit({address, "", 0, 0, "module turned away: " + reason});
+}
+
+FileDescriptor ModuleServer::lend(const std::string& number,
+                                  std::function<void(std::string)> revoked) {
+  const auto found = kept_.find(number);
+  return found == kept_.end() ? FileDescriptor{} : found->second->lend(std::move(revoked));
+}
+
+void ModuleServer::take_back(const std::string& number, bool lost) {
+  const auto found = kept_.find(number);
+  if (found == kept_.end()) return;
+  const auto module = found->second;
+  module->take_back(lost);
+  if (lost || !registry_.expects(number)) return;
+  if (FileDescriptor socket = hand_over(number); socket.valid())
+    registry_.pass_on(number, std::move(socket));
+}
+
+void ModuleServer::close() {
+  if (std::exchange(closed_, true)) return;
+  listener_.reset();
+  for (const auto& asked : std::exchange(asked_, {})) asked->close();
+  for (const auto& [number, module] : std::exchange(kept_, {})) module->close("the bridge stops");
+}
+
+}  // namespace fieldcast::program

@@ -1,0 +1,74 @@
+// Where serial-to-network modules dial in: asks each for its device number and hands its socket to
+// the bus of that number; a module that is nobody's bus stays here, to be programmed, until a bus
+// of its number comes. A reload changes where it listens and how it asks; modules that are
+// connected stay. Lives on the server's io thread.
+#pragma once
+
+#include <boost/asio/ip/tcp.hpp>
+#include <map>
+#include <memory>
+#include <string>
+#include <tl/expected.hpp>
+#include <unordered_set>
+
+#include "bridge/log/repeat_filter.hpp"
+#include "bridge/port/dial_in_registry.hpp"
+#include "bridge/program/hooks.hpp"
+#include "bridge/program/listener.hpp"
+#include "bridge/program/silent_connections.hpp"
+#include "core/model/spec.hpp"
+
+namespace fieldcast::program {
+
+class ModuleServer {
+ public:
+  // Modules whose number is not known yet, in all and from one address, behind which there may be
+  // many; one more displaces the oldest.
+  static constexpr std::size_t kMaxAsked = 256, kMaxAskedOfOne = 128;
+  static constexpr std::size_t kMaxKept = 1024;  // modules without a bus
+
+  ModuleServer(boost::asio::io_context& io, DialInRegistry& registry, const Hooks& hooks);
+  ~ModuleServer();
+
+  // Listens there from now on, and nowhere else. The error is one line: why nobody can dial in;
+  // then it listens nowhere.
+  [[nodiscard]] tl::expected<void, std::string> listen(const ModulesSpec& spec);
+  [[nodiscard]] std::uint16_t port() const;  // listened at; 0: nowhere
+  // Lets every module go.
+  void close();
+
+  // A module whose number no bus is there for any more; one that dialled in since is newer.
+  void keep(const std::string& number, FileDescriptor socket);
+  // The socket of a kept module, for the bus that has come for it; invalid when there is none, or
+  // while it is lent: it goes to its bus when it is taken back.
+  [[nodiscard]] FileDescriptor hand_over(const std::string& number);
+
+  // A module without a bus, for a programming session: a descriptor of its socket, invalid when
+  // there is none of this number. `revoked`: it dialled in anew, or the server closes.
+  [[nodiscard]] FileDescriptor lend(const std::string& number,
+                                    std::function<void(std::string reason)> revoked);
+  void take_back(const std::string& number, bool lost);
+
+ private:
+  class Asked;
+  class Kept;
+  void came(boost::asio::ip::tcp::socket socket);
+  void registered(const std::string& number, boost::asio::ip::tcp::socket socket,
+                  const std::string& address);
+  void place(const std::string& number, FileDescriptor socket, const std::string& address);
+  void refused(const std::string& address, const std::string& reason);
+  void displaced(const std::string& address);
+
+  boost::asio::io_context& io_;
+  ModulesSpec spec_;
+  DialInRegistry& registry_;
+  const Hooks& hooks_;
+  std::unique_ptr<Listener> listener_;  // null: nowhere
+  std::unordered_set<std::shared_ptr<Asked>> asked_;
+  SilentConnections silent_{kMaxAsked, kMaxAskedOfOne};  // they
+  RepeatFilter displacements_;
+  std::map<std::string, std::shared_ptr<Kept>> kept_;
+  bool closed_ = false;
+};
+
+}  // namespace fieldcast::program

@@ -1,0 +1,81 @@
+#include "bridge/standby/bus_claims.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+namespace fieldcast {
+namespace {
+
+// Smaller goes first.
+auto rank(const BusClaim& claim, const std::string& id) {
+  return std::tuple(!claim.serving, claim.since, id);
+}
+
+}  // namespace
+
+void BusClaims::hear(const std::string& id, BridgeClaims claims) {
+  others_[id] = {std::move(claims), true};
+}
+
+void BusClaims::set_alive(const std::string& id, bool alive) {
+  if (const auto other = others_.find(id); other != others_.end()) other->second.alive = alive;
+}
+
+void BusClaims::forget(const std::string& id) { others_.erase(id); }
+
+std::map<std::string, std::string> BusClaims::processes() const {
+  std::map<std::string, std::string> processes;
+  for (const auto& [id, other] : others_) {
+    if (other.alive) processes[id] = other.claims.process;
+  }
+  return processes;
+}
+
+void BusClaims::want(const std::vector<std::string>& buses, UtcTime now) {
+  std::erase_if(own_, [&](const auto& claim) {
+    return std::find(buses.begin(), buses.end(), claim.first) == buses.end();
+  });
+  for (const std::string& bus : buses) own_.try_emplace(bus, BusClaim{now, false});
+}
+
+std::optional<BridgeClaims> BusClaims::rival(const std::string& bus) const {
+  auto first = rank(own_.at(bus), id_);
+  const BridgeClaims* found = nullptr;
+  for (const auto& [id, other] : others_) {
+    const auto claim = other.claims.buses.find(bus);
+    if (!other.alive || claim == other.claims.buses.end()) continue;
+    if (const auto its = rank(claim->second, id); its < first) {
+      first = its;
+      found = &other.claims;
+    }
+  }
+  return found == nullptr ? std::nullopt : std::optional(*found);
+}
+
+bool BusClaims::decide() {
+  bool changed = false;
+  for (auto& [bus, claim] : own_) {
+    const bool serving = !rival(bus);
+    changed |= serving != claim.serving;
+    claim.serving = serving;
+  }
+  return changed;
+}
+
+bool BusClaims::serves(const std::string& bus) const {
+  const auto claim = own_.find(bus);
+  return claim != own_.end() && claim->second.serving;
+}
+
+std::set<std::string> BusClaims::contested() const {
+  std::set<std::string> found;
+  for (const auto& [id, other] : others_) {
+    if (!other.alive) continue;
+    for (const auto& [bus, claim] : other.claims.buses) {
+      if (claim.serving && serves(bus)) found.insert(bus);
+    }
+  }
+  return found;
+}
+
+}  // namespace fieldcast

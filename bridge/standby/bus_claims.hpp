@@ -1,0 +1,76 @@
+// Which bridge serves a bus when several of one domain name it: each tells the others what it wants
+// and what it serves (topic fieldcast/Bridge), and each decides by the same rule. Pure; one owner.
+//
+// The rule: a bridge that serves goes before one that waits; of two that both serve or both wait,
+// the one that has wanted the bus for longer; of two that began at the same instant, the one with
+// the smaller identity. So clocks that differ change who is first of several that begin together,
+// never who goes on.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/base/time.hpp"
+
+namespace fieldcast {
+
+struct BusClaim {
+  UtcTime since;         // when its bridge first wanted it
+  bool serving = false;  // else it waits for another bridge
+  friend bool operator==(const BusClaim&, const BusClaim&) = default;
+};
+
+// What a bridge tells the others.
+struct BridgeClaims {
+  std::string bridge;   // its name
+  std::string host;     // for people
+  std::string process;  // see process_identity.hpp
+  UtcTime since;        // when it joined the domain
+  std::map<std::string, BusClaim> buses;
+  friend bool operator==(const BridgeClaims&, const BridgeClaims&) = default;
+};
+
+class BusClaims {
+ public:
+  // `id`: of this bridge in DDS, unique in the domain. Others are told apart by theirs.
+  explicit BusClaims(std::string id = {}) : id_(std::move(id)) {}
+  void set_id(std::string id) { id_ = std::move(id); }
+
+  // ---- the others
+
+  void hear(const std::string& id, BridgeClaims claims);  // in place of what it said before
+  // It is silent (its lease is over) or is heard again; of no effect for one never heard.
+  void set_alive(const std::string& id, bool alive);
+  void forget(const std::string& id);
+  // Others whose process runs where this one does, for set_alive().
+  [[nodiscard]] std::map<std::string, std::string> processes() const;
+
+  // ---- this bridge
+
+  // Wants these buses, from now on those that are new. One it does not want any more is free.
+  void want(const std::vector<std::string>& buses, UtcTime now);
+  // The bridge that keeps this one from serving a bus, and what it said; nothing: none does.
+  // REQUIRES: the bus is wanted.
+  [[nodiscard]] std::optional<BridgeClaims> rival(const std::string& bus) const;
+  // Decides anew for each wanted bus whether this bridge serves it. True if something changed,
+  // which the others must hear.
+  bool decide();
+  [[nodiscard]] const std::map<std::string, BusClaim>& buses() const { return own_; }
+  [[nodiscard]] bool serves(const std::string& bus) const;
+  // The buses that this bridge serves and another one as well: until one of both has heard of it.
+  [[nodiscard]] std::set<std::string> contested() const;
+
+ private:
+  struct Other {
+    BridgeClaims claims;
+    bool alive = true;
+  };
+  std::string id_;
+  std::map<std::string, BusClaim> own_;
+  std::map<std::string, Other> others_;
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,166 @@
+#include "bridge/standby/bus_guard.hpp"
+
+#include <fmt/format.h>
+#include <pthread.h>
+
+#include <utility>
+
+#include "bridge/standby/process_identity.hpp"
+
+namespace fieldcast {
+namespace {
+
+constexpr Duration kAgain = std::chrono::milliseconds{50};
+
+}  // namespace
+
+BusGuard::BusGuard(std::string bridge, Handlers handlers) : handlers_(std::move(handlers)) {
+  own_.bridge = std::move(bridge);
+  own_.host = own_host_name();
+  own_.process = own_process_identity();
+  own_.since = handlers_.now();
+}
+
+BusGuard::~BusGuard() { end(); }
+
+void BusGuard::found(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  silent_.insert(id);
+}
+
+void BusGuard::hear(const std::string& id, BridgeClaims claims) {
+  const std::lock_guard lock(mutex_);
+  silent_.erase(id);
+  claims_.hear(id, std::move(claims));
+  dirty_ = true;
+  news_.notify_all();
+}
+
+void BusGuard::set_alive(const std::string& id, bool alive) {
+  const std::lock_guard lock(mutex_);
+  claims_.set_alive(id, alive);
+  dirty_ = true;
+  news_.notify_all();
+}
+
+void BusGuard::lost(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  silent_.erase(id);
+  claims_.forget(id);
+  dirty_ = true;
+  news_.notify_all();
+}
+
+void BusGuard::want(const std::string& id, const std::vector<std::string>& buses) {
+  {
+    const std::lock_guard lock(mutex_);
+    claims_.set_id(id);
+    claims_.want(buses, handlers_.now());
+    if (settled_) (void)claims_.decide();
+  }
+  announce();
+}
+
+void BusGuard::settle(const std::function<bool()>& give_up) {
+  std::unique_lock lock(mutex_);
+  const auto began = std::chrono::steady_clock::now();
+  const auto all_heard = [&] {
+    const auto waited = std::chrono::steady_clock::now() - began;
+    return waited >= (silent_.empty() ? kSettle : kLongestSettle);
+  };
+  while (!all_heard() && !give_up()) news_.wait_for(lock, kAgain);
+  lock.unlock();
+  look_at_processes();
+  lock.lock();
+  settled_ = true;
+  (void)claims_.decide();
+  contested_ = claims_.contested();
+  lock.unlock();
+  announce();
+}
+
+bool BusGuard::serves(const std::string& bus) const {
+  const std::lock_guard lock(mutex_);
+  return claims_.serves(bus);
+}
+
+std::string BusGuard::rival(const std::string& bus) const {
+  const std::lock_guard lock(mutex_);
+  const auto rival = claims_.rival(bus);
+  return rival ? fmt::format("bridge '{}' on host {}", rival->bridge, rival->host) : "no bridge";
+}
+
+bool BusGuard::decide() {
+  const bool changed = claims_.decide();
+  const auto contested = claims_.contested();
+  for (const std::string& bus : std::exchange(contested_, contested)) {
+    if (!contested.contains(bus) && claims_.serves(bus)) uncontested_.insert(bus);
+  }
+  changed_ |= changed || !uncontested_.empty();
+  return changed;
+}
+
+void BusGuard::announce() {
+  const std::lock_guard one(announcing_);
+  BridgeClaims claims;
+  {
+    const std::lock_guard lock(mutex_);
+    claims = own_;
+    claims.buses = claims_.buses();
+  }
+  handlers_.announce(claims);
+}
+
+void BusGuard::watch() {
+  thread_ = std::thread([this] { run(); });
+}
+
+void BusGuard::end() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+    news_.notify_all();
+  }
+  if (thread_.joinable()) thread_.join();
+}
+
+void BusGuard::run() {
+  pthread_setname_np(pthread_self(), "claims");
+  std::unique_lock lock(mutex_);
+  while (!ending_) {
+    if (std::exchange(dirty_, false) && decide()) {
+      lock.unlock();
+      announce();
+      lock.lock();
+      continue;
+    }
+    if (std::exchange(changed_, false)) {
+      const auto uncontested = std::exchange(uncontested_, {});
+      lock.unlock();
+      const bool done = handlers_.changed(uncontested);
+      lock.lock();
+      if (done) continue;
+      changed_ = true;
+      uncontested_.insert(uncontested.begin(), uncontested.end());
+      news_.wait_for(lock, kAgain, [this] { return ending_; });
+      continue;
+    }
+    news_.wait_for(lock, kLook, [this] { return ending_ || dirty_; });
+    lock.unlock();
+    look_at_processes();
+    lock.lock();
+  }
+}
+
+void BusGuard::look_at_processes() {
+  std::map<std::string, std::string> processes;
+  {
+    const std::lock_guard lock(mutex_);
+    processes = claims_.processes();
+  }
+  for (const auto& [id, process] : processes) {
+    if (has_ended(process)) lost(id);
+  }
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,80 @@
+// Sees to it that a bus is served by one bridge of the domain: tells the others what this one wants
+// and serves, hears them, and decides (bus_claims.hpp). Functions may be called from any thread.
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "bridge/standby/bus_claims.hpp"
+
+namespace fieldcast {
+
+class BusGuard {
+ public:
+  // How long others have to be found at the start: discovery takes up to 0.9 s. Longer if one is
+  // found that has not said yet what it serves.
+  static constexpr Duration kSettle = std::chrono::seconds{1};
+  static constexpr Duration kLongestSettle = std::chrono::seconds{3};
+  // Between two looks at whether the process of another bridge, under the same kernel, still runs.
+  static constexpr Duration kLook = std::chrono::milliseconds{500};
+
+  struct Handlers {
+    std::function<void(const BridgeClaims&)> announce;  // tells the others; one call at a time
+    // serves() may say something else now; `uncontested` are buses that another bridge served as
+    // well and does not any more. On the guard's thread, after watch(). False: not now, again in a
+    // moment.
+    std::function<bool(const std::set<std::string>& uncontested)> changed;
+    std::function<UtcTime()> now;
+  };
+  BusGuard(std::string bridge, Handlers handlers);
+  ~BusGuard();  // end()
+  BusGuard(const BusGuard&) = delete;
+  BusGuard& operator=(const BusGuard&) = delete;
+
+  // ---- the others, as DDS finds them
+
+  void found(const std::string& id);  // it has not said anything yet
+  void hear(const std::string& id, BridgeClaims claims);
+  void set_alive(const std::string& id, bool alive);
+  void lost(const std::string& id);
+
+  // ---- this bridge
+
+  // Wants these buses and no others; `id` is its own in DDS. What it serves is decided by settle(),
+  // or by itself once that was called.
+  void want(const std::string& id, const std::vector<std::string>& buses);
+  // Waits until the others can have been heard, or until `give_up` says so, then decides. At most
+  // kLongestSettle; once.
+  void settle(const std::function<bool()>& give_up);
+  [[nodiscard]] bool serves(const std::string& bus) const;
+  // The one that serves a bus in place of this bridge, for people: "bridge 'b' on host h".
+  [[nodiscard]] std::string rival(const std::string& bus) const;
+
+  void watch();  // from here on changed() is called
+  void end();    // and from here on no more
+
+ private:
+  void run();
+  void look_at_processes();
+  [[nodiscard]] bool decide();  // true: others must hear of it. REQUIRES: mutex_ held.
+  void announce();              // REQUIRES: mutex_ not held, as it enters DDS
+
+  const Handlers handlers_;
+  std::mutex announcing_;  // before mutex_
+  mutable std::mutex mutex_;
+  std::condition_variable news_;
+  BridgeClaims own_;  // without its buses
+  BusClaims claims_;
+  std::set<std::string> silent_;       // found, and not heard yet
+  std::set<std::string> contested_;    // as of the last decision
+  std::set<std::string> uncontested_;  // since changed() was called
+  bool settled_ = false, dirty_ = false, changed_ = false, ending_ = false;
+  std::thread thread_;
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,72 @@
+#include "bridge/standby/process_identity.hpp"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <sstream>
+
+namespace fieldcast {
+namespace {
+
+std::string boot() {
+  std::string id;
+  std::getline(std::ifstream("/proc/sys/kernel/random/boot_id"), id);
+  return id;
+}
+
+std::string pid_namespace() {
+  std::error_code ignored;
+  return std::filesystem::read_symlink("/proc/self/ns/pid", ignored).string();  // "pid:[402653]"
+}
+
+// Ticks after the boot at which the process began; nothing when it cannot be seen, empty for the
+// remains of one that has ended. proc(5), /proc/pid/stat: "pid (name) state .. starttime", where
+// the name may hold anything.
+std::optional<std::string> start_of(const std::string& pid) {
+  constexpr int kState = 3, kStartTime = 22;
+  std::string line, field, state;
+  std::getline(std::ifstream("/proc/" + pid + "/stat"), line);
+  const auto name_end = line.rfind(')');
+  if (name_end == std::string::npos) return std::nullopt;
+  std::istringstream fields(line.substr(name_end + 1));
+  for (int number = kState; number <= kStartTime && fields >> field; ++number) {
+    if (number == kState) state = field;
+  }
+  return state == "Z" || state == "X" ? std::string{} : field;
+}
+
+}  // namespace
+
+std::string own_process_identity() {
+  const std::string pid = std::to_string(::getpid());
+  return fmt::format("{}/{}/{}/{}", boot(), pid_namespace(), pid, start_of(pid).value_or(""));
+}
+
+bool has_ended(const std::string& identity) {
+  const std::string here = fmt::format("{}/{}/", boot(), pid_namespace());
+  if (!identity.starts_with(here)) return false;
+  const std::string process = identity.substr(here.size());
+  const auto slash = process.find('/');
+  if (slash == 0 || slash == std::string::npos || process.find_first_not_of("0123456789") != slash)
+    return false;
+  const std::string pid = process.substr(0, slash);
+  if (const auto start = start_of(pid)) return *start != process.substr(slash + 1);
+  // /proc may hide the processes of other users.
+  return ::kill(static_cast<pid_t>(std::strtol(pid.c_str(), nullptr, 10)), 0) != 0 &&
+         errno == ESRCH;
+}
+
+std::string own_host_name() {
+  std::array<char, 65> name{};
+  (void)::gethostname(name.data(), name.size() - 1);
+  return name.data();
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,15 @@
+// Where alarms that began or ended are noted.
+#pragma once
+
+#include "bridge/store/records.hpp"
+
+namespace fieldcast {
+
+class AlarmSink {
+ public:
+  virtual ~AlarmSink() = default;
+  // Any thread; never blocks, never fails.
+  virtual void put(AlarmRecord alarm) = 0;
+};
+
+}  // namespace fieldcast

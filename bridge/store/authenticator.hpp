@@ -1,0 +1,49 @@
+// Where users log in: one attempt after the other on a thread of its own, since a password costs
+// 0.1 s and 64 MiB to look at.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "bridge/store/audit.hpp"
+#include "bridge/store/sql.hpp"
+#include "bridge/store/users.hpp"
+#include "core/access/login_throttle.hpp"
+
+namespace fieldcast {
+
+class Authenticator final : public Logins {
+ public:
+  // The audit must outlive it. The store need not be there yet.
+  Authenticator(StoreAddress address, Audit& audit);
+  ~Authenticator() override;  // who still waits hears kUnavailable
+  Authenticator(const Authenticator&) = delete;
+  Authenticator& operator=(const Authenticator&) = delete;
+
+  void authenticate(LoginAttempt attempt, std::function<void(LoginResult)> done) override;
+
+ private:
+  struct Waiting {
+    LoginAttempt attempt;
+    std::function<void(LoginResult)> done;
+  };
+  void run();
+  [[nodiscard]] LoginResult verdict(const LoginAttempt& attempt);
+  void turn_away(std::unique_lock<std::mutex>& lock);  // all who wait
+  void finish(Waiting waiting, const LoginResult& result);
+
+  const StoreAddress address_;
+  Audit& audit_;
+  std::unique_ptr<SqlConnection> connection_;  // on the thread; null: not open
+  std::mutex mutex_;
+  std::condition_variable work_;
+  std::deque<Waiting> waiting_;
+  LoginThrottle throttle_;
+  bool ending_ = false;
+  std::thread thread_;  // last: it uses what is above
+};
+
+}  // namespace fieldcast

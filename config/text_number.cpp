@@ -1,0 +1,53 @@
+#include "config/text_number.hpp"
+
+#include <array>
+
+#include "config/scalars.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+constexpr std::array<std::pair<std::string_view, TextNumber::Kind>, 3> kWords{
+    {{"decimal", TextNumber::Kind::kDecimal},
+     {"decimal-comma", TextNumber::Kind::kDecimalComma},
+     {"hex", TextNumber::Kind::kHex}}};
+
+// "decimal(7)" or "decimal".
+std::optional<TextForm> word_form(std::string_view text) {
+  const auto open = text.find('(');
+  for (const auto& [word, kind] : kWords) {
+    if (text.substr(0, open) != word) continue;
+    TextForm form;
+    form.number.kind = kind;
+    if (open == text.npos) return form;
+    if (!text.ends_with(')')) return std::nullopt;
+    const auto characters = whole_from(text.substr(open + 1, text.size() - open - 2));
+    if (!characters || *characters < 1 || *characters > kMaxTextCharacters) return std::nullopt;
+    form.characters = static_cast<std::uint16_t>(*characters);
+    return form;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<TextForm> TextFormRule::operator()(const Node& node, std::string_view key,
+                                                 FaultList& faults) const {
+  const std::string* text = scalar_of(node, key, kTextNumberForms, faults);
+  if (text == nullptr) return std::nullopt;
+  if (const auto form = word_form(*text)) return form;
+  if (const auto picture = text_number_from_picture(*text))
+    return TextForm{*picture, static_cast<std::uint16_t>(text->size())};
+  std::string meant;
+  if (*text == "dec" || *text == "number" || *text == "true") meant = "decimal";
+  if (*text == "comma") meant = "decimal-comma";
+  if (meant.empty()) {
+    const std::array<std::string_view, 3> words{kWords[0].first, kWords[1].first, kWords[2].first};
+    meant = closest(text->substr(0, text->find('(')), words);
+  }
+  faults.add(node.place, std::string(key) + " '" + *text + "' cannot be understood",
+             std::string(kTextNumberForms), meant);
+  return std::nullopt;
+}
+
+}  // namespace fieldcast::config

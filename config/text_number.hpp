@@ -1,0 +1,27 @@
+// How a number stands as text: "decimal(7)", "decimal-comma(7)", "hex(4)", or a picture such as
+// "+000.00" whose length is the number of characters.
+#pragma once
+
+#include "config/document.hpp"
+#include "config/fault_list.hpp"
+#include "core/codec/text_number.hpp"
+
+namespace fieldcast::config {
+
+inline constexpr std::int64_t kMaxTextCharacters = 250;
+
+inline constexpr std::string_view kTextNumberForms =
+    "decimal(n), decimal-comma(n) or hex(n) of n characters, or a picture such as \"+000.00\"";
+
+struct TextForm {
+  TextNumber number;             // none: the characters are a text
+  std::uint16_t characters = 0;  // 0: not said
+};
+
+// Also takes "decimal" and the like without their characters: where the address says how many.
+struct TextFormRule {
+  std::optional<TextForm> operator()(const Node& node, std::string_view key,
+                                     FaultList& faults) const;
+};
+
+}  // namespace fieldcast::config

@@ -1,0 +1,135 @@
+#include "config/yaml_tokens.hpp"
+
+#include <string>
+#include <string_view>
+
+#include "config/limits.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+// Bytes that yaml-cpp keeps for a token with the values around it; measured with glibc.
+constexpr std::size_t kBracketBytes = 230, kCommaBytes = 180, kColonBytes = 180,
+                      kPropertyBytes = 100;
+
+// Of & * and ! anywhere in the text, in words and quotes too.
+constexpr std::size_t kMaxMarks = 5 * kMaxProperties;
+
+class TokenCounter {
+ public:
+  // The limit that the text goes above with its next character, or nothing.
+  const char* feed(char c) {
+    if (c == '\n') return end_line();
+    count_raw(c);
+    if (comment_) return exceeded();
+    if (quote_ != 0) return inside_quote(c);
+    if (c == '#' && blank(last_)) {
+      comment_ = true;
+    } else if ((c == '"' || c == '\'') && opens_quote()) {
+      quote_ = c;
+    } else if ((c == '&' || c == '*' || c == '!') && apart()) {
+      ++properties_;
+      held_ += kPropertyBytes;
+    }
+    count(c);
+    last_ = c;
+    if (!blank(c)) previous_ = c;
+    return exceeded();
+  }
+
+ private:
+  static bool blank(char c) { return c == ' ' || c == '\t' || c == '\n'; }
+  [[nodiscard]] bool apart() const {
+    return blank(last_) || last_ == '[' || last_ == '{' || last_ == ',' || last_ == ':';
+  }
+  // A quote in the middle of a plain text opens nothing.
+  [[nodiscard]] bool opens_quote() const {
+    return apart() && std::string_view("\n[{,:-?").find(previous_) != std::string_view::npos;
+  }
+
+  const char* end_line() {
+    comment_ = false;
+    last_ = previous_ = '\n';
+    if (hold_ == 0) held_ = 0;  // what could be a key ends with its line
+    return ++lines_ > kMaxLines ? "lines" : nullptr;
+  }
+
+  const char* inside_quote(char c) {
+    if (escaped_) {
+      escaped_ = false;
+    } else if (quote_ == '"' && c == '\\') {
+      escaped_ = true;
+    } else if (c == quote_) {
+      quote_ = 0;
+    }
+    last_ = previous_ = c;
+    return exceeded();
+  }
+
+  // Wherever they stand: what is taken for a quote or a comment here may be none.
+  void count_raw(char c) {
+    if (c == '[' || c == '{') ++brackets_;
+    if (c == ',') ++commas_;
+    if (c == '&' || c == '*' || c == '!') ++marks_;
+  }
+
+  void count(char c) {
+    if (c == '[' || c == '{') {
+      ++depth_;
+      // A bracket behind "key:" cannot become a key.
+      if (hold_ == 0 && previous_ != ':') hold_ = depth_;
+      if (hold_ != 0) held_ += kBracketBytes;
+    } else if (c == ']' || c == '}') {
+      if (depth_ > 0) --depth_;
+      if (depth_ < hold_) hold_ = held_ = 0;
+    } else if (c == ',') {
+      if (hold_ != 0) held_ += kCommaBytes;
+    } else if (c == ':' && hold_ != 0) {
+      held_ += kColonBytes;
+    }
+  }
+
+  [[nodiscard]] const char* exceeded() const {
+    if (brackets_ > kMaxBrackets) return "of [ and {";
+    if (commas_ > kMaxCommas) return "commas";
+    if (properties_ > kMaxProperties || marks_ > kMaxMarks) return "of &, * and !";
+    if (held_ > kMaxHeldBytes) return "held";
+    return nullptr;
+  }
+
+  std::size_t brackets_ = 0, commas_ = 0, properties_ = 0, marks_ = 0, lines_ = 0, held_ = 0;
+  std::size_t depth_ = 0;
+  std::size_t hold_ = 0;  // the depth of the bracket whose tokens are held; 0: none
+  char quote_ = 0, last_ = '\n', previous_ = '\n';
+  bool comment_ = false, escaped_ = false;
+};
+
+std::string limit_text(std::string_view exceeded) {
+  const std::string remedy = "; long channel lists belong in CSV files";
+  if (exceeded == "held")
+    return "some 900 000 values in one pair of brackets; maps and lists without brackets, or "
+           "channel lists in CSV files";
+  if (exceeded == "lines") return std::to_string(kMaxLines) + " lines" + remedy;
+  if (exceeded == "commas") return std::to_string(kMaxCommas) + " commas" + remedy;
+  const bool brackets = exceeded == "of [ and {";
+  return std::to_string(brackets ? kMaxBrackets : kMaxProperties) + " " + std::string(exceeded) +
+         remedy;
+}
+
+}  // namespace
+
+bool check_tokens(const Source& source, FaultList& faults) {
+  TokenCounter counter;
+  Place place{&source, 0, 0};
+  for (const char c : source.text) {
+    if (const char* exceeded = counter.feed(c)) {
+      faults.add(place, "the file holds too many values", limit_text(exceeded));
+      return false;
+    }
+    ++place.column;
+    if (c == '\n') ++place.line, place.column = 0;
+  }
+  return true;
+}
+
+}  // namespace fieldcast::config

@@ -1,0 +1,128 @@
+#include "core/model/fit.hpp"
+
+#include "core/codec/raw_items.hpp"
+#include "core/protocol/address_text.hpp"
+
+namespace fieldcast {
+namespace {
+
+using About = FitFault::About;
+
+std::string bits(unsigned count) { return std::to_string(count) + (count == 1 ? " bit" : " bits"); }
+
+std::optional<FitFault> check_bit(std::string_view at, const Area& area, const Encoding& encoding) {
+  if (encoding.bit && *encoding.bit >= area.item_bits) {
+    return FitFault{About::kPart,
+                    "bit " + std::to_string(*encoding.bit) + " is beyond " + quoted(at),
+                    "0 to " + std::to_string(area.item_bits - 1),
+                    {}};
+  }
+  if (!encoding.bit && area.item_bits > 1) {
+    return FitFault{About::kType, "a bool in " + quoted(at) + " needs a bit",
+                    "a bit in 'at', or 'bit': 0 to " + std::to_string(area.item_bits - 1),
+                    std::string(at) + ".0"};
+  }
+  return std::nullopt;
+}
+
+// An 8-bit type.
+std::optional<FitFault> check_byte(std::string_view at, const ParsedAddress& address,
+                                   const Area& area, const Encoding& encoding) {
+  const std::string type(to_text(encoding.type));
+  if (encoding.bit) {
+    if (area.item_bits == 8) {
+      return FitFault{
+          About::kPart, "a byte of " + quoted(at) + ", which is a byte already", "no 'byte'", {}};
+    }
+    if (address.width_bits.value_or(area.item_bits) != area.item_bits) {
+      return FitFault{About::kPart,
+                      "a byte of " + quoted(at) + ", which has " + bits(*address.width_bits),
+                      "a byte of an item of " + bits(area.item_bits),
+                      {}};
+    }
+    if (*encoding.bit % 8 == 0 && *encoding.bit + 8u <= area.item_bits) return std::nullopt;
+    return FitFault{
+        About::kPart, "that byte is beyond " + quoted(at), byte_names(area.item_bits), {}};
+  }
+  if (area.item_bits == 8 && address.width_bits.value_or(8) == 8) return std::nullopt;
+  if (address.value_bits != 0 && address.value_bits <= 8) {
+    if (is_signed(encoding.type) == address.value_signed) return std::nullopt;
+    return FitFault{About::kType,
+                    quoted(at) +
+                        (address.value_signed ? " is declared with a sign, type "
+                                              : " is declared without a sign, type ") +
+                        type + (address.value_signed ? " has none" : " has one"),
+                    address.value_signed ? "int8" : "uint8, bcd8, or 'signed: true' at the field",
+                    address.value_signed ? "int8" : "uint8"};
+  }
+  const unsigned whole = address.width_bits.value_or(area.item_bits);
+  return FitFault{About::kType,
+                  "type " + type + " has 8 bits, " + quoted(at) + " has " + std::to_string(whole),
+                  "a type of " + bits(whole) +
+                      (whole == area.item_bits ? ", or " + byte_names(area.item_bits) : ""),
+                  {}};
+}
+
+// On a text only a text has a meaning: a string, or a number that is said to stand as one.
+std::optional<FitFault> check_text(std::string_view at, const ParsedAddress& address,
+                                   const Encoding& encoding) {
+  const std::string there = std::to_string(address.text_characters);
+  const std::string where = quoted(at) + ", which is a text of " + there + " characters";
+  const std::string string = "string(" + there + ")";
+  if (!encoding.is_text()) {
+    const bool number = encoding.type != ValueType::kBool && !is_bcd(encoding.type);
+    return FitFault{About::kType,
+                    "type " + std::string(to_text(encoding.type)) + " at " + where,
+                    string + (number ? ", or text: decimal, decimal-comma, hex or a picture, where "
+                                       "it spells a number"
+                                     : ""),
+                    {}};
+  }
+  if (encoding.string_bytes <= address.text_characters) return std::nullopt;
+  return FitFault{About::kType, to_text(encoding) + " at " + where, string, string};
+}
+
+}  // namespace
+
+std::string byte_names(unsigned item_bits) {
+  if (item_bits == 16) return "byte: low, byte: high";
+  return "byte: 0 to " + std::to_string(item_bits / 8 - 1);
+}
+
+std::optional<std::string> why_no_byte_write(std::string_view at, const Area& area) {
+  if (area.byte_write) return std::nullopt;
+  return "a byte of " + std::string(at) + " cannot be written without the rest of it";
+}
+
+std::optional<FitFault> check_fit(std::string_view at, const ParsedAddress& address,
+                                  const Area& area, const Encoding& encoding) {
+  const std::string type(to_text(encoding.type));
+  const bool is_bool = encoding.type == ValueType::kBool;
+  if (address.text_characters != 0) return check_text(at, address, encoding);
+  const bool is_text = encoding.is_text();
+  const bool is_byte = !is_text && width_bits(encoding) == 8;
+  if (encoding.bit && area.item_bits == 1) {
+    return FitFault{
+        About::kPart, "a bit of " + quoted(at) + ", which is a bit already", "no 'bit'", {}};
+  }
+  if (encoding.bit && !is_bool && (address.bit || !is_byte))
+    return FitFault{About::kType, "type " + type + " with a bit of a word", "bool", "bool"};
+  if (is_bool) return check_bit(at, area, encoding);
+  const unsigned whole = area.item_bits == 1 ? 1u : address.width_bits.value_or(0);
+  if (whole == 1) {
+    return FitFault{About::kType,
+                    "type " + type + " does not fit " + quoted(at) + ", which is one bit", "bool",
+                    "bool"};
+  }
+  if (is_byte) return check_byte(at, address, area, encoding);
+  if (whole > 1 && !is_text && width_bits(encoding) != whole) {
+    return FitFault{About::kType,
+                    "type " + type + " has " + std::to_string(width_bits(encoding)) + " bits, " +
+                        quoted(at) + " has " + std::to_string(whole),
+                    "a type of " + std::to_string(whole) + " bits",
+                    {}};
+  }
+  return std::nullopt;
+}
+
+}  // namespace fieldcast

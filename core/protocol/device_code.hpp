@@ -1,0 +1,27 @@
+// What the codes mean with which devices refuse: exception codes, end codes, return codes. One row
+// for each, in the table of its family.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace fieldcast {
+
+struct DeviceCode {
+  std::uint16_t code;  // four digits that end in 00 stand for their whole class: 2100 for 21xx
+  std::string_view text;
+};
+
+// "illegal data address", or nothing for a code that the table does not know.
+[[nodiscard]] std::string_view device_code_text(std::span<const DeviceCode> codes,
+                                                std::uint16_t code);
+
+// "02 illegal data address", "code 5A": the code in hexadecimal, as the standards write them.
+[[nodiscard]] std::string device_code_words(std::span<const DeviceCode> codes, std::uint16_t code);
+
+// " (02 illegal data address)", to stand behind a fault; nothing for 0, which is no code.
+[[nodiscard]] std::string device_code_note(std::span<const DeviceCode> codes, std::uint16_t code);
+
+}  // namespace fieldcast

@@ -1,0 +1,71 @@
+#include "core/schedule/planned_times.hpp"
+
+#include <algorithm>
+
+namespace fieldcast {
+namespace {
+
+constexpr Duration kStep = std::chrono::microseconds{250};
+
+// A plan for a shorter answer time than the true one runs late; one for a longer only wastes.
+bool differs(Duration planned, Duration usual) {
+  if (usual > planned) return usual - planned > std::max(kStep, planned / 16);
+  return planned - usual >= std::max(2 * kStep, planned / 8);
+}
+
+}  // namespace
+
+PlannedTimes::PlannedTimes(std::span<const std::size_t> areas, Duration assumed) {
+  for (const std::size_t count : areas) entries_.emplace_back(count, Entry{{}, assumed, 0});
+}
+
+Duration PlannedTimes::rounded(Duration answer_time) {
+  constexpr int kMostSteps = 32;
+  const Duration time = std::max(answer_time, Duration::zero());
+  Duration step = kStep;
+  while (time >= kMostSteps * step) step *= 2;
+  return (time + step * 3 / 4) / step * step;  // rather a little too long than too short
+}
+
+void PlannedTimes::answered(DeviceIndex device, AreaIndex area, Duration measured,
+                            Scheduler& scheduler) {
+  Entry& entry = entries_[device][area];
+  const bool first = entry.answers == 0;
+  entry.answers = std::min(entry.answers + 1, kUsualAnswers);
+  entry.usual += (std::max(measured, Duration::zero()) - entry.usual) / entry.answers;
+  if (differs(entry.planned, entry.usual)) tell(device, area, rounded(entry.usual), scheduler);
+  if (!first) return;
+  for (DeviceIndex other = 0; other < entries_.size(); ++other) tell_unknown(other, scheduler);
+}
+
+// The slowest of what is known of the device, or else of its neighbours.
+void PlannedTimes::tell_unknown(DeviceIndex device, Scheduler& scheduler) {
+  const auto slowest = [](std::span<const Entry> areas) {
+    Duration most{-1};
+    for (const Entry& entry : areas) {
+      if (entry.answers > 0) most = std::max(most, entry.planned);
+    }
+    return most;
+  };
+  Duration most = slowest(entries_[device]);
+  if (most < Duration::zero()) {
+    for (const auto& others : entries_) most = std::max(most, slowest(others));
+  }
+  for (AreaIndex area = 0; area < entries_[device].size(); ++area) {
+    if (entries_[device][area].answers == 0) tell(device, area, most, scheduler);
+  }
+}
+
+void PlannedTimes::tell(DeviceIndex device, AreaIndex area, Duration planned,
+                        Scheduler& scheduler) {
+  Entry& entry = entries_[device][area];
+  if (entry.planned == planned) return;
+  entry.planned = planned;
+  scheduler.set_answer_time(device, area, planned);
+}
+
+void PlannedTimes::forget(DeviceIndex device) {
+  for (Entry& entry : entries_[device]) entry.answers = 0;
+}
+
+}  // namespace fieldcast

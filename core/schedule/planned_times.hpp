@@ -1,0 +1,44 @@
+// The answer times on which the plan of a bus stands: learned, and told to its scheduler only when
+// they make a difference.
+//
+// The bus engine and the prediction feed one each with the same answers, so that both plan alike.
+// Values are rounded: answers that scatter by microseconds shall not lead to different plans. What
+// has not answered yet is taken to be like what has. Plain value.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/base/time.hpp"
+#include "core/schedule/scheduler.hpp"
+
+namespace fieldcast {
+
+class PlannedTimes {
+ public:
+  PlannedTimes() = default;
+  // `areas`: how many areas each device has. `assumed`: what the scheduler was made with.
+  PlannedTimes(std::span<const std::size_t> areas, Duration assumed);
+
+  // A read of the area was answered `measured` after the end of its request.
+  void answered(DeviceIndex device, AreaIndex area, Duration measured, Scheduler& scheduler);
+  // Another device may be there now.
+  void forget(DeviceIndex device);
+
+  // What a plan takes for an answer time: in steps of 0.25 ms, above 8 ms of 1/32 to 1/16.
+  [[nodiscard]] static Duration rounded(Duration answer_time);
+
+ private:
+  static constexpr int kUsualAnswers = 64;  // that the usual answer time follows
+  struct Entry {
+    Duration usual{};    // plans must not follow each breath of the mean that timeouts follow
+    Duration planned{};  // as the scheduler was last told
+    int answers = 0;     // in the usual one
+  };
+  void tell(DeviceIndex device, AreaIndex area, Duration planned, Scheduler& scheduler);
+  void tell_unknown(DeviceIndex device, Scheduler& scheduler);
+
+  std::vector<std::vector<Entry>> entries_;  // by device and area
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,81 @@
+// A domain is left, and a writer removed, whatever the library does meanwhile.
+#include "bridge/dds/domain.hpp"
+
+#include <future>
+
+#include "bridge/dds/topics/conversion.hpp"
+#include "tests/bridge/dds/dds_support.hpp"
+
+namespace fieldcast {
+namespace {
+
+using testing::eventually;
+using testing::loopback;
+
+constexpr std::chrono::seconds kLongest{20};  // of a removal; one that hangs would do so for ever
+
+struct Matched : dds::DataWriterListener {
+  void on_publication_matched(dds::DataWriter*,
+                              const dds::PublicationMatchedStatus& status) override {
+    readers = status.current_count;
+  }
+  std::atomic<int> readers{0};
+};
+
+// So many heartbeats that one falls into the removal; a reader that is never up to date makes them
+// go on.
+dds::DataWriterQos busy_writer_qos() {
+  dds::DataWriterQos qos = state_writer_qos(2000);
+  qos.reliable_writer_qos().times.heartbeatPeriod = {0, 20'000};
+  return qos;
+}
+
+// A removal that hangs holds locks that the end of the process would wait for.
+void ends_in_time(std::future<void> removal) {
+  if (removal.wait_for(kLongest) == std::future_status::ready) return;
+  ADD_FAILURE() << "the removal of a writer hangs";
+  std::fflush(nullptr);
+  std::_Exit(1);
+}
+
+TEST(Domain, AWriterIsRemovedInTheMiddleOfItsHeartbeats) {
+  Domain ours(loopback(), "ours", nullptr), theirs(loopback(), "theirs", nullptr);
+  dds::DataReader* reader = theirs.reader<idl::SamplePubSubType>(
+      kSampleTopic, sample_reader_qos(std::nullopt), nullptr, dds::StatusMask::none());
+  for (int round = 0; round < 20; ++round) {
+    Matched matched;
+    dds::DataWriter* writer = ours.writer<idl::SamplePubSubType>(
+        kSampleTopic, busy_writer_qos(), "busy", &matched, dds::StatusMask::publication_matched());
+    ASSERT_TRUE(eventually([&] { return matched.readers > 0; }));
+    idl::Sample sample;
+    for (int i = 0; i < 1000; ++i) {
+      sample.channel(std::to_string(i));
+      ASSERT_TRUE(writer->write(&sample));
+    }
+    ends_in_time(std::async(std::launch::async, [&] { ours.remove(writer); }));
+  }
+  theirs.remove(reader);
+}
+
+TEST(Domain, IsLeftInTheMiddleOfHeartbeats) {
+  Domain theirs(loopback(), "theirs", nullptr);
+  theirs.reader<idl::SamplePubSubType>(kSampleTopic, sample_reader_qos(std::nullopt), nullptr,
+                                       dds::StatusMask::none());
+  for (int round = 0; round < 5; ++round) {
+    Matched matched;
+    auto ours = std::make_unique<Domain>(loopback(), "ours", nullptr);
+    dds::DataWriter* writer = ours->writer<idl::SamplePubSubType>(
+        kSampleTopic, busy_writer_qos(), "busy", &matched, dds::StatusMask::publication_matched());
+    ASSERT_TRUE(eventually([&] { return matched.readers > 0; }));
+    idl::Sample sample;
+    for (int i = 0; i < 1000; ++i) {
+      sample.channel(std::to_string(i));
+      ASSERT_TRUE(writer->write(&sample));
+    }
+    writer->set_listener(nullptr);
+    ends_in_time(std::async(std::launch::async, [&] { ours.reset(); }));
+  }
+}
+
+}  // namespace
+}  // namespace fieldcast

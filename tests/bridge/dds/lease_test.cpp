@@ -1,0 +1,118 @@
+// What ends with time: wishes of stations that fall silent, writers that nobody needs any more.
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+
+#include "bridge/dds/library.hpp"
+#include "bridge/dds/topics/conversion.hpp"
+#include "bridge/dds/topics/topic_type.hpp"
+#include "bridge/dds/topics/topics.hpp"
+#include "tests/bridge/dds/dds_support.hpp"
+#include "tests/bridge/support/role.hpp"
+
+namespace fieldcast::testing {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr const char* kDomainOfStation = "FIELDCAST_TEST_STATION_DOMAIN";
+constexpr const char* kPattern = "patient/*/*";
+constexpr int kWishes = 30;
+
+// A foreign station that wishes something, in the process that the next test stops. Its participant
+// is given up after a minute.
+void play_patient_station() {
+  prepare_library();
+  auto* factory = dds::DomainParticipantFactory::get_instance();
+  dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
+  qos.wire_protocol().builtin.discovery_config.leaseDuration = {60, 0};
+  qos.transport().use_builtin_transports = false;
+  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  udp->interfaceWhiteList = {"127.0.0.1"};
+  qos.transport().user_transports.push_back(udp);
+  auto* participant = factory->create_participant(
+      static_cast<std::uint32_t>(std::atoi(std::getenv(kDomainOfStation))), qos);
+  ASSERT_NE(participant, nullptr);
+  dds::TypeSupport type(new TopicType<idl::InterestPubSubType>());
+  type.register_type(participant, "fieldcast::Interest");
+  auto* topic =
+      participant->create_topic(kInterestTopic, "fieldcast::Interest", dds::TOPIC_QOS_DEFAULT);
+  auto* writer = participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT)
+                     ->create_datawriter(topic, interest_writer_qos());
+  idl::Interest wish;
+  wish.station() = "patient";
+  wish.pattern() = kPattern;
+  // Several times, so that its writer is known to be alive when the process is stopped.
+  for (int seconds = 1; seconds <= kWishes; ++seconds) {
+    wish.refresh(1'000'000'000LL * seconds);
+    ASSERT_TRUE(writer->write(&wish));
+    std::this_thread::sleep_for(100ms);
+  }
+  ::pause();
+}
+const auto* const kPatientStation = test::Role::add("patient-station", play_patient_station);
+
+TEST(DdsLease, AWishEndsWithItsWritersLeaseAndStandsAgainWhenItIsHeardAgain) {
+  Heard heard;
+  DdsLink link(loopback(), "test", heard.handlers());
+  const auto stands = [&] {
+    std::optional<Duration> last;
+    for (const Interest& interest : heard.interests.all()) {
+      if (interest.pattern == kPattern) last = interest.refresh;
+    }
+    return last == std::chrono::seconds{kWishes};
+  };
+  ASSERT_EQ(::setenv(kDomainOfStation, std::to_string(loopback().domain).c_str(), 1), 0);
+  const test::Process station = test::play("patient-station");
+  ASSERT_TRUE(eventually(stands));
+  station.signal(SIGSTOP);
+  EXPECT_TRUE(eventually([&] { return !stands(); }))
+      << "10 s are more than its lease of 6, and less than the minute of its participant";
+  station.signal(SIGCONT);
+  EXPECT_TRUE(eventually(stands));
+}
+
+// Nothing is published on the bus: it is on demand now, and only its status goes on.
+TEST(DdsLease, AStationThatAsksForADeadlineMissesNothingOnceNobodyWishesTheChannel) {
+  const std::string bus = bus_name("wished");
+  Heard heard;
+  DdsLink link(loopback(), "test", heard.handlers());
+  link.add_bus(bus_of(bus, 2, [](std::size_t) { return 60s; }));
+  Station demanding(loopback(), "demanding");
+  std::atomic<int> misses{0};
+  Collected<StationSample> samples;
+  Collected<std::string> gone;
+  demanding.subscribe_samples(
+      [&](const StationSample& sample) { samples.add(sample); },
+      [&](const std::string&, const std::string&, const std::string& name) { gone.add(name); },
+      {.deadline = 100ms, .on_deadline_missed = [&] { ++misses; }});
+  link.set_refresh(bus, 0, 50ms);
+  ASSERT_TRUE(eventually([&] {
+    link.publish(bus, std::vector{good(0, 1.0)}, both_clocks());
+    return samples.size() >= 3;
+  }));
+  link.set_refresh(bus, 0, 60s);
+  const auto reports_for = [&](Duration time) {
+    const Instant end = both_clocks().instant + time;
+    while (both_clocks().instant < end) {
+      link.report(bus, BusReport{}, both_clocks().utc);
+      std::this_thread::sleep_for(10ms);
+    }
+  };
+  ASSERT_TRUE(eventually([&] {
+    link.report(bus, BusReport{}, both_clocks().utc);
+    return gone.size() == 1;
+  })) << "the writer of the wish is still there";
+  const int then = misses;
+  reports_for(1s);
+  EXPECT_EQ(misses, then);
+}
+
+}  // namespace
+}  // namespace fieldcast::testing

@@ -1,0 +1,160 @@
+#include "bridge/interest/interest_table.hpp"
+
+#include <gtest/gtest.h>
+
+namespace fieldcast {
+namespace {
+
+using std::chrono::milliseconds;
+using Wishes = std::map<ChannelIndex, Duration>;
+
+BusSpec press_shop() {
+  BusSpec bus;
+  bus.name = "press-shop";
+  for (const char* name : {"press-1", "press-2"}) {
+    DeviceSpec device;
+    device.name = name;
+    for (const char* name_of_channel : {"oil", "speed"}) {
+      ChannelSpec& channel = device.channels.emplace_back();
+      channel.name = name_of_channel;
+      channel.on_interest = true;
+    }
+    bus.devices.push_back(device);
+  }
+  return bus;
+}
+
+TEST(InterestTable, TheShortestWishOfAllStationsCounts) {
+  InterestTable table;
+  ASSERT_TRUE(table.note("a", "press-shop/press-1/oil", milliseconds{500}));
+  ASSERT_TRUE(table.note("b", "press-shop/press-1/oil", milliseconds{200}));
+  ASSERT_TRUE(table.note("c", "*/*/oil", milliseconds{300}));
+  EXPECT_EQ(table.wishes(press_shop()), (Wishes{{0, milliseconds{200}}, {2, milliseconds{300}}}));
+}
+
+TEST(InterestTable, AnEndedWishLeavesTheOthers) {
+  InterestTable table;
+  ASSERT_TRUE(table.note("a", "*/press-2/*", milliseconds{500}));
+  ASSERT_TRUE(table.note("b", "*/press-2/*", milliseconds{100}));
+  ASSERT_TRUE(table.note("b", "*/press-2/*", std::nullopt));
+  EXPECT_EQ(table.wishes(press_shop()), (Wishes{{2, milliseconds{500}}, {3, milliseconds{500}}}));
+  ASSERT_TRUE(table.note("a", "*/press-2/*", std::nullopt));
+  EXPECT_TRUE(table.wishes(press_shop()).empty());
+}
+
+TEST(InterestTable, ANewRefreshReplacesTheOld) {
+  InterestTable table;
+  ASSERT_TRUE(table.note("a", "*/press-1/oil", milliseconds{100}));
+  ASSERT_TRUE(table.note("a", "*/press-1/oil", milliseconds{900}));
+  EXPECT_EQ(table.wishes(press_shop()), (Wishes{{0, milliseconds{900}}}));
+}
+
+TEST(InterestTable, OtherBusesAreNotWished) {
+  InterestTable table;
+  ASSERT_TRUE(table.note("a", "mill/*/*", milliseconds{100}));
+  EXPECT_TRUE(table.wishes(press_shop()).empty());
+}
+
+TEST(InterestTable, NonsenseIsRefusedWithAReason) {
+  InterestTable table;
+  EXPECT_FALSE(table.note("a", "one/two/three/four", milliseconds{100}));
+  EXPECT_FALSE(table.note("a", "*/*/*", milliseconds{0}));
+  EXPECT_FALSE(table.note("a", "*/*/*", milliseconds{-5}));
+  EXPECT_FALSE(table.note("a", "*/*/*", std::chrono::microseconds{999}));
+  EXPECT_FALSE(table.note("a", "*/*/*", std::chrono::hours{25}));
+  EXPECT_TRUE(table.wishes(press_shop()).empty());
+}
+
+TEST(InterestTable, WithdrawingWhatWasNeverWishedIsNoFault) {
+  InterestTable table;
+  EXPECT_TRUE(table.note("a", "*/*/*", std::nullopt));
+}
+
+TEST(InterestTable, MemoryIsBounded) {
+  InterestTable table;
+  for (std::size_t i = 0; i < InterestTable::kMaxPatterns; ++i) {
+    ASSERT_TRUE(table.note("a", "bus-" + std::to_string(i), milliseconds{100}));
+  }
+  EXPECT_FALSE(table.note("a", "one-more", milliseconds{100}));
+  EXPECT_TRUE(table.note("b", "bus-1", milliseconds{100}));
+  ASSERT_TRUE(table.note("a", "bus-0", std::nullopt));
+  EXPECT_TRUE(table.note("a", "one-more", milliseconds{100}));
+  for (std::size_t i = InterestTable::kMaxPatterns + 1; i < InterestTable::kMaxWishes; ++i) {
+    ASSERT_TRUE(table.note("s" + std::to_string(i), "bus-1", milliseconds{100}));
+  }
+  EXPECT_FALSE(table.note("too many", "bus-1", milliseconds{100}));
+}
+
+TEST(InterestTable, AMillionWishesAreRefusedAtOnceAndLeaveThoseThatStand) {
+  InterestTable table;
+  ASSERT_TRUE(table.note("honest", "*/press-1/oil", milliseconds{200}));
+  std::size_t taken = 0;
+  for (int i = 0; i < 500'000; ++i) {
+    taken += table.note("s", "press-shop/press-" + std::to_string(i), milliseconds{100})
+                 .has_value();  // patterns,
+    taken += table.note("s" + std::to_string(i), "*/press-1/oil", milliseconds{100})
+                 .has_value();  // stations,
+  }
+  EXPECT_EQ(taken, InterestTable::kMaxWishes - 1);
+  for (int i = 1; i < 1'000'000; ++i)
+    ASSERT_TRUE(table.note("honest", "*/press-1/oil", milliseconds{i % 1000 + 1}));  // changes
+  ASSERT_TRUE(table.note("honest", "*/press-1/oil", milliseconds{50}));
+  EXPECT_EQ(table.wishes(press_shop()).at(0), milliseconds{50});
+  EXPECT_EQ(table.take_news().size(), InterestTable::kMaxNews);
+  EXPECT_TRUE(table.take_news().empty());
+}
+
+TEST(InterestTable, RefusalSaysWhoWhatAndWhy) {
+  InterestTable table;
+  for (std::size_t i = 0; i < InterestTable::kMaxPatterns; ++i)
+    ASSERT_TRUE(table.note("a", "b" + std::to_string(i), milliseconds{9}));
+  EXPECT_EQ(table.note("a", "x/y/z", milliseconds{9}).error(),
+            "station a: its interest in x/y/z is refused: 256 wishes of 256 patterns are held, at "
+            "most 4096 of 256");
+}
+
+TEST(InterestTable, ChannelsThatAreReadAnywayAreNotWished) {
+  BusSpec bus = press_shop();
+  bus.devices[0].channels[0].on_interest = false;
+  InterestTable table;
+  ASSERT_TRUE(table.note("a", "*/press-1/*", milliseconds{500}));
+  EXPECT_EQ(table.wishes(bus), (Wishes{{1, milliseconds{500}}}));
+}
+
+TEST(InterestTable, ReachTellsAnInterestInNothing) {
+  BusSpec bus = press_shop();
+  bus.devices[0].channels[0].on_interest = false;
+  const auto reach = [&](const char* pattern) {
+    return InterestTable::reach(*Pattern::parse(pattern), bus);
+  };
+  EXPECT_EQ(reach("mill/*/*").channels, 0u);
+  EXPECT_EQ(reach("*/press-3/*").channels, 0u);
+  EXPECT_EQ(reach("*/press-1/oil").channels, 1u);
+  EXPECT_EQ(reach("*/press-1/oil").on_interest, 0u);
+  EXPECT_EQ(reach("*/*/oil").channels, 2u);
+  EXPECT_EQ(reach("*/*/oil").on_interest, 1u);
+}
+
+TEST(InterestTable, NewsAreWishesThatWereNotHeld) {
+  InterestTable table;
+  ASSERT_TRUE(table.note("a", "*/press-1/*", milliseconds{500}));
+  ASSERT_TRUE(table.note("b", "*/press-1/*", milliseconds{500}));
+  EXPECT_EQ(table.take_news().size(), 2u);
+  ASSERT_TRUE(table.note("b", "*/press-1/*", milliseconds{100}));
+  EXPECT_TRUE(table.take_news().empty());
+}
+
+TEST(InterestChanges, OnlyDifferencesAreTold) {
+  const Wishes before{{0, milliseconds{100}}, {1, milliseconds{100}}, {2, milliseconds{100}}};
+  const Wishes after{{0, milliseconds{100}}, {1, milliseconds{50}}, {3, milliseconds{100}}};
+  const auto told = changes(before, after);
+  ASSERT_EQ(told.size(), 3u);
+  EXPECT_EQ(told[0].channel, 1u);
+  EXPECT_EQ(told[0].refresh, milliseconds{50});
+  EXPECT_EQ(told[1].channel, 3u);
+  EXPECT_EQ(told[2].channel, 2u);
+  EXPECT_EQ(told[2].refresh, std::nullopt);
+}
+
+}  // namespace
+}  // namespace fieldcast

@@ -1,0 +1,132 @@
+#include "bridge/log/line_writer.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "bridge/port/file_descriptor.hpp"
+
+namespace fieldcast {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+std::string remark(std::uint64_t lost) { return "[" + std::to_string(lost) + " lost]\n"; }
+
+struct Pipe {
+  Pipe() {
+    int ends[2];
+    EXPECT_EQ(::pipe2(ends, O_CLOEXEC), 0);
+    read.reset(ends[0]);
+    write.reset(ends[1]);
+  }
+  // Everything until a text comes.
+  std::string hear(const std::string& end) {
+    std::string all;
+    char piece[65536];
+    while (all.find(end) == std::string::npos) {
+      const ssize_t size = ::read(read.get(), piece, sizeof piece);
+      if (size <= 0) break;
+      all.append(piece, static_cast<std::size_t>(size));
+    }
+    return all;
+  }
+  FileDescriptor read, write;
+};
+
+TEST(LineWriter, WritesLinesInTheirOrder) {
+  Pipe pipe;
+  LineWriter lines(pipe.write.get(), remark);
+  lines.put("one\n");
+  lines.put("two\n");
+  EXPECT_TRUE(lines.flush(seconds{5}));
+  EXPECT_EQ(pipe.hear("two\n"), "one\ntwo\n");
+  EXPECT_EQ(lines.lost(), 0u);
+}
+
+TEST(LineWriter, APipeThatNobodyReadsHoldsUpNobodyAndItsLossIsSaidWhereItIs) {
+  Pipe pipe;
+  LineWriter lines(pipe.write.get(), remark);
+  const std::string filler(100, 'x');
+  constexpr std::uint64_t kLines = 50'000;  // 5 MB, of which the pipe and the queue hold 1.1 MB
+  for (std::uint64_t i = 0; i < kLines; ++i) lines.put(std::to_string(i) + ' ' + filler + '\n');
+  EXPECT_FALSE(lines.flush(milliseconds{50}));
+  EXPECT_GT(lines.lost(), kLines / 2);
+
+  lines.put("the end\n");
+  std::istringstream heard(pipe.hear("the end\n"));
+  std::uint64_t told = 0, whole = 0;
+  for (std::string line; std::getline(heard, line);) {
+    if (line.starts_with('[')) {
+      told += std::stoull(line.substr(1));
+    } else if (line != "the end") {
+      ++whole;
+      EXPECT_EQ(line, std::to_string(told + whole - 1) + ' ' + filler) << "a remark is missing";
+    }
+  }
+  EXPECT_EQ(told, lines.lost());
+  EXPECT_EQ(whole, kLines - lines.lost());
+  EXPECT_TRUE(lines.flush(seconds{5}));
+}
+
+TEST(LineWriter, EndsWhileThePipeIsFull) {
+  Pipe pipe;
+  const auto begun = std::chrono::steady_clock::now();
+  {
+    LineWriter lines(pipe.write.get(), remark);
+    for (int i = 0; i < 10'000; ++i) lines.put(std::string(100, 'x') + '\n');
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, seconds{2});
+}
+
+TEST(LineWriter, AClosedPipeLosesLinesAndNothingElse) {
+  ::signal(SIGPIPE, SIG_IGN);
+  Pipe pipe;
+  LineWriter lines(pipe.write.get(), remark);
+  pipe.read.reset();
+  lines.put("nobody hears this\n");
+  EXPECT_TRUE(lines.flush(seconds{5}));
+  EXPECT_EQ(lines.lost(), 1u);
+}
+
+TEST(LineWriter, WithoutADescriptorLinesAreLost) {
+  LineWriter lines(-1, remark);
+  lines.put("nowhere\n");
+  EXPECT_TRUE(lines.flush(seconds{5}));
+  EXPECT_EQ(lines.lost(), 1u);
+}
+
+TEST(LineWriter, AFileThatIsFullAndHasRoomAgain) {
+  ::signal(SIGXFSZ, SIG_IGN);
+  const auto path =
+      std::filesystem::path(testing::TempDir()) / ("fieldcast-lines-" + std::to_string(::getpid()));
+  const FileDescriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  LineWriter lines(file.get(), remark);
+  const rlimit small{10, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  lines.put("123456789\n");
+  EXPECT_TRUE(lines.flush(seconds{5}));
+  lines.put("too much\n");
+  lines.put("too much\n");
+  EXPECT_TRUE(lines.flush(seconds{5}));
+  EXPECT_EQ(lines.lost(), 2u);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  lines.put("room again\n");
+  EXPECT_TRUE(lines.flush(seconds{5}));
+  std::stringstream text;
+  text << std::ifstream(path).rdbuf();
+  EXPECT_EQ(text.str(), "123456789\n[2 lost]\nroom again\n");
+  std::filesystem::remove(path);
+}
+
+}  // namespace
+}  // namespace fieldcast

@@ -1,0 +1,265 @@
+#include "bridge/port/serial_port.hpp"
+
+#include <asm/termbits.h>
+#include <gmock/gmock.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+
+#include "bridge/bus/clock.hpp"
+#include "bridge/port/port_lock.hpp"
+#include "bridge/port/serial_line.hpp"
+#include "tests/bridge/support/port_probe.hpp"
+#include "tests/bridge/support/pty.hpp"
+
+namespace fieldcast {
+namespace {
+
+using test::PortProbe;
+using test::Pty;
+using test::run_until;
+using testing::HasSubstr;
+
+struct SerialPortTest : testing::Test {
+  SerialPortSpec spec() const {
+    SerialPortSpec made;
+    made.path = pty.path();
+    made.line = {115200, 8, Parity::kNone, 1};
+    return made;
+  }
+  void open(SerialPort& port) {
+    port.open(probe);
+    ASSERT_TRUE(run_until(io, [this] { return probe.opened == 1 || !probe.closed.empty(); }));
+    ASSERT_EQ(probe.opened, 1) << probe.closed.front();
+  }
+
+  boost::asio::io_context io{1};
+  Pty pty;
+  PortProbe probe;
+};
+
+TEST_F(SerialPortTest, CarriesEveryByteBothWays) {
+  SerialPort port(io, spec());
+  open(port);
+  Bytes all(256);
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint8_t>(i);
+  port.write(all);
+  EXPECT_EQ(pty.receive(all.size()), all);
+  pty.send(all);
+  EXPECT_TRUE(run_until(io, [&] { return probe.received.size() >= all.size(); }));
+  EXPECT_EQ(probe.received, all);
+}
+
+TEST(SerialLine, AFormatIsItsFlagsOfTermios) {
+  EXPECT_EQ(format_flags({9600, 8, Parity::kNone, 1}), static_cast<unsigned>(CS8));
+  EXPECT_EQ(format_flags({9600, 7, Parity::kEven, 2}),
+            static_cast<unsigned>(CS7 | PARENB | CSTOPB));
+  EXPECT_EQ(format_flags({9600, 7, Parity::kOdd, 1}), static_cast<unsigned>(CS7 | PARENB | PARODD));
+}
+
+TEST_F(SerialPortTest, OpeningIsToldLaterNotAtOnce) {
+  SerialPort port(io, spec());
+  port.open(probe);
+  EXPECT_EQ(probe.opened, 0);
+  EXPECT_TRUE(run_until(io, [this] { return probe.opened == 1; }));
+}
+
+TEST_F(SerialPortTest, PollingDeliversAtOnceWhatHasArrived) {
+  SerialPort port(io, spec());
+  open(port);
+  port.poll();
+  EXPECT_EQ(probe.deliveries, 0);
+  pty.send(Bytes{1, 2});
+  port.poll();
+  EXPECT_EQ(probe.received, (Bytes{1, 2}));
+  pty.send(Bytes{3});
+  ASSERT_TRUE(run_until(io, [this] { return probe.received.size() == 3; }));
+  EXPECT_EQ(probe.received, (Bytes{1, 2, 3}));
+}
+
+TEST_F(SerialPortTest, ArrivalIsTheInstantOfReading) {
+  SerialPort port(io, spec());
+  open(port);
+  const Instant before = steady_now();
+  pty.send(Bytes{1});
+  ASSERT_TRUE(run_until(io, [this] { return probe.deliveries == 1; }));
+  EXPECT_GE(probe.arrived, before);
+  EXPECT_LE(probe.arrived, steady_now());
+}
+
+TEST_F(SerialPortTest, MissingDeviceIsReportedInWords) {
+  SerialPortSpec missing = spec();
+  missing.path = "/dev/fieldcast-no-such-device";
+  SerialPort port(io, missing);
+  port.open(probe);
+  ASSERT_TRUE(run_until(io, [this] { return !probe.closed.empty(); }));
+  EXPECT_THAT(probe.closed.front(), HasSubstr("No such file"));
+  EXPECT_EQ(probe.causes.front(), Cause::kPortMissing);
+  EXPECT_EQ(probe.opened, 0);
+}
+
+TEST_F(SerialPortTest, AFileThatIsNoTerminalIsRefused) {
+  SerialPortSpec wrong = spec();
+  wrong.path = "/dev/null";
+  SerialPort port(io, wrong);
+  port.open(probe);
+  ASSERT_TRUE(run_until(io, [this] { return !probe.closed.empty(); }));
+  EXPECT_THAT(probe.closed.front(), HasSubstr("not a serial device"));
+}
+
+TEST_F(SerialPortTest, LockedDeviceNamesItsHolder) {
+  const int other = ::open(pty.path().c_str(), O_RDWR | O_NOCTTY);
+  ASSERT_GE(other, 0);
+  ASSERT_EQ(::flock(other, LOCK_EX | LOCK_NB), 0);
+  SerialPort port(io, spec());
+  port.open(probe);
+  ASSERT_TRUE(run_until(io, [this] { return !probe.closed.empty(); }));
+  EXPECT_THAT(probe.closed.front(), HasSubstr("in use by"));
+  EXPECT_EQ(probe.causes.front(), Cause::kPortInUse);
+  EXPECT_THAT(probe.closed.front(), HasSubstr("process " + std::to_string(::getpid())));
+  ::close(other);
+}
+
+TEST_F(SerialPortTest, TheLockEndsWithTheClosing) {
+  SerialPort port(io, spec());
+  open(port);
+  const int other =
+      ::open(pty.path().c_str(), O_RDWR | O_NOCTTY);  // root may, in spite of TIOCEXCL
+  if (other >= 0) { EXPECT_NE(::flock(other, LOCK_EX | LOCK_NB), 0); }
+  port.close();
+  const int later = other >= 0 ? other : ::open(pty.path().c_str(), O_RDWR | O_NOCTTY);
+  ASSERT_GE(later, 0);
+  EXPECT_EQ(::flock(later, LOCK_EX | LOCK_NB), 0);
+  ::close(later);
+}
+
+TEST_F(SerialPortTest, UnpluggingIsToldOnce) {
+  SerialPort port(io, spec());
+  open(port);
+  pty.unplug();
+  ASSERT_TRUE(run_until(io, [this] { return !probe.closed.empty(); }));
+  port.write(Bytes{1, 2, 3});
+  io.restart();
+  io.poll();
+  EXPECT_EQ(probe.closed.size(), 1u);
+}
+
+TEST_F(SerialPortTest, OpensAgainAfterItWasClosed) {
+  SerialPort port(io, spec());
+  open(port);
+  port.close();
+  port.open(probe);
+  ASSERT_TRUE(run_until(io, [this] { return probe.opened == 2; }));
+  port.write(Bytes{7});
+  EXPECT_EQ(pty.receive(1), Bytes{7});
+}
+
+TEST_F(SerialPortTest, NothingIsToldAfterClose) {
+  SerialPort port(io, spec());
+  open(port);
+  pty.send(Bytes{1, 2, 3});
+  port.close();
+  io.restart();
+  io.poll();
+  EXPECT_EQ(probe.deliveries, 0);
+  EXPECT_TRUE(probe.closed.empty());
+}
+
+TEST_F(SerialPortTest, StaleBytesAreDroppedBeforeASend) {
+  SerialPort port(io, spec());
+  open(port);
+  pty.send(Bytes{0xEE, 0xEE});  // in the kernel's buffer, not yet delivered
+  port.write(Bytes{1});
+  EXPECT_EQ(pty.receive(1), Bytes{1});
+  pty.send(Bytes{2});
+  ASSERT_TRUE(run_until(io, [this] { return !probe.received.empty(); }));
+  EXPECT_EQ(probe.received, Bytes{2});
+}
+
+TEST_F(SerialPortTest, BytesFromBeforeTheOpeningAreDropped) {
+  const int slave = ::open(pty.path().c_str(), O_RDWR | O_NOCTTY);
+  ASSERT_GE(slave, 0);
+  pty.send(Bytes{0xEE, '\n'});
+  SerialPort port(io, spec());
+  open(port);
+  pty.send(Bytes{5});
+  ASSERT_TRUE(run_until(io, [this] { return !probe.received.empty(); }));
+  EXPECT_EQ(probe.received, Bytes{5});
+  ::close(slave);
+}
+
+// With the hint, the bytes that come meanwhile are delivered together.
+TEST_F(SerialPortTest, ExpectedCharactersAreDeliveredTogether) {
+  SerialPortSpec slow = spec();
+  slow.line.baud = 1200;  // 100 characters: 0.83 s
+  SerialPort port(io, slow);
+  open(port);
+  probe.on_bytes = [&] {
+    if (probe.deliveries > 1) return;
+    port.expect(20);
+    for (std::uint8_t i = 1; i <= 19; ++i) pty.send(Bytes{i});
+  };
+  pty.send(Bytes{0});
+  ASSERT_TRUE(run_until(io, [this] { return probe.received.size() == 20; }));
+  EXPECT_EQ(probe.deliveries, 2);
+}
+
+TEST_F(SerialPortTest, ALineThatTakesNothingClosesThePortAtTheLimit) {
+  SerialPort port(io, spec());
+  open(port);
+  const Bytes much(1024, 0x55);
+  for (int i = 0; i < 64 && probe.closed.empty(); ++i)
+    port.write(much);  // nobody reads at the other end
+  ASSERT_TRUE(run_until(io, [this] { return !probe.closed.empty(); }));
+  EXPECT_THAT(probe.closed.front(), HasSubstr("takes no bytes"));
+}
+
+TEST_F(SerialPortTest, BytesThatTheLineDoesNotTakeAtOnceFollowInOrder) {
+  SerialPort port(io, spec());
+  open(port);
+  Bytes sent;
+  while (sent.size() < 16 * 1024 &&
+         probe.closed.empty()) {  // more than the terminal holds, less than the limit beyond it
+    Bytes part(512);
+    for (auto& byte : part)
+      byte = static_cast<std::uint8_t>(sent.size() + static_cast<std::size_t>(&byte - part.data()));
+    port.write(part);
+    append(sent, part);
+    int held = 0;
+    ASSERT_EQ(::ioctl(pty.master(), FIONREAD, &held), 0);
+    if (held + 1024 < static_cast<int>(sent.size())) break;  // some of it waits on our side
+  }
+  Bytes received;
+  ASSERT_TRUE(run_until(io, [&] {
+    append(received, pty.take());
+    return received.size() >= sent.size() || !probe.closed.empty();
+  }));
+  EXPECT_EQ(received, sent);
+}
+
+TEST_F(SerialPortTest, APseudoTerminalWithoutLineSettingsIsNoWarning) {
+  const int slave = ::open(pty.path().c_str(), O_RDWR | O_NOCTTY);
+  ASSERT_GE(slave, 0);
+  SerialPortSpec wishes = spec();
+  wishes.rs485 = true;
+  wishes.line = {12345, 7, Parity::kEven, 2};
+  const auto remarks = set_up_line(slave, wishes);
+  ASSERT_TRUE(remarks) << remarks.error();
+  for (const LineRemark& remark : *remarks) EXPECT_TRUE(remark.harmless) << remark.text;
+  ::close(slave);
+}
+
+TEST_F(SerialPortTest, TheLineIsRawAndHasItsBaudRate) {
+  SerialPortSpec odd = spec();
+  odd.line.baud = 250000;
+  SerialPort port(io, odd);
+  open(port);
+  termios2 settings{};
+  ASSERT_EQ(::ioctl(pty.master(), TCGETS2, &settings), 0);
+  EXPECT_EQ(settings.c_lflag & (ICANON | ECHO | ISIG | IEXTEN), 0u);
+  EXPECT_EQ(settings.c_iflag & (IXON | IXOFF | ICRNL | INLCR | ISTRIP), 0u);
+  EXPECT_EQ(settings.c_oflag & OPOST, 0u);
+  EXPECT_EQ(settings.c_ospeed, 250000u);
+}
+
+}  // namespace
+}  // namespace fieldcast

@@ -1,0 +1,117 @@
+#include "bridge/port/tcp_port.hpp"
+
+#include <gmock/gmock.h>
+#include <netinet/tcp.h>
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
+
+#include "tests/bridge/support/port_probe.hpp"
+
+namespace fieldcast {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using test::PortProbe;
+using test::run_until;
+using testing::HasSubstr;
+
+struct TcpPortTest : testing::Test {
+  TcpPortSpec spec() const {
+    TcpPortSpec made;
+    made.host = "127.0.0.1";
+    made.port = acceptor.local_endpoint().port();
+    return made;
+  }
+  void connect(TcpPort& port) {
+    acceptor.async_accept(peer, [](boost::system::error_code) {});
+    port.open(probe);
+    ASSERT_TRUE(run_until(io, [this] { return probe.opened == 1 && peer.is_open(); }));
+  }
+
+  asio::io_context io{1};
+  tcp::acceptor acceptor{io, tcp::endpoint{asio::ip::address_v4::loopback(), 0}};
+  tcp::socket peer{io};
+  PortProbe probe;
+};
+
+TEST_F(TcpPortTest, CarriesBytesBothWays) {
+  TcpPort port(io, spec());
+  connect(port);
+  const Bytes request{0, 1, 2, 0xFF}, answer{9, 8, 7};
+  port.write(request);
+  Bytes heard(request.size());
+  asio::async_read(peer, asio::buffer(heard), [](boost::system::error_code, std::size_t) {});
+  ASSERT_TRUE(run_until(io, [&] { return heard == request; }));
+  asio::write(peer, asio::buffer(answer));
+  ASSERT_TRUE(run_until(io, [&] { return probe.received.size() == answer.size(); }));
+  EXPECT_EQ(probe.received, answer);
+}
+
+TEST_F(TcpPortTest, AClosedPeerIsToldOnce) {
+  TcpPort port(io, spec());
+  connect(port);
+  peer.close();
+  ASSERT_TRUE(run_until(io, [this] { return !probe.closed.empty(); }));
+  port.write(Bytes{1});
+  io.restart();
+  io.poll();
+  EXPECT_THAT(probe.closed, testing::ElementsAre(HasSubstr("closed by the peer")));
+}
+
+TEST_F(TcpPortTest, ARefusedConnectionIsReported) {
+  const TcpPortSpec target = spec();
+  acceptor.close();
+  TcpPort port(io, target);
+  port.open(probe);
+  ASSERT_TRUE(run_until(io, [this] { return !probe.closed.empty(); }));
+  EXPECT_THAT(probe.closed.front(), HasSubstr("refused"));
+}
+
+TEST_F(TcpPortTest, ConnectingEndsAtItsTimeout) {
+  // A full backlog: the kernel ignores further connection requests.
+  tcp::acceptor full{io};
+  full.open(tcp::v4());
+  full.bind({asio::ip::address_v4::loopback(), 0});
+  full.listen(0);
+  std::vector<tcp::socket> crowd;
+  for (int i = 0; i < 4; ++i) {
+    crowd.emplace_back(io);
+    crowd.back().async_connect(full.local_endpoint(), [](boost::system::error_code) {});
+  }
+  io.run_for(std::chrono::milliseconds{20});
+  TcpPortSpec target = spec();
+  target.port = full.local_endpoint().port();
+  target.connect_timeout = std::chrono::milliseconds{50};
+  TcpPort port(io, target);
+  port.open(probe);
+  ASSERT_TRUE(run_until(io, [this] { return !probe.closed.empty(); }));
+  EXPECT_THAT(probe.closed.front(), HasSubstr("within 50ms"));
+}
+
+TEST_F(TcpPortTest, AnUnknownHostIsReported) {
+  TcpPortSpec target = spec();
+  target.host = "256.1.1.1.invalid.";
+  target.connect_timeout =
+      std::chrono::milliseconds{500};  // without a name server the resolver may be slow
+  TcpPort port(io, target);
+  port.open(probe);
+  ASSERT_TRUE(run_until(io, [this] { return !probe.closed.empty(); }));
+  EXPECT_EQ(probe.opened, 0);
+}
+
+TEST_F(TcpPortTest, NothingIsToldAfterClose) {
+  TcpPort port(io, spec());
+  connect(port);
+  asio::write(peer, asio::buffer("xyz", 3));
+  port.close();
+  io.restart();
+  io.poll();
+  EXPECT_EQ(probe.deliveries, 0);
+  EXPECT_TRUE(probe.closed.empty());
+}
+
+}  // namespace
+}  // namespace fieldcast

@@ -1,0 +1,140 @@
+#include "bridge/standby/bus_claims.hpp"
+
+#include <gmock/gmock.h>
+
+#include <list>
+
+namespace fieldcast {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+// Bridges that hear each other; what one says is told to the others by tell().
+struct Domain {
+  struct Bridge {
+    std::string id;
+    BusClaims claims;
+    [[nodiscard]] BridgeClaims said() const { return {id, "host", "", {}, claims.buses()}; }
+  };
+  Bridge& add(const std::string& id, std::int64_t since, std::vector<std::string> buses = {"bus"}) {
+    Bridge& made = bridges.emplace_back(Bridge{id, BusClaims(id)});
+    made.claims.want(buses, UtcTime{since});
+    return made;
+  }
+  void tell() {
+    for (Bridge& to : bridges) {
+      for (const Bridge& from : bridges) {
+        if (from.id != to.id) to.claims.hear(from.id, from.said());
+      }
+    }
+  }
+  // Each decides and tells until nothing changes.
+  void come_to_rest() {
+    for (bool changed = true; changed; tell()) {
+      changed = false;
+      tell();
+      for (Bridge& bridge : bridges) changed |= bridge.claims.decide();
+    }
+  }
+  [[nodiscard]] std::vector<std::string> serving(const std::string& bus = "bus") const {
+    std::vector<std::string> ids;
+    for (const Bridge& bridge : bridges) {
+      if (bridge.claims.serves(bus)) ids.push_back(bridge.id);
+    }
+    return ids;
+  }
+  std::list<Bridge> bridges;
+};
+
+TEST(BusClaims, ABridgeAloneServesWhatItWants) {
+  Domain domain;
+  domain.add("a", 5, {"one", "two"});
+  domain.come_to_rest();
+  EXPECT_THAT(domain.serving("one"), ElementsAre("a"));
+  EXPECT_THAT(domain.serving("two"), ElementsAre("a"));
+  EXPECT_THAT(domain.serving("three"), IsEmpty());
+}
+
+TEST(BusClaims, WhoComesLaterWaitsAndKnowsForWhom) {
+  Domain domain;
+  auto& first = domain.add("first", 9);
+  domain.come_to_rest();
+  auto& later = domain.add("later", 5);  // by a clock that is behind
+  domain.come_to_rest();
+  EXPECT_THAT(domain.serving(), ElementsAre("first"));
+  ASSERT_TRUE(later.claims.rival("bus"));
+  EXPECT_EQ(later.claims.rival("bus")->bridge, "first");
+  EXPECT_FALSE(first.claims.rival("bus"));
+}
+
+TEST(BusClaims, OfTwoThatBeginTogetherOneServes) {
+  for (const auto& [a, b, winner] :
+       {std::tuple(1, 2, "a"), std::tuple(2, 1, "b"), std::tuple(3, 3, "a")}) {
+    Domain domain;
+    domain.add("a", a);
+    domain.add("b", b);
+    domain.come_to_rest();
+    EXPECT_THAT(domain.serving(), ElementsAre(winner));
+  }
+}
+
+TEST(BusClaims, OfTwoThatServedBeforeTheyMetTheEarlierGoesOn) {
+  Domain domain;
+  auto& a = domain.add("a", 7);
+  auto& b = domain.add("b", 6);
+  a.claims.decide(), b.claims.decide();
+  EXPECT_THAT(domain.serving(), ElementsAre("a", "b"));
+  domain.tell();
+  EXPECT_THAT(a.claims.contested(), ElementsAre("bus"));
+  domain.come_to_rest();
+  EXPECT_THAT(domain.serving(), ElementsAre("b"));
+  EXPECT_THAT(b.claims.contested(), IsEmpty());
+}
+
+TEST(BusClaims, WhoWaitsTakesOverWhenTheOtherIsGoneAndOneOfSeveral) {
+  Domain domain;
+  domain.add("first", 1);
+  domain.come_to_rest();
+  domain.add("second", 3);
+  domain.add("third", 2);
+  domain.come_to_rest();
+  EXPECT_THAT(domain.serving(), ElementsAre("first"));
+  domain.bridges.pop_front();
+  for (auto& bridge : domain.bridges) bridge.claims.forget("first");
+  domain.come_to_rest();
+  EXPECT_THAT(domain.serving(), ElementsAre("third"));
+}
+
+TEST(BusClaims, WhoIsSilentIsNoRivalAndIsOneAgainWhenItIsHeard) {
+  Domain domain;
+  auto& first = domain.add("first", 1);
+  domain.come_to_rest();
+  auto& later = domain.add("later", 2);
+  domain.come_to_rest();
+  later.claims.set_alive("first", false);
+  EXPECT_TRUE(later.claims.decide());
+  EXPECT_TRUE(later.claims.serves("bus"));
+  later.claims.set_alive("first", true);  // it was alive all the time, and served
+  EXPECT_TRUE(later.claims.decide());
+  EXPECT_FALSE(later.claims.serves("bus"));
+  EXPECT_TRUE(first.claims.serves("bus"));
+}
+
+TEST(BusClaims, ABusThatIsNotWantedAnyMoreIsFree) {
+  Domain domain;
+  auto& first = domain.add("first", 1, {"bus", "other"});
+  domain.come_to_rest();
+  domain.add("later", 2);
+  domain.come_to_rest();
+  first.claims.want({"other"}, UtcTime{3});
+  domain.come_to_rest();
+  EXPECT_THAT(domain.serving("bus"), ElementsAre("later"));
+  EXPECT_THAT(domain.serving("other"), ElementsAre("first"));
+  first.claims.want({"bus", "other"}, UtcTime{4});
+  domain.come_to_rest();
+  EXPECT_THAT(domain.serving("bus"), ElementsAre("later"));
+}
+
+}  // namespace
+}  // namespace fieldcast

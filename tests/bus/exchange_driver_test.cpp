@@ -1,0 +1,162 @@
+#include "core/bus/exchange_driver.hpp"
+
+#include <gtest/gtest.h>
+
+namespace fieldcast {
+namespace {
+
+using namespace std::chrono_literals;
+using Outcome = ExchangeDriver::Outcome;
+
+const LineFormat kLine{19200, 8, Parity::kEven, 1};
+const Bytes kRequest{0x01, 0x03, 0x00, 0x64, 0x00, 0x01, 0xC5, 0xD5};
+const Bytes kAnswer{0x01, 0x03, 0x02, 0x00, 0x2A, 0x39, 0x9B};
+
+struct Line {
+  explicit Line(Echo echo = Echo::kAbsent) : driver(kLine, 20ms, echo) {}
+  void ask(Instant at, Request request = ReadRequest{{{2, 100, 1}}}, bool distinct = true) {
+    driver.begin(protocol->begin(std::move(request), {1}), 200ms, distinct, at, out);
+  }
+  Outcome hear(const Bytes& bytes, Instant at) { return driver.on_bytes(bytes, at, out); }
+
+  std::unique_ptr<Protocol> protocol = std::move(*find_protocol("modbus-rtu")->make({1, {}}));
+  ExchangeDriver driver;
+  Bytes out;
+};
+
+TEST(ExchangeDriver, AsksAndIsAnswered) {
+  Line line;
+  line.ask(Instant{});
+  EXPECT_EQ(line.out, kRequest);
+  EXPECT_EQ(line.hear(kAnswer, Instant{20ms}), Outcome::kDone);
+  EXPECT_EQ(line.driver.exchange().reply().front().items, (Bytes{0x00, 0x2A}));
+  EXPECT_EQ(line.driver.answered(), Instant{20ms});
+}
+
+TEST(ExchangeDriver, AnswerTimeIsWithoutTheWire) {
+  Line line;
+  line.ask(Instant{});
+  const Duration wire = kLine.characters(8) + kLine.characters(7);
+  (void)line.hear(kAnswer, Instant{wire + 5ms});
+  EXPECT_NEAR(to_seconds(line.driver.answer_time()), 0.005, 1e-6);
+}
+
+TEST(ExchangeDriver, KnowsWhatTheAnswerLacks) {
+  Line line;
+  line.ask(Instant{});
+  EXPECT_EQ(line.driver.missing(), 0u) << "when the answer begins is not known";
+  (void)line.hear({kAnswer.begin(), kAnswer.begin() + 3}, Instant{20ms});
+  EXPECT_EQ(line.driver.missing(), 4u);
+  (void)line.hear({kAnswer.begin() + 3, kAnswer.end() - 1}, Instant{21ms});
+  EXPECT_EQ(line.driver.missing(), 1u);
+  EXPECT_EQ(line.hear({kAnswer.end() - 1, kAnswer.end()}, Instant{22ms}), Outcome::kDone);
+  line.driver.finish();
+  EXPECT_EQ(line.driver.missing(), 0u);
+}
+
+TEST(ExchangeDriver, SilenceEndsItAfterTheTimeout) {
+  Line line;
+  line.ask(Instant{});
+  EXPECT_EQ(line.driver.deadline(), Instant{200ms} + kLine.characters(8));
+  EXPECT_EQ(line.driver.on_timer(line.driver.deadline(), line.out), Outcome::kFailed);
+  EXPECT_EQ(line.driver.cause(), Cause::kNoAnswer);
+}
+
+TEST(ExchangeDriver, BrokenAnswerEndsSoonAfterItsWireTime) {
+  Line line;
+  line.ask(Instant{});
+  Bytes broken = kAnswer;
+  broken.back() ^= 1;
+  EXPECT_EQ(line.hear(broken, Instant{20ms}), Outcome::kWaiting);
+  EXPECT_LE(line.driver.deadline(), Instant{50ms});
+  EXPECT_EQ(line.driver.on_timer(line.driver.deadline(), line.out), Outcome::kFailed);
+  EXPECT_EQ(line.driver.cause(), Cause::kChecksum);
+}
+
+TEST(ExchangeDriver, BabbleCannotHoldTheWire) {
+  Line line;
+  line.ask(Instant{});
+  Instant now{10ms};
+  const Bytes noise{0x01, 0x03, 0x02};
+  for (int i = 0; i < 10000 && now < line.driver.deadline(); ++i) {
+    if (line.hear(noise, now) != Outcome::kWaiting) break;
+    now += 1ms;
+  }
+  EXPECT_LT(now, Instant{300ms});
+}
+
+TEST(ExchangeDriver, EchoIsLearnedFromARead) {
+  Line line(Echo::kUnknown);
+  line.ask(Instant{});
+  EXPECT_EQ(line.hear(kRequest, Instant{5ms}), Outcome::kWaiting);
+  EXPECT_EQ(line.driver.echo(), Echo::kPresent);
+  EXPECT_EQ(line.hear(kAnswer, Instant{20ms}), Outcome::kDone);
+}
+
+TEST(ExchangeDriver, EchoAndAnswerInOnePieceAreToldApart) {
+  Line line(Echo::kUnknown);
+  line.ask(Instant{});
+  Bytes both = kRequest;
+  append(both, kAnswer);
+  EXPECT_EQ(line.hear(both, Instant{20ms}), Outcome::kDone);
+  EXPECT_EQ(line.driver.echo(), Echo::kPresent);
+}
+
+TEST(ExchangeDriver, AnAnswerWithoutEchoShowsThatThereIsNone) {
+  Line line(Echo::kUnknown);
+  line.ask(Instant{});
+  EXPECT_EQ(line.hear(kAnswer, Instant{20ms}), Outcome::kDone);
+  EXPECT_EQ(line.driver.echo(), Echo::kAbsent);
+}
+
+TEST(ExchangeDriver, EchoOfAWriteIsNoAnswer) {
+  Line line(Echo::kPresent);
+  line.ask(Instant{}, WriteRequest{{2, 100, 1}, {0x00, 0x05}, {}, false}, false);
+  const Bytes sent = line.out;
+  EXPECT_EQ(line.hear(sent, Instant{5ms}), Outcome::kWaiting);
+  EXPECT_EQ(line.driver.on_timer(line.driver.deadline(), line.out), Outcome::kFailed);
+  EXPECT_EQ(line.driver.cause(), Cause::kNoAnswer);
+}
+
+TEST(ExchangeDriver, SecondCopyOfAWriteIsTheAnswer) {
+  Line line(Echo::kPresent);
+  line.ask(Instant{}, WriteRequest{{2, 100, 1}, {0x00, 0x05}, {}, false}, false);
+  const Bytes sent = line.out;
+  EXPECT_EQ(line.hear(sent, Instant{5ms}), Outcome::kWaiting);
+  EXPECT_EQ(line.hear(sent, Instant{20ms}), Outcome::kDone);
+}
+
+TEST(ExchangeDriver, ARefusalShowsWhetherTheLineEchoes) {
+  const Bytes refusal{0x01, 0x90, 0x01, 0x8D, 0xC0};
+  const WriteRequest distinct{{2, 100, 1}, {0x00, 0x05}, {}, true};
+  Line silent(Echo::kUnknown);
+  silent.ask(Instant{}, distinct);
+  EXPECT_EQ(silent.hear(refusal, Instant{20ms}), Outcome::kFailed);
+  EXPECT_EQ(silent.driver.echo(), Echo::kAbsent);
+  Line echoing(Echo::kUnknown);
+  echoing.ask(Instant{}, distinct);
+  Bytes both = echoing.out;
+  append(both, refusal);
+  EXPECT_EQ(echoing.hear(both, Instant{20ms}), Outcome::kFailed);
+  EXPECT_EQ(echoing.driver.echo(), Echo::kPresent);
+}
+
+TEST(ExchangeDriver, AnAnswerThatEqualsItsRequestTeachesNothing) {
+  Line line(Echo::kUnknown);
+  line.ask(Instant{}, WriteRequest{{2, 100, 1}, {0x00, 0x05}, {}, false}, false);
+  const Bytes sent = line.out;
+  EXPECT_EQ(line.hear({sent.begin(), sent.begin() + 3}, Instant{10ms}), Outcome::kWaiting);
+  EXPECT_EQ(line.hear({sent.begin() + 3, sent.end()}, Instant{15ms}), Outcome::kDone);
+  EXPECT_EQ(line.driver.echo(), Echo::kUnknown);
+}
+
+TEST(ExchangeDriver, EndlessBytesFailAsOverlong) {
+  Line line;
+  line.ask(Instant{});
+  const Bytes flood(ExchangeDriver::kMaxReceived + 1, 0x55);
+  EXPECT_EQ(line.hear(flood, Instant{20ms}), Outcome::kFailed);
+  EXPECT_EQ(line.driver.cause(), Cause::kOverlong);
+}
+
+}  // namespace
+}  // namespace fieldcast

@@ -1,0 +1,139 @@
+#include "core/bus/garbage.hpp"
+
+#include <gmock/gmock.h>
+
+#include <bit>
+#include <random>
+
+namespace fieldcast {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+constexpr LineFormat k8N1{19200, 8, Parity::kNone, 1};
+constexpr LineFormat k8E1{19200, 8, Parity::kEven, 1};
+const Bytes kRequest{1, 3, 0, 0, 0, 2, 0xC4, 0x0B};
+
+// What a UART of another baud rate makes of characters: the level of the line at the middle of each
+// of its bits, a new character at each fall of the level. 8N1 on both sides.
+Bytes heard_at(double sender_baud, double receiver_baud, const Bytes& characters) {
+  std::vector<bool> level;
+  for (const std::uint8_t byte : characters) {
+    level.push_back(false);
+    for (int bit = 0; bit < 8; ++bit) level.push_back((byte >> bit & 1) != 0);
+    level.push_back(true);
+  }
+  const auto at = [&](double time) {
+    const auto bit = static_cast<std::size_t>(time * sender_baud);
+    return bit >= level.size() || level[bit];
+  };
+  Bytes out;
+  const double end = static_cast<double>(level.size()) / sender_baud, bit = 1 / receiver_baud;
+  for (double time = 0; time < end;) {
+    if (at(time)) {
+      time += bit / 16;
+      continue;
+    }
+    unsigned byte = 0;
+    for (int i = 0; i < 8; ++i) byte |= at(time + bit * (1.5 + i)) ? 1u << i : 0u;
+    out.push_back(static_cast<std::uint8_t>(byte));
+    time += bit * 9.5;
+    while (time < end && !at(time)) time += bit / 16;  // until the level is that of a stop bit
+  }
+  return out;
+}
+
+Bytes random_bytes(std::size_t count) {
+  std::mt19937 random{7};
+  Bytes bytes;
+  for (std::size_t i = 0; i < count; ++i) bytes.push_back(static_cast<std::uint8_t>(random()));
+  return bytes;
+}
+
+TEST(Garbage, TheUartOfTheTestUnderstandsItsOwnBaudRate) {
+  const Bytes bytes = random_bytes(100);
+  EXPECT_EQ(heard_at(19200, 19200, bytes), bytes);
+}
+
+TEST(Garbage, ASlowerSenderIsSeen) {
+  for (const double sender : {9600.0, 4800.0, 2400.0}) {
+    const Bytes heard = heard_at(sender, 19200, random_bytes(60));
+    EXPECT_THAT(looks_like(heard, k8N1, false), HasSubstr("lower"))
+        << sender << ' ' << to_hex(heard);
+  }
+}
+
+TEST(Garbage, AFasterSenderIsNotTakenForASlowerOne) {
+  for (const double sender : {19200.0, 38400.0, 115200.0}) {
+    const Bytes heard = heard_at(sender, 19200, random_bytes(200));
+    EXPECT_THAT(looks_like(heard, k8N1, false), Not(HasSubstr("lower baud")))
+        << sender << ' ' << to_hex(heard);
+  }
+}
+
+TEST(Garbage, TextWithAParityBitNamesTheFormat) {
+  Bytes even, odd;
+  for (const char c : std::string("@00RD000064000000000057*\r")) {
+    const auto seven = static_cast<unsigned>(c);
+    const unsigned ones = static_cast<unsigned>(std::popcount(seven)) % 2;
+    even.push_back(static_cast<std::uint8_t>(seven | ones << 7));
+    odd.push_back(static_cast<std::uint8_t>(seven | (ones ^ 1u) << 7));
+  }
+  EXPECT_THAT(looks_like(even, k8N1, false), HasSubstr("try format 7E1"));
+  EXPECT_THAT(looks_like(odd, k8N1, false), HasSubstr("try format 7O1"));
+  EXPECT_THAT(looks_like(odd, k8N1, true), HasSubstr("serial server"));
+}
+
+// With INPCK a character whose parity is wrong is handed over as 00.
+TEST(Garbage, AnotherParityNamesTheFormatsToTry) {
+  Bytes heard = random_bytes(40);
+  for (std::uint8_t& byte : heard) {
+    if (std::popcount(byte) % 2 != 0) byte = 0;
+  }
+  EXPECT_THAT(looks_like(heard, k8E1, false), AllOf(HasSubstr("8N1"), HasSubstr("8O1")));
+}
+
+TEST(Garbage, OneLevelAloneIsTheWiring) {
+  EXPECT_THAT(looks_like(Bytes(20, 0x00), k8N1, false), StartsWith("nothing but zeros"));
+  EXPECT_THAT(looks_like(Bytes(20, 0xFF), k8N1, false), StartsWith("nothing but FF"));
+}
+
+TEST(Garbage, RandomBytesAndTextOfAnotherProtocol) {
+  EXPECT_THAT(looks_like(random_bytes(60), k8N1, false), StartsWith("no frame of this protocol"));
+  const std::string login = "Welcome to SuperTerm\r\nlogin: ";
+  EXPECT_THAT(looks_like(Bytes(login.begin(), login.end()), k8N1, false), StartsWith("text"));
+}
+
+TEST(Garbage, IsWorthSayingWhenItIsNoSingleNoise) {
+  Garbage garbage;
+  EXPECT_FALSE(garbage.heard(Bytes{0x12, 0x34}, kRequest));
+  EXPECT_FALSE(garbage.heard({}, kRequest)) << "silence is no garbage";
+  EXPECT_FALSE(garbage.heard(Bytes{0x56}, kRequest));
+  EXPECT_TRUE(garbage.heard(Bytes{0x78}, kRequest));
+  EXPECT_THAT(garbage.text(k8N1, false),
+              StartsWith("bytes come that are no answer: 4 in 3 exchanges, the last ones 12 34 56 "
+                         "78: no frame of this protocol: try another baud"));
+  EXPECT_TRUE(garbage.answered());
+  EXPECT_FALSE(garbage.answered());
+  EXPECT_FALSE(garbage.heard(Bytes{1}, kRequest));
+}
+
+TEST(Garbage, AnEchoAloneIsNamed) {
+  Garbage garbage;
+  for (unsigned i = 0; i < Garbage::kWorthSaying; ++i) (void)garbage.heard(kRequest, kRequest);
+  EXPECT_THAT(garbage.text(k8N1, false), HasSubstr("what was sent comes back"));
+}
+
+TEST(Garbage, ShowsTheLastBytesOfAFlood) {
+  Garbage garbage;
+  for (int i = 0; i < 1000; ++i) (void)garbage.heard(Bytes(300, 0x5A), kRequest);
+  const std::string text = garbage.text(k8N1, false);
+  EXPECT_THAT(text, HasSubstr("300000 in 1000 exchanges"));
+  EXPECT_LT(text.size(), 300u);
+}
+
+}  // namespace
+}  // namespace fieldcast

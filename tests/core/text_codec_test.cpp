@@ -1,0 +1,83 @@
+// Texts of devices as printable UTF-8, and back.
+#include "core/codec/text_codec.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "core/base/escaped.hpp"
+#include "core/codec/value_codec.hpp"
+
+namespace fieldcast {
+namespace {
+
+TEST(Escaped, KeepsWhatIsPrintableUtf8) {
+  for (const auto* text : {"", "plain", "22 °C", "温度", "😀", "C:\\temp", "a\"b,c"}) {
+    EXPECT_EQ(escaped(text), text);
+    EXPECT_TRUE(is_utf8(text));
+  }
+}
+
+TEST(Escaped, ShowsEveryByteThatIsNoCharacter) {
+  EXPECT_EQ(escaped("K\xFChl"), "K\\xFChl");
+  EXPECT_EQ(escaped("\xE6\xB8"), "\\xE6\\xB8") << "cut inside a character";
+  EXPECT_EQ(escaped("\xC0\x80"), "\\xC0\\x80") << "overlong";
+  EXPECT_EQ(escaped("\xE0\x80\x80"), "\\xE0\\x80\\x80");
+  EXPECT_EQ(escaped("\xED\xA0\x80"), "\\xED\\xA0\\x80") << "a surrogate";
+  EXPECT_EQ(escaped("\xF4\x90\x80\x80"), "\\xF4\\x90\\x80\\x80") << "above U+10FFFF";
+  EXPECT_EQ(escaped("\x80"), "\\x80");
+}
+
+TEST(Escaped, ShowsControlCharacters) {
+  EXPECT_EQ(escaped("a\nb\r\t\x7F"), "a\\x0Ab\\x0D\\x09\\x7F");
+  EXPECT_EQ(escaped("\x1B[2J"), "\\x1B[2J");
+  EXPECT_EQ(escaped("\xC2\x9B"
+                    "31m"),
+            "\\xC2\\x9B31m")
+      << "a control that some terminals obey";
+  EXPECT_EQ(escaped(std::string_view("a\0b", 3)), "a\\x00b");
+}
+
+TEST(Escaped, IsPrintableUtf8WhateverComes) {
+  std::mt19937 random{3};
+  for (int round = 0; round < 20'000; ++round) {
+    std::string bytes(random() % 12, '\0');
+    for (char& c : bytes) c = static_cast<char>(random());
+    const std::string text = escaped(bytes);
+    ASSERT_TRUE(is_utf8(text));
+    ASSERT_EQ(escaped(text), text) << "nothing is left to escape";
+  }
+}
+
+TEST(PlainTextCodec, KnowsUtf8AndLatinOneBothWays) {
+  TextCodec& codec = plain_text_codec();
+  EXPECT_EQ(codec.to_utf8(Charset::kUtf8, "\xC3\xA4"), "ä");
+  EXPECT_EQ(codec.to_utf8(Charset::kUtf8, "\xE4"), "\\xE4");
+  EXPECT_EQ(codec.to_utf8(Charset::kLatin1, "\xE4 \xB0\x85"), "ä °\\x85");
+  EXPECT_EQ(codec.from_utf8(Charset::kLatin1, "ä °ÿ"), "\xE4 \xB0\xFF");
+  EXPECT_EQ(codec.from_utf8(Charset::kUtf8, "温"), "温");
+  EXPECT_EQ(codec.from_utf8(Charset::kLatin1, "5 €"), std::nullopt);
+  EXPECT_EQ(codec.from_utf8(Charset::kLatin1, "\xE4"), std::nullopt) << "no UTF-8";
+  EXPECT_EQ(codec.from_utf8(Charset::kUtf8, "\xE4"), std::nullopt);
+}
+
+TEST(PlainTextCodec, OfSetsWithTablesKnowsAsciiAlone) {
+  TextCodec& codec = plain_text_codec();
+  EXPECT_EQ(codec.to_utf8(Charset::kGbk, "T \xCE\xC2"), "T \\xCE\\xC2");
+  EXPECT_EQ(codec.from_utf8(Charset::kShiftJis, "T"), "T");
+  EXPECT_EQ(codec.from_utf8(Charset::kGbk, "温"), std::nullopt);
+}
+
+TEST(StringChannel, IsTranscodedBothWaysAndItsBytesAreCounted) {
+  const Encoding latin{.type = ValueType::kString, .string_bytes = 4, .charset = Charset::kLatin1};
+  const Bytes items{0x4B, 0xFC, 0x68, 0x6C};
+  EXPECT_EQ(decode_value(latin, 16, items), Value{std::string("Kühl")});
+  EXPECT_EQ(encode_value(latin, 16, Value{std::string("Kühl")}), items) << "5 bytes of UTF-8";
+  EXPECT_EQ(encode_value(latin, 16, Value{std::string("€")}), tl::unexpected(Cause::kRange));
+  const Encoding plain{.type = ValueType::kString, .string_bytes = 4};
+  EXPECT_EQ(decode_value(plain, 16, items), Value{std::string("K\\xFChl")});
+  EXPECT_EQ(encode_value(plain, 16, Value{std::string("\xFC")}), tl::unexpected(Cause::kRange));
+}
+
+}  // namespace
+}  // namespace fieldcast

@@ -1,0 +1,78 @@
+/* A plant system in C on Cyclone DDS whose writer keeps its commands for late joiners, as it should
+ * not: whoever joins later is sent them again.
+ *
+ * usage: cyclone-replay DOMAIN BUS DEVICE CHANNEL COUNT
+ *   result REQUEST_ID STATE CAUSE REASON
+ * Writes the integers 1 to COUNT, each a command of 60 s, and prints every result until SIGTERM. */
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "station.h"
+
+enum { kWaitSeconds = 20 };
+
+static void print_results(dds_entity_t reader, const char* requester) {
+  void* samples[1] = {NULL};
+  dds_sample_info_t info;
+  while (dds_take(reader, samples, &info, 1, 1) == 1) {
+    const fieldcast_CommandResult* r = samples[0];
+    if (info.valid_data && strcmp(r->requester, requester) == 0)
+      printf("result\t%" PRIu64 "\t%s\t%s\t%s\n", r->request_id, state_name(r->state), r->cause,
+             r->reason);
+    dds_return_loan(reader, samples, 1);
+  }
+  fflush(stdout);
+}
+
+int main(int argc, char** argv) {
+  if (argc < 6) {
+    fprintf(stderr, "usage: cyclone-replay DOMAIN BUS DEVICE CHANNEL COUNT\n");
+    return 2;
+  }
+  const uint64_t count = strtoull(argv[5], NULL, 10);
+  const dds_entity_t participant =
+      need(dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL), "participant");
+  const dds_entity_t command_topic =
+      need(dds_create_topic(participant, &fieldcast_Command_desc, "fieldcast/Command", NULL, NULL),
+           "topic Command");
+  const dds_entity_t result_topic =
+      need(dds_create_topic(participant, &fieldcast_CommandResult_desc, "fieldcast/CommandResult",
+                            NULL, NULL),
+           "topic CommandResult");
+  dds_qos_t* qos = request_qos();
+  const dds_entity_t results =
+      need(dds_create_reader(participant, result_topic, qos, NULL), "reader of CommandResult");
+  dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
+  dds_qset_durability_service(qos, 0, DDS_HISTORY_KEEP_ALL, 0, DDS_LENGTH_UNLIMITED,
+                              DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
+  dds_qset_lifespan(qos, DDS_SECS(60));
+  const dds_entity_t commands =
+      need(dds_create_writer(participant, command_topic, qos, NULL), "writer of Command");
+  dds_delete_qos(qos);
+  if (!matched(commands, results, dds_time() + DDS_SECS(kWaitSeconds))) {
+    fprintf(stderr, "no bridge within %d s\n", kWaitSeconds);
+    return 3;
+  }
+  fieldcast_Value value = {._d = fieldcast_VALUE_INT64};
+  static fieldcast_Command command; /* zeroed */
+  snprintf(command.requester, sizeof command.requester, "cyclone:%d:%" PRId64, (int)getpid(),
+           dds_time());
+  snprintf(command.bus, sizeof command.bus, "%s", argv[2]);
+  snprintf(command.device, sizeof command.device, "%s", argv[3]);
+  command.target_kind = fieldcast_TARGET_CHANNEL;
+  snprintf(command.target, sizeof command.target, "%s", argv[4]);
+  command.encoding.bit = -1;
+  command.operation = fieldcast_OPERATION_WRITE;
+  command.values = (dds_sequence_fieldcast_Value){
+      ._maximum = 1, ._length = 1, ._buffer = &value, ._release = false};
+  for (command.request_id = 1; command.request_id <= count; ++command.request_id) {
+    value._u.int64_value = (int64_t)command.request_id;
+    need(dds_write(commands, &command), "write");
+  }
+  for (; !stopped(); dds_sleepfor(DDS_MSECS(5))) print_results(results, command.requester);
+  dds_delete(participant);
+  return 0;
+}

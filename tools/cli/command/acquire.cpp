@@ -1,0 +1,81 @@
+#include "tools/cli/command/acquire.hpp"
+
+#include <ostream>
+
+#include "tools/cli/command/command_run.hpp"
+#include "tools/cli/view/command_text.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+ExitCode usage(std::ostream& err, const std::string& fault) {
+  err << "fieldcast acquire: " << fault << '\n';
+  return ExitCode::kUsage;
+}
+
+Errand errand_of(const ChannelPath& path, Target target, std::string text, std::string type,
+                 std::string unit) {
+  Errand errand;
+  errand.command.bus = path.bus;
+  errand.command.command.device = path.device;
+  errand.command.command.target = std::move(target);
+  errand.command.command.operation = Operation::kAcquire;
+  errand.outcome.bus = path.bus;
+  errand.outcome.device = path.device;
+  errand.outcome.target = std::move(text);
+  errand.outcome.type = std::move(type);
+  errand.outcome.unit = std::move(unit);
+  return errand;
+}
+
+// One command for each channel: a result names no channels, and each may fail for a reason of its
+// own.
+std::vector<Errand> errands_of(const ChannelPath& wanted, const Catalogue& catalogue) {
+  std::vector<Errand> errands;
+  for (const auto& [path, channel] : catalogue.channels()) {
+    const bool meant = path.bus == wanted.bus && path.device == wanted.device &&
+                       (wanted.channel.empty() ? channel.access != Access::kWriteOnly
+                                               : path.channel == wanted.channel);
+    if (meant)
+      errands.push_back(
+          errand_of(path, ChannelTarget{path.channel}, path.channel, channel.type, channel.unit));
+  }
+  if (errands.empty()) {
+    errands.push_back(
+        {{},
+         refused_here(wanted, false, Cause::kUnknownChannel, catalogue.explain_unknown(wanted))});
+  }
+  return errands;
+}
+
+}  // namespace
+
+ExitCode acquire(const AcquireOptions& options, const DdsSpec& spec, Interrupt& interrupt,
+                 std::ostream& out, std::ostream& err) {
+  const auto wanted = parse_device_or_channel(options.target);
+  if (!wanted) return usage(err, wanted.error());
+  const auto type = type_at(options.at, options.type);
+  const auto encoding = parse_type(type).and_then(
+      [&](const Encoding& parsed) { return with_byte(parsed, options.byte); });
+  if (!encoding) return usage(err, encoding.error());
+  if (!options.at.empty() && !wanted->channel.empty())
+    return usage(err, "with --at name BUS/DEVICE only");
+
+  Session session(spec, interrupt);
+  CommandRun run(session, spec, {options.json, options.timeout}, out, err);
+  const bool raw = !options.at.empty();
+  if (!run.learn({*wanted}, raw ? CommandRun::Wanted::kDevice : CommandRun::Wanted::kChannels))
+    return run.why_not();
+  if (options.at.empty()) return run.execute(errands_of(*wanted, run.catalogue()));
+
+  std::vector<Errand> errands;
+  if (!run.catalogue().has_bus(wanted->bus)) {
+    errands.push_back(unknown_bus(*wanted, options.at, false, run.catalogue()));
+    return run.execute(std::move(errands));
+  }
+  errands.push_back(errand_of(*wanted, AddressTarget{options.at, *encoding}, options.at, type, {}));
+  errands.front().command.command.count = options.count;
+  return run.execute(std::move(errands));
+}
+
+}  // namespace fieldcast::cli

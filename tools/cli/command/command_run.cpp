@@ -1,0 +1,157 @@
+#include "tools/cli/command/command_run.hpp"
+
+#include <algorithm>
+#include <map>
+#include <ostream>
+
+#include "tools/cli/clock.hpp"
+#include "tools/cli/view/json.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+struct Waiting {
+  std::size_t errand = 0;
+  Instant until{};
+};
+
+}  // namespace
+
+CommandRun::CommandRun(Session& session, const DdsSpec& spec, Options options, std::ostream& out,
+                       std::ostream& err)
+    : session_(session), spec_(spec), options_(options), out_(out), err_(err) {
+  session_.hear_results();
+  session_.hear_channels();
+  session_.hear_status();
+}
+
+Errand unknown_bus(ChannelPath path, const std::string& at, bool write,
+                   const Catalogue& catalogue) {
+  auto reason = catalogue.explain_unknown(path);
+  path.channel = at;
+  return {{}, refused_here(path, write, Cause::kUnknownDevice, std::move(reason))};
+}
+
+bool CommandRun::learn(const std::vector<ChannelPath>& paths, Wanted wanted) {
+  const auto known = [&](const ChannelPath& path) {
+    if (wanted == Wanted::kDevice) return catalogue_.has_device(path.bus, path.device);
+    return !path.channel.empty() && catalogue_.find(path) != nullptr;
+  };
+  const auto began = instant_now();
+  auto last_news = began;
+  while (!session_.inbox().closed()) {
+    if (std::all_of(paths.begin(), paths.end(), known)) return true;
+    const auto now = instant_now();
+    if (!catalogue_.empty() && now - last_news >= kQuietTime) return true;
+    if (now - began >= kBridgeWait) break;
+    const auto until = catalogue_.empty() ? began + kBridgeWait
+                                          : std::min(began + kBridgeWait, last_news + kQuietTime);
+    for (const auto& event : session_.inbox().take(to_steady(until))) {
+      if (note(event)) last_news = instant_now();
+    }
+  }
+  if (!catalogue_.empty() && !session_.interrupted()) return true;
+  err_ << "fieldcast: " << (session_.interrupted() ? "interrupted" : no_bridge_text(spec_)) << '\n';
+  return false;
+}
+
+// True for something new.
+bool CommandRun::note(const SessionEvent& event) {
+  if (const auto* channel = std::get_if<StationChannel>(&event)) {
+    catalogue_.add(*channel);
+    return true;
+  }
+  // The catalogue has no rows for a device without channels, but its status tells of it.
+  const auto* device = std::get_if<StationDeviceStatus>(&event);
+  return device != nullptr && catalogue_.add_device(device->bus, device->device);
+}
+
+ExitCode CommandRun::why_not() const {
+  return session_.interrupted() ? ExitCode::kInterrupted : ExitCode::kNoBridge;
+}
+
+bool CommandRun::send(Errand& errand) {
+  errand.command.lifespan = options_.timeout;
+  // In short turns, so that Ctrl-C is not kept waiting for a bridge that does not take commands.
+  constexpr Duration kTurn = std::chrono::milliseconds{100};
+  auto& outcome = errand.outcome;
+  for (const auto until = instant_now() + kBridgeWait; !session_.interrupted();) {
+    const auto sent = session_.station().send(errand.command, kTurn);
+    if (sent) {
+      outcome.result.request_id = *sent;
+      return true;
+    }
+    if (sent.error() == StationFault::kNoBridge && instant_now() < until) continue;
+    outcome.state = sent.error() == StationFault::kNoBridge ? Outcome::State::kNoResult
+                                                            : Outcome::State::kNotSent;
+    outcome.result.reason = sent.error() == StationFault::kNoBridge
+                                ? "no bridge takes commands in " + place_text(spec_)
+                                : std::string(to_text(sent.error()));
+    return false;
+  }
+  outcome.state = Outcome::State::kNotSent;
+  outcome.result.reason = "interrupted";
+  return false;
+}
+
+ExitCode CommandRun::execute(std::vector<Errand> errands) {
+  auto worst = ExitCode::kOk;
+  const auto finish = [&](Errand& errand) {
+    print(errand.outcome);
+    worst = std::max(worst, exit_code_of(errand.outcome));
+  };
+
+  std::map<std::uint64_t, Waiting> waiting;
+  std::size_t next = 0;
+  while (next < errands.size() || !waiting.empty()) {
+    for (; next < errands.size() && waiting.size() < kAtATime; ++next) {
+      auto& errand = errands[next];
+      if (errand.to_be_sent() && send(errand)) {
+        waiting[errand.outcome.result.request_id] = {
+            next, instant_now() + options_.timeout + kResultGrace};
+      } else {
+        finish(errand);
+      }
+    }
+    if (waiting.empty()) continue;
+
+    const auto soonest = std::min_element(
+        waiting.begin(), waiting.end(),
+        [](const auto& a, const auto& b) { return a.second.until < b.second.until; });
+    for (const auto& event : session_.inbox().take(to_steady(soonest->second.until))) {
+      const auto* result = std::get_if<StationResult>(&event);
+      const auto found = result == nullptr ? waiting.end() : waiting.find(result->request_id);
+      if (found == waiting.end()) continue;
+      errands[found->second.errand].outcome.result = *result;
+      finish(errands[found->second.errand]);
+      waiting.erase(found);
+    }
+    for (auto entry = waiting.begin(); entry != waiting.end();) {
+      if (entry->second.until > instant_now() && !session_.interrupted()) {
+        ++entry;
+        continue;
+      }
+      auto& outcome = errands[entry->second.errand].outcome;
+      outcome.state = Outcome::State::kNoResult;
+      outcome.result.reason = session_.interrupted()
+                                  ? "interrupted; whether it was executed is not known"
+                                  : "no result within " + to_text(options_.timeout + kResultGrace) +
+                                        "; whether it was executed is not known";
+      finish(errands[entry->second.errand]);
+      entry = waiting.erase(entry);
+    }
+  }
+  out_.flush();
+  return session_.interrupted() ? ExitCode::kInterrupted : worst;
+}
+
+void CommandRun::print(const Outcome& outcome) {
+  if (options_.json) {
+    out_ << to_line(outcome_json(outcome)) << '\n' << std::flush;
+  } else {
+    (exit_code_of(outcome) == ExitCode::kOk ? out_ : err_) << outcome_line(outcome) << '\n'
+                                                           << std::flush;
+  }
+}
+
+}  // namespace fieldcast::cli

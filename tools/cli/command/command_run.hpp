@@ -1,0 +1,71 @@
+// Commands from here to their results: what `write` and `acquire` share.
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "tools/cli/connection.hpp"
+#include "tools/cli/exit_code.hpp"
+#include "tools/cli/model/catalogue.hpp"
+#include "tools/cli/session.hpp"
+#include "tools/cli/view/command_text.hpp"
+
+namespace fieldcast::cli {
+
+// One command on its way; `command` is not looked at when the outcome says already that it is not
+// to be sent.
+struct Errand {
+  StationCommand command;
+  Outcome outcome;
+  [[nodiscard]] bool to_be_sent() const { return outcome.state == Outcome::State::kResult; }
+};
+
+// For a command to an address `at` on a bus that nobody announced. Of a device that is unknown on
+// its bus the bridge itself tells.
+[[nodiscard]] Errand unknown_bus(ChannelPath path, const std::string& at, bool write,
+                                 const Catalogue& catalogue);
+
+class CommandRun {
+ public:
+  struct Options {
+    bool json = false;
+    Duration timeout =
+        std::chrono::seconds{5};  // the command's lifespan; its result may take kResultGrace longer
+  };
+  // REQUIRES: the session lives longer.
+  CommandRun(Session& session, const DdsSpec& spec, Options options, std::ostream& out,
+             std::ostream& err);
+
+  // Reads the catalogue until it holds every path, or until nothing new comes: of a path without a
+  // channel everything is wanted, or, with kDevice, no more than that the device is there. False:
+  // nobody is there, or Ctrl-C; said on err.
+  enum class Wanted : unsigned char { kChannels, kDevice };
+  [[nodiscard]] bool learn(const std::vector<ChannelPath>& paths,
+                           Wanted wanted = Wanted::kChannels);
+  [[nodiscard]] const Catalogue& catalogue() const { return catalogue_; }
+
+  // Sends, in this order and a bounded number at a time, and prints each outcome as it comes. The
+  // code is that of the worst.
+  [[nodiscard]] ExitCode execute(std::vector<Errand> errands);
+
+  // After learn() was false.
+  [[nodiscard]] ExitCode why_not() const;
+
+ private:
+  static constexpr std::size_t kAtATime = 16;
+  static constexpr Duration kResultGrace = std::chrono::seconds{2};
+
+  [[nodiscard]] bool send(Errand& errand);
+  bool note(const SessionEvent& event);
+  void print(const Outcome& outcome);
+
+  Session& session_;
+  const DdsSpec& spec_;
+  Options options_;
+  std::ostream& out_;
+  std::ostream& err_;
+  Catalogue catalogue_;
+};
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,39 @@
+#include "tools/cli/command/history.hpp"
+
+#include <ostream>
+
+#include "bridge/store/sample_table.hpp"
+#include "tools/cli/view/record_view.hpp"
+
+namespace fieldcast::cli {
+
+ExitCode history(const HistoryOptions& options, std::ostream& out, std::ostream& err) {
+  const auto address = resolve(options.place);
+  if (!address) {
+    err << address.error() << '\n';
+    return ExitCode::kUsage;
+  }
+  const auto connection = open_store(*address, IfMissing::kFail);
+  std::size_t samples = 0;
+  if (options.csv) out << history_csv_head() << '\n';
+  const auto print = [&](const StoredSample& sample) {
+    ++samples;
+    out << (options.json  ? to_line(record_json(sample))
+            : options.csv ? history_csv(sample)
+                          : history_line(sample))
+        << '\n';
+    return out.good();
+  };
+  const std::size_t channels =
+      SampleTable(*connection).history(options.pattern, options.span.from, options.span.to, print);
+  out.flush();
+  if (!out) return ExitCode::kTrouble;
+  if (samples > 0) return ExitCode::kOk;
+  err << (channels == 0 ? "the store knows no channel " + options.pattern.text()
+                        : "nothing was stored of " + options.pattern.text() +
+                              " in that time; --from and --to choose another")
+      << '\n';
+  return ExitCode::kNothing;
+}
+
+}  // namespace fieldcast::cli

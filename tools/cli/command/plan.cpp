@@ -1,0 +1,87 @@
+#include "tools/cli/command/plan.hpp"
+
+#include <chrono>
+#include <iomanip>
+#include <ostream>
+#include <utility>
+
+#include "config/loader.hpp"
+#include "tools/cli/model/bus_plan.hpp"
+#include "tools/cli/model/bus_simulation.hpp"
+#include "tools/cli/view/plan_view.hpp"
+#include "tools/cli/view/simulation_view.hpp"
+#include "tools/sim/bus/fault_file.hpp"
+
+namespace fieldcast::cli {
+
+namespace {
+
+// Speed is told beside the result, which one seed repeats to the letter.
+void tell_speed(const BusSimulation& simulation, Duration took, std::ostream& err) {
+  err << simulation.plan->bus->name << ": " << to_text(simulation.options.length)
+      << " of virtual time in " << std::fixed << std::setprecision(2) << to_seconds(took) << " s, "
+      << std::setprecision(0) << to_seconds(simulation.options.length) / to_seconds(took)
+      << " times as fast as the wire\n";
+}
+
+ExitCode simulate_all(const BridgeSpec& spec, const PlanOptions& options, std::ostream& out,
+                      std::ostream& err, const Screen& screen) {
+  sim::Faults faults;
+  if (!options.faults.empty()) {
+    auto loaded = sim::load_faults(options.faults, spec);
+    if (!loaded) {
+      err << config::to_text(loaded.error()) << '\n';
+      return ExitCode::kUsage;
+    }
+    faults = *std::move(loaded);
+  }
+  auto verdict = ExitCode::kOk;
+  bool first = true;
+  for (const auto& bus : spec.buses) {
+    const auto plan = make_plan(bus, options.answer_time);
+    const auto began = std::chrono::steady_clock::now();
+    const auto simulation =
+        simulate(plan, faults.buses[bus.name], {options.simulate, options.seed});
+    const Duration took = std::chrono::steady_clock::now() - began;
+    if (simulation.bus.deadline_misses != 0) verdict = ExitCode::kFound;
+    if (options.json) {
+      out << to_line(simulation_json(simulation)) << '\n';
+    } else {
+      if (!std::exchange(first, false)) out << '\n';
+      for (const auto& line : simulation_lines(simulation, screen)) out << line << '\n';
+    }
+    out.flush();
+    tell_speed(simulation, took, err);
+  }
+  return verdict;
+}
+
+}  // namespace
+
+ExitCode plan(const PlanOptions& options, std::ostream& out, std::ostream& err,
+              const Screen& screen) {
+  config::LoadOptions load = config::default_options();
+  load.refuse_hopeless = false;  // here is where its user learns what to do
+  const auto loaded = config::load_file(options.config, load);
+  if (!loaded) {
+    err << config::to_text(loaded.error()) << '\n';
+    return ExitCode::kUsage;
+  }
+  if (options.simulate > Duration::zero()) return simulate_all(*loaded, options, out, err, screen);
+  auto verdict = ExitCode::kOk;
+  bool first = true;
+  for (const auto& bus : loaded->buses) {
+    const auto plan = make_plan(bus, options.answer_time);
+    if (!plan.prediction.feasible) verdict = ExitCode::kFound;
+    if (options.json) {
+      out << to_line(plan_json(plan)) << '\n';
+      continue;
+    }
+    if (!std::exchange(first, false)) out << '\n';
+    for (const auto& line : plan_lines(plan, screen)) out << line << '\n';
+  }
+  out.flush();
+  return verdict;
+}
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,56 @@
+#include "tools/cli/command/records.hpp"
+
+#include <ostream>
+
+#include "bridge/store/event_table.hpp"
+#include "tools/cli/clock.hpp"
+#include "tools/cli/console.hpp"
+#include "tools/cli/view/record_view.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+ExitCode ended(std::ostream& out, std::ostream& err, std::size_t records, const char* nothing) {
+  out.flush();
+  if (!out) return ExitCode::kTrouble;
+  if (records > 0) return ExitCode::kOk;
+  err << nothing << '\n';
+  return ExitCode::kNothing;
+}
+
+}  // namespace
+
+ExitCode devices(const DevicesOptions& options, std::ostream& out, std::ostream& err) {
+  const auto address = resolve(options.place);
+  if (!address) {
+    err << address.error() << '\n';
+    return ExitCode::kUsage;
+  }
+  const auto connection = open_store(*address, IfMissing::kFail);
+  const auto found = EventTable(*connection).devices();
+  if (options.json) {
+    for (const DeviceRecord& device : found) out << to_line(record_json(device)) << '\n';
+  } else if (!found.empty()) {
+    for (const auto& line : device_lines(found, utc_now(), {0, 0, output_screen().colour}))
+      out << line << '\n';
+  }
+  return ended(out, err, found.size(), "the store knows no device yet");
+}
+
+ExitCode audit(const AuditOptions& options, std::ostream& out, std::ostream& err) {
+  const auto address = resolve(options.place);
+  if (!address) {
+    err << address.error() << '\n';
+    return ExitCode::kUsage;
+  }
+  const auto connection = open_store(*address, IfMissing::kFail);
+  std::size_t entries = 0;
+  EventTable(*connection).audit(options.span.from, options.span.to, [&](const AuditEntry& entry) {
+    ++entries;
+    out << (options.json ? to_line(record_json(entry)) : audit_line(entry)) << '\n';
+    return out.good();
+  });
+  return ended(out, err, entries, "nothing was done in that time; --from and --to choose another");
+}
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,26 @@
+// `fieldcast devices` and `fieldcast audit`: what the store knows of the devices, and who did what.
+// Need no bridge.
+#pragma once
+
+#include <iosfwd>
+
+#include "tools/cli/exit_code.hpp"
+#include "tools/cli/store_place.hpp"
+
+namespace fieldcast::cli {
+
+struct DevicesOptions {
+  StorePlace place;
+  bool json = false;
+};
+struct AuditOptions {
+  StorePlace place;
+  TimeSpan span;
+  bool json = false;
+};
+
+// kOk when there was something, else kNothing. Throw StoreError.
+[[nodiscard]] ExitCode devices(const DevicesOptions& options, std::ostream& out, std::ostream& err);
+[[nodiscard]] ExitCode audit(const AuditOptions& options, std::ostream& out, std::ostream& err);
+
+}  // namespace fieldcast::cli

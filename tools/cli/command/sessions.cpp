@@ -1,0 +1,55 @@
+#include "tools/cli/command/sessions.hpp"
+
+#include <ostream>
+
+#include "tools/cli/clock.hpp"
+#include "tools/cli/connection.hpp"
+#include "tools/cli/console.hpp"
+#include "tools/cli/session.hpp"
+#include "tools/cli/view/sessions_view.hpp"
+
+namespace fieldcast::cli {
+ExitCode sessions(const SessionsOptions& options, const DdsSpec& spec, Interrupt& interrupt,
+                  std::ostream& out, std::ostream& err) {
+  Session session(spec, interrupt);
+  SessionsModel model;
+  bool bridge = false;
+  const auto began = instant_now();
+  auto last_news = began;
+  const auto end = began + options.time.value_or(kBridgeWait);
+  session.hear_program_sessions();
+
+  for (auto now = began; now < end && !session.inbox().closed() && out; now = instant_now()) {
+    if (!options.time && bridge && now - last_news >= kQuietTime) break;
+    const auto wake = options.time || !bridge ? end : std::min(end, last_news + kQuietTime);
+    for (const auto& event : session.inbox().take(to_steady(wake))) {
+      if (!bridge || std::holds_alternative<ProgramSessionReport>(event)) last_news = instant_now();
+      bridge = true;
+      const auto* report = std::get_if<ProgramSessionReport>(&event);
+      if (report == nullptr) continue;
+      model.insert_or_assign({report->bus, report->device}, *report);
+      if (options.time && options.json) out << to_line(session_json(*report)) << '\n';
+      if (options.time && !options.json) {
+        for (const auto& line :
+             sessions_lines({{{report->bus, report->device}, *report}}, utc_now(), {}))
+          out << line << '\n';
+      }
+    }
+    out.flush();
+  }
+  if (session.interrupted() && !options.time) return ExitCode::kInterrupted;
+  if (!bridge) {
+    err << "fieldcast sessions: " << no_bridge_text(spec) << '\n';
+    return ExitCode::kNoBridge;
+  }
+  if (!options.time && options.json) {
+    for (const auto& [key, report] : model) out << to_line(session_json(report)) << '\n';
+  } else if (!options.time) {
+    for (const auto& line : sessions_lines(model, utc_now(), {0, 0, output_screen().colour}))
+      out << line << '\n';
+  }
+  out.flush();
+  return out ? ExitCode::kOk : ExitCode::kTrouble;
+}
+
+}  // namespace fieldcast::cli

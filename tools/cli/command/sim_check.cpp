@@ -1,0 +1,80 @@
+#include "tools/cli/command/sim_check.hpp"
+
+#include <algorithm>
+#include <ostream>
+
+#include "tools/cli/model/named_protocol.hpp"
+#include "tools/sim/check/sim_check.hpp"
+
+namespace fieldcast::cli {
+
+Json check_json(std::string_view protocol, const sim::CheckRow& row) {
+  Json line{{"protocol", protocol},  {"options", row.variant}, {"check", row.check},
+            {"of", row.where},       {"tried", row.tried},     {"passed", row.passed},
+            {"failed", row.failed()}};
+  if (!row.note.empty()) line["note"] = row.note;
+  for (const auto& failure : row.failures)
+    line["failures"].push_back({{"what", failure.what}, {"frame", failure.frame}});
+  return line;
+}
+
+std::vector<std::string> check_lines(const sim::CheckRows& rows, const Screen& screen) {
+  const bool options =
+      std::ranges::any_of(rows, [](const auto& row) { return !row.variant.empty(); });
+  std::vector<TextTable::Column> columns{{"CHECK"},
+                                         {"OF"},
+                                         {"TRIED", Align::kRight},
+                                         {"PASSED", Align::kRight},
+                                         {"FAILED", Align::kRight},
+                                         {"NOTE"}};
+  if (options) columns.insert(columns.begin(), {"OPTIONS"});
+  TextTable table(columns);
+  for (const auto& row : rows) {
+    std::vector<Cell> cells{
+        {row.check},
+        {row.where},
+        {std::to_string(row.tried)},
+        {std::to_string(row.passed)},
+        {std::to_string(row.failed()), row.failed() != 0 ? Tone::kBad : Tone::kPlain},
+        {row.note, Tone::kFaint}};
+    if (options) cells.insert(cells.begin(), {row.variant});
+    table.add_row(std::move(cells));
+  }
+  std::vector<std::string> lines = table.render(screen);
+  for (const auto& row : rows) {
+    for (const auto& failure : row.failures) {
+      lines.push_back(painted("failed: ", Tone::kBad, screen.colour) +
+                      (row.variant.empty() ? "" : row.variant + ", ") + row.check + ", " +
+                      row.where + ": " + failure.what);
+      if (!failure.frame.empty()) lines.push_back("  frame: " + failure.frame);
+    }
+    if (row.failed() > row.failures.size())
+      lines.push_back("  .. and " + std::to_string(row.failed() - row.failures.size()) + " more");
+  }
+  return lines;
+}
+
+ExitCode sim_check(const SimCheckOptions& options, std::ostream& out, std::ostream& err,
+                   const Screen& screen) {
+  const auto protocol = named_protocol(options.protocol, "sim-check", err);
+  if (!protocol) return ExitCode::kUsage;
+  const auto subjects = protocol->built_in != nullptr ? sim::subjects_of(protocol->built_in->name)
+                                                      : sim::subjects_of(protocol->declaration);
+  sim::CheckRows all;
+  for (const auto& subject : subjects) {
+    for (auto& row : sim::sim_check(subject)) {
+      if (options.json) out << to_line(check_json(protocol->name(), row)) << '\n';
+      all.push_back(std::move(row));
+    }
+    out.flush();
+  }
+  if (!options.json) {
+    for (const auto& line : check_lines(all, screen)) out << line << '\n';
+  }
+  std::uint64_t tried = 0, failed = 0;
+  for (const auto& row : all) tried += row.tried, failed += row.failed();
+  err << protocol->name() << ": " << tried << " tried, " << failed << " failed\n";
+  return failed == 0 ? ExitCode::kOk : ExitCode::kFound;
+}
+
+}  // namespace fieldcast::cli

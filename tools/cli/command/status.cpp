@@ -1,0 +1,94 @@
+#include "tools/cli/command/status.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <ostream>
+
+#include "tools/cli/clock.hpp"
+#include "tools/cli/console.hpp"
+#include "tools/cli/session.hpp"
+#include "tools/cli/view/json.hpp"
+#include "tools/cli/view/status_view.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+constexpr Duration kRedraw = std::chrono::milliseconds{500};
+
+void print_json(const StatusModel& model, std::ostream& out) {
+  for (const auto& [name, bus] : model.buses) out << to_line(status_json(bus)) << '\n';
+  for (const auto& [key, device] : model.devices) out << to_line(status_json(device)) << '\n';
+}
+
+void print_table(const StatusModel& model, std::ostream& out) {
+  auto screen = output_screen();
+  screen.columns = 0;  // a table that is printed once is better wrapped than cut
+  for (const auto& line : status_lines(model, utc_now(), screen)) out << line << '\n';
+}
+
+// Puts the event into the model; true when it names a bus or device for the first time.
+bool learn(StatusModel& model, const SessionEvent& event) {
+  if (const auto* bus = std::get_if<StationBusStatus>(&event))
+    return model.buses.insert_or_assign(bus->bus, *bus).second;
+  if (const auto* device = std::get_if<StationDeviceStatus>(&event)) {
+    return model.devices.insert_or_assign({device->bus, device->device}, *device).second;
+  }
+  return false;
+}
+
+void print_event(const SessionEvent& event, std::ostream& out) {
+  if (const auto* bus = std::get_if<StationBusStatus>(&event))
+    out << to_line(status_json(*bus)) << '\n';
+  if (const auto* device = std::get_if<StationDeviceStatus>(&event))
+    out << to_line(status_json(*device)) << '\n';
+}
+
+void draw(LiveScreen& live, const StatusModel& model) {
+  const auto screen = output_screen();
+  auto lines = status_lines(model, utc_now(), screen);
+  if (lines.size() > screen.rows) lines.resize(screen.rows);
+  live.draw(lines);
+}
+
+}  // namespace
+
+ExitCode status(const StatusOptions& options, const DdsSpec& spec, Interrupt& interrupt,
+                std::ostream& out, std::ostream& err) {
+  Session session(spec, interrupt);
+  StatusModel model;
+  const auto began = instant_now();
+  const auto end = began + options.time.value_or(kBridgeWait);
+  auto last_news = began;
+  std::unique_ptr<LiveScreen> live;
+  if (options.time && !options.json && output_is_terminal())
+    live = std::make_unique<LiveScreen>(out);
+  session.hear_status();
+
+  for (auto now = began; now < end && !session.inbox().closed() && out; now = instant_now()) {
+    if (!options.time && !model.buses.empty() && now - last_news >= kQuietTime) break;
+    const auto wake = options.time          ? now + kRedraw
+                      : model.buses.empty() ? end
+                                            : last_news + kQuietTime;
+    for (const auto& event : session.inbox().take(to_steady(std::min(end, wake)))) {
+      if (learn(model, event)) last_news = instant_now();
+      if (options.time && options.json) print_event(event, out);
+    }
+    if (live) draw(*live, model);
+    out.flush();
+  }
+  live.reset();
+  if (session.interrupted() && !options.time) return ExitCode::kInterrupted;
+  if (model.buses.empty()) {
+    err << "fieldcast status: " << no_bridge_text(spec) << '\n';
+    return ExitCode::kNoBridge;
+  }
+  if (!options.json) {
+    print_table(model, out);
+  } else if (!options.time) {
+    print_json(model, out);
+  }
+  out.flush();
+  return out ? ExitCode::kOk : ExitCode::kTrouble;
+}
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,25 @@
+// `fieldcast status`: buses and devices, their state, load, learned times and failures by cause.
+#pragma once
+
+#include <iosfwd>
+#include <optional>
+
+#include "core/base/time.hpp"
+#include "tools/cli/connection.hpp"
+#include "tools/cli/exit_code.hpp"
+#include "tools/cli/interrupt.hpp"
+
+namespace fieldcast::cli {
+
+struct StatusOptions {
+  ConnectionOptions connection;
+  bool json = false;
+  std::optional<Duration>
+      time;  // follows it for so long: a live table, or a line for each report; nothing: once
+};
+
+// kOk when a bus reported, else kNoBridge. Throws DdsError.
+[[nodiscard]] ExitCode status(const StatusOptions& options, const DdsSpec& spec,
+                              Interrupt& interrupt, std::ostream& out, std::ostream& err);
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,86 @@
+#include "tools/cli/command/user.hpp"
+
+#include <ostream>
+
+#include "bridge/store/event_table.hpp"
+#include "bridge/store/password.hpp"
+#include "bridge/store/user_table.hpp"
+#include "tools/cli/clock.hpp"
+#include "tools/cli/console.hpp"
+#include "tools/cli/password_prompt.hpp"
+#include "tools/cli/view/record_view.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+void note(SqlConnection& connection, const char* what, const std::string& name,
+          std::string result) {
+  EventTable(connection)
+      .insert({.at = utc_now(),
+               .who = "command line",
+               .what = what,
+               .target = name,
+               .result = std::move(result)});
+}
+
+ExitCode add(const UserOptions& options, SqlConnection& connection, std::istream& in,
+             std::ostream& err) {
+  auto password = new_password(options.password_file, in, err);
+  std::string fault = !password ? password.error() : fault_of_user_name(options.name);
+  if (fault.empty()) fault = fault_of_password(*password);
+  if (!fault.empty()) {
+    err << fault << '\n';
+    return ExitCode::kUsage;
+  }
+  const bool added = UserTable(connection).add(options.name, options.role, *password, utc_now());
+  wipe(*password);
+  if (!added) {
+    err << "there is a user " << options.name << " already; remove it first\n";
+    return ExitCode::kRejected;
+  }
+  note(connection, "user add", options.name, std::string(to_text(options.role)));
+  return ExitCode::kOk;
+}
+
+ExitCode remove(const UserOptions& options, SqlConnection& connection, std::ostream& err) {
+  if (!UserTable(connection).remove(options.name)) {
+    err << "there is no user " << printable(options.name) << '\n';
+    return ExitCode::kNothing;
+  }
+  note(connection, "user remove", options.name, "done");
+  return ExitCode::kOk;
+}
+
+ExitCode list(const UserOptions& options, SqlConnection& connection, std::ostream& out,
+              std::ostream& err) {
+  const auto users = UserTable(connection).list();
+  if (options.json) {
+    for (const User& user : users) out << to_line(record_json(user)) << '\n';
+  } else if (!users.empty()) {
+    for (const auto& line : user_lines(users, {0, 0, output_screen().colour})) out << line << '\n';
+  }
+  out.flush();
+  if (users.empty()) err << "there are no users; fieldcast user add NAME --role programmer\n";
+  return users.empty() ? ExitCode::kNothing : ExitCode::kOk;
+}
+
+}  // namespace
+
+ExitCode user(const UserOptions& options, std::istream& in, std::ostream& out, std::ostream& err) {
+  const auto address = resolve(options.place);
+  if (!address) {
+    err << address.error() << '\n';
+    return ExitCode::kUsage;
+  }
+  // Users may be added before the bridge ran for the first time.
+  const bool adds = options.action == UserOptions::Action::kAdd;
+  const auto connection = open_store(*address, adds ? IfMissing::kCreate : IfMissing::kFail);
+  switch (options.action) {
+    case UserOptions::Action::kAdd: return add(options, *connection, in, err);
+    case UserOptions::Action::kRemove: return remove(options, *connection, err);
+    case UserOptions::Action::kList: return list(options, *connection, out, err);
+  }
+  return ExitCode::kUsage;
+}
+
+}  // namespace fieldcast::cli

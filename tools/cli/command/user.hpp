@@ -1,0 +1,28 @@
+// `fieldcast user add|list|remove`: who may log in. Looks into the store, needs no bridge.
+#pragma once
+
+#include <iosfwd>
+#include <string>
+
+#include "core/access/role.hpp"
+#include "tools/cli/exit_code.hpp"
+#include "tools/cli/store_place.hpp"
+
+namespace fieldcast::cli {
+
+struct UserOptions {
+  enum class Action : unsigned char { kAdd, kList, kRemove };
+  StorePlace place;
+  Action action = Action::kList;
+  std::string name;
+  Role role = Role::kViewer;
+  std::string password_file;  // its first line; empty: asked for, or the first line of `in`. Never
+                              // an argument: others could read it
+  bool json = false;
+};
+
+// kRejected for a user that is there already, kNothing for one that is not. Throws StoreError.
+[[nodiscard]] ExitCode user(const UserOptions& options, std::istream& in, std::ostream& out,
+                            std::ostream& err);
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,185 @@
+#include "tools/cli/command/watch.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <ostream>
+#include <utility>
+
+#include "tools/cli/clock.hpp"
+#include "tools/cli/console.hpp"
+#include "tools/cli/model/watch_model.hpp"
+#include "tools/cli/session.hpp"
+#include "tools/cli/view/json.hpp"
+#include "tools/cli/view/sample_text.hpp"
+#include "tools/cli/view/watch_view.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+constexpr Duration kRedraw = std::chrono::milliseconds{200};
+constexpr Duration kWishWait = std::chrono::seconds{1};
+constexpr Duration kOnceWait = std::chrono::seconds{10};
+
+class Watch {
+ public:
+  Watch(const WatchOptions& options, const DdsSpec& spec, Interrupt& interrupt, std::ostream& out,
+        std::ostream& err)
+      : options_(options),
+        spec_(spec),
+        session_(spec, interrupt),
+        model_(options.pattern),
+        out_(out),
+        err_(err) {}
+
+  ExitCode run();
+
+ private:
+  void read(const SessionEvent& event, Instant now);
+  void draw(Instant now);
+  void remark_wish(Instant now, Instant began);
+  [[nodiscard]] bool complete(Instant now) const;
+  void print_all();
+  void print_table(const Screen& screen);
+  void print(const StationSample& sample);
+  [[nodiscard]] ExitCode verdict() const;
+
+  const WatchOptions& options_;
+  const DdsSpec& spec_;
+  Session session_;
+  WatchModel model_;
+  std::ostream& out_;
+  std::ostream& err_;
+  std::optional<std::string> remark_;   // of our wish, once it is known
+  std::unique_ptr<LiveScreen> screen_;  // a live table in a terminal
+  Instant last_news_{};                 // when the catalogue last grew
+};
+
+ExitCode Watch::run() {
+  const auto began = instant_now();
+  const auto limit = options_.time   ? options_.time
+                     : options_.once ? std::optional{kOnceWait}
+                                     : std::nullopt;
+  const auto end = limit ? began + *limit : kNever;
+  last_news_ = began;
+  if (output_is_terminal() && !options_.once && !options_.json)
+    screen_ = std::make_unique<LiveScreen>(out_);
+  session_.hear_channels();
+  session_.hear_samples();
+  if (options_.refresh)
+    session_.station().declare_interest(options_.pattern.text(), *options_.refresh);
+
+  auto next_draw = began;
+  bool hinted = false;
+  for (auto now = began; now < end && !session_.inbox().closed() && out_; now = instant_now()) {
+    for (const auto& event : session_.inbox().take(to_steady(std::min(end, now + kRedraw))))
+      read(event, instant_now());
+    now = instant_now();
+    remark_wish(now, began);
+    if (screen_ && now >= next_draw) {
+      draw(now);
+      next_draw = now + kRedraw;
+    }
+    if (options_.once && complete(now)) break;
+    if (!model_.anything_announced() && now - began > kBridgeWait && !hinted) {
+      hinted = true;
+      if (options_.once) break;
+      if (!screen_)
+        err_ << "fieldcast watch: " << no_bridge_text(spec_) << "; still waiting\n" << std::flush;
+    }
+    out_.flush();
+  }
+  if (std::exchange(screen_, nullptr)) print_table(output_screen());
+  if (options_.once && !session_.interrupted()) print_all();
+  out_.flush();
+  err_ << "fieldcast watch: " << model_.summary();
+  if (session_.inbox().lost() != 0)
+    err_ << "; " << session_.inbox().lost() << " more were not shown: the output was too slow";
+  err_ << '\n';
+  return verdict();
+}
+
+void Watch::read(const SessionEvent& event, Instant now) {
+  if (const auto* sample = std::get_if<StationSample>(&event)) {
+    if (model_.on_sample(*sample, now) && !options_.once && !screen_) print(*sample);
+  } else if (const auto* channel = std::get_if<StationChannel>(&event)) {
+    model_.on_channel(*channel);
+    last_news_ = now;
+  } else if (const auto* gone = std::get_if<ChannelGone>(&event)) {
+    model_.on_gone(gone->path);
+  }
+}
+
+// Bridges announce their channels anew when a wish takes effect; what they have not announced a
+// while later, they will not.
+void Watch::remark_wish(Instant now, Instant began) {
+  if (!options_.refresh || remark_ || !model_.anything_announced() ||
+      now - std::max(began, last_news_) < kWishWait)
+    return;
+  remark_ = model_.wish_remark(*options_.refresh).value_or("");
+  if (!remark_->empty() && !screen_) err_ << "fieldcast watch: " << *remark_ << '\n' << std::flush;
+}
+
+void Watch::draw(Instant now) {
+  const auto screen = output_screen();
+  auto lines = watch_lines(model_, now, utc_now(), screen);
+  if (!model_.anything_announced())
+    lines.push_back(clip("waiting for a bridge in " + place_text(spec_) + " ..", screen.columns));
+  if (remark_ && !remark_->empty()) lines.push_back(clip(*remark_, screen.columns));
+  screen_->draw(lines);
+}
+
+bool Watch::complete(Instant now) const {
+  return model_.anything_announced() && model_.awaited(options_.refresh.has_value()) == 0 &&
+         now - last_news_ > kQuietTime;
+}
+
+void Watch::print_all() {
+  if (!options_.json && output_is_terminal()) {
+    auto screen = output_screen();
+    screen.rows = 0;
+    return print_table(screen);
+  }
+  for (const auto& [path, row] : model_.rows()) print(row.sample);
+}
+
+void Watch::print_table(const Screen& screen) {
+  for (const auto& line : watch_lines(model_, instant_now(), utc_now(), screen))
+    out_ << line << '\n';
+}
+
+void Watch::print(const StationSample& sample) {
+  if (options_.json) {
+    out_ << to_line(sample_json(sample)) << '\n';
+  } else {
+    out_ << sample_line(sample,
+                        model_.catalogue().find({sample.bus, sample.device, sample.channel}))
+         << '\n';
+  }
+}
+
+ExitCode Watch::verdict() const {
+  if (!out_) return ExitCode::kTrouble;
+  if (session_.interrupted())
+    return options_.once || options_.time ? ExitCode::kInterrupted : ExitCode::kOk;
+  if (model_.sampled() != 0 || (options_.once && !model_.rows().empty())) return ExitCode::kOk;
+  if (!model_.anything_announced()) {
+    err_ << "fieldcast watch: " << no_bridge_text(spec_) << '\n';
+    return ExitCode::kNoBridge;
+  }
+  err_ << "fieldcast watch: a bridge is there, but "
+       << (model_.rows().empty()
+               ? "none of its channels matches " + model_.pattern().text() +
+                     "; fieldcast watch --once lists them"
+               : std::string("no sample came; fieldcast status says what the bus does"))
+       << '\n';
+  return ExitCode::kNothing;
+}
+
+}  // namespace
+
+ExitCode watch(const WatchOptions& options, const DdsSpec& spec, Interrupt& interrupt,
+               std::ostream& out, std::ostream& err) {
+  return Watch(options, spec, interrupt, out, err).run();
+}
+
+}  // namespace fieldcast::cli

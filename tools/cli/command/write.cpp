@@ -1,0 +1,123 @@
+#include "tools/cli/command/write.hpp"
+
+#include <algorithm>
+#include <ostream>
+
+#include "tools/cli/command/command_run.hpp"
+#include "tools/cli/view/command_text.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+ExitCode usage(std::ostream& err, const std::string& fault) {
+  err << "fieldcast write: " << fault << '\n';
+  return ExitCode::kUsage;
+}
+
+Errand errand_of(const Assignment& assignment, const Catalogue& catalogue, bool verify) {
+  const auto* channel = catalogue.find(assignment.path);
+  const auto refused = [&](Cause cause, std::string reason) {
+    return Errand{{}, refused_here(assignment.path, true, cause, std::move(reason))};
+  };
+  if (channel == nullptr)
+    return refused(Cause::kUnknownChannel, catalogue.explain_unknown(assignment.path));
+  const auto encoding = parse_type(channel->type);
+  if (!encoding) return refused(Cause::kUnsupported, encoding.error());
+  const auto value = value_from_text(*encoding, assignment.value);
+  if (!value) return refused(Cause::kWrongType, value.error());
+
+  Errand errand;
+  errand.command.bus = assignment.path.bus;
+  errand.command.command.device = assignment.path.device;
+  errand.command.command.target = ChannelTarget{assignment.path.channel};
+  errand.command.command.operation = Operation::kWrite;
+  errand.command.command.values = {*value};
+  errand.command.command.verify = verify;
+  errand.outcome.bus = assignment.path.bus;
+  errand.outcome.device = assignment.path.device;
+  errand.outcome.target = assignment.path.channel;
+  errand.outcome.write = true;
+  errand.outcome.wanted = {*value};
+  errand.outcome.type = channel->type;
+  errand.outcome.unit = channel->unit;
+  return errand;
+}
+
+// Several assignments belong together: when one cannot be, none is sent.
+void hold_back_if_any_is_refused(std::vector<Errand>& errands) {
+  const bool all = std::all_of(errands.begin(), errands.end(),
+                               [](const auto& errand) { return errand.to_be_sent(); });
+  for (auto& errand : errands) {
+    if (all || !errand.to_be_sent()) continue;
+    errand.outcome.state = Outcome::State::kNotSent;
+    errand.outcome.result.reason = "another of these assignments is refused";
+  }
+}
+
+ExitCode write_channels(const WriteOptions& options, const DdsSpec& spec, Interrupt& interrupt,
+                        std::ostream& out, std::ostream& err) {
+  std::vector<Assignment> assignments;
+  std::vector<ChannelPath> paths;
+  for (const auto& word : options.words) {
+    auto assignment = Assignment::parse(word);
+    if (!assignment) return usage(err, assignment.error());
+    paths.push_back(assignment->path);
+    assignments.push_back(*std::move(assignment));
+  }
+  Session session(spec, interrupt);
+  CommandRun run(session, spec, {options.json, options.timeout}, out, err);
+  if (!run.learn(paths)) return run.why_not();
+  std::vector<Errand> errands;
+  for (const auto& assignment : assignments)
+    errands.push_back(errand_of(assignment, run.catalogue(), options.verify));
+  hold_back_if_any_is_refused(errands);
+  return run.execute(std::move(errands));
+}
+
+ExitCode write_address(const WriteOptions& options, const DdsSpec& spec, Interrupt& interrupt,
+                       std::ostream& out, std::ostream& err) {
+  const auto device = parse_device_or_channel(options.words.front());
+  if (!device || !device->channel.empty())
+    return usage(err, "with --at write BUS/DEVICE and then the values");
+  if (options.words.size() < 2)
+    return usage(err, "no value for " + options.at + "; write them after BUS/DEVICE");
+  const auto type = type_at(options.at, options.type);
+  const auto encoding = parse_type(type).and_then(
+      [&](const Encoding& parsed) { return with_byte(parsed, options.byte); });
+  if (!encoding) return usage(err, encoding.error());
+
+  Errand errand;
+  errand.command.bus = device->bus;
+  auto& command = errand.command.command;
+  command.device = device->device;
+  command.target = AddressTarget{options.at, *encoding};
+  command.operation = Operation::kWrite;
+  command.verify = options.verify;
+  for (auto word = options.words.begin() + 1; word != options.words.end(); ++word) {
+    const auto value = value_from_text(*encoding, *word);
+    if (!value) return usage(err, value.error());
+    command.values.push_back(*value);
+  }
+  command.count = static_cast<std::uint32_t>(command.values.size());
+  errand.outcome = {Outcome::State::kResult, device->bus, device->device, options.at, true,
+                    command.values,          {},          type,           {}};
+
+  Session session(spec, interrupt);
+  CommandRun run(session, spec, {options.json, options.timeout}, out, err);
+  if (!run.learn({*device}, CommandRun::Wanted::kDevice)) return run.why_not();
+  std::vector<Errand> errands;
+  const bool known = run.catalogue().has_bus(device->bus);
+  errands.push_back(known ? std::move(errand)
+                          : unknown_bus(*device, options.at, true, run.catalogue()));
+  return run.execute(std::move(errands));
+}
+
+}  // namespace
+
+ExitCode write(const WriteOptions& options, const DdsSpec& spec, Interrupt& interrupt,
+               std::ostream& out, std::ostream& err) {
+  return options.at.empty() ? write_channels(options, spec, interrupt, out, err)
+                            : write_address(options, spec, interrupt, out, err);
+}
+
+}  // namespace fieldcast::cli

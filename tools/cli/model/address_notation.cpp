@@ -1,0 +1,60 @@
+#include "tools/cli/model/address_notation.hpp"
+
+#include <memory>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "core/codec/value_codec.hpp"
+#include "core/protocol/protocol.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+// One of each family, and Omron's other mode, whose codes are its own.
+const std::vector<std::unique_ptr<Protocol>>& families() {
+  static const auto all = [] {
+    std::vector<std::unique_ptr<Protocol>> made;
+    const auto add = [&](const ProtocolEntry& entry, DeviceLink link) {
+      if (auto protocol = entry.make(link)) made.push_back(*std::move(protocol));
+    };
+    for (const ProtocolEntry& entry : protocols()) {
+      add(entry, {.address = 1});
+      if (entry.name == "omron-hostlink") add(entry, {.address = 1, .options = {{"mode", "fins"}}});
+    }
+    return made;
+  }();
+  return all;
+}
+
+std::string type_of(const ParsedAddress& address, const Area& area) {
+  if (address.bit || area.item_bits == 1) return "bool";
+  if (!address.width_bits) return {};
+  const std::string type =
+      *address.width_bits == 1 ? "bool" : "uint" + std::to_string(*address.width_bits);
+  return value_type_from(type) ? type : std::string{};
+}
+
+}  // namespace
+
+std::string implied_type(std::string_view at) {
+  std::set<std::string> types;
+  for (const auto& protocol : families()) {
+    const auto address = protocol->parse_address(at);
+    if (address) types.insert(type_of(*address, protocol->areas()[address->area]));
+  }
+  return types.size() == 1 ? *types.begin() : std::string{};
+}
+
+std::string device_code_at(std::string_view at, std::uint16_t code) {
+  std::set<std::string_view> texts;
+  for (const auto& protocol : families()) {
+    const auto text = device_code_text(protocol->traits().codes, code);
+    if (!text.empty() && protocol->parse_address(at)) texts.insert(text);
+  }
+  if (texts.size() != 1) return device_code_words({}, code);
+  const DeviceCode row{code, *texts.begin()};
+  return device_code_words({&row, 1}, code);
+}
+
+}  // namespace fieldcast::cli

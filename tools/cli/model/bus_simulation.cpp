@@ -1,0 +1,52 @@
+#include "tools/cli/model/bus_simulation.hpp"
+
+#include <algorithm>
+
+#include "tools/sim/bus/virtual_bus.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+// The instants at which the port comes and goes.
+void run(sim::VirtualBus& bus, const sim::BusFaults& faults, Instant end) {
+  for (const sim::Window& window : faults.unplugged) {
+    if (window.from >= end - Instant{}) break;
+    bus.run_until(Instant{window.from});
+    if (bus.plugged()) bus.unplug();
+    const Instant back = window.to == sim::kForever ? end : std::min(end, Instant{window.to});
+    bus.run_until(back);
+    if (back < end) bus.plug();
+  }
+  bus.run_until(end);
+}
+
+}  // namespace
+
+BusSimulation simulate(const BusPlan& plan, const sim::BusFaults& faults,
+                       const SimulationOptions& options) {
+  sim::BusFaults all = faults;
+  std::ranges::sort(all.unplugged, {}, &sim::Window::from);
+  for (const DeviceSpec& device : plan.bus->devices) {
+    all.devices.try_emplace(device.name).first->second.delay.base =
+        faults.devices.contains(device.name) ? faults.devices.at(device.name).delay.base
+                                             : plan.answer_time;
+  }
+  sim::VirtualBus bus(*plan.bus, all, options.seed);
+  (void)bus.engine().bus_report(bus.now());
+  run(bus, all, Instant{options.length});
+
+  BusSimulation result;
+  result.plan = &plan;
+  result.options = options;
+  result.bus = bus.engine().bus_report(bus.now());
+  ChannelIndex channel = 0;
+  for (DeviceIndex device = 0; device < plan.bus->devices.size(); ++device) {
+    result.devices.push_back(bus.engine().device_report(device, bus.now()));
+    for (std::size_t i = 0; i < plan.bus->devices[device].channels.size(); ++i)
+      result.channels.push_back(bus.engine().channel_report(channel++, bus.now()));
+  }
+  result.fingerprint = bus.fingerprint();
+  return result;
+}
+
+}  // namespace fieldcast::cli

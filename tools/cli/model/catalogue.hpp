@@ -1,0 +1,50 @@
+// The channels that the bridges of the domain announced, and the devices that they report, as far
+// as they arrived. A device that is there for commands to addresses alone has no channel. Pure: fed
+// by whoever listens.
+#pragma once
+
+#include <compare>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+
+#include "bridge/dds/station.hpp"
+#include "core/model/pattern.hpp"
+
+namespace fieldcast::cli {
+
+struct ChannelPath {
+  std::string bus, device, channel;
+
+  // "BUS/DEVICE/CHANNEL", all three; the fault is a line for people.
+  [[nodiscard]] static tl::expected<ChannelPath, std::string> parse(std::string_view text);
+  [[nodiscard]] std::string text() const { return bus + '/' + device + '/' + channel; }
+  friend auto operator<=>(const ChannelPath&, const ChannelPath&) = default;
+};
+
+class Catalogue {
+ public:
+  void add(const StationChannel& channel);
+  // True when it is new.
+  bool add_device(const std::string& bus, const std::string& device);
+  void remove(const ChannelPath& path) { channels_.erase(path); }
+
+  [[nodiscard]] const StationChannel* find(const ChannelPath& path) const;
+  [[nodiscard]] const std::map<ChannelPath, StationChannel>& channels() const { return channels_; }
+  [[nodiscard]] bool has_device(const std::string& bus, const std::string& device) const;
+  [[nodiscard]] bool has_bus(const std::string& bus) const;
+  [[nodiscard]] bool empty() const { return devices_.empty(); }  // nobody is there
+  [[nodiscard]] std::size_t count(const Pattern& pattern) const;
+
+  // Why find() found nothing, which part of the path is at fault, and what was probably meant.
+  [[nodiscard]] std::string explain_unknown(const ChannelPath& path) const;
+
+ private:
+  std::map<ChannelPath, StationChannel> channels_;
+  std::set<std::pair<std::string, std::string>> devices_;  // with their bus
+};
+
+}  // namespace fieldcast::cli

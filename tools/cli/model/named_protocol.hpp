@@ -1,0 +1,28 @@
+// A protocol as people name it: built in, the path of a declaration, or the name of one that comes
+// with Fieldcast.
+#pragma once
+
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/protocol/declared/declaration.hpp"
+#include "core/protocol/protocol.hpp"
+
+namespace fieldcast::cli {
+
+struct NamedProtocol {
+  const ProtocolEntry* built_in = nullptr;  // or
+  declared::SharedDeclaration declaration;
+  [[nodiscard]] std::string_view name() const {
+    return built_in != nullptr ? built_in->name : std::string_view(declaration.value->name);
+  }
+};
+
+// What is wrong with the name, or with the declaration, goes to err; `command` asks ("inspect").
+[[nodiscard]] std::optional<NamedProtocol> named_protocol(const std::string& name,
+                                                          std::string_view command,
+                                                          std::ostream& err);
+
+}  // namespace fieldcast::cli

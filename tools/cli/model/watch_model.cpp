@@ -1,0 +1,109 @@
+#include "tools/cli/model/watch_model.hpp"
+
+#include <algorithm>
+
+namespace fieldcast::cli {
+
+void RateMeter::count(Instant now) {
+  if (!began_) began_ = now;
+  if (now - *began_ >= kWindow) {
+    last_ = static_cast<double>(counted_) / to_seconds(now - *began_);
+    began_ = now;
+    counted_ = 0;
+  }
+  ++counted_;
+}
+
+double RateMeter::rate(Instant now) const {
+  if (!began_) return 0;
+  const double elapsed = to_seconds(now - *began_);
+  if (last_ != 0 && elapsed < to_seconds(kWindow)) return last_;
+  // The first window, or a full one without a new one begun: what came slows down, or stopped. Two
+  // samples make one interval.
+  return counted_ < 2 || elapsed <= 0 ? 0 : static_cast<double>(counted_ - 1) / elapsed;
+}
+
+WatchModel::Row* WatchModel::row(const ChannelPath& path) {
+  if (!pattern_.matches(path.bus, path.device, path.channel)) return nullptr;
+  if (const auto found = rows_.find(path); found != rows_.end()) return &found->second;
+  if (rows_.size() >= kMaxChannels) return nullptr;
+  auto& row = rows_[path];
+  row.sample.bus = path.bus;
+  row.sample.device = path.device;
+  row.sample.channel = path.channel;
+  return &row;
+}
+
+void WatchModel::on_channel(const StationChannel& channel) {
+  announced_ = true;
+  if (auto* known = row({channel.bus, channel.device, channel.channel}); known != nullptr) {
+    known->gone = false;
+    catalogue_.add(channel);
+  }
+}
+
+bool WatchModel::on_sample(const StationSample& sample, Instant now) {
+  announced_ = true;
+  auto* known = row({sample.bus, sample.device, sample.channel});
+  if (known == nullptr) return false;
+  known->sample = sample;
+  known->gone = false;
+  known->rate.count(now);
+  rate_.count(now);
+  ++samples_;
+  return true;
+}
+
+void WatchModel::on_gone(const ChannelPath& path) {
+  catalogue_.remove(path);
+  if (const auto found = rows_.find(path); found != rows_.end()) found->second.gone = true;
+}
+
+std::size_t WatchModel::good() const {
+  return static_cast<std::size_t>(std::count_if(rows_.begin(), rows_.end(), [](const auto& entry) {
+    return !entry.second.gone && entry.second.sample.quality == Quality::kGood;
+  }));
+}
+
+std::size_t WatchModel::sampled() const {
+  return static_cast<std::size_t>(std::count_if(rows_.begin(), rows_.end(), [](const auto& entry) {
+    return entry.second.sample.sequence != 0;
+  }));
+}
+
+std::size_t WatchModel::awaited(bool wished) const {
+  return static_cast<std::size_t>(std::count_if(rows_.begin(), rows_.end(), [&](const auto& entry) {
+    const auto* about = catalogue_.find(entry.first);
+    return !entry.second.gone && entry.second.sample.quality == Quality::kNotYetRead &&
+           about != nullptr && (wished || about->refresh != Duration{});
+  }));
+}
+
+std::optional<std::string> WatchModel::wish_remark(Duration refresh) const {
+  if (catalogue_.channels().empty()) {
+    return "the interest in " + pattern_.text() +
+           " meets nothing: no announced channel matches; fieldcast watch --once lists them";
+  }
+  std::size_t slower = 0, unread = 0;
+  for (const auto& [path, channel] : catalogue_.channels()) {
+    slower += channel.refresh > refresh ? 1 : 0;
+    unread += channel.refresh == Duration::zero() ? 1 : 0;
+  }
+  if (slower + unread == 0) return std::nullopt;
+  std::string why;
+  if (slower != 0) why = std::to_string(slower) + " are read anyway, less often (acquire: always)";
+  if (unread != 0)
+    why += (why.empty() ? "" : ", ") + std::to_string(unread) +
+           " are not read by themselves (on-demand or write-only)";
+  return "the interest in " + pattern_.text() + " every " + to_text(refresh) +
+         " changes nothing for " + std::to_string(slower + unread) + " of " +
+         std::to_string(catalogue_.channels().size()) + " channels: " + why;
+}
+
+std::string WatchModel::summary() const {
+  return std::to_string(samples_) + (samples_ == 1 ? " sample of " : " samples of ") +
+         std::to_string(rows_.size()) + (rows_.size() == 1 ? " channel, " : " channels, ") +
+         std::to_string(good()) + " of them GOOD";
+}
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,80 @@
+// What `fieldcast watch` knows: the newest sample of each channel that its pattern matches, and how
+// often they come. Pure: time comes in.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "bridge/dds/station.hpp"
+#include "core/base/time.hpp"
+#include "core/model/pattern.hpp"
+#include "tools/cli/model/catalogue.hpp"
+
+namespace fieldcast::cli {
+
+// Samples in each second, over windows of two.
+class RateMeter {
+ public:
+  void count(Instant now);
+  [[nodiscard]] double rate(Instant now) const;
+
+ private:
+  static constexpr Duration kWindow = std::chrono::seconds{2};
+  std::optional<Instant> began_;
+  std::uint64_t counted_ = 0;
+  double last_ = 0;
+};
+
+class WatchModel {
+ public:
+  static constexpr std::size_t kMaxChannels = 200'000;  // more are not shown, but counted
+
+  struct Row {
+    StationSample sample;  // NOT_YET_READ until one came
+    RateMeter rate;
+    bool gone = false;  // its bridge let go of it
+  };
+
+  explicit WatchModel(Pattern pattern) : pattern_(std::move(pattern)) {}
+
+  void on_channel(const StationChannel& channel);
+  // False when the pattern does not match: nothing is kept.
+  bool on_sample(const StationSample& sample, Instant now);
+  void on_gone(const ChannelPath& path);
+
+  [[nodiscard]] const Pattern& pattern() const { return pattern_; }
+  [[nodiscard]] const Catalogue& catalogue() const { return catalogue_; }  // the matching channels
+  [[nodiscard]] const std::map<ChannelPath, Row>& rows() const { return rows_; }
+  [[nodiscard]] std::uint64_t samples() const { return samples_; }
+  [[nodiscard]] double rate(Instant now) const { return rate_.rate(now); }
+  [[nodiscard]] std::size_t good() const;
+  [[nodiscard]] std::size_t sampled() const;  // channels of which at least one sample came
+  [[nodiscard]] bool anything_announced() const {
+    return announced_;
+  }  // a bridge is there, whatever it has
+  // Announced channels that promise samples and of which no real one came yet; with a wish of ours
+  // every one of them promises.
+  [[nodiscard]] std::size_t awaited(bool wished = false) const;
+
+  // What is to be told of our wish for this refresh when the bridges had time to hear it: why it
+  // changes nothing for some channels, or for any. Nothing: it holds for all.
+  [[nodiscard]] std::optional<std::string> wish_remark(Duration refresh) const;
+
+  // "1234 samples of 100 channels, 98 of them GOOD"
+  [[nodiscard]] std::string summary() const;
+
+ private:
+  Row* row(const ChannelPath& path);
+
+  Pattern pattern_;
+  Catalogue catalogue_;
+  std::map<ChannelPath, Row> rows_;
+  RateMeter rate_;
+  std::uint64_t samples_ = 0;
+  bool announced_ = false;
+};
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,59 @@
+#include "tools/cli/view/inspect_view.hpp"
+
+#include <algorithm>
+
+namespace fieldcast::cli {
+namespace {
+
+constexpr std::size_t kBytesShown = 8;  // of one field, in its line
+
+std::string bytes_text(ByteView frame, const FrameField& field) {
+  const auto first = std::min(field.offset, frame.size());
+  const auto length = std::min(field.length, frame.size() - first);
+  const auto shown = to_hex(frame.subspan(first, std::min(length, kBytesShown)));
+  return length > kBytesShown ? shown + " .." : shown;
+}
+
+}  // namespace
+
+std::size_t count_faults(std::span<const FrameField> fields) {
+  return static_cast<std::size_t>(std::count_if(
+      fields.begin(), fields.end(), [](const auto& field) { return !field.fault.empty(); }));
+}
+
+std::vector<std::string> inspect_lines(std::string_view protocol, ByteView frame,
+                                       std::span<const FrameField> fields, const Screen& screen) {
+  TextTable table({{""}, {"at", Align::kRight}, {"bytes"}, {"field"}, {"value"}, {""}});
+  for (const auto& field : fields) {
+    const bool bad = !field.fault.empty();
+    const auto tone = bad ? Tone::kBad : Tone::kPlain;
+    table.add_row({{bad ? "!!" : "", Tone::kBad},
+                   {field.length == 0 ? "" : std::to_string(field.offset), Tone::kFaint},
+                   {bytes_text(frame, field), tone},
+                   {std::string(2 * std::size_t{field.depth}, ' ') + field.name, tone},
+                   {field.value, tone},
+                   {bad ? "<- " + field.fault : "", Tone::kBad}});
+  }
+  auto lines = table.render(screen);
+  const auto faults = count_faults(fields);
+  lines.push_back(
+      std::string(protocol) + ", " + std::to_string(frame.size()) + " bytes: " +
+      (faults == 0 ? "no fault" : std::to_string(faults) + (faults == 1 ? " fault" : " faults")));
+  return lines;
+}
+
+Json inspect_json(std::string_view protocol, ByteView frame, std::span<const FrameField> fields) {
+  Json json{{"protocol", protocol}, {"frame", to_hex(frame, '\0')}, {"fields", Json::array()}};
+  for (const auto& field : fields) {
+    json["fields"].push_back({{"depth", field.depth},
+                              {"offset", field.offset},
+                              {"length", field.length},
+                              {"name", field.name},
+                              {"value", field.value},
+                              {"fault", field.fault}});
+  }
+  json["faults"] = count_faults(fields);
+  return json;
+}
+
+}  // namespace fieldcast::cli

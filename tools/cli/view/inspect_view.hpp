@@ -1,0 +1,29 @@
+// An explained frame as lines for people and as JSON. Pure functions.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/bytes.hpp"
+#include "core/protocol/protocol.hpp"
+#include "tools/cli/view/json.hpp"
+#include "tools/cli/view/text_table.hpp"
+
+namespace fieldcast::cli {
+
+[[nodiscard]] std::size_t count_faults(std::span<const FrameField> fields);
+
+// One line for each field: offset, its bytes, indented name and value; faults follow in words and
+// are marked "!!" at the left.
+[[nodiscard]] std::vector<std::string> inspect_lines(std::string_view protocol, ByteView frame,
+                                                     std::span<const FrameField> fields,
+                                                     const Screen& screen);
+
+// {"protocol", "frame", "fields": [{"depth", "offset", "length", "name", "value", "fault"}],
+// "faults": how many}
+[[nodiscard]] Json inspect_json(std::string_view protocol, ByteView frame,
+                                std::span<const FrameField> fields);
+
+}  // namespace fieldcast::cli

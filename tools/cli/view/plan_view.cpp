@@ -1,0 +1,250 @@
+#include "tools/cli/view/plan_view.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <set>
+
+namespace fieldcast::cli {
+namespace {
+
+constexpr std::size_t kNamesInAdvice = 4;
+
+std::string formatted(const char* format, double number) {
+  std::array<char, 32> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), format, number);
+  return buffer.data();
+}
+
+std::string milliseconds(Duration time) {
+  return formatted(time < std::chrono::milliseconds{100} ? "%.2f ms" : "%.0f ms",
+                   to_seconds(time) * 1e3);
+}
+
+Duration rounded(Duration time) {
+  if (time < std::chrono::seconds{10}) return std::chrono::round<std::chrono::milliseconds>(time);
+  return std::chrono::round<std::chrono::seconds>(time);
+}
+
+struct Row {
+  const DeviceSpec* device = nullptr;
+  const ChannelSpec* channel = nullptr;
+  const PointForecast* forecast = nullptr;
+  // How much of its refresh the worst gap takes; above 1 the promise is broken.
+  [[nodiscard]] double tightness() const {
+    return to_seconds(forecast->worst_gap) / to_seconds(channel->refresh);
+  }
+};
+
+std::vector<Row> rows_of(const BusPlan& plan) {
+  std::vector<Row> rows;
+  std::size_t index = 0;
+  for (const auto& device : plan.bus->devices) {
+    for (const auto& channel : device.channels) {
+      if (const auto point = plan.point_of[index++])
+        rows.push_back({&device, &channel, &plan.prediction.points[*point]});
+    }
+  }
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](const Row& a, const Row& b) { return a.tightness() > b.tightness(); });
+  return rows;
+}
+
+std::vector<BlockForecast> blocks_of(const BusPlan& plan) {
+  auto blocks = plan.prediction.blocks;
+  std::stable_sort(blocks.begin(), blocks.end(),
+                   [](const auto& a, const auto& b) { return a.per_second > b.per_second; });
+  return blocks;
+}
+
+std::string range_text(const Protocol& protocol, const Range& range) {
+  auto text = std::string(protocol.areas()[range.area].name) + ' ' + std::to_string(range.first);
+  if (range.count > 1) text += ".." + std::to_string(range.end() - 1);
+  return text;
+}
+
+// "d1/c1" or "52 channels (d1/c1, d1/c2, ..)": those of the points.
+std::string names_of(const BusPlan& plan, const std::vector<PointIndex>& points) {
+  const std::set<PointIndex> wanted(points.begin(), points.end());
+  std::string text;
+  std::size_t count = 0, index = 0;
+  for (const auto& device : plan.bus->devices) {
+    for (const auto& channel : device.channels) {
+      const auto point = plan.point_of[index++];
+      if (!point || !wanted.contains(*point)) continue;
+      if (count < kNamesInAdvice)
+        text += (count == 0 ? "" : ", ") + device.name + '/' + channel.name;
+      ++count;
+    }
+  }
+  if (count == 1) return text;
+  return std::to_string(count) + " channels (" + text + (count > kNamesInAdvice ? ", .." : "") +
+         ')';
+}
+
+// "wire load 98.5 %", and beyond that "3.20 times the wire is needed".
+std::string load_text(double load) {
+  if (load <= 1) return "wire load " + formatted("%.1f %%", load * 100);
+  return formatted(load < 10 ? "%.2f" : "%.0f", load) + " times the wire is needed";
+}
+
+std::string verdict(const BusPlan& plan) {
+  const auto& prediction = plan.prediction;
+  return plan.bus->name + "  " + to_text(plan.bus->port) + ": " +
+         (prediction.feasible ? "feasible"
+          : prediction.narrow ? "TOO NARROW"
+                              : "NOT FEASIBLE") +
+         ", " + load_text(prediction.planned_load) + ", " + std::to_string(prediction.reads) +
+         " reads in " + to_text(rounded(prediction.horizon)) + " of virtual time, " +
+         std::to_string(prediction.missed) + " late (devices taken to answer after " +
+         to_text(plan.answer_time) + ')';
+}
+
+// "uint32, low word first": the type, and the order where the value has one.
+std::string type_text(const Encoding& encoding) {
+  std::string text = to_text(encoding);
+  if (encoding.type != ValueType::kString && width_bits(encoding) > 16)
+    text +=
+        encoding.word_order == WordOrder::kLittleEndian ? ", low word first" : ", high word first";
+  if (encoding.byte_order == ByteOrder::kLittleEndian && width_bits(encoding) > 8)
+    text += ", low byte first";
+  return text;
+}
+
+const char* order_text(bool little) { return little ? "little-endian" : "big-endian"; }
+
+TextTable channel_table(const BusPlan& plan) {
+  TextTable table({{"channel"},
+                   {"at"},
+                   {"type"},
+                   {"refresh", Align::kRight},
+                   {"worst gap", Align::kRight},
+                   {"of refresh", Align::kRight},
+                   {"reads", Align::kRight}});
+  for (const auto& row : rows_of(plan)) {
+    const double tightness = row.tightness();
+    table.add_row(
+        {{plan.bus->name + '/' + row.device->name + '/' + row.channel->name},
+         {row.channel->at, Tone::kFaint},
+         {type_text(row.channel->encoding), Tone::kFaint},
+         {to_text(row.channel->refresh)},
+         {milliseconds(row.forecast->worst_gap), tightness > 1 ? Tone::kBad : Tone::kPlain},
+         {formatted("%.0f %%", tightness * 100), tightness > 1 ? Tone::kBad : Tone::kGood},
+         {std::to_string(row.forecast->reads)}});
+  }
+  return table;
+}
+
+TextTable block_table(const BusPlan& plan) {
+  TextTable table({{"block"},
+                   {"device"},
+                   {"points", Align::kRight},
+                   {"wire", Align::kRight},
+                   {"each second", Align::kRight}});
+  for (const auto& block : blocks_of(plan)) {
+    std::string ranges;
+    for (const auto& range : block.ranges)
+      ranges += (ranges.empty() ? "" : ", ") + range_text(*plan.protocols[block.device], range);
+    table.add_row({{ranges},
+                   {plan.bus->devices[block.device].name},
+                   {std::to_string(block.points)},
+                   {milliseconds(block.cost)},
+                   {formatted("%.2f", block.per_second)}});
+  }
+  return table;
+}
+
+}  // namespace
+
+std::vector<std::string> advice(const BusPlan& plan) {
+  std::vector<std::string> ways;
+  if (plan.prediction.feasible) return ways;
+  const auto& remedies = plan.prediction.remedies;
+  std::string slower;
+  for (const auto& group : remedies.slower) {
+    slower += (slower.empty() ? "" : ", and ") + names_of(plan, group.points) + " every " +
+              to_text(group.to) + " instead of " + to_text(group.from);
+  }
+  if (!slower.empty()) ways.push_back("refresh " + slower);
+  if (remedies.stretch)
+    ways.push_back("make every refresh " + formatted("%.2f", *remedies.stretch) + " times as long");
+  if (remedies.baud && has_line(plan.bus->port))
+    ways.push_back("run the line at " + std::to_string(*remedies.baud) + " baud");
+  if (remedies.longer_reads)
+    ways.emplace_back("take away max-block and max-gap, if the devices answer longer reads");
+  if (remedies.no_pause)
+    ways.emplace_back("take away the pause after each exchange, if the devices need none");
+  if (remedies.buses)
+    ways.push_back("spread the devices over " + std::to_string(*remedies.buses) +
+                   " lines like this one");
+  if (ways.empty())
+    ways.emplace_back(
+        "read fewer channels of each device: no longer refresh, faster line or split of the bus "
+        "within reach is enough");
+  return ways;
+}
+
+std::vector<std::string> plan_lines(const BusPlan& plan, const Screen& screen) {
+  std::vector<std::string> lines{painted(printable(verdict(plan)),
+                                         plan.prediction.feasible ? Tone::kGood : Tone::kBad,
+                                         screen.colour)};
+  const auto unread = std::count(plan.point_of.begin(), plan.point_of.end(), std::nullopt);
+  if (unread != 0)
+    lines.push_back(std::to_string(unread) +
+                    " channels are read only when somebody asks, and cost nothing here");
+  lines.emplace_back();
+  for (auto& line : channel_table(plan).render(screen)) lines.push_back(std::move(line));
+  lines.emplace_back();
+  for (auto& line : block_table(plan).render(screen)) lines.push_back(std::move(line));
+  const auto ways = advice(plan);
+  if (ways.empty()) return lines;
+  lines.emplace_back();
+  lines.emplace_back("any of these would make it feasible:");
+  for (const auto& way : ways) lines.push_back("  - " + printable(way));
+  return lines;
+}
+
+Json plan_json(const BusPlan& plan) {
+  const auto& prediction = plan.prediction;
+  Json json{{"bus", plan.bus->name},
+            {"feasible", prediction.feasible},
+            {"load", prediction.load},
+            {"planned_load", prediction.planned_load},
+            {"stretch", prediction.stretch},
+            {"horizon", prediction.horizon.count()},
+            {"reads", prediction.reads},
+            {"missed", prediction.missed},
+            {"answer_time", plan.answer_time.count()},
+            {"channels", Json::array()},
+            {"blocks", Json::array()},
+            {"advice", advice(plan)}};
+  constexpr auto kLowWord = WordOrder::kLittleEndian;
+  constexpr auto kLowByte = ByteOrder::kLittleEndian;
+  for (const auto& row : rows_of(plan)) {
+    const Encoding& encoding = row.channel->encoding;
+    json["channels"].push_back({{"device", row.device->name},
+                                {"channel", row.channel->name},
+                                {"type", to_text(encoding)},
+                                {"word_order", order_text(encoding.word_order == kLowWord)},
+                                {"byte_order", order_text(encoding.byte_order == kLowByte)},
+                                {"refresh", row.channel->refresh.count()},
+                                {"worst_gap", row.forecast->worst_gap.count()},
+                                {"reads", row.forecast->reads}});
+  }
+  for (const auto& block : blocks_of(plan)) {
+    auto ranges = Json::array();
+    for (const auto& range : block.ranges) {
+      ranges.push_back({{"area", plan.protocols[block.device]->areas()[range.area].name},
+                        {"first", range.first},
+                        {"count", range.count}});
+    }
+    json["blocks"].push_back({{"device", plan.bus->devices[block.device].name},
+                              {"ranges", std::move(ranges)},
+                              {"points", block.points},
+                              {"cost", block.cost.count()},
+                              {"per_second", block.per_second}});
+  }
+  return json;
+}
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,151 @@
+#include "tools/cli/view/record_view.hpp"
+
+#include "tools/cli/view/sample_text.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+StationSample as_sample(const StoredSample& stored) {
+  return {stored.bus,     stored.device,      stored.channel,     stored.value,
+          stored.quality, stored.device_code, stored.acquired_at, stored.sequence};
+}
+
+constexpr std::string_view kTransmission = "program";  // the entries whose bytes are counted
+
+bool was_read(const StoredSample& sample) { return sample.acquired_at.nanoseconds != 0; }
+
+std::string path_of(const StoredSample& sample) {
+  return sample.bus + '/' + sample.device + '/' + sample.channel;
+}
+
+// RFC 4180, 2.6 and 2.7; line breaks and other controls stand escaped.
+std::string cell(const std::string& raw) {
+  const std::string text = printable(raw);
+  if (text.find_first_of(",\"") == text.npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
+}
+
+}  // namespace
+
+Json record_json(const StoredSample& sample) {
+  Json json = sample_json(as_sample(sample));
+  json["published_at"] = sample.published_at.nanoseconds;
+  return json;
+}
+
+Json record_json(const AuditEntry& entry) {
+  Json json = {{"at", entry.at.nanoseconds},
+               {"who", entry.who},
+               {"what", entry.what},
+               {"target", entry.target}};
+  if (entry.what == kTransmission) {
+    json["bytes_to_device"] = entry.bytes_to_device;
+    json["bytes_from_device"] = entry.bytes_from_device;
+  }
+  json["result"] = entry.result;
+  return json;
+}
+
+Json record_json(const DeviceRecord& device) {
+  return {{"bus", device.bus},           {"device", device.device},
+          {"protocol", device.protocol}, {"address", device.address},
+          {"state", device.state},       {"since", device.since.nanoseconds}};
+}
+
+Json record_json(const AlarmRecord& alarm) {
+  return {{"bus", alarm.bus},
+          {"device", alarm.device},
+          {"channel", alarm.channel},
+          {"limit", alarm.limit},
+          {"state", alarm.state},
+          {"value", alarm.value},
+          {"since", alarm.since.nanoseconds}};
+}
+
+Json record_json(const User& user) {
+  return {{"user", user.name},
+          {"role", to_text(user.role)},
+          {"created_at", user.created_at.nanoseconds}};
+}
+
+std::string history_line(const StoredSample& sample) {
+  std::string line = utc_text(sample.published_at) + "  " + path_of(sample) + "  " +
+                     (was_read(sample) ? value_text(sample.value, sample.type) : "-");
+  if (!sample.unit.empty()) line += ' ' + sample.unit;
+  line += "  " + quality_text(as_sample(sample));
+  // Only a value that is published again is older than its sample.
+  if (sample.quality != Quality::kGood && was_read(sample))
+    line += " (of " + utc_text(sample.acquired_at) + ')';
+  return printable(line);
+}
+
+std::string history_csv_head() {
+  return "published_at,acquired_at,bus,device,channel,value,unit,quality";
+}
+
+std::string history_csv(const StoredSample& sample) {
+  const bool read = was_read(sample);
+  return utc_text(sample.published_at) + ',' + (read ? utc_text(sample.acquired_at) : "") + ',' +
+         cell(sample.bus) + ',' + cell(sample.device) + ',' + cell(sample.channel) + ',' +
+         (read ? cell(value_text(sample.value, sample.type)) : "") + ',' + cell(sample.unit) + ',' +
+         std::string(to_text(sample.quality));
+}
+
+std::string audit_line(const AuditEntry& entry) {
+  std::string line = utc_text(entry.at) + "  " + entry.who + "  " + entry.what;
+  if (!entry.target.empty()) line += ' ' + entry.target;
+  if (entry.bytes_to_device + entry.bytes_from_device > 0) {
+    line += "  " + std::to_string(entry.bytes_to_device) + " bytes to the device, " +
+            std::to_string(entry.bytes_from_device) + " from it";
+  }
+  return printable(line + "  " + entry.result);
+}
+
+std::vector<std::string> device_lines(const std::vector<DeviceRecord>& devices, UtcTime now,
+                                      const Screen& screen) {
+  TextTable table({{"device"}, {"state"}, {"for", Align::kRight}, {"protocol"}, {"address"}});
+  for (const DeviceRecord& device : devices) {
+    const Tone tone = device.state == "online"    ? Tone::kGood
+                      : device.state == "offline" ? Tone::kBad
+                                                  : Tone::kWarning;
+    table.add_row({{device.bus + '/' + device.device},
+                   {device.state, tone},
+                   {age_text(device.since, now), Tone::kFaint},
+                   {device.protocol},
+                   {device.address}});
+  }
+  return table.render(screen);
+}
+
+std::string alarm_line(const AlarmRecord& alarm) {
+  return printable(utc_text(alarm.since) + "  " + alarm.bus + '/' + alarm.device + '/' +
+                   alarm.channel + "  " + alarm.limit + ' ' + alarm.state + "  " +
+                   value_text(alarm.value, {}));
+}
+
+std::vector<std::string> alarm_lines(const std::vector<AlarmRecord>& alarms, UtcTime now,
+                                     const Screen& screen) {
+  TextTable table(
+      {{"channel"}, {"limit"}, {"value", Align::kRight}, {"for", Align::kRight}, {"since"}});
+  for (const AlarmRecord& alarm : alarms) {
+    table.add_row({{printable(alarm.bus + '/' + alarm.device + '/' + alarm.channel)},
+                   {alarm.limit, Tone::kBad},
+                   {value_text(alarm.value, {})},
+                   {age_text(alarm.since, now)},
+                   {utc_text(alarm.since), Tone::kFaint}});
+  }
+  return table.render(screen);
+}
+
+std::vector<std::string> user_lines(const std::vector<User>& users, const Screen& screen) {
+  TextTable table({{"user"}, {"role"}, {"since"}});
+  for (const User& user : users)
+    table.add_row({{user.name},
+                   {std::string(to_text(user.role))},
+                   {utc_text(user.created_at), Tone::kFaint}});
+  return table.render(screen);
+}
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,35 @@
+// What the store keeps, as lines for people, CSV and JSON. Field names are those of the IDL where
+// it has them. Pure functions.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bridge/store/records.hpp"
+#include "bridge/store/user_table.hpp"
+#include "tools/cli/view/json.hpp"
+#include "tools/cli/view/text_table.hpp"
+
+namespace fieldcast::cli {
+
+[[nodiscard]] Json record_json(const StoredSample& sample);  // a sample's fields, and published_at
+[[nodiscard]] Json record_json(const AuditEntry& entry);
+[[nodiscard]] Json record_json(const DeviceRecord& device);
+[[nodiscard]] Json record_json(const AlarmRecord& alarm);
+[[nodiscard]] Json record_json(const User& user);
+
+[[nodiscard]] std::string history_line(const StoredSample& sample);
+[[nodiscard]] std::string history_csv_head();
+[[nodiscard]] std::string history_csv(
+    const StoredSample& sample);  // RFC 4180; a value that was never read is empty
+[[nodiscard]] std::string audit_line(const AuditEntry& entry);
+[[nodiscard]] std::string alarm_line(const AlarmRecord& alarm);
+
+[[nodiscard]] std::vector<std::string> device_lines(const std::vector<DeviceRecord>& devices,
+                                                    UtcTime now, const Screen& screen);
+[[nodiscard]] std::vector<std::string> alarm_lines(const std::vector<AlarmRecord>& alarms,
+                                                   UtcTime now, const Screen& screen);
+[[nodiscard]] std::vector<std::string> user_lines(const std::vector<User>& users,
+                                                  const Screen& screen);
+
+}  // namespace fieldcast::cli

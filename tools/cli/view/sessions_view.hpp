@@ -1,0 +1,24 @@
+// Programming sessions as a table and as JSON lines. Pure: the newest report of each, to text.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/model/status.hpp"
+#include "tools/cli/view/json.hpp"
+#include "tools/cli/view/text_table.hpp"
+
+namespace fieldcast::cli {
+
+using SessionsModel =
+    std::map<std::pair<std::string, std::string>, ProgramSessionReport>;  // by bus and device
+
+[[nodiscard]] std::vector<std::string> sessions_lines(const SessionsModel& model, UtcTime now,
+                                                      const Screen& screen);
+
+// The fields of ProgramSession by their IDL names. Times in nanoseconds.
+[[nodiscard]] Json session_json(const ProgramSessionReport& session);
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,76 @@
+#include "tools/cli/view/watch_view.hpp"
+
+#include <array>
+#include <cstdio>
+
+#include "tools/cli/view/sample_text.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+std::string rate_text(double rate) {
+  std::array<char, 32> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), rate < 10 ? "%.1f/s" : "%.0f/s", rate);
+  return buffer.data();
+}
+
+// An age that breaks the promise twice over is worth a colour, whatever the quality says: the
+// bridge itself may be gone.
+Tone age_tone(const StationSample& sample, const StationChannel* about, UtcTime now) {
+  if (about == nullptr || about->refresh == Duration{} || sample.acquired_at.nanoseconds == 0)
+    return Tone::kFaint;
+  return now.nanoseconds - sample.acquired_at.nanoseconds > 2 * about->refresh.count()
+             ? Tone::kWarning
+             : Tone::kPlain;
+}
+
+std::vector<Cell> cells_of(const ChannelPath& path, const WatchModel::Row& row,
+                           const StationChannel* about, Instant now, UtcTime utc) {
+  const auto& sample = row.sample;
+  const bool read = sample.acquired_at.nanoseconds != 0;
+  return {{path.text()},
+          {read ? value_text(sample.value, about != nullptr ? about->type : std::string{}) : "-",
+           Tone::kTitle},
+          {about != nullptr ? about->unit : ""},
+          row.gone ? Cell{"GONE", Tone::kBad}
+                   : Cell{quality_text(sample, about), tone_of(sample.quality)},
+          {age_text(sample.acquired_at, utc), age_tone(sample, about, utc)},
+          {about == nullptr || about->refresh == Duration{} ? "-" : to_text(about->refresh),
+           Tone::kFaint},
+          {rate_text(row.rate.rate(now)), Tone::kFaint}};
+}
+
+}  // namespace
+
+std::vector<std::string> watch_lines(const WatchModel& model, Instant now, UtcTime utc,
+                                     const Screen& screen) {
+  const auto& rows = model.rows();
+  const std::size_t around = 3;  // title, head, remainder
+  const bool cut = screen.rows != 0 && rows.size() + around - 1 > screen.rows;
+  const std::size_t shown = !cut ? rows.size() : screen.rows > around ? screen.rows - around : 1;
+
+  TextTable table({{"channel"},
+                   {"value", Align::kRight},
+                   {"unit"},
+                   {"quality"},
+                   {"age", Align::kRight},
+                   {"refresh", Align::kRight},
+                   {"rate", Align::kRight}});
+  for (const auto& [path, row] : rows) {
+    if (table.rows() == shown) break;
+    table.add_row(cells_of(path, row, model.catalogue().find(path), now, utc));
+  }
+
+  const auto title = "fieldcast watch " + model.pattern().text() + "   " + model.summary() + "   " +
+                     rate_text(model.rate(now)) + "   " + utc_text(utc);
+  std::vector<std::string> lines{screen.columns == 0 ? title : clip(title, screen.columns)};
+  for (auto& line : table.render(screen)) lines.push_back(std::move(line));
+  if (cut) {
+    const auto more = ".. and " + std::to_string(rows.size() - shown) +
+                      " more: narrow the pattern (BUS/DEVICE), or a taller terminal";
+    lines.push_back(screen.columns == 0 ? more : clip(more, screen.columns));
+  }
+  return lines;
+}
+
+}  // namespace fieldcast::cli

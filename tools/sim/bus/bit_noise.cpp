@@ -1,0 +1,42 @@
+#include <cmath>
+
+#include "tools/sim/bus/wire.hpp"
+
+namespace fieldcast::sim {
+
+BitNoise::BitNoise(double rate, unsigned bits_per_character, std::uint64_t seed)
+    : rate_(rate), bits_(bits_per_character), random_(seed) {
+  draw();
+}
+
+void BitNoise::draw() {
+  if (rate_ <= 0) return;
+  // How many good bits precede the next bad one is geometrically distributed; far beyond a week's
+  // traffic it does not matter.
+  const double gap = rate_ >= 1
+                         ? 0
+                         : std::floor(std::log1p(-std::generate_canonical<double, 53>(random_)) /
+                                      std::log1p(-rate_));
+  bits_left_ = static_cast<std::uint64_t>(std::min(gap, 1e15));
+}
+
+std::uint8_t BitNoise::pass(std::uint8_t character) {
+  if (rate_ <= 0) return character;
+  unsigned used = 0;
+  while (bits_left_ < bits_ - used) {
+    used += static_cast<unsigned>(bits_left_) + 1;
+    // Bits 1..8 of a character are data; a flipped start, parity or stop bit makes most UARTs
+    // deliver a wrong character.
+    character =
+        static_cast<std::uint8_t>(character ^ (used >= 2 && used <= 9 ? 1u << (used - 2) : 0x55u));
+    draw();
+  }
+  bits_left_ -= bits_ - used;
+  return character;
+}
+
+std::uint8_t BitNoise::garble(std::uint8_t character) {
+  return static_cast<std::uint8_t>(character ^ (1 + random_() % 255));
+}
+
+}  // namespace fieldcast::sim

@@ -1,0 +1,23 @@
+// The faults file of the simulator: text -> Faults, or every fault of the text at once with file,
+// line and column, as configurations have it. Names of buses, devices and areas are checked against
+// the plant. The format: tools/sim/README.md.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "config/fault.hpp"
+#include "core/model/spec.hpp"
+#include "tools/sim/bus/faults.hpp"
+
+namespace fieldcast::sim {
+
+using LoadedFaults = tl::expected<Faults, std::vector<config::Fault>>;
+
+[[nodiscard]] LoadedFaults parse_faults(std::string_view text, const std::string& file_name,
+                                        const BridgeSpec& plant);
+[[nodiscard]] LoadedFaults load_faults(const std::string& path, const BridgeSpec& plant);
+
+}  // namespace fieldcast::sim

@@ -1,0 +1,262 @@
+#include "tools/sim/bus/sim_bus.hpp"
+
+#include <algorithm>
+
+#include "core/model/make_protocol.hpp"
+#include "tools/sim/device/waveform.hpp"
+
+namespace fieldcast::sim {
+namespace {
+
+std::string known_protocols() {
+  std::string names;
+  for (const DeviceKind& kind : device_kinds())
+    names += (names.empty() ? "" : ", ") + std::string(kind.protocol);
+  return names;
+}
+
+}  // namespace
+
+SimBus::SimBus(const BusSpec& spec, const BusFaults& faults, std::uint64_t seed, Instant start)
+    : spec_(spec), faults_(faults), seed_(mix(seed, spec.name)), start_(start) {}
+
+tl::expected<std::unique_ptr<SimBus>, std::string> SimBus::make(const BusSpec& spec,
+                                                                const BusFaults& faults,
+                                                                std::uint64_t seed, Instant start) {
+  std::unique_ptr<SimBus> bus(new SimBus(spec, faults, seed, start));
+  const bool tcp = std::holds_alternative<TcpPortSpec>(spec.port);
+  for (const DeviceSpec& device : spec.devices) {
+    const DeviceKind* kind = kind_of(device);
+    if (kind == nullptr) {
+      return tl::unexpected(spec.name + "/" + device.name + ": no simulated devices speak '" +
+                            device.protocol + "'; there are: " + known_protocols());
+    }
+    const auto found = faults.devices.find(device.name);
+    const DeviceFaults own = found == faults.devices.end() ? DeviceFaults{} : found->second;
+    DeviceSetup setup{device,
+                      line_of(spec.port),
+                      tcp,
+                      bus->members_.empty(),
+                      own.refused,
+                      own.only_configured,
+                      mix(bus->seed_, device.name),
+                      start};
+    auto made = kind->make(setup);
+    if (!made) return tl::unexpected(spec.name + "/" + made.error());
+    bus->half_duplex_ = bus->half_duplex_ && kind->half_duplex;
+    bus->members_.push_back(
+        {device.name, std::move(*made), FaultDice(own, mix(setup.seed, "faults"))});
+  }
+  if (faults.foreign > 0 && !bus->spec_.devices.empty()) {
+    if (auto made = bus->make_foreign(*kind_of(bus->spec_.devices.front())); !made)
+      return tl::unexpected(made.error());
+  }
+  return bus;
+}
+
+// Like the first device of the bus, at an address that no other one has.
+tl::expected<void, std::string> SimBus::make_foreign(const DeviceKind& kind) {
+  foreign_.spec = spec_.devices.front();
+  foreign_.spec.name = "foreign";
+  const LineFormat line = line_of(spec_.port);
+  auto protocol = make_protocol(foreign_.spec, line);
+  if (!protocol) return tl::unexpected(protocol.error().what);
+  const Traits& traits = (*protocol)->traits();
+  std::uint16_t address = traits.highest_address;
+  const auto taken = [&] {
+    return std::ranges::any_of(
+        spec_.devices, [&](const DeviceSpec& device) { return device.link.address == address; });
+  };
+  while (address > traits.lowest_address && taken()) --address;
+  foreign_.spec.link.address = address;
+  foreign_.protocol = std::move(*make_protocol(foreign_.spec, line));
+  auto device = kind.make({.spec = foreign_.spec,
+                           .line = line,
+                           .stream = std::holds_alternative<TcpPortSpec>(spec_.port),
+                           .seed = mix(seed_, "foreign"),
+                           .start = start_});
+  if (!device) return tl::unexpected(device.error());
+  foreign_.device = std::move(*device);
+  return {};
+}
+
+std::unique_ptr<BusLine> SimBus::open_line() {
+  const std::uint64_t seed = mix(seed_, ++statistics_.connections);
+  const auto* tcp = std::get_if<TcpPortSpec>(&spec_.port);
+  WireOptions options{line_of(spec_.port),
+                      tcp == nullptr || tcp->line.has_value(),
+                      half_duplex_,
+                      faults_.fifo,
+                      faults_.echo,
+                      faults_.noise,
+                      seed};
+  return std::make_unique<BusLine>(*this, options, seed);
+}
+
+BusLine::BusLine(SimBus& bus, const WireOptions& options, std::uint64_t seed)
+    : bus_(bus), wire_(options), random_(mix(seed, "babble")) {
+  for (const SimBus::Member& member : bus.members_) ears_.push_back(member.device->open_receiver());
+  spoke_until_.assign(ears_.size(), kLongAgo);
+}
+
+void BusLine::receive(ByteView bytes, Instant now) {
+  bus_.statistics_.bytes_heard += bytes.size();
+  const std::uint64_t lost = wire_.lost(), collisions = wire_.collisions();
+  wire_.from_master(bytes, now);
+  bus_.statistics_.lost += wire_.lost() - lost;
+  bus_.statistics_.collisions += wire_.collisions() - collisions;
+  if (const auto rest = wire_.shortest_rest()) {
+    bus_.statistics_.shortest_rest =
+        std::min(bus_.statistics_.shortest_rest.value_or(*rest), *rest);
+  }
+  if (next_babble_ == kNever) plan_babble(now);
+  if (next_foreign_ == kNever) plan_foreign(now);
+}
+
+void BusLine::plan_foreign(Instant from) {
+  if (bus_.faults_.foreign <= 0) return;
+  std::exponential_distribution<double> wait(bus_.faults_.foreign);
+  next_foreign_ = from + from_seconds(std::min(wait(random_), 3600.0));
+}
+
+// One whole conversation, request by answer. On a link that is not a line only its answers come.
+void BusLine::talk_to_foreign(Instant now) {
+  constexpr std::uint32_t kMostItems = 16;
+  constexpr int kMostRounds = 8;
+  constexpr Duration kAnswerAfter = std::chrono::milliseconds{2};
+  plan_foreign(now);
+  const SimBus::Foreign& foreign = bus_.foreign_;
+  const auto& channels = foreign.spec.channels;
+  if (channels.empty()) return;
+  Range range = channels[random_() % channels.size()].range;
+  const Range alone = range;
+  range.count = 1 + static_cast<std::uint32_t>(random_() % kMostItems);
+  if (!foreign.protocol->size(ReadRequest{{range}})) range = alone;
+  const auto exchange =
+      foreign.protocol->begin(ReadRequest{{range}}, {static_cast<std::uint16_t>(random_())});
+  const auto receiver = foreign.device->open_receiver();
+  Bytes request;
+  Step step = exchange->start(request);
+  for (int round = 0; round < kMostRounds && step.kind == Step::Kind::kSend; ++round) {
+    if (bus_.half_duplex_) {
+      wire_.from_device(kNobody, request, now);
+      now = wire_.talks_until(kNobody);
+    }
+    Reaction reaction;
+    for (const std::uint8_t character : request) receiver->hear(character, now, reaction);
+    wire_.from_device(kNobody, reaction.answer, now + kAnswerAfter);
+    now = std::max(now, wire_.talks_until(kNobody)) + kAnswerAfter;
+    request.clear();
+    step = exchange->on_bytes(reaction.answer, request);
+    if (step.kind == Step::Kind::kNeedMore && step.wait == Wait::kPause)
+      step = exchange->on_silence(request);
+  }
+}
+
+void BusLine::plan_babble(Instant from) {
+  if (bus_.faults_.babble <= 0) return;
+  std::exponential_distribution<double> wait(bus_.faults_.babble);
+  next_babble_ = from + from_seconds(std::min(wait(random_), 3600.0));
+}
+
+void BusLine::babble(Instant now) {
+  Bytes burst(1 + random_() % std::max(1u, bus_.faults_.babble_length));
+  for (std::uint8_t& character : burst) character = static_cast<std::uint8_t>(random_());
+  wire_.from_device(kNobody, burst, now);
+  plan_babble(now);
+}
+
+// Silence counts only where the line rests: a character under way has not been heard yet, but it is
+// there.
+Instant BusLine::silence_due() const {
+  Instant due = kNever;
+  if (!wire_.at_rest()) return due;
+  for (const auto& receiver : ears_) due = std::min(due, receiver->silence_due());
+  return due;
+}
+
+Instant BusLine::next_due() const {
+  return std::min({wire_.next_due(), silence_due(), next_babble_, next_foreign_});
+}
+
+void BusLine::advance(Instant now, Bytes& to_master) {
+  for (;;) {
+    if (const auto passed = wire_.advance(std::min({now, next_babble_, next_foreign_}))) {
+      if (passed->speaker != kMaster) {
+        append(to_master, passed->characters);
+        bus_.statistics_.bytes_said += passed->characters.size();
+      }
+      hear(*passed);
+    } else if (next_babble_ <= now && next_babble_ <= next_foreign_) {
+      babble(next_babble_);
+    } else if (next_foreign_ <= now) {
+      talk_to_foreign(next_foreign_);
+    } else if (const Instant due = silence_due(); due <= now) {
+      be_silent(due);
+    } else {
+      return;
+    }
+  }
+}
+
+void BusLine::hear(const Passed& passed) {
+  if (passed.speaker == kEcho) return;  // the line's own echo: the devices heard the original
+  for (std::size_t device = 0; device < ears_.size(); ++device) {
+    if (passed.speaker == static_cast<Speaker>(device)) continue;
+    Instant end = passed.first_end;
+    for (const std::uint8_t character : passed.characters) {
+      hear(device, character, end);
+      end += passed.character;
+    }
+  }
+}
+
+void BusLine::hear(std::size_t device, std::uint8_t character, Instant end) {
+  SimBus::Member& member = bus_.members_[device];
+  const DeviceFaults& faults = member.dice.faults();
+  const auto speaker = static_cast<Speaker>(device);
+  const bool busy = bus_.half_duplex_ && (faults.queues ? wire_.talking(speaker, end)
+                                                        : wire_.talks_until(speaker) > end);
+  const Instant spoke = spoke_until_[device];
+  const bool deaf = spoke != kLongAgo && end >= spoke && end < spoke + faults.deaf;
+  if (busy || deaf || member.dice.dead(end - bus_.start_)) {
+    ++member.unheard;
+    return;
+  }
+  Reaction reaction;
+  ears_[device]->hear(character, end, reaction);
+  say(device, reaction, end);
+}
+
+void BusLine::be_silent(Instant at) {
+  for (std::size_t device = 0; device < ears_.size(); ++device) {
+    if (ears_[device]->silence_due() > at) continue;
+    Reaction reaction;
+    ears_[device]->on_silence(at, reaction);
+    say(device, reaction, at);
+  }
+}
+
+void BusLine::say(std::size_t device, Reaction& reaction, Instant at) {
+  hung_up_ = hung_up_ || reaction.hang_up;
+  if (reaction.answer.empty()) return;
+  SimBus::Member& member = bus_.members_[device];
+  const Bytes meant = reaction.answer;
+  const FaultyAnswer answer = member.dice.roll(std::move(reaction.answer));
+  if (answer.characters != meant) ++member.spoiled;
+  const auto speaker = static_cast<Speaker>(device);
+  const std::uint64_t collisions = wire_.collisions();
+  const Instant free = wire_.talks_until(speaker);
+  const Duration delay = answer.delay + reaction.pause;
+  const bool queues = member.dice.faults().queues;
+  wire_.from_device(speaker, answer.characters,
+                    queues ? std::max(at, free) + delay : std::max(at + delay, free));
+  if (answer.doubled && !answer.characters.empty()) {
+    wire_.from_device(speaker, answer.characters,
+                      wire_.talks_until(speaker) + member.dice.faults().doubled_after);
+  }
+  if (!answer.characters.empty()) spoke_until_[device] = wire_.talks_until(speaker);
+  bus_.statistics_.collisions += wire_.collisions() - collisions;
+}
+
+}  // namespace fieldcast::sim

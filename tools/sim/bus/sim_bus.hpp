@@ -1,0 +1,110 @@
+// One bus of the plant: its devices, what goes wrong with them, and the lines on which masters
+// reach them.
+//
+// A SimBus owns the devices. A BusLine is one conversation: the serial port, or one TCP connection;
+// it owns a Wire and a receiver of each device, and must not outlive its bus. Pure: bytes and
+// instants in, bytes and instants out; one thread.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/protocol/protocol.hpp"
+#include "tools/sim/bus/faults.hpp"
+#include "tools/sim/bus/wire.hpp"
+#include "tools/sim/device/device.hpp"
+
+namespace fieldcast::sim {
+
+// Counters of the line itself.
+struct LineStatistics {
+  std::uint64_t bytes_heard = 0, bytes_said = 0;  // from the master, to the master
+  std::uint64_t lost = 0;                         // characters of a master that talks without end
+  std::uint64_t collisions = 0;
+  std::uint64_t connections = 0;
+  std::optional<Duration>
+      shortest_rest;  // from the end of an answer to the master's next character
+};
+
+class BusLine;
+
+class SimBus {
+ public:
+  struct Member {
+    std::string name;
+    std::unique_ptr<SimDevice> device;
+    FaultDice dice;
+    std::uint64_t unheard = 0;  // characters while it was dead, busy or talking
+    std::uint64_t spoiled = 0;  // answers that faults took away or changed
+  };
+
+  // The bus, or why it cannot be simulated: a protocol without devices here, or a device that
+  // refuses its specification.
+  [[nodiscard]] static tl::expected<std::unique_ptr<SimBus>, std::string> make(
+      const BusSpec& spec, const BusFaults& faults, std::uint64_t seed, Instant start);
+
+  [[nodiscard]] std::unique_ptr<BusLine> open_line();
+
+  [[nodiscard]] const BusSpec& spec() const { return spec_; }
+  [[nodiscard]] const BusFaults& faults() const { return faults_; }
+  [[nodiscard]] const std::vector<Member>& members() const { return members_; }
+  [[nodiscard]] const LineStatistics& statistics() const { return statistics_; }
+  [[nodiscard]] Instant start() const { return start_; }
+
+ private:
+  friend class BusLine;
+  SimBus(const BusSpec& spec, const BusFaults& faults, std::uint64_t seed, Instant start);
+
+  BusSpec spec_;
+  BusFaults faults_;
+  // A unit that another master talks to.
+  struct Foreign {
+    DeviceSpec spec;
+    std::unique_ptr<Protocol> protocol;
+    std::unique_ptr<SimDevice> device;
+  };
+  [[nodiscard]] tl::expected<void, std::string> make_foreign(const DeviceKind& kind);
+
+  std::uint64_t seed_;
+  Instant start_;
+  Foreign foreign_;
+  bool half_duplex_ = true;
+  std::vector<Member> members_;
+  LineStatistics statistics_;
+};
+
+class BusLine {
+ public:
+  BusLine(SimBus& bus, const WireOptions& options, std::uint64_t seed);
+  // The master's bytes arrived.
+  void receive(ByteView bytes, Instant now);
+  // When advance() has something to do; kNever: nothing until the master talks.
+  [[nodiscard]] Instant next_due() const;
+  // Everything that happens until `now`; appends what the master's receiver gets.
+  void advance(Instant now, Bytes& to_master);
+  // The stream is beyond repair: the connection should be closed.
+  [[nodiscard]] bool hung_up() const { return hung_up_; }
+
+ private:
+  void hear(const Passed& passed);
+  void hear(std::size_t device, std::uint8_t character, Instant end);
+  void say(std::size_t device, Reaction& reaction, Instant at);
+  void babble(Instant now);
+  void plan_babble(Instant from);
+  void plan_foreign(Instant from);
+  void talk_to_foreign(Instant now);
+  [[nodiscard]] Instant silence_due() const;
+  void be_silent(Instant at);
+
+  SimBus& bus_;
+  Wire wire_;
+  std::vector<std::unique_ptr<Receiver>> ears_;  // one for each member
+  std::mt19937_64 random_;                       // of the babble
+  std::vector<Instant> spoke_until_;             // each member
+  Instant next_babble_ = kNever, next_foreign_ = kNever;
+  bool hung_up_ = false;
+};
+
+}  // namespace fieldcast::sim

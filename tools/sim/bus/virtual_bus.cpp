@@ -1,0 +1,94 @@
+#include "tools/sim/bus/virtual_bus.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace fieldcast::sim {
+namespace {
+
+constexpr Duration kReopenAfter = std::chrono::seconds{1};
+
+std::unique_ptr<SimBus> plant_of(const BusSpec& spec, const BusFaults& faults, std::uint64_t seed) {
+  auto plant = SimBus::make(spec, faults, seed, Instant{});
+  if (!plant) throw std::runtime_error(plant.error());
+  return std::move(*plant);
+}
+
+}  // namespace
+
+VirtualBus::VirtualBus(const BusSpec& spec, const BusFaults& faults, std::uint64_t seed,
+                       Watcher watcher)
+    : spec_(spec),
+      plant_(plant_of(spec_, faults, seed)),
+      engine_(spec_),
+      watcher_(std::move(watcher)),
+      character_(line_of(spec.port).characters(1)) {
+  plug();
+}
+
+void VirtualBus::run_until(Instant until) {
+  for (;;) {
+    const Instant line_due = line_ ? line_->next_due() : kNever;
+    const Instant due = std::min({timer_, line_due, reopen_at_});
+    if (due > until) break;
+    now_ = std::max(now_, due);
+    if (line_due <= now_) {
+      heard_.clear();
+      line_->advance(now_, heard_);
+      if (!heard_.empty()) feed(Received{heard_});
+    }
+    if (reopen_at_ <= now_) plug();
+    if (timer_ <= now_) {
+      timer_ = kNever;
+      feed(TimerFired{});
+    }
+  }
+  now_ = until;
+}
+
+void VirtualBus::feed(const BusEvent& event) {
+  Actions actions;
+  if (!spare_.empty()) {
+    actions = std::move(spare_.back());
+    spare_.pop_back();
+  }
+  engine_.on_event(event, now_, actions);
+  make_plans(engine_, now_, actions);
+  for (const Action& action : actions) act(action);
+  actions.clear();
+  spare_.push_back(std::move(actions));
+}
+
+void VirtualBus::unplug() {
+  line_.reset();
+  reopen_at_ = kNever;
+  feed(Closed{"unplugged"});
+}
+
+void VirtualBus::plug() {
+  reopen_at_ = kNever;
+  line_ = plant_->open_line();
+  feed(Opened{});
+}
+
+void VirtualBus::send(ByteView bytes) {
+  wire_free_ = now_ + character_ * static_cast<std::int64_t>(bytes.size());
+  if (line_) line_->receive(bytes, now_);
+  stamp(static_cast<std::uint64_t>(now_.time_since_epoch().count()));
+  for (const std::uint8_t byte : bytes) stamp(byte);
+}
+
+void VirtualBus::act(const Action& action) {
+  if (const auto* timer = std::get_if<SetTimer>(&action)) timer_ = std::max(timer->at, now_);
+  if (const auto* publish = std::get_if<Publish>(&action)) {
+    for (const Sample& sample : publish->samples) stamp(sample.sequence);
+  }
+  if (std::holds_alternative<Reopen>(action)) {
+    line_.reset();
+    reopen_at_ = now_ + kReopenAfter;
+  }
+  if (watcher_) watcher_(action);
+  if (const auto* sent = std::get_if<Send>(&action)) send(sent->bytes);
+}
+
+}  // namespace fieldcast::sim

@@ -1,0 +1,64 @@
+// A bus engine and its simulated plant in virtual time: hours in seconds, replayed bit for bit by a
+// seed.
+//
+// Owns the engine, the plant and their clock. Pure: no thread, no I/O; whoever drives it sees every
+// action of the engine.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/bus/bus_engine.hpp"
+#include "tools/sim/bus/sim_bus.hpp"
+
+namespace fieldcast::sim {
+
+class VirtualBus {
+ public:
+  // Called for each action, before bytes are sent and after everything else was done.
+  using Watcher = std::function<void(const Action&)>;
+
+  // The plant starts at Instant{}; throws std::runtime_error when it cannot be simulated.
+  VirtualBus(const BusSpec& spec, const BusFaults& faults, std::uint64_t seed,
+             Watcher watcher = {});
+  VirtualBus(const VirtualBus&) = delete;
+  VirtualBus& operator=(const VirtualBus&) = delete;
+
+  void run_until(Instant until);
+  void feed(const BusEvent& event);  // at the instant reached
+  void unplug();
+  void plug();
+
+  [[nodiscard]] Instant now() const { return now_; }
+  [[nodiscard]] bool plugged() const { return line_ != nullptr; }
+  [[nodiscard]] BusEngine& engine() { return engine_; }
+  [[nodiscard]] SimBus& plant() { return *plant_; }
+  [[nodiscard]] Instant wire_free() const {
+    return wire_free_;
+  }  // end of the last request on the wire
+  // A number that two runs share only when everything they did was the same.
+  [[nodiscard]] std::uint64_t fingerprint() const { return fingerprint_; }
+
+ private:
+  void act(const Action& action);
+  void send(ByteView bytes);
+  void stamp(std::uint64_t what) { fingerprint_ = (fingerprint_ ^ what) * 1099511628211u; }
+
+  BusSpec spec_;
+  std::unique_ptr<SimBus> plant_;
+  std::unique_ptr<BusLine> line_;
+  BusEngine engine_;
+  Watcher watcher_;
+  Duration character_;
+  Instant now_{};
+  Instant timer_ = kNever;
+  Instant reopen_at_ = kNever;
+  Instant wire_free_{};
+  Bytes heard_;
+  std::vector<Actions> spare_;                        // feed() may be called from inside a watcher
+  std::uint64_t fingerprint_ = 1469598103934665603u;  // FNV-1a
+};
+
+}  // namespace fieldcast::sim

@@ -1,0 +1,131 @@
+#include "tools/sim/check/exchange_run.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace fieldcast::sim {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration kTimeout = 1s, kGapAllowance = 20ms, kPiece = 1ms;
+constexpr int kMostTurns = 100'000;      // of one exchange: more is a hang
+constexpr std::size_t kMostRounds = 64;  // more is an exchange without an end
+
+BusSpec bus_of(const Subject& subject) {
+  BusSpec bus;
+  bus.name = "check";
+  bus.port = subject.port;
+  bus.devices = {subject.device};
+  return bus;
+}
+
+RunOutcome finish(ExchangeDriver& driver, ExchangeDriver::Outcome how, RunOutcome outcome) {
+  outcome.done = how == ExchangeDriver::Outcome::kDone;
+  outcome.cause = how == ExchangeDriver::Outcome::kWaiting || how == ExchangeDriver::Outcome::kSend
+                      ? Cause::kOverlong
+                      : driver.cause();
+  outcome.code = driver.device_code();
+  if (outcome.done) outcome.reply = driver.exchange().reply();
+  return outcome;
+}
+
+bool ended(ExchangeDriver::Outcome outcome) {
+  return outcome == ExchangeDriver::Outcome::kDone || outcome == ExchangeDriver::Outcome::kFailed;
+}
+
+}  // namespace
+
+bool RunOutcome::same_as(const RunOutcome& other) const {
+  return done == other.done && cause == other.cause && code == other.code &&
+         std::ranges::equal(reply, other.reply, [](const RangeReply& a, const RangeReply& b) {
+           return a.cause == b.cause && a.device_code == b.device_code && a.items == b.items;
+         });
+}
+
+std::string RunOutcome::text() const {
+  if (!done)
+    return std::string(to_text(cause)) + (code != 0 ? " (code " + std::to_string(code) + ")" : "");
+  std::string text = "taken:";
+  for (const RangeReply& range : reply) {
+    text += range.cause == Cause::kNone ? " [" + to_hex(range.items) + "]"
+                                        : " [" + std::string(to_text(range.cause)) + "]";
+  }
+  return text;
+}
+
+LiveDevice::LiveDevice(const Subject& subject, const BusFaults& faults)
+    : line_format_(subject.line()) {
+  auto bus = SimBus::make(bus_of(subject), faults, 1, now_);
+  if (!bus) throw std::runtime_error(bus.error());
+  bus_ = std::move(*bus);
+  line_ = bus_->open_line();
+}
+
+RunOutcome LiveDevice::run(std::unique_ptr<Exchange> exchange) {
+  ExchangeDriver driver(line_format_, kGapAllowance, Echo::kAbsent);
+  RunOutcome outcome;
+  Bytes out;
+  auto how = ExchangeDriver::Outcome::kWaiting;
+  const auto send = [&] {
+    line_->receive(out, now_);
+    outcome.sent.push_back(out);
+    outcome.answers.emplace_back();
+    how = ExchangeDriver::Outcome::kWaiting;
+  };
+  driver.begin(std::move(exchange), kTimeout, true, now_, out);
+  send();
+  for (int turn = 0; !ended(how) && turn < kMostTurns && outcome.sent.size() <= kMostRounds;
+       ++turn) {
+    now_ = std::max(now_, std::min(line_->next_due(), driver.deadline()));
+    Bytes heard;
+    line_->advance(now_, heard);
+    if (!heard.empty()) {
+      append(outcome.answers.back(), heard);
+      how = driver.on_bytes(heard, now_, out);
+    } else if (now_ >= driver.deadline()) {
+      how = driver.on_timer(now_, out);
+    }
+    if (how == ExchangeDriver::Outcome::kSend) send();
+  }
+  now_ += 200ms;  // the line comes to rest, as between any two requests
+  Bytes late;
+  line_->advance(now_, late);
+  return finish(driver, how, std::move(outcome));
+}
+
+RunOutcome replay(std::unique_ptr<Exchange> exchange, const LineFormat& line,
+                  std::span<const Bytes> answers, std::span<const std::size_t> cuts) {
+  ExchangeDriver driver(line, kGapAllowance, Echo::kAbsent);
+  RunOutcome outcome;
+  Bytes out;
+  Instant now{};
+  driver.begin(std::move(exchange), kTimeout, true, now, out);
+  outcome.sent.push_back(out);
+  auto how = ExchangeDriver::Outcome::kWaiting;
+  for (int turn = 0; !ended(how) && turn < kMostTurns && outcome.sent.size() <= kMostRounds;
+       ++turn) {
+    const std::size_t round = outcome.sent.size();
+    const Bytes none;
+    const Bytes& answer = round <= answers.size() ? answers[round - 1] : none;
+    now = std::max(now, driver.sent_until());
+    how = ExchangeDriver::Outcome::kWaiting;
+    for (std::size_t from = 0, piece = 0;
+         from < answer.size() && how == ExchangeDriver::Outcome::kWaiting; ++piece) {
+      const std::size_t to =
+          piece < cuts.size() ? std::min(cuts[piece], answer.size()) : answer.size();
+      if (to <= from) continue;
+      now += kPiece;
+      how = driver.on_bytes(ByteView(answer).subspan(from, to - from), now, out);
+      from = to;
+    }
+    while (how == ExchangeDriver::Outcome::kWaiting && turn++ < kMostTurns) {
+      now = std::max(now, driver.deadline());
+      how = driver.on_timer(now, out);
+    }
+    if (how == ExchangeDriver::Outcome::kSend) outcome.sent.push_back(out);
+  }
+  return finish(driver, how, std::move(outcome));
+}
+
+}  // namespace fieldcast::sim

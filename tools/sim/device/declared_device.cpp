@@ -1,0 +1,238 @@
+#include "tools/sim/device/declared_device.hpp"
+
+#include <algorithm>
+
+#include "tools/sim/device/digits.hpp"
+
+namespace fieldcast::sim {
+namespace {
+
+using declared::DeclaredArea;
+using declared::Field;
+using declared::FieldKind;
+using declared::Operation;
+
+constexpr std::uint8_t kAddressCode =
+    2;  // for items that are not there, where the declaration gives the number a meaning
+
+class DeclaredReceiver : public Receiver {
+ public:
+  // Three characters: less than any master's rest before it asks again.
+  DeclaredReceiver(DeclaredDevice& device, const LineFormat& line, bool stream)
+      : device_(device),
+        character_(line.characters(1)),
+        gap_(stream ? Duration{100'000'000} : line.characters(3)) {}
+
+  void hear(std::uint8_t character, Instant end, Reaction& reaction) override {
+    if (silence_due() != kNever && end - character_ >= silence_due())
+      on_silence(silence_due(), reaction);
+    last_ = end;
+    if (lost_) return;
+    heard_.push_back(character);
+    const auto heard = device_.take(heard_, end, reaction.answer);
+    lost_ = heard == DeclaredDevice::Heard::kNothing ||
+            (heard == DeclaredDevice::Heard::kDone && reaction.answer.empty());
+    if (heard != DeclaredDevice::Heard::kMore) heard_.clear();
+  }
+  Instant silence_due() const override { return heard_.empty() && !lost_ ? kNever : last_ + gap_; }
+  void on_silence(Instant, Reaction&) override {
+    heard_.clear();
+    lost_ = false;
+  }
+
+ private:
+  DeclaredDevice& device_;
+  Duration character_, gap_;
+  Bytes heard_;
+  bool lost_ = false;
+  Instant last_ = kLongAgo;
+};
+
+std::vector<ItemArea> areas_of(const declared::Declaration& declaration) {
+  std::vector<ItemArea> areas;
+  for (const DeclaredArea& area : declaration.areas)
+    areas.push_back({area.name, area.item_bits, area.items});
+  return areas;
+}
+
+std::uint32_t items_in(const Field& value) {
+  if (value.text_size != 0) return (value.text_size + 1u) / 2;
+  return value.bits <= 16 ? 1 : value.bits <= 32 ? 2 : 4;
+}
+
+bool has_address(const declared::Frame& frame) {
+  return std::ranges::any_of(frame.fields,
+                             [](const Field& field) { return field.kind == FieldKind::kAddress; });
+}
+
+std::optional<std::uint32_t> number(std::string_view digits, const DeclaredArea& area) {
+  const auto number = address_number(digits, area.base);
+  if (!number || *number < area.origin || *number - area.origin >= area.items) return std::nullopt;
+  return static_cast<std::uint32_t>(*number - area.origin);
+}
+
+}  // namespace
+
+std::vector<std::string_view> declared_area_names(const declared::Declaration& declaration) {
+  std::vector<std::string_view> names;
+  for (const DeclaredArea& area : declaration.areas) names.push_back(area.name);
+  return names;
+}
+
+DeclaredDevice::DeclaredDevice(const DeviceSetup& setup)
+    : declaration_(setup.spec.declaration.value),
+      address_(setup.spec.link.address),
+      line_(setup.line),
+      stream_(setup.stream),
+      memory_(areas_of(*declaration_), setup) {}
+
+std::unique_ptr<Receiver> DeclaredDevice::open_receiver() {
+  return std::make_unique<DeclaredReceiver>(*this, line_, stream_);
+}
+
+DeclaredDevice::Heard DeclaredDevice::take(ByteView bytes, Instant now, Bytes& answer) {
+  bool more = false;
+  for (const Operation& operation : declaration_->operations) {
+    DeclaredHearing heard = on_request(*declaration_, operation, bytes);
+    more = more || heard.fit == DeclaredHearing::Fit::kMore;
+    if (heard.fit != DeclaredHearing::Fit::kWhole || heard.contradicts) continue;
+    if (heard.bad_check) {
+      ++statistics_.bad_frames;
+      continue;
+    }
+    if (has_address(operation.request) && heard.text.address != address_) return Heard::kDone;
+    heard.text.address = address_;
+    answer = execute(operation, std::move(heard.text), now);
+    return Heard::kDone;
+  }
+  return more && bytes.size() < declared::kMaxFrame ? Heard::kMore : Heard::kNothing;
+}
+
+std::uint8_t DeclaredDevice::refusal(const Operation& operation, const DeclaredText& text) const {
+  const DeclaredArea& area = declaration_->areas[operation.area];
+  if (!area.record) {
+    const bool far = text.first > UINT32_MAX / 2 || text.count > UINT32_MAX / 2;
+    return far ? kAddressCode
+               : memory_.refusal(operation.area, static_cast<std::uint32_t>(text.first),
+                                 static_cast<std::uint32_t>(text.count), kAddressCode);
+  }
+  for (const auto& [field, value] : text.numbers) {
+    if (const std::uint8_t code =
+            memory_.refusal(operation.area, field->place, items_in(*field), kAddressCode))
+      return code;
+  }
+  return operation.write ? 0 : memory_.refusal(operation.area, 0, area.items, 0);
+}
+
+Bytes DeclaredDevice::refuse(const Operation& operation, DeclaredText text, std::uint8_t code) {
+  ++statistics_.exceptions[code];
+  if (declaration_->refusal.fields.empty()) return {};
+  text.error = code;
+  ++statistics_.answers;
+  return say(declaration_->refusal, declaration_->areas[operation.area].item_bits, text);
+}
+
+Bytes DeclaredDevice::execute(const Operation& operation, DeclaredText text, Instant now) {
+  ++statistics_.requests[operation.name];
+  if (const std::uint8_t code = refusal(operation, text); code != 0)
+    return refuse(operation, std::move(text), code);
+  if (operation.write) store(operation, text);
+  fill(operation, now, text);
+  ++statistics_.answers;
+  return say(operation.answer, declaration_->areas[operation.area].item_bits, text);
+}
+
+void DeclaredDevice::store(const Operation& operation, const DeclaredText& text) {
+  for (std::size_t i = 0; i < text.items.size(); ++i) {
+    memory_.write(operation.area, static_cast<std::uint32_t>(text.first + i), text.items[i],
+                  statistics_);
+  }
+  for (const auto& [field, value] : text.numbers) {
+    const bool negative = field->is_signed && (value >> (field->bits - 1) & 1u) != 0;
+    const std::uint64_t whole =
+        negative && field->bits < 64 ? value | UINT64_MAX << field->bits : value;
+    const std::uint32_t items = items_in(*field);
+    for (std::uint32_t i = 0; i < items; ++i) {
+      memory_.write(operation.area, field->place + i, whole >> 16 * (items - 1 - i) & 0xFFFFu,
+                    statistics_);
+    }
+  }
+  for (const auto& [field, value] : text.texts) {
+    for (std::uint32_t i = 0; i < items_in(*field); ++i) {
+      const auto at = [&](std::size_t place) {
+        return place < value.size() ? static_cast<std::uint8_t>(value[place]) : 0u;
+      };
+      memory_.write(operation.area, field->place + i, at(2 * i) << 8 | at(2 * i + 1), statistics_);
+    }
+  }
+  ++statistics_.write_requests;
+}
+
+// What the answer is made of: the items asked for, or the record as it is now.
+void DeclaredDevice::fill(const Operation& operation, Instant now, DeclaredText& text) const {
+  text.items.clear();
+  if (!declaration_->areas[operation.area].record) {
+    for (std::uint64_t i = 0; i < text.count; ++i) {
+      text.items.push_back(
+          memory_.read(operation.area, static_cast<std::uint32_t>(text.first + i), now));
+    }
+    return;
+  }
+  for (const Field& field : operation.answer.fields) {
+    if (field.kind != FieldKind::kValue) continue;
+    std::uint64_t number = 0;
+    std::string characters;
+    for (std::uint32_t i = 0; i < items_in(field); ++i) {
+      const std::uint64_t item = memory_.read(operation.area, field.place + i, now);
+      number = number << 16 | item;
+      characters += {static_cast<char>(item >> 8), static_cast<char>(item & 0xFF)};
+    }
+    characters.resize(std::min<std::size_t>(characters.size(), field.text_size));
+    if (field.variable) characters.resize(std::min(characters.find('\0'), characters.size()));
+    text.numbers[&field] = number;
+    text.texts[&field] = characters;
+  }
+}
+
+std::optional<ItemPlace> DeclaredDevice::parse_address(std::string_view at) const {
+  constexpr std::uint64_t kNone = UINT64_MAX;
+  const std::size_t dot = at.rfind('.');
+  const std::uint64_t bit =
+      dot == std::string_view::npos ? kNone : address_number(at.substr(dot + 1)).value_or(kNone);
+  // Values of records first, then numbers behind a prefix.
+  for (std::size_t i = 0; i < declaration_->areas.size(); ++i) {
+    for (const declared::Place& place : declaration_->areas[i].places) {
+      if (at == place.name) return ItemPlace{i, place.first, {}};
+      if (bit == kNone || at.substr(0, dot) != place.name || bit >= place.bits) continue;
+      return ItemPlace{i, place.first + place.items - 1 - static_cast<std::uint32_t>(bit / 16),
+                       static_cast<std::uint8_t>(bit % 16)};
+    }
+  }
+  for (std::size_t i = 0; i < declaration_->areas.size(); ++i) {
+    const DeclaredArea& area = declaration_->areas[i];
+    if (area.record || !at.starts_with(area.prefix)) continue;
+    const std::string_view rest = at.substr(area.prefix.size());
+    if (const auto item = number(rest, area)) return ItemPlace{i, *item, {}};
+    if (bit >= area.item_bits || area.item_bits == 1) continue;
+    if (const auto item = number(rest.substr(0, rest.rfind('.')), area))
+      return ItemPlace{i, *item, static_cast<std::uint8_t>(bit)};
+  }
+  return std::nullopt;
+}
+
+tl::expected<std::unique_ptr<SimDevice>, std::string> make_declared_device(
+    const DeviceSetup& setup) {
+  const declared::Declaration& declaration = *setup.spec.declaration.value;
+  if (setup.spec.link.address < declaration.lowest_address ||
+      setup.spec.link.address > declaration.highest_address) {
+    return tl::unexpected(setup.spec.name + ": address " + std::to_string(setup.spec.link.address) +
+                          " is none of " + declaration.name);
+  }
+  auto device = std::make_unique<DeclaredDevice>(setup);
+  const auto parse = [&](std::string_view at) { return device->parse_address(at); };
+  if (auto added = device->memory().add_channels(setup, parse); !added)
+    return tl::unexpected(added.error());
+  return device;
+}
+
+}  // namespace fieldcast::sim

@@ -1,0 +1,336 @@
+#include "tools/sim/device/declared_text.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "tools/sim/device/digits.hpp"
+
+namespace fieldcast::sim {
+namespace {
+
+using declared::Field;
+using declared::FieldKind;
+using declared::Frame;
+using declared::Notation;
+using declared::Word;
+
+std::uint64_t mask(unsigned bits) {
+  return bits >= 64 ? UINT64_MAX : (std::uint64_t{1} << bits) - 1;
+}
+
+// The characters of a word, highest first: bytes, or digits whose pairs are turned where the lowest
+// byte comes first.
+Bytes highest_first(ByteView characters, const Word& word) {
+  Bytes turned(characters.begin(), characters.end());
+  if (!word.little_endian) return turned;
+  std::ranges::reverse(turned);
+  if (word.notation == Notation::kHex) {
+    for (std::size_t i = 0; i + 1 < turned.size(); i += 2) std::swap(turned[i], turned[i + 1]);
+  }
+  return turned;
+}
+
+std::optional<std::uint64_t> number_of(ByteView characters, const Word& word) {
+  const Bytes turned = highest_first(characters, word);
+  if (word.notation == Notation::kHex) return number_in(turned, 16);
+  if (word.notation == Notation::kDecimal) {
+    std::uint64_t number = 0;  // up to 18 digits
+    for (const std::uint8_t each : turned) {
+      if (each < '0' || each > '9') return std::nullopt;
+      number = number * 10 + (each - '0');
+    }
+    return number;
+  }
+  std::uint64_t number = 0;
+  for (const std::uint8_t each : turned) number = number << 8 | each;
+  return number;
+}
+
+Bytes characters_of(std::uint64_t number, const Word& word) {
+  Bytes text;
+  if (word.notation == Notation::kHex) {
+    append_hex(text, number, word.characters);
+  } else {
+    const std::uint64_t base = word.notation == Notation::kDecimal ? 10 : 256;
+    for (unsigned i = 0; i < word.characters; ++i, number /= base) {
+      text.insert(text.begin(), static_cast<std::uint8_t>(number % base + (base == 10 ? '0' : 0)));
+    }
+  }
+  return highest_first(text, word);  // turning is its own inverse
+}
+
+bool in_digits(const Field& field) {
+  return field.word.notation == Notation::kHex && field.text.empty() && field.text_size == 0;
+}
+
+// Where each field begins, and the end; fields of one word begin together.
+using Starts = std::array<std::size_t, declared::kMaxFields + 1>;
+
+Bytes summed(const Frame& frame, const Field& sum, ByteView bytes, const Starts& starts) {
+  Bytes covered;
+  for (std::size_t i = sum.of.from; i <= sum.of.to; ++i) {
+    const ByteView part = bytes.subspan(starts[i], starts[i + 1] - starts[i]);
+    const auto meant =
+        sum.check.over_bytes && in_digits(frame.fields[i]) ? bytes_in(part) : std::nullopt;
+    append(covered, meant ? ByteView(*meant) : part);
+  }
+  return covered;
+}
+
+// Characters of the items of a frame.
+std::size_t items_size(const Field& field, unsigned item_bits, std::uint64_t count) {
+  return (item_bits == 1 && field.packed ? (count + 7) / 8 : count) * field.word.characters;
+}
+
+class Hearing {
+ public:
+  Hearing(const declared::Operation& operation, unsigned item_bits, ByteView bytes)
+      : operation_(operation),
+        fields_(operation.request.fields),
+        item_bits_(item_bits),
+        bytes_(bytes) {
+    heard_.text.command = operation.command;
+    heard_.text.count = operation.min_count;
+  }
+
+  DeclaredHearing run() {
+    for (at_ = 0; at_ < fields_.size(); ++at_) {
+      starts_[at_] = place_;
+      const Field& field = fields_[at_];
+      heard_.fit = field.kind == FieldKind::kItems ? items(field)
+                   : field.text_size != 0          ? text(field)
+                   : !field.text.empty()           ? mark(field)
+                                                   : word(field);
+      if (heard_.fit != Fit::kWhole) return heard_;
+    }
+    starts_[at_] = place_;
+    heard_.size = place_;
+    for (std::size_t i = 0; i < fields_.size(); ++i) {
+      const Field& field = fields_[i];
+      if (field.kind != FieldKind::kChecksum) continue;
+      const auto said = number_of(bytes_.subspan(starts_[i], field.word.characters), field.word);
+      heard_.bad_check |= said != check_of(field.check, field.bits,
+                                           summed(operation_.request, field, bytes_, starts_));
+    }
+    return heard_;
+  }
+
+ private:
+  using Fit = DeclaredHearing::Fit;
+  ByteView rest() const { return bytes_.subspan(place_); }
+
+  Fit mark(const Field& field) {
+    const std::size_t come = std::min(rest().size(), field.text.size());
+    if (!std::equal(field.text.begin(), field.text.begin() + static_cast<std::ptrdiff_t>(come),
+                    rest().begin(),
+                    [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; }))
+      return Fit::kNo;
+    place_ += come;
+    return come == field.text.size() ? Fit::kWhole : Fit::kMore;
+  }
+
+  Fit text(const Field& field) {
+    std::size_t size = field.text_size;
+    if (field.variable && told_) {
+      size = std::min<std::size_t>(size, *told_);
+    } else if (field.variable) {
+      const Field& next = fields_[at_ + 1];
+      const std::uint8_t end = next.text.empty() ? characters_of(next.number, next.word)[0]
+                                                 : static_cast<std::uint8_t>(next.text[0]);
+      const auto found = std::ranges::find(rest(), end);
+      if (found == rest().end()) return rest().size() > size ? Fit::kNo : Fit::kMore;
+      size = static_cast<std::size_t>(found - rest().begin());
+    }
+    if (rest().size() < size) return Fit::kMore;
+    heard_.text.texts[&field] = {rest().begin(),
+                                 rest().begin() + static_cast<std::ptrdiff_t>(size)};
+    place_ += size;
+    return Fit::kWhole;
+  }
+
+  Fit items(const Field& field) {
+    std::size_t size = items_size(field, item_bits_, heard_.text.count);
+    if (told_ && !counted_) {
+      size = *told_;
+      heard_.text.count = size / field.word.characters * (item_bits_ == 1 && field.packed ? 8 : 1);
+    } else if (told_) {
+      heard_.contradicts |= *told_ != size;
+    }
+    if (size > declared::kMaxFrame) return Fit::kNo;
+    if (rest().size() < size) return Fit::kMore;
+    for (std::size_t at = 0; at < size; at += field.word.characters) {
+      const auto word = number_of(rest().subspan(at, field.word.characters), field.word);
+      if (!word) return Fit::kNo;
+      take_item(field, *word);
+    }
+    place_ += size;
+    return Fit::kWhole;
+  }
+  void take_item(const Field& field, std::uint64_t word) {
+    auto& all = heard_.text.items;
+    if (item_bits_ != 1) return all.push_back(word);
+    if (!field.packed) {
+      heard_.contradicts |= word != field.on && word != field.off;
+      return all.push_back(word == field.on ? 1 : 0);
+    }
+    for (unsigned bit = 0; bit < 8 && all.size() < heard_.text.count; ++bit)
+      all.push_back(word >> bit & 1u);
+  }
+
+  Fit word(const Field& field) {
+    if (field.opens) {
+      if (rest().size() < field.word.characters) return Fit::kMore;
+      const auto number = number_of(rest().first(field.word.characters), field.word);
+      if (!number) return Fit::kNo;
+      word_ = *number;
+    }
+    const bool fits = take(field, word_ >> field.shift & mask(field.bits));
+    if (at_ + 1 == fields_.size() || fields_[at_ + 1].opens) place_ += field.word.characters;
+    return fits ? Fit::kWhole : Fit::kNo;
+  }
+
+  bool take(const Field& field, std::uint64_t number) {
+    const std::uint64_t meant =
+        (number - static_cast<std::uint64_t>(field.plus)) & mask(field.bits);
+    DeclaredText& said = heard_.text;
+    switch (field.kind) {
+      case FieldKind::kConstant: return number == (field.number & mask(field.bits));
+      case FieldKind::kCommand: return meant == (operation_.command & mask(field.bits));
+      case FieldKind::kAddress: said.address = meant; return true;
+      case FieldKind::kFirst: said.first = meant / field.times; return meant % field.times == 0;
+      case FieldKind::kCount:
+        said.count = meant / field.times;
+        counted_ = true;
+        return meant % field.times == 0 && said.count >= operation_.min_count &&
+               said.count <= operation_.max_count;
+      case FieldKind::kSequence: said.sequence = number; return true;
+      case FieldKind::kLength: length(field, number); return true;
+      case FieldKind::kValue: said.numbers[&field] = number; return true;
+      default: return true;
+    }
+  }
+
+  // What a length leaves for the one field of its span that has none of its own, in characters.
+  void length(const Field& field, std::uint64_t number) {
+    auto left = static_cast<std::int64_t>(number) - field.plus;
+    const Field* open = nullptr;
+    for (std::size_t i = field.of.from; i <= field.of.to; ++i) {
+      const Field& each = fields_[i];
+      const bool halved = in_digits(each) && !field.in_characters;
+      if (each.kind == FieldKind::kItems || each.variable) {
+        open = &each;
+      } else {
+        const std::size_t size = !each.text.empty()    ? each.text.size()
+                                 : each.text_size != 0 ? each.text_size
+                                 : each.opens          ? each.word.characters
+                                                       : 0;
+        left -= static_cast<std::int64_t>(halved ? size / 2 : size);
+      }
+    }
+    if (open == nullptr || left < 0) {
+      heard_.contradicts |= left != 0;
+      return;
+    }
+    told_ = static_cast<std::size_t>(left) * (in_digits(*open) && !field.in_characters ? 2 : 1);
+  }
+
+  const declared::Operation& operation_;
+  const std::vector<Field>& fields_;
+  const unsigned item_bits_;
+  const ByteView bytes_;
+  DeclaredHearing heard_;
+  Starts starts_{};
+  std::size_t at_ = 0, place_ = 0;
+  std::uint64_t word_ = 0;
+  std::optional<std::size_t> told_;
+  bool counted_ = false;
+};
+
+void append_items(Bytes& out, const Field& field, unsigned item_bits,
+                  const std::vector<std::uint64_t>& items) {
+  const std::size_t each = item_bits == 1 && field.packed ? 8 : 1;
+  for (std::size_t at = 0; at < items.size(); at += each) {
+    std::uint64_t word = items[at];
+    if (each == 8) {
+      for (std::size_t i = 1; i < std::min<std::size_t>(8, items.size() - at); ++i)
+        word |= items[at + i] << i;
+    } else if (item_bits == 1) {
+      word = items[at] != 0 ? field.on : field.off;
+    }
+    append(out, characters_of(word, field.word));
+  }
+}
+
+std::uint64_t spoken(const Field& field, const DeclaredText& text) {
+  const auto plus = static_cast<std::uint64_t>(field.plus);
+  switch (field.kind) {
+    case FieldKind::kAddress: return text.address + plus;
+    case FieldKind::kCommand: return text.command + plus;
+    case FieldKind::kFirst: return text.first * field.times + plus;
+    case FieldKind::kCount: return text.count * field.times + plus;
+    case FieldKind::kSequence: return text.sequence;
+    case FieldKind::kError: return text.error != 0 ? text.error : field.number;
+    case FieldKind::kValue: {
+      const auto found = text.numbers.find(&field);
+      return found == text.numbers.end() ? 0 : found->second;
+    }
+    default: return field.number;
+  }
+}
+
+}  // namespace
+
+DeclaredHearing on_request(const declared::Declaration& declaration,
+                           const declared::Operation& operation, ByteView bytes) {
+  return Hearing(operation, declaration.areas[operation.area].item_bits, bytes).run();
+}
+
+Bytes say(const Frame& frame, unsigned item_bits, const DeclaredText& text) {
+  const auto& fields = frame.fields;
+  std::vector<Bytes> parts(fields.size());
+  std::uint64_t word = 0;
+  std::size_t opened = 0;
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const Field& field = fields[i];
+    if (field.kind == FieldKind::kItems) {
+      append_items(parts[i], field, item_bits, text.items);
+    } else if (!field.text.empty()) {
+      parts[i].assign(field.text.begin(), field.text.end());
+    } else if (field.text_size != 0) {
+      const auto found = text.texts.find(&field);
+      if (found != text.texts.end()) parts[i].assign(found->second.begin(), found->second.end());
+      if (!field.variable) parts[i].resize(field.text_size);
+    } else {
+      if (field.opens) word = 0, opened = i;
+      word |= (spoken(field, text) & mask(field.bits)) << field.shift;
+      parts[opened] = characters_of(word, field.word);
+    }
+  }
+  for (std::size_t i = 0; i < fields.size(); ++i) {  // lengths, now that sizes are known
+    if (fields[i].kind != FieldKind::kLength) continue;
+    std::size_t length = 0;
+    for (std::size_t of = fields[i].of.from; of <= fields[i].of.to; ++of) {
+      length += in_digits(fields[of]) && !fields[i].in_characters ? parts[of].size() / 2
+                                                                  : parts[of].size();
+    }
+    parts[i] = characters_of(length + static_cast<std::uint64_t>(fields[i].plus), fields[i].word);
+  }
+  Starts starts{};
+  Bytes out;
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    starts[i] = out.size();
+    append(out, parts[i]);
+    starts[i + 1] = out.size();
+  }
+  for (std::size_t i = 0; i < fields.size();
+       ++i) {  // checksums, in their order: a later one may cover an earlier one
+    if (fields[i].kind != FieldKind::kChecksum) continue;
+    const Bytes sum = characters_of(
+        check_of(fields[i].check, fields[i].bits, summed(frame, fields[i], out, starts)),
+        fields[i].word);
+    std::ranges::copy(sum, out.begin() + static_cast<std::ptrdiff_t>(starts[i]));
+  }
+  return out;
+}
+
+}  // namespace fieldcast::sim

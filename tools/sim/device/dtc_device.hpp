@@ -1,0 +1,74 @@
+// A simulated DTC device. Written from the rules alone, apart from the bridge's codec: they share
+// the checksum.
+//
+//     packet    flag(1) length(2) body      flag 0: the message. flag 1: its length(2), then LZW
+//     codes message   address command group.. CRC
+//
+// Its options are those of the bridge's side: max-message, and threshold for what it sends (`auto`
+// and none: 24 bytes).
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+
+#include "tools/sim/device/device.hpp"
+#include "tools/sim/device/item_memory.hpp"
+
+namespace fieldcast::sim {
+
+inline constexpr std::array<std::string_view, 5> kDtcAreaNames{"bit", "int16", "int32", "float32",
+                                                               "float64"};
+inline constexpr std::array<unsigned, 5> kDtcBits{1, 16, 32, 32, 64};  // of one variable
+
+// "int16:100" or "int16:100.3", read apart from the bridge's own parser.
+[[nodiscard]] std::optional<ItemPlace> parse_dtc_address(std::string_view at);
+
+class DtcDevice : public SimDevice {
+ public:
+  explicit DtcDevice(const DeviceSetup& setup);
+
+  [[nodiscard]] std::unique_ptr<Receiver> open_receiver() override;
+  [[nodiscard]] const DeviceStatistics& statistics() const override { return statistics_; }
+  [[nodiscard]] std::optional<std::uint64_t> peek(std::string_view area, std::uint32_t item,
+                                                  Instant now) override {
+    return memory_.peek(area, item, now);
+  }
+  bool poke(std::string_view area, std::uint32_t item, std::uint64_t bits) override {
+    return memory_.poke(area, item, bits);
+  }
+  [[nodiscard]] ItemMemory& memory() { return memory_; }
+
+  // The body of a packet that was heard whole. The packet to answer with, or nothing where silence
+  // is right. False: it was broken.
+  bool take(bool compressed, ByteView body, Instant now, Bytes& answer);
+
+ private:
+  struct Group {
+    std::uint8_t type = 0;
+    std::uint16_t first = 0, count = 0;
+    ByteView data;  // of a write
+  };
+  [[nodiscard]] Bytes execute(ByteView message, Instant now);
+  // The groups, or the code that refuses them.
+  [[nodiscard]] tl::expected<std::vector<Group>, std::uint8_t> groups_of(ByteView bytes,
+                                                                         bool write) const;
+  [[nodiscard]] std::uint8_t refusal_of(const Group& group) const;  // 0: none
+  [[nodiscard]] Bytes packet(Bytes message) const;
+  void store(const Group& group);
+  void append_values(const Group& group, Instant now, Bytes& out) const;
+
+  const std::uint8_t address_;
+  const LineFormat line_;
+  const bool stream_;
+  std::size_t max_message_ = 1024, threshold_ = 24;
+  ItemMemory memory_;
+  DeviceStatistics statistics_;
+};
+
+// Refuses, with a text for people, an address outside 0..255, an option that is no number, and a
+// channel whose address is no variable.
+[[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_dtc_device(
+    const DeviceSetup& setup);
+
+}  // namespace fieldcast::sim

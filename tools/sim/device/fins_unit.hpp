@@ -1,0 +1,51 @@
+// A simulated Omron PLC at the level of FINS: a message in, the answer's message out (Omron W342).
+// Borrows the PLC's memory.
+//
+//     direct    ICF 00, DA2, SA2, SID, command(2), text       answer: ICF 40, the same, command,
+//     end code(2), data relayed   ICF 80, RSV, GCT, destination(3), source(3), SID, command(2),
+//     text       answer: ICF C0, the addresses changed round
+#pragma once
+
+#include "tools/sim/device/device.hpp"
+#include "tools/sim/device/item_memory.hpp"
+
+namespace fieldcast::sim {
+
+class FinsUnit {
+ public:
+  FinsUnit(ItemMemory& memory, DeviceStatistics& statistics)
+      : memory_(memory), statistics_(statistics) {}
+
+  // Empty for what is too short to be a message.
+  [[nodiscard]] Bytes execute(ByteView message, Instant now);
+
+ private:
+  // What area, address and bit name.
+  struct Place {
+    std::size_t area = 0;
+    std::uint32_t first = 0;
+    std::optional<std::uint8_t> bit;  // of a word: `count` runs over bits
+  };
+  struct Result {
+    std::uint16_t end = 0;
+    Bytes data;
+  };
+  [[nodiscard]] static std::optional<Place> place_of(ByteView area_and_address);
+  [[nodiscard]] std::uint16_t refusal(const Place& place, std::uint32_t count) const;
+  [[nodiscard]] static std::size_t item_size(const Place& place);
+  void append_items(const Place& place, std::uint32_t count, Instant now, Bytes& out) const;
+  void store(const Place& place, std::uint32_t count, ByteView data, Instant now);
+
+  [[nodiscard]] Result dispatch(std::uint16_t command, ByteView text, Instant now);
+  [[nodiscard]] Result read(ByteView text, Instant now) const;
+  [[nodiscard]] Result write(ByteView text, Instant now);
+  [[nodiscard]] Result fill(ByteView text, Instant now);
+  [[nodiscard]] Result read_many(ByteView text, Instant now) const;
+  [[nodiscard]] Result transfer(ByteView text, Instant now);
+
+  ItemMemory& memory_;
+  DeviceStatistics& statistics_;
+  std::uint8_t mode_ = 2;  // 0 PROGRAM, 2 MONITOR, 4 RUN
+};
+
+}  // namespace fieldcast::sim

@@ -1,0 +1,66 @@
+// A simulated Mitsubishi FX at its programming port. Written from the rules alone, apart from the
+// bridge's codec: they share the sum.
+//
+//     ENQ 05 -> ACK 06      02 command address(4) .. 03 sum(2) -> 02 data 03 sum(2), or 06, or 15
+//     where it refuses
+//
+// The classic commands 0, 1, 7, 8 and the extended E00, E10, E7, E8 with their own address map. One
+// PLC to a port: it has no address.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+
+#include "tools/sim/device/device.hpp"
+#include "tools/sim/device/item_memory.hpp"
+
+namespace fieldcast::sim {
+
+inline constexpr std::array<std::string_view, 14> kFxAreaNames{
+    "D", "D8000", "T", "C", "C200", "M", "M8000", "X", "Y", "S", "TS", "TC", "CS", "CC"};
+
+class FxDevice : public SimDevice {
+ public:
+  explicit FxDevice(const DeviceSetup& setup);
+
+  [[nodiscard]] std::unique_ptr<Receiver> open_receiver() override;
+  [[nodiscard]] const DeviceStatistics& statistics() const override { return statistics_; }
+  [[nodiscard]] std::optional<std::uint64_t> peek(std::string_view area, std::uint32_t item,
+                                                  Instant now) override {
+    return memory_.peek(area, item, now);
+  }
+  bool poke(std::string_view area, std::uint32_t item, std::uint64_t bits) override {
+    return memory_.poke(area, item, bits);
+  }
+  [[nodiscard]] ItemMemory& memory() { return memory_; }
+
+  // What stands between STX and the sum, ETX included, and the sum's two digits.
+  [[nodiscard]] Bytes take(ByteView text, ByteView sum, Instant now);
+
+ private:
+  // One byte of an address map: a byte of a word or dword, or eight bits.
+  struct Cell {
+    std::size_t area = 0;
+    std::uint32_t item = 0;
+    unsigned byte = 0;  // of the item, the lowest first
+  };
+  [[nodiscard]] std::optional<Cell> cell_at(bool extended, std::uint32_t address) const;
+  [[nodiscard]] bool refuses(const Cell& cell) const;
+  [[nodiscard]] std::uint8_t load(const Cell& cell, Instant now) const;
+  void store(const Cell& cell, std::uint8_t byte, Instant now);
+
+  [[nodiscard]] Bytes execute(ByteView text, Instant now);
+  [[nodiscard]] Bytes read(bool extended, ByteView place, Instant now) const;
+  [[nodiscard]] Bytes write(bool extended, ByteView place, Instant now);
+  [[nodiscard]] Bytes force(bool extended, ByteView place, bool on);
+
+  ItemMemory memory_;
+  DeviceStatistics statistics_;
+};
+
+// Refuses, with a text for people, a channel whose address is no device of an FX.
+[[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_fx_device(
+    const DeviceSetup& setup);
+
+}  // namespace fieldcast::sim

@@ -1,0 +1,90 @@
+// The memory of a simulated device as numbered items of several areas: what was written, the live
+// values of its channels, and what is refused. Owned by one device.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "tools/sim/device/device.hpp"
+#include "tools/sim/device/waveform.hpp"
+
+namespace fieldcast::sim {
+
+struct ItemArea {
+  std::string_view name;
+  unsigned bits = 16;  // of one item: 1, 8, 16, 32 or 64
+  std::uint32_t items = 65536;
+};
+
+// Where a channel begins.
+struct ItemPlace {
+  std::size_t area = 0;
+  std::uint32_t first = 0;
+  std::optional<std::uint8_t> bit;  // of an item wider than a bit; of a byte in it the lowest one
+};
+
+class ItemMemory {
+ public:
+  ItemMemory(std::vector<ItemArea> areas, const DeviceSetup& setup);
+
+  // A configured channel: its items follow the waveform until they are written. Items narrower than
+  // the value hold it from its highest byte on, bit items from its lowest bit; one wider than the
+  // value holds it alone. False: it does not fit into its area.
+  bool add_channel(const ItemPlace& at, const Encoding& encoding, const Waveform& waveform);
+  // All channels of the setup, whose addresses `parse` understands; or what is wrong with one, for
+  // people.
+  [[nodiscard]] tl::expected<void, std::string> add_channels(
+      const DeviceSetup& setup,
+      const std::function<std::optional<ItemPlace>(std::string_view at)>& parse);
+
+  // The bits of an item, right-aligned. REQUIRES: the area and the item exist.
+  [[nodiscard]] std::uint64_t read(std::size_t area, std::uint32_t item, Instant now) const;
+  // What is written stays.
+  void write(std::size_t area, std::uint32_t item, std::uint64_t bits) {
+    written_[area][item] = bits;
+  }
+  // By a master: counted.
+  void write(std::size_t area, std::uint32_t item, std::uint64_t bits,
+             DeviceStatistics& statistics);
+
+  // The code of the refused range that these items touch; `missing` where they do not exist; 0:
+  // nothing refuses them.
+  [[nodiscard]] std::uint8_t refusal(std::size_t area, std::uint32_t first, std::uint32_t count,
+                                     std::uint8_t missing) const;
+  [[nodiscard]] bool configured(std::size_t area, std::uint32_t item) const {
+    return parts_[area].contains(item);
+  }
+  // For SimDevice.
+  [[nodiscard]] std::optional<std::uint64_t> peek(std::string_view area, std::uint32_t item,
+                                                  Instant now) const;
+  bool poke(std::string_view area, std::uint32_t item, std::uint64_t bits);
+
+ private:
+  struct Channel {
+    ItemPlace at;
+    Encoding encoding;
+    Waveform waveform;
+  };
+  struct Part {
+    std::size_t channel = 0;
+    unsigned index = 0;  // of the channel's items
+  };
+  [[nodiscard]] std::optional<std::size_t> find(std::string_view area, std::uint32_t item) const;
+  [[nodiscard]] std::uint64_t bits_of(const Part& part, unsigned width, Instant now) const;
+
+  const std::vector<ItemArea> areas_;
+  const std::vector<RefusedRange> refused_;
+  const bool only_configured_;
+  const Instant start_;
+  std::vector<Channel> channels_;
+  std::vector<std::multimap<std::uint32_t, Part>> parts_;
+  std::vector<std::unordered_map<std::uint32_t, std::uint64_t>> written_;
+};
+
+}  // namespace fieldcast::sim

@@ -1,0 +1,55 @@
+// A simulated S7-200 at its PPI port. Written from the rules alone, apart from the bridge's codec:
+// they share the sum.
+//
+//     request   68 LE LE 68 DA SA FC 32 01 .. FCS 16     ->  E5
+//     poll      10 DA SA FC FCS 16                       ->  68 .. 32 03 .. 16, or 10 SA DA 09 FCS
+//     16 with nothing queued
+//
+// The link layer; what a telegram asks is the unit's work (ppi_unit.hpp).
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "tools/sim/device/device.hpp"
+#include "tools/sim/device/ppi_unit.hpp"
+
+namespace fieldcast::sim {
+
+class PpiDevice : public SimDevice {
+ public:
+  explicit PpiDevice(const DeviceSetup& setup);
+
+  [[nodiscard]] std::unique_ptr<Receiver> open_receiver() override;
+  [[nodiscard]] const DeviceStatistics& statistics() const override { return unit_.statistics(); }
+  [[nodiscard]] std::optional<std::uint64_t> peek(std::string_view area, std::uint32_t item,
+                                                  Instant now) override {
+    return unit_.memory().peek(area, item, now);
+  }
+  bool poke(std::string_view area, std::uint32_t item, std::uint64_t bits) override {
+    return unit_.memory().poke(area, item, bits);
+  }
+  [[nodiscard]] PpiUnit& unit() { return unit_; }
+
+  // A telegram that came whole and right, from its destination to its last unit byte. Empty where
+  // silence is right.
+  [[nodiscard]] Bytes take_long(ByteView telegram, Instant now);
+  [[nodiscard]] Bytes take_short(std::uint8_t to, std::uint8_t from, std::uint8_t control);
+
+ private:
+  const std::uint8_t station_;
+  const LineFormat line_;
+  const bool stream_;
+  PpiUnit unit_;
+  Bytes queued_;  // the answer that waits for a poll
+  Bytes given_;   // the one that the last poll brought
+  std::optional<std::uint8_t>
+      last_poll_{};  // its frame control: the same again asks for the same again
+};
+
+// Refuses, with a text for people, a station outside 0..126, and a channel whose address is no
+// variable.
+[[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_ppi_device(
+    const DeviceSetup& setup);
+
+}  // namespace fieldcast::sim

@@ -1,0 +1,43 @@
+// What an S7-200 keeps, and how its variables are named: in a channel's notation and in the items
+// of a telegram. Written from the rules alone, apart from the bridge's own.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "tools/sim/device/item_memory.hpp"
+
+namespace fieldcast::sim {
+
+inline constexpr std::array<std::string_view, 11> kPpiAreaNames{"V",  "M",  "I", "Q", "S", "SM",
+                                                                "AI", "AQ", "T", "C", "HC"};
+
+struct PpiArea {
+  std::uint8_t code;     // in an item
+  unsigned bits;         // of one variable
+  std::uint32_t items;   // of a CPU 226
+  bool counted;          // addressed by number, its transport is its code
+  std::uint32_t locked;  // so many from the first on cannot be written
+};
+inline constexpr std::array<PpiArea, 11> kPpiAreas{{
+    {0x84, 8, 10240, false, 0},
+    {0x83, 8, 32, false, 0},
+    {0x81, 8, 16, false, 16},  // forced only
+    {0x82, 8, 16, false, 0},
+    {0x04, 8, 32, false, 32},
+    {0x05, 8, 550, false, 30},
+    {0x06, 16, 32, false, 32},
+    {0x07, 16, 32, false, 0},
+    {0x1F, 32, 256, true, 256},
+    {0x1E, 16, 256, true, 256},
+    {0x20, 32, 6, true, 6},
+}};
+[[nodiscard]] std::vector<ItemArea> ppi_areas();
+
+// "VB100", "VW100", "VD204", "V10.3", "SMB28", "AIW4", "T37".
+[[nodiscard]] std::optional<ItemPlace> parse_ppi_address(std::string_view at);
+
+}  // namespace fieldcast::sim
