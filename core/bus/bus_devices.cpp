@@ -15,17 +15,6 @@ void BusEngine::State::device_answered(DeviceIndex index, Actions& actions) {
   }
 }
 
-namespace {
-
-// The area that a request is about; areas of one device answer in times of their own.
-AreaIndex area_of(const Request& request) {
-  if (const auto* read = std::get_if<ReadRequest>(&request)) return read->ranges.front().area;
-  if (const auto* write = std::get_if<WriteRequest>(&request)) return write->range.area;
-  return std::get<WriteReadRequest>(request).read.area;
-}
-
-}  // namespace
-
 void BusEngine::State::learn_answer_time(DeviceIndex index, const Request& request) {
   DeviceRuntime& device = devices[index];
   const Duration measured = driver.answer_time();
@@ -57,13 +46,6 @@ void BusEngine::State::forget_learned(DeviceIndex index) {
     device.areas[area].answer_time.forget();
     if (device.areas[area].blocks.forget()) scheduler->set_longest(index, area, 0);
   }
-}
-
-std::string BusEngine::State::range_text(DeviceIndex device, const Range& range) const {
-  std::string text = std::string(devices[device].protocol->areas()[range.area].name) + ':' +
-                     std::to_string(range.first);
-  if (range.count > 1) text += ".." + std::to_string(range.end() - 1);
-  return text;
 }
 
 // REQUIRES: the driver still holds what came.

@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cstdio>
 
 #include "core/bus/bus_state.hpp"
-#include "core/model/make_protocol.hpp"
 #include "core/schedule/bus_schedule.hpp"
 
 namespace fieldcast {
@@ -20,33 +18,27 @@ Echo echo_for(const BusSpec& bus) {
   return *bus.echo ? Echo::kPresent : Echo::kAbsent;
 }
 
-std::unique_ptr<Protocol> protocol_of(const DeviceSpec& device, const LineFormat& line) {
-  auto protocol = make_protocol(device, line);
-  assert(protocol && "the loader checks protocols, addresses and options");
-  return std::move(*protocol);
-}
-
 }  // namespace
 
 BusEngine::State::State(const BusSpec& bus, TextCodec& text_codec)
-    : spec(bus),
-      line(line_of(spec.port)),
-      silence(silence_for(spec)),
+    : setup(bus),
+      spec(setup.spec()),
+      line(setup.line()),
+      silence(setup.silence()),
       codec(text_codec),
       channels(spec, codec),
+      commands(setup, channels, codec),
       driver(line, spec.gap_allowance, echo_for(spec)),
       owed(
           [this](const Asked& earlier, const Asked& later) { return mistakable(earlier, later); }) {
-  DeviceIndex index = 0;
-  for (const DeviceSpec& device : spec.devices) {
+  for (DeviceIndex index = 0; index < setup.devices(); ++index) {
+    const DeviceSpec& device = setup.device(index);
     devices.push_back(
-        {&device, protocol_of(device, line),
+        {&device, &setup.protocol(index),
          AnswerTime(device.timeout, std::max(spec.gap_allowance, device.timeout / 4))});
     DeviceRuntime& made = devices.back();
     made.areas.assign(made.protocol->areas().size(), {made.answer_time, {}});
-    device_names.emplace(device.name, index++);
   }
-  last_write.assign(channels.size(), kLongAgo);
   make_scheduler();
 }
 
@@ -91,7 +83,12 @@ void BusEngine::on_event(const BusEvent& event, Instant now, Actions& actions) {
       s.advance(outcome, std::move(out), now, actions);
     }
     void operator()(const TimerFired&) const { s.timer = kNever; }
-    void operator()(const CommandArrived& e) const { s.accept(e.command, now, actions); }
+    void operator()(const CommandArrived& e) const {
+      const auto device = s.setup.find(e.command.device);
+      const bool offline = device && s.devices[*device].health.offline();
+      ActionSink sink(s.setup, s.samples, actions);
+      s.commands.accept(e.command, {s.bus_state, offline}, now, sink);
+    }
     void operator()(const InterestChanged& e) const {
       s.set_interest(e.channel, e.refresh, now, actions);
     }
@@ -106,8 +103,8 @@ void BusEngine::on_event(const BusEvent& event, Instant now, Actions& actions) {
       s.driver.abort();
       s.flight.reset();
       s.bus_state = BusState::kStopped;
-      s.refuse_all_commands(CommandState::kRejected, Cause::kShutdown,
-                            std::string(to_text(Cause::kShutdown)), now, actions);
+      ActionSink sink(s.setup, s.samples, actions);
+      s.commands.refuse_all(Cause::kShutdown, std::string(to_text(Cause::kShutdown)), now, sink);
     }
   };
   std::visit(Handle{s, now, actions}, event);
@@ -123,14 +120,15 @@ void BusEngine::State::settle(Instant now, Actions& actions) {
   }
   if (bus_state != BusState::kStopped && bus_state != BusState::kLeased)
     expire_channels(now, actions);
-  expire_commands(now, actions);
+  ActionSink sink(setup, samples, actions);
+  commands.expire(now, sink);
   if (bus_state == BusState::kRunning && !driver.active()) decide(now, actions);
   tell_overload(now, actions);
   ask_for_plan(actions);
 
   Instant next = kNever;
   if (bus_state != BusState::kStopped) {
-    next = next_command_expiry();
+    next = commands.next_expiry();
     if (bus_state != BusState::kLeased) next = std::min(next, channels.next_expiry());
     if (driver.active())
       next = std::min(next, driver.deadline());
@@ -149,9 +147,7 @@ void BusEngine::State::ask_for_plan(Actions& actions) {
   };
   auto draft = scheduler->draft();
   if (!draft) return;
-  auto kept = std::make_shared<Kept>();
-  for (const DeviceRuntime& device : devices) kept->protocols.push_back(device.protocol);
-  kept->draft = std::move(draft);
+  auto kept = std::make_shared<Kept>(Kept{setup.protocols(), std::move(draft)});
   actions.push_back(MakePlan{{kept, kept->draft.get()}});
 }
 
@@ -183,16 +179,23 @@ void BusEngine::State::decide(Instant now, Actions& actions) {
   if (now < free_at) return;
   if (flight && flight->waiting) return transmit(now, actions);
 
-  if (job_active || !commands.empty()) {
+  if (!commands.empty()) {
     // A command goes before reads, but after it a read that is due goes before the next command:
     // neither starves the other.
-    const bool reads_turn =
-        command_was_last && !job_active && std::holds_alternative<Block>(scheduler->next(now));
+    const bool reads_turn = command_was_last && !commands.begun() &&
+                            std::holds_alternative<Block>(scheduler->next(now));
     if (!reads_turn) {
-      if (auto command = next_command(now)) return launch(std::move(*command), now, actions);
-      if (job_active) {  // its device must rest: the wire waits for nobody else in the middle of a
-                         // command, unless that takes long
-        const Instant from = command_from(commands.front().job);
+      if (auto next = commands.next(now, gate(), driver.echo() == Echo::kUnknown)) {
+        Flight command;
+        command.kind = Flight::Kind::kCommand;
+        command.device = next->device;
+        command.request = std::move(next->request);
+        command.batch = next->batch;
+        return launch(std::move(command), now, actions);
+      }
+      if (commands.begun()) {  // its device must rest: the wire waits for nobody else in the middle
+                               // of a command, unless that takes long
+        const Instant from = commands.sendable_from(gate());
         if (from - now <= kShortWait) {
           rest_until = from;
           return;
@@ -217,8 +220,7 @@ void BusEngine::State::decide(Instant now, Actions& actions) {
   }
   rest_until = std::min({std::get<Rest>(decision).until, next_probe(), next_admission});
   // Commands whose devices are pausing; behind one that has begun the others wait.
-  for (std::size_t i = 0; i < (job_active ? 1 : commands.size()); ++i)
-    rest_until = std::min(rest_until, command_from(commands[i].job));
+  rest_until = std::min(rest_until, commands.sendable_from(gate()));
   rest_until = std::max(
       rest_until,
       now + std::chrono::microseconds{100});  // a scheduler that rests until now must not spin
@@ -242,22 +244,28 @@ void BusEngine::State::transmit(Instant now, Actions& actions) {
   strays_since = kNever;
   hear_anew();
   Bytes out;
-  driver.begin(device.protocol->begin(flight->request, flight->context), timeout,
-               driver.echo() != Echo::kUnknown || is_distinct(flight->device, flight->request), now,
-               out);
+  driver.begin(
+      device.protocol->begin(flight->request, flight->context), timeout,
+      driver.echo() != Echo::kUnknown || setup.answer_differs(flight->device, flight->request), now,
+      out);
   ++exchanges;
   ++device.exchanges;
   actions.push_back(Send{std::move(out)});
 }
 
-// No answer to this request can equal it: an echo of it is none.
-bool BusEngine::State::is_distinct(DeviceIndex device, const Request& request) const {
-  const Protocol& protocol = *devices[device].protocol;
-  if (!protocol.traits().echo_is_ambiguous) return true;
-  const auto exchange = protocol.begin(request, {});
-  Bytes sent, out;
-  (void)exchange->start(sent);
-  return exchange->on_bytes(sent, out).kind != Step::Kind::kDone;
+// When the next request of a command may go out: after its device's rest, and when no answer that
+// is owed could be taken for its own; not even one to the same read, which was asked before.
+Instant BusEngine::State::command_from(const CommandJob& job) const {
+  Flight next;
+  next.kind = Flight::Kind::kCommand;
+  next.device = job.device();
+  Instant from = devices[next.device].paused_until;
+  if (owed.empty()) return from;
+  if (auto request = job.next()) {
+    next.request = std::move(*request);
+    from = std::max(from, askable_from(next));
+  }
+  return from;
 }
 
 void BusEngine::State::advance(ExchangeDriver::Outcome outcome, Bytes&& out, Instant now,
@@ -323,6 +331,7 @@ void BusEngine::State::conclude(bool done, Instant now, Actions& actions) {
       return;
     }
   }
+  ActionSink sink(setup, samples, actions);
   Flight ended = std::move(*flight);
   flight.reset();
   busy += spent;
@@ -341,9 +350,9 @@ void BusEngine::State::conclude(bool done, Instant now, Actions& actions) {
       break;
     case Flight::Kind::kCommand:
       if (done)
-        command_done(ended.batch, exchange->reply(), now, actions);
+        commands.answered(ended.batch, exchange->reply(), driver.answered(), now, sink);
       else
-        command_failed(ended.batch, cause, code, now, actions);
+        commands.failed(ended.batch, cause, code, driver.answered(), now, sink);
       break;
     case Flight::Kind::kProbe: break;
   }
@@ -390,28 +399,28 @@ void BusEngine::State::closed(const Closed& why, Instant now, Actions& actions) 
   const auto* tcp = std::get_if<TcpPortSpec>(&spec.port);
   if (tcp != nullptr && !tcp->line) owed.forget_all();
   driver.abort();
+  ActionSink sink(setup, samples, actions);
   if (flight) {
     if (flight->kind == Flight::Kind::kCommand)
-      command_failed(flight->batch, Cause::kPortClosed, 0, now, actions);
+      commands.failed(flight->batch, Cause::kPortClosed, 0, driver.answered(), now, sink);
     if (flight->kind == Flight::Kind::kRead) scheduler->failed(flight->block, now, now);
     causes.add(Cause::kPortClosed);
   }
   flight.reset();
   for (ChannelIndex c = 0; c < channels.size(); ++c) channels.failing(c, Cause::kPortClosed, now);
-  refuse_all_commands(CommandState::kRejected, Cause::kOffline, "port is down: " + why.reason, now,
-                      actions);
+  commands.refuse_all(Cause::kOffline, "port is down: " + why.reason, now, sink);
 }
 
 void BusEngine::State::begin_lease(Instant now, Actions& actions) {
   if (bus_state == BusState::kStopped) return;
   owe_flight_under_way();
   driver.abort();
+  ActionSink sink(setup, samples, actions);
   if (flight && flight->kind == Flight::Kind::kCommand)
-    command_failed(flight->batch, Cause::kLeased, 0, now, actions);
+    commands.failed(flight->batch, Cause::kLeased, 0, driver.answered(), now, sink);
   flight.reset();
   bus_state = BusState::kLeased;
-  refuse_all_commands(CommandState::kRejected, Cause::kLeased, std::string(to_text(Cause::kLeased)),
-                      now, actions);
+  commands.refuse_all(Cause::kLeased, std::string(to_text(Cause::kLeased)), now, sink);
   std::vector<Sample> out;
   channels.all_uncertain(now, out);
   if (!out.empty()) actions.push_back(Publish{std::move(out)});

@@ -38,7 +38,7 @@ void BusEngine::State::make_scheduler() {
   std::vector<const Protocol*> protocols;
   std::vector<std::size_t> areas;
   for (const DeviceRuntime& device : devices) {
-    protocols.push_back(device.protocol.get());
+    protocols.push_back(device.protocol);
     areas.push_back(device.areas.size());
   }
   planned_times = PlannedTimes(areas, kAssumedAnswerTime);

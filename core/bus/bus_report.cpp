@@ -32,7 +32,7 @@ BusReport BusEngine::bus_report(Instant now) {
   report.stretch = s.scheduler->stretch();
   report.exchanges = s.exchanges;
   report.samples = s.samples;
-  report.commands = s.commands_done;
+  report.commands = s.commands.done();
   report.bytes_sent = s.driver.bytes_sent();
   report.bytes_received = s.driver.bytes_received();
   report.reopened = s.reopened;
@@ -67,7 +67,7 @@ DeviceReport BusEngine::device_report(DeviceIndex index, Instant now) const {
                             learned.blocks.largest_read(), learned.blocks.longest()});
     for (const Range& gap : learned.blocks.gaps()) {
       if (report.refused_gaps.size() < State::kMaxRefusedListed)
-        report.refused_gaps.push_back(state_->range_text(index, gap));
+        report.refused_gaps.push_back(state_->setup.text(index, gap));
     }
   }
   for (const auto& [point, code] : device.refused) {

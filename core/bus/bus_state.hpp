@@ -1,16 +1,16 @@
 // What a BusEngine holds, and its parts: events, decisions and exchanges (bus_engine.cpp), late
-// answers (bus_late.cpp), devices (bus_devices.cpp), reading (bus_reads.cpp), commanding
-// (bus_commands.cpp), reporting (bus_report.cpp). Private to core/bus.
+// answers (bus_late.cpp), devices (bus_devices.cpp), reading (bus_reads.cpp), reporting
+// (bus_report.cpp). Private to core/bus.
 #pragma once
 
 #include <deque>
 #include <optional>
-#include <unordered_map>
 #include <vector>
 
+#include "core/bus/action_sink.hpp"
 #include "core/bus/bus_engine.hpp"
 #include "core/bus/channel_table.hpp"
-#include "core/bus/command_job.hpp"
+#include "core/bus/command_queue.hpp"
 #include "core/bus/device_state.hpp"
 #include "core/bus/exchange_driver.hpp"
 #include "core/bus/owed_answers.hpp"
@@ -21,8 +21,6 @@
 namespace fieldcast {
 
 struct BusEngine::State {
-  static constexpr std::size_t kMaxCommands = 1024;  // waiting; more are answered kQueueFull
-  static constexpr std::size_t kMaxBatch = 64;       // commands in one request
   static constexpr Duration kForgetRefused =
       std::chrono::minutes{1};  // then a refused address is tried again
   static constexpr Duration kShortWait =
@@ -62,10 +60,6 @@ struct BusEngine::State {
     Block block;
     Instant until{};
   };
-  struct PendingCommand {
-    CommandJob job;
-    Instant received{};
-  };
 
   State(const BusSpec& bus, TextCodec& codec);
 
@@ -89,8 +83,6 @@ struct BusEngine::State {
   void notice(Notice::Kind kind, DeviceIndex device, Cause cause, std::string text,
               Actions& actions) const;
   void traced(DeviceIndex device, std::string text, Actions& actions) const;
-
-  [[nodiscard]] bool is_distinct(DeviceIndex device, const Request& request) const;
 
   // bus_late.cpp
   [[nodiscard]] bool mistakable(const Asked& earlier, const Asked& later) const;
@@ -122,7 +114,6 @@ struct BusEngine::State {
   void learn_answer_time(DeviceIndex device, const Request& request);
   void forget_learned(DeviceIndex device);
   [[nodiscard]] Duration timeout_for(const DeviceRuntime& device, const Flight& asked) const;
-  [[nodiscard]] std::string range_text(DeviceIndex device, const Range& range) const;
   void device_answered(DeviceIndex device, Actions& actions);
   void judge_garbage(DeviceIndex device, bool answered, Actions& actions);
   void device_failed(DeviceIndex device, Cause cause, Instant now, Actions& actions);
@@ -145,30 +136,20 @@ struct BusEngine::State {
   [[nodiscard]] std::string point_text(PointIndex point) const;
   void update_point(PointIndex point, Instant now);
 
-  // bus_commands.cpp
-  void accept(const Command& command, Instant now, Actions& actions);
-  [[nodiscard]] std::optional<CommandFault> refuse(const Command& command, DeviceIndex device,
-                                                   Instant now) const;
-  [[nodiscard]] std::optional<Flight> next_command(Instant now);
+  // commands
+  [[nodiscard]] CommandQueue::Gate gate() const {
+    return [this](const CommandJob& job) { return command_from(job); };
+  }
   [[nodiscard]] Instant command_from(const CommandJob& job) const;
-  [[nodiscard]] std::size_t gather(WriteRequest& write);
-  void command_done(std::size_t batch, const Reply& reply, Instant now, Actions& actions);
-  void command_failed(std::size_t batch, Cause cause, std::uint16_t code, Instant now,
-                      Actions& actions);
-  void finish_commands(std::size_t batch, Instant now, Actions& actions);
-  void complete(const PendingCommand& done, Instant now, Actions& actions);
-  void expire_commands(Instant now, Actions& actions);
-  void refuse_all_commands(CommandState state, Cause cause, const std::string& reason, Instant now,
-                           Actions& actions);
-  [[nodiscard]] Instant next_command_expiry() const;
 
-  BusSpec spec;
-  LineFormat line;
+  BusSetup setup;
+  const BusSpec& spec;
+  const LineFormat& line;
   Duration silence;
   std::vector<DeviceRuntime> devices;
   TextCodec& codec;
   ChannelTable channels;
-  std::unordered_map<std::string_view, DeviceIndex> device_names;
+  CommandQueue commands;
 
   PointMap map;
   std::vector<std::optional<PointIndex>> probe_point;  // of each device: its first
@@ -183,10 +164,7 @@ struct BusEngine::State {
   Bytes strays;                   // what came since the last exchange ended
   Instant strays_since = kNever;  // while they keep the wire from being free
   std::optional<Flight> flight;
-  std::deque<PendingCommand> commands;
-  bool job_active = false;          // the first of commands has begun
-  bool command_was_last = false;    // then a read that is due goes first
-  std::vector<Instant> last_write;  // of each channel
+  bool command_was_last = false;  // then a read that is due goes first
   BusState bus_state = BusState::kOpening;
   Cause closed_because = Cause::kNone;  // while it is closed
   Instant free_at = kLongAgo;           // the wire must be silent until then
@@ -198,7 +176,7 @@ struct BusEngine::State {
   Instant overload_turned = kNever;  // since when it is otherwise
 
   // reporting
-  std::uint64_t exchanges = 0, samples = 0, commands_done = 0, reopened = 0;
+  std::uint64_t exchanges = 0, samples = 0, reopened = 0;
   CauseCounters causes;
   Duration busy{};     // wire time spent, in total
   Duration reading{};  // of it for reads

@@ -27,7 +27,7 @@ struct AreaLearning {
 
 struct DeviceRuntime {
   const DeviceSpec* spec = nullptr;
-  std::shared_ptr<Protocol> protocol;
+  const Protocol* protocol = nullptr;
   AnswerTime answer_time;
   std::vector<AreaLearning> areas{};  // as the protocol has them
   PauseLearning pauses{};

@@ -1,0 +1,228 @@
+#include "core/bus/command_queue.hpp"
+
+#include <algorithm>
+
+namespace fieldcast {
+namespace {
+
+CommandResult refusal(const Command& command, CommandState state, Cause cause, std::string reason,
+                      Instant received, Instant now) {
+  return {command.requester,
+          command.request_id,
+          state,
+          cause,
+          0,
+          std::move(reason),
+          {},
+          received,
+          now,
+          now};
+}
+
+CommandFault fault(Cause cause) { return {cause, std::string(to_text(cause))}; }
+
+// Joins two writes whose ranges touch, if one request can carry both.
+bool join(WriteRequest& write, const WriteRequest& other, const Protocol& protocol) {
+  const bool after = other.range.first == write.range.end();
+  if (!after && other.range.end() != write.range.first) return false;
+  WriteRequest both = write;
+  both.range = {write.range.area, std::min(write.range.first, other.range.first),
+                write.range.count + other.range.count};
+  both.items.insert(after ? both.items.end() : both.items.begin(), other.items.begin(),
+                    other.items.end());
+  both.distinct_answer = write.distinct_answer || other.distinct_answer;
+  if (!protocol.size(both)) return false;
+  write = std::move(both);
+  return true;
+}
+
+}  // namespace
+
+CommandQueue::CommandQueue(const BusSetup& setup, ChannelTable& channels, TextCodec& codec)
+    : setup_(setup), channels_(channels), codec_(codec), last_write_(channels.size(), kLongAgo) {}
+
+void CommandQueue::accept(const Command& command, const Condition& condition, Instant now,
+                          ActionSink& sink) {
+  auto job = check(command, condition, now);
+  if (!job) {
+    const Cause cause = job.error().cause;
+    const CommandState state =
+        cause == Cause::kExpired ? CommandState::kExpired : CommandState::kRejected;
+    return sink.push(
+        Complete{refusal(command, state, cause, std::move(job.error().reason), now, now)});
+  }
+  if (const auto channel = job->written_channel()) last_write_[*channel] = now;
+  waiting_.push_back({std::move(*job), now});
+}
+
+tl::expected<CommandJob, CommandFault> CommandQueue::check(const Command& command,
+                                                           const Condition& condition,
+                                                           Instant now) const {
+  const auto device = setup_.find(command.device);
+  if (!device)
+    return tl::make_unexpected(
+        CommandFault{Cause::kUnknownDevice,
+                     "bus '" + setup_.spec().name + "' has no device '" + command.device + "'"});
+  if (command.expires <= now) return tl::make_unexpected(fault(Cause::kExpired));
+  auto job = CommandJob::make(command, setup_.device(*device), *device, channels_.first_of(*device),
+                              setup_.protocol(*device), codec_);
+  if (!job) return job;
+  if (auto found = obstacle(*job, condition, now)) return tl::make_unexpected(std::move(*found));
+  return job;
+}
+
+// What may be otherwise a moment later.
+std::optional<CommandFault> CommandQueue::obstacle(const CommandJob& job,
+                                                   const Condition& condition, Instant now) const {
+  switch (condition.bus) {
+    case BusState::kStopped: return fault(Cause::kShutdown);
+    case BusState::kLeased: return fault(Cause::kLeased);
+    case BusState::kOpening:
+    case BusState::kClosed:
+      return CommandFault{Cause::kOffline, "port of bus '" + setup_.spec().name + "' is down"};
+    case BusState::kRunning: break;
+  }
+  if (condition.device_offline)
+    return CommandFault{Cause::kOffline, "device '" + job.command().device + "' does not answer"};
+  if (waiting_.size() >= kMaxWaiting)
+    return CommandFault{Cause::kQueueFull,
+                        std::to_string(kMaxWaiting) + " commands are waiting already"};
+  const auto channel = job.written_channel();
+  if (!channel) return std::nullopt;
+  const Duration interval = channels_.spec(*channel).write_interval;
+  const Instant last = last_write_[*channel];
+  if (interval > Duration::zero() && last != kLongAgo && now < last + interval)
+    return CommandFault{Cause::kRateLimited,
+                        "written less than " + to_text(interval) + " ago (write: interval)"};
+  return std::nullopt;
+}
+
+std::optional<CommandQueue::Next> CommandQueue::next(Instant now, const Gate& gate,
+                                                     bool echo_unknown) {
+  if (!begun_) {
+    const auto ready = std::find_if(waiting_.begin(), waiting_.end(),
+                                    [&](const Waiting& each) { return gate(each.job) <= now; });
+    if (ready == waiting_.end()) return std::nullopt;
+    std::rotate(waiting_.begin(), ready, ready + 1);
+    begun_ = true;
+  }
+  CommandJob& job = waiting_.front().job;
+  if (gate(job) > now) return std::nullopt;
+  job.start(now);
+  if (echo_unknown && setup_.protocol(job.device()).traits().echo_is_ambiguous) {
+    job.use_distinct_answers();
+    if (!setup_.answer_differs(job.device(), *job.next())) job.read_first();
+  }
+  Next next{job.device(), *job.next()};
+  if (auto write = job.batchable()) {
+    next.batch = gather(*write);
+    for (std::size_t i = 0; i < next.batch; ++i) waiting_[i].job.start(now);
+    next.request = std::move(*write);
+  }
+  return next;
+}
+
+// Writes that wait behind the first one for the same device and continue its range, on either side,
+// travel with it: they are moved to the front. The order of a device's commands stays: the first of
+// them that does not fit ends the search.
+std::size_t CommandQueue::gather(WriteRequest& write) {
+  const DeviceIndex device = waiting_.front().job.device();
+  std::size_t batch = 1;
+  for (std::size_t i = 1; i < waiting_.size() && batch < kMaxBatch; ++i) {
+    if (waiting_[i].job.device() != device) continue;
+    const auto other = waiting_[i].job.batchable();
+    if (!other || other->range.area != write.range.area) break;
+    if (!join(write, *other, setup_.protocol(device))) break;
+    const auto at = waiting_.begin() + static_cast<std::ptrdiff_t>(i);
+    std::rotate(waiting_.begin() + static_cast<std::ptrdiff_t>(batch), at, at + 1);
+    ++batch;
+  }
+  return batch;
+}
+
+void CommandQueue::answered(std::size_t batch, const Reply& reply, Instant acquired, Instant now,
+                            ActionSink& sink) {
+  for (std::size_t i = 0; i < batch; ++i) waiting_[i].job.answered(reply);
+  finish(batch, acquired, now, sink);
+}
+
+void CommandQueue::failed(std::size_t batch, Cause cause, std::uint16_t code, Instant acquired,
+                          Instant now, ActionSink& sink) {
+  const bool refused =
+      cause == Cause::kDeviceError || cause == Cause::kDeviceBusy || cause == Cause::kUnsupported;
+  for (std::size_t i = 0; i < batch; ++i) {
+    if (batch > 1 && refused)
+      waiting_[i].job.go_alone();
+    else
+      waiting_[i].job.failed(cause, code);
+  }
+  finish(batch, acquired, now, sink);
+}
+
+// What the last request brought to its end leaves the queue; the others have more exchanges to
+// come.
+void CommandQueue::finish(std::size_t batch, Instant acquired, Instant now, ActionSink& sink) {
+  std::size_t at = 0;
+  for (; batch > 0; --batch) {
+    if (waiting_[at].job.next()) {
+      ++at;
+      continue;
+    }
+    complete(waiting_[at], acquired, now, sink);
+    waiting_.erase(waiting_.begin() + static_cast<std::ptrdiff_t>(at));
+  }
+  begun_ = at > 0;
+}
+
+void CommandQueue::complete(const Waiting& finished, Instant acquired, Instant now,
+                            ActionSink& sink) {
+  std::vector<Sample> samples;
+  for (const CommandJob::Acquired& read : finished.job.acquired())
+    channels_.acquired(read.channel, read.item_bits, read.items, acquired, samples);
+  ++done_;
+  sink.push(Complete{finished.job.result(finished.received, now)});
+  sink.publish(std::move(samples));
+}
+
+void CommandQueue::expire(Instant now, ActionSink& sink) {
+  if (next_expiry() > now) return;
+  const auto expired = std::stable_partition(
+      waiting_.begin(), waiting_.end(),
+      [&](const Waiting& each) { return each.job.started() || each.job.command().expires > now; });
+  for (auto each = expired; each != waiting_.end(); ++each)
+    sink.push(Complete{refusal(each->job.command(), CommandState::kExpired, Cause::kExpired,
+                               std::string(to_text(Cause::kExpired)), each->received, now)});
+  waiting_.erase(expired, waiting_.end());
+}
+
+Instant CommandQueue::next_expiry() const {
+  Instant next = kNever;
+  for (const Waiting& each : waiting_) {
+    if (!each.job.started()) next = std::min(next, each.job.command().expires);
+  }
+  return next;
+}
+
+void CommandQueue::refuse_all(Cause cause, const std::string& reason, Instant now,
+                              ActionSink& sink) {
+  for (const Waiting& each : waiting_) {
+    CommandResult result =
+        refusal(each.job.command(), CommandState::kRejected, cause, reason, each.received, now);
+    if (each.job.started()) {
+      result.state = CommandState::kFailed;
+      result.reason += "; unknown whether it took effect";
+    }
+    sink.push(Complete{std::move(result)});
+  }
+  waiting_.clear();
+  begun_ = false;
+}
+
+Instant CommandQueue::sendable_from(const Gate& gate) const {
+  Instant from = kNever;
+  for (std::size_t i = 0; i < (begun_ ? 1 : waiting_.size()); ++i)
+    from = std::min(from, gate(waiting_[i].job));
+  return from;
+}
+
+}  // namespace fieldcast

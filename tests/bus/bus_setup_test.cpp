@@ -1,0 +1,48 @@
+#include "core/bus/bus_setup.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/bus/rtu_bus.hpp"
+
+namespace fieldcast {
+namespace {
+
+using namespace std::chrono_literals;
+using test::kHolding;
+
+TEST(BusSetup, DevicesAreFoundByName) {
+  const BusSetup setup(test::rtu_bus(2));
+  EXPECT_EQ(setup.find("unit-2"), DeviceIndex{1});
+  EXPECT_FALSE(setup.find("unit-3"));
+}
+
+TEST(BusSetup, WireTimeIsThatOfEveryCharacter) {
+  const BusSetup setup(test::rtu_bus(1));
+  const Request read = ReadRequest{{{kHolding, 100, 2}}};
+  EXPECT_EQ(setup.answer_wire_time(0, read), setup.line().characters(9));
+  EXPECT_EQ(setup.wire_time(0, read), setup.line().characters(8 + 9));
+}
+
+TEST(BusSetup, AWriteOfOneRegisterIsAnsweredByItsEchoAndAReadIsNot) {
+  const BusSetup setup(test::rtu_bus(1));
+  EXPECT_FALSE(setup.answer_differs(0, WriteRequest{{kHolding, 100, 1}, {0, 1}, {}}));
+  EXPECT_TRUE(setup.answer_differs(0, ReadRequest{{{kHolding, 100, 1}}}));
+}
+
+TEST(BusSetup, ASerialServerIsNoPlainTcp) {
+  BusSpec bus = test::rtu_bus(1);
+  EXPECT_FALSE(BusSetup(bus).plain_tcp());
+  bus.port = TcpPortSpec{"10.0.0.7", 502, {}, 3s};
+  EXPECT_TRUE(BusSetup(bus).plain_tcp());
+  bus.port = TcpPortSpec{"10.0.0.7", 502, LineFormat{}, 3s};
+  EXPECT_FALSE(BusSetup(bus).plain_tcp());
+}
+
+TEST(BusSetup, RangesAreNamedByTheirArea) {
+  const BusSetup setup(test::rtu_bus(1));
+  EXPECT_EQ(setup.text(0, {kHolding, 105, 3}), "holding:105..107");
+  EXPECT_EQ(setup.text(0, {kHolding, 105, 1}), "holding:105");
+}
+
+}  // namespace
+}  // namespace fieldcast

@@ -1,0 +1,192 @@
+#include "core/bus/command_queue.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/bus/rtu_bus.hpp"
+
+namespace fieldcast {
+namespace {
+
+using namespace std::chrono_literals;
+
+class CommandQueueTest : public testing::Test {
+ protected:
+  static BusSpec bus() {
+    BusSpec bus = test::rtu_bus(2);
+    bus.devices[0].channels[2].write_interval = 1s;
+    return bus;
+  }
+  Command write(const std::string& channel, std::uint64_t value,
+                const std::string& device = "unit-1") {
+    Command command;
+    command.request_id = ++sent_;
+    command.device = device;
+    command.target = ChannelTarget{channel};
+    command.values = {Value{value}};
+    return command;
+  }
+  // The results since the last call.
+  std::vector<CommandResult> results() {
+    std::vector<CommandResult> all;
+    for (const Action& action : actions_) {
+      if (const auto* complete = std::get_if<Complete>(&action)) all.push_back(complete->result);
+    }
+    actions_.clear();
+    return all;
+  }
+  void accept(const Command& command, CommandQueue::Condition condition = {}, Instant now = {}) {
+    queue_.accept(command, condition, now, sink_);
+  }
+  Cause refusal_of(const Command& command, CommandQueue::Condition condition) {
+    accept(command, condition);
+    const auto all = results();
+    return all.size() == 1 && all[0].state == CommandState::kRejected ? all[0].cause : Cause::kNone;
+  }
+  std::optional<CommandQueue::Next> next(Instant now = {}) {
+    return queue_.next(now, at_once_, false);
+  }
+
+  BusSetup setup_{bus()};
+  ChannelTable channels_{setup_.spec()};
+  CommandQueue queue_{setup_, channels_, plain_text_codec()};
+  CommandQueue::Gate at_once_ = [](const CommandJob&) { return kLongAgo; };
+  std::uint64_t samples_ = 0;
+  std::uint64_t sent_ = 0;
+  Actions actions_;
+  ActionSink sink_{setup_, samples_, actions_};
+};
+
+// What will never be allowed is said also while the device or its port is down.
+TEST_F(CommandQueueTest, APermanentRefusalGoesBeforeAMomentaryOne) {
+  Command wrong_type = write("r0", 0);
+  wrong_type.values = {Value{std::string("text")}};
+  for (const CommandQueue::Condition condition : {CommandQueue::Condition{BusState::kRunning, true},
+                                                  {BusState::kClosed, false},
+                                                  {BusState::kOpening, false},
+                                                  {BusState::kLeased, false},
+                                                  {BusState::kStopped, false}}) {
+    EXPECT_EQ(refusal_of(write("r3", 1), condition), Cause::kReadOnly);
+    EXPECT_EQ(refusal_of(write("r0", 70000), condition), Cause::kRange);
+    EXPECT_EQ(refusal_of(wrong_type, condition), Cause::kWrongType);
+    EXPECT_EQ(refusal_of(write("none", 1), condition), Cause::kUnknownChannel);
+    EXPECT_EQ(refusal_of(write("r0", 1, "nobody"), condition), Cause::kUnknownDevice);
+  }
+}
+
+TEST_F(CommandQueueTest, AMomentaryRefusalSaysWhatIsDown) {
+  EXPECT_EQ(refusal_of(write("r0", 1), {BusState::kRunning, true}), Cause::kOffline);
+  EXPECT_EQ(refusal_of(write("r0", 1), {BusState::kClosed, false}), Cause::kOffline);
+  EXPECT_EQ(refusal_of(write("r0", 1), {BusState::kLeased, false}), Cause::kLeased);
+  EXPECT_EQ(refusal_of(write("r0", 1), {BusState::kStopped, false}), Cause::kShutdown);
+  EXPECT_TRUE(queue_.empty());
+}
+
+TEST_F(CommandQueueTest, ARefusedCommandDoesNotCountForTheRateLimit) {
+  EXPECT_EQ(refusal_of(write("r2", 1), {BusState::kRunning, true}), Cause::kOffline);
+  accept(write("r2", 1));
+  EXPECT_TRUE(results().empty()) << "the first that is taken";
+  EXPECT_EQ(refusal_of(write("r2", 1), {}), Cause::kRateLimited);
+  accept(write("r2", 1), {}, Instant{1s});
+  EXPECT_TRUE(results().empty());
+}
+
+TEST_F(CommandQueueTest, MoreThanTheLimitAreRefused) {
+  for (std::size_t i = 0; i < CommandQueue::kMaxWaiting; ++i) accept(write("r0", i));
+  EXPECT_TRUE(results().empty());
+  EXPECT_EQ(refusal_of(write("r0", 1), {}), Cause::kQueueFull);
+}
+
+TEST_F(CommandQueueTest, WritesThatTouchTravelInOneRequestAndHaveAResultEach) {
+  accept(write("r0", 10));
+  accept(write("r1", 11, "unit-2"));
+  accept(write("r1", 11));
+  const auto sent = next();
+  ASSERT_TRUE(sent);
+  EXPECT_EQ(sent->batch, 2u);
+  EXPECT_EQ(std::get<WriteRequest>(sent->request).range, (Range{test::kHolding, 100, 2}));
+  queue_.answered(sent->batch, {{}}, Instant{10ms}, Instant{10ms}, sink_);
+  const auto all = results();
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0].request_id, 1u);
+  EXPECT_EQ(all[1].request_id, 3u);
+  EXPECT_EQ(queue_.done(), 2u);
+  EXPECT_EQ(next()->device, 1u);
+}
+
+TEST_F(CommandQueueTest, ARefusedBatchGoesAloneAndACommandThatHasBegunStaysFirst) {
+  accept(write("r0", 10));
+  accept(write("r1", 11));
+  const auto sent = next();
+  ASSERT_EQ(sent->batch, 2u);
+  queue_.failed(sent->batch, Cause::kDeviceError, 2, Instant{}, Instant{}, sink_);
+  EXPECT_TRUE(results().empty()) << "nobody knows which of them was meant";
+  EXPECT_TRUE(queue_.begun());
+  const auto alone = next();
+  EXPECT_EQ(alone->batch, 1u);
+  queue_.failed(1, Cause::kDeviceError, 2, Instant{}, Instant{}, sink_);
+  const auto all = results();
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(all[0].cause, Cause::kDeviceError);
+  EXPECT_EQ(all[0].device_code, 2);
+}
+
+TEST_F(CommandQueueTest, TheFirstWhoseDeviceMayBeAskedGoes) {
+  accept(write("r0", 1));
+  accept(write("r0", 2, "unit-2"));
+  const CommandQueue::Gate gate = [](const CommandJob& job) {
+    return job.device() == 0 ? Instant{1s} : Instant{200ms};
+  };
+  EXPECT_FALSE(queue_.next(Instant{}, gate, false));
+  EXPECT_EQ(queue_.sendable_from(gate), Instant{200ms});
+  EXPECT_EQ(queue_.next(Instant{200ms}, gate, false)->device, 1u);
+  EXPECT_TRUE(queue_.begun());
+}
+
+TEST_F(CommandQueueTest, WhatHasBegunDoesNotExpire) {
+  Command begun = write("r0", 1), waits = write("r3", 1, "unit-2");
+  waits.operation = Operation::kAcquire;
+  begun.expires = waits.expires = Instant{100ms};
+  accept(begun);
+  accept(waits);
+  EXPECT_EQ(queue_.next_expiry(), Instant{100ms});
+  ASSERT_TRUE(next());
+  queue_.expire(Instant{100ms}, sink_);
+  const auto all = results();
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(all[0].request_id, waits.request_id);
+  EXPECT_EQ(all[0].state, CommandState::kExpired);
+  EXPECT_EQ(queue_.next_expiry(), kNever);
+  EXPECT_FALSE(queue_.empty());
+}
+
+TEST_F(CommandQueueTest, RefusingAllSaysThatABegunWriteIsInDoubt) {
+  accept(write("r0", 1));
+  accept(write("r0", 2, "unit-2"));
+  ASSERT_TRUE(next());
+  queue_.refuse_all(Cause::kOffline, "port is down", Instant{1s}, sink_);
+  const auto all = results();
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0].state, CommandState::kFailed);
+  EXPECT_EQ(all[0].reason, "port is down; unknown whether it took effect");
+  EXPECT_EQ(all[1].state, CommandState::kRejected);
+  EXPECT_TRUE(queue_.empty());
+  EXPECT_FALSE(queue_.begun());
+}
+
+TEST_F(CommandQueueTest, AnAcquisitionIsAResultAndSamples) {
+  Command read = write("r3", 0);
+  read.operation = Operation::kAcquire;
+  read.values.clear();
+  accept(read);
+  ASSERT_TRUE(next());
+  queue_.answered(1, test::items({0x01, 0x02}), Instant{5ms}, Instant{6ms}, sink_);
+  ASSERT_EQ(actions_.size(), 2u);
+  const auto& published = std::get<Publish>(actions_[1]).samples;
+  ASSERT_EQ(published.size(), 1u);
+  EXPECT_EQ(published[0].acquired, Instant{5ms});
+  EXPECT_EQ(samples_, 1u);
+  EXPECT_EQ(results()[0].values, std::vector<Value>{Value{std::uint64_t{0x0102}}});
+}
+
+}  // namespace
+}  // namespace fieldcast
