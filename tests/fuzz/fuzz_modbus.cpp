@@ -30,8 +30,8 @@ void fuzz(ByteView data) {
   static const std::array framings{&rtu_framing(), &ascii_framing(), &tcp_framing()};
   if (data.size() < 2) return;
   const Request& request = requests[data[0] / 3 % requests.size()];
-  const Ticket ticket{17, 0x1501};
-  ModbusExchange exchange(*framings[data[0] % 3], ticket, request, {});
+  const Header header{17, 0x1501};
+  ModbusExchange exchange(*framings[data[0] % 3], header, request, {});
   const Bytes answer(data.begin() + 2, data.end());
   const std::array<std::size_t, 2> cuts{data[1] & 15u, 16u + (data[1] >> 4)};
   const test::Outcome outcome = test::drive(exchange, std::span(&answer, 1), cuts);

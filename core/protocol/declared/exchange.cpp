@@ -23,23 +23,23 @@ std::size_t most_received(const Declaration& declaration) {
   return 2 * longest + 64;
 }
 
-bool strict(const Sight& sight) { return !sight.foreign && !sight.mismatch; }
+bool strict(const MatchResult& result) { return !result.foreign && !result.mismatch; }
 
 // Goes through the bytes for the answer. Where a frame begins is certain at the start and behind
 // every frame whose check is right; anywhere else the search slides on byte by byte.
 class Search {
  public:
   Search(ByteView all, const Declaration& declaration, const Operation& operation,
-         const Facts& facts)
+         const FrameContext& context)
       : all_(all),
         declaration_(declaration),
         operation_(operation),
-        facts_(facts),
-        refused_(facts) {
+        context_(context),
+        refused_(context) {
     refused_.refusal = true;
     const DeclaredArea& area = declaration.areas[operation.area];
     record_items_ = area.record ? area.items : 0;
-    expected_ = size_of(operation.answer, facts.item_bits, facts.count);
+    expected_ = size_of(operation.answer, context.item_bits, context.count);
   }
 
   void run() {
@@ -50,7 +50,7 @@ class Search {
           true;  // an answer's worth of broken bytes: the right one follows at once, or not at all
   }
 
-  std::optional<Sight> found;
+  std::optional<MatchResult> found;
   bool refusal = false;   // `found` is one
   bool doubtful = false;  // `found` stands behind what looks like the beginning of another frame
   bool begun = false;
@@ -68,7 +68,7 @@ class Search {
 
  private:
   void look_here() {
-    if (try_frame(operation_.answer, facts_, record_items_, true)) return;
+    if (try_frame(operation_.answer, context_, record_items_, true)) return;
     if (!declaration_.refusal.fields.empty() && try_frame(declaration_.refusal, refused_, 0, true))
       return;
     if (boundary_ && try_others()) return;
@@ -81,55 +81,57 @@ class Search {
   bool try_others() {
     for (const Operation& other : declaration_.operations) {
       const DeclaredArea& area = declaration_.areas[other.area];
-      Facts facts{.address = facts_.address,
-                  .command = other.command,
-                  .sequence = facts_.sequence,
-                  .item_bits = area.item_bits};
+      FrameContext context{.address = context_.address,
+                           .command = other.command,
+                           .sequence = context_.sequence,
+                           .item_bits = area.item_bits};
       if (&other != &operation_ &&
-          try_frame(other.answer, facts, area.record ? area.items : 0, false))
+          try_frame(other.answer, context, area.record ? area.items : 0, false))
         return true;
-      facts.refusal = true;
-      if (!declaration_.refusal.fields.empty() && try_frame(declaration_.refusal, facts, 0, false))
+      context.refusal = true;
+      if (!declaration_.refusal.fields.empty() &&
+          try_frame(declaration_.refusal, context, 0, false))
         return true;
     }
     return false;
   }
 
   // True when the frame is whole here: it is found, or skipped.
-  bool try_frame(const Frame& frame, const Facts& facts, std::size_t record_items, bool mine) {
-    Sight sight = look(frame, all_.subspan(at_), facts, record_items);
-    if (sight.fit == Sight::Fit::kNone) return false;
-    const bool ours = mine && strict(sight);
-    if (sight.fit == Sight::Fit::kPart) {
-      begin(sight, ours);
+  bool try_frame(const Frame& frame, const FrameContext& context, std::size_t record_items,
+                 bool mine) {
+    MatchResult result = match_frame(frame, all_.subspan(at_), context, record_items);
+    if (result.fit == MatchResult::Fit::kNone) return false;
+    const bool ours = mine && strict(result);
+    if (result.fit == MatchResult::Fit::kPart) {
+      begin(result, ours);
       return false;
     }
-    if (sight.bad_check) {
+    if (result.bad_check) {
       broken_ = broken_ || ours;
       return false;
     }
     if (ours) {
-      found = std::move(sight);
-      refusal = facts.refusal;
+      found = std::move(result);
+      refusal = context.refusal;
       doubtful = held_;
       return true;
     }
-    if (!sight.checked) {  // nothing shows that it is a frame at all
-      mismatch_ = mismatch_ || (boundary_ && !sight.foreign);
+    if (!result.checked) {  // nothing shows that it is a frame at all
+      mismatch_ = mismatch_ || (boundary_ && !result.foreign);
       return false;
     }
-    (sight.foreign || !mine ? foreign_ : mismatch_) = true;
-    at_ += sight.size;
+    (result.foreign || !mine ? foreign_ : mismatch_) = true;
+    at_ += result.size;
     boundary_ = true;
     return true;
   }
 
   // A frame that lacks characters. At a boundary it owns whatever follows, until it is whole or
   // silence shows that it was noise.
-  void begin(const Sight& sight, bool ours) {
-    if (!ours && (!boundary_ || sight.known == 0)) return;
+  void begin(const MatchResult& result, bool ours) {
+    if (!ours && (!boundary_ || result.known == 0)) return;
     if (!begun)
-      missing = ours && boundary_ ? sight.missing : std::min(sight.missing, kDoubtfulWait);
+      missing = ours && boundary_ ? result.missing : std::min(result.missing, kDoubtfulWait);
     begun = true;
     held_ = held_ || boundary_;
     if (!ours)
@@ -141,8 +143,8 @@ class Search {
   const ByteView all_;
   const Declaration& declaration_;
   const Operation& operation_;
-  const Facts& facts_;
-  Facts refused_;
+  const FrameContext& context_;
+  FrameContext refused_;
   std::size_t record_items_ = 0;
   std::size_t expected_ = 0;
   std::size_t at_ = 0;
@@ -155,24 +157,24 @@ class Search {
 }  // namespace
 
 DeclaredExchange::DeclaredExchange(std::shared_ptr<const Declaration> declaration,
-                                   const Operation& operation, Facts facts, Range wanted)
+                                   const Operation& operation, FrameContext context, Range wanted)
     : declaration_(std::move(declaration)),
       operation_(operation),
-      facts_(std::move(facts)),
+      context_(std::move(context)),
       wanted_(wanted),
       most_(most_received(*declaration_)) {}
 
 Step DeclaredExchange::start(Bytes& out) {
-  append_frame(out, operation_.request, facts_);
+  append_frame(out, operation_.request, context_);
   silence_ = Cause::kNoAnswer;
   fallback_.reset();
   return Step::send(
-      static_cast<std::uint32_t>(size_of(operation_.answer, facts_.item_bits, facts_.count)));
+      static_cast<std::uint32_t>(size_of(operation_.answer, context_.item_bits, context_.count)));
 }
 
 Step DeclaredExchange::on_bytes(ByteView all, Bytes&) {
   if (all.size() > most_) return Step::failed(Cause::kOverlong);
-  Search search(all, *declaration_, operation_, facts_);
+  Search search(all, *declaration_, operation_, context_);
   search.run();
   silence_ = search.cause();
   fallback_.reset();

@@ -12,7 +12,7 @@ class DeclaredExchange final : public Exchange {
   // `wanted` is cut out of what the answer brings: of items as they come, of a record by its
   // places. A write brings nothing.
   DeclaredExchange(std::shared_ptr<const Declaration> declaration, const Operation& operation,
-                   Facts facts, Range wanted);
+                   FrameContext context, Range wanted);
 
   [[nodiscard]] Step start(Bytes& out) override;
   [[nodiscard]] Step on_bytes(ByteView all, Bytes& out) override;
@@ -22,7 +22,7 @@ class DeclaredExchange final : public Exchange {
  private:
   const std::shared_ptr<const Declaration> declaration_;
   const Operation& operation_;
-  const Facts facts_;
+  const FrameContext context_;
   const Range wanted_;
   const std::size_t most_;  // characters that are looked at; more is a babbling line
   Reply reply_;

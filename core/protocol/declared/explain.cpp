@@ -18,18 +18,18 @@ class Reader {
   Reader(const Declaration& declaration, const Frame& frame, ByteView bytes, std::uint64_t command,
          unsigned item_bits)
       : declaration_(declaration), frame_(frame), bytes_(bytes), item_bits_(item_bits) {
-    facts_.command = command;
+    context_.command = command;
   }
 
   Reading run(const std::string& title, bool refusal) {
     writer_.remark(title);
-    facts_.refusal = refusal;
+    context_.refusal = refusal;
     const std::size_t fixed = size_of(frame_, item_bits_, 0) - variable();
     elastic_ = bytes_.size() > fixed ? bytes_.size() - fixed : 0;
     place();
     for (std::size_t i = 0; i < frame_.fields.size(); ++i) show(frame_.fields[i], i);
-    if (place_ < bytes_.size())
-      add(place_, bytes_.size() - place_, "rest", "", "bytes behind the end of the frame");
+    if (offset_ < bytes_.size())
+      add(offset_, bytes_.size() - offset_, "rest", "", "bytes behind the end of the frame");
     return {writer_.take(), faults_};
   }
 
@@ -48,7 +48,7 @@ class Reader {
   void place() {
     std::size_t at = 0;
     for (const Field& field : frame_.fields) starts_.push_back(at), at += width(field);
-    starts_.push_back(place_ = at);
+    starts_.push_back(offset_ = at);
   }
   void add(std::size_t at, std::size_t length, const std::string& name, std::string value,
            const std::string& fault = {}) {
@@ -97,7 +97,7 @@ class Reader {
     };
     switch (field.kind) {
       case FieldKind::kConstant:
-      case FieldKind::kCommand: must(*number_of(field, facts_)); break;
+      case FieldKind::kCommand: must(*number_of(field, context_)); break;
       case FieldKind::kAddress: {
         const auto address = static_cast<std::int64_t>(number) - field.plus;
         if (address < declaration_.lowest_address || address > declaration_.highest_address)
@@ -115,8 +115,8 @@ class Reader {
       case FieldKind::kError: {
         const auto known = declaration_.codes.find(static_cast<std::uint16_t>(number));
         if (known != declaration_.codes.end()) value += " " + known->second;
-        if (facts_.refusal == (number == field.number))
-          fault = facts_.refusal ? "no error" : "an error in an answer";
+        if (context_.refusal == (number == field.number))
+          fault = context_.refusal ? "no error" : "an error in an answer";
         break;
       }
       default: break;
@@ -139,9 +139,9 @@ class Reader {
   const Frame& frame_;
   const ByteView bytes_;
   const unsigned item_bits_;
-  Facts facts_;
+  FrameContext context_;
   std::size_t elastic_ = 0;  // characters of the field that may be longer or shorter
-  std::size_t place_ = 0;    // behind the last field
+  std::size_t offset_ = 0;   // behind the last field
   std::vector<std::size_t> starts_;
   FieldWriter writer_;
   std::size_t faults_ = 0;

@@ -26,13 +26,14 @@ std::uint64_t length_of(const Frame& frame, const Field& length, unsigned item_b
   return total + static_cast<std::uint64_t>(length.plus);
 }
 
-void append_value(Bytes& out, const Field& field, const Facts& facts, std::uint64_t& word) {
-  const std::size_t items = items_of(field), at = field.place - facts.first;
+void append_value(Bytes& out, const Field& field, const FrameContext& context,
+                  std::uint64_t& word) {
+  const std::size_t items = items_of(field), at = field.place - context.first;
   if (field.text_size != 0) {
-    for (std::size_t i = 0; i < field.text_size; ++i) out.push_back(facts.items[2 * at + i]);
+    for (std::size_t i = 0; i < field.text_size; ++i) out.push_back(context.items[2 * at + i]);
     return;
   }
-  word |= (value_in(facts.items, at, items) & (UINT64_MAX >> (64 - field.bits))) << field.shift;
+  word |= (value_in(context.items, at, items) & (UINT64_MAX >> (64 - field.bits))) << field.shift;
 }
 
 }  // namespace
@@ -55,18 +56,18 @@ std::size_t size_of(const Frame& frame, std::size_t from, std::size_t to, unsign
   return size;
 }
 
-std::optional<std::uint64_t> number_of(const Field& field, const Facts& facts) {
+std::optional<std::uint64_t> number_of(const Field& field, const FrameContext& context) {
   const auto plus = static_cast<std::uint64_t>(field.plus);
   const auto narrow = [&](std::uint64_t number) {
     return number & (UINT64_MAX >> (64 - field.bits));
   };
   switch (field.kind) {
     case FieldKind::kConstant: return narrow(field.number);
-    case FieldKind::kAddress: return narrow(facts.address + plus);
-    case FieldKind::kCommand: return narrow(facts.command + plus);
-    case FieldKind::kFirst: return narrow(std::uint64_t{facts.first} * field.times + plus);
-    case FieldKind::kCount: return narrow(std::uint64_t{facts.count} * field.times + plus);
-    case FieldKind::kSequence: return narrow(facts.sequence);
+    case FieldKind::kAddress: return narrow(context.address + plus);
+    case FieldKind::kCommand: return narrow(context.command + plus);
+    case FieldKind::kFirst: return narrow(std::uint64_t{context.first} * field.times + plus);
+    case FieldKind::kCount: return narrow(std::uint64_t{context.count} * field.times + plus);
+    case FieldKind::kSequence: return narrow(context.sequence);
     default: return std::nullopt;
   }
 }
@@ -129,7 +130,7 @@ Bytes covered(const Frame& frame, const Field& sum, ByteView bytes,
   return meant;
 }
 
-void append_frame(Bytes& out, const Frame& frame, const Facts& facts) {
+void append_frame(Bytes& out, const Frame& frame, const FrameContext& context) {
   const auto& fields = frame.fields;
   const std::size_t begin = out.size();
   std::vector<std::size_t> starts;
@@ -138,7 +139,7 @@ void append_frame(Bytes& out, const Frame& frame, const Facts& facts) {
     const Field& field = fields[i];
     starts.push_back(out.size() - begin);
     if (field.kind == FieldKind::kItems) {
-      append_items(out, field, facts.item_bits, facts.items);
+      append_items(out, field, context.item_bits, context.items);
       continue;
     }
     if (!field.text.empty()) {
@@ -147,14 +148,14 @@ void append_frame(Bytes& out, const Frame& frame, const Facts& facts) {
     }
     if (field.opens) word = 0;
     if (field.kind == FieldKind::kValue) {
-      append_value(out, field, facts, word);
+      append_value(out, field, context, word);
       if (field.text_size != 0) continue;
     } else if (field.kind == FieldKind::kLength) {
-      word |= length_of(frame, field, facts.item_bits, facts.count) << field.shift;
+      word |= length_of(frame, field, context.item_bits, context.count) << field.shift;
     } else if (field.kind == FieldKind::kUnused || field.kind == FieldKind::kError) {
       word |= field.number << field.shift;
     } else {
-      word |= number_of(field, facts).value_or(0) << field.shift;
+      word |= number_of(field, context).value_or(0) << field.shift;
     }
     // The first field of a shared word holds its characters; the last one knows its number.
     if (field.opens) out.resize(out.size() + field.word.characters);

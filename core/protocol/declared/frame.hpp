@@ -8,16 +8,16 @@
 
 namespace fieldcast::declared {
 
-// What the fields of a frame stand for in one exchange.
-struct Facts {
+// What the fields of a frame mean in one exchange: the context that a frame is written or matched in.
+struct FrameContext {
   std::uint16_t address = 0;
   std::uint64_t command = 0;
   std::uint32_t first = 0;
   std::uint32_t count = 0;
   std::uint16_t sequence = 0;
   unsigned item_bits = 16;
-  bool written =
-      false;  // `items` are known: what is written, and what an answer that repeats them must show
+  // `items` are known: what is written, and what an answer that repeats them must show.
+  bool written = false;
   bool refusal = false;  // the frame is a refusal: its error field must tell one
   Bytes items;           // the image of first .. first+count-1
 };
@@ -30,10 +30,10 @@ struct Facts {
   return size_of(frame, 0, frame.fields.size(), item_bits, count);
 }
 
-void append_frame(Bytes& out, const Frame& frame, const Facts& facts);
+void append_frame(Bytes& out, const Frame& frame, const FrameContext& context);
 
-// What begins at the first of some bytes.
-struct Sight {
+// How a frame matches the start of some bytes.
+struct MatchResult {
   enum class Fit : std::uint8_t {
     kNone,   // not this frame
     kPart,   // this frame so far; `missing` characters at most lack
@@ -51,11 +51,12 @@ struct Sight {
   Bytes items;  // of kItems, or the record with all its values
 };
 // `record_items`: of the record that the values fill; 0 where there is none.
-[[nodiscard]] Sight look(const Frame& frame, ByteView bytes, const Facts& facts,
-                         std::size_t record_items);
+[[nodiscard]] MatchResult match_frame(const Frame& frame, ByteView bytes,
+                                      const FrameContext& context, std::size_t record_items);
 
 // The number that a field must show; nothing for what an answer is free to say.
-[[nodiscard]] std::optional<std::uint64_t> number_of(const Field& field, const Facts& facts);
+[[nodiscard]] std::optional<std::uint64_t> number_of(const Field& field,
+                                                     const FrameContext& context);
 
 // The characters that a checksum is taken over.
 [[nodiscard]] Bytes covered(const Frame& frame, const Field& sum, ByteView bytes,

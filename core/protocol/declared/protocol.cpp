@@ -86,20 +86,20 @@ class DeclaredProtocol final : public Protocol {
         .answer_characters = sizes.answer + items(sizes.answer_items, operation.answer)};
   }
 
-  std::unique_ptr<Exchange> begin(Request request, ExchangeContext context) const override {
+  std::unique_ptr<Exchange> begin(Request request, ExchangeContext exchange) const override {
     const auto at = operation_for(request);
     if (!at) std::abort();  // REQUIRES
     const Operation& operation = declaration_->operations[*at];
     const Range& range = range_of(request);
-    Facts facts{.address = address_,
-                .command = operation.command,
-                .first = range.first,
-                .count = range.count,
-                .sequence = context.sequence,
-                .item_bits = prepared_[*at].item_bits};
+    FrameContext context{.address = address_,
+                         .command = operation.command,
+                         .first = range.first,
+                         .count = range.count,
+                         .sequence = exchange.sequence,
+                         .item_bits = prepared_[*at].item_bits};
     if (auto* write = std::get_if<WriteRequest>(&request))
-      facts.written = true, facts.items = std::move(write->items);
-    return std::make_unique<DeclaredExchange>(declaration_, operation, std::move(facts), range);
+      context.written = true, context.items = std::move(write->items);
+    return std::make_unique<DeclaredExchange>(declaration_, operation, std::move(context), range);
   }
 
   // Answers to other commands are told apart where they show the command; those to the same one by

@@ -22,11 +22,11 @@ void append_hex(Bytes& out, std::uint8_t byte) {
   out.push_back(static_cast<std::uint8_t>(kDigits[byte & 15]));
 }
 
-void wrap(const Ticket& ticket, ByteView pdu, Bytes& out) {
+void wrap(const Header& header, ByteView pdu, Bytes& out) {
   out.push_back(kColon);
-  append_hex(out, ticket.unit);
+  append_hex(out, header.unit);
   for (const std::uint8_t byte : pdu) append_hex(out, byte);
-  append_hex(out, static_cast<std::uint8_t>(lrc8(pdu) - ticket.unit));
+  append_hex(out, static_cast<std::uint8_t>(lrc8(pdu) - header.unit));
   out.push_back(kCr);
   out.push_back(kLf);
 }
@@ -54,17 +54,17 @@ std::optional<ByteView> spelt(ByteView digits, Scratch& scratch) {
 
 class Search {
  public:
-  Search(ByteView all, const Ticket& ticket, const Question& question, Scratch& scratch)
-      : all_(all), unit_(ticket.unit), question_(question), scratch_(scratch) {}
+  Search(ByteView all, const Header& header, const RequestPdu& request, Scratch& scratch)
+      : all_(all), unit_(header.unit), request_(request), scratch_(scratch) {}
 
-  Sighting run() {
+  ParseResult run() {
     auto colon = std::find(all_.begin(), all_.end(), kColon);
     if (colon != all_.begin())
       noise_ =
           std::any_of(all_.begin(), colon, [](auto byte) { return byte != 0x00 && byte != 0xFF; });
     while (colon != all_.end() && result_.pdu.empty()) {
       const auto next = std::find(colon + 1, all_.end(), kColon);
-      look({colon + 1, next}, next == all_.end());
+      examine({colon + 1, next}, next == all_.end());
       colon = next;
     }
     if (result_.pdu.empty()) result_.cause = cause();
@@ -73,7 +73,7 @@ class Search {
 
  private:
   // What stands between a colon and the next, or the end of what has come.
-  void look(ByteView text, bool open) {
+  void examine(ByteView text, bool open) {
     const auto cr = std::find(text.begin(), text.end(), kCr);
     const ByteView digits(text.begin(), cr);
     const auto bytes = spelt(digits, scratch_);
@@ -93,31 +93,32 @@ class Search {
 
   void whole(ByteView frame) {
     const ByteView pdu = frame.subspan(1, frame.size() - 2);
-    const Verdict verdict = frame[0] == unit_ ? question_.judge(pdu) : Verdict::kForeign;
+    const Verdict verdict = frame[0] == unit_ ? request_.judge(pdu) : Verdict::kForeign;
     if (verdict == Verdict::kAnswer || verdict == Verdict::kException) {
       result_.pdu = pdu;
       result_.kind =
-          verdict == Verdict::kAnswer ? Sighting::Kind::kAnswer : Sighting::Kind::kException;
+          verdict == Verdict::kAnswer ? ParseResult::Kind::kAnswer : ParseResult::Kind::kException;
       return;
     }
     (verdict == Verdict::kMismatch ? mismatch_ : foreign_) = true;
-    result_.kind = Sighting::Kind::kNothing;  // whatever was broken before, the line speaks clearly
-                                              // now: the wait goes on
+    result_.kind =
+        ParseResult::Kind::kNothing;  // whatever was broken before, the line speaks clearly
+                                      // now: the wait goes on
     result_.missing = 0;
   }
 
   void begin(ByteView bytes, std::size_t came) {
     const bool exception = bytes.size() > 1 && (bytes[1] & kExceptionFlag) != 0;
     const std::size_t length =
-        frame_size(exception ? 2 : question_.answer_size()) - 1;  // behind the colon
-    result_.kind = Sighting::Kind::kBegun;
+        frame_size(exception ? 2 : request_.answer_size()) - 1;  // behind the colon
+    result_.kind = ParseResult::Kind::kBegun;
     result_.missing = static_cast<std::uint32_t>(came < length ? length - came : 1);
     truncated_ = true;
   }
 
   void spoil() {
     broken_ = true;
-    result_.kind = Sighting::Kind::kBegun;
+    result_.kind = ParseResult::Kind::kBegun;
     result_.missing = 0;
   }
 
@@ -131,14 +132,14 @@ class Search {
 
   const ByteView all_;
   const std::uint8_t unit_;
-  const Question& question_;
+  const RequestPdu& request_;
   Scratch& scratch_;
-  Sighting result_;
+  ParseResult result_;
   bool truncated_ = false, mismatch_ = false, foreign_ = false, broken_ = false, noise_ = false;
 };
 
-Sighting find(ByteView all, const Ticket& ticket, const Question& question, Scratch& scratch) {
-  return Search(all, ticket, question, scratch).run();
+ParseResult find(ByteView all, const Header& header, const RequestPdu& request, Scratch& scratch) {
+  return Search(all, header, request, scratch).run();
 }
 
 }  // namespace

@@ -9,25 +9,25 @@ constexpr std::uint8_t kBusy = 0x06;
 }  // namespace
 
 Step ModbusExchange::start(Bytes& out) {
-  framing_.wrap(ticket_, question_.pdu(), out);
+  framing_.wrap(header_, request_.pdu(), out);
   silence_ = Cause::kNoAnswer;
   fallback_.clear();
-  return Step::send(static_cast<std::uint32_t>(framing_.size(question_.answer_size())));
+  return Step::send(static_cast<std::uint32_t>(framing_.size(request_.answer_size())));
 }
 
 Step ModbusExchange::on_bytes(ByteView all, Bytes&) {
   if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
-  const Sighting sighting = framing_.find(all, ticket_, question_, scratch_);
-  silence_ = sighting.cause;
-  fallback_.assign(sighting.fallback.begin(), sighting.fallback.end());
-  switch (sighting.kind) {
-    case Sighting::Kind::kAnswer:
-    case Sighting::Kind::kException: return take(sighting.pdu);
-    case Sighting::Kind::kNothing: return Step::need_answer();
-    case Sighting::Kind::kBegun: return Step::need_rest(sighting.missing);
-    case Sighting::Kind::kHopeless: break;
+  const ParseResult parsed = framing_.find(all, header_, request_, scratch_);
+  silence_ = parsed.cause;
+  fallback_.assign(parsed.fallback.begin(), parsed.fallback.end());
+  switch (parsed.kind) {
+    case ParseResult::Kind::kAnswer:
+    case ParseResult::Kind::kException: return take(parsed.pdu);
+    case ParseResult::Kind::kNothing: return Step::need_answer();
+    case ParseResult::Kind::kBegun: return Step::need_rest(parsed.missing);
+    case ParseResult::Kind::kHopeless: break;
   }
-  return Step::failed(sighting.cause);
+  return Step::failed(parsed.cause);
 }
 
 Step ModbusExchange::on_silence(Bytes&) {
@@ -41,7 +41,7 @@ Step ModbusExchange::take(ByteView pdu) {
     return Step::failed(
         code == kAcknowledge || code == kBusy ? Cause::kDeviceBusy : Cause::kDeviceError, code);
   }
-  reply_ = question_.unpack(pdu);
+  reply_ = request_.unpack(pdu);
   return Step::done();
 }
 

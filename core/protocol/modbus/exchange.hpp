@@ -9,9 +9,9 @@ namespace fieldcast::modbus {
 class ModbusExchange final : public Exchange {
  public:
   // REQUIRES: pdu_sizes(request, options) holds a value.
-  ModbusExchange(const Framing& framing, Ticket ticket, const Request& request,
+  ModbusExchange(const Framing& framing, Header header, const Request& request,
                  const Options& options)
-      : framing_(framing), ticket_(ticket), question_(request, options) {}
+      : framing_(framing), header_(header), request_(request, options) {}
 
   Step start(Bytes& out) override;
   Step on_bytes(ByteView all, Bytes& out) override;
@@ -22,8 +22,8 @@ class ModbusExchange final : public Exchange {
   Step take(ByteView pdu);
 
   const Framing& framing_;
-  const Ticket ticket_;
-  const Question question_;
+  const Header header_;
+  const RequestPdu request_;
   Scratch scratch_;
   Reply reply_;
   Cause silence_ = Cause::kNoAnswer;  // what silence means after what came last

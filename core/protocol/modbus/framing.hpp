@@ -1,4 +1,4 @@
-// The three ways a PDU travels. Each wraps a request and finds the answer to a question in whatever
+// The three ways a PDU travels. Each wraps a request, and finds the answer to it in the bytes that
 // came back.
 //
 //     RTU     unit PDU CRC-low CRC-high
@@ -12,23 +12,22 @@
 #include <array>
 #include <cstdint>
 
-#include "core/protocol/modbus/question.hpp"
+#include "core/protocol/modbus/request.hpp"
 #include "core/protocol/protocol.hpp"
 
 namespace fieldcast::modbus {
 
-// Whom a request goes to.
-struct Ticket {
+// What a framing adds to a PDU: whom it goes to, and which request it is.
+struct Header {
   std::uint8_t unit = 1;
   std::uint16_t transaction = 0;  // TCP alone
 };
 
-// What the bytes received so far amount to.
-struct Sighting {
+// What the bytes received so far are.
+struct ParseResult {
   enum class Kind : std::uint8_t {
-    kNothing,  // no answer yet: foreign frames or noise at most
-    kBegun,  // an answer has begun, or a broken one has come: at most `missing` more characters may
-             // mend it
+    kNothing,    // no answer yet: foreign frames or noise at most
+    kBegun,      // an answer has begun or came broken; `missing` more characters may complete it
     kAnswer,     // `pdu` is the answer
     kException,  // `pdu` is an exception of our function
     kHopeless,   // the stream itself is out of step
@@ -50,8 +49,9 @@ inline constexpr std::size_t kMaxReceived = 2100;
 
 struct Framing {
   std::size_t (*size)(std::size_t pdu_size);  // characters of a frame
-  void (*wrap)(const Ticket& ticket, ByteView pdu, Bytes& out);
-  Sighting (*find)(ByteView all, const Ticket& ticket, const Question& question, Scratch& scratch);
+  void (*wrap)(const Header& header, ByteView pdu, Bytes& out);
+  ParseResult (*find)(ByteView all, const Header& header, const RequestPdu& request,
+                      Scratch& scratch);
 };
 
 [[nodiscard]] const Framing& rtu_framing();

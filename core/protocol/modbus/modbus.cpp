@@ -59,7 +59,7 @@ class ModbusProtocol final : public Protocol {
   }
 
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext context) const override {
-    return std::make_unique<ModbusExchange>(framing_, Ticket{unit_, context.sequence}, request,
+    return std::make_unique<ModbusExchange>(framing_, Header{unit_, context.sequence}, request,
                                             options_);
   }
 
@@ -69,7 +69,7 @@ class ModbusProtocol final : public Protocol {
                   ExchangeContext later_context) const override {
     if (traits_.identity == AnswerIdentity::kSequence)
       return Protocol::mistakable(earlier, earlier_context, later, later_context);
-    const Question first(earlier, options_), second(later, options_);
+    const RequestPdu first(earlier, options_), second(later, options_);
     if (first.function() != second.function()) return false;
     return !std::holds_alternative<ReadRequest>(earlier) ||
            first.answer_size() == second.answer_size();

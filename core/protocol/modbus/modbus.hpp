@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/protocol/modbus/framing.hpp"
-#include "core/protocol/modbus/question.hpp"
+#include "core/protocol/modbus/request.hpp"
 #include "core/protocol/protocol.hpp"
 
 namespace fieldcast::modbus {

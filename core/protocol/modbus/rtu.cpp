@@ -17,9 +17,9 @@ constexpr std::size_t kDoubtfulWait = 8;
 
 std::size_t frame_size(std::size_t pdu_size) { return pdu_size + kOverhead; }
 
-void wrap(const Ticket& ticket, ByteView pdu, Bytes& out) {
+void wrap(const Header& header, ByteView pdu, Bytes& out) {
   const std::size_t start = out.size();
-  out.push_back(ticket.unit);
+  out.push_back(header.unit);
   append(out, pdu);
   const std::uint16_t crc = crc16_modbus(ByteView(out).subspan(start));
   out.push_back(static_cast<std::uint8_t>(crc));
@@ -36,28 +36,28 @@ bool is_turnaround(std::uint8_t byte) { return byte == 0x00 || byte == 0xFF; }
 
 class Search {
  public:
-  Search(ByteView all, const Ticket& ticket, const Question& question)
+  Search(ByteView all, const Header& header, const RequestPdu& request)
       : all_(all),
-        unit_(ticket.unit),
-        question_(question),
-        expected_(frame_size(question.answer_size())) {}
+        unit_(header.unit),
+        request_(request),
+        expected_(frame_size(request.answer_size())) {}
 
-  Sighting run() {
-    while (at_ < all_.size() && result_.pdu.empty() && result_.fallback.empty()) look();
+  ParseResult run() {
+    while (at_ < all_.size() && result_.pdu.empty() && result_.fallback.empty()) examine();
     if (!result_.pdu.empty()) return result_;
     // An answer's worth of broken bytes: the right one follows at once, or not at all.
     const bool spoilt = broken_ || noise_ >= expected_;
-    if (begun_ || spoilt) result_.kind = Sighting::Kind::kBegun;
+    if (begun_ || spoilt) result_.kind = ParseResult::Kind::kBegun;
     result_.cause = cause();
     return result_;
   }
 
  private:
   // Judges what begins at at_, and moves on: behind a frame, or by one byte.
-  void look() {
+  void examine() {
     const ByteView bytes = all_.subspan(at_);
     const bool mine = bytes[0] == unit_ &&
-                      (bytes.size() == 1 || (bytes[1] & ~kExceptionFlag) == question_.function());
+                      (bytes.size() == 1 || (bytes[1] & ~kExceptionFlag) == request_.function());
     const bool other = bytes[0] >= 1 && bytes[0] <= kHighestUnit && bytes.size() > 1;
     if (!mine && !other) return slide();
     const std::size_t length = length_of(bytes, mine);
@@ -87,14 +87,14 @@ class Search {
 
   void whole(ByteView frame, bool mine) {
     const ByteView pdu = frame.subspan(1, frame.size() - kOverhead);
-    const Verdict verdict = mine ? question_.judge(pdu) : Verdict::kForeign;
+    const Verdict verdict = mine ? request_.judge(pdu) : Verdict::kForeign;
     if (verdict == Verdict::kAnswer || verdict == Verdict::kException) {
-      if (held_) {
+      if (open_at_boundary_) {
         result_.fallback = pdu;
       } else {
         result_.pdu = pdu;
-        result_.kind =
-            verdict == Verdict::kAnswer ? Sighting::Kind::kAnswer : Sighting::Kind::kException;
+        result_.kind = verdict == Verdict::kAnswer ? ParseResult::Kind::kAnswer
+                                                   : ParseResult::Kind::kException;
       }
       return;
     }
@@ -118,7 +118,7 @@ class Search {
       result_.missing =
           static_cast<std::uint32_t>(certain ? missing : std::min(missing, kDoubtfulWait));
     begun_ = true;
-    if (at_boundary_) held_ = true;
+    if (at_boundary_) open_at_boundary_ = true;
     if (!mine)
       foreign_ = true;
     else if (at_boundary_)
@@ -147,23 +147,23 @@ class Search {
 
   const ByteView all_;
   const std::uint8_t unit_;
-  const Question& question_;
+  const RequestPdu& request_;
   const std::size_t expected_;  // size of our answer's frame
-  Sighting result_;
+  ParseResult result_;
   std::size_t at_ = 0;
   std::size_t noise_ = 0;
   bool at_boundary_ = true;
-  bool begun_ = false;      // some frame lacks bytes
-  bool held_ = false;       // and it began at a boundary
-  bool truncated_ = false;  // it is ours
-  bool cut_ = false;        // ours, but somewhere within noise
+  bool begun_ = false;             // some frame lacks bytes
+  bool open_at_boundary_ = false;  // and it began at a boundary
+  bool truncated_ = false;         // it is ours
+  bool cut_ = false;               // ours, but somewhere within noise
   bool mismatch_ = false;
   bool foreign_ = false;
   bool broken_ = false;
 };
 
-Sighting find(ByteView all, const Ticket& ticket, const Question& question, Scratch&) {
-  return Search(all, ticket, question).run();
+ParseResult find(ByteView all, const Header& header, const RequestPdu& request, Scratch&) {
+  return Search(all, header, request).run();
 }
 
 }  // namespace

@@ -12,11 +12,11 @@ constexpr std::size_t kMaxLength = 254;
 
 std::size_t frame_size(std::size_t pdu_size) { return kHeader + pdu_size; }
 
-void wrap(const Ticket& ticket, ByteView pdu, Bytes& out) {
-  append_u16(out, ticket.transaction);
+void wrap(const Header& header, ByteView pdu, Bytes& out) {
+  append_u16(out, header.transaction);
   append_u16(out, 0);
   append_u16(out, static_cast<std::uint16_t>(pdu.size() + 1));
-  out.push_back(ticket.unit);
+  out.push_back(header.unit);
   append(out, pdu);
 }
 
@@ -30,26 +30,27 @@ bool is_hopeless(ByteView frame) {
   return length < kMinLength || length > kMaxLength;
 }
 
-Sighting find(ByteView all, const Ticket& ticket, const Question& question, Scratch&) {
-  Sighting result;
+ParseResult find(ByteView all, const Header& header, const RequestPdu& request, Scratch&) {
+  ParseResult result;
   while (!all.empty()) {
-    if (is_hopeless(all)) return {.kind = Sighting::Kind::kHopeless, .cause = Cause::kMalformed};
+    if (is_hopeless(all)) return {.kind = ParseResult::Kind::kHopeless, .cause = Cause::kMalformed};
     const std::size_t length = all.size() < kCounted ? kHeader : kCounted + read_u16(all, 4);
     if (all.size() < length) {
       // Not kBegun: between segments a network pauses as long as it likes, so the whole timeout is
       // waited for the rest.
-      const bool ours = all.size() < 2 || read_u16(all) == ticket.transaction;
+      const bool ours = all.size() < 2 || read_u16(all) == header.transaction;
       if (ours || result.cause == Cause::kNoAnswer)
         result.cause = ours ? Cause::kTruncated : Cause::kForeign;
       return result;
     }
     const ByteView pdu = all.first(length).subspan(kHeader);
-    if (read_u16(all) != ticket.transaction || all[6] != ticket.unit) {
+    if (read_u16(all) != header.transaction || all[6] != header.unit) {
       if (result.cause == Cause::kNoAnswer) result.cause = Cause::kForeign;
     } else {
-      const Verdict verdict = question.judge(pdu);
-      if (verdict == Verdict::kAnswer) return {.kind = Sighting::Kind::kAnswer, .pdu = pdu};
-      if (verdict == Verdict::kException) return {.kind = Sighting::Kind::kException, .pdu = pdu};
+      const Verdict verdict = request.judge(pdu);
+      if (verdict == Verdict::kAnswer) return {.kind = ParseResult::Kind::kAnswer, .pdu = pdu};
+      if (verdict == Verdict::kException)
+        return {.kind = ParseResult::Kind::kException, .pdu = pdu};
       result.cause = verdict == Verdict::kMismatch ? Cause::kMalformed : Cause::kForeign;
     }
     all = all.subspan(length);

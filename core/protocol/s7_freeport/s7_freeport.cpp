@@ -82,7 +82,7 @@ class FreeportExchange final : public Exchange {
     for (auto q = std::find(all.begin(), all.end(), 'q');
          q != all.end();) {  // a `q` begins a frame at any time
       const auto next = std::find(q + 1, all.end(), 'q');
-      step = look({q, next});
+      step = examine({q, next});
       if (step.kind != Step::Kind::kNeedMore) break;
       q = next;
     }
@@ -93,7 +93,7 @@ class FreeportExchange final : public Exchange {
   const Reply& reply() const override { return reply_; }
 
  private:
-  Step look(ByteView text) {
+  Step examine(ByteView text) {
     const auto end = std::find(text.begin(), text.end(), 'Q');
     if (end == text.end() && text.size() < kRequest) {
       silence_ = Cause::kTruncated;

@@ -67,18 +67,18 @@ class PpiExchange final : public Exchange {
     acknowledged_ = false;
     Step step = Step::need_answer();
     for (std::size_t at = 0; at < all.size();) {
-      const Seen seen = look(all.subspan(at));
-      if (seen.kind == Seen::Kind::kOpen) {
+      const Telegram telegram = parse_telegram(all.subspan(at));
+      if (telegram.kind == Telegram::Kind::kOpen) {
         silence_ = Cause::kTruncated;
         // A telegram that begins in noise hides the acknowledgement behind it; asking for the
         // answer does no harm.
         acknowledged_ = polls_ == 0 && all.back() == kMarkAcknowledge;
         if (acknowledged_) return Step::pause_for(link_.poll_delay);
-        return Step::need_rest(static_cast<std::uint32_t>(seen.size - (all.size() - at)));
+        return Step::need_rest(static_cast<std::uint32_t>(telegram.size - (all.size() - at)));
       }
-      step = take(seen, step);
+      step = take(telegram, step);
       if (step.kind != Step::Kind::kNeedMore) return step;
-      at += seen.size;
+      at += telegram.size;
     }
     return step;
   }
@@ -98,34 +98,36 @@ class PpiExchange final : public Exchange {
 
  private:
   // `before`: what to wait for if this says nothing new.
-  Step take(const Seen& seen, const Step& before) {
-    switch (seen.kind) {
-      case Seen::Kind::kAcknowledge: acknowledged_ = true; return Step::pause_for(link_.poll_delay);
-      case Seen::Kind::kShort: return take_short(seen, before);
-      case Seen::Kind::kLong: return take_long(seen, before);
-      case Seen::Kind::kBroken:
+  Step take(const Telegram& telegram, const Step& before) {
+    switch (telegram.kind) {
+      case Telegram::Kind::kAcknowledge:
+        acknowledged_ = true;
+        return Step::pause_for(link_.poll_delay);
+      case Telegram::Kind::kShort: return take_short(telegram, before);
+      case Telegram::Kind::kLong: return take_long(telegram, before);
+      case Telegram::Kind::kBroken:
         silence_ = Cause::kChecksum;
         return acknowledged_ ? before : Step::need_rest(0);
       default: return before;
     }
   }
 
-  bool ours(const Seen& seen) const {
-    return seen.to == link_.master && seen.from == link_.station;
+  bool ours(const Telegram& telegram) const {
+    return telegram.to == link_.master && telegram.from == link_.station;
   }
 
-  Step take_short(const Seen& seen, const Step& before) {
-    if (!ours(seen)) return before;
-    const auto code = static_cast<std::uint8_t>(seen.control & kControlMask);
+  Step take_short(const Telegram& telegram, const Step& before) {
+    if (!ours(telegram)) return before;
+    const auto code = static_cast<std::uint8_t>(telegram.control & kControlMask);
     const bool later = code == kNoResource || code == kNoData;
     return Step::failed(later ? Cause::kDeviceBusy : Cause::kDeviceError, code);
   }
 
-  Step take_long(const Seen& seen, const Step& before) {
+  Step take_long(const Telegram& telegram, const Step& before) {
     Judgement judgement{Judgement::Kind::kForeign};
-    if (ours(seen)) {
-      judgement = (seen.control & kControlMask) == kDataAnswer
-                      ? judge_unit(seen.unit, request_, reference_)
+    if (ours(telegram)) {
+      judgement = (telegram.control & kControlMask) == kDataAnswer
+                      ? judge_unit(telegram.unit, request_, reference_)
                       : Judgement{Judgement::Kind::kMalformed};
     }
     switch (judgement.kind) {

@@ -7,20 +7,20 @@
 namespace fieldcast::s7_ppi {
 namespace {
 
-Seen look_long(ByteView bytes) {
+Telegram parse_long(ByteView bytes) {
   const bool wrong = (bytes.size() > 1 && bytes[1] < kLinkHead) ||
                      (bytes.size() > 1 && bytes[1] + kLongFrame > kMaxLong) ||
                      (bytes.size() > 2 && bytes[2] != bytes[1]) ||
                      (bytes.size() > 3 && bytes[3] != kMarkLong);
   if (wrong) return {};
-  if (bytes.size() < 4) return {.kind = Seen::Kind::kOpen, .size = kLongFrame + kLinkHead};
+  if (bytes.size() < 4) return {.kind = Telegram::Kind::kOpen, .size = kLongFrame + kLinkHead};
   const std::size_t length = bytes[1];
   const std::size_t size = length + kLongFrame;
-  if (bytes.size() < size) return {.kind = Seen::Kind::kOpen, .size = size};
+  if (bytes.size() < size) return {.kind = Telegram::Kind::kOpen, .size = size};
   const ByteView counted = bytes.subspan(4, length);
   if (sum8(counted) != bytes[size - 2] || bytes[size - 1] != kEnd)
-    return {.kind = Seen::Kind::kBroken};
-  return {.kind = Seen::Kind::kLong,
+    return {.kind = Telegram::Kind::kBroken};
+  return {.kind = Telegram::Kind::kLong,
           .size = size,
           .to = counted[0],
           .from = counted[1],
@@ -28,11 +28,11 @@ Seen look_long(ByteView bytes) {
           .unit = counted.subspan(3)};
 }
 
-Seen look_short(ByteView bytes) {
-  if (bytes.size() < kShortSize) return {.kind = Seen::Kind::kOpen, .size = kShortSize};
+Telegram parse_short(ByteView bytes) {
+  if (bytes.size() < kShortSize) return {.kind = Telegram::Kind::kOpen, .size = kShortSize};
   if (sum8(bytes.subspan(1, 3)) != bytes[4] || bytes[5] != kEnd)
-    return {.kind = Seen::Kind::kBroken};
-  return {.kind = Seen::Kind::kShort,
+    return {.kind = Telegram::Kind::kBroken};
+  return {.kind = Telegram::Kind::kShort,
           .size = kShortSize,
           .to = bytes[1],
           .from = bytes[2],
@@ -40,11 +40,11 @@ Seen look_short(ByteView bytes) {
 }
 
 // Its two bytes are addresses: anything else shows that it is noise.
-Seen look_token(ByteView bytes) {
+Telegram parse_token(ByteView bytes) {
   for (std::size_t i = 1; i < std::min<std::size_t>(bytes.size(), 3); ++i) {
     if (bytes[i] > kHighestAddress) return {};
   }
-  return {.kind = bytes.size() < 3 ? Seen::Kind::kOpen : Seen::Kind::kToken, .size = 3};
+  return {.kind = bytes.size() < 3 ? Telegram::Kind::kOpen : Telegram::Kind::kToken, .size = 3};
 }
 
 }  // namespace
@@ -65,12 +65,12 @@ void append_short(Bytes& out, std::uint8_t to, std::uint8_t from, std::uint8_t c
   append(out, frame);
 }
 
-Seen look(ByteView bytes) {
+Telegram parse_telegram(ByteView bytes) {
   switch (bytes[0]) {
-    case kMarkLong: return look_long(bytes);
-    case kMarkShort: return look_short(bytes);
-    case kMarkAcknowledge: return {.kind = Seen::Kind::kAcknowledge};
-    case kMarkToken: return look_token(bytes);
+    case kMarkLong: return parse_long(bytes);
+    case kMarkShort: return parse_short(bytes);
+    case kMarkAcknowledge: return {.kind = Telegram::Kind::kAcknowledge};
+    case kMarkToken: return parse_token(bytes);
     default: return {};
   }
 }

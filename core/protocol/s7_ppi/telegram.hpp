@@ -27,8 +27,8 @@ void append_long(Bytes& out, std::uint8_t to, std::uint8_t from, std::uint8_t co
                  ByteView unit);
 void append_short(Bytes& out, std::uint8_t to, std::uint8_t from, std::uint8_t control);
 
-// What begins with the first byte.
-struct Seen {
+// What begins with the first byte, parsed.
+struct Telegram {
   enum class Kind : std::uint8_t { kNoise, kOpen, kBroken, kAcknowledge, kToken, kShort, kLong };
   Kind kind = Kind::kNoise;
   std::size_t size = 1;  // to move on by; kOpen: of the whole telegram, as far as known
@@ -36,6 +36,6 @@ struct Seen {
   ByteView unit;  // kLong
 };
 // REQUIRES: bytes is not empty.
-[[nodiscard]] Seen look(ByteView bytes);
+[[nodiscard]] Telegram parse_telegram(ByteView bytes);
 
 }  // namespace fieldcast::s7_ppi

@@ -17,7 +17,7 @@ struct Wire {
   bool checked;
 };
 
-struct Talk {
+struct Row {
   std::string name;
   Request request;
   std::string answer;  // PDU
@@ -28,7 +28,7 @@ Range range(Table table, std::uint32_t first, std::uint32_t count) {
   return {static_cast<AreaIndex>(table), first, count};
 }
 
-const Talk kTalks[]{
+const Row kRows[]{
     {"coils", ReadRequest{{range(Table::kCoil, 19, 19)}}, "01 03 CD6B05"},
     {"inputs", ReadRequest{{range(Table::kInput, 196, 22)}}, "02 03 ACDB35"},
     {"holding", ReadRequest{{range(Table::kHolding, 107, 3)}}, "03 06 AE41 5652 4340"},
@@ -53,17 +53,17 @@ const Talk kTalks[]{
     {"busy", ReadRequest{{range(Table::kCoil, 107, 3)}}, "81 06"},
 };
 
-class ModbusMatrix : public testing::TestWithParam<std::tuple<Wire, Talk>> {
+class ModbusMatrix : public testing::TestWithParam<std::tuple<Wire, Row>> {
  protected:
   test::MatrixCase matrix() const {
-    const auto& [wire, talk] = GetParam();
-    const Ticket ticket{17, 0x1501};
+    const auto& [wire, row] = GetParam();
+    const Header header{17, 0x1501};
     Bytes answer;
-    wire.framing().wrap(ticket, hex(talk.answer), answer);
+    wire.framing().wrap(header, hex(row.answer), answer);
     return {.begin =
-                [&framing = wire.framing(), ticket, &talk = talk] {
-                  return std::make_unique<ModbusExchange>(framing, ticket, talk.request,
-                                                          talk.options);
+                [&framing = wire.framing(), header, &row = row] {
+                  return std::make_unique<ModbusExchange>(framing, header, row.request,
+                                                          row.options);
                 },
             .answers = {answer},
             .checked = wire.checked,
@@ -77,23 +77,23 @@ TEST_P(ModbusMatrix, RandomBytesAreRefused) {
 }
 
 TEST_P(ModbusMatrix, AnnouncedSizesAreExact) {
-  const auto& [wire, talk] = GetParam();
-  ModbusExchange exchange(wire.framing(), Ticket{17, 0x1501}, talk.request, talk.options);
-  const auto sizes = pdu_sizes(talk.request, talk.options);
+  const auto& [wire, row] = GetParam();
+  ModbusExchange exchange(wire.framing(), Header{17, 0x1501}, row.request, row.options);
+  const auto sizes = pdu_sizes(row.request, row.options);
   ASSERT_TRUE(sizes.has_value());
   Bytes request;
   const Step step = exchange.start(request);
   EXPECT_EQ(step.kind, Step::Kind::kSend);
   EXPECT_EQ(request.size(), wire.framing().size(sizes->request));
   EXPECT_EQ(step.characters, wire.framing().size(sizes->answer));
-  if (hex(talk.answer)[0] < kExceptionFlag) { EXPECT_EQ(sizes->answer, hex(talk.answer).size()); }
+  if (hex(row.answer)[0] < kExceptionFlag) { EXPECT_EQ(sizes->answer, hex(row.answer).size()); }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ModbusMatrix,
                          testing::Combine(testing::Values(Wire{"rtu", rtu_framing, true},
                                                           Wire{"ascii", ascii_framing, true},
                                                           Wire{"tcp", tcp_framing, false}),
-                                          testing::ValuesIn(kTalks)),
+                                          testing::ValuesIn(kRows)),
                          [](const auto& instance) {
                            return std::get<0>(instance.param).name + "_" +
                                   std::get<1>(instance.param).name;

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "core/protocol/modbus/question.hpp"
+#include "core/protocol/modbus/request.hpp"
 #include "core/protocol/protocol.hpp"
 
 namespace fieldcast::modbus::reference {

@@ -30,7 +30,7 @@ Request read(Table table, std::uint32_t first, std::uint32_t count) {
   return ReadRequest{{{static_cast<AreaIndex>(table), first, count}}};
 }
 ModbusExchange rtu(std::uint8_t unit, const Request& request, Options options = {}) {
-  return {rtu_framing(), Ticket{unit, 0}, request, options};
+  return {rtu_framing(), Header{unit, 0}, request, options};
 }
 // Unit 17 reads holding 107..109: the classic example of the protocol's guides.
 ModbusExchange classic() { return rtu(17, read(Table::kHolding, 107, 3)); }

@@ -42,11 +42,11 @@ class ModbusVectors : public testing::TestWithParam<GoldenVector> {
  protected:
   const GoldenVector& vector() const { return GetParam(); }
 
-  // The question that the vector's answer belongs to: from its request, or, where it has none that
+  // What the vector's answer belongs to: its request, or, where it has none that
   // may be sent, from the answer.
   struct Asked {
     Meant meant;
-    Ticket ticket;
+    Header header;
   };
   std::optional<Asked> asked(ByteView answer_frame) const {
     if (const auto request = reference::open(vector().framing, vector().request)) {
@@ -61,7 +61,7 @@ class ModbusVectors : public testing::TestWithParam<GoldenVector> {
     return Asked{*meant, {answer->unit, answer->transaction}};
   }
   Outcome outcome(const Asked& asked, const Bytes& answer) const {
-    ModbusExchange exchange(framing_of(vector()), asked.ticket, asked.meant.request,
+    ModbusExchange exchange(framing_of(vector()), asked.header, asked.meant.request,
                             asked.meant.options);
     return test::drive(exchange, answer);
   }
@@ -73,7 +73,7 @@ TEST_P(ModbusVectors, OurRequestIsTheirs) {
   const auto meant = reference::request_of(opened->pdu);
   ASSERT_TRUE(meant.has_value());
   ASSERT_TRUE(pdu_sizes(meant->request, meant->options).has_value());
-  ModbusExchange exchange(framing_of(vector()), Ticket{opened->unit, opened->transaction},
+  ModbusExchange exchange(framing_of(vector()), Header{opened->unit, opened->transaction},
                           meant->request, meant->options);
   Bytes ours;
   (void)exchange.start(ours);
@@ -92,20 +92,20 @@ TEST_P(ModbusVectors, TheirAnswerIsRead) {
   if (vector().kind != "ok" || !answer || is_unused_function(answer->pdu)) return;
   if (vector().name == "tcp_split_fc02_pymodbus")
     return;  // a request's shape in an answer's place: see AMalformedAnswerIsNoValue
-  const auto question = asked(vector().response);
-  ASSERT_TRUE(question.has_value());
-  const Outcome result = outcome(*question, vector().response);
+  const auto request = asked(vector().response);
+  ASSERT_TRUE(request.has_value());
+  const Outcome result = outcome(*request, vector().response);
   ASSERT_TRUE(result.done()) << to_text(result);
   EXPECT_EQ(to_hex(result.reply.back().items),
-            to_hex(reference::items_of(answer->pdu, question->meant.request)));
+            to_hex(reference::items_of(answer->pdu, request->meant.request)));
 }
 
 TEST_P(ModbusVectors, AnExceptionIsItsCode) {
   const auto answer = reference::open(vector().framing, vector().response);
   if (vector().kind != "exception" || is_unused_function(answer.value().pdu)) return;
-  const auto question = asked(vector().response);
-  ASSERT_TRUE(question.has_value());
-  const Outcome result = outcome(*question, vector().response);
+  const auto request = asked(vector().response);
+  ASSERT_TRUE(request.has_value());
+  const Outcome result = outcome(*request, vector().response);
   const int code = answer->pdu[1];
   EXPECT_EQ(result.cause, code == 5 || code == 6 ? Cause::kDeviceBusy : Cause::kDeviceError);
   EXPECT_EQ(result.code, code);
@@ -125,11 +125,11 @@ TEST_P(ModbusVectors, AMalformedAnswerIsNoValue) {
   if ((vector().kind != "malformed" && !shape) || vector().response.empty() ||
       vector().expect == "resync_optional")
     return;
-  auto question = asked(vector().response);
-  if (!question) {  // nothing to ask in the vector: ask for one holding register
-    question = Asked{{ReadRequest{{{2, 0, 1}}}, {}}, {vector().response[0], 0}};
+  auto request = asked(vector().response);
+  if (!request) {  // the vector has no request: one holding register
+    request = Asked{{ReadRequest{{{2, 0, 1}}}, {}}, {vector().response[0], 0}};
   }
-  const Outcome result = outcome(*question, vector().response);
+  const Outcome result = outcome(*request, vector().response);
   EXPECT_FALSE(result.done()) << to_text(result);
   static const std::map<std::string, std::set<Cause>> expected{
       {"crc_error", {Cause::kChecksum}},
@@ -188,7 +188,7 @@ TEST(ModbusVector, ALateAnswerIsPassedOverForTheRightOne) {
   const GoldenVector late = named("late_response_after_timeout");
   const auto request = reference::open("rtu", late.hex("second_request"));
   ASSERT_TRUE(request.has_value());
-  ModbusExchange exchange(rtu_framing(), Ticket{request->unit, 0},
+  ModbusExchange exchange(rtu_framing(), Header{request->unit, 0},
                           reference::request_of(request->pdu)->request, {});
   Bytes stream = late.response;
   append(stream, late.hex("second_response"));
@@ -199,7 +199,7 @@ TEST(ModbusVector, ALateAnswerIsPassedOverForTheRightOne) {
 
 TEST(ModbusVector, AGoodFrameBehindABadOneIsRead) {
   const GoldenVector stream = named("rtu_stream_bad_then_good");
-  ModbusExchange exchange(rtu_framing(), Ticket{0, 0}, ReadRequest{{{2, 124, 2}}}, {});
+  ModbusExchange exchange(rtu_framing(), Header{0, 0}, ReadRequest{{{2, 124, 2}}}, {});
   const Outcome result = test::drive(exchange, stream.response);
   EXPECT_EQ(result.cause, Cause::kDeviceError);
   EXPECT_EQ(result.code, 2);
@@ -208,7 +208,7 @@ TEST(ModbusVector, AGoodFrameBehindABadOneIsRead) {
 TEST(ModbusVector, AMaskWriteIsTheStandardsExampleForOneBit) {
   // Application Protocol V1.1b3, 6.16 writes several bits at once; Fieldcast writes one: the masks
   // differ, the frame does not.
-  ModbusExchange exchange(tcp_framing(), Ticket{17, 0x1501},
+  ModbusExchange exchange(tcp_framing(), Header{17, 0x1501},
                           WriteRequest{.range = {2, 4, 1}, .items = {0, 0x20}, .bit = 5},
                           {.mask_write = true});
   Bytes request;

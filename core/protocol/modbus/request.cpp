@@ -1,4 +1,4 @@
-#include "core/protocol/modbus/question.hpp"
+#include "core/protocol/modbus/request.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -134,7 +134,7 @@ std::optional<PduSizes> pdu_sizes(const Request& request, const Options& options
   return sizes_of(std::get<WriteReadRequest>(request));
 }
 
-Question::Question(const Request& request, const Options& options) {
+RequestPdu::RequestPdu(const Request& request, const Options& options) {
   const auto sizes = pdu_sizes(request, options);
   if (!sizes) std::abort();  // REQUIRES
   pdu_.reserve(sizes->request);
@@ -159,7 +159,7 @@ Question::Question(const Request& request, const Options& options) {
   }
 }
 
-Verdict Question::judge(ByteView answer) const {
+Verdict RequestPdu::judge(ByteView answer) const {
   if (answer.empty()) return Verdict::kMismatch;
   if (answer[0] == (function() | kExceptionFlag)) {
     return answer.size() == 2 && answer[1] != 0 ? Verdict::kException : Verdict::kMismatch;
@@ -171,7 +171,7 @@ Verdict Question::judge(ByteView answer) const {
   return right ? Verdict::kAnswer : Verdict::kMismatch;
 }
 
-Reply Question::unpack(ByteView answer) const {
+Reply RequestPdu::unpack(ByteView answer) const {
   Reply reply(writes_and_reads_ ? 2 : 1);
   if (read_count_ == 0) return reply;
   const ByteView data = answer.subspan(2);

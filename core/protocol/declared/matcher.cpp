@@ -1,4 +1,4 @@
-// Recognises a declared frame at the start of some bytes (frame.hpp).
+// Matches a declared frame against the start of some bytes (frame.hpp).
 #include <algorithm>
 #include <array>
 
@@ -7,32 +7,32 @@
 namespace fieldcast::declared {
 namespace {
 
-class Look {
+class Matcher {
  public:
-  Look(const Frame& frame, ByteView bytes, const Facts& facts, std::size_t record_items)
+  Matcher(const Frame& frame, ByteView bytes, const FrameContext& context, std::size_t record_items)
       : fields_(frame.fields),
         frame_(frame),
         bytes_(bytes),
-        facts_(facts),
+        context_(context),
         record_(2 * record_items) {}
 
-  Sight run() {
+  MatchResult run() {
     for (at_ = 0; at_ < fields_.size(); ++at_) {
-      starts_[at_] = place_;
-      if (!step(fields_[at_])) return std::move(sight_);
+      starts_[at_] = offset_;
+      if (!step(fields_[at_])) return std::move(result_);
     }
-    starts_[at_] = place_;
-    sight_.fit = Sight::Fit::kWhole;
-    sight_.size = place_;
+    starts_[at_] = offset_;
+    result_.fit = MatchResult::Fit::kWhole;
+    result_.size = offset_;
     for (const Field& field : fields_) {
       if (field.kind == FieldKind::kChecksum) check(field);
     }
-    if (sight_.items.empty()) sight_.items = std::move(record_);
-    return std::move(sight_);
+    if (result_.items.empty()) result_.items = std::move(record_);
+    return std::move(result_);
   }
 
  private:
-  // False: the sight is decided.
+  // False: the result is known.
   bool step(const Field& field) {
     if (field.kind == FieldKind::kItems) return items(field);
     if (field.kind == FieldKind::kValue && field.text_size != 0) return text_value(field);
@@ -42,18 +42,18 @@ class Look {
   }
 
   bool none() {
-    sight_.fit = Sight::Fit::kNone;
+    result_.fit = MatchResult::Fit::kNone;
     return false;
   }
   bool part() {
     const std::size_t whole =
-        place_ + size_of(frame_, at_, fields_.size(), facts_.item_bits, facts_.count);
-    sight_.fit = Sight::Fit::kPart;
-    sight_.missing = std::max<std::size_t>(1, whole - std::min(whole - 1, bytes_.size()));
+        offset_ + size_of(frame_, at_, fields_.size(), context_.item_bits, context_.count);
+    result_.fit = MatchResult::Fit::kPart;
+    result_.missing = std::max<std::size_t>(1, whole - std::min(whole - 1, bytes_.size()));
     return false;
   }
-  bool lacks(std::size_t characters) const { return bytes_.size() - place_ < characters; }
-  ByteView rest() const { return bytes_.subspan(place_); }
+  bool lacks(std::size_t characters) const { return bytes_.size() - offset_ < characters; }
+  ByteView rest() const { return bytes_.subspan(offset_); }
 
   // The word that this field begins.
   bool open(const Field& field) {
@@ -75,35 +75,35 @@ class Look {
     const bool fixed = field.kind == FieldKind::kConstant || field.kind == FieldKind::kCommand;
     if (!fixed || field.bits != bits_of_word(field)) return true;
     Bytes right;
-    append_word(right, field.word, *number_of(field, facts_));
+    append_word(right, field.word, *number_of(field, context_));
     return std::equal(rest().begin(), rest().end(), right.begin());
   }
 
   // The number has come. Moves on behind the last field of its word.
   bool number(const Field& field, std::uint64_t number) {
-    const auto right = number_of(field, facts_);
+    const auto right = number_of(field, context_);
     const bool equal = right && *right == number;
     switch (field.kind) {
       case FieldKind::kConstant:
       case FieldKind::kCommand:
         if (!equal) return none();
-        ++sight_.known;
+        ++result_.known;
         break;
       case FieldKind::kAddress:
-      case FieldKind::kSequence: sight_.foreign |= !equal; break;
+      case FieldKind::kSequence: result_.foreign |= !equal; break;
       case FieldKind::kFirst:
-      case FieldKind::kCount: sight_.mismatch |= !equal; break;
+      case FieldKind::kCount: result_.mismatch |= !equal; break;
       case FieldKind::kLength:
         if (!length(field, number)) return none();
         break;
       case FieldKind::kError:
-        if (facts_.refusal == (number == field.number)) return none();
-        sight_.error = static_cast<std::uint16_t>(number);
+        if (context_.refusal == (number == field.number)) return none();
+        result_.error = static_cast<std::uint16_t>(number);
         break;
       case FieldKind::kValue: value(field, number); break;
       default: break;
     }
-    if (at_ + 1 == fields_.size() || fields_[at_ + 1].opens) place_ += field.word.characters;
+    if (at_ + 1 == fields_.size() || fields_[at_ + 1].opens) offset_ += field.word.characters;
     return true;
   }
 
@@ -115,7 +115,7 @@ class Look {
     const Field* elastic = nullptr;
     for (std::size_t i = field.of.from; i <= field.of.to; ++i) {
       const auto size =
-          static_cast<std::int64_t>(size_of(frame_, i, i + 1, facts_.item_bits, facts_.count));
+          static_cast<std::int64_t>(size_of(frame_, i, i + 1, context_.item_bits, context_.count));
       const bool digits = doubled(fields_[i], field);
       const bool soft = i > at_ && (fields_[i].kind == FieldKind::kItems || fields_[i].variable);
       expected = digits ? size / 2 : size;
@@ -125,7 +125,7 @@ class Look {
         left -= expected;
     }
     if (elastic == nullptr) {
-      sight_.mismatch |= left != 0;
+      result_.mismatch |= left != 0;
       return true;
     }
     if (left < 0 || left > static_cast<std::int64_t>(kMaxFrame)) return false;
@@ -141,23 +141,23 @@ class Look {
   }
 
   bool items(const Field& field) {
-    const std::size_t expected = items_size(field, facts_.item_bits, facts_.count);
+    const std::size_t expected = items_size(field, context_.item_bits, context_.count);
     const std::size_t size = told().value_or(expected);
     if (size == 0 || size > kMaxFrame) return none();
-    sight_.mismatch |= size != expected;
+    result_.mismatch |= size != expected;
     if (lacks(size)) {
       if (!could_begin_items(field)) return none();
       part();
-      sight_.missing += size > expected ? size - expected : 0;
+      result_.missing += size > expected ? size - expected : 0;
       return false;
     }
     if (size == expected) {
-      auto items = read_items(rest().first(size), field, facts_.item_bits, facts_.count);
+      auto items = read_items(rest().first(size), field, context_.item_bits, context_.count);
       if (!items) return none();
-      sight_.mismatch |= facts_.written && *items != facts_.items;
-      sight_.items = std::move(*items);
+      result_.mismatch |= context_.written && *items != context_.items;
+      result_.items = std::move(*items);
     }
-    place_ += size;
+    offset_ += size;
     return true;
   }
   bool could_begin_items(const Field& field) const { return could_begin(rest(), field.word); }
@@ -169,8 +169,8 @@ class Look {
                     [](std::uint8_t a, char b) { return a == static_cast<std::uint8_t>(b); }))
       return none();
     if (size < field.text.size()) return part();
-    ++sight_.known;
-    place_ += size;
+    ++result_.known;
+    offset_ += size;
     return true;
   }
 
@@ -184,7 +184,7 @@ class Look {
         size = static_cast<std::size_t>(end - rest().begin());
         if (end == rest().end() && size <= field.text_size) {
           part();
-          sight_.missing = 1;
+          result_.missing = 1;
           return false;
         }
       }
@@ -194,7 +194,7 @@ class Look {
     const std::size_t from = 2u * field.place;
     for (std::size_t i = 0; i < size && from + i < record_.size(); ++i)
       record_[from + i] = rest()[i];
-    place_ += size;
+    offset_ += size;
     return true;
   }
   static std::uint8_t terminator(const Field& field) {
@@ -211,30 +211,30 @@ class Look {
     const std::size_t from = 2u * field.place, width = 2u * items;
     for (std::size_t i = 0; i < width && from + i < record_.size(); ++i)
       record_[from + i] = static_cast<std::uint8_t>(number >> 8 * (width - 1 - i));
-    if (!facts_.written || field.place < facts_.first ||
-        field.place + items > facts_.first + facts_.count)
+    if (!context_.written || field.place < context_.first ||
+        field.place + items > context_.first + context_.count)
       return;
-    const auto sent = value_in(facts_.items, field.place - facts_.first, items);
-    sight_.mismatch |= ((sent ^ number) & (UINT64_MAX >> (64 - field.bits))) != 0;
+    const auto sent = value_in(context_.items, field.place - context_.first, items);
+    result_.mismatch |= ((sent ^ number) & (UINT64_MAX >> (64 - field.bits))) != 0;
   }
 
   void check(const Field& field) {
-    sight_.checked = true;
+    result_.checked = true;
     const std::size_t at = starts_[static_cast<std::size_t>(&field - fields_.data())];
     const auto said = read_word(bytes_.subspan(at, field.word.characters), field.word);
-    sight_.bad_check |=
+    result_.bad_check |=
         said != check_of(field.check, field.bits, covered(frame_, field, bytes_, starts_));
   }
 
   const std::vector<Field>& fields_;
   const Frame& frame_;
   const ByteView bytes_;
-  const Facts& facts_;
+  const FrameContext& context_;
   Bytes record_;
-  Sight sight_;
+  MatchResult result_;
   std::array<std::size_t, kMaxFields + 1> starts_{};
   std::size_t at_ = 0;               // the field
-  std::size_t place_ = 0;            // its first character
+  std::size_t offset_ = 0;           // its first character
   std::uint64_t word_ = 0;           // that the field is part of
   std::optional<std::size_t> told_;  // characters of the field that a length measures
   std::size_t elastic_at_ = 0;
@@ -242,8 +242,9 @@ class Look {
 
 }  // namespace
 
-Sight look(const Frame& frame, ByteView bytes, const Facts& facts, std::size_t record_items) {
-  return Look(frame, bytes, facts, record_items).run();
+MatchResult match_frame(const Frame& frame, ByteView bytes, const FrameContext& context,
+                        std::size_t record_items) {
+  return Matcher(frame, bytes, context, record_items).run();
 }
 
 }  // namespace fieldcast::declared
