@@ -1,6 +1,7 @@
 #include "bridge/port/serial_line.hpp"
 
-#include <asm/termbits.h>  // termios2: <termios.h> cannot say a baud rate that is not in its table, and both cannot be included
+// termios2: <termios.h> knows only the baud rates of its table, and both cannot be included.
+#include <asm/termbits.h>
 #include <fmt/format.h>
 #include <linux/serial.h>
 #include <sys/ioctl.h>

@@ -1,14 +1,15 @@
 // LZW over nibbles: the compression of DTC packets.
 //
-//     input       nibbles of the bytes, the high one first
-//     dictionary  0..15 the single nibbles; after each code string + next nibble under the next
-//     number, to 4096 entries; then it stays code k      bit_width(min(15 + k, 4095)) bits, most
-//     significant first (k counts from 0); the last byte is filled with zeros
+//     input        nibbles of the bytes, the high one first
+//     dictionary   0..15: the single nibbles. Each code adds one entry, string + next nibble, up to
+//                  4096 entries; then the dictionary stays as it is
+//     code k       bit_width(min(15 + k, 4095)) bits, most significant first; k counts from 0. The
+//                  last byte is filled with zeros
 //
-// The encoder's dictionary is a trie in one flat array, sixteen children for each string; a node is
-// cleared when it is made, so that a call costs what its input is long and nothing is allocated.
-// The decoder needs no strings at all: each entry already stands in the output, where its
-// predecessor was written, one nibble longer.
+// The encoder's dictionary is a trie in one flat array, sixteen children for each string. A node is
+// cleared when it is made: a call costs as much as its input is long, and nothing is allocated. The
+// decoder needs no strings: each entry stands in the output already, where its predecessor was
+// written, one nibble longer.
 #pragma once
 
 #include <array>

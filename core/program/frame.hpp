@@ -4,12 +4,13 @@
 //     frame       @@ instruction CR FEFF    program bytes: one instruction with its end character
 //
 //     client      device number             I want this device (marker framing)
-//                 V2 device number          the same; after 0000 both sides speak length framing
-//                 (length_framing.hpp) AU user : password        who I am, both as lower-case
-//                 hexadecimal digits, which never hold FEFF (ours) ED                        stop,
-//                 release the device
-//     bridge      0000 .. 0003, 0004        the replies; 0004 is ours: no login, or not of a
-//     programmer both        HB                        heartbeat
+//                 V2 device number          the same; after 0000 both sides use length framing
+//                                           (length_framing.hpp)
+//                 AU user : password        who I am, both in lower-case hexadecimal digits, which
+//                                           never hold FEFF (ours)
+//                 ED                        stop, release the device
+//     bridge      0000 .. 0003, 0004        the replies; 0004 is ours: no login, or no programmer
+//     both        HB                        heartbeat
 #pragma once
 
 #include <cstdint>

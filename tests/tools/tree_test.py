@@ -92,6 +92,16 @@ def sources():
             yield from (os.path.join(path, name) for name in names if name.endswith((".cpp", ".hpp", ".c", ".h")))
 
 
+def too_long(text):
+    """The numbers of the lines of C++ that have more than 100 columns; SQL in raw strings may."""
+    faults, raw = [], False
+    for number, line in enumerate(text.splitlines(), 1):
+        if not raw and len(line) > 100:
+            faults.append(number)
+        raw = (raw or 'R"(' in line) and ')"' not in line
+    return faults
+
+
 def format_faults(files):
     """What clang-format would change, as its own messages."""
     style = "--style=file:" + os.path.join(SOURCE_DIR, ".clang-format")
@@ -117,6 +127,10 @@ class Rules(unittest.TestCase):
 
     def test_includes_are_seen_in_every_spelling(self):
         self.assertEqual(includes_of('#include <a>\n  # include "b/c.hpp"\n// #include <d>\n'), ["a", "b/c.hpp"])
+
+    def test_a_line_that_is_too_long_is_found(self):
+        self.assertEqual(too_long("x" * 100 + "\n" + "y" * 101 + "\n"), [2])
+        self.assertEqual(too_long('R"(\n' + "z" * 101 + '\n)"\n' + "y" * 101), [4])
 
     def test_a_file_that_is_not_formatted_is_found(self):
         with tempfile.NamedTemporaryFile("w", suffix=".cpp") as file:
@@ -162,6 +176,13 @@ class Tree(unittest.TestCase):
         self.assertGreater(len(files), 0, "no source found")
         faults = format_faults(files)
         self.assertEqual(faults, "", "run clang-format -i on these:\n" + faults[:4000])
+
+    def test_no_line_has_more_than_100_columns(self):
+        faults = []
+        for path in sorted(sources()):
+            with open(path, encoding="utf-8") as file:
+                faults += [f"{path}:{number}" for number in too_long(file.read())]
+        self.assertEqual(faults, [], "\n" + "\n".join(faults))
 
     def test_the_top_level_holds_nothing_else(self):
         names = {name for name in os.listdir(SOURCE_DIR) if not name.startswith(".") and not name.startswith("build")}

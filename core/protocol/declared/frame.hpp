@@ -8,7 +8,7 @@
 
 namespace fieldcast::declared {
 
-// What the fields of a frame mean in one exchange: the context that a frame is written or matched in.
+// What the fields of a frame mean in one exchange: the context in which it is written or matched.
 struct FrameContext {
   std::uint16_t address = 0;
   std::uint64_t command = 0;

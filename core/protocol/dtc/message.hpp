@@ -1,11 +1,13 @@
 // The messages of DTC.
 //
-//     request   address(1) command(1) group.. CRC(2)      group: first(2) type(1) count(2) [data,
-//     in a write] answer    address(1) command(1) data.. CRC(2)       of all groups in the order
-//     asked; none to a write refusal   address(1) command|80 code(1) CRC(2)
+//     request   address(1) command(1) group.. CRC(2)
+//     group     first(2) type(1) count(2) [data, in a write]
+//     answer    address(1) command(1) data.. CRC(2)     data of all groups, in the request's order;
+//                                                       none in the answer to a write
+//     refusal   address(1) command|80 code(1) CRC(2)
 //
-// Numbers are big-endian, bits packed from the least significant; the CRC is Modbus's, its low byte
-// first.
+// Numbers are big-endian, bits are packed from the least significant. The CRC is Modbus's, its low
+// byte first.
 #pragma once
 
 #include <array>

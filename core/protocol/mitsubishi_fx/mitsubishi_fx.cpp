@@ -2,13 +2,14 @@
 //
 //     read      02 `0` address(4) count(2) 03 sum(2)           ->  02 data 03 sum(2)
 //     write     02 `1` address(4) count(2) data 03 sum(2)      ->  06, or 15 when the PLC refuses
-//     force on  02 `7` address(4) 03 sum(2)                    ->  06, or 15      address: low pair
-//     of digits first force off 02 `8` address(4) 03 sum(2)                    ->  06, or 15
+//     force on  02 `7` address(4) 03 sum(2)                    ->  06, or 15
+//     force off 02 `8` address(4) 03 sum(2)                    ->  06, or 15
 //
-// count in bytes; words with their low byte first; sum of all characters behind STX up to ETX. The
-// extended commands are spelt E00, E10, E7 and E8. One PLC for each port: answers carry no address.
-// The one character of a refusal does not tell whether the line garbled the request or the PLC does
-// not want it: the request is sent once more, and refused when that is refused, too.
+// The address of force has its low pair of digits first. The count is in bytes. Words have their
+// low byte first. The sum is over all characters behind STX up to ETX. The extended commands are
+// E00, E10, E7 and E8. One PLC for each port: answers carry no address. A refusal is one character
+// and does not tell whether the line garbled the request or the PLC refuses it: the request is sent
+// once more, and is refused when that is refused too.
 #include "core/protocol/mitsubishi_fx/mitsubishi_fx.hpp"
 
 #include <algorithm>

@@ -1,10 +1,11 @@
 // The frame of Host Link: what C-mode and FINS have in common.
 //
-//     first or only   @ uu HH text FCS * CR      uu unit 00..31 in decimal, HH header; a `*` less
-//     when more frames follow later           text FCS * CR              likewise delimiter CR from
-//     the side that receives a frame without `*`
+//     first or only   @ uu HH text FCS * CR    uu: unit 00..31 in decimal; HH: header
+//     later           text FCS * CR
+//     delimiter       CR                       from the side that receives a frame without `*`
 //
-// FCS: XOR of all characters of that frame before it, as two digits (Omron W227, 1-2).
+// A frame that others follow has no `*`. FCS: XOR of all characters of the frame before it, as two
+// digits (Omron W227, 1-2).
 #pragma once
 
 #include <array>

@@ -1,8 +1,9 @@
 // A simulated DTC device. Written from the rules alone, apart from the bridge's codec: they share
 // the checksum.
 //
-//     packet    flag(1) length(2) body      flag 0: the message. flag 1: its length(2), then LZW
-//     codes message   address command group.. CRC
+//     packet    flag(1) length(2) body         flag 0: the message
+//                                              flag 1: the message's length(2), then LZW codes
+//     message   address command group.. CRC
 //
 // Its options are those of the bridge's side: max-message, and threshold for what it sends (`auto`
 // and none: 24 bytes).

@@ -1,9 +1,10 @@
 // A simulated Omron PLC at the level of FINS: a message in, the answer's message out (Omron W342).
 // Borrows the PLC's memory.
 //
-//     direct    ICF 00, DA2, SA2, SID, command(2), text       answer: ICF 40, the same, command,
-//     end code(2), data relayed   ICF 80, RSV, GCT, destination(3), source(3), SID, command(2),
-//     text       answer: ICF C0, the addresses changed round
+//     direct    ICF 00, DA2, SA2, SID, command(2), text
+//     answer    ICF 40, the same, command, end code(2), data
+//     relayed   ICF 80, RSV, GCT, destination(3), source(3), SID, command(2), text
+//     answer    ICF C0, source and destination exchanged
 #pragma once
 
 #include "tools/sim/device/device.hpp"

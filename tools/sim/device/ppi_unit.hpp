@@ -1,7 +1,8 @@
 // A simulated S7-200 at the level of the S7 unit: a job in, an acknowledgement with its data out.
 //
-//     job    32 01 0000 reference(2) parameters(2) data(2) ..            parameters 04|05 n, then
-//     items of 12 bytes ack    32 03 0000 reference(2) parameters(2) data(2) error(2) ..
+//     job    32 01 0000 reference(2) parameters(2) data(2) ..
+//            the parameters: 04|05 n, then items of 12 bytes
+//     ack    32 03 0000 reference(2) parameters(2) data(2) error(2) ..
 #pragma once
 
 #include "tools/sim/device/device.hpp"
