@@ -60,7 +60,7 @@ void BusEngine::State::set_interest(ChannelIndex channel, std::optional<Duration
                                     Actions& actions) {
   if (channel >= channels.size() || !channels.spec(channel).on_interest) return;
   std::vector<Sample> out;
-  if (!wish) channels.unwanted(channel, out);
+  if (!wish) channels.interest_ended(channel, out);
   samples += out.size();
   if (!out.empty())
     actions.push_back(

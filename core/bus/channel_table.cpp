@@ -26,6 +26,13 @@ bool moved(const Value& a, const Value& b, double deadband) {
   return x && y ? std::abs(*x - *y) > deadband : a != b;
 }
 
+// The longest time between two samples that a channel with this refresh is promised. What holds a
+// deadband back is promised at its heartbeat.
+Duration gap_of(const ChannelSpec& spec, std::optional<Duration> refresh) {
+  if (!refresh) return Duration::zero();
+  return spec.on_interest ? *refresh : promised_gap(spec).value_or(*refresh);
+}
+
 }  // namespace
 
 ChannelTable::ChannelTable(const BusSpec& bus, TextCodec& codec)
@@ -40,7 +47,8 @@ ChannelTable::ChannelTable(const BusSpec& bus, TextCodec& codec)
       entry.device = device;
       entry.last.channel = index;
       entry.last.value = zero_of(channel.encoding);
-      if (read_by_itself(channel)) entry.refresh = channel.refresh;
+      if (read_by_itself(channel))
+        entry.freshness = Freshness(channel.refresh, gap_of(channel, channel.refresh));
       entries_.push_back(std::move(entry));
       names_[device].emplace(channel.name, index);
     }
@@ -56,68 +64,35 @@ std::optional<ChannelIndex> ChannelTable::find(DeviceIndex device, std::string_v
 }
 
 std::optional<Duration> ChannelTable::refresh(ChannelIndex channel) const {
-  return entries_[channel].refresh;
+  return entries_[channel].freshness.refresh();
 }
 
 void ChannelTable::set_refresh(ChannelIndex channel, std::optional<Duration> refresh, Instant now) {
   Entry& entry = entries_[channel];
-  settle(entry, now);
-  entry.refresh = refresh;
-  entry.late = false;
+  entry.freshness.promise(refresh, gap_of(*entry.spec, refresh), now, misses_);
   entry.read = refresh ? now : kLongAgo;
-  rearm(channel, now);
-}
-
-// Whole refreshes since the last that was told. What holds a deadband back is promised at its
-// heartbeat.
-std::uint64_t ChannelTable::passed(const Entry& entry, Instant now) {
-  if (!entry.late || !entry.refresh || now <= entry.told) return 0;
-  const Duration each =
-      entry.spec->on_interest ? *entry.refresh : promised_gap(*entry.spec).value_or(*entry.refresh);
-  return static_cast<std::uint64_t>((now - entry.told) / each);
-}
-
-void ChannelTable::count(Entry& entry, std::uint64_t misses) {
-  if (misses == 0) return;
-  entry.report.last_miss = entry.cause == Cause::kNone ? Cause::kLate : entry.cause;
-  entry.report.missed += misses;
-  misses_.add(entry.report.last_miss, misses);
-}
-
-// Everything that was missed until `now` is counted.
-void ChannelTable::settle(Entry& entry, Instant now) {
-  if (entry.late) {
-    count(entry, passed(entry, now));
-    entry.told = now;
-  } else if (now > entry.promised) {
-    count(entry, 1);
-  }
+  queue(channel);
 }
 
 ChannelReport ChannelTable::report(ChannelIndex channel, Instant now) const {
   const Entry& entry = entries_[channel];
-  ChannelReport report = entry.report;
-  report.missed += passed(entry, now);
-  return report;
+  return {entry.readings, entry.freshness.missed(now), entry.worst_gap,
+          entry.freshness.last_miss()};
 }
 
 CauseCounters ChannelTable::misses(Instant now) const {
   CauseCounters all = misses_;
-  for (const Entry& entry : entries_) {
-    if (entry.late)
-      all.add(entry.cause == Cause::kNone ? Cause::kLate : entry.cause, passed(entry, now));
-  }
+  for (const Entry& entry : entries_) entry.freshness.add_passed(now, all);
   return all;
 }
 
-void ChannelTable::rearm(ChannelIndex channel, Instant from) {
+// An entry that is queued already comes first and is put back then.
+void ChannelTable::queue(ChannelIndex channel) {
   Entry& entry = entries_[channel];
-  entry.promised = entry.refresh ? from + *entry.refresh : kNever;
-  entry.due = entry.refresh ? entry.promised + std::min(kTellAfter, *entry.refresh / 10) : kNever;
-  if (entry.due >= entry.queued)
-    return;  // the entry already queued comes first and is put back then
-  expiries_.push({entry.due, channel});
-  entry.queued = entry.due;
+  const Instant due = entry.freshness.due();
+  if (due >= entry.queued) return;
+  expiries_.push({due, channel});
+  entry.queued = due;
 }
 
 bool ChannelTable::held_back(const Entry& entry, const Value& value, Instant acquired) const {
@@ -137,22 +112,19 @@ void ChannelTable::publish(Entry& entry, std::vector<Sample>& out, Instant when)
 void ChannelTable::acquired(ChannelIndex channel, unsigned item_bits, ByteView items,
                             Instant acquired, std::vector<Sample>& out) {
   Entry& entry = entries_[channel];
-  settle(entry, acquired);
-  entry.late = false;
-  ++entry.report.readings;
-  if (entry.read != kLongAgo)
-    entry.report.worst_gap = std::max(entry.report.worst_gap, acquired - entry.read);
+  entry.freshness.acquired(acquired, misses_);
+  queue(channel);
+  ++entry.readings;
+  if (entry.read != kLongAgo) entry.worst_gap = std::max(entry.worst_gap, acquired - entry.read);
   entry.read = acquired;
   auto value = decode_value(entry.spec->encoding, item_bits, items, codec_);
-  rearm(channel, acquired);
+  entry.freshness.explain(value ? Cause::kNone : value.error());
   if (!value) {
-    entry.cause = value.error();
     entry.last.quality = quality_of(value.error());
     entry.last.device_code = 0;
     publish(entry, out, acquired);
     return;
   }
-  entry.cause = Cause::kNone;
   if (held_back(entry, *value, acquired)) return;
   entry.last.value = std::move(*value);
   entry.last.quality = Quality::kGood;
@@ -165,11 +137,10 @@ void ChannelTable::refused(ChannelIndex channel, Cause cause, std::uint16_t devi
                            Instant now, std::vector<Sample>& out) {
   Entry& entry = entries_[channel];
   const Quality quality = quality_of(cause);
-  entry.cause = cause;
-  if (entry.late && entry.last.quality == quality && entry.last.device_code == device_code) return;
-  settle(entry, now);
-  entry.told = now;
-  entry.late = true;  // told: the missed refresh that follows is no news
+  const bool told = entry.freshness.late() && entry.last.quality == quality &&
+                    entry.last.device_code == device_code;
+  if (told) return entry.freshness.explain(cause);
+  entry.freshness.refused(cause, now, misses_);
   entry.last.quality = quality;
   entry.last.device_code = device_code;
   publish(entry, out, now);
@@ -177,22 +148,17 @@ void ChannelTable::refused(ChannelIndex channel, Cause cause, std::uint16_t devi
 
 void ChannelTable::failing(ChannelIndex channel, Cause cause, Instant now) {
   Entry& entry = entries_[channel];
-  entry.cause = cause;
-  const bool unexplained =
+  const bool uncertain =
       entry.last.quality == Quality::kUncertain || entry.last.quality == Quality::kNotYetRead;
-  if (!entry.late || !unexplained || quality_of(cause) == Quality::kGood) return;
-  entry.unexplained = true;
-  entry.due = now;
-  if (entry.due >= entry.queued) return;
-  expiries_.push({entry.due, channel});
-  entry.queued = entry.due;
+  if (entry.freshness.failing(cause, uncertain, now)) queue(channel);
 }
 
 void ChannelTable::start(Instant now) {
   for (ChannelIndex channel = 0; channel < entries_.size(); ++channel) {
     Entry& entry = entries_[channel];
-    if (entry.refresh && entry.read == kLongAgo) entry.read = now;
-    if (!entry.late) rearm(channel, now);
+    if (entry.freshness.refresh() && entry.read == kLongAgo) entry.read = now;
+    entry.freshness.start(now);
+    queue(channel);
   }
 }
 
@@ -203,27 +169,12 @@ void ChannelTable::expire(Instant now, std::vector<Sample>& out) {
     Entry& entry = entries_[channel];
     if (at != entry.queued) continue;
     entry.queued = kNever;
-    if (entry.due == kNever) continue;
-    if (entry.due > now) {
-      expiries_.push({entry.due, channel});
-      entry.queued = entry.due;
+    if (entry.freshness.due() > now) {
+      queue(channel);
       continue;
     }
-    entry.due = kNever;  // armed again by the next acquisition
-    if (entry.late && !entry.unexplained) continue;
-    if (!entry.late) {
-      entry.unblamed = entry.cause == Cause::kNone;
-      count(entry, 1);
-    } else {
-      if (entry.unblamed) misses_.move(Cause::kLate, entry.cause);
-      if (entry.unblamed) entry.report.last_miss = entry.cause;
-      entry.unblamed = false;
-      count(entry, passed(entry, now));
-    }
-    entry.told = now;
-    entry.late = true;
-    entry.unexplained = false;
-    entry.last.quality = quality_of(entry.cause);
+    if (!entry.freshness.expire(now, misses_)) continue;
+    entry.last.quality = quality_of(entry.freshness.cause());
     if (entry.last.quality == Quality::kGood) entry.last.quality = Quality::kUncertain;
     // Uncertain is what is old; what was never read is not there yet, whatever delays it.
     if (entry.last.quality == Quality::kUncertain && entry.last.acquired == kLongAgo)
@@ -232,7 +183,7 @@ void ChannelTable::expire(Instant now, std::vector<Sample>& out) {
   }
 }
 
-void ChannelTable::unwanted(ChannelIndex channel, std::vector<Sample>& out) {
+void ChannelTable::interest_ended(ChannelIndex channel, std::vector<Sample>& out) {
   Entry& entry = entries_[channel];
   if (entry.last.quality != Quality::kGood) return;
   entry.last.quality = Quality::kUncertain;
@@ -241,20 +192,17 @@ void ChannelTable::unwanted(ChannelIndex channel, std::vector<Sample>& out) {
 
 void ChannelTable::all_uncertain(Instant now, std::vector<Sample>& out) {
   for (Entry& entry : entries_) {
-    settle(entry, now);
-    entry.cause = Cause::kLeased;
-    if (entry.last.quality != Quality::kGood) continue;
+    const bool good = entry.last.quality == Quality::kGood;
+    entry.freshness.leased(good, now, misses_);
+    if (!good) continue;
     entry.last.quality = Quality::kUncertain;
-    entry.late = true;
-    entry.unblamed = false;
-    entry.told = now;
     publish(entry, out, entry.published);
   }
 }
 
 void ChannelTable::not_yet_read(std::vector<Sample>& out) {
   for (Entry& entry : entries_) {
-    if (!entry.refresh && entry.last.sequence == 0) publish(entry, out, kLongAgo);
+    if (!entry.freshness.refresh() && entry.last.sequence == 0) publish(entry, out, kLongAgo);
   }
 }
 

@@ -1,5 +1,9 @@
 // The channels of one bus at run time: their last samples, what is to be published, and when a
-// promise breaks. Owned by the bus engine.
+// promise breaks (Freshness).
+//
+// Owns the last sample of each channel and the queue of promises. Owned by the bus engine, on the
+// bus's thread. Samples to be published are appended to the caller's list. Nothing can fail: items
+// that are no value of the channel's type become a sample of bad quality.
 #pragma once
 
 #include <optional>
@@ -9,6 +13,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/bus/freshness.hpp"
 #include "core/model/sample.hpp"
 #include "core/model/spec.hpp"
 #include "core/model/status.hpp"
@@ -51,17 +56,15 @@ class ChannelTable {
   // quality; a moment later, so that a DDS deadline of the same length, which began when the sample
   // was written, is missed as well.
   void expire(Instant now, std::vector<Sample>& out);
-  // Missed refreshes are counted as DDS counts deadlines: every refresh that passes without a new
-  // sample is one.
   [[nodiscard]] ChannelReport report(ChannelIndex channel, Instant now) const;
   [[nodiscard]] CauseCounters misses(Instant now) const;  // of all channels, by cause
   [[nodiscard]] Instant next_expiry() const {
     return expiries_.empty() ? kNever : expiries_.top().at;
   }
 
-  // Nobody wishes the channel any more: a last good value once more, as UNCERTAIN, for it will not
-  // be renewed.
-  void unwanted(ChannelIndex channel, std::vector<Sample>& out);
+  // The last interest in the channel ended: a last good value once more, as UNCERTAIN, since it
+  // will not be renewed.
+  void interest_ended(ChannelIndex channel, std::vector<Sample>& out);
   // Every channel's last value once more as UNCERTAIN (the bus was leased).
   void all_uncertain(Instant now, std::vector<Sample>& out);
   // First samples of channels that are only read when somebody asks, so that stations see that they
@@ -72,19 +75,13 @@ class ChannelTable {
   struct Entry {
     const ChannelSpec* spec = nullptr;
     DeviceIndex device = 0;
-    std::optional<Duration> refresh;
     Sample last;
-    Cause cause = Cause::kNone;
-    Instant promised = kNever;  // when the promise breaks,
-    Instant due = kNever;       // and when that is told
-    Instant told = kLongAgo;    // late: when it was, the last time
+    Freshness freshness;
     Instant published = kLongAgo;
-    Instant queued = kNever;   // the one valid entry in expiries_
-    bool late = false;         // already told
-    bool unexplained = false;  // late was told without a cause, which is known by now
-    bool unblamed = false;     // its last miss was counted as kLate
-    Instant read = kLongAgo;   // or the start of the promise
-    ChannelReport report;
+    Instant queued = kNever;  // of the one valid entry in expiries_
+    Instant read = kLongAgo;  // the last time, or the start of the promise
+    std::uint64_t readings = 0;
+    Duration worst_gap{};  // between two readings
   };
   struct Expiry {
     Instant at;
@@ -92,12 +89,7 @@ class ChannelTable {
     friend bool operator>(const Expiry& a, const Expiry& b) { return a.at > b.at; }
   };
 
-  static constexpr Duration kTellAfter =
-      std::chrono::milliseconds{3};  // a sample has reached its DataWriter by then
-  [[nodiscard]] static std::uint64_t passed(const Entry& entry, Instant now);
-  void count(Entry& entry, std::uint64_t misses);
-  void settle(Entry& entry, Instant now);
-  void rearm(ChannelIndex channel, Instant from);
+  void queue(ChannelIndex channel);
   void publish(Entry& entry, std::vector<Sample>& out, Instant when);
   [[nodiscard]] bool held_back(const Entry& entry, const Value& value, Instant acquired) const;
 
@@ -106,8 +98,8 @@ class ChannelTable {
   std::vector<Entry> entries_;
   std::vector<ChannelIndex> first_;  // of each device, and the end
   std::vector<std::unordered_map<std::string_view, ChannelIndex>> names_;
-  // Lazy: an entry may be older than its channel's promise and is then put back; one that is not
-  // the channel's `queued` is dead.
+  // Lazy: an entry may be older than its channel's promise; it is put back then. An entry whose
+  // instant is not the channel's `queued` is ignored.
   std::priority_queue<Expiry, std::vector<Expiry>, std::greater<>> expiries_;
 };
 
