@@ -3,8 +3,6 @@
 #include "core/bus/bus_engine.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 
 #include "core/bus/bus_state.hpp"
 #include "core/schedule/bus_schedule.hpp"
@@ -123,7 +121,7 @@ void BusEngine::State::settle(Instant now, Actions& actions) {
   ActionSink sink(setup, samples, actions);
   commands.expire(now, sink);
   if (bus_state == BusState::kRunning && !driver.active()) decide(now, actions);
-  tell_overload(now, actions);
+  if (auto told = overload->look(scheduler->stretch(), now)) actions.push_back(std::move(*told));
   ask_for_plan(actions);
 
   Instant next = kNever;
@@ -149,29 +147,6 @@ void BusEngine::State::ask_for_plan(Actions& actions) {
   if (!draft) return;
   auto kept = std::make_shared<Kept>(Kept{setup.protocols(), std::move(draft)});
   actions.push_back(MakePlan{{kept, kept->draft.get()}});
-}
-
-// Once it has lasted: in the first seconds answer times are learned.
-void BusEngine::State::tell_overload(Instant now, Actions& actions) {
-  const double stretch = scheduler->stretch();
-  if ((stretch > kStretched) == overloaded) {
-    overload_turned = kNever;
-    return;
-  }
-  if (overload_turned == kNever) overload_turned = now;
-  if (now - overload_turned < kOverloadLasts) return;
-  overloaded = !overloaded;
-  std::array<char, 32> times{};
-  std::snprintf(times.data(), times.size(), "%.2f", stretch);
-  if (overloaded)
-    actions.push_back(Notice{Notice::Kind::kOverload,
-                             {},
-                             Cause::kNone,
-                             "more is wanted than the wire carries: refreshes are now up to " +
-                                 std::string(times.data()) + " times as long"});
-  else
-    actions.push_back(
-        Notice{Notice::Kind::kOverloadEnded, {}, Cause::kNone, "every refresh is kept again"});
 }
 
 void BusEngine::State::decide(Instant now, Actions& actions) {
@@ -334,8 +309,7 @@ void BusEngine::State::conclude(bool done, Instant now, Actions& actions) {
   ActionSink sink(setup, samples, actions);
   Flight ended = std::move(*flight);
   flight.reset();
-  busy += spent;
-  if (ended.kind == Flight::Kind::kRead) reading += spent;
+  load.ended(spent, ended.kind == Flight::Kind::kRead);
 
   if (answered) {
     if (done && !ended.timed_out) { learn_answer_time(ended.device, ended.request); }

@@ -44,7 +44,7 @@ void BusEngine::State::make_scheduler() {
   planned_times = PlannedTimes(areas, kAssumedAnswerTime);
   scheduler = fieldcast::make_scheduler(
       schedule_input(spec, protocols, map.points, kAssumedAnswerTime), spec.planner);
-  overloaded = scheduler->stretch() > kStretched;
+  overload.emplace(scheduler->stretch());
 }
 
 // A point is as urgent as the most urgent of its channels at present.

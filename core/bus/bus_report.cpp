@@ -2,32 +2,16 @@
 #include "core/bus/bus_state.hpp"
 
 namespace fieldcast {
-namespace {
-constexpr Duration kLoadWindow = std::chrono::seconds{10};
-constexpr Duration kMarkGap =
-    std::chrono::milliseconds{900};  // reports at changes of state come between the regular ones
-
-double share(Duration part, Duration whole) {
-  return whole > Duration::zero() ? std::min(1.0, to_seconds(part) / to_seconds(whole)) : 0.0;
-}
-}  // namespace
-
 BusReport BusEngine::bus_report(Instant now) {
   State& s = *state_;
-  // The exchange on the wire counts as far as it has come.
-  const Duration running = s.flight ? now - s.flight->started : Duration::zero();
-  const Duration reading =
-      s.flight && s.flight->kind == State::Flight::Kind::kRead ? running : Duration::zero();
-  const State::Mark mark{now, s.busy + running, s.reading + reading};
+  const bool reading = s.flight && s.flight->kind == State::Flight::Kind::kRead;
+  const auto shares =
+      s.load.report(s.flight ? now - s.flight->started : Duration::zero(), reading, now);
   BusReport report;
   report.state = s.bus_state;
   if (s.bus_state == BusState::kClosed) report.closed_because = s.closed_because;
-  if (!s.marks.empty()) {
-    report.utilisation = share(mark.busy - s.marks.back().busy, now - s.marks.back().at);
-    report.measured_load = share(mark.reading - s.marks.front().reading, now - s.marks.front().at);
-  }
-  if (s.marks.empty() || now - s.marks.back().at >= kMarkGap) s.marks.push_back(mark);
-  while (now - s.marks.front().at > kLoadWindow) s.marks.pop_front();
+  report.utilisation = shares.busy;
+  report.measured_load = shares.reading;
   report.planned_load = s.scheduler->planned_load();
   report.stretch = s.scheduler->stretch();
   report.exchanges = s.exchanges;

@@ -13,7 +13,9 @@
 #include "core/bus/command_queue.hpp"
 #include "core/bus/device_state.hpp"
 #include "core/bus/exchange_driver.hpp"
+#include "core/bus/overload_watch.hpp"
 #include "core/bus/owed_answers.hpp"
+#include "core/bus/wire_load.hpp"
 #include "core/schedule/planned_times.hpp"
 #include "core/schedule/point_map.hpp"
 #include "core/schedule/scheduler.hpp"
@@ -29,8 +31,6 @@ struct BusEngine::State {
   static constexpr Duration kShortestProbe = std::chrono::milliseconds{10};
   static constexpr Duration kProbeRetry =
       std::chrono::milliseconds{20};  // when the wire had no time for a probe
-  static constexpr Duration kOverloadLasts = std::chrono::seconds{5};
-  static constexpr double kStretched = 1.001;  // more than this is overload
   static constexpr int kSickShare =
       10;  // a sick device wastes at most one part in this many of the wire
   static constexpr std::size_t kMaxRefusedListed = 64;
@@ -66,7 +66,6 @@ struct BusEngine::State {
   // bus_engine.cpp
   void settle(Instant now, Actions& actions);
   void decide(Instant now, Actions& actions);
-  void tell_overload(Instant now, Actions& actions);
   void ask_for_plan(Actions& actions);
   void launch(Flight flight, Instant now, Actions& actions);
   void transmit(Instant now, Actions& actions);
@@ -172,20 +171,12 @@ struct BusEngine::State {
   Instant timer = kNever;  // as last told to the shell
   bool begun = false;
   bool trace = false;
-  bool overloaded = false;  // as told, at first of the refreshes configured, when they are loaded
-  Instant overload_turned = kNever;  // since when it is otherwise
+  std::optional<OverloadWatch> overload;
 
   // reporting
   std::uint64_t exchanges = 0, samples = 0, reopened = 0;
   CauseCounters causes;
-  Duration busy{};     // wire time spent, in total
-  Duration reading{};  // of it for reads
-  struct Mark {
-    Instant at{};
-    Duration busy{};
-    Duration reading{};
-  };
-  std::deque<Mark> marks;  // one for each report, the last ten seconds
+  WireLoad load;
 };
 
 }  // namespace fieldcast
