@@ -27,8 +27,7 @@ BusEngine::State::State(const BusSpec& bus, TextCodec& text_codec)
       channels(spec, codec),
       commands(setup, channels, codec),
       driver(line, spec.gap_allowance, echo_for(spec)),
-      owed(
-          [this](const Asked& earlier, const Asked& later) { return mistakable(earlier, later); }) {
+      late(setup) {
   for (DeviceIndex index = 0; index < setup.devices(); ++index) {
     const DeviceSpec& device = setup.device(index);
     devices.push_back(
@@ -71,11 +70,11 @@ void BusEngine::on_event(const BusEvent& event, Instant now, Actions& actions) {
       Bytes out;
       const auto outcome = s.driver.on_bytes(e.bytes, now, out);
       if (outcome != ExchangeDriver::Outcome::kSend)
-        s.claimed += s.look_for_late_answers(s.unclaimed(), now, actions);
+        s.take_late(s.late_in_exchange(now), now, actions);
       if (outcome == ExchangeDriver::Outcome::kDone && s.is_another_answer()) {
         const State::Flight& flight = *s.flight;
         s.driver.wait_on(s.devices[flight.device].protocol->begin(flight.request, flight.context));
-        s.hear_anew();
+        s.late.start_anew();
         return;
       }
       s.advance(outcome, std::move(out), now, actions);
@@ -214,10 +213,9 @@ void BusEngine::State::transmit(Instant now, Actions& actions) {
   flight->rest = device.answered_at == kLongAgo ? Duration::max() : now - device.answered_at;
   const Duration timeout =
       flight->timeout > Duration::zero() ? flight->timeout : timeout_for(device, *flight);
-  flight->context = {++device.sequence};
-  strays.clear();
+  flight->context = late.next_context(flight->device);
   strays_since = kNever;
-  hear_anew();
+  late.start_anew();
   Bytes out;
   driver.begin(
       device.protocol->begin(flight->request, flight->context), timeout,
@@ -235,7 +233,7 @@ Instant BusEngine::State::command_from(const CommandJob& job) const {
   next.kind = Flight::Kind::kCommand;
   next.device = job.device();
   Instant from = devices[next.device].paused_until;
-  if (owed.empty()) return from;
+  if (late.none_owed()) return from;
   if (auto request = job.next()) {
     next.request = std::move(*request);
     from = std::max(from, askable_from(next));
@@ -248,7 +246,7 @@ void BusEngine::State::advance(ExchangeDriver::Outcome outcome, Bytes&& out, Ins
   switch (outcome) {
     case ExchangeDriver::Outcome::kWaiting: return;
     case ExchangeDriver::Outcome::kSend:
-      hear_anew();
+      late.start_anew();
       actions.push_back(Send{std::move(out)});
       return;
     case ExchangeDriver::Outcome::kDone: return conclude(true, now, actions);
@@ -346,14 +344,79 @@ void BusEngine::State::conclude(bool done, Instant now, Actions& actions) {
   }
 }
 
+Instant BusEngine::State::askable_from(const Flight& next) const {
+  return late.sendable_from(next.device, next.request,
+                            next.kind == Flight::Kind::kCommand ? LateAnswers::Purpose::kCommand
+                                                                : LateAnswers::Purpose::kRead);
+}
+
+// A flight has ended, or will be tried again: what its device owes now.
+void BusEngine::State::settle_debts_of(const Flight& ended, bool answered, bool refused,
+                                       Instant now) {
+  Asked asked{ended.device, ended.request, ended.context, driver.sent_until()};
+  const Duration longest = devices[ended.device].answer_time.longest();
+  if (!answered) return late.unanswered(std::move(asked), ended.block, longest, driver, now);
+  late.answered(asked, refused, longest, driver, now);
+  release_held(now);
+}
+
+// An exchange is broken off from outside.
+void BusEngine::State::owe_flight_under_way() {
+  if (!driver.active() || !flight) return;
+  late.broken_off({flight->device, flight->request, flight->context, driver.sent_until()},
+                  devices[flight->device].answer_time.longest());
+}
+
+std::vector<LateAnswers::Late> BusEngine::State::late_in_exchange(Instant now) {
+  if (late.none_owed()) return {};
+  return late.in_exchange({flight->device, flight->request, flight->context, {}}, driver, now);
+}
+
+void BusEngine::State::take_late(std::vector<LateAnswers::Late> answers, Instant now,
+                                 Actions& actions) {
+  for (LateAnswers::Late& answer : answers) {
+    DeviceRuntime& device = devices[answer.asked.device];
+    device.answer_time.late(answer.taken);
+    for (AreaLearning& area : device.areas) area.answer_time.late(answer.taken);
+    if (answer.block.points.empty()) continue;
+    Flight read;
+    read.device = answer.asked.device;
+    read.request = answer.asked.request;
+    read.block = std::move(answer.block);
+    device_answered(read.device, actions);
+    block_read(read, answer.reply, now, now, actions);
+    // Nor need it be asked again.
+    if (flight && flight->waiting && flight->kind == Flight::Kind::kRead &&
+        same_read(answer.asked, {flight->device, flight->request, {}, {}}))
+      flight.reset();
+  }
+  release_held(now);
+}
+
+// Nobody was asked: a late answer, one too many, or what others say. The line must fall silent
+// before it is used.
+void BusEngine::State::heard_stray(ByteView bytes, Instant now, Actions& actions) {
+  driver.count_stray(bytes.size());
+  if (bus_state != BusState::kRunning) return;
+  if (strays_since == kNever) strays_since = now;
+  if (now - strays_since < kLongestStray) free_at = std::max(free_at, now + silence);
+  if (late.none_owed()) return;
+  take_late(late.in_strays(bytes, now), now, actions);
+}
+
+// The exchange is done, but too soon: an answer that began before its request had ended.
+bool BusEngine::State::is_another_answer() const {
+  if (late.owes_same({flight->device, flight->request, flight->context, {}})) return false;
+  return devices[flight->device].answer_time.too_early(driver.answer_began(), line.characters(1));
+}
+
 void BusEngine::State::opened(Instant now) {
   if (bus_state == BusState::kStopped) return;
   bus_state = BusState::kRunning;
   owe_flight_under_way();
   driver.abort();
   flight.reset();
-  strays.clear();
-  hear_anew();
+  late.start_anew();
   free_at = now + silence;
   // Whoever did not answer on the line before may do so on this one.
   for (DeviceRuntime& device : devices) {
@@ -371,7 +434,7 @@ void BusEngine::State::closed(const Closed& why, Instant now, Actions& actions) 
   owe_flight_under_way();
   // What a connection brought late ends with it, unless there is a serial line behind it.
   const auto* tcp = std::get_if<TcpPortSpec>(&spec.port);
-  if (tcp != nullptr && !tcp->line) owed.forget_all();
+  if (tcp != nullptr && !tcp->line) late.forget_all();
   driver.abort();
   ActionSink sink(setup, samples, actions);
   if (flight) {

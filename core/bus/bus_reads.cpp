@@ -191,4 +191,48 @@ void BusEngine::State::block_refused(const Block& block, Cause cause, std::uint1
   }
 }
 
+// A read that is longer than its block by some items can be told apart from what is owed, and its
+// answer ends all debts of the device: nothing need wait for their time.
+bool BusEngine::State::make_distinct(Flight& read, Instant now) const {
+  constexpr std::uint32_t kMostLonger = 4;  // times the alignment
+  const DeviceRuntime& device = devices[read.device];
+  auto& request = std::get<ReadRequest>(read.request);
+  if (device.refused_longer || request.ranges.size() != 1) return false;
+  if (!device.areas[request.ranges[0].area].blocks.gaps().empty()) return false;
+  const Area& area = device.protocol->areas()[request.ranges[0].area];
+  if (area.window) return false;
+  const Range block = request.ranges[0];
+  for (std::uint32_t times = 1; times <= kMostLonger; ++times) {
+    if (device.spec->max_gap && times * area.alignment > *device.spec->max_gap) break;
+    Range& longer = request.ranges[0];
+    longer.count = block.count + times * area.alignment;
+    if (longer.end() > area.items || !in_one_bank(area, longer.first, longer.end())) break;
+    if (!device.protocol->size(read.request)) break;
+    if (late.sendable_from(read.device, read.request, LateAnswers::Purpose::kRead) > now) continue;
+    read.longer = true;
+    return true;
+  }
+  request.ranges[0] = block;
+  return false;
+}
+
+void BusEngine::State::hold(const Block& block, Instant until, Instant now) {
+  scheduler->failed(block, now, until);
+  std::erase_if(held, [&](const Held& each) { return each.until <= now; });
+  held.push_back({block, until});
+}
+
+// Debts have ended: what waited for that is due.
+void BusEngine::State::release_held(Instant now) {
+  late.expire(now);
+  std::erase_if(held, [&](const Held& each) {
+    if (each.until <= now) return true;
+    const ReadRequest read{each.block.ranges};
+    if (late.sendable_from(each.block.device, read, LateAnswers::Purpose::kRead) > now)
+      return false;
+    scheduler->failed(each.block, now, now);
+    return true;
+  });
+}
+
 }  // namespace fieldcast

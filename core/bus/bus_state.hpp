@@ -1,6 +1,5 @@
-// What a BusEngine holds, and its parts: events, decisions and exchanges (bus_engine.cpp), late
-// answers (bus_late.cpp), devices (bus_devices.cpp), reading (bus_reads.cpp), reporting
-// (bus_report.cpp). Private to core/bus.
+// What a BusEngine holds, and its parts: events, decisions and exchanges (bus_engine.cpp), devices
+// (bus_devices.cpp), reading (bus_reads.cpp), reporting (bus_report.cpp). Private to core/bus.
 #pragma once
 
 #include <deque>
@@ -13,8 +12,8 @@
 #include "core/bus/command_queue.hpp"
 #include "core/bus/device_state.hpp"
 #include "core/bus/exchange_driver.hpp"
+#include "core/bus/late_answers.hpp"
 #include "core/bus/overload_watch.hpp"
-#include "core/bus/owed_answers.hpp"
 #include "core/bus/wire_load.hpp"
 #include "core/schedule/planned_times.hpp"
 #include "core/schedule/point_map.hpp"
@@ -35,9 +34,8 @@ struct BusEngine::State {
       10;  // a sick device wastes at most one part in this many of the wire
   static constexpr std::size_t kMaxRefusedListed = 64;
   static constexpr Duration kLongestStray =
-      std::chrono::milliseconds{300};           // a line that babbles longer is used all the same
-  static constexpr double kBetweenAnswers = 2;  // characters, at least
-  static constexpr int kMostHeld = 32;          // reads put off in one decision
+      std::chrono::milliseconds{300};   // a line that babbles longer is used all the same
+  static constexpr int kMostHeld = 32;  // reads put off in one decision
 
   // The exchange on the wire, or about to be sent again.
   struct Flight {
@@ -83,27 +81,13 @@ struct BusEngine::State {
               Actions& actions) const;
   void traced(DeviceIndex device, std::string text, Actions& actions) const;
 
-  // bus_late.cpp
-  [[nodiscard]] bool mistakable(const Asked& earlier, const Asked& later) const;
+  // late answers
   [[nodiscard]] Instant askable_from(const Flight& next) const;
   [[nodiscard]] bool make_distinct(Flight& read, Instant now) const;
-  [[nodiscard]] Duration late_bound(const DeviceRuntime& device, const Request& request) const;
   void settle_debts_of(const Flight& flight, bool answered, bool refused, Instant now);
-  void learn_head(const Flight& read);
-  [[nodiscard]] bool broken_answer_came(const Flight& ended) const;
   void owe_flight_under_way();
-  // How many characters of `heard` are spoken for: answers that were owed, up to their end.
-  [[nodiscard]] std::size_t look_for_late_answers(ByteView heard, Instant now, Actions& actions);
-  // What came since the last request and was no late answer.
-  [[nodiscard]] ByteView unclaimed() const {
-    return driver.received().subspan(std::min(claimed, driver.received().size()));
-  }
-  [[nodiscard]] std::size_t end_of_answer(const Asked& asked, ByteView heard) const;
-  void late_answer_came(OwedAnswers::Debt paid, bool refused, Instant now, Actions& actions);
-  void hear_anew() {
-    claimed = 0;
-    owed.nothing_heard();
-  }
+  [[nodiscard]] std::vector<LateAnswers::Late> late_in_exchange(Instant now);
+  void take_late(std::vector<LateAnswers::Late> answers, Instant now, Actions& actions);
   void heard_stray(ByteView bytes, Instant now, Actions& actions);
   [[nodiscard]] bool is_another_answer() const;
   void hold(const Block& block, Instant until, Instant now);
@@ -156,11 +140,8 @@ struct BusEngine::State {
   PlannedTimes planned_times;  // what the scheduler takes for answer times
 
   ExchangeDriver driver;
-  OwedAnswers owed;
+  LateAnswers late;
   std::vector<Held> held;         // reads that wait until an answer that is owed has come
-  Instant last_answer{};          // the end of it
-  std::size_t claimed = 0;        // of what the driver received: late answers
-  Bytes strays;                   // what came since the last exchange ended
   Instant strays_since = kNever;  // while they keep the wire from being free
   std::optional<Flight> flight;
   bool command_was_last = false;  // then a read that is due goes first

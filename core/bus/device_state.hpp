@@ -1,7 +1,6 @@
 // One device of a bus at run time. Plain state; the engine's parts read and change it.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -34,12 +33,7 @@ struct DeviceRuntime {
   Instant answered_at = kLongAgo;  // its last answer
   DeviceHealth health;
   Garbage garbage;
-  // How the last answer to each read began, marks and address.
-  using Head = std::array<std::uint8_t, 4>;
-  using Shape = std::array<std::uint32_t, 4>;
-  std::map<Shape, Head> heads;
   bool refused_longer = false;      // a read longer than its block: not tried again
-  std::uint16_t sequence = 0;       // of exchanges, for ExchangeContext
   Instant paused_until = kLongAgo;  // the device wants a rest
   double failure_share = 0;         // of its last tries, 0..1
   Instant deferred_until =
