@@ -241,6 +241,7 @@ void Bridge::State::start_buses(const std::vector<std::string>& names, const Bri
                                       "{}, where names of buses are unique. This bridge takes it "
                                       "over when that one is gone; else rename one of the two",
                                       guard->rival(bus.name), spec.dds.domain));
+      link->listen_for_commands();
     }
   }
 }

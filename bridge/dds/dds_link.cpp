@@ -112,7 +112,7 @@ struct DdsLink::State {
   dds::DataWriter* sessions = nullptr;
   dds::DataWriter* alarms = nullptr;
   std::unique_ptr<InterestReceiver> interests;
-  std::unique_ptr<CommandReceiver> commands;  // since the first bus
+  std::unique_ptr<CommandReceiver> commands;  // since listen_for_commands()
   std::unique_ptr<BridgePresence> presence;
   std::shared_mutex mutex;  // the set of buses: shared to use one, alone to add or remove one
   std::map<std::string, std::unique_ptr<Bus>, std::less<>> buses;
@@ -139,9 +139,13 @@ void DdsLink::add_bus(const BusSpec& spec) {
     const std::unique_lock lock(state_->mutex);
     state_->buses[spec.name] = std::move(bus);
   }
-  if (!state_->commands)
-    state_->commands = std::make_unique<CommandReceiver>(state_->domain, state_->lifespans,
-                                                         state_->command_handlers());
+  listen_for_commands();
+}
+
+void DdsLink::listen_for_commands() {
+  if (state_->commands) return;
+  state_->commands = std::make_unique<CommandReceiver>(state_->domain, state_->lifespans,
+                                                       state_->command_handlers());
 }
 
 std::string DdsLink::id() const { return state_->presence->id(); }

@@ -74,10 +74,13 @@ class DdsLink {
   DdsLink& operator=(const DdsLink&) = delete;
 
   // Publishes the catalogue of the bus and makes its Sample writers: one for each distinct refresh,
-  // none with more than 256 channels. Its commands arrive from here on; with the first bus the
-  // bridge begins to listen for them. One thread at a time. Throws DdsError. REQUIRES: no bus of
-  // this name.
+  // none with more than 256 channels. Its commands arrive from here on: listen_for_commands(). One
+  // thread at a time. Throws DdsError. REQUIRES: no bus of this name.
   void add_bus(const BusSpec& bus);
+  // Plant systems find this bridge from here on. For a bridge whose buses are all served by others:
+  // what is written when it takes one over must not be lost for want of discovery. Again: of no
+  // effect. One thread at a time. Throws DdsError.
+  void listen_for_commands();
 
   // This bridge among the others: its identity, and what it tells them. REQUIRES: handlers for
   // them. One thread at a time.
