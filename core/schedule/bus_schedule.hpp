@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/model/spec.hpp"
-#include "core/schedule/scheduler.hpp"
+#include "core/plan/planner.hpp"
 
 namespace fieldcast {
 

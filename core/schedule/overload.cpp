@@ -17,8 +17,8 @@ namespace fieldcast {
 namespace {
 
 // A bus and the protocols that its input points to.
-struct Wanted {
-  Wanted(const BusSpec& bus, Duration answer_time) {
+struct WiredBus {
+  WiredBus(const BusSpec& bus, Duration answer_time) {
     std::vector<const Protocol*> pointers;
     for (const DeviceSpec& device : bus.devices) {
       protocols.push_back(make_protocol(device, line_of(bus.port)).value());
@@ -75,15 +75,15 @@ std::string rounded(double number) {
 }  // namespace
 
 std::optional<Overload> overload_of(const BusSpec& bus, Duration answer_time) {
-  const Wanted wanted(bus, answer_time);
-  const Singly singly = one_by_one(wanted.input);
+  const WiredBus wired(bus, answer_time);
+  const Singly singly = one_by_one(wired.input);
   if (singly.load <= kPlanIsSure) return std::nullopt;
-  Overload overload{planned_load(wanted.input, singly, bus.planner), 1, std::nullopt};
+  Overload overload{planned_load(wired.input, singly, bus.planner), 1, std::nullopt};
   if (overload.load <= 1) return std::nullopt;
-  overload.stretch = std::max(singly.tightest, planned_load_of(wanted.input, bus.planner).stretch);
+  overload.stretch = std::max(singly.tightest, planned_load_of(wired.input, bus.planner).stretch);
   if (!has_line(bus.port)) return overload;
   for (const std::uint32_t baud : kStandardRates) {
-    const auto faster = at_rate(wanted.input, baud);
+    const auto faster = at_rate(wired.input, baud);
     if (faster && planned_load(*faster, one_by_one(*faster), bus.planner) <= 1) {
       overload.baud = baud;
       break;
@@ -93,10 +93,10 @@ std::optional<Overload> overload_of(const BusSpec& bus, Duration answer_time) {
 }
 
 std::optional<double> hopeless_load_of(const BusSpec& bus) {
-  const Wanted wanted(bus, Duration::zero());
-  const Singly singly = one_by_one(wanted.input);
+  const WiredBus wired(bus, Duration::zero());
+  const Singly singly = one_by_one(wired.input);
   if (singly.load <= kPlanIsSure * kHopelessLoad) return std::nullopt;
-  const double load = planned_load(wanted.input, singly, bus.planner);
+  const double load = planned_load(wired.input, singly, bus.planner);
   if (load <= kHopelessLoad) return std::nullopt;
   return load;
 }

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/model/spec.hpp"
-#include "core/schedule/scheduler.hpp"
+#include "core/plan/planner.hpp"
 
 namespace fieldcast {
 

@@ -27,19 +27,27 @@ Duration PlannedTimes::rounded(Duration answer_time) {
   return (time + step * 3 / 4) / step * step;  // rather a little too long than too short
 }
 
-void PlannedTimes::answered(DeviceIndex device, AreaIndex area, Duration measured,
-                            Scheduler& scheduler) {
+std::vector<PlannedTime> PlannedTimes::answered(DeviceIndex device, AreaIndex area,
+                                                Duration measured) {
+  std::vector<PlannedTime> changes;
   Entry& entry = entries_[device][area];
   const bool first = entry.answers == 0;
   entry.answers = std::min(entry.answers + 1, kUsualAnswers);
   entry.usual += (std::max(measured, Duration::zero()) - entry.usual) / entry.answers;
-  if (differs(entry.planned, entry.usual)) tell(device, area, rounded(entry.usual), scheduler);
-  if (!first) return;
-  for (DeviceIndex other = 0; other < entries_.size(); ++other) tell_unknown(other, scheduler);
+  if (differs(entry.planned, entry.usual)) plan_for(device, area, rounded(entry.usual), changes);
+  if (!first) return changes;
+  for (DeviceIndex other = 0; other < entries_.size(); ++other) plan_for_unknown(other, changes);
+  return changes;
+}
+
+void PlannedTimes::answered(DeviceIndex device, AreaIndex area, Duration measured,
+                            Scheduler& scheduler) {
+  for (const PlannedTime& each : answered(device, area, measured))
+    scheduler.set_answer_time(each.device, each.area, each.answer_time);
 }
 
 // The slowest of what is known of the device, or else of its neighbours.
-void PlannedTimes::tell_unknown(DeviceIndex device, Scheduler& scheduler) {
+void PlannedTimes::plan_for_unknown(DeviceIndex device, std::vector<PlannedTime>& changes) {
   const auto slowest = [](std::span<const Entry> areas) {
     Duration most{-1};
     for (const Entry& entry : areas) {
@@ -52,16 +60,16 @@ void PlannedTimes::tell_unknown(DeviceIndex device, Scheduler& scheduler) {
     for (const auto& others : entries_) most = std::max(most, slowest(others));
   }
   for (AreaIndex area = 0; area < entries_[device].size(); ++area) {
-    if (entries_[device][area].answers == 0) tell(device, area, most, scheduler);
+    if (entries_[device][area].answers == 0) plan_for(device, area, most, changes);
   }
 }
 
-void PlannedTimes::tell(DeviceIndex device, AreaIndex area, Duration planned,
-                        Scheduler& scheduler) {
+void PlannedTimes::plan_for(DeviceIndex device, AreaIndex area, Duration planned,
+                            std::vector<PlannedTime>& changes) {
   Entry& entry = entries_[device][area];
   if (entry.planned == planned) return;
   entry.planned = planned;
-  scheduler.set_answer_time(device, area, planned);
+  changes.push_back({device, area, planned});
 }
 
 void PlannedTimes::forget(DeviceIndex device) {

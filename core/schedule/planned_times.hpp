@@ -10,9 +10,17 @@
 #include <vector>
 
 #include "core/base/time.hpp"
-#include "core/schedule/scheduler.hpp"
+#include "core/dispatch/scheduler.hpp"
 
 namespace fieldcast {
+
+// A plan shall take this for the answer time of reads of an area.
+struct PlannedTime {
+  DeviceIndex device = 0;
+  AreaIndex area = 0;
+  Duration answer_time{};
+  friend bool operator==(const PlannedTime&, const PlannedTime&) = default;
+};
 
 class PlannedTimes {
  public:
@@ -20,7 +28,11 @@ class PlannedTimes {
   // `areas`: how many areas each device has. `assumed`: what the scheduler was made with.
   PlannedTimes(std::span<const std::size_t> areas, Duration assumed);
 
-  // A read of the area was answered `measured` after the end of its request.
+  // A read of the area was answered `measured` after the end of its request. Returns what makes a
+  // difference to plans: mostly nothing.
+  [[nodiscard]] std::vector<PlannedTime> answered(DeviceIndex device, AreaIndex area,
+                                                  Duration measured);
+  // The same, told to the scheduler.
   void answered(DeviceIndex device, AreaIndex area, Duration measured, Scheduler& scheduler);
   // Another device may be there now.
   void forget(DeviceIndex device);
@@ -35,8 +47,9 @@ class PlannedTimes {
     Duration planned{};  // as the scheduler was last told
     int answers = 0;     // in the usual one
   };
-  void tell(DeviceIndex device, AreaIndex area, Duration planned, Scheduler& scheduler);
-  void tell_unknown(DeviceIndex device, Scheduler& scheduler);
+  void plan_for(DeviceIndex device, AreaIndex area, Duration planned,
+                std::vector<PlannedTime>& changes);
+  void plan_for_unknown(DeviceIndex device, std::vector<PlannedTime>& changes);
 
   std::vector<std::vector<Entry>> entries_;  // by device and area
 };

@@ -7,7 +7,7 @@
 
 #include "core/model/sample.hpp"
 #include "core/model/spec.hpp"
-#include "core/schedule/scheduler.hpp"
+#include "core/plan/planner.hpp"
 
 namespace fieldcast {
 

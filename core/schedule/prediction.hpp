@@ -10,8 +10,8 @@
 #include <optional>
 #include <vector>
 
+#include "core/dispatch/scheduler.hpp"
 #include "core/schedule/remedies.hpp"
-#include "core/schedule/scheduler.hpp"
 
 namespace fieldcast {
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/schedule/scheduler.hpp"
+#include "core/plan/planner.hpp"
 
 namespace fieldcast {
 

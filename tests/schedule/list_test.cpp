@@ -8,8 +8,8 @@
 #include <set>
 #include <string>
 
+#include "core/dispatch/scheduler.hpp"
 #include "core/schedule/prediction.hpp"
-#include "core/schedule/scheduler.hpp"
 #include "tests/schedule/best_requests.hpp"
 #include "tests/schedule/virtual_wire.hpp"
 

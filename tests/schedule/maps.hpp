@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/schedule/scheduler.hpp"
+#include "core/dispatch/scheduler.hpp"
 #include "tests/schedule/fake_protocol.hpp"
 
 namespace fieldcast::test {

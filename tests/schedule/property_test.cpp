@@ -4,8 +4,8 @@
 #include <random>
 #include <set>
 
+#include "core/plan/cycle.hpp"
 #include "core/schedule/prediction.hpp"
-#include "core/schedule/rhythm.hpp"
 #include "tests/schedule/maps.hpp"
 #include "tests/schedule/virtual_wire.hpp"
 
@@ -257,20 +257,20 @@ TEST(Overload, NewAnswerTimeChangesThePlan) {
   EXPECT_EQ(scheduler->stretch(), 1.0);
 }
 
-TEST(Rhythm, NextTurnIsTheLastBeatWithinThePeriod) {
-  const Beat beat{100, 90};
-  EXPECT_EQ(due_after(beat, 190, 100), 280);
-  EXPECT_EQ(due_after(beat, 185, 100), 280);
-  EXPECT_EQ(due_after(beat, 190, 1000), 1180);
-  EXPECT_EQ(due_after(beat, 130, 100), 230);  // the beat of 190 would be too soon
-  EXPECT_EQ(due_after(Beat{}, 130, 100), 230);
+TEST(Cycle, APointIsDueAtTheLastInstantWithinItsGap) {
+  const Cycle cycle{Instant{100ns}, 90ns};
+  EXPECT_EQ(due_after(cycle, Instant{190ns}, 100ns), Instant{280ns});
+  EXPECT_EQ(due_after(cycle, Instant{185ns}, 100ns), Instant{280ns});
+  EXPECT_EQ(due_after(cycle, Instant{190ns}, 1000ns), Instant{1180ns});
+  EXPECT_EQ(due_after(cycle, Instant{130ns}, 100ns), Instant{230ns}) << "190 would be too soon";
+  EXPECT_EQ(due_after(Cycle{}, Instant{130ns}, 100ns), Instant{230ns});
 }
 
-TEST(Rhythm, SlowerClustersTakeWholeBeats) {
-  EXPECT_EQ(beat_spacing(1000, 1000, 0.06), 940);
-  EXPECT_EQ(beat_spacing(2000, 1000, 0.06), 1880);
-  EXPECT_EQ(beat_spacing(2500, 1000, 0.06), 1880);
-  EXPECT_EQ(beat_spacing(10'000, 1000, 0.06), 9400);
+TEST(Cycle, PeriodsOfSlowerGroupsAreWholeBasePeriods) {
+  EXPECT_EQ(cycle_period(1000ns, 1000ns, 0.06), 940ns);
+  EXPECT_EQ(cycle_period(2000ns, 1000ns, 0.06), 1880ns);
+  EXPECT_EQ(cycle_period(2500ns, 1000ns, 0.06), 1880ns);
+  EXPECT_EQ(cycle_period(10'000ns, 1000ns, 0.06), 9400ns);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "core/schedule/refusal.hpp"
+#include "core/dispatch/refusal.hpp"
 
 #include <gtest/gtest.h>
 

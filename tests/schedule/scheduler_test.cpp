@@ -1,4 +1,4 @@
-#include "core/schedule/scheduler.hpp"
+#include "core/dispatch/scheduler.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "core/schedule/scheduler.hpp"
+#include "core/dispatch/scheduler.hpp"
 
 namespace fieldcast::test {
 

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/schedule/scheduler.hpp"
+#include "core/dispatch/scheduler.hpp"
 #include "tests/schedule/best_requests.hpp"
 #include "tests/schedule/maps.hpp"
 #include "tests/schedule/virtual_wire.hpp"

@@ -20,9 +20,9 @@
 #include <string_view>
 #include <vector>
 
+#include "core/dispatch/scheduler.hpp"
 #include "core/plan/partition.hpp"
 #include "core/schedule/prediction.hpp"
-#include "core/schedule/scheduler.hpp"
 #include "tests/schedule/maps.hpp"
 #include "tests/schedule/virtual_wire.hpp"
 #include "tools/bench/engine_agreement.hpp"

@@ -1,0 +1,36 @@
+// The simple algorithm, to be compared with: the most urgent groups, each as one block, up to
+// twenty at a time; then those are read. Holds the blocks that are still to be read.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "core/dispatch/look_ahead.hpp"
+
+namespace fieldcast {
+
+class DynamicBlocksDispatcher {
+ public:
+  [[nodiscard]] Decision next(const ReadPlan& plan, DispatchState& state, Instant now);
+  [[nodiscard]] Duration slack(const ReadPlan& plan, const DispatchState& state, Instant now) {
+    if (state.queues.due.empty()) return Duration::max();
+    return std::max(Duration::zero(), look_ahead_.rest(plan, state, now));
+  }
+  void enqueue(const ReadPlan& plan, DispatchState& state, GroupIndex group, Instant due,
+               Instant now) {
+    look_ahead_.enqueue(plan, state, group, due, now);
+  }
+  void renew(const DispatchState&, const GroupState&, PointState& point, Instant acquired) const {
+    LookAhead::renew(point, acquired);
+  }
+  void forget() { batch_.clear(); }
+
+ private:
+  void fill(const ReadPlan& plan, DispatchState& state, Instant now);
+
+  static constexpr std::size_t kMostBatch = 20;
+  LookAhead look_ahead_;
+  std::vector<Block> batch_;  // last first
+};
+
+}  // namespace fieldcast

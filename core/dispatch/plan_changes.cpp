@@ -1,0 +1,149 @@
+// PlanRunner: what changes while the wire runs, and how another plan goes into force.
+#include <algorithm>
+#include <utility>
+
+#include "core/dispatch/plan_runner.hpp"
+
+namespace fieldcast {
+
+namespace {
+
+void drop_repeated(std::vector<GroupIndex>& groups) {
+  std::ranges::sort(groups);
+  groups.erase(std::unique(groups.begin(), groups.end()), groups.end());
+}
+
+}  // namespace
+
+void PlanRunner::set_allowed_gap(PointState& point) const {
+  const Duration before = point.allowed_gap;
+  point.allowed_gap = allowed_gap_of(ns(point.refresh) * point.stretch, state_.wire.lead);
+  if (point.due == kNever) return;
+  point.due += point.allowed_gap - before;
+  point.deadline += point.allowed_gap - before;
+}
+
+void PlanRunner::set_point(PointIndex of, Duration refresh, Mode mode, Instant now) {
+  const OrderIndex index = index_of(of);
+  PointState& point = state_.points[index];
+  const bool was_wanted = point.wanted();
+  forget_decisions();
+  point.refresh = std::max(point.least_refresh, refresh);
+  point.mode = mode;
+  set_allowed_gap(point);
+  if (begun_ && !was_wanted) {
+    point.due = point.deadline = later(now, point.allowed_gap);
+    point.eager = true;
+  }
+  touch(index);
+}
+
+bool PlanRunner::set_answer_time(DeviceIndex device, AreaIndex area, Duration answer_time) {
+  // A list of ranges is of several areas: the one that was learned last stands for all.
+  if (auto& list = state_.wire.layout.lists[device]) list->set_answer_time(answer_time);
+  return touch_area(device, area, state_.wire.change_cost(device, area, [&](ReadCost& cost) {
+    cost.set_answer_time(answer_time);
+  }));
+}
+
+bool PlanRunner::set_longest(DeviceIndex device, AreaIndex area, std::uint32_t items) {
+  forget_decisions();
+  return touch_area(device, area, state_.wire.change_cost(device, area, [&](ReadCost& cost) {
+    cost.set_longest(items);
+  }));
+}
+
+// Reads of the area cost something else, if any are made there.
+bool PlanRunner::touch_area(DeviceIndex device, AreaIndex area, bool is_read) {
+  if (!is_read) return false;
+  for (const GroupIndex index : plan_.grouping.groups_of[device]) {
+    const Group& group = plan_.grouping.groups[index];
+    if (group.list || state_.wire.layout.area_runs[group.area_run].area == area) touch(group.begin);
+  }
+  return true;
+}
+
+void PlanRunner::touch(OrderIndex index) {
+  changed_.push_back(plan_.grouping.group_at[index]);
+  if (remembered_) remembered_->push_back(index);
+}
+
+void PlanRunner::set_plan(ReadPlan plan) {
+  plan_ = std::move(plan);
+  if (plan_.table) dispatcher_ = make_dispatcher(state_.wire.planner, plan_);
+}
+
+// Groups with other refreshes or costs get phases in the timetable in force, until there is another
+// plan. What is due stays due.
+void PlanRunner::settle_changes(Instant now) {
+  drop_repeated(changed_);
+  set_plan(amended(std::move(plan_), state_.wire, state_.points, changed_, OtherGroups::kStay));
+  for (const GroupIndex group : changed_) take_phases(group);
+  for (const GroupIndex group : changed_) refresh(group, now);
+  changed_.clear();
+}
+
+// Gives the group, and the points of it that have phases, the instants that the plan says.
+void PlanRunner::take_phases(GroupIndex index) {
+  const PlannedGroup& planned = plan_.groups[index];
+  Cycle& cycle = state_.groups[index].cycle;
+  cycle = {};
+  if (planned.period == Duration::zero()) return;
+  cycle = {table_began_ + planned.phase, planned.period};
+  const Group& group = plan_.grouping.groups[index];
+  for (OrderIndex at = group.begin; at < group.end; ++at) {
+    state_.points[at].period = plan_.points[at].period;
+    state_.points[at].phase = table_began_ + plan_.points[at].phase;
+  }
+}
+
+void PlanRunner::adopt(ReadPlan plan, Instant began, Instant now) {
+  const bool regrouped = plan.grouping != plan_.grouping;
+  changed_.clear();
+  for (const OrderIndex index : remembered_.value_or(std::vector<OrderIndex>{}))
+    changed_.push_back(plan.grouping.group_at[index]);
+  set_plan(std::move(plan));
+  if (regrouped) {
+    state_.groups.assign(plan_.groups.size(), {});
+    state_.queues = GroupQueues(plan_.groups.size());
+    forget_decisions();
+  }
+  for (OrderIndex index = 0; index < state_.points.size(); ++index) {
+    state_.points[index].stretch = plan_.points[index].stretch;
+    set_allowed_gap(state_.points[index]);
+  }
+  if (!begun_) return;
+  if (!changed_.empty()) {
+    drop_repeated(changed_);
+    set_plan(amended(std::move(plan_), state_.wire, state_.points, changed_, OtherGroups::kFollow));
+    changed_.clear();
+  }
+  table_began_ = began;
+  for (GroupIndex group = 0; group < state_.groups.size(); ++group) take_phases(group);
+  watch_.plan_began(later(now, plan_.hyperperiod()));
+  find_instants(now);
+  refresh_all(now);
+}
+
+// Points take the last of their instants within their allowed gap, as if they had always had them.
+// Points that were never read take the first one.
+void PlanRunner::find_instants(Instant now) {
+  for (PointState& point : state_.points) {
+    const bool searched =
+        point.bad || point.suspect || (point.eager && point.retry_at != Instant{});
+    if (!point.wanted() || point.period == Duration::zero() || point.due == kNever || searched)
+      continue;
+    if (point.eager)
+      point.due = std::min(point.deadline, now + since_phase(point.phase, now, point.period));
+    else
+      point.due = point.deadline - since_phase(point.deadline, point.phase, point.period);
+  }
+}
+
+PlanBasis PlanRunner::basis() const {
+  PlanBasis basis{state_.wire, {state_.points.begin(), state_.points.end()}, watch_.overrun(), {}};
+  for (const GroupState& group : state_.groups) basis.periods.push_back(group.cycle.period);
+  return basis;
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,173 @@
+#include "core/dispatch/plan_runner.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace fieldcast {
+
+PlanRunner::PlanRunner(WireModel wire, std::span<const PlannedPoint> points, ReadPlan plan)
+    : plan_(std::move(plan)),
+      state_(std::move(wire), points, plan_),
+      dispatcher_(make_dispatcher(state_.wire.planner, plan_)) {
+  for (OrderIndex index = 0; index < state_.points.size(); ++index) {
+    state_.points[index].stretch = plan_.points[index].stretch;
+    set_allowed_gap(state_.points[index]);
+  }
+}
+
+Decision PlanRunner::next(Instant now) {
+  seen_ = asked_ = now;
+  wake(now);
+  Decision decision = std::visit(
+      [&](auto& dispatcher) { return dispatcher.next(plan_, state_, now); }, dispatcher_);
+  watch_.wire_free(now, std::holds_alternative<Rest>(decision));
+  return decision;
+}
+
+Duration PlanRunner::slack(Instant now) {
+  wake(now);
+  return std::visit([&](auto& dispatcher) { return dispatcher.slack(plan_, state_, now); },
+                    dispatcher_);
+}
+
+void PlanRunner::begin(Instant now) {
+  begun_ = true;
+  table_began_ = now;
+  for (GroupIndex group = 0; group < state_.groups.size(); ++group) take_phases(group);
+  watch_.plan_began(later(now, plan_.hyperperiod()));
+  for (PointState& point : state_.points) {
+    point.due = point.deadline = later(now, point.allowed_gap);
+    if (point.period > Duration::zero()) point.due = std::min(point.phase, point.deadline);
+  }
+  refresh_all(now);
+}
+
+void PlanRunner::wake(Instant now) {
+  if (!begun_) begin(now);
+  if (!changed_.empty()) settle_changes(now);
+  GroupQueues& queues = state_.queues;
+  while (!state_.suspended.empty() && state_.suspended.top_key() <= now) {
+    const auto device = static_cast<DeviceIndex>(state_.suspended.top());
+    state_.suspended.remove(device);
+    for (const GroupIndex group : plan_.grouping.groups_of[device]) {
+      for (PointState& point : state_.points_of(plan_, group)) {
+        if (point.due <= now) postpone(point, now);
+      }
+      refresh(group, now);
+    }
+  }
+  while (!queues.held.empty() && queues.held.top_key() <= now) {
+    const GroupIndex group = queues.held.top();
+    queues.held.remove(group);
+    queues.due.put(group, state_.groups[group].due);
+  }
+  while (!queues.asleep.empty() && queues.asleep.top_key() <= now) {
+    const GroupIndex group = queues.asleep.top();
+    queues.asleep.remove(group);
+    for (PointState& point : state_.points_of(plan_, group)) {
+      if (point.bad && point.retry_at <= now) postpone(point, now);
+    }
+    refresh(group, now);
+  }
+}
+
+void PlanRunner::refresh(GroupIndex group, Instant now) {
+  const Instant due = state_.look_up(plan_, group, now);
+  if (due == kNever) return;
+  std::visit([&](auto& dispatcher) { dispatcher.enqueue(plan_, state_, group, due, now); },
+             dispatcher_);
+}
+
+void PlanRunner::refresh_all(Instant now) {
+  for (GroupIndex group = 0; group < state_.groups.size(); ++group) refresh(group, now);
+}
+
+void PlanRunner::refresh_groups_of(const Block& block, Instant now) {
+  GroupIndex last = ~0u;
+  for (const PointIndex point : block.points) {
+    const GroupIndex group = plan_.grouping.group_at[index_of(point)];
+    if (group != last) refresh(group, now);
+    last = group;
+  }
+}
+
+// What failed is due again half an allowed gap later, sooner if the wire would rest.
+void PlanRunner::postpone(PointState& point, Instant from) {
+  point.due = point.deadline = later(from, point.allowed_gap / 2);
+  point.eager = true;
+}
+
+void PlanRunner::acquired(const Block& block, Instant now) {
+  seen_ = now;
+  state_.paces[block.device].read(now - asked_, block.cost - state_.wire.tails[block.device]);
+  OrderIndex low = ~0u, high = 0;
+  for (const PointIndex each : block.points) {
+    const OrderIndex index = index_of(each);
+    PointState& point = state_.points[index];
+    // A moment late does not count: the next slot has slack.
+    if (!point.eager) watch_.acquired(now - point.deadline > point.allowed_gap / 20, now);
+    const GroupState& group = state_.groups[plan_.grouping.group_at[index]];
+    std::visit([&](auto& dispatcher) { dispatcher.renew(state_, group, point, now); }, dispatcher_);
+    point.retry_at = Instant{};
+    point.eager = point.bad = point.suspect = false;
+    low = std::min(low, index);
+    high = std::max(high, index + 1);
+  }
+  if (refusals_.searching() && low < high) refusals_.settle(state_.points, low, high);
+  refresh_groups_of(block, now);
+}
+
+void PlanRunner::failed(const Block& block, Instant now, Instant retry_at) {
+  forget_decisions();
+  for (const PointIndex each : block.points) {
+    PointState& point = state_.points[index_of(each)];
+    point.retry_at = retry_at;
+    postpone(point, std::max(now, retry_at));
+  }
+  refresh_groups_of(block, now);
+}
+
+std::vector<PointIndex> PlanRunner::refused(const Block& block, Instant now, Duration forget) {
+  std::vector<PointIndex> bad;
+  forget_decisions();
+  refused_.clear();
+  for (const PointIndex each : block.points) {
+    const OrderIndex index = index_of(each);
+    refused_.push_back(index);
+    PointState& point = state_.points[index];
+    point.due = std::min(point.due, now);
+    point.deadline = std::min(point.deadline, now);
+    point.eager = true;  // a point that is searched for is not late
+  }
+  if (refused_.empty()) return bad;
+  std::ranges::sort(refused_);
+  if (refused_.size() == 1) {
+    refusals_.mark_bad(state_.points, refused_.front(), now, forget);
+    refusals_.settle(state_.points, refused_.front(), refused_.front() + 1);
+    bad.push_back(block.points.front());
+  } else {
+    refusals_.cut(state_.points, refused_, now, forget);
+  }
+  refresh_groups_of(block, now);
+  return bad;
+}
+
+void PlanRunner::suspend(DeviceIndex device, Instant until) {
+  forget_decisions();
+  state_.suspended_until[device] = until;
+  state_.suspended.put(device, until);
+  for (const GroupIndex group : plan_.grouping.groups_of[device]) state_.queues.take_out(group);
+}
+
+void PlanRunner::forget_decisions() {
+  std::visit([](auto& dispatcher) { dispatcher.forget(); }, dispatcher_);
+}
+
+void PlanRunner::forget_paces(Instant now) {
+  const bool paced =
+      std::ranges::any_of(state_.paces, [](const LinePace& pace) { return pace.share() < 1; });
+  std::ranges::fill(state_.paces, LinePace{});
+  if (paced && begun_) refresh_all(now);
+}
+
+}  // namespace fieldcast

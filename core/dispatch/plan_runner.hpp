@@ -1,0 +1,91 @@
+// Runs the plan in force on one wire: it knows when each point was read and is due again, and asks
+// the dispatcher of the plan for the next read. What changes meanwhile takes effect at once on the
+// plan in force. Another plan takes its place as a whole.
+//
+// Copyable; a rehearsal runs on a copy. Owned by the scheduler, on the thread of its bus. No clock:
+// every call gets `now`. Nothing here fails.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/dispatch/decision.hpp"
+#include "core/dispatch/dispatch_state.hpp"
+#include "core/dispatch/dispatcher.hpp"
+#include "core/dispatch/overrun_watch.hpp"
+#include "core/dispatch/refusal.hpp"
+#include "core/plan/planner.hpp"
+
+namespace fieldcast {
+
+class PlanRunner {
+ public:
+  PlanRunner(WireModel wire, std::span<const PlannedPoint> points, ReadPlan plan);
+
+  // As in scheduler.hpp.
+  [[nodiscard]] Decision next(Instant now);
+  void acquired(const Block& block, Instant acquired);
+  void failed(const Block& block, Instant now, Instant retry_at);
+  std::vector<PointIndex> refused(const Block& block, Instant now, Duration forget);
+  void suspend(DeviceIndex device, Instant until);
+  [[nodiscard]] Duration slack(Instant now);
+  void set_point(PointIndex point, Duration refresh, Mode mode, Instant now);
+  // False: nothing is read there.
+  bool set_answer_time(DeviceIndex device, AreaIndex area, Duration answer_time);
+  bool set_longest(DeviceIndex device, AreaIndex area, std::uint32_t items);
+
+  // Puts another plan in force. Its table begins at `began`; every point takes the last of its
+  // instants within its allowed gap, as if the table had always been there.
+  void adopt(ReadPlan plan, Instant began, Instant now);
+  // From now on it is remembered which points change: a plan that is being made does not know it.
+  void remember_changes() { remembered_.emplace(); }
+  void forget_changes() { remembered_.reset(); }
+  // As if every line were as fast as its rate says.
+  void forget_paces(Instant now);
+
+  [[nodiscard]] PlanBasis basis() const;
+  [[nodiscard]] const ReadPlan& plan() const { return plan_; }
+  [[nodiscard]] const WireModel& wire() const { return state_.wire; }
+  [[nodiscard]] std::span<const PointState> points() const { return state_.points; }
+  [[nodiscard]] const PointState& point(PointIndex point) const {
+    return state_.points[state_.wire.layout.index_of[point]];
+  }
+  [[nodiscard]] Instant table_began() const { return table_began_; }
+  [[nodiscard]] Instant last_seen() const { return seen_; }
+  [[nodiscard]] double overrun() const { return watch_.overrun(); }
+
+ private:
+  void begin(Instant now);
+  void wake(Instant now);
+  void set_plan(ReadPlan plan);
+  void set_allowed_gap(PointState& point) const;
+  void take_phases(GroupIndex group);
+  void find_instants(Instant now);
+  void touch(OrderIndex index);
+  bool touch_area(DeviceIndex device, AreaIndex area, bool is_read);
+  void settle_changes(Instant now);
+  void forget_decisions();
+  static void postpone(PointState& point, Instant from);
+  void refresh(GroupIndex group, Instant now);
+  void refresh_all(Instant now);
+  void refresh_groups_of(const Block& block, Instant now);
+  [[nodiscard]] OrderIndex index_of(PointIndex point) const {
+    return state_.wire.layout.index_of[point];
+  }
+
+  ReadPlan plan_;
+  DispatchState state_;
+  Dispatcher dispatcher_;
+  RefusalSearch refusals_;
+  OverrunWatch watch_;
+  bool begun_ = false;
+  Instant table_began_{};
+  Instant asked_{};                  // when the last block was given out
+  Instant seen_{};                   // the latest instant told
+  std::vector<GroupIndex> changed_;  // the plan is amended for them when the wire is free
+  std::optional<std::vector<OrderIndex>> remembered_;
+  std::vector<OrderIndex> refused_;  // scratch of refused()
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,25 @@
+#include "core/plan/cycle.hpp"
+
+#include <algorithm>
+
+#include "core/plan/time_math.hpp"
+
+namespace fieldcast {
+
+Instant due_after(const Cycle& cycle, Instant acquired, Duration allowed_gap) {
+  constexpr double kWorth = 0.7;  // of the gap: an instant before that is not waited for
+  const Instant latest = acquired + allowed_gap;
+  if (cycle.period <= Duration::zero()) return latest;
+  const Duration past = since_phase(latest, cycle.phase, cycle.period);
+  return ns(allowed_gap - past) >= kWorth * ns(allowed_gap) ? latest - past : latest;
+}
+
+Duration cycle_period(Duration allowed_gap, Duration fastest, double margin) {
+  const Duration base{static_cast<Duration::rep>(ns(fastest) * (1 - margin))};
+  if (base <= Duration::zero()) return Duration::zero();
+  // Of a gap of two base periods both count, though the margin would allow a little more than two.
+  const Duration usable{static_cast<Duration::rep>(ns(allowed_gap) * (1 - margin))};
+  return std::max<Duration::rep>(1, (usable + base / 1000) / base) * base;
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,286 @@
+#include "core/plan/planner.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/plan/cycle.hpp"
+#include "core/plan/group_load.hpp"
+#include "core/plan/stretch.hpp"
+
+namespace fieldcast {
+
+namespace {
+
+// Up to this planned load reads keep farthest from their last instant.
+constexpr double kLight = 0.6;
+// From this planned load on they come as close to it as they can.
+constexpr double kCrowded = 0.95;
+
+double margin_of(const WireModel& wire, const ReadPlan& plan) {
+  return wire.weights.margin + plan.lightness * wire.weights.light_reserve;
+}
+
+template <typename P>
+std::span<const P> points_of(const Group& group, std::span<const P> points) {
+  return points.subspan(group.begin, group.end - group.begin);
+}
+
+// Wire time of a read of the group besides that of its items.
+Duration base_cost_of(const ReadCost& cost, const PlannedPoint& point) {
+  const Range range = cost.cover(point.first, point.end);
+  return cost.of(range) - Duration{static_cast<Duration::rep>(cost.item_ns() * range.count)};
+}
+
+bool in_timetable(const PlannedPoint& point) {
+  return point.wanted() && point.mode == Mode::kScheduled;
+}
+
+// What the timetable must know of a group. No members: nothing of it has a period.
+template <typename P>
+TimetableRequest request_of(const WireModel& wire, const ReadPlan& plan, const Group& group,
+                            std::span<const P> points) {
+  TimetableRequest request;
+  request.list = group.list;
+  const double margin = margin_of(wire, plan);
+  const double base = ns(cycle_period(plan.fastest, plan.fastest, margin));
+  const ReadCost& single = wire.layout.area_runs[group.area_run].cost;
+  for (const PlannedPoint& point : points) {
+    if (!in_timetable(point)) continue;
+    TimetableMember& member = request.members.emplace_back();
+    member.first = point.first;
+    member.end = point.end;
+    const Duration gap = allowed_gap_of(ns(point.refresh) * point.stretch, wire.lead);
+    member.fits = ns(gap) * (1 - margin) / base;
+    if (group.list) {
+      const ListCost& list = *wire.layout.lists[group.device];
+      member.area = point.area;
+      member.bridge = list.bridge(point.area);
+      member.range_cost = Duration{list.range_ns(point.area)};
+      member.item_ns = list.item_ns(point.area);
+    } else {
+      member.item_ns = single.item_ns();
+      member.range_cost = Duration{static_cast<Duration::rep>(member.item_ns)};
+    }
+  }
+  if (!request.members.empty()) {
+    request.base_cost = group.list ? Duration{wire.layout.lists[group.device]->request_ns()}
+                                   : base_cost_of(single, points.front());
+  }
+  return request;
+}
+
+// Writes the period and phase of a group and of its points, as the timetable says.
+template <typename P>
+void set_phases(ReadPlan& plan, const WireModel& wire, GroupIndex index,
+                std::span<const P> points) {
+  const Group& group = plan.grouping.groups[index];
+  const TimetableRequest& request = plan.table->request(index);
+  PlannedGroup& planned = plan.groups[index];
+  planned.period = request.members.empty() ? Duration::zero() : request.period * plan.slot();
+  planned.slack = plan.table->slack() * request.period;
+  if (!request.members.empty()) planned.load = plan.table->load(index);
+  // The table counts until the wire is free again; points are acquired before.
+  const Duration end = request.latest_end - wire.tails[group.device];
+  planned.phase = request.phase * plan.slot() + end;
+  auto member = request.members.begin();
+  for (OrderIndex at = group.begin; at < group.end; ++at) {
+    PointPlan& point = plan.points[at];
+    point.period = point.phase = Duration::zero();
+    point.worst_gap.reset();
+    if (!in_timetable(points[at])) continue;
+    point.period = member->period * plan.slot();
+    point.phase = member->phase * plan.slot() + end;
+    point.worst_gap = point.period + planned.slack;
+    ++member;
+  }
+}
+
+template <typename P>
+ReadPlan with_all_phases(ReadPlan plan, const WireModel& wire, std::span<const P> points) {
+  if (!plan.table) return plan;
+  for (GroupIndex index = 0; index < plan.groups.size(); ++index)
+    set_phases(plan, wire, index, points);
+  return plan;
+}
+
+// One plan in the making.
+class PlanMaker {
+ public:
+  PlanMaker(PlanBasis basis, Grouping grouping)
+      : basis_(std::move(basis)), wire_(basis_.wire), load_(wire_) {
+    plan_.order = wire_.layout.point_at;
+    plan_.grouping = std::move(grouping);
+    plan_.groups.resize(plan_.grouping.groups.size());
+    plan_.points.resize(basis_.points.size());
+  }
+  PlanMaker(const PlanBasis& basis, const ReadPlan& plan)
+      : basis_(basis), wire_(basis_.wire), load_(wire_), plan_(plan) {}
+
+  // Works out loads, the stretch and the timetable from the refreshes asked for.
+  [[nodiscard]] std::vector<ReadPlan> make() {
+    stretch_to(1);
+    find_load();
+    plan_.demand = plan_.load * basis_.overrun;
+    const double factor = enough_stretch();
+    if (factor > 1) stretch_to(factor);
+    std::vector<Timetable> others;
+    if (wire_.rules.timetable) others = fit(factor);
+    std::vector<ReadPlan> plans{finished(std::move(plan_))};
+    for (Timetable& table : others) {
+      ReadPlan other = plans.front();
+      other.table = std::move(table);
+      plans.push_back(with_all_phases(std::move(other), wire_, points()));
+    }
+    return plans;
+  }
+
+  [[nodiscard]] double total_load(bool stretched) {
+    double sum = 0;
+    for (GroupIndex index = 0; index < plan_.groups.size(); ++index) {
+      plan_.groups[index].load = load_of_group(index, stretched);
+      sum += plan_.groups[index].load;
+    }
+    return sum;
+  }
+
+ private:
+  [[nodiscard]] double load_of_group(GroupIndex index, bool stretched) {
+    const Group& group = plan_.grouping.groups[index];
+    const Duration period = basis_.periods.empty() ? Duration::zero() : basis_.periods[index];
+    return load_.of(group, points_of(group, points()),
+                    {period, plan_.fastest, margin_of(wire_, plan_), stretched});
+  }
+
+  void stretch_to(double factor) {
+    stretched_ = stretch_points(basis_.points, factor);
+    plan_.stretch = stretched_.greatest;
+    plan_.fastest = fastest_of(basis_.points, wire_.lead);
+  }
+
+  // The load of the refreshes asked for; it says how light the wire is, and that changes margins.
+  void find_load() {
+    plan_.lightness = 1;
+    plan_.load = total_load(false);
+    if (plan_.load <= kLight || !wire_.rules.timetable) return;
+    plan_.lightness = 0;
+    plan_.load = total_load(false);
+    plan_.lightness = std::clamp((kCrowded - plan_.load) / (kCrowded - kLight), 0.0, 1.0);
+    if (plan_.lightness > 0) plan_.load = total_load(false);
+  }
+
+  // The factor that makes the wire carry all.
+  [[nodiscard]] double enough_stretch() {
+    if (plan_.demand <= kFullLoad) return 1;
+    double enough = plan_.demand / kFullLoad;
+    if (stretched_.priorities <= 1 && !stretched_.uneven) return enough;
+    double fails = stretched_.uneven ? 1 : enough;
+    if (stretched_.uneven) enough = 1 + (enough - 1) / stretched_.least_elasticity;
+    enough *= kMostApart;
+    for (int halving = 0; halving < 14; ++halving) {
+      const double middle = std::sqrt(fails * enough);
+      stretch_to(middle);
+      (total_load(true) * basis_.overrun > kFullLoad ? fails : enough) = middle;
+    }
+    return enough;
+  }
+
+  // Makes the timetable. Its periods are whole slots, which takes more than refreshes as they are
+  // asked for. If that is too much, all is stretched a little more.
+  [[nodiscard]] std::vector<Timetable> fit(double factor) {
+    constexpr double kMost = 0.994;
+    constexpr int kAttempts = 8;
+    std::vector<Timetable> others;
+    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+      others = make_timetable();
+      double wished = 0;
+      for (GroupIndex index = 0; index < plan_.groups.size(); ++index) {
+        if (!plan_.table->request(index).members.empty()) wished += load_of_group(index, true);
+      }
+      if (wished > 0) plan_.fit = plan_.table->load() / wished;
+      const double needed = plan_.table->load() * basis_.overrun;
+      if (needed <= kMost) break;
+      factor *= 1.002 * needed / kMost;
+      stretch_to(factor);
+    }
+    return others;
+  }
+
+  [[nodiscard]] std::vector<Timetable> make_timetable() {
+    constexpr std::size_t kMany = 2000;  // points that are placed one by one only once
+    const Duration base = cycle_period(plan_.fastest, plan_.fastest, margin_of(wire_, plan_));
+    plan_.table.emplace(std::max(Duration{1}, base),
+                        part_of(wire_.weights.margin - wire_.weights.unforeseen, plan_.fastest));
+    std::vector<TimetableRequest> requests;
+    for (const Group& group : plan_.grouping.groups)
+      requests.push_back(request_of(wire_, plan_, group, points_of(group, points())));
+    return plan_.table->fill(std::move(requests),
+                             basis_.points.size() > kMany ? 0 : wire_.weights.rounds);
+  }
+
+  [[nodiscard]] ReadPlan finished(ReadPlan plan) const {
+    for (OrderIndex index = 0; index < plan.points.size(); ++index)
+      plan.points[index].stretch = basis_.points[index].stretch;
+    return with_all_phases(std::move(plan), wire_, points());
+  }
+  [[nodiscard]] std::span<const PlannedPoint> points() const { return basis_.points; }
+
+  PlanBasis basis_;
+  const WireModel& wire_;
+  GroupLoad load_;
+  ReadPlan plan_;
+  Stretched stretched_;
+};
+
+}  // namespace
+
+Grouping group_points(const PlanBasis& basis) {
+  const PlanRules& rules = basis.wire.rules;
+  std::vector<Wanted> wanted;
+  std::vector<double> rates;
+  for (const PlannedPoint& point : basis.points) {
+    wanted.push_back({point.first, point.end, rules.grouping == GroupingRule::kSinglePoints});
+    if (rules.timetable) rates.push_back(1 / std::max(1e-9, to_seconds(point.refresh)));
+  }
+  return make_groups(basis.wire.layout, wanted, rates);
+}
+
+std::vector<ReadPlan> make_plans(PlanBasis basis, Grouping grouping) {
+  return PlanMaker(std::move(basis), std::move(grouping)).make();
+}
+
+double load_of(const PlanBasis& basis, const ReadPlan& plan) {
+  return PlanMaker(basis, plan).total_load(false);
+}
+
+Duration fastest_of(std::span<const PlannedPoint> points, Duration lead) {
+  Duration fastest = Duration::max();
+  for (const PlannedPoint& point : points) {
+    if (in_timetable(point))
+      fastest = std::min(fastest, allowed_gap_of(ns(point.refresh) * point.stretch, lead));
+  }
+  return fastest == Duration::max() ? Duration{1} : fastest;
+}
+
+ReadPlan amended(ReadPlan plan, const WireModel& wire, std::span<const PointState> points,
+                 std::span<const GroupIndex> changed, OtherGroups others) {
+  if (!plan.table) return plan;
+  for (const GroupIndex index : changed) {
+    const Group& group = plan.grouping.groups[index];
+    plan.table->change(index, request_of(wire, plan, group, points_of(group, points)));
+  }
+  plan.table->align();
+  if (others == OtherGroups::kFollow) return with_all_phases(std::move(plan), wire, points);
+  for (const GroupIndex index : changed) set_phases(plan, wire, index, points);
+  return plan;
+}
+
+PlannedLoad planned_load_of(const ScheduleInput& input, Planner planner) {
+  const WireModel wire(input, planner);
+  PlanBasis basis{wire, planned_points(input, wire.layout)};
+  Grouping grouping = group_points(basis);
+  const ReadPlan plan = std::move(make_plans(std::move(basis), std::move(grouping)).front());
+  return {plan.planned_load(), plan.stretch};
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,122 @@
+#include "core/plan/shape/block_shape.hpp"
+
+#include <algorithm>
+
+namespace fieldcast {
+
+namespace {
+
+// Grows a slice one neighbour at a time, in one direction, and keeps the best end found so far.
+class Growth {
+ public:
+  Growth(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost,
+         Instant now)
+      : points_(points),
+        cost_(cost),
+        now_(now),
+        slice_{urgent, urgent + 1},
+        first_(points[urgent].first),
+        end_(points[urgent].end) {}
+
+  // `worth(point)`: wire time that renewing the point now is worth. `rescue`: the largest worth
+  // that may still come. `budget`: of the whole block.
+  template <typename Worth>
+  void grow(bool up, const Worth& worth, double rescue, Duration budget) {
+    double balance = 0;
+    std::uint32_t first = first_, end = end_;
+    for (std::uint32_t at = up ? slice_.end : slice_.begin; up ? at < points_.size() : at > 0;
+         at += up ? 1 : 0) {
+      const std::uint32_t index = up ? at : --at;
+      const bool cut = up ? cut_between(points_[index - 1], points_[index], now_)
+                          : cut_between(points_[index], points_[index + 1], now_);
+      if (cut) return;
+      const std::uint32_t before = end - first;
+      first = std::min(first, points_[index].first);
+      end = std::max(end, points_[index].end);
+      const Range range = cost_.cover(first, end);
+      if (!cost_.fits(range) || cost_.of(range) > budget) return;
+      balance -= cost_.item_ns() * (end - first - before);
+      if (points_[index].ready(now_)) balance += worth(points_[index]);
+      if (balance >= 0) {
+        (up ? slice_.end : slice_.begin) = up ? index + 1 : index;
+        first_ = first;
+        end_ = end;
+        balance = 0;
+      } else if (balance + rescue < 0) {
+        return;
+      }
+    }
+  }
+  template <typename Worth>
+  void both_ways(const Worth& worth, double rescue, Duration budget) {
+    grow(true, worth, rescue, budget);
+    grow(false, worth, rescue, budget);
+  }
+  [[nodiscard]] Slice slice() const { return slice_; }
+
+ private:
+  std::span<const PointState> points_;
+  const ReadCost& cost_;
+  Instant now_;
+  Slice slice_;
+  std::uint32_t first_, end_;
+};
+
+}  // namespace
+
+Instant must_until(std::span<const PointState> points, std::uint32_t urgent, Instant now,
+                   const Allowance& allowance, const CyclicWeights& weights) {
+  if (allowance.period != Duration::zero())
+    return std::max(now, points[urgent].due) + part_of(weights.reach, allowance.period);
+  Duration shortest = points[urgent].allowed_gap;
+  for (const PointState& point : points) {
+    if (point.ready(now)) shortest = std::min(shortest, point.allowed_gap);
+  }
+  return now + part_of(weights.reach, shortest);
+}
+
+Slice cyclic_slice(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost,
+                   Instant now, const Allowance& allowance, const CyclicWeights& weights) {
+  const Instant until = must_until(points, urgent, now, allowance, weights);
+  // A point that is due must be part of the read, or it would need a request of its own. What lies
+  // between is read on the way.
+  constexpr double kAnything = 1e18;
+  const double request = cost.item_ns() * cost.bridge();
+  const auto must = [&](const PointState& point) { return point.due <= until ? kAnything : 0.0; };
+  const auto eager = [&](const PointState& point) {
+    return point.due <= until ? kAnything
+           : point.eager      ? request + cost.item_ns() * (point.end - point.first)
+                              : 0.0;
+  };
+  Growth growth(points, urgent, cost, now);
+  growth.both_ways(must, kAnything, Duration::max());
+  if (allowance.budget > Duration::zero()) growth.both_ways(eager, request, allowance.budget);
+  return growth.slice();
+}
+
+Slice near_slice(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost,
+                 Instant now) {
+  Growth growth(points, urgent, cost, now);
+  const double request = cost.item_ns() * cost.bridge();
+  const auto half_used = [&](const PointState& point) {
+    return point.used(now) >= 0.5 ? request : 0.0;
+  };
+  growth.both_ways(half_used, request, Duration::max());
+  return growth.slice();
+}
+
+Slice whole_slice(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost,
+                  Instant now) {
+  Growth growth(points, urgent, cost, now);
+  constexpr double kAnything = 1e18;
+  growth.both_ways([](const PointState&) { return kAnything; }, kAnything, Duration::max());
+  return growth.slice();
+}
+
+Range range_of(std::span<const PointState> points, Slice slice, const ReadCost& cost) {
+  std::uint32_t end = 0;
+  for (std::uint32_t i = slice.begin; i < slice.end; ++i) end = std::max(end, points[i].end);
+  return cost.cover(points[slice.begin].first, end);
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,344 @@
+#include "core/plan/timetable.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <limits>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+#include "core/plan/time_math.hpp"
+
+namespace fieldcast {
+
+namespace {
+
+// Lengths that many numbers divide, and parts of a base period that make other numbers whole: 2.5
+// base periods are 5 halves.
+constexpr std::array<std::uint32_t, 36> kLengths{1,  2,  3,  4,  5,  6,  7,  8,  9,  10,  11,  12,
+                                                 13, 14, 15, 16, 18, 20, 22, 24, 26, 30,  33,  36,
+                                                 40, 44, 48, 52, 60, 66, 72, 80, 84, 100, 120, 140};
+constexpr std::array<std::uint32_t, 6> kParts{1, 2, 3, 4, 5, 6};
+constexpr double kWorthALength = 0.9999,
+                 kWorthParts = 0.98;  // a longer table and shorter slots must save so much
+
+// What weighs how much when a phase is chosen: wire time; how level slots are; how level those
+// requests are in them that are sent most often, which can move least. Found by measuring. No set
+// is the best on every bus, so each has a try.
+struct Levels {
+  double slots, steady;
+};
+constexpr std::array<Levels, 8> kLevels{
+    {{4, 8}, {1, 3}, {2, 8}, {6, 6}, {8, 16}, {3, 3}, {12, 8}, {4, 20}}};
+
+// The longest period of at most `usable` slots that divides a table of `slots` and is a multiple of
+// `step`.
+Slots period_within(Slots usable, Slots step, Slots slots) {
+  if (usable >= slots) return usable / slots * slots;
+  Slots period = std::max(usable / step, 1u) * step;
+  while (period > step && slots % period != 0) period -= step;
+  return period;
+}
+
+std::size_t words_for(std::size_t members) { return (members + 63) / 64; }
+
+// How much the square of `before` grows by `more`.
+double growth(Duration before, double more) { return more * (2.0 * ns(before) + more); }
+
+Slots slots_in(const TimetableMember& member, std::uint32_t parts) {
+  return static_cast<Slots>(std::clamp(member.fits * parts + 0.001, 1.0, 1e9));
+}
+
+Slots period_of(const TimetableRequest& request, std::uint32_t parts, Slots slots) {
+  Slots own = ~0u;
+  for (const TimetableMember& member : request.members)
+    own = std::min(own, slots_in(member, parts));
+  return own >= slots ? slots : period_within(own, 1, slots);
+}
+
+}  // namespace
+
+// Wire time for each base period, without the gaps between points.
+double Timetable::spent(std::uint32_t parts, Slots slots) const {
+  double sum = 0;
+  for (const TimetableRequest& request : requests_) {
+    const Slots period = period_of(request, parts, slots);
+    sum += ns(request.base_cost) / period;
+    for (const TimetableMember& member : request.members) {
+      sum += member.item_ns * (member.end - member.first) /
+             std::min(slots, period_within(slots_in(member, parts), period, slots));
+    }
+  }
+  return sum * parts;
+}
+
+// The length and the slots that waste least: each member is read at its period instead of the slots
+// that it could wait.
+void Timetable::choose_length() {
+  constexpr std::size_t kMany = 2000;  // members for which a long table would take too long
+  std::size_t members = 0;
+  for (const TimetableRequest& request : requests_) members += request.members.size();
+  double least = std::numeric_limits<double>::infinity();
+  for (const std::uint32_t parts : kParts) {
+    double best = std::numeric_limits<double>::infinity();
+    std::uint32_t length = 1;
+    for (const Slots slots : kLengths) {
+      if (slots > 100 && members > kMany) break;
+      const double now = spent(parts, slots);
+      if (now < kWorthALength * best) best = now, length = slots;
+    }
+    if (best < kWorthParts * least) least = best, parts_ = parts, slots_ = length;
+  }
+  slot_ = std::max(Duration{1}, base_period_ / parts_);
+  slack_ = base_slack_ / parts_;
+  shortest_ = slots_;
+  for (const TimetableRequest& request : requests_) {
+    if (!request.members.empty())
+      shortest_ = std::min(shortest_, period_of(request, parts_, slots_));
+  }
+}
+
+void Timetable::set_periods(TimetableRequest& request) const {
+  request.period = period_of(request, parts_, slots_);
+  for (TimetableMember& member : request.members)
+    member.period = period_within(slots_in(member, parts_), request.period, slots_);
+}
+
+// Wire time of a request in a slot: of the members that are due in it, and one more.
+Duration Timetable::read_cost(std::size_t index, Slots slot, std::size_t besides) const {
+  const TimetableRequest& request = requests_[index];
+  const std::size_t words = words_for(request.members.size());
+  const std::uint64_t* const due = due_[index].data() + slot * words;
+  const TimetableMember* range = nullptr;  // the first of it
+  std::uint32_t end = 0;
+  double sum = 0;
+  for (std::size_t word = 0; word < words; ++word) {
+    std::uint64_t left = due[word];
+    if (besides / 64 == word) left |= std::uint64_t{1} << besides % 64;
+    for (; left != 0; left &= left - 1) {
+      const TimetableMember& member =
+          request.members[word * 64 + static_cast<std::size_t>(std::countr_zero(left))];
+      const bool joins =
+          range != nullptr &&
+          (!request.list || (member.area == range->area && member.first <= end + member.bridge));
+      if (!joins) {
+        sum += ns(member.range_cost) - member.item_ns;
+        range = &member;
+        end = member.first;
+      }
+      if (member.end <= end) continue;
+      sum += member.item_ns * (member.end - end);
+      end = member.end;
+    }
+  }
+  if (range == nullptr) return Duration::zero();
+  return request.base_cost + Duration{static_cast<Duration::rep>(sum)};
+}
+
+void Timetable::mark(std::size_t index, std::size_t member, Slots slot, bool due) {
+  std::uint64_t& word =
+      due_[index][slot * words_for(requests_[index].members.size()) + member / 64];
+  const std::uint64_t bit = std::uint64_t{1} << member % 64;
+  word = due ? word | bit : word & ~bit;
+}
+
+void Timetable::set_cost(std::size_t index, Slots slot, Duration cost) {
+  Duration& now = this->cost(index, slot);
+  total_[slot] += cost - now;
+  if (requests_[index].period == shortest_) steady_[slot] += cost - now;
+  now = cost;
+}
+
+double Timetable::strain(std::size_t index, Slots slot, Duration cost) const {
+  const Duration now = cost_[index * slots_ + slot];
+  const double more = ns(cost - now);
+  const double steady =
+      requests_[index].period == shortest_ ? level_steady_ * growth(steady_[slot], more) : 0;
+  return more + (level_slots_ * growth(total_[slot], more) + steady) / ns(slot_);
+}
+
+void Timetable::place(std::size_t index, std::size_t which) {
+  const TimetableRequest& request = requests_[index];
+  TimetableMember& member = requests_[index].members[which];
+  double least = 0;
+  Slots best = request.phase;
+  for (Slots phase = request.phase; phase < std::min(member.period, slots_);
+       phase += request.period) {
+    double sum = 0;
+    for (Slots slot = phase; slot < slots_ && (phase == request.phase || sum < least);
+         slot += member.period)
+      sum += strain(index, slot, read_cost(index, slot, which));
+    if (phase == request.phase || sum < least) least = sum, best = phase;
+  }
+  member.phase = best;
+  for (Slots slot = best; slot < slots_; slot += member.period) {
+    mark(index, which, slot, true);
+    set_cost(index, slot, read_cost(index, slot));
+  }
+}
+
+void Timetable::take_out(std::size_t index, std::size_t which) {
+  TimetableMember& member = requests_[index].members[which];
+  for (Slots slot = std::exchange(member.phase, ~0u); slot < slots_; slot += member.period) {
+    mark(index, which, slot, false);
+    set_cost(index, slot, read_cost(index, slot));
+  }
+}
+
+// The least crowded phase, then the members from the fastest to the slowest.
+void Timetable::enter(std::size_t index) {
+  TimetableRequest& request = requests_[index];
+  Duration least{};
+  for (Slots phase = 0; phase < request.period; ++phase) {
+    Duration sum{};
+    for (Slots slot = phase; slot < slots_; slot += request.period) sum += total_[slot];
+    if (phase == 0 || sum < least) least = sum, request.phase = phase;
+  }
+  due_[index].assign(words_for(request.members.size()) * slots_, 0);
+  std::vector<std::size_t> order;
+  for (std::size_t which = 0; which < request.members.size(); ++which) {
+    TimetableMember& member = request.members[which];
+    member.phase = member.period == request.period ? request.phase : ~0u;
+    if (member.phase == ~0u) {
+      order.push_back(which);
+      continue;
+    }
+    for (Slots slot = request.phase; slot < slots_; slot += request.period)
+      mark(index, which, slot, true);
+  }
+  for (Slots slot = request.phase; slot < slots_; slot += request.period)
+    set_cost(index, slot, read_cost(index, slot));
+  std::ranges::stable_sort(order, {},
+                           [&](std::size_t which) { return request.members[which].period; });
+  for (const std::size_t which : order) place(index, which);
+}
+
+void Timetable::leave(std::size_t index) {
+  for (Slots slot = 0; slot < slots_; ++slot) set_cost(index, slot, Duration::zero());
+}
+
+// When each request ends at the latest, if those that come before it in its slots do not end
+// earlier than they must. Short periods come first; among equal ones those whose reads change
+// least.
+void Timetable::align() {
+  std::vector<std::size_t> order(requests_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto riders = [&](std::size_t index) {
+    const TimetableRequest& request = requests_[index];
+    return std::count_if(request.members.begin(), request.members.end(),
+                         [&](const auto& m) { return m.period > request.period; });
+  };
+  std::vector<std::ptrdiff_t> slower(requests_.size());
+  for (std::size_t index = 0; index < requests_.size(); ++index) slower[index] = riders(index);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return std::tuple(requests_[a].period, slower[a]) < std::tuple(requests_[b].period, slower[b]);
+  });
+  std::vector<Duration> end(slots_);
+  for (const std::size_t index : order) {
+    TimetableRequest& request = requests_[index];
+    request.latest_end = Duration::zero();
+    for (Slots slot = request.phase; slot < slots_; slot += request.period) {
+      end[slot] += cost(index, slot);
+      request.latest_end = std::max(request.latest_end, end[slot]);
+    }
+    const Duration earliest = request.latest_end - slack_ * request.period;
+    for (Slots slot = request.phase; slot < slots_; slot += request.period)
+      end[slot] = std::max(end[slot], earliest);
+  }
+}
+
+std::vector<Timetable> Timetable::fill(std::vector<TimetableRequest> requests, unsigned rounds) {
+  constexpr std::size_t kLarge = 8'000;  // reads in the table: too many to make it more than once
+  requests_ = std::move(requests);
+  choose_length();
+  for (TimetableRequest& request : requests_) set_periods(request);
+  std::vector<Timetable> ways;
+  for (const Levels& levels : kLevels) {
+    level_slots_ = levels.slots;
+    level_steady_ = levels.steady;
+    settle(rounds);
+    if (cost_.size() > kLarge) return {};
+    ways.push_back(*this);
+  }
+  std::ranges::stable_sort(ways, {}, [](const Timetable& way) { return way.latest_end(); });
+  *this = std::move(ways.front());
+  ways.erase(ways.begin());
+  return ways;
+}
+
+Duration Timetable::latest_end() const {
+  Duration latest{};
+  for (const TimetableRequest& request : requests_) latest = std::max(latest, request.latest_end);
+  return latest;
+}
+
+bool Timetable::empty() const {
+  return std::ranges::all_of(requests_,
+                             [](const auto& request) { return request.members.empty(); });
+}
+
+void Timetable::settle(unsigned rounds) {
+  cost_.assign(requests_.size() * slots_, Duration::zero());
+  total_.assign(slots_, Duration::zero());
+  steady_.assign(slots_, Duration::zero());
+  due_.assign(requests_.size(), {});
+  std::vector<std::size_t> order(requests_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return requests_[a].period < requests_[b].period;
+  });
+  for (const std::size_t index : order) enter(index);
+  for (unsigned round = 0; round < rounds; ++round) {
+    for (const std::size_t index : order) {
+      if (requests_[index].period > shortest_) {
+        leave(index);
+        enter(index);
+        continue;
+      }
+      for (std::size_t member = 0; member < requests_[index].members.size(); ++member) {
+        if (requests_[index].members[member].period == requests_[index].period) continue;
+        take_out(index, member);
+        place(index, member);
+      }
+    }
+  }
+  align();
+}
+
+void Timetable::change(std::size_t index, TimetableRequest request) {
+  set_periods(request);
+  TimetableRequest& before = requests_[index];
+  const bool same =
+      request.period == before.period &&
+      std::equal(request.members.begin(), request.members.end(), before.members.begin(),
+                 before.members.end(), [](const TimetableMember& a, const TimetableMember& b) {
+                   return a.first == b.first && a.end == b.end && a.area == b.area &&
+                          a.period == b.period;
+                 });
+  if (same) {
+    request.phase = before.phase;
+    for (std::size_t i = 0; i < request.members.size(); ++i)
+      request.members[i].phase = before.members[i].phase;
+    before = std::move(request);
+    for (Slots slot = before.phase; slot < slots_; slot += before.period)
+      set_cost(index, slot, read_cost(index, slot));
+  } else {
+    leave(index);
+    before = std::move(request);
+    if (!before.members.empty()) enter(index);
+  }
+}
+
+double Timetable::load() const {
+  const Duration sum = std::accumulate(total_.begin(), total_.end(), Duration::zero());
+  return ns(sum) / (ns(slot_) * slots_);
+}
+
+double Timetable::load(std::size_t index) const {
+  Duration sum{};
+  for (Slots slot = 0; slot < slots_; ++slot) sum += cost_[index * slots_ + slot];
+  return ns(sum) / (ns(slot_) * slots_);
+}
+
+}  // namespace fieldcast
