@@ -29,14 +29,11 @@ BusEngine::State::State(const BusSpec& bus, TextCodec& text_codec)
       driver(line, spec.gap_allowance, echo_for(spec)),
       late(setup) {
   for (DeviceIndex index = 0; index < setup.devices(); ++index) {
-    const DeviceSpec& device = setup.device(index);
-    devices.push_back(
-        {&device, &setup.protocol(index),
-         AnswerTime(device.timeout, std::max(spec.gap_allowance, device.timeout / 4))});
-    DeviceRuntime& made = devices.back();
-    made.areas.assign(made.protocol->areas().size(), {made.answer_time, {}});
+    devices.emplace_back();
+    devices.back().areas.resize(setup.protocol(index).areas().size());
   }
   make_scheduler();
+  monitor.emplace(setup, probed());
 }
 
 BusEngine::BusEngine(const BusSpec& spec, TextCodec& codec)
@@ -73,7 +70,7 @@ void BusEngine::on_event(const BusEvent& event, Instant now, Actions& actions) {
         s.take_late(s.late_in_exchange(now), now, actions);
       if (outcome == ExchangeDriver::Outcome::kDone && s.is_another_answer()) {
         const State::Flight& flight = *s.flight;
-        s.driver.wait_on(s.devices[flight.device].protocol->begin(flight.request, flight.context));
+        s.driver.wait_on(s.setup.protocol(flight.device).begin(flight.request, flight.context));
         s.late.start_anew();
         return;
       }
@@ -82,7 +79,7 @@ void BusEngine::on_event(const BusEvent& event, Instant now, Actions& actions) {
     void operator()(const TimerFired&) const { s.timer = kNever; }
     void operator()(const CommandArrived& e) const {
       const auto device = s.setup.find(e.command.device);
-      const bool offline = device && s.devices[*device].health.offline();
+      const bool offline = device && s.monitor->offline(*device);
       ActionSink sink(s.setup, s.samples, actions);
       s.commands.accept(e.command, {s.bus_state, offline}, now, sink);
     }
@@ -178,7 +175,10 @@ void BusEngine::State::decide(Instant now, Actions& actions) {
     }
   }
   if (auto probe = probe_due(now)) return launch(std::move(*probe), now, actions);
-  const Instant next_admission = admit_deferred(now);
+  std::vector<DeviceIndex> admitted;
+  const Instant next_admission = monitor->admit_deferred(
+      now, [&] { return scheduler->slack(now); }, admitted);
+  for (const DeviceIndex device : admitted) rest_device(device, now);
 
   Decision decision = scheduler->next(now);
   for (int tried = 0; std::holds_alternative<Block>(decision); ++tried) {
@@ -192,7 +192,7 @@ void BusEngine::State::decide(Instant now, Actions& actions) {
     hold(read.block, from, now);
     decision = tried < kMostHeld ? scheduler->next(now) : Rest{from};
   }
-  rest_until = std::min({std::get<Rest>(decision).until, next_probe(), next_admission});
+  rest_until = std::min({std::get<Rest>(decision).until, monitor->next_probe(), next_admission});
   // Commands whose devices are pausing; behind one that has begun the others wait.
   rest_until = std::min(rest_until, commands.sendable_from(gate()));
   rest_until = std::max(
@@ -207,22 +207,23 @@ void BusEngine::State::launch(Flight next, Instant now, Actions& actions) {
 }
 
 void BusEngine::State::transmit(Instant now, Actions& actions) {
-  DeviceRuntime& device = devices[flight->device];
   if (flight->tries == 0) flight->started = now;
   flight->waiting = false;
-  flight->rest = device.answered_at == kLongAgo ? Duration::max() : now - device.answered_at;
-  const Duration timeout =
-      flight->timeout > Duration::zero() ? flight->timeout : timeout_for(device, *flight);
+  flight->rest = monitor->rest_before(flight->device, now);
+  const bool command = flight->kind == Flight::Kind::kCommand;
+  const Duration timeout = flight->timeout > Duration::zero()
+                               ? flight->timeout
+                               : monitor->timeout(flight->device, flight->request, command);
   flight->context = late.next_context(flight->device);
   strays_since = kNever;
   late.start_anew();
   Bytes out;
   driver.begin(
-      device.protocol->begin(flight->request, flight->context), timeout,
+      setup.protocol(flight->device).begin(flight->request, flight->context), timeout,
       driver.echo() != Echo::kUnknown || setup.answer_differs(flight->device, flight->request), now,
       out);
   ++exchanges;
-  ++device.exchanges;
+  monitor->asked(flight->device);
   actions.push_back(Send{std::move(out)});
 }
 
@@ -232,7 +233,7 @@ Instant BusEngine::State::command_from(const CommandJob& job) const {
   Flight next;
   next.kind = Flight::Kind::kCommand;
   next.device = job.device();
-  Instant from = devices[next.device].paused_until;
+  Instant from = monitor->paused_until(next.device);
   if (late.none_owed()) return from;
   if (auto request = job.next()) {
     next.request = std::move(*request);
@@ -254,65 +255,54 @@ void BusEngine::State::advance(ExchangeDriver::Outcome outcome, Bytes&& out, Ins
   }
 }
 
-void BusEngine::State::free_wire(Instant now) { free_at = now + silence; }
-
 bool BusEngine::State::try_again(const Flight& tried, Cause cause) const {
   if (cause == Cause::kDeviceError || cause == Cause::kDeviceBusy || cause == Cause::kUnsupported)
     return false;
   // Writes are never repeated blindly (CommandJob reads back instead); probes are rare by
   // themselves. A sick device's reads wait until the wire has time for them (defer()).
-  const DeviceRuntime& device = devices[tried.device];
   return tried.kind != Flight::Kind::kProbe && std::holds_alternative<ReadRequest>(tried.request) &&
-         tried.tries < device.spec->retries &&
-         !(tried.kind == Flight::Kind::kRead && device.sick());
+         tried.tries < setup.device(tried.device).retries &&
+         !(tried.kind == Flight::Kind::kRead && monitor->sick(tried.device));
 }
 
 // The exchange in flight is over.
 void BusEngine::State::conclude(bool done, Instant now, Actions& actions) {
-  DeviceRuntime& device = devices[flight->device];
-  const Traits& traits = device.protocol->traits();
+  const Traits& traits = setup.protocol(flight->device).traits();
   const Cause cause = done ? Cause::kNone : driver.cause();
   const std::uint16_t code = driver.device_code();
   const auto exchange = driver.finish();
-  free_wire(now);
-  if (done || cause == Cause::kNoAnswer) device.pauses.tried(flight->rest, done);
-  if (done) device.answered_at = driver.answered();
-  device.paused_until = now + std::max(device.spec->pause, device.pauses.pause());
+  free_at = now + silence;
   const Duration spent = free_at - flight->started;
-
-  const bool unanswered = cause == Cause::kNoAnswer || cause == Cause::kTruncated;
-  if (unanswered) {
-    device.answer_time.timed_out();
-    for (AreaLearning& area : device.areas) area.answer_time.timed_out();
-    flight->timed_out = true;
-  }
+  if (cause == Cause::kNoAnswer || cause == Cause::kTruncated) flight->timed_out = true;
   const bool answered = done || cause == Cause::kDeviceError || cause == Cause::kDeviceBusy;
+  ActionSink sink(setup, samples, actions);
   settle_debts_of(*flight, answered, !done, now);
-  device.tried(answered);
-  judge_garbage(flight->device, answered, actions);
+  monitor->tried(
+      {flight->device, cause, flight->rest, driver.answered(), driver.heard(), driver.sent()}, now,
+      sink);
   if (!done) {
     causes.add(cause);
-    device.causes.add(cause);
     if (trace)
-      traced(flight->device,
-             std::string(to_text(cause)) + device_code_note(device.protocol->traits().codes, code),
-             actions);
+      sink.push(Traced{setup.device(flight->device).name,
+                       std::string(to_text(cause)) + device_code_note(traits.codes, code)});
     if (try_again(*flight, cause)) {
       ++flight->tries;
-      ++device.retries;
+      monitor->repeated(flight->device);
       flight->waiting = true;
       return;
     }
   }
-  ActionSink sink(setup, samples, actions);
   Flight ended = std::move(*flight);
   flight.reset();
   load.ended(spent, ended.kind == Flight::Kind::kRead);
 
-  if (answered) {
-    if (done && !ended.timed_out) { learn_answer_time(ended.device, ended.request); }
-    device_answered(ended.device, actions);
+  if (done && !ended.timed_out) {
+    monitor->learn(ended.device, ended.request, driver.answer_time());
+    if (std::holds_alternative<ReadRequest>(ended.request))
+      planned_times.answered(ended.device, area_of(ended.request), driver.answer_time(),
+                             *scheduler);
   }
+  if (answered) monitor->answered(ended.device, sink);
   switch (ended.kind) {
     case Flight::Kind::kRead:
       if (done)
@@ -328,17 +318,13 @@ void BusEngine::State::conclude(bool done, Instant now, Actions& actions) {
       break;
     case Flight::Kind::kProbe: break;
   }
-  if (!answered) {
-    device_failed(ended.device, cause, now, actions);
-    if (device.sick()) defer(ended.device, spent, now);
-  }
+  if (!answered) device_failed(ended, cause, spent, now, sink);
   rest_device(ended.device, now);
   // A stream whose framing is lost cannot be mended in place (Modbus Messaging on TCP/IP, 4.2.2
   // leaves the reaction open: close). A serial line falls silent instead, also behind a serial
   // server: there a bad frame costs its exchange alone.
-  const auto* tcp = std::get_if<TcpPortSpec>(&spec.port);
   if (cause == Cause::kMalformed && traits.identity == AnswerIdentity::kSequence &&
-      tcp != nullptr && !tcp->line) {
+      setup.plain_tcp()) {
     actions.push_back(Reopen{"the answer's header makes no sense"});
     bus_state = BusState::kOpening;
   }
@@ -354,7 +340,7 @@ Instant BusEngine::State::askable_from(const Flight& next) const {
 void BusEngine::State::settle_debts_of(const Flight& ended, bool answered, bool refused,
                                        Instant now) {
   Asked asked{ended.device, ended.request, ended.context, driver.sent_until()};
-  const Duration longest = devices[ended.device].answer_time.longest();
+  const Duration longest = monitor->longest_answer(ended.device);
   if (!answered) return late.unanswered(std::move(asked), ended.block, longest, driver, now);
   late.answered(asked, refused, longest, driver, now);
   release_held(now);
@@ -364,7 +350,7 @@ void BusEngine::State::settle_debts_of(const Flight& ended, bool answered, bool 
 void BusEngine::State::owe_flight_under_way() {
   if (!driver.active() || !flight) return;
   late.broken_off({flight->device, flight->request, flight->context, driver.sent_until()},
-                  devices[flight->device].answer_time.longest());
+                  monitor->longest_answer(flight->device));
 }
 
 std::vector<LateAnswers::Late> BusEngine::State::late_in_exchange(Instant now) {
@@ -375,15 +361,14 @@ std::vector<LateAnswers::Late> BusEngine::State::late_in_exchange(Instant now) {
 void BusEngine::State::take_late(std::vector<LateAnswers::Late> answers, Instant now,
                                  Actions& actions) {
   for (LateAnswers::Late& answer : answers) {
-    DeviceRuntime& device = devices[answer.asked.device];
-    device.answer_time.late(answer.taken);
-    for (AreaLearning& area : device.areas) area.answer_time.late(answer.taken);
+    monitor->learn_late(answer.asked.device, answer.taken);
     if (answer.block.points.empty()) continue;
     Flight read;
     read.device = answer.asked.device;
     read.request = answer.asked.request;
     read.block = std::move(answer.block);
-    device_answered(read.device, actions);
+    ActionSink sink(setup, samples, actions);
+    monitor->answered(read.device, sink);
     block_read(read, answer.reply, now, now, actions);
     // Nor need it be asked again.
     if (flight && flight->waiting && flight->kind == Flight::Kind::kRead &&
@@ -407,7 +392,7 @@ void BusEngine::State::heard_stray(ByteView bytes, Instant now, Actions& actions
 // The exchange is done, but too soon: an answer that began before its request had ended.
 bool BusEngine::State::is_another_answer() const {
   if (late.owes_same({flight->device, flight->request, flight->context, {}})) return false;
-  return devices[flight->device].answer_time.too_early(driver.answer_began(), line.characters(1));
+  return monitor->too_early(flight->device, driver.answer_began());
 }
 
 void BusEngine::State::opened(Instant now) {
@@ -418,11 +403,7 @@ void BusEngine::State::opened(Instant now) {
   flight.reset();
   late.start_anew();
   free_at = now + silence;
-  // Whoever did not answer on the line before may do so on this one.
-  for (DeviceRuntime& device : devices) {
-    if (device.health.offline()) device.health.probe_from(now);
-    device.probe_not_before = kLongAgo;
-  }
+  monitor->opened(now);
 }
 
 void BusEngine::State::closed(const Closed& why, Instant now, Actions& actions) {
@@ -433,8 +414,7 @@ void BusEngine::State::closed(const Closed& why, Instant now, Actions& actions) 
   if (why.cause != Cause::kPortClosed) causes.add(why.cause);
   owe_flight_under_way();
   // What a connection brought late ends with it, unless there is a serial line behind it.
-  const auto* tcp = std::get_if<TcpPortSpec>(&spec.port);
-  if (tcp != nullptr && !tcp->line) late.forget_all();
+  if (setup.plain_tcp()) late.forget_all();
   driver.abort();
   ActionSink sink(setup, samples, actions);
   if (flight) {
@@ -471,13 +451,56 @@ void BusEngine::State::expire_channels(Instant now, Actions& actions) {
   if (!out.empty()) actions.push_back(Publish{std::move(out)});
 }
 
-void BusEngine::State::notice(Notice::Kind kind, DeviceIndex device, Cause cause, std::string text,
-                              Actions& actions) const {
-  actions.push_back(Notice{kind, spec.devices[device].name, cause, std::move(text)});
+// Of an exchange that was not answered.
+void BusEngine::State::device_failed(const Flight& ended, Cause cause, Duration spent, Instant now,
+                                     ActionSink& sink) {
+  const DeviceIndex index = ended.device;
+  if (monitor->failed(index, cause, now, sink)) {
+    DeviceRuntime& device = devices[index];
+    device.refused_longer = false;
+    planned_times.forget(index);
+    for (AreaIndex area = 0; area < device.areas.size(); ++area) {
+      if (device.areas[area].forget()) scheduler->set_longest(index, area, 0);
+    }
+    for (ChannelIndex c = channels.first_of(index); c < channels.end_of(index); ++c)
+      channels.failing(c, cause, now);
+    if (monitor->all_offline() && over_network(spec.port)) {
+      // Every device behind this connection is silent: perhaps only the connection is dead.
+      sink.push(Reopen{"no device answers"});
+      bus_state = BusState::kOpening;
+    }
+  }
+  monitor->defer_if_sick(index, spent, now);
 }
 
-void BusEngine::State::traced(DeviceIndex device, std::string text, Actions& actions) const {
-  actions.push_back(Traced{spec.devices[device].name, std::move(text)});
+// Tells the scheduler how long the device is left alone.
+void BusEngine::State::rest_device(DeviceIndex index, Instant now) {
+  if (const auto until = monitor->suspension(index, now)) scheduler->suspend(index, *until);
+}
+
+std::optional<BusEngine::State::Flight> BusEngine::State::probe_due(Instant now) {
+  auto due = monitor->probe(
+      now,
+      [&](DeviceIndex device, const Request& request) {
+        return late.sendable_from(device, request, LateAnswers::Purpose::kRead);
+      },
+      [&] { return scheduler->slack(now); });
+  if (!due) return std::nullopt;
+  Flight probe;
+  probe.kind = Flight::Kind::kProbe;
+  probe.device = due->device;
+  probe.request = std::move(due->request);
+  probe.timeout = due->timeout;
+  return probe;
+}
+
+// The first point of each device.
+std::vector<std::optional<Range>> BusEngine::State::probed() const {
+  std::vector<std::optional<Range>> ranges(setup.devices());
+  for (const Point& point : map.points) {
+    if (auto& range = ranges[point.device]; !range) range = point.range;
+  }
+  return ranges;
 }
 
 void make_plans(BusEngine& engine, Instant now, Actions& actions) {

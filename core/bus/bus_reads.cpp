@@ -31,15 +31,11 @@ Block part_of(const Block& block, std::vector<PointIndex> points) {
 
 void BusEngine::State::make_scheduler() {
   map = map_points(spec);
-  probe_point.resize(devices.size());
-  for (PointIndex p = 0; p < map.points.size(); ++p) {
-    if (auto& probe = probe_point[map.points[p].device]; !probe) probe = p;
-  }
   std::vector<const Protocol*> protocols;
   std::vector<std::size_t> areas;
-  for (const DeviceRuntime& device : devices) {
-    protocols.push_back(device.protocol);
-    areas.push_back(device.areas.size());
+  for (DeviceIndex device = 0; device < setup.devices(); ++device) {
+    protocols.push_back(&setup.protocol(device));
+    areas.push_back(setup.protocol(device).areas().size());
   }
   planned_times = PlannedTimes(areas, kAssumedAnswerTime);
   scheduler = fieldcast::make_scheduler(
@@ -77,6 +73,7 @@ std::string BusEngine::State::point_text(PointIndex point) const {
 void BusEngine::State::block_read(const Flight& read, const Reply& reply, Instant acquired,
                                   Instant now, Actions& actions) {
   DeviceRuntime& device = devices[read.device];
+  ActionSink sink(setup, samples, actions);
   std::vector<Sample> out;
   std::vector<PointIndex> good;
   // What the device refused: each range for itself, so that the search for what is bad in it stays
@@ -96,7 +93,7 @@ void BusEngine::State::block_read(const Flight& read, const Reply& reply, Instan
   std::size_t at = 0;
   for (const PointIndex p : read.block.points) {
     const Range& range = map.points[p].range;
-    const Area& area = device.protocol->areas()[range.area];
+    const Area& area = setup.area(read.device, range.area);
     const std::size_t found = find_range(read.block, answered, range, at);
     if (found != kNowhere) at = found;
     if (found == kNowhere || reply[found].cause != Cause::kNone) {
@@ -110,24 +107,24 @@ void BusEngine::State::block_read(const Flight& read, const Reply& reply, Instan
                      image_bytes(area.item_bits, range.count));
     good.push_back(p);
     if (device.refused.erase(p))
-      notice(Notice::Kind::kAddressRefused, read.device, Cause::kNone,
-             point_text(p) + " is answered again", actions);
+      sink.notice(Notice::Kind::kAddressRefused, read.device, Cause::kNone,
+                  point_text(p) + " is answered again");
     for (const ChannelIndex c : map.channels_of[p])
       channels.acquired(c, area.item_bits, items, acquired, out);
   }
   samples += out.size();
   if (trace)
-    traced(read.device,
-           "read " + point_text(read.block.points.front()) + ".., " + std::to_string(items_read) +
-               " items, " + std::to_string(out.size()) + " samples",
-           actions);
+    sink.push(Traced{setup.device(read.device).name,
+                     "read " + point_text(read.block.points.front()) + ".., " +
+                         std::to_string(items_read) + " items, " + std::to_string(out.size()) +
+                         " samples"});
   if (!out.empty()) actions.push_back(Publish{std::move(out)});
   if (!good.empty()) scheduler->acquired(part_of(read.block, std::move(good)), acquired);
   std::vector<Sample> refused;
   for (Refused& part : bad) {
     const RangeReply answer = part.range == kNowhere ? RangeReply{} : reply[part.range];
     block_refused(part_of(read.block, std::move(part.points)), answer.cause, answer.device_code,
-                  now, refused, actions);
+                  now, refused, sink);
   }
   samples += refused.size();
   if (!refused.empty()) actions.push_back(Publish{std::move(refused)});
@@ -139,7 +136,7 @@ void BusEngine::State::learn_blocks(const Flight& read, const Reply& reply, Inst
   for (std::size_t i = 0; i < read.block.ranges.size() && i < reply.size(); ++i) {
     if (reply[i].cause != Cause::kNone) continue;
     const Range& range = read.block.ranges[i];
-    BlockLearning& blocks = devices[read.device].areas[range.area].blocks;
+    BlockLearning& blocks = devices[read.device].areas[range.area];
     const bool forgotten = blocks.expire(now);
     if (blocks.read(range, now) || forgotten)
       scheduler->set_longest(read.device, range.area, blocks.longest());
@@ -153,16 +150,14 @@ void BusEngine::State::block_failed(const Flight& read, Cause cause, std::uint16
       devices[read.device].refused_longer = true;
       return scheduler->failed(read.block, now, now);
     }
+    ActionSink sink(setup, samples, actions);
     std::vector<Sample> out;
-    block_refused(read.block, cause, code, now, out, actions);
+    block_refused(read.block, cause, code, now, out, sink);
     samples += out.size();
     if (!out.empty()) actions.push_back(Publish{std::move(out)});
     return;
   }
-  if (cause == Cause::kDeviceBusy) {
-    DeviceRuntime& device = devices[read.device];
-    device.paused_until = std::max(device.paused_until, now + kBusyPause);
-  }
+  if (cause == Cause::kDeviceBusy) monitor->busy(read.device, now);
   for (const PointIndex p : read.block.points) {
     for (const ChannelIndex c : map.channels_of[p]) channels.failing(c, cause, now);
   }
@@ -171,23 +166,22 @@ void BusEngine::State::block_failed(const Flight& read, Cause cause, std::uint16
 
 // The scheduler halves the block until the bad points stand alone; those are told at once.
 void BusEngine::State::block_refused(const Block& block, Cause cause, std::uint16_t code,
-                                     Instant now, std::vector<Sample>& out, Actions& actions) {
+                                     Instant now, std::vector<Sample>& out, ActionSink& sink) {
   DeviceRuntime& device = devices[block.device];
   if (block.ranges.size() == 1 && block.points.size() > 1) {
     std::vector<Range> wanted;
     for (const PointIndex p : block.points) wanted.push_back(map.points[p].range);
-    device.areas[block.ranges[0].area].blocks.refused(block.ranges[0], std::move(wanted));
+    device.areas[block.ranges[0].area].refused(block.ranges[0], std::move(wanted));
   }
   for (const PointIndex p : scheduler->refused(block, now, kForgetRefused)) {
-    device.areas[map.points[p].range.area].blocks.bad(map.points[p].range);
+    device.areas[map.points[p].range.area].bad(map.points[p].range);
     const bool news = device.refused.emplace(p, code).second;
     for (const ChannelIndex c : map.channels_of[p]) channels.refused(c, cause, code, now, out);
     if (news)
-      notice(Notice::Kind::kAddressRefused, block.device, cause,
-             point_text(p) + " is refused" +
-                 device_code_note(device.protocol->traits().codes, code) + "; asked again in " +
-                 to_text(kForgetRefused),
-             actions);
+      sink.notice(Notice::Kind::kAddressRefused, block.device, cause,
+                  point_text(p) + " is refused" +
+                      device_code_note(setup.protocol(block.device).traits().codes, code) +
+                      "; asked again in " + to_text(kForgetRefused));
   }
 }
 
@@ -198,16 +192,18 @@ bool BusEngine::State::make_distinct(Flight& read, Instant now) const {
   const DeviceRuntime& device = devices[read.device];
   auto& request = std::get<ReadRequest>(read.request);
   if (device.refused_longer || request.ranges.size() != 1) return false;
-  if (!device.areas[request.ranges[0].area].blocks.gaps().empty()) return false;
-  const Area& area = device.protocol->areas()[request.ranges[0].area];
+  if (!device.areas[request.ranges[0].area].gaps().empty()) return false;
+  const Area& area = setup.area(read.device, request.ranges[0].area);
   if (area.window) return false;
   const Range block = request.ranges[0];
   for (std::uint32_t times = 1; times <= kMostLonger; ++times) {
-    if (device.spec->max_gap && times * area.alignment > *device.spec->max_gap) break;
+    if (setup.device(read.device).max_gap &&
+        times * area.alignment > *setup.device(read.device).max_gap)
+      break;
     Range& longer = request.ranges[0];
     longer.count = block.count + times * area.alignment;
     if (longer.end() > area.items || !in_one_bank(area, longer.first, longer.end())) break;
-    if (!device.protocol->size(read.request)) break;
+    if (!setup.protocol(read.device).size(read.request)) break;
     if (late.sendable_from(read.device, read.request, LateAnswers::Purpose::kRead) > now) continue;
     read.longer = true;
     return true;

@@ -1,4 +1,6 @@
 // What the bus and its devices say of themselves.
+#include <algorithm>
+
 #include "core/bus/bus_state.hpp"
 
 namespace fieldcast {
@@ -31,34 +33,27 @@ ChannelReport BusEngine::channel_report(ChannelIndex channel, Instant now) const
 }
 
 DeviceReport BusEngine::device_report(DeviceIndex index, Instant now) const {
-  const DeviceRuntime& device = state_->devices[index];
-  DeviceReport report;
-  report.state = device.health.state();
-  report.exchanges = device.exchanges;
-  report.failures = device.failures;
-  report.retries = device.retries;
-  for (ChannelIndex c = state_->channels.first_of(index); c < state_->channels.end_of(index); ++c)
-    report.deadline_misses += state_->channels.report(c, now).missed;
-  report.answer_time = device.answer_time.mean();
-  report.answer_spread = device.answer_time.spread();
-  report.timeout = device.answer_time.timeout();
-  report.pause = std::max(device.spec->pause, device.pauses.pause());
-  for (AreaIndex area = 0; area < device.areas.size(); ++area) {
-    const AreaLearning& learned = device.areas[area];
-    if (!learned.answer_time.known()) continue;
-    report.areas.push_back({std::string(device.protocol->areas()[area].name),
-                            learned.answer_time.mean(), learned.answer_time.spread(),
-                            learned.blocks.largest_read(), learned.blocks.longest()});
-    for (const Range& gap : learned.blocks.gaps()) {
+  const State& s = *state_;
+  const DeviceRuntime& device = s.devices[index];
+  DeviceReport report = s.monitor->report(index);
+  for (ChannelIndex c = s.channels.first_of(index); c < s.channels.end_of(index); ++c)
+    report.deadline_misses += s.channels.report(c, now).missed;
+  for (AreaReport& area : report.areas) {
+    const auto areas = s.setup.protocol(index).areas();
+    const auto at = std::find_if(areas.begin(), areas.end(),
+                                 [&](const Area& each) { return each.name == area.area; });
+    const BlockLearning& blocks = device.areas[static_cast<std::size_t>(at - areas.begin())];
+    area.largest_block = blocks.largest_read();
+    area.longest_block = blocks.longest();
+    for (const Range& gap : blocks.gaps()) {
       if (report.refused_gaps.size() < State::kMaxRefusedListed)
-        report.refused_gaps.push_back(state_->setup.text(index, gap));
+        report.refused_gaps.push_back(s.setup.text(index, gap));
     }
   }
   for (const auto& [point, code] : device.refused) {
     if (report.refused.size() == State::kMaxRefusedListed) break;
     report.refused.push_back(state_->point_text(point));
   }
-  report.causes = device.causes;
   return report;
 }
 

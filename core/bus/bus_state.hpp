@@ -10,6 +10,7 @@
 #include "core/bus/bus_engine.hpp"
 #include "core/bus/channel_table.hpp"
 #include "core/bus/command_queue.hpp"
+#include "core/bus/device_monitor.hpp"
 #include "core/bus/device_state.hpp"
 #include "core/bus/exchange_driver.hpp"
 #include "core/bus/late_answers.hpp"
@@ -26,12 +27,6 @@ struct BusEngine::State {
       std::chrono::minutes{1};  // then a refused address is tried again
   static constexpr Duration kShortWait =
       std::chrono::milliseconds{20};  // that the wire rests for a command already begun
-  static constexpr Duration kBusyPause = std::chrono::milliseconds{100};  // after "busy"
-  static constexpr Duration kShortestProbe = std::chrono::milliseconds{10};
-  static constexpr Duration kProbeRetry =
-      std::chrono::milliseconds{20};  // when the wire had no time for a probe
-  static constexpr int kSickShare =
-      10;  // a sick device wastes at most one part in this many of the wire
   static constexpr std::size_t kMaxRefusedListed = 64;
   static constexpr Duration kLongestStray =
       std::chrono::milliseconds{300};   // a line that babbles longer is used all the same
@@ -69,7 +64,6 @@ struct BusEngine::State {
   void transmit(Instant now, Actions& actions);
   void advance(ExchangeDriver::Outcome outcome, Bytes&& out, Instant now, Actions& actions);
   void conclude(bool done, Instant now, Actions& actions);
-  void free_wire(Instant now);
   [[nodiscard]] bool try_again(const Flight& flight, Cause cause) const;
   void opened(Instant now);
   void closed(const Closed& why, Instant now, Actions& actions);
@@ -77,9 +71,6 @@ struct BusEngine::State {
   void expire_channels(Instant now, Actions& actions);
   void set_interest(ChannelIndex channel, std::optional<Duration> wish, Instant now,
                     Actions& actions);
-  void notice(Notice::Kind kind, DeviceIndex device, Cause cause, std::string text,
-              Actions& actions) const;
-  void traced(DeviceIndex device, std::string text, Actions& actions) const;
 
   // late answers
   [[nodiscard]] Instant askable_from(const Flight& next) const;
@@ -93,19 +84,12 @@ struct BusEngine::State {
   void hold(const Block& block, Instant until, Instant now);
   void release_held(Instant now);
 
-  // bus_devices.cpp
-  void learn_answer_time(DeviceIndex device, const Request& request);
-  void forget_learned(DeviceIndex device);
-  [[nodiscard]] Duration timeout_for(const DeviceRuntime& device, const Flight& asked) const;
-  void device_answered(DeviceIndex device, Actions& actions);
-  void judge_garbage(DeviceIndex device, bool answered, Actions& actions);
-  void device_failed(DeviceIndex device, Cause cause, Instant now, Actions& actions);
-  [[nodiscard]] std::optional<Flight> probe_due(Instant now);
-  [[nodiscard]] Instant next_probe_of(DeviceIndex device) const;
-  [[nodiscard]] Instant next_probe() const;
-  void defer(DeviceIndex device, Duration wasted, Instant now);
-  [[nodiscard]] Instant admit_deferred(Instant now);
+  // devices
+  void device_failed(const Flight& ended, Cause cause, Duration spent, Instant now,
+                     ActionSink& sink);
   void rest_device(DeviceIndex device, Instant now);
+  [[nodiscard]] std::optional<Flight> probe_due(Instant now);
+  [[nodiscard]] std::vector<std::optional<Range>> probed() const;
 
   // bus_reads.cpp
   void make_scheduler();
@@ -115,7 +99,7 @@ struct BusEngine::State {
   void block_failed(const Flight& flight, Cause cause, std::uint16_t code, Instant now,
                     Actions& actions);
   void block_refused(const Block& block, Cause cause, std::uint16_t code, Instant now,
-                     std::vector<Sample>& samples, Actions& actions);
+                     std::vector<Sample>& out, ActionSink& sink);
   [[nodiscard]] std::string point_text(PointIndex point) const;
   void update_point(PointIndex point, Instant now);
 
@@ -135,9 +119,9 @@ struct BusEngine::State {
   CommandQueue commands;
 
   PointMap map;
-  std::vector<std::optional<PointIndex>> probe_point;  // of each device: its first
   std::unique_ptr<Scheduler> scheduler;
   PlannedTimes planned_times;  // what the scheduler takes for answer times
+  std::optional<DeviceMonitor> monitor;
 
   ExchangeDriver driver;
   LateAnswers late;

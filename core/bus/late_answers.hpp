@@ -72,7 +72,7 @@ class LateAnswers {
   // How the last answer to each read began: marks and address.
   using Head = std::array<std::uint8_t, 4>;
   using Shape = std::array<std::uint32_t, 4>;
-  struct DeviceState {
+  struct Device {
     std::uint16_t sequence = 0;
     std::map<Shape, Head> heads;
   };
@@ -88,7 +88,7 @@ class LateAnswers {
 
   const BusSetup& setup_;
   OwedAnswers owed_;
-  std::vector<DeviceState> devices_;
+  std::vector<Device> devices_;
   Instant last_answer_{};    // the end of it
   std::size_t claimed_ = 0;  // bytes of the exchange under way that were late answers
   Bytes strays_;             // bytes since the last exchange ended that were no late answer

@@ -1,0 +1,179 @@
+#include "core/bus/device_monitor.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/bus/rtu_bus.hpp"
+
+namespace fieldcast {
+namespace {
+
+using namespace std::chrono_literals;
+using test::kHolding;
+
+const Request kRead = ReadRequest{{{kHolding, 100, 1}}};
+const Request kWrite = WriteRequest{{kHolding, 100, 1}, {0, 1}, {}};
+
+class DeviceMonitorTest : public testing::Test {
+ protected:
+  static std::vector<std::optional<Range>> probed() { return {Range{kHolding, 100, 1}, {}}; }
+  void tried(DeviceIndex device, Cause cause, Instant at, ByteView received = {}) {
+    monitor_.tried({device, cause, 1s, at, received, {}}, at, sink_);
+  }
+  // An exchange fails; true: the device went offline.
+  bool fail(DeviceIndex device, Cause cause, Instant at) {
+    tried(device, cause, at);
+    return monitor_.failed(device, cause, at, sink_);
+  }
+  void take_offline(DeviceIndex device, Instant at) {
+    EXPECT_FALSE(fail(device, Cause::kNoAnswer, at));
+    EXPECT_TRUE(fail(device, Cause::kNoAnswer, at));
+  }
+  std::optional<DeviceMonitor::Probe> probe(Instant now, Duration slack = 10s,
+                                            Instant gate = kLongAgo) {
+    return monitor_.probe(
+        now, [=](DeviceIndex, const Request&) { return gate; }, [=] { return slack; });
+  }
+  // The kinds of the notices since the last call.
+  std::vector<Notice::Kind> notices() {
+    std::vector<Notice::Kind> kinds;
+    for (const Action& action : actions_) kinds.push_back(std::get<Notice>(action).kind);
+    actions_.clear();
+    return kinds;
+  }
+
+  BusSetup setup_{test::rtu_bus(2)};
+  DeviceMonitor monitor_{setup_, probed()};
+  std::uint64_t samples_ = 0;
+  Actions actions_;
+  ActionSink sink_{setup_, samples_, actions_};
+};
+
+using Kinds = std::vector<Notice::Kind>;
+
+TEST_F(DeviceMonitorTest, SilenceTakesADeviceOfflineAndAnAnswerBringsItBack) {
+  take_offline(0, Instant{1s});
+  EXPECT_TRUE(monitor_.offline(0));
+  EXPECT_FALSE(monitor_.all_offline());
+  EXPECT_EQ(notices(), Kinds{Notice::Kind::kDeviceLost});
+  monitor_.answered(0, sink_);
+  EXPECT_FALSE(monitor_.offline(0));
+  EXPECT_EQ(notices(), Kinds{Notice::Kind::kDeviceBack});
+  EXPECT_EQ(monitor_.report(0).failures, 2u);
+}
+
+TEST_F(DeviceMonitorTest, BrokenAnswersAreErrorsAndNoLoss) {
+  monitor_.answered(0, sink_);
+  EXPECT_FALSE(fail(0, Cause::kChecksum, Instant{1s}));
+  EXPECT_EQ(notices(), Kinds{Notice::Kind::kDeviceErrors});
+  EXPECT_EQ(monitor_.report(0).causes[Cause::kChecksum], 1u);
+}
+
+TEST_F(DeviceMonitorTest, BytesThatAreNoAnswerAreSaidOnceTheyRepeat) {
+  const Bytes garbage{0x00, 0xF8, 0x80};
+  for (int i = 0; i < 3; ++i) tried(0, Cause::kTruncated, Instant{1s}, garbage);
+  EXPECT_EQ(notices(), Kinds{Notice::Kind::kGarbage});
+  tried(0, Cause::kNone, Instant{2s});
+  EXPECT_EQ(notices(), Kinds{Notice::Kind::kGarbageEnded});
+}
+
+TEST_F(DeviceMonitorTest, WhatWasLearnedShortensTheWaitForReadsAlone) {
+  for (int i = 0; i < 20; ++i) monitor_.learn(0, kRead, 5ms);
+  EXPECT_LT(monitor_.timeout(0, kRead, false), 200ms);
+  EXPECT_EQ(monitor_.timeout(0, kRead, true), 200ms) << "a command's";
+  EXPECT_EQ(monitor_.timeout(1, kRead, false), 200ms) << "another device";
+  const Duration before = monitor_.timeout(0, kRead, false);
+  monitor_.learn(0, kWrite, 100ms);
+  EXPECT_EQ(monitor_.timeout(0, kRead, false), before) << "writing takes a time of its own";
+}
+
+TEST_F(DeviceMonitorTest, ALostDeviceIsForgotten) {
+  for (int i = 0; i < 20; ++i) monitor_.learn(0, kRead, 5ms);
+  tried(0, Cause::kNone, Instant{1s});
+  EXPECT_EQ(monitor_.rest_before(0, Instant{3s}), 2s);
+  EXPECT_EQ(monitor_.report(0).areas.size(), 1u);
+  take_offline(0, Instant{4s});
+  EXPECT_EQ(monitor_.timeout(0, kRead, false), 200ms);
+  EXPECT_EQ(monitor_.rest_before(0, Instant{5s}), Duration::max());
+  EXPECT_TRUE(monitor_.report(0).areas.empty());
+}
+
+TEST_F(DeviceMonitorTest, LateAnswersCountForTheLongest) {
+  monitor_.learn(0, kRead, 5ms);
+  monitor_.learn_late(0, 150ms);
+  EXPECT_EQ(monitor_.longest_answer(0), 150ms);
+  EXPECT_EQ(monitor_.longest_answer(1), 0ms);
+}
+
+TEST_F(DeviceMonitorTest, ABusyDeviceIsLeftAlone) {
+  EXPECT_FALSE(monitor_.suspension(0, Instant{1s})) << "as the scheduler knows";
+  tried(0, Cause::kDeviceBusy, Instant{1s});
+  monitor_.busy(0, Instant{1s});
+  const auto until = monitor_.suspension(0, Instant{1s});
+  EXPECT_EQ(until, Instant{1s} + DeviceMonitor::kBusyPause);
+  EXPECT_EQ(monitor_.suspension(0, Instant{2s}), Instant{2s}) << "the end is told once";
+  EXPECT_FALSE(monitor_.suspension(0, Instant{3s}));
+}
+
+TEST_F(DeviceMonitorTest, AnOfflineDeviceIsSuspendedForGood) {
+  take_offline(0, Instant{1s});
+  EXPECT_EQ(monitor_.suspension(0, Instant{1s}), kNever);
+}
+
+TEST_F(DeviceMonitorTest, ASickDeviceWaitsForTimeToWaste) {
+  monitor_.defer_if_sick(0, 200ms, Instant{1s});
+  EXPECT_FALSE(monitor_.suspension(0, Instant{1s})) << "it is well";
+  for (int i = 0; i < 3; ++i) tried(0, Cause::kChecksum, Instant{1s});
+  EXPECT_TRUE(monitor_.sick(0));
+  monitor_.defer_if_sick(0, 200ms, Instant{1s});
+  EXPECT_EQ(monitor_.suspension(0, Instant{1s}), kNever);
+
+  std::vector<DeviceIndex> admitted;
+  const auto admit = [&](Instant now, Duration slack) {
+    return monitor_.admit_deferred(
+        now, [=] { return slack; }, admitted);
+  };
+  EXPECT_EQ(admit(Instant{2s}, 100ms), Instant{3s}) << "ten times what it wasted";
+  EXPECT_TRUE(admitted.empty());
+  EXPECT_EQ(admit(Instant{2s}, 300ms), kNever) << "the wire can afford another failure";
+  EXPECT_EQ(admitted, std::vector<DeviceIndex>{0});
+}
+
+TEST_F(DeviceMonitorTest, AnOfflineDeviceIsProbedEverMoreRarely) {
+  take_offline(0, Instant{1s});
+  EXPECT_EQ(monitor_.next_probe(), Instant{1500ms});
+  EXPECT_FALSE(probe(Instant{1400ms}));
+  const auto due = probe(Instant{1500ms});
+  ASSERT_TRUE(due);
+  EXPECT_EQ(due->timeout, 200ms);
+  EXPECT_FALSE(fail(0, Cause::kNoAnswer, Instant{1700ms}));
+  EXPECT_EQ(monitor_.next_probe(), Instant{2700ms});
+}
+
+TEST_F(DeviceMonitorTest, AProbeTakesWhatTheWireCanSpare) {
+  take_offline(0, Instant{1s});
+  EXPECT_FALSE(probe(Instant{1500ms}, 0ms));
+  EXPECT_EQ(monitor_.next_probe(), Instant{1500ms} + DeviceMonitor::kProbeRetry);
+  const auto shorter = probe(Instant{1520ms}, 100ms);
+  ASSERT_TRUE(shorter);
+  EXPECT_LT(shorter->timeout, 100ms);
+  const auto overdue = probe(Instant{1500ms} + DeviceHealth::kLastProbe, 0ms);
+  ASSERT_TRUE(overdue);
+  EXPECT_EQ(overdue->timeout, DeviceMonitor::kShortestProbe);
+}
+
+TEST_F(DeviceMonitorTest, AProbeWaitsForAnswersThatAreOwed) {
+  take_offline(0, Instant{1s});
+  EXPECT_FALSE(probe(Instant{1500ms}, 10s, Instant{1800ms}));
+  EXPECT_EQ(monitor_.next_probe(), Instant{1800ms});
+  monitor_.opened(Instant{1600ms});
+  EXPECT_EQ(monitor_.next_probe(), Instant{1600ms}) << "on the new line it may answer";
+}
+
+TEST_F(DeviceMonitorTest, ADeviceWithoutPointsIsNeverProbed) {
+  take_offline(1, Instant{1s});
+  EXPECT_EQ(monitor_.next_probe(), kNever);
+  EXPECT_FALSE(probe(Instant{100s}));
+}
+
+}  // namespace
+}  // namespace fieldcast
