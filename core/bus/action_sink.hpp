@@ -13,9 +13,9 @@ namespace fieldcast {
 
 class ActionSink {
  public:
-  // `samples`: the counter of samples that were published.
-  ActionSink(const BusSetup& setup, std::uint64_t& samples, Actions& actions)
-      : setup_(setup), samples_(samples), actions_(actions) {}
+  // `samples`: the counter of samples that were published. `tracing`: traces are wanted.
+  ActionSink(const BusSetup& setup, std::uint64_t& samples, Actions& actions, bool tracing = false)
+      : setup_(setup), samples_(samples), actions_(actions), tracing_(tracing) {}
 
   // Publishes the samples, if there are any, and counts them.
   void publish(std::vector<Sample> samples) {
@@ -30,12 +30,18 @@ class ActionSink {
   void notice(Notice::Kind kind, DeviceIndex device, Cause cause, std::string text) {
     push(Notice{kind, setup_.device(device).name, cause, std::move(text)});
   }
+  [[nodiscard]] bool tracing() const { return tracing_; }
+  // How an exchange with a device ended. REQUIRES: tracing().
+  void trace(DeviceIndex device, std::string text) {
+    push(Traced{setup_.device(device).name, std::move(text)});
+  }
   void push(Action action) { actions_.push_back(std::move(action)); }
 
  private:
   const BusSetup& setup_;
   std::uint64_t& samples_;
   Actions& actions_;
+  bool tracing_;
 };
 
 }  // namespace fieldcast

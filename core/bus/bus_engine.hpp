@@ -1,12 +1,21 @@
 // The bus engine: everything one bus does, as on_event(event, now) -> actions. No thread, no clock,
 // no I/O.
 //
-// The shell (BusRunner) executes the actions on one strand; tests execute them in virtual time.
+// The shell (BusRunner) executes the actions on the bus's thread; tests execute them in virtual time.
+// The engine owns the parts of the bus and decides what goes on the wire next. Each part owns its own
+// state; README.md shows how they work together.
 #pragma once
 
-#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
+#include "core/bus/action_sink.hpp"
+#include "core/bus/arbiter.hpp"
+#include "core/bus/bus_parts.hpp"
 #include "core/bus/event.hpp"
+#include "core/bus/outcome_router.hpp"
+#include "core/bus/overload_watch.hpp"
 #include "core/model/spec.hpp"
 #include "core/model/status.hpp"
 
@@ -17,7 +26,6 @@ class BusEngine {
   // REQUIRES: spec is as the loader makes it (every protocol known, every address inside its area);
   // codec outlives the engine.
   explicit BusEngine(const BusSpec& spec, TextCodec& codec = plain_text_codec());
-  ~BusEngine();
   BusEngine(const BusEngine&) = delete;
   BusEngine& operator=(const BusEngine&) = delete;
 
@@ -28,22 +36,51 @@ class BusEngine {
   // the engine does.
   [[nodiscard]] BusReport bus_report(Instant now);
   [[nodiscard]] DeviceReport device_report(DeviceIndex device, Instant now) const;
-
-  [[nodiscard]] ChannelReport channel_report(ChannelIndex channel, Instant now) const;
+  [[nodiscard]] ChannelReport channel_report(ChannelIndex channel, Instant now) const {
+    return parts_.channels.report(channel, now);
+  }
 
   // Characters that the answer under way lacks, at least; 0 when that is not known. The shell may
   // let them gather.
-  [[nodiscard]] std::uint32_t missing() const;
-
+  [[nodiscard]] std::uint32_t missing() const { return parts_.wire.driver().missing(); }
   // An answer may be on its way.
-  [[nodiscard]] bool exchanging() const;
+  [[nodiscard]] bool exchanging() const { return parts_.wire.exchanging(); }
 
   // While set, exchanges are described in Traced actions.
-  void set_trace(bool on);
+  void set_trace(bool on) { tracing_ = on; }
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  // Events.
+  void handle(const Opened& event, Instant now, ActionSink& sink);
+  void handle(const Closed& event, Instant now, ActionSink& sink);
+  void handle(const Received& event, Instant now, ActionSink& sink);
+  void handle(const TimerFired& event, Instant now, ActionSink& sink);
+  void handle(const CommandArrived& event, Instant now, ActionSink& sink);
+  void handle(const InterestChanged& event, Instant now, ActionSink& sink);
+  void handle(const LeaseBegan& event, Instant now, ActionSink& sink);
+  void handle(const LeaseEnded& event, Instant now, ActionSink& sink);
+  void handle(const StopRequested& event, Instant now, ActionSink& sink);
+  void handle(const PlanMade& event, Instant now, ActionSink& sink);
+  // After every event: what ran out by now, what goes on the wire next, and when to look again.
+  void settle(Instant now, ActionSink& sink);
+  void set_timer(ActionSink& sink);
+
+  // The exchange on the wire goes on, or ends.
+  void advance(ExchangeDriver::Outcome outcome, Bytes out, Instant now, ActionSink& sink);
+  std::optional<Flight> break_off();
+
+  BusParts parts_;
+  Arbiter arbiter_;         // before an exchange
+  OutcomeRouter outcomes_;  // after it
+  OverloadWatch overload_;
+
+  BusState state_ = BusState::kOpening;
+  Cause closed_because_ = Cause::kNone;  // while it is closed
+  bool begun_ = false;                   // the first event has come
+  Instant timer_ = kNever;               // as the shell was told last
+  bool tracing_ = false;
+  std::uint64_t samples_ = 0;   // published
+  std::uint64_t reopened_ = 0;  // times that the port was lost
 };
 
 // For those whose time is not the wire's: executes every MakePlan among the actions at once; what

@@ -127,6 +127,7 @@ bool LateAnswers::broken_answer_came(const Asked& asked, const ExchangeDriver& d
 std::vector<LateAnswers::Late> LateAnswers::in_exchange(const Asked& under_way,
                                                         const ExchangeDriver& driver, Instant now) {
   std::vector<Late> found;
+  if (owed_.empty()) return found;
   const ByteView received = driver.received();
   claimed_ += find(received.subspan(std::min(claimed_, received.size())), &under_way, now, found);
   return found;

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <map>
 #include <vector>
 
@@ -43,6 +44,13 @@ class LateAnswers {
   // kLongAgo: at once.
   [[nodiscard]] Instant sendable_from(DeviceIndex device, const Request& request,
                                       Purpose purpose) const;
+  // The same for reads, as a function to pass on.
+  using Gate = std::function<Instant(DeviceIndex, const Request&)>;
+  [[nodiscard]] Gate read_gate() const {
+    return [this](DeviceIndex device, const Request& request) {
+      return sendable_from(device, request, Purpose::kRead);
+    };
+  }
   [[nodiscard]] bool none_owed() const { return owed_.empty(); }
   [[nodiscard]] bool owes_same(const Asked& asked) const { return owed_.owes_same(asked); }
 

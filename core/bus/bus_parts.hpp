@@ -1,0 +1,37 @@
+// The parts of a bus engine, each with a state of its own. What they do together is decided by the
+// engine, the arbiter (before an exchange) and the outcome router (after it), who borrow them.
+//
+// Owned by the bus engine, on the bus's thread.
+#pragma once
+
+#include "core/bus/bus_setup.hpp"
+#include "core/bus/channel_table.hpp"
+#include "core/bus/command_queue.hpp"
+#include "core/bus/device_monitor.hpp"
+#include "core/bus/late_answers.hpp"
+#include "core/bus/read_path.hpp"
+#include "core/bus/wire.hpp"
+
+namespace fieldcast {
+
+struct BusParts {
+  // codec outlives the parts.
+  BusParts(const BusSpec& spec, TextCodec& codec)
+      : setup(spec),
+        channels(setup.spec(), codec),
+        commands(setup, channels, codec),
+        reads(setup, channels),
+        devices(setup, reads.first_ranges()),
+        late(setup),
+        wire(setup) {}
+
+  const BusSetup setup;
+  ChannelTable channels;
+  CommandQueue commands;
+  ReadPath reads;
+  DeviceMonitor devices;
+  LateAnswers late;
+  Wire wire;
+};
+
+}  // namespace fieldcast

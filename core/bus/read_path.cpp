@@ -1,0 +1,295 @@
+#include "core/bus/read_path.hpp"
+
+#include <algorithm>
+
+#include "core/schedule/bus_schedule.hpp"
+
+namespace fieldcast {
+namespace {
+
+constexpr std::size_t kNowhere = ~std::size_t{0};
+
+// Which of the block's first `answered` ranges holds `range`; points and ranges of a block are both
+// in order, so it is at `hint` or soon behind.
+std::size_t find_range(const Block& block, std::size_t answered, const Range& range,
+                       std::size_t hint) {
+  for (std::size_t tried = 0; tried < answered; ++tried) {
+    const std::size_t i = (hint + tried) % answered;
+    const Range& whole = block.ranges[i];
+    if (whole.area == range.area && range.first >= whole.first && range.end() <= whole.end())
+      return i;
+  }
+  return kNowhere;
+}
+
+Block part_of(const Block& block, std::vector<PointIndex> points) {
+  return {block.device, block.ranges, std::move(points), block.cost};
+}
+
+std::uint32_t items_of(const Block& block) {
+  std::uint32_t items = 0;
+  for (const Range& range : block.ranges) items += range.count;
+  return items;
+}
+
+}  // namespace
+
+ReadPath::ReadPath(const BusSetup& setup, ChannelTable& channels)
+    : setup_(setup), channels_(channels), map_(map_points(setup.spec())) {
+  std::vector<const Protocol*> protocols;
+  std::vector<std::size_t> areas;
+  for (DeviceIndex device = 0; device < setup_.devices(); ++device) {
+    protocols.push_back(&setup_.protocol(device));
+    areas.push_back(setup_.protocol(device).areas().size());
+    learned_.emplace_back().areas.resize(areas.back());
+  }
+  planned_times_ = PlannedTimes(areas, kAssumedAnswerTime);
+  scheduler_ =
+      make_scheduler(schedule_input(setup_.spec(), protocols, map_.points, kAssumedAnswerTime),
+                     setup_.spec().planner);
+}
+
+std::variant<ReadPath::Read, Rest> ReadPath::next(Instant now, const Gate& gate) {
+  for (int held = 0;; ++held) {
+    Decision decision = scheduler_->next(now);
+    if (const auto* rest = std::get_if<Rest>(&decision)) return *rest;
+    Read read{std::move(std::get<Block>(decision)), {}};
+    read.request = ReadRequest{read.block.ranges};
+    const Instant from = gate(read.block.device, read.request);
+    if (from <= now || lengthen(read, now, gate)) return read;
+    hold(read.block, from, now);
+    if (held == kMaxHeldAtOnce) return Rest{from};
+  }
+}
+
+bool ReadPath::due(Instant now) { return std::holds_alternative<Block>(scheduler_->next(now)); }
+
+// A read that is longer than its block by some items can be told apart from what is owed, and its
+// answer ends all debts of the device: nothing need wait for their time.
+bool ReadPath::lengthen(Read& read, Instant now, const Gate& gate) const {
+  const DeviceIndex device = read.block.device;
+  auto& request = std::get<ReadRequest>(read.request);
+  if (learned_[device].refused_longer || request.ranges.size() != 1) return false;
+  const Range block = request.ranges[0];
+  if (!learned_[device].areas[block.area].gaps().empty()) return false;
+  const Area& area = setup_.area(device, block.area);
+  if (area.window) return false;
+  const auto max_gap = setup_.device(device).max_gap;
+  for (std::uint32_t times = 1; times <= kMostLonger; ++times) {
+    if (max_gap && times * area.alignment > *max_gap) break;
+    Range& longer = request.ranges[0];
+    longer.count = block.count + times * area.alignment;
+    if (longer.end() > area.items || !in_one_bank(area, longer.first, longer.end())) break;
+    if (!setup_.protocol(device).size(read.request)) break;
+    if (gate(device, read.request) > now) continue;
+    read.longer = true;
+    return true;
+  }
+  request.ranges[0] = block;
+  return false;
+}
+
+void ReadPath::hold(const Block& block, Instant until, Instant now) {
+  scheduler_->failed(block, now, until);
+  std::erase_if(held_, [&](const Held& each) { return each.until <= now; });
+  held_.push_back({block, until});
+}
+
+void ReadPath::release_held(Instant now, const Gate& gate) {
+  std::erase_if(held_, [&](const Held& each) {
+    if (each.until <= now) return true;
+    if (gate(each.block.device, ReadRequest{each.block.ranges}) > now) return false;
+    scheduler_->failed(each.block, now, now);
+    return true;
+  });
+}
+
+void ReadPath::answered(const Block& block, const Reply& reply, Instant acquired, Instant now,
+                        ActionSink& sink) {
+  learn_blocks(block, reply, now);
+  std::vector<Sample> samples;
+  std::vector<PointIndex> good;
+  // What the device refused: each range for itself, so that the search for what is bad in it stays
+  // within it.
+  std::vector<RefusedPart> bad;
+  samples.reserve(block.points.size());
+  good.reserve(block.points.size());
+  const std::size_t answered = std::min(block.ranges.size(), reply.size());
+  std::size_t at = 0;
+  for (const PointIndex point : block.points) {
+    const std::size_t found = find_range(block, answered, map_.points[point].range, at);
+    if (found != kNowhere) at = found;
+    if (found == kNowhere || reply[found].cause != Cause::kNone) {
+      if (bad.empty() || bad.back().range != found) bad.push_back({found, {}});
+      bad.back().points.push_back(point);
+      continue;
+    }
+    good.push_back(point);
+    accept(point, block.ranges[found], reply[found].items, acquired, samples, sink);
+  }
+  if (sink.tracing())
+    sink.trace(block.device, "read " + text(block.points.front()) + ".., " +
+                                 std::to_string(items_of(block)) + " items, " +
+                                 std::to_string(samples.size()) + " samples");
+  sink.publish(std::move(samples));
+  if (!good.empty()) scheduler_->acquired(part_of(block, std::move(good)), acquired);
+  std::vector<Sample> bad_samples;
+  for (RefusedPart& part : bad) {
+    const RangeReply answer = part.range == kNowhere ? RangeReply{} : reply[part.range];
+    refused(part_of(block, std::move(part.points)), answer.cause, answer.device_code, now,
+            bad_samples, sink);
+  }
+  sink.publish(std::move(bad_samples));
+}
+
+// `items` are those of the range `answered`, which holds the point's.
+void ReadPath::accept(PointIndex point, const Range& answered, ByteView items, Instant acquired,
+                      std::vector<Sample>& samples, ActionSink& sink) {
+  const Point& read = map_.points[point];
+  const unsigned bits = setup_.area(read.device, read.range.area).item_bits;
+  const ByteView own = items.subspan(image_bytes(bits, read.range.first - answered.first),
+                                     image_bytes(bits, read.range.count));
+  if (learned_[read.device].refused.erase(point))
+    sink.notice(Notice::Kind::kAddressRefused, read.device, Cause::kNone,
+                text(point) + " is answered again");
+  for (const ChannelIndex channel : map_.channels_of[point])
+    channels_.acquired(channel, bits, own, acquired, samples);
+}
+
+// A range that was read or refused says something of how long a block the device accepts, and which
+// gaps.
+void ReadPath::learn_blocks(const Block& block, const Reply& reply, Instant now) {
+  for (std::size_t i = 0; i < block.ranges.size() && i < reply.size(); ++i) {
+    if (reply[i].cause != Cause::kNone) continue;
+    const Range& range = block.ranges[i];
+    BlockLearning& blocks = learned_[block.device].areas[range.area];
+    const bool forgotten = blocks.expire(now);
+    if (blocks.read(range, now) || forgotten)
+      scheduler_->set_longest(block.device, range.area, blocks.longest());
+  }
+}
+
+void ReadPath::learn(DeviceIndex device, AreaIndex area, Duration answer_time) {
+  planned_times_.answered(device, area, answer_time, *scheduler_);
+}
+
+void ReadPath::failed(const Block& block, bool longer, Cause cause, std::uint16_t code, Instant now,
+                      ActionSink& sink) {
+  if (cause != Cause::kDeviceError && cause != Cause::kUnsupported) {
+    for (const PointIndex point : block.points) {
+      for (const ChannelIndex channel : map_.channels_of[point])
+        channels_.failing(channel, cause, now);
+    }
+    return scheduler_->failed(block, now, now);
+  }
+  if (longer) {  // that says nothing of the block itself
+    learned_[block.device].refused_longer = true;
+    return scheduler_->failed(block, now, now);
+  }
+  std::vector<Sample> samples;
+  refused(block, cause, code, now, samples, sink);
+  sink.publish(std::move(samples));
+}
+
+// The scheduler halves the block until the bad points stand alone; those are told at once.
+void ReadPath::refused(const Block& block, Cause cause, std::uint16_t code, Instant now,
+                       std::vector<Sample>& samples, ActionSink& sink) {
+  std::vector<BlockLearning>& areas = learned_[block.device].areas;
+  if (block.ranges.size() == 1 && block.points.size() > 1) {
+    std::vector<Range> wanted;
+    for (const PointIndex point : block.points) wanted.push_back(map_.points[point].range);
+    areas[block.ranges[0].area].refused(block.ranges[0], std::move(wanted));
+  }
+  for (const PointIndex point : scheduler_->refused(block, now, kForgetRefused))
+    point_refused(point, cause, code, now, samples, sink);
+}
+
+void ReadPath::point_refused(PointIndex point, Cause cause, std::uint16_t code, Instant now,
+                             std::vector<Sample>& samples, ActionSink& sink) {
+  const DeviceIndex device = map_.points[point].device;
+  const Range& range = map_.points[point].range;
+  Learned& learned = learned_[device];
+  learned.areas[range.area].bad(range);
+  const bool news = learned.refused.emplace(point, code).second;
+  for (const ChannelIndex channel : map_.channels_of[point])
+    channels_.refused(channel, cause, code, now, samples);
+  if (!news) return;
+  const Traits& traits = setup_.protocol(device).traits();
+  sink.notice(Notice::Kind::kAddressRefused, device, cause,
+              text(point) + " is refused" + device_code_note(traits.codes, code) +
+                  "; asked again in " + to_text(kForgetRefused));
+}
+
+void ReadPath::forget(DeviceIndex device) {
+  planned_times_.forget(device);
+  Learned& learned = learned_[device];
+  learned.refused_longer = false;
+  for (AreaIndex area = 0; area < learned.areas.size(); ++area) {
+    if (learned.areas[area].forget()) scheduler_->set_longest(device, area, 0);
+  }
+}
+
+void ReadPath::set_interest(ChannelIndex channel, std::optional<Duration> refresh, Instant now,
+                            ActionSink& sink) {
+  if (channel >= channels_.size() || !channels_.spec(channel).on_interest) return;
+  std::vector<Sample> samples;
+  if (!refresh) channels_.interest_ended(channel, samples);
+  sink.publish(std::move(samples));  // before the channel moves to the writer without a promise
+  channels_.set_refresh(channel, refresh, now);
+  sink.push(Promise{channel, refresh});
+  if (map_.point_of[channel]) update_point(*map_.point_of[channel], now);
+}
+
+// A point is as urgent as the most urgent of its channels at present.
+void ReadPath::update_point(PointIndex index, Instant now) {
+  Point& point = map_.points[index];
+  point.mode = Mode::kOnDemand;
+  for (const ChannelIndex channel : map_.channels_of[index])
+    ask_for(point, channels_.spec(channel), channels_.refresh(channel));
+  scheduler_->set_point(index, point.refresh, point.mode, now);
+}
+
+std::shared_ptr<PlanDraft> ReadPath::draft() {
+  // The draft asks the protocols for sizes.
+  struct Kept {
+    std::vector<std::shared_ptr<const Protocol>> protocols;
+    std::unique_ptr<PlanDraft> draft;
+  };
+  auto draft = scheduler_->draft();
+  if (!draft) return nullptr;
+  auto kept = std::make_shared<Kept>(Kept{setup_.protocols(), std::move(draft)});
+  return {kept, kept->draft.get()};
+}
+
+const std::string& ReadPath::text(PointIndex point) const {
+  return channels_.spec(map_.channels_of[point].front()).at;
+}
+
+std::vector<std::optional<Range>> ReadPath::first_ranges() const {
+  std::vector<std::optional<Range>> ranges(setup_.devices());
+  for (const Point& point : map_.points) {
+    if (auto& range = ranges[point.device]; !range) range = point.range;
+  }
+  return ranges;
+}
+
+void ReadPath::describe(DeviceIndex device, DeviceReport& report) const {
+  const Learned& learned = learned_[device];
+  for (AreaReport& of_area : report.areas) {
+    AreaIndex area = 0;
+    while (setup_.area(device, area).name != of_area.area) ++area;
+    const BlockLearning& blocks = learned.areas[area];
+    of_area.largest_block = blocks.largest_read();
+    of_area.longest_block = blocks.longest();
+    for (const Range& gap : blocks.gaps()) {
+      if (report.refused_gaps.size() == kMaxRefusedListed) break;
+      report.refused_gaps.push_back(setup_.text(device, gap));
+    }
+  }
+  for (const auto& [point, code] : learned.refused) {
+    if (report.refused.size() == kMaxRefusedListed) break;
+    report.refused.push_back(text(point));
+  }
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,184 @@
+#include "core/bus/read_path.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/bus/rtu_bus.hpp"
+
+namespace fieldcast {
+namespace {
+
+using namespace std::chrono_literals;
+using test::kHolding;
+using Read = ReadPath::Read;
+
+class ReadPathTest : public testing::Test {
+ protected:
+  static BusSpec bus() {
+    BusSpec bus = test::rtu_bus(1);
+    ChannelSpec asked_for;
+    asked_for.name = asked_for.at = "on-interest";
+    asked_for.range = {kHolding, 200, 1};
+    asked_for.on_interest = true;
+    bus.devices[0].channels.push_back(asked_for);
+    return bus;
+  }
+  static constexpr ChannelIndex kOnInterest = 4;
+
+  // The read that is due at `now`.
+  Read next(Instant now, const ReadPath::Gate& gate) {
+    auto decision = reads_.next(now, gate);
+    EXPECT_TRUE(std::holds_alternative<Read>(decision));
+    return std::holds_alternative<Read>(decision) ? std::get<Read>(decision) : Read{};
+  }
+  Read next(Instant now) { return next(now, at_once_); }
+  void answer(const Read& read, const Reply& reply, Instant at) {
+    reads_.answered(read.block, reply, at, at, sink_);
+  }
+  void refuse(const Read& read, Instant at) {
+    reads_.failed(read.block, read.longer, Cause::kDeviceError, 2, at, sink_);
+  }
+  // The device refuses every read that has this address; others are answered, until the search is
+  // over.
+  void refuse_address(std::uint32_t address) {
+    Instant now{};
+    for (int i = 0; i < 10; ++i, now += 20ms) {
+      auto decision = reads_.next(now, at_once_);
+      if (!std::holds_alternative<Read>(decision)) return;
+      const Read& read = std::get<Read>(decision);
+      const Range& range = read.block.ranges[0];
+      if (range.first <= address && address < range.end())
+        refuse(read, now);
+      else
+        answer(read, test::items(Bytes(2 * range.count)), now);
+    }
+  }
+  std::vector<Sample> samples() const {
+    std::vector<Sample> all;
+    for (const Action& action : actions_) {
+      if (const auto* publish = std::get_if<Publish>(&action))
+        all.insert(all.end(), publish->samples.begin(), publish->samples.end());
+    }
+    return all;
+  }
+  std::vector<std::string> notices() const {
+    std::vector<std::string> all;
+    for (const Action& action : actions_) {
+      if (const auto* notice = std::get_if<Notice>(&action)) all.push_back(notice->text);
+    }
+    return all;
+  }
+
+  BusSetup setup_{bus()};
+  ChannelTable channels_{setup_.spec()};
+  ReadPath reads_{setup_, channels_};
+  ReadPath::Gate at_once_ = [](DeviceIndex, const Request&) { return kLongAgo; };
+  std::uint64_t published_ = 0;
+  Actions actions_;
+  ActionSink sink_{setup_, published_, actions_};
+};
+
+TEST_F(ReadPathTest, NeighboursAreReadTogetherAndEachHasItsSample) {
+  const Read read = next(Instant{});
+  EXPECT_EQ(read.block.ranges, (std::vector<Range>{{kHolding, 100, 4}}));
+  EXPECT_FALSE(read.longer);
+  answer(read, test::items({0, 1, 0, 2, 0, 3, 0, 4}), Instant{20ms});
+  const auto all = samples();
+  ASSERT_EQ(all.size(), 4u);
+  EXPECT_EQ(all[2].value, Value{std::uint64_t{3}});
+  EXPECT_EQ(all[2].acquired, Instant{20ms});
+  EXPECT_EQ(published_, 4u);
+  EXPECT_FALSE(reads_.due(Instant{30ms}));
+}
+
+TEST_F(ReadPathTest, AFailedReadIsDueAgain) {
+  const Read read = next(Instant{});
+  reads_.failed(read.block, false, Cause::kChecksum, 0, Instant{20ms}, sink_);
+  EXPECT_TRUE(reads_.due(Instant{20ms}));
+  EXPECT_TRUE(samples().empty()) << "the refresh is not missed yet";
+}
+
+TEST_F(ReadPathTest, ARefusedAddressIsFoundAndTheOthersAreRead) {
+  refuse_address(102);
+  EXPECT_EQ(notices(), std::vector<std::string>{
+                           "holding:102 is refused (02 illegal data address); asked again in 60s"});
+  std::size_t good = 0;
+  for (const Sample& sample : samples()) {
+    if (sample.quality == Quality::kGood)
+      ++good;
+    else
+      EXPECT_EQ(sample.channel, 2u);
+  }
+  EXPECT_EQ(good, 3u);
+  DeviceReport report;
+  reads_.describe(0, report);
+  EXPECT_EQ(report.refused, std::vector<std::string>{"holding:102"});
+}
+
+TEST_F(ReadPathTest, AReadThatWouldHaveToWaitIsMadeLonger) {
+  const auto owed_of_four = [](DeviceIndex, const Request& request) {
+    return std::get<ReadRequest>(request).ranges[0].count == 4 ? Instant{500ms} : kLongAgo;
+  };
+  const Read read = next(Instant{}, owed_of_four);
+  EXPECT_TRUE(read.longer);
+  EXPECT_EQ(std::get<ReadRequest>(read.request).ranges[0].count, 5u);
+  EXPECT_EQ(read.block.ranges[0].count, 4u);
+  refuse(read, Instant{20ms});
+  EXPECT_TRUE(notices().empty()) << "that says nothing of the block";
+  EXPECT_TRUE(std::holds_alternative<Rest>(reads_.next(Instant{20ms}, owed_of_four)))
+      << "and is not tried again";
+}
+
+TEST_F(ReadPathTest, AReadThatMustWaitIsHeldBackAndReleased) {
+  const auto owed = [](DeviceIndex, const Request&) { return Instant{500ms}; };
+  EXPECT_TRUE(std::holds_alternative<Rest>(reads_.next(Instant{}, owed)));
+  EXPECT_FALSE(reads_.due(Instant{100ms}));
+  reads_.release_held(Instant{100ms}, owed);
+  EXPECT_FALSE(reads_.due(Instant{100ms}));
+  reads_.release_held(Instant{100ms}, at_once_);
+  EXPECT_TRUE(reads_.due(Instant{100ms}));
+}
+
+TEST_F(ReadPathTest, AHeldReadIsDueAtTheLatestWhenItsAnswerCanNoLongerCome) {
+  const auto owed = [](DeviceIndex, const Request&) { return Instant{500ms}; };
+  EXPECT_TRUE(std::holds_alternative<Rest>(reads_.next(Instant{}, owed)));
+  EXPECT_TRUE(reads_.due(Instant{500ms}));
+}
+
+TEST_F(ReadPathTest, ASuspendedDeviceIsNotRead) {
+  reads_.suspend(0, kNever);
+  EXPECT_FALSE(reads_.due(Instant{}));
+  reads_.suspend(0, Instant{1s});
+  EXPECT_TRUE(reads_.due(Instant{1s}));
+}
+
+TEST_F(ReadPathTest, InterestBringsAChannelInAndItsEndTakesItOut) {
+  reads_.set_interest(kOnInterest, 500ms, Instant{}, sink_);
+  ASSERT_EQ(actions_.size(), 1u);
+  EXPECT_EQ(std::get<Promise>(actions_[0]).gap, Duration{500ms});
+  Read read = next(Instant{});
+  if (read.block.ranges[0].first != 200) {
+    answer(read, test::items(Bytes(2 * read.block.ranges[0].count)), Instant{10ms});
+    read = next(Instant{10ms});
+  }
+  EXPECT_EQ(read.block.ranges[0].first, 200u);
+  answer(read, test::items({0, 7}), Instant{20ms});
+  actions_.clear();
+  reads_.set_interest(kOnInterest, std::nullopt, Instant{1s}, sink_);
+  ASSERT_EQ(actions_.size(), 2u);
+  EXPECT_EQ(std::get<Publish>(actions_[0]).samples[0].quality, Quality::kUncertain)
+      << "before the promise ends";
+  EXPECT_FALSE(std::get<Promise>(actions_[1]).gap);
+}
+
+TEST_F(ReadPathTest, InterestChangesOnlyChannelsThatAreReadForIt) {
+  reads_.set_interest(0, 100ms, Instant{}, sink_);
+  reads_.set_interest(77, 100ms, Instant{}, sink_);
+  EXPECT_TRUE(actions_.empty());
+}
+
+TEST_F(ReadPathTest, TheFirstRangeOfADeviceIsItsProbe) {
+  EXPECT_EQ(reads_.first_ranges(), (std::vector<std::optional<Range>>{Range{kHolding, 100, 1}}));
+}
+
+}  // namespace
+}  // namespace fieldcast
