@@ -87,8 +87,8 @@ Instant Arbiter::admit_deferred(Instant now) {
   return next;
 }
 
-// When the next request of a command may go out: after its device's rest, and when no answer that is
-// owed could be taken for its own.
+// When the next request of a command may go out: after its device's rest, and when no answer that
+// is owed could be taken for its own.
 Instant Arbiter::sendable_from(const CommandJob& job) const {
   const Instant from = devices_.paused_until(job.device());
   if (late_.none_owed()) return from;

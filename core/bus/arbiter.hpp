@@ -3,8 +3,8 @@
 // Owns the order between them, and until when the wire rests. Owned by the bus engine, on the bus's
 // thread; borrows the parts that it asks. Nothing can fail. Rules:
 //   - An exchange that is to be repeated goes first.
-//   - A command goes before reads; after it a read that is due goes before the next command. Neither
-//     starves the other.
+//   - A command goes before reads; after it a read that is due goes before the next command.
+//     Neither starves the other.
 //   - A command that has begun keeps the wire while its device rests, unless that takes long.
 //   - Probes, and reads of sick devices, take time that the wire can spare.
 #pragma once
@@ -26,8 +26,8 @@ class Arbiter {
   Arbiter(const Arbiter&) = delete;
   Arbiter& operator=(const Arbiter&) = delete;
 
-  // Starts the next exchange and returns its first request; nothing while the wire must be silent, or
-  // rests. REQUIRES: no exchange is on the wire.
+  // Starts the next exchange and returns its first request; nothing while the wire must be silent,
+  // or rests. REQUIRES: no exchange is on the wire.
   [[nodiscard]] std::optional<Bytes> next(Instant now);
   // When next() has something to do again, unless something happens before.
   [[nodiscard]] Instant look_again() const { return std::max(wire_.free_at(), rest_until_); }

@@ -1,9 +1,9 @@
 // The bus engine: everything one bus does, as on_event(event, now) -> actions. No thread, no clock,
 // no I/O.
 //
-// The shell (BusRunner) executes the actions on the bus's thread; tests execute them in virtual time.
-// The engine owns the parts of the bus and decides what goes on the wire next. Each part owns its own
-// state; README.md shows how they work together.
+// The shell (BusRunner) executes the actions on the bus's thread; tests execute them in virtual
+// time. The engine owns the parts of the bus and decides what goes on the wire next. Each part owns
+// its own state; README.md shows how they work together.
 #pragma once
 
 #include <optional>

@@ -155,8 +155,8 @@ std::optional<DeviceMonitor::Probe> DeviceMonitor::probe(Instant now, const Gate
   return std::nullopt;
 }
 
-// What can be spared of the configured timeout; nothing: too little. A while later the probe is made
-// all the same.
+// What can be spared of the configured timeout; nothing: too little. A while later the probe is
+// made all the same.
 std::optional<Duration> DeviceMonitor::probe_timeout(DeviceIndex index, const Request& request,
                                                      Instant now, const Slack& slack) const {
   const Duration wire = setup_.wire_time(index, request) + setup_.silence();

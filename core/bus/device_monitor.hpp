@@ -1,11 +1,11 @@
 // The devices of one bus: whether each is there, how long it takes to answer, when it may be asked
 // again, and what it sends in place of answers.
 //
-// Owns health, answer times, pauses, probes and counters of every device. Owned by the bus engine, on
-// the bus's thread. Nothing can fail; changes that people should know of become notices.
+// Owns health, answer times, pauses, probes and counters of every device. Owned by the bus engine,
+// on the bus's thread. Nothing can fail; changes that people should know of become notices.
 //
-// An offline device is not read; it is probed ever more rarely. A sick device, whose answers are often
-// lost or broken, is deferred after each failure until the wire has time to waste.
+// An offline device is not read; it is probed ever more rarely. A sick device, whose answers are
+// often lost or broken, is deferred after each failure until the wire has time to waste.
 #pragma once
 
 #include <functional>
@@ -58,8 +58,8 @@ class DeviceMonitor {
     return devices_[device].paused_until;
   }
   [[nodiscard]] Duration rest_before(DeviceIndex device, Instant now) const;
-  // What was learned shortens the wait only for reads that can be asked again, and whose late answers
-  // show whose they are: the bus goes on meanwhile, and they still count.
+  // What was learned shortens the wait only for reads that can be asked again, and whose late
+  // answers show whose they are: the bus goes on meanwhile, and they still count.
   [[nodiscard]] Duration timeout(DeviceIndex device, const Request& request, bool command) const;
   void asked(DeviceIndex device) { ++devices_[device].report.exchanges; }
 
@@ -73,14 +73,14 @@ class DeviceMonitor {
   // An answer came after it had been given up.
   void learn_late(DeviceIndex device, Duration answer_time);
   void busy(DeviceIndex device, Instant now);
-  // After an exchange without an answer. True: the device went offline, and another one may be there
-  // when it comes back; what was learned of it is forgotten.
+  // After an exchange without an answer. True: the device went offline, and another one may be
+  // there when it comes back; what was learned of it is forgotten.
   [[nodiscard]] bool failed(DeviceIndex device, Cause cause, Instant now, ActionSink& sink);
 
   // Leaves a sick device alone for a while: its failure wasted this much of the wire's time.
   void defer_if_sick(DeviceIndex device, Duration wasted, Instant now);
-  // Ends the deferrals whose time has come, or whose next failure the wire can afford: those devices
-  // are appended. Returns when to look again.
+  // Ends the deferrals whose time has come, or whose next failure the wire can afford: those
+  // devices are appended. Returns when to look again.
   [[nodiscard]] Instant admit_deferred(Instant now, const Slack& slack,
                                        std::vector<DeviceIndex>& admitted);
   // Until when the scheduler must leave the device alone from now on; nothing: as it was told last.

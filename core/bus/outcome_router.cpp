@@ -71,8 +71,8 @@ void OutcomeRouter::note_try(const Wire::Ended& ended, Instant now, ActionSink& 
                std::string(to_text(ended.cause)) + device_code_note(codes, ended.device_code));
 }
 
-// Writes are never repeated blindly (CommandJob reads back instead); probes are rare by themselves. A
-// sick device's reads wait until the wire has time for them.
+// Writes are never repeated blindly (CommandJob reads back instead); probes are rare by themselves.
+// A sick device's reads wait until the wire has time for them.
 bool OutcomeRouter::may_repeat(Cause cause) const {
   if (cause == Cause::kDeviceError || cause == Cause::kDeviceBusy || cause == Cause::kUnsupported)
     return false;

@@ -1,8 +1,9 @@
 // What the end of an exchange means: the outcome goes to the device that was asked, to the reads or
 // commands that wait for it, and to the answers that are still owed.
 //
-// Owns the counters of failed tries. Owned by the bus engine, on the bus's thread; borrows the parts.
-// What can fail is the exchange: it is repeated where that does no harm, and its cause is counted.
+// Owns the counters of failed tries. Owned by the bus engine, on the bus's thread; borrows the
+// parts. What can fail is the exchange: it is repeated where that does no harm, and its cause is
+// counted.
 #pragma once
 
 #include <optional>
@@ -18,7 +19,8 @@ class OutcomeRouter {
  public:
   OutcomeRouter(BusParts& parts, Arbiter& arbiter);
 
-  // The exchange on the wire is done, or failed. Returns why the port must be opened anew, if it must.
+  // The exchange on the wire is done, or failed. Returns why the port must be opened anew, if it
+  // must.
   [[nodiscard]] std::optional<Reopen> conclude(bool done, Instant now, ActionSink& sink);
   // Answers came after their exchanges had been given up.
   void take_late(const std::vector<LateAnswers::Late>& answers, Instant now, ActionSink& sink);

@@ -1,9 +1,9 @@
 // The way of reads: from the channels of a bus to the next read, and from its answer to samples.
 //
 // Owns the scheduler, the map from points to channels, the reads that are held back while their
-// answer could be mistaken, and what refusals taught about each device's addresses. Owned by the bus
-// engine, on the bus's thread. What can fail: a device refuses addresses; they are searched for, told
-// in a notice and in their samples, left alone for kForgetRefused, then tried again.
+// answer could be mistaken, and what refusals taught about each device's addresses. Owned by the
+// bus engine, on the bus's thread. What can fail: a device refuses addresses; they are searched
+// for, told in a notice and in their samples, left alone for kForgetRefused, then tried again.
 #pragma once
 
 #include <functional>
@@ -33,8 +33,8 @@ class ReadPath {
   // Items that a read is made longer by, at most, as a multiple of the area's alignment.
   static constexpr std::uint32_t kMostLonger = 4;
 
-  // A read for the wire. `longer`: the request asks for more items than the block needs, so that its
-  // answer differs from those that are owed.
+  // A read for the wire. `longer`: the request asks for more items than the block needs, so that
+  // its answer differs from those that are owed.
   struct Read {
     Block block;
     Request request;
@@ -82,7 +82,8 @@ class ReadPath {
 
   // The first range of each device, nothing for a device without any.
   [[nodiscard]] std::vector<std::optional<Range>> first_ranges() const;
-  // Adds what was learned of the device's blocks and addresses. REQUIRES: report.areas has its areas.
+  // Adds what was learned of the device's blocks and addresses. REQUIRES: report.areas has its
+  // areas.
   void describe(DeviceIndex device, DeviceReport& report) const;
 
  private:

@@ -1,9 +1,9 @@
 // The wire of one bus: the one exchange that is on it, when it is free again, and how busy it is.
 //
-// Owns the exchange driver, the flight, and the counters of exchanges and wire time. Owned by the bus
-// engine, on the bus's thread. Invariants: at most one flight; bytes are sent only through it; after
-// an exchange the wire stays silent for the line's silence. Nothing can fail here: what fails is the
-// exchange, and its cause is in Ended.
+// Owns the exchange driver, the flight, and the counters of exchanges and wire time. Owned by the
+// bus engine, on the bus's thread. Invariants: at most one flight; bytes are sent only through it;
+// after an exchange the wire stays silent for the line's silence. Nothing can fail here: what fails
+// is the exchange, and its cause is in Ended.
 #pragma once
 
 #include <memory>
