@@ -46,6 +46,7 @@ Block DispatchState::make_block(const ReadPlan& plan, GroupIndex group, std::uin
   block.device = from.device;
   block.ranges = read.ranges();
   block.cost = read.cost;
+  block.points.reserve(read.members.size());
   for (const std::uint32_t i : read.members) {
     if (members[i].ready(now)) block.points.push_back(plan.order[from.begin + i]);
   }

@@ -100,21 +100,31 @@ void PlanRunner::postpone(PointState& point, Instant from) {
 void PlanRunner::acquired(const Block& block, Instant now) {
   seen_ = now;
   state_.paces[block.device].read(now - asked_, block.cost - state_.wire.tails[block.device]);
-  OrderIndex low = ~0u, high = 0;
+  std::visit([&](const auto& dispatcher) { renew(block, now, dispatcher); }, dispatcher_);
+  if (refusals_.searching()) settle_refusals(block);
+  refresh_groups_of(block, now);
+}
+
+template <typename D>
+void PlanRunner::renew(const Block& block, Instant now, const D& dispatcher) {
   for (const PointIndex each : block.points) {
     const OrderIndex index = index_of(each);
     PointState& point = state_.points[index];
     // A moment late does not count: the next slot has slack.
     if (!point.eager) watch_.acquired(now - point.deadline > point.allowed_gap / 20, now);
-    const GroupState& group = state_.groups[plan_.grouping.group_at[index]];
-    std::visit([&](auto& dispatcher) { dispatcher.renew(state_, group, point, now); }, dispatcher_);
+    dispatcher.renew(state_, state_.groups[plan_.grouping.group_at[index]], point, now);
     point.retry_at = Instant{};
     point.eager = point.bad = point.suspect = false;
-    low = std::min(low, index);
-    high = std::max(high, index + 1);
   }
-  if (refusals_.searching() && low < high) refusals_.settle(state_.points, low, high);
-  refresh_groups_of(block, now);
+}
+
+void PlanRunner::settle_refusals(const Block& block) {
+  OrderIndex low = ~0u, high = 0;
+  for (const PointIndex each : block.points) {
+    low = std::min(low, index_of(each));
+    high = std::max(high, index_of(each) + 1);
+  }
+  if (low < high) refusals_.settle(state_.points, low, high);
 }
 
 void PlanRunner::failed(const Block& block, Instant now, Instant retry_at) {

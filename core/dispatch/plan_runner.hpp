@@ -66,6 +66,9 @@ class PlanRunner {
   bool touch_area(DeviceIndex device, AreaIndex area, bool is_read);
   void settle_changes(Instant now);
   void forget_decisions();
+  template <typename D>
+  void renew(const Block& block, Instant now, const D& dispatcher);
+  void settle_refusals(const Block& block);
   static void postpone(PointState& point, Instant from);
   void refresh(GroupIndex group, Instant now);
   void refresh_all(Instant now);

@@ -25,7 +25,8 @@ namespace fieldcast {
 // How far `at` lies behind the last instant of a cycle that has one at `phase`: from zero to less
 // than `period`. REQUIRES: period is positive.
 [[nodiscard]] constexpr Duration since_phase(Instant at, Instant phase, Duration period) {
-  return ((at - phase) % period + period) % period;
+  const Duration past = (at - phase) % period;
+  return past < Duration::zero() ? past + period : past;
 }
 
 }  // namespace fieldcast

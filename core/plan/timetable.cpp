@@ -32,13 +32,31 @@ struct Levels {
 constexpr std::array<Levels, 8> kLevels{
     {{4, 8}, {1, 3}, {2, 8}, {6, 6}, {8, 16}, {3, 3}, {12, 8}, {4, 20}}};
 
+// The greatest divisor of `n` that is at most `limit`, for the lengths of tables.
+class Divisors {
+ public:
+  constexpr Divisors() {
+    for (std::uint32_t n = 1; n <= kMost; ++n) {
+      for (std::uint32_t limit = 1; limit <= n; ++limit)
+        greatest_[n][limit] =
+            n % limit == 0 ? static_cast<std::uint8_t>(limit) : greatest_[n][limit - 1];
+    }
+  }
+  [[nodiscard]] std::uint32_t of(std::uint32_t n, std::uint32_t limit) const {
+    return greatest_[n][limit];
+  }
+
+ private:
+  static constexpr std::uint32_t kMost = kLengths.back();
+  std::array<std::array<std::uint8_t, kMost + 1>, kMost + 1> greatest_{};
+};
+constexpr Divisors kDivisors;
+
 // The longest period of at most `usable` slots that divides a table of `slots` and is a multiple of
-// `step`.
+// `step`. REQUIRES: step divides slots.
 Slots period_within(Slots usable, Slots step, Slots slots) {
   if (usable >= slots) return usable / slots * slots;
-  Slots period = std::max(usable / step, 1u) * step;
-  while (period > step && slots % period != 0) period -= step;
-  return period;
+  return step * kDivisors.of(slots / step, std::max(usable / step, 1u));
 }
 
 std::size_t words_for(std::size_t members) { return (members + 63) / 64; }
