@@ -104,6 +104,7 @@ class Run {
   }
   void finish() {
     result_.horizon = now_ - kStart;
+    result_.plan = scheduler_->plan();
     result_.planned_load = scheduler_->planned_load();
     result_.stretch = scheduler_->stretch();
     for (PointIndex point = 0; point < input_.points.size(); ++point) {

@@ -34,8 +34,8 @@ struct PointForecast {
   std::uint64_t missed = 0;  // gaps longer than the refresh
 };
 
-// One block as it will be seen on the wire; those of the riding planner vary, so each shape stands
-// for itself.
+// One block as it will be seen on the wire. The reads of one group vary; each of its shapes is a
+// block of its own.
 struct BlockForecast {
   DeviceIndex device = 0;
   std::vector<Range> ranges;
@@ -56,6 +56,7 @@ struct Prediction {
   std::uint64_t reads = 0, missed = 0;
   std::vector<PointForecast> points;  // in the order of the input
   std::vector<BlockForecast> blocks;  // by device and address; at most 1 000, the most frequent
+  ReadPlan plan;                      // in force at the end of the run
   Remedies remedies;                  // empty when feasible
 };
 

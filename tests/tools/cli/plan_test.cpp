@@ -92,6 +92,35 @@ TEST(PlanView, FeasiblePlanNeedsNoAdvice) {
   EXPECT_THAT(plan_lines(plan, {}).front(), HasSubstr("line  /dev/ttyUSB0 9600 8E1: feasible"));
 }
 
+TEST(PlanView, JsonHoldsThePlanThatTheSchedulerFollows) {
+  const auto bus =
+      line({channel("fast", 0, 200ms), channel("slow", 1, 1s), channel("far", 4000, 1s)});
+  const auto plan = make_plan(bus, 5ms);
+  const ReadPlan& followed = plan.prediction.plan;
+  const auto json = plan_json(plan)["plan"];
+  EXPECT_EQ(json["load"], followed.planned_load());
+  EXPECT_EQ(json["slot"], followed.slot().count());
+  EXPECT_EQ(json["hyperperiod"], followed.hyperperiod().count());
+  ASSERT_EQ(json["groups"].size(), 2u);
+  const auto near = json["groups"][0];
+  EXPECT_EQ(near["device"], "meter");
+  EXPECT_EQ(near["period"], followed.groups[0].period.count());
+  ASSERT_EQ(near["points"].size(), 2u);
+  EXPECT_EQ(near["points"][1]["channels"], (std::vector<std::string>{"slow"}));
+  EXPECT_EQ(near["points"][1]["first"], 1);
+  EXPECT_GT(near["points"][1]["period"], near["points"][0]["period"]);
+  EXPECT_LE(near["points"][1]["worst_gap"], 1'000'000'000);
+}
+
+TEST(PlanView, PlanWithoutATimetableHasNoSlotsAndNoPeriods) {
+  auto bus = line({channel("a", 0, 1s)});
+  bus.planner = Planner::kDynamicBlocks;
+  const auto json = plan_json(make_plan(bus, 5ms))["plan"];
+  EXPECT_TRUE(json["slot"].is_null());
+  EXPECT_TRUE(json["groups"][0]["points"][0]["worst_gap"].is_null());
+  EXPECT_GT(json["groups"][0]["load"], 0);
+}
+
 TEST(PlanView, InfeasiblePlanSaysWhatWouldHelp) {
   const auto bus = line(
       {channel("a", 0, 20ms), channel("b", 4000, 20ms)});  // one read alone takes more at 9600 baud

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <set>
 
+#include "tools/cli/view/read_plan_view.hpp"
+
 namespace fieldcast::cli {
 namespace {
 
@@ -217,6 +219,7 @@ Json plan_json(const BusPlan& plan) {
             {"answer_time", plan.answer_time.count()},
             {"channels", Json::array()},
             {"blocks", Json::array()},
+            {"plan", read_plan_json(plan)},
             {"advice", advice(plan)}};
   constexpr auto kLowWord = WordOrder::kLittleEndian;
   constexpr auto kLowByte = ByteOrder::kLittleEndian;

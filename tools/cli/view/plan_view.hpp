@@ -20,8 +20,8 @@ namespace fieldcast::cli {
 
 // {"bus", "feasible", "load", "planned_load", "stretch", "horizon", "reads", "missed",
 // "answer_time", "channels": [{"device", "channel", "refresh", "worst_gap", "reads"}], "blocks":
-// [{"device", "ranges": [{"area", "first", "count"}], "points", "cost", "per_second"}], "advice":
-// [..]}; times in nanoseconds, channels with the tightest first.
+// [{"device", "ranges": [{"area", "first", "count"}], "points", "cost", "per_second"}], "plan":
+// read_plan_json(), "advice": [..]}; times in nanoseconds, channels with the tightest first.
 [[nodiscard]] Json plan_json(const BusPlan& plan);
 
 }  // namespace fieldcast::cli

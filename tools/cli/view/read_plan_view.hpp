@@ -1,0 +1,17 @@
+// The plan that the scheduler of a bus follows (core/plan/read_plan.hpp), as JSON. Pure functions.
+#pragma once
+
+#include "tools/cli/model/bus_plan.hpp"
+#include "tools/cli/view/json.hpp"
+
+namespace fieldcast::cli {
+
+// {"load", "stretch", "slot", "hyperperiod", "groups": [{"device", "list", "period", "phase",
+// "slack", "load", "points": [{"area", "first", "count", "channels": ["name"], "period", "phase",
+// "worst_gap", "stretch"}]}]}.
+//
+// Times are in nanoseconds, loads are shares of the wire. `slot` and `hyperperiod` are null in a
+// plan without a timetable; `period`, `phase`, `slack` and `worst_gap` of what has no period.
+[[nodiscard]] Json read_plan_json(const BusPlan& plan);
+
+}  // namespace fieldcast::cli
