@@ -3,9 +3,9 @@
 
 #include <random>
 
-#include "tests/schedule/fake_protocol.hpp"
-#include "tests/schedule/maps.hpp"
-#include "tests/schedule/virtual_wire.hpp"
+#include "tests/dispatch/virtual_wire.hpp"
+#include "tests/plan/fake_protocol.hpp"
+#include "tests/plan/maps.hpp"
 
 namespace fieldcast {
 namespace {
@@ -33,7 +33,25 @@ TEST(Draft, ThereIsNoneWithoutAChangeAndOneAtATime) {
   EXPECT_NE(scheduler->draft(), nullptr) << "of what changed meanwhile";
 }
 
-// The clusters of the draft are others than those that changed meanwhile.
+TEST(Draft, ItsPlanIsTakenAsItIs) {
+  const ScheduleInput input = plant(2);
+  const auto scheduler = make_scheduler(input);
+  test::VirtualWire wire(input, *scheduler);
+  wire.run(3s);
+  const ReadPlan before = scheduler->plan();
+  for (DeviceIndex device = 0; device < input.devices.size(); ++device)
+    scheduler->set_answer_time(device, test::kRegisters, 40ms);
+  const auto draft = scheduler->draft();
+  ASSERT_NE(draft, nullptr);
+  draft->make();
+  ASSERT_TRUE(draft->result().plan) << "forty milliseconds are another plan";
+  const ReadPlan made = *draft->result().plan;
+  EXPECT_NE(made, before);
+  scheduler->adopt(*draft, wire.now());
+  EXPECT_EQ(scheduler->plan(), made);
+}
+
+// The groups of the draft are others than those that changed meanwhile.
 class ChangingBus : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(ChangingBus, KeepsWhatIsWishedWhileAPlanIsMade) {

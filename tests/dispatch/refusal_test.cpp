@@ -4,8 +4,8 @@
 
 #include <set>
 
-#include "tests/schedule/maps.hpp"
-#include "tests/schedule/virtual_wire.hpp"
+#include "tests/dispatch/virtual_wire.hpp"
+#include "tests/plan/maps.hpp"
 
 namespace fieldcast {
 namespace {

@@ -5,8 +5,8 @@
 #include <set>
 
 #include "core/plan/partition.hpp"
-#include "tests/schedule/maps.hpp"
-#include "tests/schedule/virtual_wire.hpp"
+#include "tests/dispatch/virtual_wire.hpp"
+#include "tests/plan/maps.hpp"
 
 namespace fieldcast {
 namespace {
@@ -131,7 +131,24 @@ TEST(Scheduler, IntensivePointsOfOneRefreshConvergeToTheOptimalPartition) {
   EXPECT_LE(to_seconds(longest), 1.3 * to_seconds(shortest));
 }
 
-TEST(Scheduler, SlowPointsRideAlongWithFastNeighbours) {
+// What a plan predicts of each point is what an ideal wire shows.
+TEST(Scheduler, NoGapIsLongerThanThePlanSays) {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    const test::Map map = test::random_map(seed, 150);
+    const ScheduleInput input =
+        test::input_of(map, kProtocol, 19200, 5ms, test::least_load(map, 19200, 5ms) / 0.5);
+    const auto scheduler = make_scheduler(input);
+    VirtualWire wire(input, *scheduler);
+    wire.run(2 * scheduler->plan().hyperperiod());
+    wire.forget_gaps();
+    wire.run(5min);
+    const ReadPlan& plan = scheduler->plan();
+    for (OrderIndex at = 0; at < plan.points.size(); ++at)
+      EXPECT_LE(wire.seen(plan.order[at]).longest, *plan.points[at].worst_gap) << plan.order[at];
+  }
+}
+
+TEST(Scheduler, SlowPointsAreReadTogetherWithFastNeighbours) {
   ScheduleInput input = plant(1);
   add_points(input, 0, 10, 1, 1, 200ms);
   add_points(input, 0, 11, 4, 1, 5s);

@@ -1,4 +1,4 @@
-#include "tests/schedule/best_requests.hpp"
+#include "tests/plan/best_requests.hpp"
 
 namespace fieldcast::test {
 

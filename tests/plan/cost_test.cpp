@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/schedule/fake_protocol.hpp"
+#include "tests/plan/fake_protocol.hpp"
 
 namespace fieldcast {
 namespace {

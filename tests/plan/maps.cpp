@@ -1,4 +1,4 @@
-#include "tests/schedule/maps.hpp"
+#include "tests/plan/maps.hpp"
 
 #include <algorithm>
 #include <array>

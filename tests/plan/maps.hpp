@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/dispatch/scheduler.hpp"
-#include "tests/schedule/fake_protocol.hpp"
+#include "tests/plan/fake_protocol.hpp"
 
 namespace fieldcast::test {
 

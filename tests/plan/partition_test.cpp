@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "tests/schedule/fake_protocol.hpp"
+#include "tests/plan/fake_protocol.hpp"
 
 namespace fieldcast {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "core/dispatch/scheduler.hpp"
 #include "core/schedule/prediction.hpp"
-#include "tests/schedule/best_requests.hpp"
-#include "tests/schedule/virtual_wire.hpp"
+#include "tests/dispatch/virtual_wire.hpp"
+#include "tests/plan/best_requests.hpp"
 
 namespace fieldcast {
 namespace {

@@ -1,12 +1,8 @@
-// What a plan takes for answer times, and for the pace of a line.
 #include "core/schedule/planned_times.hpp"
 
 #include <gtest/gtest.h>
 
 #include <array>
-#include <utility>
-
-#include "core/dispatch/line_pace.hpp"
 
 namespace fieldcast {
 namespace {
@@ -37,19 +33,6 @@ TEST(PlannedTimes, SmallChangesAreNotTold) {
   PlannedTimes times(kAreas, 5ms);
   for (int i = 0; i < 200; ++i)
     EXPECT_EQ(times.answered(0, 0, i % 2 == 0 ? 4700us : 5200us), Changes{});
-}
-
-TEST(LinePace, IsThatOfTheSlowestOfTheLastReads) {
-  LinePace pace;
-  EXPECT_EQ(pace.of(100ns), 100ns);
-  for (int i = 0; i < 32; ++i) pace.read(20ns, 100ns);
-  EXPECT_EQ(pace.of(100ns), 20ns);
-  pace.read(80ns, 100ns);
-  EXPECT_EQ(pace.of(100ns), 80ns) << "a slow one counts at once";
-  pace.read(500ns, 100ns);
-  EXPECT_EQ(pace.of(100ns), 100ns) << "a retry is no pace of the line";
-  for (int i = 0; i < 32; ++i) pace.read(95ns, 100ns);
-  EXPECT_EQ(pace.of(100ns), 100ns) << "nor is a small difference";
 }
 
 }  // namespace

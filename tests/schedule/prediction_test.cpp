@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/schedule/maps.hpp"
-#include "tests/schedule/virtual_wire.hpp"
+#include "tests/dispatch/virtual_wire.hpp"
+#include "tests/plan/maps.hpp"
 
 namespace fieldcast {
 namespace {

@@ -4,7 +4,7 @@
 // The registers of tests/maps, as Modbus holding registers and as DTC int16 variables. Modbus: the
 // optimal partition of core/plan. DTC: the best requests of tests/schedule. Both pay 11 bits a
 // character, the device's 2 ms for each request, and the silence of the maps' own model: 3.5
-// characters on both sides of an answer (tests/schedule/maps.hpp). A second table has the silence
+// characters on both sides of an answer (tests/plan/maps.hpp). A second table has the silence
 // that the bridge keeps by default. Compressed figures are of real packets, over many rounds of
 // data, with the threshold that the protocol chooses for the line; the device compresses by the
 // same rule.
@@ -23,8 +23,8 @@
 #include "core/protocol/dtc/packet.hpp"
 #include "core/protocol/dtc/threshold.hpp"
 #include "core/protocol/protocol.hpp"
-#include "tests/schedule/best_requests.hpp"
-#include "tests/schedule/maps.hpp"
+#include "tests/plan/best_requests.hpp"
+#include "tests/plan/maps.hpp"
 #include "tools/bench/figures.hpp"
 
 namespace {

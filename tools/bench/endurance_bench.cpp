@@ -1,5 +1,5 @@
 // The maps of tests/maps on pseudo-terminals that are paced like wires, at 19200 and 115200 baud
-// and at a load of 0.5 and 0.6 of the least that any master needs (tests/schedule/maps.hpp):
+// and at a load of 0.5 and 0.6 of the least that any master needs (tests/plan/maps.hpp):
 // refreshes missed in so many seconds. All four lines at once, unless they are wanted one by one,
 // or those of one baud rate or load alone.
 //
@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/schedule/maps.hpp"
+#include "tests/plan/maps.hpp"
 #include "tools/bench/figures.hpp"
 #include "tools/bench/plant.hpp"
 

@@ -9,8 +9,8 @@
 #include <string_view>
 
 #include "config/loader.hpp"
-#include "tests/schedule/maps.hpp"
-#include "tests/schedule/virtual_wire.hpp"
+#include "tests/dispatch/virtual_wire.hpp"
+#include "tests/plan/maps.hpp"
 #include "tools/cli/model/bus_plan.hpp"
 #include "tools/cli/model/bus_simulation.hpp"
 

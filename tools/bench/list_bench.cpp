@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "core/dispatch/scheduler.hpp"
-#include "tests/schedule/best_requests.hpp"
-#include "tests/schedule/maps.hpp"
-#include "tests/schedule/virtual_wire.hpp"
+#include "tests/dispatch/virtual_wire.hpp"
+#include "tests/plan/best_requests.hpp"
+#include "tests/plan/maps.hpp"
 
 namespace {
 

@@ -23,8 +23,8 @@
 #include "core/dispatch/scheduler.hpp"
 #include "core/plan/partition.hpp"
 #include "core/schedule/prediction.hpp"
-#include "tests/schedule/maps.hpp"
-#include "tests/schedule/virtual_wire.hpp"
+#include "tests/dispatch/virtual_wire.hpp"
+#include "tests/plan/maps.hpp"
 #include "tools/bench/engine_agreement.hpp"
 
 namespace {
@@ -64,7 +64,7 @@ void print_sustained() {
   std::puts(
       "sustained load, share of the least any master needs, 30 min without a missed refresh, 19200 "
       "baud;\n"
-      "at most: what the tighter bound leaves possible (tests/schedule/maps.hpp)");
+      "at most: what the tighter bound leaves possible (tests/plan/maps.hpp)");
   std::printf("%-10s %6s", "map", "delay");
   const Planner planners[] = {Planner::kRiding, Planner::kDynamicBlocks, Planner::kFastestMember,
                               Planner::kOnePerChannel};

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "config/loader.hpp"
-#include "tests/schedule/maps.hpp"
+#include "tests/plan/maps.hpp"
 #include "tools/cli/model/bus_simulation.hpp"
 #include "tools/cli/view/simulation_view.hpp"
 
