@@ -24,7 +24,7 @@
 #include "bridge/log/log.hpp"
 #include "bridge/port/dial_in_registry.hpp"
 #include "bridge/program/server.hpp"
-#include "bridge/publish/dds_publisher.hpp"
+#include "bridge/publish/bus_output.hpp"
 #include "bridge/publish/publisher_thread.hpp"
 #include "bridge/reload_plan.hpp"
 #include "bridge/standby/bus_guard.hpp"
@@ -47,8 +47,8 @@ constexpr std::chrono::milliseconds kDisposeLimit{800};
 constexpr std::chrono::milliseconds kLastWords{300};  // for the log to be written
 
 struct RunningBus {
-  std::unique_ptr<DdsPublisher> sink;  // outlives the runner, and what it has posted
-  std::unique_ptr<IoThread> io;        // outlives the runner too
+  std::unique_ptr<BusOutput> sink;  // outlives the runner, and what it has posted
+  std::unique_ptr<IoThread> io;     // outlives the runner too
   std::shared_ptr<BusRunner> runner;
 };
 
@@ -274,7 +274,8 @@ bool Bridge::State::follow_guard(const std::set<std::string>& uncontested) {
 void Bridge::State::start_bus(const BusSpec& bus) {
   FIELDCAST_CHECK(!buses.contains(bus.name));
   RunningBus made;
-  made.sink = std::make_unique<DdsPublisher>(sinks, *link, store.get(), audit, alarms, bus);
+  made.sink =
+      std::make_unique<BusOutput>(BusOutput::Shared{sinks, *link, store.get(), audit, alarms}, bus);
   made.io = std::make_unique<IoThread>(bus.name);
   made.runner =
       std::make_shared<BusRunner>(made.io->context(), plans.context(), bus, *made.sink, &modules);

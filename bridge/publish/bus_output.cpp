@@ -1,0 +1,43 @@
+#include "bridge/publish/bus_output.hpp"
+
+#include "bridge/bus/clock.hpp"
+
+namespace fieldcast {
+
+BusOutput::BusOutput(const Shared& shared, const BusSpec& bus)
+    : audit_(shared.audit),
+      bus_(bus.name),
+      dds_(shared.thread, shared.link, bus),
+      alarms_(shared.alarms, bus) {
+  if (shared.store) store_.emplace(*shared.store, bus);
+}
+
+void BusOutput::publish(std::vector<Sample> samples, const UtcMapping& mapping) {
+  const bool left = dds_.publish_now(samples, mapping);
+  const Instant now = steady_now();
+  if (store_) store_->put(samples, mapping, now);
+  dds_.report(alarms_.on_samples(samples, mapping, now), mapping);
+  if (!left) dds_.publish_later(std::move(samples), mapping);
+}
+
+void BusOutput::promise(ChannelIndex channel, std::optional<Duration> gap) {
+  dds_.promise(channel, gap);
+}
+
+void BusOutput::complete(const CommandResult& result, const UtcMapping& mapping) {
+  audit_.answered(bus_, result);
+  dds_.complete(result, mapping);
+}
+
+void BusOutput::report(const BusReport& report, UtcTime at) {
+  const UtcMapping now = read_clocks();
+  dds_.report(alarms_.on_time(now), now);
+  dds_.report(report, at);
+}
+
+void BusOutput::report(std::string_view device, const DeviceReport& report, UtcTime at) {
+  if (store_) store_->put(device, report.state, at);
+  dds_.report(device, report, at);
+}
+
+}  // namespace fieldcast
