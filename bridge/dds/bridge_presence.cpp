@@ -21,11 +21,11 @@ BridgePresence::BridgePresence(Domain& domain, const std::string& label,
                                DdsLink::BridgeHandlers handlers)
     : domain_(domain),
       handlers_(std::move(handlers)),
-      writer_(domain.writer<idl::BridgePubSubType>(kBridgeTopic, bridge_writer_qos(), label)),
-      reader_(domain.reader<idl::BridgePubSubType>(kBridgeTopic, bridge_reader_qos(), this,
-                                                   dds::StatusMask::data_available()
-                                                       << dds::StatusMask::subscription_matched()
-                                                       << dds::StatusMask::liveliness_changed())) {}
+      writer_(domain.writer(kBridgeTopic, label)),
+      reader_(domain.reader(kBridgeTopic, this,
+                            dds::StatusMask::data_available()
+                                << dds::StatusMask::subscription_matched()
+                                << dds::StatusMask::liveliness_changed())) {}
 
 std::string BridgePresence::id() const { return text_of(writer_->get_instance_handle()); }
 

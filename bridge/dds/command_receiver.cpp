@@ -19,7 +19,7 @@ Duration CommandLifespans::of(const Guid& writer) const {
 
 void CommandLifespans::on_publisher_discovery(
     dds::DomainParticipant*, eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) {
-  if (info.info.topicName() != kCommandTopic) return;
+  if (info.info.topicName() != kCommandTopic.name) return;
   const std::lock_guard lock(mutex_);
   if (info.status == eprosima::fastrtps::rtps::WriterDiscoveryInfo::REMOVED_WRITER) {
     lifespans_.erase(info.info.guid());
@@ -59,8 +59,7 @@ CommandReceiver::CommandReceiver(Domain& domain, const CommandLifespans& lifespa
       lifespans_(lifespans),
       handlers_(std::move(handlers)),
       listening_(handlers_.clock().instant) {
-  reader_ = domain.reader<idl::CommandPubSubType>(kCommandTopic, request_reader_qos(), this,
-                                                  dds::StatusMask::data_available());
+  reader_ = domain.reader(kCommandTopic, this, dds::StatusMask::data_available());
 }
 
 void CommandReceiver::close() { domain_.remove(reader_); }

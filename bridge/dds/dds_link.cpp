@@ -35,15 +35,11 @@ struct DdsLink::State {
         domain(spec, "fieldcast-bridge " + name, &lifespans),
         results(domain, "fieldcast-bridge " + name, handlers.clock, handlers.on_problem) {
     const std::string label = "fieldcast-bridge " + name;
-    catalogue =
-        domain.writer<idl::ChannelPubSubType>(kChannelTopic, state_writer_qos(kMaxChannels), label);
-    bus_status = domain.writer<idl::BusStatusPubSubType>(kBusStatusTopic,
-                                                         state_writer_qos(kMaxDevices), label);
-    alarms = domain.writer<idl::AlarmPubSubType>(kAlarmTopic, state_writer_qos(kMaxAlarms), label);
-    device_status = domain.writer<idl::DeviceStatusPubSubType>(
-        kDeviceStatusTopic, state_writer_qos(kMaxDevices), label);
-    sessions = domain.writer<idl::ProgramSessionPubSubType>(kProgramSessionTopic,
-                                                            state_writer_qos(kMaxDevices), label);
+    catalogue = domain.writer(kChannelTopic, label);
+    bus_status = domain.writer(kBusStatusTopic, label);
+    alarms = domain.writer(kAlarmTopic, label);
+    device_status = domain.writer(kDeviceStatusTopic, label);
+    sessions = domain.writer(kProgramSessionTopic, label);
     interests =
         std::make_unique<InterestReceiver>(domain, handlers.on_interest, handlers.on_problem);
     if (handlers.bridges.heard)

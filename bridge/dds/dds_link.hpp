@@ -1,9 +1,12 @@
 // The bridge's side of DDS: publishes catalogue, samples, results and status of its buses, and
-// hears commands and interests.
+// receives commands and interests.
 //
 // Owns every DDS entity of the process. Handlers are called on DDS threads, must not block, and
-// only post. Each function names its thread; functions of different buses may run at the same time.
-// No DDS type appears here.
+// only post. No DDS type appears here.
+//
+// Threads. "One caller for a bus" means: any thread, one call at a time for each bus. In the daemon
+// that is the bus's own thread while nothing of the bus waits, else the publisher thread
+// (bridge/publish/dds_publisher.hpp). Functions of different buses may run at the same time.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +14,11 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 
+#include "bridge/dds/dds_error.hpp"
+#include "bridge/dds/topics/topic_values.hpp"
 #include "bridge/dds/topics/utc_mapping.hpp"
 #include "bridge/standby/bus_claims.hpp"
 #include "core/alarm/alarm_monitor.hpp"
@@ -24,20 +28,6 @@
 #include "core/model/status.hpp"
 
 namespace fieldcast {
-
-// DDS could not be started, or an entity of a bus could not be made: the one exception of this
-// folder, caught in main.
-class DdsError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-// A station's wish for channels, or its end.
-struct Interest {
-  std::string station;
-  std::string pattern;              // bus/device/channel with *
-  std::optional<Duration> refresh;  // nothing: withdrawn, or the station is dead
-};
 
 class DdsLink {
  public:
@@ -93,25 +83,25 @@ class DdsLink {
   // Disposes every instance of the bus in all topics, so that stations see it go, and waits at most
   // `linger` until those have heard that listen to its samples. `limit`: of the disposal, for a
   // participant that leaves the domain anyway, which ends the instances that are left. Like
-  // add_bus(). REQUIRES: nobody publishes on it any more (its strand has ended). No effect for an
+  // add_bus(). REQUIRES: nobody publishes on it any more (its thread has ended). No effect for an
   // unknown bus.
   void remove_bus(std::string_view bus, Duration linger = std::chrono::milliseconds{100},
                   Duration limit = Duration::max());
 
-  // The bus's strand. Samples of one call leave in order; channels out of range are a bug. Never
-  // blocks longer than DDS needs to copy.
+  // Samples of one call leave in order; channels out of range are a bug. One caller for a bus, who
+  // waits as long as DDS takes for them: some 10 us each, longer with readers that lag.
   void publish(std::string_view bus, std::span<const Sample> samples, const UtcMapping& mapping);
 
   // Moves a channel to the writer of another refresh: its last sample is written there again, then
   // the old writer lets go of it. Nothing: no promise (on-demand). Republishes the catalogue entry.
-  // The bus's strand.
+  // One caller for a bus.
   void set_refresh(std::string_view bus, ChannelIndex channel, std::optional<Duration> refresh);
 
   // Publishes the one result of a command and releases its instance. Any thread. A result whose
   // requester's reader is not matched yet is held for up to a second.
   void complete(std::string_view bus, const CommandResult& result, const UtcMapping& mapping);
 
-  // Status, once a second and at changes. The bus's strand.
+  // Status, once a second and at changes. One caller for a bus.
   void report(std::string_view bus, const BusReport& report, UtcTime at);
   void report(std::string_view bus, std::string_view device, const DeviceReport& report,
               UtcTime at);
@@ -120,7 +110,7 @@ class DdsLink {
   // device; no more of them than devices of a bridge.
   void report(const ProgramSessionReport& session);
   // An alarm was raised or is clear. Its instance stays, active or clear, until the bus is removed.
-  // The bus's strand.
+  // One caller for a bus.
   void report(std::string_view bus, const AlarmChange& change, const UtcMapping& mapping);
 
   [[nodiscard]] BusCounters counters(std::string_view bus) const;  // any thread

@@ -12,7 +12,7 @@
 #include <memory>
 #include <utility>
 
-#include "bridge/dds/dds_link.hpp"
+#include "bridge/dds/dds_error.hpp"
 #include "bridge/dds/library.hpp"
 #include "bridge/dds/note_transport.hpp"
 
@@ -144,7 +144,7 @@ Domain::Domain(const DdsSpec& spec, const std::string& name,
   prepare_library();
   auto* factory = dds::DomainParticipantFactory::get_instance();
   const dds::DomainParticipantQos qos = participant_qos(spec, name);
-  // Discovery is heard all the same: it has no bit in the mask.
+  // Discovery reaches the listener all the same: it has no bit in the mask.
   participant_.reset(
       factory->create_participant(spec.domain, qos, listener, dds::StatusMask::none()));
   if (participant_ == nullptr)
@@ -186,15 +186,14 @@ void Domain::Leave::operator()(dds::DomainParticipant* participant) const {
   dds::DomainParticipantFactory::get_instance()->delete_participant(participant);
 }
 
-dds::Topic* Domain::make_topic(const char* name, dds::TypeSupport type) {
-  dds::Topic*& topic = topics_[name];
+dds::Topic* Domain::make_topic(const TopicRow& row, dds::TypeSupport type) {
+  dds::Topic*& topic = topics_[row.name];
   if (topic != nullptr) return topic;
-  const std::string type_name =
-      "fieldcast::" + std::string(name).substr(std::string(name).find('/') + 1);
-  if (type.register_type(participant_.get(), type_name) != ReturnCode_t::RETCODE_OK)
-    throw DdsError("dds: type " + type_name + " is taken");
-  topic = participant_->create_topic(name, type_name, dds::TOPIC_QOS_DEFAULT);
-  if (topic == nullptr) throw DdsError(std::string("dds: cannot make topic ") + name);
+  const std::string registered = type_name(row);
+  if (type.register_type(participant_.get(), registered) != ReturnCode_t::RETCODE_OK)
+    throw DdsError("dds: type " + registered + " is taken");
+  topic = participant_->create_topic(row.name, registered, dds::TOPIC_QOS_DEFAULT);
+  if (topic == nullptr) throw DdsError(std::string("dds: cannot make topic ") + row.name);
   return topic;
 }
 

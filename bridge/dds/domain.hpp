@@ -29,7 +29,7 @@ namespace fieldcast {
 
 class Domain {
  public:
-  // `name` is what other participants see. The listener hears discovery only and outlives the
+  // `name` is what other participants see. The listener is told of discovery only and outlives the
   // domain; may be null. Throws DdsError: an address of no interface here, a profile that cannot be
   // read, a discovery server that is not host:port.
   Domain(const DdsSpec& spec, const std::string& name, dds::DomainParticipantListener* listener);
@@ -37,19 +37,31 @@ class Domain {
   Domain(const Domain&) = delete;
   Domain& operator=(const Domain&) = delete;
 
-  // Endpoints of a topic whose type fastddsgen made, with `label` as user data for people who look
-  // at the domain. The listener outlives the endpoint; may be null. Throws DdsError.
+  // Endpoints of a topic of the table, with `label` as user data for people who look at the domain.
+  // The listener outlives the endpoint; may be null. Throws DdsError.
   template <class Generated, class Type = TopicType<Generated>>
-  dds::DataWriter* writer(const char* topic_name, dds::DataWriterQos qos, const std::string& label,
+  dds::DataWriter* writer(const Topic<Generated>& topic, const std::string& label,
                           dds::DataWriterListener* listener = nullptr,
                           dds::StatusMask mask = dds::StatusMask::none()) {
-    return make_writer(make_topic(topic_name, dds::TypeSupport(new Type())), std::move(qos), label,
+    return writer<Generated, Type>(topic, writer_qos(topic), label, listener, mask);
+  }
+  template <class Generated>
+  dds::DataReader* reader(const Topic<Generated>& topic, dds::DataReaderListener* listener,
+                          dds::StatusMask mask) {
+    return reader(topic, reader_qos(topic), listener, mask);
+  }
+  // The same with a QoS that differs from the table's.
+  template <class Generated, class Type = TopicType<Generated>>
+  dds::DataWriter* writer(const Topic<Generated>& topic, dds::DataWriterQos qos,
+                          const std::string& label, dds::DataWriterListener* listener = nullptr,
+                          dds::StatusMask mask = dds::StatusMask::none()) {
+    return make_writer(make_topic(topic, dds::TypeSupport(new Type())), std::move(qos), label,
                        listener, mask);
   }
   template <class Generated>
-  dds::DataReader* reader(const char* topic_name, dds::DataReaderQos qos,
+  dds::DataReader* reader(const Topic<Generated>& topic, dds::DataReaderQos qos,
                           dds::DataReaderListener* listener, dds::StatusMask mask) {
-    return make_reader(make_topic(topic_name, dds::TypeSupport(new TopicType<Generated>())),
+    return make_reader(make_topic(topic, dds::TypeSupport(new TopicType<Generated>())),
                        std::move(qos), listener, mask);
   }
   // Its listener is not called any more when these return.
@@ -57,7 +69,7 @@ class Domain {
   void remove(dds::DataReader* reader);
 
  private:
-  dds::Topic* make_topic(const char* name, dds::TypeSupport type);
+  dds::Topic* make_topic(const TopicRow& row, dds::TypeSupport type);
   dds::DataWriter* make_writer(dds::Topic* topic, dds::DataWriterQos qos, const std::string& label,
                                dds::DataWriterListener* listener, dds::StatusMask mask);
   dds::DataReader* make_reader(dds::Topic* topic, dds::DataReaderQos qos,

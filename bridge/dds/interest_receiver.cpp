@@ -7,12 +7,12 @@ namespace fieldcast {
 InterestReceiver::InterestReceiver(Domain& domain, std::function<void(Interest)> handler,
                                    std::function<void(std::string)> on_problem)
     : domain_(domain), handler_(std::move(handler)), on_problem_(std::move(on_problem)) {
-  reader_ = domain.reader<idl::InterestPubSubType>(kInterestTopic, interest_reader_qos(), this,
-                                                   dds::StatusMask::data_available()
-                                                       << dds::StatusMask::subscription_matched()
-                                                       << dds::StatusMask::sample_rejected());
-  lease_reader_ = domain.reader<idl::InterestPubSubType>(kInterestTopic, lease_reader_qos(), this,
-                                                         dds::StatusMask::liveliness_changed());
+  reader_ =
+      domain.reader(kInterestTopic, this,
+                    dds::StatusMask::data_available() << dds::StatusMask::subscription_matched()
+                                                      << dds::StatusMask::sample_rejected());
+  lease_reader_ = domain.reader(kInterestTopic, lease_reader_qos(), this,
+                                dds::StatusMask::liveliness_changed());
 }
 
 void InterestReceiver::close() {

@@ -24,8 +24,7 @@ ResultSender::ResultSender(Domain& domain, const std::string& label,
                            std::function<void(std::string)> on_problem)
     : domain_(domain), clock_(std::move(clock)), on_problem_(std::move(on_problem)) {
   writer_ = domain.writer<idl::CommandResultPubSubType, ResultType>(
-      kCommandResultTopic, result_writer_qos(), label, this,
-      dds::StatusMask::publication_matched());
+      kCommandResultTopic, label, this, dds::StatusMask::publication_matched());
   thread_ = std::thread([this] { run(); });
 }
 

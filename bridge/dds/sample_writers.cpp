@@ -48,9 +48,9 @@ SampleWriters::Writer& SampleWriters::writer_for(std::optional<Duration> refresh
   auto made = std::make_unique<Writer>();
   made->refresh = refresh;
   const std::string label = label_ + (refresh ? ", refresh " + to_text(*refresh) : ", no refresh");
-  made->entity = domain_.writer<idl::SamplePubSubType>(
-      kSampleTopic, sample_writer_qos(refresh), label, made.get(),
-      dds::StatusMask::offered_deadline_missed() << dds::StatusMask::publication_matched());
+  made->entity = domain_.writer(kSampleTopic, sample_writer_qos(refresh), label, made.get(),
+                                dds::StatusMask::offered_deadline_missed()
+                                    << dds::StatusMask::publication_matched());
   const std::lock_guard lock(writers_mutex_);
   return *writers_.emplace_back(std::move(made));
 }

@@ -2,8 +2,8 @@
 // because DEADLINE makes the library scan a writer's instances at nearly every write (100 000
 // writes over 100 instances 0.26 s, over 10 000 instances 25 s).
 //
-// Owns the writers and, for each channel, the topic object that is written again and again. Used on
-// the bus's strand, or after it has ended; counters from any thread.
+// Owns the writers and, for each channel, the topic object that is written again and again. One
+// caller at a time (dds_link.hpp); counters from any thread.
 #pragma once
 
 #include <atomic>
@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "bridge/dds/dds_link.hpp"
 #include "bridge/dds/domain.hpp"
 #include "bridge/dds/topics/conversion.hpp"
 

@@ -8,7 +8,7 @@
 #include <future>
 #include <map>
 
-#include "bridge/dds/station.hpp"
+#include "bridge/station/station.hpp"
 #include "bridge/store/event_table.hpp"
 #include "bridge/store/store_address.hpp"
 #include "tests/bridge/support/claimed_domain.hpp"

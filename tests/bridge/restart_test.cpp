@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "bridge/dds/subscription.hpp"
 #include "bridge/dds/topics/conversion.hpp"
+#include "bridge/station/subscription.hpp"
 #include "tests/bridge/support/claimed_domain.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
 #include "tests/bridge/support/process.hpp"
@@ -43,10 +43,9 @@ class PlantSystem {
               return spec;
             }(),
             "plant-system", nullptr),
-        results_(domain_, kCommandResultTopic, request_reader_qos(),
+        results_(domain_, kCommandResultTopic,
                  {[this](const idl::CommandResult& result) { note(result); }, {}, {}}),
-        commands_(domain_.writer<idl::CommandPubSubType>(
-            kCommandTopic, command_writer_qos(seconds{60}), "plant-system")) {}
+        commands_(domain_.writer(kCommandTopic, command_writer_qos(seconds{60}), "plant-system")) {}
 
   [[nodiscard]] bool heard_by(int bridges) {
     return within([&] {

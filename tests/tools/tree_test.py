@@ -59,6 +59,16 @@ def include_fault(folder, include):
     return None
 
 
+def station_fault(path, include):
+    """What is wrong with an include in the file `path` (from the root): the daemon knows nothing of the station's end of DDS."""
+    if include.startswith("bridge/station/") and path.startswith("bridge/") and not path.startswith("bridge/station/"):
+        return "the daemon must not need the station's library"
+    if path.startswith("bridge/station/") and include.startswith("bridge/") \
+            and not include.startswith(("bridge/station/", "bridge/dds/", "bridge/check.hpp")):
+        return "the station's library needs the core, the topics and Fast DDS only"
+    return None
+
+
 def includes_of(text):
     return re.findall(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^>"]+)[>"]', text, re.MULTILINE)
 
@@ -125,6 +135,13 @@ class Rules(unittest.TestCase):
         for header in ["boost/asio.hpp", "unistd.h", "sys/socket.h", "config/loader.hpp", "thread", "fstream"]:
             self.assertIsNotNone(include_fault("base", header), header)
 
+    def test_an_include_between_the_daemon_and_the_station_is_found(self):
+        self.assertIsNone(station_fault("tools/cli/session.hpp", "bridge/station/station.hpp"))
+        self.assertIsNone(station_fault("bridge/station/station.cpp", "bridge/dds/domain.hpp"))
+        self.assertIsNotNone(station_fault("bridge/bridge.cpp", "bridge/station/station.hpp"))
+        self.assertIsNotNone(station_fault("bridge/dds/topics/conversion.hpp", "bridge/station/station.hpp"))
+        self.assertIsNotNone(station_fault("bridge/station/station.cpp", "bridge/log/log.hpp"))
+
     def test_includes_are_seen_in_every_spelling(self):
         self.assertEqual(includes_of('#include <a>\n  # include "b/c.hpp"\n// #include <d>\n'), ["a", "b/c.hpp"])
 
@@ -163,6 +180,18 @@ class Tree(unittest.TestCase):
                     if fault := include_fault(folder, include):
                         faults.append(f"{path}: {include}: {fault}")
         self.assertGreater(seen, 0, "no include found under core/")
+        self.assertEqual(faults, [], "\n" + "\n".join(faults))
+
+    def test_the_daemon_and_the_station_share_the_topics_only(self):
+        faults, seen = [], 0
+        for file_path in sources():
+            path = os.path.relpath(file_path, SOURCE_DIR)
+            with open(file_path, encoding="utf-8") as file:
+                for include in includes_of(file.read()):
+                    seen += include.startswith("bridge/station/")
+                    if fault := station_fault(path, include):
+                        faults.append(f"{path}: {include}: {fault}")
+        self.assertGreater(seen, 0, "nobody includes the station's library")
         self.assertEqual(faults, [], "\n" + "\n".join(faults))
 
     def test_the_built_core_needs_no_clock_thread_file_or_socket(self):

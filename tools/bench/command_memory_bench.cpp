@@ -16,7 +16,7 @@
 #include <string>
 
 #include "bridge/dds/dds_link.hpp"
-#include "bridge/dds/station.hpp"
+#include "bridge/station/station.hpp"
 #include "tools/bench/process.hpp"
 
 namespace fieldcast::bench {

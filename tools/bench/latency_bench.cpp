@@ -23,7 +23,7 @@
 #include <thread>
 #include <vector>
 
-#include "bridge/dds/station.hpp"
+#include "bridge/station/station.hpp"
 #include "core/base/bytes.hpp"
 #include "core/codec/checksum.hpp"
 #include "tools/bench/figures.hpp"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "bridge/dds/station.hpp"
+#include "bridge/station/station.hpp"
 #include "tools/bench/process.hpp"
 
 namespace fieldcast::bench {

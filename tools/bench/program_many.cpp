@@ -8,7 +8,7 @@
 #include <set>
 #include <thread>
 
-#include "bridge/dds/station.hpp"
+#include "bridge/station/station.hpp"
 #include "core/codec/checksum.hpp"
 #include "tools/bench/figures.hpp"
 #include "tools/bench/program_net.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 #include <variant>
 
-#include "bridge/dds/station.hpp"
+#include "bridge/station/station.hpp"
 #include "tools/cli/inbox.hpp"
 #include "tools/cli/interrupt.hpp"
 #include "tools/cli/model/catalogue.hpp"

@@ -10,11 +10,11 @@
 #include <string_view>
 #include <tl/expected.hpp>
 
-#include "bridge/dds/dds_link.hpp"
-#include "bridge/dds/station.hpp"
 #include "bridge/dds/topics/conversion_enums.hpp"
+#include "bridge/dds/topics/topic_values.hpp"
 #include "bridge/dds/topics/utc_mapping.hpp"
 #include "bridge/standby/bus_claims.hpp"
+#include "core/alarm/alarm_monitor.hpp"
 #include "core/model/command.hpp"
 #include "core/model/sample.hpp"
 #include "core/model/spec.hpp"

@@ -1,9 +1,11 @@
-// Names and QoS of the topics, in one place for both ends (design, section 4).
+// The table of topics: one row for each, which both ends use (docs: bridge/dds/README.md). The QoS
+// of every endpoint comes from its row. Values; any thread.
 //
-// Every keyed endpoint gets resource limits of its own: the library's default is 10 instances, and
+// Every keyed endpoint has resource limits of its own: the library's default is 10 instances, and
 // of 100 channels 90 would vanish without a word.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <fastdds/dds/publisher/qos/DataWriterQos.hpp>
 #include <fastdds/dds/subscriber/qos/DataReaderQos.hpp>
@@ -11,70 +13,136 @@
 #include <string>
 
 #include "core/base/time.hpp"
+#include "idl/topicsPubSubTypes.h"
 
 namespace fieldcast {
 
 namespace dds = eprosima::fastdds::dds;
+namespace idl = ::fieldcast_idl;
 using DdsDuration = eprosima::fastrtps::Duration_t;
 
-inline constexpr const char* kSampleTopic = "fieldcast/Sample";
-inline constexpr const char* kChannelTopic = "fieldcast/Channel";
-inline constexpr const char* kCommandTopic = "fieldcast/Command";
-inline constexpr const char* kCommandResultTopic = "fieldcast/CommandResult";
-inline constexpr const char* kInterestTopic = "fieldcast/Interest";
-inline constexpr const char* kBusStatusTopic = "fieldcast/BusStatus";
-inline constexpr const char* kDeviceStatusTopic = "fieldcast/DeviceStatus";
-inline constexpr const char* kProgramSessionTopic = "fieldcast/ProgramSession";
-inline constexpr const char* kAlarmTopic = "fieldcast/Alarm";
-inline constexpr const char* kBridgeTopic = "fieldcast/Bridge";
+// ---- limits
 
-inline constexpr std::int32_t kChannelsPerWriter =
-    256;  // DEADLINE costs a scan over a writer's instances at nearly every write
-inline constexpr std::int32_t kMaxChannels =
-    100'000;  // in the domain, at one reader; and in the catalogue of one bridge
+// DEADLINE costs a scan over a writer's instances at nearly every write.
+inline constexpr std::int32_t kChannelsPerWriter = 256;
+// In the domain, at one reader; and in the catalogue of one bridge.
+inline constexpr std::int32_t kMaxChannels = 100'000;
 inline constexpr std::int32_t kMaxDevices = 10'000;  // the same for status
 inline constexpr std::int32_t kMaxAlarms = 100'000;  // limits that were ever passed, the same
-inline constexpr std::int32_t kMaxPendingCommands =
-    4096;  // commands not yet acknowledged, commands and results not yet taken
-inline constexpr std::int32_t kMaxResults =
-    2 * kMaxPendingCommands;  // and notes of their instances that some reader does not have yet
+// Commands not yet acknowledged, commands and results not yet taken.
+inline constexpr std::int32_t kMaxPendingCommands = 4096;
+// Results, and notes of their instances, that some reader does not have yet.
+inline constexpr std::int32_t kMaxResults = 2 * kMaxPendingCommands;
 inline constexpr std::int32_t kMaxInterests = 4096;
 inline constexpr std::int32_t kMaxBridges = 1024;
 inline constexpr std::int32_t kMaxBuses = 1024;  // of one bridge
 
-[[nodiscard]] DdsDuration to_dds(Duration duration);
-[[nodiscard]] Duration from_dds(const DdsDuration& duration);  // kInfinite for an infinite one
-inline constexpr Duration kInfinite = Duration::max();
-
-// Last value of each instance, kept for late joiners: catalogue and status. Unregistering an
-// instance disposes it.
-[[nodiscard]] dds::DataWriterQos state_writer_qos(std::int32_t max_instances);
-[[nodiscard]] dds::DataReaderQos state_reader_qos(std::int32_t max_instances);
-
-// Samples of one refresh class; nothing: no promise.
-[[nodiscard]] dds::DataWriterQos sample_writer_qos(std::optional<Duration> refresh);
-[[nodiscard]] dds::DataReaderQos sample_reader_qos(std::optional<Duration> deadline);
-
-// Commands and results: volatile, and no instance kept afterwards.
-[[nodiscard]] dds::DataWriterQos command_writer_qos(
-    Duration lifespan);  // waits up to a second for readers that lag
-[[nodiscard]] dds::DataWriterQos
-result_writer_qos();  // never waits for a reader: one that stays behind loses the oldest
-[[nodiscard]] dds::DataReaderQos request_reader_qos();
-
 // The lease of what says that its process is alive.
 inline constexpr Duration kLease = std::chrono::seconds{6};
 
-// The station's writer promises to be alive; the bridge's reader asks for nothing, so that any
-// vendor's default QoS is heard.
-[[nodiscard]] dds::DataWriterQos interest_writer_qos();
-[[nodiscard]] dds::DataReaderQos interest_reader_qos();
-// Of a reader that takes nothing and hears which of the writers that promise the lease are alive.
+// ---- what a row says
+
+enum class Durability : std::uint8_t { kVolatile, kTransientLocal };
+enum class History : std::uint8_t { kKeepLast, kKeepAll };
+
+// What an endpoint holds.
+struct Holding {
+  History history = History::kKeepLast;
+  std::int32_t instances = 1;
+  std::int32_t samples = 1;  // of one instance; with kKeepLast the depth
+};
+constexpr Holding last_of(std::int32_t instances, std::int32_t depth = 1) {
+  return {History::kKeepLast, instances, depth};
+}
+constexpr Holding all_of(std::int32_t instances, std::int32_t samples) {
+  return {History::kKeepAll, instances, samples};
+}
+
+// Who takes part in the lease of automatic liveliness.
+enum class Lease : std::uint8_t {
+  kNone,
+  kWriters,  // they promise it; a reader that asks for nothing matches any vendor's default
+  kBoth,     // readers ask for it too
+};
+// What unregistering an instance means to readers.
+enum class Unregister : std::uint8_t {
+  kDisposes,  // the instance is gone
+  kLetsGo,    // the writer has no more to say of it
+};
+
+struct TopicRow {
+  const char* name;  // its type is fieldcast:: and what follows the slash
+  Durability durability;
+  Holding writer, reader;
+  Lease lease = Lease::kNone;
+  Unregister unregister = Unregister::kDisposes;
+  Duration longest_write = std::chrono::milliseconds{10};  // with readers that lag
+};
+template <class GeneratedType>
+struct Topic : TopicRow {
+  using Generated = GeneratedType;  // by fastddsgen
+};
+
+// ---- the table
+
+inline constexpr auto kStays = Durability::kTransientLocal;  // late joiners get it
+inline constexpr auto kPasses = Durability::kVolatile;
+
+// With a DEADLINE for each refresh. A channel that moves to another writer is unregistered at the
+// old one and lives on.
+inline constexpr Topic<idl::SamplePubSubType> kSampleTopic{
+    {"fieldcast/Sample", kStays, last_of(kChannelsPerWriter), last_of(kMaxChannels), Lease::kNone,
+     Unregister::kLetsGo}};
+inline constexpr Topic<idl::ChannelPubSubType> kChannelTopic{
+    {"fieldcast/Channel", kStays, last_of(kMaxChannels), last_of(kMaxChannels)}};
+inline constexpr Topic<idl::BusStatusPubSubType> kBusStatusTopic{
+    {"fieldcast/BusStatus", kStays, last_of(kMaxDevices), last_of(kMaxDevices)}};
+inline constexpr Topic<idl::DeviceStatusPubSubType> kDeviceStatusTopic{
+    {"fieldcast/DeviceStatus", kStays, last_of(kMaxDevices), last_of(kMaxDevices)}};
+inline constexpr Topic<idl::ProgramSessionPubSubType> kProgramSessionTopic{
+    {"fieldcast/ProgramSession", kStays, last_of(kMaxDevices), last_of(kMaxDevices)}};
+inline constexpr Topic<idl::AlarmPubSubType> kAlarmTopic{
+    {"fieldcast/Alarm", kStays, last_of(kMaxAlarms), last_of(kMaxAlarms)}};
+// With the LIFESPAN of its writer. Two samples of an instance: the command, and the note that it is
+// let go. Whatever came ahead of a lost message counts at a reader against its own instance (Fast
+// DDS 2.9.1, DataReaderHistory): a small number there would reject it. With a bound on the
+// instances the library reuses those that are empty, even when a foreign writer never unregisters.
+inline constexpr Topic<idl::CommandPubSubType> kCommandTopic{
+    {"fieldcast/Command", kPasses, all_of(kMaxPendingCommands, 2),
+     all_of(kMaxPendingCommands, kMaxPendingCommands), Lease::kNone, Unregister::kLetsGo,
+     std::chrono::seconds{1}}};
+// A ring of one instance for the library (ResultType): a reader that stays behind loses the oldest.
+inline constexpr Topic<idl::CommandResultPubSubType> kCommandResultTopic{
+    {"fieldcast/CommandResult", kPasses, last_of(1, kMaxResults),
+     all_of(kMaxPendingCommands, kMaxPendingCommands)}};
+inline constexpr Topic<idl::InterestPubSubType> kInterestTopic{
+    {"fieldcast/Interest", kStays, last_of(kMaxInterests), last_of(kMaxInterests),
+     Lease::kWriters}};
+// Two bridges of one name are one instance, and both must be received: hence the depth.
+inline constexpr Topic<idl::BridgePubSubType> kBridgeTopic{
+    {"fieldcast/Bridge", kStays, last_of(1), last_of(kMaxBridges, 16), Lease::kBoth}};
+
+inline constexpr std::array<const TopicRow*, 10> kTopics{
+    &kSampleTopic, &kChannelTopic, &kBusStatusTopic,     &kDeviceStatusTopic, &kProgramSessionTopic,
+    &kAlarmTopic,  &kCommandTopic, &kCommandResultTopic, &kInterestTopic,     &kBridgeTopic};
+
+// "fieldcast::Sample" of "fieldcast/Sample".
+[[nodiscard]] std::string type_name(const TopicRow& topic);
+
+// ---- QoS
+
+[[nodiscard]] dds::DataWriterQos writer_qos(const TopicRow& topic);
+[[nodiscard]] dds::DataReaderQos reader_qos(const TopicRow& topic);
+
+// Samples of one refresh; nothing: no promise, or none asked for.
+[[nodiscard]] dds::DataWriterQos sample_writer_qos(std::optional<Duration> refresh);
+[[nodiscard]] dds::DataReaderQos sample_reader_qos(std::optional<Duration> deadline);
+[[nodiscard]] dds::DataWriterQos command_writer_qos(Duration lifespan);
+// Of a reader that takes nothing and learns which of the writers that promise the lease are alive.
 [[nodiscard]] dds::DataReaderQos lease_reader_qos();
 
-// Bridges among themselves: both ends promise and ask for the lease within which a dead one is
-// noticed.
-[[nodiscard]] dds::DataWriterQos bridge_writer_qos();
-[[nodiscard]] dds::DataReaderQos bridge_reader_qos();
+[[nodiscard]] DdsDuration to_dds(Duration duration);
+[[nodiscard]] Duration from_dds(const DdsDuration& duration);  // kInfinite for an infinite one
+inline constexpr Duration kInfinite = Duration::max();
 
 }  // namespace fieldcast

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "bridge/dds/dds_link.hpp"
-#include "bridge/dds/station.hpp"
+#include "bridge/station/station.hpp"
 #include "tests/bridge/support/claimed_domain.hpp"
 
 namespace fieldcast::testing {

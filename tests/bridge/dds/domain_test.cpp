@@ -25,7 +25,9 @@ struct Matched : dds::DataWriterListener {
 // So many heartbeats that one falls into the removal; a reader that is never up to date makes them
 // go on.
 dds::DataWriterQos busy_writer_qos() {
-  dds::DataWriterQos qos = state_writer_qos(2000);
+  TopicRow many = kSampleTopic;
+  many.writer = last_of(2000);
+  dds::DataWriterQos qos = writer_qos(many);
   qos.reliable_writer_qos().times.heartbeatPeriod = {0, 20'000};
   return qos;
 }
@@ -40,12 +42,11 @@ void ends_in_time(std::future<void> removal) {
 
 TEST(Domain, AWriterIsRemovedInTheMiddleOfItsHeartbeats) {
   Domain ours(loopback(), "ours", nullptr), theirs(loopback(), "theirs", nullptr);
-  dds::DataReader* reader = theirs.reader<idl::SamplePubSubType>(
-      kSampleTopic, sample_reader_qos(std::nullopt), nullptr, dds::StatusMask::none());
+  dds::DataReader* reader = theirs.reader(kSampleTopic, nullptr, dds::StatusMask::none());
   for (int round = 0; round < 20; ++round) {
     Matched matched;
-    dds::DataWriter* writer = ours.writer<idl::SamplePubSubType>(
-        kSampleTopic, busy_writer_qos(), "busy", &matched, dds::StatusMask::publication_matched());
+    dds::DataWriter* writer = ours.writer(kSampleTopic, busy_writer_qos(), "busy", &matched,
+                                          dds::StatusMask::publication_matched());
     ASSERT_TRUE(eventually([&] { return matched.readers > 0; }));
     idl::Sample sample;
     for (int i = 0; i < 1000; ++i) {
@@ -59,13 +60,12 @@ TEST(Domain, AWriterIsRemovedInTheMiddleOfItsHeartbeats) {
 
 TEST(Domain, IsLeftInTheMiddleOfHeartbeats) {
   Domain theirs(loopback(), "theirs", nullptr);
-  theirs.reader<idl::SamplePubSubType>(kSampleTopic, sample_reader_qos(std::nullopt), nullptr,
-                                       dds::StatusMask::none());
+  theirs.reader(kSampleTopic, nullptr, dds::StatusMask::none());
   for (int round = 0; round < 5; ++round) {
     Matched matched;
     auto ours = std::make_unique<Domain>(loopback(), "ours", nullptr);
-    dds::DataWriter* writer = ours->writer<idl::SamplePubSubType>(
-        kSampleTopic, busy_writer_qos(), "busy", &matched, dds::StatusMask::publication_matched());
+    dds::DataWriter* writer = ours->writer(kSampleTopic, busy_writer_qos(), "busy", &matched,
+                                           dds::StatusMask::publication_matched());
     ASSERT_TRUE(eventually([&] { return matched.readers > 0; }));
     idl::Sample sample;
     for (int i = 0; i < 1000; ++i) {

@@ -42,16 +42,16 @@ void play_patient_station() {
   dds::TypeSupport type(new TopicType<idl::InterestPubSubType>());
   type.register_type(participant, "fieldcast::Interest");
   auto* topic =
-      participant->create_topic(kInterestTopic, "fieldcast::Interest", dds::TOPIC_QOS_DEFAULT);
+      participant->create_topic(kInterestTopic.name, "fieldcast::Interest", dds::TOPIC_QOS_DEFAULT);
   auto* writer = participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT)
-                     ->create_datawriter(topic, interest_writer_qos());
-  idl::Interest wish;
-  wish.station() = "patient";
-  wish.pattern() = kPattern;
+                     ->create_datawriter(topic, writer_qos(kInterestTopic));
+  idl::Interest interest;
+  interest.station() = "patient";
+  interest.pattern() = kPattern;
   // Several times, so that its writer is known to be alive when the process is stopped.
   for (int seconds = 1; seconds <= kWishes; ++seconds) {
-    wish.refresh(1'000'000'000LL * seconds);
-    ASSERT_TRUE(writer->write(&wish));
+    interest.refresh(1'000'000'000LL * seconds);
+    ASSERT_TRUE(writer->write(&interest));
     std::this_thread::sleep_for(100ms);
   }
   ::pause();

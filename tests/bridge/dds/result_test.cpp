@@ -21,12 +21,11 @@ constexpr std::uint64_t kBurst = 6'000;
 class FullReader {
  public:
   explicit FullReader(const DdsSpec& spec) : domain_(spec, "full", nullptr) {
-    dds::DataReaderQos qos = request_reader_qos();
+    dds::DataReaderQos qos = reader_qos(kCommandResultTopic);
     auto& limits = qos.resource_limits();
     limits.max_instances = limits.max_samples_per_instance = 10;
     limits.max_samples = 100;
-    reader_ = domain_.reader<idl::CommandResultPubSubType>(kCommandResultTopic, qos, nullptr,
-                                                           dds::StatusMask::none());
+    reader_ = domain_.reader(kCommandResultTopic, qos, nullptr, dds::StatusMask::none());
   }
   [[nodiscard]] bool matched() const {
     dds::SubscriptionMatchedStatus status;

@@ -9,7 +9,7 @@
 #include <tuple>
 #include <vector>
 
-#include "bridge/dds/station.hpp"
+#include "bridge/station/station.hpp"
 #include "tools/cli/connection.hpp"
 #include "tools/cli/exit_code.hpp"
 #include "tools/cli/interrupt.hpp"

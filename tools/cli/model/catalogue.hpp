@@ -11,7 +11,7 @@
 #include <string_view>
 #include <tl/expected.hpp>
 
-#include "bridge/dds/station.hpp"
+#include "bridge/station/station.hpp"
 #include "core/model/pattern.hpp"
 
 namespace fieldcast::cli {

@@ -8,7 +8,7 @@
 #include <set>
 #include <string>
 
-#include "bridge/dds/station.hpp"
+#include "bridge/station/station.hpp"
 #include "core/base/time.hpp"
 #include "core/model/pattern.hpp"
 #include "tools/cli/model/catalogue.hpp"

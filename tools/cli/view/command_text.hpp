@@ -6,7 +6,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "bridge/dds/station.hpp"
+#include "bridge/station/station.hpp"
 #include "tools/cli/exit_code.hpp"
 #include "tools/cli/model/catalogue.hpp"
 #include "tools/cli/view/json.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "bridge/dds/station.hpp"
+#include "bridge/station/station.hpp"
 #include "tools/cli/view/json.hpp"
 #include "tools/cli/view/text_table.hpp"
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "bridge/dds/station.hpp"
+#include "bridge/station/station.hpp"
 #include "tools/cli/view/json.hpp"
 #include "tools/cli/view/text_table.hpp"
 

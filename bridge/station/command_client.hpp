@@ -10,8 +10,9 @@
 #include <string>
 
 #include "bridge/dds/domain.hpp"
-#include "bridge/dds/once_writer.hpp"
 #include "bridge/dds/topics/conversion.hpp"
+#include "bridge/station/once_writer.hpp"
+#include "bridge/station/station.hpp"
 
 namespace fieldcast {
 

@@ -1,12 +1,12 @@
-#include "bridge/dds/station.hpp"
+#include "bridge/station/station.hpp"
 
 #include <mutex>
 
 #include "bridge/check.hpp"
-#include "bridge/dds/command_client.hpp"
 #include "bridge/dds/domain.hpp"
-#include "bridge/dds/subscription.hpp"
 #include "bridge/dds/topics/conversion.hpp"
+#include "bridge/station/command_client.hpp"
+#include "bridge/station/subscription.hpp"
 
 namespace fieldcast {
 
@@ -76,7 +76,7 @@ void Station::subscribe_channels(std::function<void(const StationChannel&)> on_c
     };
   }
   state_->channels = std::make_unique<Subscription<idl::ChannelPubSubType>>(
-      state_->domain, kChannelTopic, state_reader_qos(kMaxChannels), std::move(handlers));
+      state_->domain, kChannelTopic, std::move(handlers));
 }
 
 void Station::subscribe_bus_status(std::function<void(const StationBusStatus&)> on_status) {
@@ -86,7 +86,7 @@ void Station::subscribe_bus_status(std::function<void(const StationBusStatus&)> 
     on_status(from_idl(status));
   };
   state_->buses = std::make_unique<Subscription<idl::BusStatusPubSubType>>(
-      state_->domain, kBusStatusTopic, state_reader_qos(kMaxDevices), std::move(handlers));
+      state_->domain, kBusStatusTopic, std::move(handlers));
 }
 
 void Station::subscribe_device_status(std::function<void(const StationDeviceStatus&)> on_status) {
@@ -96,7 +96,7 @@ void Station::subscribe_device_status(std::function<void(const StationDeviceStat
     on_status(from_idl(status));
   };
   state_->devices = std::make_unique<Subscription<idl::DeviceStatusPubSubType>>(
-      state_->domain, kDeviceStatusTopic, state_reader_qos(kMaxDevices), std::move(handlers));
+      state_->domain, kDeviceStatusTopic, std::move(handlers));
 }
 
 void Station::subscribe_program_sessions(
@@ -107,7 +107,7 @@ void Station::subscribe_program_sessions(
     on_session(from_idl(session));
   };
   state_->sessions = std::make_unique<Subscription<idl::ProgramSessionPubSubType>>(
-      state_->domain, kProgramSessionTopic, state_reader_qos(kMaxDevices), std::move(handlers));
+      state_->domain, kProgramSessionTopic, std::move(handlers));
 }
 
 void Station::subscribe_alarms(std::function<void(const StationAlarm&)> on_alarm,
@@ -122,14 +122,13 @@ void Station::subscribe_alarms(std::function<void(const StationAlarm&)> on_alarm
       if (const auto known = from_idl(last)) gone(*known);
     };
   }
-  state_->alarms = std::make_unique<Subscription<idl::AlarmPubSubType>>(
-      state_->domain, kAlarmTopic, state_reader_qos(kMaxAlarms), std::move(handlers));
+  state_->alarms = std::make_unique<Subscription<idl::AlarmPubSubType>>(state_->domain, kAlarmTopic,
+                                                                        std::move(handlers));
 }
 
 void Station::declare_interest(const std::string& pattern, Duration refresh) {
   if (state_->interests == nullptr) {
-    state_->interests = state_->domain.writer<idl::InterestPubSubType>(
-        kInterestTopic, interest_writer_qos(), state_->name);
+    state_->interests = state_->domain.writer(kInterestTopic, state_->name);
   }
   idl::Interest wish;
   wish.station() = state_->name;

@@ -16,23 +16,26 @@ namespace fieldcast {
 template <class Generated>
 class Subscription : private dds::DataReaderListener {
  public:
-  using Topic = typename Generated::type;
+  using Message = typename Generated::type;
   struct Handlers {
-    std::function<void(const Topic&)> sample;
-    // An instance was disposed, or nobody writes it any more: the topic object with its keys. Null:
+    std::function<void(const Message&)> sample;
+    // An instance was disposed, or nobody writes it any more: the message with its keys. Null:
     // nobody asks.
-    std::function<void(const Topic&)> gone;
+    std::function<void(const Message&)> gone;
     std::function<void()> deadline_missed;
   };
 
-  Subscription(Domain& domain, const char* topic, const dds::DataReaderQos& qos, Handlers handlers)
+  Subscription(Domain& domain, const fieldcast::Topic<Generated>& topic, Handlers handlers)
+      : Subscription(domain, topic, reader_qos(topic), std::move(handlers)) {}
+  Subscription(Domain& domain, const fieldcast::Topic<Generated>& topic,
+               const dds::DataReaderQos& qos, Handlers handlers)
       : domain_(domain),
         limit_(static_cast<std::size_t>(qos.resource_limits().max_instances)),
         handlers_(std::move(handlers)) {
     dds::StatusMask mask = dds::StatusMask::data_available();
     if (handlers_.gone) mask << dds::StatusMask::subscription_matched();
     if (handlers_.deadline_missed) mask << dds::StatusMask::requested_deadline_missed();
-    reader_ = domain_.reader<Generated>(topic, qos, this, mask);
+    reader_ = domain_.reader(topic, qos, this, mask);
   }
   ~Subscription() override { domain_.remove(reader_); }
   Subscription(const Subscription&) = delete;
@@ -63,7 +66,7 @@ class Subscription : private dds::DataReaderListener {
         ++known;
         continue;
       }
-      const Topic last = std::move(known->second.last);
+      const Message last = std::move(known->second.last);
       end(known->first);
       known = known_.erase(known);
       handlers_.gone(last);
@@ -81,7 +84,7 @@ class Subscription : private dds::DataReaderListener {
   }
 
   struct Known {
-    Topic last;                    // for its keys
+    Message last;                  // for its keys
     dds::InstanceHandle_t writer;  // of the latest sample
   };
   void end(const dds::InstanceHandle_t& instance) {
@@ -105,7 +108,7 @@ class Subscription : private dds::DataReaderListener {
   const std::size_t limit_;
   const Handlers handlers_;
   std::mutex mutex_;  // the library calls on any of the participant's threads
-  Topic received_;
+  Message received_;
   std::map<dds::InstanceHandle_t, Known> known_;  // only with `gone`; at most limit_
   std::mutex ended_mutex_;                        // after mutex_ and the reader's
   std::set<dds::InstanceHandle_t> ended_;         // without a writer; at most limit_

@@ -1,4 +1,4 @@
-#include "bridge/dds/command_client.hpp"
+#include "bridge/station/command_client.hpp"
 
 #include <unistd.h>
 
@@ -27,9 +27,9 @@ CommandClient::CommandClient(Domain& domain, const std::string& name)
     : domain_(domain), requester_(make_requester(name)) {
   listener_.client = this;
   // Results are volatile: listen before asking.
-  results_ = domain_.reader<idl::CommandResultPubSubType>(
-      kCommandResultTopic, request_reader_qos(), &listener_,
-      dds::StatusMask::data_available() << dds::StatusMask::subscription_matched());
+  results_ =
+      domain_.reader(kCommandResultTopic, &listener_,
+                     dds::StatusMask::data_available() << dds::StatusMask::subscription_matched());
 }
 
 CommandClient::~CommandClient() {
@@ -108,9 +108,8 @@ CommandClient::Writer& CommandClient::writer_for(Duration lifespan) {
   // Not under mutex_: the library may tell of matches while it makes the writer.
   auto made = std::make_unique<Writer>();
   made->client = this;
-  made->entity = domain_.writer<idl::CommandPubSubType>(kCommandTopic, command_writer_qos(lifespan),
-                                                        requester_, made.get(),
-                                                        dds::StatusMask::publication_matched());
+  made->entity = domain_.writer(kCommandTopic, command_writer_qos(lifespan), requester_, made.get(),
+                                dds::StatusMask::publication_matched());
   made->once.attach(made->entity);
   const std::lock_guard lock(mutex_);
   return *(writers_[lifespan] = std::move(made));

@@ -1,0 +1,94 @@
+// What the topics say, as plain values: what a station receives and sends, and what a bridge
+// receives. No DDS type appears here. Values; any thread.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/alarm/limit_watch.hpp"
+#include "core/base/quality.hpp"
+#include "core/base/time.hpp"
+#include "core/base/value.hpp"
+#include "core/model/command.hpp"
+#include "core/model/spec.hpp"
+#include "core/model/status.hpp"
+
+namespace fieldcast {
+
+struct StationSample {
+  std::string bus, device, channel;
+  Value value;
+  Quality quality = Quality::kNotYetRead;
+  std::uint16_t device_code = 0;
+  UtcTime acquired_at;
+  std::uint64_t sequence = 0;
+};
+
+// An entry of the catalogue.
+struct StationChannel {
+  std::string bridge, bus, device, channel;
+  std::string type;  // "float32", "string(16)"
+  std::string unit, at, description;
+  Access access = Access::kReadOnly;
+  Mode mode = Mode::kScheduled;
+  Duration refresh{};  // 0: no promise
+  Limits limits;
+  std::optional<double> write_min, write_max;
+};
+
+using CauseCounts =
+    std::map<std::string, std::uint64_t>;  // only causes that occurred, by name: "CHECKSUM"
+
+struct StationBusStatus {
+  std::string bridge, bus;
+  BusReport report;  // all but causes and misses
+  CauseCounts causes;
+  UtcTime reported_at;
+  CauseCounts misses{};
+  std::uint64_t dds_deadline_misses = 0;
+};
+struct StationDeviceStatus {
+  std::string bus, device;
+  DeviceReport report;  // all but causes
+  CauseCounts causes;
+  UtcTime reported_at;
+};
+
+struct StationAlarm {
+  std::string bus, device, channel;
+  LimitKind limit = LimitKind::kHigh;
+  AlarmState state = AlarmState::kClear;
+  double value = 0;
+  UtcTime since;
+};
+
+// What a station asks for; Command with the bus it goes to. requester and expires are the station's
+// own business.
+struct StationCommand {
+  std::string bus;
+  Command command;
+  Duration lifespan =
+      std::chrono::seconds{5};  // the bridge never starts it later than this after it was written
+};
+struct StationResult {
+  std::string requester;
+  std::uint64_t request_id = 0;
+  std::string bus;
+  CommandState state = CommandState::kFailed;
+  std::string cause;  // "NONE", "READ_ONLY", ...
+  std::uint16_t device_code = 0;
+  std::string reason;
+  std::vector<Value> values;
+  UtcTime received_at, started_at, completed_at;
+};
+// A station's interest in channels, or its end.
+struct Interest {
+  std::string station;
+  std::string pattern;              // bus/device/channel with *
+  std::optional<Duration> refresh;  // nothing: withdrawn, or the station is dead
+};
+
+}  // namespace fieldcast
