@@ -25,22 +25,22 @@ void InterestReceiver::on_data_available(dds::DataReader* reader) {
   idl::Interest sample;
   dds::SampleInfo info;
   while (reader->take_next_sample(&sample, &info) == ReturnCode_t::RETCODE_OK) {
-    const auto known = wishes_.find(info.instance_handle);
+    const auto known = known_.find(info.instance_handle);
     if (info.valid_data && info.instance_state == dds::ALIVE_INSTANCE_STATE) {
-      std::optional<Interest> wish = from_idl(sample);
-      if (!wish) {
+      std::optional<Interest> interest = from_idl(sample);
+      if (!interest) {
         refuse(sample, "it needs a station, a pattern and a refresh longer than nothing");
         continue;
       }
-      if (known == wishes_.end() && wishes_.size() >= static_cast<std::size_t>(kMaxInterests)) {
+      if (known == known_.end() && known_.size() >= static_cast<std::size_t>(kMaxInterests)) {
         refuse(sample, std::to_string(kMaxInterests) + " are held already");
         continue;
       }
-      wishes_[info.instance_handle] = {*wish, info.publication_handle, false};
-      handler_(std::move(*wish));
-    } else if (info.instance_state != dds::ALIVE_INSTANCE_STATE && known != wishes_.end()) {
-      const Wish ended = std::move(known->second);
-      wishes_.erase(known);
+      known_[info.instance_handle] = {*interest, info.publication_handle, false};
+      handler_(std::move(*interest));
+    } else if (info.instance_state != dds::ALIVE_INSTANCE_STATE && known != known_.end()) {
+      const Known ended = std::move(known->second);
+      known_.erase(known);
       if (!ended.silent) end(ended.interest);
     }
   }
@@ -58,9 +58,9 @@ void InterestReceiver::refuse(const idl::Interest& interest, const std::string& 
 
 void InterestReceiver::refuse(const std::string& text) {
   const std::uint64_t refused = ++refused_;
-  std::uint64_t told = 1;
-  while (told < refused) told *= 10;
-  if (refused == told) on_problem_(text + "; refused so far: " + std::to_string(refused));
+  std::uint64_t reported = 1;
+  while (reported < refused) reported *= 10;
+  if (refused == reported) on_problem_(text + "; refused so far: " + std::to_string(refused));
 }
 
 // The library holds as many instances as we do, and takes no more until one ends. Called under the
@@ -76,13 +76,13 @@ void InterestReceiver::on_subscription_matched(dds::DataReader*,
                                                const dds::SubscriptionMatchedStatus& status) {
   if (status.current_count_change >= 0) return;
   const std::lock_guard lock(mutex_);
-  for (auto wish = wishes_.begin(); wish != wishes_.end();) {
-    if (wish->second.writer != status.last_publication_handle) {
-      ++wish;
+  for (auto one = known_.begin(); one != known_.end();) {
+    if (one->second.writer != status.last_publication_handle) {
+      ++one;
       continue;
     }
-    const Wish ended = std::move(wish->second);
-    wish = wishes_.erase(wish);
+    const Known ended = std::move(one->second);
+    one = known_.erase(one);
     if (!ended.silent) end(ended.interest);
   }
 }
@@ -92,10 +92,10 @@ void InterestReceiver::on_liveliness_changed(dds::DataReader*,
   if (status.alive_count_change == 0) return;
   const bool silent = status.alive_count_change < 0;
   const std::lock_guard lock(mutex_);
-  for (auto& [instance, wish] : wishes_) {
-    if (wish.writer != status.last_publication_handle || wish.silent == silent) continue;
-    wish.silent = silent;
-    silent ? end(wish.interest) : handler_(wish.interest);
+  for (auto& [instance, one] : known_) {
+    if (one.writer != status.last_publication_handle || one.silent == silent) continue;
+    one.silent = silent;
+    silent ? end(one.interest) : handler_(one.interest);
   }
 }
 

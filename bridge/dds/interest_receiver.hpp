@@ -1,9 +1,9 @@
-// Hears Interest: what stations wish for, and when a wish ends: withdrawn, or its station is dead.
-// Calls come on DDS threads.
+// Receives Interest: what stations are interested in, and when that ends: withdrawn, or the station
+// is dead. Calls come on DDS threads.
 //
-// Any vendor's default QoS is heard, so that the reader asks for no lease, and then the library
+// Any vendor's default QoS matches, so the reader asks for no lease, and then the library
 // tells of a dead writer only when its whole participant is given up. A second reader asks for the
-// lease that our stations promise: it takes nothing, and hears which of their writers are alive.
+// lease that our stations promise: it takes nothing, and learns which of their writers are alive.
 #pragma once
 
 #include <atomic>
@@ -17,8 +17,8 @@ namespace fieldcast {
 
 class InterestReceiver : private dds::DataReaderListener {
  public:
-  // `on_problem` hears of interests that are refused: the first, the tenth, the hundredth, and so
-  // on, whatever a station sends.
+  // `on_problem` is called for interests that are refused: the first, the tenth, the hundredth, and
+  // so on, whatever a station sends.
   InterestReceiver(Domain& domain, std::function<void(Interest)> handler,
                    std::function<void(std::string)> on_problem);
   void close();  // nothing is handed on after it returns
@@ -36,7 +36,7 @@ class InterestReceiver : private dds::DataReaderListener {
   void refuse(const idl::Interest& interest, const std::string& why);
   void refuse(const std::string& text);
 
-  struct Wish {
+  struct Known {
     Interest interest;
     dds::InstanceHandle_t writer;
     bool silent = false;  // its writer is; it stands again when the writer does
@@ -49,8 +49,8 @@ class InterestReceiver : private dds::DataReaderListener {
   dds::DataReader* reader_ = nullptr;
   dds::DataReader* lease_reader_ = nullptr;
   std::mutex mutex_;  // the reader is called on any of the participant's threads
-  std::map<dds::InstanceHandle_t, Wish>
-      wishes_;  // the end of a wish comes without its names; at most kMaxInterests
+  std::map<dds::InstanceHandle_t, Known>
+      known_;  // the end of an interest comes without its names; at most kMaxInterests
 };
 
 }  // namespace fieldcast

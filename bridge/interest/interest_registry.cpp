@@ -81,34 +81,34 @@ void InterestRegistry::run() {
     changed_.wait(lock, [this] { return ending_ || dirty_; });
     if (ending_) return;
     dirty_ = false;
-    const auto news = all_added_ ? table_.take_news() : std::vector<InterestTable::Wish>{};
+    const auto news = all_added_ ? table_.take_news() : std::vector<InterestTable::News>{};
     const InterestTable table = table_;
     const Buses buses = buses_;
     lock.unlock();
-    for (const auto& [name, bus] : buses) tell(table, *bus);
-    judge(news, buses);
+    for (const auto& [name, bus] : buses) update(table, *bus);
+    remark_on(news, buses);
     lock.lock();
     changed_.wait_for(lock, kPace, [this] { return ending_; });
   }
 }
 
-void InterestRegistry::tell(const InterestTable& table, Bus& bus) {
-  auto wishes = table.wishes(bus.spec);
-  auto changed = changes(bus.told, wishes);
-  bus.told = std::move(wishes);
+void InterestRegistry::update(const InterestTable& table, Bus& bus) {
+  auto interests = table.interests(bus.spec);
+  auto changed = changes(bus.known, interests);
+  bus.known = std::move(interests);
   const std::lock_guard lock(bus.mutex);
   if (!changed.empty() && bus.runner) bus.runner->post(std::move(changed));
 }
 
-void InterestRegistry::judge(const std::vector<InterestTable::Wish>& wishes, const Buses& buses) {
-  for (const InterestTable::Wish& wish : wishes) {
+void InterestRegistry::remark_on(const std::vector<InterestTable::News>& news, const Buses& buses) {
+  for (const InterestTable::News& one : news) {
     InterestTable::Reach reach;
-    for (const auto& [name, bus] : buses) reach += InterestTable::reach(wish.pattern, bus->spec);
+    for (const auto& [name, bus] : buses) reach += InterestTable::reach(one.pattern, bus->spec);
     if (reach.on_interest != 0) continue;
-    const auto verdict = remarked_.occurred(wish.station, steady_now());
+    const auto verdict = remarked_.occurred(one.station, steady_now());
     if (!verdict.log) continue;
     remark_(fmt::format(
-        "the interest of station {} in {} changes nothing: {}{}", wish.station, wish.pattern.text(),
+        "the interest of station {} in {} changes nothing: {}{}", one.station, one.pattern.text(),
         reach.channels == 0
             ? "no channel of this bridge matches"
             : "its channels are read anyway, at their configured refresh (acquire: always)",

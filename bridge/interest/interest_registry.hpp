@@ -1,9 +1,9 @@
-// Where interests from DDS come in: keeps the table of wishes and tells each bus what changed for
-// its channels. Any thread.
+// Receives the interests from DDS: keeps their table and posts to each bus what changed for its
+// channels. Any thread.
 //
-// note() only writes the table. What the wishes mean for channels is worked out on a thread of its
-// own, at most every kPace: a station that changes its mind a million times costs neither DDS nor a
-// bus more than one that does so a few times a second.
+// note() only writes the table. What the interests mean for channels is worked out on a thread of
+// its own, at most every kPace: a station that changes its mind a million times costs neither DDS
+// nor a bus more than one that does so a few times a second.
 #pragma once
 
 #include <condition_variable>
@@ -25,22 +25,21 @@ class InterestRegistry {
  public:
   static constexpr std::chrono::milliseconds kPace{50};
 
-  // `remark` hears, on the registry's thread, of interests that change nothing: one line for the
-  // log.
+  // `remark` is called on the registry's thread with one line for the log for each interest that
+  // changes nothing.
   explicit InterestRegistry(std::function<void(std::string)> remark);
   ~InterestRegistry();
   InterestRegistry(const InterestRegistry&) = delete;
   InterestRegistry& operator=(const InterestRegistry&) = delete;
 
-  // The bus is told the wishes that stand, and every change until it is removed; no more
-  // afterwards.
+  // The bus gets the interests of now, and every change until it is removed; nothing afterwards.
   void add(const BusSpec& bus, std::shared_ptr<BusRunner> runner);
   void remove(const std::string& bus);
 
   // All buses are there: from here on an interest that meets no channel is remarked.
   void all_added();
 
-  // Nobody wishes anything any more.
+  // No station is interested in anything any more.
   void forget();
 
   // As InterestTable::note().
@@ -51,14 +50,14 @@ class InterestRegistry {
  private:
   struct Bus {
     BusSpec spec;
-    std::map<ChannelIndex, Duration> told;  // the registry's thread only
+    std::map<ChannelIndex, Duration> known;  // the registry's thread only
     std::mutex mutex;
     std::shared_ptr<BusRunner> runner;  // null: removed
   };
   using Buses = std::map<std::string, std::shared_ptr<Bus>, std::less<>>;
   void run();
-  static void tell(const InterestTable& table, Bus& bus);
-  void judge(const std::vector<InterestTable::Wish>& wishes, const Buses& buses);
+  static void update(const InterestTable& table, Bus& bus);
+  void remark_on(const std::vector<InterestTable::News>& news, const Buses& buses);
 
   std::function<void(std::string)> remark_;
   RepeatFilter remarked_;  // the registry's thread only; by station

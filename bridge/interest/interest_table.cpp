@@ -25,30 +25,31 @@ tl::expected<void, std::string> InterestTable::note(const std::string& station,
   }
   const bool known = found != patterns_.end() && found->second.stations.contains(station);
   if (!known &&
-      (count_ == kMaxWishes || (found == patterns_.end() && patterns_.size() == kMaxPatterns))) {
+      (count_ == kMaxInterests || (found == patterns_.end() && patterns_.size() == kMaxPatterns))) {
     return tl::make_unexpected("station " + station + ": its interest in " + key +
-                               " is refused: " + std::to_string(count_) + " wishes of " +
+                               " is refused: " + std::to_string(count_) + " interests of " +
                                std::to_string(patterns_.size()) + " patterns are held, at most " +
-                               std::to_string(kMaxWishes) + " of " + std::to_string(kMaxPatterns));
+                               std::to_string(kMaxInterests) + " of " +
+                               std::to_string(kMaxPatterns));
   }
-  if (found == patterns_.end()) found = patterns_.emplace(key, Wishes{*parsed, {}}).first;
+  if (found == patterns_.end()) found = patterns_.emplace(key, Interested{*parsed, {}}).first;
   count_ += known ? 0 : 1;
   if (!known && news_.size() < kMaxNews) news_.push_back({station, *parsed});
   found->second.stations[station] = *refresh;
   return {};
 }
 
-std::map<ChannelIndex, Duration> InterestTable::wishes(const BusSpec& bus) const {
+std::map<ChannelIndex, Duration> InterestTable::interests(const BusSpec& bus) const {
   struct Wanted {
     const Pattern* pattern;
     Duration refresh;
   };
   std::vector<Wanted> wanted;
-  for (const auto& [text, wishes] : patterns_) {
-    if (!wishes.pattern.matches(bus.name)) continue;
+  for (const auto& [text, interested] : patterns_) {
+    if (!interested.pattern.matches(bus.name)) continue;
     const auto shortest = std::ranges::min_element(
-        wishes.stations, {}, [](const auto& station) { return station.second; });
-    wanted.push_back({&wishes.pattern, shortest->second});
+        interested.stations, {}, [](const auto& station) { return station.second; });
+    wanted.push_back({&interested.pattern, shortest->second});
   }
   std::ranges::sort(wanted, {}, &Wanted::refresh);
   std::map<ChannelIndex, Duration> all;

@@ -1,5 +1,5 @@
-// The wishes of all stations, and what they mean for each channel: the shortest refresh that
-// anybody wants. Pure; guarded by its owner.
+// The interests of all stations, and what they mean for each channel: the shortest refresh that
+// anybody asks for. Pure; guarded by its owner.
 #pragma once
 
 #include <cstddef>
@@ -17,30 +17,30 @@ namespace fieldcast {
 
 class InterestTable {
  public:
-  static constexpr std::size_t kMaxWishes = 4096;   // a new one beyond that is refused
-  static constexpr std::size_t kMaxPatterns = 256;  // distinct; bounds the work of one change
+  static constexpr std::size_t kMaxInterests = 4096;  // a new one beyond that is refused
+  static constexpr std::size_t kMaxPatterns = 256;    // distinct; bounds the work of one change
   static constexpr std::size_t kMaxNews =
-      256;  // wishes between two take_news(); of more it is not told that they are new
-  // A refresh that may be wished, as in a configuration.
+      256;  // interests between two take_news(); more are not reported as new
+  // The limits of a refresh, as in a configuration.
   static constexpr Duration kShortest = std::chrono::milliseconds{1};
   static constexpr Duration kLongest = std::chrono::hours{24};
 
-  // A station wishes the channels of the pattern at this refresh, or not any more. The error is one
-  // line for the log.
+  // A station is interested in the channels of the pattern at this refresh, or (nothing) no longer.
+  // The error is one line for the log.
   [[nodiscard]] tl::expected<void, std::string> note(const std::string& station,
                                                      const std::string& pattern,
                                                      std::optional<Duration> refresh);
 
-  // The wish for every channel that is read on interest and that somebody wishes; channels of the
-  // bus in its own numbering.
-  [[nodiscard]] std::map<ChannelIndex, Duration> wishes(const BusSpec& bus) const;
+  // The refresh of every channel that is read on interest and that a station is interested in, by
+  // the channel index of the bus.
+  [[nodiscard]] std::map<ChannelIndex, Duration> interests(const BusSpec& bus) const;
 
-  struct Wish {
+  struct News {
     std::string station;
     Pattern pattern;
   };
-  // Wishes that are new since the last call.
-  [[nodiscard]] std::vector<Wish> take_news() { return std::exchange(news_, {}); }
+  // Interests that are new since the last call.
+  [[nodiscard]] std::vector<News> take_news() { return std::exchange(news_, {}); }
 
   // The channels of a bus that a pattern meets, and how many of them are read on interest.
   struct Reach {
@@ -53,16 +53,16 @@ class InterestTable {
   [[nodiscard]] static Reach reach(const Pattern& pattern, const BusSpec& bus);
 
  private:
-  struct Wishes {
+  struct Interested {
     Pattern pattern;
     std::map<std::string, Duration> stations;
   };
-  std::map<std::string, Wishes> patterns_;  // by their text; none is empty
+  std::map<std::string, Interested> patterns_;  // by their text; none is empty
   std::size_t count_ = 0;
-  std::vector<Wish> news_;
+  std::vector<News> news_;
 };
 
-// What has to be told to a bus whose wishes were `before` and are `after`.
+// The events for a bus whose interests were `before` and are `after`.
 [[nodiscard]] std::vector<InterestChanged> changes(const std::map<ChannelIndex, Duration>& before,
                                                    const std::map<ChannelIndex, Duration>& after);
 

@@ -130,19 +130,19 @@ void Station::declare_interest(const std::string& pattern, Duration refresh) {
   if (state_->interests == nullptr) {
     state_->interests = state_->domain.writer(kInterestTopic, state_->name);
   }
-  idl::Interest wish;
-  wish.station() = state_->name;
-  wish.pattern() = pattern;
-  wish.refresh(refresh.count());
-  state_->interests->write(&wish);
+  idl::Interest interest;
+  interest.station() = state_->name;
+  interest.pattern() = pattern;
+  interest.refresh(refresh.count());
+  state_->interests->write(&interest);
 }
 
 void Station::withdraw_interest(const std::string& pattern) {
   if (state_->interests == nullptr) return;
-  idl::Interest wish;
-  wish.station() = state_->name;
-  wish.pattern() = pattern;
-  state_->interests->unregister_instance(&wish, dds::HANDLE_NIL);  // disposes it
+  idl::Interest interest;
+  interest.station() = state_->name;
+  interest.pattern() = pattern;
+  state_->interests->unregister_instance(&interest, dds::HANDLE_NIL);  // disposes it
 }
 
 tl::expected<StationResult, StationFault> Station::execute(StationCommand command,

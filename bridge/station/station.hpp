@@ -59,7 +59,7 @@ class Station {
   void subscribe_alarms(std::function<void(const StationAlarm&)> on_alarm,
                         std::function<void(const StationAlarm& last)> gone = {});
 
-  // A wish for channels at a refresh, kept up until withdrawn or until this process dies.
+  // An interest in channels at a refresh, kept up until withdrawn or until this process dies.
   void declare_interest(const std::string& pattern, Duration refresh);
   void withdraw_interest(const std::string& pattern);
 

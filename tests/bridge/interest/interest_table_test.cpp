@@ -6,7 +6,7 @@ namespace fieldcast {
 namespace {
 
 using std::chrono::milliseconds;
-using Wishes = std::map<ChannelIndex, Duration>;
+using Interests = std::map<ChannelIndex, Duration>;
 
 BusSpec press_shop() {
   BusSpec bus;
@@ -24,35 +24,37 @@ BusSpec press_shop() {
   return bus;
 }
 
-TEST(InterestTable, TheShortestWishOfAllStationsCounts) {
+TEST(InterestTable, TheShortestRefreshOfAllStationsCounts) {
   InterestTable table;
   ASSERT_TRUE(table.note("a", "press-shop/press-1/oil", milliseconds{500}));
   ASSERT_TRUE(table.note("b", "press-shop/press-1/oil", milliseconds{200}));
   ASSERT_TRUE(table.note("c", "*/*/oil", milliseconds{300}));
-  EXPECT_EQ(table.wishes(press_shop()), (Wishes{{0, milliseconds{200}}, {2, milliseconds{300}}}));
+  EXPECT_EQ(table.interests(press_shop()),
+            (Interests{{0, milliseconds{200}}, {2, milliseconds{300}}}));
 }
 
-TEST(InterestTable, AnEndedWishLeavesTheOthers) {
+TEST(InterestTable, AnEndedInterestLeavesTheOthers) {
   InterestTable table;
   ASSERT_TRUE(table.note("a", "*/press-2/*", milliseconds{500}));
   ASSERT_TRUE(table.note("b", "*/press-2/*", milliseconds{100}));
   ASSERT_TRUE(table.note("b", "*/press-2/*", std::nullopt));
-  EXPECT_EQ(table.wishes(press_shop()), (Wishes{{2, milliseconds{500}}, {3, milliseconds{500}}}));
+  EXPECT_EQ(table.interests(press_shop()),
+            (Interests{{2, milliseconds{500}}, {3, milliseconds{500}}}));
   ASSERT_TRUE(table.note("a", "*/press-2/*", std::nullopt));
-  EXPECT_TRUE(table.wishes(press_shop()).empty());
+  EXPECT_TRUE(table.interests(press_shop()).empty());
 }
 
 TEST(InterestTable, ANewRefreshReplacesTheOld) {
   InterestTable table;
   ASSERT_TRUE(table.note("a", "*/press-1/oil", milliseconds{100}));
   ASSERT_TRUE(table.note("a", "*/press-1/oil", milliseconds{900}));
-  EXPECT_EQ(table.wishes(press_shop()), (Wishes{{0, milliseconds{900}}}));
+  EXPECT_EQ(table.interests(press_shop()), (Interests{{0, milliseconds{900}}}));
 }
 
-TEST(InterestTable, OtherBusesAreNotWished) {
+TEST(InterestTable, OtherBusesAreNotMeant) {
   InterestTable table;
   ASSERT_TRUE(table.note("a", "mill/*/*", milliseconds{100}));
-  EXPECT_TRUE(table.wishes(press_shop()).empty());
+  EXPECT_TRUE(table.interests(press_shop()).empty());
 }
 
 TEST(InterestTable, NonsenseIsRefusedWithAReason) {
@@ -62,10 +64,10 @@ TEST(InterestTable, NonsenseIsRefusedWithAReason) {
   EXPECT_FALSE(table.note("a", "*/*/*", milliseconds{-5}));
   EXPECT_FALSE(table.note("a", "*/*/*", std::chrono::microseconds{999}));
   EXPECT_FALSE(table.note("a", "*/*/*", std::chrono::hours{25}));
-  EXPECT_TRUE(table.wishes(press_shop()).empty());
+  EXPECT_TRUE(table.interests(press_shop()).empty());
 }
 
-TEST(InterestTable, WithdrawingWhatWasNeverWishedIsNoFault) {
+TEST(InterestTable, WithdrawingWhatWasNeverDeclaredIsNoFault) {
   InterestTable table;
   EXPECT_TRUE(table.note("a", "*/*/*", std::nullopt));
 }
@@ -79,13 +81,13 @@ TEST(InterestTable, MemoryIsBounded) {
   EXPECT_TRUE(table.note("b", "bus-1", milliseconds{100}));
   ASSERT_TRUE(table.note("a", "bus-0", std::nullopt));
   EXPECT_TRUE(table.note("a", "one-more", milliseconds{100}));
-  for (std::size_t i = InterestTable::kMaxPatterns + 1; i < InterestTable::kMaxWishes; ++i) {
+  for (std::size_t i = InterestTable::kMaxPatterns + 1; i < InterestTable::kMaxInterests; ++i) {
     ASSERT_TRUE(table.note("s" + std::to_string(i), "bus-1", milliseconds{100}));
   }
   EXPECT_FALSE(table.note("too many", "bus-1", milliseconds{100}));
 }
 
-TEST(InterestTable, AMillionWishesAreRefusedAtOnceAndLeaveThoseThatStand) {
+TEST(InterestTable, AMillionInterestsAreRefusedAtOnceAndLeaveThoseThatStand) {
   InterestTable table;
   ASSERT_TRUE(table.note("honest", "*/press-1/oil", milliseconds{200}));
   std::size_t taken = 0;
@@ -95,11 +97,11 @@ TEST(InterestTable, AMillionWishesAreRefusedAtOnceAndLeaveThoseThatStand) {
     taken += table.note("s" + std::to_string(i), "*/press-1/oil", milliseconds{100})
                  .has_value();  // stations,
   }
-  EXPECT_EQ(taken, InterestTable::kMaxWishes - 1);
+  EXPECT_EQ(taken, InterestTable::kMaxInterests - 1);
   for (int i = 1; i < 1'000'000; ++i)
     ASSERT_TRUE(table.note("honest", "*/press-1/oil", milliseconds{i % 1000 + 1}));  // changes
   ASSERT_TRUE(table.note("honest", "*/press-1/oil", milliseconds{50}));
-  EXPECT_EQ(table.wishes(press_shop()).at(0), milliseconds{50});
+  EXPECT_EQ(table.interests(press_shop()).at(0), milliseconds{50});
   EXPECT_EQ(table.take_news().size(), InterestTable::kMaxNews);
   EXPECT_TRUE(table.take_news().empty());
 }
@@ -108,17 +110,18 @@ TEST(InterestTable, RefusalSaysWhoWhatAndWhy) {
   InterestTable table;
   for (std::size_t i = 0; i < InterestTable::kMaxPatterns; ++i)
     ASSERT_TRUE(table.note("a", "b" + std::to_string(i), milliseconds{9}));
-  EXPECT_EQ(table.note("a", "x/y/z", milliseconds{9}).error(),
-            "station a: its interest in x/y/z is refused: 256 wishes of 256 patterns are held, at "
-            "most 4096 of 256");
+  EXPECT_EQ(
+      table.note("a", "x/y/z", milliseconds{9}).error(),
+      "station a: its interest in x/y/z is refused: 256 interests of 256 patterns are held, at "
+      "most 4096 of 256");
 }
 
-TEST(InterestTable, ChannelsThatAreReadAnywayAreNotWished) {
+TEST(InterestTable, ChannelsThatAreReadAnywayAreNoInterest) {
   BusSpec bus = press_shop();
   bus.devices[0].channels[0].on_interest = false;
   InterestTable table;
   ASSERT_TRUE(table.note("a", "*/press-1/*", milliseconds{500}));
-  EXPECT_EQ(table.wishes(bus), (Wishes{{1, milliseconds{500}}}));
+  EXPECT_EQ(table.interests(bus), (Interests{{1, milliseconds{500}}}));
 }
 
 TEST(InterestTable, ReachTellsAnInterestInNothing) {
@@ -135,7 +138,7 @@ TEST(InterestTable, ReachTellsAnInterestInNothing) {
   EXPECT_EQ(reach("*/*/oil").on_interest, 1u);
 }
 
-TEST(InterestTable, NewsAreWishesThatWereNotHeld) {
+TEST(InterestTable, NewsAreInterestsThatWereNotKnown) {
   InterestTable table;
   ASSERT_TRUE(table.note("a", "*/press-1/*", milliseconds{500}));
   ASSERT_TRUE(table.note("b", "*/press-1/*", milliseconds{500}));
@@ -145,8 +148,8 @@ TEST(InterestTable, NewsAreWishesThatWereNotHeld) {
 }
 
 TEST(InterestChanges, OnlyDifferencesAreTold) {
-  const Wishes before{{0, milliseconds{100}}, {1, milliseconds{100}}, {2, milliseconds{100}}};
-  const Wishes after{{0, milliseconds{100}}, {1, milliseconds{50}}, {3, milliseconds{100}}};
+  const Interests before{{0, milliseconds{100}}, {1, milliseconds{100}}, {2, milliseconds{100}}};
+  const Interests after{{0, milliseconds{100}}, {1, milliseconds{50}}, {3, milliseconds{100}}};
   const auto told = changes(before, after);
   ASSERT_EQ(told.size(), 3u);
   EXPECT_EQ(told[0].channel, 1u);
