@@ -1,25 +1,50 @@
 #include "bridge/dds/dds_link.hpp"
 
+#include <algorithm>
 #include <map>
 #include <shared_mutex>
 
+#include "bridge/dds/block_writer.hpp"
 #include "bridge/dds/bridge_presence.hpp"
+#include "bridge/dds/bus_catalogue.hpp"
 #include "bridge/dds/command_receiver.hpp"
 #include "bridge/dds/interest_receiver.hpp"
 #include "bridge/dds/result_sender.hpp"
 #include "bridge/dds/sample_writers.hpp"
+#include "bridge/dds/snapshot_sender.hpp"
 
 namespace fieldcast {
 
 namespace {
 
+// Whether every peer is on this machine, so that a message may be as long as UDP takes it.
+// Transports of the user's profile are unknown.
+bool stays_on_this_machine(const DdsSpec& spec) {
+  const std::vector<std::string> used = used_interfaces(spec);
+  return !spec.profile && !used.empty() &&
+         std::all_of(used.begin(), used.end(),
+                     [](const std::string& address) { return address.starts_with("127."); });
+}
+
 // What one bus has in the domain besides the writers shared by all.
 struct Bus {
-  Bus(Domain& domain, const std::string& bridge, const BusSpec& bus)
-      : samples(domain, bridge, bus) {}
+  Bus(Domain& domain, const std::string& bridge, const BusSpec& spec,
+      const BusCatalogue::Writers& writers, BlockWriter::Stream stream,
+      std::function<void()> on_reader)
+      : catalogue(writers, bridge, spec.name, stream.epoch),
+        samples(domain, bridge, spec),
+        blocks(domain, "fieldcast-bridge " + bridge + ": " + spec.name, std::move(stream),
+               std::move(on_reader)) {
+    ChannelIndex index = 0;
+    for (const DeviceSpec& device : spec.devices) {
+      for (const ChannelSpec& channel : device.channels)
+        catalogue.add(device, channel, samples.refresh_of(index++));
+    }
+  }
+  BusCatalogue catalogue;
   SampleWriters samples;
-  std::vector<idl::Channel> catalogue;               // by channel index, as published
-  std::map<std::string, idl::DeviceStatus> devices;  // published at least once
+  BlockWriter blocks;
+  std::map<std::string, idl::DeviceStatus> devices;                 // published at least once
   std::map<std::pair<ChannelIndex, LimitKind>, idl::Alarm> alarms;  // raised at least once
   idl::BusStatus status;
   bool reported = false;
@@ -33,9 +58,11 @@ struct DdsLink::State {
       : bridge(name),
         handlers(std::move(given)),
         domain(spec, "fieldcast-bridge " + name, &lifespans),
+        block_bytes(stays_on_this_machine(spec) ? BlockWriter::kBytesOnLoopback
+                                                : BlockWriter::kBytesOnNetworks),
         results(domain, "fieldcast-bridge " + name, handlers.clock, handlers.on_problem) {
     const std::string label = "fieldcast-bridge " + name;
-    catalogue = domain.writer(kChannelTopic, label);
+    catalogue = {domain.writer(kChannelTopic, label), domain.writer(kCatalogueBlockTopic, label)};
     bus_status = domain.writer(kBusStatusTopic, label);
     alarms = domain.writer(kAlarmTopic, label);
     device_status = domain.writer(kDeviceStatusTopic, label);
@@ -44,6 +71,17 @@ struct DdsLink::State {
         std::make_unique<InterestReceiver>(domain, handlers.on_interest, handlers.on_problem);
     if (handlers.bridges.heard)
       presence = std::make_unique<BridgePresence>(domain, label, handlers.bridges);
+    snapshots = std::make_unique<SnapshotSender>(
+        domain, [this](const std::string& bus) { return send_snapshot(bus); });
+  }
+
+  // On the thread of snapshots: what changed in the catalogue, then the last values.
+  std::size_t send_snapshot(const std::string& name) {
+    const std::shared_lock lock(mutex);
+    Bus* bus = find(name);
+    if (bus == nullptr) return 0;
+    bus->catalogue.flush();
+    return bus->blocks.write_snapshot();
   }
 
   CommandReceiver::Handlers command_handlers() {
@@ -86,11 +124,10 @@ struct DdsLink::State {
 
   void dispose(Bus& bus, Duration linger, Duration limit = kInfinite) {
     const auto begun = std::chrono::steady_clock::now();
+    bus.catalogue.dispose_blocks();
     bus.samples.dispose(linger, limit);
-    for (idl::Channel& channel : bus.catalogue) {
-      if (std::chrono::steady_clock::now() - begun >= limit) return;
-      catalogue->unregister_instance(&channel, dds::HANDLE_NIL);
-    }
+    if (std::chrono::steady_clock::now() - begun >= limit) return;
+    bus.catalogue.dispose_channels();
     for (auto& [name, status] : bus.devices)
       device_status->unregister_instance(&status, dds::HANDLE_NIL);
     for (auto& [key, alarm] : bus.alarms) alarms->unregister_instance(&alarm, dds::HANDLE_NIL);
@@ -101,8 +138,9 @@ struct DdsLink::State {
   const Handlers handlers;
   CommandLifespans lifespans;
   Domain domain;
+  const std::size_t block_bytes;
   ResultSender results;
-  dds::DataWriter* catalogue = nullptr;
+  BusCatalogue::Writers catalogue;
   dds::DataWriter* bus_status = nullptr;
   dds::DataWriter* device_status = nullptr;
   dds::DataWriter* sessions = nullptr;
@@ -113,6 +151,7 @@ struct DdsLink::State {
   std::shared_mutex mutex;  // the set of buses: shared to use one, alone to add or remove one
   std::map<std::string, std::unique_ptr<Bus>, std::less<>> buses;
   bool closed = false;
+  std::unique_ptr<SnapshotSender> snapshots;  // last: its thread uses the buses
 };
 
 DdsLink::DdsLink(const DdsSpec& spec, const std::string& bridge_name, Handlers handlers)
@@ -121,16 +160,15 @@ DdsLink::DdsLink(const DdsSpec& spec, const std::string& bridge_name, Handlers h
 DdsLink::~DdsLink() { close(); }
 
 void DdsLink::add_bus(const BusSpec& spec) {
-  auto bus = std::make_unique<Bus>(state_->domain, state_->bridge, spec);
-  ChannelIndex index = 0;
-  for (const DeviceSpec& device : spec.devices) {
-    for (const ChannelSpec& channel : device.channels) {
-      idl::Channel& entry = bus->catalogue.emplace_back();
-      to_idl(state_->bridge, spec.name, device, channel, bus->samples.refresh_of(index++), entry);
-      if (!state_->catalogue->write(&entry))
-        throw DdsError("dds: the catalogue of bus " + spec.name + " does not fit");
-    }
-  }
+  std::size_t channels = 0;
+  for (const DeviceSpec& device : spec.devices) channels += device.channels.size();
+  const auto epoch = static_cast<std::uint64_t>(state_->handlers.clock().utc.nanoseconds);
+  auto bus = std::make_unique<Bus>(
+      state_->domain, state_->bridge, spec, state_->catalogue,
+      BlockWriter::Stream{spec.name, channels, epoch, state_->block_bytes},
+      [state = state_.get(), name = spec.name] { state->snapshots->request(name); });
+  if (!bus->catalogue.publish())
+    throw DdsError("dds: the catalogue of bus " + spec.name + " does not fit");
   {
     const std::unique_lock lock(state_->mutex);
     state_->buses[spec.name] = std::move(bus);
@@ -152,7 +190,7 @@ void DdsLink::publish_again(std::string_view name) {
   const std::unique_lock lock(state_->mutex);  // set_refresh() writes the catalogue too
   Bus* bus = state_->find(name);
   if (bus == nullptr) return;
-  for (idl::Channel& channel : bus->catalogue) state_->catalogue->write(&channel);
+  (void)bus->catalogue.publish();
   for (auto& [key, alarm] : bus->alarms) state_->alarms->write(&alarm);
 }
 
@@ -170,6 +208,18 @@ void DdsLink::remove_bus(std::string_view name, Duration linger, Duration limit)
 
 void DdsLink::publish(std::string_view name, std::span<const Sample> samples,
                       const UtcMapping& mapping) {
+  publish_block(name, samples, mapping);
+  publish_each(name, samples, mapping);
+}
+
+void DdsLink::publish_block(std::string_view name, std::span<const Sample> samples,
+                            const UtcMapping& mapping) {
+  const std::shared_lock lock(state_->mutex);
+  if (Bus* bus = state_->find(name)) bus->blocks.write(samples, mapping);
+}
+
+void DdsLink::publish_each(std::string_view name, std::span<const Sample> samples,
+                           const UtcMapping& mapping) {
   const std::shared_lock lock(state_->mutex);
   Bus* bus = state_->find(name);
   if (bus == nullptr || bus->samples.write(samples, mapping) || bus->write_failed) return;
@@ -183,9 +233,8 @@ void DdsLink::set_refresh(std::string_view name, ChannelIndex channel,
   const std::shared_lock lock(state_->mutex);
   Bus* bus = state_->find(name);
   if (bus == nullptr || !bus->samples.move(channel, refresh)) return;
-  idl::Channel& entry = bus->catalogue[channel];
-  entry.refresh(refresh.value_or(Duration::zero()).count());
-  state_->catalogue->write(&entry);
+  bus->catalogue.set_refresh(channel, refresh);
+  state_->snapshots->request(std::string(name));
 }
 
 void DdsLink::complete(std::string_view bus, const CommandResult& result,
@@ -226,7 +275,7 @@ void DdsLink::report(std::string_view name, const AlarmChange& change, const Utc
   const std::shared_lock lock(state_->mutex);
   Bus* bus = state_->find(name);
   if (bus == nullptr) return;
-  const idl::Channel& channel = bus->catalogue.at(change.channel);
+  const idl::Channel& channel = bus->catalogue.channels().at(change.channel);
   idl::Alarm& alarm = bus->alarms[{change.channel, change.limit}];
   alarm.bus() = channel.bus();
   alarm.device() = channel.device();
@@ -248,6 +297,7 @@ void DdsLink::close(Duration linger) {
   state_->closed = true;
   if (state_->commands) state_->commands->close();
   state_->interests->close();
+  state_->snapshots->close();
   state_->results.close(linger);
   std::map<std::string, std::unique_ptr<Bus>, std::less<>> buses;
   {
@@ -255,7 +305,7 @@ void DdsLink::close(Duration linger) {
     buses.swap(state_->buses);
   }
   for (auto& [name, bus] : buses) state_->dispose(*bus, Duration::zero());
-  state_->catalogue->wait_for_acknowledgments(to_dds(linger));
+  state_->catalogue.channels->wait_for_acknowledgments(to_dds(linger));
   if (state_->presence) state_->presence->close();  // last: who waits for a bus takes it now
 }
 

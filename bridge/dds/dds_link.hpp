@@ -88,9 +88,16 @@ class DdsLink {
   void remove_bus(std::string_view bus, Duration linger = std::chrono::milliseconds{100},
                   Duration limit = Duration::max());
 
-  // Samples of one call leave in order; channels out of range are a bug. One caller for a bus, who
-  // waits as long as DDS takes for them: some 10 us each, longer with readers that lag.
+  // The samples of an exchange: as a block for stations that take blocks, then each for all others.
+  // Samples of one channel leave in order; channels out of range are a bug. One caller for a bus,
+  // who waits as long as DDS takes for them: some 10 us each, longer with readers that lag.
   void publish(std::string_view bus, std::span<const Sample> samples, const UtcMapping& mapping);
+  // The two parts of it. Both have one caller for a bus, which need not be the same one: a block
+  // costs some 10 us, however many samples it has.
+  void publish_block(std::string_view bus, std::span<const Sample> samples,
+                     const UtcMapping& mapping);
+  void publish_each(std::string_view bus, std::span<const Sample> samples,
+                    const UtcMapping& mapping);
 
   // Moves a channel to the writer of another refresh: its last sample is written there again, then
   // the old writer lets go of it. Nothing: no promise (on-demand). Republishes the catalogue entry.

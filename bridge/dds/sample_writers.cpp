@@ -1,6 +1,7 @@
 #include "bridge/dds/sample_writers.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 #include "bridge/check.hpp"
 
@@ -29,9 +30,7 @@ SampleWriters::SampleWriters(Domain& domain, const std::string& bridge, const Bu
   for (const DeviceSpec& device : bus.devices) {
     for (const ChannelSpec& channel : device.channels) {
       Slot& slot = slots_.emplace_back();
-      slot.sample.bus() = cut_text(bus.name, kMaxNameLength);
-      slot.sample.device() = cut_text(device.name, kMaxNameLength);
-      slot.sample.channel() = cut_text(channel.name, kMaxNameLength);
+      slot.key = SampleKey(bus.name, device.name, channel.name);
       if (channel.access != Access::kWriteOnly) attach(slot, promised_gap(channel));
     }
   }
@@ -48,9 +47,9 @@ SampleWriters::Writer& SampleWriters::writer_for(std::optional<Duration> refresh
   auto made = std::make_unique<Writer>();
   made->refresh = refresh;
   const std::string label = label_ + (refresh ? ", refresh " + to_text(*refresh) : ", no refresh");
-  made->entity = domain_.writer(kSampleTopic, sample_writer_qos(refresh), label, made.get(),
-                                dds::StatusMask::offered_deadline_missed()
-                                    << dds::StatusMask::publication_matched());
+  made->entity = domain_.writer<idl::SamplePubSubType, SampleType>(
+      kSampleTopic, sample_writer_qos(refresh), label, made.get(),
+      dds::StatusMask::offered_deadline_missed() << dds::StatusMask::publication_matched());
   const std::lock_guard lock(writers_mutex_);
   return *writers_.emplace_back(std::move(made));
 }
@@ -63,16 +62,42 @@ void SampleWriters::attach(Slot& slot, std::optional<Duration> refresh) {
 bool SampleWriters::write(std::span<const Sample> samples, const UtcMapping& mapping) {
   tidy(mapping.instant);
   bool taken = true;
+  for (const auto& [slot, sample] : in_order(samples)) {
+    to_last_value(*sample, mapping, slot->value);
+    slot->order = ++writes_;
+    OutgoingSample outgoing = slot->outgoing();
+    taken &= slot->writer->entity->write(&outgoing);
+  }
+  return taken;
+}
+
+// DEADLINE keeps a timer for the instance of a writer that is due first; writing that one makes the
+// library look for the next among all, and wakes its timer thread. So the instance that was written
+// least recently comes last: one such scan a block instead of one a sample. The others come in the
+// order in which they were last written, which takes the oldest from the library's history first.
+std::vector<SampleWriters::Write>& SampleWriters::in_order(std::span<const Sample> samples) {
+  order_.clear();
   for (const Sample& sample : samples) {
     FIELDCAST_CHECK(sample.channel < slots_.size());
     Slot& slot = slots_[sample.channel];
     if (slot.writer == nullptr)
       attach(slot, std::nullopt);  // somebody acquired a write-only channel
-    to_idl(sample, mapping, slot.sample);
-    slot.written = true;
-    taken &= slot.writer->entity->write(&slot.sample);
+    order_.push_back({&slot, &sample});
   }
-  return taken;
+  std::stable_sort(order_.begin(), order_.end(), [](const Write& a, const Write& b) {
+    return std::tie(a.slot->writer, a.slot->order, a.slot) <
+           std::tie(b.slot->writer, b.slot->order, b.slot);
+  });
+  for (auto begin = order_.begin(); begin != order_.end();) {
+    const auto end = std::find_if(begin, order_.end(), [&](const Write& one) {
+      return one.slot->writer != begin->slot->writer;
+    });
+    const auto oldest_end =
+        std::find_if(begin, end, [&](const Write& one) { return one.slot != begin->slot; });
+    std::rotate(begin, oldest_end, end);
+    begin = end;
+  }
+  return order_;
 }
 
 void SampleWriters::tidy(Instant now) {
@@ -88,8 +113,9 @@ bool SampleWriters::move(ChannelIndex channel, std::optional<Duration> refresh) 
   attach(slot, refresh);
   if (old == nullptr) return true;
   --old->channels;
-  if (slot.written) {
-    slot.writer->entity->write(&slot.sample);
+  if (slot.written()) {
+    OutgoingSample outgoing = slot.outgoing();
+    slot.writer->entity->write(&outgoing);
     leaving_.push_back({channel, old, std::nullopt});
   }
   if (old->channels == 0) {
@@ -106,8 +132,9 @@ void SampleWriters::let_go(Instant now) {
     Slot& slot = slots_[one.channel];
     // Never the last one: Fast DDS 2.9.1 looks for the next deadline of a writer without instances,
     // and finds nothing to look at.
+    OutgoingSample outgoing = slot.outgoing();
     if (slot.writer != one.old && one.old->channels > 0)
-      one.old->entity->unregister_instance(&slot.sample, dds::HANDLE_NIL);
+      one.old->entity->unregister_instance(&outgoing, dds::HANDLE_NIL);
     return true;
   });
 }
@@ -143,9 +170,10 @@ void SampleWriters::dispose(Duration linger, Duration limit) {
   leaving_.clear();
   const auto begun = std::chrono::steady_clock::now();
   for (Slot& slot : slots_) {
-    if (slot.written && std::chrono::steady_clock::now() - begun < limit)
-      slot.writer->entity->dispose(&slot.sample, dds::HANDLE_NIL);
-    slot.written = false;
+    OutgoingSample outgoing = slot.outgoing();
+    if (slot.written() && std::chrono::steady_clock::now() - begun < limit)
+      slot.writer->entity->dispose(&outgoing, dds::HANDLE_NIL);
+    slot.value.sequence = 0;
     slot.writer = nullptr;
   }
   const auto end = std::chrono::steady_clock::now() + linger;

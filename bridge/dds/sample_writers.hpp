@@ -16,6 +16,7 @@
 #include "bridge/dds/dds_link.hpp"
 #include "bridge/dds/domain.hpp"
 #include "bridge/dds/topics/conversion.hpp"
+#include "bridge/dds/topics/sample_type.hpp"
 
 namespace fieldcast {
 
@@ -27,8 +28,8 @@ class SampleWriters {
   SampleWriters(const SampleWriters&) = delete;
   SampleWriters& operator=(const SampleWriters&) = delete;
 
-  // False if the library did not take one of them (limits, or readers that do not acknowledge); the
-  // others are written.
+  // Samples of one channel leave in order. False if the library did not take one of them (limits,
+  // or readers that do not acknowledge); the others are written.
   bool write(std::span<const Sample> samples, const UtcMapping& mapping);
 
   // False if nothing changes. The last sample is written again at the new writer, so that late
@@ -50,9 +51,16 @@ class SampleWriters {
  private:
   struct Writer;
   struct Slot {
-    idl::Sample sample;        // keys filled once; holds what was written last
+    SampleKey key;
+    LastValue value;           // written last; sequence 0: none
     Writer* writer = nullptr;  // null: never sampled (write-only)
-    bool written = false;
+    std::uint64_t order = 0;   // of its last write among all of the bus
+    [[nodiscard]] bool written() const { return value.sequence != 0; }
+    [[nodiscard]] OutgoingSample outgoing() const { return {&key, &value}; }
+  };
+  struct Write {
+    Slot* slot;
+    const Sample* sample;
   };
   // A writer whose last channel has moved away stays this long, so that its readers have the
   // channel from the new writer first.
@@ -65,6 +73,8 @@ class SampleWriters {
     Writer* old;
     std::optional<Instant> since;  // known from the next tidy() on
   };
+  // In the order in which they are written; see the definition.
+  [[nodiscard]] std::vector<Write>& in_order(std::span<const Sample> samples);
   void let_go(Instant now);
   Writer& writer_for(std::optional<Duration> refresh);
   void remove_idle_writers(Instant now);
@@ -75,6 +85,8 @@ class SampleWriters {
   std::vector<Slot> slots_;
   std::vector<std::unique_ptr<Writer>> writers_;
   std::vector<Leaving> leaving_;
+  std::vector<Write> order_;  // of one write(), kept for its memory
+  std::uint64_t writes_ = 0;
   bool any_idle_ = false;
   std::uint64_t retired_misses_ = 0;  // of writers that are gone
   mutable std::mutex writers_mutex_;  // the list, against counters()

@@ -21,14 +21,16 @@ void DdsPublisher::post(Task task, PublisherThread::Late late) {
 }
 
 bool DdsPublisher::publish_now(const std::vector<Sample>& samples, const UtcMapping& mapping) {
+  link_.publish_block(bus_, samples, mapping);
   if (samples.size() > most_now_ || waiting_ != 0) return false;
-  link_.publish(bus_, samples, mapping);
+  link_.publish_each(bus_, samples, mapping);
   return true;
 }
 
 void DdsPublisher::publish_later(std::vector<Sample> samples, const UtcMapping& mapping) {
-  post([this, samples = std::move(samples), mapping] { link_.publish(bus_, samples, mapping); },
-       PublisherThread::Late::kDrop);
+  post(
+      [this, samples = std::move(samples), mapping] { link_.publish_each(bus_, samples, mapping); },
+      PublisherThread::Late::kDrop);
 }
 
 void DdsPublisher::promise(ChannelIndex channel, std::optional<Duration> gap) {

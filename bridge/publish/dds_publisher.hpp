@@ -1,9 +1,10 @@
 // What one bus says on DDS, and on which thread.
 //
-// A few samples leave at once, on the bus's thread, within the silence after their answer: that is
-// the shortest way to the stations. Everything else goes to the publisher thread, so that a bus
-// never waits for DDS. Order is kept: nothing overtakes what that thread still has, so DdsLink
-// always has one caller at a time for a bus. Called on the bus's thread.
+// The block of an exchange leaves at once, on the bus's thread, within the silence after the
+// answer: that is the shortest way to the stations. So do a few samples that leave one by one.
+// Everything else goes to the publisher thread, so that a bus never waits for DDS. Order is kept:
+// nothing overtakes what that thread still has, so DdsLink always has one caller at a time for a
+// bus. Called on the bus's thread.
 #pragma once
 
 #include <atomic>
@@ -22,7 +23,7 @@ class DdsPublisher {
   // Both outlive it.
   DdsPublisher(PublisherThread& thread, DdsLink& link, const BusSpec& bus);
 
-  // True: the samples left. False: publish_later() is to take them.
+  // True: all left. False: the block left, and publish_later() is to take the samples.
   [[nodiscard]] bool publish_now(const std::vector<Sample>& samples, const UtcMapping& mapping);
   void publish_later(std::vector<Sample> samples, const UtcMapping& mapping);
 

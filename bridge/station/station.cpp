@@ -5,6 +5,7 @@
 #include "bridge/check.hpp"
 #include "bridge/dds/domain.hpp"
 #include "bridge/dds/topics/conversion.hpp"
+#include "bridge/station/block_subscription.hpp"
 #include "bridge/station/command_client.hpp"
 #include "bridge/station/subscription.hpp"
 
@@ -21,11 +22,17 @@ struct Station::State {
     return *commands;
   }
 
+  BlockSubscription& by_blocks() {
+    if (!blocks) blocks = std::make_unique<BlockSubscription>(domain, name);
+    return *blocks;
+  }
+
   const std::string name;
   Domain domain;
   std::mutex mutex;
   std::unique_ptr<Subscription<idl::SamplePubSubType>> samples;
-  std::unique_ptr<Subscription<idl::ChannelPubSubType>> channels;
+  std::unique_ptr<BlockSubscription> blocks;
+  bool has_channels = false, has_samples = false;
   std::unique_ptr<Subscription<idl::BusStatusPubSubType>> buses;
   std::unique_ptr<Subscription<idl::DeviceStatusPubSubType>> devices;
   std::unique_ptr<Subscription<idl::ProgramSessionPubSubType>> sessions;
@@ -48,7 +55,9 @@ Station::Station(const DdsSpec& spec, const std::string& name)
 Station::~Station() = default;
 
 void Station::subscribe_samples(OnSample on_sample, OnGone gone, SampleOptions options) {
-  FIELDCAST_CHECK(!state_->samples);
+  FIELDCAST_CHECK(!std::exchange(state_->has_samples, true));
+  if (!options.one_by_one && !options.deadline && !options.on_deadline_missed)
+    return state_->by_blocks().subscribe_samples(std::move(on_sample), std::move(gone));
   Subscription<idl::SamplePubSubType>::Handlers handlers;
   handlers.sample = [on_sample = std::move(on_sample)](const idl::Sample& sample) {
     if (const auto known = from_idl(sample)) on_sample(*known);
@@ -65,18 +74,14 @@ void Station::subscribe_samples(OnSample on_sample, OnGone gone, SampleOptions o
 
 void Station::subscribe_channels(std::function<void(const StationChannel&)> on_channel,
                                  OnGone gone) {
-  FIELDCAST_CHECK(!state_->channels);
-  Subscription<idl::ChannelPubSubType>::Handlers handlers;
-  handlers.sample = [on_channel = std::move(on_channel)](const idl::Channel& channel) {
-    on_channel(from_idl(channel));
-  };
-  if (gone) {
-    handlers.gone = [gone = std::move(gone)](const idl::Channel& last) {
-      gone(last.bus().c_str(), last.device().c_str(), last.channel().c_str());
-    };
-  }
-  state_->channels = std::make_unique<Subscription<idl::ChannelPubSubType>>(
-      state_->domain, kChannelTopic, std::move(handlers));
+  FIELDCAST_CHECK(!std::exchange(state_->has_channels, true));
+  state_->by_blocks().subscribe_channels(std::move(on_channel), std::move(gone));
+}
+
+Station::BlockCounters Station::block_counters() const {
+  if (!state_->blocks) return {};
+  const auto [blocks, missing, requests] = state_->blocks->counters();
+  return {blocks, missing, requests};
 }
 
 void Station::subscribe_bus_status(std::function<void(const StationBusStatus&)> on_status) {

@@ -1,9 +1,10 @@
 // A monitoring station or plant system: the other side of DdsLink, for our tools, tests and
 // benches.
 //
-// Owns its DDS participant. Callbacks come on DDS threads, one at a time for each subscription, and
-// must not block. Subscribe before using what arrives; the object may be used from any one thread.
-// No DDS type appears here.
+// Owns its DDS participant. Channels and samples come by blocks, on a thread of the station's own;
+// everything else, and samples that are asked for with a deadline, comes on DDS threads. Callbacks
+// come one at a time for each subscription and must not block. Subscribe before using what arrives;
+// the object may be used from any one thread. No DDS type appears here.
 #pragma once
 
 #include <cstdint>
@@ -44,6 +45,8 @@ class Station {
     std::optional<Duration>
         deadline;  // matches just the channels that promise this refresh or better
     std::function<void()> on_deadline_missed;
+    // Each sample by itself (fieldcast/Sample) instead of by blocks; so it is with a deadline too.
+    bool one_by_one = false;
   };
   using OnSample = std::function<void(const StationSample&)>;
   using OnGone = std::function<void(const std::string& bus, const std::string& device,
@@ -52,6 +55,13 @@ class Station {
   void subscribe_samples(OnSample on_sample, OnGone gone = {}) {
     subscribe_samples(std::move(on_sample), std::move(gone), {});
   }
+  // What came by blocks so far. Any thread.
+  struct BlockCounters {
+    std::uint64_t blocks = 0;
+    std::uint64_t missing = 0;   // blocks that never came: this station was too slow for them
+    std::uint64_t requests = 0;  // for the last values, where blocks were missing
+  };
+  [[nodiscard]] BlockCounters block_counters() const;
   void subscribe_channels(std::function<void(const StationChannel&)> on_channel, OnGone gone = {});
   void subscribe_bus_status(std::function<void(const StationBusStatus&)> on_status);
   void subscribe_device_status(std::function<void(const StationDeviceStatus&)> on_status);

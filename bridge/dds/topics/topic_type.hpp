@@ -23,8 +23,11 @@ class TopicType : public Generated {
  public:
   // The library takes a buffer of m_typeSize for each sample that it keeps and enlarges it where
   // needed. Bounds are far above what is usual: a Sample is about 120 bytes and could be 500, a
-  // Command 200 and 550 000.
-  TopicType() : largest_(this->m_typeSize) { this->m_typeSize = std::min(largest_, kUsualSize); }
+  // Command 200 and 550 000. Without a key the library enlarges nothing: it is told the bound, and
+  // allocates as much as each sample has (topics.cpp).
+  TopicType() : largest_(this->m_typeSize) {
+    if (this->m_isGetKeyDefined) this->m_typeSize = std::min(largest_, kUsualSize);
+  }
 
   bool getKey(void* data, eprosima::fastrtps::rtps::InstanceHandle_t* handle,
               bool force_md5) override {

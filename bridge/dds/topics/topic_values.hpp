@@ -37,6 +37,7 @@ struct StationChannel {
   Duration refresh{};  // 0: no promise
   Limits limits;
   std::optional<double> write_min, write_max;
+  friend bool operator==(const StationChannel&, const StationChannel&) = default;
 };
 
 using CauseCounts =

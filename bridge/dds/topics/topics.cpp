@@ -4,18 +4,21 @@ namespace fieldcast {
 
 namespace {
 
+using eprosima::fastrtps::rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
 using eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
 
-// What all endpoints share. The memory policy matters at readers: with the DYNAMIC ones Fast
-// DDS 2.9.1 drops every note that an instance was disposed or unregistered ("Problem copying
+// What all endpoints share. The memory policy matters at readers: with the DYNAMIC ones Fast DDS
+// 2.9.1 drops every note that an instance was disposed or unregistered ("Problem copying
 // CacheChange, received data is: 0 bytes"). How large the first allocation is says TopicType.
+// Without a key there are no such notes, and a first allocation is never enlarged.
 template <class Qos>
-void set_common(Qos& qos, Durability durability) {
+void set_common(Qos& qos, Durability durability, Keys keys = Keys::kKeyed) {
   qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
   qos.durability().kind = durability == Durability::kTransientLocal
                               ? dds::TRANSIENT_LOCAL_DURABILITY_QOS
                               : dds::VOLATILE_DURABILITY_QOS;
-  qos.endpoint().history_memory_policy = PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+  qos.endpoint().history_memory_policy =
+      keys == Keys::kKeyed ? PREALLOCATED_WITH_REALLOC_MEMORY_MODE : DYNAMIC_REUSABLE_MEMORY_MODE;
   qos.data_sharing().off();
 }
 
@@ -32,11 +35,13 @@ void set_holding(Qos& qos, const Holding& holding) {
 }
 
 // The last message before a rest, if lost, is missed only at the next heartbeat: the library's
-// default is 3 s. Heartbeats cost nothing while everything is acknowledged.
-void repair_soon(dds::DataWriterQos& qos) {
+// default is 3 s. Heartbeats cost nothing while everything is acknowledged. With a suppression of 0
+// every message would fire a timer that takes the writer's lock.
+void repair_soon(dds::DataWriterQos& qos, Duration repair_after) {
   auto& times = qos.reliable_writer_qos().times;
   times.initialHeartbeatDelay = {0, 5'000'000};
   times.heartbeatPeriod = {0, 50'000'000};
+  times.nackSupressionDuration = to_dds(repair_after);
 }
 
 template <class Qos>
@@ -66,9 +71,9 @@ std::string type_name(const TopicRow& topic) {
 
 dds::DataWriterQos writer_qos(const TopicRow& topic) {
   dds::DataWriterQos qos;
-  set_common(qos, topic.durability);
+  set_common(qos, topic.durability, topic.keys);
   set_holding(qos, topic.writer);
-  repair_soon(qos);
+  repair_soon(qos, topic.repair_after);
   qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
   qos.reliability().max_blocking_time = to_dds(topic.longest_write);
   qos.writer_data_lifecycle().autodispose_unregistered_instances =
@@ -85,7 +90,7 @@ dds::DataWriterQos writer_qos(const TopicRow& topic) {
 
 dds::DataReaderQos reader_qos(const TopicRow& topic) {
   dds::DataReaderQos qos;
-  set_common(qos, topic.durability);
+  set_common(qos, topic.durability, topic.keys);
   set_holding(qos, topic.reader);
   if (topic.lease == Lease::kBoth) set_lease(qos);
   return qos;

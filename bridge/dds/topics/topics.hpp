@@ -35,13 +35,17 @@ inline constexpr std::int32_t kMaxPendingCommands = 4096;
 inline constexpr std::int32_t kMaxResults = 2 * kMaxPendingCommands;
 inline constexpr std::int32_t kMaxInterests = 4096;
 inline constexpr std::int32_t kMaxBridges = 1024;
-inline constexpr std::int32_t kMaxBuses = 1024;  // of one bridge
+inline constexpr std::int32_t kMaxBuses = 1024;       // of one bridge
+inline constexpr std::int32_t kBlocksKept = 256;      // of a bus, for readers that lost some
+inline constexpr std::int32_t kBlocksTaken = 1024;    // of all buses, not yet taken by a station
+inline constexpr std::int32_t kEntriesPerBlock = 64;  // of the catalogue: IDL sequence<.., 64>
 
 // The lease of what says that its process is alive.
 inline constexpr Duration kLease = std::chrono::seconds{6};
 
 // ---- what a row says
 
+enum class Keys : std::uint8_t { kKeyed, kNone };
 enum class Durability : std::uint8_t { kVolatile, kTransientLocal };
 enum class History : std::uint8_t { kKeepLast, kKeepAll };
 
@@ -77,6 +81,10 @@ struct TopicRow {
   Lease lease = Lease::kNone;
   Unregister unregister = Unregister::kDisposes;
   Duration longest_write = std::chrono::milliseconds{10};  // with readers that lag
+  Keys keys = Keys::kKeyed;
+  // In which a message that was sent is not repeated. Its timer wakes a thread of the library once
+  // in this time and reader; a lost message is repaired no sooner.
+  Duration repair_after = std::chrono::milliseconds{5};
 };
 template <class GeneratedType>
 struct Topic : TopicRow {
@@ -103,6 +111,15 @@ inline constexpr Topic<idl::ProgramSessionPubSubType> kProgramSessionTopic{
     {"fieldcast/ProgramSession", kStays, last_of(kMaxDevices), last_of(kMaxDevices)}};
 inline constexpr Topic<idl::AlarmPubSubType> kAlarmTopic{
     {"fieldcast/Alarm", kStays, last_of(kMaxAlarms), last_of(kMaxAlarms)}};
+// One writer for each bus. A reader that stays behind loses the oldest, and delays nobody.
+inline constexpr Topic<idl::SampleBlockPubSubType> kSampleBlockTopic{
+    {"fieldcast/SampleBlock", kPasses, last_of(1, kBlocksKept), last_of(1, kBlocksTaken),
+     Lease::kNone, Unregister::kDisposes, std::chrono::milliseconds{10}, Keys::kNone,
+     std::chrono::milliseconds{100}}};
+inline constexpr Topic<idl::SnapshotRequestPubSubType> kSnapshotRequestTopic{
+    {"fieldcast/SnapshotRequest", kPasses, last_of(kMaxBuses), last_of(kMaxBuses)}};
+inline constexpr Topic<idl::CatalogueBlockPubSubType> kCatalogueBlockTopic{
+    {"fieldcast/CatalogueBlock", kStays, last_of(kMaxChannels / 16), last_of(kMaxChannels / 16)}};
 // With the LIFESPAN of its writer. Two samples of an instance: the command, and the note that it is
 // let go. Whatever came ahead of a lost message counts at a reader against its own instance (Fast
 // DDS 2.9.1, DataReaderHistory): a small number there would reject it. With a bound on the
@@ -122,9 +139,11 @@ inline constexpr Topic<idl::InterestPubSubType> kInterestTopic{
 inline constexpr Topic<idl::BridgePubSubType> kBridgeTopic{
     {"fieldcast/Bridge", kStays, last_of(1), last_of(kMaxBridges, 16), Lease::kBoth}};
 
-inline constexpr std::array<const TopicRow*, 10> kTopics{
-    &kSampleTopic, &kChannelTopic, &kBusStatusTopic,     &kDeviceStatusTopic, &kProgramSessionTopic,
-    &kAlarmTopic,  &kCommandTopic, &kCommandResultTopic, &kInterestTopic,     &kBridgeTopic};
+inline constexpr std::array<const TopicRow*, 13> kTopics{
+    &kSampleBlockTopic, &kSnapshotRequestTopic, &kCatalogueBlockTopic, &kSampleTopic,
+    &kChannelTopic,     &kBusStatusTopic,       &kDeviceStatusTopic,   &kProgramSessionTopic,
+    &kAlarmTopic,       &kCommandTopic,         &kCommandResultTopic,  &kInterestTopic,
+    &kBridgeTopic};
 
 // "fieldcast::Sample" of "fieldcast/Sample".
 [[nodiscard]] std::string type_name(const TopicRow& topic);

@@ -4,6 +4,7 @@
 
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <map>
 #include <set>
 
 #include "bridge/dds/domain.hpp"
@@ -67,7 +68,8 @@ class Profiles : public ::testing::Test {
 TEST_F(Profiles, SayWhatTheBridgesOwnStationsUse) {
   const std::map<std::string, dds::DataWriterQos> written = {
       {kCommandTopic.name, command_writer_qos(5s)},
-      {kInterestTopic.name, writer_qos(kInterestTopic)}};
+      {kInterestTopic.name, writer_qos(kInterestTopic)},
+      {kSnapshotRequestTopic.name, writer_qos(kSnapshotRequestTopic)}};
   for (const TopicRow* topic : kTopics) {
     SCOPED_TRACE(topic->name);
     if (topic == &kBridgeTopic) continue;  // of bridges among themselves

@@ -1,0 +1,63 @@
+#include "bridge/dds/snapshot_sender.hpp"
+
+#include <pthread.h>
+
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <utility>
+
+namespace fieldcast {
+
+SnapshotSender::SnapshotSender(Domain& domain, std::function<std::size_t(const std::string&)> send)
+    : domain_(domain), send_(std::move(send)), thread_([this] { run(); }) {
+  requests_ = domain.reader(kSnapshotRequestTopic, this, dds::StatusMask::data_available());
+}
+
+SnapshotSender::~SnapshotSender() { close(); }
+
+void SnapshotSender::close() {
+  if (!thread_.joinable()) return;
+  domain_.remove(requests_);
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  changed_.notify_one();
+  thread_.join();
+}
+
+void SnapshotSender::request(const std::string& bus) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (requested_.size() < static_cast<std::size_t>(kMaxBuses)) requested_.insert(bus);
+  }
+  changed_.notify_one();
+}
+
+void SnapshotSender::on_data_available(dds::DataReader* reader) {
+  idl::SnapshotRequest asked;
+  dds::SampleInfo info;
+  while (reader->take_next_sample(&asked, &info) == ReturnCode_t::RETCODE_OK) {
+    if (info.valid_data) request(asked.bus().c_str());
+  }
+}
+
+void SnapshotSender::run() {
+  pthread_setname_np(pthread_self(), "snapshots");
+  std::unique_lock lock(mutex_);
+  const auto rest = [&](Duration time) {
+    return changed_.wait_for(lock, time, [this] { return ending_; });
+  };
+  while (true) {
+    changed_.wait(lock, [this] { return ending_ || !requested_.empty(); });
+    if (ending_ || rest(kGather)) return;
+    for (const std::string& bus : std::exchange(requested_, {})) {
+      lock.unlock();
+      const std::size_t blocks = send_(bus);
+      lock.lock();
+      if (rest(kPace * static_cast<int>(blocks))) return;
+    }
+    if (rest(kRest)) return;
+  }
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,157 @@
+#include "bridge/dds/topics/block.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "bridge/dds/topics/conversion.hpp"
+
+namespace fieldcast {
+
+namespace {
+
+// Of a block without rows: names, counters, the lengths and paddings of its columns.
+constexpr std::size_t kEmptyBytes = 192;
+// Of one row in all columns but the texts: 4 + 1 + 1 + 2 + 8 + 8 + 8.
+constexpr std::size_t kRowBytes = 32;
+constexpr std::size_t kTextBytes = 8;  // its length, its end and the padding
+
+}  // namespace
+
+void to_last_value(const Sample& sample, const UtcMapping& mapping, LastValue& out) {
+  out.quality = to_idl(sample.quality);
+  out.device_code = sample.device_code;
+  out.acquired_at = mapping.to_utc(sample.acquired).nanoseconds;
+  out.sequence = sample.sequence;
+  if (const auto* text = std::get_if<std::string>(&sample.value)) {
+    out.kind = idl::VALUE_STRING;
+    const bool fits = text->size() <= kMaxTextValue && text->find('\0') == std::string::npos;
+    out.text = fits ? *text : std::string();
+    if (!fits) out.quality = idl::BAD_RANGE;
+  } else if (const auto* on = std::get_if<bool>(&sample.value)) {
+    out.kind = idl::VALUE_BOOLEAN;
+    out.bits = *on ? 1 : 0;
+  } else if (const auto* whole = std::get_if<std::int64_t>(&sample.value)) {
+    out.kind = idl::VALUE_INT64;
+    out.bits = static_cast<std::uint64_t>(*whole);
+  } else if (const auto* natural = std::get_if<std::uint64_t>(&sample.value)) {
+    out.kind = idl::VALUE_UINT64;
+    out.bits = *natural;
+  } else {
+    out.kind = idl::VALUE_DOUBLE;
+    out.bits = std::bit_cast<std::uint64_t>(std::get<double>(sample.value));
+  }
+}
+
+BlockFiller::BlockFiller(idl::SampleBlock& block, std::size_t most_bytes)
+    : block_(&block), most_bytes_(most_bytes), bytes_(kEmptyBytes) {
+  block.channels().clear();
+  block.kinds().clear();
+  block.qualities().clear();
+  block.device_codes().clear();
+  block.values().clear();
+  block.acquired_at().clear();
+  block.sequences().clear();
+  block.texts().clear();
+}
+
+bool BlockFiller::add(ChannelIndex channel, const LastValue& value) {
+  const bool text = value.kind == idl::VALUE_STRING;
+  const std::size_t bytes = kRowBytes + (text ? kTextBytes + value.text.size() : 0);
+  const bool first = block_->channels().empty();
+  if (!first && (block_->channels().size() == kMaxRows || bytes_ + bytes > most_bytes_))
+    return false;
+  bytes_ += bytes;
+  any_device_code_ |= value.device_code != 0;
+  one_instant_ &= first || value.acquired_at == block_->acquired_at().front();
+  block_->channels().push_back(channel);
+  block_->kinds().push_back(static_cast<std::uint8_t>(value.kind));
+  block_->qualities().push_back(static_cast<std::uint8_t>(value.quality));
+  block_->device_codes().push_back(value.device_code);
+  block_->values().push_back(text ? block_->texts().size() : value.bits);
+  block_->acquired_at().push_back(value.acquired_at);
+  block_->sequences().push_back(value.sequence);
+  if (text) block_->texts().emplace_back(value.text);
+  return true;
+}
+
+void BlockFiller::finish() {
+  if (!any_device_code_) block_->device_codes().clear();
+  if (one_instant_ && !block_->acquired_at().empty()) block_->acquired_at().resize(1);
+}
+
+bool is_whole(const idl::SampleBlock& block) {
+  const std::size_t rows = block.channels().size();
+  const auto fits = [rows](const auto& column) { return column.size() == rows; };
+  return fits(block.kinds()) && fits(block.qualities()) && fits(block.values()) &&
+         fits(block.sequences()) && (fits(block.device_codes()) || block.device_codes().empty()) &&
+         (fits(block.acquired_at()) || block.acquired_at().size() == 1);
+}
+
+namespace {
+
+std::optional<Value> value_of(const idl::SampleBlock& block, std::size_t row) {
+  const std::uint64_t bits = block.values()[row];
+  switch (static_cast<idl::ValueKind>(block.kinds()[row])) {
+    case idl::VALUE_BOOLEAN: return bits != 0;
+    case idl::VALUE_INT64: return static_cast<std::int64_t>(bits);
+    case idl::VALUE_UINT64: return bits;
+    case idl::VALUE_DOUBLE: return std::bit_cast<double>(bits);
+    case idl::VALUE_STRING:
+      if (bits >= block.texts().size()) return std::nullopt;
+      return std::string(block.texts()[bits].c_str());
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+bool read_row(const idl::SampleBlock& block, std::size_t row, StationSample& out) {
+  std::optional<Value> value = value_of(block, row);
+  const auto quality = from_idl(static_cast<idl::Quality>(block.qualities()[row]));
+  if (!value || !quality) return false;
+  out.value = std::move(*value);
+  out.quality = *quality;
+  out.device_code = block.device_codes().empty() ? std::uint16_t{0} : block.device_codes()[row];
+  out.acquired_at = {block.acquired_at()[block.acquired_at().size() == 1 ? 0 : row]};
+  out.sequence = block.sequences()[row];
+  return true;
+}
+
+void to_idl(const idl::Channel& channel, idl::CatalogueEntry& out) {
+  out.device() = channel.device();
+  out.channel() = channel.channel();
+  out.type() = channel.type();
+  out.unit() = channel.unit();
+  out.at() = channel.at();
+  out.access(channel.access());
+  out.mode(channel.mode());
+  out.refresh(channel.refresh());
+  out.limits() = channel.limits();
+  out.description() = channel.description();
+}
+
+bool is_whole(const idl::CatalogueBlock& block) {
+  return block.channels() <= static_cast<std::uint32_t>(kMaxChannels) &&
+         block.first() <= block.channels() &&
+         block.entries().size() <= block.channels() - block.first() &&
+         block.entries().size() <= static_cast<std::size_t>(kEntriesPerBlock);
+}
+
+StationChannel from_idl(const idl::CatalogueBlock& block, const idl::CatalogueEntry& entry) {
+  idl::Channel channel;
+  channel.bus() = block.bus();
+  channel.bridge() = block.bridge();
+  channel.device() = entry.device();
+  channel.channel() = entry.channel();
+  channel.type() = entry.type();
+  channel.unit() = entry.unit();
+  channel.at() = entry.at();
+  channel.access(entry.access());
+  channel.mode(entry.mode());
+  channel.refresh(entry.refresh());
+  channel.limits() = entry.limits();
+  channel.description() = entry.description();
+  return from_idl(channel);
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,58 @@
+// Sample as the bridge writes it: the key of each channel is serialized and hashed once, and what
+// changes is written behind it. The bytes are those of the generated type.
+#pragma once
+
+#include <fastcdr/Cdr.h>
+#include <fastcdr/FastBuffer.h>
+
+#include <bit>
+#include <cstring>
+#include <functional>
+#include <string>
+
+#include "bridge/dds/topics/block.hpp"
+#include "bridge/dds/topics/topic_type.hpp"
+
+namespace fieldcast {
+
+// The keys of a channel in the form of the wire.
+struct SampleKey {
+  SampleKey() = default;
+  SampleKey(std::string_view bus, std::string_view device, std::string_view channel);
+
+  std::string bytes;  // behind the encapsulation
+  eprosima::fastrtps::rtps::InstanceHandle_t handle;
+};
+
+// What its writer is given.
+struct OutgoingSample {
+  const SampleKey* key = nullptr;
+  const LastValue* value = nullptr;
+};
+
+class SampleType : public TopicType<idl::SamplePubSubType> {
+  using Payload = eprosima::fastrtps::rtps::SerializedPayload_t;
+  using Handle = eprosima::fastrtps::rtps::InstanceHandle_t;
+
+ public:
+  bool getKey(void* data, Handle* handle, bool) override {
+    *handle = static_cast<OutgoingSample*>(data)->key->handle;
+    return true;
+  }
+
+  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
+    const auto* sample = static_cast<OutgoingSample*>(data);
+    const std::size_t size = kMostBehindKey + sample->key->bytes.size() +
+                             (sample->value == nullptr ? 0 : sample->value->text.size());
+    return [size] { return static_cast<std::uint32_t>(size); };
+  }
+
+  bool serialize(void* data, Payload* payload) override;
+
+ private:
+  // Encapsulation, kind, value, quality, device code, instant, sequence, the paddings between them,
+  // and length and end of a text.
+  static constexpr std::size_t kMostBehindKey = 64;
+};
+
+}  // namespace fieldcast

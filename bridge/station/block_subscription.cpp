@@ -1,0 +1,186 @@
+#include "bridge/station/block_subscription.hpp"
+
+#include <pthread.h>
+
+#include <algorithm>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <utility>
+
+#include "bridge/dds/topics/conversion.hpp"
+
+namespace fieldcast {
+
+namespace {
+
+Instant now_steady() { return Instant{std::chrono::steady_clock::now().time_since_epoch()}; }
+
+}  // namespace
+
+BlockSubscription::BlockSubscription(Domain& domain, std::string station)
+    : domain_(domain), station_(std::move(station)) {
+  handlers_.gone = [this](const StationSample& last) {
+    if (sample_gone_) sample_gone_(last.bus, last.device, last.channel);
+    if (channel_gone_) channel_gone_(last.bus, last.device, last.channel);
+  };
+  catalogue_ =
+      domain_.reader(kCatalogueBlockTopic, this,
+                     dds::StatusMask::data_available() << dds::StatusMask::subscription_matched());
+  thread_ = std::thread([this] { run(); });
+}
+
+BlockSubscription::~BlockSubscription() {
+  {
+    const std::lock_guard lock(news_mutex_);
+    ending_ = true;
+  }
+  news_.notify_one();
+  thread_.join();
+  if (blocks_ != nullptr) domain_.remove(blocks_);
+  if (requests_ != nullptr) domain_.remove(requests_);
+  domain_.remove(catalogue_);
+}
+
+void BlockSubscription::subscribe_channels(std::function<void(const StationChannel&)> on_channel,
+                                           OnGone gone) {
+  const std::lock_guard lock(mutex_);
+  handlers_.channel = std::move(on_channel);
+  channel_gone_ = std::move(gone);
+  for (const auto& [name, bus] : buses_) bus.table.replay({.channel = handlers_.channel});
+}
+
+void BlockSubscription::subscribe_samples(std::function<void(const StationSample&)> on_sample,
+                                          OnGone gone) {
+  const std::lock_guard lock(mutex_);
+  handlers_.sample = std::move(on_sample);
+  sample_gone_ = std::move(gone);
+  requests_ = domain_.writer(kSnapshotRequestTopic, station_);
+  blocks_ = domain_.reader(kSampleBlockTopic, this, dds::StatusMask::data_available());
+}
+
+BlockSubscription::Counters BlockSubscription::counters() const {
+  const std::lock_guard lock(mutex_);
+  Counters counters = counters_;
+  for (const auto& [name, bus] : buses_) counters.missing += bus.table.missing();
+  return counters;
+}
+
+void BlockSubscription::on_data_available(dds::DataReader*) { wake(); }
+
+void BlockSubscription::on_subscription_matched(dds::DataReader*,
+                                                const dds::SubscriptionMatchedStatus& status) {
+  if (status.current_count_change >= 0) return;
+  {
+    const std::lock_guard lock(news_mutex_);
+    left_.push_back(status.last_publication_handle);
+  }
+  wake();
+}
+
+void BlockSubscription::wake() {
+  {
+    const std::lock_guard lock(news_mutex_);
+    if (std::exchange(fresh_, true)) return;
+  }
+  news_.notify_one();
+}
+
+void BlockSubscription::run() {
+  pthread_setname_np(pthread_self(), "station");
+  std::optional<Instant> due;
+  while (true) {
+    std::vector<dds::InstanceHandle_t> left;
+    {
+      std::unique_lock lock(news_mutex_);
+      const auto ready = [this] { return fresh_ || ending_; };
+      if (due) {
+        news_.wait_for(lock, *due - now_steady(), ready);
+      } else {
+        news_.wait(lock, ready);
+      }
+      if (ending_) return;
+      fresh_ = false;
+      left.swap(left_);
+    }
+    const std::lock_guard lock(mutex_);
+    take_catalogue();
+    take_blocks();
+    end_of(left);
+    ask_for_snapshots(now_steady());
+    due = next_request();
+  }
+}
+
+BlockSubscription::Bus& BlockSubscription::bus_of(const std::string& name) { return buses_[name]; }
+
+void BlockSubscription::take_catalogue() {
+  dds::SampleInfo info;
+  while (catalogue_->take_next_sample(&catalogue_block_, &info) == ReturnCode_t::RETCODE_OK) {
+    if (info.valid_data) {
+      const std::string name = catalogue_block_.bus().c_str();
+      known_[info.instance_handle] = {name, catalogue_block_.epoch(), catalogue_block_.first(),
+                                      info.publication_handle};
+      bus_of(name).table.on_catalogue(catalogue_block_, handlers_);
+    } else if (info.instance_state != dds::ALIVE_INSTANCE_STATE) {
+      if (const auto node = known_.extract(info.instance_handle)) gone(node.mapped());
+    }
+  }
+}
+
+void BlockSubscription::take_blocks() {
+  if (blocks_ == nullptr) return;
+  dds::SampleInfo info;
+  while (blocks_->take_next_sample(&block_, &info) == ReturnCode_t::RETCODE_OK) {
+    if (!info.valid_data) continue;
+    ++counters_.blocks;
+    bus_of(block_.bus().c_str()).table.on_samples(block_, handlers_);
+  }
+}
+
+// A writer that dies or leaves without a word: the library delivers no note of its instances.
+void BlockSubscription::end_of(const std::vector<dds::InstanceHandle_t>& writers) {
+  for (const dds::InstanceHandle_t& writer : writers) {
+    std::erase_if(known_, [&](const auto& entry) {
+      if (entry.second.writer != writer) return false;
+      gone(entry.second);
+      return true;
+    });
+  }
+}
+
+void BlockSubscription::gone(const Known& known) {
+  bus_of(known.bus).table.on_catalogue_gone(known.epoch, known.first, handlers_);
+}
+
+void BlockSubscription::ask_for_snapshots(Instant now) {
+  if (blocks_ == nullptr) return;
+  for (auto& [name, bus] : buses_) {
+    const bool wanted = bus.table.wants_snapshot() && bus.table.is_known();
+    if (!wanted) {
+      bus.wanted = false;
+      continue;
+    }
+    if (!bus.wanted) {
+      bus.wanted = true;
+      // A bus that is new sends one by itself.
+      bus.due = bus.table.missing() == 0 ? now + kPatience : now;
+    }
+    if (bus.due > now) continue;
+    idl::SnapshotRequest request;
+    request.bus() = cut_text(name, kMaxNameLength);
+    request.station() = cut_text(station_, 128);
+    requests_->write(&request);
+    ++counters_.requests;
+    bus.due = now + kPatience;
+  }
+}
+
+std::optional<Instant> BlockSubscription::next_request() const {
+  std::optional<Instant> next;
+  if (blocks_ == nullptr) return next;
+  for (const auto& [name, bus] : buses_) {
+    if (bus.wanted) next = std::min(next.value_or(bus.due), bus.due);
+  }
+  return next;
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,97 @@
+// A station's subscription by blocks: SampleBlock and CatalogueBlock in, channels and samples out.
+// Asks for a snapshot where blocks were lost.
+//
+// Callbacks of DDS only wake the subscription's own thread, which takes what came and calls the
+// handlers, one at a time. Functions may be called from any one thread; a handler that is added
+// late is first told, on the caller's thread, what is known already.
+#pragma once
+
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "bridge/dds/domain.hpp"
+#include "bridge/station/bus_table.hpp"
+
+namespace fieldcast {
+
+class BlockSubscription : private dds::DataReaderListener {
+ public:
+  using OnGone = std::function<void(const std::string& bus, const std::string& device,
+                                    const std::string& channel)>;
+
+  // `station` is named in requests for snapshots. Throws DdsError.
+  BlockSubscription(Domain& domain, std::string station);
+  ~BlockSubscription() override;
+  BlockSubscription(const BlockSubscription&) = delete;
+  BlockSubscription& operator=(const BlockSubscription&) = delete;
+
+  // Each once.
+  void subscribe_channels(std::function<void(const StationChannel&)> on_channel, OnGone gone);
+  void subscribe_samples(std::function<void(const StationSample&)> on_sample, OnGone gone);
+
+  struct Counters {
+    std::uint64_t blocks = 0;    // received
+    std::uint64_t missing = 0;   // that never came: the station was too slow for them
+    std::uint64_t requests = 0;  // for snapshots
+  };
+  [[nodiscard]] Counters counters() const;  // any thread
+
+ private:
+  // After which a snapshot that was asked for, or is due since the bus is known, is asked for
+  // again.
+  static constexpr Duration kPatience = std::chrono::milliseconds{300};
+
+  struct Bus {
+    BusTable table;
+    Instant due{};  // the next request for a snapshot, while one is wanted
+    bool wanted = false;
+  };
+  struct Known {  // an instance of the catalogue: the note that it is gone comes without its keys
+    std::string bus;
+    std::uint64_t epoch;
+    std::uint32_t first;
+    dds::InstanceHandle_t writer;
+  };
+
+  void on_data_available(dds::DataReader* reader) override;
+  void on_subscription_matched(dds::DataReader* reader,
+                               const dds::SubscriptionMatchedStatus& status) override;
+  void wake();
+  void run();
+  // REQUIRES, all of them: mutex_ held.
+  void take_catalogue();
+  void take_blocks();
+  void end_of(const std::vector<dds::InstanceHandle_t>& writers);
+  void gone(const Known& known);
+  Bus& bus_of(const std::string& name);
+  void ask_for_snapshots(Instant now);
+  [[nodiscard]] std::optional<Instant> next_request() const;
+
+  Domain& domain_;
+  const std::string station_;
+
+  mutable std::mutex mutex_;  // what is known, and the handlers while they run
+  BusTable::Handlers handlers_;
+  OnGone channel_gone_, sample_gone_;
+  std::map<std::string, Bus, std::less<>> buses_;
+  std::map<dds::InstanceHandle_t, Known> known_;
+  idl::CatalogueBlock catalogue_block_;
+  idl::SampleBlock block_;
+  Counters counters_;
+  dds::DataReader* blocks_ = nullptr;  // null: nobody wants samples
+  dds::DataWriter* requests_ = nullptr;
+
+  std::mutex news_mutex_;  // what follows; never held while DDS is called
+  std::condition_variable news_;
+  bool fresh_ = false, ending_ = false;
+  std::vector<dds::InstanceHandle_t> left_;  // writers of the catalogue that are gone
+
+  dds::DataReader* catalogue_ = nullptr;
+  std::thread thread_;  // last: it uses what is above
+};
+
+}  // namespace fieldcast

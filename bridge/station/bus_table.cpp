@@ -1,0 +1,89 @@
+#include "bridge/station/bus_table.hpp"
+
+#include <algorithm>
+
+namespace fieldcast {
+
+bool BusTable::enter(std::uint64_t epoch, const Handlers& handlers) {
+  if (epoch < epoch_) return false;
+  if (epoch == epoch_) return true;
+  for (Row& row : rows_) forget(row, handlers);
+  rows_.clear();
+  epoch_ = epoch;
+  last_number_ = 0;
+  hole_ = snapshot_ = false;
+  return true;
+}
+
+BusTable::Row* BusTable::row(std::uint32_t channel) {
+  if (channel >= static_cast<std::uint32_t>(kMaxChannels)) return nullptr;
+  if (channel >= rows_.size()) rows_.resize(channel + 1);
+  return &rows_[channel];
+}
+
+void BusTable::forget(Row& row, const Handlers& handlers) {
+  if (row.entry && handlers.gone) handlers.gone(row.sample);
+  row = {};
+}
+
+void BusTable::on_catalogue(const idl::CatalogueBlock& block, const Handlers& handlers) {
+  if (!is_whole(block) || !enter(block.epoch(), handlers)) return;
+  if (rows_.size() < block.channels()) rows_.resize(block.channels());
+  for (std::size_t i = 0; i < block.entries().size(); ++i) {
+    Row& row = rows_[block.first() + i];
+    StationChannel entry = from_idl(block, block.entries()[i]);
+    if (row.entry && *row.entry == entry) continue;
+    const bool known = row.entry != nullptr;
+    row.sample.bus = entry.bus;
+    row.sample.device = entry.device;
+    row.sample.channel = entry.channel;
+    row.entry = std::make_unique<StationChannel>(std::move(entry));
+    if (handlers.channel) handlers.channel(*row.entry);
+    if (!known && row.sample.sequence != 0 && handlers.sample) handlers.sample(row.sample);
+  }
+}
+
+void BusTable::on_catalogue_gone(std::uint64_t epoch, std::uint32_t first,
+                                 const Handlers& handlers) {
+  if (epoch != epoch_) return;
+  const std::size_t end =
+      std::min<std::size_t>(rows_.size(), std::size_t{first} + kEntriesPerBlock);
+  for (std::size_t i = first; i < end; ++i) forget(rows_[i], handlers);
+  // With the last entry the epoch is over: the next one may come from a clock that is behind.
+  if (std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.entry != nullptr; }))
+    return;
+  rows_.clear();
+  epoch_ = 0;
+}
+
+void BusTable::count(std::uint64_t number) {
+  if (last_number_ != 0 && number > last_number_ + 1) {
+    hole_ = true;
+    missing_ += number - last_number_ - 1;
+  }
+  last_number_ = number;
+}
+
+void BusTable::on_samples(const idl::SampleBlock& block, const Handlers& handlers) {
+  if (!is_whole(block) || !enter(block.epoch(), handlers)) return;
+  count(block.number());
+  if (block.snapshot()) {
+    snapshot_ = true;
+    hole_ = false;
+  }
+  for (std::size_t i = 0; i < block.channels().size(); ++i) {
+    Row* const to = row(block.channels()[i]);
+    if (to == nullptr || block.sequences()[i] <= to->sample.sequence) continue;
+    if (read_row(block, i, to->sample) && to->entry && handlers.sample) handlers.sample(to->sample);
+  }
+}
+
+void BusTable::replay(const Handlers& handlers) const {
+  for (const Row& row : rows_) {
+    if (!row.entry) continue;
+    if (handlers.channel) handlers.channel(*row.entry);
+    if (handlers.sample && row.sample.sequence != 0) handlers.sample(row.sample);
+  }
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,185 @@
+// What a station makes of blocks, without DDS.
+#include "bridge/station/bus_table.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace fieldcast {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+// The blocks of a bus with channels c0, c1, ...
+class Bus {
+ public:
+  explicit Bus(std::uint64_t epoch) : epoch_(epoch) {}
+
+  idl::CatalogueBlock catalogue(std::uint32_t channels, std::uint32_t first = 0) const {
+    idl::CatalogueBlock block;
+    block.bus() = "bus";
+    block.epoch(epoch_);
+    block.first(first);
+    block.channels(channels);
+    for (std::uint32_t i = first; i < std::min(channels, first + 64); ++i) {
+      auto& entry = block.entries().emplace_back();
+      entry.device() = "d";
+      entry.channel() = "c" + std::to_string(i);
+    }
+    return block;
+  }
+  // Each channel with that sequence, and the sequence as its value.
+  idl::SampleBlock samples(std::vector<ChannelIndex> channels, std::uint64_t sequence) {
+    idl::SampleBlock block;
+    block.bus() = "bus";
+    block.epoch(epoch_);
+    block.number(++number_);
+    BlockFiller filler(block, 32'000);
+    LastValue value{.kind = idl::VALUE_UINT64,
+                    .quality = idl::GOOD,
+                    .device_code = 0,
+                    .bits = sequence,
+                    .acquired_at = 1,
+                    .sequence = sequence,
+                    .text = {}};
+    for (const ChannelIndex channel : channels) (void)filler.add(channel, value);
+    filler.finish();
+    return block;
+  }
+  idl::SampleBlock snapshot(std::vector<ChannelIndex> channels, std::uint64_t sequence) {
+    idl::SampleBlock block = samples(std::move(channels), sequence);
+    block.snapshot(true);
+    return block;
+  }
+  void lose_one() { ++number_; }
+
+ private:
+  std::uint64_t epoch_;
+  std::uint64_t number_ = 0;
+};
+
+class BusTableTest : public ::testing::Test {
+ protected:
+  void on(const idl::CatalogueBlock& block) { table.on_catalogue(block, handlers); }
+  void on(const idl::SampleBlock& block) { table.on_samples(block, handlers); }
+  std::vector<std::string> said() { return std::exchange(lines, {}); }
+
+  BusTable table;
+  std::vector<std::string> lines;
+  BusTable::Handlers handlers{
+      [this](const StationChannel& channel) { lines.push_back("+" + channel.channel); },
+      [this](const StationSample& sample) {
+        lines.push_back(sample.channel + "#" + std::to_string(sample.sequence));
+      },
+      [this](const StationSample& last) { lines.push_back("-" + last.channel); }};
+  Bus bus{100};
+};
+
+TEST_F(BusTableTest, SamplesHaveTheNamesOfTheCatalogue) {
+  on(bus.catalogue(2));
+  on(bus.samples({1, 0}, 1));
+  EXPECT_THAT(said(), ElementsAre("+c0", "+c1", "c1#1", "c0#1"));
+}
+
+TEST_F(BusTableTest, ValuesWaitForTheirNames) {
+  on(bus.snapshot({0, 64}, 3));
+  on(bus.samples({64}, 4));
+  EXPECT_THAT(said(), IsEmpty());
+  on(bus.catalogue(65, 64));
+  EXPECT_THAT(said(), ElementsAre("+c64", "c64#4"));
+}
+
+TEST_F(BusTableTest, WhatIsKnownAlreadyIsNotReportedAgain) {
+  on(bus.catalogue(2));
+  on(bus.samples({0, 1}, 5));
+  (void)said();
+  on(bus.snapshot({0, 1}, 5));
+  on(bus.samples({0}, 4));
+  on(bus.catalogue(2));
+  EXPECT_THAT(said(), IsEmpty());
+}
+
+TEST_F(BusTableTest, AChangedEntryIsReportedAlone) {
+  on(bus.catalogue(3));
+  (void)said();
+  idl::CatalogueBlock changed = bus.catalogue(3);
+  changed.entries()[1].refresh(7);
+  on(changed);
+  EXPECT_THAT(said(), ElementsAre("+c1"));
+}
+
+TEST_F(BusTableTest, AHoleWantsASnapshotUntilOneComes) {
+  on(bus.catalogue(1));
+  EXPECT_TRUE(table.wants_snapshot()) << "none came yet";
+  on(bus.snapshot({0}, 1));
+  EXPECT_FALSE(table.wants_snapshot());
+  on(bus.samples({0}, 2));
+  bus.lose_one();
+  on(bus.samples({0}, 4));
+  EXPECT_TRUE(table.wants_snapshot());
+  EXPECT_EQ(table.missing(), 1u);
+  on(bus.snapshot({0}, 4));
+  EXPECT_FALSE(table.wants_snapshot());
+}
+
+TEST_F(BusTableTest, AHoleThatTheSnapshotShowsIsClosedByIt) {
+  on(bus.catalogue(1));
+  on(bus.samples({0}, 1));
+  bus.lose_one();
+  on(bus.snapshot({0}, 2));
+  EXPECT_FALSE(table.wants_snapshot());
+  EXPECT_EQ(table.missing(), 1u);
+}
+
+TEST_F(BusTableTest, ABusThatStartsAnewBeginsAnew) {
+  on(bus.catalogue(1));
+  on(bus.snapshot({0}, 9));
+  (void)said();
+  Bus anew(101);
+  on(anew.catalogue(1));
+  on(anew.samples({0}, 1));
+  EXPECT_THAT(said(), ElementsAre("-c0", "+c0", "c0#1"));
+  EXPECT_TRUE(table.wants_snapshot());
+  on(bus.samples({0}, 10));
+  table.on_catalogue_gone(100, 0, handlers);
+  EXPECT_THAT(said(), IsEmpty()) << "the epoch before is over";
+}
+
+TEST_F(BusTableTest, WithItsCatalogueABusIsGoneAndMayComeBackWithALowerEpoch) {
+  on(bus.catalogue(65));
+  on(bus.catalogue(65, 64));
+  (void)said();
+  table.on_catalogue_gone(100, 64, handlers);
+  EXPECT_THAT(said(), ElementsAre("-c64"));
+  table.on_catalogue_gone(100, 0, handlers);
+  EXPECT_EQ(said().size(), 64u);
+  EXPECT_FALSE(table.is_known());
+  Bus behind(50);
+  on(behind.catalogue(1));
+  EXPECT_THAT(said(), ElementsAre("+c0"));
+}
+
+TEST_F(BusTableTest, BlocksThatDoNotFitAreRefused) {
+  idl::CatalogueBlock beyond = bus.catalogue(2);
+  beyond.channels(1);
+  on(beyond);
+  beyond.channels(4'000'000'000u);
+  on(beyond);
+  idl::SampleBlock far = bus.samples({0}, 1);
+  far.channels()[0] = 4'000'000'000u;
+  on(far);
+  far.kinds().clear();
+  on(far);
+  EXPECT_THAT(said(), IsEmpty());
+}
+
+TEST_F(BusTableTest, WhoBeginsLateIsToldWhatIsKnown) {
+  on(bus.catalogue(2));
+  on(bus.samples({1}, 1));
+  (void)said();
+  table.replay(handlers);
+  EXPECT_THAT(said(), ElementsAre("+c0", "+c1", "c1#1"));
+}
+
+}  // namespace
+}  // namespace fieldcast
