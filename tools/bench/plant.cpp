@@ -34,12 +34,12 @@ void Plant::start_simulator(const std::vector<std::string>& more) {
   simulator_ = std::make_unique<Process>("fieldcast-sim", arguments, folder_.path() + "/sim.log");
 }
 
-void Plant::start_bridge() {
+void Plant::start_bridge(const std::string& program) {
   {
     const std::lock_guard guard(lock_);
     seen_.clear();  // of the bridge before
   }
-  bridge_ = std::make_unique<Process>("fieldcast-bridge", std::vector<std::string>{config_},
+  bridge_ = std::make_unique<Process>(program, std::vector<std::string>{config_},
                                       folder_.path() + "/bridge.log");
 }
 

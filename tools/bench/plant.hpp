@@ -29,7 +29,7 @@ class Plant {
   Plant(const std::string& buses, const std::string& faults = {});
 
   void start_simulator(const std::vector<std::string>& more = {});
-  void start_bridge();
+  void start_bridge(const std::string& program = "fieldcast-bridge");
   void stop_bridge() { bridge_.reset(); }
   void stop_simulator() { simulator_.reset(); }
   void listen_to_status();  // with a station in this process
@@ -39,6 +39,7 @@ class Plant {
     return folder_.path() + '/' + bus;
   }
   [[nodiscard]] const ScratchFolder& folder() const { return folder_; }
+  [[nodiscard]] unsigned domain() const { return dds_.domain; }
   [[nodiscard]] const std::string& config() const { return config_; }
   [[nodiscard]] Process& bridge() { return *bridge_; }
   [[nodiscard]] Station& station() { return *station_; }
