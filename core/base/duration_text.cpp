@@ -8,7 +8,7 @@
 namespace fieldcast {
 namespace {
 
-constexpr Duration kLongest = std::chrono::hours{24 * 365 * 200};  // above every limit
+constexpr Duration kLongestDuration = std::chrono::hours{24 * 365 * 200};  // above every limit
 
 struct Unit {
   std::string_view name;
@@ -31,14 +31,14 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 24> kOtherUn
      {"minute", "min"}, {"minutes", "min"}, {"h", "h"},      {"hour", "h"},
      {"hours", "h"},    {"d", "d"},         {"day", "d"},    {"days", "d"}}};
 
-bool digit(char c) { return c >= '0' && c <= '9'; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 // Digits, at most one point between them.
 bool plain_decimal(std::string_view text) {
-  if (text.empty() || !digit(text.front()) || !digit(text.back())) return false;
+  if (text.empty() || !is_digit(text.front()) || !is_digit(text.back())) return false;
   bool point = false;
   for (const char c : text) {
-    if (c == '.' ? std::exchange(point, true) : !digit(c)) return false;
+    if (c == '.' ? std::exchange(point, true) : !is_digit(c)) return false;
   }
   return true;
 }
@@ -63,8 +63,8 @@ std::string with_a_unit(const std::string& number, const DurationBounds& bounds)
 std::string likely_duration(std::string_view text, const DurationBounds& bounds) {
   std::string number;
   std::size_t length = 0;
-  for (;
-       length < text.size() && (digit(text[length]) || text[length] == '.' || text[length] == ',');
+  for (; length < text.size() &&
+         (is_digit(text[length]) || text[length] == '.' || text[length] == ',');
        ++length)
     number += text[length] == ',' ? '.' : text[length];
   if (number.starts_with('.')) number.insert(0, 1, '0');
@@ -92,8 +92,9 @@ std::optional<Duration> duration_from(std::string_view text) {
     if (!plain_decimal(number)) continue;
     double value = 0;
     const auto error = std::from_chars(number.data(), number.data() + number.size(), value).ec;
-    if (error != std::errc{} || value * nanoseconds >= static_cast<double>(kLongest.count()))
-      return kLongest;
+    if (error != std::errc{} ||
+        value * nanoseconds >= static_cast<double>(kLongestDuration.count()))
+      return kLongestDuration;
     return Duration{std::llround(value * nanoseconds)};
   }
   return std::nullopt;

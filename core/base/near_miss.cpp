@@ -7,13 +7,13 @@
 namespace fieldcast {
 namespace {
 
-constexpr std::size_t kLongest = 64;
+constexpr std::size_t kLongestWord = 64;
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-// Optimal string alignment over three rows. REQUIRES: both at most kLongest long.
+// Optimal string alignment over three rows. REQUIRES: both at most kLongestWord long.
 unsigned edits(std::string_view a, std::string_view b) {
-  std::array<std::array<std::uint8_t, kLongest + 1>, 3> rows{};
+  std::array<std::array<std::uint8_t, kLongestWord + 1>, 3> rows{};
   for (std::size_t j = 0; j <= b.size(); ++j) rows[0][j] = static_cast<std::uint8_t>(j);
   for (std::size_t i = 1; i <= a.size(); ++i) {
     auto& row = rows[i % 3];
@@ -35,11 +35,11 @@ unsigned edits(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string_view near_miss(std::string_view word, std::span<const std::string_view> candidates) {
-  if (word.empty() || word.size() > kLongest) return {};
+  if (word.empty() || word.size() > kLongestWord) return {};
   std::string_view best;
   unsigned fewest = static_cast<unsigned>(std::max<std::size_t>(1, word.size() / 3)) + 1;
   for (const std::string_view candidate : candidates) {
-    if (candidate.size() > kLongest) continue;
+    if (candidate.size() > kLongestWord) continue;
     const unsigned distance = edits(word, candidate);
     if (distance < fewest) {
       fewest = distance;

@@ -9,16 +9,16 @@
 namespace fieldcast {
 namespace {
 
-constexpr std::uint64_t kTwo63 = std::uint64_t{1} << 63;
+constexpr std::uint64_t kLowestMagnitude = std::uint64_t{1} << 63;  // of the lowest int64
 constexpr std::size_t kMaxCharacters = 64;  // of a number; more are no number
 
 using Read = tl::expected<Value, Cause>;
 
-bool digit(char c) { return c >= '0' && c <= '9'; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
 // What devices fill their fields with.
 bool blank(char c) { return c == ' ' || c == '\t' || c == '\0'; }
 
-std::string_view trimmed(std::string_view text) {
+std::string_view without_padding(std::string_view text) {
   while (!text.empty() && blank(text.front())) text.remove_prefix(1);
   while (!text.empty() && blank(text.back())) text.remove_suffix(1);
   return text;
@@ -29,12 +29,13 @@ char mark_of(TextNumber::Kind kind) { return kind == TextNumber::Kind::kDecimalC
 Read whole_number(std::string_view digits, bool negative) {
   std::uint64_t magnitude = 0;
   const auto error = std::from_chars(digits.data(), digits.data() + digits.size(), magnitude).ec;
-  if (error != std::errc{} || (negative && magnitude > kTwo63))
+  if (error != std::errc{} || (negative && magnitude > kLowestMagnitude))
     return tl::unexpected(Cause::kRange);
   if (!negative)
-    return magnitude < kTwo63 ? Value{static_cast<std::int64_t>(magnitude)} : Value{magnitude};
-  return Value{magnitude == kTwo63 ? std::numeric_limits<std::int64_t>::min()
-                                   : -static_cast<std::int64_t>(magnitude)};
+    return magnitude < kLowestMagnitude ? Value{static_cast<std::int64_t>(magnitude)}
+                                        : Value{magnitude};
+  return Value{magnitude == kLowestMagnitude ? std::numeric_limits<std::int64_t>::min()
+                                             : -static_cast<std::int64_t>(magnitude)};
 }
 
 // The digits of a number without its sign: in full, or rounded to `decimals`.
@@ -83,17 +84,17 @@ std::optional<TextNumber> text_number_from_picture(std::string_view picture) {
 }
 
 tl::expected<Value, Cause> read_decimal(TextNumber::Kind kind, std::string_view characters) {
-  std::string_view text = trimmed(characters);
+  std::string_view text = without_padding(characters);
   const bool negative = text.starts_with('-');
-  if (negative || text.starts_with('+')) text = trimmed(text.substr(1));
+  if (negative || text.starts_with('+')) text = without_padding(text.substr(1));
   std::array<char, kMaxCharacters> plain{};  // as from_chars wants it: with a point
   if (text.empty() || text.size() > plain.size()) return tl::unexpected(Cause::kRange);
   std::size_t at = 0;
   bool digits = false, mark = false;
-  for (; at < text.size() && (digit(text[at]) || (text[at] == mark_of(kind) && !mark)); ++at) {
-    digits = digits || digit(text[at]);
-    mark = mark || !digit(text[at]);
-    plain[at] = digit(text[at]) ? text[at] : '.';
+  for (; at < text.size() && (is_digit(text[at]) || (text[at] == mark_of(kind) && !mark)); ++at) {
+    digits = digits || is_digit(text[at]);
+    mark = mark || !is_digit(text[at]);
+    plain[at] = is_digit(text[at]) ? text[at] : '.';
   }
   if (!digits) return tl::unexpected(Cause::kRange);
   if (at == text.size() && !mark) return whole_number(text, negative);
@@ -108,7 +109,7 @@ tl::expected<Value, Cause> read_decimal(TextNumber::Kind kind, std::string_view 
 }
 
 std::optional<std::uint64_t> read_hex(std::string_view characters) {
-  std::string_view text = trimmed(characters);
+  std::string_view text = without_padding(characters);
   if (text.starts_with("0x") || text.starts_with("0X"))
     text.remove_prefix(2);
   else if (text.ends_with('h') || text.ends_with('H'))

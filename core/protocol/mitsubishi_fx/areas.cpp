@@ -54,7 +54,7 @@ constexpr std::array kRows{
 std::vector<const DeviceRow*> rows_reached(Commands commands) {
   std::vector<const DeviceRow*> rows;
   for (const DeviceRow& row : kRows) {
-    if (row.place(commands).items != 0) rows.push_back(&row);
+    if (row.address_map(commands).items != 0) rows.push_back(&row);
   }
   return rows;
 }
@@ -70,11 +70,12 @@ std::vector<Area> areas_reached(Commands commands) {
   for (const DeviceRow* row : rows_of(commands)) {
     const bool bits = row->item_bits == 1;
     const auto in_frame = static_cast<std::uint16_t>(kMaxBytes * 8 / row->item_bits);
-    Area area{
-        .name = area_name(*row), .item_bits = row->item_bits, .items = row->place(commands).items};
+    Area area{.name = area_name(*row),
+              .item_bits = row->item_bits,
+              .items = row->address_map(commands).items};
     area.max_read = in_frame;
     area.max_write =
-        bits ? (row->place(commands).force ? 1 : 0) : in_frame;  // bits are forced one by one
+        bits ? (row->address_map(commands).force ? 1 : 0) : in_frame;  // bits are forced one by one
     area.writable = area.max_write != 0;
     area.bit_write = bits && area.writable;
     area.alignment = bits ? 8 : 1;
@@ -144,7 +145,7 @@ tl::expected<ParsedAddress, AddressFault> parse_address(Commands commands, std::
   const auto& rows = rows_of(commands);
   const auto row = std::find_if(rows.begin(), rows.end(), [&](const DeviceRow* each) {
     return is_named(*each, letters) && *which >= each->first &&
-           *which - each->first < each->place(commands).items;
+           *which - each->first < each->address_map(commands).items;
   });
   if (row == rows.end())
     return fault(quoted(at) + " does not exist" +

@@ -13,8 +13,8 @@ namespace fieldcast::mitsubishi_fx {
 // have an address map of their own.
 enum class Commands : std::uint8_t { kClassic, kExtended };
 
-// Where one class of devices lies in one address map.
-struct Place {
+// One class of devices in one address map.
+struct AddressMap {
   std::uint32_t items = 0;             // 0: not reached
   std::uint32_t base = 0;              // byte address of item 0
   std::optional<std::uint32_t> force;  // bit address of item 0 for forcing
@@ -26,13 +26,14 @@ struct DeviceRow {
   unsigned item_bits = 16;  // 1, 16 or 32
   std::uint32_t first = 0;  // number of item 0: 8000 for special registers, 200 for 32-bit counters
   bool octal = false;       // X and Y
-  Place classic, extended;
-  [[nodiscard]] const Place& place(Commands commands) const {
+  AddressMap classic, extended;
+  [[nodiscard]] const AddressMap& address_map(Commands commands) const {
     return commands == Commands::kClassic ? classic : extended;
   }
 };
 
 inline constexpr std::uint32_t kMaxBytes = 64;  // in one frame
+inline constexpr std::uint8_t kStx = 0x02, kEtx = 0x03, kEnq = 0x05, kAck = 0x06, kNak = 0x15;
 
 // The areas of one address map, in the order of Protocol::areas().
 [[nodiscard]] const std::vector<const DeviceRow*>& rows_of(Commands commands);

@@ -11,8 +11,6 @@
 namespace fieldcast::mitsubishi_fx {
 namespace {
 
-constexpr std::uint8_t kStx = 0x02, kEtx = 0x03, kEnq = 0x05, kAck = 0x06, kNak = 0x15;
-
 struct CommandRow {
   std::string_view spelling;
   std::string_view text;

@@ -24,7 +24,6 @@
 namespace fieldcast::mitsubishi_fx {
 namespace {
 
-constexpr std::uint8_t kStx = 0x02, kEtx = 0x03, kAck = 0x06, kNak = 0x15;
 constexpr std::size_t kEnvelope = 4;       // STX, ETX, sum
 constexpr std::size_t kMaxReceived = 600;  // four of the largest answers
 
@@ -99,7 +98,7 @@ class FxRead final : public Exchange {
         row_.item_bits == 1 ? range_.first / 8 : range_.first * (row_.item_bits / 8);
     out.push_back(kStx);
     append_text(out, is_extended(commands_) ? "E00" : "0");
-    append_digits(out, row_.place(commands_).base + offset, 4);
+    append_digits(out, row_.address_map(commands_).base + offset, 4);
     append_digits(out, bytes_, 2);
     append_end(out);
     return Step::send(static_cast<std::uint32_t>(frame_size()));
@@ -180,18 +179,18 @@ class FxWrite final : public Exchange {
  public:
   FxWrite(Commands commands, const WriteRequest& write) {
     const DeviceRow& row = row_of(commands, write.range);
-    const Place& place = row.place(commands);
+    const AddressMap& map = row.address_map(commands);
     request_.push_back(kStx);
     if (is_extended(commands)) request_.push_back('E');
     if (row.item_bits == 1) {
       append_text(request_, write.items[0] != 0 ? "7" : "8");
-      const std::uint32_t address = *place.force + write.range.first;
+      const std::uint32_t address = *map.force + write.range.first;
       append_digits(request_, address & 0xFF, 2);
       append_digits(request_, address >> 8, 2);
     } else {
       const std::size_t each = row.item_bits / 8;
       append_text(request_, is_extended(commands) ? "10" : "1");
-      append_digits(request_, place.base + write.range.first * static_cast<std::uint32_t>(each), 4);
+      append_digits(request_, map.base + write.range.first * static_cast<std::uint32_t>(each), 4);
       append_digits(request_, static_cast<std::uint32_t>(write.items.size()), 2);
       append_hex_bytes(request_, turned(write.items, each));
     }

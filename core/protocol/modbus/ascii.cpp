@@ -14,7 +14,7 @@ constexpr std::uint8_t kColon = ':';
 constexpr std::uint8_t kCr = '\r';
 constexpr std::uint8_t kLf = '\n';
 
-std::size_t frame_size(std::size_t pdu_size) { return kMarks + 2 * (pdu_size + 2); }
+std::size_t ascii_size(std::size_t pdu_size) { return kMarks + 2 * (pdu_size + 2); }
 
 void append_hex(Bytes& out, std::uint8_t byte) {
   static constexpr char kDigits[] = "0123456789ABCDEF";
@@ -22,7 +22,7 @@ void append_hex(Bytes& out, std::uint8_t byte) {
   out.push_back(static_cast<std::uint8_t>(kDigits[byte & 15]));
 }
 
-void wrap(const Header& header, ByteView pdu, Bytes& out) {
+void wrap_ascii(const Header& header, ByteView pdu, Bytes& out) {
   out.push_back(kColon);
   append_hex(out, header.unit);
   for (const std::uint8_t byte : pdu) append_hex(out, byte);
@@ -31,30 +31,22 @@ void wrap(const Header& header, ByteView pdu, Bytes& out) {
   out.push_back(kLf);
 }
 
-// Lower case is no digit of the standard, but devices that send it mean what they say.
-int digit(std::uint8_t c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  return -1;
-}
-
 // The bytes that pairs of digits spell, into the scratch; an odd last digit is left out. Nothing
 // for any other character.
 std::optional<ByteView> spelt(ByteView digits, Scratch& scratch) {
   const std::size_t count = std::min(digits.size() / 2, scratch.size());
   for (std::size_t i = 0; i < count; ++i) {
-    const int high = digit(digits[2 * i]);
-    const int low = digit(digits[2 * i + 1]);
+    const int high = ascii_digit(digits[2 * i]);
+    const int low = ascii_digit(digits[2 * i + 1]);
     if (high < 0 || low < 0) return std::nullopt;
     scratch[i] = static_cast<std::uint8_t>(high << 4 | low);
   }
   return ByteView(scratch).first(count);
 }
 
-class Search {
+class AsciiSearch {
  public:
-  Search(ByteView all, const Header& header, const RequestPdu& request, Scratch& scratch)
+  AsciiSearch(ByteView all, const Header& header, const RequestPdu& request, Scratch& scratch)
       : all_(all), unit_(header.unit), request_(request), scratch_(scratch) {}
 
   ParseResult run() {
@@ -110,7 +102,7 @@ class Search {
   void begin(ByteView bytes, std::size_t came) {
     const bool exception = bytes.size() > 1 && (bytes[1] & kExceptionFlag) != 0;
     const std::size_t length =
-        frame_size(exception ? 2 : request_.answer_size()) - 1;  // behind the colon
+        ascii_size(exception ? 2 : request_.answer_size()) - 1;  // behind the colon
     result_.kind = ParseResult::Kind::kBegun;
     result_.missing = static_cast<std::uint32_t>(came < length ? length - came : 1);
     truncated_ = true;
@@ -138,14 +130,15 @@ class Search {
   bool truncated_ = false, mismatch_ = false, foreign_ = false, broken_ = false, noise_ = false;
 };
 
-ParseResult find(ByteView all, const Header& header, const RequestPdu& request, Scratch& scratch) {
-  return Search(all, header, request, scratch).run();
+ParseResult find_in_ascii(ByteView all, const Header& header, const RequestPdu& request,
+                          Scratch& scratch) {
+  return AsciiSearch(all, header, request, scratch).run();
 }
 
 }  // namespace
 
 const Framing& ascii_framing() {
-  static constexpr Framing framing{frame_size, wrap, find};
+  static constexpr Framing framing{ascii_size, wrap_ascii, find_in_ascii};
   return framing;
 }
 

@@ -11,7 +11,6 @@ namespace fieldcast::modbus {
 namespace {
 
 constexpr std::size_t kMaxExplained = 4096;  // bytes; the rest is remarked
-constexpr std::size_t kMaxFrame = 256;
 
 std::string surplus_text(std::size_t count) {
   return std::to_string(count) + " bytes behind the frame";
@@ -21,7 +20,7 @@ Bytes crc_bytes(ByteView bytes) {
   const std::uint16_t crc = crc16_modbus(bytes);
   return {static_cast<std::uint8_t>(crc), static_cast<std::uint8_t>(crc >> 8)};
 }
-bool crc_is_right(ByteView frame) {
+bool has_right_crc(ByteView frame) {
   return frame.size() >= 4 &&
          std::ranges::equal(crc_bytes(frame.first(frame.size() - 2)), frame.last(2));
 }
@@ -29,28 +28,21 @@ bool crc_is_right(ByteView frame) {
 // How long the first frame is: the whole, or as long as its fields say when a right CRC confirms
 // it.
 std::size_t first_frame(ByteView bytes) {
-  if (crc_is_right(bytes) && bytes.size() <= kMaxFrame) return bytes.size();
+  if (has_right_crc(bytes) && bytes.size() <= kMaxRtuFrame) return bytes.size();
   if (bytes.size() < 2) return bytes.size();
   for (const std::size_t pdu :
        {answer_pdu_size(bytes.subspan(1)), request_pdu_size(bytes.subspan(1))}) {
-    if (pdu != 0 && pdu + 3 <= bytes.size() && crc_is_right(bytes.first(pdu + 3))) return pdu + 3;
+    if (pdu != 0 && pdu + 3 <= bytes.size() && has_right_crc(bytes.first(pdu + 3))) return pdu + 3;
   }
   return bytes.size();
 }
 
-int digit(std::uint8_t c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  return -1;
-}
-
 // The bytes that the digits spell, up to the first pair that spells none.
-Bytes spelt(ByteView digits) {
+Bytes bytes_of_digits(ByteView digits) {
   Bytes bytes;
   for (std::size_t i = 0; i + 1 < digits.size(); i += 2) {
-    const int high = digit(digits[i]);
-    const int low = digit(digits[i + 1]);
+    const int high = ascii_digit(digits[i]);
+    const int low = ascii_digit(digits[i + 1]);
     if (high < 0 || low < 0) break;
     bytes.push_back(static_cast<std::uint8_t>(high << 4 | low));
   }
@@ -78,7 +70,8 @@ std::vector<FrameField> explain_rtu(ByteView frame) {
   const bool good = std::ranges::equal(crc, right);
   writer.add(length - 2, 2, "CRC", to_hex(crc, '\0'),
              good ? "" : "CRC is " + to_hex(crc, '\0') + ", should be " + to_hex(right, '\0'));
-  if (length > kMaxFrame) writer.remark(std::to_string(length) + " bytes", "longer than 256 bytes");
+  if (length > kMaxRtuFrame)
+    writer.remark(std::to_string(length) + " bytes", "longer than 256 bytes");
   if (length < frame.size())
     writer.add(length, frame.size() - length, "surplus", to_hex(frame.subspan(length)),
                surplus_text(frame.size() - length));
@@ -98,7 +91,7 @@ std::vector<FrameField> explain_ascii(ByteView frame) {
   const auto start = static_cast<std::size_t>(colon - frame.begin());  // behind the colon
   if (start > 1) writer.add(0, start - 1, "ignored", to_hex(frame.first(start - 1)));
   const ByteView digits(colon, cr);
-  const Bytes bytes = spelt(digits);
+  const Bytes bytes = bytes_of_digits(digits);
   if (bytes.size() * 2 != digits.size()) {
     const std::size_t at = bytes.size() * 2;
     writer.add(start + at, digits.size() - at, "digits", to_hex(digits.subspan(at)),

@@ -41,6 +41,17 @@ struct ParseResult {
   ByteView fallback;
 };
 
+// Bytes of the largest RTU frame.
+inline constexpr std::size_t kMaxRtuFrame = 256;
+
+// The value of 0-9, A-F or a-f; -1 for any other character. Lower case is no digit of the standard,
+// but devices that send it mean what they say.
+[[nodiscard]] constexpr int ascii_digit(std::uint8_t c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
+}
+
 // Room for a decoded frame: unit, PDU, LRC.
 using Scratch = std::array<std::uint8_t, 256>;
 

@@ -9,15 +9,14 @@ namespace fieldcast::modbus {
 namespace {
 
 constexpr std::size_t kOverhead = 3;  // unit, CRC
-constexpr std::size_t kMaxFrame = 256;
 constexpr std::uint8_t kHighestUnit = 247;
 // A wait for the rest of something that may be noise. Each byte that comes renews it, so it need
 // not cover the whole rest.
 constexpr std::size_t kDoubtfulWait = 8;
 
-std::size_t frame_size(std::size_t pdu_size) { return pdu_size + kOverhead; }
+std::size_t rtu_size(std::size_t pdu_size) { return pdu_size + kOverhead; }
 
-void wrap(const Header& header, ByteView pdu, Bytes& out) {
+void wrap_rtu(const Header& header, ByteView pdu, Bytes& out) {
   const std::size_t start = out.size();
   out.push_back(header.unit);
   append(out, pdu);
@@ -34,13 +33,13 @@ bool crc_is_right(ByteView frame) {
 // A spurious character of an RS-485 driver that changes its direction.
 bool is_turnaround(std::uint8_t byte) { return byte == 0x00 || byte == 0xFF; }
 
-class Search {
+class RtuSearch {
  public:
-  Search(ByteView all, const Header& header, const RequestPdu& request)
+  RtuSearch(ByteView all, const Header& header, const RequestPdu& request)
       : all_(all),
         unit_(header.unit),
         request_(request),
-        expected_(frame_size(request.answer_size())) {}
+        expected_(rtu_size(request.answer_size())) {}
 
   ParseResult run() {
     while (at_ < all_.size() && result_.pdu.empty() && result_.fallback.empty()) examine();
@@ -81,8 +80,8 @@ class Search {
     const bool exception = bytes.size() > 1 && (bytes[1] & kExceptionFlag) != 0;
     if (mine && bytes.size() < 3 && !exception) return expected_;
     const std::size_t pdu_size = answer_pdu_size(bytes.subspan(1));
-    const std::size_t length = frame_size(pdu_size);
-    return pdu_size == 0 || length > kMaxFrame ? 0 : length;
+    const std::size_t length = rtu_size(pdu_size);
+    return pdu_size == 0 || length > kMaxRtuFrame ? 0 : length;
   }
 
   void whole(ByteView frame, bool mine) {
@@ -162,14 +161,14 @@ class Search {
   bool broken_ = false;
 };
 
-ParseResult find(ByteView all, const Header& header, const RequestPdu& request, Scratch&) {
-  return Search(all, header, request).run();
+ParseResult find_in_rtu(ByteView all, const Header& header, const RequestPdu& request, Scratch&) {
+  return RtuSearch(all, header, request).run();
 }
 
 }  // namespace
 
 const Framing& rtu_framing() {
-  static constexpr Framing framing{frame_size, wrap, find};
+  static constexpr Framing framing{rtu_size, wrap_rtu, find_in_rtu};
   return framing;
 }
 

@@ -10,9 +10,9 @@ constexpr std::size_t kCounted = 6;    // what stands before the bytes that `len
 constexpr std::size_t kMinLength = 2;  // unit and a function
 constexpr std::size_t kMaxLength = 254;
 
-std::size_t frame_size(std::size_t pdu_size) { return kHeader + pdu_size; }
+std::size_t tcp_size(std::size_t pdu_size) { return kHeader + pdu_size; }
 
-void wrap(const Header& header, ByteView pdu, Bytes& out) {
+void wrap_tcp(const Header& header, ByteView pdu, Bytes& out) {
   append_u16(out, header.transaction);
   append_u16(out, 0);
   append_u16(out, static_cast<std::uint16_t>(pdu.size() + 1));
@@ -30,7 +30,7 @@ bool is_hopeless(ByteView frame) {
   return length < kMinLength || length > kMaxLength;
 }
 
-ParseResult find(ByteView all, const Header& header, const RequestPdu& request, Scratch&) {
+ParseResult find_in_tcp(ByteView all, const Header& header, const RequestPdu& request, Scratch&) {
   ParseResult result;
   while (!all.empty()) {
     if (is_hopeless(all)) return {.kind = ParseResult::Kind::kHopeless, .cause = Cause::kMalformed};
@@ -61,7 +61,7 @@ ParseResult find(ByteView all, const Header& header, const RequestPdu& request, 
 }  // namespace
 
 const Framing& tcp_framing() {
-  static constexpr Framing framing{frame_size, wrap, find};
+  static constexpr Framing framing{tcp_size, wrap_tcp, find_in_tcp};
   return framing;
 }
 

@@ -37,7 +37,7 @@ std::uint32_t frames_for(std::uint32_t digits, std::uint32_t first, std::uint32_
 }
 
 // EM's bank and the first word.
-void append_place(Bytes& out, const Range& range) {
+void append_first(Bytes& out, const Range& range) {
   const AreaRow& row = row_of(range);
   std::uint32_t first = range.first + row.c_offset;
   if (is_extended(row)) {
@@ -46,7 +46,7 @@ void append_place(Bytes& out, const Range& range) {
   }
   append_digits(out, first, 4, 10);
 }
-std::uint32_t place_size(const Range& range) { return is_extended(row_of(range)) ? 6 : 4; }
+std::uint32_t first_size(const Range& range) { return is_extended(row_of(range)) ? 6 : 4; }
 
 // What the two kinds of exchange share: the answer's first frame, and giving up in the middle of a
 // transfer.
@@ -147,7 +147,7 @@ class CModeRead final : public CModeExchange {
 
   Step start(Bytes& out) override {
     append_head(out, unit_, header_);
-    append_place(out, range_);
+    append_first(out, range_);
     append_digits(out, range_.count, 4, 10);
     append_end(out, 0, true);
     return Step::send(static_cast<std::uint32_t>(kHeadSize + kEndCodeSize) +
@@ -229,7 +229,7 @@ class CModeWrite final : public CModeExchange {
 
   Step start(Bytes& out) override {
     append_head(out, unit_, header_);
-    append_place(out, range_);
+    append_first(out, range_);
     return send_next(kWriteFirst, 0, out);
   }
 
@@ -271,7 +271,7 @@ ExchangeSize read_size(const Range& range) {
   const std::uint32_t frames =
       frames_for(digits, flags ? kFlagsFirst : kReadFirst, flags ? kFlagsLater : kReadLater);
   return {.request_characters =
-              static_cast<std::uint32_t>(kHeadSize) + place_size(range) + 4 + 4 + (frames - 1),
+              static_cast<std::uint32_t>(kHeadSize) + first_size(range) + 4 + 4 + (frames - 1),
           .answer_characters =
               static_cast<std::uint32_t>(kHeadSize + kEndCodeSize) + digits + 3 * frames + 1,
           .rounds = frames};
@@ -281,7 +281,7 @@ ExchangeSize write_size(const Range& range) {
   const std::uint32_t digits = digits_of(range);
   const std::uint32_t frames = frames_for(digits, kWriteFirst, kWriteLater);
   return {.request_characters =
-              static_cast<std::uint32_t>(kHeadSize) + place_size(range) + digits + 3 * frames + 1,
+              static_cast<std::uint32_t>(kHeadSize) + first_size(range) + digits + 3 * frames + 1,
           .answer_characters = 11 + (frames - 1),
           .rounds = frames};
 }

@@ -11,7 +11,7 @@
 namespace fieldcast::omron {
 namespace {
 
-constexpr std::size_t kMaxReceived = 4096;  // three of the largest frames
+constexpr std::size_t kMaxFinsReceived = 4096;  // three of the largest frames
 constexpr std::uint16_t kRead = 0x0101, kWrite = 0x0102, kReadMany = 0x0104;
 constexpr std::size_t kDirectHeader = 4, kRelayedHeader = 10;  // bytes up to and with SID
 constexpr std::size_t kCommandSize = 2, kEndSize = 2, kItemSize = 4, kCountSize = 2;
@@ -21,11 +21,11 @@ constexpr std::uint8_t kGatewayCount = 0x02;
 constexpr std::size_t kRequestFrame = kHeadSize + 1 + kFcsSize + 2;
 constexpr std::size_t kAnswerFrame = kHeadSize + kEndCodeSize + kFcsSize + 2;
 
-const AreaRow& row_of(const Range& range) { return *rows_of(Mode::kFins)[range.area]; }
+const AreaRow& fins_row(const Range& range) { return *rows_of(Mode::kFins)[range.area]; }
 std::size_t header_size(const FinsRoute& route) {
   return route.relayed ? kRelayedHeader : kDirectHeader;
 }
-std::size_t item_bytes(const Range& range) { return row_of(range).flags ? 1 : 2; }
+std::size_t item_bytes(const Range& range) { return fins_row(range).flags ? 1 : 2; }
 
 bool fits(const Range& range, bool write) {
   const auto& areas = areas_of(Mode::kFins);
@@ -34,11 +34,12 @@ bool fits(const Range& range, bool write) {
   if (range.count == 0 || range.count > (write ? area.max_write : area.max_read)) return false;
   if (range.first >= area.items || range.count > area.items - range.first) return false;
   // Each bank of EM has an area code of its own.
-  return !is_extended(row_of(range)) || range.first / kBankWords == (range.end() - 1) / kBankWords;
+  return !is_extended(fins_row(range)) ||
+         range.first / kBankWords == (range.end() - 1) / kBankWords;
 }
 
-void append_place(Bytes& out, const Range& range, std::optional<std::uint8_t> bit = {}) {
-  const AreaRow& row = row_of(range);
+void append_address(Bytes& out, const Range& range, std::optional<std::uint8_t> bit = {}) {
+  const AreaRow& row = fins_row(range);
   std::uint32_t first = range.first + row.fins_offset;
   std::uint8_t code = bit || row.flags ? row.bit_code : row.word_code;
   if (is_extended(row)) {
@@ -78,7 +79,8 @@ std::optional<Sizes> sizes_of(const ReadRequest& read) {
 std::optional<Sizes> sizes_of(const WriteRequest& write) {
   if (!fits(write.range, true) || write.items.size() != image_bytes(16, write.range.count))
     return std::nullopt;
-  if (write.bit && (write.range.count != 1 || *write.bit > 15 || row_of(write.range).bit_code == 0))
+  if (write.bit &&
+      (write.range.count != 1 || *write.bit > 15 || fins_row(write.range).bit_code == 0))
     return std::nullopt;
   return Sizes{kCommandSize + kItemSize + kCountSize + (write.bit ? 1 : write.items.size()), 0};
 }
@@ -113,7 +115,7 @@ class FinsExchange final : public Exchange {
   }
 
   Step on_bytes(ByteView all, Bytes&) override {
-    if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
+    if (all.size() > kMaxFinsReceived) return Step::failed(Cause::kOverlong);
     silence_ = std::any_of(all.begin(), all.end(), [](auto c) { return c != 0x00 && c != 0xFF; })
                    ? Cause::kMalformed
                    : Cause::kNoAnswer;
@@ -156,20 +158,20 @@ class FinsExchange final : public Exchange {
   void append_read() {
     if (ranges_.size() == 1) {
       append_u16(message_, kRead);
-      append_place(message_, ranges_[0]);
+      append_address(message_, ranges_[0]);
       append_u16(message_, static_cast<std::uint16_t>(ranges_[0].count));
       return;
     }
     append_u16(message_, kReadMany);
     for (const Range& range : ranges_) {
       for (std::uint32_t i = 0; i < range.count; ++i)
-        append_place(message_, {range.area, range.first + i, 1});
+        append_address(message_, {range.area, range.first + i, 1});
     }
   }
 
   void append_write(const WriteRequest& write) {
     append_u16(message_, kWrite);
-    append_place(message_, write.range, write.bit);
+    append_address(message_, write.range, write.bit);
     append_u16(message_, static_cast<std::uint16_t>(write.range.count));
     if (write.bit)
       message_.push_back((read_u16(write.items) >> *write.bit & 1) != 0 ? 1 : 0);
@@ -229,7 +231,7 @@ class FinsExchange final : public Exchange {
 
   Step unpack(ByteView data) {
     RangeReply reply{.items = Bytes(data.begin(), data.end())};
-    if (!ranges_.empty() && row_of(ranges_[0]).flags && !are_bits(reply.items))
+    if (!ranges_.empty() && fins_row(ranges_[0]).flags && !are_bits(reply.items))
       return Step::need_answer();
     reply_.push_back(std::move(reply));
     return Step::done();
@@ -247,7 +249,7 @@ class FinsExchange final : public Exchange {
         data = data.subspan(1 + size);
         asked = asked.subspan(kItemSize);
       }
-      if (row_of(ranges_[r]).flags && !are_bits(reply[r].items)) return Step::need_answer();
+      if (fins_row(ranges_[r]).flags && !are_bits(reply[r].items)) return Step::need_answer();
     }
     reply_ = std::move(reply);
     return Step::done();

@@ -10,8 +10,6 @@
 namespace fieldcast::s7_freeport {
 namespace {
 
-constexpr std::size_t kRequest = 17, kAnswer = 12, kRefusal = 7;
-
 std::string_view refusal_text(std::uint32_t code) {
   const auto text = device_code_text(kRefusals, static_cast<std::uint16_t>(code));
   return text.empty() ? "no such code" : text;

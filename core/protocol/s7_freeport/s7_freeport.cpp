@@ -22,10 +22,10 @@
 namespace fieldcast::s7_freeport {
 namespace {
 
-constexpr std::uint32_t kBytes = 4, kUnknownCommand =
-                                        4;  // of a window; refusal codes below: garbled by the line
-constexpr std::size_t kRequest = 17, kAnswer = 12, kRefusal = 7,
-                      kMaxReceived = 512;  // characters; more is a babbling line
+constexpr std::uint32_t kBytes = 4;  // of a window
+// A refusal code. Those below it say that the line garbled the request.
+constexpr std::uint32_t kUnknownCommand = 4;
+constexpr std::size_t kMaxReceived = 512;  // characters; more is a babbling line
 constexpr std::array kAreas{Area{.name = "window",
                                  .item_bits = 8,
                                  .items = kBytes,

@@ -8,6 +8,9 @@
 
 namespace fieldcast::s7_freeport {
 
+// Characters of each frame.
+inline constexpr std::size_t kRequest = 17, kAnswer = 12, kRefusal = 7;
+
 // Codes of its refusals.
 inline constexpr std::array kRefusals{
     DeviceCode{1, "wrong check"},
