@@ -46,8 +46,8 @@ class Search {
     while (at_ < all_.size() && !found) look_here();
     if (found) return;
     if (noise_ >= expected_ || broken_)
-      begun =
-          true;  // an answer's worth of broken bytes: the right one follows at once, or not at all
+      // An answer's worth of broken bytes: the right one follows at once, or not at all.
+      begun = true;
   }
 
   std::optional<MatchResult> found;

@@ -27,8 +27,8 @@ class DeclaredExchange final : public Exchange {
   const std::size_t most_;  // characters that are looked at; more is a babbling line
   Reply reply_;
   Cause silence_ = Cause::kNoAnswer;
-  std::optional<Step> fallback_;  // what silence makes of the bytes: an answer behind what looked
-                                  // like another frame
+  // What silence makes of the bytes: an answer behind what looked like another frame.
+  std::optional<Step> fallback_;
 };
 
 }  // namespace fieldcast::declared

@@ -190,8 +190,8 @@ class DtcProtocol final : public Protocol {
 };
 
 constexpr std::array<std::string_view, 3> kOptions{"codec-ns-per-byte", "max-message", "threshold"};
-constexpr std::uint32_t kCodecNs =
-    1000;  // both ends together: a 32-bit controller of 100 MHz as the device
+// Both ends together: a 32-bit controller of 100 MHz as the device.
+constexpr std::uint32_t kCodecNs = 1000;
 
 tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link) {
   OptionReader reader(link, kTraits, kOptions);

@@ -24,8 +24,8 @@ void append_packet(Bytes& out, ByteView message, std::size_t threshold);
 struct Seen {
   enum class Kind : std::uint8_t { kNoise, kOpen, kWhole };
   Kind kind = Kind::kNoise;
-  std::size_t size =
-      1;  // kWhole: of the packet. kOpen: of the packet, as far as is known. kNoise: to move on by
+  // kWhole: of the packet. kOpen: of the packet, as far as is known. kNoise: to move on by.
+  std::size_t size = 1;
   bool compressed = false;   // kWhole, and so the rest
   std::size_t original = 0;  // bytes of the message
   ByteView content;          // the message, or the codes of its LZW

@@ -6,6 +6,7 @@
 #include "core/codec/checksum.hpp"
 #include "core/codec/digits.hpp"
 #include "core/protocol/field_writer.hpp"
+#include "core/protocol/mitsubishi_fx/areas.hpp"
 #include "core/protocol/mitsubishi_fx/mitsubishi_fx.hpp"
 
 namespace fieldcast::mitsubishi_fx {

@@ -93,16 +93,15 @@ class AsciiSearch {
       return;
     }
     (verdict == Verdict::kMismatch ? mismatch_ : foreign_) = true;
-    result_.kind =
-        ParseResult::Kind::kNothing;  // whatever was broken before, the line speaks clearly
-                                      // now: the wait goes on
+    // Whatever was broken before, the line speaks clearly now: the wait goes on.
+    result_.kind = ParseResult::Kind::kNothing;
     result_.missing = 0;
   }
 
   void begin(ByteView bytes, std::size_t came) {
     const bool exception = bytes.size() > 1 && (bytes[1] & kExceptionFlag) != 0;
-    const std::size_t length =
-        ascii_size(exception ? 2 : request_.answer_size()) - 1;  // behind the colon
+    // Characters behind the colon.
+    const std::size_t length = ascii_size(exception ? 2 : request_.answer_size()) - 1;
     result_.kind = ParseResult::Kind::kBegun;
     result_.missing = static_cast<std::uint32_t>(came < length ? length - came : 1);
     truncated_ = true;

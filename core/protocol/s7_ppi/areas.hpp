@@ -38,8 +38,8 @@ inline constexpr std::array<Area, kAreaCount> kAreas{{
      .max_read = 32,
      .max_write = 32,
      .bit_write = true},
-    {.name = "I", .item_bits = 8, .items = 16, .max_read = 16, .max_write = 0},  // written by
-                                                                                 // forcing only
+    // Written by forcing only.
+    {.name = "I", .item_bits = 8, .items = 16, .max_read = 16, .max_write = 0},
     {.name = "Q",
      .item_bits = 8,
      .items = 16,
