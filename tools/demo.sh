@@ -49,13 +49,11 @@ trap 'exit 130' INT
 trap 'exit 143' TERM HUP
 
 if [ -z "$bin" ]; then
-  tools/install.sh
-  echo "building .." >&2
-  log=$(mktemp)
-  { { [ -f build/CMakeCache.txt ] || cmake -S . -B build -G Ninja; } &&
-    cmake --build build --parallel "$(nproc)" --target fieldcast fieldcast-bridge fieldcast-sim; } >"$log" 2>&1 ||
-    { tail -40 "$log" >&2; rm -f "$log"; fail "the build failed, see above"; }
-  rm -f "$log"
+  tools/install.sh build
+  # What a folder was configured for stays: tests that are there go on being built by tools/test.sh.
+  parts=()
+  [ -f build/CMakeCache.txt ] || parts=(-DFIELDCAST_TESTS=OFF -DFIELDCAST_BENCHES=OFF)
+  tools/build.sh "${parts[@]}" fieldcast fieldcast-bridge fieldcast-sim >&2 || fail "the build failed, see above"
   bin=$PWD/build/bin
 fi
 

@@ -1,22 +1,34 @@
 #!/usr/bin/env bash
-# Installs what the build, the tests and the demo need on Debian 12. Quiet, offline and quick when nothing is missing.
-# Works as root or with sudo.
+# Installs Debian 12's packages that are missing, and shows how far it is. Quiet, offline and quick when nothing is missing.
+#
+#   tools/install.sh [build | test | ci]
+#
+# build: what the programs and the demo need. test (where nothing is said): that, and what the tests need. ci: that, and the
+# checkers of .ci/run. Works as root or with sudo.
 set -euo pipefail
 
-packages=(
-  # the build
-  build-essential g++ cmake ninja-build ccache
+build=(
+  g++ cmake ninja-build ccache pkg-config
   # DDS and its code generator, which needs a Java that its package does not name
   libfastrtps-dev libfastcdr-dev fastddsgen openjdk-17-jre-headless
-  # libraries
-  libboost-dev libspdlog-dev libyaml-cpp-dev libcli11-dev libexpected-dev libsqlite3-dev libssl-dev openssl libpq-dev libsodium-dev pkg-config nlohmann-json3-dev
-  # tests and benches
-  libgtest-dev libgmock-dev libbenchmark-dev binutils clang-format python3
+  libboost-dev libspdlog-dev libyaml-cpp-dev libcli11-dev libexpected-dev libsqlite3-dev libssl-dev libpq-dev libsodium-dev
+  nlohmann-json3-dev
+)
+test=(
+  libgtest-dev libgmock-dev binutils clang-format python3 openssl
   # devices, masters and a DDS that others wrote, to test against
   libmodbus-dev python3-pymodbus python3-serial python3-serial-asyncio mbpoll socat cyclonedds-dev cyclonedds-tools
 )
+ci=(clang-tidy codespell git)
 
 fail() { echo "tools/install.sh: $*" >&2; exit 1; }
+
+case "${1:-test}" in
+  build) packages=("${build[@]}") ;;
+  test) packages=("${build[@]}" "${test[@]}") ;;
+  ci) packages=("${build[@]}" "${test[@]}" "${ci[@]}") ;;
+  *) sed -n '2,7s/^# \{0,1\}//p' "$0" >&2; exit 1 ;;
+esac
 
 command -v dpkg-query >/dev/null || fail "this is no Debian; install by hand: ${packages[*]}"
 
@@ -33,12 +45,33 @@ if [ "$(id -u)" -ne 0 ]; then
   as_root=(sudo)
 fi
 
-echo "tools/install.sh: installing ${missing[*]}"
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
-apt_get() {
-  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -y -qq -o Dpkg::Use-Pty=0 "$@" >"$log" 2>&1 ||
-    { cat "$log" >&2; fail "'apt-get $*' failed, see above"; }
+terminal=no
+[ ! -t 2 ] || terminal=yes
+
+# apt's status lines (dlstatus:.. while it loads, pmstatus:.. while it installs) as per cent: in one line of a terminal, else one
+# line for each tenth. Everything else goes to the log.
+show_progress() {
+  awk -F: -v log_file="$log" -v terminal="$terminal" '
+    $1 != "dlstatus" && $1 != "pmstatus" { print >log_file; next }
+    { phase = $1 == "dlstatus" ? "load" : "install"
+      tenth = phase int($3 / 10)
+      if (terminal == "yes") printf "\r\033[K  %s %3d %%  %s", phase, $3, substr($4, 1, 50) >"/dev/stderr"
+      else if (tenth != told) printf "  %s %d %%\n", phase, $3 >"/dev/stderr"
+      told = tenth }
+    END { if (terminal == "yes" && told != "") printf "\r\033[K" >"/dev/stderr" }'
 }
+
+apt_get() {
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -y -qq -o Dpkg::Use-Pty=0 -o APT::Status-Fd=1 "$@" 2>&1 |
+    show_progress || { cat "$log" >&2; fail "'apt-get $*' failed, see above"; }
+}
+
+echo "tools/install.sh: installing ${missing[*]}" >&2
 apt_get update
+# Two lines of apt say how much it is; it changes nothing here.
+"${as_root[@]}" env LC_ALL=C apt-get --assume-no --no-install-recommends install "${missing[@]}" 2>/dev/null |
+  sed -n -E 's/^(Need to get|After this operation)/  \1/p' >&2 || true
+echo "  one to three minutes, as fast as the network and the disk are" >&2
 apt_get install --no-install-recommends "${missing[@]}"

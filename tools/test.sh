@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds everything with warnings as errors, runs every test.
+# Installs what is missing, builds everything, runs every test.
 #
 #   tools/test.sh [--asan | --tsan] [ctest arguments, for instance -R Planner]
 #
@@ -7,20 +7,14 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-build=build
-options=(-DFIELDCAST_ASAN=OFF -DFIELDCAST_TSAN=OFF)
+folder=build
+options=(-DFIELDCAST_TESTS=ON -DFIELDCAST_BENCHES=ON)
 case "${1:-}" in
-  --asan) build='build-asan'; options=(-DFIELDCAST_ASAN=ON -DFIELDCAST_TSAN=OFF); shift ;;
-  --tsan) build='build-tsan'; options=(-DFIELDCAST_ASAN=OFF -DFIELDCAST_TSAN=ON); shift ;;
+  --asan) folder=build-asan; options+=(-DFIELDCAST_ASAN=ON); shift ;;
+  --tsan) folder=build-tsan; options+=(-DFIELDCAST_TSAN=ON); shift ;;
   -h | --help) sed -n '2,6s/^# \{0,1\}//p' "$0"; exit 0 ;;
 esac
 
-tools/install.sh
-log=$(mktemp)
-trap 'rm -f "$log"' EXIT
-generator=(-G Ninja)
-[ ! -f "$build/CMakeCache.txt" ] || generator=()  # a folder that exists keeps its generator
-cmake -S . -B "$build" "${generator[@]}" -DFIELDCAST_WERROR=ON -DFIELDCAST_TESTS=ON "${options[@]}" >"$log" 2>&1 ||
-  { cat "$log" >&2; exit 1; }
-cmake --build "$build" --parallel "$(nproc)"
-ctest --test-dir "$build" --output-on-failure --no-tests=error -j2 "$@"
+tools/install.sh test
+tools/build.sh --folder "$folder" "${options[@]}"
+ctest --test-dir "$folder" --output-on-failure --no-tests=error -j2 "$@"

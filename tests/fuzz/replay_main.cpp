@@ -1,18 +1,24 @@
-// Runs a fuzz target over the files of the folders given, and over FUZZ_MUTATIONS of each from a
-// fixed seed: the ordinary test where the compiler has no libFuzzer.
+// Runs a fuzz target over the files of some folders and over mutations of them, from a fixed seed:
+// the ordinary test where the compiler has no libFuzzer.
+//
+//     fuzz_FAMILY [--mutations N] [--seconds S] FOLDER..
+//
+// N mutations of each file (2000); with --seconds all of it again with other mutations until the
+// time is over.
+#include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <random>
+#include <string_view>
 #include <vector>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace {
-
-constexpr int kMutationsOfEach = FUZZ_MUTATIONS;
 
 void run(const std::vector<std::uint8_t>& input) {
   (void)LLVMFuzzerTestOneInput(input.data(), input.size());
@@ -36,24 +42,56 @@ void mutate(std::vector<std::uint8_t>& input, std::mt19937& random) {
   }
 }
 
+struct Arguments {
+  int mutations = 2000;             // of each file
+  std::chrono::seconds duration{};  // 0: once
+  std::vector<std::filesystem::path> folders;
+};
+
+Arguments parse(int argc, char** argv) {
+  Arguments arguments;
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view text = argv[i];
+    if (text == "--mutations" && i + 1 < argc)
+      arguments.mutations = std::atoi(argv[++i]);
+    else if (text == "--seconds" && i + 1 < argc)
+      arguments.duration = std::chrono::seconds{std::atoi(argv[++i])};
+    else
+      arguments.folders.emplace_back(text);
+  }
+  return arguments;
+}
+
+std::vector<std::vector<std::uint8_t>> read_corpus(const Arguments& arguments) {
+  std::vector<std::vector<std::uint8_t>> inputs;
+  for (const auto& folder : arguments.folders) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+      std::ifstream file(entry.path(), std::ios::binary);
+      inputs.emplace_back(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+    }
+  }
+  return inputs;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  const Arguments arguments = parse(argc, argv);
+  const auto inputs = read_corpus(arguments);
+  const auto end = std::chrono::steady_clock::now() + arguments.duration;
   std::mt19937 random(1);
-  int files = 0;
-  for (int i = 1; i < argc; ++i) {
-    for (const auto& entry : std::filesystem::directory_iterator(argv[i])) {
-      std::ifstream file(entry.path(), std::ios::binary);
-      const std::vector<std::uint8_t> input{std::istreambuf_iterator<char>(file), {}};
-      ++files;
-      run(input);
-      for (int round = 0; round < kMutationsOfEach; ++round) {
+  long mutations = 0;
+  for (const auto& input : inputs) run(input);
+  do {
+    for (const auto& input : inputs) {
+      for (int i = 0; i < arguments.mutations; ++i, ++mutations) {
         auto mutated = input;
         mutate(mutated, random);
         run(mutated);
       }
+      if (arguments.duration.count() > 0 && std::chrono::steady_clock::now() >= end) break;
     }
-  }
-  std::printf("%d corpus files, %d mutations of each\n", files, kMutationsOfEach);
-  return files > 0 ? 0 : 1;  // an empty corpus tests nothing
+  } while (!inputs.empty() && std::chrono::steady_clock::now() < end);
+  std::printf("%zu corpus files, %ld mutations of them\n", inputs.size(), mutations);
+  return inputs.empty() ? 1 : 0;  // an empty corpus tests nothing
 }

@@ -1,6 +1,6 @@
 """The rules of the tree that no compiler checks: what core may include and need, and what lies at the top level.
 
-usage: tree_test.py SOURCE_DIR CORE_LIBRARY [NM]
+usage: tree_test.py SOURCE_DIR NM CORE_LIBRARY..
 
 Each rule is a function of its input, tried on planted faults as well as on the tree: a rule that finds nothing anywhere is no rule.
 """
@@ -12,7 +12,7 @@ import sys
 import tempfile
 import unittest
 
-SOURCE_DIR, CORE_LIBRARY, NM = "", "", "nm"
+SOURCE_DIR, NM, CORE_LIBRARIES = "", "nm", []
 
 # An arrow runs from a folder to the folders before it, never back and never across.
 LAYERS = [{"base"}, {"access", "frame", "codec"}, {"protocol"}, {"program"}, {"model"}, {"alarm", "plan"}, {"dispatch"}, {"schedule"}, {"bus"}]
@@ -195,10 +195,11 @@ class Tree(unittest.TestCase):
         self.assertEqual(faults, [], "\n" + "\n".join(faults))
 
     def test_the_built_core_needs_no_clock_thread_file_or_socket(self):
-        symbols = undefined_symbols(CORE_LIBRARY)
-        self.assertGreater(len(symbols), 0, f"{CORE_LIBRARY} names no symbol at all")
-        faults = [f"{symbol}: {kind}" for symbol in sorted(symbols) if (kind := symbol_fault(symbol))]
-        self.assertEqual(faults, [], "\n" + "\n".join(faults))
+        for library in CORE_LIBRARIES:
+            symbols = undefined_symbols(library)
+            self.assertGreater(len(symbols), 0, f"{library} names no symbol at all")
+            faults = [f"{symbol}: {kind}" for symbol in sorted(symbols) if (kind := symbol_fault(symbol))]
+            self.assertEqual(faults, [], "\n" + "\n".join(faults))
 
     def test_every_source_is_formatted(self):
         files = sorted(sources())
@@ -219,6 +220,5 @@ class Tree(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    SOURCE_DIR, CORE_LIBRARY = sys.argv[1], sys.argv[2]
-    NM = sys.argv[3] if len(sys.argv) > 3 else "nm"
+    SOURCE_DIR, NM, CORE_LIBRARIES = sys.argv[1], sys.argv[2], sys.argv[3:]
     unittest.main(argv=sys.argv[:1], verbosity=2)

@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# Configures and builds with one set of flags, so that the demo, the tests and CI share their objects. Shows how far it is.
+#
+#   tools/build.sh [--folder DIR] [-DNAME=VALUE ..] [TARGET ..]
+#
+# --folder: `build` where nothing is said. Without targets all is built. Packages must be there (tools/install.sh).
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+folder=build options=(-DFIELDCAST_UNITY=ON) targets=()
+while [ $# -gt 0 ]; do
+  case "$1" in
+    --folder) folder=$2; shift ;;
+    -D*) options+=("$1") ;;
+    *) targets+=("$1") ;;
+  esac
+  shift
+done
+[ "${#targets[@]}" -gt 0 ] || targets=(all)
+
+[ -f "$folder/CMakeCache.txt" ] || options+=(-G Ninja)  # a folder that exists keeps its generator
+if ! log=$(cmake -S . -B "$folder" "${options[@]}" 2>&1); then
+  echo "$log" >&2
+  exit 1
+fi
+
+cores=$(nproc)
+if [ -f "$folder/build.ninja" ]; then
+  steps=$(ninja -C "$folder" -n "${targets[@]}" | sed -n 's/^\[[0-9]*\/\([0-9]*\)\].*/\1/p' | tail -1)
+  if [ "${steps:-0}" -gt 10 ]; then
+    seconds_of_step=2  # of processor, on average
+    echo "building $folder: $steps steps on $cores cores, $((1 + steps * seconds_of_step / cores / 60)) minutes or so;" \
+         "less where ccache knows them" >&2
+  fi
+fi
+NINJA_STATUS='[%f/%t, %es] ' cmake --build "$folder" --parallel "$cores" --target "${targets[@]}"
