@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# What a reviewer should not have to see: format and spelling of every source, clang-tidy of those that changed.
+#
+#   tools/check.sh [COMMIT]
+#
+# Changed: against COMMIT; where none is given against the merge base with origin/main or main, or, on that branch itself, against
+# the commit before. At most 16 files, the most changed ones, so that it takes a minute; it says how many it left out.
+# `run-clang-tidy-14 -p build-tidy` checks all.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+most=16
+fail() { echo "tools/check.sh: $*" >&2; exit 1; }
+for program in clang-format clang-tidy codespell; do
+  command -v "$program" >/dev/null || fail "$program is missing: tools/install.sh ci"
+done
+
+mapfile -t sources < <(git ls-files '*.cpp' '*.hpp' '*.c' '*.h')
+clang-format --dry-run -Werror "${sources[@]}" || fail "not formatted; run: clang-format -i on the files above"
+codespell bridge config core docs idl tests tools ./*.md .ci/run ||
+  fail "misspelt, see above"
+
+base=${1:-}
+head=$(git rev-parse HEAD)
+for branch in origin/main main HEAD~1; do
+  [ -z "$base" ] || break
+  base=$(git merge-base HEAD "$branch" 2>/dev/null || true)
+  [ "$base" != "$head" ] || base=""
+done
+[ -n "$base" ] || { echo "clang-tidy: one commit, nothing to compare with"; exit 0; }
+
+mapfile -t changed < <(git diff --numstat --diff-filter=AMR "$base" -- '*.cpp' | sort -rn | cut -f3 | grep -v '[{}]')
+present=()
+for file in "${changed[@]}"; do [ ! -f "$file" ] || present+=("$file"); done
+[ "${#present[@]}" -gt 0 ] || { echo "clang-tidy: no source changed since ${base:0:9}"; exit 0; }
+checked=("${present[@]:0:$most}")
+echo "clang-tidy: ${#checked[@]} of ${#present[@]} files that changed since ${base:0:9}"
+
+# A folder of its own: precompiled headers are GCC's, and sources that are compiled together have no commands of their own.
+cmake -S . -B build-tidy -G Ninja -DFIELDCAST_PCH=OFF -DCMAKE_EXPORT_COMPILE_COMMANDS=ON >/dev/null
+ninja -C build-tidy idl/generated/idl/topics.h >/dev/null
+printf '%s\n' "${checked[@]}" | xargs -P "$(nproc)" -n 1 clang-tidy -p build-tidy --quiet 2>/dev/null ||
+  fail "clang-tidy, see above"
