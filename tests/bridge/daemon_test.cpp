@@ -206,7 +206,7 @@ TEST_F(DaemonTest, AReloadThatWouldCutADownloadWaitsAndSaysForWhom) {
   };
   configure("holding:0");
   Process bridge({file});
-  bridge.said("one: the port is open");
+  bridge.said("running: 1 buses");  // engineers are listened to once every bus has begun
   test::TcpClient engineer(port);
   engineer.say("@@P1FEFF");
   ASSERT_EQ(engineer.hear("FEFF"), "@@0000FEFF");
