@@ -16,7 +16,7 @@
 #include "bridge/port/device_watch.hpp"
 #include "bridge/port/port.hpp"
 #include "core/bus/bus_engine.hpp"
-#include "core/schedule/scheduler.hpp"
+#include "core/dispatch/plan_draft.hpp"
 
 namespace fieldcast {
 namespace {

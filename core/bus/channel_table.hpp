@@ -17,7 +17,7 @@
 #include "core/model/sample.hpp"
 #include "core/model/spec.hpp"
 #include "core/model/status.hpp"
-#include "core/schedule/scheduler.hpp"
+#include "core/plan/point.hpp"
 
 namespace fieldcast {
 

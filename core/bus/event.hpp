@@ -16,7 +16,7 @@
 
 namespace fieldcast {
 
-class PlanDraft;  // core/schedule/scheduler.hpp
+class PlanDraft;  // core/dispatch/plan_draft.hpp
 
 // Events. The shell tells them in the order in which they happened.
 struct Opened {};  // the port is ready; nothing sent before is on the wire any more

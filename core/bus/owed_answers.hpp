@@ -22,8 +22,8 @@
 #include <optional>
 #include <vector>
 
+#include "core/dispatch/decision.hpp"
 #include "core/protocol/protocol.hpp"
-#include "core/schedule/scheduler.hpp"
 
 namespace fieldcast {
 

@@ -18,10 +18,10 @@
 #include "core/bus/block_learning.hpp"
 #include "core/bus/bus_setup.hpp"
 #include "core/bus/channel_table.hpp"
+#include "core/dispatch/scheduler.hpp"
 #include "core/model/status.hpp"
 #include "core/schedule/planned_times.hpp"
 #include "core/schedule/point_map.hpp"
-#include "core/schedule/scheduler.hpp"
 
 namespace fieldcast {
 

@@ -64,9 +64,9 @@ void DispatchState::set_next_read(const ReadPlan& plan, GroupIndex index, Instan
                                   Instant now) {
   GroupState& group = groups[index];
   const DeviceIndex device = plan.grouping.groups[index].device;
-  const Duration cost = select(plan, index, points_of(plan, index), group.urgent,
-                               std::max(now, due), Duration::zero())
-                            .cost;
+  const Duration cost =
+      selector.cost_of(wire.layout, plan.grouping.groups[index], points_of(plan, index),
+                       group.urgent, std::max(now, due), {Duration::zero(), group.cycle.period});
   group.due = due;
   group.cost = paces[device].of(cost - wire.tails[device]) + wire.tails[device];
 }

@@ -1,6 +1,6 @@
 // Runs the plan in force on one wire: it knows when each point was read and is due again, and asks
 // the dispatcher of the plan for the next read. What changes meanwhile takes effect at once on the
-// plan in force. Another plan takes its place as a whole.
+// plan in force. Another plan replaces it as a whole.
 //
 // Copyable; a rehearsal runs on a copy. Owned by the scheduler, on the thread of its bus. No clock:
 // every call gets `now`. Nothing here fails.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/plan/time_math.hpp"
+
 namespace fieldcast {
 
 Range ReadCost::aligned(std::uint32_t first, std::uint32_t end) const {
@@ -33,7 +35,7 @@ ReadCost::ReadCost(const DeviceTiming& device, AreaIndex area, const LineFormat&
   // Also beyond the device's limit, for single points; and both ends may have to be widened to
   // whole units.
   const std::uint32_t longest = std::min<std::uint32_t>({span + 2 * alignment_, items_, 65536});
-  variable_.assign(longest + 1, -1);
+  variable_.assign(longest + 1, kRefused);
   Request request = ReadRequest{{Range{area, 0, 1}}};
   Range& range = std::get<ReadRequest>(request).ranges.front();
   const std::uint32_t step = window_ ? longest : 1;
@@ -42,15 +44,15 @@ ReadCost::ReadCost(const DeviceTiming& device, AreaIndex area, const LineFormat&
     const auto size = device.protocol->size(request);
     if (!size) continue;
     rounds_ = size->rounds;
-    pauses_ = size->rounds * silence.count() + device.pause.count();
-    variable_[count] = line.characters(size->request_characters + size->answer_characters).count() +
-                       size->pauses.count();
+    pauses_ = size->rounds * silence + device.pause;
+    variable_[count] =
+        line.characters(size->request_characters + size->answer_characters) + size->pauses;
   }
   set_answer_time(device.answer_time);
 }
 
 void ReadCost::set_answer_time(Duration answer_time) {
-  fixed_ = pauses_ + rounds_ * answer_time.count();
+  fixed_ = pauses_ + rounds_ * answer_time;
   find_bridge();
 }
 
@@ -60,17 +62,15 @@ void ReadCost::set_longest(std::uint32_t items) {
 
 void ReadCost::find_bridge() {
   std::uint32_t longest = static_cast<std::uint32_t>(variable_.size()) - 1;
-  while (longest > 0 && variable_[longest] < 0) --longest;
+  while (longest > 0 && variable_[longest] == kRefused) --longest;
   const std::uint32_t one = std::min(alignment_, longest);
-  if (window_ || longest == 0 || variable_[one] < 0) {
+  if (window_ || longest == 0 || variable_[one] == kRefused) {
     bridge_ = items_;
     return;
   }
-  item_ns_ = longest > one
-                 ? static_cast<double>(variable_[longest] - variable_[one]) / (longest - one)
-                 : 0.0;
+  item_ns_ = longest > one ? ns(variable_[longest] - variable_[one]) / (longest - one) : 0.0;
   // Two requests cost fixed + variable twice; one that bridges g items pays for them instead.
-  const double request = static_cast<double>(fixed_ + variable_[one]) - item_ns_ * one;
+  const double request = ns(fixed_ + variable_[one]) - item_ns_ * one;
   bridge_ =
       item_ns_ > 0 ? static_cast<std::uint32_t>(std::min(request / item_ns_, 65535.0)) : items_;
   bridge_ += item_bits_ < 8 ? 8 / item_bits_ - 1 : 0;  // items of one byte come together
@@ -78,7 +78,7 @@ void ReadCost::find_bridge() {
 }
 
 std::optional<Duration> ReadCost::of_single(const Range& range) const {
-  if (at(range.count) < 0 || !in_one_bank(range)) return std::nullopt;
+  if (at(range.count) == kRefused || !in_one_bank(range)) return std::nullopt;
   return of(range);
 }
 

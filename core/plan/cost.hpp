@@ -46,11 +46,11 @@ class ReadCost {
 
   // Within the limits of the protocol and the device. REQUIRES: range comes from cover().
   [[nodiscard]] bool fits(const Range& range) const {
-    return window_ || (range.count <= limit_ && at(range.count) >= 0 && in_one_bank(range));
+    return window_ || (range.count <= limit_ && at(range.count) != kRefused && in_one_bank(range));
   }
 
   // REQUIRES: fits(range), or the range of a single point.
-  [[nodiscard]] Duration of(const Range& range) const { return Duration{fixed_ + at(range.count)}; }
+  [[nodiscard]] Duration of(const Range& range) const { return fixed_ + at(range.count); }
 
   // The same for a single point that no device limit shall keep from being asked for; nothing if
   // the protocol cannot carry it.
@@ -59,7 +59,7 @@ class ReadCost {
   // Unwanted items that a read may bridge: more cost as much as another request, or are forbidden.
   [[nodiscard]] std::uint32_t bridge() const { return bridge_; }
 
-  // Marginal cost of one more item, on average.
+  // Marginal cost of one more item, on average: nanoseconds and parts of one.
   [[nodiscard]] double item_ns() const { return item_ns_; }
 
   [[nodiscard]] std::uint32_t limit() const { return limit_; }
@@ -68,7 +68,9 @@ class ReadCost {
   void set_longest(std::uint32_t items);
 
  private:
-  [[nodiscard]] std::int64_t at(std::uint32_t count) const {
+  static constexpr Duration kRefused{-1};  // the protocol has no read of this size
+
+  [[nodiscard]] Duration at(std::uint32_t count) const {
     return variable_[count < variable_.size() ? count : 0];
   }
   [[nodiscard]] Range aligned(std::uint32_t first, std::uint32_t end) const;
@@ -82,11 +84,11 @@ class ReadCost {
   bool window_;
   std::uint32_t limit_ = 0;  // items in one read
   std::uint32_t most_ = 0;   // as it was made
-  std::int64_t fixed_ = 0;   // answer time, silence, pauses: paid for each round, or once
-  std::int64_t rounds_ = 1;
-  std::int64_t pauses_ = 0;  // silence and rests: what `fixed_` holds besides the answer time
-  std::vector<std::int64_t>
-      variable_;  // by item count: characters; -1: the protocol refuses this size. [0] is -1
+  Duration fixed_{};         // of every read: answer time, silence, pauses
+  unsigned rounds_ = 1;      // requests and answers in one read
+  Duration pauses_{};        // what `fixed_` holds besides the answer time
+  // By item count: the characters. [0] is kRefused.
+  std::vector<Duration> variable_;
   std::optional<std::uint16_t> max_gap_;
   std::uint32_t bridge_ = 0;
   double item_ns_ = 0;

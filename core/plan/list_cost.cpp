@@ -2,14 +2,16 @@
 
 #include <algorithm>
 
+#include "core/plan/time_math.hpp"
+
 namespace fieldcast {
 
 ListCost::ListCost(const DeviceTiming& device, const LineFormat& line, Duration silence)
     : protocol_(device.protocol),
       line_(line),
-      silence_(silence.count()),
-      pause_(device.pause.count()),
-      answer_ns_(device.answer_time.count()),
+      silence_(silence),
+      pause_(device.pause),
+      answer_time_(device.answer_time),
       max_items_(device.max_block) {
   const std::size_t count = protocol_->areas().size();
   for (std::size_t area = 0; area < count; ++area)
@@ -17,11 +19,11 @@ ListCost::ListCost(const DeviceTiming& device, const LineFormat& line, Duration 
 }
 
 // Wire time without the answer time.
-std::optional<std::int64_t> ListCost::ask(const Request& request) const {
+std::optional<Duration> ListCost::ask(const Request& request) const {
   const auto size = protocol_->size(request);
   if (!size) return std::nullopt;
-  return line_.characters(size->request_characters + size->answer_characters).count() +
-         size->rounds * silence_ + size->pauses.count() + pause_;
+  return line_.characters(size->request_characters + size->answer_characters) +
+         size->rounds * silence_ + size->pauses + pause_;
 }
 
 // Lists of two and three ranges: what one of a single range says may be another command, with a
@@ -42,14 +44,13 @@ ListCost::PerArea ListCost::measure(AreaIndex index, const std::optional<std::ui
   const auto three = ask(request);
   if (!two || !three || !long_one) return result;
   result.lists = true;
-  result.range_ns = *three - *two;
-  result.item_ns = longer > 1 ? static_cast<double>(*long_one - *two) / (longer - 1)
-                              : static_cast<double>(result.range_ns);
+  result.range_cost = *three - *two;
+  result.item_ns = longer > 1 ? ns(*long_one - *two) / (longer - 1) : ns(result.range_cost);
   if (result.item_ns > 0)
     result.bridge = static_cast<std::uint32_t>(
-        std::clamp(static_cast<double>(result.range_ns) / result.item_ns - 1.0, 0.0, 65535.0));
+        std::clamp(ns(result.range_cost) / result.item_ns - 1.0, 0.0, 65535.0));
   if (max_gap) result.bridge = std::min<std::uint32_t>(result.bridge, *max_gap);
-  request_ns_ = *two - 2 * result.range_ns;
+  request_cost_ = *two - 2 * result.range_cost;
   if (const auto size = protocol_->size(request)) rounds_ = size->rounds;
   return result;
 }
@@ -72,7 +73,7 @@ std::optional<Duration> ListCost::of(const Request& request, bool only_point) co
   }
   const auto time = ask(request);
   if (!time) return std::nullopt;
-  return Duration{*time + rounds_ * answer_ns_};
+  return *time + rounds_ * answer_time_;
 }
 
 }  // namespace fieldcast

@@ -31,7 +31,7 @@ class ListCost {
   [[nodiscard]] std::optional<Duration> of(const Request& request, bool only_point = false) const;
 
   // What a range of one item adds to a list, and what another item adds to a range.
-  [[nodiscard]] std::int64_t range_ns(AreaIndex area) const { return areas_[area].range_ns; }
+  [[nodiscard]] Duration range_cost(AreaIndex area) const { return areas_[area].range_cost; }
   [[nodiscard]] double item_ns(AreaIndex area) const { return areas_[area].item_ns; }
   // Unwanted items that cost less than another range.
   [[nodiscard]] std::uint32_t bridge(AreaIndex area) const { return areas_[area].bridge; }
@@ -40,27 +40,27 @@ class ListCost {
   [[nodiscard]] bool joins(const Range& range, AreaIndex area, std::uint32_t first,
                            std::uint32_t end) const;
   // What a request costs before it asks for anything.
-  [[nodiscard]] std::int64_t request_ns() const { return request_ns_ + rounds_ * answer_ns_; }
+  [[nodiscard]] Duration request_cost() const { return request_cost_ + rounds_ * answer_time_; }
 
-  void set_answer_time(Duration answer_time) { answer_ns_ = answer_time.count(); }
+  void set_answer_time(Duration answer_time) { answer_time_ = answer_time; }
 
  private:
   struct PerArea {
     bool lists = false;
-    std::int64_t range_ns = 0;
+    Duration range_cost{};
     double item_ns = 0;
     std::uint32_t bridge = 0;
   };
-  [[nodiscard]] std::optional<std::int64_t> ask(const Request& request) const;
+  [[nodiscard]] std::optional<Duration> ask(const Request& request) const;
   [[nodiscard]] PerArea measure(AreaIndex area, const std::optional<std::uint16_t>& max_gap);
 
   const Protocol* protocol_;
   LineFormat line_;
-  std::int64_t silence_, pause_;
-  std::int64_t answer_ns_;
-  std::int64_t rounds_ = 1;
-  std::int64_t request_ns_ = 0;  // without the answer time
-  std::uint32_t max_items_;      // 0: the protocol's limit
+  Duration silence_, pause_;
+  Duration answer_time_;
+  unsigned rounds_ = 1;      // requests and answers in one read
+  Duration request_cost_{};  // without the answer time
+  std::uint32_t max_items_;  // 0: the protocol's limit
   std::vector<PerArea> areas_;
 };
 

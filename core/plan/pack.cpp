@@ -6,6 +6,8 @@
 #include <tuple>
 #include <utility>
 
+#include "core/plan/time_math.hpp"
+
 namespace fieldcast {
 
 namespace {
@@ -31,8 +33,7 @@ std::vector<Piece> pieces_of(std::span<const Point> points, const AreaPoints& ow
   };
   const auto count = static_cast<std::uint32_t>(own.points.size());
   const AreaIndex area = points[own.points.front()].range.area;
-  const double item_ns = list.item_ns(area),
-               begin_ns = static_cast<double>(list.range_ns(area)) - item_ns;
+  const double item_ns = list.item_ns(area), begin_ns = ns(list.range_cost(area)) - item_ns;
   const double alone_ns = own.cost.item_ns();
   std::vector<Best> best(count + 1);
   best[0].cost = 0;

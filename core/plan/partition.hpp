@@ -17,7 +17,7 @@ struct Wanted {
   bool barrier = false;  // no block may hold this one together with the one before it
 };
 
-// Places begin .. end-1 of the list, read together.
+// Entries begin .. end-1 of the list, read together.
 struct Slice {
   std::uint32_t begin = 0;
   std::uint32_t end = 0;

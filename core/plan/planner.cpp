@@ -56,7 +56,7 @@ TimetableRequest request_of(const WireModel& wire, const ReadPlan& plan, const G
       const ListCost& list = *wire.layout.lists[group.device];
       member.area = point.area;
       member.bridge = list.bridge(point.area);
-      member.range_cost = Duration{list.range_ns(point.area)};
+      member.range_cost = list.range_cost(point.area);
       member.item_ns = list.item_ns(point.area);
     } else {
       member.item_ns = single.item_ns();
@@ -64,7 +64,7 @@ TimetableRequest request_of(const WireModel& wire, const ReadPlan& plan, const G
     }
   }
   if (!request.members.empty()) {
-    request.base_cost = group.list ? Duration{wire.layout.lists[group.device]->request_ns()}
+    request.base_cost = group.list ? wire.layout.lists[group.device]->request_cost()
                                    : base_cost_of(single, points.front());
   }
   return request;
@@ -193,11 +193,11 @@ class PlanMaker {
     std::vector<Timetable> others;
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       others = make_timetable();
-      double wished = 0;
+      double asked_for = 0;
       for (GroupIndex index = 0; index < plan_.groups.size(); ++index) {
-        if (!plan_.table->request(index).members.empty()) wished += load_of_group(index, true);
+        if (!plan_.table->request(index).members.empty()) asked_for += load_of_group(index, true);
       }
-      if (wished > 0) plan_.fit = plan_.table->load() / wished;
+      if (asked_for > 0) plan_.fit = plan_.table->load() / asked_for;
       const double needed = plan_.table->load() * basis_.overrun;
       if (needed <= kMost) break;
       factor *= 1.002 * needed / kMost;

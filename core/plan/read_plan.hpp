@@ -1,5 +1,5 @@
 // The plan of a bus: which points are read together, when, and what that will take. A value: it is
-// made by a planner (planner.hpp) on any thread, compared, printed, and never changed in place by
+// made by a planner (planner.hpp) on any thread, compared, printed, and never changed by
 // those who follow it. A dispatcher (core/dispatch) turns it into reads.
 //
 // A *group* is a set of points that share requests. The plan divides time into *slots* of equal
@@ -44,7 +44,7 @@ struct PlannedGroup {
 
 struct PointPlan {
   double stretch = 1;  // factor on its refresh under overload
-  Duration period{};   // zero: it has no place in the timetable
+  Duration period{};   // zero: it is not in the timetable
   Duration phase{};    // from the begin of the table to one of its acquisitions
   // The longest time between two acquisitions while the wire is as planned. Nothing: it has no
   // period, or is not read.

@@ -242,13 +242,14 @@ void Timetable::leave(std::size_t index) {
 void Timetable::align() {
   std::vector<std::size_t> order(requests_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto riders = [&](std::size_t index) {
+  const auto slower_members = [&](std::size_t index) {
     const TimetableRequest& request = requests_[index];
     return std::count_if(request.members.begin(), request.members.end(),
                          [&](const auto& m) { return m.period > request.period; });
   };
   std::vector<std::ptrdiff_t> slower(requests_.size());
-  for (std::size_t index = 0; index < requests_.size(); ++index) slower[index] = riders(index);
+  for (std::size_t index = 0; index < requests_.size(); ++index)
+    slower[index] = slower_members(index);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return std::tuple(requests_[a].period, slower[a]) < std::tuple(requests_[b].period, slower[b]);
   });

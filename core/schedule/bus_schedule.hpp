@@ -1,5 +1,5 @@
-// What the bus engine asks of its scheduler: one place for the engine, `fieldcast plan` and the
-// simulation, so that what is predicted is what will run. Pure functions.
+// The input of the scheduler of a bus. The bus engine, `fieldcast plan` and the simulation all get
+// it here, so that what is predicted is what will run. Pure functions.
 #pragma once
 
 #include <span>
@@ -24,8 +24,8 @@ inline constexpr Duration kAssumedAnswerTime = std::chrono::milliseconds{5};
                                        std::span<const Protocol* const> protocols,
                                        std::vector<Point> points, Duration answer_time);
 
-// The same as it will run: a bus with room is planned with a longer lead, so that a broken answer
-// can be asked for again in time.
+// The same as it will run: a lightly loaded bus is planned with a longer lead, so that a broken
+// answer can be asked for again in time.
 [[nodiscard]] ScheduleInput schedule_input(const BusSpec& bus,
                                            std::span<const Protocol* const> protocols,
                                            std::vector<Point> points, Duration answer_time);

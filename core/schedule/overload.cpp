@@ -62,7 +62,7 @@ double planned_load(const ScheduleInput& input, const Singly& singly, Planner pl
   return factor * planned_load_of(stretched(input, factor), planner).load;
 }
 
-// A plan takes no more than its points one by one, but for the turns of its timetable and for what
+// A plan takes no more than its points one by one, but for the slots of its timetable and for what
 // alignment adds.
 constexpr double kPlanIsSure = 0.5;
 
@@ -101,7 +101,7 @@ std::optional<double> hopeless_load_of(const BusSpec& bus) {
   return load;
 }
 
-double wished_load(const ScheduleInput& input, Planner planner) {
+double asked_load(const ScheduleInput& input, Planner planner) {
   return planned_load(input, one_by_one(input), planner);
 }
 

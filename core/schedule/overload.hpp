@@ -1,5 +1,5 @@
 // Whether the wire of a bus can carry what its channels ask for: the check of a configuration
-// before anything runs. Pure functions; of a bus with room they cost no plan.
+// before anything runs. Pure functions; they make no plan of a lightly loaded bus.
 #pragma once
 
 #include <cstdint>
@@ -13,12 +13,12 @@ namespace fieldcast {
 
 struct Overload {
   double load = 0;     // planned: how many times the wire would be needed
-  double stretch = 1;  // the most that a refresh will be longer than wished
+  double stretch = 1;  // the most that a refresh will be longer than asked for
   std::optional<std::uint32_t>
       baud;  // the next standard rate that would carry all of it; nothing: none, or no line
 };
 
-// Beyond this load a bus is refused: every refresh would be a hundred times as long as wished.
+// Beyond this load a bus is refused: every refresh would be a hundred times as long as asked for.
 inline constexpr double kHopelessLoad = 100;
 
 // Nothing if the plan fits, with devices that answer after `answer_time`. Channels that are read
@@ -28,9 +28,9 @@ inline constexpr double kHopelessLoad = 100;
 // The load, if it is hopeless even with devices that answer at once.
 [[nodiscard]] std::optional<double> hopeless_load_of(const BusSpec& bus);
 
-// The load of a plan in which a refresh shorter than its own read counts as it is wished; to a
+// The load of a plan in which a refresh shorter than its own read counts as it is asked for; to a
 // scheduler it is as long as that read.
-[[nodiscard]] double wished_load(const ScheduleInput& input, Planner planner);
+[[nodiscard]] double asked_load(const ScheduleInput& input, Planner planner);
 
 // One line: what will happen, and how to mend it.
 [[nodiscard]] std::string to_text(const Overload& overload);

@@ -173,7 +173,7 @@ Prediction predict(const ScheduleInput& input, const PredictionOptions& options)
   Prediction prediction = Run(input, options).run(false);
   prediction.narrow = prediction.feasible && is_narrow(input, options, prediction);
   prediction.feasible = prediction.feasible && !prediction.narrow;
-  if (prediction.planned_load > 1) prediction.planned_load = wished_load(input, options.planner);
+  if (prediction.planned_load > 1) prediction.planned_load = asked_load(input, options.planner);
   if (prediction.feasible || !options.remedies) return prediction;
   const auto works_too = [&](const ScheduleInput& other) { return works(other, options); };
   prediction.remedies = find_remedies(input, works_too, prediction.planned_load, options.planner);

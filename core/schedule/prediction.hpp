@@ -28,7 +28,7 @@ struct PredictionOptions {
 
 // What one point will get.
 struct PointForecast {
-  Duration refresh{};    // as wished
+  Duration refresh{};    // as asked for
   Duration worst_gap{};  // between two samples; the whole run if it was read less than twice
   std::uint64_t reads = 0;
   std::uint64_t missed = 0;  // gaps longer than the refresh
@@ -46,10 +46,10 @@ struct BlockForecast {
 
 struct Prediction {
   bool feasible = false;  // nothing is read later than its refresh allows, now or in a longer run
-  bool narrow = false;  // not feasible, though this run missed nothing: with refreshes 5 % shorter
-                        // it would have
-  double planned_load =
-      0;               // share of the wire that the wished refreshes need; how many wires, above 1
+  // Not feasible, though this run missed nothing: with refreshes 5 % shorter it would have.
+  bool narrow = false;
+  // Share of the wire that the refreshes asked for need; above 1: how many wires.
+  double planned_load = 0;
   double load = 0;     // share of the wire that the run used
   double stretch = 1;  // factor on all refreshes by which overload is met
   Duration horizon{};  // virtual time that was run

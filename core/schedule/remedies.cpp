@@ -51,7 +51,7 @@ std::optional<std::size_t> buses_that_work(const ScheduleInput& input, const Wor
   std::vector<std::pair<double, DeviceIndex>> heaviest;
   for (DeviceIndex device = 0; device < input.devices.size(); ++device) {
     const ScheduleInput alone = part_of(input, {device});
-    if (!alone.points.empty()) heaviest.emplace_back(wished_load(alone, planner), device);
+    if (!alone.points.empty()) heaviest.emplace_back(asked_load(alone, planner), device);
   }
   std::ranges::sort(heaviest, std::greater<>{});
   for (std::size_t count = 2; count <= std::min(kMostBuses, heaviest.size()); ++count) {

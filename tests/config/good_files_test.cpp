@@ -5,8 +5,8 @@
 #include <set>
 #include <string>
 
+#include "core/dispatch/scheduler.hpp"
 #include "core/model/make_protocol.hpp"
-#include "core/schedule/scheduler.hpp"
 #include "tests/config/support.hpp"
 
 namespace fieldcast::config {

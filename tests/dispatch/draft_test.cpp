@@ -54,7 +54,7 @@ TEST(Draft, ItsPlanIsTakenAsItIs) {
 // The groups of the draft are others than those that changed meanwhile.
 class ChangingBus : public testing::TestWithParam<std::uint64_t> {};
 
-TEST_P(ChangingBus, KeepsWhatIsWishedWhileAPlanIsMade) {
+TEST_P(ChangingBus, KeepsWhatIsAskedForWhileAPlanIsMade) {
   std::mt19937_64 random(GetParam());
   ScheduleInput input = plant(GetParam());
   const auto scheduler = make_scheduler(input);
@@ -85,7 +85,7 @@ TEST_P(ChangingBus, KeepsWhatIsWishedWhileAPlanIsMade) {
   EXPECT_LT(scheduler->stretch(), 1.5);
   for (PointIndex point = 0; point < input.points.size(); ++point) {
     if (input.points[point].mode == Mode::kOnDemand) {
-      EXPECT_EQ(wire.seen(point).count, 0u) << "only neighbours wish for it";
+      EXPECT_EQ(wire.seen(point).count, 0u) << "nobody asks for it";
     } else {
       EXPECT_LT(wire.seen(point).longest, 1.05 * scheduler->stretch() * input.points[point].refresh)
           << point;

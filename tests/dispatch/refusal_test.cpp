@@ -98,7 +98,7 @@ TEST_F(RefusingDevice, BadPointIsTriedAgainAloneAndComesBack) {
   wire_->forget_gaps();
   wire_->run(20s);
   EXPECT_GE(wire_->seen(7).count, 20u);
-  EXPECT_LE(wire_->blocks(), 24u);  // one block again, on a beat of 0.86 s
+  EXPECT_LE(wire_->blocks(), 24u);  // one block again, in a period of 0.86 s
 }
 
 TEST_F(RefusingDevice, BarrierIsForgottenAfterAWhile) {

@@ -20,7 +20,7 @@ using Map = std::vector<MapRow>;
 // Rows of a file with the columns unit,address,refresh; throws std::runtime_error with the reason.
 [[nodiscard]] Map read_map(const std::string& path);
 
-// Clusters of registers scattered over a few units with refreshes from 100 ms to 10 s.
+// Groups of registers scattered over a few units with refreshes from 100 ms to 10 s.
 [[nodiscard]] Map random_map(std::uint64_t seed, std::size_t channels, unsigned units = 3);
 
 // Modbus RTU at 11 bits a character with a silence of 3.5 characters on both sides of an answer: a
@@ -41,8 +41,8 @@ struct Notation {
                                            std::uint32_t baud = 19200,
                                            const Notation& notation = {});
 
-// The least load that any master needs: each cluster of a unit (gaps cheaper than a request) read
-// once in its shortest refresh, each register once in its own.
+// The least load that any master needs: each group of neighbours of a unit (gaps cheaper than a
+// request) read once in its shortest refresh, each register once in its own.
 [[nodiscard]] double least_load(const Map& map, std::uint32_t baud = 19200, Duration delay = {});
 
 // A tighter bound, which also counts the way between registers. Let f(S) be the least cost of

@@ -61,14 +61,14 @@ Bus scattered_ppi(unsigned words, Mode mode = Mode::kScheduled) {
 TEST(ListCost, MarginalsAreWhatThePaperSays) {
   const Bus ppi("s7-ppi", 1);
   const ListCost items(ppi.input.devices[0], ppi.input.line, ppi.input.silence);
-  EXPECT_LE(std::abs(items.range_ns(0) - ppi.input.line.characters(12 + 4 + 2).count()),
+  EXPECT_LE(std::abs((items.range_cost(0) - ppi.input.line.characters(12 + 4 + 2)).count()),
             2);  // item, data head, a byte and its filling
   EXPECT_NEAR(items.item_ns(0), static_cast<double>(ppi.input.line.characters(1).count()), 60'000);
   const Bus omron = fins(1);
   const ListCost words(omron.input.devices[0], omron.input.line, omron.input.silence);
   const AreaIndex dm = omron.protocol->parse_address("DM0")->area;
-  EXPECT_LE(std::abs(words.range_ns(dm) - omron.input.line.characters(2 * (4 + 3)).count()),
-            2);                     // in hexadecimal: place; area code and word
+  EXPECT_LE(std::abs((words.range_cost(dm) - omron.input.line.characters(2 * (4 + 3))).count()),
+            2);                     // in hexadecimal: position; area code and word
   EXPECT_EQ(words.bridge(dm), 0u);  // every word is named
   const Bus dtc("dtc", 1);
   const ListCost groups(dtc.input.devices[0], dtc.input.line, dtc.input.silence);
@@ -219,7 +219,7 @@ TEST(Lists, DeviceThatTakesFewerRangesIsAskedForFewer) {
 }
 
 // A line behind a converter or a pseudo-terminal may carry characters faster than its rate says. A
-// read that ends long before its turn is that turn all the same.
+// read that ends long before it is due counts as that read all the same.
 TEST(Lists, ALineThatIsFasterThanItsRateIsNotReadMoreOften) {
   for (const std::uint32_t baud : {9600u, 19200u}) {
     for (const double pace : {0.01, 0.3, 0.8, 1.0}) {

@@ -47,7 +47,7 @@ TEST(LoadCheck, LoadAndStretchAreThoseOfThePlan) {
   EXPECT_FALSE(overload_of(bus_of(80, 1s, 38400), 5ms));
 }
 
-TEST(LoadCheck, ARefreshShorterThanItsOwnReadCountsAsItIsWished) {
+TEST(LoadCheck, ARefreshShorterThanItsOwnReadCountsAsItIsAskedFor) {
   const auto overload = overload_of(bus_of(1, 1ms, 19200), 5ms);
   ASSERT_TRUE(overload);
   EXPECT_GT(overload->load, 15);

@@ -12,7 +12,7 @@ using namespace std::chrono_literals;
 
 const test::FakeProtocol kProtocol;
 
-test::Map two_clusters() {
+test::Map two_groups() {
   test::Map map;
   for (std::uint32_t i = 0; i < 5; ++i) map.push_back({1, 2 * i, 0.5});
   for (std::uint32_t i = 0; i < 5; ++i) map.push_back({2, 2 * i, 2.0});
@@ -20,7 +20,7 @@ test::Map two_clusters() {
 }
 
 TEST(Prediction, LightPlanIsFeasibleAndItsLoadIsWhatTheBlocksCost) {
-  const ScheduleInput input = test::input_of(two_clusters(), kProtocol);
+  const ScheduleInput input = test::input_of(two_groups(), kProtocol);
   const Prediction prediction = predict(input);
   EXPECT_TRUE(prediction.feasible);
   EXPECT_EQ(prediction.stretch, 1.0);
@@ -69,7 +69,7 @@ TEST(Prediction, OverloadNamesConfigurationsThatWork) {
 
 TEST(Prediction, DevicesAreSpreadOverLinesThatEachWork) {
   // Six devices, each with some 0.35 of the wire.
-  ScheduleInput input = test::input_of(two_clusters(), kProtocol);
+  ScheduleInput input = test::input_of(two_groups(), kProtocol);
   const DeviceTiming device = input.devices.front();
   input.devices.assign(6, device);
   input.points.clear();
@@ -84,11 +84,11 @@ TEST(Prediction, DevicesAreSpreadOverLinesThatEachWork) {
   std::erase_if(fullest.points,
                 [&](const Point& point) { return point.device >= (6 + lines - 1) / lines; });
   EXPECT_TRUE(predict(fullest).feasible);
-  EXPECT_FALSE(predict(test::input_of(two_clusters(), kProtocol)).remedies.buses);
+  EXPECT_FALSE(predict(test::input_of(two_groups(), kProtocol)).remedies.buses);
 }
 
 TEST(Prediction, ImpossiblePlanIsToldInBoundedTime) {
-  ScheduleInput input = test::input_of(two_clusters(), kProtocol);
+  ScheduleInput input = test::input_of(two_groups(), kProtocol);
   for (Point& point : input.points) point.refresh = 1ns;
   const Prediction prediction = predict(input, {.max_reads = 2000});
   EXPECT_FALSE(prediction.feasible);

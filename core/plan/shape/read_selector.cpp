@@ -52,4 +52,12 @@ const Selection& ReadSelector::select(const Layout& layout, const Group& group,
   return selection_;
 }
 
+Duration ReadSelector::cost_of(const Layout& layout, const Group& group,
+                               std::span<const PointState> points, std::uint32_t urgent,
+                               Instant now, const Allowance& allowance) {
+  if (group.list) return select(layout, group, points, urgent, now, allowance).cost;
+  const ReadCost& cost = layout.area_runs[group.area_run].cost;
+  return cost.of(range_of(points, slice_of(cost, points, urgent, now, allowance), cost));
+}
+
 }  // namespace fieldcast

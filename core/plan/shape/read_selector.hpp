@@ -31,6 +31,10 @@ class ReadSelector {
   const Selection& select(const Layout& layout, const Group& group,
                           std::span<const PointState> points, std::uint32_t urgent, Instant now,
                           const Allowance& allowance);
+  // Only the wire time of that read.
+  [[nodiscard]] Duration cost_of(const Layout& layout, const Group& group,
+                                 std::span<const PointState> points, std::uint32_t urgent,
+                                 Instant now, const Allowance& allowance);
 
  private:
   [[nodiscard]] Slice slice_of(const ReadCost& cost, std::span<const PointState> points,

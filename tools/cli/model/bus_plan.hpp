@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "core/model/spec.hpp"
+#include "core/plan/point.hpp"
 #include "core/protocol/protocol.hpp"
 #include "core/schedule/prediction.hpp"
-#include "core/schedule/scheduler.hpp"
 
 namespace fieldcast::cli {
 
