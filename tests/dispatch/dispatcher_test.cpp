@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const test::FakeProtocol kProtocol;
+using test::kFakeProtocol;
 constexpr Instant kNow{100s};
 
 // Groups of one register each, far apart, and a state in which nothing is due before `set_due`.
@@ -40,7 +40,7 @@ struct Bench {
     test::Map map;
     for (const double refresh : refreshes)
       map.push_back({1, static_cast<std::uint32_t>(1000 * map.size()), refresh});
-    ScheduleInput made = test::input_of(map, kProtocol);
+    ScheduleInput made = test::input_of(map, kFakeProtocol);
     for (Point& point : made.points) point.mode = mode;
     return made;
   }

@@ -12,15 +12,15 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const test::FakeProtocol kProtocol;
+using test::kFakeProtocol;
 
-ScheduleInput plant(std::uint64_t seed) {
+ScheduleInput plant_of(std::uint64_t seed) {
   const test::Map map = test::random_map(seed, 120);
-  return test::input_of(map, kProtocol, 19200, 5ms, test::least_load(map, 19200, 5ms) / 0.3);
+  return test::input_of(map, kFakeProtocol, 19200, 5ms, test::least_load(map, 19200, 5ms) / 0.3);
 }
 
 TEST(Draft, ThereIsNoneWithoutAChangeAndOneAtATime) {
-  const ScheduleInput input = plant(1);
+  const ScheduleInput input = plant_of(1);
   const auto scheduler = make_scheduler(input);
   EXPECT_EQ(scheduler->draft(), nullptr);
   scheduler->set_answer_time(0, test::kRegisters, 9ms);
@@ -34,7 +34,7 @@ TEST(Draft, ThereIsNoneWithoutAChangeAndOneAtATime) {
 }
 
 TEST(Draft, ItsPlanIsTakenAsItIs) {
-  const ScheduleInput input = plant(2);
+  const ScheduleInput input = plant_of(2);
   const auto scheduler = make_scheduler(input);
   test::VirtualWire wire(input, *scheduler);
   wire.run(3s);
@@ -56,7 +56,7 @@ class ChangingBus : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(ChangingBus, KeepsWhatIsAskedForWhileAPlanIsMade) {
   std::mt19937_64 random(GetParam());
-  ScheduleInput input = plant(GetParam());
+  ScheduleInput input = plant_of(GetParam());
   const auto scheduler = make_scheduler(input);
   test::VirtualWire wire(input, *scheduler);
   for (int round = 0; round < 6; ++round) {

@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 using test::Answer;
 using test::VirtualWire;
 
-const test::FakeProtocol kProtocol;
+using test::kFakeProtocol;
 
 // One device with registers 0, 2, 4 .. 38; refuses every read that touches `holes`.
 class RefusingDevice : public ::testing::Test {
@@ -22,7 +22,7 @@ class RefusingDevice : public ::testing::Test {
   RefusingDevice() {
     test::Map map;
     for (std::uint32_t i = 0; i < 20; ++i) map.push_back({1, 2 * i, 1.0});
-    input_ = test::input_of(map, kProtocol);
+    input_ = test::input_of(map, kFakeProtocol);
     scheduler_ = make_scheduler(input_);
     wire_ = std::make_unique<VirtualWire>(input_, *scheduler_);
     wire_->device = [this](const Block& block) {

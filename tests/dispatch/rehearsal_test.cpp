@@ -9,7 +9,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const test::FakeProtocol kProtocol;
+using test::kFakeProtocol;
 
 PlanRunner runner_of(const ScheduleInput& input, Planner planner = Planner::kRiding) {
   const WireModel wire(input, planner);
@@ -17,17 +17,17 @@ PlanRunner runner_of(const ScheduleInput& input, Planner planner = Planner::kRid
   return {wire, basis.points, make_plans(basis, group_points(basis)).front()};
 }
 
-ScheduleInput plant(double load) {
+ScheduleInput plant_at(double load) {
   const test::Map map = test::random_map(2, 60);
-  return test::input_of(map, kProtocol, 19200, 5ms, test::least_load(map, 19200, 5ms) / load);
+  return test::input_of(map, kFakeProtocol, 19200, 5ms, test::least_load(map, 19200, 5ms) / load);
 }
 
 TEST(Rehearsal, APlanForALightWireKeepsEveryRefresh) {
-  EXPECT_EQ(count_late(runner_of(plant(0.3)), Instant{1s}), 0u);
+  EXPECT_EQ(count_late(runner_of(plant_at(0.3)), Instant{1s}), 0u);
 }
 
 TEST(Rehearsal, DevicesThatAnswerLaterThanPlannedMakePointsLate) {
-  PlanRunner runner = runner_of(plant(0.5));
+  PlanRunner runner = runner_of(plant_at(0.5));
   for (DeviceIndex device = 0; device < runner.wire().tails.size(); ++device)
     runner.set_answer_time(device, test::kRegisters, 40ms);
   EXPECT_GT(count_late(runner, Instant{1s}), 0u);
@@ -35,7 +35,7 @@ TEST(Rehearsal, DevicesThatAnswerLaterThanPlannedMakePointsLate) {
 }
 
 TEST(Rehearsal, LeavesTheRunnerAsItIs) {
-  PlanRunner runner = runner_of(plant(0.4));
+  PlanRunner runner = runner_of(plant_at(0.4));
   const Decision before = PlanRunner(runner).next(Instant{1s});
   (void)count_late(runner, Instant{1s});
   const Decision after = runner.next(Instant{1s});

@@ -14,7 +14,7 @@ namespace {
 using namespace std::chrono_literals;
 using test::VirtualWire;
 
-const test::FakeProtocol kProtocol;
+using test::kFakeProtocol;
 
 // `count` registers from `first` on, every `step`-th.
 void add_points(ScheduleInput& input, DeviceIndex device, std::uint32_t first, std::uint32_t count,
@@ -30,9 +30,9 @@ void add_points(ScheduleInput& input, DeviceIndex device, std::uint32_t first, s
 }
 
 ScheduleInput plant(unsigned devices, std::uint32_t baud = 19200) {
-  ScheduleInput input = test::input_of({}, kProtocol, baud);
+  ScheduleInput input = test::input_of({}, kFakeProtocol, baud);
   DeviceTiming device;
-  device.protocol = &kProtocol;
+  device.protocol = &kFakeProtocol;
   device.answer_time = 4ms;
   input.devices.assign(devices, device);
   return input;
@@ -103,7 +103,7 @@ TEST(Scheduler, IntensiveWireNeverRests) {
 // 300 scattered registers in three units at 115200 baud: as good as a loop over the optimal
 // partition, and as even.
 TEST(Scheduler, IntensivePointsOfOneRefreshConvergeToTheOptimalPartition) {
-  ScheduleInput input = test::input_of(test::random_map(7, 300), kProtocol, 115200, 2ms);
+  ScheduleInput input = test::input_of(test::random_map(7, 300), kFakeProtocol, 115200, 2ms);
   Duration loop{};
   for (DeviceIndex device = 0; device < 3; ++device) {
     std::vector<Wanted> wanted;
@@ -136,7 +136,7 @@ TEST(Scheduler, NoGapIsLongerThanThePlanSays) {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     const test::Map map = test::random_map(seed, 150);
     const ScheduleInput input =
-        test::input_of(map, kProtocol, 19200, 5ms, test::least_load(map, 19200, 5ms) / 0.5);
+        test::input_of(map, kFakeProtocol, 19200, 5ms, test::least_load(map, 19200, 5ms) / 0.5);
     const auto scheduler = make_scheduler(input);
     VirtualWire wire(input, *scheduler);
     wire.run(2 * scheduler->plan().hyperperiod());
@@ -250,7 +250,7 @@ TEST(Scheduler, BlocksStayWithinTheLimitsOfTheDevice) {
 
 TEST(Scheduler, OverloadStretchesEveryRefreshAndStarvesNobody) {
   const test::Map map = test::random_map(3, 300);
-  ScheduleInput input = test::input_of(map, kProtocol, 9600);
+  ScheduleInput input = test::input_of(map, kFakeProtocol, 9600);
   const auto scheduler = make_scheduler(input);
   EXPECT_GT(scheduler->planned_load(), 2.0);
   EXPECT_GT(scheduler->stretch(), 2.0);

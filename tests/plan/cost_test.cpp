@@ -10,12 +10,12 @@ namespace {
 using namespace std::chrono_literals;
 using test::kBits, test::kBytewise, test::kRegisters, test::kWindow;
 
-const test::FakeProtocol kProtocol;
+using test::kFakeProtocol;
 const LineFormat kLine{9600, 8, Parity::kNone, 1};  // 10 bits: 1.0417 ms a character
 
 DeviceTiming timing() {
   DeviceTiming device;
-  device.protocol = &kProtocol;
+  device.protocol = &kFakeProtocol;
   device.answer_time = 2ms;
   return device;
 }

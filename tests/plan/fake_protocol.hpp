@@ -45,4 +45,6 @@ class FakeProtocol final : public Protocol {
                                   .window = true}};
 };
 
+inline const FakeProtocol kFakeProtocol;
+
 }  // namespace fieldcast::test

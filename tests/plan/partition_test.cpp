@@ -11,8 +11,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const test::FakeProtocol kProtocol;
-const LineFormat kLine{19200, 8, Parity::kEven, 1};
+using test::kFakeProtocol;
+const LineFormat kEvenLine{19200, 8, Parity::kEven, 1};
 
 // Every way to cut the list, tried.
 Duration brute_force(const std::vector<Wanted>& wanted, const ReadCost& cost,
@@ -44,7 +44,7 @@ TEST(Partition, EqualsTheBestOfAllPartitionsOnRandomLists) {
   std::mt19937_64 random(1);
   for (int round = 0; round < 400; ++round) {
     DeviceTiming device;
-    device.protocol = &kProtocol;
+    device.protocol = &kFakeProtocol;
     device.answer_time = Duration{random() % 8'000'000};
     if (random() % 2) device.max_block = static_cast<std::uint16_t>(4 + random() % 40);
     if (random() % 3 == 0) device.max_gap = static_cast<std::uint16_t>(random() % 6);
@@ -57,7 +57,7 @@ TEST(Partition, EqualsTheBestOfAllPartitionsOnRandomLists) {
           {first, first + 1 + static_cast<std::uint32_t>(random() % 4), random() % 12 == 0});
       first += static_cast<std::uint32_t>(random() % 16);
     }
-    const ReadCost cost(device, area, kLine, 2ms, wanted.back().end + 8);
+    const ReadCost cost(device, area, kEvenLine, 2ms, wanted.back().end + 8);
     const auto slices = optimal_partition(wanted, cost);
     std::uint32_t expected = 0;
     for (const Slice slice : slices) {
@@ -73,16 +73,16 @@ TEST(Partition, EqualsTheBestOfAllPartitionsOnRandomLists) {
 
 TEST(Partition, NothingWantedIsNoBlock) {
   DeviceTiming device;
-  device.protocol = &kProtocol;
-  EXPECT_TRUE(optimal_partition({}, ReadCost(device, 0, kLine, 2ms, 1)).empty());
+  device.protocol = &kFakeProtocol;
+  EXPECT_TRUE(optimal_partition({}, ReadCost(device, 0, kEvenLine, 2ms, 1)).empty());
 }
 
 TEST(Partition, TooLongRangeStandsAlone) {
   DeviceTiming device;
-  device.protocol = &kProtocol;
+  device.protocol = &kFakeProtocol;
   device.max_block = 10;
   const std::vector<Wanted> wanted{{0, 2}, {2, 22}, {22, 24}};
-  const ReadCost cost(device, 0, kLine, 2ms, 24);
+  const ReadCost cost(device, 0, kEvenLine, 2ms, 24);
   EXPECT_EQ(optimal_partition(wanted, cost), (std::vector<Slice>{{0, 1}, {1, 2}, {2, 3}}));
 }
 

@@ -12,10 +12,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const test::FakeProtocol kProtocol;
+using test::kFakeProtocol;
 
 ScheduleInput plant(std::uint64_t seed, double stretch = 1) {
-  return test::input_of(test::random_map(seed, 120), kProtocol, 19200, 5ms, stretch);
+  return test::input_of(test::random_map(seed, 120), kFakeProtocol, 19200, 5ms, stretch);
 }
 
 struct Planned {

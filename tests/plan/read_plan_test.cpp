@@ -13,7 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 using testing::HasSubstr;
 
-const test::FakeProtocol kProtocol;
+using test::kFakeProtocol;
 
 ReadPlan plan_of(const ScheduleInput& input, Planner planner = Planner::kRiding) {
   const WireModel wire(input, planner);
@@ -23,7 +23,7 @@ ReadPlan plan_of(const ScheduleInput& input, Planner planner = Planner::kRiding)
 
 // The points b, a, c and d that the header draws, by address: a lies between b and c, d far away.
 ScheduleInput drawn() {
-  return test::input_of({{1, 0, 0.4}, {1, 5, 0.1}, {1, 10, 0.4}, {1, 4000, 0.2}}, kProtocol);
+  return test::input_of({{1, 0, 0.4}, {1, 5, 0.1}, {1, 10, 0.4}, {1, 4000, 0.2}}, kFakeProtocol);
 }
 
 TEST(ReadPlan, IsAsItsHeaderDraws) {
@@ -45,7 +45,8 @@ TEST(ReadPlan, IsAsItsHeaderDraws) {
 }
 
 TEST(ReadPlan, NothingIsReadLessOftenThanItsRefreshAsks) {
-  const ScheduleInput input = test::input_of(test::random_map(3, 200), kProtocol, 115200, 2ms, 3);
+  const ScheduleInput input =
+      test::input_of(test::random_map(3, 200), kFakeProtocol, 115200, 2ms, 3);
   const ReadPlan plan = plan_of(input);
   ASSERT_EQ(plan.stretch, 1);
   for (OrderIndex at = 0; at < plan.points.size(); ++at) {
@@ -59,7 +60,8 @@ TEST(ReadPlan, NothingIsReadLessOftenThanItsRefreshAsks) {
 }
 
 TEST(ReadPlan, ItsLoadIsThatOfItsGroups) {
-  const ReadPlan plan = plan_of(test::input_of(test::random_map(4, 100), kProtocol, 115200, 2ms));
+  const ReadPlan plan =
+      plan_of(test::input_of(test::random_map(4, 100), kFakeProtocol, 115200, 2ms));
   double sum = 0;
   for (const PlannedGroup& group : plan.groups) sum += group.load;
   EXPECT_NEAR(sum, plan.planned_load(), 1e-9);

@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const test::FakeProtocol kProtocol;
+using test::kFakeProtocol;
 
 test::Map two_groups() {
   test::Map map;
@@ -20,7 +20,7 @@ test::Map two_groups() {
 }
 
 TEST(Prediction, LightPlanIsFeasibleAndItsLoadIsWhatTheBlocksCost) {
-  const ScheduleInput input = test::input_of(two_groups(), kProtocol);
+  const ScheduleInput input = test::input_of(two_groups(), kFakeProtocol);
   const Prediction prediction = predict(input);
   EXPECT_TRUE(prediction.feasible);
   EXPECT_EQ(prediction.stretch, 1.0);
@@ -41,7 +41,7 @@ TEST(Prediction, LightPlanIsFeasibleAndItsLoadIsWhatTheBlocksCost) {
 }
 
 TEST(Prediction, OverloadNamesConfigurationsThatWork) {
-  const ScheduleInput input = test::input_of(test::random_map(2, 100), kProtocol);
+  const ScheduleInput input = test::input_of(test::random_map(2, 100), kFakeProtocol);
   const Prediction prediction = predict(input);
   ASSERT_FALSE(prediction.feasible);
   EXPECT_GT(prediction.planned_load, 1.0);
@@ -69,7 +69,7 @@ TEST(Prediction, OverloadNamesConfigurationsThatWork) {
 
 TEST(Prediction, DevicesAreSpreadOverLinesThatEachWork) {
   // Six devices, each with some 0.35 of the wire.
-  ScheduleInput input = test::input_of(two_groups(), kProtocol);
+  ScheduleInput input = test::input_of(two_groups(), kFakeProtocol);
   const DeviceTiming device = input.devices.front();
   input.devices.assign(6, device);
   input.points.clear();
@@ -84,11 +84,11 @@ TEST(Prediction, DevicesAreSpreadOverLinesThatEachWork) {
   std::erase_if(fullest.points,
                 [&](const Point& point) { return point.device >= (6 + lines - 1) / lines; });
   EXPECT_TRUE(predict(fullest).feasible);
-  EXPECT_FALSE(predict(test::input_of(two_groups(), kProtocol)).remedies.buses);
+  EXPECT_FALSE(predict(test::input_of(two_groups(), kFakeProtocol)).remedies.buses);
 }
 
 TEST(Prediction, ImpossiblePlanIsToldInBoundedTime) {
-  ScheduleInput input = test::input_of(two_groups(), kProtocol);
+  ScheduleInput input = test::input_of(two_groups(), kFakeProtocol);
   for (Point& point : input.points) point.refresh = 1ns;
   const Prediction prediction = predict(input, {.max_reads = 2000});
   EXPECT_FALSE(prediction.feasible);

@@ -14,7 +14,7 @@ namespace {
 using namespace std::chrono_literals;
 using test::VirtualWire;
 
-const test::FakeProtocol kProtocol;
+using test::kFakeProtocol;
 
 // Several units, areas, widths, limits and answer times on one bus, with about half of the load
 // that it could carry.
@@ -22,11 +22,11 @@ ScheduleInput random_input(std::uint64_t seed) {
   std::mt19937_64 random(seed);
   const auto below = [&](std::uint64_t n) { return random() % n; };
   constexpr std::array kRefreshes{100, 200, 250, 500, 700, 1000, 2000, 3000, 5000, 10'000};
-  ScheduleInput input = test::input_of({}, kProtocol, below(2) ? 19200 : 38400);
+  ScheduleInput input = test::input_of({}, kFakeProtocol, below(2) ? 19200 : 38400);
   const auto units = static_cast<unsigned>(1 + below(5));
   for (unsigned unit = 0; unit < units; ++unit) {
     DeviceTiming device;
-    device.protocol = &kProtocol;
+    device.protocol = &kFakeProtocol;
     device.answer_time = Duration{static_cast<std::int64_t>(below(12'000'000))};
     if (below(4) == 0) device.pause = 3ms;
     if (below(3) == 0) device.max_block = static_cast<std::uint16_t>(8 + below(40));
@@ -63,13 +63,13 @@ TEST_P(RandomBus, WhatIsPredictedFeasibleMissesNothingAndBlocksAreSound) {
     ASSERT_EQ(block.ranges.size(), 1u);
     ASSERT_FALSE(block.points.empty());
     const Range& range = block.ranges.front();
-    const Area& area = kProtocol.areas()[range.area];
-    EXPECT_TRUE(kProtocol.size(ReadRequest{block.ranges}));
+    const Area& area = kFakeProtocol.areas()[range.area];
+    EXPECT_TRUE(kFakeProtocol.size(ReadRequest{block.ranges}));
     EXPECT_EQ(range.first % area.alignment, 0u);
     if (device.max_block != 0 && block.points.size() > 1 && !area.window && area.alignment == 1) {
       EXPECT_LE(range.count, device.max_block);
     }
-    const ExchangeSize size = *kProtocol.size(ReadRequest{block.ranges});
+    const ExchangeSize size = *kFakeProtocol.size(ReadRequest{block.ranges});
     EXPECT_EQ(block.cost, wire_time(size, input.line, input.silence, device));
     std::set<PointIndex> unique(block.points.begin(), block.points.end());
     EXPECT_EQ(unique.size(), block.points.size());
@@ -133,7 +133,7 @@ TEST_P(RandomBus, FaultsOfSomeStarveNobody) {
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomBus, ::testing::Range<std::uint64_t>(1, 41));
 
 TEST(Overload, LowPriorityGivesWayFirst) {
-  ScheduleInput input = test::input_of(test::random_map(4, 90), kProtocol);
+  ScheduleInput input = test::input_of(test::random_map(4, 90), kFakeProtocol);
   for (PointIndex point = 0; point < input.points.size(); ++point) {
     input.points[point].priority = input.points[point].device == 0 ? 10 : 0;
     input.points[point].refresh = 250ms;
@@ -158,7 +158,7 @@ TEST(Overload, LowPriorityGivesWayFirst) {
 }
 
 TEST(Overload, OfOnePriorityEachGivesWayByItsElasticity) {
-  ScheduleInput input = test::input_of(test::random_map(4, 90), kProtocol);
+  ScheduleInput input = test::input_of(test::random_map(4, 90), kFakeProtocol);
   constexpr std::array kElasticities{0.2, 1.0, 4.0};  // by device
   for (Point& point : input.points) {
     point.refresh = 350ms;
@@ -214,7 +214,7 @@ TEST_P(RandomOverload, StarvesNobody) {
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomOverload, ::testing::Range<std::uint64_t>(1, 13));
 
 TEST(Overload, WireThatIsSlowerThanPlannedStretchesToo) {
-  ScheduleInput input = test::input_of(test::random_map(4, 90), kProtocol, 115200);
+  ScheduleInput input = test::input_of(test::random_map(4, 90), kFakeProtocol, 115200);
   const double planned = make_scheduler(input)->planned_load();
   for (Point& point : input.points)
     point.refresh = from_seconds(to_seconds(point.refresh) * planned / 0.5);
@@ -237,7 +237,7 @@ TEST(Overload, WireThatIsSlowerThanPlannedStretchesToo) {
 }
 
 TEST(Overload, NewAnswerTimeChangesThePlan) {
-  ScheduleInput input = test::input_of(test::random_map(4, 90), kProtocol);
+  ScheduleInput input = test::input_of(test::random_map(4, 90), kFakeProtocol);
   const double planned = make_scheduler(input)->planned_load();
   for (Point& point : input.points)
     point.refresh = from_seconds(to_seconds(point.refresh) * planned / 0.7);
