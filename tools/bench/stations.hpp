@@ -23,7 +23,7 @@ class StationProcess {
   // `one_by_one`: by fieldcast/Sample instead of by blocks.
   StationProcess(const ScratchFolder& folder, unsigned domain, const std::string& name,
                  bool one_by_one);
-  [[nodiscard]] Received received() const;  // not older than 100 ms, if it runs
+  [[nodiscard]] Received received() const;  // not older than 20 ms, if it runs
   [[nodiscard]] double cpu_seconds() const { return process_.cpu_seconds(); }
   [[nodiscard]] pid_t id() const { return process_.id(); }
 

@@ -1,0 +1,93 @@
+// A bridge's side of DDS in a process of its own, without wires: buses whose channels are published
+// in blocks of 50, each once a second.
+//
+// usage: bench_bridge DOMAIN BUSES CHANNELS
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "bridge/bus/clock.hpp"
+#include "bridge/dds/dds_link.hpp"
+
+namespace fieldcast::bench {
+namespace {
+
+constexpr std::size_t kBlock = 50;  // samples
+
+std::atomic<bool> stopped = false;
+
+BusSpec bus_of(const std::string& name, std::size_t channels) {
+  BusSpec bus;
+  bus.name = name;
+  for (std::size_t i = 0; i < channels; ++i) {
+    if (i % 100 == 0) bus.devices.emplace_back().name = "unit-" + std::to_string(i / 100);
+    ChannelSpec& channel = bus.devices.back().channels.emplace_back();
+    channel.name = "channel-" + std::to_string(i);
+    channel.at = "holding:" + std::to_string(i);
+    channel.refresh = std::chrono::seconds(2);
+  }
+  return bus;
+}
+
+int run(unsigned domain, int buses, std::size_t channels) {
+  DdsSpec dds;
+  dds.domain = domain;
+  DdsLink link(dds, "bench",
+               {.clock = read_clocks,
+                .on_command = [](auto&&...) {},
+                .on_interest = [](auto&&...) {},
+                .on_problem = [](const std::string& text) { std::printf("%s\n", text.c_str()); }});
+  std::vector<std::string> names;
+  for (int b = 0; b < buses; ++b) {
+    names.push_back("bus-" + std::to_string(b));
+    link.add_bus(bus_of(names.back(), channels));
+  }
+  std::uint64_t round = 0;
+  auto due = std::chrono::steady_clock::now();
+  const std::size_t blocks = (channels + kBlock - 1) / kBlock;
+  const auto step = std::chrono::nanoseconds(std::chrono::seconds(1)) / static_cast<long>(blocks);
+  while (!stopped) {
+    ++round;
+    for (std::size_t first = 0; first < channels && !stopped; first += kBlock) {
+      for (const std::string& name : names) {
+        std::vector<Sample> samples;
+        const UtcMapping now = read_clocks();
+        for (std::size_t i = first; i < std::min(channels, first + kBlock); ++i) {
+          Sample& sample = samples.emplace_back();
+          sample.channel = static_cast<ChannelIndex>(i);
+          sample.value = round;
+          sample.quality = Quality::kGood;
+          sample.acquired = now.instant;
+          sample.sequence = round;
+        }
+        link.publish(name, samples, now);
+      }
+      due += step;
+      std::this_thread::sleep_until(due);
+    }
+    if (round == 1) std::printf("published\n");
+    std::fflush(stdout);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace fieldcast::bench
+
+int main(int argc, char** argv) {
+  if (argc < 4) return 2;
+  std::signal(SIGTERM, [](int) { fieldcast::bench::stopped = true; });
+  try {
+    return fieldcast::bench::run(static_cast<unsigned>(std::atoi(argv[1])), std::atoi(argv[2]),
+                                 static_cast<std::size_t>(std::atoi(argv[3])));
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "bench_bridge: %s\n", error.what());
+    return 1;
+  }
+}

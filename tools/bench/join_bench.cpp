@@ -1,0 +1,98 @@
+// How long a station that joins late needs for the catalogue and the last value of every channel,
+// while the buses run. Bridge and station are processes of their own.
+//
+// usage: join_bench [--buses N] [--channels N] [--one-by-one] [--patience SECONDS]
+// Without --buses: 8, 16 and 64 of 1 000 channels.
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "tools/bench/figures.hpp"
+#include "tools/bench/plant.hpp"
+#include "tools/bench/stations.hpp"
+
+namespace fieldcast::bench {
+namespace {
+
+struct Options {
+  std::vector<int> buses = {8, 16, 64};
+  int channels = 1000;  // of each bus
+  bool one_by_one = false;
+  double patience = 30;
+};
+
+Options options_from(int argc, char** argv) {
+  Options options;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const char* const value = i + 1 < argc ? argv[i + 1] : "";
+    if (word == "--buses") options.buses = {std::atoi(value)};
+    if (word == "--channels") options.channels = std::atoi(value);
+    if (word == "--one-by-one") options.one_by_one = true;
+    if (word == "--patience") options.patience = std::atof(value);
+  }
+  return options;
+}
+
+void join(const Options& options, const ScratchFolder& folder, unsigned domain, int buses,
+          int number, const Process& bridge) {
+  const auto all = static_cast<std::uint64_t>(buses) * static_cast<std::uint64_t>(options.channels);
+  const auto begun = std::chrono::steady_clock::now();
+  const auto passed = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  };
+  const double cpu = bridge.cpu_seconds();
+  const StationProcess station(folder, domain, "station-" + std::to_string(number),
+                               options.one_by_one);
+  double listed = 0, complete = 0;
+  Received received;
+  while (passed() < options.patience) {
+    received = station.received();
+    if (listed == 0 && received.listed >= all) listed = passed();
+    if (complete == 0 && received.channels >= all) complete = passed();
+    if (listed > 0 && complete > 0) break;
+    let_run(0.02);
+  }
+  std::printf("join %d: %llu of %llu channels listed, %llu with a value\n", number,
+              static_cast<unsigned long long>(received.listed),
+              static_cast<unsigned long long>(all),
+              static_cast<unsigned long long>(received.channels));
+  print_figure("  start of the process to the whole catalogue", listed, "s", "0: never");
+  print_figure("  start of the process to every last value", complete, "s",
+               "goal < 1 with 16 000, < 3 with 64 000");
+  print_figure("  processor time of the station until then", station.cpu_seconds(), "s", "");
+  print_figure("  processor time of the bridge until then", bridge.cpu_seconds() - cpu, "s", "");
+}
+
+void measure(const Options& options, int buses) {
+  std::printf("== %d buses of %d channels\n", buses, options.channels);
+  const ScratchFolder folder;
+  const unsigned domain = own_domain();
+  const std::string log = folder.path() + "/bridge.log";
+  const Process bridge(
+      "bench_bridge",
+      {std::to_string(domain), std::to_string(buses), std::to_string(options.channels)}, log);
+  if (!wait_for_text(log, "published", 60)) throw std::runtime_error("the bridge does not publish");
+  let_run(1);
+  for (int number = 1; number <= 3; ++number) join(options, folder, domain, buses, number, bridge);
+  print_figure("  resident memory of the bridge", bridge.resident_mb(), "MB",
+               "goal < 300 with 64 000");
+}
+
+}  // namespace
+}  // namespace fieldcast::bench
+
+int main(int argc, char** argv) {
+  using namespace fieldcast::bench;
+  try {
+    const Options options = options_from(argc, argv);
+    for (const int buses : options.buses) measure(options, buses);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "join_bench: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}
