@@ -1,7 +1,7 @@
 // A station in a process of its own, for benches: takes every sample and says each 20 ms what
 // came.
 //
-// usage: bench_station DOMAIN [one-by-one]
+// usage: bench_station DOMAIN one-by-one|by-blocks [SHARE OF DATAGRAMS LOST]
 //
 // Each line: samples received, samples missing by their sequence, channels with a value, channels
 // of the catalogue, blocks missing.
@@ -17,6 +17,7 @@
 #include <unordered_map>
 
 #include "bridge/station/station.hpp"
+#include "tools/bench/lossy_receive.hpp"
 
 namespace fieldcast::bench {
 namespace {
@@ -73,6 +74,7 @@ int main(int argc, char** argv) {
   if (argc < 2) return 2;
   std::signal(SIGTERM, [](int) { fieldcast::bench::stopped = true; });
   try {
+    if (argc > 3) fieldcast::bench::lose(std::atof(argv[3]));
     return fieldcast::bench::run(static_cast<unsigned>(std::atoi(argv[1])),
                                  argc > 2 && std::strcmp(argv[2], "one-by-one") == 0);
   } catch (const std::exception& error) {

@@ -2,7 +2,9 @@
 // the stations received (by sequence), what that costs, and whether every bus gets its share of its
 // wire.
 //
-// usage: scale_bench [--seconds N] [--buses N] [--channels N] [--one-by-one] [--bridge PROGRAM]
+// usage: scale_bench [--seconds N] [--buses N] [--channels N] [--one-by-one] [--loss SHARE]
+//                    [--bridge PROGRAM]
+//
 // Without --buses: 1, 16 and 32 of them. --one-by-one: stations take fieldcast/Sample. --bridge: a
 // bridge of another build, to compare.
 #include <csignal>
@@ -27,6 +29,7 @@ struct Options {
   std::vector<int> buses = {1, 16, 32};
   int channels = 300;  // of each bus
   bool one_by_one = false;
+  double loss = 0;  // share of the datagrams that do not reach a station
   std::string bridge = "fieldcast-bridge";
 };
 
@@ -39,6 +42,7 @@ Options options_from(int argc, char** argv) {
     if (word == "--buses") options.buses = {std::atoi(value)};
     if (word == "--channels") options.channels = std::atoi(value);
     if (word == "--one-by-one") options.one_by_one = true;
+    if (word == "--loss") options.loss = std::atof(value);
     if (word == "--bridge") options.bridge = value;
   }
   return options;
@@ -140,7 +144,7 @@ void measure(const Options& options, int count) {
   const auto add = [&] {
     stations.push_back(std::make_unique<StationProcess>(
         plant.folder(), plant.domain(), "station-" + std::to_string(stations.size()),
-        options.one_by_one));
+        options.one_by_one, options.loss));
     running.push_back(stations.back().get());
   };
   add();

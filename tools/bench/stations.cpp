@@ -6,10 +6,12 @@
 namespace fieldcast::bench {
 
 StationProcess::StationProcess(const ScratchFolder& folder, unsigned domain,
-                               const std::string& name, bool one_by_one)
+                               const std::string& name, bool one_by_one, double loss)
     : log_(folder.path() + '/' + name + ".log"),
-      process_("bench_station", {std::to_string(domain), one_by_one ? "one-by-one" : "by-blocks"},
-               log_) {}
+      process_(
+          "bench_station",
+          {std::to_string(domain), one_by_one ? "one-by-one" : "by-blocks", std::to_string(loss)},
+          log_) {}
 
 Received StationProcess::received() const {
   std::ifstream file(log_);

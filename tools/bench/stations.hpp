@@ -20,9 +20,10 @@ struct Received {
 
 class StationProcess {
  public:
-  // `one_by_one`: by fieldcast/Sample instead of by blocks.
+  // `one_by_one`: by fieldcast/Sample instead of by blocks. `loss`: the share of datagrams that do
+  // not reach it.
   StationProcess(const ScratchFolder& folder, unsigned domain, const std::string& name,
-                 bool one_by_one);
+                 bool one_by_one, double loss = 0);
   [[nodiscard]] Received received() const;  // not older than 20 ms, if it runs
   [[nodiscard]] double cpu_seconds() const { return process_.cpu_seconds(); }
   [[nodiscard]] pid_t id() const { return process_.id(); }
