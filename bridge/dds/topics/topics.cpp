@@ -37,11 +37,15 @@ void set_holding(Qos& qos, const Holding& holding) {
 // The last message before a rest, if lost, is missed only at the next heartbeat: the library's
 // default is 3 s. Heartbeats cost nothing while everything is acknowledged. With a suppression of 0
 // every message would fire a timer that takes the writer's lock.
-void repair_soon(dds::DataWriterQos& qos, Duration repair_after) {
+void set_repair(dds::DataWriterQos& qos, Repair repair) {
   auto& times = qos.reliable_writer_qos().times;
   times.initialHeartbeatDelay = {0, 5'000'000};
   times.heartbeatPeriod = {0, 50'000'000};
-  times.nackSupressionDuration = to_dds(repair_after);
+  times.nackSupressionDuration = {0, 5'000'000};
+  if (repair == Repair::kSoon) return;
+  times.heartbeatPeriod = {0, 200'000'000};
+  times.nackSupressionDuration = {0, 100'000'000};
+  qos.reliable_writer_qos().disable_heartbeat_piggyback = true;
 }
 
 template <class Qos>
@@ -73,7 +77,7 @@ dds::DataWriterQos writer_qos(const TopicRow& topic) {
   dds::DataWriterQos qos;
   set_common(qos, topic.durability, topic.keys);
   set_holding(qos, topic.writer);
-  repair_soon(qos, topic.repair_after);
+  set_repair(qos, topic.repair);
   qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
   qos.reliability().max_blocking_time = to_dds(topic.longest_write);
   qos.writer_data_lifecycle().autodispose_unregistered_instances =

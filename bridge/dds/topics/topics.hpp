@@ -74,6 +74,13 @@ enum class Unregister : std::uint8_t {
   kLetsGo,    // the writer has no more to say of it
 };
 
+// How a lost message is noticed.
+enum class Repair : std::uint8_t {
+  kSoon,    // a heartbeat with every message, and each 50 ms: within some 10 ms
+  kSaving,  // a heartbeat each 200 ms while something is not acknowledged. Heartbeats, their
+            // answers and the timers behind them wake threads on both sides: more work than a block
+};
+
 struct TopicRow {
   const char* name;  // its type is fieldcast:: and what follows the slash
   Durability durability;
@@ -82,9 +89,7 @@ struct TopicRow {
   Unregister unregister = Unregister::kDisposes;
   Duration longest_write = std::chrono::milliseconds{10};  // with readers that lag
   Keys keys = Keys::kKeyed;
-  // In which a message that was sent is not repeated. Its timer wakes a thread of the library once
-  // in this time and reader; a lost message is repaired no sooner.
-  Duration repair_after = std::chrono::milliseconds{5};
+  Repair repair = Repair::kSoon;
 };
 template <class GeneratedType>
 struct Topic : TopicRow {
@@ -115,7 +120,7 @@ inline constexpr Topic<idl::AlarmPubSubType> kAlarmTopic{
 inline constexpr Topic<idl::SampleBlockPubSubType> kSampleBlockTopic{
     {"fieldcast/SampleBlock", kPasses, last_of(1, kBlocksKept), last_of(1, kBlocksTaken),
      Lease::kNone, Unregister::kDisposes, std::chrono::milliseconds{10}, Keys::kNone,
-     std::chrono::milliseconds{100}}};
+     Repair::kSaving}};
 inline constexpr Topic<idl::SnapshotRequestPubSubType> kSnapshotRequestTopic{
     {"fieldcast/SnapshotRequest", kPasses, last_of(kMaxBuses), last_of(kMaxBuses)}};
 inline constexpr Topic<idl::CatalogueBlockPubSubType> kCatalogueBlockTopic{
