@@ -212,11 +212,12 @@ void Bridge::State::tell_other_bridges(DdsLink::Handlers& handlers) {
                          [this](const auto& uncontested) { return follow_guard(uncontested); },
                          [] { return read_clocks().utc; }});
   BusGuard& others = *guard;
-  handlers.bridges = {
-      [&others](const std::string& id) { others.found(id); },
-      [&others](const std::string& id, BridgeClaims claims) { others.hear(id, std::move(claims)); },
-      [&others](const std::string& id, bool alive) { others.set_alive(id, alive); },
-      [&others](const std::string& id) { others.lost(id); }};
+  handlers.bridges = {[&others](const std::string& id) { others.found(id); },
+                      [&others](const std::string& id, BridgeClaims claims) {
+                        others.receive(id, std::move(claims));
+                      },
+                      [&others](const std::string& id, bool alive) { others.set_alive(id, alive); },
+                      [&others](const std::string& id) { others.lost(id); }};
 }
 
 void Bridge::State::want_buses(const BridgeSpec& wanted) {

@@ -30,8 +30,8 @@ BridgePresence::BridgePresence(Domain& domain, const std::string& label,
 std::string BridgePresence::id() const { return text_of(writer_->get_instance_handle()); }
 
 void BridgePresence::announce(const BridgeClaims& claims) {
-  to_idl(claims, said_);
-  writer_->write(&said_);
+  to_idl(claims, announced_);
+  writer_->write(&announced_);
 }
 
 void BridgePresence::close() {
@@ -44,11 +44,11 @@ bool BridgePresence::is_own(const Handle& writer) const {
 }
 
 void BridgePresence::on_data_available(dds::DataReader* reader) {
-  idl::Bridge heard;
+  idl::Bridge received;
   dds::SampleInfo info;
-  while (reader->take_next_sample(&heard, &info) == ReturnCode_t::RETCODE_OK) {
+  while (reader->take_next_sample(&received, &info) == ReturnCode_t::RETCODE_OK) {
     if (info.valid_data && !is_own(info.publication_handle))
-      handlers_.heard(text_of(info.publication_handle), from_idl(heard));
+      handlers_.received(text_of(info.publication_handle), from_idl(received));
   }
 }
 

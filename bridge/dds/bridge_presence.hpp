@@ -1,4 +1,4 @@
-// This bridge among the others of its domain: says what it serves, and hears what they say. Calls
+// This bridge among the others of its domain: says what it serves, and receives what they say. Calls
 // come on DDS threads.
 #pragma once
 
@@ -31,7 +31,7 @@ class BridgePresence : private dds::DataReaderListener {
   const DdsLink::BridgeHandlers handlers_;
   dds::DataWriter* writer_;
   dds::DataReader* reader_;
-  idl::Bridge said_;
+  idl::Bridge announced_;
 };
 
 }  // namespace fieldcast

@@ -77,7 +77,7 @@ void CommandReceiver::take(const idl::Command& command, const dds::SampleInfo& i
   const std::string bus = command.bus().c_str();
   if (!handlers_.is_ours(bus)) return;
   const CommandLifespans::Guid writer = info.sample_identity.writer_guid();
-  handlers_.heard(command.requester().c_str(), writer);
+  handlers_.received(command.requester().c_str(), writer);
   const UtcTime source{info.source_timestamp.to_ns()};
   const UtcMapping now = handlers_.clock();
   if (const auto before = written_before(listening_, source, now)) {

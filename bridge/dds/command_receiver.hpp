@@ -55,7 +55,7 @@ class CommandReceiver : private dds::DataReaderListener {
                        const MalformedCommand& why)>
         refused;  // malformed, or older than this receiver
     std::function<void(const std::string& requester, const CommandLifespans::Guid& writer)>
-        heard;  // before either
+        received;  // before either
   };
   CommandReceiver(Domain& domain, const CommandLifespans& lifespans, Handlers handlers);
   void close();  // nothing is handed on after it returns

@@ -69,7 +69,7 @@ struct DdsLink::State {
     sessions = domain.writer(kProgramSessionTopic, label);
     interests =
         std::make_unique<InterestReceiver>(domain, handlers.on_interest, handlers.on_problem);
-    if (handlers.bridges.heard)
+    if (handlers.bridges.received)
       presence = std::make_unique<BridgePresence>(domain, label, handlers.bridges);
     snapshots = std::make_unique<SnapshotSender>(
         domain, [this](const std::string& bus) { return send_snapshot(bus); });
@@ -95,7 +95,7 @@ struct DdsLink::State {
                                Command command) { handlers.on_command(name, std::move(command)); },
             .refused = [this](const std::string& name, const idl::Command& command,
                               const MalformedCommand& why) { reject(name, command, why); },
-            .heard =
+            .received =
                 [this](const std::string& requester, const CommandLifespans::Guid& writer) {
                   results.remember(requester, writer.guidPrefix);
                 }};

@@ -34,7 +34,7 @@ class DdsLink {
   // Other bridges of the domain, by an identity that no two share. On DDS threads.
   struct BridgeHandlers {
     std::function<void(const std::string& id)> found;  // it has said nothing yet
-    std::function<void(const std::string& id, BridgeClaims claims)> heard;
+    std::function<void(const std::string& id, BridgeClaims claims)> received;
     std::function<void(const std::string& id, bool alive)> alive;  // by its lease
     std::function<void(const std::string& id)> lost;
   };
@@ -81,7 +81,7 @@ class DdsLink {
   void publish_again(std::string_view bus);
 
   // Disposes every instance of the bus in all topics, so that stations see it go, and waits at most
-  // `linger` until those have heard that listen to its samples. `limit`: of the disposal, for a
+  // `linger` until the readers of its samples have received that. `limit`: of the disposal, for a
   // participant that leaves the domain anyway, which ends the instances that are left. Like
   // add_bus(). REQUIRES: nobody publishes on it any more (its thread has ended). No effect for an
   // unknown bus.

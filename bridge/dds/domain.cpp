@@ -31,7 +31,7 @@ constexpr const char* kLoopback = "127.0.0.1";
 constexpr std::uint32_t kReceiveBuffer = 1 << 20;
 constexpr std::uint32_t kHighestDomain = 232;  // the ports of RTPS end there (RTPS 2.2, 9.6.1)
 
-// The library would silently listen nowhere.
+// The library would open no socket and say nothing.
 bool has_interface(const std::string& address) {
   ifaddrs* list = nullptr;
   if (getifaddrs(&list) != 0) return true;  // cannot be known

@@ -44,7 +44,7 @@ std::optional<Instant> ResultSender::hold_until(const Requester& requester, Inst
   const auto match = matched_.find(requester.participant);
   if (match == matched_.end()) return now + kHold;
   if (is_fast_dds(requester.participant)) return std::nullopt;
-  const Instant settled = std::max(requester.heard, match->second.since) + kSettle;
+  const Instant settled = std::max(requester.first_seen, match->second.since) + kSettle;
   return settled > now ? std::optional(settled) : std::nullopt;
 }
 

@@ -1,6 +1,6 @@
 // Publishes command results, one for each command.
 //
-// Results are volatile. A requester that has just joined may have had its command heard before its
+// Results are volatile. A requester that has just joined may have had its command received before its
 // reader was discovered; its result is held until then, for at most a second. Readers of other
 // vendors get a moment more: Cyclone DDS throws away what comes before the first heartbeat of a
 // writer, and takes that heartbeat for the beginning. A moment after its result, an instance is let
@@ -56,7 +56,7 @@ class ResultSender : private dds::DataWriterListener {
 
   struct Requester {
     GuidPrefix participant;
-    Instant heard;  // for the first time
+    Instant first_seen;
   };
   struct Match {
     std::size_t readers = 0;

@@ -13,7 +13,7 @@ auto rank(const BusClaim& claim, const std::string& id) {
 
 }  // namespace
 
-void BusClaims::hear(const std::string& id, BridgeClaims claims) {
+void BusClaims::receive(const std::string& id, BridgeClaims claims) {
   others_[id] = {std::move(claims), true};
 }
 

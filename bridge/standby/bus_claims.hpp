@@ -41,8 +41,8 @@ class BusClaims {
 
   // ---- the others
 
-  void hear(const std::string& id, BridgeClaims claims);  // in place of what it said before
-  // It is silent (its lease is over) or is heard again; of no effect for one never heard.
+  void receive(const std::string& id, BridgeClaims claims);  // in place of what it said before
+  // It is silent (its lease is over) or speaks again; of no effect for one that said nothing yet.
   void set_alive(const std::string& id, bool alive);
   void forget(const std::string& id);
   // Others whose process runs where this one does, for set_alive().
@@ -56,11 +56,11 @@ class BusClaims {
   // REQUIRES: the bus is wanted.
   [[nodiscard]] std::optional<BridgeClaims> rival(const std::string& bus) const;
   // Decides anew for each wanted bus whether this bridge serves it. True if something changed,
-  // which the others must hear.
+  // which the others must be told.
   bool decide();
   [[nodiscard]] const std::map<std::string, BusClaim>& buses() const { return own_; }
   [[nodiscard]] bool serves(const std::string& bus) const;
-  // The buses that this bridge serves and another one as well: until one of both has heard of it.
+  // The buses that this bridge serves and another one as well: until one of both knows it.
   [[nodiscard]] std::set<std::string> contested() const;
 
  private:

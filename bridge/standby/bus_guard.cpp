@@ -28,10 +28,10 @@ void BusGuard::found(const std::string& id) {
   silent_.insert(id);
 }
 
-void BusGuard::hear(const std::string& id, BridgeClaims claims) {
+void BusGuard::receive(const std::string& id, BridgeClaims claims) {
   const std::lock_guard lock(mutex_);
   silent_.erase(id);
-  claims_.hear(id, std::move(claims));
+  claims_.receive(id, std::move(claims));
   dirty_ = true;
   news_.notify_all();
 }

@@ -1,5 +1,5 @@
 // Sees to it that a bus is served by one bridge of the domain: tells the others what this one wants
-// and serves, hears them, and decides (bus_claims.hpp). Functions may be called from any thread.
+// and serves, receives what they say, and decides (bus_claims.hpp). Functions may be called from any thread.
 #pragma once
 
 #include <condition_variable>
@@ -39,7 +39,7 @@ class BusGuard {
   // ---- the others, as DDS finds them
 
   void found(const std::string& id);  // it has not said anything yet
-  void hear(const std::string& id, BridgeClaims claims);
+  void receive(const std::string& id, BridgeClaims claims);
   void set_alive(const std::string& id, bool alive);
   void lost(const std::string& id);
 
@@ -48,7 +48,7 @@ class BusGuard {
   // Wants these buses and no others; `id` is its own in DDS. What it serves is decided by settle(),
   // or by itself once that was called.
   void want(const std::string& id, const std::vector<std::string>& buses);
-  // Waits until the others can have been heard, or until `give_up` says so, then decides. At most
+  // Waits until the others can have announced themselves, or until `give_up` says so, then decides. At most
   // kLongestSettle; once.
   void settle(const std::function<bool()>& give_up);
   [[nodiscard]] bool serves(const std::string& bus) const;
@@ -61,7 +61,7 @@ class BusGuard {
  private:
   void run();
   void look_at_processes();
-  [[nodiscard]] bool decide();  // true: others must hear of it. REQUIRES: mutex_ held.
+  [[nodiscard]] bool decide();  // true: others must be told. REQUIRES: mutex_ held.
   void announce();              // REQUIRES: mutex_ not held, as it enters DDS
 
   const Handlers handlers_;
@@ -70,7 +70,7 @@ class BusGuard {
   std::condition_variable news_;
   BridgeClaims own_;  // without its buses
   BusClaims claims_;
-  std::set<std::string> silent_;       // found, and not heard yet
+  std::set<std::string> silent_;       // found, and nothing received from them yet
   std::set<std::string> contested_;    // as of the last decision
   std::set<std::string> uncontested_;  // since changed() was called
   bool settled_ = false, dirty_ = false, changed_ = false, ending_ = false;

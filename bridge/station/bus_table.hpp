@@ -34,7 +34,7 @@ class BusTable {
   [[nodiscard]] bool is_known() const { return epoch_ != 0; }
   [[nodiscard]] std::uint64_t missing() const { return missing_; }  // blocks, of all epochs
 
-  // Everything that is known, to somebody who begins to listen.
+  // Everything that is known, to handlers that are new.
   void replay(const Handlers& handlers) const;
 
  private:

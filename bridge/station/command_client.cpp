@@ -26,7 +26,7 @@ auto participant_of(const dds::InstanceHandle_t& endpoint) {
 CommandClient::CommandClient(Domain& domain, const std::string& name)
     : domain_(domain), requester_(make_requester(name)) {
   listener_.client = this;
-  // Results are volatile: listen before asking.
+  // Results are volatile: the reader comes before the first command.
   results_ =
       domain_.reader(kCommandResultTopic, &listener_,
                      dds::StatusMask::data_available() << dds::StatusMask::subscription_matched());
@@ -117,7 +117,7 @@ CommandClient::Writer& CommandClient::writer_for(Duration lifespan) {
 
 bool CommandClient::matched_both_ways(const Writer& writer) const {
   if (writer.readers.empty()) return false;
-  // Every bridge that hears commands must also be heard: the command may be for any of them.
+  // From every bridge that receives commands, results must come: the command may be for any of them.
   return std::all_of(writer.readers.begin(), writer.readers.end(), [this](const auto& reader) {
     return std::any_of(result_writers_.begin(), result_writers_.end(),
                        [&](const auto& result_writer) {

@@ -21,8 +21,8 @@ TEST(DdsCommand, RunsAndItsResultComesBack) {
   EXPECT_EQ(result->values, std::vector<Value>{true});
   EXPECT_EQ(result->bus, bus);
   EXPECT_EQ(result->requester, station.requester());
-  ASSERT_EQ(bridge.heard.commands.size(), 1u);
-  EXPECT_EQ(bridge.heard.commands.all()[0].first, bus);
+  ASSERT_EQ(bridge.received.commands.size(), 1u);
+  EXPECT_EQ(bridge.received.commands.all()[0].first, bus);
 }
 
 TEST(DdsCommand, ExpiresTheWritersLifespanAfterItWasWritten) {
@@ -34,7 +34,7 @@ TEST(DdsCommand, ExpiresTheWritersLifespanAfterItWasWritten) {
     command.lifespan = lifespan;
     const Instant before = both_clocks().instant;
     ASSERT_TRUE(station.execute(command));
-    const Instant expires = bridge.heard.commands.all().back().second.expires;
+    const Instant expires = bridge.received.commands.all().back().second.expires;
     EXPECT_GE(expires, before + lifespan - 100ms);
     EXPECT_LE(expires, both_clocks().instant + lifespan + 100ms);
   }
@@ -50,7 +50,7 @@ TEST(DdsCommand, ForAnotherBridgesBusIsNotHeard) {
   ASSERT_FALSE(nothing);
   EXPECT_EQ(nothing.error(), StationFault::kNoResult);
   ASSERT_TRUE(station.execute(write_running(bus)));
-  EXPECT_EQ(bridge.heard.commands.size(), 1u);
+  EXPECT_EQ(bridge.received.commands.size(), 1u);
 }
 
 TEST(DdsCommand, WithoutABridgeIsNotWritten) {
@@ -72,7 +72,7 @@ TEST(DdsCommand, RestartedBridgeNeverHearsAnOldOne) {
   Obedient second(bus);
   ASSERT_TRUE(
       station.execute(write_running(bus)));  // what was written before would have come before
-  EXPECT_EQ(second.heard.commands.size(), 1u);
+  EXPECT_EQ(second.received.commands.size(), 1u);
 }
 
 TEST(DdsCommand, MalformedIsRejectedWithAReason) {
@@ -86,7 +86,7 @@ TEST(DdsCommand, MalformedIsRejectedWithAReason) {
   EXPECT_EQ(result->state, CommandState::kRejected);
   EXPECT_EQ(result->cause, to_name(Cause::kWrongType));
   EXPECT_FALSE(result->reason.empty());
-  EXPECT_EQ(bridge.heard.commands.size(), 0u);
+  EXPECT_EQ(bridge.received.commands.size(), 0u);
 }
 
 TEST(DdsCommand, ManyRequestersEachGetTheirOwnResults) {
@@ -107,8 +107,8 @@ TEST(DdsCommand, ManyRequestersEachGetTheirOwnResults) {
   }
   for (auto& thread : threads) thread.join();
   EXPECT_EQ(right, 150);
-  EXPECT_EQ(bridge.heard.commands.size(), 150u);
-  EXPECT_THAT(bridge.heard.problems.all(), ::testing::IsEmpty());
+  EXPECT_EQ(bridge.received.commands.size(), 150u);
+  EXPECT_THAT(bridge.received.problems.all(), ::testing::IsEmpty());
 }
 
 // Twice what any endpoint may hold: without release of instances the second half would fail.
@@ -123,10 +123,10 @@ TEST(DdsCommand, InstancesAreReleased) {
     ASSERT_TRUE(station.send(write_running(bus))) << "command " << i;
     if (i % 256 != 255) continue;
     ASSERT_TRUE(eventually([&] { return results >= i - 255; }))
-        << results << " results of " << i << ", " << bridge.heard.commands.size() << " heard";
+        << results << " results of " << i << ", " << bridge.received.commands.size() << " heard";
   }
   EXPECT_TRUE(eventually([&] { return results == kCommands; })) << results << " results";
-  EXPECT_THAT(bridge.heard.problems.all(), ::testing::IsEmpty());
+  EXPECT_THAT(bridge.received.problems.all(), ::testing::IsEmpty());
 }
 
 }  // namespace

@@ -96,8 +96,8 @@ class Collected {
   std::vector<T> items_;
 };
 
-// Handlers of a link that hears commands and wishes.
-struct Heard {
+// Handlers of a link that receives commands and interests.
+struct Received {
   Collected<std::pair<std::string, Command>> commands;
   Collected<Interest> interests;
   Collected<std::string> problems;
@@ -139,13 +139,13 @@ inline CommandResult done(const Command& command) {
 struct Obedient {
   explicit Obedient(const std::string& bus, std::size_t channels = 1,
                     const DdsSpec& spec = loopback())
-      : link(spec, "test", heard.handlers()) {
-    heard.answer = [this](const std::string& name, const Command& command) {
+      : link(spec, "test", received.handlers()) {
+    received.answer = [this](const std::string& name, const Command& command) {
       link.complete(name, done(command), both_clocks());
     };
     link.add_bus(bus_of(bus, channels));
   }
-  Heard heard;
+  Received received;
   DdsLink link;
 };
 

@@ -1,4 +1,4 @@
-// What ends with time: wishes of stations that fall silent, writers that nobody needs any more.
+// What ends with time: interests of stations that fall silent, writers that nobody needs any more.
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,9 +23,9 @@ using namespace std::chrono_literals;
 
 constexpr const char* kDomainOfStation = "FIELDCAST_TEST_STATION_DOMAIN";
 constexpr const char* kPattern = "patient/*/*";
-constexpr int kWishes = 30;
+constexpr int kRounds = 30;
 
-// A foreign station that wishes something, in the process that the next test stops. Its participant
+// A foreign station with an interest, in the process that the next test stops. Its participant
 // is given up after a minute.
 void play_patient_station() {
   prepare_library();
@@ -49,7 +49,7 @@ void play_patient_station() {
   interest.station() = "patient";
   interest.pattern() = kPattern;
   // Several times, so that its writer is known to be alive when the process is stopped.
-  for (int seconds = 1; seconds <= kWishes; ++seconds) {
+  for (int seconds = 1; seconds <= kRounds; ++seconds) {
     interest.refresh(1'000'000'000LL * seconds);
     ASSERT_TRUE(writer->write(&interest));
     std::this_thread::sleep_for(100ms);
@@ -58,15 +58,15 @@ void play_patient_station() {
 }
 const auto* const kPatientStation = test::Role::add("patient-station", play_patient_station);
 
-TEST(DdsLease, AWishEndsWithItsWritersLeaseAndStandsAgainWhenItIsHeardAgain) {
-  Heard heard;
-  DdsLink link(loopback(), "test", heard.handlers());
+TEST(DdsLease, AnInterestEndsWithItsWritersLeaseAndStandsAgainWithIt) {
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
   const auto stands = [&] {
     std::optional<Duration> last;
-    for (const Interest& interest : heard.interests.all()) {
+    for (const Interest& interest : received.interests.all()) {
       if (interest.pattern == kPattern) last = interest.refresh;
     }
-    return last == std::chrono::seconds{kWishes};
+    return last == std::chrono::seconds{kRounds};
   };
   ASSERT_EQ(::setenv(kDomainOfStation, std::to_string(loopback().domain).c_str(), 1), 0);
   const test::Process station = test::play("patient-station");
@@ -79,10 +79,10 @@ TEST(DdsLease, AWishEndsWithItsWritersLeaseAndStandsAgainWhenItIsHeardAgain) {
 }
 
 // Nothing is published on the bus: it is on demand now, and only its status goes on.
-TEST(DdsLease, AStationThatAsksForADeadlineMissesNothingOnceNobodyWishesTheChannel) {
-  const std::string bus = bus_name("wished");
-  Heard heard;
-  DdsLink link(loopback(), "test", heard.handlers());
+TEST(DdsLease, AStationThatAsksForADeadlineMissesNothingOnceNobodyIsInterestedInTheChannel) {
+  const std::string bus = bus_name("interesting");
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
   link.add_bus(bus_of(bus, 2, [](std::size_t) { return 60s; }));
   Station demanding(loopback(), "demanding");
   std::atomic<int> misses{0};
@@ -108,7 +108,7 @@ TEST(DdsLease, AStationThatAsksForADeadlineMissesNothingOnceNobodyWishesTheChann
   ASSERT_TRUE(eventually([&] {
     link.report(bus, BusReport{}, both_clocks().utc);
     return gone.size() == 1;
-  })) << "the writer of the wish is still there";
+  })) << "the writer of the interest is still there";
   const int then = misses;
   reports_for(1s);
   EXPECT_EQ(misses, then);

@@ -33,8 +33,8 @@ std::vector<Sample> one_of_each(std::size_t channels, std::uint64_t sequence = 1
 
 TEST(DdsLink, EveryChannelOf300ArrivesFromOneRefreshClass) {
   const std::string bus = bus_name("wide");
-  Heard heard;
-  DdsLink link(loopback(), "test", heard.handlers());
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
   Station station(loopback(), "watcher");
   Collected<StationSample> samples;
   station.subscribe_samples([&](const StationSample& sample) { samples.add(sample); });
@@ -50,13 +50,13 @@ TEST(DdsLink, EveryChannelOf300ArrivesFromOneRefreshClass) {
     EXPECT_EQ(sample.device, "d");
     EXPECT_EQ(sample.quality, Quality::kGood);
   }
-  EXPECT_THAT(heard.problems.all(), ::testing::IsEmpty());
+  EXPECT_THAT(received.problems.all(), ::testing::IsEmpty());
 }
 
 TEST(DdsLink, LateJoinerGetsTheCatalogueAndTheLastValueOfEveryChannel) {
   const std::string bus = bus_name("late");
-  Heard heard;
-  DdsLink link(loopback(), "test", heard.handlers());
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
   link.add_bus(bus_of(bus, 300));
   for (std::uint64_t sequence = 1; sequence <= 3; ++sequence)
     link.publish(bus, one_of_each(300, sequence), both_clocks());
@@ -80,8 +80,8 @@ TEST(DdsLink, LateJoinerGetsTheCatalogueAndTheLastValueOfEveryChannel) {
 
 TEST(DdsLink, StationThatAsksForADeadlineGetsJustTheChannelsThatPromiseIt) {
   const std::string bus = bus_name("mixed");
-  Heard heard;
-  DdsLink link(loopback(), "test", heard.handlers());
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
   link.add_bus(
       bus_of(bus, 20, [](std::size_t i) { return i % 2 == 0 ? Duration{5s} : Duration{60s}; }));
   Station demanding(loopback(), "demanding"), content(loopback(), "content");
@@ -100,8 +100,8 @@ TEST(DdsLink, StationThatAsksForADeadlineGetsJustTheChannelsThatPromiseIt) {
 
 TEST(DdsLink, MissedPromisesAreCounted) {
   const std::string bus = bus_name("missed");
-  Heard heard;
-  DdsLink link(loopback(), "test", heard.handlers());
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
   link.add_bus(bus_of(bus, 2, [](std::size_t) { return 50ms; }));
   link.publish(bus, one_of_each(2), both_clocks());
   EXPECT_TRUE(eventually([&] { return link.counters(bus).deadline_misses >= 2; }));
@@ -109,8 +109,8 @@ TEST(DdsLink, MissedPromisesAreCounted) {
 
 TEST(DdsLink, NothingIsMissedBeforeTheFirstSample) {
   const std::string bus = bus_name("unwritten");
-  Heard heard;
-  DdsLink link(loopback(), "test", heard.handlers());
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
   BusSpec spec = bus_of(bus, 2, [](std::size_t i) { return i == 0 ? 20ms : 10s; });
   spec.devices[0].channels[0].name = "silent";
   link.add_bus(spec);
@@ -125,8 +125,8 @@ TEST(DdsLink, NothingIsMissedBeforeTheFirstSample) {
 
 TEST(DdsLink, ChangedRefreshMovesTheChannelWithItsValueAndItsCatalogueEntry) {
   const std::string bus = bus_name("moving");
-  Heard heard;
-  DdsLink link(loopback(), "test", heard.handlers());
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
   link.add_bus(bus_of(bus, 4, [](std::size_t) { return 60s; }));
   link.publish(bus, one_of_each(4), both_clocks());
   Station demanding(loopback(), "demanding"), content(loopback(), "content");
@@ -156,7 +156,7 @@ TEST(DdsLink, ChangedRefreshMovesTheChannelWithItsValueAndItsCatalogueEntry) {
     return refresh["c2"] == 500ms && refresh["c1"] == 60s;
   })) << "and the catalogue says so";
 
-  link.set_refresh(bus, 2, 60s);  // back: the writer of the wish is gone again
+  link.set_refresh(bus, 2, 60s);  // back: the writer of the interest is gone again
   EXPECT_EQ(link.counters(bus).sample_writers, 1u);
   link.publish(bus, one_of_each(4, 2), both_clocks());
   EXPECT_TRUE(eventually([&] {
@@ -169,8 +169,8 @@ TEST(DdsLink, ChangedRefreshMovesTheChannelWithItsValueAndItsCatalogueEntry) {
 
 TEST(DdsLink, RemovedBusIsSeenToGoAndComesBackUnderTheSameName) {
   const std::string bus = bus_name("removed");
-  Heard heard;
-  DdsLink link(loopback(), "test", heard.handlers());
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
   Station station(loopback(), "watcher");
   Collected<std::string> gone_samples, gone_channels;
   Collected<StationSample> samples;
@@ -200,8 +200,8 @@ TEST(DdsLink, RemovedBusIsSeenToGoAndComesBackUnderTheSameName) {
 
 TEST(DdsLink, StatusArrivesAndGoesWithItsBus) {
   const std::string bus = bus_name("status");
-  Heard heard;
-  DdsLink link(loopback(), "test", heard.handlers());
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
   link.add_bus(bus_of(bus, 1));
   Station station(loopback(), "watcher");
   Collected<StationBusStatus> buses;
@@ -224,8 +224,8 @@ TEST(DdsLink, StatusArrivesAndGoesWithItsBus) {
 
 TEST(DdsLink, AnAlarmOfEveryLimitReachesLateStationsAndGoesWithItsBus) {
   const std::string bus = bus_name("alarms");
-  Heard heard;
-  DdsLink link(loopback(), "test", heard.handlers());
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
   link.add_bus(bus_of(bus, 2));
   const UtcMapping clock = both_clocks();
   link.report(bus, AlarmChange{1, LimitKind::kHigh, AlarmState::kActive, 90.5, clock.instant},
@@ -251,69 +251,69 @@ TEST(DdsLink, AnAlarmOfEveryLimitReachesLateStationsAndGoesWithItsBus) {
   EXPECT_TRUE(eventually([&] { return gone.size() >= 2; })) << gone.size() << " alarms went";
 }
 
-TEST(DdsLink, WishesAreHeardAndEndWhenWithdrawnOrTheirStationGoes) {
-  Heard heard;
-  DdsLink link(loopback(), "test", heard.handlers());
-  const std::string name = bus_name("wisher");
+TEST(DdsLink, InterestsAreReceivedAndEndWhenWithdrawnOrTheirStationGoes) {
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
+  const std::string name = bus_name("interested");
   auto station = std::make_unique<Station>(loopback(), name);
   station->declare_interest("a/*/*", 200ms);
   station->declare_interest("b/*/*", 300ms);
   const auto of = [&](const std::string& pattern) {
     std::vector<std::optional<Duration>> seen;
-    for (const Interest& interest : heard.interests.all()) {
+    for (const Interest& interest : received.interests.all()) {
       if (interest.station == name && interest.pattern == pattern) seen.push_back(interest.refresh);
     }
     return seen;
   };
-  using Wishes = std::vector<std::optional<Duration>>;
-  ASSERT_TRUE(
-      eventually([&] { return of("a/*/*") == Wishes{200ms} && of("b/*/*") == Wishes{300ms}; }));
+  using Refreshes = std::vector<std::optional<Duration>>;
+  ASSERT_TRUE(eventually(
+      [&] { return of("a/*/*") == Refreshes{200ms} && of("b/*/*") == Refreshes{300ms}; }));
   station->withdraw_interest("a/*/*");
-  EXPECT_TRUE(eventually([&] { return of("a/*/*") == Wishes{200ms, std::nullopt}; }));
+  EXPECT_TRUE(eventually([&] { return of("a/*/*") == Refreshes{200ms, std::nullopt}; }));
   station.reset();
   EXPECT_TRUE(eventually([&] {
-    return of("b/*/*") == Wishes{300ms, std::nullopt};
+    return of("b/*/*") == Refreshes{300ms, std::nullopt};
   })) << "the station has left";
 }
 
 // More than the reader holds, from stations of which none declares more than it may.
-TEST(DdsLink, AFloodOfWishesIsRefusedWithALineAndTheBridgeGoesOn) {
+TEST(DdsLink, AFloodOfInterestsIsRefusedWithALineAndTheBridgeGoesOn) {
   constexpr int kEach = 2500;
-  Heard heard;
-  DdsLink link(loopback(), "test", heard.handlers());
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
   const std::string bus = bus_name("flooded");
   link.add_bus(bus_of(bus, 1));
   Station first(loopback(), bus_name("first")), second(loopback(), bus_name("second"));
   for (int i = 0; i < kEach; ++i) first.declare_interest("a/*/" + std::to_string(i), 200ms);
-  ASSERT_TRUE(eventually([&] { return heard.interests.size() == kEach; }))
-      << heard.interests.size();
+  ASSERT_TRUE(eventually([&] { return received.interests.size() == kEach; }))
+      << received.interests.size();
   for (int i = 0; i < kEach; ++i) second.declare_interest("b/*/" + std::to_string(i), 200ms);
   EXPECT_TRUE(eventually(
-      [&] { return heard.problems.size() >= 1 && heard.interests.size() >= kMaxInterests; }));
-  EXPECT_EQ(heard.interests.size(), static_cast<std::size_t>(kMaxInterests));
+      [&] { return received.problems.size() >= 1 && received.interests.size() >= kMaxInterests; }));
+  EXPECT_EQ(received.interests.size(), static_cast<std::size_t>(kMaxInterests));
   std::string problems;
-  for (const std::string& problem : heard.problems.all()) problems += problem + '\n';
+  for (const std::string& problem : received.problems.all()) problems += problem + '\n';
   EXPECT_THAT(problems, ::testing::HasSubstr("nterest"));
-  EXPECT_LE(heard.problems.size(), 5u) << problems;
-  // What is heard already goes on: a wish that is withdrawn makes room.
+  EXPECT_LE(received.problems.size(), 5u) << problems;
+  // What is known already goes on: an interest that is withdrawn makes room.
   first.withdraw_interest("a/*/0");
-  EXPECT_TRUE(
-      eventually([&] { return heard.interests.size() > static_cast<std::size_t>(kMaxInterests); }));
+  EXPECT_TRUE(eventually(
+      [&] { return received.interests.size() > static_cast<std::size_t>(kMaxInterests); }));
 }
 
 TEST(DdsLink, UnknownInterfaceIsAnErrorAtTheStart) {
   DdsSpec spec = loopback();
   spec.interfaces = {"203.0.113.7"};
-  Heard heard;
-  EXPECT_THROW(DdsLink(spec, "test", heard.handlers()), DdsError);
+  Received received;
+  EXPECT_THROW(DdsLink(spec, "test", received.handlers()), DdsError);
 }
 
 TEST(DdsLink, PartitionSeparatesStations) {
   const std::string bus = bus_name("partition");
   DdsSpec inside = loopback();
   inside.partition = "plant-a";
-  Heard heard;
-  DdsLink link(inside, "test", heard.handlers());
+  Received received;
+  DdsLink link(inside, "test", received.handlers());
   link.add_bus(bus_of(bus, 1));
   link.publish(bus, one_of_each(1), both_clocks());
   Station member(inside, "member"), stranger(loopback(), "stranger");

@@ -90,8 +90,8 @@ TEST_F(Profiles, SayWhatTheBridgesOwnStationsUse) {
 
 TEST_F(Profiles, EveryChannelOf300Arrives) {
   const std::string bus = bus_name("profile");
-  Heard heard;
-  DdsLink link(loopback(), "test", heard.handlers());
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
   link.add_bus(bus_of(bus, 300));
   std::vector<Sample> samples;
   for (ChannelIndex i = 0; i < 300; ++i) samples.push_back(good(i, static_cast<double>(i)));

@@ -61,7 +61,7 @@ TEST(DdsResult, AReaderThatTakesNothingDelaysNobodyElse) {
   const FullReader full(loopback());
   ASSERT_TRUE(eventually([&] { return full.matched(); }));
   EXPECT_EQ(results_of_a_burst(bus), kBurst);
-  EXPECT_THAT(bridge.heard.problems.all(), ::testing::IsEmpty());
+  EXPECT_THAT(bridge.received.problems.all(), ::testing::IsEmpty());
 }
 
 // The process that the next test stops.
@@ -84,7 +84,7 @@ TEST(DdsResult, AReaderWhoseProcessIsStoppedDelaysNobodyElse) {
   ASSERT_THAT(reader.said("matched"), ::testing::HasSubstr("matched"));
   reader.signal(SIGSTOP);
   EXPECT_EQ(results_of_a_burst(bus), kBurst);
-  EXPECT_THAT(bridge.heard.problems.all(), ::testing::IsEmpty());
+  EXPECT_THAT(bridge.received.problems.all(), ::testing::IsEmpty());
 }
 
 }  // namespace

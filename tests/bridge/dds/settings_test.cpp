@@ -90,9 +90,9 @@ class Discoveries : public dds::DomainParticipantListener {
 };
 
 std::string error_of(const DdsSpec& spec) {
-  Heard heard;
+  Received received;
   try {
-    DdsLink link(spec, "test", heard.handlers());
+    DdsLink link(spec, "test", received.handlers());
   } catch (const DdsError& error) { return error.what(); }
   return "no error";
 }
@@ -131,8 +131,8 @@ TEST(DdsSettings, ParticipantOfTheUsersProfileIsUsedWithLeaseAndNameOfOurs) {
   Discoveries discoveries(loopback());
   DdsSpec spec = loopback();
   spec.profile = file.path();
-  Heard heard;
-  DdsLink link(spec, name, heard.handlers());
+  Received received;
+  DdsLink link(spec, name, received.handlers());
   EXPECT_TRUE(eventually([&] {
     return discoveries.user_data_of("fieldcast-bridge " + name) == "hi";
   })) << "its user data is '"
@@ -212,12 +212,12 @@ TEST(DdsSettings, WithoutItsServerAClientFindsNobody) {
     spec.discovery_server = gone.address();
   }
   const std::string bus = bus_name("unserved");
-  Heard heard;
-  DdsLink link(spec, "test", heard.handlers());
+  Received received;
+  DdsLink link(spec, "test", received.handlers());
   link.add_bus(bus_of(bus, 1));
   link.publish(bus, std::vector<Sample>{good(0, 1.0)}, both_clocks());
   // The clock: a pair that needs no server finds each other meanwhile.
-  DdsLink open(loopback(), "open", heard.handlers());
+  DdsLink open(loopback(), "open", received.handlers());
   open.add_bus(bus_of(bus + "-open", 1));
   open.publish(bus + "-open", std::vector<Sample>{good(0, 1.0)}, both_clocks());
   Station client(spec, "client"), plain(loopback(), "plain");
@@ -243,8 +243,8 @@ TEST(DdsSettings, DiscoveryServerThatIsNoAddressIsAnError) {
 TEST(DdsSettings, StatisticsOfTheLibraryArePublishedWhenAskedFor) {
   Discoveries discoveries(loopback());
   setenv("FASTDDS_STATISTICS", "HISTORY_LATENCY_TOPIC;PHYSICAL_DATA_TOPIC", 1);
-  Heard heard;
-  DdsLink link(loopback(), "test", heard.handlers());
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
   unsetenv("FASTDDS_STATISTICS");
   for (const char* topic :
        {"_fastdds_statistics_history2history_latency", "_fastdds_statistics_physical_data"}) {
@@ -263,7 +263,7 @@ TEST(DdsSettings, PartitionHoldsForCommandsToo) {
   const auto refused = stranger.execute(write_running(bus), std::chrono::milliseconds{300});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error(), StationFault::kNoBridge);
-  EXPECT_EQ(bridge.heard.commands.size(), 1u);
+  EXPECT_EQ(bridge.received.commands.size(), 1u);
 }
 
 }  // namespace

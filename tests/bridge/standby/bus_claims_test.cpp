@@ -25,7 +25,7 @@ struct Domain {
   void tell() {
     for (Bridge& to : bridges) {
       for (const Bridge& from : bridges) {
-        if (from.id != to.id) to.claims.hear(from.id, from.said());
+        if (from.id != to.id) to.claims.receive(from.id, from.said());
       }
     }
   }
