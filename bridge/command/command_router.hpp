@@ -28,9 +28,9 @@ class CommandRouter {
                                   std::function<void(Identity)> kept)>;
   using Refused = std::function<void(const std::string& bus, const CommandResult& result)>;
 
-  // From here on a write runs when its identity is kept and was not before; `refused` is called for the
-  // others. A null `keep` ends it: nothing of it comes any more when it has ended (its owner sees
-  // to that).
+  // From here on a write runs when its identity is kept and was not before; `refused` is called for
+  // the others. A null `keep` ends it: nothing of it comes any more when it has ended (its owner
+  // sees to that).
   void keep_identities(Keep keep, Refused refused);
 
   // A bus takes commands from here on, until it is removed.

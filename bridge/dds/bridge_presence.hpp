@@ -1,5 +1,5 @@
-// This bridge among the others of its domain: says what it serves, and receives what they say. Calls
-// come on DDS threads.
+// This bridge among the others of its domain: says what it serves, and receives what they say.
+// Calls come on DDS threads.
 #pragma once
 
 #include <functional>

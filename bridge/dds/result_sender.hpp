@@ -1,7 +1,7 @@
 // Publishes command results, one for each command.
 //
-// Results are volatile. A requester that has just joined may have had its command received before its
-// reader was discovered; its result is held until then, for at most a second. Readers of other
+// Results are volatile. A requester that has just joined may have had its command received before
+// its reader was discovered; its result is held until then, for at most a second. Readers of other
 // vendors get a moment more: Cyclone DDS throws away what comes before the first heartbeat of a
 // writer, and takes that heartbeat for the beginning. A moment after its result, an instance is let
 // go, so that readers keep nothing of it.

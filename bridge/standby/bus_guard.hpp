@@ -1,5 +1,6 @@
 // Sees to it that a bus is served by one bridge of the domain: tells the others what this one wants
-// and serves, receives what they say, and decides (bus_claims.hpp). Functions may be called from any thread.
+// and serves, receives what they say, and decides (bus_claims.hpp). Functions may be called from
+// any thread.
 #pragma once
 
 #include <condition_variable>
@@ -48,8 +49,8 @@ class BusGuard {
   // Wants these buses and no others; `id` is its own in DDS. What it serves is decided by settle(),
   // or by itself once that was called.
   void want(const std::string& id, const std::vector<std::string>& buses);
-  // Waits until the others can have announced themselves, or until `give_up` says so, then decides. At most
-  // kLongestSettle; once.
+  // Waits until the others can have announced themselves, or until `give_up` says so, then decides.
+  // At most kLongestSettle; once.
   void settle(const std::function<bool()>& give_up);
   [[nodiscard]] bool serves(const std::string& bus) const;
   // The one that serves a bus in place of this bridge, for people: "bridge 'b' on host h".

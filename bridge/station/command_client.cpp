@@ -117,7 +117,8 @@ CommandClient::Writer& CommandClient::writer_for(Duration lifespan) {
 
 bool CommandClient::matched_both_ways(const Writer& writer) const {
   if (writer.readers.empty()) return false;
-  // From every bridge that receives commands, results must come: the command may be for any of them.
+  // From every bridge that receives commands, results must come: the command may be for any of
+  // them.
   return std::all_of(writer.readers.begin(), writer.readers.end(), [this](const auto& reader) {
     return std::any_of(result_writers_.begin(), result_writers_.end(),
                        [&](const auto& result_writer) {
