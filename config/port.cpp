@@ -8,6 +8,7 @@
 #include "config/program.hpp"
 #include "config/scalars.hpp"
 #include "core/base/near_miss.hpp"
+#include "core/protocol/registry.hpp"
 
 namespace fieldcast::config {
 namespace {
@@ -26,15 +27,11 @@ std::string baud_list() {
   return text;
 }
 
-// What a family's devices speak as they come from the factory; other families: the default of
-// LineFormat, 19200 8E1, which is that of Modbus (Modbus over Serial Line V1.02, 2.5.1 and 2.5.2).
-LineFormat standard_line(std::string_view protocol) {
-  if (protocol == "mitsubishi-fx") return {9600, 7, Parity::kEven, 1};
-  if (protocol == "modbus-ascii") return {19200, 7, Parity::kEven, 1};
-  if (protocol == "omron-hostlink") return {9600, 7, Parity::kEven, 2};
-  if (protocol == "s7-freeport") return {9600, 8, Parity::kNone, 1};
-  if (protocol == "s7-ppi") return {9600, 8, Parity::kEven, 1};
-  return {};
+// What the protocol's devices speak as they come from the factory; of other protocols the default
+// of LineFormat.
+LineFormat factory_line(std::string_view protocol) {
+  const ProtocolEntry* entry = find_protocol(protocol);
+  return entry == nullptr ? LineFormat{} : entry->factory_line;
 }
 
 struct BaudRule {
@@ -199,22 +196,21 @@ std::optional<std::pair<std::string, std::uint16_t>> host_port_from(std::string_
   return std::pair{std::string(host), static_cast<std::uint16_t>(*port)};
 }
 
-// By the protocols' names, as users know them: what ends in -tcp frames its own stream; RTU needs
-// whole bytes (Modbus over Serial Line V1.02, 2.5.1).
 void check_port(const std::string& protocol, const PortSpec& port, const Place& place,
                 FaultList& faults) {
-  if (protocol.ends_with("-tcp") && std::holds_alternative<SerialPortSpec>(port)) {
-    faults.add(place, protocol + " over a serial port", "port: { tcp: HOST:PORT }",
-               protocol == "modbus-tcp" ? "modbus-rtu" : "");
-  }
-  if (protocol == "modbus-rtu" && line_of(port).data_bits != 8) {
-    faults.add(place, "modbus-rtu over a line of 7 data bits", "format: 8E1, 8N2, 8O1, 8N1",
-               "modbus-ascii");
+  const ProtocolEntry* entry = find_protocol(protocol);
+  if (entry == nullptr) return;
+  const std::string instead(entry->instead);
+  if (entry->network_only && std::holds_alternative<SerialPortSpec>(port))
+    faults.add(place, protocol + " over a serial port", "port: { tcp: HOST:PORT }", instead);
+  if (entry->whole_bytes && line_of(port).data_bits != 8) {
+    faults.add(place, protocol + " over a line of 7 data bits", "format: 8E1, 8N2, 8O1, 8N1",
+               instead);
   }
 }
 
 PortSpec read_port(const Node& node, std::string_view protocol, FaultList& faults) {
-  const LineFormat standard = standard_line(protocol);
+  const LineFormat standard = factory_line(protocol);
   MapReader map(node, kPortKeys, faults);
   (void)map.find("serial");
   const Node* tcp = map.find("tcp");

@@ -14,9 +14,8 @@ namespace fieldcast::config {
 
 // { serial: PATH, baud, format, rs485, low-latency, exclusive } { tcp: HOST:PORT, baud, format,
 // connect-timeout } or { dial-in: NUMBER, baud, format }.
-// Without baud and format the line is what the protocol's devices have from the factory: 19200 8E1,
-// modbus-ascii 19200 7E1, mitsubishi-fx 9600 7E1, omron-hostlink 9600 7E2, s7-freeport 9600 8N1,
-// s7-ppi 9600 8E1.
+// Without baud and format the line is what the protocol's devices have from the factory
+// (ProtocolEntry::factory_line).
 [[nodiscard]] PortSpec read_port(const Node& node, std::string_view protocol, FaultList& faults);
 
 // Faults at `place` where a protocol cannot run over the port.

@@ -4,6 +4,7 @@
 
 #include "config/declaration.hpp"
 #include "config/scalars.hpp"
+#include "core/protocol/registry.hpp"
 
 namespace fieldcast::config {
 

@@ -7,6 +7,7 @@
 
 #include "config/library.hpp"
 #include "core/protocol/declared/declaration.hpp"
+#include "core/protocol/registry.hpp"
 
 namespace fieldcast::config {
 

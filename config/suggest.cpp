@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/base/near_miss.hpp"
+#include "core/protocol/registry.hpp"
 
 namespace fieldcast::config {
 
@@ -115,17 +116,7 @@ constexpr ValueHabit kValueHabits[] = {
     {"byte-order", "dcba", "little-endian, with word-order: little-endian"},
     {"byte-order", "swapped", "little-endian"},
     {"byte-order", "le", "little-endian"},
-    {"byte-order", "be", "big-endian"},
-    {"protocol", "rtu", "modbus-rtu"},
-    {"protocol", "ascii", "modbus-ascii"},
-    {"protocol", "tcp", "modbus-tcp"},
-    {"protocol", "ppi", "s7-ppi"},
-    {"protocol", "s7-200", "s7-ppi"},
-    {"protocol", "fx", "mitsubishi-fx"},
-    {"protocol", "melsec", "mitsubishi-fx"},
-    {"protocol", "hostlink", "omron-hostlink"},
-    {"protocol", "host-link", "omron-hostlink"},
-    {"protocol", "fins", "omron-hostlink, with options: { mode: fins }"}};
+    {"byte-order", "be", "big-endian"}};
 
 std::string lower(std::string_view text) {
   std::string result(text);
@@ -169,6 +160,12 @@ std::string meant_value(std::string_view key, std::string_view written) {
   const auto word = lower(written);
   for (const auto& row : kValueHabits) {
     if (row.key == key && row.habit == word) return std::string(row.ours);
+  }
+  if (key != "protocol") return {};
+  for (const ProtocolEntry& entry : protocols()) {
+    const auto alias = std::ranges::find(entry.aliases, word, &ProtocolAlias::alias);
+    if (alias != entry.aliases.end())
+      return std::string(alias->hint.empty() ? entry.name : alias->hint);
   }
   return {};
 }

@@ -1,5 +1,7 @@
 #include "core/model/make_protocol.hpp"
 
+#include "core/protocol/registry.hpp"
+
 namespace fieldcast {
 
 tl::expected<std::unique_ptr<Protocol>, OptionFault> make_protocol(const DeviceSpec& device,

@@ -5,6 +5,7 @@
 
 #include "core/program/device_number.hpp"
 #include "core/program/frame.hpp"
+#include "core/protocol/registry.hpp"
 
 namespace fieldcast::program {
 namespace {
@@ -28,11 +29,11 @@ std::string printable(std::string_view text) {
 
 Registration::Registration(const RegistrationRule& rule) : rule_(rule) {
   if (rule.ask != RegistrationRule::Ask::kWords) return;
-  const ProtocolEntry* host_link = find_protocol("omron-hostlink");
-  assert(host_link != nullptr);
+  const ProtocolEntry* entry = find_protocol(rule.protocol);
+  assert(entry != nullptr && "a protocol that is built in");
   DeviceLink link;
   link.address = rule.unit;
-  auto made = host_link->make(link);
+  auto made = entry->make(link);
   assert(made && "the loader checks the unit");
   protocol_ = std::move(*made);
 }
@@ -46,9 +47,9 @@ Registration::Outcome Registration::start(Instant now) {
 }
 
 Registration::Outcome Registration::ask(Instant now) {
-  const auto address = protocol_->parse_address("DM" + std::to_string(rule_.first));
+  const auto address = protocol_->parse_address(rule_.area + std::to_string(rule_.first));
   assert(address && "the loader checks the address");
-  heard_.clear();
+  received_.clear();
   exchange_ = protocol_->begin(ReadRequest{{Range{address->area, address->first, rule_.words}}},
                                {++tries_});
   Bytes out;
@@ -60,7 +61,7 @@ Registration::Outcome Registration::follow(const Step& step, Bytes out, Instant 
   Outcome outcome;
   switch (step.kind) {
     case Step::Kind::kSend:
-      heard_.clear();
+      received_.clear();
       outcome.send = std::move(out);
       silence_ = now + kAnswerTimeout;
       break;
@@ -81,21 +82,21 @@ Registration::Outcome Registration::follow(const Step& step, Bytes out, Instant 
 
 Registration::Outcome Registration::on_bytes(ByteView bytes, Instant now) {
   if (protocol_) {
-    if (heard_.size() + bytes.size() > kMaxText)
-      return {{}, {}, "more comes than an answer to the question for the number", kNever};
-    append(heard_, bytes);
+    if (received_.size() + bytes.size() > kMaxText)
+      return {{}, {}, "more comes than an answer to the request for the number", kNever};
+    append(received_, bytes);
     Bytes out;
-    const Step step = exchange_->on_bytes(heard_, out);
+    const Step step = exchange_->on_bytes(received_, out);
     if (step.kind == Step::Kind::kFailed && step.cause == Cause::kDeviceError)
       return refused(step.cause, step.device_code);
     // What else fails while bytes come is asked again only in silence, or noise would be answered
-    // with a storm of questions.
+    // with a storm of requests.
     if (step.kind != Step::Kind::kFailed) return follow(step, std::move(out), now);
     silence_ = now + kAnswerTimeout;
     return {{}, {}, {}, std::min(silence_, deadline_)};
   }
-  append(heard_, bytes);
-  const auto text = as_text(heard_);
+  append(received_, bytes);
+  const auto text = as_text(received_);
   const auto begin = text.find_first_not_of("\r\n");
   const auto end = begin == text.npos ? text.npos : text.find_first_of("\r\n", begin);
   if (end != text.npos) return number_or_fault(text.substr(begin, end - begin));
@@ -109,8 +110,8 @@ Registration::Outcome Registration::on_bytes(ByteView bytes, Instant now) {
 }
 
 Registration::Outcome Registration::on_timer(Instant now) {
-  const bool text_ended = !protocol_ && !heard_.empty() && now >= silence_;
-  if (text_ended) return number_or_fault(as_text(heard_));
+  const bool text_ended = !protocol_ && !received_.empty() && now >= silence_;
+  if (text_ended) return number_or_fault(as_text(received_));
   if (now >= deadline_) {
     return {
         {},

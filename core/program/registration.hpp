@@ -24,6 +24,8 @@ struct RegistrationRule {
   std::uint32_t first = 0;                     // kWords: DM word
   std::uint16_t words = 8;                     // kWords: 1..8
   Duration timeout = std::chrono::seconds{5};  // from connecting to the number, all tries together
+  std::string protocol = "omron-hostlink";     // kWords: reads the words
+  std::string area = "DM";                     // kWords: where they stand, in its notation
   friend bool operator==(const RegistrationRule&, const RegistrationRule&) = default;
 };
 
@@ -55,7 +57,7 @@ class Registration {
   RegistrationRule rule_;
   std::unique_ptr<Protocol> protocol_;  // kWords
   std::unique_ptr<Exchange> exchange_;
-  Bytes heard_;
+  Bytes received_;
   Instant deadline_ = kNever;  // of the whole
   Instant silence_ = kNever;
   std::uint16_t tries_ = 0;

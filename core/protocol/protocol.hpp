@@ -254,15 +254,4 @@ struct OptionFault {
   std::string allowed;
 };
 
-// One row for each protocol that is built in.
-struct ProtocolEntry {
-  std::string_view name;
-  std::string_view summary;
-  tl::expected<std::unique_ptr<Protocol>, OptionFault> (*make)(const DeviceLink& link);
-  Explainer explain;
-  std::span<const std::string_view> options;  // the names that `make` understands
-};
-[[nodiscard]] std::span<const ProtocolEntry> protocols();
-[[nodiscard]] const ProtocolEntry* find_protocol(std::string_view name);
-
 }  // namespace fieldcast

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/protocol/registry.hpp"
+
 namespace fieldcast {
 namespace {
 

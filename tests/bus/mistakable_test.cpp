@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "config/loader.hpp"
+#include "core/protocol/registry.hpp"
 #include "tools/sim/check/requests.hpp"
 #include "tools/sim/device/device.hpp"
 

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "config/suggest.hpp"
+#include "core/protocol/registry.hpp"
 #include "tests/config/support.hpp"
 
 namespace fieldcast::config {

@@ -9,7 +9,7 @@
 #include "config/declaration_keys.hpp"
 #include "config/fault_list.hpp"
 #include "config/keys.hpp"
-#include "core/protocol/protocol.hpp"
+#include "core/protocol/registry.hpp"
 #include "tests/config/json_schema.hpp"
 #include "tests/config/support.hpp"
 

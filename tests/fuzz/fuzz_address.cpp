@@ -5,19 +5,17 @@
 #include <cstdlib>
 
 #include "config/loader.hpp"
-#include "core/protocol/protocol.hpp"
+#include "core/protocol/registry.hpp"
 
 namespace fieldcast {
 namespace {
 
 std::vector<std::unique_ptr<Protocol>> all() {
   std::vector<std::unique_ptr<Protocol>> made;
-  for (const ProtocolEntry& entry : protocols())
-    made.push_back(std::move(*entry.make({.address = 1})));
-  made.push_back(std::move(
-      *find_protocol("omron-hostlink")->make({.address = 1, .options = {{"mode", "fins"}}})));
-  made.push_back(std::move(*find_protocol("mitsubishi-fx")
-                                ->make({.address = 1, .options = {{"commands", "extended"}}})));
+  for (const ProtocolEntry& entry : protocols()) {
+    for (const ProtocolVariant& variant : entry.variants)
+      made.push_back(std::move(*entry.make(link_of(variant, 1))));
+  }
   for (const char* name : {"instrument", "modbus-rtu-declared"}) {
     made.push_back(
         std::move(*declared::make(config::load_declaration(name)->value, {.address = 1})));

@@ -9,6 +9,7 @@
 #include <map>
 
 #include "config/loader.hpp"
+#include "core/protocol/registry.hpp"
 
 namespace fieldcast {
 namespace {

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "core/base/bytes.hpp"
-#include "core/protocol/protocol.hpp"
+#include "core/protocol/registry.hpp"
 #include "tools/cli/command/inspect.hpp"
 
 namespace fieldcast {

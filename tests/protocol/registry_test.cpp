@@ -1,8 +1,8 @@
+#include "core/protocol/registry.hpp"
+
 #include <gtest/gtest.h>
 
 #include <set>
-
-#include "core/protocol/protocol.hpp"
 
 namespace fieldcast {
 namespace {

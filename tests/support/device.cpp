@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/codec/value_codec.hpp"
+#include "core/protocol/registry.hpp"
 
 namespace fieldcast::test {
 

@@ -15,6 +15,7 @@
 #include "tests/dispatch/virtual_wire.hpp"
 #include "tests/plan/best_requests.hpp"
 #include "tests/plan/maps.hpp"
+#include "core/protocol/registry.hpp"
 
 namespace {
 

@@ -22,6 +22,7 @@
 
 #include "core/dispatch/scheduler.hpp"
 #include "core/plan/partition.hpp"
+#include "core/protocol/registry.hpp"
 #include "core/schedule/prediction.hpp"
 #include "tests/dispatch/virtual_wire.hpp"
 #include "tests/plan/maps.hpp"

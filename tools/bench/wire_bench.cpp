@@ -19,7 +19,7 @@
 #include "core/codec/checksum.hpp"
 #include "core/plan/cost.hpp"
 #include "core/plan/partition.hpp"
-#include "core/protocol/protocol.hpp"
+#include "core/protocol/registry.hpp"
 #include "tools/bench/figures.hpp"
 #include "tools/bench/plant.hpp"
 

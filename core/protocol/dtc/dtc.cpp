@@ -13,6 +13,7 @@
 #include "core/protocol/dtc/threshold.hpp"
 #include "core/protocol/dtc/types.hpp"
 #include "core/protocol/option_reader.hpp"
+#include "core/protocol/registry.hpp"
 
 namespace fieldcast::dtc {
 namespace {
@@ -212,10 +213,27 @@ tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link
   return std::make_unique<DtcProtocol>(dtc);
 }
 
+constexpr std::string_view kAddresses[] = {"bit:7",      "int16:100", "int16:101.3", "int32:5",
+                                           "int32:6.31", "float32:6", "float64:7",   "int16:65535"};
+constexpr ProtocolOption kPlain[] = {{"threshold", "65535"}};
+constexpr ProtocolOption kCompressed[] = {{"threshold", "0"}};
+constexpr ProtocolVariant kVariants[] = {{.options = kPlain, .addresses = kAddresses},
+                                         {.options = kCompressed, .addresses = kAddresses}};
+
 }  // namespace
 
 const ProtocolEntry& entry() {
-  static constexpr ProtocolEntry row{kTraits.name, kTraits.summary, make, explain, kOptions};
+  static constexpr ProtocolEntry row{
+      .name = kTraits.name,
+      .summary = kTraits.summary,
+      .make = make,
+      .explain = explain,
+      .options = kOptions,
+      .options_text =
+          "`max-message` (bytes of a message, 1024; as the device has it), `threshold` (compresses "
+          "requests from so many bytes on; `auto`, `codec-ns-per-byte` 1000: where the line's time "
+          "is worth more than the computing of both ends; 65535: never)",
+      .variants = kVariants};
   return row;
 }
 

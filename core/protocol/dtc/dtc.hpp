@@ -2,7 +2,7 @@
 // compressed where that pays.
 #pragma once
 
-#include "core/protocol/protocol.hpp"
+#include "core/protocol/registry.hpp"
 
 namespace fieldcast::dtc {
 

@@ -20,6 +20,7 @@
 #include "core/protocol/address_text.hpp"
 #include "core/protocol/mitsubishi_fx/areas.hpp"
 #include "core/protocol/option_reader.hpp"
+#include "core/protocol/registry.hpp"
 
 namespace fieldcast::mitsubishi_fx {
 namespace {
@@ -290,10 +291,29 @@ tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link
   return std::make_unique<FxProtocol>(extended ? Commands::kExtended : Commands::kClassic);
 }
 
+constexpr std::string_view kAddresses[] = {
+    "D100",    "D101.3", "D102.15", "D8010", "D8011.2", "T5", "TN6", "C5",  "CN6", "C200", "CN201",
+    "C202.31", "M14",    "M8001",   "X17",   "Y5",      "S3", "TS5", "TC5", "CS5", "CC5"};
+constexpr std::string_view kExtendedAddresses[] = {"D100", "D101.3", "D8010", "T5",  "TN6", "C5",
+                                                   "CN6",  "M14",    "M8001", "X17", "Y5",  "S3"};
+constexpr ProtocolOption kExtendedCommands[] = {{"commands", "extended"}};
+constexpr ProtocolAlias kAliases[] = {{"fx"}, {"melsec"}};
+constexpr ProtocolVariant kVariants[] = {
+    {.addresses = kAddresses}, {.options = kExtendedCommands, .addresses = kExtendedAddresses}};
+
 }  // namespace
 
 const ProtocolEntry& entry() {
-  static constexpr ProtocolEntry row{kTraits.name, kTraits.summary, make, explain, kOptions};
+  static constexpr ProtocolEntry row{.name = kTraits.name,
+                                     .summary = kTraits.summary,
+                                     .make = make,
+                                     .explain = explain,
+                                     .options = kOptions,
+                                     .options_text = "`commands: extended` (of FX3 and later)",
+                                     .factory_line = {9600, 7, Parity::kEven, 1},
+                                     .one_device = true,
+                                     .aliases = kAliases,
+                                     .variants = kVariants};
   return row;
 }
 

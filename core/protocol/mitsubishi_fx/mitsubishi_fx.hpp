@@ -1,7 +1,7 @@
 // The programming port of Mitsubishi FX PLCs behind the protocol seam.
 #pragma once
 
-#include "core/protocol/protocol.hpp"
+#include "core/protocol/registry.hpp"
 
 namespace fieldcast::mitsubishi_fx {
 

@@ -7,6 +7,7 @@
 #include "core/protocol/modbus/areas.hpp"
 #include "core/protocol/modbus/exchange.hpp"
 #include "core/protocol/option_reader.hpp"
+#include "core/protocol/registry.hpp"
 
 namespace fieldcast::modbus {
 namespace {
@@ -102,21 +103,88 @@ Made make_rtu(const DeviceLink& link) { return make(kRtu, rtu_framing(), link); 
 Made make_ascii(const DeviceLink& link) { return make(kAscii, ascii_framing(), link); }
 Made make_tcp(const DeviceLink& link) { return make(kTcp, tcp_framing(), link); }
 
+constexpr std::string_view kAddresses[] = {"coil:3",
+                                           "coil:0x1F",
+                                           "input:5",
+                                           "input:0x5",
+                                           "discrete-input:6",
+                                           "holding:100",
+                                           "holding:0x65",
+                                           "discrete-input:0x7",
+                                           "holding:0XfF",
+                                           "holding:110.5",
+                                           "holding:0x70.5",
+                                           "holding:113.0xA",
+                                           "holding:65535",
+                                           "input-register:7",
+                                           "input-register:0x8",
+                                           "input-register:9.15",
+                                           "input-register:0xA.0x3",
+                                           "00010",
+                                           "10010",
+                                           "30021",
+                                           "30022.1",
+                                           "40201",
+                                           "40202.15",
+                                           "000011",
+                                           "100011",
+                                           "300031",
+                                           "465001"};
+constexpr std::string_view kOptionsText =
+    "`mask-write: true` (function 22 for one bit or byte of a register), `read-write: true` "
+    "(function 23 for a write that is verified), `write-single: multiple` (functions 15, 16 for "
+    "single items)";
+
+constexpr ProtocolOption kMaskWrite[] = {{"mask-write", "true"}};
+constexpr ProtocolVariant kPlain[] = {{.addresses = kAddresses}};
+constexpr ProtocolVariant kRtuVariants[] = {{.addresses = kAddresses},
+                                            {.options = kMaskWrite, .addresses = kAddresses}};
+constexpr ProtocolAlias kRtuAliases[] = {{"rtu"}};
+constexpr ProtocolAlias kAsciiAliases[] = {{"ascii"}};
+constexpr ProtocolAlias kTcpAliases[] = {{"tcp"}};
+
 }  // namespace
 
+// Modbus over Serial Line V1.02, 2.5.1 and 2.5.2: 19200 8E1, ASCII with 7 data bits. RTU needs
+// whole bytes.
 const ProtocolEntry& rtu_entry() {
-  static constexpr ProtocolEntry entry{kRtu.name, kRtu.summary, make_rtu, explain_rtu,
-                                       kOptionNames};
+  static constexpr ProtocolEntry entry{.name = kRtu.name,
+                                       .summary = kRtu.summary,
+                                       .make = make_rtu,
+                                       .explain = explain_rtu,
+                                       .options = kOptionNames,
+                                       .options_text = kOptionsText,
+                                       .factory_line = {19200, 8, Parity::kEven, 1},
+                                       .whole_bytes = true,
+                                       .instead = kAscii.name,
+                                       .aliases = kRtuAliases,
+                                       .variants = kRtuVariants};
   return entry;
 }
 const ProtocolEntry& ascii_entry() {
-  static constexpr ProtocolEntry entry{kAscii.name, kAscii.summary, make_ascii, explain_ascii,
-                                       kOptionNames};
+  static constexpr ProtocolEntry entry{.name = kAscii.name,
+                                       .summary = kAscii.summary,
+                                       .make = make_ascii,
+                                       .explain = explain_ascii,
+                                       .options = kOptionNames,
+                                       .options_text = kOptionsText,
+                                       .factory_line = {19200, 7, Parity::kEven, 1},
+                                       .aliases = kAsciiAliases,
+                                       .variants = kPlain};
   return entry;
 }
 const ProtocolEntry& tcp_entry() {
-  static constexpr ProtocolEntry entry{kTcp.name, kTcp.summary, make_tcp, explain_tcp,
-                                       kOptionNames};
+  static constexpr ProtocolEntry entry{.name = kTcp.name,
+                                       .summary = kTcp.summary,
+                                       .make = make_tcp,
+                                       .explain = explain_tcp,
+                                       .options = kOptionNames,
+                                       .options_text = kOptionsText,
+                                       .network_only = true,
+                                       .instead = kRtu.name,
+                                       .carrier_checks = true,
+                                       .aliases = kTcpAliases,
+                                       .variants = kPlain};
   return entry;
 }
 

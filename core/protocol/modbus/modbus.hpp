@@ -3,7 +3,7 @@
 
 #include "core/protocol/modbus/framing.hpp"
 #include "core/protocol/modbus/request.hpp"
-#include "core/protocol/protocol.hpp"
+#include "core/protocol/registry.hpp"
 
 namespace fieldcast::modbus {
 

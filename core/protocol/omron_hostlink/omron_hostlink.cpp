@@ -7,6 +7,7 @@
 #include "core/protocol/omron_hostlink/fins.hpp"
 #include "core/protocol/omron_hostlink/limits.hpp"
 #include "core/protocol/option_reader.hpp"
+#include "core/protocol/registry.hpp"
 
 namespace fieldcast::omron {
 namespace {
@@ -92,11 +93,35 @@ tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link
   return std::make_unique<CModeProtocol>(link.address);
 }
 
+constexpr std::string_view kCModeAddresses[] = {
+    "CIO12", "IR13",  "CIO14.03", "LR7",      "L8",      "HR10",   "H11",      "AR3",
+    "A4",    "DM100", "D101",     "DM102.15", "EM1_100", "E1_101", "E1_102.3", "T5",
+    "TIM6",  "C5",    "CNT6",     "TF5",      "TIMF6",   "CF5",    "CNTF6"};
+constexpr std::string_view kFinsAddresses[] = {
+    "CIO12", "IR13", "CIO14.03", "W5",   "WR6",      "W7.07",   "HR10", "H11",
+    "AR3",   "A4",   "DM100",    "D101", "DM102.15", "EM1_100", "EC_5", "E1_102.3",
+    "T5",    "TIM6", "C5",       "CNT6", "TF5",      "TIMF6",   "CF5",  "CNTF6"};
+constexpr ProtocolOption kFins[] = {{"mode", "fins"}};
+constexpr ProtocolOption kFinsRelayed[] = {{"mode", "fins"}, {"network", "5"}, {"node", "3"}};
+constexpr ProtocolAlias kAliases[] = {
+    {"hostlink"}, {"host-link"}, {"fins", "omron-hostlink, with options: { mode: fins }"}};
+constexpr ProtocolVariant kVariants[] = {{.addresses = kCModeAddresses},
+                                         {.options = kFins, .addresses = kFinsAddresses},
+                                         {.options = kFinsRelayed, .addresses = kFinsAddresses}};
+
 }  // namespace
 
 const ProtocolEntry& hostlink_entry() {
-  static constexpr ProtocolEntry entry{kCModeTraits.name, kCModeTraits.summary, make,
-                                       explain_hostlink, kOptions};
+  static constexpr ProtocolEntry entry{
+      .name = kCModeTraits.name,
+      .summary = kCModeTraits.summary,
+      .make = make,
+      .explain = explain_hostlink,
+      .options = kOptions,
+      .options_text = "`mode: fins`, `wait`, `network`, `node`, `unit`",
+      .factory_line = {9600, 7, Parity::kEven, 2},
+      .aliases = kAliases,
+      .variants = kVariants};
   return entry;
 }
 

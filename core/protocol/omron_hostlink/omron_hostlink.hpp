@@ -1,7 +1,7 @@
 // Omron Host Link behind the protocol seam: C-mode commands, or FINS in Host Link frames.
 #pragma once
 
-#include "core/protocol/protocol.hpp"
+#include "core/protocol/registry.hpp"
 
 namespace fieldcast::omron {
 

@@ -18,6 +18,7 @@
 #include "core/codec/digits.hpp"
 #include "core/codec/value_codec.hpp"
 #include "core/protocol/option_reader.hpp"
+#include "core/protocol/registry.hpp"
 
 namespace fieldcast::s7_freeport {
 namespace {
@@ -223,10 +224,22 @@ tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link
   return std::make_unique<FreeportProtocol>(static_cast<std::uint8_t>(link.address), swapped);
 }
 
+constexpr std::string_view kAddresses[] = {"window:0", "window:1", "window:3", "window:2.7"};
+constexpr ProtocolOption kSwapped[] = {{"letters", "swapped"}};
+constexpr ProtocolVariant kVariants[] = {{.addresses = kAddresses},
+                                         {.options = kSwapped, .addresses = kAddresses}};
+
 }  // namespace
 
 const ProtocolEntry& entry() {
-  static constexpr ProtocolEntry row{kTraits.name, kTraits.summary, make, explain, kOptions};
+  static constexpr ProtocolEntry row{.name = kTraits.name,
+                                     .summary = kTraits.summary,
+                                     .make = make,
+                                     .explain = explain,
+                                     .options = kOptions,
+                                     .options_text = "`letters: swapped`",
+                                     .factory_line = {9600, 8, Parity::kNone, 1},
+                                     .variants = kVariants};
   return row;
 }
 

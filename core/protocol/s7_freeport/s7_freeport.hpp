@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "core/protocol/protocol.hpp"
+#include "core/protocol/registry.hpp"
 
 namespace fieldcast::s7_freeport {
 

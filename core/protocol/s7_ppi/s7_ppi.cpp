@@ -14,6 +14,7 @@
 
 #include "core/protocol/address_text.hpp"
 #include "core/protocol/option_reader.hpp"
+#include "core/protocol/registry.hpp"
 #include "core/protocol/s7_ppi/areas.hpp"
 #include "core/protocol/s7_ppi/telegram.hpp"
 #include "core/protocol/s7_ppi/unit.hpp"
@@ -195,10 +196,27 @@ tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link
   return std::make_unique<PpiProtocol>(ppi);
 }
 
+constexpr std::string_view kAddresses[] = {
+    "VB100", "VW102", "VD104", "V108.3", "MB1",  "MW2",  "MD4", "M9.7", "IB0", "IW2",
+    "ID4",   "I9.3",  "QB0",   "QW2",    "QD4",  "Q9.0", "SB0", "SW2",  "SD4", "S9.1",
+    "SMB28", "SMW30", "SMD34", "SM0.1",  "AIW4", "AQW2", "T37", "C5",   "HC0"};
+constexpr ProtocolAlias kAliases[] = {{"ppi"}, {"s7-200"}};
+constexpr ProtocolVariant kVariants[] = {{.addresses = kAddresses}};
+
 }  // namespace
 
 const ProtocolEntry& entry() {
-  static constexpr ProtocolEntry row{kTraits.name, kTraits.summary, make, explain, kOptions};
+  static constexpr ProtocolEntry row{
+      .name = kTraits.name,
+      .summary = kTraits.summary,
+      .make = make,
+      .explain = explain,
+      .options = kOptions,
+      .options_text =
+          "`master` (our address, 0), `poll-delay-ms` (between acknowledge and poll, 10)",
+      .factory_line = {9600, 8, Parity::kEven, 1},
+      .aliases = kAliases,
+      .variants = kVariants};
   return row;
 }
 

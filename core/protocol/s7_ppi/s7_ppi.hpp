@@ -1,7 +1,7 @@
 // Siemens S7-200 PPI behind the protocol seam.
 #pragma once
 
-#include "core/protocol/protocol.hpp"
+#include "core/protocol/registry.hpp"
 
 namespace fieldcast::s7_ppi {
 

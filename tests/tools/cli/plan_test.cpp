@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/protocol/registry.hpp"
 #include "tools/cli/model/bus_plan.hpp"
 #include "tools/cli/view/plan_view.hpp"
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "config/loader.hpp"
+#include "core/protocol/registry.hpp"
 #include "tools/sim/check/sim_check.hpp"
 
 namespace fieldcast::sim {

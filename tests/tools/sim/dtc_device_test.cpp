@@ -11,7 +11,7 @@
 #include <random>
 
 #include "core/codec/checksum.hpp"
-#include "core/protocol/protocol.hpp"
+#include "core/protocol/registry.hpp"
 #include "tests/tools/sim/listen.hpp"
 #include "tools/sim/device/dtc_lzw.hpp"
 

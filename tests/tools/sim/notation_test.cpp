@@ -6,6 +6,7 @@
 #include <set>
 
 #include "config/loader.hpp"
+#include "core/protocol/registry.hpp"
 #include "tools/sim/bus/virtual_bus.hpp"
 #include "tools/sim/check/notations.hpp"
 
@@ -17,7 +18,7 @@ using namespace std::chrono_literals;
 // A bus with one device and a channel for each notation, as its user would write it.
 std::string configuration(const Subject& subject) {
   const auto protocol = subject.protocol();
-  const bool tcp = subject.device.protocol == "modbus-tcp";
+  const bool tcp = std::holds_alternative<TcpPortSpec>(subject.port);
   std::string text = "bridge: b\nbuses:\n  - name: bus\n    port: ";
   text += tcp ? "{ tcp: 127.0.0.1:502 }" : "{ serial: /dev/none, baud: 115200, format: 8E1 }";
   text += "\n    protocol: " + subject.device.protocol + "\n    devices:\n      - name: d\n";

@@ -6,21 +6,19 @@
 #include <vector>
 
 #include "core/codec/value_codec.hpp"
-#include "core/protocol/protocol.hpp"
+#include "core/protocol/registry.hpp"
 
 namespace fieldcast::cli {
 namespace {
 
-// One of each family, and Omron's other mode, whose codes are its own.
+// Each protocol in each of its variants, whose addresses and codes may differ.
 const std::vector<std::unique_ptr<Protocol>>& families() {
   static const auto all = [] {
     std::vector<std::unique_ptr<Protocol>> made;
-    const auto add = [&](const ProtocolEntry& entry, DeviceLink link) {
-      if (auto protocol = entry.make(link)) made.push_back(*std::move(protocol));
-    };
     for (const ProtocolEntry& entry : protocols()) {
-      add(entry, {.address = 1});
-      if (entry.name == "omron-hostlink") add(entry, {.address = 1, .options = {{"mode", "fins"}}});
+      for (const ProtocolVariant& variant : entry.variants) {
+        if (auto protocol = entry.make(link_of(variant, 1))) made.push_back(*std::move(protocol));
+      }
     }
     return made;
   }();

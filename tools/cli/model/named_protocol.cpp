@@ -6,6 +6,7 @@
 
 #include "config/loader.hpp"
 #include "core/base/near_miss.hpp"
+#include "core/protocol/registry.hpp"
 #include "tools/cli/view/text_table.hpp"
 
 namespace fieldcast::cli {

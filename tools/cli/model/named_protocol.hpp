@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "core/protocol/declared/declaration.hpp"
-#include "core/protocol/protocol.hpp"
+#include "core/protocol/registry.hpp"
 
 namespace fieldcast::cli {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/model/make_protocol.hpp"
+#include "core/protocol/registry.hpp"
 #include "tools/sim/device/waveform.hpp"
 
 namespace fieldcast::sim {

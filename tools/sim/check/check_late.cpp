@@ -4,6 +4,7 @@
 
 #include "core/bus/bus_engine.hpp"
 #include "core/codec/value_codec.hpp"
+#include "core/protocol/registry.hpp"
 #include "tools/sim/check/requests.hpp"
 #include "tools/sim/check/sim_check.hpp"
 
@@ -62,8 +63,8 @@ class LateBus {
       bus.devices.push_back(each.device);
       bus.devices.back().name += std::to_string(bus.devices.size());
       bus.devices.back().timeout = 100ms;
-      // An FX has its port for itself.
-      if (subject.device.protocol == "mitsubishi-fx") break;
+      const ProtocolEntry* entry = find_protocol(subject.device.protocol);
+      if (entry != nullptr && entry->one_device) break;
     }
     return bus;
   }

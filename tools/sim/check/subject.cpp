@@ -3,27 +3,17 @@
 #include <algorithm>
 
 #include "core/model/make_protocol.hpp"
+#include "core/protocol/registry.hpp"
 
 namespace fieldcast::sim {
 namespace {
 
-using Options = std::map<std::string, std::string>;
-
-// What changes the frames of a family.
-std::vector<Options> options_of(std::string_view protocol) {
-  if (protocol == "modbus-rtu") return {{}, {{"mask-write", "true"}}};
-  if (protocol == "dtc") return {{{"threshold", "65535"}}, {{"threshold", "0"}}};
-  if (protocol == "mitsubishi-fx") return {{}, {{"commands", "extended"}}};
-  if (protocol == "omron-hostlink")
-    return {{}, {{"mode", "fins"}}, {{"mode", "fins"}, {"network", "5"}, {"node", "3"}}};
-  if (protocol == "s7-freeport") return {{}, {{"letters", "swapped"}}};
-  return {{}};
-}
-
-std::string text_of(const Options& options) {
+std::string text_of(const ProtocolVariant& variant) {
   std::string text;
-  for (const auto& [name, value] : options)
-    text += (text.empty() ? "" : ", ") + name + ": " + value;
+  for (const auto& [name, value] : variant.options) {
+    text += text.empty() ? "" : ", ";
+    text.append(name).append(": ").append(value);
+  }
   return text;
 }
 
@@ -68,15 +58,14 @@ std::optional<Subject> Subject::neighbour() const {
 
 std::vector<Subject> subjects_of(std::string_view protocol) {
   std::vector<Subject> subjects;
-  if (find_protocol(protocol) == nullptr) return subjects;
-  for (const Options& options : options_of(protocol)) {
-    Subject subject{text_of(options), device_at(7), serial(), true};
+  const ProtocolEntry* entry = find_protocol(protocol);
+  if (entry == nullptr) return subjects;
+  for (const ProtocolVariant& variant : entry->variants) {
+    Subject subject{text_of(variant), device_at(7), serial(), true, variant.addresses};
     subject.device.protocol = protocol;
-    subject.device.link.options = options;
-    if (protocol == "modbus-tcp") {  // TCP carries the check
-      subject.port = TcpPortSpec{};
-      subject.checked = false;
-    }
+    subject.device.link = link_of(variant, subject.device.link.address);
+    if (entry->network_only) subject.port = TcpPortSpec{};
+    subject.checked = !entry->carrier_checks;
     subjects.push_back(std::move(subject));
   }
   return subjects;

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ struct Subject {
   DeviceSpec device;    // without channels
   PortSpec port;
   bool checked = true;  // every answer carries a check: no flipped bit may pass
+  std::span<const std::string_view> addresses{};  // of a built-in protocol: forms of its notation
 
   [[nodiscard]] LineFormat line() const { return line_of(port); }
   [[nodiscard]] std::unique_ptr<Protocol> protocol() const;
