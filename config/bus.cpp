@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "config/keys/bus_keys.hpp"
 #include "config/limits.hpp"
 #include "config/port.hpp"
 #include "config/scalars.hpp"
@@ -11,54 +12,18 @@
 namespace fieldcast::config {
 namespace {
 
-// "standard", "3.5c" or a duration.
-struct SilenceRuleReader {
-  std::optional<SilenceRule> operator()(const Node& node, std::string_view key,
-                                        FaultList& faults) const {
-    static constexpr std::string_view kForms =
-        "standard, characters such as 3.5c, a duration such as 500us";
-    const std::string* text = scalar_of(node, key, kForms, faults);
-    if (text == nullptr) return std::nullopt;
-    if (*text == "standard") return StandardSilence{};
-    if (text->ends_with('c')) {
-      const auto characters = number_from(std::string_view(*text).substr(0, text->size() - 1));
-      if (characters && *characters >= 0 && *characters <= kMaxSilenceCharacters)
-        return CharacterSilence{*characters};
-    }
-    if (duration_from(*text)) {
-      if (const auto duration = DurationRule{Duration{}, kMaxSilence}(node, key, faults))
-        return *duration;
-      return std::nullopt;
-    }
-    const std::string meant = number_from(*text)
-                                  ? *text + 'c'
-                                  : closest(*text, std::array<std::string_view, 1>{"standard"});
-    faults.add(node.place, std::string(key) + " '" + *text + "' is unknown", std::string(kForms),
-               meant);
-    return std::nullopt;
-  }
-};
-
-constexpr std::pair<std::string_view, Planner> kPlanners[] = {{"riding", Planner::kRiding},
-                                                              {"dynamic", Planner::kDynamicBlocks}};
-constexpr std::pair<std::string_view, std::optional<bool>> kEchoes[] = {
-    {"auto", std::nullopt}, {"true", true}, {"false", false}};
-
 void read_defaults(MapReader& bus, BusSpec& spec, DeviceDefaults& defaults) {
   const Node* node = bus.find("defaults");
   if (node == nullptr) return;
-  MapReader map(*node, kBusDefaultKeys, bus.faults());
-  read_device_defaults(map, defaults);
-  read_options(map, defaults);
-  read_allow(map, defaults);
-  map.read("silence", spec.silence, SilenceRuleReader{});
-  map.read("gap-allowance", spec.gap_allowance, DurationRule{Duration{}, kMaxSilence});
+  MapReader map(*node, bus_default_rows(), bus.faults());
+  BusDefaults both{spec, defaults};
+  bus_default_rows().read(map, both);
 }
 
-void read_devices(MapReader& bus, const DeviceContext& context, BusSpec& spec, Session& session) {
+void read_devices(MapReader& bus, const DeviceContext& context, BusSpec& spec, LoadState& state) {
   const Node* list = bus.require("devices", "a list of devices");
   if (list == nullptr) return;
-  auto& faults = session.faults;
+  auto& faults = state.faults;
   if (list->kind != Kind::kList || list->items.empty()) {
     faults.add(
         list->place,
@@ -72,30 +37,56 @@ void read_devices(MapReader& bus, const DeviceContext& context, BusSpec& spec, S
       faults.add(node->place, "too many devices", std::to_string(kMaxDevices) + " of a bus");
       return;
     }
-    spec.devices.push_back(read_device(*node, context, session));
+    spec.devices.push_back(read_device(*node, context, state));
     names.add("device", spec.devices.back().name, node->place, faults);
   }
 }
 
 }  // namespace
 
-BusSpec read_bus(const Node& node, Session& session) {
-  MapReader map(node, kBusKeys, session.faults);
+std::optional<SilenceRule> SilenceReader::operator()(const Node& node, std::string_view key,
+                                                     FaultList& faults) const {
+  static constexpr std::string_view kForms =
+      "standard, characters such as 3.5c, a duration such as 500us";
+  const std::string* text = scalar_of(node, key, kForms, faults);
+  if (text == nullptr) return std::nullopt;
+  if (*text == "standard") return StandardSilence{};
+  if (text->ends_with('c')) {
+    const auto characters = number_from(std::string_view(*text).substr(0, text->size() - 1));
+    if (characters && *characters >= 0 && *characters <= kMaxSilenceCharacters)
+      return CharacterSilence{*characters};
+  }
+  if (duration_from(*text)) {
+    if (const auto duration = DurationRule{Duration{}, kMaxSilence}(node, key, faults))
+      return *duration;
+    return std::nullopt;
+  }
+  const std::string meant = number_from(*text)
+                                ? *text + 'c'
+                                : closest(*text, std::array<std::string_view, 1>{"standard"});
+  faults.add(node.place, std::string(key) + " '" + *text + "' is unknown", std::string(kForms),
+             meant);
+  return std::nullopt;
+}
+
+std::string SilenceReader::schema() const {
+  return R"({ "type": "string", "pattern": "^(standard|[0-9]+(\\.[0-9]+)?(c|us|ms|s|m|min|h|d))$" })";
+}
+std::string SilenceReader::form() const { return {}; }
+
+BusSpec read_bus(const Node& node, LoadState& state) {
+  MapReader map(node, bus_rows(), state.faults);
   BusSpec spec;
   UniqueNames addresses;
   DeviceContext context{{}, map.has("protocol"), map.place_of("protocol"),
                         {}, spec.port,           addresses};
-  map.read_required("name", spec.name, NameRule{}, "a name for the bus");
+  bus_rows().read(map, spec);
   if (const Node* protocol = map.find("protocol"))
-    context.protocol = read_protocol(*protocol, "protocol", session);
-  if (const Node* port = map.require(
-          "port", "port: { serial: PATH }, { tcp: HOST:PORT } or { dial-in: NUMBER }")) {
-    spec.port = read_port(*port, context.protocol.name, session.faults);
-  }
-  map.read("planner", spec.planner, ChoiceRule<Planner>{kPlanners});
-  map.read("echo", spec.echo, ChoiceRule<std::optional<bool>>{kEchoes});
+    context.protocol = read_protocol(*protocol, "protocol", state);
+  if (const Node* port = map.require("port", port_forms()))
+    spec.port = read_port(*port, context.protocol.name, state.faults);
   read_defaults(map, spec, context.defaults);
-  read_devices(map, context, spec, session);
+  read_devices(map, context, spec, state);
   return spec;
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "config/channel_limits.hpp"
+#include "config/keys/channel_keys.hpp"
 #include "config/limits.hpp"
 #include "config/scalars.hpp"
 #include "config/text_number.hpp"
@@ -14,8 +15,7 @@ namespace {
 std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
 
 // What a channel says and where, while its rules are checked.
-struct Draft {
-  ChannelSpec spec;
+struct Draft : ChannelDefaults {
   const Area* area = nullptr;  // nothing: unknown
   std::optional<ParsedAddress> address;
   bool typed = false;  // spec.encoding is what the file means
@@ -38,11 +38,8 @@ void read_address(MapReader& map, const ChannelContext& context, Draft& draft) {
 
 // Which byte of an item; low and high are those of a word.
 void read_byte(MapReader& map, Draft& draft) {
-  static constexpr std::pair<std::string_view, std::uint8_t> kBytes[] = {
-      {"low", 0}, {"high", 1}, {"0", 0}, {"1", 1}, {"2", 2},
-      {"3", 3},   {"4", 4},    {"5", 5}, {"6", 6}, {"7", 7}};
   std::uint8_t byte = 0;
-  if (!map.read("byte", byte, ChoiceRule<std::uint8_t>{kBytes})) return;
+  if (!map.read("byte", byte, ChoiceRule<std::uint8_t>{kByteWords})) return;
   draft.spec.encoding.bit = static_cast<std::uint8_t>(8 * byte);
   const bool wider = draft.area != nullptr && draft.area->item_bits > 16;
   const std::string& text = map.find("byte")->text;
@@ -58,7 +55,10 @@ void read_byte(MapReader& map, Draft& draft) {
 // The type, by the key or by the notation; and the bit of a word.
 void read_type(MapReader& map, Draft& draft) {
   auto& encoding = draft.spec.encoding;
-  draft.typed = map.read("type", encoding, TypeRule{});
+  Encoding type;
+  draft.typed = map.read("type", type, TypeRule{});
+  encoding.type = type.type;
+  encoding.string_bytes = type.string_bytes;
   const bool fixed = draft.address && (draft.address->bit || draft.address->width_bits == 1u ||
                                        draft.area->item_bits == 1);
   if (!map.has("type")) {
@@ -120,22 +120,13 @@ void read_text(MapReader& map, Draft& draft) {
   }
 }
 
-void read_presentation(MapReader& map, ChannelSpec& spec) {
-  map.read("unit", spec.unit, TextRule{kMaxUnit});
-  map.read("description", spec.description, TextRule{kMaxDescription});
-  map.read("scale", spec.encoding.scale, NumberRule{});
-  map.read("offset", spec.encoding.offset, NumberRule{});
-  map.read("deadband", spec.deadband, NumberRule{});
-}
-
 // The orders of the file, or else the family's own.
-void read_order(const ChannelDefaults& values, Draft& draft) {
+void read_order(Draft& draft) {
   const Area family = draft.area != nullptr ? *draft.area : Area{};
   Encoding& encoding = draft.spec.encoding;
   const bool text = encoding.is_text();
-  encoding.word_order = values.word_order.value_or(family.word_order);
-  encoding.byte_order =
-      values.byte_order.value_or(text ? family.text_order : ByteOrder::kBigEndian);
+  encoding.word_order = draft.word_order.value_or(family.word_order);
+  encoding.byte_order = draft.byte_order.value_or(text ? family.text_order : ByteOrder::kBigEndian);
 }
 
 // Type against notation, bit and area.
@@ -267,7 +258,7 @@ void check_heartbeat(MapReader& map, const ChannelDefaults& inherited, ChannelSp
                        "both, or neither");
   } else if (spec.heartbeat && *spec.heartbeat < spec.refresh) {
     const bool own = map.has("heartbeat") || map.has("refresh");
-    if (!own && inherited.heartbeat) return;
+    if (!own && inherited.spec.heartbeat) return;
     map.faults().add(
         map.place_of(map.has("heartbeat") ? "heartbeat" : "refresh"),
         "heartbeat " + fieldcast::to_text(*spec.heartbeat) + " is shorter than the refresh",
@@ -278,40 +269,29 @@ void check_heartbeat(MapReader& map, const ChannelDefaults& inherited, ChannelSp
 }  // namespace
 
 ChannelSpec read_channel(const Node& node, const ChannelContext& context, FaultList& faults) {
-  MapReader map(node, kChannelKeys, faults);
-  ChannelDefaults values = context.defaults;
-  Draft draft;
+  MapReader map(node, channel_rows(), faults);
+  Draft draft{context.defaults};
   ChannelSpec& spec = draft.spec;
-  map.read_required("name", spec.name, NameRule{}, "a name for the channel");
-  read_channel_defaults(map, values);
+  channel_rows().read(map, draft);
   read_address(map, context, draft);
   read_type(map, draft);
   read_text(map, draft);
-  read_presentation(map, spec);
   read_limits(map, spec);
-
-  spec.refresh = values.refresh;
-  spec.mode = values.mode;
-  spec.access = values.access;
-  spec.on_interest = values.on_interest;
-  spec.priority = values.priority;
-  spec.elasticity = values.elasticity;
-  spec.heartbeat = values.heartbeat;
-  read_order(values, draft);
+  read_write(map, spec);
+  read_order(draft);
   const bool is_string = spec.encoding.type == ValueType::kString;
-  if (is_string) spec.encoding.charset = values.charset;
+  if (is_string) spec.encoding.charset = draft.charset;
   if (map.has("encoding") && draft.typed && !is_string)
     faults.add(map.place_of("encoding"),
                "'encoding' at a " + std::string(fieldcast::to_text(spec.encoding.type)),
                "a channel of type string(n)");
-  read_write(map, spec);
 
   check_type(map, draft);
   place_range(map, context, draft);
   check_access(map, draft);
   check_numbers(map, draft);
   check_heartbeat(map, context.defaults, spec);
-  return spec;
+  return std::move(spec);
 }
 
 }  // namespace fieldcast::config

@@ -25,6 +25,8 @@ struct ChannelContext {
 struct TypeRule {
   std::optional<Encoding> operator()(const Node& node, std::string_view key,
                                      FaultList& faults) const;
+  [[nodiscard]] std::string schema() const;
+  [[nodiscard]] std::string form() const;
 };
 
 }  // namespace fieldcast::config

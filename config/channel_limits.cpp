@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "config/limits.hpp"
-#include "config/scalars.hpp"
+#include "config/keys/channel_keys.hpp"
 
 namespace fieldcast::config {
 namespace {
@@ -51,8 +50,9 @@ void check_hysteresis(MapReader& map, const Limits& limits) {
 void read_limits(MapReader& channel, ChannelSpec& spec) {
   const Node* node = channel.find("limits");
   if (node == nullptr) return;
-  MapReader map(*node, kLimitKeys, channel.faults());
-  const std::pair<std::string_view, std::optional<double>*> ladder[] = {
+  MapReader map(*node, limit_rows(), channel.faults());
+  limit_rows().read(map, spec.limits);
+  const std::pair<std::string_view, const std::optional<double>*> ladder[] = {
       {"low-low", &spec.limits.low_low},
       {"low", &spec.limits.low},
       {"high", &spec.limits.high},
@@ -60,16 +60,14 @@ void read_limits(MapReader& channel, ChannelSpec& spec) {
   std::string_view below;
   const std::optional<double>* bound = nullptr;
   for (const auto& [key, limit] : ladder) {
-    if (!map.read(key, *limit, NumberRule{})) continue;
+    if (!*limit) continue;
     if (bound != nullptr && **limit <= **bound) {
       map.faults().add(map.place_of(key), "limit " + quoted(key) + " is not above " + quoted(below),
                        "low-low < low < high < high-high");
     }
     below = key, bound = limit;
   }
-  map.read("delay", spec.limits.delay, DurationRule{Duration{}, kMaxAlarmDelay});
-  if (map.read("hysteresis", spec.limits.hysteresis, NumberRule{}))
-    check_hysteresis(map, spec.limits);
+  check_hysteresis(map, spec.limits);
   for (const std::string_view key : {"hysteresis", "delay"}) {
     if (bound == nullptr && map.has(key)) {
       map.faults().add(map.place_of(key), quoted(key) + " without a limit",
@@ -81,10 +79,8 @@ void read_limits(MapReader& channel, ChannelSpec& spec) {
 void read_write(MapReader& channel, ChannelSpec& spec) {
   const Node* node = channel.find("write");
   if (node == nullptr) return;
-  MapReader map(*node, kWriteKeys, channel.faults());
-  map.read("min", spec.write_min, NumberRule{});
-  map.read("max", spec.write_max, NumberRule{});
-  map.read("interval", spec.write_interval, DurationRule{Duration{}, kMaxRefresh});
+  MapReader map(*node, write_rows(), channel.faults());
+  write_rows().read(map, spec);
   if (spec.write_min && spec.write_max && *spec.write_min > *spec.write_max) {
     map.faults().add(map.place_of("max"), "write max is below min", "min <= max");
   }

@@ -56,4 +56,12 @@ std::optional<Encoding> TypeRule::operator()(const Node& node, std::string_view 
   return std::nullopt;
 }
 
+std::string TypeRule::schema() const {
+  std::string words;
+  for (const auto type : plain_types())
+    words += (words.empty() ? "" : "|") + std::string(fieldcast::to_text(type));
+  return R"({ "type": "string", "pattern": "^()" + words + R"(|string\\([0-9]{1,3}\\))$" })";
+}
+std::string TypeRule::form() const { return {}; }
+
 }  // namespace fieldcast::config

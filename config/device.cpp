@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "config/channel.hpp"
+#include "config/keys/device_keys.hpp"
 #include "config/limits.hpp"
 #include "config/port.hpp"
 #include "config/program.hpp"
@@ -14,8 +15,7 @@ namespace {
 
 // A device while it is read: the parts that a template and the device both fill.
 struct Draft {
-  DeviceSpec spec;
-  DeviceDefaults defaults;
+  DeviceDefaults defaults;            // its spec is the device
   std::vector<const Node*> channels;  // first those of the template
 };
 
@@ -27,14 +27,14 @@ struct AddressRule {
 };
 
 // channels: a list, or the name of a file with one.
-void read_channel_nodes(MapReader& map, Draft& draft, Session& session) {
+void read_channel_nodes(MapReader& map, Draft& draft, LoadState& state) {
   const Node* node = map.find("channels");
   if (node == nullptr) return;
-  if (node->kind == Kind::kScalar) node = session.library.channel_list(*node);
+  if (node->kind == Kind::kScalar) node = state.library.channel_list(*node);
   if (node == nullptr) return;
   if (node->kind != Kind::kList) {
-    session.faults.add(node->place, "channels is " + std::string(to_text(node->kind)),
-                       "a list of channels, or the name of a CSV file");
+    state.faults.add(node->place, "channels is " + std::string(to_text(node->kind)),
+                     "a list of channels, or the name of a CSV file");
     return;
   }
   draft.channels.insert(draft.channels.end(), node->items.begin(), node->items.end());
@@ -42,7 +42,7 @@ void read_channel_nodes(MapReader& map, Draft& draft, Session& session) {
 
 // protocols: [modbus-rtu, ...]: those whose address notation the template is written in.
 void check_template_protocols(MapReader& map, const Node& naming, const std::string& protocol,
-                              Session& session) {
+                              LoadState& state) {
   const Node* node = map.find("protocols");
   if (node == nullptr) return;
   if (node->kind != Kind::kList || node->items.empty()) {
@@ -57,7 +57,7 @@ void check_template_protocols(MapReader& map, const Node& naming, const std::str
     // A declaration is looked for beside the configuration, not beside the template: the device's
     // own is known already.
     if (item->kind == Kind::kScalar && !protocol.empty() && item->text == protocol) return;
-    if (auto choice = read_protocol(*item, "protocol", session); choice.known())
+    if (auto choice = read_protocol(*item, "protocol", state); choice.known())
       names.push_back(std::move(choice.name));
   }
   if (protocol.empty() || names.size() != node->items.size()) return;
@@ -66,20 +66,19 @@ void check_template_protocols(MapReader& map, const Node& naming, const std::str
 }
 
 void read_template(const Node& naming, const std::string& protocol, Draft& draft,
-                   Session& session) {
-  const Node* root = session.library.device_template(naming);
+                   LoadState& state) {
+  const Node* root = state.library.device_template(naming);
   if (root == nullptr) return;
-  MapReader map(*root, kTemplateKeys, session.faults);
+  MapReader map(*root, template_rows(), state.faults);
   std::string description;
   map.read("description", description, TextRule{kMaxDescription});
-  check_template_protocols(map, naming, protocol, session);
+  check_template_protocols(map, naming, protocol, state);
   if (const Node* defaults = map.find("defaults")) {
-    MapReader inner(*defaults, kTemplateDefaultKeys, session.faults);
-    read_device_defaults(inner, draft.defaults);
+    MapReader inner(*defaults, template_default_rows(), state.faults);
+    template_default_rows().read(inner, draft.defaults);
   }
-  read_options(map, draft.defaults);
-  read_allow(map, draft.defaults);
-  read_channel_nodes(map, draft, session);
+  template_rows().read(map, draft.defaults);
+  read_channel_nodes(map, draft, state);
 }
 
 // The protocol object for this device, or nothing and the faults of address and options.
@@ -88,7 +87,7 @@ std::unique_ptr<Protocol> protocol_of(MapReader& map, const ProtocolChoice& choi
   const auto options =
       choice.built_in != nullptr ? choice.built_in->options : std::span<const std::string_view>{};
   bool known = true;
-  for (const auto& [name, value] : draft.spec.link.options) {
+  for (const auto& [name, value] : draft.defaults.spec.link.options) {
     if (std::ranges::find(options, name) != options.end()) continue;
     known = false;
     map.faults().add(draft.defaults.options.places.at(name),
@@ -96,7 +95,7 @@ std::unique_ptr<Protocol> protocol_of(MapReader& map, const ProtocolChoice& choi
                      options.empty() ? "no options" : joined(options), closest(name, options));
   }
   if (!known) return nullptr;
-  auto protocol = make_protocol(draft.spec, line_of(port));
+  auto protocol = make_protocol(draft.defaults.spec, line_of(port));
   if (protocol) return std::move(*protocol);
   const auto& fault = protocol.error();
   const auto option = draft.defaults.options.places.find(fault.option);
@@ -110,77 +109,65 @@ std::unique_ptr<Protocol> protocol_of(MapReader& map, const ProtocolChoice& choi
 }
 
 void read_channels(const Draft& draft, const Protocol* protocol, const Place& place,
-                   DeviceSpec& spec, Session& session) {
-  const ChannelContext context{protocol, draft.defaults.channels, draft.defaults.max_block};
+                   DeviceSpec& spec, LoadState& state) {
+  const ChannelContext context{protocol, draft.defaults.channels, draft.defaults.spec.max_block};
   UniqueNames names;
   spec.channels.reserve(std::min(draft.channels.size(), kMaxChannels));
   for (const Node* node : draft.channels) {
-    if (session.channels++ >= kMaxChannels) {
-      session.faults.add(place, "too many channels", std::to_string(kMaxChannels) + " of a bridge");
+    if (state.channels++ >= kMaxChannels) {
+      state.faults.add(place, "too many channels", std::to_string(kMaxChannels) + " of a bridge");
       return;
     }
-    spec.channels.push_back(read_channel(*node, context, session.faults));
-    names.add("channel", spec.channels.back().name, node->place, session.faults);
+    spec.channels.push_back(read_channel(*node, context, state.faults));
+    names.add("channel", spec.channels.back().name, node->place, state.faults);
   }
 }
 
 }  // namespace
 
-DeviceSpec read_device(const Node& node, const DeviceContext& context, Session& session) {
-  MapReader map(node, kDeviceKeys, session.faults);
-  Draft draft{{}, context.defaults, {}};
-  DeviceSpec& spec = draft.spec;
-  map.read_required("name", spec.name, NameRule{}, "a name for the device");
-  map.read("number", spec.number, DeviceNumberRule{});
+DeviceSpec read_device(const Node& node, const DeviceContext& context, LoadState& state) {
+  MapReader map(node, device_rows(), state.faults);
+  Draft draft{context.defaults, {}};
+  DeviceSpec& spec = draft.defaults.spec;
   const bool has_address = map.read_required("address", spec.link.address, AddressRule{},
                                              "the device's address on the bus");
 
   ProtocolChoice choice = context.protocol;
   if (const Node* own = map.find("protocol")) {
-    choice = read_protocol(*own, "protocol", session);
+    choice = read_protocol(*own, "protocol", state);
     // The bus's options are those of its protocol.
     if (context.protocol_named && choice.name != context.protocol.name) draft.defaults.options = {};
   } else if (!context.protocol_named && map.is_map() && !map.has("protocol")) {
-    session.faults.add(map.place(), "'protocol' is missing in a device, and its bus names none",
-                       "a protocol here or in the bus");
+    state.faults.add(map.place(), "'protocol' is missing in a device, and its bus names none",
+                     "a protocol here or in the bus");
   }
   if (choice.known()) {
     spec.protocol = choice.name;
     spec.declaration = choice.declaration;
     check_port(spec.protocol, context.port,
                map.has("protocol") ? map.place_of("protocol") : context.protocol_place,
-               session.faults);
+               state.faults);
   }
   if (has_address && choice.known()) {
     const std::string address = std::to_string(spec.link.address) + " (" + spec.protocol + ')';
-    context.addresses.add("address", address, map.place_of("address"), session.faults);
+    context.addresses.add("address", address, map.place_of("address"), state.faults);
   }
 
   if (const Node* naming = map.find("template"))
-    read_template(*naming, spec.protocol, draft, session);
-  read_device_defaults(map, draft.defaults);
-  read_options(map, draft.defaults);
-  read_allow(map, draft.defaults);
-  read_channel_nodes(map, draft, session);
-
-  spec.timeout = draft.defaults.timeout;
-  spec.retries = draft.defaults.retries;
-  spec.pause = draft.defaults.pause;
-  spec.max_block = draft.defaults.max_block;
-  spec.max_gap = draft.defaults.max_gap;
+    read_template(*naming, spec.protocol, draft, state);
+  device_rows().read(map, draft.defaults);
+  read_channel_nodes(map, draft, state);
   spec.link.options = draft.defaults.options.texts;
-  spec.allow_raw_read = draft.defaults.allow_raw_read;
-  spec.allow_raw_write = draft.defaults.allow_raw_write;
 
   const auto protocol =
       choice.known() ? protocol_of(map, choice, context.port, has_address, draft) : nullptr;
   if (draft.channels.empty() && map.is_map() && !map.has("channels") && !map.has("template") &&
       !spec.allow_raw_read && !spec.allow_raw_write) {
-    session.faults.add(map.place(), "a device without channels",
-                       "channels, a template, or allow: [raw-read, raw-write]");
+    state.faults.add(map.place(), "a device without channels",
+                     "channels, a template, or allow: [raw-read, raw-write]");
   }
-  read_channels(draft, protocol.get(), map.place_of("channels"), spec, session);
-  return spec;
+  read_channels(draft, protocol.get(), map.place_of("channels"), spec, state);
+  return std::move(spec);
 }
 
 }  // namespace fieldcast::config

@@ -21,6 +21,6 @@ struct DeviceContext {
 
 // Faults are noted; with faults the result is whatever could be read.
 [[nodiscard]] DeviceSpec read_device(const Node& node, const DeviceContext& context,
-                                     Session& session);
+                                     LoadState& state);
 
 }  // namespace fieldcast::config

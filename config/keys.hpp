@@ -1,6 +1,4 @@
-// Every key of the format, by the map that it stands in. The readers check against these tables,
-// and a test holds the JSON Schema against them, so that neither can know a key that the other does
-// not.
+// Every key of the format, by the map that it stands in. The rows themselves are in config/keys/.
 #pragma once
 
 #include <span>
@@ -15,11 +13,10 @@ struct KeyTable {
   std::span<const std::string_view> keys;
 };
 
-extern const KeyTable kBridgeKeys, kDdsKeys, kLogKeys, kStoreKeys, kProgramKeys, kEngineersKeys,
-    kModulesKeys, kBusKeys, kPortKeys, kBusDefaultKeys, kDeviceKeys, kChannelKeys, kLimitKeys,
-    kWriteKeys, kTemplateKeys, kTemplateDefaultKeys;
+struct RowTable;
 
-[[nodiscard]] std::span<const KeyTable* const> key_tables();
+// Every map of the format, in the order of the documents.
+[[nodiscard]] std::span<const RowTable* const> key_tables();
 
 // Columns of a channel list and the key that each fills, "write-min" for min of write.
 struct Column {

@@ -5,6 +5,7 @@
 
 #include "config/bus.hpp"
 #include "config/declaration.hpp"
+#include "config/keys/bridge_keys.hpp"
 #include "config/limits.hpp"
 #include "config/port.hpp"
 #include "config/program.hpp"
@@ -14,11 +15,6 @@
 
 namespace fieldcast::config {
 namespace {
-
-constexpr std::pair<std::string_view, LogLevel> kLevels[] = {{"error", LogLevel::kError},
-                                                             {"warning", LogLevel::kWarning},
-                                                             {"info", LogLevel::kInfo},
-                                                             {"debug", LogLevel::kDebug}};
 
 void read_interfaces(MapReader& map, DdsSpec& spec) {
   const Node* node = map.find("interfaces");
@@ -50,8 +46,8 @@ void read_interfaces(MapReader& map, DdsSpec& spec) {
 void read_dds(MapReader& bridge, DdsSpec& spec, Library& library) {
   const Node* node = bridge.find("dds");
   if (node == nullptr) return;
-  MapReader map(*node, kDdsKeys, bridge.faults());
-  map.read("domain", spec.domain, WholeRule{0, kMaxDomain});
+  MapReader map(*node, dds_rows(), bridge.faults());
+  dds_rows().read(map, spec);
   read_interfaces(map, spec);
   if (map.read("discovery-server", spec.discovery_server, TextRule{kMaxPath}) &&
       !host_port_from(*spec.discovery_server)) {
@@ -62,18 +58,17 @@ void read_dds(MapReader& bridge, DdsSpec& spec, Library& library) {
   std::string profile;
   if (map.read("profile", profile, TextRule{kMaxPath}))
     spec.profile = library.check_file(*map.find("profile"));
-  map.read("partition", spec.partition, TextRule{kMaxPartition});
 }
 
 void read_log(MapReader& bridge, LogSpec& spec) {
   const Node* node = bridge.find("log");
   if (node == nullptr) return;
-  MapReader map(*node, kLogKeys, bridge.faults());
-  map.read("level", spec.level, ChoiceRule<LogLevel>{kLevels});
+  MapReader map(*node, log_rows(), bridge.faults());
+  log_rows().read(map, spec);
 }
 
-void read_buses(MapReader& bridge, BridgeSpec& spec, Session& session) {
-  auto& faults = session.faults;
+void read_buses(MapReader& bridge, BridgeSpec& spec, LoadState& state) {
+  auto& faults = state.faults;
   const Node* list = bridge.require("buses", "a list of buses");
   if (list == nullptr) return;
   if (list->kind != Kind::kList || list->items.empty()) {
@@ -89,7 +84,7 @@ void read_buses(MapReader& bridge, BridgeSpec& spec, Session& session) {
       faults.add(node->place, "too many buses", std::to_string(kMaxBuses) + " of a bridge");
       return;
     }
-    const auto& bus = spec.buses.emplace_back(read_bus(*node, session));
+    const auto& bus = spec.buses.emplace_back(read_bus(*node, state));
     names.add("bus", bus.name, node->place, faults);
     if (const auto* serial = std::get_if<SerialPortSpec>(&bus.port)) {
       for (const auto& [key, value] : node->entries) {
@@ -99,15 +94,15 @@ void read_buses(MapReader& bridge, BridgeSpec& spec, Session& session) {
   }
 }
 
-void read_bridge(const Node& root, BridgeSpec& spec, Session& session) {
-  MapReader map(root, kBridgeKeys, session.faults);
-  map.read_required("bridge", spec.name, NameRule{}, "a name for the bridge");
-  read_dds(map, spec.dds, session.library);
+void read_bridge(const Node& root, BridgeSpec& spec, LoadState& state) {
+  MapReader map(root, bridge_rows(), state.faults);
+  bridge_rows().read(map, spec);
+  read_dds(map, spec.dds, state.library);
   read_log(map, spec.log);
-  read_program(map, spec.program, session.library);
+  read_program(map, spec.program, state.library);
   read_store(map, spec.store);
-  read_buses(map, spec, session);
-  if (const Node* buses = map.find("buses")) check_device_numbers(*buses, spec, session.faults);
+  read_buses(map, spec, state);
+  if (const Node* buses = map.find("buses")) check_device_numbers(*buses, spec, state.faults);
 }
 
 // REQUIRES: no faults so far.
@@ -151,12 +146,12 @@ Loaded load_text(std::string_view text, const std::string& file_name, const File
   BridgeSpec spec;
   if (document->root != nullptr) {
     Library library(reader, options, faults, text.size());
-    Session session{faults, library};
-    read_bridge(*document->root, spec, session);
+    LoadState state{faults, library};
+    read_bridge(*document->root, spec, state);
     if (faults.empty() && options.refuse_hopeless) check_loads(*document->root, spec, faults);
   } else if (faults.empty()) {
     return tl::unexpected(
-        whole_file(file_name, "the file is empty", "a map with " + joined(kBridgeKeys.keys)));
+        whole_file(file_name, "the file is empty", "a map with " + joined(bridge_rows().keys)));
   }
   if (!faults.empty()) return tl::unexpected(faults.take());
   return spec;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "config/keys/common_forms.hpp"
+#include "config/keys/key.hpp"
 #include "config/limits.hpp"
 #include "config/map_reader.hpp"
 #include "config/program.hpp"
@@ -62,6 +64,13 @@ struct BaudRule {
       text += (text.empty() ? "" : " or ") + std::to_string(near);
     return text;
   }
+
+  [[nodiscard]] static std::string form() { return "a rate that serial ports have"; }
+  [[nodiscard]] static std::string schema() {
+    std::vector<std::string> texts;
+    for (const auto rate : kBauds) texts.push_back(std::to_string(rate));
+    return schema_of_words(std::vector<std::string_view>(texts.begin(), texts.end()));
+  }
 };
 
 struct FormatRule {
@@ -82,37 +91,19 @@ struct FormatRule {
                format_from(upper) ? upper : "");
     return std::nullopt;
   }
+
+  [[nodiscard]] static std::string schema() {
+    return R"({ "type": ["string", "number"], "pattern": "^[78][NEO][12]$" })";
+  }
+  [[nodiscard]] static std::string form() { return {}; }
 };
 
-struct HostPortRule {
-  std::optional<std::pair<std::string, std::uint16_t>> operator()(const Node& node,
-                                                                  std::string_view key,
-                                                                  FaultList& faults) const {
-    const std::string* text = scalar_of(node, key, "HOST:PORT", faults);
-    if (text == nullptr) return std::nullopt;
-    auto endpoint = host_port_from(*text);
-    if (!endpoint) {
-      const bool host_alone = !text->empty() && text->find(':') == std::string::npos;
-      faults.add(node.place, std::string(key) + " '" + *text + "' names no host and port",
-                 "HOST:PORT with a port 1 to 65535", host_alone ? *text + ":502" : "");
-    }
-    return endpoint;
-  }
-};
+DurationRule connect_timeout() { return {std::chrono::milliseconds{10}, kMaxTimeout}; }
 
-// Keys that belong to another kind of port.
-void refuse(MapReader& map, std::string_view kind, std::span<const std::string_view> keys) {
-  for (const auto key : keys) {
-    if (map.find(key) == nullptr) continue;
-    map.faults().add(map.place_of(key), "'" + std::string(key) + "' has no meaning for a " +
-                                            std::string(kind) + " port");
-  }
-}
-
-SerialPortSpec read_serial(MapReader& map, const LineFormat& standard) {
+PortSpec read_serial(MapReader& map, const LineFormat& factory) {
   SerialPortSpec port;
-  std::uint32_t baud = standard.baud;
-  port.line = standard;
+  std::uint32_t baud = factory.baud;
+  port.line = factory;
   map.read("serial", port.path, TextRule{kMaxPath});
   map.read("format", port.line, FormatRule{});
   map.read("baud", baud, BaudRule{});
@@ -120,13 +111,11 @@ SerialPortSpec read_serial(MapReader& map, const LineFormat& standard) {
   map.read("rs485", port.rs485, FlagRule{});
   map.read("low-latency", port.low_latency, FlagRule{});
   map.read("exclusive", port.exclusive, FlagRule{});
-  refuse(map, "serial", std::array<std::string_view, 1>{"connect-timeout"});
   return port;
 }
-
 // Of the serial line behind a network; nothing where there is none.
-std::optional<LineFormat> read_far_line(MapReader& map, const LineFormat& standard) {
-  LineFormat format = standard;
+std::optional<LineFormat> read_far_line(MapReader& map, const LineFormat& factory) {
+  LineFormat format = factory;
   std::uint32_t baud = 0;
   const bool has_format = map.read("format", format, FormatRule{});
   if (map.read("baud", baud, BaudRule{})) {
@@ -140,28 +129,99 @@ std::optional<LineFormat> read_far_line(MapReader& map, const LineFormat& standa
   return std::nullopt;
 }
 
-TcpPortSpec read_tcp(MapReader& map, const LineFormat& standard) {
+PortSpec read_tcp(MapReader& map, const LineFormat& factory) {
   TcpPortSpec port;
   std::pair<std::string, std::uint16_t> endpoint;
   if (map.read("tcp", endpoint, HostPortRule{}))
     port.host = endpoint.first, port.port = endpoint.second;
-  map.read("connect-timeout", port.connect_timeout,
-           DurationRule{std::chrono::milliseconds{10}, kMaxTimeout});
-  port.line = read_far_line(map, standard);
-  refuse(map, "tcp", std::array<std::string_view, 3>{"rs485", "low-latency", "exclusive"});
+  map.read("connect-timeout", port.connect_timeout, connect_timeout());
+  port.line = read_far_line(map, factory);
   return port;
 }
 
-DialInPortSpec read_dial_in(MapReader& map, const LineFormat& standard) {
+PortSpec read_dial_in(MapReader& map, const LineFormat& factory) {
   DialInPortSpec port;
   map.read("dial-in", port.number, DeviceNumberRule{});
-  port.line = read_far_line(map, standard);
-  refuse(map, "dial-in",
-         std::array<std::string_view, 4>{"rs485", "low-latency", "exclusive", "connect-timeout"});
+  port.line = read_far_line(map, factory);
   return port;
+}
+
+// One row for each type of port: the key that names it, what its value is, the other keys that it
+// takes, and what reads them.
+struct PortType {
+  std::string_view key, value;
+  std::vector<std::string_view> takes;
+  PortSpec (*read)(MapReader& map, const LineFormat& factory);
+};
+const std::array<PortType, 3>& port_types() {
+  static const std::array<PortType, 3> types{{
+      {"serial", "PATH", {"baud", "format", "rs485", "low-latency", "exclusive"}, read_serial},
+      {"tcp", "HOST:PORT", {"baud", "format", "connect-timeout"}, read_tcp},
+      {"dial-in", "NUMBER", {"baud", "format"}, read_dial_in},
+  }};
+  return types;
+}
+
+std::vector<std::string_view> type_keys() {
+  std::vector<std::string_view> keys;
+  for (const PortType& type : port_types()) keys.push_back(type.key);
+  return keys;
+}
+
+// "serial nor tcp nor dial-in"
+std::string joined_with(std::string_view word) {
+  std::string text;
+  for (const auto key : type_keys()) {
+    if (!text.empty()) text.append(word);
+    text += key;
+  }
+  return text;
+}
+
+// "serial: PATH, tcp: HOST:PORT"
+std::string examples(std::string_view before, std::string_view after, std::string_view between,
+                     std::string_view last) {
+  std::string text;
+  const auto& types = port_types();
+  for (std::size_t i = 0; i < types.size(); ++i) {
+    if (i != 0) text.append(i + 1 == types.size() ? last : between);
+    text.append(before).append(types[i].key).append(": ").append(types[i].value).append(after);
+  }
+  return text;
+}
+
+// Reads what the type takes; keys of other types are faults.
+PortSpec read_type(const PortType& type, MapReader& map, const LineFormat& factory) {
+  for (const std::string_view key : port_rows().keys) {
+    if (std::ranges::find(type.takes, key) != type.takes.end()) continue;
+    const bool names_a_type =
+        std::ranges::find(port_types(), key, &PortType::key) != port_types().end();
+    if (map.find(key) == nullptr || names_a_type) continue;
+    map.faults().add(map.place_of(key), "'" + std::string(key) + "' has no meaning for a " +
+                                            std::string(type.key) + " port");
+  }
+  return type.read(map, factory);
 }
 
 }  // namespace
+
+std::optional<std::pair<std::string, std::uint16_t>> HostPortRule::operator()(
+    const Node& node, std::string_view key, FaultList& faults) const {
+  const std::string* text = scalar_of(node, key, "HOST:PORT", faults);
+  if (text == nullptr) return std::nullopt;
+  auto endpoint = host_port_from(*text);
+  if (!endpoint) {
+    const bool host_alone = !text->empty() && text->find(':') == std::string::npos;
+    faults.add(node.place, std::string(key) + " '" + *text + "' names no host and port",
+               "HOST:PORT with a port 1 to 65535", host_alone ? *text + ":502" : "");
+  }
+  return endpoint;
+}
+
+std::string HostPortRule::schema() const {
+  return R"({ "type": "string", "pattern": "^.+:[0-9]{1,5}$" })";
+}
+std::string HostPortRule::form() const { return "`HOST:PORT`"; }
 
 std::optional<LineFormat> format_from(std::string_view text) {
   if (text.size() != 3 || (text[0] != '7' && text[0] != '8') || (text[2] != '1' && text[2] != '2'))
@@ -209,31 +269,72 @@ void check_port(const std::string& protocol, const PortSpec& port, const Place& 
   }
 }
 
+const RowTable& port_rows() {
+  using Row = Field<PortSpec>;
+  const auto row = [](Key key, const auto& rule) {
+    if (key.schema.empty()) key.schema = rule.schema();
+    if (key.form.empty()) key.form = rule.form();
+    return Row{std::move(key), {}};
+  };
+  static const Rows<PortSpec> rows(
+      "port", "'port'",
+      {
+          {{.name = "serial",
+            .text = "path of a serial port; `/dev/serial/by-id/...` stays the same when adapters "
+                    "move",
+            .schema = R"({ "type": "string", "minLength": 1 })"}},
+          row({.name = "tcp", .text = "of a TCP device or a serial server"}, HostPortRule{}),
+          row({.name = "dial-in",
+               .text = "device number of a module that dials in (`program`, `modules`)"},
+              DeviceNumberRule{}),
+          row({.name = "baud",
+               .fallback = factory_bauds(),
+               .text = "with `tcp` or `dial-in`: of the line behind a serial server, so that its "
+                       "load can be planned; without it a plain TCP device"},
+              BaudRule{}),
+          row({.name = "format",
+               .fallback = factory_formats(),
+               .text = "data bits, parity, stop bits: `8N1`, `7E2`"},
+              FormatRule{}),
+          row({.name = "rs485",
+               .fallback = "false",
+               .text = "the kernel switches the direction of the line"},
+              FlagRule{}),
+          row({.name = "low-latency",
+               .fallback = "true",
+               .text = "asks the driver not to hold bytes back"},
+              FlagRule{}),
+          row({.name = "exclusive", .fallback = "true", .text = "nobody else may open the port"},
+              FlagRule{}),
+          row({.name = "connect-timeout", .fallback = "3s", .text = "with `tcp`"},
+              connect_timeout()),
+      },
+      {}, type_keys());
+  return rows;
+}
+
+std::string port_forms() { return "port: " + examples("{ ", " }", ", ", " or "); }
+
 PortSpec read_port(const Node& node, std::string_view protocol, FaultList& faults) {
-  const LineFormat standard = factory_line(protocol);
-  MapReader map(node, kPortKeys, faults);
-  (void)map.find("serial");
-  const Node* tcp = map.find("tcp");
-  const Node* dial_in = map.find("dial-in");
-  static constexpr std::string_view kKinds[] = {"serial", "tcp", "dial-in"};
-  std::vector<std::string_view> named;
-  for (const auto kind : kKinds) {
-    if (map.has(kind)) named.push_back(kind);
+  MapReader map(node, port_rows(), faults);
+  std::vector<const PortType*> named;
+  for (const PortType& type : port_types()) {
+    if (map.has(type.key)) named.push_back(&type);
   }
   if (named.size() > 1) {
-    faults.add(map.place_of(named[1]),
-               "a port is both " + std::string(named[0]) + " and " + std::string(named[1]),
-               "one of " + joined(kKinds));
+    faults.add(
+        map.place_of(named[1]->key),
+        "a port is both " + std::string(named[0]->key) + " and " + std::string(named[1]->key),
+        "one of " + joined(type_keys()));
   }
-  const bool means_one =
-      std::ranges::any_of(kKinds, [&](auto kind) { return map.has_or_means(kind); });
+  const bool means_one = std::ranges::any_of(
+      port_types(), [&](const PortType& type) { return map.has_or_means(type.key); });
   if (map.is_map() && !means_one) {
-    faults.add(map.place(), "'port' names neither serial nor tcp nor dial-in",
-               "serial: PATH, tcp: HOST:PORT, dial-in: NUMBER");
+    faults.add(map.place(), "'port' names neither " + joined_with(" nor "),
+               examples("", "", ", ", ", "));
   }
-  if (dial_in != nullptr && named.front() == "dial-in") return read_dial_in(map, standard);
-  if (tcp != nullptr || map.has("tcp")) return read_tcp(map, standard);
-  return read_serial(map, standard);
+  return read_type(named.empty() ? port_types().front() : *named.back(), map,
+                   factory_line(protocol));
 }
 
 }  // namespace fieldcast::config

@@ -8,6 +8,7 @@
 
 #include "config/document.hpp"
 #include "config/fault_list.hpp"
+#include "config/keys/key.hpp"
 #include "core/model/spec.hpp"
 
 namespace fieldcast::config {
@@ -17,6 +18,11 @@ namespace fieldcast::config {
 // Without baud and format the line is what the protocol's devices have from the factory
 // (ProtocolEntry::factory_line).
 [[nodiscard]] PortSpec read_port(const Node& node, std::string_view protocol, FaultList& faults);
+
+// The keys of a port, for the schema and the documents.
+[[nodiscard]] const RowTable& port_rows();
+// "port: { serial: PATH }, { tcp: HOST:PORT } or ..": for faults.
+[[nodiscard]] std::string port_forms();
 
 // Faults at `place` where a protocol cannot run over the port.
 void check_port(const std::string& protocol, const PortSpec& port, const Place& place,
@@ -28,5 +34,13 @@ void check_port(const std::string& protocol, const PortSpec& port, const Place& 
 // "10.0.0.7:502", "[::1]:502"; the port is 1..65535.
 [[nodiscard]] std::optional<std::pair<std::string, std::uint16_t>> host_port_from(
     std::string_view text);
+
+struct HostPortRule {
+  std::optional<std::pair<std::string, std::uint16_t>> operator()(const Node& node,
+                                                                  std::string_view key,
+                                                                  FaultList& faults) const;
+  [[nodiscard]] std::string schema() const;
+  [[nodiscard]] std::string form() const;
+};
 
 }  // namespace fieldcast::config

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "config/keys/bridge_keys.hpp"
 #include "config/limits.hpp"
 #include "config/port.hpp"
 #include "config/scalars.hpp"
@@ -13,56 +14,20 @@ namespace {
 
 using program::RegistrationRule;
 
-constexpr Duration kMinHeartbeat = std::chrono::seconds{1},
-                   kMaxHeartbeat = std::chrono::minutes{10};
-constexpr Duration kMinIdle = std::chrono::seconds{10}, kMaxIdle = std::chrono::hours{24};
-constexpr Duration kMinRegistration = std::chrono::milliseconds{100};
-constexpr std::uint32_t kLastDmWord = 32767;
-constexpr std::uint16_t kMaxUnit = 31, kMaxNumberWords = 8;
-constexpr std::size_t kMaxPrefix = 32;
-
-constexpr std::pair<std::string_view, RegistrationRule::Ask> kAsks[] = {
-    {"text", RegistrationRule::Ask::kText}, {"words", RegistrationRule::Ask::kWords}};
-
-constexpr std::pair<std::string_view, LoginRule> kLogins[] = {
-    {"off-loopback", LoginRule::kOffLoopback}, {"always", LoginRule::kAlways}};
-
-// An address to listen at: a name would say too little about who can reach it.
-struct ListenRule {
-  std::optional<ListenSpec> operator()(const Node& node, std::string_view key,
-                                       FaultList& faults) const {
-    static constexpr std::string_view kForm =
-        "ADDRESS:PORT of this machine, such as 127.0.0.1:4950 or [::1]:4950";
-    const std::string* text = scalar_of(node, key, kForm, faults);
-    if (text == nullptr) return std::nullopt;
-    const auto endpoint = host_port_from(*text);
-    const bool address =
-        endpoint && (is_ipv4(endpoint->first) || endpoint->first.find(':') != std::string::npos);
-    if (address) return ListenSpec{endpoint->first, endpoint->second};
-    const bool local = endpoint && endpoint->first == "localhost";
-    faults.add(node.place, std::string(key) + " '" + *text + "' is no address and port",
-               std::string(kForm), local ? "127.0.0.1:" + std::to_string(endpoint->second) : "");
-    return std::nullopt;
-  }
-};
-
 // `users`: there is a store, which keeps them.
 void read_engineers(MapReader& program, ProgramSpec& spec, Library& library, bool users) {
   const Node* node = program.find("engineers");
   if (node == nullptr) return;
   auto& faults = program.faults();
-  MapReader map(*node, kEngineersKeys, faults);
+  MapReader map(*node, engineer_rows(), faults);
   EngineersSpec& engineers = spec.engineers.emplace();
-  const bool listens =
-      map.read_required("listen", engineers.listen, ListenRule{}, "listen: 127.0.0.1:4950");
+  engineer_rows().read(map, engineers);
+  const bool listens = !engineers.listen.host.empty();
   for (const auto& [key, target] :
        {std::pair{"certificate", &engineers.certificate}, std::pair{"key", &engineers.key}}) {
     std::string path;
     if (map.read(key, path, TextRule{kMaxPath})) *target = library.check_file(*map.find(key));
   }
-  map.read("login", engineers.login, ChoiceRule<LoginRule>{kLogins});
-  map.read("heartbeat", engineers.heartbeat, DurationRule{kMinHeartbeat, kMaxHeartbeat});
-  map.read("idle", engineers.idle, DurationRule{kMinIdle, kMaxIdle});
   const bool certificate = map.has("certificate"), key = map.has("key");
   if (certificate != key) {
     faults.add(map.place_of(certificate ? "certificate" : "key"),
@@ -86,17 +51,10 @@ void read_engineers(MapReader& program, ProgramSpec& spec, Library& library, boo
 void read_modules(MapReader& program, ProgramSpec& spec) {
   const Node* node = program.find("modules");
   if (node == nullptr) return;
-  MapReader map(*node, kModulesKeys, program.faults());
+  MapReader map(*node, module_rows(), program.faults());
   ModulesSpec& modules = spec.modules.emplace();
-  RegistrationRule& rule = modules.registration;
-  map.read_required("listen", modules.listen, ListenRule{}, "listen: 127.0.0.1:4951");
-  map.read("ask", rule.ask, ChoiceRule<RegistrationRule::Ask>{kAsks});
-  map.read("prefix", rule.prefix, TextRule{kMaxPrefix});
-  map.read("unit", rule.unit, WholeRule{0, kMaxUnit});
-  map.read("first", rule.first, WholeRule{0, kLastDmWord});
-  map.read("words", rule.words, WholeRule{1, kMaxNumberWords});
-  map.read("timeout", rule.timeout, DurationRule{kMinRegistration, kMaxTimeout});
-  if (rule.ask == RegistrationRule::Ask::kWords) return;
+  module_rows().read(map, modules);
+  if (modules.registration.ask == RegistrationRule::Ask::kWords) return;
   for (const char* key : {"unit", "first", "words"}) {
     if (map.has(key))
       map.faults().add(map.place_of(key), "'" + std::string(key) + "' has no meaning for ask: text",
@@ -113,6 +71,32 @@ const Node* value_of(const Node& map, std::string_view key) {
 
 }  // namespace
 
+std::optional<ListenSpec> ListenRule::operator()(const Node& node, std::string_view key,
+                                                 FaultList& faults) const {
+  static constexpr std::string_view kForm =
+      "ADDRESS:PORT of this machine, such as 127.0.0.1:4950 or [::1]:4950";
+  const std::string* text = scalar_of(node, key, kForm, faults);
+  if (text == nullptr) return std::nullopt;
+  const auto endpoint = host_port_from(*text);
+  const bool address =
+      endpoint && (is_ipv4(endpoint->first) || endpoint->first.find(':') != std::string::npos);
+  if (address) return ListenSpec{endpoint->first, endpoint->second};
+  const bool local = endpoint && endpoint->first == "localhost";
+  faults.add(node.place, std::string(key) + " '" + *text + "' is no address and port",
+             std::string(kForm), local ? "127.0.0.1:" + std::to_string(endpoint->second) : "");
+  return std::nullopt;
+}
+
+std::string ListenRule::schema() const {
+  return R"({ "type": "string", "pattern": "^([0-9]{1,3}(\\.[0-9]{1,3}){3}|\\[[0-9a-fA-F:%.]+\\]):[0-9]{1,5}$" })";
+}
+std::string ListenRule::form() const { return {}; }
+
+std::string DeviceNumberRule::schema() const {
+  return R"({ "type": ["string", "integer"], "pattern": "^[A-Za-z0-9]{1,16}$" })";
+}
+std::string DeviceNumberRule::form() const { return "1 to 16 letters or digits"; }
+
 std::optional<std::string> DeviceNumberRule::operator()(const Node& node, std::string_view key,
                                                         FaultList& faults) const {
   const std::string* text = scalar_of(node, key, program::kDeviceNumberForm, faults);
@@ -126,7 +110,7 @@ std::optional<std::string> DeviceNumberRule::operator()(const Node& node, std::s
 void read_program(MapReader& bridge, ProgramSpec& spec, Library& library) {
   const Node* node = bridge.find("program");
   if (node == nullptr) return;
-  MapReader map(*node, kProgramKeys, bridge.faults());
+  MapReader map(*node, program_rows(), bridge.faults());
   read_engineers(map, spec, library, bridge.has("store"));
   read_modules(map, spec);
   if (spec.engineers && spec.modules && spec.engineers->listen == spec.modules->listen &&

@@ -15,10 +15,20 @@ void read_program(MapReader& bridge, ProgramSpec& spec, Library& library);
 // in. `buses` is the list of buses as written, beside the model that was made of it.
 void check_device_numbers(const Node& buses, const BridgeSpec& spec, FaultList& faults);
 
+// An address to listen at: a name would say too little about who can reach it.
+struct ListenRule {
+  std::optional<ListenSpec> operator()(const Node& node, std::string_view key,
+                                       FaultList& faults) const;
+  [[nodiscard]] std::string schema() const;
+  [[nodiscard]] std::string form() const;
+};
+
 // A device number, as core/program/device_number.hpp says.
 struct DeviceNumberRule {
   std::optional<std::string> operator()(const Node& node, std::string_view key,
                                         FaultList& faults) const;
+  [[nodiscard]] std::string schema() const;
+  [[nodiscard]] std::string form() const;
 };
 
 }  // namespace fieldcast::config

@@ -12,7 +12,7 @@
 namespace fieldcast::config {
 
 // What one load shares.
-struct Session {
+struct LoadState {
   FaultList& faults;
   Library& library;
   std::map<const Node*, declared::SharedDeclaration>
@@ -31,6 +31,6 @@ struct ProtocolChoice {
 // those that come with Fieldcast. What is neither is a fault with the nearest name; a declaration
 // with faults notes them and leaves the choice unknown.
 [[nodiscard]] ProtocolChoice read_protocol(const Node& node, std::string_view key,
-                                           Session& session);
+                                           LoadState& state);
 
 }  // namespace fieldcast::config

@@ -171,4 +171,55 @@ std::optional<std::string> NameRule::operator()(const Node& node, std::string_vi
   return std::nullopt;
 }
 
+std::string DurationRule::schema() const { return R"({ "$ref": "#/$defs/duration" })"; }
+std::string DurationRule::form() const {
+  if (min == Duration{}) return "up to " + fieldcast::to_text(max);
+  return fieldcast::to_text(min) + " to " + fieldcast::to_text(max);
+}
+
+std::string WholeRule::schema() const {
+  return R"({ "type": "integer", "minimum": )" + std::to_string(min) + R"(, "maximum": )" +
+         std::to_string(max) + " }";
+}
+std::string WholeRule::form() const { return std::to_string(min) + " to " + std::to_string(max); }
+
+std::string NumberRule::schema() const {
+  if (min == NumberRule{}.min) return R"({ "type": "number" })";
+  return R"({ "type": "number", "minimum": )" + fieldcast::to_text(Value{min}) +
+         R"(, "maximum": )" + fieldcast::to_text(Value{max}) + " }";
+}
+std::string NumberRule::form() const {
+  if (min == NumberRule{}.min) return "a number";
+  return fieldcast::to_text(Value{min}) + " to " + fieldcast::to_text(Value{max});
+}
+
+std::string FlagRule::schema() const { return R"({ "type": "boolean" })"; }
+std::string FlagRule::form() const { return "`true`, `false`"; }
+
+std::string TextRule::schema() const {
+  return R"({ "type": ["string", "number", "boolean"], "minLength": 1, "maxLength": )" +
+         std::to_string(max_bytes) + " }";
+}
+std::string TextRule::form() const { return "up to " + std::to_string(max_bytes) + " bytes"; }
+
+std::string NameRule::schema() const { return R"({ "$ref": "#/$defs/word" })"; }
+std::string NameRule::form() const { return {}; }
+
+std::string schema_of_words(std::span<const std::string_view> words) {
+  std::string text;
+  for (const std::string_view word : words) {
+    const bool plain = word == "true" || word == "false" || whole_from(word);
+    text += text.empty() ? "" : ", ";
+    text += plain ? std::string(word) : '"' + std::string(word) + '"';
+  }
+  return R"({ "enum": [)" + text + "] }";
+}
+
+std::string form_of_words(std::span<const std::string_view> words) {
+  std::string text;
+  for (const std::string_view word : words)
+    text += (text.empty() ? "`" : ", `") + std::string(word) + '`';
+  return text;
+}
+
 }  // namespace fieldcast::config

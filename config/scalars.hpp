@@ -1,7 +1,8 @@
 // What a value of a key may be: each rule reads one node and gives the value, or notes a fault and
 // gives nothing.
 //
-// A rule is called as rule(node, key, faults); MapReader::read() takes any of them.
+// A rule is called as rule(node, key, faults); MapReader::read() takes any of them. schema() says
+// in JSON Schema what it takes, form() says it for people (empty: the key's text says it).
 #pragma once
 
 #include <limits>
@@ -36,34 +37,50 @@ struct DurationRule {  // core/base/duration_text.hpp
   std::string_view or_else = {};  // a word that the caller takes beside durations: ", or forever"
   std::optional<Duration> operator()(const Node& node, std::string_view key,
                                      FaultList& faults) const;
+  [[nodiscard]] std::string schema() const;
+  [[nodiscard]] std::string form() const;
 };
 
 struct WholeRule {
   std::int64_t min, max;
   std::optional<std::int64_t> operator()(const Node& node, std::string_view key,
                                          FaultList& faults) const;
+  [[nodiscard]] std::string schema() const;
+  [[nodiscard]] std::string form() const;
 };
 
 struct NumberRule {
   double min = std::numeric_limits<double>::lowest(), max = std::numeric_limits<double>::max();
   std::optional<double> operator()(const Node& node, std::string_view key, FaultList& faults) const;
+  [[nodiscard]] std::string schema() const;
+  [[nodiscard]] std::string form() const;
 };
 
 struct FlagRule {  // true, false
   std::optional<bool> operator()(const Node& node, std::string_view key, FaultList& faults) const;
+  [[nodiscard]] std::string schema() const;
+  [[nodiscard]] std::string form() const;
 };
 
 struct TextRule {  // one line without control characters
   std::size_t max_bytes;
   std::optional<std::string> operator()(const Node& node, std::string_view key,
                                         FaultList& faults) const;
+  [[nodiscard]] std::string schema() const;
+  [[nodiscard]] std::string form() const;
 };
 
 struct NameRule {  // 1..64 of letters, digits, '-', '_', '.': names become parts of paths and
                    // patterns
   std::optional<std::string> operator()(const Node& node, std::string_view key,
                                         FaultList& faults) const;
+  [[nodiscard]] std::string schema() const;
+  [[nodiscard]] std::string form() const;
 };
+
+// { "enum": ["a", true, 1] } and "`a`, `true`, `1`".
+[[nodiscard]] std::string schema_of_words(std::span<const std::string_view> words);
+[[nodiscard]] std::string form_of_words(std::span<const std::string_view> words);
 
 // One word of a closed set.
 template <typename T>
@@ -71,17 +88,24 @@ struct ChoiceRule {
   std::span<const std::pair<std::string_view, T>> choices;
 
   std::optional<T> operator()(const Node& node, std::string_view key, FaultList& faults) const {
-    std::vector<std::string_view> words;
-    for (const auto& [word, value] : choices) words.push_back(word);
-    const std::string* text = scalar_of(node, key, "one of " + joined(words), faults);
+    const std::string* text = scalar_of(node, key, "one of " + joined(words()), faults);
     if (text == nullptr) return std::nullopt;
     for (const auto& [word, value] : choices) {
       if (*text == word) return value;
     }
     const auto meant = meant_value(key, *text);
-    faults.add(node.place, std::string(key) + " '" + *text + "' is unknown", joined(words),
-               meant.empty() ? closest(*text, words) : meant);
+    faults.add(node.place, std::string(key) + " '" + *text + "' is unknown", joined(words()),
+               meant.empty() ? closest(*text, words()) : meant);
     return std::nullopt;
+  }
+  [[nodiscard]] std::string schema() const { return schema_of_words(words()); }
+  [[nodiscard]] std::string form() const { return form_of_words(words()); }
+
+ private:
+  [[nodiscard]] std::vector<std::string_view> words() const {
+    std::vector<std::string_view> all;
+    for (const auto& [word, value] : choices) all.push_back(word);
+    return all;
   }
 };
 

@@ -1,8 +1,8 @@
 #include "config/store.hpp"
 
-#include <span>
 #include <utility>
 
+#include "config/keys/bridge_keys.hpp"
 #include "config/limits.hpp"
 #include "config/scalars.hpp"
 #include "core/model/pattern.hpp"
@@ -10,41 +10,8 @@
 namespace fieldcast::config {
 namespace {
 
-// A whole number of one of the units.
-struct UnitRule {
-  std::span<const std::pair<std::string_view, std::int64_t>> units;
-  std::int64_t min, max;
-  std::string_view allowed;
-
-  std::optional<std::int64_t> operator()(const Node& node, std::string_view key,
-                                         FaultList& faults) const {
-    const std::string* text = scalar_of(node, key, allowed, faults);
-    if (text == nullptr) return std::nullopt;
-    for (const auto& [unit, worth] : units) {
-      if (!text->ends_with(unit)) continue;
-      const auto number = whole_from(std::string_view(*text).substr(0, text->size() - unit.size()));
-      if (!number || *number < 0) continue;
-      if (*number <= max / worth && *number * worth >= min) return *number * worth;
-      faults.add(node.place, std::string(key) + " '" + *text + "' is out of range",
-                 std::string(allowed));
-      return std::nullopt;
-    }
-    faults.add(node.place, std::string(key) + " '" + *text + "' cannot be understood",
-               std::string(allowed));
-    return std::nullopt;
-  }
-};
-
-constexpr std::pair<std::string_view, std::int64_t> kSizes[] = {
+constexpr std::pair<std::string_view, std::int64_t> kUnits[] = {
     {"MB", 1'000'000}, {"GB", 1'000'000'000}, {"TB", 1'000'000'000'000}};
-
-struct KeepRule {
-  std::optional<Duration> operator()(const Node& node, std::string_view key,
-                                     FaultList& faults) const {
-    if (node.kind == Kind::kScalar && node.text == "forever") return Duration{};
-    return DurationRule{kMinKeep, kMaxKeep, ", or forever"}(node, key, faults);
-  }
-};
 
 void read_patterns(MapReader& map, StoreSpec& spec) {
   const Node* node = map.find("samples");
@@ -80,10 +47,47 @@ void read_url(MapReader& map, StoreSpec& spec) {
 
 }  // namespace
 
+std::optional<std::int64_t> StoreSizeRule::operator()(const Node& node, std::string_view key,
+                                                      FaultList& faults) const {
+  static constexpr std::string_view kAllowed = "10MB to 1000TB, with MB, GB or TB";
+  constexpr auto kMax = static_cast<std::int64_t>(kMaxStoreBytes);
+  constexpr auto kMin = static_cast<std::int64_t>(kMinStoreBytes);
+  const std::string* text = scalar_of(node, key, kAllowed, faults);
+  if (text == nullptr) return std::nullopt;
+  for (const auto& [unit, worth] : kUnits) {
+    if (!text->ends_with(unit)) continue;
+    const auto number = whole_from(std::string_view(*text).substr(0, text->size() - unit.size()));
+    if (!number || *number < 0) continue;
+    if (*number <= kMax / worth && *number * worth >= kMin) return *number * worth;
+    faults.add(node.place, std::string(key) + " '" + *text + "' is out of range",
+               std::string(kAllowed));
+    return std::nullopt;
+  }
+  faults.add(node.place, std::string(key) + " '" + *text + "' cannot be understood",
+             std::string(kAllowed));
+  return std::nullopt;
+}
+std::string StoreSizeRule::schema() const {
+  return R"({ "type": "string", "pattern": "^[0-9]+(MB|GB|TB)$" })";
+}
+std::string StoreSizeRule::form() const { return "10MB to 1000TB"; }
+
+std::optional<Duration> KeepRule::operator()(const Node& node, std::string_view key,
+                                             FaultList& faults) const {
+  if (node.kind == Kind::kScalar && node.text == "forever") return Duration{};
+  return DurationRule{kMinKeep, kMaxKeep, ", or forever"}(node, key, faults);
+}
+std::string KeepRule::schema() const {
+  return R"({ "type": "string", "pattern": "^([0-9]+(\\.[0-9]+)?(us|ms|s|m|min|h|d)|forever)$" })";
+}
+std::string KeepRule::form() const {
+  return DurationRule{kMinKeep, kMaxKeep}.form() + ", or `forever`";
+}
+
 void read_store(MapReader& bridge, std::optional<StoreSpec>& spec) {
   const Node* node = bridge.find("store");
   if (node == nullptr) return;
-  MapReader map(*node, kStoreKeys, bridge.faults());
+  MapReader map(*node, store_rows(), bridge.faults());
   StoreSpec store;
   std::string path;
   if (map.read("path", path, TextRule{kMaxPath}))
@@ -99,9 +103,7 @@ void read_store(MapReader& bridge, std::optional<StoreSpec>& spec) {
                      "path: FILE, or url: postgresql://USER@HOST:PORT/DATABASE");
   }
   read_patterns(map, store);
-  map.read("keep", store.keep, KeepRule{});
-  map.read("max-size", store.max_bytes,
-           UnitRule{kSizes, kMinStoreBytes, kMaxStoreBytes, "10MB to 1000TB, with MB, GB or TB"});
+  store_rows().read(map, store);
   if (map.has("max-size") && map.has("url")) {
     map.faults().add(map.place_of("max-size"),
                      "'max-size' with a server, whose tables do not shrink at once", "keep");

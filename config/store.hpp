@@ -10,4 +10,20 @@ namespace fieldcast::config {
 
 void read_store(MapReader& bridge, std::optional<StoreSpec>& spec);
 
+// A size of the store: a whole number with MB, GB or TB.
+struct StoreSizeRule {
+  std::optional<std::int64_t> operator()(const Node& node, std::string_view key,
+                                         FaultList& faults) const;
+  [[nodiscard]] std::string schema() const;
+  [[nodiscard]] std::string form() const;
+};
+
+// How long samples are kept; 0: for ever.
+struct KeepRule {
+  std::optional<Duration> operator()(const Node& node, std::string_view key,
+                                     FaultList& faults) const;
+  [[nodiscard]] std::string schema() const;
+  [[nodiscard]] std::string form() const;
+};
+
 }  // namespace fieldcast::config

@@ -50,4 +50,12 @@ std::optional<TextForm> TextFormRule::operator()(const Node& node, std::string_v
   return std::nullopt;
 }
 
+std::string TextFormRule::schema() const {
+  std::string words;
+  for (const auto& [word, kind] : kWords) words += (words.empty() ? "" : "|") + std::string(word);
+  return R"({ "type": "string", "pattern": "^(()" + words +
+         R"()(\\([0-9]+\\))?|[+]?0+([.,]0+)?)$" })";
+}
+std::string TextFormRule::form() const { return {}; }
+
 }  // namespace fieldcast::config

@@ -22,6 +22,8 @@ struct TextForm {
 struct TextFormRule {
   std::optional<TextForm> operator()(const Node& node, std::string_view key,
                                      FaultList& faults) const;
+  [[nodiscard]] std::string schema() const;
+  [[nodiscard]] std::string form() const;
 };
 
 }  // namespace fieldcast::config

@@ -1,7 +1,8 @@
 // What config/README.md teaches is true: its example loads, and it explains every key.
 #include <gtest/gtest.h>
 
-#include "config/keys.hpp"
+#include "config/keys/documents.hpp"
+#include "config/keys/key.hpp"
 #include "tests/config/support.hpp"
 
 namespace fieldcast::config {
@@ -22,9 +23,14 @@ TEST(Readme, ItsExampleLoads) {
   EXPECT_GE(examples, 1u);
 }
 
+TEST(Readme, ItsTablesAreThoseOfTheKeys) {
+  EXPECT_EQ(readme(), with_key_tables(readme()))
+      << "cmake --build build --target documents makes them anew";
+}
+
 TEST(Readme, ExplainsEveryKeyInATable) {
   const auto text = readme();
-  for (const KeyTable* table : key_tables()) {
+  for (const RowTable* table : key_tables()) {
     for (const auto key : table->keys) {
       bool explained = false;
       const std::string word(key);

@@ -8,7 +8,8 @@
 
 #include "config/declaration_keys.hpp"
 #include "config/fault_list.hpp"
-#include "config/keys.hpp"
+#include "config/keys/documents.hpp"
+#include "config/keys/key.hpp"
 #include "core/protocol/registry.hpp"
 #include "tests/config/json_schema.hpp"
 #include "tests/config/support.hpp"
@@ -36,7 +37,8 @@ std::string misfit_of(const std::filesystem::path& path, const std::string& defi
   return misfit(json_of(*document->root), whole["$defs"][definition], whole);
 }
 
-void expect_same_keys(std::span<const KeyTable* const> tables, const json& whole) {
+template <typename Tables>
+void expect_same_keys(const Tables& tables, const json& whole) {
   std::set<std::string> known;
   for (const KeyTable* table : tables) {
     known.insert(std::string(table->name));
@@ -54,6 +56,11 @@ void expect_same_keys(std::span<const KeyTable* const> tables, const json& whole
   }
 }
 
+TEST(Schema, IsThatOfTheKeys) {
+  EXPECT_EQ(slurp(source_dir() / "config/fieldcast.schema.json"), schema_text())
+      << "cmake --build build --target documents makes it anew";
+}
+
 TEST(Schema, KnowsExactlyTheKeysThatTheLoaderKnows) { expect_same_keys(key_tables(), schema()); }
 
 TEST(ProtocolSchema, KnowsExactlyTheKeysThatTheLoaderKnows) {
@@ -64,7 +71,7 @@ TEST(Schema, NamesEveryProtocol) {
   std::set<std::string> ours;
   for (const auto& entry : protocols()) ours.insert(std::string(entry.name));
   EXPECT_EQ(schema()["$defs"]["protocol"]["anyOf"][0]["enum"].get<std::set<std::string>>(), ours)
-      << "a new protocol also stands in config/fieldcast.schema.json";
+      << "cmake --build build --target documents makes it anew";
 }
 
 TEST(Schema, OfTemplatesIsThatOfTheirDefinition) {

@@ -1,0 +1,121 @@
+#include "config/keys/bridge_keys.hpp"
+
+#include "config/limits.hpp"
+#include "config/port.hpp"
+#include "config/scalars.hpp"
+#include "config/store.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+constexpr std::pair<std::string_view, LogLevel> kLevels[] = {{"error", LogLevel::kError},
+                                                             {"warning", LogLevel::kWarning},
+                                                             {"info", LogLevel::kInfo},
+                                                             {"debug", LogLevel::kDebug}};
+
+// A map of its own.
+std::string map_named(std::string_view name) {
+  return R"({ "$ref": "#/$defs/)" + std::string(name) + R"(" })";
+}
+
+constexpr std::string_view kPath = R"({ "type": "string", "minLength": 1 })";
+
+}  // namespace
+
+const Rows<BridgeSpec>& bridge_rows() {
+  static const Rows<BridgeSpec> rows(
+      "bridge", "the configuration",
+      {
+          field<BridgeSpec>({.name = "bridge",
+                             .fallback = "needed",
+                             .text = "the name that stations see",
+                             .example = "a name for the bridge"},
+                            &BridgeSpec::name, NameRule{}),
+          {{.name = "dds", .text = "see below", .schema = map_named("dds")}},
+          {{.name = "log", .text = "see below", .schema = map_named("log")}},
+          {{.name = "store",
+            .fallback = "nothing is kept",
+            .text = "see below",
+            .schema = map_named("store")}},
+          {{.name = "program",
+            .fallback = "none",
+            .text = "programming software reaches PLCs through the bridge, see below",
+            .schema = map_named("program")}},
+          {{.name = "buses",
+            .fallback = "needed",
+            .text = "1 to " + std::to_string(kMaxBuses) + " buses",
+            .schema = R"({ "type": "array", "minItems": 1, "maxItems": )" +
+                      std::to_string(kMaxBuses) + R"(, "items": { "$ref": "#/$defs/bus" } })"}},
+      });
+  return rows;
+}
+
+const Rows<DdsSpec>& dds_rows() {
+  static const Rows<DdsSpec> rows(
+      "dds", "'dds'",
+      {
+          field<DdsSpec>({.name = "domain", .fallback = "0"}, &DdsSpec::domain,
+                         WholeRule{0, kMaxDomain}),
+          {{.name = "interfaces",
+            .fallback = "[127.0.0.1]: this machine only",
+            .text = "IPv4 addresses that DDS may use; 127.0.0.1 is always one of them",
+            .schema =
+                R"({ "type": "array", "minItems": 1, "maxItems": )" +
+                std::to_string(kMaxInterfaces) +
+                R"(, "items": { "type": "string", "pattern": "^[0-9]{1,3}(\\.[0-9]{1,3}){3}$" } })"}},
+          {{.name = "discovery-server",
+            .fallback = "none",
+            .text = "`host:port` of a Fast DDS discovery server, instead of multicast",
+            .schema = HostPortRule{}.schema()}},
+          {{.name = "profile",
+            .fallback = "none",
+            .text = "a Fast DDS XML file, relative to this file; its participant profile "
+                    "`fieldcast` is used",
+            .schema = std::string(kPath)}},
+          field<DdsSpec>({.name = "partition",
+                          .fallback = "none",
+                          .text = "of all publishers and subscribers"},
+                         &DdsSpec::partition, TextRule{kMaxPartition}),
+      });
+  return rows;
+}
+
+const Rows<LogSpec>& log_rows() {
+  static const Rows<LogSpec> rows("log", "'log'",
+                                  {field<LogSpec>({.name = "level", .fallback = "info"},
+                                                  &LogSpec::level, ChoiceRule<LogLevel>{kLevels})});
+  return rows;
+}
+
+const Rows<StoreSpec>& store_rows() {
+  static const Rows<StoreSpec> rows(
+      "store", "'store'",
+      {
+          {{.name = "path",
+            .text = "a file of SQLite, relative to this file; it is made when it is missing, and "
+                    "readable for its owner only",
+            .schema = std::string(kPath)}},
+          {{.name = "url",
+            .text = "`postgresql://USER@HOST:PORT/DATABASE`; leave the password to `~/.pgpass` or "
+                    "`passfile=`",
+            .schema = R"({ "type": "string", "pattern": "^postgres(ql)?://" })"}},
+          {{.name = "samples",
+            .fallback = "[\"*\"]: all",
+            .text =
+                "patterns `BUS/DEVICE/CHANNEL` of the channels whose samples are kept; `[]`: of "
+                "none",
+            .schema = R"({ "type": "array", "maxItems": )" + std::to_string(kMaxPatterns) +
+                      R"(, "items": { "type": "string", "minLength": 1 } })"}},
+          field<StoreSpec>({.name = "keep", .fallback = "30d", .text = "how long samples are kept"},
+                           &StoreSpec::keep, KeepRule{}),
+          field<StoreSpec>(
+              {.name = "max-size",
+               .fallback = "no bound",
+               .text = "of the file, with `path`: `2GB`; beyond it the oldest samples go"},
+              &StoreSpec::max_bytes, StoreSizeRule{}),
+      },
+      "Keeps samples, users, alarms, device states and the audit.", {"path", "url"});
+  return rows;
+}
+
+}  // namespace fieldcast::config

@@ -1,0 +1,17 @@
+// The keys of the file itself, and of `dds`, `log`, `store` and `program`.
+#pragma once
+
+#include "config/keys/key.hpp"
+#include "core/model/spec.hpp"
+
+namespace fieldcast::config {
+
+[[nodiscard]] const Rows<BridgeSpec>& bridge_rows();
+[[nodiscard]] const Rows<DdsSpec>& dds_rows();
+[[nodiscard]] const Rows<LogSpec>& log_rows();
+[[nodiscard]] const Rows<StoreSpec>& store_rows();
+[[nodiscard]] const Rows<ProgramSpec>& program_rows();
+[[nodiscard]] const Rows<EngineersSpec>& engineer_rows();
+[[nodiscard]] const Rows<ModulesSpec>& module_rows();
+
+}  // namespace fieldcast::config

@@ -1,0 +1,94 @@
+#include "config/keys/bus_keys.hpp"
+
+#include "config/bus.hpp"
+#include "config/keys/common_forms.hpp"
+#include "config/keys/device_keys.hpp"
+#include "config/limits.hpp"
+#include "config/port.hpp"
+#include "config/scalars.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+constexpr std::pair<std::string_view, Planner> kPlanners[] = {{"riding", Planner::kRiding},
+                                                              {"dynamic", Planner::kDynamicBlocks}};
+constexpr std::pair<std::string_view, std::optional<bool>> kEchoes[] = {
+    {"auto", std::nullopt}, {"true", true}, {"false", false}};
+
+std::vector<Field<BusSpec>> fields() {
+  return {
+      field<BusSpec>({.name = "name",
+                      .fallback = "needed",
+                      .text = "unique in the DDS domain: of two bridges with a bus of one name the "
+                              "later one does not serve it",
+                      .example = "a name for the bus"},
+                     &BusSpec::name, NameRule{}),
+      {{.name = "port",
+        .fallback = "needed",
+        .text = "see below",
+        .schema = R"({ "$ref": "#/$defs/port" })"}},
+      {{.name = "protocol",
+        .fallback = "needed, unless every device names its own",
+        .text = protocol_names() + ", or the name of a [declared protocol](protocols/README.md)",
+        .schema = R"({ "$ref": "#/$defs/protocol" })"}},
+      field<BusSpec>(
+          {.name = "planner",
+           .fallback = "riding",
+           .text = "how requests are formed: `riding` makes groups that are read in a "
+                   "cyclic schedule; `dynamic` reads the most urgent channel with its "
+                   "near neighbours, again and again, at most 20 blocks, and then those"},
+          &BusSpec::planner, ChoiceRule<Planner>{kPlanners}),
+      {{.name = "defaults",
+        .fallback = "none",
+        .text = "every key marked ●, `silence`, `gap-allowance`",
+        .schema = R"({ "$ref": "#/$defs/bus-defaults" })"}},
+      field<BusSpec>({.name = "echo",
+                      .fallback = "auto",
+                      .text = "the line gives back what is sent; `auto` finds out"},
+                     &BusSpec::echo, ChoiceRule<std::optional<bool>>{kEchoes}),
+      {{.name = "devices",
+        .fallback = "needed",
+        .text = "1 to " + std::to_string(kMaxDevices) + " devices",
+        .schema = R"({ "type": "array", "minItems": 1, "maxItems": )" +
+                  std::to_string(kMaxDevices) + R"(, "items": { "$ref": "#/$defs/device" } })"}},
+  };
+}
+
+std::vector<Field<BusDefaults>> default_fields() {
+  std::vector<Field<BusDefaults>> rows;
+  const auto devices = [](BusDefaults& both) -> DeviceDefaults& { return both.devices; };
+  const auto& below = device_rows().fields();
+  // Options and rights stand behind the others, as they always did.
+  std::vector<Field<DeviceDefaults>> first, last;
+  for (const auto& each : below)
+    (each.key.name == "options" || each.key.name == "allow" ? last : first).push_back(each);
+  append_flowing(rows, first, devices);
+  append_flowing(rows, last, devices);
+  rows.push_back(field<BusDefaults>(
+      {.name = "silence",
+       .fallback = "standard: 3.5 characters, 1.75 ms above 19200 baud",
+       .text = "between an answer and the next request: `standard`, characters as `3.5c`, or a "
+               "duration"},
+      [](BusDefaults& both) -> SilenceRule& { return both.bus.silence; }, SilenceReader{}));
+  rows.push_back(field<BusDefaults>(
+      {.name = "gap-allowance",
+       .fallback = "20ms",
+       .text = "silence inside an answer that ends it"},
+      [](BusDefaults& both) -> Duration& { return both.bus.gap_allowance; },
+      DurationRule{Duration{}, kMaxSilence}));
+  return rows;
+}
+
+}  // namespace
+
+const Rows<BusSpec>& bus_rows() {
+  static const Rows<BusSpec> rows("bus", "a bus", fields());
+  return rows;
+}
+
+const Rows<BusDefaults>& bus_default_rows() {
+  static const Rows<BusDefaults> rows("bus-defaults", "'defaults' of a bus", default_fields());
+  return rows;
+}
+
+}  // namespace fieldcast::config

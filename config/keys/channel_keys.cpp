@@ -1,0 +1,231 @@
+#include "config/keys/channel_keys.hpp"
+
+#include "config/channel.hpp"
+#include "config/limits.hpp"
+#include "config/scalars.hpp"
+#include "config/text_number.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+constexpr std::pair<std::string_view, Mode> kModes[] = {{"intensive", Mode::kIntensive},
+                                                        {"scheduled", Mode::kScheduled},
+                                                        {"on-demand", Mode::kOnDemand}};
+constexpr std::pair<std::string_view, Access> kAccesses[] = {{"read-only", Access::kReadOnly},
+                                                             {"read-write", Access::kReadWrite},
+                                                             {"write-only", Access::kWriteOnly}};
+constexpr std::pair<std::string_view, bool> kAcquires[] = {{"always", false},
+                                                           {"on-interest", true}};
+constexpr std::pair<std::string_view, WordOrder> kWordOrders[] = {
+    {"big-endian", WordOrder::kBigEndian}, {"little-endian", WordOrder::kLittleEndian}};
+constexpr std::pair<std::string_view, ByteOrder> kByteOrders[] = {
+    {"big-endian", ByteOrder::kBigEndian}, {"little-endian", ByteOrder::kLittleEndian}};
+constexpr std::pair<std::string_view, Charset> kCharsets[] = {{"utf-8", Charset::kUtf8},
+                                                              {"latin-1", Charset::kLatin1},
+                                                              {"gbk", Charset::kGbk},
+                                                              {"shift-jis", Charset::kShiftJis}};
+
+using Row = Field<ChannelDefaults>;
+
+// A row whose value goes into the channel as it is.
+template <typename T, typename Rule>
+Row row(Key key, T ChannelSpec::*member, Rule rule) {
+  return field<ChannelDefaults>(
+      std::move(key), [member](ChannelDefaults& channel) -> T& { return channel.spec.*member; },
+      rule);
+}
+template <typename T, typename Rule>
+Row row(Key key, T Encoding::*member, Rule rule) {
+  return field<ChannelDefaults>(
+      std::move(key),
+      [member](ChannelDefaults& channel) -> T& { return channel.spec.encoding.*member; }, rule);
+}
+template <typename T, typename Rule>
+Row row(Key key, T ChannelDefaults::*member, Rule rule) {
+  return field<ChannelDefaults>(std::move(key), member, rule);
+}
+
+// A row that channel.cpp reads, since it depends on the address or the type.
+template <typename Rule>
+Row by_channel(Key key, const Rule& rule) {
+  if (key.schema.empty()) key.schema = rule.schema();
+  if (key.form.empty()) key.form = rule.form();
+  return {std::move(key), {}};
+}
+
+std::vector<Row> fields() {
+  const ChoiceRule<std::uint8_t> byte{kByteWords};
+  return {
+      row({.name = "name",
+           .fallback = "needed",
+           .text = "unique in the device",
+           .example = "a name for the channel"},
+          &ChannelSpec::name, NameRule{}),
+      {{.name = "at",
+        .fallback = "needed",
+        .text = "the address, in the PLC's own notation: holding:100, 40101, coil:3, VW100",
+        .schema = R"({ "type": ["string", "number"] })"}},
+      by_channel({.name = "type",
+                  .fallback = "`bool` for a bit, else needed",
+                  .text = "see above; may be left out where the address is one bit"},
+                 TypeRule{}),
+      row({.name = "refresh",
+           .fallback = "1s",
+           .text = "the promise that a sample is never older",
+           .flows_down = true},
+          &ChannelSpec::refresh, DurationRule{kMinRefresh, kMaxRefresh}),
+      row({.name = "mode",
+           .fallback = "scheduled",
+           .text = "`scheduled` reads in time for the refresh, then the wire rests; `intensive` "
+                   "reads without pause, the oldest first; `on-demand` reads by command only",
+           .flows_down = true},
+          &ChannelSpec::mode, ChoiceRule<Mode>{kModes}),
+      row({.name = "access",
+           .fallback = "read-only",
+           .text = "what commands may do",
+           .flows_down = true},
+          &ChannelSpec::access, ChoiceRule<Access>{kAccesses}),
+      row({.name = "acquire",
+           .fallback = "always",
+           .text = "`on-interest` reads only while a station declares interest",
+           .flows_down = true},
+          &ChannelSpec::on_interest, ChoiceRule<bool>{kAcquires}),
+      row({.name = "priority",
+           .fallback = "0",
+           .text = "a higher one is kept fresh longer when the wire is too slow",
+           .flows_down = true},
+          &ChannelSpec::priority, WholeRule{-kMaxPriority, kMaxPriority}),
+      row({.name = "elasticity",
+           .fallback = "1",
+           .text = "its share of the stretch when the wire is too slow, beside the others of its "
+                   "priority: with 2 its refresh grows by twice as much",
+           .flows_down = true},
+          &ChannelSpec::elasticity, NumberRule{kMinElasticity, kMaxElasticity}),
+      row({.name = "unit", .fallback = "none"}, &ChannelSpec::unit, TextRule{kMaxUnit}),
+      row({.name = "description", .fallback = "none"}, &ChannelSpec::description,
+          TextRule{kMaxDescription}),
+      row({.name = "scale", .fallback = "1", .text = "value = raw × scale + offset"},
+          &Encoding::scale, NumberRule{}),
+      row({.name = "offset", .fallback = "0", .text = "value = raw × scale + offset"},
+          &Encoding::offset, NumberRule{}),
+      row({.name = "word-order",
+           .fallback = "the family's own",
+           .text = "of the 16-bit words of a wider value: `big-endian` has the high word first",
+           .flows_down = true},
+          &ChannelDefaults::word_order, ChoiceRule<WordOrder>{kWordOrders}),
+      row({.name = "byte-order",
+           .fallback = "big-endian; of texts the family's own",
+           .text = "of the two bytes of each word",
+           .flows_down = true},
+          &ChannelDefaults::byte_order, ChoiceRule<ByteOrder>{kByteOrders}),
+      row({.name = "encoding",
+           .fallback = "utf-8",
+           .text =
+               "of the device's texts, for channels of type `string(n)`, read and written. What is "
+               "no character of it, and control characters, are shown as `\\xE4`; a write that it "
+               "has no character for is rejected. A text of more than 256 bytes of UTF-8 does not "
+               "fit into a sample: BAD_RANGE",
+           .flows_down = true},
+          &ChannelDefaults::charset, ChoiceRule<Charset>{kCharsets}),
+      by_channel({.name = "bit",
+                  .fallback = "none",
+                  .text = "of a word, for a bool; 0 is the least significant; another way to write "
+                          "`holding:100.5`"},
+                 WholeRule{0, 63}),
+      by_channel({.name = "byte",
+                  .fallback = "none",
+                  .text = "of a wider item, with an 8-bit type: `low` or `high` of a word; of a "
+                          "wider one `0` (the least significant) to `7`"},
+                 byte),
+      by_channel({.name = "text",
+                  .fallback = "none: the bytes are the number",
+                  .text = "the number stands as text of n characters: `decimal(7)`, "
+                          "`decimal-comma(7)`, `hex(4)` (the bits of the type), or a picture whose "
+                          "form a write keeps: `\"+000.00\"`, `\"000,0\"`. Read with sign, blanks "
+                          "and exponent; what spells no number of the type is BAD_RANGE. Where a "
+                          "declared place is a text, n may be left out"},
+                 TextFormRule{}),
+      row({.name = "deadband",
+           .fallback = "none: every reading is published",
+           .text = "changes of more than this are published; 0: every change",
+           .schema = R"({ "type": "number", "minimum": 0 })",
+           .form = "0 and above"},
+          &ChannelSpec::deadband, NumberRule{}),
+      row({.name = "heartbeat",
+           .fallback = "the refresh",
+           .text = "with a deadband the value is published at the latest after this, which is at "
+                   "least the refresh",
+           .flows_down = true},
+          &ChannelSpec::heartbeat, DurationRule{kMinRefresh, kMaxRefresh}),
+      {{.name = "limits",
+        .fallback = "none",
+        .text = "alarms, see below",
+        .schema = R"({ "$ref": "#/$defs/limits" })"}},
+      {{.name = "write",
+        .fallback = "none",
+        .text = "what commands may write, see below",
+        .schema = R"({ "$ref": "#/$defs/write" })"}},
+  };
+}
+
+}  // namespace
+
+const Rows<ChannelDefaults>& channel_rows() {
+  static const Rows<ChannelDefaults> rows("channel", "a channel", fields());
+  return rows;
+}
+
+const Rows<Limits>& limit_rows() {
+  static const Rows<Limits> rows(
+      "limits", "'limits'",
+      {
+          field<Limits>({.name = "low-low", .fallback = "none", .text = "below `low`"},
+                        &Limits::low_low, NumberRule{}),
+          field<Limits>({.name = "low", .fallback = "none", .text = "a value below it is an alarm"},
+                        &Limits::low, NumberRule{}),
+          field<Limits>(
+              {.name = "high", .fallback = "none", .text = "a value above it is an alarm"},
+              &Limits::high, NumberRule{}),
+          field<Limits>({.name = "high-high", .fallback = "none", .text = "above `high`"},
+                        &Limits::high_high, NumberRule{}),
+          field<Limits>({.name = "hysteresis",
+                         .fallback = "0",
+                         .text = "how far a value must be back inside until the alarm is clear",
+                         .schema = R"({ "type": "number", "minimum": 0 })",
+                         .form = "0 and above"},
+                        &Limits::hysteresis, NumberRule{}),
+          field<Limits>({.name = "delay",
+                         .fallback = "0ms",
+                         .text = "how long a value must be outside until the alarm is raised",
+                         .column = "alarm-delay"},
+                        &Limits::delay, DurationRule{Duration{}, kMaxAlarmDelay}),
+      },
+      "Alarms: low-low < low < high < high-high.");
+  return rows;
+}
+
+const Rows<ChannelSpec>& write_rows() {
+  static const Rows<ChannelSpec> rows(
+      "write", "'write'",
+      {
+          field<ChannelSpec>({.name = "min",
+                              .fallback = "none",
+                              .text = "the least value of a command",
+                              .column = "write-min"},
+                             &ChannelSpec::write_min, NumberRule{}),
+          field<ChannelSpec>({.name = "max",
+                              .fallback = "none",
+                              .text = "the greatest value of a command",
+                              .column = "write-max"},
+                             &ChannelSpec::write_max, NumberRule{}),
+          field<ChannelSpec>({.name = "interval",
+                              .fallback = "0ms: none",
+                              .text = "the least time between two commands",
+                              .column = "write-interval"},
+                             &ChannelSpec::write_interval, DurationRule{Duration{}, kMaxRefresh}),
+      },
+      "What commands may write.");
+  return rows;
+}
+
+}  // namespace fieldcast::config

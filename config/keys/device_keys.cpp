@@ -1,0 +1,150 @@
+#include "config/keys/device_keys.hpp"
+
+#include "config/keys/channel_keys.hpp"
+#include "config/keys/common_forms.hpp"
+#include "config/limits.hpp"
+#include "config/program.hpp"
+#include "config/scalars.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+using Row = Field<DeviceDefaults>;
+
+template <typename T, typename Rule>
+Row row(Key key, T DeviceSpec::*member, Rule rule) {
+  return field<DeviceDefaults>(
+      std::move(key), [member](DeviceDefaults& device) -> T& { return device.spec.*member; }, rule);
+}
+
+// What a device has from further up: keys of its channels, and its own.
+std::vector<Row> defaults() {
+  std::vector<Row> rows;
+  append_flowing(rows, channel_rows().fields(), &DeviceDefaults::channels);
+  const std::vector<Row> own{
+      row({.name = "timeout",
+           .fallback = "200ms",
+           .text = "to the first byte of an answer",
+           .flows_down = true},
+          &DeviceSpec::timeout, DurationRule{kMinTimeout, kMaxTimeout}),
+      row({.name = "retries",
+           .fallback = "1",
+           .text = "more tries of an exchange",
+           .flows_down = true},
+          &DeviceSpec::retries, WholeRule{0, kMaxRetries}),
+      row({.name = "pause",
+           .fallback = "0ms",
+           .text = "rest after each exchange with the device",
+           .flows_down = true},
+          &DeviceSpec::pause, DurationRule{Duration{}, kMaxPause}),
+      row({.name = "max-block",
+           .fallback = "the protocol's limit",
+           .text = "items in one read, for weak devices",
+           .flows_down = true},
+          &DeviceSpec::max_block, WholeRule{1, 65535}),
+      row({.name = "max-gap",
+           .fallback = "whatever pays",
+           .text = "unwanted items that a read may bridge",
+           .flows_down = true},
+          &DeviceSpec::max_gap, WholeRule{0, 65535}),
+  };
+  rows.insert(rows.end(), own.begin(), own.end());
+  return rows;
+}
+
+Row options() {
+  return {{.name = "options",
+           .fallback = "none",
+           .text = "of the protocol. " + options_text(),
+           .flows_down = true,
+           .schema = R"({ "$ref": "#/$defs/options" })"},
+          read_options};
+}
+Row allow() {
+  return {{.name = "allow",
+           .fallback = "none",
+           .text = "commands to addresses that are no channels",
+           .flows_down = true,
+           .schema = R"({ "$ref": "#/$defs/allow" })",
+           .form = "`[raw-read, raw-write]`"},
+          read_allow};
+}
+Row channels(std::string fallback) {
+  return {{.name = "channels",
+           .fallback = std::move(fallback),
+           .text = "a list, or the name of a CSV file",
+           .schema = R"({ "$ref": "#/$defs/channels" })"}};
+}
+
+std::vector<Row> device_fields() {
+  std::vector<Row> rows{
+      row({.name = "name",
+           .fallback = "needed",
+           .text = "unique on the bus",
+           .example = "a name for the device"},
+          &DeviceSpec::name, NameRule{}),
+      {{.name = "address",
+        .fallback = "needed",
+        .text = "on the bus; the protocol narrows it",
+        .schema = WholeRule{0, 65535}.schema()}},
+      row({.name = "number",
+           .fallback = "not programmed",
+           .text = "under which engineers ask for the device, to program it through its bus; the "
+                   "devices of a `dial-in` bus are reached by that number as it is"},
+          &DeviceSpec::number, DeviceNumberRule{}),
+      {{.name = "protocol",
+        .fallback = "the bus's",
+        .text = "another than the bus's",
+        .schema = R"({ "$ref": "#/$defs/protocol" })"}},
+      {{.name = "template",
+        .fallback = "none",
+        .text = "NAME of a kind of device: devices/NAME.yaml beside this file, or one that comes "
+                "with Fieldcast",
+        .schema = R"({ "$ref": "#/$defs/word" })"}},
+      channels("needed without `template` and `allow`"),
+      options(),
+      allow(),
+  };
+  const auto below = defaults();
+  rows.insert(rows.end(), below.begin(), below.end());
+  return rows;
+}
+
+}  // namespace
+
+const Rows<DeviceDefaults>& device_rows() {
+  static const Rows<DeviceDefaults> rows("device", "a device", device_fields());
+  return rows;
+}
+
+const Rows<DeviceDefaults>& template_default_rows() {
+  static const Rows<DeviceDefaults> rows("template-defaults", "'defaults' of a template",
+                                         defaults());
+  return rows;
+}
+
+const Rows<DeviceDefaults>& template_rows() {
+  static const Rows<DeviceDefaults> rows(
+      "template", "a device template",
+      {
+          {{.name = "description",
+            .fallback = "none",
+            .text = "for people",
+            .schema = TextRule{kMaxDescription}.schema()}},
+          {{.name = "protocols",
+            .fallback = "any",
+            .text = "those whose notation the channels are written in; another is a fault",
+            .schema =
+                R"({ "type": "array", "minItems": 1, "items": { "$ref": "#/$defs/protocol" } })"}},
+          {{.name = "defaults",
+            .fallback = "none",
+            .text = "every key marked ●",
+            .schema = R"({ "$ref": "#/$defs/template-defaults" })"}},
+          options(),
+          allow(),
+          channels("none"),
+      });
+  return rows;
+}
+
+}  // namespace fieldcast::config

@@ -1,0 +1,13 @@
+// The keys of a device and of a device template, and of the defaults above them.
+#pragma once
+
+#include "config/cascade.hpp"
+#include "config/keys/key.hpp"
+
+namespace fieldcast::config {
+
+[[nodiscard]] const Rows<DeviceDefaults>& device_rows();
+[[nodiscard]] const Rows<DeviceDefaults>& template_rows();
+[[nodiscard]] const Rows<DeviceDefaults>& template_default_rows();
+
+}  // namespace fieldcast::config

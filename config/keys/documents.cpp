@@ -1,0 +1,169 @@
+#include "config/keys/documents.hpp"
+
+#include "config/keys/key.hpp"
+#include "config/limits.hpp"
+#include "core/protocol/registry.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+constexpr std::string_view kBegin = "<!-- keys: made from config/keys/, see below -->\n";
+constexpr std::string_view kEnd = "<!-- end of keys -->\n";
+
+// A text with the marks of Markdown as a JSON string.
+std::string json_string(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '`') continue;
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + '"';
+}
+
+std::string capital(std::string text) {
+  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 32);
+  return text;
+}
+
+// Without what points to another place of the README.
+std::string description_of(const Key& key) {
+  std::string text = capital(key.text);
+  for (const std::string_view pointer : {", see below", "See below"}) {
+    if (const auto at = text.find(pointer); at != text.npos) text.erase(at, pointer.size());
+  }
+  if (!key.fallback.empty() && !key.fallback.starts_with(kNeeded))
+    text += (text.empty() ? "Default " : ". Default ") + key.fallback;
+  return text.empty() ? text : text + '.';
+}
+
+// "oil": { the rule, "description": "for people." }
+std::string property(const Key& key) {
+  std::string rule = key.schema;
+  if (const auto text = description_of(key); !text.empty()) {
+    rule.resize(rule.find_last_not_of(" }") == rule.npos ? 0 : rule.rfind(" }"));
+    rule += ", \"description\": " + json_string(text) + " }";
+  }
+  return "        \"" + std::string(key.name) + "\": " + rule;
+}
+
+std::string quoted_list(const std::vector<std::string_view>& names) {
+  std::string text;
+  for (const auto name : names) {
+    text += text.empty() ? "\"" : ", \"";
+    text.append(name).append("\"");
+  }
+  return '[' + text + ']';
+}
+
+std::string definition(const RowTable& table) {
+  std::string out = "    \"" + std::string(table.name) + "\": {\n      \"type\": \"object\",\n";
+  out += "      \"additionalProperties\": false,\n";
+  std::vector<std::string_view> needed;
+  for (const Key& key : table.rows) {
+    if (key.fallback == kNeeded) needed.push_back(key.name);
+  }
+  if (!needed.empty()) out += "      \"required\": " + quoted_list(needed) + ",\n";
+  if (!table.one_of.empty()) {
+    std::string all;
+    for (const auto key : table.one_of) {
+      all += all.empty() ? "" : ", ";
+      all += "{ \"required\": [\"" + std::string(key) + "\"] }";
+    }
+    out += "      \"oneOf\": [" + all + "],\n";
+  }
+  if (!table.text.empty()) out += "      \"description\": " + json_string(table.text) + ",\n";
+  out += "      \"properties\": {\n";
+  for (std::size_t i = 0; i < table.rows.size(); ++i)
+    out += property(table.rows[i]) + (i + 1 < table.rows.size() ? ",\n" : "\n");
+  return out + "      }\n    },\n";
+}
+
+// What several keys share.
+std::string common_definitions() {
+  std::vector<std::string_view> names;
+  for (const ProtocolEntry& entry : protocols()) names.push_back(entry.name);
+  return R"(    "channels": {
+      "anyOf": [
+        { "type": "array", "items": { "$ref": "#/$defs/channel" } },
+        { "type": "string", "minLength": 1, "description": "A CSV file, relative to this file." }
+      ]
+    },
+    "options": {
+      "type": "object",
+      "maxProperties": )" +
+         std::to_string(kMaxOptions) + R"(,
+      "additionalProperties": { "type": ["string", "number", "boolean"] }
+    },
+    "allow": { "type": "array", "items": { "enum": ["raw-read", "raw-write"] } },
+    "protocol": {
+      "description": "One that is built in, or NAME for a declaration: protocols/NAME.yaml beside this file, or one that comes with Fieldcast.",
+      "anyOf": [
+        { "enum": )" +
+         quoted_list(names) + R"( },
+        { "$ref": "#/$defs/word" }
+      ]
+    },
+    "word": { "type": ["string", "number", "boolean"], "pattern": "^[A-Za-z0-9_.-]{1,64}$" },
+    "duration": { "type": "string", "pattern": "^[0-9]+(\\.[0-9]+)?(us|ms|s|m|min|h|d)$" }
+)";
+}
+
+// "A bus", "`dds`".
+std::string title_of(const RowTable& table) {
+  std::string title(table.what);
+  std::ranges::replace(title, '\'', '`');
+  return capital(std::move(title));
+}
+
+std::string value_of(const Key& key) {
+  if (key.form.empty() || key.text.empty()) return key.form + key.text;
+  return key.form + "; " + key.text;
+}
+
+std::string readme_table(const RowTable& table) {
+  std::string rows;
+  bool below = false;
+  for (const Key& key : table.rows) {
+    below |= key.from_below;
+    if (key.from_below) continue;
+    rows += "| `" + std::string(key.name) + '`' + (key.flows_down ? " ●" : "") + " | " +
+            value_of(key) + " | " + key.fallback + " |\n";
+  }
+  std::string out = "**" + title_of(table) + "**";
+  if (!table.one_of.empty()) {
+    std::string all;
+    for (const auto key : table.one_of)
+      all += (all.empty() ? ": with one of `" : "`, `") + std::string(key);
+    out += all + '`';
+  }
+  out += "\n\n";
+  if (!table.text.empty()) out += table.text + "\n\n";
+  if (!rows.empty()) out += "| key | value | default |\n| --- | --- | --- |\n" + rows + '\n';
+  if (below) out += rows.empty() ? "Every ● below.\n\n" : "and every ● of what it holds.\n\n";
+  return out;
+}
+
+}  // namespace
+
+std::string schema_text() {
+  std::string out = R"({
+  "$schema": "https://json-schema.org/draft/2020-12/schema",
+  "title": "Fieldcast configuration",
+  "description": "Buses, devices and channels of one bridge. config/README.md explains every key.",
+  "$ref": "#/$defs/bridge",
+  "$defs": {
+)";
+  for (const RowTable* table : key_tables()) out += definition(*table);
+  return out + common_definitions() + "  }\n}\n";
+}
+
+std::string with_key_tables(const std::string& readme) {
+  const auto begin = readme.find(kBegin), end = readme.find(kEnd);
+  if (begin == readme.npos || end == readme.npos || end < begin) return readme;
+  std::string tables;
+  for (const RowTable* table : key_tables()) tables += readme_table(*table);
+  return readme.substr(0, begin + kBegin.size()) + '\n' + tables + readme.substr(end);
+}
+
+}  // namespace fieldcast::config
