@@ -25,7 +25,7 @@ namespace asio = boost::asio;
 
 constexpr Duration kReportPeriod = std::chrono::seconds{1};
 constexpr Duration kLongestSettling =
-    std::chrono::seconds{1};  // of a line that is lent in the middle of an exchange
+    std::chrono::seconds{1};  // of a line that is leased in the middle of an exchange
 constexpr Duration kLeastReportGap =
     std::chrono::milliseconds{100};  // however often the state changes
 
@@ -149,7 +149,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
       port_->close();
       return on_closed(std::move(*lost), Cause::kPortClosed);
     }
-    port_->take_back();
+    port_->end_lease();
     report_soon_ = true;
     turn(LeaseEnded{}, steady_now());
   }
@@ -199,7 +199,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   }
 
   void grant(const Granted& granted) {
-    FileDescriptor line = port_->lend();
+    FileDescriptor line = port_->lease();
     if (!line.valid()) {
       revoked_ = {};
       turn(LeaseEnded{}, steady_now());
@@ -207,7 +207,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     }
     const auto* serial = std::get_if<SerialPortSpec>(&spec_.port);
     granted(
-        LentLine{++lease_, std::move(line), serial ? std::optional(serial->line) : std::nullopt});
+        LeasedLine{++lease_, std::move(line), serial ? std::optional(serial->line) : std::nullopt});
   }
 
   void revoke(const std::string& reason) {

@@ -11,8 +11,8 @@
 #include <tl/expected.hpp>
 #include <vector>
 
+#include "bridge/base/file_descriptor.hpp"
 #include "bridge/bus/bus_sink.hpp"
-#include "bridge/port/file_descriptor.hpp"
 #include "core/bus/event.hpp"
 #include "core/model/spec.hpp"
 
@@ -25,7 +25,7 @@ namespace fieldcast {
 class DialInRegistry;
 
 // A bus's line in the hands of a programming session.
-struct LentLine {
+struct LeasedLine {
   std::uint64_t lease = 0;             // which one, for end_lease()
   FileDescriptor line;                 // non-blocking, the session's own
   std::optional<LineFormat> settings;  // of a serial port: what may be changed
@@ -63,7 +63,7 @@ class BusRunner {
   // Lends the bus to `who`: its acquisition rests until end_lease(). `granted` is called once;
   // `revoked`, after a grant, when the port is lost or the bus stops before the lease ended. Both
   // on the io thread, where they only post.
-  using Granted = std::function<void(tl::expected<LentLine, LeaseRefused>)>;
+  using Granted = std::function<void(tl::expected<LeasedLine, LeaseRefused>)>;
   using Revoked = std::function<void(std::string reason)>;
   void lease(std::string who, Granted granted, Revoked revoked);
   // The session's descriptor is closed. `lost`: why the line is of no use any more; then it is

@@ -15,7 +15,7 @@
 #include <thread>
 #include <utility>
 
-#include "bridge/port/file_descriptor.hpp"
+#include "bridge/base/file_descriptor.hpp"
 
 namespace fieldcast {
 namespace {

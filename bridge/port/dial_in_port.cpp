@@ -3,78 +3,63 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 
-#include "bridge/port/connection.hpp"
+#include "bridge/port/socket_stream.hpp"
 
 namespace fieldcast {
 
 namespace asio = boost::asio;
 
-// One opening of the port: waits for a module, then is its connection. Handlers hold it; once over_
-// is set they do nothing.
-class DialInPort::Session : public std::enable_shared_from_this<Session> {
+// Waits for a module, then is its connection.
+class DialInPort::Opening final : public PortOpening {
  public:
-  Session(asio::io_context& io, const std::string& number, DialInRegistry& registry,
-          PortListener& listener)
-      : io_(io), number_(number), registry_(registry), listener_(listener) {}
+  // `tell`: says at once when no module is there.
+  Opening(asio::io_context& io, const std::string& number, DialInRegistry& registry,
+          PortListener& listener, bool tell)
+      : PortOpening(io, listener), number_(number), registry_(registry), tell_(tell) {}
 
-  void open(bool tell) {
-    claim_ = registry_.claim(number_, [self = shared_from_this()](FileDescriptor socket) {
+  void begin() override {
+    claim_ = registry_.claim(number_, [self = self_as<Opening>()](FileDescriptor socket) {
       asio::post(self->io_, [self, socket = std::make_shared<FileDescriptor>(std::move(socket))] {
         self->arrived(std::move(*socket));
       });
     });
-    if (!tell) return;
+    if (!tell_) return;
     // Behind the module that waited already, if one did.
-    asio::post(io_, [self = shared_from_this()] {
-      if (!self->over_ && !self->connection_)
-        self->fail("module " + self->number_ + " has not dialled in");
+    asio::post(io_, [self = self_as<Opening>()] {
+      if (!self->over_ && self->stream() == nullptr)
+        self->fail("module " + self->number_ + " has not dialled in", Cause::kPortUnreachable);
     });
-  }
-
-  [[nodiscard]] Connection* connection() { return connection_.get(); }
-
-  void close() {
-    if (std::exchange(over_, true)) return;
-    registry_.release(number_, claim_);
-    if (connection_) connection_->close();
   }
 
   // The connection goes on without this port.
   void retire() {
-    FileDescriptor socket = !over_ && connection_ ? connection_->release() : FileDescriptor{};
+    FileDescriptor socket = !over_ && stream() ? stream()->release() : FileDescriptor{};
     close();
     if (socket.valid()) registry_.pass_on(number_, std::move(socket));
   }
 
  private:
-  void arrived(FileDescriptor fd) {
-    if (over_ || connection_) {  // the next opening takes it; a new connection replaces the old
-                                 // one, which is dead as a rule
-      registry_.release(number_, claim_);
-      if (auto ours = registry_.offer(number_, std::move(fd)))
-        registry_.pass_on(number_, std::move(*ours));
-      if (!over_) connection_->fail("the module dialled in anew");
-      return;
-    }
-    auto socket = adopt_socket(io_, std::move(fd));
-    if (!socket) return;  // gone already: the module dials in again
-    connection_ = std::make_shared<Connection>(std::move(*socket), listener_);
-    if (!connection_->start()) return fail("the module is gone already");
-    listener_.on_opened();
+  void arrived(FileDescriptor socket) {
+    if (over_ || stream() != nullptr) return pass_on(std::move(socket));
+    auto line = make_socket_stream(io_, std::move(socket), listener_);
+    if (!line) return;  // gone already: the module dials in again
+    opened(std::move(line));
   }
 
-  void fail(std::string reason) {
-    close();
-    listener_.on_closed(std::move(reason), Cause::kPortUnreachable);
+  // The next opening takes it; a new connection replaces the old one, which is dead as a rule.
+  void pass_on(FileDescriptor socket) {
+    registry_.release(number_, claim_);
+    if (auto ours = registry_.offer(number_, std::move(socket)))
+      registry_.pass_on(number_, std::move(*ours));
+    if (!over_) stream()->fail({"the module dialled in anew"});
   }
 
-  asio::io_context& io_;
+  void cancel() override { registry_.release(number_, claim_); }
+
   std::string number_;
   DialInRegistry& registry_;
-  PortListener& listener_;
-  std::shared_ptr<Connection> connection_;
   DialInRegistry::Ticket claim_ = 0;
-  bool over_ = false;
+  bool tell_;
 };
 
 DialInPort::DialInPort(asio::io_context& io, DialInPortSpec spec, DialInRegistry& registry)
@@ -88,36 +73,14 @@ DialInPort::~DialInPort() {
   registry_.forget(spec_.number, expectation_);
 }
 
-void DialInPort::open(PortListener& listener) {
-  close();
-  session_ = std::make_shared<Session>(io_, spec_.number, registry_, listener);
-  session_->open(!std::exchange(told_, true));
-}
-
-void DialInPort::write(ByteView bytes) {
-  if (session_ && session_->connection()) session_->connection()->write(bytes);
-}
-
-void DialInPort::poll() {
-  if (session_ && session_->connection()) session_->connection()->poll();
-}
-
-FileDescriptor DialInPort::lend() {
-  return session_ && session_->connection() ? session_->connection()->lend() : FileDescriptor{};
-}
-
-void DialInPort::take_back() {
-  if (session_ && session_->connection()) session_->connection()->take_back();
+std::shared_ptr<PortOpening> DialInPort::make_opening(PortListener& listener) {
+  const bool tell = !std::exchange(told_, true);
+  return std::make_shared<Opening>(io_, spec_.number, registry_, listener, tell);
 }
 
 void DialInPort::retire() {
-  if (session_) session_->retire();
-  session_.reset();
-}
-
-void DialInPort::close() {
-  if (session_) session_->close();
-  session_.reset();
+  if (opening_) static_cast<Opening&>(*opening_).retire();
+  opening_.reset();
 }
 
 }  // namespace fieldcast

@@ -10,7 +10,7 @@
 #include <optional>
 #include <string>
 
-#include "bridge/port/file_descriptor.hpp"
+#include "bridge/base/file_descriptor.hpp"
 
 namespace fieldcast {
 
@@ -23,7 +23,7 @@ class DialInRegistry {
   struct Keeper {
     // Any thread; only posts.
     std::function<void(const std::string& number, FileDescriptor socket)> keep;
-    // The kept module of this number, invalid when there is none or it is lent. Called inside
+    // The kept module of this number, invalid when there is none or it is leased. Called inside
     // expect(): may wait, but not for the thread of a bus.
     std::function<FileDescriptor(const std::string& number)> hand_over;
   };

@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "bridge/port/file_descriptor.hpp"
+#include "bridge/base/file_descriptor.hpp"
 #include "core/base/bytes.hpp"
 #include "core/base/cause.hpp"
 #include "core/base/time.hpp"
@@ -55,13 +55,13 @@ class Port {
   // number.
   virtual void retire() { close(); }
 
-  // Lends the line to a programming session: a second descriptor of it, non-blocking, for a thread
-  // of its own. Until take_back() nothing is delivered and nothing may be written here. Invalid
+  // Leases the line to a programming session: a second descriptor of it, non-blocking, for a thread
+  // of its own. Until end_lease() nothing is delivered and nothing may be written here. Invalid
   // when the port is not open.
-  [[nodiscard]] virtual FileDescriptor lend() = 0;
+  [[nodiscard]] virtual FileDescriptor lease() = 0;
   // The session is over: the line is set up as configured, what it received meanwhile is dropped.
-  // No effect unless lent.
-  virtual void take_back() = 0;
+  // No effect unless leased.
+  virtual void end_lease() = 0;
 
   static constexpr std::size_t kMaxUnsent = 4096;
 };

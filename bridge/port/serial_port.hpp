@@ -4,30 +4,22 @@
 // adapter some milliseconds.
 #pragma once
 
-#include "bridge/port/port.hpp"
+#include "bridge/port/stream_port.hpp"
 
 namespace fieldcast {
 
-class SerialPort final : public Port {
+class SerialPort final : public StreamPort {
  public:
-  SerialPort(boost::asio::io_context& io, SerialPortSpec spec);
-  ~SerialPort() override;
-  SerialPort(const SerialPort&) = delete;
-  SerialPort& operator=(const SerialPort&) = delete;
+  SerialPort(boost::asio::io_context& io, SerialPortSpec spec) : io_(io), spec_(std::move(spec)) {}
+  ~SerialPort() override { close(); }
 
-  void open(PortListener& listener) override;
-  void write(ByteView bytes) override;
   void expect(std::uint32_t characters) override;
-  void poll() override;
-  void close() override;
-  FileDescriptor lend() override;
-  void take_back() override;
 
  private:
-  class Session;
+  std::shared_ptr<PortOpening> make_opening(PortListener& listener) override;
+
   boost::asio::io_context& io_;
   SerialPortSpec spec_;
-  std::shared_ptr<Session> session_;  // shared with the handlers under way
 };
 
 }  // namespace fieldcast

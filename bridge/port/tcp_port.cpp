@@ -7,7 +7,7 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
 
-#include "bridge/port/connection.hpp"
+#include "bridge/port/socket_stream.hpp"
 
 namespace fieldcast {
 namespace {
@@ -15,103 +15,67 @@ namespace {
 namespace asio = boost::asio;
 using asio::ip::tcp;
 
-}  // namespace
-
-// One call, from open() to its end. Handlers hold it; once over_ is set they do nothing.
-class TcpPort::Session : public std::enable_shared_from_this<Session> {
+// Resolves the name and connects, within the time that the configuration allows.
+class TcpOpening final : public PortOpening {
  public:
-  Session(asio::io_context& io, const TcpPortSpec& spec, PortListener& listener)
-      : spec_(spec), listener_(listener), resolver_(io), socket_(io), limit_(io) {}
+  TcpOpening(asio::io_context& io, const TcpPortSpec& spec, PortListener& listener)
+      : PortOpening(io, listener), spec_(spec), resolver_(io), socket_(io), limit_(io) {}
 
-  void open() {
+  void begin() override {
     limit_.expires_after(spec_.connect_timeout);
-    limit_.async_wait([self = shared_from_this()](boost::system::error_code fault) {
-      if (!self->over_ && !self->connection_ && !fault)
-        self->fail("no connection within " + to_text(self->spec_.connect_timeout));
+    limit_.async_wait([self = self_as<TcpOpening>()](boost::system::error_code fault) {
+      if (!self->over_ && self->stream() == nullptr && !fault)
+        self->give_up("no connection within " + to_text(self->spec_.connect_timeout));
     });
     resolver_.async_resolve(
         spec_.host, std::to_string(spec_.port),
-        [self = shared_from_this()](boost::system::error_code fault,
-                                    const tcp::resolver::results_type& found) {
+        [self = self_as<TcpOpening>()](boost::system::error_code fault,
+                                       const tcp::resolver::results_type& found) {
           if (self->over_) return;
-          if (fault)
-            return self->fail(fmt::format("host name '{}': {}", self->spec_.host, fault.message()));
-          self->connect(found);
+          if (!fault) return self->connect(found);
+          self->give_up(fmt::format("host name '{}': {}", self->spec_.host, fault.message()));
         });
-  }
-
-  // Null until connected.
-  [[nodiscard]] Connection* connection() { return connection_.get(); }
-
-  void close() {
-    if (std::exchange(over_, true)) return;
-    limit_.cancel();
-    resolver_.cancel();
-    boost::system::error_code ignored;
-    socket_.close(ignored);
-    if (connection_) connection_->close();
   }
 
  private:
   void connect(const tcp::resolver::results_type& endpoints) {
     asio::async_connect(
         socket_, endpoints,
-        [self = shared_from_this()](boost::system::error_code fault, const tcp::endpoint&) {
+        [self = self_as<TcpOpening>()](boost::system::error_code fault, const tcp::endpoint&) {
           if (self->over_) return;
-          if (fault) return self->fail(fault.message());
-          self->limit_.cancel();
-          self->connection_ =
-              std::make_shared<Connection>(std::move(self->socket_), self->listener_);
-          if (!self->connection_->start()) return self->fail("the connection is gone already");
-          self->listener_.on_opened();
+          if (fault) return self->give_up(fault.message());
+          self->connected();
         });
   }
 
-  void fail(std::string reason) {
-    close();
-    listener_.on_closed(std::move(reason), Cause::kPortUnreachable);
+  void connected() {
+    limit_.cancel();
+    boost::system::error_code fault;
+    FileDescriptor socket(socket_.release(fault));
+    auto stream = fault ? nullptr : make_socket_stream(io_, std::move(socket), listener_);
+    if (!stream) return give_up("the connection is gone already");
+    opened(std::move(stream));
+  }
+
+  void give_up(std::string reason) { fail(std::move(reason), Cause::kPortUnreachable); }
+
+  void cancel() override {
+    limit_.cancel();
+    resolver_.cancel();
+    boost::system::error_code ignored;
+    socket_.close(ignored);
   }
 
   TcpPortSpec spec_;
-  PortListener& listener_;
   tcp::resolver resolver_;
   tcp::socket socket_;
   asio::steady_timer limit_;  // of the connecting
-  std::shared_ptr<Connection> connection_;
-  bool over_ = false;
 };
 
-TcpPort::TcpPort(asio::io_context& io, TcpPortSpec spec) : io_(io), spec_(std::move(spec)) {}
-TcpPort::~TcpPort() { close(); }
+}  // namespace
 
-void TcpPort::open(PortListener& listener) {
-  close();
-  session_ = std::make_shared<Session>(io_, spec_, listener);
-  session_->open();
-}
-
-void TcpPort::write(ByteView bytes) {
-  if (Connection* connection = connected()) connection->write(bytes);
-}
-
-void TcpPort::poll() {
-  if (Connection* connection = connected()) connection->poll();
-}
-
-FileDescriptor TcpPort::lend() {
-  Connection* connection = connected();
-  return connection ? connection->lend() : FileDescriptor{};
-}
-
-void TcpPort::take_back() {
-  if (Connection* connection = connected()) connection->take_back();
-}
-
-Connection* TcpPort::connected() { return session_ ? session_->connection() : nullptr; }
-
-void TcpPort::close() {
-  if (session_) session_->close();
-  session_.reset();
+std::shared_ptr<PortOpening> TcpPort::make_opening(PortListener& listener) {
+  return std::make_shared<TcpOpening>(io_, spec_, listener);
 }
 
 }  // namespace fieldcast

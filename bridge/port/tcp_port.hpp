@@ -2,34 +2,20 @@
 // its bus's io thread.
 #pragma once
 
-#include "bridge/port/port.hpp"
+#include "bridge/port/stream_port.hpp"
 
 namespace fieldcast {
 
-class Connection;
-
-class TcpPort final : public Port {
+class TcpPort final : public StreamPort {
  public:
-  TcpPort(boost::asio::io_context& io, TcpPortSpec spec);
-  ~TcpPort() override;
-  TcpPort(const TcpPort&) = delete;
-  TcpPort& operator=(const TcpPort&) = delete;
-
-  void open(PortListener& listener) override;
-  void write(ByteView bytes) override;
-  void expect(std::uint32_t) override {
-  }  // the network delivers answers in one piece, or at its own rhythm
-  void poll() override;
-  void close() override;
-  FileDescriptor lend() override;
-  void take_back() override;
+  TcpPort(boost::asio::io_context& io, TcpPortSpec spec) : io_(io), spec_(std::move(spec)) {}
+  ~TcpPort() override { close(); }
 
  private:
-  class Session;
-  [[nodiscard]] Connection* connected();
+  std::shared_ptr<PortOpening> make_opening(PortListener& listener) override;
+
   boost::asio::io_context& io_;
   TcpPortSpec spec_;
-  std::shared_ptr<Session> session_;  // shared with the handlers under way
 };
 
 }  // namespace fieldcast

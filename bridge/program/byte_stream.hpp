@@ -7,7 +7,7 @@
 #include <functional>
 #include <memory>
 
-#include "bridge/port/file_descriptor.hpp"
+#include "bridge/base/file_descriptor.hpp"
 #include "core/base/time.hpp"
 
 namespace boost::asio {

@@ -79,7 +79,7 @@ void DeviceRegistry::try_take(const std::shared_ptr<Hold>& hold, Handlers handle
     return ask_bus(hold, std::make_shared<Handlers>(std::move(handlers)));
   }
   FileDescriptor line;
-  if (modules_) line = modules_->lend(number, revoker(hold, std::move(handlers.revoked)));
+  if (modules_) line = modules_->lease(number, revoker(hold, std::move(handlers.revoked)));
   if (!line.valid())
     return refuse(Reply::kNotOnline, "no device of this number is known or has dialled in");
   held_[number] = hold;
@@ -101,11 +101,11 @@ void DeviceRegistry::free(const std::shared_ptr<Hold>& hold) {
 void DeviceRegistry::ask_bus(const std::shared_ptr<Hold>& hold,
                              const std::shared_ptr<Handlers>& handlers) {
   auto answered = [self = shared_from_this(), hold,
-                   handlers](tl::expected<LentLine, LeaseRefused> lent) {
+                   handlers](tl::expected<LeasedLine, LeaseRefused> lent) {
     asio::post(
         self->io_,
         [self, hold, handlers,
-         lent = std::make_shared<tl::expected<LentLine, LeaseRefused>>(std::move(lent))] {
+         lent = std::make_shared<tl::expected<LeasedLine, LeaseRefused>>(std::move(lent))] {
           if (!*lent) {
             if (hold->over) return;
             hold->over = true;
@@ -113,7 +113,7 @@ void DeviceRegistry::ask_bus(const std::shared_ptr<Hold>& hold,
             return handlers->refused(
                 {lent->error().in_use ? Reply::kInUse : Reply::kNotOnline, lent->error().reason});
           }
-          LentLine& line = lent->value();
+          LeasedLine& line = lent->value();
           if (hold->over) {  // given back while the bus was asked
             line.line.reset();
             return hold->runner->end_lease(line.lease, std::nullopt);
@@ -137,7 +137,7 @@ void DeviceRegistry::give_back(const std::shared_ptr<Hold>& hold, std::optional<
   if (hold->granted && hold->runner) {  // not granted: the answer of the bus finds it over
     hold->runner->end_lease(hold->lease, std::move(lost));
   } else if (hold->granted && modules_) {
-    modules_->take_back(hold->number, lost.has_value());
+    modules_->end_lease(hold->number, lost.has_value());
   }
   free(hold);
 }

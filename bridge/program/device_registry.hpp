@@ -24,7 +24,8 @@ struct Refusal {
   std::string reason;
 };
 
-// One device lent, or about to be. Whoever has it gives it back once, after closing the descriptor.
+// One device leased, or about to be. Whoever has it gives it back once, after closing the
+// descriptor.
 struct Hold {
   std::string number, who;
   std::string bus, device;             // names; a module without a bus: "dial-in" and its number
@@ -57,7 +58,7 @@ class DeviceRegistry : public std::enable_shared_from_this<DeviceRegistry> {
   std::shared_ptr<Hold> take(const std::string& number, const std::string& who, Handlers handlers);
   // `lost`: why the line is of no use any more.
   void give_back(const std::shared_ptr<Hold>& hold, std::optional<std::string> lost);
-  // Those lent, or asked for, or to which the last bytes still leave.
+  // Those leased, or asked for, or to which the last bytes still leave.
   [[nodiscard]] std::vector<HeldDevice> held() const;
 
  private:

@@ -7,8 +7,8 @@
 
 #include "bridge/bus/clock.hpp"
 #include "bridge/log/log.hpp"
-#include "bridge/port/connection.hpp"
 #include "bridge/port/serial_line.hpp"
+#include "bridge/port/socket_stream.hpp"
 
 namespace fieldcast::program {
 namespace {

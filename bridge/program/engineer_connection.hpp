@@ -1,4 +1,4 @@
-// One engineer's client: its stream, the device lent to it, and the pure Engineer that decides.
+// One engineer's client: its stream, the device leased to it, and the pure Engineer that decides.
 // Executes what that says. Lives on the server's io thread; the server holds it until it is over.
 #pragma once
 

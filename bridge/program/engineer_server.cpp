@@ -6,7 +6,7 @@
 
 #include "bridge/bus/clock.hpp"
 #include "bridge/log/log.hpp"
-#include "bridge/port/connection.hpp"
+#include "bridge/port/socket_stream.hpp"
 #include "bridge/program/tls.hpp"
 
 namespace fieldcast::program {

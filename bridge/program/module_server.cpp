@@ -9,7 +9,7 @@
 
 #include "bridge/bus/clock.hpp"
 #include "bridge/log/log.hpp"
-#include "bridge/port/connection.hpp"
+#include "bridge/port/socket_stream.hpp"
 
 namespace fieldcast::program {
 
@@ -102,11 +102,11 @@ class ModuleServer::Kept : public std::enable_shared_from_this<Kept> {
       : server_(server), number_(std::move(number)), socket_(std::move(socket)) {}
 
   void listen() {
-    if (over_ || lent_ || std::exchange(listening_, true)) return;
+    if (over_ || leased_ || std::exchange(listening_, true)) return;
     socket_.async_wait(
         tcp::socket::wait_read, [self = shared_from_this()](boost::system::error_code fault) {
           self->listening_ = false;
-          if (self->over_ || self->lent_) return;
+          if (self->over_ || self->leased_) return;
           std::array<std::uint8_t, 1024> dropped;
           const ssize_t size = fault ? -1
                                      : ::recv(self->socket_.native_handle(), dropped.data(),
@@ -116,21 +116,21 @@ class ModuleServer::Kept : public std::enable_shared_from_this<Kept> {
           self->listen();
         });
   }
-  FileDescriptor lend(std::function<void(std::string)> revoked) {
-    if (over_ || lent_) return {};
-    lent_ = true;
+  FileDescriptor lease(std::function<void(std::string)> revoked) {
+    if (over_ || leased_) return {};
+    leased_ = true;
     revoked_ = std::move(revoked);
     return FileDescriptor(::fcntl(socket_.native_handle(), F_DUPFD_CLOEXEC, 0));
   }
-  void take_back(bool lost_now) {
-    if (!std::exchange(lent_, false)) return;
+  void end_lease(bool lost_now) {
+    if (!std::exchange(leased_, false)) return;
     revoked_ = {};
     tune_socket(socket_.native_handle());  // the session had its own patience
     lost_now ? lost() : listen();
   }
-  // The connection goes on elsewhere; invalid while it is lent.
+  // The connection goes on elsewhere; invalid while it is leased.
   FileDescriptor release() {
-    if (lent_ || std::exchange(over_, true)) return {};
+    if (leased_ || std::exchange(over_, true)) return {};
     boost::system::error_code fault;
     const int fd = socket_.release(fault);
     return fault ? FileDescriptor{} : FileDescriptor(fd);
@@ -156,7 +156,7 @@ class ModuleServer::Kept : public std::enable_shared_from_this<Kept> {
   std::string number_;
   tcp::socket socket_;
   std::function<void(std::string)> revoked_;
-  bool over_ = false, lent_ = false, listening_ = false;
+  bool over_ = false, leased_ = false, listening_ = false;
 };
 
 ModuleServer::ModuleServer(asio::io_context& io, DialInRegistry& registry, const Hooks& hooks)
@@ -251,17 +251,17 @@ void ModuleServer::refused(const std::string& address, const std::string& reason
   if (hooks_.audit) hooks_.audit({address, "", 0, 0, "module turned away: " + reason});
 }
 
-FileDescriptor ModuleServer::lend(const std::string& number,
-                                  std::function<void(std::string)> revoked) {
+FileDescriptor ModuleServer::lease(const std::string& number,
+                                   std::function<void(std::string)> revoked) {
   const auto found = kept_.find(number);
-  return found == kept_.end() ? FileDescriptor{} : found->second->lend(std::move(revoked));
+  return found == kept_.end() ? FileDescriptor{} : found->second->lease(std::move(revoked));
 }
 
-void ModuleServer::take_back(const std::string& number, bool lost) {
+void ModuleServer::end_lease(const std::string& number, bool lost) {
   const auto found = kept_.find(number);
   if (found == kept_.end()) return;
   const auto module = found->second;
-  module->take_back(lost);
+  module->end_lease(lost);
   if (lost || !registry_.expects(number)) return;
   if (FileDescriptor socket = hand_over(number); socket.valid())
     registry_.pass_on(number, std::move(socket));

@@ -40,14 +40,14 @@ class ModuleServer {
   // A module whose number no bus is there for any more; one that dialled in since is newer.
   void keep(const std::string& number, FileDescriptor socket);
   // The socket of a kept module, for the bus that has come for it; invalid when there is none, or
-  // while it is lent: it goes to its bus when it is taken back.
+  // while it is leased: it goes to its bus when its lease ends.
   [[nodiscard]] FileDescriptor hand_over(const std::string& number);
 
   // A module without a bus, for a programming session: a descriptor of its socket, invalid when
   // there is none of this number. `revoked`: it dialled in anew, or the server closes.
-  [[nodiscard]] FileDescriptor lend(const std::string& number,
-                                    std::function<void(std::string reason)> revoked);
-  void take_back(const std::string& number, bool lost);
+  [[nodiscard]] FileDescriptor lease(const std::string& number,
+                                     std::function<void(std::string reason)> revoked);
+  void end_lease(const std::string& number, bool lost);
 
  private:
   class Asked;

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "bridge/base/file_descriptor.hpp"
 #include "tools/sim/bus/served_bus.hpp"
-#include "tools/sim/fd.hpp"
 
 namespace fieldcast::sim {
 
@@ -53,7 +53,7 @@ class PlantLoop : private Watcher {
 
   const std::vector<std::unique_ptr<SimBus>>& buses_;
   LoopOptions options_;
-  Fd epoll_, timer_, signals_;
+  FileDescriptor epoll_, timer_, signals_;
   std::vector<Entry> served_;
   std::vector<std::size_t> owner_;  // by descriptor: which of served_
   std::size_t serving_ = 0;         // who is being called

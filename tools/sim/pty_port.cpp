@@ -31,8 +31,8 @@ std::string target_of(const std::string& path) {
 }
 
 // A name in the abstract socket space, bound while a program of ours serves the path.
-Fd take_lock(const std::string& path) {
-  Fd lock(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+FileDescriptor take_lock(const std::string& path) {
+  FileDescriptor lock(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   std::error_code ignored;
@@ -42,7 +42,7 @@ Fd take_lock(const std::string& path) {
   std::memcpy(address.sun_path + 1, name.data(), name.size());
   const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
   if (!lock || ::bind(lock.get(), reinterpret_cast<const sockaddr*>(&address), size) != 0)
-    return Fd{};
+    return FileDescriptor{};
   return lock;
 }
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <tl/expected.hpp>
 
-#include "tools/sim/fd.hpp"
+#include "bridge/base/file_descriptor.hpp"
 
 namespace fieldcast::sim {
 
@@ -30,7 +30,7 @@ class PtyPort {
 
  private:
   PtyPort() = default;
-  Fd lock_, master_, slave_;
+  FileDescriptor lock_, master_, slave_;
   std::string path_, terminal_;
 };
 

@@ -17,12 +17,13 @@ std::string loopback_for(const std::string& host) {
   return loopback ? host : "127.0.0.1";
 }
 
-tl::expected<Fd, std::string> listen_on(const std::string& loopback, std::uint16_t port) {
+tl::expected<FileDescriptor, std::string> listen_on(const std::string& loopback,
+                                                    std::uint16_t port) {
   const auto failed = [&] {
     return tl::unexpected(loopback + ":" + std::to_string(port) + ": cannot listen (" +
                           std::strerror(errno) + ")");
   };
-  Fd listener(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  FileDescriptor listener(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (!listener) return failed();
   const int on = 1;
   ::setsockopt(listener.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
@@ -37,8 +38,8 @@ tl::expected<Fd, std::string> listen_on(const std::string& loopback, std::uint16
   return listener;
 }
 
-Fd accept_from(int listener) {
-  Fd connection(::accept4(listener, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+FileDescriptor accept_from(int listener) {
+  FileDescriptor connection(::accept4(listener, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
   if (connection) {
     const int on = 1;
     ::setsockopt(connection.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);

@@ -5,7 +5,7 @@
 #include <string>
 #include <tl/expected.hpp>
 
-#include "tools/sim/fd.hpp"
+#include "bridge/base/file_descriptor.hpp"
 
 namespace fieldcast::sim {
 
@@ -14,10 +14,11 @@ namespace fieldcast::sim {
 [[nodiscard]] std::string loopback_for(const std::string& host);
 
 // A non-blocking listener, or why not, for people.
-[[nodiscard]] tl::expected<Fd, std::string> listen_on(const std::string& loopback,
-                                                      std::uint16_t port);
+[[nodiscard]] tl::expected<FileDescriptor, std::string> listen_on(const std::string& loopback,
+                                                                  std::uint16_t port);
 
-// The next connection, non-blocking and without Nagle's delay; an empty Fd when none waits.
-[[nodiscard]] Fd accept_from(int listener);
+// The next connection, non-blocking and without Nagle's delay; an empty FileDescriptor when none
+// waits.
+[[nodiscard]] FileDescriptor accept_from(int listener);
 
 }  // namespace fieldcast::sim

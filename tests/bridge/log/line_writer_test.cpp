@@ -10,7 +10,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "bridge/port/file_descriptor.hpp"
+#include "bridge/base/file_descriptor.hpp"
 
 namespace fieldcast {
 namespace {

@@ -9,7 +9,7 @@
 
 #include <cstdint>
 
-#include "bridge/port/file_descriptor.hpp"
+#include "bridge/base/file_descriptor.hpp"
 
 namespace fieldcast::test {
 

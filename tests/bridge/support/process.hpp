@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "bridge/port/file_descriptor.hpp"
+#include "bridge/base/file_descriptor.hpp"
 
 extern char** environ;
 

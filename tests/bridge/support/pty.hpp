@@ -11,7 +11,7 @@
 #include <chrono>
 #include <string>
 
-#include "bridge/port/file_descriptor.hpp"
+#include "bridge/base/file_descriptor.hpp"
 #include "core/base/bytes.hpp"
 
 namespace fieldcast::test {

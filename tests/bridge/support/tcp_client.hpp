@@ -12,7 +12,7 @@
 #include <string>
 #include <string_view>
 
-#include "bridge/port/file_descriptor.hpp"
+#include "bridge/base/file_descriptor.hpp"
 #include "core/base/bytes.hpp"
 
 namespace fieldcast::test {

@@ -31,7 +31,7 @@ class PtyPortTest : public ::testing::Test {
 TEST_F(PtyPortTest, CarriesBytesThroughItsLink) {
   auto port = PtyPort::open(path());
   ASSERT_TRUE(port) << port.error();
-  const Fd user(::open(path().c_str(), O_RDWR | O_NOCTTY));
+  const FileDescriptor user(::open(path().c_str(), O_RDWR | O_NOCTTY));
   ASSERT_TRUE(user);
   const std::array<std::uint8_t, 4> sent{0x01, 0x0A, 0x0D,
                                          0xFF};  // characters that a cooked terminal would change

@@ -143,7 +143,7 @@ class TcpBus : public PluggedBus {
 
   void on_readable(int fd, Instant now) override {
     if (fd == listener_.get()) {
-      while (Fd accepted = accept_from(fd)) {
+      while (FileDescriptor accepted = accept_from(fd)) {
         if (connections_.size() >= kMaxConnections) continue;
         watcher_.watch(accepted.get());
         const int key = accepted.get();
@@ -156,7 +156,7 @@ class TcpBus : public PluggedBus {
 
  private:
   struct Connection {
-    Fd fd;
+    FileDescriptor fd;
     std::unique_ptr<BusLine> line;
   };
 
@@ -201,7 +201,7 @@ class TcpBus : public PluggedBus {
 
   Watcher& watcher_;
   TcpPortSpec spec_;
-  Fd listener_;
+  FileDescriptor listener_;
   std::map<int, Connection> connections_;
   Bytes said_;
 };

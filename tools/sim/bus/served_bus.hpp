@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "bridge/base/file_descriptor.hpp"
 #include "tools/sim/bus/sim_bus.hpp"
-#include "tools/sim/fd.hpp"
 #include "tools/sim/pty_port.hpp"
 
 namespace fieldcast::sim {

@@ -1,4 +1,4 @@
-// Owns one file descriptor.
+// Owns one file descriptor. Movable, not copyable; any thread, one at a time.
 #pragma once
 
 #include <unistd.h>
@@ -14,12 +14,13 @@ class FileDescriptor {
   ~FileDescriptor() { reset(); }
   FileDescriptor(FileDescriptor&& other) noexcept : fd_(other.release()) {}
   FileDescriptor& operator=(FileDescriptor&& other) noexcept {
-    reset(other.release());
+    if (this != &other) reset(other.release());
     return *this;
   }
 
   [[nodiscard]] int get() const { return fd_; }
   [[nodiscard]] bool valid() const { return fd_ >= 0; }
+  [[nodiscard]] explicit operator bool() const { return valid(); }
   [[nodiscard]] int release() { return std::exchange(fd_, -1); }
   void reset(int fd = -1) {
     if (fd_ >= 0) ::close(fd_);

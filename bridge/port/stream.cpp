@@ -1,0 +1,142 @@
+#include "bridge/port/stream.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <boost/asio/post.hpp>
+#include <cerrno>
+#include <cstring>
+
+#include "bridge/bus/clock.hpp"
+
+namespace fieldcast {
+
+namespace asio = boost::asio;
+using Descriptor = asio::posix::stream_descriptor;
+
+Stream::Stream(asio::io_context& io, PortListener& listener, Unsent::Kind kind)
+    : listener_(listener), descriptor_(io), timer_(io), unsent_(kind) {}
+
+bool Stream::assign(FileDescriptor descriptor) {
+  boost::system::error_code fault;
+  descriptor_.assign(descriptor.get(), fault);
+  if (fault) return false;
+  (void)descriptor.release();
+  return true;
+}
+
+void Stream::start() {
+  if (!over_) wait_for_bytes();
+}
+
+void Stream::write(ByteView bytes) {
+  if (!usable()) return;
+  drop_stale();
+  push(bytes);
+}
+
+void Stream::poll() {
+  if (usable()) (void)take();
+}
+
+void Stream::close() {
+  if (std::exchange(over_, true)) return;
+  timer_.cancel();
+  boost::system::error_code ignored;
+  if (descriptor_.is_open()) before_close(fd());
+  descriptor_.close(ignored);
+}
+
+FileDescriptor Stream::release() {
+  if (leased_ || std::exchange(over_, true)) return {};
+  timer_.cancel();
+  return FileDescriptor(descriptor_.release());
+}
+
+FileDescriptor Stream::lease() {
+  if (over_ || !descriptor_.is_open()) return {};
+  leased_ = true;
+  return FileDescriptor(::fcntl(fd(), F_DUPFD_CLOEXEC, 0));
+}
+
+void Stream::end_lease() {
+  if (over_ || !std::exchange(leased_, false)) return;
+  if (auto end = restore(fd())) return fail_later(std::move(*end));
+  drop_stale();
+  wait_for_bytes();
+}
+
+void Stream::push(ByteView bytes) {
+  switch (unsent_.write(fd(), bytes)) {
+    case Unsent::Outcome::kAllSent: return;
+    case Unsent::Outcome::kBlocked: return wait_for_space();
+    case Unsent::Outcome::kFailed: return fail_later({std::strerror(errno)});
+    case Unsent::Outcome::kFull: return fail_later({"the line takes no bytes"});
+  }
+}
+
+// Waits for bytes and then takes them, in two steps: nothing is taken that is not delivered at
+// once, so that poll() may come between.
+void Stream::wait_for_bytes() {
+  if (over_ || leased_ || std::exchange(waiting_, true)) return;
+  descriptor_.async_wait(Descriptor::wait_read,
+                         [self = shared_from_this()](boost::system::error_code fault) {
+                           self->waiting_ = false;
+                           if (self->over_ || self->leased_) return;
+                           if (fault) return self->fail({fault.message()});
+                           self->on_readable();
+                         });
+}
+
+void Stream::on_readable() {
+  sleep_ = {};
+  if (!take() || over_) return;
+  sleep_ == Duration::zero() ? wait_for_bytes() : sleep();
+}
+
+// False: the line is gone, and that was told.
+bool Stream::take() {
+  const ssize_t size = ::read(fd(), buffer_.data(), buffer_.size());
+  if (size > 0) {
+    listener_.on_received({buffer_.data(), static_cast<std::size_t>(size)}, steady_now());
+    return true;
+  }
+  if (size < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return true;
+  fail(end_of(size == 0 ? 0 : errno));
+  return false;
+}
+
+// The rest of the answer gathers in the kernel meanwhile: one wake-up instead of one for each byte.
+void Stream::sleep() {
+  timer_.expires_after(sleep_);
+  timer_.async_wait([self = shared_from_this()](boost::system::error_code fault) {
+    if (!self->over_ && !fault) self->wait_for_bytes();
+  });
+}
+
+void Stream::drop_stale() {
+  std::array<std::uint8_t, 512> stale;
+  while (::read(fd(), stale.data(), stale.size()) == static_cast<ssize_t>(stale.size())) {}
+}
+
+void Stream::wait_for_space() {
+  descriptor_.async_wait(Descriptor::wait_write,
+                         [self = shared_from_this()](boost::system::error_code fault) {
+                           if (!self->over_ && !fault) self->push({});
+                         });
+}
+
+void Stream::fail_later(End end) {
+  asio::post(descriptor_.get_executor(),
+             [self = shared_from_this(), end = std::move(end)]() mutable {
+               if (!self->over_) self->fail(std::move(end));
+             });
+}
+
+void Stream::fail(End end) {
+  if (over_) return;
+  close();
+  listener_.on_closed(std::move(end.reason), end.cause);
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,62 @@
+// What all ports share whose line is a stream of bytes: each opening is an object of its own, which
+// tries to get a stream and then forwards to it. A new type of port derives from StreamPort and
+// says how it opens.
+//
+// Lives on its bus's io thread.
+#pragma once
+
+#include "bridge/port/stream.hpp"
+
+namespace fieldcast {
+
+// One opening of a port, from open() to its end. Handlers hold it; once it is over they do nothing.
+class PortOpening : public std::enable_shared_from_this<PortOpening> {
+ public:
+  PortOpening(boost::asio::io_context& io, PortListener& listener) : io_(io), listener_(listener) {}
+  virtual ~PortOpening() = default;
+  PortOpening(const PortOpening&) = delete;
+  PortOpening& operator=(const PortOpening&) = delete;
+
+  // Ends later in opened() or fail(), never inside this call.
+  virtual void begin() = 0;
+  void close();
+  // Null until it is open.
+  [[nodiscard]] Stream* stream() const { return stream_.get(); }
+
+ protected:
+  // Ends the attempt.
+  virtual void cancel() = 0;
+  void opened(std::shared_ptr<Stream> stream);
+  void fail(std::string reason, Cause cause);
+
+  template <typename Opening>
+  [[nodiscard]] std::shared_ptr<Opening> self_as() {
+    return std::static_pointer_cast<Opening>(shared_from_this());
+  }
+
+  boost::asio::io_context& io_;
+  PortListener& listener_;
+  bool over_ = false;
+
+ private:
+  std::shared_ptr<Stream> stream_;
+};
+
+class StreamPort : public Port {
+ public:
+  void open(PortListener& listener) final;
+  void write(ByteView bytes) final;
+  void expect(std::uint32_t characters) override;
+  void poll() final;
+  void close() final;
+  FileDescriptor lease() final;
+  void end_lease() final;
+
+ protected:
+  [[nodiscard]] virtual std::shared_ptr<PortOpening> make_opening(PortListener& listener) = 0;
+  [[nodiscard]] Stream* stream() const { return opening_ ? opening_->stream() : nullptr; }
+
+  std::shared_ptr<PortOpening> opening_;  // shared with the handlers under way
+};
+
+}  // namespace fieldcast
