@@ -1,7 +1,5 @@
 #include "bridge/store/authenticator.hpp"
 
-#include <pthread.h>
-
 #include <algorithm>
 #include <utility>
 
@@ -40,73 +38,60 @@ std::string to_text(const LoginRefused& refused) {
 }
 
 Authenticator::Authenticator(StoreAddress address, Audit& audit)
-    : address_(std::move(address)), audit_(audit), thread_([this] { run(); }) {}
+    : address_(std::move(address)),
+      audit_(audit),
+      worker_("logins", kMaxWaiting, [this](BoundedQueue<Waiting>& queue) { run(queue); }) {}
 
-Authenticator::~Authenticator() {
-  {
-    const std::lock_guard lock(mutex_);
-    ending_ = true;
-  }
-  work_.notify_one();
-  thread_.join();
-  std::unique_lock lock(mutex_);
-  turn_away(lock);
-}
+Authenticator::~Authenticator() { worker_.close(); }
 
 void Authenticator::authenticate(LoginAttempt attempt, std::function<void(LoginResult)> done) {
   Waiting waiting{std::move(attempt), std::move(done)};
-  LoginResult answer = refused(LoginRefused::Why::kBusy);
-  {
-    const std::lock_guard lock(mutex_);
-    const Duration wait = throttle_.wait(waiting.attempt.user, waiting.attempt.peer, steady_now());
-    if (!fault_of_user_name(waiting.attempt.user).empty() ||
-        waiting.attempt.password.size() > kMaxPasswordBytes) {
-      answer = refused(
-          LoginRefused::Why::kWrong);  // cannot be one of ours: costs nothing, and is not counted
-    } else if (wait > Duration{}) {
-      answer = refused(LoginRefused::Why::kTooSoon, wait);
-    } else if (waiting_.size() < kMaxWaiting && !ending_) {
-      waiting_.push_back(std::move(waiting));
-      work_.notify_one();
-      return;
-    }
-  }
-  finish(std::move(waiting), answer);
+  const LoginAttempt& given = waiting.attempt;
+  // Cannot be one of ours: costs nothing, and is not counted.
+  if (!fault_of_user_name(given.user).empty() || given.password.size() > kMaxPasswordBytes)
+    return finish(std::move(waiting), refused(LoginRefused::Why::kWrong));
+  if (const Duration wait = throttled(given); wait > Duration{})
+    return finish(std::move(waiting), refused(LoginRefused::Why::kTooSoon, wait));
+  if (!worker_.queue().try_put(waiting))
+    finish(std::move(waiting), refused(LoginRefused::Why::kBusy));
 }
 
-void Authenticator::run() {
-  pthread_setname_np(pthread_self(), "logins");
-  std::unique_lock lock(mutex_);
-  while (true) {
-    work_.wait(lock, [this] { return ending_ || !waiting_.empty(); });
-    if (ending_) return;
-    Waiting next = std::move(waiting_.front());
-    waiting_.pop_front();
-    const LoginAttempt& attempt = next.attempt;
-    // Attempts that were sent all at once wait here; those behind the third wrong one come too soon
-    // like all others.
-    const Duration wait = throttle_.wait(attempt.user, attempt.peer, steady_now());
-    lock.unlock();
-    const LoginResult result =
-        wait > Duration{} ? refused(LoginRefused::Why::kTooSoon, wait) : verdict(attempt);
-    lock.lock();
-    if (result) throttle_.succeeded(attempt.user, attempt.peer);
-    if (!result && result.error().why == LoginRefused::Why::kWrong)
-      throttle_.failed(attempt.user, attempt.peer, steady_now());
-    lock.unlock();
-    finish(std::move(next), result);
-    lock.lock();
-    // A store that does not answer costs its time once, not once for each who waits.
-    if (!result && result.error().why == LoginRefused::Why::kUnavailable) turn_away(lock);
+void Authenticator::run(BoundedQueue<Waiting>& queue) {
+  while (!queue.closed()) {
+    if (auto next = queue.take()) look_at(*std::move(next), queue);
   }
+  turn_away(queue);
 }
 
-void Authenticator::turn_away(std::unique_lock<std::mutex>& lock) {
-  auto left = std::exchange(waiting_, {});
-  lock.unlock();
-  for (Waiting& waiting : left)
+void Authenticator::look_at(Waiting next, BoundedQueue<Waiting>& queue) {
+  if (queue.closed()) return finish(std::move(next), refused(LoginRefused::Why::kUnavailable));
+  const LoginAttempt& attempt = next.attempt;
+  // Attempts that were sent all at once wait here; those behind the third wrong one come too soon
+  // like all others.
+  const Duration wait = throttled(attempt);
+  const LoginResult result =
+      wait > Duration{} ? refused(LoginRefused::Why::kTooSoon, wait) : verdict(attempt);
+  count(attempt, result);
+  finish(std::move(next), result);
+  // A store that does not answer costs its time once, not once for each who waits.
+  if (!result && result.error().why == LoginRefused::Why::kUnavailable) turn_away(queue);
+}
+
+Duration Authenticator::throttled(const LoginAttempt& attempt) {
+  const std::lock_guard lock(mutex_);
+  return throttle_.wait(attempt.user, attempt.peer, steady_now());
+}
+
+void Authenticator::count(const LoginAttempt& attempt, const LoginResult& result) {
+  const std::lock_guard lock(mutex_);
+  if (result) throttle_.succeeded(attempt.user, attempt.peer);
+  if (!result && result.error().why == LoginRefused::Why::kWrong)
+    throttle_.failed(attempt.user, attempt.peer, steady_now());
+}
+
+void Authenticator::turn_away(BoundedQueue<Waiting>& queue) {
+  for (Waiting& waiting : queue.take_present())
     finish(std::move(waiting), refused(LoginRefused::Why::kUnavailable));
-  lock.lock();
 }
 
 LoginResult Authenticator::verdict(const LoginAttempt& attempt) {

@@ -2,12 +2,10 @@
 // 0.1 s and 64 MiB to look at.
 #pragma once
 
-#include <condition_variable>
-#include <deque>
 #include <memory>
 #include <mutex>
-#include <thread>
 
+#include "bridge/base/worker.hpp"
 #include "bridge/store/audit.hpp"
 #include "bridge/store/sql.hpp"
 #include "bridge/store/users.hpp"
@@ -30,20 +28,20 @@ class Authenticator final : public Logins {
     LoginAttempt attempt;
     std::function<void(LoginResult)> done;
   };
-  void run();
+  void run(BoundedQueue<Waiting>& queue);
+  void look_at(Waiting next, BoundedQueue<Waiting>& queue);
+  [[nodiscard]] Duration throttled(const LoginAttempt& attempt);
+  void count(const LoginAttempt& attempt, const LoginResult& result);
   [[nodiscard]] LoginResult verdict(const LoginAttempt& attempt);
-  void turn_away(std::unique_lock<std::mutex>& lock);  // all who wait
+  void turn_away(BoundedQueue<Waiting>& queue);  // all who wait
   void finish(Waiting waiting, const LoginResult& result);
 
   const StoreAddress address_;
   Audit& audit_;
   std::unique_ptr<SqlConnection> connection_;  // on the thread; null: not open
-  std::mutex mutex_;
-  std::condition_variable work_;
-  std::deque<Waiting> waiting_;
+  std::mutex mutex_;                           // guards throttle_
   LoginThrottle throttle_;
-  bool ending_ = false;
-  std::thread thread_;  // last: it uses what is above
+  Worker<Waiting> worker_;  // last: it uses what is above
 };
 
 }  // namespace fieldcast

@@ -1,7 +1,5 @@
 #include "bridge/store/command_identities.hpp"
 
-#include <pthread.h>
-
 #include <utility>
 
 #include "bridge/bus/clock.hpp"
@@ -17,60 +15,42 @@ constexpr std::int64_t kRemoveAtOnce = 2000;                 // of the oldest ar
 }  // namespace
 
 CommandIdentities::CommandIdentities(const StoreAddress& address)
-    : address_(address), thread_([this] { run(); }) {}
+    : address_(address),
+      worker_("identities", kMaxWaiting, [this](BoundedQueue<Entry>& queue) { run(queue); }) {}
 
 CommandIdentities::~CommandIdentities() { close(); }
 
-void CommandIdentities::close() {
-  {
-    const std::lock_guard lock(mutex_);
-    ending_ = true;
-  }
-  work_.notify_one();
-  if (thread_.joinable()) thread_.join();
-}
+void CommandIdentities::close() { worker_.close(); }
 
 void CommandIdentities::enter(std::string requester, std::uint64_t request_id, Done done) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (!ending_ && waiting_.size() < kMaxWaiting) {
-      waiting_.push_back({std::move(requester), request_id, std::move(done)});
-      work_.notify_one();
-      return;
-    }
-  }
-  done(Verdict::kNotKept);
+  Entry entry{std::move(requester), request_id, std::move(done)};
+  if (!worker_.queue().try_put(entry)) entry.done(Verdict::kNotKept);
 }
 
-void CommandIdentities::run() {
-  pthread_setname_np(pthread_self(), "identities");
-  std::unique_lock lock(mutex_);
+void CommandIdentities::run(BoundedQueue<Entry>& queue) {
   while (true) {
-    work_.wait(lock, [this] { return ending_ || !waiting_.empty(); });
-    if (waiting_.empty()) return;
-    const std::deque<Entry> batch = std::exchange(waiting_, {});
-    lock.unlock();
-    const std::vector<Verdict> verdicts = keep(batch);
+    const std::deque<Entry> batch = queue.take_all();
+    if (batch.empty()) return;
+    const std::vector<Verdict> verdicts = keep(batch, queue);
     for (std::size_t i = 0; i < batch.size(); ++i) batch[i].done(verdicts[i]);
-    lock.lock();
   }
 }
 
 // Tries for a while, unless the end is near.
-std::vector<CommandIdentities::Verdict> CommandIdentities::keep(const std::deque<Entry>& batch) {
+std::vector<CommandIdentities::Verdict> CommandIdentities::keep(const std::deque<Entry>& batch,
+                                                                BoundedQueue<Entry>& queue) {
   const Instant until = steady_now() + kPatience;
   while (true) {
     try {
       return commit(batch);
     } catch (const StoreError& error) {
       connection_.reset();
-      std::unique_lock lock(mutex_);
-      if (ending_ || steady_now() >= until) {
+      if (queue.closed() || steady_now() >= until) {
         log_error("store", std::string("commands are refused, as the store does not keep them: ") +
                                error.what());
         return std::vector(batch.size(), Verdict::kNotKept);
       }
-      work_.wait_for(lock, kPause, [this] { return ending_; });
+      (void)queue.pause(kPause);
     }
   }
 }

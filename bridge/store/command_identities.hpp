@@ -5,16 +5,14 @@
 // while it commits is committed together.
 #pragma once
 
-#include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <string>
-#include <thread>
 #include <vector>
 
+#include "bridge/base/worker.hpp"
 #include "bridge/store/sql.hpp"
 #include "core/base/time.hpp"
 
@@ -55,20 +53,17 @@ class CommandIdentities {
     std::uint64_t request_id;
     Done done;
   };
-  void run();
+  void run(BoundedQueue<Entry>& queue);
   void open();
-  [[nodiscard]] std::vector<Verdict> keep(const std::deque<Entry>& batch);
+  [[nodiscard]] std::vector<Verdict> keep(const std::deque<Entry>& batch,
+                                          BoundedQueue<Entry>& queue);
   [[nodiscard]] std::vector<Verdict> commit(const std::deque<Entry>& batch);
   void remove_old();
 
   const StoreAddress address_;
   std::unique_ptr<SqlConnection> connection_;  // the thread's
   std::size_t since_removal_ = 0;              // the thread's: entries
-  std::mutex mutex_;
-  std::condition_variable work_;
-  std::deque<Entry> waiting_;
-  bool ending_ = false;
-  std::thread thread_;  // last: it uses what is above
+  Worker<Entry> worker_;                       // last: it uses what is above
 };
 
 }  // namespace fieldcast
