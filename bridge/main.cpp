@@ -1,9 +1,10 @@
 // fieldcast-bridge CONFIG [--check]: reads PLCs on buses, publishes their channels on DDS, carries
 // commands back.
-#include <CLI/CLI.hpp>
 #include <chrono>
+#include <cstdio>
 #include <exception>
 
+#include "bridge/base/command_line.hpp"
 #include "bridge/daemon.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/write_faults.hpp"
@@ -11,21 +12,21 @@
 namespace {
 
 fieldcast::ExitCode run(int argc, char** argv) {
-  CLI::App app{"Publishes the channels of PLCs on DDS and carries commands back."};
-  app.footer(
+  fieldcast::CommandLine line("fieldcast-bridge",
+                              "Publishes the channels of PLCs on DDS and carries commands back.");
+  line.set_footer(
       "Signals: SIGHUP reloads the file, SIGUSR1 switches the wire trace, SIGTERM and SIGINT stop "
       "in order.\n"
       "Exit codes: 0 in order, 1 a fault of the program, 2 command line, 3 faults in the "
       "configuration, 4 DDS cannot be joined, 5 a driver or a library hung during the stop.");
   fieldcast::DaemonOptions options;
   bool check = false;
-  app.add_option("CONFIG", options.configuration, "the configuration (YAML)")->required();
-  app.add_flag("--check", check, "only report the faults of the configuration");
-  app.add_flag("--trace", options.trace, "write every frame to stdout from the start");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? fieldcast::ExitCode::kOk : fieldcast::ExitCode::kUsage;
+  line.text("CONFIG", options.configuration, "the configuration (YAML)").required();
+  line.flag("--check", check, "only report the faults of the configuration");
+  line.flag("--trace", options.trace, "write every frame to stdout from the start");
+  if (const auto ended = line.parse(argc, argv)) {
+    std::fputs(ended->text.c_str(), ended->fault ? stderr : stdout);
+    return ended->fault ? fieldcast::ExitCode::kUsage : fieldcast::ExitCode::kOk;
   }
   return check ? fieldcast::check_configuration(options.configuration)
                : fieldcast::run_daemon(options);

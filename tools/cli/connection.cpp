@@ -4,6 +4,14 @@
 
 namespace fieldcast::cli {
 
+void add_connection(CommandLine& line, ConnectionOptions& options) {
+  line.text("--config", options.config, "Join the DDS domain of this configuration file")
+      .existing_file();
+  line.number("--domain", options.domain, 0, 232, "DDS domain (default 0)");
+  line.texts("--interface", options.interfaces,
+             "IPv4 address that DDS may use (default 127.0.0.1); may be repeated");
+}
+
 tl::expected<DdsSpec, std::string> resolve(const ConnectionOptions& options) {
   DdsSpec spec;
   if (!options.config.empty()) {

@@ -8,6 +8,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
+#include "bridge/base/command_line.hpp"
 #include "core/base/time.hpp"
 #include "core/model/spec.hpp"
 
@@ -23,6 +24,9 @@ struct ConnectionOptions {
   std::optional<std::uint32_t> domain;  // goes before the file's
   std::vector<std::string> interfaces;  // goes before the file's
 };
+
+// --config, --domain and --interface.
+void add_connection(CommandLine& line, ConnectionOptions& options);
 
 // The fault is for people: every fault of the file, one on each line.
 [[nodiscard]] tl::expected<DdsSpec, std::string> resolve(const ConnectionOptions& options);

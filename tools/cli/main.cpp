@@ -12,53 +12,6 @@
 namespace fieldcast::cli {
 namespace {
 
-// For what is printed once: better wrapped by the terminal than cut.
-Screen wide_screen() { return {0, 0, output_screen().colour}; }
-
-struct Run {
-  ExitCode operator()(const InspectOptions& options) const {
-    return inspect(options, std::cin, std::cout, std::cerr, wide_screen());
-  }
-  ExitCode operator()(const PlanOptions& options) const {
-    return plan(options, std::cout, std::cerr, wide_screen());
-  }
-  ExitCode operator()(const SimCheckOptions& options) const {
-    return sim_check(options, std::cout, std::cerr, wide_screen());
-  }
-  ExitCode operator()(const HistoryOptions& options) const {
-    return history(options, std::cout, std::cerr);
-  }
-  ExitCode operator()(const DevicesOptions& options) const {
-    return devices(options, std::cout, std::cerr);
-  }
-  ExitCode operator()(const AuditOptions& options) const {
-    return audit(options, std::cout, std::cerr);
-  }
-  ExitCode operator()(const UserOptions& options) const {
-    return user(options, std::cin, std::cout, std::cerr);
-  }
-  ExitCode operator()(const WatchOptions& options) const { return joined(options, watch); }
-  ExitCode operator()(const WriteOptions& options) const { return joined(options, write); }
-  ExitCode operator()(const AcquireOptions& options) const { return joined(options, acquire); }
-  ExitCode operator()(const SessionsOptions& options) const { return joined(options, sessions); }
-  ExitCode operator()(const StatusOptions& options) const { return joined(options, status); }
-  ExitCode operator()(const AlarmsOptions& options) const {
-    return options.span ? stored_alarms(options, std::cout, std::cerr) : joined(options, alarms);
-  }
-
- private:
-  template <typename Options, typename Command>
-  static ExitCode joined(const Options& options, Command command) {
-    Interrupt interrupt;  // before DDS starts its threads
-    const auto spec = resolve(options.connection);
-    if (!spec) {
-      std::cerr << spec.error() << '\n';
-      return ExitCode::kUsage;
-    }
-    return command(options, *spec, interrupt, std::cout, std::cerr);
-  }
-};
-
 // What was not written was not said, whatever the command came to. A reader that closes the pipe
 // has heard enough.
 ExitCode whole_output(ExitCode code) {
@@ -71,12 +24,13 @@ ExitCode whole_output(ExitCode code) {
 }
 
 int run(int argc, const char* const* argv) {
-  const auto arguments = parse_arguments(argc, argv);
+  auto arguments = parse_arguments(argc, argv);
   if (!arguments) {
     (arguments.error().code == ExitCode::kOk ? std::cout : std::cerr) << arguments.error().text;
     return to_int(arguments.error().code);
   }
-  return to_int(whole_output(std::visit(Run{}, *arguments)));
+  const Streams streams{std::cin, std::cout, std::cerr, output_screen().colour};
+  return to_int(whole_output((*arguments)->run(streams)));
 }
 
 }  // namespace

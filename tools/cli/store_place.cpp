@@ -4,6 +4,13 @@
 
 namespace fieldcast::cli {
 
+void add_store(CommandLine& line, StorePlace& place) {
+  line.text("--config", place.config, "Look into the store of this configuration file")
+      .existing_file();
+  line.text("--store", place.store,
+            "Look into this store: a file, or postgresql://USER@HOST/DATABASE");
+}
+
 tl::expected<StoreAddress, std::string> resolve(const StorePlace& place) {
   if (!place.store.empty()) return StoreAddress(place.store);
   if (place.config.empty())

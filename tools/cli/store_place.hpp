@@ -5,6 +5,7 @@
 #include <string>
 #include <tl/expected.hpp>
 
+#include "bridge/base/command_line.hpp"
 #include "bridge/store/sql.hpp"
 #include "core/base/time.hpp"
 
@@ -14,6 +15,9 @@ struct StorePlace {
   std::string config;  // its `store:` section
   std::string store;   // a file or a connection string; goes before the configuration's
 };
+
+// --config and --store.
+void add_store(CommandLine& line, StorePlace& place);
 
 // The fault is for people.
 [[nodiscard]] tl::expected<StoreAddress, std::string> resolve(const StorePlace& place);

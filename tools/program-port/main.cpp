@@ -1,10 +1,10 @@
 // fieldcast-port: links a virtual serial port to a PLC behind a bridge, for as long as it runs.
 #include <sys/stat.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>
 
+#include "bridge/base/command_line.hpp"
 #include "bridge/write_faults.hpp"
 #include "config/port.hpp"
 #include "core/base/duration_text.hpp"
@@ -34,40 +34,36 @@ struct Arguments {
   bool tls = false, markers = false, json = false;
 };
 
-void describe(CLI::App& app, Arguments& given) {
-  app.description(
-      "Makes a virtual serial port at PATH that leads to a PLC behind a bridge: programming "
-      "software opens it as a COM port.");
-  app.footer(
+void describe(CommandLine& line, Arguments& given) {
+  line.set_footer(
       "Ends with Ctrl-C, or when the device or the bridge is gone; the port goes with it.\n"
       "Exit codes: 0 stopped, 1 trouble, 2 command line, 3 refused, 4 no virtual port, 5 bridge "
       "unreachable or gone, 6 device "
       "lost.");
-  app.add_option("--server", given.server, "HOST:PORT where the bridge listens for engineers")
-      ->required();
-  app.add_option("--device", given.device, "number of the device")->required();
-  app.add_option(
-         "--link", given.link,
-         "where the virtual port appears, such as /tmp/plc; never over a file that is not ours")
-      ->required();
-  app.add_option("--line", given.line,
-                 "data bits, parity and stop bits of the PLC's line, such as 7E2, where it is a "
-                 "serial line of the bridge: a virtual "
-                 "port tells the baud rate that the software sets, but not these; default: as the "
-                 "bridge's configuration has them");
-  app.add_option("--user", given.user, "a user of the bridge with the role programmer");
-  app.add_option("--password-file", given.password_file,
-                 "its first line is the password; readable by you alone (chmod 600)");
-  app.add_flag("--tls", given.tls, "the bridge speaks TLS, as it must off the loopback");
-  app.add_option("--ca", given.authorities,
-                 "PEM file with who signs the bridge's certificate; default: the system's");
-  app.add_flag(
+  line.text("--server", given.server, "HOST:PORT where the bridge listens for engineers")
+      .required();
+  line.text("--device", given.device, "number of the device").required();
+  line.text("--link", given.link,
+            "where the virtual port appears, such as /tmp/plc; never over a file that is not ours")
+      .required();
+  line.text("--line", given.line,
+            "data bits, parity and stop bits of the PLC's line, such as 7E2, where it is a "
+            "serial line of the bridge: a virtual "
+            "port tells the baud rate that the software sets, but not these; default: as the "
+            "bridge's configuration has them");
+  line.text("--user", given.user, "a user of the bridge with the role programmer");
+  line.text("--password-file", given.password_file,
+            "its first line is the password; readable by you alone (chmod 600)");
+  line.flag("--tls", given.tls, "the bridge speaks TLS, as it must off the loopback");
+  line.text("--ca", given.authorities,
+            "PEM file with who signs the bridge's certificate; default: the system's");
+  line.flag(
       "--markers", given.markers,
       "marker frames: instructions that end in CR, as older bridges know them; default: any bytes");
-  app.add_option("--heartbeat", given.heartbeat,
-                 "time between heartbeats; a bridge that is silent for 3.5 of them is gone")
-      ->capture_default_str();
-  app.add_flag("--json", given.json, "say everything as JSON lines");
+  line.text("--heartbeat", given.heartbeat,
+            "time between heartbeats; a bridge that is silent for 3.5 of them is gone")
+      .show_default();
+  line.flag("--json", given.json, "say everything as JSON lines");
 }
 
 int fail(ExitCode code, const std::string& text) {
@@ -154,11 +150,14 @@ int run(const Arguments& given) {
 int main(int argc, char** argv) {
   make_writes_fail_not_kill();
   Arguments given;
-  CLI::App app;
-  describe(app, given);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) { return app.exit(error) == 0 ? kStopped : kUsage; }
+  CommandLine line("fieldcast-port",
+                   "Makes a virtual serial port at PATH that leads to a PLC behind a bridge: "
+                   "programming software opens it as a COM port.");
+  describe(line, given);
+  if (const auto ended = line.parse(argc, argv)) {
+    std::fputs(ended->text.c_str(), ended->fault ? stderr : stdout);
+    return ended->fault ? kUsage : kStopped;
+  }
   try {
     return run(given);
   } catch (const std::exception& error) { return fail(kTrouble, error.what()); }

@@ -1,11 +1,11 @@
 // fieldcast-sim: the plant of a configuration file, simulated where the bridge looks for it.
 #include <sched.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "bridge/base/command_line.hpp"
 #include "bridge/write_faults.hpp"
 #include "config/loader.hpp"
 #include "core/base/duration_text.hpp"
@@ -25,26 +25,23 @@ struct Arguments {
   bool quiet = false, json = false, spin = false, realtime = false;
 };
 
-void describe(CLI::App& app, Arguments& given) {
-  app.description(
-      "Simulates the plant of a configuration: a pseudo-terminal at each serial path, a listener "
-      "for each TCP bus.");
-  app.footer(
+void describe(CommandLine& line, Arguments& given) {
+  line.set_footer(
       "Ends with SIGINT or SIGTERM and removes its links. SIGUSR1 writes the report. The faults "
       "file: tools/sim/README.md.");
-  app.add_option("CONFIG", given.config, "configuration of the bridge")->required();
-  app.add_option("--faults", given.faults, "what goes wrong in the plant (YAML)");
-  app.add_option("--seed", given.seed, "of waveforms and faults; the same seed is the same plant")
-      ->capture_default_str();
-  app.add_option("--seconds,--for", given.time, "end by itself after this time (20, 500ms, 2min)");
-  app.add_option("--report", given.report,
-                 "write counters of every device to this file at the end, as JSON");
-  app.add_flag("--spin", given.spin,
-               "busy-wait the last 100 us before each instant: exact to a few us, costs a core");
-  app.add_flag("--realtime", given.realtime,
-               "run before everything else on this machine (SCHED_RR; needs the right to)");
-  app.add_flag("--quiet", given.quiet, "say nothing but errors");
-  app.add_flag("--json", given.json, "say where the buses are as JSON lines");
+  line.text("CONFIG", given.config, "configuration of the bridge").required();
+  line.text("--faults", given.faults, "what goes wrong in the plant (YAML)");
+  line.number("--seed", given.seed, "of waveforms and faults; the same seed is the same plant")
+      .show_default();
+  line.text("--seconds,--for", given.time, "end by itself after this time (20, 500ms, 2min)");
+  line.text("--report", given.report,
+            "write counters of every device to this file at the end, as JSON");
+  line.flag("--spin", given.spin,
+            "busy-wait the last 100 us before each instant: exact to a few us, costs a core");
+  line.flag("--realtime", given.realtime,
+            "run before everything else on this machine (SCHED_RR; needs the right to)");
+  line.flag("--quiet", given.quiet, "say nothing but errors");
+  line.flag("--json", given.json, "say where the buses are as JSON lines");
 }
 
 void say(const Arguments& given, const std::vector<std::unique_ptr<sim::SimBus>>& buses,
@@ -122,10 +119,13 @@ int simulate(const Arguments& given) {
 int main(int argc, char** argv) {
   make_writes_fail_not_kill();
   Arguments given;
-  CLI::App app;
-  describe(app, given);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) { return app.exit(error) == 0 ? kFine : kBadArguments; }
+  CommandLine line("fieldcast-sim",
+                   "Simulates the plant of a configuration: a pseudo-terminal at each serial path, "
+                   "a listener for each TCP bus.");
+  describe(line, given);
+  if (const auto ended = line.parse(argc, argv)) {
+    std::fputs(ended->text.c_str(), ended->fault ? stderr : stdout);
+    return ended->fault ? kBadArguments : kFine;
+  }
   return simulate(given);
 }

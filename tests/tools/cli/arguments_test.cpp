@@ -5,21 +5,38 @@
 
 #include <vector>
 
+#include "tools/cli/command/acquire.hpp"
+#include "tools/cli/command/alarms.hpp"
+#include "tools/cli/command/history.hpp"
+#include "tools/cli/command/plan.hpp"
+#include "tools/cli/command/records.hpp"
+#include "tools/cli/command/status.hpp"
+#include "tools/cli/command/user.hpp"
+#include "tools/cli/command/watch.hpp"
+#include "tools/cli/command/write.hpp"
+
 namespace fieldcast::cli {
 namespace {
 
 using namespace std::chrono_literals;
 using testing::HasSubstr;
 
-tl::expected<Arguments, NoCommand> parse(std::vector<const char*> words) {
+using Parsed = tl::expected<std::unique_ptr<Command>, NoCommand>;
+
+Parsed parse(std::vector<const char*> words) {
   words.insert(words.begin(), "fieldcast");
   return parse_arguments(static_cast<int>(words.size()), words.data());
+}
+
+template <typename Options>
+const Options& options_of(const Parsed& parsed) {
+  return dynamic_cast<const CommandWith<Options>&>(*parsed.value()).options();
 }
 
 TEST(Arguments, WatchTakesPatternAndTimes) {
   const auto parsed = parse({"watch", "press-shop/press-1", "--json", "--once", "--for", "500ms",
                              "--refresh", "1s", "--domain", "7"});
-  const auto& watch = std::get<WatchOptions>(parsed.value());
+  const auto& watch = options_of<WatchOptions>(parsed);
   EXPECT_EQ(watch.pattern.text(), "press-shop/press-1/*");
   EXPECT_TRUE(watch.json);
   EXPECT_TRUE(watch.once);
@@ -30,18 +47,17 @@ TEST(Arguments, WatchTakesPatternAndTimes) {
 
 TEST(Arguments, WriteTakesAssignmentsAndNegativeValues) {
   const auto assignments = parse({"write", "a/b/c=-1", "a/b/d=x y", "--verify"});
-  EXPECT_THAT(std::get<WriteOptions>(assignments.value()).words,
+  EXPECT_THAT(options_of<WriteOptions>(assignments).words,
               testing::ElementsAre("a/b/c=-1", "a/b/d=x y"));
   const auto address = parse({"write", "a/b", "--at", "holding:100", "--type", "int16", "-5", "7"});
-  EXPECT_THAT(std::get<WriteOptions>(address.value()).words,
-              testing::ElementsAre("a/b", "-5", "7"));
-  EXPECT_EQ(std::get<WriteOptions>(address.value()).at, "holding:100");
+  EXPECT_THAT(options_of<WriteOptions>(address).words, testing::ElementsAre("a/b", "-5", "7"));
+  EXPECT_EQ(options_of<WriteOptions>(address).at, "holding:100");
 }
 
 TEST(Arguments, AcquireTakesAnAddressWithCountAndType) {
   const auto parsed = parse({"acquire", "a/b", "--at", "holding:100", "--count", "4", "--type",
                              "float32", "--timeout", "2"});
-  const auto& acquire = std::get<AcquireOptions>(parsed.value());
+  const auto& acquire = options_of<AcquireOptions>(parsed);
   EXPECT_EQ(acquire.count, 4u);
   EXPECT_EQ(acquire.type, "float32");
   EXPECT_EQ(acquire.timeout, Duration{2s});
@@ -50,7 +66,7 @@ TEST(Arguments, AcquireTakesAnAddressWithCountAndType) {
 TEST(Arguments, HistoryTakesAPatternAndATime) {
   const auto parsed = parse({"history", "a/b", "--from", "2026-11-21", "--to", "2026-11-22T10:00",
                              "--csv", "--store", "x.db"});
-  const auto& history = std::get<HistoryOptions>(parsed.value());
+  const auto& history = options_of<HistoryOptions>(parsed);
   EXPECT_EQ(history.pattern.text(), "a/b/*");
   EXPECT_EQ(history.span.to.nanoseconds - history.span.from.nanoseconds, Duration(34h).count());
   EXPECT_TRUE(history.csv);
@@ -59,10 +75,10 @@ TEST(Arguments, HistoryTakesAPatternAndATime) {
 
 TEST(Arguments, TimesDefaultToTheLastHour) {
   const auto parsed = parse({"audit"});
-  const auto& audit = std::get<AuditOptions>(parsed.value());
+  const auto& audit = options_of<AuditOptions>(parsed);
   EXPECT_EQ(audit.span.to.nanoseconds - audit.span.from.nanoseconds, Duration(1h).count());
-  EXPECT_FALSE(std::get<AlarmsOptions>(parse({"alarms"}).value()).span) << "now, from the bridges";
-  EXPECT_TRUE(std::get<AlarmsOptions>(parse({"alarms", "--from", "2h"}).value()).span);
+  EXPECT_FALSE(options_of<AlarmsOptions>(parse({"alarms"})).span) << "now, from the bridges";
+  EXPECT_TRUE(options_of<AlarmsOptions>(parse({"alarms", "--from", "2h"})).span);
 }
 
 TEST(Arguments, ATimeThatIsNoneOrEndsBeforeItBeginsIsRefused) {
@@ -77,12 +93,12 @@ TEST(Arguments, ATimeThatIsNoneOrEndsBeforeItBeginsIsRefused) {
 TEST(Arguments, UsersAreAddedWithARoleAndNeverWithAPassword) {
   const auto added = parse(
       {"user", "add", "ann", "--role", "programmer", "--password-file", "-", "--store", "x.db"});
-  const auto& user = std::get<UserOptions>(added.value());
+  const auto& user = options_of<UserOptions>(added);
   EXPECT_EQ(user.action, UserOptions::Action::kAdd);
   EXPECT_EQ(user.name, "ann");
   EXPECT_EQ(user.role, Role::kProgrammer);
-  EXPECT_EQ(std::get<UserOptions>(parse({"user", "add", "bob"}).value()).role, Role::kViewer);
-  EXPECT_EQ(std::get<UserOptions>(parse({"user", "remove", "ann"}).value()).action,
+  EXPECT_EQ(options_of<UserOptions>(parse({"user", "add", "bob"})).role, Role::kViewer);
+  EXPECT_EQ(options_of<UserOptions>(parse({"user", "remove", "ann"})).action,
             UserOptions::Action::kRemove);
   EXPECT_EQ(parse({"user", "add", "eve", "--password", "x"}).error().code, ExitCode::kUsage);
   EXPECT_THAT(parse({"user", "add", "eve", "--role", "root"}).error().text,
@@ -92,20 +108,20 @@ TEST(Arguments, UsersAreAddedWithARoleAndNeverWithAPassword) {
 
 TEST(Arguments, InterfacesMayBeRepeated) {
   const auto parsed = parse({"status", "--interface", "127.0.0.1", "--interface", "10.0.0.2"});
-  EXPECT_THAT(std::get<StatusOptions>(parsed.value()).connection.interfaces,
+  EXPECT_THAT(options_of<StatusOptions>(parsed).connection.interfaces,
               testing::ElementsAre("127.0.0.1", "10.0.0.2"));
 }
 
 TEST(Arguments, DurationsAreOfOneGrammarAndANumberAloneIsSeconds) {
   const auto plan = [](const char* answer, const char* simulate) {
-    return std::get<PlanOptions>(
-        parse({"plan", "/dev/null", "--answer", answer, "--simulate", simulate}).value());
+    return options_of<PlanOptions>(
+        parse({"plan", "/dev/null", "--answer", answer, "--simulate", simulate}));
   };
   EXPECT_EQ(plan("0s", "30m").answer_time, Duration{});
   EXPECT_EQ(plan("0s", "30m").simulate, Duration{30min});
   EXPECT_EQ(plan("500us", "1h").answer_time, Duration{500us});
   EXPECT_EQ(plan("500us", "1d").simulate, Duration{24h});
-  EXPECT_EQ(std::get<WatchOptions>(parse({"watch", "--for", "20"}).value()).time, Duration{20s});
+  EXPECT_EQ(options_of<WatchOptions>(parse({"watch", "--for", "20"})).time, Duration{20s});
   EXPECT_THAT(parse({"watch", "--for", "0s"}).error().text,
               HasSubstr("--for: '0s' is too short; allowed: 1us to 365d"));
   EXPECT_THAT(parse({"watch", "--for", "5 sec"}).error().text,

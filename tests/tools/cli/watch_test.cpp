@@ -54,19 +54,19 @@ TEST(WatchModel, AwaitsChannelsThatPromiseSamplesOnly) {
 
 TEST(WatchModel, AWishThatChangesNothingIsRemarked) {
   WatchModel model(Pattern::parse("bus/d").value());
-  EXPECT_THAT(model.wish_remark(200ms).value_or(""),
+  EXPECT_THAT(model.interest_remark(200ms).value_or(""),
               HasSubstr("the interest in bus/d/* meets nothing"));
   model.on_channel(channel("d", "granted", 200ms));
   model.on_channel(channel("d", "faster than wished", 100ms));
   model.on_channel(channel("other", "not ours", 1s));
-  EXPECT_FALSE(model.wish_remark(200ms));
+  EXPECT_FALSE(model.interest_remark(200ms));
   model.on_channel(channel("d", "read anyway", 1s));
-  EXPECT_EQ(model.wish_remark(200ms),
+  EXPECT_EQ(model.interest_remark(200ms),
             "the interest in bus/d/* every 200ms changes nothing for 1 of 3 channels: 1 are read "
             "anyway, less often (acquire: always)");
   model.on_channel(channel("d", "on demand", 0s));
-  EXPECT_THAT(model.wish_remark(200ms).value_or(""), HasSubstr("for 2 of 4 channels"));
-  EXPECT_THAT(model.wish_remark(200ms).value_or(""), HasSubstr("1 are not read by themselves"));
+  EXPECT_THAT(model.interest_remark(200ms).value_or(""), HasSubstr("for 2 of 4 channels"));
+  EXPECT_THAT(model.interest_remark(200ms).value_or(""), HasSubstr("1 are not read by themselves"));
 }
 
 TEST(WatchModel, ChannelThatIsGoneIsNoLongerGoodUntilItIsBack) {

@@ -2,7 +2,10 @@
 
 #include <ostream>
 
+#include "core/model/command.hpp"
+#include "tools/cli/command/command.hpp"
 #include "tools/cli/command/command_run.hpp"
+#include "tools/cli/command/in_domain.hpp"
 #include "tools/cli/view/command_text.hpp"
 
 namespace fieldcast::cli {
@@ -61,8 +64,8 @@ ExitCode acquire(const AcquireOptions& options, const DdsSpec& spec, Interrupt& 
   if (!options.at.empty() && !wanted->channel.empty())
     return usage(err, "with --at name BUS/DEVICE only");
 
-  Session session(spec, interrupt);
-  CommandRun run(session, spec, {options.json, options.timeout}, out, err);
+  DomainView domain(spec, interrupt);
+  CommandRun run(domain, spec, {options.json, options.timeout}, out, err);
   const bool raw = !options.at.empty();
   if (!run.learn({*wanted}, raw ? CommandRun::Wanted::kDevice : CommandRun::Wanted::kChannels))
     return run.why_not();
@@ -76,6 +79,43 @@ ExitCode acquire(const AcquireOptions& options, const DdsSpec& spec, Interrupt& 
   errands.push_back(errand_of(*wanted, AddressTarget{options.at, *encoding}, options.at, type, {}));
   errands.front().command.command.count = options.count;
   return run.execute(std::move(errands));
+}
+
+namespace {
+
+class AcquireCommand final : public CommandWith<AcquireOptions> {
+ public:
+  void describe(CommandLine& line) override {
+    line.text("TARGET", options_.target, "BUS/DEVICE or BUS/DEVICE/CHANNEL").required();
+    line.text("--at", options_.at,
+              "Read an address of the device, in the PLC's own notation (holding:100)");
+    line.number("--count", options_.count, 1, kMaxRawValues,
+                "How many values of the type, one behind the other; of a bit the bits from there "
+                "on (1)")
+        .needs("--at");
+    line.text("--type", options_.type,
+              "Type of the values at the address: uint16, float32, string(8), .. (what the address "
+              "implies, bool for a coil, or uint16)")
+        .needs("--at");
+    line.text("--byte", options_.byte, "With an 8-bit type: low or high byte of a register")
+        .needs("--at");
+    line.duration("--timeout", options_.timeout, CommandLine::kShortest,
+                  "The command is not started later than this (5s)");
+    line.flag("--json", options_.json, "JSON lines");
+    add_connection(line, options_.connection);
+  }
+  ExitCode run(const Streams& streams) override {
+    return in_domain(options_.connection, streams, [&](const DdsSpec& spec, Interrupt& interrupt) {
+      return acquire(options_, spec, interrupt, streams.out, streams.err);
+    });
+  }
+};
+
+}  // namespace
+
+CommandEntry acquire_command();
+CommandEntry acquire_command() {
+  return {"acquire", "Read from a device now", make_command<AcquireCommand>};
 }
 
 }  // namespace fieldcast::cli

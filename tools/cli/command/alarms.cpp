@@ -5,8 +5,11 @@
 
 #include "bridge/store/event_table.hpp"
 #include "tools/cli/clock.hpp"
+#include "tools/cli/command/command.hpp"
+#include "tools/cli/command/in_domain.hpp"
+#include "tools/cli/command/span_option.hpp"
 #include "tools/cli/console.hpp"
-#include "tools/cli/session.hpp"
+#include "tools/cli/domain_view.hpp"
 #include "tools/cli/view/record_view.hpp"
 
 namespace fieldcast::cli {
@@ -31,18 +34,18 @@ AlarmRecord record_of(const StationAlarm& alarm) {
 
 ExitCode alarms(const AlarmsOptions& options, const DdsSpec& spec, Interrupt& interrupt,
                 std::ostream& out, std::ostream& err) {
-  Session session(spec, interrupt);
-  session.hear_alarms();
-  session.hear_status();  // where no alarm is, a bus still reports
+  DomainView domain(spec, interrupt);
+  domain.subscribe_alarms();
+  domain.subscribe_status();  // where no alarm is, a bus still reports
   std::map<Key, StationAlarm> known;
   bool bridge = false;
   const auto began = instant_now();
   const auto end = began + kBridgeWait;
   auto last_news = began;
-  for (auto now = began; now < end && !session.inbox().closed(); now = instant_now()) {
+  for (auto now = began; now < end && !domain.inbox().closed(); now = instant_now()) {
     if (bridge && now - last_news >= kQuietTime) break;
     for (const auto& event :
-         session.inbox().take(to_steady(bridge ? std::min(end, last_news + kQuietTime) : end))) {
+         domain.inbox().take_all(to_steady(bridge ? std::min(end, last_news + kQuietTime) : end))) {
       if (std::holds_alternative<StationBusStatus>(event) && !std::exchange(bridge, true))
         last_news = instant_now();
       if (const auto* gone = std::get_if<AlarmGone>(&event)) known.erase(key_of(gone->last));
@@ -51,7 +54,7 @@ ExitCode alarms(const AlarmsOptions& options, const DdsSpec& spec, Interrupt& in
       }
     }
   }
-  if (session.interrupted()) return ExitCode::kInterrupted;
+  if (domain.interrupted()) return ExitCode::kInterrupted;
   if (!bridge) {
     err << "fieldcast alarms: " << no_bridge_text(spec) << '\n';
     return ExitCode::kNoBridge;
@@ -89,6 +92,41 @@ ExitCode stored_alarms(const AlarmsOptions& options, std::ostream& out, std::ost
   if (count > 0) return ExitCode::kOk;
   err << "no alarm was raised or cleared in that time\n";
   return ExitCode::kNothing;
+}
+
+namespace {
+
+class AlarmsCommand final : public CommandWith<AlarmsOptions> {
+ public:
+  void describe(CommandLine& line) override {
+    span_.describe(line);
+    line.when_given([this] { return finish(); });
+    line.flag("--json", options_.json, "JSON lines, of those that are clear again too");
+    line.text("--store", options_.place.store, "With --from: look into this store");
+    add_connection(line, options_.connection);
+  }
+  ExitCode run(const Streams& streams) override {
+    if (options_.span) return stored_alarms(options_, streams.out, streams.err);
+    return in_domain(options_.connection, streams, [&](const DdsSpec& spec, Interrupt& interrupt) {
+      return alarms(options_, spec, interrupt, streams.out, streams.err);
+    });
+  }
+
+ private:
+  std::optional<CommandLine::Fault> finish() {
+    options_.place.config = options_.connection.config;
+    return span_.given() ? span_.read(options_.span.emplace()) : std::nullopt;
+  }
+
+  SpanOption span_;
+};
+
+}  // namespace
+
+CommandEntry alarms_command();
+CommandEntry alarms_command() {
+  return {"alarms", "Show the limits that are passed now; with --from, what the store knows",
+          make_command<AlarmsCommand>};
 }
 
 }  // namespace fieldcast::cli

@@ -17,12 +17,12 @@ struct Waiting {
 
 }  // namespace
 
-CommandRun::CommandRun(Session& session, const DdsSpec& spec, Options options, std::ostream& out,
+CommandRun::CommandRun(DomainView& domain, const DdsSpec& spec, Options options, std::ostream& out,
                        std::ostream& err)
-    : session_(session), spec_(spec), options_(options), out_(out), err_(err) {
-  session_.hear_results();
-  session_.hear_channels();
-  session_.hear_status();
+    : domain_(domain), spec_(spec), options_(options), out_(out), err_(err) {
+  domain_.subscribe_results();
+  domain_.subscribe_channels();
+  domain_.subscribe_status();
 }
 
 Errand unknown_bus(ChannelPath path, const std::string& at, bool write,
@@ -39,24 +39,24 @@ bool CommandRun::learn(const std::vector<ChannelPath>& paths, Wanted wanted) {
   };
   const auto began = instant_now();
   auto last_news = began;
-  while (!session_.inbox().closed()) {
+  while (!domain_.inbox().closed()) {
     if (std::all_of(paths.begin(), paths.end(), known)) return true;
     const auto now = instant_now();
     if (!catalogue_.empty() && now - last_news >= kQuietTime) return true;
     if (now - began >= kBridgeWait) break;
     const auto until = catalogue_.empty() ? began + kBridgeWait
                                           : std::min(began + kBridgeWait, last_news + kQuietTime);
-    for (const auto& event : session_.inbox().take(to_steady(until))) {
+    for (const auto& event : domain_.inbox().take_all(to_steady(until))) {
       if (note(event)) last_news = instant_now();
     }
   }
-  if (!catalogue_.empty() && !session_.interrupted()) return true;
-  err_ << "fieldcast: " << (session_.interrupted() ? "interrupted" : no_bridge_text(spec_)) << '\n';
+  if (!catalogue_.empty() && !domain_.interrupted()) return true;
+  err_ << "fieldcast: " << (domain_.interrupted() ? "interrupted" : no_bridge_text(spec_)) << '\n';
   return false;
 }
 
 // True for something new.
-bool CommandRun::note(const SessionEvent& event) {
+bool CommandRun::note(const DomainEvent& event) {
   if (const auto* channel = std::get_if<StationChannel>(&event)) {
     catalogue_.add(*channel);
     return true;
@@ -67,7 +67,7 @@ bool CommandRun::note(const SessionEvent& event) {
 }
 
 ExitCode CommandRun::why_not() const {
-  return session_.interrupted() ? ExitCode::kInterrupted : ExitCode::kNoBridge;
+  return domain_.interrupted() ? ExitCode::kInterrupted : ExitCode::kNoBridge;
 }
 
 bool CommandRun::send(Errand& errand) {
@@ -75,8 +75,8 @@ bool CommandRun::send(Errand& errand) {
   // In short turns, so that Ctrl-C is not kept waiting for a bridge that does not take commands.
   constexpr Duration kTurn = std::chrono::milliseconds{100};
   auto& outcome = errand.outcome;
-  for (const auto until = instant_now() + kBridgeWait; !session_.interrupted();) {
-    const auto sent = session_.station().send(errand.command, kTurn);
+  for (const auto until = instant_now() + kBridgeWait; !domain_.interrupted();) {
+    const auto sent = domain_.station().send(errand.command, kTurn);
     if (sent) {
       outcome.result.request_id = *sent;
       return true;
@@ -118,7 +118,7 @@ ExitCode CommandRun::execute(std::vector<Errand> errands) {
     const auto soonest = std::min_element(
         waiting.begin(), waiting.end(),
         [](const auto& a, const auto& b) { return a.second.until < b.second.until; });
-    for (const auto& event : session_.inbox().take(to_steady(soonest->second.until))) {
+    for (const auto& event : domain_.inbox().take_all(to_steady(soonest->second.until))) {
       const auto* result = std::get_if<StationResult>(&event);
       const auto found = result == nullptr ? waiting.end() : waiting.find(result->request_id);
       if (found == waiting.end()) continue;
@@ -127,13 +127,13 @@ ExitCode CommandRun::execute(std::vector<Errand> errands) {
       waiting.erase(found);
     }
     for (auto entry = waiting.begin(); entry != waiting.end();) {
-      if (entry->second.until > instant_now() && !session_.interrupted()) {
+      if (entry->second.until > instant_now() && !domain_.interrupted()) {
         ++entry;
         continue;
       }
       auto& outcome = errands[entry->second.errand].outcome;
       outcome.state = Outcome::State::kNoResult;
-      outcome.result.reason = session_.interrupted()
+      outcome.result.reason = domain_.interrupted()
                                   ? "interrupted; whether it was executed is not known"
                                   : "no result within " + to_text(options_.timeout + kResultGrace) +
                                         "; whether it was executed is not known";
@@ -142,7 +142,7 @@ ExitCode CommandRun::execute(std::vector<Errand> errands) {
     }
   }
   out_.flush();
-  return session_.interrupted() ? ExitCode::kInterrupted : worst;
+  return domain_.interrupted() ? ExitCode::kInterrupted : worst;
 }
 
 void CommandRun::print(const Outcome& outcome) {

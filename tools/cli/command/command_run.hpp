@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "tools/cli/connection.hpp"
+#include "tools/cli/domain_view.hpp"
 #include "tools/cli/exit_code.hpp"
 #include "tools/cli/model/catalogue.hpp"
-#include "tools/cli/session.hpp"
 #include "tools/cli/view/command_text.hpp"
 
 namespace fieldcast::cli {
@@ -33,8 +33,8 @@ class CommandRun {
     Duration timeout =
         std::chrono::seconds{5};  // the command's lifespan; its result may take kResultGrace longer
   };
-  // REQUIRES: the session lives longer.
-  CommandRun(Session& session, const DdsSpec& spec, Options options, std::ostream& out,
+  // REQUIRES: the domain view lives longer.
+  CommandRun(DomainView& domain, const DdsSpec& spec, Options options, std::ostream& out,
              std::ostream& err);
 
   // Reads the catalogue until it holds every path, or until nothing new comes: of a path without a
@@ -57,10 +57,10 @@ class CommandRun {
   static constexpr Duration kResultGrace = std::chrono::seconds{2};
 
   [[nodiscard]] bool send(Errand& errand);
-  bool note(const SessionEvent& event);
+  bool note(const DomainEvent& event);
   void print(const Outcome& outcome);
 
-  Session& session_;
+  DomainView& domain_;
   const DdsSpec& spec_;
   Options options_;
   std::ostream& out_;

@@ -3,6 +3,9 @@
 #include <ostream>
 
 #include "bridge/store/sample_table.hpp"
+#include "tools/cli/command/command.hpp"
+#include "tools/cli/command/pattern_option.hpp"
+#include "tools/cli/command/span_option.hpp"
 #include "tools/cli/view/record_view.hpp"
 
 namespace fieldcast::cli {
@@ -34,6 +37,34 @@ ExitCode history(const HistoryOptions& options, std::ostream& out, std::ostream&
                               " in that time; --from and --to choose another")
       << '\n';
   return ExitCode::kNothing;
+}
+
+namespace {
+
+class HistoryCommand final : public CommandWith<HistoryOptions> {
+ public:
+  void describe(CommandLine& line) override {
+    line.value("CHANNEL", pattern_into(options_.pattern), kPatternHelp).required();
+    span_.describe(line);
+    line.when_given([this] { return span_.read(options_.span); });
+    line.flag("--csv", options_.csv, "Comma-separated values with a head line");
+    line.flag("--json", options_.json, "JSON lines").excludes("--csv");
+    add_store(line, options_.place);
+  }
+  ExitCode run(const Streams& streams) override {
+    return history(options_, streams.out, streams.err);
+  }
+
+ private:
+  SpanOption span_;
+};
+
+}  // namespace
+
+CommandEntry history_command();
+CommandEntry history_command() {
+  return {"history", "Show the stored samples of channels; needs no bridge",
+          make_command<HistoryCommand>};
 }
 
 }  // namespace fieldcast::cli

@@ -4,6 +4,7 @@
 #include <ostream>
 
 #include "core/base/bytes.hpp"
+#include "tools/cli/command/command.hpp"
 #include "tools/cli/model/named_protocol.hpp"
 #include "tools/cli/view/inspect_view.hpp"
 #include "tools/cli/view/json.hpp"
@@ -48,6 +49,27 @@ ExitCode inspect(const InspectOptions& options, std::istream& in, std::ostream& 
     for (const auto& line : inspect_lines(name, *frame, fields, screen)) out << line << '\n';
   }
   return count_faults(fields) == 0 ? ExitCode::kOk : ExitCode::kFound;
+}
+
+namespace {
+
+class InspectCommand final : public CommandWith<InspectOptions> {
+ public:
+  void describe(CommandLine& line) override {
+    line.text("PROTOCOL", options_.protocol, kProtocolHelp).required();
+    line.texts("HEX", options_.hex, "The frame's bytes; from standard input when there are none");
+    line.flag("--json", options_.json, "One JSON object");
+  }
+  ExitCode run(const Streams& streams) override {
+    return inspect(options_, streams.in, streams.out, streams.err, streams.wide_screen());
+  }
+};
+
+}  // namespace
+
+CommandEntry inspect_command();
+CommandEntry inspect_command() {
+  return {"inspect", "Explain a frame; needs no bridge", make_command<InspectCommand>};
 }
 
 }  // namespace fieldcast::cli

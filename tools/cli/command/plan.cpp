@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "config/loader.hpp"
+#include "tools/cli/command/command.hpp"
 #include "tools/cli/model/bus_plan.hpp"
 #include "tools/cli/model/bus_simulation.hpp"
 #include "tools/cli/view/plan_view.hpp"
@@ -82,6 +83,38 @@ ExitCode plan(const PlanOptions& options, std::ostream& out, std::ostream& err,
   }
   out.flush();
   return verdict;
+}
+
+namespace {
+
+class PlanCommand final : public CommandWith<PlanOptions> {
+ public:
+  void describe(CommandLine& line) override {
+    line.text("CONFIG", options_.config, "The configuration file").required().existing_file();
+    line.duration("--answer", options_.answer_time, Duration{},
+                  "How long each device is taken to think before it answers (5ms)");
+    line.duration(
+        "--simulate", options_.simulate, CommandLine::kShortest,
+        "Run the whole engine in virtual time for so long (1h) against simulated devices");
+    line.number("--seed", options_.seed, "Of the simulation: one seed repeats it to the letter (1)")
+        .needs("--simulate");
+    line.text("--faults", options_.faults,
+              "What goes wrong in the simulated plant: a file as fieldcast-sim takes it")
+        .existing_file()
+        .needs("--simulate");
+    line.flag("--json", options_.json, "JSON lines");
+  }
+  ExitCode run(const Streams& streams) override {
+    return plan(options_, streams.out, streams.err, streams.wide_screen());
+  }
+};
+
+}  // namespace
+
+CommandEntry plan_command();
+CommandEntry plan_command() {
+  return {"plan", "Predict blocks, load and gaps of every bus of a configuration; needs no bridge",
+          make_command<PlanCommand>};
 }
 
 }  // namespace fieldcast::cli

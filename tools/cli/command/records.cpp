@@ -4,6 +4,8 @@
 
 #include "bridge/store/event_table.hpp"
 #include "tools/cli/clock.hpp"
+#include "tools/cli/command/command.hpp"
+#include "tools/cli/command/span_option.hpp"
 #include "tools/cli/console.hpp"
 #include "tools/cli/view/record_view.hpp"
 
@@ -51,6 +53,53 @@ ExitCode audit(const AuditOptions& options, std::ostream& out, std::ostream& err
     return out.good();
   });
   return ended(out, err, entries, "nothing was done in that time; --from and --to choose another");
+}
+
+namespace {
+
+class DevicesCommand final : public CommandWith<DevicesOptions> {
+ public:
+  void describe(CommandLine& line) override {
+    line.flag("--json", options_.json, "JSON lines");
+    add_store(line, options_.place);
+  }
+  ExitCode run(const Streams& streams) override {
+    return devices(options_, streams.out, streams.err);
+  }
+};
+
+}  // namespace
+
+CommandEntry devices_command();
+CommandEntry devices_command() {
+  return {"devices", "Show the devices that the store knows, and their last state; needs no bridge",
+          make_command<DevicesCommand>};
+}
+
+namespace {
+
+class AuditCommand final : public CommandWith<AuditOptions> {
+ public:
+  void describe(CommandLine& line) override {
+    span_.describe(line);
+    line.when_given([this] { return span_.read(options_.span); });
+    line.flag("--json", options_.json, "JSON lines");
+    add_store(line, options_.place);
+  }
+  ExitCode run(const Streams& streams) override {
+    return audit(options_, streams.out, streams.err);
+  }
+
+ private:
+  SpanOption span_;
+};
+
+}  // namespace
+
+CommandEntry audit_command();
+CommandEntry audit_command() {
+  return {"audit", "Show who did what: commands, transmissions, logins; needs no bridge",
+          make_command<AuditCommand>};
 }
 
 }  // namespace fieldcast::cli

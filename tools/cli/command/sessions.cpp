@@ -3,26 +3,28 @@
 #include <ostream>
 
 #include "tools/cli/clock.hpp"
+#include "tools/cli/command/command.hpp"
+#include "tools/cli/command/in_domain.hpp"
 #include "tools/cli/connection.hpp"
 #include "tools/cli/console.hpp"
-#include "tools/cli/session.hpp"
+#include "tools/cli/domain_view.hpp"
 #include "tools/cli/view/sessions_view.hpp"
 
 namespace fieldcast::cli {
 ExitCode sessions(const SessionsOptions& options, const DdsSpec& spec, Interrupt& interrupt,
                   std::ostream& out, std::ostream& err) {
-  Session session(spec, interrupt);
+  DomainView domain(spec, interrupt);
   SessionsModel model;
   bool bridge = false;
   const auto began = instant_now();
   auto last_news = began;
   const auto end = began + options.time.value_or(kBridgeWait);
-  session.hear_program_sessions();
+  domain.subscribe_program_sessions();
 
-  for (auto now = began; now < end && !session.inbox().closed() && out; now = instant_now()) {
+  for (auto now = began; now < end && !domain.inbox().closed() && out; now = instant_now()) {
     if (!options.time && bridge && now - last_news >= kQuietTime) break;
     const auto wake = options.time || !bridge ? end : std::min(end, last_news + kQuietTime);
-    for (const auto& event : session.inbox().take(to_steady(wake))) {
+    for (const auto& event : domain.inbox().take_all(to_steady(wake))) {
       if (!bridge || std::holds_alternative<ProgramSessionReport>(event)) last_news = instant_now();
       bridge = true;
       const auto* report = std::get_if<ProgramSessionReport>(&event);
@@ -37,7 +39,7 @@ ExitCode sessions(const SessionsOptions& options, const DdsSpec& spec, Interrupt
     }
     out.flush();
   }
-  if (session.interrupted() && !options.time) return ExitCode::kInterrupted;
+  if (domain.interrupted() && !options.time) return ExitCode::kInterrupted;
   if (!bridge) {
     err << "fieldcast sessions: " << no_bridge_text(spec) << '\n';
     return ExitCode::kNoBridge;
@@ -50,6 +52,31 @@ ExitCode sessions(const SessionsOptions& options, const DdsSpec& spec, Interrupt
   }
   out.flush();
   return out ? ExitCode::kOk : ExitCode::kTrouble;
+}
+
+namespace {
+
+class SessionsCommand final : public CommandWith<SessionsOptions> {
+ public:
+  void describe(CommandLine& line) override {
+    line.duration("--for", options_.time, CommandLine::kShortest,
+                  "Follow them for this time (20, 2min), a line for each report");
+    line.flag("--json", options_.json, "JSON lines");
+    add_connection(line, options_.connection);
+  }
+  ExitCode run(const Streams& streams) override {
+    return in_domain(options_.connection, streams, [&](const DdsSpec& spec, Interrupt& interrupt) {
+      return sessions(options_, spec, interrupt, streams.out, streams.err);
+    });
+  }
+};
+
+}  // namespace
+
+CommandEntry sessions_command();
+CommandEntry sessions_command() {
+  return {"sessions", "Show who programs which device through a bridge",
+          make_command<SessionsCommand>};
 }
 
 }  // namespace fieldcast::cli

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <ostream>
 
+#include "tools/cli/command/command.hpp"
 #include "tools/cli/model/named_protocol.hpp"
 #include "tools/sim/check/sim_check.hpp"
 
@@ -75,6 +76,29 @@ ExitCode sim_check(const SimCheckOptions& options, std::ostream& out, std::ostre
   for (const auto& row : all) tried += row.tried, failed += row.failed();
   err << protocol->name() << ": " << tried << " tried, " << failed << " failed\n";
   return failed == 0 ? ExitCode::kOk : ExitCode::kFound;
+}
+
+namespace {
+
+class SimCheckCommand final : public CommandWith<SimCheckOptions> {
+ public:
+  void describe(CommandLine& line) override {
+    line.text("PROTOCOL", options_.protocol, kProtocolHelp).required();
+    line.flag("--json", options_.json, "JSON lines");
+  }
+  ExitCode run(const Streams& streams) override {
+    return sim_check(options_, streams.out, streams.err, streams.wide_screen());
+  }
+};
+
+}  // namespace
+
+CommandEntry sim_check_command();
+CommandEntry sim_check_command() {
+  return {"sim-check",
+          "Try a protocol's master against its simulated device, through the whole matrix; needs "
+          "no bridge",
+          make_command<SimCheckCommand>};
 }
 
 }  // namespace fieldcast::cli

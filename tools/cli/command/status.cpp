@@ -5,8 +5,10 @@
 #include <ostream>
 
 #include "tools/cli/clock.hpp"
+#include "tools/cli/command/command.hpp"
+#include "tools/cli/command/in_domain.hpp"
 #include "tools/cli/console.hpp"
-#include "tools/cli/session.hpp"
+#include "tools/cli/domain_view.hpp"
 #include "tools/cli/view/json.hpp"
 #include "tools/cli/view/status_view.hpp"
 
@@ -27,7 +29,7 @@ void print_table(const StatusModel& model, std::ostream& out) {
 }
 
 // Puts the event into the model; true when it names a bus or device for the first time.
-bool learn(StatusModel& model, const SessionEvent& event) {
+bool learn(StatusModel& model, const DomainEvent& event) {
   if (const auto* bus = std::get_if<StationBusStatus>(&event))
     return model.buses.insert_or_assign(bus->bus, *bus).second;
   if (const auto* device = std::get_if<StationDeviceStatus>(&event)) {
@@ -36,7 +38,7 @@ bool learn(StatusModel& model, const SessionEvent& event) {
   return false;
 }
 
-void print_event(const SessionEvent& event, std::ostream& out) {
+void print_event(const DomainEvent& event, std::ostream& out) {
   if (const auto* bus = std::get_if<StationBusStatus>(&event))
     out << to_line(status_json(*bus)) << '\n';
   if (const auto* device = std::get_if<StationDeviceStatus>(&event))
@@ -54,7 +56,7 @@ void draw(LiveScreen& live, const StatusModel& model) {
 
 ExitCode status(const StatusOptions& options, const DdsSpec& spec, Interrupt& interrupt,
                 std::ostream& out, std::ostream& err) {
-  Session session(spec, interrupt);
+  DomainView domain(spec, interrupt);
   StatusModel model;
   const auto began = instant_now();
   const auto end = began + options.time.value_or(kBridgeWait);
@@ -62,14 +64,14 @@ ExitCode status(const StatusOptions& options, const DdsSpec& spec, Interrupt& in
   std::unique_ptr<LiveScreen> live;
   if (options.time && !options.json && output_is_terminal())
     live = std::make_unique<LiveScreen>(out);
-  session.hear_status();
+  domain.subscribe_status();
 
-  for (auto now = began; now < end && !session.inbox().closed() && out; now = instant_now()) {
+  for (auto now = began; now < end && !domain.inbox().closed() && out; now = instant_now()) {
     if (!options.time && !model.buses.empty() && now - last_news >= kQuietTime) break;
     const auto wake = options.time          ? now + kRedraw
                       : model.buses.empty() ? end
                                             : last_news + kQuietTime;
-    for (const auto& event : session.inbox().take(to_steady(std::min(end, wake)))) {
+    for (const auto& event : domain.inbox().take_all(to_steady(std::min(end, wake)))) {
       if (learn(model, event)) last_news = instant_now();
       if (options.time && options.json) print_event(event, out);
     }
@@ -77,7 +79,7 @@ ExitCode status(const StatusOptions& options, const DdsSpec& spec, Interrupt& in
     out.flush();
   }
   live.reset();
-  if (session.interrupted() && !options.time) return ExitCode::kInterrupted;
+  if (domain.interrupted() && !options.time) return ExitCode::kInterrupted;
   if (model.buses.empty()) {
     err << "fieldcast status: " << no_bridge_text(spec) << '\n';
     return ExitCode::kNoBridge;
@@ -89,6 +91,36 @@ ExitCode status(const StatusOptions& options, const DdsSpec& spec, Interrupt& in
   }
   out.flush();
   return out ? ExitCode::kOk : ExitCode::kTrouble;
+}
+
+namespace {
+
+class StatusCommand final : public CommandWith<StatusOptions> {
+ public:
+  void describe(CommandLine& line) override {
+    line.flag("--once", once_, "Each bus and device once, then end (the default)");
+    line.duration("--for", options_.time, CommandLine::kShortest,
+                  "Follow it for this time (20, 2min)")
+        .excludes("--once");
+    line.flag("--json", options_.json, "JSON lines");
+    add_connection(line, options_.connection);
+  }
+  ExitCode run(const Streams& streams) override {
+    return in_domain(options_.connection, streams, [&](const DdsSpec& spec, Interrupt& interrupt) {
+      return status(options_, spec, interrupt, streams.out, streams.err);
+    });
+  }
+
+ private:
+  bool once_ = false;  // the default, which scripts may say aloud
+};
+
+}  // namespace
+
+CommandEntry status_command();
+CommandEntry status_command() {
+  return {"status", "Show buses and devices: state, load, learned times, failures by cause",
+          make_command<StatusCommand>};
 }
 
 }  // namespace fieldcast::cli

@@ -6,6 +6,7 @@
 #include "bridge/store/password.hpp"
 #include "bridge/store/user_table.hpp"
 #include "tools/cli/clock.hpp"
+#include "tools/cli/command/command.hpp"
 #include "tools/cli/console.hpp"
 #include "tools/cli/password_prompt.hpp"
 #include "tools/cli/view/record_view.hpp"
@@ -81,6 +82,54 @@ ExitCode user(const UserOptions& options, std::istream& in, std::ostream& out, s
     case UserOptions::Action::kList: return list(options, *connection, out, err);
   }
   return ExitCode::kUsage;
+}
+
+namespace {
+
+class UserCommand final : public CommandWith<UserOptions> {
+ public:
+  void describe(CommandLine& line) override {
+    CommandLine& add = line.command(
+        "add", "Add a user; the password is asked for, or the first line of the standard input");
+    add.text("NAME", options_.name, "Letters, digits, '-', '_', '.', '@'").required();
+    add.value(
+        "--role", [this](const std::string& text) { return read_role(text); },
+        "viewer, operator or programmer (viewer)");
+    add.text("--password-file", options_.password_file, "The password is its first line");
+    CommandLine& list = line.command("list", "List them with their roles");
+    list.flag("--json", options_.json, "JSON lines");
+    CommandLine& remove = line.command("remove", "Remove a user");
+    remove.text("NAME", options_.name, "Of the user").required();
+    describe_action(add, UserOptions::Action::kAdd);
+    describe_action(list, UserOptions::Action::kList);
+    describe_action(remove, UserOptions::Action::kRemove);
+  }
+  ExitCode run(const Streams& streams) override {
+    return user(options_, streams.in, streams.out, streams.err);
+  }
+
+ private:
+  void describe_action(CommandLine& line, UserOptions::Action action) {
+    line.when_given([this, action]() -> std::optional<CommandLine::Fault> {
+      options_.action = action;
+      return std::nullopt;
+    });
+    add_store(line, options_.place);
+  }
+  std::optional<std::string> read_role(const std::string& text) {
+    const auto role = role_from(text);
+    if (!role) return "'" + printable(text) + "' is unknown; viewer, operator or programmer";
+    options_.role = *role;
+    return std::nullopt;
+  }
+};
+
+}  // namespace
+
+CommandEntry user_command();
+CommandEntry user_command() {
+  return {"user", "Add, list and remove who may log in; needs no bridge",
+          make_command<UserCommand>};
 }
 
 }  // namespace fieldcast::cli

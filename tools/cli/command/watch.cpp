@@ -6,9 +6,12 @@
 #include <utility>
 
 #include "tools/cli/clock.hpp"
+#include "tools/cli/command/command.hpp"
+#include "tools/cli/command/in_domain.hpp"
+#include "tools/cli/command/pattern_option.hpp"
 #include "tools/cli/console.hpp"
+#include "tools/cli/domain_view.hpp"
 #include "tools/cli/model/watch_model.hpp"
-#include "tools/cli/session.hpp"
 #include "tools/cli/view/json.hpp"
 #include "tools/cli/view/sample_text.hpp"
 #include "tools/cli/view/watch_view.hpp"
@@ -17,7 +20,7 @@ namespace fieldcast::cli {
 namespace {
 
 constexpr Duration kRedraw = std::chrono::milliseconds{200};
-constexpr Duration kWishWait = std::chrono::seconds{1};
+constexpr Duration kInterestWait = std::chrono::seconds{1};
 constexpr Duration kOnceWait = std::chrono::seconds{10};
 
 class Watch {
@@ -26,7 +29,7 @@ class Watch {
         std::ostream& err)
       : options_(options),
         spec_(spec),
-        session_(spec, interrupt),
+        domain_(spec, interrupt),
         model_(options.pattern),
         out_(out),
         err_(err) {}
@@ -34,9 +37,9 @@ class Watch {
   ExitCode run();
 
  private:
-  void read(const SessionEvent& event, Instant now);
+  void read(const DomainEvent& event, Instant now);
   void draw(Instant now);
-  void remark_wish(Instant now, Instant began);
+  void remark_interest(Instant now, Instant began);
   [[nodiscard]] bool complete(Instant now) const;
   void print_all();
   void print_table(const Screen& screen);
@@ -45,11 +48,11 @@ class Watch {
 
   const WatchOptions& options_;
   const DdsSpec& spec_;
-  Session session_;
+  DomainView domain_;
   WatchModel model_;
   std::ostream& out_;
   std::ostream& err_;
-  std::optional<std::string> remark_;   // of our wish, once it is known
+  std::optional<std::string> remark_;   // of our interest, once it is known
   std::unique_ptr<LiveScreen> screen_;  // a live table in a terminal
   Instant last_news_{};                 // when the catalogue last grew
 };
@@ -63,18 +66,18 @@ ExitCode Watch::run() {
   last_news_ = began;
   if (output_is_terminal() && !options_.once && !options_.json)
     screen_ = std::make_unique<LiveScreen>(out_);
-  session_.hear_channels();
-  session_.hear_samples();
+  domain_.subscribe_channels();
+  domain_.subscribe_samples();
   if (options_.refresh)
-    session_.station().declare_interest(options_.pattern.text(), *options_.refresh);
+    domain_.station().declare_interest(options_.pattern.text(), *options_.refresh);
 
   auto next_draw = began;
   bool hinted = false;
-  for (auto now = began; now < end && !session_.inbox().closed() && out_; now = instant_now()) {
-    for (const auto& event : session_.inbox().take(to_steady(std::min(end, now + kRedraw))))
+  for (auto now = began; now < end && !domain_.inbox().closed() && out_; now = instant_now()) {
+    for (const auto& event : domain_.inbox().take_all(to_steady(std::min(end, now + kRedraw))))
       read(event, instant_now());
     now = instant_now();
-    remark_wish(now, began);
+    remark_interest(now, began);
     if (screen_ && now >= next_draw) {
       draw(now);
       next_draw = now + kRedraw;
@@ -89,16 +92,16 @@ ExitCode Watch::run() {
     out_.flush();
   }
   if (std::exchange(screen_, nullptr)) print_table(output_screen());
-  if (options_.once && !session_.interrupted()) print_all();
+  if (options_.once && !domain_.interrupted()) print_all();
   out_.flush();
   err_ << "fieldcast watch: " << model_.summary();
-  if (session_.inbox().lost() != 0)
-    err_ << "; " << session_.inbox().lost() << " more were not shown: the output was too slow";
+  if (domain_.inbox().dropped() != 0)
+    err_ << "; " << domain_.inbox().dropped() << " more were not shown: the output was too slow";
   err_ << '\n';
   return verdict();
 }
 
-void Watch::read(const SessionEvent& event, Instant now) {
+void Watch::read(const DomainEvent& event, Instant now) {
   if (const auto* sample = std::get_if<StationSample>(&event)) {
     if (model_.on_sample(*sample, now) && !options_.once && !screen_) print(*sample);
   } else if (const auto* channel = std::get_if<StationChannel>(&event)) {
@@ -109,13 +112,13 @@ void Watch::read(const SessionEvent& event, Instant now) {
   }
 }
 
-// Bridges announce their channels anew when a wish takes effect; what they have not announced a
-// while later, they will not.
-void Watch::remark_wish(Instant now, Instant began) {
+// Bridges announce their channels anew when an interest takes effect; what they have not announced
+// a while later, they will not.
+void Watch::remark_interest(Instant now, Instant began) {
   if (!options_.refresh || remark_ || !model_.anything_announced() ||
-      now - std::max(began, last_news_) < kWishWait)
+      now - std::max(began, last_news_) < kInterestWait)
     return;
-  remark_ = model_.wish_remark(*options_.refresh).value_or("");
+  remark_ = model_.interest_remark(*options_.refresh).value_or("");
   if (!remark_->empty() && !screen_) err_ << "fieldcast watch: " << *remark_ << '\n' << std::flush;
 }
 
@@ -159,7 +162,7 @@ void Watch::print(const StationSample& sample) {
 
 ExitCode Watch::verdict() const {
   if (!out_) return ExitCode::kTrouble;
-  if (session_.interrupted())
+  if (domain_.interrupted())
     return options_.once || options_.time ? ExitCode::kInterrupted : ExitCode::kOk;
   if (model_.sampled() != 0 || (options_.once && !model_.rows().empty())) return ExitCode::kOk;
   if (!model_.anything_announced()) {
@@ -180,6 +183,34 @@ ExitCode Watch::verdict() const {
 ExitCode watch(const WatchOptions& options, const DdsSpec& spec, Interrupt& interrupt,
                std::ostream& out, std::ostream& err) {
   return Watch(options, spec, interrupt, out, err).run();
+}
+
+namespace {
+
+class WatchCommand final : public CommandWith<WatchOptions> {
+ public:
+  void describe(CommandLine& line) override {
+    line.value("PATTERN", pattern_into(options_.pattern), kPatternHelp);
+    line.flag("--json", options_.json, "JSON lines");
+    line.flag("--once", options_.once, "Each matching channel once, then end");
+    line.duration("--for", options_.time, CommandLine::kShortest,
+                  "End after this time (20, 500ms, 2min); with --once the longest wait (10s)");
+    line.duration("--refresh", options_.refresh, CommandLine::kShortest,
+                  "Keep the channels as fresh as this while watching");
+    add_connection(line, options_.connection);
+  }
+  ExitCode run(const Streams& streams) override {
+    return in_domain(options_.connection, streams, [&](const DdsSpec& spec, Interrupt& interrupt) {
+      return watch(options_, spec, interrupt, streams.out, streams.err);
+    });
+  }
+};
+
+}  // namespace
+
+CommandEntry watch_command();
+CommandEntry watch_command() {
+  return {"watch", "Show samples: a live table, lines, or JSON lines", make_command<WatchCommand>};
 }
 
 }  // namespace fieldcast::cli

@@ -18,7 +18,7 @@ struct WatchOptions {
   bool json = false;
   bool once = false;                // every matching channel once, in the order of names
   std::optional<Duration> time;     // ends after this; with once: the longest wait
-  std::optional<Duration> refresh;  // wishes the channels this fresh while it runs
+  std::optional<Duration> refresh;  // keeps the channels this fresh while it runs
 };
 
 // kOk when samples came (and for an endless watch that Ctrl-C ends), kNothing or kNoBridge when

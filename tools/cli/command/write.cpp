@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <ostream>
 
+#include "tools/cli/command/command.hpp"
 #include "tools/cli/command/command_run.hpp"
+#include "tools/cli/command/in_domain.hpp"
 #include "tools/cli/view/command_text.hpp"
 
 namespace fieldcast::cli {
@@ -64,8 +66,8 @@ ExitCode write_channels(const WriteOptions& options, const DdsSpec& spec, Interr
     paths.push_back(assignment->path);
     assignments.push_back(*std::move(assignment));
   }
-  Session session(spec, interrupt);
-  CommandRun run(session, spec, {options.json, options.timeout}, out, err);
+  DomainView domain(spec, interrupt);
+  CommandRun run(domain, spec, {options.json, options.timeout}, out, err);
   if (!run.learn(paths)) return run.why_not();
   std::vector<Errand> errands;
   for (const auto& assignment : assignments)
@@ -102,8 +104,8 @@ ExitCode write_address(const WriteOptions& options, const DdsSpec& spec, Interru
   errand.outcome = {Outcome::State::kResult, device->bus, device->device, options.at, true,
                     command.values,          {},          type,           {}};
 
-  Session session(spec, interrupt);
-  CommandRun run(session, spec, {options.json, options.timeout}, out, err);
+  DomainView domain(spec, interrupt);
+  CommandRun run(domain, spec, {options.json, options.timeout}, out, err);
   if (!run.learn({*device}, CommandRun::Wanted::kDevice)) return run.why_not();
   std::vector<Errand> errands;
   const bool known = run.catalogue().has_bus(device->bus);
@@ -118,6 +120,43 @@ ExitCode write(const WriteOptions& options, const DdsSpec& spec, Interrupt& inte
                std::ostream& out, std::ostream& err) {
   return options.at.empty() ? write_channels(options, spec, interrupt, out, err)
                             : write_address(options, spec, interrupt, out, err);
+}
+
+namespace {
+
+class WriteCommand final : public CommandWith<WriteOptions> {
+ public:
+  void describe(CommandLine& line) override {
+    line.texts("ASSIGNMENT", options_.words,
+               "BUS/DEVICE/CHANNEL=VALUE ..; with --at: BUS/DEVICE VALUE ..")
+        .required();
+    line.flag("--verify", options_.verify, "Read back what was written");
+    line.text("--at", options_.at,
+              "Write to an address of the device, in the PLC's own notation (holding:100)");
+    line.text("--type", options_.type,
+              "Type of the values at the address: uint16, float32, string(8), .. (what the address "
+              "implies, bool for a coil, or uint16)")
+        .needs("--at");
+    line.text("--byte", options_.byte, "With an 8-bit type: low or high byte of a register")
+        .needs("--at");
+    line.duration("--timeout", options_.timeout, CommandLine::kShortest,
+                  "The command is not started later than this (5s)");
+    line.flag("--json", options_.json, "JSON lines");
+    add_connection(line, options_.connection);
+  }
+  ExitCode run(const Streams& streams) override {
+    return in_domain(options_.connection, streams, [&](const DdsSpec& spec, Interrupt& interrupt) {
+      return write(options_, spec, interrupt, streams.out, streams.err);
+    });
+  }
+};
+
+}  // namespace
+
+CommandEntry write_command();
+CommandEntry write_command() {
+  return {"write", "Write values to channels, and wait for the results",
+          make_command<WriteCommand>};
 }
 
 }  // namespace fieldcast::cli

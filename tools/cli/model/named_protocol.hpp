@@ -12,6 +12,9 @@
 
 namespace fieldcast::cli {
 
+inline constexpr const char* kProtocolHelp =
+    "modbus-rtu, omron-hostlink, .., or a declaration: instrument, ./mine.yaml";
+
 struct NamedProtocol {
   const ProtocolEntry* built_in = nullptr;  // or
   declared::SharedDeclaration declaration;

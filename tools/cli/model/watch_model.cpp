@@ -71,15 +71,15 @@ std::size_t WatchModel::sampled() const {
   }));
 }
 
-std::size_t WatchModel::awaited(bool wished) const {
+std::size_t WatchModel::awaited(bool interested) const {
   return static_cast<std::size_t>(std::count_if(rows_.begin(), rows_.end(), [&](const auto& entry) {
     const auto* about = catalogue_.find(entry.first);
     return !entry.second.gone && entry.second.sample.quality == Quality::kNotYetRead &&
-           about != nullptr && (wished || about->refresh != Duration{});
+           about != nullptr && (interested || about->refresh != Duration{});
   }));
 }
 
-std::optional<std::string> WatchModel::wish_remark(Duration refresh) const {
+std::optional<std::string> WatchModel::interest_remark(Duration refresh) const {
   if (catalogue_.channels().empty()) {
     return "the interest in " + pattern_.text() +
            " meets nothing: no announced channel matches; fieldcast watch --once lists them";

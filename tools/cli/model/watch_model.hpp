@@ -55,13 +55,13 @@ class WatchModel {
   [[nodiscard]] bool anything_announced() const {
     return announced_;
   }  // a bridge is there, whatever it has
-  // Announced channels that promise samples and of which no real one came yet; with a wish of ours
-  // every one of them promises.
-  [[nodiscard]] std::size_t awaited(bool wished = false) const;
+  // Announced channels that promise samples and of which no real one came yet; with an interest of
+  // ours every one of them promises.
+  [[nodiscard]] std::size_t awaited(bool interested = false) const;
 
-  // What is to be told of our wish for this refresh when the bridges had time to hear it: why it
-  // changes nothing for some channels, or for any. Nothing: it holds for all.
-  [[nodiscard]] std::optional<std::string> wish_remark(Duration refresh) const;
+  // What is to be told of our interest for this refresh when the bridges had time to read it: why
+  // it changes nothing for some channels, or for any. Nothing: it holds for all.
+  [[nodiscard]] std::optional<std::string> interest_remark(Duration refresh) const;
 
   // "1234 samples of 100 channels, 98 of them GOOD"
   [[nodiscard]] std::string summary() const;

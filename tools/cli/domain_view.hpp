@@ -7,8 +7,8 @@
 #include <string>
 #include <variant>
 
+#include "bridge/base/bounded_queue.hpp"
 #include "bridge/station/station.hpp"
-#include "tools/cli/inbox.hpp"
 #include "tools/cli/interrupt.hpp"
 #include "tools/cli/model/catalogue.hpp"
 
@@ -20,33 +20,37 @@ struct ChannelGone {
 struct AlarmGone {
   StationAlarm last;
 };
-using SessionEvent =
+using DomainEvent =
     std::variant<StationChannel, StationSample, ChannelGone, StationBusStatus, StationDeviceStatus,
                  StationResult, ProgramSessionReport, StationAlarm, AlarmGone>;
 
-class Session {
+class DomainView {
  public:
+  // Events that may wait; then the oldest goes and is counted.
+  static constexpr std::size_t kMaxWaiting = 65536;
+
   // Joins the domain. Throws DdsError.
-  Session(const DdsSpec& spec, Interrupt& interrupt);
-  ~Session();
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
+  DomainView(const DdsSpec& spec, Interrupt& interrupt);
+  ~DomainView();
+  DomainView(const DomainView&) = delete;
+  DomainView& operator=(const DomainView&) = delete;
 
   // Each at most once.
-  void hear_channels();
-  void hear_samples();
-  void hear_status();
-  void hear_results();
-  void hear_program_sessions();  // and bus status, which tells that a bridge is there
-  void hear_alarms();
+  void subscribe_channels();
+  void subscribe_samples();
+  void subscribe_status();
+  void subscribe_results();
+  void subscribe_program_sessions();  // and bus status, which tells that a bridge is there
+  void subscribe_alarms();
 
   [[nodiscard]] Station& station() { return station_; }
-  [[nodiscard]] Inbox<SessionEvent>& inbox() { return inbox_; }
+  [[nodiscard]] BoundedQueue<DomainEvent>& inbox() { return inbox_; }
   [[nodiscard]] bool interrupted() const { return interrupt_.raised(); }
 
  private:
   Interrupt& interrupt_;
-  Inbox<SessionEvent> inbox_;  // before the station: its threads write here until it is gone
+  BoundedQueue<DomainEvent> inbox_{
+      kMaxWaiting};  // before the station: its threads write here until it is gone
   Station station_;
 };
 

@@ -1,0 +1,60 @@
+// A subcommand of `fieldcast`: it describes its options, and runs once they are read. Each one has
+// a file of its own in this folder and a row in registry.cpp; nothing else knows it.
+//
+// Main thread.
+#pragma once
+
+#include <iosfwd>
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "bridge/base/command_line.hpp"
+#include "tools/cli/exit_code.hpp"
+#include "tools/cli/view/text_table.hpp"
+
+namespace fieldcast::cli {
+
+struct Streams {
+  std::istream& in;
+  std::ostream& out;
+  std::ostream& err;
+  bool colour = false;  // `out` is a terminal that shows colours
+  // For what is printed once: better wrapped by the terminal than cut.
+  [[nodiscard]] Screen wide_screen() const { return {0, 0, colour}; }
+};
+
+class Command {
+ public:
+  virtual ~Command() = default;
+  // Called once, before the command line is parsed.
+  virtual void describe(CommandLine& line) = 0;
+  // May throw DdsError or StoreError.
+  [[nodiscard]] virtual ExitCode run(const Streams& streams) = 0;
+};
+
+// A command whose options are a value; tests look at it.
+template <typename Options>
+class CommandWith : public Command {
+ public:
+  [[nodiscard]] const Options& options() const { return options_; }
+
+ protected:
+  Options options_;
+};
+
+struct CommandEntry {
+  std::string_view name;     // "watch"
+  std::string_view summary;  // one line for people
+  std::unique_ptr<Command> (*make)() = nullptr;
+};
+
+// In the order of the help.
+[[nodiscard]] std::span<const CommandEntry> commands();
+
+template <typename C>
+[[nodiscard]] std::unique_ptr<Command> make_command() {
+  return std::make_unique<C>();
+}
+
+}  // namespace fieldcast::cli

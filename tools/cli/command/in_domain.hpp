@@ -1,0 +1,19 @@
+// A command that joins a DDS domain: resolves where, and blocks the signals before DDS starts its
+// threads. Main thread.
+#pragma once
+
+#include <functional>
+
+#include "tools/cli/command/command.hpp"
+#include "tools/cli/connection.hpp"
+#include "tools/cli/interrupt.hpp"
+
+namespace fieldcast::cli {
+
+using DomainCommand = std::function<ExitCode(const DdsSpec& spec, Interrupt& interrupt)>;
+
+// kUsage when the configuration file has faults.
+[[nodiscard]] ExitCode in_domain(const ConnectionOptions& connection, const Streams& streams,
+                                 const DomainCommand& command);
+
+}  // namespace fieldcast::cli

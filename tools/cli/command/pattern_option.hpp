@@ -1,0 +1,22 @@
+// The pattern of channels on a command line.
+#pragma once
+
+#include "bridge/base/command_line.hpp"
+#include "core/model/pattern.hpp"
+
+namespace fieldcast::cli {
+
+inline constexpr const char* kPatternHelp =
+    "BUS/DEVICE/CHANNEL with *; a shorter one matches all below it";
+
+// Reads a pattern into target. REQUIRES: target lives until the parse.
+[[nodiscard]] inline CommandLine::Take pattern_into(Pattern& target) {
+  return [&target](const std::string& text) -> std::optional<std::string> {
+    auto pattern = Pattern::parse(text);
+    if (!pattern) return pattern.error();
+    target = *std::move(pattern);
+    return std::nullopt;
+  };
+}
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,32 @@
+#include <array>
+
+#include "tools/cli/command/command.hpp"
+
+namespace fieldcast::cli {
+
+// Each is defined in the file of its command.
+CommandEntry watch_command();
+CommandEntry write_command();
+CommandEntry acquire_command();
+CommandEntry status_command();
+CommandEntry sessions_command();
+CommandEntry plan_command();
+CommandEntry inspect_command();
+CommandEntry sim_check_command();
+CommandEntry history_command();
+CommandEntry devices_command();
+CommandEntry audit_command();
+CommandEntry user_command();
+CommandEntry alarms_command();
+
+std::span<const CommandEntry> commands() {
+  static const std::array all{
+      watch_command(),    write_command(),   acquire_command(), status_command(),
+      sessions_command(), plan_command(),    inspect_command(), sim_check_command(),
+      history_command(),  devices_command(), audit_command(),   user_command(),
+      alarms_command(),
+  };
+  return all;
+}
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,50 @@
+#include "tools/cli/domain_view.hpp"
+
+namespace fieldcast::cli {
+
+DomainView::DomainView(const DdsSpec& spec, Interrupt& interrupt)
+    : interrupt_(interrupt), station_(spec, "fieldcast-cli") {
+  interrupt_.on_raise([this] { inbox_.close(); });
+}
+
+DomainView::~DomainView() { interrupt_.on_raise({}); }
+
+void DomainView::subscribe_channels() {
+  station_.subscribe_channels([this](const StationChannel& channel) { inbox_.put_newest(channel); },
+                              [this](const auto& bus, const auto& device, const auto& channel) {
+                                inbox_.put_newest(ChannelGone{{bus, device, channel}});
+                              });
+}
+
+void DomainView::subscribe_samples() {
+  station_.subscribe_samples([this](const StationSample& sample) { inbox_.put_newest(sample); },
+                             [this](const auto& bus, const auto& device, const auto& channel) {
+                               inbox_.put_newest(ChannelGone{{bus, device, channel}});
+                             });
+}
+
+void DomainView::subscribe_status() {
+  station_.subscribe_bus_status(
+      [this](const StationBusStatus& status) { inbox_.put_newest(status); });
+  station_.subscribe_device_status(
+      [this](const StationDeviceStatus& status) { inbox_.put_newest(status); });
+}
+
+void DomainView::subscribe_alarms() {
+  station_.subscribe_alarms(
+      [this](const StationAlarm& alarm) { inbox_.put_newest(alarm); },
+      [this](const StationAlarm& last) { inbox_.put_newest(AlarmGone{last}); });
+}
+
+void DomainView::subscribe_results() {
+  station_.on_result([this](const StationResult& result) { inbox_.put_newest(result); });
+}
+
+void DomainView::subscribe_program_sessions() {
+  station_.subscribe_bus_status(
+      [this](const StationBusStatus& status) { inbox_.put_newest(status); });
+  station_.subscribe_program_sessions(
+      [this](const ProgramSessionReport& session) { inbox_.put_newest(session); });
+}
+
+}  // namespace fieldcast::cli
