@@ -17,6 +17,7 @@
 #include "bridge/port/port.hpp"
 #include "core/bus/bus_engine.hpp"
 #include "core/dispatch/plan_draft.hpp"
+#include "core/model/command_refusal.hpp"
 
 namespace fieldcast {
 namespace {
@@ -30,22 +31,13 @@ constexpr Duration kLeastReportGap =
     std::chrono::milliseconds{100};  // however often the state changes
 
 // Where the port is, before the reason why it is closed.
-std::string with_place(const PortSpec& port, const std::string& reason) {
-  if (const auto* serial = std::get_if<SerialPortSpec>(&port)) return serial->path + ": " + reason;
-  if (const auto* tcp = std::get_if<TcpPortSpec>(&port))
-    return tcp->host + ':' + std::to_string(tcp->port) + ": " + reason;
-  return reason;  // a dial-in port names its module
+std::string with_port_name(const PortSpec& port, const std::string& reason) {
+  if (std::holds_alternative<DialInPortSpec>(port)) return reason;  // it names its module
+  return name_of(port) + ": " + reason;
 }
 
 CommandResult shutdown_result(const Command& command, Instant now) {
-  CommandResult result;
-  result.requester = command.requester;
-  result.request_id = command.request_id;
-  result.state = CommandState::kRejected;
-  result.cause = Cause::kShutdown;
-  result.reason = "the bridge is stopping this bus";
-  result.received = result.started = result.completed = now;
-  return result;
+  return rejection(command, Cause::kShutdown, "the bridge is stopping this bus", now);
 }
 
 }  // namespace
@@ -183,7 +175,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   }
 
   void on_closed(std::string reason, Cause cause) override {
-    reason = with_place(spec_.port, reason);
+    reason = with_port_name(spec_.port, reason);
     open_ = false;
     revoke(reason);
     const Instant now = steady_now();

@@ -1,21 +1,8 @@
 #include "bridge/command/command_router.hpp"
 
+#include "core/model/command_refusal.hpp"
+
 namespace fieldcast {
-namespace {
-
-CommandResult refuse(const Command& command, Cause cause, std::string reason, Instant now) {
-  CommandResult result;
-  result.requester = command.requester;
-  result.request_id = command.request_id;
-  result.state = CommandState::kRejected;
-  result.cause = cause;
-  result.reason = std::move(reason);
-  result.received = result.started = result.completed = now;
-  return result;
-}
-
-}  // namespace
-
 void CommandRouter::add(const std::string& bus, std::shared_ptr<BusRunner> runner) {
   const std::lock_guard lock(mutex_);
   runners_[bus] = std::move(runner);
@@ -38,7 +25,8 @@ std::optional<CommandResult> CommandRouter::take(const std::string& bus, Command
   {
     const std::lock_guard lock(mutex_);
     if (!ledger_.enter(command.requester, command.request_id)) {
-      return refuse(command, Cause::kDuplicate, "this requester used this request_id before", now);
+      return rejection(command, Cause::kDuplicate, "this requester used this request_id before",
+                       now);
     }
     // What is only read may be read twice.
     if (!keep_ || command.operation != Operation::kWrite) return post(bus, std::move(command), now);
@@ -55,9 +43,9 @@ std::optional<CommandResult> CommandRouter::post(const std::string& bus, Command
   // Posted under the lock: once remove() has returned, nothing more comes to the runner.
   const auto found = runners_.find(bus);
   if (found == runners_.end())
-    return refuse(command, Cause::kShutdown, "the bridge is stopping this bus", now);
+    return rejection(command, Cause::kShutdown, "the bridge is stopping this bus", now);
   CommandResult full =
-      refuse(command, Cause::kQueueFull, "too many commands wait for this bus", now);
+      rejection(command, Cause::kQueueFull, "too many commands wait for this bus", now);
   if (!found->second->post(std::move(command))) return full;
   return std::nullopt;
 }
@@ -72,14 +60,14 @@ void CommandRouter::on_identity(const std::string& bus, Command command, Identit
     switch (identity) {
       case Identity::kNew: result = post(bus, std::move(command), received); break;
       case Identity::kKnown:
-        result = refuse(command, Cause::kDuplicate,
-                        "this requester used this request_id before this bridge began; whether "
-                        "that command was done is not known any more",
-                        received);
+        result = rejection(command, Cause::kDuplicate,
+                           "this requester used this request_id before this bridge began; whether "
+                           "that command was done is not known any more",
+                           received);
         break;
       case Identity::kNotKept:
-        result = refuse(command, Cause::kOffline,
-                        "the store is away, which keeps commands from running twice", received);
+        result = rejection(command, Cause::kOffline,
+                           "the store is away, which keeps commands from running twice", received);
         break;
     }
   }

@@ -5,14 +5,30 @@
 #include "bridge/port/tcp_port.hpp"
 
 namespace fieldcast {
+namespace {
+
+// One line for each type of port.
+struct Maker {
+  boost::asio::io_context& io;
+  DialInRegistry* modules;
+
+  std::unique_ptr<Port> operator()(const SerialPortSpec& spec) const {
+    return std::make_unique<SerialPort>(io, spec);
+  }
+  std::unique_ptr<Port> operator()(const TcpPortSpec& spec) const {
+    return std::make_unique<TcpPort>(io, spec);
+  }
+  std::unique_ptr<Port> operator()(const DialInPortSpec& spec) const {
+    FIELDCAST_CHECK(modules != nullptr);
+    return std::make_unique<DialInPort>(io, spec, *modules);
+  }
+};
+
+}  // namespace
 
 std::unique_ptr<Port> make_port(boost::asio::io_context& io, const PortSpec& spec,
                                 DialInRegistry* modules) {
-  if (const auto* serial = std::get_if<SerialPortSpec>(&spec))
-    return std::make_unique<SerialPort>(io, *serial);
-  if (const auto* tcp = std::get_if<TcpPortSpec>(&spec)) return std::make_unique<TcpPort>(io, *tcp);
-  FIELDCAST_CHECK(modules != nullptr);
-  return std::make_unique<DialInPort>(io, std::get<DialInPortSpec>(spec), *modules);
+  return std::visit(Maker{io, modules}, spec);
 }
 
 }  // namespace fieldcast

@@ -2,22 +2,10 @@
 
 #include <algorithm>
 
+#include "core/model/command_refusal.hpp"
+
 namespace fieldcast {
 namespace {
-
-CommandResult refusal(const Command& command, CommandState state, Cause cause, std::string reason,
-                      Instant received, Instant now) {
-  return {command.requester,
-          command.request_id,
-          state,
-          cause,
-          0,
-          std::move(reason),
-          {},
-          received,
-          now,
-          now};
-}
 
 CommandFault fault(Cause cause) { return {cause, std::string(to_text(cause))}; }
 

@@ -12,7 +12,7 @@
 
 #include "core/base/time.hpp"
 #include "core/codec/value_codec.hpp"
-#include "core/frame/line.hpp"
+#include "core/model/port_spec.hpp"
 #include "core/program/registration.hpp"
 #include "core/protocol/declared/declaration.hpp"
 #include "core/protocol/protocol.hpp"
@@ -98,42 +98,6 @@ struct DeviceSpec {
   std::vector<ChannelSpec> channels;
   friend bool operator==(const DeviceSpec&, const DeviceSpec&) = default;
 };
-
-struct SerialPortSpec {
-  std::string path;
-  LineFormat line;
-  bool rs485 = false;       // kernel direction control (TIOCSRS485)
-  bool low_latency = true;  // ASYNC_LOW_LATENCY where the driver knows it
-  bool exclusive = true;    // flock and TIOCEXCL
-  friend bool operator==(const SerialPortSpec&, const SerialPortSpec&) = default;
-};
-struct TcpPortSpec {
-  std::string host;
-  std::uint16_t port = 502;
-  std::optional<LineFormat>
-      line;  // of the serial line behind a serial server; nothing: a plain TCP device
-  Duration connect_timeout = std::chrono::seconds{3};
-  friend bool operator==(const TcpPortSpec&, const TcpPortSpec&) = default;
-};
-// A module that dials in and tells this device number.
-struct DialInPortSpec {
-  std::string number;
-  std::optional<LineFormat> line;  // of the serial line behind the module
-  friend bool operator==(const DialInPortSpec&, const DialInPortSpec&) = default;
-};
-using PortSpec = std::variant<SerialPortSpec, TcpPortSpec, DialInPortSpec>;
-
-[[nodiscard]] std::string to_text(const LineFormat& line);  // "115200 8N1"
-[[nodiscard]] std::string to_text(
-    const PortSpec& port);  // "/dev/ttyUSB0 115200 8N1", "10.0.0.7:502", "dial-in 17"
-
-// Whether the bytes come over a network, and whether a serial line is known to carry them on the
-// way.
-[[nodiscard]] bool over_network(const PortSpec& port);
-[[nodiscard]] bool has_line(const PortSpec& port);
-
-// The line whose characters cost time: the port's own, or, for plain TCP, a nominal fast one.
-[[nodiscard]] LineFormat line_of(const PortSpec& port);
 
 struct BusSpec {
   std::string name;

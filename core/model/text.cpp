@@ -1,4 +1,4 @@
-// Spellings of the model's enumerations and ports.
+// Spellings of the model's enumerations.
 #include <algorithm>
 #include <string>
 
@@ -96,41 +96,6 @@ std::string_view to_text(DeviceState state) {
     case DeviceState::kOffline: return "offline";
   }
   return "?";
-}
-
-std::string to_text(const LineFormat& line) {
-  static constexpr char kParity[] = {'N', 'E', 'O'};
-  return std::to_string(line.baud) + ' ' + std::to_string(line.data_bits) +
-         kParity[static_cast<int>(line.parity)] + std::to_string(line.stop_bits);
-}
-
-std::string to_text(const PortSpec& port) {
-  if (const auto* serial = std::get_if<SerialPortSpec>(&port))
-    return serial->path + ' ' + to_text(serial->line);
-  if (const auto* dial_in = std::get_if<DialInPortSpec>(&port)) {
-    return "dial-in " + dial_in->number +
-           (dial_in->line ? ' ' + to_text(*dial_in->line) : std::string{});
-  }
-  const auto& tcp = std::get<TcpPortSpec>(port);
-  return tcp.host + ':' + std::to_string(tcp.port) +
-         (tcp.line ? ' ' + to_text(*tcp.line) : std::string{});
-}
-
-LineFormat line_of(const PortSpec& port) {
-  if (const auto* serial = std::get_if<SerialPortSpec>(&port)) return serial->line;
-  // A plain TCP device has no characters; ten megabaud make its bytes nearly free, so that only
-  // requests count.
-  const auto* tcp = std::get_if<TcpPortSpec>(&port);
-  const auto& line = tcp ? tcp->line : std::get<DialInPortSpec>(port).line;
-  return line.value_or(LineFormat{10'000'000, 8, Parity::kNone, 1});
-}
-
-bool over_network(const PortSpec& port) { return !std::holds_alternative<SerialPortSpec>(port); }
-
-bool has_line(const PortSpec& port) {
-  if (const auto* tcp = std::get_if<TcpPortSpec>(&port)) return tcp->line.has_value();
-  if (const auto* dial_in = std::get_if<DialInPortSpec>(&port)) return dial_in->line.has_value();
-  return true;
 }
 
 bool on_loopback(const ListenSpec& listen) {

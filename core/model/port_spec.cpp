@@ -1,0 +1,39 @@
+#include "core/model/port_spec.hpp"
+
+namespace fieldcast {
+namespace {
+
+std::optional<LineFormat> known_line(const PortSpec& port) {
+  return std::visit([](const auto& each) { return each.known_line(); }, port);
+}
+
+}  // namespace
+
+std::string to_text(const LineFormat& line) {
+  static constexpr char kParity[] = {'N', 'E', 'O'};
+  return std::to_string(line.baud) + ' ' + std::to_string(line.data_bits) +
+         kParity[static_cast<int>(line.parity)] + std::to_string(line.stop_bits);
+}
+
+std::string name_of(const PortSpec& port) {
+  return std::visit([](const auto& each) { return each.name(); }, port);
+}
+
+std::string to_text(const PortSpec& port) {
+  const auto line = known_line(port);
+  return name_of(port) + (line ? ' ' + to_text(*line) : std::string{});
+}
+
+bool over_network(const PortSpec& port) {
+  return std::visit([](const auto& each) { return each.kOverNetwork; }, port);
+}
+
+bool has_line(const PortSpec& port) { return known_line(port).has_value(); }
+
+// A plain TCP device has no characters; ten megabaud make its bytes nearly free, so that only
+// requests count.
+LineFormat line_of(const PortSpec& port) {
+  return known_line(port).value_or(LineFormat{10'000'000, 8, Parity::kNone, 1});
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,69 @@
+// How a bus is reached, with every default filled in. Each type of port says of itself what others
+// ask of any port; a new one is a struct here and an alternative of PortSpec. Plain values.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "core/base/time.hpp"
+#include "core/frame/line.hpp"
+
+namespace fieldcast {
+
+struct SerialPortSpec {
+  std::string path;
+  LineFormat line;
+  bool rs485 = false;       // kernel direction control (TIOCSRS485)
+  bool low_latency = true;  // ASYNC_LOW_LATENCY where the driver knows it
+  bool exclusive = true;    // flock and TIOCEXCL
+
+  static constexpr bool kOverNetwork = false;
+  [[nodiscard]] std::string name() const { return path; }  // "/dev/ttyUSB0"
+  [[nodiscard]] std::optional<LineFormat> known_line() const { return line; }
+  friend bool operator==(const SerialPortSpec&, const SerialPortSpec&) = default;
+};
+
+struct TcpPortSpec {
+  std::string host;
+  std::uint16_t port = 502;
+  // Of the serial line behind a serial server; nothing: a plain TCP device.
+  std::optional<LineFormat> line;
+  Duration connect_timeout = std::chrono::seconds{3};
+
+  static constexpr bool kOverNetwork = true;
+  [[nodiscard]] std::string name() const { return host + ':' + std::to_string(port); }
+  [[nodiscard]] std::optional<LineFormat> known_line() const { return line; }
+  friend bool operator==(const TcpPortSpec&, const TcpPortSpec&) = default;
+};
+
+// A module that dials in and tells this device number.
+struct DialInPortSpec {
+  std::string number;
+  std::optional<LineFormat> line;  // of the serial line behind the module
+
+  static constexpr bool kOverNetwork = true;
+  [[nodiscard]] std::string name() const { return "dial-in " + number; }
+  [[nodiscard]] std::optional<LineFormat> known_line() const { return line; }
+  friend bool operator==(const DialInPortSpec&, const DialInPortSpec&) = default;
+};
+
+using PortSpec = std::variant<SerialPortSpec, TcpPortSpec, DialInPortSpec>;
+
+[[nodiscard]] std::string to_text(const LineFormat& line);  // "115200 8N1"
+
+// "/dev/ttyUSB0", "10.0.0.7:502", "dial-in 17"
+[[nodiscard]] std::string name_of(const PortSpec& port);
+// The same with the line: "/dev/ttyUSB0 115200 8N1".
+[[nodiscard]] std::string to_text(const PortSpec& port);
+
+// Whether the bytes come over a network, and whether a serial line is known to carry them on the
+// way.
+[[nodiscard]] bool over_network(const PortSpec& port);
+[[nodiscard]] bool has_line(const PortSpec& port);
+
+// The line whose characters cost time: the port's own, or, for plain TCP, a nominal fast one.
+[[nodiscard]] LineFormat line_of(const PortSpec& port);
+
+}  // namespace fieldcast
