@@ -1,7 +1,5 @@
 #include "bridge/publish/publisher_thread.hpp"
 
-#include <pthread.h>
-
 #include <future>
 #include <utility>
 
@@ -9,24 +7,13 @@
 
 namespace fieldcast {
 
-PublisherThread::PublisherThread() : thread_([this] { run(); }) {}
+PublisherThread::PublisherThread()
+    : worker_("sink", kMaxWaiting, [this](BoundedQueue<Task>& queue) { run(queue); }) {}
 
-PublisherThread::~PublisherThread() {
-  {
-    const std::lock_guard lock(mutex_);
-    ending_ = true;
-  }
-  work_.notify_one();
-  thread_.join();
-}
+PublisherThread::~PublisherThread() { worker_.close(); }
 
 void PublisherThread::post(std::function<void()> task, Late late) {
-  {
-    std::unique_lock lock(mutex_);
-    room_.wait(lock, [this] { return waiting_.size() < kMaxWaiting; });
-    waiting_.push_back({std::move(task), late});
-  }
-  work_.notify_one();
+  worker_.queue().put({std::move(task), late});
 }
 
 void PublisherThread::drain() {
@@ -35,18 +22,9 @@ void PublisherThread::drain() {
   reached.get_future().wait();
 }
 
-void PublisherThread::run() {
-  pthread_setname_np(pthread_self(), "sink");
-  std::unique_lock lock(mutex_);
-  while (true) {
-    work_.wait(lock, [this] { return ending_ || !waiting_.empty(); });
-    if (waiting_.empty()) return;
-    const Task task = std::move(waiting_.front());
-    waiting_.pop_front();
-    lock.unlock();
-    room_.notify_one();
-    if (task.late == Late::kRun || steady_now() < drop_from_.load()) task.run();
-    lock.lock();
+void PublisherThread::run(BoundedQueue<Task>& queue) {
+  while (const auto task = queue.take()) {
+    if (task->late == Late::kRun || steady_now() < drop_from_.load()) task->run();
   }
 }
 

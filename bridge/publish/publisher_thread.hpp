@@ -6,20 +6,17 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <cstddef>
-#include <deque>
 #include <functional>
-#include <mutex>
-#include <thread>
 
+#include "bridge/base/worker.hpp"
 #include "core/base/time.hpp"
 
 namespace fieldcast {
 
 class PublisherThread {
  public:
-  // Tasks that may wait. Whoever posts one more waits for room: buses then run no faster than DDS
+  // Tasks that may wait. Whoever posts one more waits for space: buses then run no faster than DDS
   // takes their samples.
   static constexpr std::size_t kMaxWaiting = 4096;
 
@@ -40,19 +37,14 @@ class PublisherThread {
   void drain();
 
  private:
-  void run();
-
-  std::mutex mutex_;
-  std::condition_variable work_;
-  std::condition_variable room_;
   struct Task {
     std::function<void()> run;
     Late late;
   };
-  std::deque<Task> waiting_;
+  void run(BoundedQueue<Task>& queue);
+
   std::atomic<Instant> drop_from_{kNever};
-  bool ending_ = false;
-  std::thread thread_;  // last: it uses what is above
+  Worker<Task> worker_;  // last: it uses what is above
 };
 
 }  // namespace fieldcast

@@ -2,7 +2,6 @@
 #include <sched.h>
 
 #include <cstdio>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "bridge/base/command_line.hpp"
@@ -11,6 +10,7 @@
 #include "core/base/duration_text.hpp"
 #include "tools/sim/bus/fault_file.hpp"
 #include "tools/sim/plant_loop.hpp"
+#include "tools/sim/report.hpp"
 
 namespace {
 
@@ -50,11 +50,7 @@ void say(const Arguments& given, const std::vector<std::unique_ptr<sim::SimBus>>
   for (std::size_t i = 0; i < buses.size(); ++i) {
     const BusSpec& spec = buses[i]->spec();
     if (given.json) {
-      const nlohmann::ordered_json line{{"bus", spec.name},
-                                        {"place", places[i]},
-                                        {"port", to_text(spec.port)},
-                                        {"devices", spec.devices.size()}};
-      std::printf("%s\n", line.dump().c_str());
+      std::puts(sim::location_line(spec, places[i]).c_str());
     } else {
       std::printf("%-16s %s, %zu device%s (%s)\n", spec.name.c_str(), places[i].c_str(),
                   spec.devices.size(), spec.devices.size() == 1 ? "" : "s",

@@ -24,16 +24,20 @@ Json device_report(const SimBus::Member& member) {
           {"writes", counted.writes},
           {"broadcasts", counted.broadcasts},
           {"bad_frames", counted.bad_frames},
-          {"unheard_characters", member.unheard},
+          {"unheard_characters", member.missed},
           {"spoiled_answers", member.spoiled}};
 }
 
 Json bus_report(const SimBus& bus) {
   const LineStatistics& line = bus.statistics();
-  Json report{{"name", bus.spec().name},         {"port", to_text(bus.spec().port)},
-              {"bytes_heard", line.bytes_heard}, {"bytes_said", line.bytes_said},
-              {"lost_characters", line.lost},    {"collisions", line.collisions},
-              {"connections", line.connections}, {"shortest_rest_us", nullptr},
+  Json report{{"name", bus.spec().name},
+              {"port", to_text(bus.spec().port)},
+              {"bytes_heard", line.bytes_received},
+              {"bytes_said", line.bytes_sent},
+              {"lost_characters", line.lost},
+              {"collisions", line.collisions},
+              {"connections", line.connections},
+              {"shortest_rest_us", nullptr},
               {"devices", Json::array()}};
   if (line.shortest_rest)
     report["shortest_rest_us"] = static_cast<double>(line.shortest_rest->count()) / 1000.0;
@@ -43,6 +47,14 @@ Json bus_report(const SimBus& bus) {
 }
 
 }  // namespace
+
+std::string location_line(const BusSpec& bus, const std::string& location) {
+  const Json line{{"bus", bus.name},
+                  {"place", location},
+                  {"port", to_text(bus.port)},
+                  {"devices", bus.devices.size()}};
+  return line.dump();
+}
 
 std::string report_of(std::span<const std::unique_ptr<SimBus>> buses, Duration running) {
   Json report{{"seconds", to_seconds(running)}, {"buses", Json::array()}};

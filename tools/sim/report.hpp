@@ -9,6 +9,9 @@
 
 namespace fieldcast::sim {
 
+// Where a bus of the plant is, as one JSON line without its end.
+[[nodiscard]] std::string location_line(const BusSpec& bus, const std::string& location);
+
 [[nodiscard]] std::string report_of(std::span<const std::unique_ptr<SimBus>> buses,
                                     Duration running);
 
