@@ -26,7 +26,7 @@ void read_devices(MapReader& bus, const DeviceContext& context, BusSpec& spec, L
   auto& faults = state.faults;
   if (list->kind != Kind::kList || list->items.empty()) {
     faults.add(
-        list->place,
+        list->position,
         "devices is " + (list->kind == Kind::kList ? "empty" : std::string(to_text(list->kind))),
         "a list of devices");
     return;
@@ -34,11 +34,11 @@ void read_devices(MapReader& bus, const DeviceContext& context, BusSpec& spec, L
   UniqueNames names;
   for (const Node* node : list->items) {
     if (spec.devices.size() == kMaxDevices) {
-      faults.add(node->place, "too many devices", std::to_string(kMaxDevices) + " of a bus");
+      faults.add(node->position, "too many devices", std::to_string(kMaxDevices) + " of a bus");
       return;
     }
     spec.devices.push_back(read_device(*node, context, state));
-    names.add("device", spec.devices.back().name, node->place, faults);
+    names.add("device", spec.devices.back().name, node->position, faults);
   }
 }
 
@@ -64,7 +64,7 @@ std::optional<SilenceRule> SilenceReader::operator()(const Node& node, std::stri
   const std::string meant = number_from(*text)
                                 ? *text + 'c'
                                 : closest(*text, std::array<std::string_view, 1>{"standard"});
-  faults.add(node.place, std::string(key) + " '" + *text + "' is unknown", std::string(kForms),
+  faults.add(node.position, std::string(key) + " '" + *text + "' is unknown", std::string(kForms),
              meant);
   return std::nullopt;
 }
@@ -78,7 +78,7 @@ BusSpec read_bus(const Node& node, LoadState& state) {
   MapReader map(node, bus_rows(), state.faults);
   BusSpec spec;
   UniqueNames addresses;
-  DeviceContext context{{}, map.has("protocol"), map.place_of("protocol"),
+  DeviceContext context{{}, map.has("protocol"), map.position_of("protocol"),
                         {}, spec.port,           addresses};
   bus_rows().read(map, spec);
   if (const Node* protocol = map.find("protocol"))

@@ -10,7 +10,7 @@ void read_allow(MapReader& map, DeviceDefaults& defaults) {
   if (node == nullptr) return;
   static constexpr std::pair<std::string_view, int> kRights[] = {{"raw-read", 0}, {"raw-write", 1}};
   if (node->kind != Kind::kList) {
-    map.faults().add(node->place, "allow is " + std::string(to_text(node->kind)),
+    map.faults().add(node->position, "allow is " + std::string(to_text(node->kind)),
                      "a list of raw-read, raw-write",
                      node->kind == Kind::kScalar ? '[' + node->text + ']' : "");
     return;
@@ -28,7 +28,7 @@ void read_options(MapReader& map, DeviceDefaults& defaults) {
   if (node == nullptr) return;
   if (node->kind != Kind::kMap || node->entries.size() > kMaxOptions) {
     map.faults().add(
-        node->place,
+        node->position,
         node->kind == Kind::kMap ? "too many options"
                                  : "options is " + std::string(to_text(node->kind)),
         "a map of at most " + std::to_string(kMaxOptions) + " options of the protocol");
@@ -38,7 +38,7 @@ void read_options(MapReader& map, DeviceDefaults& defaults) {
     const auto text = TextRule{kMaxDescription}(*value, key->text, map.faults());
     if (!text) continue;
     defaults.options.texts[key->text] = *text;
-    defaults.options.places[key->text] = key->place;
+    defaults.options.positions[key->text] = key->position;
   }
 }
 

@@ -22,7 +22,7 @@ struct ChannelDefaults {
 // Options of the protocol, checked by it when the device is complete.
 struct OptionTexts {
   std::map<std::string, std::string> texts;
-  std::map<std::string, Place> places;
+  std::map<std::string, Position> positions;
 };
 
 struct DeviceDefaults {

@@ -28,7 +28,7 @@ void read_address(MapReader& map, const ChannelContext& context, Draft& draft) {
   if (context.protocol == nullptr) return;
   const auto parsed = context.protocol->parse_address(draft.spec.at);
   if (!parsed) {
-    map.faults().add(map.place_of("at"), parsed.error().what, parsed.error().allowed,
+    map.faults().add(map.position_of("at"), parsed.error().what, parsed.error().allowed,
                      parsed.error().suggestion);
     return;
   }
@@ -44,12 +44,12 @@ void read_byte(MapReader& map, Draft& draft) {
   const bool wider = draft.area != nullptr && draft.area->item_bits > 16;
   const std::string& text = map.find("byte")->text;
   if (wider && (text == "low" || text == "high")) {
-    map.faults().add(map.place_of("byte"),
+    map.faults().add(map.position_of("byte"),
                      "'" + text + "' at " + quoted(draft.spec.at) + ", which is no word",
                      byte_names(draft.area->item_bits));
   }
   if (map.has("bit"))
-    map.faults().add(map.place_of("byte"), "a bit and a byte of one item", "one of bit, byte");
+    map.faults().add(map.position_of("byte"), "a bit and a byte of one item", "one of bit, byte");
 }
 
 // The type, by the key or by the notation; and the bit of a word.
@@ -65,7 +65,7 @@ void read_type(MapReader& map, Draft& draft) {
     if (fixed)
       encoding.type = ValueType::kBool, draft.typed = true;
     else if (draft.address) {
-      map.faults().add(map.place(), "'type' is missing in a channel", allowed_types());
+      map.faults().add(map.position(), "'type' is missing in a channel", allowed_types());
     }
   }
   read_byte(map, draft);
@@ -74,7 +74,7 @@ void read_type(MapReader& map, Draft& draft) {
   if (has_bit) encoding.bit = bit;
   if (!draft.address) return;
   if (has_bit && draft.address->bit) {
-    map.faults().add(map.place_of("bit"),
+    map.faults().add(map.position_of("bit"),
                      "the bit is named twice: " + quoted(draft.spec.at) + " has one already",
                      "one of 'at', 'bit'");
   }
@@ -95,7 +95,7 @@ void read_text(MapReader& map, Draft& draft) {
   const std::uint16_t there = draft.address->text_characters;
   const bool number = is_number(encoding) && !is_bcd(encoding.type);
   if (map.has("text") && !number) {
-    map.faults().add(map.place_of("text"),
+    map.faults().add(map.position_of("text"),
                      "'text' at a " + std::string(fieldcast::to_text(encoding.type)),
                      "a channel of an integer type, float32 or float64");
     return;
@@ -105,11 +105,12 @@ void read_text(MapReader& map, Draft& draft) {
   if (form.number) encoding.string_bytes = form.characters;
   encoding.text_number = form.number;
   if (said && form.characters == 0) {
-    map.faults().add(map.place_of("text"), "'text' does not say how many characters the number has",
+    map.faults().add(map.position_of("text"),
+                     "'text' does not say how many characters the number has",
                      std::string(kTextNumberForms));
     draft.typed = false;
   } else if (said && there != 0 && form.characters != there) {
-    map.faults().add(map.place_of("text"),
+    map.faults().add(map.position_of("text"),
                      "a number of " + std::to_string(form.characters) + " characters at " +
                          quoted(draft.spec.at) + ", which is a text of " + std::to_string(there) +
                          " characters",
@@ -138,17 +139,19 @@ void check_type(MapReader& map, Draft& draft) {
   const std::string type(fieldcast::to_text(encoding.type));
   const bool one_byte = !encoding.is_text() && width_bits(encoding) == 8;
   if (map.has("byte") && !one_byte) {
-    return map.faults().add(map.place_of("byte"), "'byte' with type " + type, "int8, uint8, bcd8");
+    return map.faults().add(map.position_of("byte"), "'byte' with type " + type,
+                            "int8, uint8, bcd8");
   }
   if (map.has("bit") && one_byte) {
-    return map.faults().add(map.place_of("bit"), "type " + type + " with a bit of a word", "byte");
+    return map.faults().add(map.position_of("bit"), "type " + type + " with a bit of a word",
+                            "byte");
   }
   const auto misfit = check_fit(draft.spec.at, *draft.address, *draft.area, encoding);
   if (!misfit) return;
   const std::string_view part = map.has("byte") ? "byte" : map.has("bit") ? "bit" : "at";
   const std::string_view own = map.has("type") ? "type" : "at";
-  map.faults().add(map.place_of(misfit->about == FitFault::About::kPart ? part : own), misfit->what,
-                   misfit->allowed, misfit->suggestion);
+  map.faults().add(map.position_of(misfit->about == FitFault::About::kPart ? part : own),
+                   misfit->what, misfit->allowed, misfit->suggestion);
 }
 
 // The range against its area and the blocks that the device can take.
@@ -160,7 +163,7 @@ void place_range(MapReader& map, const ChannelContext& context, Draft& draft) {
            item_count(draft.spec.encoding, area.item_bits)};
   const std::string count = std::to_string(range.count);
   if (range.first >= area.items || range.count > area.items - range.first) {
-    map.faults().add(map.place_of("at"),
+    map.faults().add(map.position_of("at"),
                      quoted(draft.spec.at) + " with " + count + " items reaches beyond the area " +
                          std::string(area.name),
                      "items 0 to " + std::to_string(area.items - 1));
@@ -169,7 +172,7 @@ void place_range(MapReader& map, const ChannelContext& context, Draft& draft) {
       context.max_block == 0 ? area.max_read : std::min(area.max_read, context.max_block);
   if (range.count > block) {
     map.faults().add(
-        map.place_of(map.has("type") ? "type" : "at"),
+        map.position_of(map.has("type") ? "type" : "at"),
         quoted(draft.spec.at) + " needs " + count + " items in one read",
         "at most " + std::to_string(block) + (block < area.max_read ? " (max-block)" : ""));
   }
@@ -186,7 +189,7 @@ void check_byte_write(MapReader& map, Draft& draft) {
   const auto why = why_no_byte_write(quoted(draft.spec.at), *draft.area);
   if (!why) return;
   if (map.has("access")) {
-    map.faults().add(map.place_of("access"), *why,
+    map.faults().add(map.position_of("access"), *why,
                      "read-only, the whole item, or on Modbus the option mask-write: true");
   }
   access = Access::kReadOnly;
@@ -196,34 +199,34 @@ void check_access(MapReader& map, Draft& draft) {
   auto& access = draft.spec.access;
   if (draft.area != nullptr && !draft.area->writable && access != Access::kReadOnly) {
     if (map.has("access")) {
-      map.faults().add(map.place_of("access"),
+      map.faults().add(map.position_of("access"),
                        "area " + std::string(draft.area->name) + " cannot be written", "read-only",
                        "read-only");
     }
     access = Access::kReadOnly;  // a default from above holds where it can
   }
   if (access == Access::kReadOnly && map.has("write")) {
-    map.faults().add(map.place_of("write"), "'write' at a channel that is read-only",
+    map.faults().add(map.position_of("write"), "'write' at a channel that is read-only",
                      "access: read-write, access: write-only");
   }
   check_byte_write(map, draft);
   if (draft.area != nullptr && access != Access::kReadOnly &&
       spec_items(draft) > draft.area->max_write) {
-    map.faults().add(map.place_of("at"),
+    map.faults().add(map.position_of("at"),
                      quoted(draft.spec.at) + " needs " + std::to_string(spec_items(draft)) +
                          " items in one write",
                      "at most " + std::to_string(draft.area->max_write));
   }
   if (draft.spec.mode == Mode::kOnDemand && draft.spec.on_interest && map.has("mode") &&
       map.has("acquire")) {
-    map.faults().add(map.place_of("acquire"),
+    map.faults().add(map.position_of("acquire"),
                      "'acquire: on-interest' at a channel that is read by command only",
                      "one of acquire: on-interest, mode: on-demand");
   }
   if (access != Access::kWriteOnly) return;
   for (const std::string_view key : {"deadband", "limits"}) {
     if (map.has(key))
-      map.faults().add(map.place_of(key), quoted(key) + " at a channel that is write-only",
+      map.faults().add(map.position_of(key), quoted(key) + " at a channel that is write-only",
                        "access: read-write");
   }
 }
@@ -234,33 +237,33 @@ void check_numbers(MapReader& map, Draft& draft) {
   const std::string type(fieldcast::to_text(spec.encoding.type));
   const bool number = is_number(spec.encoding);
   if (spec.encoding.scale == 0)
-    map.faults().add(map.place_of("scale"), "scale is 0", "any other number");
+    map.faults().add(map.position_of("scale"), "scale is 0", "any other number");
   check_deadband(map, spec);
   if (draft.typed && number) check_write_span(map, spec);
   if (!draft.typed || number) return;
   for (const std::string_view key : {"scale", "offset", "limits"}) {
     if (map.has(key))
-      map.faults().add(map.place_of(key), quoted(key) + " at a " + type,
+      map.faults().add(map.position_of(key), quoted(key) + " at a " + type,
                        "a channel of a numeric type");
   }
   if (spec.deadband.value_or(0) != 0)
-    map.faults().add(map.place_of("deadband"), "a deadband other than 0 at a " + type,
+    map.faults().add(map.position_of("deadband"), "a deadband other than 0 at a " + type,
                      "0: every change");
   if (spec.write_min || spec.write_max)
-    map.faults().add(map.place_of("write"), "write limits at a " + type, "interval");
+    map.faults().add(map.position_of("write"), "write limits at a " + type, "interval");
 }
 
 void check_heartbeat(MapReader& map, const ChannelDefaults& inherited, ChannelSpec& spec) {
   if (!spec.deadband) {
     spec.heartbeat.reset();  // a default from above holds where there is a deadband
     if (map.has("heartbeat"))
-      map.faults().add(map.place_of("heartbeat"), "'heartbeat' without 'deadband'",
+      map.faults().add(map.position_of("heartbeat"), "'heartbeat' without 'deadband'",
                        "both, or neither");
   } else if (spec.heartbeat && *spec.heartbeat < spec.refresh) {
     const bool own = map.has("heartbeat") || map.has("refresh");
     if (!own && inherited.spec.heartbeat) return;
     map.faults().add(
-        map.place_of(map.has("heartbeat") ? "heartbeat" : "refresh"),
+        map.position_of(map.has("heartbeat") ? "heartbeat" : "refresh"),
         "heartbeat " + fieldcast::to_text(*spec.heartbeat) + " is shorter than the refresh",
         fieldcast::to_text(spec.refresh) + " and above");
   }
@@ -282,7 +285,7 @@ ChannelSpec read_channel(const Node& node, const ChannelContext& context, FaultL
   const bool is_string = spec.encoding.type == ValueType::kString;
   if (is_string) spec.encoding.charset = draft.charset;
   if (map.has("encoding") && draft.typed && !is_string)
-    faults.add(map.place_of("encoding"),
+    faults.add(map.position_of("encoding"),
                "'encoding' at a " + std::string(fieldcast::to_text(spec.encoding.type)),
                "a channel of type string(n)");
 

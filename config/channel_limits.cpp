@@ -36,11 +36,11 @@ std::optional<std::pair<double, double>> span_of(const Encoding& encoding) {
 // A value that is back inside by the hysteresis must not be outside at the other end.
 void check_hysteresis(MapReader& map, const Limits& limits) {
   if (limits.hysteresis < 0)
-    map.faults().add(map.place_of("hysteresis"), "hysteresis is negative", "0 and above");
+    map.faults().add(map.position_of("hysteresis"), "hysteresis is negative", "0 and above");
   const auto lower = limits.low ? limits.low : limits.low_low;
   const auto upper = limits.high ? limits.high : limits.high_high;
   if (lower && upper && limits.hysteresis >= *upper - *lower && *upper > *lower) {
-    map.faults().add(map.place_of("hysteresis"), "hysteresis is as wide as the limits are apart",
+    map.faults().add(map.position_of("hysteresis"), "hysteresis is as wide as the limits are apart",
                      "less than their distance");
   }
 }
@@ -62,7 +62,8 @@ void read_limits(MapReader& channel, ChannelSpec& spec) {
   for (const auto& [key, limit] : ladder) {
     if (!*limit) continue;
     if (bound != nullptr && **limit <= **bound) {
-      map.faults().add(map.place_of(key), "limit " + quoted(key) + " is not above " + quoted(below),
+      map.faults().add(map.position_of(key),
+                       "limit " + quoted(key) + " is not above " + quoted(below),
                        "low-low < low < high < high-high");
     }
     below = key, bound = limit;
@@ -70,7 +71,7 @@ void read_limits(MapReader& channel, ChannelSpec& spec) {
   check_hysteresis(map, spec.limits);
   for (const std::string_view key : {"hysteresis", "delay"}) {
     if (bound == nullptr && map.has(key)) {
-      map.faults().add(map.place_of(key), quoted(key) + " without a limit",
+      map.faults().add(map.position_of(key), quoted(key) + " without a limit",
                        "low-low, low, high, high-high");
     }
   }
@@ -82,7 +83,7 @@ void read_write(MapReader& channel, ChannelSpec& spec) {
   MapReader map(*node, write_rows(), channel.faults());
   write_rows().read(map, spec);
   if (spec.write_min && spec.write_max && *spec.write_min > *spec.write_max) {
-    map.faults().add(map.place_of("max"), "write max is below min", "min <= max");
+    map.faults().add(map.position_of("max"), "write max is below min", "min <= max");
   }
 }
 
@@ -92,7 +93,7 @@ void check_write_span(MapReader& map, const ChannelSpec& spec) {
   if (!span || (spec.write_min.value_or(span->first) <= span->second &&
                 spec.write_max.value_or(span->second) >= span->first))
     return;
-  map.faults().add(map.place_of("write"), "no value of this channel is within its write limits",
+  map.faults().add(map.position_of("write"), "no value of this channel is within its write limits",
                    "limits that overlap with " + fieldcast::to_text(Value{span->first}) + " to " +
                        fieldcast::to_text(Value{span->second}));
 }
@@ -101,11 +102,11 @@ void check_write_span(MapReader& map, const ChannelSpec& spec) {
 void check_deadband(MapReader& map, const ChannelSpec& spec) {
   if (!spec.deadband) return;
   if (*spec.deadband < 0)
-    map.faults().add(map.place_of("deadband"), "deadband is negative", "0 and above");
+    map.faults().add(map.position_of("deadband"), "deadband is negative", "0 and above");
   const auto lower = spec.limits.low ? spec.limits.low : spec.limits.low_low;
   const auto upper = spec.limits.high ? spec.limits.high : spec.limits.high_high;
   if (lower && upper && *upper > *lower && *spec.deadband >= *upper - *lower) {
-    map.faults().add(map.place_of("deadband"), "deadband is as wide as the limits are apart",
+    map.faults().add(map.position_of("deadband"), "deadband is as wide as the limits are apart",
                      "less than their distance");
   }
 }

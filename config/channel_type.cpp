@@ -52,7 +52,7 @@ std::optional<Encoding> TypeRule::operator()(const Node& node, std::string_view 
   for (const auto& [other, ours] : kOtherNames) {
     if (lower(*text) == other) meant = ours;
   }
-  faults.add(node.place, "type '" + *text + "' is unknown", allowed, meant);
+  faults.add(node.position, "type '" + *text + "' is unknown", allowed, meant);
   return std::nullopt;
 }
 

@@ -18,7 +18,7 @@ namespace {
 
 struct Cell {
   std::string text;
-  Place place;
+  Position position;
 };
 using Row = std::vector<Cell>;
 
@@ -48,7 +48,7 @@ class RowReader {
   }
 
  private:
-  [[nodiscard]] Place here() const {
+  [[nodiscard]] Position here() const {
     return {&source_, line_, static_cast<std::uint32_t>(at_ - line_start_)};
   }
 
@@ -91,14 +91,14 @@ class RowReader {
     std::string_view text = text_.substr(at_, end - at_);
     at_ = end;
     if (text.ends_with('\r')) text.remove_suffix(1);
-    while (text.starts_with(' ')) text.remove_prefix(1), ++cell.place.column;
+    while (text.starts_with(' ')) text.remove_prefix(1), ++cell.position.column;
     while (text.ends_with(' ')) text.remove_suffix(1);
     cell.text = text;
     return true;
   }
 
   bool read_quoted(Cell& cell) {
-    const Place start = here();
+    const Position start = here();
     for (++at_; at_ < text_.size(); ++at_) {
       if (text_[at_] == '"') {
         if (at_ + 1 < text_.size() && text_[at_ + 1] == '"') {
@@ -146,10 +146,10 @@ std::vector<const Column*> read_header(const Row& row, FaultList& faults) {
     const auto found = std::ranges::find(columns(), cell.text, &Column::name);
     const Column* column = found == columns().end() ? nullptr : &*found;
     if (column == nullptr) {
-      faults.add(cell.place, "unknown column '" + cell.text + "'", joined(names),
+      faults.add(cell.position, "unknown column '" + cell.text + "'", joined(names),
                  closest(cell.text, names));
     } else if (std::ranges::find(header, column) != header.end()) {
-      faults.add(cell.place, "column '" + cell.text + "' stands twice", "each column once");
+      faults.add(cell.position, "column '" + cell.text + "' stands twice", "each column once");
     }
     header.push_back(column);
   }
@@ -158,7 +158,7 @@ std::vector<const Column*> read_header(const Row& row, FaultList& faults) {
     if (std::ranges::none_of(header, [&](const Column* column) {
           return column != nullptr && column->name == needed;
         })) {
-      faults.add(row.front().place, "column '" + std::string(needed) + "' is missing",
+      faults.add(row.front().position, "column '" + std::string(needed) + "' is missing",
                  joined(names));
       complete = false;
     }
@@ -170,16 +170,16 @@ class ListBuilder {
  public:
   explicit ListBuilder(Document& document) : document_(document) {}
 
-  Node& make(Kind kind, const Place& place, std::string text = {}) {
+  Node& make(Kind kind, const Position& position, std::string text = {}) {
     Node& node = document_.nodes.emplace_back();
     node.kind = kind;
-    node.place = place;
+    node.position = position;
     node.text = std::move(text);
     return node;
   }
 
   const Node& channel(const std::vector<const Column*>& header, const Row& row) {
-    Node& channel = make(Kind::kMap, row.front().place);
+    Node& channel = make(Kind::kMap, row.front().position);
     std::map<std::string_view, Node*> inner;  // limits, write: made when a cell first needs them
     for (std::size_t i = 0; i < row.size(); ++i) {
       const Column* column = header[i];
@@ -190,19 +190,19 @@ class ListBuilder {
       if (!column->map.empty()) {
         Node*& known = inner[column->map];
         if (known == nullptr) {
-          known = &make(Kind::kMap, cell.place);
+          known = &make(Kind::kMap, cell.position);
           add(channel, column->map, *known);
         }
         map = known;
       }
-      add(*map, column->key, make(Kind::kScalar, cell.place, cell.text));
+      add(*map, column->key, make(Kind::kScalar, cell.position, cell.text));
     }
     return channel;
   }
 
  private:
   void add(Node& map, std::string_view key, const Node& value) {
-    map.entries.push_back({&make(Kind::kScalar, value.place, std::string(key)), &value});
+    map.entries.push_back({&make(Kind::kScalar, value.position, std::string(key)), &value});
   }
 
   Document& document_;
@@ -227,15 +227,15 @@ std::unique_ptr<Document> parse_csv(Source source, FaultList& faults) {
   const auto header = read_header(*first, faults);
   if (header.empty()) return document;
   ListBuilder builder(*document);
-  Node& list = builder.make(Kind::kList, first->front().place);
+  Node& list = builder.make(Kind::kList, first->front().position);
   while (const auto row = rows.next()) {
     if (row->size() != header.size()) {
-      faults.add(row->front().place, "the row has " + std::to_string(row->size()) + " cells",
+      faults.add(row->front().position, "the row has " + std::to_string(row->size()) + " cells",
                  std::to_string(header.size()) + ", as the header row");
       continue;
     }
     if (list.items.size() == kMaxChannels) {
-      faults.add(row->front().place, "too many channels", std::to_string(kMaxChannels));
+      faults.add(row->front().position, "too many channels", std::to_string(kMaxChannels));
       break;
     }
     list.items.push_back(&builder.channel(header, *row));

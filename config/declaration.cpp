@@ -70,7 +70,7 @@ class DeclarationReader {
     if (node->kind == Kind::kList && !node->items.empty() && node->items.size() <= most)
       return node;
     const bool is_list = node->kind == Kind::kList;
-    faults_.add(node->place,
+    faults_.add(node->position,
                 std::string(key) + " is " +
                     (is_list ? (node->items.empty() ? "empty" : "too long")
                              : std::string(to_text(node->kind))),
@@ -88,15 +88,15 @@ class DeclarationReader {
                       "the highest address of a device");
     if (map.has("from") && map.has("to") &&
         declaration_.lowest_address > declaration_.highest_address)
-      faults_.add(map.place_of("to"), "addresses end below their beginning", "from <= to");
+      faults_.add(map.position_of("to"), "addresses end below their beginning", "from <= to");
   }
 
   void read_area(const Node& node) {
     MapReader map(node, kAreaKeys, faults_);
     DeclaredArea area;
     map.read_required("name", area.name, NameRule{}, "a name for the area");
-    area_names_.add("area", area.name, node.place, faults_);
-    area_places_.push_back(node.place);
+    area_names_.add("area", area.name, node.position, faults_);
+    area_positions_.push_back(node.position);
     map.read("record", area.record, FlagRule{});
     map.read("item", area.item_bits, ChoiceRule<std::uint8_t>{kItems});
     map.read("items", area.items, WholeRule{1, kMaxItems});
@@ -106,7 +106,7 @@ class DeclarationReader {
     map.read("origin", area.origin, WholeRule{0, kMaxItems});
     for (const auto* key : {"item", "items", "prefix", "base", "origin"}) {
       if (area.record && map.has(key))
-        faults_.add(map.place_of(key), "'" + std::string(key) + "' has no meaning for a record",
+        faults_.add(map.position_of(key), "'" + std::string(key) + "' has no meaning for a record",
                     "a record's places are the values of its answer");
     }
     if (area.record) area.items = 0, area.item_bits = 16;
@@ -116,15 +116,15 @@ class DeclarationReader {
   void read_operation(const Node& node) {
     MapReader map(node, kOperationKeys, faults_);
     DraftOperation draft;
-    draft.place = node.place;
+    draft.position = node.position;
     map.read_required("name", draft.operation.name, TextRule{kMaxNameLength},
                       "a name for the operation");
     const Node* read = map.find("read");
     const Node* write = map.find("write");
     if (read != nullptr && write != nullptr)
-      faults_.add(write->place, "an operation reads and writes", "one of read, write");
+      faults_.add(write->position, "an operation reads and writes", "one of read, write");
     if (map.is_map() && !map.has_or_means("read") && !map.has_or_means("write"))
-      faults_.add(map.place(), "an operation neither reads nor writes",
+      faults_.add(map.position(), "an operation neither reads nor writes",
                   "read: AREA, or write: AREA");
     draft.operation.write = read == nullptr;
     const Node* naming = read != nullptr ? read : write;
@@ -152,7 +152,7 @@ class DeclarationReader {
     if (text == nullptr) return false;
     const auto found = std::ranges::find(names, *text);
     if (found == names.end()) {
-      faults_.add(naming.place, "no area is named '" + *text + "'", joined(names),
+      faults_.add(naming.position, "no area is named '" + *text + "'", joined(names),
                   closest(*text, names));
       return false;
     }
@@ -164,7 +164,7 @@ class DeclarationReader {
   void read_count(MapReader& map, DraftOperation& draft) {
     auto& operation = draft.operation;
     const Node* node = map.find("count");
-    draft.count_place = node == nullptr ? draft.place : node->place;
+    draft.count_position = node == nullptr ? draft.position : node->position;
     if (node == nullptr) return;
     if (node->kind != Kind::kMap) {
       if (const auto most = WholeRule{1, 65535}(*node, "count", faults_))
@@ -174,10 +174,10 @@ class DeclarationReader {
       range.read_required("from", operation.min_count, WholeRule{1, 65535}, "the fewest items");
       range.read_required("to", operation.max_count, WholeRule{1, 65535}, "the most items");
       if (range.has("from") && range.has("to") && operation.min_count > operation.max_count)
-        faults_.add(range.place_of("to"), "count ends below its beginning", "from <= to");
+        faults_.add(range.position_of("to"), "count ends below its beginning", "from <= to");
     }
     if (draft.good && declaration_.areas[operation.area].record)
-      faults_.add(node->place, "'count' has no meaning for a record", "a record is read whole");
+      faults_.add(node->position, "'count' has no meaning for a record", "a record is read whole");
   }
 
   void read_errors() {
@@ -193,7 +193,7 @@ class DeclarationReader {
     const Node* busy = map.find("busy");
     if (busy == nullptr) return;
     if (busy->kind != Kind::kList) {
-      faults_.add(busy->place, "busy is " + std::string(to_text(busy->kind)), "a list of codes",
+      faults_.add(busy->position, "busy is " + std::string(to_text(busy->kind)), "a list of codes",
                   "[" + busy->text + "]");
       return;
     }
@@ -206,7 +206,7 @@ class DeclarationReader {
   void read_codes(const Node& node) {
     if (node.kind != Kind::kMap || node.entries.size() > kMaxCodes) {
       faults_.add(
-          node.place,
+          node.position,
           "codes is " + (node.kind == Kind::kMap ? "too long" : std::string(to_text(node.kind))),
           "at most " + std::to_string(kMaxCodes) + " lines CODE: TEXT");
       return;
@@ -234,7 +234,7 @@ class DeclarationReader {
         continue;  // two of one name: said already
       const std::string area = "area '" + declaration_.areas[i].name + "'";
       if (uses(false) == 0)
-        faults_.add(area_places_[i], area + " is read by no operation",
+        faults_.add(area_positions_[i], area + " is read by no operation",
                     "an operation with read: " + declaration_.areas[i].name);
     }
   }
@@ -244,7 +244,7 @@ class DeclarationReader {
   Declaration declaration_;
   FieldDefaults defaults_;
   UniqueNames area_names_;
-  std::vector<Place> area_places_;
+  std::vector<Position> area_positions_;
   std::vector<DraftOperation> operations_;
 };
 

@@ -34,14 +34,15 @@ class OperationCheck {
     check_variable(draft_.answer);
     for (const auto& draft : draft_.request.fields) {
       if (draft.field.variable)
-        faults_.add(draft.place, "a variable text in a request",
+        faults_.add(draft.position, "a variable text in a request",
                     "a fixed one: requests have one length");
     }
   }
 
  private:
-  void needs(bool there, const Place& place, const std::string& what, const std::string& allowed) {
-    if (!there) faults_.add(place, what, allowed);
+  void needs(bool there, const Position& position, const std::string& what,
+             const std::string& allowed) {
+    if (!there) faults_.add(position, what, allowed);
   }
 
   // Every number that a field may have to hold.
@@ -55,7 +56,7 @@ class OperationCheck {
             std::min(declared::largest(field.word), UINT64_MAX >> (64 - field.bits));
         const bool below = field.plus < 0 && lowest < static_cast<std::uint64_t>(-field.plus);
         if (below || highest + static_cast<std::uint64_t>(field.plus) > largest)
-          faults_.add(draft.place,
+          faults_.add(draft.position,
                       quoted(field.name) + " is too narrow: " + what + " " +
                           (below ? "falls below 0"
                                  : "reaches " + std::to_string(highest + static_cast<std::uint64_t>(
@@ -67,7 +68,7 @@ class OperationCheck {
           holds(declaration_.lowest_address, declaration_.highest_address, "the address");
           break;
         case FieldKind::kCommand:
-          needs(draft_.has_command, draft.place,
+          needs(draft_.has_command, draft.position,
                 "the operation " + quoted(operation_.name) + " has no command",
                 "command: a number, in the operation");
           holds(operation_.command, operation_.command, "the command");
@@ -80,18 +81,18 @@ class OperationCheck {
         case FieldKind::kLength: check_length(frame, draft, holds); break;
         case FieldKind::kItems:
           if (area_.record)
-            faults_.add(draft.place, quoted(area_.name) + " is a record and has no items",
+            faults_.add(draft.position, quoted(area_.name) + " is a record and has no items",
                         "is: value, for each of its values");
           if (area_.item_bits > 1 && field.word.notation == declared::Notation::kDecimal &&
               declared::largest(field.word) < UINT64_MAX >> (64 - area_.item_bits))
-            faults_.add(draft.place,
+            faults_.add(draft.position,
                         quoted(field.name) + " is too narrow for items of " +
                             std::to_string(area_.item_bits) + " bits",
                         "more digits");
           break;
         case FieldKind::kValue:
           if (!area_.record)
-            faults_.add(draft.place, quoted(area_.name) + " is no record and has no values",
+            faults_.add(draft.position, quoted(area_.name) + " is no record and has no values",
                         "is: items, or record: true in the area");
           break;
         default: break;
@@ -100,7 +101,7 @@ class OperationCheck {
     if (!frame.good) return;
     const auto whole = declared::size_of(frame.frame(), area_.item_bits, operation_.max_count);
     if (whole > declared::kMaxFrame)
-      faults_.add(draft_.count_place,
+      faults_.add(draft_.count_position,
                   "a frame of " + std::to_string(whole) + " characters is too long",
                   "at most " + std::to_string(declared::kMaxFrame));
   }
@@ -134,17 +135,17 @@ class OperationCheck {
     if (!carrier.good) return;
     const std::string where = operation_.write ? "the request of a write carries no "
                                                : "the answer of a read carries no ";
-    needs(number_of(carrier, kind) > 0, carrier.place, where + (area_.record ? "values" : "items"),
-          "a field that " + wanted);
+    needs(number_of(carrier, kind) > 0, carrier.position,
+          where + (area_.record ? "values" : "items"), "a field that " + wanted);
     for (const auto* frame : {&draft_.request, &draft_.answer}) {
       if (number_of(*frame, FieldKind::kItems) > 1)
-        faults_.add(frame->place, "items stand twice in one frame", "one field that is: items");
+        faults_.add(frame->position, "items stand twice in one frame", "one field that is: items");
     }
     if (!operation_.write && draft_.request.find(FieldKind::kItems) != nullptr)
-      faults_.add(draft_.request.find(FieldKind::kItems)->place,
+      faults_.add(draft_.request.find(FieldKind::kItems)->position,
                   "the request of a read carries items", "is: count, is: first");
     if (!operation_.write && draft_.request.find(FieldKind::kValue) != nullptr)
-      faults_.add(draft_.request.find(FieldKind::kValue)->place,
+      faults_.add(draft_.request.find(FieldKind::kValue)->position,
                   "the request of a read carries a value", "a constant, or is: unused");
   }
 
@@ -152,13 +153,13 @@ class OperationCheck {
   void check_addressing() {
     if (area_.record || !draft_.request.good) return;
     needs(area_.items == 1 || draft_.request.find(FieldKind::kFirst) != nullptr,
-          draft_.request.place,
+          draft_.request.position,
           "the request does not say which of " + std::to_string(area_.items) + " items it means",
           "a field that is: first");
     if (operation_.min_count == operation_.max_count) return;
     const bool counted = draft_.request.find(FieldKind::kCount) != nullptr ||
                          draft_.request.find(FieldKind::kLength) != nullptr;
-    needs(counted, draft_.request.place, "the request does not say how many items it means",
+    needs(counted, draft_.request.position, "the request does not say how many items it means",
           "a field that is: count, or no 'count' in the operation");
   }
 
@@ -175,12 +176,12 @@ class OperationCheck {
       const bool ended = i + 1 < frame.fields.size() &&
                          frame.fields[i + 1].field.kind == FieldKind::kConstant &&
                          !frame.fields[i + 1].shares;
-      needs(told || ended, frame.fields[i].place,
+      needs(told || ended, frame.fields[i].position,
             "nothing tells where " + quoted(field.name) + " ends",
             "a constant behind it, or a length of it before it");
       if (std::ranges::count_if(frame.fields,
                                 [](const DraftField& each) { return each.field.variable; }) > 1)
-        faults_.add(frame.fields[i].place, "two variable texts in one frame", "one");
+        faults_.add(frame.fields[i].position, "two variable texts in one frame", "one");
     }
   }
 
@@ -200,7 +201,7 @@ class Placing {
   void define(DraftOperation& draft) {
     DeclaredArea& area = declaration_.areas[draft.operation.area];
     if (!area.places.empty()) {
-      faults_.add(draft.place, "the record " + quoted(area.name) + " is read twice",
+      faults_.add(draft.position, "the record " + quoted(area.name) + " is read twice",
                   "one operation that reads it");
       return;
     }
@@ -210,7 +211,7 @@ class Placing {
       for (const auto& other : declaration_.areas) {
         if (std::ranges::find(other.places, field.field.name, &declared::Place::name) !=
             other.places.end())
-          faults_.add(field.place, "value " + quoted(field.field.name) + " exists already",
+          faults_.add(field.position, "value " + quoted(field.field.name) + " exists already",
                       "names that occur once");
       }
       field.field.place = static_cast<std::uint16_t>(area.items);
@@ -238,7 +239,7 @@ class Placing {
     }
     if (sum == 0) return;
     if (high - low != sum)
-      faults_.add(draft.request.place,
+      faults_.add(draft.request.position,
                   "the values of a write do not follow each other in the record",
                   "neighbours, or a write for each");
     draft.operation.first = static_cast<std::uint16_t>(low);
@@ -251,13 +252,13 @@ class Placing {
     for (const auto& place : area.places) names.push_back(place.name);
     const auto place = std::ranges::find(area.places, draft.field.name, &declared::Place::name);
     if (place == area.places.end()) {
-      faults_.add(draft.place, "no answer brings a value " + quoted(draft.field.name),
+      faults_.add(draft.position, "no answer brings a value " + quoted(draft.field.name),
                   joined(names), closest(draft.field.name, names));
       return false;
     }
     const unsigned bits = draft.field.text_size != 0 ? 0u : draft.field.bits;
     if (bits != place->bits || declared::items_of(draft.field) != place->items) {
-      faults_.add(draft.place,
+      faults_.add(draft.position,
                   "value " + quoted(draft.field.name) +
                       " has another width than in the answer that brings it",
                   std::to_string(place->bits) + " bits");
@@ -297,16 +298,16 @@ void check_refusal(const Declaration& declaration, const std::vector<DraftOperat
                    const DraftFrame& refusal, FaultList& faults) {
   if (refusal.fields.empty()) return;
   if (refusal.find(FieldKind::kError) == nullptr)
-    faults.add(refusal.place, "a refusal without a code", "a field that is: error");
+    faults.add(refusal.position, "a refusal without a code", "a field that is: error");
   for (const DraftField& draft : refusal.fields) {
     const auto kind = draft.field.kind;
     if (kind == FieldKind::kItems || kind == FieldKind::kValue || kind == FieldKind::kFirst ||
         kind == FieldKind::kCount)
-      faults.add(draft.place, "a refusal brings no " + quoted(draft.field.name),
+      faults.add(draft.position, "a refusal brings no " + quoted(draft.field.name),
                  "constant, address, command, error, length, sequence, checksum, unused");
     if (kind == FieldKind::kAddress &&
         declaration.highest_address > declared::largest(draft.field.word))
-      faults.add(draft.place,
+      faults.add(draft.position,
                  quoted(draft.field.name) + " is too narrow: the address reaches " +
                      std::to_string(declaration.highest_address),
                  "a wider field");
@@ -335,7 +336,7 @@ void check_refusal(const Declaration& declaration, const std::vector<DraftOperat
                             marks(refusal) != marks(draft.answer) ||
                             draft.answer.find(FieldKind::kError) != nullptr;
     if (!told_apart)
-      faults.add(refusal.place,
+      faults.add(refusal.position,
                  "a refusal cannot be told from the answer of " + quoted(draft.operation.name),
                  "another length, constant or command, or is: error in the answer too");
   }

@@ -93,7 +93,7 @@ class FieldReader {
         defaults_(defaults),
         item_bits_(item_bits),
         before_(faults.size()) {
-    draft_.place = node.place;
+    draft_.position = node.position;
   }
 
   DraftField run() {
@@ -120,16 +120,16 @@ class FieldReader {
     const bool is = map_.read("is", field.kind, ChoiceRule<FieldKind>{kKinds});
     if (constant == nullptr) {
       if (!is && map_.is_map() && !map_.has_or_means("is") && !map_.has_or_means("constant"))
-        faults_.add(map_.place(), "a field is neither constant nor anything else",
+        faults_.add(map_.position(), "a field is neither constant nor anything else",
                     "constant: 0x55, or is: address, is: value, ...");
       return;
     }
     if (map_.has("is"))
-      faults_.add(map_.place_of("is"), "a field is a constant and something else",
+      faults_.add(map_.position_of("is"), "a field is a constant and something else",
                   "one of constant, is");
     if (constant->kind == Kind::kScalar && constant->quoted) {
       if (constant->text.empty() || constant->text.size() > 64)
-        faults_.add(constant->place,
+        faults_.add(constant->position,
                     "constant is " + std::string(constant->text.empty() ? "empty" : "too long"),
                     "1 to 64 characters");
       field.text = constant->text;
@@ -147,31 +147,31 @@ class FieldReader {
         "digits", digits, WholeRule{1, field.word.notation == Notation::kDecimal ? 18 : 16});
     read_text();
     map_.read("variable", field.variable, FlagRule{});
-    draft_.width_place = map_.has("bytes")  ? map_.place_of("bytes")
-                         : map_.has("bits") ? map_.place_of("bits")
-                                            : map_.place_of("digits");
+    draft_.width_position = map_.has("bytes")  ? map_.position_of("bytes")
+                            : map_.has("bits") ? map_.position_of("bits")
+                                               : map_.position_of("digits");
     const int widths = map_.has("bytes") + map_.has("bits") + map_.has("digits") +
                        map_.has("text") + !field.text.empty();
     if (widths > 1)
-      faults_.add(draft_.place, "the width of a field is given twice",
+      faults_.add(draft_.position, "the width of a field is given twice",
                   "one of bytes, bits, digits, text");
     if (field.variable && field.text_size == 0 && !map_.has_or_means("text"))
-      faults_.add(map_.place_of("variable"), "only a text can be variable",
+      faults_.add(map_.position_of("variable"), "only a text can be variable",
                   "text: the most characters that it has");
     if (in_digits && field.word.notation == Notation::kBinary)
-      faults_.add(map_.place_of("digits"), "a binary field has no digits", "as: hex or as: decimal",
-                  "bytes");
+      faults_.add(map_.position_of("digits"), "a binary field has no digits",
+                  "as: hex or as: decimal", "bytes");
     if (!in_digits && field.word.notation == Notation::kDecimal && field.text.empty() &&
         field.text_size == 0)
-      faults_.add(draft_.place, "a decimal field does not say how many digits it has",
+      faults_.add(draft_.position, "a decimal field does not say how many digits it has",
                   "digits: 1 to 18");
     const bool bit_items = field.kind == FieldKind::kItems && item_bits_ == 1;
     if (field.kind == FieldKind::kItems && !bit_items && (in_bytes || in_bits))
-      faults_.add(draft_.width_place, "the width of items is that of their area",
+      faults_.add(draft_.width_position, "the width of items is that of their area",
                   "no bytes, no bits");
     if (bit_items) field.packed = !map_.has("on") && !map_.has("off");
     if (field.packed && (in_bytes || in_bits))
-      faults_.add(draft_.width_place, "bits stand eight in a byte",
+      faults_.add(draft_.width_position, "bits stand eight in a byte",
                   "no width, or on and off for one that has a word of its own");
     if (field.kind == FieldKind::kItems && !bit_items) bytes = std::max(1u, item_bits_ / 8);
     if (!in_bits) bits = bytes != 0 ? 8 * bytes : 8;
@@ -184,7 +184,7 @@ class FieldReader {
     field.word.characters = static_cast<std::uint8_t>(digits);
     field.bits = static_cast<std::uint8_t>(field.word.notation == Notation::kHex ? 4 * digits : 64);
     if (field.word.notation == Notation::kHex && field.word.little_endian && digits % 2 != 0)
-      faults_.add(map_.place_of("digits"), "pairs of digits cannot be turned in an odd number",
+      faults_.add(map_.position_of("digits"), "pairs of digits cannot be turned in an odd number",
                   "an even number of digits");
   }
 
@@ -202,7 +202,8 @@ class FieldReader {
     const auto form = TextFormRule{}(*node, "text", faults_);
     if (!form) return;
     if (form->characters == 0) {
-      faults_.add(node->place, "text '" + node->text + "' does not say how many characters it has",
+      faults_.add(node->position,
+                  "text '" + node->text + "' does not say how many characters it has",
                   std::string(kTextNumberForms), node->text + "(7)");
       return;
     }
@@ -219,12 +220,12 @@ class FieldReader {
     if (node == nullptr) return;
     if (const auto number = WholeRule{0, INT64_MAX}(*node, key, faults_)) {
       target = static_cast<std::uint64_t>(*number);
-      too_wide(target, node->place, key);
+      too_wide(target, node->position, key);
     }
   }
-  void too_wide(std::uint64_t number, const Place& place, std::string_view key) {
+  void too_wide(std::uint64_t number, const Position& position, std::string_view key) {
     if (number > most())
-      faults_.add(place,
+      faults_.add(position,
                   std::string(key) + " " + std::to_string(number) + " does not fit its field",
                   "0 to " + std::to_string(most()) + ", or a wider field");
   }
@@ -232,13 +233,13 @@ class FieldReader {
   void read_numbers() {
     Field& field = draft_.field;
     if (map_.has("constant") && field.text.empty())
-      too_wide(field.number, map_.place_of("constant"), "constant");
+      too_wide(field.number, map_.position_of("constant"), "constant");
     map_.read("plus", field.plus, WholeRule{-65535, 65535});
     map_.read("times", field.times, WholeRule{1, 65535});
     read_number("on", field.on);
     read_number("off", field.off);
     if (map_.has("on") && field.on == field.off)
-      faults_.add(map_.place_of("on"), "on and off are the same", "two numbers");
+      faults_.add(map_.position_of("on"), "on and off are the same", "two numbers");
     read_number("ok", field.number);
     read_number("fill", field.number);
     map_.read("signed", field.is_signed, FlagRule{});
@@ -246,7 +247,7 @@ class FieldReader {
     const bool measures = field.kind == FieldKind::kLength || field.kind == FieldKind::kChecksum;
     const Node* of = measures ? map_.require("of", "a field, or FIRST..LAST") : map_.find("of");
     if (of == nullptr) return;
-    draft_.of_place = of->place;
+    draft_.of_position = of->position;
     if (const auto* text = scalar_of(*of, "of", "a field, or FIRST..LAST", faults_))
       draft_.of = *text;
   }
@@ -270,8 +271,9 @@ class FieldReader {
     const unsigned needed = field.check.kind == CheckKind::kCrc16 ? 16 : 8;
     if (draft_.shares || field.word.notation == Notation::kDecimal || field.bits % 8 != 0 ||
         field.bits < needed || field.bits > 32)
-      faults_.add(map_.has("bytes") || map_.has("bits") || map_.has("digits") ? draft_.width_place
-                                                                              : kind->place,
+      faults_.add(map_.has("bytes") || map_.has("bits") || map_.has("digits")
+                      ? draft_.width_position
+                      : kind->position,
                   "a checksum " + kind->text + " does not fit its field",
                   "bytes: " + std::string(needed == 16 ? "2" : "1 to 4"));
   }
@@ -281,7 +283,7 @@ class FieldReader {
       if (!map_.has(key) || std::ranges::find(kinds, draft_.field.kind) != kinds.end()) continue;
       std::vector<std::string_view> words;
       for (const auto kind : kinds) words.push_back(word_of(kind));
-      faults_.add(map_.place_of(key),
+      faults_.add(map_.position_of(key),
                   "'" + std::string(key) + "' has no meaning for a field that is " +
                       std::string(word_of(draft_.field.kind)),
                   "it belongs to " + joined(words));

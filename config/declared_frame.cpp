@@ -39,7 +39,7 @@ class Sharing {
  private:
   void close() {
     if (bits_ == 0) return;
-    faults_.add(frame_.fields[first_].place,
+    faults_.add(frame_.fields[first_].position,
                 "the bits from " + quoted(frame_.fields[first_].field.name) +
                     " on fill no whole byte: they are " + std::to_string(bits_),
                 "fields of 8, 16, ... bits together", "");
@@ -50,7 +50,7 @@ class Sharing {
   void share(std::size_t end) {
     const Field& opener = frame_.fields[first_].field;
     if (bits_ > 64) {
-      faults_.add(frame_.fields[first_].place, "more than 64 bits stand together",
+      faults_.add(frame_.fields[first_].position, "more than 64 bits stand together",
                   "at most 64 bits before they fill whole bytes");
       frame_.good = false;
     } else {
@@ -59,7 +59,7 @@ class Sharing {
         Field& field = frame_.fields[i].field;
         if (field.word.notation != opener.word.notation ||
             field.word.little_endian != opener.word.little_endian) {
-          faults_.add(frame_.fields[i].place,
+          faults_.add(frame_.fields[i].position,
                       quoted(field.name) + " shares a byte with " + quoted(opener.name) +
                           ", which is written otherwise",
                       "the same 'as' and 'order'");
@@ -85,7 +85,7 @@ class Sharing {
 
 // The place of a field by its name; a fault when there is none, or several.
 std::optional<std::uint8_t> field_named(const DraftFrame& frame, std::string_view name,
-                                        const Place& place, FaultList& faults) {
+                                        const Position& position, FaultList& faults) {
   std::vector<std::string_view> names;
   std::optional<std::uint8_t> found;
   unsigned times = 0;
@@ -95,9 +95,9 @@ std::optional<std::uint8_t> field_named(const DraftFrame& frame, std::string_vie
   }
   if (times == 1) return found;
   if (times == 0)
-    faults.add(place, "no field is named " + quoted(name), joined(names), closest(name, names));
+    faults.add(position, "no field is named " + quoted(name), joined(names), closest(name, names));
   else
-    faults.add(place, std::to_string(times) + " fields are named " + quoted(name),
+    faults.add(position, std::to_string(times) + " fields are named " + quoted(name),
                "names that occur once");
   return std::nullopt;
 }
@@ -107,20 +107,21 @@ void resolve_span(DraftFrame& frame, std::size_t at, FaultList& faults) {
   if (draft.of.empty()) return;
   const std::string_view text = draft.of;
   const auto dots = text.find("..");
-  const auto from = field_named(frame, text.substr(0, dots), draft.of_place, faults);
-  const auto to =
-      dots == text.npos ? from : field_named(frame, text.substr(dots + 2), draft.of_place, faults);
+  const auto from = field_named(frame, text.substr(0, dots), draft.of_position, faults);
+  const auto to = dots == text.npos
+                      ? from
+                      : field_named(frame, text.substr(dots + 2), draft.of_position, faults);
   frame.good = frame.good && from && to;
   if (!from || !to) return;
   draft.field.of = {*from, *to};
   if (*from > *to) {
-    faults.add(draft.of_place, quoted(text) + " runs backwards", {},
+    faults.add(draft.of_position, quoted(text) + " runs backwards", {},
                std::string(text.substr(dots + 2)) + ".." + std::string(text.substr(0, dots)));
   } else if (draft.field.kind == FieldKind::kChecksum && draft.field.of.holds(at)) {
-    faults.add(draft.of_place, "a checksum over itself", "fields before or behind it");
+    faults.add(draft.of_position, "a checksum over itself", "fields before or behind it");
   } else if (!frame.fields[*from].field.opens ||
              (*to + 1u < frame.fields.size() && !frame.fields[*to + 1u].field.opens)) {
-    faults.add(draft.of_place, quoted(text) + " begins or ends within a byte", "whole bytes");
+    faults.add(draft.of_position, quoted(text) + " begins or ends within a byte", "whole bytes");
   } else {
     return;
   }
@@ -145,11 +146,11 @@ const DraftField* DraftFrame::find(FieldKind kind) const {
 DraftFrame read_frame(const Node& node, std::string_view what, const FieldDefaults& defaults,
                       unsigned item_bits, FaultList& faults) {
   DraftFrame frame;
-  frame.place = node.place;
+  frame.position = node.position;
   if (node.kind != Kind::kList || node.items.empty() || node.items.size() > declared::kMaxFields) {
     const bool list = node.kind == Kind::kList;
     faults.add(
-        node.place,
+        node.position,
         std::string(what) + " is " +
             (list ? (node.items.empty() ? "empty" : "too long") : std::string(to_text(node.kind))),
         "a list of 1 to " + std::to_string(declared::kMaxFields) + " fields");

@@ -1,4 +1,4 @@
-// A frame of a declared protocol while it is read: its fields, each with its place in the text.
+// A frame of a declared protocol while it is read: its fields, each with its position in the text.
 // Inside config/ only.
 #pragma once
 
@@ -21,8 +21,8 @@ struct FieldDefaults {
 // One field as it stands in the text.
 struct DraftField {
   declared::Field field;
-  Place place;
-  Place width_place, of_place;
+  Position position;
+  Position width_position, of_position;
   std::string of;
   bool in_bits = false;  // its width is given in bits,
   bool shares = false;   // which fill no bytes by themselves
@@ -31,7 +31,7 @@ struct DraftField {
 
 struct DraftFrame {
   std::vector<DraftField> fields;
-  Place place;
+  Position position;
   bool good = true;
   [[nodiscard]] declared::Frame frame() const;
   [[nodiscard]] const DraftField* find(declared::FieldKind kind) const;
@@ -39,7 +39,7 @@ struct DraftFrame {
 
 struct DraftOperation {
   declared::Operation operation;
-  Place place, count_place;
+  Position position, count_position;
   DraftFrame request, answer;
   bool has_command = false;
   bool good = true;  // its area is known

@@ -33,7 +33,7 @@ void read_channel_nodes(MapReader& map, Draft& draft, LoadState& state) {
   if (node->kind == Kind::kScalar) node = state.library.channel_list(*node);
   if (node == nullptr) return;
   if (node->kind != Kind::kList) {
-    state.faults.add(node->place, "channels is " + std::string(to_text(node->kind)),
+    state.faults.add(node->position, "channels is " + std::string(to_text(node->kind)),
                      "a list of channels, or the name of a CSV file");
     return;
   }
@@ -47,7 +47,7 @@ void check_template_protocols(MapReader& map, const Node& naming, const std::str
   if (node == nullptr) return;
   if (node->kind != Kind::kList || node->items.empty()) {
     map.faults().add(
-        node->place,
+        node->position,
         "protocols is " + (node->kind == Kind::kList ? "empty" : std::string(to_text(node->kind))),
         "a list of protocols");
     return;
@@ -61,7 +61,7 @@ void check_template_protocols(MapReader& map, const Node& naming, const std::str
       names.push_back(std::move(choice.name));
   }
   if (protocol.empty() || names.size() != node->items.size()) return;
-  map.faults().add(naming.place, "template '" + naming.text + "' is not for " + protocol,
+  map.faults().add(naming.position, "template '" + naming.text + "' is not for " + protocol,
                    joined(std::vector<std::string_view>(names.begin(), names.end())));
 }
 
@@ -90,7 +90,7 @@ std::unique_ptr<Protocol> protocol_of(MapReader& map, const ProtocolChoice& choi
   for (const auto& [name, value] : draft.defaults.spec.link.options) {
     if (std::ranges::find(options, name) != options.end()) continue;
     known = false;
-    map.faults().add(draft.defaults.options.places.at(name),
+    map.faults().add(draft.defaults.options.positions.at(name),
                      "unknown option '" + name + "' of " + choice.name,
                      options.empty() ? "no options" : joined(options), closest(name, options));
   }
@@ -98,28 +98,29 @@ std::unique_ptr<Protocol> protocol_of(MapReader& map, const ProtocolChoice& choi
   auto protocol = make_protocol(draft.defaults.spec, line_of(port));
   if (protocol) return std::move(*protocol);
   const auto& fault = protocol.error();
-  const auto option = draft.defaults.options.places.find(fault.option);
+  const auto option = draft.defaults.options.positions.find(fault.option);
   if (fault.option.empty() && !has_address)
     return nullptr;  // the address is missing or no number: said already
-  const bool of_option = option != draft.defaults.options.places.end();
-  map.faults().add(of_option ? option->second : map.place_of("address"),
+  const bool of_option = option != draft.defaults.options.positions.end();
+  map.faults().add(of_option ? option->second : map.position_of("address"),
                    (of_option ? "option '" + fault.option + "': " : std::string{}) + fault.what,
                    fault.allowed);
   return nullptr;
 }
 
-void read_channels(const Draft& draft, const Protocol* protocol, const Place& place,
+void read_channels(const Draft& draft, const Protocol* protocol, const Position& position,
                    DeviceSpec& spec, LoadState& state) {
   const ChannelContext context{protocol, draft.defaults.channels, draft.defaults.spec.max_block};
   UniqueNames names;
   spec.channels.reserve(std::min(draft.channels.size(), kMaxChannels));
   for (const Node* node : draft.channels) {
     if (state.channels++ >= kMaxChannels) {
-      state.faults.add(place, "too many channels", std::to_string(kMaxChannels) + " of a bridge");
+      state.faults.add(position, "too many channels",
+                       std::to_string(kMaxChannels) + " of a bridge");
       return;
     }
     spec.channels.push_back(read_channel(*node, context, state.faults));
-    names.add("channel", spec.channels.back().name, node->place, state.faults);
+    names.add("channel", spec.channels.back().name, node->position, state.faults);
   }
 }
 
@@ -138,19 +139,19 @@ DeviceSpec read_device(const Node& node, const DeviceContext& context, LoadState
     // The bus's options are those of its protocol.
     if (context.protocol_named && choice.name != context.protocol.name) draft.defaults.options = {};
   } else if (!context.protocol_named && map.is_map() && !map.has("protocol")) {
-    state.faults.add(map.place(), "'protocol' is missing in a device, and its bus names none",
+    state.faults.add(map.position(), "'protocol' is missing in a device, and its bus names none",
                      "a protocol here or in the bus");
   }
   if (choice.known()) {
     spec.protocol = choice.name;
     spec.declaration = choice.declaration;
     check_port(spec.protocol, context.port,
-               map.has("protocol") ? map.place_of("protocol") : context.protocol_place,
+               map.has("protocol") ? map.position_of("protocol") : context.protocol_position,
                state.faults);
   }
   if (has_address && choice.known()) {
     const std::string address = std::to_string(spec.link.address) + " (" + spec.protocol + ')';
-    context.addresses.add("address", address, map.place_of("address"), state.faults);
+    context.addresses.add("address", address, map.position_of("address"), state.faults);
   }
 
   if (const Node* naming = map.find("template"))
@@ -163,10 +164,10 @@ DeviceSpec read_device(const Node& node, const DeviceContext& context, LoadState
       choice.known() ? protocol_of(map, choice, context.port, has_address, draft) : nullptr;
   if (draft.channels.empty() && map.is_map() && !map.has("channels") && !map.has("template") &&
       !spec.allow_raw_read && !spec.allow_raw_write) {
-    state.faults.add(map.place(), "a device without channels",
+    state.faults.add(map.position(), "a device without channels",
                      "channels, a template, or allow: [raw-read, raw-write]");
   }
-  read_channels(draft, protocol.get(), map.place_of("channels"), spec, state);
+  read_channels(draft, protocol.get(), map.position_of("channels"), spec, state);
   return std::move(spec);
 }
 

@@ -13,7 +13,7 @@ namespace fieldcast::config {
 struct DeviceContext {
   ProtocolChoice protocol;      // of the bus; unknown when it names none, or a wrong one
   bool protocol_named = false;  // rightly or wrongly
-  Place protocol_place;
+  Position protocol_position;
   DeviceDefaults defaults;
   const PortSpec& port;
   UniqueNames& addresses;  // of the bus, each with its protocol

@@ -37,22 +37,22 @@ std::string hex_byte(unsigned char byte) {
 
 bool check_text(Source& source, FaultList& faults) {
   if (source.text.starts_with("\xEF\xBB\xBF")) source.text.erase(0, 3);
-  Place place{&source, 0, 0};
+  Position position{&source, 0, 0};
   const std::string_view text = source.text;
   for (std::size_t i = 0; i < text.size();) {
     const auto byte = static_cast<unsigned char>(text[i]);
     if ((byte < 0x20 && byte != '\n' && byte != '\r' && byte != '\t') || byte == 0x7F) {
-      faults.add(place, "control character " + hex_byte(byte), "text in UTF-8");
+      faults.add(position, "control character " + hex_byte(byte), "text in UTF-8");
       return false;
     }
     const auto length = sequence_length(text.substr(i));
     if (length == 0) {
-      faults.add(place, "byte " + hex_byte(byte) + " is not UTF-8",
+      faults.add(position, "byte " + hex_byte(byte) + " is not UTF-8",
                  "text in UTF-8; an editor can save the file so");
       return false;
     }
-    place.column += static_cast<std::uint32_t>(length);
-    if (byte == '\n') ++place.line, place.column = 0;
+    position.column += static_cast<std::uint32_t>(length);
+    if (byte == '\n') ++position.line, position.column = 0;
     i += length;
   }
   return true;

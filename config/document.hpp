@@ -1,7 +1,7 @@
-// A text as a tree of nodes that know their place. YAML and CSV both become documents, so that
+// A text as a tree of nodes that know their position. YAML and CSV both become documents, so that
 // everything after reads one shape.
 //
-// A Document owns its text and its nodes; nodes and places point into it and live as long. Not
+// A Document owns its text and its nodes; nodes and positions point into it and live as long. Not
 // copied, not moved.
 #pragma once
 
@@ -27,7 +27,7 @@ struct Source {
   mutable std::vector<std::size_t> line_starts{};  // of line(): filled when it is first asked
 };
 
-struct Place {
+struct Position {
   const Source* source = nullptr;
   std::uint32_t line = 0;    // from 0
   std::uint32_t column = 0;  // from 0, in bytes
@@ -60,7 +60,7 @@ struct Node {
   };
   Kind kind = Kind::kNull;
   bool quoted = false;  // a quoted scalar is text, never a number
-  Place place;
+  Position position;
   std::string text;  // of a scalar
   LeanList<const Node*> items;
   LeanList<Entry> entries;

@@ -10,9 +10,9 @@ namespace {
 constexpr std::size_t kLongestShown = 400;  // of a text quoted in a fault
 
 // Characters before a byte of a line: editors count characters.
-unsigned characters_before(const Place& place) {
+unsigned characters_before(const Position& position) {
   unsigned count = 0;
-  for (const char c : place.source->line(place.line).substr(0, place.column))
+  for (const char c : position.source->line(position.line).substr(0, position.column))
     count += (static_cast<unsigned char>(c) & 0xC0) != 0x80;
   return count;
 }
@@ -48,17 +48,18 @@ std::string to_text(std::span<const Fault> faults) {
 
 bool FaultList::full() const { return entries_.size() > kMaxFaults; }
 
-void FaultList::add(const Place& place, std::string what, std::string allowed,
+void FaultList::add(const Position& position, std::string what, std::string allowed,
                     std::string suggestion) {
   if (full()) return;
   make_presentable(what);
   make_presentable(suggestion);
-  if (!known_.insert({place.source->order, place.line, place.column, what}).second) return;
+  if (!known_.insert({position.source->order, position.line, position.column, what}).second) return;
   if (entries_.size() == kMaxFaults)
     what = "more faults follow; they are shown when these are gone", allowed = suggestion = {};
   entries_.push_back(
-      {place.source->order, Fault{place.source->file, place.line + 1, characters_before(place) + 1,
-                                  std::move(what), std::move(allowed), std::move(suggestion)}});
+      {position.source->order,
+       Fault{position.source->file, position.line + 1, characters_before(position) + 1,
+             std::move(what), std::move(allowed), std::move(suggestion)}});
 }
 
 std::vector<Fault> FaultList::take() {

@@ -14,7 +14,7 @@ namespace fieldcast::config {
 class FaultList {
  public:
   // A fault that is known already is dropped: a template is read once for each device that uses it.
-  void add(const Place& place, std::string what, std::string allowed = {},
+  void add(const Position& position, std::string what, std::string allowed = {},
            std::string suggestion = {});
 
   [[nodiscard]] bool empty() const { return entries_.empty(); }

@@ -24,7 +24,7 @@ std::string with_slash(std::string directory) {
 // Those beside the naming file come first.
 std::vector<std::string> folders(const Node& naming, std::string_view own,
                                  std::span<const std::string> others) {
-  std::vector<std::string> directories{resolve(*naming.place.source, own)};
+  std::vector<std::string> directories{resolve(*naming.position.source, own)};
   for (const auto& directory : others) directories.push_back(with_slash(directory));
   return directories;
 }
@@ -70,12 +70,12 @@ const Node* Library::keep(const std::string& path, std::string text, bool csv) {
 }
 
 const Node* Library::channel_list(const Node& naming) {
-  return opened(resolve(*naming.place.source, naming.text), naming, "channel list", true);
+  return opened(resolve(*naming.position.source, naming.text), naming, "channel list", true);
 }
 
 const Node* Library::device_template(const Node& naming) {
   if (naming.kind != Kind::kScalar || !is_word(naming.text)) {
-    faults_.add(naming.place,
+    faults_.add(naming.position,
                 naming.kind == Kind::kScalar ? "template '" + naming.text + "' is no name"
                                              : "template is " + std::string(to_text(naming.kind)),
                 "the name of a file in devices/, without .yaml");
@@ -115,9 +115,10 @@ Library::Found Library::in_directories(const Node& naming, std::string_view what
 }
 
 std::string Library::check_file(const Node& naming) {
-  const std::string path = resolve(*naming.place.source, naming.text);
+  const std::string path = resolve(*naming.position.source, naming.text);
   if (const auto text = read(path); !text)
-    faults_.add(naming.place, "file '" + naming.text + "' " + std::string(to_text(text.error())));
+    faults_.add(naming.position,
+                "file '" + naming.text + "' " + std::string(to_text(text.error())));
   return path;
 }
 
@@ -143,7 +144,7 @@ void Library::fault_missing(const Node& naming, const std::string& what, FileErr
   const std::vector<std::string_view> candidates(names.begin(), names.end());
   const auto folder = directory_of(naming.text);
   const auto meant = closest(std::string_view(naming.text).substr(folder.size()), candidates);
-  faults_.add(naming.place, what + std::string(to_text(error)), {},
+  faults_.add(naming.position, what + std::string(to_text(error)), {},
               meant.empty() ? meant : std::string(folder) + meant);
 }
 

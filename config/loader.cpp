@@ -22,7 +22,7 @@ void read_interfaces(MapReader& map, DdsSpec& spec) {
   if (node->kind != Kind::kList || node->items.empty() || node->items.size() > kMaxInterfaces) {
     const bool count = node->kind == Kind::kList;
     map.faults().add(
-        node->place,
+        node->position,
         "interfaces is " + (count ? (node->items.empty() ? "empty" : "too long")
                                   : std::string(to_text(node->kind))),
         "a list of 1 to " + std::to_string(kMaxInterfaces) + " IPv4 addresses",
@@ -35,7 +35,7 @@ void read_interfaces(MapReader& map, DdsSpec& spec) {
     if (text == nullptr) continue;
     if (!is_ipv4(*text)) {
       const bool loopback = *text == "lo" || *text == "localhost";
-      map.faults().add(item->place, "interface '" + *text + "' is no IPv4 address",
+      map.faults().add(item->position, "interface '" + *text + "' is no IPv4 address",
                        "the address of a network interface of this machine",
                        loopback ? "127.0.0.1" : "");
     }
@@ -51,7 +51,7 @@ void read_dds(MapReader& bridge, DdsSpec& spec, Library& library) {
   read_interfaces(map, spec);
   if (map.read("discovery-server", spec.discovery_server, TextRule{kMaxPath}) &&
       !host_port_from(*spec.discovery_server)) {
-    bridge.faults().add(map.place_of("discovery-server"),
+    bridge.faults().add(map.position_of("discovery-server"),
                         "discovery-server '" + *spec.discovery_server + "' names no host and port",
                         "HOST:PORT with a port 1 to 65535", *spec.discovery_server + ":11811");
   }
@@ -73,7 +73,7 @@ void read_buses(MapReader& bridge, BridgeSpec& spec, LoadState& state) {
   if (list == nullptr) return;
   if (list->kind != Kind::kList || list->items.empty()) {
     faults.add(
-        list->place,
+        list->position,
         "buses is " + (list->kind == Kind::kList ? "empty" : std::string(to_text(list->kind))),
         "a list of buses");
     return;
@@ -81,14 +81,14 @@ void read_buses(MapReader& bridge, BridgeSpec& spec, LoadState& state) {
   UniqueNames names, paths;
   for (const Node* node : list->items) {
     if (spec.buses.size() == kMaxBuses) {
-      faults.add(node->place, "too many buses", std::to_string(kMaxBuses) + " of a bridge");
+      faults.add(node->position, "too many buses", std::to_string(kMaxBuses) + " of a bridge");
       return;
     }
     const auto& bus = spec.buses.emplace_back(read_bus(*node, state));
-    names.add("bus", bus.name, node->place, faults);
+    names.add("bus", bus.name, node->position, faults);
     if (const auto* serial = std::get_if<SerialPortSpec>(&bus.port)) {
       for (const auto& [key, value] : node->entries) {
-        if (key->text == "port") paths.add("serial port", serial->path, value->place, faults);
+        if (key->text == "port") paths.add("serial port", serial->path, value->position, faults);
       }
     }
   }
@@ -112,7 +112,7 @@ void check_loads(const Node& root, const BridgeSpec& spec, FaultList& faults) {
   for (std::size_t i = 0; i < spec.buses.size(); ++i) {
     const auto load = hopeless_load_of(spec.buses[i]);
     if (!load) continue;
-    faults.add(buses->value->items[i]->place,
+    faults.add(buses->value->items[i]->position,
                "bus '" + spec.buses[i].name + "' needs " +
                    std::to_string(static_cast<std::uint64_t>(*load)) +
                    " times its wire, even if devices answer at once",

@@ -17,8 +17,8 @@ namespace {
 
 // Whether the rest of the key's line is a comment.
 bool begins_comment(const Node& key) {
-  const auto text = key.place.source->line(key.place.line);
-  const auto behind = text.find(':', std::min<std::size_t>(text.size(), key.place.column));
+  const auto text = key.position.source->line(key.position.line);
+  const auto behind = text.find(':', std::min<std::size_t>(text.size(), key.position.column));
   const auto sign = behind == text.npos ? behind : text.find_first_not_of(" \t", behind + 1);
   return sign != text.npos && text[sign] == '#';
 }
@@ -28,19 +28,19 @@ bool begins_comment(const Node& key) {
 MapReader::MapReader(const Node& node, const KeyTable& table, FaultList& faults)
     : node_(node), table_(table), faults_(faults), read_(table.keys.size()) {
   if (node.kind != Kind::kMap) {
-    faults_.add(node.place, std::string(table.what) + " is " + std::string(to_text(node.kind)),
+    faults_.add(node.position, std::string(table.what) + " is " + std::string(to_text(node.kind)),
                 "a map with " + joined(table.keys));
     return;
   }
   for (const auto& [key, value] : node.entries) {
     if (std::ranges::find(table.keys, key->text) != table.keys.end()) continue;
     if (key->text == "<<") {
-      faults_.add(key->place, "a merge key '<<'",
+      faults_.add(key->position, "a merge key '<<'",
                   "defaults, templates, and aliases of whole values");
       continue;
     }
     auto meant = meant_key(key->text, table.keys);
-    faults_.add(key->place,
+    faults_.add(key->position,
                 "unknown key '" + key->text + "' in " + std::string(table.what) +
                     (meant.key.empty() ? where_it_belongs(key->text, table) : std::string{}),
                 joined(table.keys), meant.text);
@@ -68,7 +68,7 @@ const Node* MapReader::find(std::string_view key) {
   const auto* found = entry(key);
   if (found == nullptr) return nullptr;
   if (found->value->kind == Kind::kNull) {
-    faults_.add(found->key->place, "'" + std::string(key) + "' has no value",
+    faults_.add(found->key->position, "'" + std::string(key) + "' has no value",
                 begins_comment(*found->key)
                     ? "a value; '#' begins a comment, so a text that begins so stands in quotes"
                     : "");
@@ -80,7 +80,8 @@ const Node* MapReader::find(std::string_view key) {
 const Node* MapReader::require(std::string_view key, std::string_view allowed) {
   const Node* value = find(key);
   if (value == nullptr && is_map() && !has_or_means(key)) {
-    faults_.add(node_.place, "'" + std::string(key) + "' is missing in " + std::string(table_.what),
+    faults_.add(node_.position,
+                "'" + std::string(key) + "' is missing in " + std::string(table_.what),
                 std::string(allowed));
   }
   return value;
@@ -92,9 +93,9 @@ bool MapReader::has_or_means(std::string_view key) const {
   return has(key) || std::ranges::find(meant_, key) != meant_.end();
 }
 
-Place MapReader::place_of(std::string_view key) const {
+Position MapReader::position_of(std::string_view key) const {
   const auto* found = entry(key);
-  return found == nullptr ? node_.place : found->value->place;
+  return found == nullptr ? node_.position : found->value->position;
 }
 
 }  // namespace fieldcast::config

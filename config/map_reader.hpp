@@ -47,9 +47,9 @@ class MapReader {
   [[nodiscard]] bool has(std::string_view key) const;
   // Also true when an unknown key probably means this one: it is not missing as well.
   [[nodiscard]] bool has_or_means(std::string_view key) const;
-  [[nodiscard]] Place place_of(
+  [[nodiscard]] Position position_of(
       std::string_view key) const;  // of its value, or of the map when absent
-  [[nodiscard]] const Place& place() const { return node_.place; }
+  [[nodiscard]] const Position& position() const { return node_.position; }
   [[nodiscard]] FaultList& faults() { return faults_; }
 
  private:
@@ -69,7 +69,7 @@ class MapReader {
   const Node& node_;
   const KeyTable& table_;
   FaultList& faults_;
-  std::vector<bool> read_;          // by the key's place in the table
+  std::vector<bool> read_;          // by the index of the key in the table
   std::vector<std::string> meant_;  // what unknown keys probably mean
 };
 

@@ -43,7 +43,7 @@ struct BaudRule {
     if (!value) return std::nullopt;
     const auto baud = static_cast<std::uint32_t>(*value);
     if (std::ranges::find(kBauds, baud) != kBauds.end()) return baud;
-    faults.add(node.place, "baud " + std::to_string(baud) + " is no rate of serial ports",
+    faults.add(node.position, "baud " + std::to_string(baud) + " is no rate of serial ports",
                baud_list(), likely_bauds(baud));
     return std::nullopt;
   }
@@ -87,7 +87,7 @@ struct FormatRule {
       if (std::string_view(" -/,.").find(c) != std::string_view::npos) continue;
       upper += c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
     }
-    faults.add(node.place, "format '" + *text + "' is unknown", std::string(kForm),
+    faults.add(node.position, "format '" + *text + "' is unknown", std::string(kForm),
                format_from(upper) ? upper : "");
     return std::nullopt;
   }
@@ -123,7 +123,7 @@ std::optional<LineFormat> read_far_line(MapReader& map, const LineFormat& factor
     return format;
   }
   if (has_format && !map.has("baud")) {
-    map.faults().add(map.place_of("format"), "'format' without 'baud'",
+    map.faults().add(map.position_of("format"), "'format' without 'baud'",
                      "both for the line behind a serial server, none for a plain TCP device");
   }
   return std::nullopt;
@@ -197,8 +197,8 @@ PortSpec read_type(const PortType& type, MapReader& map, const LineFormat& facto
     const bool names_a_type =
         std::ranges::find(port_types(), key, &PortType::key) != port_types().end();
     if (map.find(key) == nullptr || names_a_type) continue;
-    map.faults().add(map.place_of(key), "'" + std::string(key) + "' has no meaning for a " +
-                                            std::string(type.key) + " port");
+    map.faults().add(map.position_of(key), "'" + std::string(key) + "' has no meaning for a " +
+                                               std::string(type.key) + " port");
   }
   return type.read(map, factory);
 }
@@ -212,7 +212,7 @@ std::optional<std::pair<std::string, std::uint16_t>> HostPortRule::operator()(
   auto endpoint = host_port_from(*text);
   if (!endpoint) {
     const bool host_alone = !text->empty() && text->find(':') == std::string::npos;
-    faults.add(node.place, std::string(key) + " '" + *text + "' names no host and port",
+    faults.add(node.position, std::string(key) + " '" + *text + "' names no host and port",
                "HOST:PORT with a port 1 to 65535", host_alone ? *text + ":502" : "");
   }
   return endpoint;
@@ -256,15 +256,15 @@ std::optional<std::pair<std::string, std::uint16_t>> host_port_from(std::string_
   return std::pair{std::string(host), static_cast<std::uint16_t>(*port)};
 }
 
-void check_port(const std::string& protocol, const PortSpec& port, const Place& place,
+void check_port(const std::string& protocol, const PortSpec& port, const Position& position,
                 FaultList& faults) {
   const ProtocolEntry* entry = find_protocol(protocol);
   if (entry == nullptr) return;
   const std::string instead(entry->instead);
   if (entry->network_only && std::holds_alternative<SerialPortSpec>(port))
-    faults.add(place, protocol + " over a serial port", "port: { tcp: HOST:PORT }", instead);
+    faults.add(position, protocol + " over a serial port", "port: { tcp: HOST:PORT }", instead);
   if (entry->whole_bytes && line_of(port).data_bits != 8) {
-    faults.add(place, protocol + " over a line of 7 data bits", "format: 8E1, 8N2, 8O1, 8N1",
+    faults.add(position, protocol + " over a line of 7 data bits", "format: 8E1, 8N2, 8O1, 8N1",
                instead);
   }
 }
@@ -323,14 +323,14 @@ PortSpec read_port(const Node& node, std::string_view protocol, FaultList& fault
   }
   if (named.size() > 1) {
     faults.add(
-        map.place_of(named[1]->key),
+        map.position_of(named[1]->key),
         "a port is both " + std::string(named[0]->key) + " and " + std::string(named[1]->key),
         "one of " + joined(type_keys()));
   }
   const bool means_one = std::ranges::any_of(
       port_types(), [&](const PortType& type) { return map.has_or_means(type.key); });
   if (map.is_map() && !means_one) {
-    faults.add(map.place(), "'port' names neither " + joined_with(" nor "),
+    faults.add(map.position(), "'port' names neither " + joined_with(" nor "),
                examples("", "", ", ", ", "));
   }
   return read_type(named.empty() ? port_types().front() : *named.back(), map,

@@ -24,8 +24,8 @@ namespace fieldcast::config {
 // "port: { serial: PATH }, { tcp: HOST:PORT } or ..": for faults.
 [[nodiscard]] std::string port_forms();
 
-// Faults at `place` where a protocol cannot run over the port.
-void check_port(const std::string& protocol, const PortSpec& port, const Place& place,
+// Faults at `position` where a protocol cannot run over the port.
+void check_port(const std::string& protocol, const PortSpec& port, const Position& position,
                 FaultList& faults);
 
 // Data bits, parity and stop bits of "8N1".

@@ -30,20 +30,20 @@ void read_engineers(MapReader& program, ProgramSpec& spec, Library& library, boo
   }
   const bool certificate = map.has("certificate"), key = map.has("key");
   if (certificate != key) {
-    faults.add(map.place_of(certificate ? "certificate" : "key"),
+    faults.add(map.position_of(certificate ? "certificate" : "key"),
                certificate ? "'certificate' without 'key'" : "'key' without 'certificate'",
                "both, as PEM files");
   } else if (listens && !on_loopback(engineers.listen) && !certificate) {
-    faults.add(map.place_of("listen"), "engineers off the loopback without TLS",
+    faults.add(map.position_of("listen"), "engineers off the loopback without TLS",
                "certificate and key, or an address 127.0.0.1");
   }
   if (listens && !on_loopback(engineers.listen) && !users) {
-    faults.add(map.place_of("listen"),
+    faults.add(map.position_of("listen"),
                "engineers off the loopback have to log in, and without a store there are no users",
                "store: { path: FILE } and 'fieldcast user add NAME --role programmer', or an "
                "address 127.0.0.1");
   } else if (engineers.login == LoginRule::kAlways && !users) {
-    faults.add(map.place_of("login"), "a login needs users, and without a store there are none",
+    faults.add(map.position_of("login"), "a login needs users, and without a store there are none",
                "store: { path: FILE } and 'fieldcast user add NAME --role programmer'");
   }
 }
@@ -57,8 +57,8 @@ void read_modules(MapReader& program, ProgramSpec& spec) {
   if (modules.registration.ask == RegistrationRule::Ask::kWords) return;
   for (const char* key : {"unit", "first", "words"}) {
     if (map.has(key))
-      map.faults().add(map.place_of(key), "'" + std::string(key) + "' has no meaning for ask: text",
-                       "ask: words");
+      map.faults().add(map.position_of(key),
+                       "'" + std::string(key) + "' has no meaning for ask: text", "ask: words");
   }
 }
 
@@ -82,7 +82,7 @@ std::optional<ListenSpec> ListenRule::operator()(const Node& node, std::string_v
       endpoint && (is_ipv4(endpoint->first) || endpoint->first.find(':') != std::string::npos);
   if (address) return ListenSpec{endpoint->first, endpoint->second};
   const bool local = endpoint && endpoint->first == "localhost";
-  faults.add(node.place, std::string(key) + " '" + *text + "' is no address and port",
+  faults.add(node.position, std::string(key) + " '" + *text + "' is no address and port",
              std::string(kForm), local ? "127.0.0.1:" + std::to_string(endpoint->second) : "");
   return std::nullopt;
 }
@@ -102,7 +102,7 @@ std::optional<std::string> DeviceNumberRule::operator()(const Node& node, std::s
   const std::string* text = scalar_of(node, key, program::kDeviceNumberForm, faults);
   if (text == nullptr) return std::nullopt;
   if (program::is_device_number(*text)) return *text;
-  faults.add(node.place, std::string(key) + " '" + *text + "' is no device number",
+  faults.add(node.position, std::string(key) + " '" + *text + "' is no device number",
              std::string(program::kDeviceNumberForm));
   return std::nullopt;
 }
@@ -115,7 +115,7 @@ void read_program(MapReader& bridge, ProgramSpec& spec, Library& library) {
   read_modules(map, spec);
   if (spec.engineers && spec.modules && spec.engineers->listen == spec.modules->listen &&
       spec.modules->listen.port != 0) {
-    bridge.faults().add(map.place_of("modules"), "modules and engineers listen at the same port",
+    bridge.faults().add(map.position_of("modules"), "modules and engineers listen at the same port",
                         "a port of its own for each");
   }
 }
@@ -128,10 +128,10 @@ void check_device_numbers(const Node& buses, const BridgeSpec& spec, FaultList& 
     if (const auto* dial_in = std::get_if<DialInPortSpec>(&spec.buses[i].port);
         dial_in && port && !dial_in->number.empty()) {
       const Node* number = value_of(*port, "dial-in");
-      const Place& place = number ? number->place : port->place;
-      numbers.add("device number", dial_in->number, place, faults);
+      const Position& position = number ? number->position : port->position;
+      numbers.add("device number", dial_in->number, position, faults);
       if (!spec.program.modules)
-        faults.add(place, "nothing dials in", "program: { modules: { listen: ADDRESS:PORT } }");
+        faults.add(position, "nothing dials in", "program: { modules: { listen: ADDRESS:PORT } }");
     }
     const Node* devices = value_of(bus, "devices");
     if (devices == nullptr) continue;
@@ -139,9 +139,9 @@ void check_device_numbers(const Node& buses, const BridgeSpec& spec, FaultList& 
          ++d) {
       const Node* number = value_of(*devices->items[d], "number");
       if (number == nullptr || spec.buses[i].devices[d].number.empty()) continue;
-      numbers.add("device number", spec.buses[i].devices[d].number, number->place, faults);
+      numbers.add("device number", spec.buses[i].devices[d].number, number->position, faults);
       if (!spec.program.engineers)
-        faults.add(number->place, "nobody can ask for it",
+        faults.add(number->position, "nobody can ask for it",
                    "program: { engineers: { listen: ADDRESS:PORT } }");
     }
   }

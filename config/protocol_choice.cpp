@@ -20,8 +20,8 @@ ProtocolChoice read_protocol(const Node& node, std::string_view key, LoadState& 
   if (!found.exists) {
     for (auto& name : state.library.declared_protocols(node)) names.push_back(std::move(name));
     const auto meant = meant_value("protocol", *text);
-    state.faults.add(node.place, std::string(key) + " '" + *text + "' is unknown", joined(listed()),
-                     meant.empty() ? closest(*text, listed()) : meant);
+    state.faults.add(node.position, std::string(key) + " '" + *text + "' is unknown",
+                     joined(listed()), meant.empty() ? closest(*text, listed()) : meant);
     return {};
   }
   if (found.root == nullptr) return {};

@@ -21,7 +21,7 @@ bool digit(char c) { return c >= '0' && c <= '9'; }
 const std::string* scalar_of(const Node& node, std::string_view key, std::string_view wanted,
                              FaultList& faults) {
   if (node.kind == Kind::kScalar) return &node.text;
-  faults.add(node.place, std::string(key) + " is " + std::string(to_text(node.kind)),
+  faults.add(node.position, std::string(key) + " is " + std::string(to_text(node.kind)),
              std::string(wanted));
   return nullptr;
 }
@@ -67,7 +67,7 @@ std::optional<Duration> DurationRule::operator()(const Node& node, std::string_v
   const auto value = read_duration(*text, {min, max});
   if (value) return *value;
   auto fault = value.error();
-  faults.add(node.place, quoted(key, *text) + ' ' + fault.what, fault.allowed.append(or_else),
+  faults.add(node.position, quoted(key, *text) + ' ' + fault.what, fault.allowed.append(or_else),
              std::move(fault.suggestion));
   return std::nullopt;
 }
@@ -79,13 +79,13 @@ std::optional<std::int64_t> WholeRule::operator()(const Node& node, std::string_
   if (text == nullptr) return std::nullopt;
   const auto value = whole_from(*text);
   if (!value || node.quoted) {
-    faults.add(node.place,
+    faults.add(node.position,
                quoted(key, *text) + (value ? " is quoted, so it is a text" : " is no whole number"),
                "a whole number, " + bounds, value ? *text : "");
     return std::nullopt;
   }
   if (*value < min || *value > max) {
-    faults.add(node.place, quoted(key, *text) + " is out of range", bounds);
+    faults.add(node.position, quoted(key, *text) + " is out of range", bounds);
     return std::nullopt;
   }
   return value;
@@ -97,14 +97,14 @@ std::optional<double> NumberRule::operator()(const Node& node, std::string_view 
   if (text == nullptr) return std::nullopt;
   const auto value = number_from(*text);
   if (value && !node.quoted && (*value < min || *value > max)) {
-    faults.add(node.place, quoted(key, *text) + " is out of range",
+    faults.add(node.position, quoted(key, *text) + " is out of range",
                fieldcast::to_text(Value{min}) + " to " + fieldcast::to_text(Value{max}));
     return std::nullopt;
   }
   if (value && !node.quoted) return value;
   std::string with_point = *text;
   if (const auto comma = with_point.find(','); comma != std::string::npos) with_point[comma] = '.';
-  faults.add(node.place,
+  faults.add(node.position,
              quoted(key, *text) + (value ? " is quoted, so it is a text" : " is no number"),
              "a number such as 0.1", number_from(with_point) ? with_point : "");
   return std::nullopt;
@@ -122,7 +122,8 @@ std::optional<bool> FlagRule::operator()(const Node& node, std::string_view key,
   std::string meant = closest(*text, std::array<std::string_view, 2>{"true", "false"});
   for (const auto word : kTrue) meant = *text == word ? "true" : meant;
   for (const auto word : kFalse) meant = *text == word ? "false" : meant;
-  faults.add(node.place, quoted(key, *text) + " is neither true nor false", "true, false", meant);
+  faults.add(node.position, quoted(key, *text) + " is neither true nor false", "true, false",
+             meant);
   return std::nullopt;
 }
 
@@ -133,13 +134,13 @@ std::optional<std::string> TextRule::operator()(const Node& node, std::string_vi
   std::string_view line = *text;
   while (line.ends_with('\n')) line.remove_suffix(1);  // block texts end so
   if (line.empty() || line.size() > max_bytes) {
-    faults.add(node.place, std::string(key) + (line.empty() ? " is empty" : " is too long"),
+    faults.add(node.position, std::string(key) + (line.empty() ? " is empty" : " is too long"),
                "1 to " + std::to_string(max_bytes) + " bytes");
     return std::nullopt;
   }
   for (const char c : line) {
     if (static_cast<unsigned char>(c) >= 0x20 && c != 0x7F) continue;
-    faults.add(node.place, std::string(key) + " holds a line break or another control character",
+    faults.add(node.position, std::string(key) + " holds a line break or another control character",
                "one line of text");
     return std::nullopt;
   }
@@ -163,7 +164,7 @@ std::optional<std::string> NameRule::operator()(const Node& node, std::string_vi
   }
   if (!replaced && !text->empty() && text->size() <= kMaxNameLength) return *text;
   const bool empty = fitting.empty() || fitting == "-";
-  faults.add(node.place,
+  faults.add(node.position,
              quoted(key, *text) + (replaced        ? " holds other characters"
                                    : text->empty() ? " is empty"
                                                    : " is too long"),

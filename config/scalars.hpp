@@ -94,7 +94,7 @@ struct ChoiceRule {
       if (*text == word) return value;
     }
     const auto meant = meant_value(key, *text);
-    faults.add(node.place, std::string(key) + " '" + *text + "' is unknown", joined(words()),
+    faults.add(node.position, std::string(key) + " '" + *text + "' is unknown", joined(words()),
                meant.empty() ? closest(*text, words()) : meant);
     return std::nullopt;
   }

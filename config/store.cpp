@@ -18,7 +18,7 @@ void read_patterns(MapReader& map, StoreSpec& spec) {
   if (node == nullptr) return;
   if (node->kind != Kind::kList || node->items.size() > kMaxPatterns) {
     map.faults().add(
-        node->place,
+        node->position,
         "samples is " + (node->kind == Kind::kList ? "too long" : std::string(to_text(node->kind))),
         "a list of up to " + std::to_string(kMaxPatterns) + " patterns such as press-shop/*/oil-*",
         node->kind == Kind::kScalar ? "[\"" + node->text + "\"]" : "");
@@ -30,7 +30,7 @@ void read_patterns(MapReader& map, StoreSpec& spec) {
         scalar_of(*item, "a pattern of samples", "BUS/DEVICE/CHANNEL with *", map.faults());
     if (text == nullptr) continue;
     if (const auto pattern = Pattern::parse(*text); !pattern) {
-      map.faults().add(item->place, "samples: " + pattern.error(), "BUS/DEVICE/CHANNEL with *");
+      map.faults().add(item->position, "samples: " + pattern.error(), "BUS/DEVICE/CHANNEL with *");
     }
     spec.samples.push_back(*text);
   }
@@ -40,7 +40,8 @@ void read_patterns(MapReader& map, StoreSpec& spec) {
 void read_url(MapReader& map, StoreSpec& spec) {
   if (!map.read("url", spec.address, TextRule{kMaxPath})) return;
   if (!spec.address.starts_with("postgresql://") && !spec.address.starts_with("postgres://")) {
-    map.faults().add(map.place_of("url"), "url of the store is no connection string of PostgreSQL",
+    map.faults().add(map.position_of("url"),
+                     "url of the store is no connection string of PostgreSQL",
                      "postgresql://USER@HOST:PORT/DATABASE");
   }
 }
@@ -59,11 +60,11 @@ std::optional<std::int64_t> StoreSizeRule::operator()(const Node& node, std::str
     const auto number = whole_from(std::string_view(*text).substr(0, text->size() - unit.size()));
     if (!number || *number < 0) continue;
     if (*number <= kMax / worth && *number * worth >= kMin) return *number * worth;
-    faults.add(node.place, std::string(key) + " '" + *text + "' is out of range",
+    faults.add(node.position, std::string(key) + " '" + *text + "' is out of range",
                std::string(kAllowed));
     return std::nullopt;
   }
-  faults.add(node.place, std::string(key) + " '" + *text + "' cannot be understood",
+  faults.add(node.position, std::string(key) + " '" + *text + "' cannot be understood",
              std::string(kAllowed));
   return std::nullopt;
 }
@@ -91,21 +92,21 @@ void read_store(MapReader& bridge, std::optional<StoreSpec>& spec) {
   StoreSpec store;
   std::string path;
   if (map.read("path", path, TextRule{kMaxPath}))
-    store.address = resolve(*map.place().source, path);
+    store.address = resolve(*map.position().source, path);
   if (path.find("://") != std::string::npos) {
-    map.faults().add(map.place_of("path"), "path of the store is a connection string",
+    map.faults().add(map.position_of("path"), "path of the store is a connection string",
                      "a file, or the string as url");
   }
   read_url(map, store);
   if (map.is_map() && map.has("path") == map.has("url")) {
-    map.faults().add(map.place(),
+    map.faults().add(map.position(),
                      map.has("path") ? "'path' and 'url' in one store" : "the store has no place",
                      "path: FILE, or url: postgresql://USER@HOST:PORT/DATABASE");
   }
   read_patterns(map, store);
   store_rows().read(map, store);
   if (map.has("max-size") && map.has("url")) {
-    map.faults().add(map.place_of("max-size"),
+    map.faults().add(map.position_of("max-size"),
                      "'max-size' with a server, whose tables do not shrink at once", "keep");
   }
   spec = std::move(store);

@@ -45,7 +45,7 @@ std::optional<TextForm> TextFormRule::operator()(const Node& node, std::string_v
     const std::array<std::string_view, 3> words{kWords[0].first, kWords[1].first, kWords[2].first};
     meant = closest(text->substr(0, text->find('(')), words);
   }
-  faults.add(node.place, std::string(key) + " '" + *text + "' cannot be understood",
+  faults.add(node.position, std::string(key) + " '" + *text + "' cannot be understood",
              std::string(kTextNumberForms), meant);
   return std::nullopt;
 }

@@ -13,18 +13,19 @@ namespace fieldcast::config {
 class UniqueNames {
  public:
   // `what`: "channel". An empty name (a fault already) is not counted.
-  void add(std::string_view what, const std::string& name, const Place& place, FaultList& faults) {
+  void add(std::string_view what, const std::string& name, const Position& position,
+           FaultList& faults) {
     if (name.empty()) return;
-    const auto [first, fresh] = places_.emplace(name, place);
+    const auto [first, fresh] = places_.emplace(name, position);
     if (fresh) return;
-    const Place& there = first->second;
-    const std::string file = there.source == place.source ? "" : there.source->file + ", ";
-    faults.add(place, std::string(what) + " '" + name + "' exists already (" + file + "line " +
-                          std::to_string(there.line + 1) + ')');
+    const Position& there = first->second;
+    const std::string file = there.source == position.source ? "" : there.source->file + ", ";
+    faults.add(position, std::string(what) + " '" + name + "' exists already (" + file + "line " +
+                             std::to_string(there.line + 1) + ')');
   }
 
  private:
-  std::map<std::string, Place> places_;
+  std::map<std::string, Position> places_;
 };
 
 }  // namespace fieldcast::config

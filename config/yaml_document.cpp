@@ -23,7 +23,7 @@ namespace {
 struct Abandoned {};  // a fault that ends the parsing has been noted
 
 void add(FaultList& faults, YamlTrouble trouble) {
-  faults.add(trouble.place, std::move(trouble.what), std::move(trouble.allowed),
+  faults.add(trouble.position, std::move(trouble.what), std::move(trouble.allowed),
              std::move(trouble.suggestion));
 }
 
@@ -33,7 +33,7 @@ class Builder final : public YAML::EventHandler {
 
   void OnDocumentStart(const YAML::Mark& mark) override {
     if (++documents_ == 1) return;
-    add(faults_, explain_second_document(document_.source, place(mark)));
+    add(faults_, explain_second_document(document_.source, position(mark)));
     throw Abandoned{};
   }
   void OnDocumentEnd() override {}
@@ -41,14 +41,14 @@ class Builder final : public YAML::EventHandler {
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     Node& node = make(Kind::kNull, mark);
     if (!open_.empty() && open_.back().key != nullptr)
-      node.place = open_.back().key->place;  // an absent value stands nowhere
+      node.position = open_.back().key->position;  // an absent value stands nowhere
     finish(node, anchor, 1);
   }
 
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     const auto found = anchors_.find(anchor);
-    if (found == anchors_.end()) abandon(place(mark), "an alias stands inside its own anchor");
-    count(found->second.weight, place(mark));
+    if (found == anchors_.end()) abandon(position(mark), "an alias stands inside its own anchor");
+    count(found->second.weight, position(mark));
     attach(*found->second.node, found->second.weight);
   }
 
@@ -57,7 +57,7 @@ class Builder final : public YAML::EventHandler {
     check_tag(mark, tag);
     Node& node = make(Kind::kScalar, mark);
     node.quoted = tag == "!";
-    if (node.quoted) last_quote_ = node.place;
+    if (node.quoted) last_quote_ = node.position;
     node.text = value;
     finish(node, anchor, 1);
   }
@@ -98,22 +98,22 @@ class Builder final : public YAML::EventHandler {
     std::size_t weight;
   };
 
-  [[nodiscard]] Place place(const YAML::Mark& mark) const {
+  [[nodiscard]] Position position(const YAML::Mark& mark) const {
     return {&document_.source, static_cast<std::uint32_t>(mark.line < 0 ? 0 : mark.line),
             static_cast<std::uint32_t>(mark.column < 0 ? 0 : mark.column)};
   }
 
-  [[noreturn]] void abandon(const Place& at, std::string what, std::string allowed = {}) {
+  [[noreturn]] void abandon(const Position& at, std::string what, std::string allowed = {}) {
     faults_.add(at, std::move(what), std::move(allowed));
     throw Abandoned{};
   }
 
   void check_tag(const YAML::Mark& mark, const std::string& tag) {
     if (!tag.empty() && tag != "?" && tag != "!")
-      faults_.add(place(mark), "tag '" + tag + "'", "no tags");
+      faults_.add(position(mark), "tag '" + tag + "'", "no tags");
   }
 
-  void count(std::size_t nodes, const Place& at) {
+  void count(std::size_t nodes, const Position& at) {
     nodes_ += nodes;
     if (nodes_ > kMaxNodes)
       abandon(at, "the file holds too many values",
@@ -121,18 +121,18 @@ class Builder final : public YAML::EventHandler {
   }
 
   Node& make(Kind kind, const YAML::Mark& mark) {
-    count(1, place(mark));
+    count(1, position(mark));
     Node& node = document_.nodes.emplace_back();
     node.kind = kind;
-    node.place = place(mark);
+    node.position = position(mark);
     return node;
   }
 
   void open(Node& node, YAML::anchor_t anchor) {
     if (open_.size() == kMaxNesting)
-      abandon(node.place, "too deep nesting", std::to_string(kMaxNesting) + " levels");
+      abandon(node.position, "too deep nesting", std::to_string(kMaxNesting) + " levels");
     if (++collections_ > kMaxCollections)
-      abandon(node.place, "the file holds too many maps and lists",
+      abandon(node.position, "the file holds too many maps and lists",
               std::to_string(kMaxCollections) + "; long channel lists belong in CSV files");
     open_.push_back(Open{&node, anchor, 1, nullptr, {}});
   }
@@ -168,11 +168,11 @@ class Builder final : public YAML::EventHandler {
 
   void add_entry(Open& map, const Node& key, const Node& value) {
     if (key.kind != Kind::kScalar) {
-      faults_.add(key.place, "a key is " + std::string(to_text(key.kind)), "a word");
+      faults_.add(key.position, "a key is " + std::string(to_text(key.kind)), "a word");
     } else if (map.keys.size() == kMaxKeys) {
-      abandon(key.place, "the map has too many keys", std::to_string(kMaxKeys));
+      abandon(key.position, "the map has too many keys", std::to_string(kMaxKeys));
     } else if (!map.keys.insert(key.text).second) {
-      faults_.add(key.place, "key '" + key.text + "' stands twice", "each key once");
+      faults_.add(key.position, "key '" + key.text + "' stands twice", "each key once");
     } else {
       map.node->entries.push_back({&key, &value});
     }
@@ -182,7 +182,7 @@ class Builder final : public YAML::EventHandler {
   FaultList& faults_;
   std::vector<Open> open_;
   std::unordered_map<YAML::anchor_t, Anchored> anchors_;
-  std::optional<Place> last_quote_;
+  std::optional<Position> last_quote_;
   std::size_t nodes_ = 0, collections_ = 0;
   unsigned documents_ = 0;
 };
@@ -203,7 +203,7 @@ std::unique_ptr<Document> parse_yaml(Source source, FaultList& faults) {
   } catch (const YAML::Exception& fault) {
     document->root = nullptr;
     document->nodes.clear();  // the explanation needs room of its own
-    Place stopped{&document->source, 0, 0};
+    Position stopped{&document->source, 0, 0};
     if (!fault.mark.is_null()) {
       stopped.line = static_cast<std::uint32_t>(fault.mark.line);
       stopped.column = static_cast<std::uint32_t>(fault.mark.column);

@@ -12,7 +12,7 @@ char closing_of(char open) { return open == '[' ? ']' : '}'; }
 
 class Scanner {
  public:
-  Scanner(const Source& source, const Place& stopped)
+  Scanner(const Source& source, const Position& stopped)
       : text_(source.text), stopped_(stopped), at_{&source, 0, 0} {}
 
   YamlScan run() {
@@ -44,8 +44,8 @@ class Scanner {
     return quote;
   }
 
-  void skip_to(const Place& place) {
-    while (next_ < text_.size() && is_before(at_, place)) advance();
+  void skip_to(const Position& position) {
+    while (next_ < text_.size() && is_before(at_, position)) advance();
   }
 
  private:
@@ -149,8 +149,8 @@ class Scanner {
   }
 
   std::string_view text_;
-  const Place stopped_;
-  Place at_;
+  const Position stopped_;
+  Position at_;
   std::size_t next_ = 0;
   bool fresh_ = true;            // a value may begin
   bool line_begins_ = true;      // only blanks and "- " so far
@@ -163,15 +163,15 @@ class Scanner {
 
 }  // namespace
 
-bool is_before(const Place& a, const Place& b) {
+bool is_before(const Position& a, const Position& b) {
   return std::tie(a.line, a.column) < std::tie(b.line, b.column);
 }
 
-YamlScan scan_yaml(const Source& source, const Place& stopped) {
+YamlScan scan_yaml(const Source& source, const Position& stopped) {
   return Scanner(source, stopped).run();
 }
 
-std::optional<Quote> quote_at(const Source& source, const Place& begin) {
+std::optional<Quote> quote_at(const Source& source, const Position& begin) {
   Scanner scanner(source, begin);
   scanner.skip_to(begin);
   return scanner.at_quote() ? std::optional(scanner.read_quote()) : std::nullopt;

@@ -12,18 +12,18 @@
 namespace fieldcast::config {
 
 // Before or after in the text.
-[[nodiscard]] bool is_before(const Place& a, const Place& b);
+[[nodiscard]] bool is_before(const Position& a, const Position& b);
 
 struct Quote {
   char sign = '"';
-  Place begin;  // of the opening sign
-  Place end;    // of the closing sign, or of the end of the text
+  Position begin;  // of the opening sign
+  Position end;    // of the closing sign, or of the end of the text
   bool closed = true;
 };
 
 struct Bracket {
   char sign = '[';
-  Place place;
+  Position position;
 };
 
 struct YamlScan {
@@ -37,9 +37,9 @@ struct YamlScan {
   std::optional<Mismatch> mismatch;  // the first one
 };
 
-[[nodiscard]] YamlScan scan_yaml(const Source& source, const Place& stopped);
+[[nodiscard]] YamlScan scan_yaml(const Source& source, const Position& stopped);
 
 // The quoted text that begins at `begin`; nothing when no quote stands there.
-[[nodiscard]] std::optional<Quote> quote_at(const Source& source, const Place& begin);
+[[nodiscard]] std::optional<Quote> quote_at(const Source& source, const Position& begin);
 
 }  // namespace fieldcast::config

@@ -120,14 +120,14 @@ std::string limit_text(std::string_view exceeded) {
 
 bool check_tokens(const Source& source, FaultList& faults) {
   TokenCounter counter;
-  Place place{&source, 0, 0};
+  Position position{&source, 0, 0};
   for (const char c : source.text) {
     if (const char* exceeded = counter.feed(c)) {
-      faults.add(place, "the file holds too many values", limit_text(exceeded));
+      faults.add(position, "the file holds too many values", limit_text(exceeded));
       return false;
     }
-    ++place.column;
-    if (c == '\n') ++place.line, place.column = 0;
+    ++position.column;
+    if (c == '\n') ++position.line, position.column = 0;
   }
   return true;
 }

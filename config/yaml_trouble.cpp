@@ -69,7 +69,7 @@ Line line_of(std::string_view text) {
 // What the looks below share.
 struct Case {
   const Source& source;
-  Place stopped;
+  Position stopped;
   std::string_view message;
   YamlScan scan;
   std::vector<Line> lines;  // up to where the parser stopped
@@ -85,7 +85,7 @@ struct Case {
   [[nodiscard]] std::uint32_t number_of(const Line& line) const {
     return static_cast<std::uint32_t>(&line - lines.data());
   }
-  [[nodiscard]] Place place(const Line& line, std::size_t column) const {
+  [[nodiscard]] Position position(const Line& line, std::size_t column) const {
     return {&source, number_of(line), static_cast<std::uint32_t>(column)};
   }
   [[nodiscard]] bool says(std::string_view words) const { return message.find(words) != kNone; }
@@ -119,7 +119,7 @@ Found tab(const Case& c) {
   const auto text = c.line().text;
   const auto first = text.find_first_not_of(' ');
   if (first == kNone || text[first] != '\t') return {};
-  return YamlTrouble{c.place(c.line(), first), "a tab in the indentation", "spaces", ""};
+  return YamlTrouble{c.position(c.line(), first), "a tab in the indentation", "spaces", ""};
 }
 
 // From `at` to where a value ends: a comma or a bracket inside brackets, else the line.
@@ -137,7 +137,7 @@ Found sign_that_begins_no_value(const Case& c) {
   if (!alias && !dash && !comma && !c.says("unknown token")) return {};
   const std::string sign(1, c.line().text[at]);
   return YamlTrouble{
-      c.place(c.line(), at),
+      c.position(c.line(), at),
       dash ? "'-' begins an item of a list, which has a line of its own"
            : "a value cannot begin with " + (sign == "'" ? "\"'\"" : "'" + sign + "'"),
       "a text that begins so in quotes", in_quotes(value_from(c, at))};
@@ -145,14 +145,14 @@ Found sign_that_begins_no_value(const Case& c) {
 
 Found bracket_closed_by_another(const Case& c) {
   const auto& mismatch = c.scan.mismatch;
-  if (!mismatch || mismatch->closing.place.line > c.stopped.line) return {};
+  if (!mismatch || mismatch->closing.position.line > c.stopped.line) return {};
   const std::string closing(1, mismatch->closing.sign);
   if (!mismatch->open)
-    return YamlTrouble{mismatch->closing.place, "'" + closing + "' closes nothing", "", ""};
+    return YamlTrouble{mismatch->closing.position, "'" + closing + "' closes nothing", "", ""};
   const std::string open(1, mismatch->open->sign), own = open == "[" ? "]" : "}";
-  return YamlTrouble{mismatch->open->place,
+  return YamlTrouble{mismatch->open->position,
                      "this '" + open + "' is not closed before the '" + closing + "' in " +
-                         line_text(mismatch->closing.place.line),
+                         line_text(mismatch->closing.position.line),
                      "'" + own + "' at the end of its values", ""};
 }
 
@@ -161,13 +161,14 @@ Found bracket_never_closed(const Case& c) {
   if (!c.says("flow") && !c.says("illegal") && !at_end) return {};
   const auto never = [&](const Bracket& bracket) {
     return std::ranges::any_of(c.scan.never_closed, [&](const Bracket& other) {
-      return !is_before(other.place, bracket.place) && !is_before(bracket.place, other.place);
+      return !is_before(other.position, bracket.position) &&
+             !is_before(bracket.position, other.position);
     });
   };
   for (auto bracket = c.scan.open.rbegin(); bracket != c.scan.open.rend(); ++bracket) {
     if (!never(*bracket)) continue;
     const char sign = bracket->sign;
-    return YamlTrouble{bracket->place, std::string("this '") + sign + "' is never closed",
+    return YamlTrouble{bracket->position, std::string("this '") + sign + "' is never closed",
                        std::string("'") + (sign == '[' ? ']' : '}') + "' at the end of its values",
                        ""};
   }
@@ -199,15 +200,15 @@ Found key_inside_the_value_above(const Case& c) {
   if (above == nullptr || !c.scan.open.empty()) return {};
   const auto colon = above->text.find(':', above->content);
   if (above->colon == kNone && colon != kNone) {
-    return YamlTrouble{c.place(*above, colon), "no space behind the ':'", "key: value",
+    return YamlTrouble{c.position(*above, colon), "no space behind the ':'", "key: value",
                        std::string(above->text.substr(above->content, colon - above->content)) +
                            ": " + std::string(trimmed(above->text.substr(colon + 1)))};
   }
   if (above->colon == kNone)
-    return YamlTrouble{c.place(*above, above->content),
+    return YamlTrouble{c.position(*above, above->content),
                        "'" + std::string(above->key()) + "' has no ':'", "key: value", ""};
   if (!above->has_value() || c.line().content <= above->content) return {};
-  return YamlTrouble{c.place(c.line(), c.line().content),
+  return YamlTrouble{c.position(c.line(), c.line().content),
                      c.line().item
                          ? "an item of a list below '" + std::string(above->key()) + "' in " +
                                line_text(c.number_of(*above)) + ", which has a value already"
@@ -278,15 +279,15 @@ Found wrong_indentation(const Case& c) {
   }
   const std::string name = line.item ? "this item" : "'" + std::string(line.key()) + "'";
   if (!line.item && beside_list)
-    return YamlTrouble{c.place(line, line.indent),
+    return YamlTrouble{c.position(line, line.indent),
                        name + " stands under the '-' of a list, where only another '-' can stand",
                        fitting, ""};
   if (fitting.empty())
-    return YamlTrouble{c.place(line, line.indent),
+    return YamlTrouble{c.position(line, line.indent),
                        line.item ? "an item of a list among keys" : name + " among items of a list",
                        line.item ? "'- ' below a key without a value" : "'- '", ""};
   return YamlTrouble{
-      c.place(line, line.indent),
+      c.position(line, line.indent),
       name + " is indented by " + spaces_text(line.indent) + ", which fits nothing above", fitting,
       ""};
 }
@@ -299,7 +300,7 @@ Found wrong_escape(const Case& c) {
     const auto end = n - 1 == c.stopped.line ? std::size_t{c.stopped.column} : line.text.size();
     const auto at = line.text.substr(0, std::min(end, line.text.size())).rfind('\\');
     if (at == kNone) continue;
-    return YamlTrouble{c.place(line, at),
+    return YamlTrouble{c.position(line, at),
                        "'" + std::string(line.text.substr(at, 2)) + "' means nothing in \"...\"",
                        "\\\\ for a backslash, or '...', which has no such signs", ""};
   }
@@ -360,7 +361,7 @@ constexpr Found (*kLooks[])(const Case&) = {open_quote,
 
 }  // namespace
 
-YamlTrouble explain_yaml_error(const Source& source, const Place& stopped,
+YamlTrouble explain_yaml_error(const Source& source, const Position& stopped,
                                std::string_view message) {
   const Case c{source, stopped, message, scan_yaml(source, stopped),
                lines_to(source.text, stopped.line)};
@@ -370,14 +371,14 @@ YamlTrouble explain_yaml_error(const Source& source, const Place& stopped,
   return in_words(c);
 }
 
-YamlTrouble explain_second_document(const Source& source, const Place& place) {
-  const auto lines = lines_to(source.text, place.line);
+YamlTrouble explain_second_document(const Source& source, const Position& position) {
+  const auto lines = lines_to(source.text, position.line);
   const auto first = std::ranges::find_if_not(lines, &Line::blank);
   const Line& here = lines.back();
   const std::string one = "one document in a file, no '---' after the first";
   if (here.blank() || here.text.starts_with("---") || first->indent == 0)
-    return {place, "a second document begins", one, ""};
-  return {place,
+    return {position, "a second document begins", one, ""};
+  return {position,
           "'" + std::string(here.key()) + "' is indented less than '" + std::string(first->key()) +
               "', with which the file begins",
           spaces_text(here.indent) + " before every key of the first level", ""};

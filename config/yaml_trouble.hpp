@@ -10,17 +10,17 @@
 namespace fieldcast::config {
 
 struct YamlTrouble {
-  Place place;             // of the cause
+  Position position;       // of the cause
   std::string what;        // "a value cannot begin with '%'"
   std::string allowed;     // "a text in quotes"; may be empty
   std::string suggestion;  // "\"%\""; may be empty
 };
 
 // `stopped` and `message` are the parser's.
-[[nodiscard]] YamlTrouble explain_yaml_error(const Source& source, const Place& stopped,
+[[nodiscard]] YamlTrouble explain_yaml_error(const Source& source, const Position& stopped,
                                              std::string_view message);
 
-// A second document began at `place` without "---", since the first one ended early.
-[[nodiscard]] YamlTrouble explain_second_document(const Source& source, const Place& place);
+// A second document began at `position` without "---", since the first one ended early.
+[[nodiscard]] YamlTrouble explain_second_document(const Source& source, const Position& position);
 
 }  // namespace fieldcast::config

@@ -1,6 +1,6 @@
 #include "config/keys/common_forms.hpp"
 
-#include <map>
+#include <algorithm>
 #include <vector>
 
 #include "core/model/spec.hpp"

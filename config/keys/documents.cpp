@@ -1,5 +1,7 @@
 #include "config/keys/documents.hpp"
 
+#include <algorithm>
+
 #include "config/keys/key.hpp"
 #include "config/limits.hpp"
 #include "core/protocol/registry.hpp"

@@ -55,7 +55,7 @@ struct BoundedRule {
                                    FaultList& faults) const {
     const auto value = config::NumberRule{}(node, key, faults);
     if (!value || (*value >= min && *value <= max)) return value;
-    faults.add(node.place, std::string(key) + " '" + node.text + "' is out of range",
+    faults.add(node.position, std::string(key) + " '" + node.text + "' is out of range",
                "a number from " + whole(min) + " to " + whole(max));
     return std::nullopt;
   }
@@ -68,7 +68,7 @@ template <typename Read>
 void each(const Node& node, std::string_view key, FaultList& faults, const Read& read) {
   if (node.kind == Kind::kMap) return read(node);
   if (node.kind != Kind::kList || node.items.size() > kMaxListed) {
-    faults.add(node.place,
+    faults.add(node.position,
                std::string(key) + " is " +
                    (node.kind == Kind::kList ? "too long" : std::string(to_text(node.kind))),
                "a list of at most " + std::to_string(kMaxListed) + " maps");
@@ -83,7 +83,7 @@ void read_silence(const Node& node, DeviceFaults& device, FaultList& faults) {
     if (node.text == "always") {
       device.silence.push_back({});
     } else {
-      faults.add(node.place, "silence '" + node.text + "' is unknown",
+      faults.add(node.position, "silence '" + node.text + "' is unknown",
                  "always, or a list of { from, to }", "always");
     }
     return;
@@ -94,7 +94,7 @@ void read_silence(const Node& node, DeviceFaults& device, FaultList& faults) {
     map.read("from", window.from, kMoment);
     map.read("to", window.to, kMoment);
     if (window.to <= window.from)
-      faults.add(map.place_of("to"), "the silence ends before it begins", "a 'to' after 'from'");
+      faults.add(map.position_of("to"), "the silence ends before it begins", "a 'to' after 'from'");
     device.silence.push_back(window);
   });
 }
@@ -125,11 +125,12 @@ void read_exceptions(const Node& node, DeviceFaults& device,
     map.read("to", range.to, kItem);
     map.read("code", range.code, WholeRule{1, 255});
     if (range.to < range.from)
-      faults.add(map.place_of("to"), "the range ends before it begins", "a 'to' not below 'from'");
+      faults.add(map.position_of("to"), "the range ends before it begins",
+                 "a 'to' not below 'from'");
     const bool known =
         areas.empty() || range.area.empty() || std::ranges::find(areas, range.area) != areas.end();
     if (!known) {
-      faults.add(map.place_of("area"), "area '" + range.area + "' is unknown",
+      faults.add(map.position_of("area"), "area '" + range.area + "' is unknown",
                  config::joined(areas), config::closest(range.area, areas));
     }
     device.refused.push_back(range);
@@ -189,7 +190,7 @@ std::vector<const Node*> about(const Node& names, std::string_view name) {
 template <typename Specs>
 void check_names(const Node& names, std::string_view what, const Specs& specs, FaultList& faults) {
   if (names.kind != Kind::kMap) {
-    faults.add(names.place, std::string(what) + " names are " + std::string(to_text(names.kind)),
+    faults.add(names.position, std::string(what) + " names are " + std::string(to_text(names.kind)),
                "a map by name, or \"*\" for all");
     return;
   }
@@ -197,7 +198,8 @@ void check_names(const Node& names, std::string_view what, const Specs& specs, F
   for (const auto& spec : specs) known.push_back(spec.name);
   for (const auto& [key, value] : names.entries) {
     if (key->text == "*" || std::ranges::find(known, key->text) != known.end()) continue;
-    faults.add(key->place, "no " + std::string(what) + " '" + key->text + "' in the configuration",
+    faults.add(key->position,
+               "no " + std::string(what) + " '" + key->text + "' in the configuration",
                config::joined(known) + ", \"*\"", config::closest(key->text, known));
   }
 }
