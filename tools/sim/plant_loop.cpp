@@ -98,7 +98,7 @@ void PlantLoop::take(int fd) {
   }
   serving_ = owner_[static_cast<std::size_t>(fd)];
   served_[serving_].bus->on_readable(fd, now());
-  served_[serving_].due = kLongAgo;  // what it heard may change when it has something to do
+  served_[serving_].due = kLongAgo;  // what it received may change when it has something to do
 }
 
 void PlantLoop::wait(Instant until) {

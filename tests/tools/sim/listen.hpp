@@ -1,4 +1,4 @@
-// Lets a receiver hear bytes at the speed of a line, and then a long silence.
+// Gives a receiver bytes at the speed of a line, and then a long silence.
 #pragma once
 
 #include "core/base/bytes.hpp"
@@ -22,7 +22,7 @@ inline Reaction listen(Receiver& receiver, ByteView bytes, Instant start = kBegi
   for (const std::uint8_t byte : bytes) {
     end += kLine.characters(1);
     Reaction one;
-    receiver.hear(byte, end, one);
+    receiver.on_character(byte, end, one);
     take(one);
   }
   if (then_silence && receiver.silence_due() != kNever) {

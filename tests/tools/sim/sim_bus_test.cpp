@@ -156,9 +156,9 @@ TEST(SimBus, EchoPrecedesTheAnswer) {
   BusFaults faults;
   faults.echo = true;
   Master master(faults);
-  const Bytes heard = master.ask(kRead1);
-  ASSERT_EQ(heard.size(), 33u);
-  EXPECT_TRUE(std::equal(kRead1.begin(), kRead1.end(), heard.begin()));
+  const Bytes received = master.ask(kRead1);
+  ASSERT_EQ(received.size(), 33u);
+  EXPECT_TRUE(std::equal(kRead1.begin(), kRead1.end(), received.begin()));
 }
 
 TEST(SimBus, BabbleComesWithoutARequest) {

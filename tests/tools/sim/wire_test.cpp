@@ -23,12 +23,12 @@ struct Arrived {
 };
 
 // Runs the wire to its rest, waking exactly when it asks.
-Arrived run(Wire& wire, Speaker from) {
+Arrived run(Wire& wire, Sender from) {
   Arrived arrived;
   while (wire.next_due() != kNever) {
     const Instant now = wire.next_due();
     while (const auto passed = wire.advance(now)) {
-      if (passed->speaker != from) continue;
+      if (passed->sender != from) continue;
       append(arrived.bytes, passed->characters);
       arrived.pieces.emplace_back(now, arrived.bytes.size());
     }
@@ -41,9 +41,9 @@ TEST(Wire, ARequestTakesTheTimeOfItsCharacters) {
   wire.from_master(Bytes(8, 0x55), kBegin);
   EXPECT_EQ(wire.next_due(), kBegin + 8 * 1041667ns);
   EXPECT_FALSE(wire.advance(kBegin + 1041666ns));
-  std::size_t heard = 0;
-  while (wire.advance(kBegin + 8 * 1041667ns)) ++heard;
-  EXPECT_EQ(heard, 8u);
+  std::size_t received = 0;
+  while (wire.advance(kBegin + 8 * 1041667ns)) ++received;
+  EXPECT_EQ(received, 8u);
   EXPECT_TRUE(wire.at_rest());
 }
 
@@ -51,9 +51,9 @@ TEST(Wire, PiecesOfTheMasterFollowEachOther) {
   Wire wire(at_9600());
   wire.from_master(Bytes(4, 1), kBegin);
   wire.from_master(Bytes(4, 2), kBegin + 1us);
-  const Arrived heard = run(wire, kMaster);
-  EXPECT_EQ(heard.bytes.size(), 8u);
-  EXPECT_EQ(heard.pieces.back().first, kBegin + 8 * 1041667ns);
+  const Arrived received = run(wire, kMaster);
+  EXPECT_EQ(received.bytes.size(), 8u);
+  EXPECT_EQ(received.pieces.back().first, kBegin + 8 * 1041667ns);
 }
 
 TEST(Wire, AnswerComesInFifoPiecesAndEndsOnTheInstant) {
@@ -83,7 +83,7 @@ TEST(Wire, TalkingIntoAnAnswerGarblesBoth) {
   Bytes from_device, from_master;
   while (wire.next_due() != kNever) {
     while (const auto passed = wire.advance(wire.next_due()))
-      append(passed->speaker == 0 ? from_device : from_master, passed->characters);
+      append(passed->sender == 0 ? from_device : from_master, passed->characters);
   }
   ASSERT_EQ(from_device.size(), 10u);
   ASSERT_EQ(from_master.size(), 4u);

@@ -37,14 +37,14 @@ struct DeviceFaults {
   double loss = 0;              // the answer never leaves
   double late_probability = 0;  // the answer leaves much later
   Duration late{};
-  bool queues = false;       // while it thinks, it hears further requests and answers them in order
+  bool queues = false;       // while it thinks, it takes further requests and answers them in order
   double doubled = 0;        // the answer comes twice,
   Duration doubled_after{};  // so long one after the other
   Duration deaf{};           // after each of its answers
   double garble = 0;         // some characters of the answer are other ones
   double truncate = 0;       // the answer ends early
   double stray = 0;          // stray characters precede the answer
-  std::vector<Window> silence;  // the device is dead: it neither hears nor answers
+  std::vector<Window> silence;  // the device is dead: it neither receives nor answers
   std::vector<RefusedRange> refused;
   bool only_configured = false;
 };

@@ -43,7 +43,7 @@ class PluggedBus : public ServedBus {
       plugged_ = plug().has_value();
       next_try_ = now + 1s;  // somebody took the place meanwhile
     }
-    if (plugged_) return std::min(talk(now), next_change(now));
+    if (plugged_) return std::min(advance(now), next_change(now));
     return unplugged(now) ? next_change(now) : next_try_;
   }
 
@@ -51,7 +51,7 @@ class PluggedBus : public ServedBus {
   [[nodiscard]] virtual tl::expected<void, std::string> plug() = 0;
   virtual void unplug() = 0;
   // Does what is due on a plugged bus and says when it wants to be called next.
-  virtual Instant talk(Instant now) = 0;
+  virtual Instant advance(Instant now) = 0;
   [[nodiscard]] SimBus& bus() { return bus_; }
   [[nodiscard]] bool plugged() const { return plugged_; }
 
@@ -107,7 +107,7 @@ class SerialBus : public PluggedBus {
     port_.reset();
   }
 
-  Instant talk(Instant now) override {
+  Instant advance(Instant now) override {
     if (now >= next_care_) {
       port_->forget_exclusive_use();
       next_care_ = now + 1s;
@@ -174,7 +174,7 @@ class TcpBus : public PluggedBus {
     listener_.reset();
   }
 
-  Instant talk(Instant now) override {
+  Instant advance(Instant now) override {
     Instant next = kNever;
     for (auto at = connections_.begin(); at != connections_.end();) {
       const auto current = at++;

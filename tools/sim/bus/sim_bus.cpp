@@ -96,12 +96,13 @@ std::unique_ptr<BusLine> SimBus::open_line() {
 
 BusLine::BusLine(SimBus& bus, const WireOptions& options, std::uint64_t seed)
     : bus_(bus), wire_(options), random_(mix(seed, "babble")) {
-  for (const SimBus::Member& member : bus.members_) ears_.push_back(member.device->open_receiver());
-  spoke_until_.assign(ears_.size(), kLongAgo);
+  for (const SimBus::Member& member : bus.members_)
+    receivers_.push_back(member.device->open_receiver());
+  spoke_until_.assign(receivers_.size(), kLongAgo);
 }
 
 void BusLine::receive(ByteView bytes, Instant now) {
-  bus_.statistics_.bytes_heard += bytes.size();
+  bus_.statistics_.bytes_received += bytes.size();
   const std::uint64_t lost = wire_.lost(), collisions = wire_.collisions();
   wire_.from_master(bytes, now);
   bus_.statistics_.lost += wire_.lost() - lost;
@@ -121,7 +122,7 @@ void BusLine::plan_foreign(Instant from) {
 }
 
 // One whole conversation, request by answer. On a link that is not a line only its answers come.
-void BusLine::talk_to_foreign(Instant now) {
+void BusLine::send_to_foreign(Instant now) {
   constexpr std::uint32_t kMostItems = 16;
   constexpr int kMostRounds = 8;
   constexpr Duration kAnswerAfter = std::chrono::milliseconds{2};
@@ -141,12 +142,12 @@ void BusLine::talk_to_foreign(Instant now) {
   for (int round = 0; round < kMostRounds && step.kind == Step::Kind::kSend; ++round) {
     if (bus_.half_duplex_) {
       wire_.from_device(kNobody, request, now);
-      now = wire_.talks_until(kNobody);
+      now = wire_.sends_until(kNobody);
     }
     Reaction reaction;
-    for (const std::uint8_t character : request) receiver->hear(character, now, reaction);
+    for (const std::uint8_t character : request) receiver->on_character(character, now, reaction);
     wire_.from_device(kNobody, reaction.answer, now + kAnswerAfter);
-    now = std::max(now, wire_.talks_until(kNobody)) + kAnswerAfter;
+    now = std::max(now, wire_.sends_until(kNobody)) + kAnswerAfter;
     request.clear();
     step = exchange->on_bytes(reaction.answer, request);
     if (step.kind == Step::Kind::kNeedMore && step.wait == Wait::kPause)
@@ -167,12 +168,12 @@ void BusLine::babble(Instant now) {
   plan_babble(now);
 }
 
-// Silence counts only where the line rests: a character under way has not been heard yet, but it is
+// Silence counts only where the line rests: a character under way has not been received yet, but it is
 // there.
 Instant BusLine::silence_due() const {
   Instant due = kNever;
   if (!wire_.at_rest()) return due;
-  for (const auto& receiver : ears_) due = std::min(due, receiver->silence_due());
+  for (const auto& receiver : receivers_) due = std::min(due, receiver->silence_due());
   return due;
 }
 
@@ -183,15 +184,15 @@ Instant BusLine::next_due() const {
 void BusLine::advance(Instant now, Bytes& to_master) {
   for (;;) {
     if (const auto passed = wire_.advance(std::min({now, next_babble_, next_foreign_}))) {
-      if (passed->speaker != kMaster) {
+      if (passed->sender != kMaster) {
         append(to_master, passed->characters);
-        bus_.statistics_.bytes_said += passed->characters.size();
+        bus_.statistics_.bytes_sent += passed->characters.size();
       }
-      hear(*passed);
+      deliver(*passed);
     } else if (next_babble_ <= now && next_babble_ <= next_foreign_) {
       babble(next_babble_);
     } else if (next_foreign_ <= now) {
-      talk_to_foreign(next_foreign_);
+      send_to_foreign(next_foreign_);
     } else if (const Instant due = silence_due(); due <= now) {
       be_silent(due);
     } else {
@@ -200,40 +201,40 @@ void BusLine::advance(Instant now, Bytes& to_master) {
   }
 }
 
-void BusLine::hear(const Passed& passed) {
-  if (passed.speaker == kEcho) return;  // the line's own echo: the devices heard the original
-  for (std::size_t device = 0; device < ears_.size(); ++device) {
-    if (passed.speaker == static_cast<Speaker>(device)) continue;
+void BusLine::deliver(const Passed& passed) {
+  if (passed.sender == kEcho) return;  // the line's own echo: the devices received the original
+  for (std::size_t device = 0; device < receivers_.size(); ++device) {
+    if (passed.sender == static_cast<Sender>(device)) continue;
     Instant end = passed.first_end;
     for (const std::uint8_t character : passed.characters) {
-      hear(device, character, end);
+      deliver(device, character, end);
       end += passed.character;
     }
   }
 }
 
-void BusLine::hear(std::size_t device, std::uint8_t character, Instant end) {
+void BusLine::deliver(std::size_t device, std::uint8_t character, Instant end) {
   SimBus::Member& member = bus_.members_[device];
   const DeviceFaults& faults = member.dice.faults();
-  const auto speaker = static_cast<Speaker>(device);
-  const bool busy = bus_.half_duplex_ && (faults.queues ? wire_.talking(speaker, end)
-                                                        : wire_.talks_until(speaker) > end);
+  const auto sender = static_cast<Sender>(device);
+  const bool busy = bus_.half_duplex_ &&
+                    (faults.queues ? wire_.sending(sender, end) : wire_.sends_until(sender) > end);
   const Instant spoke = spoke_until_[device];
   const bool deaf = spoke != kLongAgo && end >= spoke && end < spoke + faults.deaf;
   if (busy || deaf || member.dice.dead(end - bus_.start_)) {
-    ++member.unheard;
+    ++member.missed;
     return;
   }
   Reaction reaction;
-  ears_[device]->hear(character, end, reaction);
+  receivers_[device]->on_character(character, end, reaction);
   say(device, reaction, end);
 }
 
 void BusLine::be_silent(Instant at) {
-  for (std::size_t device = 0; device < ears_.size(); ++device) {
-    if (ears_[device]->silence_due() > at) continue;
+  for (std::size_t device = 0; device < receivers_.size(); ++device) {
+    if (receivers_[device]->silence_due() > at) continue;
     Reaction reaction;
-    ears_[device]->on_silence(at, reaction);
+    receivers_[device]->on_silence(at, reaction);
     say(device, reaction, at);
   }
 }
@@ -245,18 +246,18 @@ void BusLine::say(std::size_t device, Reaction& reaction, Instant at) {
   const Bytes meant = reaction.answer;
   const FaultyAnswer answer = member.dice.roll(std::move(reaction.answer));
   if (answer.characters != meant) ++member.spoiled;
-  const auto speaker = static_cast<Speaker>(device);
+  const auto sender = static_cast<Sender>(device);
   const std::uint64_t collisions = wire_.collisions();
-  const Instant free = wire_.talks_until(speaker);
+  const Instant free = wire_.sends_until(sender);
   const Duration delay = answer.delay + reaction.pause;
   const bool queues = member.dice.faults().queues;
-  wire_.from_device(speaker, answer.characters,
+  wire_.from_device(sender, answer.characters,
                     queues ? std::max(at, free) + delay : std::max(at + delay, free));
   if (answer.doubled && !answer.characters.empty()) {
-    wire_.from_device(speaker, answer.characters,
-                      wire_.talks_until(speaker) + member.dice.faults().doubled_after);
+    wire_.from_device(sender, answer.characters,
+                      wire_.sends_until(sender) + member.dice.faults().doubled_after);
   }
-  if (!answer.characters.empty()) spoke_until_[device] = wire_.talks_until(speaker);
+  if (!answer.characters.empty()) spoke_until_[device] = wire_.sends_until(sender);
   bus_.statistics_.collisions += wire_.collisions() - collisions;
 }
 

@@ -20,8 +20,8 @@ namespace fieldcast::sim {
 
 // Counters of the line itself.
 struct LineStatistics {
-  std::uint64_t bytes_heard = 0, bytes_said = 0;  // from the master, to the master
-  std::uint64_t lost = 0;                         // characters of a master that talks without end
+  std::uint64_t bytes_received = 0, bytes_sent = 0;  // from the master, to the master
+  std::uint64_t lost = 0;  // characters of a master that sends without end
   std::uint64_t collisions = 0;
   std::uint64_t connections = 0;
   std::optional<Duration>
@@ -36,7 +36,7 @@ class SimBus {
     std::string name;
     std::unique_ptr<SimDevice> device;
     FaultDice dice;
-    std::uint64_t unheard = 0;  // characters while it was dead, busy or talking
+    std::uint64_t missed = 0;   // characters while it was dead, busy or sending
     std::uint64_t spoiled = 0;  // answers that faults took away or changed
   };
 
@@ -59,7 +59,7 @@ class SimBus {
 
   BusSpec spec_;
   BusFaults faults_;
-  // A unit that another master talks to.
+  // A unit that another master sends to.
   struct Foreign {
     DeviceSpec spec;
     std::unique_ptr<Protocol> protocol;
@@ -80,7 +80,7 @@ class BusLine {
   BusLine(SimBus& bus, const WireOptions& options, std::uint64_t seed);
   // The master's bytes arrived.
   void receive(ByteView bytes, Instant now);
-  // When advance() has something to do; kNever: nothing until the master talks.
+  // When advance() has something to do; kNever: nothing until the master sends.
   [[nodiscard]] Instant next_due() const;
   // Everything that happens until `now`; appends what the master's receiver gets.
   void advance(Instant now, Bytes& to_master);
@@ -88,21 +88,21 @@ class BusLine {
   [[nodiscard]] bool hung_up() const { return hung_up_; }
 
  private:
-  void hear(const Passed& passed);
-  void hear(std::size_t device, std::uint8_t character, Instant end);
+  void deliver(const Passed& passed);
+  void deliver(std::size_t device, std::uint8_t character, Instant end);
   void say(std::size_t device, Reaction& reaction, Instant at);
   void babble(Instant now);
   void plan_babble(Instant from);
   void plan_foreign(Instant from);
-  void talk_to_foreign(Instant now);
+  void send_to_foreign(Instant now);
   [[nodiscard]] Instant silence_due() const;
   void be_silent(Instant at);
 
   SimBus& bus_;
   Wire wire_;
-  std::vector<std::unique_ptr<Receiver>> ears_;  // one for each member
-  std::mt19937_64 random_;                       // of the babble
-  std::vector<Instant> spoke_until_;             // each member
+  std::vector<std::unique_ptr<Receiver>> receivers_;  // one for each member
+  std::mt19937_64 random_;                            // of the babble
+  std::vector<Instant> spoke_until_;                  // each member
   Instant next_babble_ = kNever, next_foreign_ = kNever;
   bool hung_up_ = false;
 };

@@ -33,9 +33,9 @@ void VirtualBus::run_until(Instant until) {
     if (due > until) break;
     now_ = std::max(now_, due);
     if (line_due <= now_) {
-      heard_.clear();
-      line_->advance(now_, heard_);
-      if (!heard_.empty()) feed(Received{heard_});
+      received_.clear();
+      line_->advance(now_, received_);
+      if (!received_.empty()) feed(Received{received_});
     }
     if (reopen_at_ <= now_) plug();
     if (timer_ <= now_) {

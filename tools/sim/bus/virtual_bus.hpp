@@ -56,7 +56,7 @@ class VirtualBus {
   Instant timer_ = kNever;
   Instant reopen_at_ = kNever;
   Instant wire_free_{};
-  Bytes heard_;
+  Bytes received_;
   std::vector<Actions> spare_;                        // feed() may be called from inside a watcher
   std::uint64_t fingerprint_ = 1469598103934665603u;  // FNV-1a
 };

@@ -9,17 +9,20 @@ Wire::Wire(const WireOptions& options)
       character_(options.paced ? options.line.characters(1) : Duration{}),
       noise_(options.noise, options.line.bits_per_character(), options.seed) {}
 
-void Wire::collide(Queued& queued, Talk& talk) {
+void Wire::collide(Queued& queued, Transmission& transmission) {
   const Instant begin = queued.end - character_;
-  if (begin >= end_of(talk, talk.characters.size()) || queued.end <= talk.start) return;
+  if (begin >= end_of(transmission, transmission.characters.size()) ||
+      queued.end <= transmission.start)
+    return;
   queued.garbled = true;
   ++collisions_;
-  for (std::size_t i = talk.passed; i < talk.characters.size(); ++i) {
-    if (begin < end_of(talk, i + 1) && queued.end > end_of(talk, i)) talk.garbled[i] = true;
+  for (std::size_t i = transmission.passed; i < transmission.characters.size(); ++i) {
+    if (begin < end_of(transmission, i + 1) && queued.end > end_of(transmission, i))
+      transmission.garbled[i] = true;
   }
 }
 
-void Wire::collide(Talk& a, Talk& b) {
+void Wire::collide(Transmission& a, Transmission& b) {
   bool any = false;
   for (std::size_t i = a.passed; i < a.characters.size(); ++i) {
     for (std::size_t k = b.passed; k < b.characters.size(); ++k) {
@@ -36,8 +39,9 @@ void Wire::from_master(ByteView characters, Instant now) {
   characters = characters.first(std::min(room, characters.size()));
   if (characters.empty()) return;
   const Instant start = std::max(now, master_free_);
-  if (queued_.empty() && talk_ended_ != kLongAgo && now >= talk_ended_ && now > master_free_) {
-    const Duration rest = now - std::max(talk_ended_, master_free_);
+  if (queued_.empty() && transmission_ended_ != kLongAgo && now >= transmission_ended_ &&
+      now > master_free_) {
+    const Duration rest = now - std::max(transmission_ended_, master_free_);
     shortest_rest_ = std::min(shortest_rest_.value_or(rest), rest);
   }
   master_free_ =
@@ -47,53 +51,57 @@ void Wire::from_master(ByteView characters, Instant now) {
     end += character_;
     Queued& queued = queued_.emplace_back(Queued{noise_.pass(character), end, master_free_, false});
     if (!options_.half_duplex) continue;
-    for (Talk& talk : talks_) collide(queued, talk);
+    for (Transmission& transmission : transmissions_) collide(queued, transmission);
   }
   if (options_.echo)
-    talks_.push_back(Talk{kEcho,
-                          {characters.begin(), characters.end()},
-                          std::vector<bool>(characters.size()),
-                          start});
+    transmissions_.push_back(Transmission{kEcho,
+                                          {characters.begin(), characters.end()},
+                                          std::vector<bool>(characters.size()),
+                                          start});
 }
 
-void Wire::from_device(Speaker speaker, ByteView characters, Instant start) {
+void Wire::from_device(Sender sender, ByteView characters, Instant start) {
   if (characters.empty()) return;
-  Talk talk{
-      speaker, {characters.begin(), characters.end()}, std::vector<bool>(characters.size()), start};
+  Transmission transmission{
+      sender, {characters.begin(), characters.end()}, std::vector<bool>(characters.size()), start};
   if (options_.half_duplex && options_.paced) {
-    for (Queued& queued : queued_) collide(queued, talk);
-    for (Talk& other : talks_) {
-      if (other.speaker != kEcho) collide(talk, other);
+    for (Queued& queued : queued_) collide(queued, transmission);
+    for (Transmission& other : transmissions_) {
+      if (other.sender != kEcho) collide(transmission, other);
     }
   }
-  talks_.push_back(std::move(talk));
+  transmissions_.push_back(std::move(transmission));
 }
 
-Instant Wire::piece_end(const Talk& talk) const {
-  const std::size_t size = talk.characters.size();
-  return end_of(talk, options_.fifo == 0 || !options_.paced
-                          ? size
-                          : std::min(size, talk.passed + options_.fifo));
+Instant Wire::piece_end(const Transmission& transmission) const {
+  const std::size_t size = transmission.characters.size();
+  return end_of(transmission, options_.fifo == 0 || !options_.paced
+                                  ? size
+                                  : std::min(size, transmission.passed + options_.fifo));
 }
 
 Instant Wire::next_due() const {
   Instant due = queued_.empty() ? kNever : queued_.front().piece_end;
-  for (const Talk& talk : talks_) due = std::min(due, piece_end(talk));
+  for (const Transmission& transmission : transmissions_)
+    due = std::min(due, piece_end(transmission));
   return due;
 }
 
-Instant Wire::talks_until(Speaker speaker) const {
+Instant Wire::sends_until(Sender sender) const {
   Instant until = kLongAgo;
-  for (const Talk& talk : talks_) {
-    if (talk.speaker == speaker) until = std::max(until, end_of(talk, talk.characters.size()));
+  for (const Transmission& transmission : transmissions_) {
+    if (transmission.sender == sender)
+      until = std::max(until, end_of(transmission, transmission.characters.size()));
   }
   return until;
 }
 
-bool Wire::talking(Speaker speaker, Instant at) const {
-  return std::any_of(talks_.begin(), talks_.end(), [&](const Talk& talk) {
-    return talk.speaker == speaker && talk.start < at && end_of(talk, talk.characters.size()) >= at;
-  });
+bool Wire::sending(Sender sender, Instant at) const {
+  return std::any_of(transmissions_.begin(), transmissions_.end(),
+                     [&](const Transmission& transmission) {
+                       return transmission.sender == sender && transmission.start < at &&
+                              end_of(transmission, transmission.characters.size()) >= at;
+                     });
 }
 
 Passed Wire::pass_queued() {
@@ -105,32 +113,33 @@ Passed Wire::pass_queued() {
           character_};
 }
 
-Passed Wire::pass_talk(std::size_t index) {
-  Talk& talk = talks_[index];
-  const Instant until = piece_end(talk);
-  Passed passed{talk.speaker, {}, end_of(talk, talk.passed + 1), character_};
-  for (; talk.passed < talk.characters.size() && end_of(talk, talk.passed + 1) <= until;
-       ++talk.passed) {
-    const std::uint8_t character = talk.characters[talk.passed];
-    passed.characters.push_back(talk.garbled[talk.passed] ? noise_.garble(character)
-                                                          : noise_.pass(character));
+Passed Wire::pass_transmission(std::size_t index) {
+  Transmission& transmission = transmissions_[index];
+  const Instant until = piece_end(transmission);
+  Passed passed{transmission.sender, {}, end_of(transmission, transmission.passed + 1), character_};
+  for (; transmission.passed < transmission.characters.size() &&
+         end_of(transmission, transmission.passed + 1) <= until;
+       ++transmission.passed) {
+    const std::uint8_t character = transmission.characters[transmission.passed];
+    passed.characters.push_back(transmission.garbled[transmission.passed] ? noise_.garble(character)
+                                                                          : noise_.pass(character));
   }
-  talk_ended_ = std::max(talk_ended_, until);
-  if (talk.passed == talk.characters.size())
-    talks_.erase(talks_.begin() + static_cast<std::ptrdiff_t>(index));
+  transmission_ended_ = std::max(transmission_ended_, until);
+  if (transmission.passed == transmission.characters.size())
+    transmissions_.erase(transmissions_.begin() + static_cast<std::ptrdiff_t>(index));
   return passed;
 }
 
 std::optional<Passed> Wire::advance(Instant now) {
   Instant earliest = queued_.empty() ? kNever : queued_.front().end;
-  std::optional<std::size_t> talking;
-  for (std::size_t i = 0; i < talks_.size(); ++i) {
-    if (piece_end(talks_[i]) >= earliest) continue;
-    earliest = piece_end(talks_[i]);
-    talking = i;
+  std::optional<std::size_t> sending;
+  for (std::size_t i = 0; i < transmissions_.size(); ++i) {
+    if (piece_end(transmissions_[i]) >= earliest) continue;
+    earliest = piece_end(transmissions_[i]);
+    sending = i;
   }
   if (earliest > now || earliest == kNever) return std::nullopt;
-  return talking ? pass_talk(*talking) : pass_queued();
+  return sending ? pass_transmission(*sending) : pass_queued();
 }
 
 }  // namespace fieldcast::sim

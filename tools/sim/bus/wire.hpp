@@ -1,4 +1,4 @@
-// The wire in virtual time: when each character has passed, who heard it, and what talking at once
+// The wire in virtual time: when each character has passed, who received it, and what sending at once
 // does to it.
 //
 // A pseudo-terminal has no baud rate: a request arrives in one piece. Here its characters take
@@ -20,11 +20,11 @@
 
 namespace fieldcast::sim {
 
-// Who talks: the number of a device on its bus, or one of these.
-using Speaker = int;
-inline constexpr Speaker kMaster = -1;
-inline constexpr Speaker kNobody = -2;  // babble of foreign equipment
-inline constexpr Speaker kEcho = -3;    // the line giving back what the master sent
+// Who sends: the number of a device on its bus, or one of these.
+using Sender = int;
+inline constexpr Sender kMaster = -1;
+inline constexpr Sender kNobody = -2;  // babble of foreign equipment
+inline constexpr Sender kEcho = -3;    // the line giving back what the master sent
 
 struct WireOptions {
   LineFormat line;
@@ -53,7 +53,7 @@ class BitNoise {
 
 // Characters that passed the line, in the order of time.
 struct Passed {
-  Speaker speaker = kMaster;
+  Sender sender = kMaster;
   Bytes characters;
   Instant first_end{};   // end of the first character
   Duration character{};  // from one to the next
@@ -68,23 +68,23 @@ class Wire {
 
   // The master's characters arrived at `now`.
   void from_master(ByteView characters, Instant now);
-  // Somebody else begins to talk at `start`.
-  void from_device(Speaker speaker, ByteView characters, Instant start);
+  // Somebody else begins to transmission at `start`.
+  void from_device(Sender sender, ByteView characters, Instant start);
 
   // When advance() has something to do: the end of a piece of the master's, or of the next piece
   // for it. kNever: the line is at rest.
   [[nodiscard]] Instant next_due() const;
-  [[nodiscard]] bool at_rest() const { return queued_.empty() && talks_.empty(); }
+  [[nodiscard]] bool at_rest() const { return queued_.empty() && transmissions_.empty(); }
   // The next thing that passed until `now`, or nothing. What a device says because of it may be
   // added before the next call.
   [[nodiscard]] std::optional<Passed> advance(Instant now);
 
-  // The end of this speaker's last talk that is known; kLongAgo: none under way.
-  [[nodiscard]] Instant talks_until(Speaker speaker) const;
-  [[nodiscard]] bool talking(Speaker speaker, Instant at) const;
+  // The end of this sender's last transmission that is known; kLongAgo: none under way.
+  [[nodiscard]] Instant sends_until(Sender sender) const;
+  [[nodiscard]] bool sending(Sender sender, Instant at) const;
   [[nodiscard]] std::uint64_t lost() const { return lost_; }
   [[nodiscard]] std::uint64_t collisions() const { return collisions_; }
-  // The shortest rest seen between the end of any talk and the master's next character; kNever's
+  // The shortest rest seen between the end of any transmission and the master's next character; kNever's
   // distance: none yet.
   [[nodiscard]] std::optional<Duration> shortest_rest() const { return shortest_rest_; }
 
@@ -94,29 +94,29 @@ class Wire {
     Instant end, piece_end;  // of itself, and of the piece with which it came
     bool garbled;
   };
-  struct Talk {
-    Speaker speaker;
+  struct Transmission {
+    Sender sender;
     Bytes characters;
     std::vector<bool> garbled;
     Instant start;
     std::size_t passed = 0;
   };
-  [[nodiscard]] Instant end_of(const Talk& talk, std::size_t count) const {
-    return talk.start + Duration{static_cast<std::int64_t>(count) * character_.count()};
+  [[nodiscard]] Instant end_of(const Transmission& transmission, std::size_t count) const {
+    return transmission.start + Duration{static_cast<std::int64_t>(count) * character_.count()};
   }
-  [[nodiscard]] Instant piece_end(const Talk& talk) const;
-  void collide(Queued& queued, Talk& talk);
-  void collide(Talk& a, Talk& b);
+  [[nodiscard]] Instant piece_end(const Transmission& transmission) const;
+  void collide(Queued& queued, Transmission& transmission);
+  void collide(Transmission& a, Transmission& b);
   [[nodiscard]] Passed pass_queued();
-  [[nodiscard]] Passed pass_talk(std::size_t index);
+  [[nodiscard]] Passed pass_transmission(std::size_t index);
 
   WireOptions options_;
   Duration character_;
   BitNoise noise_;
   std::deque<Queued> queued_;
-  std::vector<Talk> talks_;
-  Instant master_free_ = kLongAgo;  // end of the master's last character
-  Instant talk_ended_ = kLongAgo;   // end of the last talk that passed
+  std::vector<Transmission> transmissions_;
+  Instant master_free_ = kLongAgo;         // end of the master's last character
+  Instant transmission_ended_ = kLongAgo;  // end of the last transmission that passed
   std::uint64_t lost_ = 0, collisions_ = 0;
   std::optional<Duration> shortest_rest_;
 };

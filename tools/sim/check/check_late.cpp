@@ -41,9 +41,9 @@ class LateBus {
       if (next == kNever)
         return row_.fail("the bus stands still from " + to_text(now_ - Instant{}), "");
       now_ = std::max(now_, next);
-      Bytes heard;
-      line_->advance(now_, heard);
-      if (!heard.empty()) feed(Received{heard});
+      Bytes received;
+      line_->advance(now_, received);
+      if (!received.empty()) feed(Received{received});
       if (timer_ <= now_) {
         timer_ = kNever;
         feed(TimerFired{});

@@ -78,11 +78,11 @@ RunOutcome LiveDevice::run(std::unique_ptr<Exchange> exchange) {
   for (int turn = 0; !ended(how) && turn < kMostTurns && outcome.sent.size() <= kMostRounds;
        ++turn) {
     now_ = std::max(now_, std::min(line_->next_due(), driver.deadline()));
-    Bytes heard;
-    line_->advance(now_, heard);
-    if (!heard.empty()) {
-      append(outcome.answers.back(), heard);
-      how = driver.on_bytes(heard, now_, out);
+    Bytes received;
+    line_->advance(now_, received);
+    if (!received.empty()) {
+      append(outcome.answers.back(), received);
+      how = driver.on_bytes(received, now_, out);
     } else if (now_ >= driver.deadline()) {
       how = driver.on_timer(now_, out);
     }

@@ -23,27 +23,29 @@ class DeclaredReceiver : public Receiver {
         character_(line.characters(1)),
         gap_(stream ? Duration{100'000'000} : line.characters(3)) {}
 
-  void hear(std::uint8_t character, Instant end, Reaction& reaction) override {
+  void on_character(std::uint8_t character, Instant end, Reaction& reaction) override {
     if (silence_due() != kNever && end - character_ >= silence_due())
       on_silence(silence_due(), reaction);
     last_ = end;
     if (lost_) return;
-    heard_.push_back(character);
-    const auto heard = device_.take(heard_, end, reaction.answer);
-    lost_ = heard == DeclaredDevice::Heard::kNothing ||
-            (heard == DeclaredDevice::Heard::kDone && reaction.answer.empty());
-    if (heard != DeclaredDevice::Heard::kMore) heard_.clear();
+    received_.push_back(character);
+    const auto received = device_.take(received_, end, reaction.answer);
+    lost_ = received == DeclaredDevice::Taken::kNothing ||
+            (received == DeclaredDevice::Taken::kDone && reaction.answer.empty());
+    if (received != DeclaredDevice::Taken::kMore) received_.clear();
   }
-  Instant silence_due() const override { return heard_.empty() && !lost_ ? kNever : last_ + gap_; }
+  Instant silence_due() const override {
+    return received_.empty() && !lost_ ? kNever : last_ + gap_;
+  }
   void on_silence(Instant, Reaction&) override {
-    heard_.clear();
+    received_.clear();
     lost_ = false;
   }
 
  private:
   DeclaredDevice& device_;
   Duration character_, gap_;
-  Bytes heard_;
+  Bytes received_;
   bool lost_ = false;
   Instant last_ = kLongAgo;
 };
@@ -90,22 +92,22 @@ std::unique_ptr<Receiver> DeclaredDevice::open_receiver() {
   return std::make_unique<DeclaredReceiver>(*this, line_, stream_);
 }
 
-DeclaredDevice::Heard DeclaredDevice::take(ByteView bytes, Instant now, Bytes& answer) {
+DeclaredDevice::Taken DeclaredDevice::take(ByteView bytes, Instant now, Bytes& answer) {
   bool more = false;
   for (const Operation& operation : declaration_->operations) {
-    DeclaredHearing heard = on_request(*declaration_, operation, bytes);
-    more = more || heard.fit == DeclaredHearing::Fit::kMore;
-    if (heard.fit != DeclaredHearing::Fit::kWhole || heard.contradicts) continue;
-    if (heard.bad_check) {
+    DeclaredMatch received = on_request(*declaration_, operation, bytes);
+    more = more || received.fit == DeclaredMatch::Fit::kMore;
+    if (received.fit != DeclaredMatch::Fit::kWhole || received.contradicts) continue;
+    if (received.bad_check) {
       ++statistics_.bad_frames;
       continue;
     }
-    if (has_address(operation.request) && heard.text.address != address_) return Heard::kDone;
-    heard.text.address = address_;
-    answer = execute(operation, std::move(heard.text), now);
-    return Heard::kDone;
+    if (has_address(operation.request) && received.text.address != address_) return Taken::kDone;
+    received.text.address = address_;
+    answer = execute(operation, std::move(received.text), now);
+    return Taken::kDone;
   }
-  return more && bytes.size() < declared::kMaxFrame ? Heard::kMore : Heard::kNothing;
+  return more && bytes.size() < declared::kMaxFrame ? Taken::kMore : Taken::kNothing;
 }
 
 std::uint8_t DeclaredDevice::refusal(const Operation& operation, const DeclaredText& text) const {

@@ -30,9 +30,9 @@ class DeclaredDevice : public SimDevice {
   }
   [[nodiscard]] ItemMemory& memory() { return memory_; }
 
-  enum class Heard : std::uint8_t { kMore, kDone, kNothing };
+  enum class Taken : std::uint8_t { kMore, kDone, kNothing };
   // All since the last silence or answer. kDone with an empty answer: silence is right.
-  [[nodiscard]] Heard take(ByteView bytes, Instant now, Bytes& answer);
+  [[nodiscard]] Taken take(ByteView bytes, Instant now, Bytes& answer);
   [[nodiscard]] std::optional<ItemPlace> parse_address(std::string_view at) const;
 
  private:

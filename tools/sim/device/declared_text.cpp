@@ -89,34 +89,34 @@ class Hearing {
         fields_(operation.request.fields),
         item_bits_(item_bits),
         bytes_(bytes) {
-    heard_.text.command = operation.command;
-    heard_.text.count = operation.min_count;
+    received_.text.command = operation.command;
+    received_.text.count = operation.min_count;
   }
 
-  DeclaredHearing run() {
+  DeclaredMatch run() {
     for (at_ = 0; at_ < fields_.size(); ++at_) {
       starts_[at_] = place_;
       const Field& field = fields_[at_];
-      heard_.fit = field.kind == FieldKind::kItems ? items(field)
-                   : field.text_size != 0          ? text(field)
-                   : !field.text.empty()           ? mark(field)
-                                                   : word(field);
-      if (heard_.fit != Fit::kWhole) return heard_;
+      received_.fit = field.kind == FieldKind::kItems ? items(field)
+                      : field.text_size != 0          ? text(field)
+                      : !field.text.empty()           ? mark(field)
+                                                      : word(field);
+      if (received_.fit != Fit::kWhole) return received_;
     }
     starts_[at_] = place_;
-    heard_.size = place_;
+    received_.size = place_;
     for (std::size_t i = 0; i < fields_.size(); ++i) {
       const Field& field = fields_[i];
       if (field.kind != FieldKind::kChecksum) continue;
       const auto said = number_of(bytes_.subspan(starts_[i], field.word.characters), field.word);
-      heard_.bad_check |= said != check_of(field.check, field.bits,
-                                           summed(operation_.request, field, bytes_, starts_));
+      received_.bad_check |= said != check_of(field.check, field.bits,
+                                              summed(operation_.request, field, bytes_, starts_));
     }
-    return heard_;
+    return received_;
   }
 
  private:
-  using Fit = DeclaredHearing::Fit;
+  using Fit = DeclaredMatch::Fit;
   ByteView rest() const { return bytes_.subspan(place_); }
 
   Fit mark(const Field& field) {
@@ -142,19 +142,20 @@ class Hearing {
       size = static_cast<std::size_t>(found - rest().begin());
     }
     if (rest().size() < size) return Fit::kMore;
-    heard_.text.texts[&field] = {rest().begin(),
-                                 rest().begin() + static_cast<std::ptrdiff_t>(size)};
+    received_.text.texts[&field] = {rest().begin(),
+                                    rest().begin() + static_cast<std::ptrdiff_t>(size)};
     place_ += size;
     return Fit::kWhole;
   }
 
   Fit items(const Field& field) {
-    std::size_t size = items_size(field, item_bits_, heard_.text.count);
+    std::size_t size = items_size(field, item_bits_, received_.text.count);
     if (told_ && !counted_) {
       size = *told_;
-      heard_.text.count = size / field.word.characters * (item_bits_ == 1 && field.packed ? 8 : 1);
+      received_.text.count =
+          size / field.word.characters * (item_bits_ == 1 && field.packed ? 8 : 1);
     } else if (told_) {
-      heard_.contradicts |= *told_ != size;
+      received_.contradicts |= *told_ != size;
     }
     if (size > declared::kMaxFrame) return Fit::kNo;
     if (rest().size() < size) return Fit::kMore;
@@ -167,13 +168,13 @@ class Hearing {
     return Fit::kWhole;
   }
   void take_item(const Field& field, std::uint64_t word) {
-    auto& all = heard_.text.items;
+    auto& all = received_.text.items;
     if (item_bits_ != 1) return all.push_back(word);
     if (!field.packed) {
-      heard_.contradicts |= word != field.on && word != field.off;
+      received_.contradicts |= word != field.on && word != field.off;
       return all.push_back(word == field.on ? 1 : 0);
     }
-    for (unsigned bit = 0; bit < 8 && all.size() < heard_.text.count; ++bit)
+    for (unsigned bit = 0; bit < 8 && all.size() < received_.text.count; ++bit)
       all.push_back(word >> bit & 1u);
   }
 
@@ -192,7 +193,7 @@ class Hearing {
   bool take(const Field& field, std::uint64_t number) {
     const std::uint64_t meant =
         (number - static_cast<std::uint64_t>(field.plus)) & mask(field.bits);
-    DeclaredText& said = heard_.text;
+    DeclaredText& said = received_.text;
     switch (field.kind) {
       case FieldKind::kConstant: return number == (field.number & mask(field.bits));
       case FieldKind::kCommand: return meant == (operation_.command & mask(field.bits));
@@ -228,7 +229,7 @@ class Hearing {
       }
     }
     if (open == nullptr || left < 0) {
-      heard_.contradicts |= left != 0;
+      received_.contradicts |= left != 0;
       return;
     }
     told_ = static_cast<std::size_t>(left) * (in_digits(*open) && !field.in_characters ? 2 : 1);
@@ -238,7 +239,7 @@ class Hearing {
   const std::vector<Field>& fields_;
   const unsigned item_bits_;
   const ByteView bytes_;
-  DeclaredHearing heard_;
+  DeclaredMatch received_;
   Starts starts_{};
   std::size_t at_ = 0, place_ = 0;
   std::uint64_t word_ = 0;
@@ -280,8 +281,8 @@ std::uint64_t spoken(const Field& field, const DeclaredText& text) {
 
 }  // namespace
 
-DeclaredHearing on_request(const declared::Declaration& declaration,
-                           const declared::Operation& operation, ByteView bytes) {
+DeclaredMatch on_request(const declared::Declaration& declaration,
+                         const declared::Operation& operation, ByteView bytes) {
   return Hearing(operation, declaration.areas[operation.area].item_bits, bytes).run();
 }
 

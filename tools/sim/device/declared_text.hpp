@@ -19,7 +19,7 @@ struct DeclaredText {
   std::map<const declared::Field*, std::string> texts;
 };
 
-struct DeclaredHearing {
+struct DeclaredMatch {
   enum class Fit : std::uint8_t { kNo, kMore, kWhole };
   Fit fit = Fit::kNo;
   std::size_t size = 0;  // of a whole one
@@ -29,8 +29,8 @@ struct DeclaredHearing {
 };
 
 // What the operation's request says, if these bytes begin with one.
-[[nodiscard]] DeclaredHearing on_request(const declared::Declaration& declaration,
-                                         const declared::Operation& operation, ByteView bytes);
+[[nodiscard]] DeclaredMatch on_request(const declared::Declaration& declaration,
+                                       const declared::Operation& operation, ByteView bytes);
 
 [[nodiscard]] Bytes say(const declared::Frame& frame, unsigned item_bits, const DeclaredText& text);
 

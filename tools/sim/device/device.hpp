@@ -2,7 +2,7 @@
 //
 // A SimDevice owns the memory of one PLC and outlives its receivers. An Receiver is that device
 // listening on one line: on a serial bus each device has one, on TCP each connection has one.
-// Receivers hear every character of the line, also the requests to others and their answers, as a
+// Receivers get every character of the line, also the requests to others and their answers, as a
 // real slave does. Pure: characters and instants in, answers out; no clock, no thread, no I/O.
 // Everything runs on the simulator's one thread.
 #pragma once
@@ -34,7 +34,7 @@ struct DeviceStatistics {
       writes;  // by item: "holding:107"; one for each write request that touched it
   std::uint64_t write_requests = 0;  // executed ones
   std::uint64_t broadcasts = 0;      // executed without an answer
-  std::uint64_t bad_frames = 0;      // heard: checksum, length or characters wrong
+  std::uint64_t bad_frames = 0;      // received: checksum, length or characters wrong
   std::uint64_t answers = 0;         // made; faults may still take them away
 };
 
@@ -50,7 +50,7 @@ class Receiver {
  public:
   virtual ~Receiver() = default;
   // One more character; its last stop bit ended at `end`. Instants never go back.
-  virtual void hear(std::uint8_t character, Instant end, Reaction& reaction) = 0;
+  virtual void on_character(std::uint8_t character, Instant end, Reaction& reaction) = 0;
   // The instant at which an unbroken silence would mean something; kNever: it would not.
   [[nodiscard]] virtual Instant silence_due() const { return kNever; }
   // The line was silent until `now`, at or after silence_due().
@@ -99,7 +99,7 @@ struct DeviceSetup {
 struct DeviceKind {
   std::string_view protocol;                // as in the configuration: "modbus-rtu"
   std::span<const std::string_view> areas;  // names for RefusedRange
-  bool half_duplex = true;  // one talks at a time; talking into another garbles both
+  bool half_duplex = true;  // one sends at a time; sending into another garbles both
   // The device, or what it cannot understand in its specification.
   tl::expected<std::unique_ptr<SimDevice>, std::string> (*make)(const DeviceSetup& setup) = nullptr;
 };

@@ -31,7 +31,7 @@ class DtcReceiver : public Receiver {
         character_(line.characters(1)),
         gap_(stream ? Duration{100'000'000} : line.characters(3.5)) {}
 
-  void hear(std::uint8_t character, Instant end, Reaction& reaction) override {
+  void on_character(std::uint8_t character, Instant end, Reaction& reaction) override {
     if (silence_due() != kNever && end - character_ >= silence_due())
       on_silence(silence_due(), reaction);
     last_ = end;

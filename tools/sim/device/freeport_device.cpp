@@ -15,7 +15,7 @@ enum Code : std::uint8_t { kCheck = 1, kLength, kDigits, kCommand };
 class FreeportReceiver : public Receiver {
  public:
   explicit FreeportReceiver(FreeportDevice& device) : device_(device) {}
-  void hear(std::uint8_t character, Instant end, Reaction& reaction) override {
+  void on_character(std::uint8_t character, Instant end, Reaction& reaction) override {
     if (character == 'q') frame_.clear();
     if (frame_.empty() && character != 'q') return;
     if (frame_.size() == kMostHeard) return;  // a babbling line; the next `q` ends it

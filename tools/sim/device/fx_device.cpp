@@ -64,7 +64,7 @@ std::vector<ItemArea> fx_areas() {
 class FxReceiver : public Receiver {
  public:
   explicit FxReceiver(FxDevice& device) : device_(device) {}
-  void hear(std::uint8_t character, Instant end, Reaction& reaction) override {
+  void on_character(std::uint8_t character, Instant end, Reaction& reaction) override {
     if (character == kStx) {
       inside_ = true;
       sum_at_ = 0;

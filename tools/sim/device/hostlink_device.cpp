@@ -16,7 +16,7 @@ constexpr std::size_t kReadFirst = 120, kReadLater = 124, kFlagsFirst = 121, kFl
 class HostLinkReceiver : public Receiver {
  public:
   explicit HostLinkReceiver(HostLinkDevice& device) : device_(device) {}
-  void hear(std::uint8_t character, Instant end, Reaction& reaction) override {
+  void on_character(std::uint8_t character, Instant end, Reaction& reaction) override {
     if (character == '@') line_.clear();
     if (character == '\r') {
       device_.take(line_, end, reaction);

@@ -77,7 +77,7 @@ bool crc_holds(ByteView frame) {
   return frame[frame.size() - 2] == (crc & 0xFFu) && frame[frame.size() - 1] == crc >> 8;
 }
 
-// Does the frame end with the character heard last, if it has this length?
+// Does the frame end with the character received last, if it has this length?
 enum class Fit : std::uint8_t { kWhole, kOpen, kNot };
 Fit fit(Length length, ByteView frame) {
   if (length.known != Length::Known::kYes) return Fit::kOpen;
@@ -100,7 +100,7 @@ Instant RtuReceiver::silence_due() const {
   return frame_.empty() && !lost_ ? kNever : last_ + gap_;
 }
 
-void RtuReceiver::hear(std::uint8_t character, Instant end, Reaction& reaction) {
+void RtuReceiver::on_character(std::uint8_t character, Instant end, Reaction& reaction) {
   if (silence_due() != kNever && end - character_ >= silence_due())
     on_silence(silence_due(), reaction);
   last_ = end;
@@ -157,7 +157,7 @@ void RtuReceiver::answer(Instant now, Reaction& reaction) {
   reaction.answer.push_back(static_cast<std::uint8_t>(crc >> 8));
 }
 
-void AsciiReceiver::hear(std::uint8_t character, Instant end, Reaction& reaction) {
+void AsciiReceiver::on_character(std::uint8_t character, Instant end, Reaction& reaction) {
   if (character == ':') {  // begins a frame wherever it stands
     digits_.clear();
     inside_ = true;
@@ -197,7 +197,7 @@ void AsciiReceiver::answer(Instant now, Reaction& reaction) {
   reaction.answer.push_back('\n');
 }
 
-void TcpReceiver::hear(std::uint8_t character, Instant end, Reaction& reaction) {
+void TcpReceiver::on_character(std::uint8_t character, Instant end, Reaction& reaction) {
   frame_.push_back(character);
   if (frame_.size() < kTcpHeader) return;
   const std::size_t length = read_u16(frame_, 4);

@@ -1,10 +1,10 @@
-// How a simulated Modbus device hears its line: the three framings.
+// How a simulated Modbus device receives: the three framings.
 //
 //   RTU    unit(1) PDU CRC lo, CRC hi                       256 bytes at most
 //   ASCII  ':' hex(unit PDU LRC) CR LF                      513 characters at most
 //   TCP    transaction(2) 0000 length(2) unit(1) PDU        length 2..254
 //
-// A slave on a serial bus hears the others too: it knows the shapes of requests and of answers, and
+// A slave on a serial bus receives the others too: it knows the shapes of requests and of answers, and
 // after a frame that is neither it waits for a silence of 3.5 characters before it trusts the line
 // again (Modbus over Serial Line V1.02, 2.5.1). It knows whose answer is next: every answer of two
 // registers whose checksum ends with 00 begins with what would be a whole request.
@@ -20,7 +20,7 @@ namespace fieldcast::sim {
 class RtuReceiver : public Receiver {
  public:
   RtuReceiver(ModbusUnit& unit, const LineFormat& line, bool stream);
-  void hear(std::uint8_t character, Instant end, Reaction& reaction) override;
+  void on_character(std::uint8_t character, Instant end, Reaction& reaction) override;
   [[nodiscard]] Instant silence_due() const override;
   void on_silence(Instant now, Reaction& reaction) override;
 
@@ -37,7 +37,7 @@ class RtuReceiver : public Receiver {
 class AsciiReceiver : public Receiver {
  public:
   explicit AsciiReceiver(ModbusUnit& unit) : unit_(unit) {}
-  void hear(std::uint8_t character, Instant end, Reaction& reaction) override;
+  void on_character(std::uint8_t character, Instant end, Reaction& reaction) override;
 
  private:
   void answer(Instant now, Reaction& reaction);
@@ -50,7 +50,7 @@ class AsciiReceiver : public Receiver {
 class TcpReceiver : public Receiver {
  public:
   TcpReceiver(ModbusUnit& unit, bool any_unit) : unit_(unit), any_unit_(any_unit) {}
-  void hear(std::uint8_t character, Instant end, Reaction& reaction) override;
+  void on_character(std::uint8_t character, Instant end, Reaction& reaction) override;
 
  private:
   ModbusUnit& unit_;

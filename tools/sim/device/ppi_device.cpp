@@ -18,48 +18,49 @@ class PpiReceiver : public Receiver {
         character_(line.characters(1)),
         gap_(stream ? Duration{100'000'000} : line.characters(3.5)) {}
 
-  void hear(std::uint8_t character, Instant end, Reaction& reaction) override {
-    if (silence_due() != kNever && end - character_ >= silence_due()) heard_.clear();
+  void on_character(std::uint8_t character, Instant end, Reaction& reaction) override {
+    if (silence_due() != kNever && end - character_ >= silence_due()) received_.clear();
     last_ = end;
-    heard_.push_back(character);
-    for (std::size_t size = 1; size != 0 && !heard_.empty();) {
+    received_.push_back(character);
+    for (std::size_t size = 1; size != 0 && !received_.empty();) {
       size = whole(end, reaction);
-      heard_.erase(heard_.begin(), heard_.begin() + static_cast<std::ptrdiff_t>(size));
+      received_.erase(received_.begin(), received_.begin() + static_cast<std::ptrdiff_t>(size));
     }
   }
-  Instant silence_due() const override { return heard_.empty() ? kNever : last_ + gap_; }
-  void on_silence(Instant, Reaction&) override { heard_.clear(); }
+  Instant silence_due() const override { return received_.empty() ? kNever : last_ + gap_; }
+  void on_silence(Instant, Reaction&) override { received_.clear(); }
 
  private:
   // Bytes that are done with; 0: more must come.
   std::size_t whole(Instant end, Reaction& reaction) {
-    switch (heard_[0]) {
+    switch (received_[0]) {
       case kLong: return whole_long(end, reaction);
       case kShort:
-        if (heard_.size() < kShortSize) return 0;
-        if (heard_[4] != sum8(ByteView(heard_).subspan(1, 3)) || heard_[5] != kEnd) return 1;
-        reaction.answer = device_.take_short(heard_[1], heard_[2], heard_[3]);
+        if (received_.size() < kShortSize) return 0;
+        if (received_[4] != sum8(ByteView(received_).subspan(1, 3)) || received_[5] != kEnd)
+          return 1;
+        reaction.answer = device_.take_short(received_[1], received_[2], received_[3]);
         return kShortSize;
-      case kToken: return heard_.size() < kTokenSize ? 0 : kTokenSize;
+      case kToken: return received_.size() < kTokenSize ? 0 : kTokenSize;
       default: return 1;
     }
   }
   std::size_t whole_long(Instant end, Reaction& reaction) {
-    if (heard_.size() < 4) return 0;
-    const std::size_t counted = heard_[1];
-    if (heard_[2] != counted || heard_[3] != kLong || counted < kLeastCounted ||
+    if (received_.size() < 4) return 0;
+    const std::size_t counted = received_[1];
+    if (received_[2] != counted || received_[3] != kLong || counted < kLeastCounted ||
         counted > kMostCounted)
       return 1;
-    if (heard_.size() < counted + 6) return 0;
-    const ByteView telegram = ByteView(heard_).subspan(4, counted);
-    if (sum8(telegram) != heard_[4 + counted] || heard_[5 + counted] != kEnd) return 1;
+    if (received_.size() < counted + 6) return 0;
+    const ByteView telegram = ByteView(received_).subspan(4, counted);
+    if (sum8(telegram) != received_[4 + counted] || received_[5 + counted] != kEnd) return 1;
     reaction.answer = device_.take_long(telegram, end);
     return counted + 6;
   }
 
   PpiDevice& device_;
   Duration character_, gap_;
-  Bytes heard_;
+  Bytes received_;
   Instant last_ = kLongAgo;
 };
 
