@@ -20,7 +20,7 @@ Bytes answer_to(SimDevice& device, const Protocol& protocol, const Request& requ
   (void)protocol.begin(request, {sequence})->start(sent);
   Reaction reaction;
   Instant now{std::chrono::seconds{1}};
-  for (const std::uint8_t character : sent) receiver->hear(character, now, reaction);
+  for (const std::uint8_t character : sent) receiver->on_character(character, now, reaction);
   return reaction.answer;
 }
 
