@@ -70,7 +70,8 @@ std::optional<SilenceRule> SilenceReader::operator()(const Node& node, std::stri
 }
 
 std::string SilenceReader::schema() const {
-  return R"({ "type": "string", "pattern": "^(standard|[0-9]+(\\.[0-9]+)?(c|us|ms|s|m|min|h|d))$" })";
+  return R"({ "type": "string", )"
+         R"("pattern": "^(standard|[0-9]+(\\.[0-9]+)?(c|us|ms|s|m|min|h|d))$" })";
 }
 std::string SilenceReader::form() const { return {}; }
 

@@ -88,7 +88,8 @@ std::optional<ListenSpec> ListenRule::operator()(const Node& node, std::string_v
 }
 
 std::string ListenRule::schema() const {
-  return R"({ "type": "string", "pattern": "^([0-9]{1,3}(\\.[0-9]{1,3}){3}|\\[[0-9a-fA-F:%.]+\\]):[0-9]{1,5}$" })";
+  return R"({ "type": "string", )"
+         R"("pattern": "^([0-9]{1,3}(\\.[0-9]{1,3}){3}|\\[[0-9a-fA-F:%.]+\\]):[0-9]{1,5}$" })";
 }
 std::string ListenRule::form() const { return {}; }
 

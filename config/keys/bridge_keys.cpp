@@ -59,10 +59,10 @@ const Rows<DdsSpec>& dds_rows() {
           {{.name = "interfaces",
             .fallback = "[127.0.0.1]: this machine only",
             .text = "IPv4 addresses that DDS may use; 127.0.0.1 is always one of them",
-            .schema =
-                R"({ "type": "array", "minItems": 1, "maxItems": )" +
-                std::to_string(kMaxInterfaces) +
-                R"(, "items": { "type": "string", "pattern": "^[0-9]{1,3}(\\.[0-9]{1,3}){3}$" } })"}},
+            .schema = R"({ "type": "array", "minItems": 1, "maxItems": )" +
+                      std::to_string(kMaxInterfaces) +
+                      R"(, "items": { "type": "string", )"
+                      R"("pattern": "^[0-9]{1,3}(\\.[0-9]{1,3}){3}$" } })"}},
           {{.name = "discovery-server",
             .fallback = "none",
             .text = "`host:port` of a Fast DDS discovery server, instead of multicast",

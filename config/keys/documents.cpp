@@ -94,12 +94,14 @@ std::string common_definitions() {
     "options": {
       "type": "object",
       "maxProperties": )" +
-         std::to_string(kMaxOptions) + R"(,
+         std::to_string(kMaxOptions) +
+         R"(,
       "additionalProperties": { "type": ["string", "number", "boolean"] }
     },
     "allow": { "type": "array", "items": { "enum": ["raw-read", "raw-write"] } },
     "protocol": {
-      "description": "One that is built in, or NAME for a declaration: protocols/NAME.yaml beside this file, or one that comes with Fieldcast.",
+      "description": "One that is built in, or NAME for a declaration: protocols/NAME.yaml beside )"
+         R"(this file, or one that comes with Fieldcast.",
       "anyOf": [
         { "enum": )" +
          quoted_list(names) + R"( },

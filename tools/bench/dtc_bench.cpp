@@ -22,9 +22,9 @@
 #include "core/plan/partition.hpp"
 #include "core/protocol/dtc/packet.hpp"
 #include "core/protocol/dtc/threshold.hpp"
+#include "core/protocol/registry.hpp"
 #include "tests/plan/best_requests.hpp"
 #include "tests/plan/maps.hpp"
-#include "core/protocol/registry.hpp"
 #include "tools/bench/figures.hpp"
 
 namespace {

@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "core/dispatch/scheduler.hpp"
+#include "core/protocol/registry.hpp"
 #include "tests/dispatch/virtual_wire.hpp"
 #include "tests/plan/best_requests.hpp"
 #include "tests/plan/maps.hpp"
-#include "core/protocol/registry.hpp"
 
 namespace {
 

@@ -168,8 +168,8 @@ void BusLine::babble(Instant now) {
   plan_babble(now);
 }
 
-// Silence counts only where the line rests: a character under way has not been received yet, but it is
-// there.
+// Silence counts only where the line rests: a character under way has not been received yet, but it
+// is there.
 Instant BusLine::silence_due() const {
   Instant due = kNever;
   if (!wire_.at_rest()) return due;

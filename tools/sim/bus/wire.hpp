@@ -1,5 +1,5 @@
-// The wire in virtual time: when each character has passed, who received it, and what sending at once
-// does to it.
+// The wire in virtual time: when each character has passed, who received it, and what sending at
+// once does to it.
 //
 // A pseudo-terminal has no baud rate: a request arrives in one piece. Here its characters take
 // their time from the moment the first arrives, one after the other; a device's answer is handed
@@ -84,8 +84,8 @@ class Wire {
   [[nodiscard]] bool sending(Sender sender, Instant at) const;
   [[nodiscard]] std::uint64_t lost() const { return lost_; }
   [[nodiscard]] std::uint64_t collisions() const { return collisions_; }
-  // The shortest rest seen between the end of any transmission and the master's next character; kNever's
-  // distance: none yet.
+  // The shortest rest seen between the end of any transmission and the master's next character;
+  // kNever's distance: none yet.
   [[nodiscard]] std::optional<Duration> shortest_rest() const { return shortest_rest_; }
 
  private:

@@ -40,8 +40,8 @@ class DtcDevice : public SimDevice {
   }
   [[nodiscard]] ItemMemory& memory() { return memory_; }
 
-  // The body of a packet that was received whole. The packet to answer with, or nothing where silence
-  // is right. False: it was broken.
+  // The body of a packet that was received whole. The packet to answer with, or nothing where
+  // silence is right. False: it was broken.
   bool take(bool compressed, ByteView body, Instant now, Bytes& answer);
 
  private:

@@ -4,10 +4,10 @@
 //   ASCII  ':' hex(unit PDU LRC) CR LF                      513 characters at most
 //   TCP    transaction(2) 0000 length(2) unit(1) PDU        length 2..254
 //
-// A slave on a serial bus receives the others too: it knows the shapes of requests and of answers, and
-// after a frame that is neither it waits for a silence of 3.5 characters before it trusts the line
-// again (Modbus over Serial Line V1.02, 2.5.1). It knows whose answer is next: every answer of two
-// registers whose checksum ends with 00 begins with what would be a whole request.
+// A slave on a serial bus receives the others too: it knows the shapes of requests and of answers,
+// and after a frame that is neither it waits for a silence of 3.5 characters before it trusts the
+// line again (Modbus over Serial Line V1.02, 2.5.1). It knows whose answer is next: every answer of
+// two registers whose checksum ends with 00 begins with what would be a whole request.
 #pragma once
 
 #include "tools/sim/device/device.hpp"
