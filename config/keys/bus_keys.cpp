@@ -15,7 +15,7 @@ constexpr std::pair<std::string_view, Planner> kPlanners[] = {{"riding", Planner
 constexpr std::pair<std::string_view, std::optional<bool>> kEchoes[] = {
     {"auto", std::nullopt}, {"true", true}, {"false", false}};
 
-std::vector<Field<BusSpec>> fields() {
+std::vector<Field<BusSpec>> bus_fields() {
   return {
       field<BusSpec>({.name = "name",
                       .fallback = "needed",
@@ -54,7 +54,7 @@ std::vector<Field<BusSpec>> fields() {
   };
 }
 
-std::vector<Field<BusDefaults>> default_fields() {
+std::vector<Field<BusDefaults>> bus_default_fields() {
   std::vector<Field<BusDefaults>> rows;
   const auto devices = [](BusDefaults& both) -> DeviceDefaults& { return both.devices; };
   const auto& below = device_rows().fields();
@@ -82,12 +82,12 @@ std::vector<Field<BusDefaults>> default_fields() {
 }  // namespace
 
 const Rows<BusSpec>& bus_rows() {
-  static const Rows<BusSpec> rows("bus", "a bus", fields());
+  static const Rows<BusSpec> rows("bus", "a bus", bus_fields());
   return rows;
 }
 
 const Rows<BusDefaults>& bus_default_rows() {
-  static const Rows<BusDefaults> rows("bus-defaults", "'defaults' of a bus", default_fields());
+  static const Rows<BusDefaults> rows("bus-defaults", "'defaults' of a bus", bus_default_fields());
   return rows;
 }
 

@@ -25,42 +25,42 @@ constexpr std::pair<std::string_view, Charset> kCharsets[] = {{"utf-8", Charset:
                                                               {"gbk", Charset::kGbk},
                                                               {"shift-jis", Charset::kShiftJis}};
 
-using Row = Field<ChannelDefaults>;
+using ChannelRow = Field<ChannelDefaults>;
 
 // A row whose value goes into the channel as it is.
 template <typename T, typename Rule>
-Row row(Key key, T ChannelSpec::*member, Rule rule) {
+ChannelRow channel_row(Key key, T ChannelSpec::*member, Rule rule) {
   return field<ChannelDefaults>(
       std::move(key), [member](ChannelDefaults& channel) -> T& { return channel.spec.*member; },
       rule);
 }
 template <typename T, typename Rule>
-Row row(Key key, T Encoding::*member, Rule rule) {
+ChannelRow channel_row(Key key, T Encoding::*member, Rule rule) {
   return field<ChannelDefaults>(
       std::move(key),
       [member](ChannelDefaults& channel) -> T& { return channel.spec.encoding.*member; }, rule);
 }
 template <typename T, typename Rule>
-Row row(Key key, T ChannelDefaults::*member, Rule rule) {
+ChannelRow channel_row(Key key, T ChannelDefaults::*member, Rule rule) {
   return field<ChannelDefaults>(std::move(key), member, rule);
 }
 
 // A row that channel.cpp reads, since it depends on the address or the type.
 template <typename Rule>
-Row by_channel(Key key, const Rule& rule) {
+ChannelRow by_channel(Key key, const Rule& rule) {
   if (key.schema.empty()) key.schema = rule.schema();
   if (key.form.empty()) key.form = rule.form();
   return {std::move(key), {}};
 }
 
-std::vector<Row> fields() {
+std::vector<ChannelRow> channel_fields() {
   const ChoiceRule<std::uint8_t> byte{kByteWords};
   return {
-      row({.name = "name",
-           .fallback = "needed",
-           .text = "unique in the device",
-           .example = "a name for the channel"},
-          &ChannelSpec::name, NameRule{}),
+      channel_row({.name = "name",
+                   .fallback = "needed",
+                   .text = "unique in the device",
+                   .example = "a name for the channel"},
+                  &ChannelSpec::name, NameRule{}),
       {{.name = "at",
         .fallback = "needed",
         .text = "the address, in the PLC's own notation: holding:100, 40101, coil:3, VW100",
@@ -69,56 +69,60 @@ std::vector<Row> fields() {
                   .fallback = "`bool` for a bit, else needed",
                   .text = "see above; may be left out where the address is one bit"},
                  TypeRule{}),
-      row({.name = "refresh",
-           .fallback = "1s",
-           .text = "the promise that a sample is never older",
-           .flows_down = true},
-          &ChannelSpec::refresh, DurationRule{kMinRefresh, kMaxRefresh}),
-      row({.name = "mode",
+      channel_row({.name = "refresh",
+                   .fallback = "1s",
+                   .text = "the promise that a sample is never older",
+                   .flows_down = true},
+                  &ChannelSpec::refresh, DurationRule{kMinRefresh, kMaxRefresh}),
+      channel_row(
+          {.name = "mode",
            .fallback = "scheduled",
            .text = "`scheduled` reads in time for the refresh, then the wire rests; `intensive` "
                    "reads without pause, the oldest first; `on-demand` reads by command only",
            .flows_down = true},
           &ChannelSpec::mode, ChoiceRule<Mode>{kModes}),
-      row({.name = "access",
-           .fallback = "read-only",
-           .text = "what commands may do",
-           .flows_down = true},
-          &ChannelSpec::access, ChoiceRule<Access>{kAccesses}),
-      row({.name = "acquire",
-           .fallback = "always",
-           .text = "`on-interest` reads only while a station declares interest",
-           .flows_down = true},
-          &ChannelSpec::on_interest, ChoiceRule<bool>{kAcquires}),
-      row({.name = "priority",
-           .fallback = "0",
-           .text = "a higher one is kept fresh longer when the wire is too slow",
-           .flows_down = true},
-          &ChannelSpec::priority, WholeRule{-kMaxPriority, kMaxPriority}),
-      row({.name = "elasticity",
+      channel_row({.name = "access",
+                   .fallback = "read-only",
+                   .text = "what commands may do",
+                   .flows_down = true},
+                  &ChannelSpec::access, ChoiceRule<Access>{kAccesses}),
+      channel_row({.name = "acquire",
+                   .fallback = "always",
+                   .text = "`on-interest` reads only while a station declares interest",
+                   .flows_down = true},
+                  &ChannelSpec::on_interest, ChoiceRule<bool>{kAcquires}),
+      channel_row({.name = "priority",
+                   .fallback = "0",
+                   .text = "a higher one is kept fresh longer when the wire is too slow",
+                   .flows_down = true},
+                  &ChannelSpec::priority, WholeRule{-kMaxPriority, kMaxPriority}),
+      channel_row(
+          {.name = "elasticity",
            .fallback = "1",
            .text = "its share of the stretch when the wire is too slow, beside the others of its "
                    "priority: with 2 its refresh grows by twice as much",
            .flows_down = true},
           &ChannelSpec::elasticity, NumberRule{kMinElasticity, kMaxElasticity}),
-      row({.name = "unit", .fallback = "none"}, &ChannelSpec::unit, TextRule{kMaxUnit}),
-      row({.name = "description", .fallback = "none"}, &ChannelSpec::description,
-          TextRule{kMaxDescription}),
-      row({.name = "scale", .fallback = "1", .text = "value = raw × scale + offset"},
-          &Encoding::scale, NumberRule{}),
-      row({.name = "offset", .fallback = "0", .text = "value = raw × scale + offset"},
-          &Encoding::offset, NumberRule{}),
-      row({.name = "word-order",
+      channel_row({.name = "unit", .fallback = "none"}, &ChannelSpec::unit, TextRule{kMaxUnit}),
+      channel_row({.name = "description", .fallback = "none"}, &ChannelSpec::description,
+                  TextRule{kMaxDescription}),
+      channel_row({.name = "scale", .fallback = "1", .text = "value = raw × scale + offset"},
+                  &Encoding::scale, NumberRule{}),
+      channel_row({.name = "offset", .fallback = "0", .text = "value = raw × scale + offset"},
+                  &Encoding::offset, NumberRule{}),
+      channel_row(
+          {.name = "word-order",
            .fallback = "the family's own",
            .text = "of the 16-bit words of a wider value: `big-endian` has the high word first",
            .flows_down = true},
           &ChannelDefaults::word_order, ChoiceRule<WordOrder>{kWordOrders}),
-      row({.name = "byte-order",
-           .fallback = "big-endian; of texts the family's own",
-           .text = "of the two bytes of each word",
-           .flows_down = true},
-          &ChannelDefaults::byte_order, ChoiceRule<ByteOrder>{kByteOrders}),
-      row({.name = "encoding",
+      channel_row({.name = "byte-order",
+                   .fallback = "big-endian; of texts the family's own",
+                   .text = "of the two bytes of each word",
+                   .flows_down = true},
+                  &ChannelDefaults::byte_order, ChoiceRule<ByteOrder>{kByteOrders}),
+      channel_row(
+          {.name = "encoding",
            .fallback = "utf-8",
            .text =
                "of the device's texts, for channels of type `string(n)`, read and written. What is "
@@ -145,13 +149,14 @@ std::vector<Row> fields() {
                           "and exponent; what spells no number of the type is BAD_RANGE. Where a "
                           "declared place is a text, n may be left out"},
                  TextFormRule{}),
-      row({.name = "deadband",
-           .fallback = "none: every reading is published",
-           .text = "changes of more than this are published; 0: every change",
-           .schema = R"({ "type": "number", "minimum": 0 })",
-           .form = "0 and above"},
-          &ChannelSpec::deadband, NumberRule{}),
-      row({.name = "heartbeat",
+      channel_row({.name = "deadband",
+                   .fallback = "none: every reading is published",
+                   .text = "changes of more than this are published; 0: every change",
+                   .schema = R"({ "type": "number", "minimum": 0 })",
+                   .form = "0 and above"},
+                  &ChannelSpec::deadband, NumberRule{}),
+      channel_row(
+          {.name = "heartbeat",
            .fallback = "the refresh",
            .text = "with a deadband the value is published at the latest after this, which is at "
                    "least the refresh",
@@ -171,7 +176,7 @@ std::vector<Row> fields() {
 }  // namespace
 
 const Rows<ChannelDefaults>& channel_rows() {
-  static const Rows<ChannelDefaults> rows("channel", "a channel", fields());
+  static const Rows<ChannelDefaults> rows("channel", "a channel", channel_fields());
   return rows;
 }
 

@@ -9,50 +9,50 @@
 namespace fieldcast::config {
 namespace {
 
-using Row = Field<DeviceDefaults>;
+using DeviceRow = Field<DeviceDefaults>;
 
 template <typename T, typename Rule>
-Row row(Key key, T DeviceSpec::*member, Rule rule) {
+DeviceRow device_row(Key key, T DeviceSpec::*member, Rule rule) {
   return field<DeviceDefaults>(
       std::move(key), [member](DeviceDefaults& device) -> T& { return device.spec.*member; }, rule);
 }
 
 // What a device has from further up: keys of its channels, and its own.
-std::vector<Row> defaults() {
-  std::vector<Row> rows;
+std::vector<DeviceRow> device_defaults() {
+  std::vector<DeviceRow> rows;
   append_flowing(rows, channel_rows().fields(), &DeviceDefaults::channels);
-  const std::vector<Row> own{
-      row({.name = "timeout",
-           .fallback = "200ms",
-           .text = "to the first byte of an answer",
-           .flows_down = true},
-          &DeviceSpec::timeout, DurationRule{kMinTimeout, kMaxTimeout}),
-      row({.name = "retries",
-           .fallback = "1",
-           .text = "more tries of an exchange",
-           .flows_down = true},
-          &DeviceSpec::retries, WholeRule{0, kMaxRetries}),
-      row({.name = "pause",
-           .fallback = "0ms",
-           .text = "rest after each exchange with the device",
-           .flows_down = true},
-          &DeviceSpec::pause, DurationRule{Duration{}, kMaxPause}),
-      row({.name = "max-block",
-           .fallback = "the protocol's limit",
-           .text = "items in one read, for weak devices",
-           .flows_down = true},
-          &DeviceSpec::max_block, WholeRule{1, 65535}),
-      row({.name = "max-gap",
-           .fallback = "whatever pays",
-           .text = "unwanted items that a read may bridge",
-           .flows_down = true},
-          &DeviceSpec::max_gap, WholeRule{0, 65535}),
+  const std::vector<DeviceRow> own{
+      device_row({.name = "timeout",
+                  .fallback = "200ms",
+                  .text = "to the first byte of an answer",
+                  .flows_down = true},
+                 &DeviceSpec::timeout, DurationRule{kMinTimeout, kMaxTimeout}),
+      device_row({.name = "retries",
+                  .fallback = "1",
+                  .text = "more tries of an exchange",
+                  .flows_down = true},
+                 &DeviceSpec::retries, WholeRule{0, kMaxRetries}),
+      device_row({.name = "pause",
+                  .fallback = "0ms",
+                  .text = "rest after each exchange with the device",
+                  .flows_down = true},
+                 &DeviceSpec::pause, DurationRule{Duration{}, kMaxPause}),
+      device_row({.name = "max-block",
+                  .fallback = "the protocol's limit",
+                  .text = "items in one read, for weak devices",
+                  .flows_down = true},
+                 &DeviceSpec::max_block, WholeRule{1, 65535}),
+      device_row({.name = "max-gap",
+                  .fallback = "whatever pays",
+                  .text = "unwanted items that a read may bridge",
+                  .flows_down = true},
+                 &DeviceSpec::max_gap, WholeRule{0, 65535}),
   };
   rows.insert(rows.end(), own.begin(), own.end());
   return rows;
 }
 
-Row options() {
+DeviceRow options_row() {
   return {{.name = "options",
            .fallback = "none",
            .text = "of the protocol. " + options_text(),
@@ -60,7 +60,7 @@ Row options() {
            .schema = R"({ "$ref": "#/$defs/options" })"},
           read_options};
 }
-Row allow() {
+DeviceRow allow_row() {
   return {{.name = "allow",
            .fallback = "none",
            .text = "commands to addresses that are no channels",
@@ -69,25 +69,26 @@ Row allow() {
            .form = "`[raw-read, raw-write]`"},
           read_allow};
 }
-Row channels(std::string fallback) {
+DeviceRow channels_row(std::string fallback) {
   return {{.name = "channels",
            .fallback = std::move(fallback),
            .text = "a list, or the name of a CSV file",
            .schema = R"({ "$ref": "#/$defs/channels" })"}};
 }
 
-std::vector<Row> device_fields() {
-  std::vector<Row> rows{
-      row({.name = "name",
-           .fallback = "needed",
-           .text = "unique on the bus",
-           .example = "a name for the device"},
-          &DeviceSpec::name, NameRule{}),
+std::vector<DeviceRow> device_fields() {
+  std::vector<DeviceRow> rows{
+      device_row({.name = "name",
+                  .fallback = "needed",
+                  .text = "unique on the bus",
+                  .example = "a name for the device"},
+                 &DeviceSpec::name, NameRule{}),
       {{.name = "address",
         .fallback = "needed",
         .text = "on the bus; the protocol narrows it",
         .schema = WholeRule{0, 65535}.schema()}},
-      row({.name = "number",
+      device_row(
+          {.name = "number",
            .fallback = "not programmed",
            .text = "under which engineers ask for the device, to program it through its bus; the "
                    "devices of a `dial-in` bus are reached by that number as it is"},
@@ -101,11 +102,11 @@ std::vector<Row> device_fields() {
         .text = "NAME of a kind of device: devices/NAME.yaml beside this file, or one that comes "
                 "with Fieldcast",
         .schema = R"({ "$ref": "#/$defs/word" })"}},
-      channels("needed without `template` and `allow`"),
-      options(),
-      allow(),
+      channels_row("needed without `template` and `allow`"),
+      options_row(),
+      allow_row(),
   };
-  const auto below = defaults();
+  const auto below = device_defaults();
   rows.insert(rows.end(), below.begin(), below.end());
   return rows;
 }
@@ -119,7 +120,7 @@ const Rows<DeviceDefaults>& device_rows() {
 
 const Rows<DeviceDefaults>& template_default_rows() {
   static const Rows<DeviceDefaults> rows("template-defaults", "'defaults' of a template",
-                                         defaults());
+                                         device_defaults());
   return rows;
 }
 
@@ -140,9 +141,9 @@ const Rows<DeviceDefaults>& template_rows() {
             .fallback = "none",
             .text = "every key marked ●",
             .schema = R"({ "$ref": "#/$defs/template-defaults" })"}},
-          options(),
-          allow(),
-          channels("none"),
+          options_row(),
+          allow_row(),
+          channels_row("none"),
       });
   return rows;
 }

@@ -24,7 +24,7 @@ constexpr std::pair<std::string_view, LoginRule> kLogins[] = {
     {"off-loopback", LoginRule::kOffLoopback}, {"always", LoginRule::kAlways}};
 
 template <typename T, typename Rule>
-Field<ModulesSpec> row(Key key, T RegistrationRule::*member, Rule rule) {
+Field<ModulesSpec> module_row(Key key, T RegistrationRule::*member, Rule rule) {
   return field<ModulesSpec>(
       std::move(key), [member](ModulesSpec& modules) -> T& { return modules.registration.*member; },
       rule);
@@ -98,26 +98,29 @@ const Rows<ModulesSpec>& module_rows() {
                               .text = "`ADDRESS:PORT` of this machine",
                               .example = "listen: 127.0.0.1:4951"},
                              &ModulesSpec::listen, ListenRule{}),
-          row({.name = "ask",
+          module_row(
+              {.name = "ask",
                .fallback = "text",
                .text = "how a module tells its device number: by the `text` that it sends on "
                        "connecting, a line of its own or ended by silence; or in DM `words` of the "
                        "PLC behind it, read with Host Link"},
               &RegistrationRule::ask, ChoiceRule<RegistrationRule::Ask>{kAsks}),
-          row({.name = "prefix",
-               .fallback = "none",
-               .text = "of the text, before the number: `\"ID=\"`"},
-              &RegistrationRule::prefix, TextRule{kMaxPrefix}),
-          row({.name = "unit", .fallback = "0", .text = "with `ask: words`: the unit of Host Link"},
+          module_row({.name = "prefix",
+                      .fallback = "none",
+                      .text = "of the text, before the number: `\"ID=\"`"},
+                     &RegistrationRule::prefix, TextRule{kMaxPrefix}),
+          module_row(
+              {.name = "unit", .fallback = "0", .text = "with `ask: words`: the unit of Host Link"},
               &RegistrationRule::unit, WholeRule{0, kLastUnit}),
-          row({.name = "first", .fallback = "0", .text = "with `ask: words`: the first DM word"},
+          module_row(
+              {.name = "first", .fallback = "0", .text = "with `ask: words`: the first DM word"},
               &RegistrationRule::first, WholeRule{0, kLastDmWord}),
-          row({.name = "words",
-               .fallback = "8",
-               .text = "with `ask: words`: how many, two characters in each"},
-              &RegistrationRule::words, WholeRule{1, kMaxNumberWords}),
-          row({.name = "timeout", .fallback = "5s", .text = "for the number"},
-              &RegistrationRule::timeout, DurationRule{kMinRegistration, kMaxTimeout}),
+          module_row({.name = "words",
+                      .fallback = "8",
+                      .text = "with `ask: words`: how many, two characters in each"},
+                     &RegistrationRule::words, WholeRule{1, kMaxNumberWords}),
+          module_row({.name = "timeout", .fallback = "5s", .text = "for the number"},
+                     &RegistrationRule::timeout, DurationRule{kMinRegistration, kMaxTimeout}),
       });
   return rows;
 }

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "core/protocol/registry.hpp"
 #include "tests/fuzz/any_protocol.hpp"
 
 namespace fieldcast::fuzz {
