@@ -41,7 +41,7 @@ constexpr std::array<Row, static_cast<std::size_t>(Cause::kCount)> kRows{{
     {"QUEUE_FULL", "too many commands are waiting", Quality::kUncertain},
     {"RATE_LIMITED", "written too often", Quality::kUncertain},
     {"NOT_VERIFIED", "the value read back differs", Quality::kBadDeviceError},
-    {"LEASED", "bus is lent to a programming session", Quality::kUncertain},
+    {"LEASED", "bus is leased to a programming session", Quality::kUncertain},
     {"OFFLINE", "device is offline", Quality::kBadNoAnswer},
     {"UNSUPPORTED", "not supported by the device or its protocol", Quality::kBadConfiguration},
     {"SHUTDOWN", "bridge is shutting down", Quality::kUncertain},

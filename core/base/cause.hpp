@@ -41,7 +41,7 @@ enum class Cause : std::uint8_t {
   kQueueFull,
   kRateLimited,
   kNotVerified,  // the value read back differs from the value written
-  kLeased,       // the bus is lent to a programming session
+  kLeased,       // the bus is leased to a programming session
   kOffline,      // the device or its port is down
   kUnsupported,  // the protocol or the device cannot do this
   kShutdown,

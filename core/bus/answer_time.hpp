@@ -1,5 +1,6 @@
 // What is learned of a device's answer time: mean and spread as TCP learns its round trips (RFC
-// 6298), and the timeout that follows.
+// 6298), and the timeout that follows. Plain value, owned by the DeviceMonitor, on the bus's
+// thread. Nothing can fail.
 #pragma once
 
 #include <algorithm>
@@ -15,11 +16,14 @@ class AnswerTime {
   AnswerTime(Duration configured, Duration allowance)
       : configured_(configured), allowance_(allowance) {}
 
-  void learn(Duration measured);  // from the end of the request to the (computed) start of the
-                                  // answer; below zero counts as zero
-  void late(Duration measured);   // of an answer that came after it had been given up
-  void timed_out();               // doubles the timeout until the next answer
-  void forget();                  // another device may be there now
+  // From the end of the request to the (computed) start of the answer; below zero counts as zero.
+  void learn(Duration measured);
+  // The same of an answer that came after it had been given up.
+  void late(Duration measured);
+  // Doubles the timeout until the next answer.
+  void timed_out();
+  // Another device may be there now.
+  void forget();
 
   // Never above the configured one, nor below the longest of the last answers.
   [[nodiscard]] Duration timeout() const;

@@ -3,8 +3,8 @@
 //
 // The scheduler halves a refused block until bad addresses stand alone. When instead every point of
 // it is read by smaller blocks, either they left no item out, and its length was what the device
-// refused; or what they left out is a gap that it refuses. Pure value, owned by the bus engine;
-// bounded.
+// refused; or what they left out is a gap that it refuses. Pure value, owned by the ReadPath, on
+// the bus's thread. Nothing can fail; its tables are bounded.
 #pragma once
 
 #include <cstdint>
@@ -17,11 +17,12 @@ namespace fieldcast {
 
 class BlockLearning {
  public:
-  static constexpr std::size_t kMostOpen =
-      16;  // refusals under search; beyond it the oldest is given up
-  static constexpr std::size_t kMostGaps = 64;  // beyond it the oldest is forgotten
-  static constexpr Duration kRemember =
-      std::chrono::hours{1};  // then a longer block may be tried again
+  // Refusals under search; beyond it the oldest is given up.
+  static constexpr std::size_t kMostOpen = 16;
+  // Beyond it the oldest gap is forgotten.
+  static constexpr std::size_t kMostGaps = 64;
+  // Then a longer block may be tried again.
+  static constexpr Duration kRemember = std::chrono::hours{1};
 
   // A block that reads the `wanted` points was refused.
   void refused(const Range& block, std::vector<Range> wanted);
@@ -35,9 +36,8 @@ class BlockLearning {
   bool forget();
 
   [[nodiscard]] std::uint32_t largest_read() const { return largest_; }  // items
-  [[nodiscard]] std::uint32_t longest() const {
-    return longest_;
-  }  // accepted, once a longer one was refused; 0: not known
+  // Items of the longest block that is accepted, once a longer one was refused; 0: not known.
+  [[nodiscard]] std::uint32_t longest() const { return longest_; }
   [[nodiscard]] const std::vector<Range>& gaps() const { return gaps_; }
 
  private:

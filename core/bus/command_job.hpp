@@ -1,5 +1,6 @@
 // One command on its way: which exchanges it still needs, and what it has come to. Checked before
-// it exists, so a job is always legal. Pure; owned by the bus engine's queue.
+// it exists, so a job is always legal. Pure; owned by the CommandQueue, on the bus's thread. What
+// can fail: make() says why a command is refused; result() says what failed on the wire.
 #pragma once
 
 #include <optional>

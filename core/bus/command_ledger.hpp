@@ -1,5 +1,6 @@
 // Remembers which commands were seen, so that none runs twice: reliable transports and anxious
 // operators repeat themselves. Pure; one owner, who guards it if several threads ask.
+// Nothing can fail; the oldest key gives way to the newest.
 #pragma once
 
 #include <cstdint>
@@ -33,8 +34,8 @@ class CommandLedger {
   };
 
   std::size_t remembered_;
-  std::deque<Key>
-      order_;  // oldest first; a deque never moves what it holds, so that the set may point into it
+  // Oldest first; a deque never moves what it holds, so that the set may point into it.
+  std::deque<Key> order_;
   std::unordered_set<const Key*, Hash, Equal> known_;
 };
 

@@ -1,5 +1,6 @@
 // Whether a device is there: online, degraded, offline; and when a silent one is asked again.
-// Pure value, one for each device, owned by the bus engine.
+// Pure value, one for each device, owned by the DeviceMonitor, on the bus's thread. Nothing can
+// fail.
 #pragma once
 
 #include "core/base/cause.hpp"

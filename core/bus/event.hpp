@@ -1,4 +1,5 @@
-// The second seam: what happens to a bus, and what the bus wants done.
+// The second seam: what happens to a bus (events), and what the bus wants done (actions). Plain
+// values without a thread; who receives one owns it.
 #pragma once
 
 #include <memory>
@@ -19,54 +20,67 @@ namespace fieldcast {
 class PlanDraft;  // core/dispatch/plan_draft.hpp
 
 // Events. The shell tells them in the order in which they happened.
-struct Opened {};  // the port is ready; nothing sent before is on the wire any more
+
+// The port is ready; nothing that was sent before is on the wire any more.
+struct Opened {};
+// The port is gone, or could not be opened.
 struct Closed {
   std::string reason;
   Cause cause = Cause::kPortClosed;
-};  // the port is gone, or could not be opened
+};
+// Bytes arrived; they are valid during the call.
 struct Received {
   ByteView bytes;
-};                     // valid during the call
-struct TimerFired {};  // the instant of the last SetTimer has come
+};
+// The instant of the last SetTimer has come.
+struct TimerFired {};
 struct CommandArrived {
   Command command;
 };
-struct InterestChanged {  // the shortest refresh wished for a channel, or the end of all wishes
+// The shortest refresh that stations want of a channel; nothing: all interest in it ended.
+struct InterestChanged {
   ChannelIndex channel = 0;
   std::optional<Duration> refresh;
 };
+// The port belongs to a programming session from now on.
 struct LeaseBegan {
   std::string who;
-};  // the port belongs to a programming session from now on
+};
 struct LeaseEnded {};
-struct StopRequested {
-};                 // answers every pending command with kShutdown; nothing is sent afterwards
-struct PlanMade {  // what MakePlan asked for
+// Every pending command is answered with kShutdown; nothing is sent afterwards.
+struct StopRequested {};
+// The draft of the last MakePlan is made.
+struct PlanMade {
   std::shared_ptr<PlanDraft> draft;
 };
 using BusEvent = std::variant<Opened, Closed, Received, TimerFired, CommandArrived, InterestChanged,
                               LeaseBegan, LeaseEnded, StopRequested, PlanMade>;
 
 // Actions, to be executed in order.
+
+// Send one whole request; the wire is ours until its answer or timeout.
 struct Send {
   Bytes bytes;
-};  // one whole request; the wire is ours until its answer or timeout
+};
+// Replaces the timer before it; kNever: no timer.
 struct SetTimer {
   Instant at;
-};  // replaces the one before; kNever: none
+};
 struct Publish {
   std::vector<Sample> samples;
 };
-struct Promise {  // from now on the channel is published at least this often; nothing: no promise
+// From now on the channel is published at least this often; nothing: no promise.
+struct Promise {
   ChannelIndex channel = 0;
   std::optional<Duration> gap;
 };
 struct Complete {
   CommandResult result;
 };
+// Close the port and open it again, with the shell's back-off.
 struct Reopen {
   std::string reason;
-};  // close the port and open it again, with the shell's back-off
+};
 // Something a log should say once; counted when it repeats.
 struct Notice {
   enum class Kind : std::uint8_t {
@@ -81,9 +95,9 @@ struct Notice {
     kGarbageEnded
   };
   Kind kind;
-  std::string device;  // empty for the bus
+  std::string device;  // empty: the whole bus
   Cause cause = Cause::kNone;
-  std::string text;  // "holding:107 refused (exception 02); asked again in 10min"
+  std::string text;  // "holding:107 is refused (02 illegal data address); asked again in 60s"
 };
 // One exchange ended: for the wire trace.
 struct Traced {

@@ -20,7 +20,6 @@ void ExchangeDriver::sending(const Step& step, Instant now, const Bytes& out) {
   sent_ = out;
   received_.clear();
   echo_stripped_ = echo_ == Echo::kAbsent;
-  heard_ = false;
   missing_ = 0;
   expected_ = step.characters;
   bytes_sent_ += out.size();
@@ -63,7 +62,6 @@ ExchangeDriver::Outcome ExchangeDriver::on_bytes(ByteView bytes, Instant now, By
                  hard_deadline_));
     return Outcome::kWaiting;
   }
-  heard_ = true;
   out.clear();
   return follow(exchange_->on_bytes(received_, out), now, out);
 }
@@ -110,7 +108,6 @@ void ExchangeDriver::wait_on(std::unique_ptr<Exchange> again) {
   Bytes same;
   (void)exchange_->start(same);
   received_.clear();
-  heard_ = false;
   missing_ = 0;
   cause_ = Cause::kNone;
   deadline_ = answer_deadline_;

@@ -1,5 +1,9 @@
 // Drives one Exchange: its timers, its receive buffer, and the echo of the line. Knows nothing of
-// devices, blocks or commands. Owned by the bus engine; reused for one exchange after the other.
+// devices, blocks or commands.
+//
+// Owns the exchange under way, its bytes, and what is known of the line's echo. Owned by the Wire
+// of a bus engine, on the bus's thread; reused for one exchange after the other. What can fail is
+// the exchange: see cause().
 #pragma once
 
 #include <cstdint>
@@ -35,7 +39,7 @@ class ExchangeDriver {
   Outcome on_bytes(ByteView bytes, Instant now, Bytes& out);
   Outcome on_timer(Instant now, Bytes& out);  // REQUIRES: now >= deadline()
   void abort() { exchange_.reset(); }
-  // What has come was not the answer: the wait goes on with an exchange that has heard nothing.
+  // What has come was not the answer: the wait goes on with an exchange that has received nothing.
   // REQUIRES: the last outcome was kDone; `again` was made for the same request and has not begun.
   void wait_on(std::unique_ptr<Exchange> again);
 
@@ -48,16 +52,14 @@ class ExchangeDriver {
 
   [[nodiscard]] Cause cause() const { return cause_; }
   [[nodiscard]] std::uint16_t device_code() const { return device_code_; }
-  [[nodiscard]] Instant sent_until() const {
-    return sent_until_;
-  }  // the last request has left the wire by then
-  [[nodiscard]] Instant answered() const { return last_byte_; }  // arrival of the last byte
-  [[nodiscard]] bool heard_anything() const {
-    return heard_;
-  }  // since the last send, beside an echo
-  // What was sent last, and what came since, an echo taken away. Valid until the next begin().
+  // The last request has left the wire by then.
+  [[nodiscard]] Instant sent_until() const { return sent_until_; }
+  // Arrival of the last byte.
+  [[nodiscard]] Instant answered() const { return last_byte_; }
+  // What was sent last, and what came since, with what may still be an echo. Valid until the next
+  // begin().
   [[nodiscard]] ByteView sent() const { return sent_; }
-  [[nodiscard]] ByteView heard() const { return received_; }
+  [[nodiscard]] ByteView raw_received() const { return received_; }
   // The device's own time before its answer: arrival of the last byte less the wire time of request
   // and answer. Does not depend on how adapters cut the answer into pieces.
   [[nodiscard]] Duration answer_time() const;
@@ -82,7 +84,6 @@ class ExchangeDriver {
   Echo echo_;
   bool echo_is_distinct_ = true;
   bool echo_stripped_ = false;
-  bool heard_ = false;
   std::unique_ptr<Exchange> exchange_;
   Duration timeout_{};
   Bytes sent_;

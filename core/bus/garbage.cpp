@@ -95,7 +95,7 @@ std::string looks_like(ByteView bytes, const LineFormat& line, bool over_network
          ", and look for a second device with this address or another master";
 }
 
-bool Garbage::heard(ByteView bytes, ByteView request) {
+bool Garbage::received(ByteView bytes, ByteView request) {
   if (bytes.empty()) return false;
   ++exchanges_;
   bytes_ += bytes.size();

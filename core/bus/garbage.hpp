@@ -1,6 +1,6 @@
 // What comes on the wire in place of a device's answers: how much, what it looks like, what to try.
 // A wrong baud rate or parity shows in the bytes themselves. Pure value, one for each device, owned
-// by the bus engine.
+// by the DeviceMonitor, on the bus's thread. Nothing can fail.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ class Garbage {
   static constexpr std::size_t kKept = 128;  // of the bytes, the last ones, to judge by
 
   // A try failed after these bytes. True: worth saying now, see text().
-  [[nodiscard]] bool heard(ByteView bytes, ByteView request);
+  [[nodiscard]] bool received(ByteView bytes, ByteView request);
   // A valid answer. True: text() was worth saying before.
   bool answered();
 

@@ -138,7 +138,7 @@ std::vector<LateAnswers::Late> LateAnswers::in_strays(ByteView bytes, Instant no
   if (owed_.empty()) return found;
   if (strays_.size() + bytes.size() > ExchangeDriver::kMaxReceived) {
     strays_.clear();
-    owed_.nothing_heard();
+    owed_.forget_bytes();
   }
   append(strays_, bytes);
   const std::size_t claimed = find(strays_, nullptr, now, found);
@@ -149,42 +149,42 @@ std::vector<LateAnswers::Late> LateAnswers::in_strays(ByteView bytes, Instant no
 // Each debt has an exchange of its own, which knows the answer when it sees it. What begins right
 // behind another answer is that one once more: no device sends again without a pause. It settles
 // nothing. Each character counts once: one answer never pays two debts. Returns how many characters
-// of `heard` were late answers, up to their end.
-std::size_t LateAnswers::find(ByteView heard, const Asked* under_way, Instant now,
+// of `bytes` were late answers, up to their end.
+std::size_t LateAnswers::find(ByteView bytes, const Asked* under_way, Instant now,
                               std::vector<Late>& found) {
-  const std::size_t whole = heard.size();
+  const std::size_t whole = bytes.size();
   Bytes out;
-  for (std::size_t i = 0; i < owed_.debts().size() && !heard.empty();) {
+  for (std::size_t i = 0; i < owed_.debts().size() && !bytes.empty();) {
     OwedAnswers::Debt& owing = owed_.debts()[i];
     if (!owing.exchange) owing.exchange = begin(setup_, owing.asked);
     out.clear();
-    const Step step = owing.exchange->on_bytes(heard, out);
+    const Step step = owing.exchange->on_bytes(bytes, out);
     const bool mine = under_way != nullptr && mistakable(setup_, owing.asked, *under_way);
     if (mine || !is_answer(step)) {
       ++i;
       continue;
     }
-    heard = heard.subspan(end_of_answer(owing.asked, heard));
+    bytes = bytes.subspan(end_of_answer(owing.asked, bytes));
     const Instant began = now - setup_.answer_wire_time(owing.asked.device, owing.asked.request);
     const bool once_more = began < last_answer_ + setup_.line().characters(kBetweenAnswers);
     if (!once_more) {
       last_answer_ = now;
       found.push_back(late_answer(owed_.take(i, now), step.kind == Step::Kind::kFailed, now));
     }
-    owed_.nothing_heard();
+    owed_.forget_bytes();
     i = 0;  // those before it may be gone as well
   }
-  return whole - heard.size();
+  return whole - bytes.size();
 }
 
-// The shortest beginning of `heard` in which the answer to this request shows.
-std::size_t LateAnswers::end_of_answer(const Asked& asked, ByteView heard) const {
+// The shortest beginning of `bytes` in which the answer to this request shows.
+std::size_t LateAnswers::end_of_answer(const Asked& asked, ByteView bytes) const {
   Bytes out;
-  for (std::size_t end = 1; end < heard.size(); ++end) {
+  for (std::size_t end = 1; end < bytes.size(); ++end) {
     out.clear();
-    if (is_answer(begin(setup_, asked)->on_bytes(heard.first(end), out))) return end;
+    if (is_answer(begin(setup_, asked)->on_bytes(bytes.first(end), out))) return end;
   }
-  return heard.size();
+  return bytes.size();
 }
 
 LateAnswers::Late LateAnswers::late_answer(OwedAnswers::Debt paid, bool refused,
@@ -204,7 +204,7 @@ LateAnswers::Late LateAnswers::late_answer(OwedAnswers::Debt paid, bool refused,
 void LateAnswers::start_anew() {
   claimed_ = 0;
   strays_.clear();
-  owed_.nothing_heard();
+  owed_.forget_bytes();
 }
 
 }  // namespace fieldcast

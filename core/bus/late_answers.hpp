@@ -89,8 +89,8 @@ class LateAnswers {
   void learn_head(const Asked& read, ByteView answer);
   [[nodiscard]] bool broken_answer_came(const Asked& asked, const ExchangeDriver& driver) const;
   [[nodiscard]] Duration bound(const Asked& asked, Duration longest) const;
-  [[nodiscard]] std::size_t end_of_answer(const Asked& asked, ByteView heard) const;
-  [[nodiscard]] std::size_t find(ByteView heard, const Asked* under_way, Instant now,
+  [[nodiscard]] std::size_t end_of_answer(const Asked& asked, ByteView bytes) const;
+  [[nodiscard]] std::size_t find(ByteView bytes, const Asked* under_way, Instant now,
                                  std::vector<Late>& found);
   [[nodiscard]] Late late_answer(OwedAnswers::Debt paid, bool refused, Instant now) const;
 

@@ -61,8 +61,8 @@ void OutcomeRouter::note_try(const Wire::Ended& ended, Instant now, ActionSink& 
     late_.unanswered(flight.asked, flight.block, longest, driver, now);
   }
   devices_.tried(
-      {device, ended.cause, flight.rest, driver.answered(), driver.heard(), driver.sent()}, now,
-      sink);
+      {device, ended.cause, flight.rest, driver.answered(), driver.raw_received(), driver.sent()},
+      now, sink);
   if (ended.done) return;
   causes_.add(ended.cause);
   const auto codes = setup_.protocol(device).traits().codes;

@@ -14,7 +14,7 @@
 //     device works off its requests one after the other, so the time of each debt begins when the
 //     one before it ended, but waits for two others at most.
 //
-// Owned by the bus engine.
+// Owned by LateAnswers, on the bus's thread. Nothing can fail.
 #pragma once
 
 #include <algorithm>
@@ -68,7 +68,7 @@ class OwedAnswers {
   bool expire(Instant now);
   void forget_all() { debts_.clear(); }
   // What comes from now on has nothing to do with what came before.
-  void nothing_heard() {
+  void forget_bytes() {
     for (Debt& debt : debts_) debt.exchange.reset();
   }
 

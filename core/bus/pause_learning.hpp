@@ -1,7 +1,7 @@
 // Whether a device needs a rest after its answers: some are deaf while they tidy up. Requests are
 // sorted by how long after an answer of the same device they came. Where those of one length often
 // go unanswered and all longer ones are answered, the pause becomes as long as they are. Pure
-// value, owned by the bus engine.
+// value, owned by the DeviceMonitor, on the bus's thread. Nothing can fail.
 //
 // Steps are a third to a half apart: a learned pause is hardly ever more than twice what is needed.
 // What a request waits for its retry shows how the longer rests fare, so that a pause is found also
@@ -63,8 +63,8 @@ class PauseLearning {
       tries += other.tries;
     }
   };
-  std::array<Share, kPauses.size() + 1>
-      shares_{};  // of rests shorter than each pause; last: longer
+  // Of rests shorter than each pause; the last one: of longer rests.
+  std::array<Share, kPauses.size() + 1> shares_{};
   std::size_t step_ = 0;
 };
 

@@ -20,7 +20,7 @@ class ArbiterTest : public testing::Test {
     command.values = {Value{std::uint64_t{7}}};
     parts_.commands.accept(command, {}, Instant{}, sink_);
   }
-  // What goes on the wire at `now`; it is given back at once, as if it had never been asked.
+  // What goes on the wire at `now`; it is withdrawn at once, as if it had never been sent.
   std::optional<Kind> next(Instant now) {
     if (!arbiter_.next(now)) return std::nullopt;
     const Flight flight = *parts_.wire.abort();

@@ -192,9 +192,9 @@ TEST(ChannelTable, WhatWasNeverReadIsNotYetReadHoweverLateItIs) {
 }
 
 TEST(ChannelTable, ShorterRefreshTakesEffectAtOnce) {
-  ChannelSpec wished = channel("a", 10s);
-  wished.on_interest = true;
-  const BusSpec bus = one_device({wished});
+  ChannelSpec asked_for = channel("a", 10s);
+  asked_for.on_interest = true;
+  const BusSpec bus = one_device({asked_for});
   ChannelTable table(bus);
   std::vector<Sample> out;
   table.set_refresh(0, 10s, Instant{});
@@ -205,7 +205,7 @@ TEST(ChannelTable, ShorterRefreshTakesEffectAtOnce) {
   table.set_refresh(0, std::nullopt, Instant{2s});
   table.expire(Instant{100s}, out);
   EXPECT_EQ(out.size(), 1u);
-  EXPECT_EQ(table.misses(Instant{100s}).total(), 4u) << "until nobody wished it any more";
+  EXPECT_EQ(table.misses(Instant{100s}).total(), 4u) << "until the interest in it ended";
 }
 
 TEST(ChannelTable, RefusedChannelIsToldAtOnceAndOnce) {
@@ -222,7 +222,7 @@ TEST(ChannelTable, RefusedChannelIsToldAtOnceAndOnce) {
   EXPECT_EQ(out.size(), 1u);
 }
 
-TEST(ChannelTable, AValueThatNobodyWishesAnyMoreDoesNotLookFresh) {
+TEST(ChannelTable, AValueWithoutInterestDoesNotLookFresh) {
   BusSpec bus = one_device({channel("a", 1s)});
   bus.devices[0].channels[0].on_interest = true;
   ChannelTable table(bus);

@@ -19,7 +19,7 @@ struct Line {
   void ask(Instant at, Request request = ReadRequest{{{2, 100, 1}}}, bool distinct = true) {
     driver.begin(protocol->begin(std::move(request), {1}), 200ms, distinct, at, out);
   }
-  Outcome hear(const Bytes& bytes, Instant at) { return driver.on_bytes(bytes, at, out); }
+  Outcome receive(const Bytes& bytes, Instant at) { return driver.on_bytes(bytes, at, out); }
 
   std::unique_ptr<Protocol> protocol = std::move(*find_protocol("modbus-rtu")->make({1, {}}));
   ExchangeDriver driver;
@@ -30,7 +30,7 @@ TEST(ExchangeDriver, AsksAndIsAnswered) {
   Line line;
   line.ask(Instant{});
   EXPECT_EQ(line.out, kRequest);
-  EXPECT_EQ(line.hear(kAnswer, Instant{20ms}), Outcome::kDone);
+  EXPECT_EQ(line.receive(kAnswer, Instant{20ms}), Outcome::kDone);
   EXPECT_EQ(line.driver.exchange().reply().front().items, (Bytes{0x00, 0x2A}));
   EXPECT_EQ(line.driver.answered(), Instant{20ms});
 }
@@ -39,7 +39,7 @@ TEST(ExchangeDriver, AnswerTimeIsWithoutTheWire) {
   Line line;
   line.ask(Instant{});
   const Duration wire = kLine.characters(8) + kLine.characters(7);
-  (void)line.hear(kAnswer, Instant{wire + 5ms});
+  (void)line.receive(kAnswer, Instant{wire + 5ms});
   EXPECT_NEAR(to_seconds(line.driver.answer_time()), 0.005, 1e-6);
 }
 
@@ -47,11 +47,11 @@ TEST(ExchangeDriver, KnowsWhatTheAnswerLacks) {
   Line line;
   line.ask(Instant{});
   EXPECT_EQ(line.driver.missing(), 0u) << "when the answer begins is not known";
-  (void)line.hear({kAnswer.begin(), kAnswer.begin() + 3}, Instant{20ms});
+  (void)line.receive({kAnswer.begin(), kAnswer.begin() + 3}, Instant{20ms});
   EXPECT_EQ(line.driver.missing(), 4u);
-  (void)line.hear({kAnswer.begin() + 3, kAnswer.end() - 1}, Instant{21ms});
+  (void)line.receive({kAnswer.begin() + 3, kAnswer.end() - 1}, Instant{21ms});
   EXPECT_EQ(line.driver.missing(), 1u);
-  EXPECT_EQ(line.hear({kAnswer.end() - 1, kAnswer.end()}, Instant{22ms}), Outcome::kDone);
+  EXPECT_EQ(line.receive({kAnswer.end() - 1, kAnswer.end()}, Instant{22ms}), Outcome::kDone);
   line.driver.finish();
   EXPECT_EQ(line.driver.missing(), 0u);
 }
@@ -69,7 +69,7 @@ TEST(ExchangeDriver, BrokenAnswerEndsSoonAfterItsWireTime) {
   line.ask(Instant{});
   Bytes broken = kAnswer;
   broken.back() ^= 1;
-  EXPECT_EQ(line.hear(broken, Instant{20ms}), Outcome::kWaiting);
+  EXPECT_EQ(line.receive(broken, Instant{20ms}), Outcome::kWaiting);
   EXPECT_LE(line.driver.deadline(), Instant{50ms});
   EXPECT_EQ(line.driver.on_timer(line.driver.deadline(), line.out), Outcome::kFailed);
   EXPECT_EQ(line.driver.cause(), Cause::kChecksum);
@@ -81,7 +81,7 @@ TEST(ExchangeDriver, BabbleCannotHoldTheWire) {
   Instant now{10ms};
   const Bytes noise{0x01, 0x03, 0x02};
   for (int i = 0; i < 10000 && now < line.driver.deadline(); ++i) {
-    if (line.hear(noise, now) != Outcome::kWaiting) break;
+    if (line.receive(noise, now) != Outcome::kWaiting) break;
     now += 1ms;
   }
   EXPECT_LT(now, Instant{300ms});
@@ -90,9 +90,9 @@ TEST(ExchangeDriver, BabbleCannotHoldTheWire) {
 TEST(ExchangeDriver, EchoIsLearnedFromARead) {
   Line line(Echo::kUnknown);
   line.ask(Instant{});
-  EXPECT_EQ(line.hear(kRequest, Instant{5ms}), Outcome::kWaiting);
+  EXPECT_EQ(line.receive(kRequest, Instant{5ms}), Outcome::kWaiting);
   EXPECT_EQ(line.driver.echo(), Echo::kPresent);
-  EXPECT_EQ(line.hear(kAnswer, Instant{20ms}), Outcome::kDone);
+  EXPECT_EQ(line.receive(kAnswer, Instant{20ms}), Outcome::kDone);
 }
 
 TEST(ExchangeDriver, EchoAndAnswerInOnePieceAreToldApart) {
@@ -100,14 +100,14 @@ TEST(ExchangeDriver, EchoAndAnswerInOnePieceAreToldApart) {
   line.ask(Instant{});
   Bytes both = kRequest;
   append(both, kAnswer);
-  EXPECT_EQ(line.hear(both, Instant{20ms}), Outcome::kDone);
+  EXPECT_EQ(line.receive(both, Instant{20ms}), Outcome::kDone);
   EXPECT_EQ(line.driver.echo(), Echo::kPresent);
 }
 
 TEST(ExchangeDriver, AnAnswerWithoutEchoShowsThatThereIsNone) {
   Line line(Echo::kUnknown);
   line.ask(Instant{});
-  EXPECT_EQ(line.hear(kAnswer, Instant{20ms}), Outcome::kDone);
+  EXPECT_EQ(line.receive(kAnswer, Instant{20ms}), Outcome::kDone);
   EXPECT_EQ(line.driver.echo(), Echo::kAbsent);
 }
 
@@ -115,7 +115,7 @@ TEST(ExchangeDriver, EchoOfAWriteIsNoAnswer) {
   Line line(Echo::kPresent);
   line.ask(Instant{}, WriteRequest{{2, 100, 1}, {0x00, 0x05}, {}, false}, false);
   const Bytes sent = line.out;
-  EXPECT_EQ(line.hear(sent, Instant{5ms}), Outcome::kWaiting);
+  EXPECT_EQ(line.receive(sent, Instant{5ms}), Outcome::kWaiting);
   EXPECT_EQ(line.driver.on_timer(line.driver.deadline(), line.out), Outcome::kFailed);
   EXPECT_EQ(line.driver.cause(), Cause::kNoAnswer);
 }
@@ -124,8 +124,8 @@ TEST(ExchangeDriver, SecondCopyOfAWriteIsTheAnswer) {
   Line line(Echo::kPresent);
   line.ask(Instant{}, WriteRequest{{2, 100, 1}, {0x00, 0x05}, {}, false}, false);
   const Bytes sent = line.out;
-  EXPECT_EQ(line.hear(sent, Instant{5ms}), Outcome::kWaiting);
-  EXPECT_EQ(line.hear(sent, Instant{20ms}), Outcome::kDone);
+  EXPECT_EQ(line.receive(sent, Instant{5ms}), Outcome::kWaiting);
+  EXPECT_EQ(line.receive(sent, Instant{20ms}), Outcome::kDone);
 }
 
 TEST(ExchangeDriver, ARefusalShowsWhetherTheLineEchoes) {
@@ -133,13 +133,13 @@ TEST(ExchangeDriver, ARefusalShowsWhetherTheLineEchoes) {
   const WriteRequest distinct{{2, 100, 1}, {0x00, 0x05}, {}, true};
   Line silent(Echo::kUnknown);
   silent.ask(Instant{}, distinct);
-  EXPECT_EQ(silent.hear(refusal, Instant{20ms}), Outcome::kFailed);
+  EXPECT_EQ(silent.receive(refusal, Instant{20ms}), Outcome::kFailed);
   EXPECT_EQ(silent.driver.echo(), Echo::kAbsent);
   Line echoing(Echo::kUnknown);
   echoing.ask(Instant{}, distinct);
   Bytes both = echoing.out;
   append(both, refusal);
-  EXPECT_EQ(echoing.hear(both, Instant{20ms}), Outcome::kFailed);
+  EXPECT_EQ(echoing.receive(both, Instant{20ms}), Outcome::kFailed);
   EXPECT_EQ(echoing.driver.echo(), Echo::kPresent);
 }
 
@@ -147,8 +147,8 @@ TEST(ExchangeDriver, AnAnswerThatEqualsItsRequestTeachesNothing) {
   Line line(Echo::kUnknown);
   line.ask(Instant{}, WriteRequest{{2, 100, 1}, {0x00, 0x05}, {}, false}, false);
   const Bytes sent = line.out;
-  EXPECT_EQ(line.hear({sent.begin(), sent.begin() + 3}, Instant{10ms}), Outcome::kWaiting);
-  EXPECT_EQ(line.hear({sent.begin() + 3, sent.end()}, Instant{15ms}), Outcome::kDone);
+  EXPECT_EQ(line.receive({sent.begin(), sent.begin() + 3}, Instant{10ms}), Outcome::kWaiting);
+  EXPECT_EQ(line.receive({sent.begin() + 3, sent.end()}, Instant{15ms}), Outcome::kDone);
   EXPECT_EQ(line.driver.echo(), Echo::kUnknown);
 }
 
@@ -156,7 +156,7 @@ TEST(ExchangeDriver, EndlessBytesFailAsOverlong) {
   Line line;
   line.ask(Instant{});
   const Bytes flood(ExchangeDriver::kMaxReceived + 1, 0x55);
-  EXPECT_EQ(line.hear(flood, Instant{20ms}), Outcome::kFailed);
+  EXPECT_EQ(line.receive(flood, Instant{20ms}), Outcome::kFailed);
   EXPECT_EQ(line.driver.cause(), Cause::kOverlong);
 }
 

@@ -54,8 +54,8 @@ FreeportStations::FreeportStations(unsigned count, std::uint64_t seed) : random_
     windows_[station] = static_cast<std::uint32_t>(random_());
 }
 
-Bytes FreeportStations::answer(ByteView heard) {
-  const std::string all(heard.begin(), heard.end());
+Bytes FreeportStations::answer(ByteView received) {
+  const std::string all(received.begin(), received.end());
   const std::size_t begin = all.rfind('q');
   const std::size_t end = begin == std::string::npos ? begin : all.find('Q', begin);
   if (end == std::string::npos) return {};

@@ -20,8 +20,8 @@ namespace fieldcast::test {
 class FreeportStations {
  public:
   FreeportStations(unsigned count, std::uint64_t seed);
-  // What the line carries after what the stations heard: an answer, a refusal, or nothing.
-  [[nodiscard]] Bytes answer(ByteView heard);
+  // What the line carries after what the stations received: an answer, a refusal, or nothing.
+  [[nodiscard]] Bytes answer(ByteView received);
   [[nodiscard]] std::uint32_t window(unsigned station) const {
     return windows_.at(station);
   }  // as last answered

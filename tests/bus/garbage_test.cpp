@@ -19,7 +19,7 @@ const Bytes kRequest{1, 3, 0, 0, 0, 2, 0xC4, 0x0B};
 
 // What a UART of another baud rate makes of characters: the level of the line at the middle of each
 // of its bits, a new character at each fall of the level. 8N1 on both sides.
-Bytes heard_at(double sender_baud, double receiver_baud, const Bytes& characters) {
+Bytes received_at(double sender_baud, double receiver_baud, const Bytes& characters) {
   std::vector<bool> level;
   for (const std::uint8_t byte : characters) {
     level.push_back(false);
@@ -55,22 +55,22 @@ Bytes random_bytes(std::size_t count) {
 
 TEST(Garbage, TheUartOfTheTestUnderstandsItsOwnBaudRate) {
   const Bytes bytes = random_bytes(100);
-  EXPECT_EQ(heard_at(19200, 19200, bytes), bytes);
+  EXPECT_EQ(received_at(19200, 19200, bytes), bytes);
 }
 
 TEST(Garbage, ASlowerSenderIsSeen) {
   for (const double sender : {9600.0, 4800.0, 2400.0}) {
-    const Bytes heard = heard_at(sender, 19200, random_bytes(60));
-    EXPECT_THAT(looks_like(heard, k8N1, false), HasSubstr("lower"))
-        << sender << ' ' << to_hex(heard);
+    const Bytes received = received_at(sender, 19200, random_bytes(60));
+    EXPECT_THAT(looks_like(received, k8N1, false), HasSubstr("lower"))
+        << sender << ' ' << to_hex(received);
   }
 }
 
 TEST(Garbage, AFasterSenderIsNotTakenForASlowerOne) {
   for (const double sender : {19200.0, 38400.0, 115200.0}) {
-    const Bytes heard = heard_at(sender, 19200, random_bytes(200));
-    EXPECT_THAT(looks_like(heard, k8N1, false), Not(HasSubstr("lower baud")))
-        << sender << ' ' << to_hex(heard);
+    const Bytes received = received_at(sender, 19200, random_bytes(200));
+    EXPECT_THAT(looks_like(received, k8N1, false), Not(HasSubstr("lower baud")))
+        << sender << ' ' << to_hex(received);
   }
 }
 
@@ -89,11 +89,11 @@ TEST(Garbage, TextWithAParityBitNamesTheFormat) {
 
 // With INPCK a character whose parity is wrong is handed over as 00.
 TEST(Garbage, AnotherParityNamesTheFormatsToTry) {
-  Bytes heard = random_bytes(40);
-  for (std::uint8_t& byte : heard) {
+  Bytes received = random_bytes(40);
+  for (std::uint8_t& byte : received) {
     if (std::popcount(byte) % 2 != 0) byte = 0;
   }
-  EXPECT_THAT(looks_like(heard, k8E1, false), AllOf(HasSubstr("8N1"), HasSubstr("8O1")));
+  EXPECT_THAT(looks_like(received, k8E1, false), AllOf(HasSubstr("8N1"), HasSubstr("8O1")));
 }
 
 TEST(Garbage, OneLevelAloneIsTheWiring) {
@@ -109,27 +109,27 @@ TEST(Garbage, RandomBytesAndTextOfAnotherProtocol) {
 
 TEST(Garbage, IsWorthSayingWhenItIsNoSingleNoise) {
   Garbage garbage;
-  EXPECT_FALSE(garbage.heard(Bytes{0x12, 0x34}, kRequest));
-  EXPECT_FALSE(garbage.heard({}, kRequest)) << "silence is no garbage";
-  EXPECT_FALSE(garbage.heard(Bytes{0x56}, kRequest));
-  EXPECT_TRUE(garbage.heard(Bytes{0x78}, kRequest));
+  EXPECT_FALSE(garbage.received(Bytes{0x12, 0x34}, kRequest));
+  EXPECT_FALSE(garbage.received({}, kRequest)) << "silence is no garbage";
+  EXPECT_FALSE(garbage.received(Bytes{0x56}, kRequest));
+  EXPECT_TRUE(garbage.received(Bytes{0x78}, kRequest));
   EXPECT_THAT(garbage.text(k8N1, false),
               StartsWith("bytes come that are no answer: 4 in 3 exchanges, the last ones 12 34 56 "
                          "78: no frame of this protocol: try another baud"));
   EXPECT_TRUE(garbage.answered());
   EXPECT_FALSE(garbage.answered());
-  EXPECT_FALSE(garbage.heard(Bytes{1}, kRequest));
+  EXPECT_FALSE(garbage.received(Bytes{1}, kRequest));
 }
 
 TEST(Garbage, AnEchoAloneIsNamed) {
   Garbage garbage;
-  for (unsigned i = 0; i < Garbage::kWorthSaying; ++i) (void)garbage.heard(kRequest, kRequest);
+  for (unsigned i = 0; i < Garbage::kWorthSaying; ++i) (void)garbage.received(kRequest, kRequest);
   EXPECT_THAT(garbage.text(k8N1, false), HasSubstr("what was sent comes back"));
 }
 
 TEST(Garbage, ShowsTheLastBytesOfAFlood) {
   Garbage garbage;
-  for (int i = 0; i < 1000; ++i) (void)garbage.heard(Bytes(300, 0x5A), kRequest);
+  for (int i = 0; i < 1000; ++i) (void)garbage.received(Bytes(300, 0x5A), kRequest);
   const std::string text = garbage.text(k8N1, false);
   EXPECT_THAT(text, HasSubstr("300000 in 1000 exchanges"));
   EXPECT_LT(text.size(), 300u);

@@ -1,4 +1,4 @@
-// Answers that come late, twice, or from elsewhere: never taken for another question's.
+// Answers that come late, twice, or from elsewhere: never taken for another request's.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,8 +17,8 @@ const StormKind& kind_named(const std::string& name) {
 }
 
 // An answer later than the timeout: the retry takes it, and its own answer comes during the next
-// question.
-TEST(LateAnswer, BeyondTheTimeoutIsNoAnswerToTheNextQuestion) {
+// request.
+TEST(LateAnswer, BeyondTheTimeoutIsNoAnswerToTheNextRequest) {
   const StormKind& kind = kind_named("modbus-rtu");
   const BusSpec spec = bus_of(kind, "200ms");
   LateStorm storm(kind, spec, faults_of(spec, {.late = 0.05, .by = 250ms}), 1);
@@ -30,10 +30,10 @@ TEST(LateAnswer, BeyondTheTimeoutIsNoAnswerToTheNextQuestion) {
 }
 
 // Within the configured timeout, but so seldom that the learned one has fallen below it meanwhile:
-// the retry takes the answer, and its own answer comes during the next question.
-TEST(LateAnswer, BeyondWhatWasLearnedIsNoAnswerToTheNextQuestion) {
+// the retry takes the answer, and its own answer comes during the next request.
+TEST(LateAnswer, BeyondWhatWasLearnedIsNoAnswerToTheNextRequest) {
   StormKind kind = kind_named("modbus-rtu");
-  kind.devices = 1;  // the next question is one to the same unit
+  kind.devices = 1;  // the next request is one to the same unit
   const BusSpec spec = bus_of(kind, "200ms");
   LateStorm storm(kind, spec, faults_of(spec, {.late = 0.003, .by = 150ms}), 1);
   Duration lowest = Duration::max();
@@ -52,7 +52,7 @@ TEST(LateAnswer, BeyondWhatWasLearnedIsNoAnswerToTheNextQuestion) {
 
 // What an answer paid, its characters cannot pay again. Each run showed wrong values while they
 // did: whatever came behind a late answer made it count once more, and the answer that was still to
-// come was taken for another question's.
+// come was taken for another request's.
 struct Seeded {
   std::string kind;
   Duration by;

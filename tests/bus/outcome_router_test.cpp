@@ -35,7 +35,7 @@ class OutcomeRouterTest : public testing::Test {
     reopen_ = outcomes_.conclude(false, now, sink_);
     return now;
   }
-  void hear(const Bytes& bytes, Instant now) {
+  void receive(const Bytes& bytes, Instant now) {
     Bytes out;
     const auto outcome = parts_.wire.on_bytes(bytes, now, out);
     ASSERT_NE(outcome, ExchangeDriver::Outcome::kWaiting);
@@ -62,7 +62,7 @@ const Bytes kRefusal{0x01, 0x83, 0x02, 0xC0, 0xF1};
 
 TEST_F(OutcomeRouterTest, AnAnswerBecomesSamples) {
   ask(Instant{});
-  hear(kZeros, Instant{50ms});
+  receive(kZeros, Instant{50ms});
   EXPECT_EQ(samples_, 4u);
   EXPECT_EQ(outcomes_.causes().total(), 0u);
   EXPECT_EQ(parts_.devices.report(0).state, DeviceState::kOnline);
@@ -85,7 +85,7 @@ TEST_F(OutcomeRouterTest, AReadIsRepeatedAsOftenAsConfigured) {
 
 TEST_F(OutcomeRouterTest, ARefusalIsNeverRepeated) {
   ask(Instant{});
-  hear(kRefusal, Instant{20ms});
+  receive(kRefusal, Instant{20ms});
   EXPECT_FALSE(parts_.wire.waiting());
   EXPECT_EQ(outcomes_.causes()[Cause::kDeviceError], 1u);
   EXPECT_EQ(parts_.devices.report(0).failures, 0u) << "it answered";

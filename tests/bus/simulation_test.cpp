@@ -66,8 +66,8 @@ void fill(VirtualBus& bus, const BusSpec& spec) {
   };
 }
 
-// Of refreshes that no wire carries the user hears when they are loaded; what stations wish on top
-// is told while it lasts.
+// Of refreshes that no wire carries the user is told when they are loaded; what stations want on
+// top is told while it lasts.
 TEST(Simulation, OverloadIsToldWhenItBeginsAndWhenItEnds) {
   BusSpec spec = plant(1, 200, "refresh: 1s");
   auto& channels = spec.devices[0].channels;
@@ -78,9 +78,9 @@ TEST(Simulation, OverloadIsToldWhenItBeginsAndWhenItEnds) {
   VirtualBus bus(spec, {}, 1);
   bus.run_until(Instant{10s});
   EXPECT_TRUE(bus.notices().empty());
-  for (ChannelIndex c = 20; c < channels.size(); ++c) bus.wish(c, 1s);
+  for (ChannelIndex c = 20; c < channels.size(); ++c) bus.set_interest(c, 1s);
   bus.run_until(Instant{20s});
-  for (ChannelIndex c = 20; c < channels.size(); ++c) bus.wish(c, std::nullopt);
+  for (ChannelIndex c = 20; c < channels.size(); ++c) bus.set_interest(c, std::nullopt);
   bus.run_until(Instant{30s});
   ASSERT_EQ(bus.notices().size(), 2u);
   EXPECT_EQ(bus.notices()[0].kind, Notice::Kind::kOverload);

@@ -30,7 +30,7 @@ class VirtualBus {
   // Runs until `until`, the start being Instant{}.
   void run_until(Instant until);
   void command(Command command);  // at the instant reached; request_id is filled in
-  void wish(ChannelIndex channel, std::optional<Duration> refresh) {
+  void set_interest(ChannelIndex channel, std::optional<Duration> refresh) {
     bus_.feed(InterestChanged{channel, refresh});
   }
   void unplug();
