@@ -3,25 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <limits>
 #include <numeric>
 #include <tuple>
 #include <utility>
 
+#include "core/plan/table_length.hpp"
 #include "core/plan/time_math.hpp"
 
 namespace fieldcast {
 
 namespace {
-
-// Lengths that many numbers divide, and parts of a base period that make other numbers whole: 2.5
-// base periods are 5 halves.
-constexpr std::array<std::uint32_t, 36> kLengths{1,  2,  3,  4,  5,  6,  7,  8,  9,  10,  11,  12,
-                                                 13, 14, 15, 16, 18, 20, 22, 24, 26, 30,  33,  36,
-                                                 40, 44, 48, 52, 60, 66, 72, 80, 84, 100, 120, 140};
-constexpr std::array<std::uint32_t, 6> kParts{1, 2, 3, 4, 5, 6};
-constexpr double kWorthALength = 0.9999,
-                 kWorthParts = 0.98;  // a longer table and shorter slots must save so much
 
 // What weighs how much when a phase is chosen: wire time; how level slots are; how level those
 // requests are in them that are sent most often, which can move least. Found by measuring. No set
@@ -32,95 +23,24 @@ struct Levels {
 constexpr std::array<Levels, 8> kLevels{
     {{4, 8}, {1, 3}, {2, 8}, {6, 6}, {8, 16}, {3, 3}, {12, 8}, {4, 20}}};
 
-// The greatest divisor of `n` that is at most `limit`, for the lengths of tables.
-class Divisors {
- public:
-  constexpr Divisors() {
-    for (std::uint32_t n = 1; n <= kMost; ++n) {
-      for (std::uint32_t limit = 1; limit <= n; ++limit)
-        greatest_[n][limit] =
-            n % limit == 0 ? static_cast<std::uint8_t>(limit) : greatest_[n][limit - 1];
-    }
-  }
-  [[nodiscard]] std::uint32_t of(std::uint32_t n, std::uint32_t limit) const {
-    return greatest_[n][limit];
-  }
-
- private:
-  static constexpr std::uint32_t kMost = kLengths.back();
-  std::array<std::array<std::uint8_t, kMost + 1>, kMost + 1> greatest_{};
-};
-constexpr Divisors kDivisors;
-
-// The longest period of at most `usable` slots that divides a table of `slots` and is a multiple of
-// `step`. REQUIRES: step divides slots.
-Slots period_within(Slots usable, Slots step, Slots slots) {
-  if (usable >= slots) return usable / slots * slots;
-  return step * kDivisors.of(slots / step, std::max(usable / step, 1u));
-}
-
 std::size_t words_for(std::size_t members) { return (members + 63) / 64; }
 
 // How much the square of `before` grows by `more`.
 double growth(Duration before, double more) { return more * (2.0 * ns(before) + more); }
 
-Slots slots_in(const TimetableMember& member, std::uint32_t parts) {
-  return static_cast<Slots>(std::clamp(member.fits * parts + 0.001, 1.0, 1e9));
-}
-
-Slots period_of(const TimetableRequest& request, std::uint32_t parts, Slots slots) {
-  Slots own = ~0u;
-  for (const TimetableMember& member : request.members)
-    own = std::min(own, slots_in(member, parts));
-  return own >= slots ? slots : period_within(own, 1, slots);
-}
-
 }  // namespace
 
-// Wire time for each base period, without the gaps between points.
-double Timetable::spent(std::uint32_t parts, Slots slots) const {
-  double sum = 0;
-  for (const TimetableRequest& request : requests_) {
-    const Slots period = period_of(request, parts, slots);
-    sum += ns(request.base_cost) / period;
-    for (const TimetableMember& member : request.members) {
-      sum += member.item_ns * (member.end - member.first) /
-             std::min(slots, period_within(slots_in(member, parts), period, slots));
-    }
-  }
-  return sum * parts;
-}
-
-// The length and the slots that waste least: each member is read at its period instead of the slots
-// that it could wait.
+// The length and the slots that waste least.
 void Timetable::choose_length() {
-  constexpr std::size_t kMany = 2000;  // members for which a long table would take too long
-  std::size_t members = 0;
-  for (const TimetableRequest& request : requests_) members += request.members.size();
-  double least = std::numeric_limits<double>::infinity();
-  for (const std::uint32_t parts : kParts) {
-    double best = std::numeric_limits<double>::infinity();
-    std::uint32_t length = 1;
-    for (const Slots slots : kLengths) {
-      if (slots > 100 && members > kMany) break;
-      const double now = spent(parts, slots);
-      if (now < kWorthALength * best) best = now, length = slots;
-    }
-    if (best < kWorthParts * least) least = best, parts_ = parts, slots_ = length;
-  }
-  slot_ = std::max(Duration{1}, base_period_ / parts_);
-  slack_ = base_slack_ / parts_;
+  length_ = table_length(requests_);
+  slots_ = length_.slots;
+  slot_ = std::max(Duration{1}, base_period_ / length_.parts);
+  slack_ = base_slack_ / length_.parts;
+  for (TimetableRequest& request : requests_) set_periods(request, length_);
   shortest_ = slots_;
   for (const TimetableRequest& request : requests_) {
-    if (!request.members.empty())
-      shortest_ = std::min(shortest_, period_of(request, parts_, slots_));
+    if (!request.members.empty()) shortest_ = std::min(shortest_, request.period);
   }
-}
-
-void Timetable::set_periods(TimetableRequest& request) const {
-  request.period = period_of(request, parts_, slots_);
-  for (TimetableMember& member : request.members)
-    member.period = period_within(slots_in(member, parts_), request.period, slots_);
 }
 
 // Wire time of a request in a slot: of the members that are due in it, and one more.
@@ -271,7 +191,6 @@ std::vector<Timetable> Timetable::fill(std::vector<TimetableRequest> requests, u
   constexpr std::size_t kLarge = 8'000;  // reads in the table: too many to make it more than once
   requests_ = std::move(requests);
   choose_length();
-  for (TimetableRequest& request : requests_) set_periods(request);
   std::vector<Timetable> ways;
   for (const Levels& levels : kLevels) {
     level_slots_ = levels.slots;
@@ -326,7 +245,7 @@ void Timetable::settle(unsigned rounds) {
 }
 
 void Timetable::change(std::size_t index, TimetableRequest request) {
-  set_periods(request);
+  set_periods(request, length_);
   TimetableRequest& before = requests_[index];
   const bool same =
       request.period == before.period &&

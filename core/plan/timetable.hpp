@@ -44,6 +44,12 @@ struct TimetableRequest {
   friend bool operator==(const TimetableRequest&, const TimetableRequest&) = default;
 };
 
+struct TableLength {
+  std::uint32_t parts = 1;  // slots in a base period
+  Slots slots = 1;          // of the whole table
+  friend bool operator==(const TableLength&, const TableLength&) = default;
+};
+
 class Timetable {
  public:
   // `base_period`: what the fastest point of the bus allows. `slack`: how much earlier in its slot
@@ -77,8 +83,6 @@ class Timetable {
   void choose_length();
   void settle(unsigned rounds);
   [[nodiscard]] Duration latest_end() const;
-  [[nodiscard]] double spent(std::uint32_t parts, Slots slots) const;
-  void set_periods(TimetableRequest& request) const;
   [[nodiscard]] Duration& cost(std::size_t index, Slots slot) {
     return cost_[index * slots_ + slot];
   }
@@ -94,10 +98,10 @@ class Timetable {
 
   static constexpr std::size_t kNobody = ~std::size_t{0};
   Duration base_period_, base_slack_;
-  Duration slot_, slack_;    // a part of those
-  std::uint32_t parts_ = 1;  // slots in a base period
-  Slots slots_ = 1;          // of the whole table
-  Slots shortest_ = 1;       // of all requests' periods
+  Duration slot_, slack_;  // a part of those
+  TableLength length_;
+  Slots slots_ = 1;     // of the whole table
+  Slots shortest_ = 1;  // of all requests' periods
   double level_slots_ = 0, level_steady_ = 0;
   std::vector<TimetableRequest> requests_;
   // By request: a bit for each of its members, slot after slot.
