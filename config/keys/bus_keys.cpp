@@ -10,7 +10,7 @@
 namespace fieldcast::config {
 namespace {
 
-constexpr std::pair<std::string_view, Planner> kPlanners[] = {{"riding", Planner::kRiding},
+constexpr std::pair<std::string_view, Planner> kPlanners[] = {{"cyclic", Planner::kCyclic},
                                                               {"dynamic", Planner::kDynamicBlocks}};
 constexpr std::pair<std::string_view, std::optional<bool>> kEchoes[] = {
     {"auto", std::nullopt}, {"true", true}, {"false", false}};
@@ -33,8 +33,8 @@ std::vector<Field<BusSpec>> bus_fields() {
         .schema = R"({ "$ref": "#/$defs/protocol" })"}},
       field<BusSpec>(
           {.name = "planner",
-           .fallback = "riding",
-           .text = "how requests are formed: `riding` makes groups that are read in a "
+           .fallback = "cyclic",
+           .text = "how requests are formed: `cyclic` makes groups that are read in a "
                    "cyclic schedule; `dynamic` reads the most urgent channel with its "
                    "near neighbours, again and again, at most 20 blocks, and then those"},
           &BusSpec::planner, ChoiceRule<Planner>{kPlanners}),

@@ -78,6 +78,6 @@ class Scheduler {
 void replan(Scheduler& scheduler, Instant now);
 
 [[nodiscard]] std::unique_ptr<Scheduler> make_scheduler(const ScheduleInput& input,
-                                                        Planner planner = Planner::kRiding);
+                                                        Planner planner = Planner::kCyclic);
 
 }  // namespace fieldcast

@@ -31,14 +31,14 @@ enum class Mode : std::uint8_t {
 // How the scheduler forms blocks. A configuration chooses between the first two; the others are
 // there to be compared with.
 enum class Planner : std::uint8_t {
-  kRiding,  // the most urgent point, and whatever is cheaper to read along with it than later
+  kCyclic,  // the most urgent point, and whatever is cheaper to read along with it than later
   kDynamicBlocks,  // the most urgent point with its near neighbours, again and again, at most 20
                    // blocks; then those are read
   kFastestMember,  // fixed groups (the optimal partition), each read whole as often as its fastest
                    // member wants
   kOnePerChannel,  // every point in a read of its own
 };
-[[nodiscard]] std::string_view to_text(Planner planner);  // "riding", "dynamic", ...
+[[nodiscard]] std::string_view to_text(Planner planner);  // "cyclic", "dynamic", ...
 
 enum class Access : std::uint8_t { kReadOnly, kReadWrite, kWriteOnly };
 [[nodiscard]] std::string_view to_text(Access access);  // "read-only", ...
@@ -106,7 +106,7 @@ struct BusSpec {
   Duration gap_allowance =
       std::chrono::milliseconds{20};  // silence inside an answer that ends it, beyond its wire time
   std::optional<bool> echo;           // the line gives back what is sent; nothing: found out
-  Planner planner = Planner::kRiding;
+  Planner planner = Planner::kCyclic;
   std::vector<DeviceSpec> devices;
   friend bool operator==(const BusSpec&,
                          const BusSpec&) = default;  // a reload restarts only the buses that differ

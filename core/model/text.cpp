@@ -19,7 +19,7 @@ std::string_view to_text(Mode mode) {
 
 std::string_view to_text(Planner planner) {
   switch (planner) {
-    case Planner::kRiding: return "riding";
+    case Planner::kCyclic: return "cyclic";
     case Planner::kDynamicBlocks: return "dynamic";
     case Planner::kFastestMember: return "fastest-member";
     case Planner::kOnePerChannel: return "one-per-channel";

@@ -6,7 +6,7 @@ namespace fieldcast {
 
 PlanRules rules_of(Planner planner) {
   switch (planner) {
-    case Planner::kRiding: break;
+    case Planner::kCyclic: break;
     case Planner::kDynamicBlocks: return {GroupingRule::kSingleRanges, ShapeRule::kNear, false};
     case Planner::kOnePerChannel: return {GroupingRule::kSinglePoints, ShapeRule::kSingle, false};
     case Planner::kFastestMember: return {GroupingRule::kSingleRanges, ShapeRule::kWhole, false};

@@ -20,7 +20,7 @@ struct PredictionOptions {
                        // most an hour
   std::uint64_t max_reads = 100'000;  // the run ends here at the latest
   bool remedies = true;               // when infeasible, look for what would work
-  Planner planner = Planner::kRiding;
+  Planner planner = Planner::kCyclic;
   // What the scheduler takes for the answer time of every device before it has learned that of the
   // input; nothing: it knows it.
   std::optional<Duration> assumed;

@@ -145,7 +145,7 @@ TEST_F(Everything, BusKeysArrive) {
   EXPECT_EQ(spec.buses[0].gap_allowance, milliseconds{33});
   EXPECT_EQ(spec.buses[0].echo, true);
   EXPECT_EQ(spec.buses[0].planner, Planner::kDynamicBlocks);
-  EXPECT_EQ(spec.buses[1].planner, Planner::kRiding);
+  EXPECT_EQ(spec.buses[1].planner, Planner::kCyclic);
   EXPECT_EQ(spec.buses[1].silence, SilenceRule{Duration{microseconds{600}}});
   EXPECT_EQ(spec.buses[1].echo, false);
   EXPECT_EQ(spec.buses[2].silence, SilenceRule{StandardSilence{}});

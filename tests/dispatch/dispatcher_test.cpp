@@ -16,7 +16,7 @@ constexpr Instant kNow{100s};
 
 // Groups of one register each, far apart, and a state in which nothing is due before `set_due`.
 struct Bench {
-  explicit Bench(std::vector<double> refreshes, Planner planner = Planner::kRiding,
+  explicit Bench(std::vector<double> refreshes, Planner planner = Planner::kCyclic,
                  Mode mode = Mode::kScheduled)
       : input(map_of(refreshes, mode)), plan(plan_of(input, planner)), state(state_of(planner)) {
     for (PointState& point : state.points)
@@ -138,7 +138,7 @@ TEST(CyclicDispatcher, APointReadEarlyKeepsItsInstant) {
 }
 
 TEST(IntensiveDispatcher, NeverRests) {
-  Bench bench({1, 2}, Planner::kRiding, Mode::kIntensive);
+  Bench bench({1, 2}, Planner::kCyclic, Mode::kIntensive);
   IntensiveDispatcher dispatcher;
   bench.set_due(dispatcher, 0, kNow + 900ms);
   bench.set_due(dispatcher, 1, kNow + 500ms);
@@ -171,8 +171,8 @@ TEST(Dispatcher, FollowsFromThePlan) {
   const auto holds = [](const Bench& bench, Planner planner) {
     return make_dispatcher(planner, bench.plan).index();
   };
-  EXPECT_EQ(holds(Bench({1}), Planner::kRiding), Dispatcher(CyclicDispatcher{}).index());
-  EXPECT_EQ(holds(Bench({1}, Planner::kRiding, Mode::kIntensive), Planner::kRiding),
+  EXPECT_EQ(holds(Bench({1}), Planner::kCyclic), Dispatcher(CyclicDispatcher{}).index());
+  EXPECT_EQ(holds(Bench({1}, Planner::kCyclic, Mode::kIntensive), Planner::kCyclic),
             Dispatcher(IntensiveDispatcher{}).index());
   EXPECT_EQ(holds(Bench({1}, Planner::kDynamicBlocks), Planner::kDynamicBlocks),
             Dispatcher(DynamicBlocksDispatcher{}).index());

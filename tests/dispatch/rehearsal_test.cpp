@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 
 using test::kFakeProtocol;
 
-PlanRunner runner_of(const ScheduleInput& input, Planner planner = Planner::kRiding) {
+PlanRunner runner_of(const ScheduleInput& input, Planner planner = Planner::kCyclic) {
   const WireModel wire(input, planner);
   const PlanBasis basis{wire, planned_points(input, wire.layout), 1, {}};
   return {wire, basis.points, make_plans(basis, group_points(basis)).front()};

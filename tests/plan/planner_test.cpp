@@ -20,7 +20,7 @@ ScheduleInput plant(std::uint64_t seed, double stretch = 1) {
 
 struct Planned {
   explicit Planned(const ScheduleInput& input)
-      : wire(input, Planner::kRiding), points(planned_points(input, wire.layout)) {}
+      : wire(input, Planner::kCyclic), points(planned_points(input, wire.layout)) {}
   [[nodiscard]] PlanBasis basis() const { return {wire, points, 1, {}}; }
   [[nodiscard]] std::vector<ReadPlan> make() const {
     return make_plans(basis(), group_points(basis()));

@@ -15,7 +15,7 @@ using testing::HasSubstr;
 
 using test::kFakeProtocol;
 
-ReadPlan plan_of(const ScheduleInput& input, Planner planner = Planner::kRiding) {
+ReadPlan plan_of(const ScheduleInput& input, Planner planner = Planner::kCyclic) {
   const WireModel wire(input, planner);
   const PlanBasis basis{wire, planned_points(input, wire.layout), 1, {}};
   return make_plans(basis, group_points(basis)).front();

@@ -195,7 +195,7 @@ TEST_P(RandomOverload, StarvesNobody) {
     point.elasticity = 0.1 * static_cast<double>(1 + random() % 100);
     if (random() % 10 == 0) point.mode = Mode::kIntensive;
   }
-  for (const Planner planner : {Planner::kRiding, Planner::kDynamicBlocks}) {
+  for (const Planner planner : {Planner::kCyclic, Planner::kDynamicBlocks}) {
     const auto scheduler = make_scheduler(input, planner);
     ASSERT_GT(scheduler->planned_load(), 1.0);
     EXPECT_GT(scheduler->stretch(), 1.0);

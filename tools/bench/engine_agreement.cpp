@@ -95,7 +95,7 @@ double stretch_of(const test::Map& map, const test::Notation& notation, std::uin
   constexpr double kRoomy = 4;
   const BridgeSpec spec = load(map, kRoomy, notation);
   const auto load =
-      planned_load_of(cli::make_plan(spec.buses[0], answer).input, Planner::kRiding).load;
+      planned_load_of(cli::make_plan(spec.buses[0], answer).input, Planner::kCyclic).load;
   return kRoomy * load / (0.45 + 0.01 * static_cast<double>(seed * 7 % 40));
 }
 

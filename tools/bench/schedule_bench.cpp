@@ -67,11 +67,11 @@ void print_sustained() {
       "baud;\n"
       "at most: what the tighter bound leaves possible (tests/plan/maps.hpp)");
   std::printf("%-10s %6s", "map", "delay");
-  const Planner planners[] = {Planner::kRiding, Planner::kDynamicBlocks, Planner::kFastestMember,
+  const Planner planners[] = {Planner::kCyclic, Planner::kDynamicBlocks, Planner::kFastestMember,
                               Planner::kOnePerChannel};
   for (const Planner planner : planners)
     std::printf(" %15s", std::string(to_text(planner)).c_str());
-  std::printf(" %12s %15s\n", "at most", "riding of that");
+  std::printf(" %12s %15s\n", "at most", "cyclic of that");
   double sum[4] = {}, most_sum = 0, share_sum = 0;
   for (const int number : {11, 12, 13, 14}) {
     const test::Map map =
@@ -80,17 +80,17 @@ void print_sustained() {
       std::printf("map%-7d %4.0fms", number, to_seconds(delay) * 1e3);
       const double most =
           test::least_load(map, kBaud, delay) / test::proven_load(map, kBaud, delay);
-      double riding = 0;
+      double cyclic = 0;
       for (std::size_t i = 0; i < std::size(planners); ++i) {
         const double load = sustained(map, planners[i], delay);
         sum[i] += load / 8;
-        if (planners[i] == Planner::kRiding) riding = load;
+        if (planners[i] == Planner::kCyclic) cyclic = load;
         std::printf(" %15.3f", load);
         std::fflush(stdout);
       }
       most_sum += most / 8;
-      share_sum += riding / most / 8;
-      std::printf(" %12.3f %15.3f\n", most, riding / most);
+      share_sum += cyclic / most / 8;
+      std::printf(" %12.3f %15.3f\n", most, cyclic / most);
     }
   }
   std::printf("%-17s", "average");
@@ -105,7 +105,7 @@ void print_spent() {
         test::read_map(std::string(FIELDCAST_MAPS) + "/map" + std::to_string(number) + ".csv");
     for (const Duration delay : {Duration{0}, Duration{5ms}}) {
       const Spent spent =
-          run(map, Planner::kRiding, delay, test::least_load(map, kBaud, delay) / 0.5, 30min);
+          run(map, Planner::kCyclic, delay, test::least_load(map, kBaud, delay) / 0.5, 30min);
       std::printf("map%-7d %4.0fms  planned %.3f  spent %.3f  ratio %.3f  missed %llu\n", number,
                   to_seconds(delay) * 1e3, spent.planned, spent.load, spent.load / spent.planned,
                   static_cast<unsigned long long>(spent.missed));
