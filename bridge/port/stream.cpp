@@ -12,16 +12,13 @@
 namespace fieldcast {
 
 namespace asio = boost::asio;
-using Descriptor = asio::posix::stream_descriptor;
 
 Stream::Stream(asio::io_context& io, PortListener& listener, Unsent::Kind kind)
-    : listener_(listener), descriptor_(io), timer_(io), unsent_(kind) {}
+    : listener_(listener), readiness_(io), timer_(io), unsent_(kind) {}
 
 bool Stream::assign(FileDescriptor descriptor) {
-  boost::system::error_code fault;
-  descriptor_.assign(descriptor.get(), fault);
-  if (fault) return false;
-  (void)descriptor.release();
+  if (!readiness_.assign(descriptor.get())) return false;
+  descriptor_ = std::move(descriptor);
   return true;
 }
 
@@ -42,19 +39,20 @@ void Stream::poll() {
 void Stream::close() {
   if (std::exchange(over_, true)) return;
   timer_.cancel();
-  boost::system::error_code ignored;
-  if (descriptor_.is_open()) before_close(fd());
-  descriptor_.close(ignored);
+  if (descriptor_.valid()) before_close(fd());
+  readiness_.close();
+  descriptor_.reset();
 }
 
 FileDescriptor Stream::release() {
   if (leased_ || std::exchange(over_, true)) return {};
   timer_.cancel();
-  return FileDescriptor(descriptor_.release());
+  readiness_.close();
+  return std::move(descriptor_);
 }
 
 FileDescriptor Stream::lease() {
-  if (over_ || !descriptor_.is_open()) return {};
+  if (over_ || !descriptor_.valid()) return {};
   leased_ = true;
   return FileDescriptor(::fcntl(fd(), F_DUPFD_CLOEXEC, 0));
 }
@@ -79,13 +77,12 @@ void Stream::push(ByteView bytes) {
 // once, so that poll() may come between.
 void Stream::wait_for_bytes() {
   if (over_ || leased_ || std::exchange(waiting_, true)) return;
-  descriptor_.async_wait(Descriptor::wait_read,
-                         [self = shared_from_this()](boost::system::error_code fault) {
-                           self->waiting_ = false;
-                           if (self->over_ || self->leased_) return;
-                           if (fault) return self->fail({fault.message()});
-                           self->on_readable();
-                         });
+  readiness_.wait_readable([self = shared_from_this()](boost::system::error_code fault) {
+    self->waiting_ = false;
+    if (self->over_ || self->leased_) return;
+    if (fault) return self->fail({fault.message()});
+    self->on_readable();
+  });
 }
 
 void Stream::on_readable() {
@@ -120,14 +117,13 @@ void Stream::drop_stale() {
 }
 
 void Stream::wait_for_space() {
-  descriptor_.async_wait(Descriptor::wait_write,
-                         [self = shared_from_this()](boost::system::error_code fault) {
-                           if (!self->over_ && !fault) self->push({});
-                         });
+  readiness_.wait_writable([self = shared_from_this()](boost::system::error_code fault) {
+    if (!self->over_ && !fault) self->push({});
+  });
 }
 
 void Stream::fail_later(End end) {
-  asio::post(descriptor_.get_executor(),
+  asio::post(readiness_.get_executor(),
              [self = shared_from_this(), end = std::move(end)]() mutable {
                if (!self->over_) self->fail(std::move(end));
              });

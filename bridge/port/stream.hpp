@@ -6,12 +6,12 @@
 #pragma once
 
 #include <array>
-#include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <memory>
 #include <string>
 
 #include "bridge/port/port.hpp"
+#include "bridge/port/readiness.hpp"
 #include "bridge/port/unsent.hpp"
 
 namespace fieldcast {
@@ -60,8 +60,8 @@ class Stream : public std::enable_shared_from_this<Stream> {
   virtual void before_close(int fd) = 0;
 
  private:
-  [[nodiscard]] int fd() { return descriptor_.native_handle(); }
-  [[nodiscard]] bool usable() { return !over_ && !leased_ && descriptor_.is_open(); }
+  [[nodiscard]] int fd() const { return descriptor_.get(); }
+  [[nodiscard]] bool usable() const { return !over_ && !leased_ && descriptor_.valid(); }
   void push(ByteView bytes);
   void wait_for_bytes();
   void on_readable();
@@ -72,7 +72,8 @@ class Stream : public std::enable_shared_from_this<Stream> {
   void fail_later(End end);
 
   PortListener& listener_;
-  boost::asio::posix::stream_descriptor descriptor_;
+  FileDescriptor descriptor_;
+  Readiness readiness_;  // of the descriptor
   boost::asio::steady_timer timer_;
   Unsent unsent_;
   Duration sleep_{};
