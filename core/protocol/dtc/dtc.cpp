@@ -215,10 +215,10 @@ tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link
 
 constexpr std::string_view kAddresses[] = {"bit:7",      "int16:100", "int16:101.3", "int32:5",
                                            "int32:6.31", "float32:6", "float64:7",   "int16:65535"};
-constexpr ProtocolOption kPlain[] = {{"threshold", "65535"}};
-constexpr ProtocolOption kCompressed[] = {{"threshold", "0"}};
-constexpr ProtocolVariant kVariants[] = {{.options = kPlain, .addresses = kAddresses},
-                                         {.options = kCompressed, .addresses = kAddresses}};
+constexpr ProtocolOption kPlainOptions[] = {{"threshold", "65535"}};
+constexpr ProtocolOption kCompressedOptions[] = {{"threshold", "0"}};
+constexpr ProtocolVariant kVariants[] = {{.options = kPlainOptions, .addresses = kAddresses},
+                                         {.options = kCompressedOptions, .addresses = kAddresses}};
 
 }  // namespace
 
