@@ -77,7 +77,7 @@ TEST(Garbage, AFasterSenderIsNotTakenForASlowerOne) {
 TEST(Garbage, TextWithAParityBitNamesTheFormat) {
   Bytes even, odd;
   for (const char c : std::string("@00RD000064000000000057*\r")) {
-    const auto seven = static_cast<unsigned>(c);
+    const auto seven = unsigned{static_cast<unsigned char>(c)};
     const unsigned ones = static_cast<unsigned>(std::popcount(seven)) % 2;
     even.push_back(static_cast<std::uint8_t>(seven | ones << 7));
     odd.push_back(static_cast<std::uint8_t>(seven | (ones ^ 1u) << 7));
