@@ -1,5 +1,7 @@
 #include "config/bus.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 
 #include "config/keys/bus_keys.hpp"
@@ -34,7 +36,7 @@ void read_devices(MapReader& bus, const DeviceContext& context, BusSpec& spec, L
   UniqueNames names;
   for (const Node* node : list->items) {
     if (spec.devices.size() == kMaxDevices) {
-      faults.add(node->position, "too many devices", std::to_string(kMaxDevices) + " of a bus");
+      faults.add(node->position, "too many devices", fmt::format("{} of a bus", kMaxDevices));
       return;
     }
     spec.devices.push_back(read_device(*node, context, state));
@@ -64,7 +66,7 @@ std::optional<SilenceRule> SilenceReader::operator()(const Node& node, std::stri
   const std::string meant = number_from(*text)
                                 ? *text + 'c'
                                 : closest(*text, std::array<std::string_view, 1>{"standard"});
-  faults.add(node.position, std::string(key) + " '" + *text + "' is unknown", std::string(kForms),
+  faults.add(node.position, fmt::format("{} '{}' is unknown", key, *text), std::string(kForms),
              meant);
   return std::nullopt;
 }

@@ -1,5 +1,7 @@
 #include "config/cascade.hpp"
 
+#include <fmt/format.h>
+
 #include "config/limits.hpp"
 #include "config/scalars.hpp"
 
@@ -10,7 +12,7 @@ void read_allow(MapReader& map, DeviceDefaults& defaults) {
   if (node == nullptr) return;
   static constexpr std::pair<std::string_view, int> kRights[] = {{"raw-read", 0}, {"raw-write", 1}};
   if (node->kind != Kind::kList) {
-    map.faults().add(node->position, "allow is " + std::string(to_text(node->kind)),
+    map.faults().add(node->position, fmt::format("allow is {}", to_text(node->kind)),
                      "a list of raw-read, raw-write",
                      node->kind == Kind::kScalar ? '[' + node->text + ']' : "");
     return;
@@ -27,11 +29,10 @@ void read_options(MapReader& map, DeviceDefaults& defaults) {
   const Node* node = map.find("options");
   if (node == nullptr) return;
   if (node->kind != Kind::kMap || node->entries.size() > kMaxOptions) {
-    map.faults().add(
-        node->position,
-        node->kind == Kind::kMap ? "too many options"
-                                 : "options is " + std::string(to_text(node->kind)),
-        "a map of at most " + std::to_string(kMaxOptions) + " options of the protocol");
+    map.faults().add(node->position,
+                     node->kind == Kind::kMap ? "too many options"
+                                              : fmt::format("options is {}", to_text(node->kind)),
+                     fmt::format("a map of at most {} options of the protocol", kMaxOptions));
     return;
   }
   for (const auto& [key, value] : node->entries) {

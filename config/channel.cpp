@@ -1,5 +1,7 @@
 #include "config/channel.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 
 #include "config/channel_limits.hpp"
@@ -11,8 +13,6 @@
 
 namespace fieldcast::config {
 namespace {
-
-std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
 
 // What a channel says and where, while its rules are checked.
 struct Draft : ChannelDefaults {
@@ -45,7 +45,7 @@ void read_byte(MapReader& map, Draft& draft) {
   const std::string& text = map.find("byte")->text;
   if (wider && (text == "low" || text == "high")) {
     map.faults().add(map.position_of("byte"),
-                     "'" + text + "' at " + quoted(draft.spec.at) + ", which is no word",
+                     fmt::format("'{}' at '{}', which is no word", text, draft.spec.at),
                      byte_names(draft.area->item_bits));
   }
   if (map.has("bit"))
@@ -75,7 +75,7 @@ void read_type(MapReader& map, Draft& draft) {
   if (!draft.address) return;
   if (has_bit && draft.address->bit) {
     map.faults().add(map.position_of("bit"),
-                     "the bit is named twice: " + quoted(draft.spec.at) + " has one already",
+                     fmt::format("the bit is named twice: '{}' has one already", draft.spec.at),
                      "one of 'at', 'bit'");
   }
   if (draft.address->bit) encoding.bit = draft.address->bit;
@@ -96,7 +96,7 @@ void read_text(MapReader& map, Draft& draft) {
   const bool number = is_number(encoding) && !is_bcd(encoding.type);
   if (map.has("text") && !number) {
     map.faults().add(map.position_of("text"),
-                     "'text' at a " + std::string(fieldcast::to_text(encoding.type)),
+                     fmt::format("'text' at a {}", fieldcast::to_text(encoding.type)),
                      "a channel of an integer type, float32 or float64");
     return;
   }
@@ -110,11 +110,11 @@ void read_text(MapReader& map, Draft& draft) {
                      std::string(kTextNumberForms));
     draft.typed = false;
   } else if (said && there != 0 && form.characters != there) {
-    map.faults().add(map.position_of("text"),
-                     "a number of " + std::to_string(form.characters) + " characters at " +
-                         quoted(draft.spec.at) + ", which is a text of " + std::to_string(there) +
-                         " characters",
-                     std::to_string(there) + " characters");
+    map.faults().add(
+        map.position_of("text"),
+        fmt::format("a number of {} characters at '{}', which is a text of {} characters",
+                    form.characters, draft.spec.at, there),
+        fmt::format("{} characters", there));
     draft.typed = false;
   } else if (map.has("text") && !said) {
     draft.typed = false;  // said already
@@ -143,8 +143,8 @@ void check_type(MapReader& map, Draft& draft) {
                             "int8, uint8, bcd8");
   }
   if (map.has("bit") && one_byte) {
-    return map.faults().add(map.position_of("bit"), "type " + type + " with a bit of a word",
-                            "byte");
+    return map.faults().add(map.position_of("bit"),
+                            fmt::format("type {} with a bit of a word", type), "byte");
   }
   const auto misfit = check_fit(draft.spec.at, *draft.address, *draft.area, encoding);
   if (!misfit) return;
@@ -164,17 +164,17 @@ void place_range(MapReader& map, const ChannelContext& context, Draft& draft) {
   const std::string count = std::to_string(range.count);
   if (range.first >= area.items || range.count > area.items - range.first) {
     map.faults().add(map.position_of("at"),
-                     quoted(draft.spec.at) + " with " + count + " items reaches beyond the area " +
-                         std::string(area.name),
-                     "items 0 to " + std::to_string(area.items - 1));
+                     fmt::format("'{}' with {} items reaches beyond the area {}", draft.spec.at,
+                                 count, area.name),
+                     fmt::format("items 0 to {}", area.items - 1));
   }
   const std::uint32_t block =
       context.max_block == 0 ? area.max_read : std::min(area.max_read, context.max_block);
   if (range.count > block) {
     map.faults().add(
         map.position_of(map.has("type") ? "type" : "at"),
-        quoted(draft.spec.at) + " needs " + count + " items in one read",
-        "at most " + std::to_string(block) + (block < area.max_read ? " (max-block)" : ""));
+        fmt::format("'{}' needs {} items in one read", draft.spec.at, count),
+        fmt::format("at most {}{}", block, block < area.max_read ? " (max-block)" : ""));
   }
 }
 
@@ -186,7 +186,7 @@ void check_byte_write(MapReader& map, Draft& draft) {
   if (draft.area == nullptr || !draft.typed || access == Access::kReadOnly ||
       encoding.type == ValueType::kBool || !is_part(encoding, draft.area->item_bits))
     return;
-  const auto why = why_no_byte_write(quoted(draft.spec.at), *draft.area);
+  const auto why = why_no_byte_write(fmt::format("'{}'", draft.spec.at), *draft.area);
   if (!why) return;
   if (map.has("access")) {
     map.faults().add(map.position_of("access"), *why,
@@ -200,7 +200,7 @@ void check_access(MapReader& map, Draft& draft) {
   if (draft.area != nullptr && !draft.area->writable && access != Access::kReadOnly) {
     if (map.has("access")) {
       map.faults().add(map.position_of("access"),
-                       "area " + std::string(draft.area->name) + " cannot be written", "read-only",
+                       fmt::format("area {} cannot be written", draft.area->name), "read-only",
                        "read-only");
     }
     access = Access::kReadOnly;  // a default from above holds where it can
@@ -212,10 +212,10 @@ void check_access(MapReader& map, Draft& draft) {
   check_byte_write(map, draft);
   if (draft.area != nullptr && access != Access::kReadOnly &&
       spec_items(draft) > draft.area->max_write) {
-    map.faults().add(map.position_of("at"),
-                     quoted(draft.spec.at) + " needs " + std::to_string(spec_items(draft)) +
-                         " items in one write",
-                     "at most " + std::to_string(draft.area->max_write));
+    map.faults().add(
+        map.position_of("at"),
+        fmt::format("'{}' needs {} items in one write", draft.spec.at, spec_items(draft)),
+        fmt::format("at most {}", draft.area->max_write));
   }
   if (draft.spec.mode == Mode::kOnDemand && draft.spec.on_interest && map.has("mode") &&
       map.has("acquire")) {
@@ -226,7 +226,8 @@ void check_access(MapReader& map, Draft& draft) {
   if (access != Access::kWriteOnly) return;
   for (const std::string_view key : {"deadband", "limits"}) {
     if (map.has(key))
-      map.faults().add(map.position_of(key), quoted(key) + " at a channel that is write-only",
+      map.faults().add(map.position_of(key),
+                       fmt::format("'{}' at a channel that is write-only", key),
                        "access: read-write");
   }
 }
@@ -243,7 +244,7 @@ void check_numbers(MapReader& map, Draft& draft) {
   if (!draft.typed || number) return;
   for (const std::string_view key : {"scale", "offset", "limits"}) {
     if (map.has(key))
-      map.faults().add(map.position_of(key), quoted(key) + " at a " + type,
+      map.faults().add(map.position_of(key), fmt::format("'{}' at a {}", key, type),
                        "a channel of a numeric type");
   }
   if (spec.deadband.value_or(0) != 0)
@@ -262,10 +263,10 @@ void check_heartbeat(MapReader& map, const ChannelDefaults& inherited, ChannelSp
   } else if (spec.heartbeat && *spec.heartbeat < spec.refresh) {
     const bool own = map.has("heartbeat") || map.has("refresh");
     if (!own && inherited.spec.heartbeat) return;
-    map.faults().add(
-        map.position_of(map.has("heartbeat") ? "heartbeat" : "refresh"),
-        "heartbeat " + fieldcast::to_text(*spec.heartbeat) + " is shorter than the refresh",
-        fieldcast::to_text(spec.refresh) + " and above");
+    map.faults().add(map.position_of(map.has("heartbeat") ? "heartbeat" : "refresh"),
+                     fmt::format("heartbeat {} is shorter than the refresh",
+                                 fieldcast::to_text(*spec.heartbeat)),
+                     fieldcast::to_text(spec.refresh) + " and above");
   }
 }
 
@@ -286,7 +287,7 @@ ChannelSpec read_channel(const Node& node, const ChannelContext& context, FaultL
   if (is_string) spec.encoding.charset = draft.charset;
   if (map.has("encoding") && draft.typed && !is_string)
     faults.add(map.position_of("encoding"),
-               "'encoding' at a " + std::string(fieldcast::to_text(spec.encoding.type)),
+               fmt::format("'encoding' at a {}", fieldcast::to_text(spec.encoding.type)),
                "a channel of type string(n)");
 
   check_type(map, draft);

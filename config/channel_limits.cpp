@@ -1,5 +1,7 @@
 #include "config/channel_limits.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -7,8 +9,6 @@
 
 namespace fieldcast::config {
 namespace {
-
-std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
 
 // The least and the greatest value that the type and its scale can hold; nothing for floats.
 std::optional<std::pair<double, double>> span_of(const Encoding& encoding) {
@@ -63,7 +63,7 @@ void read_limits(MapReader& channel, ChannelSpec& spec) {
     if (!*limit) continue;
     if (bound != nullptr && **limit <= **bound) {
       map.faults().add(map.position_of(key),
-                       "limit " + quoted(key) + " is not above " + quoted(below),
+                       fmt::format("limit '{}' is not above '{}'", key, below),
                        "low-low < low < high < high-high");
     }
     below = key, bound = limit;
@@ -71,7 +71,7 @@ void read_limits(MapReader& channel, ChannelSpec& spec) {
   check_hysteresis(map, spec.limits);
   for (const std::string_view key : {"hysteresis", "delay"}) {
     if (bound == nullptr && map.has(key)) {
-      map.faults().add(map.position_of(key), quoted(key) + " without a limit",
+      map.faults().add(map.position_of(key), fmt::format("'{}' without a limit", key),
                        "low-low, low, high, high-high");
     }
   }
@@ -93,9 +93,10 @@ void check_write_span(MapReader& map, const ChannelSpec& spec) {
   if (!span || (spec.write_min.value_or(span->first) <= span->second &&
                 spec.write_max.value_or(span->second) >= span->first))
     return;
-  map.faults().add(map.position_of("write"), "no value of this channel is within its write limits",
-                   "limits that overlap with " + fieldcast::to_text(Value{span->first}) + " to " +
-                       fieldcast::to_text(Value{span->second}));
+  map.faults().add(
+      map.position_of("write"), "no value of this channel is within its write limits",
+      fmt::format("limits that overlap with {} to {}", fieldcast::to_text(Value{span->first}),
+                  fieldcast::to_text(Value{span->second})));
 }
 
 // What is held back by the deadband cannot pass from one limit to the other.

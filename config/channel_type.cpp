@@ -1,4 +1,6 @@
 // The type of a channel as written (channel.hpp).
+#include <fmt/format.h>
+
 #include "config/channel.hpp"
 #include "config/scalars.hpp"
 
@@ -52,7 +54,7 @@ std::optional<Encoding> TypeRule::operator()(const Node& node, std::string_view 
   for (const auto& [other, ours] : kOtherNames) {
     if (lower(*text) == other) meant = ours;
   }
-  faults.add(node.position, "type '" + *text + "' is unknown", allowed, meant);
+  faults.add(node.position, fmt::format("type '{}' is unknown", *text), allowed, meant);
   return std::nullopt;
 }
 

@@ -3,6 +3,8 @@
 // uses), blank lines, and lines that begin with '#'.
 //
 // Each row becomes the map that a channel would be in YAML, so that channel.cpp reads both.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 #include <optional>
@@ -124,7 +126,7 @@ class RowReader {
       return true;
     faults_.add(
         here(), "text after a quoted cell",
-        std::string("'") + separator_ + "' or the end of the line; a quote inside is written \"\"");
+        fmt::format("'{}' or the end of the line; a quote inside is written \"\"", separator_));
     return false;
   }
 
@@ -146,10 +148,11 @@ std::vector<const Column*> read_header(const Row& row, FaultList& faults) {
     const auto found = std::ranges::find(columns(), cell.text, &Column::name);
     const Column* column = found == columns().end() ? nullptr : &*found;
     if (column == nullptr) {
-      faults.add(cell.position, "unknown column '" + cell.text + "'", joined(names),
+      faults.add(cell.position, fmt::format("unknown column '{}'", cell.text), joined(names),
                  closest(cell.text, names));
     } else if (std::ranges::find(header, column) != header.end()) {
-      faults.add(cell.position, "column '" + cell.text + "' stands twice", "each column once");
+      faults.add(cell.position, fmt::format("column '{}' stands twice", cell.text),
+                 "each column once");
     }
     header.push_back(column);
   }
@@ -158,7 +161,7 @@ std::vector<const Column*> read_header(const Row& row, FaultList& faults) {
     if (std::ranges::none_of(header, [&](const Column* column) {
           return column != nullptr && column->name == needed;
         })) {
-      faults.add(row.front().position, "column '" + std::string(needed) + "' is missing",
+      faults.add(row.front().position, fmt::format("column '{}' is missing", needed),
                  joined(names));
       complete = false;
     }
@@ -230,8 +233,8 @@ std::unique_ptr<Document> parse_csv(Source source, FaultList& faults) {
   Node& list = builder.make(Kind::kList, first->front().position);
   while (const auto row = rows.next()) {
     if (row->size() != header.size()) {
-      faults.add(row->front().position, "the row has " + std::to_string(row->size()) + " cells",
-                 std::to_string(header.size()) + ", as the header row");
+      faults.add(row->front().position, fmt::format("the row has {} cells", row->size()),
+                 fmt::format("{}, as the header row", header.size()));
       continue;
     }
     if (list.items.size() == kMaxChannels) {

@@ -1,5 +1,7 @@
 #include "config/declaration.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "config/declaration_keys.hpp"
@@ -71,10 +73,10 @@ class DeclarationReader {
       return node;
     const bool is_list = node->kind == Kind::kList;
     faults_.add(node->position,
-                std::string(key) + " is " +
-                    (is_list ? (node->items.empty() ? "empty" : "too long")
-                             : std::string(to_text(node->kind))),
-                "a list of 1 to " + std::to_string(most));
+                fmt::format("{} is {}", key,
+                            is_list ? (node->items.empty() ? "empty" : "too long")
+                                    : std::string(to_text(node->kind))),
+                fmt::format("a list of 1 to {}", most));
     return nullptr;
   }
 
@@ -106,7 +108,7 @@ class DeclarationReader {
     map.read("origin", area.origin, WholeRule{0, kMaxItems});
     for (const auto* key : {"item", "items", "prefix", "base", "origin"}) {
       if (area.record && map.has(key))
-        faults_.add(map.position_of(key), "'" + std::string(key) + "' has no meaning for a record",
+        faults_.add(map.position_of(key), fmt::format("'{}' has no meaning for a record", key),
                     "a record's places are the values of its answer");
     }
     if (area.record) area.items = 0, area.item_bits = 16;
@@ -152,7 +154,7 @@ class DeclarationReader {
     if (text == nullptr) return false;
     const auto found = std::ranges::find(names, *text);
     if (found == names.end()) {
-      faults_.add(naming.position, "no area is named '" + *text + "'", joined(names),
+      faults_.add(naming.position, fmt::format("no area is named '{}'", *text), joined(names),
                   closest(*text, names));
       return false;
     }
@@ -193,8 +195,8 @@ class DeclarationReader {
     const Node* busy = map.find("busy");
     if (busy == nullptr) return;
     if (busy->kind != Kind::kList) {
-      faults_.add(busy->position, "busy is " + std::string(to_text(busy->kind)), "a list of codes",
-                  "[" + busy->text + "]");
+      faults_.add(busy->position, fmt::format("busy is {}", to_text(busy->kind)), "a list of codes",
+                  fmt::format("[{}]", busy->text));
       return;
     }
     for (const Node* item : busy->items) {
@@ -208,7 +210,7 @@ class DeclarationReader {
       faults_.add(
           node.position,
           "codes is " + (node.kind == Kind::kMap ? "too long" : std::string(to_text(node.kind))),
-          "at most " + std::to_string(kMaxCodes) + " lines CODE: TEXT");
+          fmt::format("at most {} lines CODE: TEXT", kMaxCodes));
       return;
     }
     for (const auto& [key, value] : node.entries) {
@@ -232,7 +234,7 @@ class DeclarationReader {
       };
       if (std::ranges::count_if(declaration_.areas, same) > 1)
         continue;  // two of one name: said already
-      const std::string area = "area '" + declaration_.areas[i].name + "'";
+      const std::string area = fmt::format("area '{}'", declaration_.areas[i].name);
       if (uses(false) == 0)
         faults_.add(area_positions_[i], area + " is read by no operation",
                     "an operation with read: " + declaration_.areas[i].name);

@@ -1,5 +1,7 @@
 // What a declaration contradicts itself in (declared_frame.hpp). Each rule notes its fault where
 // the user has to change something.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 
@@ -14,8 +16,6 @@ using declared::Declaration;
 using declared::DeclaredArea;
 using declared::Field;
 using declared::FieldKind;
-
-std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
 
 class OperationCheck {
  public:
@@ -56,12 +56,13 @@ class OperationCheck {
             std::min(declared::largest(field.word), UINT64_MAX >> (64 - field.bits));
         const bool below = field.plus < 0 && lowest < static_cast<std::uint64_t>(-field.plus);
         if (below || highest + static_cast<std::uint64_t>(field.plus) > largest)
-          faults_.add(draft.position,
-                      quoted(field.name) + " is too narrow: " + what + " " +
-                          (below ? "falls below 0"
-                                 : "reaches " + std::to_string(highest + static_cast<std::uint64_t>(
-                                                                             field.plus))),
-                      "0 to " + std::to_string(largest) + ", or a wider field");
+          faults_.add(
+              draft.position,
+              fmt::format("'{}' is too narrow: {} {}", field.name, what,
+                          below ? "falls below 0"
+                                : fmt::format("reaches {}",
+                                              highest + static_cast<std::uint64_t>(field.plus))),
+              fmt::format("0 to {}, or a wider field", largest));
       };
       switch (field.kind) {
         case FieldKind::kAddress:
@@ -69,7 +70,7 @@ class OperationCheck {
           break;
         case FieldKind::kCommand:
           needs(draft_.has_command, draft.position,
-                "the operation " + quoted(operation_.name) + " has no command",
+                fmt::format("the operation '{}' has no command", operation_.name),
                 "command: a number, in the operation");
           holds(operation_.command, operation_.command, "the command");
           break;
@@ -81,18 +82,20 @@ class OperationCheck {
         case FieldKind::kLength: check_length(frame, draft, holds); break;
         case FieldKind::kItems:
           if (area_.record)
-            faults_.add(draft.position, quoted(area_.name) + " is a record and has no items",
+            faults_.add(draft.position,
+                        fmt::format("'{}' is a record and has no items", area_.name),
                         "is: value, for each of its values");
           if (area_.item_bits > 1 && field.word.notation == declared::Notation::kDecimal &&
               declared::largest(field.word) < UINT64_MAX >> (64 - area_.item_bits))
-            faults_.add(draft.position,
-                        quoted(field.name) + " is too narrow for items of " +
-                            std::to_string(area_.item_bits) + " bits",
-                        "more digits");
+            faults_.add(
+                draft.position,
+                fmt::format("'{}' is too narrow for items of {} bits", field.name, area_.item_bits),
+                "more digits");
           break;
         case FieldKind::kValue:
           if (!area_.record)
-            faults_.add(draft.position, quoted(area_.name) + " is no record and has no values",
+            faults_.add(draft.position,
+                        fmt::format("'{}' is no record and has no values", area_.name),
                         "is: items, or record: true in the area");
           break;
         default: break;
@@ -101,9 +104,8 @@ class OperationCheck {
     if (!frame.good) return;
     const auto whole = declared::size_of(frame.frame(), area_.item_bits, operation_.max_count);
     if (whole > declared::kMaxFrame)
-      faults_.add(draft_.count_position,
-                  "a frame of " + std::to_string(whole) + " characters is too long",
-                  "at most " + std::to_string(declared::kMaxFrame));
+      faults_.add(draft_.count_position, fmt::format("a frame of {} characters is too long", whole),
+                  fmt::format("at most {}", declared::kMaxFrame));
   }
 
   template <typename Holds>
@@ -154,7 +156,7 @@ class OperationCheck {
     if (area_.record || !draft_.request.good) return;
     needs(area_.items == 1 || draft_.request.find(FieldKind::kFirst) != nullptr,
           draft_.request.position,
-          "the request does not say which of " + std::to_string(area_.items) + " items it means",
+          fmt::format("the request does not say which of {} items it means", area_.items),
           "a field that is: first");
     if (operation_.min_count == operation_.max_count) return;
     const bool counted = draft_.request.find(FieldKind::kCount) != nullptr ||
@@ -177,7 +179,7 @@ class OperationCheck {
                          frame.fields[i + 1].field.kind == FieldKind::kConstant &&
                          !frame.fields[i + 1].shares;
       needs(told || ended, frame.fields[i].position,
-            "nothing tells where " + quoted(field.name) + " ends",
+            fmt::format("nothing tells where '{}' ends", field.name),
             "a constant behind it, or a length of it before it");
       if (std::ranges::count_if(frame.fields,
                                 [](const DraftField& each) { return each.field.variable; }) > 1)
@@ -201,7 +203,7 @@ class Placing {
   void define(DraftOperation& draft) {
     DeclaredArea& area = declaration_.areas[draft.operation.area];
     if (!area.places.empty()) {
-      faults_.add(draft.position, "the record " + quoted(area.name) + " is read twice",
+      faults_.add(draft.position, fmt::format("the record '{}' is read twice", area.name),
                   "one operation that reads it");
       return;
     }
@@ -211,7 +213,7 @@ class Placing {
       for (const auto& other : declaration_.areas) {
         if (std::ranges::find(other.places, field.field.name, &declared::Place::name) !=
             other.places.end())
-          faults_.add(field.position, "value " + quoted(field.field.name) + " exists already",
+          faults_.add(field.position, fmt::format("value '{}' exists already", field.field.name),
                       "names that occur once");
       }
       field.field.place = static_cast<std::uint16_t>(area.items);
@@ -252,16 +254,16 @@ class Placing {
     for (const auto& place : area.places) names.push_back(place.name);
     const auto place = std::ranges::find(area.places, draft.field.name, &declared::Place::name);
     if (place == area.places.end()) {
-      faults_.add(draft.position, "no answer brings a value " + quoted(draft.field.name),
+      faults_.add(draft.position, fmt::format("no answer brings a value '{}'", draft.field.name),
                   joined(names), closest(draft.field.name, names));
       return false;
     }
     const unsigned bits = draft.field.text_size != 0 ? 0u : draft.field.bits;
     if (bits != place->bits || declared::items_of(draft.field) != place->items) {
       faults_.add(draft.position,
-                  "value " + quoted(draft.field.name) +
-                      " has another width than in the answer that brings it",
-                  std::to_string(place->bits) + " bits");
+                  fmt::format("value '{}' has another width than in the answer that brings it",
+                              draft.field.name),
+                  fmt::format("{} bits", place->bits));
       return false;
     }
     draft.field.place = place->first;
@@ -303,13 +305,13 @@ void check_refusal(const Declaration& declaration, const std::vector<DraftOperat
     const auto kind = draft.field.kind;
     if (kind == FieldKind::kItems || kind == FieldKind::kValue || kind == FieldKind::kFirst ||
         kind == FieldKind::kCount)
-      faults.add(draft.position, "a refusal brings no " + quoted(draft.field.name),
+      faults.add(draft.position, fmt::format("a refusal brings no '{}'", draft.field.name),
                  "constant, address, command, error, length, sequence, checksum, unused");
     if (kind == FieldKind::kAddress &&
         declaration.highest_address > declared::largest(draft.field.word))
       faults.add(draft.position,
-                 quoted(draft.field.name) + " is too narrow: the address reaches " +
-                     std::to_string(declaration.highest_address),
+                 fmt::format("'{}' is too narrow: the address reaches {}", draft.field.name,
+                             declaration.highest_address),
                  "a wider field");
   }
   // A refusal that an answer could be taken for: nothing but its code would tell them apart.
@@ -327,8 +329,8 @@ void check_refusal(const Declaration& declaration, const std::vector<DraftOperat
       for (const auto& field : frame.fields) {
         const auto kind = field.field.kind;
         if (kind == FieldKind::kConstant || kind == FieldKind::kCommand)
-          all.push_back(field.field.text + '/' + std::to_string(field.field.number) + '/' +
-                        std::to_string(field.field.plus));
+          all.push_back(
+              fmt::format("{}/{}/{}", field.field.text, field.field.number, field.field.plus));
       }
       return all;
     };
@@ -336,9 +338,10 @@ void check_refusal(const Declaration& declaration, const std::vector<DraftOperat
                             marks(refusal) != marks(draft.answer) ||
                             draft.answer.find(FieldKind::kError) != nullptr;
     if (!told_apart)
-      faults.add(refusal.position,
-                 "a refusal cannot be told from the answer of " + quoted(draft.operation.name),
-                 "another length, constant or command, or is: error in the answer too");
+      faults.add(
+          refusal.position,
+          fmt::format("a refusal cannot be told from the answer of '{}'", draft.operation.name),
+          "another length, constant or command, or is: error in the answer too");
   }
 }
 

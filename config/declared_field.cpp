@@ -1,4 +1,6 @@
 // One field of a declared frame (declared_frame.hpp).
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 
@@ -130,7 +132,7 @@ class FieldReader {
     if (constant->kind == Kind::kScalar && constant->quoted) {
       if (constant->text.empty() || constant->text.size() > 64)
         faults_.add(constant->position,
-                    "constant is " + std::string(constant->text.empty() ? "empty" : "too long"),
+                    fmt::format("constant is {}", constant->text.empty() ? "empty" : "too long"),
                     "1 to 64 characters");
       field.text = constant->text;
     } else if (const auto number = WholeRule{0, INT64_MAX}(*constant, "constant", faults_)) {
@@ -203,7 +205,7 @@ class FieldReader {
     if (!form) return;
     if (form->characters == 0) {
       faults_.add(node->position,
-                  "text '" + node->text + "' does not say how many characters it has",
+                  fmt::format("text '{}' does not say how many characters it has", node->text),
                   std::string(kTextNumberForms), node->text + "(7)");
       return;
     }
@@ -225,9 +227,8 @@ class FieldReader {
   }
   void too_wide(std::uint64_t number, const Position& position, std::string_view key) {
     if (number > most())
-      faults_.add(position,
-                  std::string(key) + " " + std::to_string(number) + " does not fit its field",
-                  "0 to " + std::to_string(most()) + ", or a wider field");
+      faults_.add(position, fmt::format("{} {} does not fit its field", key, number),
+                  fmt::format("0 to {}, or a wider field", most()));
   }
 
   void read_numbers() {
@@ -274,8 +275,8 @@ class FieldReader {
       faults_.add(map_.has("bytes") || map_.has("bits") || map_.has("digits")
                       ? draft_.width_position
                       : kind->position,
-                  "a checksum " + kind->text + " does not fit its field",
-                  "bytes: " + std::string(needed == 16 ? "2" : "1 to 4"));
+                  fmt::format("a checksum {} does not fit its field", kind->text),
+                  fmt::format("bytes: {}", needed == 16 ? "2" : "1 to 4"));
   }
 
   void refuse_meaningless() {
@@ -284,8 +285,8 @@ class FieldReader {
       std::vector<std::string_view> words;
       for (const auto kind : kinds) words.push_back(word_of(kind));
       faults_.add(map_.position_of(key),
-                  "'" + std::string(key) + "' has no meaning for a field that is " +
-                      std::string(word_of(draft_.field.kind)),
+                  fmt::format("'{}' has no meaning for a field that is {}", key,
+                              word_of(draft_.field.kind)),
                   "it belongs to " + joined(words));
     }
   }

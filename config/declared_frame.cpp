@@ -1,6 +1,8 @@
 // A list of fields as a frame (declared_frame.hpp).
 #include "config/declared_frame.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "config/scalars.hpp"
@@ -11,8 +13,6 @@ namespace {
 using declared::Field;
 using declared::FieldKind;
 using declared::Notation;
-
-std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
 
 // Fields narrower than a byte stand together in words of whole bytes.
 class Sharing {
@@ -40,8 +40,8 @@ class Sharing {
   void close() {
     if (bits_ == 0) return;
     faults_.add(frame_.fields[first_].position,
-                "the bits from " + quoted(frame_.fields[first_].field.name) +
-                    " on fill no whole byte: they are " + std::to_string(bits_),
+                fmt::format("the bits from '{}' on fill no whole byte: they are {}",
+                            frame_.fields[first_].field.name, bits_),
                 "fields of 8, 16, ... bits together", "");
     frame_.good = false;
     bits_ = 0;
@@ -60,8 +60,8 @@ class Sharing {
         if (field.word.notation != opener.word.notation ||
             field.word.little_endian != opener.word.little_endian) {
           faults_.add(frame_.fields[i].position,
-                      quoted(field.name) + " shares a byte with " + quoted(opener.name) +
-                          ", which is written otherwise",
+                      fmt::format("'{}' shares a byte with '{}', which is written otherwise",
+                                  field.name, opener.name),
                       "the same 'as' and 'order'");
           frame_.good = false;
         }
@@ -95,9 +95,10 @@ std::optional<std::uint8_t> field_named(const DraftFrame& frame, std::string_vie
   }
   if (times == 1) return found;
   if (times == 0)
-    faults.add(position, "no field is named " + quoted(name), joined(names), closest(name, names));
+    faults.add(position, fmt::format("no field is named '{}'", name), joined(names),
+               closest(name, names));
   else
-    faults.add(position, std::to_string(times) + " fields are named " + quoted(name),
+    faults.add(position, fmt::format("{} fields are named '{}'", times, name),
                "names that occur once");
   return std::nullopt;
 }
@@ -115,13 +116,14 @@ void resolve_span(DraftFrame& frame, std::size_t at, FaultList& faults) {
   if (!from || !to) return;
   draft.field.of = {*from, *to};
   if (*from > *to) {
-    faults.add(draft.of_position, quoted(text) + " runs backwards", {},
-               std::string(text.substr(dots + 2)) + ".." + std::string(text.substr(0, dots)));
+    faults.add(draft.of_position, fmt::format("'{}' runs backwards", text), {},
+               fmt::format("{}..{}", text.substr(dots + 2), text.substr(0, dots)));
   } else if (draft.field.kind == FieldKind::kChecksum && draft.field.of.holds(at)) {
     faults.add(draft.of_position, "a checksum over itself", "fields before or behind it");
   } else if (!frame.fields[*from].field.opens ||
              (*to + 1u < frame.fields.size() && !frame.fields[*to + 1u].field.opens)) {
-    faults.add(draft.of_position, quoted(text) + " begins or ends within a byte", "whole bytes");
+    faults.add(draft.of_position, fmt::format("'{}' begins or ends within a byte", text),
+               "whole bytes");
   } else {
     return;
   }
@@ -149,11 +151,11 @@ DraftFrame read_frame(const Node& node, std::string_view what, const FieldDefaul
   frame.position = node.position;
   if (node.kind != Kind::kList || node.items.empty() || node.items.size() > declared::kMaxFields) {
     const bool list = node.kind == Kind::kList;
-    faults.add(
-        node.position,
-        std::string(what) + " is " +
-            (list ? (node.items.empty() ? "empty" : "too long") : std::string(to_text(node.kind))),
-        "a list of 1 to " + std::to_string(declared::kMaxFields) + " fields");
+    faults.add(node.position,
+               fmt::format("{} is {}", what,
+                           list ? (node.items.empty() ? "empty" : "too long")
+                                : std::string(to_text(node.kind))),
+               fmt::format("a list of 1 to {} fields", declared::kMaxFields));
     frame.good = false;
     return frame;
   }

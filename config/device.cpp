@@ -1,5 +1,7 @@
 #include "config/device.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "config/channel.hpp"
@@ -33,7 +35,7 @@ void read_channel_nodes(MapReader& map, Draft& draft, LoadState& state) {
   if (node->kind == Kind::kScalar) node = state.library.channel_list(*node);
   if (node == nullptr) return;
   if (node->kind != Kind::kList) {
-    state.faults.add(node->position, "channels is " + std::string(to_text(node->kind)),
+    state.faults.add(node->position, fmt::format("channels is {}", to_text(node->kind)),
                      "a list of channels, or the name of a CSV file");
     return;
   }
@@ -61,7 +63,8 @@ void check_template_protocols(MapReader& map, const Node& naming, const std::str
       names.push_back(std::move(choice.name));
   }
   if (protocol.empty() || names.size() != node->items.size()) return;
-  map.faults().add(naming.position, "template '" + naming.text + "' is not for " + protocol,
+  map.faults().add(naming.position,
+                   fmt::format("template '{}' is not for {}", naming.text, protocol),
                    joined(std::vector<std::string_view>(names.begin(), names.end())));
 }
 
@@ -91,7 +94,7 @@ std::unique_ptr<Protocol> protocol_of(MapReader& map, const ProtocolChoice& choi
     if (std::ranges::find(options, name) != options.end()) continue;
     known = false;
     map.faults().add(draft.defaults.options.positions.at(name),
-                     "unknown option '" + name + "' of " + choice.name,
+                     fmt::format("unknown option '{}' of {}", name, choice.name),
                      options.empty() ? "no options" : joined(options), closest(name, options));
   }
   if (!known) return nullptr;
@@ -102,9 +105,10 @@ std::unique_ptr<Protocol> protocol_of(MapReader& map, const ProtocolChoice& choi
   if (fault.option.empty() && !has_address)
     return nullptr;  // the address is missing or no number: said already
   const bool of_option = option != draft.defaults.options.positions.end();
-  map.faults().add(of_option ? option->second : map.position_of("address"),
-                   (of_option ? "option '" + fault.option + "': " : std::string{}) + fault.what,
-                   fault.allowed);
+  map.faults().add(
+      of_option ? option->second : map.position_of("address"),
+      (of_option ? fmt::format("option '{}': ", fault.option) : std::string{}) + fault.what,
+      fault.allowed);
   return nullptr;
 }
 
@@ -115,8 +119,7 @@ void read_channels(const Draft& draft, const Protocol* protocol, const Position&
   spec.channels.reserve(std::min(draft.channels.size(), kMaxChannels));
   for (const Node* node : draft.channels) {
     if (state.channels++ >= kMaxChannels) {
-      state.faults.add(position, "too many channels",
-                       std::to_string(kMaxChannels) + " of a bridge");
+      state.faults.add(position, "too many channels", fmt::format("{} of a bridge", kMaxChannels));
       return;
     }
     spec.channels.push_back(read_channel(*node, context, state.faults));
@@ -150,7 +153,7 @@ DeviceSpec read_device(const Node& node, const DeviceContext& context, LoadState
                state.faults);
   }
   if (has_address && choice.known()) {
-    const std::string address = std::to_string(spec.link.address) + " (" + spec.protocol + ')';
+    const std::string address = fmt::format("{} ({})", spec.link.address, spec.protocol);
     context.addresses.add("address", address, map.position_of("address"), state.faults);
   }
 

@@ -1,5 +1,7 @@
 #include "config/document.hpp"
 
+#include <fmt/format.h>
+
 #include "config/fault_list.hpp"
 
 namespace fieldcast::config {
@@ -47,7 +49,7 @@ bool check_text(Source& source, FaultList& faults) {
     }
     const auto length = sequence_length(text.substr(i));
     if (length == 0) {
-      faults.add(position, "byte " + hex_byte(byte) + " is not UTF-8",
+      faults.add(position, fmt::format("byte {} is not UTF-8", hex_byte(byte)),
                  "text in UTF-8; an editor can save the file so");
       return false;
     }

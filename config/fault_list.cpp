@@ -1,5 +1,7 @@
 #include "config/fault_list.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "config/limits.hpp"
@@ -33,10 +35,9 @@ void make_presentable(std::string& text) {
 }  // namespace
 
 std::string to_text(const Fault& fault) {
-  std::string text = fault.file + ':' + std::to_string(fault.line) + ':' +
-                     std::to_string(fault.column) + ": " + fault.what;
+  std::string text = fmt::format("{}:{}:{}: {}", fault.file, fault.line, fault.column, fault.what);
   if (!fault.allowed.empty()) text += "; allowed: " + fault.allowed;
-  if (!fault.suggestion.empty()) text += "; did you mean " + fault.suggestion + '?';
+  if (!fault.suggestion.empty()) text += fmt::format("; did you mean {}?", fault.suggestion);
   return text;
 }
 

@@ -1,5 +1,7 @@
 #include "config/keys.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 
@@ -54,7 +56,7 @@ std::string where_it_belongs(std::string_view key, const KeyTable& here) {
       &engineer_rows(),    &module_rows(), &template_rows()};
   for (const RowTable* table : order) {
     if (table != &here && std::ranges::find(table->keys, key) != table->keys.end())
-      return " (it belongs in " + std::string(table->what) + ')';
+      return fmt::format(" (it belongs in {})", table->what);
   }
   return {};
 }

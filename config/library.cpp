@@ -1,5 +1,7 @@
 #include "config/library.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "config/limits.hpp"
@@ -52,7 +54,7 @@ const Node* Library::opened(const std::string& path, const Node& naming, std::st
   auto text = read(path);
   if (!text) {
     const std::string directories[] = {std::string(directory_of(path))};
-    fault_missing(naming, std::string(what) + " '" + naming.text + "' ", text.error(), directories,
+    fault_missing(naming, fmt::format("{} '{}' ", what, naming.text), text.error(), directories,
                   "");
     return nullptr;
   }
@@ -76,16 +78,16 @@ const Node* Library::channel_list(const Node& naming) {
 const Node* Library::device_template(const Node& naming) {
   if (naming.kind != Kind::kScalar || !is_word(naming.text)) {
     faults_.add(naming.position,
-                naming.kind == Kind::kScalar ? "template '" + naming.text + "' is no name"
-                                             : "template is " + std::string(to_text(naming.kind)),
+                naming.kind == Kind::kScalar ? fmt::format("template '{}' is no name", naming.text)
+                                             : fmt::format("template is {}", to_text(naming.kind)),
                 "the name of a file in devices/, without .yaml");
     return nullptr;
   }
   const auto directories = folders(naming, "devices/", options_.template_directories);
   const Found found = in_directories(naming, "template", directories);
   if (!found.exists)
-    fault_missing(naming, "template '" + naming.text + "' ", FileError::kMissing, directories,
-                  ".yaml");
+    fault_missing(naming, fmt::format("template '{}' ", naming.text), FileError::kMissing,
+                  directories, ".yaml");
   return found.root;
 }
 
@@ -102,12 +104,12 @@ std::vector<std::string> Library::declared_protocols(const Node& naming) const {
 Library::Found Library::in_directories(const Node& naming, std::string_view what,
                                        std::span<const std::string> directories) {
   for (const auto& directory : directories) {
-    const std::string path = directory + naming.text + ".yaml";
+    const std::string path = fmt::format("{}{}.yaml", directory, naming.text);
     if (documents_.contains(path)) return {true, opened(path, naming, what, false)};
     auto text = read(path);
     if (text) return {true, keep(path, std::move(*text), false)};
     if (text.error() == FileError::kMissing) continue;
-    fault_missing(naming, std::string(what) + " '" + naming.text + "' ", text.error(), directories,
+    fault_missing(naming, fmt::format("{} '{}' ", what, naming.text), text.error(), directories,
                   ".yaml");
     return {true, nullptr};
   }
@@ -117,8 +119,7 @@ Library::Found Library::in_directories(const Node& naming, std::string_view what
 std::string Library::check_file(const Node& naming) {
   const std::string path = resolve(*naming.position.source, naming.text);
   if (const auto text = read(path); !text)
-    faults_.add(naming.position,
-                "file '" + naming.text + "' " + std::string(to_text(text.error())));
+    faults_.add(naming.position, fmt::format("file '{}' {}", naming.text, to_text(text.error())));
   return path;
 }
 

@@ -1,5 +1,7 @@
 #include "config/loader.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 
@@ -25,7 +27,7 @@ void read_interfaces(MapReader& map, DdsSpec& spec) {
         node->position,
         "interfaces is " + (count ? (node->items.empty() ? "empty" : "too long")
                                   : std::string(to_text(node->kind))),
-        "a list of 1 to " + std::to_string(kMaxInterfaces) + " IPv4 addresses",
+        fmt::format("a list of 1 to {} IPv4 addresses", kMaxInterfaces),
         node->kind == Kind::kScalar && is_ipv4(node->text) ? '[' + node->text + ']' : "");
     return;
   }
@@ -35,7 +37,7 @@ void read_interfaces(MapReader& map, DdsSpec& spec) {
     if (text == nullptr) continue;
     if (!is_ipv4(*text)) {
       const bool loopback = *text == "lo" || *text == "localhost";
-      map.faults().add(item->position, "interface '" + *text + "' is no IPv4 address",
+      map.faults().add(item->position, fmt::format("interface '{}' is no IPv4 address", *text),
                        "the address of a network interface of this machine",
                        loopback ? "127.0.0.1" : "");
     }
@@ -51,9 +53,10 @@ void read_dds(MapReader& bridge, DdsSpec& spec, Library& library) {
   read_interfaces(map, spec);
   if (map.read("discovery-server", spec.discovery_server, TextRule{kMaxPath}) &&
       !host_port_from(*spec.discovery_server)) {
-    bridge.faults().add(map.position_of("discovery-server"),
-                        "discovery-server '" + *spec.discovery_server + "' names no host and port",
-                        "HOST:PORT with a port 1 to 65535", *spec.discovery_server + ":11811");
+    bridge.faults().add(
+        map.position_of("discovery-server"),
+        fmt::format("discovery-server '{}' names no host and port", *spec.discovery_server),
+        "HOST:PORT with a port 1 to 65535", *spec.discovery_server + ":11811");
   }
   std::string profile;
   if (map.read("profile", profile, TextRule{kMaxPath}))
@@ -81,7 +84,7 @@ void read_buses(MapReader& bridge, BridgeSpec& spec, LoadState& state) {
   UniqueNames names, paths;
   for (const Node* node : list->items) {
     if (spec.buses.size() == kMaxBuses) {
-      faults.add(node->position, "too many buses", std::to_string(kMaxBuses) + " of a bridge");
+      faults.add(node->position, "too many buses", fmt::format("{} of a bridge", kMaxBuses));
       return;
     }
     const auto& bus = spec.buses.emplace_back(read_bus(*node, state));
@@ -112,14 +115,13 @@ void check_loads(const Node& root, const BridgeSpec& spec, FaultList& faults) {
   for (std::size_t i = 0; i < spec.buses.size(); ++i) {
     const auto load = hopeless_load_of(spec.buses[i]);
     if (!load) continue;
-    faults.add(buses->value->items[i]->position,
-               "bus '" + spec.buses[i].name + "' needs " +
-                   std::to_string(static_cast<std::uint64_t>(*load)) +
-                   " times its wire, even if devices answer at once",
-               "at most " + std::to_string(static_cast<int>(kHopelessLoad)) +
-                   " times, and 1 to keep every refresh: longer refreshes, fewer channels, a "
-                   "faster line or more buses "
-                   "('fieldcast plan' tells what is enough)");
+    faults.add(
+        buses->value->items[i]->position,
+        fmt::format("bus '{}' needs {} times its wire, even if devices answer at once",
+                    spec.buses[i].name, static_cast<std::uint64_t>(*load)),
+        fmt::format("at most {} times, and 1 to keep every refresh: longer refreshes, fewer "
+                    "channels, a faster line or more buses ('fieldcast plan' tells what is enough)",
+                    static_cast<int>(kHopelessLoad)));
   }
 }
 
@@ -129,8 +131,8 @@ std::vector<Fault> whole_file(const std::string& file, std::string what, std::st
 
 std::vector<Fault> unread_file(const std::string& file, FileError error) {
   const bool large = error == FileError::kTooLarge;
-  return whole_file(file, "the file " + std::string(to_text(error)),
-                    large ? std::to_string(kMaxFileBytes >> 20) + " MiB" : "");
+  return whole_file(file, fmt::format("the file {}", to_text(error)),
+                    large ? fmt::format("{} MiB", kMaxFileBytes >> 20) : "");
 }
 
 }  // namespace
@@ -138,8 +140,8 @@ std::vector<Fault> unread_file(const std::string& file, FileError error) {
 Loaded load_text(std::string_view text, const std::string& file_name, const FileReader& reader,
                  const LoadOptions& options) {
   if (text.size() > kMaxFileBytes) {
-    return tl::unexpected(whole_file(file_name, "the file is too large",
-                                     std::to_string(kMaxFileBytes >> 20) + " MiB"));
+    return tl::unexpected(
+        whole_file(file_name, "the file is too large", fmt::format("{} MiB", kMaxFileBytes >> 20)));
   }
   FaultList faults;
   const auto document = parse_yaml(Source{file_name, std::string(text), 0}, faults);
@@ -186,7 +188,7 @@ LoadedDeclaration load_declaration(const std::string& path_or_name, const LoadOp
   std::string path = path_or_name;
   for (const auto& directory : options.protocol_directories) {
     if (text || path_or_name.find('/') != std::string::npos) break;
-    path = directory + '/' + path_or_name + ".yaml";
+    path = fmt::format("{}/{}.yaml", directory, path_or_name);
     text = reader.read(path);
   }
   if (!text) return tl::unexpected(unread_file(path_or_name, text.error()));

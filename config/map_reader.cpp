@@ -1,5 +1,7 @@
 #include "config/map_reader.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -28,7 +30,7 @@ bool begins_comment(const Node& key) {
 MapReader::MapReader(const Node& node, const KeyTable& table, FaultList& faults)
     : node_(node), table_(table), faults_(faults), read_(table.keys.size()) {
   if (node.kind != Kind::kMap) {
-    faults_.add(node.position, std::string(table.what) + " is " + std::string(to_text(node.kind)),
+    faults_.add(node.position, fmt::format("{} is {}", table.what, to_text(node.kind)),
                 "a map with " + joined(table.keys));
     return;
   }
@@ -41,8 +43,8 @@ MapReader::MapReader(const Node& node, const KeyTable& table, FaultList& faults)
     }
     auto meant = meant_key(key->text, table.keys);
     faults_.add(key->position,
-                "unknown key '" + key->text + "' in " + std::string(table.what) +
-                    (meant.key.empty() ? where_it_belongs(key->text, table) : std::string{}),
+                fmt::format("unknown key '{}' in {}{}", key->text, table.what,
+                            meant.key.empty() ? where_it_belongs(key->text, table) : std::string{}),
                 joined(table.keys), meant.text);
     if (!meant.key.empty()) meant_.push_back(std::move(meant.key));
   }
@@ -68,7 +70,7 @@ const Node* MapReader::find(std::string_view key) {
   const auto* found = entry(key);
   if (found == nullptr) return nullptr;
   if (found->value->kind == Kind::kNull) {
-    faults_.add(found->key->position, "'" + std::string(key) + "' has no value",
+    faults_.add(found->key->position, fmt::format("'{}' has no value", key),
                 begins_comment(*found->key)
                     ? "a value; '#' begins a comment, so a text that begins so stands in quotes"
                     : "");
@@ -80,8 +82,7 @@ const Node* MapReader::find(std::string_view key) {
 const Node* MapReader::require(std::string_view key, std::string_view allowed) {
   const Node* value = find(key);
   if (value == nullptr && is_map() && !has_or_means(key)) {
-    faults_.add(node_.position,
-                "'" + std::string(key) + "' is missing in " + std::string(table_.what),
+    faults_.add(node_.position, fmt::format("'{}' is missing in {}", key, table_.what),
                 std::string(allowed));
   }
   return value;

@@ -1,5 +1,7 @@
 #include "config/port.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 
@@ -25,7 +27,7 @@ constexpr std::array<std::uint32_t, 29> kBauds{
 
 std::string baud_list() {
   std::string text;
-  for (const auto baud : kBauds) text += (text.empty() ? "" : ", ") + std::to_string(baud);
+  for (const auto baud : kBauds) text += fmt::format("{}{}", text.empty() ? "" : ", ", baud);
   return text;
 }
 
@@ -43,8 +45,8 @@ struct BaudRule {
     if (!value) return std::nullopt;
     const auto baud = static_cast<std::uint32_t>(*value);
     if (std::ranges::find(kBauds, baud) != kBauds.end()) return baud;
-    faults.add(node.position, "baud " + std::to_string(baud) + " is no rate of serial ports",
-               baud_list(), likely_bauds(baud));
+    faults.add(node.position, fmt::format("baud {} is no rate of serial ports", baud), baud_list(),
+               likely_bauds(baud));
     return std::nullopt;
   }
 
@@ -61,7 +63,7 @@ struct BaudRule {
     const auto near = *std::ranges::min_element(kUsual, {}, ratio);
     std::string text = slip;
     if (ratio(near) < 1.25 && std::to_string(near) != slip)
-      text += (text.empty() ? "" : " or ") + std::to_string(near);
+      text += fmt::format("{}{}", text.empty() ? "" : " or ", near);
     return text;
   }
 
@@ -87,7 +89,7 @@ struct FormatRule {
       if (std::string_view(" -/,.").find(c) != std::string_view::npos) continue;
       upper += c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
     }
-    faults.add(node.position, "format '" + *text + "' is unknown", std::string(kForm),
+    faults.add(node.position, fmt::format("format '{}' is unknown", *text), std::string(kForm),
                format_from(upper) ? upper : "");
     return std::nullopt;
   }
@@ -197,8 +199,8 @@ PortSpec read_type(const PortType& type, MapReader& map, const LineFormat& facto
     const bool names_a_type =
         std::ranges::find(port_types(), key, &PortType::key) != port_types().end();
     if (map.find(key) == nullptr || names_a_type) continue;
-    map.faults().add(map.position_of(key), "'" + std::string(key) + "' has no meaning for a " +
-                                               std::string(type.key) + " port");
+    map.faults().add(map.position_of(key),
+                     fmt::format("'{}' has no meaning for a {} port", key, type.key));
   }
   return type.read(map, factory);
 }
@@ -212,7 +214,7 @@ std::optional<std::pair<std::string, std::uint16_t>> HostPortRule::operator()(
   auto endpoint = host_port_from(*text);
   if (!endpoint) {
     const bool host_alone = !text->empty() && text->find(':') == std::string::npos;
-    faults.add(node.position, std::string(key) + " '" + *text + "' names no host and port",
+    faults.add(node.position, fmt::format("{} '{}' names no host and port", key, *text),
                "HOST:PORT with a port 1 to 65535", host_alone ? *text + ":502" : "");
   }
   return endpoint;
@@ -322,10 +324,9 @@ PortSpec read_port(const Node& node, std::string_view protocol, FaultList& fault
     if (map.has(type.key)) named.push_back(&type);
   }
   if (named.size() > 1) {
-    faults.add(
-        map.position_of(named[1]->key),
-        "a port is both " + std::string(named[0]->key) + " and " + std::string(named[1]->key),
-        "one of " + joined(type_keys()));
+    faults.add(map.position_of(named[1]->key),
+               fmt::format("a port is both {} and {}", named[0]->key, named[1]->key),
+               "one of " + joined(type_keys()));
   }
   const bool means_one = std::ranges::any_of(
       port_types(), [&](const PortType& type) { return map.has_or_means(type.key); });

@@ -1,5 +1,7 @@
 #include "config/program.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "config/keys/bridge_keys.hpp"
@@ -57,8 +59,8 @@ void read_modules(MapReader& program, ProgramSpec& spec) {
   if (modules.registration.ask == RegistrationRule::Ask::kWords) return;
   for (const char* key : {"unit", "first", "words"}) {
     if (map.has(key))
-      map.faults().add(map.position_of(key),
-                       "'" + std::string(key) + "' has no meaning for ask: text", "ask: words");
+      map.faults().add(map.position_of(key), fmt::format("'{}' has no meaning for ask: text", key),
+                       "ask: words");
   }
 }
 
@@ -82,8 +84,8 @@ std::optional<ListenSpec> ListenRule::operator()(const Node& node, std::string_v
       endpoint && (is_ipv4(endpoint->first) || endpoint->first.find(':') != std::string::npos);
   if (address) return ListenSpec{endpoint->first, endpoint->second};
   const bool local = endpoint && endpoint->first == "localhost";
-  faults.add(node.position, std::string(key) + " '" + *text + "' is no address and port",
-             std::string(kForm), local ? "127.0.0.1:" + std::to_string(endpoint->second) : "");
+  faults.add(node.position, fmt::format("{} '{}' is no address and port", key, *text),
+             std::string(kForm), local ? fmt::format("127.0.0.1:{}", endpoint->second) : "");
   return std::nullopt;
 }
 
@@ -103,7 +105,7 @@ std::optional<std::string> DeviceNumberRule::operator()(const Node& node, std::s
   const std::string* text = scalar_of(node, key, program::kDeviceNumberForm, faults);
   if (text == nullptr) return std::nullopt;
   if (program::is_device_number(*text)) return *text;
-  faults.add(node.position, std::string(key) + " '" + *text + "' is no device number",
+  faults.add(node.position, fmt::format("{} '{}' is no device number", key, *text),
              std::string(program::kDeviceNumberForm));
   return std::nullopt;
 }

@@ -1,5 +1,7 @@
 #include "config/protocol_choice.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "config/declaration.hpp"
@@ -20,8 +22,8 @@ ProtocolChoice read_protocol(const Node& node, std::string_view key, LoadState& 
   if (!found.exists) {
     for (auto& name : state.library.declared_protocols(node)) names.push_back(std::move(name));
     const auto meant = meant_value("protocol", *text);
-    state.faults.add(node.position, std::string(key) + " '" + *text + "' is unknown",
-                     joined(listed()), meant.empty() ? closest(*text, listed()) : meant);
+    state.faults.add(node.position, fmt::format("{} '{}' is unknown", key, *text), joined(listed()),
+                     meant.empty() ? closest(*text, listed()) : meant);
     return {};
   }
   if (found.root == nullptr) return {};

@@ -1,5 +1,7 @@
 #include "config/scalars.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -11,7 +13,7 @@ namespace fieldcast::config {
 namespace {
 
 std::string quoted(std::string_view key, std::string_view text) {
-  return std::string(key) + " '" + std::string(text) + "'";
+  return fmt::format("{} '{}'", key, text);
 }
 
 bool digit(char c) { return c >= '0' && c <= '9'; }
@@ -21,8 +23,7 @@ bool digit(char c) { return c >= '0' && c <= '9'; }
 const std::string* scalar_of(const Node& node, std::string_view key, std::string_view wanted,
                              FaultList& faults) {
   if (node.kind == Kind::kScalar) return &node.text;
-  faults.add(node.position, std::string(key) + " is " + std::string(to_text(node.kind)),
-             std::string(wanted));
+  faults.add(node.position, fmt::format("{} is {}", key, to_text(node.kind)), std::string(wanted));
   return nullptr;
 }
 
@@ -74,7 +75,7 @@ std::optional<Duration> DurationRule::operator()(const Node& node, std::string_v
 
 std::optional<std::int64_t> WholeRule::operator()(const Node& node, std::string_view key,
                                                   FaultList& faults) const {
-  const std::string bounds = std::to_string(min) + " to " + std::to_string(max);
+  const std::string bounds = fmt::format("{} to {}", min, max);
   const std::string* text = scalar_of(node, key, "a whole number, " + bounds, faults);
   if (text == nullptr) return std::nullopt;
   const auto value = whole_from(*text);
@@ -97,8 +98,9 @@ std::optional<double> NumberRule::operator()(const Node& node, std::string_view 
   if (text == nullptr) return std::nullopt;
   const auto value = number_from(*text);
   if (value && !node.quoted && (*value < min || *value > max)) {
-    faults.add(node.position, quoted(key, *text) + " is out of range",
-               fieldcast::to_text(Value{min}) + " to " + fieldcast::to_text(Value{max}));
+    faults.add(
+        node.position, quoted(key, *text) + " is out of range",
+        fmt::format("{} to {}", fieldcast::to_text(Value{min}), fieldcast::to_text(Value{max})));
     return std::nullopt;
   }
   if (value && !node.quoted) return value;
@@ -135,12 +137,13 @@ std::optional<std::string> TextRule::operator()(const Node& node, std::string_vi
   while (line.ends_with('\n')) line.remove_suffix(1);  // block texts end so
   if (line.empty() || line.size() > max_bytes) {
     faults.add(node.position, std::string(key) + (line.empty() ? " is empty" : " is too long"),
-               "1 to " + std::to_string(max_bytes) + " bytes");
+               fmt::format("1 to {} bytes", max_bytes));
     return std::nullopt;
   }
   for (const char c : line) {
     if (static_cast<unsigned char>(c) >= 0x20 && c != 0x7F) continue;
-    faults.add(node.position, std::string(key) + " holds a line break or another control character",
+    faults.add(node.position,
+               fmt::format("{} holds a line break or another control character", key),
                "one line of text");
     return std::nullopt;
   }
@@ -175,14 +178,14 @@ std::optional<std::string> NameRule::operator()(const Node& node, std::string_vi
 std::string DurationRule::schema() const { return R"({ "$ref": "#/$defs/duration" })"; }
 std::string DurationRule::form() const {
   if (min == Duration{}) return "up to " + fieldcast::to_text(max);
-  return fieldcast::to_text(min) + " to " + fieldcast::to_text(max);
+  return fmt::format("{} to {}", fieldcast::to_text(min), fieldcast::to_text(max));
 }
 
 std::string WholeRule::schema() const {
   return R"({ "type": "integer", "minimum": )" + std::to_string(min) + R"(, "maximum": )" +
          std::to_string(max) + " }";
 }
-std::string WholeRule::form() const { return std::to_string(min) + " to " + std::to_string(max); }
+std::string WholeRule::form() const { return fmt::format("{} to {}", min, max); }
 
 std::string NumberRule::schema() const {
   if (min == NumberRule{}.min) return R"({ "type": "number" })";
@@ -191,7 +194,7 @@ std::string NumberRule::schema() const {
 }
 std::string NumberRule::form() const {
   if (min == NumberRule{}.min) return "a number";
-  return fieldcast::to_text(Value{min}) + " to " + fieldcast::to_text(Value{max});
+  return fmt::format("{} to {}", fieldcast::to_text(Value{min}), fieldcast::to_text(Value{max}));
 }
 
 std::string FlagRule::schema() const { return R"({ "type": "boolean" })"; }
@@ -201,7 +204,7 @@ std::string TextRule::schema() const {
   return R"({ "type": ["string", "number", "boolean"], "minLength": 1, "maxLength": )" +
          std::to_string(max_bytes) + " }";
 }
-std::string TextRule::form() const { return "up to " + std::to_string(max_bytes) + " bytes"; }
+std::string TextRule::form() const { return fmt::format("up to {} bytes", max_bytes); }
 
 std::string NameRule::schema() const { return R"({ "$ref": "#/$defs/word" })"; }
 std::string NameRule::form() const { return {}; }
@@ -211,7 +214,7 @@ std::string schema_of_words(std::span<const std::string_view> words) {
   for (const std::string_view word : words) {
     const bool plain = word == "true" || word == "false" || whole_from(word);
     text += text.empty() ? "" : ", ";
-    text += plain ? std::string(word) : '"' + std::string(word) + '"';
+    text += plain ? std::string(word) : fmt::format("\"{}\"", word);
   }
   return R"({ "enum": [)" + text + "] }";
 }
@@ -219,7 +222,7 @@ std::string schema_of_words(std::span<const std::string_view> words) {
 std::string form_of_words(std::span<const std::string_view> words) {
   std::string text;
   for (const std::string_view word : words)
-    text += (text.empty() ? "`" : ", `") + std::string(word) + '`';
+    text += fmt::format("{}{}`", text.empty() ? "`" : ", `", word);
   return text;
 }
 

@@ -1,5 +1,7 @@
 #include "config/store.hpp"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "config/keys/bridge_keys.hpp"
@@ -20,8 +22,8 @@ void read_patterns(MapReader& map, StoreSpec& spec) {
     map.faults().add(
         node->position,
         "samples is " + (node->kind == Kind::kList ? "too long" : std::string(to_text(node->kind))),
-        "a list of up to " + std::to_string(kMaxPatterns) + " patterns such as press-shop/*/oil-*",
-        node->kind == Kind::kScalar ? "[\"" + node->text + "\"]" : "");
+        fmt::format("a list of up to {} patterns such as press-shop/*/oil-*", kMaxPatterns),
+        node->kind == Kind::kScalar ? fmt::format("[\"{}\"]", node->text) : "");
     return;
   }
   spec.samples.clear();
@@ -60,11 +62,11 @@ std::optional<std::int64_t> StoreSizeRule::operator()(const Node& node, std::str
     const auto number = whole_from(std::string_view(*text).substr(0, text->size() - unit.size()));
     if (!number || *number < 0) continue;
     if (*number <= kMax / worth && *number * worth >= kMin) return *number * worth;
-    faults.add(node.position, std::string(key) + " '" + *text + "' is out of range",
+    faults.add(node.position, fmt::format("{} '{}' is out of range", key, *text),
                std::string(kAllowed));
     return std::nullopt;
   }
-  faults.add(node.position, std::string(key) + " '" + *text + "' cannot be understood",
+  faults.add(node.position, fmt::format("{} '{}' cannot be understood", key, *text),
              std::string(kAllowed));
   return std::nullopt;
 }

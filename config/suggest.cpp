@@ -1,5 +1,7 @@
 #include "config/suggest.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -148,7 +150,7 @@ MeantKey meant_key(std::string_view word, std::span<const std::string_view> keys
   if (const auto colon = word.find(':'); colon != std::string_view::npos) {
     const auto key = word.substr(0, colon);
     if (std::ranges::find(keys, key) != keys.end())
-      return {std::string(key), std::string(key) + ": " + std::string(word.substr(colon + 1))};
+      return {std::string(key), fmt::format("{}: {}", key, word.substr(colon + 1))};
   }
   if (const auto* habit = habit_of(lower(word), keys); habit != nullptr && !habit->text.empty())
     return {std::string(habit->ours), std::string(habit->text)};

@@ -1,5 +1,7 @@
 #include "config/text_number.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 
 #include "config/scalars.hpp"
@@ -45,7 +47,7 @@ std::optional<TextForm> TextFormRule::operator()(const Node& node, std::string_v
     const std::array<std::string_view, 3> words{kWords[0].first, kWords[1].first, kWords[2].first};
     meant = closest(text->substr(0, text->find('(')), words);
   }
-  faults.add(node.position, std::string(key) + " '" + *text + "' cannot be understood",
+  faults.add(node.position, fmt::format("{} '{}' cannot be understood", key, *text),
              std::string(kTextNumberForms), meant);
   return std::nullopt;
 }

@@ -1,5 +1,6 @@
 // The only place that knows yaml-cpp. Its events, not its nodes, are used: they tell duplicate keys
 // apart, and aliases are counted before they can grow. Its exceptions end here.
+#include <fmt/format.h>
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/exceptions.h>
 #include <yaml-cpp/mark.h>
@@ -110,14 +111,14 @@ class Builder final : public YAML::EventHandler {
 
   void check_tag(const YAML::Mark& mark, const std::string& tag) {
     if (!tag.empty() && tag != "?" && tag != "!")
-      faults_.add(position(mark), "tag '" + tag + "'", "no tags");
+      faults_.add(position(mark), fmt::format("tag '{}'", tag), "no tags");
   }
 
   void count(std::size_t nodes, const Position& at) {
     nodes_ += nodes;
     if (nodes_ > kMaxNodes)
       abandon(at, "the file holds too many values",
-              std::to_string(kMaxNodes) + ", with what aliases repeat");
+              fmt::format("{}, with what aliases repeat", kMaxNodes));
   }
 
   Node& make(Kind kind, const YAML::Mark& mark) {
@@ -130,10 +131,10 @@ class Builder final : public YAML::EventHandler {
 
   void open(Node& node, YAML::anchor_t anchor) {
     if (open_.size() == kMaxNesting)
-      abandon(node.position, "too deep nesting", std::to_string(kMaxNesting) + " levels");
+      abandon(node.position, "too deep nesting", fmt::format("{} levels", kMaxNesting));
     if (++collections_ > kMaxCollections)
       abandon(node.position, "the file holds too many maps and lists",
-              std::to_string(kMaxCollections) + "; long channel lists belong in CSV files");
+              fmt::format("{}; long channel lists belong in CSV files", kMaxCollections));
     open_.push_back(Open{&node, anchor, 1, nullptr, {}});
   }
 
@@ -168,11 +169,11 @@ class Builder final : public YAML::EventHandler {
 
   void add_entry(Open& map, const Node& key, const Node& value) {
     if (key.kind != Kind::kScalar) {
-      faults_.add(key.position, "a key is " + std::string(to_text(key.kind)), "a word");
+      faults_.add(key.position, fmt::format("a key is {}", to_text(key.kind)), "a word");
     } else if (map.keys.size() == kMaxKeys) {
       abandon(key.position, "the map has too many keys", std::to_string(kMaxKeys));
     } else if (!map.keys.insert(key.text).second) {
-      faults_.add(key.position, "key '" + key.text + "' stands twice", "each key once");
+      faults_.add(key.position, fmt::format("key '{}' stands twice", key.text), "each key once");
     } else {
       map.node->entries.push_back({&key, &value});
     }

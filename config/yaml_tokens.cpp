@@ -1,5 +1,7 @@
 #include "config/yaml_tokens.hpp"
 
+#include <fmt/format.h>
+
 #include <string>
 #include <string_view>
 
@@ -109,11 +111,10 @@ std::string limit_text(std::string_view exceeded) {
   if (exceeded == "held")
     return "some 900 000 values in one pair of brackets; maps and lists without brackets, or "
            "channel lists in CSV files";
-  if (exceeded == "lines") return std::to_string(kMaxLines) + " lines" + remedy;
-  if (exceeded == "commas") return std::to_string(kMaxCommas) + " commas" + remedy;
+  if (exceeded == "lines") return fmt::format("{} lines{}", kMaxLines, remedy);
+  if (exceeded == "commas") return fmt::format("{} commas{}", kMaxCommas, remedy);
   const bool brackets = exceeded == "of [ and {";
-  return std::to_string(brackets ? kMaxBrackets : kMaxProperties) + " " + std::string(exceeded) +
-         remedy;
+  return fmt::format("{} {}{}", brackets ? kMaxBrackets : kMaxProperties, exceeded, remedy);
 }
 
 }  // namespace

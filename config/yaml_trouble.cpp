@@ -1,5 +1,7 @@
 #include "config/yaml_trouble.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -18,10 +20,10 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-std::string in_quotes(std::string_view text) { return '"' + std::string(trimmed(text)) + '"'; }
-std::string line_text(std::uint32_t line) { return "line " + std::to_string(line + 1); }
+std::string in_quotes(std::string_view text) { return fmt::format("\"{}\"", trimmed(text)); }
+std::string line_text(std::uint32_t line) { return fmt::format("line {}", line + 1); }
 std::string spaces_text(std::size_t count) {
-  return std::to_string(count) + (count == 1 ? " space" : " spaces");
+  return fmt::format("{}{}", count, count == 1 ? " space" : " spaces");
 }
 
 // One line of the text, taken apart as far as indentation goes: "  - name: bus  # first".
@@ -111,8 +113,8 @@ Found open_quote(const Case& c) {
   const auto meant = trimmed(rest.substr(0, rest.find_first_of(",}]")));
   const std::string sign(1, quote->sign);
   return YamlTrouble{quote->begin, "the quote that opens here does not close on its line",
-                     "another " + sign + " at the end of the text",
-                     meant.empty() ? "" : sign + std::string(meant) + sign};
+                     fmt::format("another {} at the end of the text", sign),
+                     meant.empty() ? "" : fmt::format("{}{}{}", sign, meant, sign)};
 }
 
 Found tab(const Case& c) {
@@ -139,7 +141,7 @@ Found sign_that_begins_no_value(const Case& c) {
   return YamlTrouble{
       c.position(c.line(), at),
       dash ? "'-' begins an item of a list, which has a line of its own"
-           : "a value cannot begin with " + (sign == "'" ? "\"'\"" : "'" + sign + "'"),
+           : "a value cannot begin with " + (sign == "'" ? "\"'\"" : fmt::format("'{}'", sign)),
       "a text that begins so in quotes", in_quotes(value_from(c, at))};
 }
 
@@ -148,12 +150,13 @@ Found bracket_closed_by_another(const Case& c) {
   if (!mismatch || mismatch->closing.position.line > c.stopped.line) return {};
   const std::string closing(1, mismatch->closing.sign);
   if (!mismatch->open)
-    return YamlTrouble{mismatch->closing.position, "'" + closing + "' closes nothing", "", ""};
+    return YamlTrouble{mismatch->closing.position, fmt::format("'{}' closes nothing", closing), "",
+                       ""};
   const std::string open(1, mismatch->open->sign), own = open == "[" ? "]" : "}";
   return YamlTrouble{mismatch->open->position,
-                     "this '" + open + "' is not closed before the '" + closing + "' in " +
-                         line_text(mismatch->closing.position.line),
-                     "'" + own + "' at the end of its values", ""};
+                     fmt::format("this '{}' is not closed before the '{}' in {}", open, closing,
+                                 line_text(mismatch->closing.position.line)),
+                     fmt::format("'{}' at the end of its values", own), ""};
 }
 
 Found bracket_never_closed(const Case& c) {
@@ -168,9 +171,8 @@ Found bracket_never_closed(const Case& c) {
   for (auto bracket = c.scan.open.rbegin(); bracket != c.scan.open.rend(); ++bracket) {
     if (!never(*bracket)) continue;
     const char sign = bracket->sign;
-    return YamlTrouble{bracket->position, std::string("this '") + sign + "' is never closed",
-                       std::string("'") + (sign == '[' ? ']' : '}') + "' at the end of its values",
-                       ""};
+    return YamlTrouble{bracket->position, fmt::format("this '{}' is never closed", sign),
+                       fmt::format("'{}' at the end of its values", sign == '[' ? ']' : '}'), ""};
   }
   return {};
 }
@@ -200,22 +202,23 @@ Found key_inside_the_value_above(const Case& c) {
   if (above == nullptr || !c.scan.open.empty()) return {};
   const auto colon = above->text.find(':', above->content);
   if (above->colon == kNone && colon != kNone) {
-    return YamlTrouble{c.position(*above, colon), "no space behind the ':'", "key: value",
-                       std::string(above->text.substr(above->content, colon - above->content)) +
-                           ": " + std::string(trimmed(above->text.substr(colon + 1)))};
+    return YamlTrouble{
+        c.position(*above, colon), "no space behind the ':'", "key: value",
+        fmt::format("{}: {}", above->text.substr(above->content, colon - above->content),
+                    trimmed(above->text.substr(colon + 1)))};
   }
   if (above->colon == kNone)
     return YamlTrouble{c.position(*above, above->content),
-                       "'" + std::string(above->key()) + "' has no ':'", "key: value", ""};
+                       fmt::format("'{}' has no ':'", above->key()), "key: value", ""};
   if (!above->has_value() || c.line().content <= above->content) return {};
-  return YamlTrouble{c.position(c.line(), c.line().content),
-                     c.line().item
-                         ? "an item of a list below '" + std::string(above->key()) + "' in " +
-                               line_text(c.number_of(*above)) + ", which has a value already"
-                         : "'" + std::string(c.line().key()) + "' is indented deeper than '" +
-                               std::string(above->key()) + "' in " +
-                               line_text(c.number_of(*above)) + ", which has a value already",
-                     spaces_text(above->content) + " before it", ""};
+  return YamlTrouble{
+      c.position(c.line(), c.line().content),
+      c.line().item
+          ? fmt::format("an item of a list below '{}' in {}, which has a value already",
+                        above->key(), line_text(c.number_of(*above)))
+          : fmt::format("'{}' is indented deeper than '{}' in {}, which has a value already",
+                        c.line().key(), above->key(), line_text(c.number_of(*above))),
+      spaces_text(above->content) + " before it", ""};
 }
 
 Found colon_inside_a_value(const Case& c) {
@@ -274,10 +277,10 @@ Found wrong_indentation(const Case& c) {
   std::string fitting;
   for (const Level* level : {deeper, below}) {
     if (level == nullptr) continue;
-    fitting += (fitting.empty() ? "" : ", or ") + spaces_text(level->column) + " as in " +
-               line_text(c.number_of(*level->line));
+    fitting += fmt::format("{}{} as in {}", fitting.empty() ? "" : ", or ",
+                           spaces_text(level->column), line_text(c.number_of(*level->line)));
   }
-  const std::string name = line.item ? "this item" : "'" + std::string(line.key()) + "'";
+  const std::string name = line.item ? "this item" : fmt::format("'{}'", line.key());
   if (!line.item && beside_list)
     return YamlTrouble{c.position(line, line.indent),
                        name + " stands under the '-' of a list, where only another '-' can stand",
@@ -288,8 +291,8 @@ Found wrong_indentation(const Case& c) {
                        line.item ? "'- ' below a key without a value" : "'- '", ""};
   return YamlTrouble{
       c.position(line, line.indent),
-      name + " is indented by " + spaces_text(line.indent) + ", which fits nothing above", fitting,
-      ""};
+      fmt::format("{} is indented by {}, which fits nothing above", name, spaces_text(line.indent)),
+      fitting, ""};
 }
 
 Found wrong_escape(const Case& c) {
@@ -301,7 +304,7 @@ Found wrong_escape(const Case& c) {
     const auto at = line.text.substr(0, std::min(end, line.text.size())).rfind('\\');
     if (at == kNone) continue;
     return YamlTrouble{c.position(line, at),
-                       "'" + std::string(line.text.substr(at, 2)) + "' means nothing in \"...\"",
+                       fmt::format("'{}' means nothing in \"...\"", line.text.substr(at, 2)),
                        "\\\\ for a backslash, or '...', which has no such signs", ""};
   }
   return {};
@@ -333,7 +336,7 @@ YamlTrouble in_words(const Case& c) {
     if (c.says(words.parsers))
       return {c.stopped, std::string(words.ours), std::string(words.allowed), ""};
   }
-  return {c.stopped, "this is no YAML (" + std::string(c.message) + ')', "", ""};
+  return {c.stopped, fmt::format("this is no YAML ({})", c.message), "", ""};
 }
 
 std::vector<Line> lines_to(std::string_view text, std::uint32_t last) {
@@ -379,8 +382,8 @@ YamlTrouble explain_second_document(const Source& source, const Position& positi
   if (here.blank() || here.text.starts_with("---") || first->indent == 0)
     return {position, "a second document begins", one, ""};
   return {position,
-          "'" + std::string(here.key()) + "' is indented less than '" + std::string(first->key()) +
-              "', with which the file begins",
+          fmt::format("'{}' is indented less than '{}', with which the file begins", here.key(),
+                      first->key()),
           spaces_text(here.indent) + " before every key of the first level", ""};
 }
 

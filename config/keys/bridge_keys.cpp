@@ -1,5 +1,7 @@
 #include "config/keys/bridge_keys.hpp"
 
+#include <fmt/format.h>
+
 #include "config/limits.hpp"
 #include "config/port.hpp"
 #include "config/scalars.hpp"
@@ -43,7 +45,7 @@ const Rows<BridgeSpec>& bridge_rows() {
             .schema = map_named("program")}},
           {{.name = "buses",
             .fallback = "needed",
-            .text = "1 to " + std::to_string(kMaxBuses) + " buses",
+            .text = fmt::format("1 to {} buses", kMaxBuses),
             .schema = R"({ "type": "array", "minItems": 1, "maxItems": )" +
                       std::to_string(kMaxBuses) + R"(, "items": { "$ref": "#/$defs/bus" } })"}},
       });

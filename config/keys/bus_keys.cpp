@@ -1,5 +1,7 @@
 #include "config/keys/bus_keys.hpp"
 
+#include <fmt/format.h>
+
 #include "config/bus.hpp"
 #include "config/keys/common_forms.hpp"
 #include "config/keys/device_keys.hpp"
@@ -48,7 +50,7 @@ std::vector<Field<BusSpec>> bus_fields() {
                      &BusSpec::echo, ChoiceRule<std::optional<bool>>{kEchoes}),
       {{.name = "devices",
         .fallback = "needed",
-        .text = "1 to " + std::to_string(kMaxDevices) + " devices",
+        .text = fmt::format("1 to {} devices", kMaxDevices),
         .schema = R"({ "type": "array", "minItems": 1, "maxItems": )" +
                   std::to_string(kMaxDevices) + R"(, "items": { "$ref": "#/$defs/device" } })"}},
   };

@@ -1,5 +1,7 @@
 #include "config/keys/common_forms.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <vector>
 
@@ -9,7 +11,7 @@
 namespace fieldcast::config {
 namespace {
 
-std::string code(std::string_view text) { return '`' + std::string(text) + '`'; }
+std::string code(std::string_view text) { return fmt::format("`{}`", text); }
 
 void append(std::string& list, std::string_view separator, const std::string& word) {
   if (!list.empty()) list += separator;
@@ -30,7 +32,7 @@ std::string with_exceptions(const std::string& usual, const TextOf& text_of) {
       append(known->second, ", ", code(entry.name));
   }
   std::string all = usual;
-  for (const auto& [text, names] : others) all += "; " + names + ' ' + text;
+  for (const auto& [text, names] : others) all += fmt::format("; {} {}", names, text);
   return all;
 }
 
@@ -54,7 +56,8 @@ std::string options_text() {
       append(known->second, ", ", std::string(entry.name));
   }
   std::string text;
-  for (const auto& [options, names] : all) append(text, ". ", names + ": " + std::string(options));
+  for (const auto& [options, names] : all)
+    append(text, ". ", fmt::format("{}: {}", names, options));
   return text;
 }
 

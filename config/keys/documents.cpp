@@ -1,5 +1,7 @@
 #include "config/keys/documents.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "config/keys/key.hpp"
@@ -44,9 +46,9 @@ std::string property(const Key& key) {
   std::string rule = key.schema;
   if (const auto text = description_of(key); !text.empty()) {
     rule.resize(rule.find_last_not_of(" }") == rule.npos ? 0 : rule.rfind(" }"));
-    rule += ", \"description\": " + json_string(text) + " }";
+    rule += fmt::format(", \"description\": {} }}", json_string(text));
   }
-  return "        \"" + std::string(key.name) + "\": " + rule;
+  return fmt::format("        \"{}\": {}", key.name, rule);
 }
 
 std::string quoted_list(const std::vector<std::string_view>& names) {
@@ -59,22 +61,23 @@ std::string quoted_list(const std::vector<std::string_view>& names) {
 }
 
 std::string definition(const RowTable& table) {
-  std::string out = "    \"" + std::string(table.name) + "\": {\n      \"type\": \"object\",\n";
+  std::string out = fmt::format("    \"{}\": {{\n      \"type\": \"object\",\n", table.name);
   out += "      \"additionalProperties\": false,\n";
   std::vector<std::string_view> needed;
   for (const Key& key : table.rows) {
     if (key.fallback == kNeeded) needed.push_back(key.name);
   }
-  if (!needed.empty()) out += "      \"required\": " + quoted_list(needed) + ",\n";
+  if (!needed.empty()) out += fmt::format("      \"required\": {},\n", quoted_list(needed));
   if (!table.one_of.empty()) {
     std::string all;
     for (const auto key : table.one_of) {
       all += all.empty() ? "" : ", ";
-      all += "{ \"required\": [\"" + std::string(key) + "\"] }";
+      all += fmt::format("{{ \"required\": [\"{}\"] }}", key);
     }
-    out += "      \"oneOf\": [" + all + "],\n";
+    out += fmt::format("      \"oneOf\": [{}],\n", all);
   }
-  if (!table.text.empty()) out += "      \"description\": " + json_string(table.text) + ",\n";
+  if (!table.text.empty())
+    out += fmt::format("      \"description\": {},\n", json_string(table.text));
   out += "      \"properties\": {\n";
   for (std::size_t i = 0; i < table.rows.size(); ++i)
     out += property(table.rows[i]) + (i + 1 < table.rows.size() ? ",\n" : "\n");
@@ -122,7 +125,7 @@ std::string title_of(const RowTable& table) {
 
 std::string value_of(const Key& key) {
   if (key.form.empty() || key.text.empty()) return key.form + key.text;
-  return key.form + "; " + key.text;
+  return fmt::format("{}; {}", key.form, key.text);
 }
 
 std::string readme_table(const RowTable& table) {
@@ -131,10 +134,10 @@ std::string readme_table(const RowTable& table) {
   for (const Key& key : table.rows) {
     below |= key.from_below;
     if (key.from_below) continue;
-    rows += "| `" + std::string(key.name) + '`' + (key.flows_down ? " ●" : "") + " | " +
-            value_of(key) + " | " + key.fallback + " |\n";
+    rows += fmt::format("| `{}`{} | {} | {} |\n", key.name, key.flows_down ? " ●" : "",
+                        value_of(key), key.fallback);
   }
-  std::string out = "**" + title_of(table) + "**";
+  std::string out = fmt::format("**{}**", title_of(table));
   if (!table.one_of.empty()) {
     std::string all;
     for (const auto key : table.one_of)
@@ -143,7 +146,8 @@ std::string readme_table(const RowTable& table) {
   }
   out += "\n\n";
   if (!table.text.empty()) out += table.text + "\n\n";
-  if (!rows.empty()) out += "| key | value | default |\n| --- | --- | --- |\n" + rows + '\n';
+  if (!rows.empty())
+    out += fmt::format("| key | value | default |\n| --- | --- | --- |\n{}\n", rows);
   if (below) out += rows.empty() ? "Every ● below.\n\n" : "and every ● of what it holds.\n\n";
   return out;
 }
@@ -159,7 +163,7 @@ std::string schema_text() {
   "$defs": {
 )";
   for (const RowTable* table : key_tables()) out += definition(*table);
-  return out + common_definitions() + "  }\n}\n";
+  return fmt::format("{}{}  }}\n}}\n", out, common_definitions());
 }
 
 std::string with_key_tables(const std::string& readme) {
