@@ -239,10 +239,10 @@ TEST_F(BusRunnerTest, AnAdapterThatIsPluggedInAgainIsReadWithinASecond) {
   device.reset();
   pty.unplug();
   std::filesystem::remove_all(folder);
-  const auto closed_for = [](const Record& r, int seconds) {
+  const auto closed_for = [](const Record& r, int reports) {
     return std::count_if(r.reports.begin(), r.reports.end(), [](const BusReport& report) {
              return report.state == BusState::kClosed;
-           }) >= seconds;
+           }) >= reports;
   };
   // Attempts are made after 0.1, 0.3, 0.7, 1.5, 3.1 and 6.3 s: the next one is more than a second
   // away.

@@ -2,6 +2,7 @@
 // mark; and the checksums by their names.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "core/protocol/declared/check.hpp"
