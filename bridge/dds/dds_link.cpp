@@ -12,6 +12,7 @@
 #include "bridge/dds/result_sender.hpp"
 #include "bridge/dds/sample_writers.hpp"
 #include "bridge/dds/snapshot_sender.hpp"
+#include "core/model/command_refusal.hpp"
 
 namespace fieldcast {
 
@@ -104,15 +105,11 @@ struct DdsLink::State {
   // A command that is nothing for a bus engine is answered here.
   void reject(const std::string& bus, const idl::Command& command, const MalformedCommand& why) {
     const UtcMapping now = handlers.clock();
-    CommandResult result;
-    result.requester = command.requester().c_str();
-    result.request_id = command.request_id();
-    result.state = CommandState::kRejected;
-    result.cause = why.cause;
-    result.reason = why.reason;
-    result.received = result.started = result.completed = now.instant;
+    Command refused;
+    refused.requester = command.requester().c_str();
+    refused.request_id = command.request_id();
     idl::CommandResult out;
-    to_idl(bus, result, now, out);
+    to_idl(bus, rejection(refused, why.cause, why.reason, now.instant), now, out);
     results.send(out);
   }
 
