@@ -1,0 +1,127 @@
+// The set of buses: which of them this bridge serves, how one starts and how some stop.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <future>
+
+#include "bridge/bridge_state.hpp"
+#include "bridge/bus/clock.hpp"
+#include "bridge/check.hpp"
+
+namespace fieldcast {
+namespace {
+
+// For all buses together, so that a stop ends within two seconds.
+constexpr std::chrono::milliseconds kStopLimit{1200};
+// In which the readers of all buses that stop may take their last samples.
+constexpr std::chrono::milliseconds kBusLinger{300};
+
+}  // namespace
+
+void Bridge::State::want_buses(const BridgeSpec& wanted) {
+  std::vector<std::string> names;
+  for (const BusSpec& bus : wanted.buses) names.push_back(bus.name);
+  guard->want(link->id(), names);
+}
+
+std::vector<std::string> Bridge::State::running(std::vector<std::string> names) const {
+  std::erase_if(names, [this](const std::string& name) { return !buses.contains(name); });
+  return names;
+}
+
+// Those that this bridge serves. Throws DdsError.
+void Bridge::State::start_buses(const std::vector<std::string>& names, const BridgeSpec& from) {
+  for (const BusSpec& bus : from.buses) {
+    if (std::find(names.begin(), names.end(), bus.name) == names.end()) continue;
+    if (guard->serves(bus.name)) {
+      start_bus(bus);
+    } else {
+      log_error(bus.name, fmt::format("not served here: {} serves a bus of this name in DDS domain "
+                                      "{}, where names of buses are unique. This bridge takes it "
+                                      "over when that one is gone; else rename one of the two",
+                                      guard->rival(bus.name), spec.dds.domain));
+      link->listen_for_commands();
+    }
+  }
+}
+
+// What the guard has decided, done: on its thread.
+bool Bridge::State::follow_guard(const std::set<std::string>& uncontested) {
+  const std::unique_lock lock(changing, std::try_to_lock);
+  if (!lock) return false;  // the main thread stops or reloads
+  std::vector<std::string> away;
+  for (const auto& [name, bus] : buses) {
+    if (guard->serves(name)) continue;
+    log_error(name, fmt::format("given up: {} serves a bus of this name in DDS domain {} and was "
+                                "there first; names of buses are unique in a domain",
+                                guard->rival(name), spec.dds.domain));
+    away.push_back(name);
+  }
+  stop_buses(away);
+  for (const BusSpec& bus : spec.buses) {
+    if (buses.contains(bus.name) || !guard->serves(bus.name)) continue;
+    log_warning(bus.name, "taken over: the bridge that served a bus of this name is gone");
+    try {
+      start_bus(bus);
+    } catch (const DdsError& error) { log_error(bus.name, error.what()); }
+  }
+  for (const std::string& bus : uncontested) link->publish_again(bus);
+  return true;
+}
+
+// Throws DdsError, and then nothing of the bus is left.
+void Bridge::State::start_bus(const BusSpec& bus) {
+  FIELDCAST_CHECK(!buses.contains(bus.name));
+  RunningBus made;
+  made.sink =
+      std::make_unique<BusOutput>(BusOutput::Shared{sinks, *link, store.get(), audit, alarms}, bus);
+  made.io = std::make_unique<IoThread>(bus.name);
+  made.runner =
+      std::make_shared<BusRunner>(made.io->context(), plans.context(), bus, *made.sink, &modules);
+  commands.add(bus.name,
+               made.runner);  // before the bus is announced: its commands may come at once
+  try {
+    link->add_bus(bus);
+  } catch (const DdsError&) {
+    commands.remove(bus.name);
+    made.runner->stop().wait();  // answers what came meanwhile
+    sinks.drain();
+    link->remove_bus(bus.name, Duration::zero());
+    throw;
+  }
+  made.runner->set_trace(trace);
+  made.runner->start();
+  interests.add(bus, made.runner);
+  program.add_bus(bus, made.runner);
+  buses.emplace(bus.name, std::move(made));
+}
+
+void Bridge::State::stop_buses(const std::vector<std::string>& names, Duration dispose_limit) {
+  step = "the buses stop";
+  const auto deadline = std::chrono::steady_clock::now() + kStopLimit;
+  std::vector<std::future<void>> stopped;
+  for (const std::string& name : names) {
+    program.remove_bus(name);  // nobody asks for its devices any more; a pairing ends with the bus
+    interests.remove(name);
+    commands.remove(name);  // 1. no more commands come in; whoever sends one hears kShutdown
+    stopped.push_back(
+        buses.at(name).runner->stop());  // 2. pending commands are answered, the port is closed
+  }
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (stopped[i].wait_until(deadline) != std::future_status::ready) abandon(names[i]);
+  }
+  step = "the last samples leave";
+  sinks.drain();  // 3. what they had to say is said
+  step = "the buses leave the domain";
+  const Instant begun = steady_now(), gone = begun + kBusLinger;
+  for (const std::string& name : names) {
+    // 4. stations see the bus go
+    const Instant now = steady_now();
+    link->remove_bus(
+        name, std::max(gone - now, Duration::zero()),
+        dispose_limit == Duration::max() ? Duration::max() : dispose_limit - (now - begun));
+    buses.erase(name);
+  }
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,122 @@
+// From one configuration to the next while the bridge runs, and back when the next one fails.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "bridge/bridge_state.hpp"
+#include "bridge/bus/clock.hpp"
+
+namespace fieldcast {
+namespace {
+
+std::optional<ChannelIndex> index_of(const BridgeSpec& bridge, const std::string& bus_name,
+                                     const std::string& device_name,
+                                     const std::string& channel_name) {
+  for (const BusSpec& bus : bridge.buses) {
+    if (bus.name != bus_name) continue;
+    ChannelIndex index = 0;
+    for (const DeviceSpec& device : bus.devices) {
+      for (const ChannelSpec& channel : device.channels) {
+        if (device.name == device_name && channel.name == channel_name) return index;
+        ++index;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+// Alarms whose limit is taken away end, while their bus can still say so.
+void Bridge::State::configure_alarms(const BridgeSpec& from, const BridgeSpec& to) {
+  const UtcMapping now = read_clocks();
+  for (const AlarmRecord& ended : alarms.configure(to.buses, now.utc)) {
+    log_info(fmt::format("{}/{}/{}", ended.bus, ended.device, ended.channel),
+             fmt::format("alarm {} ends: its limit is taken away", ended.limit));
+    const auto index = index_of(from, ended.bus, ended.device, ended.channel);
+    const auto limit = limit_kind_from(ended.limit);
+    if (!index || !limit) continue;
+    const AlarmChange change{*index, *limit, AlarmState::kClear, ended.value, now.instant};
+    sinks.post([this, bus = ended.bus, change, now] { link->report(bus, change, now); });
+  }
+}
+
+// Everything stops and starts. On an error the configuration of before does.
+tl::expected<void, std::string> Bridge::State::start_anew(const BridgeSpec& wanted,
+                                                          const ReloadPlan& plan) {
+  const BridgeSpec before = spec;
+  log_info(before.name,
+           fmt::format("reloading: {}: everything starts anew: {} buses, the participant "
+                       "in DDS domain {}{}{}",
+                       fmt::join(plan.whole_bridge, ", "), before.buses.size(), before.dds.domain,
+                       before.store ? ", the store" : "",
+                       before.program == ProgramSpec{} ? "" : ", the programming server"));
+  stop_all(program::Server::Modules::kKeep);
+  auto started = start(wanted, program::Server::Modules::kKeep);
+  if (started) {
+    log_info(wanted.name, fmt::format("reloaded: everything started anew: {} buses, DDS domain {}",
+                                      wanted.buses.size(), wanted.dds.domain));
+    return {};
+  }
+  if (auto back = start(before, program::Server::Modules::kKeep); !back)
+    return tl::make_unexpected(fmt::format("{}; and then {}", started.error(), back.error()));
+  return tl::make_unexpected(started.error());
+}
+
+// On an error the server of the configuration of before listens again.
+tl::expected<void, std::string> Bridge::State::restart_program(const BridgeSpec& wanted) {
+  log_info(spec.name, "reloading: the programming server starts anew; modules stay connected");
+  program.stop(program::Server::Modules::kKeep);
+  auto listening = program.start(wanted.program);
+  if (!listening) (void)program.start(spec.program);
+  return listening;
+}
+
+// Just the programming server and the buses that differ. On an error those of before run again.
+tl::expected<void, std::string> Bridge::State::exchange_buses(const BridgeSpec& wanted,
+                                                              const ReloadPlan& plan) {
+  const BridgeSpec before = spec;
+  if (plan.program) {
+    if (auto listening = restart_program(wanted); !listening) return listening;
+  }
+  configure_alarms(before, wanted);
+  stop_buses(running(plan.stop));
+  want_buses(wanted);
+  try {
+    start_buses(plan.start, wanted);
+  } catch (const DdsError& error) {
+    stop_buses(running(plan.start));
+    want_buses(before);
+    if (plan.program) {
+      program.stop(program::Server::Modules::kKeep);
+      (void)program.start(before.program);
+    }
+    configure_alarms(wanted, before);
+    start_buses(plan.stop, before);
+    return tl::make_unexpected(std::string(error.what()));
+  }
+  spec = wanted;
+  const auto names = [](const std::vector<std::string>& listed) {
+    return listed.empty() ? std::string{} : fmt::format(" ({})", fmt::join(listed, ", "));
+  };
+  log_info(wanted.name, fmt::format("reloaded: {} buses stopped{}, {} started{}, {} untouched",
+                                    plan.stop.size(), names(plan.stop), plan.start.size(),
+                                    names(plan.start), plan.untouched.size()));
+  return {};
+}
+
+tl::expected<Bridge::Reloaded, std::string> Bridge::State::reload(const BridgeSpec& wanted) {
+  const auto done = [](const tl::expected<void, std::string>& result) {
+    return result.map([] { return Reloaded{}; });
+  };
+  if (!link) {  // a reload failed before, and so did the way back
+    return done(start(wanted, program::Server::Modules::kKeep));
+  }
+  const ReloadPlan plan = plan_reload(spec, wanted);
+  Reloaded waiting;
+  for (const auto& held : disturbed_by(plan, wanted, program.held()))
+    waiting.waits_for.push_back(fmt::format("{}/{} by {}", held.bus, held.device, held.who));
+  if (!waiting.waits_for.empty()) return waiting;
+  return done(plan.whole_bridge.empty() ? exchange_buses(wanted, plan) : start_anew(wanted, plan));
+}
+
+}  // namespace fieldcast

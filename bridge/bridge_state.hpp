@@ -1,0 +1,104 @@
+// What a running bridge is made of, and in which order its parts end. Private to Bridge; its
+// functions are in four files: start and stop, wiring, the set of buses, reload.
+//
+// Owns everything that Bridge owns. The functions run on the main thread, which holds `changing`;
+// follow_guard() runs on the guard's thread and takes `changing` itself. DDS threads and those of
+// the programming server enter through the handlers that the wiring makes. join(), start_buses()
+// and start_bus() throw DdsError where DDS refuses; start() and reload() return it as one line.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "bridge/bridge.hpp"
+#include "bridge/bus/bus_runner.hpp"
+#include "bridge/bus/io_thread.hpp"
+#include "bridge/command/command_audit.hpp"
+#include "bridge/command/command_router.hpp"
+#include "bridge/dds/dds_link.hpp"
+#include "bridge/interest/interest_registry.hpp"
+#include "bridge/log/log.hpp"
+#include "bridge/port/dial_in_registry.hpp"
+#include "bridge/program/server.hpp"
+#include "bridge/publish/bus_output.hpp"
+#include "bridge/publish/publisher_thread.hpp"
+#include "bridge/reload_plan.hpp"
+#include "bridge/standby/bus_guard.hpp"
+#include "bridge/store/authenticator.hpp"
+#include "bridge/store/command_identities.hpp"
+#include "bridge/store/store.hpp"
+
+namespace fieldcast {
+
+struct RunningBus {
+  std::unique_ptr<BusOutput> sink;  // outlives the runner, and what it has posted
+  std::unique_ptr<IoThread> io;     // outlives the runner too
+  std::shared_ptr<BusRunner> runner;
+};
+
+struct Bridge::State {
+  BridgeSpec spec;
+  bool trace = false;
+  CommandAudit audit;
+  CommandRouter commands;
+  InterestRegistry interests{[](const std::string& text) {
+    log_counted(LogLevel::kInfo, "dds", "interests that change nothing", text);
+  }};
+  DialInRegistry modules;  // outlives the buses and the programming server
+  program::Server program{program_hooks(), modules};
+  // The store is made and ended on the main thread, and used on others too: modules may come while
+  // the whole bridge starts anew.
+  std::mutex store_mutex;
+  std::unique_ptr<Store> store;  // outlives the sinks of the buses; null: nothing is stored
+  AlarmTable alarms;             // outlives the store's use of it, and the sinks
+  std::unique_ptr<Authenticator> logins;          // with a store only
+  std::unique_ptr<CommandIdentities> identities;  // the same; closed before the link
+  IoThread plans{"plans"};
+  std::map<std::string, RunningBus, std::less<>> buses;
+  PublisherThread sinks;
+  std::unique_ptr<BusGuard> guard;  // outlives the link; its thread ends before the buses do
+  std::unique_ptr<DdsLink> link;    // its handlers enter the members above: closed before they end
+
+  std::atomic<const char*> step = "starting";  // what the main thread is at
+  std::mutex changing;  // of the set of buses: by the main thread, or the guard's
+
+  // bridge.cpp. `kept`: what becomes of modules that are connected when it fails, or at the stop.
+  [[nodiscard]] tl::expected<void, std::string> start(
+      const BridgeSpec& wanted, program::Server::Modules kept,
+      const std::function<bool()>& give_up = [] { return false; });
+  void stop_all(program::Server::Modules kept = program::Server::Modules::kLetGo);
+  [[noreturn]] void abandon(const std::string& bus);
+
+  // bridge_wiring.cpp.
+  [[nodiscard]] program::Hooks program_hooks();
+  void join();
+  void open_store();
+  void keep_identities();
+  void tell_other_bridges(DdsLink::Handlers& handlers);
+
+  // bridge_buses.cpp.
+  void want_buses(const BridgeSpec& wanted);
+  [[nodiscard]] std::vector<std::string> running(std::vector<std::string> names) const;
+  void start_buses(const std::vector<std::string>& names, const BridgeSpec& from);
+  [[nodiscard]] bool follow_guard(const std::set<std::string>& uncontested);
+  void start_bus(const BusSpec& bus);
+  void stop_buses(const std::vector<std::string>& names, Duration dispose_limit = Duration::max());
+
+  // bridge_reload.cpp.
+  [[nodiscard]] tl::expected<Reloaded, std::string> reload(const BridgeSpec& wanted);
+  [[nodiscard]] tl::expected<void, std::string> start_anew(const BridgeSpec& wanted,
+                                                           const ReloadPlan& plan);
+  [[nodiscard]] tl::expected<void, std::string> restart_program(const BridgeSpec& wanted);
+  [[nodiscard]] tl::expected<void, std::string> exchange_buses(const BridgeSpec& wanted,
+                                                               const ReloadPlan& plan);
+  void configure_alarms(const BridgeSpec& from, const BridgeSpec& to);
+};
+
+}  // namespace fieldcast

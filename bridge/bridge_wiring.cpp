@@ -1,0 +1,116 @@
+// Who calls whom: the handlers through which DDS, the programming server, the store and the other
+// bridges enter this one.
+#include <fmt/format.h>
+
+#include "bridge/bridge_state.hpp"
+#include "bridge/bus/clock.hpp"
+
+namespace fieldcast {
+
+program::Hooks Bridge::State::program_hooks() {
+  program::Hooks hooks;
+  hooks.login = [this](std::string user, std::string password, std::string address,
+                       std::function<void(program::LoginAnswer)> done) {
+    if (!logins) return done({false, "this bridge has no users: its configuration has no store"});
+    logins->authenticate({std::move(user), std::move(password), std::move(address)},
+                         [done = std::move(done)](LoginResult result) {
+                           if (!result) return done({false, to_text(result.error())});
+                           done({may(*result, Role::kProgrammer),
+                                 fmt::format("the role {} may not program", to_text(*result))});
+                         });
+  };
+  hooks.audit = [this](const program::Transmission& what) {
+    const std::lock_guard lock(store_mutex);
+    if (store)
+      store->append({{},
+                     what.who,
+                     "program",
+                     what.target,
+                     what.bytes_to_device,
+                     what.bytes_from_device,
+                     what.result});
+  };
+  hooks.report = [this](const ProgramSessionReport& report) {
+    sinks.post([this, report] { link->report(report); });
+  };
+  return hooks;
+}
+
+// Throws DdsError.
+void Bridge::State::join() {
+  DdsLink::Handlers handlers;
+  handlers.clock = [] { return read_clocks(); };
+  handlers.on_command = [this](const std::string& bus, Command command) {
+    const AuditEntry asked = audit.asked(bus, command);
+    if (const auto refused = commands.take(bus, std::move(command), steady_now())) {
+      audit.refused(asked, *refused);
+      link->complete(bus, *refused, read_clocks());
+    }
+  };
+  handlers.on_interest = [this](const Interest& interest) {
+    if (const auto noted = interests.note(interest.station, interest.pattern, interest.refresh);
+        !noted) {
+      log_counted(LogLevel::kWarning, "dds", "refused interests", noted.error());
+    }
+  };
+  handlers.on_problem = [](const std::string& text) {
+    log_counted(LogLevel::kWarning, "dds", "problems with other participants", text);
+  };
+  tell_other_bridges(handlers);
+  link = std::make_unique<DdsLink>(spec.dds, spec.name, std::move(handlers));
+  if (spec.store) open_store();
+  audit.open(store.get());
+}
+
+void Bridge::State::open_store() {
+  alarms.expect_store();
+  auto opened = std::make_unique<Store>(
+      *spec.store, [this](Store& known, const std::vector<AlarmRecord>& active) {
+        alarms.loaded(known, active);
+      });
+  {
+    const std::lock_guard lock(store_mutex);
+    store = std::move(opened);
+  }
+  logins = std::make_unique<Authenticator>(StoreAddress(spec.store->address), *store);
+  keep_identities();
+}
+
+void Bridge::State::keep_identities() {
+  identities = std::make_unique<CommandIdentities>(StoreAddress(spec.store->address));
+  commands.keep_identities(
+      [this](const std::string& requester, std::uint64_t request_id, auto kept) {
+        identities->enter(requester, request_id,
+                          [kept = std::move(kept)](CommandIdentities::Verdict verdict) {
+                            switch (verdict) {
+                              case CommandIdentities::Verdict::kNew:
+                                return kept(CommandRouter::Identity::kNew);
+                              case CommandIdentities::Verdict::kKnown:
+                                return kept(CommandRouter::Identity::kKnown);
+                              case CommandIdentities::Verdict::kNotKept:
+                                return kept(CommandRouter::Identity::kNotKept);
+                            }
+                          });
+      },
+      [this](const std::string& bus, const CommandResult& refused) {
+        audit.answered(bus, refused);
+        link->complete(bus, refused, read_clocks());
+      });
+}
+
+void Bridge::State::tell_other_bridges(DdsLink::Handlers& handlers) {
+  guard = std::make_unique<BusGuard>(
+      spec.name,
+      BusGuard::Handlers{[this](const BridgeClaims& claims) { link->announce(claims); },
+                         [this](const auto& uncontested) { return follow_guard(uncontested); },
+                         [] { return read_clocks().utc; }});
+  BusGuard& others = *guard;
+  handlers.bridges = {[&others](const std::string& id) { others.found(id); },
+                      [&others](const std::string& id, BridgeClaims claims) {
+                        others.receive(id, std::move(claims));
+                      },
+                      [&others](const std::string& id, bool alive) { others.set_alive(id, alive); },
+                      [&others](const std::string& id) { others.lost(id); }};
+}
+
+}  // namespace fieldcast
