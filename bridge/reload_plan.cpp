@@ -1,5 +1,7 @@
 #include "bridge/reload_plan.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <iterator>
 
@@ -15,10 +17,10 @@ const BusSpec* find_bus(const BridgeSpec& bridge, const std::string& name) {
 std::vector<std::string> changes_of_all(const BridgeSpec& running, const BridgeSpec& wanted) {
   std::vector<std::string> changes;
   if (running.name != wanted.name)
-    changes.push_back("the bridge " + running.name + " is now called " + wanted.name);
+    changes.push_back(fmt::format("the bridge {} is now called {}", running.name, wanted.name));
   if (running.dds.domain != wanted.dds.domain)
-    changes.push_back("its DDS domain is " + std::to_string(wanted.dds.domain) + ", it was " +
-                      std::to_string(running.dds.domain));
+    changes.push_back(
+        fmt::format("its DDS domain is {}, it was {}", wanted.dds.domain, running.dds.domain));
   else if (running.dds != wanted.dds)
     changes.emplace_back("its DDS settings have changed");
   if (running.store && !wanted.store)

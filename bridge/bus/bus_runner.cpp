@@ -1,5 +1,7 @@
 #include "bridge/bus/bus_runner.hpp"
 
+#include <fmt/format.h>
+
 #include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
@@ -33,7 +35,7 @@ constexpr Duration kLeastReportGap =
 // Where the port is, before the reason why it is closed.
 std::string with_port_name(const PortSpec& port, const std::string& reason) {
   if (std::holds_alternative<DialInPortSpec>(port)) return reason;  // it names its module
-  return name_of(port) + ": " + reason;
+  return fmt::format("{}: {}", name_of(port), reason);
 }
 
 CommandResult shutdown_result(const Command& command, Instant now) {
@@ -187,7 +189,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
 
  private:
   LeaseRefused not_open() const {
-    return {false, "the port of bus " + spec_.name + " is not open"};
+    return {false, fmt::format("the port of bus {} is not open", spec_.name)};
   }
 
   void grant(const Granted& granted) {
@@ -245,7 +247,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   void execute(const Traced& traced, Instant now) {
     if (trace_)
       trace_line(mapping_.to_utc(now), spec_.name, TraceMark::kRemark,
-                 traced.device + ": " + traced.text);
+                 fmt::format("{}: {}", traced.device, traced.text));
   }
 
   void execute(const MakePlan& wanted, Instant) {

@@ -1,5 +1,7 @@
 #include "bridge/command/command_audit.hpp"
 
+#include <fmt/format.h>
+
 #include "bridge/bus/clock.hpp"
 
 namespace fieldcast {
@@ -11,7 +13,7 @@ std::string values_text(const std::vector<Value>& values) {
   std::string text;
   for (std::size_t i = 0; i < values.size() && i < kMaxValuesShown; ++i)
     text += ' ' + to_text(values[i]);
-  if (values.size() > kMaxValuesShown) text += " .. (" + std::to_string(values.size()) + " values)";
+  if (values.size() > kMaxValuesShown) text += fmt::format(" .. ({} values)", values.size());
   if (text.size() > kMaxTextShown) text.resize(kMaxTextShown);
   return text;
 }

@@ -1,5 +1,7 @@
 #include "bridge/interest/interest_table.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace fieldcast {
@@ -8,7 +10,7 @@ tl::expected<void, std::string> InterestTable::note(const std::string& station,
                                                     const std::string& pattern,
                                                     std::optional<Duration> refresh) {
   const auto parsed = Pattern::parse(pattern);
-  if (!parsed) return tl::make_unexpected("station " + station + ": " + parsed.error());
+  if (!parsed) return tl::make_unexpected(fmt::format("station {}: {}", station, parsed.error()));
   const std::string key = parsed->text();
   auto found = patterns_.find(key);
 
@@ -19,18 +21,17 @@ tl::expected<void, std::string> InterestTable::note(const std::string& station,
     return {};
   }
   if (*refresh < kShortest || *refresh > kLongest) {
-    return tl::make_unexpected("station " + station + ": an interest in " + key + " every " +
-                               to_text(*refresh) + " is refused: a refresh is " +
-                               to_text(kShortest) + " to " + to_text(kLongest));
+    return tl::make_unexpected(
+        fmt::format("station {}: an interest in {} every {} is refused: a refresh is {} to {}",
+                    station, key, to_text(*refresh), to_text(kShortest), to_text(kLongest)));
   }
   const bool known = found != patterns_.end() && found->second.stations.contains(station);
   if (!known &&
       (count_ == kMaxInterests || (found == patterns_.end() && patterns_.size() == kMaxPatterns))) {
-    return tl::make_unexpected("station " + station + ": its interest in " + key +
-                               " is refused: " + std::to_string(count_) + " interests of " +
-                               std::to_string(patterns_.size()) + " patterns are held, at most " +
-                               std::to_string(kMaxInterests) + " of " +
-                               std::to_string(kMaxPatterns));
+    return tl::make_unexpected(
+        fmt::format("station {}: its interest in {} is refused: {} interests of {} patterns are "
+                    "held, at most {} of {}",
+                    station, key, count_, patterns_.size(), kMaxInterests, kMaxPatterns));
   }
   if (found == patterns_.end()) found = patterns_.emplace(key, Interested{*parsed, {}}).first;
   count_ += known ? 0 : 1;

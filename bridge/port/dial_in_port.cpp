@@ -1,5 +1,7 @@
 #include "bridge/port/dial_in_port.hpp"
 
+#include <fmt/format.h>
+
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 
@@ -27,7 +29,8 @@ class DialInPort::Opening final : public PortOpening {
     // Behind the module that waited already, if one did.
     asio::post(io_, [self = self_as<Opening>()] {
       if (!self->over_ && self->stream() == nullptr)
-        self->fail("module " + self->number_ + " has not dialled in", Cause::kPortUnreachable);
+        self->fail(fmt::format("module {} has not dialled in", self->number_),
+                   Cause::kPortUnreachable);
     });
   }
 

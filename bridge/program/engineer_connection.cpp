@@ -266,7 +266,7 @@ void EngineerConnection::report(ProgramSessionState state) {
 }
 
 std::string EngineerConnection::who() const {
-  return user_.empty() ? address_ : user_ + " (" + address_ + ')';
+  return user_.empty() ? address_ : fmt::format("{} ({})", user_, address_);
 }
 
 }  // namespace fieldcast::program

@@ -101,7 +101,8 @@ void EngineerServer::displaced(const std::string& address) {
 }
 
 void EngineerServer::refuse(const std::string& address, const std::string& reason) {
-  log_counted(LogLevel::kWarning, "program", "connections refused", address + ": " + reason);
+  log_counted(LogLevel::kWarning, "program", "connections refused",
+              fmt::format("{}: {}", address, reason));
   if (hooks_.audit) hooks_.audit({address, "", 0, 0, "refused: " + reason});
 }
 

@@ -145,7 +145,7 @@ class ModuleServer::Kept : public std::enable_shared_from_this<Kept> {
  private:
   void lost() {
     log_counted(LogLevel::kInfo, "modules", "lines about module " + number_,
-                "module " + number_ + " is gone");
+                fmt::format("module {} is gone", number_));
     const auto self = shared_from_this();
     close("the module is gone");
     const auto found = server_.kept_.find(number_);
@@ -247,7 +247,8 @@ FileDescriptor ModuleServer::hand_over(const std::string& number) {
 }
 
 void ModuleServer::refused(const std::string& address, const std::string& reason) {
-  log_counted(LogLevel::kWarning, "modules", "connections refused", address + ": " + reason);
+  log_counted(LogLevel::kWarning, "modules", "connections refused",
+              fmt::format("{}: {}", address, reason));
   if (hooks_.audit) hooks_.audit({address, "", 0, 0, "module turned away: " + reason});
 }
 

@@ -1,5 +1,7 @@
 #include "bridge/program/tls.hpp"
 
+#include <fmt/format.h>
+
 #include <boost/asio/ssl.hpp>
 #include <boost/asio/ssl/host_name_verification.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -82,11 +84,12 @@ tl::expected<std::unique_ptr<TlsServer>, std::string> TlsServer::make(
   boost::system::error_code fault;
   state->context.use_certificate_chain_file(certificate, fault);
   if (fault)
-    return tl::make_unexpected(certificate + ": no certificate in PEM form: " + fault.message());
+    return tl::make_unexpected(
+        fmt::format("{}: no certificate in PEM form: {}", certificate, fault.message()));
   state->context.use_private_key_file(key, asio::ssl::context::pem, fault);
   if (fault)
-    return tl::make_unexpected(
-        key + ": no private key in PEM form, or not the certificate's: " + fault.message());
+    return tl::make_unexpected(fmt::format(
+        "{}: no private key in PEM form, or not the certificate's: {}", key, fault.message()));
   return std::unique_ptr<TlsServer>(new TlsServer(std::move(state)));
 }
 
@@ -131,7 +134,8 @@ tl::expected<std::unique_ptr<TlsClient>, std::string> TlsClient::make(
     state->context.load_verify_file(authorities, fault);
   }
   if (fault)
-    return tl::make_unexpected(authorities + ": no certificates in PEM form: " + fault.message());
+    return tl::make_unexpected(
+        fmt::format("{}: no certificates in PEM form: {}", authorities, fault.message()));
   state->context.set_verify_mode(asio::ssl::verify_peer);
   return std::unique_ptr<TlsClient>(new TlsClient(std::move(state)));
 }

@@ -32,7 +32,7 @@ std::string pid_namespace() {
 std::optional<std::string> start_of(const std::string& pid) {
   constexpr int kState = 3, kStartTime = 22;
   std::string line, field, state;
-  std::getline(std::ifstream("/proc/" + pid + "/stat"), line);
+  std::getline(std::ifstream(fmt::format("/proc/{}/stat", pid)), line);
   const auto name_end = line.rfind(')');
   if (name_end == std::string::npos) return std::nullopt;
   std::istringstream fields(line.substr(name_end + 1));

@@ -1,5 +1,7 @@
 #include "bridge/store/event_table.hpp"
 
+#include <fmt/format.h>
+
 #include "core/alarm/limit_watch.hpp"
 
 namespace fieldcast {
@@ -102,7 +104,7 @@ void EventTable::remove_oldest() {
   for (const char* const table : {"audit", "alarms"}) {
     const std::string name(table);
     connection_.execute(
-        "delete from " + name + " where id <= (select max(id) from " + name + ") - $1",
+        fmt::format("delete from {} where id <= (select max(id) from {}) - $1", name, name),
         SqlRow{kMaxKept});
   }
 }

@@ -1,5 +1,7 @@
 #include "bridge/store/schema.hpp"
 
+#include <fmt/format.h>
+
 #include <iterator>
 
 namespace fieldcast {
@@ -99,9 +101,10 @@ void bring_to_present(SqlConnection& connection, const std::string& place) {
   connection.script("create table if not exists fieldcast_version (version bigint not null)");
   const std::int64_t version = version_of(connection);
   if (version > present_version()) {
-    throw StoreError("store " + place + ": a newer Fieldcast made it (version " +
-                     std::to_string(version) + ", this one knows " +
-                     std::to_string(present_version()) + "); use that one, or another store");
+    throw StoreError(
+        fmt::format("store {}: a newer Fieldcast made it (version {}, this one knows {}); use that "
+                    "one, or another store",
+                    place, version, present_version()));
   }
   for (std::int64_t step = version; step < present_version(); ++step) {
     connection.script(spelled(kSteps[step], connection.dialect()));

@@ -1,5 +1,7 @@
 #include "bridge/store/user_table.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "bridge/store/password.hpp"
@@ -39,8 +41,8 @@ std::vector<User> UserTable::list() {
                     [&](const SqlRow& row) {
                       const auto role = role_from(text_at(row, 1));
                       if (!role)
-                        throw StoreError("store: user " + text_at(row, 0) +
-                                         " has the unknown role " + text_at(row, 1));
+                        throw StoreError(fmt::format("store: user {} has the unknown role {}",
+                                                     text_at(row, 0), text_at(row, 1)));
                       users.push_back({text_at(row, 0), *role, UtcTime{integer_at(row, 2)}});
                       return true;
                     });
@@ -68,9 +70,9 @@ std::string fault_of_user_name(std::string_view name) {
 
 std::string fault_of_password(std::string_view password) {
   if (password.size() < Logins::kMinPasswordBytes)
-    return "a password has at least " + std::to_string(Logins::kMinPasswordBytes) + " characters";
+    return fmt::format("a password has at least {} characters", Logins::kMinPasswordBytes);
   if (password.size() > Logins::kMaxPasswordBytes)
-    return "a password has at most " + std::to_string(Logins::kMaxPasswordBytes) + " bytes";
+    return fmt::format("a password has at most {} bytes", Logins::kMaxPasswordBytes);
   return {};
 }
 
