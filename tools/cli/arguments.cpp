@@ -1,5 +1,7 @@
 #include "tools/cli/arguments.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <optional>
 #include <vector>
@@ -20,9 +22,9 @@ std::optional<NoCommand> unknown_command(std::string_view word) {
   for (const CommandEntry& entry : commands()) names.emplace_back(entry.name);
   if (word.empty() || word.front() == '-' || std::ranges::find(names, word) != names.end())
     return std::nullopt;
-  std::string text = "fieldcast: '" + printable(word) + "' is no command; ";
+  std::string text = fmt::format("fieldcast: '{}' is no command; ", printable(word));
   if (const auto near = near_miss(word, names); !near.empty())
-    return NoCommand{ExitCode::kUsage, text + "did you mean " + near + "?\n"};
+    return NoCommand{ExitCode::kUsage, fmt::format("{}did you mean {}?\n", text, near)};
   text += "there are";
   for (const auto& name : names) text += ' ' + name;
   return NoCommand{ExitCode::kUsage, text + '\n'};

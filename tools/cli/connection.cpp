@@ -1,5 +1,7 @@
 #include "tools/cli/connection.hpp"
 
+#include <fmt/format.h>
+
 #include "config/loader.hpp"
 
 namespace fieldcast::cli {
@@ -25,16 +27,17 @@ tl::expected<DdsSpec, std::string> resolve(const ConnectionOptions& options) {
 }
 
 std::string place_text(const DdsSpec& spec) {
-  std::string text = "DDS domain " + std::to_string(spec.domain) + " on ";
+  std::string text = fmt::format("DDS domain {} on ", spec.domain);
   for (std::size_t i = 0; i < spec.interfaces.size(); ++i)
     text += (i == 0 ? "" : ", ") + spec.interfaces[i];
   return text;
 }
 
 std::string no_bridge_text(const DdsSpec& spec) {
-  return "no bridge found in " + place_text(spec) + " within " + to_text(kBridgeWait) +
-         ": is fieldcast-bridge running, with the same domain and interfaces? (--config FILE, or "
-         "--domain N and --interface A)";
+  return fmt::format(
+      "no bridge found in {} within {}: is fieldcast-bridge running, with the same domain and "
+      "interfaces? (--config FILE, or --domain N and --interface A)",
+      place_text(spec), to_text(kBridgeWait));
 }
 
 }  // namespace fieldcast::cli

@@ -1,5 +1,6 @@
 #include "tools/cli/console.hpp"
 
+#include <fmt/format.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -31,7 +32,7 @@ LiveScreen::~LiveScreen() { out_ << "\x1b[?25h\x1b[?1049l" << std::flush; }
 void LiveScreen::draw(const std::vector<std::string>& lines) {
   std::string text = "\x1b[H";
   for (std::size_t i = 0; i < lines.size(); ++i)
-    text += (i == 0 ? "" : "\r\n") + lines[i] + "\x1b[K";
+    text += fmt::format("{}{}\x1b[K", i == 0 ? "" : "\r\n", lines[i]);
   out_ << text << "\x1b[J" << std::flush;
 }
 

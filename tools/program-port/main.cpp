@@ -1,4 +1,5 @@
 // fieldcast-port: links a virtual serial port to a PLC behind a bridge, for as long as it runs.
+#include <fmt/format.h>
 #include <sys/stat.h>
 
 #include <cstdio>
@@ -76,7 +77,7 @@ tl::expected<std::string, std::string> password_of(const std::string& path) {
   struct stat file {};
   if (::stat(path.c_str(), &file) != 0) return tl::make_unexpected(path + ": cannot be read");
   if ((file.st_mode & (S_IRWXG | S_IRWXO)) != 0)
-    return tl::make_unexpected(path + ": others may read it; chmod 600 " + path);
+    return tl::make_unexpected(fmt::format("{}: others may read it; chmod 600 {}", path, path));
   std::ifstream in(path);
   std::string password;
   if (!std::getline(in, password))
@@ -99,10 +100,11 @@ ExitCode exit_code_of(const PortEnd& end) {
 
 int run(const Arguments& given) {
   const auto server = config::host_port_from(given.server);
-  if (!server) return fail(kUsage, "--server '" + given.server + "' names no host and port");
+  if (!server)
+    return fail(kUsage, fmt::format("--server '{}' names no host and port", given.server));
   if (!program::is_device_number(given.device)) {
-    return fail(kUsage, "--device '" + given.device +
-                            "' is no device number: " + std::string(program::kDeviceNumberForm));
+    return fail(kUsage, fmt::format("--device '{}' is no device number: {}", given.device,
+                                    program::kDeviceNumberForm));
   }
   port::PortOptions options;
   options.host = server->first;
@@ -118,7 +120,8 @@ int run(const Arguments& given) {
   if (!given.line.empty()) {
     options.rules.format = config::format_from(given.line);
     if (!options.rules.format)
-      return fail(kUsage, "--line '" + given.line + "' is no format such as 8N1, 7E1 or 7E2");
+      return fail(kUsage,
+                  fmt::format("--line '{}' is no format such as 8N1, 7E1 or 7E2", given.line));
     if (given.markers)
       return fail(kUsage,
                   "--line cannot be told to a bridge that speaks marker frames only (--markers)");

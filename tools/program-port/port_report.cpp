@@ -1,5 +1,6 @@
 #include "tools/program-port/port_report.hpp"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -16,7 +17,7 @@ using Json = nlohmann::ordered_json;
 // The port serves its program also while nobody reads its standard output.
 LineWriter& output() {
   static auto& lines = *new LineWriter(STDOUT_FILENO, [](std::uint64_t lost) {
-    return "(" + std::to_string(lost) + " lines are missing here)\n";
+    return fmt::format("({} lines are missing here)\n", lost);
   });
   return lines;
 }
@@ -41,18 +42,17 @@ PortReport::~PortReport() { (void)output().flush(kLastWords); }
 void PortReport::state(const std::string& state, const std::string& text) const {
   if (json_)
     return print(Json{{"device", device_}, {"link", link_}, {"state", state}, {"text", text}});
-  print(device_ + ": " + text);
+  print(fmt::format("{}: {}", device_, text));
 }
 
 void PortReport::dropped(const std::string& text) const {
   if (json_) return print(Json{{"device", device_}, {"dropped", text}});
-  print(device_ + ": " + text);
+  print(fmt::format("{}: {}", device_, text));
 }
 
 void PortReport::line(std::uint32_t baud, unsigned stop_bits) const {
   if (json_) return print(Json{{"device", device_}, {"baud", baud}, {"stop_bits", stop_bits}});
-  print(device_ + ": the program sets " + std::to_string(baud) + " baud, " +
-        std::to_string(stop_bits) + " stop bits");
+  print(fmt::format("{}: the program sets {} baud, {} stop bits", device_, baud, stop_bits));
 }
 
 void PortReport::traffic(std::uint64_t sent, std::uint64_t received, Instant now, bool last) {
@@ -72,9 +72,8 @@ void PortReport::traffic(std::uint64_t sent, std::uint64_t received, Instant now
                       {"rate_from_device", in},
                       {"seconds", seconds}});
   }
-  print(device_ + ": " + std::to_string(sent) + " bytes sent (" + rate_text(out) + "), " +
-        std::to_string(received) + " received (" + rate_text(in) + ')' +
-        (last ? ", in " + std::to_string(seconds) + " s" : ""));
+  print(fmt::format("{}: {} bytes sent ({}), {} received ({}){}", device_, sent, rate_text(out),
+                    received, rate_text(in), last ? fmt::format(", in {:f} s", seconds) : ""));
 }
 
 }  // namespace fieldcast::port

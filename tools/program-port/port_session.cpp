@@ -1,6 +1,7 @@
 #include "tools/program-port/port_session.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 
 #include <boost/asio/connect.hpp>
 #include <boost/asio/post.hpp>
@@ -67,7 +68,7 @@ void PortSession::start() {
 
 void PortSession::connect() {
   report_.state("connecting",
-                "connecting to " + options_.host + ':' + std::to_string(options_.server_port));
+                fmt::format("connecting to {}:{}", options_.host, options_.server_port));
   resolver_.async_resolve(
       options_.host, std::to_string(options_.server_port),
       [this](boost::system::error_code fault, tcp::resolver::results_type found) {
@@ -96,7 +97,7 @@ void PortSession::connect() {
 void PortSession::cannot_connect(const std::string& reason) {
   end_ = {PortEnd::Kind::kBridgeGone,
           {},
-          options_.host + ':' + std::to_string(options_.server_port) + ": " + reason};
+          fmt::format("{}:{}: {}", options_.host, options_.server_port, reason)};
   wind_up();
 }
 

@@ -1,4 +1,5 @@
 // fieldcast-sim: the plant of a configuration file, simulated where the bridge looks for it.
+#include <fmt/format.h>
 #include <sched.h>
 
 #include <cstdio>
@@ -87,10 +88,11 @@ int simulate(const Arguments& given) {
   std::vector<std::unique_ptr<sim::SimBus>> buses;
   for (const BusSpec& spec : plant->buses) {
     if (std::holds_alternative<DialInPortSpec>(spec.port))
-      return fail(kBadFile, given.config + ": " + spec.name +
-                                ": modules that dial in are simulated in virtual time only");
+      return fail(kBadFile,
+                  fmt::format("{}: {}: modules that dial in are simulated in virtual time only",
+                              given.config, spec.name));
     auto bus = sim::SimBus::make(spec, faults.buses[spec.name], given.seed, start);
-    if (!bus) return fail(kBadFile, given.config + ": " + bus.error());
+    if (!bus) return fail(kBadFile, fmt::format("{}: {}", given.config, bus.error()));
     buses.push_back(std::move(*bus));
   }
   sim::LoopOptions options;

@@ -1,5 +1,6 @@
 #include "tools/sim/plant_loop.hpp"
 
+#include <fmt/format.h>
 #include <sys/epoll.h>
 #include <sys/signalfd.h>
 #include <sys/timerfd.h>
@@ -41,7 +42,7 @@ tl::expected<void, std::string> PlantLoop::open() {
     served_.push_back({serve(*bus, *this)});
     if (const auto opened = served_.back().bus->open(now()); !opened) {
       served_.clear();
-      return tl::unexpected(bus->spec().name + ": " + opened.error());
+      return tl::unexpected(fmt::format("{}: {}", bus->spec().name, opened.error()));
     }
   }
   return {};

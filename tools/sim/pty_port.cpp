@@ -1,6 +1,7 @@
 #include "tools/sim/pty_port.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -21,7 +22,7 @@ namespace {
 constexpr const char* kOurs = "/dev/pts/../pts/";
 
 std::string reason(const std::string& path, const char* what) {
-  return path + ": " + what + " (" + std::strerror(errno) + ")";
+  return fmt::format("{}: {} ({})", path, what, std::strerror(errno));
 }
 
 std::string target_of(const std::string& path) {
@@ -37,8 +38,8 @@ FileDescriptor take_lock(const std::string& path) {
   address.sun_family = AF_UNIX;
   std::error_code ignored;
   const std::string name =
-      "fieldcast-pty-" +
-      std::to_string(std::hash<std::string>{}(std::filesystem::absolute(path, ignored).string()));
+      fmt::format("fieldcast-pty-{}",
+                  std::hash<std::string>{}(std::filesystem::absolute(path, ignored).string()));
   std::memcpy(address.sun_path + 1, name.data(), name.size());
   const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
   if (!lock || ::bind(lock.get(), reinterpret_cast<const sockaddr*>(&address), size) != 0)

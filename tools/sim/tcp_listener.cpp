@@ -1,6 +1,7 @@
 #include "tools/sim/tcp_listener.hpp"
 
 #include <arpa/inet.h>
+#include <fmt/format.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <sys/socket.h>
@@ -20,8 +21,8 @@ std::string loopback_for(const std::string& host) {
 tl::expected<FileDescriptor, std::string> listen_on(const std::string& loopback,
                                                     std::uint16_t port) {
   const auto failed = [&] {
-    return tl::unexpected(loopback + ":" + std::to_string(port) + ": cannot listen (" +
-                          std::strerror(errno) + ")");
+    return tl::unexpected(
+        fmt::format("{}:{}: cannot listen ({})", loopback, port, std::strerror(errno)));
   };
   FileDescriptor listener(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (!listener) return failed();

@@ -1,5 +1,7 @@
 #include "tools/cli/command/command_run.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 #include <ostream>
@@ -133,10 +135,11 @@ ExitCode CommandRun::execute(std::vector<Errand> errands) {
       }
       auto& outcome = errands[entry->second.errand].outcome;
       outcome.state = Outcome::State::kNoResult;
-      outcome.result.reason = domain_.interrupted()
-                                  ? "interrupted; whether it was executed is not known"
-                                  : "no result within " + to_text(options_.timeout + kResultGrace) +
-                                        "; whether it was executed is not known";
+      outcome.result.reason =
+          domain_.interrupted()
+              ? "interrupted; whether it was executed is not known"
+              : fmt::format("no result within {}; whether it was executed is not known",
+                            to_text(options_.timeout + kResultGrace));
       finish(errands[entry->second.errand]);
       entry = waiting.erase(entry);
     }

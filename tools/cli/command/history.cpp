@@ -1,5 +1,7 @@
 #include "tools/cli/command/history.hpp"
 
+#include <fmt/format.h>
+
 #include <ostream>
 
 #include "bridge/store/sample_table.hpp"
@@ -32,9 +34,10 @@ ExitCode history(const HistoryOptions& options, std::ostream& out, std::ostream&
   out.flush();
   if (!out) return ExitCode::kTrouble;
   if (samples > 0) return ExitCode::kOk;
-  err << (channels == 0 ? "the store knows no channel " + options.pattern.text()
-                        : "nothing was stored of " + options.pattern.text() +
-                              " in that time; --from and --to choose another")
+  err << (channels == 0
+              ? "the store knows no channel " + options.pattern.text()
+              : fmt::format("nothing was stored of {} in that time; --from and --to choose another",
+                            options.pattern.text()))
       << '\n';
   return ExitCode::kNothing;
 }

@@ -1,5 +1,7 @@
 #include "tools/cli/command/sim_check.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <ostream>
 
@@ -44,13 +46,13 @@ std::vector<std::string> check_lines(const sim::CheckRows& rows, const Screen& s
   std::vector<std::string> lines = table.render(screen);
   for (const auto& row : rows) {
     for (const auto& failure : row.failures) {
-      lines.push_back(painted("failed: ", Tone::kBad, screen.colour) +
-                      (row.variant.empty() ? "" : row.variant + ", ") + row.check + ", " +
-                      row.where + ": " + failure.what);
+      lines.push_back(fmt::format("{}{}{}, {}: {}", painted("failed: ", Tone::kBad, screen.colour),
+                                  row.variant.empty() ? "" : row.variant + ", ", row.check,
+                                  row.where, failure.what));
       if (!failure.frame.empty()) lines.push_back("  frame: " + failure.frame);
     }
     if (row.failed() > row.failures.size())
-      lines.push_back("  .. and " + std::to_string(row.failed() - row.failures.size()) + " more");
+      lines.push_back(fmt::format("  .. and {} more", row.failed() - row.failures.size()));
   }
   return lines;
 }

@@ -1,5 +1,7 @@
 #include "tools/cli/command/user.hpp"
 
+#include <fmt/format.h>
+
 #include <ostream>
 
 #include "bridge/store/event_table.hpp"
@@ -118,7 +120,8 @@ class UserCommand final : public CommandWith<UserOptions> {
   }
   std::optional<std::string> read_role(const std::string& text) {
     const auto role = role_from(text);
-    if (!role) return "'" + printable(text) + "' is unknown; viewer, operator or programmer";
+    if (!role)
+      return fmt::format("'{}' is unknown; viewer, operator or programmer", printable(text));
     options_.role = *role;
     return std::nullopt;
   }

@@ -1,5 +1,7 @@
 #include "tools/cli/command/watch.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <memory>
 #include <ostream>
@@ -126,7 +128,8 @@ void Watch::draw(Instant now) {
   const auto screen = output_screen();
   auto lines = watch_lines(model_, now, utc_now(), screen);
   if (!model_.anything_announced())
-    lines.push_back(clip("waiting for a bridge in " + place_text(spec_) + " ..", screen.columns));
+    lines.push_back(
+        clip(fmt::format("waiting for a bridge in {} ..", place_text(spec_)), screen.columns));
   if (remark_ && !remark_->empty()) lines.push_back(clip(*remark_, screen.columns));
   screen_->draw(lines);
 }
@@ -171,8 +174,8 @@ ExitCode Watch::verdict() const {
   }
   err_ << "fieldcast watch: a bridge is there, but "
        << (model_.rows().empty()
-               ? "none of its channels matches " + model_.pattern().text() +
-                     "; fieldcast watch --once lists them"
+               ? fmt::format("none of its channels matches {}; fieldcast watch --once lists them",
+                             model_.pattern().text())
                : std::string("no sample came; fieldcast status says what the bus does"))
        << '\n';
   return ExitCode::kNothing;

@@ -1,5 +1,7 @@
 #include "tools/cli/command/write.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <ostream>
 
@@ -82,7 +84,7 @@ ExitCode write_address(const WriteOptions& options, const DdsSpec& spec, Interru
   if (!device || !device->channel.empty())
     return usage(err, "with --at write BUS/DEVICE and then the values");
   if (options.words.size() < 2)
-    return usage(err, "no value for " + options.at + "; write them after BUS/DEVICE");
+    return usage(err, fmt::format("no value for {}; write them after BUS/DEVICE", options.at));
   const auto type = type_at(options.at, options.type);
   const auto encoding = parse_type(type).and_then(
       [&](const Encoding& parsed) { return with_byte(parsed, options.byte); });

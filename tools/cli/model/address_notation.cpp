@@ -1,5 +1,7 @@
 #include "tools/cli/model/address_notation.hpp"
 
+#include <fmt/format.h>
+
 #include <memory>
 #include <optional>
 #include <set>
@@ -29,7 +31,7 @@ std::string type_of(const ParsedAddress& address, const Area& area) {
   if (address.bit || area.item_bits == 1) return "bool";
   if (!address.width_bits) return {};
   const std::string type =
-      *address.width_bits == 1 ? "bool" : "uint" + std::to_string(*address.width_bits);
+      *address.width_bits == 1 ? "bool" : fmt::format("uint{}", *address.width_bits);
   return value_type_from(type) ? type : std::string{};
 }
 

@@ -1,5 +1,7 @@
 #include "tools/cli/model/catalogue.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <vector>
 
@@ -12,9 +14,9 @@ std::string unknown(std::string_view kind, const std::string& name, std::vector<
                     const std::string& where) {
   std::sort(known.begin(), known.end());
   known.erase(std::unique(known.begin(), known.end()), known.end());
-  std::string text = std::string(kind) + " '" + name + "' is unknown" + where;
+  std::string text = fmt::format("{} '{}' is unknown{}", kind, name, where);
   if (const auto near = near_miss(name, known); !near.empty())
-    return text + "; did you mean " + near + '?';
+    return fmt::format("{}; did you mean {}?", text, near);
   constexpr std::size_t kListed = 8;
   text += "; there ";
   text += known.size() == 1 ? "is " : "are ";
@@ -35,9 +37,9 @@ tl::expected<ChannelPath, std::string> ChannelPath::parse(std::string_view text)
             std::string(text.substr(second + 1))};
   }
   if (path.bus.empty() || path.device.empty() || path.channel.empty()) {
-    return tl::unexpected(
-        "'" + std::string(text) +
-        "' is no channel; write BUS/DEVICE/CHANNEL, for instance press-shop/press-1/running");
+    return tl::unexpected(fmt::format(
+        "'{}' is no channel; write BUS/DEVICE/CHANNEL, for instance press-shop/press-1/running",
+        text));
   }
   return path;
 }
@@ -86,8 +88,10 @@ std::string Catalogue::explain_unknown(const ChannelPath& path) const {
   if (!has_device(path.bus, path.device))
     return unknown("device", path.device, std::move(devices), " on bus " + path.bus);
   if (names.empty())
-    return "device '" + path.device + "' has no channels; --at ADDRESS reads and writes addresses";
-  return unknown("channel", path.channel, std::move(names), " in " + path.bus + '/' + path.device);
+    return fmt::format("device '{}' has no channels; --at ADDRESS reads and writes addresses",
+                       path.device);
+  return unknown("channel", path.channel, std::move(names),
+                 fmt::format(" in {}/{}", path.bus, path.device));
 }
 
 }  // namespace fieldcast::cli

@@ -1,5 +1,7 @@
 #include "tools/cli/model/watch_model.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace fieldcast::cli {
@@ -81,8 +83,10 @@ std::size_t WatchModel::awaited(bool interested) const {
 
 std::optional<std::string> WatchModel::interest_remark(Duration refresh) const {
   if (catalogue_.channels().empty()) {
-    return "the interest in " + pattern_.text() +
-           " meets nothing: no announced channel matches; fieldcast watch --once lists them";
+    return fmt::format(
+        "the interest in {} meets nothing: no announced channel matches; fieldcast watch --once "
+        "lists them",
+        pattern_.text());
   }
   std::size_t slower = 0, unread = 0;
   for (const auto& [path, channel] : catalogue_.channels()) {
@@ -91,19 +95,19 @@ std::optional<std::string> WatchModel::interest_remark(Duration refresh) const {
   }
   if (slower + unread == 0) return std::nullopt;
   std::string why;
-  if (slower != 0) why = std::to_string(slower) + " are read anyway, less often (acquire: always)";
+  if (slower != 0) why = fmt::format("{} are read anyway, less often (acquire: always)", slower);
   if (unread != 0)
-    why += (why.empty() ? "" : ", ") + std::to_string(unread) +
-           " are not read by themselves (on-demand or write-only)";
-  return "the interest in " + pattern_.text() + " every " + to_text(refresh) +
-         " changes nothing for " + std::to_string(slower + unread) + " of " +
-         std::to_string(catalogue_.channels().size()) + " channels: " + why;
+    why += fmt::format("{}{} are not read by themselves (on-demand or write-only)",
+                       why.empty() ? "" : ", ", unread);
+  return fmt::format("the interest in {} every {} changes nothing for {} of {} channels: {}",
+                     pattern_.text(), to_text(refresh), slower + unread,
+                     catalogue_.channels().size(), why);
 }
 
 std::string WatchModel::summary() const {
-  return std::to_string(samples_) + (samples_ == 1 ? " sample of " : " samples of ") +
-         std::to_string(rows_.size()) + (rows_.size() == 1 ? " channel, " : " channels, ") +
-         std::to_string(good()) + " of them GOOD";
+  return fmt::format("{}{}{}{}{} of them GOOD", samples_,
+                     samples_ == 1 ? " sample of " : " samples of ", rows_.size(),
+                     rows_.size() == 1 ? " channel, " : " channels, ", good());
 }
 
 }  // namespace fieldcast::cli

@@ -1,5 +1,7 @@
 #include "tools/cli/view/command_text.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <charconv>
 #include <cstdio>
@@ -18,7 +20,7 @@ std::string values_text(const std::vector<Value>& values, const std::string& typ
   for (std::size_t i = 0; i < values.size() && i < kValuesShown; ++i)
     text += (i == 0 ? "" : " ") + value_text(values[i], type);
   return values.size() > kValuesShown
-             ? text + " .. (" + std::to_string(values.size()) + " values, all with --json)"
+             ? fmt::format("{} .. ({} values, all with --json)", text, values.size())
              : text;
 }
 
@@ -45,8 +47,7 @@ std::string took_text(const StationResult& result) {
 tl::expected<Assignment, std::string> Assignment::parse(std::string_view text) {
   const auto equals = text.find('=');
   if (equals == std::string_view::npos) {
-    return tl::unexpected("'" + std::string(text) +
-                          "' sets nothing; write BUS/DEVICE/CHANNEL=VALUE");
+    return tl::unexpected(fmt::format("'{}' sets nothing; write BUS/DEVICE/CHANNEL=VALUE", text));
   }
   auto path = ChannelPath::parse(text.substr(0, equals));
   if (!path) return tl::unexpected(path.error());
@@ -60,13 +61,12 @@ tl::expected<ChannelPath, std::string> parse_device_or_channel(std::string_view 
     return ChannelPath{std::string(text.substr(0, slash)), std::string(text.substr(slash + 1)), {}};
   }
   if (auto path = ChannelPath::parse(text)) return path;
-  return tl::unexpected("'" + std::string(text) + "' is neither BUS/DEVICE nor BUS/DEVICE/CHANNEL");
+  return tl::unexpected(fmt::format("'{}' is neither BUS/DEVICE nor BUS/DEVICE/CHANNEL", text));
 }
 
 tl::expected<Encoding, std::string> parse_type(std::string_view text) {
   const auto fault = [&] {
-    return tl::unexpected("type '" + std::string(text) + "' is unknown; there are " +
-                          allowed_types());
+    return tl::unexpected(fmt::format("type '{}' is unknown; there are {}", text, allowed_types()));
   };
   Encoding encoding;
   const auto open = text.find('(');
@@ -91,7 +91,7 @@ tl::expected<Encoding, std::string> with_byte(Encoding encoding, std::string_vie
                          : byte.size() == 1 ? kDigits.find(byte[0])
                                             : std::string_view::npos;
   if (at == std::string_view::npos)
-    return tl::unexpected("byte '" + std::string(byte) + "' is unknown; low, high, 0 to 7");
+    return tl::unexpected(fmt::format("byte '{}' is unknown; low, high, 0 to 7", byte));
   encoding.bit = static_cast<std::uint8_t>(8 * at);
   return encoding;
 }
@@ -107,8 +107,8 @@ tl::expected<Value, std::string> value_from_text(const Encoding& encoding, std::
   if (encoding.type == ValueType::kString) return Value{std::string(text)};
   if (encoding.type == ValueType::kBool) {
     if (const auto value = parsed(ValueType::kBool)) return *value;
-    return tl::unexpected("'" + std::string(text) +
-                          "' is no bool; write true or false, on or off, 1 or 0");
+    return tl::unexpected(
+        fmt::format("'{}' is no bool; write true or false, on or off, 1 or 0", text));
   }
   const bool real = encoding.type == ValueType::kFloat32 || encoding.type == ValueType::kFloat64;
   if (!real) {
@@ -117,8 +117,8 @@ tl::expected<Value, std::string> value_from_text(const Encoding& encoding, std::
     }
   }
   if (const auto value = parsed(ValueType::kFloat64)) return *value;
-  return tl::unexpected("'" + std::string(text) + "' is no number, and the type is " +
-                        std::string(to_text(encoding.type)));
+  return tl::unexpected(
+      fmt::format("'{}' is no number, and the type is {}", text, to_text(encoding.type)));
 }
 
 Outcome refused_here(const ChannelPath& path, bool write, Cause cause, std::string reason) {
@@ -158,15 +158,15 @@ std::string outcome_line(const Outcome& outcome) {
   const auto unit = outcome.unit.empty() ? std::string{} : ' ' + outcome.unit;
   if (!outcome.wanted.empty()) line += " = " + values_text(outcome.wanted, outcome.type);
   if (ok && !outcome.write)
-    return printable(line + " = " + values_text(result.values, outcome.type) + unit + " in " +
-                     took_text(result));
+    return printable(fmt::format("{} = {}{} in {}", line, values_text(result.values, outcome.type),
+                                 unit, took_text(result)));
 
-  line += ": " + std::string(state_text(outcome));
+  line += fmt::format(": {}", state_text(outcome));
   if (ok && !result.values.empty())
-    line += " (read back " + values_text(result.values, outcome.type) + unit + ')';
-  if (ok) return printable(line + " in " + took_text(result));
+    line += fmt::format(" (read back {}{})", values_text(result.values, outcome.type), unit);
+  if (ok) return printable(fmt::format("{} in {}", line, took_text(result)));
   if (!result.reason.empty()) line += ": " + result.reason;
-  if (!result.cause.empty()) line += " (" + result.cause + ')';
+  if (!result.cause.empty()) line += fmt::format(" ({})", result.cause);
   return printable(line);
 }
 

@@ -1,5 +1,7 @@
 #include "tools/cli/view/inspect_view.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace fieldcast::cli {
@@ -36,9 +38,9 @@ std::vector<std::string> inspect_lines(std::string_view protocol, ByteView frame
   }
   auto lines = table.render(screen);
   const auto faults = count_faults(fields);
-  lines.push_back(
-      std::string(protocol) + ", " + std::to_string(frame.size()) + " bytes: " +
-      (faults == 0 ? "no fault" : std::to_string(faults) + (faults == 1 ? " fault" : " faults")));
+  lines.push_back(fmt::format(
+      "{}, {} bytes: {}", protocol, frame.size(),
+      faults == 0 ? "no fault" : fmt::format("{}{}", faults, faults == 1 ? " fault" : " faults")));
   return lines;
 }
 

@@ -1,5 +1,7 @@
 #include "tools/cli/view/plan_view.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -60,8 +62,8 @@ std::vector<BlockForecast> blocks_of(const BusPlan& plan) {
 }
 
 std::string range_text(const Protocol& protocol, const Range& range) {
-  auto text = std::string(protocol.areas()[range.area].name) + ' ' + std::to_string(range.first);
-  if (range.count > 1) text += ".." + std::to_string(range.end() - 1);
+  auto text = fmt::format("{} {}", protocol.areas()[range.area].name, range.first);
+  if (range.count > 1) text += fmt::format("..{}", range.end() - 1);
   return text;
 }
 
@@ -80,8 +82,7 @@ std::string names_of(const BusPlan& plan, const std::vector<PointIndex>& points)
     }
   }
   if (count == 1) return text;
-  return std::to_string(count) + " channels (" + text + (count > kNamesInAdvice ? ", .." : "") +
-         ')';
+  return fmt::format("{} channels ({}{})", count, text, count > kNamesInAdvice ? ", .." : "");
 }
 
 // "wire load 98.5 %", and beyond that "3.20 times the wire is needed".
@@ -92,14 +93,14 @@ std::string load_text(double load) {
 
 std::string verdict(const BusPlan& plan) {
   const auto& prediction = plan.prediction;
-  return plan.bus->name + "  " + to_text(plan.bus->port) + ": " +
-         (prediction.feasible ? "feasible"
-          : prediction.narrow ? "TOO NARROW"
-                              : "NOT FEASIBLE") +
-         ", " + load_text(prediction.planned_load) + ", " + std::to_string(prediction.reads) +
-         " reads in " + to_text(rounded(prediction.horizon)) + " of virtual time, " +
-         std::to_string(prediction.missed) + " late (devices taken to answer after " +
-         to_text(plan.answer_time) + ')';
+  return fmt::format(
+      "{}  {}: {}, {}, {} reads in {} of virtual time, {} late (devices taken to answer after {})",
+      plan.bus->name, to_text(plan.bus->port),
+      prediction.feasible ? "feasible"
+      : prediction.narrow ? "TOO NARROW"
+                          : "NOT FEASIBLE",
+      load_text(prediction.planned_load), prediction.reads, to_text(rounded(prediction.horizon)),
+      prediction.missed, to_text(plan.answer_time));
 }
 
 // "uint32, low word first": the type, and the order where the value has one.
@@ -164,21 +165,21 @@ std::vector<std::string> advice(const BusPlan& plan) {
   const auto& remedies = plan.prediction.remedies;
   std::string slower;
   for (const auto& group : remedies.slower) {
-    slower += (slower.empty() ? "" : ", and ") + names_of(plan, group.points) + " every " +
-              to_text(group.to) + " instead of " + to_text(group.from);
+    slower += fmt::format("{}{} every {} instead of {}", slower.empty() ? "" : ", and ",
+                          names_of(plan, group.points), to_text(group.to), to_text(group.from));
   }
   if (!slower.empty()) ways.push_back("refresh " + slower);
   if (remedies.stretch)
-    ways.push_back("make every refresh " + formatted("%.2f", *remedies.stretch) + " times as long");
+    ways.push_back(
+        fmt::format("make every refresh {} times as long", formatted("%.2f", *remedies.stretch)));
   if (remedies.baud && has_line(plan.bus->port))
-    ways.push_back("run the line at " + std::to_string(*remedies.baud) + " baud");
+    ways.push_back(fmt::format("run the line at {} baud", *remedies.baud));
   if (remedies.longer_reads)
     ways.emplace_back("take away max-block and max-gap, if the devices answer longer reads");
   if (remedies.no_pause)
     ways.emplace_back("take away the pause after each exchange, if the devices need none");
   if (remedies.buses)
-    ways.push_back("spread the devices over " + std::to_string(*remedies.buses) +
-                   " lines like this one");
+    ways.push_back(fmt::format("spread the devices over {} lines like this one", *remedies.buses));
   if (ways.empty())
     ways.emplace_back(
         "read fewer channels of each device: no longer refresh, faster line or split of the bus "
@@ -192,8 +193,8 @@ std::vector<std::string> plan_lines(const BusPlan& plan, const Screen& screen) {
                                          screen.colour)};
   const auto unread = std::count(plan.point_of.begin(), plan.point_of.end(), std::nullopt);
   if (unread != 0)
-    lines.push_back(std::to_string(unread) +
-                    " channels are read only when somebody asks, and cost nothing here");
+    lines.push_back(
+        fmt::format("{} channels are read only when somebody asks, and cost nothing here", unread));
   lines.emplace_back();
   for (auto& line : channel_table(plan).render(screen)) lines.push_back(std::move(line));
   lines.emplace_back();

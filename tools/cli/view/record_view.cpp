@@ -1,5 +1,7 @@
 #include "tools/cli/view/record_view.hpp"
 
+#include <fmt/format.h>
+
 #include "tools/cli/view/sample_text.hpp"
 
 namespace fieldcast::cli {
@@ -71,13 +73,13 @@ Json record_json(const User& user) {
 }
 
 std::string history_line(const StoredSample& sample) {
-  std::string line = utc_text(sample.published_at) + "  " + path_of(sample) + "  " +
-                     (was_read(sample) ? value_text(sample.value, sample.type) : "-");
+  std::string line = fmt::format("{}  {}  {}", utc_text(sample.published_at), path_of(sample),
+                                 was_read(sample) ? value_text(sample.value, sample.type) : "-");
   if (!sample.unit.empty()) line += ' ' + sample.unit;
   line += "  " + quality_text(as_sample(sample));
   // Only a value that is published again is older than its sample.
   if (sample.quality != Quality::kGood && was_read(sample))
-    line += " (of " + utc_text(sample.acquired_at) + ')';
+    line += fmt::format(" (of {})", utc_text(sample.acquired_at));
   return printable(line);
 }
 
@@ -87,20 +89,21 @@ std::string history_csv_head() {
 
 std::string history_csv(const StoredSample& sample) {
   const bool read = was_read(sample);
-  return utc_text(sample.published_at) + ',' + (read ? utc_text(sample.acquired_at) : "") + ',' +
-         cell(sample.bus) + ',' + cell(sample.device) + ',' + cell(sample.channel) + ',' +
-         (read ? cell(value_text(sample.value, sample.type)) : "") + ',' + cell(sample.unit) + ',' +
-         std::string(to_text(sample.quality));
+  return fmt::format("{},{},{},{},{},{},{},{}", utc_text(sample.published_at),
+                     read ? utc_text(sample.acquired_at) : "", cell(sample.bus),
+                     cell(sample.device), cell(sample.channel),
+                     read ? cell(value_text(sample.value, sample.type)) : "", cell(sample.unit),
+                     to_text(sample.quality));
 }
 
 std::string audit_line(const AuditEntry& entry) {
-  std::string line = utc_text(entry.at) + "  " + entry.who + "  " + entry.what;
+  std::string line = fmt::format("{}  {}  {}", utc_text(entry.at), entry.who, entry.what);
   if (!entry.target.empty()) line += ' ' + entry.target;
   if (entry.bytes_to_device + entry.bytes_from_device > 0) {
-    line += "  " + std::to_string(entry.bytes_to_device) + " bytes to the device, " +
-            std::to_string(entry.bytes_from_device) + " from it";
+    line += fmt::format("  {} bytes to the device, {} from it", entry.bytes_to_device,
+                        entry.bytes_from_device);
   }
-  return printable(line + "  " + entry.result);
+  return printable(fmt::format("{}  {}", line, entry.result));
 }
 
 std::vector<std::string> device_lines(const std::vector<DeviceRecord>& devices, UtcTime now,
@@ -120,9 +123,9 @@ std::vector<std::string> device_lines(const std::vector<DeviceRecord>& devices, 
 }
 
 std::string alarm_line(const AlarmRecord& alarm) {
-  return printable(utc_text(alarm.since) + "  " + alarm.bus + '/' + alarm.device + '/' +
-                   alarm.channel + "  " + alarm.limit + ' ' + alarm.state + "  " +
-                   value_text(alarm.value, {}));
+  return printable(fmt::format("{}  {}/{}/{}  {} {}  {}", utc_text(alarm.since), alarm.bus,
+                               alarm.device, alarm.channel, alarm.limit, alarm.state,
+                               value_text(alarm.value, {})));
 }
 
 std::vector<std::string> alarm_lines(const std::vector<AlarmRecord>& alarms, UtcTime now,

@@ -1,5 +1,7 @@
 #include "tools/cli/view/sample_text.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -50,7 +52,8 @@ Tone tone_of(Quality quality) {
 std::string quality_text(const StationSample& sample, const StationChannel* about) {
   const std::string text{to_text(sample.quality)};
   if (sample.device_code == 0) return text;
-  return text + " (" + device_code_at(about != nullptr ? about->at : "", sample.device_code) + ')';
+  return fmt::format("{} ({})", text,
+                     device_code_at(about != nullptr ? about->at : "", sample.device_code));
 }
 
 std::string age_text(UtcTime then, UtcTime now) {
@@ -81,13 +84,13 @@ std::string utc_text(UtcTime time) {
 }
 
 std::string sample_line(const StationSample& sample, const StationChannel* about) {
-  std::string line = utc_text(sample.acquired_at) + "  " + sample.bus + '/' + sample.device + '/' +
-                     sample.channel + "  ";
+  std::string line = fmt::format("{}  {}/{}/{}  ", utc_text(sample.acquired_at), sample.bus,
+                                 sample.device, sample.channel);
   line += sample.acquired_at.nanoseconds == 0
               ? "-"
               : value_text(sample.value, about != nullptr ? about->type : std::string{});
   if (about != nullptr && !about->unit.empty()) line += ' ' + about->unit;
-  return printable(line + "  " + quality_text(sample, about));
+  return printable(fmt::format("{}  {}", line, quality_text(sample, about)));
 }
 
 }  // namespace fieldcast::cli

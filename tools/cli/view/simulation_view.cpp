@@ -1,5 +1,7 @@
 #include "tools/cli/view/simulation_view.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -62,7 +64,7 @@ void for_each_cause(const CauseCounters& counters, Visit visit) {
 std::string causes_text(const CauseCounters& counters) {
   std::string text;
   for_each_cause(counters, [&](Cause cause, std::uint64_t count) {
-    text += (text.empty() ? "" : ", ") + std::string(to_text(cause)) + ' ' + std::to_string(count);
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", to_text(cause), count);
   });
   return text;
 }
@@ -104,17 +106,18 @@ std::vector<std::string> simulation_lines(const BusSimulation& simulation, const
   const BusReport& bus = simulation.bus;
   const bool kept = bus.deadline_misses == 0;
   std::vector<std::string> lines{
-      painted(printable(simulation.plan->bus->name + ": " + to_text(simulation.options.length) +
-                        " simulated, seed " + std::to_string(simulation.options.seed) + ": " +
-                        std::to_string(refreshes_of(rows)) + " refreshes, " +
-                        std::to_string(bus.deadline_misses) + " missed" +
-                        (kept ? std::string{} : " (" + causes_text(bus.misses) + ')')),
+      painted(printable(fmt::format(
+                  "{}: {} simulated, seed {}: {} refreshes, {} missed{}",
+                  simulation.plan->bus->name, to_text(simulation.options.length),
+                  simulation.options.seed, refreshes_of(rows), bus.deadline_misses,
+                  kept ? std::string{} : fmt::format(" ({})", causes_text(bus.misses)))),
               kept ? Tone::kGood : Tone::kBad, screen.colour),
-      "wire load: predicted " + percent(simulation.plan->prediction.load) + ", measured " +
-          percent(bus.measured_load) + "; " + std::to_string(bus.exchanges) + " exchanges" +
-          (bus.stretch > 1.001
-               ? "; overload: refreshes are stretched by up to " + formatted("%.2f", bus.stretch)
-               : "")};
+      fmt::format(
+          "wire load: predicted {}, measured {}; {} exchanges{}",
+          percent(simulation.plan->prediction.load), percent(bus.measured_load), bus.exchanges,
+          bus.stretch > 1.001
+              ? "; overload: refreshes are stretched by up to " + formatted("%.2f", bus.stretch)
+              : "")};
   if (bus.causes.total() != 0) lines.push_back("failed exchanges: " + causes_text(bus.causes));
   lines.emplace_back();
   for (auto& line : channel_table(simulation.plan->bus->name, rows).render(screen))

@@ -1,5 +1,7 @@
 #include "tools/cli/view/status_view.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cstdio>
 
@@ -22,7 +24,7 @@ std::string milliseconds(Duration time) {
 std::string causes_text(const CauseCounts& causes) {
   std::string text;
   for (const auto& [name, count] : causes)
-    text += (text.empty() ? "" : ", ") + name + ' ' + std::to_string(count);
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, count);
   return text;
 }
 
@@ -36,9 +38,9 @@ std::string spaced(const std::vector<std::string>& addresses) {
 std::string areas_text(const std::vector<AreaReport>& areas) {
   std::string text;
   for (const AreaReport& area : areas) {
-    text += (text.empty() ? "" : "; ") + area.area + ' ' + milliseconds(area.answer_time) +
-            ", blocks to " + std::to_string(area.largest_block);
-    if (area.longest_block != 0) text += ", at most " + std::to_string(area.longest_block);
+    text += fmt::format("{}{} {}, blocks to {}", text.empty() ? "" : "; ", area.area,
+                        milliseconds(area.answer_time), area.largest_block);
+    if (area.longest_block != 0) text += fmt::format(", at most {}", area.longest_block);
   }
   return text;
 }
@@ -61,7 +63,7 @@ Tone tone_of(DeviceState state) {
 std::string state_text(const BusReport& report) {
   std::string text(to_text(report.state));
   if (report.closed_because != Cause::kNone && report.closed_because != Cause::kPortClosed)
-    text += ": " + std::string(to_text(report.closed_because));
+    text += fmt::format(": {}", to_text(report.closed_because));
   return text;
 }
 
@@ -77,10 +79,10 @@ std::vector<std::string> hints(const StatusModel& model) {
       if (found != status.causes.end()) broken.insert(*found);
     }
     if (broken.empty()) continue;
-    lines.push_back(key.first + '/' + key.second + ": bytes come that are no answers (" +
-                    causes_text(broken) +
-                    "): baud, parity or stop bits may be wrong, or two devices share an address; "
-                    "the bridge's log says what the bytes look like");
+    lines.push_back(fmt::format(
+        "{}/{}: bytes come that are no answers ({}): baud, parity or stop bits may be wrong, or "
+        "two devices share an address; the bridge's log says what the bytes look like",
+        key.first, key.second, causes_text(broken)));
   }
   return lines;
 }

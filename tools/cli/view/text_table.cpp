@@ -1,5 +1,7 @@
 #include "tools/cli/view/text_table.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
 
@@ -44,7 +46,7 @@ std::string clip(std::string_view utf8, std::size_t columns) {
 std::string painted(std::string_view text, Tone tone, bool colour) {
   const auto code = code_of(tone);
   if (!colour || code.empty() || text.empty()) return std::string(text);
-  return std::string(code) + std::string(text) + "\x1b[0m";
+  return fmt::format("{}{}\x1b[0m", code, text);
 }
 
 void TextTable::add_row(std::vector<Cell> cells) {

@@ -1,5 +1,7 @@
 #include "tools/cli/view/time_text.hpp"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <optional>
 
@@ -82,9 +84,9 @@ tl::expected<UtcTime, std::string> parse_time(std::string_view text, UtcTime now
   if (const auto ago = duration_from(text); ago && ago->count() <= now.nanoseconds)
     return UtcTime{now.nanoseconds - ago->count()};
   return tl::unexpected(
-      "'" + std::string(text) +
-      "' is no time; write 2026-11-21, 2026-11-21T10:30 or 2026-11-21T10:30:05 (UTC), "
-      "2h for two hours ago, or now");
+      fmt::format("'{}' is no time; write 2026-11-21, 2026-11-21T10:30 or 2026-11-21T10:30:05 "
+                  "(UTC), 2h for two hours ago, or now",
+                  text));
 }
 
 }  // namespace fieldcast::cli

@@ -1,5 +1,7 @@
 #include "tools/cli/view/watch_view.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cstdio>
 
@@ -61,13 +63,14 @@ std::vector<std::string> watch_lines(const WatchModel& model, Instant now, UtcTi
     table.add_row(cells_of(path, row, model.catalogue().find(path), now, utc));
   }
 
-  const auto title = "fieldcast watch " + model.pattern().text() + "   " + model.summary() + "   " +
-                     rate_text(model.rate(now)) + "   " + utc_text(utc);
+  const auto title = fmt::format("fieldcast watch {}   {}   {}   {}", model.pattern().text(),
+                                 model.summary(), rate_text(model.rate(now)), utc_text(utc));
   std::vector<std::string> lines{screen.columns == 0 ? title : clip(title, screen.columns)};
   for (auto& line : table.render(screen)) lines.push_back(std::move(line));
   if (cut) {
-    const auto more = ".. and " + std::to_string(rows.size() - shown) +
-                      " more: narrow the pattern (BUS/DEVICE), or a taller terminal";
+    const auto more =
+        fmt::format(".. and {} more: narrow the pattern (BUS/DEVICE), or a taller terminal",
+                    rows.size() - shown);
     lines.push_back(screen.columns == 0 ? more : clip(more, screen.columns));
   }
   return lines;

@@ -1,5 +1,7 @@
 #include "tools/sim/bus/fault_file.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 
@@ -55,8 +57,8 @@ struct BoundedRule {
                                    FaultList& faults) const {
     const auto value = config::NumberRule{}(node, key, faults);
     if (!value || (*value >= min && *value <= max)) return value;
-    faults.add(node.position, std::string(key) + " '" + node.text + "' is out of range",
-               "a number from " + whole(min) + " to " + whole(max));
+    faults.add(node.position, fmt::format("{} '{}' is out of range", key, node.text),
+               fmt::format("a number from {} to {}", whole(min), whole(max)));
     return std::nullopt;
   }
   static std::string whole(double bound) { return std::to_string(static_cast<int>(bound)); }
@@ -69,9 +71,9 @@ void each(const Node& node, std::string_view key, FaultList& faults, const Read&
   if (node.kind == Kind::kMap) return read(node);
   if (node.kind != Kind::kList || node.items.size() > kMaxListed) {
     faults.add(node.position,
-               std::string(key) + " is " +
-                   (node.kind == Kind::kList ? "too long" : std::string(to_text(node.kind))),
-               "a list of at most " + std::to_string(kMaxListed) + " maps");
+               fmt::format("{} is {}", key,
+                           node.kind == Kind::kList ? "too long" : std::string(to_text(node.kind))),
+               fmt::format("a list of at most {} maps", kMaxListed));
     return;
   }
   for (const Node* item : node.items) read(*item);
@@ -83,7 +85,7 @@ void read_silence(const Node& node, DeviceFaults& device, FaultList& faults) {
     if (node.text == "always") {
       device.silence.push_back({});
     } else {
-      faults.add(node.position, "silence '" + node.text + "' is unknown",
+      faults.add(node.position, fmt::format("silence '{}' is unknown", node.text),
                  "always, or a list of { from, to }", "always");
     }
     return;
@@ -130,7 +132,7 @@ void read_exceptions(const Node& node, DeviceFaults& device,
     const bool known =
         areas.empty() || range.area.empty() || std::ranges::find(areas, range.area) != areas.end();
     if (!known) {
-      faults.add(map.position_of("area"), "area '" + range.area + "' is unknown",
+      faults.add(map.position_of("area"), fmt::format("area '{}' is unknown", range.area),
                  config::joined(areas), config::closest(range.area, areas));
     }
     device.refused.push_back(range);
@@ -190,7 +192,7 @@ std::vector<const Node*> about(const Node& names, std::string_view name) {
 template <typename Specs>
 void check_names(const Node& names, std::string_view what, const Specs& specs, FaultList& faults) {
   if (names.kind != Kind::kMap) {
-    faults.add(names.position, std::string(what) + " names are " + std::string(to_text(names.kind)),
+    faults.add(names.position, fmt::format("{} names are {}", what, to_text(names.kind)),
                "a map by name, or \"*\" for all");
     return;
   }
@@ -198,8 +200,7 @@ void check_names(const Node& names, std::string_view what, const Specs& specs, F
   for (const auto& spec : specs) known.push_back(spec.name);
   for (const auto& [key, value] : names.entries) {
     if (key->text == "*" || std::ranges::find(known, key->text) != known.end()) continue;
-    faults.add(key->position,
-               "no " + std::string(what) + " '" + key->text + "' in the configuration",
+    faults.add(key->position, fmt::format("no {} '{}' in the configuration", what, key->text),
                config::joined(known) + ", \"*\"", config::closest(key->text, known));
   }
 }
@@ -251,7 +252,7 @@ LoadedFaults load_faults(const std::string& path, const BridgeSpec& plant) {
   const auto text = config::disk_reader().read(path);
   if (!text)
     return tl::unexpected(std::vector{
-        config::Fault{path, 1, 1, "the file " + std::string(to_text(text.error())), {}, {}}});
+        config::Fault{path, 1, 1, fmt::format("the file {}", to_text(text.error())), {}, {}}});
   return parse_faults(*text, path, plant);
 }
 

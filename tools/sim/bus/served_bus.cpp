@@ -1,5 +1,6 @@
 #include "tools/sim/bus/served_bus.hpp"
 
+#include <fmt/format.h>
 #include <sys/socket.h>
 
 #include <algorithm>
@@ -137,8 +138,8 @@ class TcpBus : public PluggedBus {
   [[nodiscard]] std::string place() const override {
     const std::string loopback = loopback_for(spec_.host);
     const std::string place =
-        loopback + ":" + std::to_string(spec_.port) + (plugged() ? "" : " (unplugged)");
-    return loopback == spec_.host ? place : place + " (for " + spec_.host + ")";
+        fmt::format("{}:{}{}", loopback, spec_.port, plugged() ? "" : " (unplugged)");
+    return loopback == spec_.host ? place : fmt::format("{} (for {})", place, spec_.host);
   }
 
   void on_readable(int fd, Instant now) override {

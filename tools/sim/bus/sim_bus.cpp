@@ -1,5 +1,7 @@
 #include "tools/sim/bus/sim_bus.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "core/model/make_protocol.hpp"
@@ -29,8 +31,9 @@ tl::expected<std::unique_ptr<SimBus>, std::string> SimBus::make(const BusSpec& s
   for (const DeviceSpec& device : spec.devices) {
     const DeviceKind* kind = kind_of(device);
     if (kind == nullptr) {
-      return tl::unexpected(spec.name + "/" + device.name + ": no simulated devices speak '" +
-                            device.protocol + "'; there are: " + known_protocols());
+      return tl::unexpected(fmt::format("{}/{}: no simulated devices speak '{}'; there are: {}",
+                                        spec.name, device.name, device.protocol,
+                                        known_protocols()));
     }
     const auto found = faults.devices.find(device.name);
     const DeviceFaults own = found == faults.devices.end() ? DeviceFaults{} : found->second;
@@ -43,7 +46,7 @@ tl::expected<std::unique_ptr<SimBus>, std::string> SimBus::make(const BusSpec& s
                       mix(bus->seed_, device.name),
                       start};
     auto made = kind->make(setup);
-    if (!made) return tl::unexpected(spec.name + "/" + made.error());
+    if (!made) return tl::unexpected(fmt::format("{}/{}", spec.name, made.error()));
     bus->half_duplex_ = bus->half_duplex_ && kind->half_duplex;
     bus->members_.push_back(
         {device.name, std::move(*made), FaultDice(own, mix(setup.seed, "faults"))});

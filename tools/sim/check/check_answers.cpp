@@ -1,5 +1,7 @@
 // The answers of the simulated device, disturbed in every single way: the same value comes out, or
 // none.
+#include <fmt/format.h>
+
 #include <numeric>
 
 #include "tools/sim/check/requests.hpp"
@@ -25,8 +27,7 @@ class AnswerCheck {
     noise_ = &rows_[first + 3];
     for (const NamedRequest& example : requests_.examples()) disturb(example);
     if (!subject_.checked) {
-      flips_->note =
-          "answers carry no check: " + std::to_string(unseen_) + " flipped bits pass unseen";
+      flips_->note = fmt::format("answers carry no check: {} flipped bits pass unseen", unseen_);
       noise_->note = "answers carry no check";
     }
   }
@@ -37,7 +38,7 @@ class AnswerCheck {
     const auto begin = [&] { return requests_.protocol().begin(example.request, {sequence}); };
     const RunOutcome clean = live_.run(begin());
     if (!clean.done && clean.cause != Cause::kDeviceError) {
-      splits_->fail(example.name + ": the undisturbed answer: " + clean.text(),
+      splits_->fail(fmt::format("{}: the undisturbed answer: {}", example.name, clean.text()),
                     to_hex(clean.answers.back()));
       return;
     }
@@ -48,21 +49,21 @@ class AnswerCheck {
     const auto judge = [&](CheckRow& row, const RunOutcome& outcome, bool right,
                            const std::string& what, const Bytes& frame) {
       right ? row.pass()
-            : row.fail(example.name + ", " + what + ": " + outcome.text() +
-                           "; undisturbed: " + clean.text(),
+            : row.fail(fmt::format("{}, {}: {}; undisturbed: {}", example.name, what,
+                                   outcome.text(), clean.text()),
                        to_hex(frame));
     };
     for (std::size_t round = 0; round < clean.answers.size(); ++round) {
       const Bytes& answer = clean.answers[round];
       const std::string in_round =
-          clean.answers.size() > 1 ? " of answer " + std::to_string(round + 1) : "";
+          clean.answers.size() > 1 ? fmt::format(" of answer {}", round + 1) : "";
       for (std::size_t cut = 0; cut < answer.size(); ++cut) {
         std::vector<std::size_t> cuts{cut};
         if (cut == 0)
           cuts.resize(answer.size()), std::iota(cuts.begin(), cuts.end(), 1);  // byte by byte
         const RunOutcome outcome = run(clean.answers, cuts);
         judge(*splits_, outcome, outcome.same_as(clean),
-              "split at " + std::to_string(cut) + in_round, answer);
+              fmt::format("split at {}{}", cut, in_round), answer);
       }
       for (std::size_t size = 0; size < answer.size(); ++size) {
         auto answers = clean.answers;
@@ -70,7 +71,7 @@ class AnswerCheck {
         answers[round].resize(size);
         const RunOutcome outcome = run(answers);
         judge(*cuts_, outcome, !outcome.says_something(),
-              "cut to " + std::to_string(size) + in_round, answers[round]);
+              fmt::format("cut to {}{}", size, in_round), answers[round]);
       }
       for (std::size_t bit = 0; bit<answer.size() * 8; bit += answer.size()> kMostFlipped ? 9 : 1) {
         auto answers = clean.answers;
@@ -79,8 +80,7 @@ class AnswerCheck {
         const bool right = !outcome.says_something() || outcome.same_as(clean);
         unseen_ += right ? 0 : 1;
         judge(*flips_, outcome, right || !subject_.checked,
-              "bit " + std::to_string(bit % 8) + " of byte " + std::to_string(bit / 8) + in_round +
-                  " flipped",
+              fmt::format("bit {} of byte {}{} flipped", bit % 8, bit / 8, in_round),
               answers[round]);
       }
     }

@@ -1,5 +1,7 @@
 // The whole engine against two devices of which one answers late, again and again: no channel ever
 // shows another's value.
+#include <fmt/format.h>
+
 #include <stdexcept>
 
 #include "core/bus/bus_engine.hpp"
@@ -101,7 +103,7 @@ class LateBus {
         const Bytes image = Requests::contents(slot, random_);
         if (!Requests::poke(*plant_->members()[device].device, shape.name, slot, image)) continue;
         ChannelSpec channel;
-        channel.name = "c" + std::to_string(spec.channels.size());
+        channel.name = fmt::format("c{}", spec.channels.size());
         channel.range = slot.range;
         channel.encoding = encoding_of(slot);
         channel.refresh = 500ms;
@@ -133,8 +135,8 @@ class LateBus {
   void judge(const Sample& sample) {
     if (sample.quality != Quality::kGood) return;
     if (sample.value == expected_[sample.channel]) return row_.pass();
-    row_.fail("channel " + std::to_string(sample.channel) +
-                  " shows a value that is not its own at " + to_text(now_ - Instant{}),
+    row_.fail(fmt::format("channel {} shows a value that is not its own at {}", sample.channel,
+                          to_text(now_ - Instant{})),
               "");
   }
 

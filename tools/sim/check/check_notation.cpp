@@ -1,4 +1,6 @@
 // Every form of an address: the bridge and the simulated device mean the same place by it.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <stdexcept>
 
@@ -64,7 +66,7 @@ void check_notation(const Subject& subject, CheckRows& rows) {
   const auto protocol = subject.protocol();
   for (const std::string& at : notations_of(subject)) {
     const std::string fault = fault_of(subject, *protocol, at);
-    fault.empty() ? row.pass() : row.fail("'" + at + "': " + fault, "");
+    fault.empty() ? row.pass() : row.fail(fmt::format("'{}': {}", at, fault), "");
   }
   rows.push_back(std::move(row));
 }

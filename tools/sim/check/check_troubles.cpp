@@ -1,5 +1,7 @@
 // What a device says when it will not, what is taken for an answer when it says nothing, and when
 // another one says it.
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "tools/sim/check/requests.hpp"
@@ -40,7 +42,7 @@ void refusals(const Subject& subject, const Requests& requests, CheckRows& rows)
         each || outcome.cause == Cause::kDeviceError || outcome.cause == Cause::kDeviceBusy;
     (silent ? outcome.cause == Cause::kNoAnswer : refused)
         ? row.pass()
-        : row.fail(example.name + ": " + outcome.text(), frames(outcome.answers));
+        : row.fail(fmt::format("{}: {}", example.name, outcome.text()), frames(outcome.answers));
   }
   rows.push_back(std::move(row));
 }
@@ -55,7 +57,7 @@ void silence(const Subject& subject, const Requests& requests, CheckRows& rows) 
     const RunOutcome outcome = live.run(requests.protocol().begin(example.request, {++sequence}));
     outcome.cause == Cause::kNoAnswer && !outcome.done
         ? row.pass()
-        : row.fail(example.name + ": " + outcome.text(), frames(outcome.sent));
+        : row.fail(fmt::format("{}: {}", example.name, outcome.text()), frames(outcome.sent));
   }
   rows.push_back(std::move(row));
 }
@@ -82,7 +84,7 @@ void strangers(const Subject& subject, const Requests& requests, CheckRows& rows
       const RunOutcome outcome = replay(requests.protocol().begin(example.request, {sequence}),
                                         subject.line(), answered.answers);
       outcome.says_something()
-          ? into.fail(example.name + ": " + outcome.text(), frames(answered.answers))
+          ? into.fail(fmt::format("{}: {}", example.name, outcome.text()), frames(answered.answers))
           : into.pass();
     };
     if (identity != AnswerIdentity::kNone && neighbour)

@@ -1,4 +1,6 @@
 // Every area, in every type: what the device holds is read, what is written is held and read back.
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "core/codec/value_codec.hpp"
@@ -139,8 +141,8 @@ class ValueCheck {
     const bool right = outcome.done && outcome.reply.size() == 1 &&
                        outcome.reply[0].cause == Cause::kNone && judge(outcome.reply[0].items);
     right ? rows_[read_].pass()
-          : rows_[read_].fail(what + " from " + std::to_string(slot.range.first) + ", held " +
-                                  to_hex(image) + ": " + outcome.text(),
+          : rows_[read_].fail(fmt::format("{} from {}, held {}: {}", what, slot.range.first,
+                                          to_hex(image), outcome.text()),
                               frames(outcome));
   }
 
@@ -167,19 +169,17 @@ class ValueCheck {
       }
       if (!outcome.done)
         return rows_[write_].fail(
-            what + " to " + std::to_string(slot.range.first) + ": " + outcome.text(),
-            frames(outcome));
+            fmt::format("{} to {}: {}", what, slot.range.first, outcome.text()), frames(outcome));
     }
     const auto held = Requests::peek(live_.device(), name(slot.range.area), slot, live_.now());
     const RunOutcome back = ask(ReadRequest{{slot.range}});
     const bool right =
         held == image && back.done && back.reply.size() == 1 && back.reply[0].items == image;
-    right
-        ? rows_[write_].pass()
-        : rows_[write_].fail(what + " to " + std::to_string(slot.range.first) + " of " +
-                                 to_hex(image) + ": the device holds " +
-                                 (held ? to_hex(*held) : "nothing") + ", read back " + back.text(),
-                             frames(back));
+    right ? rows_[write_].pass()
+          : rows_[write_].fail(fmt::format("{} to {} of {}: the device holds {}, read back {}",
+                                           what, slot.range.first, to_hex(image),
+                                           held ? to_hex(*held) : "nothing", back.text()),
+                               frames(back));
   }
 
   // One bit of an item, without touching the others.
@@ -205,8 +205,8 @@ class ValueCheck {
         const auto held = Requests::peek(live_.device(), name(area), slot, live_.now());
         outcome.done&& held == image
             ? rows_[write_].pass()
-            : rows_[write_].fail("bit " + std::to_string(at) + ": " + outcome.text() +
-                                     ", the device holds " + (held ? to_hex(*held) : "nothing"),
+            : rows_[write_].fail(fmt::format("bit {}: {}, the device holds {}", at, outcome.text(),
+                                             held ? to_hex(*held) : "nothing"),
                                  frames(outcome));
       }
     }
@@ -230,8 +230,8 @@ class ValueCheck {
       const auto held = Requests::peek(live_.device(), name(area), slot, live_.now());
       outcome.done&& held == image
           ? rows_[write_].pass()
-          : rows_[write_].fail("byte " + std::to_string(at / 8) + ": " + outcome.text() +
-                                   ", the device holds " + (held ? to_hex(*held) : "nothing"),
+          : rows_[write_].fail(fmt::format("byte {}: {}, the device holds {}", at / 8,
+                                           outcome.text(), held ? to_hex(*held) : "nothing"),
                                frames(outcome));
     }
   }
@@ -262,7 +262,7 @@ class ValueCheck {
       for (std::size_t i = 0; right && i < expected.size(); ++i)
         right = outcome.reply[i].items == expected[i];
       right ? row.pass()
-            : row.fail(std::to_string(expected.size()) + " ranges: " + outcome.text(),
+            : row.fail(fmt::format("{} ranges: {}", expected.size(), outcome.text()),
                        frames(outcome));
     }
   }

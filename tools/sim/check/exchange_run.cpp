@@ -1,5 +1,7 @@
 #include "tools/sim/check/exchange_run.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <stdexcept>
 
@@ -45,11 +47,11 @@ bool RunOutcome::same_as(const RunOutcome& other) const {
 
 std::string RunOutcome::text() const {
   if (!done)
-    return std::string(to_text(cause)) + (code != 0 ? " (code " + std::to_string(code) + ")" : "");
+    return std::string(to_text(cause)) + (code != 0 ? fmt::format(" (code {})", code) : "");
   std::string text = "taken:";
   for (const RangeReply& range : reply) {
-    text += range.cause == Cause::kNone ? " [" + to_hex(range.items) + "]"
-                                        : " [" + std::string(to_text(range.cause)) + "]";
+    text += range.cause == Cause::kNone ? fmt::format(" [{}]", to_hex(range.items))
+                                        : fmt::format(" [{}]", to_text(range.cause));
   }
   return text;
 }

@@ -1,5 +1,7 @@
 #include "tools/sim/check/notations.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 
@@ -28,7 +30,7 @@ void add_numbered(const declared::DeclaredArea& area, std::vector<std::string>& 
   if (area.items > 1) add(last);
   if (area.items > 31) add(area.origin + 30);
   if (area.item_bits > 1 && area.items > 2)
-    all.push_back(area.prefix + number(area.origin + 1, area.base) + ".3");
+    all.push_back(fmt::format("{}{}.3", area.prefix, number(area.origin + 1, area.base)));
 }
 
 }  // namespace
@@ -40,7 +42,7 @@ std::vector<std::string> notations_of(const Subject& subject) {
     if (!area.record) add_numbered(area, all);
     for (const declared::Place& place : area.places) {
       all.push_back(place.name);
-      if (place.bits != 0) all.push_back(place.name + '.' + std::to_string(place.bits - 1));
+      if (place.bits != 0) all.push_back(fmt::format("{}.{}", place.name, place.bits - 1));
     }
   }
   return all;

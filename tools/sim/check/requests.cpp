@@ -1,5 +1,7 @@
 #include "tools/sim/check/requests.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 #include <stdexcept>
@@ -116,7 +118,7 @@ std::vector<NamedRequest> Requests::examples() const {
     }
     if (const auto range = largest_read(area);
         range && range->count > 3 && large.insert(row.item_bits).second) {
-      add("read " + name + ", most", ReadRequest{{*range}});
+      add(fmt::format("read {}, most", name), ReadRequest{{*range}});
     }
     list.ranges.push_back({area, 0, 1});
     list.ranges.push_back({area, row.items - 1, 1});

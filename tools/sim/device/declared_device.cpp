@@ -1,5 +1,7 @@
 #include "tools/sim/device/declared_device.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "tools/sim/device/digits.hpp"
@@ -227,8 +229,8 @@ tl::expected<std::unique_ptr<SimDevice>, std::string> make_declared_device(
   const declared::Declaration& declaration = *setup.spec.declaration.value;
   if (setup.spec.link.address < declaration.lowest_address ||
       setup.spec.link.address > declaration.highest_address) {
-    return tl::unexpected(setup.spec.name + ": address " + std::to_string(setup.spec.link.address) +
-                          " is none of " + declaration.name);
+    return tl::unexpected(fmt::format("{}: address {} is none of {}", setup.spec.name,
+                                      setup.spec.link.address, declaration.name));
   }
   auto device = std::make_unique<DeclaredDevice>(setup);
   const auto parse = [&](std::string_view at) { return device->parse_address(at); };

@@ -1,5 +1,7 @@
 #include "tools/sim/device/dtc_device.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 
@@ -217,14 +219,14 @@ Bytes DtcDevice::packet(Bytes message) const {
 tl::expected<std::unique_ptr<SimDevice>, std::string> make_dtc_device(const DeviceSetup& setup) {
   const DeviceSpec& spec = setup.spec;
   if (spec.link.address > 255) {
-    return tl::unexpected(spec.name + ": address " + std::to_string(spec.link.address) +
-                          " is not 0..255");
+    return tl::unexpected(
+        fmt::format("{}: address {} is not 0..255", spec.name, spec.link.address));
   }
   std::size_t ignored = 0;
   for (const auto& [option, highest] :
        {std::pair{"max-message", kMostBytes}, std::pair{"threshold", std::size_t{65535}}}) {
     if (!read_option(spec.link, option, highest, ignored))
-      return tl::unexpected(spec.name + ": option " + option + " is no such number");
+      return tl::unexpected(fmt::format("{}: option {} is no such number", spec.name, option));
   }
   auto device = std::make_unique<DtcDevice>(setup);
   if (auto added = device->memory().add_channels(setup, parse_dtc_address); !added)

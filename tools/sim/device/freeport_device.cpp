@@ -1,5 +1,7 @@
 #include "tools/sim/device/freeport_device.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "core/codec/checksum.hpp"
@@ -127,7 +129,7 @@ Bytes FreeportDevice::store(ByteView data, std::uint32_t length) {
   for (std::uint32_t i = 0; i < kBytes; ++i) {
     if (i < length) {
       written_[i] = data[i];
-      ++statistics_.writes["window:" + std::to_string(i)];
+      ++statistics_.writes[fmt::format("window:{}", i)];
       if (mirrored_[i]) memory_.write(0, i, data[i]);
     }
     append_hex(text, written_[i], 2);
@@ -138,8 +140,8 @@ Bytes FreeportDevice::store(ByteView data, std::uint32_t length) {
 tl::expected<std::unique_ptr<SimDevice>, std::string> make_freeport_device(
     const DeviceSetup& setup) {
   if (setup.spec.link.address > 255) {
-    return tl::unexpected(setup.spec.name + ": address " + std::to_string(setup.spec.link.address) +
-                          " is not 0..255");
+    return tl::unexpected(
+        fmt::format("{}: address {} is not 0..255", setup.spec.name, setup.spec.link.address));
   }
   auto device = std::make_unique<FreeportDevice>(setup);
   if (auto added = device->memory().add_channels(setup, parse_window); !added)

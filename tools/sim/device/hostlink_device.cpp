@@ -1,5 +1,7 @@
 #include "tools/sim/device/hostlink_device.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "core/codec/checksum.hpp"
@@ -79,8 +81,7 @@ Bytes HostLinkDevice::answer(std::string_view header, std::string_view end_code,
   if (!end_code.empty() && end_code != "00")
     ++statistics_.exceptions[static_cast<unsigned>(*number_in(end_code, 16))];
   ++statistics_.answers;
-  return framed(
-      "@" + decimal(unit_) + std::string(header) + std::string(end_code) + std::string(text), true);
+  return framed(fmt::format("@{}{}{}{}", decimal(unit_), header, end_code, text), true);
 }
 
 void HostLinkDevice::take(ByteView line, Instant now, Reaction& reaction) {
@@ -185,7 +186,7 @@ Bytes HostLinkDevice::read(const Command& command, Instant now) {
   for (std::uint32_t i = 0; i < count; ++i)
     data += hex(memory_.read(place->area, place->first + i, now), flags ? 1 : 4);
   std::size_t taken = std::min(data.size(), flags ? kFlagsFirst : kReadFirst);
-  const std::string head = "@" + decimal(unit_) + command.header + "00";
+  const std::string head = fmt::format("@{}{}00", decimal(unit_), command.header);
   const Bytes first = framed(head + data.substr(0, taken), taken == data.size());
   while (taken < data.size()) {
     const std::size_t size = std::min(data.size() - taken, flags ? kFlagsLater : kReadLater);
@@ -265,8 +266,8 @@ Bytes HostLinkDevice::fins(const Command& command, Instant now, Duration& pause)
 tl::expected<std::unique_ptr<SimDevice>, std::string> make_hostlink_device(
     const DeviceSetup& setup) {
   if (setup.spec.link.address > 31) {
-    return tl::unexpected(setup.spec.name + ": unit " + std::to_string(setup.spec.link.address) +
-                          " is not 0..31");
+    return tl::unexpected(
+        fmt::format("{}: unit {} is not 0..31", setup.spec.name, setup.spec.link.address));
   }
   auto device = std::make_unique<HostLinkDevice>(setup);
   if (auto added = device->memory().add_channels(setup, parse_omron_address); !added)

@@ -1,5 +1,7 @@
 #include "tools/sim/device/item_memory.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace fieldcast::sim {
@@ -73,8 +75,8 @@ tl::expected<void, std::string> ItemMemory::add_channels(
   for (const ChannelSpec& channel : setup.spec.channels) {
     const auto at = parse(channel.at);
     if (!at || !add_channel(*at, channel.encoding, waveform_for(channel, setup.seed))) {
-      return tl::unexpected(setup.spec.name + "/" + channel.name + ": '" + channel.at +
-                            "' is not an address for its type");
+      return tl::unexpected(fmt::format("{}/{}: '{}' is not an address for its type",
+                                        setup.spec.name, channel.name, channel.at));
     }
   }
   return {};
@@ -107,7 +109,7 @@ std::uint64_t ItemMemory::read(std::size_t area, std::uint32_t item, Instant now
 void ItemMemory::write(std::size_t area, std::uint32_t item, std::uint64_t bits,
                        DeviceStatistics& statistics) {
   write(area, item, bits);
-  ++statistics.writes[std::string(areas_[area].name) + ":" + std::to_string(item)];
+  ++statistics.writes[fmt::format("{}:{}", areas_[area].name, item)];
 }
 
 std::optional<std::size_t> ItemMemory::find(std::string_view area, std::uint32_t item) const {

@@ -1,5 +1,7 @@
 #include "tools/sim/device/modbus_device.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "tools/sim/device/modbus_receivers.hpp"
@@ -63,16 +65,16 @@ tl::expected<std::unique_ptr<SimDevice>, std::string> make(const DeviceSetup& se
   const DeviceSpec& spec = setup.spec;
   const bool tcp = framing == Framing::kTcp;
   if (spec.link.address > 255 || (!tcp && (spec.link.address < 1 || spec.link.address > 247))) {
-    return tl::unexpected(spec.name + ": unit " + std::to_string(spec.link.address) +
-                          " is not a Modbus address");
+    return tl::unexpected(
+        fmt::format("{}: unit {} is not a Modbus address", spec.name, spec.link.address));
   }
   auto device = std::make_unique<ModbusDevice>(setup, framing);
   for (const ChannelSpec& channel : spec.channels) {
     const auto at = parse_modbus_address(channel.at);
     const Waveform wave = waveform_for(channel, setup.seed);
     if (!at || !device->unit().memory().add_channel(*at, channel.encoding, wave)) {
-      return tl::unexpected(spec.name + "/" + channel.name + ": '" + channel.at +
-                            "' is not an address for its type");
+      return tl::unexpected(fmt::format("{}/{}: '{}' is not an address for its type", spec.name,
+                                        channel.name, channel.at));
     }
   }
   return device;

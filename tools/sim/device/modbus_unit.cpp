@@ -1,5 +1,7 @@
 #include "tools/sim/device/modbus_unit.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdio>
 
@@ -49,7 +51,7 @@ void ModbusUnit::store(ModbusArea area, std::uint32_t first,
   memory_.write(area, first, values);
   ++statistics_.write_requests;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    ++statistics_.writes[std::string(to_text(area)) + ":" + std::to_string(first + i)];
+    ++statistics_.writes[fmt::format("{}:{}", to_text(area), first + i)];
   }
 }
 

@@ -1,5 +1,7 @@
 #include "tools/sim/device/ppi_device.hpp"
 
+#include <fmt/format.h>
+
 #include "core/codec/checksum.hpp"
 
 namespace fieldcast::sim {
@@ -120,8 +122,8 @@ Bytes PpiDevice::take_short(std::uint8_t to, std::uint8_t from, std::uint8_t con
 
 tl::expected<std::unique_ptr<SimDevice>, std::string> make_ppi_device(const DeviceSetup& setup) {
   if (setup.spec.link.address > 126) {
-    return tl::unexpected(setup.spec.name + ": address " + std::to_string(setup.spec.link.address) +
-                          " is not 0..126");
+    return tl::unexpected(
+        fmt::format("{}: address {} is not 0..126", setup.spec.name, setup.spec.link.address));
   }
   auto device = std::make_unique<PpiDevice>(setup);
   if (auto added = device->unit().memory().add_channels(setup, parse_ppi_address); !added)
