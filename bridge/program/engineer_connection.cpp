@@ -110,7 +110,7 @@ void EngineerConnection::execute(const CheckLogin& what) {
 }
 
 void EngineerConnection::execute(const TakeDevice& what) {
-  wish_ = what.number;
+  number_ = what.number;
   lost_.reset();
   const auto weak = weak_from_this();
   hold_ = around_.devices->take(what.number, who(),
@@ -217,7 +217,9 @@ void EngineerConnection::execute(const SetTimer& what) {
 
 void EngineerConnection::execute(const Remark& what) {
   if (displaced_) return;
-  const std::string target = wish_.empty() ? "" : hold_ ? hold_->bus + '/' + hold_->device : wish_;
+  const std::string target = number_.empty() ? ""
+                             : hold_         ? hold_->bus + '/' + hold_->device
+                                             : number_;
   const std::string text =
       fmt::format("{}{}: {}", who(), target.empty() ? "" : " at " + target, what.text);
   switch (what.kind) {
@@ -242,7 +244,9 @@ void EngineerConnection::execute(const Remark& what) {
 
 void EngineerConnection::audit(const std::string& result) const {
   if (!around_.hooks.audit) return;
-  const std::string target = wish_.empty() ? "" : hold_ ? hold_->bus + '/' + hold_->device : wish_;
+  const std::string target = number_.empty() ? ""
+                             : hold_         ? hold_->bus + '/' + hold_->device
+                                             : number_;
   around_.hooks.audit(
       {who(), target, engineer_.bytes_to_device(), engineer_.bytes_from_device(), result});
 }

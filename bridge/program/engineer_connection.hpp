@@ -62,7 +62,7 @@ class EngineerConnection : public std::enable_shared_from_this<EngineerConnectio
   int line_ = -1;                    // of the device, while device_ lives: for its settings
   std::optional<std::string> lost_;  // why the device's line ended
   boost::asio::steady_timer timer_;
-  std::string wish_;  // the device number asked for last
+  std::string number_;  // the device number asked for last
   UtcTime since_{};
   std::uint64_t reported_bytes_ = 0;
   bool over_ = false;

@@ -13,7 +13,7 @@ std::string seconds_text(Duration time) { return fieldcast::to_text(time); }
 }  // namespace
 
 Engineer::Engineer(const EngineerRules& rules, Instant now)
-    : rules_(rules), handshake_until_(now + rules.handshake), heard_(now) {}
+    : rules_(rules), handshake_until_(now + rules.handshake), received_at_(now) {}
 
 void Engineer::on_event(const EngineerEvent& event, Instant now, Actions& actions) {
   if (over()) return;
@@ -28,7 +28,7 @@ Instant Engineer::next_wake() const {
   switch (state_) {
     case State::kHandshake: return std::min(handshake_until_, client_stuck_);
     case State::kPaired:
-      return std::min({beat_, unheard_until(), worked_ + rules_.idle, half_from_client_,
+      return std::min({heartbeat_at_, silence_limit(), worked_at_ + rules_.idle, half_from_client_,
                        half_from_device_, client_stuck_, device_stuck_});
     default: return kNever;
   }
@@ -36,9 +36,9 @@ Instant Engineer::next_wake() const {
 
 // When the client's heartbeats are missing. While the device's queue is full nothing is read from
 // the client: its heartbeats wait with its program bytes.
-Instant Engineer::unheard_until() const {
+Instant Engineer::silence_limit() const {
   if (device_stuck_ != kNever) return kNever;
-  return heard_ + rules_.heartbeat * kMissed + rules_.heartbeat / 2;
+  return received_at_ + rules_.heartbeat * kMissed + rules_.heartbeat / 2;
 }
 
 void Engineer::handle(const ClientGone& event, Instant now, Actions& actions) {
@@ -80,13 +80,13 @@ void Engineer::handle(const DeviceGiven&, Instant now, Actions& actions) {
   reply(Reply::kPaired, actions);
   actions.push_back(
       Remark{Remark::Kind::kPaired, by_length_ ? "framing by length" : "framing by markers"});
-  wishes_ = 0;
+  refused_ = 0;
   noise_ = 0;
   to_device_ = from_device_ = 0;
   writer_ = MarkerWriter(Sender::kBridge);
   lengths_ = {};
-  heard_ = worked_ = now;
-  beat_ = now + rules_.heartbeat;
+  received_at_ = worked_at_ = now;
+  heartbeat_at_ = now + rules_.heartbeat;
   half_from_client_ = half_from_device_ = device_stuck_ = kNever;
   if (by_length_) {
     read_chunks(reader_.take_rest(), now, actions);
@@ -101,7 +101,7 @@ void Engineer::handle(const DeviceRefused& event, Instant now, Actions& actions)
 
 void Engineer::handle(const FromDevice& event, Instant now, Actions& actions) {
   if (!paired() || event.bytes.empty()) return;
-  worked_ = now;
+  worked_at_ = now;
   from_device_ += event.bytes.size();
   Bytes out;
   if (by_length_) {
@@ -126,20 +126,20 @@ void Engineer::handle(const ClientTakes& event, Instant now, Actions&) {
 }
 
 void Engineer::handle(const DeviceTakes& event, Instant now, Actions&) {
-  if (event.takes) heard_ = now;  // from here on it is read again
+  if (event.takes) received_at_ = now;  // from here on it is read again
   device_stuck_ = event.takes ? kNever : std::min(device_stuck_, now + kStuckWait);
 }
 
 void Engineer::handle(const ClientDrains&, Instant now, Actions&) {
   if (client_stuck_ == kNever) return;
   client_stuck_ = now + kStuckWait;
-  worked_ = now;
+  worked_at_ = now;
 }
 
 void Engineer::handle(const DeviceDrains&, Instant now, Actions&) {
   if (device_stuck_ == kNever) return;
   device_stuck_ = now + kStuckWait;
-  worked_ = now;
+  worked_at_ = now;
 }
 
 void Engineer::handle(const Ended& event, Instant now, Actions& actions) {
@@ -162,12 +162,12 @@ void Engineer::handle(const TimerFired&, Instant now, Actions& actions) {
   if (now >= device_stuck_)
     return end_pairing("the device takes no bytes for " + seconds_text(kStuckWait), true, now,
                        actions);
-  if (now >= unheard_until()) {
+  if (now >= silence_limit()) {
     const std::string reason = std::to_string(kMissed) + " heartbeats of the client are missing";
     end_pairing(reason, true, now, actions);
     return close(reason, actions);
   }
-  if (now >= worked_ + rules_.idle) {
+  if (now >= worked_at_ + rules_.idle) {
     return end_pairing("no program byte for " + seconds_text(rules_.idle), true, now, actions);
   }
   if (now >= half_from_client_) {
@@ -184,8 +184,8 @@ void Engineer::handle(const TimerFired&, Instant now, Actions& actions) {
     half_from_device_ = kNever;
     if (const auto half = writer_.give_up()) broken(*half, actions);
   }
-  if (now >= beat_) {
-    beat_ = now + rules_.heartbeat;
+  if (now >= heartbeat_at_) {
+    heartbeat_at_ = now + rules_.heartbeat;
     Bytes out;
     if (by_length_) {
       append_heartbeat(out);
@@ -206,7 +206,7 @@ void Engineer::refuse(Reply why, const std::string& reason, Instant now, Actions
   reply(why, actions);
   state_ = State::kHandshake;
   handshake_until_ = now + rules_.handshake;
-  if (++wishes_ >= kMaxWishes) return close("too many wishes that cannot be granted", actions);
+  if (++refused_ >= kMaxRefused) return close("too many requests that cannot be granted", actions);
   read_frames(now, actions);
 }
 

@@ -1,7 +1,7 @@
-// One engineer's connection as the bridge sees it: login, the wish for a device, the pairing, its
-// end. Pure: events and `now` in, actions out. The shell keeps which device is whose (TakeDevice is
-// answered by DeviceGiven or DeviceRefused) and the bytes' queues (ClientTakes, DeviceTakes tell
-// when one is full).
+// One engineer's connection as the bridge sees it: login, the request for a device, the pairing,
+// its end. Pure: events and `now` in, actions out. The shell keeps which device is whose
+// (TakeDevice is answered by DeviceGiven or DeviceRefused) and the queues of bytes (ClientTakes and
+// DeviceTakes tell when one is full).
 #pragma once
 
 #include <string>
@@ -99,11 +99,10 @@ class Engineer {
   // peer that reads slowly opens its TCP window in steps of several kilobytes, which at 1200 baud
   // are more than half a minute apart.
   static constexpr Duration kStuckWait = std::chrono::seconds{60};
-  static constexpr std::size_t kMaxNoise = 256,
-                               kMaxNoiseLater =
-                                   8192;  // bytes before and after the first pairing, then the end
-  static constexpr unsigned kMaxWishes = 10;       // refused ones in a row
-  static constexpr std::size_t kMaxEarly = 65536;  // bytes that come before the answer to a wish
+  // Bytes of noise before the first pairing, and after it. More of them end the connection.
+  static constexpr std::size_t kMaxNoise = 256, kMaxNoiseLater = 8192;
+  static constexpr unsigned kMaxRefused = 10;      // refused requests in a row
+  static constexpr std::size_t kMaxEarly = 65536;  // bytes that come before the answer to a request
 
   Engineer(const EngineerRules& rules, Instant now);
 
@@ -149,25 +148,25 @@ class Engineer {
   void end_pairing(const std::string& reason, bool tell, Instant now, Actions& actions);
   void close(const std::string& reason, Actions& actions);
   [[nodiscard]] Instant next_wake() const;
-  [[nodiscard]] Instant unheard_until() const;
+  [[nodiscard]] Instant silence_limit() const;
 
   EngineerRules rules_;
   State state_ = State::kHandshake;
   bool logged_in_ = false;
   bool was_paired_ = false;
-  bool by_length_ = false;  // the wish under way, or the pairing
+  bool by_length_ = false;  // the request under way, or the pairing
   MarkerReader reader_{Sender::kClient};
   MarkerWriter writer_{Sender::kBridge};
   LengthReader lengths_;
-  unsigned wishes_ = 0;
+  unsigned refused_ = 0;
   std::size_t noise_ = 0;
   std::uint64_t to_device_ = 0, from_device_ = 0;
   Instant handshake_until_;
   // The client's last bytes; the last program bytes that came, or that left after they had waited.
-  Instant heard_{}, worked_{};
+  Instant received_at_{}, worked_at_{};
   Instant half_from_client_ = kNever, half_from_device_ = kNever;  // when the rest must have come
   Instant client_stuck_ = kNever, device_stuck_ = kNever;          // when it is given up, if full
-  Instant beat_ = kNever;                                          // our next heartbeat
+  Instant heartbeat_at_ = kNever;                                  // our next heartbeat
   Instant timer_ = kNever;                                         // as last told
 };
 

@@ -1,4 +1,4 @@
-// What an engineer's client sends: login, wishes, program bytes, heartbeats.
+// What an engineer's client sends: login, requests, program bytes, heartbeats.
 #include <algorithm>
 #include <utility>
 
@@ -32,7 +32,7 @@ bool can_stand_in_a_line(std::string_view text) {
 }  // namespace
 
 void Engineer::handle(const FromClient& event, Instant now, Actions& actions) {
-  heard_ = now;
+  received_at_ = now;
   if (paired() && by_length_) return read_chunks(event.bytes, now, actions);
   reader_.feed(event.bytes);
   read_frames(now, actions);
@@ -50,7 +50,7 @@ void Engineer::read_frames(Instant now, Actions& actions) {
   const bool waiting = state_ == State::kLogin || state_ == State::kTaking;
   if (waiting && reader_.held() > kMaxEarly) {
     if (state_ == State::kTaking) actions.push_back(FreeDevice{});
-    close("the client does not wait for the answer to its wish", actions);
+    close("the client does not wait for the answer to its request", actions);
   }
 }
 
@@ -104,7 +104,7 @@ void Engineer::login(std::string_view code, Actions& actions) {
 
 void Engineer::transmission_code(const std::string& code, Instant now, Actions& actions) {
   if (code == kStopCode) end_pairing("stopped by the engineer", false, now, actions);
-  // Heartbeats were heard already.
+  // Heartbeats have set received_at_ already.
 }
 
 void Engineer::broken(const BrokenFrame& frame, Actions& actions) {
@@ -144,7 +144,7 @@ void Engineer::read_chunks(ByteView bytes, Instant now, Actions& actions) {
 
 void Engineer::program_bytes(Bytes bytes, Instant now, Actions& actions) {
   if (bytes.empty()) return;
-  worked_ = now;
+  worked_at_ = now;
   to_device_ += bytes.size();
   actions.push_back(ToDevice{std::move(bytes)});
 }

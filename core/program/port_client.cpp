@@ -25,11 +25,11 @@ void PortClient::on_event(const Event& event, Instant now, Actions& actions) {
     Instant now;
     Actions& actions;
     void operator()(const Connected&) const { me.greet(now, actions); }
-    void operator()(const FromBridge& e) const { me.hear(e.bytes, now, actions); }
+    void operator()(const FromBridge& e) const { me.receive(e.bytes, now, actions); }
     void operator()(const FromProgram& e) const { me.send_program(e.bytes, now, actions); }
     void operator()(const ProgramTakes& e) const {
       me.program_takes_ = e.takes;
-      if (e.takes) me.heard_ = now;  // from here on the bridge is read again
+      if (e.takes) me.received_at_ = now;  // from here on the bridge is read again
     }
     void operator()(const LineChanged& e) const {
       if (me.paired()) me.set_line(e.settings, actions);
@@ -48,13 +48,13 @@ void PortClient::on_event(const Event& event, Instant now, Actions& actions) {
 Instant PortClient::next_wake() const {
   if (state_ == State::kAsking) return reply_until_;
   if (!paired()) return kNever;
-  return std::min({beat_, unheard_until(), half_from_program_, half_from_bridge_});
+  return std::min({heartbeat_at_, silence_limit(), half_from_program_, half_from_bridge_});
 }
 
 // When the bridge's heartbeats are missing; while the program takes nothing they wait unread.
-Instant PortClient::unheard_until() const {
+Instant PortClient::silence_limit() const {
   if (!program_takes_) return kNever;
-  return heard_ + rules_.heartbeat * kMissed + rules_.heartbeat / 2;
+  return received_at_ + rules_.heartbeat * kMissed + rules_.heartbeat / 2;
 }
 
 void PortClient::greet(Instant now, Actions& actions) {
@@ -67,12 +67,12 @@ void PortClient::greet(Instant now, Actions& actions) {
                             rules_.number));
   actions.push_back(ToBridge{std::move(out)});
   state_ = State::kAsking;
-  heard_ = now;
+  received_at_ = now;
   reply_until_ = now + rules_.reply;
 }
 
-void PortClient::hear(ByteView bytes, Instant now, Actions& actions) {
-  heard_ = now;
+void PortClient::receive(ByteView bytes, Instant now, Actions& actions) {
+  received_at_ = now;
   if (paired() && rules_.by_length) return read_chunks(bytes, actions);
   reader_.feed(bytes);
   read_frames(now, actions);
@@ -110,7 +110,7 @@ void PortClient::bridge_gone(const std::string& reason, Instant now, Actions& ac
 }
 
 void PortClient::code(const std::string& code, Instant now, Actions& actions) {
-  if (code == kHeartbeatCode && paired()) return beat(actions);
+  if (code == kHeartbeatCode && paired()) return send_heartbeat(actions);
   const auto reply = reply_from(code);
   if (!reply) return;
   if (paired()) {
@@ -121,7 +121,7 @@ void PortClient::code(const std::string& code, Instant now, Actions& actions) {
   if (*reply != Reply::kPaired)
     return finish(PortEnd::Kind::kRefused, refusal(*reply), actions, *reply);
   state_ = State::kPaired;
-  beat_ = now + rules_.heartbeat;
+  heartbeat_at_ = now + rules_.heartbeat;
   actions.push_back(Paired{});
   if (rules_.format) set_line({}, actions);  // ahead of the program's first byte
   if (rules_.by_length) read_chunks(reader_.take_rest(), actions);
@@ -158,7 +158,7 @@ void PortClient::read_chunks(ByteView bytes, Actions& actions) {
       continue;
     }
     if (std::holds_alternative<Heartbeat>(*frame)) {
-      beat(actions);
+      send_heartbeat(actions);
       continue;
     }
     if (!program.empty()) {
@@ -209,7 +209,7 @@ void PortClient::timer(Instant now, Actions& actions) {
     return finish(PortEnd::Kind::kBridgeGone, "the bridge does not answer", actions);
   }
   if (!paired()) return;
-  if (now >= unheard_until()) {
+  if (now >= silence_limit()) {
     return finish(PortEnd::Kind::kBridgeGone,
                   std::to_string(kMissed) + " heartbeats of the bridge are missing", actions);
   }
@@ -228,12 +228,12 @@ void PortClient::timer(Instant now, Actions& actions) {
     if (const auto half = writer_.give_up())
       actions.push_back(Dropped{std::string(to_text(half->fault))});
   }
-  if (now < beat_) return;
-  beat_ = now + rules_.heartbeat;
-  beat(actions);
+  if (now < heartbeat_at_) return;
+  heartbeat_at_ = now + rules_.heartbeat;
+  send_heartbeat(actions);
 }
 
-void PortClient::beat(Actions& actions) const {
+void PortClient::send_heartbeat(Actions& actions) const {
   Bytes out;
   if (rules_.by_length) {
     append_heartbeat(out);

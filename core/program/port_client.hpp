@@ -88,7 +88,7 @@ class PortClient {
   enum class State : std::uint8_t { kIdle, kAsking, kPaired, kOver };
 
   void greet(Instant now, Actions& actions);
-  void hear(ByteView bytes, Instant now, Actions& actions);
+  void receive(ByteView bytes, Instant now, Actions& actions);
   void read_frames(Instant now, Actions& actions);
   void take_frame(MarkerFrame frame, Instant now, Actions& actions);
   void read_chunks(ByteView bytes, Actions& actions);
@@ -97,14 +97,14 @@ class PortClient {
   [[nodiscard]] std::string refusal(Reply reply) const;  // for people
   void send_program(ByteView bytes, Instant now, Actions& actions);
   void stop(Actions& actions);
-  void beat(Actions& actions)
-      const;  // at our own rhythm, and in answer to the bridge's, which may be quicker
+  // Sent at our own period, and in answer to the bridge's heartbeats, whose period may be shorter.
+  void send_heartbeat(Actions& actions) const;
   void timer(Instant now, Actions& actions);
   void finish(PortEnd::Kind kind, std::string text, Actions& actions,
               std::optional<Reply> reply = {});
   void bridge_gone(const std::string& reason, Instant now, Actions& actions);
   [[nodiscard]] Instant next_wake() const;
-  [[nodiscard]] Instant unheard_until() const;
+  [[nodiscard]] Instant silence_limit() const;
 
   PortClientRules rules_;
   State state_ = State::kIdle;
@@ -112,8 +112,8 @@ class PortClient {
   MarkerWriter writer_{Sender::kClient};
   LengthReader lengths_;
   std::uint64_t to_device_ = 0, from_device_ = 0;
-  Instant heard_{}, beat_ = kNever, reply_until_ = kNever, half_from_program_ = kNever;
-  Instant half_from_bridge_ = kNever;
+  Instant received_at_{}, heartbeat_at_ = kNever, reply_until_ = kNever;
+  Instant half_from_program_ = kNever, half_from_bridge_ = kNever;
   bool program_takes_ = true;
   Instant timer_ = kNever;
 };

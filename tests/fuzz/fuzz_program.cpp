@@ -31,9 +31,9 @@ void run_one(ByteView data) {
     }
     return asks ? 1 : logs_in ? 2 : 0;
   };
-  const auto settle = [&](int wish) {
-    for (int round = 0; wish != 0 && round < 100; ++round) {
-      wish = wish == 1 ? tell(DeviceGiven{}) : tell(LoginChecked{true, {}});
+  const auto settle = [&](int pending) {
+    for (int round = 0; pending != 0 && round < 100; ++round) {
+      pending = pending == 1 ? tell(DeviceGiven{}) : tell(LoginChecked{true, {}});
     }
   };
   while (!data.empty()) {

@@ -33,7 +33,7 @@ struct Bench {
       if (auto* remark = std::get_if<Remark>(&action)) remarks.push_back(*remark);
     }
   }
-  void says(std::string_view text) { tell(FromClient{as_bytes(text)}); }
+  void sends(std::string_view text) { tell(FromClient{as_bytes(text)}); }
   void answers(std::string_view text) { tell(FromDevice{as_bytes(text)}); }
   // Lets time pass, firing what is due.
   void pass(Duration time) {
@@ -45,13 +45,13 @@ struct Bench {
     }
     now = until;
   }
-  void pair(std::string_view wish = "@@17FEFF") {
-    says(wish);
+  void pair(std::string_view request = "@@17FEFF") {
+    sends(request);
     tell(DeviceGiven{});
     ASSERT_TRUE(engineer.paired());
     client.clear();
   }
-  std::string heard() { return std::string(as_text(std::exchange(client, {}))); }
+  std::string received() { return std::string(as_text(std::exchange(client, {}))); }
   std::string reached() { return std::string(as_text(std::exchange(device, {}))); }
   [[nodiscard]] std::string last_remark() const {
     return remarks.empty() ? "" : remarks.back().text;
@@ -67,43 +67,43 @@ struct Bench {
   int freed = 0, hung_up = 0;
 };
 
-TEST(Engineer, AWishIsAnsweredAndBytesPassBothWays) {
+TEST(Engineer, ARequestIsAnsweredAndBytesPassBothWays) {
   Bench b;
-  b.says("@@17FEFF");
+  b.sends("@@17FEFF");
   EXPECT_THAT(b.taken, ElementsAre("17"));
   b.tell(DeviceGiven{});
-  EXPECT_EQ(b.heard(), "@@0000FEFF");
-  b.says("@@@00FA0FEFF*\rFEFF");
+  EXPECT_EQ(b.received(), "@@0000FEFF");
+  b.sends("@@@00FA0FEFF*\rFEFF");
   EXPECT_EQ(b.reached(), "@00FA0FEFF*\r");
   b.answers("@00FA00*");
-  EXPECT_EQ(b.heard(), "");
+  EXPECT_EQ(b.received(), "");
   b.answers("\r");
-  EXPECT_EQ(b.heard(), "@@@00FA00*\rFEFF");
+  EXPECT_EQ(b.received(), "@@@00FA00*\rFEFF");
   EXPECT_EQ(b.engineer.bytes_to_device(), 12u);
   EXPECT_EQ(b.engineer.bytes_from_device(), 9u);
 }
 
 TEST(Engineer, RefusalsHaveTheirReplyAndTheClientMayAskAgain) {
   Bench b;
-  b.says("@@17FEFF");
+  b.sends("@@17FEFF");
   b.tell(DeviceRefused{Reply::kNotOnline, ""});
-  EXPECT_EQ(b.heard(), "@@0001FEFF");
-  b.says("@@18FEFF");
+  EXPECT_EQ(b.received(), "@@0001FEFF");
+  b.sends("@@18FEFF");
   b.tell(DeviceRefused{Reply::kInUse, ""});
-  EXPECT_EQ(b.heard(), "@@0002FEFF");
-  b.says("@@press 1FEFF");
-  EXPECT_EQ(b.heard(), "@@0001FEFF");
-  b.says("@@19FEFF");
+  EXPECT_EQ(b.received(), "@@0002FEFF");
+  b.sends("@@press 1FEFF");
+  EXPECT_EQ(b.received(), "@@0001FEFF");
+  b.sends("@@19FEFF");
   b.tell(DeviceGiven{});
-  EXPECT_EQ(b.heard(), "@@0000FEFF");
+  EXPECT_EQ(b.received(), "@@0000FEFF");
   EXPECT_THAT(b.taken, ElementsAre("17", "18", "19"));
 }
 
-TEST(Engineer, OnlySoManyWishesAreHeard) {
+TEST(Engineer, OnlySoManyRequestsAreRefused) {
   Bench b;
-  for (unsigned i = 0; i < Engineer::kMaxWishes; ++i) {
+  for (unsigned i = 0; i < Engineer::kMaxRefused; ++i) {
     EXPECT_EQ(b.hung_up, 0);
-    b.says("@@?FEFF");
+    b.sends("@@?FEFF");
   }
   EXPECT_EQ(b.hung_up, 1);
   EXPECT_TRUE(b.engineer.over());
@@ -112,7 +112,7 @@ TEST(Engineer, OnlySoManyWishesAreHeard) {
 TEST(Engineer, StopReleasesTheDeviceAndAnotherCanBeAskedFor) {
   Bench b;
   b.pair();
-  b.says("@@EDFEFF@@18FEFF");
+  b.sends("@@EDFEFF@@18FEFF");
   EXPECT_EQ(b.freed, 1);
   EXPECT_EQ(b.hung_up, 0);
   EXPECT_THAT(b.taken, ElementsAre("17", "18"));
@@ -123,16 +123,16 @@ TEST(Engineer, TheLossOfTheDeviceIsToldAndFreesIt) {
   b.pair();
   b.answers("@00FA");
   b.tell(DeviceLost{"closed by the peer"});
-  EXPECT_EQ(b.heard(), "@@0003FEFF");
+  EXPECT_EQ(b.received(), "@@0003FEFF");
   EXPECT_EQ(b.freed, 1);
   EXPECT_THAT(b.last_remark(), HasSubstr("closed by the peer"));
   EXPECT_FALSE(b.engineer.over());
-  b.says("@@@00late*\rFEFF");  // was on its way
+  b.sends("@@@00late*\rFEFF");  // was on its way
   EXPECT_EQ(b.reached(), "");
-  EXPECT_EQ(b.heard(), "");
-  b.says("@@17FEFF");
+  EXPECT_EQ(b.received(), "");
+  b.sends("@@17FEFF");
   b.tell(DeviceGiven{});
-  EXPECT_EQ(b.heard(), "@@0000FEFF");
+  EXPECT_EQ(b.received(), "@@0000FEFF");
 }
 
 TEST(Engineer, TheLossOfTheClientFreesTheDevice) {
@@ -145,7 +145,7 @@ TEST(Engineer, TheLossOfTheClientFreesTheDevice) {
 
 TEST(Engineer, AClientThatIsGoneBeforeTheDeviceIsGivenLeavesNothingTaken) {
   Bench b;
-  b.says("@@17FEFF");
+  b.sends("@@17FEFF");
   b.tell(ClientGone{"reset"});
   EXPECT_EQ(b.freed, 1);
   b.tell(DeviceGiven{});
@@ -156,8 +156,8 @@ TEST(Engineer, HeartbeatsAreSentAndThreeMissedFreeThePairing) {
   Bench b;
   b.pair();
   b.pass(milliseconds{5001});
-  EXPECT_EQ(b.heard(), "@@HBFEFF");
-  b.says("@@HBFEFF");
+  EXPECT_EQ(b.received(), "@@HBFEFF");
+  b.sends("@@HBFEFF");
   b.pass(seconds{17});
   EXPECT_TRUE(b.engineer.paired());
   b.pass(seconds{1});
@@ -173,12 +173,12 @@ TEST(Engineer, APairingWithoutProgramBytesIsFreedAfterItsIdleTime) {
   b.pair();
   for (int i = 0; i < 23; ++i) {
     b.pass(seconds{5});
-    b.says("@@HBFEFF");
+    b.sends("@@HBFEFF");
     ASSERT_TRUE(b.engineer.paired()) << i;
   }
   b.pass(seconds{5});
   EXPECT_EQ(b.freed, 1);
-  EXPECT_THAT(b.heard(), HasSubstr("@@0003FEFF"));
+  EXPECT_THAT(b.received(), HasSubstr("@@0003FEFF"));
 }
 
 TEST(Engineer, AClientThatNeverSpeaksIsHungUp) {
@@ -195,7 +195,7 @@ TEST(Engineer, WhoLogsInAndThenNeverAsksIsHungUp) {
   rules.login_needed = true;
   Bench b(rules);
   b.pass(seconds{9});
-  b.says("@@AU616e6e61:736563726574FEFF");
+  b.sends("@@AU616e6e61:736563726574FEFF");
   b.tell(LoginChecked{true, ""});
   b.pass(milliseconds{9999});
   EXPECT_EQ(b.hung_up, 0);
@@ -210,7 +210,7 @@ TEST(Engineer, AClientThatNeverReadsIsFreed) {
   b.tell(ClientTakes{false});
   const auto beat = [&](int times) {
     for (int i = 0; i < times; ++i) {
-      b.says("@@HBFEFF");
+      b.sends("@@HBFEFF");
       b.pass(seconds{5});
     }
   };
@@ -234,7 +234,7 @@ TEST(Engineer, ADeviceThatTakesNoBytesIsLost) {
   EXPECT_TRUE(b.engineer.paired());
   b.pass(seconds{1});
   EXPECT_EQ(b.freed, 1);
-  EXPECT_THAT(b.heard(), HasSubstr("@@0003FEFF"));
+  EXPECT_THAT(b.received(), HasSubstr("@@0003FEFF"));
 }
 
 // 200 KiB at 1 920 B/s: 107 s with a full queue, in which the client is not read, nor its
@@ -244,7 +244,7 @@ TEST(Engineer, ASlowLineThatDrainsIsNeverCut) {
        {std::pair{seconds{1}, seconds{107}}, std::pair{seconds{40}, seconds{1900}}}) {
     Bench b;
     b.pair();
-    b.says("@@@00WD*\rFEFF");
+    b.sends("@@@00WD*\rFEFF");
     b.tell(DeviceTakes{false});
     for (auto passed = seconds{0}; passed < length; passed += step) {
       b.pass(step);
@@ -266,7 +266,7 @@ TEST(Engineer, ASlowClientThatDrainsIsNeverCut) {
   b.tell(ClientTakes{false});
   for (int i = 0; i < 300; ++i) {
     b.pass(seconds{4});
-    b.says("@@HBFEFF");
+    b.sends("@@HBFEFF");
     if (i % 10 == 0) b.tell(ClientDrains{});
     ASSERT_TRUE(b.engineer.paired()) << i << ": " << b.last_remark();
   }
@@ -275,7 +275,7 @@ TEST(Engineer, ASlowClientThatDrainsIsNeverCut) {
 TEST(Engineer, AStopThatNothingFollowsReleasesTheDeviceAllTheSame) {
   Bench b;
   b.pair();
-  b.says("@@EDFEFF");
+  b.sends("@@EDFEFF");
   EXPECT_EQ(b.freed, 0);
   b.pass(milliseconds{201});
   EXPECT_EQ(b.freed, 1);
@@ -286,7 +286,7 @@ TEST(Engineer, AStopThatNothingFollowsReleasesTheDeviceAllTheSame) {
 TEST(Engineer, AClientThatStopsAndLeavesHasStopped) {
   Bench b;
   b.pair();
-  b.says("@@EDFEFF");
+  b.sends("@@EDFEFF");
   b.tell(ClientGone{"closed by the peer"});
   EXPECT_EQ(b.freed, 1);
   EXPECT_TRUE(b.engineer.over());
@@ -297,11 +297,11 @@ TEST(Engineer, AClientThatStopsAndLeavesHasStopped) {
 TEST(Engineer, AContinuationThatBeginsLikeAControlFrameReachesItsSide) {
   Bench b;
   b.pair();
-  b.says("@@0000FEFF12\rFEFF@@EDFEFF34\rFE");
-  b.says("FF");
+  b.sends("@@0000FEFF12\rFEFF@@EDFEFF34\rFE");
+  b.sends("FF");
   EXPECT_EQ(b.reached(), "0000FEFF12\rEDFEFF34\r");
   b.answers("0000FEFF56\r0003FEFF78*\r");
-  EXPECT_EQ(b.heard(), "@@0000FEFF56\rFEFF@@0003FEFF78*\rFEFF");
+  EXPECT_EQ(b.received(), "@@0000FEFF56\rFEFF@@0003FEFF78*\rFEFF");
   EXPECT_TRUE(b.engineer.paired());
   EXPECT_THAT(b.remarks.back().kind, Remark::Kind::kPaired);  // nothing was dropped
 }
@@ -309,28 +309,28 @@ TEST(Engineer, AContinuationThatBeginsLikeAControlFrameReachesItsSide) {
 TEST(Engineer, HalfAnInstructionIsDroppedAndReportedNeverSent) {
   Bench b;
   b.pair();
-  b.says("@@@00FA");
+  b.sends("@@@00FA");
   b.pass(milliseconds{1900});
-  b.says("00");
+  b.sends("00");
   b.pass(milliseconds{1999});
   EXPECT_THAT(b.remarks.back().kind, Remark::Kind::kPaired);
   b.pass(milliseconds{2});
   EXPECT_EQ(b.remarks.back().kind, Remark::Kind::kDropped);
-  b.says("@@@00next*\rFEFF");
+  b.sends("@@@00next*\rFEFF");
   EXPECT_EQ(b.reached(), "@00next*\r");
   b.answers("@00half");
   b.pass(milliseconds{2001});
   EXPECT_EQ(b.remarks.back().kind, Remark::Kind::kDropped);
   b.answers("@00ok*\r");
-  EXPECT_THAT(b.heard(), HasSubstr("@@@00ok*\rFEFF"));
+  EXPECT_THAT(b.received(), HasSubstr("@@@00ok*\rFEFF"));
 }
 
 TEST(Engineer, GarbageBeforeTheHandshakeIsBoundedAndReported) {
   Bench b;
-  b.says("GET / HTTP/1.1\r\n\r\n");
+  b.sends("GET / HTTP/1.1\r\n\r\n");
   EXPECT_EQ(b.remarks.back().kind, Remark::Kind::kDropped);
   EXPECT_FALSE(b.engineer.over());
-  b.says(std::string(Engineer::kMaxNoise, 'x'));
+  b.sends(std::string(Engineer::kMaxNoise, 'x'));
   EXPECT_TRUE(b.engineer.over());
   EXPECT_EQ(b.hung_up, 1);
   EXPECT_THAT(b.taken, IsEmpty());
@@ -340,8 +340,8 @@ TEST(Engineer, ALoginIsDemandedWhereItIsNeeded) {
   EngineerRules rules;
   rules.login_needed = true;
   Bench b(rules);
-  b.says("@@17FEFF");
-  EXPECT_EQ(b.heard(), "@@0004FEFF");
+  b.sends("@@17FEFF");
+  EXPECT_EQ(b.received(), "@@0004FEFF");
   EXPECT_THAT(b.taken, IsEmpty());
   EXPECT_EQ(b.hung_up, 1);
   EXPECT_EQ(b.remarks.back().kind, Remark::Kind::kLoginFailed);
@@ -352,13 +352,13 @@ TEST(Engineer, ARightLoginOpensTheWayAndAWrongOneClosesIt) {
   rules.login_needed = true;
   Bench good(rules), bad(rules);
   for (Bench* b : {&good, &bad})
-    b->says("@@AU616e6e61:736563726574FEFF@@V217FEFF");  // anna, secret
+    b->sends("@@AU616e6e61:736563726574FEFF@@V217FEFF");  // anna, secret
   EXPECT_THAT(good.logins, ElementsAre("anna/secret"));
   EXPECT_THAT(good.taken, IsEmpty());
   good.tell(LoginChecked{true, ""});
   EXPECT_THAT(good.taken, ElementsAre("17"));
   bad.tell(LoginChecked{false, "wrong password"});
-  EXPECT_EQ(bad.heard(), "@@0004FEFF");
+  EXPECT_EQ(bad.received(), "@@0004FEFF");
   EXPECT_EQ(bad.hung_up, 1);
   EXPECT_EQ(bad.remarks.back().kind, Remark::Kind::kLoginFailed);
   EXPECT_THAT(bad.taken, IsEmpty());
@@ -368,8 +368,8 @@ TEST(Engineer, ALoginThatCannotBeReadIsRefused) {
   for (const char* login :
        {"@@AU:FEFF", "@@AU6:6FEFF", "@@AUzz:00FEFF", "@@AU610a62:00FEFF", "@@AU616E6E61:00FEFF"}) {
     Bench b;
-    b.says(login);
-    EXPECT_EQ(b.heard(), "@@0004FEFF") << login;
+    b.sends(login);
+    EXPECT_EQ(b.received(), "@@0004FEFF") << login;
     EXPECT_TRUE(b.engineer.over()) << login;
     EXPECT_THAT(b.logins, IsEmpty()) << login;
   }
@@ -377,7 +377,7 @@ TEST(Engineer, ALoginThatCannotBeReadIsRefused) {
 
 TEST(Engineer, WhoFloodsInsteadOfWaitingForTheReplyIsHungUp) {
   Bench b;
-  b.says("@@17FEFF");
+  b.sends("@@17FEFF");
   b.tell(FromClient{Bytes(Engineer::kMaxEarly + 1, 'x')});
   EXPECT_EQ(b.hung_up, 1);
   EXPECT_EQ(b.freed, 1);
@@ -431,7 +431,7 @@ TEST(Engineer, WithFramingByLengthTheLossIsAStopAndItsReason) {
 TEST(Engineer, AStreamThatMakesNoSenseEndsThePairing) {
   Bench b;
   b.pair("@@V217FEFF");
-  b.says("@@17FEFF");  // 40403137h bytes
+  b.sends("@@17FEFF");  // 40403137h bytes
   EXPECT_EQ(b.freed, 1);
   EXPECT_TRUE(b.engineer.over());
   EXPECT_EQ(b.reached(), "");
@@ -441,7 +441,7 @@ TEST(Engineer, TheBridgesEndIsToldToAClient) {
   Bench b;
   b.pair();
   b.tell(Ended{"the bridge stops"});
-  EXPECT_EQ(b.heard(), "@@0003FEFF");
+  EXPECT_EQ(b.received(), "@@0003FEFF");
   EXPECT_EQ(b.freed, 1);
   EXPECT_EQ(b.hung_up, 1);
 }

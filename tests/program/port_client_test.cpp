@@ -26,7 +26,7 @@ struct Bench {
       if (std::holds_alternative<PortClient::Dropped>(action)) ++dropped;
     }
   }
-  void hears(std::string_view text) { tell(PortClient::FromBridge{as_bytes(text)}); }
+  void receives(std::string_view text) { tell(PortClient::FromBridge{as_bytes(text)}); }
   void pass(Duration time) {
     const Instant until = now + time;
     while (wake <= until) {
@@ -57,9 +57,9 @@ TEST(PortClient, AsksForItsDeviceAndCarriesInstructions) {
   Bench b(markers());
   b.tell(PortClient::Connected{});
   EXPECT_EQ(b.sent(), "@@17FEFF");
-  b.hears("@@0000FE");
+  b.receives("@@0000FE");
   EXPECT_FALSE(b.client.paired());
-  b.hears("FF@@@00first*\rFEFF");
+  b.receives("FF@@@00first*\rFEFF");
   EXPECT_TRUE(b.client.paired());
   EXPECT_EQ(as_text(b.program), "@00first*\r");
   b.tell(PortClient::FromProgram{as_bytes("@00RD*\r@00")});
@@ -68,7 +68,7 @@ TEST(PortClient, AsksForItsDeviceAndCarriesInstructions) {
   EXPECT_EQ(b.dropped, 1);
 }
 
-TEST(PortClient, ALoginGoesAheadOfTheWish) {
+TEST(PortClient, ALoginGoesAheadOfTheRequest) {
   PortClientRules rules;
   rules.number = "17";
   rules.user = "anna";
@@ -102,7 +102,7 @@ TEST(PortClient, TheFormatThatIsGivenGoesAheadOfTheFirstByteAndWithEverySpeed) {
   Bench b(rules);
   b.tell(PortClient::Connected{});
   (void)b.sent();
-  b.hears("@@0000FEFF");
+  b.receives("@@0000FEFF");
   EXPECT_EQ(std::exchange(b.bridge, {}), settings({0, 2, 7, Parity::kEven}));
   b.tell(PortClient::LineChanged{{115200, 1}});
   EXPECT_EQ(std::exchange(b.bridge, {}), settings({115200, 2, 7, Parity::kEven}));
@@ -113,7 +113,7 @@ TEST(PortClient, WithoutAFormatOnlyWhatTheVirtualPortTellsIsCarried) {
   rules.number = "17";
   Bench b(rules);
   b.tell(PortClient::Connected{});
-  b.hears("@@0000FEFF");
+  b.receives("@@0000FEFF");
   (void)b.sent();
   b.tell(PortClient::LineChanged{{115200, 2}});
   EXPECT_EQ(std::exchange(b.bridge, {}), settings({115200, 2, 0, Parity::kNone}));
@@ -138,10 +138,10 @@ TEST(PortClient, TheEndOfTheDeviceOfTheBridgeAndOfTheUserAreTold) {
   Bench lost(markers()), gone(markers()), stopped(markers());
   for (Bench* b : {&lost, &gone, &stopped}) {
     b->tell(PortClient::Connected{});
-    b->hears("@@0000FEFF");
+    b->receives("@@0000FEFF");
     (void)b->sent();
   }
-  lost.hears("@@0003FEFF");
+  lost.receives("@@0003FEFF");
   lost.pass(milliseconds{201});  // an instruction could begin so
   EXPECT_EQ(lost.end->kind, PortEnd::Kind::kDeviceLost);
   gone.tell(PortClient::BridgeGone{"reset"});
@@ -154,11 +154,11 @@ TEST(PortClient, TheEndOfTheDeviceOfTheBridgeAndOfTheUserAreTold) {
 TEST(PortClient, ABridgeThatFallsSilentIsGone) {
   Bench b(markers());
   b.tell(PortClient::Connected{});
-  b.hears("@@0000FEFF");
+  b.receives("@@0000FEFF");
   b.pass(seconds{16});
   EXPECT_FALSE(b.end);
   EXPECT_THAT(b.sent(), testing::HasSubstr("@@HBFEFF@@HBFEFF@@HBFEFF"));
-  b.hears("@@HBFEFF");
+  b.receives("@@HBFEFF");
   b.pass(seconds{17});
   EXPECT_FALSE(b.end);
   b.pass(seconds{1});
@@ -172,10 +172,10 @@ TEST(PortClient, AHeartbeatOfTheBridgeIsAnswered) {
   Bench b(markers()), v2(lengths);
   for (Bench* bench : {&b, &v2}) {
     bench->tell(PortClient::Connected{});
-    bench->hears("@@0000FEFF");
+    bench->receives("@@0000FEFF");
     (void)bench->sent();
   }
-  b.hears("@@HBFEFF");
+  b.receives("@@HBFEFF");
   EXPECT_EQ(b.sent(), "@@HBFEFF");
   v2.tell(PortClient::FromBridge{Bytes{0, 0, 0, 0}});
   EXPECT_EQ(v2.sent(), std::string(4, '\0'));
@@ -192,7 +192,7 @@ TEST(PortClient, ABridgeThatNeverAnswersIsGivenUp) {
 TEST(PortClient, WhatIsNoBridgeIsSaidSo) {
   Bench b(markers());
   b.tell(PortClient::Connected{});
-  b.hears("SSH-2.0-OpenSSH_9.2\r\n");
+  b.receives("SSH-2.0-OpenSSH_9.2\r\n");
   ASSERT_TRUE(b.end);
   EXPECT_EQ(b.end->kind, PortEnd::Kind::kProtocol);
 }
@@ -200,11 +200,11 @@ TEST(PortClient, WhatIsNoBridgeIsSaidSo) {
 TEST(PortClient, AContinuationThatBeginsLikeTheLossOfTheDeviceIsProgramBytes) {
   Bench b(markers());
   b.tell(PortClient::Connected{});
-  b.hears("@@0000FEFF@@0003FEFF");
+  b.receives("@@0000FEFF@@0003FEFF");
   EXPECT_FALSE(b.end);
-  b.hears("12*\rFEFF@@0000FEFF34*\rFEFF");
+  b.receives("12*\rFEFF@@0000FEFF34*\rFEFF");
   EXPECT_EQ(as_text(b.program), "0003FEFF12*\r0000FEFF34*\r");
-  b.hears("@@0003FEFF");
+  b.receives("@@0003FEFF");
   EXPECT_FALSE(b.end);
   b.pass(milliseconds{201});
   ASSERT_TRUE(b.end);
@@ -214,7 +214,7 @@ TEST(PortClient, AContinuationThatBeginsLikeTheLossOfTheDeviceIsProgramBytes) {
 TEST(PortClient, ABridgeThatTellsTheLossAndClosesHasToldIt) {
   Bench b(markers());
   b.tell(PortClient::Connected{});
-  b.hears("@@0000FEFF@@0003FEFF");
+  b.receives("@@0000FEFF@@0003FEFF");
   b.tell(PortClient::BridgeGone{"closed by the peer"});
   ASSERT_TRUE(b.end);
   EXPECT_EQ(b.end->kind, PortEnd::Kind::kDeviceLost);
@@ -223,7 +223,7 @@ TEST(PortClient, ABridgeThatTellsTheLossAndClosesHasToldIt) {
 TEST(PortClient, WhileTheProgramTakesNothingNoHeartbeatIsMissed) {
   Bench b(markers());
   b.tell(PortClient::Connected{});
-  b.hears("@@0000FEFF");
+  b.receives("@@0000FEFF");
   b.tell(PortClient::ProgramTakes{false});
   b.pass(seconds{120});
   EXPECT_FALSE(b.end);
