@@ -119,7 +119,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
 
   void lease(const std::string& who, const Granted& granted, Revoked revoked) {
     if (revoked_)
-      return granted(tl::make_unexpected(LeaseRefused{true, "the bus is lent already"}));
+      return granted(tl::make_unexpected(LeaseRefused{true, "the bus is leased already"}));
     if (stopped_ || !open_) return granted(tl::make_unexpected(not_open()));
     revoked_ = std::move(revoked);
     report_soon_ = true;

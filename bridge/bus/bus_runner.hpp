@@ -60,7 +60,7 @@ class BusRunner {
   // Wire trace on stdout.
   void set_trace(bool on);
 
-  // Lends the bus to `who`: its acquisition rests until end_lease(). `granted` is called once;
+  // Leases the bus to `who`: its acquisition rests until end_lease(). `granted` is called once;
   // `revoked`, after a grant, when the port is lost or the bus stops before the lease ended. Both
   // on the io thread, where they only post.
   using Granted = std::function<void(tl::expected<LeasedLine, LeaseRefused>)>;

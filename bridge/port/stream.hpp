@@ -1,5 +1,5 @@
 // An open line as a stream of bytes, whether a terminal or a connected socket: sends, keeps what
-// the line does not take yet, delivers what arrives, and lends itself to a programming session.
+// the line does not take yet, delivers what arrives, and leases itself to a programming session.
 //
 // Owns the descriptor. Lives on its bus's io thread; shared with the handlers under way, which do
 // nothing once it is over. Includes Asio: for the ports alone.

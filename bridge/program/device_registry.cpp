@@ -9,7 +9,7 @@ namespace asio = boost::asio;
 
 namespace {
 
-// Whoever has the device hears that it is taken back; bytes that still leave for it are cut off.
+// Whoever has the device is told that it is taken back; bytes that still leave for it are cut off.
 std::function<void(std::string)> revoker(std::shared_ptr<Hold> hold,
                                          std::function<void(std::string)> revoked) {
   return [hold = std::move(hold), revoked = std::move(revoked)](const std::string& reason) {
@@ -101,19 +101,19 @@ void DeviceRegistry::free(const std::shared_ptr<Hold>& hold) {
 void DeviceRegistry::ask_bus(const std::shared_ptr<Hold>& hold,
                              const std::shared_ptr<Handlers>& handlers) {
   auto answered = [self = shared_from_this(), hold,
-                   handlers](tl::expected<LeasedLine, LeaseRefused> lent) {
+                   handlers](tl::expected<LeasedLine, LeaseRefused> lease) {
     asio::post(
         self->io_,
         [self, hold, handlers,
-         lent = std::make_shared<tl::expected<LeasedLine, LeaseRefused>>(std::move(lent))] {
-          if (!*lent) {
+         lease = std::make_shared<tl::expected<LeasedLine, LeaseRefused>>(std::move(lease))] {
+          if (!*lease) {
             if (hold->over) return;
             hold->over = true;
             self->free(hold);
             return handlers->refused(
-                {lent->error().in_use ? Reply::kInUse : Reply::kNotOnline, lent->error().reason});
+                {lease->error().in_use ? Reply::kInUse : Reply::kNotOnline, lease->error().reason});
           }
-          LeasedLine& line = lent->value();
+          LeasedLine& line = lease->value();
           if (hold->over) {  // given back while the bus was asked
             line.line.reset();
             return hold->runner->end_lease(line.lease, std::nullopt);

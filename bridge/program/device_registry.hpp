@@ -1,5 +1,5 @@
 // Which device is whose: finds what a number stands for, a device of a bus or a module without one,
-// and lends it to one engineer at a time. Lives on the server's io thread; buses are added and
+// and leases it to one engineer at a time. Lives on the server's io thread; buses are added and
 // removed from any.
 #pragma once
 
@@ -39,7 +39,7 @@ struct Hold {
 // Shared with the answers of buses that are still to come.
 class DeviceRegistry : public std::enable_shared_from_this<DeviceRegistry> {
  public:
-  static constexpr std::size_t kMaxParked = 64;  // one more hears that the device is in use
+  static constexpr std::size_t kMaxParked = 64;  // one more is told that the device is in use
 
   // Each called at most once and on the io thread, not after give_back().
   struct Handlers {

@@ -1,5 +1,5 @@
 // What the programming server asks of the rest of the bridge: who may log in, where the audit goes,
-// who hears of sessions. Each may be called on the server's thread, must not block, and may be
+// who is told of sessions. Each may be called on the server's thread, must not block, and may be
 // missing.
 #pragma once
 

@@ -165,9 +165,9 @@ ModuleServer::ModuleServer(asio::io_context& io, DialInRegistry& registry, const
 ModuleServer::~ModuleServer() { close(); }
 
 tl::expected<void, std::string> ModuleServer::listen(const ModulesSpec& spec) {
-  const bool same_place = listener_ && spec.listen == spec_.listen;
+  const bool same_address = listener_ && spec.listen == spec_.listen;
   spec_ = spec;
-  if (same_place) return {};
+  if (same_address) return {};
   listener_.reset();
   auto made =
       std::make_unique<Listener>(io_, [this](tcp::socket socket) { came(std::move(socket)); });

@@ -17,7 +17,7 @@ class Authenticator final : public Logins {
  public:
   // The audit must outlive it. The store need not be there yet.
   Authenticator(StoreAddress address, Audit& audit);
-  ~Authenticator() override;  // who still waits hears kUnavailable
+  ~Authenticator() override;  // who still waits gets kUnavailable
   Authenticator(const Authenticator&) = delete;
   Authenticator& operator=(const Authenticator&) = delete;
 

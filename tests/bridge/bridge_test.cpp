@@ -48,10 +48,10 @@ BusSpec bus_at(const std::string& name, const std::string& path) {
   return bus;
 }
 
-// What a station hears, waited for with a deadline.
+// What a station receives, waited for with a deadline.
 class Receiver {
  public:
-  explicit Receiver(const DdsSpec& dds) : station(dds, "ear") {
+  explicit Receiver(const DdsSpec& dds) : station(dds, "receiver") {
     station.subscribe_samples([this](const StationSample& sample) {
       {
         const std::lock_guard lock(mutex_);
@@ -60,8 +60,8 @@ class Receiver {
       changed_.notify_all();
     });
   }
-  [[nodiscard]] bool hears(const std::function<bool(const StationSample&)>& wanted,
-                           milliseconds limit = seconds{15}) {
+  [[nodiscard]] bool receives(const std::function<bool(const StationSample&)>& wanted,
+                              milliseconds limit = seconds{15}) {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, limit,
                              [&] { return std::any_of(samples_.begin(), samples_.end(), wanted); });
@@ -109,22 +109,22 @@ struct BridgeTest : testing::Test {
   Pty first, second;
 };
 
-TEST_F(BridgeTest, AStationHearsEveryBus) {
+TEST_F(BridgeTest, AStationReceivesEveryBus) {
   ModbusDevice a(first), b(second);
-  Receiver ear(spec.dds);
+  Receiver receiver(spec.dds);
   Bridge bridge;
   ASSERT_TRUE(bridge.start(spec));
-  EXPECT_TRUE(ear.hears(good_from("one")));
-  EXPECT_TRUE(ear.hears(good_from("two")));
+  EXPECT_TRUE(receiver.receives(good_from("one")));
+  EXPECT_TRUE(receiver.receives(good_from("two")));
 }
 
 TEST_F(BridgeTest, ACommandReachesTheDeviceAndItsResultTheStation) {
   ModbusDevice a(first), b(second);
-  Receiver ear(spec.dds);
+  Receiver receiver(spec.dds);
   Bridge bridge;
   ASSERT_TRUE(bridge.start(spec));
-  ASSERT_TRUE(ear.hears(good_from("two")));
-  const auto result = ear.station.execute(write_to("two", "r1", 4711), seconds{10});
+  ASSERT_TRUE(receiver.receives(good_from("two")));
+  const auto result = receiver.station.execute(write_to("two", "r1", 4711), seconds{10});
   ASSERT_TRUE(result) << to_text(result.error());
   EXPECT_EQ(result->state, CommandState::kDone) << result->reason;
   EXPECT_EQ(b.held(1), 4711);
@@ -134,10 +134,10 @@ TEST_F(BridgeTest, ACommandReachesTheDeviceAndItsResultTheStation) {
 
 TEST_F(BridgeTest, WhileADeviceIsProgrammedItsBusRestsAndTheOthersGoOn) {
   ModbusDevice a(first), b(second);
-  Receiver ear(spec.dds);
+  Receiver receiver(spec.dds);
   std::mutex mutex;
   std::vector<ProgramSessionReport> sessions;
-  ear.station.subscribe_program_sessions([&](const ProgramSessionReport& session) {
+  receiver.station.subscribe_program_sessions([&](const ProgramSessionReport& session) {
     const std::lock_guard lock(mutex);
     sessions.push_back(session);
   });
@@ -156,24 +156,24 @@ TEST_F(BridgeTest, WhileADeviceIsProgrammedItsBusRestsAndTheOthersGoOn) {
   spec.program.engineers.emplace().listen = {"127.0.0.1", test::free_port()};
   Bridge bridge;
   ASSERT_TRUE(bridge.start(spec));
-  ASSERT_TRUE(ear.hears(good_from("one")));
-  ASSERT_TRUE(ear.hears(good_from("two")));
+  ASSERT_TRUE(receiver.receives(good_from("one")));
+  ASSERT_TRUE(receiver.receives(good_from("two")));
 
   test::TcpClient engineer(spec.program.engineers->listen.port);
-  engineer.say("@@P1FEFF");
-  ASSERT_EQ(engineer.hear("FEFF"), "@@0000FEFF");
+  engineer.send("@@P1FEFF");
+  ASSERT_EQ(engineer.receive("FEFF"), "@@0000FEFF");
   EXPECT_TRUE(session_becomes(ProgramSessionState::kOpen));
-  EXPECT_TRUE(ear.hears(
+  EXPECT_TRUE(receiver.receives(
       [](const StationSample& s) { return s.bus == "one" && s.quality == Quality::kUncertain; }));
-  const auto refused = ear.station.execute(write_to("one", "r1", 1), seconds{10});
+  const auto refused = receiver.station.execute(write_to("one", "r1", 1), seconds{10});
   ASSERT_TRUE(refused) << to_text(refused.error());
   EXPECT_EQ(refused->cause, "LEASED");
-  ear.forget();
-  EXPECT_TRUE(ear.hears(good_from("two")));
-  for (const StationSample& sample : ear.samples()) EXPECT_NE(sample.bus, "one");
+  receiver.forget();
+  EXPECT_TRUE(receiver.receives(good_from("two")));
+  for (const StationSample& sample : receiver.samples()) EXPECT_NE(sample.bus, "one");
 
-  engineer.say("@@EDFEFF");
-  EXPECT_TRUE(ear.hears(good_from("one")));
+  engineer.send("@@EDFEFF");
+  EXPECT_TRUE(receiver.receives(good_from("one")));
   EXPECT_TRUE(session_becomes(ProgramSessionState::kClosed));
   const std::lock_guard lock(mutex);
   EXPECT_EQ(sessions.back().bus + '/' + sessions.back().device, "one/plc");
@@ -192,28 +192,28 @@ std::vector<AlarmRecord> stored_alarms(const std::string& path) {
 
 TEST_F(BridgeTest, AlarmsGoOnAndEndOverRestartsAndReloads) {
   ModbusDevice a(first), b(second);
-  Receiver ear(spec.dds);
+  Receiver receiver(spec.dds);
   std::mutex mutex;
-  std::vector<StationAlarm> heard;
-  ear.station.subscribe_alarms([&](const StationAlarm& alarm) {
+  std::vector<StationAlarm> received;
+  receiver.station.subscribe_alarms([&](const StationAlarm& alarm) {
     const std::lock_guard lock(mutex);
-    heard.push_back(alarm);
+    received.push_back(alarm);
   });
   const auto told = [&](AlarmState state) {
     for (const auto end = std::chrono::steady_clock::now() + seconds{15};
          std::chrono::steady_clock::now() < end; std::this_thread::yield()) {
       const std::lock_guard lock(mutex);
-      if (!heard.empty() && heard.back().state == state) return true;
+      if (!received.empty() && received.back().state == state) return true;
     }
     return false;
   };
   const auto last = [&] {
     const std::lock_guard lock(mutex);
-    return heard.back();
+    return received.back();
   };
   const auto forget = [&] {
     const std::lock_guard lock(mutex);
-    heard.clear();
+    received.clear();
   };
   const std::filesystem::path folder =
       std::filesystem::path(testing::TempDir()) / ("alarms-" + std::to_string(::getpid()));
@@ -269,15 +269,15 @@ TEST_F(BridgeTest, AlarmsGoOnAndEndOverRestartsAndReloads) {
 
 TEST_F(BridgeTest, AReloadOfABusUnderADownloadWaitsForItsEnd) {
   ModbusDevice a(first), b(second);
-  Receiver ear(spec.dds);
+  Receiver receiver(spec.dds);
   spec.buses[0].devices[0].number = "P1";
   spec.program.engineers.emplace().listen = {"127.0.0.1", test::free_port()};
   Bridge bridge;
   ASSERT_TRUE(bridge.start(spec));
-  ASSERT_TRUE(ear.hears(good_from("one")));
+  ASSERT_TRUE(receiver.receives(good_from("one")));
   test::TcpClient engineer(spec.program.engineers->listen.port);
-  engineer.say("@@P1FEFF");
-  ASSERT_EQ(engineer.hear("FEFF"), "@@0000FEFF");
+  engineer.send("@@P1FEFF");
+  ASSERT_EQ(engineer.receive("FEFF"), "@@0000FEFF");
 
   BridgeSpec other = spec;
   other.buses[1].devices[0].channels.pop_back();
@@ -292,11 +292,11 @@ TEST_F(BridgeTest, AReloadOfABusUnderADownloadWaitsForItsEnd) {
               testing::ElementsAre(testing::StartsWith("one/plc by 127.0.0.1:")));
   a.stop();
   (void)first.take();
-  engineer.say("@@@00still mine*\rFEFF");
-  const Bytes heard = first.receive(14);
-  EXPECT_EQ(std::string(heard.begin(), heard.end()), "@00still mine*\r");
+  engineer.send("@@@00still mine*\rFEFF");
+  const Bytes received = first.receive(14);
+  EXPECT_EQ(std::string(received.begin(), received.end()), "@00still mine*\r");
 
-  engineer.say("@@EDFEFF");
+  engineer.send("@@EDFEFF");
   ModbusDevice again(first);
   auto done = bridge.reload(wanted);
   for (const auto end = std::chrono::steady_clock::now() + seconds{10};
@@ -304,26 +304,26 @@ TEST_F(BridgeTest, AReloadOfABusUnderADownloadWaitsForItsEnd) {
     done = bridge.reload(wanted);
   ASSERT_TRUE(done) << done.error();
   EXPECT_THAT(done->waits_for, testing::IsEmpty());
-  ear.forget();
-  EXPECT_TRUE(ear.hears(good_from("one")));
+  receiver.forget();
+  EXPECT_TRUE(receiver.receives(good_from("one")));
 }
 
 TEST_F(BridgeTest, NoReloadLosesAModuleThatIsConnected) {
   ModbusDevice a(first), b(second);
-  Receiver ear(spec.dds);
+  Receiver receiver(spec.dds);
   spec.program.modules.emplace().listen = {"127.0.0.1", test::free_port()};
   Bridge bridge;
   ASSERT_TRUE(bridge.start(spec));
   test::TcpClient module(spec.program.modules->listen.port);
-  module.say("17\n");
+  module.send("17\n");
   test::ModuleDevice plc(module);
   const auto reload = [&](const char* what) {
-    ear.forget();
+    receiver.forget();
     const auto done = bridge.reload(spec);
     EXPECT_TRUE(done) << what << ": " << done.error();
     const bool collected = std::any_of(spec.buses.begin(), spec.buses.end(),
                                        [](const BusSpec& bus) { return bus.name == "far"; });
-    if (collected) { EXPECT_TRUE(ear.hears(good_from("far"))) << what; }
+    if (collected) { EXPECT_TRUE(receiver.receives(good_from("far"))) << what; }
     EXPECT_FALSE(module.is_closed(milliseconds{30})) << what;
   };
   BusSpec far = bus_at("far", "");
@@ -345,24 +345,24 @@ TEST_F(BridgeTest, NoReloadLosesAModuleThatIsConnected) {
 
 TEST_F(BridgeTest, AReloadOfTheProgrammingPortLeavesTheBusesRunning) {
   ModbusDevice a(first), b(second);
-  Receiver ear(spec.dds);
+  Receiver receiver(spec.dds);
   Bridge bridge;
   ASSERT_TRUE(bridge.start(spec));
-  ASSERT_TRUE(ear.hears(good_from("one")));
-  ASSERT_TRUE(ear.hears(good_from("two")));
+  ASSERT_TRUE(receiver.receives(good_from("one")));
+  ASSERT_TRUE(receiver.receives(good_from("two")));
   BridgeSpec wanted = spec;
   wanted.program.engineers.emplace().listen = {"127.0.0.1", test::free_port()};
   ASSERT_TRUE(bridge.reload(wanted));
   test::TcpClient engineer(wanted.program.engineers->listen.port);
-  engineer.say("@@P1FEFF");
-  EXPECT_EQ(engineer.hear("FEFF"), "@@0001FEFF");
+  engineer.send("@@P1FEFF");
+  EXPECT_EQ(engineer.receive("FEFF"), "@@0001FEFF");
   // A bus that had started anew would count from 1 again.
-  const std::uint64_t newest = ear.samples().back().sequence;
-  ASSERT_TRUE(ear.hears([&](const StationSample& sample) {
+  const std::uint64_t newest = receiver.samples().back().sequence;
+  ASSERT_TRUE(receiver.receives([&](const StationSample& sample) {
     return sample.bus == "one" && sample.sequence > newest + 1;
   }));
   std::map<std::string, std::uint64_t> last;
-  for (const StationSample& sample : ear.samples()) {
+  for (const StationSample& sample : receiver.samples()) {
     std::uint64_t& before = last[sample.bus + '/' + sample.channel];
     EXPECT_GT(sample.sequence, before) << sample.bus << '/' << sample.channel;
     before = sample.sequence;
@@ -372,33 +372,34 @@ TEST_F(BridgeTest, AReloadOfTheProgrammingPortLeavesTheBusesRunning) {
   taken.program.engineers->listen.host = "203.0.113.77";  // of nobody (RFC 5737)
   EXPECT_FALSE(bridge.reload(taken));
   test::TcpClient again(wanted.program.engineers->listen.port);
-  again.say("@@P1FEFF");
-  EXPECT_EQ(again.hear("FEFF"), "@@0001FEFF");
+  again.send("@@P1FEFF");
+  EXPECT_EQ(again.receive("FEFF"), "@@0001FEFF");
 }
 
-TEST_F(BridgeTest, AChannelOnInterestIsReadOnceAStationWishesIt) {
+TEST_F(BridgeTest, AChannelOnInterestIsReadOnceAStationIsInterested) {
   ModbusDevice a(first), b(second);
-  Receiver ear(spec.dds);
+  Receiver receiver(spec.dds);
   spec.buses[0].devices[0].channels[0].on_interest = true;
   Bridge bridge;
   ASSERT_TRUE(bridge.start(spec));
-  const auto wished = [](const StationSample& s) {
+  const auto of_interest = [](const StationSample& s) {
     return s.bus == "one" && s.channel == "r0" && s.quality == Quality::kGood;
   };
   const auto other = [](const StationSample& s) {
     return s.bus == "one" && s.channel == "r1" && s.sequence >= 3;
   };
-  ASSERT_TRUE(ear.hears(other));
-  for (const StationSample& sample : ear.samples()) EXPECT_FALSE(wished(sample));
-  ear.station.declare_interest("one/plc/r0", milliseconds{100});
-  EXPECT_TRUE(ear.hears([&](const StationSample& s) { return wished(s) && s.sequence >= 5; }));
+  ASSERT_TRUE(receiver.receives(other));
+  for (const StationSample& sample : receiver.samples()) EXPECT_FALSE(of_interest(sample));
+  receiver.station.declare_interest("one/plc/r0", milliseconds{100});
+  EXPECT_TRUE(
+      receiver.receives([&](const StationSample& s) { return of_interest(s) && s.sequence >= 5; }));
 }
 
 TEST_F(BridgeTest, AnInterestInNothingIsToldOnceAndAFloodOfThemHoldsNobodyUp) {
   ModbusDevice a(first), b(second);
-  Receiver ear(spec.dds);
+  Receiver receiver(spec.dds);
   std::promise<void> renewed;
-  ear.station.subscribe_channels([&, told = false](const StationChannel& channel) mutable {
+  receiver.station.subscribe_channels([&, told = false](const StationChannel& channel) mutable {
     if (!told && channel.bus == "one" && channel.channel == "r0" &&
         channel.refresh == milliseconds{50})
       renewed.set_value(), told = true;
@@ -410,16 +411,17 @@ TEST_F(BridgeTest, AnInterestInNothingIsToldOnceAndAFloodOfThemHoldsNobodyUp) {
   const auto good = [](const StationSample& s) {
     return s.bus == "one" && s.channel == "r0" && s.quality == Quality::kGood;
   };
-  ear.station.declare_interest("one/plc/r0", milliseconds{100});
-  EXPECT_TRUE(ear.hears(good));
-  ear.station.declare_interest("one/plc/r1", milliseconds{100});
+  receiver.station.declare_interest("one/plc/r0", milliseconds{100});
+  EXPECT_TRUE(receiver.receives(good));
+  receiver.station.declare_interest("one/plc/r1", milliseconds{100});
   for (int i = 0; i < 3000; ++i)
-    ear.station.declare_interest("nowhere/" + std::to_string(i), milliseconds{100});
-  ear.station.declare_interest(
-      "one/plc/r0", milliseconds{50});  // wishes of one station arrive in order: this is the last
+    receiver.station.declare_interest("nowhere/" + std::to_string(i), milliseconds{100});
+  receiver.station.declare_interest(
+      "one/plc/r0",
+      milliseconds{50});  // interests of one station arrive in order: this is the last
   EXPECT_EQ(renewed.get_future().wait_for(seconds{15}), std::future_status::ready);
-  ear.forget();
-  EXPECT_TRUE(ear.hears(good));
+  receiver.forget();
+  EXPECT_TRUE(receiver.receives(good));
   bridge.stop();
   const std::string said = testing::internal::GetCapturedStderr();
   EXPECT_THAT(said,
@@ -439,7 +441,7 @@ TEST_F(BridgeTest, MissedRefreshesAreTheSameNumberForTheEngineItsWritersAndAStat
   std::mutex mutex;
   std::condition_variable changed;
   std::map<std::string, StationSample> last;
-  std::vector<StationBusStatus> heard;
+  std::vector<StationBusStatus> received;
   std::uint64_t requested = 0;
   const auto noted = [&](auto&& change) {
     {
@@ -464,21 +466,22 @@ TEST_F(BridgeTest, MissedRefreshesAreTheSameNumberForTheEngineItsWritersAndAStat
       [&](const StationSample& sample) { noted([&] { last[sample.channel] = sample; }); }, {},
       {milliseconds{300}, [&] { noted([&] { ++requested; }); }});
   station.subscribe_bus_status(
-      [&](const StationBusStatus& status) { noted([&] { heard.push_back(status); }); });
+      [&](const StationBusStatus& status) { noted([&] { received.push_back(status); }); });
   Bridge bridge;
   ASSERT_TRUE(bridge.start(spec));
   ASSERT_TRUE(reached(all_good));
   a.set_silent(true);
-  ASSERT_TRUE(reached([&] { return !heard.empty() && heard.back().report.deadline_misses >= 24; }));
+  ASSERT_TRUE(
+      reached([&] { return !received.empty() && received.back().report.deadline_misses >= 24; }));
   a.set_silent(false);
   ASSERT_TRUE(reached(all_good));
   {
     const std::lock_guard lock(mutex);
-    heard.clear();
+    received.clear();
   }
-  ASSERT_TRUE(reached([&] { return heard.size() >= 2; }));
+  ASSERT_TRUE(reached([&] { return received.size() >= 2; }));
   const std::lock_guard lock(mutex);
-  const StationBusStatus& status = heard.back();
+  const StationBusStatus& status = received.back();
   // Each end's clock begins when a sample comes to it: a hiccup of the machine between them can
   // hide one round from an end, or show it one more.
   constexpr double kRound = 3;  // channels
@@ -493,22 +496,22 @@ TEST_F(BridgeTest, MissedRefreshesAreTheSameNumberForTheEngineItsWritersAndAStat
 
 TEST_F(BridgeTest, ReloadRestartsOnlyWhatChanged) {
   ModbusDevice a(first), b(second);
-  Receiver ear(spec.dds);
+  Receiver receiver(spec.dds);
   Bridge bridge;
   ASSERT_TRUE(bridge.start(spec));
-  ASSERT_TRUE(ear.hears(good_from("one")));
-  ASSERT_TRUE(ear.hears(good_from("two")));
+  ASSERT_TRUE(receiver.receives(good_from("one")));
+  ASSERT_TRUE(receiver.receives(good_from("two")));
   BridgeSpec wanted = spec;
   wanted.buses[1].devices[0].channels[0].name = "renamed";
   ASSERT_TRUE(bridge.reload(wanted));
-  EXPECT_TRUE(ear.hears([](const StationSample& s) {
+  EXPECT_TRUE(receiver.receives([](const StationSample& s) {
     return s.bus == "two" && s.channel == "renamed" && s.quality == Quality::kGood;
   }));
-  ear.forget();
-  ASSERT_TRUE(ear.hears(good_from("one")));
+  receiver.forget();
+  ASSERT_TRUE(receiver.receives(good_from("one")));
   // A bus that was restarted counts its samples from 1 again; this one went on.
   std::map<std::string, std::uint64_t> last;
-  for (const StationSample& sample : ear.samples()) {
+  for (const StationSample& sample : receiver.samples()) {
     if (sample.bus != "one") continue;
     EXPECT_GT(sample.sequence, 1u);
     EXPECT_GT(sample.sequence, last[sample.channel]);
@@ -518,59 +521,59 @@ TEST_F(BridgeTest, ReloadRestartsOnlyWhatChanged) {
 
 TEST_F(BridgeTest, ARemovedBusIsSilentAndANewOneSpeaks) {
   ModbusDevice a(first), b(second);
-  Receiver ear(spec.dds);
+  Receiver receiver(spec.dds);
   Bridge bridge;
   BridgeSpec before = spec;
   before.buses.pop_back();
   ASSERT_TRUE(bridge.start(before));
-  ASSERT_TRUE(ear.hears(good_from("one")));
+  ASSERT_TRUE(receiver.receives(good_from("one")));
   BridgeSpec after = spec;
   after.buses.erase(after.buses.begin());
   ASSERT_TRUE(bridge.reload(after));
-  EXPECT_TRUE(ear.hears(good_from("two")));
+  EXPECT_TRUE(receiver.receives(good_from("two")));
   const unsigned reads = a.reads();
-  ear.forget();
-  ASSERT_TRUE(ear.hears(good_from("two")));
+  receiver.forget();
+  ASSERT_TRUE(receiver.receives(good_from("two")));
   EXPECT_EQ(a.reads(), reads);
 }
 
 TEST_F(BridgeTest, AReloadThatCannotWorkLeavesTheOldOneRunning) {
   ModbusDevice a(first), b(second);
-  Receiver ear(spec.dds);
+  Receiver receiver(spec.dds);
   Bridge bridge;
   ASSERT_TRUE(bridge.start(spec));
-  ASSERT_TRUE(ear.hears(good_from("one")));
+  ASSERT_TRUE(receiver.receives(good_from("one")));
   BridgeSpec wanted = spec;
   wanted.dds.interfaces = {"203.0.113.77"};  // of nobody (RFC 5737)
   EXPECT_FALSE(bridge.reload(wanted));
-  ear.forget();
-  EXPECT_TRUE(ear.hears(good_from("one")));
-  EXPECT_TRUE(ear.hears(good_from("two")));
+  receiver.forget();
+  EXPECT_TRUE(receiver.receives(good_from("one")));
+  EXPECT_TRUE(receiver.receives(good_from("two")));
 }
 
 TEST_F(BridgeTest, StoppingAnswersWhatWaitsAndEndsInTime) {
   ModbusDevice a(first), b(second);
-  Receiver ear(spec.dds);
+  Receiver receiver(spec.dds);
   std::mutex mutex;
   std::map<std::uint64_t, int> results;
-  ear.station.on_result([&](const StationResult& result) {
+  receiver.station.on_result([&](const StationResult& result) {
     const std::lock_guard lock(mutex);
     ++results[result.request_id];
   });
   Bridge bridge;
   ASSERT_TRUE(bridge.start(spec));
-  ASSERT_TRUE(ear.hears(good_from("one")));
+  ASSERT_TRUE(receiver.receives(good_from("one")));
   a.set_silent(true);
   constexpr std::size_t kCommands = 20;
   std::vector<std::uint64_t> sent;
   for (std::size_t i = 0; i < kCommands; ++i) {
-    const auto id = ear.station.send(write_to("one", "r0", i), seconds{10});
+    const auto id = receiver.station.send(write_to("one", "r0", i), seconds{10});
     ASSERT_TRUE(id) << to_text(id.error());
     sent.push_back(*id);
   }
   // Commands of one writer arrive in order: with the answer to a later one, all of them are in the
   // bridge.
-  ASSERT_TRUE(ear.station.execute(write_to("two", "r0", 1), seconds{10}));
+  ASSERT_TRUE(receiver.station.execute(write_to("two", "r0", 1), seconds{10}));
   const auto before = std::chrono::steady_clock::now();
   bridge.stop();
   EXPECT_LT(std::chrono::steady_clock::now() - before,

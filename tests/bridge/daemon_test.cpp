@@ -208,14 +208,14 @@ TEST_F(DaemonTest, AReloadThatWouldCutADownloadWaitsAndSaysForWhom) {
   Process bridge({file});
   bridge.said("running: 1 buses");  // engineers are listened to once every bus has begun
   test::TcpClient engineer(port);
-  engineer.say("@@P1FEFF");
-  ASSERT_EQ(engineer.hear("FEFF"), "@@0000FEFF");
+  engineer.send("@@P1FEFF");
+  ASSERT_EQ(engineer.receive("FEFF"), "@@0000FEFF");
   configure("holding:7");
   bridge.signal(SIGHUP);
   EXPECT_THAT(bridge.said("the reload waits"),
               AllOf(HasSubstr("the reload waits for the end of programming: one/plc by 127.0.0.1:"),
                     testing::Not(HasSubstr("1 buses stopped"))));
-  engineer.say("@@EDFEFF");
+  engineer.send("@@EDFEFF");
   EXPECT_THAT(bridge.said("1 buses stopped"), HasSubstr("1 buses stopped (one), 1 started (one)"));
   bridge.signal(SIGTERM);
   EXPECT_EQ(bridge.exit_code(), 0);

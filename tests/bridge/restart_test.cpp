@@ -47,7 +47,7 @@ class PlantSystem {
                  {[this](const idl::CommandResult& result) { note(result); }, {}, {}}),
         commands_(domain_.writer(kCommandTopic, command_writer_qos(seconds{60}), "plant-system")) {}
 
-  [[nodiscard]] bool heard_by(int bridges) {
+  [[nodiscard]] bool matched_by(int bridges) {
     return within([&] {
       dds::PublicationMatchedStatus status;
       commands_->get_publication_matched_status(status);
@@ -145,7 +145,7 @@ struct RestartTest : testing::Test {
     const auto second = launch("second", other_pty);
     ASSERT_THAT(second->said("names of buses are unique"),
                 HasSubstr("one: not served here: bridge 'test' on host"));
-    ASSERT_TRUE(plant.heard_by(2));
+    ASSERT_TRUE(plant.matched_by(2));
     plant.write(1);
     plant.write(2);
     for (const std::uint64_t id : {1, 2}) {
@@ -179,7 +179,7 @@ TEST_F(RestartTest, CommandsOfTheFirstLifeAreNotExecutedAgain) {
   PlantSystem plant(domain.number());
   {
     const auto first = start(device);
-    ASSERT_TRUE(plant.heard_by(1));
+    ASSERT_TRUE(plant.matched_by(1));
     for (std::uint64_t id = 1; id <= kCommands; ++id) plant.write(id);
     for (std::uint64_t id = 1; id <= kCommands; ++id) {
       const auto result = plant.result(id);
@@ -187,9 +187,9 @@ TEST_F(RestartTest, CommandsOfTheFirstLifeAreNotExecutedAgain) {
       EXPECT_EQ(result->state, CommandState::kDone) << result->reason;
     }
   }  // killed: it says no farewell
-  ASSERT_TRUE(plant.heard_by(0));
+  ASSERT_TRUE(plant.matched_by(0));
   const auto second = start(device);
-  ASSERT_TRUE(plant.heard_by(1));
+  ASSERT_TRUE(plant.matched_by(1));
   for (std::uint64_t id = 1; id <= kCommands; ++id) plant.write_again(id);
   for (std::uint64_t id = 1; id <= kCommands; ++id) {
     const auto result = plant.result(id, 2);
@@ -211,15 +211,15 @@ TEST_F(RestartTest, AStoreKnowsTheCommandsOfTheFirstLife) {
   const std::string store = "store: { path: " + (folder / "store.db").string() + " }\n";
   {
     const auto first = start(device, store);
-    ASSERT_TRUE(plant.heard_by(1));
+    ASSERT_TRUE(plant.matched_by(1));
     plant.write(1);
     const auto result = plant.result(1);
     ASSERT_TRUE(result);
     EXPECT_EQ(result->state, CommandState::kDone) << result->reason;
   }
-  ASSERT_TRUE(plant.heard_by(0));  // what is written now, the next one hears
+  ASSERT_TRUE(plant.matched_by(0));  // what is written now, the next one receives
   const auto second = start(device, store);
-  ASSERT_TRUE(plant.heard_by(1));
+  ASSERT_TRUE(plant.matched_by(1));
   plant.write(1);
   plant.write(2);
   const auto fresh = plant.result(2);

@@ -98,7 +98,7 @@ _asked = itertools.count()
 
 
 def free_port():
-    """A port that nobody listens at just now, below those that the kernel lends to connections."""
+    """A port that nobody listens at just now, below those that the kernel assigns to connections."""
     for _ in range(12000):
         port = 20000 + (os.getpid() * 7 + next(_asked)) % 12000
         with socket.socket() as probe:

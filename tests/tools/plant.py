@@ -44,7 +44,7 @@ def claim_domain():
     """A DDS domain that no other test on this machine uses while the result lives: (its number, what holds it).
 
     The claim is the highest port of the domain's range (7400 + 250 * domain ..), which no participant below the 120th takes.
-    Above domain 100 the ports are those that the kernel lends out.
+    Above domain 100 the ports are those that the kernel assigns.
     """
     for attempt in range(90):
         domain = 10 + (os.getpid() + attempt) % 90

@@ -40,7 +40,7 @@ TEST(DdsCommand, ExpiresTheWritersLifespanAfterItWasWritten) {
   }
 }
 
-TEST(DdsCommand, ForAnotherBridgesBusIsNotHeard) {
+TEST(DdsCommand, ForAnotherBridgesBusIsNotTaken) {
   const std::string bus = bus_name("ours");
   Obedient bridge(bus);
   Station station(loopback(), "operator");
@@ -62,7 +62,7 @@ TEST(DdsCommand, WithoutABridgeIsNotWritten) {
   EXPECT_EQ(result.error(), StationFault::kNoBridge);
 }
 
-TEST(DdsCommand, RestartedBridgeNeverHearsAnOldOne) {
+TEST(DdsCommand, RestartedBridgeNeverReceivesAnOldOne) {
   const std::string bus = bus_name("restart");
   Station station(loopback(), "operator");
   {
@@ -123,7 +123,7 @@ TEST(DdsCommand, InstancesAreReleased) {
     ASSERT_TRUE(station.send(write_running(bus))) << "command " << i;
     if (i % 256 != 255) continue;
     ASSERT_TRUE(eventually([&] { return results >= i - 255; }))
-        << results << " results of " << i << ", " << bridge.received.commands.size() << " heard";
+        << results << " results of " << i << ", " << bridge.received.commands.size() << " received";
   }
   EXPECT_TRUE(eventually([&] { return results == kCommands; })) << results << " results";
   EXPECT_THAT(bridge.received.problems.all(), ::testing::IsEmpty());

@@ -17,7 +17,7 @@
 
 namespace fieldcast::testing {
 
-// Two test processes at once do not hear each other: each claims its domain until it ends.
+// Two test processes at once do not receive from each other: each claims its domain until it ends.
 inline DdsSpec loopback() {
   static const test::ClaimedDomain domain;
   DdsSpec spec;

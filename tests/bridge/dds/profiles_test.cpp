@@ -131,11 +131,11 @@ TEST_F(Profiles, ACommandGetsItsResult) {
   ASSERT_NE(results, nullptr);
   ASSERT_NE(writer, nullptr);
   ASSERT_TRUE(eventually([&] {
-    dds::PublicationMatchedStatus heard_by;
-    dds::SubscriptionMatchedStatus hears;
-    writer->get_publication_matched_status(heard_by);
-    results->get_subscription_matched_status(hears);
-    return heard_by.current_count > 0 && hears.current_count > 0;
+    dds::PublicationMatchedStatus writer_status;
+    dds::SubscriptionMatchedStatus reader_status;
+    writer->get_publication_matched_status(writer_status);
+    results->get_subscription_matched_status(reader_status);
+    return writer_status.current_count > 0 && reader_status.current_count > 0;
   })) << "no bridge was found";
   idl::Command command;
   command.requester() = bus;  // unique for each process

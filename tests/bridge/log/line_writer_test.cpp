@@ -28,7 +28,7 @@ struct Pipe {
     write.reset(ends[1]);
   }
   // Everything until a text comes.
-  std::string hear(const std::string& end) {
+  std::string receive(const std::string& end) {
     std::string all;
     char piece[65536];
     while (all.find(end) == std::string::npos) {
@@ -47,7 +47,7 @@ TEST(LineWriter, WritesLinesInTheirOrder) {
   lines.put("one\n");
   lines.put("two\n");
   EXPECT_TRUE(lines.flush(seconds{5}));
-  EXPECT_EQ(pipe.hear("two\n"), "one\ntwo\n");
+  EXPECT_EQ(pipe.receive("two\n"), "one\ntwo\n");
   EXPECT_EQ(lines.lost(), 0u);
 }
 
@@ -61,9 +61,9 @@ TEST(LineWriter, APipeThatNobodyReadsHoldsUpNobodyAndItsLossIsSaidWhereItIs) {
   EXPECT_GT(lines.lost(), kLines / 2);
 
   lines.put("the end\n");
-  std::istringstream heard(pipe.hear("the end\n"));
+  std::istringstream received(pipe.receive("the end\n"));
   std::uint64_t told = 0, whole = 0;
-  for (std::string line; std::getline(heard, line);) {
+  for (std::string line; std::getline(received, line);) {
     if (line.starts_with('[')) {
       told += std::stoull(line.substr(1));
     } else if (line != "the end") {
@@ -91,7 +91,7 @@ TEST(LineWriter, AClosedPipeLosesLinesAndNothingElse) {
   Pipe pipe;
   LineWriter lines(pipe.write.get(), remark);
   pipe.read.reset();
-  lines.put("nobody hears this\n");
+  lines.put("nobody receives this\n");
   EXPECT_TRUE(lines.flush(seconds{5}));
   EXPECT_EQ(lines.lost(), 1u);
 }

@@ -239,10 +239,10 @@ TEST_F(SerialPortTest, BytesThatTheLineDoesNotTakeAtOnceFollowInOrder) {
 TEST_F(SerialPortTest, APseudoTerminalWithoutLineSettingsIsNoWarning) {
   const int slave = ::open(pty.path().c_str(), O_RDWR | O_NOCTTY);
   ASSERT_GE(slave, 0);
-  SerialPortSpec wishes = spec();
-  wishes.rs485 = true;
-  wishes.line = {12345, 7, Parity::kEven, 2};
-  const auto remarks = set_up_line(slave, wishes);
+  SerialPortSpec wanted = spec();
+  wanted.rs485 = true;
+  wanted.line = {12345, 7, Parity::kEven, 2};
+  const auto remarks = set_up_line(slave, wanted);
   ASSERT_TRUE(remarks) << remarks.error();
   for (const LineRemark& remark : *remarks) EXPECT_TRUE(remark.harmless) << remark.text;
   ::close(slave);

@@ -42,9 +42,9 @@ TEST_F(TcpPortTest, CarriesBytesBothWays) {
   connect(port);
   const Bytes request{0, 1, 2, 0xFF}, answer{9, 8, 7};
   port.write(request);
-  Bytes heard(request.size());
-  asio::async_read(peer, asio::buffer(heard), [](boost::system::error_code, std::size_t) {});
-  ASSERT_TRUE(run_until(io, [&] { return heard == request; }));
+  Bytes received(request.size());
+  asio::async_read(peer, asio::buffer(received), [](boost::system::error_code, std::size_t) {});
+  ASSERT_TRUE(run_until(io, [&] { return received == request; }));
   asio::write(peer, asio::buffer(answer));
   ASSERT_TRUE(run_until(io, [&] { return probe.received.size() == answer.size(); }));
   EXPECT_EQ(probe.received, answer);

@@ -87,7 +87,7 @@ SerialPortSpec serial_at(const std::string& path) {
   return port;
 }
 
-TEST_F(Lease, ASerialBusIsLentAndReadsAgainAtOnce) {
+TEST_F(Lease, ASerialBusIsLeasedAndReadsAgainAtOnce) {
   Pty pty;
   auto device = std::make_unique<ModbusDevice>(pty);
   start();
@@ -95,8 +95,8 @@ TEST_F(Lease, ASerialBusIsLentAndReadsAgainAtOnce) {
   ASSERT_TRUE(hears_more());
   TcpClient client = engineer();
   device->stop();  // the test is the PLC while it is programmed
-  client.say("@@P1FEFF");
-  ASSERT_EQ(client.hear("FEFF"), "@@0000FEFF");
+  client.send("@@P1FEFF");
+  ASSERT_EQ(client.receive("FEFF"), "@@0000FEFF");
   ASSERT_TRUE(leased());
   (void)pty.take();
 
@@ -111,14 +111,14 @@ TEST_F(Lease, ASerialBusIsLentAndReadsAgainAtOnce) {
   ASSERT_TRUE(sink.wait_for([](const auto& r) { return r.results.size() == 1; }));
   EXPECT_EQ(sink.record().results[0].cause, Cause::kLeased);
 
-  client.say("@@@00program*\rFEFF");
-  const Bytes heard = pty.receive(12);
-  EXPECT_EQ(std::string(heard.begin(), heard.end()), "@00program*\r");
+  client.send("@@@00program*\rFEFF");
+  const Bytes received = pty.receive(12);
+  EXPECT_EQ(std::string(received.begin(), received.end()), "@00program*\r");
   pty.send(program::as_bytes("@00ok*\r"));
-  EXPECT_EQ(client.hear("\rFEFF"), "@@@00ok*\rFEFF");
+  EXPECT_EQ(client.receive("\rFEFF"), "@@@00ok*\rFEFF");
 
   ModbusDevice again(pty);
-  client.say("@@EDFEFF");
+  client.send("@@EDFEFF");
   EXPECT_TRUE(hears_more());
 }
 
@@ -132,12 +132,12 @@ TEST_F(Lease, ABusOfAModuleCollectsIsProgrammedAndCollectsAgain) {
   TcpClient client = engineer();
   EXPECT_EQ(pair(client, "17"), "@@0000FEFF");
   EXPECT_TRUE(leased());
-  client.say("@@@00program*\rFEFF");
-  EXPECT_THAT(module.hear("program*\r"), testing::EndsWith("@00program*\r"));
-  module.say("@00ok*\r");
-  EXPECT_EQ(client.hear("\rFEFF"), "@@@00ok*\rFEFF");
+  client.send("@@@00program*\rFEFF");
+  EXPECT_THAT(module.receive("program*\r"), testing::EndsWith("@00program*\r"));
+  module.send("@00ok*\r");
+  EXPECT_EQ(client.receive("\rFEFF"), "@@@00ok*\rFEFF");
   plc = std::make_unique<ModuleDevice>(module);
-  client.say("@@EDFEFF");
+  client.send("@@EDFEFF");
   EXPECT_TRUE(hears_more());
 }
 
@@ -193,8 +193,8 @@ TEST_F(Lease, ABusThatIsAddedFindsItsModule) {
   TcpClient module = this->module("17\r\n");
   TcpClient client = engineer();
   ASSERT_EQ(pair(client, "17"), "@@0000FEFF");  // it is there, and nobody's bus
-  client.say("@@EDFEFF@@nobody1FEFF");
-  ASSERT_EQ(client.hear("FEFF"), "@@0001FEFF");
+  client.send("@@EDFEFF@@nobody1FEFF");
+  ASSERT_EQ(client.receive("FEFF"), "@@0001FEFF");
   run(bus_of(DialInPortSpec{"17", std::nullopt}));
   ModuleDevice plc(module);
   EXPECT_TRUE(hears_more());
@@ -206,9 +206,9 @@ TEST_F(Lease, AModuleUnderProgrammingGoesToItsNewBusAtTheEnd) {
   TcpClient client = engineer();
   ASSERT_EQ(pair(client, "17"), "@@0000FEFF");
   run(bus_of(DialInPortSpec{"17", std::nullopt}));
-  client.say("@@@00program*\rFEFF");
-  EXPECT_EQ(module.hear("\r"), "@00program*\r");
-  client.say("@@EDFEFF");
+  client.send("@@@00program*\rFEFF");
+  EXPECT_EQ(module.receive("\r"), "@00program*\r");
+  client.send("@@EDFEFF");
   ModuleDevice plc(module);
   EXPECT_TRUE(hears_more());
 }
@@ -223,9 +223,9 @@ TEST_F(Lease, AModuleWhoseBusIsRemovedCanBeProgrammedAndFoundAgain) {
   plc.reset();
   TcpClient client = engineer();
   ASSERT_EQ(pair(client, "17"), "@@0000FEFF");
-  client.say("@@@00program*\rFEFF");
-  EXPECT_THAT(module.hear("program*\r"), testing::EndsWith("@00program*\r"));
-  client.say("@@EDFEFF");
+  client.send("@@@00program*\rFEFF");
+  EXPECT_THAT(module.receive("program*\r"), testing::EndsWith("@00program*\r"));
+  client.send("@@EDFEFF");
   ASSERT_TRUE(audited("stopped by the engineer"));
   run(bus_of(DialInPortSpec{"17", std::nullopt}));
   plc = std::make_unique<ModuleDevice>(module);
@@ -241,8 +241,8 @@ TEST_F(Lease, TheLastBytesOfASlowLineArriveBeforeTheBusReadsAgain) {
   run(bus_of(serial_at(pty.path())));
   ASSERT_TRUE(hears_more());
   TcpClient client = engineer();
-  client.say("@@V2P1FEFF");
-  ASSERT_EQ(client.hear("FEFF"), "@@0000FEFF");
+  client.send("@@V2P1FEFF");
+  ASSERT_EQ(client.receive("FEFF"), "@@0000FEFF");
   device->stop();  // the test is the PLC
   (void)pty.take();
   const Bytes program(96 * 1024, 'p');
@@ -251,20 +251,20 @@ TEST_F(Lease, TheLastBytesOfASlowLineArriveBeforeTheBusReadsAgain) {
   program::append_stop(sent);
   client.send(sent);
   ASSERT_TRUE(audited("stopped by the engineer"));
-  std::size_t heard = 0;
+  std::size_t received = 0;
   const auto limit = std::chrono::steady_clock::now() + seconds{60};
   std::size_t foreign = 0;
   for (auto next = std::chrono::steady_clock::now();
-       heard < program.size() && std::chrono::steady_clock::now() < limit;
+       received < program.size() && std::chrono::steady_clock::now() < limit;
        next += milliseconds{100}) {
     std::this_thread::sleep_until(next);  // the pace of the line: about 40 kB/s
     const Bytes piece = pty.take();
-    heard += static_cast<std::size_t>(std::count(piece.begin(), piece.end(), 'p'));
-    if (heard < program.size())
+    received += static_cast<std::size_t>(std::count(piece.begin(), piece.end(), 'p'));
+    if (received < program.size())
       foreign +=
           piece.size() - static_cast<std::size_t>(std::count(piece.begin(), piece.end(), 'p'));
   }
-  EXPECT_EQ(heard, program.size());
+  EXPECT_EQ(received, program.size());
   EXPECT_EQ(foreign, 0u);
   ModbusDevice again(pty);
   EXPECT_TRUE(hears_more());
@@ -277,11 +277,11 @@ TEST_F(Lease, ASerialPortThatIsUnpluggedIsLostToTheEngineer) {
   run(bus_of(serial_at(pty.path())));
   ASSERT_TRUE(hears_more());
   TcpClient client = engineer();
-  client.say("@@P1FEFF");
-  ASSERT_EQ(client.hear("FEFF"), "@@0000FEFF");
+  client.send("@@P1FEFF");
+  ASSERT_EQ(client.receive("FEFF"), "@@0000FEFF");
   device.stop();
   pty.unplug();
-  EXPECT_EQ(client.hear("FEFF"), "@@0003FEFF");
+  EXPECT_EQ(client.receive("FEFF"), "@@0003FEFF");
   EXPECT_TRUE(sink.wait_for([](const auto& r) {
     return !r.reports.empty() && r.reports.back().state == BusState::kClosed;
   }));
@@ -289,7 +289,7 @@ TEST_F(Lease, ASerialPortThatIsUnpluggedIsLostToTheEngineer) {
 
 // The whole bus rests for one device; who asks for its neighbour waits, and the first one keeps the
 // line.
-TEST_F(Lease, ABusThatIsLentIsBusyForItsOtherDevices) {
+TEST_F(Lease, ABusThatIsLeasedIsBusyForItsOtherDevices) {
   Pty pty;
   ModbusDevice device(pty);
   start();
@@ -301,27 +301,27 @@ TEST_F(Lease, ABusThatIsLentIsBusyForItsOtherDevices) {
   ASSERT_TRUE(hears_more());
   device.stop();
   TcpClient first = engineer(), second = engineer();
-  first.say("@@P1FEFF");
-  ASSERT_EQ(first.hear("FEFF"), "@@0000FEFF");
+  first.send("@@P1FEFF");
+  ASSERT_EQ(first.receive("FEFF"), "@@0000FEFF");
   (void)pty.take();
-  second.say("@@P2FEFF");
-  EXPECT_EQ(second.hear("FEFF"), "@@0002FEFF");
-  EXPECT_TRUE(audited("refused: the bus is lent already"));
-  first.say("@@@00mine*\rFEFF");
-  const Bytes heard = pty.receive(9);
-  EXPECT_EQ(std::string(heard.begin(), heard.end()), "@00mine*\r");
-  first.say("@@EDFEFF");
+  second.send("@@P2FEFF");
+  EXPECT_EQ(second.receive("FEFF"), "@@0002FEFF");
+  EXPECT_TRUE(audited("refused: the bus is leased already"));
+  first.send("@@@00mine*\rFEFF");
+  const Bytes received = pty.receive(9);
+  EXPECT_EQ(std::string(received.begin(), received.end()), "@00mine*\r");
+  first.send("@@EDFEFF");
   ASSERT_TRUE(audited("stopped by the engineer"));
-  second.say("@@P2FEFF");
-  EXPECT_EQ(second.hear("FEFF"), "@@0000FEFF");
+  second.send("@@P2FEFF");
+  EXPECT_EQ(second.receive("FEFF"), "@@0000FEFF");
 }
 
 TEST_F(Lease, ABusWhosePortIsClosedIsNotOnline) {
   start();
   run(bus_of(serial_at("/nowhere/at/all")));
   TcpClient client = engineer();
-  client.say("@@P1FEFF");
-  EXPECT_EQ(client.hear("FEFF"), "@@0001FEFF");
+  client.send("@@P1FEFF");
+  EXPECT_EQ(client.receive("FEFF"), "@@0001FEFF");
   EXPECT_TRUE(audited("is not open"));
 }
 
@@ -332,12 +332,12 @@ TEST_F(Lease, ABusThatStopsIsLostToTheEngineer) {
   run(bus_of(serial_at(pty.path())));
   ASSERT_TRUE(hears_more());
   TcpClient client = engineer();
-  client.say("@@P1FEFF");
-  ASSERT_EQ(client.hear("FEFF"), "@@0000FEFF");
+  client.send("@@P1FEFF");
+  ASSERT_EQ(client.receive("FEFF"), "@@0000FEFF");
   server.remove_bus(name);
   runner->stop().wait();
   runner.reset();
-  EXPECT_EQ(client.hear("FEFF"), "@@0003FEFF");
+  EXPECT_EQ(client.receive("FEFF"), "@@0003FEFF");
 }
 
 TEST_F(Lease, TheLineTakesTheSpeedThatTheEngineerSetsAndHasItsOwnAgainAfterwards) {
@@ -347,8 +347,8 @@ TEST_F(Lease, TheLineTakesTheSpeedThatTheEngineerSetsAndHasItsOwnAgainAfterwards
   run(bus_of(serial_at(pty.path())));
   ASSERT_TRUE(hears_more());
   TcpClient client = engineer();
-  client.say("@@V2P1FEFF");
-  ASSERT_EQ(client.hear("FEFF"), "@@0000FEFF");
+  client.send("@@V2P1FEFF");
+  ASSERT_EQ(client.receive("FEFF"), "@@0000FEFF");
   const auto becomes = [&](const program::LineSettings& wanted) {
     const auto deadline = std::chrono::steady_clock::now() + seconds{10};
     while (rate_of(pty.master()) != wanted && std::chrono::steady_clock::now() < deadline)
@@ -373,8 +373,8 @@ TEST_F(Lease, TheLineTakesTheFormatThatTheEngineerGivesAndHasItsOwnAgainAfterwar
   run(bus_of(serial_at(pty.path())));
   ASSERT_TRUE(hears_more());
   TcpClient client = engineer();
-  client.say("@@V2P1FEFF");
-  ASSERT_EQ(client.hear("FEFF"), "@@0000FEFF");
+  client.send("@@V2P1FEFF");
+  ASSERT_EQ(client.receive("FEFF"), "@@0000FEFF");
   const auto becomes = [&](bool wanted) {
     termios now{};
     const auto is = [&] {

@@ -29,20 +29,21 @@ class ServerFixture : public testing::Test {
   }
   [[nodiscard]] TcpClient module(std::string_view registration) const {
     TcpClient made(server.modules_port());
-    made.say(registration);
+    made.send(registration);
     return made;
   }
   [[nodiscard]] TcpClient engineer() const { return TcpClient(server.engineers_port()); }
 
   // Asks until the device is there: a module's registration takes its moment.
-  [[nodiscard]] static std::string pair(TcpClient& client, const std::string& wish) {
+  [[nodiscard]] static std::string pair(TcpClient& client, const std::string& request) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{10};
     std::string reply;
-    unsigned wishes = 0;
+    unsigned requests = 0;
     do {
-      client.say("@@" + wish + "FEFF");
-      reply = client.hear("FEFF");
-    } while (reply == "@@0001FEFF" && ++wishes < 9 && std::chrono::steady_clock::now() < deadline);
+      client.send("@@" + request + "FEFF");
+      reply = client.receive("FEFF");
+    } while (reply == "@@0001FEFF" && ++requests < 9 &&
+             std::chrono::steady_clock::now() < deadline);
     return reply;
   }
 

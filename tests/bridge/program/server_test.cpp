@@ -15,15 +15,15 @@ using test::TcpClient;
 
 using ProgramServer = test::ServerFixture;
 
-// As many wishes as a module may need to be registered, each in a connection of its own.
-std::string paired(std::uint16_t port, const std::string& wish,
+// As many requests as a module may need to be registered, each in a connection of its own.
+std::string paired(std::uint16_t port, const std::string& request,
                    std::unique_ptr<TcpClient>& client) {
   const auto deadline = std::chrono::steady_clock::now() + seconds{10};
   std::string reply;
   do {
     client = std::make_unique<TcpClient>(port);
-    client->say("@@" + wish + "FEFF");
-    reply = client->hear("FEFF");
+    client->send("@@" + request + "FEFF");
+    reply = client->receive("FEFF");
   } while (reply == "@@0001FEFF" && std::chrono::steady_clock::now() < deadline);
   return reply;
 }
@@ -33,11 +33,11 @@ TEST_F(ProgramServer, AnEngineerReachesAModuleThatDialledIn) {
   TcpClient module = this->module("17\r\n");
   std::unique_ptr<TcpClient> client;
   ASSERT_EQ(paired(server.engineers_port(), "17", client), "@@0000FEFF");
-  client->say("@@@00RD00000001*\rFEFF");
-  EXPECT_EQ(module.hear("\r"), "@00RD00000001*\r");
-  module.say("@00RD00FEFF*\r");
-  EXPECT_EQ(client->hear("\rFEFF"), "@@@00RD00FEFF*\rFEFF");
-  client->say("@@EDFEFF");
+  client->send("@@@00RD00000001*\rFEFF");
+  EXPECT_EQ(module.receive("\r"), "@00RD00000001*\r");
+  module.send("@00RD00FEFF*\r");
+  EXPECT_EQ(client->receive("\rFEFF"), "@@@00RD00FEFF*\rFEFF");
+  client->send("@@EDFEFF");
   EXPECT_TRUE(audited("stopped by the engineer"));
   const std::lock_guard lock(mutex);
   EXPECT_EQ(audit.back().bytes_to_device, 15u);
@@ -58,14 +58,14 @@ TEST_F(ProgramServer, FramingByLengthCarriesAllByteValuesBothWays) {
   Bytes chunk;
   program::append_chunks(chunk, all);
   client->send(chunk);
-  EXPECT_EQ(module.hear_bytes(all.size()), std::string(all.begin(), all.end()));
+  EXPECT_EQ(module.receive_bytes(all.size()), std::string(all.begin(), all.end()));
   module.send(all);
   std::string back;
   while (back.size() < all.size()) {
-    const std::string head = client->hear_bytes(4);
+    const std::string head = client->receive_bytes(4);
     ASSERT_EQ(head.size(), 4u);
     const std::size_t length = read_u32(program::as_bytes(head));
-    const std::string part = client->hear_bytes(length);
+    const std::string part = client->receive_bytes(length);
     ASSERT_EQ(part.size(), length);
     back += part;
   }
@@ -75,21 +75,21 @@ TEST_F(ProgramServer, FramingByLengthCarriesAllByteValuesBothWays) {
 TEST_F(ProgramServer, AnUnknownDeviceIsNotOnline) {
   start();
   TcpClient client = engineer();
-  client.say("@@4711FEFF");
-  EXPECT_EQ(client.hear("FEFF"), "@@0001FEFF");
+  client.send("@@4711FEFF");
+  EXPECT_EQ(client.receive("FEFF"), "@@0001FEFF");
   EXPECT_TRUE(audited("refused: no device of this number"));
 }
 
-TEST_F(ProgramServer, ASecondEngineerHearsThatTheDeviceIsInUse) {
+TEST_F(ProgramServer, ASecondEngineerIsToldThatTheDeviceIsInUse) {
   start();
   TcpClient module = this->module("17\n");
   std::unique_ptr<TcpClient> first;
   ASSERT_EQ(paired(server.engineers_port(), "17", first), "@@0000FEFF");
   TcpClient second = engineer();
-  second.say("@@17FEFF");
-  EXPECT_EQ(second.hear("FEFF"), "@@0002FEFF");
+  second.send("@@17FEFF");
+  EXPECT_EQ(second.receive("FEFF"), "@@0002FEFF");
   EXPECT_TRUE(audited("refused: in use by 127.0.0.1"));
-  first->say("@@EDFEFF");
+  first->send("@@EDFEFF");
   ASSERT_TRUE(audited("stopped by the engineer"));
   EXPECT_EQ(pair(second, "17"), "@@0000FEFF");
 }
@@ -100,14 +100,14 @@ TEST_F(ProgramServer, ADeviceLostInMidTransferIsToldAndFreed) {
   {
     TcpClient module = this->module("17\n");
     ASSERT_EQ(paired(server.engineers_port(), "17", client), "@@0000FEFF");
-    client->say("@@@00hello*\rFEFF");
-    ASSERT_EQ(module.hear("\r"), "@00hello*\r");
-    module.say("@00half");
+    client->send("@@@00hello*\rFEFF");
+    ASSERT_EQ(module.receive("\r"), "@00hello*\r");
+    module.send("@00half");
   }
-  EXPECT_EQ(client->hear("FEFF"), "@@0003FEFF");
+  EXPECT_EQ(client->receive("FEFF"), "@@0003FEFF");
   EXPECT_TRUE(audited("the device is lost"));
-  client->say("@@17FEFF");
-  EXPECT_EQ(client->hear("FEFF"), "@@0001FEFF");
+  client->send("@@17FEFF");
+  EXPECT_EQ(client->receive("FEFF"), "@@0001FEFF");
   TcpClient again = this->module("17\n");
   EXPECT_EQ(pair(*client, "17"), "@@0000FEFF");
 }
@@ -118,11 +118,11 @@ TEST_F(ProgramServer, AModuleThatDialsInAnewReplacesItsOldConnection) {
   std::unique_ptr<TcpClient> client;
   ASSERT_EQ(paired(server.engineers_port(), "17", client), "@@0000FEFF");
   TcpClient fresh = this->module("17\n");
-  EXPECT_EQ(client->hear("FEFF"), "@@0003FEFF");
+  EXPECT_EQ(client->receive("FEFF"), "@@0003FEFF");
   EXPECT_TRUE(old.is_closed());
   ASSERT_EQ(pair(*client, "17"), "@@0000FEFF");
-  client->say("@@@00x*\rFEFF");
-  EXPECT_EQ(fresh.hear("\r"), "@00x*\r");
+  client->send("@@@00x*\rFEFF");
+  EXPECT_EQ(fresh.receive("\r"), "@00x*\r");
 }
 
 TEST_F(ProgramServer, AModuleWithoutANumberIsTurnedAwayAndAudited) {
@@ -135,7 +135,7 @@ TEST_F(ProgramServer, AModuleWithoutANumberIsTurnedAwayAndAudited) {
 TEST_F(ProgramServer, AClientThatSendsNoiseIsHungUpAndAudited) {
   start();
   TcpClient client = engineer();
-  client.say(std::string(1000, 'x'));
+  client.send(std::string(1000, 'x'));
   EXPECT_TRUE(client.is_closed());
   EXPECT_TRUE(audited("noise instead of frames"));
 }
@@ -145,10 +145,10 @@ TEST_F(ProgramServer, HalfAnInstructionIsAuditedAndTheNextOneArrives) {
   TcpClient module = this->module("17\n");
   std::unique_ptr<TcpClient> client;
   ASSERT_EQ(paired(server.engineers_port(), "17", client), "@@0000FEFF");
-  client->say("@@@00half");
+  client->send("@@@00half");
   EXPECT_TRUE(audited("half an instruction"));
-  client->say("@@@00whole*\rFEFF");
-  EXPECT_EQ(module.hear("\r"), "@00whole*\r");
+  client->send("@@@00whole*\rFEFF");
+  EXPECT_EQ(module.receive("\r"), "@00whole*\r");
 }
 
 TEST_F(ProgramServer, AClientThatLeavesInTheMiddleOfAnInstructionFreesTheDevice) {
@@ -156,27 +156,27 @@ TEST_F(ProgramServer, AClientThatLeavesInTheMiddleOfAnInstructionFreesTheDevice)
   TcpClient module = this->module("17\n");
   const std::pair<const char*, Bytes> halves[] = {{"17", {'@', '@', '@', '0', '0', 'h'}},
                                                   {"V217", {0, 0, 0}}};
-  for (const auto& [wish, half] : halves) {
+  for (const auto& [request, half] : halves) {
     std::unique_ptr<TcpClient> client, next;
-    ASSERT_EQ(paired(server.engineers_port(), wish, client), "@@0000FEFF") << wish;
+    ASSERT_EQ(paired(server.engineers_port(), request, client), "@@0000FEFF") << request;
     client->send(half);
     client->close();
     const auto end = std::chrono::steady_clock::now() + seconds{10};
     while (paired(server.engineers_port(), "17", next) == "@@0002FEFF" &&
            std::chrono::steady_clock::now() < end) {}
-    next->say("@@@00next*\rFEFF");
-    EXPECT_EQ(module.hear("\r"), "@00next*\r") << wish;
-    next->say("@@EDFEFF@@nobody1FEFF");  // whose refusal comes when the device is free again
-    EXPECT_EQ(next->hear("FEFF"), "@@0001FEFF");
+    next->send("@@@00next*\rFEFF");
+    EXPECT_EQ(module.receive("\r"), "@00next*\r") << request;
+    next->send("@@EDFEFF@@nobody1FEFF");  // whose refusal comes when the device is free again
+    EXPECT_EQ(next->receive("FEFF"), "@@0001FEFF");
   }
   EXPECT_TRUE(audited("ended: the client is gone"));
 }
 
-TEST_F(ProgramServer, AClientThatNeverSpeaksOrOnlyHalfAWishIsHungUpAndAudited) {
+TEST_F(ProgramServer, AClientThatNeverSpeaksOrOnlyHalfARequestIsHungUpAndAudited) {
   spec.engineers->handshake = milliseconds{100};
   start();
   TcpClient silent = engineer(), half = engineer();
-  half.say("@@1");
+  half.send("@@1");
   EXPECT_TRUE(silent.is_closed());
   EXPECT_TRUE(half.is_closed());
   const auto lines = [this] {
@@ -188,16 +188,16 @@ TEST_F(ProgramServer, AClientThatNeverSpeaksOrOnlyHalfAWishIsHungUpAndAudited) {
   EXPECT_TRUE(changed.wait_for(lock, seconds{10}, [&] { return lines() == 2; })) << lines();
 }
 
-TEST_F(ProgramServer, AWishIsHeardBehindALittleGarbage) {
+TEST_F(ProgramServer, ARequestIsReadBehindALittleGarbage) {
   start();
   TcpClient module = this->module("17\n");
   std::unique_ptr<TcpClient> client;
   ASSERT_EQ(paired(server.engineers_port(), "17", client), "@@0000FEFF");
-  client->say("@@EDFEFF@@nobody1FEFF");
-  ASSERT_EQ(client->hear("FEFF"), "@@0001FEFF");
+  client->send("@@EDFEFF@@nobody1FEFF");
+  ASSERT_EQ(client->receive("FEFF"), "@@0001FEFF");
   TcpClient noisy = engineer();
-  noisy.say("AT+CWMODE=1\r\n@@17FEFF");
-  EXPECT_EQ(noisy.hear("FEFF"), "@@0000FEFF");
+  noisy.send("AT+CWMODE=1\r\n@@17FEFF");
+  EXPECT_EQ(noisy.receive("FEFF"), "@@0000FEFF");
   EXPECT_TRUE(audited("dropped: bytes outside of any frame"));
 }
 
@@ -227,8 +227,8 @@ TEST_F(ProgramServer, AClientThatNeverReadsIsFreed) {
 TEST_F(ProgramServer, AWrongPasswordIsRefusedAndAudited) {
   start();
   TcpClient client = engineer();
-  client.say("@@AU616e6e61:00FEFF@@17FEFF");
-  EXPECT_EQ(client.hear("FEFF"), "@@0004FEFF");
+  client.send("@@AU616e6e61:00FEFF@@17FEFF");
+  EXPECT_EQ(client.receive("FEFF"), "@@0004FEFF");
   EXPECT_TRUE(client.is_closed());
   EXPECT_TRUE(audited("login refused: user anna: wrong password"));
 }
@@ -237,7 +237,7 @@ TEST_F(ProgramServer, ALoginNamesTheUserInTheAudit) {
   start();
   TcpClient module = this->module("17\n");
   TcpClient client = engineer();
-  client.say("@@AU616e6e61:736563726574FEFF");
+  client.send("@@AU616e6e61:736563726574FEFF");
   ASSERT_EQ(pair(client, "17"), "@@0000FEFF");
   EXPECT_TRUE(audited("paired"));
   const std::lock_guard lock(mutex);
@@ -249,12 +249,12 @@ TEST_F(ProgramServer, ALoginCanBeDemandedOnTheLoopbackToo) {
   start();
   TcpClient module = this->module("17\n");
   TcpClient nobody = engineer();
-  nobody.say("@@17FEFF");
-  EXPECT_EQ(nobody.hear("FEFF"), "@@0004FEFF");
+  nobody.send("@@17FEFF");
+  EXPECT_EQ(nobody.receive("FEFF"), "@@0004FEFF");
   EXPECT_TRUE(nobody.is_closed());
   EXPECT_TRUE(audited("was asked for without a login"));
   TcpClient anna = engineer();
-  anna.say("@@AU616e6e61:736563726574FEFF");
+  anna.send("@@AU616e6e61:736563726574FEFF");
   EXPECT_EQ(pair(anna, "17"), "@@0000FEFF");
 }
 
@@ -271,10 +271,10 @@ TEST_F(ProgramServer, SixHundredSilentConnectionsLockNobodyOut) {
       silent.emplace_back(port, source.c_str());
     }
   }
-  first.say("@@@00goes on*\rFEFF");
-  EXPECT_EQ(module.hear("\r"), "@00goes on*\r");
+  first.send("@@@00goes on*\rFEFF");
+  EXPECT_EQ(module.receive("\r"), "@00goes on*\r");
   TcpClient late = this->module("18\n"), far(server.modules_port(), "127.0.0.250");
-  far.say("19\n");
+  far.send("19\n");
   std::unique_ptr<TcpClient> second, third;  // again and again: the modules come behind the flood
   EXPECT_EQ(paired(server.engineers_port(), "18", second), "@@0000FEFF");
   EXPECT_EQ(paired(server.engineers_port(), "19", third), "@@0000FEFF");
@@ -325,7 +325,7 @@ TEST_F(ProgramServer, StoppingTellsEveryClient) {
   std::unique_ptr<TcpClient> client;
   ASSERT_EQ(paired(server.engineers_port(), "17", client), "@@0000FEFF");
   server.stop();
-  EXPECT_EQ(client->hear("FEFF"), "@@0003FEFF");
+  EXPECT_EQ(client->receive("FEFF"), "@@0003FEFF");
   EXPECT_TRUE(client->is_closed());
   EXPECT_TRUE(module.is_closed());
 }
@@ -336,19 +336,19 @@ TEST_F(ProgramServer, AReloadKeepsItsModulesThoseWithoutANumberYetToo) {
   TcpClient before = engineer();
   ASSERT_EQ(pair(before, "17"), "@@0000FEFF");
   server.stop(program::Server::Modules::kKeep);
-  EXPECT_EQ(before.hear("FEFF"), "@@0003FEFF");
+  EXPECT_EQ(before.receive("FEFF"), "@@0003FEFF");
   spec.engineers->idle = seconds{77};
   start();
   TcpClient client = engineer();
   EXPECT_EQ(pair(client, "17"), "@@0000FEFF");
-  client.say("@@@00x*\rFEFF");
-  EXPECT_EQ(module.hear("\r"), "@00x*\r");
+  client.send("@@@00x*\rFEFF");
+  EXPECT_EQ(module.receive("\r"), "@00x*\r");
 
   server.stop(program::Server::Modules::kKeep);
   spec.modules->registration.prefix = "ID=";  // how others are asked from now on
   spec.modules->listen.host = "127.0.0.2";
   start();
-  half.say("8\n");
+  half.send("8\n");
   TcpClient again = engineer(), other = engineer();
   EXPECT_EQ(pair(again, "17"), "@@0000FEFF");
   EXPECT_EQ(pair(other, "18"), "@@0000FEFF");

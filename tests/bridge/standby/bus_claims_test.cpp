@@ -10,7 +10,7 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-// Bridges that hear each other; what one says is told to the others by tell().
+// Bridges that receive from each other; tell() hands what one claims to the others.
 struct Domain {
   struct Bridge {
     std::string id;
@@ -106,7 +106,7 @@ TEST(BusClaims, WhoWaitsTakesOverWhenTheOtherIsGoneAndOneOfSeveral) {
   EXPECT_THAT(domain.serving(), ElementsAre("third"));
 }
 
-TEST(BusClaims, WhoIsSilentIsNoRivalAndIsOneAgainWhenItIsHeard) {
+TEST(BusClaims, WhoIsSilentIsNoRivalAndIsOneAgainWhenItIsReceived) {
   Domain domain;
   auto& first = domain.add("first", 1);
   domain.come_to_rest();

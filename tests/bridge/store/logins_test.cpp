@@ -149,7 +149,7 @@ TEST_F(Users, AStoreThatIsNotThereRefusesEverybody) {
             LoginRefused::Why::kUnavailable);
 }
 
-TEST_F(Users, WhoStillWaitsWhenTheRouterClosesHearsIt) {
+TEST_F(Users, WhoStillWaitsWhenTheRouterClosesIsTold) {
   std::atomic<unsigned> answered{0};
   {
     Authenticator authenticator(address_, audit_);

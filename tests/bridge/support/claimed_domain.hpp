@@ -14,7 +14,7 @@
 namespace fieldcast::test {
 
 // The claim is the highest port of the domain's range (7400 + 250 * domain ..), which no
-// participant below the 120th takes. Above domain 100 the ports are those that the kernel lends
+// participant below the 120th takes. Above domain 100 the ports are those that the kernel assigns
 // out.
 class ClaimedDomain {
  public:

@@ -45,15 +45,15 @@ class ModbusDevice {
   }
 
   void serve() {
-    Bytes heard;
+    Bytes received;
     while (running_) {
       pollfd wait{pty_.master(), POLLIN, 0};
       if (::poll(&wait, 1, 5) <= 0) continue;
-      append(heard, pty_.take());
-      while (heard.size() >= 8 && heard.size() >= length_of(heard)) {
-        const auto end = heard.begin() + static_cast<std::ptrdiff_t>(length_of(heard));
-        const Bytes request(heard.begin(), end);
-        heard.erase(heard.begin(), end);
+      append(received, pty_.take());
+      while (received.size() >= 8 && received.size() >= length_of(received)) {
+        const auto end = received.begin() + static_cast<std::ptrdiff_t>(length_of(received));
+        const Bytes request(received.begin(), end);
+        received.erase(received.begin(), end);
         answer(request);
       }
     }

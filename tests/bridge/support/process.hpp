@@ -28,7 +28,7 @@ class Process {
     const FileDescriptor write_end(out[1]);
     start(std::move(program), arguments, write_end.get());
   }
-  // Its output goes to the descriptor; nothing of it is heard here.
+  // Its output goes to the descriptor; nothing of it is read here.
   Process(std::string program, const std::vector<std::string>& arguments, int output) {
     start(std::move(program), arguments, output);
   }
@@ -78,7 +78,7 @@ class Process {
     posix_spawn_file_actions_destroy(&actions);
   }
 
-  // False at the end of the output, or of the process where its output is not heard.
+  // False at the end of the output, or of the process where its output is not read.
   bool read_some() {
     if (!output_.valid()) {
       siginfo_t ended{};

@@ -17,8 +17,8 @@
 
 namespace fieldcast::test {
 
-// A port that nobody listens at just now, below those that the kernel lends to connections: nobody
-// else is given it meanwhile.
+// A port that nobody listens at just now, below those that the kernel assigns to connections, so
+// that nobody else gets it meanwhile.
 [[nodiscard]] inline std::uint16_t free_port() {
   constexpr unsigned kLowest = 20000, kCount = 12000, kStep = 7;
   static unsigned asked = 0;
@@ -60,54 +60,55 @@ class TcpClient {
       bytes = bytes.subspan(static_cast<std::size_t>(sent));
     }
   }
-  void say(std::string_view text) const {
+  void send(std::string_view text) const {
     send({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }
 
   // Everything up to and with `end`; what came until the limit or the peer's close, else.
-  [[nodiscard]] std::string hear(std::string_view end,
-                                 std::chrono::milliseconds limit = std::chrono::seconds{10}) {
+  [[nodiscard]] std::string receive(std::string_view end,
+                                    std::chrono::milliseconds limit = std::chrono::seconds{10}) {
     const auto deadline = std::chrono::steady_clock::now() + limit;
-    std::size_t found = heard_.find(end);
-    while (found == heard_.npos && std::chrono::steady_clock::now() < deadline && !closed_) {
-      receive();
-      found = heard_.find(end);
+    std::size_t found = received_.find(end);
+    while (found == received_.npos && std::chrono::steady_clock::now() < deadline && !closed_) {
+      read_some();
+      found = received_.find(end);
     }
-    const std::size_t count = found == heard_.npos ? heard_.size() : found + end.size();
-    std::string out = heard_.substr(0, count);
-    heard_.erase(0, count);
+    const std::size_t count = found == received_.npos ? received_.size() : found + end.size();
+    std::string out = received_.substr(0, count);
+    received_.erase(0, count);
     return out;
   }
-  [[nodiscard]] std::string hear_bytes(std::size_t count,
-                                       std::chrono::milliseconds limit = std::chrono::seconds{10}) {
+  [[nodiscard]] std::string receive_bytes(std::size_t count,
+                                          std::chrono::milliseconds limit = std::chrono::seconds{
+                                              10}) {
     const auto deadline = std::chrono::steady_clock::now() + limit;
-    while (heard_.size() < count && std::chrono::steady_clock::now() < deadline && !closed_)
-      receive();
-    std::string out = heard_.substr(0, count);
-    heard_.erase(0, out.size());
+    while (received_.size() < count && std::chrono::steady_clock::now() < deadline && !closed_)
+      read_some();
+    std::string out = received_.substr(0, count);
+    received_.erase(0, out.size());
     return out;
   }
   // The peer closed the connection.
   [[nodiscard]] bool is_closed(std::chrono::milliseconds limit = std::chrono::seconds{10}) {
     const auto deadline = std::chrono::steady_clock::now() + limit;
-    while (!closed_ && std::chrono::steady_clock::now() < deadline) receive();
+    while (!closed_ && std::chrono::steady_clock::now() < deadline) read_some();
     return closed_;
   }
   void close() { fd_.reset(); }
   [[nodiscard]] int fd() const { return fd_.get(); }
 
  private:
-  void receive() {
+  void read_some() {
     pollfd wait{fd_.get(), POLLIN, 0};
     if (::poll(&wait, 1, 20) <= 0) return;
     char piece[4096];
     const ssize_t count = ::recv(fd_.get(), piece, sizeof piece, MSG_DONTWAIT);
-    if (count > 0) heard_.append(piece, static_cast<std::size_t>(count));
+    if (count > 0) received_.append(piece, static_cast<std::size_t>(count));
     if (count == 0 || (count < 0 && errno != EAGAIN && errno != EINTR)) closed_ = true;
   }
 
   FileDescriptor fd_;
-  std::string heard_;
+  std::string received_;
   bool closed_ = false;
 };
 

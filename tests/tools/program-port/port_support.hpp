@@ -28,10 +28,10 @@ class SerialSoftware {
     ::cfsetspeed(&settings, speed);
     ::tcsetattr(fd_.get(), TCSANOW, &settings);
   }
-  void say(std::string_view text) const {
+  void send(std::string_view text) const {
     EXPECT_EQ(::write(fd_.get(), text.data(), text.size()), static_cast<ssize_t>(text.size()));
   }
-  [[nodiscard]] std::string hear(std::size_t count) const {
+  [[nodiscard]] std::string receive(std::size_t count) const {
     std::string out;
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{10};
     while (out.size() < count && std::chrono::steady_clock::now() < deadline) {
@@ -69,8 +69,8 @@ struct PortFixture : ServerFixture {
   void wait_for_module() const {
     TcpClient client = engineer();
     EXPECT_EQ(pair(client, "17"), "@@0000FEFF");
-    client.say("@@EDFEFF@@nobody1FEFF");  // whose refusal comes when the device is free again
-    EXPECT_EQ(client.hear("FEFF"), "@@0001FEFF");
+    client.send("@@EDFEFF@@nobody1FEFF");  // whose refusal comes when the device is free again
+    EXPECT_EQ(client.receive("FEFF"), "@@0001FEFF");
   }
 
   std::filesystem::path folder, link;

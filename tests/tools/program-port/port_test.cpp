@@ -20,10 +20,10 @@ TEST_F(Port, SoftwareOnTheVirtualPortTalksToAFarPlc) {
     Process port(FIELDCAST_PORT, arguments(framing));
     ASSERT_THAT(port.said("paired"), HasSubstr("17: paired"));
     const SerialSoftware software(link);
-    software.say("@00FA0FEFF*\r");
-    EXPECT_EQ(module.hear("\r"), "@00FA0FEFF*\r");
-    module.say("@00FA00@@FEFF*\r");
-    EXPECT_EQ(software.hear(15), "@00FA00@@FEFF*\r");
+    software.send("@00FA0FEFF*\r");
+    EXPECT_EQ(module.receive("\r"), "@00FA0FEFF*\r");
+    module.send("@00FA00@@FEFF*\r");
+    EXPECT_EQ(software.receive(15), "@00FA00@@FEFF*\r");
     port.signal(SIGINT);
     EXPECT_EQ(port.exit_code(), 0) << port.output();
     EXPECT_THAT(port.output(), HasSubstr("12 bytes sent"));
@@ -43,10 +43,10 @@ TEST_F(Port, EveryByteValuePassesBothWays) {
   const SerialSoftware software(link);
   std::string all;
   for (int i = 0; i < 1024; ++i) all.push_back(static_cast<char>(i));
-  software.say(all);
-  EXPECT_EQ(module.hear_bytes(all.size()), all);
-  module.say(all);
-  EXPECT_EQ(software.hear(all.size()), all);
+  software.send(all);
+  EXPECT_EQ(module.receive_bytes(all.size()), all);
+  module.send(all);
+  EXPECT_EQ(software.receive(all.size()), all);
 }
 
 TEST_F(Port, ADeviceThatIsNotThereIsSaidAndTheLinkGoes) {
@@ -90,9 +90,9 @@ TEST_F(Port, TheEndOfTheBridgeEndsIt) {
 
 TEST_F(Port, NobodyListeningIsSaid) {
   start();
-  const auto unheard = arguments();
+  const auto without_device = arguments();
   server.stop();
-  Process port(FIELDCAST_PORT, unheard);
+  Process port(FIELDCAST_PORT, without_device);
   EXPECT_EQ(port.exit_code(), 5);
   EXPECT_THAT(port.output(), HasSubstr("Connection refused"));
 }
@@ -117,11 +117,11 @@ TEST_F(Port, TheSpeedThatTheSoftwareSetsIsSeen) {
   ASSERT_THAT(port.said("paired"), HasSubstr("17: paired"));
   const SerialSoftware software(link, B115200, CSTOPB);
   EXPECT_THAT(port.said("115200 baud"), HasSubstr("the program sets 115200 baud, 2 stop bits"));
-  software.say("still here");
-  EXPECT_EQ(module.hear("here"), "still here");
+  software.send("still here");
+  EXPECT_EQ(module.receive("here"), "still here");
 }
 
-// A new terminal of Linux has this rate; to set it is a wish all the same.
+// A new terminal of Linux has this rate; to set it is a request all the same.
 TEST_F(Port, TheSpeedOfANewTerminalIsSeenWhenItIsSet) {
   start();
   TcpClient module = this->module("17\n");

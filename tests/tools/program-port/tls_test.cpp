@@ -45,10 +45,10 @@ TEST_F(Tls, ARightLoginPairsAndCarriesBytes) {
       continue;
     }
     const test::SerialSoftware software(link);
-    software.say("@00x*\r");
-    EXPECT_EQ(module.hear("\r"), "@00x*\r");
-    module.say("@00y*\r");
-    EXPECT_EQ(software.hear(6), "@00y*\r");
+    software.send("@00x*\r");
+    EXPECT_EQ(module.receive("\r"), "@00x*\r");
+    module.send("@00y*\r");
+    EXPECT_EQ(software.receive(6), "@00y*\r");
     EXPECT_TRUE(audited("paired"));
     return;
   }
@@ -75,7 +75,7 @@ TEST_F(Tls, ABridgeThatIsNotTheOneExpectedGetsNoPassword) {
 TEST_F(Tls, AClientInTheClearIsTurnedAway) {
   start();
   TcpClient client = engineer();
-  client.say("@@17FEFF");
+  client.send("@@17FEFF");
   EXPECT_TRUE(client.is_closed());
   EXPECT_TRUE(audited("TLS handshake"));
 }
