@@ -46,14 +46,14 @@ void describe(CommandLine& line, Arguments& given) {
 }
 
 void say(const Arguments& given, const std::vector<std::unique_ptr<sim::SimBus>>& buses,
-         const std::vector<std::string>& places) {
+         const std::vector<std::string>& locations) {
   if (given.quiet) return;
   for (std::size_t i = 0; i < buses.size(); ++i) {
     const BusSpec& spec = buses[i]->spec();
     if (given.json) {
-      std::puts(sim::location_line(spec, places[i]).c_str());
+      std::puts(sim::location_line(spec, locations[i]).c_str());
     } else {
-      std::printf("%-16s %s, %zu device%s (%s)\n", spec.name.c_str(), places[i].c_str(),
+      std::printf("%-16s %s, %zu device%s (%s)\n", spec.name.c_str(), locations[i].c_str(),
                   spec.devices.size(), spec.devices.size() == 1 ? "" : "s",
                   to_text(spec.port).c_str());
     }
@@ -108,7 +108,7 @@ int simulate(const Arguments& given) {
   }
   sim::PlantLoop loop(buses, options);
   if (const auto opened = loop.open(); !opened) return fail(kNoPort, opened.error());
-  say(given, buses, loop.places());
+  say(given, buses, loop.locations());
   return loop.run() ? kFine : fail(kNoReport, given.report + ": cannot write the report");
 }
 

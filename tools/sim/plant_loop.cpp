@@ -48,10 +48,10 @@ tl::expected<void, std::string> PlantLoop::open() {
   return {};
 }
 
-std::vector<std::string> PlantLoop::places() const {
-  std::vector<std::string> places;
-  for (const Entry& entry : served_) places.push_back(entry.bus->place());
-  return places;
+std::vector<std::string> PlantLoop::locations() const {
+  std::vector<std::string> locations;
+  for (const Entry& entry : served_) locations.push_back(entry.bus->location());
+  return locations;
 }
 
 void PlantLoop::watch(int fd) {

@@ -33,7 +33,7 @@ class PlantLoop : private Watcher {
 
   // Opens every port; or why not, with those opened closed again.
   [[nodiscard]] tl::expected<void, std::string> open();
-  [[nodiscard]] std::vector<std::string> places() const;
+  [[nodiscard]] std::vector<std::string> locations() const;
   // Until the end, SIGINT or SIGTERM; then ports are closed and links gone. False: the report could
   // not be written.
   [[nodiscard]] bool run();

@@ -88,7 +88,7 @@ TEST(SimBus, SlavesLeaveEachOthersTrafficAlone) {
   EXPECT_EQ(master.bus->statistics().collisions, 0u);
 }
 
-TEST(SimBus, ADeadDeviceNeitherHearsNorAnswersUntilItComesBack) {
+TEST(SimBus, ADeadDeviceNeitherReceivesNorAnswersUntilItComesBack) {
   BusFaults faults;
   faults.devices["press-1"].silence = {{0s, 5s}};
   Master master(faults);

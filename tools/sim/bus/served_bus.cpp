@@ -84,7 +84,7 @@ class SerialBus : public PluggedBus {
       : PluggedBus(bus), watcher_(watcher), path_(std::get<SerialPortSpec>(bus.spec().port).path) {}
   ~SerialBus() override { SerialBus::unplug(); }
 
-  [[nodiscard]] std::string place() const override {
+  [[nodiscard]] std::string location() const override {
     return path_ + (port_ ? " -> " + port_->terminal() : " (unplugged)");
   }
 
@@ -135,11 +135,11 @@ class TcpBus : public PluggedBus {
       : PluggedBus(bus), watcher_(watcher), spec_(std::get<TcpPortSpec>(bus.spec().port)) {}
   ~TcpBus() override { TcpBus::unplug(); }
 
-  [[nodiscard]] std::string place() const override {
+  [[nodiscard]] std::string location() const override {
     const std::string loopback = loopback_for(spec_.host);
-    const std::string place =
+    const std::string location =
         fmt::format("{}:{}{}", loopback, spec_.port, plugged() ? "" : " (unplugged)");
-    return loopback == spec_.host ? place : fmt::format("{} (for {})", place, spec_.host);
+    return loopback == spec_.host ? location : fmt::format("{} (for {})", location, spec_.host);
   }
 
   void on_readable(int fd, Instant now) override {

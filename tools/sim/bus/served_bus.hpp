@@ -31,7 +31,7 @@ class ServedBus {
   // Opens the port; or why not, for people.
   [[nodiscard]] virtual tl::expected<void, std::string> open(Instant now) = 0;
   // Where a master finds it: "/tmp/line-1 -> /dev/pts/5", "127.0.0.1:1502".
-  [[nodiscard]] virtual std::string place() const = 0;
+  [[nodiscard]] virtual std::string location() const = 0;
   virtual void on_readable(int fd, Instant now) = 0;
   // Does what is due and says when it wants to be called next; kNever: not before something is
   // readable.

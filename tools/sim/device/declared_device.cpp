@@ -198,7 +198,7 @@ void DeclaredDevice::fill(const Operation& operation, Instant now, DeclaredText&
   }
 }
 
-std::optional<ItemPlace> DeclaredDevice::parse_address(std::string_view at) const {
+std::optional<ItemAddress> DeclaredDevice::parse_address(std::string_view at) const {
   constexpr std::uint64_t kNone = UINT64_MAX;
   const std::size_t dot = at.rfind('.');
   const std::uint64_t bit =
@@ -206,9 +206,9 @@ std::optional<ItemPlace> DeclaredDevice::parse_address(std::string_view at) cons
   // Values of records first, then numbers behind a prefix.
   for (std::size_t i = 0; i < declaration_->areas.size(); ++i) {
     for (const declared::Place& place : declaration_->areas[i].places) {
-      if (at == place.name) return ItemPlace{i, place.first, {}};
+      if (at == place.name) return ItemAddress{i, place.first, {}};
       if (bit == kNone || at.substr(0, dot) != place.name || bit >= place.bits) continue;
-      return ItemPlace{i, place.first + place.items - 1 - static_cast<std::uint32_t>(bit / 16),
+      return ItemAddress{i, place.first + place.items - 1 - static_cast<std::uint32_t>(bit / 16),
                        static_cast<std::uint8_t>(bit % 16)};
     }
   }
@@ -216,10 +216,10 @@ std::optional<ItemPlace> DeclaredDevice::parse_address(std::string_view at) cons
     const DeclaredArea& area = declaration_->areas[i];
     if (area.record || !at.starts_with(area.prefix)) continue;
     const std::string_view rest = at.substr(area.prefix.size());
-    if (const auto item = number(rest, area)) return ItemPlace{i, *item, {}};
+    if (const auto item = number(rest, area)) return ItemAddress{i, *item, {}};
     if (bit >= area.item_bits || area.item_bits == 1) continue;
     if (const auto item = number(rest.substr(0, rest.rfind('.')), area))
-      return ItemPlace{i, *item, static_cast<std::uint8_t>(bit)};
+      return ItemAddress{i, *item, static_cast<std::uint8_t>(bit)};
   }
   return std::nullopt;
 }

@@ -33,7 +33,7 @@ class DeclaredDevice : public SimDevice {
   enum class Taken : std::uint8_t { kMore, kDone, kNothing };
   // All since the last silence or answer. kDone with an empty answer: silence is right.
   [[nodiscard]] Taken take(ByteView bytes, Instant now, Bytes& answer);
-  [[nodiscard]] std::optional<ItemPlace> parse_address(std::string_view at) const;
+  [[nodiscard]] std::optional<ItemAddress> parse_address(std::string_view at) const;
 
  private:
   [[nodiscard]] Bytes execute(const declared::Operation& operation, DeclaredText text, Instant now);

@@ -82,9 +82,9 @@ std::size_t items_size(const Field& field, unsigned item_bits, std::uint64_t cou
   return (item_bits == 1 && field.packed ? (count + 7) / 8 : count) * field.word.characters;
 }
 
-class Hearing {
+class ParseRun {
  public:
-  Hearing(const declared::Operation& operation, unsigned item_bits, ByteView bytes)
+  ParseRun(const declared::Operation& operation, unsigned item_bits, ByteView bytes)
       : operation_(operation),
         fields_(operation.request.fields),
         item_bits_(item_bits),
@@ -95,7 +95,7 @@ class Hearing {
 
   DeclaredMatch run() {
     for (at_ = 0; at_ < fields_.size(); ++at_) {
-      starts_[at_] = place_;
+      starts_[at_] = offset_;
       const Field& field = fields_[at_];
       received_.fit = field.kind == FieldKind::kItems ? items(field)
                       : field.text_size != 0          ? text(field)
@@ -103,8 +103,8 @@ class Hearing {
                                                       : word(field);
       if (received_.fit != Fit::kWhole) return received_;
     }
-    starts_[at_] = place_;
-    received_.size = place_;
+    starts_[at_] = offset_;
+    received_.size = offset_;
     for (std::size_t i = 0; i < fields_.size(); ++i) {
       const Field& field = fields_[i];
       if (field.kind != FieldKind::kChecksum) continue;
@@ -117,7 +117,7 @@ class Hearing {
 
  private:
   using Fit = DeclaredMatch::Fit;
-  ByteView rest() const { return bytes_.subspan(place_); }
+  ByteView rest() const { return bytes_.subspan(offset_); }
 
   Fit mark(const Field& field) {
     const std::size_t come = std::min(rest().size(), field.text.size());
@@ -125,7 +125,7 @@ class Hearing {
                     rest().begin(),
                     [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; }))
       return Fit::kNo;
-    place_ += come;
+    offset_ += come;
     return come == field.text.size() ? Fit::kWhole : Fit::kMore;
   }
 
@@ -144,7 +144,7 @@ class Hearing {
     if (rest().size() < size) return Fit::kMore;
     received_.text.texts[&field] = {rest().begin(),
                                     rest().begin() + static_cast<std::ptrdiff_t>(size)};
-    place_ += size;
+    offset_ += size;
     return Fit::kWhole;
   }
 
@@ -164,7 +164,7 @@ class Hearing {
       if (!word) return Fit::kNo;
       take_item(field, *word);
     }
-    place_ += size;
+    offset_ += size;
     return Fit::kWhole;
   }
   void take_item(const Field& field, std::uint64_t word) {
@@ -186,7 +186,7 @@ class Hearing {
       word_ = *number;
     }
     const bool fits = take(field, word_ >> field.shift & mask(field.bits));
-    if (at_ + 1 == fields_.size() || fields_[at_ + 1].opens) place_ += field.word.characters;
+    if (at_ + 1 == fields_.size() || fields_[at_ + 1].opens) offset_ += field.word.characters;
     return fits ? Fit::kWhole : Fit::kNo;
   }
 
@@ -241,7 +241,7 @@ class Hearing {
   const ByteView bytes_;
   DeclaredMatch received_;
   Starts starts_{};
-  std::size_t at_ = 0, place_ = 0;
+  std::size_t at_ = 0, offset_ = 0;
   std::uint64_t word_ = 0;
   std::optional<std::size_t> told_;
   bool counted_ = false;
@@ -283,7 +283,7 @@ std::uint64_t spoken(const Field& field, const DeclaredText& text) {
 
 DeclaredMatch on_request(const declared::Declaration& declaration,
                          const declared::Operation& operation, ByteView bytes) {
-  return Hearing(operation, declaration.areas[operation.area].item_bits, bytes).run();
+  return ParseRun(operation, declaration.areas[operation.area].item_bits, bytes).run();
 }
 
 Bytes say(const Frame& frame, unsigned item_bits, const DeclaredText& text) {

@@ -86,21 +86,21 @@ std::vector<ItemArea> dtc_areas() {
 
 }  // namespace
 
-std::optional<ItemPlace> parse_dtc_address(std::string_view at) {
+std::optional<ItemAddress> parse_dtc_address(std::string_view at) {
   const std::size_t colon = at.find(':'), dot = at.find('.');
   const auto name = std::ranges::find(kDtcAreaNames, at.substr(0, colon));
   if (colon == std::string_view::npos || name == kDtcAreaNames.end()) return std::nullopt;
-  ItemPlace place{.area = static_cast<std::size_t>(name - kDtcAreaNames.begin())};
+  ItemAddress address{.area = static_cast<std::size_t>(name - kDtcAreaNames.begin())};
   const auto first =
       address_number(at.substr(colon + 1, dot == std::string_view::npos ? dot : dot - colon - 1));
   if (!first || *first > 65535) return std::nullopt;
-  place.first = static_cast<std::uint32_t>(*first);
-  if (dot == std::string_view::npos) return place;
-  const bool integer = place.area == 1 || place.area == 2;
+  address.first = static_cast<std::uint32_t>(*first);
+  if (dot == std::string_view::npos) return address;
+  const bool integer = address.area == 1 || address.area == 2;
   const auto bit = address_number(at.substr(dot + 1));
-  if (!integer || !bit || *bit >= kDtcBits[place.area]) return std::nullopt;
-  place.bit = static_cast<std::uint8_t>(*bit);
-  return place;
+  if (!integer || !bit || *bit >= kDtcBits[address.area]) return std::nullopt;
+  address.bit = static_cast<std::uint8_t>(*bit);
+  return address;
 }
 
 DtcDevice::DtcDevice(const DeviceSetup& setup)

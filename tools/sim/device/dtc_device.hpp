@@ -23,7 +23,7 @@ inline constexpr std::array<std::string_view, 5> kDtcAreaNames{"bit", "int16", "
 inline constexpr std::array<unsigned, 5> kDtcBits{1, 16, 32, 32, 64};  // of one variable
 
 // "int16:100" or "int16:100.3", read apart from the bridge's own parser.
-[[nodiscard]] std::optional<ItemPlace> parse_dtc_address(std::string_view at);
+[[nodiscard]] std::optional<ItemAddress> parse_dtc_address(std::string_view at);
 
 class DtcDevice : public SimDevice {
  public:

@@ -7,7 +7,7 @@
 namespace fieldcast::sim {
 namespace {
 
-constexpr std::size_t kPlace = 4, kMostAnswer = 538, kMostItems = 128;
+constexpr std::size_t kAddressSize = 4, kMostAnswer = 538, kMostItems = 128;
 constexpr std::uint16_t kUndefined = 0x0401, kCommandTooLong = 0x1001, kCommandTooShort = 0x1002,
                         kCountDiffers = 0x1003, kNoArea = 0x1101, kStartOutside = 0x1103,
                         kEndOutside = 0x1104, kAnswerTooLong = 0x110B, kParameter = 0x110C;
@@ -54,7 +54,7 @@ FinsUnit::Result FinsUnit::dispatch(std::uint16_t command, ByteView text, Instan
   }
 }
 
-std::optional<FinsUnit::Place> FinsUnit::place_of(ByteView bytes) {
+std::optional<FinsUnit::Address> FinsUnit::address_of(ByteView bytes) {
   const std::uint8_t code = bytes[0];
   const std::uint32_t number = read_u16(bytes, 1);
   for (std::size_t area = 0; area < kOmronAreas.size(); ++area) {
@@ -67,53 +67,53 @@ std::optional<FinsUnit::Place> FinsUnit::place_of(ByteView bytes) {
     const bool shared = code == 0x89 || code == 0x09;
     if ((!words && !bits) || (shared && counters != (row.fins_first != 0))) continue;
     const unsigned bank = words ? code - row.word_code : code - row.bit_code;
-    Place place{area, bank * row.items + number - row.fins_first, {}};
-    if (bits && row.bits != 1) place.bit = bytes[3];
-    return place;
+    Address address{area, bank * row.items + number - row.fins_first, {}};
+    if (bits && row.bits != 1) address.bit = bytes[3];
+    return address;
   }
   return std::nullopt;
 }
 
-std::size_t FinsUnit::item_size(const Place& place) {
-  return place.bit || kOmronAreas[place.area].bits == 1 ? 1 : 2;
+std::size_t FinsUnit::item_size(const Address& address) {
+  return address.bit || kOmronAreas[address.area].bits == 1 ? 1 : 2;
 }
 
-std::uint16_t FinsUnit::refusal(const Place& place, std::uint32_t count) const {
-  const OmronArea& row = kOmronAreas[place.area];
-  if (place.bit && *place.bit > 15) return kStartOutside;
-  const std::uint32_t words = place.bit ? (*place.bit + count + 15) / 16 : count;
-  const std::uint32_t within = place.first % row.items;
-  if (place.area != kOmronEm && place.first >= row.items) return kStartOutside;
+std::uint16_t FinsUnit::refusal(const Address& address, std::uint32_t count) const {
+  const OmronArea& row = kOmronAreas[address.area];
+  if (address.bit && *address.bit > 15) return kStartOutside;
+  const std::uint32_t words = address.bit ? (*address.bit + count + 15) / 16 : count;
+  const std::uint32_t within = address.first % row.items;
+  if (address.area != kOmronEm && address.first >= row.items) return kStartOutside;
   if (words > row.items - within) return kEndOutside;
-  const std::uint8_t code = memory_.refusal(place.area, place.first, words, 0x03);
+  const std::uint8_t code = memory_.refusal(address.area, address.first, words, 0x03);
   return code == 0 ? 0 : static_cast<std::uint16_t>(0x1100 | code);
 }
 
-void FinsUnit::append_items(const Place& place, std::uint32_t count, Instant now,
+void FinsUnit::append_items(const Address& address, std::uint32_t count, Instant now,
                             Bytes& out) const {
   for (std::uint32_t i = 0; i < count; ++i) {
-    const std::uint32_t bit = place.bit.value_or(0) + i;
+    const std::uint32_t bit = address.bit.value_or(0) + i;
     const std::uint64_t item =
-        memory_.read(place.area, place.first + (place.bit ? bit / 16 : i), now);
-    if (place.bit)
+        memory_.read(address.area, address.first + (address.bit ? bit / 16 : i), now);
+    if (address.bit)
       out.push_back(static_cast<std::uint8_t>(item >> bit % 16 & 1u));
-    else if (item_size(place) == 1)
+    else if (item_size(address) == 1)
       out.push_back(item != 0 ? 1 : 0);
     else
       append_u16(out, static_cast<std::uint16_t>(item));
   }
 }
 
-void FinsUnit::store(const Place& place, std::uint32_t count, ByteView data, Instant now) {
+void FinsUnit::store(const Address& address, std::uint32_t count, ByteView data, Instant now) {
   for (std::uint32_t i = 0; i < count; ++i) {
-    const std::uint32_t bit = place.bit.value_or(0) + i;
-    const std::uint32_t item = place.first + (place.bit ? bit / 16 : i);
-    if (place.bit) {
+    const std::uint32_t bit = address.bit.value_or(0) + i;
+    const std::uint32_t item = address.first + (address.bit ? bit / 16 : i);
+    if (address.bit) {
       const std::uint64_t mask = std::uint64_t{1} << bit % 16,
-                          old = memory_.read(place.area, item, now);
-      memory_.write(place.area, item, data[i] != 0 ? old | mask : old & ~mask, statistics_);
+                          old = memory_.read(address.area, item, now);
+      memory_.write(address.area, item, data[i] != 0 ? old | mask : old & ~mask, statistics_);
     } else {
-      memory_.write(place.area, item, item_size(place) == 1 ? data[i] : read_u16(data, 2 * i),
+      memory_.write(address.area, item, item_size(address) == 1 ? data[i] : read_u16(data, 2 * i),
                     statistics_);
     }
   }
@@ -122,71 +122,71 @@ void FinsUnit::store(const Place& place, std::uint32_t count, ByteView data, Ins
 
 // area(1) address(2) bit(1) count(2) -> items
 FinsUnit::Result FinsUnit::read(ByteView text, Instant now) const {
-  if (text.size() != kPlace + 2)
-    return {text.size() < kPlace + 2 ? kCommandTooShort : kCommandTooLong, {}};
-  const auto place = place_of(text);
-  const std::uint32_t count = read_u16(text, kPlace);
-  if (!place) return {kNoArea, {}};
+  if (text.size() != kAddressSize + 2)
+    return {text.size() < kAddressSize + 2 ? kCommandTooShort : kCommandTooLong, {}};
+  const auto address = address_of(text);
+  const std::uint32_t count = read_u16(text, kAddressSize);
+  if (!address) return {kNoArea, {}};
   if (count == 0) return {kParameter, {}};
-  if (const std::uint16_t code = refusal(*place, count); code != 0) return {code, {}};
+  if (const std::uint16_t code = refusal(*address, count); code != 0) return {code, {}};
   Result result;
-  append_items(*place, count, now, result.data);
+  append_items(*address, count, now, result.data);
   return result;
 }
 
 // area(1) address(2) bit(1) count(2) items
 FinsUnit::Result FinsUnit::write(ByteView text, Instant now) {
-  if (text.size() < kPlace + 2) return {kCommandTooShort, {}};
-  const auto place = place_of(text);
-  const std::uint32_t count = read_u16(text, kPlace);
-  if (!place) return {kNoArea, {}};
+  if (text.size() < kAddressSize + 2) return {kCommandTooShort, {}};
+  const auto address = address_of(text);
+  const std::uint32_t count = read_u16(text, kAddressSize);
+  if (!address) return {kNoArea, {}};
   if (count == 0) return {kParameter, {}};
-  const ByteView data = text.subspan(kPlace + 2);
-  if (data.size() != count * item_size(*place)) return {kCountDiffers, {}};
-  if (kOmronAreas[place->area].bits == 1) return {kNoArea, {}};  // flags are forced, not written
-  if (const std::uint16_t code = refusal(*place, count); code != 0) return {code, {}};
-  store(*place, count, data, now);
+  const ByteView data = text.subspan(kAddressSize + 2);
+  if (data.size() != count * item_size(*address)) return {kCountDiffers, {}};
+  if (kOmronAreas[address->area].bits == 1) return {kNoArea, {}};  // flags are forced, not written
+  if (const std::uint16_t code = refusal(*address, count); code != 0) return {code, {}};
+  store(*address, count, data, now);
   return {};
 }
 
 // area(1) address(2) bit(1) count(2) word(2)
 FinsUnit::Result FinsUnit::fill(ByteView text, Instant now) {
-  if (text.size() != kPlace + 4)
-    return {text.size() < kPlace + 4 ? kCommandTooShort : kCommandTooLong, {}};
-  const auto place = place_of(text);
-  const std::uint32_t count = read_u16(text, kPlace);
-  if (!place || item_size(*place) != 2) return {kNoArea, {}};
-  if (const std::uint16_t code = refusal(*place, count); code != 0) return {code, {}};
+  if (text.size() != kAddressSize + 4)
+    return {text.size() < kAddressSize + 4 ? kCommandTooShort : kCommandTooLong, {}};
+  const auto address = address_of(text);
+  const std::uint32_t count = read_u16(text, kAddressSize);
+  if (!address || item_size(*address) != 2) return {kNoArea, {}};
+  if (const std::uint16_t code = refusal(*address, count); code != 0) return {code, {}};
   Bytes data;
-  for (std::uint32_t i = 0; i < count; ++i) append(data, text.subspan(kPlace + 2, 2));
-  store(*place, count, data, now);
+  for (std::uint32_t i = 0; i < count; ++i) append(data, text.subspan(kAddressSize + 2, 2));
+  store(*address, count, data, now);
   return {};
 }
 
 // (area(1) address(2) bit(1)).. -> area and item, for each
 FinsUnit::Result FinsUnit::read_many(ByteView text, Instant now) const {
-  if (text.empty() || text.size() % kPlace != 0) return {kCountDiffers, {}};
-  if (text.size() / kPlace > kMostItems) return {kCommandTooLong, {}};
+  if (text.empty() || text.size() % kAddressSize != 0) return {kCountDiffers, {}};
+  if (text.size() / kAddressSize > kMostItems) return {kCommandTooLong, {}};
   Result result;
-  for (std::size_t at = 0; at < text.size(); at += kPlace) {
-    const auto place = place_of(text.subspan(at));
-    if (!place) return {kNoArea, {}};
-    if (const std::uint16_t code = refusal(*place, 1); code != 0) return {code, {}};
+  for (std::size_t at = 0; at < text.size(); at += kAddressSize) {
+    const auto address = address_of(text.subspan(at));
+    if (!address) return {kNoArea, {}};
+    if (const std::uint16_t code = refusal(*address, 1); code != 0) return {code, {}};
     result.data.push_back(text[at]);
-    append_items(*place, 1, now, result.data);
+    append_items(*address, 1, now, result.data);
   }
   return result;
 }
 
 // area(1) address(2) bit(1) area(1) address(2) bit(1) count(2)
 FinsUnit::Result FinsUnit::transfer(ByteView text, Instant now) {
-  if (text.size() != 2 * kPlace + 2)
-    return {text.size() < 2 * kPlace + 2 ? kCommandTooShort : kCommandTooLong, {}};
-  const auto from = place_of(text), to = place_of(text.subspan(kPlace));
-  const std::uint32_t count = read_u16(text, 2 * kPlace);
+  if (text.size() != 2 * kAddressSize + 2)
+    return {text.size() < 2 * kAddressSize + 2 ? kCommandTooShort : kCommandTooLong, {}};
+  const auto from = address_of(text), to = address_of(text.subspan(kAddressSize));
+  const std::uint32_t count = read_u16(text, 2 * kAddressSize);
   if (!from || !to || item_size(*from) != 2 || item_size(*to) != 2) return {kNoArea, {}};
-  for (const Place& place : {*from, *to}) {
-    if (const std::uint16_t code = refusal(place, count); code != 0) return {code, {}};
+  for (const Address& address : {*from, *to}) {
+    if (const std::uint16_t code = refusal(address, count); code != 0) return {code, {}};
   }
   Bytes data;
   append_items(*from, count, now, data);

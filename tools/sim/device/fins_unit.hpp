@@ -22,7 +22,7 @@ class FinsUnit {
 
  private:
   // What area, address and bit name.
-  struct Place {
+  struct Address {
     std::size_t area = 0;
     std::uint32_t first = 0;
     std::optional<std::uint8_t> bit;  // of a word: `count` runs over bits
@@ -31,11 +31,11 @@ class FinsUnit {
     std::uint16_t end = 0;
     Bytes data;
   };
-  [[nodiscard]] static std::optional<Place> place_of(ByteView area_and_address);
-  [[nodiscard]] std::uint16_t refusal(const Place& place, std::uint32_t count) const;
-  [[nodiscard]] static std::size_t item_size(const Place& place);
-  void append_items(const Place& place, std::uint32_t count, Instant now, Bytes& out) const;
-  void store(const Place& place, std::uint32_t count, ByteView data, Instant now);
+  [[nodiscard]] static std::optional<Address> address_of(ByteView area_and_address);
+  [[nodiscard]] std::uint16_t refusal(const Address& address, std::uint32_t count) const;
+  [[nodiscard]] static std::size_t item_size(const Address& address);
+  void append_items(const Address& address, std::uint32_t count, Instant now, Bytes& out) const;
+  void store(const Address& address, std::uint32_t count, ByteView data, Instant now);
 
   [[nodiscard]] Result dispatch(std::uint16_t command, ByteView text, Instant now);
   [[nodiscard]] Result read(ByteView text, Instant now) const;

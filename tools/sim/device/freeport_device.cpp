@@ -10,7 +10,7 @@
 namespace fieldcast::sim {
 namespace {
 
-constexpr std::size_t kRequest = 17, kAnswer = 12, kRefusal = 7, kMostHeard = 64;
+constexpr std::size_t kRequest = 17, kAnswer = 12, kRefusal = 7, kMostReceived = 64;
 enum Code : std::uint8_t { kCheck = 1, kLength, kDigits, kCommand };
 
 // No data can look like a mark: `q` begins a frame wherever it stands.
@@ -20,7 +20,7 @@ class FreeportReceiver : public Receiver {
   void on_character(std::uint8_t character, Instant end, Reaction& reaction) override {
     if (character == 'q') frame_.clear();
     if (frame_.empty() && character != 'q') return;
-    if (frame_.size() == kMostHeard) return;  // a babbling line; the next `q` ends it
+    if (frame_.size() == kMostReceived) return;  // a babbling line; the next `q` ends it
     frame_.push_back(character);
     if (character != 'Q') return;
     reaction.answer = device_.take(frame_, end);
@@ -42,18 +42,18 @@ Bytes framed(const Bytes& text) {
   return frame;
 }
 
-std::optional<ItemPlace> parse_window(std::string_view at) {
+std::optional<ItemAddress> parse_window(std::string_view at) {
   if (!at.starts_with("window:")) return std::nullopt;
   at.remove_prefix(7);
   const std::size_t dot = at.find('.');
   const auto byte = address_number(at.substr(0, dot));
   if (!byte || *byte > 3) return std::nullopt;
-  ItemPlace place{.first = static_cast<std::uint32_t>(*byte)};
-  if (dot == std::string_view::npos) return place;
+  ItemAddress address{.first = static_cast<std::uint32_t>(*byte)};
+  if (dot == std::string_view::npos) return address;
   const auto bit = address_number(at.substr(dot + 1));
   if (!bit || *bit > 7) return std::nullopt;
-  place.bit = static_cast<std::uint8_t>(*bit);
-  return place;
+  address.bit = static_cast<std::uint8_t>(*bit);
+  return address;
 }
 
 // A window is there whole, whatever channels are cut out of it.

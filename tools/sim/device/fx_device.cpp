@@ -9,7 +9,7 @@ namespace fieldcast::sim {
 namespace {
 
 constexpr std::uint8_t kStx = 0x02, kEtx = 0x03, kEnq = 0x05, kAck = 0x06, kNak = 0x15;
-constexpr std::size_t kMostHeard = 300, kMostBytes = 64;
+constexpr std::size_t kMostReceived = 300, kMostBytes = 64;
 
 enum Area : std::size_t {
   kD,
@@ -79,7 +79,7 @@ class FxReceiver : public Receiver {
             device_.take(ByteView(text_).first(sum_at_), ByteView(text_).last(2), end);
         inside_ = false;
       }
-      if (text_.size() == kMostHeard) inside_ = false;
+      if (text_.size() == kMostReceived) inside_ = false;
     }
   }
 
@@ -90,7 +90,7 @@ class FxReceiver : public Receiver {
   std::size_t sum_at_ = 0;
 };
 
-std::optional<ItemPlace> parse_fx_address(std::string_view at) {
+std::optional<ItemAddress> parse_fx_address(std::string_view at) {
   const std::size_t digits = std::min(at.find_first_of("0123456789"), at.size());
   std::string_view name = at.substr(0, digits);
   if (name == "TN" || name == "CN") name = name.substr(0, 1);
@@ -100,19 +100,19 @@ std::optional<ItemPlace> parse_fx_address(std::string_view at) {
                      name == "X" || name == "Y" ? 8 : 10);
   const auto found = std::ranges::find(kFxAreaNames, name);
   if (!number || found == kFxAreaNames.end()) return std::nullopt;
-  ItemPlace place{.area = static_cast<std::size_t>(found - kFxAreaNames.begin()),
-                  .first = static_cast<std::uint32_t>(*number)};
+  ItemAddress address{.area = static_cast<std::size_t>(found - kFxAreaNames.begin()),
+                      .first = static_cast<std::uint32_t>(*number)};
   const auto upper = [&](Area from, Area to, std::uint32_t first) {
-    if (place.area == from && *number >= first) place.area = to, place.first -= first;
+    if (address.area == from && *number >= first) address.area = to, address.first -= first;
   };
   upper(kD, kD8000, 8000);
   upper(kM, kM8000, 8000);
   upper(kC, kC200, 200);
-  if (dot == std::string_view::npos) return place;
+  if (dot == std::string_view::npos) return address;
   const auto bit = address_number(at.substr(dot + 1));
-  if (!bit || *bit >= kBits[place.area]) return std::nullopt;
-  place.bit = static_cast<std::uint8_t>(*bit);
-  return place;
+  if (!bit || *bit >= kBits[address.area]) return std::nullopt;
+  address.bit = static_cast<std::uint8_t>(*bit);
+  return address;
 }
 
 }  // namespace
@@ -191,9 +191,9 @@ void FxDevice::store(const Cell& cell, std::uint8_t byte, Instant now) {
 }
 
 // address(4) count(2) -> 02 data 03 sum
-Bytes FxDevice::read(bool extended, ByteView place, Instant now) const {
-  const auto address = place.size() == 6 ? number_in(place.first(4)) : std::nullopt;
-  const auto count = place.size() == 6 ? number_in(place.subspan(4)) : std::nullopt;
+Bytes FxDevice::read(bool extended, ByteView range, Instant now) const {
+  const auto address = range.size() == 6 ? number_in(range.first(4)) : std::nullopt;
+  const auto count = range.size() == 6 ? number_in(range.subspan(4)) : std::nullopt;
   if (!address || !count || *count < 1 || *count > kMostBytes) return {kNak};
   Bytes text;
   for (std::uint32_t i = 0; i < *count; ++i) {
@@ -209,10 +209,10 @@ Bytes FxDevice::read(bool extended, ByteView place, Instant now) const {
 }
 
 // address(4) count(2) data -> 06
-Bytes FxDevice::write(bool extended, ByteView place, Instant now) {
-  const auto address = place.size() >= 6 ? number_in(place.first(4)) : std::nullopt;
-  const auto count = place.size() >= 6 ? number_in(place.subspan(4, 2)) : std::nullopt;
-  const auto data = place.size() >= 6 ? bytes_in(place.subspan(6)) : std::nullopt;
+Bytes FxDevice::write(bool extended, ByteView range, Instant now) {
+  const auto address = range.size() >= 6 ? number_in(range.first(4)) : std::nullopt;
+  const auto count = range.size() >= 6 ? number_in(range.subspan(4, 2)) : std::nullopt;
+  const auto data = range.size() >= 6 ? bytes_in(range.subspan(6)) : std::nullopt;
   if (!address || !count || !data || *count < 1 || *count > kMostBytes || data->size() != *count)
     return {kNak};
   std::vector<Cell> cells;
@@ -227,8 +227,8 @@ Bytes FxDevice::write(bool extended, ByteView place, Instant now) {
 }
 
 // address(4), its low pair of digits first -> 06
-Bytes FxDevice::force(bool extended, ByteView place, bool on) {
-  const auto turned = place.size() == 4 ? number_in(place) : std::nullopt;
+Bytes FxDevice::force(bool extended, ByteView range, bool on) {
+  const auto turned = range.size() == 4 ? number_in(range) : std::nullopt;
   if (!turned) return {kNak};
   const auto address = static_cast<std::uint32_t>((*turned & 0xFF) << 8 | *turned >> 8);
   for (const Segment& segment : extended ? std::span<const Segment>(kExtendedForce)

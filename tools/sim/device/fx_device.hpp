@@ -51,9 +51,9 @@ class FxDevice : public SimDevice {
   void store(const Cell& cell, std::uint8_t byte, Instant now);
 
   [[nodiscard]] Bytes execute(ByteView text, Instant now);
-  [[nodiscard]] Bytes read(bool extended, ByteView place, Instant now) const;
-  [[nodiscard]] Bytes write(bool extended, ByteView place, Instant now);
-  [[nodiscard]] Bytes force(bool extended, ByteView place, bool on);
+  [[nodiscard]] Bytes read(bool extended, ByteView range, Instant now) const;
+  [[nodiscard]] Bytes write(bool extended, ByteView range, Instant now);
+  [[nodiscard]] Bytes force(bool extended, ByteView range, bool on);
 
   ItemMemory memory_;
   DeviceStatistics statistics_;

@@ -149,7 +149,7 @@ Bytes HostLinkDevice::execute(const Command& command, Instant now) {
   return answer("IC", "");
 }
 
-tl::expected<HostLinkDevice::Place, std::string> HostLinkDevice::place_of(
+tl::expected<HostLinkDevice::Address, std::string> HostLinkDevice::address_of(
     char letter, std::string_view digits, std::uint32_t count) const {
   const auto bank =
       letter == 'E' ? number_in(digits.substr(0, 2), 16) : std::optional<std::uint64_t>(0);
@@ -162,10 +162,10 @@ tl::expected<HostLinkDevice::Place, std::string> HostLinkDevice::place_of(
     const auto first = static_cast<std::uint32_t>(*number) - row.c_first;
     if (count > row.c_items - first || *bank >= (area == kOmronEm ? kOmronCModeBanks : 1))
       return tl::unexpected(std::string("15"));
-    const Place place{area, static_cast<std::uint32_t>(*bank) * kEmBankWords + first};
-    const std::uint8_t code = memory_.refusal(area, place.first, count, 0x15);
+    const Address address{area, static_cast<std::uint32_t>(*bank) * kEmBankWords + first};
+    const std::uint8_t code = memory_.refusal(area, address.first, count, 0x15);
     if (code != 0) return tl::unexpected(hex(code, 2));
-    return place;
+    return address;
   }
   return tl::unexpected(std::string("15"));
 }
@@ -179,12 +179,12 @@ Bytes HostLinkDevice::read(const Command& command, Instant now) {
   const auto asked = number_in(text.substr(digits), 10);
   if (!asked || (*asked == 0 && letter != 'D')) return answer(command.header, "15");
   const auto count = static_cast<std::uint32_t>(*asked == 0 ? 10000 : *asked);
-  const auto place = place_of(letter, text.substr(0, digits), count);
-  if (!place) return answer(command.header, place.error());
+  const auto address = address_of(letter, text.substr(0, digits), count);
+  if (!address) return answer(command.header, address.error());
   const bool flags = letter == 'G';
   std::string data;
   for (std::uint32_t i = 0; i < count; ++i)
-    data += hex(memory_.read(place->area, place->first + i, now), flags ? 1 : 4);
+    data += hex(memory_.read(address->area, address->first + i, now), flags ? 1 : 4);
   std::size_t taken = std::min(data.size(), flags ? kFlagsFirst : kReadFirst);
   const std::string head = fmt::format("@{}{}00", decimal(unit_), command.header);
   const Bytes first = framed(head + data.substr(0, taken), taken == data.size());
@@ -202,7 +202,7 @@ Bytes HostLinkDevice::begin_write(const Command& command) {
   const std::size_t digits = place_digits(command.header[1]);
   if (command.text.size() <= digits) return answer(command.header, "14");
   writing_ = command.header;
-  write_place_ = command.text.substr(0, digits);
+  write_address_ = command.text.substr(0, digits);
   write_data_ = command.text.substr(digits);
   if (command.last) return finish_write();
   return {'\r'};
@@ -233,8 +233,8 @@ Bytes HostLinkDevice::finish_write() {
   const std::size_t each = flags ? 1 : 4;
   if (write_data_.size() % each != 0) return answer(header, "14");
   const auto count = static_cast<std::uint32_t>(write_data_.size() / each);
-  const auto place = place_of(header[1], write_place_, count);
-  if (!place) return answer(header, place.error());
+  const auto address = address_of(header[1], write_address_, count);
+  if (!address) return answer(header, address.error());
   std::vector<std::uint64_t> items;
   for (std::size_t at = 0; at < write_data_.size(); at += each) {
     const auto item = number_in(view(write_data_).subspan(at, each), flags ? 2 : 16);
@@ -243,7 +243,7 @@ Bytes HostLinkDevice::finish_write() {
   }
   if (mode_ == 3) return answer(header, "01");
   for (std::uint32_t i = 0; i < count; ++i)
-    memory_.write(place->area, place->first + i, items[i], statistics_);
+    memory_.write(address->area, address->first + i, items[i], statistics_);
   ++statistics_.write_requests;
   return answer(header, "00");
 }

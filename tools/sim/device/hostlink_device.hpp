@@ -42,7 +42,7 @@ class HostLinkDevice : public SimDevice {
     std::string text;  // behind the header
     bool last = true;  // it ended in `*`
   };
-  struct Place {
+  struct Address {
     std::size_t area = 0;
     std::uint32_t first = 0;
   };
@@ -54,9 +54,9 @@ class HostLinkDevice : public SimDevice {
   [[nodiscard]] Bytes finish_write();
   [[nodiscard]] Bytes fins(const Command& command, Instant now, Duration& pause);
   // The digits that name the first item, and what follows them; or the end code that refuses them.
-  [[nodiscard]] tl::expected<Place, std::string> place_of(char letter, std::string_view digits,
-                                                          std::uint32_t count) const;
-  [[nodiscard]] std::uint8_t refusal(const Place& place, std::uint32_t count) const;
+  [[nodiscard]] tl::expected<Address, std::string> address_of(char letter, std::string_view digits,
+                                                              std::uint32_t count) const;
+  [[nodiscard]] std::uint8_t refusal(const Address& address, std::uint32_t count) const;
   [[nodiscard]] Bytes answer(std::string_view header, std::string_view end_code,
                              std::string_view text = {});
   void forget_transfer();
@@ -68,7 +68,7 @@ class HostLinkDevice : public SimDevice {
   unsigned mode_ = 2;          // as SC sets it: 0 PROGRAM, 2 MONITOR, 3 RUN
   std::deque<Bytes> to_come_;  // frames of a reply that wait for a delimiter
   std::string writing_;        // header of the write whose frames are still to come
-  std::string write_place_;    // its first item, as digits
+  std::string write_address_;  // its first item, as digits
   std::string write_data_;     // so far
 };
 

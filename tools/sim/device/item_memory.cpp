@@ -53,17 +53,17 @@ ItemMemory::ItemMemory(std::vector<ItemArea> areas, const DeviceSetup& setup)
       parts_(areas_.size()),
       written_(areas_.size()) {}
 
-bool ItemMemory::add_channel(const ItemPlace& at, const Encoding& encoding,
+bool ItemMemory::add_channel(const ItemAddress& at, const Encoding& encoding,
                              const Waveform& waveform) {
   const ItemArea& area = areas_[at.area];
   const std::uint32_t count = items_for(encoding, area.bits);
   if (at.first >= area.items || count > area.items - at.first) return false;
   if (area.bits == 1 && (encoding.is_text() || at.bit)) return false;
-  ItemPlace place = at;
-  if (!place.bit && area.bits > 1) place.bit = encoding.bit;
+  ItemAddress address = at;
+  if (!address.bit && area.bits > 1) address.bit = encoding.bit;
   const bool part = encoding.type == ValueType::kBool || (is_byte(encoding) && area.bits > 8);
-  if (place.bit && (!part || *place.bit + waveform_bits(encoding) > area.bits)) return false;
-  channels_.push_back({place, area.bits == 1 ? in_bits(encoding) : encoding, waveform});
+  if (address.bit && (!part || *address.bit + waveform_bits(encoding) > area.bits)) return false;
+  channels_.push_back({address, area.bits == 1 ? in_bits(encoding) : encoding, waveform});
   for (unsigned i = 0; i < count; ++i)
     parts_[at.area].emplace(at.first + i, Part{channels_.size() - 1, i});
   return true;
@@ -71,7 +71,7 @@ bool ItemMemory::add_channel(const ItemPlace& at, const Encoding& encoding,
 
 tl::expected<void, std::string> ItemMemory::add_channels(
     const DeviceSetup& setup,
-    const std::function<std::optional<ItemPlace>(std::string_view at)>& parse) {
+    const std::function<std::optional<ItemAddress>(std::string_view at)>& parse) {
   for (const ChannelSpec& channel : setup.spec.channels) {
     const auto at = parse(channel.at);
     if (!at || !add_channel(*at, channel.encoding, waveform_for(channel, setup.seed))) {

@@ -22,8 +22,8 @@ struct ItemArea {
   std::uint32_t items = 65536;
 };
 
-// Where a channel begins.
-struct ItemPlace {
+// The item where a channel begins.
+struct ItemAddress {
   std::size_t area = 0;
   std::uint32_t first = 0;
   std::optional<std::uint8_t> bit;  // of an item wider than a bit; of a byte in it the lowest one
@@ -36,12 +36,12 @@ class ItemMemory {
   // A configured channel: its items follow the waveform until they are written. Items narrower than
   // the value hold it from its highest byte on, bit items from its lowest bit; one wider than the
   // value holds it alone. False: it does not fit into its area.
-  bool add_channel(const ItemPlace& at, const Encoding& encoding, const Waveform& waveform);
+  bool add_channel(const ItemAddress& at, const Encoding& encoding, const Waveform& waveform);
   // All channels of the setup, whose addresses `parse` understands; or what is wrong with one, for
   // people.
   [[nodiscard]] tl::expected<void, std::string> add_channels(
       const DeviceSetup& setup,
-      const std::function<std::optional<ItemPlace>(std::string_view at)>& parse);
+      const std::function<std::optional<ItemAddress>(std::string_view at)>& parse);
 
   // The bits of an item, right-aligned. REQUIRES: the area and the item exist.
   [[nodiscard]] std::uint64_t read(std::size_t area, std::uint32_t item, Instant now) const;
@@ -67,7 +67,7 @@ class ItemMemory {
 
  private:
   struct Channel {
-    ItemPlace at;
+    ItemAddress at;
     Encoding encoding;
     Waveform waveform;
   };

@@ -60,9 +60,9 @@ bool ModbusMemory::add_channel(const ModbusAddress& at, const Encoding& encoding
   if (at.first + count > kItems || (is_bits(at.area) && encoding.type != ValueType::kBool))
     return false;
   Cells& cells = cells_[static_cast<std::size_t>(at.area)];
-  const auto place =
+  const auto position =
       std::ranges::upper_bound(cells.live, std::uint32_t{at.first}, {}, &Live::first);
-  cells.live.insert(place,
+  cells.live.insert(position,
                     Live{at.first, count, at.bit ? at.bit : encoding.bit, encoding, waveform});
   cells.longest = std::max(cells.longest, count);
   return true;

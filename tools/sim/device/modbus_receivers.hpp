@@ -15,8 +15,8 @@
 
 namespace fieldcast::sim {
 
-// Hears RTU frames. A silence of 3.5 characters ends a frame of unknown length or a broken one; on
-// a `stream`, whose network may hold a frame's second half back, a tenth of a second does.
+// Receives RTU frames. A silence of 3.5 characters ends a frame of unknown length or a broken one.
+// On a `stream`, whose network may hold back the second half of a frame, a tenth of a second does.
 class RtuReceiver : public Receiver {
  public:
   RtuReceiver(ModbusUnit& unit, const LineFormat& line, bool stream);

@@ -22,7 +22,7 @@ std::vector<ItemArea> omron_areas() {
   return areas;
 }
 
-std::optional<ItemPlace> parse_omron_address(std::string_view at) {
+std::optional<ItemAddress> parse_omron_address(std::string_view at) {
   const std::size_t underscore = at.find('_');
   // The bank of EM may be a letter: E1_100, EMC_0.
   const std::size_t digits = underscore != std::string_view::npos && underscore > 0
@@ -32,23 +32,23 @@ std::optional<ItemPlace> parse_omron_address(std::string_view at) {
   for (std::size_t area = 0; area < kOmronAreas.size(); ++area) {
     if (name != kOmronAreaNames[area] && name != kOtherNames[area]) continue;
     if ((area == kOmronEm) != (underscore != std::string_view::npos)) return std::nullopt;
-    ItemPlace place{.area = area};
+    ItemAddress address{.area = area};
     std::string_view rest = at.substr(digits);
     if (area == kOmronEm) {
       const auto bank = address_number(rest.substr(0, 1), 16);
       if (!bank || *bank >= kOmronEmBanks) return std::nullopt;
-      place.first = static_cast<std::uint32_t>(*bank) * kEmBankWords;
+      address.first = static_cast<std::uint32_t>(*bank) * kEmBankWords;
       rest = rest.substr(2);
     }
     const std::size_t dot = rest.find('.');
     const auto item = address_number(rest.substr(0, dot));
     if (!item || *item >= kEmBankWords) return std::nullopt;
-    place.first += static_cast<std::uint32_t>(*item);
-    if (dot == std::string_view::npos) return place;
+    address.first += static_cast<std::uint32_t>(*item);
+    if (dot == std::string_view::npos) return address;
     const auto bit = address_number(rest.substr(dot + 1));
     if (!bit || *bit >= kOmronAreas[area].bits || kOmronAreas[area].bits == 1) return std::nullopt;
-    place.bit = static_cast<std::uint8_t>(*bit);
-    return place;
+    address.bit = static_cast<std::uint8_t>(*bit);
+    return address;
   }
   return std::nullopt;
 }

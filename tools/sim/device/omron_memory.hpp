@@ -45,6 +45,6 @@ inline constexpr std::size_t kOmronEm = 6, kOmronEmBanks = 13, kOmronCModeBanks 
 [[nodiscard]] std::vector<ItemArea> omron_areas();
 
 // "DM100", "CIO12.03", "E1_100", "TF5".
-[[nodiscard]] std::optional<ItemPlace> parse_omron_address(std::string_view at);
+[[nodiscard]] std::optional<ItemAddress> parse_omron_address(std::string_view at);
 
 }  // namespace fieldcast::sim

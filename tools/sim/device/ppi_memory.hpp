@@ -38,6 +38,6 @@ inline constexpr std::array<PpiArea, 11> kPpiAreas{{
 [[nodiscard]] std::vector<ItemArea> ppi_areas();
 
 // "VB100", "VW100", "VD204", "V10.3", "SMB28", "AIW4", "T37".
-[[nodiscard]] std::optional<ItemPlace> parse_ppi_address(std::string_view at);
+[[nodiscard]] std::optional<ItemAddress> parse_ppi_address(std::string_view at);
 
 }  // namespace fieldcast::sim
