@@ -115,8 +115,8 @@ SqlValue column(const PGresult* result, int row, int at) {
 
 class PostgresConnection final : public SqlConnection {
  public:
-  PostgresConnection(std::string place, Connection connection)
-      : place_(std::move(place)), connection_(std::move(connection)) {
+  PostgresConnection(std::string masked_address, Connection connection)
+      : masked_address_(std::move(masked_address)), connection_(std::move(connection)) {
     PQsetNoticeProcessor(
         connection_.get(), [](void*, const char*) {}, nullptr);  // "table exists": nothing to say
   }
@@ -172,10 +172,11 @@ class PostgresConnection final : public SqlConnection {
 
  private:
   [[noreturn]] void fail() const {
-    throw StoreError("store " + place_ + ": " + one_line(PQerrorMessage(connection_.get())));
+    throw StoreError("store " + masked_address_ + ": " +
+                     one_line(PQerrorMessage(connection_.get())));
   }
   std::string text_of(const PGresult* result) const {
-    return "store " + place_ + ": " + one_line(PQresultErrorMessage(result));
+    return "store " + masked_address_ + ": " + one_line(PQresultErrorMessage(result));
   }
 
   // The next result, or null at the end of an answer.
@@ -186,7 +187,7 @@ class PostgresConnection final : public SqlConnection {
           std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
       pollfd socket{PQsocket(connection_.get()), POLLIN, 0};
       if (left.count() <= 0 || ::poll(&socket, 1, static_cast<int>(left.count())) == 0) {
-        throw StoreError("store " + place_ + ": the server does not answer");
+        throw StoreError("store " + masked_address_ + ": the server does not answer");
       }
       if (PQconsumeInput(connection_.get()) != 1) fail();
     }
@@ -255,7 +256,7 @@ class PostgresConnection final : public SqlConnection {
     return changed;
   }
 
-  const std::string place_;
+  const std::string masked_address_;
   Connection connection_;
   std::map<std::string, std::string> statements_;  // name by text
 };
@@ -277,19 +278,19 @@ std::unique_ptr<SqlConnection> open_postgres(const StoreAddress& address) {
                                 address.text().c_str(),
                                 nullptr};
   Connection connection(PQconnectdbParams(keys, values, 1));
-  const std::string place = address.masked();
-  if (!connection) throw StoreError("store " + place + ": no memory");
+  const std::string masked_address = address.masked();
+  if (!connection) throw StoreError("store " + masked_address + ": no memory");
   if (PQstatus(connection.get()) != CONNECTION_OK) {
     // A string that cannot be parsed stands in libpq's message, with its password.
     const char* const user = PQuser(connection.get());
     throw StoreError(
-        "store " + place + ": " +
+        "store " + masked_address + ": " +
         (user == nullptr
              ? "the connection string cannot be understood; postgresql://USER@HOST:PORT/DATABASE"
              : one_line(PQerrorMessage(connection.get()))));
   }
   PQsetClientEncoding(connection.get(), "UTF8");
-  return std::make_unique<PostgresConnection>(place, std::move(connection));
+  return std::make_unique<PostgresConnection>(masked_address, std::move(connection));
 }
 
 }  // namespace fieldcast

@@ -7,7 +7,7 @@
 namespace fieldcast {
 namespace {
 
-// Each step brings the store from the version of its place to the next. Steps are never changed,
+// Step i brings the store from version i to version i + 1. Steps are never changed,
 // only added: stores in the field have taken them. {id} is a key that the database gives out,
 // {clustered} keeps a table in the order of its key where that exists.
 constexpr const char* kSteps[] = {
@@ -91,7 +91,7 @@ bool is_present(SqlConnection& connection) {
 
 std::int64_t present_version() { return std::size(kSteps); }
 
-void bring_to_present(SqlConnection& connection, const std::string& place) {
+void bring_to_present(SqlConnection& connection, const std::string& store_name) {
   if (is_present(connection)) return;  // nearly always: who only reads takes no lock
   SqlTransaction transaction(connection);
   if (connection.dialect() == SqlConnection::Dialect::kPostgres) {
@@ -104,7 +104,7 @@ void bring_to_present(SqlConnection& connection, const std::string& place) {
     throw StoreError(
         fmt::format("store {}: a newer Fieldcast made it (version {}, this one knows {}); use that "
                     "one, or another store",
-                    place, version, present_version()));
+                    store_name, version, present_version()));
   }
   for (std::int64_t step = version; step < present_version(); ++step) {
     connection.script(spelled(kSteps[step], connection.dialect()));

@@ -88,7 +88,7 @@ class Store::Writer {
   }
 
  private:
-  // Each sample with the database's number of its channel in place of ours.
+  // Each sample with the database's number of its channel instead of ours.
   void insert(const std::deque<SampleRow>& samples) {
     for (auto at = samples.begin(); at != samples.end();) {
       const auto end = at + std::min<std::ptrdiff_t>(kRows, samples.end() - at);
@@ -102,11 +102,11 @@ class Store::Writer {
       SampleTable(*connection_).insert(rows_);
     }
   }
-  std::int64_t ask_id(std::size_t place) {
+  std::int64_t ask_id(std::size_t index) {
     const Channel* channel = nullptr;
     {
       const std::lock_guard lock(mutex_);
-      channel = &channels_[place];
+      channel = &channels_[index];
     }
     return SampleTable(*connection_)
         .channel_id(channel->bus, channel->device, channel->channel, channel->unit, channel->type);
@@ -117,7 +117,7 @@ class Store::Writer {
   std::deque<Channel>& channels_;
   std::mutex& mutex_;
   std::unique_ptr<SqlConnection> connection_;
-  std::map<std::int64_t, std::int64_t> ids_;  // by place
+  std::map<std::int64_t, std::int64_t> ids_;  // by index in channels_
   std::vector<SampleRow> rows_;
   Retention retention_;
 };
@@ -143,17 +143,17 @@ std::unique_ptr<Store::Intake> Store::intake(const BusSpec& bus) {
   const std::lock_guard lock(mutex_);
   for (const DeviceSpec& device : bus.devices) {
     for (const ChannelSpec& channel : device.channels) {
-      auto& place = made->channels_.emplace_back();
+      auto& index = made->channels_.emplace_back();
       const auto stored = [&](const Pattern& pattern) {
         return pattern.matches(bus.name, device.name, channel.name);
       };
       if (!std::any_of(patterns.begin(), patterns.end(), stored)) continue;
       const auto [known, added] =
-          places_.try_emplace(bus.name + '/' + device.name + '/' + channel.name, channels_.size());
+          indexes_.try_emplace(bus.name + '/' + device.name + '/' + channel.name, channels_.size());
       if (added)
         channels_.push_back({bus.name, device.name, channel.name, channel.unit,
                              std::string(to_text(channel.encoding.type))});
-      place = known->second;
+      index = known->second;
     }
   }
   return made;
@@ -166,13 +166,13 @@ void Store::Intake::put(std::span<const Sample> samples, const UtcMapping& mappi
     auto& rows = store_.waiting_.samples;
     const bool idle = store_.waiting_.empty();
     for (const Sample& sample : samples) {
-      const auto place = channels_.at(sample.channel);
-      if (!place) continue;
+      const auto index = channels_.at(sample.channel);
+      if (!index) continue;
       if (rows.size() >= kMaxWaiting) {
         ++store_.counters_.dropped;
         continue;
       }
-      rows.push_back({static_cast<std::int64_t>(*place), at, mapping.to_utc(sample.acquired),
+      rows.push_back({static_cast<std::int64_t>(*index), at, mapping.to_utc(sample.acquired),
                       sample.sequence, sample.quality, sample.device_code, sample.value});
       ++store_.put_;
     }

@@ -59,8 +59,8 @@ class Store final : public Audit, public AlarmSink {
     friend class Store;
     explicit Intake(Store& store) : store_(store) {}
     Store& store_;
-    std::vector<std::optional<std::size_t>>
-        channels_;  // by the bus's channel index: the place in Store::channels_
+    // By the bus's channel index: the index in Store::channels_; nothing: it is not stored.
+    std::vector<std::optional<std::size_t>> channels_;
   };
   [[nodiscard]] std::unique_ptr<Intake> intake(const BusSpec& bus);
 
@@ -78,7 +78,7 @@ class Store final : public Audit, public AlarmSink {
   };
   using Event = std::variant<AuditEntry, AlarmRecord, DeviceRecord>;
   struct Batch {
-    // `channel` is the place in channels_ until it is written. A deque: a queue that grows never
+    // `channel` is the index in channels_ until it is written. A deque: a queue that grows never
     // moves what it holds, which a bus would have to wait for.
     std::deque<SampleRow> samples;
     std::deque<Event> events;
@@ -96,13 +96,13 @@ class Store final : public Audit, public AlarmSink {
   mutable std::mutex mutex_;
   std::condition_variable work_;
   std::condition_variable done_;
-  std::deque<Channel>
-      channels_;  // of all buses there ever were, each once; a deque never moves what it holds
-  std::map<std::string, std::size_t> places_;  // in channels_, by path
+  // Of all buses there ever were, each once. A deque never moves what it holds.
+  std::deque<Channel> channels_;
+  std::map<std::string, std::size_t> indexes_;  // in channels_, by the path of the channel
   Batch waiting_;
   StoreCounters counters_;
-  std::uint64_t put_ = 0;   // things that found room, and
-  std::uint64_t seen_ = 0;  // those that are written or given up
+  std::uint64_t put_ = 0;   // samples and events that were taken into the queue
+  std::uint64_t seen_ = 0;  // those of them that are written or given up
   bool ending_ = false;
   std::thread thread_;  // last: it uses what is above
 };

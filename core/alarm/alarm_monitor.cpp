@@ -24,9 +24,9 @@ AlarmMonitor::AlarmMonitor(const BusSpec& bus) {
     for (const ChannelSpec& channel : device.channels) {
       auto limits = watches_of(channel.limits);
       if (!limits.empty()) channels_.push_back({index, std::move(limits)});
-      places_.push_back(channels_.empty() || channels_.back().index != index
-                            ? 0
-                            : static_cast<std::uint32_t>(channels_.size()));
+      watched_.push_back(channels_.empty() || channels_.back().index != index
+                             ? 0
+                             : static_cast<std::uint32_t>(channels_.size()));
       ++index;
     }
   }
@@ -36,9 +36,9 @@ void AlarmMonitor::on_samples(std::span<const Sample> samples, Instant now,
                               std::vector<AlarmChange>& changes) {
   if (channels_.empty()) return;
   for (const Sample& sample : samples) {
-    const std::uint32_t place = places_.at(sample.channel);
-    if (place == 0) continue;
-    Channel& channel = channels_[place - 1];
+    const std::uint32_t watched = watched_.at(sample.channel);
+    if (watched == 0) continue;
+    Channel& channel = channels_[watched - 1];
     const auto number = as_number(sample.value);
     for (LimitWatch& limit : channel.limits) {
       if (sample.quality != Quality::kGood || !number) {
@@ -51,9 +51,9 @@ void AlarmMonitor::on_samples(std::span<const Sample> samples, Instant now,
 }
 
 void AlarmMonitor::restore(const AlarmChange& active, std::vector<AlarmChange>& changes) {
-  const std::uint32_t place = places_.at(active.channel);
-  if (place == 0) return;
-  Channel& channel = channels_[place - 1];
+  const std::uint32_t watched = watched_.at(active.channel);
+  if (watched == 0) return;
+  Channel& channel = channels_[watched - 1];
   for (LimitWatch& limit : channel.limits) {
     if (limit.kind() != active.limit) continue;
     limit.restore(active.value, active.since);

@@ -38,8 +38,8 @@ class AlarmMonitor {
   static AlarmChange change_of(const Channel& channel, const LimitWatch& limit);
 
   std::vector<Channel> channels_;  // those with limits
-  std::vector<std::uint32_t>
-      places_;  // by channel index: the place in channels_ + 1; 0: it has no limits
+  // By channel index: its index in channels_ + 1, or 0 for a channel without limits.
+  std::vector<std::uint32_t> watched_;
 };
 
 }  // namespace fieldcast
