@@ -26,7 +26,7 @@ tl::expected<DdsSpec, std::string> resolve(const ConnectionOptions& options) {
   return spec;
 }
 
-std::string place_text(const DdsSpec& spec) {
+std::string domain_text(const DdsSpec& spec) {
   std::string text = fmt::format("DDS domain {} on ", spec.domain);
   for (std::size_t i = 0; i < spec.interfaces.size(); ++i)
     text += (i == 0 ? "" : ", ") + spec.interfaces[i];
@@ -37,7 +37,7 @@ std::string no_bridge_text(const DdsSpec& spec) {
   return fmt::format(
       "no bridge found in {} within {}: is fieldcast-bridge running, with the same domain and "
       "interfaces? (--config FILE, or --domain N and --interface A)",
-      place_text(spec), to_text(kBridgeWait));
+      domain_text(spec), to_text(kBridgeWait));
 }
 
 }  // namespace fieldcast::cli

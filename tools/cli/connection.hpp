@@ -32,7 +32,7 @@ void add_connection(CommandLine& line, ConnectionOptions& options);
 [[nodiscard]] tl::expected<DdsSpec, std::string> resolve(const ConnectionOptions& options);
 
 // "DDS domain 0 on 127.0.0.1"
-[[nodiscard]] std::string place_text(const DdsSpec& spec);
+[[nodiscard]] std::string domain_text(const DdsSpec& spec);
 
 // Nobody was found there: what that means and what to look at.
 [[nodiscard]] std::string no_bridge_text(const DdsSpec& spec);

@@ -13,7 +13,7 @@ namespace fieldcast::cli {
 namespace {
 
 // What was not written was not said, whatever the command came to. A reader that closes the pipe
-// has heard enough.
+// has read enough.
 ExitCode whole_output(ExitCode code) {
   errno = 0;
   if (std::cout.flush() || code != ExitCode::kOk) return code;

@@ -26,9 +26,9 @@ class Silence {
   termios before_{};
 };
 
-tl::expected<std::string, std::string> first_line(std::istream& in, const std::string& place) {
+tl::expected<std::string, std::string> first_line(std::istream& in, const std::string& source) {
   std::string line;
-  if (!std::getline(in, line)) return tl::unexpected("no password in " + place);
+  if (!std::getline(in, line)) return tl::unexpected("no password in " + source);
   if (!line.empty() && line.back() == '\r') line.pop_back();
   return line;
 }

@@ -70,7 +70,7 @@ TEST(Arguments, HistoryTakesAPatternAndATime) {
   EXPECT_EQ(history.pattern.text(), "a/b/*");
   EXPECT_EQ(history.span.to.nanoseconds - history.span.from.nanoseconds, Duration(34h).count());
   EXPECT_TRUE(history.csv);
-  EXPECT_EQ(history.place.store, "x.db");
+  EXPECT_EQ(history.source.store, "x.db");
 }
 
 TEST(Arguments, TimesDefaultToTheLastHour) {

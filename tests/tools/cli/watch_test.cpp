@@ -52,7 +52,7 @@ TEST(WatchModel, AwaitsChannelsThatPromiseSamplesOnly) {
   EXPECT_EQ(model.awaited(), 0u);
 }
 
-TEST(WatchModel, AWishThatChangesNothingIsRemarked) {
+TEST(WatchModel, AnInterestThatChangesNothingIsRemarked) {
   WatchModel model(Pattern::parse("bus/d").value());
   EXPECT_THAT(model.interest_remark(200ms).value_or(""),
               HasSubstr("the interest in bus/d/* meets nothing"));

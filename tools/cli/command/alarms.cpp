@@ -74,7 +74,7 @@ ExitCode alarms(const AlarmsOptions& options, const DdsSpec& spec, Interrupt& in
 }
 
 ExitCode stored_alarms(const AlarmsOptions& options, std::ostream& out, std::ostream& err) {
-  const auto address = resolve(options.place);
+  const auto address = resolve(options.source);
   if (!address) {
     err << address.error() << '\n';
     return ExitCode::kUsage;
@@ -102,7 +102,7 @@ class AlarmsCommand final : public CommandWith<AlarmsOptions> {
     span_.describe(line);
     line.when_given([this] { return finish(); });
     line.flag("--json", options_.json, "JSON lines, of those that are clear again too");
-    line.text("--store", options_.place.store, "With --from: look into this store");
+    line.text("--store", options_.source.store, "With --from: look into this store");
     add_connection(line, options_.connection);
   }
   ExitCode run(const Streams& streams) override {
@@ -114,7 +114,7 @@ class AlarmsCommand final : public CommandWith<AlarmsOptions> {
 
  private:
   std::optional<CommandLine::Fault> finish() {
-    options_.place.config = options_.connection.config;
+    options_.source.config = options_.connection.config;
     return span_.given() ? span_.read(options_.span.emplace()) : std::nullopt;
   }
 

@@ -13,13 +13,13 @@
 #include "tools/cli/connection.hpp"
 #include "tools/cli/exit_code.hpp"
 #include "tools/cli/interrupt.hpp"
-#include "tools/cli/store_place.hpp"
+#include "tools/cli/store_source.hpp"
 
 namespace fieldcast::cli {
 
 struct AlarmsOptions {
   ConnectionOptions connection;
-  StorePlace place;
+  StoreSource source;
   std::optional<TimeSpan> span;  // of the store; nothing: now, from the bridges
   bool json = false;             // the present alarms that are clear too
 };

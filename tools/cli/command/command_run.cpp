@@ -87,7 +87,7 @@ bool CommandRun::send(Errand& errand) {
     outcome.state = sent.error() == StationFault::kNoBridge ? Outcome::State::kNoResult
                                                             : Outcome::State::kNotSent;
     outcome.result.reason = sent.error() == StationFault::kNoBridge
-                                ? "no bridge takes commands in " + place_text(spec_)
+                                ? "no bridge takes commands in " + domain_text(spec_)
                                 : std::string(to_text(sent.error()));
     return false;
   }

@@ -13,7 +13,7 @@
 namespace fieldcast::cli {
 
 ExitCode history(const HistoryOptions& options, std::ostream& out, std::ostream& err) {
-  const auto address = resolve(options.place);
+  const auto address = resolve(options.source);
   if (!address) {
     err << address.error() << '\n';
     return ExitCode::kUsage;
@@ -52,7 +52,7 @@ class HistoryCommand final : public CommandWith<HistoryOptions> {
     line.when_given([this] { return span_.read(options_.span); });
     line.flag("--csv", options_.csv, "Comma-separated values with a head line");
     line.flag("--json", options_.json, "JSON lines").excludes("--csv");
-    add_store(line, options_.place);
+    add_store(line, options_.source);
   }
   ExitCode run(const Streams& streams) override {
     return history(options_, streams.out, streams.err);

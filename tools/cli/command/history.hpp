@@ -6,12 +6,12 @@
 
 #include "core/model/pattern.hpp"
 #include "tools/cli/exit_code.hpp"
-#include "tools/cli/store_place.hpp"
+#include "tools/cli/store_source.hpp"
 
 namespace fieldcast::cli {
 
 struct HistoryOptions {
-  StorePlace place;
+  StoreSource source;
   Pattern pattern;
   TimeSpan span;
   bool csv = false;

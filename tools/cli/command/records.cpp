@@ -23,7 +23,7 @@ ExitCode ended(std::ostream& out, std::ostream& err, std::size_t records, const 
 }  // namespace
 
 ExitCode devices(const DevicesOptions& options, std::ostream& out, std::ostream& err) {
-  const auto address = resolve(options.place);
+  const auto address = resolve(options.source);
   if (!address) {
     err << address.error() << '\n';
     return ExitCode::kUsage;
@@ -40,7 +40,7 @@ ExitCode devices(const DevicesOptions& options, std::ostream& out, std::ostream&
 }
 
 ExitCode audit(const AuditOptions& options, std::ostream& out, std::ostream& err) {
-  const auto address = resolve(options.place);
+  const auto address = resolve(options.source);
   if (!address) {
     err << address.error() << '\n';
     return ExitCode::kUsage;
@@ -61,7 +61,7 @@ class DevicesCommand final : public CommandWith<DevicesOptions> {
  public:
   void describe(CommandLine& line) override {
     line.flag("--json", options_.json, "JSON lines");
-    add_store(line, options_.place);
+    add_store(line, options_.source);
   }
   ExitCode run(const Streams& streams) override {
     return devices(options_, streams.out, streams.err);
@@ -84,7 +84,7 @@ class AuditCommand final : public CommandWith<AuditOptions> {
     span_.describe(line);
     line.when_given([this] { return span_.read(options_.span); });
     line.flag("--json", options_.json, "JSON lines");
-    add_store(line, options_.place);
+    add_store(line, options_.source);
   }
   ExitCode run(const Streams& streams) override {
     return audit(options_, streams.out, streams.err);

@@ -5,16 +5,16 @@
 #include <iosfwd>
 
 #include "tools/cli/exit_code.hpp"
-#include "tools/cli/store_place.hpp"
+#include "tools/cli/store_source.hpp"
 
 namespace fieldcast::cli {
 
 struct DevicesOptions {
-  StorePlace place;
+  StoreSource source;
   bool json = false;
 };
 struct AuditOptions {
-  StorePlace place;
+  StoreSource source;
   TimeSpan span;
   bool json = false;
 };

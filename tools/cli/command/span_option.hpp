@@ -5,7 +5,7 @@
 #include <string>
 
 #include "bridge/base/command_line.hpp"
-#include "tools/cli/store_place.hpp"
+#include "tools/cli/store_source.hpp"
 
 namespace fieldcast::cli {
 

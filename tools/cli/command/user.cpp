@@ -70,7 +70,7 @@ ExitCode list(const UserOptions& options, SqlConnection& connection, std::ostrea
 }  // namespace
 
 ExitCode user(const UserOptions& options, std::istream& in, std::ostream& out, std::ostream& err) {
-  const auto address = resolve(options.place);
+  const auto address = resolve(options.source);
   if (!address) {
     err << address.error() << '\n';
     return ExitCode::kUsage;
@@ -116,7 +116,7 @@ class UserCommand final : public CommandWith<UserOptions> {
       options_.action = action;
       return std::nullopt;
     });
-    add_store(line, options_.place);
+    add_store(line, options_.source);
   }
   std::optional<std::string> read_role(const std::string& text) {
     const auto role = role_from(text);

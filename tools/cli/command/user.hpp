@@ -6,13 +6,13 @@
 
 #include "core/access/role.hpp"
 #include "tools/cli/exit_code.hpp"
-#include "tools/cli/store_place.hpp"
+#include "tools/cli/store_source.hpp"
 
 namespace fieldcast::cli {
 
 struct UserOptions {
   enum class Action : unsigned char { kAdd, kList, kRemove };
-  StorePlace place;
+  StoreSource source;
   Action action = Action::kList;
   std::string name;
   Role role = Role::kViewer;

@@ -129,7 +129,7 @@ void Watch::draw(Instant now) {
   auto lines = watch_lines(model_, now, utc_now(), screen);
   if (!model_.anything_announced())
     lines.push_back(
-        clip(fmt::format("waiting for a bridge in {} ..", place_text(spec_)), screen.columns));
+        clip(fmt::format("waiting for a bridge in {} ..", domain_text(spec_)), screen.columns));
   if (remark_ && !remark_->empty()) lines.push_back(clip(*remark_, screen.columns));
   screen_->draw(lines);
 }

@@ -11,16 +11,16 @@
 
 namespace fieldcast::cli {
 
-struct StorePlace {
+struct StoreSource {
   std::string config;  // its `store:` section
   std::string store;   // a file or a connection string; goes before the configuration's
 };
 
 // --config and --store.
-void add_store(CommandLine& line, StorePlace& place);
+void add_store(CommandLine& line, StoreSource& source);
 
 // The fault is for people.
-[[nodiscard]] tl::expected<StoreAddress, std::string> resolve(const StorePlace& place);
+[[nodiscard]] tl::expected<StoreAddress, std::string> resolve(const StoreSource& source);
 
 struct TimeSpan {
   UtcTime from, to;
