@@ -39,7 +39,7 @@ void PlanDraft::make() {
     result_.load = plans.front().load;
     if (plans.front().stretch > 1) return;
   }
-  prove(std::move(plans), late);
+  prove(plans, late);
 }
 
 // Plans that what is asked for, or what it costs, makes necessary; none if the difference is small.
@@ -89,7 +89,7 @@ bool PlanDraft::worth_grouping() {
 
 // The first plan whose rehearsal keeps every refresh; if none does, the one that breaks fewest, if
 // that is fewer than the present plan breaks. Its table begins where the present one began, or now.
-void PlanDraft::prove(std::vector<ReadPlan> plans, std::uint64_t late_at_present) {
+void PlanDraft::prove(const std::vector<ReadPlan>& plans, std::uint64_t late_at_present) {
   const Instant seen = runner_.last_seen(), free = seen + runner_.wire().silence;
   const std::array<Instant, 2> starts{runner_.table_began(), seen};
   std::uint64_t least = late_at_present == 0 ? 1 : late_at_present;

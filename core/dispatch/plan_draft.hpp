@@ -36,7 +36,7 @@ class PlanDraft {
   [[nodiscard]] std::vector<ReadPlan> plans_asked_for(PlanBasis& basis);
   [[nodiscard]] bool worth_planning(double load, Duration fastest) const;
   [[nodiscard]] bool worth_grouping();
-  void prove(std::vector<ReadPlan> plans, std::uint64_t late_at_present);
+  void prove(const std::vector<ReadPlan>& plans, std::uint64_t late_at_present);
 
   PlanRunner runner_;
   bool costs_changed_;
