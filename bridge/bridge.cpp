@@ -108,7 +108,7 @@ void Bridge::State::stop_all(program::Server::Modules kept) {
   }
   last.reset();  // 7. what waits is written
   sinks.drop_from(kNever);
-  interests.forget();  // 8. stations tell their wishes again to whoever joins next
+  interests.forget();  // 8. stations declare their interests again to whoever joins next
 }
 
 // A bus whose thread hangs in a driver (a USB adapter that died in the middle of an ioctl) cannot

@@ -103,7 +103,7 @@ void Bridge::State::stop_buses(const std::vector<std::string>& names, Duration d
   for (const std::string& name : names) {
     program.remove_bus(name);  // nobody asks for its devices any more; a pairing ends with the bus
     interests.remove(name);
-    commands.remove(name);  // 1. no more commands come in; whoever sends one hears kShutdown
+    commands.remove(name);  // 1. no more commands come in; whoever sends one gets kShutdown
     stopped.push_back(
         buses.at(name).runner->stop());  // 2. pending commands are answered, the port is closed
   }

@@ -85,7 +85,7 @@ bool is_number(const Encoding& encoding) {
   return encoding.type != ValueType::kBool && encoding.type != ValueType::kString;
 }
 
-// A number that stands as text: by the key, or by the declaration of its place. Whether the type
+// A number that stands as text: by the key, or by the declaration of its value. Whether the type
 // fits there is check_type's.
 void read_text(MapReader& map, Draft& draft) {
   auto& encoding = draft.spec.encoding;
@@ -155,7 +155,7 @@ void check_type(MapReader& map, Draft& draft) {
 }
 
 // The range against its area and the blocks that the device can take.
-void place_range(MapReader& map, const ChannelContext& context, Draft& draft) {
+void set_range(MapReader& map, const ChannelContext& context, Draft& draft) {
   if (!draft.address || !draft.typed) return;
   const auto& area = *draft.area;
   auto& range = draft.spec.range;
@@ -291,7 +291,7 @@ ChannelSpec read_channel(const Node& node, const ChannelContext& context, FaultL
                "a channel of type string(n)");
 
   check_type(map, draft);
-  place_range(map, context, draft);
+  set_range(map, context, draft);
   check_access(map, draft);
   check_numbers(map, draft);
   check_heartbeat(map, context.defaults, spec);

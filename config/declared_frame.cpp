@@ -83,7 +83,7 @@ class Sharing {
   unsigned bits_ = 0;  // of the word that is being filled
 };
 
-// The place of a field by its name; a fault when there is none, or several.
+// The index of a field by its name; a fault when there is none, or several.
 std::optional<std::uint8_t> field_named(const DraftFrame& frame, std::string_view name,
                                         const Position& position, FaultList& faults) {
   std::vector<std::string_view> names;

@@ -54,7 +54,7 @@ struct DraftOperation {
                                     const FieldDefaults& defaults, unsigned item_bits,
                                     FaultList& faults);
 
-// Gives every value its place in the record, by the reads' answers.
+// Gives every value its offset in the record, by the reads' answers.
 void place_values(declared::Declaration& declaration, std::vector<DraftOperation>& operations,
                   FaultList& faults);
 

@@ -16,7 +16,7 @@ class UniqueNames {
   void add(std::string_view what, const std::string& name, const Position& position,
            FaultList& faults) {
     if (name.empty()) return;
-    const auto [first, fresh] = places_.emplace(name, position);
+    const auto [first, fresh] = positions_.emplace(name, position);
     if (fresh) return;
     const Position& there = first->second;
     const std::string file = there.source == position.source ? "" : there.source->file + ", ";
@@ -25,7 +25,7 @@ class UniqueNames {
   }
 
  private:
-  std::map<std::string, Position> places_;
+  std::map<std::string, Position> positions_;
 };
 
 }  // namespace fieldcast::config

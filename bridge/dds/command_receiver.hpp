@@ -1,4 +1,5 @@
-// Hears Command: converts, finds out when it expires, and hands it on. Calls come on DDS threads.
+// Receives Command: converts it, finds out when it expires, and hands it on. Calls come on DDS
+// threads.
 #pragma once
 
 #include <functional>

@@ -42,7 +42,7 @@ bool is_mark(std::span<const std::uint8_t> message, std::size_t parameter) {
          at<std::uint32_t>(message, sequence + 4) == kMarkLow;
 }
 
-// The place of the mark in the submessage of [begin, end); 0: none.
+// The offset of the mark in the submessage of [begin, end); 0: none.
 std::size_t find_mark(std::span<const std::uint8_t> message, std::size_t begin, std::size_t end) {
   const std::uint8_t flags = message[begin + 1];
   if (message[begin] != kData || (flags & kLittleEndian) != kOwnOrder || !(flags & kInlineQos) ||

@@ -64,11 +64,11 @@ void BusGuard::want(const std::string& id, const std::vector<std::string>& buses
 void BusGuard::settle(const std::function<bool()>& give_up) {
   std::unique_lock lock(mutex_);
   const auto began = std::chrono::steady_clock::now();
-  const auto all_heard = [&] {
+  const auto all_received = [&] {
     const auto waited = std::chrono::steady_clock::now() - began;
     return waited >= (silent_.empty() ? kSettle : kLongestSettle);
   };
-  while (!all_heard() && !give_up()) news_.wait_for(lock, kAgain);
+  while (!all_received() && !give_up()) news_.wait_for(lock, kAgain);
   lock.unlock();
   look_at_processes();
   lock.lock();

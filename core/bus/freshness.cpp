@@ -36,7 +36,7 @@ void Freshness::refused(Cause cause, Instant now, CauseCounters& misses) {
   cause_ = cause;
   settle(now, misses);
   told_ = now;
-  state_ = State::kTold;  // the missed refresh that follows is no news
+  state_ = State::kTold;  // the missed refresh that follows is not told again
 }
 
 void Freshness::leased(bool told, Instant now, CauseCounters& misses) {

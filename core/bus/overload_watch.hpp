@@ -20,8 +20,8 @@ class OverloadWatch {
   static constexpr Duration kLasts = std::chrono::seconds{5};
   static constexpr double kStretched = 1.001;  // a factor on refreshes; more is overload
 
-  // `stretch` of the configured refreshes. An overload by them is no news: whoever loads the
-  // configuration is told.
+  // `stretch` of the configured refreshes. An overload that they cause gives no notice: whoever
+  // loads the configuration is told already.
   explicit OverloadWatch(double stretch) : overloaded_(stretch > kStretched) {}
 
   // The stretch at present. The notice that is due now, if any.

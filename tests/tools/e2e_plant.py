@@ -47,7 +47,7 @@ buses:
 """
 CHANNELS = {"fast/press/" + name for name in ("temperature", "level", "setpoint", "speed", "energy", "running", "article", "batch", "label")}
 CHANNELS |= {"slow/meter/voltage", "slow/meter/counts"}
-WISHED, NEVER_WISHED = "fast/press/article", "fast/press/batch"  # read only while somebody wishes them
+WANTED, NEVER_WANTED = "fast/press/article", "fast/press/batch"  # read only while a station is interested
 
 plant = None
 
@@ -75,8 +75,8 @@ class Watch(unittest.TestCase):
     def test_every_channel_is_there_with_its_kind_of_value(self):
         samples = self.once()
         self.assertEqual(set(samples), CHANNELS)
-        self.assertIsNone(samples.pop(NEVER_WISHED)["value"])
-        samples.pop(WISHED)  # by another test, before or after
+        self.assertIsNone(samples.pop(NEVER_WANTED)["value"])
+        samples.pop(WANTED)  # by another test, before or after
         self.assertIsInstance(samples["fast/press/running"]["value"], bool)
         self.assertIsInstance(samples["fast/press/level"]["value"], int)
         self.assertIsInstance(samples["fast/press/temperature"]["value"], float)
@@ -86,10 +86,10 @@ class Watch(unittest.TestCase):
             self.assertGreater(sample["sequence"], 0)
 
     def test_every_channel_is_good(self):
-        expected = {**dict.fromkeys(CHANNELS - {WISHED}, "GOOD"), NEVER_WISHED: "NOT_YET_READ"}
+        expected = {**dict.fromkeys(CHANNELS - {WANTED}, "GOOD"), NEVER_WANTED: "NOT_YET_READ"}
 
         def qualities():
-            return {path: sample["quality"] for path, sample in self.once().items() if path != WISHED}
+            return {path: sample["quality"] for path, sample in self.once().items() if path != WANTED}
         # A machine that is busy with other things may miss a refresh now and then, and says so.
         wait_until(lambda: qualities() == expected, 30, lambda: str(qualities()))
 
@@ -117,13 +117,13 @@ class Watch(unittest.TestCase):
         sequences = [sample["sequence"] for sample in samples]
         self.assertEqual(sequences, sorted(set(sequences)))
 
-    def test_a_wish_is_granted_while_it_lasts(self):
-        stream = self.stream(WISHED, "--refresh", "200ms").stdout
+    def test_an_interest_is_granted_while_it_lasts(self):
+        stream = self.stream(WANTED, "--refresh", "200ms").stdout
         good = 0
         while good < 5:
             good += json.loads(stream.readline())["quality"] == "GOOD"
 
-    def test_a_wish_for_what_is_read_anyway_or_for_nothing_says_so(self):
+    def test_an_interest_in_what_is_read_anyway_or_for_nothing_says_so(self):
         process = plant.start_cli("watch", "fast/press/temperature", "--refresh", "1ms", "--json", "--for", "3s", stderr=subprocess.PIPE)
         self.assertIn("changes nothing for 1 of 1 channels: 1 are read anyway", process.communicate(timeout=30)[1])
         process = plant.start_cli("watch", "nowhere", "--refresh", "200ms", "--json", "--for", "3s", stderr=subprocess.PIPE)

@@ -40,14 +40,14 @@ void wait_for_line(Clock::time_point& line, std::size_t characters) {
 void serve_as_plc(int fd) {
   Bytes answer(kAnswer, '5');
   answer.back() = '\r';
-  std::size_t heard = 0;
+  std::size_t received = 0;
   Clock::time_point line{};
   while (true) {
     const Bytes bytes = receive_some(fd, 4096);
     if (bytes.empty()) return;
-    heard += bytes.size();
+    received += bytes.size();
     if (bytes.back() != '\r') continue;
-    wait_for_line(line, std::exchange(heard, 0));
+    wait_for_line(line, std::exchange(received, 0));
     for (std::size_t at = 0; at < answer.size(); at += kPiece) {
       const std::size_t count = std::min(kPiece, answer.size() - at);
       wait_for_line(line, count);
@@ -65,10 +65,10 @@ double run_software(int fd, double bytes) {
   const auto start = Clock::now();
   for (int i = 0; i < exchanges; ++i) {
     send_all(fd, question);
-    for (std::size_t heard = 0; heard < kAnswer;) {
+    for (std::size_t received = 0; received < kAnswer;) {
       const Bytes part = receive_some(fd, 4096);
       if (part.empty()) throw std::runtime_error("the line ended");
-      heard += part.size();
+      received += part.size();
     }
   }
   return seconds_since(start) / exchanges;

@@ -87,8 +87,8 @@ std::uint64_t program(int fd, const std::atomic<bool>& over) {
   std::uint64_t rounds = 0;
   while (!over) {
     send_all(fd, frame);
-    std::size_t heard = 0;
-    while (heard < 512) {
+    std::size_t received = 0;
+    while (received < 512) {
       Bytes head;
       while (head.size() < 4) {
         const Bytes part = receive_some(fd, 4 - head.size());
@@ -99,7 +99,7 @@ std::uint64_t program(int fd, const std::atomic<bool>& over) {
         const Bytes part = receive_some(fd, left);
         if (part.empty()) return rounds;
         left -= static_cast<std::uint32_t>(part.size());
-        heard += part.size();
+        received += part.size();
       }
     }
     ++rounds;

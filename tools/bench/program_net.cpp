@@ -83,8 +83,8 @@ FileDescriptor paired_client(std::uint16_t port, const std::string& number) {
   const auto start = Clock::now();
   while (true) {
     FileDescriptor fd = connect_to(port, 10);
-    const std::string wish = "@@V2" + number + "FEFF";
-    send_all(fd.get(), {reinterpret_cast<const std::uint8_t*>(wish.data()), wish.size()});
+    const std::string request = "@@V2" + number + "FEFF";
+    send_all(fd.get(), {reinterpret_cast<const std::uint8_t*>(request.data()), request.size()});
     const std::string reply = receive_until(fd.get(), "FEFF");
     if (reply == "@@0000FEFF") return fd;
     if (reply != "@@0001FEFF" || seconds_since(start) > 30)

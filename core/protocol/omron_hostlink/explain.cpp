@@ -171,9 +171,9 @@ class HostLinkExplainer {
   // flags. Eight digits that begin with an end code could be an answer of six digits, which no area
   // but flags gives.
   void read(ByteView rest, char letter) {
-    const std::size_t place = letter == 'E' ? 6 : 4;
+    const std::size_t address_size = letter == 'E' ? 6 : 4;
     const bool flags = letter == 'G';
-    const bool request = rest.size() == place + 4 && !(flags && rest.size() == 2);
+    const bool request = rest.size() == address_size + 4 && !(flags && rest.size() == 2);
     if (!request && rest.size() >= 2 && (flags || (rest.size() - 2) % 4 == 0)) {
       writer_.remark("answer");
       end_code(rest);
@@ -182,8 +182,8 @@ class HostLinkExplainer {
     writer_.remark("request", request ? "" : "neither a request's nor an answer's length");
     if (!request) return add(kHeadSize, rest.size(), "text", text_of(rest));
     if (letter == 'E') add(kHeadSize, 2, "bank", text_of(rest.first(2)));
-    decimal(rest.subspan(place - 4, 4), kHeadSize + place - 4, "first");
-    decimal(rest.subspan(place, 4), kHeadSize + place, "count");
+    decimal(rest.subspan(address_size - 4, 4), kHeadSize + address_size - 4, "first");
+    decimal(rest.subspan(address_size, 4), kHeadSize + address_size, "count");
   }
 
   void decimal(ByteView digits, std::size_t at, const char* name) {
@@ -195,13 +195,13 @@ class HostLinkExplainer {
       writer_.remark("answer");
       return end_code(rest);
     }
-    const std::size_t place = letter == 'E' ? 6 : 4;
+    const std::size_t address_size = letter == 'E' ? 6 : 4;
     writer_.remark("request");
-    if (rest.size() <= place)
+    if (rest.size() <= address_size)
       return add(kHeadSize, rest.size(), "text", text_of(rest), "too short");
     if (letter == 'E') add(kHeadSize, 2, "bank", text_of(rest.first(2)));
-    decimal(rest.subspan(place - 4, 4), kHeadSize + place - 4, "first");
-    data(rest.subspan(place), kHeadSize + place, letter == 'G');
+    decimal(rest.subspan(address_size - 4, 4), kHeadSize + address_size - 4, "first");
+    data(rest.subspan(address_size), kHeadSize + address_size, letter == 'G');
   }
 
   void data(ByteView digits, std::size_t at, bool flags) {

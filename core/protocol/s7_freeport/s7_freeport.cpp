@@ -154,8 +154,8 @@ class FreeportProtocol final : public Protocol {
   std::span<const Area> areas() const override { return kAreas; }
 
   tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
-    const auto digit = [&](std::size_t place, char last) {
-      return at.size() > place && at[place] >= '0' && at[place] <= last;
+    const auto digit = [&](std::size_t index, char last) {
+      return at.size() > index && at[index] >= '0' && at[index] <= last;
     };
     const bool byte = at.starts_with("window:") && digit(7, '3');
     const bool bit = byte && at.size() == 10 && at[8] == '.' && digit(9, '7');

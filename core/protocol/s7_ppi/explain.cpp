@@ -182,13 +182,13 @@ class PpiExplainer {
       name = std::string(kAreas[area].name);
       counted = kCodes[area].counted;
     }
-    std::string place = counted ? std::to_string(address) : std::to_string(address / 8);
-    if (bytes[3] == 0x01) place += "." + std::to_string(address % 8);
+    std::string address_text = counted ? std::to_string(address) : std::to_string(address / 8);
+    if (bytes[3] == 0x01) address_text += "." + std::to_string(address % 8);
     const bool right = bytes[0] == 0x12 && bytes[1] == 0x0A && bytes[2] == 0x10;
-    writer_.add(
-        at, 12, "item",
-        name + place + ", type " + hex(bytes[3]) + ", count " + std::to_string(read_u16(bytes, 4)),
-        right ? "" : "an item begins 12 0A 10");
+    writer_.add(at, 12, "item",
+                name + address_text + ", type " + hex(bytes[3]) + ", count " +
+                    std::to_string(read_u16(bytes, 4)),
+                right ? "" : "an item begins 12 0A 10");
   }
 
   void codes(std::size_t at, ByteView data) {
