@@ -79,12 +79,12 @@ template <typename Owner>
 class Rows : public RowTable {
  public:
   Rows(std::string_view map_name, std::string_view what_for_faults,
-       std::vector<Field<Owner>> fields, std::string about = {},
-       std::vector<std::string_view> exclusive = {})
+       std::vector<Field<Owner>> fields, const std::string& about = {},
+       const std::vector<std::string_view>& exclusive = {})
       : RowTable(map_name, what_for_faults), fields_(std::move(fields)) {
     for (const auto& each : fields_) rows.push_back(each.key);
-    text = std::move(about);
-    one_of = std::move(exclusive);
+    text = about;
+    one_of = exclusive;
     list_names();
   }
 

@@ -209,7 +209,7 @@ std::optional<ItemAddress> DeclaredDevice::parse_address(std::string_view at) co
       if (at == place.name) return ItemAddress{i, place.first, {}};
       if (bit == kNone || at.substr(0, dot) != place.name || bit >= place.bits) continue;
       return ItemAddress{i, place.first + place.items - 1 - static_cast<std::uint32_t>(bit / 16),
-                       static_cast<std::uint8_t>(bit % 16)};
+                         static_cast<std::uint8_t>(bit % 16)};
     }
   }
   for (std::size_t i = 0; i < declaration_->areas.size(); ++i) {
