@@ -54,8 +54,8 @@ struct BaudRule {
   static std::string likely_bauds(std::uint32_t baud) {
     static constexpr std::array<std::uint32_t, 10> kUsual{1200,  2400,  4800,   9600,   19200,
                                                           38400, 57600, 115200, 230400, 460800};
-    std::vector<std::string> usual;
-    for (const auto rate : kUsual) usual.push_back(std::to_string(rate));
+    std::vector<std::string> usual(kUsual.size());
+    std::ranges::transform(kUsual, usual.begin(), [](auto rate) { return std::to_string(rate); });
     const auto slip = near_miss(std::to_string(baud), usual);
     const auto ratio = [&](std::uint32_t rate) {
       return std::max(rate, baud) / static_cast<double>(std::min(rate, baud));
@@ -69,8 +69,8 @@ struct BaudRule {
 
   [[nodiscard]] static std::string form() { return "a rate that serial ports have"; }
   [[nodiscard]] static std::string schema() {
-    std::vector<std::string> texts;
-    for (const auto rate : kBauds) texts.push_back(std::to_string(rate));
+    std::vector<std::string> texts(kBauds.size());
+    std::ranges::transform(kBauds, texts.begin(), [](auto rate) { return std::to_string(rate); });
     return schema_of_words(std::vector<std::string_view>(texts.begin(), texts.end()));
   }
 };

@@ -9,10 +9,11 @@
 
 #include <cerrno>
 #include <charconv>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+
+#include "bridge/base/errno_text.hpp"
 
 namespace fieldcast {
 namespace {
@@ -74,7 +75,7 @@ std::string port_user(const std::string& path) {
 
 std::optional<std::string> lock_port(int fd, const std::string& path) {
   if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
-    if (errno != EWOULDBLOCK) return fmt::format("cannot lock: {}", std::strerror(errno));
+    if (errno != EWOULDBLOCK) return fmt::format("cannot lock: {}", errno_text(errno));
     const std::string user = port_user(path);
     return user.empty() ? "in use by another program" : "in use by " + user;
   }

@@ -9,7 +9,8 @@
 #include <sys/sysmacros.h>
 
 #include <cerrno>
-#include <cstring>
+
+#include "bridge/base/errno_text.hpp"
 
 namespace fieldcast {
 namespace {
@@ -17,9 +18,7 @@ namespace {
 // Unix98 pseudo-terminal slaves (Documentation/admin-guide/devices.txt).
 constexpr unsigned kFirstPtyMajor = 136, kLastPtyMajor = 143;
 
-std::string last_fault(const char* what) {
-  return fmt::format("{}: {}", what, std::strerror(errno));
-}
+std::string last_fault(const char* what) { return fmt::format("{}: {}", what, errno_text(errno)); }
 
 constexpr tcflag_t kFormat = CSIZE | CSTOPB | PARENB | PARODD;
 

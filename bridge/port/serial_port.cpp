@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "bridge/base/errno_text.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/port/port_lock.hpp"
 #include "bridge/port/serial_line.hpp"
@@ -35,8 +36,8 @@ Stream::End open_fault(const std::string& path) {
               Cause::kPortDenied};
     case ENOENT:
     case ENODEV:
-    case ENXIO: return {std::strerror(fault), Cause::kPortMissing};
-    default: return {std::strerror(fault)};
+    case ENXIO: return {errno_text(fault), Cause::kPortMissing};
+    default: return {errno_text(fault)};
   }
 }
 
@@ -54,7 +55,7 @@ class SerialStream final : public Stream {
   End end_of(int error) const override {
     const bool gone = error == 0 || error == EIO || error == ENXIO || error == ENODEV;
     if (gone) return {"the device is gone", Cause::kPortMissing};
-    return {std::strerror(error)};
+    return {errno_text(error)};
   }
   void before_close(int fd) override { drop_unsent(fd); }
 

@@ -4,7 +4,8 @@
 #include <netinet/tcp.h>
 
 #include <cerrno>
-#include <cstring>
+
+#include "bridge/base/errno_text.hpp"
 
 namespace fieldcast {
 namespace {
@@ -58,7 +59,7 @@ std::optional<Stream::End> SocketStream::restore(int fd) {
 }
 
 Stream::End SocketStream::end_of(int error) const {
-  return {error == 0 ? "closed by the peer" : std::strerror(error)};
+  return {error == 0 ? std::string("closed by the peer") : errno_text(error)};
 }
 
 std::shared_ptr<SocketStream> make_socket_stream(asio::io_context& io, FileDescriptor socket,

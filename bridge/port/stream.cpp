@@ -5,8 +5,8 @@
 
 #include <boost/asio/post.hpp>
 #include <cerrno>
-#include <cstring>
 
+#include "bridge/base/errno_text.hpp"
 #include "bridge/bus/clock.hpp"
 
 namespace fieldcast {
@@ -68,7 +68,7 @@ void Stream::push(ByteView bytes) {
   switch (unsent_.write(fd(), bytes)) {
     case Unsent::Outcome::kAllSent: return;
     case Unsent::Outcome::kBlocked: return wait_for_space();
-    case Unsent::Outcome::kFailed: return fail_later({std::strerror(errno)});
+    case Unsent::Outcome::kFailed: return fail_later({errno_text(errno)});
     case Unsent::Outcome::kFull: return fail_later({"the line takes no bytes"});
   }
 }

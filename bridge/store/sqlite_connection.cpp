@@ -10,6 +10,7 @@
 #include <map>
 #include <mutex>
 
+#include "bridge/base/errno_text.hpp"
 #include "bridge/store/sql.hpp"
 
 namespace fieldcast {
@@ -143,7 +144,7 @@ void make_private_file(const std::string& path) {
   const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (file >= 0) return void(::close(file));
   if (errno == EEXIST && ::access(path.c_str(), R_OK | W_OK) == 0) return;
-  throw StoreError("store " + path + ": cannot be opened for writing (" + std::strerror(errno) +
+  throw StoreError("store " + path + ": cannot be opened for writing (" + errno_text(errno) +
                    "); the folder must exist, and its owner must be who runs this program");
 }
 

@@ -5,9 +5,10 @@
 #include <sys/socket.h>
 
 #include <cerrno>
-#include <cstring>
 #include <stdexcept>
 #include <thread>
+
+#include "bridge/base/errno_text.hpp"
 
 namespace fieldcast::bench {
 namespace {
@@ -56,7 +57,7 @@ void send_all(int fd, ByteView bytes) {
     ssize_t sent = ::send(fd, bytes.data(), bytes.size(), MSG_NOSIGNAL);
     if (sent < 0 && errno == ENOTSOCK) sent = ::write(fd, bytes.data(), bytes.size());
     if (sent < 0 && errno == EINTR) continue;
-    if (sent <= 0) throw std::runtime_error(std::string("sending: ") + std::strerror(errno));
+    if (sent <= 0) throw std::runtime_error("sending: " + errno_text(errno));
     bytes = bytes.subspan(static_cast<std::size_t>(sent));
   }
 }

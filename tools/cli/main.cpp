@@ -1,10 +1,10 @@
 // `fieldcast`: reads the command line, runs one command, ends with its exit code.
 #include <cerrno>
-#include <cstring>
 #include <exception>
 #include <iostream>
 #include <string>
 
+#include "bridge/base/errno_text.hpp"
 #include "bridge/write_faults.hpp"
 #include "tools/cli/arguments.hpp"
 #include "tools/cli/console.hpp"
@@ -19,7 +19,7 @@ ExitCode whole_output(ExitCode code) {
   if (std::cout.flush() || code != ExitCode::kOk) return code;
   if (errno != EPIPE)
     std::cerr << "fieldcast: the output could not be written"
-              << (errno == 0 ? "" : std::string(": ") + std::strerror(errno)) << '\n';
+              << (errno == 0 ? "" : ": " + errno_text(errno)) << '\n';
   return ExitCode::kTrouble;
 }
 

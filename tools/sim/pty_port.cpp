@@ -15,6 +15,8 @@
 #include <cstring>
 #include <filesystem>
 
+#include "bridge/base/errno_text.hpp"
+
 namespace fieldcast::sim {
 namespace {
 
@@ -22,7 +24,7 @@ namespace {
 constexpr const char* kOurs = "/dev/pts/../pts/";
 
 std::string reason(const std::string& path, const char* what) {
-  return fmt::format("{}: {} ({})", path, what, std::strerror(errno));
+  return fmt::format("{}: {} ({})", path, what, errno_text(errno));
 }
 
 std::string target_of(const std::string& path) {

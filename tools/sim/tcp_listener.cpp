@@ -7,7 +7,8 @@
 #include <sys/socket.h>
 
 #include <cerrno>
-#include <cstring>
+
+#include "bridge/base/errno_text.hpp"
 
 namespace fieldcast::sim {
 
@@ -22,7 +23,7 @@ tl::expected<FileDescriptor, std::string> listen_on(const std::string& loopback,
                                                     std::uint16_t port) {
   const auto failed = [&] {
     return tl::unexpected(
-        fmt::format("{}:{}: cannot listen ({})", loopback, port, std::strerror(errno)));
+        fmt::format("{}:{}: cannot listen ({})", loopback, port, errno_text(errno)));
   };
   FileDescriptor listener(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (!listener) return failed();

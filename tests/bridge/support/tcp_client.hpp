@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 
+#include "bridge/base/errno_text.hpp"
 #include "bridge/base/file_descriptor.hpp"
 #include "core/base/bytes.hpp"
 
@@ -46,11 +47,11 @@ class TcpClient {
     address.sin_family = AF_INET;
     EXPECT_EQ(::inet_pton(AF_INET, source, &address.sin_addr), 1);
     EXPECT_EQ(::bind(fd_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0)
-        << std::strerror(errno);
+        << errno_text(errno);
     address.sin_port = htons(port);
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     EXPECT_EQ(::connect(fd_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0)
-        << std::strerror(errno);
+        << errno_text(errno);
   }
 
   void send(ByteView bytes) const {

@@ -7,6 +7,7 @@
 
 #include <filesystem>
 
+#include "bridge/base/errno_text.hpp"
 #include "tests/bridge/program/program_support.hpp"
 #include "tests/bridge/support/process.hpp"
 
@@ -17,7 +18,7 @@ class SerialSoftware {
  public:
   explicit SerialSoftware(const std::string& path, speed_t speed = B9600, tcflag_t stop = 0)
       : fd_(::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK)) {
-    EXPECT_TRUE(fd_.valid()) << path << ": " << std::strerror(errno);
+    EXPECT_TRUE(fd_.valid()) << path << ": " << errno_text(errno);
     set(speed, stop);
   }
   void set(speed_t speed, tcflag_t stop) const {
