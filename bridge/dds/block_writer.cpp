@@ -56,6 +56,14 @@ std::size_t BlockWriter::write_snapshot() {
   return blocks;
 }
 
+bool BlockWriter::last_value(ChannelIndex channel, LastValue& out) const {
+  const std::lock_guard lock(mutex_);
+  FIELDCAST_CHECK(channel < values_.size());
+  if (values_[channel].sequence == 0) return false;
+  out = values_[channel];
+  return true;
+}
+
 void BlockWriter::send(BlockFiller& filler, bool snapshot) {
   filler.finish();
   block_.number(++number_);

@@ -41,6 +41,9 @@ class BlockWriter : private dds::DataWriterListener {
   // The last value of every channel that has one, or an empty block. Returns the number of blocks.
   std::size_t write_snapshot();
 
+  // False if the channel has none.
+  [[nodiscard]] bool last_value(ChannelIndex channel, LastValue& out) const;
+
   [[nodiscard]] std::uint32_t readers() const { return readers_.load(std::memory_order_relaxed); }
 
  private:
@@ -52,7 +55,7 @@ class BlockWriter : private dds::DataWriterListener {
   const Stream stream_;
   const std::function<void()> on_reader_;
   std::atomic<std::uint32_t> readers_{0};
-  std::mutex mutex_;               // what follows, and the order of blocks
+  mutable std::mutex mutex_;       // what follows, and the order of blocks
   std::vector<LastValue> values_;  // by channel index
   idl::SampleBlock block_;
   std::uint64_t number_ = 0;

@@ -27,15 +27,21 @@ bool stays_on_this_machine(const DdsSpec& spec) {
                      [](const std::string& address) { return address.starts_with("127."); });
 }
 
+// Samples one by one that fill a reader's socket like a block.
+constexpr std::size_t kSamplesOfBlock = 64;
+
 // What one bus has in the domain besides the writers shared by all.
 struct Bus {
   Bus(Domain& domain, const std::string& bridge, const BusSpec& spec,
       const BusCatalogue::Writers& writers, BlockWriter::Stream stream,
       std::function<void()> on_reader)
       : catalogue(writers, bridge, spec.name, stream.epoch),
-        samples(domain, bridge, spec),
         blocks(domain, "fieldcast-bridge " + bridge + ": " + spec.name, std::move(stream),
-               std::move(on_reader)) {
+               on_reader),
+        samples(domain, bridge, spec,
+                {std::move(on_reader), [this](ChannelIndex channel, LastValue& out) {
+                   return blocks.last_value(channel, out);
+                 }}) {
     ChannelIndex index = 0;
     for (const DeviceSpec& device : spec.devices) {
       for (const ChannelSpec& channel : device.channels)
@@ -43,8 +49,8 @@ struct Bus {
     }
   }
   BusCatalogue catalogue;
+  BlockWriter blocks;  // keeps the last values, for both
   SampleWriters samples;
-  BlockWriter blocks;
   std::map<std::string, idl::DeviceStatus> devices;                 // published at least once
   std::map<std::pair<ChannelIndex, LimitKind>, idl::Alarm> alarms;  // raised at least once
   idl::BusStatus status;
@@ -82,7 +88,7 @@ struct DdsLink::State {
     Bus* bus = find(name);
     if (bus == nullptr) return 0;
     bus->catalogue.flush();
-    return bus->blocks.write_snapshot();
+    return bus->blocks.write_snapshot() + bus->samples.wake() / kSamplesOfBlock;
   }
 
   CommandReceiver::Handlers command_handlers() {
@@ -170,6 +176,7 @@ void DdsLink::add_bus(const BusSpec& spec) {
     const std::unique_lock lock(state_->mutex);
     state_->buses[spec.name] = std::move(bus);
   }
+  state_->snapshots->request(spec.name);  // readers that matched before the bus was there
   listen_for_commands();
 }
 
@@ -205,14 +212,16 @@ void DdsLink::remove_bus(std::string_view name, Duration linger, Duration limit)
 
 void DdsLink::publish(std::string_view name, std::span<const Sample> samples,
                       const UtcMapping& mapping) {
-  publish_block(name, samples, mapping);
-  publish_each(name, samples, mapping);
+  if (publish_block(name, samples, mapping)) publish_each(name, samples, mapping);
 }
 
-void DdsLink::publish_block(std::string_view name, std::span<const Sample> samples,
+bool DdsLink::publish_block(std::string_view name, std::span<const Sample> samples,
                             const UtcMapping& mapping) {
   const std::shared_lock lock(state_->mutex);
-  if (Bus* bus = state_->find(name)) bus->blocks.write(samples, mapping);
+  Bus* bus = state_->find(name);
+  if (bus == nullptr) return false;
+  bus->blocks.write(samples, mapping);
+  return bus->samples.awake();
 }
 
 void DdsLink::publish_each(std::string_view name, std::span<const Sample> samples,

@@ -93,9 +93,10 @@ class DdsLink {
   // who waits as long as DDS takes for them: some 10 us each, longer with readers that lag.
   void publish(std::string_view bus, std::span<const Sample> samples, const UtcMapping& mapping);
   // The two parts of it. Both have one caller for a bus, which need not be the same one: a block
-  // costs some 10 us, however many samples it has.
-  void publish_block(std::string_view bus, std::span<const Sample> samples,
-                     const UtcMapping& mapping);
+  // costs some 10 us, however many samples it has. True: somebody reads samples one by one, so that
+  // publish_each() is to follow.
+  [[nodiscard]] bool publish_block(std::string_view bus, std::span<const Sample> samples,
+                                   const UtcMapping& mapping);
   void publish_each(std::string_view bus, std::span<const Sample> samples,
                     const UtcMapping& mapping);
 

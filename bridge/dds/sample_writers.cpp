@@ -1,6 +1,7 @@
 #include "bridge/dds/sample_writers.hpp"
 
 #include <algorithm>
+#include <map>
 #include <tuple>
 
 #include "bridge/check.hpp"
@@ -8,7 +9,11 @@
 namespace fieldcast {
 
 struct SampleWriters::Writer : dds::DataWriterListener {
-  std::optional<Duration> refresh;
+  Writer(const SampleWriters& owner, std::optional<Duration> promise)
+      : all(owner), refresh(promise) {}
+
+  const SampleWriters& all;
+  const std::optional<Duration> refresh;
   dds::DataWriter* entity = nullptr;
   std::atomic<std::uint32_t> channels{0};
   std::optional<Instant> idle_since;  // without channels; known from the next tidy() on
@@ -21,12 +26,17 @@ struct SampleWriters::Writer : dds::DataWriterListener {
   }
   void on_publication_matched(dds::DataWriter*,
                               const dds::PublicationMatchedStatus& status) override {
-    readers.store(static_cast<std::uint32_t>(status.current_count), std::memory_order_relaxed);
+    readers = static_cast<std::uint32_t>(status.current_count);
+    if (status.current_count_change > 0 && !all.awake_) all.hooks_.on_reader();
   }
 };
 
-SampleWriters::SampleWriters(Domain& domain, const std::string& bridge, const BusSpec& bus)
-    : domain_(domain), label_("fieldcast-bridge " + bridge + ": " + bus.name) {
+SampleWriters::SampleWriters(Domain& domain, const std::string& bridge, const BusSpec& bus,
+                             Hooks hooks)
+    : domain_(domain),
+      label_("fieldcast-bridge " + bridge + ": " + bus.name),
+      hooks_(std::move(hooks)) {
+  const std::lock_guard lock(mutex_);
   for (const DeviceSpec& device : bus.devices) {
     for (const ChannelSpec& channel : device.channels) {
       Slot& slot = slots_.emplace_back();
@@ -44,14 +54,17 @@ SampleWriters::Writer& SampleWriters::writer_for(std::optional<Duration> refresh
         writer->channels < static_cast<std::uint32_t>(kChannelsPerWriter))
       return *writer;
   }
-  auto made = std::make_unique<Writer>();
-  made->refresh = refresh;
-  const std::string label = label_ + (refresh ? ", refresh " + to_text(*refresh) : ", no refresh");
-  made->entity = domain_.writer<idl::SamplePubSubType, SampleType>(
-      kSampleTopic, sample_writer_qos(refresh), label, made.get(),
-      dds::StatusMask::offered_deadline_missed() << dds::StatusMask::publication_matched());
-  const std::lock_guard lock(writers_mutex_);
+  auto made = std::make_unique<Writer>(*this, refresh);
+  made->entity = entity_for(*made);
   return *writers_.emplace_back(std::move(made));
+}
+
+dds::DataWriter* SampleWriters::entity_for(Writer& writer) {
+  const std::string label =
+      label_ + (writer.refresh ? ", refresh " + to_text(*writer.refresh) : ", no refresh");
+  return domain_.writer<idl::SamplePubSubType, SampleType>(
+      kSampleTopic, sample_writer_qos(writer.refresh), label, &writer,
+      dds::StatusMask::offered_deadline_missed() << dds::StatusMask::publication_matched());
 }
 
 void SampleWriters::attach(Slot& slot, std::optional<Duration> refresh) {
@@ -59,16 +72,50 @@ void SampleWriters::attach(Slot& slot, std::optional<Duration> refresh) {
   ++slot.writer->channels;
 }
 
+bool SampleWriters::has_readers() const {
+  return std::any_of(writers_.begin(), writers_.end(),
+                     [](const auto& writer) { return writer->readers > 0; });
+}
+
+std::size_t SampleWriters::wake() {
+  std::size_t slots = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    if (awake_ || !has_readers()) return 0;
+    awake_ = true;  // before values are read: whoever publishes from here on writes here as well
+    slots = slots_.size();
+  }
+  std::size_t written = 0;
+  for (std::size_t begin = 0; begin < slots; begin += kWakeChunk) {
+    const std::lock_guard lock(mutex_);
+    for (std::size_t i = begin; i < std::min(begin + kWakeChunk, slots); ++i) {
+      Slot& slot = slots_[i];
+      if (slot.writer == nullptr || slot.written()) continue;
+      if (!hooks_.last_value(static_cast<ChannelIndex>(i), slot.value)) continue;
+      (void)write(slot);
+      ++written;
+    }
+  }
+  return written;
+}
+
 bool SampleWriters::write(std::span<const Sample> samples, const UtcMapping& mapping) {
-  tidy(mapping.instant);
+  const std::lock_guard lock(mutex_);
+  tidy_up(mapping.instant);
   bool taken = true;
   for (const auto& [slot, sample] : in_order(samples)) {
+    // Its value came from wake(), which was faster.
+    if (!awake_ || sample->sequence <= slot->value.sequence) continue;
     to_last_value(*sample, mapping, slot->value);
-    slot->order = ++writes_;
-    OutgoingSample outgoing = slot->outgoing();
-    taken &= slot->writer->entity->write(&outgoing);
+    taken &= write(*slot);
   }
   return taken;
+}
+
+bool SampleWriters::write(Slot& slot) {
+  slot.order = ++writes_;
+  OutgoingSample outgoing = slot.outgoing();
+  return slot.writer->entity->write(&outgoing);
 }
 
 // DEADLINE keeps a timer for the instance of a writer that is due first; writing that one makes the
@@ -101,11 +148,65 @@ std::vector<SampleWriters::Write>& SampleWriters::in_order(std::span<const Sampl
 }
 
 void SampleWriters::tidy(Instant now) {
+  const std::lock_guard lock(mutex_);
+  tidy_up(now);
+  rest_if_unread(now);
+}
+
+void SampleWriters::tidy_up(Instant now) {
   if (!leaving_.empty()) let_go(now);
   if (any_idle_) remove_idle_writers(now);
 }
 
+// With new writers in place of the old ones: the library goes on to count the deadlines of an
+// instance that was written once.
+void SampleWriters::rest_if_unread(Instant now) {
+  const bool read = has_readers();
+  if (read && !awake_) hooks_.on_reader();  // again: the bus may not have been found the first time
+  if (read || !awake_) {
+    unread_since_.reset();
+    return;
+  }
+  if (!unread_since_) unread_since_ = now;
+  if (now - *unread_since_ < kRestAfter) return;
+  unread_since_.reset();  // where it fails: again after the same time
+  if (!make_anew()) return;
+  awake_ = false;
+  if (has_readers()) hooks_.on_reader();  // it came while they were awake
+}
+
+bool SampleWriters::make_anew() {
+  std::map<Writer*, std::unique_ptr<Writer>> anew;
+  try {
+    for (const auto& old : writers_) {
+      if (old->channels == 0) continue;
+      auto& made = anew[old.get()] = std::make_unique<Writer>(*this, old->refresh);
+      made->entity = entity_for(*made);
+      made->channels = old->channels.load();
+    }
+  } catch (const DdsError&) {
+    for (const auto& [old, made] : anew) {
+      if (made->entity != nullptr) domain_.remove(made->entity);
+    }
+    return false;
+  }
+  for (Slot& slot : slots_) {
+    slot.value.sequence = 0;
+    if (slot.writer != nullptr) slot.writer = anew.at(slot.writer).get();
+  }
+  for (const auto& old : writers_) {
+    domain_.remove(old->entity);
+    retired_misses_ += old->misses.load(std::memory_order_relaxed);
+  }
+  leaving_.clear();
+  writers_.clear();
+  for (auto& [old, made] : anew) writers_.push_back(std::move(made));
+  any_idle_ = false;
+  return true;
+}
+
 bool SampleWriters::move(ChannelIndex channel, std::optional<Duration> refresh) {
+  const std::lock_guard lock(mutex_);
   FIELDCAST_CHECK(channel < slots_.size());
   Slot& slot = slots_[channel];
   Writer* const old = slot.writer;
@@ -114,8 +215,7 @@ bool SampleWriters::move(ChannelIndex channel, std::optional<Duration> refresh) 
   if (old == nullptr) return true;
   --old->channels;
   if (slot.written()) {
-    OutgoingSample outgoing = slot.outgoing();
-    slot.writer->entity->write(&outgoing);
+    (void)write(slot);
     leaving_.push_back({channel, old, std::nullopt});
   }
   if (old->channels == 0) {
@@ -154,19 +254,20 @@ void SampleWriters::remove_idle_writers(Instant now) {
       continue;
     }
     domain_.remove(one.entity);
-    const std::lock_guard lock(writers_mutex_);
     retired_misses_ += one.misses.load(std::memory_order_relaxed);
     writer = writers_.erase(writer);
   }
 }
 
 std::optional<Duration> SampleWriters::refresh_of(ChannelIndex channel) const {
+  const std::lock_guard lock(mutex_);
   FIELDCAST_CHECK(channel < slots_.size());
   const Writer* writer = slots_[channel].writer;
   return writer == nullptr ? std::nullopt : writer->refresh;
 }
 
 void SampleWriters::dispose(Duration linger, Duration limit) {
+  const std::lock_guard lock(mutex_);
   leaving_.clear();
   const auto begun = std::chrono::steady_clock::now();
   for (Slot& slot : slots_) {
@@ -182,12 +283,11 @@ void SampleWriters::dispose(Duration linger, Duration limit) {
     if (left > Duration::zero()) writer->entity->wait_for_acknowledgments(to_dds(left));
     domain_.remove(writer->entity);
   }
-  const std::lock_guard lock(writers_mutex_);
   writers_.clear();
 }
 
 DdsLink::BusCounters SampleWriters::counters() const {
-  const std::lock_guard lock(writers_mutex_);
+  const std::lock_guard lock(mutex_);
   DdsLink::BusCounters counters{.deadline_misses = retired_misses_};
   for (const auto& writer : writers_) {
     counters.deadline_misses += writer->misses.load(std::memory_order_relaxed);

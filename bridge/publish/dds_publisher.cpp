@@ -21,7 +21,7 @@ void DdsPublisher::post(Task task, PublisherThread::Late late) {
 }
 
 bool DdsPublisher::publish_now(const std::vector<Sample>& samples, const UtcMapping& mapping) {
-  link_.publish_block(bus_, samples, mapping);
+  if (!link_.publish_block(bus_, samples, mapping)) return true;
   if (samples.size() > most_now_ || waiting_ != 0) return false;
   link_.publish_each(bus_, samples, mapping);
   return true;

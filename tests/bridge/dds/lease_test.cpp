@@ -93,8 +93,9 @@ TEST(DdsLease, AStationThatAsksForADeadlineMissesNothingOnceNobodyIsInterestedIn
       [&](const std::string&, const std::string&, const std::string& name) { gone.add(name); },
       {.deadline = 100ms, .on_deadline_missed = [&] { ++misses; }});
   link.set_refresh(bus, 0, 50ms);
+  std::uint64_t sequence = 0;
   ASSERT_TRUE(eventually([&] {
-    link.publish(bus, std::vector{good(0, 1.0)}, both_clocks());
+    link.publish(bus, std::vector{good(0, 1.0, ++sequence)}, both_clocks());
     return samples.size() >= 3;
   }));
   link.set_refresh(bus, 0, 60s);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 #include <set>
 
@@ -98,11 +99,22 @@ TEST(DdsLink, StationThatAsksForADeadlineGetsJustTheChannelsThatPromiseIt) {
     EXPECT_EQ(static_cast<int>(std::get<double>(sample.value)) % 2, 0);
 }
 
+// A reader of fieldcast/Sample that takes what comes.
+struct OneByOne {
+  explicit OneByOne(const std::string& name) : station(loopback(), name) {
+    station.subscribe_samples([this](const StationSample& sample) { samples.add(sample); }, {},
+                              {.one_by_one = true});
+  }
+  Collected<StationSample> samples;
+  Station station;
+};
+
 TEST(DdsLink, MissedPromisesAreCounted) {
   const std::string bus = bus_name("missed");
   Received received;
   DdsLink link(loopback(), "test", received.handlers());
   link.add_bus(bus_of(bus, 2, [](std::size_t) { return 50ms; }));
+  const OneByOne reader("reader");
   link.publish(bus, one_of_each(2), both_clocks());
   EXPECT_TRUE(eventually([&] { return link.counters(bus).deadline_misses >= 2; }));
 }
@@ -111,6 +123,7 @@ TEST(DdsLink, NothingIsMissedBeforeTheFirstSample) {
   const std::string bus = bus_name("unwritten");
   Received received;
   DdsLink link(loopback(), "test", received.handlers());
+  const OneByOne reader("reader");
   BusSpec spec = bus_of(bus, 2, [](std::size_t i) { return i == 0 ? 20ms : 10s; });
   spec.devices[0].channels[0].name = "silent";
   link.add_bus(spec);
@@ -121,6 +134,56 @@ TEST(DdsLink, NothingIsMissedBeforeTheFirstSample) {
   link.publish(bus + "x", one_of_each(1), both_clocks());
   ASSERT_TRUE(eventually([&] { return link.counters(bus + "x").deadline_misses >= 1; }));
   EXPECT_EQ(link.counters(bus).deadline_misses, 0u);
+}
+
+TEST(DdsLink, WhoReadsSamplesOneByOneGetsEveryLastValueFirstAndThenEverySample) {
+  const std::string bus = bus_name("first");
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
+  link.add_bus(bus_of(bus, 300));
+  for (std::uint64_t sequence = 1; sequence <= 3; ++sequence)
+    link.publish(bus, one_of_each(300, sequence), both_clocks());
+  const OneByOne reader("reader");
+  ASSERT_TRUE(eventually([&] { return channels_of(reader.samples.all(), bus).size() == 300; }))
+      << channels_of(reader.samples.all(), bus).size() << " of 300 channels came";
+  for (const StationSample& sample : reader.samples.all())
+    EXPECT_EQ(sample.sequence, 3u) << "the last value, and no value twice";
+
+  for (std::uint64_t sequence = 4; sequence <= 6; ++sequence) {
+    link.publish(bus, std::vector{good(7, 0.5, sequence)}, both_clocks());
+    ASSERT_TRUE(eventually([&] { return reader.samples.size() == 297 + sequence; }));
+    EXPECT_EQ(reader.samples.all().back().sequence, sequence);
+  }
+}
+
+TEST(DdsLink, SampleWritersRestAfterTheirLastReaderAndServeTheNextOne) {
+  const std::string bus = bus_name("resting");
+  Received received;
+  DdsLink::Handlers handlers = received.handlers();
+  std::atomic<int> ahead = 0;  // seconds
+  handlers.clock = [&] {
+    UtcMapping now = both_clocks();
+    now.instant += std::chrono::seconds{ahead};
+    return now;
+  };
+  DdsLink link(loopback(), "test", handlers);
+  link.add_bus(bus_of(bus, 2, [](std::size_t) { return 20ms; }));
+  const auto report = [&] { link.report(bus, BusReport{}, both_clocks().utc); };
+  {
+    const OneByOne reader("one");
+    link.publish(bus, one_of_each(2), both_clocks());
+    ASSERT_TRUE(eventually([&] { return link.counters(bus).deadline_misses >= 2; }));
+  }
+  ASSERT_TRUE(eventually([&] { return link.counters(bus).sample_readers == 0; }));
+  report();
+  ahead = 11;
+  report();
+  const std::uint64_t misses = link.counters(bus).deadline_misses;
+  EXPECT_GE(misses, 2u) << "what was missed stays missed";
+  link.publish(bus, one_of_each(2, 2), both_clocks());
+  const OneByOne reader("two");
+  ASSERT_TRUE(eventually([&] { return channels_of(reader.samples.all(), bus).size() == 2; }));
+  for (const StationSample& sample : reader.samples.all()) EXPECT_EQ(sample.sequence, 2u);
 }
 
 TEST(DdsLink, ChangedRefreshMovesTheChannelWithItsValueAndItsCatalogueEntry) {
