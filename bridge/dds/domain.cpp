@@ -186,7 +186,7 @@ void Domain::Leave::operator()(dds::DomainParticipant* participant) const {
   dds::DomainParticipantFactory::get_instance()->delete_participant(participant);
 }
 
-dds::Topic* Domain::make_topic(const TopicRow& row, dds::TypeSupport type) {
+dds::Topic* Domain::make_topic(const TopicRow& row, const dds::TypeSupport& type) {
   dds::Topic*& topic = topics_[row.name];
   if (topic != nullptr) return topic;
   const std::string registered = type_name(row);
@@ -207,7 +207,7 @@ dds::DataWriter* Domain::make_writer(dds::Topic* topic, dds::DataWriterQos qos,
   return writer;
 }
 
-dds::DataReader* Domain::make_reader(dds::Topic* topic, dds::DataReaderQos qos,
+dds::DataReader* Domain::make_reader(dds::Topic* topic, const dds::DataReaderQos& qos,
                                      dds::DataReaderListener* listener, dds::StatusMask mask) {
   dds::DataReader* reader = subscriber_->create_datareader(topic, qos, listener, mask);
   if (reader == nullptr) throw DdsError("dds: cannot make a reader of " + topic->get_name());

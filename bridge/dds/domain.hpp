@@ -52,27 +52,26 @@ class Domain {
   }
   // The same with a QoS that differs from the table's.
   template <class Generated, class Type = TopicType<Generated>>
-  dds::DataWriter* writer(const Topic<Generated>& topic, dds::DataWriterQos qos,
+  dds::DataWriter* writer(const Topic<Generated>& topic, const dds::DataWriterQos& qos,
                           const std::string& label, dds::DataWriterListener* listener = nullptr,
                           dds::StatusMask mask = dds::StatusMask::none()) {
-    return make_writer(make_topic(topic, dds::TypeSupport(new Type())), std::move(qos), label,
-                       listener, mask);
+    return make_writer(make_topic(topic, dds::TypeSupport(new Type())), qos, label, listener, mask);
   }
   template <class Generated>
-  dds::DataReader* reader(const Topic<Generated>& topic, dds::DataReaderQos qos,
+  dds::DataReader* reader(const Topic<Generated>& topic, const dds::DataReaderQos& qos,
                           dds::DataReaderListener* listener, dds::StatusMask mask) {
-    return make_reader(make_topic(topic, dds::TypeSupport(new TopicType<Generated>())),
-                       std::move(qos), listener, mask);
+    return make_reader(make_topic(topic, dds::TypeSupport(new TopicType<Generated>())), qos,
+                       listener, mask);
   }
   // Its listener is not called any more when these return.
   void remove(dds::DataWriter* writer);
   void remove(dds::DataReader* reader);
 
  private:
-  dds::Topic* make_topic(const TopicRow& row, dds::TypeSupport type);
+  dds::Topic* make_topic(const TopicRow& row, const dds::TypeSupport& type);
   dds::DataWriter* make_writer(dds::Topic* topic, dds::DataWriterQos qos, const std::string& label,
                                dds::DataWriterListener* listener, dds::StatusMask mask);
-  dds::DataReader* make_reader(dds::Topic* topic, dds::DataReaderQos qos,
+  dds::DataReader* make_reader(dds::Topic* topic, const dds::DataReaderQos& qos,
                                dds::DataReaderListener* listener, dds::StatusMask mask);
 
   struct Leave {

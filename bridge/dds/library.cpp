@@ -45,6 +45,7 @@ void prepare_library() {
     Log::RegisterConsumer(std::make_unique<PlainLines>());
     // The library's own view of a problem in the field: warnings, beside the errors that are always
     // shown.
+    // NOLINTNEXTLINE(concurrency-mt-unsafe): nothing sets the environment
     if (std::getenv("FIELDCAST_DDS_WARNINGS") != nullptr) Log::SetVerbosity(Log::Warning);
     eprosima::fastrtps::LibrarySettingsAttributes settings;
     settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;

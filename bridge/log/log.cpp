@@ -87,6 +87,7 @@ LineWriter& trace_lines() {
   return lines;
 }
 
+// NOLINTNEXTLINE(concurrency-mt-unsafe): nothing sets the environment
 bool colourful(int fd) { return ::isatty(fd) == 1 && std::getenv("NO_COLOR") == nullptr; }
 
 spdlog::logger& logger() {

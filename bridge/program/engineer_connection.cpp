@@ -93,7 +93,7 @@ void EngineerConnection::execute(const ToDevice& what) {
 
 void EngineerConnection::execute(const CheckLogin& what) {
   const auto answered = [weak = weak_from_this(), &io = around_.io,
-                         user = what.user](LoginAnswer answer) {
+                         user = what.user](const LoginAnswer& answer) {
     asio::post(io, [weak, user, answer] {
       const auto self = weak.lock();
       if (!self) return;

@@ -47,8 +47,9 @@ void set_rules(asio::ssl::context& context) {
 }
 
 // A handshake with a limit. `keep` lives as long as it does.
-void run_handshake(std::shared_ptr<Secure> stream, asio::ssl::stream_base::handshake_type side,
-                   Duration limit, std::function<void(TlsResult)> done) {
+void run_handshake(const std::shared_ptr<Secure>& stream,
+                   asio::ssl::stream_base::handshake_type side, Duration limit,
+                   std::function<void(TlsResult)> done) {
   const auto timer = std::make_shared<asio::steady_timer>(stream->get_executor(), limit);
   const auto late = std::make_shared<bool>(false);
   timer->async_wait([stream, late](boost::system::error_code cancelled) {

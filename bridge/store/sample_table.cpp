@@ -115,7 +115,7 @@ std::size_t SampleTable::history(const Pattern& pattern, UtcTime from, UtcTime t
         "integer_value, real_value, text_value "
         "from samples where channel = $1 and published_at >= $2 and published_at < $3 order by "
         "published_at, sequence",
-        {id, from.nanoseconds, to.nanoseconds}, [&](const SqlRow& row) {
+        {id, from.nanoseconds, to.nanoseconds}, [&, &sample = sample](const SqlRow& row) {
           sample.published_at.nanoseconds = integer_at(row, 0);
           sample.sequence = static_cast<std::uint64_t>(integer_at(row, 1));
           sample.acquired_at.nanoseconds = integer_at(row, 2);
