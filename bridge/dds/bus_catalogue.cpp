@@ -29,7 +29,7 @@ bool BusCatalogue::publish() {
   for (std::size_t first = 0; first < channels_.size(); first += kPerBlock)
     taken &= write_block(first);
   changed_.clear();
-  for (idl::Channel& channel : channels_) taken &= writers_.channels->write(&channel);
+  for (idl::Channel& channel : channels_) taken &= is_taken(writers_.channels->write(&channel));
   return taken;
 }
 
@@ -42,7 +42,7 @@ bool BusCatalogue::write_block(std::size_t first) {
   block_.entries().resize(std::min(kPerBlock, channels_.size() - first));
   for (std::size_t i = 0; i < block_.entries().size(); ++i)
     to_idl(channels_[first + i], block_.entries()[i]);
-  return writers_.blocks->write(&block_);
+  return is_taken(writers_.blocks->write(&block_));
 }
 
 void BusCatalogue::set_refresh(ChannelIndex channel, std::optional<Duration> refresh) {

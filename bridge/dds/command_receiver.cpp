@@ -17,17 +17,16 @@ Duration CommandLifespans::of(const Guid& writer) const {
   return found == lifespans_.end() ? kDefault : found->second;
 }
 
-void CommandLifespans::on_publisher_discovery(
-    dds::DomainParticipant*, eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) {
-  if (info.info.topicName() != kCommandTopic.name) return;
+void CommandLifespans::on_writer(const FoundWriter& writer) {
+  if (writer.topic != kCommandTopic.name) return;
   const std::lock_guard lock(mutex_);
-  if (info.status == eprosima::fastrtps::rtps::WriterDiscoveryInfo::REMOVED_WRITER) {
-    lifespans_.erase(info.info.guid());
+  if (writer.gone) {
+    lifespans_.erase(writer.guid);
     return;
   }
-  const Duration lifespan = from_dds(info.info.m_qos.m_lifespan.duration);
+  const Duration lifespan = from_dds(writer.lifespan);
   if (lifespan == kInfinite || lifespans_.size() >= kMaxWriters) return;
-  lifespans_[info.info.guid()] = std::min(lifespan, kLongest);
+  lifespans_[writer.guid] = std::min(lifespan, kLongest);
 }
 
 namespace {

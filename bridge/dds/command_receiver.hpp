@@ -15,9 +15,9 @@ namespace fieldcast {
 
 // LIFESPAN is the writer's; the library's reader applies its own instead, so the writers' are
 // collected from discovery.
-class CommandLifespans : public dds::DomainParticipantListener {
+class CommandLifespans : public DiscoveryListener {
  public:
-  using Guid = eprosima::fastrtps::rtps::GUID_t;
+  using Guid = rtps::GUID_t;
   static constexpr Duration kDefault =
       std::chrono::seconds{5};  // also for writers that say "infinite": a late command never runs
   // A longer one counts as this: identities of commands are kept no longer.
@@ -27,8 +27,7 @@ class CommandLifespans : public dds::DomainParticipantListener {
   [[nodiscard]] Duration of(const Guid& writer) const;
 
  private:
-  void on_publisher_discovery(dds::DomainParticipant* participant,
-                              eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) override;
+  void on_writer(const FoundWriter& writer) override;
 
   mutable std::mutex mutex_;
   std::map<Guid, Duration> lifespans_;

@@ -1,9 +1,6 @@
 #include "bridge/dds/domain.hpp"
 
 #include <arpa/inet.h>
-#include <fastdds/rtps/attributes/ServerAttributes.h>
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastrtps/utils/IPLocator.h>
 #include <ifaddrs.h>
 
 #include <algorithm>
@@ -13,6 +10,7 @@
 #include <utility>
 
 #include "bridge/dds/dds_error.hpp"
+#include "bridge/dds/fastdds.hpp"
 #include "bridge/dds/library.hpp"
 #include "bridge/dds/note_transport.hpp"
 
@@ -20,8 +18,7 @@ namespace fieldcast {
 
 namespace {
 
-namespace rtps = eprosima::fastrtps::rtps;
-using eprosima::fastdds::rtps::UDPv4TransportDescriptor;
+using rtps_transport::UDPv4TransportDescriptor;
 
 constexpr const char* kProfile = "fieldcast";
 constexpr const char* kLoopback = "127.0.0.1";
@@ -89,13 +86,7 @@ void set_discovery_server(const std::string& server, dds::DomainParticipantQos& 
   if (address.empty()) throw DdsError("dds: discovery server: no address known for '" + host + "'");
   rtps::Locator_t locator(LOCATOR_KIND_UDPv4, port);
   rtps::IPLocator::setIPv4(locator, address);
-  rtps::RemoteServerAttributes attributes;
-  eprosima::fastdds::rtps::get_server_client_default_guidPrefix(
-      0, attributes.guidPrefix);  // `fast-discovery-server -i 0`
-  attributes.metatrafficUnicastLocatorList.push_back(locator);
-  auto& discovery = qos.wire_protocol().builtin.discovery_config;
-  discovery.discoveryProtocol = rtps::DiscoveryProtocol_t::CLIENT;
-  discovery.m_DiscoveryServers.push_back(attributes);
+  join_discovery_server(qos, locator);
 }
 
 dds::DomainParticipantQos participant_qos(const DdsSpec& spec, const std::string& name) {
@@ -200,8 +191,7 @@ dds::Topic* Domain::make_topic(const TopicRow& row, const dds::TypeSupport& type
 dds::DataWriter* Domain::make_writer(dds::Topic* topic, dds::DataWriterQos qos,
                                      const std::string& label, dds::DataWriterListener* listener,
                                      dds::StatusMask mask) {
-  qos.user_data().setValue(
-      std::vector<eprosima::fastrtps::rtps::octet>(label.begin(), label.end()));
+  qos.user_data().setValue(std::vector<rtps::octet>(label.begin(), label.end()));
   dds::DataWriter* writer = publisher_->create_datawriter(topic, qos, listener, mask);
   if (writer == nullptr) throw DdsError("dds: cannot make a writer of " + topic->get_name());
   return writer;

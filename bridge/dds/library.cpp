@@ -1,7 +1,5 @@
 #include "bridge/dds/library.hpp"
 
-#include <fastrtps/xmlparser/XMLProfileManager.h>
-
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
@@ -10,11 +8,13 @@
 #include <mutex>
 #include <string_view>
 
+#include "bridge/dds/fastdds.hpp"
+
 namespace fieldcast {
 
 namespace {
 
-using eprosima::fastdds::dds::Log;
+using dds::Log;
 
 // Said when an instance with a deadline is unregistered (Fast DDS 2.9.1, DataWriterImpl): the timer
 // it then looks for is meant to be gone. Every channel that moves to another writer would print it.
@@ -22,7 +22,7 @@ constexpr std::string_view kHarmless = "Could not set the next deadline in the h
 
 std::atomic<LibraryLines> elsewhere{nullptr};
 
-class PlainLines : public eprosima::fastdds::dds::LogConsumer {
+class PlainLines : public dds::LogConsumer {
  public:
   void Consume(const Log::Entry& entry) override {
     if (entry.message == kHarmless) return;
@@ -47,9 +47,7 @@ void prepare_library() {
     // shown.
     // NOLINTNEXTLINE(concurrency-mt-unsafe): nothing sets the environment
     if (std::getenv("FIELDCAST_DDS_WARNINGS") != nullptr) Log::SetVerbosity(Log::Warning);
-    eprosima::fastrtps::LibrarySettingsAttributes settings;
-    settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
-    eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
+    turn_off_intraprocess_delivery();
   });
 }
 

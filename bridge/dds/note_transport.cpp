@@ -1,7 +1,5 @@
 #include "bridge/dds/note_transport.hpp"
 
-#include <fastdds/rtps/network/SenderResource.h>
-
 #include <vector>
 
 #include "bridge/dds/unregister_note.hpp"
@@ -10,30 +8,21 @@ namespace fieldcast {
 
 namespace {
 
-namespace rtps = eprosima::fastrtps::rtps;
-namespace transport = eprosima::fastdds::rtps;
-
-class NoteTransport : public transport::ChainingTransport {
+class NoteTransport : public OutgoingTransport {
  public:
   explicit NoteTransport(const NoteTransportDescriptor& descriptor)
-      : ChainingTransport(descriptor), descriptor_(descriptor) {}
+      : OutgoingTransport(descriptor), descriptor_(descriptor) {}
 
-  transport::TransportDescriptorInterface* get_configuration() override { return &descriptor_; }
-
-  bool send(rtps::SenderResource* below, const rtps::octet* bytes, std::uint32_t size,
-            transport::LocatorsIterator* begin, transport::LocatorsIterator* end,
-            const std::chrono::steady_clock::time_point& deadline) override {
-    if (!holds_marks({bytes, size})) return below->send(bytes, size, begin, end, deadline);
-    thread_local std::vector<std::uint8_t> copy;  // at most one message of the transport
-    copy.assign(bytes, bytes + size);
-    turn_marks_into_notes(copy);
-    return below->send(copy.data(), size, begin, end, deadline);
+  rtps_transport::TransportDescriptorInterface* get_configuration() override {
+    return &descriptor_;
   }
 
-  void receive(transport::TransportReceiverInterface* above, const rtps::octet* bytes,
-               std::uint32_t size, const rtps::Locator_t& local,
-               const rtps::Locator_t& remote) override {
-    above->OnDataReceived(bytes, size, local, remote);
+  std::span<const std::uint8_t> replace(std::span<const std::uint8_t> message) override {
+    if (!holds_marks(message)) return message;
+    thread_local std::vector<std::uint8_t> copy;  // at most one message of the transport
+    copy.assign(message.begin(), message.end());
+    turn_marks_into_notes(copy);
+    return copy;
   }
 
  private:
@@ -42,7 +31,7 @@ class NoteTransport : public transport::ChainingTransport {
 
 }  // namespace
 
-transport::TransportInterface* NoteTransportDescriptor::create_transport() const {
+rtps_transport::TransportInterface* NoteTransportDescriptor::create_transport() const {
   return new NoteTransport(*this);
 }
 

@@ -2,15 +2,14 @@
 // (unregister_note.hpp) as they leave. Everything else goes through as it is.
 #pragma once
 
-#include <fastdds/rtps/transport/ChainingTransport.h>
-#include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
+#include "bridge/dds/fastdds.hpp"
 
 namespace fieldcast {
 
-struct NoteTransportDescriptor : eprosima::fastdds::rtps::ChainingTransportDescriptor {
+struct NoteTransportDescriptor : rtps_transport::ChainingTransportDescriptor {
   using ChainingTransportDescriptor::ChainingTransportDescriptor;
   // The library's; the caller owns it.
-  [[nodiscard]] eprosima::fastdds::rtps::TransportInterface* create_transport() const override;
+  [[nodiscard]] rtps_transport::TransportInterface* create_transport() const override;
 };
 
 }  // namespace fieldcast

@@ -13,7 +13,7 @@ namespace {
 // RTPS 2.2, 9.3.1.5: a participant's identity begins with its vendor. Readers of Fast DDS keep what
 // comes before the first heartbeat.
 bool is_fast_dds(const ResultSender::GuidPrefix& participant) {
-  const auto& vendor = eprosima::fastrtps::rtps::c_VendorId_eProsima;
+  const auto& vendor = rtps::c_VendorId_eProsima;
   return participant.value[0] == vendor[0] && participant.value[1] == vendor[1];
 }
 
@@ -67,7 +67,7 @@ void ResultSender::send(const idl::CommandResult& result) {
 
 void ResultSender::write(const idl::CommandResult& result) {
   OutgoingResult outgoing{&result};
-  if (!writer_->write(&outgoing)) {
+  if (!is_taken(writer_->write(&outgoing))) {
     return on_problem_("result " + std::to_string(result.request_id()) + " of " +
                        result.requester().c_str() + " was not sent: DDS did not take it");
   }
@@ -81,15 +81,14 @@ void ResultSender::write(const idl::CommandResult& result) {
 
 void ResultSender::let_go(const idl::CommandResult& sent) {
   OutgoingResult outgoing{&sent, true};
-  eprosima::fastrtps::rtps::WriteParams how;
+  rtps::WriteParams how;
   how.related_sample_identity(unregister_mark(ResultType::key_of(sent)));
   writer_->write(&outgoing, how);
 }
 
 void ResultSender::on_publication_matched(dds::DataWriter*,
                                           const dds::PublicationMatchedStatus& status) {
-  const GuidPrefix participant =
-      eprosima::fastrtps::rtps::iHandle2GUID(status.last_subscription_handle).guidPrefix;
+  const GuidPrefix participant = rtps::iHandle2GUID(status.last_subscription_handle).guidPrefix;
   const std::lock_guard lock(mutex_);
   if (status.current_count_change < 0) {
     const auto match = matched_.find(participant);

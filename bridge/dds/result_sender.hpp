@@ -27,7 +27,7 @@ namespace fieldcast {
 
 class ResultSender : private dds::DataWriterListener {
  public:
-  using GuidPrefix = eprosima::fastrtps::rtps::GuidPrefix_t;
+  using GuidPrefix = rtps::GuidPrefix_t;
 
   ResultSender(Domain& domain, const std::string& label, std::function<UtcMapping()> clock,
                std::function<void(std::string)> on_problem);

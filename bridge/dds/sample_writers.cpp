@@ -115,7 +115,7 @@ bool SampleWriters::write(std::span<const Sample> samples, const UtcMapping& map
 bool SampleWriters::write(Slot& slot) {
   slot.order = ++writes_;
   OutgoingSample outgoing = slot.outgoing();
-  return slot.writer->entity->write(&outgoing);
+  return is_taken(slot.writer->entity->write(&outgoing));
 }
 
 // DEADLINE keeps a timer for the instance of a writer that is due first; writing that one makes the

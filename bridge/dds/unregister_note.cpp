@@ -7,8 +7,6 @@ namespace fieldcast {
 
 namespace {
 
-namespace rtps = eprosima::fastrtps::rtps;
-
 // RTPS 2.2, 9.4.5.1 and 9.4.5.3: 15 flags length(2) | extra(2) to-inline-qos(2) reader(4) writer(4)
 // sequence(8) inline-qos.. payload..
 constexpr std::size_t kMessageHeader = 20, kSubmessageHeader = 4, kParameterHeader = 4;

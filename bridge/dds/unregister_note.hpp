@@ -7,17 +7,15 @@
 // the transport replaces it on the way out. Pure; any thread.
 #pragma once
 
-#include <fastdds/rtps/common/InstanceHandle.h>
-#include <fastdds/rtps/common/SampleIdentity.h>
-
 #include <cstdint>
 #include <span>
+
+#include "bridge/dds/fastdds.hpp"
 
 namespace fieldcast {
 
 // What marks a message as such a note: to be its related sample identity.
-[[nodiscard]] eprosima::fastrtps::rtps::SampleIdentity unregister_mark(
-    const eprosima::fastrtps::rtps::InstanceHandle_t& key);
+[[nodiscard]] rtps::SampleIdentity unregister_mark(const rtps::InstanceHandle_t& key);
 
 // Whether a whole RTPS message holds a marked DATA.
 [[nodiscard]] bool holds_marks(std::span<const std::uint8_t> message);

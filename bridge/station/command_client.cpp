@@ -18,7 +18,7 @@ std::string make_requester(const std::string& name) {
 }
 
 auto participant_of(const dds::InstanceHandle_t& endpoint) {
-  return eprosima::fastrtps::rtps::iHandle2GUID(endpoint).guidPrefix;
+  return rtps::iHandle2GUID(endpoint).guidPrefix;
 }
 
 }  // namespace

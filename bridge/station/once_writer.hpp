@@ -31,7 +31,7 @@ class OnceWriter {
   [[nodiscard]] bool write(Message& message) {
     const std::lock_guard lock(mutex_);
     let_go();
-    if (written_.size() >= limit_ || !entity_->write(&message)) return false;
+    if (written_.size() >= limit_ || !is_taken(entity_->write(&message))) return false;
     written_.emplace_back();
     written_.back().requester(message.requester());
     written_.back().request_id(message.request_id());

@@ -76,13 +76,13 @@ class PlantSystem {
   }
 
  private:
-  static eprosima::fastrtps::Time_t now() {
+  static DdsTime now() {
     const auto since = std::chrono::system_clock::now().time_since_epoch();
     const auto whole = std::chrono::floor<seconds>(since);
     return {static_cast<std::int32_t>(whole.count()),
             static_cast<std::uint32_t>(std::chrono::nanoseconds(since - whole).count())};
   }
-  void write(std::uint64_t id, const eprosima::fastrtps::Time_t& at) {
+  void write(std::uint64_t id, const DdsTime& at) {
     Command command;
     command.requester = "plant-system";
     command.request_id = id;
@@ -100,7 +100,7 @@ class PlantSystem {
 
   std::mutex mutex_;
   std::map<std::uint64_t, std::vector<StationResult>> results_by_id_;
-  std::map<std::uint64_t, eprosima::fastrtps::Time_t> written_;
+  std::map<std::uint64_t, DdsTime> written_;
   Domain domain_;
   Subscription<idl::CommandResultPubSubType> results_;
   dds::DataWriter* commands_;

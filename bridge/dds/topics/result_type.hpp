@@ -23,8 +23,8 @@ struct OutgoingResult {
 
 class ResultType : public TopicType<idl::CommandResultPubSubType> {
   using Base = TopicType<idl::CommandResultPubSubType>;
-  using Payload = eprosima::fastrtps::rtps::SerializedPayload_t;
-  using Handle = eprosima::fastrtps::rtps::InstanceHandle_t;
+  using Payload = rtps::SerializedPayload_t;
+  using Handle = rtps::InstanceHandle_t;
 
  public:
   // The key hash of a message, as its readers work it out.

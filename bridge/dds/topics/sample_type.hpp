@@ -21,7 +21,7 @@ struct SampleKey {
   SampleKey(std::string_view bus, std::string_view device, std::string_view channel);
 
   std::string bytes;  // behind the encapsulation
-  eprosima::fastrtps::rtps::InstanceHandle_t handle;
+  rtps::InstanceHandle_t handle;
 };
 
 // What its writer is given.
@@ -31,8 +31,8 @@ struct OutgoingSample {
 };
 
 class SampleType : public TopicType<idl::SamplePubSubType> {
-  using Payload = eprosima::fastrtps::rtps::SerializedPayload_t;
-  using Handle = eprosima::fastrtps::rtps::InstanceHandle_t;
+  using Payload = rtps::SerializedPayload_t;
+  using Handle = rtps::InstanceHandle_t;
 
  public:
   bool getKey(void* data, Handle* handle, bool) override {

@@ -14,6 +14,7 @@
 
 #include <exception>
 
+#include "bridge/dds/fastdds.hpp"
 #include "idl/topicsPubSubTypes.h"
 
 namespace fieldcast {
@@ -29,8 +30,7 @@ class TopicType : public Generated {
     if (this->m_isGetKeyDefined) this->m_typeSize = std::min(largest_, kUsualSize);
   }
 
-  bool getKey(void* data, eprosima::fastrtps::rtps::InstanceHandle_t* handle,
-              bool force_md5) override {
+  bool getKey(void* data, rtps::InstanceHandle_t* handle, bool force_md5) override {
     thread_local Generated worker;
     std::memset(worker.m_keyBuffer, 0,
                 std::max<std::size_t>(Generated::type::getKeyMaxCdrSerializedSize(), 16));
@@ -39,7 +39,7 @@ class TopicType : public Generated {
 
   // Refuses what is longer than the type can be, and whatever the generated code throws (bad
   // lengths, bad encapsulation, no memory).
-  bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* payload, void* data) override {
+  bool deserialize(rtps::SerializedPayload_t* payload, void* data) override {
     if (payload->length > largest_) return false;
     try {
       return Generated::deserialize(payload, data);

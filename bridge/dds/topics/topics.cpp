@@ -4,8 +4,8 @@ namespace fieldcast {
 
 namespace {
 
-using eprosima::fastrtps::rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
-using eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+using rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
+using rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
 
 // What all endpoints share. The memory policy matters at readers: with the DYNAMIC ones Fast DDS
 // 2.9.1 drops every note that an instance was disposed or unregistered ("Problem copying
@@ -38,13 +38,10 @@ void set_holding(Qos& qos, const Holding& holding) {
 // default is 3 s. Heartbeats cost nothing while everything is acknowledged. With a suppression of 0
 // every message would fire a timer that takes the writer's lock.
 void set_repair(dds::DataWriterQos& qos, Repair repair) {
-  auto& times = qos.reliable_writer_qos().times;
-  times.initialHeartbeatDelay = {0, 5'000'000};
-  times.heartbeatPeriod = {0, 50'000'000};
-  times.nackSupressionDuration = {0, 5'000'000};
-  if (repair == Repair::kSoon) return;
-  times.heartbeatPeriod = {0, 200'000'000};
-  times.nackSupressionDuration = {0, 100'000'000};
+  constexpr std::uint32_t kMs = 1'000'000;
+  if (repair == Repair::kSoon)
+    return set_repair_times(qos, {{0, 5 * kMs}, {0, 50 * kMs}, {0, 5 * kMs}});
+  set_repair_times(qos, {{0, 5 * kMs}, {0, 200 * kMs}, {0, 100 * kMs}});
   qos.reliable_writer_qos().disable_heartbeat_piggyback = true;
 }
 
@@ -57,14 +54,14 @@ void set_lease(Qos& qos) {
 }  // namespace
 
 DdsDuration to_dds(Duration duration) {
-  if (duration == kInfinite) return eprosima::fastrtps::c_TimeInfinite;
+  if (duration == kInfinite) return c_TimeInfinite;
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(duration);
   return {static_cast<std::int32_t>(seconds.count()),
           static_cast<std::uint32_t>((duration - seconds).count())};
 }
 
 Duration from_dds(const DdsDuration& duration) {
-  if (duration == eprosima::fastrtps::c_TimeInfinite) return kInfinite;
+  if (duration == c_TimeInfinite) return kInfinite;
   return std::chrono::seconds{duration.seconds} + std::chrono::nanoseconds{duration.nanosec};
 }
 

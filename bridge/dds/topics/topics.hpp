@@ -7,19 +7,17 @@
 
 #include <array>
 #include <cstdint>
-#include <fastdds/dds/publisher/qos/DataWriterQos.hpp>
 #include <fastdds/dds/subscriber/qos/DataReaderQos.hpp>
 #include <optional>
 #include <string>
 
+#include "bridge/dds/fastdds.hpp"
 #include "core/base/time.hpp"
 #include "idl/topicsPubSubTypes.h"
 
 namespace fieldcast {
 
-namespace dds = eprosima::fastdds::dds;
 namespace idl = ::fieldcast_idl;
-using DdsDuration = eprosima::fastrtps::Duration_t;
 
 // ---- limits
 

@@ -130,9 +130,9 @@ TEST(SampleType, WritesTheBytesOfTheGeneratedType) {
       generated.channel() = name;
       to_idl(sample_of(value), kClocks, generated);
       TopicType<idl::SamplePubSubType> plain;
-      eprosima::fastrtps::rtps::SerializedPayload_t expected(1024), written(1024);
+      rtps::SerializedPayload_t expected(1024), written(1024);
       ASSERT_TRUE(plain.serialize(&generated, &expected));
-      eprosima::fastrtps::rtps::InstanceHandle_t handle, ours;
+      rtps::InstanceHandle_t handle, ours;
       plain.getKey(&generated, &handle, false);
 
       SampleType type;

@@ -1,5 +1,4 @@
 // What ends with time: interests of stations that fall silent, writers that nobody needs any more.
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -33,7 +32,7 @@ void play_patient_station() {
   dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
   qos.wire_protocol().builtin.discovery_config.leaseDuration = {60, 0};
   qos.transport().use_builtin_transports = false;
-  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  auto udp = std::make_shared<rtps_transport::UDPv4TransportDescriptor>();
   udp->interfaceWhiteList = {"127.0.0.1"};
   qos.transport().user_transports.push_back(udp);
   auto* participant = factory->create_participant(
@@ -51,7 +50,7 @@ void play_patient_station() {
   // Several times, so that its writer is known to be alive when the process is stopped.
   for (int seconds = 1; seconds <= kRounds; ++seconds) {
     interest.refresh(1'000'000'000LL * seconds);
-    ASSERT_TRUE(writer->write(&interest));
+    ASSERT_TRUE(is_taken(writer->write(&interest)));
     std::this_thread::sleep_for(100ms);
   }
   ::pause();

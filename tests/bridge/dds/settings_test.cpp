@@ -2,26 +2,22 @@
 // loopback.
 #include <arpa/inet.h>
 #include <fastdds/rtps/attributes/ServerAttributes.h>
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastrtps/utils/IPLocator.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
-#include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <set>
 
 #include "bridge/dds/domain.hpp"
+#include "bridge/dds/fastdds.hpp"
 #include "bridge/dds/library.hpp"
 #include "tests/bridge/dds/dds_support.hpp"
 
 namespace fieldcast::testing {
 namespace {
-
-namespace rtps = eprosima::fastrtps::rtps;
 
 // A file with this text while it lives.
 class TextFile {
@@ -50,7 +46,7 @@ std::string participant_profile(const std::string& name, const std::string& rtps
 
 // What other participants of the domain see of a new one: its name with its user data, and the
 // topics that it writes.
-class Discoveries : public dds::DomainParticipantListener {
+class Discoveries : public DiscoveryListener {
  public:
   explicit Discoveries(const DdsSpec& spec) : domain_(spec, "looker", this) {}
   [[nodiscard]] std::string user_data_of(const std::string& name) const {
@@ -59,10 +55,10 @@ class Discoveries : public dds::DomainParticipantListener {
     return found == seen_.end() ? "" : found->second;
   }
 
-  [[nodiscard]] eprosima::fastrtps::Duration_t lease_of(const std::string& name) const {
+  [[nodiscard]] DdsDuration lease_of(const std::string& name) const {
     const std::lock_guard lock(mutex_);
     const auto found = leases_.find(name);
-    return found == leases_.end() ? eprosima::fastrtps::Duration_t() : found->second;
+    return found == leases_.end() ? DdsDuration() : found->second;
   }
 
   [[nodiscard]] bool is_written(const std::string& topic) const {
@@ -71,20 +67,18 @@ class Discoveries : public dds::DomainParticipantListener {
   }
 
  private:
-  void on_publisher_discovery(dds::DomainParticipant*, rtps::WriterDiscoveryInfo&& info) override {
+  void on_writer(const FoundWriter& writer) override {
     const std::lock_guard lock(mutex_);
-    topics_.insert(info.info.topicName().to_string());
+    topics_.insert(writer.topic);
   }
-  void on_participant_discovery(dds::DomainParticipant*,
-                                rtps::ParticipantDiscoveryInfo&& info) override {
+  void on_participant(const FoundParticipant& participant) override {
     const std::lock_guard lock(mutex_);
-    leases_[info.info.m_participantName.to_string()] = info.info.m_leaseDuration;
-    seen_[info.info.m_participantName.to_string()] =
-        std::string(info.info.m_userData.begin(), info.info.m_userData.end());
+    leases_[participant.name] = participant.lease;
+    seen_[participant.name] = participant.user_data;
   }
   mutable std::mutex mutex_;
   std::map<std::string, std::string> seen_;
-  std::map<std::string, eprosima::fastrtps::Duration_t> leases_;
+  std::map<std::string, DdsDuration> leases_;
   std::set<std::string> topics_;
   Domain domain_;
 };
@@ -137,8 +131,7 @@ TEST(DdsSettings, ParticipantOfTheUsersProfileIsUsedWithLeaseAndNameOfOurs) {
     return discoveries.user_data_of("fieldcast-bridge " + name) == "hi";
   })) << "its user data is '"
       << discoveries.user_data_of("fieldcast-bridge " + name) << "'";
-  EXPECT_EQ(discoveries.lease_of("fieldcast-bridge " + name),
-            eprosima::fastrtps::Duration_t(10, 0));
+  EXPECT_EQ(discoveries.lease_of("fieldcast-bridge " + name), DdsDuration(10, 0));
 }
 
 // A discovery server as `fast-discovery-server -i 0 -l 127.0.0.1 -p PORT` starts one.
@@ -148,13 +141,12 @@ class Server {
     prepare_library();
     dds::DomainParticipantQos qos;
     qos.name() = "server";
-    auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+    auto udp = std::make_shared<rtps_transport::UDPv4TransportDescriptor>();
     udp->interfaceWhiteList = {"127.0.0.1"};
     qos.transport().use_builtin_transports = false;
     qos.transport().user_transports.push_back(udp);
-    qos.wire_protocol().builtin.discovery_config.discoveryProtocol =
-        rtps::DiscoveryProtocol_t::SERVER;
-    eprosima::fastdds::rtps::get_server_client_default_guidPrefix(0, qos.wire_protocol().prefix);
+    qos.wire_protocol().builtin.discovery_config.discoveryProtocol = DiscoveryProtocol::SERVER;
+    rtps_transport::get_server_client_default_guidPrefix(0, qos.wire_protocol().prefix);
     rtps::Locator_t locator(LOCATOR_KIND_UDPv4, port_);
     rtps::IPLocator::setIPv4(locator, "127.0.0.1");
     qos.wire_protocol().builtin.metatrafficUnicastLocatorList.push_back(locator);

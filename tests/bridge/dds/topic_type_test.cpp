@@ -12,8 +12,8 @@
 namespace fieldcast {
 namespace {
 
-using eprosima::fastrtps::rtps::InstanceHandle_t;
-using eprosima::fastrtps::rtps::SerializedPayload_t;
+using rtps::InstanceHandle_t;
+using rtps::SerializedPayload_t;
 
 idl::Command long_command() {
   Command command;

@@ -31,7 +31,7 @@ Bytes data(std::uint8_t flags, const Bytes& qos, const Bytes& payload) {
 }
 
 Bytes mark() {
-  eprosima::fastrtps::rtps::InstanceHandle_t key;
+  rtps::InstanceHandle_t key;
   std::copy(kHash.begin(), kHash.end(), &key.value[0]);
   const auto identity = unregister_mark(key);
   Bytes bytes{0x0f, 0x80, 24, 0};

@@ -1,0 +1,51 @@
+#include "bridge/dds/fastdds.hpp"
+
+#if FASTDDS_VERSION_MAJOR >= 3
+#include <fastdds/LibrarySettings.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#else
+#include <fastdds/rtps/attributes/ServerAttributes.h>
+#include <fastrtps/xmlparser/XMLProfileManager.h>
+#endif
+
+namespace fieldcast {
+
+void turn_off_intraprocess_delivery() {
+#if FASTDDS_VERSION_MAJOR >= 3
+  eprosima::fastdds::LibrarySettings settings;
+  settings.intraprocess_delivery = eprosima::fastdds::INTRAPROCESS_OFF;
+  dds::DomainParticipantFactory::get_instance()->set_library_settings(settings);
+#else
+  eprosima::fastrtps::LibrarySettingsAttributes settings;
+  settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
+  eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
+#endif
+}
+
+void set_repair_times(dds::DataWriterQos& qos, const RepairTimes& times) {
+  auto& set = qos.reliable_writer_qos().times;
+#if FASTDDS_VERSION_MAJOR >= 3
+  set.initial_heartbeat_delay = times.first_heartbeat;
+  set.heartbeat_period = times.heartbeat_period;
+  set.nack_supression_duration = times.suppression;
+#else
+  set.initialHeartbeatDelay = times.first_heartbeat;
+  set.heartbeatPeriod = times.heartbeat_period;
+  set.nackSupressionDuration = times.suppression;
+#endif
+}
+
+void join_discovery_server(dds::DomainParticipantQos& qos, const rtps::Locator_t& server) {
+  auto& discovery = qos.wire_protocol().builtin.discovery_config;
+  discovery.discoveryProtocol = DiscoveryProtocol::CLIENT;
+#if FASTDDS_VERSION_MAJOR >= 3
+  discovery.m_DiscoveryServers.push_back(server);
+#else
+  rtps::RemoteServerAttributes attributes;
+  rtps_transport::get_server_client_default_guidPrefix(0, attributes.guidPrefix);
+  attributes.metatrafficUnicastLocatorList.push_back(server);
+  discovery.m_DiscoveryServers.push_back(attributes);
+#endif
+}
+
+}  // namespace fieldcast
