@@ -28,7 +28,8 @@ constexpr int kLookAroundMilliseconds = 100;  // how soon the thread sees that i
 }  // namespace
 
 struct LineWriter::State {
-  FileDescriptor fd;
+  FileDescriptor fd;    // the thread's own
+  FileDescriptor next;  // takes its place before the next line; usually none
   std::function<std::string(std::uint64_t)> remark;
   std::mutex mutex;
   std::condition_variable work, done;
@@ -55,6 +56,7 @@ void LineWriter::State::run() {
   while (true) {
     work.wait(lock, [this] { return ending || !waiting.empty(); });
     if (ending) return;
+    if (next.valid()) fd = std::move(next);
     std::size_t lines = 0;
     std::uint64_t told = 0;
     const std::string text = take(lines, told);
@@ -119,6 +121,12 @@ LineWriter::~LineWriter() {
     state_->ending = true;
   }
   state_->work.notify_one();
+}
+
+void LineWriter::reopen(int fd) {
+  FileDescriptor next(::fcntl(fd, F_DUPFD_CLOEXEC, 0));
+  const std::lock_guard lock(state_->mutex);
+  state_->next = std::move(next);
 }
 
 void LineWriter::put(std::string line) {

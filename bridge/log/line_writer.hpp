@@ -28,6 +28,10 @@ class LineWriter {
   LineWriter(const LineWriter&) = delete;
   LineWriter& operator=(const LineWriter&) = delete;
 
+  // Lines that are not written yet, and all that come, go to this descriptor. Any thread; does not
+  // wait for the one before.
+  void reopen(int fd);
+
   // A line with its end. Any thread; never waits for the descriptor.
   void put(std::string line);
 

@@ -121,6 +121,12 @@ std::string_view mark_text(TraceMark mark) {
 
 void open_log(LogLevel level) { logger().set_level(level_of(level)); }
 
+void reopen_log() {
+  error_lines().reopen(STDERR_FILENO);
+  const std::lock_guard lock(counted_mutex);
+  counted() = {};
+}
+
 void log_line(LogLevel level, std::string_view place, std::string_view text) {
   spdlog::logger& log = logger();
   if (!log.should_log(level_of(level))) return;

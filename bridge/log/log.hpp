@@ -15,6 +15,9 @@ namespace fieldcast {
 
 // Before the first line; level is the least that is written.
 void open_log(LogLevel level);
+// The log keeps the stderr of its first line. After this call it writes to the one of now, and
+// counts from the start (log_counted). For tests that capture stderr.
+void reopen_log();
 void log_line(LogLevel level, std::string_view place, std::string_view text);
 
 inline void log_debug(std::string_view place, std::string_view text) {

@@ -8,6 +8,7 @@
 #include <future>
 #include <map>
 
+#include "bridge/log/log.hpp"
 #include "bridge/station/station.hpp"
 #include "bridge/store/event_table.hpp"
 #include "bridge/store/store_address.hpp"
@@ -96,6 +97,32 @@ StationCommand write_to(const std::string& bus, const std::string& channel, std:
   command.command.values = {Value{value}};
   return command;
 }
+
+// What the log says from here on, also in a process that has logged before.
+class CapturedLog {
+ public:
+  CapturedLog() {
+    testing::internal::CaptureStderr();
+    reopen_log();
+  }
+  ~CapturedLog() {
+    if (!ended_) (void)end();
+  }
+  CapturedLog(const CapturedLog&) = delete;
+  CapturedLog& operator=(const CapturedLog&) = delete;
+
+  // Once: what was said.
+  [[nodiscard]] std::string end() {
+    ended_ = true;
+    flush_log(seconds{5});
+    std::string said = testing::internal::GetCapturedStderr();
+    reopen_log();
+    return said;
+  }
+
+ private:
+  bool ended_ = false;
+};
 
 struct BridgeTest : testing::Test {
   BridgeTest() {
@@ -406,7 +433,7 @@ TEST_F(BridgeTest, AnInterestInNothingIsToldOnceAndAFloodOfThemHoldsNobodyUp) {
   });
   spec.buses[0].devices[0].channels[0].on_interest = true;
   Bridge bridge;
-  testing::internal::CaptureStderr();
+  CapturedLog log;
   ASSERT_TRUE(bridge.start(spec));
   const auto good = [](const StationSample& s) {
     return s.bus == "one" && s.channel == "r0" && s.quality == Quality::kGood;
@@ -423,7 +450,7 @@ TEST_F(BridgeTest, AnInterestInNothingIsToldOnceAndAFloodOfThemHoldsNobodyUp) {
   receiver.forget();
   EXPECT_TRUE(receiver.receives(good));
   bridge.stop();
-  const std::string said = testing::internal::GetCapturedStderr();
+  const std::string said = log.end();
   EXPECT_THAT(said,
               testing::HasSubstr("in one/plc/r1 changes nothing: its channels are read anyway"));
   EXPECT_THAT(said, testing::HasSubstr("are held, at most 4096 of 256"));

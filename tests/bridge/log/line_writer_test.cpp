@@ -51,6 +51,17 @@ TEST(LineWriter, WritesLinesInTheirOrder) {
   EXPECT_EQ(lines.lost(), 0u);
 }
 
+TEST(LineWriter, WritesToTheDescriptorThatItWasGivenLast) {
+  Pipe first, second;
+  LineWriter lines(first.write.get(), remark);
+  lines.put("one\n");
+  EXPECT_TRUE(lines.flush(seconds{5}));
+  lines.reopen(second.write.get());
+  lines.put("two\n");
+  EXPECT_EQ(first.receive("one\n"), "one\n");
+  EXPECT_EQ(second.receive("two\n"), "two\n");
+}
+
 TEST(LineWriter, APipeThatNobodyReadsHoldsUpNobodyAndItsLossIsSaidWhereItIs) {
   Pipe pipe;
   LineWriter lines(pipe.write.get(), remark);
