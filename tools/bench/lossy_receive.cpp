@@ -1,17 +1,19 @@
-// Datagrams that never arrive, for benches: in a program that links this file, recvmsg() drops a
-// share of what a UDP socket receives, as a bad path would. Any thread.
+// Datagrams that never arrive, for benches and tests: in a program that links this file, recvfrom()
+// and recvmsg() drop a share of what a UDP socket receives, as a bad path would. Any thread.
 #include "tools/bench/lossy_receive.hpp"
 
 #include <dlfcn.h>
 #include <sys/socket.h>
 
 #include <atomic>
+#include <cstdint>
 #include <random>
 
 namespace fieldcast::bench {
 namespace {
 
 std::atomic<double> share_lost = 0;
+std::atomic<std::uint64_t> datagrams_lost = 0;
 
 bool lost() {
   thread_local std::minstd_rand random(std::random_device{}());
@@ -25,21 +27,45 @@ bool is_datagram(int socket) {
   return getsockopt(socket, SOL_SOCKET, SO_TYPE, &type, &size) == 0 && type == SOCK_DGRAM;
 }
 
+// Of what a socket has just received; -1 bytes: nothing.
+bool is_lost(int socket, ssize_t size) {
+  if (size < 0 || !lost() || !is_datagram(socket)) return false;
+  ++datagrams_lost;
+  return true;
+}
+
 }  // namespace
 
 void lose(double share) { share_lost = share; }
 
+std::uint64_t lost_datagrams() { return datagrams_lost; }
+
 }  // namespace fieldcast::bench
 
-// In place of the C library's, also for the libraries of the program.
-extern "C" ssize_t recvmsg(int socket, msghdr* message, int flags) {
-  static const auto received =
-      reinterpret_cast<ssize_t (*)(int, msghdr*, int)>(dlsym(RTLD_NEXT, "recvmsg"));
+// Both in place of the C library's, also for the libraries of the program: Asio takes datagrams
+// with recvfrom(), older ones with recvmsg().
+extern "C" {
+
+ssize_t recvmsg(int socket, msghdr* message, int flags) {
+  using Receive = ssize_t (*)(int, msghdr*, int);
+  static const auto receive = reinterpret_cast<Receive>(dlsym(RTLD_NEXT, "recvmsg"));
+  const msghdr asked = *message;
   while (true) {
-    const msghdr asked = *message;
-    const ssize_t size = received(socket, message, flags);
-    if (size < 0 || !fieldcast::bench::lost() || !fieldcast::bench::is_datagram(socket))
-      return size;
+    const ssize_t size = receive(socket, message, flags);
+    if (!fieldcast::bench::is_lost(socket, size)) return size;
     *message = asked;
   }
+}
+
+ssize_t recvfrom(int socket, void* buffer, std::size_t room, int flags, sockaddr* from,
+                 socklen_t* from_size) {
+  using Receive = ssize_t (*)(int, void*, std::size_t, int, sockaddr*, socklen_t*);
+  static const auto receive = reinterpret_cast<Receive>(dlsym(RTLD_NEXT, "recvfrom"));
+  const socklen_t asked = from_size == nullptr ? 0 : *from_size;
+  while (true) {
+    const ssize_t size = receive(socket, buffer, room, flags, from, from_size);
+    if (!fieldcast::bench::is_lost(socket, size)) return size;
+    if (from_size != nullptr) *from_size = asked;
+  }
+}
 }

@@ -1,9 +1,14 @@
-// Datagrams that never arrive, for benches (lossy_receive.cpp).
+// Datagrams that never arrive, for benches and tests (lossy_receive.cpp). Any thread.
 #pragma once
+
+#include <cstdint>
 
 namespace fieldcast::bench {
 
 // From now on this share of the received datagrams is lost: 0.05 is one in twenty.
 void lose(double share);
+
+// Those that were lost since the process began.
+[[nodiscard]] std::uint64_t lost_datagrams();
 
 }  // namespace fieldcast::bench

@@ -1,0 +1,116 @@
+// A path that loses datagrams: what a station has in the end. The loss is in this process alone
+// (lossy_receive.hpp) and meets the bridge's link and the station alike.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+
+#include "bridge/dds/topics/topics.hpp"
+#include "tests/bridge/dds/dds_support.hpp"
+#include "tools/bench/lossy_receive.hpp"
+
+namespace fieldcast::testing {
+namespace {
+
+// Loses this share of the datagrams as long as it lives.
+class Loss {
+ public:
+  explicit Loss(double share) { bench::lose(share); }
+  ~Loss() { bench::lose(0); }
+  Loss(const Loss&) = delete;
+  Loss& operator=(const Loss&) = delete;
+};
+
+// A station that knows the last sequence of each channel.
+class LastSequences {
+ public:
+  explicit LastSequences(bool one_by_one = false) : station(loopback(), "loss") {
+    station.subscribe_samples(
+        [this](const StationSample& sample) {
+          const std::lock_guard lock(mutex_);
+          last_[sample.bus + '/' + sample.channel] = sample.sequence;
+        },
+        {}, {.deadline = {}, .on_deadline_missed = {}, .one_by_one = one_by_one});
+  }
+  // The channels of the bus whose last sequence is this one.
+  [[nodiscard]] std::size_t at(const std::string& bus, std::uint64_t sequence) const {
+    const std::lock_guard lock(mutex_);
+    return static_cast<std::size_t>(std::count_if(last_.begin(), last_.end(), [&](const auto& one) {
+      return one.first.starts_with(bus + '/') && one.second == sequence;
+    }));
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<std::string, std::uint64_t> last_;
+
+ public:
+  Station station;  // last: its handler uses what is above
+};
+
+std::vector<Sample> of_each(std::size_t channels, std::uint64_t sequence) {
+  std::vector<Sample> samples;
+  for (std::size_t i = 0; i < channels; ++i)
+    samples.push_back(good(static_cast<ChannelIndex>(i), sequence, sequence));
+  return samples;
+}
+
+// Each channel is published once in a block of its own while nothing arrives, in more blocks than
+// the writer keeps: only a snapshot can bring the first ones.
+TEST(LostBlocks, AStationAsksForASnapshotAndMissesNothing) {
+  constexpr std::size_t kChannels = 3 * kBlocksKept;
+  constexpr std::size_t kAtOnce = 32;  // blocks, so that sockets are empty before the loss ends
+  const std::string bus = bus_name("gone");
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
+  link.add_bus(bus_of(bus, kChannels));
+  link.publish(bus, of_each(kChannels, 1), both_clocks());
+  LastSequences last;  // late, so that the snapshot for new readers has come before the loss
+  ASSERT_TRUE(eventually([&] { return last.at(bus, 1) == kChannels; })) << last.at(bus, 1);
+  const auto before = last.station.block_counters();
+  {
+    const Loss everything(1);
+    for (std::size_t i = 0; i < kChannels; ++i) {
+      const std::uint64_t lost = bench::lost_datagrams();
+      const std::vector<Sample> sample{good(static_cast<ChannelIndex>(i), std::uint64_t{2}, 2)};
+      link.publish(bus, sample, both_clocks());
+      if (i % kAtOnce == 0) {
+        ASSERT_TRUE(eventually([&] { return bench::lost_datagrams() > lost; }));
+      }
+    }
+    ASSERT_LT(last.at(bus, 2), kChannels);
+  }
+  EXPECT_TRUE(eventually([&] { return last.at(bus, 2) == kChannels; }))
+      << last.at(bus, 2) << " of " << kChannels << " channels have their last value";
+  const auto after = last.station.block_counters();
+  EXPECT_GT(after.missing, before.missing);
+  EXPECT_GT(after.requests, 0u);
+}
+
+class LossyPath : public ::testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(EachWay, LossyPath, ::testing::Bool(),
+                         [](const auto& way) { return way.param ? "OneByOne" : "ByBlocks"; });
+
+TEST_P(LossyPath, TheLastValueOfEveryChannelArrives) {
+  constexpr std::size_t kChannels = 100;
+  const std::uint64_t rounds = GetParam() ? 50 : 3 * kBlocksKept;
+  const std::string bus = bus_name(GetParam() ? "lossy-one-by-one" : "lossy-by-blocks");
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
+  LastSequences last(GetParam());
+  link.add_bus(bus_of(bus, kChannels));
+  link.publish(bus, of_each(kChannels, 1), both_clocks());
+  ASSERT_TRUE(eventually([&] { return last.at(bus, 1) == kChannels; })) << last.at(bus, 1);
+  const std::uint64_t lost = bench::lost_datagrams();
+  const Loss some(0.05);
+  for (std::uint64_t round = 2; round <= rounds; ++round)
+    link.publish(bus, of_each(kChannels, round), both_clocks());
+  EXPECT_TRUE(eventually([&] { return last.at(bus, rounds) == kChannels; }))
+      << last.at(bus, rounds) << " of " << kChannels << " channels have their last value";
+  EXPECT_GT(bench::lost_datagrams(), lost);
+}
+
+}  // namespace
+}  // namespace fieldcast::testing
