@@ -1,5 +1,6 @@
-// How long a value takes from the last byte of an answer on the serial line to the callback of a
-// reader in another process.
+// How long a block of values takes from the last byte of an answer on the serial line to the first
+// and to the last callback of a reader in another process; beside it, in the same run, a bare
+// writer and reader of Fast DDS with the same data, so that the ratios hold on a slow day too.
 //
 // This process is the device (the far end of a pseudo-terminal) and the station; the bridge is
 // another process. Every register of an answer carries a running number, so each callback knows
@@ -17,7 +18,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -26,7 +27,10 @@
 #include "bridge/station/station.hpp"
 #include "core/base/bytes.hpp"
 #include "core/codec/checksum.hpp"
+#include "tools/bench/bare.hpp"
+#include "tools/bench/block_times.hpp"
 #include "tools/bench/figures.hpp"
+#include "tools/bench/plant.hpp"
 #include "tools/bench/process.hpp"
 
 namespace fieldcast::bench {
@@ -112,44 +116,92 @@ std::string configuration(const std::string& link, unsigned domain, int channels
   return text;
 }
 
-void measure(int channels, double seconds) {
+using Figures = BlockTimes::Figures;
+
+// Through the bridge.
+Figures bridge_times(int channels, double seconds, bool one_by_one) {
   const ScratchFolder folder;
   const std::string link = folder.path() + "/bus";
   CountingDevice device(link);
   const unsigned domain = own_domain();
   const std::string file = folder.write("bridge.yaml", configuration(link, domain, channels));
 
-  std::mutex lock;
-  std::vector<double> microseconds;
-  bool counting = false;
+  BlockTimes times(static_cast<std::size_t>(channels));
   DdsSpec dds;
   dds.domain = domain;
   Station station(dds, "latency_bench");
-  station.subscribe_samples([&](const StationSample& sample) {
-    const auto now = Clock::now();
-    const auto* number = std::get_if<std::uint64_t>(&sample.value);
-    if (!number || sample.quality != Quality::kGood) return;
-    const std::chrono::duration<double, std::micro> passed =
-        now - device.handed_over(static_cast<std::uint16_t>(*number));
-    const std::lock_guard guard(lock);
-    if (counting) microseconds.push_back(passed.count());
+  station.subscribe_samples(
+      [&](const StationSample& sample) {
+        const auto now = Clock::now();
+        const auto* number = std::get_if<std::uint64_t>(&sample.value);
+        if (!number || sample.quality != Quality::kGood) return;
+        times.add(*number, device.handed_over(static_cast<std::uint16_t>(*number)), now);
+      },
+      {}, {.deadline = {}, .on_deadline_missed = {}, .one_by_one = one_by_one});
+  const Process bridge("fieldcast-bridge", {file}, folder.path() + "/bridge.log");
+  let_run(2);  // discovery and first rounds are not what is measured
+  times.start();
+  let_run(seconds);
+  const Figures figures = times.stop();
+  if (figures.blocks == 0) throw std::runtime_error("no block arrived whole");
+  return figures;
+}
+
+// Of a bare writer in another process that writes as often as the bridge did.
+Figures bare_times(BareData data, int channels, double seconds, double blocks_a_second) {
+  const ScratchFolder folder;
+  const unsigned domain = own_domain();
+  BlockTimes times(static_cast<std::size_t>(channels));
+  const BareReader reader(domain, data, [&](const BareReader::Row& row) {
+    times.add(row.number, row.written, Clock::now());
   });
-  Process bridge("fieldcast-bridge", {file}, folder.path() + "/bridge.log");
-  std::this_thread::sleep_for(
-      std::chrono::seconds(2));  // discovery and first rounds are not what is measured
-  {
-    const std::lock_guard guard(lock);
-    counting = true;
+  const std::string rows = std::to_string(channels);
+  const auto period = static_cast<int>(1e6 / blocks_a_second);
+  const Process writer("bench_bare",
+                       {std::to_string(domain), data == BareData::kBlocks ? "blocks" : "samples",
+                        "write", rows, rows, std::to_string(period)},
+                       folder.path() + "/bare.log");
+  let_run(2);
+  times.start();
+  let_run(seconds);
+  const Figures figures = times.stop();
+  if (figures.blocks == 0) throw std::runtime_error("the bare reader got no block whole");
+  return figures;
+}
+
+void print_times(const char* what, const Figures& figures) {
+  std::printf("  %s, %zu blocks\n", what, figures.blocks);
+  print_figure("    to the first callback, median", figures.first, "ms", "");
+  print_figure("    to the first callback, 99th percentile", figures.first_p99, "ms", "");
+  print_figure("    to the last callback, median", figures.last, "ms", "");
+  print_figure("    to the last callback, 99th percentile", figures.last_p99, "ms", "");
+}
+
+void print_ratio(const char* what, const Figures& figures, const Figures& other,
+                 const char* goal_median = "", const char* goal_p99 = "") {
+  const std::string text = std::string("    last callback, of ") + what;
+  print_figure((text + ", median").c_str(), figures.last / other.last, "", goal_median);
+  print_figure((text + ", p99").c_str(), figures.last_p99 / other.last_p99, "", goal_p99);
+}
+
+void measure(double seconds) {
+  std::optional<Figures> single;  // the first one measured
+  for (const int channels : {1, 10, 100}) {
+    std::printf("block of %d channels\n", channels);
+    const Figures blocks = bridge_times(channels, seconds, false);
+    if (!single) single = blocks;
+    const double a_second = static_cast<double>(blocks.blocks) / seconds;
+    const Figures bare_blocks = bare_times(BareData::kBlocks, channels, seconds, a_second);
+    const Figures one_by_one = bridge_times(channels, seconds, true);
+    const Figures bare_samples = bare_times(BareData::kSamples, channels, seconds, a_second);
+    print_times("last byte to a station that takes blocks", blocks);
+    print_ratio("a single sample's", blocks, *single, "goal <= 1.3 (100)", "goal <= 1.5 (100)");
+    print_ratio("the bare message's", blocks, bare_blocks);
+    print_times("last byte to a station that takes samples one by one", one_by_one);
+    print_ratio("the bare samples'", one_by_one, bare_samples);
+    print_times("bare: write of one unkeyed message", bare_blocks);
+    print_times("bare: write of the keyed samples one by one", bare_samples);
   }
-  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
-  const std::lock_guard guard(lock);
-  counting = false;
-  std::printf("block of %d channels, %zu samples\n", channels, microseconds.size());
-  print_figure("  last byte to callback, median", quantile(microseconds, 0.5) / 1000, "ms",
-               "goal < 0.2 (peer over MQTT 0.23-0.40)");
-  print_figure("  last byte to callback, 99th percentile", quantile(microseconds, 0.99) / 1000,
-               "ms", "goal < 1 (peer 0.5-1.0)");
-  if (microseconds.empty()) throw std::runtime_error("no sample arrived");
 }
 
 }  // namespace
@@ -157,9 +209,9 @@ void measure(int channels, double seconds) {
 
 int main(int argc, char** argv) {
   const double seconds =
-      argc > 2 && std::strcmp(argv[1], "--seconds") == 0 ? std::atof(argv[2]) : 8;
+      argc > 2 && std::strcmp(argv[1], "--seconds") == 0 ? std::atof(argv[2]) : 5;
   try {
-    for (const int channels : {1, 10, 100}) fieldcast::bench::measure(channels, seconds);
+    fieldcast::bench::measure(seconds);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "latency_bench: %s\n", error.what());
     return 1;

@@ -1,12 +1,15 @@
 // Saturated buses at 19200 baud with many channels, one bridge, stations in other processes: what
 // the stations received (by sequence), what that costs, and whether every bus gets its share of its
-// wire.
+// wire. Afterwards a bare writer and reader of Fast DDS with the same data, for ratios that hold on
+// a slow day too.
 //
 // usage: scale_bench [--seconds N] [--buses N] [--channels N] [--one-by-one] [--loss SHARE]
 //                    [--bridge PROGRAM]
 //
 // Without --buses: 1, 16 and 32 of them. --one-by-one: stations take fieldcast/Sample. --bridge: a
 // bridge of another build, to compare.
+#include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -17,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/bench/bare_pair.hpp"
 #include "tools/bench/figures.hpp"
 #include "tools/bench/plant.hpp"
 #include "tools/bench/stations.hpp"
@@ -61,37 +65,53 @@ std::string buses(int count, int channels) {
   return text;
 }
 
-// Samples that the bridge says it published, over all buses.
-std::uint64_t published(const std::map<std::string, StationBusStatus>& buses) {
-  std::uint64_t sum = 0;
-  for (const auto& [name, bus] : buses) sum += bus.report.samples;
+// What the bridge says it did, over all buses.
+struct Done {
+  double samples = 0, exchanges = 0;
+};
+Done done(const std::map<std::string, StationBusStatus>& buses) {
+  Done sum;
+  for (const auto& [name, bus] : buses) {
+    sum.samples += static_cast<double>(bus.report.samples);
+    sum.exchanges += static_cast<double>(bus.report.exchanges);
+  }
   return sum;
 }
+
+// What one run found, to be compared with a bare writer and reader.
+struct Figures {
+  double samples = 0, exchanges = 0;  // a second
+  double bridge = 0, station = 0;     // processor seconds for 1 000 samples; the first station's
+};
 
 class Measurement {
  public:
   explicit Measurement(const Options& options, Plant& plant) : options_(options), plant_(plant) {}
 
   // The stations run already; those that are stopped do not count.
-  void run(const char* what, const std::vector<StationProcess*>& stations) {
+  Figures run(const char* what, const std::vector<StationProcess*>& stations) {
     const double cpu = plant_.bridge().cpu_seconds();
     const auto before = plant_.buses();
     const std::uint64_t drops = dropped_datagrams();
     std::vector<double> station_cpu;
     std::vector<Received> received;
+    std::vector<std::uint64_t> station_drops;
     for (const StationProcess* station : stations) {
+      station_drops.push_back(dropped_datagrams(station->id()));
       station_cpu.push_back(station->cpu_seconds());
       received.push_back(station->received());
     }
     let_run(options_.seconds);
     const double spent = plant_.bridge().cpu_seconds() - cpu;
     const auto after = plant_.buses();
-    const auto samples = static_cast<double>(published(after) - published(before));
+    const double samples = done(after).samples - done(before).samples;
+    Figures figures{samples / options_.seconds,
+                    (done(after).exchanges - done(before).exchanges) / options_.seconds,
+                    1000 * spent / samples, 0};
     std::printf("%s\n", what);
     print_figure("  samples published a second", samples / options_.seconds, "1/s", "");
     print_figure("  processor of the bridge", spent / options_.seconds, "cores", "");
-    print_figure("  processor time of the bridge for 1 000 samples", 1000 * spent / samples, "s",
-                 "");
+    print_figure("  processor time of the bridge for 1 000 samples", figures.bridge, "s", "");
     print_figure("  resident memory of the bridge", plant_.bridge().resident_mb(), "MB", "");
     print_shares(after);
     for (std::size_t i = 0; i < stations.size(); ++i) {
@@ -104,9 +124,14 @@ class Measurement {
       print_figure("  received, of what the bridge counted", got / samples, "", "");
       print_figure("  processor time of the station for 1 000 samples", 1000 * station / got, "s",
                    "");
+      print_figure("  datagrams dropped at its sockets",
+                   static_cast<double>(dropped_datagrams(stations[i]->id()) - station_drops[i]), "",
+                   "");
+      if (i == 0) figures.station = 1000 * station / got;
     }
     print_figure("  datagrams dropped on this machine",
                  static_cast<double>(dropped_datagrams() - drops), "", "");
+    return figures;
   }
 
  private:
@@ -128,8 +153,11 @@ class Measurement {
   double alone_ = 0;  // the mean share of the first run
 };
 
-void measure(const Options& options, int count) {
-  std::printf("== %d buses of %d channels\n", count, options.channels);
+struct Compared {
+  Figures alone, one_station;
+};
+
+Compared measure_plant(const Options& options, int count) {
   Plant plant(buses(count, options.channels));
   plant.start_simulator();
   if (!wait_for_path(plant.link("bus-" + std::to_string(count)), 10))
@@ -138,7 +166,8 @@ void measure(const Options& options, int count) {
   plant.listen_to_status();
   let_run(12);  // the measured load looks back ten seconds
   Measurement measurement(options, plant);
-  measurement.run("nobody listens to samples", {});
+  Compared compared;
+  compared.alone = measurement.run("nobody listens to samples", {});
   std::vector<std::unique_ptr<StationProcess>> stations;
   std::vector<StationProcess*> running;
   const auto add = [&] {
@@ -149,7 +178,7 @@ void measure(const Options& options, int count) {
   };
   add();
   let_run(11);
-  measurement.run("one station", running);
+  compared.one_station = measurement.run("one station", running);
   while (stations.size() < 4) add();
   let_run(11);
   measurement.run("four stations", running);
@@ -158,6 +187,47 @@ void measure(const Options& options, int count) {
   let_run(6);
   measurement.run("four stations, one of them stopped", running);
   kill(stations.front()->id(), SIGCONT);
+  return compared;
+}
+
+// The same samples a second, in blocks of the same mean size.
+void compare_with_bare(const Options& options, std::size_t channels, const Compared& plant) {
+  const ScratchFolder folder;
+  const Figures& bridge = plant.one_station;
+  BareLoad load{channels, 1, bridge.exchanges};
+  load.rows = std::max<std::size_t>(
+      1, static_cast<std::size_t>(std::lround(bridge.samples / bridge.exchanges)));
+  for (const BareData data : {BareData::kBlocks, BareData::kSamples}) {
+    const BarePair pair(folder, own_domain(), data, load);
+    let_run(2);
+    const BarePair::Spent before = pair.spent();
+    const std::uint64_t drops = dropped_datagrams();
+    let_run(options.seconds);
+    const BarePair::Spent after = pair.spent();
+    const auto written = static_cast<double>(after.written - before.written);
+    const auto received = static_cast<double>(after.received - before.received);
+    const double writer = 1000 * (after.writer - before.writer) / written;
+    const double reader = 1000 * (after.reader - before.reader) / received;
+    std::printf("bare writer and reader, %s of %zu channels\n",
+                data == BareData::kBlocks ? "messages" : "keyed samples, bursts", load.rows);
+    print_figure("  samples written a second", written / options.seconds, "1/s", "");
+    print_figure("  received, of what was written", received / written, "", "");
+    print_figure("  processor time of the writer for 1 000 samples", writer, "s", "");
+    print_figure("  processor time of the reader for 1 000 samples", reader, "s", "");
+    print_figure("  the bridge's, of the bare writer's", bridge.bridge / writer, "", "");
+    print_figure("  what one station adds to it, of the bare writer's",
+                 (bridge.bridge - plant.alone.bridge) / writer, "", "");
+    print_figure("  the station's, of the bare reader's", bridge.station / reader, "", "");
+    print_figure("  datagrams dropped on this machine",
+                 static_cast<double>(dropped_datagrams() - drops), "", "");
+  }
+}
+
+void measure(const Options& options, int count) {
+  std::printf("== %d buses of %d channels\n", count, options.channels);
+  const auto channels =
+      static_cast<std::size_t>(count) * static_cast<std::size_t>(options.channels);
+  compare_with_bare(options, channels, measure_plant(options, count));
 }
 
 }  // namespace

@@ -1,15 +1,19 @@
 #include "tools/bench/stations.hpp"
 
+#include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <set>
 #include <sstream>
 
 namespace fieldcast::bench {
 
 StationProcess::StationProcess(const ScratchFolder& folder, unsigned domain,
-                               const std::string& name, bool one_by_one, double loss)
+                               const std::string& name, bool one_by_one, double loss,
+                               const std::string& program)
     : log_(folder.path() + '/' + name + ".log"),
       process_(
-          "bench_station",
+          program,
           {std::to_string(domain), one_by_one ? "one-by-one" : "by-blocks", std::to_string(loss)},
           log_) {}
 
@@ -39,6 +43,27 @@ std::uint64_t dropped_datagrams() {
     }
   }
   return 0;
+}
+
+std::uint64_t dropped_datagrams(pid_t process) {
+  std::set<std::string> sockets;  // their inodes
+  std::error_code gone;           // files close while they are listed
+  const std::string of_process = "/proc/" + std::to_string(process);
+  for (const auto& file : std::filesystem::directory_iterator(of_process + "/fd", gone)) {
+    const std::string target = std::filesystem::read_symlink(file.path(), gone).string();
+    if (target.starts_with("socket:[")) sockets.insert(target.substr(8, target.size() - 9));
+  }
+  std::ifstream file(of_process + "/net/udp");
+  std::uint64_t dropped = 0;
+  std::string line;
+  std::getline(file, line);  // the heading
+  while (std::getline(file, line)) {
+    std::istringstream fields(line);
+    const std::vector<std::string> words{std::istream_iterator<std::string>(fields), {}};
+    // proc(5): inode is the tenth, drops the last one.
+    if (words.size() > 10 && sockets.contains(words[9])) dropped += std::stoull(words.back());
+  }
+  return dropped;
 }
 
 }  // namespace fieldcast::bench

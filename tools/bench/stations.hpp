@@ -21,9 +21,9 @@ struct Received {
 class StationProcess {
  public:
   // `one_by_one`: by fieldcast/Sample instead of by blocks. `loss`: the share of datagrams that do
-  // not reach it.
+  // not reach it. `program`: another one that prints what bench_station does.
   StationProcess(const ScratchFolder& folder, unsigned domain, const std::string& name,
-                 bool one_by_one, double loss = 0);
+                 bool one_by_one, double loss = 0, const std::string& program = "bench_station");
   [[nodiscard]] Received received() const;  // not older than 20 ms, if it runs
   [[nodiscard]] double cpu_seconds() const { return process_.cpu_seconds(); }
   [[nodiscard]] pid_t id() const { return process_.id(); }
@@ -35,5 +35,7 @@ class StationProcess {
 
 // Datagrams that the kernel dropped since the machine started, since a socket's buffer was full.
 [[nodiscard]] std::uint64_t dropped_datagrams();
+// The same, of the sockets that a process has open now (/proc/net/udp).
+[[nodiscard]] std::uint64_t dropped_datagrams(pid_t process);
 
 }  // namespace fieldcast::bench

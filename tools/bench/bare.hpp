@@ -1,0 +1,55 @@
+// What a bridge and its stations are compared with: a writer and a reader of Fast DDS with the same
+// data, the library's own QoS but for reliability and limits, and nothing of ours in between.
+// UDP over the loopback, as ours.
+//
+// Each owns its participant. write() has one caller; the reader's handler is called on a DDS
+// thread, one sample at a time.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+namespace fieldcast::bench {
+
+enum class BareData : std::uint8_t {
+  kBlocks,   // unkeyed messages with the bytes of fieldcast/SampleBlock
+  kSamples,  // keyed, with the bytes of fieldcast/Sample
+};
+
+class BareWriter {
+ public:
+  // Throws std::runtime_error.
+  BareWriter(unsigned domain, BareData data, std::size_t channels);
+  ~BareWriter();
+  BareWriter(const BareWriter&) = delete;
+  BareWriter& operator=(const BareWriter&) = delete;
+
+  // Samples of so many channels, behind those of the last call; all say `number` and when the call
+  // began.
+  void write(std::size_t rows, std::uint64_t number);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+class BareReader {
+ public:
+  struct Row {
+    std::uint64_t number;
+    std::chrono::steady_clock::time_point written;
+  };
+  // Throws std::runtime_error.
+  BareReader(unsigned domain, BareData data, std::function<void(const Row&)> on_row);
+  ~BareReader();
+  BareReader(const BareReader&) = delete;
+  BareReader& operator=(const BareReader&) = delete;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace fieldcast::bench

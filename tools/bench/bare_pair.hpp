@@ -1,0 +1,35 @@
+// A bare writer and a bare reader of Fast DDS (bare.hpp), each in a process of its own, and what
+// they cost. Main thread.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "tools/bench/bare.hpp"
+#include "tools/bench/process.hpp"
+
+namespace fieldcast::bench {
+
+struct BareLoad {
+  std::size_t channels = 0;
+  std::size_t rows = 0;  // of a block
+  double blocks_a_second = 0;
+};
+
+class BarePair {
+ public:
+  BarePair(const ScratchFolder& folder, unsigned domain, BareData data, const BareLoad& load);
+
+  // Since they began.
+  struct Spent {
+    std::uint64_t written = 0, received = 0;  // samples
+    double writer = 0, reader = 0;            // processor seconds
+  };
+  [[nodiscard]] Spent spent() const;
+
+ private:
+  std::string reader_log_, writer_log_;
+  Process reader_, writer_;
+};
+
+}  // namespace fieldcast::bench
