@@ -1,8 +1,9 @@
 // How long a station that joins late needs for the catalogue and the last value of every channel,
-// while the buses run. Bridge and station are processes of their own.
+// while the buses run. Bridge and station are processes of their own; the station is ours, or one
+// on Cyclone DDS (tests/interop/dds/join.c, where tests are built).
 //
-// usage: join_bench [--buses N] [--channels N] [--one-by-one] [--patience SECONDS]
-// Without --buses: 8, 16 and 64 of 1 000 channels.
+// usage: join_bench [--buses N] [--channels N] [--joins N] [--patience SECONDS]
+// Without --buses: 8, 16 and 64 of 1 000 channels. Each of the four ways joins N times (2).
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -20,8 +21,8 @@ namespace {
 struct Options {
   std::vector<int> buses = {8, 16, 64};
   int channels = 1000;  // of each bus
-  bool one_by_one = false;
-  double patience = 30;
+  int joins = 2;
+  double patience = 30;  // seconds
 };
 
 Options options_from(int argc, char** argv) {
@@ -31,22 +32,31 @@ Options options_from(int argc, char** argv) {
     const char* const value = i + 1 < argc ? argv[i + 1] : "";
     if (word == "--buses") options.buses = {std::atoi(value)};
     if (word == "--channels") options.channels = std::atoi(value);
-    if (word == "--one-by-one") options.one_by_one = true;
+    if (word == "--joins") options.joins = std::atoi(value);
     if (word == "--patience") options.patience = std::atof(value);
   }
   return options;
 }
 
+struct Way {
+  const char* what;
+  const char* program;
+  bool one_by_one;
+};
+constexpr Way kWays[] = {{"our station, blocks", "bench_station", false},
+                         {"our station, samples one by one", "bench_station", true},
+                         {"Cyclone, blocks", "cyclone-join", false},
+                         {"Cyclone, samples one by one", "cyclone-join", true}};
+
 void join(const Options& options, const ScratchFolder& folder, unsigned domain, int buses,
-          int number, const Process& bridge) {
+          const Way& way, const std::string& name, const Process& bridge) {
   const auto all = static_cast<std::uint64_t>(buses) * static_cast<std::uint64_t>(options.channels);
   const auto begun = std::chrono::steady_clock::now();
   const auto passed = [&] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   };
   const double cpu = bridge.cpu_seconds();
-  const StationProcess station(folder, domain, "station-" + std::to_string(number),
-                               options.one_by_one);
+  const StationProcess station(folder, domain, name, way.one_by_one, 0, way.program);
   double listed = 0, complete = 0;
   Received received;
   while (passed() < options.patience) {
@@ -56,7 +66,7 @@ void join(const Options& options, const ScratchFolder& folder, unsigned domain, 
     if (listed > 0 && complete > 0) break;
     let_run(0.02);
   }
-  std::printf("join %d: %llu of %llu channels listed, %llu with a value\n", number,
+  std::printf("%s: %llu of %llu channels listed, %llu with a value\n", way.what,
               static_cast<unsigned long long>(received.listed),
               static_cast<unsigned long long>(all),
               static_cast<unsigned long long>(received.channels));
@@ -77,7 +87,12 @@ void measure(const Options& options, int buses) {
       {std::to_string(domain), std::to_string(buses), std::to_string(options.channels)}, log);
   if (!wait_for_text(log, "published", 60)) throw std::runtime_error("the bridge does not publish");
   let_run(1);
-  for (int number = 1; number <= 3; ++number) join(options, folder, domain, buses, number, bridge);
+  int number = 0;
+  for (const Way& way : kWays) {
+    if (!has_program(way.program)) continue;
+    for (int i = 0; i < options.joins; ++i)
+      join(options, folder, domain, buses, way, "station-" + std::to_string(++number), bridge);
+  }
   print_figure("  resident memory of the bridge", bridge.resident_mb(), "MB",
                "goal < 300 with 64 000");
 }

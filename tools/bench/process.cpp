@@ -18,10 +18,19 @@ extern char** environ;
 
 namespace fieldcast::bench {
 
+namespace {
+
+std::string path_of(const std::string& program) {
+  return (std::filesystem::read_symlink("/proc/self/exe").parent_path() / program).string();
+}
+
+}  // namespace
+
+bool has_program(const std::string& program) { return std::filesystem::exists(path_of(program)); }
+
 Process::Process(const std::string& program, const std::vector<std::string>& arguments,
                  const std::string& log_path) {
-  const std::string path =
-      (std::filesystem::read_symlink("/proc/self/exe").parent_path() / program).string();
+  const std::string path = path_of(program);
   std::vector<std::string> words{path};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;

@@ -8,6 +8,9 @@
 
 namespace fieldcast::bench {
 
+// Whether the folder in which this executable lies has such a program.
+[[nodiscard]] bool has_program(const std::string& program);
+
 class Process {
  public:
   // Starts `program` of the folder in which this executable lies; its output goes to log_path.
