@@ -13,6 +13,7 @@
 #include "bridge/dds/fastdds.hpp"
 #include "bridge/dds/library.hpp"
 #include "bridge/dds/note_transport.hpp"
+#include "bridge/dds/receive_buffer.hpp"
 
 namespace fieldcast {
 
@@ -22,10 +23,6 @@ using rtps_transport::UDPv4TransportDescriptor;
 
 constexpr const char* kProfile = "fieldcast";
 constexpr const char* kLoopback = "127.0.0.1";
-// Bytes that the kernel holds for us, or less where net.core.rmem_max says so. A datagram costs
-// about 800 there: the usual 200 KiB are full after 270 samples, and a bridge of 32 buses publishes
-// bursts beyond that.
-constexpr std::uint32_t kReceiveBuffer = 1 << 20;
 constexpr std::uint32_t kHighestDomain = 232;  // the ports of RTPS end there (RTPS 2.2, 9.6.1)
 
 // The library would open no socket and say nothing.
