@@ -115,6 +115,25 @@ TEST(WatchView, NeverHasMoreLinesThanTheScreen) {
   }
 }
 
+TEST(WatchView, AStationThatIsTooSlowSaysSoInItsLastLine) {
+  WatchModel model({});
+  model.on_sample(sample("d", "a"), kStart);
+  EXPECT_FALSE(model.lag_remark());
+  model.on_counters({.blocks = 100, .missing = 12, .requests = 3});
+  const std::string lag =
+      "this station is too slow: 12 blocks missed, last values asked for again 3 times";
+  EXPECT_EQ(watch_lines(model, kStart, kUtc, {}).back(), lag);
+  for (int i = 0; i < 20; ++i) model.on_sample(sample("d", std::to_string(i)), kStart);
+  const auto lines = watch_lines(model, kStart, kUtc, {.columns = 40, .rows = 10});
+  EXPECT_EQ(lines.size(), 10u);
+  EXPECT_EQ(lines.back(), lag.substr(0, 40));
+}
+
+TEST(WatchView, TheEventOfAStationThatIsTooSlowIsNoSample) {
+  EXPECT_EQ(to_line(lag_json({.blocks = 100, .missing = 12, .requests = 3})),
+            R"({"event":"too_slow","blocks_missed":12,"last_values_requests":3})");
+}
+
 TEST(WatchView, HostileTextDoesNotReachTheTerminal) {
   WatchModel model({});
   model.on_sample(sample("d", "a", std::string("\x1b]0;owned\x07")), kStart);

@@ -7,6 +7,7 @@
 #include <ostream>
 #include <utility>
 
+#include "bridge/dds/receive_buffer.hpp"
 #include "tools/cli/clock.hpp"
 #include "tools/cli/command/command.hpp"
 #include "tools/cli/command/in_domain.hpp"
@@ -23,6 +24,7 @@ namespace {
 
 constexpr Duration kRedraw = std::chrono::milliseconds{200};
 constexpr Duration kInterestWait = std::chrono::seconds{1};
+constexpr Duration kLagAgain = std::chrono::seconds{1};  // between two events that we are too slow
 constexpr Duration kOnceWait = std::chrono::seconds{10};
 
 class Watch {
@@ -42,6 +44,7 @@ class Watch {
   void read(const DomainEvent& event, Instant now);
   void draw(Instant now);
   void remark_interest(Instant now, Instant began);
+  void tell_lag(Instant now);
   [[nodiscard]] bool complete(Instant now) const;
   void print_all();
   void print_table(const Screen& screen);
@@ -57,6 +60,8 @@ class Watch {
   std::optional<std::string> remark_;   // of our interest, once it is known
   std::unique_ptr<LiveScreen> screen_;  // a live table in a terminal
   Instant last_news_{};                 // when the catalogue last grew
+  std::uint64_t missing_told_ = 0;      // blocks that the last event counted
+  std::optional<Instant> lag_told_;     // when that was
 };
 
 ExitCode Watch::run() {
@@ -66,6 +71,8 @@ ExitCode Watch::run() {
                                      : std::nullopt;
   const auto end = limit ? began + *limit : kNever;
   last_news_ = began;
+  if (const auto small = receive_buffer_remark(spec_); small && !options_.once)
+    err_ << "fieldcast watch: " << *small << '\n' << std::flush;
   if (output_is_terminal() && !options_.once && !options_.json)
     screen_ = std::make_unique<LiveScreen>(out_);
   domain_.subscribe_channels();
@@ -80,6 +87,7 @@ ExitCode Watch::run() {
       read(event, instant_now());
     now = instant_now();
     remark_interest(now, began);
+    tell_lag(now);
     if (screen_ && now >= next_draw) {
       draw(now);
       next_draw = now + kRedraw;
@@ -97,6 +105,7 @@ ExitCode Watch::run() {
   if (options_.once && !domain_.interrupted()) print_all();
   out_.flush();
   err_ << "fieldcast watch: " << model_.summary();
+  if (const auto lag = model_.lag_remark()) err_ << "; " << *lag;
   if (domain_.inbox().dropped() != 0)
     err_ << "; " << domain_.inbox().dropped() << " more were not shown: the output was too slow";
   err_ << '\n';
@@ -122,6 +131,18 @@ void Watch::remark_interest(Instant now, Instant began) {
     return;
   remark_ = model_.interest_remark(*options_.refresh).value_or("");
   if (!remark_->empty() && !screen_) err_ << "fieldcast watch: " << *remark_ << '\n' << std::flush;
+}
+
+// In JSON lines as an event. Elsewhere the table's footer says it, and the last line of all.
+void Watch::tell_lag(Instant now) {
+  model_.on_counters(domain_.station().block_counters());
+  const Station::BlockCounters& counters = model_.counters();
+  if (!options_.json || options_.once || counters.missing == missing_told_ ||
+      (lag_told_ && now - *lag_told_ < kLagAgain))
+    return;
+  missing_told_ = counters.missing;
+  lag_told_ = now;
+  out_ << to_line(lag_json(counters)) << '\n';
 }
 
 void Watch::draw(Instant now) {

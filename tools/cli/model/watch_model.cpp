@@ -104,6 +104,13 @@ std::optional<std::string> WatchModel::interest_remark(Duration refresh) const {
                      catalogue_.channels().size(), why);
 }
 
+std::optional<std::string> WatchModel::lag_remark() const {
+  if (counters_.missing == 0) return std::nullopt;
+  return fmt::format(
+      "this station is too slow: {} blocks missed, last values asked for again {} times",
+      counters_.missing, counters_.requests);
+}
+
 std::string WatchModel::summary() const {
   return fmt::format("{}{}{}{}{} of them GOOD", samples_,
                      samples_ == 1 ? " sample of " : " samples of ", rows_.size(),

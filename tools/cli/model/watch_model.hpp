@@ -44,6 +44,8 @@ class WatchModel {
   // False when the pattern does not match: nothing is kept.
   bool on_sample(const StationSample& sample, Instant now);
   void on_gone(const ChannelPath& path);
+  // What the station counted so far.
+  void on_counters(const Station::BlockCounters& counters) { counters_ = counters; }
 
   [[nodiscard]] const Pattern& pattern() const { return pattern_; }
   [[nodiscard]] const Catalogue& catalogue() const { return catalogue_; }  // the matching channels
@@ -63,6 +65,10 @@ class WatchModel {
   // it changes nothing for some channels, or for any. Nothing: it holds for all.
   [[nodiscard]] std::optional<std::string> interest_remark(Duration refresh) const;
 
+  [[nodiscard]] const Station::BlockCounters& counters() const { return counters_; }
+  // That this station is slower than the bridges, and what it lost by that. Nothing: it keeps up.
+  [[nodiscard]] std::optional<std::string> lag_remark() const;
+
   // "1234 samples of 100 channels, 98 of them GOOD"
   [[nodiscard]] std::string summary() const;
 
@@ -75,6 +81,7 @@ class WatchModel {
   RateMeter rate_;
   std::uint64_t samples_ = 0;
   bool announced_ = false;
+  Station::BlockCounters counters_;
 };
 
 }  // namespace fieldcast::cli

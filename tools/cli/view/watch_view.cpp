@@ -47,7 +47,8 @@ std::vector<Cell> cells_of(const ChannelPath& path, const WatchModel::Row& row,
 std::vector<std::string> watch_lines(const WatchModel& model, Instant now, UtcTime utc,
                                      const Screen& screen) {
   const auto& rows = model.rows();
-  const std::size_t around = 3;  // title, head, remainder
+  const auto lag = model.lag_remark();
+  const std::size_t around = lag ? 4 : 3;  // title, head, remainder, what was lost
   const bool cut = screen.rows != 0 && rows.size() + around - 1 > screen.rows;
   const std::size_t shown = !cut ? rows.size() : screen.rows > around ? screen.rows - around : 1;
 
@@ -73,7 +74,14 @@ std::vector<std::string> watch_lines(const WatchModel& model, Instant now, UtcTi
                     rows.size() - shown);
     lines.push_back(screen.columns == 0 ? more : clip(more, screen.columns));
   }
+  if (lag) lines.push_back(screen.columns == 0 ? *lag : clip(*lag, screen.columns));
   return lines;
+}
+
+Json lag_json(const Station::BlockCounters& counters) {
+  return {{"event", "too_slow"},
+          {"blocks_missed", counters.missing},
+          {"last_values_requests", counters.requests}};
 }
 
 }  // namespace fieldcast::cli
