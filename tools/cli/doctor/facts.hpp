@@ -1,0 +1,64 @@
+// What `fieldcast doctor` knows of a machine. Plain values: gather.hpp reads them, findings.hpp
+// judges them.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace fieldcast::cli {
+
+// A serial adapter at the USB.
+struct AdapterFacts {
+  std::string name;                  // "ttyUSB0"
+  std::string driver;                // "ftdi_sio"; empty: unknown
+  std::optional<int> latency_timer;  // ms; FTDI's drivers alone have one
+  std::string latency_file;          // where it is set
+};
+
+// A serial port that a bus of the configuration names.
+struct SerialPortFacts {
+  std::string bus;
+  std::string path;
+  bool there = false;
+  bool readable_and_writable = false;  // by whoever asks
+  std::string group;                   // that may open it
+};
+
+struct InterfaceFacts {
+  std::string address;  // IPv4
+  std::string name;     // "eth0"; empty: no interface of this machine has the address
+  bool multicast = false;
+  bool loopback = false;
+};
+
+struct DiskFacts {
+  std::string path;  // the store's file
+  std::uint64_t free_bytes = 0;
+};
+
+// `max_instances` of a reader or writer in the Fast DDS profile that the configuration names.
+struct ProfileLimit {
+  std::string profile;  // "fieldcast/Sample"
+  std::int64_t max_instances = 0;
+};
+
+// Of what cannot be found out nothing is said.
+struct MachineFacts {
+  std::uint64_t receive_buffer_asked = 0;             // by each of our sockets, bytes
+  std::optional<std::uint64_t> receive_buffer_limit;  // net.core.rmem_max, bytes
+  std::vector<AdapterFacts> adapters;
+  std::optional<bool> clock_synchronised;
+
+  // With a configuration:
+  std::string profile_file;  // its Fast DDS profile; empty: none
+  std::vector<ProfileLimit> profile_limits;
+  std::vector<SerialPortFacts> ports;
+  std::vector<InterfaceFacts> interfaces;  // that DDS shall use
+  bool discovery_server = false;
+  std::optional<DiskFacts> disk;  // of a store that is a file
+  std::size_t channels = 0;
+};
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,163 @@
+#include "tools/cli/doctor/findings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace fieldcast::cli {
+
+namespace {
+
+using Findings = std::vector<Finding>;
+
+constexpr std::uint64_t kMegabyte = 1'000'000;
+constexpr std::uint64_t kDiskLow = 1'000 * kMegabyte;
+constexpr std::uint64_t kDiskFull = 50 * kMegabyte;  // SQLite refuses to write soon
+
+void look_at_receive_buffer(const MachineFacts& facts, Findings& found) {
+  if (!facts.receive_buffer_limit) return;
+  const std::uint64_t limit = *facts.receive_buffer_limit, asked = facts.receive_buffer_asked;
+  Finding finding{
+      Severity::kOk, "receive buffer", "net.core.rmem_max",
+      fmt::format("{} KiB for a socket, {} KiB are asked for", limit / 1024, asked / 1024), ""};
+  if (limit < asked) {
+    finding.severity = Severity::kAdvice;
+    finding.what += ": bursts of many channels get lost and are sent again";
+    finding.remedy = fmt::format(
+        "sysctl -w net.core.rmem_max={0}; to keep it: echo net.core.rmem_max={0} > "
+        "/etc/sysctl.d/60-fieldcast.conf",
+        asked);
+  }
+  found.push_back(finding);
+}
+
+void look_at_adapter(const AdapterFacts& adapter, Findings& found) {
+  const std::string driver = adapter.driver.empty() ? "an unknown driver" : adapter.driver;
+  Finding finding{Severity::kOk, "latency timer", adapter.name, "", ""};
+  if (!adapter.latency_timer) {
+    finding.what = driver + ", which has none";
+  } else {
+    finding.what = fmt::format("{}, {} ms", driver, *adapter.latency_timer);
+    if (*adapter.latency_timer > 1) {
+      finding.severity = Severity::kAdvice;
+      finding.what +=
+          ": the end of every answer may wait so long in it, unless low-latency of the port is "
+          "true";
+      finding.remedy = "echo 1 > " + adapter.latency_file;
+    }
+  }
+  found.push_back(finding);
+}
+
+void look_at_port(const SerialPortFacts& port, Findings& found) {
+  Finding finding{Severity::kOk, "serial port", port.path, "bus " + port.bus + " may open it", ""};
+  if (!port.there) {
+    finding = {Severity::kPrevents, "serial port", port.path,
+               fmt::format("bus {} has no such port: the bridge waits until it is there", port.bus),
+               "plug the adapter in, or name its port: ls /dev/serial/by-id"};
+  } else if (!port.readable_and_writable) {
+    const std::string group = port.group.empty() ? "dialout" : port.group;
+    finding = {Severity::kPrevents, "serial port", port.path,
+               fmt::format("bus {} needs it, and it may not be opened by who asks here", port.bus),
+               fmt::format("usermod -aG {} USER, the user that runs the bridge; then log in again",
+                           group)};
+  }
+  found.push_back(finding);
+}
+
+void look_at_clock(const MachineFacts& facts, Findings& found) {
+  if (!facts.clock_synchronised) return;
+  Finding finding{Severity::kOk, "clock", "", "synchronised", ""};
+  if (!*facts.clock_synchronised) {
+    finding = {Severity::kAdvice, "clock", "",
+               "not synchronised: commands from other hosts are refused or come again when clocks "
+               "differ, and times of samples cannot be compared",
+               "timedatectl set-ntp true, or chrony"};
+  }
+  found.push_back(finding);
+}
+
+void look_at_interface(const InterfaceFacts& interface, bool discovery_server, Findings& found) {
+  const std::string check = "discovery";
+  if (interface.name.empty()) {
+    found.push_back({Severity::kPrevents, check, interface.address,
+                     "no interface of this machine has the address",
+                     "dds: interfaces: of the configuration; ip -4 address lists what there is"});
+  } else if (interface.loopback || interface.multicast || discovery_server) {
+    found.push_back({Severity::kOk, check, interface.address,
+                     interface.name + (interface.loopback ? ", this machine alone"
+                                       : discovery_server ? ", by a discovery server"
+                                                          : ", by multicast"),
+                     ""});
+  } else {
+    found.push_back({Severity::kPrevents, check, interface.address,
+                     fmt::format("{} has no multicast, and no discovery server is named: nobody "
+                                 "finds the bridge",
+                                 interface.name),
+                     fmt::format("dds: discovery-server: HOST:PORT, or ip link set {} multicast on",
+                                 interface.name)});
+  }
+}
+
+void look_at_disk(const MachineFacts& facts, Findings& found) {
+  if (!facts.disk) return;
+  const std::uint64_t free = facts.disk->free_bytes;
+  Finding finding{Severity::kOk, "disk", facts.disk->path,
+                  fmt::format("{} MB free for the store", free / kMegabyte), ""};
+  if (free < kDiskLow) {
+    finding.severity = free < kDiskFull ? Severity::kPrevents : Severity::kAdvice;
+    finding.remedy = "keep: and max-size: of the store bound it; or another disk";
+  }
+  found.push_back(finding);
+}
+
+// Those of the topics that have an instance for each channel.
+void look_at_profile(const MachineFacts& facts, Findings& found) {
+  for (const ProfileLimit& limit : facts.profile_limits) {
+    if (limit.profile != "fieldcast/Sample" && limit.profile != "fieldcast/Channel") continue;
+    Finding finding{Severity::kOk, "profile", facts.profile_file,
+                    fmt::format("{}: max_instances {} for {} channels", limit.profile,
+                                limit.max_instances, facts.channels),
+                    ""};
+    // The library takes 0 and less for no limit.
+    if (limit.max_instances > 0 &&
+        static_cast<std::uint64_t>(limit.max_instances) < facts.channels) {
+      finding.severity = Severity::kPrevents;
+      finding.what += ": the others vanish without a word";
+      finding.remedy = fmt::format("max_instances and max_samples of at least {}", facts.channels);
+    }
+    found.push_back(finding);
+  }
+}
+
+}  // namespace
+
+std::string_view severity_text(Severity severity) {
+  switch (severity) {
+    case Severity::kOk: return "ok";
+    case Severity::kAdvice: return "advice";
+    case Severity::kPrevents: return "prevents";
+  }
+  return "?";
+}
+
+std::vector<Finding> findings_of(const MachineFacts& facts) {
+  Findings found;
+  look_at_receive_buffer(facts, found);
+  for (const AdapterFacts& adapter : facts.adapters) look_at_adapter(adapter, found);
+  for (const SerialPortFacts& port : facts.ports) look_at_port(port, found);
+  look_at_clock(facts, found);
+  for (const InterfaceFacts& interface : facts.interfaces)
+    look_at_interface(interface, facts.discovery_server, found);
+  look_at_disk(facts, found);
+  look_at_profile(facts, found);
+  return found;
+}
+
+Severity worst_of(const std::vector<Finding>& findings) {
+  Severity worst = Severity::kOk;
+  for (const Finding& finding : findings) worst = std::max(worst, finding.severity);
+  return worst;
+}
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,182 @@
+#include "tools/cli/doctor/gather.hpp"
+
+#include <arpa/inet.h>
+#include <grp.h>
+#include <ifaddrs.h>
+#include <net/if.h>
+#include <sys/stat.h>
+#include <sys/timex.h>
+#include <tinyxml2.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <system_error>
+
+#include "bridge/dds/receive_buffer.hpp"
+#include "bridge/store/store_address.hpp"
+
+namespace fieldcast::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+class Machine {
+ public:
+  explicit Machine(fs::path root) : root_(std::move(root)) {}
+
+  [[nodiscard]] bool is_this_one() const { return root_ == "/"; }
+  // Where a file of the machine lies: "/sys/.." below the root.
+  [[nodiscard]] fs::path at(const fs::path& path) const { return root_ / path.relative_path(); }
+
+  [[nodiscard]] std::optional<std::int64_t> number_in(const fs::path& path) const {
+    std::ifstream file(at(path));
+    std::int64_t number = 0;
+    if (!(file >> number)) return std::nullopt;
+    return number;
+  }
+  [[nodiscard]] bool has(const fs::path& path) const {
+    std::error_code ignored;
+    return fs::exists(at(path), ignored);
+  }
+
+ private:
+  fs::path root_;
+};
+
+std::vector<AdapterFacts> adapters_of(const Machine& machine) {
+  const fs::path devices = "/sys/bus/usb-serial/devices";
+  std::vector<AdapterFacts> adapters;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(machine.at(devices), none)) {
+    AdapterFacts adapter;
+    adapter.name = entry.path().filename();
+    const fs::path driver = fs::read_symlink(entry.path() / "driver", none);
+    if (!none) adapter.driver = driver.filename();
+    const fs::path timer = devices / adapter.name / "latency_timer";
+    if (const auto ms = machine.number_in(timer)) {
+      adapter.latency_timer = static_cast<int>(*ms);
+      adapter.latency_file = timer;
+    }
+    adapters.push_back(std::move(adapter));
+  }
+  std::ranges::sort(adapters, {}, &AdapterFacts::name);
+  return adapters;
+}
+
+SerialPortFacts port_facts(const Machine& machine, const std::string& bus,
+                           const std::string& path) {
+  SerialPortFacts facts{.bus = bus, .path = path};
+  const std::string real = machine.at(path);
+  struct stat status {};
+  facts.there = stat(real.c_str(), &status) == 0;
+  if (!facts.there) return facts;
+  facts.readable_and_writable = access(real.c_str(), R_OK | W_OK) == 0;
+  if (const group* owner = getgrgid(status.st_gid)) facts.group = owner->gr_name;
+  return facts;
+}
+
+// The kernel's own word, which every time service sets; of another machine its service's mark.
+std::optional<bool> is_synchronised(const Machine& machine) {
+  if (machine.has("/run/systemd/timesync/synchronized")) return true;
+  if (!machine.is_this_one()) return std::nullopt;
+  timex state{};
+  if (adjtimex(&state) < 0) return std::nullopt;
+  return (state.status & STA_UNSYNC) == 0;
+}
+
+std::vector<InterfaceFacts> interface_facts(const std::vector<std::string>& addresses) {
+  ifaddrs* list = nullptr;
+  if (getifaddrs(&list) != 0) return {};
+  const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> owner(list, freeifaddrs);
+  std::vector<InterfaceFacts> all;
+  for (const std::string& address : addresses) {
+    InterfaceFacts facts{.address = address};
+    in_addr wanted{};
+    if (inet_pton(AF_INET, address.c_str(), &wanted) != 1) continue;
+    for (const ifaddrs* one = list; one != nullptr; one = one->ifa_next) {
+      if (one->ifa_addr == nullptr || one->ifa_addr->sa_family != AF_INET ||
+          reinterpret_cast<const sockaddr_in*>(one->ifa_addr)->sin_addr.s_addr != wanted.s_addr)
+        continue;
+      facts.name = one->ifa_name;
+      facts.multicast = (one->ifa_flags & IFF_MULTICAST) != 0;
+      facts.loopback = (one->ifa_flags & IFF_LOOPBACK) != 0;
+    }
+    all.push_back(facts);
+  }
+  return all;
+}
+
+// Of the folder in which the file is, or will be.
+std::optional<DiskFacts> disk_facts(const StoreSpec& store) {
+  if (StoreAddress(store.address).is_server()) return std::nullopt;
+  const fs::path folder = fs::absolute(store.address).parent_path();
+  std::error_code fault;
+  const fs::space_info space = fs::space(folder, fault);
+  if (fault) return std::nullopt;
+  return DiskFacts{store.address, space.available};
+}
+
+// The library's own limit where a profile names none.
+constexpr std::int64_t kLibraryInstances = 10;
+
+std::vector<ProfileLimit> profile_limits(const std::string& file) {
+  tinyxml2::XMLDocument document;
+  if (document.LoadFile(file.c_str()) != tinyxml2::XML_SUCCESS) return {};
+  tinyxml2::XMLHandle root(document.RootElement());
+  const tinyxml2::XMLElement* profiles = root.ToElement();
+  if (profiles != nullptr && std::string_view(profiles->Name()) == "dds")
+    profiles = root.FirstChildElement("profiles").ToElement();
+  if (profiles == nullptr) return {};
+  std::vector<ProfileLimit> limits;
+  for (const auto* one = profiles->FirstChildElement(); one; one = one->NextSiblingElement()) {
+    const std::string_view kind = one->Name();
+    if (kind != "data_reader" && kind != "data_writer") continue;
+    const char* name = one->Attribute("profile_name");
+    ProfileLimit limit{name == nullptr ? "" : name, kLibraryInstances};
+    auto* inside = const_cast<tinyxml2::XMLElement*>(one);
+    if (const auto* number = tinyxml2::XMLHandle(inside)
+                                 .FirstChildElement("topic")
+                                 .FirstChildElement("resourceLimitsQos")
+                                 .FirstChildElement("max_instances")
+                                 .ToElement())
+      limit.max_instances = number->Int64Text(kLibraryInstances);
+    limits.push_back(std::move(limit));
+  }
+  return limits;
+}
+
+void add_configuration(const Machine& machine, const BridgeSpec& spec, MachineFacts& facts) {
+  for (const BusSpec& bus : spec.buses) {
+    if (const auto* port = std::get_if<SerialPortSpec>(&bus.port))
+      facts.ports.push_back(port_facts(machine, bus.name, port->path));
+    for (const DeviceSpec& device : bus.devices) facts.channels += device.channels.size();
+  }
+  if (machine.is_this_one()) facts.interfaces = interface_facts(spec.dds.interfaces);
+  facts.discovery_server = spec.dds.discovery_server.has_value();
+  if (spec.store && machine.is_this_one()) facts.disk = disk_facts(*spec.store);
+  if (spec.dds.profile) {
+    facts.profile_file = *spec.dds.profile;
+    facts.profile_limits = profile_limits(facts.profile_file);
+  }
+}
+
+}  // namespace
+
+MachineFacts gather_facts(const fs::path& root, const BridgeSpec* spec) {
+  const Machine machine(root);
+  MachineFacts facts;
+  facts.receive_buffer_asked = kReceiveBuffer;
+  if (const auto limit = machine.number_in("/proc/sys/net/core/rmem_max"))
+    facts.receive_buffer_limit = static_cast<std::uint64_t>(*limit);
+  facts.adapters = adapters_of(machine);
+  facts.clock_synchronised = is_synchronised(machine);
+  if (spec != nullptr) add_configuration(machine, *spec, facts);
+  return facts;
+}
+
+}  // namespace fieldcast::cli

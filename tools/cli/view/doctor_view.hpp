@@ -1,0 +1,20 @@
+// The findings of `fieldcast doctor` for people and as JSON. Pure.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/cli/doctor/findings.hpp"
+#include "tools/cli/view/json.hpp"
+#include "tools/cli/view/text_table.hpp"
+
+namespace fieldcast::cli {
+
+// One line for each, and below it the remedy where there is one.
+[[nodiscard]] std::vector<std::string> doctor_lines(const std::vector<Finding>& findings,
+                                                    const Screen& screen);
+
+// {"severity","check","where","what","remedy"}
+[[nodiscard]] Json finding_json(const Finding& finding);
+
+}  // namespace fieldcast::cli
