@@ -2,8 +2,10 @@
 // while the buses run. Bridge and station are processes of their own; the station is ours, or one
 // on Cyclone DDS (tests/interop/dds/join.c, where tests are built).
 //
-// usage: join_bench [--buses N] [--channels N] [--joins N] [--patience SECONDS]
-// Without --buses: 8, 16 and 64 of 1 000 channels. Each of the four ways joins N times (2).
+// usage: join_bench [--buses N] [--channels N] [--joins N] [--way NAME]
+//                   [--patience SECONDS]
+// Without --buses: 8, 16 and 64 of 1 000 channels. Each way joins N times (2): blocks,
+// samples, cyclone-blocks, cyclone-samples.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -22,6 +24,7 @@ struct Options {
   std::vector<int> buses = {8, 16, 64};
   int channels = 1000;  // of each bus
   int joins = 2;
+  std::string way;       // empty: all
   double patience = 30;  // seconds
 };
 
@@ -33,20 +36,21 @@ Options options_from(int argc, char** argv) {
     if (word == "--buses") options.buses = {std::atoi(value)};
     if (word == "--channels") options.channels = std::atoi(value);
     if (word == "--joins") options.joins = std::atoi(value);
+    if (word == "--way") options.way = value;
     if (word == "--patience") options.patience = std::atof(value);
   }
   return options;
 }
 
 struct Way {
-  const char* what;
+  const char* name;
   const char* program;
   bool one_by_one;
 };
-constexpr Way kWays[] = {{"our station, blocks", "bench_station", false},
-                         {"our station, samples one by one", "bench_station", true},
-                         {"Cyclone, blocks", "cyclone-join", false},
-                         {"Cyclone, samples one by one", "cyclone-join", true}};
+constexpr Way kWays[] = {{"blocks", "bench_station", false},
+                         {"samples", "bench_station", true},
+                         {"cyclone-blocks", "cyclone-join", false},
+                         {"cyclone-samples", "cyclone-join", true}};
 
 void join(const Options& options, const ScratchFolder& folder, unsigned domain, int buses,
           const Way& way, const std::string& name, const Process& bridge) {
@@ -66,7 +70,7 @@ void join(const Options& options, const ScratchFolder& folder, unsigned domain, 
     if (listed > 0 && complete > 0) break;
     let_run(0.02);
   }
-  std::printf("%s: %llu of %llu channels listed, %llu with a value\n", way.what,
+  std::printf("%s: %llu of %llu channels listed, %llu with a value\n", way.name,
               static_cast<unsigned long long>(received.listed),
               static_cast<unsigned long long>(all),
               static_cast<unsigned long long>(received.channels));
@@ -89,7 +93,7 @@ void measure(const Options& options, int buses) {
   let_run(1);
   int number = 0;
   for (const Way& way : kWays) {
-    if (!has_program(way.program)) continue;
+    if (!has_program(way.program) || (!options.way.empty() && options.way != way.name)) continue;
     for (int i = 0; i < options.joins; ++i)
       join(options, folder, domain, buses, way, "station-" + std::to_string(++number), bridge);
   }
