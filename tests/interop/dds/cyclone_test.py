@@ -92,6 +92,27 @@ class Watch:
             raise AssertionError(f"cyclone-watch ended with {code}, and said {self.strange}")
 
 
+def join(plant, way, every):
+    """Starts a cyclone-join until it has as many channels listed and with a value as asked for; all that it counted."""
+    process = subprocess.Popen([os.path.join(BIN_DIR, "cyclone-join"), str(plant.domain), way], stdout=subprocess.PIPE, text=True, env=environment())
+    counts = {}
+
+    def read():
+        for line in process.stdout:
+            counts.update(zip(("samples", "missing", "with_value", "listed", "missing_blocks"), map(int, line.split())))
+
+    reader = threading.Thread(target=read)
+    reader.start()
+    try:
+        wait_until(lambda: counts.get("with_value") == counts.get("listed") == every, SECONDS, lambda: f"{every} channels: {counts}")
+    finally:
+        process.terminate()
+        process.wait(SECONDS)
+        reader.join()
+        process.stdout.close()
+    return counts
+
+
 def environment():
     return {**os.environ, "CYCLONEDDS_URI": LOOPBACK}
 
@@ -123,6 +144,13 @@ class CycloneStations(unittest.TestCase):
             agrees = self.plant.cli("watch", "--json", "--once").json_lines()
             self.assertEqual({"/".join((s["bus"], s["device"], s["channel"])) for s in agrees}, every)
             self.assertEqual(watch.gone, set())
+
+    def test_a_late_joiner_gets_every_last_value_by_blocks_and_one_by_one(self):
+        for way in ("by-blocks", "one-by-one"):
+            with self.subTest(way):
+                counts = join(self.plant, way, len(CHANNELS) + 1)
+                self.assertGreaterEqual(counts["samples"], len(CHANNELS) + 1)
+                self.assertEqual(counts["missing_blocks"], 0)
 
     def test_a_deadline_matches_just_the_channels_that_promise_it(self):
         quick = {path for path, _, refresh, _ in CHANNELS if refresh == QUICK} | {SETPOINT}
