@@ -122,24 +122,43 @@ double seconds_from(int argc, char** argv, double by_default) {
   return by_default;
 }
 
-std::string scattered_devices(int devices, int registers, const std::string& indent,
-                              unsigned seed) {
-  std::mt19937 random(seed);
+namespace {
+
+// `step(r)` is how far register r + 1 lies behind register r; `first` where register 0 lies.
+template <class First, class Step>
+std::string devices_of(int devices, int registers, const std::string& indent, First first,
+                       Step step) {
   std::string text;
   for (int d = 1; d <= devices; ++d) {
     const std::string name = "unit-" + std::to_string(d);
     text += indent + "- name: " + name + "\n" + indent + "  address: " + std::to_string(d) + "\n" +
             indent + "  channels:\n";
-    unsigned long address = random() % 50;
+    unsigned long address = first();
     for (int r = 0; r < registers; ++r) {
       text += indent + "    - { name: r" + std::to_string(r) +
               ", at: \"holding:" + std::to_string(address) +
               "\", type: uint16, access: read-write }\n";
-      // Mostly near neighbours, now and then a hole that no read should bridge.
-      address += random() % 20 == 0 ? 30 + random() % 100 : 1 + random() % 4;
+      address += step(r);
     }
   }
   return text;
+}
+
+}  // namespace
+
+std::string scattered_devices(int devices, int registers, const std::string& indent,
+                              unsigned seed) {
+  std::mt19937 random(seed);
+  // Mostly near neighbours, now and then a hole that no read should bridge.
+  return devices_of(
+      devices, registers, indent, [&] { return random() % 50; },
+      [&](int) { return random() % 20 == 0 ? 30 + random() % 100 : 1 + random() % 4; });
+}
+
+std::string packed_devices(int devices, int registers, const std::string& indent, int run) {
+  return devices_of(
+      devices, registers, indent, [] { return 0UL; },
+      [run](int r) { return (r + 1) % run == 0 ? 201UL : 1UL; });
 }
 
 }  // namespace fieldcast::bench

@@ -77,5 +77,8 @@ void let_run(double seconds);
 // seeded; YAML for the list `devices:`.
 [[nodiscard]] std::string scattered_devices(int devices, int registers, const std::string& indent,
                                             unsigned seed);
+// The same with registers that lie side by side in runs of `run`, each of which one request reads.
+[[nodiscard]] std::string packed_devices(int devices, int registers, const std::string& indent,
+                                         int run);
 
 }  // namespace fieldcast::bench

@@ -31,7 +31,8 @@ bool has_program(const std::string& program) { return std::filesystem::exists(pa
 Process::Process(const std::string& program, const std::vector<std::string>& arguments,
                  const std::string& log_path) {
   const std::string path = path_of(program);
-  std::vector<std::string> words{path};
+  // It ends with us, also where we are killed: no bridge stays and keeps its buses from the next run.
+  std::vector<std::string> words{"setpriv", "--pdeathsig", "TERM", "--", path};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
@@ -42,7 +43,7 @@ Process::Process(const std::string& program, const std::vector<std::string>& arg
   posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, log_path.c_str(),
                                    O_WRONLY | O_CREAT | O_APPEND, 0600);
   posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
-  const int failed = posix_spawn(&id_, path.c_str(), &files, nullptr, argv.data(), environ);
+  const int failed = posix_spawnp(&id_, words[0].c_str(), &files, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&files);
   if (failed != 0) throw std::runtime_error("cannot start " + path);
 }

@@ -4,10 +4,11 @@
 // a slow day too.
 //
 // usage: scale_bench [--seconds N] [--buses N] [--channels N] [--one-by-one] [--loss SHARE]
-//                    [--bridge PROGRAM]
+//                    [--bridge PROGRAM] [--run N]
 //
 // Without --buses: 1, 16 and 32 of them. --one-by-one: stations take fieldcast/Sample. --bridge: a
-// bridge of another build, to compare.
+// bridge of another build, to compare. --run: registers side by side, N of which one request reads,
+// instead of scattered ones (blocks of some 10).
 #include <algorithm>
 #include <cmath>
 #include <csignal>
@@ -32,6 +33,7 @@ struct Options {
   double seconds = 10;
   std::vector<int> buses = {1, 16, 32};
   int channels = 300;  // of each bus
+  int run = 0;         // 0: scattered
   bool one_by_one = false;
   double loss = 0;  // share of the datagrams that do not reach a station
   std::string bridge = "fieldcast-bridge";
@@ -45,6 +47,7 @@ Options options_from(int argc, char** argv) {
     if (word == "--seconds") options.seconds = std::atof(value);
     if (word == "--buses") options.buses = {std::atoi(value)};
     if (word == "--channels") options.channels = std::atoi(value);
+    if (word == "--run") options.run = std::atoi(value);
     if (word == "--one-by-one") options.one_by_one = true;
     if (word == "--loss") options.loss = std::atof(value);
     if (word == "--bridge") options.bridge = value;
@@ -52,7 +55,7 @@ Options options_from(int argc, char** argv) {
   return options;
 }
 
-std::string buses(int count, int channels) {
+std::string buses(int count, const Options& options) {
   constexpr int kDevices = 2;
   std::string text;
   for (int b = 1; b <= count; ++b) {
@@ -60,7 +63,9 @@ std::string buses(int count, int channels) {
     text += "  - name: " + name + "\n    port: { serial: {dir}/" + name +
             ", baud: 19200, format: 8E1 }\n    protocol: modbus-rtu\n" +
             "    defaults: { refresh: 2s, mode: intensive }\n    devices:\n" +
-            scattered_devices(kDevices, channels / kDevices, "      ", 7);
+            (options.run == 0
+                 ? scattered_devices(kDevices, options.channels / kDevices, "      ", 7)
+                 : packed_devices(kDevices, options.channels / kDevices, "      ", options.run));
   }
   return text;
 }
@@ -158,7 +163,7 @@ struct Compared {
 };
 
 Compared measure_plant(const Options& options, int count) {
-  Plant plant(buses(count, options.channels));
+  Plant plant(buses(count, options));
   plant.start_simulator();
   if (!wait_for_path(plant.link("bus-" + std::to_string(count)), 10))
     throw std::runtime_error("the simulator made no links");
