@@ -116,6 +116,7 @@ std::vector<SlowerPoints> slower_that_works(const ScheduleInput& input, const Wo
     group.points.push_back(point);
   }
   std::vector<SlowerPoints> result;
+  result.reserve(groups.size());
   for (auto& [from, group] : groups) result.push_back(std::move(group));
   return result;
 }

@@ -191,9 +191,8 @@ Step DeclaredExchange::on_bytes(ByteView all, Bytes&) {
     if (!operation_.write) {
       const Bytes& items = search.found->items;
       const bool record = declaration_->areas[operation_.area].record;
-      const auto from = items.begin() + static_cast<std::ptrdiff_t>(record ? 2 * wanted_.first : 0);
-      reply_[0].items.assign(
-          from, record ? from + static_cast<std::ptrdiff_t>(2 * wanted_.count) : items.end());
+      const auto from = items.begin() + (record ? std::ptrdiff_t{2} * wanted_.first : 0);
+      reply_[0].items.assign(from, record ? from + std::ptrdiff_t{2} * wanted_.count : items.end());
     }
   }
   if (!search.doubtful) return step;

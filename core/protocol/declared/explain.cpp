@@ -50,10 +50,10 @@ class Reader {
     for (const Field& field : frame_.fields) starts_.push_back(at), at += width(field);
     starts_.push_back(offset_ = at);
   }
-  void add(std::size_t at, std::size_t length, const std::string& name, std::string value,
+  void add(std::size_t at, std::size_t length, const std::string& name, const std::string& value,
            const std::string& fault = {}) {
     faults_ += fault.empty() ? 0 : 1;
-    writer_.add(at, length, name, std::move(value), fault);
+    writer_.add(at, length, name, value, fault);
   }
 
   void show(const Field& field, std::size_t index) {
@@ -121,7 +121,7 @@ class Reader {
       }
       default: break;
     }
-    add(at, size, field.name, std::move(value), fault);
+    add(at, size, field.name, value, fault);
   }
 
   std::uint64_t counted(const Field& length) const {

@@ -60,7 +60,7 @@ void explain_message(FieldWriter& writer, ByteView message) {
       std::string text = std::string(kTypeNames[group[2]]) + ":" + std::to_string(read_u16(group)) +
                          ", count " + std::to_string(read_u16(group, 3));
       if (write) text += " = " + to_hex(group.subspan(kGroupHead, size - kGroupHead));
-      writer.add(kMessageHead + at, size, "group", std::move(text),
+      writer.add(kMessageHead + at, size, "group", text,
                  inside(group) ? "" : "beyond the last variable");
       at += size;
     }

@@ -68,7 +68,7 @@ void explain_request(ByteView body, const CommandRow& row, FieldWriter& writer) 
     fault = "not upper-case hexadecimal digits";
   else if (row.with_data && body.size() - at - 6 != 2 * *count)
     fault = std::to_string(body.size() - at - 6) + " digits of data follow";
-  writer.add(1 + at + 4, 2, "bytes", text_of(body.subspan(at + 4, 2)), std::move(fault));
+  writer.add(1 + at + 4, 2, "bytes", text_of(body.subspan(at + 4, 2)), fault);
   if (body.size() > at + 6)
     writer.add(1 + at + 6, body.size() - at - 6, "data", text_of(body.subspan(at + 6)));
 }

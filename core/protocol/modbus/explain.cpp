@@ -143,7 +143,7 @@ std::vector<FrameField> explain_tcp(ByteView frame) {
     fault = "must be 2..254";
   else if (counted > came)
     fault = "only " + std::to_string(came) + " bytes follow";
-  writer.add(4, 2, "length", std::to_string(counted), std::move(fault));
+  writer.add(4, 2, "length", std::to_string(counted), fault);
   writer.add(6, 1, "unit", unit_text(frame[6], false));
   const std::size_t inside = std::clamp<std::size_t>(counted, 2, came);
   FieldWriter inner(7, 1, 1);

@@ -68,14 +68,15 @@ class PduExplainer {
   bool has(std::size_t at, std::size_t count) const { return pdu_.size() >= at + count; }
 
   // One 16-bit field, or the fault that it is not there.
-  void word(std::size_t at, std::string name, std::string comment = {}, std::string fault = {}) {
+  void word(std::size_t at, const std::string& name, const std::string& comment = {},
+            const std::string& fault = {}) {
     if (!has(at, 2))
-      return writer_.add(std::min(at, pdu_.size()), pdu_.size() - std::min(at, pdu_.size()),
-                         std::move(name), "", "missing");
+      return writer_.add(std::min(at, pdu_.size()), pdu_.size() - std::min(at, pdu_.size()), name,
+                         "", "missing");
     const std::uint16_t value = read_u16(pdu_, at);
-    writer_.add(at, 2, std::move(name),
+    writer_.add(at, 2, name,
                 hex16(value) + " = " + number(value) + (comment.empty() ? "" : ", " + comment),
-                std::move(fault));
+                fault);
   }
 
   void address(std::size_t at, std::string name) {
@@ -139,7 +140,7 @@ class PduExplainer {
       fault = "no data";
     else if (!bits && count % 2 != 0)
       fault = "registers have two bytes each";
-    writer_.add(at, 1, "byte count", number(count), std::move(fault));
+    writer_.add(at, 1, "byte count", number(count), fault);
     data(at + 1, std::min(count, came), bits);
     trailing(at + 1 + std::min(count, came));
   }

@@ -123,9 +123,9 @@ class HostLinkExplainer {
       writer_.remark("", std::to_string(own.size() - size) + " characters behind the frame");
   }
 
-  void add(std::size_t at, std::size_t length, std::string name, std::string value,
-           std::string fault = {}) {
-    writer_.add(start_ + at, length, std::move(name), std::move(value), std::move(fault));
+  void add(std::size_t at, std::size_t length, const std::string& name, const std::string& value,
+           const std::string& fault = {}) {
+    writer_.add(start_ + at, length, name, value, fault);
   }
 
   static std::string digits_fault(ByteView characters) {
