@@ -31,7 +31,7 @@ bool has_program(const std::string& program) { return std::filesystem::exists(pa
 Process::Process(const std::string& program, const std::vector<std::string>& arguments,
                  const std::string& log_path) {
   const std::string path = path_of(program);
-  // It ends with us, also where we are killed: no bridge stays and keeps its buses from the next run.
+  // It ends with us, also where we are killed: no bridge stays that keeps its buses from the next.
   std::vector<std::string> words{"setpriv", "--pdeathsig", "TERM", "--", path};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
