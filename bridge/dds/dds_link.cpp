@@ -33,12 +33,11 @@ constexpr std::size_t kSamplesOfBlock = 64;
 // What one bus has in the domain besides the writers shared by all.
 struct Bus {
   Bus(Domain& domain, const std::string& bridge, const BusSpec& spec,
-      const BusCatalogue::Writers& writers, BlockWriter::Stream stream,
+      const BusCatalogue::Writers& writers, const BlockWriter::Stream& stream,
       std::function<void()> on_reader)
       : catalogue(writers, bridge, spec.name, stream.epoch),
-        blocks(domain, "fieldcast-bridge " + bridge + ": " + spec.name, std::move(stream),
-               on_reader),
-        samples(domain, bridge, spec,
+        blocks(domain, "fieldcast-bridge " + bridge + ": " + spec.name, stream, on_reader),
+        samples(domain, bridge, spec, stream.most_bytes,
                 {std::move(on_reader), [this](ChannelIndex channel, LastValue& out) {
                    return blocks.last_value(channel, out);
                  }}) {

@@ -66,9 +66,13 @@
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/writer/WriterDiscoveryInfo.h>
 #include <fastrtps/utils/IPLocator.h>
+
+#include <fastdds/rtps/common/LocatorList.hpp>
 #endif
 
+#include <chrono>
 #include <cstdint>
+#include <mutex>
 #include <span>
 #include <string>
 #include <vector>
@@ -183,18 +187,43 @@ class DiscoveryListener : public dds::DomainParticipantListener {
 
 // ---- transport
 
+// One message on its way out.
+struct OutgoingMessage {
+  using Deadline = std::chrono::steady_clock::time_point;
+  using Locators = rtps_transport::LocatorsIterator;
+
+  rtps::SenderResource* below;  // of the transport below
+  std::span<const std::uint8_t> bytes;
+  Locators *begin, *end;  // its receivers; who walks them moves `begin`
+  Deadline deadline;
+};
+
 // A transport over another one that sees every message before it is sent.
 class OutgoingTransport : public rtps_transport::ChainingTransport {
  public:
   using ChainingTransport::ChainingTransport;
 
+  // Hands it to the transport below. Any thread.
+  bool send_whole(const OutgoingMessage& message) {
+    const std::lock_guard lock(mutex_);
+    const auto length = static_cast<std::uint32_t>(message.bytes.size());
+#if FASTDDS_VERSION_MAJOR >= 3
+    return message.below->send({{ message.bytes.data(),
+                                  length }},
+                               length, message.begin, message.end, message.deadline, 0);
+#else
+    return message.below->send(message.bytes.data(), length, message.begin, message.end,
+                               message.deadline);
+#endif
+  }
+
  protected:
-  // What is to be sent in the place of this message; valid until the thread sends its next one.
-  virtual std::span<const std::uint8_t> replace(std::span<const std::uint8_t> message) = 0;
+  // Sends it, as it is or changed, now or soon.
+  virtual bool on_message(const OutgoingMessage& message) = 0;
 
  private:
-  using Deadline = std::chrono::steady_clock::time_point;
-  using Locators = rtps_transport::LocatorsIterator;
+  using Deadline = OutgoingMessage::Deadline;
+  using Locators = OutgoingMessage::Locators;
 
 #if FASTDDS_VERSION_MAJOR >= 3
   bool send(rtps::SenderResource* below, const std::vector<rtps::NetworkBuffer>& pieces,
@@ -203,7 +232,7 @@ class OutgoingTransport : public rtps_transport::ChainingTransport {
   }
   bool send_w_priority(rtps::SenderResource* below, const std::vector<rtps::NetworkBuffer>& pieces,
                        std::uint32_t size, Locators* begin, Locators* end, const Deadline& deadline,
-                       std::int32_t priority) final {
+                       std::int32_t) final {
     thread_local std::vector<std::uint8_t> whole;  // at most one message of the transport
     whole.clear();
     for (const rtps::NetworkBuffer& piece : pieces) {
@@ -211,15 +240,12 @@ class OutgoingTransport : public rtps_transport::ChainingTransport {
       whole.insert(whole.end(), bytes, bytes + piece.size);
     }
     whole.resize(size);
-    const auto sent = replace(whole);
-    const auto length = static_cast<std::uint32_t>(sent.size());
-    return below->send({{ sent.data(), length }}, length, begin, end, deadline, priority);
+    return on_message({below, whole, begin, end, deadline});
   }
 #else
   bool send(rtps::SenderResource* below, const rtps::octet* bytes, std::uint32_t size,
             Locators* begin, Locators* end, const Deadline& deadline) final {
-    const auto sent = replace({bytes, size});
-    return below->send(sent.data(), static_cast<std::uint32_t>(sent.size()), begin, end, deadline);
+    return on_message({below, {bytes, size}, begin, end, deadline});
   }
 #endif
   void receive(rtps_transport::TransportReceiverInterface* above, const rtps::octet* bytes,
@@ -227,6 +253,8 @@ class OutgoingTransport : public rtps_transport::ChainingTransport {
                const rtps::Locator_t& remote) final {
     above->OnDataReceived(bytes, size, local, remote);
   }
+
+  std::mutex mutex_;  // of sending: the library's own lock is not held by who sends later
 };
 
 }  // namespace fieldcast

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "bridge/dds/joined_sending.hpp"
 #include "bridge/dds/unregister_note.hpp"
 
 namespace fieldcast {
@@ -17,15 +18,23 @@ class NoteTransport : public OutgoingTransport {
     return &descriptor_;
   }
 
-  std::span<const std::uint8_t> replace(std::span<const std::uint8_t> message) override {
-    if (!holds_marks(message)) return message;
+  bool on_message(const OutgoingMessage& message) override {
+    if (!holds_marks(message.bytes)) return pass(message);
     thread_local std::vector<std::uint8_t> copy;  // at most one message of the transport
-    copy.assign(message.begin(), message.end());
+    copy.assign(message.bytes.begin(), message.bytes.end());
     turn_marks_into_notes(copy);
-    return copy;
+    OutgoingMessage turned = message;
+    turned.bytes = copy;
+    return pass(turned);
   }
 
  private:
+  bool pass(const OutgoingMessage& message) {
+    if (JoinedSending* joined = JoinedSending::of_this_thread())
+      return joined->send(*this, message);
+    return send_whole(message);
+  }
+
   NoteTransportDescriptor descriptor_;
 };
 

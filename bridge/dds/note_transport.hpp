@@ -1,5 +1,6 @@
 // A transport over another one that turns marked messages into notes of unregistered instances
-// (unregister_note.hpp) as they leave. Everything else goes through as it is.
+// (unregister_note.hpp) as they leave, and joins what belongs together (joined_sending.hpp).
+// Everything else goes through as it is.
 #pragma once
 
 #include "bridge/dds/fastdds.hpp"

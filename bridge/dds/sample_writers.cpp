@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "bridge/check.hpp"
+#include "bridge/dds/joined_sending.hpp"
 
 namespace fieldcast {
 
@@ -32,9 +33,10 @@ struct SampleWriters::Writer : dds::DataWriterListener {
 };
 
 SampleWriters::SampleWriters(Domain& domain, const std::string& bridge, const BusSpec& bus,
-                             Hooks hooks)
+                             std::size_t most_bytes, Hooks hooks)
     : domain_(domain),
       label_("fieldcast-bridge " + bridge + ": " + bus.name),
+      most_bytes_(most_bytes),
       hooks_(std::move(hooks)) {
   const std::lock_guard lock(mutex_);
   for (const DeviceSpec& device : bus.devices) {
@@ -88,6 +90,7 @@ std::size_t SampleWriters::wake() {
   std::size_t written = 0;
   for (std::size_t begin = 0; begin < slots; begin += kWakeChunk) {
     const std::lock_guard lock(mutex_);
+    const JoinedSending joined(most_bytes_);
     for (std::size_t i = begin; i < std::min(begin + kWakeChunk, slots); ++i) {
       Slot& slot = slots_[i];
       if (slot.writer == nullptr || slot.written()) continue;
@@ -103,6 +106,7 @@ bool SampleWriters::write(std::span<const Sample> samples, const UtcMapping& map
   const std::lock_guard lock(mutex_);
   tidy_up(mapping.instant);
   bool taken = true;
+  const JoinedSending joined(most_bytes_);
   for (const auto& [slot, sample] : in_order(samples)) {
     // Its value came from wake(), which was faster.
     if (!awake_ || sample->sequence <= slot->value.sequence) continue;

@@ -36,7 +36,9 @@ class SampleWriters {
     std::function<bool(ChannelIndex, LastValue&)> last_value;
   };
   // Makes the writers of every channel that is read. Throws DdsError.
-  SampleWriters(Domain& domain, const std::string& bridge, const BusSpec& bus, Hooks hooks);
+  // `most_bytes`: of a datagram.
+  SampleWriters(Domain& domain, const std::string& bridge, const BusSpec& bus,
+                std::size_t most_bytes, Hooks hooks);
   ~SampleWriters();  // dispose() unless done
   SampleWriters(const SampleWriters&) = delete;
   SampleWriters& operator=(const SampleWriters&) = delete;
@@ -114,6 +116,7 @@ class SampleWriters {
 
   Domain& domain_;
   const std::string label_;
+  const std::size_t most_bytes_;
   const Hooks hooks_;
   std::atomic<bool> awake_{false};
   mutable std::mutex mutex_;  // what follows

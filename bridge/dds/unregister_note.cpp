@@ -1,7 +1,8 @@
 #include "bridge/dds/unregister_note.hpp"
 
-#include <bit>
 #include <cstring>
+
+#include "bridge/dds/rtps_message.hpp"
 
 namespace fieldcast {
 
@@ -9,9 +10,8 @@ namespace {
 
 // RTPS 2.2, 9.4.5.1 and 9.4.5.3: 15 flags length(2) | extra(2) to-inline-qos(2) reader(4) writer(4)
 // sequence(8) inline-qos.. payload..
-constexpr std::size_t kMessageHeader = 20, kSubmessageHeader = 4, kParameterHeader = 4;
-constexpr std::uint8_t kData = 0x15;
-constexpr std::uint8_t kLittleEndian = 1, kInlineQos = 2, kDataPayload = 4, kKeyPayload = 8;
+constexpr std::size_t kParameterHeader = 4;
+constexpr std::uint8_t kInlineQos = 2, kDataPayload = 4, kKeyPayload = 8;
 // RTPS 2.2, 9.6.2.2.2 and 9.6.3; the mark is a parameter of Fast DDS.
 constexpr std::uint16_t kKeyHash = 0x70, kStatusInfo = 0x71, kSentinel = 1, kMark = 0x800f;
 constexpr std::uint16_t kKeyHashSize = 16, kStatusInfoSize = 4, kMarkSize = 24;
@@ -21,9 +21,6 @@ static_assert(kMarkSize == kKeyHashSize + kParameterHeader + kStatusInfoSize);
 // No writer comes to this sequence number.
 constexpr std::int32_t kMarkHigh = 0x46436E6F;
 constexpr std::uint32_t kMarkLow = 0x74652E31;
-
-// The library writes in the order of this machine.
-constexpr std::uint8_t kOwnOrder = std::endian::native == std::endian::little ? kLittleEndian : 0;
 
 template <class T>
 T at(std::span<const std::uint8_t> bytes, std::size_t offset) {
@@ -43,8 +40,9 @@ bool is_mark(std::span<const std::uint8_t> message, std::size_t parameter) {
 // The offset of the mark in the submessage of [begin, end); 0: none.
 std::size_t find_mark(std::span<const std::uint8_t> message, std::size_t begin, std::size_t end) {
   const std::uint8_t flags = message[begin + 1];
-  if (message[begin] != kData || (flags & kLittleEndian) != kOwnOrder || !(flags & kInlineQos) ||
-      !(flags & kDataPayload) || end < begin + kSubmessageHeader + 20)
+  if (message[begin] != static_cast<std::uint8_t>(Submessage::kData) ||
+      (flags & kLittleEndian) != kOwnOrder || !(flags & kInlineQos) || !(flags & kDataPayload) ||
+      end < begin + kSubmessageHeader + 20)
     return 0;
   std::size_t parameter =
       begin + kSubmessageHeader + 4 + at<std::uint16_t>(message, begin + kSubmessageHeader + 2);

@@ -1,0 +1,30 @@
+// The form of an RTPS message (RTPS 2.2, 9.4): a header, then submessages, each with a head of kind,
+// flags and length.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+namespace fieldcast {
+
+inline constexpr std::size_t kMessageHeader = 20, kSubmessageHeader = 4;  // bytes
+
+// 9.4.5.1.1
+enum class Submessage : std::uint8_t {
+  kPad = 0x01,
+  kHeartbeat = 0x07,
+  kGap = 0x08,
+  kInfoTs = 0x09,
+  kInfoDst = 0x0e,
+  kData = 0x15,
+  kStatistics = 0x80,  // of the vendor: Fast DDS counts messages in it
+};
+
+// The flag of every submessage for the order of its bytes, and its value where the library writes:
+// in the order of this machine.
+inline constexpr std::uint8_t kLittleEndian = 1;
+inline constexpr std::uint8_t kOwnOrder =
+    std::endian::native == std::endian::little ? kLittleEndian : 0;
+
+}  // namespace fieldcast
