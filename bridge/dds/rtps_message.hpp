@@ -1,5 +1,5 @@
-// The form of an RTPS message (RTPS 2.2, 9.4): a header, then submessages, each with a head of kind,
-// flags and length.
+// The form of an RTPS message (RTPS 2.2, 9.4): a header, then submessages, each with a head of
+// kind, flags and length.
 #pragma once
 
 #include <bit>
