@@ -93,46 +93,18 @@ void CommandJob::answered(const Reply& reply) {
     if (range.cause != Cause::kNone) return failed(range.cause, range.device_code);
   }
   switch (phase_) {
-    case Phase::kReadBefore: {
-      phase_ = Phase::kWrite;
-      if (!merge_needed_) break;  // only to learn of an echo
-      // Only our bit changes: the word is written as it was just read.
-      const std::size_t byte = image_.size() - 1 - *bit_ / 8;
-      const bool on = (image_[byte] >> *bit_ % 8 & 1) != 0;
-      image_ = reply.front().items;
-      merge_bit(image_, *bit_, on);
-      break;
-    }
+    case Phase::kReadBefore: merge_into(reply.front().items); break;
     case Phase::kWrite:
-      if (reply.size() > 1) {  // written and read back in one round
-        read_back_ = reply.back().items;
-        if (reads_back_same(read_back_))
-          finish(CommandState::kVerified);
-        else
-          finish(CommandState::kFailed, Cause::kNotVerified, 0,
-                 std::string(to_text(Cause::kNotVerified)));
-      } else {
+      if (reply.size() > 1)  // written and read back in one round
+        verify(reply.back().items);
+      else
         wrote();
-      }
       break;
     case Phase::kReadBack:
-      read_back_ = reply.front().items;
-      if (reads_back_same(read_back_)) {
-        if (command_.verify)
-          finish(CommandState::kVerified);
-        else
-          finish(CommandState::kDone, Cause::kNone, 0,
-                 "the answer was lost; reading back shows the value");
-      } else if (in_doubt_ && rewrites_ < max_rewrites_) {
-        ++rewrites_;
-        in_doubt_ = false;
-        read_back_.clear();  // it shows what was, not what will be
-        phase_ = Phase::kWrite;
-      } else {
-        finish(CommandState::kFailed, in_doubt_ ? Cause::kNoAnswer : Cause::kNotVerified, 0,
-               in_doubt_ ? "no answer, and reading back shows another value"
-                         : std::string(to_text(Cause::kNotVerified)));
-      }
+      if (in_doubt_)
+        resolve_doubt(reply.front().items);
+      else
+        verify(reply.front().items);
       break;
     case Phase::kAcquire:
       read_items_.push_back(reply.front().items);
@@ -140,6 +112,44 @@ void CommandJob::answered(const Reply& reply) {
       break;
     case Phase::kFinished: break;
   }
+}
+
+// Only the command's bit changes: the rest of the word is written as it was just read.
+void CommandJob::merge_into(const Bytes& before) {
+  phase_ = Phase::kWrite;
+  if (!merge_needed_) return;  // the read only showed whether the line echoes
+  const std::size_t byte = image_.size() - 1 - *bit_ / 8;
+  const bool on = (image_[byte] >> *bit_ % 8 & 1) != 0;
+  image_ = before;
+  merge_bit(image_, *bit_, on);
+}
+
+void CommandJob::verify(const Bytes& items) {
+  read_back_ = items;
+  if (reads_back_same(items))
+    finish(CommandState::kVerified);
+  else
+    finish(CommandState::kFailed, Cause::kNotVerified, 0,
+           std::string(to_text(Cause::kNotVerified)));
+}
+
+// A write went unanswered: the items that the device holds now tell whether it took effect.
+void CommandJob::resolve_doubt(const Bytes& items) {
+  if (reads_back_same(items)) {
+    read_back_ = items;
+    if (command_.verify) return finish(CommandState::kVerified);
+    return finish(CommandState::kDone, Cause::kNone, 0,
+                  "the answer was lost; reading back shows the value");
+  }
+  if (rewrites_ < max_rewrites_) {  // `items` is what was, not what will be: it is not kept
+    ++rewrites_;
+    in_doubt_ = false;
+    phase_ = Phase::kWrite;
+    return;
+  }
+  read_back_ = items;
+  finish(CommandState::kFailed, Cause::kNoAnswer, 0,
+         "no answer, and reading back shows another value");
 }
 
 void CommandJob::failed(Cause cause, std::uint16_t device_code) {

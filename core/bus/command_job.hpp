@@ -21,7 +21,7 @@ struct CommandFault {
   std::string reason;
 };
 
-// Something that a command reads or writes: a channel, or a stretch of items by address.
+// Something that a command reads or writes: a channel, or a run of items by address.
 struct CommandSubject {
   Range range;
   Encoding encoding;
@@ -43,8 +43,8 @@ class CommandJob {
   [[nodiscard]] std::optional<Request> next() const;
   // The next request, if it is a plain write that may travel with its neighbours.
   [[nodiscard]] std::optional<WriteRequest> batchable() const;
-  // A request of several commands was refused: which of them was meant shows only when each goes
-  // alone.
+  // A request of several commands was refused. Each goes alone from now on: that shows which of
+  // them the device refuses.
   void go_alone() { alone_ = true; }
   void answered(const Reply& reply);
   void failed(Cause cause, std::uint16_t device_code);
@@ -101,7 +101,10 @@ class CommandJob {
   [[nodiscard]] ByteView items_of(const CommandSubject& subject) const;
   void finish(CommandState state, Cause cause = Cause::kNone, std::uint16_t device_code = 0,
               std::string reason = {});
+  void merge_into(const Bytes& before);  // the items that a read before the write found
   void wrote();
+  void verify(const Bytes& items);  // the items that were read back, with the answer or after it
+  void resolve_doubt(const Bytes& items);
   [[nodiscard]] bool has_plainer_form() const;
 
   Command command_;
@@ -120,7 +123,7 @@ class CommandJob {
   unsigned max_rewrites_ = 0;
   std::vector<Range> reads_;       // of an acquisition
   std::vector<Bytes> read_items_;  // what came of them, as far as read
-  Bytes read_back_;
+  Bytes read_back_;                // empty until a write was read back
   Phase phase_ = Phase::kFinished;
   CommandState state_ = CommandState::kFailed;
   Cause cause_ = Cause::kNone;
