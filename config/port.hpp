@@ -13,8 +13,10 @@
 
 namespace fieldcast::config {
 
-// { serial: PATH, baud, format, rs485, low-latency, exclusive } { tcp: HOST:PORT, baud, format,
-// connect-timeout } or { dial-in: NUMBER, baud, format }.
+//     { serial: PATH, baud, format, rs485, low-latency, exclusive }
+//     { tcp: HOST:PORT, baud, format, connect-timeout }
+//     { dial-in: NUMBER, baud, format }
+//
 // Without baud and format the line is what the protocol's devices have from the factory
 // (ProtocolEntry::factory_line).
 [[nodiscard]] PortSpec read_port(const Node& node, std::string_view protocol, FaultList& faults);

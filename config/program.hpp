@@ -7,8 +7,9 @@
 
 namespace fieldcast::config {
 
-// program: { engineers: { listen, certificate, key, login, heartbeat, idle }, modules: { listen,
-// ask, prefix, unit, first, words, timeout } }
+//     program:
+//       engineers: { listen, certificate, key, login, heartbeat, idle }
+//       modules: { listen, ask, prefix, unit, first, words, timeout }
 void read_program(MapReader& bridge, ProgramSpec& spec, Library& library);
 
 // The device numbers of the whole file: each once, and only where somebody can ask for it or dial

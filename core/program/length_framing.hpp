@@ -3,10 +3,11 @@
 //     length(4) bytes       1 .. kMaxChunk, big-endian
 //     00000000              heartbeat
 //     FFFFFFFF              stop; the bridge may say why in one marker frame behind it (@@0003FEFF)
-//     FFFFFFFE baud(4) stop(1) data(1) parity(1)    of the real line (client to bridge; ours): baud
-//     0 and data 0 leave the baud
-//                           rate, and data bits and parity, as the bridge's configuration has them;
-//                           parity 0 none, 1 even, 2 odd
+//     FFFFFFFE baud(4) stop(1) data(1) parity(1)
+//                           settings of the real line, client to bridge (ours)
+//
+// baud 0 leaves the baud rate, data 0 leaves data bits and parity as the bridge's configuration has
+// them. parity: 0 none, 1 even, 2 odd.
 #pragma once
 
 #include <variant>

@@ -1,8 +1,10 @@
 // C-mode: two-letter commands, words as four digits, long data in several frames.
 //
-//     read    @ uu Rx first(4) count(4) FCS * CR      ->  @ uu Rx ee data FCS [*] CR, then data FCS
-//     [*] CR after each delimiter write   @ uu Wx first(4) data FCS [*] CR, then data FCS [*] CR
-//     after each delimiter      ->  @ uu Wx ee FCS * CR
+//     read     @ uu Rx first(4) count(4) FCS * CR
+//     answer   @ uu Rx ee data FCS [*] CR           then, after each delimiter: data FCS [*] CR
+//
+//     write    @ uu Wx first(4) data FCS [*] CR     then, after each delimiter: data FCS [*] CR
+//     answer   @ uu Wx ee FCS * CR
 //
 // Addresses and counts are decimal, data hexadecimal; EM puts the bank's two digits before the
 // address. A header that the PLC does not know is answered by @ uu IC FCS * CR.

@@ -1,17 +1,16 @@
 // FINS commands in Host Link frames with the header FA: reads of ranges and of scattered words,
 // writes of words and single bits.
 //
-//     request   @ uu FA w ICF DA2 SA2 SID command.. FCS * CR                            the CPU on
-//     the line: ICF 00
-//               @ uu FA w ICF RSV GCT DNA DA1 DA2 SNA SA1 SA2 SID command.. FCS * CR    another
-//               node: ICF 80
-//     answer    @ uu FA ee ICF .. SID command(2) end(2) data.. FCS * CR                 ICF 40 or
-//     C0, the same fields
+//     request   @ uu FA w ICF DA2 SA2 SID command.. FCS * CR
+//     request   @ uu FA w ICF RSV GCT DNA DA1 DA2 SNA SA1 SA2 SID command.. FCS * CR
+//     answer    @ uu FA ee ICF .. SID command(2) end(2) data.. FCS * CR
 //
 //     0101  area address(2) bit count(2)               ->  data
 //     0102  area address(2) bit count(2) data
 //     0104  (area address(2) bit) for each item        ->  (area data) for each item
 //
+// The first form goes to the CPU on the line (ICF 00), the second one to another node (ICF 80). An
+// answer has ICF 40 or C0 and the fields of its request.
 // w: the PLC waits w * 10 ms before it answers. Two digits for each byte (Omron W227 and W342).
 #pragma once
 

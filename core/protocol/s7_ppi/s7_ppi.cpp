@@ -3,9 +3,9 @@
 //     master  68 .. request .. 16
 //     slave   E5                       received; the work is queued
 //     master  10 DA SA 5C FCS 16       poll, after a rest: some CPUs miss a poll that comes at once
-//     slave   68 .. answer .. 16       or E5 again: not ready, poll once more with the other
-//     frame-count bit
+//     slave   68 .. answer .. 16       or E5 again: not ready
 //
+// After another E5 the master polls once more, with the other frame-count bit.
 // An answer that comes without E5, or glued to it, is taken as well.
 #include "core/protocol/s7_ppi/s7_ppi.hpp"
 

@@ -1,10 +1,14 @@
 // The S7 unit inside a data telegram: reads and writes of memory.
 //
-//     request   32 01 00 00 ref(2) plen(2) dlen(2)            04 n item*n           or   05 01
-//     item, then 00 TS len(2) data item      12 0A 10 TS count(2) db(2) area address(3)    address
-//     = byte * 8 + bit, or the number of a timer or counter answer    32 03 00 00 ref(2) plen(2)
-//     dlen(2) class code 04 n, then n times code TS len(2) data   or   05 01, then a code
+//     request          32 01 00 00 ref(2) plen(2) dlen(2), then one of
+//       read           04 n item*n
+//       write          05 01 item, then 00 TS len(2) data
+//     item             12 0A 10 TS count(2) db(2) area address(3)
+//     answer           32 03 00 00 ref(2) plen(2) dlen(2) class code, then one of
+//       to a read      04 n, then n times: code TS len(2) data
+//       to a write     05 01, then a code
 //
+// address: byte * 8 + bit, or the number of a timer or counter.
 // Code FF is good. len counts bits with TS 04, items with 03, bytes with 09; every item of an
 // answer but the last is filled to an even number of bytes.
 #pragma once

@@ -3,8 +3,9 @@
 //
 //     request   q DT DA DA LE LE DU*8 FC FC Q     17 characters
 //     answer    q DU*8 FC FC Q                    12
-//     refusal   q E CC CC FC FC Q                  7     codes 01 check, 02 length, 03 digits, 04
-//     command
+//     refusal   q E CC CC FC FC Q                  7
+//
+// Codes of a refusal: 01 check, 02 length, 03 digits, 04 command.
 //
 // Its program shows what is written to it in its read window, but for bytes of channels that are
 // read-only.

@@ -1,8 +1,8 @@
 // A simulated Mitsubishi FX at its programming port. Written from the rules alone, apart from the
 // bridge's codec: they share the sum.
 //
-//     ENQ 05 -> ACK 06      02 command address(4) .. 03 sum(2) -> 02 data 03 sum(2), or 06, or 15
-//     where it refuses
+//     ENQ 05                               ->  ACK 06
+//     02 command address(4) .. 03 sum(2)   ->  02 data 03 sum(2), or 06; 15 where it refuses
 //
 // The classic commands 0, 1, 7, 8 and the extended E00, E10, E7, E8 with their own address map. One
 // PLC to a port: it has no address.

@@ -3,8 +3,7 @@
 // they share the XOR.
 //
 //     @ uu HH text FCS * CR        ->  @ uu HH ee data FCS * CR
-//     .. FCS CR                        an unfinished frame; a lone CR from the other side asks for
-//     the next
+//     .. FCS CR                        an unfinished frame: a lone CR asks for the next one
 #pragma once
 
 #include <deque>

@@ -2,8 +2,8 @@
 // they share the sum.
 //
 //     request   68 LE LE 68 DA SA FC 32 01 .. FCS 16     ->  E5
-//     poll      10 DA SA FC FCS 16                       ->  68 .. 32 03 .. 16, or 10 SA DA 09 FCS
-//     16 with nothing queued
+//     poll      10 DA SA FC FCS 16                       ->  68 .. 32 03 .. 16
+//               with nothing queued                      ->  10 SA DA 09 FCS 16
 //
 // The link layer; what a telegram asks is the unit's work (ppi_unit.hpp).
 #pragma once
@@ -43,8 +43,8 @@ class PpiDevice : public SimDevice {
   PpiUnit unit_;
   Bytes queued_;  // the answer that waits for a poll
   Bytes given_;   // the one that the last poll brought
-  std::optional<std::uint8_t>
-      last_poll_{};  // its frame control: the same again asks for the same again
+  // The frame control of the last poll: a poll with the same one requests the same answer again.
+  std::optional<std::uint8_t> last_poll_{};
 };
 
 // Refuses, with a text for people, a station outside 0..126, and a channel whose address is no
