@@ -45,61 +45,10 @@ class OperationCheck {
     if (!there) faults_.add(position, what, allowed);
   }
 
-  // Every number that a field may have to hold.
+  // A field must be wide enough for every number that it may have to hold.
   void check_frame(const DraftFrame& frame) {
-    const std::uint64_t last = area_.items == 0 ? 0 : area_.items - 1, count = operation_.max_count;
     for (const DraftField& draft : frame.fields) {
-      const Field& field = draft.field;
-      if (!draft.fits) continue;  // said already
-      const auto holds = [&](std::uint64_t lowest, std::uint64_t highest, const std::string& what) {
-        const auto largest =
-            std::min(declared::largest(field.word), UINT64_MAX >> (64 - field.bits));
-        const bool below = field.plus < 0 && lowest < static_cast<std::uint64_t>(-field.plus);
-        if (below || highest + static_cast<std::uint64_t>(field.plus) > largest)
-          faults_.add(
-              draft.position,
-              fmt::format("'{}' is too narrow: {} {}", field.name, what,
-                          below ? "falls below 0"
-                                : fmt::format("reaches {}",
-                                              highest + static_cast<std::uint64_t>(field.plus))),
-              fmt::format("0 to {}, or a wider field", largest));
-      };
-      switch (field.kind) {
-        case FieldKind::kAddress:
-          holds(declaration_.lowest_address, declaration_.highest_address, "the address");
-          break;
-        case FieldKind::kCommand:
-          needs(draft_.has_command, draft.position,
-                fmt::format("the operation '{}' has no command", operation_.name),
-                "command: a number, in the operation");
-          holds(operation_.command, operation_.command, "the command");
-          break;
-        case FieldKind::kFirst: holds(0, last * field.times, "the last item"); break;
-        case FieldKind::kCount:
-          holds(operation_.min_count * std::uint64_t{field.times}, count * field.times,
-                "the count");
-          break;
-        case FieldKind::kLength: check_length(frame, draft, holds); break;
-        case FieldKind::kItems:
-          if (area_.record)
-            faults_.add(draft.position,
-                        fmt::format("'{}' is a record and has no items", area_.name),
-                        "is: value, for each of its values");
-          if (area_.item_bits > 1 && field.word.notation == declared::Notation::kDecimal &&
-              declared::largest(field.word) < UINT64_MAX >> (64 - area_.item_bits))
-            faults_.add(
-                draft.position,
-                fmt::format("'{}' is too narrow for items of {} bits", field.name, area_.item_bits),
-                "more digits");
-          break;
-        case FieldKind::kValue:
-          if (!area_.record)
-            faults_.add(draft.position,
-                        fmt::format("'{}' is no record and has no values", area_.name),
-                        "is: items, or record: true in the area");
-          break;
-        default: break;
-      }
+      if (draft.fits) check_field(frame, draft);  // else its fault was noted already
     }
     if (!frame.good) return;
     const auto whole = declared::size_of(frame.frame(), area_.item_bits, operation_.max_count);
@@ -108,8 +57,63 @@ class OperationCheck {
                   fmt::format("at most {}", declared::kMaxFrame));
   }
 
-  template <typename Holds>
-  void check_length(const DraftFrame& frame, const DraftField& draft, const Holds& holds) {
+  void check_field(const DraftFrame& frame, const DraftField& draft) {
+    const Field& field = draft.field;
+    const std::uint64_t last = area_.items == 0 ? 0 : area_.items - 1, count = operation_.max_count;
+    switch (field.kind) {
+      case FieldKind::kAddress:
+        check_numbers(draft, declaration_.lowest_address, declaration_.highest_address,
+                      "the address");
+        break;
+      case FieldKind::kCommand:
+        needs(draft_.has_command, draft.position,
+              fmt::format("the operation '{}' has no command", operation_.name),
+              "command: a number, in the operation");
+        check_numbers(draft, operation_.command, operation_.command, "the command");
+        break;
+      case FieldKind::kFirst: check_numbers(draft, 0, last * field.times, "the last item"); break;
+      case FieldKind::kCount:
+        check_numbers(draft, operation_.min_count * std::uint64_t{field.times}, count * field.times,
+                      "the count");
+        break;
+      case FieldKind::kLength: check_length(frame, draft); break;
+      case FieldKind::kItems: check_items(draft); break;
+      case FieldKind::kValue:
+        needs(area_.record, draft.position,
+              fmt::format("'{}' is no record and has no values", area_.name),
+              "is: items, or record: true in the area");
+        break;
+      default: break;
+    }
+  }
+
+  void check_numbers(const DraftField& draft, std::uint64_t lowest, std::uint64_t highest,
+                     const std::string& what) {
+    const Field& field = draft.field;
+    const auto largest = std::min(declared::largest(field.word), UINT64_MAX >> (64 - field.bits));
+    const bool below = field.plus < 0 && lowest < static_cast<std::uint64_t>(-field.plus);
+    const std::uint64_t reached = highest + static_cast<std::uint64_t>(field.plus);
+    if (!below && reached <= largest) return;
+    faults_.add(draft.position,
+                fmt::format("'{}' is too narrow: {} {}", field.name, what,
+                            below ? "falls below 0" : fmt::format("reaches {}", reached)),
+                fmt::format("0 to {}, or a wider field", largest));
+  }
+
+  void check_items(const DraftField& draft) {
+    const Field& field = draft.field;
+    needs(!area_.record, draft.position,
+          fmt::format("'{}' is a record and has no items", area_.name),
+          "is: value, for each of its values");
+    if (area_.item_bits > 1 && field.word.notation == declared::Notation::kDecimal &&
+        declared::largest(field.word) < UINT64_MAX >> (64 - area_.item_bits))
+      faults_.add(
+          draft.position,
+          fmt::format("'{}' is too narrow for items of {} bits", field.name, area_.item_bits),
+          "more digits");
+  }
+
+  void check_length(const DraftFrame& frame, const DraftField& draft) {
     if (!frame.good) return;
     std::uint64_t longest = 0;
     const auto fields = frame.frame();
@@ -121,7 +125,7 @@ class OperationCheck {
                           !draft.field.in_characters;
       longest += digits ? size / 2 : size;
     }
-    holds(longest, longest, "the length");
+    check_numbers(draft, longest, longest, "the length");
   }
 
   static std::size_t number_of(const DraftFrame& frame, FieldKind kind) {
@@ -296,48 +300,57 @@ void check_operation(const Declaration& declaration, const DraftOperation& draft
   if (draft.good) OperationCheck(declaration, draft, faults).run();
 }
 
+namespace {
+
+void check_refusal_field(const Declaration& declaration, const DraftField& draft,
+                         FaultList& faults) {
+  const auto kind = draft.field.kind;
+  if (kind == FieldKind::kItems || kind == FieldKind::kValue || kind == FieldKind::kFirst ||
+      kind == FieldKind::kCount)
+    faults.add(draft.position, fmt::format("a refusal brings no '{}'", draft.field.name),
+               "constant, address, command, error, length, sequence, checksum, unused");
+  if (kind == FieldKind::kAddress &&
+      declaration.highest_address > declared::largest(draft.field.word))
+    faults.add(draft.position,
+               fmt::format("'{}' is too narrow: the address reaches {}", draft.field.name,
+                           declaration.highest_address),
+               "a wider field");
+}
+
+// The constants and commands of a frame: by them frames of one length are told apart.
+std::vector<std::string> marks_of(const DraftFrame& frame) {
+  std::vector<std::string> all;
+  for (const auto& draft : frame.fields) {
+    const Field& field = draft.field;
+    if (field.kind == FieldKind::kConstant || field.kind == FieldKind::kCommand)
+      all.push_back(fmt::format("{}/{}/{}", field.text, field.number, field.plus));
+  }
+  return all;
+}
+
+bool told_apart(const DraftFrame& refusal, const DraftOperation& draft, const DeclaredArea& area) {
+  const auto size = declared::size_of(refusal.frame(), 16, 0);
+  const auto answer_size = [&](std::uint32_t count) {
+    return declared::size_of(draft.answer.frame(), area.item_bits, count);
+  };
+  return size < answer_size(draft.operation.min_count) ||
+         size > answer_size(draft.operation.max_count) ||
+         marks_of(refusal) != marks_of(draft.answer) ||
+         draft.answer.find(FieldKind::kError) != nullptr;
+}
+
+}  // namespace
+
 void check_refusal(const Declaration& declaration, const std::vector<DraftOperation>& operations,
                    const DraftFrame& refusal, FaultList& faults) {
   if (refusal.fields.empty()) return;
   if (refusal.find(FieldKind::kError) == nullptr)
     faults.add(refusal.position, "a refusal without a code", "a field that is: error");
-  for (const DraftField& draft : refusal.fields) {
-    const auto kind = draft.field.kind;
-    if (kind == FieldKind::kItems || kind == FieldKind::kValue || kind == FieldKind::kFirst ||
-        kind == FieldKind::kCount)
-      faults.add(draft.position, fmt::format("a refusal brings no '{}'", draft.field.name),
-                 "constant, address, command, error, length, sequence, checksum, unused");
-    if (kind == FieldKind::kAddress &&
-        declaration.highest_address > declared::largest(draft.field.word))
-      faults.add(draft.position,
-                 fmt::format("'{}' is too narrow: the address reaches {}", draft.field.name,
-                             declaration.highest_address),
-                 "a wider field");
-  }
-  // A refusal that an answer could be taken for: nothing but its code would tell them apart.
+  for (const DraftField& draft : refusal.fields) check_refusal_field(declaration, draft, faults);
   if (!refusal.good) return;
   for (const auto& draft : operations) {
     if (!draft.good || !draft.answer.good) continue;
-    const auto& area = declaration.areas[draft.operation.area];
-    const auto size = declared::size_of(refusal.frame(), 16, 0);
-    const auto shortest =
-        declared::size_of(draft.answer.frame(), area.item_bits, draft.operation.min_count);
-    const auto longest =
-        declared::size_of(draft.answer.frame(), area.item_bits, draft.operation.max_count);
-    const auto marks = [](const DraftFrame& frame) {
-      std::vector<std::string> all;
-      for (const auto& field : frame.fields) {
-        const auto kind = field.field.kind;
-        if (kind == FieldKind::kConstant || kind == FieldKind::kCommand)
-          all.push_back(
-              fmt::format("{}/{}/{}", field.field.text, field.field.number, field.field.plus));
-      }
-      return all;
-    };
-    const bool told_apart = size < shortest || size > longest ||
-                            marks(refusal) != marks(draft.answer) ||
-                            draft.answer.find(FieldKind::kError) != nullptr;
-    if (!told_apart)
+    if (!told_apart(refusal, draft, declaration.areas[draft.operation.area]))
       faults.add(
           refusal.position,
           fmt::format("a refusal cannot be told from the answer of '{}'", draft.operation.name),

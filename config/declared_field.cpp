@@ -152,6 +152,21 @@ class FieldReader {
     draft_.width_position = map_.has("bytes")  ? map_.position_of("bytes")
                             : map_.has("bits") ? map_.position_of("bits")
                                                : map_.position_of("digits");
+    check_width(in_digits);
+    const bool bit_items = field.kind == FieldKind::kItems && item_bits_ == 1;
+    read_items_width(bit_items, in_bytes || in_bits);
+    if (field.kind == FieldKind::kItems && !bit_items) bytes = std::max(1u, item_bits_ / 8);
+    if (!in_bits) bits = bytes != 0 ? 8 * bytes : 8;
+    draft_.in_bits = in_bits;
+    draft_.shares = in_bits && bits % 8 != 0;
+    field.bits = static_cast<std::uint8_t>(bits);
+    field.word.characters =
+        static_cast<std::uint8_t>(field.word.notation == Notation::kHex ? bits / 4 : bits / 8);
+    if (in_digits) set_digits(digits);
+  }
+
+  void check_width(bool in_digits) {
+    const Field& field = draft_.field;
     const int widths = map_.has("bytes") + map_.has("bits") + map_.has("digits") +
                        map_.has("text") + !field.text.empty();
     if (widths > 1)
@@ -167,22 +182,21 @@ class FieldReader {
         field.text_size == 0)
       faults_.add(draft_.position, "a decimal field does not say how many digits it has",
                   "digits: 1 to 18");
-    const bool bit_items = field.kind == FieldKind::kItems && item_bits_ == 1;
-    if (field.kind == FieldKind::kItems && !bit_items && (in_bytes || in_bits))
+  }
+
+  void read_items_width(bool bit_items, bool has_width) {
+    Field& field = draft_.field;
+    if (field.kind == FieldKind::kItems && !bit_items && has_width)
       faults_.add(draft_.width_position, "the width of items is that of their area",
                   "no bytes, no bits");
     if (bit_items) field.packed = !map_.has("on") && !map_.has("off");
-    if (field.packed && (in_bytes || in_bits))
+    if (field.packed && has_width)
       faults_.add(draft_.width_position, "bits stand eight in a byte",
                   "no width, or on and off for one that has a word of its own");
-    if (field.kind == FieldKind::kItems && !bit_items) bytes = std::max(1u, item_bits_ / 8);
-    if (!in_bits) bits = bytes != 0 ? 8 * bytes : 8;
-    draft_.in_bits = in_bits;
-    draft_.shares = in_bits && bits % 8 != 0;
-    field.bits = static_cast<std::uint8_t>(bits);
-    field.word.characters =
-        static_cast<std::uint8_t>(field.word.notation == Notation::kHex ? bits / 4 : bits / 8);
-    if (!in_digits) return;
+  }
+
+  void set_digits(unsigned digits) {
+    Field& field = draft_.field;
     field.word.characters = static_cast<std::uint8_t>(digits);
     field.bits = static_cast<std::uint8_t>(field.word.notation == Notation::kHex ? 4 * digits : 64);
     if (field.word.notation == Notation::kHex && field.word.little_endian && digits % 2 != 0)

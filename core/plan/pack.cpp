@@ -21,21 +21,23 @@ struct Piece {
   Duration fastest = Duration::max();
 };
 
-// Cuts the points of an area into pieces for lists and runs that are read alone, at the least cost
-// a second. The begin of a piece is paid at the rate of its fastest point; an item, and the gap
-// before it, at the rate of its own point. Returns the pieces.
-std::vector<Piece> pieces_of(std::span<const Point> points, const AreaPoints& own,
-                             const ListCost& list) {
-  struct Best {
-    double cost = std::numeric_limits<double>::max();
-    std::uint32_t from = 0;
-    bool alone = false;
-  };
+// The cheapest cut of the first points of an area: by the number of points, its cost and its last
+// piece.
+struct Cut {
+  double cost = std::numeric_limits<double>::max();  // nanoseconds of wire a second
+  std::uint32_t from = 0;                            // the first point of the last piece
+  bool alone = false;                                // that piece is a request of its own
+};
+
+// The begin of a piece is paid at the rate of its fastest point; an item, and the gap before it, at
+// the rate of its own point.
+std::vector<Cut> cheapest_cuts(std::span<const Point> points, const AreaPoints& own,
+                               const ListCost& list) {
   const auto count = static_cast<std::uint32_t>(own.points.size());
   const AreaIndex area = points[own.points.front()].range.area;
   const double item_ns = list.item_ns(area), begin_ns = ns(list.range_cost(area)) - item_ns;
   const double alone_ns = own.cost.item_ns();
-  std::vector<Best> best(count + 1);
+  std::vector<Cut> best(count + 1);
   best[0].cost = 0;
   for (std::uint32_t begin = 0; begin < count; ++begin) {
     const Range& head = points[own.points[begin]].range;
@@ -64,12 +66,20 @@ std::vector<Piece> pieces_of(std::span<const Point> points, const AreaPoints& ow
       offer(best[begin].cost + request * rate + alone_ns * items, true);
     }
   }
+  return best;
+}
+
+// Cuts the points of an area into pieces for lists and requests of their own, at the least cost a
+// second. Returns the pieces for lists.
+std::vector<Piece> pieces_of(std::span<const Point> points, const AreaPoints& own,
+                             const ListCost& list) {
+  const std::vector<Cut> best = cheapest_cuts(points, own, list);
   std::vector<Piece> pieces;
-  for (std::uint32_t end = count; end > 0; end = best[end].from) {
+  for (std::size_t end = own.points.size(); end > 0; end = best[end].from) {
     if (best[end].alone) continue;
     const Range& head = points[own.points[best[end].from]].range;
-    Piece piece{{}, {area, head.first, 0}};
-    for (std::uint32_t i = best[end].from; i < end; ++i) {
+    Piece piece{{}, {head.area, head.first, 0}};
+    for (std::size_t i = best[end].from; i < end; ++i) {
       const Point& point = points[own.points[i]];
       piece.points.push_back(own.points[i]);
       piece.range.count = std::max(piece.range.end(), point.range.end()) - piece.range.first;

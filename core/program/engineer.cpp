@@ -170,30 +170,35 @@ void Engineer::handle(const TimerFired&, Instant now, Actions& actions) {
   if (now >= worked_at_ + rules_.idle) {
     return end_pairing("no program byte for " + seconds_text(rules_.idle), true, now, actions);
   }
-  if (now >= half_from_client_) {
-    half_from_client_ = kNever;
-    if (auto code = reader_.take_code()) {
-      take_frame(*std::move(code), now, actions);
-      read_frames(now, actions);
-      if (!paired()) return;
-    } else if (const auto half = reader_.give_up()) {
-      broken(*half, actions);
-    }
-  }
+  if (now >= half_from_client_ && !give_up_client_half(now, actions)) return;
   if (now >= half_from_device_) {
     half_from_device_ = kNever;
     if (const auto half = writer_.give_up()) broken(*half, actions);
   }
-  if (now >= heartbeat_at_) {
-    heartbeat_at_ = now + rules_.heartbeat;
-    Bytes out;
-    if (by_length_) {
-      append_heartbeat(out);
-    } else {
-      out = control_frame(kHeartbeatCode);
-    }
-    actions.push_back(ToClient{std::move(out)});
+  if (now >= heartbeat_at_) send_heartbeat(now, actions);
+}
+
+// False: the pairing ended.
+bool Engineer::give_up_client_half(Instant now, Actions& actions) {
+  half_from_client_ = kNever;
+  if (auto code = reader_.take_code()) {
+    take_frame(*std::move(code), now, actions);
+    read_frames(now, actions);
+    return paired();
   }
+  if (const auto half = reader_.give_up()) broken(*half, actions);
+  return true;
+}
+
+void Engineer::send_heartbeat(Instant now, Actions& actions) {
+  heartbeat_at_ = now + rules_.heartbeat;
+  Bytes out;
+  if (by_length_) {
+    append_heartbeat(out);
+  } else {
+    out = control_frame(kHeartbeatCode);
+  }
+  actions.push_back(ToClient{std::move(out)});
 }
 
 void Engineer::reply(Reply reply, Actions& actions) {

@@ -18,8 +18,8 @@ struct EngineerRules {
   bool login_needed = false;
   Duration heartbeat = std::chrono::seconds{5};
   Duration idle = std::chrono::minutes{10};  // without program bytes either way
-  Duration handshake =
-      std::chrono::seconds{10};  // from connecting, or from the end of a pairing, to the next one
+  // From the connection, or from the end of a pairing, to the next pairing.
+  Duration handshake = std::chrono::seconds{10};
 };
 
 // Events.
@@ -44,8 +44,8 @@ struct FromDevice {
 struct DeviceLost {
   std::string reason;
 };
-struct ClientTakes {  // false: its queue is full; true: it has room again
-  bool takes = true;
+struct ClientTakes {
+  bool takes = true;  // false: its queue is full
 };
 struct DeviceTakes {
   bool takes = true;
@@ -95,9 +95,9 @@ class Engineer {
  public:
   static constexpr unsigned kMissed = 3;                          // heartbeats in a row
   static constexpr Duration kHalfWait = MarkerReader::kHalfWait;  // for the rest of an instruction
-  // For a side whose queue is full and of which not one byte leaves. A slow line is no such side; a
-  // peer that reads slowly opens its TCP window in steps of several kilobytes, which at 1200 baud
-  // are more than half a minute apart.
+  // A side is given up when its queue is full and no byte leaves it for so long. A slow line must
+  // not be given up: a peer that reads slowly opens its TCP window in steps of several kilobytes,
+  // and at 1200 baud these steps are more than half a minute apart.
   static constexpr Duration kStuckWait = std::chrono::seconds{60};
   // Bytes of noise before the first pairing, and after it. More of them end the connection.
   static constexpr std::size_t kMaxNoise = 256, kMaxNoiseLater = 8192;
@@ -110,9 +110,8 @@ class Engineer {
 
   [[nodiscard]] bool paired() const { return state_ == State::kPaired; }
   [[nodiscard]] bool over() const { return state_ == State::kOver; }
-  [[nodiscard]] std::uint64_t bytes_to_device() const {
-    return to_device_;
-  }  // of the pairing, the last one when it is over
+  // Of the pairing; of the last one when there is none.
+  [[nodiscard]] std::uint64_t bytes_to_device() const { return to_device_; }
   [[nodiscard]] std::uint64_t bytes_from_device() const { return from_device_; }
 
  private:
@@ -143,6 +142,9 @@ class Engineer {
   void broken(const BrokenFrame& frame, Actions& actions);
   void program_bytes(Bytes bytes, Instant now, Actions& actions);
 
+  // The rest of an instruction did not come in time.
+  [[nodiscard]] bool give_up_client_half(Instant now, Actions& actions);
+  void send_heartbeat(Instant now, Actions& actions);
   void reply(Reply reply, Actions& actions);
   void refuse(Reply why, const std::string& reason, Instant now, Actions& actions);
   void end_pairing(const std::string& reason, bool tell, Instant now, Actions& actions);
@@ -162,12 +164,14 @@ class Engineer {
   std::size_t noise_ = 0;
   std::uint64_t to_device_ = 0, from_device_ = 0;
   Instant handshake_until_;
-  // The client's last bytes; the last program bytes that came, or that left after they had waited.
-  Instant received_at_{}, worked_at_{};
-  Instant half_from_client_ = kNever, half_from_device_ = kNever;  // when the rest must have come
-  Instant client_stuck_ = kNever, device_stuck_ = kNever;          // when it is given up, if full
-  Instant heartbeat_at_ = kNever;                                  // our next heartbeat
-  Instant timer_ = kNever;                                         // as last told
+  Instant received_at_{};  // when the client's last bytes came
+  Instant worked_at_{};    // when the last program bytes came, or left after they had waited
+  // When the rest of an instruction must have come.
+  Instant half_from_client_ = kNever, half_from_device_ = kNever;
+  // When a side whose queue is full is given up.
+  Instant client_stuck_ = kNever, device_stuck_ = kNever;
+  Instant heartbeat_at_ = kNever;  // our next heartbeat
+  Instant timer_ = kNever;         // as last told
 };
 
 }  // namespace fieldcast::program

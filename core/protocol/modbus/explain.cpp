@@ -78,6 +78,23 @@ std::vector<FrameField> explain_rtu(ByteView frame) {
   return writer.take();
 }
 
+namespace {
+
+// CR LF at `end`, and what follows it.
+void explain_ascii_end(ByteView frame, std::size_t end, bool too_long, FieldWriter& writer) {
+  const bool ended = end + 1 < frame.size() && frame[end + 1] == '\n';
+  writer.add(end, std::min<std::size_t>(2, frame.size() - end), "end", ended ? "CR LF" : "",
+             ended ? "" : "CR LF is missing");
+  if (too_long)
+    writer.remark(std::to_string(frame.size()) + " characters", "longer than 513 characters");
+  if (ended && end + 2 < frame.size()) {
+    writer.add(end + 2, frame.size() - end - 2, "surplus", to_hex(frame.subspan(end + 2)),
+               surplus_text(frame.size() - end - 2));
+  }
+}
+
+}  // namespace
+
 std::vector<FrameField> explain_ascii(ByteView frame) {
   FieldWriter writer;
   if (frame.size() > kMaxExplained) frame = frame.first(kMaxExplained);
@@ -112,16 +129,8 @@ std::vector<FrameField> explain_ascii(ByteView frame) {
   const std::string lrc = to_hex(ByteView(bytes).last(1));
   writer.add(start + 2 * last, 2, "LRC", lrc,
              right[0] == bytes[last] ? "" : "LRC is " + lrc + ", should be " + to_hex(right));
-  const auto end = static_cast<std::size_t>(cr - frame.begin());
-  const bool ended = end + 1 < frame.size() && frame[end + 1] == '\n';
-  writer.add(end, std::min<std::size_t>(2, frame.size() - end), "end", ended ? "CR LF" : "",
-             ended ? "" : "CR LF is missing");
-  if (bytes.size() > 255)
-    writer.remark(std::to_string(frame.size()) + " characters", "longer than 513 characters");
-  if (ended && end + 2 < frame.size()) {
-    writer.add(end + 2, frame.size() - end - 2, "surplus", to_hex(frame.subspan(end + 2)),
-               surplus_text(frame.size() - end - 2));
-  }
+  explain_ascii_end(frame, static_cast<std::size_t>(cr - frame.begin()), bytes.size() > 255,
+                    writer);
   return writer.take();
 }
 

@@ -167,16 +167,21 @@ const std::vector<Area>& areas_of(Mode mode) {
   return mode == Mode::kFins ? fins : c;
 }
 
+namespace {
+
+// "DM100": the letters of the area, and the rest. The bank of EM may be a letter: "EMA_0".
+std::pair<std::string_view, std::string_view> split_area(std::string_view at) {
+  std::size_t letters = std::min(at.find_first_of("0123456789"), at.size());
+  if (at.find('_') != std::string_view::npos && at.starts_with("E"))
+    letters = at.starts_with("EM") ? 2 : 1;
+  return {at.substr(0, letters), at.substr(letters)};
+}
+
+}  // namespace
+
 tl::expected<ParsedAddress, AddressFault> parse_address(Mode mode, std::string_view at) {
-  const std::size_t first_digit = std::min(at.find_first_of("0123456789"), at.size());
-  std::string_view letters = at.substr(0, first_digit);
-  std::string_view rest = at.substr(first_digit);
-  if (at.find('_') != std::string_view::npos &&
-      at.starts_with("E")) {  // the bank of EM may be a letter
-    letters = at.starts_with("EM") ? "EM" : "E";
-    rest = at.substr(letters.size());
-  }
-  const auto named = [&](const AreaRow& row) {
+  const auto [letters, rest] = split_area(at);
+  const auto named = [letters = letters](const AreaRow& row) {
     return row.name == letters || row.other == letters;
   };
   const auto row = std::find_if(kRows.begin(), kRows.end(), named);

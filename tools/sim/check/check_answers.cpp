@@ -11,8 +11,8 @@ namespace fieldcast::sim {
 namespace {
 
 constexpr int kNoiseRounds = 200;
-constexpr std::size_t kMostFlipped =
-    160;  // characters of an answer in which every bit is flipped; beyond, one bit of each
+// Characters of an answer in which every bit is flipped; beyond, one bit of each.
+constexpr std::size_t kMostFlipped = 160;
 
 class AnswerCheck {
  public:
@@ -33,67 +33,94 @@ class AnswerCheck {
   }
 
  private:
-  void disturb(const NamedRequest& example) {
+  // An exchange whose answers are disturbed, and what comes of it undisturbed.
+  struct Example {
+    const NamedRequest& named;
+    std::uint16_t sequence;
+    RunOutcome clean;
+  };
+
+  void disturb(const NamedRequest& named) {
     const std::uint16_t sequence = ++sequence_;
-    const auto begin = [&] { return requests_.protocol().begin(example.request, {sequence}); };
-    const RunOutcome clean = live_.run(begin());
+    const Example example{named, sequence, live_.run(begin(named, sequence))};
+    const RunOutcome& clean = example.clean;
     if (!clean.done && clean.cause != Cause::kDeviceError) {
-      splits_->fail(fmt::format("{}: the undisturbed answer: {}", example.name, clean.text()),
+      splits_->fail(fmt::format("{}: the undisturbed answer: {}", named.name, clean.text()),
                     to_hex(clean.answers.back()));
       return;
     }
-    const auto run = [&](const std::vector<Bytes>& answers,
-                         const std::vector<std::size_t>& cuts = {}) {
-      return replay(begin(), subject_.line(), answers, cuts);
-    };
-    const auto judge = [&](CheckRow& row, const RunOutcome& outcome, bool right,
-                           const std::string& what, const Bytes& frame) {
-      right ? row.pass()
-            : row.fail(fmt::format("{}, {}: {}; undisturbed: {}", example.name, what,
-                                   outcome.text(), clean.text()),
-                       to_hex(frame));
-    };
     for (std::size_t round = 0; round < clean.answers.size(); ++round) {
-      const Bytes& answer = clean.answers[round];
       const std::string in_round =
           clean.answers.size() > 1 ? fmt::format(" of answer {}", round + 1) : "";
-      for (std::size_t cut = 0; cut < answer.size(); ++cut) {
-        std::vector<std::size_t> cuts{cut};
-        if (cut == 0)
-          cuts.resize(answer.size()), std::iota(cuts.begin(), cuts.end(), 1);  // byte by byte
-        const RunOutcome outcome = run(clean.answers, cuts);
-        judge(*splits_, outcome, outcome.same_as(clean),
-              fmt::format("split at {}{}", cut, in_round), answer);
-      }
-      for (std::size_t size = 0; size < answer.size(); ++size) {
-        auto answers = clean.answers;
-        answers.resize(round + 1);
-        answers[round].resize(size);
-        const RunOutcome outcome = run(answers);
-        judge(*cuts_, outcome, !outcome.says_something(),
-              fmt::format("cut to {}{}", size, in_round), answers[round]);
-      }
-      for (std::size_t bit = 0; bit<answer.size() * 8; bit += answer.size()> kMostFlipped ? 9 : 1) {
-        auto answers = clean.answers;
-        answers[round][bit / 8] ^= static_cast<std::uint8_t>(1u << bit % 8);
-        const RunOutcome outcome = run(answers);
-        const bool right = !outcome.says_something() || outcome.same_as(clean);
-        unseen_ += right ? 0 : 1;
-        judge(*flips_, outcome, right || !subject_.checked,
-              fmt::format("bit {} of byte {}{} flipped", bit % 8, bit / 8, in_round),
-              answers[round]);
-      }
+      split(example, round, in_round);
+      truncate(example, round, in_round);
+      flip_bits(example, round, in_round);
     }
-    for (int round = 0; round < kNoiseRounds; ++round) {
-      auto answers = clean.answers;
-      Bytes noise(1 + random_() % 12);
-      for (std::uint8_t& byte : noise) byte = static_cast<std::uint8_t>(random_());
-      answers.front().insert(answers.front().begin(), noise.begin(), noise.end());
-      const RunOutcome outcome = run(answers);
-      judge(*noise_, outcome,
-            !outcome.says_something() || outcome.same_as(clean) || !subject_.checked,
-            "behind " + to_hex(noise), answers.front());
+    for (int round = 0; round < kNoiseRounds; ++round) add_noise(example);
+  }
+
+  // One answer in two parts at every byte, then byte by byte.
+  void split(const Example& example, std::size_t round, const std::string& in_round) {
+    const Bytes& answer = example.clean.answers[round];
+    for (std::size_t cut = 0; cut < answer.size(); ++cut) {
+      std::vector<std::size_t> cuts{cut};
+      if (cut == 0) cuts.resize(answer.size()), std::iota(cuts.begin(), cuts.end(), 1);
+      const RunOutcome outcome = run(example, example.clean.answers, cuts);
+      judge(*splits_, example, outcome, outcome.same_as(example.clean),
+            fmt::format("split at {}{}", cut, in_round), answer);
     }
+  }
+
+  void truncate(const Example& example, std::size_t round, const std::string& in_round) {
+    for (std::size_t size = 0; size < example.clean.answers[round].size(); ++size) {
+      auto answers = example.clean.answers;
+      answers.resize(round + 1);
+      answers[round].resize(size);
+      const RunOutcome outcome = run(example, answers);
+      judge(*cuts_, example, outcome, !outcome.says_something(),
+            fmt::format("cut to {}{}", size, in_round), answers[round]);
+    }
+  }
+
+  void flip_bits(const Example& example, std::size_t round, const std::string& in_round) {
+    const std::size_t size = example.clean.answers[round].size();
+    const std::size_t step = size > kMostFlipped ? 9 : 1;
+    for (std::size_t bit = 0; bit < size * 8; bit += step) {
+      auto answers = example.clean.answers;
+      answers[round][bit / 8] ^= static_cast<std::uint8_t>(1u << bit % 8);
+      const RunOutcome outcome = run(example, answers);
+      const bool right = !outcome.says_something() || outcome.same_as(example.clean);
+      unseen_ += right ? 0 : 1;
+      judge(*flips_, example, outcome, right || !subject_.checked,
+            fmt::format("bit {} of byte {}{} flipped", bit % 8, bit / 8, in_round), answers[round]);
+    }
+  }
+
+  void add_noise(const Example& example) {
+    auto answers = example.clean.answers;
+    Bytes noise(1 + random_() % 12);
+    for (std::uint8_t& byte : noise) byte = static_cast<std::uint8_t>(random_());
+    answers.front().insert(answers.front().begin(), noise.begin(), noise.end());
+    const RunOutcome outcome = run(example, answers);
+    const bool right = !outcome.says_something() || outcome.same_as(example.clean);
+    judge(*noise_, example, outcome, right || !subject_.checked, "behind " + to_hex(noise),
+          answers.front());
+  }
+
+  [[nodiscard]] std::unique_ptr<Exchange> begin(const NamedRequest& named,
+                                                std::uint16_t sequence) const {
+    return requests_.protocol().begin(named.request, {sequence});
+  }
+  [[nodiscard]] RunOutcome run(const Example& example, const std::vector<Bytes>& answers,
+                               const std::vector<std::size_t>& cuts = {}) const {
+    return replay(begin(example.named, example.sequence), subject_.line(), answers, cuts);
+  }
+  static void judge(CheckRow& row, const Example& example, const RunOutcome& outcome, bool right,
+                    const std::string& what, const Bytes& frame) {
+    if (right) return row.pass();
+    row.fail(fmt::format("{}, {}: {}; undisturbed: {}", example.named.name, what, outcome.text(),
+                         example.clean.text()),
+             to_hex(frame));
   }
 
   const Subject& subject_;

@@ -286,7 +286,11 @@ DeclaredMatch on_request(const declared::Declaration& declaration,
   return ParseRun(operation, declaration.areas[operation.area].item_bits, bytes).run();
 }
 
-Bytes say(const Frame& frame, unsigned item_bits, const DeclaredText& text) {
+namespace {
+
+// The bytes of each field, without lengths and checksums. The parts of a word stand in the bytes of
+// the field that opens it.
+std::vector<Bytes> parts_of(const Frame& frame, unsigned item_bits, const DeclaredText& text) {
   const auto& fields = frame.fields;
   std::vector<Bytes> parts(fields.size());
   std::uint64_t word = 0;
@@ -307,7 +311,12 @@ Bytes say(const Frame& frame, unsigned item_bits, const DeclaredText& text) {
       parts[opened] = characters_of(word, field.word);
     }
   }
-  for (std::size_t i = 0; i < fields.size(); ++i) {  // lengths, now that sizes are known
+  return parts;
+}
+
+void put_lengths(const Frame& frame, std::vector<Bytes>& parts) {
+  const auto& fields = frame.fields;
+  for (std::size_t i = 0; i < fields.size(); ++i) {
     if (fields[i].kind != FieldKind::kLength) continue;
     std::size_t length = 0;
     for (std::size_t of = fields[i].of.from; of <= fields[i].of.to; ++of) {
@@ -316,21 +325,32 @@ Bytes say(const Frame& frame, unsigned item_bits, const DeclaredText& text) {
     }
     parts[i] = characters_of(length + static_cast<std::uint64_t>(fields[i].plus), fields[i].word);
   }
+}
+
+// In their order: a later checksum may cover an earlier one.
+void put_checksums(const Frame& frame, const Starts& starts, Bytes& out) {
+  for (std::size_t i = 0; i < frame.fields.size(); ++i) {
+    const Field& field = frame.fields[i];
+    if (field.kind != FieldKind::kChecksum) continue;
+    const Bytes sum = characters_of(
+        check_of(field.check, field.bits, summed(frame, field, out, starts)), field.word);
+    std::ranges::copy(sum, out.begin() + static_cast<std::ptrdiff_t>(starts[i]));
+  }
+}
+
+}  // namespace
+
+Bytes say(const Frame& frame, unsigned item_bits, const DeclaredText& text) {
+  std::vector<Bytes> parts = parts_of(frame, item_bits, text);
+  put_lengths(frame, parts);
   Starts starts{};
   Bytes out;
-  for (std::size_t i = 0; i < fields.size(); ++i) {
+  for (std::size_t i = 0; i < parts.size(); ++i) {
     starts[i] = out.size();
     append(out, parts[i]);
     starts[i + 1] = out.size();
   }
-  for (std::size_t i = 0; i < fields.size();
-       ++i) {  // checksums, in their order: a later one may cover an earlier one
-    if (fields[i].kind != FieldKind::kChecksum) continue;
-    const Bytes sum = characters_of(
-        check_of(fields[i].check, fields[i].bits, summed(frame, fields[i], out, starts)),
-        fields[i].word);
-    std::ranges::copy(sum, out.begin() + static_cast<std::ptrdiff_t>(starts[i]));
-  }
+  put_checksums(frame, starts, out);
   return out;
 }
 
