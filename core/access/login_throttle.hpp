@@ -1,9 +1,9 @@
-// Slows guessing down: after a few wrong passwords each further one makes the next attempt wait, 1
-// s, 2 s, 4 s .. 5 min. Nobody sleeps for it: an attempt that comes too early is turned away
-// unread, and costs nothing. Pure; one owner.
+// Slows down the guessing of passwords: after a few wrong ones each further one makes the next
+// attempt wait, 1 s, 2 s, 4 s .. 5 min. No thread sleeps for it: an attempt that comes too early is
+// refused, and its password is not checked. Pure; one owner.
 //
-// A user from one peer is one key, so that strangers who guess elsewhere do not lock the user out;
-// and a peer that tries many users is another, with more patience.
+// Failures are counted for a user from one peer, so that strangers who guess elsewhere do not lock
+// the user out. They are also counted for the peer, with a higher limit: it may try many users.
 #pragma once
 
 #include <cstddef>
@@ -22,14 +22,14 @@ class LoginThrottle {
   static constexpr Duration kFirst = std::chrono::seconds{1};
   static constexpr Duration kLongest = std::chrono::minutes{5};
   static constexpr Duration kForget = std::chrono::minutes{30};  // without a wrong password
-  static constexpr std::size_t kMaxKeys =
-      4096;  // the one that is quiet for longest is forgotten for a new one
+  // Beyond it, the key without a failure for longest is forgotten.
+  static constexpr std::size_t kMaxKeys = 4096;
 
   // How long the next attempt has to wait; zero: it may come.
   [[nodiscard]] Duration wait(std::string_view user, std::string_view peer, Instant now) const;
   void failed(std::string_view user, std::string_view peer, Instant now);
-  // The user's count of this peer starts anew; the peer's own does not, or one good account would
-  // let it guess all others.
+  // The user's count of this peer starts anew. The peer's own count goes on: otherwise one good
+  // account would let it guess all others.
   void succeeded(std::string_view user, std::string_view peer);
 
  private:

@@ -1,4 +1,4 @@
-// What a user may do. Each role may all that the ones before it may.
+// What a user may do. Each role may do all that the roles before it may do.
 #pragma once
 
 #include <array>
@@ -9,9 +9,9 @@
 namespace fieldcast {
 
 enum class Role : std::uint8_t {
-  kViewer,      // look at what is stored
-  kOperator,    // and write values
-  kProgrammer,  // and reach a device with its programming software
+  kViewer,      // read what is stored
+  kOperator,    // also write values
+  kProgrammer,  // also reach a device with its programming software
 };
 inline constexpr std::array kRoles{Role::kViewer, Role::kOperator, Role::kProgrammer};
 

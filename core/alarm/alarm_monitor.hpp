@@ -14,7 +14,7 @@ struct AlarmChange {
   ChannelIndex channel = 0;
   LimitKind limit = LimitKind::kHigh;
   AlarmState state = AlarmState::kClear;
-  double value = 0;  // that raised or cleared it
+  double value = 0;  // the value that raised or cleared it
   Instant since{};   // when that value, or the first one beyond the limit, was acquired
 };
 
@@ -24,10 +24,10 @@ class AlarmMonitor {
 
   // Appends what changed. Channels out of range are a bug.
   void on_samples(std::span<const Sample> samples, Instant now, std::vector<AlarmChange>& changes);
-  // An alarm that was active before this monitor began. Appends what became of it: it goes on, or
-  // it has ended; nothing when the channel has no such limit.
+  // An alarm that was active before this monitor began. Appends the change if it has ended, or if
+  // it goes on; nothing when the channel has no such limit.
   void restore(const AlarmChange& active, std::vector<AlarmChange>& changes);
-  // Delays end with time too; to be asked once a second.
+  // Delays end with time too: call this once a second.
   void on_time(Instant now, std::vector<AlarmChange>& changes);
 
  private:

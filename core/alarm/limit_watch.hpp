@@ -29,7 +29,7 @@ class LimitWatch {
   LimitWatch(LimitKind kind, double limit, double hysteresis, Duration delay)
       : kind_(kind), limit_(limit), hysteresis_(hysteresis), delay_(delay) {}
 
-  // Each true when the state changed; state(), value() and since() say to what.
+  // Each returns true when the state changed: state(), value() and since() show the new one.
   [[nodiscard]] bool on_good(double value, Instant acquired, Instant now);  // NaN is not good
   void on_bad() { trusted_ = false; }
   [[nodiscard]] bool on_time(Instant now);
@@ -39,10 +39,10 @@ class LimitWatch {
 
   [[nodiscard]] LimitKind kind() const { return kind_; }
   [[nodiscard]] AlarmState state() const { return state_; }
-  [[nodiscard]] double value() const { return value_; }  // that changed the state
-  [[nodiscard]] Instant since() const {
-    return since_;
-  }  // acquired: the first value beyond, or the first one back inside
+  // The value that changed the state.
+  [[nodiscard]] double value() const { return value_; }
+  // When the first value beyond the limit, or the first one back inside, was acquired.
+  [[nodiscard]] Instant since() const { return since_; }
   [[nodiscard]] bool waiting() const { return beyond_since_ && state_ == AlarmState::kClear; }
 
  private:
@@ -59,8 +59,8 @@ class LimitWatch {
   bool trusted_ = false;  // the newest value is good
   double value_ = 0;
   Instant since_{};
-  std::optional<double> newest_;  // good value
-  Instant newest_at_{};           // acquired
+  std::optional<double> newest_;  // the newest good value
+  Instant newest_at_{};           // when it was acquired
 };
 
 }  // namespace fieldcast

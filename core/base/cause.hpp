@@ -45,16 +45,16 @@ enum class Cause : std::uint8_t {
   kOffline,      // the device or its port is down
   kUnsupported,  // the protocol or the device cannot do this
   kShutdown,
-  kLate,  // nothing failed: the wire came too late to it
+  kLate,  // nothing failed: the wire was not free in time
   kCount  // not a cause: how many there are
 };
 
-[[nodiscard]] std::string_view to_text(
-    Cause cause);  // "no answer", "checksum error", ... for logs and results
-[[nodiscard]] std::string_view to_name(
-    Cause cause);  // "NO_ANSWER", "CHECKSUM", ... for counters and JSON
-[[nodiscard]] Cause cause_named(std::string_view name);  // kNone for none of them
-[[nodiscard]] Quality quality_of(Cause cause);  // the quality of a sample whose reading failed so
+// "no answer", "checksum error", ... for logs and results.
+[[nodiscard]] std::string_view to_text(Cause cause);
+// "NO_ANSWER", "CHECKSUM", ... for counters and JSON.
+[[nodiscard]] std::string_view to_name(Cause cause);
+[[nodiscard]] Cause cause_named(std::string_view name);  // kNone when no cause has this name
+[[nodiscard]] Quality quality_of(Cause cause);           // of a sample whose reading failed by it
 
 // One counter for each cause; never overflows in the life of a plant.
 class CauseCounters {

@@ -1,5 +1,5 @@
 // Text from outside (a station's name, a login, a device's answer, another program's message) as
-// one line that a log or a terminal can only show: never obey, never take for two lines.
+// one line that is safe for a log or a terminal: it holds no control sequence and no end of line.
 #pragma once
 
 #include <cstddef>

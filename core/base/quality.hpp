@@ -12,10 +12,10 @@ enum class Quality : std::uint8_t {
   kBadNoAnswer,     // the device is silent or its port is gone
   kBadFrame,        // answers arrive broken
   kBadDeviceError,  // the device refused; the sample carries its own code
-  kBadRange,        // the raw value has no meaning in the channel's type, or lies outside it after
-                    // scaling
-  kBadConfiguration,  // the channel cannot work as configured (for instance its address does not
-                      // exist in the device)
+  // The raw value has no meaning in the channel's type, or lies outside it after scaling.
+  kBadRange,
+  // The channel cannot work as configured (for instance its address does not exist in the device).
+  kBadConfiguration,
   kNotYetRead,
 };
 

@@ -21,8 +21,8 @@ struct EngineClock {
 using Instant = EngineClock::time_point;
 
 inline constexpr Instant kNever = Instant::max();  // later than everything
-inline constexpr Instant kLongAgo =
-    Instant::min();  // before everything; never add a Duration to it
+// Before everything; never add a Duration to it.
+inline constexpr Instant kLongAgo = Instant::min();
 
 // Nanoseconds since 1970-01-01T00:00:00Z; 0 means "no such time".
 struct UtcTime {

@@ -13,7 +13,7 @@ using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::strin
 // Nothing for a bool or a string.
 [[nodiscard]] std::optional<double> as_number(const Value& value);
 
-[[nodiscard]] std::string to_text(
-    const Value& value);  // "true", "-3", "2.5", the string itself; doubles round-trip
+// "true", "-3", "2.5", the string itself; doubles round-trip.
+[[nodiscard]] std::string to_text(const Value& value);
 
 }  // namespace fieldcast

@@ -29,8 +29,9 @@ class AnswerTime {
   [[nodiscard]] Duration timeout() const;
   // Of the last kWindow answers at least, late ones included.
   [[nodiscard]] Duration longest() const { return std::max(longest_, longest_before_); }
-  // Begun so long before its request had ended that no answer of this device ever has: it is
-  // somebody else's, or one too many. Never true on a line that does not keep to its baud rate.
+  // The answer began too long before its request had ended: no answer of this device ever did so.
+  // It is another device's answer, or a second one. Never true on a line that does not keep to its
+  // baud rate.
   [[nodiscard]] bool too_early(Duration measured, Duration character) const {
     return in_window_ + windows_ * kWindow >= kWindow / 16 &&
            std::min(soonest_, soonest_before_) > -character && measured < -2 * character;
@@ -40,7 +41,7 @@ class AnswerTime {
   [[nodiscard]] bool known() const { return known_; }
 
  private:
-  static constexpr unsigned kWindow = 256;  // answers; the extremes of this one and the last count
+  static constexpr unsigned kWindow = 256;  // answers; extremes are those of two windows
   void measure(Duration measured);
 
   Duration configured_;

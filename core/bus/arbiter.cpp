@@ -26,8 +26,8 @@ std::optional<Bytes> Arbiter::next(Instant now) {
 
 std::optional<Flight> Arbiter::choose(Instant now) {
   if (!commands_.empty()) {
-    const bool reads_turn = command_was_last_ && !commands_.begun() && reads_.due(now);
-    if (!reads_turn) {
+    const bool reads_first = command_was_last_ && !commands_.begun() && reads_.due(now);
+    if (!reads_first) {
       if (auto command = choose_command(now)) return command;
       if (rest_until_ != kLongAgo) return std::nullopt;
     }

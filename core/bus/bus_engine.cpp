@@ -137,7 +137,7 @@ void BusEngine::settle(Instant now, ActionSink& sink) {
   if (state_ == BusState::kRunning && !parts_.wire.exchanging()) {
     if (auto request = arbiter_.next(now)) sink.push(Send{std::move(*request)});
   }
-  if (auto told = overload_.look(parts_.reads.stretch(), now)) sink.push(std::move(*told));
+  if (auto told = overload_.update(parts_.reads.stretch(), now)) sink.push(std::move(*told));
   if (auto draft = parts_.reads.draft()) sink.push(MakePlan{std::move(draft)});
   set_timer(sink);
 }

@@ -83,8 +83,8 @@ class BusEngine {
   std::uint64_t reopened_ = 0;  // times that the port was lost
 };
 
-// For those whose time is not the wire's: executes every MakePlan among the actions at once; what
-// follows from it is appended.
+// For tests and simulations in virtual time: executes every MakePlan among the actions at once, and
+// appends the actions that follow from it.
 void make_plans(BusEngine& engine, Instant now, Actions& actions);
 
 }  // namespace fieldcast

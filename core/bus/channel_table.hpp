@@ -23,7 +23,7 @@ namespace fieldcast {
 
 class ChannelTable {
  public:
-  // bus and codec outlive the table
+  // bus and codec outlive the table.
   explicit ChannelTable(const BusSpec& bus, TextCodec& codec = plain_text_codec());
 
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
@@ -42,7 +42,7 @@ class ChannelTable {
   // New items arrived at `acquired`: appends a sample unless the deadband holds it back.
   void acquired(ChannelIndex channel, unsigned item_bits, ByteView items, Instant acquired,
                 std::vector<Sample>& out);
-  // The device refused the channel's address: published at once, and once until it changes.
+  // The device refused the channel's address: published at once, but not again until it changes.
   void refused(ChannelIndex channel, Cause cause, std::uint16_t device_code, Instant now,
                std::vector<Sample>& out);
   // The cause that a missed refresh will show. A refresh that was missed before the cause was known
@@ -52,9 +52,9 @@ class ChannelTable {
   // Starts the clock of every promise: a channel that is not read within its refresh from `now` is
   // late.
   void start(Instant now);
-  // Publishes, once, the last value of each channel whose refresh ran out by `now`, with a bad
-  // quality; a moment later, so that a DDS deadline of the same length, which began when the sample
-  // was written, is missed as well.
+  // Publishes the last value of each channel whose refresh ran out by `now`, once, with a bad
+  // quality. This happens a moment after the refresh ran out: a DDS deadline of the same length
+  // begins when the sample is written, and is missed by then as well.
   void expire(Instant now, std::vector<Sample>& out);
   [[nodiscard]] ChannelReport report(ChannelIndex channel, Instant now) const;
   [[nodiscard]] CauseCounters misses(Instant now) const;  // of all channels, by cause

@@ -1,6 +1,6 @@
-// Remembers which commands were seen, so that none runs twice: reliable transports and anxious
-// operators repeat themselves. Pure; one owner, who guards it if several threads ask.
-// Nothing can fail; the oldest key gives way to the newest.
+// Remembers which commands were seen, so that none runs twice: transports and operators repeat
+// commands. Pure; one owner, who guards it if several threads use it. Nothing can fail; when it is
+// full, the oldest key is forgotten.
 #pragma once
 
 #include <cstdint>

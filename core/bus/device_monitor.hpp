@@ -95,11 +95,12 @@ class DeviceMonitor {
   [[nodiscard]] bool offline(DeviceIndex device) const { return devices_[device].health.offline(); }
   [[nodiscard]] bool all_offline() const;
   [[nodiscard]] bool sick(DeviceIndex device) const { return devices_[device].sick(); }
-  // The longest that it was lately seen to take.
+  // The longest time that it took for one of its last answers.
   [[nodiscard]] Duration longest_answer(DeviceIndex device) const {
     return devices_[device].answer_time.longest();
   }
-  // An answer that began so long after the end of its request is none of this device.
+  // An answer that began at this time after the end of its request (mostly below zero) is not one
+  // of this device.
   [[nodiscard]] bool too_early(DeviceIndex device, Duration began) const;
   // All but what its channels and blocks say.
   [[nodiscard]] DeviceReport report(DeviceIndex device) const;

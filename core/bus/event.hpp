@@ -1,5 +1,5 @@
-// The second seam: what happens to a bus (events), and what the bus wants done (actions). Plain
-// values without a thread; who receives one owns it.
+// The interface between a bus engine and its shell: what happens to a bus (events), and what the
+// engine wants done (actions). Plain values without a thread; their receiver owns them.
 #pragma once
 
 #include <memory>
@@ -104,8 +104,8 @@ struct Traced {
   std::string device;
   std::string text;  // "read holding 100..109: 10 items" or the failure
 };
-// Call the draft's make() away from the wire's time, on any thread, then tell PlanMade; one is
-// asked for at a time. The draft needs nothing of the engine, which may end before it.
+// Call the draft's make(), best on another thread than the bus's, then tell PlanMade. At most one
+// draft is under way. It needs nothing of the engine, which may end before it.
 struct MakePlan {
   std::shared_ptr<PlanDraft> draft;
 };

@@ -36,12 +36,12 @@ bool ExchangeDriver::strip_echo() {
   const bool same = std::equal(
       received_.begin(), received_.begin() + static_cast<std::ptrdiff_t>(common), sent_.begin());
   if (!same) {
-    echo_stripped_ = true;  // no echo this time: an echo garbled by noise is left to the exchange,
-                            // which resynchronises
+    // No echo this time: an echo garbled by noise is left to the exchange, which resynchronises.
+    echo_stripped_ = true;
     return true;
   }
-  if (received_.size() < sent_.size())
-    return false;  // the request's own beginning: an echo, or the head of an answer that is alike
+  // The request's own beginning: an echo, or the head of an answer that is alike.
+  if (received_.size() < sent_.size()) return false;
   if (echo_ == Echo::kUnknown && !echo_is_distinct_) return true;
   echo_ = Echo::kPresent;
   received_.erase(received_.begin(), received_.begin() + static_cast<std::ptrdiff_t>(sent_.size()));

@@ -63,7 +63,7 @@ class ExchangeDriver {
   // The device's own time before its answer: arrival of the last byte less the wire time of request
   // and answer. Does not depend on how adapters cut the answer into pieces.
   [[nodiscard]] Duration answer_time() const;
-  // The same of an answer behind noise or foreign frames.
+  // The same for an answer that comes after noise or foreign frames.
   [[nodiscard]] Duration answer_began() const;
   // Since the last send, echo taken away; empty while an echo may still be on its way.
   [[nodiscard]] ByteView received() const { return echo_stripped_ ? received_ : ByteView{}; }
@@ -90,7 +90,7 @@ class ExchangeDriver {
   Bytes received_;  // since the last send, echo taken away
   Instant sent_until_{};
   Instant answer_deadline_{};  // for the first byte of the answer
-  Instant hard_deadline_{};    // for its last, whatever babbles
+  Instant hard_deadline_{};    // for its last byte, even while others keep coming
   Instant deadline_ = kNever;
   std::uint32_t missing_ = 0;
   std::uint32_t expected_ = 0;  // characters of the whole answer

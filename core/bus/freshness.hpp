@@ -68,9 +68,9 @@ class Freshness {
   [[nodiscard]] Instant due() const { return due_; }
   // Refreshes missed so far.
   [[nodiscard]] std::uint64_t missed(Instant now) const { return missed_ + passed(now); }
-  // Of the misses that missed() has and the counters do not have yet.
+  // Adds the misses that missed() counts and the counters do not hold yet.
   void add_passed(Instant now, CauseCounters& misses) const;
-  // Of the last miss that was counted.
+  // The cause of the last miss that was counted.
   [[nodiscard]] Cause last_miss() const { return last_miss_; }
 
  private:
@@ -85,8 +85,8 @@ class Freshness {
   Cause last_miss_ = Cause::kNone;
   std::optional<Duration> refresh_;
   Duration gap_{};
-  Instant promised_ = kNever;  // the promise breaks
-  Instant due_ = kNever;       // and that is told
+  Instant promised_ = kNever;  // when the promise breaks
+  Instant due_ = kNever;       // when a broken promise is told
   Instant told_ = kLongAgo;    // when late: misses are counted up to then
   std::uint64_t missed_ = 0;
 };

@@ -13,7 +13,7 @@ namespace fieldcast {
 
 class Garbage {
  public:
-  // One broken answer is noise; so many in a row, without an answer between them, are worth a line.
+  // One broken answer is noise. This many in a row, with no answer between them, are told.
   static constexpr unsigned kWorthSaying = 3;
   static constexpr std::size_t kShown = 16;  // of the bytes, in the text
   static constexpr std::size_t kKept = 128;  // of the bytes, the last ones, to judge by

@@ -2,7 +2,7 @@
 // commands that wait for it, and to the answers that are still owed.
 //
 // Owns the counters of failed tries. Owned by the bus engine, on the bus's thread; borrows the
-// parts. What can fail is the exchange: it is repeated where that does no harm, and its cause is
+// parts. What can fail is the exchange: it is repeated where that is safe, and its cause is
 // counted.
 #pragma once
 

@@ -25,7 +25,7 @@ class OverloadWatch {
   explicit OverloadWatch(double stretch) : overloaded_(stretch > kStretched) {}
 
   // The stretch at present. The notice that is due now, if any.
-  [[nodiscard]] std::optional<Notice> look(double stretch, Instant now) {
+  [[nodiscard]] std::optional<Notice> update(double stretch, Instant now) {
     if ((stretch > kStretched) == overloaded_) {
       changed_ = kNever;
       return std::nullopt;

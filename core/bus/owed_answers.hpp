@@ -2,9 +2,9 @@
 // others. Until they came, or can no longer come, nothing is asked whose answer one of them could
 // be mistaken for.
 //
-// What may be mistaken for what, the protocol says (AnswerIdentity, Protocol::mistakable). The same
-// read may be asked again while none of its answers has come, since any of them brings the same
-// items; what is then too many stays owed. A debt ends
+// The protocol says which answers can be mistaken for each other (AnswerIdentity,
+// Protocol::mistakable). The same read may be asked again while none of its answers has come, since
+// any of them brings the same items; the answers that are then too many stay owed. A debt ends
 //   - when its answer comes: devices answer in the order in which they were asked, so an answer
 //     settles the oldest debt that it could belong to;
 //   - when the device answers a later request that cannot be mistaken: what was asked before it is
@@ -39,7 +39,7 @@ class OwedAnswers {
  public:
   // A late answer can still come until this many configured timeouts after its request.
   static constexpr int kLateFactor = 3;
-  static constexpr int kMostFactor = 10;     // whatever it was seen to take
+  static constexpr int kMostFactor = 10;     // however long its last answers took
   static constexpr std::size_t kMost = 256;  // debts of a bus; the oldest one is forgotten
 
   struct Debt {
@@ -52,7 +52,7 @@ class OwedAnswers {
     std::unique_ptr<Exchange> exchange;  // recognises the answer; none: to be made anew
     // No answer to this read has come yet: asking it again makes nothing worse.
     bool unanswered = true;
-    Instant began{};  // of its time
+    Instant began{};  // when its time began
     [[nodiscard]] Instant until() const { return began + bound; }
   };
   // Whether a late answer to the first could be taken for the answer to the second.
@@ -60,7 +60,7 @@ class OwedAnswers {
   explicit OwedAnswers(Mistakable mistakable) : mistakable_(std::move(mistakable)) {}
 
   void owe(Debt debt);
-  // The request was answered. `refused`: by a refusal, which shows less of whose it is.
+  // The request was answered. `refused`: by a refusal, which shows less of its origin.
   void answered(const Asked& asked, bool refused, Duration bound, Instant now);
   // Its answer has come after all.
   Debt take(std::size_t index, Instant now);

@@ -4,8 +4,8 @@
 // value, owned by the DeviceMonitor, on the bus's thread. Nothing can fail.
 //
 // Steps are a third to a half apart: a learned pause is hardly ever more than twice what is needed.
-// What a request waits for its retry shows how the longer rests fare, so that a pause is found also
-// on a bus that never rests by itself.
+// A retry comes after a longer rest than its request. So retries show how longer rests do, and a
+// pause is found even on a bus that never rests.
 #pragma once
 
 #include <algorithm>
@@ -30,7 +30,7 @@ class PauseLearning {
   void tried(Duration rest, bool answered) {
     const auto at = std::upper_bound(kPauses.begin(), kPauses.end(), rest) - kPauses.begin();
     shares_[static_cast<std::size_t>(at)].count(answered);
-    Share longer;  // than what is looked at
+    Share longer;  // rests longer than the step that is examined
     for (std::size_t i = kPauses.size(); i > step_; --i) {
       longer.add(shares_[i]);
       const Share& share = shares_[i - 1];

@@ -210,10 +210,10 @@ void ReadPath::point_refused(PointIndex point, Cause cause, std::uint16_t code, 
   const Range& range = map_.points[point].range;
   Learned& learned = learned_[device];
   learned.areas[range.area].bad(range);
-  const bool news = learned.refused.emplace(point, code).second;
+  const bool is_new = learned.refused.emplace(point, code).second;
   for (const ChannelIndex channel : map_.channels_of[point])
     channels_.refused(channel, cause, code, now, samples);
-  if (!news) return;
+  if (!is_new) return;
   const Traits& traits = setup_.protocol(device).traits();
   sink.notice(Notice::Kind::kAddressRefused, device, cause,
               text(point) + " is refused" + device_code_note(traits.codes, code) +

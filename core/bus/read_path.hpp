@@ -56,7 +56,7 @@ class ReadPath {
   // A block was answered. `acquired`: arrival of the answer.
   void answered(const Block& block, const Reply& reply, Instant acquired, Instant now,
                 ActionSink& sink);
-  // An answer began so long after the request.
+  // An answer began `answer_time` after the end of its request.
   void learn(DeviceIndex device, AreaIndex area, Duration answer_time);
   // The read of a block failed. `longer`: as in Read.
   void failed(const Block& block, bool longer, Cause cause, std::uint16_t code, Instant now,
@@ -76,7 +76,7 @@ class ReadPath {
   [[nodiscard]] Duration slack(Instant now) { return scheduler_->slack(now); }
   [[nodiscard]] double planned_load() const { return scheduler_->planned_load(); }
   [[nodiscard]] double stretch() const { return scheduler_->stretch(); }
-  // A plan to be made, if another one may be worth it. It needs nothing of this object.
+  // A draft of another plan, if one may be worth it. It needs nothing of this object.
   [[nodiscard]] std::shared_ptr<PlanDraft> draft();
   void adopt(PlanDraft& draft, Instant now) { scheduler_->adopt(draft, now); }
 

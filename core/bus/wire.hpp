@@ -27,7 +27,7 @@ struct Flight {
   Duration timeout{};       // kProbe: what can be spared
   Instant started{};        // the first try
   unsigned tries = 0;       // that failed
-  bool unanswered = false;  // a try was: what comes may be its answer
+  bool unanswered = false;  // a try got no answer: what comes now may be it
   Duration rest{};          // between the device's last answer and the last try
 
   [[nodiscard]] bool is_command() const { return kind == Kind::kCommand; }
@@ -45,7 +45,7 @@ class Wire {
     Cause cause = Cause::kNone;
     std::uint16_t device_code = 0;
     std::unique_ptr<Exchange> exchange;  // its reply, when done
-    Duration spent{};                    // of the wire since the first try, silence included
+    Duration spent{};                    // wire time since the first try, with silences
   };
   struct Send {
     ExchangeContext context;

@@ -90,8 +90,8 @@ std::optional<std::size_t> LzwEncoder::encode(ByteView original, std::span<std::
     if (next == kLzwEntries) return room;
     child = static_cast<std::uint16_t>(next);
     children[next].fill(0);
-    width =
-        static_cast<unsigned>(std::bit_width(next));  // the next code may be the entry made here
+    // The next code may be the entry made here.
+    width = static_cast<unsigned>(std::bit_width(next));
     ++next;
     return room;
   };
@@ -105,8 +105,8 @@ std::optional<std::size_t> LzwEncoder::encode(ByteView original, std::span<std::
 
 tl::expected<void, LzwFault> lzw_decode(ByteView codes, std::size_t length, Bytes& out) {
   if (length > kLzwMaxOriginal) return tl::unexpected(LzwFault::kTooLong);
-  std::array<std::uint8_t, 2 * kLzwMaxOriginal>
-      nibbles;  // left uninitialised: only what was written is read
+  // Left uninitialised: only what was written is read.
+  std::array<std::uint8_t, 2 * kLzwMaxOriginal> nibbles;
   std::array<std::uint16_t, kLzwEntries> start, size;  // where an entry's string stands in them
   const std::size_t wanted = 2 * length;
   std::size_t filled = 0, last_start = 0, last_size = 0;

@@ -34,12 +34,12 @@ class LzwEncoder {
   LzwEncoder() : children_(std::make_unique_for_overwrite<Trie>()) {}
 
   // Writes the codes of `original`, of any length, to the beginning of `out`: the number of bytes,
-  // or nothing when they need more than `out` has (give as much as is worth it). Allocates nothing.
+  // or nothing when they need more than `out` has. Allocates nothing.
   [[nodiscard]] std::optional<std::size_t> encode(ByteView original, std::span<std::uint8_t> out);
 
  private:
   using Trie = std::array<std::array<std::uint16_t, 16>,
-                          kLzwEntries>;  // 0: no such child (code 0 is nobody's child)
+                          kLzwEntries>;  // 0: no such child (code 0 is never a child)
   std::unique_ptr<Trie> children_;
 };
 

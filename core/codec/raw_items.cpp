@@ -45,8 +45,8 @@ std::uint8_t filler(const Encoding& encoding, std::uint64_t bits) {
 tl::expected<std::uint64_t, Cause> gather_bits(const Encoding& encoding, unsigned item_bits,
                                                ByteView items) {
   const std::uint32_t count = item_count(encoding, item_bits);
-  if (items.size() < (item_bits <= 8 ? count : count * (item_bits / 8)))
-    std::abort();  // REQUIRES of decode_value
+  // REQUIRES of decode_value.
+  if (items.size() < (item_bits <= 8 ? count : count * (item_bits / 8))) std::abort();
   if (item_bits == 1) return from_bit_items(items, count);
 
   const std::size_t width = width_bits(encoding) / 8;

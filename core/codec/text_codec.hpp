@@ -1,7 +1,7 @@
-// Texts of devices in their own character set, and in UTF-8 as everybody else has them.
+// Converts texts between the character set of a device and UTF-8.
 //
 // Core knows ASCII, UTF-8 and Latin-1; character sets that need tables come from a library, through
-// this interface. One object belongs to one bus: its strand.
+// this interface. Each bus has an object of its own, used on the bus's thread.
 #pragma once
 
 #include <cstdint>

@@ -41,21 +41,20 @@ enum class ValueType : std::uint8_t {
 [[nodiscard]] constexpr bool is_bcd(ValueType type) {
   return type == ValueType::kBcd8 || type == ValueType::kBcd16 || type == ValueType::kBcd32;
 }
-[[nodiscard]] std::optional<ValueType> value_type_from(
-    std::string_view text);  // without the (n) of a string
+// Without the (n) of a string.
+[[nodiscard]] std::optional<ValueType> value_type_from(std::string_view text);
 
-enum class WordOrder : std::uint8_t {
-  kBigEndian,
-  kLittleEndian
-};  // of the 16-bit words of a wider value: high word first, or low word first
-enum class ByteOrder : std::uint8_t { kBigEndian, kLittleEndian };  // of the two bytes of each word
+// Of the 16-bit words of a wider value: high word first, or low word first.
+enum class WordOrder : std::uint8_t { kBigEndian, kLittleEndian };
+// Of the two bytes of each word.
+enum class ByteOrder : std::uint8_t { kBigEndian, kLittleEndian };
 
 // Every type but string(n), in the order in which people are told of them.
 [[nodiscard]] std::span<const ValueType> plain_types();
 // "bool, int8, .. bcd32, string(1) to string(250)": what is allowed, for faults.
 [[nodiscard]] std::string allowed_types();
-inline constexpr std::uint16_t kMaxStringBytes =
-    250;  // what one Modbus read carries: 125 registers
+// What one Modbus read carries: 125 registers.
+inline constexpr std::uint16_t kMaxStringBytes = 250;
 
 // How a channel's value lies in its items.
 struct Encoding {
@@ -67,8 +66,8 @@ struct Encoding {
   // Inside an item wider than the value: of a bool its bit, of an 8-bit type the lowest of its
   // eight bits (a multiple of 8). 0 is the least significant.
   std::optional<std::uint8_t> bit;
-  double scale =
-      1.0;  // value = raw * scale + offset; anything but 1 and 0 makes the value a double
+  // value = raw * scale + offset; anything but 1 and 0 makes the value a double.
+  double scale = 1.0;
   double offset = 0.0;
   TextNumber text_number = {};       // a number that stands as text; not for bool, BCD and kString
   Charset charset = Charset::kUtf8;  // of kString
@@ -96,9 +95,8 @@ struct Encoding {
 
 // The items of a value. kWrongType: a text for a number, a fraction for an unscaled integer, a
 // string for a bool; kRange: does not fit the type after the scale is undone (rounded to nearest),
-// string too long, a number that its text has no room for. With `bit` the item holds zeros beside
-// that bit, or that byte: see merge_bits(). kRange too for a text that the
-// channel's character set does not have.
+// a string or the text of a number is too long, a text has characters that the channel's character
+// set lacks. With `bit` the item holds zeros beside that bit, or that byte: see merge_bit().
 [[nodiscard]] tl::expected<Bytes, Cause> encode_value(const Encoding& encoding, unsigned item_bits,
                                                       const Value& value,
                                                       TextCodec& codec = plain_text_codec());

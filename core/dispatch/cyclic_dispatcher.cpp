@@ -28,9 +28,9 @@ Instant next_due(const Cycle& group, const PointState& point, Instant acquired) 
 
 // The most urgent read, unless it would delay one that is due before it.
 Decision CyclicDispatcher::next(const ReadPlan& plan, DispatchState& state, Instant now) {
-  constexpr std::size_t kLook = 8;
+  constexpr std::size_t kExamined = 8;
   const GroupQueues& queues = state.queues;
-  for (std::size_t node = 0; node < std::min(kLook, queues.due.size()); ++node) {
+  for (std::size_t node = 0; node < std::min(kExamined, queues.due.size()); ++node) {
     const GroupIndex group = queues.due.at(node);
     if (delays_another(state, queues.due.key(group), later(now, state.groups[group].cost)))
       continue;

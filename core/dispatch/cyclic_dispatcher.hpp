@@ -1,5 +1,5 @@
 // Follows the timetable: of the reads that may begin, the one that is due first, never interrupted.
-// Wire time that no read has a right to goes to those that have use for it. Holds only scratch.
+// Wire time that no due read needs goes to reads that can use it. Holds only scratch memory.
 #pragma once
 
 #include <vector>

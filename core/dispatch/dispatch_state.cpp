@@ -78,7 +78,7 @@ Instant DispatchState::next_wake() const {
   return at;
 }
 
-Instant DispatchState::look_up(const ReadPlan& plan, GroupIndex index, Instant now) {
+Instant DispatchState::find_urgent(const ReadPlan& plan, GroupIndex index, Instant now) {
   GroupState& group = groups[index];
   const auto members = points_of(plan, index);
   queues.take_out(index);

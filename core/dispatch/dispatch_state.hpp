@@ -23,7 +23,7 @@ namespace fieldcast {
 
 struct GroupState {
   std::uint32_t urgent = 0;        // index within the group of the point that is due first
-  std::uint32_t spare_urgent = 0;  // the same among those that want spare wire time
+  std::uint32_t spare_urgent = 0;  // the first due of the points that want spare wire time
   Instant due = kNever;            // its next read
   Duration cost{};                 // the wire time of that read
   Cycle cycle;                     // of its reads
@@ -36,7 +36,7 @@ struct GroupQueues {
 
   DueQueue due;     // by when it is due
   DueQueue held;    // by when its read may begin
-  DueQueue spare;   // by when its most urgent point of those is due
+  DueQueue spare;   // by when the first of its points for spare time is due
   DueQueue asleep;  // by when its first point wakes
 };
 
@@ -44,20 +44,20 @@ struct DispatchState {
   DispatchState(WireModel model, std::span<const PlannedPoint> planned, const ReadPlan& plan);
 
   [[nodiscard]] std::span<PointState> points_of(const ReadPlan& plan, GroupIndex group);
-  // Who is read with the `urgent` point of `from`, which are the points of the group, real or
+  // The points that are read with the point `urgent`. `from`: the points of the group, real or
   // imagined.
   const Selection& select(const ReadPlan& plan, GroupIndex group, std::span<const PointState> from,
                           std::uint32_t urgent, Instant now, Duration budget);
   [[nodiscard]] Block make_block(const ReadPlan& plan, GroupIndex group, std::uint32_t urgent,
                                  Instant now, Duration budget);
-  // A read for wire time that nobody has a right to, if there is one that takes at most `free`.
+  // A read for spare wire time, if there is one that takes at most `free`.
   [[nodiscard]] std::optional<Block> spare_read(const ReadPlan& plan, Instant now, Duration free);
   // When a point or device that is left alone comes back.
   [[nodiscard]] Instant next_wake() const;
   // Finds the most urgent points of a group, and puts it to sleep or in the queue for spare time.
-  // When its next read is due: the dispatcher's queue is up to the dispatcher. kNever: nothing to
-  // read.
-  [[nodiscard]] Instant look_up(const ReadPlan& plan, GroupIndex group, Instant now);
+  // Returns when its next read is due, kNever when there is nothing to read. The dispatcher puts it
+  // into its own queue.
+  [[nodiscard]] Instant find_urgent(const ReadPlan& plan, GroupIndex group, Instant now);
 
   // Sets when the next read of a group is due, and what it takes of the wire at the pace of its
   // device.

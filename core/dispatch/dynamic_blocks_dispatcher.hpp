@@ -1,5 +1,5 @@
-// The simple algorithm, to be compared with: the most urgent groups, each as one block, up to
-// twenty at a time; then those are read. Holds the blocks that are still to be read.
+// A simple algorithm, to be compared with: it takes up to twenty of the most urgent groups, each as
+// one block, and reads them; then it chooses again. Holds the blocks that are still to be read.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Earliest due first, without a timetable; the wire rests as long as a look ahead allows. For the
-// planners that are here to be compared with.
+// Earliest due first, without a timetable; the wire rests as long as the look-ahead allows. For
+// planners that exist only to be compared with.
 #pragma once
 
 #include <algorithm>

@@ -12,7 +12,7 @@ namespace fieldcast {
 
 class LookAhead {
  public:
-  // Of the fastest allowed gap: a rest ends so much before it must.
+  // A rest ends before it must, by this part of the fastest allowed gap.
   static constexpr double kReserve = 0.25;
 
   // Reads the group in imagination, each time at the last moment. Sets its next read, which is due
@@ -34,7 +34,8 @@ class LookAhead {
   struct Coming {
     Instant due = kNever;
     Duration cost{};
-    // Its most urgent point was read by one of those before: it is due so much sooner as that was.
+    // Its most urgent point is read by one of the reads before it. When that read is made sooner,
+    // this one is due sooner by as much.
     bool again = false;
   };
   struct Ahead {  // small: heaps of it are what a decision costs

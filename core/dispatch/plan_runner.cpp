@@ -72,7 +72,7 @@ void PlanRunner::wake(Instant now) {
 }
 
 void PlanRunner::refresh(GroupIndex group, Instant now) {
-  const Instant due = state_.look_up(plan_, group, now);
+  const Instant due = state_.find_urgent(plan_, group, now);
   if (due == kNever) return;
   std::visit([&](auto& dispatcher) { dispatcher.enqueue(plan_, state_, group, due, now); },
              dispatcher_);

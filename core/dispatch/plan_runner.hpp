@@ -41,7 +41,7 @@ class PlanRunner {
   // From now on it is remembered which points change: a plan that is being made does not know it.
   void remember_changes() { remembered_.emplace(); }
   void forget_changes() { remembered_.reset(); }
-  // As if every line were as fast as its rate says.
+  // From now on every line counts as fast as its rate says, until it is measured again.
   void forget_paces(Instant now);
 
   [[nodiscard]] PlanBasis basis() const;

@@ -34,8 +34,8 @@ class RefusalSearch {
     OrderIndex begin, middle, end;
     bool half_refused = false;
   };
-  static constexpr std::size_t kMostOpen =
-      256;  // beyond it the oldest search ends as if both halves had been good
+  // With more open searches, the oldest ends as if both halves had been good.
+  static constexpr std::size_t kMostOpen = 256;
   std::vector<Node> open_;
 };
 

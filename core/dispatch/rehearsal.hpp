@@ -11,7 +11,7 @@ namespace fieldcast {
 
 inline constexpr std::uint64_t kAnyNumber = std::numeric_limits<std::uint64_t>::max();
 
-// How many acquisitions come late, counted up to `enough`, while every point goes round twice (at
+// How many acquisitions come late, counted up to `enough`, until every point was read twice (at
 // most 20 000 reads). The wire is free at `now`. `runner`: a copy, in the state in which the plan
 // begins.
 [[nodiscard]] std::uint64_t count_late(PlanRunner runner, Instant now,

@@ -70,11 +70,11 @@ class Scheduler {
   double load_;                             // of what is asked for
   std::vector<std::uint32_t> grouped_for_;  // what reads could bridge when groups were made
   bool stale_ = false;                      // another plan may be needed
-  bool costs_changed_ = false;              // so may other groups
+  bool costs_changed_ = false;              // other groups may be needed
   bool drafting_ = false;                   // a draft is out
 };
 
-// Makes a new plan here and now, if one is due: where the caller's time is not the wire's.
+// Makes a new plan during the call, if one is due: for callers in virtual time.
 void replan(Scheduler& scheduler, Instant now);
 
 [[nodiscard]] std::unique_ptr<Scheduler> make_scheduler(const ScheduleInput& input,

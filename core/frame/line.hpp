@@ -28,8 +28,9 @@ struct LineFormat {
 };
 
 // The silence a master keeps between the end of an answer and its next request.
-struct StandardSilence {  // 3.5 characters of 11 bits up to 19200 baud, 1.750 ms above (Modbus over
-                          // Serial Line V1.02, 2.5.1.1)
+// 3.5 characters of 11 bits up to 19200 baud, 1.750 ms above (Modbus over Serial Line V1.02,
+// 2.5.1.1).
+struct StandardSilence {
   friend bool operator==(StandardSilence, StandardSilence) = default;
 };
 struct CharacterSilence {

@@ -19,12 +19,13 @@ inline constexpr std::uint32_t kMaxRawValues = 1000;
 enum class Operation : std::uint8_t { kWrite, kAcquire };
 
 struct ChannelTarget {
-  std::string name;
-};  // empty with kAcquire: every channel of the device
+  std::string name;  // empty with kAcquire: every channel of the device
+};
+// Only for devices with allow: raw-read or raw-write.
 struct AddressTarget {
-  std::string at;
+  std::string at;     // in the PLC's own notation
   Encoding encoding;  // big-endian orders stand for the family's own
-};                    // the PLC's own notation; needs allow: raw-read / raw-write
+};
 using Target = std::variant<ChannelTarget, AddressTarget>;
 
 struct Command {
@@ -34,10 +35,11 @@ struct Command {
   Target target;
   Operation operation = Operation::kWrite;
   std::vector<Value> values;  // kWrite: one, or for an address one for each of `count`
-  std::uint32_t count = 1;    // kAcquire of an address: how many values of the type, one behind
-                              // the other; of a bit the bits from there on
-  bool verify = false;        // read back after the write
-  Instant expires = kNever;   // never runs after this
+  // kAcquire of an address: how many values of the type, one behind the other; of a bit the bits
+  // from there on.
+  std::uint32_t count = 1;
+  bool verify = false;       // read back after the write
+  Instant expires = kNever;  // never runs after this
 };
 
 enum class CommandState : std::uint8_t { kDone, kVerified, kRejected, kFailed, kExpired };
@@ -51,8 +53,8 @@ struct CommandResult {
   std::uint16_t device_code = 0;
   std::string reason;         // one line for people; empty when done
   std::vector<Value> values;  // acquired or read back
-  Instant received{}, started{},
-      completed{};  // started == completed == received when nothing reached the wire
+  // All the same instant when nothing reached the wire.
+  Instant received{}, started{}, completed{};
 };
 
 }  // namespace fieldcast

@@ -22,9 +22,9 @@ namespace fieldcast {
 inline constexpr std::size_t kMaxNameLength = 64;
 
 enum class Mode : std::uint8_t {
-  kIntensive,  // the bus never idles: always what is least fresh
-  kScheduled,  // in time for the refresh, then the wire rests
-  kOnDemand,   // only when commanded
+  kIntensive,  // the bus never idles: the least fresh channel is always next
+  kScheduled,  // read in time for the refresh; then the wire rests
+  kOnDemand,   // read only by command
 };
 [[nodiscard]] std::string_view to_text(Mode mode);  // "intensive", "scheduled", "on-demand"
 
@@ -32,10 +32,11 @@ enum class Mode : std::uint8_t {
 // there to be compared with.
 enum class Planner : std::uint8_t {
   kCyclic,  // the most urgent point, and whatever is cheaper to read along with it than later
-  kDynamicBlocks,  // the most urgent point with its near neighbours, again and again, at most 20
-                   // blocks; then those are read
-  kFastestMember,  // fixed groups (the optimal partition), each read whole as often as its fastest
-                   // member wants
+  // The most urgent point with its near neighbours, again and again, at most 20 blocks; then those
+  // are read.
+  kDynamicBlocks,
+  // Fixed groups (the optimal partition), each read whole as often as its fastest member wants.
+  kFastestMember,
   kOnePerChannel,  // every point in a read of its own
 };
 [[nodiscard]] std::string_view to_text(Planner planner);  // "cyclic", "dynamic", ...
@@ -43,7 +44,7 @@ enum class Planner : std::uint8_t {
 enum class Access : std::uint8_t { kReadOnly, kReadWrite, kWriteOnly };
 [[nodiscard]] std::string_view to_text(Access access);  // "read-only", ...
 
-// Limits on a channel's value, and when passing one is an alarm.
+// Limits on a channel's value; a value beyond one of them raises an alarm.
 struct Limits {
   std::optional<double> low_low, low, high, high_high;
   double hysteresis = 0;  // how far a value must be back inside until the alarm is clear
@@ -64,8 +65,8 @@ struct ChannelSpec {
   double elasticity = 1;           // its share of a stretch beside others of its priority; 0.1..10
   std::string unit;                // "°C", up to 32 bytes
   std::string description;         // up to 256 bytes
-  std::optional<double> deadband;  // publish only changes of more than this, and
-  std::optional<Duration> heartbeat;  // at the latest after this (default: the refresh)
+  std::optional<double> deadband;  // only changes of more than this are published
+  std::optional<Duration> heartbeat;  // with a deadband: the longest gap; default: the refresh
   Limits limits;
   std::optional<double> write_min, write_max;
   Duration write_interval{};  // rate limit of commands; 0 is none
@@ -84,17 +85,17 @@ struct DeviceSpec {
   std::string protocol;                     // "modbus-rtu", or the name of a declaration
   declared::SharedDeclaration declaration;  // when the protocol is a declared one
   DeviceLink link;                          // address and protocol options
-  Duration timeout = std::chrono::milliseconds{
-      200};                     // to the first byte of an answer, from the end of the request
+  // To the first byte of an answer, from the end of the request.
+  Duration timeout = std::chrono::milliseconds{200};
   unsigned retries = 1;         // 0..10 more tries of an exchange
   Duration pause{};             // rest after each exchange with this device
   std::uint16_t max_block = 0;  // items in one read; 0 is the protocol's limit
-  std::optional<std::uint16_t>
-      max_gap;                  // unwanted items that a read may bridge; nothing: whatever pays
+  // Unwanted items that a read may bridge; nothing: whatever pays.
+  std::optional<std::uint16_t> max_gap;
   bool allow_raw_read = false;  // commands to addresses
   bool allow_raw_write = false;
-  std::string
-      number;  // under which engineers ask for it; empty: it is not programmed through the bridge
+  // Under which engineers ask for it; empty: it is not programmed through the bridge.
+  std::string number;
   std::vector<ChannelSpec> channels;
   friend bool operator==(const DeviceSpec&, const DeviceSpec&) = default;
 };
@@ -103,21 +104,21 @@ struct BusSpec {
   std::string name;
   PortSpec port;
   SilenceRule silence;  // between an answer and the next request
-  Duration gap_allowance =
-      std::chrono::milliseconds{20};  // silence inside an answer that ends it, beyond its wire time
-  std::optional<bool> echo;           // the line gives back what is sent; nothing: found out
+  // Silence inside an answer that ends it, beyond its wire time.
+  Duration gap_allowance = std::chrono::milliseconds{20};
+  std::optional<bool> echo;  // the line gives back what is sent; nothing: found out
   Planner planner = Planner::kCyclic;
   std::vector<DeviceSpec> devices;
-  friend bool operator==(const BusSpec&,
-                         const BusSpec&) = default;  // a reload restarts only the buses that differ
+  // A reload restarts only the buses that differ.
+  friend bool operator==(const BusSpec&, const BusSpec&) = default;
 };
 
 struct DdsSpec {
   std::uint32_t domain = 0;                          // 0..232
   std::vector<std::string> interfaces{"127.0.0.1"};  // IPv4 addresses that DDS may use
   std::optional<std::string> discovery_server;       // "host:port" of a Fast DDS discovery server
-  std::optional<std::string>
-      profile;  // a Fast DDS XML file of the user; its participant profile "fieldcast" is used
+  // A Fast DDS XML file of the user; its participant profile "fieldcast" is used.
+  std::optional<std::string> profile;
   std::optional<std::string> partition;
   friend bool operator==(const DdsSpec&, const DdsSpec&) = default;
 };
@@ -152,8 +153,8 @@ struct EngineersSpec {
   LoginRule login = LoginRule::kOffLoopback;
   Duration heartbeat = std::chrono::seconds{5};
   Duration idle = std::chrono::minutes{10};
-  Duration handshake =
-      std::chrono::seconds{10};  // for TLS, and for a wish; no key of the configuration
+  // For TLS, and for the request for a device. Not a key of the configuration.
+  Duration handshake = std::chrono::seconds{10};
   friend bool operator==(const EngineersSpec&, const EngineersSpec&) = default;
 };
 struct ModulesSpec {

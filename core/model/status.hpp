@@ -18,8 +18,8 @@ enum class DeviceState : std::uint8_t { kUnknown, kOnline, kDegraded, kOffline }
 struct BusReport {
   BusState state = BusState::kOpening;
   Cause closed_because = Cause::kNone;  // while it is closed
-  double utilisation =
-      0;  // share of the last second in which the wire was busy or had to be silent, 0..1
+  // Share of the last second in which the wire was busy or had to be silent, 0..1.
+  double utilisation = 0;
   double planned_load = 0;   // share that the plan needs
   double measured_load = 0;  // share that reading took, over the last 10 s
   std::uint64_t exchanges = 0, samples = 0, commands = 0, deadline_misses = 0, bytes_sent = 0,
@@ -32,7 +32,7 @@ struct BusReport {
 // One channel since the start; for simulations and tests.
 struct ChannelReport {
   std::uint64_t readings = 0, missed = 0;
-  Duration worst_gap{};  // between two readings, or from when it was promised to the first
+  Duration worst_gap{};            // between two readings, or from the promise to the first one
   Cause last_miss = Cause::kNone;  // of the last refresh that was missed
 };
 
@@ -41,8 +41,8 @@ struct AreaReport {
   std::string area;
   Duration answer_time{}, answer_spread{};
   std::uint32_t largest_block = 0;  // items read in one block so far
-  std::uint32_t longest_block =
-      0;  // that the device accepts, since it refused longer ones; 0: none refused
+  // The longest block that the device accepts, once it refused longer ones; 0: it refused none.
+  std::uint32_t longest_block = 0;
   friend bool operator==(const AreaReport&, const AreaReport&) = default;
 };
 
@@ -55,8 +55,8 @@ struct DeviceReport {
   Duration pause{};                  // kept after its answers: configured, or learned
   std::vector<AreaReport> areas;     // those that were read
   std::vector<std::string> refused;  // addresses that the device refuses at present, at most 64
-  std::vector<std::string> refused_gaps;  // and those between them that no block may bridge, at
-                                          // most 64: "holding:105..107"
+  // Ranges of addresses that no block may bridge, at most 64: "holding:105..107".
+  std::vector<std::string> refused_gaps;
   CauseCounters causes;
 };
 

@@ -100,8 +100,8 @@ std::string_view to_text(DeviceState state) {
 
 bool on_loopback(const ListenSpec& listen) {
   const std::string_view host = listen.host;
-  const bool digits =
-      host.find_first_not_of("0123456789.") == host.npos;  // 127.example.com is a name, of anybody
+  // 127.example.com is a name, of anybody.
+  const bool digits = host.find_first_not_of("0123456789.") == host.npos;
   return (host.starts_with("127.") && digits) || host == "::1" || host == "localhost";
 }
 

@@ -22,8 +22,8 @@ struct DeviceTiming {
   Duration answer_time{};              // expected: end of request to first byte of the answer
   Duration pause{};                    // rest after each exchange with this device
   std::uint16_t max_block = 0;         // items; 0: the protocol's limit
-  std::optional<std::uint16_t>
-      max_gap;  // unwanted items that a read may bridge; nothing: whatever pays
+  // Unwanted items that a read may bridge; nothing: whatever pays.
+  std::optional<std::uint16_t> max_gap;
 };
 
 // Wire time of one request with its answer. `silence` follows every answer.

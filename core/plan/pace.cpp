@@ -9,8 +9,8 @@ namespace fieldcast {
 
 namespace {
 
-constexpr int kLevels = 32;  // from the fastest point's rate down to a thousandth of it; all that
-                             // is slower counts as that
+// From the fastest point's rate down to a thousandth of it; all that is slower counts as that.
+constexpr int kLevels = 32;
 
 // The reads of one slice, grown point by point.
 class PacedReads {

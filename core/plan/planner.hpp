@@ -20,8 +20,8 @@ struct PlanBasis {
   const WireModel& wire;             // outlives the basis
   std::vector<PlannedPoint> points;  // by OrderIndex
   double overrun = 1;                // how much more the wire needs than planned
-  // By group: the period at which it is read at present; empty: none is. An estimate of load says
-  // how reads are shaped by it.
+  // By group: the period at which it is read at present; empty: none is. The load is estimated from
+  // reads of that shape.
   std::vector<Duration> periods;
 };
 

@@ -1,6 +1,6 @@
-// The plan of a bus: which points are read together, when, and what that will take. A value: it is
-// made by a planner (planner.hpp) on any thread, compared, printed, and never changed by
-// those who follow it. A dispatcher (core/dispatch) turns it into reads.
+// The plan of a bus: which points are read together, when, and what that will take. A value: a
+// planner (planner.hpp) makes it on any thread, it is compared and printed, and nothing that runs
+// it changes it. A dispatcher (core/dispatch) turns it into reads.
 //
 // A *group* is a set of points that share requests. The plan divides time into *slots* of equal
 // length. A group is read in every n-th slot: n slots are its *period*. Which of those n slots it
@@ -37,7 +37,7 @@ namespace fieldcast {
 struct PlannedGroup {
   Duration period{};  // zero: not in the timetable; its reads follow its most urgent point
   Duration phase{};   // from the begin of the table to the end of the answer of one of its reads
-  Duration slack{};   // a read may end so much earlier than its phase says
+  Duration slack{};   // by how much a read may end earlier than its phase says
   double load = 0;    // share of the wire
   friend bool operator==(const PlannedGroup&, const PlannedGroup&) = default;
 };
@@ -62,7 +62,7 @@ struct ReadPlan {
   std::optional<Timetable> table;
 
   double load = 0;       // share of the wire for the refreshes asked for; above 1: overload
-  double fit = 1;        // the timetable needs so much more than that
+  double fit = 1;        // factor on `load`: what the timetable needs
   double stretch = 1;    // the greatest of all points
   double demand = 0;     // load and overrun that the plan was made for
   double lightness = 1;  // 0 on a crowded wire, 1 on a light one

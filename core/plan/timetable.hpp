@@ -6,9 +6,9 @@
 // every n-th slot. Its slower points are read in every m-th slot, by one of its transmissions.
 //
 // The phase of each point is chosen so that reads are short (neighbours share the gap between them)
-// and slots are level. First the points are placed one by one, then each again a few times with all
-// others in place. Within a slot requests have an order. Each shall end at the same instant of
-// every slot in which it is sent, or its fastest points would be late by the difference.
+// and slots are equally full. First the points are placed one by one, then each again a few times
+// with all others in place. Within a slot requests have an order. Each shall end at the same
+// instant of every slot in which it is sent, or its fastest points would be late by the difference.
 //
 // A value: no clock, any thread. It holds what changes of single requests need.
 #pragma once
@@ -74,7 +74,7 @@ class Timetable {
   [[nodiscard]] Duration slack() const { return slack_; }
   [[nodiscard]] Duration hyperperiod() const { return slot_ * slots_; }
   [[nodiscard]] double load() const;                   // share of the wire that it needs
-  [[nodiscard]] double load(std::size_t index) const;  // the same of one request
+  [[nodiscard]] double load(std::size_t index) const;  // share that one request needs
   [[nodiscard]] bool empty() const;                    // no request has members
 
   friend bool operator==(const Timetable&, const Timetable&) = default;
@@ -108,7 +108,7 @@ class Timetable {
   std::vector<std::vector<std::uint64_t>> due_;
   std::vector<Duration> cost_;    // of each request in each slot
   std::vector<Duration> total_;   // of each slot
-  std::vector<Duration> steady_;  // the same, of the requests that are sent most often
+  std::vector<Duration> steady_;  // total of each slot, of the requests that are sent most often
 };
 
 }  // namespace fieldcast

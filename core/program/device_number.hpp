@@ -8,7 +8,7 @@ namespace fieldcast::program {
 
 inline constexpr std::size_t kMaxDeviceNumber = 16;
 
-// Nothing that a frame could take for something else: not `ED`, not `HB`, not a reply (four digits
+// Whether no frame could take it for something else: not `ED`, not `HB`, not a reply (four digits
 // that begin with 000), not with the marker `FEFF` inside, and not beginning with `V2`, which asks
 // for the framing by length.
 [[nodiscard]] bool is_device_number(std::string_view text);

@@ -27,10 +27,10 @@ inline constexpr std::string_view kFrameStart = "@@", kFrameEnd = "FEFF";
 inline constexpr std::string_view kInstructionEnd = "\rFEFF";
 inline constexpr std::string_view kStopCode = "ED", kHeartbeatCode = "HB";
 inline constexpr std::string_view kLengthCode = "V2", kLoginCode = "AU";
-inline constexpr std::size_t kMaxInstruction =
-    4096;  // with its end character; longer ones are dropped and reported
-inline constexpr std::size_t kMaxHandshakeCode =
-    600;  // a login with 128 characters of user and of password
+// With its end character; longer ones are dropped and reported.
+inline constexpr std::size_t kMaxInstruction = 4096;
+// A login with 128 characters of user and of password.
+inline constexpr std::size_t kMaxHandshakeCode = 600;
 inline constexpr std::size_t kMaxLoginText = 128;
 
 enum class Reply : std::uint8_t { kPaired, kNotOnline, kInUse, kLost, kNotAllowed };
@@ -52,24 +52,25 @@ struct FrameOpening {
 
 // What was wrong in a stream; the stream goes on behind it.
 enum class FrameFault : std::uint8_t {
-  kNoise,      // bytes outside of any frame
-  kTooLong,    // an instruction of more than kMaxInstruction characters, dropped
-  kHalf,       // an instruction whose rest did not come, dropped
-  kAmbiguous,  // an instruction that begins with a control frame and another frame's start, which
-               // marker framing cannot carry, dropped
+  kNoise,    // bytes outside of any frame
+  kTooLong,  // an instruction of more than kMaxInstruction characters, dropped
+  kHalf,     // an instruction whose rest did not come, dropped
+  // An instruction was dropped that begins with a control frame and the start of another frame:
+  // marker framing cannot carry it.
+  kAmbiguous,
   kBadLength,  // a length that no sender of ours writes: the stream is lost
   kBadLine,    // line settings that no sender of ours writes: likewise
 };
 [[nodiscard]] std::string_view to_text(FrameFault fault);
 
-// Of the real line behind a pairing. A pseudo-terminal tells the baud rate and the stop bits that a
-// program sets, but neither data bits nor parity (Linux, pty_set_termios): those the engineer says
-// to the client, or they stay as configured.
+// Settings of the real line behind a pairing. A pseudo-terminal tells the baud rate and the stop
+// bits that a program sets, but neither data bits nor parity (Linux, pty_set_termios): the engineer
+// gives these to the client, or they stay as configured.
 struct LineSettings {
   std::uint32_t baud = 0;  // 0: as the bridge's configuration has it
   std::uint8_t stop_bits = 1;
-  std::uint8_t data_bits =
-      0;  // 7 or 8; 0: they and the parity as the bridge's configuration has them
+  // 7 or 8; 0: data bits and parity are as the bridge's configuration has them.
+  std::uint8_t data_bits = 0;
   Parity parity = Parity::kNone;
   friend bool operator==(const LineSettings&, const LineSettings&) = default;
 };

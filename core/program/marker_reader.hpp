@@ -3,10 +3,10 @@
 //
 // In transmission a frame of program bytes ends at CR FEFF and a control frame is one whose whole
 // code is in the table, so that an instruction may hold the markers: `@00WD0000FEFF..` is no end.
-// An end may so be known only later: what is not yet decided waits.
+// Sometimes later bytes show whether a frame has ended: until then it waits.
 //
 // An instruction may even begin like a control frame: the continuation of a Host Link answer begins
-// with any words, `0003FEFF12..`. Which of the two it is, the bytes behind FEFF tell:
+// with any words, `0003FEFF12..`. The bytes behind FEFF show which of the two it is:
 //
 //     @@0003FEFF @@ ..               control: the next frame begins
 //     @@0003FEFF .. CR FEFF          an instruction: it ends as instructions do
@@ -50,15 +50,15 @@ class MarkerReader {
   explicit MarkerReader(Sender sender) : sender_(sender) {}
 
   void feed(ByteView bytes) { append(buffer_, bytes); }
-  // Call until it gives nothing; then what it holds is bounded by kMaxInstruction and some.
+  // Call until it gives nothing. Then it holds little more than kMaxInstruction bytes at most.
   [[nodiscard]] std::optional<MarkerFrame> next(Phase phase);
   // Whether a frame has begun that did not end.
   [[nodiscard]] bool partial() const { return !buffer_.empty() || skipping_; }
   [[nodiscard]] std::size_t held() const { return buffer_.size(); }
   // How long what has begun may wait, since the last bytes.
   [[nodiscard]] Duration patience() const;
-  // No more comes, or not in time: the control frame that nothing followed, if there is one. The
-  // stream goes on behind it.
+  // No more bytes come, or not in time: the control frame that nothing followed, if there is one.
+  // The stream goes on behind it.
   [[nodiscard]] std::optional<ControlCode> take_code();
   // Its rest did not come in time. Nothing when there is none.
   [[nodiscard]] std::optional<BrokenFrame> give_up();

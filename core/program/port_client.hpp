@@ -16,8 +16,8 @@ struct PortClientRules {
   std::string number;
   std::string user, password;  // without a user no login is sent
   bool by_length = true;       // any bytes; else instructions in marker frames
-  // Data bits, parity and stop bits of the real line, by length only; its baud rate is not looked
-  // at: the program's counts.
+  // Data bits, parity and stop bits of the real line, with framing by length only. Its baud rate is
+  // not used: the program sets that.
   std::optional<LineFormat> format;
   Duration heartbeat = std::chrono::seconds{5};
   Duration reply = std::chrono::seconds{30};  // how long the bridge may take: a slowed login waits
@@ -40,8 +40,8 @@ class PortClient {
   struct FromProgram {
     ByteView bytes;
   };
-  struct ProgramTakes {  // false: its queue is full, nothing is read from the bridge; true: it is
-    bool takes = true;
+  struct ProgramTakes {
+    bool takes = true;  // false: its queue is full, and nothing is read from the bridge
   };
   struct LineChanged {
     LineSettings settings;

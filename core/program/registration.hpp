@@ -32,8 +32,8 @@ struct RegistrationRule {
 class Registration {
  public:
   static constexpr std::size_t kMaxText = 128;  // prefix and number and ends of line
-  static constexpr Duration kTextEnds =
-      std::chrono::milliseconds{300};  // a text without an end of line ends in silence
+  // A text without an end of line ends in silence.
+  static constexpr Duration kTextEnds = std::chrono::milliseconds{300};
   static constexpr Duration kAnswerTimeout = std::chrono::milliseconds{1000};
 
   explicit Registration(const RegistrationRule& rule);

@@ -11,7 +11,7 @@
 
 namespace fieldcast {
 
-// For faults: as much as a line of them can bear.
+// The text in quotes, for the line of a fault: at most 64 characters of it.
 [[nodiscard]] inline std::string quoted(std::string_view text) {
   return "'" + std::string(text.substr(0, 64)) + "'";
 }

@@ -21,7 +21,7 @@ class OptionReader {
 
   // "true" or "false".
   bool flag(std::string_view name, bool otherwise);
-  // The place of the option's text among the choices.
+  // The index of the option's text among the choices.
   std::size_t choice(std::string_view name, std::initializer_list<std::string_view> choices,
                      std::size_t otherwise = 0);
   // A decimal number.

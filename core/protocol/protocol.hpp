@@ -1,4 +1,4 @@
-// The first seam: what a PLC family is to the rest of Fieldcast.
+// The interface between a PLC family and the rest of Fieldcast.
 //
 // A protocol names its areas and limits, understands its address notation, says how long a request
 // and its answer are, explains frames to people, and makes exchanges. An exchange is one
@@ -31,7 +31,7 @@
 
 namespace fieldcast {
 
-// An area's place in Protocol::areas().
+// An area's index in Protocol::areas().
 using AreaIndex = std::uint8_t;
 
 // One register class of a protocol, addressed 0 .. items-1.
@@ -42,10 +42,10 @@ struct Area {
   bool writable = false;
   std::uint16_t max_read = 125;   // items in one range of a read
   std::uint16_t max_write = 123;  // items in one write
-  std::uint16_t alignment =
-      1;  // reads start and end at multiples of this (FX reads bits by whole bytes: 8)
+  // Reads start and end at multiples of this (FX reads bits by whole bytes: 8).
+  std::uint16_t alignment = 1;
   bool bit_write = false;   // one bit of an item can be written without touching the others
-  bool byte_write = false;  // likewise eight bits of an item, from a multiple of eight on
+  bool byte_write = false;  // so can eight bits of it, from a multiple of eight on
   // The family's own order, where a configuration says none: of the items of a value that needs
   // several, and of the characters in an item.
   WordOrder word_order = WordOrder::kBigEndian;
@@ -79,12 +79,13 @@ struct ReadRequest {
 };
 struct WriteRequest {
   Range range;
-  Bytes items;                      // the image of range
-  std::optional<std::uint8_t> bit;  // only this bit of the one item: items is the whole item, other
-                                    // bits are ignored (Area::bit_write)
-  bool distinct_answer =
-      false;          // choose a form whose answer cannot be mistaken for an echo of the request
-  unsigned bits = 1;  // with `bit`: so many from there on; 8 only where Area::byte_write
+  Bytes items;  // the image of range
+  // Only this bit of the one item: items is the whole item, other bits are ignored
+  // (Area::bit_write).
+  std::optional<std::uint8_t> bit;
+  // Choose a form whose answer cannot be mistaken for an echo of the request.
+  bool distinct_answer = false;
+  unsigned bits = 1;  // with `bit`: how many bits from there on; 8 only with Area::byte_write
 };
 // Writes, then reads, in one round (Modbus function 23); only where Traits::write_read.
 struct WriteReadRequest {
@@ -107,8 +108,8 @@ struct ExchangeSize {
   std::uint32_t request_characters = 0;
   std::uint32_t answer_characters = 0;
   std::uint32_t rounds = 1;  // how often the device's answer time and the line's silence are paid
-  Duration
-      pauses{};  // waits that the protocol itself prescribes (PPI between acknowledge and poll)
+  // Waits that the protocol itself prescribes (PPI between acknowledge and poll).
+  Duration pauses{};
 };
 
 // What an exchange waits for after a step.
@@ -121,9 +122,9 @@ enum class Wait : std::uint8_t {
 struct Step {
   enum class Kind : std::uint8_t { kSend, kNeedMore, kDone, kFailed };
   Kind kind = Kind::kNeedMore;
-  Wait wait = Wait::kAnswer;     // kSend, kNeedMore
-  std::uint32_t characters = 0;  // kSend: length of the whole expected answer; kRestOfFrame: what
-                                 // is still missing, at least
+  Wait wait = Wait::kAnswer;  // kSend, kNeedMore
+  // kSend: length of the whole expected answer; kRestOfFrame: what is still missing, at least.
+  std::uint32_t characters = 0;
   Duration pause{};
   Cause cause = Cause::kNone;     // kFailed
   std::uint16_t device_code = 0;  // kFailed with kDeviceError or kDeviceBusy
@@ -160,8 +161,8 @@ class Exchange {
 
 // What differs from one exchange of a device to the next.
 struct ExchangeContext {
-  std::uint16_t sequence = 0;  // counts exchanges with this device; becomes transaction id, SID,
-                               // reference, frame-count bit
+  // Counts exchanges with this device; becomes transaction id, SID, reference, frame-count bit.
+  std::uint16_t sequence = 0;
 };
 
 // An address in the PLC's own notation, understood.
@@ -170,16 +171,18 @@ struct ParsedAddress {
   std::uint32_t first = 0;
   std::optional<std::uint8_t> bit;     // "DM100.5", "I0.3": bit of the item
   std::optional<unsigned> width_bits;  // what the notation itself fixes: VB 8, VW 16, VD 32, coil 1
-  unsigned value_bits = 0;  // of the number in its items, where it has fewer than they (a declared
-                            // field); 0: unknown, or all of them
-  bool value_signed = false;          // then: whether its sign fills them
+  // Bits of the number, where it is narrower than its items (a declared field); 0: unknown, or as
+  // wide as they.
+  unsigned value_bits = 0;
+  bool value_signed = false;          // with value_bits: its sign fills the rest of the items
   std::uint16_t text_characters = 0;  // a text of so many: strings, and numbers as text
-  TextNumber text_number = {};        // and such a number it is said to be
+  TextNumber text_number = {};        // the form of the number that the text spells
 };
 struct AddressFault {
-  std::string what;        // "area 'holdin' is unknown"
-  std::string allowed;     // "coil:N, input:N, holding:N, input-register:N with N 0..65535, or
-                           // 00001.., 10001.., 30001.., 40001.."
+  std::string what;  // "area 'holdin' is unknown"
+  // "coil:N, input:N, holding:N, input-register:N with N 0..65535, or 00001.., 10001.., 30001..,
+  // 40001..".
+  std::string allowed;
   std::string suggestion;  // "holding:100", or empty
 };
 
@@ -198,7 +201,7 @@ struct FrameField {
 enum class AnswerIdentity : std::uint8_t {
   kSequence,  // by a number of the request (Modbus TCP): anything may follow a timeout
   kAddress,   // by the device (Modbus RTU): its answers are not mistaken for those of others
-  kNone,      // by nothing (S7 freeport): nor is any other device of the bus asked
+  kNone,      // by nothing (S7 freeport): no other device of the bus may be asked either
 };
 
 // What a whole family can do, besides its areas.
@@ -228,15 +231,14 @@ class Protocol {
   [[nodiscard]] virtual std::unique_ptr<Exchange> begin(Request request,
                                                         ExchangeContext context) const = 0;
   // Whether a late answer to `earlier` could be taken for the answer to `later`, asked of the same
-  // device. When in doubt it could; this is what a family says that does not know better: yes,
-  // unless its answers carry another number.
+  // device. In doubt: yes. The default: yes, unless the answers carry another number.
   [[nodiscard]] virtual bool mistakable([[maybe_unused]] const Request& earlier,
                                         ExchangeContext earlier_context,
                                         [[maybe_unused]] const Request& later,
                                         ExchangeContext later_context) const;
 };
 
-// Explains one frame to people; never fails: what cannot be understood is a field with a fault.
+// Explains one frame to people. Never fails: what cannot be understood is a field with a fault.
 using Explainer = std::vector<FrameField> (*)(ByteView frame);
 
 // A protocol for one device: its address and the protocol's own options (name -> text, from the

@@ -5,8 +5,8 @@
 namespace fieldcast {
 namespace {
 constexpr double kLightLoad = 0.5;
-constexpr Duration kEarlyLead =
-    std::chrono::milliseconds{60};  // of a light bus, at most a tenth of a refresh
+// Of a light bus, at most a tenth of a refresh.
+constexpr Duration kEarlyLead = std::chrono::milliseconds{60};
 }  // namespace
 
 Duration silence_for(const BusSpec& bus) {

@@ -10,8 +10,8 @@
 
 namespace fieldcast {
 
-// Of every device, from the end of a request to the first byte of the answer, until its own is
-// learned.
+// The answer time that is assumed of every device until its own is learned: from the end of a
+// request to the first byte of the answer.
 inline constexpr Duration kAssumedAnswerTime = std::chrono::milliseconds{5};
 
 // Silence that is kept after each answer. A plain TCP device needs none between frames; a serial

@@ -14,8 +14,8 @@ namespace fieldcast {
 struct Overload {
   double load = 0;     // planned: how many times the wire would be needed
   double stretch = 1;  // the most that a refresh will be longer than asked for
-  std::optional<std::uint32_t>
-      baud;  // the next standard rate that would carry all of it; nothing: none, or no line
+  // The next standard rate that would carry all of it; nothing: none, or no line.
+  std::optional<std::uint32_t> baud;
 };
 
 // Beyond this load a bus is refused: every refresh would be a hundred times as long as asked for.

@@ -41,9 +41,9 @@ class PlannedTimes {
   [[nodiscard]] static Duration rounded(Duration answer_time);
 
  private:
-  static constexpr int kUsualAnswers = 64;  // that the usual answer time follows
+  static constexpr int kUsualAnswers = 64;  // answers that the usual time is the mean of
   struct Entry {
-    Duration usual{};    // plans must not follow each breath of the mean that timeouts follow
+    Duration usual{};    // a slower mean than that of timeouts: plans shall seldom change
     Duration planned{};  // as the scheduler was last told
     int answers = 0;     // in the usual one
   };

@@ -14,13 +14,13 @@ namespace fieldcast {
 struct PointMap {
   std::vector<Point> points;  // kOnDemand: of channels that are not read by themselves
   std::vector<std::vector<ChannelIndex>> channels_of;  // of each point
-  std::vector<std::optional<PointIndex>>
-      point_of;  // of each channel of the bus; nothing for write-only ones
+  // Of each channel of the bus; nothing for write-only ones.
+  std::vector<std::optional<PointIndex>> point_of;
 };
 
 [[nodiscard]] PointMap map_points(const BusSpec& bus);
 
-// Makes the point at least as urgent as this channel wants it; nothing wanted leaves it as it is.
+// Makes the point at least as urgent as this channel wants it. Without a refresh nothing changes.
 void ask_for(Point& point, const ChannelSpec& channel, std::optional<Duration> refresh);
 
 }  // namespace fieldcast

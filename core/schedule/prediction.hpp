@@ -16,8 +16,8 @@
 namespace fieldcast {
 
 struct PredictionOptions {
-  Duration horizon{};  // virtual time; 0: three times the longest refresh, at least 60 s and at
-                       // most an hour
+  // Virtual time; 0: three times the longest refresh, at least 60 s and at most an hour.
+  Duration horizon{};
   std::uint64_t max_reads = 100'000;  // the run ends here at the latest
   bool remedies = true;               // when infeasible, look for what would work
   Planner planner = Planner::kCyclic;

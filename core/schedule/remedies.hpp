@@ -21,8 +21,8 @@ struct SlowerPoints {
 struct Remedies {
   std::optional<double> stretch;      // all refreshes longer by this factor
   std::optional<std::uint32_t> baud;  // the next standard rate
-  std::vector<SlowerPoints>
-      slower;  // only the fastest points slower, as far as needed: all of these together
+  // Slower refreshes of the fastest points alone, as far as needed: all of these together.
+  std::vector<SlowerPoints> slower;
   bool longer_reads = false;  // devices without the max-block and max-gap that are configured
   bool no_pause = false;      // devices without their pause
   std::optional<std::size_t> buses;  // the devices spread over so many lines of this kind

@@ -22,9 +22,8 @@ class FreeportStations {
   FreeportStations(unsigned count, std::uint64_t seed);
   // What the line carries after what the stations received: an answer, a refusal, or nothing.
   [[nodiscard]] Bytes answer(ByteView received);
-  [[nodiscard]] std::uint32_t window(unsigned station) const {
-    return windows_.at(station);
-  }  // as last answered
+  // As last answered.
+  [[nodiscard]] std::uint32_t window(unsigned station) const { return windows_.at(station); }
 
  private:
   std::map<unsigned, std::uint32_t> windows_;
@@ -34,9 +33,9 @@ class FreeportStations {
 class FreeportBus {
  public:
   struct Counts {
-    std::uint64_t exchanges = 0;  // requests sent
-    std::uint64_t right = 0, wrong = 0,
-                  bad = 0;  // samples: good ones by their value, and those of a bad quality
+    std::uint64_t exchanges = 0;         // requests sent
+    std::uint64_t right = 0, wrong = 0;  // samples of good quality, by their value
+    std::uint64_t bad = 0;               // samples of bad quality
   };
 
   FreeportBus(unsigned stations, double bit_error_rate, std::uint64_t seed, Duration answer_time);
@@ -44,9 +43,8 @@ class FreeportBus {
 
   [[nodiscard]] const Counts& counts() const { return counts_; }
   [[nodiscard]] Duration elapsed() const { return now_ - Instant{}; }
-  [[nodiscard]] CauseCounters causes() {
-    return engine_.bus_report(now_).causes;
-  }  // of exchanges that failed
+  // Of exchanges that failed.
+  [[nodiscard]] CauseCounters causes() { return engine_.bus_report(now_).causes; }
   [[nodiscard]] std::uint64_t flipped() const {
     return to_stations_.flipped() + to_master_.flipped();
   }

@@ -1,5 +1,5 @@
-// A bus in virtual time whose devices answer late, twice, or are talked over by another master:
-// every good value is held against what its address holds.
+// A bus in virtual time whose devices answer late, twice, or whose answers collide with another
+// master: every good value is held against what its address holds.
 //
 // Each item of a device holds a number made of its device, area and address, so that the value of
 // any other address is seen. All devices of a storm have blocks of the same shape: what can be

@@ -29,7 +29,7 @@ struct Bench {
     point.due = point.deadline = due;
     point.eager = eager;
     point.period = plan.points[group].period;
-    dispatcher.enqueue(plan, state, group, state.look_up(plan, group, kNow), kNow);
+    dispatcher.enqueue(plan, state, group, state.find_urgent(plan, group, kNow), kNow);
   }
   template <typename D>
   [[nodiscard]] Decision next(D& dispatcher) {

@@ -208,17 +208,17 @@ TEST(Engineer, AClientThatNeverReadsIsFreed) {
   Bench b;
   b.pair();
   b.tell(ClientTakes{false});
-  const auto beat = [&](int times) {
+  const auto send_heartbeats = [&](int times) {
     for (int i = 0; i < times; ++i) {
       b.sends("@@HBFEFF");
       b.pass(seconds{5});
     }
   };
-  beat(6);
+  send_heartbeats(6);
   b.tell(ClientTakes{false});  // still: the clock goes on
-  beat(5);
+  send_heartbeats(5);
   EXPECT_EQ(b.freed, 0);
-  beat(1);
+  send_heartbeats(1);
   EXPECT_EQ(b.freed, 1);
   EXPECT_EQ(b.hung_up, 1);
 }

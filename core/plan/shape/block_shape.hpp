@@ -18,8 +18,8 @@ struct CyclicWeights {
   double reach = 0.8;
   // The base period is shorter than the fastest refresh of the bus by this part.
   double margin = 0.058;
-  // This much of the margin is kept for what nobody foresees. The rest is slack: a read may end so
-  // much earlier in its slot than the one before.
+  // This part of the margin is kept for delays that the plan does not know of (noise, retries). The
+  // rest is slack: by so much a read may end earlier in its slot than the read before.
   double unforeseen = 0.013;
   // A point that is read again before this share of its allowed gap is used keeps its phase.
   double keep = 0.3;

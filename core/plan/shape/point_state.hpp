@@ -35,8 +35,8 @@ struct PointState : PlannedPoint {
   Instant due = kNever;       // when it should be read again
   Instant deadline = kNever;  // when the allowed gap ends: never before it is due
   Instant retry_at{};         // left alone until then
-  Instant phase{};            // one instant of its cycle: it is due then, ..
-  Duration period{};          // .. and again after each period; zero: it has no cycle
+  Instant phase{};            // one instant of its cycle: it is due then
+  Duration period{};          // from one instant of its cycle to the next; zero: no cycle
 
   [[nodiscard]] bool ready(Instant now) const { return wanted() && retry_at <= now; }
   // Share of the allowed gap that is used up: 0 just read, 1 due.

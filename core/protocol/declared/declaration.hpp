@@ -22,8 +22,8 @@ namespace fieldcast::declared {
 
 inline constexpr std::size_t kMaxFields = 64;      // of a frame
 inline constexpr std::size_t kMaxOperations = 64;  // of a declaration
-inline constexpr std::size_t kMaxFrame =
-    1024;  // characters of a frame, whatever its own length says
+// Characters of a frame, whatever its own length says.
+inline constexpr std::size_t kMaxFrame = 1024;
 
 enum class FieldKind : std::uint8_t {
   kConstant,  // always `number`, or the characters of `text`
@@ -58,8 +58,8 @@ struct Field {
   bool opens = true;           // first of its word
   bool is_signed = false;      // a value narrower than its items is extended by its sign
   bool in_characters = false;  // a length counts characters, not bytes
-  bool variable =
-      false;  // a text that may be shorter: up to the constant behind it, or as a length says
+  // A text that may be shorter: up to the constant behind it, or as a length says.
+  bool variable = false;
   std::uint16_t text_size = 0;  // characters of a value that is a text, at most
   TextNumber text_number = {};  // the number that the text spells; none: it is a text
   std::string text;             // of a constant that is one
@@ -128,8 +128,8 @@ struct Declaration {
   friend bool operator==(const Declaration&, const Declaration&) = default;
 };
 
-// What a device's specification holds; equal when what is said is equal, so that a reload restarts
-// only what differs.
+// A declaration as a device's specification holds it. Two are equal when their contents are, so
+// that a reload restarts only what differs.
 struct SharedDeclaration {
   std::shared_ptr<const Declaration> value;
   explicit operator bool() const { return value != nullptr; }

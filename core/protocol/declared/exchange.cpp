@@ -43,7 +43,7 @@ class Search {
   }
 
   void run() {
-    while (at_ < all_.size() && !found) look_here();
+    while (at_ < all_.size() && !found) parse_here();
     if (found) return;
     if (noise_ >= expected_ || broken_)
       // An answer's worth of broken bytes: the right one follows at once, or not at all.
@@ -67,7 +67,7 @@ class Search {
   }
 
  private:
-  void look_here() {
+  void parse_here() {
     if (try_frame(operation_.answer, context_, record_items_, true)) return;
     if (!declaration_.refusal.fields.empty() && try_frame(declaration_.refusal, refused_, 0, true))
       return;

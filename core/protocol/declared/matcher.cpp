@@ -61,8 +61,8 @@ class Matcher {
     const auto word = read_word(rest().first(field.word.characters), field.word);
     if (!word) return none();
     word_ = *word;
-    if (word_ >> 1 >> (bits_of_word(field) - 1) != 0)
-      return none();  // decimal digits hold more than their fields
+    // Decimal digits hold more than their fields.
+    if (word_ >> 1 >> (bits_of_word(field) - 1) != 0) return none();
     return true;
   }
   static unsigned bits_of_word(const Field& field) {

@@ -78,42 +78,43 @@ class DtcExchange final : public Exchange {
     open_ = false;
     while (judged_ < all.size()) {
       const ByteView bytes = all.subspan(judged_);
-      const Seen seen = look(bytes);
-      if (seen.kind == Seen::Kind::kOpen) {
+      const ParseResult parsed = parse_packet(bytes);
+      if (parsed.kind == ParseResult::Kind::kOpen) {
         open_ = true;
         if (!waited_out_) silence_ = Cause::kTruncated;  // else that is the better reason
-        return Step::need_rest(static_cast<std::uint32_t>(seen.size - bytes.size()));
+        return Step::need_rest(static_cast<std::uint32_t>(parsed.size - bytes.size()));
       }
-      if (seen.kind == Seen::Kind::kNoise) {
+      if (parsed.kind == ParseResult::Kind::kNoise) {
         if (silence_ == Cause::kNoAnswer && bytes[0] != 0x00 && bytes[0] != 0xFF)
           silence_ = Cause::kMalformed;
         ++judged_;
         continue;
       }
-      const auto step = judge(seen);
+      const auto step = judge(parsed);
       if (step) return *step;
     }
     return waited_out_ ? Step::need_rest(0) : Step::need_answer();
   }
 
   // Nothing: not the answer, passed over.
-  std::optional<Step> judge(const Seen& seen) {
+  std::optional<Step> judge(const ParseResult& parsed) {
     Bytes expanded;
-    ByteView message = seen.content;
-    if (seen.compressed) {
-      if (!lzw_decode(seen.content, seen.original, expanded)) return broken(Cause::kMalformed, 1);
+    ByteView message = parsed.content;
+    if (parsed.compressed) {
+      if (!lzw_decode(parsed.content, parsed.original, expanded))
+        return broken(Cause::kMalformed, 1);
       message = expanded;
     }
     if (!crc_is_right(message)) return broken(Cause::kChecksum, 1);
     const std::uint8_t command = sent_[1];
     const bool ours = message[0] == link_.address && (message[1] & ~kRefused) == command;
-    if (!ours || std::ranges::equal(message, sent_))
-      return broken(Cause::kForeign, seen.size);  // of others, or our own echo
+    // Of others, or our own echo.
+    if (!ours || std::ranges::equal(message, sent_)) return broken(Cause::kForeign, parsed.size);
     if ((message[1] & kRefused) != 0) {
-      if (message.size() != kRefusalSize) return broken(Cause::kMalformed, seen.size);
+      if (message.size() != kRefusalSize) return broken(Cause::kMalformed, parsed.size);
       return Step::failed(Cause::kDeviceError, message[kMessageHead]);
     }
-    if (message.size() != answer_size_) return broken(Cause::kMalformed, seen.size);
+    if (message.size() != answer_size_) return broken(Cause::kMalformed, parsed.size);
     reply_ = reply_of(request_,
                       message.subspan(kMessageHead, message.size() - kMessageHead - kCrcBytes));
     return Step::done();

@@ -1,5 +1,5 @@
-// DTC behind the protocol seam: any number of scattered variables of several types in one message,
-// compressed where that pays.
+// DTC as a protocol (protocol.hpp): any number of scattered variables of several types in one
+// message, compressed where that pays.
 #pragma once
 
 #include "core/protocol/registry.hpp"

@@ -78,35 +78,36 @@ void explain_message(FieldWriter& writer, ByteView message) {
 
 // Returns the size of the packet, or of all when it is none.
 std::size_t explain_packet(FieldWriter& all, std::size_t at, ByteView bytes) {
-  const Seen seen = look(bytes);
-  if (seen.kind != Seen::Kind::kWhole) {
-    const bool open = seen.kind == Seen::Kind::kOpen;
+  const ParseResult parsed = parse_packet(bytes);
+  if (parsed.kind != ParseResult::Kind::kWhole) {
+    const bool open = parsed.kind == ParseResult::Kind::kOpen;
     all.add(at, bytes.size(), "packet",
             to_hex(bytes.first(std::min<std::size_t>(bytes.size(), 64))),
             open ? "incomplete: " + std::to_string(bytes.size()) + " bytes of at least " +
-                       std::to_string(seen.size)
+                       std::to_string(parsed.size)
                  : "no packet: flag 00 or 01, then a length that a message can have");
     return bytes.size();
   }
-  all.add(at, 1, "flag", seen.compressed ? "01 compressed" : "00 plain");
-  all.add(at + 1, 2, "length", std::to_string(seen.size - kPacketHead));
-  const std::size_t start = at + seen.size - seen.content.size();
-  if (!seen.compressed) {
+  all.add(at, 1, "flag", parsed.compressed ? "01 compressed" : "00 plain");
+  all.add(at + 1, 2, "length", std::to_string(parsed.size - kPacketHead));
+  const std::size_t start = at + parsed.size - parsed.content.size();
+  if (!parsed.compressed) {
     FieldWriter inner(start, 1, 1);
-    explain_message(inner, seen.content);
+    explain_message(inner, parsed.content);
     all.append(inner.take());
-    return seen.size;
+    return parsed.size;
   }
-  all.add(at + kPacketHead, 2, "original length", std::to_string(seen.original));
+  all.add(at + kPacketHead, 2, "original length", std::to_string(parsed.original));
   Bytes message;
-  const auto expanded = lzw_decode(seen.content, seen.original, message);
-  all.add(start, seen.content.size(), "LZW codes", std::to_string(seen.content.size()) + " bytes",
+  const auto expanded = lzw_decode(parsed.content, parsed.original, message);
+  all.add(start, parsed.content.size(), "LZW codes",
+          std::to_string(parsed.content.size()) + " bytes",
           expanded ? "" : std::string(to_text(expanded.error())));
-  if (!expanded) return seen.size;
+  if (!expanded) return parsed.size;
   FieldWriter inner(start, 0, 1);  // what was compressed has no place of its own on the wire
   explain_message(inner, message);
   all.append(inner.take());
-  return seen.size;
+  return parsed.size;
 }
 
 }  // namespace

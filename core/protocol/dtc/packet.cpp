@@ -30,25 +30,25 @@ void append_packet(Bytes& out, ByteView message, std::size_t threshold) {
   append(out, message);
 }
 
-Seen look(ByteView bytes) {
+ParseResult parse_packet(ByteView bytes) {
   const std::uint8_t flag = bytes[0];
   if (flag != kPlain && flag != kCompressed) return {};
-  Seen seen{.kind = Seen::Kind::kOpen,
-            .size = kPacketHead + kMinMessage,
-            .compressed = flag == kCompressed};
-  if (bytes.size() < kPacketHead) return seen;
+  ParseResult parsed{.kind = ParseResult::Kind::kOpen,
+                     .size = kPacketHead + kMinMessage,
+                     .compressed = flag == kCompressed};
+  if (bytes.size() < kPacketHead) return parsed;
   const std::size_t length = read_u16(bytes, 1);
-  const std::size_t least = seen.compressed ? kOriginalBytes + 1 : kMinMessage;
+  const std::size_t least = parsed.compressed ? kOriginalBytes + 1 : kMinMessage;
   if (length < least || length > kMaxMessage) return {};
-  seen.size = kPacketHead + length;
-  const std::size_t head = kPacketHead + (seen.compressed ? kOriginalBytes : 0);
-  if (bytes.size() < head) return seen;
-  seen.original = seen.compressed ? read_u16(bytes, kPacketHead) : length;
-  if (seen.compressed && (seen.original <= length || seen.original > kMaxMessage)) return {};
-  if (bytes.size() < seen.size) return seen;
-  seen.kind = Seen::Kind::kWhole;
-  seen.content = bytes.subspan(head, seen.size - head);
-  return seen;
+  parsed.size = kPacketHead + length;
+  const std::size_t head = kPacketHead + (parsed.compressed ? kOriginalBytes : 0);
+  if (bytes.size() < head) return parsed;
+  parsed.original = parsed.compressed ? read_u16(bytes, kPacketHead) : length;
+  if (parsed.compressed && (parsed.original <= length || parsed.original > kMaxMessage)) return {};
+  if (bytes.size() < parsed.size) return parsed;
+  parsed.kind = ParseResult::Kind::kWhole;
+  parsed.content = bytes.subspan(head, parsed.size - head);
+  return parsed;
 }
 
 }  // namespace fieldcast::dtc

@@ -2,8 +2,9 @@
 //
 //     packet    flag(1) length(2) body(length)
 //     flag 0    body: the message
-//     flag 1    body: length of the message(2), then the codes of its LZW; only where that is
-//     shorter than the message
+//     flag 1    body: length of the message(2), then the codes of its LZW
+//
+// A packet has flag 1 only where that is shorter.
 #pragma once
 
 #include "core/base/bytes.hpp"
@@ -21,7 +22,7 @@ inline constexpr std::size_t kMaxMessage = 4096;
 void append_packet(Bytes& out, ByteView message, std::size_t threshold);
 
 // What begins with the first byte.
-struct Seen {
+struct ParseResult {
   enum class Kind : std::uint8_t { kNoise, kOpen, kWhole };
   Kind kind = Kind::kNoise;
   // kWhole: of the packet. kOpen: of the packet, as far as is known. kNoise: to move on by.
@@ -31,6 +32,6 @@ struct Seen {
   ByteView content;          // the message, or the codes of its LZW
 };
 // kNoise: an unknown flag, or a length that no packet has. REQUIRES: bytes is not empty.
-[[nodiscard]] Seen look(ByteView bytes);
+[[nodiscard]] ParseResult parse_packet(ByteView bytes);
 
 }  // namespace fieldcast::dtc

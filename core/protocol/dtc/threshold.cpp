@@ -5,8 +5,8 @@
 namespace fieldcast::dtc {
 
 std::size_t auto_threshold(const LineFormat& line, Duration per_byte) {
-  constexpr double kSaved =
-      0.5;  // of a byte, once strings repeat; dtc_bench prints what real data save
+  // Of a byte, once strings repeat; dtc_bench prints what real data save.
+  constexpr double kSaved = 0.5;
   constexpr double kLearning = 16.0;  // bytes that save nothing
   constexpr double kLengthBytes = 2.0;
   const double character = static_cast<double>(line.characters(1).count());

@@ -33,11 +33,11 @@ Parsed parse_address(std::string_view at) {
   }
   ParsedAddress address{.area = static_cast<AreaIndex>(found - kTypeNames.begin())};
   const unsigned bits = kTypeBits[address.area];
-  const std::string_view place = at.substr(colon + 1);
-  const std::size_t dot = place.find('.');
-  const auto first = whole_number(place.substr(0, dot));
+  const std::string_view number = at.substr(colon + 1);
+  const std::size_t dot = number.find('.');
+  const auto first = whole_number(number.substr(0, dot));
   if (!first)
-    return fault(quoted(place.substr(0, dot)) + " is no number", std::string(name) + ":0");
+    return fault(quoted(number.substr(0, dot)) + " is no number", std::string(name) + ":0");
   if (*first >= kVariables)
     return fault(quoted(at) + " is beyond the end of " + std::string(name),
                  std::string(name) + ":65535");
@@ -51,9 +51,9 @@ Parsed parse_address(std::string_view at) {
   const std::string whole(at.substr(0, colon + 1 + dot));
   if (address.area != kInt16 && address.area != kInt32)
     return fault(quoted(at) + " has no bits", whole);
-  const auto bit = whole_number(place.substr(dot + 1));
+  const auto bit = whole_number(number.substr(dot + 1));
   if (!bit || *bit >= bits) {
-    return fault("bit " + quoted(place.substr(dot + 1)) + " is not 0.." + std::to_string(bits - 1),
+    return fault("bit " + quoted(number.substr(dot + 1)) + " is not 0.." + std::to_string(bits - 1),
                  whole + ".0");
   }
   address.bit = static_cast<std::uint8_t>(*bit);

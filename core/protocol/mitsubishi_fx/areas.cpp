@@ -74,8 +74,8 @@ std::vector<Area> areas_reached(Commands commands) {
               .item_bits = row->item_bits,
               .items = row->address_map(commands).items};
     area.max_read = in_frame;
-    area.max_write =
-        bits ? (row->address_map(commands).force ? 1 : 0) : in_frame;  // bits are forced one by one
+    // Bits are forced one by one.
+    area.max_write = bits ? (row->address_map(commands).force ? 1 : 0) : in_frame;
     area.writable = area.max_write != 0;
     area.bit_write = bits && area.writable;
     area.alignment = bits ? 8 : 1;
@@ -123,7 +123,7 @@ tl::expected<ParsedAddress, AddressFault> parse_address(Commands commands, std::
   const std::size_t digits = std::min(at.find_first_of("0123456789"), at.size());
   const std::string_view letters = at.substr(0, digits);
   const std::size_t dot = std::min(at.find('.'), at.size());
-  const std::string_view place = at.substr(digits, std::max(dot, digits) - digits);
+  const std::string_view number = at.substr(digits, std::max(dot, digits) - digits);
   bool known = false;
   bool octal = false;
   for (const DeviceRow& row : kRows) {
@@ -138,9 +138,9 @@ tl::expected<ParsedAddress, AddressFault> parse_address(Commands commands, std::
     return fault("device " + quoted(letters) + " is unknown",
                  named ? upper + std::string(at.substr(digits)) : "");
   }
-  const auto which = whole_number(place, octal ? 8 : 10);
+  const auto which = whole_number(number, octal ? 8 : 10);
   if (!which)
-    return fault(quoted(place) + (octal ? " is no octal number" : " is no number"),
+    return fault(quoted(number) + (octal ? " is no octal number" : " is no number"),
                  std::string(letters) + "0");
   const auto& rows = rows_of(commands);
   const auto row = std::find_if(rows.begin(), rows.end(), [&](const DeviceRow* each) {

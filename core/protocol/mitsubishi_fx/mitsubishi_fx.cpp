@@ -112,10 +112,10 @@ class FxRead final : public Exchange {
     const bool refused = all.size() == 1 && all[0] == kNak;
     if (refused) silence_ = Cause::kDeviceError;
     Step step = refused ? Step::need_rest(0) : Step::need_answer();
-    for (auto stx = std::find(all.begin(), all.end(), kStx);
-         stx != all.end();) {  // STX begins a frame at any time
+    // STX begins a frame at any time.
+    for (auto stx = std::find(all.begin(), all.end(), kStx); stx != all.end();) {
       const auto next = std::find(stx + 1, all.end(), kStx);
-      step = look({stx, next});
+      step = parse({stx, next});
       if (step.kind != Step::Kind::kNeedMore) break;
       stx = next;
     }
@@ -133,7 +133,7 @@ class FxRead final : public Exchange {
  private:
   std::size_t frame_size() const { return kEnvelope + 2 * std::size_t{bytes_}; }
 
-  Step look(ByteView text) {
+  Step parse(ByteView text) {
     const auto etx = std::find(text.begin(), text.end(), kEtx);
     const std::size_t come = text.size();
     const auto size = static_cast<std::size_t>(etx - text.begin()) + 3;  // with ETX and sum

@@ -1,4 +1,4 @@
-// The programming port of Mitsubishi FX PLCs behind the protocol seam.
+// The programming port of Mitsubishi FX PLCs as a protocol (protocol.hpp).
 #pragma once
 
 #include "core/protocol/registry.hpp"

@@ -20,8 +20,8 @@ inline constexpr std::uint16_t kMaxReadRegisters = 125;
 inline constexpr std::uint16_t kMaxWriteRegisters = 123;
 inline constexpr std::uint16_t kMaxReadWriteRegisters = 121;  // the written part of function 23
 
-// In the order of Table. mask_write: the device knows function 22, so one bit or
-// one byte of a holding register can be written alone.
+// In the order of Table. mask_write: the device knows function 22, so one bit or one byte of a
+// holding register can be written alone.
 [[nodiscard]] constexpr std::array<Area, 4> areas(bool mask_write) {
   return {{
       {.name = "coil",

@@ -27,8 +27,8 @@ enum class Function : std::uint8_t {
 inline constexpr std::uint8_t kExceptionFlag = 0x80;
 inline constexpr std::size_t kMaxPdu = 253;
 
-[[nodiscard]] std::string_view function_text(
-    std::uint8_t function);  // "read coils"; "unknown function"
+// "read coils"; "unknown function".
+[[nodiscard]] std::string_view function_text(std::uint8_t function);
 
 // Modbus Application Protocol V1.1b3, 7.
 inline constexpr std::array kExceptions{
@@ -43,8 +43,8 @@ inline constexpr std::array kExceptions{
     DeviceCode{0x0A, "gateway path unavailable"},
     DeviceCode{0x0B, "gateway target did not respond"},
 };
-[[nodiscard]] std::string_view exception_text(
-    std::uint8_t code);  // "illegal data address"; "unknown exception"
+// "illegal data address"; "unknown exception".
+[[nodiscard]] std::string_view exception_text(std::uint8_t code);
 
 // Bytes of the answer PDU that begins with `pdu` (function first). While its length field has not
 // come: what is needed to know it. 0: a function whose answers tell no length, or pdu is empty.

@@ -1,4 +1,4 @@
-// The Modbus family behind the protocol seam: three registry entries over one PDU layer.
+// The Modbus family as protocols (protocol.hpp): three registry entries over one PDU layer.
 #pragma once
 
 #include "core/protocol/modbus/framing.hpp"

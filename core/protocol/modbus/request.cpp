@@ -42,9 +42,8 @@ std::optional<Function> function_of(const WriteRequest& write, const Options& op
   return single ? Function::kWriteRegister : Function::kWriteRegisters;
 }
 
-Function function_of(const Range& read) {
-  return static_cast<Function>(read.area + 1);
-}  // areas lie in the order of functions 1..4
+// Areas lie in the order of functions 1..4.
+Function function_of(const Range& read) { return static_cast<Function>(read.area + 1); }
 
 void append_range(Bytes& pdu, const Range& range) {
   append_u16(pdu, static_cast<std::uint16_t>(range.first));

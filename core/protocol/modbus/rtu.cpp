@@ -153,7 +153,7 @@ class RtuSearch {
   std::size_t noise_ = 0;
   bool at_boundary_ = true;
   bool begun_ = false;             // some frame lacks bytes
-  bool open_at_boundary_ = false;  // and it began at a boundary
+  bool open_at_boundary_ = false;  // that frame began at a boundary
   bool truncated_ = false;         // it is ours
   bool cut_ = false;               // ours, but somewhere within noise
   bool mismatch_ = false;

@@ -23,8 +23,8 @@ struct AreaRow {
   std::uint8_t word_code = 0;  // FINS area codes of CS/CJ/CP (Omron W342, 5-2-2)
   std::uint8_t bit_code = 0;
   std::uint32_t fins_items = 0;
-  std::uint32_t c_offset = 0;     // counters stand behind the timers: from 2048 in C-mode,
-  std::uint32_t fins_offset = 0;  // from 8000h in FINS
+  std::uint32_t c_offset = 0;     // C-mode counters stand behind the timers, from 2048
+  std::uint32_t fins_offset = 0;  // FINS counters stand behind the timers, from 8000h
   bool flags = false;             // one bit each
 };
 

@@ -78,21 +78,21 @@ class CModeExchange : public Exchange {
                    : Cause::kNoAnswer;
     Step step = Step::need_answer();
     for (;;) {
-      const Seen seen = first_frame(all);
-      if (seen.kind == Seen::Kind::kNothing) return step;
-      if (seen.kind == Seen::Kind::kOpen) {
+      const ParseResult parsed = first_frame(all);
+      if (parsed.kind == ParseResult::Kind::kNothing) return step;
+      if (parsed.kind == ParseResult::Kind::kOpen) {
         silence_ = Cause::kTruncated;
         return Step::need_rest(static_cast<std::uint32_t>(
-            expected > seen.text.size() ? expected - seen.text.size() : 1));
+            expected > parsed.text.size() ? expected - parsed.text.size() : 1));
       }
-      if (seen.kind == Seen::Kind::kBroken) {
+      if (parsed.kind == ParseResult::Kind::kBroken) {
         silence_ = Cause::kChecksum;
         step = Step::need_rest(0);
       } else {
-        step = judge(seen, out);
+        step = judge(parsed, out);
         if (step.kind != Step::Kind::kNeedMore) return step;
       }
-      all = all.subspan(seen.end);
+      all = all.subspan(parsed.end);
     }
   }
 
@@ -115,22 +115,22 @@ class CModeExchange : public Exchange {
   bool open_ = false;  // frames are still to come, in one direction or the other
 
  private:
-  Step judge(const Seen& seen, Bytes& out) {
-    const ByteView text = seen.text;
+  Step judge(const ParseResult& parsed, Bytes& out) {
+    const ByteView text = parsed.text;
     silence_ = Cause::kForeign;
     if (text.size() < kHeadSize || read_digits(text.subspan(1, 2), 10) != unit_)
       return Step::need_answer();
     const std::string header(text.begin() + 3, text.begin() + kHeadSize);
-    if (header == "IC" && seen.last) return Step::failed(Cause::kDeviceError, kNotSupported);
+    if (header == "IC" && parsed.last) return Step::failed(Cause::kDeviceError, kNotSupported);
     if (header != header_) return Step::need_answer();
     silence_ = Cause::kMalformed;
     if (text.size() < kHeadSize + kEndCodeSize) return Step::need_answer();
     const auto code = read_digits(text.subspan(kHeadSize, kEndCodeSize));
     if (!code) return Step::need_answer();
     const ByteView data = text.subspan(kHeadSize + kEndCodeSize);
-    if (*code == 0) return accept(data, seen.last, out);
+    if (*code == 0) return accept(data, parsed.last, out);
     // The XOR does not see two equal characters vanish: a refusal must have the shape of one, too.
-    if (!data.empty() || !seen.last) return Step::need_answer();
+    if (!data.empty() || !parsed.last) return Step::need_answer();
     return Step::failed(refusal_cause(*code), static_cast<std::uint16_t>(*code));
   }
 
@@ -166,23 +166,23 @@ class CModeRead final : public CModeExchange {
       const std::uint32_t first = open_ ? 0 : frame_size(flags_ ? kFlagsFirst : kReadFirst);
       return search(all, kHeadSize + kEndCodeSize + first, out);
     }
-    const Seen seen = later_frame(all);
-    if (seen.kind == Seen::Kind::kFrame) return accept(seen.text, seen.last, out);
-    silence_ = seen.kind == Seen::Kind::kBroken ? Cause::kChecksum : Cause::kTruncated;
+    const ParseResult parsed = later_frame(all);
+    if (parsed.kind == ParseResult::Kind::kFrame) return accept(parsed.text, parsed.last, out);
+    silence_ = parsed.kind == ParseResult::Kind::kBroken ? Cause::kChecksum : Cause::kTruncated;
     const std::size_t whole = frame_size(kReadLater);
     return Step::need_rest(static_cast<std::uint32_t>(
-        seen.kind == Seen::Kind::kOpen ? whole - std::min(whole - 1, all.size()) : 0));
+        parsed.kind == ParseResult::Kind::kOpen ? whole - std::min(whole - 1, all.size()) : 0));
   }
 
   Step accept(ByteView text, bool last, Bytes& out) override {
-    const bool whole =
-        flags_ || text.size() % kWordDigits == 0;  // no word is cut between two frames
+    // No word is cut between two frames.
+    const bool whole = flags_ || text.size() % kWordDigits == 0;
     const bool fits = whole && (last ? data_.size() + text.size() == digits_
                                      : !text.empty() && data_.size() + text.size() < digits_);
     if (!fits) {
       silence_ = Cause::kMalformed;
-      return open_ ? fail(Cause::kMalformed, out)
-                   : Step::need_answer();  // before anything else: an answer to an earlier request
+      // Before anything else: an answer to an earlier request.
+      return open_ ? fail(Cause::kMalformed, out) : Step::need_answer();
     }
     append(data_, text);
     if (!last) {

@@ -121,21 +121,21 @@ class FinsExchange final : public Exchange {
                    : Cause::kNoAnswer;
     Step step = Step::need_answer();
     for (;;) {
-      const Seen seen = first_frame(all);
-      if (seen.kind == Seen::Kind::kNothing) return step;
-      if (seen.kind == Seen::Kind::kOpen) {
+      const ParseResult parsed = first_frame(all);
+      if (parsed.kind == ParseResult::Kind::kNothing) return step;
+      if (parsed.kind == ParseResult::Kind::kOpen) {
         silence_ = Cause::kTruncated;
         return Step::need_rest(static_cast<std::uint32_t>(
-            frame_size() > seen.text.size() ? frame_size() - seen.text.size() : 1));
+            frame_size() > parsed.text.size() ? frame_size() - parsed.text.size() : 1));
       }
-      if (seen.kind == Seen::Kind::kBroken) {
+      if (parsed.kind == ParseResult::Kind::kBroken) {
         silence_ = Cause::kChecksum;
         step = Step::need_rest(0);
       } else {
-        step = judge(seen.text, seen.last);
+        step = judge(parsed.text, parsed.last);
         if (step.kind != Step::Kind::kNeedMore) return step;
       }
-      all = all.subspan(seen.end);
+      all = all.subspan(parsed.end);
     }
   }
 

@@ -9,14 +9,14 @@ namespace fieldcast::omron {
 namespace {
 
 // `frame` runs up to and without its CR.
-Seen judged(ByteView frame, std::size_t end) {
-  Seen seen{.kind = Seen::Kind::kBroken, .end = end};
+ParseResult judged(ByteView frame, std::size_t end) {
+  ParseResult parsed{.kind = ParseResult::Kind::kBroken, .end = end};
   const bool last = !frame.empty() && frame.back() == kStar;
   if (last) frame = frame.first(frame.size() - 1);
-  if (frame.size() < kFcsSize) return seen;
+  if (frame.size() < kFcsSize) return parsed;
   const ByteView text = frame.first(frame.size() - kFcsSize);
-  if (read_digits(frame.last(kFcsSize)) != xor8(text)) return seen;
-  return {.kind = Seen::Kind::kFrame, .last = last, .text = text, .end = end};
+  if (read_digits(frame.last(kFcsSize)) != xor8(text)) return parsed;
+  return {.kind = ParseResult::Kind::kFrame, .last = last, .text = text, .end = end};
 }
 
 }  // namespace
@@ -33,20 +33,20 @@ void append_end(Bytes& out, std::size_t start, bool last) {
   out.push_back(kCr);
 }
 
-Seen first_frame(ByteView bytes) {
+ParseResult first_frame(ByteView bytes) {
   const auto at = std::find(bytes.begin(), bytes.end(), kAt);
   if (at == bytes.end()) return {};
   const auto cr = std::find(at, bytes.end(), kCr);
   const auto start =
       std::find(std::make_reverse_iterator(cr), std::make_reverse_iterator(at), kAt).base() - 1;
-  if (cr == bytes.end()) return {.kind = Seen::Kind::kOpen, .text = {start, cr}};
+  if (cr == bytes.end()) return {.kind = ParseResult::Kind::kOpen, .text = {start, cr}};
   return judged({start, cr}, static_cast<std::size_t>(cr - bytes.begin()) + 1);
 }
 
-Seen later_frame(ByteView bytes) {
+ParseResult later_frame(ByteView bytes) {
   if (bytes.empty()) return {};
   const auto cr = std::find(bytes.begin(), bytes.end(), kCr);
-  if (cr == bytes.end()) return {.kind = Seen::Kind::kOpen, .text = bytes};
+  if (cr == bytes.end()) return {.kind = ParseResult::Kind::kOpen, .text = bytes};
   return judged({bytes.begin(), cr}, static_cast<std::size_t>(cr - bytes.begin()) + 1);
 }
 

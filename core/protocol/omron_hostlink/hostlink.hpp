@@ -30,7 +30,7 @@ void append_end(Bytes& out, std::size_t start, bool last);
 [[nodiscard]] constexpr std::size_t end_size(bool last) { return kFcsSize + (last ? 2 : 1); }
 
 // What begins in the bytes given.
-struct Seen {
+struct ParseResult {
   enum class Kind : std::uint8_t { kNothing, kOpen, kBroken, kFrame };
   Kind kind = Kind::kNothing;
   bool last = false;    // kFrame: with `*`
@@ -39,9 +39,9 @@ struct Seen {
 };
 
 // The first frame that begins with `@`; another `@` restarts it, what stands before is noise.
-[[nodiscard]] Seen first_frame(ByteView bytes);
+[[nodiscard]] ParseResult first_frame(ByteView bytes);
 // The later frame of an answer, which begins with the first byte.
-[[nodiscard]] Seen later_frame(ByteView bytes);
+[[nodiscard]] ParseResult later_frame(ByteView bytes);
 
 // What a refusal means. Our frames leave with a right FCS: where the PLC found it wrong, the line
 // garbled them, and they may be sent again.
@@ -71,7 +71,7 @@ inline constexpr std::array kEndCodes{
     DeviceCode{0xA5, "aborted: entry number error in the data"},
     DeviceCode{0xA8, "aborted: frame length error in the data"},
 };
-[[nodiscard]] std::string_view end_code_text(
-    std::uint16_t code);  // "FCS error"; "unknown end code"
+// "FCS error"; "unknown end code".
+[[nodiscard]] std::string_view end_code_text(std::uint16_t code);
 
 }  // namespace fieldcast::omron

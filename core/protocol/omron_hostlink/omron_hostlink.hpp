@@ -1,4 +1,4 @@
-// Omron Host Link behind the protocol seam: C-mode commands, or FINS in Host Link frames.
+// Omron Host Link as a protocol (protocol.hpp): C-mode commands, or FINS in Host Link frames.
 #pragma once
 
 #include "core/protocol/registry.hpp"

@@ -181,8 +181,8 @@ class FreeportProtocol final : public Protocol {
       return std::make_unique<FreeportExchange>(read_, station_, range.end(), Window{}, range,
                                                 nullptr);
     }
-    const auto* both =
-        std::get_if<WriteReadRequest>(&request);  // the answer to a write is the window read back
+    // The answer to a write is the window read back.
+    const auto* both = std::get_if<WriteReadRequest>(&request);
     const WriteRequest& write = both != nullptr ? both->write : std::get<WriteRequest>(request);
     Window sent = written_;
     Bytes items = write.items;
@@ -212,8 +212,8 @@ class FreeportProtocol final : public Protocol {
 
   const std::uint8_t station_;
   const char read_, write_;
-  mutable Window
-      written_{};  // as the station last told it; only our own exchanges touch it, one at a time
+  // As the station last told it; only our own exchanges touch it, one at a time.
+  mutable Window written_{};
 };
 
 constexpr std::array<std::string_view, 1> kOptions{"letters"};

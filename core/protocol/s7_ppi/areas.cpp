@@ -65,10 +65,10 @@ tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) {
   const Area& area = kAreas[name->area];
   const AreaCode& code = kCodes[name->area];
   const std::size_t dot = at.find('.');
-  const std::string_view place =
+  const std::string_view number =
       at.substr(digits, dot == std::string_view::npos ? dot : dot - digits);
-  const auto first = whole_number(place);
-  if (!first) return fault(quoted(place) + " is no number");
+  const auto first = whole_number(number);
+  if (!first) return fault(quoted(number) + " is no number");
   ParsedAddress address{.area = name->area, .first = *first};
   if (area.item_bits == 16 && !code.counted) {
     if (*first % 2 != 0)
@@ -81,7 +81,7 @@ tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) {
   if (dot == std::string_view::npos) {
     if (name->width == 0 && !code.counted) {
       return fault(quoted(at) + " says neither a bit nor a width",
-                   std::string(letters) + "B" + std::string(place));
+                   std::string(letters) + "B" + std::string(number));
     }
     if (!code.counted) address.width_bits = name->width;
     return address;

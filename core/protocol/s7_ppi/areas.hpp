@@ -8,7 +8,7 @@
 
 namespace fieldcast::s7_ppi {
 
-// How an area is named in an S7 telegram, beside what the seam says of it.
+// How an area is named in an S7 telegram, beside what protocol.hpp says of it.
 struct AreaCode {
   std::uint8_t code = 0;
   std::uint8_t transport = 2;  // TS: 02 bytes, 04 words, or the area code itself

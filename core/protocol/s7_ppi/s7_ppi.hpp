@@ -1,4 +1,4 @@
-// Siemens S7-200 PPI behind the protocol seam.
+// Siemens S7-200 PPI as a protocol (protocol.hpp).
 #pragma once
 
 #include "core/protocol/registry.hpp"

@@ -1,5 +1,5 @@
 // Modbus RTU as a declaration against the built-in one: two implementations that share nothing but
-// the seam. Seeded.
+// the Protocol interface. Seeded.
 #include <gtest/gtest.h>
 
 #include <random>

@@ -119,7 +119,7 @@ TEST(DtcVectors, ReadsAreAskedAndAnsweredAsPrinted) {
   EXPECT_GE(seen, 24);
 }
 
-// The seam writes one range at a time; a message of several groups is its parts, each in a message
+// A WriteRequest has one range; a message of several groups is its parts, each in a message
 // of its own.
 TEST(DtcVectors, WritesAreMadeOfThePrintedGroups) {
   int whole = 0, parts = 0;

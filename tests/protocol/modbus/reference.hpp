@@ -1,5 +1,5 @@
 // A second, independent reading of Modbus frames for the tests: nothing of the core but checksums
-// and the seam's value types.
+// and the value types of protocol.hpp.
 #pragma once
 
 #include <optional>
