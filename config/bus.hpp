@@ -10,7 +10,7 @@ namespace fieldcast::config {
 // Faults are noted; with faults the result is whatever could be read.
 [[nodiscard]] BusSpec read_bus(const Node& node, LoadState& state);
 
-// What stands between an answer and the next request: "standard", "3.5c" or a duration.
+// The silence between an answer and the next request: "standard", "3.5c" or a duration.
 struct SilenceReader {
   std::optional<SilenceRule> operator()(const Node& node, std::string_view key,
                                         FaultList& faults) const;

@@ -1,5 +1,6 @@
 // Defaults that flow down: those of the bus, then of the device's template, then of the device,
-// then of the channel. The last that speaks wins; each level starts with a copy of the one above.
+// then of the channel. The last level that sets a key wins; each level starts with a copy of the
+// one above.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +32,7 @@ struct DeviceDefaults {
   ChannelDefaults channels;
 };
 
-// options, allow: the option that speaks last wins; a list of rights replaces the one above.
+// options: the last level that sets an option wins. allow: a list of rights replaces the one above.
 void read_options(MapReader& map, DeviceDefaults& defaults);
 void read_allow(MapReader& map, DeviceDefaults& defaults);
 

@@ -10,8 +10,8 @@
 namespace fieldcast::config {
 
 struct ChannelContext {
-  const Protocol* protocol =
-      nullptr;  // nothing: it is unknown, and what depends on it stays unchecked
+  // Nothing: it is unknown, and what depends on it stays unchecked.
+  const Protocol* protocol = nullptr;
   ChannelDefaults defaults;
   std::uint16_t max_block = 0;
 };

@@ -187,8 +187,8 @@ class ListBuilder {
     for (std::size_t i = 0; i < row.size(); ++i) {
       const Column* column = header[i];
       const Cell& cell = row[i];
-      if (column == nullptr || cell.text.empty())
-        continue;  // an empty cell: as if the key were absent
+      // An empty cell: as if the key were absent.
+      if (column == nullptr || cell.text.empty()) continue;
       Node* map = &channel;
       if (!column->map.empty()) {
         Node*& known = inner[column->map];

@@ -232,8 +232,8 @@ class DeclarationReader {
       const auto same = [&](const DeclaredArea& other) {
         return other.name == declaration_.areas[i].name;
       };
-      if (std::ranges::count_if(declaration_.areas, same) > 1)
-        continue;  // two of one name: said already
+      // Two of one name: said already.
+      if (std::ranges::count_if(declaration_.areas, same) > 1) continue;
       const std::string area = fmt::format("area '{}'", declaration_.areas[i].name);
       if (uses(false) == 0)
         faults_.add(area_positions_[i], area + " is read by no operation",

@@ -10,12 +10,12 @@
 
 namespace fieldcast::config {
 
-// What fields are when they do not say.
+// Defaults of the fields of a frame.
 struct FieldDefaults {
   declared::Notation notation = declared::Notation::kBinary;
   bool little_endian = false;
-  bool high_first =
-      false;  // of fields that share a byte the first takes the highest bits, not the lowest
+  // Of fields that share a byte the first takes the highest bits, not the lowest.
+  bool high_first = false;
 };
 
 // One field as it stands in the text.
@@ -24,8 +24,8 @@ struct DraftField {
   Position position;
   Position width_position, of_position;
   std::string of;
-  bool in_bits = false;  // its width is given in bits,
-  bool shares = false;   // which fill no bytes by themselves
+  bool in_bits = false;  // its width is given in bits
+  bool shares = false;   // its bits fill no whole bytes: it shares one with others
   bool fits = true;      // read without a fault
 };
 

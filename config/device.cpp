@@ -102,8 +102,8 @@ std::unique_ptr<Protocol> protocol_of(MapReader& map, const ProtocolChoice& choi
   if (protocol) return std::move(*protocol);
   const auto& fault = protocol.error();
   const auto option = draft.defaults.options.positions.find(fault.option);
-  if (fault.option.empty() && !has_address)
-    return nullptr;  // the address is missing or no number: said already
+  // The address is missing or no number: said already.
+  if (fault.option.empty() && !has_address) return nullptr;
   const bool of_option = option != draft.defaults.options.positions.end();
   map.faults().add(
       of_option ? option->second : map.position_of("address"),

@@ -93,7 +93,7 @@ struct Document {
 
 // The folder of a file with its trailing '/', or nothing for a bare name.
 [[nodiscard]] std::string_view directory_of(std::string_view path);
-[[nodiscard]] std::string resolve(
-    const Source& from, std::string_view path);  // relative to the folder of the naming file
+// Relative to the folder of the naming file.
+[[nodiscard]] std::string resolve(const Source& from, std::string_view path);
 
 }  // namespace fieldcast::config

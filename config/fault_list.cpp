@@ -26,8 +26,8 @@ void make_presentable(std::string& text) {
   }
   if (text.size() <= kLongestShown) return;
   std::size_t end = kLongestShown;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80)
-    --end;  // whole characters only
+  // Whole characters only.
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
   text.resize(end);
   text += "...";
 }

@@ -29,15 +29,15 @@ class Library {
   // The declaration of a protocol, without a fault when there is none.
   struct Found {
     bool exists = false;
-    const Node* root =
-        nullptr;  // nothing: its text is broken, or it cannot be read; the faults are noted
+    // Nothing: its text is broken, or it cannot be read; the faults are noted.
+    const Node* root = nullptr;
   };
   Found protocol_declaration(const Node& naming);
-  // The names of those there are.
+  // The names of all that exist.
   std::vector<std::string> declared_protocols(const Node& naming) const;
 
-  // For other files that are only named: a fault at `naming` when it cannot be read. Returns its
-  // path from here.
+  // For other files that are only named: a fault at `naming` when the file cannot be read. Returns
+  // the path by which this process opens it.
   std::string check_file(const Node& naming);
 
  private:

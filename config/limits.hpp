@@ -13,11 +13,11 @@ namespace fieldcast::config {
 // Text. Includes cannot nest: a bridge names templates and channel lists, a template names channel
 // lists, and those name nothing.
 inline constexpr std::size_t kMaxFileBytes = 16u << 20;
-inline constexpr std::size_t kMaxTotalBytes = 64u
-                                              << 20;  // of a configuration and the files it names
-inline constexpr std::size_t kMaxNodes =
-    2'400'000;  // of one document, counting what aliases repeat; 100 000 channels with limits and
-                // write, each on a line of its own, have 2 300 000
+// Of a configuration and the files it names.
+inline constexpr std::size_t kMaxTotalBytes = 64u << 20;
+// Of one document, counting what aliases repeat; 100 000 channels with limits and write, each on a
+// line of its own, have 2 300 000.
+inline constexpr std::size_t kMaxNodes = 2'400'000;
 // Of one YAML text. 100 000 channels with limits and write have 300 000 maps.
 inline constexpr std::size_t kMaxCollections = 400'000;  // maps and lists
 inline constexpr std::size_t kMaxKeys = 1'000;           // of one map

@@ -35,7 +35,7 @@ struct LoadOptions {
   // Where `template: press` looks for press.yaml after the folder devices/ beside the
   // configuration.
   std::vector<std::string> template_directories;
-  // And `protocol: instrument` for instrument.yaml after the folder protocols/.
+  // Where `protocol: instrument` looks for instrument.yaml after the folder protocols/ beside it.
   std::vector<std::string> protocol_directories;
   // Whether a bus that could never carry its channels is a fault (core/schedule/overload.hpp).
   bool refuse_hopeless = true;

@@ -47,8 +47,8 @@ class MapReader {
   [[nodiscard]] bool has(std::string_view key) const;
   // Also true when an unknown key probably means this one: it is not missing as well.
   [[nodiscard]] bool has_or_means(std::string_view key) const;
-  [[nodiscard]] Position position_of(
-      std::string_view key) const;  // of its value, or of the map when absent
+  // Of its value, or of the map when absent.
+  [[nodiscard]] Position position_of(std::string_view key) const;
   [[nodiscard]] const Position& position() const { return node_.position; }
   [[nodiscard]] FaultList& faults() { return faults_; }
 

@@ -15,9 +15,9 @@ namespace fieldcast::config {
 struct LoadState {
   FaultList& faults;
   Library& library;
-  std::map<const Node*, declared::SharedDeclaration>
-      declarations{};        // by their document; nothing: faulty
-  std::size_t channels = 0;  // so far, of the whole bridge
+  // By their document; nothing: faulty.
+  std::map<const Node*, declared::SharedDeclaration> declarations{};
+  std::size_t channels = 0;  // of the whole bridge, as far as it was read
 };
 
 struct ProtocolChoice {

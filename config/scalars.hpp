@@ -70,8 +70,8 @@ struct TextRule {  // one line without control characters
   [[nodiscard]] std::string form() const;
 };
 
-struct NameRule {  // 1..64 of letters, digits, '-', '_', '.': names become parts of paths and
-                   // patterns
+// 1..64 of letters, digits, '-', '_', '.': names become parts of paths and patterns.
+struct NameRule {
   std::optional<std::string> operator()(const Node& node, std::string_view key,
                                         FaultList& faults) const;
   [[nodiscard]] std::string schema() const;

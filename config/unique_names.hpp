@@ -1,4 +1,4 @@
-// Notes what may stand once only, and faults the second.
+// Names that must be unique: the second use of one is a fault.
 #pragma once
 
 #include <map>

@@ -41,8 +41,8 @@ class Builder final : public YAML::EventHandler {
 
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     Node& node = make(Kind::kNull, mark);
-    if (!open_.empty() && open_.back().key != nullptr)
-      node.position = open_.back().key->position;  // an absent value stands nowhere
+    // An absent value stands nowhere.
+    if (!open_.empty() && open_.back().key != nullptr) node.position = open_.back().key->position;
     finish(node, anchor, 1);
   }
 

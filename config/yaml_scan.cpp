@@ -31,8 +31,8 @@ class Scanner {
     while (next_ < text_.size()) {
       quote.end = at_;
       const char c = peek();
-      const bool escaped =
-          quote.sign == '"' ? c == '\\' : c == '\'' && peek(1) == '\'';  // \" and ''
+      // \" and ''.
+      const bool escaped = quote.sign == '"' ? c == '\\' : c == '\'' && peek(1) == '\'';
       advance();
       if (escaped) {
         if (next_ < text_.size()) advance();

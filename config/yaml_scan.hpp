@@ -1,6 +1,6 @@
 // Quotes and brackets of a YAML text, followed by a scanner that never gives up. It serves texts
-// that the parser refused: what was left open is the cause, and often lines above the place where
-// the parser stopped. Pure; one pass over the text.
+// that the parser refused: what was left open is the cause, and often lines above the position
+// where the parser stopped. Pure; one pass over the text.
 #pragma once
 
 #include <optional>

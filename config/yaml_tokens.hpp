@@ -6,8 +6,8 @@
 
 namespace fieldcast::config {
 
-// False and a fault at the place where the text goes above a limit (limits.hpp). The text is read
-// roughly: what looks like a bracket or a quote inside a plain text counts as one.
+// False and a fault at the position where the text goes above a limit (limits.hpp). The text is
+// read roughly: what looks like a bracket or a quote inside a plain text counts as one.
 [[nodiscard]] bool check_tokens(const Source& source, FaultList& faults);
 
 }  // namespace fieldcast::config

@@ -68,7 +68,7 @@ Line line_of(std::string_view text) {
   return line;
 }
 
-// What the looks below share.
+// What the matchers below share.
 struct Case {
   const Source& source;
   Position stopped;
@@ -237,7 +237,7 @@ Found colon_inside_a_value(const Case& c) {
                      in_quotes(value_from(c, first + 1))};
 }
 
-// A line's place among the keys and lists above it.
+// A line's position among the keys and lists above it.
 struct Level {
   std::size_t column;
   bool list;
@@ -310,7 +310,7 @@ Found wrong_escape(const Case& c) {
   return {};
 }
 
-// The parser's words that need no look at the text.
+// The parser's messages that need no view of the text.
 struct Words {
   std::string_view parsers, ours, allowed;
 };
@@ -350,17 +350,17 @@ std::vector<Line> lines_to(std::string_view text, std::uint32_t last) {
   return lines;
 }
 
-// The first that recognizes the case speaks.
-constexpr Found (*kLooks[])(const Case&) = {open_quote,
-                                            tab,
-                                            sign_that_begins_no_value,
-                                            bracket_closed_by_another,
-                                            bracket_never_closed,
-                                            text_behind_quote,
-                                            key_inside_the_value_above,
-                                            colon_inside_a_value,
-                                            wrong_indentation,
-                                            wrong_escape};
+// The first matcher that recognizes the case explains it.
+constexpr Found (*kMatchers[])(const Case&) = {open_quote,
+                                               tab,
+                                               sign_that_begins_no_value,
+                                               bracket_closed_by_another,
+                                               bracket_never_closed,
+                                               text_behind_quote,
+                                               key_inside_the_value_above,
+                                               colon_inside_a_value,
+                                               wrong_indentation,
+                                               wrong_escape};
 
 }  // namespace
 
@@ -368,8 +368,8 @@ YamlTrouble explain_yaml_error(const Source& source, const Position& stopped,
                                std::string_view message) {
   const Case c{source, stopped, message, scan_yaml(source, stopped),
                lines_to(source.text, stopped.line)};
-  for (const auto look : kLooks) {
-    if (auto found = look(c)) return *std::move(found);
+  for (const auto matcher : kMatchers) {
+    if (auto found = matcher(c)) return *std::move(found);
   }
   return in_words(c);
 }
