@@ -119,13 +119,13 @@ void PlantLoop::wait(Instant until) {
 bool PlantLoop::run() {
   while (!stopping_) {
     Instant until = options_.end;
-    const Instant turn = now();
+    const Instant called = now();
     for (serving_ = 0; serving_ < served_.size(); ++serving_) {
       Entry& entry = served_[serving_];
-      if (entry.due <= turn) entry.due = entry.bus->on_time(turn);
+      if (entry.due <= called) entry.due = entry.bus->on_time(called);
       until = std::min(until, entry.due);
     }
-    if (turn >= options_.end) break;
+    if (called >= options_.end) break;
     wait(until);
   }
   const bool written = report();

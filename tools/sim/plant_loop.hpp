@@ -1,5 +1,5 @@
-// Runs all buses of the plant on one thread: waits for bytes, instants and signals, and gives each
-// bus its turn.
+// Runs all buses of the plant on one thread: waits for bytes, instants and signals, and calls the
+// bus that they concern.
 //
 // Plain epoll and one timerfd, not Asio: the loop's product is the exact instant, so it wants one
 // absolute timer on the monotonic clock (without the slack of a poll's timeout), the freedom to

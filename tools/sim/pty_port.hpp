@@ -1,4 +1,4 @@
-// A pseudo-terminal that stands where a serial adapter would: a symbolic link at the path leads to
+// A pseudo-terminal in place of a serial adapter: a symbolic link at the path leads to
 // its slave side.
 //
 // Owns the terminal and the link; both go with it. Never over a file that no program of ours made:

@@ -1,4 +1,4 @@
-// What the plant did, as JSON: for people who look and for tests that count.
+// What the plant did, as JSON, for people and for tests.
 #pragma once
 
 #include <memory>

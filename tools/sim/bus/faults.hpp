@@ -38,8 +38,8 @@ struct DeviceFaults {
   double late_probability = 0;  // the answer leaves much later
   Duration late{};
   bool queues = false;       // while it thinks, it takes further requests and answers them in order
-  double doubled = 0;        // the answer comes twice,
-  Duration doubled_after{};  // so long one after the other
+  double doubled = 0;        // the answer comes twice
+  Duration doubled_after{};  // the time between the two answers
   Duration deaf{};           // after each of its answers
   double garble = 0;         // some characters of the answer are other ones
   double truncate = 0;       // the answer ends early
@@ -71,7 +71,7 @@ struct FaultyAnswer {
   bool doubled = false;
 };
 
-// One device's luck: the same seed and the same requests give the same faults.
+// The random faults of one device: the same seed and the same requests give the same faults.
 class FaultDice {
  public:
   FaultDice(const DeviceFaults& faults, std::uint64_t seed) : faults_(faults), random_(seed) {}

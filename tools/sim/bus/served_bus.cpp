@@ -42,7 +42,7 @@ class PluggedBus : public ServedBus {
       plugged_ = false;
     } else if (!plugged_ && !unplugged(now) && now >= next_try_) {
       plugged_ = plug().has_value();
-      next_try_ = now + 1s;  // somebody took the place meanwhile
+      next_try_ = now + 1s;  // somebody took the path meanwhile
     }
     if (plugged_) return std::min(advance(now), next_change(now));
     return unplugged(now) ? next_change(now) : next_try_;

@@ -1,5 +1,5 @@
-// A simulated bus at its real place: the pseudo-terminal at its serial path, or the TCP port of its
-// address.
+// A simulated bus where the bridge finds it: the pseudo-terminal at its serial path, or the TCP
+// port of its address.
 //
 // Owns descriptors and conversations; borrows the SimBus. Driven by the plant loop on its one
 // thread: descriptors that became readable, and instants that have come.

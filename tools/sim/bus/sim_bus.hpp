@@ -24,8 +24,8 @@ struct LineStatistics {
   std::uint64_t lost = 0;  // characters of a master that sends without end
   std::uint64_t collisions = 0;
   std::uint64_t connections = 0;
-  std::optional<Duration>
-      shortest_rest;  // from the end of an answer to the master's next character
+  // From the end of an answer to the master's next character.
+  std::optional<Duration> shortest_rest;
 };
 
 class BusLine;

@@ -35,9 +35,8 @@ class VirtualBus {
   [[nodiscard]] bool plugged() const { return line_ != nullptr; }
   [[nodiscard]] BusEngine& engine() { return engine_; }
   [[nodiscard]] SimBus& plant() { return *plant_; }
-  [[nodiscard]] Instant wire_free() const {
-    return wire_free_;
-  }  // end of the last request on the wire
+  // The end of the last request on the wire.
+  [[nodiscard]] Instant wire_free() const { return wire_free_; }
   // A number that two runs share only when everything they did was the same.
   [[nodiscard]] std::uint64_t fingerprint() const { return fingerprint_; }
 

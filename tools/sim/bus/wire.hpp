@@ -61,22 +61,22 @@ struct Passed {
 
 class Wire {
  public:
-  static constexpr std::size_t kMaxQueued =
-      8192;  // characters of the master under way; more are lost and counted
+  // Characters of the master under way; more are lost and counted.
+  static constexpr std::size_t kMaxQueued = 8192;
 
   explicit Wire(const WireOptions& options);
 
   // The master's characters arrived at `now`.
   void from_master(ByteView characters, Instant now);
-  // Somebody else begins to transmission at `start`.
+  // Somebody else begins a transmission at `start`.
   void from_device(Sender sender, ByteView characters, Instant start);
 
   // When advance() has something to do: the end of a piece of the master's, or of the next piece
   // for it. kNever: the line is at rest.
   [[nodiscard]] Instant next_due() const;
   [[nodiscard]] bool at_rest() const { return queued_.empty() && transmissions_.empty(); }
-  // The next thing that passed until `now`, or nothing. What a device says because of it may be
-  // added before the next call.
+  // The next thing that passed until `now`, or nothing. An answer to it may be added before
+  // the next call.
   [[nodiscard]] std::optional<Passed> advance(Instant now);
 
   // The end of this sender's last transmission that is known; kLongAgo: none under way.

@@ -1,4 +1,4 @@
-// Every form of an address: the bridge and the simulated device mean the same place by it.
+// Every form of an address: the bridge and the simulated device mean the same item by it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,9 +13,9 @@ namespace fieldcast::sim {
 namespace {
 
 constexpr Duration kStep = std::chrono::milliseconds{250};
-constexpr int kSteps = 120;  // longer than any waveform takes for a turn
+constexpr int kSteps = 120;  // longer than the period of any waveform
 
-// A live value shows at the place within a turn of its waveform.
+// A live value shows at which phase of its waveform it is.
 bool shows(SimDevice& device, std::string_view area, const Range& range, const Encoding& encoding,
            Instant now) {
   for (int step = 0; step < kSteps; ++step, now += kStep) {

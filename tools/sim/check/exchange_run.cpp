@@ -11,7 +11,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration kTimeout = 1s, kGapAllowance = 20ms, kPiece = 1ms;
-constexpr int kMostTurns = 100'000;      // of one exchange: more is a hang
+constexpr int kMostSteps = 100'000;      // of one exchange: more is a hang
 constexpr std::size_t kMostRounds = 64;  // more is an exchange without an end
 
 BusSpec bus_of(const Subject& subject) {
@@ -77,8 +77,8 @@ RunOutcome LiveDevice::run(std::unique_ptr<Exchange> exchange) {
   };
   driver.begin(std::move(exchange), kTimeout, true, now_, out);
   send();
-  for (int turn = 0; !ended(how) && turn < kMostTurns && outcome.sent.size() <= kMostRounds;
-       ++turn) {
+  for (int step = 0; !ended(how) && step < kMostSteps && outcome.sent.size() <= kMostRounds;
+       ++step) {
     now_ = std::max(now_, std::min(line_->next_due(), driver.deadline()));
     Bytes received;
     line_->advance(now_, received);
@@ -105,8 +105,8 @@ RunOutcome replay(std::unique_ptr<Exchange> exchange, const LineFormat& line,
   driver.begin(std::move(exchange), kTimeout, true, now, out);
   outcome.sent.push_back(out);
   auto how = ExchangeDriver::Outcome::kWaiting;
-  for (int turn = 0; !ended(how) && turn < kMostTurns && outcome.sent.size() <= kMostRounds;
-       ++turn) {
+  for (int step = 0; !ended(how) && step < kMostSteps && outcome.sent.size() <= kMostRounds;
+       ++step) {
     const std::size_t round = outcome.sent.size();
     const Bytes none;
     const Bytes& answer = round <= answers.size() ? answers[round - 1] : none;
@@ -121,7 +121,7 @@ RunOutcome replay(std::unique_ptr<Exchange> exchange, const LineFormat& line,
       how = driver.on_bytes(ByteView(answer).subspan(from, to - from), now, out);
       from = to;
     }
-    while (how == ExchangeDriver::Outcome::kWaiting && turn++ < kMostTurns) {
+    while (how == ExchangeDriver::Outcome::kWaiting && step++ < kMostSteps) {
       now = std::max(now, driver.deadline());
       how = driver.on_timer(now, out);
     }

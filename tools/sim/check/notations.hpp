@@ -1,5 +1,5 @@
 // Every way in which an address of a protocol can be written: what the bridge accepts, the
-// simulated device must accept too, and mean the same place.
+// simulated device must accept too, and mean the same item.
 #pragma once
 
 #include <string>

@@ -89,8 +89,8 @@ std::optional<Range> Requests::largest_write(AreaIndex area) const {
 std::vector<NamedRequest> Requests::examples() const {
   std::vector<NamedRequest> all;
   ReadRequest list;
-  std::set<unsigned>
-      large;  // widths of items of which the largest read is there: one of each is enough
+  // Widths of items of which the largest read is there: one of each is enough.
+  std::set<unsigned> large;
   const auto add = [&](const std::string& name, Request request) {
     if (allows(request)) all.push_back({name, std::move(request)});
   };

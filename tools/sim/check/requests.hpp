@@ -46,7 +46,7 @@ class Requests {
   [[nodiscard]] bool allows(const Request& request) const {
     return protocol_->size(request).has_value();
   }
-  // Of every kind that the protocol has, for every area: what is worth being disturbed.
+  // Requests of every kind that the protocol has, for every area: to be disturbed.
   [[nodiscard]] std::vector<NamedRequest> examples() const;
   [[nodiscard]] std::vector<Slot> places(AreaIndex area) const;  // of a record
 

@@ -10,13 +10,15 @@ namespace fieldcast::sim {
 [[nodiscard]] CheckRows sim_check(const Subject& subject);
 
 // Its parts. `rows` come behind those that are there.
-void check_values(const Subject& subject,
-                  CheckRows& rows);  // every area and type, written, read and read back
-void check_notation(const Subject& subject,
-                    CheckRows& rows);  // every form of an address means one place on both ends
-void check_answers(const Subject& subject,
-                   CheckRows& rows);  // splits, truncations, flipped bits, noise before
-void check_troubles(const Subject& subject, CheckRows& rows);  // refusals, silence, wrong station
-void check_late(const Subject& subject, CheckRows& rows);  // late answers, with the whole engine
+// Every area and type: written, read and read back.
+void check_values(const Subject& subject, CheckRows& rows);
+// Every form of an address means the same items on both ends.
+void check_notation(const Subject& subject, CheckRows& rows);
+// Splits, truncations, flipped bits, noise before.
+void check_answers(const Subject& subject, CheckRows& rows);
+// Refusals, silence, wrong station.
+void check_troubles(const Subject& subject, CheckRows& rows);
+// Late answers, with the whole engine.
+void check_late(const Subject& subject, CheckRows& rows);
 
 }  // namespace fieldcast::sim

@@ -14,8 +14,8 @@ using declared::Field;
 using declared::FieldKind;
 using declared::Operation;
 
-constexpr std::uint8_t kAddressCode =
-    2;  // for items that are not there, where the declaration gives the number a meaning
+// For items that are not there, where the declaration gives the number a meaning.
+constexpr std::uint8_t kAddressCode = 2;
 
 class DeclaredReceiver : public Receiver {
  public:

@@ -1,6 +1,6 @@
-// The seam of the simulated plant: what a PLC family is to the simulator.
+// The interface between a simulated PLC family and the rest of the simulator.
 //
-// A SimDevice owns the memory of one PLC and outlives its receivers. An Receiver is that device
+// A SimDevice owns the memory of one PLC and outlives its receivers. A Receiver is that device
 // listening on one line: on a serial bus each device has one, on TCP each connection has one.
 // Receivers get every character of the line, also the requests to others and their answers, as a
 // real slave does. Pure: characters and instants in, answers out; no clock, no thread, no I/O.
@@ -27,11 +27,11 @@ namespace fieldcast::sim {
 
 // What a device did, for the report and for tests.
 struct DeviceStatistics {
-  std::map<std::string, std::uint64_t>
-      requests;  // addressed to it and executed or refused, by function: "03"
+  // Addressed to it and executed or refused, by function: "03".
+  std::map<std::string, std::uint64_t> requests;
   std::map<unsigned, std::uint64_t> exceptions;  // by code
-  std::map<std::string, std::uint64_t>
-      writes;  // by item: "holding:107"; one for each write request that touched it
+  // By item: "holding:107"; one for each write request that touched it.
+  std::map<std::string, std::uint64_t> writes;
   std::uint64_t write_requests = 0;  // executed ones
   std::uint64_t broadcasts = 0;      // executed without an answer
   std::uint64_t bad_frames = 0;      // received: checksum, length or characters wrong
@@ -41,8 +41,8 @@ struct DeviceStatistics {
 // What a device does about a character or a silence.
 struct Reaction {
   Bytes answer;  // empty: it stays silent
-  Duration
-      pause{};  // more than the device's usual time before the answer, as the request asked for
+  // More than the device's usual time before the answer, as the request asked for.
+  Duration pause{};
   bool hang_up = false;  // the stream cannot be followed any more (TCP): the connection is closed
 };
 

@@ -16,8 +16,8 @@ int bits_of_code(unsigned k) { return std::bit_width(std::min(15 + k, kFull - 1)
 }  // namespace
 
 Bytes dtc_compress(ByteView message) {
-  std::map<std::pair<unsigned, unsigned>, unsigned>
-      longer;  // string and nibble behind it -> string
+  // String and nibble behind it -> string.
+  std::map<std::pair<unsigned, unsigned>, unsigned> longer;
   Bytes out;
   unsigned next = 16, k = 0, room = 0;
   const auto emit = [&](unsigned code) {

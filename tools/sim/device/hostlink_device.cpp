@@ -60,7 +60,7 @@ bool is_served(char letter) {
                              [&](const OmronArea& area) { return area.letter == letter; });
 }
 
-std::size_t place_digits(char letter) { return letter == 'E' ? 6 : 4; }
+std::size_t address_digits(char letter) { return letter == 'E' ? 6 : 4; }
 
 }  // namespace
 
@@ -173,7 +173,7 @@ tl::expected<HostLinkDevice::Address, std::string> HostLinkDevice::address_of(
 // first(4 decimal; EM's bank before it) count(4 decimal)
 Bytes HostLinkDevice::read(const Command& command, Instant now) {
   const char letter = command.header[1];
-  const std::size_t digits = place_digits(letter);
+  const std::size_t digits = address_digits(letter);
   if (command.text.size() != digits + 4) return answer(command.header, "14");
   const std::string_view text = command.text;
   const auto asked = number_in(text.substr(digits), 10);
@@ -199,7 +199,7 @@ Bytes HostLinkDevice::read(const Command& command, Instant now) {
 
 // first item, data; what does not fit into one frame goes on in others
 Bytes HostLinkDevice::begin_write(const Command& command) {
-  const std::size_t digits = place_digits(command.header[1]);
+  const std::size_t digits = address_digits(command.header[1]);
   if (command.text.size() <= digits) return answer(command.header, "14");
   writing_ = command.header;
   write_address_ = command.text.substr(0, digits);

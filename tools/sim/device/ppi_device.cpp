@@ -107,8 +107,8 @@ Bytes PpiDevice::take_long(ByteView telegram, Instant now) {
 
 Bytes PpiDevice::take_short(std::uint8_t to, std::uint8_t from, std::uint8_t control) {
   if (to != station_ || (control & kRequest) == 0) return {};
-  if ((control & 0x0Fu) == 0x09)
-    return short_telegram(from, station_, 0x00);  // FDL status: I am here
+  // FDL status: I am here.
+  if ((control & 0x0Fu) == 0x09) return short_telegram(from, station_, 0x00);
   if ((control & 0x0Fu) != 0x0C && (control & 0x0Fu) != 0x0D) return {};
   if (queued_.empty()) {
     if (last_poll_ == control) return given_;

@@ -20,7 +20,7 @@ struct PpiArea {
   unsigned bits;         // of one variable
   std::uint32_t items;   // of a CPU 226
   bool counted;          // addressed by number, its transport is its code
-  std::uint32_t locked;  // so many from the first on cannot be written
+  std::uint32_t locked;  // number of variables, from the first on, that cannot be written
 };
 inline constexpr std::array<PpiArea, 11> kPpiAreas{{
     {0x84, 8, 10240, false, 0},

@@ -17,8 +17,8 @@ class PpiUnit {
   [[nodiscard]] ItemMemory& memory() { return memory_; }
   [[nodiscard]] const DeviceStatistics& statistics() const { return statistics_; }
 
-  // The answer to a job of any content; empty where its lengths lie: nobody then knows what was
-  // meant.
+  // The answer to a job of any content; empty where its lengths contradict each other: then its
+  // meaning is unknown.
   [[nodiscard]] Bytes execute(ByteView job, Instant now);
 
  private:
