@@ -28,7 +28,7 @@ bool stays_on_this_machine(const DdsSpec& spec) {
 }
 
 // Samples one by one that fill a reader's socket like a block.
-constexpr std::size_t kSamplesOfBlock = 64;
+constexpr std::size_t kSamplesOfBlock = 32;
 
 // What one bus has in the domain besides the writers shared by all.
 struct Bus {
@@ -78,16 +78,23 @@ struct DdsLink::State {
     if (handlers.bridges.received)
       presence = std::make_unique<BridgePresence>(domain, label, handlers.bridges);
     snapshots = std::make_unique<SnapshotSender>(
-        domain, [this](const std::string& bus) { return send_snapshot(bus); });
+        domain, [this](const std::string& bus, SnapshotSender::Part part) {
+          return send_snapshot(bus, part);
+        });
   }
 
   // On the thread of snapshots: what changed in the catalogue, then the last values.
-  std::size_t send_snapshot(const std::string& name) {
+  SnapshotSender::Sent send_snapshot(const std::string& name, SnapshotSender::Part part) {
     const std::shared_lock lock(mutex);
     Bus* bus = find(name);
-    if (bus == nullptr) return 0;
-    bus->catalogue.flush();
-    return bus->blocks.write_snapshot() + bus->samples.wake() / kSamplesOfBlock;
+    if (bus == nullptr) return {};
+    std::size_t blocks = 0;
+    if (part == SnapshotSender::Part::kFirst) {
+      bus->catalogue.flush();
+      blocks = bus->blocks.write_snapshot();
+    }
+    const SampleWriters::Woken woken = bus->samples.wake(kSamplesOfBlock);
+    return {blocks + (woken.written == 0 ? 0 : 1), woken.all};
   }
 
   CommandReceiver::Handlers command_handlers() {

@@ -79,27 +79,31 @@ bool SampleWriters::has_readers() const {
                      [](const auto& writer) { return writer->readers > 0; });
 }
 
-std::size_t SampleWriters::wake() {
-  std::size_t slots = 0;
+SampleWriters::Woken SampleWriters::wake(std::size_t most) {
   {
     const std::lock_guard lock(mutex_);
-    if (awake_ || !has_readers()) return 0;
-    awake_ = true;  // before values are read: whoever publishes from here on writes here as well
-    slots = slots_.size();
-  }
-  std::size_t written = 0;
-  for (std::size_t begin = 0; begin < slots; begin += kWakeChunk) {
-    const std::lock_guard lock(mutex_);
-    const JoinedSending joined(most_bytes_);
-    for (std::size_t i = begin; i < std::min(begin + kWakeChunk, slots); ++i) {
-      Slot& slot = slots_[i];
-      if (slot.writer == nullptr || slot.written()) continue;
-      if (!hooks_.last_value(static_cast<ChannelIndex>(i), slot.value)) continue;
-      (void)write(slot);
-      ++written;
+    if (!awake_) {
+      if (!has_readers()) return {};
+      unwoken_ = 0;
+      awake_ = true;  // before values are read: whoever publishes from here on writes here as well
     }
   }
-  return written;
+  Woken woken;
+  while (woken.written < most) {
+    const std::lock_guard lock(mutex_);
+    const JoinedSending joined(most_bytes_);
+    const std::size_t end = std::min(unwoken_ + kWakeChunk, slots_.size());
+    for (; unwoken_ < end; ++unwoken_) {
+      Slot& slot = slots_[unwoken_];
+      if (slot.writer == nullptr || slot.written()) continue;
+      if (!hooks_.last_value(static_cast<ChannelIndex>(unwoken_), slot.value)) continue;
+      (void)write(slot);
+      ++woken.written;
+    }
+    if (end == slots_.size()) return woken;
+  }
+  woken.all = false;
+  return woken;
 }
 
 bool SampleWriters::write(std::span<const Sample> samples, const UtcMapping& mapping) {

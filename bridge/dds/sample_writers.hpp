@@ -45,9 +45,13 @@ class SampleWriters {
 
   // False: they rest, and write() has no effect.
   [[nodiscard]] bool awake() const { return awake_; }
-  // Ends the rest if a reader is matched: the last value of every channel is written. Returns the
-  // number of samples. Others may write meanwhile.
-  std::size_t wake();
+  struct Woken {
+    std::size_t written = 0;
+    bool all = true;  // false: call again
+  };
+  // Ends the rest if a reader is matched: the last value of every channel is written, at most so
+  // many with each call. Others may write meanwhile.
+  Woken wake(std::size_t most);
 
   // Samples of one channel leave in order; one that is no newer than what was written is left out.
   // False if the library did not take one of them (limits, or readers that do not acknowledge); the
@@ -125,6 +129,7 @@ class SampleWriters {
   std::vector<Leaving> leaving_;
   std::vector<Write> order_;  // of one write(), kept for its memory
   std::uint64_t writes_ = 0;
+  std::size_t unwoken_ = 0;  // the first slot that wake() has yet to look at
   bool any_idle_ = false;
   std::uint64_t retired_misses_ = 0;     // of writers that are gone
   std::optional<Instant> unread_since_;  // awake without readers; known from the next tidy() on

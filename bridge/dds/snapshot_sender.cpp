@@ -7,7 +7,7 @@
 
 namespace fieldcast {
 
-SnapshotSender::SnapshotSender(Domain& domain, std::function<std::size_t(const std::string&)> send)
+SnapshotSender::SnapshotSender(Domain& domain, Send send)
     : domain_(domain), send_(std::move(send)), thread_([this] { run(); }) {
   requests_ = domain.reader(kSnapshotRequestTopic, this, dds::StatusMask::data_available());
 }
@@ -41,22 +41,31 @@ void SnapshotSender::on_data_available(dds::DataReader* reader) {
   }
 }
 
+// False: the end has come.
+bool SnapshotSender::rest(Duration time, std::unique_lock<std::mutex>& lock) {
+  return !changed_.wait_for(lock, time, [this] { return ending_; });
+}
+
+bool SnapshotSender::send_all(const std::string& bus, std::unique_lock<std::mutex>& lock) {
+  for (Part part = Part::kFirst;; part = Part::kNext) {
+    lock.unlock();
+    const Sent sent = send_(bus, part);
+    lock.lock();
+    if (!rest(kPace * static_cast<int>(sent.blocks), lock)) return false;
+    if (sent.all) return true;
+  }
+}
+
 void SnapshotSender::run() {
   pthread_setname_np(pthread_self(), "snapshots");
   std::unique_lock lock(mutex_);
-  const auto rest = [&](Duration time) {
-    return changed_.wait_for(lock, time, [this] { return ending_; });
-  };
   while (true) {
     changed_.wait(lock, [this] { return ending_ || !requested_.empty(); });
-    if (ending_ || rest(kGather)) return;
+    if (ending_ || !rest(kGather, lock)) return;
     for (const std::string& bus : std::exchange(requested_, {})) {
-      lock.unlock();
-      const std::size_t blocks = send_(bus);
-      lock.lock();
-      if (rest(kPace * static_cast<int>(blocks))) return;
+      if (!send_all(bus, lock)) return;
     }
-    if (rest(kRest)) return;
+    if (!rest(kRest, lock)) return;
   }
 }
 

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <cstdint>
 #include <functional>
 #include <mutex>
 #include <set>
@@ -24,8 +25,14 @@ class SnapshotSender : private dds::DataReaderListener {
   // hold a few.
   static constexpr Duration kPace = std::chrono::microseconds{500};
 
-  // `send` writes the snapshot of a bus, if there is such a bus, and returns its blocks.
-  SnapshotSender(Domain& domain, std::function<std::size_t(const std::string& bus)> send);
+  struct Sent {
+    std::size_t blocks = 0;
+    bool all = true;  // false: the next part is to follow
+  };
+  enum class Part : std::uint8_t { kFirst, kNext };
+  // Writes a part of the snapshot of a bus, nothing if there is no such bus.
+  using Send = std::function<Sent(const std::string& bus, Part part)>;
+  SnapshotSender(Domain& domain, Send send);
   ~SnapshotSender() override;  // close()
 
   void request(const std::string& bus);
@@ -34,9 +41,11 @@ class SnapshotSender : private dds::DataReaderListener {
  private:
   void on_data_available(dds::DataReader* reader) override;
   void run();
+  bool rest(Duration time, std::unique_lock<std::mutex>& lock);
+  bool send_all(const std::string& bus, std::unique_lock<std::mutex>& lock);
 
   Domain& domain_;
-  const std::function<std::size_t(const std::string&)> send_;
+  const Send send_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::set<std::string> requested_;
