@@ -13,12 +13,22 @@ constexpr auto kPerBlock = static_cast<std::size_t>(kEntriesPerBlock);
 
 }  // namespace
 
-BusCatalogue::BusCatalogue(const Writers& writers, const std::string& bridge,
+BusCatalogue::BusCatalogue(Domain& domain, dds::DataWriter* blocks, const std::string& bridge,
                            const std::string& bus, std::uint64_t epoch)
-    : writers_(writers), bridge_(bridge), bus_(bus), epoch_(epoch) {}
+    : domain_(domain), blocks_(blocks), bridge_(bridge), bus_(bus), epoch_(epoch) {}
+
+BusCatalogue::~BusCatalogue() {
+  for (dds::DataWriter* writer : writers_) domain_.remove(writer);
+}
+
+dds::DataWriter* BusCatalogue::writer_of(std::size_t channel) const {
+  return writers_.at(channel / static_cast<std::size_t>(kChannelsPerCatalogueWriter));
+}
 
 void BusCatalogue::add(const DeviceSpec& device, const ChannelSpec& channel,
                        std::optional<Duration> refresh) {
+  if (channels_.size() % static_cast<std::size_t>(kChannelsPerCatalogueWriter) == 0)
+    writers_.push_back(domain_.writer(kChannelTopic, "fieldcast-bridge " + bridge_ + ": " + bus_));
   to_idl(bridge_, bus_, device, channel, refresh, channels_.emplace_back());
 }
 
@@ -29,7 +39,8 @@ bool BusCatalogue::publish() {
   for (std::size_t first = 0; first < channels_.size(); first += kPerBlock)
     taken &= write_block(first);
   changed_.clear();
-  for (idl::Channel& channel : channels_) taken &= is_taken(writers_.channels->write(&channel));
+  for (std::size_t i = 0; i < channels_.size(); ++i)
+    taken &= is_taken(writer_of(i)->write(&channels_[i]));
   return taken;
 }
 
@@ -42,14 +53,14 @@ bool BusCatalogue::write_block(std::size_t first) {
   block_.entries().resize(std::min(kPerBlock, channels_.size() - first));
   for (std::size_t i = 0; i < block_.entries().size(); ++i)
     to_idl(channels_[first + i], block_.entries()[i]);
-  return is_taken(writers_.blocks->write(&block_));
+  return is_taken(blocks_->write(&block_));
 }
 
 void BusCatalogue::set_refresh(ChannelIndex channel, std::optional<Duration> refresh) {
   const std::lock_guard lock(mutex_);
   idl::Channel& entry = channels_.at(channel);
   entry.refresh(refresh.value_or(Duration::zero()).count());
-  writers_.channels->write(&entry);
+  writer_of(channel)->write(&entry);
   changed_.insert(channel / kPerBlock * kPerBlock);
 }
 
@@ -64,14 +75,22 @@ void BusCatalogue::dispose_blocks() {
   block_.bus() = cut_text(bus_, kMaxNameLength);
   for (std::size_t first = 0; first < channels_.size(); first += kPerBlock) {
     block_.first(static_cast<std::uint32_t>(first));
-    writers_.blocks->unregister_instance(&block_, dds::HANDLE_NIL);
+    blocks_->unregister_instance(&block_, dds::HANDLE_NIL);
   }
 }
 
 void BusCatalogue::dispose_channels() {
   const std::lock_guard lock(mutex_);
-  for (idl::Channel& channel : channels_)
-    writers_.channels->unregister_instance(&channel, dds::HANDLE_NIL);
+  for (std::size_t i = 0; i < channels_.size(); ++i)
+    writer_of(i)->unregister_instance(&channels_[i], dds::HANDLE_NIL);
+}
+
+void BusCatalogue::wait_for_readers(Duration limit) {
+  const auto end = std::chrono::steady_clock::now() + limit;
+  for (dds::DataWriter* writer : writers_) {
+    const Duration left = end - std::chrono::steady_clock::now();
+    if (left > Duration::zero()) writer->wait_for_acknowledgments(to_dds(left));
+  }
 }
 
 }  // namespace fieldcast

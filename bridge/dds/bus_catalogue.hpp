@@ -1,6 +1,11 @@
-// The catalogue of one bus: each channel on the keyed topic, and all of them by blocks. The writers
-// are the bridge's and outlive it. One caller at a time (dds_link.hpp), but flush(), which any
-// thread may call.
+// The catalogue of one bus: each channel on the keyed topic, and all of them by blocks. The writer
+// of blocks is the bridge's and outlives it. One caller at a time (dds_link.hpp), but flush(),
+// which any thread may call.
+//
+// Owns the writers of fieldcast/Channel, none with more than kChannelsPerCatalogueWriter: when a
+// reader is found, Fast DDS 2.9.1 copies for each message that a writer holds the list of all those
+// before it (ReaderProxy::add_change), and answers nobody's discovery meanwhile. With 64 000 in one
+// writer no new reader was served within 30 s.
 #pragma once
 
 #include <mutex>
@@ -16,14 +21,14 @@ namespace fieldcast {
 
 class BusCatalogue {
  public:
-  struct Writers {
-    dds::DataWriter* channels = nullptr;  // fieldcast/Channel
-    dds::DataWriter* blocks = nullptr;    // fieldcast/CatalogueBlock
-  };
-  BusCatalogue(const Writers& writers, const std::string& bridge, const std::string& bus,
-               std::uint64_t epoch);
+  // `blocks`: of fieldcast/CatalogueBlock.
+  BusCatalogue(Domain& domain, dds::DataWriter* blocks, const std::string& bridge,
+               const std::string& bus, std::uint64_t epoch);
+  ~BusCatalogue();
+  BusCatalogue(const BusCatalogue&) = delete;
+  BusCatalogue& operator=(const BusCatalogue&) = delete;
 
-  // Before publish(), in the order of the channel indices.
+  // Before publish(), in the order of the channel indices. Throws DdsError.
   void add(const DeviceSpec& device, const ChannelSpec& channel, std::optional<Duration> refresh);
   [[nodiscard]] bool publish();  // everything; false: it does not fit
   // The keyed entry leaves at once, its block with flush().
@@ -31,13 +36,18 @@ class BusCatalogue {
   void flush();
   void dispose_blocks();
   void dispose_channels();
+  // Waits at most so long until the readers of fieldcast/Channel have what was written.
+  void wait_for_readers(Duration limit);
 
   [[nodiscard]] const std::vector<idl::Channel>& channels() const { return channels_; }
 
  private:
   [[nodiscard]] bool write_block(std::size_t first);  // REQUIRES: mutex_ held
+  [[nodiscard]] dds::DataWriter* writer_of(std::size_t channel) const;
 
-  const Writers writers_;
+  Domain& domain_;
+  dds::DataWriter* const blocks_;
+  std::vector<dds::DataWriter*> writers_;  // of fieldcast/Channel
   const std::string bridge_;
   const std::string bus_;
   const std::uint64_t epoch_;

@@ -33,9 +33,9 @@ constexpr std::size_t kSamplesOfBlock = 32;
 // What one bus has in the domain besides the writers shared by all.
 struct Bus {
   Bus(Domain& domain, const std::string& bridge, const BusSpec& spec,
-      const BusCatalogue::Writers& writers, const BlockWriter::Stream& stream,
+      dds::DataWriter* catalogue_blocks, const BlockWriter::Stream& stream,
       std::function<void()> on_reader)
-      : catalogue(writers, bridge, spec.name, stream.epoch),
+      : catalogue(domain, catalogue_blocks, bridge, spec.name, stream.epoch),
         blocks(domain, "fieldcast-bridge " + bridge + ": " + spec.name, stream, on_reader),
         samples(domain, bridge, spec, stream.most_bytes,
                 {std::move(on_reader), [this](ChannelIndex channel, LastValue& out) {
@@ -68,7 +68,7 @@ struct DdsLink::State {
                                                 : BlockWriter::kBytesOnNetworks),
         results(domain, "fieldcast-bridge " + name, handlers.clock, handlers.on_problem) {
     const std::string label = "fieldcast-bridge " + name;
-    catalogue = {domain.writer(kChannelTopic, label), domain.writer(kCatalogueBlockTopic, label)};
+    catalogue_blocks = domain.writer(kCatalogueBlockTopic, label);
     bus_status = domain.writer(kBusStatusTopic, label);
     alarms = domain.writer(kAlarmTopic, label);
     device_status = domain.writer(kDeviceStatusTopic, label);
@@ -149,7 +149,7 @@ struct DdsLink::State {
   Domain domain;
   const std::size_t block_bytes;
   ResultSender results;
-  BusCatalogue::Writers catalogue;
+  dds::DataWriter* catalogue_blocks = nullptr;
   dds::DataWriter* bus_status = nullptr;
   dds::DataWriter* device_status = nullptr;
   dds::DataWriter* sessions = nullptr;
@@ -173,7 +173,7 @@ void DdsLink::add_bus(const BusSpec& spec) {
   for (const DeviceSpec& device : spec.devices) channels += device.channels.size();
   const auto epoch = static_cast<std::uint64_t>(state_->handlers.clock().utc.nanoseconds);
   auto bus = std::make_unique<Bus>(
-      state_->domain, state_->bridge, spec, state_->catalogue,
+      state_->domain, state_->bridge, spec, state_->catalogue_blocks,
       BlockWriter::Stream{spec.name, channels, epoch, state_->block_bytes},
       [state = state_.get(), name = spec.name] { state->snapshots->request(name); });
   if (!bus->catalogue.publish())
@@ -214,6 +214,7 @@ void DdsLink::remove_bus(std::string_view name, Duration linger, Duration limit)
     state_->buses.erase(found);
   }
   state_->dispose(*bus, linger, limit);
+  bus->catalogue.wait_for_readers(linger);
 }
 
 void DdsLink::publish(std::string_view name, std::span<const Sample> samples,
@@ -317,7 +318,9 @@ void DdsLink::close(Duration linger) {
     buses.swap(state_->buses);
   }
   for (auto& [name, bus] : buses) state_->dispose(*bus, Duration::zero());
-  state_->catalogue.channels->wait_for_acknowledgments(to_dds(linger));
+  const auto end = std::chrono::steady_clock::now() + linger;
+  for (auto& [name, bus] : buses)
+    bus->catalogue.wait_for_readers(end - std::chrono::steady_clock::now());
   if (state_->presence) state_->presence->close();  // last: who waits for a bus takes it now
 }
 

@@ -25,6 +25,8 @@ namespace idl = ::fieldcast_idl;
 inline constexpr std::int32_t kChannelsPerWriter = 256;
 // In the domain, at one reader; and in the catalogue of one bridge.
 inline constexpr std::int32_t kMaxChannels = 100'000;
+// A reader that is found costs time that grows with their square (bus_catalogue.hpp).
+inline constexpr std::int32_t kChannelsPerCatalogueWriter = 1024;
 inline constexpr std::int32_t kMaxDevices = 10'000;  // the same for status
 inline constexpr std::int32_t kMaxAlarms = 100'000;  // limits that were ever passed, the same
 // Commands not yet acknowledged, commands and results not yet taken.
@@ -105,7 +107,7 @@ inline constexpr Topic<idl::SamplePubSubType> kSampleTopic{
     {"fieldcast/Sample", kStays, last_of(kChannelsPerWriter), last_of(kMaxChannels), Lease::kNone,
      Unregister::kLetsGo}};
 inline constexpr Topic<idl::ChannelPubSubType> kChannelTopic{
-    {"fieldcast/Channel", kStays, last_of(kMaxChannels), last_of(kMaxChannels)}};
+    {"fieldcast/Channel", kStays, last_of(kChannelsPerCatalogueWriter), last_of(kMaxChannels)}};
 inline constexpr Topic<idl::BusStatusPubSubType> kBusStatusTopic{
     {"fieldcast/BusStatus", kStays, last_of(kMaxDevices), last_of(kMaxDevices)}};
 inline constexpr Topic<idl::DeviceStatusPubSubType> kDeviceStatusTopic{

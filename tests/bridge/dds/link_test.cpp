@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <atomic>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <map>
 #include <set>
 
+#include "bridge/dds/domain.hpp"
 #include "bridge/dds/topics/topics.hpp"
 #include "tests/bridge/dds/dds_support.hpp"
 
@@ -52,6 +54,30 @@ TEST(DdsLink, EveryChannelOf300ArrivesFromOneRefreshClass) {
     EXPECT_EQ(sample.quality, Quality::kGood);
   }
   EXPECT_THAT(received.problems.all(), ::testing::IsEmpty());
+}
+
+// One writer with all of them costs a reader's discovery a time that grows with their square.
+TEST(DdsLink, TheKeyedCatalogueIsSplitAmongWriters) {
+  constexpr std::size_t kChannels = 2 * kChannelsPerCatalogueWriter + 1;
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
+  link.add_bus(bus_of(bus_name("split"), kChannels));
+  Domain domain(loopback(), "reader", nullptr);
+  dds::DataReader* const reader = domain.reader(kChannelTopic, nullptr, dds::StatusMask::none());
+  std::set<std::string> channels;
+  std::set<dds::InstanceHandle_t> writers;
+  EXPECT_TRUE(eventually([&] {
+    idl::Channel entry;
+    dds::SampleInfo info;
+    while (reader->take_next_sample(&entry, &info) == ReturnCode_t::RETCODE_OK) {
+      if (!info.valid_data) continue;
+      channels.insert(entry.channel().c_str());
+      writers.insert(info.publication_handle);
+    }
+    return channels.size() == kChannels;
+  })) << channels.size()
+      << " channels came";
+  EXPECT_EQ(writers.size(), 3u);
 }
 
 TEST(DdsLink, LateJoinerGetsTheCatalogueAndTheLastValueOfEveryChannel) {
