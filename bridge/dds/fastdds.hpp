@@ -2,8 +2,9 @@
 // here; headers of fastdds/dds/ are the same in both and are included where they are needed.
 //
 // Built and tested with 2.9.1. No package of 3.x exists for Debian 12: a compiler has read this
-// branch with the headers of 3.6.2 (g++ -fsyntax-only: this header, fastdds.cpp, library.cpp,
-// note_transport.cpp, unregister_note.cpp); it has NOT been linked and NOT been run.
+// branch with the headers of 3.6.2 and Fast CDR 2 (g++ -fsyntax-only: this header, fastdds.cpp,
+// library.cpp, note_transport.cpp, unregister_note.cpp, and topic_type.hpp with a type that
+// fastddsgen 4 has made); it has NOT been linked and NOT been run.
 //
 // | what                     | 2.9                                 | 3.x                        |
 // | ------------------------ | ----------------------------------- | -------------------------- |
@@ -18,14 +19,20 @@
 // | settings of the process  | XMLProfileManager                   | DomainParticipantFactory   |
 // | ChainingTransport::send  | one piece of bytes                  | a list of pieces           |
 //
-// What is not here, and waits for a 3.x that can be built: the signatures of TopicDataType and of
-// Fast CDR (topics/topic_type.hpp, result_type.hpp, sample_type.*: getKey is compute_key, payloads
-// are references, serialize() is told the representation; m_typeSize is max_serialized_type_size),
-// the names of generated files (*.hpp of fastddsgen 4, whose enums are scoped), and CMake's package
-// (fastdds instead of fastrtps).
+// | TopicDataType            | getKey, serialize(data, payload)    | compute_key, references,   |
+// |                          |                                     | a representation is said   |
+// | Fast CDR                 | 1: getSerializedDataLength          | 2: get_.., CDR versions    |
+// | keys of a message        | message.serializeKey(cdr)           | serialize_key(cdr, ..)     |
 //
-// Functions without state, any thread; those that need more of the library are in fastdds.cpp.
+// What is not here, and waits for a 3.x that can be built: names of generated files (*.hpp of
+// fastddsgen 4, whose enums are scoped), and CMake's package (fastdds instead of fastrtps).
+//
+// Small classes, and functions without state, for any thread; what needs more of the library is in
+// fastdds.cpp.
 #pragma once
+
+#include <fastcdr/Cdr.h>
+#include <fastcdr/FastBuffer.h>
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
@@ -70,11 +77,15 @@
 #include <fastdds/rtps/common/LocatorList.hpp>
 #endif
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <cstring>
+#include <functional>
 #include <mutex>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace fieldcast {
@@ -184,6 +195,150 @@ class DiscoveryListener : public dds::DomainParticipantListener {
   }
 #endif
 };
+
+// ---- types
+
+// A generated type with one form of the functions that classes of ours change. Unless they are
+// changed they do what was generated. Called by the library from any thread.
+template <class Generated>
+class AdaptedType : public Generated {
+ public:
+  using Payload = rtps::SerializedPayload_t;
+  using Handle = rtps::InstanceHandle_t;
+  using Message = typename Generated::type;
+
+  // Bytes that the library allocates for a message: at first the longest that there can be.
+  [[nodiscard]] std::uint32_t first_allocation() const {
+    return const_cast<AdaptedType*>(this)->allocation();
+  }
+  void set_first_allocation(std::uint32_t bytes) { allocation() = bytes; }
+
+#if FASTDDS_VERSION_MAJOR >= 3
+  [[nodiscard]] bool is_keyed() const { return this->is_compute_key_provided; }
+
+  virtual bool to_bytes(const void* data, Payload& payload) {
+    return Generated::serialize(data, payload, dds::XCDR_DATA_REPRESENTATION);
+  }
+  virtual bool from_bytes(Payload& payload, void* data) {
+    return Generated::deserialize(payload, data);
+  }
+  virtual std::uint32_t size_of(const void* data) {
+    return Generated::calculate_serialized_size(data, dds::XCDR_DATA_REPRESENTATION);
+  }
+  virtual bool key_of(const void* data, Handle& key, bool force_md5) {
+    Generated clean;  // the buffer of a used one holds bytes of the key before
+    return clean.compute_key(data, key, force_md5);
+  }
+
+  bool serialize(const void* const data, Payload& payload, dds::DataRepresentationId_t) final {
+    return to_bytes(data, payload);
+  }
+  bool deserialize(Payload& payload, void* data) final { return from_bytes(payload, data); }
+  std::uint32_t calculate_serialized_size(const void* const data,
+                                          dds::DataRepresentationId_t) final {
+    return size_of(data);
+  }
+  using Generated::compute_key;
+  bool compute_key(const void* const data, Handle& key, bool force_md5) final {
+    return key_of(data, key, force_md5);
+  }
+
+ private:
+  std::uint32_t& allocation() { return this->max_serialized_type_size; }
+#else
+  [[nodiscard]] bool is_keyed() const { return this->m_isGetKeyDefined; }
+
+  virtual bool to_bytes(const void* data, Payload& payload) {
+    return Generated::serialize(const_cast<void*>(data), &payload);
+  }
+  virtual bool from_bytes(Payload& payload, void* data) {
+    return Generated::deserialize(&payload, data);
+  }
+  virtual std::uint32_t size_of(const void* data) {
+    return Generated::getSerializedSizeProvider(const_cast<void*>(data))();
+  }
+  // The generated function works in members of the one object that all endpoints of a participant
+  // share, and does not clear its buffer: the padding between two strings holds bytes of the key
+  // before.
+  virtual bool key_of(const void* data, Handle& key, bool force_md5) {
+    thread_local Generated worker;
+    std::memset(worker.m_keyBuffer, 0,
+                std::max<std::size_t>(Message::getKeyMaxCdrSerializedSize(), 16));
+    return worker.getKey(const_cast<void*>(data), &key, force_md5);
+  }
+
+  bool serialize(void* data, Payload* payload) final { return to_bytes(data, *payload); }
+  bool deserialize(Payload* payload, void* data) final { return from_bytes(*payload, data); }
+  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) final {
+    return [this, data] { return size_of(data); };
+  }
+  bool getKey(void* data, Handle* key, bool force_md5) final {
+    return key_of(data, *key, force_md5);
+  }
+
+ private:
+  std::uint32_t& allocation() { return this->m_typeSize; }
+#endif
+};
+
+// Writes what is in a message, behind its encapsulation, in the byte order of this machine. Throws
+// NotEnoughMemoryException of Fast CDR.
+class CdrWriter {
+ public:
+  CdrWriter(void* space, std::size_t size)
+      : buffer_(static_cast<char*>(space), size),
+#if FASTDDS_VERSION_MAJOR >= 3
+        cdr_(buffer_, Cdr::DEFAULT_ENDIAN, eprosima::fastcdr::CdrVersion::XCDRv1) {
+    cdr_.set_encoding_flag(eprosima::fastcdr::EncodingAlgorithmFlag::PLAIN_CDR);
+#else
+        cdr_(buffer_, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR) {
+#endif
+    cdr_.serialize_encapsulation();
+  }
+
+  template <class Value>
+  CdrWriter& operator<<(const Value& value) {
+    cdr_ << value;
+    return *this;
+  }
+  // The keys of a message alone.
+  template <class Message>
+  void add_keys(const Message& message) {
+#if FASTDDS_VERSION_MAJOR >= 3
+    serialize_key(cdr_, message);
+#else
+    message.serializeKey(cdr_);
+#endif
+  }
+  // As they are. False: there is no room.
+  [[nodiscard]] bool add_bytes(std::string_view bytes) {
+#if FASTDDS_VERSION_MAJOR >= 3
+    char* const behind = cdr_.get_current_position();
+#else
+    char* const behind = cdr_.getCurrentPosition();
+#endif
+    if (!cdr_.jump(bytes.size())) return false;
+    std::memcpy(behind, bytes.data(), bytes.size());
+    return true;
+  }
+  // Bytes so far.
+  [[nodiscard]] std::size_t size() const {
+#if FASTDDS_VERSION_MAJOR >= 3
+    return cdr_.get_serialized_data_length();
+#else
+    return cdr_.getSerializedDataLength();
+#endif
+  }
+  [[nodiscard]] std::uint16_t encapsulation() const {
+    return cdr_.endianness() == Cdr::BIG_ENDIANNESS ? CDR_BE : CDR_LE;
+  }
+
+ private:
+  using Cdr = eprosima::fastcdr::Cdr;
+  eprosima::fastcdr::FastBuffer buffer_;
+  Cdr cdr_;
+};
+using CdrFull = eprosima::fastcdr::exception::NotEnoughMemoryException;
 
 // ---- transport
 

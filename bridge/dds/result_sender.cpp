@@ -82,7 +82,7 @@ void ResultSender::write(const idl::CommandResult& result) {
 void ResultSender::let_go(const idl::CommandResult& sent) {
   OutgoingResult outgoing{&sent, true};
   rtps::WriteParams how;
-  how.related_sample_identity(unregister_mark(ResultType::key_of(sent)));
+  how.related_sample_identity(unregister_mark(ResultType::hash_of(sent)));
   writer_->write(&outgoing, how);
 }
 

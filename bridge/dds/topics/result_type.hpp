@@ -5,11 +5,6 @@
 // loses results and holds nobody up. Readers find the true key in the message.
 #pragma once
 
-#include <fastcdr/Cdr.h>
-#include <fastcdr/FastBuffer.h>
-
-#include <functional>
-
 #include "bridge/dds/topics/conversion.hpp"
 #include "bridge/dds/topics/topic_type.hpp"
 
@@ -23,47 +18,35 @@ struct OutgoingResult {
 
 class ResultType : public TopicType<idl::CommandResultPubSubType> {
   using Base = TopicType<idl::CommandResultPubSubType>;
-  using Payload = rtps::SerializedPayload_t;
-  using Handle = rtps::InstanceHandle_t;
 
  public:
   // The key hash of a message, as its readers work it out.
-  [[nodiscard]] static Handle key_of(const idl::CommandResult& message) {
-    Base type;
+  [[nodiscard]] static Handle hash_of(const idl::CommandResult& message) {
     Handle handle;
-    type.getKey(const_cast<idl::CommandResult*>(&message), &handle, false);
+    Base().key_of(&message, handle, false);
     return handle;
   }
 
-  bool getKey(void*, Handle* handle, bool) override {
-    *handle = Handle{};
-    handle->value[0] = 1;  // any, the same for all
+  bool key_of(const void*, Handle& key, bool) override {
+    key = Handle{};
+    key.value[0] = 1;  // any, the same for all
     return true;
   }
 
-  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
-    return Base::getSerializedSizeProvider(message_of(data));
+  std::uint32_t size_of(const void* data) override {
+    return Base::size_of(static_cast<const OutgoingResult*>(data)->message);
   }
 
-  bool serialize(void* data, Payload* payload) override {
-    if (!static_cast<OutgoingResult*>(data)->note)
-      return Base::serialize(message_of(data), payload);
-    using eprosima::fastcdr::Cdr;
-    eprosima::fastcdr::FastBuffer buffer(reinterpret_cast<char*>(payload->data), payload->max_size);
-    Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
-    payload->encapsulation = cdr.endianness() == Cdr::BIG_ENDIANNESS ? CDR_BE : CDR_LE;
+  bool to_bytes(const void* data, Payload& payload) override {
+    const auto& [message, note] = *static_cast<const OutgoingResult*>(data);
+    if (!note) return Base::to_bytes(message, payload);
     try {
-      cdr.serialize_encapsulation();
-      message_of(data)->serializeKey(cdr);
-    } catch (const eprosima::fastcdr::exception::NotEnoughMemoryException&) { return false; }
-    payload->length = static_cast<std::uint32_t>(cdr.getSerializedDataLength());
+      CdrWriter out(payload.data, payload.max_size);
+      out.add_keys(*message);
+      payload.encapsulation = out.encapsulation();
+      payload.length = static_cast<std::uint32_t>(out.size());
+    } catch (const CdrFull&) { return false; }
     return true;
-  }
-
- private:
-  // The library's functions take what they only read without const.
-  static idl::CommandResult* message_of(void* data) {
-    return const_cast<idl::CommandResult*>(static_cast<OutgoingResult*>(data)->message);
   }
 };
 

@@ -2,12 +2,8 @@
 // changes is written behind it. The bytes are those of the generated type.
 #pragma once
 
-#include <fastcdr/Cdr.h>
-#include <fastcdr/FastBuffer.h>
-
 #include <bit>
 #include <cstring>
-#include <functional>
 #include <string>
 
 #include "bridge/dds/topics/block.hpp"
@@ -31,23 +27,19 @@ struct OutgoingSample {
 };
 
 class SampleType : public TopicType<idl::SamplePubSubType> {
-  using Payload = rtps::SerializedPayload_t;
-  using Handle = rtps::InstanceHandle_t;
-
  public:
-  bool getKey(void* data, Handle* handle, bool) override {
-    *handle = static_cast<OutgoingSample*>(data)->key->handle;
+  bool key_of(const void* data, Handle& key, bool) override {
+    key = static_cast<const OutgoingSample*>(data)->key->handle;
     return true;
   }
 
-  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
-    const auto* sample = static_cast<OutgoingSample*>(data);
-    const std::size_t size = kMostBehindKey + sample->key->bytes.size() +
-                             (sample->value == nullptr ? 0 : sample->value->text.size());
-    return [size] { return static_cast<std::uint32_t>(size); };
+  std::uint32_t size_of(const void* data) override {
+    const auto* sample = static_cast<const OutgoingSample*>(data);
+    return static_cast<std::uint32_t>(kMostBehindKey + sample->key->bytes.size() +
+                                      (sample->value == nullptr ? 0 : sample->value->text.size()));
   }
 
-  bool serialize(void* data, Payload* payload) override;
+  bool to_bytes(const void* data, Payload& payload) override;
 
  private:
   // Encapsulation, kind, value, quality, device code, instant, sequence, the paddings between them,

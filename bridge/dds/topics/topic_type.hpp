@@ -1,7 +1,7 @@
 // How our types are given to Fast DDS: the generated TopicDataType made safe. Stations may use it
 // as it is.
 //
-// fastddsgen 2.3 leaves three traps, closed here:
+// fastddsgen 2.3 leaves three traps, closed here and in AdaptedType (fastdds.hpp):
 //  - getKey() works in members of the one type object that all endpoints of a participant share:
 //  two threads mix up their keys.
 //  - It does not clear its buffer, so that the padding between two strings holds bytes of the key
@@ -12,6 +12,7 @@
 // Objects of this class may be used from any thread.
 #pragma once
 
+#include <algorithm>
 #include <exception>
 
 #include "bridge/dds/fastdds.hpp"
@@ -20,29 +21,24 @@
 namespace fieldcast {
 
 template <class Generated>
-class TopicType : public Generated {
+class TopicType : public AdaptedType<Generated> {
+  using Base = AdaptedType<Generated>;
+
  public:
-  // The library takes a buffer of m_typeSize for each sample that it keeps and enlarges it where
+  // The library takes a buffer of that size for each sample that it keeps and enlarges it where
   // needed. Bounds are far above what is usual: a Sample is about 120 bytes and could be 500, a
   // Command 200 and 550 000. Without a key the library enlarges nothing: it is told the bound, and
   // allocates as much as each sample has (topics.cpp).
-  TopicType() : largest_(this->m_typeSize) {
-    if (this->m_isGetKeyDefined) this->m_typeSize = std::min(largest_, kUsualSize);
-  }
-
-  bool getKey(void* data, rtps::InstanceHandle_t* handle, bool force_md5) override {
-    thread_local Generated worker;
-    std::memset(worker.m_keyBuffer, 0,
-                std::max<std::size_t>(Generated::type::getKeyMaxCdrSerializedSize(), 16));
-    return worker.getKey(data, handle, force_md5);
+  TopicType() : largest_(this->first_allocation()) {
+    if (this->is_keyed()) this->set_first_allocation(std::min(largest_, kUsualSize));
   }
 
   // Refuses what is longer than the type can be, and whatever the generated code throws (bad
   // lengths, bad encapsulation, no memory).
-  bool deserialize(rtps::SerializedPayload_t* payload, void* data) override {
-    if (payload->length > largest_) return false;
+  bool from_bytes(typename Base::Payload& payload, void* data) override {
+    if (payload.length > largest_) return false;
     try {
-      return Generated::deserialize(payload, data);
+      return Base::from_bytes(payload, data);
     } catch (const std::exception&) { return false; }
   }
 

@@ -131,16 +131,16 @@ TEST(SampleType, WritesTheBytesOfTheGeneratedType) {
       to_idl(sample_of(value), kClocks, generated);
       TopicType<idl::SamplePubSubType> plain;
       rtps::SerializedPayload_t expected(1024), written(1024);
-      ASSERT_TRUE(plain.serialize(&generated, &expected));
+      ASSERT_TRUE(plain.to_bytes(&generated, expected));
       rtps::InstanceHandle_t handle, ours;
-      plain.getKey(&generated, &handle, false);
+      plain.key_of(&generated, handle, false);
 
       SampleType type;
       const LastValue value_of_it = last(value);
       OutgoingSample outgoing{&key, &value_of_it};
-      EXPECT_GE(type.getSerializedSizeProvider(&outgoing)(), expected.length);
-      ASSERT_TRUE(type.serialize(&outgoing, &written));
-      ASSERT_TRUE(type.getKey(&outgoing, &ours, false));
+      EXPECT_GE(type.size_of(&outgoing), expected.length);
+      ASSERT_TRUE(type.to_bytes(&outgoing, written));
+      ASSERT_TRUE(type.key_of(&outgoing, ours, false));
       EXPECT_EQ(ours, handle);
       ASSERT_EQ(written.length, expected.length);
       EXPECT_EQ(std::string(reinterpret_cast<char*>(written.data), written.length),

@@ -29,7 +29,7 @@ idl::Command long_command() {
 
 std::vector<std::uint8_t> bytes_of(TopicType<idl::CommandPubSubType>& type, idl::Command& command) {
   SerializedPayload_t payload(type.largest());
-  EXPECT_TRUE(type.serialize(&command, &payload));
+  EXPECT_TRUE(type.to_bytes(&command, payload));
   return {payload.data, payload.data + payload.length};
 }
 
@@ -38,7 +38,7 @@ bool read(TopicType<idl::CommandPubSubType>& type, const std::vector<std::uint8_
   SerializedPayload_t payload(static_cast<std::uint32_t>(std::max<std::size_t>(bytes.size(), 1)));
   if (!bytes.empty()) std::memcpy(payload.data, bytes.data(), bytes.size());
   payload.length = static_cast<std::uint32_t>(bytes.size());
-  return type.deserialize(&payload, &out);
+  return type.from_bytes(payload, &out);
 }
 
 TEST(TopicType, KeysOfManyThreadsDoNotMix) {
@@ -48,7 +48,7 @@ TEST(TopicType, KeysOfManyThreadsDoNotMix) {
     sample.bus() = "bus";
     sample.channel() = "channel-" + std::to_string(channel);
     InstanceHandle_t handle;
-    EXPECT_TRUE(type.getKey(&sample, &handle, false));
+    EXPECT_TRUE(type.key_of(&sample, handle, false));
     return handle;
   };
   std::vector<std::thread> threads;
@@ -72,7 +72,7 @@ TEST(TopicType, KeyDoesNotDependOnTheKeyBefore) {
     sample.bus() = bus;
     sample.device() = "d";
     InstanceHandle_t handle;
-    EXPECT_TRUE(type.getKey(&sample, &handle, false));
+    EXPECT_TRUE(type.key_of(&sample, handle, false));
     return handle;
   };
   const InstanceHandle_t first = key_of("b");
