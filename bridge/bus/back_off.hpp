@@ -1,4 +1,5 @@
-// How long to wait before a port is opened again: 0.1 s, doubling to 30 s. Pure; one owner.
+// How long to wait before a port or a database is opened again: 0.1 s, doubling to 30 s. Pure; one
+// owner.
 #pragma once
 
 #include <algorithm>

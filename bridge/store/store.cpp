@@ -37,6 +37,23 @@ std::string spelled(const DeviceRecord& device) {
   return fmt::format("device {}/{} {}", device.bus, device.device, device.state);
 }
 
+// Says from time to time how many samples were dropped.
+class DropReport {
+ public:
+  void tell(std::uint64_t dropped, Instant now) {
+    if (dropped == told_ || now < next_) return;
+    log_warning("store",
+                fmt::format("{} samples were not stored: the database is too slow, or away",
+                            dropped - told_));
+    told_ = dropped;
+    next_ = now + kDropLine;
+  }
+
+ private:
+  std::uint64_t told_ = 0;
+  Instant next_ = kLongAgo;
+};
+
 void log_unstored(const std::variant<AuditEntry, AlarmRecord, DeviceRecord>& event) {
   log_counted(
       LogLevel::kWarning, "store", "records not stored",
@@ -56,7 +73,33 @@ class Store::Writer {
         mutex_(mutex),
         retention_(spec) {}
 
-  // Throws StoreError. To be called before write(): what it tells of is of before.
+  // One try: all of the batch is written, or nothing of it.
+  enum class Try : unsigned char { kWritten, kRefused, kAway };
+  [[nodiscard]] Try write(const Batch& batch) {
+    try {
+      open();
+      write_all(batch);
+      told_.clear();
+      return Try::kWritten;
+    } catch (const StoreError& error) {
+      const Try failed = connection_ ? Try::kRefused : Try::kAway;
+      close(error);
+      return failed;
+    }
+  }
+  // One step of the retention. True: there is more to tidy.
+  [[nodiscard]] bool tidy() {
+    try {
+      if (opened_) open();  // its caller waits for the active alarms
+      return connection_ && retention_.step(*connection_, steady_now(), read_clocks().utc);
+    } catch (const StoreError& error) {
+      close(error);
+      return false;
+    }
+  }
+
+ private:
+  // Throws StoreError. Reads the active alarms before anything of this run is written.
   void open() {
     if (connection_) return;
     auto connection = open_store(address_, IfMissing::kCreate);
@@ -66,10 +109,8 @@ class Store::Writer {
     log_info("store", "open: " + address_.masked());
     if (const Opened opened = std::exchange(opened_, {})) opened(active);
   }
-
-  // One try. Throws StoreError, and then nothing of the batch is written.
-  void write(const Batch& batch) {
-    open();
+  // Throws StoreError.
+  void write_all(const Batch& batch) {
     SqlTransaction transaction(*connection_);
     insert(batch.samples);
     EventTable events(*connection_);
@@ -77,17 +118,11 @@ class Store::Writer {
       std::visit([&](const auto& record) { events.insert(record); }, event);
     transaction.commit();
   }
-  bool tidy() {
-    if (opened_) open();  // somebody waits for what it knows
-    return connection_ && retention_.step(*connection_, steady_now(), read_clocks().utc);
-  }
-  [[nodiscard]] bool is_open() const { return connection_ != nullptr; }
-  void close() {
+  void close(const StoreError& error) {
+    if (told_ != error.what()) log_error("store", told_ = error.what());
     connection_.reset();
     ids_.clear();  // another file may lie there now
   }
-
- private:
   // Each sample with the database's number of its channel instead of ours.
   void insert(const std::deque<SampleRow>& samples) {
     for (auto at = samples.begin(); at != samples.end();) {
@@ -120,6 +155,7 @@ class Store::Writer {
   std::map<std::int64_t, std::int64_t> ids_;  // by index in channels_
   std::vector<SampleRow> rows_;
   Retention retention_;
+  std::string told_;  // the last failure: it is logged once
 };
 
 Store::Store(const StoreSpec& spec, Opened opened)
@@ -233,57 +269,38 @@ void Store::written(const Batch& batch, bool stored) {
   if (!stored) std::for_each(batch.events.begin(), batch.events.end(), log_unstored);
 }
 
+// False: the batch is given up.
+bool Store::store(Writer& writer, const Batch& batch, BackOff& back_off) {
+  for (unsigned refused = 0; refused < kAttempts;) {
+    const Writer::Try tried = writer.write(batch);
+    if (tried == Writer::Try::kWritten) {
+      back_off.opened(steady_now());
+      return true;
+    }
+    if (tried == Writer::Try::kRefused) ++refused;  // a database that is away is waited for
+    std::unique_lock lock(mutex_);
+    if (ending_) return false;
+    work_.wait_for(lock, back_off.closed(steady_now()), [this] { return ending_; });
+  }
+  return false;
+}
+
 void Store::run() {
   pthread_setname_np(pthread_self(), "store");
-  ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()),
-                kNiceness);  // of this thread, on Linux
+  // Of this thread alone, on Linux.
+  ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNiceness);
   Writer::Opened opened;
   if (opened_) opened = [this](const auto& active) { opened_(*this, active); };
   Writer writer(spec_, std::move(opened), channels_, mutex_);
   BackOff back_off;
-  std::string said;  // the last failure, which is not said twice
-  std::uint64_t drops_said = 0;
-  Instant next_drop_line = kLongAgo;
+  DropReport drops;
   Batch batch;
-  bool tidying = false;
-  const auto tidy = [&] {
-    try {
-      tidying = writer.tidy();
-    } catch (const StoreError& error) {
-      if (said != error.what()) log_error("store", said = error.what());
-      writer.close();
-      tidying = false;
-    }
-  };
-  tidy();
+  bool tidying = writer.tidy();
   while (gather(batch, tidying ? Duration{} : kIdle)) {
-    bool stored = batch.empty();
-    for (unsigned attempts = 0; !stored && attempts < kAttempts;) {
-      try {
-        writer.write(batch);
-        stored = true;
-        back_off.opened(steady_now());
-        said.clear();
-      } catch (const StoreError& error) {
-        if (said != error.what()) log_error("store", said = error.what());
-        attempts += writer.is_open() ? 1 : 0;  // a database that is away is waited for
-        writer.close();
-        std::unique_lock lock(mutex_);
-        if (ending_) break;
-        work_.wait_for(lock, back_off.closed(steady_now()), [this] { return ending_; });
-      }
-    }
-    written(batch, stored);
+    written(batch, batch.empty() || store(writer, batch, back_off));
     batch = {};
-    tidy();
-    const std::uint64_t dropped = counters().dropped;
-    if (dropped != drops_said && steady_now() >= next_drop_line) {
-      log_warning("store",
-                  fmt::format("{} samples were not stored: the database is too slow, or away",
-                              dropped - drops_said));
-      drops_said = dropped;
-      next_drop_line = steady_now() + kDropLine;
-    }
+    tidying = writer.tidy();
+    drops.tell(counters().dropped, steady_now());
   }
 }
 

@@ -1,7 +1,11 @@
 // The store of a bridge: samples, audit, alarms and device states go in from any thread without
 // ever waiting; one thread of low priority writes them in batches, each a transaction. When the
-// database is too slow or away, what finds no room is dropped, counted and said in the log:
-// acquisition never waits for the store.
+// database is too slow or away, the queue becomes full. Then samples are dropped and counted, and
+// the log says so: acquisition never waits for the store.
+//
+// Not a Worker with a BoundedQueue: samples and events have a limit each, a bus puts all samples of
+// an answer under one lock, a batch gathers for a while before it is taken, and flush() waits until
+// it is written.
 #pragma once
 
 #include <condition_variable>
@@ -26,18 +30,20 @@
 
 namespace fieldcast {
 
+class BackOff;
+
 struct StoreCounters {
-  std::uint64_t stored =
-      0;  // samples in committed transactions: the death of the process does not take them back
-  std::uint64_t dropped = 0;  // samples that found no room, or that the database refused
+  // Samples in committed transactions: a crash of the process does not take them back.
+  std::uint64_t stored = 0;
+  std::uint64_t dropped = 0;  // samples that came to a full queue, or that the database refused
   std::size_t waiting = 0;    // samples
 };
 
 class Store final : public Audit, public AlarmSink {
  public:
   static constexpr std::size_t kMaxWaiting = 200'000;  // samples; 10 s of 20 000 a second
-  static constexpr std::size_t kMaxWaitingEvents =
-      4096;  // of audit, alarms and devices; one more is written to the log
+  // Of audit, alarms and devices together; one more is written to the log.
+  static constexpr std::size_t kMaxWaitingEvents = 4096;
   static constexpr Duration kGather = std::chrono::milliseconds{250};  // how long a batch gathers
 
   // The database is opened by the writer, again and again until it opens. `opened` is then called
@@ -87,7 +93,8 @@ class Store final : public Audit, public AlarmSink {
   class Writer;
 
   void put_event(Event event);
-  void run();
+  void run();  // the thread
+  [[nodiscard]] bool store(Writer& writer, const Batch& batch, BackOff& back_off);
   [[nodiscard]] bool gather(Batch& batch, Duration longest);
   void written(const Batch& batch, bool stored);
 
@@ -102,7 +109,7 @@ class Store final : public Audit, public AlarmSink {
   Batch waiting_;
   StoreCounters counters_;
   std::uint64_t put_ = 0;   // samples and events that were taken into the queue
-  std::uint64_t seen_ = 0;  // those of them that are written or given up
+  std::uint64_t seen_ = 0;  // samples and events that were written or given up
   bool ending_ = false;
   std::thread thread_;  // last: it uses what is above
 };
