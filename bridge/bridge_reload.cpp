@@ -26,7 +26,7 @@ std::optional<ChannelIndex> index_of(const BridgeSpec& bridge, const std::string
 
 }  // namespace
 
-// Alarms whose limit is taken away end, while their bus can still say so.
+// Alarms whose limit is taken away end, while their bus can still publish that.
 void Bridge::State::configure_alarms(const BridgeSpec& from, const BridgeSpec& to) {
   const UtcMapping now = read_clocks();
   for (const AlarmRecord& ended : alarms.configure(to.buses, now.utc)) {
@@ -113,8 +113,8 @@ tl::expected<Bridge::Reloaded, std::string> Bridge::State::reload(const BridgeSp
   }
   const ReloadPlan plan = plan_reload(spec, wanted);
   Reloaded waiting;
-  for (const auto& held : disturbed_by(plan, wanted, program.held()))
-    waiting.waits_for.push_back(fmt::format("{}/{} by {}", held.bus, held.device, held.who));
+  for (const auto& leased : disturbed_by(plan, wanted, program.leased()))
+    waiting.waits_for.push_back(fmt::format("{}/{} by {}", leased.bus, leased.device, leased.who));
   if (!waiting.waits_for.empty()) return waiting;
   return done(plan.whole_bridge.empty() ? exchange_buses(wanted, plan) : start_anew(wanted, plan));
 }

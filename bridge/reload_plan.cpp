@@ -54,9 +54,9 @@ ReloadPlan plan_reload(const BridgeSpec& running, const BridgeSpec& wanted) {
   return plan;
 }
 
-std::vector<program::HeldDevice> disturbed_by(const ReloadPlan& plan, const BridgeSpec& wanted,
-                                              const std::vector<program::HeldDevice>& held) {
-  if (!plan.whole_bridge.empty() || plan.program) return held;
+std::vector<program::LeasedDevice> disturbed_by(const ReloadPlan& plan, const BridgeSpec& wanted,
+                                                const std::vector<program::LeasedDevice>& leased) {
+  if (!plan.whole_bridge.empty() || plan.program) return leased;
   // A module without a bus that is to have one.
   const auto begins = [&](const std::string& number) {
     return std::any_of(wanted.buses.begin(), wanted.buses.end(), [&](const BusSpec& bus) {
@@ -64,9 +64,9 @@ std::vector<program::HeldDevice> disturbed_by(const ReloadPlan& plan, const Brid
       return dial_in && dial_in->number == number && contains(plan.start, bus.name);
     });
   };
-  std::vector<program::HeldDevice> disturbed;
-  std::copy_if(held.begin(), held.end(), std::back_inserter(disturbed),
-               [&](const program::HeldDevice& device) {
+  std::vector<program::LeasedDevice> disturbed;
+  std::copy_if(leased.begin(), leased.end(), std::back_inserter(disturbed),
+               [&](const program::LeasedDevice& device) {
                  return contains(plan.stop, device.bus) || begins(device.number);
                });
   return disturbed;

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "bridge/program/held_device.hpp"
+#include "bridge/program/leased_device.hpp"
 #include "core/model/spec.hpp"
 
 namespace fieldcast {
@@ -25,9 +25,10 @@ struct ReloadPlan {
 // REQUIRES: names of buses are unique in each of the two.
 [[nodiscard]] ReloadPlan plan_reload(const BridgeSpec& running, const BridgeSpec& wanted);
 
-// The devices in the hands of engineers that the plan would take away: of buses that stop or begin,
-// and all when the programming server starts anew. The reload is to wait for them.
-[[nodiscard]] std::vector<program::HeldDevice> disturbed_by(
-    const ReloadPlan& plan, const BridgeSpec& wanted, const std::vector<program::HeldDevice>& held);
+// The leased devices that the plan would take away from engineers: those of buses that stop or
+// begin, and all when the programming server starts anew. The reload waits for them.
+[[nodiscard]] std::vector<program::LeasedDevice> disturbed_by(
+    const ReloadPlan& plan, const BridgeSpec& wanted,
+    const std::vector<program::LeasedDevice>& leased);
 
 }  // namespace fieldcast

@@ -85,7 +85,7 @@ class DeviceWatch::Watching : public std::enable_shared_from_this<Watching> {
       watch_folders();
       listen();
     }
-    look_in(kSettle);
+    check_in(kSettle);
   }
 
   void stop() {
@@ -110,24 +110,24 @@ class DeviceWatch::Watching : public std::enable_shared_from_this<Watching> {
           std::array<char, 4096> events;  // only that there were some matters
           while (::read(self->stream_.native_handle(), events.data(), events.size()) > 0) {}
           self->watch_folders();
-          self->look_in(kSettle);
+          self->check_in(kSettle);
           self->listen();
         });
   }
 
   // Not later for the events that come meanwhile: a folder may never rest.
-  void look_in(Duration wait) {
-    if (std::exchange(looking_, true)) return;
+  void check_in(Duration wait) {
+    if (std::exchange(checking_, true)) return;
     timer_.expires_after(wait);
     timer_.async_wait([self = shared_from_this()](boost::system::error_code cancelled) {
       if (self->over_ || cancelled) return;
-      self->looking_ = false;
-      if (!self->stream_.is_open()) self->look_in(kLook);
-      self->look();
+      self->checking_ = false;
+      if (!self->stream_.is_open()) self->check_in(kCheckPeriod);
+      self->check();
     });
   }
 
-  void look() {
+  void check() {
     const auto found = identity_of(path_);
     if (!found) last_.reset();
     if (!found || found == last_) return;
@@ -140,7 +140,7 @@ class DeviceWatch::Watching : public std::enable_shared_from_this<Watching> {
   std::optional<Identity> last_;
   asio::posix::stream_descriptor stream_;
   asio::steady_timer timer_;
-  bool looking_ = false;  // soon
+  bool checking_ = false;  // soon
   bool over_ = false;
 };
 

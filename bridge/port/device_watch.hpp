@@ -33,11 +33,11 @@ class DeviceWatch {
   // Through links; nothing where there is no file.
   [[nodiscard]] static std::optional<Identity> identity_of(const std::string& path);
 
-  // udev makes a file, its links and its rights one after the other: the file is looked at
-  // so long after a change.
+  // udev makes a file, its links and its rights one after the other: the file is checked so long
+  // after a change.
   static constexpr Duration kSettle = std::chrono::milliseconds{20};
-  // Without inotify (the user's instances are used up) the file is looked for this often.
-  static constexpr Duration kLook = std::chrono::milliseconds{500};
+  // Without inotify (the user's instances are used up) the file is checked this often.
+  static constexpr Duration kCheckPeriod = std::chrono::milliseconds{500};
 
   DeviceWatch(boost::asio::io_context& io, std::string path, std::function<void()> came);
   ~DeviceWatch();

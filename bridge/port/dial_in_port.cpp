@@ -61,7 +61,7 @@ class DialInPort::Opening final : public PortOpening {
 
   std::string number_;
   DialInRegistry& registry_;
-  DialInRegistry::Ticket claim_ = 0;
+  DialInRegistry::Id claim_ = 0;
   bool tell_;
 };
 

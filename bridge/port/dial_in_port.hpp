@@ -24,7 +24,7 @@ class DialInPort final : public StreamPort {
   boost::asio::io_context& io_;
   DialInPortSpec spec_;
   DialInRegistry& registry_;
-  DialInRegistry::Ticket expectation_;
+  DialInRegistry::Id expectation_;
   bool told_ = false;  // that no module is there
 };
 

@@ -9,21 +9,21 @@ void DialInRegistry::set_keeper(Keeper keeper) {
   keeper_ = std::move(keeper);
 }
 
-DialInRegistry::Ticket DialInRegistry::expect(const std::string& number) {
+DialInRegistry::Id DialInRegistry::expect(const std::string& number) {
   std::unique_lock lock(mutex_);
-  const Ticket ticket = ++last_;
-  entries_[number].expected = ticket;
+  const Id id = ++last_;
+  entries_[number].expected = id;
   const auto hand_over = keeper_.hand_over;
   lock.unlock();
-  if (!hand_over) return ticket;
+  if (!hand_over) return id;
   if (FileDescriptor kept = hand_over(number); kept.valid()) pass_on(number, std::move(kept));
-  return ticket;
+  return id;
 }
 
-void DialInRegistry::forget(const std::string& number, Ticket ticket) {
+void DialInRegistry::forget(const std::string& number, Id id) {
   std::unique_lock lock(mutex_);
   const auto found = entries_.find(number);
-  if (found == entries_.end() || found->second.expected != ticket) return;
+  if (found == entries_.end() || found->second.expected != id) return;
   FileDescriptor waiting = std::move(found->second.waiting);
   entries_.erase(found);
   lock.unlock();
@@ -35,7 +35,7 @@ bool DialInRegistry::expects(const std::string& number) {
   return entries_.contains(number);
 }
 
-DialInRegistry::Ticket DialInRegistry::claim(const std::string& number, Deliver deliver) {
+DialInRegistry::Id DialInRegistry::claim(const std::string& number, Deliver deliver) {
   const std::lock_guard lock(mutex_);
   Entry& entry = entries_[number];
   entry.claimed = ++last_;
@@ -44,10 +44,10 @@ DialInRegistry::Ticket DialInRegistry::claim(const std::string& number, Deliver 
   return entry.claimed;
 }
 
-void DialInRegistry::release(const std::string& number, Ticket ticket) {
+void DialInRegistry::release(const std::string& number, Id id) {
   const std::lock_guard lock(mutex_);
   const auto found = entries_.find(number);
-  if (found != entries_.end() && found->second.claimed == ticket) found->second.deliver = {};
+  if (found != entries_.end() && found->second.claimed == id) found->second.deliver = {};
 }
 
 std::optional<FileDescriptor> DialInRegistry::offer(const std::string& number,

@@ -29,21 +29,21 @@ class DialInRegistry {
   };
   void set_keeper(Keeper keeper);
 
-  // Says which expectation or claim is meant: those of a bus that ends may outlast the beginning of
-  // the next bus of the same number, and must not take anything from that one.
-  using Ticket = std::uint64_t;
+  // Identifies one expectation or claim. A bus that ends may withdraw its own after the next bus of
+  // the same number has begun, and must not withdraw those of that bus.
+  using Id = std::uint64_t;
 
   // A bus is there for this number, from now on until forget(); the latest one counts. A module
   // that was kept is its own at once.
-  [[nodiscard]] Ticket expect(const std::string& number);
+  [[nodiscard]] Id expect(const std::string& number);
   // A module that nobody has taken is kept by the keeper, if there is one.
-  void forget(const std::string& number, Ticket ticket);
+  void forget(const std::string& number, Id id);
 
   [[nodiscard]] bool expects(const std::string& number);
 
   // The bus takes modules of its number, the one that waits already too, until release().
-  [[nodiscard]] Ticket claim(const std::string& number, Deliver deliver);
-  void release(const std::string& number, Ticket ticket);
+  [[nodiscard]] Id claim(const std::string& number, Deliver deliver);
+  void release(const std::string& number, Id id);
 
   // A module told this number just now. Given back when no bus is there for it; a module that
   // nobody takes yet waits, the newest one.
@@ -55,17 +55,17 @@ class DialInRegistry {
 
  private:
   struct Entry {
-    Ticket expected = 0;  // by whom
-    Ticket claimed = 0;
+    Id expected = 0;         // the latest expectation
+    Id claimed = 0;          // the latest claim
     Deliver deliver;         // of the claim, or none
-    FileDescriptor waiting;  // or invalid
+    FileDescriptor waiting;  // a module that nobody took yet; invalid: none
   };
   enum class Age : std::uint8_t { kNewest, kOlder };
   std::optional<FileDescriptor> give(const std::string& number, FileDescriptor socket, Age age);
   void keep(const std::string& number, FileDescriptor socket);
 
   std::mutex mutex_;
-  Ticket last_ = 0;
+  Id last_ = 0;
   Keeper keeper_;
   std::map<std::string, Entry> entries_;  // one for each bus with such a port
 };

@@ -1,5 +1,5 @@
-// How a bus is reached: bytes out, bytes in with the instant of their arrival. The one seam between
-// Fieldcast and a line.
+// How a bus is reached: bytes out, bytes in with the instant of their arrival. The one interface
+// between Fieldcast and a line.
 //
 // A Port belongs to one BusRunner and lives on that runner's io thread; every call and every
 // callback happens there. Adding a kind of port is one class and one line in make_port.cpp.
@@ -48,7 +48,7 @@ class Port {
   // only delivered together. A hint: a port may ignore it.
   virtual void expect(std::uint32_t characters) = 0;
   // Delivers at once what has already arrived. Asked before a timeout is believed: a process that
-  // was held up sees the timer and the bytes that beat it at the same moment.
+  // was held up sees the timer, and the bytes that came before it, at the same moment.
   virtual void poll() = 0;
   virtual void close() = 0;
   // The bus ends: close(), but a module that dialled in stays connected, for the next bus of its

@@ -79,8 +79,8 @@ std::optional<std::string> lock_port(int fd, const std::string& path) {
     const std::string user = port_user(path);
     return user.empty() ? "in use by another program" : "in use by " + user;
   }
-  ::ioctl(fd, TIOCEXCL);  // keeps out programs that know no flock; pseudo-terminals take it too,
-                          // and root ignores it
+  // Keeps out programs that know no flock; pseudo-terminals take it too, and root ignores it.
+  ::ioctl(fd, TIOCEXCL);
   return std::nullopt;
 }
 

@@ -27,8 +27,8 @@ tcflag_t parity_check(const LineFormat& line) { return line.parity == Parity::kN
 
 termios2 raw_settings(const LineFormat& line) {
   termios2 settings{};
-  settings.c_iflag =
-      IGNBRK | parity_check(line);  // breaks of an idle RS-485 line are no bytes at all
+  // Breaks of an idle RS-485 line are no bytes at all.
+  settings.c_iflag = IGNBRK | parity_check(line);
   settings.c_cflag = CREAD | CLOCAL | BOTHER | format_flags(line);
   settings.c_cc[VMIN] = 1;
   settings.c_ispeed = settings.c_ospeed = line.baud;

@@ -36,7 +36,7 @@ class StreamOf final : public ByteStream {
 
 }  // namespace
 
-// TIOCOUTQ is SIOCOUTQ: one question for lines and sockets.
+// TIOCOUTQ is SIOCOUTQ: one request code for lines and sockets.
 std::size_t queued_at(int fd) {
   int count = 0;
   return ::ioctl(fd, TIOCOUTQ, &count) == 0 && count > 0 ? static_cast<std::size_t>(count) : 0;

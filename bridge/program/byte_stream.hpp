@@ -16,8 +16,8 @@ class io_context;
 
 namespace fieldcast::program {
 
-// For the peer of a relay that takes no bytes just now, as the kernel knows it: a slow line behind
-// a peer opens the TCP window in steps. Who takes none at all is given up by Engineer.
+// How long the kernel waits for the peer of a relay that takes no bytes just now: with a slow line
+// behind it, a peer opens the TCP window in steps. Engineer gives up a peer that takes none at all.
 inline constexpr Duration kTunnelPatience = std::chrono::seconds{90};
 
 class ByteStream {
@@ -28,8 +28,8 @@ class ByteStream {
   // One read and one write at a time; the buffer lives until `done`.
   virtual void read_some(boost::asio::mutable_buffer into, Done done) = 0;
   virtual void write_some(boost::asio::const_buffer from, Done done) = 0;
-  // Bytes that the kernel has taken to send and has not got rid of: that the peer's kernel has not
-  // acknowledged, or that the line has not shifted out. A pseudo-terminal tells none.
+  // Bytes that the kernel has taken and not delivered: the peer's kernel has not acknowledged them,
+  // or the line has not shifted them out. Always 0 for a pseudo-terminal.
   [[nodiscard]] virtual std::size_t queued() const = 0;
   virtual void close() = 0;  // what is under way ends in an error
 };

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "bridge/bus/bus_runner.hpp"
-#include "bridge/program/held_device.hpp"
+#include "bridge/program/leased_device.hpp"
 #include "bridge/program/module_server.hpp"
 #include "bridge/program/relay_end.hpp"
 #include "core/program/frame.hpp"
@@ -26,12 +26,12 @@ struct Refusal {
 
 // One device leased, or about to be. Whoever has it gives it back once, after closing the
 // descriptor.
-struct Hold {
+struct DeviceLease {
   std::string number, who;
   std::string bus, device;             // names; a module without a bus: "dial-in" and its number
   std::optional<LineFormat> settings;  // of a serial port
   std::shared_ptr<BusRunner> runner;   // none: a module without a bus
-  std::uint64_t lease = 0;
+  std::uint64_t bus_lease = 0;         // the number of it, where a bus grants it
   std::weak_ptr<RelayEnd> leaving;  // what is still to be sent: goes no further when it is revoked
   bool granted = false, over = false;
 };
@@ -44,7 +44,7 @@ class DeviceRegistry : public std::enable_shared_from_this<DeviceRegistry> {
   // Each called at most once and on the io thread, not after give_back().
   struct Handlers {
     std::function<void(FileDescriptor)> granted;
-    std::function<void(Refusal)> refused;  // the hold is over
+    std::function<void(Refusal)> refused;  // the lease is over
     std::function<void(std::string reason)> revoked;
   };
 
@@ -55,11 +55,12 @@ class DeviceRegistry : public std::enable_shared_from_this<DeviceRegistry> {
   void add(const BusSpec& bus, const std::shared_ptr<BusRunner>& runner);
   void remove(const std::string& bus);
 
-  std::shared_ptr<Hold> take(const std::string& number, const std::string& who, Handlers handlers);
+  std::shared_ptr<DeviceLease> take(const std::string& number, const std::string& who,
+                                    Handlers handlers);
   // `lost`: why the line is of no use any more.
-  void give_back(const std::shared_ptr<Hold>& hold, std::optional<std::string> lost);
+  void give_back(const std::shared_ptr<DeviceLease>& lease, std::optional<std::string> lost);
   // Those leased, or asked for, or to which the last bytes still leave.
-  [[nodiscard]] std::vector<HeldDevice> held() const;
+  [[nodiscard]] std::vector<LeasedDevice> leased() const;
 
  private:
   struct Target {
@@ -67,16 +68,18 @@ class DeviceRegistry : public std::enable_shared_from_this<DeviceRegistry> {
     std::shared_ptr<BusRunner> runner;
   };
   [[nodiscard]] std::optional<Target> find(const std::string& number) const;
-  void try_take(const std::shared_ptr<Hold>& hold, Handlers handlers);
-  void free(const std::shared_ptr<Hold>& hold);
-  void ask_bus(const std::shared_ptr<Hold>& hold, const std::shared_ptr<Handlers>& handlers);
+  void try_take(const std::shared_ptr<DeviceLease>& lease, Handlers handlers);
+  void free(const std::shared_ptr<DeviceLease>& lease);
+  void ask_bus(const std::shared_ptr<DeviceLease>& lease,
+               const std::shared_ptr<Handlers>& handlers);
 
   boost::asio::io_context& io_;
   const std::shared_ptr<ModuleServer> modules_;
-  mutable std::mutex mutex_;                                        // of targets_
-  std::map<std::string, Target> targets_;                           // by number
-  std::map<std::string, std::shared_ptr<Hold>> held_;               // by number
-  std::vector<std::pair<std::shared_ptr<Hold>, Handlers>> parked_;  // for numbers about to be free
+  mutable std::mutex mutex_;                                    // of targets_
+  std::map<std::string, Target> targets_;                       // by number
+  std::map<std::string, std::shared_ptr<DeviceLease>> leases_;  // by number
+  // For numbers about to be free.
+  std::vector<std::pair<std::shared_ptr<DeviceLease>, Handlers>> parked_;
 };
 
 }  // namespace fieldcast::program

@@ -20,21 +20,21 @@ namespace asio = boost::asio;
 constexpr Duration kFlushPatience = std::chrono::seconds{5};
 constexpr Duration kFlushLongest = std::chrono::minutes{10};
 constexpr Duration kFlushAtEnd = std::chrono::seconds{2};
-constexpr Duration kFlushLook = std::chrono::milliseconds{50};
+constexpr Duration kFlushCheck = std::chrono::milliseconds{50};
 
-// Looks after an end that finishes, until it is closed: by itself, or here when its peer takes no
+// Watches an end that finishes, until it is closed: by itself, or here when its peer takes no
 // more. Holds nothing of its connection, which may be gone before.
 class Farewell : public std::enable_shared_from_this<Farewell> {
  public:
   Farewell(asio::io_context& io, std::shared_ptr<RelayEnd> end, Duration longest)
       : timer_(io), end_(std::move(end)), moved_(steady_now()), limit_(moved_ + longest) {}
-  void look() {
+  void check() {
     if (end_->settle()) return;
     const Instant now = steady_now();
     if (end_->drained()) moved_ = now;
     if (now >= limit_ || now - moved_ >= kFlushPatience) return end_->close();
-    timer_.expires_after(kFlushLook);
-    timer_.async_wait([self = shared_from_this()](boost::system::error_code) { self->look(); });
+    timer_.expires_after(kFlushCheck);
+    timer_.async_wait([self = shared_from_this()](boost::system::error_code) { self->check(); });
   }
 
  private:
@@ -59,7 +59,7 @@ void EngineerConnection::start() {
   client_->start({[self](ByteView bytes) { self->tell(FromClient{bytes}); },
                   [self](const std::string& reason) { self->tell(ClientGone{reason}); },
                   [self](bool room) {
-                    if (self->device_) self->device_->hold(!room);
+                    if (self->device_) self->device_->pause(!room);
                     self->tell(ClientTakes{room});
                   }});
   tell(TimerFired{});  // sets the first timer
@@ -113,21 +113,21 @@ void EngineerConnection::execute(const TakeDevice& what) {
   number_ = what.number;
   lost_.reset();
   const auto weak = weak_from_this();
-  hold_ = around_.devices->take(what.number, who(),
-                                {[weak](FileDescriptor line) {
-                                   if (const auto self = weak.lock())
-                                     self->granted(std::move(line));
-                                 },
-                                 [weak](const Refusal& refusal) {
-                                   if (const auto self = weak.lock())
-                                     self->tell(DeviceRefused{refusal.why, refusal.reason});
-                                 },
-                                 [weak](const std::string& reason) {
-                                   const auto self = weak.lock();
-                                   if (!self) return;
-                                   self->lost_ = reason;
-                                   self->tell(DeviceLost{reason});
-                                 }});
+  lease_ = around_.devices->take(what.number, who(),
+                                 {[weak](FileDescriptor line) {
+                                    if (const auto self = weak.lock())
+                                      self->granted(std::move(line));
+                                  },
+                                  [weak](const Refusal& refusal) {
+                                    if (const auto self = weak.lock())
+                                      self->tell(DeviceRefused{refusal.why, refusal.reason});
+                                  },
+                                  [weak](const std::string& reason) {
+                                    const auto self = weak.lock();
+                                    if (!self) return;
+                                    self->lost_ = reason;
+                                    self->tell(DeviceLost{reason});
+                                  }});
 }
 
 void EngineerConnection::granted(FileDescriptor line) {
@@ -136,7 +136,7 @@ void EngineerConnection::granted(FileDescriptor line) {
   auto stream = descriptor_stream(around_.io, std::move(line));
   if (!stream) {
     lost_ = "its line is of no use";
-    around_.devices->give_back(hold_, lost_);
+    around_.devices->give_back(lease_, lost_);
     return tell(DeviceRefused{Reply::kNotOnline, *lost_});
   }
   const auto self = shared_from_this();
@@ -152,7 +152,7 @@ void EngineerConnection::granted(FileDescriptor line) {
                     self->tell(DeviceLost{reason});
                   },
                   [self](bool room) {
-                    self->client_->hold(!room);
+                    self->client_->pause(!room);
                     self->tell(DeviceTakes{room});
                   }});
   report(ProgramSessionState::kOpen);
@@ -160,11 +160,11 @@ void EngineerConnection::granted(FileDescriptor line) {
 
 void EngineerConnection::execute(const SetLine& what) {
   if (!device_) return;
-  const std::string target = hold_->bus + '/' + hold_->device;
-  if (!hold_->settings)
+  const std::string target = lease_->bus + '/' + lease_->device;
+  if (!lease_->settings)
     return log_counted(LogLevel::kInfo, "program", "changes of lines",
                        target + ": behind a network, its line keeps its settings");
-  LineFormat line = *hold_->settings;
+  LineFormat line = *lease_->settings;
   if (what.settings.baud != 0) line.baud = what.settings.baud;
   line.stop_bits = what.settings.stop_bits;
   if (what.settings.data_bits != 0) {
@@ -181,19 +181,19 @@ void EngineerConnection::execute(const SetLine& what) {
 }
 
 void EngineerConnection::execute(const FreeDevice&) {
-  if (!hold_) return;
-  client_->hold(false);
-  if (!device_) return around_.devices->give_back(hold_, std::nullopt);
+  if (!lease_) return;
+  client_->pause(false);
+  if (!device_) return around_.devices->give_back(lease_, std::nullopt);
   report(ProgramSessionState::kClosed);
   const auto device = std::exchange(device_, nullptr);
   line_ = -1;
   // The registry holds the device until what was meant for it has left, or nothing leaves any more.
-  hold_->leaving = device;
-  device->finish(RelayEnd::Until::kLeft, [hold = hold_, lost = lost_, devices = around_.devices] {
-    devices->give_back(hold, lost);
+  lease_->leaving = device;
+  device->finish(RelayEnd::Until::kLeft, [lease = lease_, lost = lost_, devices = around_.devices] {
+    devices->give_back(lease, lost);
   });
   if (lost_) return device->close();
-  std::make_shared<Farewell>(around_.io, device, ended_ ? kFlushAtEnd : kFlushLongest)->look();
+  std::make_shared<Farewell>(around_.io, device, ended_ ? kFlushAtEnd : kFlushLongest)->check();
 }
 
 void EngineerConnection::execute(const HangUp&) {
@@ -202,7 +202,7 @@ void EngineerConnection::execute(const HangUp&) {
   const auto self = shared_from_this();
   client_->finish(RelayEnd::Until::kTaken,
                   [self] { asio::post(self->around_.io, [self] { self->around_.over(self); }); });
-  std::make_shared<Farewell>(around_.io, client_, ended_ ? kFlushAtEnd : kFlushLongest)->look();
+  std::make_shared<Farewell>(around_.io, client_, ended_ ? kFlushAtEnd : kFlushLongest)->check();
 }
 
 void EngineerConnection::execute(const SetTimer& what) {
@@ -218,7 +218,7 @@ void EngineerConnection::execute(const SetTimer& what) {
 void EngineerConnection::execute(const Remark& what) {
   if (displaced_) return;
   const std::string target = number_.empty() ? ""
-                             : hold_         ? hold_->bus + '/' + hold_->device
+                             : lease_        ? lease_->bus + '/' + lease_->device
                                              : number_;
   const std::string text =
       fmt::format("{}{}: {}", who(), target.empty() ? "" : " at " + target, what.text);
@@ -245,7 +245,7 @@ void EngineerConnection::execute(const Remark& what) {
 void EngineerConnection::audit(const std::string& result) const {
   if (!around_.hooks.audit) return;
   const std::string target = number_.empty() ? ""
-                             : hold_         ? hold_->bus + '/' + hold_->device
+                             : lease_        ? lease_->bus + '/' + lease_->device
                                              : number_;
   around_.hooks.audit(
       {who(), target, engineer_.bytes_to_device(), engineer_.bytes_from_device(), result});
@@ -265,7 +265,7 @@ void EngineerConnection::tick() {
 void EngineerConnection::report(ProgramSessionState state) {
   reported_bytes_ = engineer_.bytes_to_device() + engineer_.bytes_from_device();
   if (!around_.hooks.report) return;
-  around_.hooks.report({hold_->bus, hold_->device, state, who(), engineer_.bytes_to_device(),
+  around_.hooks.report({lease_->bus, lease_->device, state, who(), engineer_.bytes_to_device(),
                         engineer_.bytes_from_device(), since_});
 }
 

@@ -1,5 +1,6 @@
 // One engineer's client: its stream, the device leased to it, and the pure Engineer that decides.
-// Executes what that says. Lives on the server's io thread; the server holds it until it is over.
+// Executes the Engineer's actions. Lives on the server's io thread; the server keeps it until it is
+// over.
 #pragma once
 
 #include <boost/asio/steady_timer.hpp>
@@ -31,9 +32,9 @@ class EngineerConnection : public std::enable_shared_from_this<EngineerConnectio
   void start();
   // The bridge stops: the client is told, the device freed.
   void end(const std::string& reason);
-  // It says nothing of use, and others come: its end, without a line in log and audit.
+  // It has not proven itself, and others come: it ends, without a line in log and audit.
   void displace();
-  // Once a second: reports the bytes of a session that goes on, and looks whether queues drain.
+  // Once a second: reports the bytes of a session that goes on, and checks whether queues drain.
   void tick();
 
  private:
@@ -58,7 +59,7 @@ class EngineerConnection : public std::enable_shared_from_this<EngineerConnectio
   std::string user_;
   Engineer engineer_;
   std::shared_ptr<RelayEnd> client_, device_;
-  std::shared_ptr<Hold> hold_;
+  std::shared_ptr<DeviceLease> lease_;
   int line_ = -1;                    // of the device, while device_ lives: for its settings
   std::optional<std::string> lost_;  // why the device's line ended
   boost::asio::steady_timer timer_;
@@ -67,7 +68,7 @@ class EngineerConnection : public std::enable_shared_from_this<EngineerConnectio
   std::uint64_t reported_bytes_ = 0;
   bool over_ = false;
   bool ended_ = false;      // by the bridge
-  bool displaced_ = false;  // likewise, and not worth a word
+  bool displaced_ = false;  // ended by the bridge, without a line in the log
 };
 
 }  // namespace fieldcast::program

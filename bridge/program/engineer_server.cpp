@@ -30,12 +30,12 @@ EngineerServer::EngineerServer(asio::io_context& io, EngineersSpec spec,
       hooks_(hooks),
       around_{io, std::move(devices), hooks,
               [this](const auto& over) {
-                silent_.remove(tickets_[over.get()]);
-                tickets_.erase(over.get());
+                silent_.remove(ids_[over.get()]);
+                ids_.erase(over.get());
                 clients_.erase(over);
                 if (clients_.empty() && closed_) std::exchange(closed_, {})();
               },
-              [this](const auto& proven) { silent_.remove(tickets_[proven.get()]); }},
+              [this](const auto& proven) { silent_.remove(ids_[proven.get()]); }},
       rules_(rules_of(spec_)),
       listener_(io, [this](tcp::socket socket) { came(std::move(socket)); }),
       ticking_(io) {}
@@ -65,15 +65,15 @@ void EngineerServer::came(tcp::socket socket) {
   tune_socket(socket.native_handle(), kTunnelPatience);
   if (!tls_) return welcome(socket_stream(std::move(socket)), address);
   ++greeting_;
-  const auto ticket = std::make_shared<SilentConnections::Ticket>();
-  const auto cut = tls_->shake_hands(std::move(socket), rules_.handshake,
-                                     [this, address, ticket](TlsResult stream) {
-                                       --greeting_;
-                                       if (!silent_.remove(*ticket)) return;  // it was displaced
-                                       if (!stream) return refuse(address, stream.error());
-                                       if (!closing_) welcome(std::move(*stream), address);
-                                     });
-  *ticket = silent_.add(host_of(address), [this, cut, address] {
+  const auto id = std::make_shared<SilentConnections::Id>();
+  const auto cut =
+      tls_->shake_hands(std::move(socket), rules_.handshake, [this, address, id](TlsResult stream) {
+        --greeting_;
+        if (!silent_.remove(*id)) return;  // it was displaced
+        if (!stream) return refuse(address, stream.error());
+        if (!closing_) welcome(std::move(*stream), address);
+      });
+  *id = silent_.add(host_of(address), [this, cut, address] {
     cut();
     displaced(address);
   });
@@ -83,11 +83,10 @@ void EngineerServer::welcome(std::unique_ptr<ByteStream> stream, const std::stri
   const auto client =
       std::make_shared<EngineerConnection>(around_, std::move(stream), address, rules_);
   clients_.insert(client);
-  tickets_[client.get()] =
-      silent_.add(host_of(address), [this, weak = std::weak_ptr(client), address] {
-        if (const auto silent = weak.lock()) silent->displace();
-        displaced(address);
-      });
+  ids_[client.get()] = silent_.add(host_of(address), [this, weak = std::weak_ptr(client), address] {
+    if (const auto silent = weak.lock()) silent->displace();
+    displaced(address);
+  });
   client->start();
 }
 

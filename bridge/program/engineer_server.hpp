@@ -25,8 +25,8 @@ class TlsServer;
 
 class EngineerServer {
  public:
-  // One more displaces one that neither logged in nor was given a device, or is turned away. Of
-  // such ones there are so many in all, and from one address.
+  // Clients in all; and clients that neither logged in nor were given a device, in all and from one
+  // address. One more displaces one of these, or is refused.
   static constexpr std::size_t kMaxClients = 256, kMaxSilent = 128, kMaxSilentOfOne = 32;
 
   EngineerServer(boost::asio::io_context& io, EngineersSpec spec,
@@ -57,7 +57,7 @@ class EngineerServer {
   std::unique_ptr<TlsServer> tls_;
   std::unordered_set<std::shared_ptr<EngineerConnection>> clients_;
   SilentConnections silent_{kMaxSilent, kMaxSilentOfOne};  // of clients_, and of TLS handshakes
-  std::map<const EngineerConnection*, SilentConnections::Ticket> tickets_;
+  std::map<const EngineerConnection*, SilentConnections::Id> ids_;
   RepeatFilter displacements_;
   std::size_t greeting_ = 0;  // TLS handshakes under way
   std::function<void()> closed_;

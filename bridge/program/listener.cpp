@@ -12,8 +12,8 @@ using boost::asio::ip::tcp;
 
 namespace {
 
-constexpr std::chrono::milliseconds kPause{
-    100};  // when the system gives no socket: too many are open
+// When the system gives no socket: too many are open.
+constexpr std::chrono::milliseconds kPause{100};
 
 }  // namespace
 

@@ -19,7 +19,7 @@ using asio::ip::tcp;
 // A module whose number is being asked for. Handlers hold it; once over_ is set they do nothing.
 class ModuleServer::Asked : public std::enable_shared_from_this<Asked> {
  public:
-  SilentConnections::Ticket ticket = 0;
+  SilentConnections::Id id = 0;
 
   Asked(ModuleServer& server, tcp::socket socket, std::string address)
       : server_(server),
@@ -60,14 +60,14 @@ class ModuleServer::Asked : public std::enable_shared_from_this<Asked> {
     if (!outcome.send.empty() &&
         ::send(socket_.native_handle(), outcome.send.data(), outcome.send.size(), MSG_NOSIGNAL) !=
             static_cast<ssize_t>(outcome.send.size())) {
-      return end("the module takes no question");
+      return end("the module takes no request");
     }
     if (outcome.fault) return end(*outcome.fault);
     if (outcome.number) {
       over_ = true;
       timer_.cancel();
       const auto self = shared_from_this();
-      server_.silent_.remove(ticket);
+      server_.silent_.remove(id);
       server_.asked_.erase(self);
       return server_.registered(*outcome.number, std::move(socket_), address_);
     }
@@ -80,7 +80,7 @@ class ModuleServer::Asked : public std::enable_shared_from_this<Asked> {
   void end(const std::string& reason) {
     const auto self = shared_from_this();
     close();
-    server_.silent_.remove(ticket);
+    server_.silent_.remove(id);
     server_.refused(address_, reason);
     server_.asked_.erase(self);
   }
@@ -183,7 +183,7 @@ std::uint16_t ModuleServer::port() const {
 void ModuleServer::came(tcp::socket socket) {
   const std::string address = address_of(socket);
   const auto asked = std::make_shared<Asked>(*this, std::move(socket), address);
-  asked->ticket = silent_.add(host_of(address), [this, weak = std::weak_ptr(asked), address] {
+  asked->id = silent_.add(host_of(address), [this, weak = std::weak_ptr(asked), address] {
     const auto oldest = weak.lock();
     if (!oldest) return;
     oldest->close();
@@ -210,16 +210,16 @@ void ModuleServer::registered(const std::string& number, tcp::socket socket,
   boost::system::error_code fault;
   FileDescriptor released(socket.release(fault));
   if (fault) return;
-  place(number, std::move(released), address);
+  assign(number, std::move(released), address);
 }
 
 void ModuleServer::keep(const std::string& number, FileDescriptor socket) {
-  if (!kept_.contains(number)) place(number, std::move(socket), "a bus that is gone");
+  if (!kept_.contains(number)) assign(number, std::move(socket), "a bus that is gone");
 }
 
 // To the bus of this number, or among the kept ones; in both cases it replaces the one before.
-void ModuleServer::place(const std::string& number, FileDescriptor socket,
-                         const std::string& address) {
+void ModuleServer::assign(const std::string& number, FileDescriptor socket,
+                          const std::string& address) {
   if (closed_) return;
   auto ours = registry_.offer(number, std::move(socket));
   if (const auto before = kept_.find(number); before != kept_.end()) {

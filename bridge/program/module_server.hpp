@@ -1,6 +1,6 @@
 // Where serial-to-network modules dial in: asks each for its device number and hands its socket to
-// the bus of that number; a module that is nobody's bus stays here, to be programmed, until a bus
-// of its number comes. A reload changes where it listens and how it asks; modules that are
+// the bus of that number; a module without a bus stays here, to be programmed, until a bus of its
+// number comes. A reload changes where it listens and how it asks; modules that are
 // connected stay. Lives on the server's io thread.
 #pragma once
 
@@ -22,8 +22,8 @@ namespace fieldcast::program {
 
 class ModuleServer {
  public:
-  // Modules whose number is not known yet, in all and from one address, behind which there may be
-  // many; one more displaces the oldest.
+  // Modules whose number is not known yet, in all and from one address (many may share it). One
+  // more displaces the oldest.
   static constexpr std::size_t kMaxAsked = 256, kMaxAskedOfOne = 128;
   static constexpr std::size_t kMaxKept = 1024;  // modules without a bus
 
@@ -55,7 +55,7 @@ class ModuleServer {
   void came(boost::asio::ip::tcp::socket socket);
   void registered(const std::string& number, boost::asio::ip::tcp::socket socket,
                   const std::string& address);
-  void place(const std::string& number, FileDescriptor socket, const std::string& address);
+  void assign(const std::string& number, FileDescriptor socket, const std::string& address);
   void refused(const std::string& address, const std::string& reason);
   void displaced(const std::string& address);
 
@@ -65,7 +65,7 @@ class ModuleServer {
   const Hooks& hooks_;
   std::unique_ptr<Listener> listener_;  // null: nowhere
   std::unordered_set<std::shared_ptr<Asked>> asked_;
-  SilentConnections silent_{kMaxAsked, kMaxAskedOfOne};  // they
+  SilentConnections silent_{kMaxAsked, kMaxAskedOfOne};  // those of asked_
   RepeatFilter displacements_;
   std::map<std::string, std::shared_ptr<Kept>> kept_;
   bool closed_ = false;

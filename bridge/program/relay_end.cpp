@@ -13,7 +13,7 @@ void RelayEnd::start(Handlers handlers) {
 }
 
 void RelayEnd::read() {
-  if (closed_ || held_ || finished_ || std::exchange(reading_, true)) return;
+  if (closed_ || paused_ || finished_ || std::exchange(reading_, true)) return;
   stream_->read_some(asio::buffer(piece_), [self = shared_from_this()](
                                                boost::system::error_code fault, std::size_t count) {
     self->reading_ = false;
@@ -60,8 +60,8 @@ void RelayEnd::write() {
       });
 }
 
-void RelayEnd::hold(bool held) {
-  held_ = held;
+void RelayEnd::pause(bool paused) {
+  paused_ = paused;
   read();
 }
 

@@ -13,9 +13,9 @@ namespace fieldcast::program {
 
 class RelayEnd : public std::enable_shared_from_this<RelayEnd> {
  public:
-  static constexpr std::size_t kHigh = 128 * 1024;  // unsent bytes: the other side is to be held
-  static constexpr std::size_t kLow = 32 * 1024;    // and may go on
-  static constexpr std::size_t kPiece = 32 * 1024;  // at most, of one read
+  static constexpr std::size_t kHigh = 128 * 1024;  // unsent bytes: the other side must pause
+  static constexpr std::size_t kLow = 32 * 1024;    // unsent bytes: the other side may go on
+  static constexpr std::size_t kPiece = 32 * 1024;  // bytes of one read, at most
 
   struct Handlers {
     std::function<void(ByteView)> bytes;
@@ -29,7 +29,7 @@ class RelayEnd : public std::enable_shared_from_this<RelayEnd> {
   void start(Handlers handlers);
   void send(ByteView bytes);
   // Stops reading, or goes on; what has arrived in the kernel stays there and holds the peer.
-  void hold(bool held);
+  void pause(bool paused);
   [[nodiscard]] std::size_t unsent() const { return waiting_.size() + writing_.size() - written_; }
   // More than kHigh waited, and not less than kLow yet.
   [[nodiscard]] bool crowded() const { return crowded_; }
@@ -37,9 +37,9 @@ class RelayEnd : public std::enable_shared_from_this<RelayEnd> {
   [[nodiscard]] bool drained();
   // Closes at once; no handler is called any more.
   void close();
-  // Reads no more; closes when everything is sent, or is closed before by whoever has no patience.
-  // Then calls `done`, once. kLeft: what the kernel took has left too; settle() is to be asked now
-  // and then, since nobody tells.
+  // Reads no more, and closes when everything is sent; its owner may close it before. Then calls
+  // `done`, once. kLeft: what the kernel took has left too. The kernel does not report that, so the
+  // owner calls settle() from time to time.
   enum class Until : std::uint8_t { kTaken, kLeft };
   void finish(Until until, std::function<void()> done);
   // True: closed. REQUIRES: finish() was called.
@@ -59,7 +59,7 @@ class RelayEnd : public std::enable_shared_from_this<RelayEnd> {
   Until until_ = Until::kTaken;
   std::int64_t taken_ = 0;  // by the kernel, ever
   std::int64_t left_ = 0;   // of these, when drained() was asked last
-  bool reading_ = false, held_ = false, crowded_ = false, closed_ = false;
+  bool reading_ = false, paused_ = false, crowded_ = false, closed_ = false;
 };
 
 }  // namespace fieldcast::program

@@ -37,8 +37,8 @@ struct Server::State {
 
   const Hooks hooks;
   DialInRegistry& registry;
-  std::map<std::string, std::pair<BusSpec, std::shared_ptr<BusRunner>>>
-      buses;                                // of the main thread
+  // Of the main thread.
+  std::map<std::string, std::pair<BusSpec, std::shared_ptr<BusRunner>>> buses;
   IoThread io{"program"};                   // outlives what follows
   std::shared_ptr<ModuleServer> modules;    // of a server that is started, or keeps them
   std::shared_ptr<DeviceRegistry> devices;  // of a server that is started
@@ -122,10 +122,10 @@ void Server::stop_engineers() {
   });
 }
 
-std::vector<HeldDevice> Server::held() const {
-  std::vector<HeldDevice> all;
+std::vector<LeasedDevice> Server::leased() const {
+  std::vector<LeasedDevice> all;
   if (!state_->devices) return all;
-  state_->run([&] { all = state_->devices->held(); });
+  state_->run([&] { all = state_->devices->leased(); });
   return all;
 }
 

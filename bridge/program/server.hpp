@@ -7,8 +7,8 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "bridge/program/held_device.hpp"
 #include "bridge/program/hooks.hpp"
+#include "bridge/program/leased_device.hpp"
 #include "core/model/spec.hpp"
 
 namespace fieldcast {
@@ -30,14 +30,14 @@ class Server {
   // Listens where the spec says, nowhere if it says nothing. The error is one line. REQUIRES: not
   // started. Modules that stop() kept stay connected, unless nothing dials in any more.
   [[nodiscard]] tl::expected<void, std::string> start(const ProgramSpec& spec);
-  // Tells clients, and modules unless they are kept for a start that follows, that it is over, at
-  // most two seconds. It may be started again. Kept modules are listened to meanwhile, and others
-  // may dial in.
+  // Ends the connections of clients, and of modules unless these are kept for a start that follows.
+  // Takes two seconds at most. It may be started again. With kKeep it listens to modules meanwhile,
+  // and others may dial in.
   enum class Modules : std::uint8_t { kLetGo, kKeep };
   void stop(Modules modules = Modules::kLetGo);
 
-  // The devices in the hands of engineers now.
-  [[nodiscard]] std::vector<HeldDevice> held() const;
+  // The devices that are leased to engineers now.
+  [[nodiscard]] std::vector<LeasedDevice> leased() const;
 
   // Devices of a bus that engineers may ask for. A bus is removed before its runner stops. May be
   // called before start().

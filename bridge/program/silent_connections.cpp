@@ -5,7 +5,7 @@
 
 namespace fieldcast::program {
 
-SilentConnections::Ticket SilentConnections::add(const std::string& host, Cut cut) {
+SilentConnections::Id SilentConnections::add(const std::string& host, Cut cut) {
   const auto same = of_.find(host);
   if (same != of_.end() && same->second >= most_of_one_) {
     cut_oldest_of(host);
@@ -17,8 +17,8 @@ SilentConnections::Ticket SilentConnections::add(const std::string& host, Cut cu
   return last_;
 }
 
-bool SilentConnections::remove(Ticket ticket) {
-  const auto found = all_.find(ticket);
+bool SilentConnections::remove(Id id) {
+  const auto found = all_.find(id);
   if (found == all_.end()) return false;
   const auto host = of_.find(found->second.host);
   if (--host->second == 0) of_.erase(host);
@@ -41,7 +41,7 @@ void SilentConnections::cut_oldest_of(const std::string& host) {
                    [&](const auto& one) { return one.second.host == host; }));
 }
 
-void SilentConnections::cut(std::map<Ticket, Connection>::iterator which) {
+void SilentConnections::cut(std::map<Id, Connection>::iterator which) {
   const Cut cut = std::move(which->second.cut);
   remove(which->first);
   cut();

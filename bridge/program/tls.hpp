@@ -12,8 +12,8 @@
 
 namespace fieldcast::program {
 
-using TlsResult =
-    tl::expected<std::unique_ptr<ByteStream>, std::string>;  // else why not, in one line
+// Else why not, in one line.
+using TlsResult = tl::expected<std::unique_ptr<ByteStream>, std::string>;
 
 class TlsServer {
  public:

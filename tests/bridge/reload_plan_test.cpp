@@ -118,16 +118,16 @@ BusSpec dial_in_bus(const std::string& name, const std::string& number) {
 }
 
 TEST(ReloadPlan, WhoProgramsADeviceThatItWouldTakeAwayIsWaitedFor) {
-  const auto numbers = [](const std::vector<program::HeldDevice>& held) {
+  const auto numbers = [](const std::vector<program::LeasedDevice>& leased) {
     std::vector<std::string> all;
-    for (const auto& device : held) all.push_back(device.number);
+    for (const auto& device : leased) all.push_back(device.number);
     return all;
   };
-  const std::vector<program::HeldDevice> held{
+  const std::vector<program::LeasedDevice> leased{
       {"P1", "a", "d", "anna"}, {"P2", "b", "d", "ben"}, {"17", "dial-in", "17", "cem"}};
   const BridgeSpec running = bridge({bus("a"), bus("b")});
   const auto disturbed = [&](const BridgeSpec& wanted) {
-    return numbers(disturbed_by(plan_reload(running, wanted), wanted, held));
+    return numbers(disturbed_by(plan_reload(running, wanted), wanted, leased));
   };
   EXPECT_THAT(disturbed(running), IsEmpty());
   EXPECT_THAT(disturbed(bridge({bus("a"), bus("b", 2)})), ElementsAre("P2"));

@@ -98,14 +98,42 @@ ExitCode exit_code_of(const PortEnd& end) {
   return kTrouble;
 }
 
-int run(const Arguments& given) {
+// The error is what is wrong with the command line.
+using Usage = tl::expected<void, std::string>;
+
+Usage read_line(const Arguments& given, port::PortOptions& options) {
+  if (given.line.empty()) return {};
+  options.rules.format = config::format_from(given.line);
+  if (!options.rules.format)
+    return tl::make_unexpected(
+        fmt::format("--line '{}' is no format such as 8N1, 7E1 or 7E2", given.line));
+  if (given.markers)
+    return tl::make_unexpected(
+        "--line cannot be told to a bridge that speaks marker frames only (--markers)");
+  return {};
+}
+
+Usage read_login(const Arguments& given, port::PortOptions& options) {
+  if (given.user.empty() != given.password_file.empty())
+    return tl::make_unexpected("--user and --password-file go together");
+  if (given.user.empty()) return {};
+  if (!options.tls && !on_loopback({options.host, 0}))
+    return tl::make_unexpected("a password is not sent without --tls");
+  if (given.user.size() > program::kMaxLoginText) return tl::make_unexpected("--user is too long");
+  auto password = password_of(given.password_file);
+  if (!password) return tl::make_unexpected(password.error());
+  options.rules.user = given.user;
+  options.rules.password = *password;
+  return {};
+}
+
+tl::expected<port::PortOptions, std::string> options_of(const Arguments& given) {
   const auto server = config::host_port_from(given.server);
   if (!server)
-    return fail(kUsage, fmt::format("--server '{}' names no host and port", given.server));
-  if (!program::is_device_number(given.device)) {
-    return fail(kUsage, fmt::format("--device '{}' is no device number: {}", given.device,
-                                    program::kDeviceNumberForm));
-  }
+    return tl::make_unexpected(fmt::format("--server '{}' names no host and port", given.server));
+  if (!program::is_device_number(given.device))
+    return tl::make_unexpected(fmt::format("--device '{}' is no device number: {}", given.device,
+                                           program::kDeviceNumberForm));
   port::PortOptions options;
   options.host = server->first;
   options.server_port = server->second;
@@ -115,33 +143,21 @@ int run(const Arguments& given) {
   options.rules.by_length = !given.markers;
   const auto heartbeat = read_duration(given.heartbeat, kHeartbeat);
   if (!heartbeat)
-    return fail(kUsage, "--heartbeat: " + fault_text(given.heartbeat, heartbeat.error()));
+    return tl::make_unexpected("--heartbeat: " + fault_text(given.heartbeat, heartbeat.error()));
   options.rules.heartbeat = *heartbeat;
-  if (!given.line.empty()) {
-    options.rules.format = config::format_from(given.line);
-    if (!options.rules.format)
-      return fail(kUsage,
-                  fmt::format("--line '{}' is no format such as 8N1, 7E1 or 7E2", given.line));
-    if (given.markers)
-      return fail(kUsage,
-                  "--line cannot be told to a bridge that speaks marker frames only (--markers)");
-  }
-  if (given.user.empty() != given.password_file.empty())
-    return fail(kUsage, "--user and --password-file go together");
-  if (!given.user.empty()) {
-    if (!options.tls && !on_loopback({options.host, 0}))
-      return fail(kUsage, "a password is not sent without --tls");
-    if (given.user.size() > program::kMaxLoginText) return fail(kUsage, "--user is too long");
-    auto password = password_of(given.password_file);
-    if (!password) return fail(kUsage, password.error());
-    options.rules.user = given.user;
-    options.rules.password = *password;
-  }
+  return read_line(given, options).and_then([&] { return read_login(given, options); }).map([&] {
+    return std::move(options);
+  });
+}
+
+int run(const Arguments& given) {
+  auto options = options_of(given);
+  if (!options) return fail(kUsage, options.error());
   auto pty = sim::PtyPort::open(given.link);
   if (!pty) return fail(kNoPort, pty.error());
   port::PortReport report(given.json, given.device, given.link);
   boost::asio::io_context io{1};
-  port::PortSession session(io, std::move(options), std::move(*pty), report);
+  port::PortSession session(io, *std::move(options), std::move(*pty), report);
   session.start();
   io.run();
   const ExitCode code = exit_code_of(session.end());

@@ -1,4 +1,4 @@
-// What fieldcast-port says of itself: lines for people, or JSON lines with the same facts.
+// What fieldcast-port says of itself: lines for people, or JSON lines with the same contents.
 #pragma once
 
 #include <string>

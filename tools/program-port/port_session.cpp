@@ -20,9 +20,9 @@ using program::PortClient;
 using program::PortEnd;
 
 constexpr std::chrono::seconds kConnectLimit{10};
-constexpr std::chrono::milliseconds kLook{
-    100};  // at the virtual port's settings, beside every time that bytes come
-constexpr unsigned kLooksOfReport = 10;  // a line of traffic each second
+// At the virtual port's settings, beside every time that bytes come.
+constexpr std::chrono::milliseconds kCheckPeriod{100};
+constexpr unsigned kChecksOfReport = 10;  // a line of traffic each second
 // For the last bytes, at the end, since one left: a bridge before a slow line takes them in steps.
 constexpr std::chrono::seconds kFlushBridge{10};
 constexpr std::chrono::seconds kFlushProgram{1};
@@ -107,7 +107,7 @@ void PortSession::connected(std::unique_ptr<program::ByteStream> stream) {
   bridge_->start({[this](ByteView bytes) { tell(PortClient::FromBridge{bytes}); },
                   [this](const std::string& reason) { tell(PortClient::BridgeGone{reason}); },
                   [this](bool room) {
-                    if (terminal_) terminal_->hold(!room);
+                    if (terminal_) terminal_->pause(!room);
                   }});
   report_.state("asking", "connected, asking for device " + options_.rules.number);
   tell(PortClient::Connected{});
@@ -141,7 +141,7 @@ void PortSession::execute(const PortClient::Paired&) {
   report_.paired(steady_now());
   report_.state("paired", "paired; the programming software may open the port");
   open_terminal();
-  // Later than this: actions of the same turn carry bytes for the terminal that it has by now.
+  // Later than this: actions of the same event carry bytes for the terminal that it has by now.
   asio::post(io_, [this] {
     if (!over_) tick();
   });
@@ -152,7 +152,7 @@ void PortSession::open_terminal() {
       program::descriptor_stream(io_, FileDescriptor(::fcntl(pty_.fd(), F_DUPFD_CLOEXEC, 0)));
   terminal_ = std::make_shared<program::RelayEnd>(std::move(stream));
   terminal_->start({[this](ByteView bytes) {
-                      look_at_line();
+                      check_line();
                       tell(PortClient::FromProgram{bytes});
                     },
                     [this](const std::string& reason) {
@@ -160,14 +160,14 @@ void PortSession::open_terminal() {
                       tell(PortClient::StopAsked{});
                     },
                     [this](bool room) {
-                      bridge_->hold(!room);
+                      bridge_->pause(!room);
                       tell(PortClient::ProgramTakes{room});
                     }});
 }
 
 // Before bytes that a program sends under new settings, and now and then: a program may listen
 // first.
-void PortSession::look_at_line() {
+void PortSession::check_line() {
   const auto now = rate_of(pty_.fd());
   if (!now || now == settings_) return;
   settings_ = now;
@@ -177,10 +177,10 @@ void PortSession::look_at_line() {
 }
 
 void PortSession::tick() {
-  look_at_line();
-  if (++ticks_ % kLooksOfReport == 0)
+  check_line();
+  if (++ticks_ % kChecksOfReport == 0)
     report_.traffic(client_.bytes_to_device(), client_.bytes_from_device(), steady_now(), false);
-  ticking_.expires_after(kLook);
+  ticking_.expires_after(kCheckPeriod);
   ticking_.async_wait([this](boost::system::error_code cancelled) {
     if (!cancelled && !over_) tick();
   });
@@ -226,15 +226,15 @@ void PortSession::wind_up() {
 void PortSession::flush(Instant bridge_moved, Instant program_moved) {
   const Instant now = steady_now();
   bool more = false;
-  const auto look = [&](const auto& side, Instant& moved, Duration limit) {
+  const auto settle = [&](const auto& side, Instant& moved, Duration limit) {
     if (!side || side->settle()) return;
     if (side->drained()) moved = now;
     now - moved < limit ? void(more = true) : side->close();
   };
-  look(bridge_, bridge_moved, kFlushBridge);
-  look(terminal_, program_moved, kFlushProgram);
+  settle(bridge_, bridge_moved, kFlushBridge);
+  settle(terminal_, program_moved, kFlushProgram);
   if (!more) return;
-  limit_.expires_after(kLook);
+  limit_.expires_after(kCheckPeriod);
   limit_.async_wait([this, bridge_moved, program_moved](boost::system::error_code cancelled) {
     if (!cancelled) flush(bridge_moved, program_moved);
   });

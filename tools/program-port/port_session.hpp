@@ -45,7 +45,7 @@ class PortSession {
   void execute(const program::PortClient::Dropped& what);
   void execute(const program::PortClient::Finish& what);
   void open_terminal();
-  void look_at_line();
+  void check_line();
   void tick();
   void wind_up();
   void flush(Instant bridge_moved, Instant program_moved);

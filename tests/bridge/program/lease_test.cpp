@@ -60,7 +60,7 @@ struct Lease : test::ServerFixture {
         std::count_if(record.samples.begin(), record.samples.end(),
                       [](const Sample& s) { return s.quality == Quality::kGood; }));
   }
-  [[nodiscard]] bool hears_more() {
+  [[nodiscard]] bool receives_more() {
     const std::size_t before = good();
     return sink.wait_for([&](const auto& r) {
       return static_cast<std::size_t>(std::count_if(
@@ -92,7 +92,7 @@ TEST_F(Lease, ASerialBusIsLeasedAndReadsAgainAtOnce) {
   auto device = std::make_unique<ModbusDevice>(pty);
   start();
   run(bus_of(serial_at(pty.path())));
-  ASSERT_TRUE(hears_more());
+  ASSERT_TRUE(receives_more());
   TcpClient client = engineer();
   device->stop();  // the test is the PLC while it is programmed
   client.send("@@P1FEFF");
@@ -119,7 +119,7 @@ TEST_F(Lease, ASerialBusIsLeasedAndReadsAgainAtOnce) {
 
   ModbusDevice again(pty);
   client.send("@@EDFEFF");
-  EXPECT_TRUE(hears_more());
+  EXPECT_TRUE(receives_more());
 }
 
 TEST_F(Lease, ABusOfAModuleCollectsIsProgrammedAndCollectsAgain) {
@@ -127,7 +127,7 @@ TEST_F(Lease, ABusOfAModuleCollectsIsProgrammedAndCollectsAgain) {
   run(bus_of(DialInPortSpec{"17", std::nullopt}));
   TcpClient module = this->module("17\r\n");
   auto plc = std::make_unique<ModuleDevice>(module);
-  EXPECT_TRUE(hears_more());
+  EXPECT_TRUE(receives_more());
   plc.reset();
   TcpClient client = engineer();
   EXPECT_EQ(pair(client, "17"), "@@0000FEFF");
@@ -138,7 +138,7 @@ TEST_F(Lease, ABusOfAModuleCollectsIsProgrammedAndCollectsAgain) {
   EXPECT_EQ(client.receive("\rFEFF"), "@@@00ok*\rFEFF");
   plc = std::make_unique<ModuleDevice>(module);
   client.send("@@EDFEFF");
-  EXPECT_TRUE(hears_more());
+  EXPECT_TRUE(receives_more());
 }
 
 TEST_F(Lease, AModuleThatIsLostIsCollectedAgainWhenItDialsIn) {
@@ -147,13 +147,13 @@ TEST_F(Lease, AModuleThatIsLostIsCollectedAgainWhenItDialsIn) {
   {
     TcpClient module = this->module("17\r\n");
     ModuleDevice plc(module);
-    ASSERT_TRUE(hears_more());
+    ASSERT_TRUE(receives_more());
   }
   ASSERT_TRUE(
       sink.wait_for([](const auto& r) { return r.reports.back().state == BusState::kClosed; }));
   TcpClient module = this->module("17\r\n");
   ModuleDevice plc(module);
-  EXPECT_TRUE(hears_more());
+  EXPECT_TRUE(receives_more());
 }
 
 TEST_F(Lease, AModuleStaysConnectedWhenItsBusStartsAnew) {
@@ -162,12 +162,12 @@ TEST_F(Lease, AModuleStaysConnectedWhenItsBusStartsAnew) {
   run(bus);
   TcpClient module = this->module("17\r\n");
   ModuleDevice plc(module);
-  ASSERT_TRUE(hears_more());
+  ASSERT_TRUE(receives_more());
   for (int reload = 0; reload < 20; ++reload) {
     end_bus();
     bus.devices[0].channels[0].refresh += milliseconds{1};
     run(bus);
-    ASSERT_TRUE(hears_more()) << reload;
+    ASSERT_TRUE(receives_more()) << reload;
   }
   EXPECT_FALSE(module.is_closed(milliseconds{30}));
 }
@@ -183,7 +183,7 @@ TEST_F(Lease, AModuleThatDialsInWhileItsBusStartsAnewIsFound) {
       end_bus();
       run(bus);
     }
-    ASSERT_TRUE(hears_more()) << reload;
+    ASSERT_TRUE(receives_more()) << reload;
     end_bus();
   }
 }
@@ -197,7 +197,7 @@ TEST_F(Lease, ABusThatIsAddedFindsItsModule) {
   ASSERT_EQ(client.receive("FEFF"), "@@0001FEFF");
   run(bus_of(DialInPortSpec{"17", std::nullopt}));
   ModuleDevice plc(module);
-  EXPECT_TRUE(hears_more());
+  EXPECT_TRUE(receives_more());
 }
 
 TEST_F(Lease, AModuleUnderProgrammingGoesToItsNewBusAtTheEnd) {
@@ -210,7 +210,7 @@ TEST_F(Lease, AModuleUnderProgrammingGoesToItsNewBusAtTheEnd) {
   EXPECT_EQ(module.receive("\r"), "@00program*\r");
   client.send("@@EDFEFF");
   ModuleDevice plc(module);
-  EXPECT_TRUE(hears_more());
+  EXPECT_TRUE(receives_more());
 }
 
 TEST_F(Lease, AModuleWhoseBusIsRemovedCanBeProgrammedAndFoundAgain) {
@@ -218,7 +218,7 @@ TEST_F(Lease, AModuleWhoseBusIsRemovedCanBeProgrammedAndFoundAgain) {
   run(bus_of(DialInPortSpec{"17", std::nullopt}));
   TcpClient module = this->module("17\r\n");
   auto plc = std::make_unique<ModuleDevice>(module);
-  ASSERT_TRUE(hears_more());
+  ASSERT_TRUE(receives_more());
   end_bus();
   plc.reset();
   TcpClient client = engineer();
@@ -229,17 +229,17 @@ TEST_F(Lease, AModuleWhoseBusIsRemovedCanBeProgrammedAndFoundAgain) {
   ASSERT_TRUE(audited("stopped by the engineer"));
   run(bus_of(DialInPortSpec{"17", std::nullopt}));
   plc = std::make_unique<ModuleDevice>(module);
-  EXPECT_TRUE(hears_more());
+  EXPECT_TRUE(receives_more());
 }
 
-// What the client sent is all sent, at the line's own pace, before the bus asks its first question
+// What the client sent is all sent, at the line's own pace, before the bus sends its first request
 // again.
 TEST_F(Lease, TheLastBytesOfASlowLineArriveBeforeTheBusReadsAgain) {
   Pty pty;
   auto device = std::make_unique<ModbusDevice>(pty);
   start();
   run(bus_of(serial_at(pty.path())));
-  ASSERT_TRUE(hears_more());
+  ASSERT_TRUE(receives_more());
   TcpClient client = engineer();
   client.send("@@V2P1FEFF");
   ASSERT_EQ(client.receive("FEFF"), "@@0000FEFF");
@@ -267,7 +267,7 @@ TEST_F(Lease, TheLastBytesOfASlowLineArriveBeforeTheBusReadsAgain) {
   EXPECT_EQ(received, program.size());
   EXPECT_EQ(foreign, 0u);
   ModbusDevice again(pty);
-  EXPECT_TRUE(hears_more());
+  EXPECT_TRUE(receives_more());
 }
 
 TEST_F(Lease, ASerialPortThatIsUnpluggedIsLostToTheEngineer) {
@@ -275,7 +275,7 @@ TEST_F(Lease, ASerialPortThatIsUnpluggedIsLostToTheEngineer) {
   ModbusDevice device(pty);
   start();
   run(bus_of(serial_at(pty.path())));
-  ASSERT_TRUE(hears_more());
+  ASSERT_TRUE(receives_more());
   TcpClient client = engineer();
   client.send("@@P1FEFF");
   ASSERT_EQ(client.receive("FEFF"), "@@0000FEFF");
@@ -298,7 +298,7 @@ TEST_F(Lease, ABusThatIsLeasedIsBusyForItsOtherDevices) {
   bus.devices.back().name = "neighbour";
   bus.devices.back().number = "P2";
   run(bus);
-  ASSERT_TRUE(hears_more());
+  ASSERT_TRUE(receives_more());
   device.stop();
   TcpClient first = engineer(), second = engineer();
   first.send("@@P1FEFF");
@@ -330,7 +330,7 @@ TEST_F(Lease, ABusThatStopsIsLostToTheEngineer) {
   ModbusDevice device(pty);
   start();
   run(bus_of(serial_at(pty.path())));
-  ASSERT_TRUE(hears_more());
+  ASSERT_TRUE(receives_more());
   TcpClient client = engineer();
   client.send("@@P1FEFF");
   ASSERT_EQ(client.receive("FEFF"), "@@0000FEFF");
@@ -345,7 +345,7 @@ TEST_F(Lease, TheLineTakesTheSpeedThatTheEngineerSetsAndHasItsOwnAgainAfterwards
   ModbusDevice device(pty);
   start();
   run(bus_of(serial_at(pty.path())));
-  ASSERT_TRUE(hears_more());
+  ASSERT_TRUE(receives_more());
   TcpClient client = engineer();
   client.send("@@V2P1FEFF");
   ASSERT_EQ(client.receive("FEFF"), "@@0000FEFF");
@@ -371,7 +371,7 @@ TEST_F(Lease, TheLineTakesTheFormatThatTheEngineerGivesAndHasItsOwnAgainAfterwar
   ModbusDevice device(pty);
   start();
   run(bus_of(serial_at(pty.path())));
-  ASSERT_TRUE(hears_more());
+  ASSERT_TRUE(receives_more());
   TcpClient client = engineer();
   client.send("@@V2P1FEFF");
   ASSERT_EQ(client.receive("FEFF"), "@@0000FEFF");

@@ -1,11 +1,11 @@
-// A device in an engineer's hands, as others see it. Plain values.
+// A device that is leased to an engineer, as others see it. Plain values.
 #pragma once
 
 #include <string>
 
 namespace fieldcast::program {
 
-struct HeldDevice {
+struct LeasedDevice {
   std::string number;
   std::string bus, device;  // names; a module without a bus: "dial-in" and its number
   std::string who;          // the user and the address, or the address alone
