@@ -81,12 +81,12 @@ void InterestRegistry::run() {
     changed_.wait(lock, [this] { return ending_ || dirty_; });
     if (ending_) return;
     dirty_ = false;
-    const auto news = all_added_ ? table_.take_news() : std::vector<InterestTable::News>{};
+    const auto added = all_added_ ? table_.take_new() : std::vector<InterestTable::NewInterest>{};
     const InterestTable table = table_;
     const Buses buses = buses_;
     lock.unlock();
     for (const auto& [name, bus] : buses) update(table, *bus);
-    remark_on(news, buses);
+    remark_on(added, buses);
     lock.lock();
     changed_.wait_for(lock, kPace, [this] { return ending_; });
   }
@@ -100,8 +100,9 @@ void InterestRegistry::update(const InterestTable& table, Bus& bus) {
   if (!changed.empty() && bus.runner) bus.runner->post(std::move(changed));
 }
 
-void InterestRegistry::remark_on(const std::vector<InterestTable::News>& news, const Buses& buses) {
-  for (const InterestTable::News& one : news) {
+void InterestRegistry::remark_on(const std::vector<InterestTable::NewInterest>& added,
+                                 const Buses& buses) {
+  for (const InterestTable::NewInterest& one : added) {
     InterestTable::Reach reach;
     for (const auto& [name, bus] : buses) reach += InterestTable::reach(one.pattern, bus->spec);
     if (reach.on_interest != 0) continue;

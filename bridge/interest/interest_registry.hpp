@@ -1,9 +1,9 @@
 // Receives the interests from DDS: keeps their table and posts to each bus what changed for its
 // channels. Any thread.
 //
-// note() only writes the table. What the interests mean for channels is worked out on a thread of
-// its own, at most every kPace: a station that changes its mind a million times costs neither DDS
-// nor a bus more than one that does so a few times a second.
+// note() only writes the table. A thread of the registry's own finds what the interests mean for
+// channels, at most every kPace: a station that changes its interests a million times costs neither
+// DDS nor a bus more than one that does so a few times a second.
 #pragma once
 
 #include <condition_variable>
@@ -57,7 +57,7 @@ class InterestRegistry {
   using Buses = std::map<std::string, std::shared_ptr<Bus>, std::less<>>;
   void run();
   static void update(const InterestTable& table, Bus& bus);
-  void remark_on(const std::vector<InterestTable::News>& news, const Buses& buses);
+  void remark_on(const std::vector<InterestTable::NewInterest>& added, const Buses& buses);
 
   std::function<void(std::string)> remark_;
   RepeatFilter remarked_;  // the registry's thread only; by station

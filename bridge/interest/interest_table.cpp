@@ -35,7 +35,7 @@ tl::expected<void, std::string> InterestTable::note(const std::string& station,
   }
   if (found == patterns_.end()) found = patterns_.emplace(key, Interested{*parsed, {}}).first;
   count_ += known ? 0 : 1;
-  if (!known && news_.size() < kMaxNews) news_.push_back({station, *parsed});
+  if (!known && new_.size() < kMaxNew) new_.push_back({station, *parsed});
   found->second.stations[station] = *refresh;
   return {};
 }

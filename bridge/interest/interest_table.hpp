@@ -19,8 +19,8 @@ class InterestTable {
  public:
   static constexpr std::size_t kMaxInterests = 4096;  // a new one beyond that is refused
   static constexpr std::size_t kMaxPatterns = 256;    // distinct; bounds the work of one change
-  static constexpr std::size_t kMaxNews =
-      256;  // interests between two take_news(); more are not reported as new
+  // Interests between two take_new(); more are not reported as new.
+  static constexpr std::size_t kMaxNew = 256;
   // The limits of a refresh, as in a configuration.
   static constexpr Duration kShortest = std::chrono::milliseconds{1};
   static constexpr Duration kLongest = std::chrono::hours{24};
@@ -35,12 +35,12 @@ class InterestTable {
   // the channel index of the bus.
   [[nodiscard]] std::map<ChannelIndex, Duration> interests(const BusSpec& bus) const;
 
-  struct News {
+  struct NewInterest {
     std::string station;
     Pattern pattern;
   };
   // Interests that are new since the last call.
-  [[nodiscard]] std::vector<News> take_news() { return std::exchange(news_, {}); }
+  [[nodiscard]] std::vector<NewInterest> take_new() { return std::exchange(new_, {}); }
 
   // The channels of a bus that a pattern meets, and how many of them are read on interest.
   struct Reach {
@@ -59,7 +59,7 @@ class InterestTable {
   };
   std::map<std::string, Interested> patterns_;  // by their text; none is empty
   std::size_t count_ = 0;
-  std::vector<News> news_;
+  std::vector<NewInterest> new_;
 };
 
 // The events for a bus whose interests were `before` and are `after`.

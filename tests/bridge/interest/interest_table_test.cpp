@@ -102,8 +102,8 @@ TEST(InterestTable, AMillionInterestsAreRefusedAtOnceAndLeaveThoseThatStand) {
     ASSERT_TRUE(table.note("honest", "*/press-1/oil", milliseconds{i % 1000 + 1}));  // changes
   ASSERT_TRUE(table.note("honest", "*/press-1/oil", milliseconds{50}));
   EXPECT_EQ(table.interests(press_shop()).at(0), milliseconds{50});
-  EXPECT_EQ(table.take_news().size(), InterestTable::kMaxNews);
-  EXPECT_TRUE(table.take_news().empty());
+  EXPECT_EQ(table.take_new().size(), InterestTable::kMaxNew);
+  EXPECT_TRUE(table.take_new().empty());
 }
 
 TEST(InterestTable, RefusalSaysWhoWhatAndWhy) {
@@ -142,9 +142,9 @@ TEST(InterestTable, NewsAreInterestsThatWereNotKnown) {
   InterestTable table;
   ASSERT_TRUE(table.note("a", "*/press-1/*", milliseconds{500}));
   ASSERT_TRUE(table.note("b", "*/press-1/*", milliseconds{500}));
-  EXPECT_EQ(table.take_news().size(), 2u);
+  EXPECT_EQ(table.take_new().size(), 2u);
   ASSERT_TRUE(table.note("b", "*/press-1/*", milliseconds{100}));
-  EXPECT_TRUE(table.take_news().empty());
+  EXPECT_TRUE(table.take_new().empty());
 }
 
 TEST(InterestChanges, OnlyDifferencesAreTold) {
