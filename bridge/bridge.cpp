@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::chrono::milliseconds kLinger{200};
 constexpr std::chrono::milliseconds kPublishLimit{300};  // for samples that wait for DDS
-// For the goodbyes to every instance when the whole bridge leaves: those of 10 000 channels may
-// take longer on a busy machine, and end with the participant then.
+// How long instances are disposed of when the whole bridge leaves. With 10 000 channels on a busy
+// machine that may take longer: the rest ends with the participant.
 constexpr std::chrono::milliseconds kDisposeLimit{800};
 constexpr std::chrono::milliseconds kLastWords{300};  // for the log to be written
 
@@ -92,9 +92,10 @@ void Bridge::State::stop_all(program::Server::Modules kept) {
   stop_buses(names, kDisposeLimit);     // 1.-4. above, all buses at the same time
   if (identities) identities->close();  // what waited is answered: its bus is gone
   step = "the bridge leaves the domain";
-  link->close(kLinger);  // 5. the last results reach their readers, then we leave the domain; no
-                         // handler is called afterwards
-  link.reset();          // 6.
+  // 5. the last results reach their readers, then we leave the domain; no handler is called
+  // afterwards.
+  link->close(kLinger);
+  link.reset();  // 6.
   guard.reset();
   commands.keep_identities({}, {});
   identities.reset();
@@ -112,7 +113,7 @@ void Bridge::State::stop_all(program::Server::Modules kept) {
 }
 
 // A bus whose thread hangs in a driver (a USB adapter that died in the middle of an ioctl) cannot
-// be taken away under its feet. What the others had to say is said; the process ends here, and its
+// be destroyed. The other buses have published what they had; the process ends here, and its
 // supervisor starts it anew.
 void Bridge::State::abandon(const std::string& bus) {
   log_error(bus, "the bus hangs in its driver and cannot be stopped: the process ends");

@@ -24,14 +24,14 @@ class Bridge {
 
   // Joins DDS and starts every bus; ports that are missing are waited for. The error is one line:
   // what DDS refused. With thousands of channels it takes seconds: `give_up` is asked before each
-  // bus, and what is started then is all there is.
+  // bus, and when it says true no further bus is started.
   [[nodiscard]] tl::expected<void, std::string> start(
       const BridgeSpec& spec, const std::function<bool()>& give_up = [] { return false; });
 
   // Restarts just the buses that differ. On an error everything runs as before. REQUIRES: started.
   struct Reloaded {
-    // Not done, since engineers are at devices that it would take away, "line/plc by anna
-    // (10.0.0.7:51234)": to be tried again. Empty: done.
+    // Sessions of engineers that the reload would end: "line/plc by anna (10.0.0.7:51234)". Then it
+    // is not done, and is to be tried again. Empty: done.
     std::vector<std::string> waits_for;
   };
   [[nodiscard]] tl::expected<Reloaded, std::string> reload(const BridgeSpec& wanted);
@@ -42,8 +42,8 @@ class Bridge {
   // Every pending command is answered, every instance disposed. In under two seconds.
   void stop();
 
-  // For a thread that ends a process whose main thread hangs: what it is at, and what the store was
-  // given is written, as far as the limit allows.
+  // For a thread that ends a process whose main thread hangs. busy_with(): what the main thread is
+  // doing. save(): writes what the store was given, as far as the limit allows.
   [[nodiscard]] std::string busy_with() const;
   void save(Duration limit);
 

@@ -11,9 +11,9 @@
 namespace fieldcast {
 namespace {
 
-// For all buses together, so that a stop ends within two seconds.
+// The limit for all buses together, so that a stop ends within two seconds.
 constexpr std::chrono::milliseconds kStopLimit{1200};
-// In which the readers of all buses that stop may take their last samples.
+// How long the readers of all buses that stop may take for their last samples.
 constexpr std::chrono::milliseconds kBusLinger{300};
 
 }  // namespace
@@ -104,14 +104,14 @@ void Bridge::State::stop_buses(const std::vector<std::string>& names, Duration d
     program.remove_bus(name);  // nobody asks for its devices any more; a pairing ends with the bus
     interests.remove(name);
     commands.remove(name);  // 1. no more commands come in; whoever sends one gets kShutdown
-    stopped.push_back(
-        buses.at(name).runner->stop());  // 2. pending commands are answered, the port is closed
+    // 2. pending commands are answered, the port is closed.
+    stopped.push_back(buses.at(name).runner->stop());
   }
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (stopped[i].wait_until(deadline) != std::future_status::ready) abandon(names[i]);
   }
   step = "the last samples leave";
-  sinks.drain();  // 3. what they had to say is said
+  sinks.drain();  // 3. what they posted is published
   step = "the buses leave the domain";
   const Instant begun = steady_now(), gone = begun + kBusLinger;
   for (const std::string& name : names) {

@@ -59,15 +59,15 @@ struct Bridge::State {
   std::unique_ptr<Store> store;  // outlives the sinks of the buses; null: nothing is stored
   AlarmTable alarms;             // outlives the store's use of it, and the sinks
   std::unique_ptr<Authenticator> logins;          // with a store only
-  std::unique_ptr<CommandIdentities> identities;  // the same; closed before the link
+  std::unique_ptr<CommandIdentities> identities;  // with a store only; closed before the link
   IoThread plans{"plans"};
   std::map<std::string, RunningBus, std::less<>> buses;
   PublisherThread sinks;
   std::unique_ptr<BusGuard> guard;  // outlives the link; its thread ends before the buses do
   std::unique_ptr<DdsLink> link;    // its handlers enter the members above: closed before they end
 
-  std::atomic<const char*> step = "starting";  // what the main thread is at
-  std::mutex changing;  // of the set of buses: by the main thread, or the guard's
+  std::atomic<const char*> step = "starting";  // what the main thread is doing
+  std::mutex changing;  // held while the set of buses changes, on the main thread or the guard's
 
   // bridge.cpp. `kept`: what becomes of modules that are connected when it fails, or at the stop.
   [[nodiscard]] tl::expected<void, std::string> start(

@@ -1,5 +1,5 @@
-// An assertion that stays on: a broken rule of our own ends the process with the place named, in
-// every build.
+// An assertion that stays on in every build: a broken rule of our own ends the process, with file
+// and line.
 #pragma once
 
 #include <poll.h>
@@ -16,8 +16,8 @@ namespace fieldcast {
   char text[512];
   const int size =
       std::snprintf(text, sizeof text, "%s:%d: broken rule: %s\n", file, line, condition);
-  pollfd room{STDERR_FILENO, POLLOUT, 0};
-  if (size > 0 && ::poll(&room, 1, 100) > 0) {
+  pollfd writable{STDERR_FILENO, POLLOUT, 0};
+  if (size > 0 && ::poll(&writable, 1, 100) > 0) {
     const auto length = std::min(static_cast<std::size_t>(size), sizeof text - 1);
     [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, text, length);
   }

@@ -21,7 +21,8 @@
 namespace fieldcast {
 namespace {
 
-constexpr Duration kLookAround = std::chrono::seconds{10};  // between two looks at counted lines
+// Between two summaries of counted lines.
+constexpr Duration kHousekeeping = std::chrono::seconds{10};
 constexpr Duration kLastWords = std::chrono::milliseconds{300};  // for the log to be written
 
 // What the library says may be about what anybody in the domain sends.
@@ -166,7 +167,8 @@ ExitCode serve(Signals& signals, const BridgeSpec& spec, const DaemonOptions& op
            fmt::format("running: {} buses, DDS domain {}", spec.buses.size(), spec.dds.domain));
   Reloader reloader(bridge, options.configuration);
   for (;;) {
-    switch (const int signal = signals.wait(reloader.waits() ? Reloader::kTryAgain : kLookAround)) {
+    switch (const int signal =
+                signals.wait(reloader.waits() ? Reloader::kTryAgain : kHousekeeping)) {
       case 0:
         log_summaries(steady_now());
         if (reloader.waits()) reloader.go_on();

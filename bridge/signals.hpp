@@ -1,6 +1,6 @@
-// The signals of the daemon. They are taken on a thread of their own, which does nothing else: the
-// main thread does what they ask for, one after the other, and may hang in a driver or a library
-// without that a signal is lost. A stop that does not end in time is ended here.
+// The signals of the daemon. A thread of its own takes them and does nothing else. The main thread
+// does what they ask for, one after the other; while it hangs in a driver or a library, no signal
+// is lost. The thread of signals ends the process when a stop takes too long.
 #pragma once
 
 #include <atomic>
@@ -16,8 +16,8 @@ namespace fieldcast {
 
 class Signals {
  public:
-  // Of a program that was asked to stop; then it is ended. An orderly stop takes less than
-  // two seconds, and supervisors kill after ten at the earliest.
+  // A stop that takes longer is ended. An orderly stop takes less than two seconds, and supervisors
+  // kill after ten at the earliest.
   static constexpr Duration kEndLimit = std::chrono::seconds{8};
 
   // SIGHUP, SIGUSR1, SIGTERM and SIGINT are for wait(). REQUIRES: no other thread runs yet, since

@@ -27,10 +27,10 @@ namespace {
 namespace asio = boost::asio;
 
 constexpr Duration kReportPeriod = std::chrono::seconds{1};
-constexpr Duration kLongestSettling =
-    std::chrono::seconds{1};  // of a line that is leased in the middle of an exchange
-constexpr Duration kLeastReportGap =
-    std::chrono::milliseconds{100};  // however often the state changes
+// Of a line that is leased in the middle of an exchange.
+constexpr Duration kLongestSettling = std::chrono::seconds{1};
+// However often the state changes.
+constexpr Duration kLeastReportGap = std::chrono::milliseconds{100};
 
 // Where the port is, before the reason why it is closed.
 std::string with_port_name(const PortSpec& port, const std::string& reason) {
@@ -66,7 +66,7 @@ class Gate {
   asio::io_context* io_;
 };
 
-// Everything on the io thread. One turn: an event and its `now` go into the engine, the actions
+// Everything on the io thread. process(): an event and its `now` go into the engine, the actions
 // that come out are executed in order.
 class BusRunner::Loop final : public PortListener, public std::enable_shared_from_this<Loop> {
  public:
@@ -100,7 +100,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   void stop() {
     if (stopped_) return;
     revoke("the bus stops");
-    turn(StopRequested{}, steady_now());
+    process(StopRequested{}, steady_now());
     stopped_ = true;
     report(steady_now(), BusState::kStopped);
     timer_.cancel();
@@ -112,10 +112,10 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
 
   void command(Command command) {
     if (stopped_) return sink_.complete(shutdown_result(command, steady_now()), mapping_);
-    turn(CommandArrived{std::move(command)}, steady_now());
+    process(CommandArrived{std::move(command)}, steady_now());
   }
 
-  void event(const BusEvent& event) { turn(event, steady_now()); }
+  void event(const BusEvent& event) { process(event, steady_now()); }
 
   void lease(const std::string& who, const Granted& granted, Revoked revoked) {
     if (revoked_)
@@ -124,9 +124,9 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     revoked_ = std::move(revoked);
     report_soon_ = true;
     const bool answer_comes = engine_.exchanging();
-    turn(LeaseBegan{who}, steady_now());
+    process(LeaseBegan{who}, steady_now());
     if (!answer_comes) return grant(granted);
-    // The programming software must not take the answer to our last question for one to its own.
+    // The programming software must not take the answer to our last request for one to its own.
     settling_ = granted;
     Duration longest{};
     for (const DeviceSpec& device : spec_.devices) longest = std::max(longest, device.timeout);
@@ -145,7 +145,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     }
     port_->end_lease();
     report_soon_ = true;
-    turn(LeaseEnded{}, steady_now());
+    process(LeaseEnded{}, steady_now());
   }
 
   void set_trace(bool on) {
@@ -156,7 +156,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
 
   void on_timer() {
     port_->poll();
-    turn(TimerFired{}, steady_now());
+    process(TimerFired{}, steady_now());
   }
 
   void on_opened() override {
@@ -166,13 +166,13 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     back_off_.opened(now);
     notices_.port_opened();
     report_soon_ = true;
-    turn(Opened{}, now);
+    process(Opened{}, now);
   }
 
   void on_received(ByteView bytes, Instant arrival) override {
     if (trace_)
       trace_line(mapping_.to_utc(arrival), spec_.name, TraceMark::kReceived, to_hex(bytes));
-    turn(Received{bytes}, arrival);
+    process(Received{bytes}, arrival);
     port_->expect(engine_.missing());
   }
 
@@ -183,7 +183,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     const Instant now = steady_now();
     notices_.port_closed(reason, now);
     report_soon_ = true;
-    turn(Closed{std::move(reason), cause}, now);
+    process(Closed{std::move(reason), cause}, now);
     reopen_later(now);
   }
 
@@ -196,7 +196,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     FileDescriptor line = port_->lease();
     if (!line.valid()) {
       revoked_ = {};
-      turn(LeaseEnded{}, steady_now());
+      process(LeaseEnded{}, steady_now());
       return granted(tl::make_unexpected(not_open()));
     }
     const auto* serial = std::get_if<SerialPortSpec>(&spec_.port);
@@ -213,16 +213,16 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     if (const Revoked revoked = std::exchange(revoked_, {})) revoked(reason);
   }
 
-  void turn(const BusEvent& event, Instant now) {
+  void process(const BusEvent& event, Instant now) {
     if (stopped_) return;
-    FIELDCAST_CHECK(!turning_);  // ports and sinks never call back from inside
-    turning_ = true;
+    FIELDCAST_CHECK(!processing_);  // ports and sinks never call back from inside
+    processing_ = true;
     actions_.clear();
     engine_.on_event(event, now, actions_);
     for (Action& action : actions_) {
       std::visit([&](auto& what) { execute(what, now); }, action);
     }
-    turning_ = false;
+    processing_ = false;
     if (report_soon_ && now - reported_ >= kLeastReportGap) report(now);
   }
 
@@ -332,7 +332,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   bool open_ = false;  // the port
   bool report_soon_ = false;
   bool trace_ = false;
-  bool turning_ = false;
+  bool processing_ = false;
   bool stopped_ = false;
 };
 

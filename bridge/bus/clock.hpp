@@ -1,5 +1,5 @@
-// The clocks of the shell: the monotonic one that the engine lives by, and its relation to UTC for
-// what leaves the process.
+// The clocks of the shell: the monotonic clock of the engine, and its relation to UTC for what
+// leaves the process.
 #pragma once
 
 #include "bridge/dds/topics/utc_mapping.hpp"

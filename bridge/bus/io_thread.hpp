@@ -1,6 +1,7 @@
 // The thread that a bus lives on, with an io_context of its own. The context is the bus's strand:
-// its handlers run one after another, never hop threads and take no lock of another bus. A driver
-// that hangs (a USB adapter that died in the middle of an ioctl) stops its own bus and no other.
+// its handlers run one after another, on this thread only, and take no lock of another bus. A
+// driver that hangs (a USB adapter that died in the middle of an ioctl) stops its own bus and no
+// other.
 #pragma once
 
 #include <memory>

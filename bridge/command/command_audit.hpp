@@ -14,15 +14,15 @@ namespace fieldcast {
 
 class CommandAudit {
  public:
-  static constexpr std::size_t kMaxPending =
-      16384;  // beyond it an entry does not say what was asked, but still who and the result
+  // Beyond it an entry does not say what was asked, but still who and the result.
+  static constexpr std::size_t kMaxPending = 16384;
 
   // Where entries go from now on; null: nowhere.
   void open(Audit* audit);
 
   // A command came in. The entry is for refused(), and is kept for answered().
   AuditEntry asked(const std::string& bus, const Command& command);
-  // It was turned away before a bus had it: its key may be that of another command that still runs.
+  // It was refused before a bus had it: its key may be that of another command that still runs.
   void refused(AuditEntry asked, const CommandResult& result);
   void answered(const std::string& bus, const CommandResult& result);
 

@@ -1,5 +1,5 @@
-// Where commands from DDS come in: finds the bus, turns away duplicates and what nobody can take,
-// hands the rest to the bus. Every command ends in exactly one result. Any thread.
+// Takes the commands from DDS: finds the bus, refuses duplicates and commands that no bus can take,
+// and posts the others to the bus. Every command ends in exactly one result. Any thread.
 #pragma once
 
 #include <functional>
@@ -20,7 +20,7 @@ class CommandRouter {
   enum class Identity : std::uint8_t {
     kNew,      // kept from now on
     kKnown,    // kept before
-    kNotKept,  // nobody could keep it
+    kNotKept,  // the store did not take it
   };
   // Keeps the identity of a write so that it outlives this process, then calls `kept` once, on any
   // thread.
@@ -29,8 +29,8 @@ class CommandRouter {
   using Refused = std::function<void(const std::string& bus, const CommandResult& result)>;
 
   // From here on a write runs when its identity is kept and was not before; `refused` is called for
-  // the others. A null `keep` ends it: nothing of it comes any more when it has ended (its owner
-  // sees to that).
+  // the others. A null `keep` ends it; the owner of `keep` makes sure that nothing is called
+  // afterwards.
   void keep_identities(Keep keep, Refused refused);
 
   // A bus takes commands from here on, until it is removed.

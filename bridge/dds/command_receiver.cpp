@@ -31,8 +31,8 @@ void CommandLifespans::on_writer(const FoundWriter& writer) {
 
 namespace {
 
-// By the wall clocks of both machines, never less than nothing; long past is all the same, which
-// keeps sums in range.
+// By the wall clocks of both machines, never negative. Ages beyond kLongest count as kLongest,
+// which keeps sums in range.
 Duration age_of(UtcTime source, const UtcMapping& now) {
   std::int64_t age = 0;
   if (source.nanoseconds <= 0 ||

@@ -13,13 +13,13 @@
 
 namespace fieldcast {
 
-// LIFESPAN is the writer's; the library's reader applies its own instead, so the writers' are
-// collected from discovery.
+// LIFESPAN is a QoS of the writer, but the library's reader applies its own. So the lifespans of
+// the writers are collected from discovery.
 class CommandLifespans : public DiscoveryListener {
  public:
   using Guid = rtps::GUID_t;
-  static constexpr Duration kDefault =
-      std::chrono::seconds{5};  // also for writers that say "infinite": a late command never runs
+  // Also for writers that say "infinite": a late command never runs.
+  static constexpr Duration kDefault = std::chrono::seconds{5};
   // A longer one counts as this: identities of commands are kept no longer.
   static constexpr Duration kLongest = std::chrono::hours{24};
   static constexpr std::size_t kMaxWriters = 4096;  // those beyond it get the default
@@ -34,7 +34,7 @@ class CommandLifespans : public DiscoveryListener {
 };
 
 // When a command expires on the engine's clock. Its age is what the wall clocks of both machines
-// say, never less than nothing.
+// say, but never negative.
 [[nodiscard]] Instant expiry_of(UtcTime source, Duration lifespan, const UtcMapping& now);
 
 // How long before `listening` the command was written: it was not for the bridge that listens now,
@@ -48,14 +48,16 @@ class CommandReceiver : private dds::DataReaderListener {
  public:
   struct Handlers {
     std::function<UtcMapping()> clock;
-    std::function<bool(const std::string& bus)>
-        is_ours;  // commands for other buses belong to other bridges
+    // Commands for other buses belong to other bridges.
+    std::function<bool(const std::string& bus)> is_ours;
     std::function<void(const std::string& bus, Command command)> accepted;
+    // Malformed, or older than this receiver.
     std::function<void(const std::string& bus, const idl::Command& command,
                        const MalformedCommand& why)>
-        refused;  // malformed, or older than this receiver
+        refused;
+    // Called before accepted() or refused().
     std::function<void(const std::string& requester, const CommandLifespans::Guid& writer)>
-        received;  // before either
+        received;
   };
   CommandReceiver(Domain& domain, const CommandLifespans& lifespans, Handlers handlers);
   void close();  // nothing is handed on after it returns

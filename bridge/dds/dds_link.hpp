@@ -45,8 +45,8 @@ class DdsLink {
     // Commands for other buses never come here.
     std::function<void(const std::string& bus, Command command)> on_command;
     std::function<void(Interest interest)> on_interest;
-    std::function<void(std::string text)>
-        on_problem;  // for the log: incompatible QoS, a limit reached, a malformed command
+    // For the log: incompatible QoS, a limit reached, a malformed command.
+    std::function<void(std::string text)> on_problem;
     BridgeHandlers bridges{};  // all of them or none
   };
 
@@ -68,16 +68,16 @@ class DdsLink {
   // thread at a time. Throws DdsError. REQUIRES: no bus of this name.
   void add_bus(const BusSpec& bus);
   // Plant systems find this bridge from here on. For a bridge whose buses are all served by others:
-  // what is written when it takes one over must not be lost for want of discovery. Again: of no
-  // effect. One thread at a time. Throws DdsError.
+  // commands that are written when it takes one over must not be lost, as they would be before
+  // discovery. A second call has no effect. One thread at a time. Throws DdsError.
   void listen_for_commands();
 
   // This bridge among the others: its identity, and what it tells them. REQUIRES: handlers for
   // them. One thread at a time.
   [[nodiscard]] std::string id() const;
   void announce(const BridgeClaims& claims);
-  // Writes again what is written once: another bridge that served the bus as well took it away. One
-  // thread at a time.
+  // Writes again what is written only once: another bridge that served the bus as well has disposed
+  // of it. One thread at a time.
   void publish_again(std::string_view bus);
 
   // Disposes every instance of the bus in all topics, so that stations see it go, and waits at most

@@ -1,9 +1,9 @@
 // Receives Interest: what stations are interested in, and when that ends: withdrawn, or the station
 // is dead. Calls come on DDS threads.
 //
-// Any vendor's default QoS matches, so the reader asks for no lease, and then the library
-// tells of a dead writer only when its whole participant is given up. A second reader asks for the
-// lease that our stations promise: it takes nothing, and learns which of their writers are alive.
+// Any vendor's default QoS shall match, so the reader asks for no lease. But then the library tells
+// of a dead writer only when its whole participant is given up. A second reader asks for the lease
+// that our stations promise: it takes no samples, and learns which of their writers are alive.
 #pragma once
 
 #include <atomic>
@@ -39,7 +39,7 @@ class InterestReceiver : private dds::DataReaderListener {
   struct Known {
     Interest interest;
     dds::InstanceHandle_t writer;
-    bool silent = false;  // its writer is; it stands again when the writer does
+    bool silent = false;  // its writer is not alive; the interest is back when the writer is
   };
 
   Domain& domain_;
@@ -49,8 +49,8 @@ class InterestReceiver : private dds::DataReaderListener {
   dds::DataReader* reader_ = nullptr;
   dds::DataReader* lease_reader_ = nullptr;
   std::mutex mutex_;  // the reader is called on any of the participant's threads
-  std::map<dds::InstanceHandle_t, Known>
-      known_;  // the end of an interest comes without its names; at most kMaxInterests
+  // The end of an interest comes without its names; at most kMaxInterests.
+  std::map<dds::InstanceHandle_t, Known> known_;
 };
 
 }  // namespace fieldcast

@@ -1,5 +1,7 @@
 #include "bridge/dds/result_sender.hpp"
 
+#include <pthread.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -136,6 +138,7 @@ std::optional<Instant> ResultSender::next_due() const {
 }
 
 void ResultSender::run() {
+  pthread_setname_np(pthread_self(), "results");
   std::unique_lock lock(mutex_);
   while (!closing_) {
     const Instant now = clock_().instant;

@@ -8,6 +8,9 @@
 //
 // Nobody is waited for: the writer is a ring (ResultType), and a reader that takes nothing loses
 // the oldest. Any thread; one of its own sends what was held, and lets instances go.
+//
+// That thread is no Worker with a BoundedQueue: what it does next depends on instants that a match
+// changes while results wait, not on the order in which they came.
 #pragma once
 
 #include <condition_variable>
@@ -47,11 +50,11 @@ class ResultSender : private dds::DataWriterListener {
   static constexpr std::size_t kMaxRequesters = 4096;
   static constexpr std::size_t kMaxHeld = 1024;  // the oldest is sent regardless
   static constexpr Duration kHold = std::chrono::seconds{1};
-  static constexpr Duration kSettle =
-      std::chrono::milliseconds{50};  // ten times the delay of a writer's first heartbeat
-  // After which an instance is let go, and how many may wait for it: readers hold
-  // kMaxPendingCommands instances.
+  // Ten times the delay of a writer's first heartbeat.
+  static constexpr Duration kSettle = std::chrono::milliseconds{50};
+  // An instance is let go this long after its result.
   static constexpr Duration kKeep = std::chrono::milliseconds{100};
+  // Instances that may wait until they are let go: readers hold kMaxPendingCommands of them.
   static constexpr std::size_t kMaxKept = kMaxPendingCommands / 4;
 
   struct Requester {
@@ -75,9 +78,11 @@ class ResultSender : private dds::DataWriterListener {
   void write(const idl::CommandResult& result);
   void let_go(const idl::CommandResult& sent);
   void run();  // the thread
-  // What is due: held results to send, and instances to let go. REQUIRES: mutex_ held.
+  // The held results that are to be sent now. REQUIRES: mutex_ held.
   [[nodiscard]] std::vector<idl::CommandResult> take_due(Instant now);
+  // The instances that are to be let go now. REQUIRES: mutex_ held.
   [[nodiscard]] std::vector<idl::CommandResult> take_kept(Instant now);
+  // When the first of both is due. REQUIRES: mutex_ held.
   [[nodiscard]] std::optional<Instant> next_due() const;
 
   Domain& domain_;

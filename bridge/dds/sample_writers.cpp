@@ -135,8 +135,8 @@ std::vector<SampleWriters::Write>& SampleWriters::in_order(std::span<const Sampl
   for (const Sample& sample : samples) {
     FIELDCAST_CHECK(sample.channel < slots_.size());
     Slot& slot = slots_[sample.channel];
-    if (slot.writer == nullptr)
-      attach(slot, std::nullopt);  // somebody acquired a write-only channel
+    // Somebody acquired a write-only channel.
+    if (slot.writer == nullptr) attach(slot, std::nullopt);
     order_.push_back({&slot, &sample});
   }
   std::stable_sort(order_.begin(), order_.end(), [](const Write& a, const Write& b) {

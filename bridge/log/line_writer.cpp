@@ -23,7 +23,7 @@ namespace {
 // A pipe that poll() calls writable takes this much at once (PIPE_BUF of Linux, pipe(7)), so that
 // the thread waits in poll(), where it can be told to end, and hardly ever in write().
 constexpr std::size_t kPiece = 4096;
-constexpr int kLookAroundMilliseconds = 100;  // how soon the thread sees that it shall end
+constexpr int kPollMilliseconds = 100;  // how soon the thread sees that it shall end
 
 }  // namespace
 
@@ -35,10 +35,10 @@ struct LineWriter::State {
   std::condition_variable work, done;
   std::deque<std::string> waiting;
   std::size_t bytes = 0;      // of waiting
-  std::uint64_t put = 0;      // lines handed in, and
-  std::uint64_t seen = 0;     // those that are written or lost
-  std::uint64_t lost = 0;     // all that were lost, and
-  std::uint64_t to_tell = 0;  // those of which no remark was written yet
+  std::uint64_t put = 0;      // lines handed in
+  std::uint64_t seen = 0;     // lines that are written or lost
+  std::uint64_t lost = 0;     // lines that were lost
+  std::uint64_t to_tell = 0;  // lost lines that no remark speaks of yet
   bool ending = false;
 
   void run();
@@ -87,8 +87,8 @@ std::string LineWriter::State::take(std::size_t& lines, std::uint64_t& told) {
 bool LineWriter::State::write(std::string_view text) {
   if (!fd.valid()) return false;
   while (!text.empty()) {
-    pollfd room{fd.get(), POLLOUT, 0};
-    const int ready = ::poll(&room, 1, kLookAroundMilliseconds);
+    pollfd writable{fd.get(), POLLOUT, 0};
+    const int ready = ::poll(&writable, 1, kPollMilliseconds);
     if (ready == 0 && is_ending()) return false;
     if (ready <= 0) continue;
     const ssize_t size = ::write(fd.get(), text.data(), std::min(text.size(), kPiece));

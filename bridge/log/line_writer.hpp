@@ -2,10 +2,11 @@
 // terminal that is stopped, a disk that is full. Whoever hands a line in never waits; a thread of
 // its own writes.
 //
-// The queue is bounded: when it is full its oldest lines go, and a remark stands in their place
-// that says how many. That thread may hang in write(2) for ever, so nothing ever joins it: it
-// shares what it uses with the LineWriter and lives on alone. (spdlog's asynchronous logger joins
-// its worker when it ends.)
+// The queue is bounded: when it is full its oldest lines are dropped, and a remark stands in their
+// place that says how many. The thread may hang in write(2) for ever, so nothing ever joins it: it
+// shares what it uses with the LineWriter and may outlive it. That is why it is neither a Worker
+// (its end joins the thread) nor spdlog's asynchronous logger (the same), and the queue no
+// BoundedQueue: its limit is in bytes, and flush() waits until lines are written.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,7 @@ namespace fieldcast {
 
 class LineWriter {
  public:
-  static constexpr std::size_t kMaxWaiting = std::size_t{1} << 20;  // bytes; the oldest lines go
+  static constexpr std::size_t kMaxWaiting = std::size_t{1} << 20;  // bytes
 
   // `remark` is the line that stands for so many lines lost; it is called on the writer's thread.
   // The descriptor is duplicated. Signals are blocked in the thread.
@@ -38,7 +39,7 @@ class LineWriter {
   // Waits until every line put before is written or lost; false after the limit.
   [[nodiscard]] bool flush(Duration limit);
 
-  // Lines that found no room, or that the descriptor refused (a full disk, a closed pipe).
+  // Lines that were dropped, or that the descriptor refused (a full disk, a closed pipe).
   [[nodiscard]] std::uint64_t lost() const;
 
  private:

@@ -20,7 +20,7 @@
 namespace fieldcast {
 namespace {
 
-constexpr std::size_t kMaxPlace = 256;  // bytes
+constexpr std::size_t kMaxSubject = 256;  // bytes
 
 spdlog::level::level_enum level_of(LogLevel level) {
   switch (level) {
@@ -127,13 +127,13 @@ void reopen_log() {
   counted() = {};
 }
 
-void log_line(LogLevel level, std::string_view place, std::string_view text) {
+void log_line(LogLevel level, std::string_view subject, std::string_view text) {
   spdlog::logger& log = logger();
   if (!log.should_log(level_of(level))) return;
-  log.log(level_of(level), "{}: {}", printable(place, kMaxPlace), printable(text));
+  log.log(level_of(level), "{}: {}", printable(subject, kMaxSubject), printable(text));
 }
 
-void log_counted(LogLevel level, std::string_view place, std::string_view kind,
+void log_counted(LogLevel level, std::string_view subject, std::string_view kind,
                  std::string_view text) {
   if (!logger().should_log(level_of(level))) return;
   LineBudget::Verdict verdict;
@@ -142,8 +142,8 @@ void log_counted(LogLevel level, std::string_view place, std::string_view kind,
     verdict = counted().occurred(kind, steady_now());
   }
   if (!verdict.log) return;
-  if (verdict.suppressed == 0) return log_line(level, place, text);
-  log_line(level, place, fmt::format("{} ({} more {} before)", text, verdict.suppressed, kind));
+  if (verdict.suppressed == 0) return log_line(level, subject, text);
+  log_line(level, subject, fmt::format("{} ({} more {} before)", text, verdict.suppressed, kind));
 }
 
 void log_summaries(Instant now) {

@@ -27,27 +27,28 @@ std::string key_of(Notice::Kind kind, const std::string& device) {
 }  // namespace
 
 void NoticeLog::notice(const Notice& notice, Instant now) {
-  const std::string place = place_of(notice.device);
+  const std::string subject = subject_of(notice.device);
   switch (notice.kind) {
     case Notice::Kind::kDeviceBack:
-      return over(key_of(Notice::Kind::kDeviceLost, notice.device), place, notice.text);
+      return over(key_of(Notice::Kind::kDeviceLost, notice.device), subject, notice.text);
     case Notice::Kind::kOverloadEnded:
-      return over(key_of(Notice::Kind::kOverload, notice.device), place, notice.text);
+      return over(key_of(Notice::Kind::kOverload, notice.device), subject, notice.text);
     case Notice::Kind::kGarbageEnded:
-      return over(key_of(Notice::Kind::kGarbage, notice.device), place, notice.text);
-    case Notice::Kind::kEchoFound: return log_info(place, notice.text);
+      return over(key_of(Notice::Kind::kGarbage, notice.device), subject, notice.text);
+    case Notice::Kind::kEchoFound: return log_info(subject, notice.text);
     case Notice::Kind::kDeviceErrors:  // another cause is another fault, and so is another address
       return fault(LogLevel::kWarning,
                    fmt::format("{}/{}", key_of(notice.kind, notice.device), to_name(notice.cause)),
-                   place, notice.text, now);
+                   subject, notice.text, now);
     case Notice::Kind::kAddressRefused:
       return fault(LogLevel::kWarning,
-                   fmt::format("{}/{}", key_of(notice.kind, notice.device), notice.text), place,
+                   fmt::format("{}/{}", key_of(notice.kind, notice.device), notice.text), subject,
                    notice.text, now);
     case Notice::Kind::kDeviceLost:
     case Notice::Kind::kGarbage:
     case Notice::Kind::kOverload:
-      return fault(LogLevel::kWarning, key_of(notice.kind, notice.device), place, notice.text, now);
+      return fault(LogLevel::kWarning, key_of(notice.kind, notice.device), subject, notice.text,
+                   now);
   }
 }
 
@@ -71,21 +72,21 @@ void NoticeLog::tick(Instant now) {
   }
 }
 
-void NoticeLog::fault(LogLevel level, const std::string& key, const std::string& place,
+void NoticeLog::fault(LogLevel level, const std::string& key, const std::string& subject,
                       const std::string& text, Instant now) {
   const auto verdict = filter_.occurred(key, now);
   if (!verdict.log) return;
-  log_line(level, place,
+  log_line(level, subject,
            verdict.suppressed == 0
                ? text
                : fmt::format("{} ({} times since the last line)", text, verdict.suppressed + 1));
 }
 
-void NoticeLog::over(const std::string& key, const std::string& place, const std::string& text) {
+void NoticeLog::over(const std::string& key, const std::string& subject, const std::string& text) {
   const auto verdict = filter_.recovered(key);
-  log_info(place, verdict.suppressed == 0
-                      ? text
-                      : fmt::format("{} (after {} times)", text, verdict.suppressed + 1));
+  log_info(subject, verdict.suppressed == 0
+                        ? text
+                        : fmt::format("{} (after {} times)", text, verdict.suppressed + 1));
 }
 
 }  // namespace fieldcast

@@ -1,4 +1,4 @@
-// What a bus has to say, as lines of the log: each fault once, then counted, summarised every ten
+// The notices of a bus as lines of the log: each fault once, then counted, summarised every ten
 // minutes and when it is over. Owned by one BusRunner, on its io thread.
 #pragma once
 
@@ -22,10 +22,10 @@ class NoticeLog {
   void tick(Instant now);
 
  private:
-  void fault(LogLevel level, const std::string& key, const std::string& place,
+  void fault(LogLevel level, const std::string& key, const std::string& subject,
              const std::string& text, Instant now);
-  void over(const std::string& key, const std::string& place, const std::string& text);
-  [[nodiscard]] std::string place_of(const std::string& device) const {
+  void over(const std::string& key, const std::string& subject, const std::string& text);
+  [[nodiscard]] std::string subject_of(const std::string& device) const {
     return device.empty() ? bus_ : bus_ + "/" + device;
   }
 

@@ -18,8 +18,8 @@ namespace fieldcast {
 class RepeatFilter {
  public:
   static constexpr Duration kSummary = std::chrono::minutes{10};
-  static constexpr std::size_t kMaxKeys =
-      4096;  // a key beyond that pushes out the one that was quiet for longest
+  // A key beyond that replaces the key that was quiet for longest.
+  static constexpr std::size_t kMaxKeys = 4096;
 
   struct Verdict {
     bool log = false;              // worth a line

@@ -26,7 +26,7 @@ class AlarmReporter {
 
  private:
   enum class Origin : std::uint8_t { kNew, kRestored };
-  [[nodiscard]] std::vector<AlarmChange> restore();  // nothing unless the table has news
+  [[nodiscard]] std::vector<AlarmChange> restore();  // nothing unless the table has changed
   void note(const std::vector<AlarmChange>& changes, const UtcMapping& mapping, Origin origin);
 
   AlarmTable& table_;

@@ -1,4 +1,4 @@
-// Where everything that one bus has to say goes: DDS, the store, the alarms, the audit of commands.
+// Where everything that one bus produces goes: DDS, the store, the alarms, the audit of commands.
 // Owns what belongs to the bus alone. Called on the bus's thread.
 #pragma once
 

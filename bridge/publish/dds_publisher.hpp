@@ -1,4 +1,4 @@
-// What one bus says on DDS, and on which thread.
+// What one bus publishes on DDS, and on which thread.
 //
 // The block of an exchange leaves at once, on the bus's thread, within the silence after the
 // answer: that is the shortest way to the stations. So do a few samples that leave one by one.

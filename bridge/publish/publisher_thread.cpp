@@ -8,7 +8,7 @@
 namespace fieldcast {
 
 PublisherThread::PublisherThread()
-    : worker_("sink", kMaxWaiting, [this](BoundedQueue<Task>& queue) { run(queue); }) {}
+    : worker_("publisher", kMaxWaiting, [this](BoundedQueue<Task>& queue) { run(queue); }) {}
 
 PublisherThread::~PublisherThread() { worker_.close(); }
 

@@ -25,11 +25,11 @@ class PublisherThread {
   PublisherThread(const PublisherThread&) = delete;
   PublisherThread& operator=(const PublisherThread&) = delete;
 
-  enum class Late { kRun, kDrop };  // what becomes of a task behind the instant of drop_from()
+  enum class Late { kRun, kDrop };  // what becomes of a task after the instant of drop_from()
   void post(std::function<void()> task, Late late = Late::kRun);
 
-  // From that instant on tasks that may be dropped are, those that wait too: a bridge that stops
-  // does not write the samples of a long queue first, to dispose of their instances then. kNever:
+  // From that instant on tasks with kDrop are dropped, those that wait too: a bridge that stops
+  // does not write the samples of a long queue only to dispose of their instances then. kNever:
   // nothing is dropped.
   void drop_from(Instant at) { drop_from_ = at; }
 

@@ -42,7 +42,7 @@ class BusClaims {
   // ---- the others
 
   void receive(const std::string& id, BridgeClaims claims);  // in place of what it said before
-  // It is silent (its lease is over) or speaks again; of no effect for one that said nothing yet.
+  // Its lease is over, or it is alive again. No effect for a bridge that told nothing yet.
   void set_alive(const std::string& id, bool alive);
   void forget(const std::string& id);
   // Others whose process runs where this one does, for set_alive().

@@ -33,14 +33,14 @@ void BusGuard::receive(const std::string& id, BridgeClaims claims) {
   silent_.erase(id);
   claims_.receive(id, std::move(claims));
   dirty_ = true;
-  news_.notify_all();
+  wake_.notify_all();
 }
 
 void BusGuard::set_alive(const std::string& id, bool alive) {
   const std::lock_guard lock(mutex_);
   claims_.set_alive(id, alive);
   dirty_ = true;
-  news_.notify_all();
+  wake_.notify_all();
 }
 
 void BusGuard::lost(const std::string& id) {
@@ -48,7 +48,7 @@ void BusGuard::lost(const std::string& id) {
   silent_.erase(id);
   claims_.forget(id);
   dirty_ = true;
-  news_.notify_all();
+  wake_.notify_all();
 }
 
 void BusGuard::want(const std::string& id, const std::vector<std::string>& buses) {
@@ -68,9 +68,9 @@ void BusGuard::settle(const std::function<bool()>& give_up) {
     const auto waited = std::chrono::steady_clock::now() - began;
     return waited >= (silent_.empty() ? kSettle : kLongestSettle);
   };
-  while (!all_received() && !give_up()) news_.wait_for(lock, kAgain);
+  while (!all_received() && !give_up()) wake_.wait_for(lock, kAgain);
   lock.unlock();
-  look_at_processes();
+  check_processes();
   lock.lock();
   settled_ = true;
   (void)claims_.decide();
@@ -119,13 +119,13 @@ void BusGuard::end() {
   {
     const std::lock_guard lock(mutex_);
     ending_ = true;
-    news_.notify_all();
+    wake_.notify_all();
   }
   if (thread_.joinable()) thread_.join();
 }
 
 void BusGuard::run() {
-  pthread_setname_np(pthread_self(), "claims");
+  pthread_setname_np(pthread_self(), "guard");
   std::unique_lock lock(mutex_);
   while (!ending_) {
     if (std::exchange(dirty_, false) && decide()) {
@@ -142,17 +142,17 @@ void BusGuard::run() {
       if (done) continue;
       changed_ = true;
       uncontested_.insert(uncontested.begin(), uncontested.end());
-      news_.wait_for(lock, kAgain, [this] { return ending_; });
+      wake_.wait_for(lock, kAgain, [this] { return ending_; });
       continue;
     }
-    news_.wait_for(lock, kLook, [this] { return ending_ || dirty_; });
+    wake_.wait_for(lock, kCheckPeriod, [this] { return ending_ || dirty_; });
     lock.unlock();
-    look_at_processes();
+    check_processes();
     lock.lock();
   }
 }
 
-void BusGuard::look_at_processes() {
+void BusGuard::check_processes() {
   std::map<std::string, std::string> processes;
   {
     const std::lock_guard lock(mutex_);

@@ -1,6 +1,6 @@
-// Sees to it that a bus is served by one bridge of the domain: tells the others what this one wants
-// and serves, receives what they say, and decides (bus_claims.hpp). Functions may be called from
-// any thread.
+// Makes sure that each bus is served by one bridge of the domain: tells the others what this one
+// wants and serves, receives what they tell, and decides (bus_claims.hpp). Functions may be called
+// from any thread; changed() comes on a thread of the guard's own.
 #pragma once
 
 #include <condition_variable>
@@ -21,14 +21,14 @@ class BusGuard {
   // found that has not said yet what it serves.
   static constexpr Duration kSettle = std::chrono::seconds{1};
   static constexpr Duration kLongestSettle = std::chrono::seconds{3};
-  // Between two looks at whether the process of another bridge, under the same kernel, still runs.
-  static constexpr Duration kLook = std::chrono::milliseconds{500};
+  // Between two checks whether the process of another bridge, under the same kernel, still runs.
+  static constexpr Duration kCheckPeriod = std::chrono::milliseconds{500};
 
   struct Handlers {
     std::function<void(const BridgeClaims&)> announce;  // tells the others; one call at a time
-    // serves() may say something else now; `uncontested` are buses that another bridge served as
-    // well and does not any more. On the guard's thread, after watch(). False: not now, again in a
-    // moment.
+    // serves() may have changed. `uncontested`: buses that another bridge served as well, and
+    // serves no longer. On the guard's thread, after watch(). False: not possible now; it is called
+    // again in a moment.
     std::function<bool(const std::set<std::string>& uncontested)> changed;
     std::function<UtcTime()> now;
   };
@@ -56,19 +56,19 @@ class BusGuard {
   // The one that serves a bus in place of this bridge, for people: "bridge 'b' on host h".
   [[nodiscard]] std::string rival(const std::string& bus) const;
 
-  void watch();  // from here on changed() is called
-  void end();    // and from here on no more
+  void watch();  // changed() is called from here on
+  void end();    // changed() is not called any more when it returns
 
  private:
   void run();
-  void look_at_processes();
+  void check_processes();
   [[nodiscard]] bool decide();  // true: others must be told. REQUIRES: mutex_ held.
   void announce();              // REQUIRES: mutex_ not held, as it enters DDS
 
   const Handlers handlers_;
   std::mutex announcing_;  // before mutex_
   mutable std::mutex mutex_;
-  std::condition_variable news_;
+  std::condition_variable wake_;
   BridgeClaims own_;  // without its buses
   BusClaims claims_;
   std::set<std::string> silent_;       // found, and nothing received from them yet

@@ -35,14 +35,14 @@ class BlockSubscription : private dds::DataReaderListener {
 
   struct Counters {
     std::uint64_t blocks = 0;    // received
-    std::uint64_t missing = 0;   // that never came: the station was too slow for them
-    std::uint64_t requests = 0;  // for snapshots
+    std::uint64_t missing = 0;   // blocks that never came: the station was too slow for them
+    std::uint64_t requests = 0;  // requests for snapshots
   };
   [[nodiscard]] Counters counters() const;  // any thread
 
  private:
-  // After which a snapshot that was asked for, or is due since the bus is known, is asked for
-  // again.
+  // How long to wait for a snapshot, from its request or from when the bus is known; then it is
+  // requested again.
   static constexpr Duration kPatience = std::chrono::milliseconds{300};
 
   struct Bus {

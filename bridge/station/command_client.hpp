@@ -30,8 +30,8 @@ class CommandClient {
                                                                 Duration wait);
 
  private:
-  static constexpr std::size_t kMaxLifespans =
-      16;  // distinct lifespans, each with a writer; the nearest shorter one serves beyond
+  // Distinct lifespans, each with a writer. Beyond that, the nearest shorter one is used.
+  static constexpr std::size_t kMaxLifespans = 16;
 
   // LIFESPAN is a writer's: one writer for each that is asked for.
   struct Writer : dds::DataWriterListener {

@@ -27,7 +27,7 @@ class OnceWriter {
   // Before any other call. The caller owns the entity, which outlives this.
   void attach(dds::DataWriter* entity) { entity_ = entity; }
 
-  // False: no room now, see make_room().
+  // False: too many are not acknowledged, see make_room().
   [[nodiscard]] bool write(Message& message) {
     const std::lock_guard lock(mutex_);
     let_go();
@@ -54,8 +54,8 @@ class OnceWriter {
   }
 
  private:
-  static constexpr std::size_t kBatch =
-      256;  // one acknowledgement tells of so many (RTPS 2.2, 9.4.2.6)
+  // One acknowledgement tells of so many (RTPS 2.2, 9.4.2.6).
+  static constexpr std::size_t kBatch = 256;
 
   bool let_go() {
     if (written_.empty()) return true;

@@ -42,8 +42,8 @@ class Station {
   // Each may be called once. `gone` is called when an instance was disposed or its bridge is gone
   // (samples, channels).
   struct SampleOptions {
-    std::optional<Duration>
-        deadline;  // matches just the channels that promise this refresh or better
+    // Matches just the channels that promise this refresh or better.
+    std::optional<Duration> deadline;
     std::function<void()> on_deadline_missed;
     // Each sample by itself (fieldcast/Sample) instead of by blocks; so it is with a deadline too.
     bool one_by_one = false;

@@ -72,8 +72,8 @@ class Subscription : private dds::DataReaderListener {
       handlers_.gone(last);
     }
   }
-  // Fast DDS 2.9.1 goes on counting for an instance whose last writer has gone: what nobody writes,
-  // nobody misses. The reader's lock is held here, so that mutex_ must not be taken.
+  // Fast DDS 2.9.1 goes on counting for an instance whose last writer has gone. Such misses are not
+  // reported. The reader's lock is held here, so that mutex_ must not be taken.
   void on_requested_deadline_missed(dds::DataReader*,
                                     const dds::RequestedDeadlineMissedStatus& status) override {
     {

@@ -1,4 +1,4 @@
-// Where alarms that began or ended are noted.
+// Takes the alarms that began or ended.
 #pragma once
 
 #include "bridge/store/records.hpp"

@@ -8,8 +8,8 @@ namespace fieldcast {
 class Audit {
  public:
   virtual ~Audit() = default;
-  // Any thread; never blocks, never fails. An entry that finds no room is written to the log
-  // instead, whole. An entry without a time (at == 0) gets the present one.
+  // Any thread; never blocks, never fails. When the queue is full, the whole entry is written to
+  // the log instead. An entry without a time (at == 0) gets the present one.
   virtual void append(AuditEntry entry) = 0;
 };
 

@@ -58,12 +58,12 @@ void Authenticator::authenticate(LoginAttempt attempt, std::function<void(LoginR
 
 void Authenticator::run(BoundedQueue<Waiting>& queue) {
   while (!queue.closed()) {
-    if (auto next = queue.take()) look_at(*std::move(next), queue);
+    if (auto next = queue.take()) handle(*std::move(next), queue);
   }
-  turn_away(queue);
+  refuse_all(queue);
 }
 
-void Authenticator::look_at(Waiting next, BoundedQueue<Waiting>& queue) {
+void Authenticator::handle(Waiting next, BoundedQueue<Waiting>& queue) {
   if (queue.closed()) return finish(std::move(next), refused(LoginRefused::Why::kUnavailable));
   const LoginAttempt& attempt = next.attempt;
   // Attempts that were sent all at once wait here; those behind the third wrong one come too soon
@@ -74,7 +74,7 @@ void Authenticator::look_at(Waiting next, BoundedQueue<Waiting>& queue) {
   count(attempt, result);
   finish(std::move(next), result);
   // A store that does not answer costs its time once, not once for each who waits.
-  if (!result && result.error().why == LoginRefused::Why::kUnavailable) turn_away(queue);
+  if (!result && result.error().why == LoginRefused::Why::kUnavailable) refuse_all(queue);
 }
 
 Duration Authenticator::throttled(const LoginAttempt& attempt) {
@@ -89,7 +89,7 @@ void Authenticator::count(const LoginAttempt& attempt, const LoginResult& result
     throttle_.failed(attempt.user, attempt.peer, steady_now());
 }
 
-void Authenticator::turn_away(BoundedQueue<Waiting>& queue) {
+void Authenticator::refuse_all(BoundedQueue<Waiting>& queue) {
   for (Waiting& waiting : queue.take_present())
     finish(std::move(waiting), refused(LoginRefused::Why::kUnavailable));
 }

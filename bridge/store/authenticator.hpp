@@ -1,5 +1,5 @@
-// Where users log in: one attempt after the other on a thread of its own, since a password costs
-// 0.1 s and 64 MiB to look at.
+// Checks logins: one attempt after the other on a thread of its own, since a password takes 0.1 s
+// and 64 MiB to check.
 #pragma once
 
 #include <memory>
@@ -29,11 +29,11 @@ class Authenticator final : public Logins {
     std::function<void(LoginResult)> done;
   };
   void run(BoundedQueue<Waiting>& queue);
-  void look_at(Waiting next, BoundedQueue<Waiting>& queue);
+  void handle(Waiting next, BoundedQueue<Waiting>& queue);
   [[nodiscard]] Duration throttled(const LoginAttempt& attempt);
   void count(const LoginAttempt& attempt, const LoginResult& result);
   [[nodiscard]] LoginResult verdict(const LoginAttempt& attempt);
-  void turn_away(BoundedQueue<Waiting>& queue);  // all who wait
+  void refuse_all(BoundedQueue<Waiting>& queue);  // all who wait
   void finish(Waiting waiting, const LoginResult& result);
 
   const StoreAddress address_;

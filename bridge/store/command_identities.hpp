@@ -43,8 +43,8 @@ class CommandIdentities {
   // the calls; at once, here, when too many wait.
   void enter(std::string requester, std::uint64_t request_id, Done done);
 
-  // What waits gets its verdict now, what comes later is not kept. Nothing is on its way when it
-  // returns, but for what enters meanwhile. One thread; a second call has no effect.
+  // What waits gets its verdict now; what comes later is not kept. When it returns, nothing is
+  // under way but what enters meanwhile. One thread; a second call has no effect.
   void close();
 
  private:

@@ -10,8 +10,8 @@ namespace fieldcast {
 
 class EventTable {
  public:
-  static constexpr std::int64_t kMaxKept =
-      1'000'000;  // audit entries, and as many alarms: the newest
+  // Audit entries, and as many alarms: the newest.
+  static constexpr std::int64_t kMaxKept = 1'000'000;
 
   explicit EventTable(SqlConnection& connection) : connection_(connection) {}
 

@@ -1,5 +1,5 @@
-// Argon2id of libsodium: the text that is kept of a password, and the question whether a password
-// is the one.
+// Argon2id of libsodium: makes the text that is kept of a password, and checks a password against
+// it.
 #pragma once
 
 #include <string>

@@ -117,8 +117,9 @@ class PostgresConnection final : public SqlConnection {
  public:
   PostgresConnection(std::string masked_address, Connection connection)
       : masked_address_(std::move(masked_address)), connection_(std::move(connection)) {
+    // "table exists": nothing to say.
     PQsetNoticeProcessor(
-        connection_.get(), [](void*, const char*) {}, nullptr);  // "table exists": nothing to say
+        connection_.get(), [](void*, const char*) {}, nullptr);
   }
 
   Dialect dialect() const override { return Dialect::kPostgres; }

@@ -13,8 +13,8 @@ namespace fieldcast {
 // Who did what, when, and what became of it: a login, a command, a transmission to a device.
 struct AuditEntry {
   UtcTime at;
-  std::string
-      who;  // the user, or the requester of a command; with the peer's address where there is one
+  // The user, or the requester of a command; with the peer's address where there is one.
+  std::string who;
   std::string what;    // "login", "write", "acquire", "program"
   std::string target;  // "press-shop/press-1/running"; empty: the bridge itself
   // Of a transmission. A command's are not counted: several may travel in one frame.

@@ -8,8 +8,8 @@
 namespace fieldcast {
 namespace {
 
-constexpr std::int64_t kShare =
-    20;  // a store that is too large loses its oldest twentieth of time, again and again
+// A store that is too large loses its oldest twentieth of time, again and again.
+constexpr std::int64_t kShare = 20;
 
 std::int64_t pragma(SqlConnection& connection, const char* name) {
   std::int64_t number = 0;

@@ -1,6 +1,6 @@
-// Removes what is older than it need be, and the oldest of all when the store is too large: a
-// little after each batch, so that nobody who stores has to wait for it. One owner, on the writer's
-// thread.
+// Removes samples that are older than the configuration keeps them, and the oldest ones when the
+// store is too large. It removes a few after each batch, so that no batch waits for it. One owner,
+// on the writer's thread.
 #pragma once
 
 #include <vector>
@@ -12,8 +12,8 @@ namespace fieldcast {
 
 class Retention {
  public:
-  static constexpr Duration kPause =
-      std::chrono::seconds{30};                   // between two passes over all channels
+  // Between two passes over all channels.
+  static constexpr Duration kPause = std::chrono::seconds{30};
   static constexpr std::uint64_t kAtOnce = 5000;  // samples in one step
 
   explicit Retention(const StoreSpec& spec) : spec_(spec) {}
@@ -26,8 +26,8 @@ class Retention {
 
   const StoreSpec spec_;
   Instant next_pass_ = kLongAgo;
-  std::vector<std::int64_t> channels_;  // still to be looked at in this pass
-  UtcTime before_;                      // what is older goes
+  std::vector<std::int64_t> channels_;  // still to be checked in this pass
+  UtcTime before_;                      // older samples are removed
   bool too_large_ = false;
 };
 

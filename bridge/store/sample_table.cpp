@@ -93,8 +93,8 @@ void SampleTable::insert(std::span<const SampleRow> samples) {
 
 std::size_t SampleTable::history(const Pattern& pattern, UtcTime from, UtcTime to,
                                  const std::function<bool(const StoredSample&)>& on_sample) {
-  std::vector<std::pair<std::int64_t, StoredSample>>
-      channels;  // a sample of each, without its values
+  // A sample of each, without its values.
+  std::vector<std::pair<std::int64_t, StoredSample>> channels;
   connection_.query(
       "select id, bus, device, channel, unit, type from channels order by bus, device, channel", {},
       [&](const SqlRow& row) {

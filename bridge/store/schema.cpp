@@ -95,8 +95,8 @@ void bring_to_present(SqlConnection& connection, const std::string& store_name) 
   if (is_present(connection)) return;  // nearly always: who only reads takes no lock
   SqlTransaction transaction(connection);
   if (connection.dialect() == SqlConnection::Dialect::kPostgres) {
-    connection.script(
-        "select pg_advisory_xact_lock(7021133)");  // any number, the same for all who do this
+    // Any number, the same for all who do this.
+    connection.script("select pg_advisory_xact_lock(7021133)");
   }
   connection.script("create table if not exists fieldcast_version (version bigint not null)");
   const std::int64_t version = version_of(connection);

@@ -23,8 +23,8 @@ class StoreError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-using SqlValue =
-    std::variant<std::monostate, std::int64_t, double, std::string>;  // monostate: null
+// std::monostate: null.
+using SqlValue = std::variant<std::monostate, std::int64_t, double, std::string>;
 using SqlRow = std::vector<SqlValue>;
 
 class SqlConnection {
@@ -35,7 +35,9 @@ class SqlConnection {
   [[nodiscard]] virtual Dialect dialect() const = 0;
 
   // Everything below throws StoreError. Statements are prepared once, by their text: few and
-  // constant ones only. Whole scripts, several statements, no parameters; not prepared.
+  // constant ones only.
+
+  // A script of several statements without parameters; it is not prepared.
   virtual void script(const std::string& sql) = 0;
   // One statement for each row of parameters; the rows that it changed.
   virtual std::uint64_t execute(const std::string& sql, std::span<const SqlRow> rows) = 0;
@@ -48,7 +50,7 @@ class SqlConnection {
   }
 };
 
-// Everything since its making happens at its commit, or not at all.
+// What is done from its construction on happens at its commit, or not at all.
 class SqlTransaction {
  public:
   explicit SqlTransaction(SqlConnection& connection);

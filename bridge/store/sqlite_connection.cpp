@@ -129,8 +129,8 @@ class SqliteConnection final : public SqlConnection {
 
   const std::string path_;
   Database database_;
-  std::map<std::string, Statement>
-      statements_;  // before the database goes: it waits for none of them
+  // Before the database goes: it waits for none of them.
+  std::map<std::string, Statement> statements_;
 };
 
 // SQLite gives its own files the permissions of the database's: passwords' hashes lie in all of

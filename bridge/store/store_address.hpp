@@ -14,10 +14,10 @@ class StoreAddress {
   explicit StoreAddress(std::string text) : text_(std::move(text)) {}
 
   [[nodiscard]] bool is_server() const;
-  [[nodiscard]] const std::string& text() const {
-    return text_;
-  }                                          // with the password: never for a log
-  [[nodiscard]] std::string masked() const;  // for logs: a password shows as ***
+  // With the password: never for a log.
+  [[nodiscard]] const std::string& text() const { return text_; }
+  // For logs: a password shows as ***.
+  [[nodiscard]] std::string masked() const;
   // A password with '/' or '@' that is not escaped: libpq would take a part of it for the host, and
   // show it.
   [[nodiscard]] bool is_ambiguous() const;

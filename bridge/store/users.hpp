@@ -1,4 +1,4 @@
-// Who may log in, and the one question that others ask: may this user, with this password?
+// The logins of users: whether a user with this password may log in.
 #pragma once
 
 #include <cstdint>
@@ -15,22 +15,22 @@ namespace fieldcast {
 struct LoginAttempt {
   std::string user;
   std::string password;
-  std::string peer;  // the address it comes from, without the port: guessing is slowed down by user
-                     // and peer
+  // The address it comes from, without the port: guessing is slowed down by user and peer.
+  std::string peer;
 };
 
 struct LoginRefused {
   enum class Why : std::uint8_t {
     kWrong,        // no such user, or another password: the same answer after the same time
-    kTooSoon,      // after wrong passwords: not looked at before `wait` is over
+    kTooSoon,      // after wrong passwords: not checked before `wait` is over
     kBusy,         // too many others log in
     kUnavailable,  // the store cannot be asked, or there is none
   };
   Why why = Why::kUnavailable;
   Duration wait{};  // with kTooSoon
 };
-[[nodiscard]] std::string to_text(
-    const LoginRefused& refused);  // one line for people and for the audit; no secret in it
+// One line for people and for the audit; no secret in it.
+[[nodiscard]] std::string to_text(const LoginRefused& refused);
 
 using LoginResult = tl::expected<Role, LoginRefused>;
 
@@ -42,8 +42,9 @@ class Logins {
   static constexpr std::size_t kMaxPasswordBytes = 1024;
 
   virtual ~Logins() = default;
-  // Any thread; never blocks. `done` is called exactly once, within 30 s: at once for what needs no
-  // thought, else on a thread of the logins, where it must only post. Every attempt is audited.
+  // Any thread; never blocks. `done` is called exactly once, within 30 s: at once for an attempt
+  // that need not be checked, else on a thread of the logins, where it must only post. Every
+  // attempt is audited.
   virtual void authenticate(LoginAttempt attempt, std::function<void(LoginResult)> done) = 0;
 };
 

@@ -177,7 +177,7 @@ struct RestartTest : testing::Test {
 TEST_F(RestartTest, CommandsOfTheFirstLifeAreNotExecutedAgain) {
   test::ModbusDevice device(pty);
   PlantSystem plant(domain.number());
-  {
+  {  // the first bridge is killed at the end: it says no farewell
     const auto first = start(device);
     ASSERT_TRUE(plant.matched_by(1));
     for (std::uint64_t id = 1; id <= kCommands; ++id) plant.write(id);
@@ -186,7 +186,7 @@ TEST_F(RestartTest, CommandsOfTheFirstLifeAreNotExecutedAgain) {
       ASSERT_TRUE(result) << id;
       EXPECT_EQ(result->state, CommandState::kDone) << result->reason;
     }
-  }  // killed: it says no farewell
+  }
   ASSERT_TRUE(plant.matched_by(0));
   const auto second = start(device);
   ASSERT_TRUE(plant.matched_by(1));

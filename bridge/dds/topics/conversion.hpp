@@ -79,8 +79,8 @@ void to_idl(const ProgramSessionReport& report, idl::ProgramSession& out);
 [[nodiscard]] ProgramSessionReport from_idl(const idl::ProgramSession& session);
 // ---- alarms
 
-void to_idl(const AlarmChange& change, const UtcMapping& mapping,
-            idl::Alarm& out);  // all but the names
+// All but the names.
+void to_idl(const AlarmChange& change, const UtcMapping& mapping, idl::Alarm& out);
 // Nothing for a limit that is no alarm's.
 [[nodiscard]] std::optional<StationAlarm> from_idl(const idl::Alarm& alarm);
 

@@ -9,8 +9,8 @@ std::string cut_text(std::string_view text, std::size_t limit) {
   text = text.substr(0, text.find('\0'));
   if (text.size() <= limit) return std::string(text);
   std::size_t end = limit;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80)
-    --end;  // never inside a character
+  // Never inside a character.
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
   return std::string(text.substr(0, end));
 }
 

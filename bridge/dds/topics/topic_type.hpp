@@ -3,12 +3,12 @@
 //
 // fastddsgen 2.3 leaves three traps, closed here and in AdaptedType (fastdds.hpp):
 //  - getKey() works in members of the one type object that all endpoints of a participant share:
-//  two threads mix up their keys.
+//    two threads mix up their keys.
 //  - It does not clear its buffer, so that the padding between two strings holds bytes of the key
-//  before: one channel gets many
-//    instances, and the note that it is gone belongs to none of them.
+//    before: one channel gets many instances, and the note that it is gone belongs to none of them.
 //  - deserialize() catches a single exception type and trusts lengths that came from the network:
-//  hostile bytes end the process.
+//    hostile bytes end the process.
+//
 // Objects of this class may be used from any thread.
 #pragma once
 

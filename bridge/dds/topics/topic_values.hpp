@@ -40,8 +40,8 @@ struct StationChannel {
   friend bool operator==(const StationChannel&, const StationChannel&) = default;
 };
 
-using CauseCounts =
-    std::map<std::string, std::uint64_t>;  // only causes that occurred, by name: "CHECKSUM"
+// Only causes that occurred, by name: "CHECKSUM".
+using CauseCounts = std::map<std::string, std::uint64_t>;
 
 struct StationBusStatus {
   std::string bridge, bus;
@@ -71,8 +71,8 @@ struct StationAlarm {
 struct StationCommand {
   std::string bus;
   Command command;
-  Duration lifespan =
-      std::chrono::seconds{5};  // the bridge never starts it later than this after it was written
+  // The bridge never starts it later than this after it was written.
+  Duration lifespan = std::chrono::seconds{5};
 };
 struct StationResult {
   std::string requester;

@@ -2,7 +2,7 @@
 // of every endpoint comes from its row. Values; any thread.
 //
 // Every keyed endpoint has resource limits of its own: the library's default is 10 instances, and
-// of 100 channels 90 would vanish without a word.
+// of 100 channels 90 would vanish without a message.
 #pragma once
 
 #include <array>
@@ -27,7 +27,7 @@ inline constexpr std::int32_t kChannelsPerWriter = 256;
 inline constexpr std::int32_t kMaxChannels = 100'000;
 // A reader that is found costs time that grows with their square (bus_catalogue.hpp).
 inline constexpr std::int32_t kChannelsPerCatalogueWriter = 1024;
-inline constexpr std::int32_t kMaxDevices = 10'000;  // the same for status
+inline constexpr std::int32_t kMaxDevices = 10'000;  // the same limits for status
 inline constexpr std::int32_t kMaxAlarms = 100'000;  // limits that were ever passed, the same
 // Commands not yet acknowledged, commands and results not yet taken.
 inline constexpr std::int32_t kMaxPendingCommands = 4096;
@@ -65,20 +65,21 @@ constexpr Holding all_of(std::int32_t instances, std::int32_t samples) {
 // Who takes part in the lease of automatic liveliness.
 enum class Lease : std::uint8_t {
   kNone,
-  kWriters,  // they promise it; a reader that asks for nothing matches any vendor's default
+  kWriters,  // writers promise it; a reader that asks for none matches any vendor's default
   kBoth,     // readers ask for it too
 };
 // What unregistering an instance means to readers.
 enum class Unregister : std::uint8_t {
   kDisposes,  // the instance is gone
-  kLetsGo,    // the writer has no more to say of it
+  kLetsGo,    // the writer writes it no more
 };
 
 // How a lost message is noticed.
 enum class Repair : std::uint8_t {
-  kSoon,    // a heartbeat with every message, and each 50 ms: within some 10 ms
-  kSaving,  // a heartbeat each 200 ms while something is not acknowledged. Heartbeats, their
-            // answers and the timers behind them wake threads on both sides: more work than a block
+  kSoon,  // a heartbeat with every message, and each 50 ms: within some 10 ms
+  // A heartbeat each 200 ms while something is not acknowledged. Heartbeats, their answers and the
+  // timers behind them wake threads on both sides: more work than a block.
+  kSaving,
 };
 
 struct TopicRow {

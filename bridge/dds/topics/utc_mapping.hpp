@@ -7,8 +7,8 @@
 namespace fieldcast {
 
 struct UtcMapping {
-  Instant instant{};  // the engine's clock, and
-  UtcTime utc{};      // the wall clock at the same moment
+  Instant instant{};  // of the engine's clock
+  UtcTime utc{};      // of the wall clock, at the same moment
 
   // 0 ("no such time") for kLongAgo and kNever. Saturates instead of wrapping.
   [[nodiscard]] UtcTime to_utc(Instant at) const;
