@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A plant on your desk: simulated devices on simulated serial lines, the bridge, and a live table of what it publishes.
+# A whole plant on one machine: simulated devices on simulated serial lines, the bridge, and a live table of what it publishes.
 #
 #   tools/demo.sh [--seconds N] [--config FILE] [--domain N] [--bin DIR]
 #
