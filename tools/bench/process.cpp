@@ -66,8 +66,8 @@ double Process::cpu_seconds() const {
   std::string text((std::istreambuf_iterator<char>(file)), {});
   std::istringstream fields(text.substr(text.rfind(')') + 2));
   std::string skipped;
-  for (int i = 0; i < 11; ++i)
-    fields >> skipped;  // proc(5): state is the third field, utime the 14th
+  // Proc(5): state is the third field, utime the 14th.
+  for (int i = 0; i < 11; ++i) fields >> skipped;
   double user = 0;
   double system = 0;
   fields >> user >> system;

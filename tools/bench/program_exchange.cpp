@@ -1,4 +1,4 @@
-// One megabyte of questions and answers over a line of 115200 7E2: directly over a pseudo-terminal
+// One megabyte of requests and answers over a line of 115200 7E2: directly over a pseudo-terminal
 // pair, and through fieldcast-port, a network with a delay, the bridge and a module. The PLC's end
 // is the same in both: it takes the time of the wire for every character. Both run at the same
 // time: they sleep nearly always.
@@ -26,7 +26,7 @@ namespace {
 constexpr double kCharacter = 11.0 / 115200;  // 7E2: start, seven bits, parity, two stops
 // As a program upload: 0306 for a block of 512 bytes, its answer in hexadecimal digits (FINS
 // program read).
-constexpr std::size_t kQuestion = 38, kAnswer = 1067;
+constexpr std::size_t kRequest = 38, kAnswer = 1067;
 constexpr std::size_t kPiece = 64;  // characters that a module or a UART hands over at once
 
 void wait_for_line(Clock::time_point& line, std::size_t characters) {
@@ -36,7 +36,7 @@ void wait_for_line(Clock::time_point& line, std::size_t characters) {
   std::this_thread::sleep_until(line);
 }
 
-// Answers every question until its stream ends.
+// Answers every request until its stream ends.
 void serve_as_plc(int fd) {
   Bytes answer(kAnswer, '5');
   answer.back() = '\r';
@@ -58,13 +58,13 @@ void serve_as_plc(int fd) {
 
 // Seconds for one exchange, over as many as make the bytes.
 double run_software(int fd, double bytes) {
-  Bytes question(kQuestion, '0');
-  question.back() = '\r';
+  Bytes request(kRequest, '0');
+  request.back() = '\r';
   const int exchanges =
-      std::max(3, static_cast<int>(bytes / static_cast<double>(kQuestion + kAnswer)));
+      std::max(3, static_cast<int>(bytes / static_cast<double>(kRequest + kAnswer)));
   const auto start = Clock::now();
   for (int i = 0; i < exchanges; ++i) {
-    send_all(fd, question);
+    send_all(fd, request);
     for (std::size_t received = 0; received < kAnswer;) {
       const Bytes part = receive_some(fd, 4096);
       if (part.empty()) throw std::runtime_error("the line ended");
@@ -205,7 +205,7 @@ void exchange_bench(const ExchangeOptions& options) {
   print_figure("exchange directly over a terminal pair", alone * 1e3, "ms", "");
   print_figure("exchange through port, network, bridge and module", took * 1e3, "ms", "");
   print_figure("delay added to each round trip", options.delay_ms, "ms", "");
-  print_figure("rate against what question and answer allow", 100 * ideal / took, "%",
+  print_figure("rate against what request and answer allow", 100 * ideal / took, "%",
                options.delay_ms > 0 ? ">= 95" : ">= 97");
 }
 

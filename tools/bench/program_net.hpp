@@ -28,8 +28,8 @@ using Clock = std::chrono::steady_clock;
 void send_all(int fd, ByteView bytes);  // throws std::runtime_error when the peer is gone
 [[nodiscard]] Bytes receive_some(int fd,
                                  std::size_t most);  // blocks; empty at the end of the stream
-[[nodiscard]] std::string receive_until(
-    int fd, std::string_view end);  // with the end; byte by byte: for short things
+// With the end; byte by byte: for short things.
+[[nodiscard]] std::string receive_until(int fd, std::string_view end);
 
 // Asks for a device with framing by length until it is there; throws when it is refused otherwise.
 [[nodiscard]] FileDescriptor paired_client(std::uint16_t port, const std::string& number);
@@ -52,7 +52,7 @@ class ProgramBridge {
 
 // The three benches.
 struct ExchangeOptions {
-  double bytes = 1e6;   // questions and answers together
+  double bytes = 1e6;   // requests and answers together
   double delay_ms = 0;  // added to each round trip
   bool markers = false;
 };

@@ -24,9 +24,9 @@ namespace fieldcast::bench {
 namespace {
 
 constexpr std::size_t kChannels = 1000;
-constexpr std::size_t kBlock = 100;                       // samples of one answer
-constexpr Duration kBeat = std::chrono::milliseconds{5};  // 200 answers a second
-constexpr unsigned kBeats = 200;                          // in a second
+constexpr std::size_t kBlock = 100;                         // samples of one answer
+constexpr Duration kPeriod = std::chrono::milliseconds{5};  // 200 answers a second
+constexpr unsigned kAnswers = 200;                          // in a second
 
 BusSpec bus() {
   BusSpec made;
@@ -39,10 +39,10 @@ BusSpec bus() {
   return made;
 }
 
-std::vector<Sample> block(std::uint64_t beat, Instant now) {
+std::vector<Sample> block(std::uint64_t answer, Instant now) {
   std::vector<Sample> samples(kBlock);
   for (std::size_t i = 0; i < kBlock; ++i) {
-    const std::uint64_t number = beat * kBlock + i;
+    const std::uint64_t number = answer * kBlock + i;
     Sample& sample = samples[i];
     sample.channel = static_cast<ChannelIndex>(number % kChannels);
     sample.value = 0.001 * static_cast<double>(number);
@@ -56,18 +56,19 @@ std::vector<Sample> block(std::uint64_t beat, Instant now) {
 struct Costs {
   std::vector<double> lateness, put;  // microseconds
 };
-// A bus that has an answer at every beat, as a thread that keeps its time like those of the bridge.
+// A bus that has an answer once in each period, as a thread that keeps its time like those of the
+// bridge.
 Costs acquire(Store::Intake* intake, double seconds) {
   prctl(PR_SET_TIMERSLACK, 1000UL);
   Costs costs;
   auto next = std::chrono::steady_clock::now();
-  const auto beats = static_cast<std::uint64_t>(seconds * kBeats);
-  for (std::uint64_t beat = 0; beat < beats; ++beat) {
-    next += kBeat;
+  const auto answers = static_cast<std::uint64_t>(seconds * kAnswers);
+  for (std::uint64_t answer = 0; answer < answers; ++answer) {
+    next += kPeriod;
     std::this_thread::sleep_until(next);
     const auto began = std::chrono::steady_clock::now();
     const UtcMapping mapping = read_clocks();
-    const auto samples = block(beat, mapping.instant);
+    const auto samples = block(answer, mapping.instant);
     const auto made = std::chrono::steady_clock::now();
     if (intake) intake->put(samples, mapping, mapping.utc);
     costs.lateness.push_back(std::chrono::duration<double, std::micro>(began - next).count());
@@ -88,9 +89,9 @@ double cpu_of_process() {
 
 void print_costs(const char* what, Costs& costs) {
   std::printf("%s\n", what);
-  print_figure("  a beat comes late by, median", quantile(costs.lateness, 0.5), "us", "");
-  print_figure("  a beat comes late by, p99", quantile(costs.lateness, 0.99), "us", "");
-  print_figure("  a beat comes late by, most", quantile(costs.lateness, 1.0), "us", "");
+  print_figure("  an answer comes late by, median", quantile(costs.lateness, 0.5), "us", "");
+  print_figure("  an answer comes late by, p99", quantile(costs.lateness, 0.99), "us", "");
+  print_figure("  an answer comes late by, most", quantile(costs.lateness, 1.0), "us", "");
   print_figure("  handing 100 samples over, median", quantile(costs.put, 0.5), "us", "");
   print_figure("  handing 100 samples over, p99", quantile(costs.put, 0.99), "us", "");
   print_figure("  handing 100 samples over, most", quantile(costs.put, 1.0), "us", "");
@@ -108,7 +109,7 @@ void throughput(const std::string& address, double seconds) {
   const bool flushed = store.flush(std::chrono::seconds{30});
   const double spent = cpu_of_process() - cpu;
   print_costs("20 000 samples a second, with the store", with);
-  const double put = seconds * kBeats * kBlock;
+  const double put = seconds * kAnswers * kBlock;
   print_figure("  samples stored of those put", static_cast<double>(store.counters().stored) / put,
                "", flushed ? "goal 1" : "not flushed");
   print_figure("  samples dropped", static_cast<double>(store.counters().dropped), "", "goal 0");
@@ -186,10 +187,10 @@ void saturated(double seconds) {
   Store store(StoreSpec{address});
   const auto intake = store.intake(bus());
   auto next = std::chrono::steady_clock::now();
-  for (std::uint64_t beat = 0;; ++beat) {
-    std::this_thread::sleep_until(next += kBeat);
+  for (std::uint64_t answer = 0;; ++answer) {
+    std::this_thread::sleep_until(next += kPeriod);
     const UtcMapping mapping = read_clocks();
-    intake->put(block(beat, mapping.instant), mapping, mapping.utc);
+    intake->put(block(answer, mapping.instant), mapping, mapping.utc);
     const std::uint64_t stored = store.counters().stored;
     if (::write(tell, &stored, sizeof stored) != sizeof stored) ::_exit(1);
   }

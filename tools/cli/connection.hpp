@@ -14,10 +14,10 @@
 
 namespace fieldcast::cli {
 
-inline constexpr Duration kBridgeWait =
-    std::chrono::seconds{5};  // until a bridge must have shown itself
-inline constexpr Duration kQuietTime =
-    std::chrono::milliseconds{700};  // nothing new for so long: what is there is known
+// Until a bridge must have shown itself.
+inline constexpr Duration kBridgeWait = std::chrono::seconds{5};
+// When nothing new came for so long, everything that is there is known.
+inline constexpr Duration kQuietTime = std::chrono::milliseconds{700};
 
 struct ConnectionOptions {
   std::string config;                   // its `dds:` section; empty: none

@@ -40,7 +40,8 @@ class DomainView {
   void subscribe_samples();
   void subscribe_status();
   void subscribe_results();
-  void subscribe_program_sessions();  // and bus status, which tells that a bridge is there
+  // Bus status comes too: it tells that a bridge is there.
+  void subscribe_program_sessions();
   void subscribe_alarms();
 
   [[nodiscard]] Station& station() { return station_; }
@@ -49,8 +50,8 @@ class DomainView {
 
  private:
   Interrupt& interrupt_;
-  BoundedQueue<DomainEvent> inbox_{
-      kMaxWaiting};  // before the station: its threads write here until it is gone
+  // Before the station: its threads write here until it is gone.
+  BoundedQueue<DomainEvent> inbox_{kMaxWaiting};
   Station station_;
 };
 

@@ -1,4 +1,4 @@
-// Which store a command looks into: that of a configuration file, or the one named.
+// Which store a command opens: that of a configuration file, or the one named.
 #pragma once
 
 #include <memory>

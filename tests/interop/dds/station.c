@@ -32,11 +32,11 @@ dds_entity_t need(dds_entity_t entity, const char* what) {
 
 bool matched(dds_entity_t writer, dds_entity_t reader, dds_time_t until) {
   for (; dds_time() < until; dds_sleepfor(DDS_MSECS(10))) {
-    dds_publication_matched_status_t heard = {0};
-    dds_subscription_matched_status_t hears = {0};
-    dds_get_publication_matched_status(writer, &heard);
-    dds_get_subscription_matched_status(reader, &hears);
-    if (heard.current_count > 0 && hears.current_count > 0) return true;
+    dds_publication_matched_status_t published = {0};
+    dds_subscription_matched_status_t subscribed = {0};
+    dds_get_publication_matched_status(writer, &published);
+    dds_get_subscription_matched_status(reader, &subscribed);
+    if (published.current_count > 0 && subscribed.current_count > 0) return true;
   }
   return false;
 }

@@ -48,7 +48,7 @@ TEST(WatchModel, AwaitsChannelsThatPromiseSamplesOnly) {
   EXPECT_EQ(model.awaited(), 1u);
   EXPECT_EQ(model.awaited(true), 2u);
   model.on_sample(sample("d", "promised", false, Quality::kBadNoAnswer),
-                  kStart);  // bad news are news
+                  kStart);  // a bad value counts as well
   EXPECT_EQ(model.awaited(), 0u);
 }
 
@@ -57,7 +57,7 @@ TEST(WatchModel, AnInterestThatChangesNothingIsRemarked) {
   EXPECT_THAT(model.interest_remark(200ms).value_or(""),
               HasSubstr("the interest in bus/d/* meets nothing"));
   model.on_channel(channel("d", "granted", 200ms));
-  model.on_channel(channel("d", "faster than wished", 100ms));
+  model.on_channel(channel("d", "faster than asked for", 100ms));
   model.on_channel(channel("other", "not ours", 1s));
   EXPECT_FALSE(model.interest_remark(200ms));
   model.on_channel(channel("d", "read anyway", 1s));

@@ -74,11 +74,11 @@ ExitCode CommandRun::why_not() const {
 
 bool CommandRun::send(Errand& errand) {
   errand.command.lifespan = options_.timeout;
-  // In short turns, so that Ctrl-C is not kept waiting for a bridge that does not take commands.
-  constexpr Duration kTurn = std::chrono::milliseconds{100};
+  // Waits are short, so that Ctrl-C does not wait for a bridge that takes no commands.
+  constexpr Duration kShortWait = std::chrono::milliseconds{100};
   auto& outcome = errand.outcome;
   for (const auto until = instant_now() + kBridgeWait; !domain_.interrupted();) {
-    const auto sent = domain_.station().send(errand.command, kTurn);
+    const auto sent = domain_.station().send(errand.command, kShortWait);
     if (sent) {
       outcome.result.request_id = *sent;
       return true;

@@ -13,16 +13,16 @@
 
 namespace fieldcast::cli {
 
-// One command on its way; `command` is not looked at when the outcome says already that it is not
-// to be sent.
+// One command on its way. `command` is not used when the outcome says already that it is not to be
+// sent.
 struct Errand {
   StationCommand command;
   Outcome outcome;
   [[nodiscard]] bool to_be_sent() const { return outcome.state == Outcome::State::kResult; }
 };
 
-// For a command to an address `at` on a bus that nobody announced. Of a device that is unknown on
-// its bus the bridge itself tells.
+// For a command to an address `at` on a bus that no bridge announced. When only the device is
+// unknown, the bridge refuses the command.
 [[nodiscard]] Errand unknown_bus(ChannelPath path, const std::string& at, bool write,
                                  const Catalogue& catalogue);
 
@@ -30,16 +30,16 @@ class CommandRun {
  public:
   struct Options {
     bool json = false;
-    Duration timeout =
-        std::chrono::seconds{5};  // the command's lifespan; its result may take kResultGrace longer
+    // The command's lifespan; its result may take kResultGrace longer.
+    Duration timeout = std::chrono::seconds{5};
   };
   // REQUIRES: the domain view lives longer.
   CommandRun(DomainView& domain, const DdsSpec& spec, Options options, std::ostream& out,
              std::ostream& err);
 
-  // Reads the catalogue until it holds every path, or until nothing new comes: of a path without a
-  // channel everything is wanted, or, with kDevice, no more than that the device is there. False:
-  // nobody is there, or Ctrl-C; said on err.
+  // Reads the catalogue until it holds every path, or until nothing new comes. For a path without a
+  // channel it waits for all channels; with kDevice only until the device is there. False: no
+  // bridge is there, or Ctrl-C; err says which.
   enum class Wanted : unsigned char { kChannels, kDevice };
   [[nodiscard]] bool learn(const std::vector<ChannelPath>& paths,
                            Wanted wanted = Wanted::kChannels);

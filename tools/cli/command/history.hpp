@@ -1,4 +1,4 @@
-// `fieldcast history`: the stored samples of channels, as lines, CSV or JSON lines. Looks into the
+// `fieldcast history`: the stored samples of channels, as lines, CSV or JSON lines. Reads the
 // store, needs no bridge.
 #pragma once
 

@@ -12,8 +12,8 @@
 namespace fieldcast::cli {
 namespace {
 
-constexpr std::size_t kMaxHexCharacters =
-    65536;  // of the whole input; a frame is far shorter, a slip of the hand far longer
+// Of the whole input; a frame is far shorter, a slip of the hand far longer.
+constexpr std::size_t kMaxHexCharacters = 65536;
 
 std::string hex_of(const InspectOptions& options, std::istream& in) {
   std::string hex;

@@ -15,7 +15,7 @@ struct PlanOptions {
   std::string config;
   bool json = false;
   Duration answer_time = kAssumedAnswerTime;
-  Duration simulate{};  // so long in virtual time, against simulated devices; 0: only plan
+  Duration simulate{};  // virtual time against simulated devices; 0: only plan
   std::uint64_t seed = 1;
   std::string faults;  // file with what goes wrong in the simulated plant; empty: nothing
 };

@@ -14,8 +14,8 @@ namespace fieldcast::cli {
 struct StatusOptions {
   ConnectionOptions connection;
   bool json = false;
-  std::optional<Duration>
-      time;  // follows it for so long: a live table, or a line for each report; nothing: once
+  // Follows it for so long: a live table, or a line for each report; nothing: once.
+  std::optional<Duration> time;
 };
 
 // kOk when a bus reported, else kNoBridge. Throws DdsError.

@@ -1,4 +1,4 @@
-// `fieldcast user add|list|remove`: who may log in. Looks into the store, needs no bridge.
+// `fieldcast user add|list|remove`: who may log in. Opens the store, needs no bridge.
 #pragma once
 
 #include <iosfwd>
@@ -16,8 +16,9 @@ struct UserOptions {
   Action action = Action::kList;
   std::string name;
   Role role = Role::kViewer;
-  std::string password_file;  // its first line; empty: asked for, or the first line of `in`. Never
-                              // an argument: others could read it
+  // Its first line; empty: asked for, or the first line of `in`. Never an argument: others could
+  // read it.
+  std::string password_file;
   bool json = false;
 };
 

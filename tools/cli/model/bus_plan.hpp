@@ -18,8 +18,8 @@ struct BusPlan {
   std::vector<std::unique_ptr<Protocol>> protocols;  // one for each device; `input` points to them
   Duration answer_time{};                            // assumed of every device
   ScheduleInput input;
-  std::vector<std::optional<PointIndex>>
-      point_of;  // for each channel in the order of the spec; nothing: it is never read by itself
+  // For each channel in the order of the spec; nothing: it is never read by itself.
+  std::vector<std::optional<PointIndex>> point_of;
   Prediction prediction;
 };
 

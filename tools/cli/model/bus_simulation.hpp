@@ -24,7 +24,7 @@ struct BusSimulation {
   SimulationOptions options;
   BusReport bus;                        // its measured load covers the whole run
   std::vector<DeviceReport> devices;    // in the order of the spec
-  std::vector<ChannelReport> channels;  // the same
+  std::vector<ChannelReport> channels;  // in the order of the spec
   std::uint64_t fingerprint = 0;  // two runs share it only when everything they did was the same
 };
 

@@ -16,7 +16,7 @@ inline constexpr const char* kProtocolHelp =
     "modbus-rtu, omron-hostlink, .., or a declaration: instrument, ./mine.yaml";
 
 struct NamedProtocol {
-  const ProtocolEntry* built_in = nullptr;  // or
+  const ProtocolEntry* built_in = nullptr;  // null: it is declared
   declared::SharedDeclaration declaration;
   [[nodiscard]] std::string_view name() const {
     return built_in != nullptr ? built_in->name : std::string_view(declaration.value->name);

@@ -35,7 +35,7 @@ class WatchModel {
   struct Row {
     StationSample sample;  // NOT_YET_READ until one came
     RateMeter rate;
-    bool gone = false;  // its bridge let go of it
+    bool gone = false;  // its bridge removed it, or is gone
   };
 
   explicit WatchModel(Pattern pattern) : pattern_(std::move(pattern)) {}
@@ -54,15 +54,14 @@ class WatchModel {
   [[nodiscard]] double rate(Instant now) const { return rate_.rate(now); }
   [[nodiscard]] std::size_t good() const;
   [[nodiscard]] std::size_t sampled() const;  // channels of which at least one sample came
-  [[nodiscard]] bool anything_announced() const {
-    return announced_;
-  }  // a bridge is there, whatever it has
+  // A bridge is there, with channels or without.
+  [[nodiscard]] bool anything_announced() const { return announced_; }
   // Announced channels that promise samples and of which no real one came yet; with an interest of
   // ours every one of them promises.
   [[nodiscard]] std::size_t awaited(bool interested = false) const;
 
-  // What is to be told of our interest for this refresh when the bridges had time to read it: why
-  // it changes nothing for some channels, or for any. Nothing: it holds for all.
+  // A remark about our interest at this refresh, once the bridges had time to read it: why it
+  // changes nothing for some channels, or for any. Nothing: it holds for all.
   [[nodiscard]] std::optional<std::string> interest_remark(Duration refresh) const;
 
   [[nodiscard]] const Station::BlockCounters& counters() const { return counters_; }

@@ -20,8 +20,8 @@ namespace fieldcast::cli {
 
 [[nodiscard]] std::string history_line(const StoredSample& sample);
 [[nodiscard]] std::string history_csv_head();
-[[nodiscard]] std::string history_csv(
-    const StoredSample& sample);  // RFC 4180; a value that was never read is empty
+// RFC 4180; a value that was never read is empty.
+[[nodiscard]] std::string history_csv(const StoredSample& sample);
 [[nodiscard]] std::string audit_line(const AuditEntry& entry);
 [[nodiscard]] std::string alarm_line(const AlarmRecord& alarm);
 

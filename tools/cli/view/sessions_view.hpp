@@ -12,8 +12,8 @@
 
 namespace fieldcast::cli {
 
-using SessionsModel =
-    std::map<std::pair<std::string, std::string>, ProgramSessionReport>;  // by bus and device
+// By bus and device.
+using SessionsModel = std::map<std::pair<std::string, std::string>, ProgramSessionReport>;
 
 [[nodiscard]] std::vector<std::string> sessions_lines(const SessionsModel& model, UtcTime now,
                                                       const Screen& screen);

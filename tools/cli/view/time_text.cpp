@@ -37,8 +37,8 @@ std::optional<Duration> take_date(std::string_view& text) {
   const chrono::year_month_day date{chrono::year{*year},
                                     chrono::month{static_cast<unsigned>(*month)},
                                     chrono::day{static_cast<unsigned>(*day)}};
-  if (!date.ok() || *year < 1970 || *year > 2261)
-    return std::nullopt;  // what fits 64 bits of nanoseconds
+  // What fits 64 bits of nanoseconds.
+  if (!date.ok() || *year < 1970 || *year > 2261) return std::nullopt;
   return Duration{chrono::sys_days{date}.time_since_epoch()};
 }
 
