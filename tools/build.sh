@@ -18,7 +18,10 @@ while [ $# -gt 0 ]; do
 done
 [ "${#targets[@]}" -gt 0 ] || targets=(all)
 
-[ -f "$folder/CMakeCache.txt" ] || options+=(-G Ninja)  # a folder that exists keeps its generator
+if [ ! -f "$folder/CMakeCache.txt" ]; then  # a folder that exists keeps its generator
+  options+=(-G Ninja)
+  echo "configuring $folder" >&2
+fi
 if ! log=$(cmake -S . -B "$folder" "${options[@]}" 2>&1); then
   echo "$log" >&2
   exit 1
