@@ -37,7 +37,7 @@ int main(int count, char** arguments) {
       sum.commands += counts.commands;
       sum.wrong += counts.wrong;
       if (!counts.first_wrong.empty())
-        std::printf("  seed %llu: %s\n", static_cast<unsigned long long>(run + 1),
+        std::printf("  seed %llu: %s\n", static_cast<unsigned long long>(run) + 1,
                     counts.first_wrong.c_str());
     }
     std::printf(
