@@ -40,6 +40,13 @@ void Bridge::set_trace(bool on) {
   for (auto& [name, bus] : state_->buses) bus.runner->set_trace(on);
 }
 
+std::vector<BusTurn> Bridge::turns() const {
+  const std::lock_guard lock(state_->changing);
+  std::vector<BusTurn> turns;
+  for (const auto& [name, bus] : state_->buses) turns.push_back({name, bus.runner->last_turn()});
+  return turns;
+}
+
 void Bridge::stop() {
   const std::lock_guard lock(state_->changing);
   state_->stop_all();

@@ -11,6 +11,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
+#include "bridge/service/standing_bus.hpp"
 #include "core/model/spec.hpp"
 
 namespace fieldcast {
@@ -38,6 +39,9 @@ class Bridge {
 
   // The wire trace of every bus.
   void set_trace(bool on);
+
+  // When the thread of each bus last turned (BusRunner::last_turn).
+  [[nodiscard]] std::vector<BusTurn> turns() const;
 
   // Every pending command is answered, every instance disposed. In under two seconds.
   void stop();

@@ -12,6 +12,7 @@
 #include "bridge/bus/clock.hpp"
 #include "bridge/dds/library.hpp"
 #include "bridge/log/log.hpp"
+#include "bridge/service/service.hpp"
 #include "bridge/signals.hpp"
 #include "config/loader.hpp"
 #include "core/model/overlap.hpp"
@@ -165,15 +166,22 @@ ExitCode serve(Signals& signals, const BridgeSpec& spec, const DaemonOptions& op
   }
   log_info(spec.name,
            fmt::format("running: {} buses, DDS domain {}", spec.buses.size(), spec.dds.domain));
+  Service service(notify_address(), watchdog_limit());
+  service.ready(fmt::format("{} buses, DDS domain {}", spec.buses.size(), spec.dds.domain));
   Reloader reloader(bridge, options.configuration);
   for (;;) {
-    switch (const int signal =
-                signals.wait(reloader.waits() ? Reloader::kTryAgain : kHousekeeping)) {
+    if (service.watched()) service.look(bridge.turns(), steady_now());
+    const Duration sleep = service.sleep(reloader.waits() ? Reloader::kTryAgain : kHousekeeping);
+    switch (const int signal = signals.wait(sleep)) {
       case 0:
         log_summaries(steady_now());
         if (reloader.waits()) reloader.go_on();
         break;
-      case SIGHUP: reloader.begin(); break;
+      case SIGHUP:
+        service.reloading(steady_now());
+        reloader.begin();
+        service.ready(reloader.waits() ? "a reload waits for the end of programming" : "running");
+        break;
       case SIGUSR1:
         trace = !trace;
         bridge.set_trace(trace);
@@ -181,6 +189,7 @@ ExitCode serve(Signals& signals, const BridgeSpec& spec, const DaemonOptions& op
         break;
       default:
         log_info(spec.name, fmt::format("stopping ({})", ::sigabbrev_np(signal)));
+        service.stopping();
         bridge.stop();
         log_info(spec.name, "stopped");
         return ExitCode::kOk;

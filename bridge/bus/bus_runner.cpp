@@ -90,6 +90,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
 
   Gate& gate() { return *gate_; }
   std::atomic<std::size_t> waiting{0};
+  std::atomic<Instant> last_turn{steady_now()};
 
   void start() {
     next_tick_ = std::chrono::steady_clock::now();
@@ -283,6 +284,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
 
   void tick() {
     const Instant now = steady_now();
+    last_turn = now;
     mapping_ = read_clocks();
     notices_.tick(now);
     report(now);
@@ -377,6 +379,8 @@ void BusRunner::end_lease(std::uint64_t lease, std::optional<std::string> lost) 
 void BusRunner::set_trace(bool on) {
   loop_->gate().post([loop = loop_, on] { loop->set_trace(on); });
 }
+
+Instant BusRunner::last_turn() const { return loop_->last_turn; }
 
 std::future<void> BusRunner::stop() {
   auto done = std::make_shared<std::promise<void>>();

@@ -70,6 +70,10 @@ class BusRunner {
   // opened anew. A lease that was revoked is over already.
   void end_lease(std::uint64_t lease, std::optional<std::string> lost);
 
+  // When the io thread last came round to the report of each second: older than some seconds, it
+  // hangs in a driver.
+  [[nodiscard]] Instant last_turn() const;
+
   // Answers every pending command with kShutdown, reports the bus as stopped and closes the port.
   // Ready when nothing of this bus will happen any more. Once.
   [[nodiscard]] std::future<void> stop();

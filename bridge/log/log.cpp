@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/sinks/base_sink.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -41,17 +42,31 @@ std::string_view colour_of(spdlog::level::level_enum level) {
   }
 }
 
+// sd-daemon(3): SD_ERR, SD_WARNING, SD_INFO, SD_DEBUG.
+std::string_view priority_of(spdlog::level::level_enum level) {
+  switch (level) {
+    case spdlog::level::info: return "<6>";
+    case spdlog::level::warn: return "<4>";
+    case spdlog::level::err: return "<3>";
+    default: return "<7>";
+  }
+}
+
+// What a line has before and around its text.
+enum class Decoration { kNone, kColour, kPriority };
+
 // Formats on the thread that logs, and leaves the writing to the LineWriter.
 class QueueSink final : public spdlog::sinks::base_sink<std::mutex> {
  public:
-  QueueSink(LineWriter& lines, bool colour) : lines_(lines), colour_(colour) {}
+  QueueSink(LineWriter& lines, Decoration decoration) : lines_(lines), decoration_(decoration) {}
 
  private:
   void sink_it_(const spdlog::details::log_msg& message) override {
     spdlog::memory_buf_t buffer;
     formatter_->format(message, buffer);
     std::string line(buffer.data(), buffer.size());
-    if (colour_ && message.color_range_end > message.color_range_start) {
+    if (decoration_ == Decoration::kPriority) line.insert(0, priority_of(message.level));
+    if (decoration_ == Decoration::kColour && message.color_range_end > message.color_range_start) {
       line.insert(message.color_range_end, "\x1b[0m");
       line.insert(message.color_range_start, colour_of(message.level));
     }
@@ -60,12 +75,13 @@ class QueueSink final : public spdlog::sinks::base_sink<std::mutex> {
   void flush_() override {}
 
   LineWriter& lines_;
-  const bool colour_;
+  const Decoration decoration_;
 };
 
-std::shared_ptr<spdlog::logger> make_logger(const char* name, LineWriter& lines, bool colour,
-                                            const char* pattern) {
-  auto made = std::make_shared<spdlog::logger>(name, std::make_shared<QueueSink>(lines, colour));
+std::shared_ptr<spdlog::logger> make_logger(const char* name, LineWriter& lines,
+                                            Decoration decoration, const char* pattern) {
+  auto made =
+      std::make_shared<spdlog::logger>(name, std::make_shared<QueueSink>(lines, decoration));
   made->set_pattern(pattern);
   return made;
 }
@@ -90,15 +106,30 @@ LineWriter& trace_lines() {
 // NOLINTNEXTLINE(concurrency-mt-unsafe): nothing sets the environment
 bool colourful(int fd) { return ::isatty(fd) == 1 && std::getenv("NO_COLOR") == nullptr; }
 
+// systemd.exec(5): $JOURNAL_STREAM is "device:inode" of the stream that the journal reads.
+bool read_by_journal(int fd) {
+  const char* stream = std::getenv("JOURNAL_STREAM");  // NOLINT(concurrency-mt-unsafe)
+  struct stat file {};
+  return stream && ::fstat(fd, &file) == 0 &&
+         fmt::format("{}:{}", file.st_dev, file.st_ino) == stream;
+}
+
+std::shared_ptr<spdlog::logger> make_error_logger() {
+  if (read_by_journal(STDERR_FILENO))
+    return make_logger("fieldcast", error_lines(), Decoration::kPriority, "%v");
+  return make_logger("fieldcast", error_lines(),
+                     colourful(STDERR_FILENO) ? Decoration::kColour : Decoration::kNone,
+                     "%Y-%m-%dT%H:%M:%S.%e %^%l%$ %v");
+}
+
 spdlog::logger& logger() {
-  static auto& instance = *new std::shared_ptr<spdlog::logger>(make_logger(
-      "fieldcast", error_lines(), colourful(STDERR_FILENO), "%Y-%m-%dT%H:%M:%S.%e %^%l%$ %v"));
+  static auto& instance = *new std::shared_ptr<spdlog::logger>(make_error_logger());
   return *instance;
 }
 
 spdlog::logger& tracer() {
-  static auto& instance =
-      *new std::shared_ptr<spdlog::logger>(make_logger("trace", trace_lines(), false, "%v"));
+  static auto& instance = *new std::shared_ptr<spdlog::logger>(
+      make_logger("trace", trace_lines(), Decoration::kNone, "%v"));
   return *instance;
 }
 

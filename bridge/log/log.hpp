@@ -1,7 +1,9 @@
 // The log: lines on stderr with a time, a level and a subject ("press-shop/press-1"), and the wire
 // trace. Everything here may be called from any thread and never waits for the reader of the lines.
 // Callers never hand in secrets: what is passed is written. One line stays one line, whatever text
-// from outside is in it (core/base/printable.hpp).
+// from outside is in it (core/base/printable.hpp). Where the journal reads stderr
+// ($JOURNAL_STREAM), a line begins with its syslog priority, "<4>", and has no time: the journal
+// keeps both.
 #pragma once
 
 #include <string>
