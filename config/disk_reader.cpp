@@ -42,6 +42,16 @@ std::vector<std::string> list_disk(const std::string& directory) {
   return names;
 }
 
+// The folder of device templates and declared protocols. A program in the build folder takes the
+// source tree's; an installed one, PREFIX/bin/fieldcast, takes PREFIX/share/fieldcast.
+std::string data_folder() {
+  std::error_code failure;
+  const fs::path program = fs::read_symlink("/proc/self/exe", failure);
+  if (failure || program.string().starts_with(FIELDCAST_BUILD_FOLDER "/"))
+    return FIELDCAST_SOURCE_FOLDER;
+  return program.parent_path().parent_path() / "share" / "fieldcast";
+}
+
 }  // namespace
 
 std::string_view to_text(FileError error) {
@@ -56,8 +66,8 @@ std::string_view to_text(FileError error) {
 FileReader disk_reader() { return {read_disk, list_disk}; }
 
 LoadOptions default_options() {
-  return {{FIELDCAST_SOURCE_FOLDER "/devices", FIELDCAST_INSTALLED_FOLDER "/devices"},
-          {FIELDCAST_SOURCE_FOLDER "/protocols", FIELDCAST_INSTALLED_FOLDER "/protocols"}};
+  const std::string data = data_folder();
+  return {{data + "/devices"}, {data + "/protocols"}};
 }
 
 }  // namespace fieldcast::config

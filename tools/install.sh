@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # Installs Debian 12's packages that are missing, and shows how far it is. Quiet, offline and quick when nothing is missing.
 #
-#   tools/install.sh [build | test | ci]
+#   tools/install.sh [build | package | test | ci]
 #
-# build: what the programs and the demo need. test (where nothing is said): that, and what the tests need. ci: that, and the
-# checkers of .ci/run. Works as root or with sudo.
+# build: what the programs and the demo need. package: that, and what tools/package.sh needs. test (where nothing is said): that,
+# and what the tests need. ci: that, and the checkers of .ci/run. Works as root or with sudo.
 set -euo pipefail
 
 build=(
@@ -14,17 +14,20 @@ build=(
   libboost-dev libfmt-dev libspdlog-dev libyaml-cpp-dev libcli11-dev libexpected-dev libsqlite3-dev libssl-dev libpq-dev libsodium-dev libtinyxml2-dev
   nlohmann-json3-dev
 )
+packaging=(dpkg-dev file)
 test=(
+  "${packaging[@]}"
   libgtest-dev libgmock-dev binutils clang-format python3 openssl
   # devices, masters and a DDS that others wrote, to test against
   libmodbus-dev python3-pymodbus python3-serial python3-serial-asyncio mbpoll socat cyclonedds-dev cyclonedds-tools
 )
-ci=(clang-tidy codespell git)
+ci=(clang-tidy codespell git lintian)
 
 fail() { echo "tools/install.sh: $*" >&2; exit 1; }
 
 case "${1:-test}" in
   build) packages=("${build[@]}") ;;
+  package) packages=("${build[@]}" "${packaging[@]}") ;;
   test) packages=("${build[@]}" "${test[@]}") ;;
   ci) packages=("${build[@]}" "${test[@]}" "${ci[@]}") ;;
   *) sed -n '2,7s/^# \{0,1\}//p' "$0" >&2; exit 1 ;;

@@ -1,0 +1,154 @@
+"""What is installed works where it is: the components in a private root, and the Debian packages of the same build. Builds nothing
+of the tree.
+
+usage: e2e_package.py BUILD_DIR SOURCE_DIR
+"""
+
+import glob
+import gzip
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from plant import Plant
+
+BUILD_DIR, SOURCE_DIR = "", ""
+PROGRAMS = ["fieldcast", "fieldcast-bridge", "fieldcast-port", "fieldcast-sim"]
+MAX_PACKAGES_BYTES = 5_000_000  # all three together
+
+PLANT = """
+bridge: packaged
+buses:
+  - name: line
+    port: { serial: {run}/line, baud: 115200, format: 8N1 }
+    protocol: modbus-rtu
+    devices:
+      - name: meter
+        address: 1
+        channels:
+          - { name: setpoint, at: "holding:0", type: uint16, refresh: 200ms, access: read-write }
+"""
+
+
+def run(*command, **options):
+    result = subprocess.run(command, capture_output=True, text=True, timeout=280, **options)
+    if result.returncode:
+        raise AssertionError(f"{' '.join(command)}: exit code {result.returncode}\n{result.stdout}{result.stderr}")
+    return result.stdout
+
+
+def environment(root):
+    """Without what could lead a program to the tree or to another installation."""
+    return {"PATH": f"{root}/bin:/usr/bin:/bin", "HOME": root, "LC_ALL": "C.UTF-8"}
+
+
+class Installed(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(prefix="fieldcast-install-")
+        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        cls.root = os.path.join(cls.folder, "root")
+        for component in ["fieldcast", "fieldcast-dev", "fieldcast-sim"]:
+            run("cmake", "--install", BUILD_DIR, "--component", component, "--prefix", cls.root, "--strip")
+
+    def test_each_program_tells_its_usage_and_has_its_page(self):
+        for program in PROGRAMS:
+            self.assertIn("--help", run(f"{self.root}/bin/{program}", "--help", env=environment(self.root)))
+            with gzip.open(f"{self.root}/share/man/man1/{program}.1.gz", "rt", encoding="utf-8") as page:
+                self.assertIn("--help".replace("-", "\\-"), page.read())
+
+    def test_the_examples_are_accepted_with_the_installed_device_templates(self):
+        examples = f"{self.root}/share/fieldcast/examples"
+        for example in ["minimal.yaml", "complete.yaml"]:
+            self.assertIn("channels", run(f"{self.root}/bin/fieldcast-bridge", "--check", f"{examples}/{example}",
+                                          env=environment(self.root), cwd="/"))
+        shutil.move(f"{self.root}/share/fieldcast/devices", f"{self.folder}/devices")
+        self.addCleanup(shutil.move, f"{self.folder}/devices", f"{self.root}/share/fieldcast/devices")
+        result = subprocess.run([f"{self.root}/bin/fieldcast-bridge", "--check", f"{examples}/complete.yaml"],
+                                capture_output=True, text=True, env=environment(self.root), timeout=60)
+        self.assertEqual(result.returncode, 3, "found templates that are not installed: " + result.stdout)
+
+    def test_a_station_outside_the_tree_reads_and_writes(self):
+        source = f"{self.root}/share/doc/fieldcast-dev/examples"
+        build = os.path.join(self.folder, "station")
+        run("cmake", "-S", source, "-B", build, f"-DCMAKE_PREFIX_PATH={self.root}", "-DCMAKE_BUILD_TYPE=Debug")
+        run("cmake", "--build", build)
+        with Plant(f"{self.root}/bin", PLANT) as plant:
+            said = run(f"{build}/station", str(plant.domain), "1", "line", "meter", "setpoint", "42")
+        self.assertIn("\ndone\n", "\n" + said)
+        self.assertIn("line/meter/setpoint 42 GOOD\n", said)
+
+    def test_pkg_config_names_the_same_library(self):
+        flags = run("pkg-config", "--cflags", "--libs", "fieldcast-station",
+                    env={**environment(self.root), "PKG_CONFIG_PATH": f"{self.root}/lib/pkgconfig"})
+        self.assertIn("-lfieldcast_station", flags)
+        include = next(flag[2:] for flag in flags.split() if flag.startswith("-I"))
+        self.assertTrue(os.path.samefile(include, f"{self.root}/include"), flags)
+
+    def test_completion_offers_subcommands_and_options(self):
+        def complete(*words):
+            script = f'''source {self.root}/share/bash-completion/completions/fieldcast
+                         COMP_WORDS=({" ".join(words)}) COMP_CWORD={len(words) - 1}; _fieldcast {words[0]}; echo "${{COMPREPLY[@]}}"'''
+            return run("bash", "-c", script, env=environment(self.root)).split()
+        self.assertEqual(complete("fieldcast", "wat"), ["watch"])
+        self.assertIn("--json", complete("fieldcast", "watch", "--js"))
+        self.assertEqual(complete("fieldcast-bridge", "--ch"), ["--check"])
+
+    def test_the_unit_is_one_that_systemd_understands(self):
+        if not shutil.which("systemd-analyze"):
+            self.skipTest("no systemd-analyze here")
+        unit = os.path.join(self.folder, "fieldcast-bridge@plant.service")
+        with open(f"{self.root}/lib/systemd/system/fieldcast-bridge@.service", encoding="utf-8") as template:
+            text = template.read().replace("ExecStart=fieldcast-bridge", f"ExecStart={self.root}/bin/fieldcast-bridge")
+        with open(unit, "w", encoding="utf-8") as file:
+            file.write(text)
+        result = subprocess.run(["systemd-analyze", "verify", "--man=no", unit], capture_output=True, text=True, timeout=60)
+        complaints = [line for line in result.stderr.splitlines() if "fieldcast" in line]
+        self.assertEqual(complaints, [], result.stderr)
+
+
+class Packages(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        if not shutil.which("dpkg-shlibdeps"):
+            raise unittest.SkipTest("no dpkg-dev here")
+        cls.folder = tempfile.mkdtemp(prefix="fieldcast-packages-")
+        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        run("cpack", "--config", f"{BUILD_DIR}/CPackConfig.cmake", "-B", cls.folder)
+        found = {os.path.basename(path).split("_")[0]: path for path in glob.glob(f"{cls.folder}/*.deb")}
+        assert sorted(found) == ["fieldcast", "fieldcast-dev", "fieldcast-sim"], found
+        cls.packages = [found[name] for name in sorted(found)]
+
+    def test_the_three_are_small(self):
+        self.assertLess(sum(map(os.path.getsize, self.packages)), MAX_PACKAGES_BYTES)
+
+    def test_the_programs_run_from_what_is_in_them(self):
+        root = os.path.join(self.folder, "root")
+        for package in self.packages:
+            run("dpkg-deb", "-x", package, root)
+        usr = f"{root}/usr"
+        self.assertIn("channels", run(f"{usr}/bin/fieldcast-bridge", "--check", f"{usr}/share/fieldcast/examples/complete.yaml",
+                                      env=environment(usr), cwd="/"))
+        for file in ["lib/systemd/system/fieldcast-bridge@.service", "lib/udev/rules.d/70-fieldcast.rules",
+                     "share/fieldcast/profiles/fieldcast-station.xml", "share/fieldcast/idl/fieldcast.idl"]:
+            self.assertTrue(os.path.exists(f"{usr}/{file}"), file)
+
+    def test_no_library_is_missing_among_what_they_depend_on(self):
+        depends = run("dpkg-deb", "-f", self.packages[0], "Depends")
+        for library in ["libc6", "libfastrtps", "libyaml-cpp", "adduser"]:
+            self.assertIn(library, depends)
+
+    def test_lintian_finds_no_error(self):
+        if not shutil.which("lintian"):
+            self.skipTest("no lintian here")
+        result = subprocess.run(["lintian", "--fail-on", "error", "--allow-root", *self.packages],
+                                capture_output=True, text=True, timeout=120)
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+
+
+if __name__ == "__main__":
+    BUILD_DIR, SOURCE_DIR = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
+    unittest.main(argv=sys.argv[:1], verbosity=2)

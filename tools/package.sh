@@ -1,0 +1,13 @@
+#!/usr/bin/env bash
+# Builds what is installed and makes the Debian packages fieldcast, fieldcast-dev and fieldcast-sim of it, in build/packages.
+#
+#   tools/package.sh
+#
+# Installs packages that are missing (tools/install.sh package). Prints the files made.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+tools/install.sh package
+tools/build.sh packaged
+cpack --config build/CPackConfig.cmake -B build/packages >build/packages.log 2>&1 || { cat build/packages.log >&2; exit 1; }
+ls -l build/packages/*.deb

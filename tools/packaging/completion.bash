@@ -1,0 +1,15 @@
+# Completion of fieldcast, fieldcast-bridge, fieldcast-port and fieldcast-sim in bash. Subcommands and options are those that the
+# program's own --help names.
+_fieldcast() {
+  local word=${COMP_WORDS[COMP_CWORD]} program=$1 subcommand="" choices
+  if [ "${program##*/}" = fieldcast ] && [ "$COMP_CWORD" -gt 1 ]; then
+    subcommand=${COMP_WORDS[1]}
+  fi
+  if [[ $word == -* ]]; then
+    choices=$("$program" ${subcommand:+"$subcommand"} --help 2>/dev/null | grep -oE -- '(^|[ ,])--[a-z-]+' | tr -d ' ,')
+  elif [ "${program##*/}" = fieldcast ] && [ "$COMP_CWORD" -eq 1 ]; then
+    choices=$("$program" --help 2>/dev/null | awk '/^Subcommands:/ { on = 1; next } /^[^ ]/ { on = 0 } on && /^  [a-z]/ { print $1 }')
+  fi
+  mapfile -t COMPREPLY < <(compgen -W "$choices" -- "$word")
+}
+complete -o default -F _fieldcast fieldcast fieldcast-bridge fieldcast-port fieldcast-sim

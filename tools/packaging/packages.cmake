@@ -1,0 +1,51 @@
+# Debian packages of the components, made by tools/package.sh.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME fieldcast)
+set(CPACK_PACKAGE_VENDOR Fieldcast)
+set(CPACK_PACKAGE_CONTACT "Fieldcast maintainers <maintainers@fieldcast.invalid>")
+set(CPACK_PACKAGE_HOMEPAGE_URL "https://fieldcast.invalid")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_THREADS 0)  # of xz: as many as there are cores
+set(CPACK_COMPONENTS_ALL fieldcast fieldcast-dev fieldcast-sim)
+set(CPACK_COMPONENTS_GROUPING IGNORE)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+# Modes of folders as Debian wants them, whoever builds.
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
+  OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+
+set(CPACK_DEBIAN_FIELDCAST_PACKAGE_NAME fieldcast)
+set(CPACK_DEBIAN_FIELDCAST_PACKAGE_SECTION net)
+set(CPACK_DEBIAN_FIELDCAST_PACKAGE_DEPENDS adduser)
+set(CPACK_DEBIAN_FIELDCAST_PACKAGE_RECOMMENDS udev)
+set(CPACK_DEBIAN_FIELDCAST_PACKAGE_SUGGESTS fieldcast-sim)
+set(CPACK_COMPONENT_FIELDCAST_DESCRIPTION
+  "bridge from PLCs on serial lines and TCP to DDS\nReads PLCs as fast and as evenly as the wire allows, publishes every value on\nDDS with the refresh period as a promise, and carries write commands back.")
+set(CPACK_DEBIAN_FIELDCAST_PACKAGE_CONTROL_EXTRA
+  "${CMAKE_CURRENT_LIST_DIR}/debian/postinst;${CMAKE_CURRENT_LIST_DIR}/debian/prerm;${CMAKE_CURRENT_LIST_DIR}/debian/postrm")
+
+set(CPACK_DEBIAN_FIELDCAST-DEV_PACKAGE_NAME fieldcast-dev)
+set(CPACK_DEBIAN_FIELDCAST-DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_FIELDCAST-DEV_PACKAGE_DEPENDS "libfastrtps-dev, libfastcdr-dev, libfmt-dev, libexpected-dev")
+set(CPACK_COMPONENT_FIELDCAST-DEV_DESCRIPTION
+  "library for stations that listen to Fieldcast\nThe IDL of the topics, the library Fieldcast::station with its headers, and\nwhat find_package(Fieldcast) and pkg-config need.")
+
+set(CPACK_DEBIAN_FIELDCAST-SIM_PACKAGE_NAME fieldcast-sim)
+set(CPACK_DEBIAN_FIELDCAST-SIM_PACKAGE_SECTION net)
+set(CPACK_DEBIAN_FIELDCAST-SIM_PACKAGE_RECOMMENDS fieldcast)
+set(CPACK_COMPONENT_FIELDCAST-SIM_DESCRIPTION
+  "simulated plant for a Fieldcast configuration\nEvery device of the configuration answers on a pseudo-terminal or a TCP\nport, at the speed of the wire, with faults where they are asked for.")
+
+# Debian wants both in every package.
+find_program(GZIP gzip REQUIRED)
+set(changelog ${CMAKE_CURRENT_BINARY_DIR}/changelog.gz)
+execute_process(COMMAND ${GZIP} -9nc ${CMAKE_CURRENT_LIST_DIR}/debian/changelog OUTPUT_FILE ${changelog} COMMAND_ERROR_IS_FATAL ANY)
+foreach(component ${CPACK_COMPONENTS_ALL})
+  install(FILES debian/copyright ${changelog} DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${component} COMPONENT ${component})
+endforeach()
+
+include(CPack)
