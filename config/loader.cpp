@@ -70,6 +70,23 @@ void read_log(MapReader& bridge, LogSpec& spec) {
   log_rows().read(map, spec);
 }
 
+// REQUIRES: the programming server is read.
+void read_metrics(MapReader& bridge, BridgeSpec& spec) {
+  const Node* node = bridge.find("metrics");
+  if (node == nullptr) return;
+  MapReader map(*node, metrics_rows(), bridge.faults());
+  MetricsSpec& metrics = spec.metrics.emplace();
+  metrics_rows().read(map, metrics);
+  const ProgramSpec& program = spec.program;
+  const bool engineers = program.engineers && program.engineers->listen == metrics.listen;
+  const bool modules = program.modules && program.modules->listen == metrics.listen;
+  if (metrics.listen.port == 0 || (!engineers && !modules)) return;
+  bridge.faults().add(
+      map.position_of("listen"),
+      fmt::format("metrics and {} listen at the same port", engineers ? "engineers" : "modules"),
+      "a port of its own for each");
+}
+
 void read_buses(MapReader& bridge, BridgeSpec& spec, LoadState& state) {
   auto& faults = state.faults;
   const Node* list = bridge.require("buses", "a list of buses");
@@ -104,6 +121,7 @@ void read_bridge(const Node& root, BridgeSpec& spec, LoadState& state) {
   read_log(map, spec.log);
   read_program(map, spec.program, state.library);
   read_store(map, spec.store);
+  read_metrics(map, spec);
   read_buses(map, spec, state);
   if (const Node* buses = map.find("buses")) check_device_numbers(*buses, spec, state.faults);
 }

@@ -4,6 +4,7 @@
 
 #include "config/limits.hpp"
 #include "config/port.hpp"
+#include "config/program.hpp"
 #include "config/scalars.hpp"
 #include "config/store.hpp"
 
@@ -43,6 +44,10 @@ const Rows<BridgeSpec>& bridge_rows() {
             .fallback = "none",
             .text = "programming software reaches PLCs through the bridge, see below",
             .schema = map_named("program")}},
+          {{.name = "metrics",
+            .fallback = "served nowhere",
+            .text = "figures of buses and devices for Prometheus, see below",
+            .schema = map_named("metrics")}},
           {{.name = "buses",
             .fallback = "needed",
             .text = fmt::format("1 to {} buses", kMaxBuses),
@@ -117,6 +122,20 @@ const Rows<StoreSpec>& store_rows() {
               &StoreSpec::max_bytes, StoreSizeRule{}),
       },
       "Keeps samples, users, alarms, device states and the audit.", {"path", "url"});
+  return rows;
+}
+
+const Rows<MetricsSpec>& metrics_rows() {
+  static const Rows<MetricsSpec> rows(
+      "metrics", "'metrics'",
+      {field<MetricsSpec>(
+          {.name = "listen",
+           .fallback = "needed",
+           .text = "`ADDRESS:PORT` of this machine. There is no login and no TLS: whoever reaches "
+                   "the address reads the figures, so choose one of the loopback where you can",
+           .example = "listen: 127.0.0.1:9464"},
+          &MetricsSpec::listen, ListenRule{})},
+      "Serves `http://ADDRESS:PORT/metrics` as OpenMetrics text.");
   return rows;
 }
 

@@ -1,4 +1,4 @@
-// The keys of the file itself, and of `dds`, `log`, `store` and `program`.
+// The keys of the file itself, and of `dds`, `log`, `store`, `metrics` and `program`.
 #pragma once
 
 #include "config/keys/key.hpp"
@@ -10,6 +10,7 @@ namespace fieldcast::config {
 [[nodiscard]] const Rows<DdsSpec>& dds_rows();
 [[nodiscard]] const Rows<LogSpec>& log_rows();
 [[nodiscard]] const Rows<StoreSpec>& store_rows();
+[[nodiscard]] const Rows<MetricsSpec>& metrics_rows();
 [[nodiscard]] const Rows<ProgramSpec>& program_rows();
 [[nodiscard]] const Rows<EngineersSpec>& engineer_rows();
 [[nodiscard]] const Rows<ModulesSpec>& module_rows();

@@ -168,12 +168,19 @@ struct ProgramSpec {
   friend bool operator==(const ProgramSpec&, const ProgramSpec&) = default;
 };
 
+// Where a scraper (Prometheus) reads the figures of the bridge, by plain HTTP and without a login.
+struct MetricsSpec {
+  ListenSpec listen;
+  friend bool operator==(const MetricsSpec&, const MetricsSpec&) = default;
+};
+
 struct BridgeSpec {
   std::string name;
   DdsSpec dds;
   LogSpec log;
   ProgramSpec program;
-  std::optional<StoreSpec> store;  // nothing: nothing is stored
+  std::optional<StoreSpec> store;      // nothing: nothing is stored
+  std::optional<MetricsSpec> metrics;  // nothing: they are served nowhere
   std::vector<BusSpec> buses;
   friend bool operator==(const BridgeSpec&, const BridgeSpec&) = default;
 };

@@ -140,6 +140,10 @@ TEST_F(Everything, PortsArrive) {
                                        seconds{9}}));
 }
 
+TEST_F(Everything, MetricsListenWhereTheyAreTold) {
+  EXPECT_EQ(spec.metrics, (MetricsSpec{{"192.168.1.20", 9464}}));
+}
+
 TEST_F(Everything, BusKeysArrive) {
   EXPECT_EQ(spec.buses[0].silence, SilenceRule{CharacterSilence{4.5}});
   EXPECT_EQ(spec.buses[0].gap_allowance, milliseconds{33});
