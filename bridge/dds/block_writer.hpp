@@ -45,6 +45,7 @@ class BlockWriter : private dds::DataWriterListener {
   [[nodiscard]] bool last_value(ChannelIndex channel, LastValue& out) const;
 
   [[nodiscard]] std::uint32_t readers() const { return readers_.load(std::memory_order_relaxed); }
+  [[nodiscard]] std::uint64_t written() const { return number_.load(std::memory_order_relaxed); }
 
  private:
   void on_publication_matched(dds::DataWriter*,
@@ -58,7 +59,7 @@ class BlockWriter : private dds::DataWriterListener {
   mutable std::mutex mutex_;       // what follows, and the order of blocks
   std::vector<LastValue> values_;  // by channel index
   idl::SampleBlock block_;
-  std::uint64_t number_ = 0;
+  std::atomic<std::uint64_t> number_{0};  // of the last block; changed with mutex_ held
   dds::DataWriter* writer_ = nullptr;
 };
 

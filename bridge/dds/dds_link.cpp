@@ -300,7 +300,11 @@ void DdsLink::report(std::string_view name, const AlarmChange& change, const Utc
 DdsLink::BusCounters DdsLink::counters(std::string_view name) const {
   const std::shared_lock lock(state_->mutex);
   Bus* bus = state_->find(name);
-  return bus == nullptr ? BusCounters{} : bus->samples.counters();
+  if (bus == nullptr) return {};
+  BusCounters counters = bus->samples.counters();
+  counters.blocks = bus->blocks.written();
+  counters.block_readers = bus->blocks.readers();
+  return counters;
 }
 
 // In this order: nothing new comes in, the last results go out, the buses say goodbye, the

@@ -54,6 +54,8 @@ class DdsLink {
     std::uint64_t deadline_misses = 0;  // offered deadlines missed, over all channels of the bus
     std::uint32_t sample_readers = 0;   // readers matched by the bus's busiest Sample writer
     std::uint32_t sample_writers = 0;   // that have channels
+    std::uint64_t blocks = 0;           // written to SampleBlock, with those of snapshots
+    std::uint32_t block_readers = 0;    // matched by the bus's SampleBlock writer
   };
 
   // Joins the domain. Throws DdsError: an interface that does not exist, a profile that cannot be

@@ -1,4 +1,5 @@
-// A listening socket of the programming server. Lives on one io thread. Includes Asio.
+// A listening socket, of the programming server or the metrics. Lives on one io thread. Includes
+// Asio.
 #pragma once
 
 #include <boost/asio/ip/tcp.hpp>

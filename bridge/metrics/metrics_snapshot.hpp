@@ -1,0 +1,38 @@
+// What the metrics are made of: the last report of every bus and device, and the counters of the
+// store. A value: it does not change once it is taken. Any thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bridge/dds/dds_link.hpp"
+#include "bridge/store/store.hpp"
+#include "core/base/time.hpp"
+#include "core/model/status.hpp"
+
+namespace fieldcast {
+
+struct BusFigures {
+  std::string bus;
+  BusReport report;
+  DdsLink::BusCounters dds;
+  UtcTime at;  // of the report
+};
+
+struct DeviceFigures {
+  std::string bus, device;
+  DeviceReport report;
+};
+
+struct MetricsSnapshot {
+  std::string bridge;  // its name
+  std::vector<std::shared_ptr<const BusFigures>> buses;
+  std::vector<std::shared_ptr<const DeviceFigures>> devices;
+  std::optional<StoreCounters> store;           // nothing: there is no store
+  std::optional<std::uint32_t> receive_buffer;  // bytes of a UDP socket; nothing: not known
+};
+
+}  // namespace fieldcast
