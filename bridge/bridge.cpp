@@ -67,6 +67,7 @@ tl::expected<void, std::string> Bridge::State::start(const BridgeSpec& wanted,
   (void)alarms.configure(spec.buses, read_clocks().utc);  // DDS starts anew, and knows of none
   try {
     join();
+    serve_metrics(spec);
     want_buses(spec);
     guard->settle(give_up);
     for (const BusSpec& bus : spec.buses) {
@@ -90,6 +91,7 @@ tl::expected<void, std::string> Bridge::State::start(const BridgeSpec& wanted,
 void Bridge::State::stop_all(program::Server::Modules kept) {
   if (!link) return;
   sinks.drop_from(steady_now() + kPublishLimit);
+  metrics.reset();
   step = "the engineers are told";
   guard->end();
   program.stop(kept);  // 0. engineers are told, their devices freed

@@ -73,8 +73,8 @@ bool Bridge::State::follow_guard(const std::set<std::string>& uncontested) {
 void Bridge::State::start_bus(const BusSpec& bus) {
   FIELDCAST_CHECK(!buses.contains(bus.name));
   RunningBus made;
-  made.sink =
-      std::make_unique<BusOutput>(BusOutput::Shared{sinks, *link, store.get(), audit, alarms}, bus);
+  made.sink = std::make_unique<BusOutput>(
+      BusOutput::Shared{sinks, *link, store.get(), audit, alarms, figures}, bus);
   made.io = std::make_unique<IoThread>(bus.name);
   made.runner =
       std::make_shared<BusRunner>(made.io->context(), plans.context(), bus, *made.sink, &modules);
@@ -87,6 +87,7 @@ void Bridge::State::start_bus(const BusSpec& bus) {
     made.runner->stop().wait();  // answers what came meanwhile
     sinks.drain();
     link->remove_bus(bus.name, Duration::zero());
+    figures.remove(bus.name);
     throw;
   }
   made.runner->set_trace(trace);
@@ -121,6 +122,7 @@ void Bridge::State::stop_buses(const std::vector<std::string>& names, Duration d
         name, std::max(gone - now, Duration::zero()),
         dispose_limit == Duration::max() ? Duration::max() : dispose_limit - (now - begun));
     buses.erase(name);
+    figures.remove(name);
   }
 }
 

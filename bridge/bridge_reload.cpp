@@ -94,6 +94,7 @@ tl::expected<void, std::string> Bridge::State::exchange_buses(const BridgeSpec& 
     start_buses(plan.stop, before);
     return tl::make_unexpected(std::string(error.what()));
   }
+  if (plan.metrics) serve_metrics(wanted);
   spec = wanted;
   const auto names = [](const std::vector<std::string>& listed) {
     return listed.empty() ? std::string{} : fmt::format(" ({})", fmt::join(listed, ", "));

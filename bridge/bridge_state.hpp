@@ -25,6 +25,8 @@
 #include "bridge/dds/dds_link.hpp"
 #include "bridge/interest/interest_registry.hpp"
 #include "bridge/log/log.hpp"
+#include "bridge/metrics/metrics_server.hpp"
+#include "bridge/metrics/metrics_table.hpp"
 #include "bridge/port/dial_in_registry.hpp"
 #include "bridge/program/server.hpp"
 #include "bridge/publish/bus_output.hpp"
@@ -60,11 +62,13 @@ struct Bridge::State {
   AlarmTable alarms;             // outlives the store's use of it, and the sinks
   std::unique_ptr<Authenticator> logins;          // with a store only
   std::unique_ptr<CommandIdentities> identities;  // with a store only; closed before the link
+  MetricsTable figures;                           // outlives the sinks
   IoThread plans{"plans"};
   std::map<std::string, RunningBus, std::less<>> buses;
   PublisherThread sinks;
   std::unique_ptr<BusGuard> guard;  // outlives the link; its thread ends before the buses do
   std::unique_ptr<DdsLink> link;    // its handlers enter the members above: closed before they end
+  std::unique_ptr<MetricsServer> metrics;  // with `metrics` only; ends before what it reads
 
   std::atomic<const char*> step = "starting";  // what the main thread is doing
   std::mutex changing;  // held while the set of buses changes, on the main thread or the guard's
@@ -81,6 +85,7 @@ struct Bridge::State {
   void join();
   void open_store();
   void keep_identities();
+  void serve_metrics(const BridgeSpec& wanted);
   void tell_other_bridges(DdsLink::Handlers& handlers);
 
   // bridge_buses.cpp.

@@ -100,6 +100,24 @@ void Bridge::State::keep_identities() {
       });
 }
 
+// In place of the server of before. One that cannot listen tries again by itself: neither the start
+// nor a reload fails for it.
+void Bridge::State::serve_metrics(const BridgeSpec& wanted) {
+  metrics.reset();
+  if (!wanted.metrics) return;
+  const auto buffer = wanted.dds.profile ? std::nullopt : granted_receive_buffer();
+  metrics = std::make_unique<MetricsServer>(
+      wanted.metrics->listen, [this, name = wanted.name, buffer](MetricsFormat format) {
+        MetricsSnapshot snapshot{.bridge = name, .receive_buffer = buffer};
+        figures.copy_to(snapshot);
+        {
+          const std::lock_guard lock(store_mutex);
+          if (store) snapshot.store = store->counters();
+        }
+        return metrics_text(snapshot, format);
+      });
+}
+
 void Bridge::State::tell_other_bridges(DdsLink::Handlers& handlers) {
   guard = std::make_unique<BusGuard>(
       spec.name,

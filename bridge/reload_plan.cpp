@@ -43,6 +43,7 @@ ReloadPlan plan_reload(const BridgeSpec& running, const BridgeSpec& wanted) {
   plan.whole_bridge = changes_of_all(running, wanted);
   if (!plan.whole_bridge.empty()) return plan;
   plan.program = running.program != wanted.program;
+  plan.metrics = running.metrics != wanted.metrics;
   for (const BusSpec& bus : running.buses) {
     const BusSpec* same = find_bus(wanted, bus.name);
     if (!same || *same != bus) plan.stop.push_back(bus.name);

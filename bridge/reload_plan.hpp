@@ -14,11 +14,12 @@ struct ReloadPlan {
   // differ. Then the lists below are empty.
   std::vector<std::string> whole_bridge;
   bool program = false;            // the programming server starts anew; buses and modules go on
+  bool metrics = false;            // their server starts anew, or ends
   std::vector<std::string> stop;   // buses that are gone or changed, in their old order
   std::vector<std::string> start;  // buses that are new or changed, in their new order
   std::vector<std::string> untouched;  // buses that keep running
   [[nodiscard]] bool nothing() const {
-    return whole_bridge.empty() && !program && stop.empty() && start.empty();
+    return whole_bridge.empty() && !program && !metrics && stop.empty() && start.empty();
   }
 };
 

@@ -7,7 +7,7 @@ namespace fieldcast {
 BusOutput::BusOutput(const Shared& shared, const BusSpec& bus)
     : audit_(shared.audit),
       bus_(bus.name),
-      dds_(shared.thread, shared.link, bus),
+      dds_(shared.thread, shared.link, shared.figures, bus),
       alarms_(shared.alarms, bus) {
   if (shared.store) store_.emplace(*shared.store, bus);
 }

@@ -21,6 +21,7 @@ class BusOutput final : public BusSink {
     Store* store;
     CommandAudit& audit;
     AlarmTable& alarms;
+    MetricsTable& figures;
   };
   BusOutput(const Shared& shared, const BusSpec& bus);
 

@@ -2,9 +2,11 @@
 
 namespace fieldcast {
 
-DdsPublisher::DdsPublisher(PublisherThread& thread, DdsLink& link, const BusSpec& bus)
+DdsPublisher::DdsPublisher(PublisherThread& thread, DdsLink& link, MetricsTable& figures,
+                           const BusSpec& bus)
     : thread_(thread),
       link_(link),
+      figures_(figures),
       bus_(bus.name),
       most_now_(static_cast<std::size_t>(silence_of(bus.silence, line_of(bus.port)) / kOneSample)) {
 }
@@ -42,12 +44,17 @@ void DdsPublisher::complete(const CommandResult& result, const UtcMapping& mappi
 }
 
 void DdsPublisher::report(const BusReport& report, UtcTime at) {
-  post([this, report, at] { link_.report(bus_, report, at); });
+  post([this, report, at] {
+    link_.report(bus_, report, at);
+    figures_.note(BusFigures{bus_, report, link_.counters(bus_), at});
+  });
 }
 
 void DdsPublisher::report(std::string_view device, const DeviceReport& report, UtcTime at) {
-  post(
-      [this, device = std::string(device), report, at] { link_.report(bus_, device, report, at); });
+  post([this, device = std::string(device), report, at] {
+    link_.report(bus_, device, report, at);
+    figures_.note(DeviceFigures{bus_, device, report});
+  });
 }
 
 void DdsPublisher::report(const std::vector<AlarmChange>& changes, const UtcMapping& mapping) {

@@ -1,4 +1,4 @@
-// What one bus publishes on DDS, and on which thread.
+// What one bus publishes on DDS, and on which thread. Notes its reports for the metrics on the way.
 //
 // The block of an exchange leaves at once, on the bus's thread, within the silence after the
 // answer: that is the shortest way to the stations. So do a few samples that leave one by one.
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bridge/dds/dds_link.hpp"
+#include "bridge/metrics/metrics_table.hpp"
 #include "bridge/publish/publisher_thread.hpp"
 
 namespace fieldcast {
@@ -20,8 +21,8 @@ class DdsPublisher {
   // What DDS takes for one sample, on a small machine.
   static constexpr Duration kOneSample = std::chrono::microseconds{50};
 
-  // Both outlive it.
-  DdsPublisher(PublisherThread& thread, DdsLink& link, const BusSpec& bus);
+  // What it refers to outlives it.
+  DdsPublisher(PublisherThread& thread, DdsLink& link, MetricsTable& figures, const BusSpec& bus);
 
   // True: all left. False: the block left, and publish_later() is to take the samples.
   [[nodiscard]] bool publish_now(const std::vector<Sample>& samples, const UtcMapping& mapping);
@@ -39,6 +40,7 @@ class DdsPublisher {
 
   PublisherThread& thread_;
   DdsLink& link_;
+  MetricsTable& figures_;
   const std::string bus_;
   const std::size_t most_now_;           // samples that the silence has time for
   std::atomic<std::size_t> waiting_{0};  // this bus's tasks that have not ended

@@ -45,6 +45,16 @@ TEST(ReloadPlan, AnotherProgrammingPortLeavesTheBusesAlone) {
   EXPECT_THAT(plan.untouched, ElementsAre("a"));
 }
 
+TEST(ReloadPlan, AnotherAddressOfTheMetricsLeavesTheBusesAlone) {
+  BridgeSpec wanted = bridge({bus("a")});
+  wanted.metrics = MetricsSpec{{"127.0.0.1", 9464}};
+  const auto plan = plan_reload(bridge({bus("a")}), wanted);
+  EXPECT_TRUE(plan.metrics);
+  EXPECT_FALSE(plan.nothing());
+  EXPECT_FALSE(plan.program);
+  EXPECT_THAT(plan.untouched, ElementsAre("a"));
+}
+
 TEST(ReloadPlan, AnotherStoreRestartsEverything) {
   auto wanted = bridge({bus("a")});
   wanted.store = StoreSpec{"plant.db"};
