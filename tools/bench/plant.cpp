@@ -18,11 +18,11 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 }  // namespace
 
-Plant::Plant(const std::string& buses, const std::string& faults) {
+Plant::Plant(const std::string& buses, const std::string& faults, const std::string& more) {
   dds_.domain = own_domain();
   config_ =
       folder_.write("bridge.yaml", "bridge: bench\ndds: { domain: " + std::to_string(dds_.domain) +
-                                       ", interfaces: [127.0.0.1] }\nbuses:\n" +
+                                       ", interfaces: [127.0.0.1] }\n" + more + "buses:\n" +
                                        replaced(buses, "{dir}", folder_.path()));
   if (!faults.empty()) faults_ = folder_.write("faults.yaml", faults);
 }

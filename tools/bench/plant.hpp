@@ -25,8 +25,9 @@ struct Seen {
 
 class Plant {
  public:
-  // `buses` is the YAML list below `buses:`, with {dir} for the folder of the serial links.
-  Plant(const std::string& buses, const std::string& faults = {});
+  // `buses` is the YAML list below `buses:`, with {dir} for the folder of the serial links. `more`
+  // are other keys of the configuration, each a line.
+  Plant(const std::string& buses, const std::string& faults = {}, const std::string& more = {});
 
   void start_simulator(const std::vector<std::string>& more = {});
   void start_bridge(const std::string& program = "fieldcast-bridge");

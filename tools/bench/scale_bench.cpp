@@ -4,11 +4,13 @@
 // a slow day too.
 //
 // usage: scale_bench [--seconds N] [--buses N] [--channels N] [--one-by-one] [--loss SHARE]
-//                    [--bridge PROGRAM] [--run N]
+//                    [--bridge PROGRAM] [--run N] [--scrape ROUNDS]
 //
 // Without --buses: 1, 16 and 32 of them. --one-by-one: stations take fieldcast/Sample. --bridge: a
 // bridge of another build, to compare. --run: registers side by side, N of which one request reads,
-// instead of scattered ones (blocks of some 10).
+// instead of scattered ones (blocks of some 10). --scrape: nothing of that, but each bus's share of
+// its wire while the metrics are read every second against its share while they are not, in so many
+// rounds of both.
 #include <algorithm>
 #include <cmath>
 #include <csignal>
@@ -24,6 +26,7 @@
 #include "tools/bench/bare_pair.hpp"
 #include "tools/bench/figures.hpp"
 #include "tools/bench/plant.hpp"
+#include "tools/bench/scraper.hpp"
 #include "tools/bench/stations.hpp"
 
 namespace fieldcast::bench {
@@ -35,6 +38,7 @@ struct Options {
   int channels = 300;  // of each bus
   int run = 0;         // 0: scattered
   bool one_by_one = false;
+  int scrape = 0;   // rounds; 0: another measurement
   double loss = 0;  // share of the datagrams that do not reach a station
   std::string bridge = "fieldcast-bridge";
 };
@@ -48,6 +52,7 @@ Options options_from(int argc, char** argv) {
     if (word == "--buses") options.buses = {std::atoi(value)};
     if (word == "--channels") options.channels = std::atoi(value);
     if (word == "--run") options.run = std::atoi(value);
+    if (word == "--scrape") options.scrape = std::atoi(value);
     if (word == "--one-by-one") options.one_by_one = true;
     if (word == "--loss") options.loss = std::atof(value);
     if (word == "--bridge") options.bridge = value;
@@ -228,8 +233,55 @@ void compare_with_bare(const Options& options, std::size_t channels, const Compa
   }
 }
 
+// The shares of both kinds of rounds, added up.
+struct Shares {
+  double without = 0, with = 0;
+};
+
+void print_scrapes(const std::map<std::string, Shares>& shares, int rounds, const Scraper& last) {
+  Shares sum;
+  double least = 1e9, most = 0;
+  for (const auto& [name, bus] : shares) {
+    sum.without += bus.without;
+    sum.with += bus.with;
+    least = std::min(least, bus.with / bus.without);
+    most = std::max(most, bus.with / bus.without);
+  }
+  const double all = rounds * static_cast<double>(shares.size());
+  print_figure("  share of its wire, mean, no scrapes", sum.without / all, "", "");
+  print_figure("  share of its wire, mean, a scrape each second", sum.with / all, "", "");
+  print_figure("  with scrapes / without, mean", sum.with / sum.without, "", "goal >= 0.998");
+  print_figure("  with scrapes / without, least bus", least, "", "goal >= 0.998");
+  print_figure("  with scrapes / without, most", most, "", "");
+  print_figure("  scrapes answered in the last round", static_cast<double>(last.scrapes()), "", "");
+  print_figure("  bytes of one", static_cast<double>(last.bytes()), "B", "");
+}
+
+void measure_scrapes(const Options& options, int count) {
+  constexpr double kWindow = 10.5;  // the measured load looks back ten seconds
+  const std::uint16_t port = free_tcp_port();
+  Plant plant(buses(count, options), {},
+              "metrics: { listen: 127.0.0.1:" + std::to_string(port) + " }\n");
+  plant.start_simulator();
+  if (!wait_for_path(plant.link("bus-" + std::to_string(count)), 10))
+    throw std::runtime_error("the simulator made no links");
+  plant.start_bridge(options.bridge);
+  plant.listen_to_status();
+  let_run(3);
+  std::map<std::string, Shares> shares;
+  for (int round = 1; round <= options.scrape; ++round) {
+    let_run(kWindow);
+    for (const auto& [name, bus] : plant.buses()) shares[name].without += bus.report.measured_load;
+    const Scraper scraper(port);
+    let_run(kWindow);
+    for (const auto& [name, bus] : plant.buses()) shares[name].with += bus.report.measured_load;
+    if (round == options.scrape) print_scrapes(shares, options.scrape, scraper);
+  }
+}
+
 void measure(const Options& options, int count) {
   std::printf("== %d buses of %d channels\n", count, options.channels);
+  if (options.scrape > 0) return measure_scrapes(options, count);
   const auto channels =
       static_cast<std::size_t>(count) * static_cast<std::size_t>(options.channels);
   compare_with_bare(options, channels, measure_plant(options, count));
