@@ -79,10 +79,10 @@ class PduExplainer {
                 fault);
   }
 
-  void address(std::size_t at, std::string name) {
+  void address(std::size_t at, const std::string& name) {
     const std::string where =
         has(at, 2) ? std::string(table_name(pdu_[0])) + ":" + number(read_u16(pdu_, at)) : "";
-    word(at, std::move(name), where);
+    word(at, name, where);
   }
 
   std::string quantity_fault(std::size_t at, std::size_t limit) const {
@@ -169,10 +169,10 @@ class PduExplainer {
     return "a coil is written FF00 (on) or 0000 (off)";
   }
 
-  void fixed_write(std::string name, std::string fault) {
+  void fixed_write(const std::string& name, const std::string& fault) {
     writer_.remark("request, or its answer: they are the same");
     address(1, "address");
-    word(3, std::move(name), {}, std::move(fault));
+    word(3, name, {}, fault);
     trailing(5);
   }
 

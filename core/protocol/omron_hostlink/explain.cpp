@@ -213,7 +213,7 @@ class HostLinkExplainer {
     }
     std::string fault = digits_fault(digits);
     if (fault.empty() && !flags && digits.size() % 4 != 0) fault = "words have four digits each";
-    add(at, digits.size(), flags ? "flags" : "words", std::move(words), std::move(fault));
+    add(at, digits.size(), flags ? "flags" : "words", words, fault);
   }
 
   // An answer's ICF has bit 6 and stands behind a two-digit end code; a request's stands behind one
