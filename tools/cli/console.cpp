@@ -16,6 +16,7 @@ Screen output_screen() {
   winsize size{};
   const bool known =
       ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 0;
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): nothing sets the environment
   const char* no_colour = std::getenv("NO_COLOR");
   const bool colour = no_colour == nullptr || *no_colour == '\0';
   return known ? Screen{size.ws_col, size.ws_row, colour} : Screen{80, 24, colour};

@@ -76,6 +76,7 @@ SerialPortFacts port_facts(const Machine& machine, const std::string& bus,
   facts.there = stat(real.c_str(), &status) == 0;
   if (!facts.there) return facts;
   facts.readable_and_writable = access(real.c_str(), R_OK | W_OK) == 0;
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): the command has one thread
   if (const group* owner = getgrgid(status.st_gid)) facts.group = owner->gr_name;
   return facts;
 }
