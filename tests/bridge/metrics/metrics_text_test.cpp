@@ -212,7 +212,7 @@ TEST(MetricsText, TheFormatIsTheOneThatTheClientAccepts) {
 }
 
 TEST(MetricsText, LabelsAreEscaped) {
-  EXPECT_EQ(escaped_label("a\"b\\c\nd"), R"(a\"b\\c\nd)");
+  EXPECT_EQ(escaped_label("a\"b\\c\nx"), R"(a\"b\\c\nx)");
   EXPECT_EQ(escaped_label("°C"), "°C");
 }
 
