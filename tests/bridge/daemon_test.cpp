@@ -126,7 +126,7 @@ TEST_F(DaemonTest, RunsWithoutItsPorts) {
               HasSubstr("two: the port is closed: " + (folder / "no-such-port").string() +
                         ": No such file or directory"));
   bridge.signal(SIGINT);
-  EXPECT_EQ(bridge.exit_code(), 0);
+  EXPECT_EQ(bridge.exit_code(), 0) << bridge.output();
 }
 
 TEST_F(DaemonTest, ABadFileLeavesTheOldOneRunning) {
@@ -139,7 +139,7 @@ TEST_F(DaemonTest, ABadFileLeavesTheOldOneRunning) {
               AllOf(HasSubstr("plant.yaml:"), HasSubstr("goes on running")));
   EXPECT_TRUE(reads_more(device, 3));
   bridge.signal(SIGTERM);
-  EXPECT_EQ(bridge.exit_code(), 0);
+  EXPECT_EQ(bridge.exit_code(), 0) << bridge.output();
 }
 
 TEST_F(DaemonTest, SighupRestartsOnlyTheChangedBus) {
@@ -150,7 +150,7 @@ TEST_F(DaemonTest, SighupRestartsOnlyTheChangedBus) {
   EXPECT_THAT(bridge.said("untouched"),
               HasSubstr("1 buses stopped (two), 1 started (two), 1 untouched"));
   bridge.signal(SIGTERM);
-  EXPECT_EQ(bridge.exit_code(), 0);
+  EXPECT_EQ(bridge.exit_code(), 0) << bridge.output();
 }
 
 TEST_F(DaemonTest, AReloadThatRestartsEverythingSaysSoAndWhy) {
@@ -167,7 +167,7 @@ TEST_F(DaemonTest, AReloadThatRestartsEverythingSaysSoAndWhy) {
                               "starts anew: 2 buses"),
                     HasSubstr("other: reloaded: everything started anew: 2 buses")));
   bridge.signal(SIGTERM);
-  EXPECT_EQ(bridge.exit_code(), 0);
+  EXPECT_EQ(bridge.exit_code(), 0) << bridge.output();
 }
 
 // The log and the store reach the limit of a file's size.
@@ -218,7 +218,7 @@ TEST_F(DaemonTest, AReloadThatWouldCutADownloadWaitsAndSaysForWhom) {
   engineer.send("@@EDFEFF");
   EXPECT_THAT(bridge.said("1 buses stopped"), HasSubstr("1 buses stopped (one), 1 started (one)"));
   bridge.signal(SIGTERM);
-  EXPECT_EQ(bridge.exit_code(), 0);
+  EXPECT_EQ(bridge.exit_code(), 0) << bridge.output();
 }
 
 TEST_F(DaemonTest, Sigusr1SwitchesTheWireTrace) {
@@ -233,7 +233,7 @@ TEST_F(DaemonTest, Sigusr1SwitchesTheWireTrace) {
   bridge.signal(SIGUSR1);
   EXPECT_THAT(bridge.said("trace: off"), HasSubstr("trace: off"));
   bridge.signal(SIGTERM);
-  EXPECT_EQ(bridge.exit_code(), 0);
+  EXPECT_EQ(bridge.exit_code(), 0) << bridge.output();
 }
 
 TEST_F(DaemonTest, CheckTellsWhatAFileConfigures) {
@@ -278,7 +278,7 @@ TEST_F(DaemonTest, CheckAndStartWarnOnceOfABusWhoseWireIsTooNarrow) {
   Process bridge({file});
   bridge.said("two: the port is closed");
   bridge.signal(SIGTERM);
-  EXPECT_EQ(bridge.exit_code(), 0);
+  EXPECT_EQ(bridge.exit_code(), 0) << bridge.output();
   const std::string said = bridge.output();
   const auto first = said.find("crowd: more is wanted than the wire carries");
   ASSERT_NE(first, std::string::npos) << said;
