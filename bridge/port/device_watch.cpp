@@ -10,6 +10,8 @@
 #include <cstdlib>
 #include <deque>
 #include <filesystem>
+#include <system_error>
+#include <thread>
 #include <utility>
 
 namespace fieldcast {
@@ -71,6 +73,18 @@ std::optional<DeviceWatch::Identity> DeviceWatch::identity_of(const std::string&
                   since_epoch(file.st_ctim)};
 }
 
+namespace {
+
+// The kernel lets go of an inotify instance after a grace period (fsnotify_destroy_group), which on
+// a busy machine was seen to take longer than a second: no bus is to stand for it.
+void close_elsewhere(int fd) {
+  try {
+    std::thread([fd] { ::close(fd); }).detach();
+  } catch (const std::system_error&) { ::close(fd); }
+}
+
+}  // namespace
+
 // From start() to stop(). Handlers hold it; once over_ is set they do nothing.
 class DeviceWatch::Watching : public std::enable_shared_from_this<Watching> {
  public:
@@ -91,8 +105,7 @@ class DeviceWatch::Watching : public std::enable_shared_from_this<Watching> {
   void stop() {
     over_ = true;
     timer_.cancel();
-    boost::system::error_code ignored;
-    stream_.close(ignored);
+    if (stream_.is_open()) close_elsewhere(stream_.release());
   }
 
  private:
