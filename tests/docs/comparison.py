@@ -1,0 +1,37 @@
+"""Is what a program said what the document shows? Numbers, instants and the width of columns may differ; a line `...` stands for any
+lines, `...` at the end of a line for its rest."""
+
+import re
+
+NUMBER = re.compile(r"[-+]?\d+(?:[.,:]\d+)*(?:e[-+]?\d+)?")
+
+
+def general(line):
+    """The line with every number as 0 and every run of blanks as one."""
+    line = re.sub(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(?:\.\d+)?Z?", "INSTANT", line)
+    return re.sub(r"\s+", " ", NUMBER.sub("0", line)).strip()
+
+
+def _same(shown, said):
+    if shown.endswith("...") and shown != "...":
+        return said.startswith(shown[:-3].rstrip())
+    return shown == said
+
+
+def difference(shown, said):
+    """None, or the first line that the document shows and the program did not say (or said and the document does not show)."""
+    want = [general(line) for line in shown.splitlines() if line.strip()]
+    have = [general(line) for line in said.splitlines() if line.strip()]
+    at, anywhere = 0, False
+    for line in want:
+        if line == "...":
+            anywhere = True
+            continue
+        while at < len(have) and anywhere and not _same(line, have[at]):
+            at += 1
+        if at == len(have):
+            return f"not said: {line}"
+        if not _same(line, have[at]):
+            return f"shown: {line}\n said: {have[at]}"
+        at, anywhere = at + 1, False
+    return None if at == len(have) or anywhere else f"not shown: {have[at]}"

@@ -1,0 +1,45 @@
+"""A piece of a configuration made whole, so that `fieldcast-bridge --check` can judge it."""
+
+import re
+
+ADDRESSES = {"s7-ppi": "VW0", "s7-freeport": "VW0", "omron-hostlink": "DM0", "mitsubishi-fx": "D0", "dtc": "int16:0"}
+LEVELS = ["bridge", "bus", "device", "channels"]
+
+
+def whole(text, argument):
+    """`argument`: what stands behind `fragment:`: nothing, `bus`, `device` or `channels`, and a protocol where the text has none."""
+    words = argument.split()
+    level = words[0] if words else "bridge"
+    if level not in LEVELS:
+        raise ValueError(f"a fragment is of {', '.join(LEVELS)}, not of '{level}'")
+    protocol = words[1] if len(words) > 1 else "modbus-rtu"
+    if level == "channels":
+        text = "channels:\n" + _indented(text, 2)
+    if level in ("channels", "device"):
+        text = _item("devices", _with(text, {"name": "meter", "address": 1, "channels": _channels(protocol)}))
+    if level in ("channels", "device", "bus"):
+        text = _item("buses", _with(text, {"name": "line", "port": "{ serial: /tmp/line }", "protocol": protocol,
+                                           "devices": "[ { name: meter, address: 1, channels: " + _channels(protocol) + " } ]"}))
+    return _with(text, {"bridge": "fragment", "buses": "[ { name: line, port: { serial: /tmp/line }, protocol: modbus-rtu, devices: "
+                        "[ { name: meter, address: 1, channels: " + _channels("modbus-rtu") + " } ] } ]"})
+
+
+def _channels(protocol):
+    return f'[ {{ name: a, at: "{ADDRESSES.get(protocol, "holding:0")}", type: uint16 }} ]'
+
+
+def _with(text, defaults):
+    """The keys of the text first, so that its line numbers stay, then the defaults that it has not."""
+    present = set(re.findall(r"^([\w-]+):", text, re.MULTILINE))
+    return text + "".join(f"{key}: {value}\n" for key, value in defaults.items() if key not in present)
+
+
+def _indented(text, columns):
+    return "".join(" " * columns + line + "\n" if line else "\n" for line in text.splitlines())
+
+
+def _item(key, text):
+    lines = _indented(text, 4).splitlines()
+    first = next(i for i, line in enumerate(lines) if line.strip() and not line.strip().startswith("#"))
+    lines[first] = "  - " + lines[first][4:]
+    return f"{key}:\n" + "\n".join(lines) + "\n"

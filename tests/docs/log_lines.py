@@ -1,0 +1,45 @@
+"""Does a source still say the log line that a document quotes?
+
+In a document WORDS IN CAPITALS and numbers stand for what the program puts there. The line is cut at them; it is known when the literals
+of one source file have every piece. The subject before the first colon (`press-shop: `) is no part of a literal.
+"""
+
+import difflib
+import functools
+import os
+import re
+
+FOLDERS = ["bridge", "config", "core", "tools/cli", "tools/sim", "tools/program-port"]
+LITERAL = re.compile(r'"((?:[^"\\\n]|\\.)*)"')
+# What a document puts where the program puts a value: CAPITALS and numbers with their unit.
+VALUE = re.compile(r"\b[A-Z][A-Z0-9_/]*\b|[-+]?\d[\d.,:]*\s?(?:ms|us|s|min|h|d|%|MB|GB|kB|B)?\b")
+SUBJECT = re.compile(r"^[\w./-]+: ")
+
+
+@functools.lru_cache(maxsize=None)
+def _files(source_dir):
+    """For each source file the text of its literals: neighbours joined as the compiler does, one a line."""
+    found = {}
+    for folder in FOLDERS:
+        for path, _, names in os.walk(os.path.join(source_dir, folder)):
+            for name in (name for name in names if name.endswith((".cpp", ".hpp"))):
+                with open(os.path.join(path, name), encoding="utf-8") as file:
+                    text = re.sub(r'"\s*\n\s*"', "", file.read())
+                found[os.path.join(path, name)] = "\n".join(LITERAL.findall(text))
+    return found
+
+
+def pieces(line):
+    """What must stand in a literal: the line cut at its values."""
+    words = [piece.strip(" ()'\",;:") for piece in VALUE.split(line)]
+    return [piece for piece in words if re.search(r"[a-z]{2}", piece)]
+
+
+def known(source_dir, line):
+    return any(bool(fixed) and any(all(piece in text for piece in fixed) for text in _files(source_dir).values())
+               for fixed in (pieces(line), pieces(SUBJECT.sub("", line))))
+
+
+def nearest(source_dir, line):
+    literals = [literal for text in _files(source_dir).values() for literal in text.splitlines() if len(literal) > 8]
+    return difflib.get_close_matches(line, literals, 1, 0.1)

@@ -1,0 +1,228 @@
+"""Runs every command of documents as a reader would, block after block, and compares what they show with what comes.
+
+usage: run.py BIN_DIR SOURCE_DIR DOCUMENT..              in a sandbox; DOCUMENT is a path from SOURCE_DIR
+       run.py --installed ROOT [--systemd] SOURCE_DIR DOCUMENT..   the blocks marked `in the installed system`, with chroot in ROOT
+                                                         (`/`: here), as root; those `with systemd` only with --systemd
+
+tests/docs/README.md lists the markers. Nothing is skipped without a word: the last line counts what ran and what did not.
+"""
+
+import argparse
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import log_lines  # noqa: E402
+from comparison import difference  # noqa: E402
+from document import Fault, STOP, inline_commands, parse  # noqa: E402
+from fragment import whole  # noqa: E402
+from sandbox import Sandbox  # noqa: E402
+
+PROGRAMS = ["fieldcast", "fieldcast-bridge", "fieldcast-sim", "fieldcast-port"]
+MATCH_SECONDS = 10  # until what a program says is what the document shows
+INSTALLED, SOURCE_TREE = "in the installed system", "in the source tree"
+
+
+class Runner:
+    """One document in one sandbox."""
+
+    def __init__(self, sandbox, path):
+        self.sandbox, self.path = sandbox, path
+        with open(os.path.join(sandbox.source_dir, path), encoding="utf-8") as file:
+            self.text = file.read()
+        self.unchecked = []  # configurations that were written and not judged yet
+        self.last = None  # what the last `sh` block said, as a function
+        self.count = {"ran": 0, "only in the installed system": 0, "only in the source tree": 0, "files": 0, "outputs compared": 0,
+                      "inline commands checked against --help": 0}
+        self.helps = {}
+
+    def run(self):
+        for block in parse(self.path, self.text):
+            if block.language == STOP:
+                self.stop(block)
+            elif block.language == "sh":
+                self.check_configurations()
+                self.shell(block)
+            elif "output" in block.markers:
+                self.output(block)
+            elif "log" in block.markers:
+                self.log(block)
+            elif "fragment" in block.markers:
+                self.fragment(block)
+            elif "file" in block.markers:
+                self.file(block)
+        self.check_configurations()
+        for place, command in inline_commands(self.path, self.text, PROGRAMS):
+            self.check_options(command, lambda words, where=place: Fault(f"{where}: {words}"))
+            self.count["inline commands checked against --help"] += 1
+        if faults := self.sandbox.stop():
+            raise Fault(f"{self.path}: at the end: " + "\n".join(faults))
+
+    def stop(self, block):
+        if faults := self.sandbox.stop():
+            raise block.fault("\n".join(faults))
+
+    def file(self, block):
+        self.sandbox.write(block.markers["file"], block.text)
+        self.count["files"] += 1
+        if block.language == "yaml" and re.search(r"^bridge:", block.text, re.MULTILINE):
+            self.unchecked.append((block, block.markers["file"]))
+
+    def fragment(self, block):
+        try:
+            text = whole(block.text, block.markers["fragment"])
+        except ValueError as error:
+            raise block.fault(str(error)) from error
+        name = f"fragment-{block.line}.yaml"
+        self.sandbox.write(name, text)
+        self.count["files"] += 1
+        self.unchecked.append((block, name))
+        if "refused" in block.markers:
+            self.check_configurations()
+
+    def check_configurations(self):
+        for block, name in self.unchecked:
+            code, said = self.sandbox.run(f"fieldcast-bridge --check {name}")
+            self.last = lambda words=said: words
+            if "refused" in block.markers:
+                if code != 3 or block.markers["refused"] not in said:
+                    raise block.fault(f"not refused with '{block.markers['refused']}': exit code {code}\n{said}")
+            elif code != 0:
+                raise block.fault(f"fieldcast-bridge --check {name}: exit code {code}\n{said}")
+        self.unchecked = []
+
+    def shell(self, block):
+        if INSTALLED in block.markers or SOURCE_TREE in block.markers:
+            return self.only_parsed(block)
+        if "runs until stopped" in block.markers:
+            return self.start(block)
+        script = "\n".join(block.commands())
+        wanted = block.markers.get("exit code") or "0"
+        code, said = self.sandbox.run(script)
+        if str(code) not in wanted.split(" or "):
+            raise block.fault(f"exit code {code} instead of {wanted} of\n{script}\n--- it said:\n{said}")
+        self.count["ran"] += len(block.commands())
+        first = [said]
+        self.last = lambda: first.pop() if first else self.sandbox.run(script)[1]
+
+    def start(self, block):
+        commands = block.commands()
+        if len(commands) != 1:
+            raise block.fault("a block that runs until stopped has one command")
+        try:
+            started = self.sandbox.start(commands[0], block.markers["runs until stopped"] or None)
+        except RuntimeError as error:
+            raise block.fault(str(error)) from error
+        self.count["ran"] += 1
+        self.last = lambda: self.sandbox.outside(started.said())
+
+    def only_parsed(self, block):
+        done = subprocess.run(["bash", "-n", "-c", block.text], capture_output=True, text=True)
+        if done.returncode:
+            raise block.fault(f"bash cannot read it: {done.stderr}")
+        for command in block.commands():
+            for part in re.split(r"[|;]|&&", command):
+                self.check_options(part.removeprefix("sudo ").strip(), block.fault)
+                if SOURCE_TREE in block.markers and "/" in (part.split() or [""])[0]:
+                    script = part.split()[0]
+                    if not os.access(os.path.join(self.sandbox.source_dir, script), os.X_OK):
+                        raise block.fault(f"there is no program {script} in the source tree")
+        self.count["only " + (INSTALLED if INSTALLED in block.markers else SOURCE_TREE)] += len(block.commands())
+        self.last = None
+
+    def output(self, block):
+        if self.last is None:
+            raise block.fault("an output stands behind the `sh` block that says it")
+        end = time.monotonic() + MATCH_SECONDS
+        while fault := difference(block.text, said := self.last()):
+            if time.monotonic() > end:
+                raise block.fault(f"the output is another one\n{fault}\n--- all that was said:\n{said}")
+            time.sleep(0.1)
+        self.count["outputs compared"] += 1
+
+    def log(self, block):
+        for number, line in enumerate(block.text.splitlines()):
+            if line.strip() and not log_lines.known(self.sandbox.source_dir, line):
+                raise Fault(f"{self.path}:{block.line + number}: no source says '{line.strip()}'; the nearest: "
+                            f"{log_lines.nearest(self.sandbox.source_dir, line)}")
+        self.count["outputs compared"] += 1
+
+    def check_options(self, command, fault):
+        """Of one of our programs: is there the subcommand, and does its --help name each option?"""
+        words = command.split()
+        if not words or words[0] not in PROGRAMS:
+            return
+        subcommand = [words[0]] + ([words[1]] if words[0] == "fieldcast" and len(words) > 1 and not words[1].startswith("-") else [])
+        if subcommand == ["fieldcast", "user"] and len(words) > 2:
+            subcommand.append(words[2])
+        key = " ".join(subcommand)
+        if key not in self.helps:
+            self.helps[key] = self.sandbox.run(key + " --help")
+        code, said = self.helps[key]
+        if code != 0:
+            raise fault(f"there is no '{key}': {said}")
+        for option in re.findall(r"(?<!\S)(--?[a-z][\w-]*)", command):
+            if not re.search(rf"(?<![\w-]){option}(?![\w-])", said):
+                raise fault(f"{key} has no option {option}")
+
+
+def run_installed(root, with_systemd, source_dir, documents):
+    """Each marked block as root in ROOT, in order, in a folder with the document's files. The number that ran and did not."""
+    ran = left = 0
+    for path in documents:
+        with open(os.path.join(source_dir, path), encoding="utf-8") as file:
+            blocks = parse(path, file.read())
+        folder = os.path.join(root, "tmp", "fieldcast-documents")
+        os.makedirs(folder, exist_ok=True)
+        for block in blocks:
+            if "file" in block.markers and block.language != "sh":
+                target = os.path.join(folder, block.markers["file"])
+                os.makedirs(os.path.dirname(target), exist_ok=True)
+                with open(target, "w", encoding="utf-8") as file:
+                    file.write(block.text)
+            if INSTALLED in block.markers:
+                needs = block.markers[INSTALLED]
+                if "hardware" in needs or "systemd" in needs and not with_systemd:
+                    left += len(block.commands())
+                    print(f"{path}:{block.line}: not run: {needs}")
+                    continue
+                shell = ["bash", "-euo", "pipefail", "-c", f"cd /tmp/fieldcast-documents\n{block.text}"]
+                done = subprocess.run((["chroot", root] if root != "/" else []) + shell, stdout=subprocess.PIPE,
+                                      stderr=subprocess.STDOUT, text=True, timeout=300)
+                if done.returncode:
+                    raise block.fault(f"exit code {done.returncode}\n{done.stdout}")
+                ran += len(block.commands())
+        shutil.rmtree(folder)
+    print(f"in the installed system: {ran} commands ran, {left} did not")
+
+
+def main():
+    parser = argparse.ArgumentParser(usage=__doc__)
+    parser.add_argument("--installed", metavar="ROOT")
+    parser.add_argument("--systemd", action="store_true")
+    parser.add_argument("arguments", nargs="+")
+    given = parser.parse_args()
+    try:
+        if given.installed:
+            return run_installed(given.installed, given.systemd, given.arguments[0], given.arguments[1:])
+        bin_dir, source_dir, *documents = given.arguments
+        for path in documents:
+            begin = time.monotonic()
+            sandbox = Sandbox(bin_dir, source_dir)
+            try:
+                runner = Runner(sandbox, path)
+                runner.run()
+            finally:
+                sandbox.close()
+            counts = ", ".join(f"{number} {what}" for what, number in runner.count.items() if number)
+            print(f"{path}: {counts or 'no command'}; {time.monotonic() - begin:.1f} s")
+    except Fault as fault:
+        sys.exit(str(fault))
+
+
+if __name__ == "__main__":
+    main()
