@@ -1,0 +1,100 @@
+// What passes in a pairing, framed by markers and by length: whole instructions, halves, line
+// settings, streams that make no sense.
+#include <gmock/gmock.h>
+
+#include "tests/program/engineer_bench.hpp"
+
+namespace fieldcast::program {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+using Bench = EngineerBench;
+
+TEST(Engineer, AContinuationThatBeginsLikeAControlFrameReachesItsSide) {
+  Bench b;
+  b.pair();
+  b.sends("@@0000FEFF12\rFEFF@@EDFEFF34\rFE");
+  b.sends("FF");
+  EXPECT_EQ(b.reached(), "0000FEFF12\rEDFEFF34\r");
+  b.answers("0000FEFF56\r0003FEFF78*\r");
+  EXPECT_EQ(b.received(), "@@0000FEFF56\rFEFF@@0003FEFF78*\rFEFF");
+  EXPECT_TRUE(b.engineer.paired());
+  EXPECT_THAT(b.remarks.back().kind, Remark::Kind::kPaired);  // nothing was dropped
+}
+
+TEST(Engineer, HalfAnInstructionIsDroppedAndReportedNeverSent) {
+  Bench b;
+  b.pair();
+  b.sends("@@@00FA");
+  b.pass(milliseconds{1900});
+  b.sends("00");
+  b.pass(milliseconds{1999});
+  EXPECT_THAT(b.remarks.back().kind, Remark::Kind::kPaired);
+  b.pass(milliseconds{2});
+  EXPECT_EQ(b.remarks.back().kind, Remark::Kind::kDropped);
+  b.sends("@@@00next*\rFEFF");
+  EXPECT_EQ(b.reached(), "@00next*\r");
+  b.answers("@00half");
+  b.pass(milliseconds{2001});
+  EXPECT_EQ(b.remarks.back().kind, Remark::Kind::kDropped);
+  b.answers("@00ok*\r");
+  EXPECT_THAT(b.received(), HasSubstr("@@@00ok*\rFEFF"));
+}
+
+Bytes chunk(std::string_view text) {
+  Bytes out;
+  append_chunks(out, as_bytes(text));
+  return out;
+}
+
+TEST(Engineer, FramingByLengthIsNegotiatedAndCarriesAnything) {
+  Bench b;
+  b.pair("@@V217FEFF");
+  b.tell(FromClient{chunk("@@EDFEFF\r\xFF")});
+  EXPECT_EQ(b.reached(), "@@EDFEFF\r\xFF");
+  b.answers("half of an answer");
+  EXPECT_EQ(b.client, chunk("half of an answer"));
+  b.client.clear();
+  b.pass(milliseconds{5001});
+  EXPECT_EQ(b.client, (Bytes{0, 0, 0, 0}));
+}
+
+TEST(Engineer, LineSettingsComeBetweenTheBytesAroundThem) {
+  Bench b;
+  b.pair("@@V217FEFF");
+  Bytes stream = chunk("slow");
+  append_settings(stream, {115200, 2, 0, Parity::kNone});
+  append(stream, chunk("fast"));
+  EngineerActions actions;
+  b.engineer.on_event(FromClient{stream}, b.now, actions);
+  std::string order;
+  for (const auto& action : actions) {
+    if (auto* to = std::get_if<ToDevice>(&action)) order += std::string(as_text(to->bytes)) + ' ';
+    if (auto* line = std::get_if<SetLine>(&action))
+      order += std::to_string(line->settings.baud) + ' ';
+  }
+  EXPECT_EQ(order, "slow 115200 fast ");
+}
+
+TEST(Engineer, WithFramingByLengthTheLossIsAStopAndItsReason) {
+  Bench b;
+  b.pair("@@V217FEFF");
+  b.tell(DeviceLost{"gone"});
+  Bytes expected{0xFF, 0xFF, 0xFF, 0xFF};
+  append(expected, control_frame("0003"));
+  EXPECT_EQ(b.client, expected);
+  EXPECT_EQ(b.hung_up, 1);
+}
+
+TEST(Engineer, AStreamThatMakesNoSenseEndsThePairing) {
+  Bench b;
+  b.pair("@@V217FEFF");
+  b.sends("@@17FEFF");  // 40403137h bytes
+  EXPECT_EQ(b.freed, 1);
+  EXPECT_TRUE(b.engineer.over());
+  EXPECT_EQ(b.reached(), "");
+}
+
+}  // namespace
+}  // namespace fieldcast::program

@@ -1,0 +1,136 @@
+// The times of a pairing in virtual time: heartbeats, idle time, sides that are slow or silent.
+#include <gmock/gmock.h>
+
+#include "tests/program/engineer_bench.hpp"
+
+namespace fieldcast::program {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::minutes;
+using std::chrono::seconds;
+using testing::HasSubstr;
+using Bench = EngineerBench;
+
+TEST(Engineer, HeartbeatsAreSentAndThreeMissedFreeThePairing) {
+  Bench b;
+  b.pair();
+  b.pass(milliseconds{5001});
+  EXPECT_EQ(b.received(), "@@HBFEFF");
+  b.sends("@@HBFEFF");
+  b.pass(seconds{17});
+  EXPECT_TRUE(b.engineer.paired());
+  b.pass(seconds{1});
+  EXPECT_EQ(b.freed, 1);
+  EXPECT_EQ(b.hung_up, 1);
+  EXPECT_THAT(b.last_remark(), HasSubstr("heartbeats"));
+}
+
+TEST(Engineer, APairingWithoutProgramBytesIsFreedAfterItsIdleTime) {
+  EngineerRules rules;
+  rules.idle = minutes{2};
+  Bench b(rules);
+  b.pair();
+  for (int i = 0; i < 23; ++i) {
+    b.pass(seconds{5});
+    b.sends("@@HBFEFF");
+    ASSERT_TRUE(b.engineer.paired()) << i;
+  }
+  b.pass(seconds{5});
+  EXPECT_EQ(b.freed, 1);
+  EXPECT_THAT(b.received(), HasSubstr("@@0003FEFF"));
+}
+
+TEST(Engineer, AClientThatNeverSpeaksIsHungUp) {
+  Bench b;
+  b.pass(milliseconds{9999});
+  EXPECT_EQ(b.hung_up, 0);
+  b.pass(milliseconds{2});
+  EXPECT_EQ(b.hung_up, 1);
+  EXPECT_THAT(b.last_remark(), HasSubstr("no device was asked for"));
+}
+
+TEST(Engineer, WhoLogsInAndThenNeverAsksIsHungUp) {
+  EngineerRules rules;
+  rules.login_needed = true;
+  Bench b(rules);
+  b.pass(seconds{9});
+  b.sends("@@AU616e6e61:736563726574FEFF");
+  b.tell(LoginChecked{true, ""});
+  b.pass(milliseconds{9999});
+  EXPECT_EQ(b.hung_up, 0);
+  b.pass(milliseconds{2});
+  EXPECT_EQ(b.hung_up, 1);
+  EXPECT_THAT(b.last_remark(), HasSubstr("no device was asked for"));
+}
+
+TEST(Engineer, AClientThatNeverReadsIsFreed) {
+  Bench b;
+  b.pair();
+  b.tell(ClientTakes{false});
+  const auto send_heartbeats = [&](int times) {
+    for (int i = 0; i < times; ++i) {
+      b.sends("@@HBFEFF");
+      b.pass(seconds{5});
+    }
+  };
+  send_heartbeats(6);
+  b.tell(ClientTakes{false});  // still: the clock goes on
+  send_heartbeats(5);
+  EXPECT_EQ(b.freed, 0);
+  send_heartbeats(1);
+  EXPECT_EQ(b.freed, 1);
+  EXPECT_EQ(b.hung_up, 1);
+}
+
+TEST(Engineer, ADeviceThatTakesNoBytesIsLost) {
+  Bench b;
+  b.pair();
+  b.tell(DeviceTakes{false});
+  b.pass(seconds{50});
+  b.tell(DeviceTakes{true});
+  b.tell(DeviceTakes{false});
+  b.pass(seconds{59});
+  EXPECT_TRUE(b.engineer.paired());
+  b.pass(seconds{1});
+  EXPECT_EQ(b.freed, 1);
+  EXPECT_THAT(b.received(), HasSubstr("@@0003FEFF"));
+}
+
+// 200 KiB at 1 920 B/s: 107 s with a full queue, in which the client is not read, nor its
+// heartbeats. At 110 B/s even the idle time passes.
+TEST(Engineer, ASlowLineThatDrainsIsNeverCut) {
+  for (const auto& [step, length] :
+       {std::pair{seconds{1}, seconds{107}}, std::pair{seconds{40}, seconds{1900}}}) {
+    Bench b;
+    b.pair();
+    b.sends("@@@00WD*\rFEFF");
+    b.tell(DeviceTakes{false});
+    for (auto passed = seconds{0}; passed < length; passed += step) {
+      b.pass(step);
+      b.tell(DeviceDrains{});
+      ASSERT_TRUE(b.engineer.paired()) << passed.count() << ": " << b.last_remark();
+    }
+    b.tell(DeviceTakes{true});
+    b.pass(seconds{17});
+    EXPECT_TRUE(b.engineer.paired());
+    b.pass(seconds{1});  // the client is read again and says nothing
+    EXPECT_FALSE(b.engineer.paired());
+    EXPECT_THAT(b.last_remark(), HasSubstr("heartbeats"));
+  }
+}
+
+TEST(Engineer, ASlowClientThatDrainsIsNeverCut) {
+  Bench b;
+  b.pair();
+  b.tell(ClientTakes{false});
+  for (int i = 0; i < 300; ++i) {
+    b.pass(seconds{4});
+    b.sends("@@HBFEFF");
+    if (i % 10 == 0) b.tell(ClientDrains{});
+    ASSERT_TRUE(b.engineer.paired()) << i << ": " << b.last_remark();
+  }
+}
+
+}  // namespace
+}  // namespace fieldcast::program
