@@ -74,6 +74,14 @@ void SampleWriters::attach(Slot& slot, std::optional<Duration> refresh) {
   ++slot.writer->channels;
 }
 
+bool SampleWriters::has_writer(Slot& slot) {
+  if (slot.writer != nullptr) return true;
+  try {
+    attach(slot, std::nullopt);
+  } catch (const DdsError&) { return false; }
+  return true;
+}
+
 bool SampleWriters::has_readers() const {
   return std::any_of(writers_.begin(), writers_.end(),
                      [](const auto& writer) { return writer->readers > 0; });
@@ -95,8 +103,11 @@ SampleWriters::Woken SampleWriters::wake(std::size_t most) {
     const std::size_t end = std::min(unwoken_ + kWakeChunk, slots_.size());
     for (; unwoken_ < end; ++unwoken_) {
       Slot& slot = slots_[unwoken_];
-      if (slot.writer == nullptr || slot.written()) continue;
-      if (!hooks_.last_value(static_cast<ChannelIndex>(unwoken_), slot.value)) continue;
+      if (slot.written()) continue;
+      LastValue last;
+      if (!hooks_.last_value(static_cast<ChannelIndex>(unwoken_), last)) continue;
+      if (!has_writer(slot)) continue;
+      slot.value = std::move(last);
       (void)write(slot);
       ++woken.written;
     }
@@ -109,11 +120,13 @@ SampleWriters::Woken SampleWriters::wake(std::size_t most) {
 bool SampleWriters::write(std::span<const Sample> samples, const UtcMapping& mapping) {
   const std::lock_guard lock(mutex_);
   tidy_up(mapping.instant);
-  bool taken = true;
+  if (!awake_) return true;
+  const std::vector<Write>& ordered = in_order(samples);
+  bool taken = ordered.size() == samples.size();
   const JoinedSending joined(most_bytes_);
-  for (const auto& [slot, sample] : in_order(samples)) {
+  for (const auto& [slot, sample] : ordered) {
     // Its value came from wake(), which was faster.
-    if (!awake_ || sample->sequence <= slot->value.sequence) continue;
+    if (sample->sequence <= slot->value.sequence) continue;
     to_last_value(*sample, mapping, slot->value);
     taken &= write(*slot);
   }
@@ -135,9 +148,7 @@ std::vector<SampleWriters::Write>& SampleWriters::in_order(std::span<const Sampl
   for (const Sample& sample : samples) {
     FIELDCAST_CHECK(sample.channel < slots_.size());
     Slot& slot = slots_[sample.channel];
-    // Somebody acquired a write-only channel.
-    if (slot.writer == nullptr) attach(slot, std::nullopt);
-    order_.push_back({&slot, &sample});
+    if (has_writer(slot)) order_.push_back({&slot, &sample});
   }
   std::stable_sort(order_.begin(), order_.end(), [](const Write& a, const Write& b) {
     return std::tie(a.slot->writer, a.slot->order, a.slot) <

@@ -80,7 +80,7 @@ class SampleWriters {
   struct Slot {
     SampleKey key;
     LastValue value;           // written last at its writer; sequence 0: none
-    Writer* writer = nullptr;  // null: never sampled (write-only)
+    Writer* writer = nullptr;  // null: write-only, and not acquired so far
     std::uint64_t order = 0;   // of its last write among all of the bus
     [[nodiscard]] bool written() const { return value.sequence != 0; }
     [[nodiscard]] OutgoingSample outgoing() const { return {&key, &value}; }
@@ -105,7 +105,7 @@ class SampleWriters {
     std::optional<Instant> since;  // known from the next tidy() on
   };
   // REQUIRES, all of them: mutex_ held.
-  // In the order in which they are written; see the definition.
+  // Those that have a writer, in the order in which they are written; see the definition.
   [[nodiscard]] std::vector<Write>& in_order(std::span<const Sample> samples);
   bool write(Slot& slot);
   void let_go(Instant now);
@@ -115,7 +115,10 @@ class SampleWriters {
   void remove_idle_writers(Instant now);
   void rest_if_unread(Instant now);
   bool make_anew();  // false: the library makes no more writers; nothing changed
-  void attach(Slot& slot, std::optional<Duration> refresh);
+  void attach(Slot& slot, std::optional<Duration> refresh);  // throws DdsError
+  // Gives one without a refresh to a write-only channel that somebody acquired. False: the library
+  // makes no more writers.
+  bool has_writer(Slot& slot);
   [[nodiscard]] bool has_readers() const;
 
   Domain& domain_;
