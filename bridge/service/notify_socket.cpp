@@ -66,8 +66,8 @@ std::string notify_address() { return environment("NOTIFY_SOCKET"); }
 std::optional<Duration> watchdog_limit() {
   const std::string process = environment("WATCHDOG_PID");
   if (!process.empty() && number_in<pid_t>(process) != ::getpid()) return std::nullopt;
-  const auto limit = number_in<std::uint32_t>(environment("WATCHDOG_USEC"));
-  if (!limit || *limit == 0) return std::nullopt;
+  const auto limit = number_in<std::int64_t>(environment("WATCHDOG_USEC"));
+  if (!limit || *limit <= 0) return std::nullopt;
   return std::chrono::microseconds{*limit};
 }
 

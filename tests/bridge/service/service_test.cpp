@@ -93,6 +93,9 @@ TEST(Service, WithoutAManagerSaysNothing) {
 TEST(WatchdogLimit, IsForThisProcessOnly) {
   ::setenv("WATCHDOG_USEC", "3000000", 1);
   EXPECT_EQ(watchdog_limit(), std::optional<Duration>(seconds{3}));
+  ::setenv("WATCHDOG_USEC", "7200000000", 1);  // more than 32 bits
+  EXPECT_EQ(watchdog_limit(), std::optional<Duration>(seconds{7200}));
+  ::setenv("WATCHDOG_USEC", "3000000", 1);
   ::setenv("WATCHDOG_PID", "1", 1);
   EXPECT_EQ(watchdog_limit(), std::nullopt);
   ::setenv("WATCHDOG_PID", std::to_string(::getpid()).c_str(), 1);
