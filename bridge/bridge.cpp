@@ -129,7 +129,7 @@ void Bridge::State::abandon(const std::string& bus) {
   link->close(kLinger);
   if (store) (void)store->flush(kLinger);
   flush_log(kLastWords);
-  std::_Exit(static_cast<int>(ExitCode::kInternal));
+  std::_Exit(static_cast<int>(ExitCode::kHung));
 }
 
 }  // namespace fieldcast

@@ -9,7 +9,7 @@ enum class ExitCode : int {
   kUsage = 2,             // the command line
   kBadConfiguration = 3,  // faults in the file: all of them are on stderr
   kCannotStart = 4,       // DDS cannot be joined as configured
-  kHung = 5,              // asked to stop, and a driver or a library did not let it
+  kHung = 5,              // a bus was to stop, or all, and a driver or a library did not let it
 };
 
 }  // namespace fieldcast

@@ -2,7 +2,6 @@
 
 #include <limits.h>
 #include <sys/inotify.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -13,6 +12,8 @@
 #include <system_error>
 #include <thread>
 #include <utility>
+
+#include "bridge/base/file_descriptor.hpp"
 
 namespace fieldcast {
 namespace {
@@ -77,10 +78,12 @@ namespace {
 
 // The kernel lets go of an inotify instance after a grace period (fsnotify_destroy_group), which on
 // a busy machine was seen to take longer than a second: no bus is to stand for it.
-void close_elsewhere(int fd) {
+void close_elsewhere(FileDescriptor watch) {
   try {
-    std::thread([fd] { ::close(fd); }).detach();
-  } catch (const std::system_error&) { ::close(fd); }
+    std::thread([closed = std::move(watch)] {}).detach();
+  } catch (const std::system_error&) {
+    // No thread: it was closed on the way out.
+  }
 }
 
 }  // namespace
@@ -105,7 +108,7 @@ class DeviceWatch::Watching : public std::enable_shared_from_this<Watching> {
   void stop() {
     over_ = true;
     timer_.cancel();
-    if (stream_.is_open()) close_elsewhere(stream_.release());
+    if (stream_.is_open()) close_elsewhere(FileDescriptor(stream_.release()));
   }
 
  private:
