@@ -57,10 +57,8 @@ ExitCode acquire(const AcquireOptions& options, const DdsSpec& spec, Interrupt& 
                  std::ostream& out, std::ostream& err) {
   const auto wanted = parse_device_or_channel(options.target);
   if (!wanted) return usage(err, wanted.error());
-  const auto type = type_at(options.at, options.type);
-  const auto encoding = parse_type(type).and_then(
-      [&](const Encoding& parsed) { return with_byte(parsed, options.byte); });
-  if (!encoding) return usage(err, encoding.error());
+  const auto type = address_type(options);
+  if (!type) return usage(err, type.error());
   if (!options.at.empty() && !wanted->channel.empty())
     return usage(err, "with --at name BUS/DEVICE only");
 
@@ -76,7 +74,8 @@ ExitCode acquire(const AcquireOptions& options, const DdsSpec& spec, Interrupt& 
     errands.push_back(unknown_bus(*wanted, options.at, false, run.catalogue()));
     return run.execute(std::move(errands));
   }
-  errands.push_back(errand_of(*wanted, AddressTarget{options.at, *encoding}, options.at, type, {}));
+  errands.push_back(
+      errand_of(*wanted, AddressTarget{options.at, type->encoding}, options.at, type->text, {}));
   errands.front().command.command.count = options.count;
   return run.execute(std::move(errands));
 }
@@ -87,22 +86,11 @@ class AcquireCommand final : public CommandWith<AcquireOptions> {
  public:
   void describe(CommandLine& line) override {
     line.text("TARGET", options_.target, "BUS/DEVICE or BUS/DEVICE/CHANNEL").required();
-    line.text("--at", options_.at,
-              "Read an address of the device, in the PLC's own notation (holding:100)");
+    add_command_options(line, options_, "Read");
     line.number("--count", options_.count, 1, kMaxRawValues,
                 "How many values of the type, one behind the other; of a bit the bits from there "
                 "on (1)")
         .needs("--at");
-    line.text("--type", options_.type,
-              "Type of the values at the address: uint16, float32, string(8), .. (what the address "
-              "implies, bool for a coil, or uint16)")
-        .needs("--at");
-    line.text("--byte", options_.byte, "With an 8-bit type: low or high byte of a register")
-        .needs("--at");
-    line.duration("--timeout", options_.timeout, CommandLine::kShortest,
-                  "The command is not started later than this (5s)");
-    line.flag("--json", options_.json, "JSON lines");
-    add_connection(line, options_.connection);
   }
   ExitCode run(const Streams& streams) override {
     return in_domain(options_.connection, streams, [&](const DdsSpec& spec, Interrupt& interrupt) {

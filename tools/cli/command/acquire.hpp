@@ -6,21 +6,15 @@
 #include <iosfwd>
 #include <string>
 
-#include "tools/cli/connection.hpp"
+#include "tools/cli/command/command_options.hpp"
 #include "tools/cli/exit_code.hpp"
 #include "tools/cli/interrupt.hpp"
 
 namespace fieldcast::cli {
 
-struct AcquireOptions {
-  ConnectionOptions connection;
+struct AcquireOptions : CommandOptions {
   std::string target;       // BUS/DEVICE or BUS/DEVICE/CHANNEL
-  std::string at;           // an address in the PLC's own notation; empty: channels
   std::uint32_t count = 1;  // values at the address
-  std::string byte;         // of a wider item, for an 8-bit type
-  std::string type;  // of the values at the address; empty: what the address implies, or uint16
-  bool json = false;
-  Duration timeout = std::chrono::seconds{5};
 };
 
 // The code of the worst result. Throws DdsError.

@@ -85,26 +85,24 @@ ExitCode write_address(const WriteOptions& options, const DdsSpec& spec, Interru
     return usage(err, "with --at write BUS/DEVICE and then the values");
   if (options.words.size() < 2)
     return usage(err, fmt::format("no value for {}; write them after BUS/DEVICE", options.at));
-  const auto type = type_at(options.at, options.type);
-  const auto encoding = parse_type(type).and_then(
-      [&](const Encoding& parsed) { return with_byte(parsed, options.byte); });
-  if (!encoding) return usage(err, encoding.error());
+  const auto type = address_type(options);
+  if (!type) return usage(err, type.error());
 
   Errand errand;
   errand.command.bus = device->bus;
   auto& command = errand.command.command;
   command.device = device->device;
-  command.target = AddressTarget{options.at, *encoding};
+  command.target = AddressTarget{options.at, type->encoding};
   command.operation = Operation::kWrite;
   command.verify = options.verify;
   for (auto word = options.words.begin() + 1; word != options.words.end(); ++word) {
-    const auto value = value_from_text(*encoding, *word);
+    const auto value = value_from_text(type->encoding, *word);
     if (!value) return usage(err, value.error());
     command.values.push_back(*value);
   }
   command.count = static_cast<std::uint32_t>(command.values.size());
   errand.outcome = {Outcome::State::kResult, device->bus, device->device, options.at, true,
-                    command.values,          {},          type,           {}};
+                    command.values,          {},          type->text,     {}};
 
   DomainView domain(spec, interrupt);
   CommandRun run(domain, spec, {options.json, options.timeout}, out, err);
@@ -133,18 +131,7 @@ class WriteCommand final : public CommandWith<WriteOptions> {
                "BUS/DEVICE/CHANNEL=VALUE ..; with --at: BUS/DEVICE VALUE ..")
         .required();
     line.flag("--verify", options_.verify, "Read back what was written");
-    line.text("--at", options_.at,
-              "Write to an address of the device, in the PLC's own notation (holding:100)");
-    line.text("--type", options_.type,
-              "Type of the values at the address: uint16, float32, string(8), .. (what the address "
-              "implies, bool for a coil, or uint16)")
-        .needs("--at");
-    line.text("--byte", options_.byte, "With an 8-bit type: low or high byte of a register")
-        .needs("--at");
-    line.duration("--timeout", options_.timeout, CommandLine::kShortest,
-                  "The command is not started later than this (5s)");
-    line.flag("--json", options_.json, "JSON lines");
-    add_connection(line, options_.connection);
+    add_command_options(line, options_, "Write to");
   }
   ExitCode run(const Streams& streams) override {
     return in_domain(options_.connection, streams, [&](const DdsSpec& spec, Interrupt& interrupt) {
