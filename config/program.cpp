@@ -75,17 +75,17 @@ const Node* value_of(const Node& map, std::string_view key) {
 
 std::optional<ListenSpec> ListenRule::operator()(const Node& node, std::string_view key,
                                                  FaultList& faults) const {
-  static constexpr std::string_view kForm =
-      "ADDRESS:PORT of this machine, such as 127.0.0.1:4950 or [::1]:4950";
-  const std::string* text = scalar_of(node, key, kForm, faults);
+  const std::string form =
+      fmt::format("ADDRESS:PORT of this machine, such as 127.0.0.1:{0} or [::1]:{0}", usual_port);
+  const std::string* text = scalar_of(node, key, form, faults);
   if (text == nullptr) return std::nullopt;
   const auto endpoint = host_port_from(*text);
   const bool address =
       endpoint && (is_ipv4(endpoint->first) || endpoint->first.find(':') != std::string::npos);
   if (address) return ListenSpec{endpoint->first, endpoint->second};
   const bool local = endpoint && endpoint->first == "localhost";
-  faults.add(node.position, fmt::format("{} '{}' is no address and port", key, *text),
-             std::string(kForm), local ? fmt::format("127.0.0.1:{}", endpoint->second) : "");
+  faults.add(node.position, fmt::format("{} '{}' is no address and port", key, *text), form,
+             local ? fmt::format("127.0.0.1:{}", endpoint->second) : "");
   return std::nullopt;
 }
 

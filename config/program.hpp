@@ -18,6 +18,7 @@ void check_device_numbers(const Node& buses, const BridgeSpec& spec, FaultList& 
 
 // An address to listen at: a name would say too little about who can reach it.
 struct ListenRule {
+  int usual_port;  // of the example in its faults
   std::optional<ListenSpec> operator()(const Node& node, std::string_view key,
                                        FaultList& faults) const;
   [[nodiscard]] std::string schema() const;

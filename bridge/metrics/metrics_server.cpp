@@ -15,9 +15,9 @@
 #include <utility>
 #include <vector>
 
+#include "bridge/base/listener.hpp"
 #include "bridge/bus/io_thread.hpp"
 #include "bridge/log/log.hpp"
-#include "bridge/program/listener.hpp"
 
 namespace fieldcast {
 namespace {
@@ -148,7 +148,7 @@ struct MetricsServer::State {
   std::vector<std::weak_ptr<Connection>> connections;
   IoThread io{"metrics"};  // outlives what follows, and ends before what is above
   asio::steady_timer again{io.context()};
-  std::optional<program::Listener> listener;
+  std::optional<Listener> listener;
 };
 
 void MetricsServer::State::open() {

@@ -10,9 +10,9 @@
 #include <tl/expected.hpp>
 #include <unordered_set>
 
+#include "bridge/base/listener.hpp"
 #include "bridge/log/repeat_filter.hpp"
 #include "bridge/program/engineer_connection.hpp"
-#include "bridge/program/listener.hpp"
 #include "bridge/program/silent_connections.hpp"
 #include "core/model/spec.hpp"
 

@@ -134,7 +134,7 @@ const Rows<MetricsSpec>& metrics_rows() {
            .text = "`ADDRESS:PORT` of this machine. There is no login and no TLS: whoever reaches "
                    "the address reads the figures, so choose one of the loopback where you can",
            .example = "listen: 127.0.0.1:9464"},
-          &MetricsSpec::listen, ListenRule{})},
+          &MetricsSpec::listen, ListenRule{9464})},
       "Serves `http://ADDRESS:PORT/metrics` as OpenMetrics text.");
   return rows;
 }

@@ -61,7 +61,7 @@ const Rows<EngineersSpec>& engineer_rows() {
                    "`store` are demanded: each engineer logs in as a user with the role "
                    "programmer",
                .example = "listen: 127.0.0.1:4950"},
-              &EngineersSpec::listen, ListenRule{}),
+              &EngineersSpec::listen, ListenRule{4950}),
           {{.name = "certificate",
             .fallback = "none: plain TCP on the loopback",
             .text = "a PEM file, relative to this file: TLS",
@@ -97,7 +97,7 @@ const Rows<ModulesSpec>& module_rows() {
                               .fallback = "needed",
                               .text = "`ADDRESS:PORT` of this machine",
                               .example = "listen: 127.0.0.1:4951"},
-                             &ModulesSpec::listen, ListenRule{}),
+                             &ModulesSpec::listen, ListenRule{4951}),
           module_row(
               {.name = "ask",
                .fallback = "text",

@@ -10,7 +10,7 @@
 
 #include "core/model/spec.hpp"
 
-namespace fieldcast::program {
+namespace fieldcast {
 
 class Listener {
  public:
@@ -37,4 +37,4 @@ class Listener {
   return address.substr(0, address.rfind(':'));
 }
 
-}  // namespace fieldcast::program
+}  // namespace fieldcast

@@ -1,4 +1,4 @@
-#include "bridge/program/listener.hpp"
+#include "bridge/base/listener.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <utility>
 
-namespace fieldcast::program {
+namespace fieldcast {
 
 using boost::asio::ip::tcp;
 
@@ -79,4 +79,4 @@ std::string address_of(const tcp::socket& socket) {
   return fmt::format("{}:{}", peer.address().is_v6() ? '[' + address + ']' : address, peer.port());
 }
 
-}  // namespace fieldcast::program
+}  // namespace fieldcast
