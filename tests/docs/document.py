@@ -19,10 +19,11 @@ MARKERS = {
     "in the source tree": {"sh"},
     "output": {"text", "json"},
     "log": {"text"},
+    "database": {"sql"},
     "picture": {"text"},
 }
 # Of these a block needs one; an `sh` block needs none.
-KINDS = {"file", "fragment", "output", "log", "picture"}
+KINDS = {"file", "fragment", "output", "log", "database", "picture"}
 STOP = "stop"  # <!-- stop --> stands alone: what runs until stopped ends here
 
 FENCE = re.compile(r"^(\s*)```+\s*([\w+-]*)\s*$")

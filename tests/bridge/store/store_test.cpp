@@ -328,6 +328,8 @@ TEST(SqliteStore, OfAnOlderProgramKeepsItsSamplesWithoutATypeUntilTheChannelCome
   put_one(1);
   open_store(address, IfMissing::kFail)
       ->script(
+          "drop view sample_history; drop view last_samples; drop view device_states;"
+          "drop view alarm_history; drop view active_alarms; drop view audit_history;"
           "alter table channels drop column type; drop table commands;"
           "update fieldcast_version set version = 1");
   ASSERT_EQ(history(address, "b").size(), 1u);
