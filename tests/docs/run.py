@@ -186,7 +186,7 @@ def run_installed(root, with_systemd, source_dir, documents):
                     file.write(block.text)
             if INSTALLED in block.markers:
                 needs = block.markers[INSTALLED]
-                if "hardware" in needs or "systemd" in needs and not with_systemd:
+                if needs in ("with hardware", "with packages") or "systemd" in needs and not with_systemd:
                     left += len(block.commands())
                     print(f"{path}:{block.line}: not run: {needs}")
                     continue
