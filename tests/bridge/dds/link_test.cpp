@@ -1,4 +1,4 @@
-// The bridge's link and a station, over real DDS on loopback.
+// The samples and the catalogue of the bridge's link, seen by a station, over real DDS on loopback.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -285,109 +285,6 @@ TEST(DdsLink, RemovedBusIsSeenToGoAndComesBackUnderTheSameName) {
     })) << gone_samples.size()
         << " samples and " << gone_channels.size() << " entries gone in round " << round;
   }
-}
-
-TEST(DdsLink, StatusArrivesAndGoesWithItsBus) {
-  const std::string bus = bus_name("status");
-  Received received;
-  DdsLink link(loopback(), "test", received.handlers());
-  link.add_bus(bus_of(bus, 1));
-  Station station(loopback(), "watcher");
-  Collected<StationBusStatus> buses;
-  Collected<StationDeviceStatus> devices;
-  station.subscribe_bus_status([&](const StationBusStatus& status) { buses.add(status); });
-  station.subscribe_device_status([&](const StationDeviceStatus& status) { devices.add(status); });
-  BusReport report;
-  report.state = BusState::kRunning;
-  report.causes.add(Cause::kForeign);
-  link.report(bus, report, {5});
-  DeviceReport device;
-  device.refused = {"holding:7"};
-  link.report(bus, "d", device, {6});
-  ASSERT_TRUE(eventually([&] { return buses.size() >= 1 && devices.size() >= 1; }));
-  EXPECT_EQ(buses.all()[0].bus, bus);
-  EXPECT_EQ(buses.all()[0].report.state, BusState::kRunning);
-  EXPECT_EQ(buses.all()[0].causes.begin()->first, to_name(Cause::kForeign));
-  EXPECT_EQ(devices.all()[0].report.refused, std::vector<std::string>{"holding:7"});
-}
-
-TEST(DdsLink, AnAlarmOfEveryLimitReachesLateStationsAndGoesWithItsBus) {
-  const std::string bus = bus_name("alarms");
-  Received received;
-  DdsLink link(loopback(), "test", received.handlers());
-  link.add_bus(bus_of(bus, 2));
-  const UtcMapping clock = both_clocks();
-  link.report(bus, AlarmChange{1, LimitKind::kHigh, AlarmState::kActive, 90.5, clock.instant},
-              clock);
-  link.report(bus, AlarmChange{1, LimitKind::kHighHigh, AlarmState::kActive, 99, clock.instant},
-              clock);
-  link.report(bus, AlarmChange{1, LimitKind::kHighHigh, AlarmState::kClear, 91, clock.instant + 1s},
-              clock);
-  Station station(loopback(), "watcher");
-  Collected<StationAlarm> alarms, gone;
-  station.subscribe_alarms([&](const StationAlarm& alarm) { alarms.add(alarm); },
-                           [&](const StationAlarm& last) { gone.add(last); });
-  ASSERT_TRUE(eventually([&] { return alarms.size() >= 2; })) << alarms.size() << " alarms came";
-  std::map<LimitKind, StationAlarm> last;
-  for (const StationAlarm& alarm : alarms.all()) last[alarm.limit] = alarm;
-  EXPECT_EQ(last[LimitKind::kHigh].state, AlarmState::kActive);
-  EXPECT_EQ(last[LimitKind::kHigh].value, 90.5);
-  EXPECT_EQ(last[LimitKind::kHigh].since, clock.utc);
-  EXPECT_EQ(last[LimitKind::kHigh].bus + '/' + last[LimitKind::kHigh].device, bus + "/d");
-  EXPECT_EQ(last[LimitKind::kHigh].channel, "c1");
-  EXPECT_EQ(last[LimitKind::kHighHigh].state, AlarmState::kClear);
-  link.remove_bus(bus);
-  EXPECT_TRUE(eventually([&] { return gone.size() >= 2; })) << gone.size() << " alarms went";
-}
-
-TEST(DdsLink, InterestsAreReceivedAndEndWhenWithdrawnOrTheirStationGoes) {
-  Received received;
-  DdsLink link(loopback(), "test", received.handlers());
-  const std::string name = bus_name("interested");
-  auto station = std::make_unique<Station>(loopback(), name);
-  station->declare_interest("a/*/*", 200ms);
-  station->declare_interest("b/*/*", 300ms);
-  const auto of = [&](const std::string& pattern) {
-    std::vector<std::optional<Duration>> seen;
-    for (const Interest& interest : received.interests.all()) {
-      if (interest.station == name && interest.pattern == pattern) seen.push_back(interest.refresh);
-    }
-    return seen;
-  };
-  using Refreshes = std::vector<std::optional<Duration>>;
-  ASSERT_TRUE(eventually(
-      [&] { return of("a/*/*") == Refreshes{200ms} && of("b/*/*") == Refreshes{300ms}; }));
-  station->withdraw_interest("a/*/*");
-  EXPECT_TRUE(eventually([&] { return of("a/*/*") == Refreshes{200ms, std::nullopt}; }));
-  station.reset();
-  EXPECT_TRUE(eventually([&] {
-    return of("b/*/*") == Refreshes{300ms, std::nullopt};
-  })) << "the station has left";
-}
-
-// More than the reader holds, from stations of which none declares more than it may.
-TEST(DdsLink, AFloodOfInterestsIsRefusedWithALineAndTheBridgeGoesOn) {
-  constexpr int kEach = 2500;
-  Received received;
-  DdsLink link(loopback(), "test", received.handlers());
-  const std::string bus = bus_name("flooded");
-  link.add_bus(bus_of(bus, 1));
-  Station first(loopback(), bus_name("first")), second(loopback(), bus_name("second"));
-  for (int i = 0; i < kEach; ++i) first.declare_interest("a/*/" + std::to_string(i), 200ms);
-  ASSERT_TRUE(eventually([&] { return received.interests.size() == kEach; }))
-      << received.interests.size();
-  for (int i = 0; i < kEach; ++i) second.declare_interest("b/*/" + std::to_string(i), 200ms);
-  EXPECT_TRUE(eventually(
-      [&] { return received.problems.size() >= 1 && received.interests.size() >= kMaxInterests; }));
-  EXPECT_EQ(received.interests.size(), static_cast<std::size_t>(kMaxInterests));
-  std::string problems;
-  for (const std::string& problem : received.problems.all()) problems += problem + '\n';
-  EXPECT_THAT(problems, ::testing::HasSubstr("nterest"));
-  EXPECT_LE(received.problems.size(), 5u) << problems;
-  // What is known already goes on: an interest that is withdrawn makes room.
-  first.withdraw_interest("a/*/0");
-  EXPECT_TRUE(eventually(
-      [&] { return received.interests.size() > static_cast<std::size_t>(kMaxInterests); }));
 }
 
 TEST(DdsLink, UnknownInterfaceIsAnErrorAtTheStart) {

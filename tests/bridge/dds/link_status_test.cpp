@@ -1,0 +1,67 @@
+// Status and alarms of the bridge's link, as a station receives them, over real DDS on loopback.
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "tests/bridge/dds/dds_support.hpp"
+
+namespace fieldcast::testing {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(DdsLink, StatusArrivesAndGoesWithItsBus) {
+  const std::string bus = bus_name("status");
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
+  link.add_bus(bus_of(bus, 1));
+  Station station(loopback(), "watcher");
+  Collected<StationBusStatus> buses;
+  Collected<StationDeviceStatus> devices;
+  station.subscribe_bus_status([&](const StationBusStatus& status) { buses.add(status); });
+  station.subscribe_device_status([&](const StationDeviceStatus& status) { devices.add(status); });
+  BusReport report;
+  report.state = BusState::kRunning;
+  report.causes.add(Cause::kForeign);
+  link.report(bus, report, {5});
+  DeviceReport device;
+  device.refused = {"holding:7"};
+  link.report(bus, "d", device, {6});
+  ASSERT_TRUE(eventually([&] { return buses.size() >= 1 && devices.size() >= 1; }));
+  EXPECT_EQ(buses.all()[0].bus, bus);
+  EXPECT_EQ(buses.all()[0].report.state, BusState::kRunning);
+  EXPECT_EQ(buses.all()[0].causes.begin()->first, to_name(Cause::kForeign));
+  EXPECT_EQ(devices.all()[0].report.refused, std::vector<std::string>{"holding:7"});
+}
+
+TEST(DdsLink, AnAlarmOfEveryLimitReachesLateStationsAndGoesWithItsBus) {
+  const std::string bus = bus_name("alarms");
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
+  link.add_bus(bus_of(bus, 2));
+  const UtcMapping clock = both_clocks();
+  link.report(bus, AlarmChange{1, LimitKind::kHigh, AlarmState::kActive, 90.5, clock.instant},
+              clock);
+  link.report(bus, AlarmChange{1, LimitKind::kHighHigh, AlarmState::kActive, 99, clock.instant},
+              clock);
+  link.report(bus, AlarmChange{1, LimitKind::kHighHigh, AlarmState::kClear, 91, clock.instant + 1s},
+              clock);
+  Station station(loopback(), "watcher");
+  Collected<StationAlarm> alarms, gone;
+  station.subscribe_alarms([&](const StationAlarm& alarm) { alarms.add(alarm); },
+                           [&](const StationAlarm& last) { gone.add(last); });
+  ASSERT_TRUE(eventually([&] { return alarms.size() >= 2; })) << alarms.size() << " alarms came";
+  std::map<LimitKind, StationAlarm> last;
+  for (const StationAlarm& alarm : alarms.all()) last[alarm.limit] = alarm;
+  EXPECT_EQ(last[LimitKind::kHigh].state, AlarmState::kActive);
+  EXPECT_EQ(last[LimitKind::kHigh].value, 90.5);
+  EXPECT_EQ(last[LimitKind::kHigh].since, clock.utc);
+  EXPECT_EQ(last[LimitKind::kHigh].bus + '/' + last[LimitKind::kHigh].device, bus + "/d");
+  EXPECT_EQ(last[LimitKind::kHigh].channel, "c1");
+  EXPECT_EQ(last[LimitKind::kHighHigh].state, AlarmState::kClear);
+  link.remove_bus(bus);
+  EXPECT_TRUE(eventually([&] { return gone.size() >= 2; })) << gone.size() << " alarms went";
+}
+
+}  // namespace
+}  // namespace fieldcast::testing
