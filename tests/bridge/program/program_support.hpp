@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include <condition_variable>
+#include <memory>
 #include <mutex>
 
 #include "bridge/bus/bus_runner.hpp"
@@ -85,5 +86,18 @@ class ServerFixture : public testing::Test {
   DialInRegistry modules;
   program::Server server{hooks(), modules};
 };
+
+// As many requests as a module may need to be registered, each in a connection of its own.
+inline std::string paired(std::uint16_t port, const std::string& request,
+                          std::unique_ptr<TcpClient>& client) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{10};
+  std::string reply;
+  do {
+    client = std::make_unique<TcpClient>(port);
+    client->send("@@" + request + "FEFF");
+    reply = client->receive("FEFF");
+  } while (reply == "@@0001FEFF" && std::chrono::steady_clock::now() < deadline);
+  return reply;
+}
 
 }  // namespace fieldcast::test
