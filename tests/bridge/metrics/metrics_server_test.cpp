@@ -11,6 +11,7 @@
 #include <random>
 #include <thread>
 
+#include "tests/bridge/support/captured_log.hpp"
 #include "tests/bridge/support/tcp_client.hpp"
 
 namespace fieldcast {
@@ -18,6 +19,7 @@ namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
+using test::CapturedLog;
 using test::TcpClient;
 using testing::HasSubstr;
 using testing::StartsWith;
@@ -190,8 +192,11 @@ TEST_F(MetricsServerTest, ATakenPortIsListenedAtOnceItIsFree) {
   serve();
   std::unique_ptr<MetricsServer> first = std::move(server);
   const std::uint16_t port = first->port();
+  CapturedLog log;
   serve(port);
-  std::this_thread::sleep_for(5 * limits.try_again);
+  EXPECT_TRUE(eventually([&] {
+    return log.so_far().find("they are not served, the buses run") != std::string::npos;
+  })) << log.so_far();
   EXPECT_EQ(server->port(), 0);
   first.reset();
   EXPECT_TRUE(listens());

@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <fstream>
+#include <iterator>
 #include <string>
 
 #include "bridge/log/log.hpp"
@@ -26,6 +28,12 @@ class CapturedLog {
   CapturedLog(const CapturedLog&) = delete;
   CapturedLog& operator=(const CapturedLog&) = delete;
 
+  // What was said until now.
+  [[nodiscard]] std::string so_far() const {
+    flush_log(std::chrono::seconds{5});
+    std::ifstream file("/proc/self/fd/2");  // a file of GoogleTest's while it captures
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
   // Once: what was said.
   [[nodiscard]] std::string end() {
     ended_ = true;
