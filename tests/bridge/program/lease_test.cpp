@@ -1,84 +1,22 @@
-// Buses while their devices are programmed: a module that dials in, and a serial line.
+// Buses on a serial line, while their devices are programmed.
 #include <termios.h>
 
 #include "bridge/port/serial_line.hpp"
 #include "core/program/length_framing.hpp"
-#include "tests/bridge/program/program_support.hpp"
+#include "tests/bridge/program/lease_fixture.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
-#include "tests/bridge/support/module_device.hpp"
 
 namespace fieldcast {
 namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
+using test::bus_of;
 using test::ModbusDevice;
-using test::ModuleDevice;
 using test::Pty;
-using test::RecordingSink;
 using test::TcpClient;
 
-BusSpec bus_of(const PortSpec& port) {
-  BusSpec bus;
-  bus.name = "line";
-  bus.port = port;
-  DeviceSpec device;
-  device.name = "plc";
-  device.protocol = "modbus-rtu";
-  device.timeout = milliseconds{200};
-  device.number = "P1";
-  ChannelSpec channel;
-  channel.name = "r5";
-  channel.at = "holding:5";
-  channel.range = {2, 5, 1};
-  channel.refresh = milliseconds{50};
-  channel.access = Access::kReadWrite;
-  device.channels.push_back(channel);
-  bus.devices.push_back(device);
-  return bus;
-}
-
-struct Lease : test::ServerFixture {
-  // A bus that runs and is known to the server, until the test ends.
-  void run(const BusSpec& bus) {
-    runner = std::make_shared<BusRunner>(io.context(), io.context(), bus, sink, &modules);
-    runner->start();
-    server.add_bus(bus, runner);
-    name = bus.name;
-  }
-  // As a reload does.
-  void end_bus() {
-    if (!runner) return;
-    server.remove_bus(name);
-    runner->stop().wait();
-    runner.reset();
-  }
-  ~Lease() override { end_bus(); }
-  std::size_t good() {
-    const auto record = sink.record();
-    return static_cast<std::size_t>(
-        std::count_if(record.samples.begin(), record.samples.end(),
-                      [](const Sample& s) { return s.quality == Quality::kGood; }));
-  }
-  [[nodiscard]] bool receives_more() {
-    const std::size_t before = good();
-    return sink.wait_for([&](const auto& r) {
-      return static_cast<std::size_t>(std::count_if(
-                 r.samples.begin(), r.samples.end(),
-                 [](const Sample& s) { return s.quality == Quality::kGood; })) >= before + 3;
-    });
-  }
-  [[nodiscard]] bool leased() {
-    return sink.wait_for([](const auto& r) {
-      return !r.samples.empty() && r.samples.back().quality == Quality::kUncertain;
-    });
-  }
-
-  IoThread io{"test"};
-  RecordingSink sink;
-  std::shared_ptr<BusRunner> runner;
-  std::string name;
-};
+using Lease = test::LeaseFixture;
 
 SerialPortSpec serial_at(const std::string& path) {
   SerialPortSpec port;
@@ -119,116 +57,6 @@ TEST_F(Lease, ASerialBusIsLeasedAndReadsAgainAtOnce) {
 
   ModbusDevice again(pty);
   client.send("@@EDFEFF");
-  EXPECT_TRUE(receives_more());
-}
-
-TEST_F(Lease, ABusOfAModuleCollectsIsProgrammedAndCollectsAgain) {
-  start();
-  run(bus_of(DialInPortSpec{"17", std::nullopt}));
-  TcpClient module = this->module("17\r\n");
-  auto plc = std::make_unique<ModuleDevice>(module);
-  EXPECT_TRUE(receives_more());
-  plc.reset();
-  TcpClient client = engineer();
-  EXPECT_EQ(pair(client, "17"), "@@0000FEFF");
-  EXPECT_TRUE(leased());
-  client.send("@@@00program*\rFEFF");
-  EXPECT_THAT(module.receive("program*\r"), testing::EndsWith("@00program*\r"));
-  module.send("@00ok*\r");
-  EXPECT_EQ(client.receive("\rFEFF"), "@@@00ok*\rFEFF");
-  plc = std::make_unique<ModuleDevice>(module);
-  client.send("@@EDFEFF");
-  EXPECT_TRUE(receives_more());
-}
-
-TEST_F(Lease, AModuleThatIsLostIsCollectedAgainWhenItDialsIn) {
-  start();
-  run(bus_of(DialInPortSpec{"17", std::nullopt}));
-  {
-    TcpClient module = this->module("17\r\n");
-    ModuleDevice plc(module);
-    ASSERT_TRUE(receives_more());
-  }
-  ASSERT_TRUE(
-      sink.wait_for([](const auto& r) { return r.reports.back().state == BusState::kClosed; }));
-  TcpClient module = this->module("17\r\n");
-  ModuleDevice plc(module);
-  EXPECT_TRUE(receives_more());
-}
-
-TEST_F(Lease, AModuleStaysConnectedWhenItsBusStartsAnew) {
-  start();
-  BusSpec bus = bus_of(DialInPortSpec{"17", std::nullopt});
-  run(bus);
-  TcpClient module = this->module("17\r\n");
-  ModuleDevice plc(module);
-  ASSERT_TRUE(receives_more());
-  for (int reload = 0; reload < 20; ++reload) {
-    end_bus();
-    bus.devices[0].channels[0].refresh += milliseconds{1};
-    run(bus);
-    ASSERT_TRUE(receives_more()) << reload;
-  }
-  EXPECT_FALSE(module.is_closed(milliseconds{30}));
-}
-
-TEST_F(Lease, AModuleThatDialsInWhileItsBusStartsAnewIsFound) {
-  start();
-  BusSpec bus = bus_of(DialInPortSpec{"17", std::nullopt});
-  for (int reload = 0; reload < 20; ++reload) {
-    run(bus);
-    TcpClient module = this->module("17\r\n");
-    ModuleDevice plc(module);
-    if (reload % 2 == 0) {
-      end_bus();
-      run(bus);
-    }
-    ASSERT_TRUE(receives_more()) << reload;
-    end_bus();
-  }
-}
-
-TEST_F(Lease, ABusThatIsAddedFindsItsModule) {
-  start();
-  TcpClient module = this->module("17\r\n");
-  TcpClient client = engineer();
-  ASSERT_EQ(pair(client, "17"), "@@0000FEFF");  // it is there, and nobody's bus
-  client.send("@@EDFEFF@@nobody1FEFF");
-  ASSERT_EQ(client.receive("FEFF"), "@@0001FEFF");
-  run(bus_of(DialInPortSpec{"17", std::nullopt}));
-  ModuleDevice plc(module);
-  EXPECT_TRUE(receives_more());
-}
-
-TEST_F(Lease, AModuleUnderProgrammingGoesToItsNewBusAtTheEnd) {
-  start();
-  TcpClient module = this->module("17\r\n");
-  TcpClient client = engineer();
-  ASSERT_EQ(pair(client, "17"), "@@0000FEFF");
-  run(bus_of(DialInPortSpec{"17", std::nullopt}));
-  client.send("@@@00program*\rFEFF");
-  EXPECT_EQ(module.receive("\r"), "@00program*\r");
-  client.send("@@EDFEFF");
-  ModuleDevice plc(module);
-  EXPECT_TRUE(receives_more());
-}
-
-TEST_F(Lease, AModuleWhoseBusIsRemovedCanBeProgrammedAndFoundAgain) {
-  start();
-  run(bus_of(DialInPortSpec{"17", std::nullopt}));
-  TcpClient module = this->module("17\r\n");
-  auto plc = std::make_unique<ModuleDevice>(module);
-  ASSERT_TRUE(receives_more());
-  end_bus();
-  plc.reset();
-  TcpClient client = engineer();
-  ASSERT_EQ(pair(client, "17"), "@@0000FEFF");
-  client.send("@@@00program*\rFEFF");
-  EXPECT_THAT(module.receive("program*\r"), testing::EndsWith("@00program*\r"));
-  client.send("@@EDFEFF");
-  ASSERT_TRUE(audited("stopped by the engineer"));
-  run(bus_of(DialInPortSpec{"17", std::nullopt}));
-  plc = std::make_unique<ModuleDevice>(module);
   EXPECT_TRUE(receives_more());
 }
 
