@@ -18,10 +18,12 @@ def _same(shown, said):
     return shown == said
 
 
-def difference(shown, said):
+def difference(shown, said, ordered=True):
     """None, or the first line that the document shows and the program did not say (or said and the document does not show)."""
     want = [general(line) for line in shown.splitlines() if line.strip()]
     have = [general(line) for line in said.splitlines() if line.strip()]
+    if not ordered:
+        want, have = sorted(want), sorted(have)
     at, anywhere = 0, False
     for line in want:
         if line == "...":

@@ -12,7 +12,7 @@ import re
 FOLDERS = ["bridge", "config", "core", "tools/cli", "tools/sim", "tools/program-port"]
 LITERAL = re.compile(r'"((?:[^"\\\n]|\\.)*)"')
 # What a document puts where the program puts a value: CAPITALS and numbers with their unit.
-VALUE = re.compile(r"\b[A-Z][A-Z0-9_/]*\b|[-+]?\d[\d.,:]*\s?(?:ms|us|s|min|h|d|%|MB|GB|kB|B)?\b")
+VALUE = re.compile(r"\b[A-Z][A-Z0-9_/]*\b|[-+]?\d[\d.,:]*\s?(?:ms|us|s|min|h|d|%|MB|GB|kB|B)?\b|\b\d\w+\b")
 SUBJECT = re.compile(r"^[\w./-]+: ")
 
 

@@ -64,6 +64,10 @@ class Comparing(unittest.TestCase):
         self.assertIsNone(difference("a\n...\nz\n", "a\nb\nc\nz\n"))
         self.assertIsNone(difference("a\nb ...\n...\n", "a\nb c\nz\n"))
 
+    def test_the_order_may_differ_where_the_document_says_so(self):
+        self.assertIsNotNone(difference("b\na\n", "a\nb\n"))
+        self.assertIsNone(difference("b\na\n", "a\nb\n", ordered=False))
+
     def test_words_may_not(self):
         self.assertIn("shown: a 0 GOOD", difference("a 1 GOOD\n", "a 1 UNCERTAIN\n"))
         self.assertIn("not said: b", difference("a\nb\n", "a\n"))
