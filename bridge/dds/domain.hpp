@@ -44,10 +44,10 @@ class Domain {
                           dds::StatusMask mask = dds::StatusMask::none()) {
     return writer<Generated, Type>(topic, writer_qos(topic), label, listener, mask);
   }
-  template <class Generated>
+  template <class Generated, class Type = TopicType<Generated>>
   dds::DataReader* reader(const Topic<Generated>& topic, dds::DataReaderListener* listener,
                           dds::StatusMask mask) {
-    return reader(topic, reader_qos(topic), listener, mask);
+    return reader<Generated, Type>(topic, reader_qos(topic), listener, mask);
   }
   // The same with a QoS that differs from the table's.
   template <class Generated, class Type = TopicType<Generated>>
@@ -56,11 +56,10 @@ class Domain {
                           dds::StatusMask mask = dds::StatusMask::none()) {
     return make_writer(make_topic(topic, dds::TypeSupport(new Type())), qos, label, listener, mask);
   }
-  template <class Generated>
+  template <class Generated, class Type = TopicType<Generated>>
   dds::DataReader* reader(const Topic<Generated>& topic, const dds::DataReaderQos& qos,
                           dds::DataReaderListener* listener, dds::StatusMask mask) {
-    return make_reader(make_topic(topic, dds::TypeSupport(new TopicType<Generated>())), qos,
-                       listener, mask);
+    return make_reader(make_topic(topic, dds::TypeSupport(new Type())), qos, listener, mask);
   }
   // Its listener is not called any more when these return.
   void remove(dds::DataWriter* writer);

@@ -21,7 +21,8 @@
 //
 // | TopicDataType            | getKey, serialize(data, payload)    | compute_key, references,   |
 // |                          |                                     | a representation is said   |
-// | Fast CDR                 | 1: getSerializedDataLength          | 2: get_.., CDR versions    |
+// |                          | createData, deleteData              | create_data, delete_data   |
+// | Fast CDR (cdr.hpp)       | 1: getSerializedDataLength          | 2: get_.., CDR versions    |
 // | keys of a message        | message.serializeKey(cdr)           | serialize_key(cdr, ..)     |
 //
 // What is not here, and waits for a 3.x that can be built: names of generated files (*.hpp of
@@ -30,9 +31,6 @@
 // Small classes, and functions without state, for any thread; what needs more of the library is in
 // fastdds.cpp.
 #pragma once
-
-#include <fastcdr/Cdr.h>
-#include <fastcdr/FastBuffer.h>
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
@@ -207,6 +205,10 @@ class AdaptedType : public Generated {
   using Handle = rtps::InstanceHandle_t;
   using Message = typename Generated::type;
 
+  // Messages that the library makes for itself: the one in which a reader looks for keys.
+  virtual void* new_message() { return new Message(); }
+  virtual void delete_message(void* message) { delete static_cast<Message*>(message); }
+
   // Bytes that the library allocates for a message: at first the longest that there can be.
   [[nodiscard]] std::uint32_t first_allocation() const {
     return const_cast<AdaptedType*>(this)->allocation();
@@ -242,6 +244,8 @@ class AdaptedType : public Generated {
   bool compute_key(const void* const data, Handle& key, bool force_md5) final {
     return key_of(data, key, force_md5);
   }
+  void* create_data() final { return new_message(); }
+  void delete_data(void* message) final { delete_message(message); }
 
  private:
   std::uint32_t& allocation() { return this->max_serialized_type_size; }
@@ -275,70 +279,13 @@ class AdaptedType : public Generated {
   bool getKey(void* data, Handle* key, bool force_md5) final {
     return key_of(data, *key, force_md5);
   }
+  void* createData() final { return new_message(); }
+  void deleteData(void* message) final { delete_message(message); }
 
  private:
   std::uint32_t& allocation() { return this->m_typeSize; }
 #endif
 };
-
-// Writes what is in a message, behind its encapsulation, in the byte order of this machine. Throws
-// NotEnoughMemoryException of Fast CDR.
-class CdrWriter {
- public:
-  CdrWriter(void* space, std::size_t size)
-      : buffer_(static_cast<char*>(space), size),
-#if FASTDDS_VERSION_MAJOR >= 3
-        cdr_(buffer_, Cdr::DEFAULT_ENDIAN, eprosima::fastcdr::CdrVersion::XCDRv1) {
-    cdr_.set_encoding_flag(eprosima::fastcdr::EncodingAlgorithmFlag::PLAIN_CDR);
-#else
-        cdr_(buffer_, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR) {
-#endif
-    cdr_.serialize_encapsulation();
-  }
-
-  template <class Value>
-  CdrWriter& operator<<(const Value& value) {
-    cdr_ << value;
-    return *this;
-  }
-  // The keys of a message alone.
-  template <class Message>
-  void add_keys(const Message& message) {
-#if FASTDDS_VERSION_MAJOR >= 3
-    serialize_key(cdr_, message);
-#else
-    message.serializeKey(cdr_);
-#endif
-  }
-  // As they are. False: there is no room.
-  [[nodiscard]] bool add_bytes(std::string_view bytes) {
-#if FASTDDS_VERSION_MAJOR >= 3
-    char* const behind = cdr_.get_current_position();
-#else
-    char* const behind = cdr_.getCurrentPosition();
-#endif
-    if (!cdr_.jump(bytes.size())) return false;
-    std::memcpy(behind, bytes.data(), bytes.size());
-    return true;
-  }
-  // Bytes so far.
-  [[nodiscard]] std::size_t size() const {
-#if FASTDDS_VERSION_MAJOR >= 3
-    return cdr_.get_serialized_data_length();
-#else
-    return cdr_.getSerializedDataLength();
-#endif
-  }
-  [[nodiscard]] std::uint16_t encapsulation() const {
-    return cdr_.endianness() == Cdr::BIG_ENDIANNESS ? CDR_BE : CDR_LE;
-  }
-
- private:
-  using Cdr = eprosima::fastcdr::Cdr;
-  eprosima::fastcdr::FastBuffer buffer_;
-  Cdr cdr_;
-};
-using CdrFull = eprosima::fastcdr::exception::NotEnoughMemoryException;
 
 // ---- transport
 

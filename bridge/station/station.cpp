@@ -5,11 +5,18 @@
 #include "bridge/check.hpp"
 #include "bridge/dds/domain.hpp"
 #include "bridge/dds/topics/conversion.hpp"
+#include "bridge/dds/topics/received_sample.hpp"
 #include "bridge/station/block_subscription.hpp"
 #include "bridge/station/command_client.hpp"
 #include "bridge/station/subscription.hpp"
 
 namespace fieldcast {
+
+namespace {
+
+using SampleSubscription = Subscription<idl::SamplePubSubType, ReceivedSampleType>;
+
+}  // namespace
 
 struct Station::State {
   State(const DdsSpec& spec, const std::string& station)
@@ -30,7 +37,7 @@ struct Station::State {
   const std::string name;
   Domain domain;
   std::mutex mutex;
-  std::unique_ptr<Subscription<idl::SamplePubSubType>> samples;
+  std::unique_ptr<SampleSubscription> samples;
   std::unique_ptr<BlockSubscription> blocks;
   bool has_channels = false, has_samples = false;
   std::unique_ptr<Subscription<idl::BusStatusPubSubType>> buses;
@@ -58,17 +65,17 @@ void Station::subscribe_samples(OnSample on_sample, OnGone gone, SampleOptions o
   FIELDCAST_CHECK(!std::exchange(state_->has_samples, true));
   if (!options.one_by_one && !options.deadline && !options.on_deadline_missed)
     return state_->by_blocks().subscribe_samples(std::move(on_sample), std::move(gone));
-  Subscription<idl::SamplePubSubType>::Handlers handlers;
-  handlers.sample = [on_sample = std::move(on_sample)](const idl::Sample& sample) {
-    if (const auto known = from_idl(sample)) on_sample(*known);
+  SampleSubscription::Handlers handlers;
+  handlers.sample = [on_sample = std::move(on_sample)](const ReceivedSample& received) {
+    if (received.is_known) on_sample(received.sample);
   };
   if (gone) {
-    handlers.gone = [gone = std::move(gone)](const idl::Sample& last) {
-      gone(last.bus().c_str(), last.device().c_str(), last.channel().c_str());
+    handlers.gone = [gone = std::move(gone)](const ReceivedSample& last) {
+      gone(last.sample.bus, last.sample.device, last.sample.channel);
     };
   }
   handlers.deadline_missed = std::move(options.on_deadline_missed);
-  state_->samples = std::make_unique<Subscription<idl::SamplePubSubType>>(
+  state_->samples = std::make_unique<SampleSubscription>(
       state_->domain, kSampleTopic, sample_reader_qos(options.deadline), std::move(handlers));
 }
 

@@ -13,10 +13,10 @@
 
 namespace fieldcast {
 
-template <class Generated>
+template <class Generated, class Type = TopicType<Generated>>
 class Subscription : private dds::DataReaderListener {
  public:
-  using Message = typename Generated::type;
+  using Message = typename Type::Message;
   struct Handlers {
     std::function<void(const Message&)> sample;
     // An instance was disposed, or nobody writes it any more: the message with its keys. Null:
@@ -35,7 +35,7 @@ class Subscription : private dds::DataReaderListener {
     dds::StatusMask mask = dds::StatusMask::data_available();
     if (handlers_.gone) mask << dds::StatusMask::subscription_matched();
     if (handlers_.deadline_missed) mask << dds::StatusMask::requested_deadline_missed();
-    reader_ = domain_.reader(topic, qos, this, mask);
+    reader_ = domain_.template reader<Generated, Type>(topic, qos, this, mask);
   }
   ~Subscription() override { domain_.remove(reader_); }
   Subscription(const Subscription&) = delete;

@@ -5,6 +5,7 @@
 // loses results and holds nobody up. Readers find the true key in the message.
 #pragma once
 
+#include "bridge/dds/cdr.hpp"
 #include "bridge/dds/topics/conversion.hpp"
 #include "bridge/dds/topics/topic_type.hpp"
 

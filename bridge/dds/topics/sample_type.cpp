@@ -1,5 +1,6 @@
 #include "bridge/dds/topics/sample_type.hpp"
 
+#include "bridge/dds/cdr.hpp"
 #include "bridge/dds/topics/conversion.hpp"
 
 namespace fieldcast {
