@@ -1,5 +1,6 @@
 #include "bridge/station/station.hpp"
 
+#include <chrono>
 #include <mutex>
 
 #include "bridge/check.hpp"
@@ -53,8 +54,14 @@ std::string_view to_text(StationFault fault) {
     case StationFault::kNoBridge: return "no bridge answers in this domain";
     case StationFault::kNoResult: return "no result came in time";
     case StationFault::kNotSent: return "the command does not fit the topic";
+    case StationFault::kNotAPath: return "a channel is named BUS/DEVICE/CHANNEL";
   }
   return "?";
+}
+
+Duration age(const StationSample& sample) {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<Duration>(now) - Duration{sample.acquired_at.nanoseconds};
 }
 
 Station::Station(const DdsSpec& spec, const std::string& name)
@@ -74,7 +81,12 @@ void Station::subscribe_samples(OnSample on_sample, OnGone gone, SampleOptions o
       gone(last.sample.bus, last.sample.device, last.sample.channel);
     };
   }
-  handlers.deadline_missed = std::move(options.on_deadline_missed);
+  if (options.on_deadline_missed) {
+    handlers.deadline_missed =
+        [missed = std::move(options.on_deadline_missed)](const ReceivedSample& last) {
+          missed(last.sample.bus, last.sample.device, last.sample.channel);
+        };
+  }
   state_->samples = std::make_unique<SampleSubscription>(
       state_->domain, kSampleTopic, sample_reader_qos(options.deadline), std::move(handlers));
 }
@@ -165,6 +177,21 @@ tl::expected<StationResult, StationFault> Station::execute(StationCommand comman
   const auto id = client.send(std::move(command), wait_for_bridge, true);
   if (!id) return tl::unexpected(id.error());
   return client.await(*id, wait);
+}
+
+tl::expected<StationResult, StationFault> Station::write(std::string_view path, Value value,
+                                                         bool verify) {
+  const std::size_t device = path.find('/') + 1;
+  const std::size_t channel = path.find('/', device) + 1;
+  if (device == 0 || channel == 0 || path.find('/', channel) != std::string_view::npos)
+    return tl::unexpected(StationFault::kNotAPath);
+  StationCommand command;
+  command.bus = path.substr(0, device - 1);
+  command.command.device = path.substr(device, channel - device - 1);
+  command.command.target = ChannelTarget{std::string(path.substr(channel))};
+  command.command.values = {std::move(value)};
+  command.command.verify = verify;
+  return execute(std::move(command));
 }
 
 tl::expected<std::uint64_t, StationFault> Station::send(StationCommand command,

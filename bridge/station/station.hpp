@@ -28,8 +28,13 @@ enum class StationFault : std::uint8_t {
   kNoBridge,  // no bridge took commands within the wait
   kNoResult,  // the command was written and no result came within its lifespan and the wait
   kNotSent,   // it does not fit the topic: a name or a list is too long
+  kNotAPath,  // the channel is not named as BUS/DEVICE/CHANNEL
 };
 [[nodiscard]] std::string_view to_text(StationFault fault);
+
+// How old a value is by this machine's clock, against the instant at which the bridge had the last
+// byte of it. Needs clocks that agree. A channel that was never read is as old as the epoch.
+[[nodiscard]] Duration age(const StationSample& sample);
 
 class Station {
  public:
@@ -41,16 +46,18 @@ class Station {
 
   // Each may be called once. `gone` is called when an instance was disposed or its bridge is gone
   // (samples, channels).
-  struct SampleOptions {
-    // Matches just the channels that promise this refresh or better.
-    std::optional<Duration> deadline;
-    std::function<void()> on_deadline_missed;
-    // Each sample by itself (fieldcast/Sample) instead of by blocks; so it is with a deadline too.
-    bool one_by_one = false;
-  };
   using OnSample = std::function<void(const StationSample&)>;
   using OnGone = std::function<void(const std::string& bus, const std::string& device,
                                     const std::string& channel)>;
+  using OnMissed = OnGone;
+  struct SampleOptions {
+    // Matches just the channels that promise this refresh or better.
+    std::optional<Duration> deadline;
+    // No sample of the channel came for `deadline`. Called again for each further one that passes.
+    OnMissed on_deadline_missed;
+    // Each sample by itself (fieldcast/Sample) instead of by blocks; so it is with a deadline too.
+    bool one_by_one = false;
+  };
   void subscribe_samples(OnSample on_sample, OnGone gone, SampleOptions options);
   void subscribe_samples(OnSample on_sample, OnGone gone = {}) {
     subscribe_samples(std::move(on_sample), std::move(gone), {});
@@ -79,6 +86,11 @@ class Station {
   [[nodiscard]] tl::expected<StationResult, StationFault> execute(
       StationCommand command, Duration wait_for_bridge = std::chrono::seconds{3},
       Duration wait_for_result = std::chrono::seconds{5});
+
+  // Writes one value to a channel, "BUS/DEVICE/CHANNEL", as execute() does. The bridge checks the
+  // value against the channel's type and range.
+  [[nodiscard]] tl::expected<StationResult, StationFault> write(std::string_view path, Value value,
+                                                                bool verify = false);
 
   // Does not wait for the result: gives the request_id (on_result, set before the first call, is
   // told on a DDS thread).

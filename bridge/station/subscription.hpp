@@ -6,7 +6,6 @@
 #include <functional>
 #include <map>
 #include <mutex>
-#include <set>
 #include <utility>
 
 #include "bridge/dds/domain.hpp"
@@ -22,7 +21,9 @@ class Subscription : private dds::DataReaderListener {
     // An instance was disposed, or nobody writes it any more: the message with its keys. Null:
     // nobody asks.
     std::function<void(const Message&)> gone;
-    std::function<void()> deadline_missed;
+    // No sample of an instance came within the reader's deadline, which somebody writes still: the
+    // message with its keys. Null: nobody asks.
+    std::function<void(const Message&)> deadline_missed;
   };
 
   Subscription(Domain& domain, const fieldcast::Topic<Generated>& topic, Handlers handlers)
@@ -33,7 +34,7 @@ class Subscription : private dds::DataReaderListener {
         limit_(static_cast<std::size_t>(qos.resource_limits().max_instances)),
         handlers_(std::move(handlers)) {
     dds::StatusMask mask = dds::StatusMask::data_available();
-    if (handlers_.gone) mask << dds::StatusMask::subscription_matched();
+    if (remembers()) mask << dds::StatusMask::subscription_matched();
     if (handlers_.deadline_missed) mask << dds::StatusMask::requested_deadline_missed();
     reader_ = domain_.template reader<Generated, Type>(topic, qos, this, mask);
   }
@@ -47,11 +48,11 @@ class Subscription : private dds::DataReaderListener {
     dds::SampleInfo info;
     while (reader->take_next_sample(&received_, &info) == ReturnCode_t::RETCODE_OK) {
       if (info.valid_data) {
-        if (handlers_.gone) remember(info);
+        if (remembers()) remember(info);
         handlers_.sample(received_);
-      } else if (handlers_.gone && info.instance_state != dds::ALIVE_INSTANCE_STATE) {
+      } else if (info.instance_state != dds::ALIVE_INSTANCE_STATE) {
         // Such a note comes without its keys.
-        if (auto node = known_.extract(info.instance_handle)) handlers_.gone(node.mapped().last);
+        if (const auto node = known_.extract(info.instance_handle)) end(node.key(), node.mapped());
       }
     }
   }
@@ -66,42 +67,49 @@ class Subscription : private dds::DataReaderListener {
         ++known;
         continue;
       }
-      const Message last = std::move(known->second.last);
-      end(known->first);
-      known = known_.erase(known);
-      handlers_.gone(last);
+      const auto node = known_.extract(known++);
+      end(node.key(), node.mapped());
     }
   }
   // Fast DDS 2.9.1 goes on counting for an instance whose last writer has gone. Such misses are not
   // reported. The reader's lock is held here, so that mutex_ must not be taken.
   void on_requested_deadline_missed(dds::DataReader*,
                                     const dds::RequestedDeadlineMissedStatus& status) override {
+    Message late;
     {
-      const std::lock_guard lock(ended_mutex_);
-      if (ended_.contains(status.last_instance_handle)) return;
+      const std::lock_guard lock(promised_mutex_);
+      const auto found = promised_.find(status.last_instance_handle);
+      if (found == promised_.end()) return;
+      late = found->second;
     }
-    handlers_.deadline_missed();
+    handlers_.deadline_missed(late);
   }
 
   struct Known {
     Message last;                  // for its keys
     dds::InstanceHandle_t writer;  // of the latest sample
   };
-  void end(const dds::InstanceHandle_t& instance) {
-    const std::lock_guard lock(ended_mutex_);
-    if (handlers_.deadline_missed && ended_.size() < limit_) ended_.insert(instance);
+  [[nodiscard]] bool remembers() const {
+    return handlers_.gone != nullptr || handlers_.deadline_missed != nullptr;
   }
+  // REQUIRES for both: mutex_ held.
   void remember(const dds::SampleInfo& info) {
-    if (handlers_.deadline_missed) {
-      const std::lock_guard lock(ended_mutex_);
-      ended_.erase(info.instance_handle);
-    }
     const auto known = known_.find(info.instance_handle);
     if (known != known_.end()) {
       known->second.writer = info.publication_handle;
     } else if (known_.size() < limit_) {
       known_.emplace(info.instance_handle, Known{received_, info.publication_handle});
+      if (handlers_.deadline_missed == nullptr) return;
+      const std::lock_guard lock(promised_mutex_);
+      promised_.emplace(info.instance_handle, received_);
     }
+  }
+  void end(const dds::InstanceHandle_t& instance, const Known& known) {
+    if (handlers_.deadline_missed) {
+      const std::lock_guard lock(promised_mutex_);
+      promised_.erase(instance);
+    }
+    if (handlers_.gone) handlers_.gone(known.last);
   }
 
   Domain& domain_;
@@ -109,9 +117,10 @@ class Subscription : private dds::DataReaderListener {
   const Handlers handlers_;
   std::mutex mutex_;  // the library calls on any of the participant's threads
   Message received_;
-  std::map<dds::InstanceHandle_t, Known> known_;  // only with `gone`; at most limit_
-  std::mutex ended_mutex_;                        // after mutex_ and the reader's
-  std::set<dds::InstanceHandle_t> ended_;         // without a writer; at most limit_
+  std::map<dds::InstanceHandle_t, Known> known_;  // if remembers(); at most limit_
+  std::mutex promised_mutex_;                     // after mutex_ and the reader's
+  // Those of known_, for what a missed deadline names; only with `deadline_missed`.
+  std::map<dds::InstanceHandle_t, Message> promised_;
   dds::DataReader* reader_ = nullptr;
 };
 

@@ -20,6 +20,7 @@ namespace fieldcast {
 
 struct StationSample {
   std::string bus, device, channel;
+  [[nodiscard]] std::string path() const { return bus + '/' + device + '/' + channel; }
   Value value;
   Quality quality = Quality::kNotYetRead;
   std::uint16_t device_code = 0;
@@ -30,6 +31,7 @@ struct StationSample {
 // An entry of the catalogue.
 struct StationChannel {
   std::string bridge, bus, device, channel;
+  [[nodiscard]] std::string path() const { return bus + '/' + device + '/' + channel; }
   std::string type;  // "float32", "string(16)"
   std::string unit, at, description;
   Access access = Access::kReadOnly;

@@ -25,6 +25,32 @@ TEST(DdsCommand, RunsAndItsResultComesBack) {
   EXPECT_EQ(bridge.received.commands.all()[0].first, bus);
 }
 
+TEST(DdsCommand, AChannelIsWrittenByItsPath) {
+  const std::string bus = bus_name("path");
+  Obedient bridge(bus);
+  Station station(loopback(), "operator");
+  const auto result = station.write(bus + "/d/c0", 42, true);
+  ASSERT_TRUE(result) << to_text(result.error());
+  const Command taken = bridge.received.commands.all().back().second;
+  EXPECT_EQ(taken.device, "d");
+  EXPECT_EQ(std::get<ChannelTarget>(taken.target).name, "c0");
+  EXPECT_EQ(taken.values, std::vector<Value>{std::int64_t{42}});
+  EXPECT_TRUE(taken.verify);
+  for (const std::string& path : {bus, bus + "/d", bus + "/d/c0/more"}) {
+    const auto refused = station.write(path, 42);
+    ASSERT_FALSE(refused) << path;
+    EXPECT_EQ(refused.error(), StationFault::kNotAPath);
+  }
+}
+
+TEST(DdsCommand, AnAgeCountsFromTheArrivalOfTheLastByte) {
+  StationSample sample;
+  sample.acquired_at = both_clocks().utc;
+  EXPECT_LT(age(sample), 10s);
+  sample.acquired_at.nanoseconds -= Duration{1h}.count();
+  EXPECT_GE(age(sample), 1h);
+}
+
 TEST(DdsCommand, ExpiresTheWritersLifespanAfterItWasWritten) {
   const std::string bus = bus_name("lifespan");
   Obedient bridge(bus);

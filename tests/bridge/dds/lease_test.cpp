@@ -90,7 +90,7 @@ TEST(DdsLease, AStationThatAsksForADeadlineMissesNothingOnceNobodyIsInterestedIn
   demanding.subscribe_samples(
       [&](const StationSample& sample) { samples.add(sample); },
       [&](const std::string&, const std::string&, const std::string& name) { gone.add(name); },
-      {.deadline = 100ms, .on_deadline_missed = [&] { ++misses; }});
+      {.deadline = 100ms, .on_deadline_missed = [&](auto&&...) { ++misses; }});
   link.set_refresh(bus, 0, 50ms);
   std::uint64_t sequence = 0;
   ASSERT_TRUE(eventually([&] {

@@ -125,6 +125,30 @@ TEST(DdsLink, StationThatAsksForADeadlineGetsJustTheChannelsThatPromiseIt) {
     EXPECT_EQ(static_cast<int>(std::get<double>(sample.value)) % 2, 0);
 }
 
+TEST(DdsLink, StationIsToldWhichChannelMissedItsDeadline) {
+  const std::string bus = bus_name("late-channel");
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
+  link.add_bus(bus_of(bus, 2, [](std::size_t) { return 100ms; }));
+  Station station(loopback(), "demanding");
+  Collected<std::string> late;
+  Collected<StationSample> samples;
+  station.subscribe_samples(
+      [&](const StationSample& sample) { samples.add(sample); }, {},
+      {.deadline = 100ms,
+       .on_deadline_missed = [&](const std::string& of, const std::string& device,
+                                 const std::string& name) { late.add(of + device + name); }});
+  // Channel 1 has one sample, channel 0 one every few milliseconds.
+  link.publish(bus, one_of_each(2), both_clocks());
+  std::uint64_t sequence = 1;
+  EXPECT_TRUE(eventually([&] {
+    link.publish(bus, std::vector{good(0, 1.0, ++sequence)}, both_clocks());
+    const auto names = late.all();
+    return std::count(names.begin(), names.end(), bus + "dc1") >= 2;
+  }));
+  EXPECT_EQ(samples.all().front().path().substr(0, bus.size() + 4), bus + "/d/c");
+}
+
 // A reader of fieldcast/Sample that takes what comes.
 struct OneByOne {
   explicit OneByOne(const std::string& name) : station(loopback(), name) {
