@@ -25,7 +25,7 @@ from sandbox import Sandbox  # noqa: E402
 PROGRAMS = ["fieldcast", "fieldcast-bridge", "fieldcast-sim", "fieldcast-port"]
 MATCH_SECONDS = 10  # until what a program says is what the document shows
 INSTALLED, SOURCE_TREE = "in the installed system", "in the source tree"
-NOWHERE = ("with hardware", "with packages", "with a login")  # what stands behind `in the installed system`
+NOWHERE = ("with hardware", "with a compiler", "with packages", "with a login")  # what stands behind `in the installed system`
 
 
 class Runner:

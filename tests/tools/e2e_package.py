@@ -13,25 +13,9 @@ import sys
 import tempfile
 import unittest
 
-from plant import Plant
-
 BUILD_DIR, SOURCE_DIR = "", ""
 PROGRAMS = ["fieldcast", "fieldcast-bridge", "fieldcast-port", "fieldcast-sim"]
 MAX_PACKAGES_BYTES = 5_000_000  # all three together
-
-PLANT = """
-bridge: packaged
-buses:
-  - name: line
-    port: { serial: {run}/line, baud: 115200, format: 8N1 }
-    protocol: modbus-rtu
-    devices:
-      - name: meter
-        address: 1
-        channels:
-          - { name: setpoint, at: "holding:0", type: uint16, refresh: 200ms, access: read-write }
-"""
-
 
 def run(*command, **options):
     result = subprocess.run(command, capture_output=True, text=True, timeout=280, **options)
@@ -70,16 +54,6 @@ class Installed(unittest.TestCase):
         result = subprocess.run([f"{self.root}/bin/fieldcast-bridge", "--check", f"{examples}/complete.yaml"],
                                 capture_output=True, text=True, env=environment(self.root), timeout=60)
         self.assertEqual(result.returncode, 3, "found templates that are not installed: " + result.stdout)
-
-    def test_a_station_outside_the_tree_reads_and_writes(self):
-        source = f"{self.root}/share/doc/fieldcast-dev/examples"
-        build = os.path.join(self.folder, "station")
-        run("cmake", "-S", source, "-B", build, f"-DCMAKE_PREFIX_PATH={self.root}", "-DCMAKE_BUILD_TYPE=Debug")
-        run("cmake", "--build", build)
-        with Plant(f"{self.root}/bin", PLANT) as plant:
-            said = run(f"{build}/station", str(plant.domain), "1", "line", "meter", "setpoint", "42")
-        self.assertIn("\ndone\n", "\n" + said)
-        self.assertIn("line/meter/setpoint 42 GOOD\n", said)
 
     def test_pkg_config_names_the_same_library(self):
         flags = run("pkg-config", "--cflags", "--libs", "fieldcast-station",

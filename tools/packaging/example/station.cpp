@@ -1,27 +1,25 @@
-// A station: prints every value of a DDS domain, and writes one channel when it is told to.
-//   station DOMAIN SECONDS [BUS DEVICE CHANNEL NUMBER]
-#include <cstdlib>
+#include <fmt/core.h>
+
 #include <fieldcast/station.hpp>
-#include <iostream>
-#include <thread>
+using namespace fieldcast;
+using namespace std::chrono_literals;
 
 int main(int argc, char** argv) {
-  if (argc != 3 && argc != 7) return 2;
-  fieldcast::DdsSpec dds;
-  dds.domain = static_cast<std::uint32_t>(std::atoi(argv[1]));
-  fieldcast::Station station(dds, "my-station");
-  station.subscribe_samples([](const fieldcast::StationSample& sample) {
-    std::cout << sample.bus << '/' << sample.device << '/' << sample.channel << ' '
-              << fieldcast::to_text(sample.value) << ' ' << fieldcast::to_text(sample.quality)
-              << std::endl;
+  DdsSpec dds;
+  dds.domain = argc > 1 ? std::stoi(argv[1]) : 0;
+  Station station(dds, "my-station");
+  station.subscribe_channels([](const StationChannel& c) {
+    fmt::print("found {}: {} {} at {}\n", c.path(), c.type, c.unit, c.at);
   });
-  if (argc == 7) {
-    fieldcast::StationCommand write{argv[3], {}};
-    write.command.device = argv[4];
-    write.command.target = fieldcast::ChannelTarget{argv[5]};
-    write.command.values = {std::int64_t{std::atoll(argv[6])}};
-    const auto result = station.execute(write);
-    std::cout << (result ? to_text(result->state) : to_text(result.error())) << std::endl;
-  }
-  std::this_thread::sleep_for(std::chrono::seconds{std::atoi(argv[2])});
+  const auto on_sample = [](const StationSample& s) {
+    fmt::print("{} {} {}, {} ms old\n", s.path(), to_text(s.value), to_text(s.quality),
+               age(s) / 1ms);
+  };
+  const auto on_missed = [](auto& bus, auto& device, auto& channel) {
+    fmt::print("late: {}/{}/{}\n", bus, device, channel);
+  };
+  station.subscribe_samples(on_sample, {}, {.deadline = 1s, .on_deadline_missed = on_missed});
+  const auto result = station.write("line/meter/setpoint", 42, true);  // true: read it back
+  fmt::print("write: {}\n", result ? to_text(result->state) : to_text(result.error()));
+  std::getchar();  // Enter ends it
 }
