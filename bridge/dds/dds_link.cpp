@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <map>
+#include <mutex>
+#include <set>
 #include <shared_mutex>
 
 #include "bridge/dds/block_writer.hpp"
@@ -101,8 +103,8 @@ struct DdsLink::State {
     return {.clock = handlers.clock,
             .is_ours =
                 [this](const std::string& name) {
-                  const std::shared_lock lock(mutex);
-                  return buses.contains(name);
+                  const std::lock_guard lock(names_mutex);
+                  return names.contains(name);
                 },
             .accepted = [this](const std::string& name,
                                Command command) { handlers.on_command(name, std::move(command)); },
@@ -159,6 +161,10 @@ struct DdsLink::State {
   std::unique_ptr<BridgePresence> presence;
   std::shared_mutex mutex;  // the set of buses: shared to use one, alone to add or remove one
   std::map<std::string, std::unique_ptr<Bus>, std::less<>> buses;
+  // Of the buses, once more: a thread of the library asks for them and holds locks of its own,
+  // which whoever holds `mutex` may wait for when it makes a writer. Nothing is called under it.
+  std::mutex names_mutex;
+  std::set<std::string, std::less<>> names;
   bool closed = false;
   std::unique_ptr<SnapshotSender> snapshots;  // last: its thread uses the buses
 };
@@ -181,6 +187,8 @@ void DdsLink::add_bus(const BusSpec& spec) {
   {
     const std::unique_lock lock(state_->mutex);
     state_->buses[spec.name] = std::move(bus);
+    const std::lock_guard names_lock(state_->names_mutex);
+    state_->names.insert(spec.name);
   }
   state_->snapshots->request(spec.name);  // readers that matched before the bus was there
   listen_for_commands();
@@ -212,6 +220,8 @@ void DdsLink::remove_bus(std::string_view name, Duration linger, Duration limit)
     if (found == state_->buses.end()) return;
     bus = std::move(found->second);
     state_->buses.erase(found);
+    const std::lock_guard names_lock(state_->names_mutex);
+    state_->names.erase(std::string(name));
   }
   state_->dispose(*bus, linger, limit);
   bus->catalogue.wait_for_readers(linger);
