@@ -17,7 +17,7 @@ build=(
 packaging=(dpkg-dev file)
 test=(
   "${packaging[@]}"
-  libgtest-dev libgmock-dev binutils clang-format python3 openssl
+  libgtest-dev libgmock-dev binutils clang-format python3 openssl curl sqlite3
   # devices, masters and a DDS that others wrote, to test against
   libmodbus-dev python3-pymodbus python3-serial python3-serial-asyncio mbpoll socat cyclonedds-dev cyclonedds-tools
 )

@@ -15,6 +15,7 @@ MARKERS = {
     "refused": {"yaml"},
     "runs until stopped": {"sh"},
     "exit code": {"sh"},
+    "after a while": {"sh"},
     "in the installed system": {"sh"},
     "in the source tree": {"sh"},
     "output": {"text", "json"},

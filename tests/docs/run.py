@@ -23,7 +23,7 @@ from fragment import whole  # noqa: E402
 from sandbox import Sandbox  # noqa: E402
 
 PROGRAMS = ["fieldcast", "fieldcast-bridge", "fieldcast-sim", "fieldcast-port"]
-MATCH_SECONDS = 10  # until what a program says is what the document shows
+MATCH_SECONDS = 10  # until what a program says is what the document shows, or ends as it should
 INSTALLED, SOURCE_TREE = "in the installed system", "in the source tree"
 NOWHERE = ("with hardware", "with a compiler", "with packages", "with a login")  # what stands behind `in the installed system`
 
@@ -103,7 +103,11 @@ class Runner:
             return self.start(block)
         script = "\n".join(block.commands())
         wanted = block.markers.get("exit code") or "0"
+        end = time.monotonic() + (MATCH_SECONDS if "after a while" in block.markers else 0)
         code, said = self.sandbox.run(script)
+        while str(code) not in wanted.split(" or ") and time.monotonic() < end:
+            time.sleep(0.2)
+            code, said = self.sandbox.run(script)
         if str(code) not in wanted.split(" or "):
             raise block.fault(f"exit code {code} instead of {wanted} of\n{script}\n--- it said:\n{said}")
         self.count["ran"] += len(block.commands())

@@ -1,0 +1,113 @@
+"""What documents list is what the program has: metrics, causes, exit codes, alerts; and every link leads somewhere.
+
+usage: reference_test.py SOURCE_DIR DOCUMENT..
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import unittest
+
+SOURCE_DIR, DOCUMENTS = "", []
+
+
+def read(path):
+    with open(os.path.join(SOURCE_DIR, path), encoding="utf-8") as file:
+        return file.read()
+
+
+def first_cells(text):
+    """The first cell of each row of a table, without its head and without backticks."""
+    cells = [row.split("|")[1].strip(" `") for row in text.splitlines() if row.startswith("| ")]
+    return [cell for cell in cells[1:] if set(cell) != {"-"}]
+
+
+def section(path, heading):
+    """From a heading to the next one of its level or a higher one."""
+    text = read(path)
+    match = re.search(rf"^(#+) {re.escape(heading)}$", text, re.MULTILINE)
+    rest = text[match.end():]
+    end = re.search(rf"^#{{1,{len(match.group(1))}}} ", rest, re.MULTILINE)
+    return rest[:end.start()] if end else rest
+
+
+def anchors(path):
+    """Those that GitHub makes of the headings."""
+    headings = re.findall(r"^#+ (.+)$", re.sub(r"```.*?```", "", read(path), flags=re.DOTALL), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def dead_links(path):
+    found = []
+    text = re.sub(r"```.*?```", "", read(path), flags=re.DOTALL)
+    for link in re.findall(r"\]\(([^)\s]+)\)", text):
+        if "://" in link:
+            continue
+        file, _, anchor = link.partition("#")
+        target = os.path.normpath(os.path.join(os.path.dirname(path), file)) if file else path
+        if not os.path.exists(os.path.join(SOURCE_DIR, target)):
+            found.append(f"{path}: {link}: there is no {target}")
+        elif anchor and target.endswith(".md") and anchor not in anchors(target):
+            found.append(f"{path}: {link}: {target} has no such heading")
+    return found
+
+
+class Metrics(unittest.TestCase):
+    def test_are_those_of_the_source(self):
+        source = re.findall(r'"(fieldcast_\w+)", Kind::k(\w+)', read("bridge/metrics/metrics_text.cpp"))
+        served = {name + ("_total" if kind == "Counter" else "") for name, kind in source}
+        self.assertGreater(len(served), 30)
+        listed = first_cells(section("docs/operating.md", "Every metric"))
+        self.assertEqual(len(listed), len(set(listed)), "one is listed twice")
+        self.assertEqual(set(listed) ^ served, set())
+
+    def test_of_alerts_are_served(self):
+        listed = set(first_cells(section("docs/operating.md", "Every metric")))
+        rules = read("config/grafana/alerts.yml")
+        used = set(re.findall(r"fieldcast_\w+", rules))
+        self.assertGreater(len(used), 5)
+        self.assertEqual(used - listed, set())
+        self.assertEqual(re.findall(r"alert: (\w+)", rules), first_cells(section("docs/operating.md", "Alerts worth having")))
+        if promtool := shutil.which("promtool"):
+            done = subprocess.run([promtool, "check", "rules", os.path.join(SOURCE_DIR, "config/grafana/alerts.yml")],
+                                  capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+
+class Causes(unittest.TestCase):
+    def test_stand_beside_their_quality(self):
+        rows = re.findall(r'\{"([A-Z_]+)", "[^"]*",\s*Quality::k(\w+)\}', read("core/base/cause.cpp"))
+        self.assertGreater(len(rows), 25)
+        page = section("docs/qualities.md", "The table")
+        lines = {row.split("|")[1].strip(" `"): row for row in page.splitlines() if row.startswith("| `")}
+        for cause, quality in rows:
+            name = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", quality).upper()
+            if cause != "NONE" and f"`{cause}`" not in lines[name]:
+                self.assertIn(f"`{cause}`", page.split("Four more causes")[1], f"{cause} is {name}")
+
+    def test_every_quality_of_the_idl_is_explained(self):
+        members = re.search(r"enum Quality \{(.*?)\}", read("idl/fieldcast.idl"), re.DOTALL).group(1)
+        self.assertEqual([name.strip() for name in members.split(",")], first_cells(section("docs/qualities.md", "The table")))
+
+
+class ExitCodes(unittest.TestCase):
+    def test_are_those_of_the_sources(self):
+        page = section("docs/operating.md", "Exit codes")
+        tables = [re.findall(r"^\| (\d+) \|", table, re.MULTILINE) for table in page.split("`fieldcast`:")]
+        for header, listed in zip(["bridge/exit_code.hpp", "tools/cli/exit_code.hpp"], tables):
+            self.assertEqual(re.findall(r"\bk\w+ = (\d+)", read(header)), listed, header)
+
+
+class Links(unittest.TestCase):
+    def test_lead_somewhere(self):
+        self.assertEqual([dead for path in DOCUMENTS for dead in dead_links(path)], [])
+
+    def test_a_dead_one_is_found(self):
+        self.assertEqual(anchors("docs/qualities.md") & {"the-table", "no-such"}, {"the-table"})
+
+
+if __name__ == "__main__":
+    SOURCE_DIR, DOCUMENTS = sys.argv[1], sys.argv[2:]
+    unittest.main(argv=sys.argv[:1], verbosity=2)
