@@ -1,7 +1,7 @@
 """Does a source still say the log line that a document quotes?
 
-In a document WORDS IN CAPITALS and numbers stand for what the program puts there. The line is cut at them; it is known when the literals
-of one source file have every piece. The subject before the first colon (`press-shop: `) is no part of a literal.
+In a document WORDS IN CAPITALS and numbers stand for what the program puts there. The line is cut at them; it is known when the
+literals of the sources have every piece. The subject before the first colon (`press-shop: `) is no part of a literal.
 """
 
 import difflib
@@ -31,12 +31,17 @@ def _files(source_dir):
 
 def pieces(line):
     """What must stand in a literal: the line cut at its values."""
-    words = [piece.strip(" ()'\",;:") for piece in VALUE.split(line)]
+    words = [piece.strip(" ()'\",;:?") for piece in VALUE.split(line)]
     return [piece for piece in words if re.search(r"[a-z]{2}", piece)]
 
 
 def known(source_dir, line):
-    return any(bool(fixed) and any(all(piece in text for piece in fixed) for text in _files(source_dir).values())
+    """Whether a file has each piece, or each of its parts between colons and commas: one puts `the port is
+    closed: ` before another's reason."""
+    def said(piece):
+        return any(piece in text for text in _files(source_dir).values())
+
+    return any(bool(fixed) and all(said(piece) or all(map(said, re.split(r"[:,;] ", piece))) for piece in fixed)
                for fixed in (pieces(line), pieces(SUBJECT.sub("", line))))
 
 

@@ -140,6 +140,7 @@ class Runner:
         self.last = None
 
     def output(self, block):
+        self.check_configurations()
         if self.last is None:
             raise block.fault("an output stands behind the `sh` block that says it")
         end = time.monotonic() + MATCH_SECONDS
