@@ -8,11 +8,11 @@ import re
 from dataclasses import dataclass, field
 
 # A marker, and which languages may carry it.
-FILE_LANGUAGES = {"yaml", "csv", "cpp", "c", "cmake", "ini", "xml", "json", "idl", "python", "text"}
+FILE_LANGUAGES = {"yaml", "yml", "csv", "cpp", "c", "cmake", "ini", "xml", "json", "idl", "python", "text"}
 MARKERS = {
     "file": FILE_LANGUAGES,
     "fragment": {"yaml"},
-    "refused": {"yaml"},
+    "refused": {"yaml", "yml"},
     "runs until stopped": {"sh"},
     "exit code": {"sh"},
     "after a while": {"sh"},

@@ -70,7 +70,7 @@ class Runner:
     def file(self, block):
         self.sandbox.write(block.markers["file"], block.text)
         self.count["files"] += 1
-        if block.language == "yaml" and re.search(r"^bridge:", block.text, re.MULTILINE):
+        if block.language in ("yaml", "yml") and re.search(r"^bridge:", block.text, re.MULTILINE):
             self.unchecked.append((block, block.markers["file"]))
 
     def fragment(self, block):
