@@ -4,8 +4,10 @@
 #   tools/install.sh [build | package | test | ci]
 #
 # build: what the programs and the demo need. package: that, and what tools/package.sh needs. test (where nothing is said): that,
-# and what the tests need. ci: that, and the checkers of .ci/run. Works as root or with sudo.
+# and what the tests need. ci: that, and the checkers of .ci/run. Works as root or with sudo. Of packages with a server that nobody wants
+# to run here, ci unpacks only the programs that check something, to build/unpacked/PACKAGE.
 set -euo pipefail
+cd "$(dirname "$0")/.."
 
 build=(
   g++ cmake ninja-build ccache pkg-config
@@ -18,6 +20,8 @@ packaging=(dpkg-dev file)
 test=(
   "${packaging[@]}"
   libgtest-dev libgmock-dev binutils clang-format python3 openssl curl sqlite3
+  # a root of its own, with systemd, for the packages
+  systemd util-linux iproute2
   # devices, masters and a DDS that others wrote, to test against
   libmodbus-dev python3-pymodbus python3-serial python3-serial-asyncio mbpoll socat cyclonedds-dev cyclonedds-tools
 )
@@ -30,7 +34,7 @@ case "${1:-test}" in
   package) packages=("${build[@]}" "${packaging[@]}") ;;
   test) packages=("${build[@]}" "${test[@]}") ;;
   ci) packages=("${build[@]}" "${test[@]}" "${ci[@]}") ;;
-  *) sed -n '2,7s/^# \{0,1\}//p' "$0" >&2; exit 1 ;;
+  *) sed -n '2,8s/^# \{0,1\}//p' "$0" >&2; exit 1 ;;
 esac
 
 command -v dpkg-query >/dev/null || fail "this is no Debian; install by hand: ${packages[*]}"
@@ -40,7 +44,17 @@ for package in "${packages[@]}"; do
   status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
   [ "$status" = installed ] || missing+=("$package")
 done
-[ "${#missing[@]}" -gt 0 ] || exit 0
+# PACKAGE PROGRAM PATH: what of a package is unpacked where the program is not installed.
+unpacked=()
+if [ "${1:-test}" = ci ]; then
+  while read -r package program path; do
+    command -v "$program" >/dev/null || [ -d "build/unpacked/$package" ] || unpacked+=("$package $path")
+  done <<'TABLE'
+prometheus promtool ./usr/bin/promtool
+udev udevadm .
+TABLE
+fi
+[ $((${#missing[@]} + ${#unpacked[@]})) -gt 0 ] || exit 0
 
 as_root=()
 if [ "$(id -u)" -ne 0 ]; then
@@ -71,8 +85,19 @@ apt_get() {
     show_progress || { cat "$log" >&2; fail "'apt-get $*' failed, see above"; }
 }
 
-echo "tools/install.sh: installing ${missing[*]}" >&2
 apt_get update
+for row in "${unpacked[@]}"; do
+  read -r package path <<<"$row"
+  echo "tools/install.sh: unpacking $package" >&2
+  download=$(mktemp -d)
+  (cd "$download" && apt-get download -qq "$package" 2>>"$log") || { cat "$log" >&2; fail "$package cannot be downloaded"; }
+  mkdir -p "build/unpacked/$package"
+  dpkg-deb --fsys-tarfile "$download"/*.deb | tar -x -C "build/unpacked/$package" "$path"
+  rm -r "$download"
+done
+[ "${#missing[@]}" -gt 0 ] || exit 0
+
+echo "tools/install.sh: installing ${missing[*]}" >&2
 # Two lines of apt say how much it is; it changes nothing here.
 "${as_root[@]}" env LC_ALL=C apt-get --assume-no --no-install-recommends install "${missing[@]}" 2>/dev/null |
   sed -n -E 's/^(Need to get|After this operation)/  \1/p' >&2 || true

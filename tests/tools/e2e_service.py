@@ -4,7 +4,6 @@ has the notify socket and the journal's stream.
 usage: e2e_service.py BIN_DIR
 """
 
-import ctypes
 import os
 import signal
 import socket
@@ -14,6 +13,7 @@ import tempfile
 import time
 import unittest
 
+from held_thread import HeldThread
 from plant import claim_domain, wait_until
 
 BIN_DIR = ""
@@ -32,38 +32,6 @@ buses:
         channels:
           - { name: a, at: "holding:0", type: uint16 }
 """
-
-
-class HeldThread:
-    """One thread of a process stands still, as in a driver that hangs: ptrace(2) holds it while this lives."""
-
-    ATTACH, DETACH, WALL = 16, 17, 0x40000000
-
-    def __init__(self, process, name):
-        self.libc = ctypes.CDLL(None, use_errno=True)
-        self.thread = wait_until(lambda: self.find(process, name), LIMIT, f"no thread {name}")
-
-    @staticmethod
-    def find(process, name):
-        for task in os.listdir(f"/proc/{process}/task"):
-            try:
-                with open(f"/proc/{process}/task/{task}/comm", encoding="utf-8") as file:
-                    if file.read().strip() == name:
-                        return int(task)
-            except (FileNotFoundError, ProcessLookupError):  # it has just ended
-                pass
-        return None
-
-    def _ptrace(self, request):
-        if self.libc.ptrace(ctypes.c_long(request), ctypes.c_long(self.thread), None, None) != 0:
-            raise unittest.SkipTest("ptrace: " + os.strerror(ctypes.get_errno()))
-
-    def __enter__(self):
-        self._ptrace(self.ATTACH)
-        os.waitpid(self.thread, self.WALL)
-
-    def __exit__(self, *_):
-        self._ptrace(self.DETACH)
 
 
 class Service(unittest.TestCase):

@@ -1,0 +1,340 @@
+"""The Debian packages on a machine with systemd: installed, run as a service, upgraded while it runs, removed. Everything happens in a
+root of its own (private_root.py); nothing of it is left on this machine.
+
+usage: e2e_install.py PACKAGES_DIR SOURCE_DIR UNPACKED_DIR
+
+UNPACKED_DIR has the package udev (tools/install.sh ci) where it is not installed.
+Exit code 77: this machine cannot make such a root; the first line says why.
+"""
+
+import glob
+import json
+import os
+import pwd
+import re
+import subprocess
+import sys
+import time
+import unittest
+
+from held_thread import HeldThread
+from plant import wait_until
+from private_root import PrivateRoot, Unavailable
+
+PACKAGES_DIR = SOURCE_DIR = UNPACKED_DIR = ""
+HERE = os.path.dirname(os.path.abspath(__file__))
+SECONDS = 60  # for whatever is waited for
+FIRST_VALUE_SECONDS = 60  # the promise: from the package to the first value
+UNIT = "fieldcast-bridge@demo"
+BUS = "press-shop"
+EXPOSURE = 3.0  # of systemd-analyze security: less than this
+SIMULATOR = "/run/fieldcast-sim"  # the service has a /tmp of its own
+
+root = None
+first_value_seconds = None
+
+
+def package(name):
+    return glob.glob(f"{PACKAGES_DIR}/{name}_*.deb")[0]
+
+
+def copied(path):
+    """Puts a file of this machine into the root."""
+    inside = "/tmp/" + os.path.basename(path)
+    with open(path, "rb") as source, open(root.path(inside), "wb") as target:
+        target.write(source.read())
+    return inside
+
+
+def newer(name, version):
+    """The package again, as a later version."""
+    folder = f"/tmp/{name}-{version}"
+    root.run("dpkg-deb", "-R", "/tmp/" + os.path.basename(package(name)), folder)
+    root.run("sed", "-i", f"s/^Version:.*/Version: {version}/", f"{folder}/DEBIAN/control")
+    root.run("dpkg-deb", "-Zgzip", "-z1", "-b", folder, f"{folder}.deb")
+    return f"{folder}.deb"
+
+
+def properties(*names):
+    said = root.run("systemctl", "show", UNIT, *(f"--property={name}" for name in names)).stdout
+    return dict(line.split("=", 1) for line in said.splitlines())
+
+
+def main_pid():
+    return properties("MainPID")["MainPID"]
+
+
+def outside_pid(inside_pid):
+    """The number that this machine has for a process of the root."""
+    for folder in glob.glob("/proc/[0-9]*/status"):
+        try:
+            with open(folder, encoding="utf-8") as file:
+                text = file.read()
+        except (FileNotFoundError, ProcessLookupError):
+            continue
+        numbers = re.search(r"^NSpid:\s+(.*)$", text, re.MULTILINE).group(1).split()
+        if len(numbers) == 2 and numbers[1] == inside_pid and "\nName:\tfieldcast-brid" in "\n" + text:
+            return int(numbers[0])
+    return None
+
+
+def journal(since=None):
+    """The entries of the service: dictionaries of journald's fields."""
+    arguments = [f"--after-cursor={since}"] if since else []
+    said = root.run("journalctl", "-u", UNIT, "-o", "json", "--no-pager", *arguments).stdout
+    return [json.loads(line) for line in said.splitlines()]
+
+
+def now_in_journal():
+    return journal()[-1]["__CURSOR"]
+
+
+def messages(since=None):
+    return [entry["MESSAGE"] for entry in journal(since)]
+
+
+def await_message(words, since=None):
+    return wait_until(lambda: [line for line in messages(since) if words in line], SECONDS,
+                      lambda: f"no '{words}' in\n" + "\n".join(messages(since)))[0]
+
+
+def samples(*arguments):
+    said = root.run("fieldcast", "watch", "--json", *arguments, check=False).stdout  # domain 0 on the loopback, as in demo.yaml
+    return [sample for line in said.splitlines() if "quality" in (sample := json.loads(line))]
+
+
+def good_sample():
+    return [sample for sample in samples(BUS, "--once") if sample["quality"] == "GOOD"]
+
+
+def state():
+    """For the reason of a failure."""
+    said = root.run("fieldcast", "status", check=False).stdout
+    return "no value\n" + "\n".join(messages()[-40:]) + "\n" + said + root.run("ps", "-ef").stdout
+
+
+def mounts():
+    with open("/proc/self/mounts", encoding="utf-8") as file:
+        return file.read()
+
+
+def setUpModule():
+    global root, first_value_seconds, before
+    before = (mounts(), sorted(user.pw_name for user in pwd.getpwall()), os.listdir("/etc"), os.listdir("/dev/shm"))
+    root = PrivateRoot()
+    root.__enter__()
+    unittest.addModuleCleanup(close_root)
+    packages = [copied(package(name)) for name in ("fieldcast", "fieldcast-sim", "fieldcast-dev")]
+
+    began = time.monotonic()
+    root.run("dpkg", "-i", *packages)
+    root.run("sh", "-c", f"sed s,/tmp/fieldcast-demo,{SIMULATOR}, /usr/share/fieldcast/examples/demo.yaml >/etc/fieldcast/demo.yaml")
+    root.run("install", "-d", "-o", "fieldcast", SIMULATOR)
+    root.run("systemd-run", "--unit=simulator", "--uid=fieldcast", "fieldcast-sim", "/etc/fieldcast/demo.yaml")
+    root.run("systemctl", "enable", "--now", UNIT)
+    wait_until(good_sample, SECONDS, state)
+    first_value_seconds = time.monotonic() - began
+    root.run("rm", "-f", "/var/lib/man-db/auto-update")  # the index of pages once is enough
+    print(f"from the packages to the first value: {first_value_seconds:.1f} s", file=sys.stderr)
+
+
+def close_root():
+    """Leaves nothing on this machine: no process, mount, user or file."""
+    root.close()
+    after = (mounts(), sorted(user.pw_name for user in pwd.getpwall()), os.listdir("/etc"), os.listdir("/dev/shm"))
+    if before[:3] != after[:3] or [name for name in after[3] if "fastrtps" in name and name not in before[3]]:
+        raise AssertionError(f"left behind: {before} {after}")
+    left = subprocess.run(["pgrep", "-f", "^/?(usr/bin/)?fieldcast-(bridge|sim) /etc/fieldcast/demo.yaml"], capture_output=True, text=True)
+    if left.stdout:
+        raise AssertionError(f"processes are left: {left.stdout}")
+
+
+class Installed(unittest.TestCase):
+    def test_the_first_value_comes_within_a_minute(self):
+        self.assertLess(first_value_seconds, FIRST_VALUE_SECONDS)
+
+    def test_the_bridge_runs_as_its_user_and_may_open_serial_lines(self):
+        shown = properties("User", "ActiveState", "StatusText", "Type")
+        self.assertEqual((shown["User"], shown["ActiveState"], shown["Type"]), ("fieldcast", "active", "notify"))
+        self.assertTrue(shown["StatusText"])
+        with open(root.path(f"/proc/{main_pid()}/status"), encoding="utf-8") as file:
+            status = file.read()
+        user, group = (root.run("id", flag, "fieldcast").stdout.strip() for flag in ("-u", "-g"))
+        self.assertIn(f"\nUid:\t{user}\t{user}\t{user}\t{user}\n", status)
+        self.assertIn("dialout", root.run("id", "-Gn", "fieldcast").stdout.split())
+        self.assertIn(f"\nGid:\t{group}\t", status)
+        self.assertIn("\nCapEff:\t0000000000000000\n", status)
+
+    def test_systemd_finds_little_exposed(self):
+        said = root.run("systemd-analyze", "security", "--no-pager", UNIT, check=False).stdout
+        exposure = float(re.search(r"Overall exposure level for \S+: ([\d.]+)", said).group(1))
+        self.assertLess(exposure, EXPOSURE, said)
+
+    def test_lines_of_the_journal_have_their_priority(self):
+        running = next(entry for entry in journal() if " buses, DDS domain" in entry["MESSAGE"] and "running" in entry["MESSAGE"])
+        self.assertEqual(running["PRIORITY"], "6")
+        self.assertNotRegex(running["MESSAGE"], r"^<\d>|^\d{4}-")
+        self.assertEqual(running["_SYSTEMD_UNIT"], UNIT + ".service")
+
+    def test_a_reload_takes_the_file_and_leaves_a_bad_one(self):
+        before_reload, pid = now_in_journal(), main_pid()
+        with open(root.path("/etc/fieldcast/demo.yaml"), encoding="utf-8") as file:
+            text = file.read()
+        self.addCleanup(root.write, "/etc/fieldcast/demo.yaml", text)
+        root.write("/etc/fieldcast/demo.yaml", text + "\nnonsense: true\n")
+        root.run("systemctl", "reload", UNIT)
+        await_message("not reloaded: the old configuration goes on running", before_reload)
+        self.assertTrue([line for line in messages(before_reload) if "nonsense" in line])
+        root.write("/etc/fieldcast/demo.yaml", text.replace("- { name: jam,", "- { name: jam-of-today,"))
+        root.run("systemctl", "reload", UNIT)
+        wait_until(lambda: samples(f"{BUS}/conveyor/jam-of-today", "--once"), SECONDS, lambda: "\n".join(messages(before_reload)))
+        self.assertEqual(main_pid(), pid)
+
+    def test_a_missing_library_is_named(self):
+        library = root.run("sh", "-c", "ls /usr/lib/*/libyaml-cpp.so.0.7").stdout.strip()
+        self.addCleanup(root.run, "mv", library + ".away", library)
+        root.run("mv", library, library + ".away")
+        done = root.run("fieldcast-bridge", "--check", "/etc/fieldcast/demo.yaml", check=False)
+        self.assertEqual(done.returncode, 127)
+        self.assertIn("error while loading shared libraries: libyaml-cpp.so.0.7: cannot open shared object file", done.stderr)
+
+    def test_it_starts_with_the_machine(self):
+        self.assertEqual(root.run("systemctl", "is-enabled", UNIT).stdout.strip(), "enabled")
+
+
+class Adapter(unittest.TestCase):
+    """The udev rules, tried by udevadm on the /sys of an adapter that the test makes."""
+
+    @classmethod
+    def setUpClass(cls):
+        if not os.path.exists(root.path("/usr/bin/udevadm")):
+            if not os.path.isdir(f"{UNPACKED_DIR}/udev"):
+                raise unittest.SkipTest("no udev here; tools/install.sh ci brings it")
+            with open(root.path("/tmp/udev.tar"), "wb") as file:
+                subprocess.run(["tar", "-c", "-C", f"{UNPACKED_DIR}/udev", "."], stdout=file, check=True)
+            root.run("tar", "-x", "-f", "/tmp/udev.tar", "-C", "/", "--keep-directory-symlink")
+        cls.tree = copied(os.path.join(HERE, "usb_serial_tree.sh"))
+
+    def plugged(self, driver, serial):
+        """(what /dev/fieldcast has, the adapter's latency timer, what udev said) after an adapter was plugged in."""
+        said = root.run("unshare", "--mount", "sh", "-euc", f'''
+            sh {self.tree} {driver} "{serial}"
+            rm -rf /dev/fieldcast /dev/ttyUSB0
+            mknod -m 600 /dev/ttyUSB0 c 188 0
+            export SYSTEMD_DEVICE_VERIFY_SYSFS=0
+            udevadm test --action=bind /sys/bus/usb-serial/devices/ttyUSB0 2>&1
+            udevadm test --action=add /sys/class/tty/ttyUSB0 2>&1
+            echo "links: $(cd /dev/fieldcast && for link in *; do echo "$link=$(readlink "$link")"; done)"
+            echo "timer: $(cat /sys/bus/usb-serial/devices/ttyUSB0/latency_timer)"
+            stat -c "owner: %G %a" /dev/ttyUSB0''').stdout
+        found = dict(re.findall(r"^(links|timer|owner): (.*)$", said, re.MULTILINE))
+        self.assertNotIn("70-fieldcast.rules:0", said)
+        self.assertEqual(re.findall(r"70-fieldcast\.rules:\d+ (?:Unknown|Invalid|Failed).*", said), [])
+        return found
+
+    def test_of_ftdi_is_quick_and_named_after_its_serial_number(self):
+        self.assertEqual(self.plugged("ftdi_sio", "A50285BI"),
+                         {"links": "A50285BI-00=../ttyUSB0", "timer": "1", "owner": "dialout 660"})
+
+    def test_without_a_serial_number_is_named_after_its_socket(self):
+        self.assertEqual(self.plugged("ch341-uart", ""),
+                         {"links": "pci-0000:00:14.0-usb-0:2:1.0=../ttyUSB0", "timer": "9", "owner": "dialout 660"})
+
+
+class Stuck(unittest.TestCase):
+    """A bus whose thread stands: systemd starts the bridge anew, and the journal names the bus."""
+
+    def test_is_a_restart_with_the_name_of_the_bus(self):
+        # The packaged limit is 30 s; the way is the same.
+        root.run("mkdir", "-p", f"/run/systemd/system/{UNIT}.service.d")
+        root.write(f"/run/systemd/system/{UNIT}.service.d/quick.conf", "[Service]\nWatchdogSec=3\nRestartSec=100ms\n")
+        root.run("systemctl", "daemon-reload")
+        root.run("systemctl", "restart", UNIT)
+        before_stuck, pid = now_in_journal(), main_pid()
+        with HeldThread(outside_pid(pid), BUS) as held:
+            wait_until(lambda: held.look() or main_pid() not in (pid, "0"), SECONDS, lambda: "\n".join(messages(before_stuck)))
+        entry = next(entry for entry in journal(before_stuck) if "the bus stands" in entry["MESSAGE"])
+        self.assertTrue(entry["MESSAGE"].startswith(BUS + ": "), entry)
+        self.assertEqual(entry["PRIORITY"], "3")
+        self.assertTrue([line for line in messages(before_stuck) if "Watchdog timeout" in line], messages(before_stuck))
+        wait_until(lambda: properties("ActiveState")["ActiveState"] == "active", SECONDS, lambda: "\n".join(messages()))
+        wait_until(good_sample, SECONDS, state)
+
+
+class UpgradedAndRemoved(unittest.TestCase):
+    """In the order of a plant's life; the last of this file."""
+
+    def test_1_an_upgrade_restarts_the_bridge_and_values_go_on(self):
+        cursor, pid = now_in_journal(), main_pid()
+        watched = root.path("/tmp/watched")
+        with open(watched, "w", encoding="utf-8") as file:
+            watch = root.start("fieldcast", "watch", "--json", f"{BUS}/conveyor/speed", "--config", "/etc/fieldcast/demo.yaml", stdout=file)
+        self.addCleanup(watch.wait)
+        self.addCleanup(root.run, "pkill", "-x", "fieldcast")  # in the root
+
+        def times():
+            with open(watched, encoding="utf-8") as file:
+                lines = [json.loads(line) for line in file if line.endswith("\n")]
+            return [sample["acquired_at"] for sample in lines if sample.get("quality") == "GOOD"]
+        before_upgrade = wait_until(times, SECONDS, "no value before the upgrade")[-1]
+        said = root.run("dpkg", "-i", newer("fieldcast", "0.1.0+upgrade1"))
+        self.assertIn(f"{UNIT}.service is restarted with the new version", said.stdout)
+        self.assertNotEqual(main_pid(), pid)
+        await_message("running: ", cursor)
+        self.assertIn("stopped", "\n".join(messages(cursor)))
+        self.assertEqual([line for line in messages(cursor) if "code=dumped" in line or "code=killed" in line or "Failed" in line], [])
+        restarted = time.time_ns()
+        found = wait_until(lambda: (now := times())[-1] > restarted and now, SECONDS, lambda: state())
+        gap = max(b - a for a, b in zip(found, found[1:])) / 1e9
+        print(f"an upgrade over a running bridge: {gap:.1f} s without a value", file=sys.stderr)
+        self.assertGreater(found[-1], before_upgrade)
+
+    def test_2_a_configuration_that_the_new_version_refuses_keeps_the_old_one_running(self):
+        with open(root.path("/etc/fieldcast/demo.yaml"), encoding="utf-8") as file:
+            text = file.read()
+        self.addCleanup(root.write, "/etc/fieldcast/demo.yaml", text)
+        root.write("/etc/fieldcast/demo.yaml", text + "\nkey-of-before: true\n")
+        pid = main_pid()
+        said = root.run("dpkg", "-i", newer("fieldcast", "0.1.0+upgrade2"))
+        self.assertIn(f"{UNIT}.service is not restarted and goes on with the old version", said.stderr)
+        self.assertIn("unknown key 'key-of-before'", said.stderr)
+        self.assertEqual(main_pid(), pid)
+        self.assertTrue(wait_until(good_sample, SECONDS, state))
+
+    def test_3_a_stop_is_in_order_and_soon(self):
+        began = time.monotonic()
+        root.run("systemctl", "stop", UNIT)
+        self.assertLess(time.monotonic() - began, 15)
+        self.assertEqual(properties("Result", "ActiveState"), {"Result": "success", "ActiveState": "inactive"})
+
+    def test_4_a_removal_ends_it_and_keeps_what_is_the_users(self):
+        root.run("systemctl", "start", UNIT)
+        files = root.run("dpkg", "-L", "fieldcast", "fieldcast-sim", "fieldcast-dev").stdout.split("\n")
+        ours = [file for file in files if "fieldcast" in file]
+        self.assertGreater(len(ours), 50)
+        root.run("dpkg", "-r", "fieldcast-dev", "fieldcast-sim", "fieldcast")
+        self.assertEqual(properties("ActiveState")["ActiveState"], "inactive")
+        self.assertEqual([file for file in ours if os.path.isfile(root.path(file))], [])
+        self.assertTrue(os.path.exists(root.path("/etc/fieldcast/demo.yaml")))
+        root.run("dpkg", "-P", "fieldcast-dev", "fieldcast-sim", "fieldcast")
+        self.assertTrue(os.path.exists(root.path("/etc/fieldcast/demo.yaml")))
+        self.assertEqual(glob.glob(root.path("/etc/systemd/system/*/fieldcast*")), [])
+        self.assertEqual([file for file in ours if os.path.exists(root.path(file)) and file != "/etc/fieldcast"], [])
+        self.assertEqual(root.run("dpkg", "-l", "fieldcast", check=False).returncode, 1)
+
+    def test_5_a_purge_without_files_of_the_user_leaves_no_folder(self):
+        root.run("dpkg", "-i", *("/tmp/" + os.path.basename(package(name)) for name in ("fieldcast", "fieldcast-sim", "fieldcast-dev")))
+        root.run("rm", "-rf", "/etc/fieldcast/demo.yaml", "/var/lib/fieldcast")
+        root.run("dpkg", "-P", "fieldcast-dev", "fieldcast-sim", "fieldcast")
+        self.assertEqual([folder for folder in ("/etc/fieldcast", "/var/lib/fieldcast", "/usr/share/fieldcast")
+                          if os.path.exists(root.path(folder))], [])
+
+
+if __name__ == "__main__":
+    PACKAGES_DIR, SOURCE_DIR, UNPACKED_DIR = map(os.path.abspath, sys.argv[1:4])
+    try:
+        PrivateRoot()
+    except Unavailable as reason:
+        print(f"no root of its own on this machine: {reason}")
+        sys.exit(77)
+    unittest.main(argv=sys.argv[:1], verbosity=2)
