@@ -22,6 +22,9 @@ MARKERS = {
     "log": {"text"},
     "database": {"sql"},
     "picture": {"text"},
+    "addresses": {"table"},
+    "refused addresses": {"table"},
+    "codes": {"table"},
 }
 # Of these a block needs one; an `sh` block needs none.
 KINDS = {"file", "fragment", "output", "log", "database", "picture"}
@@ -78,6 +81,12 @@ def parse(path, text):
                     blocks.append(Block(path, number, STOP, "", {}))
                 elif found:
                     markers[found[0]] = found[1]
+        elif line.startswith("|") and any("table" in MARKERS[marker] for marker in markers):
+            begin = number
+            while number < len(lines) and lines[number].startswith("|"):
+                number += 1
+            blocks.append(Block(path, begin, "table", "\n".join(lines[begin - 1:number]), markers))
+            markers = {}
         elif line.strip():
             if markers:
                 raise Fault(f"{path}:{number}: a marker ({', '.join(markers)}) stands on the lines right before its block")

@@ -21,6 +21,7 @@ from comparison import difference  # noqa: E402
 from document import Fault, STOP, inline_commands, parse  # noqa: E402
 from fragment import whole  # noqa: E402
 from sandbox import Sandbox  # noqa: E402
+from tables import CHECKS  # noqa: E402
 
 PROGRAMS = ["fieldcast", "fieldcast-bridge", "fieldcast-sim", "fieldcast-port"]
 MATCH_SECONDS = 10  # until what a program says is what the document shows, or ends as it should
@@ -38,6 +39,7 @@ class Runner:
         self.unchecked = []  # configurations that were written and not judged yet
         self.last = None  # what the last `sh` block said, as a function
         self.count = {"ran": 0, "only in the installed system": 0, "only in the source tree": 0, "files": 0, "outputs compared": 0,
+                      "rows of tables checked": 0,
                       "inline commands checked against --help": 0}
         self.helps = {}
 
@@ -48,6 +50,9 @@ class Runner:
             elif block.language == "sh":
                 self.check_configurations()
                 self.shell(block)
+            elif block.language == "table":
+                marker = next(iter(block.markers))
+                self.count["rows of tables checked"] += CHECKS[marker](block, self.sandbox)
             elif "output" in block.markers:
                 self.output(block)
             elif "log" in block.markers:

@@ -9,6 +9,7 @@ import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import log_lines
+import tables
 from comparison import difference
 from document import Fault, inline_commands, parse
 from fragment import whole
@@ -51,6 +52,16 @@ class Parsing(unittest.TestCase):
             with self.assertRaises(Fault, msg=text) as fault:
                 blocks(text)
             self.assertIn(words, str(fault.exception))
+
+    def test_a_marked_table_is_a_block_and_its_rows_have_columns(self):
+        table, = blocks("<!-- addresses: dtc, threshold: 0 -->\n| address | type |\n| --- | --- |\n| `bit:7` | |\n\n| a | table |\n")
+        self.assertEqual((table.language, table.line, table.markers), ("table", 2, {"addresses": "dtc, threshold: 0"}))
+        self.assertEqual(tables.rows(table), [{"address": "`bit:7`", "type": ""}])
+        configuration = tables.Configuration(table.markers["addresses"])
+        for address, type_name in tables.channels(tables.rows(table)[0]):
+            configuration.add({}, address, type_name, True)
+        self.assertIn('at: "bit:7", access: read-write }', configuration.text())
+        self.assertIn("options: { threshold: 0 }", configuration.text())
 
     def test_commands_in_the_text_are_found(self):
         text = "Say `fieldcast plan --json` or `fieldcast`.\n```sh\n`fieldcast no`\n```\n"
