@@ -96,6 +96,33 @@ TEST(SimCheck, TextsOfOddLengthARecordWithoutANumberAndOneAddressAreNoFault) {
   expect_all_pass({declared_as(kTexts)});
 }
 
+// A text that is written, and no frame by which the device could refuse it.
+constexpr const char* kWrittenText = R"(summary: A scale whose limit is a text
+addresses: { from: 1, to: 9 }
+areas:
+  - { name: state, record: true }
+operations:
+  - name: read
+    read: state
+    request: [ { name: header, constant: 0x05 }, { is: address } ]
+    answer: &state
+      - { name: header, constant: 0x02 }
+      - { is: address }
+      - { name: limit, is: value, text: 8 }
+      - { is: checksum, kind: sum, of: header..limit }
+  - name: set the limit
+    write: state
+    request:
+      - { name: header, constant: 0x06 }
+      - { is: address }
+      - { name: limit, is: value, text: 8 }
+    answer: *state
+)";
+
+TEST(SimCheck, ATextThatTheDeviceRefusesIsNotWritten) {
+  expect_all_pass({declared_as(kWrittenText)});
+}
+
 // Numbers with a sign, of three digits, of four bytes.
 constexpr const char* kNumbers = R"(summary: A meter with numbers of all kinds
 addresses: { from: 1, to: 9 }

@@ -120,10 +120,14 @@ std::uint8_t DeclaredDevice::refusal(const Operation& operation, const DeclaredT
                : memory_.refusal(operation.area, static_cast<std::uint32_t>(text.first),
                                  static_cast<std::uint32_t>(text.count), kAddressCode);
   }
+  const auto of_place = [&](const Field& field) {
+    return memory_.refusal(operation.area, field.place, items_in(field), kAddressCode);
+  };
   for (const auto& [field, value] : text.numbers) {
-    if (const std::uint8_t code =
-            memory_.refusal(operation.area, field->place, items_in(*field), kAddressCode))
-      return code;
+    if (const std::uint8_t code = of_place(*field)) return code;
+  }
+  for (const auto& [field, value] : text.texts) {
+    if (const std::uint8_t code = of_place(*field)) return code;
   }
   return operation.write ? 0 : memory_.refusal(operation.area, 0, area.items, 0);
 }
