@@ -202,6 +202,8 @@ BusReport BusEngine::bus_report(Instant now) {
 
 DeviceReport BusEngine::device_report(DeviceIndex device, Instant now) const {
   DeviceReport report = parts_.devices.report(device);
+  // Nobody knows how a device is that cannot be reached.
+  if (state_ == BusState::kClosed) report.state = DeviceState::kUnknown;
   parts_.reads.describe(device, report);
   for (ChannelIndex c = parts_.channels.first_of(device); c < parts_.channels.end_of(device); ++c)
     report.deadline_misses += parts_.channels.report(c, now).missed;

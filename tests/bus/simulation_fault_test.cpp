@@ -63,6 +63,15 @@ TEST(Simulation, DeadDeviceComesBackByItself) {
   for (ChannelIndex c = 5; c < 10; ++c) EXPECT_EQ(bus.channels()[c].quality, Quality::kGood);
 }
 
+TEST(Simulation, NobodyKnowsHowADeviceBehindAClosedPortIs) {
+  VirtualBus bus(plant(1, 5, "refresh: 500ms"), {}, 3);
+  bus.run_until(Instant{10s});
+  EXPECT_EQ(bus.engine().device_report(0, bus.now()).state, DeviceState::kOnline);
+  bus.unplug();
+  bus.run_until(Instant{12s});
+  EXPECT_EQ(bus.engine().device_report(0, bus.now()).state, DeviceState::kUnknown);
+}
+
 TEST(Simulation, HalfNoiseDeviceCostsTheOthersNothing) {
   const BusSpec spec = plant(10, 12, "refresh: 1s, timeout: 200ms, retries: 1");
   sim::BusFaults faults;

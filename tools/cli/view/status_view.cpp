@@ -71,7 +71,8 @@ std::string state_text(const BusReport& report) {
 std::vector<std::string> hints(const StatusModel& model) {
   std::vector<std::string> lines;
   for (const auto& [key, status] : model.devices) {
-    if (status.report.state == DeviceState::kOnline) continue;
+    if (status.report.state == DeviceState::kOnline || status.report.state == DeviceState::kUnknown)
+      continue;
     CauseCounts broken;
     for (const Cause cause : {Cause::kTruncated, Cause::kChecksum, Cause::kMalformed,
                               Cause::kForeign, Cause::kOverlong}) {
