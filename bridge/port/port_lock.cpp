@@ -20,9 +20,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string describe_process(long pid) {
-  std::string name;
+// The kernel keeps the first 15 bytes of a program's name (proc(5), /proc/pid/comm); the rest is in
+// the command line, if the program has not changed either.
+std::string name_of_process(long pid) {
+  constexpr std::size_t kKept = 15;
+  std::string name, command;
   std::getline(std::ifstream(fmt::format("/proc/{}/comm", pid)), name);
+  if (name.size() < kKept) return name;
+  std::getline(std::ifstream(fmt::format("/proc/{}/cmdline", pid)), command, '\0');
+  const std::string whole = fs::path(command).filename();
+  return whole.compare(0, kKept, name) == 0 ? whole : name;
+}
+
+std::string describe_process(long pid) {
+  const std::string name = name_of_process(pid);
   return name.empty() ? fmt::format("process {}", pid) : fmt::format("{} (process {})", name, pid);
 }
 

@@ -1,9 +1,14 @@
 #include "bridge/port/serial_port.hpp"
 
 #include <asm/termbits.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
+#include <sys/wait.h>
+
+#include <csignal>
+#include <filesystem>
 
 #include "bridge/bus/clock.hpp"
 #include "bridge/port/port_lock.hpp"
@@ -117,6 +122,27 @@ TEST_F(SerialPortTest, LockedDeviceNamesItsHolder) {
   EXPECT_EQ(probe.causes.front(), Cause::kPortInUse);
   EXPECT_THAT(probe.closed.front(), HasSubstr("process " + std::to_string(::getpid())));
   ::close(other);
+}
+
+// The kernel cuts names after 15 bytes.
+TEST_F(SerialPortTest, AHolderWithALongNameIsNamedWhole) {
+  namespace fs = std::filesystem;
+  const fs::path program = fs::temp_directory_path() / fmt::format("a-long-named-{}", ::getpid());
+  fs::create_symlink("/bin/sleep", program);
+  const int other = ::open(pty.path().c_str(), O_RDWR | O_NOCTTY);
+  ASSERT_GE(other, 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::execl(program.c_str(), program.c_str(), "60", nullptr);
+    ::_exit(127);
+  }
+  ::close(other);
+  const std::string named = fmt::format("{} (process {})", program.filename().string(), child);
+  EXPECT_TRUE(run_until(io, [&] { return port_user(pty.path()) == named; }))
+      << port_user(pty.path());
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+  fs::remove(program);
 }
 
 TEST_F(SerialPortTest, TheLockEndsWithTheClosing) {
