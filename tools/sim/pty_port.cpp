@@ -83,8 +83,11 @@ tl::expected<PtyPort, std::string> PtyPort::open(const std::string& path) {
   if (!port.slave_ || !make_raw(port.slave_.get()))
     return tl::unexpected(reason(path, "the pseudo-terminal does not open"));
   const std::string target = kOurs + port.terminal_.substr(std::strlen("/dev/pts/"));
-  if (::symlink(target.c_str(), path.c_str()) != 0)
-    return tl::unexpected(reason(path, "cannot make the link"));
+  if (::symlink(target.c_str(), path.c_str()) != 0) {
+    return tl::unexpected(reason(path, errno == ENOENT
+                                           ? "cannot make the link: its folder is missing"
+                                           : "cannot make the link"));
+  }
   port.path_ = path;
   return port;
 }
