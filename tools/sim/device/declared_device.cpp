@@ -167,7 +167,7 @@ void DeclaredDevice::store(const Operation& operation, const DeclaredText& text)
   }
   for (const auto& [field, value] : text.texts) {
     for (std::uint32_t i = 0; i < items_in(*field); ++i) {
-      const auto at = [&](std::size_t place) {
+      const auto at = [&value = value](std::size_t place) {
         return place < value.size() ? static_cast<std::uint8_t>(value[place]) : 0u;
       };
       memory_.write(operation.area, field->place + i, at(2 * i) << 8 | at(2 * i + 1), statistics_);
