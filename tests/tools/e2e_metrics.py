@@ -133,6 +133,13 @@ class Text(unittest.TestCase):
         if text_string_to_metric_families:
             self.assertGreater(len(list(text_string_to_metric_families(text))), 30)
 
+    def test_each_name_stands_in_the_documents(self):
+        with open(os.path.join(SOURCE_DIR, "docs/operating.md"), encoding="utf-8") as file:
+            listed = set(re.findall(r"^\| `(fieldcast_\w+)` \|", file.read(), re.MULTILINE))
+        served = {name for name, _ in series(scrape()[0])}
+        self.assertGreater(len(served), 30)
+        self.assertEqual(served - listed, set())
+
     def test_the_older_format_pleases_promtool(self):
         text, kind = scrape(accept="text/plain")
         self.assertIn("version=0.0.4", kind)
