@@ -100,6 +100,15 @@ class ExitCodes(unittest.TestCase):
             self.assertEqual(re.findall(r"\bk\w+ = (\d+)", read(header)), listed, header)
 
 
+class Picture(unittest.TestCase):
+    def test_shows_the_columns_of_watch(self):
+        table = re.search(r"TextTable table\((.*?)\);", read("tools/cli/view/watch_view.cpp"), re.DOTALL).group(1)
+        heads = re.findall(r'"(\w+)"', table)
+        self.assertEqual(len(heads), 7)
+        picture = read("docs/images/watch.svg")
+        self.assertEqual([head for head in heads if f">{head}<" not in picture], [], "tools/screen.py draws it anew")
+
+
 class Links(unittest.TestCase):
     def test_lead_somewhere(self):
         self.assertEqual([dead for path in DOCUMENTS for dead in dead_links(path)], [])
