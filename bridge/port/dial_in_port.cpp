@@ -20,10 +20,11 @@ class DialInPort::Opening final : public PortOpening {
       : PortOpening(io, listener), number_(number), registry_(registry), tell_(tell) {}
 
   void begin() override {
-    claim_ = registry_.claim(number_, [self = self_as<Opening>()](FileDescriptor socket) {
-      asio::post(self->io_, [self, socket = std::make_shared<FileDescriptor>(std::move(socket))] {
-        self->arrived(std::move(*socket));
-      });
+    claim_ = registry_.claim(number_, [self = self_as<Opening>()](ModuleConnection connection) {
+      asio::post(self->io_,
+                 [self, came = std::make_shared<ModuleConnection>(std::move(connection))] {
+                   self->arrived(std::move(*came));
+                 });
     });
     if (!tell_) return;
     // Behind the module that waited already, if one did.
@@ -38,22 +39,22 @@ class DialInPort::Opening final : public PortOpening {
   void retire() {
     FileDescriptor socket = !over_ && stream() ? stream()->release() : FileDescriptor{};
     close();
-    if (socket.valid()) registry_.pass_on(number_, std::move(socket));
+    if (socket.valid()) registry_.pass_on(number_, {std::move(socket), arrival_});
   }
 
  private:
-  void arrived(FileDescriptor socket) {
-    if (over_ || stream() != nullptr) return pass_on(std::move(socket));
-    auto line = make_socket_stream(io_, std::move(socket), listener_);
+  void arrived(ModuleConnection connection) {
+    if (over_ || stream() != nullptr) return pass_on(std::move(connection));
+    auto line = make_socket_stream(io_, std::move(connection.socket), listener_);
     if (!line) return;  // gone already: the module dials in again
+    arrival_ = connection.arrival;
     opened(std::move(line));
   }
 
   // The next opening takes it; a new connection replaces the old one, which is dead as a rule.
-  void pass_on(FileDescriptor socket) {
+  void pass_on(ModuleConnection connection) {
     registry_.release(number_, claim_);
-    if (auto ours = registry_.offer(number_, std::move(socket)))
-      registry_.pass_on(number_, std::move(*ours));
+    registry_.pass_on(number_, std::move(connection));
     if (!over_) stream()->fail({"the module dialled in anew"});
   }
 
@@ -62,6 +63,7 @@ class DialInPort::Opening final : public PortOpening {
   std::string number_;
   DialInRegistry& registry_;
   DialInRegistry::Id claim_ = 0;
+  std::uint64_t arrival_ = 0;  // of the connection that is open
   bool tell_;
 };
 

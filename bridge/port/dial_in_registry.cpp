@@ -16,7 +16,7 @@ DialInRegistry::Id DialInRegistry::expect(const std::string& number) {
   const auto hand_over = keeper_.hand_over;
   lock.unlock();
   if (!hand_over) return id;
-  if (FileDescriptor kept = hand_over(number); kept.valid()) pass_on(number, std::move(kept));
+  if (auto kept = hand_over(number); kept.socket.valid()) pass_on(number, std::move(kept));
   return id;
 }
 
@@ -24,10 +24,10 @@ void DialInRegistry::forget(const std::string& number, Id id) {
   std::unique_lock lock(mutex_);
   const auto found = entries_.find(number);
   if (found == entries_.end() || found->second.expected != id) return;
-  FileDescriptor waiting = std::move(found->second.waiting);
+  ModuleConnection waiting = std::move(found->second.waiting);
   entries_.erase(found);
   lock.unlock();
-  if (waiting.valid()) keep(number, std::move(waiting));
+  if (waiting.socket.valid()) keep(number, std::move(waiting));
 }
 
 bool DialInRegistry::expects(const std::string& number) {
@@ -40,7 +40,7 @@ DialInRegistry::Id DialInRegistry::claim(const std::string& number, Deliver deli
   Entry& entry = entries_[number];
   entry.claimed = ++last_;
   entry.deliver = std::move(deliver);
-  if (entry.waiting.valid()) entry.deliver(std::move(entry.waiting));
+  if (entry.waiting.socket.valid()) entry.deliver(std::move(entry.waiting));
   return entry.claimed;
 }
 
@@ -50,34 +50,39 @@ void DialInRegistry::release(const std::string& number, Id id) {
   if (found != entries_.end() && found->second.claimed == id) found->second.deliver = {};
 }
 
-std::optional<FileDescriptor> DialInRegistry::offer(const std::string& number,
-                                                    FileDescriptor socket) {
-  return give(number, std::move(socket), Age::kNewest);
+std::optional<ModuleConnection> DialInRegistry::offer(const std::string& number,
+                                                      FileDescriptor socket) {
+  std::unique_lock lock(mutex_);
+  const std::uint64_t arrival = ++arrivals_;
+  lock.unlock();
+  return offer(number, ModuleConnection{std::move(socket), arrival});
 }
 
-void DialInRegistry::pass_on(const std::string& number, FileDescriptor socket) {
-  if (auto ours = give(number, std::move(socket), Age::kOlder)) keep(number, std::move(*ours));
-}
-
-std::optional<FileDescriptor> DialInRegistry::give(const std::string& number, FileDescriptor socket,
-                                                   Age age) {
+std::optional<ModuleConnection> DialInRegistry::offer(const std::string& number,
+                                                      ModuleConnection connection) {
   const std::lock_guard lock(mutex_);
   const auto found = entries_.find(number);
-  if (found == entries_.end()) return socket;
-  if (age == Age::kOlder && found->second.waiting.valid()) return std::nullopt;
-  if (found->second.deliver) {
-    found->second.deliver(std::move(socket));
+  if (found == entries_.end()) return connection;
+  Entry& entry = found->second;
+  if (connection.arrival < entry.newest) return std::nullopt;
+  entry.newest = connection.arrival;
+  if (entry.deliver) {
+    entry.deliver(std::move(connection));
   } else {
-    found->second.waiting = std::move(socket);
+    entry.waiting = std::move(connection);
   }
   return std::nullopt;
 }
 
-void DialInRegistry::keep(const std::string& number, FileDescriptor socket) {
+void DialInRegistry::pass_on(const std::string& number, ModuleConnection connection) {
+  if (auto ours = offer(number, std::move(connection))) keep(number, std::move(*ours));
+}
+
+void DialInRegistry::keep(const std::string& number, ModuleConnection connection) {
   std::unique_lock lock(mutex_);
   const auto keep = keeper_.keep;
   lock.unlock();
-  if (keep) keep(number, std::move(socket));
+  if (keep) keep(number, std::move(connection));
 }
 
 }  // namespace fieldcast

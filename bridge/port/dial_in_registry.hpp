@@ -14,18 +14,25 @@
 
 namespace fieldcast {
 
+// The connection of a module. A later one of the same number has a greater arrival: the module
+// dialled in anew, and the earlier one is dead as a rule.
+struct ModuleConnection {
+  FileDescriptor socket;
+  std::uint64_t arrival = 0;
+};
+
 class DialInRegistry {
  public:
   // Called on whichever thread the module came in on, or inside claim(); it only posts.
-  using Deliver = std::function<void(FileDescriptor socket)>;
+  using Deliver = std::function<void(ModuleConnection connection)>;
 
   // Keeps the modules whose number no bus is there for.
   struct Keeper {
     // Any thread; only posts.
-    std::function<void(const std::string& number, FileDescriptor socket)> keep;
-    // The kept module of this number, invalid when there is none or it is leased. Called inside
-    // expect(): may wait, but not for the thread of a bus.
-    std::function<FileDescriptor(const std::string& number)> hand_over;
+    std::function<void(const std::string& number, ModuleConnection connection)> keep;
+    // The kept module of this number, an invalid socket when there is none or it is leased. Called
+    // inside expect(): may wait, but not for the thread of a bus.
+    std::function<ModuleConnection(const std::string& number)> hand_over;
   };
   void set_keeper(Keeper keeper);
 
@@ -47,25 +54,28 @@ class DialInRegistry {
 
   // A module told this number just now. Given back when no bus is there for it; a module that
   // nobody takes yet waits, the newest one.
-  [[nodiscard]] std::optional<FileDescriptor> offer(const std::string& number,
-                                                    FileDescriptor socket);
-  // A bus or the keeper gives up a module that has been there for a while: another one that waits
-  // is newer, and stays. To the keeper when no bus is there.
-  void pass_on(const std::string& number, FileDescriptor socket);
+  [[nodiscard]] std::optional<ModuleConnection> offer(const std::string& number,
+                                                      FileDescriptor socket);
+  // The same for a connection that has been there for a while. It is closed when its bus has had a
+  // newer one: that one stays.
+  [[nodiscard]] std::optional<ModuleConnection> offer(const std::string& number,
+                                                      ModuleConnection connection);
+  // A bus or the keeper gives up a connection. To the keeper when no bus is there.
+  void pass_on(const std::string& number, ModuleConnection connection);
 
  private:
   struct Entry {
-    Id expected = 0;         // the latest expectation
-    Id claimed = 0;          // the latest claim
-    Deliver deliver;         // of the claim, or none
-    FileDescriptor waiting;  // a module that nobody took yet; invalid: none
+    Id expected = 0;           // the latest expectation
+    Id claimed = 0;            // the latest claim
+    Deliver deliver;           // of the claim, or none
+    ModuleConnection waiting;  // that nobody took yet; an invalid socket: none
+    std::uint64_t newest = 0;  // arrival of the newest one that waited or was delivered
   };
-  enum class Age : std::uint8_t { kNewest, kOlder };
-  std::optional<FileDescriptor> give(const std::string& number, FileDescriptor socket, Age age);
-  void keep(const std::string& number, FileDescriptor socket);
+  void keep(const std::string& number, ModuleConnection connection);
 
   std::mutex mutex_;
   Id last_ = 0;
+  std::uint64_t arrivals_ = 0;
   Keeper keeper_;
   std::map<std::string, Entry> entries_;  // one for each bus with such a port
 };

@@ -98,8 +98,10 @@ class ModuleServer::Asked : public std::enable_shared_from_this<Asked> {
 // loss noticed.
 class ModuleServer::Kept : public std::enable_shared_from_this<Kept> {
  public:
-  Kept(ModuleServer& server, std::string number, tcp::socket socket)
-      : server_(server), number_(std::move(number)), socket_(std::move(socket)) {}
+  Kept(ModuleServer& server, std::string number, tcp::socket socket, std::uint64_t arrived)
+      : arrival(arrived), server_(server), number_(std::move(number)), socket_(std::move(socket)) {}
+
+  const std::uint64_t arrival;
 
   void listen() {
     if (over_ || leased_ || std::exchange(listening_, true)) return;
@@ -210,40 +212,49 @@ void ModuleServer::registered(const std::string& number, tcp::socket socket,
   boost::system::error_code fault;
   FileDescriptor released(socket.release(fault));
   if (fault) return;
-  assign(number, std::move(released), address);
-}
-
-void ModuleServer::keep(const std::string& number, FileDescriptor socket) {
-  if (!kept_.contains(number)) assign(number, std::move(socket), "a bus that is gone");
-}
-
-// To the bus of this number, or among the kept ones; in both cases it replaces the one before.
-void ModuleServer::assign(const std::string& number, FileDescriptor socket,
-                          const std::string& address) {
   if (closed_) return;
-  auto ours = registry_.offer(number, std::move(socket));
-  if (const auto before = kept_.find(number); before != kept_.end()) {
-    const auto old = before->second;
-    kept_.erase(before);
-    old->close("the module dialled in anew");
-  }
-  if (!ours) return;
-  auto adopted = adopt_socket(io_, std::move(*ours));
+  auto ours = registry_.offer(number, std::move(released));
+  drop_kept(number);
+  if (ours) keep_new(number, std::move(*ours), address);
+}
+
+void ModuleServer::keep(const std::string& number, ModuleConnection connection) {
+  if (closed_) return;
+  const auto before = kept_.find(number);
+  if (before != kept_.end() && before->second->arrival > connection.arrival) return;
+  drop_kept(number);
+  // A bus may have come meanwhile.
+  if (auto ours = registry_.offer(number, std::move(connection)))
+    keep_new(number, std::move(*ours), "a bus that is gone");
+}
+
+void ModuleServer::drop_kept(const std::string& number) {
+  const auto found = kept_.find(number);
+  if (found == kept_.end()) return;
+  const auto old = found->second;
+  kept_.erase(found);
+  old->close("the module dialled in anew");
+}
+
+void ModuleServer::keep_new(const std::string& number, ModuleConnection connection,
+                            const std::string& address) {
+  auto adopted = adopt_socket(io_, std::move(connection.socket));
   if (!adopted) return;
   if (kept_.size() >= kMaxKept)
     return refused(address, fmt::format("module {} is one too many without a bus", number));
-  const auto module = std::make_shared<Kept>(*this, number, std::move(*adopted));
+  const auto module =
+      std::make_shared<Kept>(*this, number, std::move(*adopted), connection.arrival);
   kept_.emplace(number, module);
   module->listen();
 }
 
-FileDescriptor ModuleServer::hand_over(const std::string& number) {
+ModuleConnection ModuleServer::hand_over(const std::string& number) {
   const auto found = kept_.find(number);
   if (found == kept_.end()) return {};
   const auto module = found->second;
-  FileDescriptor socket = module->release();
-  if (socket.valid()) kept_.erase(number);
-  return socket;
+  ModuleConnection connection{module->release(), module->arrival};
+  if (connection.socket.valid()) kept_.erase(number);
+  return connection;
 }
 
 void ModuleServer::refused(const std::string& address, const std::string& reason) {
@@ -264,8 +275,8 @@ void ModuleServer::end_lease(const std::string& number, bool lost) {
   const auto module = found->second;
   module->end_lease(lost);
   if (lost || !registry_.expects(number)) return;
-  if (FileDescriptor socket = hand_over(number); socket.valid())
-    registry_.pass_on(number, std::move(socket));
+  if (auto connection = hand_over(number); connection.socket.valid())
+    registry_.pass_on(number, std::move(connection));
 }
 
 void ModuleServer::close() {

@@ -37,11 +37,11 @@ class ModuleServer {
   // Lets every module go.
   void close();
 
-  // A module whose number no bus is there for any more; one that dialled in since is newer.
-  void keep(const std::string& number, FileDescriptor socket);
-  // The socket of a kept module, for the bus that has come for it; invalid when there is none, or
+  // A module whose number no bus is there for any more. Of two of a number the newer one is kept.
+  void keep(const std::string& number, ModuleConnection connection);
+  // A kept module, for the bus that has come for it; an invalid socket when there is none, or
   // while it is leased: it goes to its bus when its lease ends.
-  [[nodiscard]] FileDescriptor hand_over(const std::string& number);
+  [[nodiscard]] ModuleConnection hand_over(const std::string& number);
 
   // A module without a bus, for a programming session: a descriptor of its socket, invalid when
   // there is none of this number. `revoked`: it dialled in anew, or the server closes.
@@ -55,7 +55,8 @@ class ModuleServer {
   void came(boost::asio::ip::tcp::socket socket);
   void registered(const std::string& number, boost::asio::ip::tcp::socket socket,
                   const std::string& address);
-  void assign(const std::string& number, FileDescriptor socket, const std::string& address);
+  void drop_kept(const std::string& number);  // if there is one: the module dialled in anew
+  void keep_new(const std::string& number, ModuleConnection connection, const std::string& address);
   void refused(const std::string& address, const std::string& reason);
   void displaced(const std::string& address);
 

@@ -49,18 +49,18 @@ struct Server::State {
 void Server::State::open_modules() {
   modules = std::make_shared<ModuleServer>(io.context(), registry, hooks);
   const auto keep = [this, weak = std::weak_ptr(modules)](const std::string& number,
-                                                          FileDescriptor socket) {
+                                                          ModuleConnection connection) {
     asio::post(io.context(),
-               [weak, number, kept = std::make_shared<FileDescriptor>(std::move(socket))] {
+               [weak, number, kept = std::make_shared<ModuleConnection>(std::move(connection))] {
                  if (const auto server = weak.lock()) server->keep(number, std::move(*kept));
                });
   };
   const auto hand_over = [this](const std::string& number) {
-    FileDescriptor socket;
+    ModuleConnection connection;
     run([&] {
-      if (modules) socket = modules->hand_over(number);
+      if (modules) connection = modules->hand_over(number);
     });
-    return socket;
+    return connection;
   };
   registry.set_keeper({keep, hand_over});
 }
