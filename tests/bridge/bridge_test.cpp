@@ -125,7 +125,7 @@ TEST_F(BridgeTest, MissedRefreshesAreTheSameNumberForTheEngineItsWritersAndAStat
   };
   station.subscribe_samples(
       [&](const StationSample& sample) { noted([&] { last[sample.channel] = sample; }); }, {},
-      {milliseconds{300}, [&] { noted([&] { ++requested; }); }});
+      {milliseconds{300}, [&](auto&&...) { noted([&] { ++requested; }); }});
   station.subscribe_bus_status(
       [&](const StationBusStatus& status) { noted([&] { received.push_back(status); }); });
   Bridge bridge;
