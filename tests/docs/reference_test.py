@@ -109,6 +109,50 @@ class Picture(unittest.TestCase):
         self.assertEqual([head for head in heads if f">{head}<" not in picture], [], "tools/screen.py draws it anew")
 
 
+class Stations(unittest.TestCase):
+    def test_every_topic_is_listed(self):
+        topics = set(re.findall(r'"(fieldcast/\w+)"', read("bridge/dds/topics/topics.hpp")))
+        self.assertGreater(len(topics), 10)
+        listed = section("docs/stations.md", "Topics")
+        self.assertEqual(set(re.findall(r"`(fieldcast/\w+)`", listed)), topics)
+
+    def test_every_quality_and_every_state_of_a_command_is_explained(self):
+        for name, heading in [("Quality", "Quality"), ("CommandState", "Commands and their results")]:
+            members = re.search(rf"enum {name} \{{(.*?)\}}", read("idl/fieldcast.idl"), re.DOTALL).group(1)
+            self.assertEqual([member.strip() for member in members.split(",")], first_cells(section("docs/stations.md", heading)))
+
+
+class Protocols(unittest.TestCase):
+    def test_each_has_a_page_with_every_form_of_its_addresses(self):
+        index, found = read("docs/protocols.md"), 0
+        for path, _, names in os.walk(os.path.join(SOURCE_DIR, "core", "protocol")):
+            for name in (name for name in names if name.endswith(".cpp")):
+                text = read(os.path.relpath(os.path.join(path, name), SOURCE_DIR))
+                examples = re.findall(r'"([^"]+)"', " ".join(re.findall(r"Addresses\[\] = \{(.*?)\};", text, re.DOTALL)))
+                for protocol in re.findall(r'\.name = "([\w-]+)",\s*\.summary', text):
+                    found += 1
+                    row = next((line for line in index.splitlines() if line.startswith("|") and f"`{protocol}`" in line), None)
+                    self.assertIsNotNone(row, f"{protocol} is missing in docs/protocols.md")
+                    page = read(os.path.join("docs", re.search(r"\((protocols/.*?\.md)\)", row).group(1)))
+                    words = re.findall(r"`([^`]+)`", re.sub(r"```.*?```", "", page, flags=re.DOTALL))
+                    forms = {self.form(at) for at in words}
+                    with self.subTest(protocol):
+                        self.assertEqual({self.form(at) for at in examples} - forms, set())
+        self.assertGreaterEqual(found, 8)
+
+    @staticmethod
+    def form(at):
+        """ "VW100" and "VW7" are of one form: numbers do not count, nor does their base."""
+        return re.sub(r"\d+", "0", re.sub(r"0[xX][0-9A-Fa-f]+", "0", at))
+
+
+class ProgramPort(unittest.TestCase):
+    def test_its_exit_codes_are_those_that_it_tells(self):
+        said = re.sub(r'"\s*"', "", read("tools/program-port/main.cpp"))
+        said = re.search(r"Exit codes: (.*?)\.", said, re.DOTALL).group(1)
+        self.assertEqual(re.findall(r"\b(\d) ", said), first_cells(section("docs/programming.md", "Refusals")))
+
+
 class Links(unittest.TestCase):
     def test_lead_somewhere(self):
         self.assertEqual([dead for path in DOCUMENTS for dead in dead_links(path)], [])
