@@ -59,6 +59,13 @@ std::string_view to_text(StationFault fault) {
   return "?";
 }
 
+std::string to_text(const StationOutcome& outcome) {
+  if (!outcome) return std::string(to_text(outcome.error()));
+  std::string text(to_text(outcome->state));
+  if (!outcome->reason.empty()) text += ": " + outcome->reason + " (" + outcome->cause + ")";
+  return text;
+}
+
 Duration age(const StationSample& sample) {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   return std::chrono::duration_cast<Duration>(now) - Duration{sample.acquired_at.nanoseconds};
@@ -169,9 +176,8 @@ void Station::withdraw_interest(const std::string& pattern) {
   state_->interests->unregister_instance(&interest, dds::HANDLE_NIL);  // disposes it
 }
 
-tl::expected<StationResult, StationFault> Station::execute(StationCommand command,
-                                                           Duration wait_for_bridge,
-                                                           Duration wait_for_result) {
+StationOutcome Station::execute(StationCommand command, Duration wait_for_bridge,
+                                Duration wait_for_result) {
   CommandClient& client = state_->client();
   const Duration wait = command.lifespan + wait_for_result;
   const auto id = client.send(std::move(command), wait_for_bridge, true);
@@ -179,8 +185,7 @@ tl::expected<StationResult, StationFault> Station::execute(StationCommand comman
   return client.await(*id, wait);
 }
 
-tl::expected<StationResult, StationFault> Station::write(std::string_view path, Value value,
-                                                         bool verify) {
+StationOutcome Station::write(std::string_view path, Value value, bool verify) {
   const std::size_t device = path.find('/') + 1;
   const std::size_t channel = path.find('/', device) + 1;
   if (device == 0 || channel == 0 || path.find('/', channel) != std::string_view::npos)

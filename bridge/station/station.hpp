@@ -32,6 +32,11 @@ enum class StationFault : std::uint8_t {
 };
 [[nodiscard]] std::string_view to_text(StationFault fault);
 
+// What became of a command: its one result, or why there is none.
+using StationOutcome = tl::expected<StationResult, StationFault>;
+// "verified", "rejected: channel is read-only (READ_ONLY)", "no bridge answers in this domain".
+[[nodiscard]] std::string to_text(const StationOutcome& outcome);
+
 // How old a value is by this machine's clock, against the instant at which the bridge had the last
 // byte of it. Needs clocks that agree. A channel that was never read is as old as the epoch.
 [[nodiscard]] Duration age(const StationSample& sample);
@@ -83,14 +88,13 @@ class Station {
   // Writes the command once a bridge is matched in both directions (at most wait_for_bridge) and
   // blocks for its one result, at most lifespan + wait_for_result. request_id and requester are
   // filled in here. Any thread; many at a time.
-  [[nodiscard]] tl::expected<StationResult, StationFault> execute(
-      StationCommand command, Duration wait_for_bridge = std::chrono::seconds{3},
-      Duration wait_for_result = std::chrono::seconds{5});
+  [[nodiscard]] StationOutcome execute(StationCommand command,
+                                       Duration wait_for_bridge = std::chrono::seconds{3},
+                                       Duration wait_for_result = std::chrono::seconds{5});
 
   // Writes one value to a channel, "BUS/DEVICE/CHANNEL", as execute() does. The bridge checks the
   // value against the channel's type and range.
-  [[nodiscard]] tl::expected<StationResult, StationFault> write(std::string_view path, Value value,
-                                                                bool verify = false);
+  [[nodiscard]] StationOutcome write(std::string_view path, Value value, bool verify = false);
 
   // Does not wait for the result: gives the request_id (on_result, set before the first call, is
   // told on a DDS thread).

@@ -43,6 +43,19 @@ TEST(DdsCommand, AChannelIsWrittenByItsPath) {
   }
 }
 
+TEST(DdsCommand, WhatBecameOfItIsTold) {
+  StationResult result;
+  result.state = CommandState::kVerified;
+  result.cause = "NONE";
+  EXPECT_EQ(to_text(StationOutcome(result)), "verified");
+  result.state = CommandState::kRejected;
+  result.cause = "READ_ONLY";
+  result.reason = "channel is read-only";
+  EXPECT_EQ(to_text(StationOutcome(result)), "rejected: channel is read-only (READ_ONLY)");
+  EXPECT_EQ(to_text(StationOutcome(tl::unexpected(StationFault::kNoBridge))),
+            "no bridge answers in this domain");
+}
+
 TEST(DdsCommand, AnAgeCountsFromTheArrivalOfTheLastByte) {
   StationSample sample;
   sample.acquired_at = both_clocks().utc;

@@ -99,7 +99,7 @@ static void print_result(dds_entity_t reader, const fieldcast_Command* command) 
     const fieldcast_CommandResult* r = taken[0];
     if (info.valid_data && r->request_id == command->request_id &&
         strcmp(r->requester, command->requester) == 0)
-      printf("write: %s %s\n", kStates[r->state], r->reason);
+      printf("write: %s%s%s\n", kStates[r->state], r->reason[0] ? ": " : "", r->reason);
   }
 }
 

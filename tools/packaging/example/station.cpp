@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
     fmt::print("late: {}/{}/{}\n", bus, device, channel);
   };
   station.subscribe_samples(on_sample, {}, {.deadline = 1s, .on_deadline_missed = on_missed});
-  const auto result = station.write("line/meter/setpoint", 42, true);  // true: read it back
-  fmt::print("write: {}\n", result ? to_text(result->state) : to_text(result.error()));
+  const bool verify = true;  // read it back
+  fmt::print("write: {}\n", to_text(station.write("line/meter/setpoint", 42, verify)));
   std::getchar();  // Enter ends it
 }
