@@ -91,31 +91,37 @@ void SampleTable::insert(std::span<const SampleRow> samples) {
   }
 }
 
-std::size_t SampleTable::history(const Pattern& pattern, UtcTime from, UtcTime to,
-                                 const std::function<bool(const StoredSample&)>& on_sample) {
-  // A sample of each, without its values.
-  std::vector<std::pair<std::int64_t, StoredSample>> channels;
+std::vector<StoredChannel> SampleTable::channels(const Pattern& pattern) {
+  std::vector<StoredChannel> found;
   connection_.query(
       "select id, bus, device, channel, unit, type from channels order by bus, device, channel", {},
       [&](const SqlRow& row) {
-        StoredSample sample{.bus = text_at(row, 1),
-                            .device = text_at(row, 2),
-                            .channel = text_at(row, 3),
-                            .unit = text_at(row, 4),
-                            .type = text_at(row, 5)};
-        if (pattern.matches(sample.bus, sample.device, sample.channel))
-          channels.emplace_back(integer_at(row, 0), std::move(sample));
+        StoredChannel channel{integer_at(row, 0), text_at(row, 1), text_at(row, 2),
+                              text_at(row, 3),    text_at(row, 4), text_at(row, 5)};
+        if (pattern.matches(channel.bus, channel.device, channel.channel))
+          found.push_back(std::move(channel));
         return true;
       });
+  return found;
+}
+
+std::size_t SampleTable::history(const Pattern& pattern, UtcTime from, UtcTime to,
+                                 const std::function<bool(const StoredSample&)>& on_sample) {
+  const std::vector<StoredChannel> found = channels(pattern);
   bool wanted = true;
-  for (auto& [id, sample] : channels) {
+  for (const StoredChannel& channel : found) {
     if (!wanted) break;
+    StoredSample sample{.bus = channel.bus,
+                        .device = channel.device,
+                        .channel = channel.channel,
+                        .unit = channel.unit,
+                        .type = channel.type};
     connection_.query(
         "select published_at, sequence, acquired_at, quality, device_code, value_kind, "
         "integer_value, real_value, text_value "
         "from samples where channel = $1 and published_at >= $2 and published_at < $3 order by "
         "published_at, sequence",
-        {id, from.nanoseconds, to.nanoseconds}, [&, &sample = sample](const SqlRow& row) {
+        {channel.id, from.nanoseconds, to.nanoseconds}, [&](const SqlRow& row) {
           sample.published_at.nanoseconds = integer_at(row, 0);
           sample.sequence = static_cast<std::uint64_t>(integer_at(row, 1));
           sample.acquired_at.nanoseconds = integer_at(row, 2);
@@ -125,7 +131,19 @@ std::size_t SampleTable::history(const Pattern& pattern, UtcTime from, UtcTime t
           return wanted = on_sample(sample);
         });
   }
-  return channels.size();
+  return found.size();
+}
+
+void SampleTable::numbers(std::int64_t channel, UtcTime from, UtcTime to, std::int64_t limit,
+                          const OnNumber& on_number) {
+  connection_.query(
+      "select published_at, quality, value_kind, integer_value, real_value, null from samples "
+      "where channel = $1 and published_at >= $2 and published_at < $3 "
+      "order by published_at, sequence limit $4",
+      {channel, from.nanoseconds, to.nanoseconds, limit}, [&](const SqlRow& row) {
+        return on_number(UtcTime{integer_at(row, 0)}, quality_from(integer_at(row, 1)),
+                         value_of(integer_at(row, 2), row, 3));
+      });
 }
 
 std::vector<std::int64_t> SampleTable::channel_ids() {
@@ -147,12 +165,12 @@ std::uint64_t SampleTable::remove_before(std::int64_t channel, UtcTime before,
              before.nanoseconds});
 }
 
-UtcTime SampleTable::oldest(std::int64_t channel) {
-  UtcTime found;
+std::optional<UtcTime> SampleTable::oldest(std::int64_t channel) {
+  std::optional<UtcTime> found;
   connection_.query(
       "select published_at from samples where channel = $1 order by published_at limit 1",
       {channel}, [&](const SqlRow& row) {
-        found.nanoseconds = integer_at(row, 0);
+        found = UtcTime{integer_at(row, 0)};
         return false;
       });
   return found;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <functional>
+#include <limits>
+#include <optional>
 #include <span>
 
 #include "bridge/store/records.hpp"
@@ -9,6 +11,8 @@
 #include "core/model/pattern.hpp"
 
 namespace fieldcast {
+
+inline constexpr UtcTime kEndOfTime{std::numeric_limits<std::int64_t>::max()};
 
 // A sample that knows its channel by the store's own number.
 struct SampleRow {
@@ -19,10 +23,19 @@ struct SampleRow {
   Quality quality = Quality::kNotYetRead;
   std::uint16_t device_code = 0;
   Value value;
+  bool is_text = false;  // its channel is of type string: it has no tiers
+};
+
+// A channel that the store knows.
+struct StoredChannel {
+  std::int64_t id = 0;
+  std::string bus, device, channel, unit, type;
 };
 
 class SampleTable {
  public:
+  static constexpr std::int64_t kNoLimit = std::numeric_limits<std::int64_t>::max();
+
   explicit SampleTable(SqlConnection& connection) : connection_(connection) {}
 
   // The number of a channel, given to it now if it has none.
@@ -38,11 +51,20 @@ class SampleTable {
   std::size_t history(const Pattern& pattern, UtcTime from, UtcTime to,
                       const std::function<bool(const StoredSample&)>& on_sample);
 
+  // Those of the pattern, by their names.
+  [[nodiscard]] std::vector<StoredChannel> channels(const Pattern& pattern);
+  // When each sample of a channel of from <= published_at < to was published, its quality and its
+  // value, in the order of time, `limit` at most. A text is read as an empty one. False from
+  // on_number ends it.
+  using OnNumber = std::function<bool(UtcTime at, Quality quality, const Value& value)>;
+  void numbers(std::int64_t channel, UtcTime from, UtcTime to, std::int64_t limit,
+               const OnNumber& on_number);
+
   [[nodiscard]] std::vector<std::int64_t> channel_ids();
   // Removes samples of a channel that were published before, the oldest first, about `limit` at
   // most. How many went.
   std::uint64_t remove_before(std::int64_t channel, UtcTime before, std::uint64_t limit);
-  [[nodiscard]] UtcTime oldest(std::int64_t channel);  // 0: it has none
+  [[nodiscard]] std::optional<UtcTime> oldest(std::int64_t channel);  // nothing: it has none
 
  private:
   SqlConnection& connection_;

@@ -78,6 +78,27 @@ from alarms where state = 'active' and id in (select max(id) from alarms group b
 create view audit_history as
 select id, {time at} as at, who, what, target, bytes_to_device, bytes_from_device, result, at as at_ns from audit;
 )",
+    // width in seconds, start in nanoseconds (core/base/time.hpp). open_buckets: those whose row in
+    // tiers is still to be written. untiered: the channels that have samples without tiers, from
+    // `next` on.
+    R"(
+create table tiers (
+  width bigint not null, channel bigint not null, start bigint not null, count bigint not null, bad bigint not null,
+  min double precision, max double precision, sum double precision, first double precision, last double precision,
+  primary key (width, channel, start)) {clustered};
+create table open_buckets (
+  width bigint not null, start bigint not null, channel bigint not null, primary key (width, start, channel)) {clustered};
+create table untiered (channel bigint primary key, next bigint not null);
+insert into untiered select id, 0 from channels where type <> 'string';
+
+create view minute_history as
+select c.bus, c.device, c.channel, c.unit, c.type, {time t.start} as start, {totals}
+from channels c cross join tiers t where t.channel = c.id and t.width = 60;
+
+create view hour_history as
+select c.bus, c.device, c.channel, c.unit, c.type, {time t.start} as start, {totals}
+from channels c cross join tiers t where t.channel = c.id and t.width = 3600;
+)",
 };
 
 // What the two databases say in different words, or what would stand in a step again and again.
@@ -106,6 +127,10 @@ constexpr Phrase kPhrases[] = {
      "else cast(s.integer_value as double precision) + "
      "case when s.value_kind = 2 and s.integer_value < 0 then 18446744073709551616.0 else 0 end "
      "end",
+     nullptr},
+    {"totals",
+     "t.count, t.bad, t.min, t.max, t.sum / nullif(t.count, 0) as average, t.sum, t.first, t.last, "
+     "t.start as start_ns",
      nullptr},
     {"last sample",
      "cross join samples s on s.channel = c.id and (s.published_at, s.sequence) = (select "

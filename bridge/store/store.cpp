@@ -13,6 +13,7 @@
 #include "bridge/log/log.hpp"
 #include "bridge/store/event_table.hpp"
 #include "bridge/store/retention.hpp"
+#include "bridge/store/tiers/tier_writer.hpp"
 #include "core/base/number_text.hpp"
 #include "core/model/pattern.hpp"
 
@@ -23,6 +24,8 @@ constexpr int kNiceness = 10;           // below the threads that serve buses
 constexpr unsigned kAttempts = 4;       // of one batch at an open database, before it is given up
 constexpr std::ptrdiff_t kRows = 4096;  // copied at a time
 constexpr Duration kIdle = std::chrono::seconds{10};
+// Between two steps of tidying: others may write into the same database.
+constexpr Duration kTidyPause = std::chrono::milliseconds{50};
 constexpr Duration kDropLine = std::chrono::seconds{10};  // between two lines about dropped samples
 
 std::string spelled(const AuditEntry& entry) {
@@ -87,11 +90,14 @@ class Store::Writer {
       return failed;
     }
   }
-  // One step of the retention. True: there is more to tidy.
+  // One step of the tiers and one of the retention. True: there is more to tidy.
   [[nodiscard]] bool tidy() {
     try {
       if (opened_) open();  // its caller waits for the active alarms
-      return connection_ && retention_.step(*connection_, steady_now(), read_clocks().utc);
+      if (!connection_) return false;
+      const UtcTime utc = read_clocks().utc;
+      const bool tiering = tiers_.step(*connection_, utc);
+      return retention_.step(*connection_, steady_now(), utc) || tiering;
     } catch (const StoreError& error) {
       close(error);
       return false;
@@ -121,7 +127,8 @@ class Store::Writer {
   void close(const StoreError& error) {
     if (told_ != error.what()) log_error("store", told_ = error.what());
     connection_.reset();
-    ids_.clear();  // another file may lie there now
+    tiers_.reset();
+    known_.clear();  // another file may lie there now
   }
   // Each sample with the database's number of its channel instead of ours.
   void insert(const std::deque<SampleRow>& samples) {
@@ -130,21 +137,29 @@ class Store::Writer {
       rows_.assign(at, end);
       at = end;
       for (SampleRow& row : rows_) {
-        std::int64_t& id = ids_[row.channel];
-        if (id == 0) id = ask_id(static_cast<std::size_t>(row.channel));
-        row.channel = id;
+        Known& known = known_[row.channel];
+        if (known.id == 0) known = ask(static_cast<std::size_t>(row.channel));
+        row.channel = known.id;
+        row.is_text = known.is_text;
       }
       SampleTable(*connection_).insert(rows_);
+      tiers_.note(*connection_, rows_);
     }
   }
-  std::int64_t ask_id(std::size_t index) {
+  struct Known {
+    std::int64_t id = 0;
+    bool is_text = false;
+  };
+  Known ask(std::size_t index) {
     const Channel* channel = nullptr;
     {
       const std::lock_guard lock(mutex_);
       channel = &channels_[index];
     }
-    return SampleTable(*connection_)
-        .channel_id(channel->bus, channel->device, channel->channel, channel->unit, channel->type);
+    return {SampleTable(*connection_)
+                .channel_id(channel->bus, channel->device, channel->channel, channel->unit,
+                            channel->type),
+            channel->type == to_text(ValueType::kString)};
   }
 
   const StoreAddress address_;
@@ -152,8 +167,9 @@ class Store::Writer {
   std::deque<Channel>& channels_;
   std::mutex& mutex_;
   std::unique_ptr<SqlConnection> connection_;
-  std::map<std::int64_t, std::int64_t> ids_;  // by index in channels_
+  std::map<std::int64_t, Known> known_;  // by index in channels_
   std::vector<SampleRow> rows_;
+  TierWriter tiers_;
   Retention retention_;
   std::string told_;  // the last failure: it is logged once
 };
@@ -296,7 +312,7 @@ void Store::run() {
   DropReport drops;
   Batch batch;
   bool tidying = writer.tidy();
-  while (gather(batch, tidying ? Duration{} : kIdle)) {
+  while (gather(batch, tidying ? kTidyPause : kIdle)) {
     written(batch, batch.empty() || store(writer, batch, back_off));
     batch = {};
     tidying = writer.tidy();

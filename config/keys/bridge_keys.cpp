@@ -116,6 +116,15 @@ const Rows<StoreSpec>& store_rows() {
           field<StoreSpec>({.name = "keep", .fallback = "30d", .text = "how long samples are kept"},
                            &StoreSpec::keep, KeepRule{}),
           field<StoreSpec>(
+              {.name = "keep-minutes",
+               .fallback = "365d",
+               .text = "how long least, largest and mean value of each minute are kept"},
+              &StoreSpec::keep_minutes, KeepRule{}),
+          field<StoreSpec>({.name = "keep-hours",
+                            .fallback = "3650d",
+                            .text = "how long the same of each hour are kept"},
+                           &StoreSpec::keep_hours, KeepRule{}),
+          field<StoreSpec>(
               {.name = "max-size",
                .fallback = "no bound",
                .text = "of the file, with `path`: `2GB`; beyond it the oldest samples go"},

@@ -136,6 +136,8 @@ struct StoreSpec {
   std::vector<std::string> samples{"*"};        // patterns of the channels whose samples are stored
   Duration keep = std::chrono::hours{30 * 24};  // samples; 0: for ever
   std::uint64_t max_bytes = 0;  // of a file, then the oldest samples go; 0: no bound
+  Duration keep_minutes = std::chrono::hours{365 * 24};  // what each minute was; 0: for ever
+  Duration keep_hours = std::chrono::hours{3650 * 24};   // what each hour was; 0: for ever
   friend bool operator==(const StoreSpec&, const StoreSpec&) = default;
 };
 

@@ -95,9 +95,12 @@ TEST_F(Everything, TopLevelKeysArrive) {
   EXPECT_EQ(spec.dds,
             (DdsSpec{7, {"127.0.0.1", "192.168.1.20"}, "10.0.0.2:11811", "profile.xml", "hall"}));
   EXPECT_EQ(spec.log.level, LogLevel::kDebug);
-  EXPECT_EQ(
-      spec.store,
-      (StoreSpec{"plant.db", {"serial", "server/*/x"}, std::chrono::hours{36}, 2'000'000'000}));
+  EXPECT_EQ(spec.store, (StoreSpec{"plant.db",
+                                   {"serial", "server/*/x"},
+                                   std::chrono::hours{36},
+                                   2'000'000'000,
+                                   std::chrono::hours{90 * 24},
+                                   Duration{}}));
 }
 
 TEST(GoodFiles, AStoreOnAServerIsKeptAsItIsWritten) {

@@ -205,6 +205,7 @@ void removes_what_is_too_old(const StoreAddress& address) {
   spec.keep = seconds{10};
   Retention retention(spec);
   const auto connection = open_store(address, IfMissing::kFail);
+  test::write_tiers(*connection);
   int steps = 0;
   while (retention.step(*connection, instant(0), utc(100))) ASSERT_LT(++steps, 1000);
   const auto left = history(address, "old");

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "bridge/store/retention.hpp"
+#include "tests/bridge/store/older_store.hpp"
 #include "tests/bridge/store/scratch.hpp"
 #include "tests/bridge/store/store_support.hpp"
 
@@ -63,12 +64,7 @@ TEST(SqliteStore, OfAnOlderProgramKeepsItsSamplesWithoutATypeUntilTheChannelCome
     ASSERT_TRUE(store.flush(seconds{30}));
   };
   put_one(1);
-  open_store(address, IfMissing::kFail)
-      ->script(
-          "drop view sample_history; drop view last_samples; drop view device_states;"
-          "drop view alarm_history; drop view active_alarms; drop view audit_history;"
-          "alter table channels drop column type; drop table commands;"
-          "update fieldcast_version set version = 1");
+  test::back_to_version(*open_store(address, IfMissing::kFail), 1);
   ASSERT_EQ(history(address, "b").size(), 1u);
   EXPECT_EQ(history(address, "b")[0].type, "");
   put_one(2);
@@ -103,6 +99,7 @@ TEST(SqliteStore, ThatIsTooLargeLosesItsOldestSamples) {
   spec.max_bytes = 1'000'000;
   Retention retention(spec);
   const auto connection = open_store(address, IfMissing::kFail);
+  test::write_tiers(*connection);
   int steps = 0;
   while (retention.step(*connection, instant(0), utc(20'000))) ASSERT_LT(++steps, 10'000);
   const auto left = history(address, "full");

@@ -13,6 +13,7 @@
 #include "bridge/store/sample_table.hpp"
 #include "bridge/store/schema.hpp"
 #include "bridge/store/store.hpp"
+#include "bridge/store/tiers/tier_writer.hpp"
 
 namespace fieldcast::test {
 
@@ -56,6 +57,12 @@ inline Sample sample(ChannelIndex channel, Value value, std::int64_t second,
           .quality = Quality::kGood,
           .acquired = instant(second),
           .sequence = sequence};
+}
+
+// Samples stay until their tiers are written.
+inline void write_tiers(SqlConnection& connection) {
+  TierWriter tiers;
+  while (tiers.step(connection, utc(1'000'000))) {}
 }
 
 inline std::vector<StoredSample> history(const StoreAddress& address, const std::string& pattern,

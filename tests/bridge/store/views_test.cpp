@@ -7,6 +7,7 @@
 #include "bridge/store/event_table.hpp"
 #include "bridge/store/sample_table.hpp"
 #include "bridge/store/schema.hpp"
+#include "tests/bridge/store/older_store.hpp"
 #include "tests/bridge/store/postgres_server.hpp"
 #include "tests/bridge/store/scratch.hpp"
 
@@ -128,19 +129,11 @@ void all_views(const StoreAddress& address) {
   shows_events_with_times(*connection);
 }
 
-// A store as version 3 left it: the same tables, no views.
-void back_to_version_3(SqlConnection& connection) {
-  connection.script(
-      "drop view sample_history; drop view last_samples; drop view device_states;"
-      "drop view alarm_history; drop view active_alarms; drop view audit_history;"
-      "update fieldcast_version set version = 3");
-}
-
 void an_older_store_gets_its_views(const StoreAddress& address) {
   {
     const auto connection = open_store(address, IfMissing::kCreate);
     insert(*connection, "old", {7.0});
-    back_to_version_3(*connection);
+    test::back_to_version(*connection, 3);
     EXPECT_THROW(rows_of(*connection, "select * from last_samples"), StoreError);
   }
   const auto connection = open_store(address, IfMissing::kFail);

@@ -1,0 +1,27 @@
+// Stores as older versions left them.
+#pragma once
+
+#include <string>
+
+#include "bridge/store/sql.hpp"
+
+namespace fieldcast::test {
+
+// Takes back what the versions after this one brought. REQUIRES: 1 <= version.
+inline void back_to_version(SqlConnection& connection, int version) {
+  if (version < 5) {
+    connection.script(
+        "drop view minute_history; drop view hour_history;"
+        "drop table tiers; drop table open_buckets; drop table untiered;");
+  }
+  if (version < 4) {
+    connection.script(
+        "drop view sample_history; drop view last_samples; drop view device_states;"
+        "drop view alarm_history; drop view active_alarms; drop view audit_history;");
+  }
+  if (version < 3) connection.script("drop table commands");
+  if (version < 2) connection.script("alter table channels drop column type");
+  connection.execute("update fieldcast_version set version = $1", SqlRow{std::int64_t{version}});
+}
+
+}  // namespace fieldcast::test
