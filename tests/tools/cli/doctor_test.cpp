@@ -92,12 +92,20 @@ TEST(DoctorFindings, DiscoveryNeedsMulticastOrAServer) {
 
 TEST(DoctorFindings, ADiskThatIsNearlyFullIsAdviceAndAFullOnePrevents) {
   MachineFacts facts;
-  facts.disk = DiskFacts{"line-7.db", 5'000'000'000};
+  facts.disk = DiskFacts{"line-7.db", "/data", true, 5'000'000'000};
   EXPECT_EQ(only(facts).severity, Severity::kOk);
   facts.disk->free_bytes = 900'000'000;
   EXPECT_EQ(only(facts).severity, Severity::kAdvice);
   facts.disk->free_bytes = 1'000'000;
   EXPECT_EQ(only(facts).severity, Severity::kPrevents);
+}
+
+TEST(DoctorFindings, AStoreWithoutItsFolderPrevents) {
+  MachineFacts facts;
+  facts.disk = DiskFacts{"/data/line-7.db", "/data", false, 0};
+  const Finding missing = only(facts);
+  EXPECT_EQ(missing.severity, Severity::kPrevents);
+  EXPECT_THAT(missing.remedy, HasSubstr("mkdir -p /data"));
 }
 
 TEST(DoctorFindings, AProfileWithFewerInstancesThanChannelsPrevents) {
@@ -234,6 +242,14 @@ TEST(Doctor, OfThisMachineItKnowsLoopbackAndDisk) {
   EXPECT_TRUE(facts.interfaces[0].loopback);
   ASSERT_TRUE(facts.disk);
   EXPECT_GT(facts.disk->free_bytes, 0u);
+}
+
+TEST(Doctor, SeesThatTheFolderOfTheStoreIsMissing) {
+  BridgeSpec spec;
+  spec.store = StoreSpec{.address = fs::temp_directory_path() / "no-such-folder" / "line-7.db"};
+  const MachineFacts facts = gather_facts("/", &spec);
+  ASSERT_TRUE(facts.disk);
+  EXPECT_FALSE(facts.disk->folder_there);
 }
 
 }  // namespace

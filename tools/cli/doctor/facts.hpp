@@ -34,7 +34,9 @@ struct InterfaceFacts {
 };
 
 struct DiskFacts {
-  std::string path;  // the store's file
+  std::string path;    // the store's file
+  std::string folder;  // in which it is, or will be
+  bool folder_there = true;
   std::uint64_t free_bytes = 0;
 };
 

@@ -101,6 +101,15 @@ void look_at_interface(const InterfaceFacts& interface, bool discovery_server, F
 
 void look_at_disk(const MachineFacts& facts, Findings& found) {
   if (!facts.disk) return;
+  if (!facts.disk->folder_there) {
+    found.push_back(
+        {Severity::kPrevents, "disk", facts.disk->path,
+         "the folder of the store is missing: nothing is stored, and commands are refused",
+         fmt::format("mkdir -p {}, with the user that runs the bridge as its owner; the "
+                     "service makes /var/lib/fieldcast when it starts",
+                     facts.disk->folder)});
+    return;
+  }
   const std::uint64_t free = facts.disk->free_bytes;
   Finding finding{Severity::kOk, "disk", facts.disk->path,
                   fmt::format("{} MB free for the store", free / kMegabyte), ""};

@@ -117,9 +117,10 @@ std::optional<DiskFacts> disk_facts(const StoreSpec& store) {
   if (StoreAddress(store.address).is_server()) return std::nullopt;
   const fs::path folder = fs::absolute(store.address).parent_path();
   std::error_code fault;
+  if (!fs::exists(folder, fault) && !fault) return DiskFacts{store.address, folder, false, 0};
   const fs::space_info space = fs::space(folder, fault);
   if (fault) return std::nullopt;
-  return DiskFacts{store.address, space.available};
+  return DiskFacts{store.address, folder, true, space.available};
 }
 
 // The library's own limit where a profile names none.
