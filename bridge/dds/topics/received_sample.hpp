@@ -8,6 +8,7 @@
 #include "bridge/dds/topics/key_cache.hpp"
 #include "bridge/dds/topics/topic_type.hpp"
 #include "bridge/dds/topics/topic_values.hpp"
+#include "bridge/dds/topics/topics.hpp"
 
 namespace fieldcast {
 
