@@ -102,7 +102,7 @@ TEST(ReceivedSample, HandlesAreThoseOfTheGeneratedType) {
       EXPECT_EQ(handle_of(type, foreign_bytes_of(sample)), generated_handle_of(sample)) << name;
     }
   }
-  EXPECT_EQ(type.known_keys(), kBusNames.size());
+  EXPECT_EQ(type.known_keys(), kBusNames.size());  // in this machine's byte order
 }
 
 TEST(ReceivedSample, IsWhatTheGeneratedTypeReads) {
@@ -183,6 +183,32 @@ TEST(KeyCache, NeverHoldsMoreThanItsLimit) {
     EXPECT_EQ(handle_of(type, bytes_of(sample)), generated_handle_of(sample));
     EXPECT_LE(type.known_keys(), 8u);
   }
+}
+
+TEST(KeyCache, FindsKeysInAnyOrder) {
+  ReceivedSampleType type;
+  std::vector<idl::Sample> samples;
+  for (int i = 0; i < 20; ++i) samples.push_back(message_of("bus-" + std::to_string(i)));
+  for (const std::size_t step : {1u, 1u, 3u, 7u, 19u}) {
+    for (std::size_t i = 0, at = 0; i < samples.size(); ++i, at = (at + step) % samples.size())
+      EXPECT_EQ(handle_of(type, bytes_of(samples[at])), generated_handle_of(samples[at]));
+  }
+  EXPECT_EQ(type.known_keys(), samples.size());
+}
+
+TEST(KeyCache, LongKeysAreWorkedOutEachTime) {
+  KeyCache cache(4);
+  int worked_out = 0;
+  const auto work_out = [&] {
+    ++worked_out;
+    return InstanceHandle_t();
+  };
+  for (int i = 0; i < 2; ++i) {
+    (void)cache.handle_of(std::string(KeyCache::kLongestKey, 'k'), work_out);
+    (void)cache.handle_of(std::string(KeyCache::kLongestKey + 1, 'k'), work_out);
+  }
+  EXPECT_EQ(worked_out, 3);
+  EXPECT_EQ(cache.size(), 1u);
 }
 
 TEST(KeyCache, WorksAHandleOutOnce) {
