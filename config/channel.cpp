@@ -152,6 +152,7 @@ void check_type(MapReader& map, Draft& draft) {
   const std::string_view own = map.has("type") ? "type" : "at";
   map.faults().add(map.position_of(misfit->about == FitFault::About::kPart ? part : own),
                    misfit->what, misfit->allowed, misfit->suggestion);
+  draft.typed = false;  // one fault for one mistake
 }
 
 // The range against its area and the blocks that the device can take.

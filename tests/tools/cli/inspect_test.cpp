@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <sstream>
 
 #include "tools/cli/view/json.hpp"
@@ -54,6 +56,20 @@ TEST(Inspect, UnknownProtocolIsAnsweredWithTheListAndASuggestion) {
   EXPECT_EQ(inspected.code, ExitCode::kUsage);
   EXPECT_THAT(inspected.err, HasSubstr("did you mean modbus-rtu?"));
   EXPECT_THAT(inspected.err, HasSubstr("\n  modbus-tcp"));
+}
+
+// A configuration beside the folder would find it by its name.
+TEST(Inspect, OfADeclarationTheFileIsNamed) {
+  const auto before = std::filesystem::current_path();
+  const auto folder = std::filesystem::path(testing::TempDir()) / "fieldcast-inspect";
+  std::filesystem::create_directories(folder / "protocols");
+  std::ofstream(folder / "protocols/mine.yaml") << "summary: mine\n";
+  std::filesystem::current_path(folder);
+  const auto inspected = run({"mine", {kReadInputs}, false});
+  std::filesystem::current_path(before);
+  std::filesystem::remove_all(folder);
+  EXPECT_THAT(inspected.err,
+              HasSubstr("a declaration is named by its file: ./protocols/mine.yaml"));
 }
 
 TEST(Inspect, RefusesWhatIsNoHexadecimal) {

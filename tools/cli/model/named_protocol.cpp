@@ -1,5 +1,6 @@
 #include "tools/cli/model/named_protocol.hpp"
 
+#include <filesystem>
 #include <ostream>
 #include <span>
 #include <vector>
@@ -18,6 +19,10 @@ void explain_unknown(const std::string& name, std::string_view command, std::ost
   err << "fieldcast " << command << ": protocol '" << printable(name) << "' is unknown";
   if (const auto near = near_miss(name, names); !near.empty())
     err << "; did you mean " << near << '?';
+  // Configurations find it by its name, in the folder beside them.
+  const std::string own = "./protocols/" + name + ".yaml";
+  std::error_code ignored;
+  if (std::filesystem::exists(own, ignored)) err << "; a declaration is named by its file: " << own;
   err << "\nprotocols:\n";
   for (const auto& entry : protocols()) err << "  " << entry.name << "  " << entry.summary << '\n';
 }
