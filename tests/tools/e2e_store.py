@@ -73,6 +73,15 @@ class Store(unittest.TestCase):
         self.assertEqual(rows[-1]["unit"], "°C")
         float(rows[-1]["value"])
 
+    def test_history_by_the_second_counts_all_samples(self):
+        wait_until(lambda: len(lines("history", "line/press/temperature")) >= 10, 30, "no history")
+        seconds = lines("history", "line/press/temperature", "--every", "1s")
+        self.assertGreaterEqual(sum(s["count"] + s["bad"] for s in seconds), 10)
+        self.assertTrue(all(s["time"] % 1_000_000_000 == 0 for s in seconds))
+        result = plant.cli("history", "line/press/temperature", "--points", "10", "--local")
+        self.assertEqual(result.code, 0, str(result))
+        self.assertIn("line/press/temperature (°C)", result.out)
+
     def test_a_time_without_samples_says_so(self):
         wait_until(lambda: lines("history", "line/press/temperature"), 30, "no history")
         result = plant.cli("history", "line", "--from", "2001-01-01", "--to", "2001-01-02")

@@ -18,11 +18,6 @@ UtcTime bucket_start(UtcTime at, Duration width) {
   return {at.nanoseconds - (past < 0 ? past + width.count() : past)};
 }
 
-std::optional<double> Bucket::average() const {
-  if (count == 0) return std::nullopt;
-  return sum / static_cast<double>(count);
-}
-
 void Bucket::add(Quality quality, const Value& value) {
   if (std::holds_alternative<std::string>(value)) return;
   const std::optional<double> number = number_of(value);

@@ -31,7 +31,9 @@ struct Bucket {
   double last = 0;
 
   [[nodiscard]] bool empty() const { return count == 0 && bad == 0; }
-  [[nodiscard]] std::optional<double> average() const;  // nothing: no sample is good
+  [[nodiscard]] std::optional<double> average() const {  // nothing: no sample is good
+    return count == 0 ? std::nullopt : std::optional(sum / static_cast<double>(count));
+  }
 
   // A sample of this bucket. REQUIRES: samples come in the order of their time.
   void add(Quality quality, const Value& value);

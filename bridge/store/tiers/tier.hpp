@@ -14,7 +14,8 @@
 namespace fieldcast {
 
 struct Tier {
-  std::string_view name;  // for people: "minute"
+  std::string_view name;   // for people: "minute"
+  std::string_view every;  // as people write its width: "1min"
   Duration width;
   Duration StoreSpec::*keep;  // how long its buckets are kept; 0: for ever
 
@@ -25,8 +26,8 @@ struct Tier {
 };
 
 inline constexpr std::array<Tier, 2> kTiers{{
-    {"minute", std::chrono::minutes{1}, &StoreSpec::keep_minutes},
-    {"hour", std::chrono::hours{1}, &StoreSpec::keep_hours},
+    {"minute", "1min", std::chrono::minutes{1}, &StoreSpec::keep_minutes},
+    {"hour", "1h", std::chrono::hours{1}, &StoreSpec::keep_hours},
 }};
 
 // How long after its end a bucket is closed: what waits in queues until then is not late.

@@ -73,6 +73,21 @@ TEST(Arguments, HistoryTakesAPatternAndATime) {
   EXPECT_EQ(history.source.store, "x.db");
 }
 
+TEST(Arguments, HistoryTakesAWidthOrANumberOfPoints) {
+  const auto every = parse({"history", "a", "--every", "5min", "--local"});
+  EXPECT_EQ(options_of<HistoryOptions>(every).every, Duration(5min));
+  const auto points = parse({"history", "a", "--points", "1000"});
+  EXPECT_EQ(options_of<HistoryOptions>(points).points, 1000u);
+  for (const auto& words : {std::vector<const char*>{"--every", "1min", "--points", "9"},
+                            {"--points", "1"},
+                            {"--every", "0s"},
+                            {"--every", "soon"}}) {
+    std::vector<const char*> all{"history", "a"};
+    all.insert(all.end(), words.begin(), words.end());
+    EXPECT_EQ(parse(all).error().code, ExitCode::kUsage) << words[1];
+  }
+}
+
 TEST(Arguments, TimesDefaultToTheLastHour) {
   const auto parsed = parse({"audit"});
   const auto& audit = options_of<AuditOptions>(parsed);

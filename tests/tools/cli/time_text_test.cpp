@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <ctime>
+#include <optional>
+
 #include "tools/cli/view/sample_text.hpp"
 
 namespace fieldcast::cli {
@@ -20,6 +24,48 @@ TEST(TimeText, DatesAndTimesAreUtc) {
   EXPECT_EQ(parsed("2026-11-21 10:30:05"), "2026-11-21T10:30:05.000Z");
   EXPECT_EQ(parsed("2026-11-21T10:30:05.25Z"), "2026-11-21T10:30:05.250Z");
   EXPECT_EQ(parse_time("1970-01-01T00:00:00.000000001", kNow)->nanoseconds, 1);
+}
+
+TEST(TimeText, AnOffsetIsTakenOff) {
+  EXPECT_EQ(parsed("2026-11-21T10:30+01:00"), "2026-11-21T09:30:00.000Z");
+  EXPECT_EQ(parsed("2026-11-21 10:30:05.25-03:30"), "2026-11-21T14:00:05.250Z");
+  EXPECT_EQ(parsed("2026-11-21T10:30+01"), "no time");
+  EXPECT_EQ(parsed("2026-11-21T10:30+01:00Z"), "no time");
+}
+
+// Sets the time zone of the process for a while.
+class ZoneOfProcess {
+ public:
+  explicit ZoneOfProcess(const char* name) {
+    if (const char* before = ::getenv("TZ")) before_ = before;
+    ::setenv("TZ", name, 1);
+    ::tzset();
+  }
+  ~ZoneOfProcess() {
+    if (before_)
+      ::setenv("TZ", before_->c_str(), 1);
+    else
+      ::unsetenv("TZ");
+    ::tzset();
+  }
+  ZoneOfProcess(const ZoneOfProcess&) = delete;
+  ZoneOfProcess& operator=(const ZoneOfProcess&) = delete;
+
+ private:
+  std::optional<std::string> before_;
+};
+
+TEST(TimeText, LocalTimesSayHowFarTheyAreFromUtc) {
+  const auto local = [](const char* zone) {
+    const ZoneOfProcess there(zone);
+    return time_text(kNow, Zone::kLocal);
+  };
+  EXPECT_EQ(time_text(kNow, Zone::kUtc), "2023-11-14T22:13:20.123Z");
+  EXPECT_EQ(local("XXX-8"), "2023-11-15T06:13:20.123+08:00");
+  EXPECT_EQ(local("XXX+3:30"), "2023-11-14T18:43:20.123-03:30");
+  EXPECT_EQ(local("UTC0"), "2023-11-14T22:13:20.123+00:00");
+  EXPECT_EQ(parsed(local("XXX-8")), "2023-11-14T22:13:20.123Z") << "it can be given back";
+  EXPECT_EQ(time_text(UtcTime{}, Zone::kLocal), "-");
 }
 
 TEST(TimeText, DurationsAreSoLongAgo) {

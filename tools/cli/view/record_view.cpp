@@ -20,16 +20,15 @@ std::string path_of(const StoredSample& sample) {
   return sample.bus + '/' + sample.device + '/' + sample.channel;
 }
 
-// RFC 4180, 2.6 and 2.7; line breaks and other controls stand escaped.
-std::string cell(const std::string& raw) {
+}  // namespace
+
+std::string csv_field(const std::string& raw) {
   const std::string text = printable(raw);
   if (text.find_first_of(",\"") == text.npos) return text;
   std::string quoted = "\"";
   for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
   return quoted + '"';
 }
-
-}  // namespace
 
 Json record_json(const StoredSample& sample) {
   Json json = sample_json(as_sample(sample));
@@ -72,14 +71,15 @@ Json record_json(const User& user) {
           {"created_at", user.created_at.nanoseconds}};
 }
 
-std::string history_line(const StoredSample& sample) {
-  std::string line = fmt::format("{}  {}  {}", utc_text(sample.published_at), path_of(sample),
-                                 was_read(sample) ? value_text(sample.value, sample.type) : "-");
+std::string history_line(const StoredSample& sample, Zone zone) {
+  std::string line =
+      fmt::format("{}  {}  {}", time_text(sample.published_at, zone), path_of(sample),
+                  was_read(sample) ? value_text(sample.value, sample.type) : "-");
   if (!sample.unit.empty()) line += ' ' + sample.unit;
   line += "  " + quality_text(as_sample(sample));
   // Only a value that is published again is older than its sample.
   if (sample.quality != Quality::kGood && was_read(sample))
-    line += fmt::format(" (of {})", utc_text(sample.acquired_at));
+    line += fmt::format(" (of {})", time_text(sample.acquired_at, zone));
   return printable(line);
 }
 
@@ -87,13 +87,13 @@ std::string history_csv_head() {
   return "published_at,acquired_at,bus,device,channel,value,unit,quality";
 }
 
-std::string history_csv(const StoredSample& sample) {
+std::string history_csv(const StoredSample& sample, Zone zone) {
   const bool read = was_read(sample);
-  return fmt::format("{},{},{},{},{},{},{},{}", utc_text(sample.published_at),
-                     read ? utc_text(sample.acquired_at) : "", cell(sample.bus),
-                     cell(sample.device), cell(sample.channel),
-                     read ? cell(value_text(sample.value, sample.type)) : "", cell(sample.unit),
-                     to_text(sample.quality));
+  return fmt::format("{},{},{},{},{},{},{},{}", time_text(sample.published_at, zone),
+                     read ? time_text(sample.acquired_at, zone) : "", csv_field(sample.bus),
+                     csv_field(sample.device), csv_field(sample.channel),
+                     read ? csv_field(value_text(sample.value, sample.type)) : "",
+                     csv_field(sample.unit), to_text(sample.quality));
 }
 
 std::string audit_line(const AuditEntry& entry) {

@@ -9,6 +9,7 @@
 #include "bridge/store/user_table.hpp"
 #include "tools/cli/view/json.hpp"
 #include "tools/cli/view/text_table.hpp"
+#include "tools/cli/view/time_text.hpp"
 
 namespace fieldcast::cli {
 
@@ -18,10 +19,12 @@ namespace fieldcast::cli {
 [[nodiscard]] Json record_json(const AlarmRecord& alarm);
 [[nodiscard]] Json record_json(const User& user);
 
-[[nodiscard]] std::string history_line(const StoredSample& sample);
+[[nodiscard]] std::string history_line(const StoredSample& sample, Zone zone = Zone::kUtc);
 [[nodiscard]] std::string history_csv_head();
 // RFC 4180; a value that was never read is empty.
-[[nodiscard]] std::string history_csv(const StoredSample& sample);
+[[nodiscard]] std::string history_csv(const StoredSample& sample, Zone zone = Zone::kUtc);
+// RFC 4180, 2.6 and 2.7, for one field; controls stand escaped.
+[[nodiscard]] std::string csv_field(const std::string& raw);
 [[nodiscard]] std::string audit_line(const AuditEntry& entry);
 [[nodiscard]] std::string alarm_line(const AlarmRecord& alarm);
 

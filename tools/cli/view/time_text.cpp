@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cstdlib>
+#include <ctime>
 #include <optional>
 
 #include "core/base/duration_text.hpp"
+#include "tools/cli/view/sample_text.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -72,11 +75,32 @@ std::optional<UtcTime> time_from(std::string_view text) {
     if (!taken) return std::nullopt;
     clock = *taken;
   }
-  if (!text.empty() && text != "Z") return std::nullopt;
-  return UtcTime{(*date + clock).count()};
+  if (text.empty() || text == "Z") return UtcTime{(*date + clock).count()};
+  const bool west = text.front() == '-';
+  if (!take(text, "+-")) return std::nullopt;
+  const auto offset = take_clock(text);
+  if (!offset || !text.empty()) return std::nullopt;
+  const UtcTime time{(*date + clock + (west ? *offset : -*offset)).count()};
+  return time.nanoseconds < 0 ? std::nullopt : std::optional(time);
+}
+
+// What the clocks of this machine show, and how far they are ahead of UTC.
+std::string local_text(UtcTime time) {
+  const std::time_t second = time.nanoseconds / 1'000'000'000;
+  std::tm local{};
+  if (::localtime_r(&second, &local) == nullptr) return utc_text(time);
+  const auto minutes = local.tm_gmtoff / 60;
+  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}{}{:02}:{:02}", local.tm_year + 1900,
+                     local.tm_mon + 1, local.tm_mday, local.tm_hour, local.tm_min, local.tm_sec,
+                     time.nanoseconds / 1'000'000 % 1000, minutes < 0 ? '-' : '+',
+                     std::abs(minutes) / 60, std::abs(minutes) % 60);
 }
 
 }  // namespace
+
+std::string time_text(UtcTime time, Zone zone) {
+  return zone == Zone::kUtc || time.nanoseconds <= 0 ? utc_text(time) : local_text(time);
+}
 
 tl::expected<UtcTime, std::string> parse_time(std::string_view text, UtcTime now) {
   if (text == "now") return now;
@@ -85,7 +109,7 @@ tl::expected<UtcTime, std::string> parse_time(std::string_view text, UtcTime now
     return UtcTime{now.nanoseconds - ago->count()};
   return tl::unexpected(
       fmt::format("'{}' is no time; write 2026-11-21, 2026-11-21T10:30 or 2026-11-21T10:30:05 "
-                  "(UTC), 2h for two hours ago, or now",
+                  "(UTC), the time with an offset such as +01:00, 2h for two hours ago, or now",
                   text));
 }
 
