@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -69,6 +70,17 @@ class Station:
         def found():
             return next((line for line in self.lines[after:] if re.fullmatch(pattern, line)), None)
         return wait_until(found, SECONDS, lambda: f"never said '{pattern}':\n" + "\n".join(self.lines[-40:]))
+
+    def keeps(self, channel):
+        """Waits for two seconds in which the channel comes and none of its deadlines, of one second, is missed."""
+        begin, after = time.monotonic(), len(self.lines)
+
+        def kept():
+            nonlocal begin, after
+            if f"late: {channel}" in self.lines[after:]:
+                begin, after = time.monotonic(), len(self.lines)
+            return time.monotonic() - begin > 2 and any(line.startswith(channel + " ") for line in self.lines[after:])
+        wait_until(kept, SECONDS, lambda: f"{channel} is late again and again:\n" + "\n".join(self.lines[-40:]))
 
     def __enter__(self):
         return self
@@ -141,6 +153,7 @@ class Stations(unittest.TestCase):
             station.says("line/meter/setpoint 42 GOOD" + AGE)
             self.assertFalse([line for line in station.lines if line.startswith("line/meter/serial-number")],
                              "a channel of 10 s is none for a station that asks for 1 s")
+            station.keeps("line/meter/voltage")
             with Paused(self.plant.bridge):
                 station.says("late: line/meter/voltage")
             station.says("line/meter/voltage .* GOOD" + AGE, after=len(station.lines))

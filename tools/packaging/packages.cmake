@@ -31,6 +31,8 @@ set(CPACK_DEBIAN_FIELDCAST_PACKAGE_CONTROL_EXTRA
 set(CPACK_DEBIAN_FIELDCAST-DEV_PACKAGE_NAME fieldcast-dev)
 set(CPACK_DEBIAN_FIELDCAST-DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_FIELDCAST-DEV_PACKAGE_DEPENDS "libfastrtps-dev, libfastcdr-dev, libfmt-dev, libexpected-dev")
+set(CPACK_DEBIAN_FIELDCAST-DEV_PACKAGE_RECOMMENDS "g++, pkg-config")
+set(CPACK_DEBIAN_FIELDCAST-DEV_PACKAGE_SUGGESTS "cmake, cyclonedds-dev, cyclonedds-tools")
 set(CPACK_COMPONENT_FIELDCAST-DEV_DESCRIPTION
   "library for stations that listen to Fieldcast\nThe IDL of the topics, the library Fieldcast::station with its headers, and\nwhat find_package(Fieldcast) and pkg-config need.")
 
