@@ -38,7 +38,7 @@ class Runner:
             self.text = file.read()
         self.unchecked = []  # configurations that were written and not judged yet
         self.last = None  # what the last `sh` block said, as a function
-        self.count = {"ran": 0, "only in the installed system": 0, "only in the source tree": 0, "files": 0, "outputs compared": 0,
+        self.count = {"ran": 0, "only in the installed system": 0, "only in the source tree": 0, "files": 0, "outputs compared": 0, "log lines found in the sources": 0,
                       "rows of tables checked": 0,
                       "inline commands checked against --help": 0}
         self.helps = {}
@@ -161,7 +161,7 @@ class Runner:
             if line.strip() and not log_lines.known(self.sandbox.source_dir, line):
                 raise Fault(f"{self.path}:{block.line + number}: no source says '{line.strip()}'; the nearest: "
                             f"{log_lines.nearest(self.sandbox.source_dir, line)}")
-        self.count["outputs compared"] += 1
+            self.count["log lines found in the sources"] += bool(line.strip())
 
     def check_options(self, command, fault):
         """Of one of our programs: is there the subcommand, and does its --help name each option?"""

@@ -29,6 +29,18 @@ TEST(Catalogue, FindsByThePath) {
   EXPECT_EQ(catalogue.count(Pattern::parse("*/*/oil*").value()), 1u);
 }
 
+TEST(Catalogue, AChannelOrDeviceInPlaceOfABusIsFound) {
+  const auto catalogue = plant();
+  const auto meant = [&](const char* pattern) {
+    return catalogue.meant_further_down(Pattern::parse(pattern).value());
+  };
+  EXPECT_EQ(meant("running"), "*/*/running");
+  EXPECT_EQ(meant("press-1"), "*/press-1/*");
+  EXPECT_EQ(meant("press-1/running"), "*/press-1/running");
+  EXPECT_EQ(meant("speed"), "");
+  EXPECT_EQ(meant("press-shop/press-1/speed"), "");
+}
+
 TEST(Catalogue, NamesThePartThatIsUnknownAndWhatWasMeant) {
   const auto catalogue = plant();
   EXPECT_EQ(

@@ -49,6 +49,7 @@ class Watch {
   void print_all();
   void print_table(const Screen& screen);
   void print(const StationSample& sample);
+  [[nodiscard]] std::string what_matches() const;
   [[nodiscard]] ExitCode verdict() const;
 
   const WatchOptions& options_;
@@ -184,6 +185,12 @@ void Watch::print(const StationSample& sample) {
   }
 }
 
+std::string Watch::what_matches() const {
+  const std::string meant = model_.meant();
+  return meant.empty() ? "fieldcast watch --once lists them"
+                       : fmt::format("did you mean '{}'?", meant);
+}
+
 ExitCode Watch::verdict() const {
   if (!out_) return ExitCode::kTrouble;
   if (domain_.interrupted())
@@ -195,8 +202,8 @@ ExitCode Watch::verdict() const {
   }
   err_ << "fieldcast watch: a bridge is there, but "
        << (model_.rows().empty()
-               ? fmt::format("none of its channels matches {}; fieldcast watch --once lists them",
-                             model_.pattern().text())
+               ? fmt::format("none of its channels matches {}; {}", model_.pattern().text(),
+                             what_matches())
                : std::string("no sample came; fieldcast status says what the bus does"))
        << '\n';
   return ExitCode::kNothing;

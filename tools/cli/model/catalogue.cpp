@@ -74,6 +74,16 @@ std::size_t Catalogue::count(const Pattern& pattern) const {
       }));
 }
 
+std::string Catalogue::meant_further_down(const Pattern& pattern) const {
+  std::string text = pattern.text();
+  while (text.ends_with("/*")) {
+    text = "*/" + text.substr(0, text.size() - 2);
+    if (const auto moved = Pattern::parse(text); moved && count(*moved) != 0) return text;
+    if (text.starts_with("*/*/")) break;
+  }
+  return {};
+}
+
 std::string Catalogue::explain_unknown(const ChannelPath& path) const {
   std::vector<std::string> buses, devices, names;
   for (const auto& [bus, device] : devices_) {

@@ -41,6 +41,8 @@ void WatchModel::on_channel(const StationChannel& channel) {
   if (auto* known = row({channel.bus, channel.device, channel.channel}); known != nullptr) {
     known->gone = false;
     catalogue_.add(channel);
+  } else if (rows_.empty() && others_.channels().size() < kMaxChannels) {
+    others_.add(channel);
   }
 }
 

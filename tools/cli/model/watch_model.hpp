@@ -49,6 +49,8 @@ class WatchModel {
 
   [[nodiscard]] const Pattern& pattern() const { return pattern_; }
   [[nodiscard]] const Catalogue& catalogue() const { return catalogue_; }  // the matching channels
+  // Of a pattern that matches nothing: the one that was probably meant, or an empty text.
+  [[nodiscard]] std::string meant() const { return others_.meant_further_down(pattern_); }
   [[nodiscard]] const std::map<ChannelPath, Row>& rows() const { return rows_; }
   [[nodiscard]] std::uint64_t samples() const { return samples_; }
   [[nodiscard]] double rate(Instant now) const { return rate_.rate(now); }
@@ -76,6 +78,7 @@ class WatchModel {
 
   Pattern pattern_;
   Catalogue catalogue_;
+  Catalogue others_;  // announced before the first that matches, to tell what was meant
   std::map<ChannelPath, Row> rows_;
   RateMeter rate_;
   std::uint64_t samples_ = 0;
