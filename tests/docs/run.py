@@ -1,8 +1,9 @@
 """Runs every command of documents as a reader would, block after block, and compares what they show with what comes.
 
 usage: run.py BIN_DIR SOURCE_DIR DOCUMENT..              in a sandbox; DOCUMENT is a path from SOURCE_DIR
-       run.py --installed ROOT [--systemd] SOURCE_DIR DOCUMENT..   the blocks marked `in the installed system`, with chroot in ROOT
-                                                         (`/`: here), as root; those `with systemd` only with --systemd
+       run.py --installed ROOT [--systemd] [--packages DIR] SOURCE_DIR DOCUMENT..   the blocks marked `in the installed system`, with chroot in ROOT
+                                                         (`/`: here), as root; those `with systemd` only with --systemd, those
+                                                         `with packages` only with --packages: DIR has them
 
 tests/docs/README.md lists the markers. Nothing is skipped without a word: the last line counts what ran and what did not.
 """
@@ -26,7 +27,7 @@ from tables import CHECKS  # noqa: E402
 PROGRAMS = ["fieldcast", "fieldcast-bridge", "fieldcast-sim", "fieldcast-port"]
 MATCH_SECONDS = 10  # until what a program says is what the document shows, or ends as it should
 INSTALLED, SOURCE_TREE = "in the installed system", "in the source tree"
-NOWHERE = ("with hardware", "with a compiler", "with packages", "with a login")  # what stands behind `in the installed system`
+NOWHERE = ("with hardware", "with a compiler", "with a login")  # what stands behind `in the installed system`
 
 
 class Runner:
@@ -182,7 +183,7 @@ class Runner:
                 raise fault(f"{key} has no option {option}")
 
 
-def run_installed(root, with_systemd, source_dir, documents):
+def run_installed(root, with_systemd, packages, source_dir, documents):
     """Each marked block as root in ROOT, in order, in a folder with the document's files. The number that ran and did not."""
     ran = left = 0
     for path in documents:
@@ -190,6 +191,9 @@ def run_installed(root, with_systemd, source_dir, documents):
             blocks = parse(path, file.read())
         folder = os.path.join(root, "tmp", "fieldcast-documents")
         os.makedirs(folder, exist_ok=True)
+        for name in os.listdir(packages) if packages else []:
+            if name.endswith(".deb"):
+                shutil.copy(os.path.join(packages, name), folder)
         for block in blocks:
             if "file" in block.markers and block.language != "sh":
                 target = os.path.join(folder, block.markers["file"])
@@ -198,7 +202,7 @@ def run_installed(root, with_systemd, source_dir, documents):
                     file.write(block.text)
             if INSTALLED in block.markers:
                 needs = block.markers[INSTALLED]
-                if needs in NOWHERE or "systemd" in needs and not with_systemd:
+                if needs in NOWHERE or "systemd" in needs and not with_systemd or "packages" in needs and not packages:
                     left += len(block.commands())
                     print(f"{path}:{block.line}: not run: {needs}")
                     continue
@@ -216,11 +220,12 @@ def main():
     parser = argparse.ArgumentParser(usage=__doc__)
     parser.add_argument("--installed", metavar="ROOT")
     parser.add_argument("--systemd", action="store_true")
+    parser.add_argument("--packages", metavar="DIR")
     parser.add_argument("arguments", nargs="+")
     given = parser.parse_args()
     try:
         if given.installed:
-            return run_installed(given.installed, given.systemd, given.arguments[0], given.arguments[1:])
+            return run_installed(given.installed, given.systemd, given.packages, given.arguments[0], given.arguments[1:])
         bin_dir, source_dir, *documents = given.arguments
         for path in documents:
             begin = time.monotonic()

@@ -30,8 +30,13 @@ BUS = "press-shop"
 EXPOSURE = 3.0  # of systemd-analyze security: less than this
 SIMULATOR = "/run/fieldcast-sim"  # the service has a /tmp of its own
 
-root = None
+root = before = None
 first_value_seconds = None
+
+
+def read(path):
+    with open(path, encoding="utf-8") as file:
+        return file.read()
 
 
 def package(name):
@@ -68,8 +73,7 @@ def outside_pid(inside_pid):
     """The number that this machine has for a process of the root."""
     for folder in glob.glob("/proc/[0-9]*/status"):
         try:
-            with open(folder, encoding="utf-8") as file:
-                text = file.read()
+            text = read(folder)
         except (FileNotFoundError, ProcessLookupError):
             continue
         numbers = re.search(r"^NSpid:\s+(.*)$", text, re.MULTILINE).group(1).split()
@@ -113,14 +117,14 @@ def state():
     return "no value\n" + "\n".join(messages()[-40:]) + "\n" + said + root.run("ps", "-ef").stdout
 
 
-def mounts():
-    with open("/proc/self/mounts", encoding="utf-8") as file:
-        return file.read()
+def this_machine():
+    """What must be the same afterwards."""
+    return read("/proc/self/mounts"), sorted(user.pw_name for user in pwd.getpwall()), sorted(os.listdir("/etc"))
 
 
 def setUpModule():
     global root, first_value_seconds, before
-    before = (mounts(), sorted(user.pw_name for user in pwd.getpwall()), os.listdir("/etc"), os.listdir("/dev/shm"))
+    before = this_machine()
     root = PrivateRoot()
     root.__enter__()
     unittest.addModuleCleanup(close_root)
@@ -141,12 +145,30 @@ def setUpModule():
 def close_root():
     """Leaves nothing on this machine: no process, mount, user or file."""
     root.close()
-    after = (mounts(), sorted(user.pw_name for user in pwd.getpwall()), os.listdir("/etc"), os.listdir("/dev/shm"))
-    if before[:3] != after[:3] or [name for name in after[3] if "fastrtps" in name and name not in before[3]]:
+    if before != (after := this_machine()):
         raise AssertionError(f"left behind: {before} {after}")
     left = subprocess.run(["pgrep", "-f", "^/?(usr/bin/)?fieldcast-(bridge|sim) /etc/fieldcast/demo.yaml"], capture_output=True, text=True)
     if left.stdout:
         raise AssertionError(f"processes are left: {left.stdout}")
+
+
+class Documents(unittest.TestCase):
+    """What the documents tell to do in the installed system is done there."""
+
+    def test_commands_for_the_installed_system_run(self):
+        documents = [path for pattern in ("*.md", "docs/*.md", "tools/*/README.md") for path in glob.glob(pattern, root_dir=SOURCE_DIR)
+                     if "<!-- in the installed system" in read(os.path.join(SOURCE_DIR, path))]
+        with open(root.path("/tmp/source.tar"), "wb") as file:
+            subprocess.run(["tar", "-c", "-C", SOURCE_DIR, "tests/docs", "tests/tools", *documents], stdout=file, check=True)
+        root.run("mkdir", "/tmp/source", "/tmp/packages")
+        root.run("tar", "-x", "-f", "/tmp/source.tar", "-C", "/tmp/source")
+        root.run("sh", "-c", "cp /tmp/*.deb /tmp/packages && rm -rf /var/lib/apt/lists/*")  # apt asks no archive
+        said = root.run("python3", "/tmp/source/tests/docs/run.py", "--installed", "/", "--systemd", "--packages", "/tmp/packages", "/tmp/source",
+                        *documents).stdout
+        print(said, file=sys.stderr)
+        ran = int(re.search(r"in the installed system: (\d+) commands ran", said).group(1))
+        self.assertGreater(ran, 5)
+        root.run("systemctl", "disable", "--now", "fieldcast-bridge@press-shop", check=False)  # of docs/operating.md
 
 
 class Installed(unittest.TestCase):
@@ -157,8 +179,7 @@ class Installed(unittest.TestCase):
         shown = properties("User", "ActiveState", "StatusText", "Type")
         self.assertEqual((shown["User"], shown["ActiveState"], shown["Type"]), ("fieldcast", "active", "notify"))
         self.assertTrue(shown["StatusText"])
-        with open(root.path(f"/proc/{main_pid()}/status"), encoding="utf-8") as file:
-            status = file.read()
+        status = read(root.path(f"/proc/{main_pid()}/status"))
         user, group = (root.run("id", flag, "fieldcast").stdout.strip() for flag in ("-u", "-g"))
         self.assertIn(f"\nUid:\t{user}\t{user}\t{user}\t{user}\n", status)
         self.assertIn("dialout", root.run("id", "-Gn", "fieldcast").stdout.split())
@@ -178,8 +199,7 @@ class Installed(unittest.TestCase):
 
     def test_a_reload_takes_the_file_and_leaves_a_bad_one(self):
         before_reload, pid = now_in_journal(), main_pid()
-        with open(root.path("/etc/fieldcast/demo.yaml"), encoding="utf-8") as file:
-            text = file.read()
+        text = read(root.path("/etc/fieldcast/demo.yaml"))
         self.addCleanup(root.write, "/etc/fieldcast/demo.yaml", text)
         root.write("/etc/fieldcast/demo.yaml", text + "\nnonsense: true\n")
         root.run("systemctl", "reload", UNIT)
@@ -290,8 +310,7 @@ class UpgradedAndRemoved(unittest.TestCase):
         self.assertGreater(found[-1], before_upgrade)
 
     def test_2_a_configuration_that_the_new_version_refuses_keeps_the_old_one_running(self):
-        with open(root.path("/etc/fieldcast/demo.yaml"), encoding="utf-8") as file:
-            text = file.read()
+        text = read(root.path("/etc/fieldcast/demo.yaml"))
         self.addCleanup(root.write, "/etc/fieldcast/demo.yaml", text)
         root.write("/etc/fieldcast/demo.yaml", text + "\nkey-of-before: true\n")
         pid = main_pid()
@@ -337,4 +356,4 @@ if __name__ == "__main__":
     except Unavailable as reason:
         print(f"no root of its own on this machine: {reason}")
         sys.exit(77)
-    unittest.main(argv=sys.argv[:1], verbosity=2)
+    unittest.main(argv=sys.argv[:1] + sys.argv[4:], verbosity=2)
