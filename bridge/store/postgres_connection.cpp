@@ -155,12 +155,11 @@ class PostgresConnection final : public SqlConnection {
       fail();
     PQsetSingleRowMode(connection_.get());  // an answer of any size is never held whole
     bool wanted = true;
-    std::string problem;
+    Problem problem;
     SqlRow row;
     while (const Result result = next()) {
       const ExecStatusType status = PQresultStatus(result.get());
-      if (status != PGRES_SINGLE_TUPLE && status != PGRES_TUPLES_OK && problem.empty())
-        problem = text_of(result.get());
+      if (status != PGRES_SINGLE_TUPLE && status != PGRES_TUPLES_OK) note(problem, result.get());
       for (int i = 0; wanted && i < PQntuples(result.get()); ++i) {
         row.resize(static_cast<std::size_t>(PQnfields(result.get())));
         for (std::size_t k = 0; k < row.size(); ++k)
@@ -168,7 +167,7 @@ class PostgresConnection final : public SqlConnection {
         wanted = on_row(row);
       }
     }
-    if (!problem.empty()) throw StoreError(problem);
+    raise_if_any(problem);
   }
 
  private:
@@ -178,6 +177,26 @@ class PostgresConnection final : public SqlConnection {
   }
   std::string text_of(const PGresult* result) const {
     return "store " + masked_address_ + ": " + one_line(PQresultErrorMessage(result));
+  }
+
+  // The first thing that went wrong in an answer.
+  struct Problem {
+    std::string text;
+    bool full = false;
+  };
+  void note(Problem& problem, const PGresult* result) const {
+    if (problem.text.empty()) problem = {text_of(result), is_full(result)};
+  }
+  static void raise_if_any(const Problem& problem) {
+    if (problem.full) throw StoreFull(problem.text);
+    if (!problem.text.empty()) throw StoreError(problem.text);
+  }
+  // postgresql.org/docs/current/errcodes-appendix.html: classes 53, insufficient resources (a full
+  // disk), and 58, system error; 25006, a server that can only be read.
+  static bool is_full(const PGresult* result) {
+    const char* const code = PQresultErrorField(result, PG_DIAG_SQLSTATE);
+    const std::string_view state = code == nullptr ? "" : code;
+    return state.starts_with("53") || state.starts_with("58") || state == "25006";
   }
 
   // The next result, or null at the end of an answer.
@@ -198,16 +217,16 @@ class PostgresConnection final : public SqlConnection {
   // Takes a whole answer; the rows that it changed.
   std::uint64_t answer() {
     std::uint64_t changed = 0;
-    std::string problem;
+    Problem problem;
     while (const Result result = next()) {
       const ExecStatusType status = PQresultStatus(result.get());
       if (status != PGRES_COMMAND_OK && status != PGRES_TUPLES_OK && status != PGRES_EMPTY_QUERY) {
-        if (problem.empty()) problem = text_of(result.get());
+        note(problem, result.get());
         if (PQstatus(connection_.get()) != CONNECTION_OK) break;
       }
       changed += changed_by(result.get());
     }
-    if (!problem.empty()) throw StoreError(problem);
+    raise_if_any(problem);
     return changed;
   }
 
@@ -238,7 +257,7 @@ class PostgresConnection final : public SqlConnection {
     }
     if (PQpipelineSync(to) != 1) fail();
     std::uint64_t changed = 0;
-    std::string problem;
+    Problem problem;
     for (bool synced = false; !synced;) {
       const Result result = next();
       if (!result) {  // the end of one statement's answer; of all of them, when the server is gone
@@ -249,11 +268,11 @@ class PostgresConnection final : public SqlConnection {
       synced = status == PGRES_PIPELINE_SYNC;
       if (status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK)
         changed += changed_by(result.get());
-      if (status == PGRES_FATAL_ERROR && problem.empty()) problem = text_of(result.get());
+      if (status == PGRES_FATAL_ERROR) note(problem, result.get());
       if (status == PGRES_FATAL_ERROR && PQstatus(to) != CONNECTION_OK) break;
     }
     PQexitPipelineMode(to);
-    if (!problem.empty()) throw StoreError(problem);
+    raise_if_any(problem);
     return changed;
   }
 

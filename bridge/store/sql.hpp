@@ -23,6 +23,13 @@ class StoreError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// The database takes nothing now, whatever it is: its disk is full or can only be read. It may
+// later.
+class StoreFull : public StoreError {
+ public:
+  using StoreError::StoreError;
+};
+
 // std::monostate: null.
 using SqlValue = std::variant<std::monostate, std::int64_t, double, std::string>;
 using SqlRow = std::vector<SqlValue>;

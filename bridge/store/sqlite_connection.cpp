@@ -82,7 +82,11 @@ class SqliteConnection final : public SqlConnection {
   };
 
   [[noreturn]] void fail() const {
-    throw StoreError("store " + path_ + ": " + sqlite3_errmsg(database_.get()));
+    const std::string text = "store " + path_ + ": " + sqlite3_errmsg(database_.get());
+    const int code = sqlite3_errcode(database_.get());
+    if (code == SQLITE_FULL || code == SQLITE_READONLY || code == SQLITE_IOERR)
+      throw StoreFull(text);
+    throw StoreError(text);
   }
 
   sqlite3_stmt* prepared(const std::string& sql) {

@@ -40,13 +40,21 @@ std::string spelled(const DeviceRecord& device) {
   return fmt::format("device {}/{} {}", device.bus, device.device, device.state);
 }
 
+void log_unstored(const std::variant<AuditEntry, AlarmRecord, DeviceRecord>& event) {
+  log_counted(
+      LogLevel::kWarning, "store", "records not stored",
+      "not stored: " + std::visit([](const auto& record) { return spelled(record); }, event));
+}
+
+}  // namespace
+
 // Says from time to time how many samples were dropped.
-class DropReport {
+class Store::DropReport {
  public:
   void tell(std::uint64_t dropped, Instant now) {
     if (dropped == told_ || now < next_) return;
     log_warning("store",
-                fmt::format("{} samples were not stored: the database is too slow, or away",
+                fmt::format("{} samples were not stored: the database is too slow, away or full",
                             dropped - told_));
     told_ = dropped;
     next_ = now + kDropLine;
@@ -56,14 +64,6 @@ class DropReport {
   std::uint64_t told_ = 0;
   Instant next_ = kLongAgo;
 };
-
-void log_unstored(const std::variant<AuditEntry, AlarmRecord, DeviceRecord>& event) {
-  log_counted(
-      LogLevel::kWarning, "store", "records not stored",
-      "not stored: " + std::visit([](const auto& record) { return spelled(record); }, event));
-}
-
-}  // namespace
 
 // The database's side, on the writer's thread alone.
 class Store::Writer {
@@ -76,14 +76,19 @@ class Store::Writer {
         mutex_(mutex),
         retention_(spec) {}
 
-  // One try: all of the batch is written, or nothing of it.
+  // One try: all of the batch is written, or nothing of it. Away: it cannot be opened, or it takes
+  // nothing now, as its disk is full.
   enum class Try : unsigned char { kWritten, kRefused, kAway };
   [[nodiscard]] Try write(const Batch& batch) {
     try {
       open();
       write_all(batch);
+      if (!told_.empty()) log_info("store", "samples are stored again: " + address_.masked());
       told_.clear();
       return Try::kWritten;
+    } catch (const StoreFull& error) {
+      close(error);
+      return Try::kAway;
     } catch (const StoreError& error) {
       const Try failed = connection_ ? Try::kRefused : Try::kAway;
       close(error);
@@ -112,7 +117,7 @@ class Store::Writer {
     std::vector<AlarmRecord> active;
     if (opened_) active = EventTable(*connection).active_alarms();
     connection_ = std::move(connection);
-    log_info("store", "open: " + address_.masked());
+    if (told_.empty()) log_info("store", "open: " + address_.masked());
     if (const Opened opened = std::exchange(opened_, {})) opened(active);
   }
   // Throws StoreError.
@@ -286,7 +291,7 @@ void Store::written(const Batch& batch, bool stored) {
 }
 
 // False: the batch is given up.
-bool Store::store(Writer& writer, const Batch& batch, BackOff& back_off) {
+bool Store::store(Writer& writer, const Batch& batch, BackOff& back_off, DropReport& drops) {
   for (unsigned refused = 0; refused < kAttempts;) {
     const Writer::Try tried = writer.write(batch);
     if (tried == Writer::Try::kWritten) {
@@ -294,6 +299,7 @@ bool Store::store(Writer& writer, const Batch& batch, BackOff& back_off) {
       return true;
     }
     if (tried == Writer::Try::kRefused) ++refused;  // a database that is away is waited for
+    drops.tell(counters().dropped, steady_now());
     std::unique_lock lock(mutex_);
     if (ending_) return false;
     work_.wait_for(lock, back_off.closed(steady_now()), [this] { return ending_; });
@@ -313,7 +319,7 @@ void Store::run() {
   Batch batch;
   bool tidying = writer.tidy();
   while (gather(batch, tidying ? kTidyPause : kIdle)) {
-    written(batch, batch.empty() || store(writer, batch, back_off));
+    written(batch, batch.empty() || store(writer, batch, back_off, drops));
     batch = {};
     tidying = writer.tidy();
     drops.tell(counters().dropped, steady_now());

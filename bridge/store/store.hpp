@@ -91,10 +91,12 @@ class Store final : public Audit, public AlarmSink {
     [[nodiscard]] bool empty() const { return samples.empty() && events.empty(); }
   };
   class Writer;
+  class DropReport;
 
   void put_event(Event event);
   void run();  // the thread
-  [[nodiscard]] bool store(Writer& writer, const Batch& batch, BackOff& back_off);
+  [[nodiscard]] bool store(Writer& writer, const Batch& batch, BackOff& back_off,
+                           DropReport& drops);
   [[nodiscard]] bool gather(Batch& batch, Duration longest);
   void written(const Batch& batch, bool stored);
 
