@@ -4,6 +4,7 @@
 
 #include "bridge/bridge_state.hpp"
 #include "bridge/bus/clock.hpp"
+#include "bridge/dds/multicast.hpp"
 #include "bridge/dds/receive_buffer.hpp"
 
 namespace fieldcast {
@@ -60,6 +61,7 @@ void Bridge::State::join() {
   tell_other_bridges(handlers);
   link = std::make_unique<DdsLink>(spec.dds, spec.name, std::move(handlers));
   if (const auto small = receive_buffer_remark(spec.dds)) log_warning("dds", *small);
+  if (const auto alone = multicast_remark(spec.dds)) log_warning("dds", *alone);
   if (spec.store) open_store();
   audit.open(store.get());
 }

@@ -343,7 +343,7 @@ class UpgradedAndRemoved(unittest.TestCase):
 
     def test_5_a_purge_without_files_of_the_user_leaves_no_folder(self):
         root.run("dpkg", "-i", *("/tmp/" + os.path.basename(package(name)) for name in ("fieldcast", "fieldcast-sim", "fieldcast-dev")))
-        root.run("rm", "-rf", "/etc/fieldcast/demo.yaml", "/var/lib/fieldcast")
+        root.run("sh", "-c", "rm -rf /etc/fieldcast/* /var/lib/fieldcast")
         root.run("dpkg", "-P", "fieldcast-dev", "fieldcast-sim", "fieldcast")
         self.assertEqual([folder for folder in ("/etc/fieldcast", "/var/lib/fieldcast", "/usr/share/fieldcast")
                           if os.path.exists(root.path(folder))], [])

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "bridge/dds/multicast.hpp"
 #include "config/loader.hpp"
 
 namespace fieldcast::cli {
@@ -34,6 +35,8 @@ std::string domain_text(const DdsSpec& spec) {
 }
 
 std::string no_bridge_text(const DdsSpec& spec) {
+  if (const auto alone = multicast_remark(spec))
+    return fmt::format("no bridge found in {}: {}", domain_text(spec), *alone);
   return fmt::format(
       "no bridge found in {} within {}: is fieldcast-bridge running, with the same domain and "
       "interfaces? (--config FILE, or --domain N and --interface A)",

@@ -84,8 +84,11 @@ TEST(DoctorFindings, DiscoveryNeedsMulticastOrAServer) {
   facts.discovery_server = true;
   EXPECT_EQ(only(facts).severity, Severity::kOk);
   facts.discovery_server = false;
-  facts.interfaces = {{"127.0.0.1", "lo", false, true}};
+  facts.interfaces = {{"127.0.0.1", "lo", true, true}};
   EXPECT_EQ(only(facts).severity, Severity::kOk);
+  facts.interfaces = {{"127.0.0.1", "lo", false, true}};
+  EXPECT_EQ(only(facts).severity, Severity::kPrevents);
+  EXPECT_EQ(only(facts).remedy, "dds: discovery-server: HOST:PORT");
   facts.interfaces = {{"10.0.0.8", "", false, false}};
   EXPECT_THAT(only(facts).what, HasSubstr("no interface of this machine"));
 }

@@ -27,9 +27,9 @@ struct SerialPortFacts {
 };
 
 struct InterfaceFacts {
-  std::string address;  // IPv4
-  std::string name;     // "eth0"; empty: no interface of this machine has the address
-  bool multicast = false;
+  std::string address;     // IPv4
+  std::string name;        // "eth0"; empty: no interface of this machine has the address
+  bool multicast = false;  // a socket gets it there
   bool loopback = false;
 };
 

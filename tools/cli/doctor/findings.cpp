@@ -83,7 +83,7 @@ void look_at_interface(const InterfaceFacts& interface, bool discovery_server, F
     found.push_back({Severity::kPrevents, check, interface.address,
                      "no interface of this machine has the address",
                      "dds: interfaces: of the configuration; ip -4 address lists what there is"});
-  } else if (interface.loopback || interface.multicast || discovery_server) {
+  } else if (interface.multicast || discovery_server) {
     found.push_back({Severity::kOk, check, interface.address,
                      interface.name + (interface.loopback ? ", this machine alone"
                                        : discovery_server ? ", by a discovery server"
@@ -94,8 +94,11 @@ void look_at_interface(const InterfaceFacts& interface, bool discovery_server, F
                      fmt::format("{} has no multicast, and no discovery server is named: nobody "
                                  "finds the bridge",
                                  interface.name),
-                     fmt::format("dds: discovery-server: HOST:PORT, or ip link set {} multicast on",
-                                 interface.name)});
+                     interface.loopback
+                         ? "dds: discovery-server: HOST:PORT"
+                         : fmt::format("dds: discovery-server: HOST:PORT, or ip link set {} "
+                                       "multicast on",
+                                       interface.name)});
   }
 }
 

@@ -16,6 +16,7 @@
 #include <string>
 #include <system_error>
 
+#include "bridge/dds/multicast.hpp"
 #include "bridge/dds/receive_buffer.hpp"
 #include "bridge/store/store_address.hpp"
 
@@ -104,9 +105,9 @@ std::vector<InterfaceFacts> interface_facts(const std::vector<std::string>& addr
           reinterpret_cast<const sockaddr_in*>(one->ifa_addr)->sin_addr.s_addr != wanted.s_addr)
         continue;
       facts.name = one->ifa_name;
-      facts.multicast = (one->ifa_flags & IFF_MULTICAST) != 0;
       facts.loopback = (one->ifa_flags & IFF_LOOPBACK) != 0;
     }
+    facts.multicast = !facts.name.empty() && !multicast_fault(address);
     all.push_back(facts);
   }
   return all;

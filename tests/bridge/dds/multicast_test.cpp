@@ -1,0 +1,20 @@
+// What is told when participants cannot find each other by multicast. A machine without multicast
+// is in e2e_machine.py.
+#include "bridge/dds/multicast.hpp"
+
+#include <gtest/gtest.h>
+
+namespace fieldcast {
+namespace {
+
+TEST(Multicast, IsOnTheLoopbackOfThisMachine) {
+  EXPECT_EQ(multicast_fault("127.0.0.1"), std::nullopt);
+}
+
+TEST(Multicast, OfWhatIsNoAddressOfThisMachineNothingIsSaid) {
+  EXPECT_EQ(multicast_fault("192.0.2.77"), std::nullopt);
+  EXPECT_EQ(multicast_fault("eth0"), std::nullopt);
+}
+
+}  // namespace
+}  // namespace fieldcast
