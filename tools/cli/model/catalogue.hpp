@@ -39,8 +39,8 @@ class Catalogue {
   [[nodiscard]] bool empty() const { return devices_.empty(); }  // nobody is there
   [[nodiscard]] std::size_t count(const Pattern& pattern) const;
 
-  // Of a pattern that matches nothing: one that does when its parts are taken for a device, or for a
-  // channel ("*/*/voltage" for "voltage"). Empty: none.
+  // Of a pattern that matches nothing: one that does when its parts are taken for a device, or
+  // for a channel ("*/*/voltage" for "voltage"). Empty: none.
   [[nodiscard]] std::string meant_further_down(const Pattern& pattern) const;
 
   // Why find() found nothing, which part of the path is at fault, and what was probably meant.
