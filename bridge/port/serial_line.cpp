@@ -61,8 +61,8 @@ void set_low_latency(int fd, bool pty, std::vector<LineRemark>& remarks) {
     settings.flags |= ASYNC_LOW_LATENCY;
     if (::ioctl(fd, TIOCSSERIAL, &settings) == 0) return;
   }
-  // An adapter without the flag works; some only deliver every 16 ms then, which the README tells
-  // how to change.
+  // An adapter without the flag works; some only deliver every 16 ms then. docs/commissioning.md
+  // tells how to change that.
   remarks.push_back({pty || errno == ENOTTY || errno == EINVAL, last_fault("no low-latency mode")});
 }
 
