@@ -75,7 +75,7 @@ constexpr KeyHabit kKeyHabits[] = {{"address", "at"},
                                    {"points", "channels"},
                                    {"slaves", "devices"}};
 
-// What other programs write as values of our keys, in lower case. ABCD and its kin are the bytes of
+// What other programs, and our own older versions, write as values of our keys, in lower case. ABCD and its kin are the bytes of
 // a 32-bit value as they arrive.
 struct ValueHabit {
   std::string_view key, habit, ours;
@@ -99,6 +99,7 @@ constexpr ValueHabit kValueHabits[] = {
     {"mode", "fast", "intensive"},
     {"mode", "manual", "on-demand"},
     {"mode", "command", "on-demand"},
+    {"planner", "riding", "cyclic"},
     {"level", "warn", "warning"},
     {"level", "trace", "debug"},
     {"level", "verbose", "debug"},
