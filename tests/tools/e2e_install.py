@@ -111,6 +111,13 @@ def good_sample():
     return [sample for sample in samples(BUS, "--once") if sample["quality"] == "GOOD"]
 
 
+def stored():
+    """How many samples of a channel the store has."""
+    said = root.run("runuser", "-u", "fieldcast", "--", "fieldcast", "history", f"{BUS}/conveyor/speed", "--json", "--store",
+                    "/var/lib/fieldcast/demo.db", check=False).stdout
+    return len(said.splitlines())
+
+
 def state():
     """For the reason of a failure."""
     said = root.run("fieldcast", "status", check=False).stdout
@@ -133,6 +140,8 @@ def setUpModule():
     began = time.monotonic()
     root.run("dpkg", "-i", *packages)
     root.run("sh", "-c", f"sed s,/tmp/fieldcast-demo,{SIMULATOR}, /usr/share/fieldcast/examples/demo.yaml >/etc/fieldcast/demo.yaml")
+    with open(root.path("/etc/fieldcast/demo.yaml"), "a", encoding="utf-8") as file:
+        file.write("\nstore: { path: /var/lib/fieldcast/demo.db }\nmetrics: { listen: 127.0.0.1:9464 }\n")
     root.run("install", "-d", "-o", "fieldcast", SIMULATOR)
     root.run("systemd-run", "--unit=simulator", "--uid=fieldcast", "fieldcast-sim", "/etc/fieldcast/demo.yaml")
     root.run("systemctl", "enable", "--now", UNIT)
@@ -185,6 +194,12 @@ class Installed(unittest.TestCase):
         self.assertIn("dialout", root.run("id", "-Gn", "fieldcast").stdout.split())
         self.assertIn(f"\nGid:\t{group}\t", status)
         self.assertIn("\nCapEff:\t0000000000000000\n", status)
+
+    def test_the_store_and_the_metrics_work_in_the_sandbox_of_the_service(self):
+        wait_until(stored, SECONDS, state)
+        self.assertEqual(root.run("stat", "-c", "%U %a", "/var/lib/fieldcast/demo.db").stdout, "fieldcast 600\n")
+        said = root.run("python3", "-c", "import urllib.request as r; print(r.urlopen('http://127.0.0.1:9464/metrics').read().decode())").stdout
+        self.assertIn(f'fieldcast_bus_state{{bus="{BUS}",state="running"}} 1', said)
 
     def test_systemd_finds_little_exposed(self):
         said = root.run("systemd-analyze", "security", "--no-pager", UNIT, check=False).stdout
@@ -297,6 +312,7 @@ class UpgradedAndRemoved(unittest.TestCase):
                 lines = [json.loads(line) for line in file if line.endswith("\n")]
             return [sample["acquired_at"] for sample in lines if sample.get("quality") == "GOOD"]
         before_upgrade = wait_until(times, SECONDS, "no value before the upgrade")[-1]
+        stored_before = wait_until(stored, SECONDS, state)
         said = root.run("dpkg", "-i", newer("fieldcast", "0.1.0+upgrade1"))
         self.assertIn(f"{UNIT}.service is restarted with the new version", said.stdout)
         self.assertNotEqual(main_pid(), pid)
@@ -308,6 +324,7 @@ class UpgradedAndRemoved(unittest.TestCase):
         gap = max(b - a for a, b in zip(found, found[1:])) / 1e9
         print(f"an upgrade over a running bridge: {gap:.1f} s without a value", file=sys.stderr)
         self.assertGreater(found[-1], before_upgrade)
+        wait_until(lambda: stored() > stored_before, SECONDS, state)
 
     def test_2_a_configuration_that_the_new_version_refuses_keeps_the_old_one_running(self):
         text = read(root.path("/etc/fieldcast/demo.yaml"))
@@ -337,6 +354,7 @@ class UpgradedAndRemoved(unittest.TestCase):
         self.assertTrue(os.path.exists(root.path("/etc/fieldcast/demo.yaml")))
         root.run("dpkg", "-P", "fieldcast-dev", "fieldcast-sim", "fieldcast")
         self.assertTrue(os.path.exists(root.path("/etc/fieldcast/demo.yaml")))
+        self.assertTrue(os.path.exists(root.path("/var/lib/fieldcast/demo.db")))
         self.assertEqual(glob.glob(root.path("/etc/systemd/system/*/fieldcast*")), [])
         self.assertEqual([file for file in ours if os.path.exists(root.path(file)) and file != "/etc/fieldcast"], [])
         self.assertEqual(root.run("dpkg", "-l", "fieldcast", check=False).returncode, 1)
