@@ -75,8 +75,8 @@ constexpr KeyHabit kKeyHabits[] = {{"address", "at"},
                                    {"points", "channels"},
                                    {"slaves", "devices"}};
 
-// What other programs, and our own older versions, write as values of our keys, in lower case. ABCD and its kin are the bytes of
-// a 32-bit value as they arrive.
+// What other programs, and our own older versions, write as values of our keys, in lower case.
+// ABCD and its kin are the bytes of a 32-bit value as they arrive.
 struct ValueHabit {
   std::string_view key, habit, ours;
 };
