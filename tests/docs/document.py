@@ -11,7 +11,8 @@ from dataclasses import dataclass, field
 FILE_LANGUAGES = {"yaml", "yml", "csv", "cpp", "c", "cmake", "ini", "xml", "json", "idl", "python", "text"}
 MARKERS = {
     "file": FILE_LANGUAGES,
-    "fragment": {"yaml"},
+    "tried by": FILE_LANGUAGES,
+    "fragment": {"yaml", "yml"},
     "refused": {"yaml", "yml"},
     "runs until stopped": {"sh"},
     "exit code": {"sh"},
@@ -121,6 +122,25 @@ def _check_kind(block):
             raise block.fault(f"blocks of '{block.language}' are unknown; known are sh, {', '.join(sorted(FILE_LANGUAGES))}")
         ways = " or ".join(f"<!-- {kind}: NAME -->" if kind == "file" else f"<!-- {kind} -->" for kind in kinds)
         raise block.fault(f"this block of '{block.language}' is never tried; write {ways} on the line before it")
+
+
+def unused_files(blocks):
+    """The blocks that save a file which nothing else of the document names: no command, no other file, no fragment."""
+    found = []
+    for block in blocks:
+        name = block.markers.get("file")
+        if not name or "tried by" in block.markers or is_configuration(block):
+            continue
+        stem = name.split("/")[-1].split(".")[0]
+        others = [other.text + " ".join(other.markers.values()) for other in blocks if other is not block]
+        if not any(re.search(rf"\b{re.escape(stem)}\b", text) for text in others):
+            found.append(block)
+    return found
+
+
+def is_configuration(block):
+    """Of a bridge: `fieldcast-bridge --check` can judge it."""
+    return block.language in ("yaml", "yml") and bool(re.search(r"^bridge:", block.text, re.MULTILINE))
 
 
 def inline_commands(path, text, programs):

@@ -13,6 +13,8 @@ def whole(text, argument):
     if level not in LEVELS:
         raise ValueError(f"a fragment is of {', '.join(LEVELS)}, not of '{level}'")
     protocol = words[1] if len(words) > 1 else "modbus-rtu"
+    if protocol.startswith("declared-"):
+        text = text or "- { name: a, at: a, type: uint16 }\n"
     if level == "channels":
         text = "channels:\n" + _indented(text, 2)
     if level in ("channels", "device"):
@@ -22,6 +24,13 @@ def whole(text, argument):
                                            "devices": "[ { name: meter, address: 1, channels: " + _channels(protocol) + " } ]"}))
     return _with(text, {"bridge": "fragment", "buses": "[ { name: line, port: { serial: /tmp/line }, protocol: modbus-rtu, devices: "
                         "[ { name: meter, address: 1, channels: " + _channels("modbus-rtu") + " } ] } ]"})
+
+
+def whole_declaration(text):
+    """A piece of a declared protocol."""
+    return _with(text, {"summary": "A fragment", "addresses": "{ from: 1, to: 99 }", "areas": "[ { name: state, record: true } ]",
+                        "operations": "[ { name: read, read: state, command: 1, request: [ { is: address }, { is: command } ], "
+                                      "answer: [ { is: address }, { is: command }, { name: a, is: value, bytes: 2 } ] } ]"})
 
 
 def _channels(protocol):

@@ -19,8 +19,8 @@ import time
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import log_lines  # noqa: E402
 from comparison import difference  # noqa: E402
-from document import Fault, STOP, inline_commands, parse  # noqa: E402
-from fragment import whole  # noqa: E402
+from document import Fault, STOP, inline_commands, is_configuration, parse, unused_files  # noqa: E402
+from fragment import whole, whole_declaration  # noqa: E402
 from sandbox import Sandbox  # noqa: E402
 from tables import CHECKS  # noqa: E402
 
@@ -45,7 +45,11 @@ class Runner:
         self.helps = {}
 
     def run(self):
-        for block in parse(self.path, self.text):
+        blocks = parse(self.path, self.text)
+        for block in unused_files(blocks):
+            raise block.fault(f"nothing in the document uses {block.markers['file']}: use it in a command, or write "
+                              "<!-- tried by: TEST --> beside it")
+        for block in blocks:
             if block.language == STOP:
                 self.stop(block)
             elif block.language == "sh":
@@ -76,12 +80,26 @@ class Runner:
     def file(self, block):
         self.sandbox.write(block.markers["file"], block.text)
         self.count["files"] += 1
-        if block.language in ("yaml", "yml") and re.search(r"^bridge:", block.text, re.MULTILINE):
+        if test := block.markers.get("tried by"):
+            self.check_that_it_is_tried(block, test)
+        if is_configuration(block):
             self.unchecked.append((block, block.markers["file"]))
+
+    def check_that_it_is_tried(self, block, test):
+        path, name = os.path.join(self.sandbox.source_dir, test), block.markers["file"]
+        if not os.path.exists(path):
+            raise block.fault(f"tried by: there is no {test}")
+        with open(path, encoding="utf-8") as file:
+            if name not in file.read():
+                raise block.fault(f"tried by: {test} does not name {name}")
 
     def fragment(self, block):
         try:
-            text = whole(block.text, block.markers["fragment"])
+            if block.markers["fragment"] == "declaration":
+                self.sandbox.write(f"protocols/declared-{block.line}.yaml", whole_declaration(block.text))
+                text = whole("", f"channels declared-{block.line}")
+            else:
+                text = whole(block.text, block.markers["fragment"])
         except ValueError as error:
             raise block.fault(str(error)) from error
         name = f"fragment-{block.line}.yaml"

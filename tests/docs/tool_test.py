@@ -11,7 +11,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import log_lines
 import tables
 from comparison import difference
-from document import Fault, inline_commands, parse
+from document import Fault, inline_commands, parse, unused_files
 from fragment import whole
 
 SOURCE_DIR, DOCUMENTS = "", []
@@ -62,6 +62,11 @@ class Parsing(unittest.TestCase):
             configuration.add({}, address, type_name, True)
         self.assertIn('at: "bit:7", access: read-write }', configuration.text())
         self.assertIn("options: { threshold: 0 }", configuration.text())
+
+    def test_a_file_that_nothing_uses_is_found(self):
+        text = "<!-- file: a.csv -->\n```csv\nx\n```\n<!-- file: b.csv -->\n```csv\nx\n```\n```sh\ncat b.csv\n```\n"
+        self.assertEqual([block.markers["file"] for block in unused_files(blocks(text))], ["a.csv"])
+        self.assertEqual(unused_files(blocks(text.replace("a.csv -->", "a.csv -->\n<!-- tried by: x.py -->"))), [])
 
     def test_commands_in_the_text_are_found(self):
         text = "Say `fieldcast plan --json` or `fieldcast`.\n```sh\n`fieldcast no`\n```\n"
