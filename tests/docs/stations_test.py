@@ -17,6 +17,7 @@ import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
+from comparison import general  # noqa: E402
 from document import parse  # noqa: E402
 from plant import Plant, wait_until  # noqa: E402
 
@@ -38,7 +39,7 @@ buses:
         address: 1
         channels:
           - { name: voltage, at: "holding:0", type: float32, unit: V, refresh: 200ms }
-          - { name: setpoint, at: "holding:10", type: uint16, refresh: 200ms, access: read-write }
+          - { name: setpoint, at: "holding:10", type: float32, refresh: 200ms, access: read-write }
           - { name: serial-number, at: "holding:20", type: uint16, refresh: 10s }
 """
 
@@ -158,12 +159,17 @@ class Stations(unittest.TestCase):
                 station.says("late: line/meter/voltage")
             station.says("line/meter/voltage .* GOOD" + AGE, after=len(station.lines))
             with Paused(self.plant.sim):
+                station.says("line/meter/voltage .* BAD_NO_ANSWER" + AGE)
                 station.says("line/meter/setpoint 42 BAD_NO_ANSWER" + AGE)
                 station.says("late: line/meter/setpoint", after=len(station.lines))
             station.says("line/meter/setpoint 42 GOOD" + AGE, after=len(station.lines))
+            return station.lines
 
-    def test_the_station_in_cpp(self):
-        self.check_station("build/station")
+    def test_the_station_in_cpp_says_what_the_document_shows(self):
+        said = {general(line) for line in self.check_station("build/station")}
+        with open(os.path.join(SOURCE_DIR, "docs/stations.md"), encoding="utf-8") as file:
+            shown, = [block.text for block in parse("docs/stations.md", file.read()) if "picture" in block.markers]
+        self.assertEqual({general(line) for line in shown.splitlines()} - said, set())
 
     def test_the_station_in_c(self):
         self.check_station("station-c")
@@ -172,7 +178,7 @@ class Stations(unittest.TestCase):
         with self.start("build/station"):
             pass  # leaves 42 in the setpoint
         with Paused(self.plant.sim), self.start("station") as station:
-            station.says("found line/meter/setpoint: uint16  at holding:10")
+            station.says("found line/meter/setpoint: float32  at holding:10")
             old = station.says("line/meter/setpoint 42 BAD_NO_ANSWER" + AGE)
             self.assertGreater(int(old.split()[-3]), 0)
             station.says("write: (rejected|failed|expired): .*")
