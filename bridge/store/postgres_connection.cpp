@@ -172,9 +172,12 @@ class PostgresConnection final : public SqlConnection {
 
  private:
   [[noreturn]] void fail() const {
-    throw StoreError("store " + masked_address_ + ": " +
-                     one_line(PQerrorMessage(connection_.get())));
+    const std::string text =
+        "store " + masked_address_ + ": " + one_line(PQerrorMessage(connection_.get()));
+    if (is_lost()) throw StoreAway(text);
+    throw StoreError(text);
   }
+  [[nodiscard]] bool is_lost() const { return PQstatus(connection_.get()) != CONNECTION_OK; }
   std::string text_of(const PGresult* result) const {
     return "store " + masked_address_ + ": " + one_line(PQresultErrorMessage(result));
   }
@@ -182,21 +185,21 @@ class PostgresConnection final : public SqlConnection {
   // The first thing that went wrong in an answer.
   struct Problem {
     std::string text;
-    bool full = false;
+    bool away = false;
   };
   void note(Problem& problem, const PGresult* result) const {
-    if (problem.text.empty()) problem = {text_of(result), is_full(result)};
+    if (problem.text.empty()) problem = {text_of(result), is_away(result)};
   }
   static void raise_if_any(const Problem& problem) {
-    if (problem.full) throw StoreFull(problem.text);
+    if (problem.away) throw StoreAway(problem.text);
     if (!problem.text.empty()) throw StoreError(problem.text);
   }
   // postgresql.org/docs/current/errcodes-appendix.html: classes 53, insufficient resources (a full
   // disk), and 58, system error; 25006, a server that can only be read.
-  static bool is_full(const PGresult* result) {
+  bool is_away(const PGresult* result) const {
     const char* const code = PQresultErrorField(result, PG_DIAG_SQLSTATE);
     const std::string_view state = code == nullptr ? "" : code;
-    return state.starts_with("53") || state.starts_with("58") || state == "25006";
+    return is_lost() || state.starts_with("53") || state.starts_with("58") || state == "25006";
   }
 
   // The next result, or null at the end of an answer.
@@ -207,7 +210,7 @@ class PostgresConnection final : public SqlConnection {
           std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
       pollfd socket{PQsocket(connection_.get()), POLLIN, 0};
       if (left.count() <= 0 || ::poll(&socket, 1, static_cast<int>(left.count())) == 0) {
-        throw StoreError("store " + masked_address_ + ": the server does not answer");
+        throw StoreAway("store " + masked_address_ + ": the server does not answer");
       }
       if (PQconsumeInput(connection_.get()) != 1) fail();
     }

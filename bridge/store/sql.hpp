@@ -23,9 +23,9 @@ class StoreError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// The database takes nothing now, whatever it is: its disk is full or can only be read. It may
-// later.
-class StoreFull : public StoreError {
+// The database takes nothing now, whatever it is: it is gone, its disk is full or can only be read.
+// It may later.
+class StoreAway : public StoreError {
  public:
   using StoreError::StoreError;
 };

@@ -85,7 +85,7 @@ class SqliteConnection final : public SqlConnection {
     const std::string text = "store " + path_ + ": " + sqlite3_errmsg(database_.get());
     const int code = sqlite3_errcode(database_.get());
     if (code == SQLITE_FULL || code == SQLITE_READONLY || code == SQLITE_IOERR)
-      throw StoreFull(text);
+      throw StoreAway(text);
     throw StoreError(text);
   }
 

@@ -86,7 +86,7 @@ class Store::Writer {
       if (!told_.empty()) log_info("store", "samples are stored again: " + address_.masked());
       told_.clear();
       return Try::kWritten;
-    } catch (const StoreFull& error) {
+    } catch (const StoreAway& error) {
       close(error);
       return Try::kAway;
     } catch (const StoreError& error) {
