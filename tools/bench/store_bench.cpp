@@ -3,6 +3,7 @@
 // is killed while it stores.
 //
 // usage: store_bench [--seconds N] [--url postgresql://..]
+//                    [--only killed | throughput | history | saturated]
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -19,6 +20,7 @@
 #include "bridge/store/store.hpp"
 #include "tools/bench/figures.hpp"
 #include "tools/bench/plant.hpp"
+#include "tools/bench/store_history.hpp"
 
 namespace fieldcast::bench {
 namespace {
@@ -58,7 +60,7 @@ struct Costs {
 };
 // A bus that has an answer once in each period, as a thread that keeps its time like those of the
 // bridge.
-Costs acquire(Store::Intake* intake, double seconds) {
+Costs acquire(Store::Intake* intake, double seconds, Duration ahead) {
   prctl(PR_SET_TIMERSLACK, 1000UL);
   Costs costs;
   auto next = std::chrono::steady_clock::now();
@@ -70,7 +72,7 @@ Costs acquire(Store::Intake* intake, double seconds) {
     const UtcMapping mapping = read_clocks();
     const auto samples = block(answer, mapping.instant);
     const auto made = std::chrono::steady_clock::now();
-    if (intake) intake->put(samples, mapping, mapping.utc);
+    if (intake) intake->put(samples, mapping, {mapping.utc.nanoseconds + ahead.count()});
     costs.lateness.push_back(std::chrono::duration<double, std::micro>(began - next).count());
     costs.put.push_back(
         std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - made).count());
@@ -97,31 +99,64 @@ void print_costs(const char* what, Costs& costs) {
   print_figure("  handing 100 samples over, most", quantile(costs.put, 1.0), "us", "");
 }
 
-void throughput(const std::string& address, double seconds) {
-  Costs without = acquire(nullptr, seconds / 3);
-  print_costs("20 000 samples a second, no store", without);
+struct Stored {
+  Costs costs;
+  double processor = 0;  // cores
+};
+// Published at the present time, or `ahead` of it.
+Stored store_for(const std::string& address, double seconds, Duration ahead) {
   StoreSpec spec{address};
   const double cpu = cpu_of_process();
   Store store(spec);
   const auto intake = store.intake(bus());
-  Costs with = acquire(intake.get(), seconds);
+  Stored result{acquire(intake.get(), seconds, ahead)};
   const auto counters = store.counters();
   const bool flushed = store.flush(std::chrono::seconds{30});
-  const double spent = cpu_of_process() - cpu;
-  print_costs("20 000 samples a second, with the store", with);
+  result.processor = (cpu_of_process() - cpu) / seconds;
   const double put = seconds * kAnswers * kBlock;
   print_figure("  samples stored of those put", static_cast<double>(store.counters().stored) / put,
                "", flushed ? "goal 1" : "not flushed");
   print_figure("  samples dropped", static_cast<double>(store.counters().dropped), "", "goal 0");
   print_figure("  samples still waiting at the end", static_cast<double>(counters.waiting), "",
                "below 200 000");
-  print_figure("  processor of the process", spent / seconds, "cores", "");
+  print_figure("  processor of the process", result.processor, "cores", "");
+  return result;
+}
+
+// Samples of the minutes that have ended, told by their rows.
+double counted_by_tiers(const std::string& address) {
+  double counted = 0;
+  open_store(StoreAddress(address), IfMissing::kFail)
+      ->query("select cast(sum(count) as double precision) from tiers where width = 60", {},
+              [&](const SqlRow& row) {
+                if (const auto* sum = std::get_if<double>(&row.at(0))) counted = *sum;
+                return true;
+              });
+  return counted;
+}
+
+void throughput(const std::string& address, double seconds) {
+  Costs without = acquire(nullptr, seconds / 3, {});
+  print_costs("20 000 samples a second, no store", without);
+  std::printf("20 000 samples a second, with the store\n");
+  Stored with = store_for(address, seconds, {});
+  print_costs("  what it costs acquisition", with.costs);
+  print_figure("  samples in the minutes that were written", counted_by_tiers(address), "", "");
   print_figure("  p99 of the lateness, with / without",
-               quantile(with.lateness, 0.99) / quantile(without.lateness, 0.99), "", "");
+               quantile(with.costs.lateness, 0.99) / quantile(without.lateness, 0.99), "", "");
   if (!StoreAddress(address).is_server()) {
-    print_figure("  file for one sample",
-                 static_cast<double>(std::filesystem::file_size(address)) / put, "bytes", "");
+    print_figure(
+        "  file for one sample",
+        static_cast<double>(std::filesystem::file_size(address)) / (seconds * kAnswers * kBlock),
+        "bytes", "");
   }
+  // The minutes of the day after tomorrow do not close, so that none is written.
+  std::printf("the same without writing minutes\n");
+  const Stored untiered = store_for(address, seconds, std::chrono::hours{48});
+  print_figure("  processor, with minutes / without", with.processor / untiered.processor, "", "");
+  print_figure("  p99 of the lateness, with minutes / without",
+               quantile(with.costs.lateness, 0.99) / quantile(untiered.costs.lateness, 0.99), "",
+               "");
 }
 
 // ---- a bridge with saturated buses
@@ -228,9 +263,9 @@ void killed(const std::string& address, double seconds) {
   print_figure("  reported and lost", static_cast<double>(reported - first.size()), "", "goal 0");
 }
 
-std::string url_from(int argc, char** argv) {
+std::string option(const char* name, int argc, char** argv) {
   for (int i = 1; i + 1 < argc; ++i) {
-    if (std::strcmp(argv[i], "--url") == 0) return argv[i + 1];
+    if (std::strcmp(argv[i], name) == 0) return argv[i + 1];
   }
   return {};
 }
@@ -242,15 +277,17 @@ int main(int argc, char** argv) {
   using namespace fieldcast::bench;
   try {
     const double seconds = seconds_from(argc, argv, 60);
-    const std::string url = url_from(argc, argv);
+    const std::string url = option("--url", argc, argv);
+    const std::string only = option("--only", argc, argv);
+    const auto wanted = [&](const char* part) { return only.empty() || only == part; };
     const ScratchFolder folder;
-    killed(url.empty() ? folder.path() + "/killed.db" : url, seconds / 6);  // first: it forks
-    if (url.empty()) {
-      throughput(folder.path() + "/store.db", seconds);
-      saturated(seconds / 4);
-    } else {
-      throughput(url, seconds);
-    }
+    const auto address = [&](const char* file) {
+      return url.empty() ? folder.path() + '/' + file : url;
+    };
+    if (wanted("killed")) killed(address("killed.db"), seconds / 6);  // first: it forks
+    if (wanted("throughput")) throughput(address("store.db"), seconds);
+    if (wanted("history")) read_thirty_days(fieldcast::StoreAddress(address("history.db")));
+    if (wanted("saturated") && url.empty()) saturated(seconds / 4);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "store_bench: %s\n", error.what());
     return 1;

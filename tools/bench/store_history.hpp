@@ -1,0 +1,14 @@
+// Thirty days of one-second samples, and how fast they are read as 1 000 points.
+#pragma once
+
+#include <string>
+
+#include "bridge/store/sql.hpp"
+
+namespace fieldcast::bench {
+
+// Fills the store at `address` and prints the figures. One channel has every sample, the others
+// have the minutes and hours of theirs: 0.4 GB in SQLite. One thread. Throws StoreError.
+void read_thirty_days(const StoreAddress& address);
+
+}  // namespace fieldcast::bench
