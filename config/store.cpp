@@ -107,10 +107,6 @@ void read_store(MapReader& bridge, std::optional<StoreSpec>& spec) {
   }
   read_patterns(map, store);
   store_rows().read(map, store);
-  if (map.has("max-size") && map.has("url")) {
-    map.faults().add(map.position_of("max-size"),
-                     "'max-size' with a server, whose tables do not shrink at once", "keep");
-  }
   spec = std::move(store);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "bridge/store/event_table.hpp"
+#include "bridge/store/sample_days.hpp"
 #include "bridge/store/sample_table.hpp"
 #include "bridge/store/tiers/tier_table.hpp"
 
@@ -21,11 +22,46 @@ std::int64_t pragma(SqlConnection& connection, const char* name) {
   return number;
 }
 
-// What the tables take; the file itself never shrinks, its free pages are used again.
+bool is_server(SqlConnection& connection) {
+  return connection.dialect() == SqlConnection::Dialect::kPostgres;
+}
+
+// What max-size bounds. Of a file: the pages that are not free, which are used again. Of a server:
+// the days of samples, since nothing else gives room back at once.
 std::uint64_t bytes_used(SqlConnection& connection) {
+  if (is_server(connection)) return SampleDays(connection).bytes();
   const std::int64_t pages =
       pragma(connection, "page_count") - pragma(connection, "freelist_count");
   return static_cast<std::uint64_t>(pages * pragma(connection, "page_size"));
+}
+
+// Days that ended before. How many went.
+std::uint64_t drop_days(SqlConnection& connection, UtcTime before) {
+  SampleDays days(connection);
+  std::uint64_t dropped = 0;
+  for (const UtcTime day : days.all()) {
+    if (day.nanoseconds + SampleDays::kDay.count() > before.nanoseconds) break;
+    if (days.drop(day)) ++dropped;
+  }
+  return dropped;
+}
+
+// Free pages are given back to the disk beyond a tenth of the file: below it they are used again
+// soon. So many at a time.
+constexpr std::int64_t kFreeShare = 10;
+constexpr std::int64_t kFreePages = 256;  // and these in any case: a megabyte
+constexpr const char* kShrink = "pragma incremental_vacuum(512)";
+constexpr std::int64_t kIncremental = 2;  // sqlite.org/pragma.html, auto_vacuum
+
+// Makes the file a little shorter. False: it has no free pages to speak of, or it was made by an
+// older Fieldcast, whose files do not shrink.
+bool shrink(SqlConnection& connection) {
+  if (is_server(connection)) return false;
+  const std::int64_t free = pragma(connection, "freelist_count");
+  if (free <= kFreePages || free * kFreeShare <= pragma(connection, "page_count")) return false;
+  if (pragma(connection, "auto_vacuum") != kIncremental) return false;
+  connection.script(kShrink);
+  return true;
 }
 
 // The oldest row of any channel; nothing: there is none.
@@ -55,6 +91,7 @@ std::optional<UtcTime> needed_from(SqlConnection& connection, std::size_t level)
 
 bool Retention::step(SqlConnection& connection, Instant now, UtcTime utc) {
   if (level_ == kLevels) {
+    if (shrinking_ && (shrinking_ = shrink(connection))) return true;
     if (now < next_pass_ && !too_large_) return false;
     next_pass_ = now + kPause;
     begin(connection, utc);
@@ -67,9 +104,11 @@ bool Retention::step(SqlConnection& connection, Instant now, UtcTime utc) {
     removed += gone;
   }
   removed_ += removed;
+  if (find_next()) return true;
   // At the end of a pass that removed nothing: it is not the samples that fill the store.
-  if (!find_next()) too_large_ = too_large_ && removed_ > 0;
-  return looked > 0;
+  too_large_ = too_large_ && removed_ > 0;
+  shrinking_ = shrink(connection);
+  return looked > 0 || shrinking_ || too_large_;
 }
 
 // The next channel from which something may be removed. False: the pass has ended.
@@ -93,22 +132,39 @@ void Retention::begin(SqlConnection& connection, UtcTime utc) {
   channels_ = SampleTable(connection).channel_ids();
   level_ = channel_ = 0;
   removed_ = 0;
-  too_large_ = spec_.max_bytes != 0 && connection.dialect() == SqlConnection::Dialect::kSqlite &&
-               bytes_used(connection) > spec_.max_bytes;
+  too_large_ = spec_.max_bytes != 0 && bytes_used(connection) > spec_.max_bytes;
   for (std::size_t level = 0; level < kLevels; ++level)
     before_[level] = limit_of(connection, level, utc);
+  if (is_server(connection)) begin_days(connection);
+}
+
+// Of a server whole days go at once. Single samples are removed where they lie in no day, and when
+// they are kept for less than two.
+void Retention::begin_days(SqlConnection& connection) {
+  removed_ += drop_days(connection, before_[0]);
+  const bool short_time = spec_.keep != Duration{} && spec_.keep < 2 * SampleDays::kDay;
+  if (!short_time) {
+    before_[0] = SampleDays(connection).has_undated() ? bucket_start(before_[0], SampleDays::kDay)
+                                                      : UtcTime{};
+  }
 }
 
 UtcTime Retention::limit_of(SqlConnection& connection, std::size_t level, UtcTime utc) const {
   const Duration keep = level == 0 ? spec_.keep : spec_.*kTiers[level - 1].keep;
   UtcTime before{keep == Duration{} ? 0 : utc.nanoseconds - keep.count()};
-  if (too_large_) {
+  if (too_large_ && is_server(connection)) {
+    const auto days = SampleDays(connection).all();
+    if (level == 0 && !days.empty())
+      before.nanoseconds =
+          std::max(before.nanoseconds, days.front().nanoseconds + SampleDays::kDay.count());
+  } else if (too_large_) {
     const auto oldest = oldest_of(connection, level, channels_);
     if (oldest && *oldest < utc) {
       const std::int64_t span = std::max(utc.nanoseconds - oldest->nanoseconds, kShare);
       before.nanoseconds = std::max(before.nanoseconds, oldest->nanoseconds + span / kShare);
     }
   }
+  if (before > utc) before = utc;  // of a day that has not ended
   const auto needed = needed_from(connection, level);
   return needed ? std::min(before, *needed) : before;
 }

@@ -1,7 +1,7 @@
 // Removes what is older than the configuration keeps it: samples and the rows of their tiers. Of a
 // store that is too large, each of them loses its oldest part. It removes a few rows after each
-// batch, so that no batch waits for it. Samples stay until their tiers are written. One owner, on
-// the writer's thread.
+// batch, so that no batch waits for it. Samples stay until their tiers are written. A file of
+// SQLite gets shorter; PostgreSQL loses whole days at once. One owner, on the writer's thread.
 #pragma once
 
 #include <array>
@@ -32,6 +32,7 @@ class Retention {
   static constexpr std::size_t kLevels = 1 + kTiers.size();
 
   void begin(SqlConnection& connection, UtcTime utc);
+  void begin_days(SqlConnection& connection);
   [[nodiscard]] UtcTime limit_of(SqlConnection& connection, std::size_t level, UtcTime utc) const;
   [[nodiscard]] bool find_next();
   [[nodiscard]] std::uint64_t remove(SqlConnection& connection);
@@ -45,6 +46,7 @@ class Retention {
   std::array<UtcTime, kLevels> before_{};  // older rows are removed; 0: none
   std::uint64_t removed_ = 0;
   bool too_large_ = false;
+  bool shrinking_ = false;  // the file of SQLite has more free pages
 };
 
 }  // namespace fieldcast

@@ -1,18 +1,21 @@
 #include "bridge/store/sample_table.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <limits>
+
+#include "bridge/store/sample_days.hpp"
+#include "bridge/store/tiers/bucket.hpp"
 
 namespace fieldcast {
 namespace {
 
 constexpr std::size_t kRows = 512;  // made at a time
 
-const std::string kInsert =
-    "insert into samples (channel, published_at, sequence, acquired_at, quality, device_code, "
-    "value_kind, integer_value, "
-    "real_value, text_value) values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10) on conflict do "
-    "nothing";
+constexpr std::string_view kInsertColumns =
+    " (channel, published_at, sequence, acquired_at, quality, device_code, value_kind, "
+    "integer_value, real_value, text_value) values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10) "
+    "on conflict do nothing";
 enum Column : std::size_t {
   kChannel,
   kPublished,
@@ -82,12 +85,28 @@ std::int64_t SampleTable::channel_id(const std::string& bus, const std::string& 
 }
 
 void SampleTable::insert(std::span<const SampleRow> samples) {
+  if (connection_.dialect() == SqlConnection::Dialect::kSqlite) return insert("samples", samples);
+  const auto day = [](const SampleRow& sample) {
+    return bucket_start(sample.published_at, SampleDays::kDay);
+  };
+  while (!samples.empty()) {
+    const UtcTime first = day(samples.front());
+    const auto other = std::ranges::find_if(
+        samples, [&](const SampleRow& sample) { return day(sample) != first; });
+    const auto same = static_cast<std::size_t>(other - samples.begin());
+    insert(SampleDays(connection_).table_for(first), samples.first(same));
+    samples = samples.subspan(same);
+  }
+}
+
+void SampleTable::insert(std::string_view table, std::span<const SampleRow> samples) {
+  const std::string sql = "insert into " + std::string(table) + std::string(kInsertColumns);
   std::vector<SqlRow> rows;
   for (std::size_t begin = 0; begin < samples.size(); begin += kRows) {
     const auto part = samples.subspan(begin, std::min(kRows, samples.size() - begin));
     rows.resize(part.size());
     for (std::size_t i = 0; i < part.size(); ++i) fill(part[i], rows[i]);
-    connection_.execute(kInsert, rows);
+    connection_.execute(sql, rows);
   }
 }
 

@@ -67,6 +67,8 @@ class SampleTable {
   [[nodiscard]] std::optional<UtcTime> oldest(std::int64_t channel);  // nothing: it has none
 
  private:
+  void insert(std::string_view table, std::span<const SampleRow> samples);
+
   SqlConnection& connection_;
 };
 

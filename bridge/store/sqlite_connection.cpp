@@ -17,8 +17,10 @@ namespace fieldcast {
 namespace {
 
 constexpr int kBusyMilliseconds = 5000;  // another process writes: a command line, a backup
+// auto_vacuum comes first: it counts for a file without tables only.
 constexpr const char* kSettings =
-    "pragma journal_mode = wal; pragma synchronous = normal; pragma wal_autocheckpoint = 4000; "
+    "pragma auto_vacuum = incremental; pragma journal_mode = wal; pragma synchronous = normal; "
+    "pragma wal_autocheckpoint = 4000; "
     "pragma journal_size_limit = "
     "67108864;"
     "pragma cache_size = -16384";

@@ -127,7 +127,9 @@ const Rows<StoreSpec>& store_rows() {
           field<StoreSpec>(
               {.name = "max-size",
                .fallback = "no bound",
-               .text = "of the file, with `path`: `2GB`; beyond it the oldest samples go"},
+               .text =
+                   "of the file, or of the samples on a server: `2GB`; beyond it the oldest go, "
+                   "on a server whole days but the present one"},
               &StoreSpec::max_bytes, StoreSizeRule{}),
       },
       "Keeps samples, users, alarms, device states and the audit.", {"path", "url"});

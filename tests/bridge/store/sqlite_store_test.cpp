@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 
 #include "bridge/store/retention.hpp"
@@ -106,6 +107,34 @@ TEST(SqliteStore, ThatIsTooLargeLosesItsOldestSamples) {
   EXPECT_GT(left.size(), 2'000u);
   EXPECT_LT(left.size(), 9'000u) << "of 100 bytes and more in a megabyte";
   EXPECT_EQ(left.back().published_at, utc(19'999)) << "the newest stay";
+}
+
+TEST(SqliteStore, GivesTheRoomOfRemovedSamplesBackToTheDisk) {
+  const Scratch scratch;
+  const StoreAddress address(scratch.path("store.db"));
+  {
+    Store store(forever(address));
+    const auto intake = store.intake(bus_of("shrinks", {"a"}));
+    for (int second = 0; second < 20'000; ++second) {
+      const Sample one[] = {sample(0, std::string(200, 'x'), second, 1)};
+      intake->put(one, kClock, utc(second));
+    }
+    ASSERT_TRUE(store.flush(seconds{60}));
+  }
+  const auto connection = open_store(address, IfMissing::kFail);
+  const auto bytes = [&] {
+    connection->script("pragma wal_checkpoint(truncate)");
+    return std::filesystem::file_size(address.text());
+  };
+  test::write_tiers(*connection);
+  const auto before = bytes();
+  StoreSpec spec;
+  spec.keep = seconds{2000};
+  Retention retention(spec);
+  int steps = 0;
+  while (retention.step(*connection, instant(0), utc(20'000))) ASSERT_LT(++steps, 10'000);
+  EXPECT_EQ(history(address, "shrinks").size(), 2'000u);
+  EXPECT_LT(bytes(), before / 4);
 }
 
 }  // namespace
