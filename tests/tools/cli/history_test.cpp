@@ -3,8 +3,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <sstream>
 
 #include "bridge/store/tiers/tier_writer.hpp"
@@ -108,6 +110,33 @@ TEST_F(HistoryTest, SaysSoWhenOnlyACoarserTierIsLeft) {
   const Printed printed = run();
   EXPECT_EQ(printed.code, ExitCode::kNothing);
   EXPECT_THAT(printed.err, HasSubstr("--every 1min\nnothing was stored of line/press/t"));
+}
+
+std::string unpacked(const std::string& path) {
+  std::string text(1 << 20, '\0');
+  const gzFile file = ::gzopen(path.c_str(), "rb");
+  const int size = ::gzread(file, text.data(), static_cast<unsigned>(text.size()));
+  ::gzclose(file);
+  text.resize(static_cast<std::size_t>(std::max(size, 0)));
+  return text;
+}
+
+TEST_F(HistoryTest, IsWrittenCompressedIntoANewFile) {
+  options_.csv = true;
+  const std::string wanted = run().out;
+  options_.gzip = scratch_.path("t.csv.gz");
+  const Printed packed = run();
+  EXPECT_EQ(packed.code, ExitCode::kOk);
+  EXPECT_EQ(packed.out, "");
+  EXPECT_EQ(unpacked(options_.gzip), wanted);
+  EXPECT_LT(std::filesystem::file_size(options_.gzip), wanted.size() / 5);
+  for (const std::string& path :
+       {options_.gzip, scratch_.path("none/t.gz"), options_.source.store}) {
+    options_.gzip = path;
+    const Printed refused = run();
+    EXPECT_EQ(refused.code, ExitCode::kTrouble) << path;
+    EXPECT_THAT(refused.err, HasSubstr(path + " cannot be written: ")) << "it is there already";
+  }
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "tools/cli/command/command.hpp"
 #include "tools/cli/command/pattern_option.hpp"
 #include "tools/cli/command/span_option.hpp"
+#include "tools/cli/gzip_file.hpp"
 #include "tools/cli/view/bucket_view.hpp"
 #include "tools/cli/view/record_view.hpp"
 
@@ -98,10 +99,17 @@ ExitCode history(const HistoryOptions& options, std::ostream& out, std::ostream&
     const Duration span{options.span.to.nanoseconds - options.span.from.nanoseconds};
     every = width_for(span, *options.points);
   }
-  Printer printer(options, *connection, out);
+  std::optional<GzipFile> file;
+  if (!options.gzip.empty()) file.emplace(options.gzip);
+  std::ostream to(file ? &*file : out.rdbuf());
+  Printer printer(options, *connection, to);
   const std::size_t channels = every ? printer.buckets(*every) : printer.samples();
-  out.flush();
-  if (!out) return ExitCode::kTrouble;
+  bool written = !to.flush().fail();
+  if (const auto fault = file ? file->close() : std::nullopt) {
+    err << printable(*fault) << '\n';
+    written = false;
+  }
+  if (!written) return ExitCode::kTrouble;
   const std::string coarser = what_is_coarser(options, *connection, every.value_or(Duration{1}));
   if (!coarser.empty()) err << printable(coarser) << '\n';
   if (printer.lines() > 0) return ExitCode::kOk;
@@ -129,6 +137,8 @@ class HistoryCommand final : public CommandWith<HistoryOptions> {
     line.flag("--local", local_, "Times of this machine's time zone, not UTC");
     line.flag("--csv", options_.csv, "Comma-separated values with a head line");
     line.flag("--json", options_.json, "JSON lines").excludes("--csv");
+    line.text("--gzip", options_.gzip,
+              "Write into this new file, compressed, and not to the terminal");
     add_store(line, options_.source);
   }
   ExitCode run(const Streams& streams) override {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <iosfwd>
 #include <optional>
+#include <string>
 
 #include "core/model/pattern.hpp"
 #include "tools/cli/exit_code.hpp"
@@ -21,6 +22,7 @@ struct HistoryOptions {
   std::optional<Duration> every;
   std::optional<std::uint32_t> points;  // for each channel, at most
   Zone zone = Zone::kUtc;               // of times for people and in CSV
+  std::string gzip;  // the new file that is written, compressed; empty: standard output
   bool csv = false;
   bool json = false;
 };
