@@ -1,5 +1,7 @@
 #include "bridge/bridge.hpp"
 
+#include <fmt/format.h>
+
 #include <cstdlib>
 
 #include "bridge/bridge_state.hpp"
@@ -130,6 +132,11 @@ void Bridge::State::abandon(const std::string& bus) {
   if (store) (void)store->flush(kLinger);
   flush_log(kLastWords);
   std::_Exit(static_cast<int>(ExitCode::kHung));
+}
+
+std::string buses_text(const BridgeSpec& spec) {
+  return fmt::format("{} {}, DDS domain {}", spec.buses.size(),
+                     spec.buses.size() == 1 ? "bus" : "buses", spec.dds.domain);
 }
 
 }  // namespace fieldcast

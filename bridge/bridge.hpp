@@ -56,4 +56,7 @@ class Bridge {
   std::unique_ptr<State> state_;
 };
 
+// "2 buses, DDS domain 0"
+[[nodiscard]] std::string buses_text(const BridgeSpec& spec);
+
 }  // namespace fieldcast

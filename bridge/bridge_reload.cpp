@@ -53,8 +53,7 @@ tl::expected<void, std::string> Bridge::State::start_anew(const BridgeSpec& want
   stop_all(program::Server::Modules::kKeep);
   auto started = start(wanted, program::Server::Modules::kKeep);
   if (started) {
-    log_info(wanted.name, fmt::format("reloaded: everything started anew: {} buses, DDS domain {}",
-                                      wanted.buses.size(), wanted.dds.domain));
+    log_info(wanted.name, "reloaded: everything started anew: " + buses_text(wanted));
     return {};
   }
   if (auto back = start(before, program::Server::Modules::kKeep); !back)

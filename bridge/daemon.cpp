@@ -41,8 +41,7 @@ void last_words(Bridge& bridge) {
 }
 
 std::string summary(const BridgeSpec& spec) {
-  std::string text = fmt::format("bridge {}: {} buses, DDS domain {}\n", spec.name,
-                                 spec.buses.size(), spec.dds.domain);
+  std::string text = fmt::format("bridge {}: {}\n", spec.name, buses_text(spec));
   for (const BusSpec& bus : spec.buses) {
     std::size_t channels = 0;
     for (const DeviceSpec& device : bus.devices) channels += device.channels.size();
@@ -91,7 +90,9 @@ class Reloader {
   static constexpr Duration kSayAgain = std::chrono::minutes{1};
   static constexpr Duration kGiveUp = std::chrono::hours{1};
 
-  Reloader(Bridge& bridge, std::string path) : bridge_(bridge), path_(std::move(path)) {}
+  // `running`: buses_text() of what the bridge has begun with.
+  Reloader(Bridge& bridge, std::string path, std::string running)
+      : bridge_(bridge), path_(std::move(path)), running_(std::move(running)) {}
 
   // The file as it is now; a reload that still waits is forgotten.
   void begin() {
@@ -109,6 +110,10 @@ class Reloader {
     go_on();
   }
   [[nodiscard]] bool waits() const { return wanted_.has_value(); }
+  // What runs, for the service manager.
+  [[nodiscard]] std::string status() const {
+    return waits() ? running_ + "; a reload waits for the end of programming" : running_;
+  }
   void go_on() {
     const auto done = bridge_.reload(*wanted_);
     if (!done) {
@@ -116,7 +121,10 @@ class Reloader {
       return log_error("configuration",
                        "not reloaded, the old configuration goes on running: " + done.error());
     }
-    if (done->waits_for.empty()) return wanted_.reset();
+    if (done->waits_for.empty()) {
+      running_ = buses_text(*wanted_);
+      return wanted_.reset();
+    }
     const Instant now = steady_now();
     const std::string who = fmt::format("{}", fmt::join(done->waits_for, ", "));
     if (now - begun_ >= kGiveUp) {
@@ -137,6 +145,7 @@ class Reloader {
  private:
   Bridge& bridge_;
   const std::string path_;
+  std::string running_;
   std::optional<BridgeSpec> wanted_;  // while it waits
   Instant begun_{}, say_at_{};
 };
@@ -164,23 +173,24 @@ ExitCode serve(Signals& signals, const BridgeSpec& spec, const DaemonOptions& op
     log_error(spec.name, "cannot start: " + started.error());
     return ExitCode::kCannotStart;
   }
-  log_info(spec.name,
-           fmt::format("running: {} buses, DDS domain {}", spec.buses.size(), spec.dds.domain));
+  log_info(spec.name, "running: " + buses_text(spec));
   Service service(notify_address(), watchdog_limit());
-  service.ready(fmt::format("{} buses, DDS domain {}", spec.buses.size(), spec.dds.domain));
-  Reloader reloader(bridge, options.configuration);
+  Reloader reloader(bridge, options.configuration, buses_text(spec));
+  service.ready(reloader.status());
   for (;;) {
     if (service.watched()) service.look(bridge.turns(), steady_now());
     const Duration sleep = service.sleep(reloader.waits() ? Reloader::kTryAgain : kHousekeeping);
     switch (const int signal = signals.wait(sleep)) {
       case 0:
         log_summaries(steady_now());
-        if (reloader.waits()) reloader.go_on();
+        if (!reloader.waits()) break;
+        reloader.go_on();
+        if (!reloader.waits()) service.status(reloader.status());
         break;
       case SIGHUP:
         service.reloading(steady_now());
         reloader.begin();
-        service.ready(reloader.waits() ? "a reload waits for the end of programming" : "running");
+        service.ready(reloader.status());
         break;
       case SIGUSR1:
         trace = !trace;

@@ -22,6 +22,7 @@ class Service {
       : socket_(std::move(notify_address)), watchdog_(watchdog) {}
 
   void ready(const std::string& status) { socket_.ready(status); }
+  void status(const std::string& text) { socket_.status(text); }
   void reloading(Instant now) { socket_.reloading(now); }
   void stopping() { socket_.stopping(); }
 

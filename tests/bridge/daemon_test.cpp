@@ -206,7 +206,8 @@ TEST_F(DaemonTest, AReloadThatWouldCutADownloadWaitsAndSaysForWhom) {
   };
   configure("holding:0");
   Process bridge({file});
-  bridge.said("running: 1 buses");  // engineers are listened to once every bus has begun
+  bridge.said("running: 1 bus");       // engineers are listened to once every bus has begun
+  ASSERT_TRUE(reads_more(device, 1));  // and a device is online once its port is open
   test::TcpClient engineer(port);
   engineer.send("@@P1FEFF");
   ASSERT_EQ(engineer.receive("FEFF"), "@@0000FEFF");

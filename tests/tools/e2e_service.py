@@ -94,11 +94,12 @@ class Service(unittest.TestCase):
         self.await_line("RELOADING=1")
         self.await_line("READY=1")
         self.await_line("WATCHDOG=1")
+        self.assertEqual(self.told.count("STATUS=1 bus, DDS domain "), 2, "at the start and after the reload")
         self.bridge.send_signal(signal.SIGTERM)
         self.await_line("STOPPING=1")
         self.assertEqual(self.bridge.wait(LIMIT), 0)
         lines = self.log().splitlines()
-        self.assertIn("<6>served: running: 1 buses, ", "\n".join(lines))
+        self.assertIn("<6>served: running: 1 bus, ", "\n".join(lines))
         self.assertTrue(any(line.startswith("<4>line: ") or line.startswith("<3>line: ") for line in lines), lines)
         self.assertEqual([line for line in lines if line[:1] != "<" or line[2:3] != ">"], [])
 
