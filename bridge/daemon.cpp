@@ -97,8 +97,10 @@ class Reloader {
   // The file as it is now; a reload that still waits is forgotten.
   void begin() {
     wanted_.reset();
+    refused_ = false;
     config::Loaded loaded = config::load_file(path_);
     if (!loaded) {
+      refused_ = true;
       log_faults(loaded.error());
       return log_error("configuration", "not reloaded: the old configuration goes on running");
     }
@@ -112,12 +114,14 @@ class Reloader {
   [[nodiscard]] bool waits() const { return wanted_.has_value(); }
   // What runs, for the service manager.
   [[nodiscard]] std::string status() const {
+    if (refused_) return running_ + "; the last reload was refused, the log says why";
     return waits() ? running_ + "; a reload waits for the end of programming" : running_;
   }
   void go_on() {
     const auto done = bridge_.reload(*wanted_);
     if (!done) {
       wanted_.reset();
+      refused_ = true;
       return log_error("configuration",
                        "not reloaded, the old configuration goes on running: " + done.error());
     }
@@ -129,6 +133,7 @@ class Reloader {
     const std::string who = fmt::format("{}", fmt::join(done->waits_for, ", "));
     if (now - begun_ >= kGiveUp) {
       wanted_.reset();
+      refused_ = true;
       return log_error("configuration",
                        fmt::format("not reloaded, the old configuration goes on running: still "
                                    "programmed after {}: {}; send SIGHUP again when that has ended",
@@ -147,6 +152,7 @@ class Reloader {
   const std::string path_;
   std::string running_;
   std::optional<BridgeSpec> wanted_;  // while it waits
+  bool refused_ = false;              // the file of the last reload does not run
   Instant begun_{}, say_at_{};
 };
 

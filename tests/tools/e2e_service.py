@@ -116,6 +116,21 @@ class Service(unittest.TestCase):
         for line in ["<3>line: the bus stands", "<4>line: the bus turns again"]:
             wait_until(lambda said=line: said in self.log(), LIMIT, lambda said=line: f"no '{said}' in\n{self.log()}")
 
+    def test_a_refused_reload_is_in_the_status_until_one_is_taken(self):
+        self.start()
+        self.await_line("READY=1")
+        with open(self.file, encoding="utf-8") as file:
+            good = file.read()
+        for text, refused in [(good + "nonsense: true\n", True), (good, False)]:
+            with open(self.file, "w", encoding="utf-8") as file:
+                file.write(text)
+            self.told = ""
+            self.bridge.send_signal(signal.SIGHUP)
+            self.await_line("RELOADING=1")
+            self.await_line("READY=1")
+            self.assertEqual("; the last reload was refused, the log says why" in self.told, refused, self.told)
+            self.assertIn("STATUS=1 bus, DDS domain ", self.told)
+
     def test_a_configuration_with_faults_is_never_ready(self):
         with open(self.file, "a", encoding="utf-8") as file:
             file.write("nonsense: true\n")
