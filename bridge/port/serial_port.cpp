@@ -32,8 +32,10 @@ Stream::End open_fault(const std::string& path) {
     }
     case EACCES:
     case EPERM:
-      return {"permission denied (is the user in the group that owns the device, often 'dialout'?)",
-              Cause::kPortDenied};
+      return {
+          "permission denied (is the user in the group that owns the device, often 'dialout', "
+          "and may that group read and write it? ls -lL says so)",
+          Cause::kPortDenied};
     case ENOENT:
     case ENODEV:
     case ENXIO: return {errno_text(fault), Cause::kPortMissing};

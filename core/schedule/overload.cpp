@@ -109,7 +109,8 @@ std::string to_text(const Overload& overload) {
   return "more is wanted than the wire carries, " + rounded(overload.load) +
          " times as much: refreshes will be up to " + rounded(overload.stretch) +
          " times as long as configured. Refresh less often, " +
-         (overload.baud ? "run the line at " + std::to_string(*overload.baud) + " baud, " : "") +
+         (overload.baud ? "run the line at " + std::to_string(*overload.baud) + " baud or more, "
+                        : "") +
          "or split the bus; 'fieldcast plan' tells what is enough";
 }
 

@@ -14,7 +14,8 @@ namespace fieldcast {
 struct Overload {
   double load = 0;     // planned: how many times the wire would be needed
   double stretch = 1;  // the most that a refresh will be longer than asked for
-  // The next standard rate that would carry all of it; nothing: none, or no line.
+  // The next standard rate whose wire has time for all of it; nothing: none, or no line. A plan
+  // may need a higher one, where a long read is in the way of a short refresh.
   std::optional<std::uint32_t> baud;
 };
 
