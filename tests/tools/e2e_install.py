@@ -139,6 +139,7 @@ def setUpModule():
 
     began = time.monotonic()
     root.run("dpkg", "-i", *packages)
+    root.run("sh", "-c", "test $(stat -c %U /var/lib/fieldcast) = fieldcast")  # before a service has started
     root.run("sh", "-c", f"sed s,/tmp/fieldcast-demo,{SIMULATOR}, /usr/share/fieldcast/examples/demo.yaml >/etc/fieldcast/demo.yaml")
     with open(root.path("/etc/fieldcast/demo.yaml"), "a", encoding="utf-8") as file:
         file.write("\nstore: { path: /var/lib/fieldcast/demo.db }\nmetrics: { listen: 127.0.0.1:9464 }\n")
