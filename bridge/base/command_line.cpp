@@ -44,6 +44,7 @@ CommandLine::CommandLine(const std::string& name, const std::string& description
     : state_(std::make_unique<State>()) {
   state_->root = std::make_unique<CLI::App>(description, name);
   state_->app = state_->root.get();
+  state_->app->set_version_flag("--version", name + " " + FIELDCAST_VERSION);
 }
 CommandLine::CommandLine(std::unique_ptr<State> state) : state_(std::move(state)) {}
 CommandLine::~CommandLine() = default;
@@ -120,9 +121,6 @@ void CommandLine::when_given(std::function<std::optional<Fault>()> check) {
   });
 }
 
-void CommandLine::set_version(const std::string& text) {
-  state_->app->set_version_flag("--version", text);
-}
 void CommandLine::set_footer(const std::string& text) { state_->app->footer(text); }
 
 std::optional<CommandLine::Ended> CommandLine::parse(int argc, const char* const* argv) {

@@ -66,7 +66,6 @@ class CommandLine {
   };
   void when_given(std::function<std::optional<Fault>()> check);
 
-  void set_version(const std::string& text);
   void set_footer(const std::string& text);
 
   // What there is to say instead of a run: help and version (not a fault), or what is wrong.

@@ -41,6 +41,7 @@ class Installed(unittest.TestCase):
     def test_each_program_tells_its_usage_and_has_its_page(self):
         for program in PROGRAMS:
             self.assertIn("--help", run(f"{self.root}/bin/{program}", "--help", env=environment(self.root)))
+            self.assertRegex(run(f"{self.root}/bin/{program}", "--version", env=environment(self.root)), rf"^{program} \d+\.\d+\.\d+\n$")
             with gzip.open(f"{self.root}/share/man/man1/{program}.1.gz", "rt", encoding="utf-8") as page:
                 self.assertIn("--help".replace("-", "\\-"), page.read())
 

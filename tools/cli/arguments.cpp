@@ -40,7 +40,6 @@ tl::expected<std::unique_ptr<Command>, NoCommand> parse_arguments(int argc,
   CommandLine line("fieldcast",
                    "Fieldcast's command line: samples, commands, state and plans of the buses that "
                    "fieldcast-bridge serves.");
-  line.set_version(std::string("fieldcast ") + FIELDCAST_VERSION);
   line.set_footer(kExitCodes);
   std::vector<std::unique_ptr<Command>> all;
   for (const CommandEntry& entry : commands()) {
