@@ -10,6 +10,7 @@
 #include "bridge/station/block_subscription.hpp"
 #include "bridge/station/command_client.hpp"
 #include "bridge/station/subscription.hpp"
+#include "core/model/channel_path.hpp"
 
 namespace fieldcast {
 
@@ -186,14 +187,12 @@ StationOutcome Station::execute(StationCommand command, Duration wait_for_bridge
 }
 
 StationOutcome Station::write(std::string_view path, Value value, bool verify) {
-  const std::size_t device = path.find('/') + 1;
-  const std::size_t channel = path.find('/', device) + 1;
-  if (device == 0 || channel == 0 || path.find('/', channel) != std::string_view::npos)
-    return tl::unexpected(StationFault::kNotAPath);
+  auto named = ChannelPath::parse(path);
+  if (!named) return tl::unexpected(StationFault::kNotAPath);
   StationCommand command;
-  command.bus = path.substr(0, device - 1);
-  command.command.device = path.substr(device, channel - device - 1);
-  command.command.target = ChannelTarget{std::string(path.substr(channel))};
+  command.bus = std::move(named->bus);
+  command.command.device = std::move(named->device);
+  command.command.target = ChannelTarget{std::move(named->channel)};
   command.command.values = {std::move(value)};
   command.command.verify = verify;
   return execute(std::move(command));

@@ -36,7 +36,8 @@ TEST(DdsCommand, AChannelIsWrittenByItsPath) {
   EXPECT_EQ(std::get<ChannelTarget>(taken.target).name, "c0");
   EXPECT_EQ(taken.values, std::vector<Value>{std::int64_t{42}});
   EXPECT_TRUE(taken.verify);
-  for (const std::string& path : {bus, bus + "/d", bus + "/d/c0/more"}) {
+  for (const std::string& path :
+       {bus, bus + "/d", bus + "/d/c0/more", bus + "/d/", std::string("/d/c0")}) {
     const auto refused = station.write(path, 42);
     ASSERT_FALSE(refused) << path;
     EXPECT_EQ(refused.error(), StationFault::kNotAPath);

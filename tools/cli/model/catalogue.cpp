@@ -27,23 +27,6 @@ std::string unknown(std::string_view kind, const std::string& name, std::vector<
 
 }  // namespace
 
-tl::expected<ChannelPath, std::string> ChannelPath::parse(std::string_view text) {
-  const auto first = text.find('/');
-  const auto second = first == std::string_view::npos ? first : text.find('/', first + 1);
-  ChannelPath path;
-  if (second != std::string_view::npos && text.find('/', second + 1) == std::string_view::npos) {
-    path = {std::string(text.substr(0, first)),
-            std::string(text.substr(first + 1, second - first - 1)),
-            std::string(text.substr(second + 1))};
-  }
-  if (path.bus.empty() || path.device.empty() || path.channel.empty()) {
-    return tl::unexpected(fmt::format(
-        "'{}' is no channel; write BUS/DEVICE/CHANNEL, for instance press-shop/press-1/running",
-        text));
-  }
-  return path;
-}
-
 void Catalogue::add(const StationChannel& channel) {
   add_device(channel.bus, channel.device);
   channels_[{channel.bus, channel.device, channel.channel}] = channel;

@@ -3,27 +3,17 @@
 // by whoever listens.
 #pragma once
 
-#include <compare>
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
 #include <string_view>
-#include <tl/expected.hpp>
 
 #include "bridge/station/station.hpp"
+#include "core/model/channel_path.hpp"
 #include "core/model/pattern.hpp"
 
 namespace fieldcast::cli {
-
-struct ChannelPath {
-  std::string bus, device, channel;
-
-  // "BUS/DEVICE/CHANNEL", all three; the fault is a line for people.
-  [[nodiscard]] static tl::expected<ChannelPath, std::string> parse(std::string_view text);
-  [[nodiscard]] std::string text() const { return bus + '/' + device + '/' + channel; }
-  friend auto operator<=>(const ChannelPath&, const ChannelPath&) = default;
-};
 
 class Catalogue {
  public:
