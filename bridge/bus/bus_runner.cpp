@@ -6,11 +6,11 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <mutex>
 
 #include "bridge/bus/back_off.hpp"
 #include "bridge/bus/clock.hpp"
 #include "bridge/bus/engine_timer.hpp"
+#include "bridge/bus/gate.hpp"
 #include "bridge/bus/iconv_codec.hpp"
 #include "bridge/check.hpp"
 #include "bridge/log/log.hpp"
@@ -43,28 +43,6 @@ CommandResult shutdown_result(const Command& command, Instant now) {
 }
 
 }  // namespace
-
-// The way to the io thread for others, who may come when the bus has stopped and its io_context is
-// gone.
-class Gate {
- public:
-  explicit Gate(asio::io_context& io) : io_(&io) {}
-  // False: closed, and nothing was posted.
-  template <typename Handler>
-  bool post(Handler&& handler) {
-    const std::lock_guard lock(mutex_);
-    if (io_) asio::post(*io_, std::forward<Handler>(handler));
-    return io_ != nullptr;
-  }
-  void close() {
-    const std::lock_guard lock(mutex_);
-    io_ = nullptr;
-  }
-
- private:
-  std::mutex mutex_;
-  asio::io_context* io_;
-};
 
 // Everything on the io thread. process(): an event and its `now` go into the engine, the actions
 // that come out are executed in order.
