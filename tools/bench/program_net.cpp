@@ -1,6 +1,5 @@
 #include "tools/bench/program_net.hpp"
 
-#include <arpa/inet.h>
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 
@@ -9,17 +8,10 @@
 #include <thread>
 
 #include "bridge/base/errno_text.hpp"
+#include "tools/bench/loopback.hpp"
 
 namespace fieldcast::bench {
 namespace {
-
-sockaddr_in loopback(std::uint16_t port) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(port);
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  return address;
-}
 
 std::string as_string(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
 

@@ -1,6 +1,5 @@
 #include "tools/bench/scraper.hpp"
 
-#include <arpa/inet.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -10,17 +9,10 @@
 #include <string_view>
 
 #include "bridge/base/file_descriptor.hpp"
+#include "tools/bench/loopback.hpp"
 
 namespace fieldcast::bench {
 namespace {
-
-sockaddr_in loopback_at(std::uint16_t port) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(port);
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  return address;
-}
 
 // The whole answer; empty when there is none.
 std::string scrape(std::uint16_t port) {
@@ -28,7 +20,7 @@ std::string scrape(std::uint16_t port) {
       "GET /metrics HTTP/1.1\r\nHost: bridge\r\nConnection: close\r\n"
       "Accept: application/openmetrics-text; version=1.0.0\r\n\r\n";
   const FileDescriptor fd(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  const sockaddr_in address = loopback_at(port);
+  const sockaddr_in address = loopback(port);
   if (::connect(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
     return {};
   if (::send(fd.get(), kRequest.data(), kRequest.size(), MSG_NOSIGNAL) < 0) return {};
@@ -47,7 +39,7 @@ std::uint16_t free_tcp_port() {
     const auto port =
         static_cast<std::uint16_t>(kLowest + (static_cast<unsigned>(::getpid()) * 7 + i) % kCount);
     const FileDescriptor fd(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-    const sockaddr_in address = loopback_at(port);
+    const sockaddr_in address = loopback(port);
     if (::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0)
       return port;
   }
