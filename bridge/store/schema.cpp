@@ -69,25 +69,33 @@ create view device_states as
 select bus, device, protocol, address, state, {time since} as since from devices;
 
 create view alarm_history as
-select id, bus, device, channel, limit_kind, state, value, {time since} as since, since as since_ns from alarms;
+select id, bus, device, channel, limit_kind, state, value, {time since} as since,
+  since as since_ns
+from alarms;
 
 create view active_alarms as
 select bus, device, channel, limit_kind, value, {time since} as since, since as since_ns
-from alarms where state = 'active' and id in (select max(id) from alarms group by bus, device, channel, limit_kind);
+from alarms where state = 'active' and id in (
+  select max(id) from alarms group by bus, device, channel, limit_kind);
 
 create view audit_history as
-select id, {time at} as at, who, what, target, bytes_to_device, bytes_from_device, result, at as at_ns from audit;
+select id, {time at} as at, who, what, target, bytes_to_device, bytes_from_device, result,
+  at as at_ns
+from audit;
 )",
     // width in seconds, start in nanoseconds (core/base/time.hpp). open_buckets: those whose row in
     // tiers is still to be written. untiered: the channels that have samples without tiers, from
     // `next` on.
     R"(
 create table tiers (
-  width bigint not null, channel bigint not null, start bigint not null, count bigint not null, bad bigint not null,
-  min double precision, max double precision, sum double precision, first double precision, last double precision,
+  width bigint not null, channel bigint not null, start bigint not null,
+  count bigint not null, bad bigint not null,
+  min double precision, max double precision, sum double precision,
+  first double precision, last double precision,
   primary key (width, channel, start)) {clustered};
 create table open_buckets (
-  width bigint not null, start bigint not null, channel bigint not null, primary key (width, start, channel)) {clustered};
+  width bigint not null, start bigint not null, channel bigint not null,
+  primary key (width, start, channel)) {clustered};
 create table untiered (channel bigint primary key, next bigint not null);
 insert into untiered select id, 0 from channels where type <> 'string';
 
