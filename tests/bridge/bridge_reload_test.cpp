@@ -21,6 +21,7 @@ using test::bus_at;
 using test::good_from;
 using test::ModbusDevice;
 using test::Receiver;
+using test::Reports;
 
 // What the store says of the alarms, in their order: "active", "clear".
 std::vector<AlarmRecord> stored_alarms(const std::string& path) {
@@ -35,28 +36,11 @@ std::vector<AlarmRecord> stored_alarms(const std::string& path) {
 
 TEST_F(BridgeTest, AlarmsGoOnAndEndOverRestartsAndReloads) {
   ModbusDevice a(first), b(second);
+  Reports<StationAlarm> alarms;
   Receiver receiver(spec.dds);
-  std::mutex mutex;
-  std::vector<StationAlarm> received;
-  receiver.station.subscribe_alarms([&](const StationAlarm& alarm) {
-    const std::lock_guard lock(mutex);
-    received.push_back(alarm);
-  });
+  receiver.station.subscribe_alarms([&](const StationAlarm& alarm) { alarms.add(alarm); });
   const auto told = [&](AlarmState state) {
-    for (const auto end = std::chrono::steady_clock::now() + seconds{15};
-         std::chrono::steady_clock::now() < end; std::this_thread::yield()) {
-      const std::lock_guard lock(mutex);
-      if (!received.empty() && received.back().state == state) return true;
-    }
-    return false;
-  };
-  const auto last = [&] {
-    const std::lock_guard lock(mutex);
-    return received.back();
-  };
-  const auto forget = [&] {
-    const std::lock_guard lock(mutex);
-    received.clear();
+    return alarms.newest([&](const StationAlarm& alarm) { return alarm.state == state; });
   };
   const std::filesystem::path folder =
       std::filesystem::path(testing::TempDir()) / ("alarms-" + std::to_string(::getpid()));
@@ -69,38 +53,37 @@ TEST_F(BridgeTest, AlarmsGoOnAndEndOverRestartsAndReloads) {
     Bridge bridge;
     ASSERT_TRUE(bridge.start(spec));
     ASSERT_TRUE(told(AlarmState::kActive));
-    since = last().since;
+    since = alarms.last().since;
   }
-  forget();
+  alarms.forget();
   {
     Bridge bridge;  // still beyond: the same alarm
     ASSERT_TRUE(bridge.start(spec));
     ASSERT_TRUE(told(AlarmState::kActive));
-    const auto near = [&] {  // the clocks of the two runs differ by what the system corrected
-      return std::abs(last().since.nanoseconds - since.nanoseconds) < 20'000'000;
+    const auto near = [&](const StationAlarm& alarm) {
+      // The clocks of the two runs differ by what the system corrected.
+      return std::abs(alarm.since.nanoseconds - since.nanoseconds) < 20'000'000;
     };
-    for (const auto end = std::chrono::steady_clock::now() + seconds{15};
-         !near() && std::chrono::steady_clock::now() < end; std::this_thread::yield()) {}
-    EXPECT_TRUE(near());
-    forget();
+    EXPECT_TRUE(alarms.newest(near));
+    alarms.forget();
     spec.buses[0].devices[0].channels[0].refresh = milliseconds{120};
     ASSERT_TRUE(bridge.reload(spec));
     ASSERT_TRUE(told(AlarmState::kActive));
-    EXPECT_TRUE(near());
+    EXPECT_TRUE(near(alarms.last()));
   }
   EXPECT_EQ(stored_alarms(spec.store->address).size(), 1u);
-  forget();
+  alarms.forget();
   channel.limits.high = 5;  // while the bridge is down; as if the value had fallen
   {
     Bridge bridge;
     ASSERT_TRUE(bridge.start(spec));
     ASSERT_TRUE(told(AlarmState::kClear));
     channel.limits.high = 1;
-    forget();
+    alarms.forget();
     ASSERT_TRUE(bridge.reload(spec));
     ASSERT_TRUE(told(AlarmState::kActive));
     channel.limits.high.reset();
-    forget();
+    alarms.forget();
     ASSERT_TRUE(bridge.reload(spec));
     EXPECT_TRUE(told(AlarmState::kClear));
   }

@@ -19,6 +19,7 @@ using test::BridgeTest;
 using test::good_from;
 using test::ModbusDevice;
 using test::Receiver;
+using test::Reports;
 using test::write_to;
 
 TEST_F(BridgeTest, AStationReceivesEveryBus) {
@@ -46,23 +47,13 @@ TEST_F(BridgeTest, ACommandReachesTheDeviceAndItsResultTheStation) {
 
 TEST_F(BridgeTest, WhileADeviceIsProgrammedItsBusRestsAndTheOthersGoOn) {
   ModbusDevice a(first), b(second);
+  Reports<ProgramSessionReport> sessions;
   Receiver receiver(spec.dds);
-  std::mutex mutex;
-  std::vector<ProgramSessionReport> sessions;
-  receiver.station.subscribe_program_sessions([&](const ProgramSessionReport& session) {
-    const std::lock_guard lock(mutex);
-    sessions.push_back(session);
-  });
+  receiver.station.subscribe_program_sessions(
+      [&](const ProgramSessionReport& session) { sessions.add(session); });
   const auto session_becomes = [&](ProgramSessionState state) {
-    const auto deadline = std::chrono::steady_clock::now() + seconds{15};
-    while (std::chrono::steady_clock::now() < deadline) {
-      {
-        const std::lock_guard lock(mutex);
-        if (!sessions.empty() && sessions.back().state == state) return true;
-      }
-      std::this_thread::yield();
-    }
-    return false;
+    return sessions.newest(
+        [&](const ProgramSessionReport& session) { return session.state == state; });
   };
   spec.buses[0].devices[0].number = "P1";
   spec.program.engineers.emplace().listen = {"127.0.0.1", test::free_port()};
@@ -87,8 +78,7 @@ TEST_F(BridgeTest, WhileADeviceIsProgrammedItsBusRestsAndTheOthersGoOn) {
   engineer.send("@@EDFEFF");
   EXPECT_TRUE(receiver.receives(good_from("one")));
   EXPECT_TRUE(session_becomes(ProgramSessionState::kClosed));
-  const std::lock_guard lock(mutex);
-  EXPECT_EQ(sessions.back().bus + '/' + sessions.back().device, "one/plc");
+  EXPECT_EQ(sessions.last().bus + '/' + sessions.last().device, "one/plc");
 }
 
 // Of a device that falls silent: what the engine counts, what its DataWriters see and what a

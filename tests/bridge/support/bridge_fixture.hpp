@@ -47,6 +47,38 @@ inline BusSpec bus_at(const std::string& name, const std::string& path) {
   return bus;
 }
 
+// Reports of one kind that a station receives, waited for with a deadline. Any thread.
+template <typename Report>
+class Reports {
+ public:
+  void add(const Report& report) {
+    {
+      const std::lock_guard lock(mutex_);
+      reports_.push_back(report);
+    }
+    changed_.notify_all();
+  }
+  // The newest one is so, within the limit.
+  [[nodiscard]] bool newest(const std::function<bool(const Report&)>& wanted) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, std::chrono::seconds{15},
+                             [&] { return !reports_.empty() && wanted(reports_.back()); });
+  }
+  [[nodiscard]] Report last() {  // REQUIRES: there is one
+    const std::lock_guard lock(mutex_);
+    return reports_.back();
+  }
+  void forget() {
+    const std::lock_guard lock(mutex_);
+    reports_.clear();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<Report> reports_;
+};
+
 // What a station receives, waited for with a deadline.
 class Receiver {
  public:
