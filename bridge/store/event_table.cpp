@@ -40,10 +40,11 @@ void EventTable::insert(const AlarmRecord& alarm) {
 void EventTable::insert(const DeviceRecord& device) {
   connection_.execute(
       "insert into devices (bus, device, protocol, address, state, since) values ($1, $2, $3, $4, "
-      "$5, $6) "
-      "on conflict (bus, device) do update set protocol = excluded.protocol, address = "
-      "excluded.address, "
-      "state = excluded.state, since = excluded.since",
+      "$5, $6) on conflict (bus, device) do update set "
+      "protocol = case excluded.protocol when '' then devices.protocol else excluded.protocol end, "
+      "address = case excluded.address when '' then devices.address else excluded.address end, "
+      "since = case excluded.state when devices.state then devices.since else excluded.since end, "
+      "state = excluded.state",
       SqlRow{device.bus, device.device, device.protocol, device.address, device.state,
              device.since.nanoseconds});
 }

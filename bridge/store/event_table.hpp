@@ -17,7 +17,9 @@ class EventTable {
 
   void insert(const AuditEntry& entry);
   void insert(const AlarmRecord& alarm);
-  void insert(const DeviceRecord& device);  // in place of what was known of it
+  // In place of what was known of it; an empty protocol or address leaves the one that is there,
+  // and the state it has already its time.
+  void insert(const DeviceRecord& device);
 
   // In the order of time, those of from <= time < to. False from the function ends it.
   void audit(UtcTime from, UtcTime to, const std::function<bool(const AuditEntry&)>& on_entry);

@@ -195,4 +195,20 @@ std::optional<UtcTime> SampleTable::oldest(std::int64_t channel) {
   return found;
 }
 
+std::optional<SampleRow> SampleTable::newest(std::int64_t channel) {
+  std::optional<SampleRow> found;
+  connection_.query(
+      "select published_at, sequence, acquired_at, quality from samples where channel = $1 "
+      "order by published_at desc, sequence desc limit 1",
+      {channel}, [&](const SqlRow& row) {
+        found = {.channel = channel,
+                 .published_at = {integer_at(row, 0)},
+                 .acquired_at = {integer_at(row, 2)},
+                 .sequence = static_cast<std::uint64_t>(integer_at(row, 1)),
+                 .quality = quality_from(integer_at(row, 3))};
+        return false;
+      });
+  return found;
+}
+
 }  // namespace fieldcast

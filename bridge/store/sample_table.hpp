@@ -24,6 +24,13 @@ struct SampleRow {
   std::uint16_t device_code = 0;
   Value value;
   bool is_text = false;  // its channel is of type string: it has no tiers
+  // Perhaps the last sample of its channel that is stored already: DDS gives the last value again.
+  bool perhaps_stored = false;
+
+  [[nodiscard]] bool is_same(const SampleRow& other) const {
+    return sequence == other.sequence && acquired_at == other.acquired_at &&
+           quality == other.quality;
+  }
 };
 
 // A channel that the store knows.
@@ -65,6 +72,8 @@ class SampleTable {
   // most. How many went.
   std::uint64_t remove_before(std::int64_t channel, UtcTime before, std::uint64_t limit);
   [[nodiscard]] std::optional<UtcTime> oldest(std::int64_t channel);  // nothing: it has none
+  // The newest one, without its value.
+  [[nodiscard]] std::optional<SampleRow> newest(std::int64_t channel);
 
  private:
   void insert(std::string_view table, std::span<const SampleRow> samples);

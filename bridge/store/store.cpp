@@ -40,6 +40,14 @@ std::string spelled(const DeviceRecord& device) {
   return fmt::format("device {}/{} {}", device.bus, device.device, device.state);
 }
 
+std::vector<Pattern> parsed(const std::vector<std::string>& texts) {
+  std::vector<Pattern> patterns;
+  for (const std::string& text : texts) {
+    if (auto pattern = Pattern::parse(text)) patterns.push_back(*std::move(pattern));
+  }
+  return patterns;
+}
+
 void log_unstored(const std::variant<AuditEntry, AlarmRecord, DeviceRecord>& event) {
   log_counted(
       LogLevel::kWarning, "store", "records not stored",
@@ -69,7 +77,8 @@ class Store::DropReport {
 class Store::Writer {
  public:
   using Opened = std::function<void(const std::vector<AlarmRecord>& active)>;
-  Writer(const StoreSpec& spec, Opened opened, std::deque<Channel>& channels, std::mutex& mutex)
+  Writer(const StoreSpec& spec, Opened opened, std::deque<StoredChannel>& channels,
+         std::mutex& mutex)
       : address_(spec.address),
         opened_(std::move(opened)),
         channels_(channels),
@@ -123,6 +132,8 @@ class Store::Writer {
   // Throws StoreError.
   void write_all(const Batch& batch) {
     SqlTransaction transaction(*connection_);
+    for (const std::size_t channel : batch.changed)
+      known_.erase(static_cast<std::int64_t>(channel));
     insert(batch.samples);
     EventTable events(*connection_);
     for (const Event& event : batch.events)
@@ -141,12 +152,13 @@ class Store::Writer {
       const auto end = at + std::min<std::ptrdiff_t>(kRows, samples.end() - at);
       rows_.assign(at, end);
       at = end;
-      for (SampleRow& row : rows_) {
+      std::erase_if(rows_, [this](SampleRow& row) {
         Known& known = known_[row.channel];
         if (known.id == 0) known = ask(static_cast<std::size_t>(row.channel));
         row.channel = known.id;
         row.is_text = known.is_text;
-      }
+        return row.perhaps_stored && is_stored(row);
+      });
       SampleTable(*connection_).insert(rows_);
       tiers_.note(*connection_, rows_);
     }
@@ -156,20 +168,24 @@ class Store::Writer {
     bool is_text = false;
   };
   Known ask(std::size_t index) {
-    const Channel* channel = nullptr;
+    StoredChannel channel;
     {
       const std::lock_guard lock(mutex_);
-      channel = &channels_[index];
+      channel = channels_[index];
     }
-    return {SampleTable(*connection_)
-                .channel_id(channel->bus, channel->device, channel->channel, channel->unit,
-                            channel->type),
-            channel->type == to_text(ValueType::kString)};
+    return {
+        SampleTable(*connection_)
+            .channel_id(channel.bus, channel.device, channel.channel, channel.unit, channel.type),
+        channel.type.starts_with(to_text(ValueType::kString))};
+  }
+  [[nodiscard]] bool is_stored(const SampleRow& row) {
+    const auto newest = SampleTable(*connection_).newest(row.channel);
+    return newest && newest->is_same(row);
   }
 
   const StoreAddress address_;
   Opened opened_;
-  std::deque<Channel>& channels_;
+  std::deque<StoredChannel>& channels_;
   std::mutex& mutex_;
   std::unique_ptr<SqlConnection> connection_;
   std::map<std::int64_t, Known> known_;  // by index in channels_
@@ -180,7 +196,10 @@ class Store::Writer {
 };
 
 Store::Store(const StoreSpec& spec, Opened opened)
-    : spec_(spec), opened_(std::move(opened)), thread_([this] { run(); }) {}
+    : spec_(spec),
+      patterns_(parsed(spec.samples)),
+      opened_(std::move(opened)),
+      thread_([this] { run(); }) {}
 
 Store::~Store() {
   {
@@ -191,51 +210,81 @@ Store::~Store() {
   thread_.join();
 }
 
-std::unique_ptr<Store::Intake> Store::intake(const BusSpec& bus) {
-  std::vector<Pattern> patterns;
-  for (const std::string& text : spec_.samples) {
-    if (auto pattern = Pattern::parse(text)) patterns.push_back(*std::move(pattern));
+std::optional<std::size_t> Store::index_of(const StoredChannel& channel) {
+  const bool stored = std::any_of(patterns_.begin(), patterns_.end(), [&](const Pattern& pattern) {
+    return pattern.matches(channel.bus, channel.device, channel.channel);
+  });
+  if (!stored) return std::nullopt;
+  std::string path = channel.bus + '/' + channel.device + '/' + channel.channel;
+  const auto known = indexes_.find(path);
+  if (known == indexes_.end()) {
+    if (channels_.size() >= kMaxChannels) return std::nullopt;
+    indexes_.emplace(std::move(path), channels_.size());
+    channels_.push_back(channel);
+    return channels_.size() - 1;
   }
+  StoredChannel& before = channels_[known->second];
+  if (before.unit != channel.unit || before.type != channel.type) {
+    before = channel;
+    changed_.insert(known->second);
+  }
+  return known->second;
+}
+
+std::unique_ptr<Store::Intake> Store::intake(const BusSpec& bus) {
   auto made = std::unique_ptr<Intake>(new Intake(*this));
   const std::lock_guard lock(mutex_);
   for (const DeviceSpec& device : bus.devices) {
     for (const ChannelSpec& channel : device.channels) {
-      auto& index = made->channels_.emplace_back();
-      const auto stored = [&](const Pattern& pattern) {
-        return pattern.matches(bus.name, device.name, channel.name);
-      };
-      if (!std::any_of(patterns.begin(), patterns.end(), stored)) continue;
-      const auto [known, added] =
-          indexes_.try_emplace(bus.name + '/' + device.name + '/' + channel.name, channels_.size());
-      if (added)
-        channels_.push_back({bus.name, device.name, channel.name, channel.unit,
-                             std::string(to_text(channel.encoding.type))});
-      index = known->second;
+      made->channels_.push_back(index_of({.bus = bus.name,
+                                          .device = device.name,
+                                          .channel = channel.name,
+                                          .unit = channel.unit,
+                                          .type = std::string(to_text(channel.encoding.type))}));
     }
   }
   return made;
+}
+
+std::optional<std::int64_t> Store::number_of(const StoredChannel& channel) {
+  const std::lock_guard lock(mutex_);
+  const auto index = index_of(channel);
+  return index ? std::optional(static_cast<std::int64_t>(*index)) : std::nullopt;
+}
+
+void Store::put_row(SampleRow row) {
+  if (waiting_.samples.size() >= kMaxWaiting) {
+    ++counters_.dropped;
+    return;
+  }
+  waiting_.samples.push_back(std::move(row));
+  ++put_;
 }
 
 void Store::Intake::put(std::span<const Sample> samples, const UtcMapping& mapping, UtcTime at) {
   bool wake = false;
   {
     const std::lock_guard lock(store_.mutex_);
-    auto& rows = store_.waiting_.samples;
     const bool idle = store_.waiting_.empty();
     for (const Sample& sample : samples) {
-      const auto index = channels_.at(sample.channel);
-      if (!index) continue;
-      if (rows.size() >= kMaxWaiting) {
-        ++store_.counters_.dropped;
-        continue;
-      }
-      rows.push_back({static_cast<std::int64_t>(*index), at, mapping.to_utc(sample.acquired),
-                      sample.sequence, sample.quality, sample.device_code, sample.value});
-      ++store_.put_;
+      if (const auto index = channels_.at(sample.channel))
+        store_.put_row({static_cast<std::int64_t>(*index), at, mapping.to_utc(sample.acquired),
+                        sample.sequence, sample.quality, sample.device_code, sample.value});
     }
-    wake = idle && !rows.empty();
+    wake = idle && !store_.waiting_.empty();
   }
   if (wake) store_.work_.notify_one();
+}
+
+void Store::put(std::span<const SampleRow> rows) {
+  bool wake = false;
+  {
+    const std::lock_guard lock(mutex_);
+    const bool idle = waiting_.empty();
+    for (const SampleRow& row : rows) put_row(row);
+    wake = idle && !waiting_.empty();
+  }
+  if (wake) work_.notify_one();
 }
 
 void Store::append(AuditEntry entry) {
@@ -277,6 +326,7 @@ bool Store::gather(Batch& batch, Duration longest) {
     work_.wait_for(lock, kGather, [this] { return ending_; });
   }
   std::swap(batch, waiting_);
+  if (!batch.samples.empty()) batch.changed = std::exchange(changed_, {});
   return !ending_ || !batch.empty();
 }
 

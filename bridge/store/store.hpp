@@ -15,6 +15,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <span>
 #include <thread>
 #include <variant>
@@ -25,6 +26,7 @@
 #include "bridge/store/audit.hpp"
 #include "bridge/store/records.hpp"
 #include "bridge/store/sample_table.hpp"
+#include "core/model/pattern.hpp"
 #include "core/model/sample.hpp"
 #include "core/model/spec.hpp"
 
@@ -70,6 +72,14 @@ class Store final : public Audit, public AlarmSink {
   };
   [[nodiscard]] std::unique_ptr<Intake> intake(const BusSpec& bus);
 
+  // For samples that come with names and not from a bus of this process. The number of a channel
+  // for put(), for the life of this object; its `id` is ignored, its unit and type are stored from
+  // now on. Nothing: no pattern of the configuration names it, or there are kMaxChannels others.
+  static constexpr std::size_t kMaxChannels = 500'000;
+  [[nodiscard]] std::optional<std::int64_t> number_of(const StoredChannel& channel);
+  // Rows with such numbers. Any thread; never blocks for longer than a copy.
+  void put(std::span<const SampleRow> rows);
+
   void append(AuditEntry entry) override;
   void put(AlarmRecord alarm) override { put_event(std::move(alarm)); }
   void put(DeviceRecord device) { put_event(std::move(device)); }
@@ -79,21 +89,22 @@ class Store final : public Audit, public AlarmSink {
   [[nodiscard]] bool flush(Duration limit);
 
  private:
-  struct Channel {
-    std::string bus, device, channel, unit, type;
-  };
   using Event = std::variant<AuditEntry, AlarmRecord, DeviceRecord>;
   struct Batch {
     // `channel` is the index in channels_ until it is written. A deque: a queue that grows never
     // moves what it holds, which a bus would have to wait for.
     std::deque<SampleRow> samples;
     std::deque<Event> events;
+    std::set<std::size_t> changed;  // as changed_
     [[nodiscard]] bool empty() const { return samples.empty() && events.empty(); }
   };
   class Writer;
   class DropReport;
 
   void put_event(Event event);
+  // Both with mutex_ held.
+  [[nodiscard]] std::optional<std::size_t> index_of(const StoredChannel& channel);
+  void put_row(SampleRow row);
   void run();  // the thread
   [[nodiscard]] bool store(Writer& writer, const Batch& batch, BackOff& back_off,
                            DropReport& drops);
@@ -101,12 +112,14 @@ class Store final : public Audit, public AlarmSink {
   void written(const Batch& batch, bool stored);
 
   const StoreSpec spec_;
+  const std::vector<Pattern> patterns_;
   const Opened opened_;
   mutable std::mutex mutex_;
   std::condition_variable work_;
   std::condition_variable done_;
   // Of all buses there ever were, each once. A deque never moves what it holds.
-  std::deque<Channel> channels_;
+  std::deque<StoredChannel> channels_;
+  std::set<std::size_t> changed_;               // in channels_: their unit or type is not as it was
   std::map<std::string, std::size_t> indexes_;  // in channels_, by the path of the channel
   Batch waiting_;
   StoreCounters counters_;
