@@ -1,0 +1,196 @@
+// The recorder with a real store: what DDS tells becomes history.
+#include "tools/station/record/recorder.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "bridge/store/event_table.hpp"
+#include "tests/bridge/store/scratch.hpp"
+#include "tests/bridge/store/store_support.hpp"
+
+namespace fieldcast::web {
+namespace {
+
+using std::chrono::seconds;
+using test::forever;
+using test::history;
+using test::Scratch;
+using test::utc;
+using testing::ElementsAre;
+
+StationChannel channel(const std::string& bus, const std::string& name,
+                       const std::string& unit = "bar") {
+  StationChannel made;
+  made.bus = bus;
+  made.device = "d";
+  made.channel = name;
+  made.type = "float32";
+  made.unit = unit;
+  return made;
+}
+
+StationSample sample_of(const std::string& bus, const std::string& name, std::int64_t second,
+                        std::uint64_t sequence, Value value = 1.5) {
+  return {.bus = bus,
+          .device = "d",
+          .channel = name,
+          .value = std::move(value),
+          .quality = Quality::kGood,
+          .acquired_at = utc(second),
+          .sequence = sequence};
+}
+
+class RecorderTest : public testing::Test {
+ protected:
+  void start(StoreSpec spec) {
+    store_.emplace(spec);
+    recorder_.emplace(*store_);
+  }
+  void start() { start(forever(address_)); }
+  void stop() {
+    EXPECT_TRUE(store_->flush(seconds{30}));
+    recorder_.reset();
+    store_.reset();
+  }
+  [[nodiscard]] std::vector<std::uint64_t> sequences(const std::string& pattern) const {
+    std::vector<std::uint64_t> found;
+    for (const auto& each : history(address_, pattern)) found.push_back(each.sequence);
+    return found;
+  }
+
+  Scratch scratch_;
+  StoreAddress address_{scratch_.path("recorded.db")};
+  std::optional<Store> store_;
+  std::optional<Recorder> recorder_;
+};
+
+TEST_F(RecorderTest, TwoBusesBecomeTwoHistoriesWithTheirUnitsAndTypes) {
+  start();
+  recorder_->on_channel(channel("east", "p"));
+  StationChannel text = channel("west", "name", "");
+  text.type = "string(16)";
+  recorder_->on_channel(text);
+  recorder_->on_sample(sample_of("east", "p", 1, 1), utc(1));
+  recorder_->on_sample(sample_of("west", "name", 1, 1, std::string("run")), utc(1));
+  recorder_->on_sample(sample_of("east", "p", 2, 2, 2.5), utc(2));
+  stop();
+  const auto east = history(address_, "east");
+  ASSERT_EQ(east.size(), 2u);
+  EXPECT_EQ(east[1].value, Value(2.5));
+  EXPECT_EQ(east[1].unit, "bar");
+  EXPECT_EQ(east[1].type, "float32");
+  EXPECT_EQ(east[1].published_at, utc(2));
+  const auto west = history(address_, "west");
+  ASSERT_EQ(west.size(), 1u);
+  EXPECT_EQ(west[0].value, Value(std::string("run")));
+  EXPECT_EQ(west[0].type, "string");
+}
+
+TEST_F(RecorderTest, TheLastValueThatComesAgainIsRecordedOnce) {
+  start();
+  recorder_->on_channel(channel("east", "p"));
+  recorder_->on_sample(sample_of("east", "p", 1, 41), utc(1));
+  recorder_->on_sample(sample_of("east", "p", 2, 42), utc(2));
+  recorder_->on_gone("east", "d", "p");
+  recorder_->on_channel(channel("east", "p"));
+  recorder_->on_sample(sample_of("east", "p", 2, 42), utc(10));
+  EXPECT_EQ(recorder_->counters().repeated, 1u);
+  stop();
+  EXPECT_THAT(sequences("east"), ElementsAre(41, 42));
+}
+
+TEST_F(RecorderTest, ARestartedRecorderKnowsWhatItsStoreHas) {
+  StationSample stale = sample_of("east", "p", 1, 42);
+  stale.quality = Quality::kBadNoAnswer;
+  start();
+  recorder_->on_sample(sample_of("east", "p", 1, 41), utc(1));
+  recorder_->on_sample(stale, utc(9));
+  stop();
+  start();
+  recorder_->on_sample(stale, utc(30));  // has another arrival
+  recorder_->on_sample(sample_of("east", "p", 31, 43), utc(31));
+  stop();
+  EXPECT_THAT(sequences("east"), ElementsAre(41, 42, 43));
+}
+
+TEST_F(RecorderTest, ARestartedBridgeGoesOnInTheSameHistory) {
+  start();
+  recorder_->on_sample(sample_of("east", "p", 1, 41), utc(1));
+  recorder_->on_gone("east", "d", "p");
+  recorder_->on_sample(sample_of("east", "p", 5, 1), utc(5));
+  recorder_->on_sample(sample_of("east", "p", 6, 2), utc(6));
+  stop();
+  EXPECT_THAT(sequences("east"), ElementsAre(41, 1, 2));
+}
+
+TEST_F(RecorderTest, AUnitThatChangesIsTheUnitFromThenOn) {
+  start();
+  recorder_->on_channel(channel("east", "p", "bar"));
+  recorder_->on_sample(sample_of("east", "p", 1, 1), utc(1));
+  ASSERT_TRUE(store_->flush(seconds{30}));
+  recorder_->on_channel(channel("east", "p", "mbar"));
+  recorder_->on_sample(sample_of("east", "p", 2, 2), utc(2));
+  stop();
+  EXPECT_EQ(history(address_, "east").at(0).unit, "mbar");
+}
+
+TEST_F(RecorderTest, OnlyWhatThePatternsNameIsRecorded) {
+  StoreSpec spec = forever(address_);
+  spec.samples = {"east/*/p*"};
+  start(spec);
+  for (const char* const name : {"p1", "q1", "p2"}) {
+    recorder_->on_channel(channel("east", name));
+    recorder_->on_sample(sample_of("east", name, 1, 1), utc(1));
+  }
+  EXPECT_EQ(recorder_->counters().recorded, 2u);
+  stop();
+  EXPECT_THAT(history(address_, "east").size(), 2);
+}
+
+TEST_F(RecorderTest, SamplesOfManyThreadsAllArriveInTheOrderOfTheirChannel) {
+  constexpr int kThreads = 4;
+  constexpr int kSamples = 5000;
+  start();
+  std::vector<std::thread> threads;
+  for (int thread = 0; thread < kThreads; ++thread) {
+    threads.emplace_back([this, bus = "bus" + std::to_string(thread)] {
+      for (int i = 1; i <= kSamples; ++i)
+        recorder_->on_sample(sample_of(bus, "p", i, static_cast<std::uint64_t>(i)), utc(i));
+    });
+  }
+  for (auto& thread : threads) thread.join();
+  EXPECT_EQ(recorder_->counters().recorded, std::uint64_t{kThreads * kSamples});
+  stop();
+  for (int thread = 0; thread < kThreads; ++thread) {
+    const auto found = sequences("bus" + std::to_string(thread));
+    ASSERT_EQ(found.size(), std::size_t{kSamples});
+    EXPECT_TRUE(std::ranges::is_sorted(found));
+  }
+}
+
+TEST_F(RecorderTest, ADeviceIsStoredWhenItsStateChanges) {
+  const auto status = [](DeviceState state, std::int64_t second) {
+    StationDeviceStatus made{.bus = "east", .device = "d", .reported_at = utc(second)};
+    made.report.state = state;
+    return made;
+  };
+  start();
+  recorder_->on_device_status(status(DeviceState::kOnline, 1));
+  recorder_->on_device_status(status(DeviceState::kOnline, 2));
+  recorder_->on_device_status(status(DeviceState::kOffline, 3));
+  recorder_->on_device_status(status(DeviceState::kOffline, 4));
+  stop();
+  start();
+  recorder_->on_device_status(status(DeviceState::kOffline, 9));  // nothing has changed
+  stop();
+  const auto connection = open_store(address_, IfMissing::kFail);
+  const auto devices = EventTable(*connection).devices();
+  ASSERT_EQ(devices.size(), 1u);
+  EXPECT_EQ(devices[0].state, "offline");
+  EXPECT_EQ(devices[0].since, utc(3));
+}
+
+}  // namespace
+}  // namespace fieldcast::web

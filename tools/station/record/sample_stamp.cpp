@@ -1,0 +1,48 @@
+#include "tools/station/record/sample_stamp.hpp"
+
+#include <algorithm>
+
+namespace fieldcast::web {
+namespace {
+
+Duration between(UtcTime from, UtcTime to) { return Duration{to.nanoseconds - from.nanoseconds}; }
+UtcTime operator-(UtcTime time, Duration by) { return {time.nanoseconds - by.count()}; }
+
+}  // namespace
+
+void ClockOffset::note(UtcTime acquired, UtcTime received) {
+  const Duration offset = between(acquired, received);
+  if (std::chrono::abs(offset) > SampleStamp::kMaxOffset) return;
+  const Duration age = between(window_began_, received);
+  if (age >= kWindow || age < Duration{}) {
+    before_ = age < 2 * kWindow ? now_ : std::nullopt;
+    now_.reset();
+    window_began_ = received;
+  }
+  now_ = now_ ? std::min(*now_, offset) : offset;
+}
+
+Duration ClockOffset::least() const {
+  if (before_ && now_) return std::min(*before_, *now_);
+  return before_.value_or(now_.value_or(Duration{}));
+}
+
+std::optional<UtcTime> SampleStamp::next(const StationSample& sample, UtcTime received,
+                                         Duration offset, bool first) {
+  if (any_ && sample.sequence == sequence_ && sample.acquired_at == acquired_ &&
+      sample.quality == quality_)
+    return std::nullopt;
+  const Duration age = between(sample.acquired_at, received);
+  const bool by_acquisition = sample.quality == Quality::kGood && age >= -kMaxOffset &&
+                              age <= (first ? kOldest : kMaxOffset);
+  UtcTime published = by_acquisition ? sample.acquired_at : received - offset;
+  if (any_ && published <= published_ && between(published, published_) < kOrder)
+    published = UtcTime{published_.nanoseconds + 1};
+  any_ = true;
+  sequence_ = sample.sequence;
+  acquired_ = sample.acquired_at;
+  quality_ = sample.quality;
+  return published_ = published;
+}
+
+}  // namespace fieldcast::web
