@@ -15,9 +15,9 @@
 #include <utility>
 #include <vector>
 
-#include "bridge/base/listener.hpp"
 #include "bridge/bus/io_thread.hpp"
 #include "bridge/log/log.hpp"
+#include "bridge/net/listener.hpp"
 
 namespace fieldcast {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "bridge/bus/clock.hpp"
 #include "bridge/log/log.hpp"
+#include "bridge/net/tls.hpp"
 #include "bridge/port/socket_stream.hpp"
-#include "bridge/program/tls.hpp"
 
 namespace fieldcast::program {
 

@@ -10,15 +10,17 @@
 #include <tl/expected.hpp>
 #include <unordered_set>
 
-#include "bridge/base/listener.hpp"
 #include "bridge/log/repeat_filter.hpp"
+#include "bridge/net/listener.hpp"
 #include "bridge/program/engineer_connection.hpp"
 #include "bridge/program/silent_connections.hpp"
 #include "core/model/spec.hpp"
 
-namespace fieldcast::program {
-
+namespace fieldcast {
 class TlsServer;
+}
+
+namespace fieldcast::program {
 
 // Off the loopback a login is demanded, on it when the spec says so.
 [[nodiscard]] EngineerRules rules_of(const EngineersSpec& spec);

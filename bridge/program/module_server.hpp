@@ -11,8 +11,8 @@
 #include <tl/expected.hpp>
 #include <unordered_set>
 
-#include "bridge/base/listener.hpp"
 #include "bridge/log/repeat_filter.hpp"
+#include "bridge/net/listener.hpp"
 #include "bridge/port/dial_in_registry.hpp"
 #include "bridge/program/hooks.hpp"
 #include "bridge/program/silent_connections.hpp"

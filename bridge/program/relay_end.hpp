@@ -6,10 +6,15 @@
 #include <memory>
 #include <string>
 
-#include "bridge/program/byte_stream.hpp"
+#include "bridge/net/byte_stream.hpp"
 #include "core/base/bytes.hpp"
+#include "core/base/time.hpp"
 
 namespace fieldcast::program {
+
+// How long the kernel waits for the peer of a relay that takes no bytes just now: with a slow line
+// behind it, a peer opens the TCP window in steps. Engineer gives up a peer that takes none at all.
+inline constexpr Duration kTunnelPatience = std::chrono::seconds{90};
 
 class RelayEnd : public std::enable_shared_from_this<RelayEnd> {
  public:

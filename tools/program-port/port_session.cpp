@@ -74,23 +74,21 @@ void PortSession::connect() {
       [this](boost::system::error_code fault, tcp::resolver::results_type found) {
         if (over_) return;
         if (fault) return cannot_connect(fault.message());
-        asio::async_connect(socket_, found,
-                            [this](boost::system::error_code refused, const tcp::endpoint&) {
-                              if (over_) return;
-                              if (refused) return cannot_connect(refused.message());
-                              tune_socket(socket_.native_handle(), program::kTunnelPatience);
-                              if (!options_.tls)
-                                return connected(program::socket_stream(std::move(socket_)));
-                              auto tls = program::TlsClient::make(options_.authorities);
-                              if (!tls) return cannot_connect(tls.error());
-                              tls_ = std::move(*tls);
-                              tls_->shake_hands(std::move(socket_), options_.host, kConnectLimit,
-                                                [this](program::TlsResult stream) {
-                                                  if (over_) return;
-                                                  stream ? connected(std::move(*stream))
-                                                         : cannot_connect(stream.error());
-                                                });
-                            });
+        asio::async_connect(
+            socket_, found, [this](boost::system::error_code refused, const tcp::endpoint&) {
+              if (over_) return;
+              if (refused) return cannot_connect(refused.message());
+              tune_socket(socket_.native_handle(), program::kTunnelPatience);
+              if (!options_.tls) return connected(socket_stream(std::move(socket_)));
+              auto tls = TlsClient::make(options_.authorities);
+              if (!tls) return cannot_connect(tls.error());
+              tls_ = std::move(*tls);
+              tls_->shake_hands(
+                  std::move(socket_), options_.host, kConnectLimit, [this](TlsResult stream) {
+                    if (over_) return;
+                    stream ? connected(std::move(*stream)) : cannot_connect(stream.error());
+                  });
+            });
       });
 }
 
@@ -101,7 +99,7 @@ void PortSession::cannot_connect(const std::string& reason) {
   wind_up();
 }
 
-void PortSession::connected(std::unique_ptr<program::ByteStream> stream) {
+void PortSession::connected(std::unique_ptr<ByteStream> stream) {
   limit_.cancel();
   bridge_ = std::make_shared<program::RelayEnd>(std::move(stream));
   bridge_->start({[this](ByteView bytes) { tell(PortClient::FromBridge{bytes}); },
@@ -148,8 +146,7 @@ void PortSession::execute(const PortClient::Paired&) {
 }
 
 void PortSession::open_terminal() {
-  auto stream =
-      program::descriptor_stream(io_, FileDescriptor(::fcntl(pty_.fd(), F_DUPFD_CLOEXEC, 0)));
+  auto stream = descriptor_stream(io_, FileDescriptor(::fcntl(pty_.fd(), F_DUPFD_CLOEXEC, 0)));
   terminal_ = std::make_shared<program::RelayEnd>(std::move(stream));
   terminal_->start({[this](ByteView bytes) {
                       check_line();

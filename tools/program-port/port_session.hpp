@@ -8,8 +8,8 @@
 #include <boost/asio/steady_timer.hpp>
 #include <memory>
 
+#include "bridge/net/tls.hpp"
 #include "bridge/program/relay_end.hpp"
-#include "bridge/program/tls.hpp"
 #include "core/program/port_client.hpp"
 #include "tools/program-port/port_report.hpp"
 #include "tools/sim/pty_port.hpp"
@@ -35,7 +35,7 @@ class PortSession {
 
  private:
   void connect();
-  void connected(std::unique_ptr<program::ByteStream> stream);
+  void connected(std::unique_ptr<ByteStream> stream);
   void cannot_connect(const std::string& reason);
   void tell(const program::PortClient::Event& event);
   void execute(const program::PortClient::ToBridge& what);
@@ -59,7 +59,7 @@ class PortSession {
   boost::asio::ip::tcp::socket socket_;
   boost::asio::signal_set signals_;
   boost::asio::steady_timer timer_, ticking_, limit_;
-  std::unique_ptr<program::TlsClient> tls_;
+  std::unique_ptr<TlsClient> tls_;
   std::shared_ptr<program::RelayEnd> bridge_, terminal_;
   std::optional<program::LineSettings> settings_;  // as last seen
   unsigned ticks_ = 0;

@@ -1,4 +1,4 @@
-// TLS of the programming port, both ends (OpenSSL). Lives on one io thread. TLS 1.2 and later,
+// TLS, both ends (OpenSSL). Lives on one io thread. TLS 1.2 and later,
 // server certificates only: users log in with a password inside.
 #pragma once
 
@@ -7,10 +7,10 @@
 #include <string>
 #include <tl/expected.hpp>
 
-#include "bridge/program/byte_stream.hpp"
+#include "bridge/net/byte_stream.hpp"
 #include "core/base/time.hpp"
 
-namespace fieldcast::program {
+namespace fieldcast {
 
 // Else why not, in one line.
 using TlsResult = tl::expected<std::unique_ptr<ByteStream>, std::string>;
@@ -52,4 +52,4 @@ class TlsClient {
   std::shared_ptr<State> state_;
 };
 
-}  // namespace fieldcast::program
+}  // namespace fieldcast

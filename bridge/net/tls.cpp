@@ -1,4 +1,4 @@
-#include "bridge/program/tls.hpp"
+#include "bridge/net/tls.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <set>
 
-namespace fieldcast::program {
+namespace fieldcast {
 namespace {
 
 namespace asio = boost::asio;
@@ -31,6 +31,10 @@ class TlsStream final : public ByteStream {
                   boost::system::error_code fault, std::size_t count) { done(fault, count); });
   }
   std::size_t queued() const override { return queued_at(stream_->next_layer().native_handle()); }
+  void end_sending() override {
+    boost::system::error_code ignored;
+    stream_->next_layer().shutdown(tcp::socket::shutdown_send, ignored);
+  }
   void close() override {
     boost::system::error_code ignored;
     stream_->next_layer().close(ignored);
@@ -152,4 +156,4 @@ void TlsClient::shake_hands(tcp::socket socket, const std::string& host, Duratio
       [state = state_, done = std::move(done)](TlsResult result) { done(std::move(result)); });
 }
 
-}  // namespace fieldcast::program
+}  // namespace fieldcast

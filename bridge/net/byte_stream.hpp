@@ -1,5 +1,5 @@
 // Bytes both ways over a socket, a TLS connection or a descriptor of a line: what a relay needs of
-// any of them. Lives on one io thread. Includes Asio: for this folder and fieldcast-port.
+// any of them, and an HTTP session. Lives on one io thread. Includes Asio.
 #pragma once
 
 #include <boost/asio/buffer.hpp>
@@ -8,17 +8,12 @@
 #include <memory>
 
 #include "bridge/base/file_descriptor.hpp"
-#include "core/base/time.hpp"
 
 namespace boost::asio {
 class io_context;
 }
 
-namespace fieldcast::program {
-
-// How long the kernel waits for the peer of a relay that takes no bytes just now: with a slow line
-// behind it, a peer opens the TCP window in steps. Engineer gives up a peer that takes none at all.
-inline constexpr Duration kTunnelPatience = std::chrono::seconds{90};
+namespace fieldcast {
 
 class ByteStream {
  public:
@@ -31,6 +26,8 @@ class ByteStream {
   // Bytes that the kernel has taken and not delivered: the peer's kernel has not acknowledged them,
   // or the line has not shifted them out. Always 0 for a pseudo-terminal.
   [[nodiscard]] virtual std::size_t queued() const = 0;
+  // Nothing more is sent: a TCP peer reads the end of the stream. It may still send.
+  virtual void end_sending() {}
   virtual void close() = 0;  // what is under way ends in an error
 };
 
@@ -44,4 +41,4 @@ class ByteStream {
 [[nodiscard]] std::unique_ptr<ByteStream> descriptor_stream(boost::asio::io_context& io,
                                                             FileDescriptor descriptor);
 
-}  // namespace fieldcast::program
+}  // namespace fieldcast

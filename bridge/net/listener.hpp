@@ -1,5 +1,4 @@
-// A listening socket, of the programming server or the metrics. Lives on one io thread. Includes
-// Asio.
+// A listening socket. Lives on one io thread. Includes Asio.
 #pragma once
 
 #include <boost/asio/ip/tcp.hpp>

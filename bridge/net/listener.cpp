@@ -1,4 +1,4 @@
-#include "bridge/base/listener.hpp"
+#include "bridge/net/listener.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "bridge/program/byte_stream.hpp"
+#include "bridge/net/byte_stream.hpp"
 
 #include <sys/ioctl.h>
 #include <sys/socket.h>
@@ -7,7 +7,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 
-namespace fieldcast::program {
+namespace fieldcast {
 namespace {
 
 namespace asio = boost::asio;
@@ -24,6 +24,12 @@ class StreamOf final : public ByteStream {
   }
   std::size_t queued() const override {
     return queued_at(const_cast<Stream&>(stream_).native_handle());
+  }
+  void end_sending() override {
+    if constexpr (requires { stream_.shutdown(asio::socket_base::shutdown_send); }) {
+      boost::system::error_code ignored;
+      stream_.shutdown(asio::socket_base::shutdown_send, ignored);
+    }
   }
   void close() override {
     boost::system::error_code ignored;
@@ -65,4 +71,4 @@ std::unique_ptr<ByteStream> descriptor_stream(asio::io_context& io, FileDescript
   return std::make_unique<StreamOf<decltype(stream)>>(std::move(stream));
 }
 
-}  // namespace fieldcast::program
+}  // namespace fieldcast
