@@ -44,6 +44,7 @@ struct Station::State {
   bool has_channels = false, has_samples = false;
   std::unique_ptr<Subscription<idl::BusStatusPubSubType>> buses;
   std::unique_ptr<Subscription<idl::DeviceStatusPubSubType>> devices;
+  std::unique_ptr<Subscription<idl::BridgePubSubType>> bridges;
   std::unique_ptr<Subscription<idl::ProgramSessionPubSubType>> sessions;
   std::unique_ptr<Subscription<idl::AlarmPubSubType>> alarms;
   dds::DataWriter* interests = nullptr;
@@ -111,24 +112,47 @@ Station::BlockCounters Station::block_counters() const {
   return {blocks, missing, requests};
 }
 
-void Station::subscribe_bus_status(std::function<void(const StationBusStatus&)> on_status) {
+void Station::subscribe_bus_status(std::function<void(const StationBusStatus&)> on_status,
+                                   std::function<void(const StationBusStatus&)> gone) {
   FIELDCAST_CHECK(!state_->buses);
   Subscription<idl::BusStatusPubSubType>::Handlers handlers;
   handlers.sample = [on_status = std::move(on_status)](const idl::BusStatus& status) {
     on_status(from_idl(status));
   };
+  if (gone)
+    handlers.gone = [gone = std::move(gone)](const idl::BusStatus& last) { gone(from_idl(last)); };
   state_->buses = std::make_unique<Subscription<idl::BusStatusPubSubType>>(
       state_->domain, kBusStatusTopic, std::move(handlers));
 }
 
-void Station::subscribe_device_status(std::function<void(const StationDeviceStatus&)> on_status) {
+void Station::subscribe_device_status(std::function<void(const StationDeviceStatus&)> on_status,
+                                      std::function<void(const StationDeviceStatus&)> gone) {
   FIELDCAST_CHECK(!state_->devices);
   Subscription<idl::DeviceStatusPubSubType>::Handlers handlers;
   handlers.sample = [on_status = std::move(on_status)](const idl::DeviceStatus& status) {
     on_status(from_idl(status));
   };
+  if (gone)
+    handlers.gone = [gone = std::move(gone)](const idl::DeviceStatus& last) {
+      gone(from_idl(last));
+    };
   state_->devices = std::make_unique<Subscription<idl::DeviceStatusPubSubType>>(
       state_->domain, kDeviceStatusTopic, std::move(handlers));
+}
+
+void Station::subscribe_bridges(std::function<void(const StationBridge&)> on_bridge,
+                                std::function<void(const StationBridge&)> gone) {
+  FIELDCAST_CHECK(!state_->bridges);
+  Subscription<idl::BridgePubSubType>::Handlers handlers;
+  handlers.sample = [on_bridge = std::move(on_bridge)](const idl::Bridge& bridge) {
+    on_bridge(station_bridge(bridge));
+  };
+  if (gone)
+    handlers.gone = [gone = std::move(gone)](const idl::Bridge& last) {
+      gone(station_bridge(last));
+    };
+  state_->bridges = std::make_unique<Subscription<idl::BridgePubSubType>>(
+      state_->domain, kBridgeTopic, std::move(handlers));
 }
 
 void Station::subscribe_program_sessions(

@@ -75,8 +75,13 @@ class Station {
   };
   [[nodiscard]] BlockCounters block_counters() const;
   void subscribe_channels(std::function<void(const StationChannel&)> on_channel, OnGone gone = {});
-  void subscribe_bus_status(std::function<void(const StationBusStatus&)> on_status);
-  void subscribe_device_status(std::function<void(const StationDeviceStatus&)> on_status);
+  void subscribe_bus_status(std::function<void(const StationBusStatus&)> on_status,
+                            std::function<void(const StationBusStatus& last)> gone = {});
+  void subscribe_device_status(std::function<void(const StationDeviceStatus&)> on_status,
+                               std::function<void(const StationDeviceStatus& last)> gone = {});
+  // The bridges of the domain. One that ends without a word is gone when its lease is over.
+  void subscribe_bridges(std::function<void(const StationBridge&)> on_bridge,
+                         std::function<void(const StationBridge& last)> gone = {});
   void subscribe_program_sessions(std::function<void(const ProgramSessionReport&)> on_session);
   void subscribe_alarms(std::function<void(const StationAlarm&)> on_alarm,
                         std::function<void(const StationAlarm& last)> gone = {});

@@ -89,6 +89,7 @@ void to_idl(const AlarmChange& change, const UtcMapping& mapping, idl::Alarm& ou
 // Buses beyond kMaxBuses are left out.
 void to_idl(const BridgeClaims& claims, idl::Bridge& out);
 [[nodiscard]] BridgeClaims from_idl(const idl::Bridge& bridge);
+[[nodiscard]] StationBridge station_bridge(const idl::Bridge& bridge);
 
 // The first `limit` bytes of a UTF-8 text, less where that would cut a character; ends before a
 // NUL.

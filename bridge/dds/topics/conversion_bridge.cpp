@@ -30,4 +30,17 @@ BridgeClaims from_idl(const idl::Bridge& bridge) {
   return claims;
 }
 
+StationBridge station_bridge(const idl::Bridge& bridge) {
+  StationBridge known;
+  known.bridge = bridge.bridge().c_str();
+  known.host = bridge.host().c_str();
+  known.version = bridge.version().c_str();
+  known.standby_group = bridge.standby_group().c_str();
+  known.strength = bridge.strength();
+  known.since = {bridge.since()};
+  for (const idl::BridgeBus& bus : bridge.buses())
+    known.buses.push_back({bus.bus().c_str(), {bus.since()}, bus.serving()});
+  return known;
+}
+
 }  // namespace fieldcast

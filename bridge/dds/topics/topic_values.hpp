@@ -68,6 +68,20 @@ struct StationAlarm {
   UtcTime since;
 };
 
+// A bridge of the domain, as it tells the others.
+struct StationBridge {
+  struct Bus {
+    std::string bus;
+    UtcTime since;         // when the bridge first wanted it
+    bool serving = false;  // else another bridge serves a bus of this name
+  };
+  std::string bridge, host, version;
+  std::string standby_group;  // bridges that stand by for each other; empty: none
+  std::int32_t strength = 0;  // among them
+  UtcTime since;              // when it joined the domain
+  std::vector<Bus> buses;
+};
+
 // What a station asks for; Command with the bus it goes to. requester and expires are the station's
 // own business.
 struct StationCommand {
