@@ -71,9 +71,9 @@ void LiveModel::on_sample(const PathView& path, LiveValue value) {
 }
 
 void LiveModel::on_sample(const StationSample& sample) {
-  on_sample({sample.bus, sample.device, sample.channel},
-            {sample.value, sample.quality, sample.device_code, sample.acquired_at,
-             sample.sequence});
+  on_sample(
+      {sample.bus, sample.device, sample.channel},
+      {sample.value, sample.quality, sample.device_code, sample.acquired_at, sample.sequence});
 }
 
 void LiveModel::on_gone(const PathView& path) {

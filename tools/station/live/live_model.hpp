@@ -39,8 +39,8 @@ struct LiveChannel {
   std::uint32_t id = 0;
   StationChannel channel;
   LiveValue last;
-  bool gone = false;            // no bridge announces it any more
-  std::uint64_t version = 0;    // of the model, when the value changed last
+  bool gone = false;             // no bridge announces it any more
+  std::uint64_t version = 0;     // of the model, when the value changed last
   std::uint64_t catalogued = 0;  // version of the catalogue, when its entry changed last
 };
 

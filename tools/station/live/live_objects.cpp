@@ -94,11 +94,10 @@ void LiveObjects::put(const StationDeviceStatus& device) {
   bool quietly = false;
   if (found != entries_.end() && !found->second.gone) {
     const auto& last = std::get<StationDeviceStatus>(found->second.object);
-    const std::int64_t passed =
-        device.reported_at.nanoseconds - found->second.told_at.nanoseconds;
+    const std::int64_t passed = device.reported_at.nanoseconds - found->second.told_at.nanoseconds;
     // A clock that was set back must not silence a device.
-    quietly = looks_the_same(last.report, device.report) && passed >= 0 &&
-              passed < kDevicePeriod.count();
+    quietly =
+        looks_the_same(last.report, device.report) && passed >= 0 && passed < kDevicePeriod.count();
   }
   put(key, device, quietly);
   if (quietly) return;

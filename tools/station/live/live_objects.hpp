@@ -73,8 +73,8 @@ class LiveObjects {
 
   using Message = std::shared_ptr<const std::string>;
   struct News {
-    bool lost = false;               // what is gone since `version` is not known any more
-    std::uint64_t version = 0;       // up to which these messages tell everything
+    bool lost = false;              // what is gone since `version` is not known any more
+    std::uint64_t version = 0;      // up to which these messages tell everything
     std::vector<Message> messages;  // the oldest first
   };
   [[nodiscard]] std::uint64_t version() const { return version_; }

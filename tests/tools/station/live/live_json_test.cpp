@@ -1,0 +1,103 @@
+#include "tools/station/live/live_json.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/station/live/live_support.hpp"
+
+namespace fieldcast::web {
+namespace {
+
+using Json = nlohmann::json;
+
+TEST(LiveJson, ABusHasTheFieldsOfItsTopic) {
+  StationBusStatus bus = bus_of("shop");
+  bus.report.utilisation = 0.25;
+  bus.causes["CHECKSUM"] = 3;
+  bus.reported_at = {1'763'833'200'123'000'000};
+  const Json json = Json::parse(bus_json(bus));
+  EXPECT_EQ(json["state"], "running");
+  EXPECT_EQ(json["utilisation"], 0.25);
+  EXPECT_EQ(json["causes"], Json({{"CHECKSUM", 3}}));
+  EXPECT_EQ(json["reported_ms"], 1'763'833'200'123.0);
+  EXPECT_FALSE(json.contains("closed_because"));
+}
+
+TEST(LiveJson, ADeviceTellsWhatWasLearnedInMilliseconds) {
+  StationDeviceStatus device = device_of("press", 1);
+  device.report.answer_time = std::chrono::microseconds{1500};
+  device.report.areas.push_back({"holding", std::chrono::milliseconds{2}, {}, 60, 0});
+  device.report.refused = {"holding:107"};
+  const Json json = Json::parse(device_json(device));
+  EXPECT_EQ(json["answer_time_ms"], 1.5);
+  EXPECT_EQ(json["areas"][0]["answer_time_ms"], 2);
+  EXPECT_EQ(json["areas"][0]["largest_block"], 60);
+  EXPECT_EQ(json["refused"], Json({"holding:107"}));
+}
+
+TEST(LiveJson, AnAlarmThatNobodyTouchedHasNulls) {
+  const LiveAlarm alarm = live_alarm(
+      {"shop", "press", "oil", LimitKind::kHigh, AlarmState::kActive, 81.5, {2'000'000'000}});
+  EXPECT_EQ(alarm_json(alarm),
+            R"({"bus":"shop","device":"press","channel":"oil","limit":"high",)"
+            R"("priority":"medium","state":"unacknowledged","active":true,"value":81.5,)"
+            R"("since_ms":2000,"occurrences":0,"chattering":false,"acknowledged_by":"",)"
+            R"("acknowledged_ms":null,"note":"","shelved_until_ms":null,"shelved_by":"",)"
+            R"("suppressed":""})");
+}
+
+TEST(LiveJson, SessionsAndBridgesAreObjects) {
+  ProgramSessionReport session;
+  session.bus = "shop";
+  session.device = "press";
+  session.state = ProgramSessionState::kOpen;
+  session.who = "anna";
+  EXPECT_EQ(Json::parse(session_json(session))["state"], "open");
+  StationBridge bridge;
+  bridge.bridge = "line-7";
+  bridge.buses.push_back({"shop", {1'000'000}, true});
+  const Json json = Json::parse(bridge_json(bridge));
+  EXPECT_EQ(json["buses"][0], Json({{"bus", "shop"}, {"since_ms", 1}, {"serving", true}}));
+}
+
+TEST(LiveJson, AChannelForScripts) {
+  LiveModel model;
+  model.on_channel(channel_of("oil"));
+  EXPECT_TRUE(Json::parse(channel_json(*model.find(path_of("oil"))))["value"].is_null());
+  model.on_sample(sample_of("oil", 21.5));
+  const Json json = Json::parse(channel_json(*model.find(path_of("oil"))));
+  EXPECT_EQ(json["channel"], "shop/press/oil");
+  EXPECT_EQ(json["value"], 21.5);
+  EXPECT_EQ(json["quality"], "GOOD");
+  EXPECT_EQ(json["acquired_ms"], 1000);
+  EXPECT_FALSE(json.contains("device_code"));
+}
+
+TEST(LiveJson, TheCatalogueTellsWhatChangedSinceAVersion) {
+  LiveModel model(100);
+  StationChannel channel = channel_of("oil");
+  channel.limits.high = 80;
+  channel.write_max = 90;
+  model.on_channel(channel);
+  model.on_channel(channel_of("rpm"));
+  const Json all = Json::parse(catalogue_json(model, 0));
+  EXPECT_EQ(all["version"], 102);
+  EXPECT_EQ(all["full"], true);
+  EXPECT_EQ(all["channels"][0],
+            Json::parse(R"([1, "shop/press/oil", "float32", "°C", "holding:100", "read-write",
+                            "scheduled", 500, {"high": 80, "write-max": 90}, "", "line-7"])"));
+  model.on_gone(path_of("rpm"));
+  const Json delta = Json::parse(catalogue_json(model, 102));
+  EXPECT_EQ(delta["full"], false);
+  EXPECT_EQ(delta["channels"], Json::array());
+  EXPECT_EQ(delta["gone"], Json({2}));
+}
+
+TEST(LiveJson, AMessageNamesItsKind) {
+  EXPECT_EQ(kind_message("bus_gone", R"({"bus":"shop"})"), R"({"kind":"bus_gone","bus":"shop"})");
+  EXPECT_EQ(kind_message("pong", "{}"), R"({"kind":"pong"})");
+}
+
+}  // namespace
+}  // namespace fieldcast::web

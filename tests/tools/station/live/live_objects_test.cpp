@@ -1,0 +1,127 @@
+#include "tools/station/live/live_objects.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/tools/station/live/live_support.hpp"
+
+namespace fieldcast::web {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr std::size_t kEverything = 100'000;
+
+std::vector<std::string> texts(const LiveObjects::News& news) {
+  std::vector<std::string> found;
+  for (const auto& message : news.messages) found.push_back(*message);
+  return found;
+}
+
+LiveAlarm alarm_of(const std::string& channel, bool active) {
+  return live_alarm({"shop",
+                     "press",
+                     channel,
+                     LimitKind::kHighHigh,
+                     active ? AlarmState::kActive : AlarmState::kClear,
+                     95,
+                     {5'000'000}});
+}
+
+TEST(LiveObjects, AMessageIsMadeOnceForAll) {
+  LiveObjects objects;
+  objects.put(bus_of("shop"));
+  const auto one = objects.since(0, kEverything), other = objects.since(0, kEverything);
+  ASSERT_EQ(one.messages.size(), 1u);
+  EXPECT_EQ(one.messages[0], other.messages[0]);
+  EXPECT_THAT(*one.messages[0], HasSubstr(R"({"kind":"bus","bus":"shop","bridge":"line-7",)"));
+}
+
+TEST(LiveObjects, NewestOfEachComesOnce) {
+  LiveObjects objects;
+  objects.put(bus_of("shop"));
+  objects.put(bus_of("hall"));
+  const std::uint64_t seen = objects.version();
+  objects.put(bus_of("shop"));
+  objects.put(bus_of("shop"));
+  EXPECT_EQ(objects.since(seen, kEverything).messages.size(), 1u);
+  EXPECT_EQ(objects.since(0, kEverything).messages.size(), 2u);
+}
+
+TEST(LiveObjects, ALimitCutsAndTheRestFollows) {
+  LiveObjects objects;
+  for (const char* name : {"a", "b", "c"}) objects.put(bus_of(name));
+  const auto first = objects.since(0, 2);
+  EXPECT_EQ(first.messages.size(), 2u);
+  EXPECT_THAT(texts(objects.since(first.version, 2)), ElementsAre(HasSubstr(R"("bus":"c")")));
+}
+
+TEST(LiveObjects, WhatIsGoneIsToldToThoseWhoSawIt) {
+  LiveObjects objects;
+  objects.put(bus_of("shop"));
+  objects.put(device_of("press", 1));
+  const std::uint64_t seen = objects.version();
+  objects.remove_bus("shop");
+  objects.remove_device("shop", "press");
+  EXPECT_THAT(texts(objects.since(seen, kEverything)),
+              ElementsAre(R"({"kind":"bus_gone","bus":"shop"})",
+                          R"({"kind":"device_gone","bus":"shop","device":"press"})"));
+  EXPECT_THAT(objects.since(0, kEverything).messages, IsEmpty());
+  EXPECT_THAT(objects.all<StationBusStatus>(), IsEmpty());
+}
+
+TEST(LiveObjects, ADeviceThatOnlyCountsIsToldEveryTwoSeconds) {
+  LiveObjects objects;
+  objects.put(device_of("press", 1));
+  std::uint64_t seen = objects.version();
+  objects.put(device_of("press", 2));
+  EXPECT_EQ(objects.version(), seen);
+  EXPECT_EQ(objects.all<StationDeviceStatus>().at(0)->reported_at.nanoseconds, 2'000'000'000);
+  objects.put(device_of("press", 3));
+  EXPECT_GT(objects.version(), seen);
+  seen = objects.version();
+  objects.put(device_of("press", 4, DeviceState::kOffline));
+  EXPECT_GT(objects.version(), seen) << "a change of state is told at once";
+}
+
+TEST(LiveObjects, AnAlarmThatIsClearIsToldOnceAndIsGone) {
+  LiveObjects objects;
+  objects.put(alarm_of("oil", false));
+  EXPECT_EQ(objects.version(), 0u) << "it was never active";
+  objects.put(alarm_of("oil", true));
+  EXPECT_EQ(objects.all<LiveAlarm>().size(), 1u);
+  EXPECT_EQ(objects.all<LiveAlarm>()[0]->priority, "high");
+  const std::uint64_t seen = objects.version();
+  objects.put(alarm_of("oil", false));
+  EXPECT_THAT(objects.all<LiveAlarm>(), IsEmpty());
+  EXPECT_THAT(texts(objects.since(seen, kEverything)),
+              ElementsAre(HasSubstr(R"("state":"clear")")));
+}
+
+TEST(LiveObjects, WhoMissedThatSomethingIsGoneIsTold) {
+  LiveObjects objects;
+  objects.put(bus_of("bus"));
+  const std::uint64_t seen = objects.version();
+  for (std::size_t i = 0; i <= LiveObjects::kMaxGone; ++i) {
+    const std::string name = "bus-" + std::to_string(i);
+    objects.put(bus_of(name));
+    objects.remove_bus(name);
+  }
+  EXPECT_TRUE(objects.since(seen, kEverything).lost);
+  EXPECT_FALSE(objects.since(0, kEverything).lost);
+  EXPECT_FALSE(objects.since(objects.version(), kEverything).lost);
+}
+
+TEST(LiveObjects, BeyondTheLimitObjectsAreLeftOut) {
+  LiveObjects objects;
+  for (std::size_t i = 0; i <= LiveObjects::kMaxObjects; ++i)
+    objects.put(bus_of("bus-" + std::to_string(i)));
+  EXPECT_EQ(objects.refused(), 1u);
+  objects.put(bus_of("bus-0"));
+  EXPECT_EQ(objects.refused(), 1u);
+}
+
+}  // namespace
+}  // namespace fieldcast::web

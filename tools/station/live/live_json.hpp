@@ -1,0 +1,34 @@
+// What the domain reports, as JSON objects: for the messages of /live and for the resources under
+// /api. Names are those of the IDL in snake_case; times are Unix milliseconds (`.._ms`, null for no
+// such time), durations are milliseconds. Pure functions.
+#pragma once
+
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "tools/station/live/live_model.hpp"
+
+namespace fieldcast::web {
+
+[[nodiscard]] std::string bus_json(const StationBusStatus& bus);
+[[nodiscard]] std::string device_json(const StationDeviceStatus& device);
+[[nodiscard]] std::string alarm_json(const LiveAlarm& alarm);
+[[nodiscard]] std::string session_json(const ProgramSessionReport& session);
+[[nodiscard]] std::string bridge_json(const StationBridge& bridge);
+// For scripts: {"channel", "type", "unit", "access", "refresh_ms", "value", "quality",
+// "acquired_ms", "sequence"}, and "device_code" where the device gave one. The value of a channel
+// that was never acquired is null.
+[[nodiscard]] std::string channel_json(const LiveChannel& channel);
+[[nodiscard]] std::string names_json(
+    std::initializer_list<std::pair<std::string_view, std::string_view>> names);
+
+// {"kind":"bus", ..} of {..}.
+[[nodiscard]] std::string kind_message(std::string_view kind, const std::string& object);
+
+// What changed in the catalogue since that version: {"version", "full", "channels": [[id, path,
+// type, unit, at, access, mode, refresh_ms, {"high": ..}, description, bridge]..], "gone": [ids]}.
+[[nodiscard]] std::string catalogue_json(const LiveModel& model, std::uint64_t after);
+
+}  // namespace fieldcast::web
