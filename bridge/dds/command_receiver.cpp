@@ -18,7 +18,7 @@ Duration CommandLifespans::of(const Guid& writer) const {
 }
 
 void CommandLifespans::on_writer(const FoundWriter& writer) {
-  if (writer.topic != kCommandTopic.name) return;
+  if (writer.topic != kCommandTopic.name && writer.topic != kAlarmActionTopic.name) return;
   const std::lock_guard lock(mutex_);
   if (writer.gone) {
     lifespans_.erase(writer.guid);

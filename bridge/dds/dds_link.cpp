@@ -6,6 +6,7 @@
 #include <set>
 #include <shared_mutex>
 
+#include "bridge/dds/alarm_action_receiver.hpp"
 #include "bridge/dds/block_writer.hpp"
 #include "bridge/dds/bridge_presence.hpp"
 #include "bridge/dds/bus_catalogue.hpp"
@@ -54,6 +55,7 @@ struct Bus {
   SampleWriters samples;
   std::map<std::string, idl::DeviceStatus> devices;                 // published at least once
   std::map<std::pair<ChannelIndex, LimitKind>, idl::Alarm> alarms;  // raised at least once
+  std::map<AlarmKey, idl::AlarmStatus> alarm_status;                // published at least once
   idl::BusStatus status;
   bool reported = false;
   bool write_failed = false;
@@ -73,6 +75,7 @@ struct DdsLink::State {
     catalogue_blocks = domain.writer(kCatalogueBlockTopic, label);
     bus_status = domain.writer(kBusStatusTopic, label);
     alarms = domain.writer(kAlarmTopic, label);
+    alarm_status = domain.writer(kAlarmStatusTopic, label);
     device_status = domain.writer(kDeviceStatusTopic, label);
     sessions = domain.writer(kProgramSessionTopic, label);
     interests =
@@ -99,13 +102,14 @@ struct DdsLink::State {
     return {blocks + (woken.written == 0 ? 0 : 1), woken.all};
   }
 
+  bool is_ours(const std::string& name) {
+    const std::lock_guard lock(names_mutex);
+    return names.contains(name);
+  }
+
   CommandReceiver::Handlers command_handlers() {
     return {.clock = handlers.clock,
-            .is_ours =
-                [this](const std::string& name) {
-                  const std::lock_guard lock(names_mutex);
-                  return names.contains(name);
-                },
+            .is_ours = [this](const std::string& name) { return is_ours(name); },
             .accepted = [this](const std::string& name,
                                Command command) { handlers.on_command(name, std::move(command)); },
             .refused = [this](const std::string& name, const idl::Command& command,
@@ -116,12 +120,27 @@ struct DdsLink::State {
                 }};
   }
 
-  // A command that is nothing for a bus engine is answered here.
-  void reject(const std::string& bus, const idl::Command& command, const MalformedCommand& why) {
+  AlarmActionReceiver::Handlers action_handlers() {
+    return {.clock = handlers.clock,
+            .is_ours = [this](const std::string& name) { return is_ours(name); },
+            .accepted = [this](AlarmAction action) { handlers.on_alarm_action(std::move(action)); },
+            .refused =
+                [this](const idl::AlarmAction& action, const MalformedCommand& why) {
+                  reject(action.bus().c_str(), action, why);
+                },
+            .received =
+                [this](const std::string& requester, const CommandLifespans::Guid& writer) {
+                  results.remember(requester, writer.guidPrefix);
+                }};
+  }
+
+  // What is nothing for a bus engine, or for the alarms, is answered here.
+  template <class Message>
+  void reject(const std::string& bus, const Message& message, const MalformedCommand& why) {
     const UtcMapping now = handlers.clock();
     Command refused;
-    refused.requester = command.requester().c_str();
-    refused.request_id = command.request_id();
+    refused.requester = message.requester().c_str();
+    refused.request_id = message.request_id();
     idl::CommandResult out;
     to_idl(bus, rejection(refused, why.cause, why.reason, now.instant), now, out);
     results.send(out);
@@ -142,6 +161,8 @@ struct DdsLink::State {
     for (auto& [name, status] : bus.devices)
       device_status->unregister_instance(&status, dds::HANDLE_NIL);
     for (auto& [key, alarm] : bus.alarms) alarms->unregister_instance(&alarm, dds::HANDLE_NIL);
+    for (auto& [key, status] : bus.alarm_status)
+      alarm_status->unregister_instance(&status, dds::HANDLE_NIL);
     if (bus.reported) bus_status->unregister_instance(&bus.status, dds::HANDLE_NIL);
   }
 
@@ -156,8 +177,10 @@ struct DdsLink::State {
   dds::DataWriter* device_status = nullptr;
   dds::DataWriter* sessions = nullptr;
   dds::DataWriter* alarms = nullptr;
+  dds::DataWriter* alarm_status = nullptr;
   std::unique_ptr<InterestReceiver> interests;
-  std::unique_ptr<CommandReceiver> commands;  // since listen_for_commands()
+  std::unique_ptr<CommandReceiver> commands;     // since listen_for_commands()
+  std::unique_ptr<AlarmActionReceiver> actions;  // the same, if they are wanted
   std::unique_ptr<BridgePresence> presence;
   std::shared_mutex mutex;  // the set of buses: shared to use one, alone to add or remove one
   std::map<std::string, std::unique_ptr<Bus>, std::less<>> buses;
@@ -198,6 +221,9 @@ void DdsLink::listen_for_commands() {
   if (state_->commands) return;
   state_->commands = std::make_unique<CommandReceiver>(state_->domain, state_->lifespans,
                                                        state_->command_handlers());
+  if (!state_->handlers.on_alarm_action) return;
+  state_->actions = std::make_unique<AlarmActionReceiver>(state_->domain, state_->lifespans,
+                                                          state_->action_handlers());
 }
 
 std::string DdsLink::id() const { return state_->presence->id(); }
@@ -210,6 +236,7 @@ void DdsLink::publish_again(std::string_view name) {
   if (bus == nullptr) return;
   (void)bus->catalogue.publish();
   for (auto& [key, alarm] : bus->alarms) state_->alarms->write(&alarm);
+  for (auto& [key, status] : bus->alarm_status) state_->alarm_status->write(&status);
 }
 
 void DdsLink::remove_bus(std::string_view name, Duration linger, Duration limit) {
@@ -307,6 +334,23 @@ void DdsLink::report(std::string_view name, const AlarmChange& change, const Utc
   state_->alarms->write(&alarm);
 }
 
+void DdsLink::report(const AlarmKey& alarm, const AlarmStatus& status) {
+  const std::shared_lock lock(state_->mutex);
+  Bus* bus = state_->find(alarm.bus);
+  if (bus == nullptr) return;
+  idl::AlarmStatus& out = bus->alarm_status[alarm];
+  to_idl(alarm, status, out);
+  state_->alarm_status->write(&out);
+}
+
+void DdsLink::forget(const AlarmKey& alarm) {
+  const std::shared_lock lock(state_->mutex);
+  Bus* bus = state_->find(alarm.bus);
+  if (bus == nullptr) return;
+  if (auto gone = bus->alarm_status.extract(alarm))
+    state_->alarm_status->unregister_instance(&gone.mapped(), dds::HANDLE_NIL);
+}
+
 DdsLink::BusCounters DdsLink::counters(std::string_view name) const {
   const std::shared_lock lock(state_->mutex);
   Bus* bus = state_->find(name);
@@ -323,6 +367,7 @@ void DdsLink::close(Duration linger) {
   if (state_->closed) return;
   state_->closed = true;
   if (state_->commands) state_->commands->close();
+  if (state_->actions) state_->actions->close();
   state_->interests->close();
   state_->snapshots->close();
   state_->results.close(linger);

@@ -22,6 +22,7 @@
 #include "bridge/dds/topics/utc_mapping.hpp"
 #include "bridge/standby/bus_claims.hpp"
 #include "core/alarm/alarm_monitor.hpp"
+#include "core/alarm/alarm_status.hpp"
 #include "core/model/command.hpp"
 #include "core/model/sample.hpp"
 #include "core/model/spec.hpp"
@@ -48,6 +49,9 @@ class DdsLink {
     // For the log: incompatible QoS, a limit reached, a malformed command.
     std::function<void(std::string text)> on_problem;
     BridgeHandlers bridges{};  // all of them or none
+    // What a person does about an alarm of a bus that was added. It is answered by complete().
+    // Null: nobody listens.
+    std::function<void(AlarmAction action)> on_alarm_action{};
   };
 
   struct BusCounters {
@@ -122,6 +126,12 @@ class DdsLink {
   // An alarm was raised or is clear. Its instance stays, active or clear, until the bus is removed.
   // One caller for a bus.
   void report(std::string_view bus, const AlarmChange& change, const UtcMapping& mapping);
+
+  // What is known of an alarm. No effect for an unknown bus; as an alarm, until the bus is removed.
+  // One caller for a bus.
+  void report(const AlarmKey& alarm, const AlarmStatus& status);
+  // The alarm is none any more: its limit is taken away. One caller for its bus.
+  void forget(const AlarmKey& alarm);
 
   [[nodiscard]] BusCounters counters(std::string_view bus) const;  // any thread
 

@@ -34,6 +34,7 @@ CommandClient::CommandClient(Domain& domain, const std::string& name)
 
 CommandClient::~CommandClient() {
   for (auto& [lifespan, writer] : writers_) domain_.remove(writer->entity);
+  if (actions_) domain_.remove(actions_->entity);
   domain_.remove(results_);
 }
 
@@ -42,8 +43,8 @@ void CommandClient::on_result(std::function<void(const StationResult&)> handler)
   handler_ = std::move(handler);
 }
 
-void CommandClient::Writer::on_publication_matched(dds::DataWriter*,
-                                                   const dds::PublicationMatchedStatus& status) {
+void CommandClient::Matches::on_publication_matched(dds::DataWriter*,
+                                                    const dds::PublicationMatchedStatus& status) {
   const std::lock_guard lock(client->mutex_);
   if (status.current_count_change > 0) {
     found_new = true;
@@ -52,16 +53,6 @@ void CommandClient::Writer::on_publication_matched(dds::DataWriter*,
     readers.erase(status.last_subscription_handle);
   }
   client->changed_.notify_all();
-}
-
-bool CommandClient::Writer::write(idl::Command& command) {
-  const std::lock_guard lock(writing);
-  if (!once.write(command)) {
-    once.make_room(std::chrono::seconds{1});
-    if (!once.write(command)) return false;
-  }
-  if (found_new.exchange(false)) entity->wait_for_acknowledgments({1, 0});
-  return true;
 }
 
 void CommandClient::ResultListener::on_subscription_matched(
@@ -95,7 +86,7 @@ void CommandClient::ResultListener::on_data_available(dds::DataReader* reader) {
   }
 }
 
-CommandClient::Writer& CommandClient::writer_for(Duration lifespan) {
+CommandClient::CommandWriter& CommandClient::writer_for(Duration lifespan) {
   const std::lock_guard making(making_);
   {
     const std::lock_guard lock(mutex_);
@@ -106,7 +97,7 @@ CommandClient::Writer& CommandClient::writer_for(Duration lifespan) {
     }
   }
   // Not under mutex_: the library may tell of matches while it makes the writer.
-  auto made = std::make_unique<Writer>();
+  auto made = std::make_unique<CommandWriter>();
   made->client = this;
   made->entity = domain_.writer(kCommandTopic, command_writer_qos(lifespan), requester_, made.get(),
                                 dds::StatusMask::publication_matched());
@@ -115,7 +106,22 @@ CommandClient::Writer& CommandClient::writer_for(Duration lifespan) {
   return *(writers_[lifespan] = std::move(made));
 }
 
-bool CommandClient::matched_both_ways(const Writer& writer) const {
+CommandClient::ActionWriter& CommandClient::action_writer() {
+  const std::lock_guard making(making_);
+  {
+    const std::lock_guard lock(mutex_);
+    if (actions_) return *actions_;
+  }
+  auto made = std::make_unique<ActionWriter>();
+  made->client = this;
+  made->entity = domain_.writer(kAlarmActionTopic, alarm_action_writer_qos(kActionLifespan),
+                                requester_, made.get(), dds::StatusMask::publication_matched());
+  made->once.attach(made->entity);
+  const std::lock_guard lock(mutex_);
+  return *(actions_ = std::move(made));
+}
+
+bool CommandClient::matched_both_ways(const Matches& writer) const {
   if (writer.readers.empty()) return false;
   // From every bridge that receives commands, results must come: the command may be for any of
   // them.
@@ -127,12 +133,11 @@ bool CommandClient::matched_both_ways(const Writer& writer) const {
   });
 }
 
-tl::expected<std::uint64_t, StationFault> CommandClient::send(StationCommand command,
+template <class Message>
+tl::expected<std::uint64_t, StationFault> CommandClient::send(Message& message,
+                                                              Writer<Message>& writer,
                                                               Duration wait_for_bridge,
                                                               bool awaited) {
-  command.command.requester = requester_;
-  idl::Command out;
-  Writer& writer = writer_for(command.lifespan);
   std::uint64_t id = 0;
   {
     std::unique_lock lock(mutex_);
@@ -140,16 +145,34 @@ tl::expected<std::uint64_t, StationFault> CommandClient::send(StationCommand com
         writer.readers.empty()) {
       return tl::unexpected(StationFault::kNoBridge);
     }
-    id = command.command.request_id = next_id_++;
-    if (!to_idl(command.bus, command.command, out)) return tl::unexpected(StationFault::kNotSent);
+    id = next_id_++;
+    message.request_id(id);
     if (awaited) awaited_[id];
   }
-  if (!writer.write(out)) {
+  if (!writer.write(message)) {
     const std::lock_guard lock(mutex_);
     awaited_.erase(id);
     return tl::unexpected(StationFault::kNotSent);
   }
   return id;
+}
+
+tl::expected<std::uint64_t, StationFault> CommandClient::send(StationCommand command,
+                                                              Duration wait_for_bridge,
+                                                              bool awaited) {
+  command.command.requester = requester_;
+  idl::Command out;
+  if (!to_idl(command.bus, command.command, out)) return tl::unexpected(StationFault::kNotSent);
+  return send(out, writer_for(command.lifespan), wait_for_bridge, awaited);
+}
+
+tl::expected<std::uint64_t, StationFault> CommandClient::send(AlarmAction action,
+                                                              Duration wait_for_bridge,
+                                                              bool awaited) {
+  action.requester = requester_;
+  idl::AlarmAction out;
+  if (!to_idl(action, out)) return tl::unexpected(StationFault::kNotSent);
+  return send(out, action_writer(), wait_for_bridge, awaited);
 }
 
 tl::expected<StationResult, StationFault> CommandClient::await(std::uint64_t request_id,

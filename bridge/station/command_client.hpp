@@ -1,4 +1,5 @@
-// A station's side of commands: writes Command, matches CommandResult to it. Any thread.
+// A station's side of commands: writes Command and AlarmAction, matches CommandResult to them. Any
+// thread.
 #pragma once
 
 #include <atomic>
@@ -26,29 +27,47 @@ class CommandClient {
   [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(StationCommand command,
                                                                Duration wait_for_bridge,
                                                                bool awaited);
+  [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(AlarmAction action,
+                                                               Duration wait_for_bridge,
+                                                               bool awaited);
   [[nodiscard]] tl::expected<StationResult, StationFault> await(std::uint64_t request_id,
                                                                 Duration wait);
 
  private:
   // Distinct lifespans, each with a writer. Beyond that, the nearest shorter one is used.
   static constexpr std::size_t kMaxLifespans = 16;
+  static constexpr Duration kActionLifespan = std::chrono::seconds{5};
 
-  // LIFESPAN is a writer's: one writer for each that is asked for.
-  struct Writer : dds::DataWriterListener {
+  // A writer, and the bridges whose readers it has found.
+  struct Matches : dds::DataWriterListener {
     void on_publication_matched(dds::DataWriter*,
                                 const dds::PublicationMatchedStatus& status) override;
-    // The first command to a bridge that was found just now goes alone: with more than 256 messages
-    // before its reader knows this writer, Fast DDS 2.9.1 loses what lies beyond them and calls it
-    // acknowledged.
-    [[nodiscard]] bool write(idl::Command& command);
 
     CommandClient* client = nullptr;
     dds::DataWriter* entity = nullptr;
-    OnceWriter<idl::Command> once;
-    std::set<dds::InstanceHandle_t> readers;  // of bridges
-    std::mutex writing;
+    std::set<dds::InstanceHandle_t> readers;
     std::atomic<bool> found_new{true};
   };
+  template <class Message>
+  struct Writer : Matches {
+    // The first message to a bridge that was found just now goes alone: with more than 256 messages
+    // before its reader knows this writer, Fast DDS 2.9.1 loses what lies beyond them and calls it
+    // acknowledged.
+    [[nodiscard]] bool write(Message& message) {
+      const std::lock_guard lock(writing);
+      if (!once.write(message)) {
+        once.make_room(std::chrono::seconds{1});
+        if (!once.write(message)) return false;
+      }
+      if (found_new.exchange(false)) entity->wait_for_acknowledgments({1, 0});
+      return true;
+    }
+
+    OnceWriter<Message> once;
+    std::mutex writing;
+  };
+  using CommandWriter = Writer<idl::Command>;
+  using ActionWriter = Writer<idl::AlarmAction>;
   struct ResultListener : dds::DataReaderListener {
     void on_data_available(dds::DataReader* reader) override;
     void on_subscription_matched(dds::DataReader*,
@@ -56,15 +75,24 @@ class CommandClient {
     CommandClient* client = nullptr;
   };
 
-  Writer& writer_for(Duration lifespan);
-  [[nodiscard]] bool matched_both_ways(const Writer& writer) const;
+  // LIFESPAN is a writer's: one writer for each that is asked for.
+  CommandWriter& writer_for(Duration lifespan);
+  ActionWriter& action_writer();
+  [[nodiscard]] bool matched_both_ways(const Matches& writer) const;
+  // Waits for bridges, then writes; gives the request_id, which is filled in here.
+  template <class Message>
+  [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(Message& message,
+                                                               Writer<Message>& writer,
+                                                               Duration wait_for_bridge,
+                                                               bool awaited);
 
   Domain& domain_;
   const std::string requester_;
   std::mutex mutex_;  // everything below but the entities themselves
   std::condition_variable changed_;
   std::mutex making_;  // one thread makes writers
-  std::map<Duration, std::unique_ptr<Writer>> writers_;
+  std::map<Duration, std::unique_ptr<CommandWriter>> writers_;
+  std::unique_ptr<ActionWriter> actions_;
   ResultListener listener_;
   dds::DataReader* results_ = nullptr;
   std::set<dds::InstanceHandle_t> result_writers_;

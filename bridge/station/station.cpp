@@ -47,6 +47,7 @@ struct Station::State {
   std::unique_ptr<Subscription<idl::BridgePubSubType>> bridges;
   std::unique_ptr<Subscription<idl::ProgramSessionPubSubType>> sessions;
   std::unique_ptr<Subscription<idl::AlarmPubSubType>> alarms;
+  std::unique_ptr<Subscription<idl::AlarmStatusPubSubType>> alarm_status;
   dds::DataWriter* interests = nullptr;
   std::unique_ptr<CommandClient> commands;
 };
@@ -182,6 +183,22 @@ void Station::subscribe_alarms(std::function<void(const StationAlarm&)> on_alarm
                                                                         std::move(handlers));
 }
 
+void Station::subscribe_alarm_status(std::function<void(const StationAlarmStatus&)> on_status,
+                                     std::function<void(const StationAlarmStatus&)> gone) {
+  FIELDCAST_CHECK(!state_->alarm_status);
+  Subscription<idl::AlarmStatusPubSubType>::Handlers handlers;
+  handlers.sample = [on_status = std::move(on_status)](const idl::AlarmStatus& status) {
+    if (const auto known = from_idl(status)) on_status(*known);
+  };
+  if (gone) {
+    handlers.gone = [gone = std::move(gone)](const idl::AlarmStatus& last) {
+      if (const auto known = from_idl(last)) gone(*known);
+    };
+  }
+  state_->alarm_status = std::make_unique<Subscription<idl::AlarmStatusPubSubType>>(
+      state_->domain, kAlarmStatusTopic, std::move(handlers));
+}
+
 void Station::declare_interest(const std::string& pattern, Duration refresh) {
   if (state_->interests == nullptr) {
     state_->interests = state_->domain.writer(kInterestTopic, state_->name);
@@ -225,6 +242,19 @@ StationOutcome Station::write(std::string_view path, Value value, bool verify) {
 tl::expected<std::uint64_t, StationFault> Station::send(StationCommand command,
                                                         Duration wait_for_bridge) {
   return state_->client().send(std::move(command), wait_for_bridge, false);
+}
+
+StationOutcome Station::execute(AlarmAction action, Duration wait_for_bridge,
+                                Duration wait_for_result) {
+  CommandClient& client = state_->client();
+  const auto id = client.send(std::move(action), wait_for_bridge, true);
+  if (!id) return tl::unexpected(id.error());
+  return client.await(*id, wait_for_result);
+}
+
+tl::expected<std::uint64_t, StationFault> Station::send(AlarmAction action,
+                                                        Duration wait_for_bridge) {
+  return state_->client().send(std::move(action), wait_for_bridge, false);
 }
 
 void Station::on_result(std::function<void(const StationResult&)> handler) {

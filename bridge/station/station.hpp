@@ -85,6 +85,9 @@ class Station {
   void subscribe_program_sessions(std::function<void(const ProgramSessionReport&)> on_session);
   void subscribe_alarms(std::function<void(const StationAlarm&)> on_alarm,
                         std::function<void(const StationAlarm& last)> gone = {});
+  // What people did about alarms, beside the alarms themselves: acknowledged, shelved, suppressed.
+  void subscribe_alarm_status(std::function<void(const StationAlarmStatus&)> on_status,
+                              std::function<void(const StationAlarmStatus& last)> gone = {});
 
   // An interest in channels at a refresh, kept up until withdrawn or until this process dies.
   void declare_interest(const std::string& pattern, Duration refresh);
@@ -106,6 +109,15 @@ class Station {
   [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(
       StationCommand command, Duration wait_for_bridge = std::chrono::seconds{3});
   void on_result(std::function<void(const StationResult&)> handler);
+
+  // The same for what a person does about an alarm: acknowledge it, shelve it, put its device into
+  // maintenance. It has one result too, kDone or kRejected, and ids of the same count. requester
+  // and request_id of the action are filled in here.
+  [[nodiscard]] StationOutcome execute(AlarmAction action,
+                                       Duration wait_for_bridge = std::chrono::seconds{3},
+                                       Duration wait_for_result = std::chrono::seconds{5});
+  [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(
+      AlarmAction action, Duration wait_for_bridge = std::chrono::seconds{3});
 
   [[nodiscard]] const std::string& requester() const;  // unique for each process and object
 

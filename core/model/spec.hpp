@@ -44,11 +44,17 @@ enum class Planner : std::uint8_t {
 enum class Access : std::uint8_t { kReadOnly, kReadWrite, kWriteOnly };
 [[nodiscard]] std::string_view to_text(Access access);  // "read-only", ...
 
+// How soon somebody has to do something about an alarm.
+enum class AlarmPriority : std::uint8_t { kLow, kMedium, kHigh, kCritical };
+[[nodiscard]] std::string_view to_text(AlarmPriority priority);  // "low", "medium", ...
+
 // Limits on a channel's value; a value beyond one of them raises an alarm.
 struct Limits {
   std::optional<double> low_low, low, high, high_high;
   double hysteresis = 0;  // how far a value must be back inside until the alarm is clear
   Duration delay{};       // how long it must be outside until the alarm is raised
+  // Of all alarms of the channel; nothing: high for low-low and high-high, medium for the others.
+  std::optional<AlarmPriority> priority{};
   friend bool operator==(const Limits&, const Limits&) = default;
 };
 

@@ -27,6 +27,16 @@ std::string_view to_text(Planner planner) {
   return "?";
 }
 
+std::string_view to_text(AlarmPriority priority) {
+  switch (priority) {
+    case AlarmPriority::kLow: return "low";
+    case AlarmPriority::kMedium: return "medium";
+    case AlarmPriority::kHigh: return "high";
+    case AlarmPriority::kCritical: return "critical";
+  }
+  return "?";
+}
+
 std::string_view to_text(Access access) {
   switch (access) {
     case Access::kReadOnly: return "read-only";

@@ -84,6 +84,16 @@ void to_idl(const AlarmChange& change, const UtcMapping& mapping, idl::Alarm& ou
 // Nothing for a limit that is no alarm's.
 [[nodiscard]] std::optional<StationAlarm> from_idl(const idl::Alarm& alarm);
 
+// Texts are cut at their bounds.
+void to_idl(const AlarmKey& alarm, const AlarmStatus& status, idl::AlarmStatus& out);
+// Nothing for an unknown enumerator, and for a limit that is no alarm's.
+[[nodiscard]] std::optional<StationAlarmStatus> from_idl(const idl::AlarmStatus& status);
+
+// False if a name or a text is too long.
+[[nodiscard]] bool to_idl(const AlarmAction& action, idl::AlarmAction& out);
+// Texts come out printable, and cut at their bounds. What the action means is checked by AlarmBook.
+[[nodiscard]] tl::expected<AlarmAction, MalformedCommand> from_idl(const idl::AlarmAction& action);
+
 // ---- bridges
 
 // Buses beyond kMaxBuses are left out.

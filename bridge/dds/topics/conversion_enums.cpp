@@ -230,6 +230,68 @@ std::optional<LimitKind> from_idl(idl::LimitKind value) {
   return std::nullopt;
 }
 
+idl::AlarmPriority to_idl(AlarmPriority value) {
+  switch (value) {
+    case AlarmPriority::kLow: return idl::PRIORITY_LOW;
+    case AlarmPriority::kMedium: return idl::PRIORITY_MEDIUM;
+    case AlarmPriority::kHigh: return idl::PRIORITY_HIGH;
+    case AlarmPriority::kCritical: return idl::PRIORITY_CRITICAL;
+  }
+  std::abort();
+}
+
+std::optional<AlarmPriority> from_idl(idl::AlarmPriority value) {
+  switch (value) {
+    case idl::PRIORITY_LOW: return AlarmPriority::kLow;
+    case idl::PRIORITY_MEDIUM: return AlarmPriority::kMedium;
+    case idl::PRIORITY_HIGH: return AlarmPriority::kHigh;
+    case idl::PRIORITY_CRITICAL: return AlarmPriority::kCritical;
+  }
+  return std::nullopt;
+}
+
+idl::AlarmStage to_idl(AlarmStage value) {
+  switch (value) {
+    case AlarmStage::kClear: return idl::STAGE_CLEAR;
+    case AlarmStage::kUnacknowledged: return idl::STAGE_UNACKNOWLEDGED;
+    case AlarmStage::kAcknowledged: return idl::STAGE_ACKNOWLEDGED;
+    case AlarmStage::kReturned: return idl::STAGE_RETURNED;
+  }
+  std::abort();
+}
+
+std::optional<AlarmStage> from_idl(idl::AlarmStage value) {
+  switch (value) {
+    case idl::STAGE_CLEAR: return AlarmStage::kClear;
+    case idl::STAGE_UNACKNOWLEDGED: return AlarmStage::kUnacknowledged;
+    case idl::STAGE_ACKNOWLEDGED: return AlarmStage::kAcknowledged;
+    case idl::STAGE_RETURNED: return AlarmStage::kReturned;
+  }
+  return std::nullopt;
+}
+
+idl::AlarmActionKind to_idl(AlarmActionKind value) {
+  switch (value) {
+    case AlarmActionKind::kAcknowledge: return idl::ACTION_ACKNOWLEDGE;
+    case AlarmActionKind::kShelve: return idl::ACTION_SHELVE;
+    case AlarmActionKind::kUnshelve: return idl::ACTION_UNSHELVE;
+    case AlarmActionKind::kMaintenance: return idl::ACTION_MAINTENANCE;
+    case AlarmActionKind::kEndMaintenance: return idl::ACTION_END_MAINTENANCE;
+  }
+  std::abort();
+}
+
+std::optional<AlarmActionKind> from_idl(idl::AlarmActionKind value) {
+  switch (value) {
+    case idl::ACTION_ACKNOWLEDGE: return AlarmActionKind::kAcknowledge;
+    case idl::ACTION_SHELVE: return AlarmActionKind::kShelve;
+    case idl::ACTION_UNSHELVE: return AlarmActionKind::kUnshelve;
+    case idl::ACTION_MAINTENANCE: return AlarmActionKind::kMaintenance;
+    case idl::ACTION_END_MAINTENANCE: return AlarmActionKind::kEndMaintenance;
+  }
+  return std::nullopt;
+}
+
 idl::SessionState to_idl(ProgramSessionState value) {
   switch (value) {
     case ProgramSessionState::kOpen: return idl::SESSION_OPEN;

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "core/alarm/limit_watch.hpp"
+#include "core/alarm/alarm_status.hpp"
 #include "core/base/quality.hpp"
 #include "core/model/command.hpp"
 #include "core/model/spec.hpp"
@@ -25,6 +25,9 @@ namespace idl = ::fieldcast_idl;
 [[nodiscard]] idl::DeviceState to_idl(DeviceState value);
 [[nodiscard]] idl::AlarmState to_idl(AlarmState value);
 [[nodiscard]] idl::LimitKind to_idl(LimitKind value);
+[[nodiscard]] idl::AlarmPriority to_idl(AlarmPriority value);
+[[nodiscard]] idl::AlarmStage to_idl(AlarmStage value);
+[[nodiscard]] idl::AlarmActionKind to_idl(AlarmActionKind value);
 [[nodiscard]] idl::SessionState to_idl(ProgramSessionState value);
 
 // Nothing for a number that the IDL does not name, and for limits that are no alarm's.
@@ -38,6 +41,9 @@ namespace idl = ::fieldcast_idl;
 [[nodiscard]] std::optional<DeviceState> from_idl(idl::DeviceState value);
 [[nodiscard]] std::optional<AlarmState> from_idl(idl::AlarmState value);
 [[nodiscard]] std::optional<LimitKind> from_idl(idl::LimitKind value);
+[[nodiscard]] std::optional<AlarmPriority> from_idl(idl::AlarmPriority value);
+[[nodiscard]] std::optional<AlarmStage> from_idl(idl::AlarmStage value);
+[[nodiscard]] std::optional<AlarmActionKind> from_idl(idl::AlarmActionKind value);
 [[nodiscard]] std::optional<ProgramSessionState> from_idl(idl::SessionState value);
 
 }  // namespace fieldcast

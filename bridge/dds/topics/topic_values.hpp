@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/alarm/limit_watch.hpp"
+#include "core/alarm/alarm_status.hpp"
 #include "core/base/quality.hpp"
 #include "core/base/time.hpp"
 #include "core/base/value.hpp"
@@ -80,6 +80,11 @@ struct StationBridge {
   std::int32_t strength = 0;  // among them
   UtcTime since;              // when it joined the domain
   std::vector<Bus> buses;
+};
+
+struct StationAlarmStatus {
+  AlarmKey alarm;
+  AlarmStatus status;
 };
 
 // What a station asks for; Command with the bus it goes to. requester and expires are the station's

@@ -115,6 +115,12 @@ dds::DataWriterQos command_writer_qos(Duration lifespan) {
   return qos;
 }
 
+dds::DataWriterQos alarm_action_writer_qos(Duration lifespan) {
+  dds::DataWriterQos qos = writer_qos(kAlarmActionTopic);
+  qos.lifespan().duration = to_dds(lifespan);
+  return qos;
+}
+
 dds::DataReaderQos lease_reader_qos() {
   dds::DataReaderQos qos;
   set_common(qos, Durability::kVolatile);

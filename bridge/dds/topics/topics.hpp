@@ -117,6 +117,8 @@ inline constexpr Topic<idl::ProgramSessionPubSubType> kProgramSessionTopic{
     {"fieldcast/ProgramSession", kStays, last_of(kMaxDevices), last_of(kMaxDevices)}};
 inline constexpr Topic<idl::AlarmPubSubType> kAlarmTopic{
     {"fieldcast/Alarm", kStays, last_of(kMaxAlarms), last_of(kMaxAlarms)}};
+inline constexpr Topic<idl::AlarmStatusPubSubType> kAlarmStatusTopic{
+    {"fieldcast/AlarmStatus", kStays, last_of(kMaxAlarms), last_of(kMaxAlarms)}};
 // One writer for each bus. A reader that stays behind loses the oldest, and delays nobody.
 inline constexpr Topic<idl::SampleBlockPubSubType> kSampleBlockTopic{
     {"fieldcast/SampleBlock", kPasses, last_of(1, kBlocksKept), last_of(1, kBlocksTaken),
@@ -134,6 +136,10 @@ inline constexpr Topic<idl::CommandPubSubType> kCommandTopic{
     {"fieldcast/Command", kPasses, all_of(kMaxPendingCommands, 2),
      all_of(kMaxPendingCommands, kMaxPendingCommands), Lease::kNone, Unregister::kLetsGo,
      std::chrono::seconds{1}}};
+inline constexpr Topic<idl::AlarmActionPubSubType> kAlarmActionTopic{
+    {"fieldcast/AlarmAction", kPasses, all_of(kMaxPendingCommands, 2),
+     all_of(kMaxPendingCommands, kMaxPendingCommands), Lease::kNone, Unregister::kLetsGo,
+     std::chrono::seconds{1}}};
 // A ring of one instance for the library (ResultType): a reader that stays behind loses the oldest.
 inline constexpr Topic<idl::CommandResultPubSubType> kCommandResultTopic{
     {"fieldcast/CommandResult", kPasses, last_of(1, kMaxResults),
@@ -145,11 +151,11 @@ inline constexpr Topic<idl::InterestPubSubType> kInterestTopic{
 inline constexpr Topic<idl::BridgePubSubType> kBridgeTopic{
     {"fieldcast/Bridge", kStays, last_of(1), last_of(kMaxBridges, 16), Lease::kBoth}};
 
-inline constexpr std::array<const TopicRow*, 13> kTopics{
-    &kSampleBlockTopic, &kSnapshotRequestTopic, &kCatalogueBlockTopic, &kSampleTopic,
-    &kChannelTopic,     &kBusStatusTopic,       &kDeviceStatusTopic,   &kProgramSessionTopic,
-    &kAlarmTopic,       &kCommandTopic,         &kCommandResultTopic,  &kInterestTopic,
-    &kBridgeTopic};
+inline constexpr std::array<const TopicRow*, 15> kTopics{
+    &kSampleBlockTopic,   &kSnapshotRequestTopic, &kCatalogueBlockTopic, &kSampleTopic,
+    &kChannelTopic,       &kBusStatusTopic,       &kDeviceStatusTopic,   &kProgramSessionTopic,
+    &kAlarmTopic,         &kAlarmStatusTopic,     &kAlarmActionTopic,    &kCommandTopic,
+    &kCommandResultTopic, &kInterestTopic,        &kBridgeTopic};
 
 // "fieldcast::Sample" of "fieldcast/Sample".
 [[nodiscard]] std::string type_name(const TopicRow& topic);
@@ -163,6 +169,7 @@ inline constexpr std::array<const TopicRow*, 13> kTopics{
 [[nodiscard]] dds::DataWriterQos sample_writer_qos(std::optional<Duration> refresh);
 [[nodiscard]] dds::DataReaderQos sample_reader_qos(std::optional<Duration> deadline);
 [[nodiscard]] dds::DataWriterQos command_writer_qos(Duration lifespan);
+[[nodiscard]] dds::DataWriterQos alarm_action_writer_qos(Duration lifespan);
 // Of a reader that takes nothing and learns which of the writers that promise the lease are alive.
 [[nodiscard]] dds::DataReaderQos lease_reader_qos();
 

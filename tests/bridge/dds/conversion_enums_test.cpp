@@ -130,6 +130,37 @@ TEST(EnumConversion, LimitKind) {
   expect_all(kRows);
 }
 
+TEST(EnumConversion, AlarmPriority) {
+  constexpr Row<AlarmPriority, idl::AlarmPriority> kRows[] = {
+      {AlarmPriority::kLow, idl::PRIORITY_LOW, 0},
+      {AlarmPriority::kMedium, idl::PRIORITY_MEDIUM, 1},
+      {AlarmPriority::kHigh, idl::PRIORITY_HIGH, 2},
+      {AlarmPriority::kCritical, idl::PRIORITY_CRITICAL, 3},
+  };
+  expect_all(kRows);
+}
+
+TEST(EnumConversion, AlarmStage) {
+  constexpr Row<AlarmStage, idl::AlarmStage> kRows[] = {
+      {AlarmStage::kClear, idl::STAGE_CLEAR, 0},
+      {AlarmStage::kUnacknowledged, idl::STAGE_UNACKNOWLEDGED, 1},
+      {AlarmStage::kAcknowledged, idl::STAGE_ACKNOWLEDGED, 2},
+      {AlarmStage::kReturned, idl::STAGE_RETURNED, 3},
+  };
+  expect_all(kRows);
+}
+
+TEST(EnumConversion, AlarmActionKind) {
+  constexpr Row<AlarmActionKind, idl::AlarmActionKind> kRows[] = {
+      {AlarmActionKind::kAcknowledge, idl::ACTION_ACKNOWLEDGE, 0},
+      {AlarmActionKind::kShelve, idl::ACTION_SHELVE, 1},
+      {AlarmActionKind::kUnshelve, idl::ACTION_UNSHELVE, 2},
+      {AlarmActionKind::kMaintenance, idl::ACTION_MAINTENANCE, 3},
+      {AlarmActionKind::kEndMaintenance, idl::ACTION_END_MAINTENANCE, 4},
+  };
+  expect_all(kRows);
+}
+
 TEST(EnumConversion, ProgramSessionState) {
   constexpr Row<ProgramSessionState, idl::SessionState> kRows[] = {
       {ProgramSessionState::kOpen, idl::SESSION_OPEN, 0},

@@ -100,8 +100,10 @@ class Collected {
 struct Received {
   Collected<std::pair<std::string, Command>> commands;
   Collected<Interest> interests;
+  Collected<AlarmAction> actions;
   Collected<std::string> problems;
   std::function<void(const std::string& bus, const Command& command)> answer;
+  std::function<void(const AlarmAction& action)> answer_action;
 
   DdsLink::Handlers handlers() {
     return {.clock = both_clocks,
@@ -111,7 +113,12 @@ struct Received {
                   if (answer) answer(bus, command);
                 },
             .on_interest = [this](Interest interest) { interests.add(std::move(interest)); },
-            .on_problem = [this](std::string text) { problems.add(std::move(text)); }};
+            .on_problem = [this](std::string text) { problems.add(std::move(text)); },
+            .on_alarm_action =
+                [this](AlarmAction action) {
+                  actions.add(action);
+                  if (answer_action) answer_action(action);
+                }};
   }
 };
 

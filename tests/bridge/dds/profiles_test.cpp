@@ -68,6 +68,7 @@ class Profiles : public ::testing::Test {
 TEST_F(Profiles, SayWhatTheBridgesOwnStationsUse) {
   const std::map<std::string, dds::DataWriterQos> written = {
       {kCommandTopic.name, command_writer_qos(5s)},
+      {kAlarmActionTopic.name, alarm_action_writer_qos(5s)},
       {kInterestTopic.name, writer_qos(kInterestTopic)},
       {kSnapshotRequestTopic.name, writer_qos(kSnapshotRequestTopic)}};
   for (const TopicRow* topic : kTopics) {
