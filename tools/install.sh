@@ -24,6 +24,8 @@ test=(
   systemd util-linux iproute2
   # devices, masters and a DDS that others wrote, to test against
   libmodbus-dev python3-pymodbus python3-serial python3-serial-asyncio mbpoll socat cyclonedds-dev cyclonedds-tools
+  # a browser, for the station's page
+  chromium
 )
 ci=(clang-tidy codespell git lintian python3-prometheus-client)
 
@@ -54,6 +56,8 @@ prometheus promtool ./usr/bin/promtool
 udev udevadm .
 TABLE
 fi
+# A machine may bring a node of its own, which Debian's npm conflicts with: asked for is the command, not the package.
+command -v npm >/dev/null || missing+=(nodejs npm)
 [ $((${#missing[@]} + ${#unpacked[@]})) -gt 0 ] || exit 0
 
 as_root=()

@@ -1,0 +1,149 @@
+// The page's parts without a browser.
+//
+//   node page_test.mjs PAGE_FOLDER NODE_MODULES
+
+import assert from 'node:assert/strict';
+import { mkdtempSync, readdirSync, readFileSync, rmSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { tmpdir } from 'node:os';
+import { join, resolve } from 'node:path';
+import test from 'node:test';
+import { encodeFrame } from './mock_station.mjs';
+
+const [folder, modules] = process.argv.slice(2).map((path) => resolve(path));
+const source = join(folder, 'src');
+globalThis.localStorage = { getItem: (key) => (key === 'fieldcast.language' ? 'en' : null), setItem: () => {} };
+
+// The modules by one bundle, so that they share what they share in the page.
+const { buildSync } = createRequire(join(modules, 'x'))('esbuild');
+const names = ['frame', 'plant', 'router', 'rows', 'format', 'i18n'];
+const made = mkdtempSync(join(tmpdir(), 'fieldcast-page-'));
+buildSync({
+  stdin: { contents: names.map((name) => `export * as ${name} from './${name}';`).join('\n'), resolveDir: source, loader: 'ts' },
+  bundle: true, format: 'esm', outfile: join(made, 'page.mjs'), nodePaths: [modules], logLevel: 'warning',
+});
+const { frame, plant, router, rows, format, i18n } = await import(join(made, 'page.mjs'));
+rmSync(made, { recursive: true });
+
+const row = (id, path, more = {}) => [id, path, more.type ?? 'float32', more.unit ?? '', 'holding:0', 'read-only', 'scheduled', 500, {}, more.description ?? '', 'north'];
+const sample = (id, value, more = {}) => ({ id, value, text: null, acquired_ms: Date.now() - 40, quality: 0, ...more });
+const makePlant = (...channels) => {
+  const made = new plant.Plant();
+  made.applyCatalogue({ version: 1, full: true, channels: channels.map((path, index) => row(index + 1, path)), gone: [] });
+  return made;
+};
+
+test('a frame is read where it lies', () => {
+  const read = frame.parseFrame(encodeFrame([sample(7, 1.5), sample(9, -2, { quality: 3 })]));
+  assert.deepEqual([...read.id], [7, 9]);
+  assert.deepEqual([...read.value], [1.5, -2]);
+  assert.deepEqual([...read.quality], [0, 3]);
+  assert.ok(read.age_ms[0] >= 40 && read.age_ms[0] < 1000);
+});
+
+test('bytes that are no frame are refused', () => {
+  const good = encodeFrame([sample(1, 1)]);
+  assert.equal(frame.parseFrame(good.slice(0, 15)), undefined);
+  assert.equal(frame.parseFrame(good.slice(0, good.byteLength - 1)), undefined);
+  const other = good.slice(0);
+  new DataView(other).setUint8(0, 2);
+  assert.equal(frame.parseFrame(other), undefined);
+});
+
+test('frames wait for the catalogue of their connection', () => {
+  const made = makePlant('a/b/c');
+  made.restart();
+  made.applyFrame(encodeFrame([sample(1, 42)]));
+  assert.ok(Number.isNaN(made.value[1]));
+  made.applyCatalogue({ version: 1, full: true, channels: [row(1, 'x/y/z')], gone: [] });
+  assert.equal(made.value[1], 42);
+  assert.equal(made.channels.get(1).path, 'x/y/z');
+  assert.equal(made.ids.get('a/b/c'), undefined);
+});
+
+test('values of an id that the catalogue does not know yet are kept', () => {
+  const made = makePlant('a/b/c');
+  made.applyFrame(encodeFrame([sample(5000, 3)]));
+  made.applyCatalogue({ version: 2, full: false, channels: [row(5000, 'a/b/new')], gone: [1] });
+  assert.equal(made.value[5000], 3);
+  assert.equal(made.channels.has(1), false);
+});
+
+test('an id beyond all bounds takes no memory', () => {
+  const made = makePlant('a/b/c');
+  made.applyFrame(encodeFrame([sample(0xfffffff0, 3)]));
+  assert.ok(made.value.length < 1e6);
+});
+
+test('a text gives way to the number that comes after it', () => {
+  const made = makePlant('a/b/c');
+  made.applyTexts({ kind: 'values', id: [1], value: ['9007199254740993'], acquired_ms: [5], quality: [0] });
+  assert.equal(made.texts.get(1), '9007199254740993');
+  made.applyFrame(encodeFrame([sample(1, 12)]));
+  assert.equal(made.texts.has(1), false);
+});
+
+test('channels are counted by bus and quality', () => {
+  const made = makePlant('a/d/1', 'a/d/2', 'b/d/1');
+  made.applyFrame(encodeFrame([sample(1, 1), sample(2, 1, { quality: 2 })]));
+  assert.deepEqual(made.count().get('a'), { all: 2, bad: 1, unread: 0 });
+  assert.deepEqual(made.count().get(''), { all: 3, bad: 1, unread: 1 });
+});
+
+test('rows are filtered, grouped, sorted and pinned', () => {
+  const made = makePlant('shop/press/speed', 'shop/press/force', 'shop/oven/zone', 'yard/crane/load');
+  made.applyFrame(encodeFrame([sample(1, 9), sample(2, 5), sample(3, 7, { quality: 2 }), sample(4, 1)]));
+  const choice = { filter: '', onlyBad: false, badFirst: false, group: false, sort: 'channel', descending: false, pinned: new Set() };
+  const paths = (more) => {
+    const found = rows.arrange(made, { ...choice, ...more });
+    return [...found.rows].map((each) => (each < 0 ? `[${found.headings[-1 - each]}]` : made.channels.get(each).path));
+  };
+  assert.deepEqual(paths({ filter: 'shop/press/*' }), ['shop/press/force', 'shop/press/speed']);
+  assert.deepEqual(paths({ filter: 'PRESS spe' }), ['shop/press/speed']);
+  assert.deepEqual(paths({ filter: 'shop/(*' }), []);
+  assert.deepEqual(paths({ onlyBad: true }), ['shop/oven/zone']);
+  assert.deepEqual(paths({ badFirst: true })[0], 'shop/oven/zone');
+  assert.deepEqual(paths({ sort: 'value', descending: true })[0], 'shop/press/speed');
+  assert.deepEqual(paths({ pinned: new Set(['yard/crane/load']) })[0], 'yard/crane/load');
+  assert.deepEqual(paths({ group: true }), ['[shop/oven]', 'shop/oven/zone', '[shop/press]', 'shop/press/force', 'shop/press/speed', '[yard/crane]', 'yard/crane/load']);
+});
+
+test('an address survives its way through a link', () => {
+  const route = router.parseRoute(router.link('channel', ['bus 1', 'a/b', '温度'], { c: ['x', 'y&z'] }));
+  assert.deepEqual(route.parts, ['bus 1', 'a/b', '温度']);
+  assert.deepEqual(route.query.getAll('c'), ['x', 'y&z']);
+  assert.equal(router.parseRoute('').name, 'overview');
+  assert.deepEqual(router.parseRoute('#/live/%zz').parts, ['%zz']);
+});
+
+test('numbers are shown as they are', () => {
+  assert.equal(format.exactValue(Math.fround(0.1), 'float32'), '0.1');
+  assert.equal(format.exactValue(16777217, 'float64'), '16777217');
+  assert.equal(format.exactValue(1, 'bool'), 'true');
+  assert.equal(format.tableValue(900, 23.400000000000002, 'int16'), '23.4');
+  assert.equal(format.tableValue(900, 23, 'int16'), '23.0');
+  assert.equal(format.tableValue(901, NaN, 'int16'), '–');
+  assert.equal(format.age(-5), '0.0 s');
+  assert.equal(format.age(65_000), '65 s');
+  assert.equal(format.duration(0.25), '250 µs');
+});
+
+test('every text is there in both languages, and every key that is asked for exists', () => {
+  const files = (path) => readdirSync(path, { withFileTypes: true }).flatMap((entry) =>
+    entry.isDirectory() ? files(join(path, entry.name)) : [join(path, entry.name)]);
+  const texts = files(join(source, 'texts')).map((path) => readFileSync(path, 'utf8'));
+  const keys = (text, name) => new Set([...text.slice(text.indexOf(`export const ${name}`)).split('\n};')[0].matchAll(/(?:^|[{,]\s*)'?([\w.-]+)'?: ['"`]/gm)].map((match) => match[1]));
+  const all = new Set();
+  for (const text of texts) {
+    const [en, zh] = [keys(text, 'en'), keys(text, 'zh')];
+    assert.ok(en.size > 0);
+    assert.deepEqual([...zh].sort(), [...en].sort());
+    for (const key of en) {
+      assert.ok(!all.has(key), `${key} is there twice`);
+      all.add(key);
+    }
+  }
+  for (const path of files(source).filter((each) => !each.includes('/texts/')))
+    for (const [, key] of readFileSync(path, 'utf8').matchAll(/\bt\('([\w.-]+)'/g)) assert.ok(all.has(key), `${path}: ${key}`);
+  assert.equal(i18n.t('live.shown', { n: 3, all: 5 }), '3 of 5');
+});

@@ -1,0 +1,93 @@
+// Bundles the page and writes it as C++: the bytes of each file, gzip'ed, and the table page_files().
+//
+//   node build.mjs MODULES OUTPUT.cpp [FOLDER]
+//
+// MODULES: the node_modules of `npm ci`. FOLDER: the files are written there too, for tests without the program. OUTPUT.cpp.d
+// names every source for the build.
+
+import { createHash } from 'node:crypto';
+import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { dirname, join, resolve } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { gzipSync } from 'node:zlib';
+
+const here = dirname(fileURLToPath(import.meta.url));
+const [modules, output, folder] = process.argv.slice(2).map((path) => resolve(path));
+const largest_kb = 60;
+
+async function bundle() {
+  const { build } = createRequire(join(modules, 'x'))('esbuild');
+  const result = await build({
+    entryPoints: [join(here, 'src/main.ts'), join(here, 'app.css')],
+    entryNames: 'app',
+    outdir: join(here, 'out'),
+    bundle: true,
+    minify: true,
+    format: 'esm',
+    target: ['chrome123', 'firefox120', 'safari17.5'],
+    nodePaths: [modules],
+    legalComments: 'eof',
+    write: false,
+    metafile: true,
+    logLevel: 'warning',
+  });
+  const made = (end) => Buffer.from(result.outputFiles.find((file) => file.path.endsWith(end)).contents);
+  return { script: made('.js'), style: made('.css'), inputs: Object.keys(result.metafile.inputs).map((path) => resolve(path)) };
+}
+
+const { script, style, inputs } = await bundle();
+const own = (name) => readFileSync(join(here, name));
+const html = 'text/html; charset=utf-8';
+const files = [
+  ['/', html, own('index.html')],
+  ['/app.js', 'text/javascript; charset=utf-8', script],
+  ['/app.css', 'text/css; charset=utf-8', style],
+  ['/icon.svg', 'image/svg+xml', own('icon.svg')],
+  ['/manifest', 'application/manifest+json', own('manifest.json')],
+].map(([path, type, bytes]) => ({
+  path, type, bytes, gzip: gzipSync(bytes, { level: 9 }),
+  etag: createHash('sha256').update(bytes).digest('hex').slice(0, 16),
+}));
+
+const total = files.reduce((sum, file) => sum + file.gzip.length, 0);
+if (total > largest_kb * 1000) {
+  console.error(`the page is ${total} bytes compressed; its limit is ${largest_kb} kB`);
+  process.exit(1);
+}
+
+const row = (file, index) => `    {"${file.path}", "${file.type}", bytes(kFile${index}), "\\"${file.etag}\\""},`;
+const array = (file, index) => {
+  const numbers = [];
+  for (let at = 0; at < file.gzip.length; at += 24) numbers.push('    ' + [...file.gzip.subarray(at, at + 24)].join(',') + ',');
+  return `constexpr unsigned char kFile${index}[] = {\n${numbers.join('\n')}\n};`;
+};
+writeFileSync(output, `// Made by tools/station/page/build.mjs: ${total} bytes in all.
+#include "tools/station/web/embedded_file.hpp"
+
+namespace fieldcast::web {
+namespace {
+
+${files.map(array).join('\n\n')}
+
+std::string_view bytes(std::span<const unsigned char> file) {
+  return {reinterpret_cast<const char*>(file.data()), file.size()};
+}
+
+const EmbeddedFile kFiles[] = {
+${files.map(row).join('\n')}
+};
+
+}  // namespace
+
+std::span<const EmbeddedFile> page_files() { return kFiles; }
+
+}  // namespace fieldcast::web
+`);
+writeFileSync(`${output}.d`, `${output}: ${inputs.map((path) => path.replaceAll(' ', '\\ ')).join(' ')}\n`);
+
+if (folder) {
+  mkdirSync(folder, { recursive: true });
+  for (const file of files) writeFileSync(join(folder, file.path === '/' ? 'index.html' : file.path.slice(1)), file.bytes);
+}
+console.log(`page: ${(total / 1000).toFixed(1)} kB compressed`);

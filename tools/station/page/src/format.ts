@@ -1,0 +1,87 @@
+// Numbers, times and durations as people read them. Pure but for the language.
+
+import { language } from './i18n';
+
+const locale = (): string => (language === 'zh' ? 'zh-CN' : 'en-GB');
+
+// How many decimals a channel has shown so far: its column then does not jump.
+const decimalsSeen = new Map<number, number>();
+const mostDecimals = 6;
+
+function float32Text(value: number): string {
+  for (let digits = 6; digits < 9; digits++) {
+    const text = value.toPrecision(digits);
+    if (Math.fround(Number(text)) === Math.fround(value)) return String(Number(text));
+  }
+  return String(value);
+}
+
+// All digits that mean something.
+export function exactValue(value: number, type: string): string {
+  if (type === 'bool') return value === 0 ? 'false' : 'true';
+  if (type === 'float32') return float32Text(value);
+  return String(Number(value.toPrecision(15)));
+}
+
+// A value in a table: as wide as the last one of its channel.
+export function tableValue(id: number, value: number, type: string): string {
+  if (Number.isNaN(value)) return '–';
+  if (type === 'bool') return value === 0 ? 'false' : 'true';
+  if (!Number.isFinite(value)) return value > 0 ? '∞' : '-∞';
+  const size = Math.abs(value);
+  if (size >= 1e15 || (size > 0 && size < 1e-6)) return value.toPrecision(6);
+  if (type.startsWith('float')) return value.toFixed(size >= 10_000 ? 0 : size >= 1000 ? 1 : size >= 100 ? 2 : size >= 1 ? 3 : 4);
+  const text = String(Number(value.toPrecision(12)));
+  const point = text.indexOf('.');
+  const decimals = Math.min(mostDecimals, Math.max(decimalsSeen.get(id) ?? 0, point < 0 ? 0 : text.length - point - 1));
+  if (decimals > 0) decimalsSeen.set(id, decimals);
+  return value.toFixed(decimals);
+}
+
+export function age(ms: number): string {
+  if (ms < 0) ms = 0;
+  if (ms < 10_000) return `${(ms / 1000).toFixed(1)} s`;
+  return duration(ms);
+}
+
+export function duration(ms: number): string {
+  if (ms < 1) return ms === 0 ? '0 ms' : `${(ms * 1000).toFixed(0)} µs`;
+  if (ms < 10) return `${Number(ms.toFixed(1))} ms`;
+  if (ms < 1000) return `${Math.round(ms)} ms`;
+  const s = ms / 1000;
+  if (s < 10) return `${Number(s.toFixed(1))} s`;
+  if (s < 100) return `${Math.round(s)} s`;
+  if (s < 6000) return `${Math.round(s / 60)} min`;
+  if (s < 172_800) return `${Math.round(s / 3600)} h`;
+  return `${Math.round(s / 86_400)} d`;
+}
+
+export const percent = (share: number, digits = 0): string => `${(100 * share).toFixed(digits)} %`;
+
+export const count = (n: number): string => n.toLocaleString(locale());
+
+export function bytes(n: number): string {
+  if (n < 1000) return `${n} B`;
+  if (n < 1e6) return `${(n / 1e3).toFixed(1)} kB`;
+  if (n < 1e9) return `${(n / 1e6).toFixed(1)} MB`;
+  return `${(n / 1e9).toFixed(1)} GB`;
+}
+
+const two = (n: number): string => String(n).padStart(2, '0');
+
+export function clock(ms: number): string {
+  const at = new Date(ms);
+  return `${two(at.getHours())}:${two(at.getMinutes())}:${two(at.getSeconds())}`;
+}
+
+// Local time; the day only when it is not today.
+export function time(ms: number, now_ms = Date.now()): string {
+  const at = new Date(ms);
+  const day = `${at.getFullYear()}-${two(at.getMonth() + 1)}-${two(at.getDate())}`;
+  return at.toDateString() === new Date(now_ms).toDateString() ? clock(ms) : `${day} ${clock(ms)}`;
+}
+
+export function fullTime(ms: number): string {
+  const at = new Date(ms);
+  return `${at.getFullYear()}-${two(at.getMonth() + 1)}-${two(at.getDate())} ${clock(ms)}.${String(at.getMilliseconds()).padStart(3, '0')}`;
+}

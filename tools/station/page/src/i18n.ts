@@ -1,0 +1,50 @@
+// Texts of the page in English and Chinese. Each page has a file in texts/ with a table for each language; the compiler holds that
+// both have the same keys, a test that all keys are used.
+
+import * as alarms from './texts/alarms';
+import * as audit from './texts/audit';
+import * as channel from './texts/channel';
+import * as common from './texts/common';
+import * as devices from './texts/devices';
+import * as history from './texts/history';
+import * as live from './texts/live';
+import * as login from './texts/login';
+import * as overview from './texts/overview';
+import * as plan from './texts/plan';
+import * as programming from './texts/programming';
+
+const modules = [common, overview, live, channel, alarms, devices, programming, history, plan, audit, login] as const;
+export const languages = { en: 'English', zh: '中文' } as const;
+export type Language = keyof typeof languages;
+export type Key = keyof typeof common.en | keyof typeof overview.en | keyof typeof live.en | keyof typeof channel.en | keyof typeof alarms.en |
+  keyof typeof devices.en | keyof typeof programming.en | keyof typeof history.en | keyof typeof plan.en | keyof typeof audit.en |
+  keyof typeof login.en;
+
+const tables: Record<Language, Record<string, string>> = {
+  en: Object.assign({}, ...modules.map((each) => each.en)) as Record<string, string>,
+  zh: Object.assign({}, ...modules.map((each) => each.zh)) as Record<string, string>,
+};
+
+function chosen(): Language {
+  const kept = localStorage.getItem('fieldcast.language');
+  if (kept === 'en' || kept === 'zh') return kept;
+  return navigator.language.toLowerCase().startsWith('zh') ? 'zh' : 'en';
+}
+
+export let language: Language = chosen();
+
+export function setLanguage(next: Language): void {
+  language = next;
+  localStorage.setItem('fieldcast.language', next);
+}
+
+// The text of a key; {name} is replaced by a value.
+export function t(key: Key, values?: Record<string, string | number>): string {
+  const text = tables[language][key] ?? key;
+  return values ? text.replace(/\{(\w+)\}/g, (whole, name: string) => String(values[name] ?? whole)) : text;
+}
+
+// A word of the station (a state, a cause) in the user's language; as it came where there is no text for it.
+export function word(kind: string, value: string): string {
+  return tables[language][`${kind}.${value}`] ?? value;
+}

@@ -1,0 +1,260 @@
+// The WebSocket to the station: connects, tells the plant what arrives, finds out when nothing arrives any more, comes back with
+// growing pauses. A result goes to who asked for it.
+
+import { request } from './api';
+import type { CatalogueAnswer, Plant } from './plant';
+import type { Alarm, Bridge, Bus, Device, Result, Session } from './types';
+
+export type LiveState = 'connecting' | 'open' | 'lost';
+
+interface Waiting {
+  done: (result: Result) => void;
+  failed: (error: Error) => void;
+  timer: number;
+}
+
+const pingEvery_ms = 2000;
+const silence_ms = 5000;  // without a byte: the connection is taken for lost
+const pauses_ms = [250, 500, 1000, 2000, 4000, 8000];
+const resultWithin_ms = 30_000;
+
+// hint: what the station advises.
+export class Refused extends Error {
+  constructor(message: string, readonly hint: string) {
+    super(message);
+  }
+}
+
+export class Live {
+  state: LiveState = 'connecting';
+  lostAt = 0;  // performance.now()
+  retryAt = 0;
+  clockOffset_ms = 0;  // the station's clock minus this machine's
+  dropped = 0;  // frames that this page was too slow for
+  roundTrip_ms = NaN;
+  onLoginRequired: () => void = () => {};
+  private socket: WebSocket | undefined;
+  private tries = 0;
+  private next = 1;
+  private heardAt = 0;
+  private pingSent = 0;
+  private retryTimer = 0;
+  private ended = false;
+  private readonly asked = new Map<number, Waiting>();  // by the client's number
+  private readonly requests = new Map<string, Waiting>();  // by the station's number
+  private readonly early = new Map<string, Result>();  // results that came before somebody asked
+  private readonly subscriptions = new Map<string, { count: number; refresh_ms?: number }>();
+
+  constructor(private readonly plant: Plant) {
+    setInterval(() => this.watch(), pingEvery_ms);
+    addEventListener('online', () => this.retryNow());
+    document.addEventListener('visibilitychange', () => document.hidden || this.retryNow());
+  }
+
+  now(): number { return Date.now() + this.clockOffset_ms; }
+
+  // `catalogue`: one that is under way already, for the first connection.
+  start(catalogue?: Promise<CatalogueAnswer>): void {
+    this.ended = false;
+    const address = `${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/live`;
+    const socket = new WebSocket(address, 'fieldcast.1');
+    socket.binaryType = 'arraybuffer';
+    this.socket = socket;
+    this.heardAt = performance.now();
+    const mine = (): boolean => this.socket === socket;
+    let opened = false;
+    socket.onopen = () => {
+      if (!mine()) return;
+      opened = true;
+      this.plant.restart();
+      this.send({ subscribe: '*' });
+      for (const [pattern, { refresh_ms }] of this.subscriptions) this.send({ subscribe: pattern, refresh_ms });
+      void this.fetchCatalogue(socket, catalogue);
+    };
+    socket.onmessage = (event: MessageEvent<ArrayBuffer | string>) => {
+      if (!mine()) return;
+      this.heardAt = performance.now();
+      if (typeof event.data === 'string') this.onMessage(event.data);
+      else this.plant.applyFrame(event.data);
+    };
+    socket.onclose = () => { if (mine()) this.onLost(opened); };
+  }
+
+  // Logout: nothing is tried again.
+  stop(): void {
+    this.ended = true;
+    clearTimeout(this.retryTimer);
+    const socket = this.socket;
+    this.socket = undefined;
+    socket?.close();
+    this.setState('connecting');
+  }
+
+  // Asks for a shorter refresh while somebody looks; give the answer's function a call when nobody does any more.
+  subscribe(pattern: string, refresh_ms: number): () => void {
+    const entry = this.subscriptions.get(pattern) ?? { count: 0, refresh_ms };
+    entry.count++;
+    this.subscriptions.set(pattern, entry);
+    if (entry.count === 1) this.send({ subscribe: pattern, refresh_ms });
+    return () => {
+      if (--entry.count > 0) return;
+      this.subscriptions.delete(pattern);
+      this.send({ unsubscribe: pattern });
+    };
+  }
+
+  // Rejects with Refused, or when no result came.
+  write(channel: string, value: string | number | boolean, verify: boolean): Promise<Result> {
+    return this.ask({ write: { channel, value, verify } });
+  }
+
+  acquire(channel: string): Promise<Result> { return this.ask({ acquire: { channel } }); }
+
+  // What became of something that was asked for by HTTP.
+  resultOf(requestId: string | number): Promise<Result> {
+    const key = String(requestId);
+    const early = this.early.get(key);
+    if (early) return Promise.resolve(early);
+    return this.wait(this.requests, key);
+  }
+
+  private ask(message: Record<string, unknown>): Promise<Result> {
+    const id = this.next++;
+    if (!this.send({ ...message, id })) return Promise.reject(new Refused('lost', ''));
+    return this.wait(this.asked, id);
+  }
+
+  private wait<K>(table: Map<K, Waiting>, key: K): Promise<Result> {
+    return new Promise((done, failed) => {
+      const timer = window.setTimeout(() => {
+        table.delete(key);
+        failed(new Refused('no-result', ''));
+      }, resultWithin_ms);
+      table.set(key, { done, failed, timer });
+    });
+  }
+
+  private settle<K>(table: Map<K, Waiting>, key: K, outcome: Result | Error): boolean {
+    const waiting = table.get(key);
+    if (!waiting) return false;
+    table.delete(key);
+    clearTimeout(waiting.timer);
+    if (outcome instanceof Error) waiting.failed(outcome);
+    else waiting.done(outcome);
+    return true;
+  }
+
+  private send(message: unknown): boolean {
+    if (this.socket?.readyState !== WebSocket.OPEN) return false;
+    this.socket.send(JSON.stringify(message));
+    return true;
+  }
+
+  private async fetchCatalogue(socket: WebSocket, first?: Promise<CatalogueAnswer>): Promise<void> {
+    try {
+      const after = this.plant.version;
+      const answer = await (first ?? request<CatalogueAnswer>(after < 0 ? '/api/catalogue' : `/api/catalogue?after=${after}`));
+      if (this.socket !== socket) return;
+      this.plant.applyCatalogue(answer);
+      this.setState('open');
+      if (answer.version < this.wanted) void this.fetchCatalogue(socket);
+    } catch {
+      if (this.socket === socket) socket.close();
+    }
+  }
+  private wanted = -1;
+
+  private onMessage(text: string): void {
+    let message: { kind?: string } & Record<string, unknown>;
+    try {
+      message = JSON.parse(text);
+    } catch {
+      return;
+    }
+    const about = message as unknown;
+    const plant = this.plant;
+    switch (message.kind) {
+      case 'hello':
+        this.clockOffset_ms = Number(message['now_ms']) - Date.now();
+        this.wanted = Number(message['catalogue']);
+        break;
+      case 'catalogue':
+        this.wanted = Number(message['version']);
+        if (plant.version >= 0 && this.wanted > plant.version && this.socket) void this.fetchCatalogue(this.socket);
+        break;
+      case 'values': plant.applyTexts(message); break;
+      case 'bus': plant.setBus(about as Bus); break;
+      case 'bus_gone': plant.buses.delete(String(message['bus'])); plant.touch('buses'); break;
+      case 'device': plant.setDevice(about as Device); break;
+      case 'device_gone': plant.devices.delete(`${message['bus']}/${message['device']}`); plant.touch('devices'); break;
+      case 'alarm': plant.setAlarm(about as Alarm); break;
+      case 'session': {
+        const session = about as Session;
+        plant.sessions.set(`${session.bus}/${session.device}`, session);
+        plant.touch('sessions');
+        break;
+      }
+      case 'bridge': plant.bridges.set(String(message['bridge']), about as Bridge); plant.touch('bridges'); break;
+      case 'bridge_gone': plant.bridges.delete(String(message['bridge'])); plant.touch('bridges'); break;
+      case 'result': this.onResult(about as Result & { id?: number }); break;
+      case 'refused':
+        this.settle(this.asked, Number(message['id']), new Refused(String(message['error']), String(message['hint'] ?? '')));
+        break;
+      case 'lag': this.dropped += Number(message['dropped_frames']) || 0; break;
+      case 'pong': this.roundTrip_ms = performance.now() - this.pingSent; break;
+    }
+  }
+
+  private onResult(result: Result & { id?: number }): void {
+    if (result.id !== undefined && this.settle(this.asked, result.id, result)) return;
+    const key = String(result.request_id);
+    if (this.settle(this.requests, key, result)) return;
+    this.early.set(key, result);
+    if (this.early.size > 64) this.early.delete(this.early.keys().next().value!);
+  }
+
+  private watch(): void {
+    if (this.state === 'lost' || !this.socket) return;
+    if (performance.now() - this.heardAt > silence_ms) {
+      const silent = this.socket;
+      this.socket = undefined;
+      silent.close();
+      this.onLost(true);
+      return;
+    }
+    this.pingSent = performance.now();
+    this.send({ ping: this.next++ });
+  }
+
+  private onLost(opened: boolean): void {
+    this.socket = undefined;
+    for (const id of [...this.asked.keys()]) this.settle(this.asked, id, new Refused('lost', ''));
+    for (const id of [...this.requests.keys()]) this.settle(this.requests, id, new Refused('lost', ''));
+    if (this.ended) return;
+    if (this.state === 'open') this.tries = 0;
+    if (this.state !== 'lost') this.lostAt = performance.now();
+    const pause = pauses_ms[Math.min(this.tries++, pauses_ms.length - 1)]! * (0.75 + Math.random() / 2);
+    this.retryAt = performance.now() + pause;
+    this.retryTimer = window.setTimeout(() => this.start(), pause);
+    this.setState('lost');
+    if (!opened) void this.checkLogin();
+  }
+
+  private retryNow(): void {
+    if (this.state !== 'lost' || this.socket || this.ended) return;
+    clearTimeout(this.retryTimer);
+    this.start();
+  }
+
+  // A browser does not say why a socket was refused; the station does.
+  private async checkLogin(): Promise<void> {
+    const me = await request<{ login: string }>('/api/me').catch(() => undefined);
+    if (me?.login === 'required') this.onLoginRequired();
+  }
+
+  private setState(state: LiveState): void {
+    if (this.state === state) return;
+    this.state = state;
+    this.plant.touch('connection');
+  }
+}

@@ -1,0 +1,137 @@
+// The start: who is logged in, which page is shown, the keys, and the one loop that paints. Values only mark what changed; an
+// animation frame paints it, so a fast plant costs at most one painting for each frame of the screen.
+
+import { request } from './api';
+import type { Change, Context, MakePage, Page } from './context';
+import { setLanguage, t } from './i18n';
+import { Live } from './live';
+import { Plant } from './plant';
+import type { CatalogueAnswer, Topic } from './plant';
+import { page as alarms } from './pages/alarms';
+import { page as audit } from './pages/audit';
+import { page as channel } from './pages/channel';
+import { page as devices } from './pages/devices';
+import { page as history } from './pages/history';
+import { page as live } from './pages/live';
+import { page as login } from './pages/login';
+import { page as overview } from './pages/overview';
+import { page as plan } from './pages/plan';
+import { page as programming } from './pages/programming';
+import { meter } from './meter';
+import { parseRoute } from './router';
+import type { Route } from './router';
+import { Shell } from './shell';
+import { applyTheme } from './theme';
+import type { Me } from './types';
+
+const pages: Record<string, MakePage> = { overview, live, channel, alarms, devices, programming, history, plan, audit, login };
+
+const plant = new Plant();
+const connection = new Live(plant);
+let me: Me | undefined;
+let shown: Page | undefined;
+let route = parseRoute(location.hash);
+let fresh = true;  // the page has not been painted yet
+let second = false;
+let values = 0;  // plant.samples at the last painting
+let scheduled = false;
+
+const shell = new Shell(plant, connection, {
+  logout: async () => {
+    connection.stop();
+    await request('/api/logout', {}).catch(() => undefined);
+    await start();
+  },
+  chooseLanguage: (next) => {
+    setLanguage(next);
+    shell.build(me);
+    showPage();
+  },
+});
+
+const allTopics: ReadonlySet<Topic> = new Set<Topic>(['catalogue', 'buses', 'devices', 'alarms', 'sessions', 'bridges', 'connection']);
+
+function paint(): void {
+  scheduled = false;
+  const topics = fresh ? allTopics : new Set(plant.changed);
+  const change: Change = { values: fresh || plant.samples !== values, second: fresh || second, topics };
+  values = plant.samples;
+  plant.changed.clear();
+  second = fresh = false;
+  shell.paint(change);
+  shown?.paint?.(change);
+}
+
+function schedule(): void {
+  if (scheduled) return;
+  scheduled = true;
+  requestAnimationFrame(paint);
+}
+
+function context(of: Route): Context {
+  return {
+    plant, live: connection, route: of, me: me!,
+    now: () => connection.now(),
+    mayOperate: () => me?.role === 'operator' || me?.role === 'programmer',
+    go: (address) => { location.hash = address; },
+    say: (text, bad) => shell.say(text, bad),
+  };
+}
+
+function showPage(): void {
+  if (!me) return;
+  shown?.close?.();
+  route = parseRoute(location.hash);
+  const name = me.role === null ? 'login' : route.name === 'login' || !pages[route.name] ? 'overview' : route.name;
+  shown = pages[name]!(context(route));
+  fresh = true;
+  shell.show(name, route, shown);
+  schedule();
+}
+
+// A wall screen's link carries its token behind the #, which no server sees; it leaves the address at once.
+async function loginByLink(): Promise<void> {
+  const { query } = parseRoute(location.hash);
+  const token = query.get('token');
+  if (!token) return;
+  query.delete('token');
+  const rest = query.toString();
+  window.history.replaceState(null, '', `${location.hash.split('?', 1)[0]}${rest ? `?${rest}` : ''}`);
+  await request('/api/login', { token }).catch((error: unknown) => shell.say(String((error as Error).message), true));
+}
+
+async function start(): Promise<void> {
+  await loginByLink();
+  const asked = request<Me>('/api/me');
+  // Both start before the answer is here: most often there is a login, or none is needed.
+  const early = request<CatalogueAnswer>('/api/catalogue');
+  early.catch(() => undefined);
+  try {
+    me = await asked;
+  } catch {
+    shell.build(undefined);
+    shell.say(t('error.lost'), true);
+    setTimeout(() => void start(), 2000);
+    return;
+  }
+  connection.clockOffset_ms = me.now_ms - Date.now();
+  shell.build(me);
+  showPage();
+  if (me.role !== null) connection.start(early);
+}
+
+plant.onChange = schedule;
+meter.now = () => connection.now();
+connection.onLoginRequired = () => {
+  connection.stop();
+  void start();
+};
+setInterval(() => {
+  second = true;
+  schedule();
+}, 1000);
+addEventListener('hashchange', showPage);
+addEventListener('fieldcast-login', () => void start());
+shell.listenToKeys(() => shown);
+applyTheme();
+void start();

@@ -1,0 +1,93 @@
+// A card for each bus: its state, what the wire was planned to carry beside what it carries, misses by cause, the slowest device.
+
+import { html, nothing, render, svg } from 'lit-html';
+import { repeat } from 'lit-html/directives/repeat.js';
+import type { TemplateResult } from 'lit-html';
+import type { Context, MakePage } from '../context';
+import { age, count, duration } from '../format';
+import { t, word } from '../i18n';
+import type { Load, Tally } from '../plant';
+import { link } from '../router';
+import type { Bus, Counts, Device } from '../types';
+import { badge, bar, empty, makeElement, stateBadge } from '../view';
+
+const trendFor_ms = 300_000;
+const minute_ms = 60_000;
+const staleAfter_ms = 5000;  // a bridge reports every second
+
+function slowest(devices: Iterable<Device>, bus: string): Device | undefined {
+  let found: Device | undefined;
+  for (const device of devices)
+    if (device.bus === bus && device.state !== 'offline' && (!found || device.answer_time_ms > found.answer_time_ms)) found = device;
+  return found;
+}
+
+// How much a counter grew in the last minute; nothing while too little was seen.
+function grown(loads: readonly Load[], field: 'misses' | 'exchanges', within_ms: number): { by: number; in_s: number } | undefined {
+  const last = loads.at(-1);
+  if (!last) return undefined;
+  const from = loads.find((load) => last.at_ms - load.at_ms <= within_ms);
+  return !from || from === last ? undefined : { by: Math.max(0, last[field] - from[field]), in_s: (last.at_ms - from.at_ms) / 1000 };
+}
+
+function trend(loads: readonly Load[]): TemplateResult {
+  const end = loads.at(-1)?.at_ms ?? 0;
+  const points = loads.map((load) =>
+    `${(300 - ((end - load.at_ms) / trendFor_ms) * 300).toFixed(1)},${(31 - Math.min(1, load.utilisation) * 30).toFixed(1)}`);
+  return html`<svg class="spark" viewBox="0 0 300 32" preserveAspectRatio="none" role="img" aria-label=${t('overview.used-trend')}>
+    <path class="spark-full" d="M0 1H300"></path>
+    ${points.length > 1 ? svg`<polyline points=${points.join(' ')}></polyline>` : nothing}
+  </svg>`;
+}
+
+const causes = (counts: Counts): TemplateResult | string => {
+  const rows = Object.entries(counts).sort((a, b) => b[1] - a[1]).slice(0, 4);
+  return rows.length ? html`${rows.map(([cause, n]) => html`<span class="cause">${word('cause', cause)} <b>${count(n)}</b></span>`)}` : t('overview.no-misses');
+};
+
+function card(context: Context, bus: Bus, tally: Tally | undefined): TemplateResult {
+  const { plant } = context;
+  const reportAge_ms = context.now() - bus.reported_ms;
+  const loads = plant.loads.get(bus.bus) ?? [];
+  const device = slowest(plant.devices.values(), bus.bus);
+  const recent = grown(loads, 'misses', minute_ms);
+  const rate = grown(loads, 'exchanges', 10_000);
+  const alarms = [...plant.alarms.values()].filter((alarm) => alarm.bus === bus.bus && alarm.active).length;
+  const fact = (name: string, value: unknown, wide = false): TemplateResult =>
+    html`<div class=${wide ? 'fact wide' : 'fact'}><dt>${name}</dt><dd>${value}</dd></div>`;
+  return html`<article class=${reportAge_ms > staleAfter_ms ? 'card bus stale' : 'card bus'} aria-label=${bus.bus}>
+    <header><h2><a href=${link('live', [], { q: `${bus.bus}/*` })}>${bus.bus}</a></h2>${stateBadge(bus.state)}</header>
+    <p class="muted sub">${bus.bridge}${bus.closed_because ? ` · ${t('overview.because', { cause: word('cause', bus.closed_because) })}` : ''}
+      <span class="space"></span>${t('overview.report-age')} ${age(reportAge_ms)}</p>
+    ${bar('planned', t('overview.planned'), bus.planned_load, t('overview.planned-hint'))}
+    ${bar('measured', t('overview.measured'), bus.measured_load, t('overview.measured-hint'))}
+    ${bar('used', t('overview.used'), bus.utilisation, t('overview.used-hint'))}
+    ${trend(loads)}
+    <dl class="facts">
+      ${fact(t('overview.channels'), html`${count(tally?.all ?? 0)}${tally?.bad ? html` ${badge('bad', `${count(tally.bad)} ${t('overview.bad')}`)}` : nothing}`)}
+      ${fact(t('overview.exchanges'), rate ? (rate.by / rate.in_s).toFixed(1) : '–')}
+      ${fact(t('overview.slowest'), device ? html`${device.device} <b>${duration(device.answer_time_ms)}</b>` : '–')}
+      ${fact(t('overview.alarms'), alarms ? html`<a href=${link('alarms')}>${badge('bad', count(alarms))}</a>` : '0')}
+      ${fact(t('overview.misses'), html`<b>${count(bus.deadline_misses)}</b>${recent?.by ? html` <span class="warn">${
+        t('overview.last-minute', { n: count(recent.by) })}</span>` : nothing} ${bus.deadline_misses ? causes(bus.misses) : nothing}`, true)}
+      ${fact(t('overview.causes'), causes(bus.causes), true)}
+      ${bus.stretch > 1.005 ? fact(t('overview.stretch'), html`<span class="warn">◆ ×${bus.stretch.toFixed(2)}</span>`, true) : nothing}
+    </dl>
+    <footer><a href=${link('live', [], { q: `${bus.bus}/*` })}>${t('overview.show')}</a><a href=${link('plan', [bus.bus])}>${t('overview.plan')}</a></footer>
+  </article>`;
+}
+
+export const page: MakePage = (context) => {
+  const element = makeElement('overview');
+  const draw = (): void => {
+    const buses = [...context.plant.buses.values()].sort((a, b) => a.bus.localeCompare(b.bus));
+    const tallies = context.plant.count();
+    render(html`<h1 class="unseen">${t('overview.title')}</h1>
+      ${buses.length ? html`<div class="cards">${repeat(buses, (bus) => bus.bus, (bus) => card(context, bus, tallies.get(bus.bus)))}</div>` :
+        empty(t('overview.none'), t('overview.none-hint'))}`, element);
+  };
+  return {
+    title: t('overview.title'), element,
+    paint: (change) => { if (change.second || change.topics.has('connection')) draw(); },
+  };
+};

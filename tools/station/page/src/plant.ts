@@ -1,0 +1,230 @@
+// Everything that the station has told: values by the id of their channel in typed arrays, the catalogue, buses, devices, alarms,
+// sessions, bridges. Knows no network and no screen. Ids hold for one connection: until the catalogue of a new one is there,
+// its frames wait, so that no value ever shows under another channel's name.
+
+import { neverAcquired, parseFrame } from './frame';
+import type { Frame } from './frame';
+import { notYetRead, isBad } from './types';
+import type { Alarm, Bridge, Bus, Channel, Device, Session } from './types';
+
+export type Topic = 'catalogue' | 'buses' | 'devices' | 'alarms' | 'sessions' | 'bridges' | 'connection';
+
+export interface CatalogueAnswer {
+  version: number;
+  full: boolean;
+  channels: unknown[][];
+  gone: number[];
+}
+
+export interface Load {
+  at_ms: number;
+  utilisation: number;
+  misses: number;
+  exchanges: number;
+}
+
+export interface Tally {
+  all: number;
+  bad: number;
+  unread: number;
+}
+
+const mostWaiting = 1000;  // frames, while the catalogue is under way
+const mostLoads = 300;  // for each bus: five minutes
+const mostIds = 1 << 20;
+
+export const alarmKey = (alarm: { bus: string; device: string; channel: string; limit: string }): string =>
+  `${alarm.bus}/${alarm.device}/${alarm.channel}/${alarm.limit}`;
+
+export function channelFromRow(row: unknown[]): Channel {
+  const [id, path, type, unit, at, access, mode, refresh_ms, limits, description, bridge] = row as [
+    number, string, string, string, string, string, string, number, Record<string, number> | null, string, string];
+  return { id, path, type, unit, at, access, mode, refresh_ms, limits: limits ?? {}, description, bridge };
+}
+
+export class Plant {
+  version = -1;  // of the catalogue; -1: none yet
+  value = new Float64Array(0);
+  acquired_ms = new Float64Array(0);  // 0: never
+  quality = new Uint8Array(0);
+  stamp = new Uint32Array(0);  // the turn in which the channel last changed
+  turn = 1;  // grows with each frame
+  samples = 0;
+  qualityChanges = 0;  // grows when the quality of any channel changes
+  readonly texts = new Map<number, string>();  // values that are no plain number
+  readonly channels = new Map<number, Channel>();
+  readonly ids = new Map<string, number>();  // by path
+  readonly buses = new Map<string, Bus>();
+  readonly devices = new Map<string, Device>();  // bus/device
+  readonly alarms = new Map<string, Alarm>();
+  readonly sessions = new Map<string, Session>();  // bus/device
+  readonly bridges = new Map<string, Bridge>();
+  readonly loads = new Map<string, Load[]>();  // of each bus, oldest first
+  readonly changed = new Set<Topic>();  // since the last painting
+  onChange: () => void = () => {};
+  onValue: ((id: number) => void) | undefined;  // for a page that wants every sample of a channel
+  watched = -1;  // the id for onValue
+  private waiting: (ArrayBuffer | Record<string, unknown>)[] | undefined = [];
+
+  // A new connection: its ids mean nothing yet. What was known of buses and alarms is told again by the station.
+  restart(): void {
+    this.waiting = [];
+    this.version = -1;
+    for (const map of [this.buses, this.devices, this.alarms, this.sessions, this.bridges]) map.clear();
+    for (const topic of ['buses', 'devices', 'alarms', 'sessions', 'bridges'] as const) this.touch(topic);
+  }
+
+  touch(topic: Topic): void {
+    this.changed.add(topic);
+    this.onChange();
+  }
+
+  applyCatalogue(answer: CatalogueAnswer): void {
+    const first = this.version < 0;
+    if (answer.full) {
+      this.channels.clear();
+      this.ids.clear();
+      if (first) this.forgetValues();
+    }
+    for (const id of answer.gone) this.drop(id);
+    for (const row of answer.channels) {
+      const channel = channelFromRow(row);
+      this.reserve(channel.id);
+      this.channels.set(channel.id, channel);
+      this.ids.set(channel.path, channel.id);
+    }
+    this.version = answer.version;
+    const waiting = this.waiting ?? [];
+    this.waiting = undefined;
+    for (const item of waiting) item instanceof ArrayBuffer ? this.applyFrame(item) : this.applyTexts(item);
+    this.touch('catalogue');
+  }
+
+  // False: no frame of this protocol.
+  applyFrame(bytes: ArrayBuffer): boolean {
+    if (this.waiting) {
+      if (this.waiting.length < mostWaiting) this.waiting.push(bytes);
+      return true;
+    }
+    const frame = parseFrame(bytes);
+    if (!frame) return false;
+    this.applyRows(frame);
+    return true;
+  }
+
+  // The `values` message: texts, and integers that a double cannot hold.
+  applyTexts(message: Record<string, unknown>): void {
+    if (this.waiting) {
+      if (this.waiting.length < mostWaiting) this.waiting.push(message);
+      return;
+    }
+    const { id, value, acquired_ms, quality } = message as {
+      id: number[]; value: (string | null)[]; acquired_ms: (number | null)[]; quality: number[] };
+    this.turn++;
+    id.forEach((each, index) => {
+      const text = value[index];
+      if (text === null || text === undefined) this.texts.delete(each);
+      else this.texts.set(each, String(text));
+      this.set(each, NaN, acquired_ms[index] ?? 0, quality[index] ?? notYetRead);
+    });
+    this.onChange();
+  }
+
+  // Numbers of channels by bus; '' counts all.
+  count(): Map<string, Tally> {
+    const total: Tally = { all: 0, bad: 0, unread: 0 };
+    const tallies = new Map([['', total]]);
+    for (const [id, channel] of this.channels) {
+      const bus = channel.path.slice(0, channel.path.indexOf('/'));
+      let tally = tallies.get(bus);
+      if (!tally) tallies.set(bus, (tally = { all: 0, bad: 0, unread: 0 }));
+      const quality = this.quality[id] ?? notYetRead;
+      for (const each of [total, tally]) {
+        each.all++;
+        if (isBad(quality)) each.bad++;
+        else if (quality === notYetRead) each.unread++;
+      }
+    }
+    return tallies;
+  }
+
+  setBus(bus: Bus): void {
+    this.buses.set(bus.bus, bus);
+    const loads = this.loads.get(bus.bus) ?? [];
+    const last = loads.at(-1);
+    const load = { at_ms: bus.reported_ms, utilisation: bus.utilisation, misses: bus.deadline_misses, exchanges: bus.exchanges };
+    if (!last || bus.reported_ms > last.at_ms) loads.push(load);
+    if (loads.length > mostLoads) loads.shift();
+    this.loads.set(bus.bus, loads);
+    this.touch('buses');
+  }
+
+  setDevice(device: Device): void {
+    this.devices.set(`${device.bus}/${device.device}`, device);
+    this.touch('devices');
+  }
+
+  setAlarm(alarm: Alarm): void {
+    if (alarm.state === 'clear' && !alarm.active && !alarm.shelved_until_ms) this.alarms.delete(alarmKey(alarm));
+    else this.alarms.set(alarmKey(alarm), alarm);
+    this.touch('alarms');
+  }
+
+  private applyRows(frame: Frame): void {
+    const { id, value, age_ms, quality, base_ms } = frame;
+    this.turn++;
+    for (let row = 0; row < id.length; row++) {
+      const age = age_ms[row]!;
+      if (!Number.isNaN(value[row]!)) this.texts.delete(id[row]!);
+      this.set(id[row]!, value[row]!, age === neverAcquired ? 0 : base_ms - age, quality[row]!);
+    }
+    this.onChange();
+  }
+
+  private set(id: number, value: number, acquired_ms: number, quality: number): void {
+    if (id >= this.value.length && !this.reserve(id)) return;
+    this.value[id] = value;
+    this.acquired_ms[id] = acquired_ms;
+    if (this.quality[id] !== quality) {
+      this.quality[id] = quality;
+      this.qualityChanges++;
+    }
+    this.stamp[id] = this.turn;
+    this.samples++;
+    if (id === this.watched) this.onValue?.(id);
+  }
+
+  private drop(id: number): void {
+    const channel = this.channels.get(id);
+    if (channel && this.ids.get(channel.path) === id) this.ids.delete(channel.path);
+    this.channels.delete(id);
+    this.texts.delete(id);
+  }
+
+  private forgetValues(): void {
+    this.value.fill(NaN);
+    this.acquired_ms.fill(0);
+    this.quality.fill(notYetRead);
+    this.texts.clear();
+    this.turn++;
+    this.stamp.fill(this.turn);
+    this.qualityChanges++;
+  }
+
+  // False: an id beyond all that a station may have.
+  private reserve(id: number): boolean {
+    if (id < this.value.length) return true;
+    if (id >= mostIds) return false;
+    const size = Math.min(mostIds, Math.max(1024, 2 * id));
+    const grown = <A extends Float64Array | Uint8Array | Uint32Array>(from: A, to: A, fill: number): A => {
+      to.fill(fill, from.length);
+      to.set(from);
+      return to;
+    };
+    this.value = grown(this.value, new Float64Array(size), NaN);
+    this.acquired_ms = grown(this.acquired_ms, new Float64Array(size), 0);
+    this.quality = grown(this.quality, new Uint8Array(size), notYetRead);
+    this.stamp = grown(this.stamp, new Uint32Array(size), 0);
+    return true;
+  }
+}

@@ -1,0 +1,43 @@
+// Texts around every page, and the words of the station.
+
+export const en = {
+  'nav.label': 'Pages', 'nav.overview': 'Overview', 'nav.live': 'Live', 'nav.alarms': 'Alarms', 'nav.devices': 'Devices',
+  'nav.programming': 'Programming', 'nav.history': 'History', 'nav.audit': 'Audit',
+  skip: 'To the content', logout: 'Log out', cancel: 'Cancel', close: 'Close', loading: 'Loading …',
+  theme: 'Colours', 'theme.system': 'Auto', 'theme.light': 'Light', 'theme.dark': 'Dark', language: 'Language',
+  connecting: 'Connecting …', connected: 'Live',
+  'lost.title': 'Connection lost for {age}', 'lost.text': 'Nothing here is current. Trying again in {again}.',
+  'line.rate': '{n} values/s', 'line.channels': '{n} channels', 'line.bad': '{n} bad',
+  'role.viewer': 'viewer', 'role.operator': 'operator', 'role.programmer': 'programmer',
+  'keys.title': 'Keys', 'keys.filter': 'To the filter', 'keys.rows': 'Up and down in a table', 'keys.open': 'Open the row',
+  'keys.leave': 'Leave a field or a dialog', 'keys.help': 'This list',
+  'error.lost': 'The station does not answer.', 'error.no-result': 'No result came. Look at the value before you try again.',
+  'quality.good': 'good', 'quality.uncertain': 'uncertain', 'quality.bad-no-answer': 'no answer', 'quality.bad-frame': 'bad frame',
+  'quality.bad-device-error': 'device error', 'quality.bad-range': 'out of range', 'quality.bad-configuration': 'bad configuration',
+  'quality.not-yet-read': 'not yet read',
+  'state.opening': 'opening', 'state.running': 'running', 'state.closed': 'closed', 'state.leased': 'leased', 'state.stopped': 'stopped',
+  'state.unknown': 'unknown', 'state.online': 'online', 'state.degraded': 'degraded', 'state.offline': 'offline',
+  'result.done': 'done', 'result.verified': 'written and read back', 'result.rejected': 'rejected', 'result.failed': 'failed',
+  'result.expired': 'expired',
+};
+
+export const zh: Record<keyof typeof en, string> = {
+  'nav.label': '页面', 'nav.overview': '总览', 'nav.live': '实时', 'nav.alarms': '报警', 'nav.devices': '设备',
+  'nav.programming': '编程', 'nav.history': '历史', 'nav.audit': '审计',
+  skip: '跳到内容', logout: '退出登录', cancel: '取消', close: '关闭', loading: '加载中…',
+  theme: '颜色', 'theme.system': '自动', 'theme.light': '浅色', 'theme.dark': '深色', language: '语言',
+  connecting: '正在连接…', connected: '实时',
+  'lost.title': '连接已中断 {age}', 'lost.text': '此处数据均非当前值。{again} 后重试。',
+  'line.rate': '{n} 值/秒', 'line.channels': '{n} 个通道', 'line.bad': '{n} 个异常',
+  'role.viewer': '查看者', 'role.operator': '操作员', 'role.programmer': '编程员',
+  'keys.title': '快捷键', 'keys.filter': '转到筛选框', 'keys.rows': '在表格中上下移动', 'keys.open': '打开该行',
+  'keys.leave': '离开输入框或对话框', 'keys.help': '显示此列表',
+  'error.lost': '监控站没有响应。', 'error.no-result': '没有收到结果。请先查看当前值再重试。',
+  'quality.good': '良好', 'quality.uncertain': '不确定', 'quality.bad-no-answer': '无应答', 'quality.bad-frame': '报文错误',
+  'quality.bad-device-error': '设备报错', 'quality.bad-range': '超出范围', 'quality.bad-configuration': '配置错误',
+  'quality.not-yet-read': '尚未读取',
+  'state.opening': '正在打开', 'state.running': '运行', 'state.closed': '已关闭', 'state.leased': '已租出', 'state.stopped': '已停止',
+  'state.unknown': '未知', 'state.online': '在线', 'state.degraded': '降级', 'state.offline': '离线',
+  'result.done': '已执行', 'result.verified': '已写入并回读', 'result.rejected': '被拒绝', 'result.failed': '失败',
+  'result.expired': '已过期',
+};

@@ -1,0 +1,24 @@
+// Light or dark: by the system, or as chosen here.
+
+export type Theme = 'system' | 'light' | 'dark';
+export const themes: readonly Theme[] = ['system', 'light', 'dark'];
+
+export function theme(): Theme {
+  const kept = localStorage.getItem('fieldcast.theme');
+  return kept === 'light' || kept === 'dark' ? kept : 'system';
+}
+
+export function setTheme(next: Theme): void {
+  if (next === 'system') localStorage.removeItem('fieldcast.theme');
+  else localStorage.setItem('fieldcast.theme', next);
+  applyTheme();
+}
+
+export function applyTheme(): void {
+  const root = document.documentElement;
+  if (theme() === 'system') delete root.dataset['theme'];
+  else root.dataset['theme'] = theme();
+}
+
+export const isDark = (): boolean =>
+  theme() === 'dark' || (theme() === 'system' && matchMedia('(prefers-color-scheme: dark)').matches);

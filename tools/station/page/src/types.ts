@@ -1,0 +1,150 @@
+// What the station sends, as JSON: names and units as in tools/station/README.md. Times are Unix milliseconds.
+
+export type Role = 'viewer' | 'operator' | 'programmer';
+
+export interface Me {
+  user: string;
+  role: Role | null;
+  login: 'none' | 'session' | 'token' | 'required';
+  expires_ms: number | null;
+  version: string;
+  store: boolean;
+  now_ms: number;
+}
+
+export interface Channel {
+  id: number;
+  path: string;  // bus/device/channel
+  type: string;
+  unit: string;
+  at: string;  // the address in the PLC's notation
+  access: string;  // read-only, read-write, write-only
+  mode: string;
+  refresh_ms: number;  // 0: none
+  limits: Record<string, number>;  // low-low, low, high, high-high, write-min, write-max
+  description: string;
+  bridge: string;
+}
+
+export type Counts = Record<string, number>;
+
+export interface Bus {
+  bus: string;
+  bridge: string;
+  state: string;
+  utilisation: number;
+  planned_load: number;
+  measured_load: number;
+  stretch: number;
+  exchanges: number;
+  samples: number;
+  commands: number;
+  deadline_misses: number;
+  bytes_sent: number;
+  bytes_received: number;
+  reopened: number;
+  dds_deadline_misses: number;
+  causes: Counts;
+  misses: Counts;
+  reported_ms: number;
+  closed_because?: string;
+}
+
+export interface LearnedArea {
+  area: string;
+  answer_time_ms: number;
+  answer_spread_ms: number;
+  largest_block: number;
+  longest_block: number;
+}
+
+export interface Device {
+  bus: string;
+  device: string;
+  state: string;
+  exchanges: number;
+  failures: number;
+  retries: number;
+  deadline_misses: number;
+  answer_time_ms: number;
+  answer_spread_ms: number;
+  timeout_ms: number;
+  pause_ms: number;
+  areas: LearnedArea[];
+  refused: string[];
+  refused_gaps: string[];
+  causes: Counts;
+  reported_ms: number;
+}
+
+export interface Alarm {
+  bus: string;
+  device: string;
+  channel: string;
+  limit: string;
+  priority: 'critical' | 'high' | 'medium' | 'low';
+  state: 'unacknowledged' | 'acknowledged' | 'returned' | 'clear';
+  active: boolean;
+  value: number | null;
+  since_ms: number;
+  occurrences: number;
+  chattering: boolean;
+  acknowledged_by: string;
+  acknowledged_ms: number | null;
+  note: string;
+  shelved_until_ms: number | null;
+  shelved_by: string;
+  suppressed: '' | 'maintenance';
+}
+
+export interface Session {
+  bus: string;
+  device: string;
+  state: string;
+  who: string;
+  bytes_to_device: number;
+  bytes_from_device: number;
+  since_ms: number;
+}
+
+export interface Bridge {
+  bridge: string;
+  host: string;
+  process: string;
+  version: string;
+  standby_group: string;
+  strength: number;
+  since_ms: number;
+  buses: { bus: string; since_ms: number; serving: boolean }[];
+}
+
+export interface Result {
+  request_id: string | number;
+  state: string;  // done, verified, rejected, failed, expired
+  cause: string;
+  reason: string;
+  value: unknown;
+  completed_ms: number;
+}
+
+export interface Series {
+  channel: string;
+  unit: string;
+  type: string;
+  tier: 'raw' | 'minute' | 'hour';
+  bucket_ms: number;
+  t: number[];
+  min: (number | null)[];
+  max: (number | null)[];
+  average: (number | null)[];
+  last: (number | null)[];
+  count: number[];
+  bad: number[];
+}
+
+// In the order of the IDL; the index is the byte of a frame. Names of their texts.
+export const qualities = [
+  'good', 'uncertain', 'bad-no-answer', 'bad-frame', 'bad-device-error', 'bad-range', 'bad-configuration', 'not-yet-read',
+] as const;
+export const notYetRead = 7;
+export const isBad = (quality: number): boolean => quality >= 2 && quality !== notYetRead;
