@@ -1,0 +1,143 @@
+// The routes of the site itself: who am I, log in, log out, is anybody there.
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/station/web/json_body.hpp"
+#include "tools/station/web/site.hpp"
+
+namespace fieldcast::web {
+namespace {
+
+constexpr std::size_t kMaxTokenBytes = 256;
+
+double unix_ms(UtcTime at) { return static_cast<double>(at.nanoseconds / 1'000'000); }
+
+HttpResponse json_response(const nlohmann::ordered_json& json) {
+  HttpResponse response;
+  response.body = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return response;
+}
+
+HttpResponse response_of(const LoginRefused& refused) {
+  using Why = LoginRefused::Why;
+  switch (refused.why) {
+    case Why::kWrong: return error_response(401, "wrong user or password", "try again");
+    case Why::kTooSoon: {
+      const auto seconds = std::chrono::ceil<std::chrono::seconds>(refused.wait).count();
+      HttpResponse response = error_response(429, "too many wrong passwords",
+                                             fmt::format("try again in {} s", seconds));
+      response.headers.emplace_back("retry-after", std::to_string(seconds));
+      return response;
+    }
+    case Why::kBusy:
+    case Why::kUnavailable: break;
+  }
+  HttpResponse response = error_response(503, to_text(refused), "try again in some seconds");
+  response.headers.emplace_back("retry-after", "5");
+  return response;
+}
+
+// The field, when it is a text that is not empty and not too long.
+std::optional<std::string> text_field(const nlohmann::json& body, const char* name,
+                                      std::size_t limit) {
+  const auto found = body.find(name);
+  if (found == body.end() || !found->is_string()) return std::nullopt;
+  auto text = found->get<std::string>();
+  if (text.empty() || text.size() > limit) return std::nullopt;
+  return text;
+}
+
+}  // namespace
+
+void Site::add_own_routes() {
+  routes_.add({Method::kGet, "/healthz", Access::kPublic,
+               [](const HttpRequest&, const Caller&, const Reply& reply) {
+                 HttpResponse response;
+                 response.content_type = "text/plain; charset=utf-8";
+                 response.body = "ok\n";
+                 reply(std::move(response));
+               }});
+  routes_.add({Method::kGet, "/api/me", Access::kPublic,
+               [this](const HttpRequest& request, const Caller&, const Reply& reply) {
+                 reply(me(request));
+               }});
+  routes_.add({Method::kPost, "/api/login", Access::kPublic,
+               [this](const HttpRequest& request, const Caller& caller, const Reply& reply) {
+                 log_in(request, caller, reply);
+               }});
+  routes_.add({Method::kPost, "/api/logout", Access::kViewer,
+               [this](const HttpRequest& request, const Caller&, const Reply& reply) {
+                 log_out(request, reply);
+               }});
+}
+
+HttpResponse Site::me(const HttpRequest& request) {
+  nlohmann::ordered_json json{
+      {"user", nullptr}, {"role", nullptr}, {"login", "required"}, {"expires_ms", nullptr}};
+  const Instant now = clock_.now();
+  const UtcTime utc = clock_.utc();
+  if (const Login* login = book_.find(request.login, now)) {
+    json["user"] = login->user;
+    json["role"] = to_text(login->role);
+    json["login"] = login->by_token ? "token" : "session";
+    json["expires_ms"] = unix_ms({utc.nanoseconds + (login->ends - now).count()});
+  } else if (local_role_) {
+    json["user"] = "local";
+    json["role"] = to_text(*local_role_);
+    json["login"] = "none";
+  }
+  json["version"] = spec_.version;
+  json["store"] = spec_.store;
+  json["now_ms"] = unix_ms(utc);
+  return json_response(json);
+}
+
+void Site::log_in(const HttpRequest& request, const Caller& caller, const Reply& reply) {
+  const auto body = body_of(request);
+  if (!body) return reply(body.error());
+  const auto done = [this, cookie = request.login, reply](LoginVerdict verdict) {
+    finish_login(cookie, reply, std::move(verdict));
+  };
+  if (auto token = text_field(*body, "token", kMaxTokenBytes)) {
+    if (!logins_.by_token)
+      return reply(error_response(401, "there are no tokens", "the station needs a store"));
+    return logins_.by_token(std::move(*token), caller.peer, done);
+  }
+  auto user = text_field(*body, "user", Logins::kMaxUserBytes);
+  auto password = text_field(*body, "password", Logins::kMaxPasswordBytes);
+  if (!user || !password)
+    return reply(
+        error_response(400, "no user and password", R"({"user": "..", "password": ".."})"));
+  if (!logins_.by_password)
+    return reply(error_response(401, "there are no users", "the station needs a store"));
+  logins_.by_password({std::move(*user), std::move(*password), caller.peer}, done);
+}
+
+// A cookie from before the login is worth nothing after it.
+void Site::finish_login(const std::string& old_cookie, const Reply& reply, LoginVerdict verdict) {
+  if (!verdict) return reply(response_of(verdict.error()));
+  book_.end(old_cookie);
+  const Instant now = clock_.now();
+  const UtcTime utc = clock_.utc();
+  const Duration left = verdict->by_token ? verdict->left : SessionBook::kWhole;
+  const std::string secret =
+      book_.begin({0, verdict->user, verdict->role, verdict->by_token, utc, now + left, now},
+                  logins_.random(), now);
+  HttpResponse response =
+      json_response({{"user", verdict->user},
+                     {"role", to_text(verdict->role)},
+                     {"expires_ms", unix_ms({utc.nanoseconds + left.count()})}});
+  response.headers.emplace_back("set-cookie", cookie_header(secret, left));
+  reply(std::move(response));
+}
+
+void Site::log_out(const HttpRequest& request, const Reply& reply) {
+  book_.end(request.login);
+  HttpResponse response;
+  response.status = 204;
+  response.headers.emplace_back("set-cookie", cookie_header({}, Duration{}));
+  reply(std::move(response));
+}
+
+}  // namespace fieldcast::web
