@@ -266,6 +266,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     mapping_ = read_clocks();
     notices_.tick(now);
     report(now);
+    report_plan(now);
     next_tick_ += kReportPeriod;
     ticking_.expires_at(next_tick_);
     ticking_.async_wait([self = shared_from_this()](boost::system::error_code cancelled) {
@@ -284,6 +285,14 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
       sink_.report(spec_.devices[i].name, engine_.device_report(static_cast<DeviceIndex>(i), now),
                    at);
     }
+  }
+
+  void report_plan(Instant now) {
+    const std::uint64_t number = engine_.plan_number();
+    if (number == plan_reported_ || (plan_reported_ != 0 && now < next_plan_report_)) return;
+    plan_reported_ = number;
+    next_plan_report_ = now + kPlanReportGap;
+    sink_.report(engine_.plan_report(), mapping_.to_utc(now));
   }
 
   asio::io_context& io_;
@@ -309,7 +318,9 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   Granted settling_;         // a lease that waits for the line to fall silent
   Revoked revoked_;          // of the lease under way; none otherwise
   Instant reported_{};
-  bool open_ = false;  // the port
+  std::uint64_t plan_reported_ = 0;  // number of the plan; 0: none yet
+  Instant next_plan_report_{};       // not before
+  bool open_ = false;                // the port
   bool report_soon_ = false;
   bool trace_ = false;
   bool processing_ = false;

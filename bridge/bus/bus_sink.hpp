@@ -9,8 +9,12 @@
 #include "core/model/command.hpp"
 #include "core/model/sample.hpp"
 #include "core/model/status.hpp"
+#include "core/plan/plan_report.hpp"
 
 namespace fieldcast {
+
+// A bus that learns changes its plan often in its first seconds.
+inline constexpr Duration kPlanReportGap = std::chrono::seconds{5};
 
 class BusSink {
  public:
@@ -20,6 +24,8 @@ class BusSink {
   virtual void complete(const CommandResult& result, const UtcMapping& mapping) = 0;
   virtual void report(const BusReport& report, UtcTime at) = 0;
   virtual void report(std::string_view device, const DeviceReport& report, UtcTime at) = 0;
+  // Another plan is in force: once for the first, then at most every kPlanReportGap.
+  virtual void report(PlanReport plan, UtcTime at) = 0;
 };
 
 }  // namespace fieldcast

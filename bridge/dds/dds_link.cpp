@@ -57,6 +57,7 @@ struct Bus {
   std::map<std::pair<ChannelIndex, LimitKind>, idl::Alarm> alarms;  // raised at least once
   std::map<AlarmKey, idl::AlarmStatus> alarm_status;                // published at least once
   idl::BusStatus status;
+  std::vector<idl::ReadPlan> plan;  // its parts, as published
   bool reported = false;
   bool write_failed = false;
 };
@@ -76,6 +77,7 @@ struct DdsLink::State {
     bus_status = domain.writer(kBusStatusTopic, label);
     alarms = domain.writer(kAlarmTopic, label);
     alarm_status = domain.writer(kAlarmStatusTopic, label);
+    plans = domain.writer(kReadPlanTopic, label);
     device_status = domain.writer(kDeviceStatusTopic, label);
     sessions = domain.writer(kProgramSessionTopic, label);
     interests =
@@ -163,6 +165,7 @@ struct DdsLink::State {
     for (auto& [key, alarm] : bus.alarms) alarms->unregister_instance(&alarm, dds::HANDLE_NIL);
     for (auto& [key, status] : bus.alarm_status)
       alarm_status->unregister_instance(&status, dds::HANDLE_NIL);
+    for (idl::ReadPlan& part : bus.plan) plans->unregister_instance(&part, dds::HANDLE_NIL);
     if (bus.reported) bus_status->unregister_instance(&bus.status, dds::HANDLE_NIL);
   }
 
@@ -178,6 +181,7 @@ struct DdsLink::State {
   dds::DataWriter* sessions = nullptr;
   dds::DataWriter* alarms = nullptr;
   dds::DataWriter* alarm_status = nullptr;
+  dds::DataWriter* plans = nullptr;
   std::unique_ptr<InterestReceiver> interests;
   std::unique_ptr<CommandReceiver> commands;     // since listen_for_commands()
   std::unique_ptr<AlarmActionReceiver> actions;  // the same, if they are wanted
@@ -237,6 +241,7 @@ void DdsLink::publish_again(std::string_view name) {
   (void)bus->catalogue.publish();
   for (auto& [key, alarm] : bus->alarms) state_->alarms->write(&alarm);
   for (auto& [key, status] : bus->alarm_status) state_->alarm_status->write(&status);
+  for (idl::ReadPlan& part : bus->plan) state_->plans->write(&part);
 }
 
 void DdsLink::remove_bus(std::string_view name, Duration linger, Duration limit) {
@@ -313,6 +318,19 @@ void DdsLink::report(std::string_view name, std::string_view device, const Devic
   idl::DeviceStatus& status = bus->devices[std::string(device)];
   to_idl(name, device, report, at, status);
   state_->device_status->write(&status);
+}
+
+void DdsLink::report(std::string_view name, const PlanReport& plan, UtcTime since) {
+  const std::shared_lock lock(state_->mutex);
+  Bus* bus = state_->find(name);
+  if (bus == nullptr) return;
+  const std::uint64_t number = bus->plan.empty() ? static_cast<std::uint64_t>(since.nanoseconds)
+                                                 : bus->plan.front().number() + 1;
+  std::vector<idl::ReadPlan> parts = to_idl(name, plan, number, since);
+  for (idl::ReadPlan& part : parts) state_->plans->write(&part);
+  for (std::size_t i = parts.size(); i < bus->plan.size(); ++i)
+    state_->plans->unregister_instance(&bus->plan[i], dds::HANDLE_NIL);
+  bus->plan = std::move(parts);
 }
 
 void DdsLink::report(const ProgramSessionReport& session) {

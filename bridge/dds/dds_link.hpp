@@ -27,6 +27,7 @@
 #include "core/model/sample.hpp"
 #include "core/model/spec.hpp"
 #include "core/model/status.hpp"
+#include "core/plan/plan_report.hpp"
 
 namespace fieldcast {
 
@@ -119,6 +120,8 @@ class DdsLink {
   void report(std::string_view bus, const BusReport& report, UtcTime at);
   void report(std::string_view bus, std::string_view device, const DeviceReport& report,
               UtcTime at);
+  // Another plan is in force. One caller for a bus.
+  void report(std::string_view bus, const PlanReport& plan, UtcTime since);
 
   // A programming session: it began, its bytes grew, it ended. Any thread. One instance for each
   // device; no more of them than devices of a bridge.

@@ -40,4 +40,6 @@ void BusOutput::report(std::string_view device, const DeviceReport& report, UtcT
   dds_.report(device, report, at);
 }
 
+void BusOutput::report(PlanReport plan, UtcTime at) { dds_.report(std::move(plan), at); }
+
 }  // namespace fieldcast

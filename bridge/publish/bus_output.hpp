@@ -30,6 +30,7 @@ class BusOutput final : public BusSink {
   void complete(const CommandResult& result, const UtcMapping& mapping) override;
   void report(const BusReport& report, UtcTime at) override;
   void report(std::string_view device, const DeviceReport& report, UtcTime at) override;
+  void report(PlanReport plan, UtcTime at) override;
 
  private:
   CommandAudit& audit_;

@@ -57,6 +57,10 @@ void DdsPublisher::report(std::string_view device, const DeviceReport& report, U
   });
 }
 
+void DdsPublisher::report(PlanReport plan, UtcTime at) {
+  post([this, plan = std::move(plan), at] { link_.report(bus_, plan, at); });
+}
+
 void DdsPublisher::report(const std::vector<AlarmChange>& changes, const UtcMapping& mapping) {
   for (const AlarmChange& change : changes)
     post([this, change, mapping] { link_.report(bus_, change, mapping); });

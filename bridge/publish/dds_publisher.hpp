@@ -32,6 +32,7 @@ class DdsPublisher {
   void complete(const CommandResult& result, const UtcMapping& mapping);
   void report(const BusReport& report, UtcTime at);
   void report(std::string_view device, const DeviceReport& report, UtcTime at);
+  void report(PlanReport plan, UtcTime at);
   void report(const std::vector<AlarmChange>& changes, const UtcMapping& mapping);
 
  private:

@@ -9,6 +9,7 @@
 #include "bridge/dds/topics/received_sample.hpp"
 #include "bridge/station/block_subscription.hpp"
 #include "bridge/station/command_client.hpp"
+#include "bridge/station/plan_parts.hpp"
 #include "bridge/station/subscription.hpp"
 #include "core/model/channel_path.hpp"
 
@@ -48,6 +49,8 @@ struct Station::State {
   std::unique_ptr<Subscription<idl::ProgramSessionPubSubType>> sessions;
   std::unique_ptr<Subscription<idl::AlarmPubSubType>> alarms;
   std::unique_ptr<Subscription<idl::AlarmStatusPubSubType>> alarm_status;
+  PlanParts plan_parts;  // used by the subscription
+  std::unique_ptr<Subscription<idl::ReadPlanPubSubType>> plans;
   dds::DataWriter* interests = nullptr;
   std::unique_ptr<CommandClient> commands;
 };
@@ -165,6 +168,23 @@ void Station::subscribe_program_sessions(
   };
   state_->sessions = std::make_unique<Subscription<idl::ProgramSessionPubSubType>>(
       state_->domain, kProgramSessionTopic, std::move(handlers));
+}
+
+void Station::subscribe_read_plans(std::function<void(const StationReadPlan&)> on_plan,
+                                   std::function<void(const std::string& bus)> gone) {
+  FIELDCAST_CHECK(!state_->plans);
+  PlanParts& parts = state_->plan_parts;
+  Subscription<idl::ReadPlanPubSubType>::Handlers handlers;
+  handlers.sample = [&parts, on_plan = std::move(on_plan)](const idl::ReadPlan& part) {
+    if (const auto plan = parts.on_part(part)) on_plan(*plan);
+  };
+  handlers.gone = [&parts, gone = std::move(gone)](const idl::ReadPlan& last) {
+    if (last.block() != 0) return;  // a later plan has fewer parts
+    parts.forget(last.bus().c_str());
+    if (gone) gone(last.bus().c_str());
+  };
+  state_->plans = std::make_unique<Subscription<idl::ReadPlanPubSubType>>(
+      state_->domain, kReadPlanTopic, std::move(handlers));
 }
 
 void Station::subscribe_alarms(std::function<void(const StationAlarm&)> on_alarm,

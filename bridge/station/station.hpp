@@ -83,6 +83,9 @@ class Station {
   void subscribe_bridges(std::function<void(const StationBridge&)> on_bridge,
                          std::function<void(const StationBridge& last)> gone = {});
   void subscribe_program_sessions(std::function<void(const ProgramSessionReport&)> on_session);
+  // The whole plan, whenever another one is in force.
+  void subscribe_read_plans(std::function<void(const StationReadPlan&)> on_plan,
+                            std::function<void(const std::string& bus)> gone = {});
   void subscribe_alarms(std::function<void(const StationAlarm&)> on_alarm,
                         std::function<void(const StationAlarm& last)> gone = {});
   // What people did about alarms, beside the alarms themselves: acknowledged, shelved, suppressed.

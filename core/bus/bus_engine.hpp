@@ -40,6 +40,10 @@ class BusEngine {
     return parts_.channels.report(channel, now);
   }
 
+  // Counts the plans that were in force, from 1; and the present one.
+  [[nodiscard]] std::uint64_t plan_number() const { return parts_.reads.plan_number(); }
+  [[nodiscard]] PlanReport plan_report() const { return parts_.reads.plan_report(); }
+
   // Characters that the answer under way lacks, at least; 0 when that is not known. The shell may
   // let them gather.
   [[nodiscard]] std::uint32_t missing() const { return parts_.wire.driver().missing(); }

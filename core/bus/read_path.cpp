@@ -273,6 +273,27 @@ std::vector<std::optional<Range>> ReadPath::first_ranges() const {
   return ranges;
 }
 
+PlanReport ReadPath::plan_report() const {
+  std::vector<std::string_view> names;  // by ChannelIndex
+  for (const DeviceSpec& device : setup_.spec().devices) {
+    for (const ChannelSpec& channel : device.channels) names.push_back(channel.name);
+  }
+  return report_of(scheduler_->plan(), map_.points,
+                   {.device = [this](DeviceIndex device) -> std::string_view {
+                      return setup_.device(device).name;
+                    },
+                    .area = [this](DeviceIndex device, AreaIndex area) -> std::string_view {
+                      return setup_.area(device, area).name;
+                    },
+                    .channels =
+                        [&](PointIndex point) {
+                          std::vector<std::string> channels;
+                          for (const ChannelIndex channel : map_.channels_of[point])
+                            channels.emplace_back(names[channel]);
+                          return channels;
+                        }});
+}
+
 void ReadPath::describe(DeviceIndex device, DeviceReport& report) const {
   const Learned& learned = learned_[device];
   for (AreaReport& of_area : report.areas) {

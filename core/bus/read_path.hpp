@@ -6,6 +6,7 @@
 // for, told in a notice and in their samples, left alone for kForgetRefused, then tried again.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
@@ -20,6 +21,7 @@
 #include "core/bus/channel_table.hpp"
 #include "core/dispatch/scheduler.hpp"
 #include "core/model/status.hpp"
+#include "core/plan/plan_report.hpp"
 #include "core/schedule/planned_times.hpp"
 #include "core/schedule/point_map.hpp"
 
@@ -78,7 +80,13 @@ class ReadPath {
   [[nodiscard]] double stretch() const { return scheduler_->stretch(); }
   // A draft of another plan, if one may be worth it. It needs nothing of this object.
   [[nodiscard]] std::shared_ptr<PlanDraft> draft();
-  void adopt(PlanDraft& draft, Instant now) { scheduler_->adopt(draft, now); }
+  void adopt(PlanDraft& draft, Instant now) {
+    scheduler_->adopt(draft, now);
+    ++plan_number_;
+  }
+  // Counts the plans that were in force, from 1; and the present one, for people.
+  [[nodiscard]] std::uint64_t plan_number() const { return plan_number_; }
+  [[nodiscard]] PlanReport plan_report() const;
 
   // The first range of each device, nothing for a device without any.
   [[nodiscard]] std::vector<std::optional<Range>> first_ranges() const;
@@ -118,6 +126,7 @@ class ReadPath {
   ChannelTable& channels_;
   PointMap map_;
   std::unique_ptr<Scheduler> scheduler_;
+  std::uint64_t plan_number_ = 1;
   PlannedTimes planned_times_;  // what the scheduler takes for answer times
   std::vector<Learned> learned_;
   std::vector<Held> held_;

@@ -77,6 +77,19 @@ void to_idl(std::string_view bus, std::string_view device, const DeviceReport& r
 
 void to_idl(const ProgramSessionReport& report, idl::ProgramSession& out);
 [[nodiscard]] ProgramSessionReport from_idl(const idl::ProgramSession& session);
+
+// ---- plans
+
+inline constexpr std::size_t kPlanGroupsPerBlock = 64;   // IDL sequence<PlannedGroup, 64>
+inline constexpr std::size_t kPlanPointsPerBlock = 128;  // of all its groups
+inline constexpr std::size_t kMaxPlanBlocks = 6'250;     // what lies beyond is left out
+
+// The plan in parts, at least one. `number` is greater than that of the plan before.
+[[nodiscard]] std::vector<idl::ReadPlan> to_idl(std::string_view bus, const PlanReport& plan,
+                                                std::uint64_t number, UtcTime since);
+// Appends the groups of a part. REQUIRES: the parts before it were appended.
+void append(const idl::ReadPlan& part, PlanReport& plan);
+
 // ---- alarms
 
 // All but the names.

@@ -15,6 +15,7 @@
 #include "core/model/command.hpp"
 #include "core/model/spec.hpp"
 #include "core/model/status.hpp"
+#include "core/plan/plan_report.hpp"
 
 namespace fieldcast {
 
@@ -58,6 +59,13 @@ struct StationDeviceStatus {
   DeviceReport report;  // all but causes
   CauseCounts causes;
   UtcTime reported_at;
+};
+
+// The plan of a bus.
+struct StationReadPlan {
+  std::string bus;
+  PlanReport plan;
+  UtcTime in_force_since;
 };
 
 struct StationAlarm {

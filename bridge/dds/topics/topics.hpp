@@ -115,6 +115,8 @@ inline constexpr Topic<idl::DeviceStatusPubSubType> kDeviceStatusTopic{
     {"fieldcast/DeviceStatus", kStays, last_of(kMaxDevices), last_of(kMaxDevices)}};
 inline constexpr Topic<idl::ProgramSessionPubSubType> kProgramSessionTopic{
     {"fieldcast/ProgramSession", kStays, last_of(kMaxDevices), last_of(kMaxDevices)}};
+inline constexpr Topic<idl::ReadPlanPubSubType> kReadPlanTopic{
+    {"fieldcast/ReadPlan", kStays, last_of(kMaxChannels / 16), last_of(kMaxChannels / 16)}};
 inline constexpr Topic<idl::AlarmPubSubType> kAlarmTopic{
     {"fieldcast/Alarm", kStays, last_of(kMaxAlarms), last_of(kMaxAlarms)}};
 inline constexpr Topic<idl::AlarmStatusPubSubType> kAlarmStatusTopic{
@@ -151,11 +153,11 @@ inline constexpr Topic<idl::InterestPubSubType> kInterestTopic{
 inline constexpr Topic<idl::BridgePubSubType> kBridgeTopic{
     {"fieldcast/Bridge", kStays, last_of(1), last_of(kMaxBridges, 16), Lease::kBoth}};
 
-inline constexpr std::array<const TopicRow*, 15> kTopics{
-    &kSampleBlockTopic,   &kSnapshotRequestTopic, &kCatalogueBlockTopic, &kSampleTopic,
-    &kChannelTopic,       &kBusStatusTopic,       &kDeviceStatusTopic,   &kProgramSessionTopic,
-    &kAlarmTopic,         &kAlarmStatusTopic,     &kAlarmActionTopic,    &kCommandTopic,
-    &kCommandResultTopic, &kInterestTopic,        &kBridgeTopic};
+inline constexpr std::array<const TopicRow*, 16> kTopics{
+    &kSampleBlockTopic, &kSnapshotRequestTopic, &kCatalogueBlockTopic, &kSampleTopic,
+    &kChannelTopic,     &kBusStatusTopic,       &kDeviceStatusTopic,   &kProgramSessionTopic,
+    &kReadPlanTopic,    &kAlarmTopic,           &kAlarmStatusTopic,    &kAlarmActionTopic,
+    &kCommandTopic,     &kCommandResultTopic,   &kInterestTopic,       &kBridgeTopic};
 
 // "fieldcast::Sample" of "fieldcast/Sample".
 [[nodiscard]] std::string type_name(const TopicRow& topic);

@@ -80,6 +80,21 @@ struct BusRunnerTest : testing::Test {
   std::unique_ptr<BusRunner> runner;
 };
 
+TEST_F(BusRunnerTest, ItsPlanIsReportedWithoutBeingAskedFor) {
+  begin(bus_at(pty.path()));
+  ASSERT_TRUE(sink.wait_for([](const Record& r) { return !r.plans.empty(); }));
+  const PlanReport plan = sink.record().plans.front();
+  ASSERT_EQ(plan.groups.size(), 1U);
+  EXPECT_EQ(plan.groups[0].device, "plc");
+  std::vector<std::string> channels;
+  for (const PlanReport::Point& point : plan.groups[0].points) {
+    EXPECT_EQ(point.area, "holding");
+    EXPECT_LE(point.worst_gap, milliseconds{50});
+    channels.insert(channels.end(), point.channels.begin(), point.channels.end());
+  }
+  EXPECT_THAT(channels, testing::ElementsAre("r0", "r1", "r2", "r3"));
+}
+
 TEST_F(BusRunnerTest, PublishesTheRegistersOfADevice) {
   ModbusDevice device(pty);
   begin(bus_at(pty.path()));

@@ -34,6 +34,32 @@ TEST(DdsLink, StatusArrivesAndGoesWithItsBus) {
   EXPECT_EQ(devices.all()[0].report.refused, std::vector<std::string>{"holding:7"});
 }
 
+TEST(DdsLink, APlanReachesLateStationsAndGoesWithItsBus) {
+  const std::string bus = bus_name("plan");
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
+  link.add_bus(bus_of(bus, 2));
+  PlanReport plan{.load = 0.25, .slot = 100ms, .hyperperiod = 400ms};
+  PlanReport::Point point{.area = "holding", .first = 7, .count = 1, .channels = {"c0"}};
+  // First one of several parts, then one that needs only one.
+  plan.groups.push_back({.device = "d", .points = std::vector(300, point)});
+  link.report(bus, plan, {5});
+  plan.groups = {{.device = "d", .period = 100ms, .points = {point}}};
+  link.report(bus, plan, {6});
+  Station station(loopback(), "watcher");
+  Collected<StationReadPlan> plans;
+  Collected<std::string> gone;
+  station.subscribe_read_plans([&](const StationReadPlan& read) { plans.add(read); },
+                               [&](const std::string& which) { gone.add(which); });
+  ASSERT_TRUE(eventually([&] { return plans.size() >= 1; }));
+  EXPECT_EQ(plans.all().back().bus, bus);
+  EXPECT_EQ(plans.all().back().plan, plan);
+  EXPECT_EQ(plans.all().back().in_force_since, UtcTime{6});
+  EXPECT_EQ(gone.size(), 0U);
+  link.remove_bus(bus);
+  EXPECT_TRUE(eventually([&] { return gone.size() == 1; }));
+}
+
 TEST(DdsLink, AnAlarmOfEveryLimitReachesLateStationsAndGoesWithItsBus) {
   const std::string bus = bus_name("alarms");
   Received received;

@@ -20,6 +20,7 @@ class RecordingSink final : public BusSink {
     std::vector<CommandResult> results;
     std::vector<BusReport> reports;
     std::map<std::string, DeviceReport, std::less<>> devices;
+    std::vector<PlanReport> plans;
   };
 
   void publish(std::vector<Sample> samples, const UtcMapping& mapping) override {
@@ -39,6 +40,9 @@ class RecordingSink final : public BusSink {
   }
   void report(std::string_view device, const DeviceReport& report, UtcTime) override {
     note([&](Record& r) { r.devices.insert_or_assign(std::string(device), report); });
+  }
+  void report(PlanReport plan, UtcTime) override {
+    note([&](Record& r) { r.plans.push_back(std::move(plan)); });
   }
 
   // False after the limit.

@@ -23,41 +23,52 @@ Json in_cycle(Duration period, Duration time) {
   return period == Duration::zero() ? Json() : Json(time.count());
 }
 
+Json to_json(const PlanReport::Point& point) {
+  return {{"area", point.area},
+          {"first", point.first},
+          {"count", point.count},
+          {"channels", point.channels},
+          {"period", in_cycle(point.period, point.period)},
+          {"phase", in_cycle(point.period, point.phase)},
+          {"worst_gap", point.worst_gap ? Json(point.worst_gap->count()) : Json()},
+          {"stretch", point.stretch}};
+}
+
+Json to_json(const PlanReport::Group& group) {
+  auto points = Json::array();
+  for (const PlanReport::Point& point : group.points) points.push_back(to_json(point));
+  return {{"device", group.device},
+          {"list", group.list},
+          {"period", in_cycle(group.period, group.period)},
+          {"phase", in_cycle(group.period, group.phase)},
+          {"slack", in_cycle(group.period, group.slack)},
+          {"load", group.load},
+          {"points", std::move(points)}};
+}
+
 }  // namespace
 
-Json read_plan_json(const BusPlan& bus) {
-  const ReadPlan& plan = bus.prediction.plan;
-  const auto names = channels_by_point(bus);
-  Json json{{"load", plan.planned_load()},
+Json read_plan_json(const PlanReport& plan) {
+  Json json{{"load", plan.load},
             {"stretch", plan.stretch},
-            {"slot", in_cycle(plan.slot(), plan.slot())},
-            {"hyperperiod", in_cycle(plan.slot(), plan.hyperperiod())},
+            {"slot", in_cycle(plan.slot, plan.slot)},
+            {"hyperperiod", in_cycle(plan.slot, plan.hyperperiod)},
             {"groups", Json::array()}};
-  for (GroupIndex index = 0; index < plan.groups.size(); ++index) {
-    const Group& group = plan.grouping.groups[index];
-    const PlannedGroup& planned = plan.groups[index];
-    auto points = Json::array();
-    for (OrderIndex at = group.begin; at < group.end; ++at) {
-      const Range& range = bus.input.points[plan.order[at]].range;
-      const PointPlan& point = plan.points[at];
-      points.push_back({{"area", bus.protocols[group.device]->areas()[range.area].name},
-                        {"first", range.first},
-                        {"count", range.count},
-                        {"channels", names[plan.order[at]]},
-                        {"period", in_cycle(point.period, point.period)},
-                        {"phase", in_cycle(point.period, point.phase)},
-                        {"worst_gap", point.worst_gap ? Json(point.worst_gap->count()) : Json()},
-                        {"stretch", point.stretch}});
-    }
-    json["groups"].push_back({{"device", bus.bus->devices[group.device].name},
-                              {"list", group.list},
-                              {"period", in_cycle(planned.period, planned.period)},
-                              {"phase", in_cycle(planned.period, planned.phase)},
-                              {"slack", in_cycle(planned.period, planned.slack)},
-                              {"load", planned.load},
-                              {"points", std::move(points)}});
-  }
+  for (const PlanReport::Group& group : plan.groups) json["groups"].push_back(to_json(group));
   return json;
+}
+
+Json read_plan_json(const BusPlan& bus) {
+  const auto channels = channels_by_point(bus);
+  return read_plan_json(report_of(
+      bus.prediction.plan, bus.input.points,
+      {.device = [&](DeviceIndex device) -> std::string_view {
+         return bus.bus->devices[device].name;
+       },
+       .area = [&](DeviceIndex device, AreaIndex area) -> std::string_view {
+         return bus.protocols[device]->areas()[area].name;
+       },
+       .channels = [&](PointIndex point) { return channels[point]; }}));
 }
 
 }  // namespace fieldcast::cli

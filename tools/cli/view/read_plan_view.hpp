@@ -1,6 +1,7 @@
 // The plan that the scheduler of a bus follows (core/plan/read_plan.hpp), as JSON. Pure functions.
 #pragma once
 
+#include "core/plan/plan_report.hpp"
 #include "tools/cli/model/bus_plan.hpp"
 #include "tools/cli/view/json.hpp"
 
@@ -12,6 +13,7 @@ namespace fieldcast::cli {
 //
 // Times are in nanoseconds, loads are shares of the wire. `slot` and `hyperperiod` are null in a
 // plan without a timetable; `period`, `phase`, `slack` and `worst_gap` of what has no period.
+[[nodiscard]] Json read_plan_json(const PlanReport& plan);
 [[nodiscard]] Json read_plan_json(const BusPlan& plan);
 
 }  // namespace fieldcast::cli
