@@ -60,15 +60,15 @@ Json read_plan_json(const PlanReport& plan) {
 
 Json read_plan_json(const BusPlan& bus) {
   const auto channels = channels_by_point(bus);
-  return read_plan_json(report_of(
-      bus.prediction.plan, bus.input.points,
-      {.device = [&](DeviceIndex device) -> std::string_view {
-         return bus.bus->devices[device].name;
-       },
-       .area = [&](DeviceIndex device, AreaIndex area) -> std::string_view {
-         return bus.protocols[device]->areas()[area].name;
-       },
-       .channels = [&](PointIndex point) { return channels[point]; }}));
+  return read_plan_json(
+      report_of(bus.prediction.plan, bus.input.points,
+                {.device = [&](DeviceIndex device) -> std::string_view {
+                   return bus.bus->devices[device].name;
+                 },
+                 .area = [&](DeviceIndex device, AreaIndex area) -> std::string_view {
+                   return bus.protocols[device]->areas()[area].name;
+                 },
+                 .channels = [&](PointIndex point) { return channels[point]; }}));
 }
 
 }  // namespace fieldcast::cli
