@@ -34,6 +34,7 @@ StationBridge station_bridge(const idl::Bridge& bridge) {
   StationBridge known;
   known.bridge = bridge.bridge().c_str();
   known.host = bridge.host().c_str();
+  known.process = bridge.process().c_str();
   known.version = bridge.version().c_str();
   known.standby_group = bridge.standby_group().c_str();
   known.strength = bridge.strength();

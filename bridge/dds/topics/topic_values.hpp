@@ -84,6 +84,7 @@ struct StationBridge {
     bool serving = false;  // else another bridge serves a bus of this name
   };
   std::string bridge, host, version;
+  std::string process;        // tells bridges on the same host apart
   std::string standby_group;  // bridges that stand by for each other; empty: none
   std::int32_t strength = 0;  // among them
   UtcTime since;              // when it joined the domain

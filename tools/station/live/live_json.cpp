@@ -164,6 +164,7 @@ std::string bridge_json(const StationBridge& bridge) {
   return JsonObject()
       .add("bridge", bridge.bridge)
       .add("host", bridge.host)
+      .add("process", bridge.process)
       .add("version", bridge.version)
       .add("standby_group", bridge.standby_group)
       .add("strength", bridge.strength)

@@ -1,0 +1,39 @@
+// The channels that a client wants: its patterns, each once. A pure value.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+
+#include "core/model/pattern.hpp"
+#include "tools/station/live/live_model.hpp"
+
+namespace fieldcast::web {
+
+class LiveSubscription {
+ public:
+  static constexpr std::size_t kMaxPatterns = 16;
+
+  // True when channels may match that did not before. REQUIRES: there is room.
+  bool add(const Pattern& pattern);
+  // False: there is no such pattern.
+  bool remove(const Pattern& pattern);
+  [[nodiscard]] bool has(const Pattern& pattern) const {
+    return patterns_.contains(pattern.text());
+  }
+  [[nodiscard]] bool has_room() const { return patterns_.size() < kMaxPatterns; }
+  [[nodiscard]] bool empty() const { return patterns_.empty(); }
+
+  [[nodiscard]] bool matches(const StationChannel& channel) const;
+  // The same for clients that want the same.
+  [[nodiscard]] const std::string& key() const { return key_; }
+
+ private:
+  static constexpr const char* kEverything = "*/*/*";
+  void make_key();
+
+  std::map<std::string, Pattern> patterns_;
+  std::string key_;
+};
+
+}  // namespace fieldcast::web
