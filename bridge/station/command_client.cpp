@@ -10,11 +10,23 @@ namespace fieldcast {
 
 namespace {
 
-// "name:pid:random": unique for each process and object, also across hosts and restarts.
-std::string make_requester(const std::string& name) {
+constexpr std::size_t kMaxPerson = 64;          // bytes, as of a user's name
+constexpr std::size_t kMaxNameWithPerson = 32;  // of the process, so that all fit in 128 bytes
+
+// ":pid:random": unique for each process and object, also across hosts and restarts.
+std::string make_identity() {
   std::random_device random;
   const std::uint64_t number = static_cast<std::uint64_t>(random()) << 32 | random();
-  return cut_text(name, 64) + ":" + std::to_string(getpid()) + ":" + std::to_string(number);
+  return ":" + std::to_string(getpid()) + ":" + std::to_string(number);
+}
+
+// What separates names, changes a line or is no ASCII never gets into a requester.
+bool is_person(std::string_view name) {
+  return !name.empty() && name.size() <= kMaxPerson &&
+         std::all_of(name.begin(), name.end(), [](char c) {
+           return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                  std::string_view("-_.@").find(c) != std::string_view::npos;
+         });
 }
 
 auto participant_of(const dds::InstanceHandle_t& endpoint) {
@@ -24,7 +36,12 @@ auto participant_of(const dds::InstanceHandle_t& endpoint) {
 }  // namespace
 
 CommandClient::CommandClient(Domain& domain, const std::string& name)
-    : domain_(domain), requester_(make_requester(name)) {
+    : CommandClient(domain, name, make_identity()) {}
+
+CommandClient::CommandClient(Domain& domain, const std::string& name, const std::string& identity)
+    : domain_(domain),
+      requester_(cut_text(name, kMaxNameLength) + identity),
+      of_persons_(cut_text(name, kMaxNameWithPerson) + identity + '/') {
   listener_.client = this;
   // Results are volatile: the reader comes before the first command.
   results_ =
@@ -70,7 +87,7 @@ void CommandClient::ResultListener::on_data_available(dds::DataReader* reader) {
   idl::CommandResult sample;
   dds::SampleInfo info;
   while (reader->take_next_sample(&sample, &info) == ReturnCode_t::RETCODE_OK) {
-    if (!info.valid_data || client->requester_ != sample.requester().c_str()) continue;
+    if (!info.valid_data || !client->is_ours(sample.requester().c_str())) continue;
     StationResult result = from_idl(sample);
     std::function<void(const StationResult&)> handler;
     {
@@ -84,6 +101,15 @@ void CommandClient::ResultListener::on_data_available(dds::DataReader* reader) {
     }
     if (handler) handler(result);
   }
+}
+
+bool CommandClient::is_ours(std::string_view requester) const {
+  return requester == requester_ || requester.starts_with(of_persons_);
+}
+
+std::uint64_t CommandClient::reserve_request_id() {
+  const std::lock_guard lock(mutex_);
+  return next_id_++;
 }
 
 CommandClient::CommandWriter& CommandClient::writer_for(Duration lifespan) {
@@ -145,7 +171,8 @@ tl::expected<std::uint64_t, StationFault> CommandClient::send(Message& message,
         writer.readers.empty()) {
       return tl::unexpected(StationFault::kNoBridge);
     }
-    id = next_id_++;
+    if (message.request_id() >= next_id_) return tl::unexpected(StationFault::kNotSent);
+    id = message.request_id() != 0 ? message.request_id() : next_id_++;
     message.request_id(id);
     if (awaited) awaited_[id];
   }
@@ -160,7 +187,9 @@ tl::expected<std::uint64_t, StationFault> CommandClient::send(Message& message,
 tl::expected<std::uint64_t, StationFault> CommandClient::send(StationCommand command,
                                                               Duration wait_for_bridge,
                                                               bool awaited) {
-  command.command.requester = requester_;
+  if (!command.person.empty() && !is_person(command.person))
+    return tl::unexpected(StationFault::kNoPerson);
+  command.command.requester = command.person.empty() ? requester_ : of_persons_ + command.person;
   idl::Command out;
   if (!to_idl(command.bus, command.command, out)) return tl::unexpected(StationFault::kNotSent);
   return send(out, writer_for(command.lifespan), wait_for_bridge, awaited);

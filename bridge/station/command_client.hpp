@@ -24,6 +24,7 @@ class CommandClient {
 
   [[nodiscard]] const std::string& requester() const { return requester_; }
   void on_result(std::function<void(const StationResult&)> handler);
+  [[nodiscard]] std::uint64_t reserve_request_id();
   [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(StationCommand command,
                                                                Duration wait_for_bridge,
                                                                bool awaited);
@@ -34,6 +35,8 @@ class CommandClient {
                                                                 Duration wait);
 
  private:
+  CommandClient(Domain& domain, const std::string& name, const std::string& identity);
+
   // Distinct lifespans, each with a writer. Beyond that, the nearest shorter one is used.
   static constexpr std::size_t kMaxLifespans = 16;
   static constexpr Duration kActionLifespan = std::chrono::seconds{5};
@@ -78,8 +81,11 @@ class CommandClient {
   // LIFESPAN is a writer's: one writer for each that is asked for.
   CommandWriter& writer_for(Duration lifespan);
   ActionWriter& action_writer();
+  // Of this process, or of a person who asked it.
+  [[nodiscard]] bool is_ours(std::string_view requester) const;
   [[nodiscard]] bool matched_both_ways(const Matches& writer) const;
-  // Waits for bridges, then writes; gives the request_id, which is filled in here.
+  // Waits for bridges, then writes; gives the request_id, which is filled in here unless it was
+  // reserved.
   template <class Message>
   [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(Message& message,
                                                                Writer<Message>& writer,
@@ -88,7 +94,8 @@ class CommandClient {
 
   Domain& domain_;
   const std::string requester_;
-  std::mutex mutex_;  // everything below but the entities themselves
+  const std::string of_persons_;  // their requesters begin with it
+  std::mutex mutex_;              // everything below but the entities themselves
   std::condition_variable changed_;
   std::mutex making_;  // one thread makes writers
   std::map<Duration, std::unique_ptr<CommandWriter>> writers_;

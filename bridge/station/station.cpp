@@ -61,6 +61,8 @@ std::string_view to_text(StationFault fault) {
     case StationFault::kNoResult: return "no result came in time";
     case StationFault::kNotSent: return "the command does not fit the topic";
     case StationFault::kNotAPath: return "a channel is named BUS/DEVICE/CHANNEL";
+    case StationFault::kNoPerson:
+      return "a person's name has 1 to 64 letters, digits, '-', '_', '.', '@'";
   }
   return "?";
 }
@@ -280,6 +282,8 @@ tl::expected<std::uint64_t, StationFault> Station::send(AlarmAction action,
 void Station::on_result(std::function<void(const StationResult&)> handler) {
   state_->client().on_result(std::move(handler));
 }
+
+std::uint64_t Station::reserve_request_id() { return state_->client().reserve_request_id(); }
 
 const std::string& Station::requester() const { return state_->client().requester(); }
 

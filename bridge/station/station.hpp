@@ -29,6 +29,7 @@ enum class StationFault : std::uint8_t {
   kNoResult,  // the command was written and no result came within its lifespan and the wait
   kNotSent,   // it does not fit the topic: a name or a list is too long
   kNotAPath,  // the channel is not named as BUS/DEVICE/CHANNEL
+  kNoPerson,  // the person's name has other characters than those of a user, or too many
 };
 [[nodiscard]] std::string_view to_text(StationFault fault);
 
@@ -112,6 +113,9 @@ class Station {
   [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(
       StationCommand command, Duration wait_for_bridge = std::chrono::seconds{3});
   void on_result(std::function<void(const StationResult&)> handler);
+  // A request_id that a command or an action may have when it is sent later, once: so that whoever
+  // waits for its result can be noted before it is sent.
+  [[nodiscard]] std::uint64_t reserve_request_id();
 
   // The same for what a person does about an alarm: acknowledge it, shelve it, put its device into
   // maintenance. It has one result too, kDone or kRejected, and ids of the same count. requester
@@ -122,7 +126,9 @@ class Station {
   [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(
       AlarmAction action, Duration wait_for_bridge = std::chrono::seconds{3});
 
-  [[nodiscard]] const std::string& requester() const;  // unique for each process and object
+  // Unique for each process and object. The requester of a person's command is made of it:
+  // ".../anna".
+  [[nodiscard]] const std::string& requester() const;
 
  private:
   struct State;

@@ -97,10 +97,13 @@ struct StationAlarmStatus {
 };
 
 // What a station asks for; Command with the bus it goes to. requester and expires are the station's
-// own business.
+// own business, and so is request_id, unless it was reserved before.
 struct StationCommand {
   std::string bus;
   Command command;
+  // Who asks the station for it, for the audit of the bridge: 1 to 64 letters, digits, '-', '_',
+  // '.', '@'. Empty: the process itself.
+  std::string person{};
   // The bridge never starts it later than this after it was written.
   Duration lifespan = std::chrono::seconds{5};
 };

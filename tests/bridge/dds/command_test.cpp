@@ -44,6 +44,56 @@ TEST(DdsCommand, AChannelIsWrittenByItsPath) {
   }
 }
 
+TEST(DdsCommand, OfAPersonNamesThePersonAndItsResultComesBack) {
+  const std::string bus = bus_name("person");
+  Obedient bridge(bus);
+  Station station(loopback(), "operator");
+  StationCommand command = write_running(bus);
+  command.person = "anna@line-7";
+  const auto result = station.execute(command);
+  ASSERT_TRUE(result) << to_text(result.error());
+  EXPECT_EQ(result->requester, station.requester() + "/anna@line-7");
+  command.person = "ben";
+  const auto other = station.execute(command);
+  ASSERT_TRUE(other) << to_text(other.error());
+  EXPECT_EQ(bridge.received.commands.all().back().second.requester, station.requester() + "/ben");
+  EXPECT_GT(other->request_id, result->request_id) << "one count for all persons";
+}
+
+TEST(DdsCommand, NamesThatFitAreCutAndOthersAreRefused) {
+  const std::string bus = bus_name("names");
+  Obedient bridge(bus);
+  Station station(loopback(), std::string(64, 's'));
+  StationCommand command = write_running(bus);
+  command.person = std::string(64, 'p');
+  const auto result = station.execute(command);
+  ASSERT_TRUE(result) << to_text(result.error());
+  EXPECT_LE(result->requester.size(), 128u);
+  EXPECT_TRUE(result->requester.ends_with('/' + command.person));
+  for (const std::string& name : {std::string(65, 'p'), std::string("a/b"), std::string("a b"),
+                                  std::string("a\n"), std::string("\xC3\xA9")}) {
+    command.person = name;
+    const auto refused = station.execute(command);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error(), StationFault::kNoPerson);
+  }
+}
+
+TEST(DdsCommand, HasTheRequestIdThatWasReservedForIt) {
+  const std::string bus = bus_name("reserved");
+  Obedient bridge(bus);
+  Station station(loopback(), "operator");
+  StationCommand command = write_running(bus);
+  command.command.request_id = station.reserve_request_id();
+  const auto first = station.execute(write_running(bus));
+  const auto result = station.execute(command);
+  ASSERT_TRUE(first && result);
+  EXPECT_EQ(result->request_id, command.command.request_id);
+  EXPECT_GT(first->request_id, result->request_id);
+  command.command.request_id = 1'000'000;
+  EXPECT_EQ(station.execute(command).error(), StationFault::kNotSent) << "it was not reserved";
+}
+
 TEST(DdsCommand, WhatBecameOfItIsTold) {
   StationResult result;
   result.state = CommandState::kVerified;
