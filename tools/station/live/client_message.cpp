@@ -164,7 +164,7 @@ constexpr std::array kKinds{Kind{"subscribe", parse_subscribe},
 
 }  // namespace
 
-tl::expected<ClientMessage, MessageFault> parse_client_message(std::string_view text) {
+ParsedMessage parse_client_message(std::string_view text) {
   const auto fault = [](std::optional<std::uint64_t> id, Refusal refusal) {
     return tl::unexpected(MessageFault{id, std::move(refusal)});
   };

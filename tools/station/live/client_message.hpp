@@ -58,7 +58,8 @@ inline constexpr std::size_t kMaxDepth = 4;       // of brackets within brackets
 inline constexpr Duration kShortestRefresh = std::chrono::milliseconds{50};
 inline constexpr Duration kLongestRefresh = std::chrono::hours{1};
 
-[[nodiscard]] tl::expected<ClientMessage, MessageFault> parse_client_message(std::string_view text);
+using ParsedMessage = tl::expected<ClientMessage, MessageFault>;
+[[nodiscard]] ParsedMessage parse_client_message(std::string_view text);
 
 // The value as the channel's type wants it: a text is taken for a number where the channel has one,
 // so that integers beyond 2^53 can be written. Whether it fits the channel is for the bridge to say.

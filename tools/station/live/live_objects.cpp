@@ -62,6 +62,30 @@ LiveAlarm live_alarm(const StationAlarm& alarm) {
   return live;
 }
 
+LiveAlarm live_alarm(const StationAlarmStatus& told) {
+  const AlarmStatus& status = told.status;
+  LiveAlarm live;
+  live.bus = told.alarm.bus;
+  live.device = told.alarm.device;
+  live.channel = told.alarm.channel;
+  live.limit = told.alarm.limit;
+  live.priority = to_text(status.priority);
+  live.state = to_text(status.stage);
+  live.active = status.active;
+  live.value = status.value;
+  live.since = status.since();
+  live.occurrences = status.occurrences;
+  live.chattering = status.chattering;
+  live.acknowledged_by = status.acknowledged.by;
+  live.acknowledged_at = status.acknowledged.at;
+  live.note = status.acknowledged.note;
+  live.shelved_until = status.shelved.until;
+  live.shelved_by = status.shelved.by;
+  if (status.suppressed.is_set()) live.suppressed = "maintenance";
+  live.detailed = true;
+  return live;
+}
+
 void LiveObjects::touch(Entry& entry) {
   entry.version = ++version_;
   entry.message.reset();
@@ -107,6 +131,10 @@ void LiveObjects::put(const StationDeviceStatus& device) {
 
 void LiveObjects::put(const LiveAlarm& alarm) {
   const std::string key = key_of(alarm);
+  if (const auto found = entries_.find(key); found != entries_.end() && !found->second.gone &&
+                                             !alarm.detailed &&
+                                             std::get<LiveAlarm>(found->second.object).detailed)
+    return;
   const bool clear = alarm.state == "clear" && !alarm.active && alarm.suppressed.empty() &&
                      alarm.shelved_until.nanoseconds == 0;
   if (clear && !entries_.contains(key)) return;
@@ -124,6 +152,7 @@ void LiveObjects::remove(const LiveAlarm& alarm) {
   const std::string key = key_of(alarm);
   const auto found = entries_.find(key);
   if (found == entries_.end() || found->second.gone) return;
+  if (!alarm.detailed && std::get<LiveAlarm>(found->second.object).detailed) return;
   // Its message says that it is clear.
   auto& last = std::get<LiveAlarm>(found->second.object);
   last.state = "clear";

@@ -34,10 +34,12 @@ struct LiveAlarm {
   UtcTime shelved_until;    // 0: it is not shelved
   std::string shelved_by;
   std::string suppressed;  // "maintenance", or empty
+  bool detailed = false;   // its bridge tells what people did
   friend bool operator==(const LiveAlarm&, const LiveAlarm&) = default;
 };
 // Of a bridge that tells no more than this.
 [[nodiscard]] LiveAlarm live_alarm(const StationAlarm& alarm);
+[[nodiscard]] LiveAlarm live_alarm(const StationAlarmStatus& status);
 
 class LiveObjects {
  public:
@@ -52,7 +54,9 @@ class LiveObjects {
 
   void put(const StationBusStatus& bus);
   void put(const StationDeviceStatus& device);
-  void put(const LiveAlarm& alarm);  // "clear" and not active: it is gone
+  // One that is clear, and neither shelved nor suppressed, is gone. What is not detailed changes
+  // nothing about one that is.
+  void put(const LiveAlarm& alarm);
   void put(const ProgramSessionReport& session);
   void put(const StationBridge& bridge);
   void remove(const LiveAlarm& alarm);

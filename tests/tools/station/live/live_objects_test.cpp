@@ -100,6 +100,36 @@ TEST(LiveObjects, AnAlarmThatIsClearIsToldOnceAndIsGone) {
               ElementsAre(HasSubstr(R"("state":"clear")")));
 }
 
+TEST(LiveObjects, WhatPeopleDidAboutAnAlarmStays) {
+  LiveObjects objects;
+  StationAlarmStatus status;
+  status.alarm = {"shop", "press", "oil", LimitKind::kHighHigh};
+  status.status = {.priority = AlarmPriority::kCritical,
+                   .stage = AlarmStage::kAcknowledged,
+                   .active = true,
+                   .value = 95,
+                   .raised_at = {5'000'000},
+                   .acknowledged = {"anna", "fan is ordered", {6'000'000}}};
+  objects.put(alarm_of("oil", true));
+  objects.put(live_alarm(status));
+  objects.put(alarm_of("oil", true));
+  ASSERT_EQ(objects.all<LiveAlarm>().size(), 1u);
+  const LiveAlarm& alarm = *objects.all<LiveAlarm>()[0];
+  EXPECT_EQ(alarm.state, "acknowledged");
+  EXPECT_EQ(alarm.priority, "critical");
+  EXPECT_EQ(alarm.acknowledged_by, "anna");
+  objects.put(alarm_of("oil", false));
+  EXPECT_EQ(objects.all<LiveAlarm>().size(), 1u) << "its own status says when it is clear";
+  status.status.stage = AlarmStage::kClear;
+  status.status.active = false;
+  status.status.shelved.until = {9'000'000};
+  objects.put(live_alarm(status));
+  EXPECT_EQ(objects.all<LiveAlarm>().size(), 1u) << "it is shelved";
+  status.status.shelved = {};
+  objects.put(live_alarm(status));
+  EXPECT_THAT(objects.all<LiveAlarm>(), IsEmpty());
+}
+
 TEST(LiveObjects, WhoMissedThatSomethingIsGoneIsTold) {
   LiveObjects objects;
   objects.put(bus_of("bus"));
