@@ -62,7 +62,7 @@ using ParsedMessage = tl::expected<ClientMessage, MessageFault>;
 [[nodiscard]] ParsedMessage parse_client_message(std::string_view text);
 
 // The value as the channel's type wants it: a text is taken for a number where the channel has one,
-// so that integers beyond 2^53 can be written. Whether it fits the channel is for the bridge to say.
+// so that integers beyond 2^53 can be written. Whether it fits the channel, the bridge says.
 [[nodiscard]] tl::expected<Value, Refusal> value_for(std::string_view channel_type, Value value);
 
 }  // namespace fieldcast::web
