@@ -16,13 +16,13 @@ globalThis.localStorage = { getItem: (key) => (key === 'fieldcast.language' ? 'e
 
 // The modules by one bundle, so that they share what they share in the page.
 const { buildSync } = createRequire(join(modules, 'x'))('esbuild');
-const names = ['frame', 'plant', 'router', 'rows', 'format', 'i18n'];
+const names = ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed'];
 const made = mkdtempSync(join(tmpdir(), 'fieldcast-page-'));
 buildSync({
   stdin: { contents: names.map((name) => `export * as ${name} from './${name}';`).join('\n'), resolveDir: source, loader: 'ts' },
   bundle: true, format: 'esm', outfile: join(made, 'page.mjs'), nodePaths: [modules], logLevel: 'warning',
 });
-const { frame, plant, router, rows, format, i18n } = await import(join(made, 'page.mjs'));
+const { frame, plant, router, rows, format, i18n, trend, ticks, typed } = await import(join(made, 'page.mjs'));
 rmSync(made, { recursive: true });
 
 const row = (id, path, more = {}) => [id, path, more.type ?? 'float32', more.unit ?? '', 'holding:0', 'read-only', 'scheduled', 500, {}, more.description ?? '', 'north'];
@@ -126,6 +126,58 @@ test('numbers are shown as they are', () => {
   assert.equal(format.age(-5), '0.0 s');
   assert.equal(format.age(65_000), '65 s');
   assert.equal(format.duration(0.25), '250 µs');
+});
+
+const series = (t, average, bad, bucket_ms = 1000) => ({
+  channel: 'a/b/c', unit: 'bar', type: 'float32', tier: 'raw', bucket_ms, t, average, min: average, max: average, last: average, count: t.map(() => 1), bad });
+
+test('a line of the store breaks where nothing was for long, and marks what was bad', () => {
+  const line = trend.lineOf(series([0, 1000, 100_000, 101_000], [1, 2, null, 4], [0, 0, 3, 0]), 'a/b/c', 1000);
+  assert.deepEqual(line.t, [0, 1000, 1001, 100_000, 101_000]);
+  assert.deepEqual(line.average, [1, 2, null, null, 4]);
+  assert.deepEqual(line.bad, [{ from_ms: 100_000, to_ms: 101_000 }]);
+});
+
+test('live values go on where the store ends', () => {
+  const stored = trend.lineOf(series([1000, 2000], [1, 2], [0, 0]), 'a/b/c', 1000);
+  const tail = new trend.LiveTail(1000);
+  for (const [at, value] of [[1500, 9], [2500, 3], [3500, 4]]) tail.add(at, value, true, at);
+  const joined = tail.join(stored, 0, 3600);
+  assert.deepEqual(joined.t, [1000, 2000, 2500, 3500]);
+  assert.deepEqual(joined.average, [1, 2, 3, 4]);
+  assert.deepEqual(joined.bad, []);
+});
+
+test('a missed refresh is a gap in red, an outage lasts until a good value comes', () => {
+  const none = { ...trend.lineOf(series([], [], []), 'a/b/c') };
+  const tail = new trend.LiveTail(1000);
+  tail.add(1000, 1, true, 1000);
+  tail.add(5000, 2, true, 5000);
+  assert.deepEqual(tail.join(none, 0, 5000).bad, [{ from_ms: 2000, to_ms: 5000 }]);
+  assert.deepEqual(tail.join(none, 0, 5000).average, [1, null, 2]);
+  tail.add(5000, 2, false, 6000);
+  assert.deepEqual(tail.join(none, 0, 9000).bad.at(-1), { from_ms: 2000, to_ms: 9000 });
+  tail.add(9500, 3, true, 9500);
+  assert.deepEqual(tail.join(none, 0, 9600).bad.at(-1), { from_ms: 2000, to_ms: 9500 });
+});
+
+test('marks of an axis are round', () => {
+  assert.deepEqual(ticks.numberTicks(0, 1, 5).map((tick) => tick.text), ['0.0', '0.2', '0.4', '0.6', '0.8', '1.0']);
+  assert.deepEqual(ticks.numberTicks(-3, 47, 5).map((tick) => tick.text), ['0', '10', '20', '30', '40']);
+  assert.deepEqual(ticks.numberTicks(1, 1, 5), []);
+  const at = new Date(2026, 5, 1, 23, 50).getTime();
+  const marks = ticks.timeTicks(at, at + 20 * 60_000, 4);
+  assert.deepEqual(marks.map((tick) => tick.text), ['23:50', '23:55', '06-02 00:00', '00:05', '00:10']);
+});
+
+test('what was typed becomes a value of the type', () => {
+  assert.deepEqual(typed.typedValue('21,5', 'float32', {}), { value: 21.5 });
+  assert.deepEqual(typed.typedValue('9007199254740993', 'int64', {}), { value: 9007199254740993n });
+  assert.deepEqual(typed.typedValue('true', 'bool', {}), { value: true });
+  assert.deepEqual(typed.typedValue('', 'string(8)', {}), { value: '' });
+  assert.deepEqual(typed.typedValue('abc', 'int16', {}), { fault: 'number' });
+  assert.deepEqual(typed.typedValue('', 'int16', {}), { fault: 'number' });
+  assert.deepEqual(typed.typedValue('31', 'float32', { 'write-max': 30 }), { fault: 'range' });
 });
 
 test('every text is there in both languages, and every key that is asked for exists', () => {

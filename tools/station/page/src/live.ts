@@ -103,12 +103,13 @@ export class Live {
     };
   }
 
-  // Rejects with Refused, or when no result came.
-  write(channel: string, value: string | number | boolean, verify: boolean): Promise<Result> {
-    return this.ask({ write: { channel, value, verify } });
+  // Rejects with Refused, or when no result came. A bigint goes as a number with all its digits.
+  write(channel: string, value: string | number | boolean | bigint, verify: boolean): Promise<Result> {
+    const text = typeof value === 'bigint' ? String(value) : JSON.stringify(value);
+    return this.ask(`"write":{"channel":${JSON.stringify(channel)},"value":${text},"verify":${verify}}`);
   }
 
-  acquire(channel: string): Promise<Result> { return this.ask({ acquire: { channel } }); }
+  acquire(channel: string): Promise<Result> { return this.ask(`"acquire":{"channel":${JSON.stringify(channel)}}`); }
 
   // What became of something that was asked for by HTTP.
   resultOf(requestId: string | number): Promise<Result> {
@@ -118,9 +119,9 @@ export class Live {
     return this.wait(this.requests, key);
   }
 
-  private ask(message: Record<string, unknown>): Promise<Result> {
+  private ask(members: string): Promise<Result> {
     const id = this.next++;
-    if (!this.send({ ...message, id })) return Promise.reject(new Refused('lost', ''));
+    if (!this.sendText(`{${members},"id":${id}}`)) return Promise.reject(new Refused('lost', ''));
     return this.wait(this.asked, id);
   }
 
@@ -144,9 +145,11 @@ export class Live {
     return true;
   }
 
-  private send(message: unknown): boolean {
+  private send(message: unknown): boolean { return this.sendText(JSON.stringify(message)); }
+
+  private sendText(text: string): boolean {
     if (this.socket?.readyState !== WebSocket.OPEN) return false;
-    this.socket.send(JSON.stringify(message));
+    this.socket.send(text);
     return true;
   }
 

@@ -12,6 +12,7 @@ export function setTheme(next: Theme): void {
   if (next === 'system') localStorage.removeItem('fieldcast.theme');
   else localStorage.setItem('fieldcast.theme', next);
   applyTheme();
+  dispatchEvent(new Event('fieldcast-theme'));
 }
 
 export function applyTheme(): void {

@@ -127,12 +127,14 @@ export interface Result {
   completed_ms: number;
 }
 
+// Of a text channel: t, text and quality.
 export interface Series {
   channel: string;
+  known: boolean;
   unit: string;
   type: string;
   tier: 'raw' | 'minute' | 'hour';
-  bucket_ms: number;
+  bucket_ms: number;  // 0: samples as they are
   t: number[];
   min: (number | null)[];
   max: (number | null)[];
@@ -140,6 +142,14 @@ export interface Series {
   last: (number | null)[];
   count: number[];
   bad: number[];
+  text?: string[];
+  quality?: string[];
+}
+
+export interface History {
+  from_ms: number;
+  to_ms: number;
+  series: Series[];
 }
 
 // In the order of the IDL; the index is the byte of a frame. Names of their texts.

@@ -1,10 +1,220 @@
-import { html, render } from 'lit-html';
-import type { MakePage } from '../context';
-import { t } from '../i18n';
-import { makeElement } from '../view';
+// Up to eight channels over any span: min to max as a band, the average as a line, what was bad at the foot. Every zoom asks the
+// station anew, so that the picture is as fine as the store is. The address holds channels and span.
 
-export const page: MakePage = () => {
-  const element = makeElement('history');
-  render(html`<h1>${t('history.title')}</h1>`, element);
-  return { title: t('history.title'), element };
-};
+import { html, nothing, render } from 'lit-html';
+import type { TemplateResult } from 'lit-html';
+import { query, request } from '../api';
+import { Chart } from '../chart';
+import type { Context, MakePage, Page } from '../context';
+import { count, duration, fullTime } from '../format';
+import { t } from '../i18n';
+import { channelLink, link } from '../router';
+import { labelOf, spanOf, spans } from '../spans';
+import { lineOf } from '../trend';
+import type { History, Series } from '../types';
+import { empty, errorText, makeElement } from '../view';
+
+const mostChannels = 8;
+const points = 1000;
+const chartHeight = 380;
+const mostSuggestions = 50;
+const shortest_ms = 1000;
+
+// For <input type="datetime-local">.
+function localText(ms: number): string {
+  const at = new Date(ms - new Date(ms).getTimezoneOffset() * 60_000);
+  return at.toISOString().slice(0, 19);
+}
+
+interface Figures {
+  min: number;
+  max: number;
+  average: number;
+  bad: number;
+  points: number;
+}
+
+function figuresOf(series: Series): Figures {
+  let min = Infinity, max = -Infinity, sum = 0, n = 0, bad = 0;
+  series.t.forEach((_, index) => {
+    bad += series.bad?.[index] ?? 0;
+    const average = series.average?.[index], weight = series.count?.[index] ?? 0;
+    if (average === null || average === undefined) return;
+    min = Math.min(min, series.min[index] ?? average);
+    max = Math.max(max, series.max[index] ?? average);
+    sum += average * weight;
+    n += weight;
+  });
+  return { min, max, average: sum / n, bad, points: series.t.length };
+}
+
+class HistoryPage implements Page {
+  readonly element = makeElement('history');
+  readonly title = t('history.title');
+  private readonly chart: Chart;
+  private readonly channels: string[];
+  private readonly span_ms: number;
+  private readonly fixed: { from_ms: number; to_ms: number } | undefined;
+  private answer: History | undefined;
+  private cursorAt: number | undefined;
+  private cursorValues: (number | null | undefined)[] = [];
+  private readonly asked = new AbortController();
+  private typed = '';
+  private drawn = false;
+
+  constructor(private readonly context: Context) {
+    const { query: address } = context.route;
+    this.channels = address.getAll('c').slice(0, mostChannels);
+    this.span_ms = spanOf(address.get('span'), 3_600_000);
+    const from_ms = Number(address.get('from')), to_ms = Number(address.get('to'));
+    if (from_ms > 0 && to_ms >= from_ms + shortest_ms) this.fixed = { from_ms, to_ms };
+    this.chart = new Chart({
+      label: t('history.chart', { n: this.channels.length }), height: chartHeight,
+      onZoom: (from, to) => { if (to - from >= shortest_ms) this.go(this.channels, { from_ms: Math.floor(from), to_ms: Math.ceil(to) }); },
+      onCursor: (at_ms, values) => {
+        this.cursorAt = at_ms;
+        this.cursorValues = values;
+        this.draw();
+      },
+    });
+    void this.load();
+  }
+
+  paint(change: { topics: ReadonlySet<string> }): void {
+    if (!this.drawn || change.topics.has('catalogue')) this.draw();
+    this.drawn = true;
+  }
+
+  focusFilter(): void { this.element.querySelector<HTMLInputElement>('#add-channel')?.focus(); }
+
+  close(): void {
+    this.asked.abort();
+    this.chart.close();
+  }
+
+  private window(): { from_ms: number; to_ms: number } {
+    return this.fixed ?? { from_ms: this.context.now() - this.span_ms, to_ms: this.context.now() };
+  }
+
+  // Every change is an address: the browser's Back is the way out of a zoom.
+  private go(channels: readonly string[], window: { from_ms: number; to_ms: number } | { span: string } | undefined): void {
+    const span = this.context.route.query.get('span');
+    const when = window === undefined ? (this.fixed ? { from: String(this.fixed.from_ms), to: String(this.fixed.to_ms) } : span ? { span } : {}) :
+      'span' in window ? { span: window.span } : { from: String(window.from_ms), to: String(window.to_ms) };
+    this.context.go(link('history', [], { c: channels, ...when }));
+  }
+
+  private async load(): Promise<void> {
+    if (!this.channels.length || !this.context.me.store) return;
+    const { from_ms, to_ms } = this.window();
+    try {
+      this.answer = await request<History>(
+        query('/api/history', { channel: this.channels, from: Math.floor(from_ms), to: Math.ceil(to_ms), points }), undefined, this.asked.signal);
+      const shown = this.answer.series.filter((series) => !series.text);
+      this.chart.set(shown.map((series) => lineOf(series, series.channel, this.refreshOf(series.channel))), from_ms, to_ms);
+      this.draw();
+    } catch (error) {
+      if (!this.asked.signal.aborted) this.context.say(errorText(error), true);
+    }
+  }
+
+  private refreshOf(path: string): number {
+    const { plant } = this.context;
+    return plant.channels.get(plant.ids.get(path) ?? -1)?.refresh_ms ?? 0;
+  }
+
+  private add(path: string): void {
+    if (this.channels.includes(path) || !this.context.plant.ids.has(path)) return;
+    if (this.channels.length >= mostChannels) this.context.say(t('history.full'), true);
+    else this.go([...this.channels, path], undefined);
+  }
+
+  private readonly onType = (event: Event): void => {
+    this.typed = (event.target as HTMLInputElement).value;
+    if (this.context.plant.ids.has(this.typed)) this.add(this.typed);
+    else this.draw();
+  };
+
+  private readonly onAdd = (event: Event): void => {
+    event.preventDefault();
+    this.add(this.suggestions()[0] ?? '');
+  };
+
+  private suggestions(): string[] {
+    const words = this.typed.toLowerCase().split(/\s+/).filter(Boolean);
+    if (!words.length) return [];
+    const found: string[] = [];
+    for (const path of this.context.plant.ids.keys()) {
+      if (words.every((word) => path.toLowerCase().includes(word))) found.push(path);
+      if (found.length >= mostSuggestions) break;
+    }
+    return found;
+  }
+
+  private readonly onSpan = (event: Event): void => {
+    event.preventDefault();
+    const data = new FormData(event.target as HTMLFormElement);
+    const from_ms = new Date(String(data.get('from'))).getTime(), to_ms = new Date(String(data.get('to'))).getTime();
+    if (to_ms >= from_ms + shortest_ms) this.go(this.channels, { from_ms, to_ms });
+  };
+
+  private zoomOut(): void {
+    const { from_ms, to_ms } = this.window();
+    const more = to_ms - from_ms;
+    this.go(this.channels, { from_ms: Math.floor(from_ms - more / 2), to_ms: Math.min(Math.ceil(this.context.now()), Math.ceil(to_ms + more / 2)) });
+  }
+
+  private draw(): void {
+    if (!this.context.me.store) {
+      render(html`<h1 class="unseen">${t('history.title')}</h1>${empty(t('history.no-store'), t('history.no-store-hint'))}`, this.element);
+      return;
+    }
+    const { from_ms, to_ms } = this.window();
+    const csv = query('/api/export', { pattern: this.channels, from: Math.floor(from_ms), to: Math.ceil(to_ms), format: 'csv' });
+    render(html`<h1 class="unseen">${t('history.title')}</h1>
+      <div class="tools">
+        <form class="tools" @submit=${this.onAdd}><input id="add-channel" class="filter" list="paths" autocomplete="off" spellcheck="false" aria-label=${t('history.add')}
+          placeholder=${`${t('history.add')}: ${t('history.add-hint')}`} .value=${this.typed} @input=${this.onType}></form>
+        <datalist id="paths">${this.suggestions().map((path) => html`<option value=${path}></option>`)}</datalist>
+        <div class="choice-row" role="group" aria-label=${t('history.show')}>${spans.map(({ key, ms }) => html`
+          <button type="button" class="choice" aria-pressed=${!this.fixed && this.span_ms === ms} @click=${() => this.go(this.channels, { span: key })}>${labelOf(key)}</button>`)}</div>
+        <form class="tools" @submit=${this.onSpan}>
+          <label>${t('history.from')} <input type="datetime-local" step="1" name="from" .value=${localText(from_ms)} required></label>
+          <label>${t('history.to')} <input type="datetime-local" step="1" name="to" .value=${localText(to_ms)} required></label>
+          <button>${t('history.show')}</button>
+        </form>
+        <button type="button" @click=${() => this.zoomOut()} ?disabled=${!this.channels.length}>${t('history.back')}</button>
+        ${this.channels.length ? html`<a href=${csv} download="history.csv">${t('history.csv')}</a>` : nothing}
+      </div>
+      ${this.channels.length ? html`<section class="card chart-card">${this.chart.element}</section>${this.table()}` :
+        empty(t('history.none'), t('history.none-hint'))}`, this.element);
+  }
+
+  private table(): TemplateResult {
+    return html`<div class="scroll" data-scroll tabindex="0" role="region" aria-label=${t('history.title')}><table class="plain">
+      <caption class="muted">${this.cursorAt === undefined ? t('history.drag') : t('history.cursor', { time: fullTime(this.cursorAt) })}</caption>
+      <thead><tr><th scope="col">${t('history.channel')}</th><th scope="col" class="number">${t('history.value')}</th><th scope="col">${t('history.unit')}</th>
+        <th scope="col" class="number">${t('history.min')}</th><th scope="col" class="number">${t('history.average')}</th>
+        <th scope="col" class="number">${t('history.max')}</th><th scope="col" class="number">${t('history.bad')}</th><th scope="col">${t('history.resolution')}</th><td></td></tr></thead>
+      <tbody>${this.channels.map((path) => this.row(path))}</tbody></table></div>`;
+  }
+
+  private row(path: string): TemplateResult {
+    const series = this.answer?.series.find((each) => each.channel === path);
+    const drawn = this.answer?.series.filter((each) => !each.text) ?? [];
+    const line = series ? drawn.indexOf(series) : -1;
+    const number = (value: number | null | undefined): string => (typeof value === 'number' && Number.isFinite(value) ? String(Number(value.toPrecision(6))) : '–');
+    const figures = series && !series.text ? figuresOf(series) : undefined;
+    const resolution = !series ? '' : series.text ? t('history.text') : !figures!.points ? t('history.no-data') :
+      series.bucket_ms ? t('history.points', { n: count(figures!.points), width: duration(series.bucket_ms) }) : t('history.raw', { n: count(figures!.points) });
+    return html`<tr>
+      <td><span class="swatch s${line + 1}" aria-hidden="true"></span><a href=${channelLink(path)}>${path}</a></td>
+      <td class="number"><b>${line >= 0 && this.cursorAt !== undefined ? number(this.cursorValues[line]) : ''}</b></td><td>${series?.unit}</td>
+      <td class="number">${number(figures?.min)}</td><td class="number">${number(figures?.average)}</td><td class="number">${number(figures?.max)}</td>
+      <td class=${figures?.bad ? 'number bad-text' : 'number'}>${figures ? count(figures.bad) : ''}</td><td class="muted">${resolution}</td>
+      <td><button type="button" class="plain small" aria-label=${t('history.remove', { path })}
+        @click=${() => this.go(this.channels.filter((each) => each !== path), undefined)}>✕</button></td></tr>`;
+  }
+}
+
+export const page: MakePage = (context) => new HistoryPage(context);

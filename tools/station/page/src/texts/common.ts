@@ -17,6 +17,8 @@ export const en = {
   'quality.not-yet-read': 'not yet read',
   'state.opening': 'opening', 'state.running': 'running', 'state.closed': 'closed', 'state.leased': 'leased', 'state.stopped': 'stopped',
   'state.unknown': 'unknown', 'state.online': 'online', 'state.degraded': 'degraded', 'state.offline': 'offline',
+  'access.read-only': 'read only', 'access.read-write': 'read and write', 'access.write-only': 'write only',
+  'mode.intensive': 'intensive', 'mode.scheduled': 'scheduled', 'mode.on-demand': 'on demand',
   'result.done': 'done', 'result.verified': 'written and read back', 'result.rejected': 'rejected', 'result.failed': 'failed',
   'result.expired': 'expired',
 };
@@ -38,6 +40,8 @@ export const zh: Record<keyof typeof en, string> = {
   'quality.not-yet-read': '尚未读取',
   'state.opening': '正在打开', 'state.running': '运行', 'state.closed': '已关闭', 'state.leased': '已租出', 'state.stopped': '已停止',
   'state.unknown': '未知', 'state.online': '在线', 'state.degraded': '降级', 'state.offline': '离线',
+  'access.read-only': '只读', 'access.read-write': '读写', 'access.write-only': '只写',
+  'mode.intensive': '密集', 'mode.scheduled': '定时', 'mode.on-demand': '按需',
   'result.done': '已执行', 'result.verified': '已写入并回读', 'result.rejected': '被拒绝', 'result.failed': '失败',
   'result.expired': '已过期',
 };

@@ -1,0 +1,360 @@
+// A trend on a canvas: average as a line, min to max as a band, limits as bands, what was bad in red, gaps that stay gaps. Dragging
+// across it asks for a zoom. Colours come from the style sheet, so that light and dark both hold. Draws at once, when it is told to.
+
+import { exactValue } from './format';
+import { numberTicks, timeTicks } from './ticks';
+
+export interface Span {
+  from_ms: number;
+  to_ms: number;
+}
+
+export interface Line {
+  label: string;
+  unit: string;
+  stepped: boolean;
+  t: number[];  // Unix ms, ascending
+  average: (number | null)[];  // null: a gap
+  min: (number | null)[];
+  max: (number | null)[];
+  bad: Span[];
+}
+
+export interface ChartOptions {
+  label: string;
+  height: number;
+  limits?: Record<string, number>;
+  onZoom?: (from_ms: number, to_ms: number) => void;
+  onCursor?: (at_ms: number | undefined, values: (number | null | undefined)[]) => void;
+}
+
+interface Scale {
+  unit: string;
+  min: number;
+  max: number;
+}
+
+const colourNames = ['--s1', '--s2', '--s3', '--s4', '--s5', '--s6', '--s7', '--s8'];
+const dashFrom = 4;  // colours alone tell no more than four lines
+const side = 60;  // for the marks of an axis of values
+const foot = 24;
+const head = 20;
+const strip = 5;
+const leastDrag = 6;
+const font = '12px system-ui, sans-serif';
+
+// The index of the last time that is not after `at`; -1: none.
+export function indexAt(t: readonly number[], at: number): number {
+  let low = 0, high = t.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (t[middle]! <= at) low = middle + 1;
+    else high = middle;
+  }
+  return low - 1;
+}
+
+export class Chart {
+  readonly element = document.createElement('div');
+  private readonly data = document.createElement('canvas');
+  private readonly overlay = document.createElement('canvas');
+  private readonly probe = document.createElement('span');
+  private readonly colours = new Map<string, string>();
+  private lines: Line[] = [];
+  private scales: Scale[] = [];
+  private from_ms = 0;
+  private to_ms = 1;
+  private width = 0;
+  private pointer: number | undefined;  // x in CSS pixels
+  private dragFrom: number | undefined;
+  private readonly scheme = matchMedia('(prefers-color-scheme: dark)');
+  private readonly resized = new ResizeObserver(() => this.resize());
+  private readonly recolour = (): void => {
+    this.colours.clear();
+    this.draw();
+  };
+
+  constructor(private readonly options: ChartOptions) {
+    const { element } = this;
+    element.className = 'chart';
+    element.style.height = `${options.height}px`;
+    element.setAttribute('role', 'img');
+    element.setAttribute('aria-label', options.label);
+    this.probe.hidden = true;
+    element.append(this.data, this.overlay, this.probe);
+    this.resized.observe(element);
+    this.scheme.addEventListener('change', this.recolour);
+    addEventListener('fieldcast-theme', this.recolour);
+    this.overlay.addEventListener('pointermove', (event) => this.move(event.offsetX));
+    this.overlay.addEventListener('pointerleave', () => this.move(undefined));
+    this.overlay.addEventListener('pointerdown', (event) => {
+      this.dragFrom = event.offsetX;
+      this.overlay.setPointerCapture(event.pointerId);
+    });
+    this.overlay.addEventListener('pointerup', (event) => this.drop(event.offsetX));
+    this.overlay.addEventListener('pointercancel', () => { this.dragFrom = undefined; });
+  }
+
+  set(lines: Line[], from_ms: number, to_ms: number): void {
+    this.lines = lines;
+    this.from_ms = from_ms;
+    this.to_ms = Math.max(to_ms, from_ms + 1);
+    this.draw();
+  }
+
+  close(): void {
+    this.resized.disconnect();
+    this.scheme.removeEventListener('change', this.recolour);
+    removeEventListener('fieldcast-theme', this.recolour);
+  }
+
+  private get left(): number { return side; }
+  private get right(): number { return this.width - (this.scales.length > 1 ? side : 12); }
+  private get bottom(): number { return this.options.height - foot; }
+  private x(at_ms: number): number { return this.left + ((at_ms - this.from_ms) / (this.to_ms - this.from_ms)) * (this.right - this.left); }
+  private y(value: number, scale: Scale): number { return this.bottom - ((value - scale.min) / (scale.max - scale.min)) * (this.bottom - head); }
+  private timeAt(x: number): number {
+    const share = Math.max(0, Math.min(1, (x - this.left) / Math.max(1, this.right - this.left)));
+    return this.from_ms + share * (this.to_ms - this.from_ms);
+  }
+
+  // A variable of the style sheet as a colour that a canvas takes.
+  private colour(name: string, share = 1): string {
+    let found = this.colours.get(name);
+    if (!found) {
+      this.probe.style.color = `var(${name})`;
+      this.colours.set(name, (found = getComputedStyle(this.probe).color));
+    }
+    return share === 1 ? found : found.replace(/^rgb\((.+)\)$/, `rgba($1, ${share})`);
+  }
+
+  private resize(): void {
+    if (this.element.clientWidth === this.width) return;
+    this.width = this.element.clientWidth;
+    this.draw();
+  }
+
+  // A canvas of the right size, cleared, in CSS pixels.
+  private begin(canvas: HTMLCanvasElement): CanvasRenderingContext2D {
+    const ratio = devicePixelRatio;
+    const width = Math.round(this.width * ratio), height = Math.round(this.options.height * ratio);
+    if (canvas.width !== width) canvas.width = width;
+    if (canvas.height !== height) canvas.height = height;
+    const ctx = canvas.getContext('2d')!;
+    ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
+    ctx.clearRect(0, 0, this.width, this.options.height);
+    ctx.font = font;
+    return ctx;
+  }
+
+  private draw(): void {
+    if (!this.width) return;
+    this.scales = this.makeScales();
+    const ctx = this.begin(this.data);
+    this.drawAxes(ctx);
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(this.left, head - 1, this.right - this.left, this.bottom - head + 2);
+    ctx.clip();
+    this.drawLimits(ctx);
+    this.lines.forEach((line, index) => this.drawBad(ctx, line, index));
+    this.lines.forEach((line, index) => this.drawBand(ctx, line, index));
+    this.lines.forEach((line, index) => this.drawLine(ctx, line, index));
+    ctx.restore();
+    this.drawOverlay();
+  }
+
+  // The points that are seen, and one more on each side.
+  private seen(line: Line): [number, number] {
+    return [Math.max(0, indexAt(line.t, this.from_ms)), Math.min(line.t.length, indexAt(line.t, this.to_ms) + 2)];
+  }
+
+  private makeScales(): Scale[] {
+    const scales: Scale[] = [];
+    for (const line of this.lines) {
+      let scale = scales.find((each) => each.unit === line.unit);
+      if (!scale) scales.push((scale = { unit: line.unit, min: Infinity, max: -Infinity }));
+      const [first, end] = this.seen(line);
+      for (let i = first; i < end; i++) {
+        const low = line.min[i], high = line.max[i];
+        if (low !== null && low !== undefined && low < scale.min) scale.min = low;
+        if (high !== null && high !== undefined && high > scale.max) scale.max = high;
+      }
+    }
+    scales.forEach((scale, index) => this.widen(scale, index === 0));
+    return scales;
+  }
+
+  // Leaves a margin; a limit that is near comes into the picture.
+  private widen(scale: Scale, limited: boolean): void {
+    if (!Number.isFinite(scale.min)) Object.assign(scale, { min: 0, max: 1 });
+    const size = scale.max - scale.min || Math.abs(scale.max) * 0.1 || 1;
+    if (limited) {
+      const { min, max } = scale;
+      for (const [, value] of this.limits()) {
+        if (value > max && value - max < size) scale.max = Math.max(scale.max, value);
+        if (value < min && min - value < size) scale.min = Math.min(scale.min, value);
+      }
+    }
+    const margin = (scale.max - scale.min || size) * 0.08;
+    scale.min -= margin;
+    scale.max += margin;
+  }
+
+  private limits(): [string, number][] {
+    return Object.entries(this.options.limits ?? {}).filter(([name]) => !name.startsWith('write'));
+  }
+
+  private drawAxes(ctx: CanvasRenderingContext2D): void {
+    const { left, right, bottom } = this;
+    ctx.fillStyle = this.colour('--muted');
+    ctx.strokeStyle = this.colour('--grid');
+    ctx.lineWidth = 1;
+    ctx.beginPath();
+    ctx.textBaseline = 'top';
+    for (const tick of timeTicks(this.from_ms, this.to_ms, (right - left) / 90)) {
+      const x = Math.round(this.x(tick.at)) + 0.5;
+      ctx.moveTo(x, head);
+      ctx.lineTo(x, bottom);
+      const half = ctx.measureText(tick.text).width / 2;
+      ctx.textAlign = 'center';
+      ctx.fillText(tick.text, Math.max(half, Math.min(this.width - half, x)), bottom + 7);
+    }
+    this.scales.slice(0, 2).forEach((scale, index) => {
+      ctx.textAlign = index ? 'left' : 'right';
+      const textAt = index ? right + 6 : left - 6;
+      ctx.textBaseline = 'middle';
+      for (const tick of numberTicks(scale.min, scale.max, (bottom - head) / 45)) {
+        const y = Math.round(this.y(tick.at, scale)) + 0.5;
+        if (!index) {
+          ctx.moveTo(left, y);
+          ctx.lineTo(right, y);
+        }
+        ctx.fillText(tick.text, textAt, y);
+      }
+      ctx.textBaseline = 'top';
+      ctx.fillText(scale.unit, textAt, 2);
+    });
+    ctx.stroke();
+  }
+
+  private drawLimits(ctx: CanvasRenderingContext2D): void {
+    const scale = this.scales[0];
+    if (!scale) return;
+    for (const [name, value] of this.limits()) {
+      const high = name.startsWith('high');
+      const y = Math.max(head, Math.min(this.bottom, this.y(value, scale)));
+      const colour = name.includes('-') ? '--bad' : '--warning';
+      ctx.fillStyle = this.colour(colour, 0.12);
+      ctx.fillRect(this.left, high ? head : y, this.right - this.left, high ? y - head : this.bottom - y);
+      if (value < scale.min || value > scale.max) continue;
+      ctx.fillStyle = this.colour(colour);
+      ctx.fillRect(this.left, Math.round(y), this.right - this.left, 1);
+      ctx.textAlign = 'right';
+      ctx.textBaseline = high ? 'bottom' : 'top';
+      ctx.fillText(`${name} ${exactValue(value, 'float32')}`, this.right - 4, high ? y - 2 : y + 4);
+    }
+  }
+
+  // One line: over the whole height. Several: a strip for each at the foot.
+  private drawBad(ctx: CanvasRenderingContext2D, line: Line, index: number): void {
+    const alone = this.lines.length === 1;
+    const top = this.bottom - strip * (this.lines.length - index);
+    for (const span of line.bad) {
+      if (span.to_ms < this.from_ms || span.from_ms > this.to_ms) continue;
+      const left = this.x(span.from_ms), width = Math.max(2, this.x(span.to_ms) - left);
+      if (alone) {
+        ctx.fillStyle = this.colour('--bad', 0.18);
+        ctx.fillRect(left, head, width, this.bottom - head);
+      }
+      ctx.fillStyle = this.colour(alone ? '--bad' : colourNames[index % colourNames.length]!);
+      ctx.fillRect(left, top, width, strip - 1);
+    }
+  }
+
+  private drawBand(ctx: CanvasRenderingContext2D, line: Line, index: number): void {
+    const scale = this.scales.find((each) => each.unit === line.unit)!;
+    const [first, end] = this.seen(line);
+    ctx.fillStyle = this.colour(colourNames[index % colourNames.length]!, 0.22);
+    for (let i = first; i < end; i++) {
+      const from = i;
+      while (i < end && line.max[i] !== null) i++;
+      if (i - from < 2) continue;
+      ctx.beginPath();
+      for (let k = from; k < i; k++) ctx.lineTo(this.x(line.t[k]!), this.y(line.max[k]!, scale));
+      for (let k = i - 1; k >= from; k--) ctx.lineTo(this.x(line.t[k]!), this.y(line.min[k]!, scale));
+      ctx.fill();
+    }
+  }
+
+  private drawLine(ctx: CanvasRenderingContext2D, line: Line, index: number): void {
+    const scale = this.scales.find((each) => each.unit === line.unit)!;
+    const [first, end] = this.seen(line);
+    ctx.strokeStyle = ctx.fillStyle = this.colour(colourNames[index % colourNames.length]!);
+    ctx.lineWidth = 1.6;
+    ctx.lineJoin = 'round';
+    ctx.setLineDash(index >= dashFrom ? [7, 4] : []);
+    ctx.beginPath();
+    let y = NaN;  // of the point before; NaN after a gap
+    for (let i = first; i < end; i++) {
+      const value = line.average[i];
+      if (value === null || value === undefined) {
+        y = NaN;
+        continue;
+      }
+      const x = this.x(line.t[i]!), next = this.y(value, scale);
+      if (Number.isNaN(y)) {
+        ctx.moveTo(x, next);
+        const after = line.average[i + 1];
+        if (after === null || after === undefined) ctx.fillRect(x - 1.5, next - 1.5, 3, 3);
+      } else if (line.stepped) {
+        ctx.lineTo(x, y);
+      }
+      ctx.lineTo(x, next);
+      y = next;
+    }
+    ctx.stroke();
+    ctx.setLineDash([]);
+  }
+
+  private move(x: number | undefined): void {
+    this.pointer = x === undefined && this.dragFrom !== undefined ? this.pointer : x;
+    this.drawOverlay();
+  }
+
+  private drop(x: number): void {
+    const from = this.dragFrom;
+    this.dragFrom = undefined;
+    this.drawOverlay();
+    if (from !== undefined && Math.abs(x - from) >= leastDrag) this.options.onZoom?.(this.timeAt(Math.min(x, from)), this.timeAt(Math.max(x, from)));
+  }
+
+  // The cursor with its values, and what is being selected.
+  private drawOverlay(): void {
+    if (!this.width) return;
+    const ctx = this.begin(this.overlay);
+    if (this.pointer === undefined || !this.lines.length) {
+      this.options.onCursor?.(undefined, []);
+      return;
+    }
+    const pointer = Math.max(this.left, Math.min(this.right, this.pointer));
+    if (this.dragFrom !== undefined) {
+      const from = Math.max(this.left, Math.min(this.right, this.dragFrom));
+      ctx.fillStyle = this.colour('--accent', 0.18);
+      ctx.fillRect(Math.min(from, pointer), head, Math.abs(pointer - from), this.bottom - head);
+    }
+    const at_ms = this.timeAt(pointer);
+    ctx.fillStyle = this.colour('--muted');
+    ctx.fillRect(Math.round(pointer), head, 1, this.bottom - head);
+    const values = this.lines.map((line, index) => {
+      const i = indexAt(line.t, at_ms), value = line.average[i];
+      if (value === null || value === undefined) return value;
+      ctx.fillStyle = this.colour(colourNames[index % colourNames.length]!);
+      ctx.beginPath();
+      ctx.arc(this.x(line.t[i]!), this.y(value, this.scales.find((each) => each.unit === line.unit)!), 3.5, 0, 7);
+      ctx.fill();
+      return value;
+    });
+    this.options.onCursor?.(at_ms, values);
+  }
+}
