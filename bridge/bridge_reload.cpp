@@ -4,6 +4,7 @@
 
 #include "bridge/bridge_state.hpp"
 #include "bridge/bus/clock.hpp"
+#include "core/base/counted.hpp"
 
 namespace fieldcast {
 namespace {
@@ -44,12 +45,13 @@ void Bridge::State::configure_alarms(const BridgeSpec& from, const BridgeSpec& t
 tl::expected<void, std::string> Bridge::State::start_anew(const BridgeSpec& wanted,
                                                           const ReloadPlan& plan) {
   const BridgeSpec before = spec;
-  log_info(before.name,
-           fmt::format("reloading: {}: everything starts anew: {} buses, the participant "
-                       "in DDS domain {}{}{}",
-                       fmt::join(plan.whole_bridge, ", "), before.buses.size(), before.dds.domain,
-                       before.store ? ", the store" : "",
-                       before.program == ProgramSpec{} ? "" : ", the programming server"));
+  log_info(
+      before.name,
+      fmt::format("reloading: {}: everything starts anew: {}, the participant "
+                  "in DDS domain {}{}{}",
+                  fmt::join(plan.whole_bridge, ", "), counted(before.buses.size(), "bus", "buses"),
+                  before.dds.domain, before.store ? ", the store" : "",
+                  before.program == ProgramSpec{} ? "" : ", the programming server"));
   stop_all(program::Server::Modules::kKeep);
   auto started = start(wanted, program::Server::Modules::kKeep);
   if (started) {
@@ -98,9 +100,9 @@ tl::expected<void, std::string> Bridge::State::exchange_buses(const BridgeSpec& 
   const auto names = [](const std::vector<std::string>& listed) {
     return listed.empty() ? std::string{} : fmt::format(" ({})", fmt::join(listed, ", "));
   };
-  log_info(wanted.name, fmt::format("reloaded: {} buses stopped{}, {} started{}, {} untouched",
-                                    plan.stop.size(), names(plan.stop), plan.start.size(),
-                                    names(plan.start), plan.untouched.size()));
+  log_info(wanted.name, fmt::format("reloaded: {} stopped{}, {} started{}, {} untouched",
+                                    counted(plan.stop.size(), "bus", "buses"), names(plan.stop),
+                                    plan.start.size(), names(plan.start), plan.untouched.size()));
   return {};
 }
 

@@ -15,6 +15,7 @@
 #include "bridge/service/service.hpp"
 #include "bridge/signals.hpp"
 #include "config/loader.hpp"
+#include "core/base/counted.hpp"
 #include "core/model/overlap.hpp"
 #include "core/schedule/bus_schedule.hpp"
 #include "core/schedule/overload.hpp"
@@ -45,8 +46,9 @@ std::string summary(const BridgeSpec& spec) {
   for (const BusSpec& bus : spec.buses) {
     std::size_t channels = 0;
     for (const DeviceSpec& device : bus.devices) channels += device.channels.size();
-    text += fmt::format("  {}: {}, {} devices, {} channels\n", bus.name, to_text(bus.port),
-                        bus.devices.size(), channels);
+    text += fmt::format("  {}: {}, {}, {}\n", bus.name, to_text(bus.port),
+                        counted(bus.devices.size(), "device", "devices"),
+                        counted(channels, "channel", "channels"));
   }
   return text;
 }

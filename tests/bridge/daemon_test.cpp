@@ -148,7 +148,7 @@ TEST_F(DaemonTest, SighupRestartsOnlyTheChangedBus) {
   write("holding:7");
   bridge.signal(SIGHUP);
   EXPECT_THAT(bridge.said("untouched"),
-              HasSubstr("1 buses stopped (two), 1 started (two), 1 untouched"));
+              HasSubstr("1 bus stopped (two), 1 started (two), 1 untouched"));
   bridge.signal(SIGTERM);
   EXPECT_EQ(bridge.exit_code(), 0) << bridge.output();
 }
@@ -215,9 +215,9 @@ TEST_F(DaemonTest, AReloadThatWouldCutADownloadWaitsAndSaysForWhom) {
   bridge.signal(SIGHUP);
   EXPECT_THAT(bridge.said("the reload waits"),
               AllOf(HasSubstr("the reload waits for the end of programming: one/plc by 127.0.0.1:"),
-                    testing::Not(HasSubstr("1 buses stopped"))));
+                    testing::Not(HasSubstr("1 bus stopped"))));
   engineer.send("@@EDFEFF");
-  EXPECT_THAT(bridge.said("1 buses stopped"), HasSubstr("1 buses stopped (one), 1 started (one)"));
+  EXPECT_THAT(bridge.said("1 bus stopped"), HasSubstr("1 bus stopped (one), 1 started (one)"));
   bridge.signal(SIGTERM);
   EXPECT_EQ(bridge.exit_code(), 0) << bridge.output();
 }
@@ -240,7 +240,7 @@ TEST_F(DaemonTest, Sigusr1SwitchesTheWireTrace) {
 TEST_F(DaemonTest, CheckTellsWhatAFileConfigures) {
   Process bridge({file, "--check"});
   EXPECT_EQ(bridge.exit_code(), static_cast<int>(ExitCode::kOk));
-  EXPECT_THAT(bridge.output(), HasSubstr("1 devices, 1 channels"));
+  EXPECT_THAT(bridge.output(), HasSubstr("1 device, 1 channel"));
 }
 
 TEST_F(DaemonTest, CheckWarnsOfChannelsThatLieOnEachOther) {
