@@ -1,0 +1,314 @@
+#include "tools/station/web/http_session.hpp"
+
+#include <fmt/format.h>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/rfc7230.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <utility>
+
+#include "bridge/bus/clock.hpp"
+#include "tools/station/web/response_head.hpp"
+
+namespace fieldcast::web {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+using boost::system::error_code;
+
+constexpr std::size_t kPiece = 8 * 1024;               // bytes of one read
+constexpr std::size_t kMaxLingerBytes = 256 * 1024;    // read away after the last response
+constexpr std::string_view kProtocol = "fieldcast.1";  // of /live
+
+std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
+
+template <typename Fields>
+std::string text_of(const Fields& fields, http::field name) {
+  return std::string(view(fields[name]));
+}
+
+template <typename Request>
+RawRequest raw_of(Request& request, const std::string& peer) {
+  RawRequest raw;
+  raw.method = std::string(view(request.method_string()));
+  raw.target = std::string(view(request.target()));
+  const auto hosts = request.equal_range(http::field::host);
+  for (auto at = hosts.first; at != hosts.second; ++at) raw.hosts.emplace_back(view(at->value()));
+  if (request.count(http::field::origin) == 1) raw.origin = text_of(request, http::field::origin);
+  raw.content_type = text_of(request, http::field::content_type);
+  raw.cookie = text_of(request, http::field::cookie);
+  raw.accept_encoding = text_of(request, http::field::accept_encoding);
+  raw.if_none_match = text_of(request, http::field::if_none_match);
+  raw.body = std::move(request.body());
+  raw.peer = peer;
+  return raw;
+}
+
+// The header as bytes again.
+template <typename Request>
+std::string head_of(const Request& request) {
+  std::string head =
+      fmt::format("{} {} HTTP/1.1\r\n", view(request.method_string()), view(request.target()));
+  for (const auto& field : request)
+    head += fmt::format("{}: {}\r\n", view(field.name_string()), view(field.value()));
+  return head + "\r\n";
+}
+
+}  // namespace
+
+struct HttpSession::Parser {
+  Parser(const HttpLimits& limits) {
+    parser.header_limit(static_cast<std::uint32_t>(limits.header_bytes));
+    parser.body_limit(limits.body_bytes);
+    parser.eager(true);
+  }
+  http::request_parser<http::string_body> parser;
+  bool told_to_continue = false;
+};
+
+HttpSession::HttpSession(Server& server, std::unique_ptr<ByteStream> stream, std::string peer)
+    : server_(server),
+      stream_(std::move(stream)),
+      peer_(std::move(peer)),
+      since_(steady_now()),
+      timer_(server.io),
+      room_(kPiece, '\0') {}
+
+HttpSession::~HttpSession() = default;
+
+void HttpSession::start() {
+  enter(State::kIdle, server_.limits.request);  // the first request comes at once, or never
+  parser_ = std::make_unique<Parser>(server_.limits);
+  read();
+}
+
+void HttpSession::close() {
+  if (state_ == State::kClosed) return;
+  state_ = State::kClosed;
+  timer_.cancel();
+  pieces_.reset();
+  if (stream_) stream_->close();
+  const auto self = shared_from_this();  // the server lets go of it
+  server_.gone(this);
+}
+
+void HttpSession::enter(State state, Duration limit) {
+  state_ = state;
+  since_ = steady_now();
+  timer_.expires_after(std::chrono::duration_cast<std::chrono::steady_clock::duration>(limit));
+  timer_.async_wait([self = shared_from_this(), began = since_](error_code cancelled) {
+    if (!cancelled && self->since_ == began) self->on_late();
+  });
+}
+
+void HttpSession::on_late() {
+  if (state_ == State::kRequest) return refuse(408, "the request took too long", "send it at once");
+  if (state_ == State::kHandler) {
+    keep_alive_ = false;
+    return respond(server_.site.refusal(503, "the station is too busy", "try again later"));
+  }
+  if (state_ != State::kIdle && state_ != State::kLinger) ++server_.faults;
+  close();
+}
+
+void HttpSession::next_request() {
+  parser_ = std::make_unique<Parser>(server_.limits);
+  if (!received_.empty()) {
+    enter(State::kRequest, server_.limits.request);
+    return parse();
+  }
+  enter(State::kIdle, server_.limits.idle);
+  read();
+}
+
+void HttpSession::read() {
+  if (reading_) return;
+  reading_ = true;
+  stream_->read_some(asio::buffer(room_),
+                     [self = shared_from_this()](error_code fault, std::size_t count) {
+                       self->reading_ = false;
+                       if (self->state_ == State::kClosed) return;
+                       return fault ? self->close() : self->on_read(count);
+                     });
+}
+
+void HttpSession::on_read(std::size_t count) {
+  if (state_ == State::kLinger) {
+    sent_ += count;
+    return sent_ > kMaxLingerBytes ? close() : read();
+  }
+  if (state_ == State::kIdle) enter(State::kRequest, server_.limits.request);
+  if (state_ != State::kRequest) return;  // it came too late
+  received_.append(room_, 0, count);
+  parse();
+}
+
+void HttpSession::parse() {
+  auto& parser = parser_->parser;
+  while (!received_.empty() && !parser.is_done()) {
+    error_code fault;
+    const std::size_t used =
+        parser.put(asio::const_buffer(received_.data(), received_.size()), fault);
+    received_.erase(0, used);
+    if (fault == http::error::need_more) break;
+    if (fault == http::error::header_limit)
+      return refuse(431, "the header is too long",
+                    fmt::format("at most {} bytes", server_.limits.header_bytes));
+    if (fault == http::error::body_limit)
+      return refuse(413, "the body is too long",
+                    fmt::format("at most {} bytes", server_.limits.body_bytes));
+    if (fault) return refuse(400, "no HTTP request", "send HTTP/1.1");
+    if (used == 0) break;
+  }
+  if (parser.is_done()) return on_request();
+  // A header that is not complete yet is kept here until it is.
+  if (received_.size() > server_.limits.header_bytes)
+    return refuse(431, "the header is too long",
+                  fmt::format("at most {} bytes", server_.limits.header_bytes));
+  if (parser.is_header_done() && !parser_->told_to_continue &&
+      beast::iequals(parser.get()[http::field::expect], "100-continue")) {
+    parser_->told_to_continue = true;
+    const auto text = std::make_shared<const std::string>("HTTP/1.1 100 Continue\r\n\r\n");
+    return stream_->write_some(asio::buffer(*text),
+                               [self = shared_from_this(), text](error_code fault, std::size_t) {
+                                 if (self->state_ == State::kRequest)
+                                   fault ? self->close() : self->read();
+                               });
+  }
+  read();
+}
+
+void HttpSession::on_request() {
+  auto& request = parser_->parser.get();
+  keep_alive_ = request.keep_alive();
+  chunked_ = request.version() >= 11;
+  const bool upgrades = beast::websocket::is_upgrade(request);
+  RawRequest raw = raw_of(request, peer_);
+  if (upgrades) return upgrade(raw);
+  parser_.reset();
+  enter(State::kHandler, server_.limits.handler);
+  server_.site.handle(std::move(raw),
+                      [weak = weak_from_this(), answer = answer_](HttpResponse response) {
+                        const auto self = weak.lock();
+                        if (self && self->state_ == State::kHandler && self->answer_ == answer)
+                          self->respond(std::move(response));
+                      });
+}
+
+void HttpSession::upgrade(RawRequest& raw) {
+  const auto& request = parser_->parser.get();
+  const auto refuse_with = [this](HttpResponse response) {
+    keep_alive_ = false;
+    respond(std::move(response));
+  };
+  auto who = server_.site.upgrade(raw);
+  if (!who) return refuse_with(std::move(who.error()));
+  if (!http::token_list{request[http::field::sec_websocket_protocol]}.exists(
+          beast::string_view(kProtocol.data(), kProtocol.size())))
+    return refuse(400, "no such subprotocol", fmt::format("ask for {}", kProtocol));
+  if (!received_.empty())
+    return refuse(400, "bytes before the WebSocket is open", "wait for the response");
+  if (auto refused = server_.refuse_live(*who)) return refuse_with(std::move(*refused));
+  std::string head = head_of(request);
+  state_ = State::kClosed;
+  timer_.cancel();
+  ++server_.requests;
+  const auto self = shared_from_this();
+  server_.take_live({std::move(stream_), std::move(head), std::move(*who)});
+  server_.gone(this);
+}
+
+void HttpSession::refuse(unsigned status, std::string_view error, std::string_view hint) {
+  ++server_.faults;
+  keep_alive_ = false;
+  chunked_ = true;
+  respond(server_.site.refusal(status, error, hint));
+}
+
+void HttpSession::respond(HttpResponse response) {
+  ++answer_;
+  ++server_.requests;
+  enter(State::kResponse, server_.limits.progress);
+  const bool streams = response.next != nullptr;
+  if (streams && !chunked_) keep_alive_ = false;
+  const std::shared_ptr<const std::string> body =
+      response.shared_body ? std::move(response.shared_body)
+                           : std::make_shared<const std::string>(std::move(response.body));
+  const bool bare = has_no_body(response.status);
+  HeadOptions options{read_clocks().to_utc(steady_now()), keep_alive_, std::nullopt,
+                      streams && chunked_ && !bare};
+  if (!streams && !bare) options.length = body->size();
+  send(std::make_shared<const std::string>(response_head(response, options)));
+  if (!bare && !streams && !body->empty()) send(body);
+  if (!bare && streams)
+    pieces_ = std::make_shared<const std::function<void(std::function<void(Piece)>)>>(
+        std::move(response.next));
+  write();
+}
+
+void HttpSession::send(std::shared_ptr<const std::string> bytes) {
+  if (!bytes->empty()) unsent_.push_back(std::move(bytes));
+}
+
+void HttpSession::write() {
+  if (unsent_.empty()) return pieces_ ? next_piece() : finish_response();
+  const auto bytes = unsent_.front();
+  stream_->write_some(asio::buffer(bytes->data() + sent_, bytes->size() - sent_),
+                      [self = shared_from_this(), bytes](error_code fault, std::size_t count) {
+                        if (self->state_ != State::kResponse) return;
+                        return fault ? self->close() : self->on_written(count);
+                      });
+}
+
+void HttpSession::on_written(std::size_t count) {
+  sent_ += count;
+  if (sent_ >= unsent_.front()->size()) {
+    unsent_.pop_front();
+    sent_ = 0;
+  }
+  if (count > 0) enter(State::kResponse, server_.limits.progress);
+  write();
+}
+
+// The client has taken everything: the station makes more.
+void HttpSession::next_piece() {
+  const auto next = pieces_;  // stays alive while it runs
+  (*next)([weak = weak_from_this(), answer = answer_](Piece piece) {
+    if (const auto self = weak.lock()) self->on_piece(answer, std::move(piece));
+  });
+}
+
+void HttpSession::on_piece(std::uint64_t answer, Piece piece) {
+  if (state_ != State::kResponse || answer != answer_ || !pieces_ || !unsent_.empty()) return;
+  enter(State::kResponse, server_.limits.progress);
+  std::string bytes;
+  if (!piece) {
+    pieces_.reset();
+    if (chunked_) bytes = "0\r\n\r\n";
+  } else if (chunked_ && !piece->empty()) {
+    bytes = fmt::format("{:x}\r\n{}\r\n", piece->size(), *piece);
+  } else if (piece) {
+    bytes = std::move(*piece);
+  }
+  send(std::make_shared<const std::string>(std::move(bytes)));
+  // Not from here: a station that answers at once, always, would fill the stack.
+  asio::post(server_.io, [self = shared_from_this()] {
+    if (self->state_ == State::kResponse) self->write();
+  });
+}
+
+void HttpSession::finish_response() {
+  if (keep_alive_) return next_request();
+  parser_.reset();
+  received_.clear();
+  stream_->end_sending();
+  // Closed over unread bytes, TCP would take the response back: they are read away.
+  enter(State::kLinger, server_.limits.linger);
+  read();
+}
+
+}  // namespace fieldcast::web
