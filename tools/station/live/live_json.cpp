@@ -68,6 +68,39 @@ void append_row(std::string& out, const LiveChannel& live) {
   out += ']';
 }
 
+// Null where `period` is none: what has no period has no times.
+void add_time(JsonObject& json, std::string_view name, Duration period, Duration time) {
+  if (period == Duration::zero()) {
+    json.add_json(name, "null");
+  } else {
+    json.add(name, milliseconds(time));
+  }
+}
+
+void append_point(std::string& out, const PlanReport::Point& point) {
+  JsonObject json;
+  json.add("area", point.area)
+      .add("first", point.first)
+      .add("count", point.count)
+      .add_json("channels", texts_json(point.channels));
+  add_time(json, "period_ms", point.period, point.period);
+  add_time(json, "phase_ms", point.period, point.phase);
+  add_time(json, "worst_gap_ms", point.worst_gap.value_or(Duration::zero()),
+           point.worst_gap.value_or(Duration::zero()));
+  out += json.add("stretch", point.stretch).take();
+}
+
+void append_group(std::string& out, const PlanReport::Group& group) {
+  JsonObject json;
+  json.add("device", group.device).add("list", group.list);
+  add_time(json, "period_ms", group.period, group.period);
+  add_time(json, "phase_ms", group.period, group.phase);
+  add_time(json, "slack_ms", group.period, group.slack);
+  out += json.add("load", group.load)
+             .add_json("points", json_array(group.points, append_point))
+             .take();
+}
+
 }  // namespace
 
 std::string bus_json(const StationBusStatus& bus) {
@@ -171,6 +204,18 @@ std::string bridge_json(const StationBridge& bridge) {
       .add("since_ms", bridge.since)
       .add_json("buses", buses)
       .take();
+}
+
+std::string read_plan_json(const StationReadPlan& plan) {
+  const PlanReport& report = plan.plan;
+  JsonObject json;
+  json.add("bus", plan.bus)
+      .add("in_force_since_ms", plan.in_force_since)
+      .add("load", report.load)
+      .add("stretch", report.stretch);
+  add_time(json, "slot_ms", report.slot, report.slot);
+  add_time(json, "hyperperiod_ms", report.slot, report.hyperperiod);
+  return json.add_json("groups", json_array(report.groups, append_group)).take();
 }
 
 std::string channel_json(const LiveChannel& live) {

@@ -1,5 +1,5 @@
 // What a station knows of the domain at this moment: the newest value of each channel, and every
-// bus, device, alarm, session and bridge. Pure: no clock, no lock, no DDS entity. One owner, on the
+// bus, device, alarm, session, bridge and read plan. Pure: no clock, no lock, no DDS entity. One owner, on the
 // io thread; pointers and references stay valid until the next call that is not const.
 //
 // A channel keeps its id for the life of the process, also while no bridge announces it, and an id
@@ -72,6 +72,8 @@ class LiveModel {
   void on_session(const ProgramSessionReport& session) { objects_.put(session); }
   void on_bridge(const StationBridge& bridge) { objects_.put(bridge); }
   void on_bridge_gone(const std::string& bridge) { objects_.remove_bridge(bridge); }
+  void on_read_plan(const StationReadPlan& plan) { objects_.put(plan); }
+  void on_read_plan_gone(const std::string& bus) { objects_.remove_read_plan(bus); }
 
   // ---- channels
 

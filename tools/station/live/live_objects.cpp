@@ -43,6 +43,9 @@ struct MessageOf {
     return gone ? kind_message("bridge_gone", names_json({{"bridge", bridge.bridge}}))
                 : kind_message("bridge", bridge_json(bridge));
   }
+  std::string operator()(const StationReadPlan& plan) const {
+    return kind_message("plan", names_json({{"bus", plan.bus}}));
+  }
 };
 
 }  // namespace
@@ -148,6 +151,11 @@ void LiveObjects::put(const ProgramSessionReport& session) {
 
 void LiveObjects::put(const StationBridge& bridge) { put(key_of('r', bridge.bridge), bridge); }
 
+void LiveObjects::put(const StationReadPlan& plan) {
+  const StationReadPlan* last = read_plan(plan.bus);
+  if (last == nullptr || last->plan != plan.plan) put(key_of('p', plan.bus), plan);
+}
+
 void LiveObjects::remove(const LiveAlarm& alarm) {
   const std::string key = key_of(alarm);
   const auto found = entries_.find(key);
@@ -165,6 +173,13 @@ void LiveObjects::remove_device(const std::string& bus, const std::string& devic
   remove(key_of('d', bus, device));
 }
 void LiveObjects::remove_bridge(const std::string& bridge) { remove(key_of('r', bridge)); }
+void LiveObjects::remove_read_plan(const std::string& bus) { remove(key_of('p', bus)); }
+
+const StationReadPlan* LiveObjects::read_plan(const std::string& bus) const {
+  const auto found = entries_.find(key_of('p', bus));
+  if (found == entries_.end() || found->second.gone) return nullptr;
+  return &std::get<StationReadPlan>(found->second.object);
+}
 
 void LiveObjects::remove(const std::string& key) {
   const auto found = entries_.find(key);

@@ -1,5 +1,5 @@
-// Buses, devices, alarms, programming sessions and bridges as they were reported last, and the
-// message that tells a client of each. Pure; one owner, on the io thread.
+// Buses, devices, alarms, programming sessions, bridges and read plans as they were reported last,
+// and the message that tells a client of each. Pure; one owner, on the io thread.
 //
 // Objects that changed stand in a list, each once, the newest at the end. A message is made when
 // the first client needs it and is the same for all. An object that is gone stays in the list until
@@ -50,7 +50,7 @@ class LiveObjects {
   static constexpr Duration kDevicePeriod = std::chrono::seconds{2};
 
   using Object = std::variant<StationBusStatus, StationDeviceStatus, LiveAlarm,
-                              ProgramSessionReport, StationBridge>;
+                              ProgramSessionReport, StationBridge, StationReadPlan>;
 
   void put(const StationBusStatus& bus);
   void put(const StationDeviceStatus& device);
@@ -59,10 +59,16 @@ class LiveObjects {
   void put(const LiveAlarm& alarm);
   void put(const ProgramSessionReport& session);
   void put(const StationBridge& bridge);
+  // Clients are told that there is another plan, not the plan.
+  void put(const StationReadPlan& plan);
   void remove(const LiveAlarm& alarm);
   void remove_bus(const std::string& bus);
   void remove_device(const std::string& bus, const std::string& device);
   void remove_bridge(const std::string& bridge);
+  void remove_read_plan(const std::string& bus);
+
+  // The plan in force on this bus. Null: none is known.
+  [[nodiscard]] const StationReadPlan* read_plan(const std::string& bus) const;
 
   // Those of a kind that are there, by their names.
   template <class Kind>

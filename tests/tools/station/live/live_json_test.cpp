@@ -47,6 +47,37 @@ TEST(LiveJson, AnAlarmThatNobodyTouchedHasNulls) {
             R"("suppressed":""})");
 }
 
+TEST(LiveJson, APlanTellsItsTimesInMilliseconds) {
+  const Json json = Json::parse(read_plan_json(plan_of("shop")));
+  EXPECT_EQ(json["bus"], "shop");
+  EXPECT_EQ(json["in_force_since_ms"], 2000);
+  EXPECT_EQ(json["load"], 0.25);
+  EXPECT_EQ(json["slot_ms"], 94);
+  EXPECT_EQ(json["hyperperiod_ms"], 376);
+  const Json& group = json["groups"][0];
+  EXPECT_EQ(group["device"], "press");
+  EXPECT_EQ(group["period_ms"], 94);
+  EXPECT_EQ(group["phase_ms"], 12.5);
+  EXPECT_EQ(group["slack_ms"], 1.5);
+  EXPECT_EQ(group["points"][0],
+            Json::parse(R"({"area":"holding","first":100,"count":2,"channels":["force","speed"],
+                            "period_ms":188,"phase_ms":106.5,"worst_gap_ms":190,"stretch":1.0})"));
+}
+
+TEST(LiveJson, WhatIsNotInATimetableHasNoTimes) {
+  StationReadPlan plan = plan_of("shop");
+  plan.plan.slot = plan.plan.hyperperiod = {};
+  plan.plan.groups[0].period = plan.plan.groups[0].points[0].period = {};
+  plan.plan.groups[0].points[0].worst_gap.reset();
+  const Json json = Json::parse(read_plan_json(plan));
+  EXPECT_TRUE(json["slot_ms"].is_null());
+  EXPECT_TRUE(json["hyperperiod_ms"].is_null());
+  EXPECT_TRUE(json["groups"][0]["period_ms"].is_null());
+  EXPECT_TRUE(json["groups"][0]["phase_ms"].is_null());
+  EXPECT_TRUE(json["groups"][0]["points"][0]["phase_ms"].is_null());
+  EXPECT_TRUE(json["groups"][0]["points"][0]["worst_gap_ms"].is_null());
+}
+
 TEST(LiveJson, SessionsAndBridgesAreObjects) {
   ProgramSessionReport session;
   session.bus = "shop";

@@ -72,6 +72,24 @@ TEST(LiveObjects, WhatIsGoneIsToldToThoseWhoSawIt) {
   EXPECT_THAT(objects.all<StationBusStatus>(), IsEmpty());
 }
 
+TEST(LiveObjects, AnotherPlanIsToldAndTheSameOneIsNot) {
+  LiveObjects objects;
+  EXPECT_EQ(objects.read_plan("shop"), nullptr);
+  objects.put(plan_of("shop"));
+  EXPECT_THAT(texts(objects.since(0, kEverything)), ElementsAre(R"({"kind":"plan","bus":"shop"})"));
+  std::uint64_t seen = objects.version();
+  objects.put(plan_of("shop"));
+  EXPECT_EQ(objects.version(), seen);
+  objects.put(plan_of("shop", 0.5));
+  EXPECT_EQ(objects.since(seen, kEverything).messages.size(), 1u);
+  EXPECT_EQ(objects.read_plan("shop")->plan.load, 0.5);
+  seen = objects.version();
+  objects.remove_read_plan("shop");
+  EXPECT_EQ(objects.read_plan("shop"), nullptr);
+  EXPECT_THAT(texts(objects.since(seen, kEverything)),
+              ElementsAre(R"({"kind":"plan","bus":"shop"})"));
+}
+
 TEST(LiveObjects, ADeviceThatOnlyCountsIsToldEveryTwoSeconds) {
   LiveObjects objects;
   objects.put(device_of("press", 1));

@@ -55,4 +55,28 @@ inline StationBusStatus bus_of(const std::string& name) {
   return status;
 }
 
+inline StationReadPlan plan_of(const std::string& bus, double load = 0.25) {
+  using std::chrono::microseconds;
+  using std::chrono::milliseconds;
+  PlanReport::Point point{"holding", 100, 2, {"force", "speed"}};
+  point.period = milliseconds{188};
+  point.phase = microseconds{106'500};
+  point.worst_gap = milliseconds{190};
+  PlanReport::Group group;
+  group.device = "press";
+  group.period = milliseconds{94};
+  group.phase = microseconds{12'500};
+  group.slack = microseconds{1'500};
+  group.load = load;
+  group.points = {point};
+  StationReadPlan plan;
+  plan.bus = bus;
+  plan.plan.load = load;
+  plan.plan.slot = milliseconds{94};
+  plan.plan.hyperperiod = milliseconds{376};
+  plan.plan.groups = {group};
+  plan.in_force_since = {2'000'000'000};
+  return plan;
+}
+
 }  // namespace fieldcast::web
