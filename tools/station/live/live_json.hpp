@@ -17,10 +17,10 @@ namespace fieldcast::web {
 [[nodiscard]] std::string alarm_json(const LiveAlarm& alarm);
 [[nodiscard]] std::string session_json(const ProgramSessionReport& session);
 [[nodiscard]] std::string bridge_json(const StationBridge& bridge);
-// {"bus", "in_force_since_ms", "load", "stretch", "slot_ms", "hyperperiod_ms", "groups": [{"device",
-// "list", "period_ms", "phase_ms", "slack_ms", "load", "points": [{"area", "first", "count",
-// "channels": [names], "period_ms", "phase_ms", "worst_gap_ms", "stretch"}]}]}. Null: slot and
-// hyperperiod of a plan without a timetable; times of what is not in it.
+// {"bus", "in_force_since_ms", "load", "stretch", "slot_ms", "hyperperiod_ms", "groups":
+// [{"device", "list", "period_ms", "phase_ms", "slack_ms", "load", "points": [{"area", "first",
+// "count", "channels": [names], "period_ms", "phase_ms", "worst_gap_ms", "stretch"}]}]}. Null: slot
+// and hyperperiod of a plan without a timetable; times of what is not in it.
 [[nodiscard]] std::string read_plan_json(const StationReadPlan& plan);
 // For scripts: {"channel", "type", "unit", "access", "refresh_ms", "value", "quality",
 // "acquired_ms", "sequence"}, and "device_code" where the device gave one. The value of a channel
