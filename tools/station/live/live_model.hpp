@@ -1,6 +1,7 @@
 // What a station knows of the domain at this moment: the newest value of each channel, and every
 // bus, device, alarm, session, bridge and read plan. Pure: no clock, no lock, no DDS entity. One
-// owner, on the io thread; pointers and references stay valid until the next call that is not const.
+// owner, on the io thread; pointers and references stay valid until the next call that is not
+// const.
 //
 // A channel keeps its id for the life of the process, also while no bridge announces it, and an id
 // is never given to another channel. Channels that changed stand in a list, each once, the newest
