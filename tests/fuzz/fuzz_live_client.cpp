@@ -24,7 +24,7 @@ void run_one(ByteView data) {
   if (data.empty()) return;
   const bool viewer = data[0] % 2 == 0;
   std::string_view rest(reinterpret_cast<const char*>(data.data()) + 1, data.size() - 1);
-  LiveDomain domain;
+  FakeDomain domain;
   for (const auto& [name, type] : {std::pair{"oil", "float32"}, {"name", "string(8)"}}) {
     domain.announce(name, type);
     domain.publish(name, 1.5);

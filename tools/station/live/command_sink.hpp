@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <tl/expected.hpp>
 #include <vector>
@@ -33,11 +34,21 @@ struct CommandOutcome {
 
 class CommandSink {
  public:
+  using Done = std::function<void(const CommandOutcome&)>;
+  using Submitted = tl::expected<std::uint64_t, Refusal>;
+
   virtual ~CommandSink() = default;
-  // The request_id: `done` is called once, later. Requester, request_id and times are filled in.
-  [[nodiscard]] virtual tl::expected<std::uint64_t, Refusal> submit(
-      const Caller& caller, StationCommand command,
-      std::function<void(const CommandOutcome&)> done) = 0;
+  // The request_id: `done` is called once, later. With a null one the outcome is told to every
+  // client of /live of this user. Requester and request_id are filled in. The caller has been
+  // found to have the role for it.
+  [[nodiscard]] virtual Submitted submit(const Caller& caller, StationCommand command,
+                                         Done done) = 0;
+  // The person of the action is filled in, too.
+  [[nodiscard]] virtual Submitted submit(const Caller& caller, AlarmAction action, Done done) = 0;
+  // Of a command or an action of this user: the outcome, with the state "pending" while it is under
+  // way. Nothing: unknown, or too long ago.
+  [[nodiscard]] virtual std::optional<CommandOutcome> find(std::string_view user,
+                                                           std::uint64_t request_id) const = 0;
 };
 
 // The command that writes one value to a channel, or reads it now.

@@ -38,12 +38,14 @@ class FakeCommands : public CommandSink {
     StationCommand command;
     std::function<void(const CommandOutcome&)> done;
   };
-  tl::expected<std::uint64_t, Refusal> submit(
-      const Caller& caller, StationCommand command,
-      std::function<void(const CommandOutcome&)> done) override {
+  Submitted submit(const Caller& caller, StationCommand command, Done done) override {
     if (full) return tl::unexpected(Refusal{"too many commands wait", "try again"});
     asked.push_back({caller, std::move(command), std::move(done)});
     return asked.size();
+  }
+  Submitted submit(const Caller&, AlarmAction, Done) override { return 0; }
+  std::optional<CommandOutcome> find(std::string_view, std::uint64_t) const override {
+    return std::nullopt;
   }
   std::vector<Asked> asked;
   bool full = false;
@@ -56,7 +58,7 @@ inline std::uint32_t channels_in(const std::string& frame) {
 }
 
 // A model, the hub, and the clock that they see.
-struct LiveDomain {
+struct FakeDomain {
   void announce(const std::string& name, const std::string& type = "float32") {
     model.on_channel(channel_of(name, type));
   }
@@ -80,7 +82,7 @@ struct LiveDomain {
 
 // One client whose socket takes what it is given when the test says so.
 struct LivePerson {
-  LivePerson(LiveDomain& in, const std::string& user, Role role)
+  LivePerson(FakeDomain& in, const std::string& user, Role role)
       : domain(in), client(in.hub.make({user, role, "10.0.0.7"}, peer)) {
     client->on_open(domain.now);
   }
@@ -110,7 +112,7 @@ struct LivePerson {
     return std::exchange(peer.frames, {});
   }
 
-  LiveDomain& domain;
+  FakeDomain& domain;
   FakePeer peer;
   std::unique_ptr<LiveProtocol> client;
 };

@@ -19,7 +19,7 @@ using ::testing::Pair;
 using ::testing::SizeIs;
 
 struct LiveClientTest : ::testing::Test {
-  LiveDomain domain;
+  FakeDomain domain;
   LivePerson anna{domain, "anna", Role::kOperator};
 };
 

@@ -1,0 +1,135 @@
+#include "tools/station/live/live_domain.hpp"
+
+#include <boost/asio/post.hpp>
+#include <utility>  // GCC 12: before Asio
+#include <utility>
+
+#include "bridge/bus/clock.hpp"
+
+namespace fieldcast::web {
+namespace {
+
+class StationPort : public CommandPort {
+ public:
+  explicit StationPort(Station& station) : station_(station) {}
+  std::uint64_t reserve_request_id() override { return station_.reserve_request_id(); }
+  tl::expected<std::uint64_t, StationFault> send(StationCommand command) override {
+    return station_.send(std::move(command), CommandDesk::kFinding);
+  }
+  tl::expected<std::uint64_t, StationFault> send(AlarmAction action) override {
+    return station_.send(std::move(action), CommandDesk::kFinding);
+  }
+  void declare(const std::string& pattern, Duration refresh) override {
+    refresh == Duration{} ? station_.withdraw_interest(pattern)
+                          : station_.declare_interest(pattern, refresh);
+  }
+
+ private:
+  Station& station_;
+};
+
+// Versions of the catalogue grow over restarts of the program, as long as its clock does.
+std::uint64_t first_version() {
+  return static_cast<std::uint64_t>(read_clocks().utc.nanoseconds / 1'000'000);
+}
+
+}  // namespace
+
+struct LiveDomain::State {
+  State(boost::asio::io_context& context, const DdsSpec& spec, const std::string& name,
+        const std::string& version, Audit* audit, DomainTap also)
+      : io(context),
+        tap(std::move(also)),
+        live{model, frames, interests, desk, [] { return read_clocks().utc; }, version},
+        desk(context, port, audit,
+             [this](const CommandOutcome& outcome) { hub.on_outcome(outcome); }),
+        station(spec, name) {}
+
+  void listen();
+  void deliver();
+  // Handlers that DDS threads call, and that tell the tap, too.
+  template <class Message, class Tap>
+  auto both(void (DomainInbox::*note)(const Message&), const Tap& also) {
+    return [this, note, &also](const Message& message) {
+      (inbox.*note)(message);
+      if (also) also(message);
+    };
+  }
+  template <class Message>
+  auto to_inbox(void (DomainInbox::*note)(const Message&)) {
+    return [this, note](const Message& message) { (inbox.*note)(message); };
+  }
+
+  boost::asio::io_context& io;
+  const DomainTap tap;
+  std::shared_ptr<bool> open = std::make_shared<bool>(true);  // posted tasks hold it weakly
+  LiveModel model{first_version()};
+  FrameBook frames{model};
+  InterestBook interests{
+      [this](const std::string& pattern, Duration refresh) { desk.declare(pattern, refresh); }};
+  LiveContext live;
+  LiveHub hub{live};
+  DomainInbox inbox{[this, weak = std::weak_ptr(open)] {
+    boost::asio::post(io, [this, weak] {
+      if (!weak.expired()) deliver();
+    });
+  }};
+  StationPort port{station};
+  CommandDesk desk;
+  Station station;  // last: its callbacks use what is above
+};
+
+void LiveDomain::State::deliver() {
+  inbox.deliver(model);
+  hub.on_news(steady_now());
+}
+
+void LiveDomain::State::listen() {
+  station.on_result([this](const StationResult& result) { desk.on_result(result); });
+  station.subscribe_bridges(to_inbox(&DomainInbox::on_bridge),
+                            to_inbox(&DomainInbox::on_bridge_gone));
+  station.subscribe_bus_status(to_inbox(&DomainInbox::on_bus_status),
+                               to_inbox(&DomainInbox::on_bus_gone));
+  station.subscribe_device_status(both(&DomainInbox::on_device_status, tap.device_status),
+                                  to_inbox(&DomainInbox::on_device_gone));
+  station.subscribe_program_sessions(to_inbox(&DomainInbox::on_session));
+  station.subscribe_alarms(both(&DomainInbox::on_alarm, tap.alarm),
+                           to_inbox(&DomainInbox::on_alarm_gone));
+  station.subscribe_alarm_status(both(&DomainInbox::on_alarm_status, tap.alarm_status),
+                                 to_inbox(&DomainInbox::on_alarm_status_gone));
+  station.subscribe_channels(
+      both(&DomainInbox::on_channel, tap.channel),
+      [this](const std::string& bus, const std::string& device, const std::string& channel) {
+        inbox.on_gone(bus, device, channel);
+        if (tap.gone) tap.gone(bus, device, channel);
+      });
+  station.subscribe_samples(both(&DomainInbox::on_sample, tap.sample));
+}
+
+LiveDomain::LiveDomain(boost::asio::io_context& io, const DdsSpec& spec, const std::string& name,
+                       const std::string& version, Audit* audit, DomainTap tap)
+    : state_(std::make_unique<State>(io, spec, name, version, audit, std::move(tap))) {
+  state_->listen();
+}
+
+LiveDomain::~LiveDomain() {
+  state_->open.reset();
+  state_->desk.close();
+}
+
+const LiveModel& LiveDomain::model() const { return state_->model; }
+CommandDesk& LiveDomain::commands() { return state_->desk; }
+LiveHub& LiveDomain::hub() { return state_->hub; }
+
+MakeLiveProtocol LiveDomain::make_protocol() {
+  return [this](const Caller& caller, LivePeer& peer) { return state_->hub.make(caller, peer); };
+}
+
+LiveDomain::Counters LiveDomain::counters() const {
+  const State& state = *state_;
+  return {state.inbox.counters(), state.model.counters(),         state.frames.counters(),
+          state.hub.counters(),   state.station.block_counters(), state.model.count(),
+          state.hub.count(),      state.interests.count()};
+}
+
+}  // namespace fieldcast::web
