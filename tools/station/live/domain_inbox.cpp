@@ -29,6 +29,9 @@ struct Deliver {
   void operator()(const StationBridge& bridge) const {
     gone ? model.on_bridge_gone(bridge.bridge) : model.on_bridge(bridge);
   }
+  void operator()(const StationReadPlan& plan) const {
+    gone ? model.on_read_plan_gone(plan.bus) : model.on_read_plan(plan);
+  }
 };
 
 }  // namespace
@@ -146,6 +149,13 @@ void DomainInbox::on_bridge(const StationBridge& bridge) {
 }
 void DomainInbox::on_bridge_gone(const StationBridge& last) {
   put(names('r', last.bridge), last, true);
+}
+
+void DomainInbox::on_read_plan(const StationReadPlan& plan) {
+  put(names('p', plan.bus), plan, false);
+}
+void DomainInbox::on_read_plan_gone(const std::string& bus) {
+  put(names('p', bus), StationReadPlan{.bus = bus}, true);
 }
 
 void DomainInbox::deliver(LiveModel& model) {

@@ -44,6 +44,8 @@ class DomainInbox {
   void on_session(const ProgramSessionReport& session);
   void on_bridge(const StationBridge& bridge);
   void on_bridge_gone(const StationBridge& last);
+  void on_read_plan(const StationReadPlan& plan);
+  void on_read_plan_gone(const std::string& bus);
 
   // Everything that waits, into the model.
   void deliver(LiveModel& model);
@@ -66,7 +68,7 @@ class DomainInbox {
     LiveValue value;
   };
   using Object = std::variant<StationBusStatus, StationDeviceStatus, LiveAlarm,
-                              ProgramSessionReport, StationBridge>;
+                              ProgramSessionReport, StationBridge, StationReadPlan>;
   struct ObjectNews {
     Object object;
     bool gone = false;
