@@ -18,6 +18,16 @@ AlarmRecord alarm_of(const SqlRow& row) {
           UtcTime{integer_at(row, 6)}};
 }
 
+AuditEntry entry_of(const SqlRow& row) {
+  return {.at = UtcTime{integer_at(row, 0)},
+          .who = text_at(row, 1),
+          .what = text_at(row, 2),
+          .target = text_at(row, 3),
+          .bytes_to_device = static_cast<std::uint64_t>(integer_at(row, 4)),
+          .bytes_from_device = static_cast<std::uint64_t>(integer_at(row, 5)),
+          .result = text_at(row, 6)};
+}
+
 }  // namespace
 
 void EventTable::insert(const AuditEntry& entry) {
@@ -55,14 +65,18 @@ void EventTable::audit(UtcTime from, UtcTime to,
       "select at, who, what, target, bytes_to_device, bytes_from_device, result from audit where "
       "at >= $1 and at < $2 "
       "order by at, id",
-      {from.nanoseconds, to.nanoseconds}, [&](const SqlRow& row) {
-        return on_entry({.at = UtcTime{integer_at(row, 0)},
-                         .who = text_at(row, 1),
-                         .what = text_at(row, 2),
-                         .target = text_at(row, 3),
-                         .bytes_to_device = static_cast<std::uint64_t>(integer_at(row, 4)),
-                         .bytes_from_device = static_cast<std::uint64_t>(integer_at(row, 5)),
-                         .result = text_at(row, 6)});
+      {from.nanoseconds, to.nanoseconds},
+      [&](const SqlRow& row) { return on_entry(entry_of(row)); });
+}
+
+void EventTable::newest_audit(UtcTime from, UtcTime to, std::int64_t limit,
+                              const std::function<void(const AuditEntry&)>& on_entry) {
+  connection_.query(
+      "select at, who, what, target, bytes_to_device, bytes_from_device, result from audit where "
+      "at >= $1 and at < $2 order by at desc, id desc limit $3",
+      {from.nanoseconds, to.nanoseconds, limit}, [&](const SqlRow& row) {
+        on_entry(entry_of(row));
+        return true;
       });
 }
 

@@ -23,6 +23,9 @@ class EventTable {
 
   // In the order of time, those of from <= time < to. False from the function ends it.
   void audit(UtcTime from, UtcTime to, const std::function<bool(const AuditEntry&)>& on_entry);
+  // The newest of them first, `limit` at most.
+  void newest_audit(UtcTime from, UtcTime to, std::int64_t limit,
+                    const std::function<void(const AuditEntry&)>& on_entry);
   void alarms(UtcTime from, UtcTime to, const std::function<bool(const AlarmRecord&)>& on_alarm);
   // Those whose last record says active: they have not ended, whoever wrote them.
   [[nodiscard]] std::vector<AlarmRecord> active_alarms();

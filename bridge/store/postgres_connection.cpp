@@ -124,6 +124,9 @@ class PostgresConnection final : public SqlConnection {
 
   Dialect dialect() const override { return Dialect::kPostgres; }
 
+  // The server's statement_timeout ends what has begun.
+  void limit(std::chrono::steady_clock::time_point until) override { until_ = until; }
+
   void script(const std::string& sql) override {
     if (PQsendQuery(connection_.get(), sql.c_str()) != 1) fail();
     answer();
@@ -148,6 +151,8 @@ class PostgresConnection final : public SqlConnection {
 
   void query(const std::string& sql, const SqlRow& parameters,
              const std::function<bool(const SqlRow&)>& on_row) override {
+    if (std::chrono::steady_clock::now() >= until_)
+      throw StoreTooSlow("store " + masked_address_ + ": it takes too long");
     const std::string& name = prepared(sql);
     const Parameters texts(parameters);
     if (PQsendQueryPrepared(connection_.get(), name.c_str(), texts.count(), texts.data(), nullptr,
@@ -186,20 +191,27 @@ class PostgresConnection final : public SqlConnection {
   struct Problem {
     std::string text;
     bool away = false;
+    bool too_slow = false;
   };
   void note(Problem& problem, const PGresult* result) const {
-    if (problem.text.empty()) problem = {text_of(result), is_away(result)};
+    if (problem.text.empty())
+      problem = {text_of(result), is_away(result), state_of(result) == "57014"};
   }
   static void raise_if_any(const Problem& problem) {
+    if (problem.too_slow) throw StoreTooSlow(problem.text);
     if (problem.away) throw StoreAway(problem.text);
     if (!problem.text.empty()) throw StoreError(problem.text);
   }
   // postgresql.org/docs/current/errcodes-appendix.html: classes 53, insufficient resources (a full
   // disk), and 58, system error; 25006, a server that can only be read.
   bool is_away(const PGresult* result) const {
-    const char* const code = PQresultErrorField(result, PG_DIAG_SQLSTATE);
-    const std::string_view state = code == nullptr ? "" : code;
+    const std::string_view state = state_of(result);
     return is_lost() || state.starts_with("53") || state.starts_with("58") || state == "25006";
+  }
+
+  static std::string_view state_of(const PGresult* result) {
+    const char* const code = PQresultErrorField(result, PG_DIAG_SQLSTATE);
+    return code == nullptr ? "" : code;
   }
 
   // The next result, or null at the end of an answer.
@@ -280,6 +292,7 @@ class PostgresConnection final : public SqlConnection {
   }
 
   const std::string masked_address_;
+  std::chrono::steady_clock::time_point until_ = std::chrono::steady_clock::time_point::max();
   Connection connection_;
   std::map<std::string, std::string> statements_;  // name by text
 };

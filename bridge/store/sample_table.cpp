@@ -67,6 +67,24 @@ Quality quality_from(std::int64_t number) {
   return number < 0 || number > last ? Quality::kUncertain : static_cast<Quality>(number);
 }
 
+StoredSample sample_of(const StoredChannel& channel) {
+  return {.bus = channel.bus,
+          .device = channel.device,
+          .channel = channel.channel,
+          .unit = channel.unit,
+          .type = channel.type};
+}
+
+// published_at, sequence, acquired_at, quality, device_code, value_kind and the value's columns.
+void read(const SqlRow& row, StoredSample& sample) {
+  sample.published_at.nanoseconds = integer_at(row, 0);
+  sample.sequence = static_cast<std::uint64_t>(integer_at(row, 1));
+  sample.acquired_at.nanoseconds = integer_at(row, 2);
+  sample.quality = quality_from(integer_at(row, 3));
+  sample.device_code = static_cast<std::uint16_t>(integer_at(row, 4));
+  sample.value = value_of(integer_at(row, 5), row, 6);
+}
+
 }  // namespace
 
 std::int64_t SampleTable::channel_id(const std::string& bus, const std::string& device,
@@ -124,33 +142,59 @@ std::vector<StoredChannel> SampleTable::channels(const Pattern& pattern) {
   return found;
 }
 
+std::optional<StoredChannel> SampleTable::find(const ChannelPath& path) {
+  std::optional<StoredChannel> found;
+  connection_.query(
+      "select id, unit, type from channels where bus = $1 and device = $2 and channel = $3",
+      {path.bus, path.device, path.channel}, [&](const SqlRow& row) {
+        found = {integer_at(row, 0), path.bus,        path.device,
+                 path.channel,       text_at(row, 1), text_at(row, 2)};
+        return false;
+      });
+  return found;
+}
+
 std::size_t SampleTable::history(const Pattern& pattern, UtcTime from, UtcTime to,
                                  const std::function<bool(const StoredSample&)>& on_sample) {
   const std::vector<StoredChannel> found = channels(pattern);
   bool wanted = true;
   for (const StoredChannel& channel : found) {
     if (!wanted) break;
-    StoredSample sample{.bus = channel.bus,
-                        .device = channel.device,
-                        .channel = channel.channel,
-                        .unit = channel.unit,
-                        .type = channel.type};
+    StoredSample sample = sample_of(channel);
     connection_.query(
         "select published_at, sequence, acquired_at, quality, device_code, value_kind, "
         "integer_value, real_value, text_value "
         "from samples where channel = $1 and published_at >= $2 and published_at < $3 order by "
         "published_at, sequence",
         {channel.id, from.nanoseconds, to.nanoseconds}, [&](const SqlRow& row) {
-          sample.published_at.nanoseconds = integer_at(row, 0);
-          sample.sequence = static_cast<std::uint64_t>(integer_at(row, 1));
-          sample.acquired_at.nanoseconds = integer_at(row, 2);
-          sample.quality = quality_from(integer_at(row, 3));
-          sample.device_code = static_cast<std::uint16_t>(integer_at(row, 4));
-          sample.value = value_of(integer_at(row, 5), row, 6);
+          read(row, sample);
           return wanted = on_sample(sample);
         });
   }
   return found.size();
+}
+
+std::int64_t SampleTable::part(const StoredChannel& channel, Position& after, UtcTime to,
+                               std::int64_t limit,
+                               const std::function<void(const StoredSample&)>& on_sample) {
+  StoredSample sample = sample_of(channel);
+  std::int64_t count = 0;
+  const Position begin = after;
+  connection_.query(
+      "select published_at, sequence, acquired_at, quality, device_code, value_kind, "
+      "integer_value, real_value, text_value "
+      "from samples where channel = $1 and published_at >= $2 and published_at < $3 and "
+      "(published_at > $4 or sequence > $5) order by published_at, sequence limit $6",
+      {channel.id, begin.published_at.nanoseconds, to.nanoseconds, begin.published_at.nanoseconds,
+       begin.sequence, limit},
+      [&](const SqlRow& row) {
+        read(row, sample);
+        after = {sample.published_at, integer_at(row, 1)};
+        ++count;
+        on_sample(sample);
+        return true;
+      });
+  return count;
 }
 
 void SampleTable::numbers(std::int64_t channel, UtcTime from, UtcTime to, std::int64_t limit,

@@ -8,6 +8,7 @@
 
 #include "bridge/store/records.hpp"
 #include "bridge/store/sql.hpp"
+#include "core/model/channel_path.hpp"
 #include "core/model/pattern.hpp"
 
 namespace fieldcast {
@@ -58,8 +59,18 @@ class SampleTable {
   std::size_t history(const Pattern& pattern, UtcTime from, UtcTime to,
                       const std::function<bool(const StoredSample&)>& on_sample);
 
+  // The same for one channel, in parts: the samples behind `after`, `limit` at most, and where they
+  // end. Nothing is left when fewer came.
+  struct Position {
+    UtcTime published_at;
+    std::int64_t sequence = std::numeric_limits<std::int64_t>::min();
+  };
+  std::int64_t part(const StoredChannel& channel, Position& after, UtcTime to, std::int64_t limit,
+                    const std::function<void(const StoredSample&)>& on_sample);
+
   // Those of the pattern, by their names.
   [[nodiscard]] std::vector<StoredChannel> channels(const Pattern& pattern);
+  [[nodiscard]] std::optional<StoredChannel> find(const ChannelPath& path);
   // When each sample of a channel of from <= published_at < to was published, its quality and its
   // value, in the order of time, `limit` at most. A text is read as an empty one. False from
   // on_number ends it.

@@ -23,6 +23,12 @@ void SqlTransaction::commit() {
   open_ = false;
 }
 
+void make_read_only(SqlConnection& connection) {
+  connection.script(connection.dialect() == SqlConnection::Dialect::kSqlite
+                        ? "pragma query_only = 1"
+                        : "set session characteristics as transaction read only");
+}
+
 std::unique_ptr<SqlConnection> open_store(const StoreAddress& address, IfMissing missing) {
   auto connection =
       address.is_server() ? open_postgres(address) : open_sqlite(address.text(), missing);

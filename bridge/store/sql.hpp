@@ -3,6 +3,7 @@
 // owner, one thread at a time.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -30,6 +31,12 @@ class StoreAway : public StoreError {
   using StoreError::StoreError;
 };
 
+// A statement took longer than limit() allows.
+class StoreTooSlow : public StoreError {
+ public:
+  using StoreError::StoreError;
+};
+
 // std::monostate: null.
 using SqlValue = std::variant<std::monostate, std::int64_t, double, std::string>;
 using SqlRow = std::vector<SqlValue>;
@@ -52,10 +59,17 @@ class SqlConnection {
   virtual void query(const std::string& sql, const SqlRow& parameters,
                      const std::function<bool(const SqlRow&)>& on_row) = 0;
 
+  // From then on statements fail with StoreTooSlow, also one that has begun; with PostgreSQL that
+  // one fails after 10 s in all.
+  virtual void limit(std::chrono::steady_clock::time_point until) = 0;
+
   std::uint64_t execute(const std::string& sql, const SqlRow& row) {
     return execute(sql, std::span(&row, 1));
   }
 };
+
+// From now on the connection changes nothing in the database: such statements throw StoreError.
+void make_read_only(SqlConnection& connection);
 
 // What is done from its construction on happens at its commit, or not at all.
 class SqlTransaction {

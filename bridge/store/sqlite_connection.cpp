@@ -16,7 +16,8 @@
 namespace fieldcast {
 namespace {
 
-constexpr int kBusyMilliseconds = 5000;  // another process writes: a command line, a backup
+constexpr int kStepsBetweenLooks = 20'000;  // of SQLite's machine, at the clock: some 1 ms
+constexpr int kBusyMilliseconds = 5000;     // another process writes: a command line, a backup
 // auto_vacuum comes first: it counts for a file without tables only.
 constexpr const char* kSettings =
     "pragma auto_vacuum = incremental; pragma journal_mode = wal; pragma synchronous = normal; "
@@ -44,6 +45,15 @@ class SqliteConnection final : public SqlConnection {
 
   Dialect dialect() const override { return Dialect::kSqlite; }
 
+  void limit(std::chrono::steady_clock::time_point until) override {
+    until_ = until;
+    const auto is_late = [](void* self) {
+      const auto now = std::chrono::steady_clock::now();
+      return now < static_cast<const SqliteConnection*>(self)->until_ ? 0 : 1;
+    };
+    sqlite3_progress_handler(database_.get(), kStepsBetweenLooks, is_late, this);
+  }
+
   void script(const std::string& sql) override {
     if (sqlite3_exec(database_.get(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) fail();
   }
@@ -64,6 +74,8 @@ class SqliteConnection final : public SqlConnection {
 
   void query(const std::string& sql, const SqlRow& parameters,
              const std::function<bool(const SqlRow&)>& on_row) override {
+    if (std::chrono::steady_clock::now() >= until_)
+      throw StoreTooSlow("store " + path_ + ": it takes too long");
     sqlite3_stmt* statement = prepared(sql);
     const Reset reset{statement};
     bind(statement, parameters);
@@ -88,6 +100,7 @@ class SqliteConnection final : public SqlConnection {
     const int code = sqlite3_errcode(database_.get());
     if (code == SQLITE_FULL || code == SQLITE_READONLY || code == SQLITE_IOERR)
       throw StoreAway(text);
+    if (code == SQLITE_INTERRUPT) throw StoreTooSlow(text);
     throw StoreError(text);
   }
 
@@ -134,6 +147,7 @@ class SqliteConnection final : public SqlConnection {
   }
 
   const std::string path_;
+  std::chrono::steady_clock::time_point until_ = std::chrono::steady_clock::time_point::max();
   Database database_;
   // Before the database goes: it waits for none of them.
   std::map<std::string, Statement> statements_;
