@@ -1,0 +1,114 @@
+#include "tools/station/api/channels.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+#include "tools/station/api/gzip_stream.hpp"
+#include "tools/station/api/parameters.hpp"
+#include "tools/station/api/response.hpp"
+#include "tools/station/live/json_text.hpp"
+#include "tools/station/live/live_json.hpp"
+
+namespace fieldcast::web {
+namespace {
+
+// The whole catalogue, compressed once for all who ask for it; made anew when it has changed.
+class KeptCatalogue {
+ public:
+  [[nodiscard]] std::shared_ptr<const std::string> whole(const LiveModel& model) {
+    if (!kept_ || version_ != model.catalogue_version()) {
+      version_ = model.catalogue_version();
+      kept_ = std::make_shared<const std::string>(gzip(catalogue_json(model, 0)));
+    }
+    return kept_;
+  }
+
+ private:
+  std::shared_ptr<const std::string> kept_;
+  std::uint64_t version_ = 0;
+};
+
+Checked<std::uint64_t> version_of(const HttpRequest& request) {
+  const std::string text = request.parameter("after").value_or("0");
+  std::uint64_t version = 0;
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), version);
+  if (read.ec == std::errc{} && read.ptr == text.data() + text.size() && !text.empty())
+    return version;
+  return tl::make_unexpected(
+      error_response(400, "after: this is no version of the catalogue",
+                     "give the version of the last answer, or leave it out"));
+}
+
+void catalogue(const LiveModel& model, KeptCatalogue& kept, const HttpRequest& request,
+               const Reply& reply) {
+  if (auto fault = Parameters(request, {"after"}).fault()) return reply(*std::move(fault));
+  auto after = version_of(request);
+  if (!after) return reply(std::move(after.error()));
+  if (*after != 0 || !request.accepts_gzip)
+    return reply(json_response(catalogue_json(model, *after), request.accepts_gzip));
+  HttpResponse response;
+  response.shared_body = kept.whole(model);
+  response.headers.emplace_back("content-encoding", "gzip");
+  reply(std::move(response));
+}
+
+// Those of the pattern behind the path `after`, `limit` at most.
+void channels(const LiveModel& model, const HttpRequest& request, const Reply& reply) {
+  const Parameters parameters(request, {"pattern", "after", "limit"});
+  if (auto fault = parameters.fault()) return reply(*std::move(fault));
+  auto pattern = parameters.pattern("pattern");
+  if (!pattern) return reply(std::move(pattern.error()));
+  auto limit = parameters.number("limit", 1, kMaxListed, kMaxListed);
+  if (!limit) return reply(std::move(limit.error()));
+  std::optional<ChannelPath> after;
+  if (const auto text = request.parameter("after")) {
+    const auto path = ChannelPath::parse(*text);
+    if (!path)
+      return reply(error_response(400, "after: this is no channel",
+                                  "give BUS/DEVICE/CHANNEL, the last one of the answer before"));
+    after = *path;
+  }
+  std::string json = "[";
+  std::uint32_t count = 0;
+  for (const LiveChannel* live : model.channels()) {
+    const StationChannel& channel = live->channel;
+    if (!pattern->matches(channel.bus, channel.device, channel.channel)) continue;
+    if (after && ChannelPath{channel.bus, channel.device, channel.channel} <= *after) continue;
+    if (count++ == *limit) break;
+    if (json.size() > 1) json += ',';
+    json += channel_json(*live);
+  }
+  reply(json_response(json + ']', request.accepts_gzip));
+}
+
+template <class Kind, class ToJson>
+Handler all_of(const LiveModel& model, ToJson to_json) {
+  return [&model, to_json](const HttpRequest& request, const Caller&, const Reply& reply) {
+    if (auto fault = Parameters(request, {}).fault()) return reply(*std::move(fault));
+    reply(json_response(
+        json_array(model.objects().all<Kind>(),
+                   [&](std::string& out, const Kind* object) { out += to_json(*object); }),
+        request.accepts_gzip));
+  };
+}
+
+}  // namespace
+
+void add_channel_routes(RouteTable& table, const LiveModel& model) {
+  const auto add = [&table](const char* path, Handler handler) {
+    table.add({Method::kGet, path, Access::kViewer, std::move(handler)});
+  };
+  add("/api/catalogue", [&model, kept = std::make_shared<KeptCatalogue>()](
+                            const HttpRequest& request, const Caller&, const Reply& reply) {
+    catalogue(model, *kept, request, reply);
+  });
+  add("/api/channels", [&model](const HttpRequest& request, const Caller&, const Reply& reply) {
+    channels(model, request, reply);
+  });
+  add("/api/buses", all_of<StationBusStatus>(model, bus_json));
+  add("/api/devices", all_of<StationDeviceStatus>(model, device_json));
+  add("/api/sessions", all_of<ProgramSessionReport>(model, session_json));
+  add("/api/bridges", all_of<StationBridge>(model, bridge_json));
+}
+
+}  // namespace fieldcast::web

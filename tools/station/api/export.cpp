@@ -1,0 +1,95 @@
+#include "tools/station/api/export.hpp"
+
+#include <atomic>
+
+#include "tools/station/api/exporter.hpp"
+#include "tools/station/api/parameters.hpp"
+#include "tools/station/api/response.hpp"
+
+namespace fieldcast::web {
+namespace {
+
+constexpr Duration kShortest = std::chrono::milliseconds{1};
+
+// One export that is under way. Shared by the response and the questions that it asks.
+class ExportStream {
+ public:
+  using Running = std::shared_ptr<std::atomic<int>>;
+  ExportStream(Database& database, ExportQuestion question, Running running)
+      : database_(database), exporter_(std::move(question)), running_(std::move(running)) {
+    ++*running_;
+  }
+  ~ExportStream() { --*running_; }
+  ExportStream(const ExportStream&) = delete;
+  ExportStream& operator=(const ExportStream&) = delete;
+
+  static void next(const std::shared_ptr<ExportStream>& self, std::function<void(Piece)> give) {
+    if (self->broken_) return give(std::nullopt);
+    // The question holds the stream: a client that leaves meanwhile destroys the response.
+    self->database_.ask_further<Piece>(
+        [self](SqlConnection& connection) { return self->exporter_.next(connection); },
+        [self, give = std::move(give)](tl::expected<Piece, DatabaseFault> piece) mutable {
+          if (!piece) {
+            self->broken_ = true;
+            return give(self->exporter_.broken_off());
+          }
+          // Nothing was found for a while, or zlib keeps it.
+          if (*piece && (*piece)->empty()) return next(self, std::move(give));
+          give(*std::move(piece));
+        });
+  }
+
+ private:
+  Database& database_;
+  Exporter exporter_;
+  const Running running_;
+  bool broken_ = false;  // on the io thread
+};
+
+std::string file_name(const ExportQuestion& question) {
+  return question.json_lines ? "history.jsonl" : "history.csv";
+}
+
+HttpResponse streamed(Database& database, ExportQuestion question,
+                      const ExportStream::Running& running) {
+  HttpResponse response;
+  response.content_type = question.json_lines ? "application/x-ndjson" : "text/csv; charset=utf-8";
+  response.headers.emplace_back("content-disposition",
+                                "attachment; filename=\"" + file_name(question) + '"');
+  if (question.compress) response.headers.emplace_back("content-encoding", "gzip");
+  auto stream = std::make_shared<ExportStream>(database, std::move(question), running);
+  response.next = [stream](std::function<void(Piece)> give) {
+    ExportStream::next(stream, std::move(give));
+  };
+  return response;
+}
+
+}  // namespace
+
+void add_export_routes(RouteTable& table, Database* database, std::function<UtcTime()> now) {
+  const auto handler = [database, now = std::move(now),
+                        running = std::make_shared<std::atomic<int>>(0)](
+                           const HttpRequest& request, const Caller&, Reply reply) {
+    if (database == nullptr) return reply(no_store());
+    const Parameters parameters(request, {"pattern", "from", "to", "format", "every"});
+    if (auto fault = parameters.fault()) return reply(*std::move(fault));
+    auto pattern = parameters.pattern("pattern");
+    if (!pattern) return reply(std::move(pattern.error()));
+    auto span = parameters.span(now(), kOneDay);
+    if (!span) return reply(std::move(span.error()));
+    auto json_lines = parameters.chosen("format", "csv", "jsonl");
+    if (!json_lines) return reply(std::move(json_lines.error()));
+    auto every = parameters.duration("every", kShortest);
+    if (!every) return reply(std::move(every.error()));
+    if (*running >= kMaxExports)
+      return reply(error_response(503, "too many exports are under way",
+                                  "ask again when one of them has ended"));
+    reply(streamed(
+        *database,
+        {*std::move(pattern), span->from, span->to, *every, *json_lines, request.accepts_gzip},
+        running));
+  };
+  table.add({Method::kGet, "/api/export", Access::kViewer, handler});
+}
+
+}  // namespace fieldcast::web
