@@ -89,7 +89,10 @@ export class Shell {
       const target = event.target as HTMLElement;
       if (event.key === 'Escape' && this.menuOpen) return this.toggleMenu();
       if (target.closest('input, textarea, select, dialog')) {
-        if (event.key === 'Escape' && target.closest('input')) target.blur();
+        if (event.key === 'Escape' && target.closest('input:not(dialog *)')) {
+          event.preventDefault();  // a search field would lose its text
+          target.blur();
+        }
         return;
       }
       if (this.key(event, page())) event.preventDefault();

@@ -63,8 +63,8 @@ class ChannelPage implements Page {
   paint(change: Parameters<NonNullable<Page['paint']>>[0]): void {
     if (change.topics.has('catalogue')) this.find();
     if (!this.channel) {
-      render(this.context.plant.version < 0 ? empty(t('loading')) :
-        empty(t('channel.unknown', { path: this.path }), t('channel.unknown-hint')), this.element);
+      render(html`<h1 class="unseen">${t('channel.title')}</h1>${this.context.plant.version < 0 ? empty(t('loading')) :
+        empty(t('channel.unknown', { path: this.path }), t('channel.unknown-hint'))}`, this.element);
       return;
     }
     if (this.arrived || change.second) this.drawFacts();

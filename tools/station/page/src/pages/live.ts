@@ -16,6 +16,7 @@ import { makeElement, qualityText, shape, toneOfQuality } from '../view';
 
 const pinsKey = 'fieldcast.pins';
 const mostPins = 200;
+const longValue = 12;  // characters; a longer one may be cut off
 
 function readPins(): Set<string> {
   try {
@@ -26,6 +27,7 @@ function readPins(): Set<string> {
 }
 
 const setText = (element: Element, text: string): void => { if (element.textContent !== text) element.textContent = text; };
+const setTitle = (element: HTMLElement, text: string): void => { if (element.title !== text) element.title = text; };
 const setClass = (element: Element, name: string): void => { if (element.className !== name) element.className = name; };
 
 class LiveTable {
@@ -43,7 +45,7 @@ class LiveTable {
     this.table = new VirtualTable({
       label: t('live.table'),
       columns: [
-        { key: 'pin', label: '' }, { key: 'quality', label: t('live.quality'), sortable: true },
+        { key: 'pin', label: '★' }, { key: 'quality', label: t('live.quality'), sortable: true },
         { key: 'channel', label: t('live.channel'), sortable: true }, { key: 'value', label: t('live.value'), sortable: true },
         { key: 'unit', label: t('live.unit') }, { key: 'age', label: t('live.age'), sortable: true },
         { key: 'refresh', label: t('live.refresh'), sortable: true }, { key: 'at', label: t('live.at') },
@@ -113,7 +115,9 @@ class LiveTable {
       const [, state, , value] = row.cells as HTMLElement[];
       setClass(row.element, `vrow ${tone}${row.element.classList.contains('selected') ? ' selected' : ''}`);
       setText(state!, `${shape(tone)} ${qualityText(quality)}`);
-      setText(value!, plant.texts.get(id) ?? (acquired_ms === 0 ? '–' : tableValue(id, plant.value[id] ?? NaN, channel.type)));
+      const text = plant.texts.get(id) ?? (acquired_ms === 0 ? '–' : tableValue(id, plant.value[id] ?? NaN, channel.type));
+      setText(value!, text);
+      setTitle(value!, text.length > longValue ? text : '');
       if (!fresh) meter.painted(acquired_ms);
     } else if (!this.second) {
       return;
@@ -143,10 +147,12 @@ class LiveTable {
     pin.setAttribute('aria-pressed', String(pinned));
     const name = this.choice.group && !pinned ? channel.path.slice(channel.path.lastIndexOf('/') + 1) : channel.path;
     setText(row.cells[2]!, name);
+    setTitle(row.cells[2]!, channel.path);
     setText(row.cells[4]!, channel.unit);
     setText(row.cells[6]!, channel.refresh_ms ? duration(channel.refresh_ms) : '–');
     setText(row.cells[7]!, channel.at);
     setText(row.cells[8]!, channel.description);
+    for (const cell of [4, 7, 8]) setTitle(row.cells[cell]!, row.cells[cell]!.textContent ?? '');
   }
 }
 

@@ -1,0 +1,69 @@
+// Debian's chromium for the tests, and what they all check of a page.
+
+import assert from 'node:assert/strict';
+import { existsSync, readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { join, resolve } from 'node:path';
+
+const programs = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
+export const chromiumPath = () => programs.find((path) => existsSync(path));
+
+// {open(path, options), close()}; `modules`: the node_modules of the tests.
+export async function startBrowser(modules, address) {
+  const { chromium } = createRequire(join(resolve(modules), 'x'))('playwright-core');
+  const axeSource = readFileSync(join(resolve(modules), 'axe-core/axe.min.js'), 'utf8');
+  const browser = await chromium.launch({ executablePath: chromiumPath(), args: ['--no-sandbox', '--disable-gpu'] });
+  const faults = [];
+
+  // A page of its own context: no cookie and no choice of another one. Everything that the console calls an error is kept.
+  async function open(hash, { width = 1280, height = 760, dark = false, language = 'en', base = address, ignore = /$^/ } = {}) {
+    const context = await browser.newContext({ viewport: { width, height }, colorScheme: dark ? 'dark' : 'light', locale: language });
+    const page = await context.newPage();
+    page.setDefaultTimeout(10_000);
+    page.underWay = 0;
+    page.on('request', () => page.underWay++);
+    for (const end of ['requestfinished', 'requestfailed']) page.on(end, () => page.underWay--);
+    page.on('console', (message) => {
+      if (['error', 'warning'].includes(message.type()) && !ignore.test(message.text())) faults.push(`${hash}: ${message.text()}`);
+    });
+    page.on('pageerror', (error) => faults.push(`${hash}: ${error.stack}`));
+    await page.goto(`${base}/${hash}`);
+    return page;
+  }
+
+  // Rules of WCAG 2 A and AA, and good practice.
+  async function axe(page) {
+    await page.evaluate(`if (!window.axe) { ${axeSource} }`);
+    const { violations } = await page.evaluate(() => window.axe.run(document, {
+      runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa', 'best-practice'], resultTypes: ['violations'] }));
+    return violations.map(({ id, nodes }) => `${id}: ${nodes.slice(0, 3).map((node) => `${node.html.slice(0, 160)} ${node.any[0]?.message ?? ''}`).join(' | ')}`);
+  }
+
+  return { open, axe, faults, close: () => browser.close() };
+}
+
+// Text that is cut off: what axe does not see. Elements that scroll on purpose say so by data-scroll; what has a title shows all there.
+export const clipped = (page) => page.evaluate(() => {
+  const found = [];
+  if (document.documentElement.scrollWidth > innerWidth) found.push('the page is wider than the window');
+  for (const element of document.body.querySelectorAll('*')) {
+    if (element.closest('svg, .unseen, .skip, option, datalist, canvas') || !element.checkVisibility() || element.closest('[hidden], [title]:not([title=""])')) continue;
+    const style = getComputedStyle(element);
+    const scrolls = element.hasAttribute('data-scroll') || element.matches('main');
+    if (element.scrollWidth > element.clientWidth + 1 && element.clientWidth > 0 && style.overflowX !== 'visible' && !(scrolls && style.overflowX !== 'hidden'))
+      found.push(`${element.tagName}.${element.className}: ${element.textContent.trim().slice(0, 60)} (${element.scrollWidth} > ${element.clientWidth})`);
+    if (element.matches('main') && element.scrollWidth > element.clientWidth + 1) found.push(`main is wider than its window`);
+  }
+  return found;
+});
+
+// Waits in this process: no polling of the page by sleeping.
+export async function until(condition, what, within_ms = 10_000) {
+  const end = Date.now() + within_ms;
+  for (;;) {
+    const result = await condition();
+    if (result) return result;
+    assert.ok(Date.now() < end, `not within ${within_ms} ms: ${what}`);
+    await new Promise((done) => setTimeout(done, 25));
+  }
+}
