@@ -13,7 +13,7 @@
 #include "bridge/dds/library.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/service/service.hpp"
-#include "bridge/signals.hpp"
+#include "bridge/service/signals.hpp"
 #include "config/loader.hpp"
 #include "core/base/counted.hpp"
 #include "core/model/overlap.hpp"

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "config/bus.hpp"
+#include "config/dds.hpp"
 #include "config/declaration.hpp"
 #include "config/keys/bridge_keys.hpp"
 #include "config/limits.hpp"
@@ -17,58 +18,6 @@
 
 namespace fieldcast::config {
 namespace {
-
-void read_interfaces(MapReader& map, DdsSpec& spec) {
-  const Node* node = map.find("interfaces");
-  if (node == nullptr) return;
-  if (node->kind != Kind::kList || node->items.empty() || node->items.size() > kMaxInterfaces) {
-    const bool count = node->kind == Kind::kList;
-    map.faults().add(
-        node->position,
-        "interfaces is " + (count ? (node->items.empty() ? "empty" : "too long")
-                                  : std::string(to_text(node->kind))),
-        fmt::format("a list of 1 to {} IPv4 addresses", kMaxInterfaces),
-        node->kind == Kind::kScalar && is_ipv4(node->text) ? '[' + node->text + ']' : "");
-    return;
-  }
-  spec.interfaces.clear();
-  for (const Node* item : node->items) {
-    const std::string* text = scalar_of(*item, "interface", "an IPv4 address", map.faults());
-    if (text == nullptr) continue;
-    if (!is_ipv4(*text)) {
-      const bool loopback = *text == "lo" || *text == "localhost";
-      map.faults().add(item->position, fmt::format("interface '{}' is no IPv4 address", *text),
-                       "the address of a network interface of this machine",
-                       loopback ? "127.0.0.1" : "");
-    }
-    spec.interfaces.push_back(*text);
-  }
-}
-
-void read_dds(MapReader& bridge, DdsSpec& spec, Library& library) {
-  const Node* node = bridge.find("dds");
-  if (node == nullptr) return;
-  MapReader map(*node, dds_rows(), bridge.faults());
-  dds_rows().read(map, spec);
-  read_interfaces(map, spec);
-  if (map.read("discovery-server", spec.discovery_server, TextRule{kMaxPath}) &&
-      !host_port_from(*spec.discovery_server)) {
-    bridge.faults().add(
-        map.position_of("discovery-server"),
-        fmt::format("discovery-server '{}' names no host and port", *spec.discovery_server),
-        "HOST:PORT with a port 1 to 65535", *spec.discovery_server + ":11811");
-  }
-  std::string profile;
-  if (map.read("profile", profile, TextRule{kMaxPath}))
-    spec.profile = library.check_file(*map.find("profile"));
-}
-
-void read_log(MapReader& bridge, LogSpec& spec) {
-  const Node* node = bridge.find("log");
-  if (node == nullptr) return;
-  MapReader map(*node, log_rows(), bridge.faults());
-  log_rows().read(map, spec);
-}
 
 // REQUIRES: the programming server is read.
 void read_metrics(MapReader& bridge, BridgeSpec& spec) {

@@ -1,4 +1,4 @@
-#include "bridge/signals.hpp"
+#include "bridge/service/signals.hpp"
 
 #include <pthread.h>
 #include <signal.h>

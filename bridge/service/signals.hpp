@@ -1,4 +1,4 @@
-// The signals of the daemon. A thread of its own takes them and does nothing else. The main thread
+// The signals of a daemon. A thread of its own takes them and does nothing else. The main thread
 // does what they ask for, one after the other; while it hangs in a driver or a library, no signal
 // is lost. The thread of signals ends the process when a stop takes too long.
 #pragma once

@@ -1,0 +1,149 @@
+#include "tools/station/configuration.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tools/station/user_watch.hpp"
+
+namespace fieldcast::web {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+LoadedStation load(std::string_view text, const std::optional<ListenSpec>& listen = {}) {
+  config::FileReader reader;
+  reader.read = [](const std::string& path) -> tl::expected<std::string, config::FileError> {
+    if (path.find("missing") != path.npos) return tl::make_unexpected(config::FileError::kMissing);
+    return "text";
+  };
+  return load_station_text(text, "station.yaml", reader, listen);
+}
+
+std::vector<std::string> faults(std::string_view text,
+                                const std::optional<ListenSpec>& listen = {}) {
+  std::vector<std::string> texts;
+  const LoadedStation loaded = load(text, listen);
+  if (loaded) return texts;
+  for (const config::Fault& fault : loaded.error()) texts.push_back(config::to_text(fault));
+  return texts;
+}
+
+TEST(StationConfiguration, EverythingHasADefault) {
+  const auto loaded = load("station: hall\n");
+  ASSERT_TRUE(loaded);
+  EXPECT_EQ(loaded->name, "hall");
+  EXPECT_EQ(loaded->web.listen, (ListenSpec{"127.0.0.1", 8090}));
+  EXPECT_FALSE(loaded->store);
+  EXPECT_FALSE(loaded->web.local_role);
+  EXPECT_EQ(loaded->dds, DdsSpec{});
+}
+
+TEST(StationConfiguration, EveryKeyIsRead) {
+  const auto loaded = load(R"(
+station: hall
+dds: { domain: 7, interfaces: [10.0.0.7] }
+log: { level: debug }
+web:
+  listen: 10.0.0.7:443
+  certificate: cert.pem
+  key: key.pem
+  hosts: [station.plant, "other:444"]
+  embed: ["https://wiki.plant"]
+  local-role: none
+store: { path: hall.db, keep: 7d }
+record: { patterns: ["press-shop/*"] }
+plans: [plant.yaml]
+)");
+  ASSERT_TRUE(loaded) << config::to_text(loaded.error());
+  EXPECT_EQ(loaded->dds.domain, 7u);
+  EXPECT_EQ(loaded->log.level, LogLevel::kDebug);
+  EXPECT_EQ(loaded->web.listen, (ListenSpec{"10.0.0.7", 443}));
+  EXPECT_EQ(loaded->web.certificate, "cert.pem");
+  EXPECT_EQ(loaded->web.key, "key.pem");
+  EXPECT_THAT(loaded->web.hosts, ElementsAre("station.plant", "other:444"));
+  EXPECT_THAT(loaded->web.embed, ElementsAre("https://wiki.plant"));
+  EXPECT_EQ(loaded->web.local_role, LocalRole::kNone);
+  ASSERT_TRUE(loaded->store);
+  EXPECT_EQ(loaded->store->address, "hall.db");
+  EXPECT_THAT(loaded->store->samples, ElementsAre("press-shop/*"));
+  EXPECT_THAT(loaded->plans, ElementsAre("plant.yaml"));
+}
+
+TEST(StationConfiguration, NothingIsRecordedUnlessItIsSaid) {
+  EXPECT_TRUE(load("store: { path: a.db }\n")->store->samples.empty());
+  EXPECT_THAT(load("store: { path: a.db }\nrecord: {}\n")->store->samples, ElementsAre("*"));
+  EXPECT_THAT(faults("record: {}\n"),
+              ElementsAre("station.yaml:1:9: nothing can be recorded without a store; allowed: "
+                          "store: { path: FILE }"));
+}
+
+TEST(StationConfiguration, AFaultSaysWhereAndWhatWasMeant) {
+  EXPECT_THAT(faults("web:\n  listn: 127.0.0.1:80\n"),
+              ElementsAre(HasSubstr("station.yaml:2:3: unknown key 'listn' in 'web'")));
+  EXPECT_THAT(faults("web: { listen: localhost:80 }\n"),
+              ElementsAre(HasSubstr("did you mean 127.0.0.1:80")));
+  EXPECT_THAT(faults("web: { local-role: operater }\n"),
+              ElementsAre(HasSubstr("did you mean operator")));
+  EXPECT_THAT(faults("web: { hosts: station.plant }\n"),
+              ElementsAre(HasSubstr("did you mean [\"station.plant\"]")));
+  EXPECT_THAT(faults("web: { hosts: [\"http://a\"] }\n"),
+              ElementsAre(HasSubstr("1:16: hosts: 'http://a' is no name of a host")));
+  EXPECT_THAT(faults("web: { embed: [wiki.plant] }\n"),
+              ElementsAre(HasSubstr("embed: 'wiki.plant' is no address of a site")));
+  EXPECT_THAT(faults("plans: [missing.yaml]\n"), ElementsAre(HasSubstr("missing.yaml")));
+  EXPECT_THAT(faults("store: { path: a.db }\nrecord: { patterns: [\"a/b/c/d\"] }\n"),
+              ElementsAre(HasSubstr("2:22: patterns: ")));
+  EXPECT_THAT(faults(""), ElementsAre("station.yaml:1:1: the file is empty"));
+}
+
+TEST(StationConfiguration, OffTheLoopbackTlsAndALoginAreNeeded) {
+  EXPECT_THAT(faults("web: { listen: 10.0.0.7:8090 }\n"),
+              ElementsAre(HasSubstr("1:16: the page off the loopback without TLS"),
+                          HasSubstr("without a store there are no users")));
+  EXPECT_THAT(faults("web: { listen: 10.0.0.7:8090, certificate: c.pem, key: k.pem }\n"),
+              ElementsAre(HasSubstr("without a store")));
+  EXPECT_THAT(faults("web: { certificate: c.pem }\n"),
+              ElementsAre(HasSubstr("1:21: 'certificate' without 'key'")));
+  EXPECT_THAT(faults("store: { path: a.db }\nweb: { listen: 10.0.0.7:8090, certificate: c.pem, "
+                     "key: k.pem, local-role: viewer }\n"),
+              ElementsAre(HasSubstr("a role for everybody off the loopback")));
+  EXPECT_THAT(faults("store: { path: a.db }\n"
+                     "web: { listen: 0.0.0.0:8090, certificate: c.pem, key: k.pem }\n"),
+              ElementsAre(HasSubstr("no name to reach it by")));
+  EXPECT_THAT(faults("store: { path: a.db }\n"
+                     "web: { listen: 0.0.0.0:8090, certificate: c.pem, key: k.pem, hosts: [a] }\n"),
+              ElementsAre());
+}
+
+TEST(StationConfiguration, TheCommandLineGoesBeforeTheFile) {
+  EXPECT_EQ(load("web: { listen: 10.0.0.7:8090 }\n", ListenSpec{"127.0.0.1", 9})->web.listen,
+            (ListenSpec{"127.0.0.1", 9}));
+  EXPECT_THAT(faults("station: a\n", ListenSpec{"10.0.0.7", 9}),
+              testing::Contains(HasSubstr("without TLS")));
+}
+
+TEST(StationConfiguration, AnAddressToListenAtIsNoName) {
+  EXPECT_EQ(listen_from("127.0.0.1:0"), (ListenSpec{"127.0.0.1", 0}));
+  EXPECT_EQ(listen_from("[::1]:80"), (ListenSpec{"::1", 80}));
+  EXPECT_FALSE(listen_from("localhost:80"));
+  EXPECT_FALSE(listen_from("127.0.0.1"));
+}
+
+TEST(LocalRole, FollowsFileStoreAndUsers) {
+  StationSpec spec;
+  EXPECT_EQ(local_role_of(spec, std::nullopt), Role::kViewer);
+  spec.store = StoreSpec{};
+  EXPECT_EQ(local_role_of(spec, std::nullopt), std::nullopt);
+  EXPECT_EQ(local_role_of(spec, 0), Role::kViewer);
+  EXPECT_EQ(local_role_of(spec, 1), std::nullopt);
+  spec.web.local_role = LocalRole::kOperator;
+  EXPECT_EQ(local_role_of(spec, 1), Role::kOperator);
+  spec.web.local_role = LocalRole::kNone;
+  EXPECT_EQ(local_role_of(spec, 0), std::nullopt);
+  spec.web.local_role = LocalRole::kOperator;
+  spec.web.listen.host = "10.0.0.7";
+  EXPECT_EQ(local_role_of(spec, 0), std::nullopt);
+}
+
+}  // namespace
+}  // namespace fieldcast::web

@@ -1,0 +1,176 @@
+// fieldcast-station: what the bridges of a DDS domain publish, as a web page.
+#include <fmt/format.h>
+#include <signal.h>
+
+#include <cstdio>
+#include <cstring>
+#include <exception>
+
+#include "bridge/base/command_line.hpp"
+#include "bridge/bus/clock.hpp"
+#include "bridge/dds/dds_error.hpp"
+#include "bridge/dds/library.hpp"
+#include "bridge/exit_code.hpp"
+#include "bridge/log/log.hpp"
+#include "bridge/service/service.hpp"
+#include "bridge/service/signals.hpp"
+#include "bridge/write_faults.hpp"
+#include "tools/station/configuration.hpp"
+#include "tools/station/station.hpp"
+
+namespace {
+
+using fieldcast::ExitCode;
+using namespace fieldcast::web;
+
+constexpr fieldcast::Duration kHousekeeping = std::chrono::seconds{10};
+constexpr fieldcast::Duration kLastWords = std::chrono::milliseconds{300};
+
+struct Options {
+  std::string config;
+  std::optional<fieldcast::ListenSpec> listen;
+  std::optional<std::uint32_t> domain;
+  std::vector<std::string> interfaces;
+  bool check = false;
+};
+
+void log_library(bool error, std::string_view kind, std::string_view text) {
+  fieldcast::log_counted(error ? fieldcast::LogLevel::kError : fieldcast::LogLevel::kWarning,
+                         "Fast DDS", fmt::format("messages of {}", kind), text);
+}
+
+// Nothing: every fault is on stderr.
+std::optional<StationSpec> spec_of(const Options& options) {
+  StationSpec spec;
+  if (!options.config.empty()) {
+    auto loaded = load_station(options.config, options.listen);
+    if (!loaded) {
+      std::fputs(fieldcast::config::to_text(loaded.error()).c_str(), stderr);
+      return std::nullopt;
+    }
+    spec = *std::move(loaded);
+  } else if (options.listen) {
+    spec.web.listen = *options.listen;
+    const auto exposures = exposures_of(spec);
+    for (const Exposure& each : exposures)
+      std::fputs(fmt::format("--listen: {}; allowed: {}, in a file that --config names\n",
+                             each.what, each.mend)
+                     .c_str(),
+                 stderr);
+    if (!exposures.empty()) return std::nullopt;
+  }
+  if (options.domain) spec.dds.domain = *options.domain;
+  if (!options.interfaces.empty()) spec.dds.interfaces = options.interfaces;
+  return spec;
+}
+
+void on_hangup(WebStation& station) {
+  if (const auto renewed = station.renew_certificate(); !renewed)
+    return fieldcast::log_error("web", "the old certificate goes on: " + renewed.error());
+  fieldcast::log_info("web", "certificate and key are taken from their files anew");
+}
+
+// A library that hangs, and the stop with it, is named in the log.
+class WhileItLives {
+ public:
+  WhileItLives(fieldcast::Signals& signals, WebStation& station) : signals_(signals) {
+    signals_.if_stuck([&station] {
+      fieldcast::log_error("web", fmt::format("not stopped in time, while {}: the process ends",
+                                              station.busy_with()));
+      fieldcast::flush_log(kLastWords);
+    });
+  }
+  ~WhileItLives() { signals_.if_stuck({}); }
+  WhileItLives(const WhileItLives&) = delete;
+  WhileItLives& operator=(const WhileItLives&) = delete;
+
+ private:
+  fieldcast::Signals& signals_;
+};
+
+ExitCode serve(fieldcast::Signals& signals, const StationSpec& spec) {
+  WebStation station(spec, FIELDCAST_VERSION);
+  const WhileItLives watched(signals, station);
+  if (const auto started = station.start(); !started) {
+    fieldcast::log_error("web", "cannot start: " + started.error().what);
+    return started.error().configuration ? ExitCode::kBadConfiguration : ExitCode::kCannotStart;
+  }
+  const std::string status = "served at " + station.address();
+  fieldcast::log_info("web", status);
+  fieldcast::Service service(fieldcast::notify_address(), fieldcast::watchdog_limit());
+  service.ready(status);
+  for (;;) {
+    if (service.watched()) service.look(station.turns(), fieldcast::steady_now());
+    const int signal = signals.wait(service.sleep(kHousekeeping));
+    if (signal == 0) {
+      fieldcast::log_summaries(fieldcast::steady_now());
+    } else if (signal == SIGHUP) {
+      service.reloading(fieldcast::steady_now());
+      on_hangup(station);
+      service.ready(status);
+    } else if (signal != SIGUSR1) {
+      fieldcast::log_info("web", fmt::format("stopping ({})", ::sigabbrev_np(signal)));
+      service.stopping();
+      station.stop();
+      fieldcast::log_info("web", "stopped");
+      return ExitCode::kOk;
+    }
+  }
+}
+
+ExitCode run(int argc, char** argv) {
+  fieldcast::CommandLine line("fieldcast-station",
+                              "Shows what bridges publish on DDS as a web page.");
+  line.set_footer(
+      "Without a configuration the page is at http://127.0.0.1:8090/, for this machine only.\n"
+      "Signals: SIGHUP takes certificate and key from their files anew, SIGTERM and SIGINT stop in "
+      "order.\n"
+      "Exit codes: 0 in order, 1 a fault of the program, 2 command line, 3 faults in the "
+      "configuration, 4 the domain cannot be joined or the address is taken, 5 a library hung "
+      "during the stop.");
+  Options options;
+  line.text("--config", options.config, "the configuration (YAML)").existing_file();
+  line.value(
+      "--listen",
+      [&options](const std::string& text) -> std::optional<std::string> {
+        options.listen = listen_from(text);
+        if (options.listen) return std::nullopt;
+        return "'" + text + "' is no address and port, such as 127.0.0.1:8090";
+      },
+      "ADDRESS:PORT of the page, instead of the configuration's");
+  line.number("--domain", options.domain, 0, 232, "DDS domain, instead of the configuration's");
+  line.texts("--interface", options.interfaces,
+             "IPv4 address that DDS may use, instead of the configuration's; may be repeated");
+  line.flag("--check", options.check, "only report the faults of the configuration");
+  if (const auto ended = line.parse(argc, argv)) {
+    std::fputs(ended->text.c_str(), ended->fault ? stderr : stdout);
+    return ended->fault ? ExitCode::kUsage : ExitCode::kOk;
+  }
+  fieldcast::Signals signals;
+  const auto spec = spec_of(options);
+  if (!spec) return ExitCode::kBadConfiguration;
+  if (options.check) return ExitCode::kOk;
+  fieldcast::open_log(spec->log.level);
+  fieldcast::set_library_lines(log_library);
+  ExitCode code = ExitCode::kCannotStart;
+  try {
+    code = serve(signals, *spec);
+  } catch (const fieldcast::DdsError& error) {
+    fieldcast::log_error("web", fmt::format("cannot start: {}", error.what()));
+  }
+  fieldcast::flush_log(kLastWords);
+  return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  fieldcast::make_writes_fail_not_kill();
+  try {
+    return static_cast<int>(run(argc, argv));
+  } catch (const std::exception& error) {
+    fieldcast::log_error("web", error.what());
+    fieldcast::flush_log(kLastWords);
+    return static_cast<int>(ExitCode::kInternal);
+  }
+}

@@ -1,0 +1,31 @@
+// All routes under /api and /metrics: one call for each resource.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bridge/store/store.hpp"
+#include "tools/station/api/database.hpp"
+#include "tools/station/live/live_domain.hpp"
+#include "tools/station/record/recorder.hpp"
+#include "tools/station/web/http_server.hpp"
+#include "tools/station/web/route_table.hpp"
+
+namespace fieldcast::web {
+
+// What the resources need; all of it outlives the table. Pointers may be null: there is no store,
+// nothing is recorded.
+struct RouteNeeds {
+  LiveDomain& domain;
+  Database* database;
+  Store* store;
+  Recorder* recorder;
+  const HttpServer& server;
+  std::vector<std::string> plans;
+  std::function<UtcTime()> now;
+};
+
+void add_api_routes(RouteTable& routes, const RouteNeeds& needs);
+
+}  // namespace fieldcast::web

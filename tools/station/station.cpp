@@ -1,0 +1,256 @@
+#include "tools/station/station.hpp"
+
+#include <fmt/format.h>
+#include <sodium.h>
+
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <future>
+#include <optional>
+#include <utility>
+
+#include "bridge/bus/clock.hpp"
+#include "bridge/bus/io_thread.hpp"
+#include "bridge/log/log.hpp"
+#include "bridge/store/authenticator.hpp"
+#include "bridge/store/store.hpp"
+#include "tools/station/api/database.hpp"
+#include "tools/station/live/live_domain.hpp"
+#include "tools/station/record/recorder.hpp"
+#include "tools/station/routes.hpp"
+#include "tools/station/user_watch.hpp"
+#include "tools/station/web/http_server.hpp"
+#include "tools/station/web/static_files.hpp"
+
+namespace fieldcast::web {
+namespace {
+
+namespace asio = boost::asio;
+using boost::system::error_code;
+
+constexpr std::chrono::milliseconds kTurn{500};        // of the io thread, for the watchdog
+constexpr std::chrono::milliseconds kStopLimit{2500};  // for pages to be told
+constexpr Duration kFlushLimit = std::chrono::seconds{2};
+
+SessionBook::Secret random_secret() {
+  SessionBook::Secret secret;
+  randombytes_buf(secret.data(), secret.size());
+  return secret;
+}
+
+UtcTime utc_now() { return read_clocks().to_utc(steady_now()); }
+
+}  // namespace
+
+struct WebStation::State {
+  State(StationSpec given, std::string text) : spec(std::move(given)), version(std::move(text)) {}
+
+  // Runs on the io thread and waits for it; an exception comes back.
+  template <typename Task>
+  void run(Task task) {
+    std::promise<void> done;
+    asio::post(io.context(), [&] {
+      try {
+        task();
+        done.set_value();
+      } catch (...) { done.set_exception(std::current_exception()); }
+    });
+    done.get_future().get();
+  }
+  void post(std::function<void()> task) { asio::post(io.context(), std::move(task)); }
+
+  void open_store();
+  void join_domain();
+  void open_site(std::unique_ptr<TlsServer> tls);
+  [[nodiscard]] LoginCheck login_check();
+  [[nodiscard]] UserWatch::Ask ask_users();
+  [[nodiscard]] tl::expected<std::unique_ptr<TlsServer>, std::string> tls_server() const;
+  void turn();
+
+  const StationSpec spec;
+  const std::string version;
+  std::atomic<std::chrono::nanoseconds::rep> turned{0};  // of the io thread, monotonic
+  std::atomic<const char*> busy = "starting";
+  bool started = false;
+
+  // In the order of the start; what is below uses what is above.
+  std::unique_ptr<Store> store;
+  std::unique_ptr<Recorder> recorder;
+  IoThread io{"web"};
+  std::unique_ptr<asio::steady_timer> turning;
+  std::unique_ptr<Database> database;
+  std::unique_ptr<Authenticator> logins;
+  std::unique_ptr<LiveDomain> domain;
+  std::unique_ptr<Site> site;
+  std::unique_ptr<UserWatch> users;
+  std::unique_ptr<HttpServer> server;
+  std::unique_ptr<Listener> listener;
+};
+
+void WebStation::State::open_store() {
+  if (!spec.store) return;
+  store = std::make_unique<Store>(*spec.store);
+  if (!spec.store->samples.empty()) recorder = std::make_unique<Recorder>(*store);
+  const StoreAddress address(spec.store->address);
+  database = std::make_unique<Database>(
+      address, [this](std::function<void()> task) { post(std::move(task)); });
+  logins = std::make_unique<Authenticator>(address, *store);
+}
+
+void WebStation::State::join_domain() {
+  DomainTap tap;
+  if (recorder) {
+    tap.channel = [this](const StationChannel& channel) { recorder->on_channel(channel); };
+    tap.gone = [this](const std::string& bus, const std::string& device,
+                      const std::string& channel) { recorder->on_gone(bus, device, channel); };
+    tap.sample = [this](const StationSample& sample) { recorder->on_sample(sample, utc_now()); };
+    tap.device_status = [this](const StationDeviceStatus& status) {
+      recorder->on_device_status(status);
+    };
+  }
+  domain = std::make_unique<LiveDomain>(io.context(), spec.dds, spec.name, version, store.get(),
+                                        std::move(tap));
+}
+
+LoginCheck WebStation::State::login_check() {
+  LoginCheck check;
+  check.random = random_secret;
+  if (!logins) return check;
+  check.by_password = [this](LoginAttempt attempt, std::function<void(LoginVerdict)> done) {
+    const std::string user = attempt.user;
+    logins->authenticate(std::move(attempt),
+                         [this, user, done = std::move(done)](LoginResult result) {
+                           post([user, done, result = std::move(result)] {
+                             if (!result) return done(tl::make_unexpected(result.error()));
+                             done(LoginGrant{user, *result});
+                           });
+                         });
+  };
+  return check;
+}
+
+UserWatch::Ask WebStation::State::ask_users() {
+  if (!database) return {};
+  return [this](std::function<void(UserWatch::Users)> done) {
+    database->ask<std::vector<User>>(
+        [](SqlConnection& connection) { return UserTable(connection).list(); },
+        [done = std::move(done)](tl::expected<std::vector<User>, DatabaseFault> found) {
+          done(found ? UserWatch::Users(*std::move(found)) : std::nullopt);
+        });
+  };
+}
+
+tl::expected<std::unique_ptr<TlsServer>, std::string> WebStation::State::tls_server() const {
+  if (spec.web.certificate.empty()) return nullptr;
+  return TlsServer::make(spec.web.certificate, spec.web.key);
+}
+
+// REQUIRES: the listener is open.
+void WebStation::State::open_site(std::unique_ptr<TlsServer> tls) {
+  SiteSpec site_spec;
+  site_spec.listen = {spec.web.listen.host, listener->port()};
+  site_spec.tls = tls != nullptr;
+  site_spec.hosts = spec.web.hosts;
+  site_spec.embed = spec.web.embed;
+  site_spec.version = version;
+  site_spec.store = store != nullptr;
+  site =
+      std::make_unique<Site>(std::move(site_spec), SiteClock{steady_now, utc_now}, login_check());
+  server = std::make_unique<HttpServer>(io.context(), *site, domain->make_protocol());
+  server->serve(std::move(tls));
+  users = std::make_unique<UserWatch>(io.context(), spec, *site, ask_users());
+  users->look();
+  add_page_routes(site->routes(), page_files());
+  add_api_routes(site->routes(), {*domain, database.get(), store.get(), recorder.get(), *server,
+                                  spec.plans, utc_now});
+}
+
+void WebStation::State::turn() {
+  turned = steady_now().time_since_epoch().count();
+  turning->expires_after(kTurn);
+  turning->async_wait([this](error_code cancelled) {
+    if (!cancelled) turn();
+  });
+}
+
+WebStation::WebStation(StationSpec spec, std::string version)
+    : state_(std::make_unique<State>(std::move(spec), std::move(version))) {}
+WebStation::~WebStation() { stop(); }
+
+tl::expected<void, WebStation::Fault> WebStation::start() {
+  State& s = *state_;
+  auto tls = s.tls_server();
+  if (!tls) return tl::make_unexpected(Fault{true, tls.error()});
+  s.started = true;
+  s.open_store();
+  tl::expected<void, std::string> listening;
+  s.run([&] {
+    s.turning = std::make_unique<asio::steady_timer>(s.io.context());
+    s.turn();
+    s.listener = std::make_unique<Listener>(s.io.context(), [&s](asio::ip::tcp::socket socket) {
+      if (s.server) s.server->accept(std::move(socket));
+    });
+    listening = s.listener->open(s.spec.web.listen);
+  });
+  if (!listening) return tl::make_unexpected(Fault{false, listening.error()});
+  s.run([&] {
+    s.join_domain();
+    s.open_site(*std::move(tls));
+  });
+  s.busy = "running";
+  return {};
+}
+
+std::string WebStation::address() const {
+  const WebSpec& web = state_->spec.web;
+  const bool v6 = web.listen.host.find(':') != std::string::npos;
+  return fmt::format("{}://{}:{}/", web.certificate.empty() ? "http" : "https",
+                     v6 ? '[' + web.listen.host + ']' : web.listen.host, state_->listener->port());
+}
+
+tl::expected<void, std::string> WebStation::renew_certificate() {
+  auto tls = state_->tls_server();
+  if (!tls) return tl::make_unexpected(tls.error());
+  state_->run([&] { state_->server->serve(*std::move(tls)); });
+  return {};
+}
+
+std::vector<BusTurn> WebStation::turns() const {
+  return {{"web", Instant{Duration{state_->turned.load()}}}};
+}
+
+std::string WebStation::busy_with() const { return state_->busy.load(); }
+
+void WebStation::stop() {
+  State& s = *state_;
+  if (!std::exchange(s.started, false)) return;
+  s.busy = "telling the pages";
+  std::promise<void> told;
+  s.run([&] {
+    if (s.listener) s.listener->close();
+    s.turning->cancel();
+    s.users.reset();
+    if (!s.server) return told.set_value();
+    s.server->close([&told] { told.set_value(); });
+  });
+  (void)told.get_future().wait_for(kStopLimit);
+  s.busy = "waiting for the store's questions";
+  s.logins.reset();
+  s.database.reset();
+  s.busy = "leaving the DDS domain";
+  s.run([&] {
+    s.server.reset();
+    s.site.reset();
+    s.domain.reset();
+    s.listener.reset();
+  });
+  s.run([&] { s.turning.reset(); });
+  s.busy = "writing to the store";
+  s.recorder.reset();
+  if (s.store) (void)s.store->flush(kFlushLimit);
+  s.store.reset();
+}
+
+}  // namespace fieldcast::web
