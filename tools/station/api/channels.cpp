@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <charconv>
 
-#include "tools/station/api/gzip_stream.hpp"
 #include "tools/station/api/parameters.hpp"
 #include "tools/station/api/response.hpp"
 #include "tools/station/live/json_text.hpp"
 #include "tools/station/live/live_json.hpp"
+#include "tools/station/web/gzip.hpp"
 
 namespace fieldcast::web {
 namespace {
@@ -18,7 +18,7 @@ class KeptCatalogue {
   [[nodiscard]] std::shared_ptr<const std::string> whole(const LiveModel& model) {
     if (!kept_ || version_ != model.catalogue_version()) {
       version_ = model.catalogue_version();
-      kept_ = std::make_shared<const std::string>(gzip(catalogue_json(model, 0)));
+      kept_ = std::make_shared<const std::string>(packed(catalogue_json(model, 0)));
     }
     return kept_;
   }

@@ -24,7 +24,7 @@ std::optional<std::string> Exporter::next(SqlConnection& connection) {
       bucket_ = question_.from;
     }
     ended_ = channel_ == channels_.size();
-    std::string piece = take(ended_ ? GzipStream::Flush::kEnd : GzipStream::Flush::kNone);
+    std::string piece = take(ended_);
     // zlib keeps what is short: an empty piece would be a question too many.
     if (!piece.empty() || ended_ || std::chrono::steady_clock::now() >= until) return piece;
   }
@@ -34,7 +34,7 @@ std::string Exporter::broken_off() {
   ended_ = true;
   text_ += question_.json_lines ? "{\"error\": \"broken off: the database does not answer\"}\n"
                                 : "broken off: the database does not answer\n";
-  return take(GzipStream::Flush::kEnd);
+  return take(true);
 }
 
 void Exporter::begin(SqlConnection& connection) {
@@ -77,9 +77,11 @@ bool Exporter::add_buckets(SqlConnection& connection) {
   return end >= question_.to;
 }
 
-std::string Exporter::take(GzipStream::Flush flush) {
+std::string Exporter::take(bool last) {
   std::string text = std::exchange(text_, {});
-  return gzip_ ? gzip_->add(text, flush) : text;
+  if (!gzip_) return text;
+  text = gzip_->put(text);
+  return last ? text + gzip_->finish() : text;
 }
 
 }  // namespace fieldcast::web

@@ -11,7 +11,7 @@
 
 #include "bridge/store/sample_table.hpp"
 #include "core/model/pattern.hpp"
-#include "tools/station/api/gzip_stream.hpp"
+#include "tools/station/web/gzip.hpp"
 
 namespace fieldcast::web {
 
@@ -44,10 +44,10 @@ class Exporter {
   // Adds lines of the present channel. True: it has no more.
   [[nodiscard]] bool add_samples(SqlConnection& connection);
   [[nodiscard]] bool add_buckets(SqlConnection& connection);
-  [[nodiscard]] std::string take(GzipStream::Flush flush);
+  [[nodiscard]] std::string take(bool last);
 
   const ExportQuestion question_;
-  std::optional<GzipStream> gzip_;
+  std::optional<GzipPieces> gzip_;
   bool begun_ = false;
   bool ended_ = false;
   std::vector<StoredChannel> channels_;

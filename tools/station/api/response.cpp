@@ -1,13 +1,13 @@
 #include "tools/station/api/response.hpp"
 
-#include "tools/station/api/gzip_stream.hpp"
+#include "tools/station/web/gzip.hpp"
 
 namespace fieldcast::web {
 
 HttpResponse json_response(std::string json, bool compress) {
   HttpResponse response;
   if (compress && json.size() >= kWorthCompressing) {
-    response.body = gzip(json);
+    response.body = packed(json);
     response.headers.emplace_back("content-encoding", "gzip");
   } else {
     response.body = std::move(json);

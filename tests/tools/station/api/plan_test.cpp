@@ -1,0 +1,25 @@
+#include "tools/station/api/plan.hpp"
+
+#include "tests/tools/station/api/api_support.hpp"
+
+namespace fieldcast::web {
+namespace {
+
+using PlanApiTest = test::ApiTest;
+
+TEST_F(PlanApiTest, IsWhatTheBridgeTells) {
+  LiveModel model;
+  add_plan_routes(table_, model);
+  const HttpResponse none = ask("/api/plan?bus=line");
+  EXPECT_EQ(none.status, 404u);
+  EXPECT_NE(none.body.find("no bridge tells a plan"), std::string::npos);
+  EXPECT_EQ(json("/api/plan").size(), 0u);
+  StationReadPlan plan;
+  plan.bus = "line";
+  model.on_read_plan(plan);
+  EXPECT_EQ(json("/api/plan?bus=line").at("bus"), "line");
+  EXPECT_EQ(json("/api/plan").size(), 1u);
+}
+
+}  // namespace
+}  // namespace fieldcast::web

@@ -1,0 +1,18 @@
+// What people do by HTTP: POST /api/commands writes a value, POST /api/alarms/acknowledge, shelve,
+// unshelve and maintenance act on alarms. Each is answered at once with the id of the request; what
+// became of it is told on /live and by GET /api/commands/result. On the io thread.
+#pragma once
+
+#include "tools/station/live/command_sink.hpp"
+#include "tools/station/live/live_model.hpp"
+#include "tools/station/web/route_table.hpp"
+
+namespace fieldcast::web {
+
+inline constexpr std::size_t kMaxAlarmsAtOnce = 200;  // of one request
+inline constexpr std::uint32_t kMaxAlarmMinutes = 24 * 60;
+
+// Model and commands outlive the table.
+void add_command_routes(RouteTable& table, const LiveModel& model, CommandSink& commands);
+
+}  // namespace fieldcast::web
