@@ -52,7 +52,8 @@ struct Exposure {
 };
 [[nodiscard]] std::vector<Exposure> exposures_of(const StationSpec& spec);
 
-// "127.0.0.1:8090", "[::1]:8090", "127.0.0.1:0" (a free port); nothing: no address of this machine and port.
+// "127.0.0.1:8090", "[::1]:8090", "127.0.0.1:0" (a free port); nothing: no address of this machine
+// and port.
 [[nodiscard]] std::optional<ListenSpec> listen_from(const std::string& text);
 
 // Every key with what it is for, for the document: "web.listen".

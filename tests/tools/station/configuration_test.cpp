@@ -82,7 +82,7 @@ TEST(StationConfiguration, AFaultSaysWhereAndWhatWasMeant) {
               ElementsAre(HasSubstr("station.yaml:2:3: unknown key 'listn' in 'web'")));
   EXPECT_THAT(faults("web: { listen: localhost:80 }\n"),
               ElementsAre(HasSubstr("did you mean 127.0.0.1:80")));
-  EXPECT_THAT(faults("web: { local-role: operater }\n"),
+  EXPECT_THAT(faults("web: { local-role: operatr }\n"),
               ElementsAre(HasSubstr("did you mean operator")));
   EXPECT_THAT(faults("web: { hosts: station.plant }\n"),
               ElementsAre(HasSubstr("did you mean [\"station.plant\"]")));

@@ -231,8 +231,7 @@ TEST_F(HttpSessionTest, AConnectionWithoutRequestsIsClosed) {
 }
 
 TEST_F(HttpSessionTest, AClientThatLeavesIsForgotten) {
-  for (const char* bytes :
-       {"", "GET /he", "GET /later HTTP/1.1\r\nHost: 127.0.0.1:8090\r\n\r\n"}) {
+  for (const char* bytes : {"", "GET /he", "GET /later HTTP/1.1\r\nHost: 127.0.0.1:8090\r\n\r\n"}) {
     const auto link = connect();
     send(link, bytes);
     link->client_gone = true;
