@@ -16,13 +16,13 @@ globalThis.localStorage = { getItem: (key) => (key === 'fieldcast.language' ? 'e
 
 // The modules by one bundle, so that they share what they share in the page.
 const { buildSync } = createRequire(join(modules, 'x'))('esbuild');
-const names = ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed'];
+const names = ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock'];
 const made = mkdtempSync(join(tmpdir(), 'fieldcast-page-'));
 buildSync({
   stdin: { contents: names.map((name) => `export * as ${name} from './${name}';`).join('\n'), resolveDir: source, loader: 'ts' },
   bundle: true, format: 'esm', outfile: join(made, 'page.mjs'), nodePaths: [modules], logLevel: 'warning',
 });
-const { frame, plant, router, rows, format, i18n, trend, ticks, typed } = await import(join(made, 'page.mjs'));
+const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock } = await import(join(made, 'page.mjs'));
 rmSync(made, { recursive: true });
 
 const row = (id, path, more = {}) => [id, path, more.type ?? 'float32', more.unit ?? '', 'holding:0', 'read-only', 'scheduled', 500, {}, more.description ?? '', 'north'];
@@ -168,6 +168,19 @@ test('marks of an axis are round', () => {
   const at = new Date(2026, 5, 1, 23, 50).getTime();
   const marks = ticks.timeTicks(at, at + 20 * 60_000, 4);
   assert.deepEqual(marks.map((tick) => tick.text), ['23:50', '23:55', '06-02 00:00', '00:05', '00:10']);
+});
+
+test('the clock of the station is taken from its most punctual message', () => {
+  let own = 1_000_000;
+  const station = new clock.StationClock(() => own);
+  station.observe(own + 500 - 80);  // 80 ms under way
+  own += 1000;
+  station.observe(own + 500 - 2);
+  own += 1000;
+  station.observe(own + 500 - 300);
+  assert.equal(station.now(), own + 498);
+  for (let n = 0; n < 70; n++) station.observe((own += 1000) - 3600_000);  // it was set back
+  assert.equal(station.now(), own - 3600_000);
 });
 
 test('what was typed becomes a value of the type', () => {

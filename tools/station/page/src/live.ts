@@ -2,6 +2,7 @@
 // growing pauses. A result goes to who asked for it.
 
 import { request } from './api';
+import { StationClock } from './clock';
 import type { CatalogueAnswer, Plant } from './plant';
 import type { Alarm, Bridge, Bus, Device, Result, Session } from './types';
 
@@ -29,7 +30,7 @@ export class Live {
   state: LiveState = 'connecting';
   lostAt = 0;  // performance.now()
   retryAt = 0;
-  clockOffset_ms = 0;  // the station's clock minus this machine's
+  readonly clock = new StationClock();
   dropped = 0;  // frames that this page was too slow for
   roundTrip_ms = NaN;
   onLoginRequired: () => void = () => {};
@@ -51,7 +52,7 @@ export class Live {
     document.addEventListener('visibilitychange', () => document.hidden || this.retryNow());
   }
 
-  now(): number { return Date.now() + this.clockOffset_ms; }
+  now(): number { return this.clock.now(); }
 
   // `catalogue`: one that is under way already, for the first connection.
   start(catalogue?: Promise<CatalogueAnswer>): void {
@@ -66,6 +67,7 @@ export class Live {
     socket.onopen = () => {
       if (!mine()) return;
       opened = true;
+      this.clock.restart();
       this.plant.restart();
       this.send({ subscribe: '*' });
       for (const [pattern, { refresh_ms }] of this.subscriptions) this.send({ subscribe: pattern, refresh_ms });
@@ -75,7 +77,7 @@ export class Live {
       if (!mine()) return;
       this.heardAt = performance.now();
       if (typeof event.data === 'string') this.onMessage(event.data);
-      else this.plant.applyFrame(event.data);
+      else if (this.plant.applyFrame(event.data)) this.clock.observe(this.plant.base_ms);
     };
     socket.onclose = () => { if (mine()) this.onLost(opened); };
   }
@@ -178,7 +180,7 @@ export class Live {
     const plant = this.plant;
     switch (message.kind) {
       case 'hello':
-        this.clockOffset_ms = Number(message['now_ms']) - Date.now();
+        this.clock.observe(Number(message['now_ms']));
         this.wanted = Number(message['catalogue']);
         break;
       case 'catalogue':

@@ -35,6 +35,8 @@ let fresh = true;  // the page has not been painted yet
 let second = false;
 let values = 0;  // plant.samples at the last painting
 let scheduled = false;
+let rotation = 0;
+const shortestTurn_s = 3, usualTurn_s = 20;
 
 const shell = new Shell(plant, connection, {
   logout: async () => {
@@ -84,9 +86,20 @@ function showPage(): void {
   route = parseRoute(location.hash);
   const name = me.role === null ? 'login' : route.name === 'login' || !pages[route.name] ? 'overview' : route.name;
   shown = pages[name]!(context(route));
+  rotate();
   fresh = true;
   shell.show(name, route, shown);
   schedule();
+}
+
+// A wall screen may go round some pages: ?kiosk=overview,alarms&every=20 (seconds).
+function rotate(): void {
+  clearTimeout(rotation);
+  const names = (route.query.get('kiosk') ?? '').split(',').filter((name) => pages[name]);
+  if (names.length < 2) return;
+  const next = names[(names.indexOf(route.name) + 1) % names.length]!;
+  const every_s = Math.max(shortestTurn_s, Number(route.query.get('every')) || usualTurn_s);
+  rotation = window.setTimeout(() => { location.hash = `#/${next}?${route.query}`; }, every_s * 1000);
 }
 
 // A wall screen's link carries its token behind the #, which no server sees; it leaves the address at once.
@@ -114,7 +127,7 @@ async function start(): Promise<void> {
     setTimeout(() => void start(), 2000);
     return;
   }
-  connection.clockOffset_ms = me.now_ms - Date.now();
+  connection.clock.observe(me.now_ms);
   shell.build(me);
   showPage();
   if (me.role !== null) connection.start(early);

@@ -50,6 +50,7 @@ export class Plant {
   stamp = new Uint32Array(0);  // the turn in which the channel last changed
   turn = 1;  // grows with each frame
   samples = 0;
+  base_ms = 0;  // the station's clock when it made the last frame
   qualityChanges = 0;  // grows when the quality of any channel changes
   readonly texts = new Map<number, string>();  // values that are no plain number
   readonly channels = new Map<number, Channel>();
@@ -172,6 +173,7 @@ export class Plant {
 
   private applyRows(frame: Frame): void {
     const { id, value, age_ms, quality, base_ms } = frame;
+    this.base_ms = base_ms;
     this.turn++;
     for (let row = 0; row < id.length; row++) {
       const age = age_ms[row]!;

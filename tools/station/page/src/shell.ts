@@ -4,7 +4,7 @@
 import { html, nothing, render } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
 import type { Change, Page } from './context';
-import { age, clock, count, duration } from './format';
+import { age, clock, count } from './format';
 import { language, languages, t } from './i18n';
 import type { Key, Language } from './i18n';
 import type { Live } from './live';
@@ -65,7 +65,8 @@ export class Shell {
     document.title = `${page.title} · Fieldcast`;
     this.main.replaceChildren(page.element);
     this.renderHead();
-    if (document.activeElement === document.body) this.main.focus({ preventScroll: true });
+    const first = page.element.querySelector<HTMLElement>('[autofocus]') ?? this.main;
+    if (document.activeElement === document.body || first !== this.main) first.focus({ preventScroll: true });
   }
 
   say(text: string, bad = false): void {
@@ -198,7 +199,7 @@ export class Shell {
     if (live.state === 'lost') {
       const lost = age(performance.now() - live.lostAt), again = Math.max(0, live.retryAt - performance.now());
       render(html`<strong>▲ ${t('lost.title', { age: lost })}</strong>
-        <span class="wide">${t('lost.text', { again: duration(Math.round(again / 1000) * 1000) })}</span>`, this.line);
+        <span class="wide">${t('lost.text', { again: `${Math.ceil(again / 1000)} s` })}</span>`, this.line);
       return;
     }
     if (live.state === 'connecting') {

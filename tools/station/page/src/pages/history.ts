@@ -1,7 +1,7 @@
 // Up to eight channels over any span: min to max as a band, the average as a line, what was bad at the foot. Every zoom asks the
 // station anew, so that the picture is as fine as the store is. The address holds channels and span.
 
-import { html, nothing, render } from 'lit-html';
+import { html, render } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
 import { query, request } from '../api';
 import { Chart } from '../chart';
@@ -170,7 +170,6 @@ class HistoryPage implements Page {
       return;
     }
     const { from_ms, to_ms } = this.window();
-    const csv = query('/api/export', { pattern: this.channels, from: Math.floor(from_ms), to: Math.ceil(to_ms), format: 'csv' });
     render(html`<h1 class="unseen">${t('history.title')}</h1>
       <div class="tools">
         <form class="tools" @submit=${this.onAdd}><input id="add-channel" class="filter" list="paths" autocomplete="off" spellcheck="false" aria-label=${t('history.add')}
@@ -184,7 +183,6 @@ class HistoryPage implements Page {
           <button>${t('history.show')}</button>
         </form>
         <button type="button" @click=${() => this.zoomOut()} ?disabled=${!this.channels.length}>${t('history.back')}</button>
-        ${this.channels.length ? html`<a href=${csv} download="history.csv">${t('history.csv')}</a>` : nothing}
       </div>
       ${this.channels.length ? html`<section class="card chart-card">${this.chart.element}</section>${this.table()}` :
         empty(t('history.none'), t('history.none-hint'))}`, this.element);
@@ -207,12 +205,15 @@ class HistoryPage implements Page {
     const figures = series && !series.text ? figuresOf(series) : undefined;
     const resolution = !series ? '' : series.text ? t('history.text') : !figures!.points ? t('history.no-data') :
       series.bucket_ms ? t('history.points', { n: count(figures!.points), width: duration(series.bucket_ms) }) : t('history.raw', { n: count(figures!.points) });
+    const { from_ms, to_ms } = this.window();
+    const csv = query('/api/export', { pattern: path, from: Math.floor(from_ms), to: Math.ceil(to_ms), format: 'csv' });
     return html`<tr>
       <td><span class="swatch s${line + 1}" aria-hidden="true"></span><a href=${channelLink(path)}>${path}</a></td>
       <td class="number"><b>${line >= 0 && this.cursorAt !== undefined ? number(this.cursorValues[line]) : ''}</b></td><td>${series?.unit}</td>
       <td class="number">${number(figures?.min)}</td><td class="number">${number(figures?.average)}</td><td class="number">${number(figures?.max)}</td>
       <td class=${figures?.bad ? 'number bad-text' : 'number'}>${figures ? count(figures.bad) : ''}</td><td class="muted">${resolution}</td>
-      <td><button type="button" class="plain small" aria-label=${t('history.remove', { path })}
+      <td><a href=${csv} download=${`${path.replaceAll('/', '_')}.csv`} aria-label=${`${t('history.csv')} ${path}`}>${t('history.csv')}</a>
+        <button type="button" class="plain small" aria-label=${t('history.remove', { path })}
         @click=${() => this.go(this.channels.filter((each) => each !== path), undefined)}>✕</button></td></tr>`;
   }
 }
