@@ -98,6 +98,19 @@ export class InventedPlant {
     return changed;
   }
 
+  // What happened to each alarm, the newest last.
+  alarmEvents() {
+    const events = [];
+    for (const { bus, device, channel, limit, value, since_ms, active, acknowledged_ms, acknowledged_by, note, shelved_until_ms, shelved_by } of this.alarms) {
+      const add = (at_ms, event, more = {}) => events.push({ at_ms, bus, device, channel, limit, event, value: null, who: '', note: '', until_ms: null, ...more });
+      add(since_ms, 'raised', { value });
+      if (!active) add(since_ms + 20_000, 'cleared', { value });
+      if (acknowledged_ms) add(acknowledged_ms, 'acknowledged', { who: acknowledged_by, note });
+      if (shelved_until_ms) add(since_ms + 30_000, 'shelved', { who: shelved_by, note, until_ms: shelved_until_ms });
+    }
+    return events.sort((a, b) => a.at_ms - b.at_ms);
+  }
+
   catalogue() {
     return { version: 1, full: true, gone: [], channels: this.channels.map((c) =>
       [c.id, c.path, c.kind.type, c.kind.unit, `holding:${c.id % 1000}`, c.kind.access ?? 'read-only', 'scheduled', c.refresh_ms, c.kind.limits, '', 'north']) };
@@ -189,7 +202,7 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
     '/api/catalogue': () => catalogue,
     '/api/buses': () => [200, plant.buses], '/api/devices': () => [200, plant.devices],
     '/api/sessions': () => [200, plant.sessions], '/api/bridges': () => [200, plant.bridges],
-    '/api/alarms': (url) => [200, url.searchParams.has('from') ? { events: plant.alarms.slice(0, 3).map((alarm) => ({ ...alarm, at_ms: alarm.since_ms })) } : { alarms: plant.alarms }],
+    '/api/alarms': (url) => [200, url.searchParams.has('from') ? { events: plant.alarmEvents() } : { alarms: plant.alarms }],
     '/api/history': (url) => [200, history(url)],
     '/api/audit': () => [200, { entries: plant.audit }],
     '/api/users': () => [200, { users: Object.entries(users).map(([user, role]) => ({ user, role })) }],

@@ -16,13 +16,13 @@ globalThis.localStorage = { getItem: (key) => (key === 'fieldcast.language' ? 'e
 
 // The modules by one bundle, so that they share what they share in the page.
 const { buildSync } = createRequire(join(modules, 'x'))('esbuild');
-const names = ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock'];
+const names = ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'csv'];
 const made = mkdtempSync(join(tmpdir(), 'fieldcast-page-'));
 buildSync({
   stdin: { contents: names.map((name) => `export * as ${name} from './${name}';`).join('\n'), resolveDir: source, loader: 'ts' },
   bundle: true, format: 'esm', outfile: join(made, 'page.mjs'), nodePaths: [modules], logLevel: 'warning',
 });
-const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock } = await import(join(made, 'page.mjs'));
+const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock, alarm_rows, csv } = await import(join(made, 'page.mjs'));
 rmSync(made, { recursive: true });
 
 const row = (id, path, more = {}) => [id, path, more.type ?? 'float32', more.unit ?? '', 'holding:0', 'read-only', 'scheduled', 500, {}, more.description ?? '', 'north'];
@@ -106,6 +106,42 @@ test('rows are filtered, grouped, sorted and pinned', () => {
   assert.deepEqual(paths({ sort: 'value', descending: true })[0], 'shop/press/speed');
   assert.deepEqual(paths({ pinned: new Set(['yard/crane/load']) })[0], 'yard/crane/load');
   assert.deepEqual(paths({ group: true }), ['[shop/oven]', 'shop/oven/zone', '[shop/press]', 'shop/press/force', 'shop/press/speed', '[yard/crane]', 'yard/crane/load']);
+});
+
+const alarmOf = (channel, more = {}) => ({
+  bus: 'shop', device: 'press', channel, limit: 'high', priority: 'high', state: 'unacknowledged', active: true, value: 1, since_ms: 1000, occurrences: 1,
+  chattering: false, acknowledged_by: '', acknowledged_ms: null, note: '', shelved_until_ms: null, shelved_by: '', suppressed: '', ...more });
+
+test('alarms that want somebody come first, then by priority, the newest on top', () => {
+  const alarms = [
+    alarmOf('shelved', { shelved_until_ms: 9000 }), alarmOf('acknowledged', { state: 'acknowledged', priority: 'critical' }), alarmOf('old'),
+    alarmOf('returned', { state: 'returned', active: false, since_ms: 2000 }), alarmOf('medium', { priority: 'medium' }),
+    alarmOf('maintenance', { suppressed: 'maintenance' }), alarmOf('critical', { priority: 'critical' }),
+  ];
+  const arrange = (choice, now = 5000) => alarm_rows.arrangeAlarms(alarms, { filter: '', section: undefined, ...choice }, now);
+  const names = (choice, now) => arrange(choice, now).alarms.map((each) => each.channel);
+  assert.deepEqual(names({}), ['critical', 'returned', 'old', 'medium', 'acknowledged', 'shelved', 'maintenance']);
+  assert.deepEqual(names({}, 9001).slice(0, 4), ['critical', 'returned', 'old', 'shelved']);
+  assert.deepEqual(names({ section: 'shelved' }), ['shelved']);
+  assert.deepEqual(names({ filter: 'PRESS crit' }), ['critical', 'acknowledged']);
+  assert.deepEqual(arrange({ section: 'shelved' }).counts, { unacknowledged: 4, acknowledged: 1, shelved: 1, maintenance: 1 });
+});
+
+test('an alarm that is clear stays while it is shelved or its device is in maintenance', () => {
+  const made = makePlant('a/b/c');
+  const clear = { state: 'clear', active: false };
+  made.setAlarm(alarmOf('x', { ...clear, suppressed: 'maintenance' }));
+  made.setAlarm(alarmOf('y', { ...clear, shelved_until_ms: 5 }));
+  made.setAlarm(alarmOf('z'));
+  assert.equal(made.alarms.size, 3);
+  for (const channel of ['x', 'y', 'z']) made.setAlarm(alarmOf(channel, clear));
+  assert.equal(made.alarms.size, 0);
+});
+
+test('no cell of a CSV breaks its row or is a formula', () => {
+  assert.equal(csv.csvText(['a', 'b'], [['x,y', 'say "no"'], ['=1+1', -2], ['two\nlines', null]]),
+    'a,b\r\n"x,y","say ""no"""\r\n\'=1+1,-2\r\n"two\nlines",\r\n');
+  assert.equal(csv.csvTime(1000), '1970-01-01T00:00:01.000Z');
 });
 
 test('an address survives its way through a link', () => {

@@ -166,7 +166,7 @@ export class Plant {
   }
 
   setAlarm(alarm: Alarm): void {
-    if (alarm.state === 'clear' && !alarm.active && !alarm.shelved_until_ms) this.alarms.delete(alarmKey(alarm));
+    if (alarm.state === 'clear' && !alarm.active && !alarm.shelved_until_ms && !alarm.suppressed) this.alarms.delete(alarmKey(alarm));
     else this.alarms.set(alarmKey(alarm), alarm);
     this.touch('alarms');
   }

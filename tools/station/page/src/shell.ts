@@ -3,6 +3,7 @@
 
 import { html, nothing, render } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
+import { wantsSomebody } from './alarm_rows';
 import type { Change, Page } from './context';
 import { age, clock, count } from './format';
 import { language, languages, t } from './i18n';
@@ -34,6 +35,7 @@ export class Shell {
   private readonly messages = document.createElement('div');
   private me: Me | undefined;
   private name = '';
+  private pageTitle = '';
   private menuOpen = false;
   private chordAt = -chordWithin_ms;
   private rateAt = 0;
@@ -62,7 +64,8 @@ export class Shell {
     this.name = name;
     this.menuOpen = false;
     document.documentElement.classList.toggle('kiosk', route.query.has('kiosk'));
-    document.title = `${page.title} · Fieldcast`;
+    this.pageTitle = page.title;
+    this.showTitle();
     this.main.replaceChildren(page.element);
     this.renderHead();
     const first = page.element.querySelector<HTMLElement>('[autofocus]') ?? this.main;
@@ -81,7 +84,10 @@ export class Shell {
   paint(change: Change): void {
     if (change.topics.has('connection')) document.documentElement.dataset['connection'] = this.live.state;
     if (change.second || change.topics.has('connection') || change.topics.has('alarms')) this.renderLine();
-    if (change.topics.has('alarms')) this.renderHead();
+    if (change.topics.has('alarms')) {
+      this.renderHead();
+      this.showTitle();
+    }
   }
 
   listenToKeys(page: () => Page | undefined): void {
@@ -145,9 +151,16 @@ export class Shell {
 
   private unacknowledged(): number {
     let n = 0;
-    for (const alarm of this.plant.alarms.values())
-      if ((alarm.state === 'unacknowledged' || alarm.state === 'returned') && !alarm.shelved_until_ms && !alarm.suppressed) n++;
+    const now = this.live.now();
+    for (const alarm of this.plant.alarms.values()) if (wantsSomebody(alarm, now)) n++;
     return n;
+  }
+
+  // A tab that nobody looks at tells that there are alarms, too.
+  private showTitle(): void {
+    const alarms = this.me?.role ? this.unacknowledged() : 0;
+    const title = `${alarms ? `(${alarms}) ` : ''}${this.pageTitle} · Fieldcast`;
+    if (document.title !== title) document.title = title;
   }
 
   private renderHead(): void {
@@ -160,7 +173,8 @@ export class Shell {
       <a class="skip" href="#main" @click=${this.skip}>${t('skip')}</a>
       <a class="brand" href=${link('overview')}>Fieldcast</a>
       <button type="button" class="menu-button" aria-expanded=${this.menuOpen} aria-controls="menu" @click=${() => this.toggleMenu()}>
-        ${t(`nav.${this.name === 'channel' ? 'live' : this.name === 'plan' ? 'overview' : this.name}` as Key)} ▾</button>
+        ${t(`nav.${this.name === 'channel' ? 'live' : this.name === 'plan' ? 'overview' : this.name}` as Key)}${
+          alarms ? html` <span class="count">${alarms}</span>` : nothing} ▾</button>
       <div id="menu" class=${this.menuOpen ? 'menu open' : 'menu'}>
         <nav aria-label=${t('nav.label')}>${places.map(([, name]) => this.navLink(name, name === 'alarms' ? alarms : 0))}</nav>
         ${this.choices()}

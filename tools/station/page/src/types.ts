@@ -97,6 +97,19 @@ export interface Alarm {
   suppressed: '' | 'maintenance';
 }
 
+export interface AlarmEvent {
+  at_ms: number;
+  bus: string;
+  device: string;
+  channel: string;  // empty: all alarms of the device
+  limit: string;
+  event: string;  // raised, cleared, acknowledged, shelved, ...
+  value: number | null;
+  who: string;
+  note: string;
+  until_ms: number | null;
+}
+
 export interface Session {
   bus: string;
   device: string;

@@ -1,10 +1,201 @@
-import { html, render } from 'lit-html';
-import type { MakePage } from '../context';
-import { t } from '../i18n';
-import { makeElement } from '../view';
+// Alarms by ISA-18.2: what wants somebody first. #/alarms shows those that are there, #/alarms/history what happened in a span.
 
-export const page: MakePage = () => {
-  const element = makeElement('alarms');
-  render(html`<h1>${t('alarms.title')}</h1>`, element);
-  return { title: t('alarms.title'), element };
+import { html, nothing, render } from 'lit-html';
+import type { TemplateResult } from 'lit-html';
+import { acknowledge, limitText, shelve, unshelve } from '../alarm_actions';
+import { AlarmHistory } from '../alarm_history';
+import { arrangeAlarms, isShelved, sectionOf, sections, wantsSomebody } from '../alarm_rows';
+import type { AlarmChoice, Section } from '../alarm_rows';
+import type { Change, Context, MakePage, Page } from '../context';
+import { age, count, exactValue, fullTime, time } from '../format';
+import { t, word } from '../i18n';
+import type { Key } from '../i18n';
+import { ListTable } from '../list';
+import { alarmKey } from '../plant';
+import { channelLink, link } from '../router';
+import type { Alarm } from '../types';
+import { empty, makeElement } from '../view';
+
+const priorityShapes: Record<Alarm['priority'], string> = { critical: '▲', high: '▲', medium: '◆', low: '●' };
+const stateShapes: Record<string, string> = { unacknowledged: '▲', returned: '◇', acknowledged: '✓', clear: '○' };
+
+// "83.2 > 80 °C"
+function valueText(context: Context, alarm: Alarm): string {
+  const { plant } = context;
+  const channel = plant.channels.get(plant.ids.get(`${alarm.bus}/${alarm.device}/${alarm.channel}`) ?? -1);
+  const limit = channel?.limits[alarm.limit];
+  const value = alarm.value === null ? '–' : exactValue(alarm.value, channel?.type ?? 'float32');
+  const bound = limit === undefined ? '' : ` (${alarm.limit.startsWith('low') ? '<' : '>'} ${limit})`;
+  return `${value}${channel?.unit ? ` ${channel.unit}` : ''}${bound}`;
+}
+
+function stateText(alarm: Alarm, now_ms: number): string {
+  if (isShelved(alarm, now_ms)) return `◷ ${t('alarms.until', { time: time(alarm.shelved_until_ms!, now_ms) })}`;
+  if (alarm.suppressed) return `○ ${word('suppressed', alarm.suppressed)}`;
+  return `${stateShapes[alarm.state] ?? '○'} ${word('alarm', alarm.state)}`;
+}
+
+function personText(alarm: Alarm, now_ms: number): string {
+  const by = isShelved(alarm, now_ms) ? alarm.shelved_by : alarm.acknowledged_by;
+  const at = by === alarm.acknowledged_by && alarm.acknowledged_ms ? time(alarm.acknowledged_ms, now_ms) : '';
+  return [by && `${by}${at ? ` ${at}` : ''}`, alarm.note].filter(Boolean).join(' · ');
+}
+
+class PresentAlarms {
+  readonly element = document.createElement('div');
+  readonly tools = document.createElement('div');
+  private readonly list: ListTable<Alarm>;
+  private readonly choice: AlarmChoice = { filter: '', section: undefined };
+  private readonly checked = new Set<string>();
+  private counts: Record<Section, number> = { unacknowledged: 0, acknowledged: 0, shelved: 0, maintenance: 0 };
+
+  constructor(private readonly context: Context) {
+    this.tools.className = 'tools';
+    this.element.className = 'present';
+    const now = (): number => context.now();
+    this.list = new ListTable<Alarm>({
+      label: t('alarms.table'), className: 'alarm-table', keyOf: alarmKey,
+      tone: (alarm) => `p-${alarm.priority} s-${sectionOf(alarm, now())}${alarm.active ? '' : ' inactive'}`,
+      choose: () => this.draw(),
+      columns: [
+        { key: 'check', label: '✓', text: (alarm) => t('alarms.check', { path: alarmKey(alarm) }), checked: (alarm) => this.checked.has(alarmKey(alarm)), toggle: (alarm) => this.toggle(alarm) },
+        { key: 'priority', label: t('alarms.priority'), text: (alarm) => `${priorityShapes[alarm.priority] ?? '●'} ${word('priority', alarm.priority)}` },
+        { key: 'state', label: t('alarms.state'), text: (alarm) => stateText(alarm, now()) },
+        { key: 'channel', label: t('alarms.channel'), text: (alarm) => `${alarm.bus}/${alarm.device}/${alarm.channel}`, link: (alarm) => channelLink(`${alarm.bus}/${alarm.device}/${alarm.channel}`) },
+        { key: 'limit', label: t('alarms.limit'), text: limitText },
+        { key: 'value', label: t('alarms.value'), text: (alarm) => valueText(context, alarm) },
+        { key: 'age', label: t('alarms.since'), text: (alarm) => age(now() - alarm.since_ms), hint: (alarm) => fullTime(alarm.since_ms) },
+        { key: 'count', label: t('alarms.count'), text: (alarm) => (alarm.chattering ? `⚠ ${alarm.occurrences}×` : alarm.occurrences > 1 ? `${alarm.occurrences}×` : ''),
+          hint: (alarm) => (alarm.chattering ? t('alarms.chattering', { n: alarm.occurrences }) : '') },
+        { key: 'note', label: t('alarms.by'), text: (alarm) => personText(alarm, now()), hint: (alarm) => personText(alarm, now()) },
+      ],
+    });
+    this.element.append(this.list.element);
+  }
+
+  paint(change: Change): void {
+    if (change.topics.has('alarms') || change.topics.has('catalogue')) this.arrange();
+    else if (change.second) this.list.paint();
+    this.draw();
+  }
+
+  focusFilter(): void { this.tools.querySelector<HTMLInputElement>('.filter')?.focus(); }
+
+  key(event: KeyboardEvent): boolean {
+    const inTable = document.activeElement === this.list.element;
+    const selected = this.list.selected;
+    if (event.key === ' ' && inTable && selected) this.toggle(selected);
+    else if (event.key === 'Enter' && inTable && selected) this.context.go(channelLink(`${selected.bus}/${selected.device}/${selected.channel}`));
+    else if (event.key === 'a' && this.context.mayOperate()) void this.acknowledge();
+    else if (event.key === 's' && this.context.mayOperate()) void this.shelve();
+    else if (event.key === 'u' && this.context.mayOperate()) void this.unshelve();
+    else return this.list.key(event);
+    return true;
+  }
+
+  private arrange(): void {
+    const { plant } = this.context;
+    const { alarms, counts } = arrangeAlarms(plant.alarms.values(), this.choice, this.context.now());
+    this.counts = counts;
+    for (const key of this.checked) if (!plant.alarms.has(key)) this.checked.delete(key);
+    this.list.set(alarms);
+  }
+
+  // Those that are checked; none is: the selected one.
+  private chosen(fits: (alarm: Alarm) => boolean): Alarm[] {
+    const all = this.checked.size ? [...this.context.plant.alarms.values()].filter((alarm) => this.checked.has(alarmKey(alarm))) :
+      this.list.selected ? [this.list.selected] : [];
+    return all.filter(fits);
+  }
+
+  private readonly mayAcknowledge = (alarm: Alarm): boolean => alarm.state === 'unacknowledged' || alarm.state === 'returned';
+  private readonly mayShelve = (alarm: Alarm): boolean => !isShelved(alarm, this.context.now());
+  private readonly mayUnshelve = (alarm: Alarm): boolean => isShelved(alarm, this.context.now());
+
+  private acknowledge(): Promise<void> { return this.act(this.mayAcknowledge, acknowledge); }
+  private shelve(): Promise<void> { return this.act(this.mayShelve, shelve); }
+  private unshelve(): Promise<void> { return this.act(this.mayUnshelve, unshelve); }
+
+  private async act(fits: (alarm: Alarm) => boolean, what: (context: Context, alarms: readonly Alarm[]) => Promise<void>): Promise<void> {
+    const alarms = this.chosen(fits);
+    if (!alarms.length) return this.context.say(t('alarms.choose'));
+    await what(this.context, alarms);
+    this.checked.clear();
+    this.arrange();
+    this.draw();
+  }
+
+  private toggle(alarm: Alarm): void {
+    const key = alarmKey(alarm);
+    if (!this.checked.delete(key)) this.checked.add(key);
+    this.list.paint();
+    this.draw();
+  }
+
+  private readonly toggleAll = (): void => {
+    const all = this.list.items.filter((alarm) => wantsSomebody(alarm, this.context.now())).map(alarmKey);
+    if (all.every((key) => this.checked.has(key))) this.checked.clear();
+    else for (const key of all) this.checked.add(key);
+    this.list.paint();
+    this.draw();
+  };
+
+  private draw(): void {
+    const { choice } = this;
+    const filter = (event: Event): void => {
+      choice.filter = (event.target as HTMLInputElement).value;
+      this.arrange();
+      this.draw();
+    };
+    const show = (section: Section | undefined) => (): void => {
+      choice.section = section;
+      this.arrange();
+      this.draw();
+    };
+    const total = sections.reduce((sum, section) => sum + this.counts[section], 0);
+    const tab = (section: Section | undefined, text: string, n: number): TemplateResult => html`<button type="button" class="choice"
+      aria-pressed=${choice.section === section} @click=${show(section)}>${text} <b>${count(n)}</b></button>`;
+    render(html`<input type="search" class="filter" aria-label=${t('alarms.filter')} placeholder="${t('alarms.filter')}  ( / )" .value=${choice.filter}
+        spellcheck="false" autocapitalize="none" @input=${filter}>
+      <span class="choice-row" role="group" aria-label=${t('alarms.state')}>${tab(undefined, t('alarms.all'), total)}
+        ${sections.map((section) => tab(section, t(`alarms.section-${section}` as Key), this.counts[section]))}</span>
+      ${this.context.mayOperate() ? this.buttons() : nothing}`, this.tools);
+    this.element.classList.toggle('none', !this.list.items.length);
+    let note = this.element.querySelector('.nothing');
+    if (!note) {
+      note = document.createElement('div');
+      note.className = 'nothing';
+      this.element.append(note);
+    }
+    render(this.list.items.length ? nothing : total || choice.filter ? empty(t('alarms.none-fits')) : empty(`✓ ${t('alarms.none')}`, t('alarms.none-hint')), note as HTMLElement);
+  }
+
+  private buttons(): TemplateResult {
+    const button = (text: string, key: string, n: number, act: () => Promise<void>, primary = false): TemplateResult => html`<button type="button"
+      class=${primary && n ? 'primary' : ''} ?disabled=${!n} @click=${() => void act()}>${text}${n > 1 ? ` (${n})` : ''} <kbd>${key}</kbd></button>`;
+    return html`<span class="acts">
+      <button type="button" ?disabled=${!this.counts.unacknowledged} @click=${this.toggleAll}>${t('alarms.check-all')}</button>
+      ${button(t('alarms.acknowledge'), 'a', this.chosen(this.mayAcknowledge).length, () => this.acknowledge(), true)}
+      ${button(t('alarms.shelve'), 's', this.chosen(this.mayShelve).length, () => this.shelve())}
+      ${button(t('alarms.unshelve'), 'u', this.chosen(this.mayUnshelve).length, () => this.unshelve())}</span>`;
+  }
+}
+
+export const page: MakePage = (context): Page => {
+  const element = makeElement('alarms listing');
+  const past = context.route.parts[0] === 'history';
+  const body = past ? new AlarmHistory(context) : new PresentAlarms(context);
+  const head = document.createElement('div');
+  head.className = 'tabs';
+  render(html`<h1>${t('alarms.title')}</h1><nav aria-label=${t('alarms.title')}>
+    <a href=${link('alarms')} aria-current=${past ? nothing : 'page'}>${t('alarms.present')}</a>
+    <a href=${link('alarms', ['history'])} aria-current=${past ? 'page' : nothing}>${t('alarms.history')}</a></nav>`, head);
+  element.append(head, body.tools, body.element);
+  return {
+    title: t('alarms.title'), element,
+    paint: (change) => body.paint(change),
+    key: (event) => body.key(event),
+    focusFilter: () => body.focusFilter(),
+    close: () => { if ('close' in body) body.close(); },
+  };
 };

@@ -1,0 +1,87 @@
+// What people do about alarms: asks, tells the station, and says what became of it.
+
+import { html } from 'lit-html';
+import type { TemplateResult } from 'lit-html';
+import { request } from './api';
+import type { Context } from './context';
+import { t, word } from './i18n';
+import type { Alarm } from './types';
+import { ask, errorText } from './view';
+
+// Of one request, or one for each alarm.
+interface Accepted {
+  request_id?: string | number;
+  request_ids?: (string | number)[];
+}
+
+const mostNamed = 5;
+const longestNote = 256;
+const shelveFor_min = [15, 30, 60, 240, 480, 1440];
+const maintenanceFor_min = [30, 60, 120, 480, 1440, 10_080];
+
+export const limitText = (alarm: { limit: string }): string => word('limit', alarm.limit);
+
+async function perform(context: Context, path: string, body: unknown, done: string): Promise<void> {
+  try {
+    const { request_id, request_ids } = await request<Accepted>(path, body);
+    const ids = request_ids ?? (request_id === undefined ? [] : [request_id]);
+    const results = await Promise.all(ids.map((id) => context.live.resultOf(id)));
+    const failed = results.filter((result) => result.state !== 'done' && result.state !== 'verified');
+    for (const reason of new Set(failed.map((result) => result.reason || word('cause', result.cause))))
+      context.say(t('alarms.failed', { what: done, reason }), true);
+    if (!failed.length) context.say(done);
+  } catch (error) {
+    context.say(t('alarms.failed', { what: done, reason: errorText(error) }), true);
+  }
+}
+
+const named = (alarms: readonly Alarm[]): TemplateResult => html`<ul class="named">
+  ${alarms.slice(0, mostNamed).map((alarm) => html`<li>${alarm.bus}/${alarm.device}/${alarm.channel} <b>${limitText(alarm)}</b></li>`)}
+  ${alarms.length > mostNamed ? html`<li class="muted">${t('alarms.and-more', { n: alarms.length - mostNamed })}</li>` : ''}</ul>`;
+
+const noteField = (): TemplateResult => html`<label class="field">${t('alarms.note')}
+  <input name="note" maxlength=${longestNote} autocomplete="off" autofocus></label>`;
+
+export const lengthText = (minutes: number): string =>
+  minutes < 60 ? t('alarms.minutes', { n: minutes }) : minutes < 1440 ? t('alarms.hours', { n: minutes / 60 }) : t('alarms.days', { n: minutes / 1440 });
+
+const lengthField = (lengths: readonly number[], chosen: number): TemplateResult => html`<label class="field">${t('alarms.for')}
+  <select name="minutes">${lengths.map((minutes) => html`<option value=${minutes} ?selected=${minutes === chosen}>${lengthText(minutes)}</option>`)}</select></label>`;
+
+const keysOf = (alarms: readonly Alarm[]): unknown[] => alarms.map(({ bus, device, channel, limit }) => ({ bus, device, channel, limit }));
+
+export async function acknowledge(context: Context, alarms: readonly Alarm[]): Promise<void> {
+  const form = await ask({
+    title: t('alarms.acknowledge-title', { n: alarms.length }), confirm: t('alarms.acknowledge'), body: html`${named(alarms)}${noteField()}` });
+  if (form) await perform(context, '/api/alarms/acknowledge', { alarms: keysOf(alarms), note: form.get('note') }, t('alarms.acknowledged', { n: alarms.length }));
+}
+
+export async function shelve(context: Context, alarms: readonly Alarm[]): Promise<void> {
+  const form = await ask({
+    title: t('alarms.shelve-title', { n: alarms.length }), confirm: t('alarms.shelve'),
+    body: html`${named(alarms)}<p class="muted">${t('alarms.shelve-hint')}</p>${lengthField(shelveFor_min, 60)}${noteField()}` });
+  if (!form) return;
+  const minutes = Number(form.get('minutes'));
+  await perform(context, '/api/alarms/shelve', { alarms: keysOf(alarms), minutes, note: form.get('note') },
+    t('alarms.shelved', { n: alarms.length, time: lengthText(minutes) }));
+}
+
+export async function unshelve(context: Context, alarms: readonly Alarm[]): Promise<void> {
+  await perform(context, '/api/alarms/unshelve', { alarms: keysOf(alarms) }, t('alarms.unshelved', { n: alarms.length }));
+}
+
+// Alarms of the device wait until it ends.
+export async function startMaintenance(context: Context, bus: string, device: string): Promise<void> {
+  const form = await ask({
+    title: t('alarms.maintenance-title', { device: `${bus}/${device}` }), confirm: t('alarms.maintenance-start'),
+    body: html`<p class="muted">${t('alarms.maintenance-hint')}</p>${lengthField(maintenanceFor_min, 120)}${noteField()}` });
+  if (!form) return;
+  const minutes = Number(form.get('minutes'));
+  await perform(context, '/api/alarms/maintenance', { bus, device, minutes, note: form.get('note') },
+    t('alarms.maintenance-started', { device: `${bus}/${device}`, time: lengthText(minutes) }));
+}
+
+export async function endMaintenance(context: Context, bus: string, device: string): Promise<void> {
+  await perform(context, '/api/alarms/maintenance', { bus, device, minutes: 0, note: '' }, t('alarms.maintenance-ended', { device: `${bus}/${device}` }));
+}
+

@@ -1,0 +1,49 @@
+// Which alarms the list shows, and in which order: what wants somebody first. Pure.
+
+import { alarmKey } from './plant';
+import type { Alarm } from './types';
+
+export const sections = ['unacknowledged', 'acknowledged', 'shelved', 'maintenance'] as const;
+export type Section = (typeof sections)[number];
+
+export const priorities = ['critical', 'high', 'medium', 'low'] as const;
+
+// Who is shelved or in maintenance wants nobody, whatever its state.
+export function sectionOf(alarm: Alarm, now_ms: number): Section {
+  if (isShelved(alarm, now_ms)) return 'shelved';
+  if (alarm.suppressed) return 'maintenance';
+  return alarm.state === 'unacknowledged' || alarm.state === 'returned' ? 'unacknowledged' : 'acknowledged';
+}
+
+export const isShelved = (alarm: Alarm, now_ms: number): boolean => (alarm.shelved_until_ms ?? 0) > now_ms;
+export const wantsSomebody = (alarm: Alarm, now_ms: number): boolean => sectionOf(alarm, now_ms) === 'unacknowledged';
+
+function fits(alarm: Alarm, words: readonly string[]): boolean {
+  const text = `${alarmKey(alarm)} ${alarm.priority} ${alarm.note} ${alarm.acknowledged_by}`.toLowerCase();
+  return words.every((word) => text.includes(word));
+}
+
+export interface AlarmChoice {
+  filter: string;
+  section: Section | undefined;  // all of them
+}
+
+export interface ArrangedAlarms {
+  alarms: Alarm[];
+  counts: Record<Section, number>;  // of all that fit the filter
+}
+
+export function arrangeAlarms(alarms: Iterable<Alarm>, choice: AlarmChoice, now_ms: number): ArrangedAlarms {
+  const words = choice.filter.toLowerCase().split(/\s+/).filter(Boolean);
+  const counts: Record<Section, number> = { unacknowledged: 0, acknowledged: 0, shelved: 0, maintenance: 0 };
+  const found: { alarm: Alarm; rank: number }[] = [];
+  for (const alarm of alarms) {
+    if (words.length && !fits(alarm, words)) continue;
+    const section = sectionOf(alarm, now_ms);
+    counts[section]++;
+    if (choice.section && choice.section !== section) continue;
+    found.push({ alarm, rank: sections.indexOf(section) * 8 + priorities.indexOf(alarm.priority) });
+  }
+  found.sort((a, b) => a.rank - b.rank || b.alarm.since_ms - a.alarm.since_ms || alarmKey(a.alarm).localeCompare(alarmKey(b.alarm)));
+  return { alarms: found.map(({ alarm }) => alarm), counts };
+}

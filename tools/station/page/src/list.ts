@@ -1,0 +1,148 @@
+// A virtual table of objects: each column says what text an object has in it. Keeps the selected object when the order changes.
+
+import { VirtualTable } from './table';
+import type { Row } from './table';
+
+export interface ListColumn<T> {
+  key: string;
+  label: string;
+  text(item: T): string;
+  link?(item: T): string;  // an address; the text is its link
+  hint?(item: T): string;  // a tooltip
+  order?(item: T): string | number;  // the column can be sorted by it
+  checked?(item: T): boolean;  // a box instead of the text, which is its name
+  toggle?(item: T): void;
+}
+
+export interface ListOwner<T> {
+  label: string;
+  className: string;
+  columns: ListColumn<T>[];
+  keyOf(item: T): string;
+  tone?(item: T): string;  // classes of the row
+  open?(item: T): void;
+  choose?(item: T): void;  // another one is selected
+}
+
+function setText(element: Element, text: string): void {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+export class ListTable<T> {
+  readonly table: VirtualTable;
+  items: readonly T[] = [];
+  private all: readonly T[] = [];
+  private selectedKey: string | undefined;
+  private sortKey = '';
+  private descending = false;
+
+  constructor(private readonly owner: ListOwner<T>) {
+    this.table = new VirtualTable({
+      columns: owner.columns.map(({ key, label, order }) => ({ key, label, sortable: order !== undefined })),
+      label: owner.label,
+      paintRow: (row) => this.paintRow(row),
+      open: (index) => this.open(index),
+      sort: (key) => this.sort(key),
+    });
+    this.table.element.classList.add(owner.className);
+  }
+
+  get element(): HTMLElement { return this.table.element; }
+  get selected(): T | undefined { return this.items[this.table.selected]; }
+  get sorted(): boolean { return this.sortKey !== ''; }
+
+  // In the owner's order, until a person sorts by a column.
+  set(items: readonly T[]): void {
+    this.noteSelected();
+    this.all = items;
+    this.items = this.ordered();
+    this.table.selected = this.selectedKey === undefined ? -1 : this.items.findIndex((item) => this.owner.keyOf(item) === this.selectedKey);
+    this.table.setCount(this.items.length);
+  }
+
+  select(key: string): void {
+    this.selectedKey = key;
+    const index = this.items.findIndex((item) => this.owner.keyOf(item) === key);
+    if (index >= 0 && index !== this.table.selected) this.table.select(index);
+  }
+
+  paint(): void {
+    this.noteSelected();
+    this.table.paint();
+  }
+
+  // Gives true when it took the key: the first arrow goes into the table.
+  key(event: KeyboardEvent): boolean {
+    if (event.key !== 'ArrowDown' || document.activeElement === this.element || !this.items.length) return false;
+    this.element.focus();
+    this.table.select(Math.max(0, this.table.selected));
+    return true;
+  }
+
+  private noteSelected(): void {
+    const item = this.selected;
+    if (item) this.selectedKey = this.owner.keyOf(item);
+  }
+
+  private ordered(): readonly T[] {
+    const order = this.owner.columns.find((column) => column.key === this.sortKey)?.order;
+    if (!order) return this.all;
+    const sign = this.descending ? -1 : 1;
+    return this.all.map((item) => ({ item, by: order(item) }))
+      .sort((a, b) => sign * (typeof a.by === 'number' && typeof b.by === 'number' ? a.by - b.by : String(a.by).localeCompare(String(b.by))))
+      .map(({ item }) => item);
+  }
+
+  private sort(key: string): void {
+    this.descending = this.sortKey === key ? !this.descending : false;
+    this.sortKey = key;
+    this.table.setSort(key, this.descending);
+    this.set(this.all);
+  }
+
+  private open(index: number): void {
+    const item = this.items[index];
+    if (!item) return;
+    this.selectedKey = this.owner.keyOf(item);
+    this.owner.choose?.(item);
+    this.owner.open?.(item);
+  }
+
+  private paintRow(row: Row): void {
+    const item = this.items[row.index];
+    if (item === undefined) return;
+    const name = `vrow ${this.owner.tone?.(item) ?? ''}${row.element.classList.contains('selected') ? ' selected' : ''}`;
+    if (row.element.className !== name) row.element.className = name;
+    this.owner.columns.forEach((column, index) => this.paintCell(row.cells[index]!, column, item));
+  }
+
+  private paintCell(cell: HTMLElement, column: ListColumn<T>, item: T): void {
+    const text = column.text(item), hint = column.hint?.(item) ?? '';
+    if (cell.title !== hint) cell.title = hint;
+    if (column.checked) return this.paintBox(cell, column, item);
+    if (!column.link) return setText(cell, text);
+    let anchor = cell.firstElementChild as HTMLAnchorElement | null;
+    if (!anchor) {
+      anchor = document.createElement('a');
+      anchor.tabIndex = -1;
+      cell.replaceChildren(anchor);
+    }
+    const address = column.link(item);
+    if (anchor.getAttribute('href') !== address) anchor.setAttribute('href', address);
+    setText(anchor, text);
+  }
+
+  private paintBox(cell: HTMLElement, column: ListColumn<T>, item: T): void {
+    let box = cell.firstElementChild as HTMLInputElement | null;
+    if (!box) {
+      box = document.createElement('input');
+      box.type = 'checkbox';
+      box.tabIndex = -1;  // the key space does it for the row
+      cell.replaceChildren(box);
+    }
+    box.onchange = () => column.toggle?.(item);
+    box.checked = column.checked!(item);
+    const label = column.text(item);
+    if (box.ariaLabel !== label) box.ariaLabel = label;
+  }
+}
