@@ -45,6 +45,7 @@ constexpr std::array<Row, static_cast<std::size_t>(Cause::kCount)> kRows{{
     {"OFFLINE", "device is offline", Quality::kBadNoAnswer},
     {"UNSUPPORTED", "not supported by the device or its protocol", Quality::kBadConfiguration},
     {"SHUTDOWN", "bridge is shutting down", Quality::kUncertain},
+    {"WRONG_STATE", "not possible in this state", Quality::kUncertain},
     {"LATE", "not read in time", Quality::kUncertain},
 }};
 

@@ -1,0 +1,420 @@
+// The alarms of a bridge as a transcript: what happens, and what people then see. The text is input
+// and expectation in one; replaying what happens must give back the text itself.
+#include "core/alarm/alarm_book.hpp"
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "core/base/duration_text.hpp"
+
+namespace fieldcast {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::int64_t kBegin = 1'000'000'000'000'000;
+constexpr UtcTime after(Duration since_begin) { return {kBegin + since_begin.count()}; }
+
+// Two buses; press-1 and press-2 have a level with four limits each, valve one of its own priority.
+std::vector<BusSpec> two_buses() {
+  std::vector<BusSpec> buses(2);
+  for (std::size_t bus = 0; bus < 2; ++bus) {
+    buses[bus].name = bus == 0 ? "shop" : "yard";
+    for (const char* device : {"press-1", "press-2"}) {
+      DeviceSpec& made = buses[bus].devices.emplace_back();
+      made.name = device;
+      ChannelSpec& level = made.channels.emplace_back();
+      level.name = "level";
+      level.limits = {.low_low = 5, .low = 10, .high = 90, .high_high = 95};
+      ChannelSpec& plain = made.channels.emplace_back();
+      plain.name = "plain";
+      ChannelSpec& valve = made.channels.emplace_back();
+      valve.name = "valve";
+      valve.limits.high = 1;
+      valve.limits.priority = AlarmPriority::kCritical;
+    }
+  }
+  return buses;
+}
+
+std::string time_text(UtcTime time) {
+  return time.nanoseconds == 0 ? "-" : to_text(Duration{time.nanoseconds - kBegin});
+}
+
+std::string status_text(const AlarmStatus& status) {
+  std::ostringstream text;
+  text << to_text(status.stage) << (status.active ? ", active" : "") << ", "
+       << to_text(status.priority);
+  if (status.occurrences > 0) text << ", " << status.occurrences << " times";
+  if (status.chattering) text << ", chattering";
+  if (status.acknowledged.at.nanoseconds != 0)
+    text << ", acknowledged by " << status.acknowledged.by << " at "
+         << time_text(status.acknowledged.at);
+  if (status.shelved.is_set())
+    text << ", shelved by " << status.shelved.by << " until " << time_text(status.shelved.until);
+  if (status.suppressed.is_set())
+    text << ", suppressed until " << time_text(status.suppressed.until);
+  return text.str();
+}
+
+AlarmKey key_of(const std::string& path, const std::string& limit) {
+  AlarmKey key;
+  std::istringstream parts(path);
+  std::getline(parts, key.bus, '/');
+  std::getline(parts, key.device, '/');
+  std::getline(parts, key.channel, '/');
+  if (const auto kind = limit_kind_from(limit)) key.limit = *kind;
+  return key;
+}
+
+class Transcript {
+ public:
+  std::string replay(const std::string& text) {
+    (void)book_.configure(two_buses());
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+      if (line.starts_with("  ")) continue;  // what was seen
+      out_ << line << '\n';
+      if (line.empty() || line.starts_with('#')) continue;
+      happen(line);
+      see();
+    }
+    return out_.str();
+  }
+
+ private:
+  // "5s anna acknowledges shop/press-1/level high"; "9s raise shop/press-1/level high 95"
+  void happen(const std::string& line) {
+    std::istringstream words(line);
+    std::string when, who, what, path, limit;
+    words >> when >> who;
+    const UtcTime now = after(*duration_from(when));
+    if (who == "time") {
+      book_.on_time("shop", now);
+      return;
+    }
+    if (who == "raise" || who == "clear") {
+      double value = 0;
+      words >> path >> limit >> value;
+      const AlarmKey alarm = key_of(path, limit);
+      const bool done = who == "raise" ? book_.raise(alarm, value, now, now)
+                                       : book_.clear(alarm, value, now);
+      if (!done) out_ << "  nothing\n";
+      return;
+    }
+    AlarmAction action;
+    action.by = who == "nobody" ? "" : who;
+    words >> what >> path;
+    action.kind = what == "acknowledges"   ? AlarmActionKind::kAcknowledge
+                  : what == "shelves"      ? AlarmActionKind::kShelve
+                  : what == "unshelves"    ? AlarmActionKind::kUnshelve
+                  : what == "maintains"    ? AlarmActionKind::kMaintenance
+                                           : AlarmActionKind::kEndMaintenance;
+    if (!is_of_device(action.kind)) words >> limit;
+    action.alarm = key_of(path, limit);
+    std::string length;
+    if (words >> length >> length) action.duration = *duration_from(length);
+    if (const auto done = book_.act(action, now); !done)
+      out_ << "  refused: " << done.error().reason << " (" << to_name(done.error().cause) << ")\n";
+  }
+  void see() {
+    const AlarmBook::News news = book_.take_news();
+    for (const AlarmEvent& event : news.events) {
+      out_ << "  event: " << to_text(event.alarm) << ' ' << to_text(event.kind);
+      if (!event.by.empty()) out_ << " by " << event.by;
+      if (event.until.nanoseconds != 0) out_ << " until " << time_text(event.until);
+      out_ << '\n';
+    }
+    for (const AlarmKey& alarm : news.changed) {
+      const AlarmStatus* status = book_.find(alarm);
+      out_ << "  " << to_text(alarm) << ": "
+           << (status == nullptr ? "forgotten" : status_text(*status)) << '\n';
+    }
+  }
+  AlarmBook book_;
+  std::ostringstream out_;
+};
+
+void expect_replayed(const std::string& text) { EXPECT_EQ(Transcript().replay(text), text); }
+
+TEST(AlarmBook, AcknowledgedActiveAndReturned) {
+  expect_replayed(R"(# acknowledged while it is active
+0s raise shop/press-1/level high 91
+  shop/press-1/level high: unacknowledged, active, medium, 1 times
+1s raise shop/press-1/level high 92
+  nothing
+2s anna acknowledges shop/press-1/level high
+  event: shop/press-1/level high acknowledged by anna
+  shop/press-1/level high: acknowledged, active, medium, 1 times, acknowledged by anna at 2s
+3s bert acknowledges shop/press-1/level high
+  refused: it is acknowledged already, by anna (WRONG_STATE)
+4s clear shop/press-1/level high 80
+  shop/press-1/level high: clear, medium, 1 times, acknowledged by anna at 2s
+5s clear shop/press-1/level high 80
+  nothing
+6s bert acknowledges shop/press-1/level high
+  refused: the alarm is clear: there is nothing to acknowledge (WRONG_STATE)
+
+# nobody saw it before it returned; it comes again before somebody does
+10s raise shop/press-1/level high-high 96
+  shop/press-1/level high-high: unacknowledged, active, high, 1 times
+11s clear shop/press-1/level high-high 94
+  shop/press-1/level high-high: returned, high, 1 times
+12s raise shop/press-1/level high-high 97
+  shop/press-1/level high-high: unacknowledged, active, high, 2 times
+13s clear shop/press-1/level high-high 94
+  shop/press-1/level high-high: returned, high, 2 times
+14s bert acknowledges shop/press-1/level high-high
+  event: shop/press-1/level high-high acknowledged by bert
+  shop/press-1/level high-high: clear, high, 2 times, acknowledged by bert at 14s
+15s raise shop/press-1/valve high 1
+  shop/press-1/valve high: unacknowledged, active, critical, 1 times
+)");
+}
+
+TEST(AlarmBook, ShelvedForAWhile) {
+  expect_replayed(R"(0s anna shelves shop/press-1/level low for 30min
+  event: shop/press-1/level low shelved by anna until 30min
+  shop/press-1/level low: clear, medium, shelved by anna until 30min
+1min raise shop/press-1/level low 9
+  shop/press-1/level low: unacknowledged, active, medium, 1 times, shelved by anna until 30min
+2min anna acknowledges shop/press-1/level low
+  refused: the alarm is shelved (WRONG_STATE)
+3min time
+29min time
+  shop/press-1/level low: unacknowledged, active, medium, shelved by anna until 30min
+30min time
+  event: shop/press-1/level low shelving ended
+  shop/press-1/level low: unacknowledged, active, medium
+31min bert acknowledges shop/press-1/level low
+  event: shop/press-1/level low acknowledged by bert
+  shop/press-1/level low: acknowledged, active, medium, acknowledged by bert at 31min
+32min bert shelves shop/press-1/level low for 24h
+  event: shop/press-1/level low shelved by bert until 1472min
+  shop/press-1/level low: unacknowledged, active, medium, acknowledged by bert at 31min, shelved by bert until 1472min
+33min clear shop/press-1/level low 20
+  shop/press-1/level low: clear, medium, acknowledged by bert at 31min, shelved by bert until 1472min
+34min anna unshelves shop/press-1/level low
+  event: shop/press-1/level low unshelved by anna
+  shop/press-1/level low: clear, medium, acknowledged by bert at 31min
+35min anna unshelves shop/press-1/level low
+  refused: the alarm is not shelved (WRONG_STATE)
+)");
+}
+
+TEST(AlarmBook, ADeviceInMaintenance) {
+  expect_replayed(R"(0s raise shop/press-2/valve high 2
+  shop/press-2/valve high: unacknowledged, active, critical, 1 times
+1s chen maintains shop/press-2 for 2h
+  event: shop/press-2 maintenance by chen until 7201s
+  shop/press-2/level low-low: clear, high, suppressed until 7201s
+  shop/press-2/level low: clear, medium, suppressed until 7201s
+  shop/press-2/level high: clear, medium, suppressed until 7201s
+  shop/press-2/level high-high: clear, high, suppressed until 7201s
+  shop/press-2/valve high: unacknowledged, active, critical, 1 times, suppressed until 7201s
+2s anna acknowledges shop/press-2/valve high
+  refused: its device is in maintenance (WRONG_STATE)
+3s clear shop/press-2/valve high 0
+  shop/press-2/valve high: clear, critical, 1 times, suppressed until 7201s
+4s raise shop/press-2/level high 91
+  shop/press-2/level high: unacknowledged, active, medium, 1 times, suppressed until 7201s
+5s raise shop/press-1/level high 91
+  shop/press-1/level high: unacknowledged, active, medium, 1 times
+7200s time
+  shop/press-1/level high: unacknowledged, active, medium
+  shop/press-2/level high: unacknowledged, active, medium, suppressed until 7201s
+  shop/press-2/valve high: clear, critical, suppressed until 7201s
+7201s time
+  event: shop/press-2 maintenance ended
+  shop/press-2/level low-low: clear, high
+  shop/press-2/level low: clear, medium
+  shop/press-2/level high: unacknowledged, active, medium
+  shop/press-2/level high-high: clear, high
+  shop/press-2/valve high: clear, critical
+7202s chen ends shop/press-2
+  refused: the device is not in maintenance (WRONG_STATE)
+)");
+}
+
+TEST(AlarmBook, Chatters) {
+  expect_replayed(R"(0s raise shop/press-1/level high 91
+  shop/press-1/level high: unacknowledged, active, medium, 1 times
+1s clear shop/press-1/level high 89
+  shop/press-1/level high: returned, medium, 1 times
+2s raise shop/press-1/level high 91
+  shop/press-1/level high: unacknowledged, active, medium, 2 times
+3s clear shop/press-1/level high 89
+  shop/press-1/level high: returned, medium, 2 times
+4s raise shop/press-1/level high 91
+  shop/press-1/level high: unacknowledged, active, medium, 3 times
+5s clear shop/press-1/level high 89
+  shop/press-1/level high: returned, medium, 3 times
+6s raise shop/press-1/level high 91
+  shop/press-1/level high: unacknowledged, active, medium, 4 times
+7s clear shop/press-1/level high 89
+  shop/press-1/level high: returned, medium, 4 times
+8s raise shop/press-1/level high 91
+  event: shop/press-1/level high chattering
+  shop/press-1/level high: unacknowledged, active, medium, 5 times, chattering
+602s time
+  shop/press-1/level high: unacknowledged, active, medium, 3 times, chattering
+604s time
+  event: shop/press-1/level high chattering ended
+  shop/press-1/level high: unacknowledged, active, medium, 2 times
+)");
+}
+
+TEST(AlarmBook, RefusesWhatCannotBe) {
+  expect_replayed(R"(0s nobody acknowledges shop/press-1/level high
+  refused: it must say who does it (RANGE)
+0s anna acknowledges shop/press-1/plain high
+  refused: there is no such limit: shop/press-1/plain high (UNKNOWN_CHANNEL)
+0s anna acknowledges shop/press-9/level high
+  refused: there is no such limit: shop/press-9/level high (UNKNOWN_CHANNEL)
+0s anna acknowledges shop/press-1/level high
+  refused: the alarm is clear: there is nothing to acknowledge (WRONG_STATE)
+0s anna unshelves shop/press-1/level high
+  refused: the alarm is not shelved (WRONG_STATE)
+0s anna shelves shop/press-1/level high
+  refused: an alarm is shelved for up to 24 hours (RANGE)
+0s anna shelves shop/press-1/level high for 1441min
+  refused: an alarm is shelved for up to 24 hours (RANGE)
+0s anna maintains shop/press-1
+  refused: maintenance takes up to 7 days (RANGE)
+0s anna maintains shop/press-1 for 169h
+  refused: maintenance takes up to 7 days (RANGE)
+0s anna maintains shop/press-9 for 1h
+  refused: there is no device with alarms: shop/press-9 (UNKNOWN_DEVICE)
+0s anna maintains shop for 1h
+  refused: there is no device with alarms: shop/ (UNKNOWN_DEVICE)
+0s raise shop/press-1/plain high 5
+  nothing
+0s clear shop/press-1/level high 5
+  nothing
+)");
+}
+
+TEST(AlarmBook, ANegativeDurationIsRefused) {
+  AlarmBook book;
+  (void)book.configure(two_buses());
+  AlarmAction action;
+  action.by = "anna";
+  action.alarm = {"shop", "press-1", "level", LimitKind::kHigh};
+  for (const Duration length : {Duration{-1}, Duration::min(), Duration::max()}) {
+    action.duration = length;
+    action.kind = AlarmActionKind::kShelve;
+    EXPECT_FALSE(book.act(action, after(0s)));
+    action.kind = AlarmActionKind::kMaintenance;
+    EXPECT_FALSE(book.act(action, after(0s)));
+  }
+}
+
+KeptAlarms kept_of(AlarmBook& book) {
+  KeptAlarms kept;
+  AlarmBook::News news = book.take_news();
+  for (const AlarmKey& alarm : news.to_keep) {
+    AlarmStatus status = *book.find(alarm);
+    status.suppressed = {};
+    kept.states.push_back({alarm, status});
+    if (status.active) kept.active.push_back({alarm, status});
+    if (status.occurrences > 0) kept.occurrences.emplace_back(alarm, status.raised_at);
+  }
+  kept.maintenance = news.maintenance;
+  return kept;
+}
+
+TEST(AlarmBook, ARestartChangesNothing) {
+  AlarmBook before;
+  (void)before.configure(two_buses());
+  const auto alarm = [](const char* channel, LimitKind limit) {
+    return AlarmKey{"shop", "press-1", channel, limit};
+  };
+  const AlarmKey acknowledged = alarm("level", LimitKind::kHigh),
+                 returned = alarm("level", LimitKind::kLow),
+                 shelved = alarm("level", LimitKind::kLowLow),
+                 plain = alarm("valve", LimitKind::kHigh),
+                 suppressed{"shop", "press-2", "level", LimitKind::kHigh};
+  for (const AlarmKey& each : {acknowledged, returned, shelved, plain, suppressed})
+    (void)before.raise(each, 91, after(1s), after(1s));
+  (void)before.clear(returned, 50, after(2s));
+  AlarmAction action{.by = "anna", .note = "seen"};
+  action.alarm = acknowledged;
+  ASSERT_TRUE(before.act(action, after(3s)));
+  action.kind = AlarmActionKind::kShelve;
+  action.alarm = shelved;
+  action.duration = 1h;
+  ASSERT_TRUE(before.act(action, after(3s)));
+  action.kind = AlarmActionKind::kMaintenance;
+  action.alarm = {"shop", "press-2", {}, {}};
+  ASSERT_TRUE(before.act(action, after(3s)));
+
+  AlarmBook restarted;
+  (void)restarted.configure(two_buses());
+  (void)restarted.raise(plain, 99, after(5s), after(5s));  // before the store was open
+  EXPECT_TRUE(restarted.restore(kept_of(before), after(10s)).empty());
+  for (const AlarmKey& each : {acknowledged, returned, shelved, plain, suppressed}) {
+    ASSERT_NE(restarted.find(each), nullptr) << to_text(each);
+    EXPECT_EQ(status_text(*restarted.find(each)), status_text(*before.find(each))) << to_text(each);
+    EXPECT_EQ(restarted.find(each)->raised_at, after(1s));
+    EXPECT_EQ(restarted.find(each)->acknowledged, before.find(each)->acknowledged);
+  }
+  restarted.on_time("shop", after(2h));
+  EXPECT_FALSE(restarted.find(shelved)->shelved.is_set()) << "it ends after the restart too";
+  EXPECT_FALSE(restarted.find(suppressed)->suppressed.is_set());
+  EXPECT_EQ(restarted.find(acknowledged)->stage, AlarmStage::kAcknowledged);
+}
+
+TEST(AlarmBook, AStoreOfBeforeKnowsActiveAlarmsOnly) {
+  AlarmBook book;
+  (void)book.configure(two_buses());
+  KeptAlarms kept;
+  const AlarmKey active{"shop", "press-1", "level", LimitKind::kHigh},
+      not_ours{"of another bridge", "press-1", "level", LimitKind::kHigh},
+      taken_away{"shop", "press-1", "plain", LimitKind::kHigh};
+  for (const AlarmKey& alarm : {active, not_ours, taken_away}) {
+    AlarmStatus status;
+    status.value = 93;
+    status.raised_at = after(1s);
+    kept.active.push_back({alarm, status});
+    kept.occurrences.emplace_back(alarm, after(1s));
+  }
+  const auto ended = book.restore(kept, after(5s));
+  ASSERT_EQ(ended.size(), 1u);
+  EXPECT_EQ(ended[0].alarm, taken_away);
+  EXPECT_EQ(status_text(*book.find(active)), "unacknowledged, active, medium, 1 times");
+  EXPECT_EQ(book.find(not_ours), nullptr);
+  EXPECT_EQ(book.find(taken_away), nullptr);
+}
+
+TEST(AlarmBook, AnAlarmWhoseLimitIsTakenAwayIsForgotten) {
+  AlarmBook book;
+  (void)book.configure(two_buses());
+  const AlarmKey alarm{"shop", "press-1", "valve", LimitKind::kHigh};
+  (void)book.raise(alarm, 2, after(1s), after(1s));
+  (void)book.take_news();
+  auto buses = two_buses();
+  buses[0].devices[0].channels[2].limits = {};
+  const auto ended = book.configure(buses);
+  ASSERT_EQ(ended.size(), 1u);
+  EXPECT_EQ(ended[0].alarm, alarm);
+  EXPECT_EQ(book.find(alarm), nullptr);
+  EXPECT_TRUE(book.take_news().changed.contains(alarm));
+  EXPECT_TRUE(book.known_of("shop").empty());
+}
+
+TEST(AlarmBook, ANewPriorityHoldsAtOnce) {
+  AlarmBook book;
+  (void)book.configure(two_buses());
+  const AlarmKey alarm{"shop", "press-1", "level", LimitKind::kHigh};
+  (void)book.raise(alarm, 91, after(1s), after(1s));
+  (void)book.take_news();
+  auto buses = two_buses();
+  buses[0].devices[0].channels[0].limits.priority = AlarmPriority::kCritical;
+  EXPECT_TRUE(book.configure(buses).empty());
+  EXPECT_EQ(book.find(alarm)->priority, AlarmPriority::kCritical);
+  EXPECT_TRUE(book.take_news().changed.contains(alarm));
+}
+
+}  // namespace
+}  // namespace fieldcast
