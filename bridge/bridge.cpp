@@ -106,6 +106,8 @@ void Bridge::State::stop_all(program::Server::Modules kept) {
   // 5. the last results reach their readers, then we leave the domain; no handler is called
   // afterwards.
   link->close(kLinger);
+  alarms.publish_with({});
+  sinks.drain();
   link.reset();  // 6.
   guard.reset();
   commands.keep_identities({}, {});

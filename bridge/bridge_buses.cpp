@@ -92,6 +92,7 @@ void Bridge::State::start_bus(const BusSpec& bus) {
     figures.remove(bus.name);
     throw;
   }
+  alarms.publish_again(bus.name);
   made.runner->set_trace(trace);
   made.runner->start();
   interests.add(bus, made.runner);

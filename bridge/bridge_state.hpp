@@ -20,6 +20,7 @@
 #include "bridge/bridge.hpp"
 #include "bridge/bus/bus_runner.hpp"
 #include "bridge/bus/io_thread.hpp"
+#include "bridge/command/alarm_actions.hpp"
 #include "bridge/command/command_audit.hpp"
 #include "bridge/command/command_router.hpp"
 #include "bridge/dds/dds_link.hpp"
@@ -50,6 +51,8 @@ struct Bridge::State {
   bool trace = false;
   CommandAudit audit;
   CommandRouter commands;
+  AlarmTable alarms;  // outlives the store's use of it, and the sinks
+  AlarmActions alarm_actions{alarms, audit};
   InterestRegistry interests{[](const std::string& text) {
     log_counted(LogLevel::kInfo, "dds", "interests that change nothing", text);
   }};
@@ -59,7 +62,6 @@ struct Bridge::State {
   // the whole bridge starts anew.
   std::mutex store_mutex;
   std::unique_ptr<Store> store;  // outlives the sinks of the buses; null: nothing is stored
-  AlarmTable alarms;             // outlives the store's use of it, and the sinks
   std::unique_ptr<Authenticator> logins;          // with a store only
   std::unique_ptr<CommandIdentities> identities;  // with a store only; closed before the link
   MetricsTable figures;                           // outlives the sinks
@@ -87,6 +89,7 @@ struct Bridge::State {
   void keep_identities();
   void serve_metrics(const BridgeSpec& wanted);
   void tell_other_bridges(DdsLink::Handlers& handlers);
+  void publish_alarms();
 
   // bridge_buses.cpp.
   void want_buses(const BridgeSpec& wanted);

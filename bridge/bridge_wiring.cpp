@@ -49,6 +49,10 @@ void Bridge::State::join() {
       link->complete(bus, *refused, read_clocks());
     }
   };
+  handlers.on_alarm_action = [this](const AlarmAction& action) {
+    const UtcMapping now = read_clocks();
+    link->complete(action.alarm.bus, alarm_actions.take(action, now), now);
+  };
   handlers.on_interest = [this](const Interest& interest) {
     if (const auto noted = interests.note(interest.station, interest.pattern, interest.refresh);
         !noted) {
@@ -62,6 +66,7 @@ void Bridge::State::join() {
   link = std::make_unique<DdsLink>(spec.dds, spec.name, std::move(handlers));
   if (const auto small = receive_buffer_remark(spec.dds)) log_warning("dds", *small);
   if (const auto alone = multicast_remark(spec.dds)) log_warning("dds", *alone);
+  publish_alarms();
   if (spec.store) open_store();
   audit.open(store.get());
 }
@@ -69,9 +74,7 @@ void Bridge::State::join() {
 void Bridge::State::open_store() {
   alarms.expect_store();
   auto opened = std::make_unique<Store>(
-      *spec.store, [this](Store& known, const std::vector<AlarmRecord>& active) {
-        alarms.loaded(known, active);
-      });
+      *spec.store, [this](Store& known, const KeptAlarms& kept) { alarms.loaded(known, kept); });
   {
     const std::lock_guard lock(store_mutex);
     store = std::move(opened);
@@ -100,6 +103,19 @@ void Bridge::State::keep_identities() {
         audit.answered(bus, refused);
         link->complete(bus, refused, read_clocks());
       });
+}
+
+// What is told when the task runs is what is known then: of two changes the later is published.
+void Bridge::State::publish_alarms() {
+  alarms.publish_with([this](const AlarmKey& alarm) {
+    sinks.post([this, alarm] {
+      if (const auto status = alarms.status_of(alarm)) {
+        link->report(alarm, *status);
+      } else {
+        link->forget(alarm);
+      }
+    });
+  });
 }
 
 // In place of the server of before. One that cannot listen tries again by itself: neither the start

@@ -64,6 +64,11 @@ void CommandAudit::answered(const std::string& bus, const CommandResult& result)
   append(std::move(entry), result);
 }
 
+void CommandAudit::note(AuditEntry asked, const CommandResult& result) {
+  const std::lock_guard lock(mutex_);
+  append(std::move(asked), result);
+}
+
 void CommandAudit::append(AuditEntry entry, const CommandResult& result) {
   if (!audit_) return;
   entry.at = read_clocks().utc;

@@ -25,6 +25,8 @@ class CommandAudit {
   // It was refused before a bus had it: its key may be that of another command that still runs.
   void refused(AuditEntry asked, const CommandResult& result);
   void answered(const std::string& bus, const CommandResult& result);
+  // What is answered as soon as it comes.
+  void note(AuditEntry asked, const CommandResult& result);
 
  private:
   void append(AuditEntry entry, const CommandResult& result);

@@ -29,6 +29,7 @@ std::vector<AlarmChange> AlarmReporter::on_samples(const std::vector<Sample>& sa
 }
 
 std::vector<AlarmChange> AlarmReporter::on_time(const UtcMapping& now) {
+  table_.on_time(bus_, now.utc);
   std::vector<AlarmChange> all = restore();
   std::vector<AlarmChange> changes;
   monitor_.on_time(now.instant, changes);

@@ -3,33 +3,41 @@
 #include <utility>
 
 #include "bridge/bus/clock.hpp"
-#include "core/alarm/limit_watch.hpp"
 
 namespace fieldcast {
 namespace {
 
-std::string text_of(LimitKind kind) { return std::string(to_text(kind)); }
+AlarmRecord record_of(const AlarmKey& alarm, AlarmState state, double value, UtcTime since) {
+  return {alarm.bus,
+          alarm.device,
+          alarm.channel,
+          std::string(to_text(alarm.limit)),
+          std::string(to_text(state)),
+          value,
+          since};
+}
 
 }  // namespace
-
-AlarmTable::Key AlarmTable::key_of(const AlarmRecord& record) {
-  return {record.bus, record.device, record.channel, record.limit};
-}
 
 void AlarmTable::expect_store() {
   const std::lock_guard lock(mutex_);
   loading_ = true;
-  active_.clear();  // the store knows
+  (void)book_.restore({}, read_clocks().utc);  // the store knows
 }
 
-void AlarmTable::loaded(AlarmSink& sink, const std::vector<AlarmRecord>& active) {
-  const std::lock_guard lock(mutex_);
-  sink_ = &sink;
-  loading_ = false;
-  for (const AlarmRecord& record : active) active_[key_of(record)] = record;
-  for (const AlarmRecord& record : std::exchange(held_, {})) keep(record);
-  end_others(read_clocks().utc);
+void AlarmTable::loaded(AlarmSink& sink, const KeptAlarms& kept) {
+  std::set<AlarmKey> changed;
+  {
+    const std::lock_guard lock(mutex_);
+    const UtcTime now = read_clocks().utc;
+    sink_ = &sink;
+    loading_ = false;
+    (void)end(book_.restore(kept, now), now);
+    for (const AlarmRecord& record : std::exchange(held_, {})) enter(record, now);
+    changed = take_changes();
+  }
   version_.fetch_add(1, std::memory_order_release);
+  publish(changed);
 }
 
 void AlarmTable::close(AlarmSink* sink) {
@@ -41,67 +49,124 @@ void AlarmTable::close(AlarmSink* sink) {
   loading_ = false;
 }
 
-std::vector<AlarmRecord> AlarmTable::configure(const std::vector<BusSpec>& buses, UtcTime now) {
-  const std::lock_guard lock(mutex_);
-  limits_.clear();
-  for (const BusSpec& bus : buses) {
-    buses_.insert(bus.name);
-    for (const DeviceSpec& device : bus.devices) {
-      for (const ChannelSpec& channel : device.channels) {
-        const std::pair<LimitKind, bool> kinds[] = {
-            {LimitKind::kLowLow, channel.limits.low_low.has_value()},
-            {LimitKind::kLow, channel.limits.low.has_value()},
-            {LimitKind::kHigh, channel.limits.high.has_value()},
-            {LimitKind::kHighHigh, channel.limits.high_high.has_value()}};
-        for (const auto& [kind, present] : kinds) {
-          if (present) limits_.emplace(bus.name, device.name, channel.name, text_of(kind));
-        }
-      }
-    }
-  }
-  return end_others(now);
+void AlarmTable::publish_with(Publish publish) {
+  const std::lock_guard lock(publish_mutex_);
+  publish_ = std::move(publish);
 }
 
-// A store may be shared: what other bridges' buses have there is not ours to end.
-std::vector<AlarmRecord> AlarmTable::end_others(UtcTime now) {
-  std::vector<AlarmRecord> ended;
-  std::erase_if(active_, [&](const auto& entry) {
-    const auto& [key, record] = entry;
-    if (limits_.contains(key) || !buses_.contains(record.bus)) return false;
-    AlarmRecord& end = ended.emplace_back(record);
-    end.state = std::string(to_text(AlarmState::kClear));
-    end.since = now;
-    return true;
-  });
-  for (const AlarmRecord& record : ended) {
-    if (sink_) sink_->put(record);
+void AlarmTable::publish_again(const std::string& bus) {
+  std::set<AlarmKey> known;
+  {
+    const std::lock_guard lock(mutex_);
+    const std::vector<AlarmKey> keys = book_.known_of(bus);
+    known.insert(keys.begin(), keys.end());
   }
+  publish(known);
+}
+
+void AlarmTable::publish(const std::set<AlarmKey>& changed) {
+  if (changed.empty()) return;
+  const std::lock_guard lock(publish_mutex_);
+  if (!publish_) return;
+  for (const AlarmKey& alarm : changed) publish_(alarm);
+}
+
+std::optional<AlarmStatus> AlarmTable::status_of(const AlarmKey& alarm) const {
+  const std::lock_guard lock(mutex_);
+  const AlarmStatus* status = book_.find(alarm);
+  return status == nullptr ? std::nullopt : std::optional(*status);
+}
+
+std::vector<AlarmRecord> AlarmTable::configure(const std::vector<BusSpec>& buses, UtcTime now) {
+  std::vector<AlarmRecord> ended;
+  std::set<AlarmKey> changed;
+  {
+    const std::lock_guard lock(mutex_);
+    ended = end(book_.configure(buses), now);
+    changed = take_changes();
+  }
+  publish(changed);
   return ended;
 }
 
-void AlarmTable::note(const AlarmRecord& record) {
-  const std::lock_guard lock(mutex_);
-  if (loading_ && held_.size() < kMaxHeld) return held_.push_back(record);
-  keep(record);
+std::vector<AlarmRecord> AlarmTable::end(const std::vector<KeptAlarm>& ended, UtcTime now) {
+  std::vector<AlarmRecord> records;
+  for (const KeptAlarm& each : ended) {
+    records.push_back(record_of(each.alarm, AlarmState::kClear, each.status.value, now));
+    if (sink_) sink_->put(records.back());
+  }
+  return records;
 }
 
-void AlarmTable::keep(const AlarmRecord& record) {
-  const Key key = key_of(record);
-  if (record.state == to_text(AlarmState::kActive)) {
-    // It goes on, or the bus raised it while the limit was taken away.
-    if (active_.contains(key) || !limits_.contains(key)) return;
-    active_[key] = record;
-  } else if (active_.erase(key) == 0) {
-    return;  // it has ended already
+void AlarmTable::note(const AlarmRecord& record) {
+  std::set<AlarmKey> changed;
+  {
+    const std::lock_guard lock(mutex_);
+    if (loading_ && held_.size() < kMaxHeld) held_.push_back(record);
+    enter(record, read_clocks().utc);
+    changed = take_changes();
   }
+  publish(changed);
+}
+
+void AlarmTable::enter(const AlarmRecord& record, UtcTime now) {
+  const auto limit = limit_kind_from(record.limit);
+  if (!limit) return;
+  const AlarmKey alarm{record.bus, record.device, record.channel, *limit};
+  const bool began = record.state == to_text(AlarmState::kActive);
+  // It goes on, or has ended already, or its bus raised it while the limit was taken away.
+  if (began ? !book_.raise(alarm, record.value, record.since, now)
+            : !book_.clear(alarm, record.value, record.since))
+    return;
   if (sink_) sink_->put(record);
+}
+
+AlarmOutcome AlarmTable::act(const AlarmAction& action, UtcTime now) {
+  AlarmOutcome outcome;
+  std::set<AlarmKey> changed;
+  {
+    const std::lock_guard lock(mutex_);
+    if (loading_) {
+      return tl::unexpected(
+          AlarmRefusal{Cause::kOffline, "the store is not open, which knows how the alarms are"});
+    }
+    outcome = book_.act(action, now);
+    changed = take_changes();
+  }
+  publish(changed);
+  return outcome;
+}
+
+void AlarmTable::on_time(const std::string& bus, UtcTime now) {
+  std::set<AlarmKey> changed;
+  {
+    const std::lock_guard lock(mutex_);
+    book_.on_time(bus, now);
+    changed = take_changes();
+  }
+  publish(changed);
+}
+
+std::set<AlarmKey> AlarmTable::take_changes() {
+  AlarmBook::News news = book_.take_news();
+  if (sink_) {
+    for (const AlarmKey& alarm : news.to_keep) {
+      const AlarmStatus* status = book_.find(alarm);
+      sink_->put(KeptAlarm{alarm, status == nullptr ? AlarmStatus{} : *status});
+    }
+    for (KeptMaintenance& maintenance : news.maintenance) sink_->put(std::move(maintenance));
+    for (AlarmEvent& event : news.events) sink_->put(std::move(event));
+  }
+  return std::move(news.changed);
 }
 
 std::vector<AlarmRecord> AlarmTable::active_of(const std::string& bus) const {
   const std::lock_guard lock(mutex_);
   std::vector<AlarmRecord> found;
-  for (const auto& [key, record] : active_) {
-    if (record.bus == bus) found.push_back(record);
+  for (const AlarmKey& alarm : book_.known_of(bus)) {
+    const AlarmStatus& status = *book_.find(alarm);
+    if (status.active)
+      found.push_back(record_of(alarm, AlarmState::kActive, status.value, status.raised_at));
   }
   return found;
 }

@@ -1,4 +1,4 @@
-// Takes the alarms that began or ended.
+// Takes the alarms that began or ended, and what people did about them.
 #pragma once
 
 #include "bridge/store/records.hpp"
@@ -10,6 +10,9 @@ class AlarmSink {
   virtual ~AlarmSink() = default;
   // Any thread; never blocks, never fails.
   virtual void put(AlarmRecord alarm) = 0;
+  virtual void put(KeptAlarm alarm) = 0;
+  virtual void put(KeptMaintenance maintenance) = 0;
+  virtual void put(AlarmEvent event) = 0;
 };
 
 }  // namespace fieldcast

@@ -116,7 +116,7 @@ std::vector<DeviceRecord> EventTable::devices() {
 }
 
 void EventTable::remove_oldest() {
-  for (const char* const table : {"audit", "alarms"}) {
+  for (const char* const table : {"audit", "alarms", "alarm_events"}) {
     const std::string name(table);
     connection_.execute(
         fmt::format("delete from {} where id <= (select max(id) from {}) - $1", name, name),

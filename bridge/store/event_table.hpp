@@ -10,7 +10,7 @@ namespace fieldcast {
 
 class EventTable {
  public:
-  // Audit entries, and as many alarms: the newest.
+  // Audit entries, and as many alarms, and events of alarms: the newest.
   static constexpr std::int64_t kMaxKept = 1'000'000;
 
   explicit EventTable(SqlConnection& connection) : connection_(connection) {}

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
+#include "core/alarm/alarm_book.hpp"
 #include "core/base/quality.hpp"
 #include "core/base/time.hpp"
 #include "core/base/value.hpp"
@@ -55,6 +57,19 @@ struct AlarmRecord {
   double value = 0;
   UtcTime since;
   friend bool operator==(const AlarmRecord&, const AlarmRecord&) = default;
+};
+
+// A line of the history of alarms: a limit was passed or kept again, somebody did something about
+// it, or time did.
+struct AlarmLogEntry {
+  std::string bus, device;
+  std::string channel, limit;   // empty: all alarms of the device
+  std::string event;            // "raised", "cleared", or as to_text(AlarmEventKind) says
+  std::optional<double> value;  // of "raised" and "cleared"
+  std::string who, note;
+  UtcTime at;
+  UtcTime until;  // of what has an end
+  friend bool operator==(const AlarmLogEntry&, const AlarmLogEntry&) = default;
 };
 
 }  // namespace fieldcast

@@ -107,6 +107,49 @@ create view hour_history as
 select c.bus, c.device, c.channel, c.unit, c.type, {time t.start} as start, {totals}
 from channels c cross join tiers t where t.channel = c.id and t.width = 3600;
 )",
+    // How each alarm is that is not plainly clear; a time of 0 is none. alarm_events: what happened
+    // besides that a limit was passed or kept again; without a channel to all alarms of a device.
+    R"(
+create table alarm_states (
+  bus text not null, device text not null, channel text not null, limit_kind text not null,
+  stage text not null, active smallint not null, value double precision not null,
+  raised_at bigint not null, cleared_at bigint not null,
+  acknowledged_by text not null, acknowledged_at bigint not null, acknowledged_note text not null,
+  shelved_by text not null, shelved_at bigint not null, shelved_until bigint not null,
+  shelved_note text not null,
+  primary key (bus, device, channel, limit_kind));
+create table device_maintenance (
+  bus text not null, device text not null, who text not null, note text not null,
+  since bigint not null, until bigint not null, primary key (bus, device));
+create table alarm_events (
+  id {id}, at bigint not null, bus text not null, device text not null, channel text not null,
+  limit_kind text not null, event text not null, who text not null, note text not null,
+  until bigint not null);
+create index alarm_events_at on alarm_events (at);
+
+create view alarm_list as
+select a.bus, a.device, a.channel, a.limit_kind, a.stage, a.active, a.value,
+  {time a.raised_at} as raised_at, {time a.cleared_at} as cleared_at,
+  a.acknowledged_by, {time a.acknowledged_at} as acknowledged_at, a.acknowledged_note,
+  a.shelved_by, {time a.shelved_until} as shelved_until, a.shelved_note,
+  m.who as maintenance_by, {time m.until} as maintenance_until, m.note as maintenance_note
+from alarm_states a left join device_maintenance m on m.bus = a.bus and m.device = a.device;
+
+create view maintenance_list as
+select bus, device, who, note, {time since} as since, {time until} as until
+from device_maintenance;
+
+create view alarm_log as
+select id, {time since} as at, bus, device, channel, limit_kind,
+  case state when 'active' then 'raised' else 'cleared' end as event, value,
+  '' as who, '' as note, {time 0} as until, since as at_ns, 0 as until_ns
+from alarms
+union all
+select id, {time at} as at, bus, device, channel, limit_kind, event,
+  cast(null as double precision) as value, who, note, {time until} as until, at as at_ns,
+  until as until_ns
+from alarm_events;
+)",
 };
 
 // What the two databases say in different words, or what would stand in a step again and again.

@@ -11,6 +11,7 @@
 #include "bridge/bus/back_off.hpp"
 #include "bridge/bus/clock.hpp"
 #include "bridge/log/log.hpp"
+#include "bridge/store/alarm_life_table.hpp"
 #include "bridge/store/event_table.hpp"
 #include "bridge/store/retention.hpp"
 #include "bridge/store/tiers/tier_writer.hpp"
@@ -36,6 +37,15 @@ std::string spelled(const AlarmRecord& alarm) {
   return fmt::format("alarm {}/{}/{} {} {} at {}", alarm.bus, alarm.device, alarm.channel,
                      alarm.limit, alarm.state, number_text(alarm.value));
 }
+std::string spelled(const KeptAlarm& alarm) {
+  return fmt::format("alarm {} {}", to_text(alarm.alarm), to_text(alarm.status.stage));
+}
+std::string spelled(const KeptMaintenance& maintenance) {
+  return fmt::format("maintenance of {}/{}", maintenance.device.first, maintenance.device.second);
+}
+std::string spelled(const AlarmEvent& event) {
+  return fmt::format("alarm {} {} by {}", to_text(event.alarm), to_text(event.kind), event.by);
+}
 std::string spelled(const DeviceRecord& device) {
   return fmt::format("device {}/{} {}", device.bus, device.device, device.state);
 }
@@ -48,7 +58,8 @@ std::vector<Pattern> parsed(const std::vector<std::string>& texts) {
   return patterns;
 }
 
-void log_unstored(const std::variant<AuditEntry, AlarmRecord, DeviceRecord>& event) {
+template <class Event>
+void log_unstored(const Event& event) {
   log_counted(
       LogLevel::kWarning, "store", "records not stored",
       "not stored: " + std::visit([](const auto& record) { return spelled(record); }, event));
@@ -76,7 +87,7 @@ class Store::DropReport {
 // The database's side, on the writer's thread alone.
 class Store::Writer {
  public:
-  using Opened = std::function<void(const std::vector<AlarmRecord>& active)>;
+  using Opened = std::function<void(const KeptAlarms& kept)>;
   Writer(const StoreSpec& spec, Opened opened, std::deque<StoredChannel>& channels,
          std::mutex& mutex)
       : address_(spec.address),
@@ -107,7 +118,7 @@ class Store::Writer {
   // One step of the tiers and one of the retention. True: there is more to tidy.
   [[nodiscard]] bool tidy() {
     try {
-      if (opened_) open();  // its caller waits for the active alarms
+      if (opened_) open();  // its caller waits for the alarms
       if (!connection_) return false;
       const UtcTime utc = read_clocks().utc;
       const bool tiering = tiers_.step(*connection_, utc);
@@ -119,15 +130,15 @@ class Store::Writer {
   }
 
  private:
-  // Throws StoreError. Reads the active alarms before anything of this run is written.
+  // Throws StoreError. Reads the alarms before anything of this run is written.
   void open() {
     if (connection_) return;
     auto connection = open_store(address_, IfMissing::kCreate);
-    std::vector<AlarmRecord> active;
-    if (opened_) active = EventTable(*connection).active_alarms();
+    KeptAlarms kept;
+    if (opened_) kept = AlarmLifeTable(*connection).kept(read_clocks().utc);
     connection_ = std::move(connection);
     if (told_.empty()) log_info("store", "open: " + address_.masked());
-    if (const Opened opened = std::exchange(opened_, {})) opened(active);
+    if (const Opened opened = std::exchange(opened_, {})) opened(kept);
   }
   // Throws StoreError.
   void write_all(const Batch& batch) {
@@ -135,9 +146,8 @@ class Store::Writer {
     for (const std::size_t channel : batch.changed)
       known_.erase(static_cast<std::int64_t>(channel));
     insert(batch.samples);
-    EventTable events(*connection_);
     for (const Event& event : batch.events)
-      std::visit([&](const auto& record) { events.insert(record); }, event);
+      std::visit([&](const auto& record) { insert(record); }, event);
     transaction.commit();
   }
   void close(const StoreError& error) {
@@ -145,6 +155,15 @@ class Store::Writer {
     connection_.reset();
     tiers_.reset();
     known_.clear();  // another file may lie there now
+  }
+  template <class Record>
+  void insert(const Record& record) {
+    if constexpr (std::is_same_v<Record, AuditEntry> || std::is_same_v<Record, AlarmRecord> ||
+                  std::is_same_v<Record, DeviceRecord>) {
+      EventTable(*connection_).insert(record);
+    } else {
+      AlarmLifeTable(*connection_).insert(record);
+    }
   }
   // Each sample with the database's number of its channel instead of ours.
   void insert(const std::deque<SampleRow>& samples) {
@@ -337,7 +356,7 @@ void Store::written(const Batch& batch, bool stored) {
     seen_ += batch.samples.size() + batch.events.size();
   }
   done_.notify_all();
-  if (!stored) std::for_each(batch.events.begin(), batch.events.end(), log_unstored);
+  if (!stored) std::for_each(batch.events.begin(), batch.events.end(), log_unstored<Event>);
 }
 
 // False: the batch is given up.
@@ -362,7 +381,7 @@ void Store::run() {
   // Of this thread alone, on Linux.
   ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNiceness);
   Writer::Opened opened;
-  if (opened_) opened = [this](const auto& active) { opened_(*this, active); };
+  if (opened_) opened = [this](const auto& kept) { opened_(*this, kept); };
   Writer writer(spec_, std::move(opened), channels_, mutex_);
   BackOff back_off;
   DropReport drops;

@@ -49,8 +49,8 @@ class Store final : public Audit, public AlarmSink {
   static constexpr Duration kGather = std::chrono::milliseconds{250};  // how long a batch gathers
 
   // The database is opened by the writer, again and again until it opens. `opened` is then called
-  // once, on the writer's thread, with the alarms that were active when the last bridge ended.
-  using Opened = std::function<void(Store& store, const std::vector<AlarmRecord>& active)>;
+  // once, on the writer's thread, with the alarms as the last bridge left them.
+  using Opened = std::function<void(Store& store, const KeptAlarms& kept)>;
   explicit Store(const StoreSpec& spec, Opened opened = {});
   ~Store() override;  // writes what waits, if the database takes it at once
   Store(const Store&) = delete;
@@ -82,6 +82,9 @@ class Store final : public Audit, public AlarmSink {
 
   void append(AuditEntry entry) override;
   void put(AlarmRecord alarm) override { put_event(std::move(alarm)); }
+  void put(KeptAlarm alarm) override { put_event(std::move(alarm)); }
+  void put(KeptMaintenance maintenance) override { put_event(std::move(maintenance)); }
+  void put(AlarmEvent event) override { put_event(std::move(event)); }
   void put(DeviceRecord device) { put_event(std::move(device)); }
 
   [[nodiscard]] StoreCounters counters() const;
@@ -89,7 +92,8 @@ class Store final : public Audit, public AlarmSink {
   [[nodiscard]] bool flush(Duration limit);
 
  private:
-  using Event = std::variant<AuditEntry, AlarmRecord, DeviceRecord>;
+  using Event =
+      std::variant<AuditEntry, AlarmRecord, KeptAlarm, KeptMaintenance, AlarmEvent, DeviceRecord>;
   struct Batch {
     // `channel` is the index in channels_ until it is written. A deque: a queue that grows never
     // moves what it holds, which a bus would have to wait for.

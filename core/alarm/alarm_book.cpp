@@ -107,8 +107,9 @@ std::vector<KeptAlarm> AlarmBook::restore(const KeptAlarms& kept, UtcTime now) {
     }
     AlarmLife& life = life_of(each.alarm);
     life.restore(each.status, occurrences[each.alarm], now);
-    // The bridge died between the two.
-    if (!active.contains(each.alarm)) life.clear(life.status().value, now);
+    news_.changed.insert(each.alarm);
+    if (active.contains(each.alarm) || !life.status().active) continue;
+    life.clear(life.status().value, now);  // the bridge died between the two
     changed(each.alarm);
   }
   for (const KeptAlarm& each : kept.active) {

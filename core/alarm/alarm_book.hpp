@@ -1,6 +1,6 @@
-// All alarms of a bridge, and the devices that are in maintenance: what the samples say, what people
-// do, what ends with time. Pure: `now` is passed in; one owner, who guards it if several threads
-// use it.
+// All alarms of a bridge, and the devices that are in maintenance: what the samples say, what
+// people do, what ends with time. Pure: `now` is passed in; one owner, who guards it if several
+// threads use it.
 //
 // An alarm is known here from its first occurrence on, or since somebody shelved it or put its
 // device into maintenance; at most as many as there are limits. What changed is collected as news,
@@ -86,8 +86,8 @@ class AlarmBook {
   [[nodiscard]] std::vector<AlarmKey> known_of(const std::string& bus) const;
 
   struct News {
-    std::set<AlarmKey> changed;    // or forgotten: find() says which
-    std::set<AlarmKey> to_keep;    // those of them whose KeptAlarm changed
+    std::set<AlarmKey> changed;  // or forgotten: find() says which
+    std::set<AlarmKey> to_keep;  // those of them whose KeptAlarm changed
     std::vector<KeptMaintenance> maintenance;
     std::vector<AlarmEvent> events;
   };

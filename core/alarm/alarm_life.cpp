@@ -146,11 +146,10 @@ void AlarmLife::end_suppression() {
 bool AlarmLife::count(UtcTime now) {
   const std::int64_t oldest = now.nanoseconds - kChatterWindow.count();
   while (!raised_.empty() && raised_.front().nanoseconds <= oldest) raised_.pop_front();
-  const bool chattering = status_.chattering ? raised_.size() > kChatterUntil
-                                             : raised_.size() >= kChatterFrom;
+  const bool chattering =
+      status_.chattering ? raised_.size() > kChatterUntil : raised_.size() >= kChatterFrom;
   const auto occurrences = static_cast<std::uint32_t>(raised_.size());
-  const bool changed =
-      chattering != status_.chattering || occurrences != status_.occurrences;
+  const bool changed = chattering != status_.chattering || occurrences != status_.occurrences;
   status_.chattering = chattering;
   status_.occurrences = occurrences;
   return changed;

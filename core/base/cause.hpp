@@ -46,8 +46,8 @@ enum class Cause : std::uint8_t {
   kUnsupported,  // the protocol or the device cannot do this
   kShutdown,
   kWrongState,  // of an alarm: what is asked for does not apply to it now
-  kLate,  // nothing failed: the wire was not free in time
-  kCount  // not a cause: how many there are
+  kLate,        // nothing failed: the wire was not free in time
+  kCount        // not a cause: how many there are
 };
 
 // "no answer", "checksum error", ... for logs and results.

@@ -14,12 +14,35 @@ struct RecordingStore final : AlarmSink {
     said += '/' + alarm.channel + ' ' + alarm.limit + ' ' + alarm.state + ' ';
     records.push_back(said + std::to_string(alarm.since.nanoseconds));
   }
+  void put(KeptAlarm alarm) override {
+    kept.push_back(to_text(alarm.alarm) + ' ' + std::string(to_text(alarm.status.stage)));
+  }
+  void put(KeptMaintenance maintenance) override {
+    kept.push_back("maintenance " + maintenance.device.second +
+                   (maintenance.pause.is_set() ? "" : " ended"));
+  }
+  void put(AlarmEvent event) override {
+    kept.push_back(to_text(event.alarm) + ' ' + std::string(to_text(event.kind)) + " by " +
+                   event.by);
+  }
   std::vector<std::string> take() { return std::exchange(records, {}); }
-  std::vector<std::string> records;
+  std::vector<std::string> take_kept() { return std::exchange(kept, {}); }
+  std::vector<std::string> records, kept;
 };
 
 AlarmRecord alarm(const std::string& bus, const std::string& state, std::int64_t since) {
   return {bus, "plc", "level", "high", state, 95, UtcTime{since}};
+}
+
+KeptAlarms active(const std::vector<AlarmRecord>& records) {
+  KeptAlarms kept;
+  for (const AlarmRecord& record : records) {
+    KeptAlarm& alarm = kept.active.emplace_back();
+    alarm.alarm = {record.bus, record.device, record.channel, *limit_kind_from(record.limit)};
+    alarm.status.value = record.value;
+    alarm.status.raised_at = record.since;
+  }
+  return kept;
 }
 
 std::vector<BusSpec> buses(const std::vector<std::string>& names, bool limit = true) {
@@ -61,7 +84,7 @@ TEST(AlarmTable, AnAlarmOfBeforeTheRestartGoesOnWithItsBeginning) {
   table.note(alarm("a", "active", 50));  // before the store is open
   table.note(alarm("b", "active", 60));
   const auto before = table.version();
-  table.loaded(store, {alarm("a", "active", 10)});
+  table.loaded(store, active({alarm("a", "active", 10)}));
   EXPECT_NE(table.version(), before);
   EXPECT_THAT(store.take(), ElementsAre("b/level high active 60"));
   EXPECT_EQ(table.active_of("a").at(0).since.nanoseconds, 10);
@@ -91,7 +114,7 @@ TEST(AlarmTable, WhatTheConfigurationLostWhileTheBridgeWasDownEndsAndOtherBridge
   AlarmTable table;
   (void)table.configure(buses({"a"}, false), kNow);
   table.expect_store();
-  table.loaded(store, {alarm("a", "active", 10), alarm("of another bridge", "active", 20)});
+  table.loaded(store, active({alarm("a", "active", 10), alarm("of another bridge", "active", 20)}));
   ASSERT_EQ(store.records.size(), 1u);
   EXPECT_THAT(store.records[0], testing::StartsWith("a/level high clear "));
 }
@@ -114,6 +137,88 @@ TEST(AlarmTable, WhatIsHeldGoesToAStoreThatNeverOpened) {
   EXPECT_THAT(store.take(), IsEmpty());
   table.close(&store);
   EXPECT_THAT(store.take(), ElementsAre("a/level high active 10"));
+}
+
+AlarmAction acknowledge(const std::string& bus) {
+  AlarmAction action;
+  action.alarm = {bus, "plc", "level", LimitKind::kHigh};
+  action.by = "anna";
+  return action;
+}
+
+TEST(AlarmTable, WhatPeopleDoIsKeptAndPublished) {
+  RecordingStore store;
+  AlarmTable table;
+  std::vector<std::string> published;
+  table.publish_with([&](const AlarmKey& alarm) {
+    const auto status = table.status_of(alarm);
+    published.push_back(status ? std::string(to_text(status->stage)) : "none");
+  });
+  (void)table.configure(buses({"a"}), kNow);
+  table.expect_store();
+  const auto too_early = table.act(acknowledge("a"), kNow);
+  ASSERT_FALSE(too_early);
+  EXPECT_EQ(too_early.error().cause, Cause::kOffline);
+  table.loaded(store, {});
+  table.note(alarm("a", "active", 10));
+  EXPECT_TRUE(table.act(acknowledge("a"), kNow));
+  EXPECT_FALSE(table.act(acknowledge("a"), kNow));
+  table.note(alarm("a", "clear", 20));
+  EXPECT_THAT(store.take_kept(),
+              ElementsAre("a/plc/level high unacknowledged", "a/plc/level high acknowledged",
+                          "a/plc/level high acknowledged by anna", "a/plc/level high clear"));
+  EXPECT_THAT(published, ElementsAre("unacknowledged", "acknowledged", "clear"));
+  published.clear();
+  table.publish_again("b");
+  table.publish_again("a");
+  (void)table.configure(buses({"a"}, false), kNow);
+  EXPECT_THAT(published, ElementsAre("clear", "none"));
+  table.publish_with({});
+  (void)table.configure(buses({"a"}), kNow);
+  table.note(alarm("a", "active", 30));
+  EXPECT_EQ(published.size(), 2u);
+}
+
+TEST(AlarmTable, GoesOnWithWhatPeopleDidBeforeTheRestart) {
+  RecordingStore store;
+  AlarmTable table;
+  (void)table.configure(buses({"a", "b"}), kNow);
+  table.expect_store();
+  table.note(alarm("a", "active", 50));  // the samples come before the store is open
+  KeptAlarms kept = active({alarm("a", "active", 10)});
+  kept.states = kept.active;
+  kept.states[0].status.stage = AlarmStage::kAcknowledged;
+  kept.states[0].status.active = true;
+  kept.states[0].status.acknowledged = {"anna", "seen", {20}};
+  table.loaded(store, kept);
+  const auto status = table.status_of({"a", "plc", "level", LimitKind::kHigh});
+  ASSERT_TRUE(status);
+  EXPECT_EQ(status->stage, AlarmStage::kAcknowledged);
+  EXPECT_EQ(status->acknowledged.by, "anna");
+  EXPECT_EQ(status->raised_at.nanoseconds, 10);
+  EXPECT_THAT(store.take_kept(), IsEmpty()) << "the store has it";
+}
+
+TEST(AlarmTable, ShelvingAndMaintenanceEndWithTime) {
+  RecordingStore store;
+  AlarmTable table;
+  (void)table.configure(buses({"a"}), kNow);
+  table.expect_store();
+  table.loaded(store, {});
+  AlarmAction action = acknowledge("a");
+  action.kind = AlarmActionKind::kShelve;
+  action.duration = std::chrono::minutes{30};
+  ASSERT_TRUE(table.act(action, kNow));
+  action.kind = AlarmActionKind::kMaintenance;
+  ASSERT_TRUE(table.act(action, kNow));
+  (void)store.take_kept();
+  table.on_time("a", {kNow.nanoseconds + action.duration.count() - 1});
+  EXPECT_THAT(store.take_kept(), IsEmpty());
+  table.on_time("a", {kNow.nanoseconds + action.duration.count()});
+  EXPECT_THAT(store.take_kept(),
+              testing::UnorderedElementsAre("a/plc/level high clear", "maintenance plc ended",
+                                            "a/plc maintenance ended by ",
+                                            "a/plc/level high shelving ended by "));
 }
 
 }  // namespace

@@ -7,9 +7,11 @@
 #include <future>
 #include <limits>
 
+#include "bridge/store/alarm_life_table.hpp"
 #include "bridge/store/event_table.hpp"
 #include "bridge/store/retention.hpp"
 #include "bridge/store/user_table.hpp"
+#include "tests/bridge/store/older_store.hpp"
 #include "tests/bridge/store/postgres_server.hpp"
 #include "tests/bridge/store/scratch.hpp"
 #include "tests/bridge/store/store_support.hpp"
@@ -164,9 +166,9 @@ void tells_which_alarms_are_active(const StoreAddress& address) {
   AlarmRecord ended{"a", "d", "c", "low", "active", 1.5, utc(2)};
   AlarmRecord again{"a", "d", "c", "high", "active", 91.5, utc(3)};
   const auto active = [&] {
-    std::promise<std::vector<AlarmRecord>> told;
+    std::promise<std::vector<KeptAlarm>> told;
     auto answer = told.get_future();
-    Store store(forever(address), [&](Store&, const auto& found) { told.set_value(found); });
+    Store store(forever(address), [&](Store&, const auto& kept) { told.set_value(kept.active); });
     store.put(ended);
     store.put(again);
     EXPECT_EQ(answer.wait_for(seconds{30}), std::future_status::ready);
@@ -176,9 +178,92 @@ void tells_which_alarms_are_active(const StoreAddress& address) {
   ended.state = "clear";
   again.since = utc(5);
   EXPECT_EQ(active().size(), 2u + 1u) << "and the one of the test before";
-  std::vector<AlarmRecord> left = active();
-  std::erase_if(left, [](const AlarmRecord& alarm) { return alarm.bus != "a"; });
-  EXPECT_THAT(left, ElementsAre(again));
+  std::vector<KeptAlarm> left = active();
+  std::erase_if(left, [](const KeptAlarm& alarm) { return alarm.alarm.bus != "a"; });
+  ASSERT_EQ(left.size(), 1u);
+  EXPECT_EQ(to_text(left[0].alarm), "a/d/c high");
+  EXPECT_EQ(left[0].status.value, 91.5);
+  EXPECT_EQ(left[0].status.raised_at, utc(5));
+}
+
+KeptAlarms kept_in(const StoreAddress& address, UtcTime now) {
+  const auto connection = open_store(address, IfMissing::kFail);
+  return AlarmLifeTable(*connection).kept(now);
+}
+
+void keeps_what_people_did_about_alarms(const StoreAddress& address) {
+  const AlarmKey high{"people", "d", "c", LimitKind::kHigh},
+      low{"people", "d", "c", LimitKind::kLow};
+  KeptAlarm acknowledged{high, {}};
+  acknowledged.status.stage = AlarmStage::kAcknowledged;
+  acknowledged.status.active = true;
+  acknowledged.status.value = 91.5;
+  acknowledged.status.raised_at = utc(2);
+  acknowledged.status.acknowledged = {"anna", "it's 20 °C; drop table alarms", utc(3)};
+  KeptAlarm shelved{low, {}};
+  shelved.status.cleared_at = utc(1);
+  shelved.status.shelved = {"bert", "noise", utc(4), utc(100)};
+  const KeptMaintenance maintenance{{"people", "d"}, {"chen", "inspection", utc(5), utc(200)}};
+  {
+    Store store(forever(address));
+    store.put(AlarmRecord{"people", "d", "c", "high", "active", 91.5, utc(2)});
+    store.put(acknowledged);
+    store.put(AlarmEvent{utc(3), high, AlarmEventKind::kAcknowledged, "anna", "seen", {}});
+    store.put(shelved);
+    store.put(maintenance);
+    store.put(AlarmEvent{
+        utc(5), {"people", "d", {}, {}}, AlarmEventKind::kMaintenance, "chen", "", utc(200)});
+    ASSERT_TRUE(store.flush(seconds{30}));
+  }
+  const KeptAlarms kept = kept_in(address, utc(60));
+  ASSERT_EQ(kept.states.size(), 2u);
+  for (const KeptAlarm& each : kept.states)
+    EXPECT_EQ(each.status, each.alarm == high ? acknowledged.status : shelved.status);
+  ASSERT_EQ(kept.maintenance.size(), 1u);
+  EXPECT_EQ(kept.maintenance[0].device, maintenance.device);
+  EXPECT_EQ(kept.maintenance[0].pause, maintenance.pause);
+  const std::pair<AlarmKey, UtcTime> occurrence{high, utc(2)};
+  EXPECT_THAT(kept.occurrences, testing::Contains(occurrence));
+  EXPECT_THAT(kept_in(address, utc(700)).occurrences, testing::Not(testing::Contains(occurrence)));
+  {
+    const auto connection = open_store(address, IfMissing::kFail);
+    std::vector<std::string> log;
+    AlarmLifeTable(*connection).log(utc(0), kEnd, [&](const AlarmLogEntry& entry) {
+      if (entry.bus == "people")
+        log.push_back(entry.event + ' ' + entry.limit + ' ' + entry.who + ' ' +
+                      (entry.value ? "91.5" : "-") + ' ' +
+                      std::to_string((entry.until.nanoseconds - utc(0).nanoseconds) > 0));
+      return true;
+    });
+    EXPECT_THAT(log, ElementsAre("raised high  91.5 0", "acknowledged high anna - 0",
+                                 "maintenance  chen - 1"));
+  }
+  acknowledged.status = {};
+  shelved.status.shelved = {};
+  Store store(forever(address));
+  store.put(acknowledged);
+  store.put(shelved);
+  store.put(KeptMaintenance{maintenance.device, {}});
+  ASSERT_TRUE(store.flush(seconds{30}));
+  EXPECT_TRUE(kept_in(address, utc(60)).states.empty());
+  EXPECT_TRUE(kept_in(address, utc(60)).maintenance.empty());
+}
+
+// A store of version 5 knows beginnings and ends alone.
+void goes_on_from_version_5(const StoreAddress& address) {
+  {
+    const auto connection = open_store(address, IfMissing::kFail);
+    EventTable(*connection)
+        .insert(AlarmRecord{"five", "d", "c", "high-high", "active", 99, utc(7)});
+    test::back_to_version(*connection, 5);
+    EXPECT_THROW(connection->script("select 1 from alarm_states"), StoreError);
+  }
+  const KeptAlarms kept = kept_in(address, utc(60));
+  EXPECT_TRUE(kept.states.empty());
+  const auto found = std::find_if(kept.active.begin(), kept.active.end(),
+                                  [](const auto& each) { return each.alarm.bus == "five"; });
+  ASSERT_NE(found, kept.active.end());
+  EXPECT_EQ(found->status.raised_at, utc(7));
 }
 
 void knows_its_users(const StoreAddress& address) {
@@ -224,6 +309,8 @@ void all_of_it(const StoreAddress& address) {
       {"chosen", keeps_only_what_the_patterns_name},
       {"events", keeps_audit_alarms_and_devices},
       {"active alarms", tells_which_alarms_are_active},
+      {"what people did", keeps_what_people_did_about_alarms},
+      {"version 5", goes_on_from_version_5},
       {"users", knows_its_users},
       {"retention", removes_what_is_too_old}};
   for (const auto& [name, check] : all) {

@@ -9,6 +9,11 @@ namespace fieldcast::test {
 
 // Takes back what the versions after this one brought. REQUIRES: 1 <= version.
 inline void back_to_version(SqlConnection& connection, int version) {
+  if (version < 6) {
+    connection.script(
+        "drop view alarm_log; drop view alarm_list; drop view maintenance_list;"
+        "drop table alarm_states; drop table device_maintenance; drop table alarm_events;");
+  }
   if (version < 5) {
     connection.script(
         "drop view minute_history; drop view hour_history;"

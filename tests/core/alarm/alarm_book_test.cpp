@@ -49,8 +49,7 @@ std::string status_text(const AlarmStatus& status) {
   if (status.occurrences > 0) text << ", " << status.occurrences << " times";
   if (status.chattering) text << ", chattering";
   if (status.acknowledged.at.nanoseconds != 0)
-    text << ", acknowledged by " << status.acknowledged.by << " at "
-         << time_text(status.acknowledged.at);
+    text << ", acked by " << status.acknowledged.by << " at " << time_text(status.acknowledged.at);
   if (status.shelved.is_set())
     text << ", shelved by " << status.shelved.by << " until " << time_text(status.shelved.until);
   if (status.suppressed.is_set())
@@ -98,19 +97,19 @@ class Transcript {
       double value = 0;
       words >> path >> limit >> value;
       const AlarmKey alarm = key_of(path, limit);
-      const bool done = who == "raise" ? book_.raise(alarm, value, now, now)
-                                       : book_.clear(alarm, value, now);
+      const bool done =
+          who == "raise" ? book_.raise(alarm, value, now, now) : book_.clear(alarm, value, now);
       if (!done) out_ << "  nothing\n";
       return;
     }
     AlarmAction action;
     action.by = who == "nobody" ? "" : who;
     words >> what >> path;
-    action.kind = what == "acknowledges"   ? AlarmActionKind::kAcknowledge
-                  : what == "shelves"      ? AlarmActionKind::kShelve
-                  : what == "unshelves"    ? AlarmActionKind::kUnshelve
-                  : what == "maintains"    ? AlarmActionKind::kMaintenance
-                                           : AlarmActionKind::kEndMaintenance;
+    action.kind = what == "acknowledges" ? AlarmActionKind::kAcknowledge
+                  : what == "shelves"    ? AlarmActionKind::kShelve
+                  : what == "unshelves"  ? AlarmActionKind::kUnshelve
+                  : what == "maintains"  ? AlarmActionKind::kMaintenance
+                                         : AlarmActionKind::kEndMaintenance;
     if (!is_of_device(action.kind)) words >> limit;
     action.alarm = key_of(path, limit);
     std::string length;
@@ -146,14 +145,14 @@ TEST(AlarmBook, AcknowledgedActiveAndReturned) {
   nothing
 2s anna acknowledges shop/press-1/level high
   event: shop/press-1/level high acknowledged by anna
-  shop/press-1/level high: acknowledged, active, medium, 1 times, acknowledged by anna at 2s
-3s bert acknowledges shop/press-1/level high
+  shop/press-1/level high: acknowledged, active, medium, 1 times, acked by anna at 2s
+3s bo acknowledges shop/press-1/level high
   refused: it is acknowledged already, by anna (WRONG_STATE)
 4s clear shop/press-1/level high 80
-  shop/press-1/level high: clear, medium, 1 times, acknowledged by anna at 2s
+  shop/press-1/level high: clear, medium, 1 times, acked by anna at 2s
 5s clear shop/press-1/level high 80
   nothing
-6s bert acknowledges shop/press-1/level high
+6s bo acknowledges shop/press-1/level high
   refused: the alarm is clear: there is nothing to acknowledge (WRONG_STATE)
 
 # nobody saw it before it returned; it comes again before somebody does
@@ -165,9 +164,9 @@ TEST(AlarmBook, AcknowledgedActiveAndReturned) {
   shop/press-1/level high-high: unacknowledged, active, high, 2 times
 13s clear shop/press-1/level high-high 94
   shop/press-1/level high-high: returned, high, 2 times
-14s bert acknowledges shop/press-1/level high-high
-  event: shop/press-1/level high-high acknowledged by bert
-  shop/press-1/level high-high: clear, high, 2 times, acknowledged by bert at 14s
+14s bo acknowledges shop/press-1/level high-high
+  event: shop/press-1/level high-high acknowledged by bo
+  shop/press-1/level high-high: clear, high, 2 times, acked by bo at 14s
 15s raise shop/press-1/valve high 1
   shop/press-1/valve high: unacknowledged, active, critical, 1 times
 )");
@@ -187,17 +186,17 @@ TEST(AlarmBook, ShelvedForAWhile) {
 30min time
   event: shop/press-1/level low shelving ended
   shop/press-1/level low: unacknowledged, active, medium
-31min bert acknowledges shop/press-1/level low
-  event: shop/press-1/level low acknowledged by bert
-  shop/press-1/level low: acknowledged, active, medium, acknowledged by bert at 31min
-32min bert shelves shop/press-1/level low for 24h
-  event: shop/press-1/level low shelved by bert until 1472min
-  shop/press-1/level low: unacknowledged, active, medium, acknowledged by bert at 31min, shelved by bert until 1472min
+31min bo acknowledges shop/press-1/level low
+  event: shop/press-1/level low acknowledged by bo
+  shop/press-1/level low: acknowledged, active, medium, acked by bo at 31min
+32min bo shelves shop/press-1/level low for 24h
+  event: shop/press-1/level low shelved by bo until 1472min
+  shop/press-1/level low: unacknowledged, active, medium, acked by bo at 31min, shelved by bo until 1472min
 33min clear shop/press-1/level low 20
-  shop/press-1/level low: clear, medium, acknowledged by bert at 31min, shelved by bert until 1472min
+  shop/press-1/level low: clear, medium, acked by bo at 31min, shelved by bo until 1472min
 34min anna unshelves shop/press-1/level low
   event: shop/press-1/level low unshelved by anna
-  shop/press-1/level low: clear, medium, acknowledged by bert at 31min
+  shop/press-1/level low: clear, medium, acked by bo at 31min
 35min anna unshelves shop/press-1/level low
   refused: the alarm is not shelved (WRONG_STATE)
 )");

@@ -61,9 +61,7 @@ TEST(AlarmLife, HasTheTransitionsOfTheStandardAndNoOther) {
   for (const IsaTransition& each : isa_transitions()) EXPECT_FALSE(each.name.empty());
 }
 
-constexpr UtcTime utc(Duration since_begin) {
-  return {1'000'000'000'000 + since_begin.count()};
-}
+constexpr UtcTime utc(Duration since_begin) { return {1'000'000'000'000 + since_begin.count()}; }
 AlarmPause pause(Duration begin, Duration end) { return {"bert", "wait", utc(begin), utc(end)}; }
 
 // An alarm in each state that it can be in, reached as in life; active or not where both can be.
@@ -72,11 +70,14 @@ struct Case {
   IsaState state;
   bool active;
 };
-constexpr Case kLives[] = {
-    {"normal", kNormal, false},           {"unacknowledged", kUnacknowledged, true},
-    {"acknowledged", kAcknowledged, true}, {"returned", kReturned, false},
-    {"shelved", kShelved, false},          {"shelved in alarm", kShelved, true},
-    {"out of service", kOutOfService, false}, {"out of service in alarm", kOutOfService, true}};
+constexpr Case kLives[] = {{"normal", kNormal, false},
+                           {"unacknowledged", kUnacknowledged, true},
+                           {"acknowledged", kAcknowledged, true},
+                           {"returned", kReturned, false},
+                           {"shelved", kShelved, false},
+                           {"shelved in alarm", kShelved, true},
+                           {"out of service", kOutOfService, false},
+                           {"out of service in alarm", kOutOfService, true}};
 
 AlarmLife life_in(const Case& sample) {
   AlarmLife life(AlarmPriority::kHigh);
