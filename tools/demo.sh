@@ -1,21 +1,23 @@
 #!/usr/bin/env bash
-# A whole plant on one machine: simulated devices on simulated serial lines, the bridge, and a live table of what it publishes.
+# A whole plant on one machine: simulated devices on simulated serial lines, the bridge, and the station, whose page is at the address
+# that is printed. Ctrl-C ends it.
 #
-#   tools/demo.sh [--seconds N] [--config FILE] [--domain N] [--bin DIR]
+#   tools/demo.sh [--no-page] [--seconds N] [--config FILE] [--domain N] [--bin DIR]
 #
-# Installs and builds what is missing. --seconds N: ends by itself, with exit code 0 only when values flowed. --config: another plant
-# than config/examples/demo.yaml; its ports and DDS domain are replaced. --bin: programs that are built already.
-# Whatever ends it, no process, link or file stays.
+# Installs and builds what is missing. --no-page: a live table in the terminal, and no station. --seconds N: ends by itself, with exit
+# code 0 only when values flowed. --config: another plant than config/examples/demo.yaml; its ports and DDS domain are replaced. --bin:
+# programs that are built already. Whatever ends it, no process, link or file stays.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 fail() { echo "tools/demo.sh: $*" >&2; exit 1; }
-usage() { sed -n '2,8s/^# \{0,1\}//p' "$0"; }
+usage() { sed -n '2,9s/^# \{0,1\}//p' "$0"; }
 
-seconds="" config=config/examples/demo.yaml bin=""
+page=yes seconds="" config=config/examples/demo.yaml bin=""
 domain=$((60 + $$ % 40))  # not that of a bridge at work; below 101, so that its ports are none that the kernel lends out
 while [ $# -gt 0 ]; do
   case "$1" in
+    --no-page) page=""; shift ;;
     --seconds) seconds="${2:-}"; [[ "$seconds" =~ ^[1-9][0-9]*$ ]] || fail "--seconds needs a number, for instance 20"; shift 2 ;;
     --config) config="${2:-}"; [ -f "$config" ] || fail "no configuration '$config'"; shift 2 ;;
     --domain) domain="${2:-}"; [[ "$domain" =~ ^[0-9]+$ ]] || fail "--domain needs a number, 0 to 232"; shift 2 ;;
@@ -25,7 +27,7 @@ while [ $# -gt 0 ]; do
   esac
 done
 
-run="" sim="" bridge=""
+run="" sim="" bridge="" station=""
 
 # REQUIRES: a child of this script. Asks it to end, and insists after three seconds.
 end_process() {
@@ -39,6 +41,7 @@ end_process() {
 clean_up() {
   local code=$?
   trap '' INT TERM HUP  # once is enough
+  end_process "$station"
   end_process "$bridge"  # before the plant, so that it ends in order
   end_process "$sim"
   [ -z "$run" ] || rm -rf "$run"
@@ -53,7 +56,7 @@ if [ -z "$bin" ]; then
   # What a folder was configured for stays: tests that are there go on being built by tools/test.sh.
   parts=()
   [ -f build/CMakeCache.txt ] || parts=(-DFIELDCAST_TESTS=OFF -DFIELDCAST_BENCHES=OFF)
-  tools/build.sh "${parts[@]}" fieldcast fieldcast-bridge fieldcast-sim >&2 || fail "the build failed, see above"
+  tools/build.sh "${parts[@]}" fieldcast fieldcast-bridge fieldcast-sim ${page:+fieldcast-station} >&2 || fail "the build failed, see above"
   bin=$PWD/build/bin
 fi
 
@@ -93,18 +96,44 @@ done
 setsid "$bin/fieldcast-bridge" "$run/plant.yaml" >"$run/bridge.log" 2>&1 &
 bridge=$!
 
+# The page may write: who has a shell on this machine may do so anyway.
+if [ -n "$page" ]; then
+  cat >"$run/station.yaml" <<END
+station: demo
+dds: { domain: $domain, interfaces: [127.0.0.1] }
+web: { local-role: operator }
+store: { path: station.db }
+record: { patterns: ["*"] }
+plans: [plant.yaml]
+END
+  setsid "$bin/fieldcast-station" --config "$run/station.yaml" --listen 127.0.0.1:0 >"$run/station.log" 2>&1 &
+  station=$!
+  address=""
+  for _ in $(seq 200); do
+    address=$(grep -om1 'served at http://.*' "$run/station.log" | cut -d' ' -f3) && break
+    alive "$station" || break
+    sleep 0.05
+  done
+  [ -n "$address" ] || { explain station; fail "the station did not start"; }
+  echo "The page of the plant: $address"
+fi
+
 watch=("$bin/fieldcast" watch --config "$run/plant.yaml")
 code=0
 trap : INT  # ends the table; then its sum, and everything in order
-if [ -t 1 ] || [ -z "$seconds" ]; then
+if [ -n "$page" ] && [ -z "$seconds" ]; then
+  echo "Ctrl-C ends the demo; 'tools/demo.sh --no-page' shows a table here instead."
+  trap 'exit 130' INT
+  wait -n "$sim" "$bridge" "$station" || true
+elif [ -z "$page" ] && { [ -t 1 ] || [ -z "$seconds" ]; }; then
   "${watch[@]}" ${seconds:+--for "${seconds}s"} 2>"$run/watch.log" || code=$?
 else  # no terminal: thousands of lines help nobody, the last state does
   "${watch[@]}" --for "${seconds}s" >"$run/samples.log" 2>"$run/watch.log" || code=$?
   alive "$bridge" && [ "$code" -eq 0 ] && { "${watch[@]}" --once 2>/dev/null || true; }
 fi
 trap 'exit 130' INT
-cat "$run/watch.log"
+[ ! -f "$run/watch.log" ] || cat "$run/watch.log"
 [ "$code" -ne 130 ] || exit 130
-for name in sim bridge; do alive "${!name}" || { explain "$name"; fail "fieldcast-$name ended by itself"; }; done
+for name in sim bridge ${page:+station}; do alive "${!name}" || { explain "$name"; fail "fieldcast-$name ended by itself"; }; done
 [ "$code" -eq 0 ] || { explain bridge; fail "no values flowed (fieldcast watch ended with $code)"; }
 [ -z "$seconds" ] || grep -qE ' [1-9][0-9]* of them GOOD' "$run/watch.log" || { explain bridge; fail "samples came, but none was GOOD"; }

@@ -3,13 +3,16 @@
 usage: e2e_demo.py BIN_DIR SOURCE_DIR
 """
 
+import json
 import os
 import signal
 import subprocess
 import sys
 import tempfile
 import threading
+import time
 import unittest
+import urllib.request
 
 from plant import claim_domain, shared_memory
 
@@ -42,15 +45,37 @@ class Demo(unittest.TestCase):
         self.nothing_is_left()
         self.assertEqual({name for name in shared_memory() - before if of_domain(name, self.domain)}, set())
 
-    def test_control_c_leaves_nothing(self):
-        process = self.demo()
-        limit = threading.Timer(60, lambda: os.killpg(process.pid, signal.SIGTERM))
-        limit.start()
-        self.addCleanup(limit.cancel)
-        self.assertTrue(process.stdout.readline(), "no sample came")
+    def interrupt(self, process):
         os.killpg(process.pid, signal.SIGINT)  # as a terminal does
         process.communicate(timeout=30)
         self.nothing_is_left()
+
+    def until_interrupted(self, *arguments):
+        process = self.demo(*arguments)
+        limit = threading.Timer(60, lambda: os.killpg(process.pid, signal.SIGTERM))
+        limit.start()
+        self.addCleanup(limit.cancel)
+        return process
+
+    def test_the_page_shows_values_until_control_c(self):
+        process = self.until_interrupted()
+        line = process.stdout.readline()
+        self.assertRegex(line, r"^The page of the plant: http://127\.0\.0\.1:\d+/$")
+        address = line.split()[-1]
+        with urllib.request.urlopen(address + "api/me", timeout=10) as answer:
+            self.assertEqual(json.load(answer)["role"], "operator")
+        good = 0
+        while good < 50 and process.poll() is None:
+            time.sleep(0.2)
+            with urllib.request.urlopen(address + "api/channels", timeout=10) as answer:
+                good = sum(channel["quality"] == "GOOD" for channel in json.load(answer))
+        self.assertGreaterEqual(good, 50, "the page shows no values")
+        self.interrupt(process)
+
+    def test_without_a_page_control_c_leaves_nothing(self):
+        process = self.until_interrupted("--no-page")
+        self.assertTrue(process.stdout.readline(), "no sample came")
+        self.interrupt(process)
 
 
 def command_line(pid):
