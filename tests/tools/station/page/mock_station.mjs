@@ -154,7 +154,25 @@ function history(url) {
   return { from_ms: from, to_ms: to, series };
 }
 
-// Gives {port, plant, close(), dropClients(), refuse}. `refuse`: new sockets are turned away while it is true.
+// A timetable of eight slots: fast points in every slot, slow ones in turn; and a group that is read when it is due.
+function planOf(bus, load = 0.46) {
+  const slot_ms = 94, slots = 8;
+  const point = (area, first, count, names, every, phase_ms) => ({
+    area, first, count, channels: names, period_ms: every * slot_ms, phase_ms, worst_gap_ms: every * slot_ms + 3, stretch: 1 });
+  const groups = [1, 2, 3].flatMap((n) => {
+    const device = `device-0${n}`, base = 9 * n;
+    return [
+      { device, list: false, period_ms: slot_ms, phase_ms: base + 8, slack_ms: 1.5, load: load / 5, points: [
+        point('holding', 100, 8, ['temperature-1', 'temperature-2'], 1, base + 8), point('holding', 110, 4, ['pressure-1'], 4, base + 8 + slot_ms), point('holding', 116, 2, ['flow-1'], 8, base + 8 + 3 * slot_ms)] },
+      { device, list: n === 2, period_ms: n * 2 * slot_ms, phase_ms: 60 + 4 * n + (n - 1) * slot_ms, slack_ms: 4, load: load / 20, points: [
+        point('coil', 0, 8, ['running-1', 'running-2', 'running-3'], n * 2, 60 + 4 * n + (n - 1) * slot_ms)] }].filter((group) => (slots * slot_ms) % group.period_ms === 0);
+  });
+  groups.push({ device: 'device-03', list: false, period_ms: null, phase_ms: null, slack_ms: null, load: 0.01, points: [
+    { ...point('input', 0, 4, ['energy-1'], 1, 0), period_ms: null, phase_ms: null, worst_gap_ms: null }] });
+  return { bus, in_force_since_ms: Date.now() - 3_600_000, load, stretch: 1, slot_ms, hyperperiod_ms: slots * slot_ms, groups };
+}
+
+// Gives {port, plant, close(), dropClients(), changePlan(bus, load), refuse}. `refuse`: new sockets are turned away while it is true.
 export async function startMock({ files, modules, port = 0, channels = 10_000, login = false, slices = 20 }) {
   const { WebSocketServer } = createRequire(join(resolve(modules), 'x'))('ws');
   const plant = new InventedPlant(channels);
@@ -162,7 +180,7 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
   const cached = new Map();
   const catalogue = gzipSync(JSON.stringify(plant.catalogue()));
   const clients = new Set();
-  const mock = { plant, refuse: false, silent: false, writes: [] };
+  const mock = { plant, planLoad: 0.46, refuse: false, silent: false, writes: [] };
   let nextRequest = 100;
 
   const caller = (request) => {
@@ -206,11 +224,8 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
     '/api/history': (url) => [200, history(url)],
     '/api/audit': () => [200, { entries: plant.audit }],
     '/api/users': () => [200, { users: Object.entries(users).map(([user, role]) => ({ user, role })) }],
-    '/api/plan': (url) => [200, { bus: url.searchParams.get('bus'), baud: 115_200, load: 0.46, hyperperiod_ms: 2000, reads: [
-      { device: 'device-01', request: 'holding 0..59', items: 60, period_ms: 500, phases_ms: [0, 500, 1000, 1500], duration_ms: 18.4, channels: ['press-shop/device-01/temperature-1', 'press-shop/device-01/pressure-1'] },
-      { device: 'device-01', request: 'coil 0..7', items: 8, period_ms: 1000, phases_ms: [20, 1020], duration_ms: 4.1, channels: ['press-shop/device-01/running-1'] },
-      { device: 'device-02', request: 'holding 100..139', items: 40, period_ms: 1000, phases_ms: [250, 1250], duration_ms: 13.2, channels: ['press-shop/device-02/flow-1', 'press-shop/device-02/level-1'] },
-      { device: 'device-03', request: 'holding 0..9', items: 10, period_ms: 2000, phases_ms: [700], duration_ms: 6.6, channels: ['press-shop/device-03/energy-1'] }] }],
+    '/api/plan': (url) => (plant.buses.some(({ bus }) => bus === url.searchParams.get('bus')) ? [200, planOf(url.searchParams.get('bus'), mock.planLoad)] :
+      [404, { error: 'no bridge tells a plan of this bus', hint: '' }]),
   };
   const post = {
     '/api/alarms/acknowledge': ({ user }, { alarms, note }) => changeAlarms(alarms, (alarm) => ({ state: alarm.active ? 'acknowledged' : 'clear', acknowledged_by: user, acknowledged_ms: Date.now(), note })),
@@ -314,6 +329,10 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
   await new Promise((done) => server.listen(port, '127.0.0.1', done));
   return Object.assign(mock, {
     port: server.address().port,
+    changePlan: (bus, load) => {
+      mock.planLoad = load;
+      tell({ kind: 'plan', bus });
+    },
     dropClients: () => sockets.clients.forEach((client) => client.terminate()),
     close: () => {
       clearInterval(stepping);

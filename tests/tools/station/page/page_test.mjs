@@ -16,13 +16,13 @@ globalThis.localStorage = { getItem: (key) => (key === 'fieldcast.language' ? 'e
 
 // The modules by one bundle, so that they share what they share in the page.
 const { buildSync } = createRequire(join(modules, 'x'))('esbuild');
-const names = ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'csv'];
+const names = ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'csv', 'plan_picture'];
 const made = mkdtempSync(join(tmpdir(), 'fieldcast-page-'));
 buildSync({
   stdin: { contents: names.map((name) => `export * as ${name} from './${name}';`).join('\n'), resolveDir: source, loader: 'ts' },
   bundle: true, format: 'esm', outfile: join(made, 'page.mjs'), nodePaths: [modules], logLevel: 'warning',
 });
-const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock, alarm_rows, csv } = await import(join(made, 'page.mjs'));
+const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock, alarm_rows, csv, plan_picture } = await import(join(made, 'page.mjs'));
 rmSync(made, { recursive: true });
 
 const row = (id, path, more = {}) => [id, path, more.type ?? 'float32', more.unit ?? '', 'holding:0', 'read-only', 'scheduled', 500, {}, more.description ?? '', 'north'];
@@ -142,6 +142,34 @@ test('no cell of a CSV breaks its row or is a formula', () => {
   assert.equal(csv.csvText(['a', 'b'], [['x,y', 'say "no"'], ['=1+1', -2], ['two\nlines', null]]),
     'a,b\r\n"x,y","say ""no"""\r\n\'=1+1,-2\r\n"two\nlines",\r\n');
   assert.equal(csv.csvTime(1000), '1970-01-01T00:00:01.000Z');
+});
+
+// One group that is read every 100 ms; one of its points in every second read only.
+const pointOf = (more) => ({ area: 'holding', first: 100, count: 4, channels: ['a'], period_ms: 100, phase_ms: 30, worst_gap_ms: null, stretch: 1, ...more });
+const group = {
+  device: 'press', list: false, period_ms: 100, phase_ms: 30, slack_ms: 1, load: 0.2,
+  points: [pointOf(), pointOf({ first: 110, count: 1, channels: ['b'], period_ms: 200, phase_ms: 130 })] };
+
+test('a read of the plan ends at its phase and carries the points whose turn it is', () => {
+  const { readOf, readNear, pointsOf } = plan_picture;
+  assert.deepEqual(readOf(group, 1, 400), { index: 1, begin_ms: 110, end_ms: 130 });
+  assert.equal(readOf(group, 4, 400).index, 0);
+  assert.equal(readOf(group, -1, 400).end_ms, 330);
+  assert.equal(readNear(group, 115, 400).index, 1);
+  assert.equal(readNear(group, 399, 400).index, 3);
+  const carried = (index) => pointsOf(group, readOf(group, index, 400)).flatMap((each) => each.channels);
+  assert.deepEqual([0, 1, 2, 3].map(carried), [['a'], ['a', 'b'], ['a'], ['a', 'b']]);
+  assert.equal(readOf({ ...group, period_ms: null, phase_ms: null }, 0, 400), undefined);
+});
+
+test('marks are as wide as the time on the wire, and never more than pixels', () => {
+  assert.deepEqual(plan_picture.marksOf([group], 400, 400), [[10, 30], [110, 130], [210, 230], [310, 330]]);
+  const wrapped = plan_picture.marksOf([{ ...group, phase_ms: 5 }], 400, 400);
+  assert.deepEqual([wrapped[0], wrapped.at(-1)], [[0, 5], [385, 400]]);
+  const many = { ...group, period_ms: 1, phase_ms: 0.5, load: 0.5 };
+  assert.equal(plan_picture.marksOf([many], 100_000, 300).length, 1);
+  assert.equal(plan_picture.rangeText(group.points), 'holding 100..110');
+  assert.deepEqual(plan_picture.axisTicks(752, 8), [0, 100, 200, 300, 400, 500, 600, 700]);
 });
 
 test('an address survives its way through a link', () => {

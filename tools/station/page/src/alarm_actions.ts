@@ -17,14 +17,15 @@ interface Accepted {
 const mostNamed = 5;
 const longestNote = 256;
 const shelveFor_min = [15, 30, 60, 240, 480, 1440];
-const maintenanceFor_min = [30, 60, 120, 480, 1440, 10_080];
+const maintenanceFor_min = [30, 60, 120, 240, 480, 1440];
+const mostAtOnce = 200;  // of one request
 
 export const limitText = (alarm: { limit: string }): string => word('limit', alarm.limit);
 
-async function perform(context: Context, path: string, body: unknown, done: string): Promise<void> {
+async function perform(context: Context, path: string, bodies: readonly unknown[], done: string): Promise<void> {
   try {
-    const { request_id, request_ids } = await request<Accepted>(path, body);
-    const ids = request_ids ?? (request_id === undefined ? [] : [request_id]);
+    const ids = (await Promise.all(bodies.map((body) => request<Accepted>(path, body)))).flatMap(({ request_id, request_ids }) =>
+      request_ids ?? (request_id === undefined ? [] : [request_id]));
     const results = await Promise.all(ids.map((id) => context.live.resultOf(id)));
     const failed = results.filter((result) => result.state !== 'done' && result.state !== 'verified');
     for (const reason of new Set(failed.map((result) => result.reason || word('cause', result.cause))))
@@ -48,12 +49,18 @@ export const lengthText = (minutes: number): string =>
 const lengthField = (lengths: readonly number[], chosen: number): TemplateResult => html`<label class="field">${t('alarms.for')}
   <select name="minutes">${lengths.map((minutes) => html`<option value=${minutes} ?selected=${minutes === chosen}>${lengthText(minutes)}</option>`)}</select></label>`;
 
-const keysOf = (alarms: readonly Alarm[]): unknown[] => alarms.map(({ bus, device, channel, limit }) => ({ bus, device, channel, limit }));
+// A body for each request: it holds so many alarms at most.
+function bodiesOf(alarms: readonly Alarm[], more: Record<string, unknown> = {}): unknown[] {
+  const keys = alarms.map(({ bus, device, channel, limit }) => ({ bus, device, channel, limit }));
+  const bodies: unknown[] = [];
+  for (let from = 0; from < keys.length; from += mostAtOnce) bodies.push({ alarms: keys.slice(from, from + mostAtOnce), ...more });
+  return bodies;
+}
 
 export async function acknowledge(context: Context, alarms: readonly Alarm[]): Promise<void> {
   const form = await ask({
     title: t('alarms.acknowledge-title', { n: alarms.length }), confirm: t('alarms.acknowledge'), body: html`${named(alarms)}${noteField()}` });
-  if (form) await perform(context, '/api/alarms/acknowledge', { alarms: keysOf(alarms), note: form.get('note') }, t('alarms.acknowledged', { n: alarms.length }));
+  if (form) await perform(context, '/api/alarms/acknowledge', bodiesOf(alarms, { note: form.get('note') }), t('alarms.acknowledged', { n: alarms.length }));
 }
 
 export async function shelve(context: Context, alarms: readonly Alarm[]): Promise<void> {
@@ -62,12 +69,12 @@ export async function shelve(context: Context, alarms: readonly Alarm[]): Promis
     body: html`${named(alarms)}<p class="muted">${t('alarms.shelve-hint')}</p>${lengthField(shelveFor_min, 60)}${noteField()}` });
   if (!form) return;
   const minutes = Number(form.get('minutes'));
-  await perform(context, '/api/alarms/shelve', { alarms: keysOf(alarms), minutes, note: form.get('note') },
+  await perform(context, '/api/alarms/shelve', bodiesOf(alarms, { minutes, note: form.get('note') }),
     t('alarms.shelved', { n: alarms.length, time: lengthText(minutes) }));
 }
 
 export async function unshelve(context: Context, alarms: readonly Alarm[]): Promise<void> {
-  await perform(context, '/api/alarms/unshelve', { alarms: keysOf(alarms) }, t('alarms.unshelved', { n: alarms.length }));
+  await perform(context, '/api/alarms/unshelve', bodiesOf(alarms), t('alarms.unshelved', { n: alarms.length }));
 }
 
 // Alarms of the device wait until it ends.
@@ -77,11 +84,11 @@ export async function startMaintenance(context: Context, bus: string, device: st
     body: html`<p class="muted">${t('alarms.maintenance-hint')}</p>${lengthField(maintenanceFor_min, 120)}${noteField()}` });
   if (!form) return;
   const minutes = Number(form.get('minutes'));
-  await perform(context, '/api/alarms/maintenance', { bus, device, minutes, note: form.get('note') },
+  await perform(context, '/api/alarms/maintenance', [{ bus, device, minutes, note: form.get('note') }],
     t('alarms.maintenance-started', { device: `${bus}/${device}`, time: lengthText(minutes) }));
 }
 
 export async function endMaintenance(context: Context, bus: string, device: string): Promise<void> {
-  await perform(context, '/api/alarms/maintenance', { bus, device, minutes: 0, note: '' }, t('alarms.maintenance-ended', { device: `${bus}/${device}` }));
+  await perform(context, '/api/alarms/maintenance', [{ bus, device, minutes: 0, note: '' }], t('alarms.maintenance-ended', { device: `${bus}/${device}` }));
 }
 

@@ -201,6 +201,7 @@ export class Live {
       }
       case 'bridge': plant.bridges.set(String(message['bridge']), about as Bridge); plant.touch('bridges'); break;
       case 'bridge_gone': plant.bridges.delete(String(message['bridge'])); plant.touch('bridges'); break;
+      case 'plan': plant.plans.add(String(message['bus'])); plant.touch('plans'); break;
       case 'result': this.onResult(about as Result & { id?: number }); break;
       case 'refused':
         this.settle(this.asked, Number(message['id']), new Refused(String(message['error']), String(message['hint'] ?? '')));

@@ -51,7 +51,7 @@ const shell = new Shell(plant, connection, {
   },
 });
 
-const allTopics: ReadonlySet<Topic> = new Set<Topic>(['catalogue', 'buses', 'devices', 'alarms', 'sessions', 'bridges', 'connection']);
+const allTopics: ReadonlySet<Topic> = new Set<Topic>(['catalogue', 'buses', 'devices', 'alarms', 'sessions', 'bridges', 'plans', 'connection']);
 
 function paint(): void {
   scheduled = false;

@@ -7,7 +7,7 @@ import type { Frame } from './frame';
 import { notYetRead, isBad } from './types';
 import type { Alarm, Bridge, Bus, Channel, Device, Session } from './types';
 
-export type Topic = 'catalogue' | 'buses' | 'devices' | 'alarms' | 'sessions' | 'bridges' | 'connection';
+export type Topic = 'catalogue' | 'buses' | 'devices' | 'alarms' | 'sessions' | 'bridges' | 'plans' | 'connection';
 
 export interface CatalogueAnswer {
   version: number;
@@ -60,6 +60,7 @@ export class Plant {
   readonly alarms = new Map<string, Alarm>();
   readonly sessions = new Map<string, Session>();  // bus/device
   readonly bridges = new Map<string, Bridge>();
+  readonly plans = new Set<string>();  // buses with another read plan, until a page has asked for it
   readonly loads = new Map<string, Load[]>();  // of each bus, oldest first
   readonly changed = new Set<Topic>();  // since the last painting
   onChange: () => void = () => {};

@@ -110,6 +110,38 @@ export interface AlarmEvent {
   until_ms: number | null;
 }
 
+export interface PlanPoint {
+  area: string;
+  first: number;
+  count: number;
+  channels: string[];  // names on the device
+  period_ms: number | null;  // null: not in the timetable
+  phase_ms: number | null;
+  worst_gap_ms: number | null;
+  stretch: number;
+}
+
+// What is read by the same requests.
+export interface PlanGroup {
+  device: string;
+  list: boolean;  // a request carries a list of ranges
+  period_ms: number | null;
+  phase_ms: number | null;  // from the begin of the table to the end of a read
+  slack_ms: number | null;
+  load: number;  // share of the wire
+  points: PlanPoint[];
+}
+
+export interface ReadPlan {
+  bus: string;
+  in_force_since_ms?: number | null;
+  load: number;
+  stretch: number;
+  slot_ms: number | null;
+  hyperperiod_ms: number | null;
+  groups: PlanGroup[];
+}
+
 export interface Session {
   bus: string;
   device: string;
