@@ -19,13 +19,14 @@ CommandEntry audit_command();
 CommandEntry user_command();
 CommandEntry alarms_command();
 CommandEntry doctor_command();
+CommandEntry secure_command();
 
 std::span<const CommandEntry> commands() {
   static const std::array all{
       watch_command(),    write_command(),   acquire_command(), status_command(),
       sessions_command(), plan_command(),    inspect_command(), sim_check_command(),
       history_command(),  devices_command(), audit_command(),   user_command(),
-      alarms_command(),   doctor_command(),
+      alarms_command(),   doctor_command(),  secure_command(),
   };
   return all;
 }

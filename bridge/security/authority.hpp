@@ -1,0 +1,75 @@
+// The authority of a plant: the folder from which `fieldcast secure` makes members of its DDS
+// domains. It belongs on a machine that is not a member, and into a backup.
+//
+//     DIR/identity-ca.pem, .key        signs identities, and the list of those that are revoked
+//     DIR/permissions-ca.pem, .key     signs governance and permissions
+//     DIR/governance.p7s, revoked.pem  the same for all members
+//     DIR/issued/SERIAL.pem            every certificate that was ever given out
+//     DIR/members/NAME/                what the member NAME gets: copy it to its machine
+//
+// Nothing that is there is written over, except by renew() and revoke(), which replace whole files.
+// Keys are readable for their owner only. All throw SecurityError: a folder that is there, or is
+// not, a file that cannot be read or written. One thread; one process at a time.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bridge/security/documents.hpp"
+#include "bridge/security/pki.hpp"
+
+namespace fieldcast::security {
+
+inline constexpr Duration kDay = std::chrono::hours{24};
+inline constexpr Duration kAuthorityLife = 3650 * kDay;
+inline constexpr Duration kMemberLife = 365 * kDay;
+inline constexpr Duration kWarnAhead = 30 * kDay;  // of an end
+
+struct MemberState {
+  Member member;
+  std::string folder;
+  CertificateFacts certificate;
+  bool revoked = false;
+};
+
+class Authority {
+ public:
+  // Makes the folder, which must not be there, or be empty.
+  static Authority create(const std::string& folder, Protection protection, UtcTime now);
+  explicit Authority(std::string folder);  // one that is there
+
+  // The folder that was made for it. A name is given once, also when it is revoked.
+  std::string add(const Member& member, UtcTime now, Duration life = kMemberLife);
+  // A new certificate and new permissions for the same key and subject. The folder may be copied
+  // over the old one while programs run: they go on, and take the new files when they start again.
+  void renew(const std::string& name, UtcTime now, Duration life = kMemberLife);
+  // All certificates that it ever had. Writes the list anew, also into the folders of all members.
+  void revoke(const std::string& name, UtcTime now);
+
+  [[nodiscard]] std::vector<MemberState> members() const;  // by name
+  [[nodiscard]] UtcTime not_after() const;  // of the authority itself, the sooner of its two
+
+ private:
+  [[nodiscard]] std::string path(std::string_view file) const;
+  [[nodiscard]] std::string member_folder(const std::string& name) const;
+  [[nodiscard]] MemberState state_of(const std::string& name) const;
+  [[nodiscard]] Identity identities() const;
+  [[nodiscard]] Identity permissions() const;
+  [[nodiscard]] std::string issue_for(const Member& member, const std::string& key, UtcTime now,
+                                      Duration life) const;
+  [[nodiscard]] Grant grant(const Member& member, const std::string& certificate) const;
+
+  std::string folder_;
+};
+
+// What is to be said of a member's folder: each a line for people.
+struct MemberCheck {
+  std::vector<std::string> faults;    // it will not be let in
+  std::vector<std::string> warnings;  // it will soon not be let in
+};
+[[nodiscard]] MemberCheck check_member(const std::string& folder, UtcTime now);
+
+// "2027-11-22".
+[[nodiscard]] std::string date_text(UtcTime time);
+
+}  // namespace fieldcast::security

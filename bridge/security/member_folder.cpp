@@ -1,0 +1,83 @@
+#include "bridge/security/member_folder.hpp"
+
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace fieldcast::security {
+namespace {
+
+constexpr std::size_t kMaxText = 8192;
+constexpr mode_t kNotForAll = S_IWGRP | S_IXGRP | S_IRWXO;
+
+tl::unexpected<std::string> fault(std::string text) { return tl::unexpected(std::move(text)); }
+
+}  // namespace
+
+std::string member_text(const Member& member) {
+  std::string text = "role: " + std::string(to_text(member.role)) + "\nname: " + member.name + '\n';
+  for (const std::string& bus : member.buses) text += "bus: " + bus + '\n';
+  return text;
+}
+
+tl::expected<Member, std::string> member_from(std::string_view text) {
+  Member member;
+  bool has_role = false;
+  std::istringstream lines{std::string(text)};
+  for (std::string line; std::getline(lines, line);) {
+    const auto colon = line.find(": ");
+    if (colon == std::string::npos) return fault("a line is not 'word: value'");
+    const std::string word = line.substr(0, colon), value = line.substr(colon + 2);
+    if (word == "role") {
+      const auto role = member_role_from(value);
+      if (!role) return fault("the role is unknown");
+      member.role = *role;
+      has_role = true;
+    } else if (word == "name") {
+      member.name = value;
+    } else if (word == "bus") {
+      member.buses.push_back(value);
+    } else {
+      return fault("a word is unknown");
+    }
+  }
+  if (!has_role) return fault("the role is missing");
+  if (const std::string wrong = fault_of(member); !wrong.empty()) return fault(wrong);
+  return member;
+}
+
+tl::expected<Member, std::string> read_member(const std::string& folder) {
+  struct stat found {};
+  if (::stat(folder.c_str(), &found) != 0 || !S_ISDIR(found.st_mode)) {
+    return fault("there is no folder " + folder +
+                 "; fieldcast secure add makes one for each member");
+  }
+  for (const std::string_view file : kMemberFiles) {
+    const std::string path = folder + '/' + std::string(file);
+    if (::stat(path.c_str(), &found) != 0 || !S_ISREG(found.st_mode)) {
+      const bool authority = ::stat((folder + "/members").c_str(), &found) == 0;
+      return fault(authority ? folder + " is an authority's folder, not a member's: name " +
+                                   folder + "/members/NAME, or a copy of it"
+                             : folder + " is no folder of a member: " + std::string(file) +
+                                   " is missing");
+    }
+    if (file == kIdentityKey && (found.st_mode & kNotForAll) != 0)
+      return fault(path + " is open to others than its owner; chmod 600 " + path);
+    if (!std::ifstream(path)) return fault(path + " cannot be read by this user");
+  }
+  std::ifstream in(folder + '/' + std::string(kMember));
+  std::string text(kMaxText, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  auto member = member_from(text);
+  if (!member) return fault(folder + '/' + std::string(kMember) + ": " + member.error());
+  return member;
+}
+
+std::string file_uri(const std::string& folder, std::string_view file) {
+  return "file://" + (std::filesystem::absolute(folder) / file).lexically_normal().string();
+}
+
+}  // namespace fieldcast::security

@@ -1,0 +1,87 @@
+// `fieldcast secure`: an authority and its members, from the command line.
+#include "tools/cli/command/secure.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "tests/bridge/security/scratch_folder.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+using enum SecureOptions::Action;
+using security::MemberRole;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr UtcTime kToday{1'800'000'000'000'000'000};
+
+class SecureTest : public testing::Test {
+ protected:
+  ExitCode run(SecureOptions::Action action, security::Member member = {}, UtcTime now = kToday) {
+    SecureOptions options{.action = action, .folder = folder_, .member = std::move(member)};
+    options.json = json_;
+    std::ostringstream out, err;
+    const ExitCode code = secure(options, now, out, err);
+    out_ = out.str();
+    err_ = err.str();
+    return code;
+  }
+
+  test::ScratchFolder scratch_;
+  std::string folder_ = scratch_.path("plant");
+  std::string out_, err_;
+  bool json_ = false;
+};
+
+TEST_F(SecureTest, MakesShowsRevokesAndChecks) {
+  ASSERT_EQ(run(kInit), ExitCode::kOk);
+  EXPECT_THAT(out_, HasSubstr("secure add bridge NAME"));
+  ASSERT_EQ(run(kAdd, {MemberRole::kBridge, "line-7", {}}), ExitCode::kOk);
+  EXPECT_THAT(out_, HasSubstr("dds: { security: FOLDER }"));
+  ASSERT_EQ(run(kAdd, {MemberRole::kPlant, "mes", {"press-*"}}), ExitCode::kOk);
+  EXPECT_THAT(out_, HasSubstr("for buses press-*"));
+  EXPECT_EQ(run(kCheck), ExitCode::kOk);
+  EXPECT_THAT(out_, HasSubstr("in order"));
+  EXPECT_EQ(run(kRevoke, {MemberRole::kPlant, "mes", {}}), ExitCode::kOk);
+  EXPECT_THAT(out_, HasSubstr("every other member"));
+  EXPECT_EQ(run(kShow), ExitCode::kOk);
+  EXPECT_THAT(out_, HasSubstr("revoked"));
+  EXPECT_THAT(out_, HasSubstr("until 2028-01-15"));
+  json_ = true;
+  EXPECT_EQ(run(kShow), ExitCode::kOk);
+  EXPECT_THAT(out_, HasSubstr(R"("name":"mes","role":"plant","buses":["press-*"])"));
+  EXPECT_THAT(out_, HasSubstr(R"("revoked":true)"));
+}
+
+TEST_F(SecureTest, WarnsAheadAndFailsAtTheEnd) {
+  ASSERT_EQ(run(kInit), ExitCode::kOk);
+  ASSERT_EQ(run(kAdd, {MemberRole::kStation, "wall", {}}), ExitCode::kOk);
+  const auto in = [](int days) {
+    return UtcTime{kToday.nanoseconds + (days * security::kDay).count()};
+  };
+  EXPECT_EQ(run(kCheck, {}, in(340)), ExitCode::kOk);
+  EXPECT_THAT(out_, HasSubstr("soon: "));
+  EXPECT_EQ(run(kCheck, {}, in(370)), ExitCode::kFound);
+  EXPECT_THAT(out_, HasSubstr("fault: "));
+  EXPECT_EQ(run(kRenew, {MemberRole::kStation, "wall", {}}, in(370)), ExitCode::kOk);
+  EXPECT_EQ(run(kCheck, {}, in(370)), ExitCode::kOk);
+}
+
+TEST_F(SecureTest, SaysWhatItCannotDo) {
+  EXPECT_EQ(run(kAdd, {MemberRole::kBridge, "line-7", {}}), ExitCode::kRejected);
+  EXPECT_THAT(err_, HasSubstr("fieldcast secure init"));
+  ASSERT_EQ(run(kInit), ExitCode::kOk);
+  EXPECT_EQ(run(kInit), ExitCode::kRejected);
+  EXPECT_THAT(err_, HasSubstr("nothing was changed"));
+  EXPECT_EQ(run(kAdd, {MemberRole::kBridge, "line-7", {"press-*"}}), ExitCode::kRejected);
+  EXPECT_THAT(err_, HasSubstr("only a plant"));
+  EXPECT_EQ(run(kRevoke, {MemberRole::kBridge, "nobody", {}}), ExitCode::kRejected);
+  EXPECT_THAT(err_, HasSubstr("no member nobody"));
+  EXPECT_THAT(out_, IsEmpty());
+}
+
+}  // namespace
+}  // namespace fieldcast::cli

@@ -1,0 +1,212 @@
+#include "tools/cli/command/secure.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "bridge/security/member_folder.hpp"
+#include "tools/cli/clock.hpp"
+#include "tools/cli/command/command.hpp"
+#include "tools/cli/view/json.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+using security::Authority;
+using security::MemberCheck;
+using security::MemberState;
+
+std::string buses_text(const security::Member& member) {
+  std::string text;
+  for (const std::string& bus : member.buses) text += (text.empty() ? "" : ", ") + bus;
+  return text;
+}
+
+ExitCode init(const SecureOptions& options, UtcTime now, std::ostream& out) {
+  const Authority made = Authority::create(options.folder, options.protection, now);
+  out << fmt::format(
+      "{} is the authority now, until {}. Keep a copy of it, and let nobody read its keys.\n"
+      "Next: fieldcast secure add bridge NAME --authority {}\n",
+      options.folder, security::date_text(made.not_after()), options.folder);
+  return ExitCode::kOk;
+}
+
+ExitCode add(const SecureOptions& options, UtcTime now, std::ostream& out) {
+  const std::string folder = Authority(options.folder).add(options.member, now, options.life);
+  out << fmt::format(
+      "{}: {} {}{}\nCopy this folder to the machine of {}, readable for its user only, and name it "
+      "there: dds: {{ security: FOLDER }}, or --security FOLDER.\n",
+      folder, to_text(options.member.role), options.member.name,
+      options.member.buses.empty() ? "" : " for buses " + buses_text(options.member),
+      options.member.name);
+  return ExitCode::kOk;
+}
+
+ExitCode renew(const SecureOptions& options, UtcTime now, std::ostream& out) {
+  Authority(options.folder).renew(options.member.name, now, options.life);
+  out << fmt::format(
+      "{0} is renewed. Copy {1}/members/{0} over its folder; its programs take it when they start "
+      "the next time.\n",
+      options.member.name, options.folder);
+  return ExitCode::kOk;
+}
+
+ExitCode revoke(const SecureOptions& options, UtcTime now, std::ostream& out) {
+  Authority(options.folder).revoke(options.member.name, now);
+  out << fmt::format(
+      "{} is revoked. Copy {}/{} into the folder of every other member, bridges first; a program "
+      "refuses {} from its next start on.\n",
+      options.member.name, options.folder, security::kRevoked, options.member.name);
+  return ExitCode::kOk;
+}
+
+Json state_json(const MemberState& state) {
+  return {{"name", state.member.name},
+          {"role", to_text(state.member.role)},
+          {"buses", state.member.buses},
+          {"subject", state.certificate.subject},
+          {"serial", state.certificate.serial},
+          {"until", security::date_text(state.certificate.not_after)},
+          {"revoked", state.revoked}};
+}
+
+ExitCode show(const SecureOptions& options, UtcTime now, std::ostream& out) {
+  const Authority authority(options.folder);
+  const auto members = authority.members();
+  for (const MemberState& state : members) {
+    if (options.json) {
+      out << to_line(state_json(state)) << '\n';
+      continue;
+    }
+    const std::string end = security::date_text(state.certificate.not_after);
+    const bool ended = state.certificate.not_after <= now;
+    out << fmt::format("{:<24} {:<17} {:<24} {}\n", state.member.name, to_text(state.member.role),
+                       state.member.buses.empty() ? "every bus" : buses_text(state.member),
+                       state.revoked ? "revoked"
+                       : ended       ? "ended on " + end
+                                     : "until " + end);
+  }
+  if (members.empty() && !options.json)
+    out << fmt::format("no members yet; fieldcast secure add bridge NAME --authority {}\n",
+                       options.folder);
+  return ExitCode::kOk;
+}
+
+ExitCode check(const SecureOptions& options, UtcTime now, std::ostream& out) {
+  MemberCheck all;
+  const bool authority = std::filesystem::exists(options.folder + "/members");
+  if (authority) {
+    for (const MemberState& state : Authority(options.folder).members()) {
+      if (state.revoked) continue;
+      MemberCheck one = security::check_member(state.folder, now);
+      std::move(one.faults.begin(), one.faults.end(), std::back_inserter(all.faults));
+      std::move(one.warnings.begin(), one.warnings.end(), std::back_inserter(all.warnings));
+    }
+  } else {
+    all = security::check_member(options.folder, now);
+  }
+  for (const std::string& fault : all.faults) out << "fault: " << fault << '\n';
+  for (const std::string& warning : all.warnings) out << "soon: " << warning << '\n';
+  if (all.faults.empty() && all.warnings.empty()) out << options.folder << ": in order\n";
+  return all.faults.empty() ? ExitCode::kOk : ExitCode::kFound;
+}
+
+}  // namespace
+
+ExitCode secure(const SecureOptions& options, UtcTime now, std::ostream& out, std::ostream& err) {
+  try {
+    switch (options.action) {
+      case SecureOptions::Action::kInit: return init(options, now, out);
+      case SecureOptions::Action::kAdd: return add(options, now, out);
+      case SecureOptions::Action::kRenew: return renew(options, now, out);
+      case SecureOptions::Action::kRevoke: return revoke(options, now, out);
+      case SecureOptions::Action::kShow: return show(options, now, out);
+      case SecureOptions::Action::kCheck: return check(options, now, out);
+    }
+  } catch (const security::SecurityError& error) { err << error.what() << '\n'; }
+  return ExitCode::kRejected;
+}
+
+namespace {
+
+class SecureCommand final : public CommandWith<SecureOptions> {
+ public:
+  void describe(CommandLine& line) override {
+    CommandLine& init = line.command("init", "Make an authority in a new folder");
+    init.text("DIR", options_.folder, "The folder that is made").required();
+    init.value(
+        "--protect", [this](const std::string& text) { return read_protection(text); },
+        "encrypt: nobody outside reads or changes anything; sign: nobody changes it (encrypt)");
+    CommandLine& add = line.command("add", "Make the identity and the permissions of a member");
+    add.value(
+           "ROLE", [this](const std::string& text) { return read_role(text); }, roles_text())
+        .required();
+    add.text("NAME", options_.member.name, "Of the member: letters, digits, '-' and '_'")
+        .required();
+    add.texts("--bus", options_.member.buses,
+              "A plant commands the buses that match this pattern only; may be repeated");
+    CommandLine& renew = line.command("renew", "Make a member's certificate anew, with its key");
+    CommandLine& revoke = line.command("revoke", "Shut a member out");
+    for (CommandLine* one : {&renew, &revoke})
+      one->text("NAME", options_.member.name, "Of the member").required();
+    for (CommandLine* one : {&add, &renew}) {
+      one->duration("--valid", options_.life, security::kDay,
+                    "How long the certificate is good: 365d");
+    }
+    CommandLine& show = line.command("show", "List the members");
+    show.flag("--json", options_.json, "JSON lines");
+    for (CommandLine* one : {&add, &renew, &revoke, &show})
+      one->text("--authority", options_.folder, "The folder of the authority").show_default();
+    CommandLine& check =
+        line.command("check", "Say what is wrong with a folder, and what ends within 30 days");
+    check.text("DIR", options_.folder, "Of a member or of the authority").show_default();
+    describe_action(init, SecureOptions::Action::kInit);
+    describe_action(add, SecureOptions::Action::kAdd);
+    describe_action(renew, SecureOptions::Action::kRenew);
+    describe_action(revoke, SecureOptions::Action::kRevoke);
+    describe_action(show, SecureOptions::Action::kShow);
+    describe_action(check, SecureOptions::Action::kCheck);
+  }
+  ExitCode run(const Streams& streams) override {
+    return secure(options_, utc_now(), streams.out, streams.err);
+  }
+
+ private:
+  void describe_action(CommandLine& line, SecureOptions::Action action) {
+    line.when_given([this, action]() -> std::optional<CommandLine::Fault> {
+      options_.action = action;
+      return std::nullopt;
+    });
+  }
+  static std::string roles_text() {
+    std::string text;
+    for (const auto& row : security::roles())
+      text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", row.word, row.text);
+    return text;
+  }
+  std::optional<std::string> read_role(const std::string& text) {
+    const auto role = security::member_role_from(text);
+    if (!role) return fmt::format("'{}' is unknown; {}", printable(text), roles_text());
+    options_.member.role = *role;
+    return std::nullopt;
+  }
+  std::optional<std::string> read_protection(const std::string& text) {
+    if (text != "encrypt" && text != "sign")
+      return fmt::format("'{}' is unknown; encrypt or sign", printable(text));
+    options_.protection =
+        text == "sign" ? security::Protection::kSign : security::Protection::kEncrypt;
+    return std::nullopt;
+  }
+};
+
+}  // namespace
+
+CommandEntry secure_command();
+CommandEntry secure_command() {
+  return {"secure", "Make identities and permissions for DDS Security; needs no bridge",
+          make_command<SecureCommand>};
+}
+
+}  // namespace fieldcast::cli
