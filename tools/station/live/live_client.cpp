@@ -56,7 +56,7 @@ void LiveClient::withdraw_all() {
 
 void LiveClient::on_news(Instant now) {
   if (!open_) return;
-  if (!under_way_) return wake_at(std::max(now, next_));
+  if (!under_way_) return wake_at(std::max(now + kGathering, next_));
   if (now < std::max(next_, counted_ + kPeriod)) return;
   ++dropped_;
   ++counters_.dropped;

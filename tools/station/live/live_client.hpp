@@ -35,6 +35,8 @@ struct LiveContext {
 class LiveClient : public LiveProtocol {
  public:
   static constexpr Duration kPeriod = std::chrono::milliseconds{20};
+  // After a pause, for what comes together: the samples of one exchange, of several buses.
+  static constexpr Duration kGathering = std::chrono::milliseconds{3};
   // Between two notes that the catalogue changed.
   static constexpr Duration kCataloguePeriod = std::chrono::milliseconds{250};
   // Texts of one batch.
