@@ -16,13 +16,13 @@ globalThis.localStorage = { getItem: (key) => (key === 'fieldcast.language' ? 'e
 
 // The modules by one bundle, so that they share what they share in the page.
 const { buildSync } = createRequire(join(modules, 'x'))('esbuild');
-const names = ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'csv', 'plan_picture'];
+const names = ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'csv', 'plan_picture', 'device_health', 'port_command'];
 const made = mkdtempSync(join(tmpdir(), 'fieldcast-page-'));
 buildSync({
   stdin: { contents: names.map((name) => `export * as ${name} from './${name}';`).join('\n'), resolveDir: source, loader: 'ts' },
   bundle: true, format: 'esm', outfile: join(made, 'page.mjs'), nodePaths: [modules], logLevel: 'warning',
 });
-const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock, alarm_rows, csv, plan_picture } = await import(join(made, 'page.mjs'));
+const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock, alarm_rows, csv, plan_picture, device_health, port_command } = await import(join(made, 'page.mjs'));
 rmSync(made, { recursive: true });
 
 const row = (id, path, more = {}) => [id, path, more.type ?? 'float32', more.unit ?? '', 'holding:0', 'read-only', 'scheduled', 500, {}, more.description ?? '', 'north'];
@@ -170,6 +170,30 @@ test('marks are as wide as the time on the wire, and never more than pixels', ()
   assert.equal(plan_picture.marksOf([many], 100_000, 300).length, 1);
   assert.equal(plan_picture.rangeText(group.points), 'holding 100..110');
   assert.deepEqual(plan_picture.axisTicks(752, 8), [0, 100, 200, 300, 400, 500, 600, 700]);
+});
+
+test('why a device is as it is', () => {
+  const device = (more) => ({ bus: 'shop', device: 'press', state: 'online', exchanges: 100, failures: 2, refused: [], refused_gaps: [], causes: {}, ...more });
+  const { reasonOf, grownCause } = device_health;
+  const counts = { CHECKSUM: 9, NO_ANSWER: 40 };
+  assert.deepEqual(reasonOf(device(), undefined, undefined, undefined), { kind: 'fine', n: 0 });
+  assert.deepEqual(reasonOf(device({ state: 'offline', causes: counts }), undefined, undefined, undefined), { kind: 'failing', cause: 'NO_ANSWER' });
+  assert.deepEqual(reasonOf(device({ state: 'degraded', causes: counts }), undefined, undefined, 'CHECKSUM'), { kind: 'failing', cause: 'CHECKSUM' });
+  assert.deepEqual(reasonOf(device({ state: 'degraded', refused: ['holding:7'], causes: counts }), undefined, undefined, undefined), { kind: 'refuses', n: 1 });
+  assert.deepEqual(reasonOf(device({ state: 'offline' }), { state: 'closed', closed_because: 'PORT_MISSING' }, undefined, undefined), { kind: 'bus-closed', cause: 'PORT_MISSING' });
+  assert.deepEqual(reasonOf(device(), { state: 'leased' }, { state: 'open', who: 'otto' }, undefined), { kind: 'programmed', who: 'otto' });
+  assert.equal(grownCause(counts, { CHECKSUM: 12, NO_ANSWER: 41 }), 'CHECKSUM');
+  assert.equal(grownCause(counts, counts), undefined);
+  const names = (devices) => device_health.orderedDevices(devices).map((each) => each.device);
+  assert.deepEqual(names([device({ device: 'b' }), device({ device: 'a' }), device({ device: 'z', state: 'offline' })]), ['z', 'a', 'b']);
+});
+
+test('the command for the programming software is safe to paste', () => {
+  const choice = { server: 'plc-north:4950', number: 'P1', port: '/tmp/plc', user: '', tls: false };
+  assert.equal(port_command.portCommand(choice), 'fieldcast-port --server plc-north:4950 --device P1 --link /tmp/plc');
+  assert.equal(port_command.portCommand({ ...choice, number: "P1; rm 'x'", tls: true, user: 'anna' }),
+    `fieldcast-port --server plc-north:4950 --tls --user anna --device 'P1; rm '\\''x'\\''' --link /tmp/plc`);
+  assert.equal(port_command.serverOf('::1'), '[::1]:4950');
 });
 
 test('an address survives its way through a link', () => {

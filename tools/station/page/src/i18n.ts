@@ -3,6 +3,7 @@
 
 import * as alarms from './texts/alarms';
 import * as audit from './texts/audit';
+import * as causes from './texts/causes';
 import * as channel from './texts/channel';
 import * as common from './texts/common';
 import * as devices from './texts/devices';
@@ -13,10 +14,10 @@ import * as overview from './texts/overview';
 import * as plan from './texts/plan';
 import * as programming from './texts/programming';
 
-const modules = [common, overview, live, channel, alarms, devices, programming, history, plan, audit, login] as const;
+const modules = [common, causes, overview, live, channel, alarms, devices, programming, history, plan, audit, login] as const;
 export const languages = { en: 'English', zh: '中文' } as const;
 export type Language = keyof typeof languages;
-export type Key = keyof typeof common.en | keyof typeof overview.en | keyof typeof live.en | keyof typeof channel.en | keyof typeof alarms.en |
+export type Key = keyof typeof common.en | keyof typeof causes.en | keyof typeof overview.en | keyof typeof live.en | keyof typeof channel.en | keyof typeof alarms.en |
   keyof typeof devices.en | keyof typeof programming.en | keyof typeof history.en | keyof typeof plan.en | keyof typeof audit.en |
   keyof typeof login.en;
 

@@ -51,11 +51,12 @@ export class ListTable<T> {
   get selected(): T | undefined { return this.items[this.table.selected]; }
   get sorted(): boolean { return this.sortKey !== ''; }
 
-  // In the owner's order, until a person sorts by a column.
-  set(items: readonly T[]): void {
+  // In the owner's order, until a person sorts by a column. `same`: the same objects in the same order with other contents.
+  set(items: readonly T[], same = false): void {
     this.noteSelected();
     this.all = items;
     this.items = this.ordered();
+    if (same) return;
     this.table.selected = this.selectedKey === undefined ? -1 : this.items.findIndex((item) => this.owner.keyOf(item) === this.selectedKey);
     this.table.setCount(this.items.length);
   }

@@ -1,10 +1,211 @@
-import { html, render } from 'lit-html';
-import type { MakePage } from '../context';
-import { t } from '../i18n';
-import { makeElement } from '../view';
+// Devices: how each is and why, what was learned of it, what it refuses, what failed, maintenance. #/devices/BUS/DEVICE shows one.
 
-export const page: MakePage = () => {
-  const element = makeElement('devices');
-  render(html`<h1>${t('devices.title')}</h1>`, element);
-  return { title: t('devices.title'), element };
-};
+import { html, nothing, render } from 'lit-html';
+import type { TemplateResult } from 'lit-html';
+import { endMaintenance, startMaintenance } from '../alarm_actions';
+import type { Change, Context, MakePage, Page } from '../context';
+import { deviceStates, failedShare, grownCause, orderedDevices, pathOf, reasonOf } from '../device_health';
+import type { Reason } from '../device_health';
+import { age, count, duration, percent } from '../format';
+import { t, word } from '../i18n';
+import { ListTable } from '../list';
+import { link } from '../router';
+import type { Device } from '../types';
+import { bar, empty, makeElement, shape, stateBadge, toneOfState } from '../view';
+
+const staleAfter_ms = 10_000;  // a device that only counts is told every 2 s
+
+function reasonText(reason: Reason): string {
+  switch (reason.kind) {
+    case 'programmed': return t('devices.programmed', { who: reason.who });
+    case 'bus-closed': return t('devices.bus-closed', { cause: word('cause', reason.cause) });
+    case 'bus-leased': return t('devices.bus-leased');
+    case 'failing': return word('cause', reason.cause);
+    case 'refuses': return t(reason.n === 1 ? 'devices.refuses-one' : 'devices.refuses', { n: reason.n });
+    case 'not-read': return t('devices.not-read');
+    case 'fine': return '';
+  }
+}
+
+// What outlives the way to a device and back.
+const causes = new Map<string, Device['causes']>();  // of the report before, by path
+const recent = new Map<string, string>();  // the cause that grew last
+const kept = { filter: '', state: '' };
+
+class DevicesPage implements Page {
+  readonly element = makeElement('devices listing');
+  readonly title = t('devices.title');
+  private readonly head = document.createElement('div');
+  private readonly tools = document.createElement('div');
+  private readonly body = document.createElement('div');
+  private readonly details = document.createElement('section');
+  private readonly note = document.createElement('div');
+  private readonly list: ListTable<Device>;
+  private readonly chosen: string;
+
+  constructor(private readonly context: Context) {
+    this.chosen = context.route.parts.slice(0, 2).join('/');
+    this.head.className = 'tabs';
+    this.tools.className = 'tools';
+    this.body.className = this.chosen ? 'split chosen' : 'split';
+    this.details.className = 'card device';
+    this.details.dataset['scroll'] = '';
+    this.details.tabIndex = 0;
+    this.details.setAttribute('role', 'region');
+    this.note.className = 'nothing';
+    this.list = new ListTable<Device>({
+      label: t('devices.table'), className: 'device-table', keyOf: pathOf,
+      tone: (device) => `d-${toneOfState(device.state)}`,
+      open: (device) => context.go(link('devices', [device.bus, device.device])),
+      columns: [
+        { key: 'state', label: t('devices.state'), text: (device) => `${shape(toneOfState(device.state))} ${word('state', device.state)}` },
+        { key: 'device', label: t('devices.device'), text: pathOf, link: (device) => link('devices', [device.bus, device.device]), order: pathOf },
+        { key: 'reason', label: t('devices.reason'), text: (device) => [reasonText(this.reason(device)), this.inMaintenance(device) ? t('devices.in-maintenance') : ''].filter(Boolean).join(' · '), hint: (device) => reasonText(this.reason(device)) },
+        { key: 'answer', label: t('devices.answer'), text: (device) => (device.answer_time_ms ? duration(device.answer_time_ms) : '–'), order: (device) => device.answer_time_ms },
+        { key: 'failed', label: t('devices.failed'), text: (device) => (device.exchanges ? percent(failedShare(device), 2) : '–'), order: failedShare },
+        { key: 'missed', label: t('devices.missed'), text: (device) => count(device.deadline_misses), order: (device) => device.deadline_misses },
+      ],
+    });
+    this.body.append(this.list.element, this.note, this.details);
+    this.element.append(this.head, this.tools, this.body);
+    render(html`<h1>${t('devices.title')}</h1>`, this.head);
+  }
+
+  paint(change: Change): void {
+    if (change.topics.has('devices')) this.noteCauses();
+    if (change.second || change.topics.has('alarms') || change.topics.has('sessions')) this.arrange();
+  }
+
+  key(event: KeyboardEvent): boolean {
+    const device = this.device();
+    if (event.key === 'm' && device && this.context.mayOperate()) void this.maintain(device);
+    else if (event.key === 'Backspace' && this.chosen) this.context.go(link('devices'));
+    else return this.list.key(event);
+    return true;
+  }
+
+  focusFilter(): void { this.tools.querySelector<HTMLInputElement>('.filter')?.focus(); }
+
+  private device(): Device | undefined { return this.context.plant.devices.get(this.chosen) ?? this.list.selected; }
+
+  private noteCauses(): void {
+    for (const [path, device] of this.context.plant.devices) {
+      const before = causes.get(path);
+      if (before === device.causes) continue;
+      const grown = before && grownCause(before, device.causes);
+      if (grown) recent.set(path, grown);
+      else if (device.state === 'online') recent.delete(path);
+      causes.set(path, device.causes);
+    }
+  }
+
+  private reason(device: Device): Reason {
+    const { plant } = this.context;
+    return reasonOf(device, plant.buses.get(device.bus), plant.sessions.get(pathOf(device)), recent.get(pathOf(device)));
+  }
+
+  private inMaintenance(device: Device): boolean {
+    for (const alarm of this.context.plant.alarms.values())
+      if (alarm.suppressed && alarm.bus === device.bus && alarm.device === device.device) return true;
+    return false;
+  }
+
+  private async maintain(device: Device): Promise<void> {
+    if (this.inMaintenance(device)) await endMaintenance(this.context, device.bus, device.device);
+    else await startMaintenance(this.context, device.bus, device.device);
+  }
+
+  private arrange(): void {
+    const words = kept.filter.toLowerCase().split(/\s+/).filter(Boolean);
+    const fitting = orderedDevices(this.context.plant.devices.values()).filter((device) => {
+      const text = `${pathOf(device)} ${reasonText(this.reason(device))}`.toLowerCase();
+      return words.every((each) => text.includes(each));
+    });
+    const shown = fitting.filter((device) => !kept.state || device.state === kept.state);
+    const same = shown.length === this.list.items.length && !this.list.sorted && shown.every((device, index) => pathOf(device) === pathOf(this.list.items[index]!));
+    this.list.set(shown, same);
+    if (this.chosen) this.list.select(this.chosen);
+    this.list.paint();
+    this.draw(fitting);
+  }
+
+  private draw(fitting: readonly Device[]): void {
+    const type = (event: Event): void => {
+      kept.filter = (event.target as HTMLInputElement).value;
+      this.arrange();
+    };
+    const show = (state: string) => (): void => {
+      kept.state = state;
+      this.arrange();
+    };
+    const tab = (state: string, text: string, n: number): TemplateResult => html`<button type="button" class="choice" aria-pressed=${kept.state === state}
+      @click=${show(state)}>${text} <b>${count(n)}</b></button>`;
+    render(html`<input type="search" class="filter" aria-label=${t('alarms.filter')} placeholder="${t('alarms.filter')}  ( / )" .value=${kept.filter}
+        spellcheck="false" autocapitalize="none" @input=${type}>
+      <span class="choice-row" role="group" aria-label=${t('devices.state')}>${tab('', t('alarms.all'), fitting.length)}
+        ${deviceStates.map((state) => tab(state, word('state', state), fitting.filter((device) => device.state === state).length))}</span>`, this.tools);
+    this.body.classList.toggle('none', !this.list.items.length);
+    render(this.list.items.length ? nothing : empty(t(this.context.plant.devices.size ? 'devices.none-fits' : 'devices.none')), this.note);
+    this.details.setAttribute('aria-label', this.chosen || t('devices.device'));
+    this.drawDetails();
+  }
+
+  private drawDetails(): void {
+    const device = this.context.plant.devices.get(this.chosen);
+    if (!this.chosen) return;
+    if (!device) {
+      render(html`<a class="back" href=${link('devices')}>‹ ${t('devices.title')}</a>${empty(t('devices.unknown', { device: this.chosen }))}`, this.details);
+      return;
+    }
+    const { context } = this;
+    const fact = (name: string, value: unknown): TemplateResult => html`<div class="fact"><dt>${name}</dt><dd>${value}</dd></div>`;
+    const reason = reasonText(this.reason(device));
+    const reportAge_ms = context.now() - device.reported_ms;
+    const maintained = this.inMaintenance(device);
+    this.details.classList.toggle('stale', reportAge_ms > staleAfter_ms);
+    render(html`<a class="back" href=${link('devices')}>‹ ${t('devices.title')}</a>
+      <header><h2>${pathOf(device)}</h2>${stateBadge(device.state)}</header>
+      <p class="reason">${reason || t('devices.fine')}${maintained ? html` · <b>${t('devices.in-maintenance')}</b>` : nothing}</p>
+      <p class="links"><a href=${link('live', [], { q: `${pathOf(device)}/*` })}>${t('overview.show')}</a>
+        <a href=${link('plan', [device.bus])}>${t('overview.plan')}</a>
+        <a href=${link('programming', [device.bus, device.device])}>${t('nav.programming')}</a>
+        ${context.mayOperate() ? html`<button type="button" @click=${() => void this.maintain(device)}>${t(maintained ? 'devices.end-maintenance' : 'alarms.maintenance-start')} <kbd>m</kbd></button>` : nothing}</p>
+      <dl class="facts">
+        ${fact(t('devices.answer'), html`<b>${duration(device.answer_time_ms)}</b> ± ${duration(device.answer_spread_ms)}`)}
+        ${fact(t('devices.timeout'), duration(device.timeout_ms))}
+        ${fact(t('devices.pause'), duration(device.pause_ms))}
+        ${fact(t('devices.exchanges'), count(device.exchanges))}
+        ${fact(t('devices.failures'), html`${count(device.failures)} <span class="muted">${percent(failedShare(device), 2)}</span>`)}
+        ${fact(t('devices.retries'), count(device.retries))}
+        ${fact(t('devices.missed'), count(device.deadline_misses))}
+        ${fact(t('overview.report-age'), age(reportAge_ms))}
+      </dl>
+      ${this.areas(device)}
+      ${this.addresses(t('devices.refused'), t('devices.refused-hint'), device.refused)}
+      ${this.addresses(t('devices.gaps'), t('devices.gaps-hint'), device.refused_gaps)}
+      <h3>${t('overview.causes')}</h3>${this.failures(device)}`, this.details);
+  }
+
+  private areas(device: Device): TemplateResult {
+    return html`<h3>${t('devices.learned')}</h3>${device.areas.length ? html`<div class="scroll" data-scroll tabindex="0" role="region" aria-label=${t('devices.learned')}>
+      <table class="plain"><thead><tr><th scope="col">${t('devices.area')}</th><th scope="col" class="number">${t('devices.answer')}</th><th scope="col" class="number">±</th>
+        <th scope="col" class="number">${t('devices.largest')}</th><th scope="col" class="number">${t('devices.longest')}</th></tr></thead>
+      <tbody>${device.areas.map((area) => html`<tr><td>${area.area}</td><td class="number">${duration(area.answer_time_ms)}</td><td class="number">${duration(area.answer_spread_ms)}</td>
+        <td class="number">${count(area.largest_block)}</td><td class="number">${area.longest_block ? count(area.longest_block) : '–'}</td></tr>`)}</tbody></table></div>` :
+      html`<p class="muted">${t('devices.nothing')}</p>`}`;
+  }
+
+  private addresses(title: string, hint: string, list: readonly string[]): TemplateResult | typeof nothing {
+    if (!list.length) return nothing;
+    return html`<h3>${title} <b>${count(list.length)}</b></h3><p class="muted">${hint}</p><ul class="addresses">${list.map((each) => html`<li>${each}</li>`)}</ul>`;
+  }
+
+  private failures(device: Device): TemplateResult {
+    const rows = Object.entries(device.causes).sort((a, b) => b[1] - a[1]);
+    const sum = rows.reduce((total, [, n]) => total + n, 0);
+    return rows.length ? html`<div class="failures">${rows.map(([cause, n]) => html`${bar('cause-bar', `${word('cause', cause)} ${count(n)}`, n / sum)}`)}</div>` :
+      html`<p class="muted">${t('overview.no-misses')}</p>`;
+  }
+}
+
+export const page: MakePage = (context) => new DevicesPage(context);

@@ -1,10 +1,173 @@
-import { html, render } from 'lit-html';
-import type { MakePage } from '../context';
-import { t } from '../i18n';
-import { makeElement } from '../view';
+// Programming: which devices and modules are there, who programs what since when, and how one starts. #/programming/BUS/DEVICE
+// shows the command for one device.
 
-export const page: MakePage = () => {
-  const element = makeElement('programming');
-  render(html`<h1>${t('programming.title')}</h1>`, element);
-  return { title: t('programming.title'), element };
-};
+import { html, nothing, render } from 'lit-html';
+import type { TemplateResult } from 'lit-html';
+import type { Change, Context, MakePage, Page } from '../context';
+import { pathOf } from '../device_health';
+import { age, bytes, count, fullTime } from '../format';
+import { t, word } from '../i18n';
+import { ListTable } from '../list';
+import { portCommand, serverOf } from '../port_command';
+import type { PortChoice } from '../port_command';
+import { link } from '../router';
+import type { Device, Session } from '../types';
+import { badge, empty, makeElement } from '../view';
+import type { Tone } from '../view';
+
+const dialIn = 'dial-in';  // the bus of a module that has none
+const keptUnder = 'fieldcast.port';
+
+interface Target {
+  bus: string;
+  device: string;
+  known: Device | undefined;  // a device of a bus
+  session: Session | undefined;  // the present one, or the last
+}
+
+const tones: Record<string, Tone> = { open: 'warning', refused: 'bad', closed: 'unknown' };
+const shapes: Record<string, string> = { open: '◆', refused: '▲' };
+const isOpen = (target: Target): boolean => target.session?.state === 'open';
+
+function read(): Record<string, string> {
+  try {
+    return JSON.parse(localStorage.getItem(keptUnder) ?? '{}') as Record<string, string>;
+  } catch {
+    return {};
+  }
+}
+
+class ProgrammingPage implements Page {
+  readonly element = makeElement('programming listing');
+  readonly title = t('programming.title');
+  private readonly head = document.createElement('div');
+  private readonly hint = document.createElement('p');
+  private readonly body = document.createElement('div');
+  private readonly details = document.createElement('section');
+  private readonly note = document.createElement('div');
+  private readonly list: ListTable<Target>;
+  private readonly chosen: string;
+  private choice: PortChoice | undefined;
+
+  constructor(private readonly context: Context) {
+    this.chosen = context.route.parts.slice(0, 2).join('/');
+    this.head.className = 'tabs';
+    this.hint.className = 'muted';
+    this.hint.textContent = t('programming.hint');
+    this.body.className = this.chosen ? 'split chosen' : 'split';
+    this.details.className = 'card device';
+    this.details.dataset['scroll'] = '';
+    this.details.tabIndex = 0;
+    this.details.setAttribute('role', 'region');
+    this.details.setAttribute('aria-label', this.chosen || t('programming.start'));
+    this.note.className = 'nothing';
+    const now = (): number => context.now();
+    this.list = new ListTable<Target>({
+      label: t('programming.table'), className: 'session-table', keyOf: pathOf,
+      tone: (target) => (isOpen(target) ? 'd-warning' : target.session?.state === 'refused' ? 'd-bad' : 'd-unknown'),
+      open: (target) => context.go(link('programming', [target.bus, target.device])),
+      columns: [
+        { key: 'state', label: t('programming.state'), text: ({ session }) => (session ? `${shapes[session.state] ?? '○'} ${word('session', session.state)}` : `○ ${t('programming.free')}`) },
+        { key: 'device', label: t('devices.device'), text: pathOf, link: (target) => link('programming', [target.bus, target.device]) },
+        { key: 'who', label: t('alarms.who'), text: ({ session }) => session?.who ?? '', hint: ({ session }) => session?.who ?? '' },
+        { key: 'since', label: t('alarms.since'), text: ({ session }) => (session?.since_ms ? age(now() - session.since_ms) : ''), hint: ({ session }) => (session?.since_ms ? fullTime(session.since_ms) : '') },
+        { key: 'to', label: t('programming.to'), text: ({ session }) => (session ? bytes(session.bytes_to_device) : '') },
+        { key: 'from', label: t('programming.from'), text: ({ session }) => (session ? bytes(session.bytes_from_device) : '') },
+      ],
+    });
+    this.body.append(this.list.element, this.note, this.details);
+    this.element.append(this.head, this.hint, this.body);
+  }
+
+  paint(change: Change): void {
+    if (!change.second && !change.topics.has('sessions') && !change.topics.has('bridges')) return;
+    const targets = this.targets();
+    this.list.set(targets);
+    if (this.chosen) this.list.select(this.chosen);
+    const open = targets.filter(isOpen).length;
+    render(html`<h1>${t('programming.title')}</h1><span role="status">${badge(open ? 'warning' : 'unknown', open === 1 ? t('programming.one-open') : t('programming.open', { n: open }))}</span>`, this.head);
+    this.body.classList.toggle('none', !targets.length);
+    render(targets.length ? nothing : empty(t('devices.none')), this.note);
+    if (this.chosen) this.drawDetails(targets.find((target) => pathOf(target) === this.chosen));
+  }
+
+  key(event: KeyboardEvent): boolean {
+    if (event.key === 'c' && this.choice) void this.copy();
+    else if (event.key === 'Backspace' && this.chosen) this.context.go(link('programming'));
+    else return this.list.key(event);
+    return true;
+  }
+
+  // Devices of buses, and modules that have dialled in; those that are programmed first.
+  private targets(): Target[] {
+    const { devices, sessions } = this.context.plant;
+    const found = new Map<string, Target>();
+    for (const [path, known] of devices) found.set(path, { bus: known.bus, device: known.device, known, session: sessions.get(path) });
+    for (const [path, session] of sessions) if (!found.has(path)) found.set(path, { bus: session.bus, device: session.device, known: undefined, session });
+    return [...found.values()].sort((a, b) => Number(isOpen(b)) - Number(isOpen(a)) || pathOf(a).localeCompare(pathOf(b)));
+  }
+
+  private firstChoice(target: Target): PortChoice {
+    const kept = read();
+    const bridge = [...this.context.plant.bridges.values()].find((each) => each.buses.some(({ bus }) => bus === target.bus));
+    return {
+      server: kept[`server ${target.bus}`] ?? serverOf(bridge?.host || location.hostname), number: kept[`number ${pathOf(target)}`] ?? target.device,
+      port: kept['port'] ?? '/tmp/plc', user: kept['user'] ?? '', tls: kept['tls'] === 'yes',
+    };
+  }
+
+  private keep(target: Target, choice: PortChoice): void {
+    localStorage.setItem(keptUnder, JSON.stringify({
+      ...read(), [`server ${target.bus}`]: choice.server, [`number ${pathOf(target)}`]: choice.number, port: choice.port, user: choice.user, tls: choice.tls ? 'yes' : 'no' }));
+  }
+
+  private async copy(): Promise<void> {
+    if (!this.choice) return;
+    try {
+      await navigator.clipboard.writeText(portCommand(this.choice));
+      this.context.say(t('programming.copied'));
+    } catch {
+      getSelection()?.selectAllChildren(this.details.querySelector('.command')!);
+      this.context.say(t('programming.copy-by-hand'), true);
+    }
+  }
+
+  private drawDetails(target: Target | undefined): void {
+    if (!target) {
+      render(html`<a class="back" href=${link('programming')}>‹ ${t('programming.title')}</a>${empty(t('devices.unknown', { device: this.chosen }))}`, this.details);
+      return;
+    }
+    const { session } = target;
+    const choice = (this.choice ??= this.firstChoice(target));
+    const change = (event: Event): void => {
+      const input = event.target as HTMLInputElement;
+      this.choice = { ...choice, [input.name]: input.type === 'checkbox' ? input.checked : input.value.trim() };
+      this.keep(target, this.choice);
+      this.drawDetails(target);
+    };
+    const field = (name: 'server' | 'number' | 'port' | 'user', hint: string): TemplateResult => html`<label class="field">${t(`programming.${name}`)}
+      <input name=${name} .value=${choice[name]} spellcheck="false" autocapitalize="none" autocomplete="off"><span class="muted">${hint}</span></label>`;
+    render(html`<a class="back" href=${link('programming')}>‹ ${t('programming.title')}</a>
+      <header><h2>${pathOf(target)}</h2>${session ? badge(tones[session.state] ?? 'unknown', word('session', session.state)) : nothing}</header>
+      <p class="reason">${session && isOpen(target) ? t('programming.by', { who: session.who, age: age(this.context.now() - session.since_ms) }) :
+        session ? t('programming.last', { who: session.who }) : t('programming.never')}</p>
+      <h3>${t('programming.meanwhile')}</h3><p>${this.meanwhile(target)}</p>
+      <h3>${t('programming.start')}</h3><p class="muted">${t('programming.start-hint')}</p>
+      <pre class="command" data-scroll tabindex="0" aria-label=${t('programming.command')}>${portCommand(choice)}</pre>
+      <p class="links"><button type="button" class="primary" @click=${() => void this.copy()}>${t('programming.copy')} <kbd>c</kbd></button></p>
+      <div class="fields" @input=${change}>${field('server', t('programming.server-hint'))}${field('number', t('programming.number-hint'))}
+        ${field('port', t('programming.port-hint'))}${field('user', t('programming.user-hint'))}
+        <label><input type="checkbox" name="tls" .checked=${choice.tls}>${t('programming.tls')}</label></div>
+      <p class="muted">${t('programming.end-hint')}</p>`, this.details);
+  }
+
+  private meanwhile(target: Target): string {
+    if (target.bus === dialIn) return t('programming.no-bus');
+    const { plant } = this.context;
+    const channels = plant.count().get(target.bus)?.all ?? 0;
+    const devices = [...plant.devices.values()].filter((device) => device.bus === target.bus).length;
+    return t('programming.rests', { bus: target.bus, devices: count(devices), channels: count(channels) });
+  }
+}
+
+export const page: MakePage = (context) => new ProgrammingPage(context);
