@@ -91,9 +91,10 @@ class Hours {
     if (second % 60 == 0) visit();
     if (second % 600 == 300) restart_bridge();
     report(second);
+    (void)model_.expire(now_);
     for (int step = 0; step < kStepsOfSecond; ++step) {
       for (int i = step; i < kChannels; i += kStepsOfSecond) publish(i);
-      inbox_.deliver(model_);
+      inbox_.deliver(model_, now_);
       hub_.on_news(now_);
       for (std::size_t i = 0; i < pages_.size(); ++i) turn(*pages_[i], i, step);
       now_ += kStep;
@@ -144,7 +145,7 @@ class Hours {
       const StationChannel& about = channels_[static_cast<std::size_t>(i)];
       inbox_.on_gone(about.bus, about.device, about.channel);
     }
-    inbox_.deliver(model_);
+    inbox_.deliver(model_, now_);
     for (const StationChannel& about : channels_) inbox_.on_channel(about);
   }
   void report(int second) {

@@ -158,7 +158,7 @@ void DomainInbox::on_read_plan_gone(const std::string& bus) {
   put(names('p', bus), StationReadPlan{.bus = bus}, true);
 }
 
-void DomainInbox::deliver(LiveModel& model) {
+void DomainInbox::deliver(LiveModel& model, Instant now) {
   Batch batch;
   {
     const std::lock_guard lock(mutex_);
@@ -169,7 +169,7 @@ void DomainInbox::deliver(LiveModel& model) {
   for (PathNews& news : batch.paths) {
     if (news.gone) model.on_gone(news.path);
     if (news.channel) model.on_channel(*news.channel);
-    if (news.has_value) model.on_sample(news.path, std::move(news.value));
+    if (news.has_value) model.on_sample(news.path, std::move(news.value), now);
   }
   for (const auto& [key, news] : batch.objects) std::visit(Deliver{model, news.gone}, news.object);
 }

@@ -48,7 +48,7 @@ class DomainInbox {
   void on_read_plan_gone(const std::string& bus);
 
   // Everything that waits, into the model.
-  void deliver(LiveModel& model);
+  void deliver(LiveModel& model, Instant now);
 
   struct Counters {
     std::uint64_t samples = 0;    // that came

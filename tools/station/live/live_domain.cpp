@@ -9,6 +9,8 @@
 namespace fieldcast::web {
 namespace {
 
+constexpr std::chrono::seconds kLook{1};  // for values that are overdue
+
 class StationPort : public CommandPort {
  public:
   explicit StationPort(Station& station) : station_(station) {}
@@ -47,6 +49,7 @@ struct LiveDomain::State {
 
   void listen();
   void deliver();
+  void watch();  // for values that are overdue
   // Handlers that DDS threads call, and that tell the tap, too.
   template <class Message, class Tap>
   auto both(void (DomainInbox::*note)(const Message&), const Tap& also) {
@@ -69,6 +72,7 @@ struct LiveDomain::State {
       [this](const std::string& pattern, Duration refresh) { desk.declare(pattern, refresh); }};
   LiveContext live;
   LiveHub hub{live};
+  boost::asio::steady_timer overdue{io};
   DomainInbox inbox{[this, weak = std::weak_ptr(open)] {
     boost::asio::post(io, [this, weak] {
       if (!weak.expired()) deliver();
@@ -80,8 +84,20 @@ struct LiveDomain::State {
 };
 
 void LiveDomain::State::deliver() {
-  inbox.deliver(model);
-  hub.on_news(steady_now());
+  const Instant now = steady_now();
+  inbox.deliver(model, now);
+  hub.on_news(now);
+}
+
+void LiveDomain::State::watch() {
+  overdue.expires_after(kLook);
+  overdue.async_wait([this, weak = std::weak_ptr(open)](boost::system::error_code cancelled) {
+    if (cancelled || weak.expired()) return;
+    deliver();  // what has come is not overdue
+    const Instant now = steady_now();
+    if (model.expire(now) > 0) hub.on_news(now);
+    watch();
+  });
 }
 
 void LiveDomain::State::listen() {
@@ -112,10 +128,12 @@ LiveDomain::LiveDomain(boost::asio::io_context& io, const DdsSpec& spec, const s
                        const std::string& version, Audit* audit, DomainTap tap)
     : state_(std::make_unique<State>(io, spec, name, version, audit, std::move(tap))) {
   state_->listen();
+  state_->watch();
 }
 
 LiveDomain::~LiveDomain() {
   state_->open.reset();
+  state_->overdue.cancel();
   state_->desk.close();
 }
 

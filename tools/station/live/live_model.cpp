@@ -59,7 +59,7 @@ void LiveModel::on_channel(const StationChannel& channel) {
   touch_catalogue(row);
 }
 
-void LiveModel::on_sample(const PathView& path, LiveValue value) {
+void LiveModel::on_sample(const PathView& path, LiveValue value, Instant now) {
   const auto found = rows_.find(path);
   if (found == rows_.end() || found->second->live.gone) {
     ++counters_.unknown;
@@ -67,13 +67,14 @@ void LiveModel::on_sample(const PathView& path, LiveValue value) {
   }
   ++counters_.samples;
   found->second->live.last = std::move(value);
+  found->second->live.arrived = now;
   touch_value(*found->second);
 }
 
-void LiveModel::on_sample(const StationSample& sample) {
-  on_sample(
-      {sample.bus, sample.device, sample.channel},
-      {sample.value, sample.quality, sample.device_code, sample.acquired_at, sample.sequence});
+void LiveModel::on_sample(const StationSample& sample, Instant now) {
+  on_sample({sample.bus, sample.device, sample.channel},
+            {sample.value, sample.quality, sample.device_code, sample.acquired_at, sample.sequence},
+            now);
 }
 
 void LiveModel::on_gone(const PathView& path) {
@@ -86,6 +87,20 @@ void LiveModel::on_gone(const PathView& path) {
   if (row.live.last.quality != Quality::kGood) return;
   row.live.last.quality = Quality::kUncertain;
   touch_value(row);
+}
+
+std::size_t LiveModel::expire(Instant now) {
+  std::size_t count = 0;
+  for (const auto& [path, row] : rows_) {
+    LiveChannel& live = row->live;
+    const Duration refresh = live.channel.refresh;
+    if (live.gone || live.last.quality != Quality::kGood || refresh <= Duration{}) continue;
+    if (now - live.arrived <= kPatienceRefreshes * refresh + kPatience) continue;
+    live.last.quality = Quality::kUncertain;
+    touch_value(*row);
+    ++count;
+  }
+  return count;
 }
 
 const LiveChannel* LiveModel::find(const PathView& path) const {

@@ -40,6 +40,7 @@ struct LiveChannel {
   std::uint32_t id = 0;
   StationChannel channel;
   LiveValue last;
+  Instant arrived{};             // of the value, at this station
   bool gone = false;             // no bridge announces it any more
   std::uint64_t version = 0;     // of the model, when the value changed last
   std::uint64_t catalogued = 0;  // version of the catalogue, when its entry changed last
@@ -57,11 +58,17 @@ class LiveModel {
   // ---- what came from the domain
 
   void on_channel(const StationChannel& channel);
-  // A sample of a channel that is not in the catalogue is left out.
-  void on_sample(const PathView& path, LiveValue value);
-  void on_sample(const StationSample& sample);
+  // A sample of a channel that is not in the catalogue is left out. `now`: when it arrived.
+  void on_sample(const PathView& path, LiveValue value, Instant now);
+  void on_sample(const StationSample& sample, Instant now = {});
   // Its bridge vanished, or does not have it any more: a good value is uncertain from now on.
   void on_gone(const PathView& path);
+  // A good value is uncertain from now on when the next one is overdue: its bridge does not say so
+  // any more. To be called once a second. Gives how many.
+  std::size_t expire(Instant now);
+  // How far a refresh may be exceeded before that: by itself, and by the time that a message takes.
+  static constexpr int kPatienceRefreshes = 2;
+  static constexpr Duration kPatience = std::chrono::seconds{2};
   void on_bus_status(const StationBusStatus& status) { objects_.put(status); }
   void on_bus_gone(const std::string& bus) { objects_.remove_bus(bus); }
   void on_device_status(const StationDeviceStatus& status) { objects_.put(status); }

@@ -20,7 +20,7 @@ TEST_F(DomainInboxTest, ItsOwnerIsWokenOnceUntilItTakes) {
   inbox.on_channel(channel_of("oil"));
   inbox.on_sample(sample_of("oil", 1.0));
   EXPECT_EQ(wakes, 1);
-  inbox.deliver(model);
+  inbox.deliver(model, {});
   EXPECT_EQ(model.find(path_of("oil"))->last.value, Value(1.0));
   inbox.on_sample(sample_of("oil", 2.0));
   EXPECT_EQ(wakes, 2);
@@ -29,7 +29,7 @@ TEST_F(DomainInboxTest, ItsOwnerIsWokenOnceUntilItTakes) {
 TEST_F(DomainInboxTest, TheNewestValueWins) {
   inbox.on_channel(channel_of("oil"));
   for (int i = 0; i < 1000; ++i) inbox.on_sample(sample_of("oil", 1.0 * i));
-  inbox.deliver(model);
+  inbox.deliver(model, {});
   EXPECT_EQ(model.find(path_of("oil"))->last.value, Value(999.0));
   EXPECT_EQ(model.version(), 1u);
   EXPECT_EQ(inbox.counters().overtaken, 999u);
@@ -38,10 +38,10 @@ TEST_F(DomainInboxTest, TheNewestValueWins) {
 TEST_F(DomainInboxTest, AChannelThatWentAndCameBackIsThere) {
   inbox.on_channel(channel_of("oil"));
   inbox.on_sample(sample_of("oil", 1.0));
-  inbox.deliver(model);
+  inbox.deliver(model, {});
   inbox.on_gone("shop", "press", "oil");
   inbox.on_channel(channel_of("oil"));
-  inbox.deliver(model);
+  inbox.deliver(model, {});
   EXPECT_FALSE(model.find(path_of("oil"))->gone);
   EXPECT_EQ(model.find(path_of("oil"))->last.quality, Quality::kUncertain) << "no value came since";
 }
@@ -49,10 +49,10 @@ TEST_F(DomainInboxTest, AChannelThatWentAndCameBackIsThere) {
 TEST_F(DomainInboxTest, AChannelThatCameAndWentIsGone) {
   inbox.on_channel(channel_of("oil"));
   inbox.on_sample(sample_of("oil", 1.0));
-  inbox.deliver(model);
+  inbox.deliver(model, {});
   inbox.on_sample(sample_of("oil", 2.0));
   inbox.on_gone("shop", "press", "oil");
-  inbox.deliver(model);
+  inbox.deliver(model, {});
   EXPECT_TRUE(model.find(path_of("oil"))->gone);
   EXPECT_EQ(model.count(), 0u);
 }
@@ -65,7 +65,7 @@ TEST_F(DomainInboxTest, ObjectsComeToo) {
   StationBridge bridge;
   bridge.bridge = "line-7";
   inbox.on_bridge(bridge);
-  inbox.deliver(model);
+  inbox.deliver(model, {});
   EXPECT_EQ(model.objects().all<StationBusStatus>().size(), 1u);
   EXPECT_EQ(model.objects().all<StationDeviceStatus>().size(), 1u);
   EXPECT_EQ(model.objects().all<LiveAlarm>().size(), 1u);
@@ -75,7 +75,7 @@ TEST_F(DomainInboxTest, ObjectsComeToo) {
   inbox.on_device_gone(device_of("press", 1));
   inbox.on_bridge_gone(bridge);
   inbox.on_alarm_gone({"shop", "press", "oil", LimitKind::kHigh, AlarmState::kActive, 81, {1}});
-  inbox.deliver(model);
+  inbox.deliver(model, {});
   EXPECT_TRUE(model.objects().all<StationBusStatus>().empty());
   EXPECT_TRUE(model.objects().all<StationDeviceStatus>().empty());
   EXPECT_TRUE(model.objects().all<LiveAlarm>().empty());
@@ -92,10 +92,10 @@ TEST_F(DomainInboxTest, ThreadsBringWhatTheyHearAndNothingIsLost) {
     for (int i = 0; i <= 20'000; ++i) inbox.on_sample(sample_of("b", 1.0 * i));
     done = true;
   });
-  while (!done) inbox.deliver(model);
+  while (!done) inbox.deliver(model, {});
   first.join();
   second.join();
-  inbox.deliver(model);
+  inbox.deliver(model, {});
   EXPECT_EQ(model.find(path_of("a"))->last.value, Value(20'000.0));
   EXPECT_EQ(model.find(path_of("b"))->last.value, Value(20'000.0));
 }

@@ -69,6 +69,27 @@ TEST(LiveModel, AChannelThatIsGoneIsUncertainAtOnceAndLeavesTheCatalogue) {
   EXPECT_EQ(model.find(path_of("a"))->last.value, Value(7.0)) << "nobody announces it";
 }
 
+TEST(LiveModel, AGoodValueIsUncertainWhenTheNextOneIsOverdue) {
+  using std::chrono::milliseconds;
+  LiveModel model;
+  model.on_channel(channel_of("a"));  // every 500 ms
+  StationChannel rare = channel_of("b");
+  rare.refresh = {};
+  model.on_channel(rare);
+  const Instant start{std::chrono::seconds{100}};
+  model.on_sample(sample_of("a", 7.0), start);
+  model.on_sample(sample_of("b", 7.0), start);
+  const std::uint64_t seen = model.version();
+  EXPECT_EQ(model.expire(start + milliseconds{3000}), 0u);
+  EXPECT_EQ(model.expire(start + milliseconds{3001}), 1u);
+  EXPECT_THAT(names(model.changed_since(seen, kAll)), ElementsAre("a"));
+  EXPECT_EQ(model.find(path_of("a"))->last.quality, Quality::kUncertain);
+  EXPECT_EQ(model.expire(start + milliseconds{9000}), 0u);
+  EXPECT_EQ(model.find(path_of("b"))->last.quality, Quality::kGood) << "nothing is promised";
+  model.on_sample(sample_of("a", 8.0), start + milliseconds{9000});
+  EXPECT_EQ(model.find(path_of("a"))->last.quality, Quality::kGood);
+}
+
 TEST(LiveModel, AChannelThatComesBackHasItsId) {
   LiveModel model;
   model.on_channel(channel_of("a"));
