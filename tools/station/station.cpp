@@ -40,6 +40,14 @@ SessionBook::Secret random_secret() {
   return secret;
 }
 
+// A store that is not there yet is made, so that its users can be asked. One that is away may come
+// later.
+void make_store(const StoreAddress& address) {
+  try {
+    (void)fieldcast::open_store(address, IfMissing::kCreate);
+  } catch (const StoreError& error) { log_error("store", error.what()); }
+}
+
 UtcTime utc_now() { return read_clocks().to_utc(steady_now()); }
 
 }  // namespace
@@ -91,9 +99,10 @@ struct WebStation::State {
 
 void WebStation::State::open_store() {
   if (!spec.store) return;
+  const StoreAddress address(spec.store->address);
+  make_store(address);
   store = std::make_unique<Store>(*spec.store);
   if (!spec.store->samples.empty()) recorder = std::make_unique<Recorder>(*store);
-  const StoreAddress address(spec.store->address);
   database = std::make_unique<Database>(
       address, [this](std::function<void()> task) { post(std::move(task)); });
   logins = std::make_unique<Authenticator>(address, *store);
