@@ -79,7 +79,9 @@ export class InventedPlant {
     this.bridges = ['north', 'south'].map((bridge, index) => ({
       bridge, host: `plc-${bridge}`, process: `${bridge}-1`, version: '0.1.0', standby_group: '', strength: 0, since_ms: now - 86_400_000,
       buses: busNames.slice(2 * index, 2 * index + 2).map((bus) => ({ bus, since_ms: now - 86_400_000, serving: true })) }));
-    this.audit = [];
+    this.audit = [
+      { at_ms: now - 480_000, who: 'otto (10.0.0.7:39464)', what: 'program', target: `${busNames[1]}/device-01`, bytes_to_device: 48_211, bytes_from_device: 190_332, result: 'done' },
+      { at_ms: now - 600_000, who: 'mallory (10.0.0.66:5000)', what: 'login', target: '', bytes_to_device: 0, bytes_from_device: 0, result: 'refused: wrong password' }];
   }
 
   // Moves the channels of one slice of `slices`; gives those that changed.
@@ -223,7 +225,7 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
     '/api/alarms': (url) => [200, url.searchParams.has('from') ? { events: plant.alarmEvents() } : { alarms: plant.alarms }],
     '/api/history': (url) => [200, history(url)],
     '/api/audit': () => [200, { entries: plant.audit }],
-    '/api/users': () => [200, { users: Object.entries(users).map(([user, role]) => ({ user, role })) }],
+    '/api/users': () => [200, { users: Object.entries(users).map(([user, role]) => ({ user, role, created_ms: Date.now() - 8.64e7 })) }],
     '/api/plan': (url) => (plant.buses.some(({ bus }) => bus === url.searchParams.get('bus')) ? [200, planOf(url.searchParams.get('bus'), mock.planLoad)] :
       [404, { error: 'no bridge tells a plan of this bus', hint: '' }]),
   };

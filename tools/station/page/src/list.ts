@@ -7,7 +7,7 @@ export interface ListColumn<T> {
   key: string;
   label: string;
   text(item: T): string;
-  link?(item: T): string;  // an address; the text is its link
+  link?(item: T): string;  // an address: the text is a link to it; empty: it is none
   hint?(item: T): string;  // a tooltip
   order?(item: T): string | number;  // the column can be sorted by it
   checked?(item: T): boolean;  // a box instead of the text, which is its name
@@ -121,14 +121,17 @@ export class ListTable<T> {
     const text = column.text(item), hint = column.hint?.(item) ?? '';
     if (cell.title !== hint) cell.title = hint;
     if (column.checked) return this.paintBox(cell, column, item);
-    if (!column.link) return setText(cell, text);
+    const address = column.link?.(item) ?? '';
     let anchor = cell.firstElementChild as HTMLAnchorElement | null;
+    if (!address) {
+      anchor?.remove();
+      return setText(cell, text);
+    }
     if (!anchor) {
       anchor = document.createElement('a');
       anchor.tabIndex = -1;
       cell.replaceChildren(anchor);
     }
-    const address = column.link(item);
     if (anchor.getAttribute('href') !== address) anchor.setAttribute('href', address);
     setText(anchor, text);
   }

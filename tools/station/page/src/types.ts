@@ -110,6 +110,22 @@ export interface AlarmEvent {
   until_ms: number | null;
 }
 
+export interface AuditEntry {
+  at_ms: number;
+  who: string;
+  what: string;  // write, login, program, ...
+  target: string;
+  bytes_to_device: number;
+  bytes_from_device: number;
+  result: string;
+}
+
+export interface User {
+  user: string;
+  role: string;
+  created_ms?: number | null;
+}
+
 export interface PlanPoint {
   area: string;
   first: number;

@@ -3,7 +3,7 @@
 import { html, nothing, render } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
 import { acknowledge, limitText, shelve, unshelve } from '../alarm_actions';
-import { AlarmHistory } from '../alarm_history';
+import { alarmHistory } from '../alarm_history';
 import { arrangeAlarms, isShelved, sectionOf, sections, wantsSomebody } from '../alarm_rows';
 import type { AlarmChoice, Section } from '../alarm_rows';
 import type { Change, Context, MakePage, Page } from '../context';
@@ -184,7 +184,7 @@ class PresentAlarms {
 export const page: MakePage = (context): Page => {
   const element = makeElement('alarms listing');
   const past = context.route.parts[0] === 'history';
-  const body = past ? new AlarmHistory(context) : new PresentAlarms(context);
+  const body = past ? alarmHistory(context) : new PresentAlarms(context);
   const head = document.createElement('div');
   head.className = 'tabs';
   render(html`<h1>${t('alarms.title')}</h1><nav aria-label=${t('alarms.title')}>

@@ -1,10 +1,93 @@
-import { html, render } from 'lit-html';
-import type { MakePage } from '../context';
-import { t } from '../i18n';
-import { makeElement } from '../view';
+// Who did what: #/audit. Who may do what: #/audit/users. Both need the role operator; users are changed by a command only.
 
-export const page: MakePage = () => {
-  const element = makeElement('audit');
-  render(html`<h1>${t('audit.title')}</h1>`, element);
-  return { title: t('audit.title'), element };
+import { html, nothing, render } from 'lit-html';
+import { request } from '../api';
+import type { Context, MakePage, Page } from '../context';
+import { csvTime } from '../csv';
+import { bytes, fullTime, time } from '../format';
+import { t, word } from '../i18n';
+import { PastList } from '../past';
+import { channelLink, link } from '../router';
+import type { AuditEntry, User } from '../types';
+import { empty, errorText, makeElement } from '../view';
+
+const failed = (entry: AuditEntry): boolean => !/^(done|verified|ok|viewer|operator|programmer)?$/.test(entry.result);
+
+// "a/b/c = 7": the channel, if this station knows it.
+function targetLink(context: Context, entry: AuditEntry): string {
+  const path = entry.target.split(/[\s=]/, 1)[0] ?? '';
+  return context.plant.ids.has(path) ? channelLink(path) : '';
+}
+
+const audit = (context: Context): PastList<AuditEntry> => new PastList<AuditEntry>(context, {
+  label: t('audit.title'), className: 'audit-table', parts: [], path: '/api/audit', itemsOf: (answer) => answer['entries'] ?? [],
+  tone: (entry) => (failed(entry) ? 'failed' : ''),
+  textOf: (entry) => `${entry.who} ${entry.what} ${entry.target} ${entry.result}`,
+  none: t('audit.none'), file: 'audit.csv', csvHead: ['at', 'who', 'what', 'target', 'bytes to device', 'bytes from device', 'result'],
+  csvRow: (entry) => [csvTime(entry.at_ms), entry.who, entry.what, entry.target, entry.bytes_to_device, entry.bytes_from_device, entry.result],
+  columns: [
+    { key: 'at', label: t('alarms.at'), text: (entry) => fullTime(entry.at_ms) },
+    { key: 'who', label: t('alarms.who'), text: (entry) => entry.who, hint: (entry) => entry.who },
+    { key: 'what', label: t('audit.what'), text: (entry) => word('what', entry.what) },
+    { key: 'target', label: t('audit.target'), text: (entry) => entry.target, hint: (entry) => entry.target, link: (entry) => targetLink(context, entry) },
+    { key: 'result', label: t('audit.result'), text: (entry) => `${failed(entry) ? '▲ ' : ''}${word('result', entry.result)}`, hint: (entry) => entry.result },
+    { key: 'bytes', label: t('audit.bytes'), text: (entry) => (entry.bytes_to_device || entry.bytes_from_device ? `${bytes(entry.bytes_to_device)} / ${bytes(entry.bytes_from_device)}` : '') },
+  ],
+});
+
+// The same shape as a PastList.
+class Users {
+  readonly element = document.createElement('div');
+  readonly tools = document.createElement('p');
+  private readonly asked = new AbortController();
+
+  constructor(private readonly context: Context) {
+    this.tools.className = 'muted';
+    render(html`${t('audit.users-hint')} <code>fieldcast user add NAME --role operator</code> · <code>fieldcast user remove NAME</code> · <code>fieldcast token add NAME --days 365</code>`, this.tools);
+    void this.load();
+  }
+
+  paint(): void {}
+  key(): boolean { return false; }
+  focusFilter(): void {}
+  close(): void { this.asked.abort(); }
+
+  private async load(): Promise<void> {
+    if (!this.context.me.store) return void render(empty(t('history.no-store'), t('audit.no-users')), this.element);
+    try {
+      const { users } = await request<{ users: User[] }>('/api/users', undefined, this.asked.signal);
+      render(users.length ? html`<div class="scroll" data-scroll tabindex="0" role="region" aria-label=${t('audit.users')}><table class="plain users">
+        <thead><tr><th scope="col">${t('audit.user')}</th><th scope="col">${t('audit.role')}</th><th scope="col">${t('audit.may')}</th><th scope="col">${t('audit.since')}</th></tr></thead>
+        <tbody>${users.map((user) => html`<tr><td><b>${user.user}</b></td><td>${word('role', user.role)}</td><td>${word('may', user.role)}</td>
+          <td>${user.created_ms ? time(user.created_ms, this.context.now()) : nothing}</td></tr>`)}</tbody></table></div>` : empty(t('audit.no-users')), this.element);
+    } catch (error) {
+      if (!this.asked.signal.aborted) render(empty(errorText(error)), this.element);
+    }
+  }
+}
+
+export const page: MakePage = (context): Page => {
+  const element = makeElement('audit listing');
+  const users = context.route.parts[0] === 'users';
+  const head = document.createElement('div');
+  head.className = 'tabs';
+  render(html`<h1>${t('audit.title')}</h1><nav aria-label=${t('audit.title')}>
+    <a href=${link('audit')} aria-current=${users ? nothing : 'page'}>${t('audit.entries')}</a>
+    <a href=${link('audit', ['users'])} aria-current=${users ? 'page' : nothing}>${t('audit.users')}</a></nav>`, head);
+  element.append(head);
+  if (!context.mayOperate()) {
+    const note = document.createElement('div');
+    render(empty(t('audit.not-allowed')), note);
+    element.append(note);
+    return { title: t('audit.title'), element };
+  }
+  const body = users ? new Users(context) : audit(context);
+  element.append(body.tools, body.element);
+  return {
+    title: t('audit.title'), element,
+    paint: (change) => body.paint(change),
+    key: (event) => body.key(event),
+    focusFilter: () => body.focusFilter(),
+    close: () => body.close(),
+  };
 };
