@@ -195,12 +195,16 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
   const findAlarm = (key) => plant.alarms.find((each) => ['bus', 'device', 'channel', 'limit'].every((name) => each[name] === key[name]));
   const changeAlarms = (keys, change) => {
     const request_id = nextRequest++;
+    if (mock.failActions) {
+      tellResult(request_id, mock.failActions);
+      return [202, { request_id, request_ids: [request_id] }];
+    }
     for (const alarm of keys.map(findAlarm).filter(Boolean)) {
       Object.assign(alarm, change(alarm));
       tell({ kind: 'alarm', ...alarm });
     }
     tellResult(request_id);
-    return [202, { request_id }];
+    return [202, { request_id, request_ids: [request_id] }];
   };
   const audit = (who, what, target, result = 'done') => plant.audit.unshift({ at_ms: Date.now(), who, what, target, bytes_to_device: 0, bytes_from_device: 0, result });
 

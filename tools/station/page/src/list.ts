@@ -8,7 +8,7 @@ export interface ListColumn<T> {
   label: string;
   text(item: T): string;
   link?(item: T): string;  // an address: the text is a link to it; empty: it is none
-  hint?(item: T): string;  // a tooltip
+  hint?(item: T): string;  // a tooltip; of a link its text, which may be cut off
   order?(item: T): string | number;  // the column can be sorted by it
   checked?(item: T): boolean;  // a box instead of the text, which is its name
   toggle?(item: T): void;
@@ -118,7 +118,7 @@ export class ListTable<T> {
   }
 
   private paintCell(cell: HTMLElement, column: ListColumn<T>, item: T): void {
-    const text = column.text(item), hint = column.hint?.(item) ?? '';
+    const text = column.text(item), hint = column.hint?.(item) ?? (column.link ? text : '');
     if (cell.title !== hint) cell.title = hint;
     if (column.checked) return this.paintBox(cell, column, item);
     const address = column.link?.(item) ?? '';

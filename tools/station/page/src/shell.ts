@@ -95,7 +95,7 @@ export class Shell {
       if (event.ctrlKey || event.altKey || event.metaKey || !this.me?.role) return;
       const target = event.target as HTMLElement;
       if (event.key === 'Escape' && this.menuOpen) return this.toggleMenu();
-      if (target.closest('input, textarea, select, dialog')) {
+      if (target.closest('input:not([type="checkbox"]), textarea, select, dialog')) {
         if (event.key === 'Escape' && target.closest('input:not(dialog *)')) {
           event.preventDefault();  // a search field would lose its text
           target.blur();

@@ -114,7 +114,7 @@ class PlanPage implements Page {
     const near = group && this.read && this.plan?.hyperperiod_ms ? readNear(group, this.read.end_ms, this.plan.hyperperiod_ms) : undefined;
     this.choose(index, near);
     this.draw();
-    this.element.querySelectorAll<HTMLElement>('.plan-name')[this.selected]?.focus();
+    this.element.querySelectorAll<HTMLElement>('.plan-row .plan-name')[this.selected]?.focus();
   }
 
   private step(by: number): void {
