@@ -69,7 +69,7 @@ void read_limits(MapReader& channel, ChannelSpec& spec) {
     below = key, bound = limit;
   }
   check_hysteresis(map, spec.limits);
-  for (const std::string_view key : {"hysteresis", "delay"}) {
+  for (const std::string_view key : {"hysteresis", "delay", "priority"}) {
     if (bound == nullptr && map.has(key)) {
       map.faults().add(map.position_of(key), fmt::format("'{}' without a limit", key),
                        "low-low, low, high, high-high");

@@ -115,6 +115,8 @@ CommandLine& CommandLine::command(const std::string& name, const std::string& de
   return *state_->commands.back();
 }
 
+void CommandLine::make_commands_optional() { state_->app->require_subcommand(0, 1); }
+
 void CommandLine::when_given(std::function<std::optional<Fault>()> check) {
   state_->app->callback([check = std::move(check)] {
     if (const auto fault = check()) throw CLI::ValidationError(fault->option, fault->what);

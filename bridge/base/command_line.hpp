@@ -60,6 +60,8 @@ class CommandLine {
 
   // A subcommand; lives as long as this one. The first one makes a subcommand necessary.
   CommandLine& command(const std::string& name, const std::string& description);
+  // Without one of its subcommands it has a meaning too. After the last command().
+  void make_commands_optional();
   // Runs after the options were read, if this (sub)command was given. A fault ends the parse.
   struct Fault {
     std::string option, what;

@@ -14,6 +14,11 @@ constexpr std::pair<std::string_view, Mode> kModes[] = {{"intensive", Mode::kInt
 constexpr std::pair<std::string_view, Access> kAccesses[] = {{"read-only", Access::kReadOnly},
                                                              {"read-write", Access::kReadWrite},
                                                              {"write-only", Access::kWriteOnly}};
+constexpr std::pair<std::string_view, AlarmPriority> kAlarmPriorities[] = {
+    {"critical", AlarmPriority::kCritical},
+    {"high", AlarmPriority::kHigh},
+    {"medium", AlarmPriority::kMedium},
+    {"low", AlarmPriority::kLow}};
 constexpr std::pair<std::string_view, bool> kAcquires[] = {{"always", false},
                                                            {"on-interest", true}};
 constexpr std::pair<std::string_view, WordOrder> kWordOrders[] = {
@@ -204,6 +209,12 @@ const Rows<Limits>& limit_rows() {
                          .text = "how long a value must be outside until the alarm is raised",
                          .column = "alarm-delay"},
                         &Limits::delay, DurationRule{Duration{}, kMaxAlarmDelay}),
+          field<Limits>(
+              {.name = "priority",
+               .fallback = "high for low-low and high-high, medium for low and high",
+               .text = "how soon somebody has to do something about the alarms of the channel",
+               .column = "alarm-priority"},
+              &Limits::priority, ChoiceRule<AlarmPriority>{kAlarmPriorities}),
       },
       "Alarms: low-low < low < high < high-high.");
   return rows;

@@ -80,7 +80,7 @@ class Everything : public testing::Test {
     channel.description = "every key of a channel";
     channel.deadband = 0.25;
     channel.heartbeat = minutes{1};
-    channel.limits = {-10, -5, 50, 60.5, 0.75, seconds{7}};
+    channel.limits = {-10, -5, 50, 60.5, 0.75, seconds{7}, AlarmPriority::kCritical};
     channel.write_min = -4;
     channel.write_max = 40;
     channel.write_interval = milliseconds{200};

@@ -127,8 +127,50 @@ class Store(unittest.TestCase):
         self.assertIn("no alarm is active", plant.cli("alarms").out)
 
         def kept():
-            return [(a["state"], a["value"]) for a in lines("alarms", "--from", "1h")]
+            return [(a["state"], a["value"]) for a in lines("alarms", "--from", "1h") if "state" in a]
         wait_until(lambda: kept()[-2:] == [("active", 101.0), ("clear", 90.0)], 30, lambda: str(kept()))
+
+    def test_people_acknowledge_shelve_and_maintain(self):
+        def alarm():
+            return next((a for a in lines("alarms") if a["limit"] == "high"), {})
+
+        def becomes(wanted):
+            wait_until(lambda: wanted(alarm()), 30, lambda: str(alarm()))
+        self.assertEqual(plant.cli("write", "line/press/setpoint=101").code, 0)
+        becomes(lambda a: a.get("stage") == "unacknowledged")
+        self.assertEqual(alarm()["priority"], "medium")
+        acknowledged = plant.cli("alarms", "ack", "line/press", "--limit", "high", "--note", "on my way")
+        self.assertEqual((acknowledged.code, acknowledged.out), (0, "line/press/setpoint high: done\n"))
+        becomes(lambda a: a.get("stage") == "acknowledged")
+        me = alarm()["acknowledged_by"]
+        self.assertTrue(me)
+        self.assertIn(f"{me}: on my way", plant.cli("alarms").out)
+        self.assertEqual(plant.cli("alarms", "ack", "line").code, 4, "there is none to acknowledge")
+        self.assertEqual(plant.cli("alarms", "shelve", "line/press/setpoint", "--for", "30min").code, 0)
+        becomes(lambda a: a.get("shelved_by") == me)
+        self.assertIn("shelved, ", plant.cli("alarms").out)
+        self.assertEqual(plant.cli("alarms", "shelve", "line", "--for", "25h").code, 5, "too long")
+        self.assertEqual(plant.cli("alarms", "unshelve", "line/press").code, 0)
+        becomes(lambda a: "shelved_by" not in a and a["stage"] == "unacknowledged")
+        self.assertEqual(plant.cli("alarms", "maintenance", "line/press", "--for", "2h", "--note", "oil").code, 0)
+        becomes(lambda a: a.get("suppressed_note") == "oil")
+        self.assertEqual(plant.cli("alarms", "maintenance", "line/mill", "--for", "2h").code, 5, "no such device")
+        self.assertEqual(plant.cli("alarms", "maintenance", "line/press", "--end").code, 0)
+        becomes(lambda a: "suppressed_by" not in a)
+        self.assertEqual(plant.cli("write", "line/press/setpoint=90").code, 0)
+        becomes(lambda a: a["stage"] == "returned")
+        self.assertIn("returned", plant.cli("alarms").out)
+        self.assertEqual(plant.cli("alarms", "ack", "*").code, 0)
+        becomes(lambda a: a["stage"] == "clear")
+
+        def events():
+            return [a["event"] for a in lines("alarms", "--from", "1h") if "state" not in a]
+        wait_until(lambda: events() == ["acknowledged", "shelved", "unshelved", "maintenance", "maintenance ended",
+                                        "acknowledged"], 30, lambda: str(events()))
+        self.assertIn(f"maintenance by {me} until ", plant.cli("alarms", "--from", "1h").out)
+        audit = [(entry["what"], entry["target"]) for entry in lines("audit")]
+        self.assertIn(("acknowledge high: on my way", "line/press/setpoint"), audit)
+        self.assertIn(("maintenance for 2h: oil", "line/press"), audit)
 
 
 class Users(unittest.TestCase):

@@ -34,6 +34,9 @@ void DomainView::subscribe_alarms() {
   station_.subscribe_alarms(
       [this](const StationAlarm& alarm) { inbox_.put_newest(alarm); },
       [this](const StationAlarm& last) { inbox_.put_newest(AlarmGone{last}); });
+  station_.subscribe_alarm_status(
+      [this](const StationAlarmStatus& status) { inbox_.put_newest(status); },
+      [this](const StationAlarmStatus& last) { inbox_.put_newest(AlarmStatusGone{last}); });
 }
 
 void DomainView::subscribe_results() {

@@ -20,9 +20,13 @@ struct ChannelGone {
 struct AlarmGone {
   StationAlarm last;
 };
+struct AlarmStatusGone {
+  StationAlarmStatus last;
+};
 using DomainEvent =
     std::variant<StationChannel, StationSample, ChannelGone, StationBusStatus, StationDeviceStatus,
-                 StationResult, ProgramSessionReport, StationAlarm, AlarmGone>;
+                 StationResult, ProgramSessionReport, StationAlarm, AlarmGone, StationAlarmStatus,
+                 AlarmStatusGone>;
 
 class DomainView {
  public:
@@ -42,7 +46,7 @@ class DomainView {
   void subscribe_results();
   // Bus status comes too: it tells that a bridge is there.
   void subscribe_program_sessions();
-  void subscribe_alarms();
+  void subscribe_alarms();  // and what people did about them
 
   [[nodiscard]] Station& station() { return station_; }
   [[nodiscard]] BoundedQueue<DomainEvent>& inbox() { return inbox_; }

@@ -96,6 +96,39 @@ TEST(Arguments, TimesDefaultToTheLastHour) {
   EXPECT_TRUE(options_of<AlarmsOptions>(parse({"alarms", "--from", "2h"})).span);
 }
 
+TEST(Arguments, AlarmsAreShownOrActedUpon) {
+  const auto shown = parse({"alarms", "--json"});
+  EXPECT_FALSE(options_of<AlarmsOptions>(shown).action);
+  const auto parsed =
+      parse({"alarms", "ack", "a/b", "--limit", "high", "--note", "seen", "--domain", "7"});
+  const auto& acknowledged = options_of<AlarmsOptions>(parsed);
+  EXPECT_EQ(acknowledged.action, AlarmActionKind::kAcknowledge);
+  EXPECT_EQ(acknowledged.pattern.text(), "a/b/*");
+  EXPECT_EQ(acknowledged.limit, LimitKind::kHigh);
+  EXPECT_EQ(acknowledged.note, "seen");
+  EXPECT_EQ(acknowledged.connection.domain, 7u);
+  const auto shelve = parse({"alarms", "shelve", "*", "--for", "30min"});
+  EXPECT_EQ(options_of<AlarmsOptions>(shelve).action, AlarmActionKind::kShelve);
+  EXPECT_EQ(options_of<AlarmsOptions>(shelve).duration, Duration(30min));
+  const auto maintenance = parse({"alarms", "maintenance", "a/b", "--for", "2h"});
+  EXPECT_EQ(options_of<AlarmsOptions>(maintenance).action, AlarmActionKind::kMaintenance);
+  EXPECT_EQ(options_of<AlarmsOptions>(maintenance).duration, Duration(2h));
+  const auto end = parse({"alarms", "maintenance", "a/b", "--end"});
+  EXPECT_EQ(options_of<AlarmsOptions>(end).action, AlarmActionKind::kEndMaintenance);
+  for (const auto& wrong : {std::vector<const char*>{"ack"},
+                            {"ack", "a", "--limit", "top"},
+                            {"shelve", "a"},
+                            {"maintenance", "a/b"},
+                            {"maintenance", "a/b/c", "--end"},
+                            {"maintenance", "a/*", "--end"},
+                            {"maintenance", "a/b", "--end", "--for", "1h"},
+                            {"silence", "a"}}) {
+    std::vector<const char*> all{"alarms"};
+    all.insert(all.end(), wrong.begin(), wrong.end());
+    EXPECT_EQ(parse(all).error().code, ExitCode::kUsage) << wrong[0] << ' ' << wrong.back();
+  }
+}
+
 TEST(Arguments, ATimeThatIsNoneOrEndsBeforeItBeginsIsRefused) {
   EXPECT_THAT(parse({"history", "a", "--from", "noon"}).error().text,
               HasSubstr("'noon' is no time"));

@@ -86,15 +86,12 @@ TEST(RecordView, AuditSaysWhoWhatWhereHowMuchAndWhatBecameOfIt) {
             "2023-11-14T22:13:20.000Z  eve\\x0A  login  refused");
 }
 
-TEST(RecordView, TablesNameDevicesAlarmsAndUsers) {
+TEST(RecordView, TablesNameDevicesAndUsers) {
   const auto devices = device_lines({{"b", "d", "modbus-rtu", "/dev/ttyS0, 1", "offline", kAt}},
                                     {kAt.nanoseconds + 90'000'000'000}, {});
   ASSERT_EQ(devices.size(), 2u);
   EXPECT_THAT(devices[1],
               testing::AllOf(HasSubstr("b/d"), HasSubstr("offline"), HasSubstr("1.50 min")));
-  const auto alarms = alarm_lines({{"b", "d", "c", "high-high", "active", 91.25, kAt}}, kAt, {});
-  EXPECT_THAT(alarms[1],
-              testing::AllOf(HasSubstr("b/d/c"), HasSubstr("high-high"), HasSubstr("91.25")));
   const auto users = user_lines({{"ann", Role::kProgrammer, kAt}}, {});
   EXPECT_THAT(users[1], testing::AllOf(HasSubstr("ann"), HasSubstr("programmer")));
   EXPECT_EQ(to_line(record_json(User{"ann", Role::kViewer, kAt})),

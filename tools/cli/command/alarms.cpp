@@ -1,33 +1,75 @@
 #include "tools/cli/command/alarms.hpp"
 
+#include <fmt/format.h>
+#include <pwd.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdlib>
 #include <ostream>
 
-#include "bridge/store/event_table.hpp"
+#include "bridge/store/alarm_life_table.hpp"
 #include "tools/cli/clock.hpp"
 #include "tools/cli/command/command.hpp"
 #include "tools/cli/command/in_domain.hpp"
+#include "tools/cli/command/pattern_option.hpp"
 #include "tools/cli/command/span_option.hpp"
 #include "tools/cli/console.hpp"
 #include "tools/cli/domain_view.hpp"
-#include "tools/cli/view/record_view.hpp"
+#include "tools/cli/view/alarm_view.hpp"
 
 namespace fieldcast::cli {
 namespace {
 
-using Key = std::tuple<std::string, std::string, std::string, LimitKind>;
-Key key_of(const StationAlarm& alarm) {
+AlarmKey key_of(const StationAlarm& alarm) {
   return {alarm.bus, alarm.device, alarm.channel, alarm.limit};
 }
 
-AlarmRecord record_of(const StationAlarm& alarm) {
-  return {alarm.bus,
-          alarm.device,
-          alarm.channel,
-          std::string(to_text(alarm.limit)),
-          std::string(to_text(alarm.state)),
-          alarm.value,
-          alarm.since};
+// What the bridges tell until nothing new comes.
+struct Told {
+  KnownAlarms alarms;
+  bool bridge = false;  // one is there
+
+  // True for something new.
+  bool note(const DomainEvent& event) {
+    if (std::holds_alternative<StationBusStatus>(event)) return !std::exchange(bridge, true);
+    if (const auto* gone = std::get_if<AlarmGone>(&event)) alarms[key_of(gone->last)].alarm = {};
+    if (const auto* gone = std::get_if<AlarmStatusGone>(&event))
+      alarms[gone->last.alarm].status = {};
+    if (const auto* alarm = std::get_if<StationAlarm>(&event))
+      return !std::exchange(alarms[key_of(*alarm)].alarm, *alarm);
+    if (const auto* known = std::get_if<StationAlarmStatus>(&event))
+      return !std::exchange(alarms[known->alarm].status, known->status);
+    return false;
+  }
+};
+
+Told listen(DomainView& domain) {
+  domain.subscribe_alarms();
+  domain.subscribe_status();  // where no alarm is, a bus still reports
+  Told told;
+  const auto began = instant_now();
+  const auto end = began + kBridgeWait;
+  auto last_news = began;
+  for (auto now = began; now < end && !domain.inbox().closed(); now = instant_now()) {
+    if (told.bridge && now - last_news >= kQuietTime) break;
+    const auto until = to_steady(told.bridge ? std::min(end, last_news + kQuietTime) : end);
+    for (const auto& event : domain.inbox().take_all(until)) {
+      if (told.note(event)) last_news = instant_now();
+    }
+  }
+  std::erase_if(told.alarms,
+                [](const auto& entry) { return !entry.second.alarm && !entry.second.status; });
+  return told;
+}
+
+// Nothing: the bridges have told.
+std::optional<ExitCode> trouble(const DomainView& domain, const Told& told, const DdsSpec& spec,
+                                std::ostream& err) {
+  if (domain.interrupted()) return ExitCode::kInterrupted;
+  if (told.bridge) return std::nullopt;
+  err << "fieldcast alarms: " << no_bridge_text(spec) << '\n';
+  return ExitCode::kNoBridge;
 }
 
 }  // namespace
@@ -35,42 +77,120 @@ AlarmRecord record_of(const StationAlarm& alarm) {
 ExitCode alarms(const AlarmsOptions& options, const DdsSpec& spec, Interrupt& interrupt,
                 std::ostream& out, std::ostream& err) {
   DomainView domain(spec, interrupt);
-  domain.subscribe_alarms();
-  domain.subscribe_status();  // where no alarm is, a bus still reports
-  std::map<Key, StationAlarm> known;
-  bool bridge = false;
-  const auto began = instant_now();
-  const auto end = began + kBridgeWait;
-  auto last_news = began;
-  for (auto now = began; now < end && !domain.inbox().closed(); now = instant_now()) {
-    if (bridge && now - last_news >= kQuietTime) break;
-    for (const auto& event :
-         domain.inbox().take_all(to_steady(bridge ? std::min(end, last_news + kQuietTime) : end))) {
-      if (std::holds_alternative<StationBusStatus>(event) && !std::exchange(bridge, true))
-        last_news = instant_now();
-      if (const auto* gone = std::get_if<AlarmGone>(&event)) known.erase(key_of(gone->last));
-      if (const auto* alarm = std::get_if<StationAlarm>(&event)) {
-        if (known.insert_or_assign(key_of(*alarm), *alarm).second) last_news = instant_now();
-      }
+  const Told told = listen(domain);
+  if (const auto code = trouble(domain, told, spec, err)) return *code;
+  if (options.json) {
+    for (const auto& [key, known] : told.alarms) out << to_line(alarm_json(key, known)) << '\n';
+  } else {
+    const auto lines = alarm_lines(told.alarms, utc_now(), {0, 0, output_screen().colour});
+    if (lines.size() > 1) {  // more than the titles
+      for (const auto& line : lines) out << line << '\n';
     }
+    const bool active = std::any_of(told.alarms.begin(), told.alarms.end(),
+                                    [](const auto& entry) { return entry.second.active(); });
+    if (!active) out << "no alarm is active\n";
   }
-  if (domain.interrupted()) return ExitCode::kInterrupted;
-  if (!bridge) {
-    err << "fieldcast alarms: " << no_bridge_text(spec) << '\n';
-    return ExitCode::kNoBridge;
-  }
-  std::vector<AlarmRecord> records;
-  for (const auto& [key, alarm] : known) {
-    if (options.json) out << to_line(record_json(record_of(alarm))) << '\n';
-    if (alarm.state == AlarmState::kActive) records.push_back(record_of(alarm));
-  }
-  if (!options.json && !records.empty()) {
-    for (const auto& line : alarm_lines(records, utc_now(), {0, 0, output_screen().colour}))
-      out << line << '\n';
-  }
-  if (!options.json && records.empty()) out << "no alarm is active\n";
   out.flush();
   return out ? ExitCode::kOk : ExitCode::kTrouble;
+}
+
+namespace {
+
+// Whether the action can be meant for this alarm.
+bool is_meant(const AlarmsOptions& options, const AlarmKey& key, const AlarmStatus& status) {
+  if (!options.pattern.matches(key.bus, key.device, key.channel)) return false;
+  if (options.limit && key.limit != *options.limit) return false;
+  const bool away = status.shelved.is_set() || status.suppressed.is_set();
+  switch (*options.action) {
+    case AlarmActionKind::kAcknowledge:
+      return !away &&
+             (status.stage == AlarmStage::kUnacknowledged || status.stage == AlarmStage::kReturned);
+    case AlarmActionKind::kShelve: return status.stage != AlarmStage::kClear || away;
+    case AlarmActionKind::kUnshelve: return status.shelved.is_set();
+    case AlarmActionKind::kMaintenance:
+    case AlarmActionKind::kEndMaintenance: break;
+  }
+  return false;
+}
+
+std::vector<AlarmAction> actions_of(const AlarmsOptions& options, const std::string& by,
+                                    const KnownAlarms& alarms) {
+  AlarmAction action;
+  action.kind = *options.action;
+  action.by = by;
+  action.note = options.note;
+  action.duration = options.duration;
+  std::vector<AlarmAction> actions;
+  if (is_of_device(action.kind)) {
+    const std::string path = options.pattern.text();  // BUS/DEVICE/*
+    const std::size_t slash = path.find('/');
+    action.alarm.bus = path.substr(0, slash);
+    action.alarm.device = path.substr(slash + 1, path.rfind('/') - slash - 1);
+    actions.push_back(action);
+    return actions;
+  }
+  for (const auto& [key, known] : alarms) {
+    if (!known.status || !is_meant(options, key, *known.status)) continue;
+    action.alarm = key;
+    // What the person saw, not what comes meanwhile.
+    if (action.kind == AlarmActionKind::kAcknowledge) action.raised_at = known.status->raised_at;
+    actions.push_back(action);
+  }
+  return actions;
+}
+
+ExitCode code_of(const StationOutcome& outcome) {
+  if (!outcome)
+    return outcome.error() == StationFault::kNoBridge ? ExitCode::kNoBridge : ExitCode::kNoAnswer;
+  switch (outcome->state) {
+    case CommandState::kDone:
+    case CommandState::kVerified: return ExitCode::kOk;
+    case CommandState::kRejected: return ExitCode::kRejected;
+    case CommandState::kFailed: return ExitCode::kFailed;
+    case CommandState::kExpired: return ExitCode::kExpired;
+  }
+  return ExitCode::kTrouble;
+}
+
+Json outcome_json(const AlarmAction& action, const StationOutcome& outcome) {
+  Json json = {
+      {"action", to_text(action.kind)}, {"bus", action.alarm.bus}, {"device", action.alarm.device}};
+  if (!is_of_device(action.kind)) {
+    json["channel"] = action.alarm.channel;
+    json["limit"] = to_text(action.alarm.limit);
+  }
+  json["state"] = outcome ? to_text(outcome->state) : "failed";
+  json["cause"] = outcome ? outcome->cause : "NO_ANSWER";
+  json["reason"] = outcome ? outcome->reason : std::string(to_text(outcome.error()));
+  return json;
+}
+
+}  // namespace
+
+ExitCode act_on_alarms(const AlarmsOptions& options, const std::string& by, const DdsSpec& spec,
+                       Interrupt& interrupt, std::ostream& out, std::ostream& err) {
+  DomainView domain(spec, interrupt);
+  const Told told = listen(domain);
+  if (const auto code = trouble(domain, told, spec, err)) return *code;
+  const std::vector<AlarmAction> actions = actions_of(options, by, told.alarms);
+  if (actions.empty()) {
+    err << fmt::format("fieldcast alarms: of {} there is no alarm to {}\n", options.pattern.text(),
+                       to_text(*options.action));
+    return ExitCode::kNothing;
+  }
+  ExitCode worst = ExitCode::kOk;
+  for (const AlarmAction& action : actions) {
+    if (domain.interrupted()) return ExitCode::kInterrupted;
+    const StationOutcome outcome = domain.station().execute(action);
+    worst = std::max(worst, code_of(outcome));
+    if (options.json) {
+      out << to_line(outcome_json(action, outcome)) << '\n';
+    } else {
+      out << printable(fmt::format("{}: {}", to_text(action.alarm), to_text(outcome))) << '\n';
+    }
+  }
+  out.flush();
+  return out ? worst : ExitCode::kTrouble;
 }
 
 ExitCode stored_alarms(const AlarmsOptions& options, std::ostream& out, std::ostream& err) {
@@ -81,10 +201,10 @@ ExitCode stored_alarms(const AlarmsOptions& options, std::ostream& out, std::ost
   }
   const auto connection = open_store(*address, IfMissing::kFail);
   std::size_t count = 0;
-  EventTable(*connection)
-      .alarms(options.span->from, options.span->to, [&](const AlarmRecord& alarm) {
+  AlarmLifeTable(*connection)
+      .log(options.span->from, options.span->to, [&](const AlarmLogEntry& entry) {
         ++count;
-        out << (options.json ? to_line(record_json(alarm)) : alarm_line(alarm)) << '\n';
+        out << (options.json ? to_line(record_json(entry)) : alarm_line(entry)) << '\n';
         return out.good();
       });
   out.flush();
@@ -96,6 +216,16 @@ ExitCode stored_alarms(const AlarmsOptions& options, std::ostream& out, std::ost
 
 namespace {
 
+constexpr Duration kShortest = std::chrono::seconds{1};
+
+// Of the person at the shell: not root, if root is that person by sudo.
+std::string login_name() {
+  const char* sudo = ::getuid() == 0 ? std::getenv("SUDO_USER") : nullptr;
+  if (sudo != nullptr && *sudo != '\0') return sudo;
+  const passwd* entry = ::getpwuid(::getuid());
+  return entry == nullptr ? fmt::format("uid {}", ::getuid()) : entry->pw_name;
+}
+
 class AlarmsCommand final : public CommandWith<AlarmsOptions> {
  public:
   void describe(CommandLine& line) override {
@@ -104,28 +234,89 @@ class AlarmsCommand final : public CommandWith<AlarmsOptions> {
     line.flag("--json", options_.json, "JSON lines, of those that are clear again too");
     line.text("--store", options_.source.store, "With --from: look into this store");
     add_connection(line, options_.connection);
+    CommandLine& acknowledge = line.command("ack", "Acknowledge those that nobody has");
+    describe_action(acknowledge, AlarmActionKind::kAcknowledge);
+    CommandLine& shelve = line.command("shelve", "Put those that are not clear aside for a while");
+    describe_action(shelve, AlarmActionKind::kShelve);
+    shelve.duration("--for", options_.duration, kShortest, "How long, up to 24h").required();
+    CommandLine& unshelve = line.command("unshelve", "Take those back that are shelved");
+    describe_action(unshelve, AlarmActionKind::kUnshelve);
+    CommandLine& maintenance =
+        line.command("maintenance", "Suppress all alarms of a device while people work at it");
+    describe_maintenance(maintenance);
+    line.make_commands_optional();
   }
   ExitCode run(const Streams& streams) override {
-    if (options_.span) return stored_alarms(options_, streams.out, streams.err);
+    if (!options_.action && options_.span) return stored_alarms(options_, streams.out, streams.err);
     return in_domain(options_.connection, streams, [&](const DdsSpec& spec, Interrupt& interrupt) {
-      return alarms(options_, spec, interrupt, streams.out, streams.err);
+      return options_.action
+                 ? act_on_alarms(options_, login_name(), spec, interrupt, streams.out, streams.err)
+                 : alarms(options_, spec, interrupt, streams.out, streams.err);
     });
   }
 
  private:
+  void describe_common(CommandLine& line) {
+    line.text("--note", options_.note, "One line for the others, up to 256 bytes");
+    line.flag("--json", options_.json, "JSON lines");
+    add_connection(line, options_.connection);
+  }
+  void describe_action(CommandLine& line, AlarmActionKind action) {
+    line.value("PATTERN", pattern_into(options_.pattern), kPatternHelp).required();
+    line.value(
+        "--limit", [this](const std::string& text) { return read_limit(text); },
+        "low-low, low, high or high-high; all of them if it is not given");
+    describe_common(line);
+    line.when_given([this, action]() -> std::optional<CommandLine::Fault> {
+      options_.action = action;
+      return note_fault();
+    });
+  }
+  void describe_maintenance(CommandLine& line) {
+    line.value(
+            "DEVICE", [this](const std::string& text) { return read_device(text); }, "BUS/DEVICE")
+        .required();
+    line.duration("--for", maintenance_, kShortest, "How long, up to 7d");
+    line.flag("--end", end_, "It has ended").excludes("--for");
+    describe_common(line);
+    line.when_given([this]() -> std::optional<CommandLine::Fault> {
+      if (!maintenance_ && !end_) return CommandLine::Fault{"--for", "say --for 2h, or --end"};
+      options_.action = end_ ? AlarmActionKind::kEndMaintenance : AlarmActionKind::kMaintenance;
+      options_.duration = maintenance_.value_or(Duration{});
+      return note_fault();
+    });
+  }
+  std::optional<CommandLine::Fault> note_fault() const {
+    if (options_.note.size() <= 256) return std::nullopt;
+    return CommandLine::Fault{"--note", "a note has up to 256 bytes"};
+  }
+  std::optional<std::string> read_limit(const std::string& text) {
+    options_.limit = limit_kind_from(text);
+    if (options_.limit) return std::nullopt;
+    return fmt::format("'{}' is no limit; low-low, low, high or high-high", printable(text));
+  }
+  std::optional<std::string> read_device(const std::string& text) {
+    if (std::count(text.begin(), text.end(), '/') != 1 || text.find('*') != text.npos)
+      return fmt::format("'{}' is no device; BUS/DEVICE", printable(text));
+    return pattern_into(options_.pattern)(text);
+  }
   std::optional<CommandLine::Fault> finish() {
     options_.source.config = options_.connection.config;
     return span_.given() ? span_.read(options_.span.emplace()) : std::nullopt;
   }
 
   SpanOption span_;
+  std::optional<Duration> maintenance_;
+  bool end_ = false;
 };
 
 }  // namespace
 
 CommandEntry alarms_command();
 CommandEntry alarms_command() {
-  return {"alarms", "Show the limits that are passed now; with --from, what the store knows",
+  return {"alarms",
+          "Show the limits that are passed now, acknowledge and shelve; with --from, what the "
+          "store knows",
           make_command<AlarmsCommand>};
 }
 

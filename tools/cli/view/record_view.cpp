@@ -55,16 +55,6 @@ Json record_json(const DeviceRecord& device) {
           {"state", device.state},       {"since", device.since.nanoseconds}};
 }
 
-Json record_json(const AlarmRecord& alarm) {
-  return {{"bus", alarm.bus},
-          {"device", alarm.device},
-          {"channel", alarm.channel},
-          {"limit", alarm.limit},
-          {"state", alarm.state},
-          {"value", alarm.value},
-          {"since", alarm.since.nanoseconds}};
-}
-
 Json record_json(const User& user) {
   return {{"user", user.name},
           {"role", to_text(user.role)},
@@ -118,26 +108,6 @@ std::vector<std::string> device_lines(const std::vector<DeviceRecord>& devices, 
                    {age_text(device.since, now), Tone::kFaint},
                    {device.protocol},
                    {device.address}});
-  }
-  return table.render(screen);
-}
-
-std::string alarm_line(const AlarmRecord& alarm) {
-  return printable(fmt::format("{}  {}/{}/{}  {} {}  {}", utc_text(alarm.since), alarm.bus,
-                               alarm.device, alarm.channel, alarm.limit, alarm.state,
-                               value_text(alarm.value, {})));
-}
-
-std::vector<std::string> alarm_lines(const std::vector<AlarmRecord>& alarms, UtcTime now,
-                                     const Screen& screen) {
-  TextTable table(
-      {{"channel"}, {"limit"}, {"value", Align::kRight}, {"for", Align::kRight}, {"since"}});
-  for (const AlarmRecord& alarm : alarms) {
-    table.add_row({{printable(alarm.bus + '/' + alarm.device + '/' + alarm.channel)},
-                   {alarm.limit, Tone::kBad},
-                   {value_text(alarm.value, {})},
-                   {age_text(alarm.since, now)},
-                   {utc_text(alarm.since), Tone::kFaint}});
   }
   return table.render(screen);
 }

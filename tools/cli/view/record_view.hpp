@@ -16,7 +16,6 @@ namespace fieldcast::cli {
 [[nodiscard]] Json record_json(const StoredSample& sample);  // a sample's fields, and published_at
 [[nodiscard]] Json record_json(const AuditEntry& entry);
 [[nodiscard]] Json record_json(const DeviceRecord& device);
-[[nodiscard]] Json record_json(const AlarmRecord& alarm);
 [[nodiscard]] Json record_json(const User& user);
 
 [[nodiscard]] std::string history_line(const StoredSample& sample, Zone zone = Zone::kUtc);
@@ -26,12 +25,9 @@ namespace fieldcast::cli {
 // RFC 4180, 2.6 and 2.7, for one field; controls stand escaped.
 [[nodiscard]] std::string csv_field(const std::string& raw);
 [[nodiscard]] std::string audit_line(const AuditEntry& entry);
-[[nodiscard]] std::string alarm_line(const AlarmRecord& alarm);
 
 [[nodiscard]] std::vector<std::string> device_lines(const std::vector<DeviceRecord>& devices,
                                                     UtcTime now, const Screen& screen);
-[[nodiscard]] std::vector<std::string> alarm_lines(const std::vector<AlarmRecord>& alarms,
-                                                   UtcTime now, const Screen& screen);
 [[nodiscard]] std::vector<std::string> user_lines(const std::vector<User>& users,
                                                   const Screen& screen);
 

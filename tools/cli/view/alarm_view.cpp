@@ -1,0 +1,167 @@
+#include "tools/cli/view/alarm_view.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <tuple>
+
+#include "tools/cli/view/sample_text.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+using Entry = KnownAlarms::value_type;
+
+bool is_away(const AlarmStatus& status) {
+  return status.shelved.is_set() || status.suppressed.is_set();
+}
+
+// What to look at first; less is more urgent.
+auto urgency(const Entry& entry) {
+  const AlarmStatus status = entry.second.status.value_or(AlarmStatus{});
+  const int waits = is_away(status)                             ? 3
+                    : status.stage == AlarmStage::kAcknowledged ? 2
+                    : status.stage == AlarmStage::kReturned     ? 1
+                                                                : 0;
+  return std::tuple(waits, -static_cast<int>(status.priority), status.since());
+}
+
+std::string remaining(const AlarmPause& pause, UtcTime now) {
+  return fmt::format("{} more", age_text(now, pause.until));
+}
+
+Cell state_cell(const KnownAlarm& known, UtcTime now) {
+  if (!known.status) return {"active", Tone::kBad};
+  const AlarmStatus& status = *known.status;
+  if (status.suppressed.is_set())
+    return {"maintenance, " + remaining(status.suppressed, now), Tone::kFaint};
+  if (status.shelved.is_set()) return {"shelved, " + remaining(status.shelved, now), Tone::kFaint};
+  std::string text(to_text(status.stage));
+  if (status.chattering) text += ", chattering";
+  const Tone tone = status.stage == AlarmStage::kUnacknowledged ? Tone::kBad
+                    : status.stage == AlarmStage::kReturned     ? Tone::kWarning
+                                                                : Tone::kPlain;
+  return {std::move(text), tone};
+}
+
+std::string said_by(const std::string& by, const std::string& note) {
+  return printable(note.empty() ? by : by + ": " + note);
+}
+
+std::string people(const KnownAlarm& known) {
+  if (!known.status) return {};
+  const AlarmStatus& status = *known.status;
+  if (status.suppressed.is_set()) return said_by(status.suppressed.by, status.suppressed.note);
+  if (status.shelved.is_set()) return said_by(status.shelved.by, status.shelved.note);
+  if (status.stage == AlarmStage::kAcknowledged)
+    return said_by(status.acknowledged.by, status.acknowledged.note);
+  return {};
+}
+
+void add_pause(Json& json, const std::string& name, const AlarmPause& pause) {
+  if (!pause.is_set()) return;
+  json[name + "_by"] = pause.by;
+  json[name + "_note"] = pause.note;
+  json[name + "_since"] = pause.since.nanoseconds;
+  json[name + "_until"] = pause.until.nanoseconds;
+}
+
+std::string path_of(const AlarmKey& key) {
+  return printable(key.bus + '/' + key.device + '/' + key.channel);
+}
+
+}  // namespace
+
+bool KnownAlarm::active() const {
+  return status ? status->active : alarm && alarm->state == AlarmState::kActive;
+}
+
+bool KnownAlarm::is_shown() const {
+  if (!status) return active();
+  return status->stage != AlarmStage::kClear || status->shelved.is_set();
+}
+
+std::vector<std::string> alarm_lines(const KnownAlarms& alarms, UtcTime now, const Screen& screen) {
+  std::vector<const Entry*> shown;
+  for (const Entry& entry : alarms) {
+    if (entry.second.is_shown()) shown.push_back(&entry);
+  }
+  std::stable_sort(shown.begin(), shown.end(),
+                   [](const Entry* a, const Entry* b) { return urgency(*a) < urgency(*b); });
+  TextTable table({{"channel"},
+                   {"limit"},
+                   {"priority"},
+                   {"state"},
+                   {"value", Align::kRight},
+                   {"for", Align::kRight},
+                   {"since"},
+                   {"by"}});
+  for (const Entry* entry : shown) {
+    const auto& [key, known] = *entry;
+    const UtcTime since = known.status ? known.status->since() : known.alarm->since;
+    table.add_row({{path_of(key)},
+                   {std::string(to_text(key.limit))},
+                   {known.status ? std::string(to_text(known.status->priority)) : ""},
+                   state_cell(known, now),
+                   {value_text(known.status ? known.status->value : known.alarm->value, {})},
+                   {since.nanoseconds == 0 ? "-" : age_text(since, now)},
+                   {since.nanoseconds == 0 ? "-" : utc_text(since), Tone::kFaint},
+                   {people(known)}});
+  }
+  return table.render(screen);
+}
+
+Json alarm_json(const AlarmKey& key, const KnownAlarm& known) {
+  Json json = {
+      {"bus", key.bus},
+      {"device", key.device},
+      {"channel", key.channel},
+      {"limit", to_text(key.limit)},
+      {"state", to_text(known.active() ? AlarmState::kActive : AlarmState::kClear)},
+      {"value", known.status ? known.status->value : known.alarm->value},
+      {"since", known.status ? known.status->since().nanoseconds : known.alarm->since.nanoseconds}};
+  if (!known.status) return json;
+  const AlarmStatus& status = *known.status;
+  json["priority"] = to_text(status.priority);
+  json["stage"] = to_text(status.stage);
+  json["raised_at"] = status.raised_at.nanoseconds;
+  json["cleared_at"] = status.cleared_at.nanoseconds;
+  json["occurrences"] = status.occurrences;
+  json["chattering"] = status.chattering;
+  if (status.acknowledged.at.nanoseconds != 0) {
+    json["acknowledged_by"] = status.acknowledged.by;
+    json["acknowledged_at"] = status.acknowledged.at.nanoseconds;
+    json["acknowledged_note"] = status.acknowledged.note;
+  }
+  add_pause(json, "shelved", status.shelved);
+  add_pause(json, "suppressed", status.suppressed);
+  return json;
+}
+
+std::string alarm_line(const AlarmLogEntry& entry) {
+  std::string line = fmt::format("{}  {}/{}", utc_text(entry.at), entry.bus, entry.device);
+  if (!entry.channel.empty()) line += fmt::format("/{}  {}", entry.channel, entry.limit);
+  line += (entry.channel.empty() ? "  " : " ") + entry.event;
+  if (entry.value) line += "  " + value_text(*entry.value, {});
+  if (!entry.who.empty()) line += " by " + entry.who;
+  if (entry.until.nanoseconds != 0) line += " until " + utc_text(entry.until);
+  if (!entry.note.empty()) line += ": " + entry.note;
+  return printable(line);
+}
+
+Json record_json(const AlarmLogEntry& entry) {
+  Json json = {{"bus", entry.bus},     {"device", entry.device}, {"channel", entry.channel},
+               {"limit", entry.limit}, {"event", entry.event},   {"at", entry.at.nanoseconds}};
+  if (entry.value) {
+    json["state"] = entry.event == "raised" ? "active" : "clear";
+    json["value"] = *entry.value;
+    json["since"] = entry.at.nanoseconds;
+    return json;
+  }
+  json["who"] = entry.who;
+  json["note"] = entry.note;
+  if (entry.until.nanoseconds != 0) json["until"] = entry.until.nanoseconds;
+  return json;
+}
+
+}  // namespace fieldcast::cli
