@@ -128,6 +128,7 @@ void Bridge::State::serve_metrics(const BridgeSpec& wanted) {
       wanted.metrics->listen, [this, name = wanted.name, buffer](MetricsFormat format) {
         MetricsSnapshot snapshot{.bridge = name, .receive_buffer = buffer};
         figures.copy_to(snapshot);
+        snapshot.alarms = alarms.counts();
         {
           const std::lock_guard lock(store_mutex);
           if (store) snapshot.store = store->counters();

@@ -24,6 +24,8 @@ test=(
   systemd util-linux iproute2
   # devices, masters and a DDS that others wrote, to test against
   libmodbus-dev python3-pymodbus python3-serial python3-serial-asyncio mbpoll socat cyclonedds-dev cyclonedds-tools
+  # the tests start servers of their own
+  postgresql
   # a browser, for the station's page
   chromium
 )

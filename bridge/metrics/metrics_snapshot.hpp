@@ -10,6 +10,7 @@
 
 #include "bridge/dds/dds_link.hpp"
 #include "bridge/store/store.hpp"
+#include "core/alarm/alarm_book.hpp"
 #include "core/base/time.hpp"
 #include "core/model/status.hpp"
 
@@ -31,6 +32,7 @@ struct MetricsSnapshot {
   std::string bridge;  // its name
   std::vector<std::shared_ptr<const BusFigures>> buses;
   std::vector<std::shared_ptr<const DeviceFigures>> devices;
+  std::optional<AlarmCounts> alarms;
   std::optional<StoreCounters> store;           // nothing: there is no store
   std::optional<std::uint32_t> receive_buffer;  // bytes of a UDP socket; nothing: not known
 };

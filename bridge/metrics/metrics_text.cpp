@@ -151,6 +151,14 @@ constexpr Row<AreaReport> kAreaRows[] = {
      [](const AreaReport& area) { return number(std::uint64_t{area.longest_block}); }},
 };
 
+constexpr Family kAlarms{"fieldcast_alarms", Kind::kGauge, "",
+                         "Alarms of each state; those that are clear are not counted."};
+constexpr Row<AlarmCounts> kAlarmRows[] = {
+    {{"fieldcast_chattering_alarms", Kind::kGauge, "",
+      "Alarms with five or more occurrences within 10 minutes."},
+     [](const AlarmCounts& alarms) { return number(std::uint64_t{alarms.chattering}); }},
+};
+
 constexpr Row<StoreCounters> kStoreRows[] = {
     {{"fieldcast_store_samples", Kind::kCounter, "", "Samples in committed transactions."},
      [](const StoreCounters& store) { return number(store.stored); }},
@@ -288,6 +296,19 @@ void write_devices(Writer& out, const MetricsSnapshot& snapshot) {
   write_rows(out, kAreaRows, areas);
 }
 
+void write_alarms(Writer& out, const AlarmCounts& alarms) {
+  const std::pair<std::string_view, std::size_t> states[] = {
+      {"unacknowledged", alarms.unacknowledged},
+      {"acknowledged", alarms.acknowledged},
+      {"returned", alarms.returned},
+      {"shelved", alarms.shelved},
+      {"suppressed", alarms.suppressed}};
+  out.begin(kAlarms);
+  for (const auto& [state, count] : states)
+    out.line(label("state", state), number(std::uint64_t{count}));
+  write_rows(out, kAlarmRows, {{{}, &alarms}});
+}
+
 }  // namespace
 
 std::string metrics_text(const MetricsSnapshot& snapshot, MetricsFormat format) {
@@ -300,6 +321,7 @@ std::string metrics_text(const MetricsSnapshot& snapshot, MetricsFormat format) 
     out.begin(kReceiveBuffer);
     out.line({}, number(std::uint64_t{*snapshot.receive_buffer}));
   }
+  if (snapshot.alarms) write_alarms(out, *snapshot.alarms);
   if (snapshot.store) {
     const std::vector<Labelled<StoreCounters>> store{{{}, &*snapshot.store}};
     write_rows(out, kStoreRows, store);

@@ -147,6 +147,11 @@ void AlarmTable::on_time(const std::string& bus, UtcTime now) {
   publish(changed);
 }
 
+AlarmCounts AlarmTable::counts() const {
+  const std::lock_guard lock(mutex_);
+  return book_.counts();
+}
+
 std::set<AlarmKey> AlarmTable::take_changes() {
   AlarmBook::News news = book_.take_news();
   if (sink_) {

@@ -50,6 +50,8 @@ class AlarmTable {
   // What ends by itself at the alarms of the bus. Once a second.
   void on_time(const std::string& bus, UtcTime now);
 
+  [[nodiscard]] AlarmCounts counts() const;
+
   // Grows when there may be alarms that a bus does not know yet. 0: never.
   [[nodiscard]] std::uint64_t version() const { return version_.load(std::memory_order_acquire); }
   [[nodiscard]] std::vector<AlarmRecord> active_of(const std::string& bus) const;

@@ -289,6 +289,22 @@ const AlarmStatus* AlarmBook::find(const AlarmKey& alarm) const {
   return found == lives_.end() ? nullptr : &found->second.status();
 }
 
+AlarmCounts AlarmBook::counts() const {
+  AlarmCounts counts;
+  for (const auto& [alarm, life] : lives_) {
+    if (life.status().chattering) ++counts.chattering;
+    switch (life.state()) {
+      case IsaState::kNormal: break;
+      case IsaState::kUnacknowledged: ++counts.unacknowledged; break;
+      case IsaState::kAcknowledged: ++counts.acknowledged; break;
+      case IsaState::kReturned: ++counts.returned; break;
+      case IsaState::kShelved: ++counts.shelved; break;
+      case IsaState::kOutOfService: ++counts.suppressed; break;
+    }
+  }
+  return counts;
+}
+
 std::vector<AlarmKey> AlarmBook::known_of(const std::string& bus) const {
   std::vector<AlarmKey> known;
   for (auto each = lives_.lower_bound(first_of({bus, {}}));

@@ -60,6 +60,13 @@ struct KeptAlarms {
   std::vector<std::pair<AlarmKey, UtcTime>> occurrences;  // of the last minutes, in order of time
 };
 
+// How many alarms there are of each kind; one that is shelved or suppressed counts as that alone.
+struct AlarmCounts {
+  std::size_t unacknowledged = 0, acknowledged = 0, returned = 0, shelved = 0, suppressed = 0;
+  std::size_t chattering = 0;  // of all of them
+  friend bool operator==(const AlarmCounts&, const AlarmCounts&) = default;
+};
+
 class AlarmBook {
  public:
   static constexpr Duration kLongestShelving = std::chrono::hours{24};
@@ -84,6 +91,7 @@ class AlarmBook {
 
   [[nodiscard]] const AlarmStatus* find(const AlarmKey& alarm) const;  // null: not known
   [[nodiscard]] std::vector<AlarmKey> known_of(const std::string& bus) const;
+  [[nodiscard]] AlarmCounts counts() const;
 
   struct News {
     std::set<AlarmKey> changed;  // or forgotten: find() says which

@@ -153,6 +153,11 @@ TEST(MetricsText, HasTheStoreOnlyWhereThereIsOne) {
               testing::AllOf(HasSubstr("\nfieldcast_store_samples_total 41\n"),
                              HasSubstr("\nfieldcast_store_dropped_samples_total 42\n"),
                              HasSubstr("\nfieldcast_store_waiting_samples 43\n")));
+  with.alarms = AlarmCounts{5, 4, 3, 2, 1, 6};
+  EXPECT_THAT(metrics_text(with, MetricsFormat::kOpenMetrics),
+              testing::AllOf(HasSubstr("\nfieldcast_alarms{state=\"unacknowledged\"} 5\n"),
+                             HasSubstr("\nfieldcast_alarms{state=\"suppressed\"} 1\n"),
+                             HasSubstr("\nfieldcast_chattering_alarms 6\n")));
   with.store.reset();
   EXPECT_THAT(metrics_text(with, MetricsFormat::kOpenMetrics), Not(HasSubstr("_store_")));
 }

@@ -348,6 +348,7 @@ TEST(AlarmBook, ARestartChangesNothing) {
   action.alarm = {"shop", "press-2", {}, {}};
   ASSERT_TRUE(before.act(action, after(3s)));
 
+  EXPECT_EQ(before.counts(), (AlarmCounts{1, 1, 1, 1, 5, 0}));
   AlarmBook restarted;
   (void)restarted.configure(two_buses());
   (void)restarted.raise(plain, 99, after(5s), after(5s));  // before the store was open

@@ -49,8 +49,8 @@ TEST(AlarmView, ShowsFirstWhatWaitsForAPerson) {
   EXPECT_THAT(lines[3], HasSubstr("a-low"));
   EXPECT_THAT(lines[4], AllOf(HasSubstr("b-returned"), HasSubstr("returned")));
   EXPECT_THAT(lines[5], AllOf(HasSubstr("b-seen"), HasSubstr("anna: on my\\x1B way")));
-  EXPECT_THAT(lines[6], AllOf(HasSubstr("a-shelved"), HasSubstr("shelved, 20 min more"),
-                              HasSubstr("bert")));
+  EXPECT_THAT(lines[6],
+              AllOf(HasSubstr("a-shelved"), HasSubstr("shelved, 20 min more"), HasSubstr("bert")));
 }
 
 TEST(AlarmView, JsonHasWhatBothTopicsSay) {
