@@ -219,3 +219,7 @@ export const qualities = [
 ] as const;
 export const notYetRead = 7;
 export const isBad = (quality: number): boolean => quality >= 2 && quality !== notYetRead;
+
+// Older than its bridge promised, with some room for the way: shown so, whatever its quality says.
+export const isLate = (channel: Channel, age_ms: number): boolean =>
+  channel.refresh_ms > 0 && channel.mode !== 'on-demand' && age_ms > 2.2 * channel.refresh_ms + 1500;

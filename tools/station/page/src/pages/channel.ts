@@ -12,7 +12,7 @@ import { link } from '../router';
 import { labelOf, spanOf, spans } from '../spans';
 import { LiveTail, lineOf } from '../trend';
 import { typedValue } from '../typed';
-import { notYetRead } from '../types';
+import { isLate, notYetRead } from '../types';
 import type { Channel, History, Result, Series } from '../types';
 import { ask, badge, empty, errorText, makeElement, qualityText, toneOfQuality } from '../view';
 
@@ -188,15 +188,16 @@ class ChannelPage implements Page {
     const channel = this.channel!;
     const quality = plant.quality[channel.id] ?? notYetRead;
     const acquired_ms = plant.acquired_ms[channel.id] ?? 0;
+    const age_ms = this.context.now() - acquired_ms, late = acquired_ms > 0 && isLate(channel, age_ms);
     const [bus, device, name] = channel.path.split('/');
     const limits = Object.entries(channel.limits).map(([limit, value]) => `${limit} ${value}`).join(', ');
     const fact = (label: string, value: unknown): TemplateResult => html`<div class="fact"><dt>${label}</dt><dd>${value}</dd></div>`;
     render(html`
       <div class="value-head">
         <h1><a href=${link('live', [], { q: `${bus}/*` })}>${bus}</a> / <a href=${link('live', [], { q: `${bus}/${device}/*` })}>${device}</a> / ${name}</h1>
-        <p class="big-value ${toneOfQuality(quality)}" title=${this.valueText(true)}><b>${this.valueText(false)}</b> <span class="unit">${channel.unit}</span></p>
+        <p class=${`big-value ${toneOfQuality(quality)}${late ? ' late' : ''}`} title=${this.valueText(true)}><b>${this.valueText(false)}</b> <span class="unit">${channel.unit}</span></p>
         <p class="value-state">${badge(toneOfQuality(quality), qualityText(quality))}
-          <span class="muted">${t('channel.age')}</span> <span class="age">${acquired_ms ? age(this.context.now() - acquired_ms) : '–'}</span></p>
+          <span class="muted">${t('channel.age')}</span> <span class=${late ? 'age warn' : 'age'}>${late ? '◆ ' : ''}${acquired_ms ? age(age_ms) : '–'}</span></p>
         ${channel.description ? html`<p class="muted">${channel.description}</p>` : nothing}
       </div>
       <dl class="facts about">

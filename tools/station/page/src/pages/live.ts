@@ -11,7 +11,7 @@ import { arrange } from '../rows';
 import type { Choice, Rows, SortKey } from '../rows';
 import { VirtualTable } from '../table';
 import type { Row } from '../table';
-import { notYetRead } from '../types';
+import { isLate, notYetRead } from '../types';
 import { makeElement, qualityText, shape, toneOfQuality } from '../view';
 
 const pinsKey = 'fieldcast.pins';
@@ -28,7 +28,6 @@ function readPins(): Set<string> {
 
 const setText = (element: Element, text: string): void => { if (element.textContent !== text) element.textContent = text; };
 const setTitle = (element: HTMLElement, text: string): void => { if (element.title !== text) element.title = text; };
-const setClass = (element: Element, name: string): void => { if (element.className !== name) element.className = name; };
 
 class LiveTable {
   readonly table: VirtualTable;
@@ -105,15 +104,18 @@ class LiveTable {
     const { plant } = this.context;
     const channel = plant.channels.get(id);
     if (!channel) return;
-    if (fresh) this.paintAbout(row, id);
+    if (fresh) {
+      row.element.classList.remove('heading');
+      this.paintAbout(row, id);
+    }
     const stamp = plant.stamp[id] ?? 0;
     const acquired_ms = plant.acquired_ms[id] ?? 0;
     if (fresh || row.mark !== stamp) {
       row.mark = stamp;
       const quality = plant.quality[id] ?? notYetRead;
       const tone = toneOfQuality(quality);
+      row.element.dataset['tone'] = tone;
       const [, state, , value] = row.cells as HTMLElement[];
-      setClass(row.element, `vrow ${tone}${row.element.classList.contains('selected') ? ' selected' : ''}`);
       setText(state!, `${shape(tone)} ${qualityText(quality)}`);
       const text = plant.texts.get(id) ?? (acquired_ms === 0 ? '–' : tableValue(id, plant.value[id] ?? NaN, channel.type));
       setText(value!, text);
@@ -122,11 +124,15 @@ class LiveTable {
     } else if (!this.second) {
       return;
     }
-    setText(row.cells[5]!, acquired_ms === 0 ? t('live.never') : age(this.context.now() - acquired_ms));
+    const age_ms = this.context.now() - acquired_ms;
+    row.element.classList.toggle('late', acquired_ms > 0 && isLate(channel, age_ms));
+    setText(row.cells[5]!, acquired_ms === 0 ? t('live.never') : age(age_ms));
   }
 
   private paintHeading(row: Row, device: string): void {
-    setClass(row.element, 'vrow heading');
+    delete row.element.dataset['tone'];
+    row.element.classList.remove('late');
+    row.element.classList.add('heading');
     row.cells.forEach((cell, index) => setText(cell, index === 2 ? device || `★ ${t('live.pinned')}` : ''));
   }
 

@@ -1,0 +1,146 @@
+// Looks at a real station in chromium; e2e_station.py starts it, its bridge and its plant.
+//
+//   node e2e_station.mjs ADDRESS NODE_MODULES STATION_PID [SCREENSHOTS]
+
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { clipped, startBrowser, until } from './browser.mjs';
+
+const [address, modules, stationPid, screenshots] = process.argv.slice(2);
+const password = 'secret secret';
+const device = 'press-shop/press-1';
+const pages = ['#/overview', '#/live', `#/channel/${device}/pressure`, '#/alarms', '#/devices', '#/programming', `#/history?c=${device}/pressure&c=press-shop/press-2/pressure&span=1min`,
+  '#/plan/press-shop', '#/audit'];
+let browser, page;
+
+const settled = async () => {
+  await page.waitForSelector('html[data-connection="open"]');
+  await page.waitForFunction(() => document.querySelector('main .page')?.textContent.trim() !== '');
+  await until(() => page.underWay === 0, 'answers of the station');
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+};
+const go = async (hash) => {
+  await page.evaluate((to) => { location.hash = to; }, hash);
+  await settled();
+};
+const logIn = async (user) => {
+  await page.waitForSelector('#user');
+  await page.fill('#user', user);
+  await page.fill('#password', password);
+  await page.press('#password', 'Enter');
+  await settled();
+};
+const says = (selector, pattern, what, within_ms) =>
+  until(async () => pattern.test(await page.locator(selector).first().textContent().catch(() => '')), what, within_ms);
+const write = async (channel, value) => {
+  await go(`#/channel/${device}/${channel}`);
+  if (await page.locator('select#new-value').count()) await page.selectOption('#new-value', String(value));
+  else await page.fill('#new-value', String(value));
+  await page.getByRole('button', { name: 'Write' }).click();
+  await page.locator('dialog').getByRole('button', { name: 'Write' }).click();
+};
+
+before(async () => {
+  browser = await startBrowser(modules, address);
+  page = await browser.open('#/overview', { ignore: /401|WebSocket|ERR_/ });
+});
+after(() => browser?.close());
+
+test('without a login nothing is shown, a wrong password is refused', async () => {
+  await page.waitForSelector('#user');
+  await page.fill('#user', 'anna');
+  await page.fill('#password', 'wrong');
+  await page.press('#password', 'Enter');
+  await says('.trouble', /wrong/, 'refused');
+  assert.equal((await page.request.get(`${address}/api/catalogue`)).status(), 401);
+});
+
+test('a viewer sees values and may not write', async () => {
+  await logIn('vera');
+  await go(`#/channel/${device}/setpoint`);
+  await says('.commands', /needs the role operator/, 'no write');
+  const refused = await page.evaluate(async (channel) => {
+    const answer = await fetch('/api/commands', { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify({ channel, value: 1, verify: true }) });
+    return answer.status;
+  }, `${device}/setpoint`);
+  assert.equal(refused, 403);
+  await page.getByRole('button', { name: 'Log out' }).click();
+});
+
+test('the overview shows the bus, planned beside measured', async () => {
+  await logIn('anna');
+  await go('#/overview');
+  await says('.bus', /press-shop.*running/s, 'the bus runs');
+  await says('.bus .planned .bar-number', /^[1-9]\d* %$/, 'a planned load');
+  await says('.bus .measured .bar-number', /^[1-9]\d* %$/, 'a measured load');
+});
+
+test('live values move', async () => {
+  await go('#/live?q=press-1');
+  await says('.tools .number', /^5 of 7$/, 'five channels of the press');
+  const value = () => page.locator('.vrow', { hasText: `${device}/pressure` }).locator('.c-value').textContent();
+  const first = await value();
+  await until(async () => await value() !== first, 'the pressure moves');
+});
+
+test('a write goes through, is read back, and stands in the audit with its name', async () => {
+  await write('setpoint', 1200);
+  await says('.outcomes', /written and read back = 1200/, 'the result');
+  await says('.big-value b', /^1200$/, 'the value');
+  await write('running', true);
+  await says('.outcomes', /written and read back = true/, 'the result');
+  await go('#/audit');
+  await says('main', /anna.*setpoint/s, 'the audit names who wrote');
+});
+
+test('a value beyond its limit raises an alarm, which is acknowledged', async () => {
+  await write('setpoint', 1800);
+  await says('.outcomes', /written and read back = 1800/, 'the result');
+  await says('nav .count', /^1$/, 'one alarm asks for somebody');
+  await go('#/alarms');
+  await says('main', /setpoint/, 'the alarm is listed');
+  await page.getByRole('checkbox', { name: /setpoint/ }).check();
+  await page.getByRole('button', { name: /^Acknowledge/ }).first().click();
+  await page.locator('dialog').locator('input, textarea').first().fill('looked at it');
+  await page.locator('dialog button[type="submit"]').click();
+  await says('main', /Acknowledged: 1|looked at it/, 'acknowledged');
+  await until(async () => await page.locator('nav .count').count() === 0, 'no alarm asks for anybody');
+});
+
+test('history shows what the station recorded', async () => {
+  await go(`#/history?c=${device}/pressure&span=1min`);
+  await says('table.plain tbody', /samples|points/, 'the store answers');
+});
+
+test('every page: nothing clipped, no violation', async () => {
+  const faults = [];
+  for (const hash of pages) {
+    await go(hash);
+    faults.push(...[...await clipped(page), ...await browser.axe(page)].map((each) => `${hash}: ${each}`));
+  }
+  assert.deepEqual(faults, []);
+});
+
+test('pictures for the README', { skip: !screenshots }, async () => {
+  for (const [name, hash, dark, width] of [['overview', pages[0]], ['live', pages[1], true], ['channel', pages[2]], ['alarms', pages[3], true], ['history', pages[6]], ['plan', pages[7]],
+    ['phone', pages[1], true, 390]]) {
+    await page.setViewportSize({ width: width ?? 1120, height: width ? 720 : 640 });
+    await page.emulateMedia({ colorScheme: dark ? 'dark' : 'light' });
+    await go(hash);
+    await page.waitForTimeout(1500);
+    await page.screenshot({ path: `${screenshots}/station-${name}.png` });
+  }
+});
+
+test('a station that stops answering greys the page at once', async () => {
+  await go('#/live');
+  process.kill(Number(stationPid), 'SIGSTOP');
+  try {
+    await page.waitForSelector('html[data-connection="lost"]', { timeout: 9000 });
+  } finally {
+    process.kill(Number(stationPid), 'SIGCONT');
+  }
+  await settled();
+});
+
+test('no error was told to the console', () => assert.deepEqual(browser.faults, []));
