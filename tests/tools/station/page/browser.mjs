@@ -24,7 +24,8 @@ export async function startBrowser(modules, address) {
     page.on('request', () => page.underWay++);
     for (const end of ['requestfinished', 'requestfailed']) page.on(end, () => page.underWay--);
     page.on('console', (message) => {
-      if (['error', 'warning'].includes(message.type()) && !ignore.test(message.text())) faults.push(`${hash}: ${message.text()}`);
+      const told = `${message.text()} ${message.location().url}`;
+      if (['error', 'warning'].includes(message.type()) && !ignore.test(told)) faults.push(`${page.url()}: ${told}`);
     });
     page.on('pageerror', (error) => faults.push(`${hash}: ${error.stack}`));
     await page.goto(`${base}/${hash}`);
