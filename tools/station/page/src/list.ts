@@ -3,6 +3,8 @@
 import { VirtualTable } from './table';
 import type { Row } from './table';
 
+const longText = 14;  // characters; a longer one may be cut off, and stands in the title too
+
 export interface ListColumn<T> {
   key: string;
   label: string;
@@ -118,7 +120,7 @@ export class ListTable<T> {
   }
 
   private paintCell(cell: HTMLElement, column: ListColumn<T>, item: T): void {
-    const text = column.text(item), hint = column.hint?.(item) ?? (column.link ? text : '');
+    const text = column.text(item), hint = column.hint?.(item) ?? (column.link || text.length > longText ? text : '');
     if (cell.title !== hint) cell.title = hint;
     if (column.checked) return this.paintBox(cell, column, item);
     const address = column.link?.(item) ?? '';
