@@ -23,10 +23,9 @@ struct AlarmGone {
 struct AlarmStatusGone {
   StationAlarmStatus last;
 };
-using DomainEvent =
-    std::variant<StationChannel, StationSample, ChannelGone, StationBusStatus, StationDeviceStatus,
-                 StationResult, ProgramSessionReport, StationAlarm, AlarmGone, StationAlarmStatus,
-                 AlarmStatusGone>;
+using DomainEvent = std::variant<StationChannel, StationSample, ChannelGone, StationBusStatus,
+                                 StationDeviceStatus, StationResult, ProgramSessionReport,
+                                 StationAlarm, AlarmGone, StationAlarmStatus, AlarmStatusGone>;
 
 class DomainView {
  public:

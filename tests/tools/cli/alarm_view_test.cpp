@@ -65,9 +65,9 @@ TEST(AlarmView, JsonHasWhatBothTopicsSay) {
   EXPECT_EQ(json["suppressed_until"], 7);
   EXPECT_FALSE(json.contains("shelved_by"));
   const StationAlarm older{"b", "d", "c", LimitKind::kLow, AlarmState::kClear, 5, {9}};
-  EXPECT_EQ(
-      to_line(alarm_json({"b", "d", "c", LimitKind::kLow}, {older, {}})),
-      R"({"bus":"b","device":"d","channel":"c","limit":"low","state":"clear","value":5.0,"since":9})");
+  EXPECT_EQ(to_line(alarm_json({"b", "d", "c", LimitKind::kLow}, {older, {}})),
+            R"({"bus":"b","device":"d","channel":"c","limit":"low","state":"clear",)"
+            R"("value":5.0,"since":9})");
 }
 
 TEST(AlarmView, TheHistorySaysWhoAndUntilWhen) {
