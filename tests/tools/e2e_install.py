@@ -236,6 +236,23 @@ class Installed(unittest.TestCase):
         self.assertEqual(root.run("systemctl", "is-enabled", UNIT).stdout.strip(), "enabled")
 
 
+class MonitoringStation(unittest.TestCase):
+    def test_its_service_shows_the_plant_in_its_sandbox(self):
+        root.write("/etc/fieldcast/station.yaml", "station: hall\nstore: { path: /var/lib/fieldcast/station.db }\nrecord: {}\n")
+        root.run("systemctl", "enable", "--now", "fieldcast-station")
+        self.addCleanup(root.run, "systemctl", "disable", "--now", "fieldcast-station")
+        script = ("import json, urllib.request as r; "
+                  "print(sum(c['quality'] == 'GOOD' for c in json.load(r.urlopen('http://127.0.0.1:8090/api/channels'))))")
+        wait_until(lambda: int(root.run("python3", "-c", script).stdout) > 0, SECONDS, state)
+        self.assertEqual(root.run("stat", "-c", "%U %a", "/var/lib/fieldcast/station.db").stdout, "fieldcast 600\n")
+        shown = root.run("systemctl", "show", "fieldcast-station", "--property=StatusText", "--property=User").stdout
+        self.assertIn("StatusText=served at http://127.0.0.1:8090/", shown)
+        self.assertIn("User=fieldcast", shown)
+        root.run("systemctl", "reload", "fieldcast-station")
+        said = root.run("systemd-analyze", "security", "--no-pager", "fieldcast-station", check=False).stdout
+        self.assertLess(float(re.search(r"Overall exposure level for \S+: ([\d.]+)", said).group(1)), EXPOSURE, said)
+
+
 class Adapter(unittest.TestCase):
     """The udev rules, tried by udevadm on the /sys of an adapter that the test makes."""
 

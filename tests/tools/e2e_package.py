@@ -14,7 +14,7 @@ import tempfile
 import unittest
 
 BUILD_DIR = SOURCE_DIR = PACKAGES_DIR = ""
-PROGRAMS = ["fieldcast", "fieldcast-bridge", "fieldcast-port", "fieldcast-sim"]
+PROGRAMS = ["fieldcast", "fieldcast-bridge", "fieldcast-port", "fieldcast-sim", "fieldcast-station"]
 MAX_PACKAGES_BYTES = 5_000_000  # all three together
 
 def run(*command, **options):
@@ -72,17 +72,18 @@ class Installed(unittest.TestCase):
         self.assertIn("--json", complete("fieldcast", "watch", "--js"))
         self.assertEqual(complete("fieldcast-bridge", "--ch"), ["--check"])
 
-    def test_the_unit_is_one_that_systemd_understands(self):
+    def test_the_units_are_such_that_systemd_understands(self):
         if not shutil.which("systemd-analyze"):
             self.skipTest("no systemd-analyze here")
-        unit = os.path.join(self.folder, "fieldcast-bridge@plant.service")
-        with open(f"{self.root}/lib/systemd/system/fieldcast-bridge@.service", encoding="utf-8") as template:
-            text = template.read().replace("ExecStart=fieldcast-bridge", f"ExecStart={self.root}/bin/fieldcast-bridge")
-        with open(unit, "w", encoding="utf-8") as file:
-            file.write(text)
-        result = subprocess.run(["systemd-analyze", "verify", "--man=no", unit], capture_output=True, text=True, timeout=60)
-        complaints = [line for line in result.stderr.splitlines() if "fieldcast" in line]
-        self.assertEqual(complaints, [], result.stderr)
+        for name, installed in [("fieldcast-bridge@plant", "fieldcast-bridge@"), ("fieldcast-station", "fieldcast-station")]:
+            unit = os.path.join(self.folder, f"{name}.service")
+            with open(f"{self.root}/lib/systemd/system/{installed}.service", encoding="utf-8") as template:
+                text = template.read().replace("ExecStart=", f"ExecStart={self.root}/bin/")
+            with open(unit, "w", encoding="utf-8") as file:
+                file.write(text)
+            result = subprocess.run(["systemd-analyze", "verify", "--man=no", unit], capture_output=True, text=True, timeout=60)
+            complaints = [line for line in result.stderr.splitlines() if "fieldcast" in line]
+            self.assertEqual(complaints, [], result.stderr)
 
 
 class Packages(unittest.TestCase):
@@ -104,7 +105,7 @@ class Packages(unittest.TestCase):
         usr = f"{root}/usr"
         self.assertIn("channels", run(f"{usr}/bin/fieldcast-bridge", "--check", f"{usr}/share/fieldcast/examples/complete.yaml",
                                       env=environment(usr), cwd="/"))
-        for file in ["lib/systemd/system/fieldcast-bridge@.service", "lib/udev/rules.d/70-fieldcast.rules",
+        for file in ["lib/systemd/system/fieldcast-bridge@.service", "lib/systemd/system/fieldcast-station.service", "lib/udev/rules.d/70-fieldcast.rules",
                      "share/fieldcast/profiles/fieldcast-station.xml", "share/fieldcast/idl/fieldcast.idl"]:
             self.assertTrue(os.path.exists(f"{usr}/{file}"), file)
 

@@ -1,5 +1,5 @@
-# Completion of fieldcast, fieldcast-bridge, fieldcast-port and fieldcast-sim in bash. Subcommands and options are those that the
-# program's own --help names.
+# Completion of fieldcast, fieldcast-bridge, fieldcast-port, fieldcast-sim and fieldcast-station in bash. Subcommands and options are
+# those that the program's own --help names.
 _fieldcast() {
   local word=${COMP_WORDS[COMP_CWORD]} program=$1 subcommand="" choices
   if [ "${program##*/}" = fieldcast ] && [ "$COMP_CWORD" -gt 1 ]; then
@@ -12,4 +12,4 @@ _fieldcast() {
   fi
   mapfile -t COMPREPLY < <(compgen -W "$choices" -- "$word")
 }
-complete -o default -F _fieldcast fieldcast fieldcast-bridge fieldcast-port fieldcast-sim
+complete -o default -F _fieldcast fieldcast fieldcast-bridge fieldcast-port fieldcast-sim fieldcast-station

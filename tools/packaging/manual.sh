@@ -21,6 +21,7 @@ help=$("$program" --help)
     done
   fi
   printf '.SH FILES\n.TP\n.I /etc/fieldcast/NAME.yaml\nThe configuration of the service fieldcast\\-bridge@NAME.\n'
+  printf '.TP\n.I /etc/fieldcast/station.yaml\nThe configuration of the service fieldcast\\-station.\n'
   printf '.TP\n.I share/fieldcast/examples\nConfigurations to begin with.\n'
 } | gzip -9nc >"$page.new"
 mv "$page.new" "$page"
