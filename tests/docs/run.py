@@ -24,7 +24,7 @@ from fragment import whole, whole_declaration  # noqa: E402
 from sandbox import Sandbox  # noqa: E402
 from tables import CHECKS  # noqa: E402
 
-PROGRAMS = ["fieldcast", "fieldcast-bridge", "fieldcast-sim", "fieldcast-port"]
+PROGRAMS = ["fieldcast", "fieldcast-bridge", "fieldcast-sim", "fieldcast-port", "fieldcast-station"]
 MATCH_SECONDS = 10  # until what a program says is what the document shows, or ends as it should
 INSTALLED, SOURCE_TREE = "in the installed system", "in the source tree"
 NOWHERE = ("with hardware", "with a compiler", "with a login")  # what stands behind `in the installed system`

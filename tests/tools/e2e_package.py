@@ -15,7 +15,7 @@ import unittest
 
 BUILD_DIR = SOURCE_DIR = PACKAGES_DIR = ""
 PROGRAMS = ["fieldcast", "fieldcast-bridge", "fieldcast-port", "fieldcast-sim", "fieldcast-station"]
-MAX_PACKAGES_BYTES = 5_000_000  # all three together
+MAX_PACKAGES_BYTES = 6_500_000  # all three together; fieldcast-station with its page is 1.9 MB of it
 
 def run(*command, **options):
     result = subprocess.run(command, capture_output=True, text=True, timeout=280, **options)
@@ -48,7 +48,7 @@ class Installed(unittest.TestCase):
     def test_the_examples_are_accepted_with_the_installed_device_templates(self):
         examples = f"{self.root}/share/fieldcast/examples"
         for example in ["minimal.yaml", "complete.yaml"]:
-            self.assertIn("channels", run(f"{self.root}/bin/fieldcast-bridge", "--check", f"{examples}/{example}",
+            self.assertIn(" channel", run(f"{self.root}/bin/fieldcast-bridge", "--check", f"{examples}/{example}",
                                           env=environment(self.root), cwd="/"))
         shutil.move(f"{self.root}/share/fieldcast/devices", f"{self.folder}/devices")
         self.addCleanup(shutil.move, f"{self.folder}/devices", f"{self.root}/share/fieldcast/devices")

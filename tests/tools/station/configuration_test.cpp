@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <fstream>
+#include <sstream>
+
 #include "tools/station/user_watch.hpp"
 
 namespace fieldcast::web {
@@ -127,6 +130,18 @@ TEST(StationConfiguration, AnAddressToListenAtIsNoName) {
   EXPECT_EQ(listen_from("[::1]:80"), (ListenSpec{"::1", 80}));
   EXPECT_FALSE(listen_from("localhost:80"));
   EXPECT_FALSE(listen_from("127.0.0.1"));
+}
+
+TEST(StationConfiguration, TheDocumentHasEveryKeyAsTheProgramKnowsIt) {
+  std::ifstream file(FIELDCAST_SOURCE "/docs/station.md");
+  std::ostringstream text;
+  text << file.rdbuf();
+  for (const DocumentedKey& key : documented_keys()) {
+    if (key.name == "web") continue;  // its keys stand there
+    const std::string row =
+        "| `" + key.name + "` | " + key.fallback + (key.fallback.empty() ? "| " : " | ") + key.text;
+    EXPECT_THAT(text.str(), HasSubstr(row));
+  }
 }
 
 TEST(LocalRole, FollowsFileStoreAndUsers) {
