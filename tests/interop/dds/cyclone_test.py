@@ -47,7 +47,7 @@ def bus_text(name, more=""):
 
 
 CONFIG = "bridge: cyclone\nbuses:\n" + bus_text("one") + bus_text(
-    "two", '          - { name: setpoint, at: "holding:900", type: int16, access: read-write, refresh: 500ms, write: { min: -100, max: 1000 } }\n')
+    "two", '          - { name: setpoint, at: "holding:900", type: int16, access: read-write, refresh: 500ms, write: { min: -100, max: 1000 }, limits: { high: 900, priority: critical } }\n')
 
 
 class Watch:
@@ -180,6 +180,14 @@ class CycloneStations(unittest.TestCase):
             self.assertEqual(fields[:4], ["result", "1", "REJECTED", cause])
             self.assertGreater(len(fields[4]), 5)
 
+    def test_an_alarm_is_acknowledged(self):
+        self.assertEqual(write(self.plant, SETPOINT, 950).returncode, 0)
+        panel = subprocess.run([os.path.join(BIN_DIR, "cyclone-alarm"), str(self.plant.domain), *SETPOINT.split("/"), "anna", "on my way"],
+                               capture_output=True, text=True, timeout=2 * SECONDS, env=environment())
+        self.assertEqual(panel.stdout, "result\tDONE\tNONE\t\nalarm\t3\t2\t1\t950\tanna\ton my way\n", panel.stderr)
+        self.assertEqual(panel.returncode, 0)
+        self.assertIn("anna: on my way", self.plant.cli("alarms").out)
+        self.assertEqual(write(self.plant, SETPOINT, 5).returncode, 0)
 
     def test_thousands_of_results_leave_nothing_behind(self):
         asked = subprocess.run([os.path.join(BIN_DIR, "cyclone-results"), str(self.plant.domain), *SETPOINT.split("/"), "4000"],
