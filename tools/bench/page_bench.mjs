@@ -54,6 +54,7 @@ async function run(page, scrolling) {
   const before = await metrics();
   const figures = await page.evaluate(({ scrolling, ms }) => new Promise((done) => {
     const table = document.querySelector('.vtable'), meter = window.fieldcastMeter;
+    meter.now = Date.now;  // station and browser share a clock here
     let frames = 0, longest = 0, longTasks = 0, last = performance.now();
     const begin = last, counted = meter.count;
     const observer = new PerformanceObserver((list) => { longTasks += list.getEntries().length; });
@@ -91,6 +92,7 @@ try {
   const page = await browser.open('#/live');
   await page.waitForSelector('html[data-connection="open"]');
   await until(async () => /[1-9]/.test(await page.textContent('.line .fixed')), 'values flow');
+  row('values a second, as the page counts', (await page.textContent('.line .fixed')).replace(/\D/g, ''), '');
   for (const scrolling of [false, true]) {
     const figures = await run(page, scrolling);
     const name = scrolling ? 'scrolling' : 'standing';
