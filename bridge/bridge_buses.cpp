@@ -7,6 +7,7 @@
 #include "bridge/bridge_state.hpp"
 #include "bridge/bus/clock.hpp"
 #include "bridge/check.hpp"
+#include "bridge/store/alarm_life_table.hpp"
 
 namespace fieldcast {
 namespace {
@@ -63,12 +64,26 @@ bool Bridge::State::follow_guard(const std::set<std::string>& uncontested) {
   for (const BusSpec& bus : spec.buses) {
     if (buses.contains(bus.name) || !guard->serves(bus.name)) continue;
     log_warning(bus.name, "taken over: the bridge that served a bus of this name is gone");
+    take_over_alarms(bus.name);
     try {
       start_bus(bus);
     } catch (const DdsError& error) { log_error(bus.name, error.what()); }
   }
   for (const std::string& bus : uncontested) link->publish_again(bus);
   return true;
+}
+
+// What people did while another bridge served the bus, if both have the same store. Waits for the
+// database: some seconds at most.
+void Bridge::State::take_over_alarms(const std::string& bus) {
+  if (!spec.store) return;
+  try {
+    const auto connection =
+        fieldcast::open_store(StoreAddress(spec.store->address), IfMissing::kFail);
+    alarms.loaded(bus, AlarmLifeTable(*connection).kept(read_clocks().utc));
+  } catch (const StoreError& error) {
+    log_warning(bus, fmt::format("its alarms are as this bridge knew them: {}", error.what()));
+  }
 }
 
 // Throws DdsError, and then nothing of the bus is left.

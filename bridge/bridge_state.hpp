@@ -97,6 +97,7 @@ struct Bridge::State {
   void start_buses(const std::vector<std::string>& names, const BridgeSpec& from);
   [[nodiscard]] bool follow_guard(const std::set<std::string>& uncontested);
   void start_bus(const BusSpec& bus);
+  void take_over_alarms(const std::string& bus);
   void stop_buses(const std::vector<std::string>& names, Duration dispose_limit = Duration::max());
 
   // bridge_reload.cpp.

@@ -40,6 +40,19 @@ void AlarmTable::loaded(AlarmSink& sink, const KeptAlarms& kept) {
   publish(changed);
 }
 
+void AlarmTable::loaded(const std::string& bus, const KeptAlarms& kept) {
+  std::set<AlarmKey> changed;
+  {
+    const std::lock_guard lock(mutex_);
+    if (loading_ || sink_ == nullptr) return;  // all of it comes, or there is no store
+    const UtcTime now = read_clocks().utc;
+    (void)end(book_.restore(bus, kept, now), now);
+    changed = take_changes();
+  }
+  version_.fetch_add(1, std::memory_order_release);
+  publish(changed);
+}
+
 void AlarmTable::close(AlarmSink* sink) {
   const std::lock_guard lock(mutex_);
   for (AlarmRecord& record : std::exchange(held_, {})) {

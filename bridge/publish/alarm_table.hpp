@@ -27,6 +27,8 @@ class AlarmTable {
   void expect_store();
   // How the last bridge left them. From now on the sink, which outlives its use, keeps them.
   void loaded(AlarmSink& sink, const KeptAlarms& kept);
+  // How another bridge, which has served the bus meanwhile, has left its alarms in the same store.
+  void loaded(const std::string& bus, const KeptAlarms& kept);
   // The store is about to close; what is still held goes to it. Null: there was none.
   void close(AlarmSink* sink);
 

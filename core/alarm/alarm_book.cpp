@@ -83,15 +83,28 @@ std::vector<KeptAlarm> AlarmBook::forget_others() {
 }
 
 std::vector<KeptAlarm> AlarmBook::restore(const KeptAlarms& kept, UtcTime now) {
-  for (const auto& [alarm, life] : lives_) news_.changed.insert(alarm);
-  lives_.clear();
-  maintenance_.clear();
+  return restore_at(buses_, kept, now);
+}
+
+std::vector<KeptAlarm> AlarmBook::restore(const std::string& bus, const KeptAlarms& kept,
+                                          UtcTime now) {
+  return restore_at({bus}, kept, now);
+}
+
+std::vector<KeptAlarm> AlarmBook::restore_at(const Buses& buses, const KeptAlarms& kept,
+                                             UtcTime now) {
+  std::erase_if(lives_, [&](const auto& each) {
+    if (!buses.contains(each.first.bus)) return false;
+    news_.changed.insert(each.first);
+    return true;
+  });
+  std::erase_if(maintenance_, [&](const auto& each) { return buses.contains(each.first.first); });
   std::map<AlarmKey, std::vector<UtcTime>> occurrences;
   for (const auto& [alarm, at] : kept.occurrences) occurrences[alarm].push_back(at);
   std::vector<KeptAlarm> ended;
   std::set<AlarmKey> active;
   for (const KeptAlarm& each : kept.active) {
-    if (!buses_.contains(each.alarm.bus)) continue;
+    if (!buses.contains(each.alarm.bus)) continue;
     if (!has_limit(each.alarm)) {
       ended.push_back(each);
       news_.to_keep.insert(each.alarm);
@@ -100,7 +113,7 @@ std::vector<KeptAlarm> AlarmBook::restore(const KeptAlarms& kept, UtcTime now) {
     }
   }
   for (const KeptAlarm& each : kept.states) {
-    if (!buses_.contains(each.alarm.bus)) continue;
+    if (!buses.contains(each.alarm.bus)) continue;
     if (!has_limit(each.alarm)) {
       news_.to_keep.insert(each.alarm);
       continue;
@@ -125,7 +138,7 @@ std::vector<KeptAlarm> AlarmBook::restore(const KeptAlarms& kept, UtcTime now) {
     changed(each.alarm);
   }
   for (const KeptMaintenance& each : kept.maintenance) {
-    if (buses_.contains(each.device.first) && each.pause.is_set())
+    if (buses.contains(each.device.first) && each.pause.is_set())
       suppress(each.device, maintenance_[each.device] = each.pause);
   }
   return ended;

@@ -80,6 +80,8 @@ class AlarmBook {
   // Everything that was known before is replaced. What ended at buses of ours while they had no
   // such limit comes back.
   std::vector<KeptAlarm> restore(const KeptAlarms& kept, UtcTime now);
+  // The same for one bus alone: another bridge has served it meanwhile.
+  std::vector<KeptAlarm> restore(const std::string& bus, const KeptAlarms& kept, UtcTime now);
 
   // True: it began, or ended. False: it did so before, or there is no such limit.
   bool raise(const AlarmKey& alarm, double value, UtcTime since, UtcTime now);
@@ -103,7 +105,10 @@ class AlarmBook {
 
  private:
   using Lives = std::map<AlarmKey, AlarmLife>;
+  using Buses = std::set<std::string>;
   [[nodiscard]] std::vector<KeptAlarm> forget_others();
+  [[nodiscard]] std::vector<KeptAlarm> restore_at(const Buses& buses, const KeptAlarms& kept,
+                                                  UtcTime now);
   AlarmLife& life_of(const AlarmKey& alarm);
   void changed(const AlarmKey& alarm);
   void tell(UtcTime at, const AlarmKey& alarm, AlarmEventKind kind, const AlarmPause& pause = {});

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <filesystem>
+#include <thread>
 
 #include "bridge/store/alarm_life_table.hpp"
 #include "bridge/store/event_table.hpp"
@@ -129,6 +130,32 @@ TEST_F(BridgeAlarms, WhatPeopleDidOutlivesTheBridge) {
           "two/plc/r2 shelve high for 1h: on my way: done",
           "two/plc maintenance for 1h: on my way: done", "two/plc end maintenance: on my way: done",
           "two/plc/r2 unshelve high: on my way: done"));
+}
+
+TEST_F(BridgeAlarms, ABridgeThatTakesOverGoesOnWithWhatPeopleDid) {
+  ModbusDevice a(first), b(second);
+  Bridge serving, waiting;
+  ASSERT_TRUE(serving.start(spec));
+  ASSERT_TRUE(becomes("one", AlarmStage::kUnacknowledged));
+  BridgeSpec other = spec;
+  other.name = "other";
+  ASSERT_TRUE(waiting.start(other));  // it has read the store
+  EXPECT_EQ(done(action(AlarmActionKind::kAcknowledge, "one")), "done");
+  ASSERT_TRUE(becomes("one", AlarmStage::kAcknowledged));
+  // The store has it within a second.
+  const auto stored = [&] {
+    const auto connection = open_store(StoreAddress(spec.store->address), IfMissing::kFail);
+    const KeptAlarms kept = AlarmLifeTable(*connection).kept({});
+    return std::any_of(kept.states.begin(), kept.states.end(), [](const KeptAlarm& each) {
+      return each.status.stage == AlarmStage::kAcknowledged;
+    });
+  };
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{15};
+  while (!stored() && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
+  one.forget();
+  serving.stop();
+  ASSERT_TRUE(becomes("one", AlarmStage::kAcknowledged));
+  EXPECT_EQ(one.last().acknowledged.by, "anna");
 }
 
 TEST_F(BridgeAlarms, ShelvingEndsByItselfWithoutAStoreToo) {

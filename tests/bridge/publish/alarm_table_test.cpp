@@ -199,6 +199,32 @@ TEST(AlarmTable, GoesOnWithWhatPeopleDidBeforeTheRestart) {
   EXPECT_THAT(store.take_kept(), IsEmpty()) << "the store has it";
 }
 
+TEST(AlarmTable, TakesOverWhatAnotherBridgeLeftOfOneBus) {
+  RecordingStore store;
+  AlarmTable table;
+  (void)table.configure(buses({"a", "b"}), kNow);
+  table.expect_store();
+  table.loaded("a", active({alarm("a", "active", 1)}));  // too early: the store is not open
+  EXPECT_THAT(table.active_of("a"), IsEmpty());
+  table.loaded(store, active({alarm("a", "active", 10), alarm("b", "active", 10)}));
+  (void)store.take_kept();
+  KeptAlarms kept = active({alarm("a", "active", 30), alarm("b", "active", 30)});
+  kept.states = kept.active;
+  for (KeptAlarm& each : kept.states) {
+    each.status.stage = AlarmStage::kAcknowledged;
+    each.status.active = true;
+  }
+  const auto before = table.version();
+  table.loaded("a", kept);
+  EXPECT_NE(table.version(), before);
+  EXPECT_EQ(table.active_of("a").at(0).since.nanoseconds, 30);
+  EXPECT_EQ(table.active_of("b").at(0).since.nanoseconds, 10);
+  EXPECT_EQ(table.status_of({"a", "plc", "level", LimitKind::kHigh})->stage,
+            AlarmStage::kAcknowledged);
+  EXPECT_EQ(table.status_of({"b", "plc", "level", LimitKind::kHigh})->stage,
+            AlarmStage::kUnacknowledged);
+}
+
 TEST(AlarmTable, ShelvingAndMaintenanceEndWithTime) {
   RecordingStore store;
   AlarmTable table;

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+#include <memory>
+#include <random>
 #include <sstream>
 
 #include "core/base/duration_text.hpp"
@@ -414,6 +417,81 @@ TEST(AlarmBook, ANewPriorityHoldsAtOnce) {
   EXPECT_TRUE(book.configure(buses).empty());
   EXPECT_EQ(book.find(alarm)->priority, AlarmPriority::kCritical);
   EXPECT_TRUE(book.take_news().changed.contains(alarm));
+}
+
+// A long day of everything that can happen, from one seed: whatever comes, each alarm is in a state
+// that the standard has, and a restart at any moment changes none.
+TEST(AlarmBook, EveryDayKeepsItsRules) {
+  std::mt19937 random(13);
+  const auto pick = [&](std::uint32_t below) { return random() % below; };
+  std::vector<AlarmKey> alarms;
+  for (const char* device : {"press-1", "press-2"}) {
+    for (const LimitKind kind : {LimitKind::kLow, LimitKind::kHigh, LimitKind::kHighHigh})
+      alarms.push_back({"shop", device, "level", kind});
+  }
+  auto book = std::make_unique<AlarmBook>();
+  (void)book->configure(two_buses());
+  KeptAlarms kept;
+  std::map<AlarmKey, AlarmStatus> states;
+  std::map<AlarmDevice, AlarmPause> maintenance;
+  std::map<AlarmEventKind, int> events;
+  std::uint32_t restarts = 0;
+  for (int step = 0; step < 200'000; ++step) {
+    const UtcTime now = after(step * 7s);
+    const AlarmKey& alarm = alarms[pick(static_cast<std::uint32_t>(alarms.size()))];
+    AlarmAction action{.by = pick(20) == 0 ? "" : "anna", .note = "seen"};
+    action.alarm = alarm;
+    action.kind = static_cast<AlarmActionKind>(pick(5));
+    action.duration = Duration(1min) * static_cast<int>(pick(2000)) - 1min;
+    switch (pick(8)) {
+      case 0:
+      case 1: (void)book->raise(alarm, 99, now, now); break;
+      case 2:
+      case 3: (void)book->clear(alarm, 50, now); break;
+      case 4: (void)book->act(action, now); break;
+      default: book->on_time("shop", now); break;
+    }
+    const AlarmBook::News news = book->take_news();
+    for (const AlarmEvent& event : news.events) ++events[event.kind];
+    for (const AlarmKey& each : news.to_keep) {
+      states[each] = *book->find(each);
+      states[each].suppressed = {};
+    }
+    for (const KeptMaintenance& each : news.maintenance) maintenance[each.device] = each.pause;
+    for (const AlarmKey& each : alarms) {
+      const AlarmStatus* status = book->find(each);
+      if (status == nullptr) continue;
+      const bool waits = status->stage == AlarmStage::kUnacknowledged ||
+                         status->stage == AlarmStage::kAcknowledged;
+      ASSERT_EQ(waits, status->active) << step << ' ' << status_text(*status);
+      ASSERT_EQ(status->cleared_at.nanoseconds != 0,
+                !status->active && status->raised_at.nanoseconds != 0);
+      ASSERT_TRUE(!status->shelved.is_set() ||
+                  status->shelved.until.nanoseconds - now.nanoseconds <= Duration(24h).count());
+      ASSERT_TRUE(!status->suppressed.is_set() || !status->suppressed.by.empty());
+    }
+    if (pick(100) != 0) continue;
+    ++restarts;
+    kept = {};
+    for (const auto& [each, status] : states) {
+      kept.states.push_back({each, status});
+      if (status.active) kept.active.push_back({each, status});
+    }
+    for (const auto& [device, pause] : maintenance) kept.maintenance.push_back({device, pause});
+    auto restarted = std::make_unique<AlarmBook>();
+    (void)restarted->configure(two_buses());
+    ASSERT_TRUE(restarted->restore(kept, now).empty());
+    for (const auto& [each, status] : states) {
+      AlarmStatus counted = *book->find(each);
+      counted.occurrences = restarted->find(each)->occurrences;  // they are not kept here
+      counted.chattering = false;
+      ASSERT_EQ(*restarted->find(each), counted) << step << ' ' << to_text(each);
+    }
+    book = std::move(restarted);
+    (void)book->take_news();
+  }
+  EXPECT_GT(restarts, 1000u);
+  EXPECT_EQ(events.size(), 8u) << "each kind happens";
 }
 
 }  // namespace
