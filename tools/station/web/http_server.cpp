@@ -48,6 +48,9 @@ HttpServer::~HttpServer() {
   site_.on_ended({});
   closing_ = true;
   if (tls_) tls_->close();
+  const auto sessions = std::exchange(sessions_, {});
+  for (const auto& [key, session] : sessions) session->close();
+  for (const auto& [socket, kept] : live_) socket->drop();
 }
 
 void HttpServer::serve(std::unique_ptr<TlsServer> tls) { tls_ = std::move(tls); }
@@ -120,11 +123,12 @@ std::optional<HttpResponse> HttpServer::refuse_live(const Site::Upgrade& who) {
 }
 
 void HttpServer::open_live(LiveRequest request) {
-  const auto socket =
-      LiveSocket::open(io_, std::move(request), make_, limits_.socket, [this](LiveSocket* gone) {
-        live_.erase(gone);
-        look_for_end();
-      });
+  const auto socket = LiveSocket::open(io_, std::move(request), make_, limits_.socket,
+                                       [this, alive = std::weak_ptr(alive_)](LiveSocket* gone) {
+                                         if (alive.expired()) return;
+                                         live_.erase(gone);
+                                         look_for_end();
+                                       });
   live_.emplace(socket.get(), socket);
 }
 

@@ -43,7 +43,7 @@ class HttpServer {
   // The site must outlive the server. `make` may be empty: there is no /live then.
   HttpServer(boost::asio::io_context& io, Site& site, MakeLiveProtocol make,
              const ServerLimits& limits = {});
-  ~HttpServer();
+  ~HttpServer();  // closes what is left, without a farewell
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
 
@@ -81,6 +81,7 @@ class HttpServer {
   std::function<void()> done_;
   std::uint64_t accepted_ = 0, turned_away_ = 0;
   bool closing_ = false;
+  const std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };
 
 }  // namespace fieldcast::web

@@ -106,6 +106,7 @@ void HttpSession::enter(State state, Duration limit) {
 }
 
 void HttpSession::on_late() {
+  if (state_ == State::kClosed) return;
   if (state_ == State::kRequest) return refuse(408, "the request took too long", "send it at once");
   if (state_ == State::kHandler) {
     keep_alive_ = false;
