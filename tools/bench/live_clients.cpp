@@ -13,7 +13,7 @@
 #include <mutex>
 #include <stdexcept>
 #include <thread>
-#include <utility>  // GCC 12: before Asio
+#include <utility>
 
 namespace fieldcast::bench {
 namespace {

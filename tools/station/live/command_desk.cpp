@@ -1,7 +1,6 @@
 #include "tools/station/live/command_desk.hpp"
 
 #include <boost/asio/post.hpp>
-#include <utility>  // GCC 12: before Asio
 #include <utility>
 
 #include "bridge/bus/clock.hpp"

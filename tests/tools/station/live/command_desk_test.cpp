@@ -5,7 +5,6 @@
 
 #include <atomic>
 #include <future>
-#include <utility>  // GCC 12: before Asio
 
 namespace fieldcast::web {
 namespace {

@@ -10,7 +10,6 @@
 #include <boost/asio/steady_timer.hpp>
 #include <cstring>
 #include <nlohmann/json.hpp>
-#include <utility>  // GCC 12: before Asio
 
 #include "bridge/bus/clock.hpp"
 #include "tests/bridge/dds/dds_support.hpp"
