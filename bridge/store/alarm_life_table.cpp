@@ -31,6 +31,17 @@ AlarmStage stage_from(const std::string& text) {
   return AlarmStage::kClear;
 }
 
+AlarmLogEntry log_entry_of(const SqlRow& row) {
+  AlarmLogEntry entry{text_at(row, 0), text_at(row, 1), text_at(row, 2), text_at(row, 3),
+                      text_at(row, 4)};
+  if (const auto* value = std::get_if<double>(&row.at(5))) entry.value = *value;
+  entry.who = text_at(row, 6);
+  entry.note = text_at(row, 7);
+  entry.at = time_at(row, 8);
+  entry.until = time_at(row, 9);
+  return entry;
+}
+
 }  // namespace
 
 void AlarmLifeTable::insert(const KeptAlarm& alarm) {
@@ -89,7 +100,10 @@ void AlarmLifeTable::insert(const AlarmEvent& event) {
   const bool of_device = event.alarm.channel.empty();
   connection_.execute(
       "insert into alarm_events (at, bus, device, channel, limit_kind, event, who, note, until) "
-      "values ($1, $2, $3, $4, $5, $6, $7, $8, $9)",
+      "select cast($1 as bigint), cast($2 as text), cast($3 as text), cast($4 as text), "
+      "cast($5 as text), cast($6 as text), cast($7 as text), cast($8 as text), "
+      "cast($9 as bigint) where not exists (select 1 from alarm_events where at = $1 and bus = $2 "
+      "and device = $3 and channel = $4 and limit_kind = $5 and event = $6)",
       SqlRow{event.at.nanoseconds, event.alarm.bus, event.alarm.device, event.alarm.channel,
              of_device ? std::string() : std::string(to_text(event.alarm.limit)),
              std::string(to_text(event.kind)), event.by, event.note, event.until.nanoseconds});
@@ -147,15 +161,18 @@ void AlarmLifeTable::log(UtcTime from, UtcTime to,
   connection_.query(
       "select bus, device, channel, limit_kind, event, value, who, note, at_ns, until_ns from "
       "alarm_log where at_ns >= $1 and at_ns < $2 order by at_ns, id",
-      {from.nanoseconds, to.nanoseconds}, [&](const SqlRow& row) {
-        AlarmLogEntry entry{text_at(row, 0), text_at(row, 1), text_at(row, 2), text_at(row, 3),
-                            text_at(row, 4)};
-        if (const auto* value = std::get_if<double>(&row.at(5))) entry.value = *value;
-        entry.who = text_at(row, 6);
-        entry.note = text_at(row, 7);
-        entry.at = time_at(row, 8);
-        entry.until = time_at(row, 9);
-        return on_entry(entry);
+      {from.nanoseconds, to.nanoseconds},
+      [&](const SqlRow& row) { return on_entry(log_entry_of(row)); });
+}
+
+void AlarmLifeTable::newest_log(UtcTime from, UtcTime to, std::int64_t limit,
+                                const std::function<void(const AlarmLogEntry&)>& on_entry) {
+  connection_.query(
+      "select bus, device, channel, limit_kind, event, value, who, note, at_ns, until_ns from "
+      "alarm_log where at_ns >= $1 and at_ns < $2 order by at_ns desc, id desc limit $3",
+      {from.nanoseconds, to.nanoseconds, limit}, [&](const SqlRow& row) {
+        on_entry(log_entry_of(row));
+        return true;
       });
 }
 

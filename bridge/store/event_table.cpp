@@ -41,8 +41,11 @@ void EventTable::insert(const AuditEntry& entry) {
 
 void EventTable::insert(const AlarmRecord& alarm) {
   connection_.execute(
-      "insert into alarms (bus, device, channel, limit_kind, state, value, since) values ($1, $2, "
-      "$3, $4, $5, $6, $7)",
+      "insert into alarms (bus, device, channel, limit_kind, state, value, since) select "
+      "cast($1 as text), cast($2 as text), cast($3 as text), cast($4 as text), cast($5 as text), "
+      "cast($6 as double precision), cast($7 as bigint) where not exists (select 1 from alarms "
+      "where since = $7 and bus = $1 and device = $2 and channel = $3 and limit_kind = $4 and "
+      "state = $5)",
       SqlRow{alarm.bus, alarm.device, alarm.channel, alarm.limit, alarm.state, alarm.value,
              alarm.since.nanoseconds});
 }

@@ -16,7 +16,7 @@ class EventTable {
   explicit EventTable(SqlConnection& connection) : connection_(connection) {}
 
   void insert(const AuditEntry& entry);
-  void insert(const AlarmRecord& alarm);
+  void insert(const AlarmRecord& alarm);  // one that is there already is left alone
   // In place of what was known of it; an empty protocol or address leaves the one that is there,
   // and the state it has already its time.
   void insert(const DeviceRecord& device);

@@ -150,6 +150,12 @@ select id, {time at} as at, bus, device, channel, limit_kind, event,
   until as until_ns
 from alarm_events;
 )",
+    // Who may read at a station without a password (token_table.hpp).
+    R"(
+create table tokens (
+  name text primary key, hash text not null, created_at bigint not null,
+  ends_at bigint not null) {clustered};
+)",
 };
 
 // What the two databases say in different words, or what would stand in a step again and again.

@@ -188,7 +188,7 @@ class Runner:
         if not words or words[0] not in PROGRAMS:
             return
         subcommand = [words[0]] + ([words[1]] if words[0] == "fieldcast" and len(words) > 1 and not words[1].startswith("-") else [])
-        if subcommand == ["fieldcast", "user"] and len(words) > 2:
+        if subcommand in (["fieldcast", "user"], ["fieldcast", "token"]) and len(words) > 2:
             subcommand.append(words[2])
         key = " ".join(subcommand)
         if key not in self.helps:

@@ -11,6 +11,7 @@
 #include "tools/cli/command/plan.hpp"
 #include "tools/cli/command/records.hpp"
 #include "tools/cli/command/status.hpp"
+#include "tools/cli/command/token.hpp"
 #include "tools/cli/command/user.hpp"
 #include "tools/cli/command/watch.hpp"
 #include "tools/cli/command/write.hpp"
@@ -136,6 +137,18 @@ TEST(Arguments, ATimeThatIsNoneOrEndsBeforeItBeginsIsRefused) {
               HasSubstr("not after the beginning"));
   EXPECT_EQ(parse({"history"}).error().code, ExitCode::kUsage);
   EXPECT_EQ(parse({"history", "a", "--csv", "--json"}).error().code, ExitCode::kUsage);
+}
+
+TEST(Arguments, TokensHaveAnEnd) {
+  const auto added = parse({"token", "add", "wall", "--days", "30", "--store", "x.db"});
+  const auto& token = options_of<TokenOptions>(added);
+  EXPECT_EQ(token.action, TokenOptions::Action::kAdd);
+  EXPECT_EQ(token.name, "wall");
+  EXPECT_EQ(token.days, 30u);
+  EXPECT_EQ(parse({"token", "add", "wall"}).error().code, ExitCode::kUsage);
+  EXPECT_EQ(parse({"token", "add", "wall", "--days", "0"}).error().code, ExitCode::kUsage);
+  EXPECT_EQ(options_of<TokenOptions>(parse({"token", "remove", "wall"})).action,
+            TokenOptions::Action::kRemove);
 }
 
 TEST(Arguments, UsersAreAddedWithARoleAndNeverWithAPassword) {

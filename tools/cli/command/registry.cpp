@@ -17,6 +17,7 @@ CommandEntry history_command();
 CommandEntry devices_command();
 CommandEntry audit_command();
 CommandEntry user_command();
+CommandEntry token_command();
 CommandEntry alarms_command();
 CommandEntry doctor_command();
 CommandEntry secure_command();
@@ -26,7 +27,7 @@ std::span<const CommandEntry> commands() {
       watch_command(),    write_command(),   acquire_command(), status_command(),
       sessions_command(), plan_command(),    inspect_command(), sim_check_command(),
       history_command(),  devices_command(), audit_command(),   user_command(),
-      alarms_command(),   doctor_command(),  secure_command(),
+      token_command(),    alarms_command(),  doctor_command(),  secure_command(),
   };
   return all;
 }

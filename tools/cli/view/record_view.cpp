@@ -61,6 +61,12 @@ Json record_json(const User& user) {
           {"created_at", user.created_at.nanoseconds}};
 }
 
+Json record_json(const Token& token) {
+  return {{"token", token.name},
+          {"created_at", token.created_at.nanoseconds},
+          {"ends_at", token.ends_at.nanoseconds}};
+}
+
 std::string history_line(const StoredSample& sample, Zone zone) {
   std::string line =
       fmt::format("{}  {}  {}", time_text(sample.published_at, zone), path_of(sample),
@@ -118,6 +124,19 @@ std::vector<std::string> user_lines(const std::vector<User>& users, const Screen
     table.add_row({{user.name},
                    {std::string(to_text(user.role))},
                    {utc_text(user.created_at), Tone::kFaint}});
+  return table.render(screen);
+}
+
+std::vector<std::string> token_lines(const std::vector<Token>& tokens, UtcTime now,
+                                     const Screen& screen) {
+  TextTable table({{"token"}, {"until"}, {"since"}});
+  for (const Token& token : tokens) {
+    const bool ended = token.ends_at <= now;
+    table.add_row(
+        {{token.name},
+         {utc_text(token.ends_at) + (ended ? " (ended)" : ""), ended ? Tone::kFaint : Tone::kPlain},
+         {utc_text(token.created_at), Tone::kFaint}});
+  }
   return table.render(screen);
 }
 

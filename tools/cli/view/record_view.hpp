@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bridge/store/records.hpp"
+#include "bridge/store/token_table.hpp"
 #include "bridge/store/user_table.hpp"
 #include "tools/cli/view/json.hpp"
 #include "tools/cli/view/text_table.hpp"
@@ -17,6 +18,7 @@ namespace fieldcast::cli {
 [[nodiscard]] Json record_json(const AuditEntry& entry);
 [[nodiscard]] Json record_json(const DeviceRecord& device);
 [[nodiscard]] Json record_json(const User& user);
+[[nodiscard]] Json record_json(const Token& token);
 
 [[nodiscard]] std::string history_line(const StoredSample& sample, Zone zone = Zone::kUtc);
 [[nodiscard]] std::string history_csv_head();
@@ -30,5 +32,7 @@ namespace fieldcast::cli {
                                                     UtcTime now, const Screen& screen);
 [[nodiscard]] std::vector<std::string> user_lines(const std::vector<User>& users,
                                                   const Screen& screen);
+[[nodiscard]] std::vector<std::string> token_lines(const std::vector<Token>& tokens, UtcTime now,
+                                                   const Screen& screen);
 
 }  // namespace fieldcast::cli
