@@ -97,6 +97,15 @@ void Recorder::on_device_status(const StationDeviceStatus& status) {
                           .since = status.reported_at});
 }
 
+void Recorder::on_alarm_status(const StationAlarmStatus& status, UtcTime received) {
+  const std::lock_guard lock(mutex_);
+  AlarmNews news = alarms_.next(status, received);
+  for (AlarmRecord& record : news.records) store_.put(std::move(record));
+  for (AlarmEvent& event : news.events) store_.put(std::move(event));
+  for (KeptAlarm& kept : news.kept) store_.put(std::move(kept));
+  for (KeptMaintenance& kept : news.maintenance) store_.put(std::move(kept));
+}
+
 Recorder::Counters Recorder::counters() const {
   const std::lock_guard lock(mutex_);
   Counters counters = counters_;

@@ -15,6 +15,7 @@
 #include <unordered_map>
 
 #include "bridge/store/store.hpp"
+#include "tools/station/record/alarm_diff.hpp"
 #include "tools/station/record/sample_stamp.hpp"
 
 namespace fieldcast::web {
@@ -34,6 +35,7 @@ class Recorder {
   // `received`: by this machine's clock.
   void on_sample(const StationSample& sample, UtcTime received);
   void on_device_status(const StationDeviceStatus& status);
+  void on_alarm_status(const StationAlarmStatus& status, UtcTime received);
 
   struct Counters {
     std::uint64_t recorded = 0;  // samples that were handed to the store
@@ -59,6 +61,7 @@ class Recorder {
   std::unordered_map<std::string, Channel> channels_;        // by path
   std::map<std::string, ClockOffset, std::less<>> clocks_;   // by bus
   std::map<std::string, DeviceState, std::less<>> devices_;  // by bus/device: as stored last
+  AlarmDiff alarms_;
   Counters counters_;
 };
 
