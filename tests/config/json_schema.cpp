@@ -15,6 +15,7 @@ bool is_type(const json& value, const std::string& type) {
   if (type == "array") return value.is_array();
   if (type == "string") return value.is_string();
   if (type == "boolean") return value.is_boolean();
+  if (type == "null") return value.is_null();
   if (type == "number") return value.is_number();
   if (type == "integer") return value.is_number_integer();
   throw std::runtime_error("type " + type);

@@ -75,7 +75,9 @@ Read read(const StoreAddress& address, const std::vector<StoredChannel>& channel
   return result;
 }
 
-void fill(const StoreAddress& address) {
+}  // namespace
+
+void fill_thirty_days(const StoreAddress& address) {
   const auto connection = open_store(address, IfMissing::kCreate);
   SampleTable samples(*connection);
   std::vector<std::int64_t> ids;
@@ -98,11 +100,9 @@ void fill(const StoreAddress& address) {
   for (std::size_t i = 1; i < ids.size(); ++i) copy_tiers(*connection, ids[0], ids[i]);
 }
 
-}  // namespace
-
 void read_thirty_days(const StoreAddress& address) {
   std::printf("30 days of samples once a second, read as %u points\n", kPoints);
-  fill(address);
+  fill_thirty_days(address);
   const Duration span{kEnd.nanoseconds - kBegin.nanoseconds};
   const Duration every = width_for(span, kPoints);
   auto channels = [&] {

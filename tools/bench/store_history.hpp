@@ -7,6 +7,10 @@
 
 namespace fieldcast::bench {
 
+// One channel, history/device/c0, has a sample in each second from 2023-11-14 on; 99 others have
+// its minutes and hours. Throws StoreError.
+void fill_thirty_days(const StoreAddress& address);
+
 // Fills the store at `address` and prints the figures. One channel has every sample, the others
 // have the minutes and hours of theirs: 0.4 GB in SQLite. One thread. Throws StoreError.
 void read_thirty_days(const StoreAddress& address);

@@ -1,22 +1,49 @@
 #include "tools/station/routes.hpp"
 
-#include "tools/station/api/audit.hpp"
-#include "tools/station/api/channels.hpp"
-#include "tools/station/api/commands.hpp"
-#include "tools/station/api/export.hpp"
-#include "tools/station/api/history.hpp"
-#include "tools/station/api/plan.hpp"
+#include "tools/station/api/api_routes.hpp"
 
 namespace fieldcast::web {
+namespace {
+
+std::vector<Metric> own_metrics(const LiveDomain& domain, const HttpServer& server) {
+  std::vector<Metric> all;
+  const auto add = [&all](const char* name, bool counter, const char* help, auto value) {
+    all.push_back({name, counter, help, static_cast<double>(value)});
+  };
+  const LiveDomain::Counters live = domain.counters();
+  add("channels", false, "Channels that bridges announce.", live.channels);
+  add("samples_total", true, "Samples that came.", live.inbox.samples);
+  add("samples_overtaken_total", true, "Samples with a newer one before pages saw them.",
+      live.inbox.overtaken);
+  add("missing_blocks_total", true, "Blocks of samples that never came.", live.blocks.missing);
+  add("clients", false, "Clients of /live.", live.connected);
+  add("frames_total", true, "Binary frames sent to clients.", live.clients.frames);
+  add("frames_dropped_total", true, "Frames not made since a client was slow.",
+      live.clients.dropped);
+  add("frames_encoded_total", true, "Frames that were made; several clients may share one.",
+      live.frames.encoded);
+  add("messages_refused_total", true, "Messages of clients that were refused.",
+      live.clients.refused);
+  add("interests", false, "Interests declared for clients.", live.interests);
+  const ServerCounters web = server.counters();
+  add("connections_total", true, "HTTP connections accepted.", web.connections);
+  add("connections", false, "HTTP connections now.", web.open);
+  add("turned_away_total", true, "Connections and clients beyond a limit.", web.turned_away);
+  return all;
+}
+
+}  // namespace
 
 void add_api_routes(RouteTable& routes, const RouteNeeds& needs) {
-  add_audit_routes(routes, needs.database, needs.now);
-  add_channel_routes(routes, needs.domain.model());
-  add_command_routes(routes, needs.domain.model(), needs.domain.commands());
-  add_export_routes(routes, needs.database, needs.now);
-  add_history_routes(routes, needs.database, needs.now);
-  add_plan_routes(routes, needs.domain.model());
-  add_user_routes(routes, needs.database);
+  add_routes(routes, {.model = needs.domain.model(),
+                      .commands = needs.domain.commands(),
+                      .database = needs.database,
+                      .store = needs.store,
+                      .recorder = needs.recorder,
+                      .now = needs.now,
+                      .metrics = [&domain = needs.domain, &server = needs.server] {
+                        return own_metrics(domain, server);
+                      }});
 }
 
 }  // namespace fieldcast::web

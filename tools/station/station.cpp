@@ -17,6 +17,7 @@
 #include "bridge/store/authenticator.hpp"
 #include "bridge/store/store.hpp"
 #include "tools/station/api/database.hpp"
+#include "tools/station/api/tokens.hpp"
 #include "tools/station/live/live_domain.hpp"
 #include "tools/station/record/recorder.hpp"
 #include "tools/station/routes.hpp"
@@ -90,6 +91,7 @@ struct WebStation::State {
   std::unique_ptr<asio::steady_timer> turning;
   std::unique_ptr<Database> database;
   std::unique_ptr<Authenticator> logins;
+  std::unique_ptr<Tokens> tokens;
   std::unique_ptr<LiveDomain> domain;
   std::unique_ptr<Site> site;
   std::unique_ptr<UserWatch> users;
@@ -106,6 +108,7 @@ void WebStation::State::open_store() {
   database = std::make_unique<Database>(
       address, [this](std::function<void()> task) { post(std::move(task)); });
   logins = std::make_unique<Authenticator>(address, *store);
+  tokens = std::make_unique<Tokens>(*database, *store, utc_now, steady_now);
 }
 
 void WebStation::State::join_domain() {
@@ -117,6 +120,9 @@ void WebStation::State::join_domain() {
     tap.sample = [this](const StationSample& sample) { recorder->on_sample(sample, utc_now()); };
     tap.device_status = [this](const StationDeviceStatus& status) {
       recorder->on_device_status(status);
+    };
+    tap.alarm_status = [this](const StationAlarmStatus& status) {
+      recorder->on_alarm_status(status, utc_now());
     };
   }
   domain = std::make_unique<LiveDomain>(io.context(), spec.dds, spec.name, version, store.get(),
@@ -137,12 +143,19 @@ LoginCheck WebStation::State::login_check() {
                            });
                          });
   };
+  check.by_token = [this](std::string token, const std::string& peer,
+                          std::function<void(LoginVerdict)> done) {
+    tokens->check(std::move(token), peer, std::move(done));
+  };
   return check;
 }
 
 UserWatch::Ask WebStation::State::ask_users() {
   if (!database) return {};
   return [this](std::function<void(UserWatch::Users)> done) {
+    tokens->names([this](const std::optional<std::vector<std::string>>& names) {
+      if (names && site) site->book().tokens_are(*names);
+    });
     database->ask<std::vector<User>>(
         [](SqlConnection& connection) { return UserTable(connection).list(); },
         [done = std::move(done)](tl::expected<std::vector<User>, DatabaseFault> found) {

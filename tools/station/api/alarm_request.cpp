@@ -48,15 +48,15 @@ Checked<std::string> note_in(const Body& object) {
                 fmt::format("\"note\": a text of at most {} bytes", kMaxNoteBytes));
 }
 
-Checked<Duration> minutes_in(const Body& object, std::uint32_t least) {
+Checked<Duration> minutes_in(const Body& object, std::uint32_t least, std::uint32_t most) {
   const auto found = object.find("minutes");
   if (found != object.end() && found->is_number_unsigned()) {
     const auto minutes = found->get<std::uint64_t>();
-    if (minutes >= least && minutes <= kMaxAlarmMinutes)
+    if (minutes >= least && minutes <= most)
       return std::chrono::minutes{static_cast<std::int64_t>(minutes)};
   }
   return refuse("minutes is missing, or out of range",
-                fmt::format("\"minutes\": a whole number from {} to {}", least, kMaxAlarmMinutes));
+                fmt::format("\"minutes\": a whole number from {} to {}", least, most));
 }
 
 Checked<AlarmKey> alarm_in(const Body& object) {
@@ -91,7 +91,7 @@ Checked<std::vector<AlarmAction>> alarm_actions(AlarmActionKind kind, const Body
   if (!note) return tl::make_unexpected(std::move(note.error()));
   action.note = *std::move(note);
   if (shelves) {
-    const auto minutes = minutes_in(body, 1);
+    const auto minutes = minutes_in(body, 1, kMaxShelvedMinutes);
     if (!minutes) return tl::make_unexpected(minutes.error());
     action.duration = *minutes;
   }
@@ -125,7 +125,7 @@ Checked<AlarmAction> maintenance_action(const Body& body) {
   }
   auto note = note_in(body);
   if (!note) return tl::make_unexpected(std::move(note.error()));
-  const auto minutes = minutes_in(body, 0);
+  const auto minutes = minutes_in(body, 0, kMaxMaintenanceMinutes);
   if (!minutes) return tl::make_unexpected(minutes.error());
   action.note = *std::move(note);
   action.duration = *minutes;

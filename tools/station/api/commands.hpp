@@ -10,7 +10,8 @@
 namespace fieldcast::web {
 
 inline constexpr std::size_t kMaxAlarmsAtOnce = 200;  // of one request
-inline constexpr std::uint32_t kMaxAlarmMinutes = 24 * 60;
+inline constexpr std::uint32_t kMaxShelvedMinutes = 24 * 60;
+inline constexpr std::uint32_t kMaxMaintenanceMinutes = 7 * 24 * 60;
 
 // Model and commands outlive the table.
 void add_command_routes(RouteTable& table, const LiveModel& model, CommandSink& commands);

@@ -64,7 +64,6 @@ void Database::serve(Task task) {
     }
     connection_->limit(std::chrono::steady_clock::now() + kLongest);
     task.run(*connection_);
-    ++answered_;
   } catch (const StoreTooSlow& error) {
     ++too_slow_;
     fail(task, DatabaseFault::kTooSlow, error.what());

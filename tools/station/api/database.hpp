@@ -75,6 +75,7 @@ class Database {
     auto shared = std::make_shared<Done<Answer>>(std::move(done));
     return {[this, question = std::move(question), shared](SqlConnection& connection) {
               auto answer = std::make_shared<Answer>(question(connection));
+              ++answered_;
               post_([shared, answer] { (*shared)(std::move(*answer)); });
             },
             [this, shared](DatabaseFault fault) {

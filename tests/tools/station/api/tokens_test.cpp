@@ -1,0 +1,88 @@
+#include "tools/station/api/tokens.hpp"
+
+#include "bridge/store/token_table.hpp"
+#include "tests/tools/station/api/api_support.hpp"
+
+namespace fieldcast::web {
+namespace {
+
+using namespace std::chrono_literals;
+using test::utc;
+
+class TokensTest : public test::ApiTest {
+ protected:
+  TokensTest() {
+    const auto connection = open_store(address(), IfMissing::kCreate);
+    EXPECT_TRUE(TokenTable(*connection).add({"wall", utc(0), utc(kNow + 60)}, secret_));
+    EXPECT_TRUE(TokenTable(*connection).add({"old", utc(0), utc(kNow - 1)}, ended_));
+  }
+  [[nodiscard]] LoginVerdict check(const std::string& token, const std::string& peer = "10.0.0.1") {
+    std::optional<LoginVerdict> verdict;
+    tokens_.check(token, peer, [&](LoginVerdict given) { verdict = std::move(given); });
+    EXPECT_TRUE(io_.run_until([&] { return verdict.has_value(); }));
+    return verdict.value_or(LoginGrant{});
+  }
+  [[nodiscard]] LoginRefused::Why why(const std::string& token) {
+    const LoginVerdict verdict = check(token);
+    EXPECT_FALSE(verdict);
+    return verdict ? LoginRefused::Why::kUnavailable : verdict.error().why;
+  }
+
+  const std::string secret_ = make_token();
+  const std::string ended_ = make_token();
+  fieldcast::test::RecordingAudit audit_;
+  Instant steady_{1h};
+  Tokens tokens_{*database(), audit_, now(), [this] { return steady_; }};
+};
+
+TEST_F(TokensTest, ATokenLetsReadUntilItsEnd) {
+  const LoginVerdict verdict = check(secret_);
+  ASSERT_TRUE(verdict);
+  EXPECT_EQ(verdict->user, "wall");
+  EXPECT_EQ(verdict->role, Role::kViewer);
+  EXPECT_EQ(verdict->left, 60s);
+  EXPECT_TRUE(verdict->by_token);
+}
+
+TEST_F(TokensTest, OneThatHasEndedOrIsNobodysIsRefusedAlike) {
+  EXPECT_EQ(why(ended_), LoginRefused::Why::kWrong);
+  EXPECT_EQ(why(make_token()), LoginRefused::Why::kWrong);
+  EXPECT_EQ(why("nonsense"), LoginRefused::Why::kWrong);
+}
+
+TEST_F(TokensTest, WhoSendsWrongOnesHasToWait) {
+  for (unsigned i = 0; i <= LoginThrottle::kFreeOfUser; ++i) (void)check(make_token());
+  EXPECT_EQ(why(secret_), LoginRefused::Why::kTooSoon);
+  EXPECT_TRUE(check(secret_, "10.0.0.2")) << "others need not";
+  steady_ += 10min;
+  EXPECT_TRUE(check(secret_));
+}
+
+TEST_F(TokensTest, EveryAttemptIsAuditedWithoutTheToken) {
+  (void)check(secret_);
+  (void)check(ended_);
+  (void)check("nonsense");
+  const auto entries = audit_.entries();
+  ASSERT_EQ(entries.size(), 3u);
+  EXPECT_EQ(entries[0].who, "token wall from 10.0.0.1");
+  EXPECT_EQ(entries[0].what, "login");
+  EXPECT_EQ(entries[0].result, "done");
+  EXPECT_EQ(entries[1].who, "a token from 10.0.0.1");
+  for (const AuditEntry& entry : entries) {
+    for (const std::string& text : {entry.who, entry.target, entry.result}) {
+      EXPECT_EQ(text.find("fct_"), std::string::npos);
+      EXPECT_EQ(text.find("nonsense"), std::string::npos);
+    }
+  }
+}
+
+TEST_F(TokensTest, NamesAreThoseThatHaveNotEnded) {
+  std::optional<std::optional<std::vector<std::string>>> names;
+  tokens_.names([&](auto given) { names = std::move(given); });
+  ASSERT_TRUE(io_.run_until([&] { return names.has_value(); }));
+  ASSERT_TRUE(*names);
+  EXPECT_EQ(**names, std::vector<std::string>{"wall"});
+}
+
+}  // namespace
+}  // namespace fieldcast::web

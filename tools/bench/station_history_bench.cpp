@@ -1,0 +1,141 @@
+// What a station's history and its recorder cost, in one process and with SQLite: 30 days of one
+// sample a second as the answer of GET /api/history, without the HTTP around it; and 10 000 samples
+// a second that are recorded.
+//
+// usage: station_history_bench [--file PATH] [--seconds S]
+//
+// --file: where the store with the 30 days is made and left, to be asked by a real station;
+// otherwise it is removed. --seconds: of recording, 20.
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <thread>
+
+#include "tools/bench/figures.hpp"
+#include "tools/bench/store_history.hpp"
+#include "tools/station/api/history.hpp"
+#include "tools/station/record/recorder.hpp"
+
+namespace fieldcast::bench {
+namespace {
+
+using std::chrono::steady_clock;
+
+// Of store_history.cpp.
+constexpr UtcTime kHistoryBegin{1'699'920'000'000'000'000};
+constexpr UtcTime kHistoryEnd{kHistoryBegin.nanoseconds + 30 * 86'400'000'000'000};
+
+double processor_seconds() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+double best_milliseconds(const auto& work) {
+  double best = 1e9;
+  for (int run = 0; run < 5; ++run) {
+    const auto began = steady_clock::now();
+    work();
+    best = std::min(best,
+                    std::chrono::duration<double, std::milli>(steady_clock::now() - began).count());
+  }
+  return best;
+}
+
+void ask_history(const std::string& file) {
+  std::printf("30 days of samples once a second, as the answer of 1 000 points\n");
+  fill_thirty_days(StoreAddress(file));
+  const auto connection = open_store(StoreAddress(file), IfMissing::kFail);
+  for (const int channels : {1, 8}) {
+    web::HistoryQuestion question{.from = kHistoryBegin, .to = kHistoryEnd};
+    for (int i = 0; i < channels; ++i)
+      question.channels.push_back({"history", "device", "c" + std::to_string(i)});
+    std::size_t bytes = 0;
+    const double time = best_milliseconds([&] {
+      bytes =
+          web::history_json(kHistoryBegin, kHistoryEnd, web::read_history(*connection, question))
+              .size();
+    });
+    std::printf("  %d channel(s)\n", channels);
+    print_figure("    from the question to the JSON", time, "ms", channels == 1 ? "below 100" : "");
+    print_figure("    the JSON", static_cast<double>(bytes) / 1e3, "kB", "");
+  }
+}
+
+// 10 000 channels, each once a second, in 100 bursts.
+void record(const std::string& file, double seconds) {
+  constexpr int kChannels = 10'000;
+  constexpr int kBursts = 100;
+  std::printf("recording %d samples a second for %.0f s\n", kChannels, seconds);
+  StoreSpec spec{file};
+  Store store(spec);
+  web::Recorder recorder(store);
+  std::vector<StationSample> samples;
+  for (int i = 0; i < kChannels; ++i) {
+    StationChannel channel;
+    channel.bus = "bus" + std::to_string(i / 1000);
+    channel.device = "d";
+    channel.channel = "c" + std::to_string(i);
+    channel.type = "float32";
+    recorder.on_channel(channel);
+    samples.push_back({.bus = channel.bus,
+                       .device = channel.device,
+                       .channel = channel.channel,
+                       .quality = Quality::kGood});
+  }
+  const double before = processor_seconds();
+  const auto began = steady_clock::now();
+  double handing = 0;
+  std::uint64_t sequence = 0;
+  for (int burst = 0; burst < kBursts * static_cast<int>(seconds); ++burst) {
+    std::this_thread::sleep_until(began + std::chrono::milliseconds{10} * burst);
+    const int first = burst % kBursts * (kChannels / kBursts);
+    if (first == 0) ++sequence;
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    const UtcTime utc{std::chrono::duration_cast<std::chrono::nanoseconds>(now).count()};
+    const auto start = steady_clock::now();
+    for (int i = first; i < first + kChannels / kBursts; ++i) {
+      StationSample& sample = samples[static_cast<std::size_t>(i)];
+      sample.sequence = sequence;
+      sample.acquired_at = utc;
+      sample.value = static_cast<double>(burst);
+      recorder.on_sample(sample, utc);
+    }
+    handing += std::chrono::duration<double>(steady_clock::now() - start).count();
+  }
+  (void)store.flush(std::chrono::seconds{60});
+  const double wall = std::chrono::duration<double>(steady_clock::now() - began).count();
+  const auto recorded = static_cast<double>(recorder.counters().recorded);
+  print_figure("  recorded", recorded / wall, "samples/s", "");
+  print_figure("  dropped", static_cast<double>(store.counters().dropped), "samples", "0");
+  print_figure("  processor, of one core", (processor_seconds() - before) / wall, "", "");
+  print_figure("  handing one over", 1e6 * handing / recorded, "us", "");
+}
+
+}  // namespace
+}  // namespace fieldcast::bench
+
+int main(int argc, char** argv) {
+  using namespace fieldcast::bench;
+  std::string file;
+  double seconds = 20;
+  for (int i = 1; i + 1 < argc; ++i) {
+    const std::string word = argv[i];
+    if (word == "--file") file = argv[i + 1];
+    if (word == "--seconds") seconds = std::atof(argv[i + 1]);
+  }
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("fieldcast-history-" + std::to_string(::getpid()));
+  std::filesystem::create_directory(folder);
+  try {
+    ask_history(file.empty() ? (folder / "history.db").string() : file);
+    record((folder / "recorded.db").string(), seconds);
+  } catch (const std::exception& error) { std::fprintf(stderr, "%s\n", error.what()); }
+  std::filesystem::remove_all(folder);
+}
