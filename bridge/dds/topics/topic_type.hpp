@@ -42,6 +42,10 @@ class TopicType : public AdaptedType<Generated> {
     } catch (const std::exception&) { return false; }
   }
 
+  // Where a type has a bound, the library takes the first allocation for it and enlarges nothing
+  // (Fast DDS 2.9.1, DataWriterImpl::enable): whatever is longer could not be written.
+  bool is_bounded() const override { return !this->is_keyed() && Base::is_bounded(); }
+
   [[nodiscard]] std::uint32_t largest() const { return largest_; }
 
  private:

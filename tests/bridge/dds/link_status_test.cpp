@@ -60,6 +60,22 @@ TEST(DdsLink, APlanReachesLateStationsAndGoesWithItsBus) {
   EXPECT_TRUE(eventually([&] { return gone.size() == 1; }));
 }
 
+TEST(DdsLink, APlanThatIsLongerThanTheFirstAllocationArrives) {
+  const std::string bus = bus_name("long");
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
+  link.add_bus(bus_of(bus, 2));
+  PlanReport plan{.load = 0.25, .slot = 100ms, .hyperperiod = 400ms};
+  const PlanReport::Point point{.area = "holding", .first = 7, .count = 1, .channels = {"c0"}};
+  plan.groups = std::vector(100, PlanReport::Group{.device = "d", .points = {point, point}});
+  link.report(bus, plan, {5});
+  Station station(loopback(), "watcher");
+  Collected<StationReadPlan> plans;
+  station.subscribe_read_plans([&](const StationReadPlan& read) { plans.add(read); });
+  ASSERT_TRUE(eventually([&] { return plans.size() >= 1; }));
+  EXPECT_EQ(plans.all().back().plan, plan);
+}
+
 TEST(DdsLink, AnAlarmOfEveryLimitReachesLateStationsAndGoesWithItsBus) {
   const std::string bus = bus_name("alarms");
   Received received;

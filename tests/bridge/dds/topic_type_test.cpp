@@ -41,6 +41,12 @@ bool read(TopicType<idl::CommandPubSubType>& type, const std::vector<std::uint8_
   return type.from_bytes(payload, &out);
 }
 
+TEST(TopicType, AMessageWithAKeyMayBeLongerThanTheFirstAllocation) {
+  EXPECT_FALSE(TopicType<idl::ReadPlanPubSubType>().is_bounded());
+  EXPECT_FALSE(TopicType<idl::BridgePubSubType>().is_bounded());
+  EXPECT_FALSE(TopicType<idl::InterestPubSubType>().is_bounded());
+}
+
 TEST(TopicType, KeysOfManyThreadsDoNotMix) {
   TopicType<idl::SamplePubSubType> type;
   const auto key_of = [&](int channel) {
