@@ -81,6 +81,7 @@ export class InventedPlant {
       buses: busNames.slice(2 * index, 2 * index + 2).map((bus) => ({ bus, since_ms: now - 86_400_000, serving: true })) }));
     this.audit = [
       { at_ms: now - 480_000, who: 'otto (10.0.0.7:39464)', what: 'program', target: `${busNames[1]}/device-01`, bytes_to_device: 48_211, bytes_from_device: 190_332, result: 'done' },
+      { at_ms: now - 500_000, who: 'anna from 10.0.0.5', what: 'write 7', target: `${busNames[1]}/device-01/speed-setpoint-1`, bytes_to_device: 0, bytes_from_device: 0, result: 'verified' },
       { at_ms: now - 600_000, who: 'mallory (10.0.0.66:5000)', what: 'login', target: '', bytes_to_device: 0, bytes_from_device: 0, result: 'refused: wrong password' }];
   }
 

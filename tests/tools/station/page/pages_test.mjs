@@ -200,6 +200,7 @@ test('the plan shows each read; hovering and arrows tell its channels', { skip }
 test('the audit is filtered and saved; users are listed', { skip }, async () => {
   const page = await open('#/audit');
   await says(page, '.vbody', /refused: wrong password/);
+  await says(page, '.vbody', /write 7/);
   await page.fill('.filter', 'program');
   const { text } = await saved(page);
   assert.match(text, /,program,press-shop\/device-01,48211,190332,done/);

@@ -11,6 +11,12 @@ import { channelLink, link } from '../router';
 import type { AuditEntry, User } from '../types';
 import { empty, errorText, makeElement } from '../view';
 
+// "write 1800", "acknowledge: looked at it": the word for what was done, and the rest as it is.
+function whatText({ what }: AuditEntry): string {
+  const [, head = what, rest = ''] = /^(end maintenance|user add|user remove|[a-z]+)(.*)$/s.exec(what) ?? [];
+  return word('what', head) + rest;
+}
+
 const failed = (entry: AuditEntry): boolean => !/^(done|verified|ok|viewer|operator|programmer)?$/.test(entry.result);
 
 // "a/b/c = 7": the channel, if this station knows it.
@@ -28,7 +34,7 @@ const audit = (context: Context): PastList<AuditEntry> => new PastList<AuditEntr
   columns: [
     { key: 'at', label: t('alarms.at'), text: (entry) => fullTime(entry.at_ms) },
     { key: 'who', label: t('alarms.who'), text: (entry) => entry.who, hint: (entry) => entry.who },
-    { key: 'what', label: t('audit.what'), text: (entry) => word('what', entry.what) },
+    { key: 'what', label: t('audit.what'), text: whatText, hint: (entry) => entry.what },
     { key: 'target', label: t('audit.target'), text: (entry) => entry.target, hint: (entry) => entry.target, link: (entry) => targetLink(context, entry) },
     { key: 'result', label: t('audit.result'), text: (entry) => `${failed(entry) ? '▲ ' : ''}${word('result', entry.result)}`, hint: (entry) => entry.result },
     { key: 'bytes', label: t('audit.bytes'), text: (entry) => (entry.bytes_to_device || entry.bytes_from_device ? `${bytes(entry.bytes_to_device)} / ${bytes(entry.bytes_from_device)}` : '') },
