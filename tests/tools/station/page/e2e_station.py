@@ -37,12 +37,51 @@ buses:
           - { name: pressure, at: "holding:0", type: float32, unit: bar, refresh: 250ms }
           - { name: setpoint, at: "holding:20", type: uint16, unit: 1/min, access: read-write, write: { min: 0, max: 2000 }, limits: { high: 1500 } }
           - { name: counter, at: "holding:30", type: uint64 }
-          - { name: program, at: "holding:40", type: string(8) }
+          - { name: program, at: "holding:40", type: string(8), description: of the lot in work }
       - name: press-2
         address: 2
         channels:
           - { name: pressure, at: "holding:0", type: float32, unit: bar }
           - { name: cycle-time, at: "holding:10", type: uint16, unit: ms }
+          - { name: ram-position, at: "holding:12", type: int16, scale: 0.1, unit: mm }
+          - { name: guard-closed, at: "input:0" }
+      - name: oven
+        address: 3
+        channels:
+          - { name: zone-1, at: "input-register:0", type: int16, scale: 0.1, unit: °C }
+          - { name: zone-2, at: "input-register:1", type: int16, scale: 0.1, unit: °C }
+          - { name: exhaust, at: "input-register:6", type: int16, scale: 0.1, unit: °C, refresh: 2s }
+          - { name: heater, at: "coil:0", access: read-write }
+          - { name: power, at: "input-register:10", type: float32, unit: kW }
+  - name: utilities
+    port: { serial: {run}/line-b, baud: 9600 }
+    protocol: modbus-rtu
+    defaults: { refresh: 1s, mode: scheduled, timeout: 200ms, retries: 1 }
+    devices:
+      - name: energy-meter
+        address: 1
+        channels:
+          - { name: voltage-l1, at: "input-register:0", type: float32, unit: V }
+          - { name: voltage-l2, at: "input-register:2", type: float32, unit: V }
+          - { name: voltage-l3, at: "input-register:4", type: float32, unit: V }
+          - { name: energy, at: "input-register:20", type: uint64, unit: Wh, refresh: 5s }
+      - name: pump
+        address: 2
+        channels:
+          - { name: speed, at: "holding:0", type: uint16, unit: 1/min }
+          - { name: flow, at: "holding:2", type: float32, unit: m³/h }
+          - { name: vibration, at: "holding:4", type: float32, unit: mm/s }
+  - name: water
+    port: { serial: {run}/line-c, baud: 19200 }
+    protocol: modbus-rtu
+    defaults: { refresh: 1s, mode: scheduled, timeout: 200ms, retries: 1 }
+    devices:
+      - name: tank
+        address: 1
+        channels:
+          - { name: level, at: "holding:0", type: float32, unit: "%" }
+          - { name: temperature, at: "holding:2", type: float32, unit: °C }
+          - { name: inlet, at: "coil:0", access: read-write }
 """
 
 STATION = """
