@@ -101,11 +101,11 @@ struct StationAlarmStatus {
 struct StationCommand {
   std::string bus;
   Command command;
+  // The bridge never starts it later than this after it was written.
+  Duration lifespan = std::chrono::seconds{5};
   // Who asks the station for it, for the audit of the bridge: 1 to 64 letters, digits, '-', '_',
   // '.', '@'. Empty: the process itself.
   std::string person{};
-  // The bridge never starts it later than this after it was written.
-  Duration lifespan = std::chrono::seconds{5};
 };
 struct StationResult {
   std::string requester;
