@@ -181,6 +181,11 @@ class Stations(unittest.TestCase):
         self.addCleanup(live.socket.close)
         return live
 
+    def fieldcast(self, *arguments):
+        result = subprocess.run([os.path.join(BIN_DIR, "fieldcast"), *arguments], capture_output=True, text=True, timeout=SECONDS)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result.stdout
+
     def add_user(self, store, name, role, password="correct-horse"):
         result = subprocess.run([os.path.join(BIN_DIR, "fieldcast"), "user", "add", name, "--role", role, "--store", store],
                                 input=password + "\n", capture_output=True, text=True, timeout=SECONDS)
@@ -226,9 +231,7 @@ class Stations(unittest.TestCase):
             self.assertEqual(guest.ask("POST", "/api/logout")[0], 401)
             self.assertEqual(anna.ask("POST", "/api/logout", Origin="http://evil.example")[0], 403)
             self.assertEqual(anna.ask("GET", "/api/me", Host="evil.example")[0], 421)
-            removed = subprocess.run([os.path.join(BIN_DIR, "fieldcast"), "user", "remove", "anna", "--store", store],
-                                     capture_output=True, text=True, timeout=SECONDS)
-            self.assertEqual(removed.returncode, 0, removed.stderr)
+            self.fieldcast("user", "remove", "anna", "--store", store)
             with self.assertRaises(EOFError):
                 live.until(lambda message: False)
             self.assertNotIn("correct-horse", station.log())
@@ -250,6 +253,17 @@ class Stations(unittest.TestCase):
             self.assertTrue(bert.cookie.startswith("__Host-fieldcast="))
             live = self.live(bert)
             self.assertEqual(live.next()["user"], "bert")
+            wall = Browser(station)
+            self.assertEqual(wall.ask("POST", "/api/login", {"token": "x" * 43})[0], 401)
+            token = self.fieldcast("token", "add", "wall", "--days", "1", "--store", store).split()[-1]
+            self.assertEqual(wall.ask("POST", "/api/login", {"token": token})[0], 200)
+            self.assertEqual((wall.get("/api/me")["login"], wall.get("/api/me")["role"]), ("token", "viewer"))
+            screen = self.live(wall)
+            self.assertEqual(screen.next()["user"], "wall")
+            self.fieldcast("token", "remove", "wall", "--store", store)
+            with self.assertRaises(EOFError):
+                screen.until(lambda message: False)
+            self.assertNotIn(token, station.log())
             station.process.send_signal(signal.SIGHUP)
             wait_until(lambda: "taken from their files anew" in station.log(), SECONDS, station.log)
             self.assertEqual(bert.get("/api/me")["role"], "operator")
