@@ -166,11 +166,13 @@ class Recorder(unittest.TestCase):
             self.assertEqual(found["acknowledged"]["note"], "seen")
             self.assertEqual(found["raised"]["limit"], "low")
 
-    def test_4_history_export_and_metrics_come_over_http(self):
+    def test_4_history_plan_export_and_metrics_come_over_http(self):
         with recorder() as station:
             series = get(station, "/api/history?channel=east/press/speed&channel=west/press/order&from=1h")["series"]
             self.assertTrue(series[0]["t"])
             self.assertEqual(series[1]["type"], "string")
+            plan = wait_until(lambda: [p for p in get(station, "/api/plan") if p["bus"] == "east"], SECONDS, station.log)[0]
+            self.assertIn("speed", [name for group in plan["groups"] for point in group["points"] for name in point["channels"]])
             with urllib.request.urlopen(station.origin + "/metrics", timeout=SECONDS) as response:
                 self.assertIn("fieldcast_station_recorded_samples_total", response.read().decode())
             with urllib.request.urlopen(station.origin + "/api/export?pattern=east&from=1h", timeout=SECONDS) as response:
