@@ -37,6 +37,32 @@ void read_interfaces(MapReader& map, DdsSpec& spec) {
   }
 }
 
+constexpr std::string_view kSecurityForm =
+    "the folder of a member, as `fieldcast secure add` makes it, or none";
+
+// Whoever is in the network reads and commands, unless it is said otherwise: that is nobody's
+// default.
+void read_security(MapReader& map, DdsSpec& spec) {
+  std::string given;
+  if (map.read("security", given, TextRule{kMaxPath})) {
+    if (given == "none") {
+      spec.without_security = true;
+    } else {
+      spec.security = resolve(*map.find("security")->position.source, given);
+    }
+    return;
+  }
+  if (map.find("security") != nullptr) return;
+  for (const std::string& address : spec.interfaces) {
+    if (address.starts_with("127.") || !is_ipv4(address)) continue;
+    return map.faults().add(
+        map.position_of("interfaces"),
+        fmt::format("DDS is open to the network at {}, and nothing is said about security",
+                    address),
+        fmt::format("security: {}", kSecurityForm));
+  }
+}
+
 }  // namespace
 
 void read_dds(MapReader& file, DdsSpec& spec, Library& library) {
@@ -55,6 +81,7 @@ void read_dds(MapReader& file, DdsSpec& spec, Library& library) {
   std::string profile;
   if (map.read("profile", profile, TextRule{kMaxPath}))
     spec.profile = library.check_file(*map.find("profile"));
+  read_security(map, spec);
 }
 
 void read_log(MapReader& file, LogSpec& spec) {

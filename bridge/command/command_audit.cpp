@@ -21,7 +21,9 @@ std::string values_text(const std::vector<Value>& values) {
 }  // namespace
 
 AuditEntry audit_entry(const std::string& bus, const Command& command) {
-  AuditEntry entry{.who = command.requester};
+  AuditEntry entry{.who = command.subject.empty()
+                              ? command.requester
+                              : fmt::format("{} ({})", command.subject, command.requester)};
   entry.what =
       command.operation == Operation::kWrite ? "write" + values_text(command.values) : "acquire";
   entry.target = bus + '/' + command.device;

@@ -5,12 +5,15 @@
 namespace fieldcast {
 
 AlarmActionReceiver::AlarmActionReceiver(Domain& domain, const CommandLifespans& lifespans,
-                                         Handlers handlers)
+                                         Handlers handlers, HeldTo bus)
     : domain_(domain),
       lifespans_(lifespans),
       handlers_(std::move(handlers)),
+      bus_(std::move(bus)),
       listening_(handlers_.clock().instant) {
-  reader_ = domain.reader(kAlarmActionTopic, this, dds::StatusMask::data_available());
+  const auto mask = dds::StatusMask::data_available();
+  reader_ = bus_ ? domain.reader_of_bus(*bus_, kAlarmActionTopic, this, mask)
+                 : domain.reader(kAlarmActionTopic, this, mask);
 }
 
 void AlarmActionReceiver::close() { domain_.remove(reader_); }
@@ -24,8 +27,13 @@ void AlarmActionReceiver::on_data_available(dds::DataReader* reader) {
 }
 
 void AlarmActionReceiver::take(const idl::AlarmAction& action, const dds::SampleInfo& info) {
-  if (!handlers_.is_ours(action.bus().c_str())) return;
+  const std::string bus = action.bus().c_str();
+  if (!handlers_.is_ours(bus) || (bus_ && bus != *bus_)) return;
   const CommandLifespans::Guid writer = info.sample_identity.writer_guid();
+  const auto subject =
+      subject_of_requester(domain_, lifespans_.requesters(), action.requester().c_str(), writer);
+  if (!subject)
+    return handlers_.on_problem("an action under the name of another's requester was dropped");
   handlers_.received(action.requester().c_str(), writer);
   const UtcTime source{info.source_timestamp.to_ns()};
   const UtcMapping now = handlers_.clock();

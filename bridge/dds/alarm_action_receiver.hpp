@@ -21,8 +21,11 @@ class AlarmActionReceiver : private dds::DataReaderListener {
     // Called before accepted() or refused().
     std::function<void(const std::string& requester, const CommandLifespans::Guid& writer)>
         received;
+    // For the log: an action was dropped.
+    std::function<void(std::string text)> on_problem;
   };
-  AlarmActionReceiver(Domain& domain, const CommandLifespans& lifespans, Handlers handlers);
+  AlarmActionReceiver(Domain& domain, const CommandLifespans& lifespans, Handlers handlers,
+                      HeldTo bus = {});
   void close();  // nothing is handed on after it returns
 
  private:
@@ -32,6 +35,7 @@ class AlarmActionReceiver : private dds::DataReaderListener {
   Domain& domain_;
   const CommandLifespans& lifespans_;
   const Handlers handlers_;
+  const HeldTo bus_;
   const Instant listening_;  // since when
   dds::DataReader* reader_ = nullptr;
 };

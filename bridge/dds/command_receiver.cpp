@@ -29,6 +29,23 @@ void CommandLifespans::on_writer(const FoundWriter& writer) {
   lifespans_[writer.guid] = std::min(lifespan, kLongest);
 }
 
+void CommandLifespans::on_participant(const FoundParticipant& participant) {
+  if (participant.gone) {
+    requesters_.lost(participant.prefix);
+  } else if (!participant.subject.empty()) {
+    requesters_.found(participant.prefix, participant.subject);
+  }
+}
+
+std::optional<std::string> subject_of_requester(const Domain& domain, RequesterBook& book,
+                                                const std::string& requester,
+                                                const CommandLifespans::Guid& writer) {
+  if (!domain.member()) return std::string();
+  std::string subject = book.subject_of(writer.guidPrefix);
+  if (!book.bind(requester, subject)) return std::nullopt;
+  return subject;
+}
+
 namespace {
 
 // By the wall clocks of both machines, never negative. Ages beyond kLongest count as kLongest,
@@ -53,12 +70,15 @@ std::optional<Duration> written_before(Instant listening, UtcTime source, const 
 }
 
 CommandReceiver::CommandReceiver(Domain& domain, const CommandLifespans& lifespans,
-                                 Handlers handlers)
+                                 Handlers handlers, HeldTo bus)
     : domain_(domain),
       lifespans_(lifespans),
       handlers_(std::move(handlers)),
+      bus_(std::move(bus)),
       listening_(handlers_.clock().instant) {
-  reader_ = domain.reader(kCommandTopic, this, dds::StatusMask::data_available());
+  const auto mask = dds::StatusMask::data_available();
+  reader_ = bus_ ? domain.reader_of_bus(*bus_, kCommandTopic, this, mask)
+                 : domain.reader(kCommandTopic, this, mask);
 }
 
 void CommandReceiver::close() { domain_.remove(reader_); }
@@ -74,8 +94,12 @@ void CommandReceiver::on_data_available(dds::DataReader* reader) {
 
 void CommandReceiver::take(const idl::Command& command, const dds::SampleInfo& info) {
   const std::string bus = command.bus().c_str();
-  if (!handlers_.is_ours(bus)) return;
+  if (!handlers_.is_ours(bus) || (bus_ && bus != *bus_)) return;
   const CommandLifespans::Guid writer = info.sample_identity.writer_guid();
+  auto subject =
+      subject_of_requester(domain_, lifespans_.requesters(), command.requester().c_str(), writer);
+  if (!subject)
+    return handlers_.on_problem("a command under the name of another's requester was dropped");
   handlers_.received(command.requester().c_str(), writer);
   const UtcTime source{info.source_timestamp.to_ns()};
   const UtcMapping now = handlers_.clock();
@@ -89,6 +113,7 @@ void CommandReceiver::take(const idl::Command& command, const dds::SampleInfo& i
   }
   auto converted = from_idl(command);
   if (!converted) return handlers_.refused(bus, command, converted.error());
+  converted->subject = *std::move(subject);
   converted->expires = expiry_of(source, lifespans_.of(writer), now);
   handlers_.accepted(bus, std::move(*converted));
 }

@@ -119,7 +119,8 @@ struct DdsLink::State {
             .received =
                 [this](const std::string& requester, const CommandLifespans::Guid& writer) {
                   results.remember(requester, writer.guidPrefix);
-                }};
+                },
+            .on_problem = handlers.on_problem};
   }
 
   AlarmActionReceiver::Handlers action_handlers() {
@@ -133,7 +134,18 @@ struct DdsLink::State {
             .received =
                 [this](const std::string& requester, const CommandLifespans::Guid& writer) {
                   results.remember(requester, writer.guidPrefix);
-                }};
+                },
+            .on_problem = handlers.on_problem};
+  }
+
+  void listen_for_held(const std::string& bus) {
+    if (!domain.member() || held.contains(bus)) return;
+    HeldReceivers& made = held[bus];
+    made.commands =
+        std::make_unique<CommandReceiver>(domain, lifespans, command_handlers(), HeldTo(bus));
+    if (!handlers.on_alarm_action) return;
+    made.actions =
+        std::make_unique<AlarmActionReceiver>(domain, lifespans, action_handlers(), HeldTo(bus));
   }
 
   // What is nothing for a bus engine, or for the alarms, is answered here.
@@ -185,6 +197,17 @@ struct DdsLink::State {
   std::unique_ptr<InterestReceiver> interests;
   std::unique_ptr<CommandReceiver> commands;     // since listen_for_commands()
   std::unique_ptr<AlarmActionReceiver> actions;  // the same, if they are wanted
+  // The same for members that are held to a bus, since it was added: by bus.
+  struct HeldReceivers {
+    std::unique_ptr<CommandReceiver> commands;
+    std::unique_ptr<AlarmActionReceiver> actions;
+
+    void close() const {
+      if (commands) commands->close();
+      if (actions) actions->close();
+    }
+  };
+  std::map<std::string, HeldReceivers, std::less<>> held;
   std::unique_ptr<BridgePresence> presence;
   std::shared_mutex mutex;  // the set of buses: shared to use one, alone to add or remove one
   std::map<std::string, std::unique_ptr<Bus>, std::less<>> buses;
@@ -219,6 +242,7 @@ void DdsLink::add_bus(const BusSpec& spec) {
   }
   state_->snapshots->request(spec.name);  // readers that matched before the bus was there
   listen_for_commands();
+  state_->listen_for_held(spec.name);
 }
 
 void DdsLink::listen_for_commands() {
@@ -255,6 +279,7 @@ void DdsLink::remove_bus(std::string_view name, Duration linger, Duration limit)
     const std::lock_guard names_lock(state_->names_mutex);
     state_->names.erase(std::string(name));
   }
+  if (const auto held = state_->held.extract(std::string(name))) held.mapped().close();
   state_->dispose(*bus, linger, limit);
   bus->catalogue.wait_for_readers(linger);
 }
@@ -386,6 +411,7 @@ void DdsLink::close(Duration linger) {
   state_->closed = true;
   if (state_->commands) state_->commands->close();
   if (state_->actions) state_->actions->close();
+  for (const auto& [bus, receivers] : state_->held) receivers.close();
   state_->interests->close();
   state_->snapshots->close();
   state_->results.close(linger);

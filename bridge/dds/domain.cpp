@@ -14,6 +14,7 @@
 #include "bridge/dds/library.hpp"
 #include "bridge/dds/note_transport.hpp"
 #include "bridge/dds/receive_buffer.hpp"
+#include "bridge/security/member_folder.hpp"
 
 namespace fieldcast {
 
@@ -86,6 +87,35 @@ void set_discovery_server(const std::string& server, dds::DomainParticipantQos& 
   join_discovery_server(qos, locator);
 }
 
+// The plugins of DDS Security 1.1 that every vendor has, and the files of the member.
+void set_security(const std::string& folder, dds::DomainParticipantQos& qos) {
+  const auto set = [&qos](const char* name, std::string value) {
+    auto& properties = qos.properties().properties();
+    std::erase_if(properties, [name](const auto& one) { return one.name() == name; });
+    properties.emplace_back(name, std::move(value));
+  };
+  const auto file = [&](const char* name, std::string_view file_name) {
+    set(name, security::file_uri(folder, file_name));
+  };
+  set("dds.sec.auth.plugin", "builtin.PKI-DH");
+  file("dds.sec.auth.builtin.PKI-DH.identity_ca", security::kIdentityCa);
+  file("dds.sec.auth.builtin.PKI-DH.identity_certificate", security::kIdentity);
+  file("dds.sec.auth.builtin.PKI-DH.private_key", security::kIdentityKey);
+  file("dds.sec.auth.builtin.PKI-DH.identity_crl", security::kRevoked);
+  set("dds.sec.access.plugin", "builtin.Access-Permissions");
+  file("dds.sec.access.builtin.Access-Permissions.permissions_ca", security::kPermissionsCa);
+  file("dds.sec.access.builtin.Access-Permissions.governance", security::kGovernance);
+  file("dds.sec.access.builtin.Access-Permissions.permissions", security::kPermissions);
+  set("dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC");
+}
+
+std::optional<security::Member> member_of(const DdsSpec& spec) {
+  if (!spec.security) return std::nullopt;
+  auto member = security::read_member(*spec.security);
+  if (!member) throw DdsError("dds: security: " + member.error());
+  return *std::move(member);
+}
+
 dds::DomainParticipantQos participant_qos(const DdsSpec& spec, const std::string& name) {
   auto* factory = dds::DomainParticipantFactory::get_instance();
   dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
@@ -109,6 +139,7 @@ dds::DomainParticipantQos participant_qos(const DdsSpec& spec, const std::string
   if (!spec.profile || qos.transport().user_transports.empty()) set_transports(spec, qos);
   send_through_ours(qos.transport());
   if (spec.discovery_server) set_discovery_server(*spec.discovery_server, qos);
+  if (spec.security) set_security(*spec.security, qos);
   return qos;
 }
 
@@ -122,7 +153,8 @@ std::vector<std::string> used_interfaces(const DdsSpec& spec) {
 }
 
 Domain::Domain(const DdsSpec& spec, const std::string& name,
-               dds::DomainParticipantListener* listener) {
+               dds::DomainParticipantListener* listener)
+    : member_(member_of(spec)) {
   if (spec.domain > kHighestDomain)
     throw DdsError("dds: domain " + std::to_string(spec.domain) + " is not 0..232");
   for (const std::string& address : spec.interfaces) {
@@ -135,8 +167,12 @@ Domain::Domain(const DdsSpec& spec, const std::string& name,
   // Discovery reaches the listener all the same: it has no bit in the mask.
   participant_.reset(
       factory->create_participant(spec.domain, qos, listener, dds::StatusMask::none()));
-  if (participant_ == nullptr)
-    throw DdsError("dds: cannot join domain " + std::to_string(spec.domain));
+  if (participant_ == nullptr) {
+    throw DdsError("dds: cannot join domain " + std::to_string(spec.domain) +
+                   (spec.security ? "; fieldcast secure check " + *spec.security +
+                                        " says what is wrong with its identity"
+                                  : ""));
+  }
   dds::PublisherQos publisher = dds::PUBLISHER_QOS_DEFAULT;
   dds::SubscriberQos subscriber = dds::SUBSCRIBER_QOS_DEFAULT;
   if (spec.partition) {
@@ -145,7 +181,13 @@ Domain::Domain(const DdsSpec& spec, const std::string& name,
   }
   publisher_ = participant_->create_publisher(publisher);
   subscriber_ = participant_->create_subscriber(subscriber);
-  if (publisher_ == nullptr || subscriber_ == nullptr)
+  held_publisher_ = publisher_;
+  if (member_ && !member_->buses.empty()) {
+    dds::PublisherQos held = dds::PUBLISHER_QOS_DEFAULT;
+    for (const std::string& bus : member_->buses) held.partition().push_back(bus.c_str());
+    held_publisher_ = participant_->create_publisher(held);
+  }
+  if (publisher_ == nullptr || subscriber_ == nullptr || held_publisher_ == nullptr)
     throw DdsError("dds: cannot make a publisher and a subscriber");
 }
 
@@ -163,9 +205,11 @@ void empty(dds::DataWriter* writer) {
 }  // namespace
 
 Domain::~Domain() {
-  std::vector<dds::DataWriter*> writers;
-  publisher_->get_datawriters(writers);
-  for (dds::DataWriter* writer : writers) empty(writer);
+  for (const dds::Publisher* publisher : {publisher_, held_publisher_}) {
+    std::vector<dds::DataWriter*> writers;
+    publisher->get_datawriters(writers);
+    for (dds::DataWriter* writer : writers) empty(writer);
+  }
 }
 
 void Domain::Leave::operator()(dds::DomainParticipant* participant) const {
@@ -185,31 +229,73 @@ dds::Topic* Domain::make_topic(const TopicRow& row, const dds::TypeSupport& type
   return topic;
 }
 
+// The library would only say that it makes no endpoint.
+void Domain::check_right(const dds::Topic& topic, bool writes) const {
+  if (!member_) return;
+  const security::TopicRight* right = security::right_of(topic.get_name());
+  if (right != nullptr && (writes ? right->writers : right->readers).has(member_->role)) return;
+  std::string may;
+  for (const security::RoleRow& row : security::roles()) {
+    if (right != nullptr && (writes ? right->writers : right->readers).has(row.role))
+      may += (may.empty() ? "" : " or ") + std::string(row.word);
+  }
+  throw DdsError("dds: security: " + std::string(to_text(member_->role)) + ' ' + member_->name +
+                 " may not " + (writes ? "write " : "read ") + topic.get_name() +
+                 (may.empty() ? "" : "; that needs an identity of role " + may));
+}
+
 dds::DataWriter* Domain::make_writer(dds::Topic* topic, dds::DataWriterQos qos,
                                      const std::string& label, dds::DataWriterListener* listener,
                                      dds::StatusMask mask) {
   qos.user_data().setValue(std::vector<rtps::octet>(label.begin(), label.end()));
-  dds::DataWriter* writer = publisher_->create_datawriter(topic, qos, listener, mask);
+  check_right(*topic, true);
+  const security::TopicRight* right = security::right_of(topic->get_name());
+  dds::Publisher* publisher = right != nullptr && right->by_bus ? held_publisher_ : publisher_;
+  dds::DataWriter* writer = publisher->create_datawriter(topic, qos, listener, mask);
   if (writer == nullptr) throw DdsError("dds: cannot make a writer of " + topic->get_name());
   return writer;
 }
 
 dds::DataReader* Domain::make_reader(dds::Topic* topic, const dds::DataReaderQos& qos,
                                      dds::DataReaderListener* listener, dds::StatusMask mask) {
+  check_right(*topic, false);
   dds::DataReader* reader = subscriber_->create_datareader(topic, qos, listener, mask);
   if (reader == nullptr) throw DdsError("dds: cannot make a reader of " + topic->get_name());
+  return reader;
+}
+
+dds::DataReader* Domain::make_reader_of_bus(const std::string& bus, dds::Topic* topic,
+                                            const dds::DataReaderQos& qos,
+                                            dds::DataReaderListener* listener,
+                                            dds::StatusMask mask) {
+  check_right(*topic, false);
+  dds::SubscriberQos own = dds::SUBSCRIBER_QOS_DEFAULT;
+  own.partition().push_back(bus.c_str());
+  dds::Subscriber* subscriber = participant_->create_subscriber(own);
+  dds::DataReader* reader =
+      subscriber == nullptr ? nullptr : subscriber->create_datareader(topic, qos, listener, mask);
+  if (reader == nullptr)
+    throw DdsError("dds: cannot make a reader of " + topic->get_name() + " for bus " + bus);
+  of_buses_[reader] = subscriber;
   return reader;
 }
 
 void Domain::remove(dds::DataWriter* writer) {
   writer->set_listener(nullptr);
   empty(writer);
-  publisher_->delete_datawriter(writer);
+  if (publisher_->delete_datawriter(writer) != ReturnCode_t::RETCODE_OK)
+    held_publisher_->delete_datawriter(writer);
 }
 
 void Domain::remove(dds::DataReader* reader) {
   reader->set_listener(nullptr);
-  subscriber_->delete_datareader(reader);
+  const auto own = of_buses_.extract(reader);
+  if (own.empty()) {
+    subscriber_->delete_datareader(reader);
+    return;
+  }
+  own.mapped()->delete_datareader(reader);
+  participant_->delete_subscriber(own.mapped());
 }
 
 }  // namespace fieldcast

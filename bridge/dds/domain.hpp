@@ -11,12 +11,14 @@
 #include <fastdds/dds/topic/TypeSupport.hpp>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "bridge/dds/fastdds.hpp"
 #include "bridge/dds/topics/topic_type.hpp"
 #include "bridge/dds/topics/topics.hpp"
+#include "bridge/security/topic_rights.hpp"
 #include "core/model/spec.hpp"
 
 namespace fieldcast {
@@ -30,7 +32,7 @@ class Domain {
  public:
   // `name` is what other participants see. The listener is told of discovery only and outlives the
   // domain; may be null. Throws DdsError: an address of no interface here, a profile that cannot be
-  // read, a discovery server that is not host:port.
+  // read, a discovery server that is not host:port, a member's folder that is not in order.
   Domain(const DdsSpec& spec, const std::string& name, dds::DomainParticipantListener* listener);
   ~Domain();  // leaves the domain
   Domain(const Domain&) = delete;
@@ -61,6 +63,17 @@ class Domain {
                           dds::DataReaderListener* listener, dds::StatusMask mask) {
     return make_reader(make_topic(topic, dds::TypeSupport(new Type())), qos, listener, mask);
   }
+  // What members write who are held to this bus, and to no other: the library of this end lets no
+  // writer match that is not permitted to write for the bus. REQUIRES: member().
+  template <class Generated, class Type = TopicType<Generated>>
+  dds::DataReader* reader_of_bus(const std::string& bus, const Topic<Generated>& topic,
+                                 dds::DataReaderListener* listener, dds::StatusMask mask) {
+    return make_reader_of_bus(bus, make_topic(topic, dds::TypeSupport(new Type())),
+                              reader_qos(topic), listener, mask);
+  }
+  // Who this participant is by DDS Security; nothing without it.
+  [[nodiscard]] const std::optional<security::Member>& member() const { return member_; }
+
   // Its listener is not called any more when these return.
   void remove(dds::DataWriter* writer);
   void remove(dds::DataReader* reader);
@@ -69,15 +82,23 @@ class Domain {
   dds::Topic* make_topic(const TopicRow& row, const dds::TypeSupport& type);
   dds::DataWriter* make_writer(dds::Topic* topic, dds::DataWriterQos qos, const std::string& label,
                                dds::DataWriterListener* listener, dds::StatusMask mask);
+  dds::DataReader* make_reader_of_bus(const std::string& bus, dds::Topic* topic,
+                                      const dds::DataReaderQos& qos,
+                                      dds::DataReaderListener* listener, dds::StatusMask mask);
+  // Throws DdsError where this member may not do it.
+  void check_right(const dds::Topic& topic, bool writes) const;
   dds::DataReader* make_reader(dds::Topic* topic, const dds::DataReaderQos& qos,
                                dds::DataReaderListener* listener, dds::StatusMask mask);
 
   struct Leave {
     void operator()(dds::DomainParticipant* participant) const;  // deletes every entity first
   };
+  std::optional<security::Member> member_;
   std::unique_ptr<dds::DomainParticipant, Leave> participant_;
   dds::Publisher* publisher_ = nullptr;
+  dds::Publisher* held_publisher_ = nullptr;  // of what is by bus, for a member held to buses
   dds::Subscriber* subscriber_ = nullptr;
+  std::map<dds::DataReader*, dds::Subscriber*> of_buses_;  // readers with a subscriber of their own
   std::map<std::string, dds::Topic*> topics_;
 };
 

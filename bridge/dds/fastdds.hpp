@@ -157,6 +157,9 @@ struct FoundParticipant {
   std::string name;
   DdsDuration lease;
   std::string user_data;
+  bool gone = false;
+  rtps::GuidPrefix_t prefix;
+  std::string subject;  // of its certificate, as it says itself; empty without DDS Security
 };
 
 // Told of others in the domain, on a thread of the library.
@@ -188,9 +191,23 @@ class DiscoveryListener : public dds::DomainParticipantListener {
   }
   void on_participant_discovery(dds::DomainParticipant*,
                                 rtps::ParticipantDiscoveryInfo&& found) final {
-    on_participant({found.info.m_participantName.to_string(), found.info.m_leaseDuration,
-                    std::string(found.info.m_userData.begin(), found.info.m_userData.end())});
+    using Found = rtps::ParticipantDiscoveryInfo;
+    on_participant(
+        {found.info.m_participantName.to_string(), found.info.m_leaseDuration,
+         std::string(found.info.m_userData.begin(), found.info.m_userData.end()),
+         found.status == Found::REMOVED_PARTICIPANT || found.status == Found::DROPPED_PARTICIPANT,
+         found.info.m_guid.guidPrefix, subject_of(found.info)});
   }
+#if HAVE_SECURITY
+  static std::string subject_of(const rtps::ParticipantProxyData& participant) {
+    for (const auto& property : participant.identity_token_.properties()) {
+      if (property.name() == "dds.cert.sn") return property.value();
+    }
+    return {};
+  }
+#else
+  static std::string subject_of(const rtps::ParticipantProxyData&) { return {}; }
+#endif
 #endif
 };
 

@@ -83,6 +83,11 @@ const Rows<DdsSpec>& dds_rows() {
                           .fallback = "none",
                           .text = "of all publishers and subscribers"},
                          &DdsSpec::partition, TextRule{kMaxPartition}),
+          {{.name = "security",
+            .fallback = "needed off the loopback",
+            .text = "the folder of a member, relative to this file, as `fieldcast secure add` "
+                    "makes it; `none` where everybody in the network may read and command",
+            .schema = std::string(kPath)}},
       });
   return rows;
 }

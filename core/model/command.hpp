@@ -40,6 +40,7 @@ struct Command {
   std::uint32_t count = 1;
   bool verify = false;       // read back after the write
   Instant expires = kNever;  // never runs after this
+  std::string subject;       // who the requester is by its certificate; empty without DDS Security
 };
 
 enum class CommandState : std::uint8_t { kDone, kVerified, kRejected, kFailed, kExpired };

@@ -126,6 +126,8 @@ struct DdsSpec {
   // A Fast DDS XML file of the user; its participant profile "fieldcast" is used.
   std::optional<std::string> profile;
   std::optional<std::string> partition;
+  std::optional<std::string> security;  // a member's folder, made by `fieldcast secure add`
+  bool without_security = false;        // said in words
   friend bool operator==(const DdsSpec&, const DdsSpec&) = default;
 };
 

@@ -74,8 +74,9 @@ def run_cli(bin_dir, *arguments, seconds=CLI_SECONDS, stdin=""):
 
 
 class Plant:
-    def __init__(self, bin_dir, config):
-        self.bin_dir, self.config = bin_dir, config
+    def __init__(self, bin_dir, config, dds="", joins=()):
+        """`dds`: more keys of that section, each after a comma. `joins`: more options of every command."""
+        self.bin_dir, self.config, self.dds, self.joins = bin_dir, config, dds, joins
         self.domain, self._claim = claim_domain()
         self.run = self.sim = self.bridge = None
 
@@ -84,7 +85,7 @@ class Plant:
         self.file = os.path.join(self.run, "plant.yaml")
         with open(self.file, "w", encoding="utf-8") as file:
             file.write(self.config.replace("{run}", self.run))
-            file.write(f"\ndds: {{ domain: {self.domain}, interfaces: [127.0.0.1] }}\n")
+            file.write(f"\ndds: {{ domain: {self.domain}, interfaces: [127.0.0.1]{self.dds} }}\n")
         try:
             self.sim = self._start("fieldcast-sim")
             for path in self._lines():
@@ -112,7 +113,7 @@ class Plant:
             raise Failure(f"the simulator left {left}")
 
     def cli(self, command, *arguments, seconds=CLI_SECONDS):
-        return run_cli(self.bin_dir, command, *arguments, "--config", self.file, seconds=seconds)
+        return run_cli(self.bin_dir, command, *arguments, "--config", self.file, *self.joins, seconds=seconds)
 
     def log(self, name):
         with open(os.path.join(self.run, name + ".log"), encoding="utf-8", errors="replace") as file:

@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include "bridge/dds/multicast.hpp"
+#include "bridge/security/authority.hpp"
+#include "bridge/security/member_folder.hpp"
 #include "config/loader.hpp"
+#include "tools/cli/clock.hpp"
 
 namespace fieldcast::cli {
 
@@ -13,7 +16,30 @@ void add_connection(CommandLine& line, ConnectionOptions& options) {
   line.number("--domain", options.domain, 0, 232, "DDS domain (default 0)");
   line.texts("--interface", options.interfaces,
              "IPv4 address that DDS may use (default 127.0.0.1); may be repeated");
+  line.text("--security", options.security,
+            "Join as the member whose folder this is (fieldcast secure add)");
 }
+
+namespace {
+
+// Why nothing would be received, in the words of the folder instead of the library's.
+std::string fault_of_security(const std::string& folder) {
+  const security::MemberCheck check = security::check_member(folder, utc_now());
+  std::string text;
+  for (const std::string& fault : check.faults)
+    text += (text.empty() ? "security: " : "\nsecurity: ") + fault;
+  if (!text.empty()) return text;
+  const auto member = security::read_member(folder);
+  if (member && member->role == security::MemberRole::kBridge) {
+    return fmt::format(
+        "security: {} makes this program the bridge {}, which neither reads nor commands; name the "
+        "folder of a station or a plant by --security FOLDER",
+        folder, member->name);
+  }
+  return {};
+}
+
+}  // namespace
 
 tl::expected<DdsSpec, std::string> resolve(const ConnectionOptions& options) {
   DdsSpec spec;
@@ -24,6 +50,11 @@ tl::expected<DdsSpec, std::string> resolve(const ConnectionOptions& options) {
   }
   if (options.domain) spec.domain = *options.domain;
   if (!options.interfaces.empty()) spec.interfaces = options.interfaces;
+  if (!options.security.empty()) spec.security = options.security;
+  if (spec.security) {
+    if (std::string fault = fault_of_security(*spec.security); !fault.empty())
+      return tl::unexpected(std::move(fault));
+  }
   return spec;
 }
 

@@ -23,12 +23,13 @@ struct ConnectionOptions {
   std::string config;                   // its `dds:` section; empty: none
   std::optional<std::uint32_t> domain;  // goes before the file's
   std::vector<std::string> interfaces;  // goes before the file's
+  std::string security;                 // a member's folder; goes before the file's; empty: none
 };
 
-// --config, --domain and --interface.
+// --config, --domain, --interface and --security.
 void add_connection(CommandLine& line, ConnectionOptions& options);
 
-// The fault is for people: every fault of the file, one on each line.
+// The fault is for people: every fault of the file or of the member's folder, one on each line.
 [[nodiscard]] tl::expected<DdsSpec, std::string> resolve(const ConnectionOptions& options);
 
 // "DDS domain 0 on 127.0.0.1"

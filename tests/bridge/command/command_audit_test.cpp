@@ -31,6 +31,13 @@ CommandResult result_of(const Command& command, CommandState state, Cause cause 
   return result;
 }
 
+TEST(CommandAudit, NamesTheAuthenticatedSubjectBeforeTheRequester) {
+  Command command = write_of(1, {21.5});
+  EXPECT_EQ(audit_entry("line", command).who, "panel");
+  command.subject = "plant mes";
+  EXPECT_EQ(audit_entry("line", command).who, "plant mes (panel)");
+}
+
 TEST(CommandAudit, HasOneEntryForEachCommandWithWhatBecameOfIt) {
   RecordingAudit audit;
   CommandAudit commands;

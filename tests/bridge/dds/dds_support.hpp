@@ -82,6 +82,10 @@ class Collected {
     const std::lock_guard lock(mutex_);
     items_.push_back(std::move(item));
   }
+  void clear() {
+    const std::lock_guard lock(mutex_);
+    items_.clear();
+  }
   [[nodiscard]] std::vector<T> all() const {
     const std::lock_guard lock(mutex_);
     return items_;

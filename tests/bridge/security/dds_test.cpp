@@ -1,0 +1,308 @@
+// DDS Security over real DDS on the loopback: who is let in, and who is heard. What is refused is
+// refused by the other side: a forger here has a library that lets it do everything, because its
+// signed permissions allow everything in another domain, which Fast DDS 2.9.1 does not look at on
+// the forger's own side.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+
+#include "bridge/dds/domain.hpp"
+#include "bridge/dds/library.hpp"
+#include "bridge/dds/topics/conversion.hpp"
+#include "bridge/security/authority.hpp"
+#include "bridge/security/file_access.hpp"
+#include "bridge/security/member_folder.hpp"
+#include "tests/bridge/dds/dds_support.hpp"
+#include "tests/bridge/security/scratch_folder.hpp"
+
+namespace fieldcast::testing {
+namespace {
+
+using namespace std::chrono_literals;
+using enum security::MemberRole;
+using security::Authority;
+using security::Member;
+using ::testing::HasSubstr;
+
+// Longer than a handshake and a match take: what has not come then does not come.
+constexpr auto kLongEnough = 700ms;
+
+UtcTime now() { return both_clocks().utc; }
+
+// What the libraries of both ends say; the function that takes it has no object.
+Collected<std::string>& said() {
+  static Collected<std::string> lines;
+  return lines;
+}
+
+// Whether an end that is let in was refused this by another end: "writer", "fieldcast/Command".
+bool refused_remote(const std::string& kind, const std::string& topic_or_partition) {
+  return eventually([&] {
+    for (const std::string& line : said().all()) {
+      if (line.find("Error checking create remote " + kind) != std::string::npos &&
+          line.find('(' + topic_or_partition) != std::string::npos)
+        return true;
+    }
+    return false;
+  });
+}
+
+class DdsSecurity : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    set_library_lines(
+        [](bool, std::string_view, std::string_view text) { said().add(std::string(text)); });
+  }
+  void SetUp() override { said().clear(); }
+
+  DdsSpec as(const std::string& folder) const {
+    DdsSpec spec;
+    spec.domain = domain_.number();
+    if (!folder.empty()) spec.security = folder;
+    return spec;
+  }
+  DdsSpec as_new(const Member& member) { return as(authority_.add(member, now())); }
+  DdsSpec unsigned_one() const { return as(""); }
+
+  // What `member` may do is all that it may do here, but its own library lets it be `claimed`.
+  DdsSpec forger(const Member& member, const Member& claimed) {
+    const std::string folder = authority_.add(member, now());
+    const std::string ca = scratch_.path("ca/");
+    const std::string certificate = security::read_file(folder + "/identity.pem");
+    const security::CertificateFacts facts = security::read_certificate(certificate);
+    const auto rules = [&facts](const Member& of) {
+      const std::string text =
+          security::permissions_text({of, facts.subject, facts.not_before, facts.not_after});
+      const auto begin = text.find("    <allow_rule>"), end = text.find("    <default>");
+      return text.substr(begin, end - begin);
+    };
+    std::string elsewhere = rules(claimed);
+    const std::string all = "<id_range><min>0</min><max>232</max></id_range>";
+    for (auto at = elsewhere.find(all); at != std::string::npos; at = elsewhere.find(all))
+      elsewhere.replace(at, all.size(), "<id>231</id>");
+    std::string text =
+        security::permissions_text({member, facts.subject, facts.not_before, facts.not_after});
+    text.insert(text.find("    <allow_rule>"), elsewhere);
+    const security::Identity permissions{security::read_file(ca + "permissions-ca.pem"),
+                                         security::read_file(ca + "permissions-ca.key")};
+    security::replace(folder + "/permissions.p7s", security::sign(permissions, text), 0644);
+    security::replace(folder + "/member.txt", security::member_text(claimed), 0644);
+    return as(folder);
+  }
+
+  test::ScratchFolder scratch_;
+  test::ClaimedDomain domain_;
+  Authority authority_ =
+      Authority::create(scratch_.path("ca"), security::Protection::kEncrypt, now());
+};
+
+// What a station receives of samples.
+class Watching {
+ public:
+  explicit Watching(const DdsSpec& spec, const std::string& name = "watching")
+      : station(spec, name) {
+    station.subscribe_samples([this](const StationSample& sample) { samples.add(sample); });
+    station.subscribe_channels([this](const StationChannel& channel) { channels.add(channel); });
+  }
+  [[nodiscard]] bool saw_nothing() const { return samples.size() == 0 && channels.size() == 0; }
+
+  Collected<StationSample> samples;
+  Collected<StationChannel> channels;
+  Station station;
+};
+
+void publish(DdsLink& link, const std::string& bus, std::int64_t value) {
+  const std::vector<Sample> samples{good(0, value)};
+  link.publish(bus, samples, both_clocks());
+}
+
+TEST_F(DdsSecurity, MembersReadAndCommandAndTheBridgeKnowsWhoTheyAre) {
+  Obedient bridge("press-1", 1, as_new({kBridge, "line-7", {}}));
+  Watching wall(as_new({kStationReadonly, "wall", {}}));
+  Station mes(as_new({kPlant, "mes", {}}), "mes");
+  publish(bridge.link, "press-1", 42);
+  ASSERT_TRUE(eventually([&] { return wall.samples.size() > 0; }));
+  EXPECT_EQ(wall.samples.all().front().value, Value{std::int64_t{42}});
+  const auto result = mes.execute(write_running("press-1"), 5s);
+  ASSERT_TRUE(result) << to_text(result.error());
+  EXPECT_EQ(result->state, CommandState::kDone);
+  EXPECT_EQ(bridge.received.commands.all().at(0).second.subject, "plant mes");
+}
+
+TEST_F(DdsSecurity, WhoHasNoIdentityOrOneOfAnotherAuthoritySeesNothingAndIsNotHeard) {
+  Authority other =
+      Authority::create(scratch_.path("other"), security::Protection::kEncrypt, now());
+  Watching outsider(unsigned_one(), "outsider");
+  Watching stranger(as(other.add({kPlant, "mes", {}}, now())), "stranger");
+  Obedient bridge("press-1", 1, as_new({kBridge, "line-7", {}}));
+  Obedient impostor("press-1", 1, unsigned_one());
+  Watching wall(as_new({kStation, "wall", {}}));
+  publish(bridge.link, "press-1", 42);
+  publish(impostor.link, "press-1", 666);
+  // The outsider has matched its like: it is there, and would see what it may.
+  ASSERT_TRUE(eventually([&] { return outsider.samples.size() > 0; }));
+  ASSERT_TRUE(eventually([&] { return wall.samples.size() > 0; }));
+  EXPECT_FALSE(stranger.station.execute(write_running("press-1"), kLongEnough));
+  EXPECT_TRUE(stranger.saw_nothing());
+  for (const StationSample& sample : outsider.samples.all())
+    EXPECT_EQ(sample.value, Value{std::int64_t{666}}) << "of the impostor alone";
+  for (const StationSample& sample : wall.samples.all())
+    EXPECT_EQ(sample.value, Value{std::int64_t{42}}) << "of the bridge alone";
+  const auto done = outsider.station.execute(write_running("press-1"));
+  ASSERT_TRUE(done) << "by the impostor";
+  EXPECT_EQ(bridge.received.commands.size(), 0U);
+}
+
+TEST_F(DdsSecurity, WhoIsRevokedSeesNothingAndIsNotHeard) {
+  const DdsSpec line = as_new({kBridge, "line-7", {}}), wall = as_new({kStation, "wall", {}});
+  const DdsSpec mes = as_new({kPlant, "mes", {}});
+  const std::string old_list = security::read_file(*mes.security + "/revoked.pem");
+  authority_.revoke("mes", now());
+  // Its own copy is the old one: it does not know yet.
+  security::replace(*mes.security + "/revoked.pem", old_list, 0644);
+  Watching revoked(mes, "revoked");
+  Obedient bridge("press-1", 1, line);
+  Watching watching(wall);
+  publish(bridge.link, "press-1", 42);
+  ASSERT_TRUE(eventually([&] { return watching.samples.size() > 0; }));
+  EXPECT_FALSE(revoked.station.execute(write_running("press-1"), kLongEnough));
+  EXPECT_TRUE(revoked.saw_nothing());
+  EXPECT_EQ(bridge.received.commands.size(), 0U);
+}
+
+TEST_F(DdsSecurity, AReadonlyStationIsToldThatItMayNotCommand) {
+  Station wall(as_new({kStationReadonly, "wall", {}}), "wall");
+  try {
+    (void)wall.execute(write_running("press-1"), 0s);
+    FAIL();
+  } catch (const DdsError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("station-readonly wall may not read"));
+    EXPECT_THAT(error.what(), HasSubstr("role plant"));
+  }
+  EXPECT_THROW(wall.declare_interest("press-1", 1s), DdsError);
+}
+
+TEST_F(DdsSecurity, CommandsAndInterestsOfAForgingStationAreNotHeardByTheBridge) {
+  const Member wall{kStationReadonly, "wall", {}};
+  Obedient bridge("press-1", 1, as_new({kBridge, "line-7", {}}));
+  Watching forging(forger(wall, {kPlant, "wall", {}}), "forging");
+  forging.station.declare_interest("press-1", 1s);
+  publish(bridge.link, "press-1", 42);
+  ASSERT_TRUE(eventually([&] { return forging.samples.size() > 0; })) << "it may read";
+  const auto result = forging.station.execute(write_running("press-1"), kLongEnough);
+  EXPECT_TRUE(refused_remote("writer", "fieldcast/Command"));
+  EXPECT_TRUE(refused_remote("writer", "fieldcast/Interest"));
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error(), StationFault::kNoBridge);
+  EXPECT_EQ(bridge.received.commands.size(), 0U);
+  EXPECT_EQ(bridge.received.interests.size(), 0U);
+}
+
+TEST_F(DdsSecurity, APlantIsHeardForItsBusesAlone) {
+  Obedient bridge("press-1", 1, as_new({kBridge, "line-7", {}}));
+  bridge.link.add_bus(bus_of("mill-1", 1));
+  Station mes(as_new({kPlant, "mes", {"press-*"}}), "mes");
+  const auto done = mes.execute(write_running("press-1"), 5s);
+  ASSERT_TRUE(done) << to_text(done.error());
+  EXPECT_EQ(bridge.received.commands.size(), 1U) << "once";
+  // Through the writer that the bridge takes for press-1.
+  StationCommand command = write_running("mill-1");
+  command.lifespan = 100ms;
+  EXPECT_FALSE(mes.execute(command, 5s, 300ms));
+  EXPECT_EQ(bridge.received.commands.size(), 1U);
+  bridge.link.remove_bus("press-1");
+  command.bus = "press-1";
+  EXPECT_FALSE(mes.execute(command, kLongEnough, 0s));
+}
+
+TEST_F(DdsSecurity, APlantThatForgesItsBusesIsRefusedByTheBridge) {
+  const Member mes{kPlant, "mes", {"press-*"}};
+  Obedient bridge("mill-1", 1, as_new({kBridge, "line-7", {}}));
+  for (const Member& claimed : {Member{kPlant, "mes", {"mill-*"}}, Member{kPlant, "mes", {}}}) {
+    Member own = mes;
+    own.name += std::to_string(claimed.buses.size());
+    Watching forging(forger(own, claimed), "forging");
+    publish(bridge.link, "mill-1", 42);
+    ASSERT_TRUE(eventually([&] { return forging.samples.size() > 0; })) << "it may read";
+    const auto result = forging.station.execute(write_running("mill-1"), kLongEnough);
+    EXPECT_TRUE(refused_remote("writer", claimed.buses.empty() ? "<empty>" : "mill-*"));
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error(), StationFault::kNoBridge);
+  }
+  EXPECT_EQ(bridge.received.commands.size(), 0U);
+}
+
+TEST_F(DdsSecurity, SamplesAndResultsOfAForgingStationAreRefusedByTheStations) {
+  Received received;
+  DdsLink bridge(as_new({kBridge, "line-7", {}}), "line-7", received.handlers());
+  bridge.add_bus(bus_of("press-1", 1));
+  Received forged;
+  DdsLink forging(forger({kStation, "wall", {}}, {kBridge, "wall", {}}), "line-7",
+                  forged.handlers());
+  forging.add_bus(bus_of("press-1", 1));
+  Watching mes(as_new({kPlant, "mes", {}}));
+  std::atomic<int> results = 0;
+  mes.station.on_result([&](const StationResult&) { ++results; });
+  publish(bridge, "press-1", 42);
+  publish(forging, "press-1", 666);
+  ASSERT_TRUE(eventually([&] { return mes.samples.size() > 0; }));
+  const auto sent = mes.station.send(write_running("press-1"), 5s);
+  ASSERT_TRUE(sent);
+  ASSERT_TRUE(eventually([&] { return received.commands.size() == 1; }));
+  const Command asked = received.commands.all().at(0).second;
+  for (const char* const topic :
+       {"fieldcast/SampleBlock", "fieldcast/CatalogueBlock", "fieldcast/CommandResult"})
+    EXPECT_TRUE(refused_remote("writer", topic)) << topic;
+  EXPECT_TRUE(refused_remote("reader", "fieldcast/Command"));
+  forging.complete("press-1", done(asked), both_clocks());
+  publish(forging, "press-1", 667);
+  EXPECT_EQ(forged.commands.size(), 0U) << "a command came to one that is no bridge";
+  for (const StationSample& sample : mes.samples.all())
+    EXPECT_EQ(sample.value, Value{std::int64_t{42}});
+  // A forged result that came would be the first.
+  bridge.complete("press-1", done(asked), both_clocks());
+  EXPECT_TRUE(eventually([&] { return results > 0; }));
+  std::this_thread::sleep_for(kLongEnough / 3);
+  EXPECT_EQ(results, 1);
+}
+
+TEST_F(DdsSecurity, ARequesterBelongsToTheSubjectThatUsedItFirst) {
+  Obedient bridge("press-1", 1, as_new({kBridge, "line-7", {}}));
+  Station mes(as_new({kPlant, "mes", {}}), "mes");
+  ASSERT_TRUE(mes.execute(write_running("press-1"), 5s));
+  Domain other(as_new({kPlant, "scada", {}}), "other", nullptr);
+  dds::DataWriter* writer = other.writer(kCommandTopic, "other");
+  StationCommand command = write_running("press-1");
+  command.command.requester = mes.requester();
+  command.command.request_id = 99;
+  idl::Command message;
+  ASSERT_TRUE(to_idl("press-1", command.command, message));
+  ASSERT_TRUE(eventually([&] {
+    dds::PublicationMatchedStatus status;
+    writer->get_publication_matched_status(status);
+    return status.current_count > 0;
+  }));
+  writer->write(&message);
+  ASSERT_TRUE(eventually([&] { return bridge.received.problems.size() > 0; }));
+  EXPECT_THAT(bridge.received.problems.all().front(), HasSubstr("another's requester"));
+  EXPECT_EQ(bridge.received.commands.size(), 1U);
+}
+
+TEST_F(DdsSecurity, WhatIsWrongWithAFolderIsSaid) {
+  const auto fault = [](const DdsSpec& spec) -> std::string {
+    try {
+      Domain domain(spec, "faulty", nullptr);
+    } catch (const DdsError& error) { return error.what(); }
+    return {};
+  };
+  EXPECT_THAT(fault(as(scratch_.path("nowhere"))), HasSubstr("there is no folder"));
+  EXPECT_THAT(fault(as(scratch_.path("ca"))), HasSubstr("authority's folder"));
+  const DdsSpec mes = as_new({kPlant, "mes", {}});
+  security::replace(*mes.security + "/permissions.p7s", "nothing\n", 0644);
+  EXPECT_THAT(fault(mes), HasSubstr("fieldcast secure check"));
+}
+
+}  // namespace
+}  // namespace fieldcast::testing

@@ -1,0 +1,149 @@
+"""DDS Security by one command: an authority, a bridge and its members, with the real programs.
+
+usage: e2e_secure.py BIN_DIR
+"""
+
+import os
+import shutil
+import stat
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from plant import Plant, run_cli
+
+BIN_DIR = ""
+
+CONFIG = """
+bridge: line-7
+store: { path: {run}/plant.db }
+buses:
+  - name: press-1
+    port: { serial: {run}/press-1, baud: 115200, format: 8N1 }
+    protocol: modbus-rtu
+    defaults: { refresh: 200ms }
+    devices:
+      - name: press
+        address: 1
+        channels:
+          - { name: temperature, at: "holding:100", type: int16 }
+          - { name: setpoint, at: "holding:110", type: int16, access: read-write }
+  - name: mill-1
+    port: { serial: {run}/mill-1, baud: 115200, format: 8N1 }
+    protocol: modbus-rtu
+    defaults: { refresh: 200ms }
+    devices: [ { name: mill, address: 2, channels: [ { name: speed, at: "holding:7", type: int16, access: read-write } ] } ]
+"""
+
+
+class Secured(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(prefix="fieldcast-secure-")
+        cls.addClassCleanup(shutil.rmtree, cls.folder, ignore_errors=True)
+        cls.authority = os.path.join(cls.folder, "plant")
+        cls.secure("init", cls.authority)
+        for member in (["bridge", "line-7"], ["station", "wall"], ["station-readonly", "hall"], ["plant", "mes"], ["plant", "press", "--bus", "press-*"]):
+            cls.secure("add", *member, "--authority", cls.authority)
+        cls.plant = Plant(BIN_DIR, CONFIG, dds=f", security: {cls.member('line-7')}", joins=["--security", cls.member("mes")])
+        cls.plant.__enter__()
+        cls.addClassCleanup(cls.plant.__exit__, None, None, None)
+        # Both wait for what does not come; meanwhile the others run.
+        cls.nobody = cls.start(None, "watch", "--once", "--json")
+        cls.elsewhere = cls.start("press", "write", "mill-1/mill/speed=8", "--timeout", "1s")
+
+    @classmethod
+    def secure(cls, *arguments):
+        done = subprocess.run([os.path.join(BIN_DIR, "fieldcast"), "secure", *arguments], capture_output=True, text=True, timeout=30)
+        if done.returncode != 0:
+            raise AssertionError(done.stdout + done.stderr)
+        return done.stdout
+
+    @classmethod
+    def member(cls, name):
+        return os.path.join(cls.authority, "members", name)
+
+    @classmethod
+    def start(cls, name, command, *arguments):
+        joins = ["--security", cls.member(name)] if name else []
+        process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast"), command, *arguments, "--domain", str(cls.plant.domain), *joins],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        cls.addClassCleanup(process.communicate)
+        return process
+
+    def as_member(self, name, command, *arguments):
+        joins = ["--security", self.member(name)] if name else []
+        return run_cli(BIN_DIR, command, *arguments, "--domain", str(self.plant.domain), *joins)
+
+    def check(self, text):
+        path = os.path.join(self.folder, "check.yaml")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(CONFIG.replace("{run}", self.folder) + text)
+        return subprocess.run([os.path.join(BIN_DIR, "fieldcast-bridge"), path, "--check"], capture_output=True, text=True, timeout=30)
+
+    def test_every_role_may_what_its_row_says(self):
+        seen = self.as_member("hall", "watch", "--once", "--json").json_lines()
+        self.assertEqual({sample["channel"] for sample in seen}, {"temperature", "setpoint", "speed"})
+        for role in ("hall", "wall"):
+            refused = self.as_member(role, "write", "press-1/press/setpoint=1")
+            self.assertNotEqual(refused.code, 0)
+            self.assertIn("that needs an identity of role plant", refused.err)
+        self.assertEqual(self.as_member("mes", "write", "mill-1/mill/speed=7", "--verify").code, 0)
+        self.assertEqual(self.as_member("press", "write", "press-1/press/setpoint=7", "--verify").code, 0)
+        self.elsewhere.wait(30)
+        self.assertNotEqual(self.elsewhere.returncode, 0)
+        speed = [sample["value"] for sample in self.as_member("hall", "watch", "mill-1", "--once", "--json").json_lines()]
+        self.assertEqual(speed, [7])
+        audit = self.audit()
+        self.assertTrue(any(who.startswith("plant mes (") for who in audit), audit)
+        self.assertTrue(any(who.startswith("plant press (") for who in audit), audit)
+
+    def audit(self):
+        done = run_cli(BIN_DIR, "audit", "--json", "--store", os.path.join(self.plant.run, "plant.db"))
+        return [entry["who"] for entry in done.json_lines()]
+
+    def test_who_has_no_identity_finds_no_bridge(self):
+        self.nobody.wait(30)
+        self.assertEqual((self.nobody.returncode, self.nobody.stdout.read()), (3, ""))
+
+    def test_the_identity_of_the_bridge_is_none_for_a_tool(self):
+        refused = run_cli(BIN_DIR, "watch", "--once", "--config", self.plant.file)
+        self.assertEqual(refused.code, 2)
+        self.assertIn("name the folder of a station or a plant", refused.err)
+
+    def test_check_says_what_is_missing(self):
+        refused = self.check("dds: { interfaces: [10.0.0.5] }\n")
+        self.assertEqual(refused.returncode, 3)
+        self.assertIn("DDS is open to the network at 10.0.0.5", refused.stderr)
+        opened = self.check("dds: { interfaces: [10.0.0.5], security: none }\n")
+        self.assertEqual(opened.returncode, 0)
+        self.assertIn("whoever is in the network reads and commands", opened.stderr)
+        for folder, fault in ((self.folder, "is no folder of a member"), (self.member("wall"), "a station is no bridge")):
+            refused = self.check(f"dds: {{ security: {folder} }}\n")
+            self.assertEqual(refused.returncode, 3)
+            self.assertIn(fault, refused.stderr)
+        self.assertEqual(self.check(f"dds: {{ security: {self.member('line-7')} }}\n").returncode, 0)
+
+    def test_a_bridge_with_a_foreign_key_does_not_start(self):
+        folder = os.path.join(self.folder, "mixed")
+        shutil.copytree(self.member("line-7"), folder)
+        shutil.copy(os.path.join(self.member("wall"), "identity.key"), folder)
+        path = os.path.join(self.folder, "mixed.yaml")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(CONFIG.replace("{run}", self.folder) + f"dds: {{ security: {folder} }}\n")
+        ended = subprocess.run([os.path.join(BIN_DIR, "fieldcast-bridge"), path], capture_output=True, text=True, timeout=30)
+        self.assertEqual(ended.returncode, 4)
+        self.assertIn("the key is of another certificate", ended.stdout + ended.stderr)
+
+    def test_keys_are_for_their_owner_alone(self):
+        for path, _, names in os.walk(self.authority):
+            for name in names:
+                mode = stat.S_IMODE(os.stat(os.path.join(path, name)).st_mode)
+                if name.endswith(".key"):
+                    self.assertEqual(mode, 0o600, name)
+
+
+if __name__ == "__main__":
+    BIN_DIR = sys.argv.pop()
+    unittest.main()
