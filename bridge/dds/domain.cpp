@@ -157,6 +157,10 @@ Domain::Domain(const DdsSpec& spec, const std::string& name,
     : member_(member_of(spec)) {
   if (spec.domain > kHighestDomain)
     throw DdsError("dds: domain " + std::to_string(spec.domain) + " is not 0..232");
+  if (spec.security && spec.domain > security::kHighestDomain) {
+    throw DdsError("dds: security: domain " + std::to_string(spec.domain) + " is not 0.." +
+                   std::to_string(security::kHighestDomain));
+  }
   for (const std::string& address : spec.interfaces) {
     if (!has_interface(address))
       throw DdsError("dds: no interface of this machine has the address " + address);

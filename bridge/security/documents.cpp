@@ -8,9 +8,12 @@
 namespace fieldcast::security {
 namespace {
 
-// Every domain that there can be: who is in which one is no matter of trust.
-constexpr std::string_view kDomains =
-    "      <domains><id_range><min>0</min><max>232</max></id_range></domains>\n";
+// Every domain: who is in which one is no matter of trust. Cyclone DDS 0.10 reads no document that
+// names one above 230.
+std::string domains() {
+  return fmt::format("      <domains><id_range><min>0</min><max>{}</max></id_range></domains>\n",
+                     kHighestDomain);
+}
 
 std::string head(std::string_view schema) {
   return fmt::format(
@@ -20,7 +23,7 @@ std::string head(std::string_view schema) {
       schema);
 }
 
-std::string topic_rule(std::string_view expression, std::string_view metadata) {
+std::string topic_rule(std::string_view expression, std::string_view data) {
   return fmt::format(
       "        <topic_rule>\n"
       "          <topic_expression>{}</topic_expression>\n"
@@ -28,10 +31,10 @@ std::string topic_rule(std::string_view expression, std::string_view metadata) {
       "          <enable_liveliness_protection>true</enable_liveliness_protection>\n"
       "          <enable_read_access_control>true</enable_read_access_control>\n"
       "          <enable_write_access_control>true</enable_write_access_control>\n"
-      "          <metadata_protection_kind>{}</metadata_protection_kind>\n"
-      "          <data_protection_kind>NONE</data_protection_kind>\n"
+      "          <metadata_protection_kind>NONE</metadata_protection_kind>\n"
+      "          <data_protection_kind>{}</data_protection_kind>\n"
       "        </topic_rule>\n",
-      expression, metadata);
+      expression, data);
 }
 
 // Characters that XML gives a meaning.
@@ -65,7 +68,7 @@ std::string criteria(std::string_view word, const std::vector<std::string_view>&
 
 std::string allow_rule(const std::string& rules) {
   if (rules.empty()) return {};
-  return fmt::format("    <allow_rule>\n{}{}    </allow_rule>\n", kDomains, rules);
+  return fmt::format("    <allow_rule>\n{}{}    </allow_rule>\n", domains(), rules);
 }
 
 }  // namespace
@@ -88,7 +91,7 @@ std::string governance_text(Protection protection) {
              "      <rtps_protection_kind>{}</rtps_protection_kind>\n"
              "      <topic_access_rules>\n{}      </topic_access_rules>\n"
              "    </domain_rule>\n  </domain_access_rules>\n</dds>\n",
-             kDomains, kind, kind, kind, rules);
+             domains(), kind, kind, kind, rules);
 }
 
 std::string permissions_text(const Grant& grant) {

@@ -18,9 +18,10 @@ enum class Protection : std::uint8_t {
 };
 
 // For all domains and topics: nobody takes part without an identity, everything is protected by the
-// keys of its participant. What is by bus (commands) is protected once more by keys of its writer,
-// which only bridges get: a station that reads samples cannot make commands of a plant, not even
-// with a library of its own making.
+// keys of its participant. The content of what is by bus (commands) is protected once more by keys
+// of its writer, which only bridges get: a station that reads samples cannot make commands of a
+// plant, not even with a library of its own making. Protection of whole submessages would do the
+// same for their sequence numbers, but Fast DDS 2.9.1 and Cyclone DDS 0.10.2 do not match with it.
 [[nodiscard]] std::string governance_text(Protection protection);
 
 struct Grant {

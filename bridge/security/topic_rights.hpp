@@ -51,6 +51,9 @@ struct TopicRight {
 // The row of a topic, or null.
 [[nodiscard]] const TopicRight* right_of(std::string_view topic);
 
+// Documents of DDS Security are for the domains 0 to this one.
+inline constexpr std::uint32_t kHighestDomain = 230;
+
 // The longest name of a member, and the most patterns of buses that one may be held to.
 inline constexpr std::size_t kMaxMemberName = 48;
 inline constexpr std::size_t kMaxBusPatterns = 16;

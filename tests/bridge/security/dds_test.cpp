@@ -79,9 +79,9 @@ class DdsSecurity : public ::testing::Test {
       return text.substr(begin, end - begin);
     };
     std::string elsewhere = rules(claimed);
-    const std::string all = "<id_range><min>0</min><max>232</max></id_range>";
+    const std::string all = "<id_range><min>0</min><max>230</max></id_range>";
     for (auto at = elsewhere.find(all); at != std::string::npos; at = elsewhere.find(all))
-      elsewhere.replace(at, all.size(), "<id>231</id>");
+      elsewhere.replace(at, all.size(), "<id>230</id>");
     std::string text =
         security::permissions_text({member, facts.subject, facts.not_before, facts.not_after});
     text.insert(text.find("    <allow_rule>"), elsewhere);

@@ -100,6 +100,9 @@ TEST(Governance, LetsNobodyInWithoutAnIdentity) {
   EXPECT_THAT(text, HasSubstr("<allow_unauthenticated_participants>false"));
   EXPECT_THAT(text, HasSubstr("<enable_join_access_control>true"));
   EXPECT_THAT(text, HasSubstr("<rtps_protection_kind>ENCRYPT<"));
+  const std::string commands = text.substr(text.find("<topic_expression>fieldcast/Command<"));
+  EXPECT_THAT(commands.substr(0, commands.find("</topic_rule>")),
+              HasSubstr("<data_protection_kind>ENCRYPT<"));
   EXPECT_THAT(text, Not(HasSubstr("<enable_write_access_control>false")));
   EXPECT_THAT(text, Not(HasSubstr("<enable_read_access_control>false")));
   EXPECT_LT(text.find("<topic_expression>fieldcast/Command<"), text.find("<topic_expression>*<"))
