@@ -61,7 +61,7 @@ struct DaemonTest : testing::Test {
   void write(const std::string& at, const std::string& interface = "127.0.0.1") const {
     std::ofstream(file) << "bridge: test\n"
                         << "dds: { domain: " << domain.number() << ", interfaces: ["
-                        << interface << "] }\n"
+                        << interface << "], security: none }\n"
                         << "buses:\n"
                         << bus("one", pty.path(), "holding:0")
                         << bus("two", folder / "no-such-port", at);

@@ -44,7 +44,7 @@ TEST(StationConfiguration, EverythingHasADefault) {
 TEST(StationConfiguration, EveryKeyIsRead) {
   const auto loaded = load(R"(
 station: hall
-dds: { domain: 7, interfaces: [10.0.0.7] }
+dds: { domain: 7, interfaces: [10.0.0.7], security: none }
 log: { level: debug }
 web:
   listen: 10.0.0.7:443
