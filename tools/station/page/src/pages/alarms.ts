@@ -167,7 +167,8 @@ class PresentAlarms {
       note.className = 'nothing';
       this.element.append(note);
     }
-    render(this.list.items.length ? nothing : total || choice.filter ? empty(t('alarms.none-fits')) : empty(`✓ ${t('alarms.none')}`, t('alarms.none-hint')), note as HTMLElement);
+    render(this.list.items.length ? nothing : total || choice.filter ? empty(t('alarms.none-fits'))
+      : this.context.plant.buses.size ? empty(`✓ ${t('alarms.none')}`, t('alarms.none-hint')) : empty(t('overview.none')), note as HTMLElement);
   }
 
   private buttons(): TemplateResult {
