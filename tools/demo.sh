@@ -104,7 +104,6 @@ dds: { domain: $domain, interfaces: [127.0.0.1] }
 web: { local-role: operator }
 store: { path: station.db }
 record: { patterns: ["*"] }
-plans: [plant.yaml]
 END
   setsid "$bin/fieldcast-station" --config "$run/station.yaml" --listen 127.0.0.1:0 >"$run/station.log" 2>&1 &
   station=$!

@@ -27,7 +27,7 @@ using config::Node;
 using config::Rows;
 
 constexpr int kUsualPort = 8090;
-constexpr std::size_t kMaxTexts = 64;  // of a list: names, sites, plans
+constexpr std::size_t kMaxTexts = 64;  // of a list: names, sites
 
 constexpr std::pair<std::string_view, LocalRole> kLocalRoles[] = {
     {"none", LocalRole::kNone}, {"viewer", LocalRole::kViewer}, {"operator", LocalRole::kOperator}};
@@ -148,11 +148,6 @@ const Rows<StationSpec>& station_rows() {
             .fallback = "nothing is recorded",
             .text = "what is recorded of all bridges, in `store`",
             .schema = "{}"}},
-          {{.name = "plans",
-            .fallback = "[]",
-            .text = "configurations of bridges, whose read plans are shown for buses that do not "
-                    "tell theirs",
-            .schema = std::string(kTexts)}},
       });
   return rows;
 }
@@ -191,17 +186,6 @@ void read_record(MapReader& file, StationSpec& spec) {
   } else if (!file.has("store")) {
     file.faults().add(file.position_of("record"), "nothing can be recorded without a store",
                       "store: { path: FILE }");
-  }
-}
-
-void read_plans(MapReader& file, StationSpec& spec, config::Library& library) {
-  std::vector<std::string> names;
-  read_texts(file, "plans", "a configuration of a bridge", names,
-             [](const std::string&) { return std::string(); });
-  const Node* node = file.find("plans");
-  if (node == nullptr || node->kind != Kind::kList) return;
-  for (const Node* item : node->items) {
-    if (item->kind == Kind::kScalar) spec.plans.push_back(library.check_file(*item));
   }
 }
 
@@ -254,7 +238,6 @@ LoadedStation load_station_text(std::string_view text, const std::string& file_n
     read_log(file, spec.log);
     read_store(file, spec.store);
     read_record(file, spec);
-    read_plans(file, spec, library);
     read_web(file, spec, library, listen);
   } else if (faults.empty()) {
     return tl::make_unexpected(whole_file(file_name, "the file is empty"));

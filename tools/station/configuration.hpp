@@ -32,7 +32,6 @@ struct StationSpec {
   WebSpec web;
   // `samples` are the patterns of what is recorded; none: nothing is.
   std::optional<StoreSpec> store;
-  std::vector<std::string> plans;  // paths of configurations of bridges
 };
 
 using LoadedStation = tl::expected<StationSpec, std::vector<config::Fault>>;

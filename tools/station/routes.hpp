@@ -22,7 +22,6 @@ struct RouteNeeds {
   Store* store;
   Recorder* recorder;
   const HttpServer& server;
-  std::vector<std::string> plans;
   std::function<UtcTime()> now;
 };
 

@@ -185,8 +185,8 @@ void WebStation::State::open_site(std::unique_ptr<TlsServer> tls) {
   users = std::make_unique<UserWatch>(io.context(), spec, *site, ask_users());
   users->look();
   add_page_routes(site->routes(), page_files());
-  add_api_routes(site->routes(), {*domain, database.get(), store.get(), recorder.get(), *server,
-                                  spec.plans, utc_now});
+  add_api_routes(site->routes(),
+                 {*domain, database.get(), store.get(), recorder.get(), *server, utc_now});
 }
 
 void WebStation::State::turn() {

@@ -55,7 +55,6 @@ web:
   local-role: none
 store: { path: hall.db, keep: 7d }
 record: { patterns: ["press-shop/*"] }
-plans: [plant.yaml]
 )");
   ASSERT_TRUE(loaded) << config::to_text(loaded.error());
   EXPECT_EQ(loaded->dds.domain, 7u);
@@ -69,7 +68,6 @@ plans: [plant.yaml]
   ASSERT_TRUE(loaded->store);
   EXPECT_EQ(loaded->store->address, "hall.db");
   EXPECT_THAT(loaded->store->samples, ElementsAre("press-shop/*"));
-  EXPECT_THAT(loaded->plans, ElementsAre("plant.yaml"));
 }
 
 TEST(StationConfiguration, NothingIsRecordedUnlessItIsSaid) {
@@ -93,7 +91,7 @@ TEST(StationConfiguration, AFaultSaysWhereAndWhatWasMeant) {
               ElementsAre(HasSubstr("1:16: hosts: 'http://a' is no name of a host")));
   EXPECT_THAT(faults("web: { embed: [wiki.plant] }\n"),
               ElementsAre(HasSubstr("embed: 'wiki.plant' is no address of a site")));
-  EXPECT_THAT(faults("plans: [missing.yaml]\n"), ElementsAre(HasSubstr("missing.yaml")));
+  EXPECT_THAT(faults("plans: [missing.yaml]\n"), ElementsAre(HasSubstr("unknown key 'plans'")));
   EXPECT_THAT(faults("store: { path: a.db }\nrecord: { patterns: [\"a/b/c/d\"] }\n"),
               ElementsAre(HasSubstr("2:22: patterns: ")));
   EXPECT_THAT(faults(""), ElementsAre("station.yaml:1:1: the file is empty"));
