@@ -50,7 +50,7 @@ class ResultSender : private dds::DataWriterListener {
   static constexpr std::size_t kMaxRequesters = 4096;
   static constexpr std::size_t kMaxHeld = 1024;  // the oldest is sent regardless
   static constexpr Duration kHold = std::chrono::seconds{1};
-  // Ten times the delay of a writer's first heartbeat.
+  // Far more than the delay of a writer's first heartbeat, also on a busy machine.
   static constexpr Duration kSettle = std::chrono::milliseconds{150};
   // An instance is let go this long after its result.
   static constexpr Duration kKeep = std::chrono::milliseconds{100};

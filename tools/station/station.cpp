@@ -137,7 +137,7 @@ LoginCheck WebStation::State::login_check() {
     const std::string user = attempt.user;
     logins->authenticate(std::move(attempt),
                          [this, user, done = std::move(done)](LoginResult result) {
-                           post([user, done, result = std::move(result)] {
+                           post([user, done, result] {
                              if (!result) return done(tl::make_unexpected(result.error()));
                              done(LoginGrant{user, *result});
                            });

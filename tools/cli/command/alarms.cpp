@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <ostream>
 
@@ -220,10 +221,14 @@ constexpr Duration kShortest = std::chrono::seconds{1};
 
 // Of the person at the shell: not root, if root is that person by sudo.
 std::string login_name() {
-  const char* sudo = ::getuid() == 0 ? std::getenv("SUDO_USER") : nullptr;
+  const uid_t user = ::getuid();
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): nothing sets it
+  const char* sudo = user == 0 ? std::getenv("SUDO_USER") : nullptr;
   if (sudo != nullptr && *sudo != '\0') return sudo;
-  const passwd* entry = ::getpwuid(::getuid());
-  return entry == nullptr ? fmt::format("uid {}", ::getuid()) : entry->pw_name;
+  passwd entry{}, *found = nullptr;
+  std::array<char, 4096> texts{};
+  ::getpwuid_r(user, &entry, texts.data(), texts.size(), &found);
+  return found == nullptr ? fmt::format("uid {}", user) : std::string(entry.pw_name);
 }
 
 class AlarmsCommand final : public CommandWith<AlarmsOptions> {
