@@ -4,12 +4,12 @@
 #   tools/check.sh [COMMIT]
 #
 # Changed: against COMMIT; where none is given against the merge base with origin/main or main, or, on that branch itself, against
-# the commit before. At most 16 files, the most changed ones, so that it takes a minute; it says how many it left out.
+# the commit before. At most 12 files, the most changed ones, so that it takes a minute; it says how many it left out.
 # `run-clang-tidy-14 -p build-tidy` checks all.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-most=16
+most=12
 fail() { echo "tools/check.sh: $*" >&2; exit 1; }
 for program in clang-format clang-tidy codespell; do
   command -v "$program" >/dev/null || fail "$program is missing: tools/install.sh ci"
