@@ -20,7 +20,7 @@ namespace fieldcast {
 
 class CommandIdentities {
  public:
-  // As long as the longest LIFESPAN that counts (CommandLifespans::kLongest), the newest of them.
+  // As long as the longest LIFESPAN that counts (RequestWriters::kLongest), the newest of them.
   static constexpr Duration kKept = std::chrono::hours{24};
   static constexpr std::int64_t kMaxKept = 1'000'000;
   // Commands that may wait for the database, and how long they do when it is away.

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "bridge/dds/command_receiver.hpp"
+#include "bridge/dds/request_terms.hpp"
 
 namespace fieldcast {
 namespace {

@@ -1,0 +1,97 @@
+// Receives what is asked of a bridge, Command or AlarmAction: finds out who asks, whether it was
+// for this bridge and when it expires, and hands it on as it came. Calls come on DDS threads.
+#pragma once
+
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "bridge/dds/domain.hpp"
+#include "bridge/dds/request_terms.hpp"
+#include "bridge/dds/topics/conversion.hpp"
+
+namespace fieldcast {
+
+// What a receiver listens to: all that comes without a partition (nothing), or what members write
+// who are held to a bus. They write for no other bus: Domain::reader_of_bus().
+using HeldTo = std::optional<std::string>;
+
+struct RequestTerms {
+  std::string subject;  // who asks, by DDS Security; "" without it
+  Instant expires;      // it may have passed already
+  UtcMapping now;
+};
+
+template <class Message>
+struct RequestHandlers {
+  std::function<UtcMapping()> clock;
+  // Requests for other buses belong to other bridges.
+  std::function<bool(const std::string& bus)> is_ours;
+  std::function<void(const Message& message, RequestTerms terms)> accepted;
+  // It was written before this receiver began to listen.
+  std::function<void(const Message& message, const MalformedCommand& why)> refused;
+  // Called before accepted() or refused().
+  std::function<void(const std::string& requester, const RequestWriters::Guid& writer)> received;
+  // For the log: a request was dropped.
+  std::function<void(std::string text)> on_problem;
+};
+
+template <class Message>
+class RequestReceiver : private dds::DataReaderListener {
+ public:
+  template <class Generated>
+  RequestReceiver(Domain& domain, const Topic<Generated>& topic, const RequestWriters& writers,
+                  RequestHandlers<Message> handlers, HeldTo bus = {})
+      : domain_(domain),
+        writers_(writers),
+        handlers_(std::move(handlers)),
+        bus_(std::move(bus)),
+        listening_(handlers_.clock().instant) {
+    const auto mask = dds::StatusMask::data_available();
+    reader_ =
+        bus_ ? domain.reader_of_bus(*bus_, topic, this, mask) : domain.reader(topic, this, mask);
+  }
+  void close() { domain_.remove(reader_); }  // nothing is handed on after it returns
+
+ private:
+  void on_data_available(dds::DataReader* reader) override {
+    Message message;
+    dds::SampleInfo info;
+    // Also takes the notes that an instance was let go, which frees it here.
+    while (reader->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK) {
+      if (info.valid_data) take(message, info);
+    }
+  }
+
+  void take(const Message& message, const dds::SampleInfo& info) {
+    const std::string bus = message.bus().c_str(), requester = message.requester().c_str();
+    if (!handlers_.is_ours(bus) || (bus_ && bus != *bus_)) return;
+    const RequestWriters::Guid writer = info.sample_identity.writer_guid();
+    auto subject = writers_.subject_of(domain_, requester, writer);
+    if (!subject)
+      return handlers_.on_problem("a request under the name of another's requester was dropped");
+    handlers_.received(requester, writer);
+    const UtcTime source{info.source_timestamp.to_ns()};
+    const UtcMapping now = handlers_.clock();
+    if (const auto before = written_before(listening_, source, now))
+      return handlers_.refused(message, {Cause::kExpired, too_early(*before)});
+    handlers_.accepted(
+        message, {*std::move(subject), expiry_of(source, writers_.lifespan_of(writer), now), now});
+  }
+
+  static std::string too_early(Duration before) {
+    return "it was written " + to_text(std::chrono::ceil<std::chrono::milliseconds>(before)) +
+           " before this bridge began to listen, by the clocks of both; if it is still wanted, "
+           "send it anew";
+  }
+
+  Domain& domain_;
+  const RequestWriters& writers_;
+  const RequestHandlers<Message> handlers_;
+  const HeldTo bus_;
+  const Instant listening_;  // since when
+  dds::DataReader* reader_ = nullptr;
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,67 @@
+#include "bridge/dds/request_terms.hpp"
+
+#include <algorithm>
+
+namespace fieldcast {
+
+namespace {
+
+constexpr std::int64_t kLongestAge = std::int64_t{1} << 60;  // nanoseconds, 36 years
+
+// By the wall clocks of both machines, never negative. Ages beyond kLongestAge count as
+// kLongestAge, which keeps sums in range.
+Duration age_of(UtcTime source, const UtcMapping& now) {
+  std::int64_t age = 0;
+  if (source.nanoseconds <= 0 ||
+      __builtin_sub_overflow(now.utc.nanoseconds, source.nanoseconds, &age))
+    age = 0;
+  return Duration{std::clamp<std::int64_t>(age, 0, kLongestAge)};
+}
+
+}  // namespace
+
+Duration RequestWriters::lifespan_of(const Guid& writer) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = lifespans_.find(writer);
+  return found == lifespans_.end() ? kDefault : found->second;
+}
+
+std::optional<std::string> RequestWriters::subject_of(const Domain& domain,
+                                                      const std::string& requester,
+                                                      const Guid& writer) const {
+  if (!domain.member()) return std::string();
+  std::string subject = requesters_.subject_of(writer.guidPrefix);
+  if (!requesters_.bind(requester, subject)) return std::nullopt;
+  return subject;
+}
+
+void RequestWriters::on_writer(const FoundWriter& writer) {
+  if (writer.topic != kCommandTopic.name && writer.topic != kAlarmActionTopic.name) return;
+  const std::lock_guard lock(mutex_);
+  if (writer.gone) {
+    lifespans_.erase(writer.guid);
+    return;
+  }
+  const Duration lifespan = from_dds(writer.lifespan);
+  if (lifespan == kInfinite || lifespans_.size() >= kMaxWriters) return;
+  lifespans_[writer.guid] = std::min(lifespan, kLongest);
+}
+
+void RequestWriters::on_participant(const FoundParticipant& participant) {
+  if (participant.gone) {
+    requesters_.lost(participant.prefix);
+  } else if (!participant.subject.empty()) {
+    requesters_.found(participant.prefix, participant.subject);
+  }
+}
+
+Instant expiry_of(UtcTime source, Duration lifespan, const UtcMapping& now) {
+  return now.instant + Duration{std::min(lifespan.count(), kLongestAge)} - age_of(source, now);
+}
+
+std::optional<Duration> written_before(Instant listening, UtcTime source, const UtcMapping& now) {
+  const Instant written = now.instant - age_of(source, now);
+  return written < listening ? std::optional(listening - written) : std::nullopt;
+}
+
+}  // namespace fieldcast
