@@ -10,7 +10,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 build=(
-  g++ cmake ninja-build ccache pkg-config
+  g++ cmake ninja-build ccache mold pkg-config
   # DDS and its code generator, which needs a Java that its package does not name
   libfastrtps-dev libfastcdr-dev fastddsgen openjdk-17-jre-headless
   libboost-dev libfmt-dev libspdlog-dev libyaml-cpp-dev libcli11-dev libexpected-dev libsqlite3-dev libssl-dev libpq-dev libsodium-dev libtinyxml2-dev zlib1g-dev
