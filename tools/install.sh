@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # Installs Debian 12's packages that are missing, and shows how far it is. Quiet, offline and quick when nothing is missing.
 #
-#   tools/install.sh [build | package | test | ci]
+#   tools/install.sh [build | package | test | campaign | ci]
 #
 # build: what the programs and the demo need. package: that, and what tools/package.sh needs. test (where nothing is said): that,
-# and what the tests need. ci: that, and the checkers of .ci/run. Works as root or with sudo. Of packages with a server that nobody wants
-# to run here, ci unpacks only the programs that check something, to build/unpacked/PACKAGE.
+# and what the tests need. campaign: that, and what tools/campaign.sh needs. ci: what the tests need, and the checkers of .ci/run.
+# Works as root or with sudo. Of packages with a server that nobody wants to run here, ci unpacks only the programs that check
+# something, to build/unpacked/PACKAGE.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -29,6 +30,10 @@ test=(
   # a browser, for the station's page
   chromium
 )
+campaign=(
+  # libFuzzer; networks made by the campaign, and the discovery server in them
+  clang libclang-rt-14-dev fastdds-tools iproute2
+)
 ci=(clang-tidy codespell git lintian python3-prometheus-client)
 
 fail() { echo "tools/install.sh: $*" >&2; exit 1; }
@@ -37,8 +42,9 @@ case "${1:-test}" in
   build) packages=("${build[@]}") ;;
   package) packages=("${build[@]}" "${packaging[@]}") ;;
   test) packages=("${build[@]}" "${test[@]}") ;;
+  campaign) packages=("${build[@]}" "${test[@]}" "${campaign[@]}") ;;
   ci) packages=("${build[@]}" "${test[@]}" "${ci[@]}") ;;
-  *) sed -n '2,8s/^# \{0,1\}//p' "$0" >&2; exit 1 ;;
+  *) sed -n '2,9s/^# \{0,1\}//p' "$0" >&2; exit 1 ;;
 esac
 
 command -v dpkg-query >/dev/null || fail "this is no Debian; install by hand: ${packages[*]}"

@@ -20,7 +20,7 @@ VirtualBus::VirtualBus(const BusSpec& spec, const BusFaults& faults, std::uint64
                        Watcher watcher)
     : spec_(spec),
       plant_(plant_of(spec_, faults, seed)),
-      engine_(spec_),
+      engine_(std::in_place, spec_),
       watcher_(std::move(watcher)),
       character_(line_of(spec.port).characters(1)) {
   plug();
@@ -35,7 +35,8 @@ void VirtualBus::run_until(Instant until) {
     if (line_due <= now_) {
       received_.clear();
       line_->advance(now_, received_);
-      if (!received_.empty()) feed(Received{received_});
+      if (on_received && !received_.empty()) on_received(received_);
+      if (engine_ && !received_.empty()) feed(Received{received_});
     }
     if (reopen_at_ <= now_) plug();
     if (timer_ <= now_) {
@@ -52,8 +53,8 @@ void VirtualBus::feed(const BusEvent& event) {
     actions = std::move(spare_.back());
     spare_.pop_back();
   }
-  engine_.on_event(event, now_, actions);
-  make_plans(engine_, now_, actions);
+  engine_->on_event(event, now_, actions);
+  make_plans(*engine_, now_, actions);
   for (const Action& action : actions) act(action);
   actions.clear();
   spare_.push_back(std::move(actions));
@@ -68,6 +69,17 @@ void VirtualBus::unplug() {
 void VirtualBus::plug() {
   reopen_at_ = kNever;
   line_ = plant_->open_line();
+  feed(Opened{});
+}
+
+void VirtualBus::replace_engine(const BusSpec& spec, Duration absence) {
+  engine_.reset();
+  timer_ = reopen_at_ = kNever;
+  run_until(now_ + absence);
+  spec_ = spec;
+  engine_.emplace(spec_);
+  const bool connection = std::holds_alternative<TcpPortSpec>(spec_.port);
+  if (!line_ || connection) line_ = plant_->open_line();
   feed(Opened{});
 }
 

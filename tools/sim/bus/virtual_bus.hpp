@@ -7,6 +7,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,9 @@ class VirtualBus {
   // Called for each action, before bytes are sent and after everything else was done.
   using Watcher = std::function<void(const Action&)>;
 
+  // Called for all that reaches the engine from the line.
+  std::function<void(ByteView)> on_received;
+
   // The plant starts at Instant{}; throws std::runtime_error when it cannot be simulated.
   VirtualBus(const BusSpec& spec, const BusFaults& faults, std::uint64_t seed,
              Watcher watcher = {});
@@ -30,10 +34,14 @@ class VirtualBus {
   void feed(const BusEvent& event);  // at the instant reached
   void unplug();
   void plug();
+  // The process of the engine is killed, and another one begins with `spec` after `absence`. On a
+  // serial line what the devices still say reaches the new one; a TCP connection is a new one.
+  // REQUIRES: not inside the watcher; the devices of `spec` are those of the plant.
+  void replace_engine(const BusSpec& spec, Duration absence);
 
   [[nodiscard]] Instant now() const { return now_; }
   [[nodiscard]] bool plugged() const { return line_ != nullptr; }
-  [[nodiscard]] BusEngine& engine() { return engine_; }
+  [[nodiscard]] BusEngine& engine() { return *engine_; }
   [[nodiscard]] SimBus& plant() { return *plant_; }
   // The end of the last request on the wire.
   [[nodiscard]] Instant wire_free() const { return wire_free_; }
@@ -48,7 +56,7 @@ class VirtualBus {
   BusSpec spec_;
   std::unique_ptr<SimBus> plant_;
   std::unique_ptr<BusLine> line_;
-  BusEngine engine_;
+  std::optional<BusEngine> engine_;
   Watcher watcher_;
   Duration character_;
   Instant now_{};

@@ -1,0 +1,136 @@
+// A day of one bus in virtual time, with everything that goes wrong: noise, lost, late, doubled and
+// half answers, devices that die and come back with other values, a port that vanishes, reloads,
+// a killed engine whose successor finds the wire in use, programming sessions, interests, commands.
+//
+// What must hold is checked at every step; the first thing that does not is the day's violation:
+//   - a good value is what its device held a moment ago;
+//   - a channel whose last sample is good is published again within its promise, or told otherwise;
+//   - every command has exactly one result, and what is said to be done has been done;
+//   - requests never overlap, and none is sent into a closed or a leased port;
+//   - memory does not grow.
+// Deterministic by protocol and seed. Owns the bus; one thread; no clock, no I/O.
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "tests/bus/late_storm.hpp"
+#include "tools/sim/bus/virtual_bus.hpp"
+
+namespace fieldcast::test {
+
+struct DayCounts {
+  std::uint64_t requests = 0, samples = 0, good = 0;
+  std::uint64_t late = 0, doubled = 0;  // answers
+  std::uint64_t commands = 0, results = 0, done = 0;
+  std::uint64_t unplugged = 0, reloads = 0, takeovers = 0, leases = 0, interests = 0,
+                device_restarts = 0;
+  std::uint64_t violations = 0;
+  void add(const DayCounts& other);
+};
+
+class BusDay {
+ public:
+  static constexpr std::size_t kTranscriptLines = 600;  // the last ones are kept
+
+  // What a test breaks on purpose, to see that it is found; `at` of the day.
+  enum class Sabotage : std::uint8_t {
+    kNone,
+    kValue,       // a good sample shows another value
+    kSilence,     // good samples of a channel are kept back
+    kNoResult,    // a result is kept back
+    kTwoResults,  // a result comes twice
+    kOverlap,     // a request is reported a second time while it is on the wire
+    kMemory,      // memory is kept
+  };
+
+  BusDay(const StormKind& kind, std::uint64_t seed, Duration length);
+  ~BusDay();
+  BusDay(const BusDay&) = delete;
+  BusDay& operator=(const BusDay&) = delete;
+
+  void sabotage(Sabotage what) { sabotage_ = what; }
+  // Keeps what happens as text from now on.
+  void keep_transcript();
+  // Runs to the end of the day, or to its first violation, or until `stop` says true (asked each
+  // virtual minute).
+  void run(const std::function<bool()>& stop = {});
+
+  [[nodiscard]] const std::optional<std::string>& violation() const { return violation_; }
+  [[nodiscard]] const std::deque<std::string>& transcript() const { return transcript_; }
+  [[nodiscard]] DayCounts counts() const;
+  [[nodiscard]] Duration reached() const { return now() - Instant{}; }
+
+ private:
+  struct Channel {
+    DeviceIndex device = 0;
+    const ChannelSpec* spec = nullptr;
+    const Area* area = nullptr;
+    Value holds, held;  // the device's memory, and what it was before `changed`
+    Instant changed = kLongAgo;
+    Instant published{};
+    std::optional<Duration> gap;  // promised
+    bool shown_good = false;
+    Instant last_good = kLongAgo;
+  };
+  struct Pending {
+    ChannelIndex channel = 0;
+    std::optional<Value> written;
+    Instant sent{};
+  };
+
+  [[nodiscard]] Instant now() const { return bus_->now(); }
+  [[nodiscard]] double chance() { return std::generate_canonical<double, 53>(random_); }
+  [[nodiscard]] Duration between(Duration least, Duration most);
+  void begin(Duration absence);
+  void poke_all(DeviceIndex device);
+  [[nodiscard]] Value memory(const Channel& channel) const;
+  void changed(Channel& channel);
+  void see(const Action& action);
+  void see_send(const Send& send);
+  void see_sample(const Sample& sample);
+  void see_result(const CommandResult& result);
+  void judge(ChannelIndex index, const Value& value);
+  void judge_done(const Pending& pending, const CommandResult& result);
+  void sweep();
+  void operate();
+  void replace_engine(bool in_order);
+  void command();
+  void interest();
+  void lease();
+  void unplug();
+  void restart_devices();
+  void note(std::string text);
+  void violate(const std::string& what);
+
+  const StormKind& kind_;
+  std::mt19937_64 random_;
+  Duration length_;
+  Sabotage sabotage_ = Sabotage::kNone;
+  std::vector<BusSpec> variants_;  // of the configuration
+  std::size_t variant_ = 0;
+  std::vector<std::unique_ptr<Protocol>> protocols_;  // of each device
+  std::vector<Channel> channels_;
+  std::map<std::uint64_t, Pending> pending_;
+  std::uint64_t next_command_ = 1;
+  std::vector<std::pair<Duration, DeviceIndex>> restarts_;  // ends of dead times, in order
+  std::size_t restarted_ = 0;
+  std::uint64_t generation_ = 0;
+  bool leased_ = false, transcribing_ = false;
+  bool busy_ = false;  // the engine of the day runs
+  Instant wire_free_{};
+  std::size_t first_bytes_ = 0;  // of memory, after the first hours
+  std::vector<std::unique_ptr<Bytes>> kept_;
+  DayCounts counts_;
+  std::optional<std::string> violation_;
+  std::deque<std::string> transcript_;
+  std::unique_ptr<sim::VirtualBus> bus_;
+};
+
+}  // namespace fieldcast::test

@@ -1,0 +1,65 @@
+// A few short days of every protocol, and that each invariant finds what breaks it.
+#include "tests/campaign/bus_day.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace fieldcast::test {
+namespace {
+
+using namespace std::chrono_literals;
+using Sabotage = BusDay::Sabotage;
+
+class BusDays : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(BusDays, HoldEveryInvariant) {
+  const StormKind& kind = storm_kinds()[GetParam()];
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    BusDay day(kind, seed, 2h);
+    day.run();
+    EXPECT_FALSE(day.violation()) << "seed " << seed << ": " << day.violation().value_or("");
+    const DayCounts counts = day.counts();
+    EXPECT_GT(counts.good, 100u);
+    EXPECT_GT(counts.results, 10u);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Protocols, BusDays, testing::Range<std::size_t>(0, storm_kinds().size()),
+                         [](const auto& chosen) {
+                           std::string name = storm_kinds()[chosen.param].name;
+                           std::erase_if(name, [](char c) { return !std::isalnum(c); });
+                           return name;
+                         });
+
+std::string violation_of(Sabotage what) {
+  BusDay day(storm_kinds()[0], 1, 24h);
+  day.sabotage(what);
+  day.run();
+  return day.violation().value_or("nothing was found");
+}
+
+TEST(BusDaySabotage, EachInvariantFindsWhatBreaksIt) {
+  EXPECT_NE(violation_of(Sabotage::kValue).find("as good, it holds"), std::string::npos);
+  EXPECT_NE(violation_of(Sabotage::kSilence).find("silent for"), std::string::npos);
+  EXPECT_NE(violation_of(Sabotage::kNoResult).find("no result"), std::string::npos);
+  EXPECT_NE(violation_of(Sabotage::kTwoResults).find("a second result"), std::string::npos);
+  EXPECT_NE(violation_of(Sabotage::kOverlap).find("into the one before"), std::string::npos);
+  EXPECT_NE(violation_of(Sabotage::kMemory).find("memory grew"), std::string::npos);
+}
+
+TEST(BusDay, IsTheSameDayWithItsTranscript) {
+  BusDay day(storm_kinds()[0], 7, 1h), again(storm_kinds()[0], 7, 1h);
+  again.keep_transcript();
+  day.run();
+  again.run();
+  EXPECT_EQ(day.counts().requests, again.counts().requests);
+  EXPECT_EQ(day.counts().samples, again.counts().samples);
+  EXPECT_TRUE(day.transcript().empty());
+  EXPECT_LE(again.transcript().size(), BusDay::kTranscriptLines);
+  EXPECT_TRUE(std::ranges::any_of(
+      again.transcript(), [](const std::string& text) { return text.find("  >> ") != text.npos; }));
+}
+
+}  // namespace
+}  // namespace fieldcast::test

@@ -1,0 +1,102 @@
+"""Runs every libFuzzer program over its corpus for a share of the time, and counts what each executed.
+
+usage: fuzz_campaign.py --seconds S [--seed N] --bin DIR [--target NAME].. [--artifacts DIR] [--jobs N]
+
+An input that fails is kept in the folder of artifacts, and named in a line that begins with FAIL. The last line is the counts as JSON.
+"""
+
+import argparse
+import glob
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+
+CORPUS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "fuzz", "corpus")
+EXECUTED = re.compile(r"stat::number_of_executed_units:\s*(\d+)")
+PULSE = re.compile(r"^#(\d+)\s")
+
+
+def parse():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--seconds", type=float, required=True)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--bin", required=True)
+    parser.add_argument("--target", action="append")
+    parser.add_argument("--artifacts", default=".")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    return parser.parse_args()
+
+
+class Fuzzer:
+    """One target at work."""
+
+    def __init__(self, options, name, seconds, scratch):
+        self.name, self.executed, self.artifacts = name, 0, options.artifacts
+        grown = os.path.join(scratch, name)  # what it finds goes here, not into the tree
+        os.makedirs(grown, exist_ok=True)
+        command = [os.path.join(options.bin, "fuzz_" + name), f"-max_total_time={max(1, int(seconds))}", "-print_final_stats=1",
+                   f"-seed={options.seed}", "-timeout=25", "-rss_limit_mb=2048",
+                   f"-artifact_prefix={options.artifacts}/{name}-", grown, os.path.join(CORPUS, name)]
+        self.process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, errors="replace")
+        self.tail = []
+        self.reader = threading.Thread(target=self.read, daemon=True)
+        self.reader.start()
+
+    def read(self):
+        for text in self.process.stderr:
+            if found := EXECUTED.search(text) or PULSE.search(text):
+                self.executed = max(self.executed, int(found.group(1)))
+            self.tail = (self.tail + [text.rstrip()])[-40:]
+
+    def finish(self, stopped):
+        self.process.wait()
+        self.reader.join(5)
+        if self.process.returncode == 0 or stopped:
+            return None
+        said = next((text for text in self.tail if "ERROR" in text or "SUMMARY" in text or "runtime error" in text), "no word")
+        kept = next((text.split("written to ")[-1] for text in self.tail if "Test unit written to" in text), "no input kept")
+        return f"FAIL fuzz_{self.name}: exit code {self.process.returncode}: {said.strip()}; {kept}"
+
+
+def main():
+    options = parse()
+    targets = options.target or sorted(os.path.basename(path)[len("fuzz_"):] for path in glob.glob(os.path.join(options.bin, "fuzz_*")))
+    if not targets:
+        print(f"FAIL no fuzz targets in {options.bin}")
+        return 1
+    stopped = threading.Event()
+    for name in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(name, lambda *_: stopped.set())
+    os.makedirs(options.artifacts, exist_ok=True)
+    end = time.monotonic() + options.seconds
+    waiting, running, executed, failed = list(targets), [], {}, False
+    with tempfile.TemporaryDirectory() as scratch:
+        while (waiting or running) and not (stopped.is_set() and not running):
+            while waiting and len(running) < options.jobs and not stopped.is_set():
+                left = end - time.monotonic()
+                running.append(Fuzzer(options, waiting[0], left * options.jobs / max(len(waiting), options.jobs), scratch))
+                waiting.pop(0)
+            if stopped.is_set():
+                for fuzzer in running:
+                    fuzzer.process.send_signal(signal.SIGINT)
+            for fuzzer in [each for each in running if stopped.is_set() or each.process.poll() is not None]:
+                running.remove(fuzzer)
+                fault = fuzzer.finish(stopped.is_set())
+                executed[fuzzer.name] = fuzzer.executed
+                print(f"{fuzzer.name}: {fuzzer.executed:,} executions, {len(waiting) + len(running)} targets to go", file=sys.stderr, flush=True)
+                if fault:
+                    failed = True
+                    print(fault, flush=True)
+            time.sleep(0.05)
+    print(json.dumps({"executions": executed, "all_executions": sum(executed.values())}))
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# The fault campaign: builds what it needs, runs its parts in shares of the time, shows how far it is, and prints a report.
+#
+#   tools/campaign.sh --minutes N [--seed S] [--part NAME].. [--counts FILE] [--report FILE] [--files DIR]
+#
+# Parts: see PARTS in tests/campaign/campaign.py; all of them where none is named. --counts: what was executed is added to the counts
+# in FILE, over all runs. --files: where transcripts and inputs that fail are written (a new folder in /tmp). Ctrl-C ends it at once
+# with the report so far. The exit code is 1 when something did not hold. tools/test.sh runs each part for some seconds.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+parts=()
+words=("$@")
+for ((i = 0; i < $#; ++i)); do
+  case "${words[i]}" in
+    -h | --help) sed -n '2,9s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    --part) parts+=("${words[i + 1]:-}") ;;
+  esac
+done
+has() { [ "${#parts[@]}" -eq 0 ] || [[ " ${parts[*]} " == *" $1 "* ]]; }
+
+tools/install.sh campaign
+if has virtual; then
+  tools/build.sh -DFIELDCAST_TESTS=ON virtual_campaign
+fi
+if has fuzz; then
+  tools/build.sh --folder build-fuzz -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DFIELDCAST_FUZZ=ON -DFIELDCAST_PCH=OFF \
+    -DFIELDCAST_TESTS=ON -DFIELDCAST_BENCHES=OFF fuzz_all
+fi
+exec python3 tests/campaign/campaign.py "$@"
