@@ -18,6 +18,7 @@ std::vector<std::string> changes_of_all(const BridgeSpec& running, const BridgeS
   std::vector<std::string> changes;
   if (running.name != wanted.name)
     changes.push_back(fmt::format("the bridge {} is now called {}", running.name, wanted.name));
+  if (running.standby != wanted.standby) changes.emplace_back("its standby group has changed");
   if (running.dds.domain != wanted.dds.domain)
     changes.push_back(
         fmt::format("its DDS domain is {}, it was {}", wanted.dds.domain, running.dds.domain));

@@ -36,6 +36,22 @@ void read_metrics(MapReader& bridge, BridgeSpec& spec) {
       "a port of its own for each");
 }
 
+// A name, or a map with more.
+void read_identity(MapReader& bridge, BridgeSpec& spec) {
+  const Node* node = bridge.require("bridge", "a name for the bridge");
+  if (node == nullptr) return;
+  if (node->kind != Kind::kMap) {
+    if (auto name = NameRule{}(*node, "bridge", bridge.faults())) spec.name = std::move(*name);
+    return;
+  }
+  MapReader map(*node, identity_rows(), bridge.faults());
+  identity_rows().read(map, spec);
+  const Node* standby = map.find("standby");
+  if (standby == nullptr) return;
+  MapReader group(*standby, standby_rows(), bridge.faults());
+  standby_rows().read(group, spec.standby.emplace());
+}
+
 void read_buses(MapReader& bridge, BridgeSpec& spec, LoadState& state) {
   auto& faults = state.faults;
   const Node* list = bridge.require("buses", "a list of buses");
@@ -65,7 +81,7 @@ void read_buses(MapReader& bridge, BridgeSpec& spec, LoadState& state) {
 
 void read_bridge(const Node& root, BridgeSpec& spec, LoadState& state) {
   MapReader map(root, bridge_rows(), state.faults);
-  bridge_rows().read(map, spec);
+  read_identity(map, spec);
   read_dds(map, spec.dds, state.library);
   read_log(map, spec.log);
   read_program(map, spec.program, state.library);

@@ -19,23 +19,27 @@ constexpr Roles kAllStations{kStation, kPlant, kStationReadonly};
 constexpr Roles kEverybody{kBridge, kStation, kPlant, kStationReadonly};
 
 constexpr TopicRight kRights[] = {
+    // What a bridge reads of another one it needs to stand by for it.
     {"fieldcast/Sample", kBridges, kAllStations},
-    {"fieldcast/SampleBlock", kBridges, kAllStations},
+    {"fieldcast/SampleBlock", kBridges, kEverybody},
     {"fieldcast/Channel", kBridges, kAllStations},
     {"fieldcast/CatalogueBlock", kBridges, kAllStations},
     // A request for the last values once more, which every reader of blocks may need.
     {"fieldcast/SnapshotRequest", kAllStations, kBridges},
     {"fieldcast/BusStatus", kBridges, kAllStations},
-    {"fieldcast/DeviceStatus", kBridges, kAllStations},
+    {"fieldcast/DeviceStatus", kBridges, kEverybody},
     {"fieldcast/ProgramSession", kBridges, kAllStations},
     {"fieldcast/ReadPlan", kBridges, kAllStations},
     {"fieldcast/Alarm", kBridges, kAllStations},
-    {"fieldcast/AlarmStatus", kBridges, kAllStations},
+    {"fieldcast/AlarmStatus", kBridges, kEverybody},
     {"fieldcast/Bridge", kBridges, kEverybody},
     {"fieldcast/Interest", {kStation, kPlant}, kBridges},
     {"fieldcast/Command", {kPlant}, kBridges, true},
     {"fieldcast/AlarmAction", {kPlant}, kBridges, true},
-    {"fieldcast/CommandResult", kBridges, {kPlant}},
+    {"fieldcast/CommandResult", kBridges, {kBridge, kPlant}},
+    {"fieldcast/Standby", kBridges, kEverybody},
+    {"fieldcast/StandbyNote", kBridges, kBridges},
+    {"fieldcast/StandbyRequest", {kPlant}, kBridges},
 };
 
 bool is_name(std::string_view text, std::string_view more) {

@@ -29,11 +29,11 @@ const Rows<BridgeSpec>& bridge_rows() {
   static const Rows<BridgeSpec> rows(
       "bridge", "the configuration",
       {
-          field<BridgeSpec>({.name = "bridge",
-                             .fallback = "needed",
-                             .text = "the name that stations see",
-                             .example = "a name for the bridge"},
-                            &BridgeSpec::name, NameRule{}),
+          {{.name = "bridge",
+            .fallback = "needed",
+            .text = "the name that stations see, or a map with it, see below",
+            .schema = R"({ "anyOf": [{ "$ref": "#/$defs/word" }, )" + map_named("identity") + "] }",
+            .form = NameRule{}.form()}},
           {{.name = "dds", .text = "see below", .schema = map_named("dds")}},
           {{.name = "log", .text = "see below", .schema = map_named("log")}},
           {{.name = "store",
@@ -54,6 +54,44 @@ const Rows<BridgeSpec>& bridge_rows() {
             .schema = R"({ "type": "array", "minItems": 1, "maxItems": )" +
                       std::to_string(kMaxBuses) + R"(, "items": { "$ref": "#/$defs/bus" } })"}},
       });
+  return rows;
+}
+
+const Rows<BridgeSpec>& identity_rows() {
+  static const Rows<BridgeSpec> rows(
+      "identity", "'bridge'",
+      {
+          field<BridgeSpec>({.name = "name",
+                             .fallback = "needed",
+                             .text = "the name that stations see",
+                             .example = "a name for the bridge"},
+                            &BridgeSpec::name, NameRule{}),
+          {{.name = "standby",
+            .fallback = "it stands alone",
+            .text = "bridges with the same channels that stand by for each other, see below",
+            .schema = map_named("standby")}},
+      },
+      "The map that `bridge` may be instead of a name.");
+  return rows;
+}
+
+const Rows<StandbySpec>& standby_rows() {
+  static const Rows<StandbySpec> rows(
+      "standby", "'standby'",
+      {
+          field<StandbySpec>({.name = "group",
+                              .fallback = "needed",
+                              .text = "the name of the group, the same for all its bridges",
+                              .example = "a name for the group"},
+                             &StandbySpec::group, NameRule{}),
+          field<StandbySpec>(
+              {.name = "strength",
+               .fallback = "0",
+               .text = "of those that are ready the strongest takes over when the master is gone"},
+              &StandbySpec::strength, WholeRule{0, kMaxStrength}),
+      },
+      "One bridge of the group serves the buses, and the others take over when it is gone: "
+      "[docs/redundancy.md](../docs/redundancy.md).");
   return rows;
 }
 

@@ -1,4 +1,5 @@
-// The keys of the file itself, and of `dds`, `log`, `store`, `metrics` and `program`.
+// The keys of the file itself, of the map that `bridge` may be, and of `dds`, `log`, `store`,
+// `metrics` and `program`.
 #pragma once
 
 #include "config/keys/key.hpp"
@@ -7,6 +8,8 @@
 namespace fieldcast::config {
 
 [[nodiscard]] const Rows<BridgeSpec>& bridge_rows();
+[[nodiscard]] const Rows<BridgeSpec>& identity_rows();
+[[nodiscard]] const Rows<StandbySpec>& standby_rows();
 [[nodiscard]] const Rows<DdsSpec>& dds_rows();
 [[nodiscard]] const Rows<LogSpec>& log_rows();
 [[nodiscard]] const Rows<StoreSpec>& store_rows();

@@ -184,8 +184,16 @@ struct MetricsSpec {
   friend bool operator==(const MetricsSpec&, const MetricsSpec&) = default;
 };
 
+// Bridges with the same channels that stand by for each other.
+struct StandbySpec {
+  std::string group;
+  std::int32_t strength = 0;  // of those that are ready the strongest takes over; 0..1000
+  friend bool operator==(const StandbySpec&, const StandbySpec&) = default;
+};
+
 struct BridgeSpec {
   std::string name;
+  std::optional<StandbySpec> standby;  // nothing: it stands alone
   DdsSpec dds;
   LogSpec log;
   ProgramSpec program;

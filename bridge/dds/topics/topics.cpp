@@ -23,6 +23,11 @@ void set_common(Qos& qos, Durability durability, Keys keys = Keys::kKeyed) {
 }
 
 template <class Qos>
+void set_ownership(Qos& qos, Ownership ownership) {
+  if (ownership == Ownership::kExclusive) qos.ownership().kind = dds::EXCLUSIVE_OWNERSHIP_QOS;
+}
+
+template <class Qos>
 void set_holding(Qos& qos, const Holding& holding) {
   const bool all = holding.history == History::kKeepAll;
   qos.history().kind = all ? dds::KEEP_ALL_HISTORY_QOS : dds::KEEP_LAST_HISTORY_QOS;
@@ -82,10 +87,14 @@ dds::DataWriterQos writer_qos(const TopicRow& topic) {
   // A ring makes room by its depth alone: one more, so that it never waits for a reader.
   if (topic.durability == Durability::kVolatile && topic.writer.history == History::kKeepLast)
     ++qos.resource_limits().max_samples;
-  if (topic.lease != Lease::kNone) {
+  if (topic.lease == Lease::kStandby) {
+    qos.liveliness().kind = dds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
+    qos.liveliness().lease_duration = to_dds(kStandbyLease);
+  } else if (topic.lease != Lease::kNone) {
     set_lease(qos);
     qos.liveliness().announcement_period = to_dds(kLease / 3);
   }
+  set_ownership(qos, topic.ownership);
   return qos;
 }
 
@@ -94,6 +103,7 @@ dds::DataReaderQos reader_qos(const TopicRow& topic) {
   set_common(qos, topic.durability, topic.keys);
   set_holding(qos, topic.reader);
   if (topic.lease == Lease::kBoth) set_lease(qos);
+  set_ownership(qos, topic.ownership);
   return qos;
 }
 
@@ -127,6 +137,12 @@ dds::DataReaderQos lease_reader_qos() {
   qos.reliability().kind = dds::BEST_EFFORT_RELIABILITY_QOS;
   set_holding(qos, last_of(1));
   set_lease(qos);
+  return qos;
+}
+
+dds::DataWriterQos standby_writer_qos(std::int32_t strength) {
+  dds::DataWriterQos qos = writer_qos(kStandbyTopic);
+  qos.ownership_strength().value = static_cast<std::uint32_t>(strength);
   return qos;
 }
 

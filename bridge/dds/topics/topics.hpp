@@ -40,8 +40,13 @@ inline constexpr std::int32_t kBlocksKept = 256;      // of a bus, for readers t
 inline constexpr std::int32_t kBlocksTaken = 1024;    // of all buses, not yet taken by a station
 inline constexpr std::int32_t kEntriesPerBlock = 64;  // of the catalogue: IDL sequence<.., 64>
 
+inline constexpr std::int32_t kMaxStandbyMembers = 256;  // in the domain
+inline constexpr std::int32_t kStandbyNotesKept = 4096;
+
 // The lease of what says that its process is alive.
 inline constexpr Duration kLease = std::chrono::seconds{6};
+// The same among bridges that stand by for each other.
+inline constexpr Duration kStandbyLease = std::chrono::milliseconds{300};
 
 // ---- what a row says
 
@@ -67,7 +72,9 @@ enum class Lease : std::uint8_t {
   kNone,
   kWriters,  // writers promise it; a reader that asks for none matches any vendor's default
   kBoth,     // readers ask for it too
+  kStandby,  // writers promise kStandbyLease by what they write, not by their process being there
 };
+enum class Ownership : std::uint8_t { kShared, kExclusive };
 // What unregistering an instance means to readers.
 enum class Unregister : std::uint8_t {
   kDisposes,  // the instance is gone
@@ -91,6 +98,7 @@ struct TopicRow {
   Duration longest_write = std::chrono::milliseconds{10};  // with readers that lag
   Keys keys = Keys::kKeyed;
   Repair repair = Repair::kSoon;
+  Ownership ownership = Ownership::kShared;
 };
 template <class GeneratedType>
 struct Topic : TopicRow {
@@ -152,12 +160,24 @@ inline constexpr Topic<idl::InterestPubSubType> kInterestTopic{
 // Two bridges of one name are one instance, and both must be received: hence the depth.
 inline constexpr Topic<idl::BridgePubSubType> kBridgeTopic{
     {"fieldcast/Bridge", kStays, last_of(1), last_of(kMaxBridges, 16), Lease::kBoth}};
+// Bridges that stand by for each other: each has an instance of its own, and of two that use one
+// name the stronger is heard.
+inline constexpr Topic<idl::StandbyPubSubType> kStandbyTopic{
+    {"fieldcast/Standby", kStays, last_of(1), last_of(kMaxStandbyMembers), Lease::kStandby,
+     Unregister::kDisposes, std::chrono::milliseconds{10}, Keys::kKeyed, Repair::kSoon,
+     Ownership::kExclusive}};
+inline constexpr Topic<idl::StandbyNotePubSubType> kStandbyNoteTopic{
+    {"fieldcast/StandbyNote", kPasses, last_of(1, kStandbyNotesKept), last_of(1, kStandbyNotesKept),
+     Lease::kNone, Unregister::kDisposes, std::chrono::milliseconds{10}, Keys::kNone}};
+inline constexpr Topic<idl::StandbyRequestPubSubType> kStandbyRequestTopic{
+    {"fieldcast/StandbyRequest", kPasses, last_of(1), last_of(kMaxStandbyMembers)}};
 
-inline constexpr std::array<const TopicRow*, 16> kTopics{
+inline constexpr std::array<const TopicRow*, 19> kTopics{
     &kSampleBlockTopic, &kSnapshotRequestTopic, &kCatalogueBlockTopic, &kSampleTopic,
     &kChannelTopic,     &kBusStatusTopic,       &kDeviceStatusTopic,   &kProgramSessionTopic,
     &kReadPlanTopic,    &kAlarmTopic,           &kAlarmStatusTopic,    &kAlarmActionTopic,
-    &kCommandTopic,     &kCommandResultTopic,   &kInterestTopic,       &kBridgeTopic};
+    &kCommandTopic,     &kCommandResultTopic,   &kInterestTopic,       &kBridgeTopic,
+    &kStandbyTopic,     &kStandbyNoteTopic,     &kStandbyRequestTopic};
 
 // "fieldcast::Sample" of "fieldcast/Sample".
 [[nodiscard]] std::string type_name(const TopicRow& topic);
@@ -174,6 +194,7 @@ inline constexpr std::array<const TopicRow*, 16> kTopics{
 [[nodiscard]] dds::DataWriterQos alarm_action_writer_qos(Duration lifespan);
 // Of a reader that takes nothing and learns which of the writers that promise the lease are alive.
 [[nodiscard]] dds::DataReaderQos lease_reader_qos();
+[[nodiscard]] dds::DataWriterQos standby_writer_qos(std::int32_t strength);
 
 [[nodiscard]] DdsDuration to_dds(Duration duration);
 [[nodiscard]] Duration from_dds(const DdsDuration& duration);  // kInfinite for an infinite one

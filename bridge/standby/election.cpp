@@ -1,0 +1,229 @@
+#include "bridge/standby/election.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "bridge/check.hpp"
+
+namespace fieldcast {
+namespace {
+
+bool is_master(StandbyRole role) {
+  return role == StandbyRole::kMaster || role == StandbyRole::kHandingOver;
+}
+
+// FNV-1a.
+std::uint32_t hash_of(std::string_view name) {
+  std::uint32_t hash = 2166136261U;
+  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619U;
+  return hash;
+}
+
+bool is_better(const StandbyMember& a, const StandbyMember& b) {
+  return a.strength != b.strength ? a.strength > b.strength : a.bridge < b.bridge;
+}
+
+}  // namespace
+
+std::string_view to_text(StandbyRole role) {
+  switch (role) {
+    case StandbyRole::kWaiting: return "waiting";
+    case StandbyRole::kMaster: return "master";
+    case StandbyRole::kHandingOver: return "handing over";
+    case StandbyRole::kReleased: return "released";
+    case StandbyRole::kLeft: return "left";
+  }
+  return "unknown";
+}
+
+Election::Election(StandbyMember own, Instant now)
+    : own_(std::move(own)), alone_since_(now), settled_(now + kSettle), looked_(now) {
+  own_.role = StandbyRole::kWaiting;
+  own_.term = 0;
+}
+
+void Election::receive(const StandbyMember& member, Instant now) {
+  if (member.bridge == own_.bridge) return;
+  auto [found, is_new] = others_.try_emplace(member.bridge);
+  Other& other = found->second;
+  if (!is_new) {
+    if (member.since == other.before) return;  // of its life before
+    if (member.since != other.told.since)
+      other.before = other.told.since;
+    else if (member.beat <= other.told.beat)
+      return;  // it came twice, or late
+  }
+  other.told = member;
+  other.heard = now;
+  other.lost = member.role == StandbyRole::kLeft;
+  greatest_ = std::max(greatest_, member.term);
+  heed(member, now);
+}
+
+// A message that changes what this member is.
+void Election::heed(const StandbyMember& other, Instant now) {
+  if (is_master(other.role)) {
+    alone_since_ = now;
+    if (own_.role != StandbyRole::kWaiting && other.term > own_.term) step_back();
+  }
+  const bool asked = other.role == StandbyRole::kReleased && other.successor == own_.bridge;
+  if (asked && own_.role == StandbyRole::kWaiting && other.term == greatest_ &&
+      not_ready(now).empty())
+    take_over();
+}
+
+void Election::lost(std::string_view bridge) {
+  if (const auto found = others_.find(bridge); found != others_.end()) found->second.lost = true;
+}
+
+std::optional<std::string> Election::hand_over(std::string_view successor, Instant now) {
+  if (own_.role != StandbyRole::kMaster)
+    return fmt::format("{} is {}, not master", own_.bridge, to_text(own_.role));
+  if (successor == own_.bridge) return fmt::format("{} is master already", own_.bridge);
+  const Other* to = best_of_others(now);
+  if (!successor.empty()) {
+    const auto found = others_.find(successor);
+    if (found == others_.end() || !alive(found->second, now))
+      return fmt::format("{} is not there", successor);
+    to = &found->second;
+    if (!to->told.not_ready.empty())
+      return fmt::format("{} is not ready: {}", successor, to->told.not_ready);
+  }
+  if (to == nullptr) return "nobody else is ready";
+  own_.role = StandbyRole::kHandingOver;
+  own_.successor = to->told.bridge;
+  return std::nullopt;
+}
+
+void Election::released(Instant now) {
+  if (own_.role != StandbyRole::kHandingOver) return;
+  own_.role = StandbyRole::kReleased;
+  released_at_ = now;
+}
+
+void Election::yield(Duration rest, Instant now) {
+  if (own_.role != StandbyRole::kWaiting) step_back();
+  barred_until_ = now + rest;
+}
+
+void Election::step_back() {
+  own_.role = StandbyRole::kWaiting;
+  own_.successor.clear();
+  released_at_ = kNever;
+  doubt_until_ = kLongAgo;
+}
+
+void Election::take_over() {
+  own_.role = StandbyRole::kMaster;
+  own_.successor.clear();
+  own_.term = ((greatest_ >> 32) + 1) << 32 | hash_of(own_.bridge);
+  greatest_ = own_.term;
+  doubt_until_ = kLongAgo;
+}
+
+void Election::on_time(Instant now) {
+  const Duration unseen = now - std::exchange(looked_, now);
+  if (unseen >= kDoubt) {
+    // What was heard while this process stood still has not been read yet.
+    doubt_until_ = now + kListen;
+    for (auto& [name, other] : others_) {
+      if (!other.lost) other.heard = std::max(other.heard, now - kLease + kListen);
+    }
+  }
+  if (own_.role == StandbyRole::kReleased && now - released_at_ >= kHandOver) {
+    step_back();
+    alone_since_ = now - kLease;
+  }
+  if (own_.role == StandbyRole::kMaster && greatest_ > own_.term) take_over();  // a later term
+  if (own_.role == StandbyRole::kHandingOver && !is_alive(own_.successor, now)) {
+    own_.role = StandbyRole::kMaster;  // the successor is gone
+    own_.successor.clear();
+  }
+  if (own_.role == StandbyRole::kWaiting) consider(now);
+}
+
+// Whether to take over.
+void Election::consider(Instant now) {
+  if (heard_master(now) != nullptr) {
+    alone_since_ = now;
+    return;
+  }
+  if (now < settled_ || now < barred_until_ || now < doubt_until_ || !not_ready(now).empty())
+    return;
+  // Better members take over first; each has some time for it.
+  const Instant begun = std::max(alone_since_, settled_);
+  if (const int better = better_ones(now); better > 0 && now - begun < better * kPatience) return;
+  take_over();
+}
+
+// Also one that was released, while its successor has time.
+const Election::Other* Election::heard_master(Instant now) const {
+  const Other* found = nullptr;
+  for (const auto& [name, other] : others_) {
+    if (!alive(other, now)) continue;
+    if (!is_master(other.told.role) && other.told.role != StandbyRole::kReleased) continue;
+    if (other.told.role == StandbyRole::kReleased && other.told.successor == own_.bridge &&
+        !not_ready_.empty())
+      continue;
+    if (found == nullptr || other.told.term > found->told.term) found = &other;
+  }
+  return found;
+}
+
+const Election::Other* Election::best_of_others(Instant now) const {
+  const Other* best = nullptr;
+  for (const auto& [name, other] : others_) {
+    if (!alive(other, now) || !other.told.not_ready.empty()) continue;
+    if (other.told.configuration != own_.configuration) continue;
+    if (best == nullptr || is_better(other.told, best->told)) best = &other;
+  }
+  return best;
+}
+
+int Election::better_ones(Instant now) const {
+  return static_cast<int>(std::ranges::count_if(others_, [&](const auto& entry) {
+    const Other& other = entry.second;
+    return alive(other, now) && other.told.role == StandbyRole::kWaiting &&
+           other.told.not_ready.empty() && is_better(other.told, own_);
+  }));
+}
+
+Instant Election::serves_until() const {
+  const bool master = is_master(own_.role);
+  return master && looked_ >= doubt_until_ ? looked_ + kDoubt : kLongAgo;
+}
+
+bool Election::serves(Instant now) const { return now < serves_until(); }
+
+StandbyMember Election::beat() {
+  ++own_.beat;
+  StandbyMember told = own_;
+  if (!is_master(own_.role) && own_.role != StandbyRole::kReleased) told.term = greatest_;
+  // A master in doubt does not say that it is one.
+  if (is_master(own_.role) && looked_ < doubt_until_) told.role = StandbyRole::kWaiting;
+  told.not_ready = not_ready(looked_);
+  return told;
+}
+
+std::optional<std::string> Election::master(Instant now) const {
+  if (is_master(own_.role)) return own_.bridge;
+  const Other* const other = heard_master(now);
+  return other == nullptr ? std::nullopt : std::optional(other->told.bridge);
+}
+
+bool Election::is_alive(std::string_view bridge, Instant now) const {
+  const auto found = others_.find(bridge);
+  return found != others_.end() && alive(found->second, now);
+}
+
+std::string Election::not_ready(Instant now) const {
+  if (!not_ready_.empty() || is_master(own_.role)) return not_ready_;
+  const Other* const master = heard_master(now);
+  if (master != nullptr && master->told.configuration != own_.configuration)
+    return fmt::format("its channels differ from those of the master {}", master->told.bridge);
+  return {};
+}
+
+}  // namespace fieldcast
