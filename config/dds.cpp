@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "config/keys/bridge_keys.hpp"
 #include "config/limits.hpp"
 #include "config/port.hpp"
@@ -35,6 +37,57 @@ void read_interfaces(MapReader& map, DdsSpec& spec) {
     }
     spec.interfaces.push_back(*text);
   }
+}
+
+constexpr int kServerPort = 11811;  // the usual one of a discovery server
+
+void check_host_port(MapReader& map, const Position& position, std::string_view key,
+                     const std::string& text, int usual_port) {
+  if (host_port_from(text)) return;
+  map.faults().add(position, fmt::format("{} '{}' names no host and port", key, text),
+                   "HOST:PORT with a port 1 to 65535",
+                   text.find(':') == text.npos ? fmt::format("{}:{}", text, usual_port) : "");
+}
+
+// A list of "HOST:PORT".
+void read_hosts(MapReader& map, std::string_view key, std::size_t most, int usual_port,
+                std::vector<std::string>& target) {
+  const Node* node = map.find(key);
+  if (node == nullptr) return;
+  if (node->kind != Kind::kList || node->items.empty() || node->items.size() > most) {
+    const bool list = node->kind == Kind::kList;
+    map.faults().add(node->position,
+                     fmt::format("{} is {}", key,
+                                 list ? (node->items.empty() ? "empty" : "too long")
+                                      : std::string(to_text(node->kind))),
+                     fmt::format("a list of 1 to {} HOST:PORT", most),
+                     node->kind == Kind::kScalar ? '[' + node->text + ']' : "");
+    return;
+  }
+  for (const Node* item : node->items) {
+    const std::string* text = scalar_of(*item, key, "HOST:PORT", map.faults());
+    if (text == nullptr) continue;
+    check_host_port(map, item->position, key, *text, usual_port);
+    if (std::find(target.begin(), target.end(), *text) != target.end())
+      map.faults().add(item->position, fmt::format("{} names '{}' twice", key, *text), "each once");
+    target.push_back(*text);
+  }
+}
+
+void read_servers(MapReader& map, DdsSpec& spec) {
+  std::string one;
+  if (map.read("discovery-server", one, TextRule{kMaxPath})) {
+    check_host_port(map, map.position_of("discovery-server"), "discovery-server", one, kServerPort);
+    spec.discovery_servers = {one};
+  }
+  std::vector<std::string> several;
+  read_hosts(map, "discovery-servers", kMaxServers, kServerPort, several);
+  if (several.empty()) return;
+  if (!one.empty()) {
+    map.faults().add(map.position_of("discovery-server"),
+                     "'discovery-server' and 'discovery-servers' in one map", "one of them");
+  }
+  spec.discovery_servers = std::move(several);
 }
 
 constexpr std::string_view kSecurityForm =
@@ -71,13 +124,7 @@ void read_dds(MapReader& file, DdsSpec& spec, Library& library) {
   MapReader map(*node, dds_rows(), file.faults());
   dds_rows().read(map, spec);
   read_interfaces(map, spec);
-  if (map.read("discovery-server", spec.discovery_server, TextRule{kMaxPath}) &&
-      !host_port_from(*spec.discovery_server)) {
-    file.faults().add(
-        map.position_of("discovery-server"),
-        fmt::format("discovery-server '{}' names no host and port", *spec.discovery_server),
-        "HOST:PORT with a port 1 to 65535", *spec.discovery_server + ":11811");
-  }
+  read_servers(map, spec);
   std::string profile;
   if (map.read("profile", profile, TextRule{kMaxPath}))
     spec.profile = library.check_file(*map.find("profile"));

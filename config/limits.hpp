@@ -36,6 +36,7 @@ inline constexpr std::size_t kMaxBuses = 256;
 inline constexpr std::size_t kMaxDevices = 247;       // of a bus
 inline constexpr std::size_t kMaxChannels = 100'000;  // of a bridge
 inline constexpr std::size_t kMaxInterfaces = 16;
+inline constexpr std::size_t kMaxServers = 8;   // discovery servers
 inline constexpr std::size_t kMaxOptions = 32;  // of a device
 
 // Texts, in bytes. Unit and description as in core/model/spec.hpp.

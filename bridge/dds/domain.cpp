@@ -67,24 +67,56 @@ void send_through_ours(dds::TransportConfigQos& transport) {
   for (auto& one : transport.user_transports) one = std::make_shared<NoteTransportDescriptor>(one);
 }
 
-void set_discovery_server(const std::string& server, dds::DomainParticipantQos& qos) {
-  const auto colon = server.rfind(':');
-  const std::string host = server.substr(0, colon);
+// Of "host:port"; throws DdsError, which says what it is of.
+rtps::Locator_t locator_of(const std::string& what, const std::string& text, std::int32_t kind) {
+  const auto colon = text.rfind(':');
+  const std::string host = text.substr(0, colon);
   unsigned port = 0;
-  const char* end = server.data() + server.size();
+  const char* end = text.data() + text.size();
   if (colon == std::string::npos ||
-      std::from_chars(server.data() + colon + 1, end, port).ptr != end || port == 0 ||
-      port > 65535) {
-    throw DdsError("dds: discovery server '" + server + "' is not host:port");
+      std::from_chars(text.data() + colon + 1, end, port).ptr != end || port == 0 || port > 65535) {
+    throw DdsError("dds: " + what + " '" + text + "' is not host:port");
   }
   const auto found = rtps::IPLocator::resolveNameDNS(host);
   const std::string address = rtps::IPLocator::isIPv4(host) ? host
                               : found.first.empty()         ? ""
                                                             : *found.first.begin();
-  if (address.empty()) throw DdsError("dds: discovery server: no address known for '" + host + "'");
-  rtps::Locator_t locator(LOCATOR_KIND_UDPv4, port);
+  if (address.empty()) throw DdsError("dds: " + what + ": no address known for '" + host + "'");
+  rtps::Locator_t locator(kind, port);
   rtps::IPLocator::setIPv4(locator, address);
-  join_discovery_server(qos, locator);
+  return locator;
+}
+
+// One end listens at a port, the other ones connect; both use a connection once it is there.
+void set_tcp(const DdsTcpSpec& tcp, dds::DomainParticipantQos& qos) {
+  auto transport = std::make_shared<rtps_transport::TCPv4TransportDescriptor>();
+  transport->sendBufferSize = 0;  // the kernel's
+  transport->receiveBufferSize = 0;
+  if (tcp.listen != 0) transport->add_listener_port(tcp.listen);
+  if (!tcp.public_address.empty()) transport->set_WAN_address(tcp.public_address);
+  if (!tcp.ca.empty()) {
+    using Tls = rtps_transport::TCPTransportDescriptor::TLSConfig;
+    transport->apply_security = true;
+    Tls& tls = transport->tls_config;
+    tls.verify_file = tcp.ca;
+    tls.cert_chain_file = tcp.certificate;
+    tls.private_key_file = tcp.key;
+    tls.verify_mode = Tls::VERIFY_PEER | Tls::VERIFY_FAIL_IF_NO_PEER_CERT;
+    tls.options = Tls::DEFAULT_WORKAROUNDS | Tls::NO_COMPRESSION | Tls::NO_SSLV2 | Tls::NO_SSLV3 |
+                  Tls::NO_TLSV1 | Tls::NO_TLSV1_1;
+  }
+  qos.transport().user_transports.push_back(transport);
+  for (const std::string& peer : tcp.connect) {
+    qos.wire_protocol().builtin.initialPeersList.push_back(
+        locator_of("tcp", peer, LOCATOR_KIND_TCPv4));
+  }
+}
+
+void set_discovery_servers(const std::vector<std::string>& servers,
+                           dds::DomainParticipantQos& qos) {
+  for (std::size_t i = 0; i < servers.size(); ++i)
+    join_discovery_server(qos, locator_of("discovery server", servers[i], LOCATOR_KIND_UDPv4),
+                          static_cast<unsigned>(i));
 }
 
 // The plugins of DDS Security 1.1 that every vendor has, and the files of the member.
@@ -138,7 +170,8 @@ dds::DomainParticipantQos participant_qos(const DdsSpec& spec, const std::string
   // Transports of the user's profile are the user's business; without any, ours.
   if (!spec.profile || qos.transport().user_transports.empty()) set_transports(spec, qos);
   send_through_ours(qos.transport());
-  if (spec.discovery_server) set_discovery_server(*spec.discovery_server, qos);
+  if (spec.tcp) set_tcp(*spec.tcp, qos);
+  set_discovery_servers(spec.discovery_servers, qos);
   if (spec.security) set_security(*spec.security, qos);
   return qos;
 }

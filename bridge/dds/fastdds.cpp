@@ -35,14 +35,16 @@ void set_repair_times(dds::DataWriterQos& qos, const RepairTimes& times) {
 #endif
 }
 
-void join_discovery_server(dds::DomainParticipantQos& qos, const rtps::Locator_t& server) {
+void join_discovery_server(dds::DomainParticipantQos& qos, const rtps::Locator_t& server,
+                           [[maybe_unused]] unsigned identity) {
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.discoveryProtocol = DiscoveryProtocol::CLIENT;
 #if FASTDDS_VERSION_MAJOR >= 3
   discovery.m_DiscoveryServers.push_back(server);
 #else
   rtps::RemoteServerAttributes attributes;
-  rtps_transport::get_server_client_default_guidPrefix(0, attributes.guidPrefix);
+  rtps_transport::get_server_client_default_guidPrefix(static_cast<int>(identity),
+                                                       attributes.guidPrefix);
   attributes.metatrafficUnicastLocatorList.push_back(server);
   discovery.m_DiscoveryServers.push_back(attributes);
 #endif

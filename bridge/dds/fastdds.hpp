@@ -57,6 +57,7 @@
 #include <fastdds/rtps/transport/ChainingTransportDescriptor.hpp>
 #include <fastdds/rtps/transport/NetworkBuffer.hpp>
 #include <fastdds/rtps/transport/SenderResource.hpp>
+#include <fastdds/rtps/transport/TCPv4TransportDescriptor.hpp>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.hpp>
 #include <fastdds/utils/IPLocator.hpp>
 #else
@@ -68,6 +69,7 @@
 #include <fastdds/rtps/participant/ParticipantDiscoveryInfo.h>
 #include <fastdds/rtps/transport/ChainingTransport.h>
 #include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
+#include <fastdds/rtps/transport/TCPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/writer/WriterDiscoveryInfo.h>
 #include <fastrtps/utils/IPLocator.h>
@@ -141,8 +143,10 @@ struct RepairTimes {
 };
 void set_repair_times(dds::DataWriterQos& qos, const RepairTimes& times);
 
-// The participant becomes a client of the server with identity 0 (`fast-discovery-server -i 0`).
-void join_discovery_server(dds::DomainParticipantQos& qos, const rtps::Locator_t& server);
+// The participant becomes a client of the server with this identity, 0..255, beside those that were
+// named before (`fast-discovery-server -i IDENTITY`).
+void join_discovery_server(dds::DomainParticipantQos& qos, const rtps::Locator_t& server,
+                           unsigned identity);
 
 // ---- discovery
 

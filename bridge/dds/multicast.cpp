@@ -48,7 +48,7 @@ std::optional<std::string> multicast_fault(const std::string& address) {
 }
 
 std::optional<std::string> multicast_remark(const DdsSpec& spec) {
-  if (spec.profile || spec.discovery_server) return std::nullopt;
+  if (spec.profile || !spec.discovery_servers.empty()) return std::nullopt;
   for (const std::string& address : used_interfaces(spec)) {
     if (const auto fault = multicast_fault(address)) {
       return fmt::format(

@@ -112,6 +112,13 @@ const Rows<DdsSpec>& dds_rows() {
             .fallback = "none",
             .text = "`host:port` of a Fast DDS discovery server, instead of multicast",
             .schema = HostPortRule{}.schema()}},
+          {{.name = "discovery-servers",
+            .fallback = "none",
+            .text = "the same for servers that know each other, in the order of their identities: "
+                    "`[a:11811, b:11811]`",
+            .schema = R"({ "type": "array", "minItems": 1, "maxItems": )" +
+                      std::to_string(kMaxServers) +
+                      R"(, "items": { "type": "string", "pattern": "^.+:[0-9]{1,5}$" } })"}},
           {{.name = "profile",
             .fallback = "none",
             .text = "a Fast DDS XML file, relative to this file; its participant profile "

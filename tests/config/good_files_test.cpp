@@ -92,10 +92,12 @@ class Everything : public testing::Test {
 
 TEST_F(Everything, TopLevelKeysArrive) {
   EXPECT_EQ(spec.name, "all.keys_1");
-  EXPECT_EQ(
-      spec.dds,
-      (DdsSpec{
-          7, {"127.0.0.1", "192.168.1.20"}, "10.0.0.2:11811", "profile.xml", "hall", "member"}));
+  EXPECT_EQ(spec.dds, (DdsSpec{7,
+                               {"127.0.0.1", "192.168.1.20"},
+                               std::vector<std::string>{"10.0.0.2:11811", "10.0.0.3:11811"},
+                               "profile.xml",
+                               "hall",
+                               "member"}));
   EXPECT_EQ(spec.log.level, LogLevel::kDebug);
   EXPECT_EQ(spec.store, (StoreSpec{"plant.db",
                                    {"serial", "server/*/x"},

@@ -180,7 +180,7 @@ TEST(DdsSettings, DiscoveryServerBringsBridgeAndStationTogether) {
   const Server server;
   ASSERT_TRUE(server.runs());
   DdsSpec spec = loopback();
-  spec.discovery_server = server.address();
+  spec.discovery_servers = {server.address()};
   const std::string bus = bus_name("served");
   Obedient bridge(bus, 20, spec);
   std::vector<Sample> samples;
@@ -201,7 +201,7 @@ TEST(DdsSettings, WithoutItsServerAClientFindsNobody) {
   DdsSpec spec = loopback();
   {
     const Server gone;
-    spec.discovery_server = gone.address();
+    spec.discovery_servers = {gone.address()};
   }
   const std::string bus = bus_name("unserved");
   Received received;
@@ -224,7 +224,7 @@ TEST(DdsSettings, DiscoveryServerThatIsNoAddressIsAnError) {
   DdsSpec spec = loopback();
   for (const char* server :
        {"somewhere", "127.0.0.1:", "127.0.0.1:0", "127.0.0.1:65536", "127.0.0.1:12x"}) {
-    spec.discovery_server = server;
+    spec.discovery_servers = {server};
     EXPECT_EQ(error_of(spec),
               "dds: discovery server '" + std::string(server) + "' is not host:port");
   }

@@ -160,7 +160,7 @@ void add_configuration(const Machine& machine, const BridgeSpec& spec, MachineFa
     for (const DeviceSpec& device : bus.devices) facts.channels += device.channels.size();
   }
   if (machine.is_this_one()) facts.interfaces = interface_facts(spec.dds.interfaces);
-  facts.discovery_server = spec.dds.discovery_server.has_value();
+  facts.discovery_server = !spec.dds.discovery_servers.empty();
   if (spec.store && machine.is_this_one()) facts.disk = disk_facts(*spec.store);
   if (spec.dds.profile) {
     facts.profile_file = *spec.dds.profile;
