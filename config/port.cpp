@@ -102,6 +102,31 @@ struct FormatRule {
 
 DurationRule connect_timeout() { return {std::chrono::milliseconds{10}, kMaxTimeout}; }
 
+constexpr std::pair<std::string_view, Fence> kFences[] = {{"none", Fence::kNone},
+                                                          {"listen", Fence::kListen},
+                                                          {"lock", Fence::kLock},
+                                                          {"one-client", Fence::kOneClient}};
+// Shorter than the time for which an adapter keeps bytes back (16 ms) it would be of no use.
+DurationRule hold_time() { return {std::chrono::milliseconds{50}, std::chrono::seconds{5}}; }
+
+// `fits`: the fences that this type of port can have, and what to write for the others.
+FenceSpec read_fence(MapReader& map, std::initializer_list<Fence> fits, std::string_view allowed) {
+  FenceSpec fence;
+  Fence kind{};
+  if (map.read("fence", kind, ChoiceRule<Fence>{kFences})) {
+    fence.kind = kind;
+    if (std::ranges::find(fits, kind) == fits.end()) {
+      map.faults().add(map.position_of("fence"),
+                       fmt::format("'fence: {}' does not fit this port", to_text(kind)),
+                       std::string(allowed));
+    }
+  }
+  const bool held = map.read("hold", fence.hold, hold_time());
+  if (held && !fence.is(Fence::kListen))
+    map.faults().add(map.position_of("hold"), "'hold' without 'fence: listen'");
+  return fence;
+}
+
 PortSpec read_serial(MapReader& map, const LineFormat& factory) {
   SerialPortSpec port;
   std::uint32_t baud = factory.baud;
@@ -113,6 +138,11 @@ PortSpec read_serial(MapReader& map, const LineFormat& factory) {
   map.read("rs485", port.rs485, FlagRule{});
   map.read("low-latency", port.low_latency, FlagRule{});
   map.read("exclusive", port.exclusive, FlagRule{});
+  port.fence = read_fence(map, {Fence::kNone, Fence::kListen, Fence::kLock}, "listen, lock, none");
+  if (port.fence.is(Fence::kLock) && !port.exclusive) {
+    map.faults().add(map.position_of("fence"), "'fence: lock' with 'exclusive: false'",
+                     "exclusive: true, which takes the lock");
+  }
   return port;
 }
 // Of the serial line behind a network; nothing where there is none.
@@ -138,6 +168,11 @@ PortSpec read_tcp(MapReader& map, const LineFormat& factory) {
     port.host = endpoint.first, port.port = endpoint.second;
   map.read("connect-timeout", port.connect_timeout, connect_timeout());
   port.line = read_far_line(map, factory);
+  port.fence = port.line ? read_fence(map, {Fence::kNone, Fence::kListen, Fence::kOneClient},
+                                      "one-client, listen, none")
+                         : read_fence(map, {Fence::kNone, Fence::kOneClient},
+                                      "one-client, none; listen with 'baud', for a serial line "
+                                      "behind a serial server");
   return port;
 }
 
@@ -157,8 +192,11 @@ struct PortType {
 };
 const std::array<PortType, 3>& port_types() {
   static const std::array<PortType, 3> types{{
-      {"serial", "PATH", {"baud", "format", "rs485", "low-latency", "exclusive"}, read_serial},
-      {"tcp", "HOST:PORT", {"baud", "format", "connect-timeout"}, read_tcp},
+      {"serial",
+       "PATH",
+       {"baud", "format", "rs485", "low-latency", "exclusive", "fence", "hold"},
+       read_serial},
+      {"tcp", "HOST:PORT", {"baud", "format", "connect-timeout", "fence", "hold"}, read_tcp},
       {"dial-in", "NUMBER", {"baud", "format"}, read_dial_in},
   }};
   return types;
@@ -310,6 +348,16 @@ const RowTable& port_rows() {
               FlagRule{}),
           row({.name = "connect-timeout", .fallback = "3s", .text = "with `tcp`"},
               connect_timeout()),
+          row({.name = "fence",
+               .fallback = "not said",
+               .text = "what keeps a second master off the wire (docs/redundancy.md): `listen` "
+                       "before sending; `lock` of a serial port, for bridges on one host; "
+                       "`one-client`: a serial server that takes one connection"},
+              ChoiceRule<Fence>{kFences}),
+          row({.name = "hold",
+               .fallback = "100ms",
+               .text = "with `fence: listen`: the longest pause between two requests"},
+              hold_time()),
       },
       {}, type_keys());
   return rows;

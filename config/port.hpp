@@ -13,8 +13,8 @@
 
 namespace fieldcast::config {
 
-//     { serial: PATH, baud, format, rs485, low-latency, exclusive }
-//     { tcp: HOST:PORT, baud, format, connect-timeout }
+//     { serial: PATH, baud, format, rs485, low-latency, exclusive, fence, hold }
+//     { tcp: HOST:PORT, baud, format, connect-timeout, fence, hold }
 //     { dial-in: NUMBER, baud, format }
 //
 // Without baud and format the line is what the protocol's devices have from the factory

@@ -16,6 +16,8 @@ std::string_view name_of(Notice::Kind kind) {
     case Notice::Kind::kEchoFound: return "echo";
     case Notice::Kind::kGarbage: return "garbage";
     case Notice::Kind::kGarbageEnded: return "garbage ended";
+    case Notice::Kind::kForeignMaster: return "foreign master";
+    case Notice::Kind::kForeignMasterEnded: return "foreign master ended";
   }
   return "notice";
 }
@@ -35,6 +37,8 @@ void NoticeLog::notice(const Notice& notice, Instant now) {
       return over(key_of(Notice::Kind::kOverload, notice.device), subject, notice.text);
     case Notice::Kind::kGarbageEnded:
       return over(key_of(Notice::Kind::kGarbage, notice.device), subject, notice.text);
+    case Notice::Kind::kForeignMasterEnded:
+      return over(key_of(Notice::Kind::kForeignMaster, notice.device), subject, notice.text);
     case Notice::Kind::kEchoFound: return log_info(subject, notice.text);
     case Notice::Kind::kDeviceErrors:  // another cause is another fault, and so is another address
       return fault(LogLevel::kWarning,
@@ -46,6 +50,7 @@ void NoticeLog::notice(const Notice& notice, Instant now) {
                    notice.text, now);
     case Notice::Kind::kDeviceLost:
     case Notice::Kind::kGarbage:
+    case Notice::Kind::kForeignMaster:
     case Notice::Kind::kOverload:
       return fault(LogLevel::kWarning, key_of(notice.kind, notice.device), subject, notice.text,
                    now);

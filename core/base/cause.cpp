@@ -42,6 +42,7 @@ constexpr std::array<Row, static_cast<std::size_t>(Cause::kCount)> kRows{{
     {"RATE_LIMITED", "written too often", Quality::kUncertain},
     {"NOT_VERIFIED", "the value read back differs", Quality::kBadDeviceError},
     {"LEASED", "bus is leased to a programming session", Quality::kUncertain},
+    {"FOREIGN_MASTER", "another master is on the wire", Quality::kUncertain},
     {"OFFLINE", "device is offline", Quality::kBadNoAnswer},
     {"UNSUPPORTED", "not supported by the device or its protocol", Quality::kBadConfiguration},
     {"SHUTDOWN", "bridge is shutting down", Quality::kUncertain},

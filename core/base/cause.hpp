@@ -40,10 +40,11 @@ enum class Cause : std::uint8_t {
   kDuplicate,
   kQueueFull,
   kRateLimited,
-  kNotVerified,  // the value read back differs from the value written
-  kLeased,       // the bus is leased to a programming session
-  kOffline,      // the device or its port is down
-  kUnsupported,  // the protocol or the device cannot do this
+  kNotVerified,    // the value read back differs from the value written
+  kLeased,         // the bus is leased to a programming session
+  kForeignMaster,  // another master speaks on the wire: this bridge sends nothing
+  kOffline,        // the device or its port is down
+  kUnsupported,    // the protocol or the device cannot do this
   kShutdown,
   kWrongState,  // of an alarm: what is asked for does not apply to it now
   kLate,        // nothing failed: the wire was not free in time

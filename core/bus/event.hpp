@@ -92,7 +92,9 @@ struct Notice {
     kOverloadEnded,
     kEchoFound,
     kGarbage,
-    kGarbageEnded
+    kGarbageEnded,
+    kForeignMaster,
+    kForeignMasterEnded
   };
   Kind kind;
   std::string device;  // empty: the whole bus

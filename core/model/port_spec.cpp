@@ -15,6 +15,20 @@ std::string to_text(const LineFormat& line) {
          kParity[static_cast<int>(line.parity)] + std::to_string(line.stop_bits);
 }
 
+std::string_view to_text(Fence fence) {
+  switch (fence) {
+    case Fence::kNone: return "none";
+    case Fence::kListen: return "listen";
+    case Fence::kLock: return "lock";
+    case Fence::kOneClient: return "one-client";
+  }
+  return "?";
+}
+
+const FenceSpec& fence_of(const PortSpec& port) {
+  return std::visit([](const auto& each) -> const FenceSpec& { return each.fence; }, port);
+}
+
 std::string name_of(const PortSpec& port) {
   return std::visit([](const auto& each) { return each.name(); }, port);
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 
 #include "core/base/time.hpp"
@@ -12,12 +13,32 @@
 
 namespace fieldcast {
 
+// What keeps a second master off the wire where the election of a standby group cannot: when the
+// bridges do not hear of each other, and each believes that it is the master.
+enum class Fence : std::uint8_t {
+  kNone,
+  kListen,     // a bridge listens before it sends, and the one that sends is never silent for long
+  kLock,       // the lock of the port: for bridges on one host
+  kOneClient,  // a serial server that takes one connection
+};
+[[nodiscard]] std::string_view to_text(Fence fence);  // "none", "listen", "lock", "one-client"
+
+// A port's fence. Which times follow from it: core/bus/fence_times.hpp.
+struct FenceSpec {
+  std::optional<Fence> kind;  // nothing: the configuration does not say
+  // kListen: the bridge that sends lets no longer time pass between two requests.
+  Duration hold = std::chrono::milliseconds{100};
+  [[nodiscard]] bool is(Fence fence) const { return kind == fence; }
+  friend bool operator==(const FenceSpec&, const FenceSpec&) = default;
+};
+
 struct SerialPortSpec {
   std::string path;
   LineFormat line;
   bool rs485 = false;       // kernel direction control (TIOCSRS485)
   bool low_latency = true;  // ASYNC_LOW_LATENCY where the driver knows it
   bool exclusive = true;    // flock and TIOCEXCL
+  FenceSpec fence{};
 
   static constexpr bool kOverNetwork = false;
   [[nodiscard]] std::string name() const { return path; }  // "/dev/ttyUSB0"
@@ -31,6 +52,7 @@ struct TcpPortSpec {
   // Of the serial line behind a serial server; nothing: a plain TCP device.
   std::optional<LineFormat> line;
   Duration connect_timeout = std::chrono::seconds{3};
+  FenceSpec fence{};
 
   static constexpr bool kOverNetwork = true;
   [[nodiscard]] std::string name() const { return host + ':' + std::to_string(port); }
@@ -42,6 +64,7 @@ struct TcpPortSpec {
 struct DialInPortSpec {
   std::string number;
   std::optional<LineFormat> line;  // of the serial line behind the module
+  FenceSpec fence{};               // says nothing: a module has one connection
 
   static constexpr bool kOverNetwork = true;
   [[nodiscard]] std::string name() const { return "dial-in " + number; }
@@ -62,6 +85,8 @@ using PortSpec = std::variant<SerialPortSpec, TcpPortSpec, DialInPortSpec>;
 // way.
 [[nodiscard]] bool over_network(const PortSpec& port);
 [[nodiscard]] bool has_line(const PortSpec& port);
+
+[[nodiscard]] const FenceSpec& fence_of(const PortSpec& port);
 
 // The line whose characters cost time: the port's own, or, for plain TCP, a nominal fast one.
 [[nodiscard]] LineFormat line_of(const PortSpec& port);

@@ -24,7 +24,11 @@ struct BusReport {
   double measured_load = 0;  // share that reading took, over the last 10 s
   std::uint64_t exchanges = 0, samples = 0, commands = 0, deadline_misses = 0, bytes_sent = 0,
                 bytes_received = 0, reopened = 0;
-  double stretch = 1;    // factor on refreshes under overload
+  double stretch = 1;  // factor on refreshes under overload
+  // Nothing is sent: the wire is listened to (`fence: listen`). And how often another master was
+  // heard while this bridge was the one that sends.
+  bool listening = false;
+  std::uint64_t foreign_masters = 0;
   CauseCounters causes;  // of failed exchanges
   CauseCounters misses;  // of missed refreshes, each by its cause: together the deadline misses
 };

@@ -125,10 +125,10 @@ TEST(GoodFiles, AStoreOnAServerIsKeptAsItIsWritten) {
 TEST_F(Everything, PortsArrive) {
   EXPECT_EQ(spec.buses[0].port,
             PortSpec(SerialPortSpec{"/dev/ttyS7", LineFormat{57600, 7, Parity::kOdd, 2}, true,
-                                    false, false}));
-  EXPECT_EQ(
-      spec.buses[1].port,
-      PortSpec(TcpPortSpec{"plc.local", 4001, LineFormat{9600, 8, Parity::kNone, 1}, seconds{5}}));
+                                    false, false, FenceSpec{Fence::kListen, milliseconds{250}}}));
+  EXPECT_EQ(spec.buses[1].port,
+            PortSpec(TcpPortSpec{"plc.local", 4001, LineFormat{9600, 8, Parity::kNone, 1},
+                                 seconds{5}, FenceSpec{Fence::kOneClient}}));
   EXPECT_EQ(spec.buses[2].port, PortSpec(TcpPortSpec{"fe80::1", 502, std::nullopt, seconds{3}}));
   EXPECT_EQ(spec.buses[3].port,
             PortSpec(DialInPortSpec{"17", LineFormat{9600, 7, Parity::kEven, 2}}));
