@@ -11,6 +11,7 @@
 
 #include "core/frame/line.hpp"
 #include "core/protocol/protocol.hpp"
+#include "core/protocol/seen_request.hpp"
 
 namespace fieldcast {
 
@@ -37,6 +38,8 @@ struct ProtocolEntry {
   std::string_view summary;  // one line for people
   Maker make = nullptr;
   Explainer explain = nullptr;
+  RequestMatcher seen_request =
+      nullptr;  // nullptr: no line, on which another master could be heard
   std::span<const std::string_view> options{};  // the names that `make` understands
   std::string_view options_text{};              // what they do, for config/README.md
   LineFormat factory_line{};                    // of its devices as they come from the factory

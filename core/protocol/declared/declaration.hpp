@@ -17,6 +17,7 @@
 #include "core/protocol/declared/check.hpp"
 #include "core/protocol/declared/word.hpp"
 #include "core/protocol/protocol.hpp"
+#include "core/protocol/seen_request.hpp"
 
 namespace fieldcast::declared {
 
@@ -144,5 +145,8 @@ struct SharedDeclaration {
 
 // One frame for people, read as that of the declaration's frames which it fits best.
 [[nodiscard]] std::vector<FrameField> explain(const Declaration& declaration, ByteView frame);
+
+// As RequestMatcher, of this declaration.
+[[nodiscard]] SeenRequest seen_request(const Declaration& declaration, ByteView bytes);
 
 }  // namespace fieldcast::declared

@@ -229,6 +229,7 @@ const ProtocolEntry& entry() {
       .summary = kTraits.summary,
       .make = make,
       .explain = explain,
+      .seen_request = seen_request,
       .options = kOptions,
       .options_text =
           "`max-message` (bytes of a message, 1024; as the device has it), `threshold` (compresses "

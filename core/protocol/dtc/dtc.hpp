@@ -11,4 +11,7 @@ namespace fieldcast::dtc {
 // A packet, the message in it and, of a request, its groups.
 [[nodiscard]] std::vector<FrameField> explain(ByteView frame);
 
+// Nothing in a message says whether it is a request: its answer may look like groups by chance.
+[[nodiscard]] SeenRequest seen_request(ByteView bytes);
+
 }  // namespace fieldcast::dtc

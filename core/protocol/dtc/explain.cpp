@@ -5,6 +5,7 @@
 #include "core/codec/checksum.hpp"
 #include "core/codec/lzw.hpp"
 #include "core/protocol/dtc/dtc.hpp"
+#include "core/protocol/dtc/groups.hpp"
 #include "core/protocol/dtc/message.hpp"
 #include "core/protocol/dtc/packet.hpp"
 #include "core/protocol/dtc/types.hpp"
@@ -16,30 +17,6 @@ namespace {
 constexpr std::size_t kMaxExplained = 2 * (kPacketHead + kMaxMessage);
 
 std::string hex(std::uint8_t byte) { return to_hex({&byte, 1}); }
-
-// One group at the beginning of `bytes`: its size with data, or 0 when no group is complete there.
-std::size_t group_size(ByteView bytes, bool with_data) {
-  if (bytes.size() < kGroupHead || bytes[2] >= kTypeCount) return 0;
-  const std::size_t data = with_data ? data_bytes(bytes[2], read_u16(bytes, 3)) : 0;
-  return kGroupHead + data <= bytes.size() ? kGroupHead + data : 0;
-}
-
-bool inside(ByteView group) {
-  return read_u16(group) + std::size_t{read_u16(group, 3)} <= kVariables;
-}
-
-// Nothing in a message says whether it is a request; groups that fill it to the last byte do. The
-// data of a read's answer may look like groups by chance, but hardly like groups that exist.
-bool all_groups(ByteView bytes, bool with_data) {
-  if (bytes.empty()) return false;
-  while (!bytes.empty()) {
-    const std::size_t size = group_size(bytes, with_data);
-    if (size == 0 || read_u16(bytes, 3) == 0) return false;
-    if (!with_data && !inside(bytes)) return false;
-    bytes = bytes.subspan(size);
-  }
-  return true;
-}
 
 void explain_message(FieldWriter& writer, ByteView message) {
   writer.add(0, 1, "address", std::to_string(message[0]));

@@ -308,6 +308,7 @@ const ProtocolEntry& entry() {
                                      .summary = kTraits.summary,
                                      .make = make,
                                      .explain = explain,
+                                     .seen_request = seen_request,
                                      .options = kOptions,
                                      .options_text = "`commands: extended` (of FX3 and later)",
                                      .factory_line = {9600, 7, Parity::kEven, 1},

@@ -9,4 +9,6 @@ namespace fieldcast::mitsubishi_fx {
 
 [[nodiscard]] std::vector<FrameField> explain(ByteView frame);
 
+[[nodiscard]] SeenRequest seen_request(ByteView bytes);
+
 }  // namespace fieldcast::mitsubishi_fx

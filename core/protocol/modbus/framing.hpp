@@ -14,6 +14,7 @@
 
 #include "core/protocol/modbus/request.hpp"
 #include "core/protocol/protocol.hpp"
+#include "core/protocol/seen_request.hpp"
 
 namespace fieldcast::modbus {
 
@@ -72,5 +73,8 @@ struct Framing {
 [[nodiscard]] std::vector<FrameField> explain_rtu(ByteView frame);
 [[nodiscard]] std::vector<FrameField> explain_ascii(ByteView frame);
 [[nodiscard]] std::vector<FrameField> explain_tcp(ByteView frame);
+
+[[nodiscard]] SeenRequest seen_rtu_request(ByteView bytes);
+[[nodiscard]] SeenRequest seen_ascii_request(ByteView bytes);
 
 }  // namespace fieldcast::modbus

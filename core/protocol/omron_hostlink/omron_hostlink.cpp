@@ -117,6 +117,7 @@ const ProtocolEntry& hostlink_entry() {
       .summary = kCModeTraits.summary,
       .make = make,
       .explain = explain_hostlink,
+      .seen_request = seen_hostlink_request,
       .options = kOptions,
       .options_text = "`mode: fins`, `wait`, `network`, `node`, `unit`",
       .factory_line = {9600, 7, Parity::kEven, 2},

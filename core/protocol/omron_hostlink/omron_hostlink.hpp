@@ -9,4 +9,6 @@ namespace fieldcast::omron {
 
 [[nodiscard]] std::vector<FrameField> explain_hostlink(ByteView frame);
 
+[[nodiscard]] SeenRequest seen_hostlink_request(ByteView bytes);
+
 }  // namespace fieldcast::omron

@@ -236,6 +236,7 @@ const ProtocolEntry& entry() {
                                      .summary = kTraits.summary,
                                      .make = make,
                                      .explain = explain,
+                                     .seen_request = seen_request,
                                      .options = kOptions,
                                      .options_text = "`letters: swapped`",
                                      .factory_line = {9600, 8, Parity::kNone, 1},

@@ -23,4 +23,6 @@ inline constexpr std::array kRefusals{
 
 [[nodiscard]] std::vector<FrameField> explain(ByteView frame);
 
+[[nodiscard]] SeenRequest seen_request(ByteView bytes);
+
 }  // namespace fieldcast::s7_freeport

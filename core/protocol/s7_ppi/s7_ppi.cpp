@@ -211,6 +211,7 @@ const ProtocolEntry& entry() {
       .summary = kTraits.summary,
       .make = make,
       .explain = explain,
+      .seen_request = seen_request,
       .options = kOptions,
       .options_text =
           "`master` (our address, 0), `poll-delay-ms` (between acknowledge and poll, 10)",

@@ -9,4 +9,6 @@ namespace fieldcast::s7_ppi {
 
 [[nodiscard]] std::vector<FrameField> explain(ByteView frame);
 
+[[nodiscard]] SeenRequest seen_request(ByteView bytes);
+
 }  // namespace fieldcast::s7_ppi

@@ -1,0 +1,56 @@
+// Requests of other masters in a declared protocol: any operation, to any device.
+#include "core/protocol/seen_request.hpp"
+
+#include "core/protocol/declared/declaration.hpp"
+#include "core/protocol/declared/frame.hpp"
+
+namespace fieldcast::declared {
+namespace {
+
+constexpr std::uint32_t kMostItemsTried = 64;  // of a write whose frame says no length
+constexpr std::size_t kEnoughKnown = 2;        // fields with one possible value, without a check
+
+struct Seen {
+  std::size_t size = 0;
+  bool checked = false;
+};
+
+Seen match(const Declaration& declaration, const Operation& operation, const Frame& frame,
+           ByteView bytes, bool refusal) {
+  const DeclaredArea& area = declaration.areas[operation.area];
+  FrameContext context;
+  context.command = operation.command;
+  context.item_bits = area.item_bits;
+  context.refusal = refusal;
+  for (std::uint32_t count = operation.min_count;
+       count <= std::min<std::uint32_t>(operation.max_count, kMostItemsTried); ++count) {
+    context.count = count;
+    const MatchResult found = match_frame(frame, bytes, context, area.record ? area.items : 0);
+    const bool plausible = found.checked ? !found.bad_check : found.known >= kEnoughKnown;
+    if (found.fit == MatchResult::Fit::kWhole && plausible) return {found.size, found.checked};
+  }
+  return {};
+}
+
+}  // namespace
+
+SeenRequest seen_request(const Declaration& declaration, ByteView bytes) {
+  SeenRequest seen;
+  for (const Operation& operation : declaration.operations) {
+    const Seen request = match(declaration, operation, operation.request, bytes, false);
+    if (request.size == 0) continue;
+    seen = {request.size, request.checked};
+    break;
+  }
+  if (!seen) return seen;
+  const ByteView frame = bytes.first(seen.size);
+  for (const Operation& operation : declaration.operations) {
+    const bool alike =
+        match(declaration, operation, operation.answer, frame, false).size == seen.size ||
+        match(declaration, operation, declaration.refusal, frame, true).size == seen.size;
+    if (alike) seen.certain = false;
+  }
+  return seen;
+}
+
+}  // namespace fieldcast::declared
