@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/codec/checksum.hpp"
+#include "core/codec/digits.hpp"
 #include "core/protocol/modbus/areas.hpp"
 #include "core/protocol/modbus/framing.hpp"
 #include "core/protocol/modbus/function.hpp"
@@ -69,18 +70,11 @@ SeenRequest seen_ascii_request(ByteView bytes) {
   if (bytes.empty() || bytes[0] != ':') return {};
   const auto cr = std::find(bytes.begin(), bytes.end(), '\r');
   if (cr == bytes.end() || cr + 1 == bytes.end() || *(cr + 1) != '\n') return {};
-  const ByteView digits(bytes.begin() + 1, cr);
-  Scratch scratch{};
-  if (digits.size() % 2 != 0 || digits.size() > 2 * scratch.size()) return {};
-  const std::size_t count = digits.size() / 2;
-  for (std::size_t i = 0; i < count; ++i) {
-    const int high = ascii_digit(digits[2 * i]), low = ascii_digit(digits[2 * i + 1]);
-    if (high < 0 || low < 0) return {};
-    scratch[i] = static_cast<std::uint8_t>(high << 4 | low);
-  }
-  const ByteView frame = ByteView(scratch).first(count);
-  if (count < kLeastAscii || sum8(frame) != 0 || frame[0] > kLastUnit) return {};
-  const ByteView pdu = frame.subspan(1, count - 2);
+  // Masters write upper-case digits; some devices do not.
+  const auto frame = read_hex_bytes(ByteView(bytes.begin() + 1, cr));
+  if (!frame || frame->size() < kLeastAscii || frame->size() > kMaxPdu + 2) return {};
+  if (sum8(*frame) != 0 || frame->front() > kLastUnit) return {};
+  const ByteView pdu = ByteView(*frame).subspan(1, frame->size() - 2);
   if (request_pdu_size(pdu) != pdu.size() || !fields_fit(pdu)) return {};
   return {static_cast<std::size_t>(cr - bytes.begin()) + 2, differs_from_answers(pdu)};
 }
