@@ -31,6 +31,8 @@ constexpr Duration kLastWords = std::chrono::milliseconds{300};  // for the log 
 
 // What the library says may be about what anybody in the domain sends.
 void log_library(bool error, std::string_view kind, std::string_view text) {
+  if (kind == kSecurityLine)
+    return error ? log_error("security", text) : log_warning("security", text);
   log_counted(error ? LogLevel::kError : LogLevel::kWarning, "Fast DDS",
               fmt::format("messages of {}", kind), text);
 }

@@ -14,7 +14,10 @@
 #include "bridge/dds/library.hpp"
 #include "bridge/dds/note_transport.hpp"
 #include "bridge/dds/receive_buffer.hpp"
+#include "bridge/security/documents.hpp"
+#include "bridge/security/file_access.hpp"
 #include "bridge/security/member_folder.hpp"
+#include "bridge/security/pki.hpp"
 
 namespace fieldcast {
 
@@ -54,9 +57,11 @@ void set_transports(const DdsSpec& spec, dds::DomainParticipantQos& qos) {
   transport.user_transports.push_back(udp);
 }
 
-// Messages pass through ours on their way out: notes of unregistered instances get their keys. The
-// library's own transports cannot be reached, so that UDP of the user's or ours takes their place.
-void send_through_ours(dds::TransportConfigQos& transport) {
+// Messages pass through ours on their way out, where notes of unregistered instances get their
+// keys, and on their way in, where the filter sees them. The library's own transports cannot be
+// reached, so that UDP of the user's or ours takes their place.
+void pass_through_ours(dds::TransportConfigQos& transport,
+                       const std::shared_ptr<IncomingFilter>& filter) {
   if (std::exchange(transport.use_builtin_transports, false) &&
       std::none_of(transport.user_transports.begin(), transport.user_transports.end(),
                    [](const auto& one) {
@@ -64,7 +69,8 @@ void send_through_ours(dds::TransportConfigQos& transport) {
                    })) {
     transport.user_transports.push_back(std::make_shared<UDPv4TransportDescriptor>());
   }
-  for (auto& one : transport.user_transports) one = std::make_shared<NoteTransportDescriptor>(one);
+  for (auto& one : transport.user_transports)
+    one = std::make_shared<NoteTransportDescriptor>(one, filter);
 }
 
 // Of "host:port"; throws DdsError, which says what it is of.
@@ -148,7 +154,19 @@ std::optional<security::Member> member_of(const DdsSpec& spec) {
   return *std::move(member);
 }
 
-dds::DomainParticipantQos participant_qos(const DdsSpec& spec, const std::string& name) {
+std::shared_ptr<IncomingFilter> filter_of(const DdsSpec& spec) {
+  if (!spec.security) return nullptr;
+  try {
+    const std::string governance =
+        security::read_file(*spec.security + '/' + std::string(security::kGovernance));
+    return std::make_shared<IncomingFilter>(security::protects_messages(governance));
+  } catch (const security::SecurityError& error) {
+    throw DdsError(std::string("dds: security: ") + error.what());
+  }
+}
+
+dds::DomainParticipantQos participant_qos(const DdsSpec& spec, const std::string& name,
+                                          const std::shared_ptr<IncomingFilter>& filter) {
   auto* factory = dds::DomainParticipantFactory::get_instance();
   dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
   if (spec.profile) {
@@ -169,7 +187,7 @@ dds::DomainParticipantQos participant_qos(const DdsSpec& spec, const std::string
   qos.name() = name;
   // Transports of the user's profile are the user's business; without any, ours.
   if (!spec.profile || qos.transport().user_transports.empty()) set_transports(spec, qos);
-  send_through_ours(qos.transport());
+  pass_through_ours(qos.transport(), filter);
   if (spec.tcp) set_tcp(*spec.tcp, qos);
   set_discovery_servers(spec.discovery_servers, qos);
   if (spec.security) set_security(*spec.security, qos);
@@ -187,7 +205,7 @@ std::vector<std::string> used_interfaces(const DdsSpec& spec) {
 
 Domain::Domain(const DdsSpec& spec, const std::string& name,
                dds::DomainParticipantListener* listener)
-    : member_(member_of(spec)) {
+    : member_(member_of(spec)), filter_(filter_of(spec)) {
   if (spec.domain > kHighestDomain)
     throw DdsError("dds: domain " + std::to_string(spec.domain) + " is not 0..232");
   if (spec.security && spec.domain > security::kHighestDomain) {
@@ -200,7 +218,7 @@ Domain::Domain(const DdsSpec& spec, const std::string& name,
   }
   prepare_library();
   auto* factory = dds::DomainParticipantFactory::get_instance();
-  const dds::DomainParticipantQos qos = participant_qos(spec, name);
+  const dds::DomainParticipantQos qos = participant_qos(spec, name, filter_);
   // Discovery reaches the listener all the same: it has no bit in the mask.
   participant_.reset(
       factory->create_participant(spec.domain, qos, listener, dds::StatusMask::none()));
@@ -226,6 +244,7 @@ Domain::Domain(const DdsSpec& spec, const std::string& name,
   }
   if (publisher_ == nullptr || subscriber_ == nullptr || held_publisher_ == nullptr)
     throw DdsError("dds: cannot make a publisher and a subscriber");
+  if (filter_) watch_ = std::make_unique<MemberWatch>(*spec.security, filter_);
 }
 
 namespace {

@@ -16,6 +16,8 @@
 #include <vector>
 
 #include "bridge/dds/fastdds.hpp"
+#include "bridge/dds/incoming_filter.hpp"
+#include "bridge/dds/member_watch.hpp"
 #include "bridge/dds/topics/topic_type.hpp"
 #include "bridge/dds/topics/topics.hpp"
 #include "bridge/security/topic_rights.hpp"
@@ -94,12 +96,14 @@ class Domain {
     void operator()(dds::DomainParticipant* participant) const;  // deletes every entity first
   };
   std::optional<security::Member> member_;
+  std::shared_ptr<IncomingFilter> filter_;  // null without DDS Security
   std::unique_ptr<dds::DomainParticipant, Leave> participant_;
   dds::Publisher* publisher_ = nullptr;
   dds::Publisher* held_publisher_ = nullptr;  // of what is by bus, for a member held to buses
   dds::Subscriber* subscriber_ = nullptr;
   std::map<dds::DataReader*, dds::Subscriber*> of_buses_;  // readers with a subscriber of their own
   std::map<std::string, dds::Topic*> topics_;
+  std::unique_ptr<MemberWatch> watch_;  // null without DDS Security
 };
 
 }  // namespace fieldcast

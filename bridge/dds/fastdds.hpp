@@ -321,8 +321,20 @@ struct OutgoingMessage {
   Deadline deadline;
 };
 
-// A transport over another one that sees every message before it is sent.
-class OutgoingTransport : public rtps_transport::ChainingTransport {
+// One message that came. `above` takes it, on this thread.
+struct IncomingMessage {
+  rtps_transport::TransportReceiverInterface* above;
+  std::span<const std::uint8_t> bytes;
+  const rtps::Locator_t &local, &remote;
+
+  void deliver(std::span<const std::uint8_t> other_bytes) const {
+    above->OnDataReceived(other_bytes.data(), static_cast<std::uint32_t>(other_bytes.size()), local,
+                          remote);
+  }
+};
+
+// A transport over another one that sees every message before it is sent, and each that comes.
+class PassingTransport : public rtps_transport::ChainingTransport {
  public:
   using ChainingTransport::ChainingTransport;
 
@@ -343,6 +355,8 @@ class OutgoingTransport : public rtps_transport::ChainingTransport {
  protected:
   // Sends it, as it is or changed, now or soon.
   virtual bool on_message(const OutgoingMessage& message) = 0;
+  // Delivers it, or does not. On the thread of the transport below that received it.
+  virtual void on_received(const IncomingMessage& message) { message.deliver(message.bytes); }
 
  private:
   using Deadline = OutgoingMessage::Deadline;
@@ -374,7 +388,7 @@ class OutgoingTransport : public rtps_transport::ChainingTransport {
   void receive(rtps_transport::TransportReceiverInterface* above, const rtps::octet* bytes,
                std::uint32_t size, const rtps::Locator_t& local,
                const rtps::Locator_t& remote) final {
-    above->OnDataReceived(bytes, size, local, remote);
+    on_received({above, {bytes, size}, local, remote});
   }
 
   std::mutex mutex_;  // of sending: the library's own lock is not held by who sends later

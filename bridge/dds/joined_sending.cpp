@@ -33,7 +33,7 @@ JoinedSending::~JoinedSending() {
 
 JoinedSending* JoinedSending::of_this_thread() { return of_thread; }
 
-bool JoinedSending::send(OutgoingTransport& transport, const OutgoingMessage& message) {
+bool JoinedSending::send(PassingTransport& transport, const OutgoingMessage& message) {
   to_.clear();
   for (auto& at = *message.begin; at != *message.end; ++at) to_.push_back(*at);
   auto kept = std::find_if(kept_.begin(), kept_.end(), [&](const Kept& one) {

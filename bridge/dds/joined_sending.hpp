@@ -28,11 +28,11 @@ class JoinedSending {
 
   // Keeps the message; one that cannot be joined leaves at once, behind what is kept for the same
   // receivers. False if that failed.
-  bool send(OutgoingTransport& transport, const OutgoingMessage& message);
+  bool send(PassingTransport& transport, const OutgoingMessage& message);
 
  private:
   struct Kept {
-    OutgoingTransport* transport;
+    PassingTransport* transport;
     rtps::SenderResource* below;
     std::vector<rtps::Locator_t> to;
     OutgoingMessage::Deadline deadline;

@@ -38,6 +38,11 @@ class PlainLines : public dds::LogConsumer {
 
 void set_library_lines(LibraryLines lines) { elsewhere = lines; }
 
+void say_security(bool error, std::string_view text) {
+  if (const LibraryLines lines = elsewhere) return lines(error, kSecurityLine, text);
+  std::fprintf(stderr, "security: %.*s\n", static_cast<int>(text.size()), text.data());
+}
+
 void prepare_library() {
   static std::once_flag once;
   std::call_once(once, [] {

@@ -18,4 +18,8 @@ void prepare_library();
 using LibraryLines = void (*)(bool error, std::string_view kind, std::string_view text);
 void set_library_lines(LibraryLines lines);
 
+// What we have to say about DDS Security goes the same way, with this kind.
+inline constexpr std::string_view kSecurityLine = "security";
+void say_security(bool error, std::string_view text);
+
 }  // namespace fieldcast

@@ -9,10 +9,10 @@ namespace fieldcast {
 
 namespace {
 
-class NoteTransport : public OutgoingTransport {
+class NoteTransport : public PassingTransport {
  public:
   explicit NoteTransport(const NoteTransportDescriptor& descriptor)
-      : OutgoingTransport(descriptor), descriptor_(descriptor) {}
+      : PassingTransport(descriptor), descriptor_(descriptor) {}
 
   rtps_transport::TransportDescriptorInterface* get_configuration() override {
     return &descriptor_;
@@ -26,6 +26,16 @@ class NoteTransport : public OutgoingTransport {
     OutgoingMessage turned = message;
     turned.bytes = copy;
     return pass(turned);
+  }
+
+ protected:
+  void on_received(const IncomingMessage& message) override {
+    IncomingFilter* filter = descriptor_.filter.get();
+    if (filter == nullptr) return message.deliver(message.bytes);
+    for (const IncomingFilter::Bytes& bytes : filter->goodbyes()) message.deliver(bytes);
+    if (filter->takes(message.bytes)) return message.deliver(message.bytes);
+    const IncomingFilter::Bytes goodbye = filter->goodbye_of_sender(message.bytes);
+    if (!goodbye.empty()) message.deliver(goodbye);
   }
 
  private:

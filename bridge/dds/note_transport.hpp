@@ -1,16 +1,24 @@
 // A transport over another one that turns marked messages into notes of unregistered instances
 // (unregister_note.hpp) as they leave, and joins what belongs together (joined_sending.hpp).
-// Everything else goes through as it is.
+// Everything else goes through as it is. With DDS Security, what comes passes an IncomingFilter.
 #pragma once
 
+#include <memory>
+
 #include "bridge/dds/fastdds.hpp"
+#include "bridge/dds/incoming_filter.hpp"
 
 namespace fieldcast {
 
 struct NoteTransportDescriptor : rtps_transport::ChainingTransportDescriptor {
-  using ChainingTransportDescriptor::ChainingTransportDescriptor;
+  // `what_is_taken`: null without DDS Security.
+  NoteTransportDescriptor(std::shared_ptr<rtps_transport::TransportDescriptorInterface> below,
+                          std::shared_ptr<IncomingFilter> what_is_taken)
+      : ChainingTransportDescriptor(std::move(below)), filter(std::move(what_is_taken)) {}
   // The library's; the caller owns it.
   [[nodiscard]] rtps_transport::TransportInterface* create_transport() const override;
+
+  std::shared_ptr<IncomingFilter> filter;
 };
 
 }  // namespace fieldcast

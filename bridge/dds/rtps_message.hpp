@@ -13,12 +13,21 @@ inline constexpr std::size_t kMessageHeader = 20, kSubmessageHeader = 4;  // byt
 // 9.4.5.1.1
 enum class Submessage : std::uint8_t {
   kPad = 0x01,
+  kAckNack = 0x06,
   kHeartbeat = 0x07,
   kGap = 0x08,
   kInfoTs = 0x09,
   kInfoDst = 0x0e,
+  kNackFrag = 0x12,
+  kHeartbeatFrag = 0x13,
   kData = 0x15,
-  kStatistics = 0x80,  // of the vendor: Fast DDS counts messages in it
+  kDataFrag = 0x16,
+  kStatistics = 0x80,  // of the vendor, as all from here on: Fast DDS counts messages in it
+  // Of DDS Security 1.1 (OMG formal/18-04-01, 7.3.6).
+  kSecBody = 0x30,
+  kSecPrefix = 0x31,
+  kSecPostfix = 0x32,
+  kSrtpsPrefix = 0x33,  // the whole message is protected
 };
 
 // The flag of every submessage for the order of its bytes, and its value where the library writes:

@@ -94,6 +94,10 @@ std::string governance_text(Protection protection) {
              domains(), kind, kind, kind, rules);
 }
 
+bool protects_messages(std::string_view governance) {
+  return governance.find("<rtps_protection_kind>NONE<") == std::string_view::npos;
+}
+
 std::string permissions_text(const Grant& grant) {
   const MemberRole role = grant.member.role;
   const std::vector<std::string> all{"*"};

@@ -23,6 +23,8 @@ enum class Protection : std::uint8_t {
 // plant, not even with a library of its own making. Protection of whole submessages would do the
 // same for their sequence numbers, but Fast DDS 2.9.1 and Cyclone DDS 0.10.2 do not match with it.
 [[nodiscard]] std::string governance_text(Protection protection);
+// Whether it asks that whole messages are protected; ours do. Signed or not.
+[[nodiscard]] bool protects_messages(std::string_view governance);
 
 struct Grant {
   Member member;

@@ -11,6 +11,7 @@
 #include <openssl/x509.h>
 #include <openssl/x509v3.h>
 
+#include <algorithm>
 #include <memory>
 
 namespace fieldcast::security {
@@ -92,6 +93,20 @@ std::string pem_of(X509_CRL* list) {
   const Bio bio = writer();
   expect(PEM_write_bio_X509_CRL(bio.get(), list) == 1, "write a list of revoked certificates");
   return text_of(bio.get());
+}
+
+// Those that stand among other things in a file.
+std::vector<std::string> certificates_in(const std::string& text) {
+  constexpr std::string_view kBegin = "-----BEGIN CERTIFICATE-----";
+  constexpr std::string_view kEnd = "-----END CERTIFICATE-----\n";
+  std::vector<std::string> found;
+  for (auto at = text.find(kBegin); at != std::string::npos; at = text.find(kBegin, at)) {
+    const auto end = text.find(kEnd, at);
+    if (end == std::string::npos) break;
+    found.push_back(text.substr(at, end + kEnd.size() - at));
+    at = end;
+  }
+  return found;
 }
 
 std::time_t seconds_of(UtcTime time) {
@@ -236,7 +251,25 @@ std::string revoke(const Identity& authority, const std::string& list,
   expect(X509_CRL_sort(revoked.get()) == 1 &&
              X509_CRL_sign(revoked.get(), key_of(authority.key).get(), EVP_sha256()) > 0,
          "sign a list of revoked certificates");
-  return pem_of(revoked.get());
+  std::string text = pem_of(revoked.get());
+  for (const std::string& other : certificates_in(list)) text += other;
+  return text + certificate;
+}
+
+std::vector<Subject> revoked_subjects(const std::string& authority, const std::string& list) {
+  const Key key(X509_get_pubkey(certificate_of(authority).get()));
+  if (!key || X509_CRL_verify(revocations_of(list).get(), key.get()) != 1) {
+    ERR_clear_error();
+    throw SecurityError("the list of revoked certificates is not signed by the authority");
+  }
+  std::vector<Subject> subjects;
+  for (const std::string& certificate : certificates_in(list)) {
+    if (!is_revoked(list, certificate) || !is_issued_by(authority, certificate)) continue;
+    const auto subject = subject_from(read_certificate(certificate).slashed);
+    if (subject && std::find(subjects.begin(), subjects.end(), *subject) == subjects.end())
+      subjects.push_back(*subject);
+  }
+  return subjects;
 }
 
 CertificateFacts read_certificate(const std::string& pem) {

@@ -36,7 +36,8 @@ struct Validity {
 [[nodiscard]] std::string sign(const Identity& authority, const std::string& text);
 
 // An empty list, and one with a certificate more; signed by the authority. A list has no end: one
-// that ran out would shut out everybody.
+// that ran out would shut out everybody. Behind the list stand the certificates that are in it:
+// libraries of DDS read the list alone, and revoked_subjects() reads the names from them.
 [[nodiscard]] std::string empty_revocations(const Identity& authority, UtcTime now);
 [[nodiscard]] std::string revoke(const Identity& authority, const std::string& list,
                                  const std::string& certificate, UtcTime now);
@@ -48,6 +49,10 @@ struct CertificateFacts {
   UtcTime not_before, not_after;
 };
 [[nodiscard]] CertificateFacts read_certificate(const std::string& certificate);
+// Whose certificates stand behind a list, and are in it. Throws SecurityError if the list is not
+// signed by the authority.
+[[nodiscard]] std::vector<Subject> revoked_subjects(const std::string& authority,
+                                                    const std::string& list);
 [[nodiscard]] bool is_revoked(const std::string& list, const std::string& certificate);
 // By the authority's key, whatever the time is.
 [[nodiscard]] bool is_issued_by(const std::string& authority, const std::string& certificate);

@@ -35,6 +35,9 @@ struct Options {
 };
 
 void log_library(bool error, std::string_view kind, std::string_view text) {
+  if (kind == fieldcast::kSecurityLine)
+    return error ? fieldcast::log_error("security", text)
+                 : fieldcast::log_warning("security", text);
   fieldcast::log_counted(error ? fieldcast::LogLevel::kError : fieldcast::LogLevel::kWarning,
                          "Fast DDS", fmt::format("messages of {}", kind), text);
 }

@@ -110,6 +110,10 @@ TEST_F(AuthorityTest, RevokingTakesEveryCertificateThatThereWas) {
   EXPECT_TRUE(is_revoked(list, first));
   EXPECT_TRUE(is_revoked(list, read_file(mes + "/identity.pem")));
   EXPECT_FALSE(is_revoked(list, read_file(wall + "/identity.pem")));
+  EXPECT_THAT(revoked_subjects(read_file(wall + "/identity-ca.pem"), list),
+              ElementsAre(subject_for({MemberRole::kPlant, "mes", {}})));
+  EXPECT_THROW((void)revoked_subjects(read_file(wall + "/permissions-ca.pem"), list), SecurityError)
+      << "of another authority";
   EXPECT_THAT(check_member(mes, after(2 * kDay)).faults, ElementsAre(HasSubstr("revoked")));
   EXPECT_THROW(authority_.revoke("mes", after(2 * kDay)), SecurityError);
   EXPECT_THROW(authority_.renew("mes", after(2 * kDay)), SecurityError);

@@ -4,9 +4,15 @@
 // the forger's own side.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <thread>
 
 #include "bridge/dds/domain.hpp"
 #include "bridge/dds/library.hpp"
@@ -118,6 +124,47 @@ void publish(DdsLink& link, const std::string& bus, std::int64_t value) {
   link.publish(bus, samples, both_clocks());
 }
 
+// To all participants of the domain on this machine: a message of this writer, without protection.
+void send_in_clear(std::uint32_t domain, const rtps::GUID_t& writer, std::uint8_t sequence,
+                   const idl::BusStatus& status) {
+  TopicType<idl::BusStatusPubSubType> type;
+  rtps::SerializedPayload_t payload(type.size_of(&status));
+  ASSERT_TRUE(type.to_bytes(&status, payload));
+  std::vector<std::uint8_t> bytes{'R', 'T', 'P', 'S', 2, 2, 1, 15};
+  const auto add = [&bytes](const auto* begin, std::size_t size) {
+    bytes.insert(bytes.end(), begin, begin + size);
+  };
+  add(writer.guidPrefix.value, 12);
+  const std::size_t length = 20 + payload.length;
+  const std::uint8_t head[] = {0x15,
+                               5,
+                               static_cast<std::uint8_t>(length),
+                               static_cast<std::uint8_t>(length >> 8),
+                               0,
+                               0,
+                               16,
+                               0,
+                               0,
+                               0,
+                               0,
+                               0};
+  add(head, sizeof head);
+  add(writer.entityId.value, 4);
+  const std::uint8_t number[] = {0, 0, 0, 0, sequence, 0, 0, 0};
+  add(number, sizeof number);
+  add(payload.data, payload.length);
+  const int file = ::socket(AF_INET, SOCK_DGRAM, 0);
+  for (unsigned participant = 0; participant < 8; ++participant) {
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    to.sin_port = htons(static_cast<std::uint16_t>(7411 + 250 * domain + 2 * participant));
+    (void)::sendto(file, bytes.data(), bytes.size(), 0, reinterpret_cast<sockaddr*>(&to),
+                   sizeof to);
+  }
+  ::close(file);
+}
+
 TEST_F(DdsSecurity, MembersReadAndCommandAndTheBridgeKnowsWhoTheyAre) {
   Obedient bridge("press-1", 1, as_new({kBridge, "line-7", {}}));
   Watching wall(as_new({kStationReadonly, "wall", {}}));
@@ -170,6 +217,71 @@ TEST_F(DdsSecurity, WhoIsRevokedSeesNothingAndIsNotHeard) {
   EXPECT_FALSE(revoked.station.execute(write_running("press-1"), kLongEnough));
   EXPECT_TRUE(revoked.saw_nothing());
   EXPECT_EQ(bridge.received.commands.size(), 0U);
+}
+
+TEST_F(DdsSecurity, WhoIsRevokedMeanwhileIsLetDownByRunningPrograms) {
+  const DdsSpec line = as_new({kBridge, "line-7", {}}), wall = as_new({kStation, "wall", {}});
+  const DdsSpec mes = as_new({kPlant, "mes", {}});
+  const std::string old_list = security::read_file(*mes.security + "/revoked.pem");
+  Obedient bridge("press-1", 1, line);
+  Watching watching(wall);
+  Watching revoked(mes, "revoked");
+  std::atomic<bool> ends = false;
+  std::thread publishing([&] {
+    for (std::int64_t value = 1; !ends; ++value) {
+      const std::vector<Sample> samples{good(0, value, static_cast<std::uint64_t>(value))};
+      bridge.link.publish("press-1", samples, both_clocks());
+      std::this_thread::sleep_for(5ms);
+    }
+  });
+  ASSERT_TRUE(revoked.station.execute(write_running("press-1"), 5s));
+  EXPECT_TRUE(
+      eventually([&] { return revoked.samples.size() > 0 && watching.samples.size() > 0; }));
+  authority_.revoke("mes", now());
+  security::replace(*mes.security + "/revoked.pem", old_list, 0644);
+  EXPECT_TRUE(eventually([&] {
+    const auto lines = said().all();
+    return std::ranges::count(lines, "plant mes is revoked: it is not let in any more") == 2;
+  })) << "by the bridge and the station";
+  EXPECT_TRUE(eventually([&] { return bridge.link.counters("press-1").block_readers == 1; }));
+  const std::size_t before = revoked.samples.size(), seen = watching.samples.size();
+  EXPECT_TRUE(eventually([&] { return watching.samples.size() > seen + 100; }));
+  EXPECT_EQ(revoked.samples.size(), before);
+  StationCommand command = write_running("press-1");
+  command.lifespan = 100ms;
+  EXPECT_FALSE(revoked.station.execute(command, 0s, 300ms));
+  ends = true;
+  publishing.join();
+  EXPECT_EQ(bridge.received.commands.size(), 1U);
+  std::uint64_t next = watching.samples.all().front().sequence;
+  for (const StationSample& sample : watching.samples.all())
+    EXPECT_EQ(sample.sequence, next++) << "the others miss nothing";
+}
+
+// What an outsider can send who has read the GUID of a bridge's writer in the headers of messages.
+TEST_F(DdsSecurity, SamplesInClearInTheNameOfABridgeAreRefused) {
+  Domain bridge(as_new({kBridge, "line-7", {}}), "line-7", nullptr);
+  Domain station(as_new({kStation, "wall", {}}), "wall", nullptr);
+  dds::DataWriter* writer = bridge.writer(kBusStatusTopic, "line-7");
+  dds::DataReader* reader = station.reader(kBusStatusTopic, nullptr, dds::StatusMask::none());
+  idl::BusStatus status;
+  status.bus("press-1");
+  writer->write(&status);
+  const auto taken = [reader] {
+    idl::BusStatus message;
+    dds::SampleInfo info;
+    return reader->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK
+               ? std::optional<std::string>(message.bus())
+               : std::nullopt;
+  };
+  ASSERT_TRUE(eventually([&] { return taken() == "press-1"; }));
+  status.bus("forged");
+  send_in_clear(domain_.number(), writer->guid(), 2, status);
+  std::this_thread::sleep_for(kLongEnough / 2);
+  EXPECT_EQ(taken(), std::nullopt);
+  status.bus("press-2");
+  writer->write(&status);
+  EXPECT_TRUE(eventually([&] { return taken() == "press-2"; }));
 }
 
 TEST_F(DdsSecurity, AReadonlyStationIsToldThatItMayNotCommand) {

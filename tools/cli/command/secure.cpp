@@ -57,7 +57,7 @@ ExitCode revoke(const SecureOptions& options, UtcTime now, std::ostream& out) {
   Authority(options.folder).revoke(options.member.name, now);
   out << fmt::format(
       "{} is revoked. Copy {}/{} into the folder of every other member, bridges first; a program "
-      "refuses {} from its next start on.\n",
+      "refuses {} within a second, also one that runs.\n",
       options.member.name, options.folder, security::kRevoked, options.member.name);
   return ExitCode::kOk;
 }

@@ -1,0 +1,173 @@
+#include "bridge/dds/incoming_filter.hpp"
+
+#include <algorithm>
+#include <initializer_list>
+#include <utility>
+
+#include "bridge/dds/rtps_message.hpp"
+
+namespace fieldcast {
+namespace {
+
+using EntityId = std::array<std::uint8_t, 4>;
+// RTPS 2.2, 9.3.1.2, and DDS Security 1.1, 7.3.7.
+constexpr EntityId kParticipantWriter{0x00, 0x01, 0x00, 0xc2};
+constexpr EntityId kParticipantReader{0x00, 0x01, 0x00, 0xc7};
+constexpr EntityId kHandshakeWriter{0x00, 0x02, 0x01, 0xc3};
+constexpr std::size_t kPrefixOffset = 8;
+// Nobody writes as many messages: numbers from here on are ours.
+constexpr std::uint32_t kOurNumbers = 0x40000000;  // the upper half
+
+std::uint32_t word_at(std::span<const std::uint8_t> bytes, std::size_t at, bool little) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) value = value << 8 | bytes[at + (little ? 3 - i : i)];
+  return value;
+}
+
+// Where the identities of reader and writer begin in a submessage; 0: it has none.
+std::size_t entities_of(Submessage kind) {
+  switch (kind) {
+    case Submessage::kData:
+    case Submessage::kDataFrag: return kSubmessageHeader + 4;
+    case Submessage::kAckNack:
+    case Submessage::kHeartbeat:
+    case Submessage::kGap:
+    case Submessage::kNackFrag:
+    case Submessage::kHeartbeatFrag: return kSubmessageHeader;
+    default: return 0;
+  }
+}
+
+bool is_harmless(Submessage kind) {
+  switch (kind) {
+    case Submessage::kPad:
+    case Submessage::kInfoTs:
+    case Submessage::kInfoDst:
+    case Submessage::kSecPrefix:
+    case Submessage::kSecBody:
+    case Submessage::kSecPostfix: return true;
+    default: return kind >= Submessage::kStatistics;
+  }
+}
+
+std::size_t length_of(std::span<const std::uint8_t> head) {
+  const bool little = (head[1] & kLittleEndian) != 0;
+  return little ? head[2] | head[3] << 8 : head[2] << 8 | head[3];
+}
+
+}  // namespace
+
+bool may_be_in_clear(std::span<const std::uint8_t> message) {
+  for (std::size_t at = kMessageHeader; at < message.size();) {
+    const auto rest = message.subspan(at);
+    if (rest.size() < kSubmessageHeader) return false;
+    const auto kind = static_cast<Submessage>(rest[0]);
+    if (const std::size_t entities = entities_of(kind); entities != 0) {
+      EntityId writer{};
+      const std::size_t number = entities + 2 * writer.size();
+      if (rest.size() < number + sizeof kOurNumbers) return false;
+      std::copy_n(rest.begin() + static_cast<std::ptrdiff_t>(entities + writer.size()),
+                  writer.size(), writer.begin());
+      if (writer != kParticipantWriter && writer != kHandshakeWriter) return false;
+      if (kind == Submessage::kData &&
+          word_at(rest, number, (rest[1] & kLittleEndian) != 0) >= kOurNumbers)
+        return false;
+    } else if (!is_harmless(kind)) {
+      return false;
+    }
+    const std::size_t length = length_of(rest);
+    // RTPS 2.2, 9.4.5.1.3: the last one may say nothing of its length.
+    if (length == 0 && kind != Submessage::kPad && kind != Submessage::kInfoTs) break;
+    at += kSubmessageHeader + (length + 3) / 4 * 4;
+  }
+  return true;
+}
+
+IncomingFilter::IncomingFilter(bool protects_messages)
+    : protects_messages_(protects_messages), number_([] {
+        static std::atomic<std::uint64_t> made{0};
+        return ++made;
+      }()) {}
+
+bool IncomingFilter::is_refused(const Prefix& prefix) const {
+  security::GuidStart start{};
+  std::copy_n(prefix.begin(), start.size(), start.begin());
+  return subjects_.contains(start);
+}
+
+void IncomingFilter::refuse(const security::GuidStart& subject) {
+  const std::lock_guard lock(mutex_);
+  if (!subjects_.insert(subject).second) return;
+  refuses_ = true;
+  for (const Prefix& prefix : participants_) {
+    if (std::equal(subject.begin(), subject.end(), prefix.begin())) refused_.push_back(prefix);
+  }
+  refused_participants_ = refused_.size();
+}
+
+bool IncomingFilter::takes(std::span<const std::uint8_t> message) {
+  if (message.size() < kMessageHeader) return false;
+  Prefix prefix{};
+  std::copy_n(message.begin() + kPrefixOffset, prefix.size(), prefix.begin());
+  {
+    const std::lock_guard lock(mutex_);
+    if (refuses_ && is_refused(prefix)) return false;
+    if (participants_.size() >= kMaxParticipants) participants_.clear();  // who is here sends again
+    participants_.insert(prefix);
+  }
+  const bool is_protected =
+      message.size() > kMessageHeader &&
+      static_cast<Submessage>(message[kMessageHeader]) == Submessage::kSrtpsPrefix;
+  return is_protected || !protects_messages_ || may_be_in_clear(message);
+}
+
+std::vector<IncomingFilter::Bytes> IncomingFilter::goodbyes() {
+  // A thread of a transport serves one participant, or one after the other.
+  thread_local std::uint64_t of = 0;
+  thread_local std::size_t told = 0;
+  if (refused_participants_ == 0) return {};
+  if (std::exchange(of, number_) != number_) told = 0;
+  if (told == refused_participants_) return {};
+  const std::lock_guard lock(mutex_);
+  std::vector<Bytes> all;
+  for (; told < refused_.size(); ++told) all.push_back(goodbye(refused_[told]));
+  return all;
+}
+
+IncomingFilter::Bytes IncomingFilter::goodbye_of_sender(std::span<const std::uint8_t> message) {
+  if (!refuses_ || message.size() < kMessageHeader) return {};
+  Prefix prefix{};
+  std::copy_n(message.begin() + kPrefixOffset, prefix.size(), prefix.begin());
+  const std::lock_guard lock(mutex_);
+  return is_refused(prefix) ? goodbye(prefix) : Bytes{};
+}
+
+// RTPS 2.2, 8.5.3.3.2: the participant with this GUID was disposed, says its own writer. The
+// library takes no lower number of a writer than the last one, and may_be_in_clear() none as high
+// as ours.
+IncomingFilter::Bytes IncomingFilter::goodbye(const Prefix& prefix) {
+  constexpr std::uint8_t kInlineQos = 2;
+  Bytes bytes{'R', 'T', 'P', 'S', 2, 2, 1, 15};
+  const std::uint32_t number = ++goodbyes_;
+  const auto add = [&bytes](std::initializer_list<std::uint8_t> more) {
+    bytes.insert(bytes.end(), more);
+  };
+  const auto add_little = [&bytes](std::uint64_t value, int size) {
+    for (int i = 0; i < size; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> 8 * i));
+  };
+  bytes.insert(bytes.end(), prefix.begin(), prefix.end());
+  add({static_cast<std::uint8_t>(Submessage::kData), kLittleEndian | kInlineQos, 52, 0});
+  add({0, 0, 16, 0});
+  bytes.insert(bytes.end(), kParticipantReader.begin(), kParticipantReader.end());
+  bytes.insert(bytes.end(), kParticipantWriter.begin(), kParticipantWriter.end());
+  add_little(kOurNumbers, 4);
+  add_little(number, 4);
+  add({0x70, 0, 16, 0});  // the key: the GUID
+  bytes.insert(bytes.end(), prefix.begin(), prefix.end());
+  add({0, 0, 1, 0xc1});
+  add({0x71, 0, 4, 0, 0, 0, 0, 3});  // disposed and unregistered
+  add({1, 0, 0, 0});
+  return bytes;
+}
+
+}  // namespace fieldcast

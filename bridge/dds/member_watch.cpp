@@ -1,0 +1,55 @@
+#include "bridge/dds/member_watch.hpp"
+
+#include <pthread.h>
+
+#include "bridge/dds/library.hpp"
+#include "bridge/security/file_access.hpp"
+#include "bridge/security/member_folder.hpp"
+#include "bridge/security/pki.hpp"
+
+namespace fieldcast {
+
+MemberWatch::MemberWatch(std::string folder, std::shared_ptr<IncomingFilter> filter)
+    : folder_(std::move(folder)), filter_(std::move(filter)) {
+  thread_ = std::thread([this] { run(); });
+}
+
+MemberWatch::~MemberWatch() {
+  {
+    const std::lock_guard lock(mutex_);
+    ends_ = true;
+  }
+  changed_.notify_one();
+  thread_.join();
+}
+
+void MemberWatch::run() {
+  pthread_setname_np(pthread_self(), "members");
+  std::unique_lock lock(mutex_);
+  do read_list();
+  while (!changed_.wait_for(lock, kPeriod, [this] { return ends_; }));
+}
+
+void MemberWatch::read_list() {
+  const auto text = [this](std::string_view file) {
+    return security::read_file(folder_ + '/' + std::string(file));
+  };
+  try {
+    std::string list = text(security::kRevoked);
+    if (list != list_) {
+      for (const auto& subject : security::revoked_subjects(text(security::kIdentityCa), list)) {
+        filter_->refuse(security::guid_start(subject));
+        if (refused_.insert(subject.common_name()).second && !list_.empty())
+          say_security(false, subject.text() + " is revoked: it is not let in any more");
+      }
+      list_ = std::move(list);
+    }
+    wrong_ = 0;
+  } catch (const security::SecurityError& error) {
+    // A file that is being copied is whole the next time.
+    if (++wrong_ == 2)
+      say_security(true, folder_ + ": " + error.what() + "; the list before it holds");
+  }
+}
+
+}  // namespace fieldcast
