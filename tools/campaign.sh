@@ -23,6 +23,9 @@ tools/install.sh campaign
 if has virtual; then
   tools/build.sh -DFIELDCAST_TESTS=ON virtual_campaign
 fi
+if has system; then
+  tools/build.sh -DFIELDCAST_TESTS=ON fieldcast fieldcast-bridge fieldcast-sim fault_shim store_writer
+fi
 if has fuzz; then
   tools/build.sh --folder build-fuzz -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DFIELDCAST_FUZZ=ON -DFIELDCAST_PCH=OFF \
     -DFIELDCAST_TESTS=ON -DFIELDCAST_BENCHES=OFF fuzz_all

@@ -83,7 +83,8 @@ ExchangeDriver::Outcome ExchangeDriver::follow(const Step& step, Instant now, By
           deadline_ =
               std::min(now + line_.characters(step.characters) + gap_allowance_, hard_deadline_);
           break;
-        case Wait::kPause: deadline_ = now + step.pause; break;
+        // The pause begins behind our own request, whatever came during it.
+        case Wait::kPause: deadline_ = std::max(now, sent_until_) + step.pause; break;
       }
       return Outcome::kWaiting;
     case Step::Kind::kDone:

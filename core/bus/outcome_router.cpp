@@ -120,6 +120,7 @@ void OutcomeRouter::take_late(const std::vector<LateAnswers::Late>& answers, Ins
     devices_.learn_late(device, answer.taken);
     if (answer.block.points.empty()) continue;
     devices_.answered(device, sink);
+    arbiter_.suspend(device, now);  // it is read again, if it was offline until now
     reads_.answered(answer.block, answer.reply, now, now, sink);
     const bool waits = wire_.waiting() && wire_.flight().kind == Flight::Kind::kRead;
     if (waits && same_read(answer.asked, wire_.flight().asked)) wire_.drop();  // not needed again

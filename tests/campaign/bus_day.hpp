@@ -4,7 +4,8 @@
 //
 // What must hold is checked at every step; the first thing that does not is the day's violation:
 //   - a good value is what its device held a moment ago;
-//   - a channel whose last sample is good is published again within its promise, or told otherwise;
+//   - a channel whose last sample is good is published again within its promise, or told otherwise,
+//     and what nothing hinders is good again soon;
 //   - every command has exactly one result, and what is said to be done has been done;
 //   - requests never overlap, and none is sent into a closed or a leased port;
 //   - memory does not grow.
@@ -77,7 +78,7 @@ class BusDay {
     Instant published{};
     std::optional<Duration> gap;  // promised
     bool shown_good = false;
-    Instant last_good = kLongAgo;
+    Instant last_good = kLongAgo, promised{};
   };
   struct Pending {
     ChannelIndex channel = 0;
@@ -121,6 +122,8 @@ class BusDay {
   std::uint64_t next_command_ = 1;
   std::vector<std::pair<Duration, DeviceIndex>> restarts_;  // ends of dead times, in order
   std::size_t restarted_ = 0;
+  std::vector<Instant> dead_until_;  // each device
+  Instant disturbed_{};              // the last time that something else kept the bus from reading
   std::uint64_t generation_ = 0;
   bool leased_ = false, transcribing_ = false;
   bool busy_ = false;  // the engine of the day runs

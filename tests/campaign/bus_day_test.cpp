@@ -32,6 +32,33 @@ INSTANTIATE_TEST_SUITE_P(Protocols, BusDays, testing::Range<std::size_t>(0, stor
                            return name;
                          });
 
+// Days that showed a fault when it was there.
+struct Found {
+  std::string protocol;
+  std::uint64_t seed;
+};
+class BusDaysThatFailed : public testing::TestWithParam<Found> {};
+
+TEST_P(BusDaysThatFailed, Hold) {
+  const auto kinds = storm_kinds();
+  const auto kind = std::ranges::find(kinds, GetParam().protocol, &StormKind::name);
+  BusDay day(*kind, GetParam().seed, 3h);
+  day.run();
+  EXPECT_FALSE(day.violation()) << day.violation().value_or("");
+}
+
+// A late answer brought an offline device back, which was not read from then on.
+INSTANTIATE_TEST_SUITE_P(BackByALateAnswer, BusDaysThatFailed,
+                         testing::Values(Found{"s7-ppi", 3}, Found{"modbus-tcp", 8}),
+                         [](const auto& chosen) {
+                           return "seed" + std::to_string(chosen.param.seed);
+                         });
+// An acknowledgement in the noise during the request: the next one was sent into it.
+INSTANTIATE_TEST_SUITE_P(NoiseDuringTheRequest, BusDaysThatFailed,
+                         testing::Values(Found{"s7-ppi", 11}), [](const auto& chosen) {
+                           return "seed" + std::to_string(chosen.param.seed);
+                         });
+
 std::string violation_of(Sabotage what) {
   BusDay day(storm_kinds()[0], 1, 24h);
   day.sabotage(what);

@@ -18,14 +18,14 @@ import threading
 import time
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-GRACE = 30  # seconds that a part may take beyond its share
 
 
 class Part:
     """One row: its name, its share of the time, and its processes for so many seconds."""
 
-    def __init__(self, name, share, what, commands):
-        self.name, self.share, self.what, self.commands = name, share, what, commands
+    def __init__(self, name, share, what, commands, grace=30):
+        """`grace`: seconds that it may take beyond its share."""
+        self.name, self.share, self.what, self.commands, self.grace = name, share, what, commands, grace
 
 
 def script(name):
@@ -45,9 +45,15 @@ def fuzz_commands(options, seconds, seed):
                                           "--artifacts", options.files]]
 
 
+def system_commands(options, seconds, seed):
+    return [script("system_campaign.py") + ["--seconds", str(seconds), "--seed", str(seed), "--bin", options.bin,
+                                            "--shim", os.path.join(options.bin, "..", "lib", "libfault_shim.so")]]
+
+
 PARTS = [
     Part("virtual", 0.40, "days of plants with every protocol, in virtual time", virtual_commands),
-    Part("fuzz", 0.60, "any bytes into whatever reads bytes or texts", fuzz_commands),
+    Part("fuzz", 0.35, "any bytes into whatever reads bytes or texts", fuzz_commands),
+    Part("system", 0.25, "the bridge on a machine whose disk, clock, descriptors and memory fail", system_commands, grace=240),
 ]
 
 
@@ -118,7 +124,7 @@ def run_part(part, options, seconds, stopped, left):
     shown = -1000.0
     while not run.over():
         elapsed = time.monotonic() - began
-        if stopped.is_set() or elapsed > seconds + GRACE:
+        if stopped.is_set() or elapsed > seconds + part.grace:
             run.end(signal.SIGINT)
             deadline = time.monotonic() + 8
             while not run.over() and time.monotonic() < deadline:
