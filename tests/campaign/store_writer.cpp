@@ -1,7 +1,7 @@
 // Writes into a store and says what was reported as stored, for a process that may be killed at any
 // moment.
 //
-//     store_writer FILE samples BATCHES    "stored N" after each batch of 10 samples: numbers 0..N-1
+//     store_writer FILE samples BATCHES    "stored N" after each batch of 10: samples 0 to N-1
 //     store_writer FILE commands COUNT     "taken N" for each command that may run
 //     store_writer FILE check SAMPLES COMMANDS
 //                       whether so many are there and the file is whole; says what is missing
