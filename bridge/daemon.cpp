@@ -13,7 +13,7 @@
 #include "bridge/dds/library.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/security/authority.hpp"
-#include "bridge/security/member_folder.hpp"
+#include "bridge/service/identity_watch.hpp"
 #include "bridge/service/service.hpp"
 #include "bridge/service/signals.hpp"
 #include "config/loader.hpp"
@@ -88,32 +88,10 @@ void log_overloads(const BridgeSpec& spec) {
 // What is wrong with the bridge's identity, or will be soon.
 security::MemberCheck check_security(const BridgeSpec& spec) {
   if (!spec.dds.security) return {};
-  security::MemberCheck check = security::check_member(*spec.dds.security, read_clocks().utc);
-  const auto member = security::read_member(*spec.dds.security);
-  if (member && member->role != security::MemberRole::kBridge)
-    check.faults.push_back(fmt::format("{}: a {} is no bridge; fieldcast secure add bridge NAME",
-                                       *spec.dds.security, to_text(member->role)));
-  return check;
+  return security::check_program(*spec.dds.security, true, read_clocks().utc);
 }
 
 constexpr const char* kOpen = "security: none: whoever is in the network reads and commands";
-
-// Warnings of check_security(), once a day.
-class SecurityWatch {
- public:
-  // False: DDS would not let the bridge in.
-  bool look(const BridgeSpec& spec, Instant now) {
-    if (now < next_) return true;
-    next_ = now + security::kDay;
-    const security::MemberCheck check = check_security(spec);
-    for (const std::string& line : check.faults) log_error("security", line);
-    for (const std::string& line : check.warnings) log_warning("security", line);
-    return check.faults.empty();
-  }
-
- private:
-  Instant next_ = kLongAgo;
-};
 
 void log_faults(const std::vector<config::Fault>& faults) {
   for (const config::Fault& fault : faults) log_error("configuration", config::to_text(fault));
@@ -207,8 +185,8 @@ class WhileItLives {
 
 ExitCode serve(Signals& signals, const BridgeSpec& spec, const DaemonOptions& options) {
   log_overloads(spec);
-  SecurityWatch identity;
-  if (!identity.look(spec, steady_now())) {
+  IdentityWatch identity(true);
+  if (!identity.look(spec.dds, read_clocks())) {
     log_error(spec.name, "cannot start: its identity is not in order");
     return ExitCode::kCannotStart;
   }
@@ -231,7 +209,7 @@ ExitCode serve(Signals& signals, const BridgeSpec& spec, const DaemonOptions& op
     switch (const int signal = signals.wait(sleep)) {
       case 0:
         log_summaries(steady_now());
-        (void)identity.look(spec, steady_now());
+        (void)identity.look(spec.dds, read_clocks());
         if (!reloader.waits()) break;
         reloader.go_on();
         if (!reloader.waits()) service.status(reloader.status());

@@ -9,7 +9,9 @@ namespace fieldcast {
 
 AuditEntry audit_entry(const AlarmAction& action) {
   AuditEntry entry;
-  entry.who = fmt::format("{} ({})", action.by, action.requester);
+  entry.who = fmt::format(
+      "{} ({})", action.by,
+      action.subject.empty() ? action.requester : action.subject + ", " + action.requester);
   entry.target = action.alarm.bus + '/' + action.alarm.device;
   entry.what = to_text(action.kind);
   if (!is_of_device(action.kind)) {

@@ -110,6 +110,7 @@ void DdsLink::State::accept(const idl::AlarmAction& message, const RequestTerms&
     return reject(message, {Cause::kExpired, "it came too late"});
   auto action = from_idl(message);
   if (!action) return reject(message, action.error());
+  action->subject = terms.subject;
   handlers.on_alarm_action(*std::move(action));
 }
 

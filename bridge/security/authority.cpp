@@ -211,6 +211,19 @@ MemberCheck check_member(const std::string& folder, UtcTime now) {
   return check;
 }
 
+MemberCheck check_program(const std::string& folder, bool is_bridge, UtcTime now) {
+  MemberCheck check = check_member(folder, now);
+  const auto member = read_member(folder);
+  if (!member || (member->role == MemberRole::kBridge) == is_bridge) return check;
+  check.faults.push_back(
+      is_bridge
+          ? folder + ": a " + std::string(to_text(member->role)) +
+                " is no bridge; fieldcast secure add bridge NAME"
+          : folder + " makes this program the bridge " + member->name +
+                ", which neither reads nor commands; name the folder of a station or a plant");
+  return check;
+}
+
 std::string date_text(UtcTime time) { return xml_time(time).substr(0, 10); }
 
 }  // namespace fieldcast::security

@@ -68,6 +68,9 @@ struct MemberCheck {
   std::vector<std::string> warnings;  // it will soon not be let in
 };
 [[nodiscard]] MemberCheck check_member(const std::string& folder, UtcTime now);
+// The same of the folder that a program was given. A bridge needs the identity of a bridge, and all
+// others need another one.
+[[nodiscard]] MemberCheck check_program(const std::string& folder, bool is_bridge, UtcTime now);
 
 // "2027-11-22".
 [[nodiscard]] std::string date_text(UtcTime time);

@@ -1,5 +1,6 @@
 #include "bridge/station/station.hpp"
 
+#include <atomic>
 #include <chrono>
 #include <mutex>
 
@@ -24,6 +25,12 @@ using SampleSubscription = Subscription<idl::SamplePubSubType, ReceivedSampleTyp
 struct Station::State {
   State(const DdsSpec& spec, const std::string& station)
       : name(cut_text(station, 128)), domain(spec, station, nullptr) {}
+
+  [[nodiscard]] bool may_write(const char* topic) const {
+    const auto& member = domain.member();
+    const security::TopicRight* right = security::right_of(topic);
+    return !member || (right != nullptr && right->writers.has(member->role));
+  }
 
   // Made at the first command: a station that only looks on has no writers.
   CommandClient& client() {
@@ -53,6 +60,7 @@ struct Station::State {
   std::unique_ptr<Subscription<idl::ReadPlanPubSubType>> plans;
   dds::DataWriter* interests = nullptr;
   std::unique_ptr<CommandClient> commands;
+  std::atomic<std::uint64_t> refused{0};  // commands for which this station has no right
 };
 
 std::string_view to_text(StationFault fault) {
@@ -63,6 +71,8 @@ std::string_view to_text(StationFault fault) {
     case StationFault::kNotAPath: return "a channel is named BUS/DEVICE/CHANNEL";
     case StationFault::kNoPerson:
       return "a person's name has 1 to 64 letters, digits, '-', '_', '.', '@'";
+    case StationFault::kNoRight:
+      return "this program may not command; that needs an identity of role plant";
   }
   return "?";
 }
@@ -221,6 +231,10 @@ void Station::subscribe_alarm_status(std::function<void(const StationAlarmStatus
       state_->domain, kAlarmStatusTopic, std::move(handlers));
 }
 
+bool Station::may_command() const { return state_->may_write(kCommandTopic.name); }
+
+bool Station::may_declare_interest() const { return state_->may_write(kInterestTopic.name); }
+
 void Station::declare_interest(const std::string& pattern, Duration refresh) {
   if (state_->interests == nullptr) {
     state_->interests = state_->domain.writer(kInterestTopic, state_->name);
@@ -242,6 +256,7 @@ void Station::withdraw_interest(const std::string& pattern) {
 
 StationOutcome Station::execute(StationCommand command, Duration wait_for_bridge,
                                 Duration wait_for_result) {
+  if (!may_command()) return tl::unexpected(StationFault::kNoRight);
   CommandClient& client = state_->client();
   const Duration wait = command.lifespan + wait_for_result;
   const auto id = client.send(std::move(command), wait_for_bridge, true);
@@ -263,11 +278,13 @@ StationOutcome Station::write(std::string_view path, Value value, bool verify) {
 
 tl::expected<std::uint64_t, StationFault> Station::send(StationCommand command,
                                                         Duration wait_for_bridge) {
+  if (!may_command()) return tl::unexpected(StationFault::kNoRight);
   return state_->client().send(std::move(command), wait_for_bridge, false);
 }
 
 StationOutcome Station::execute(AlarmAction action, Duration wait_for_bridge,
                                 Duration wait_for_result) {
+  if (!may_command()) return tl::unexpected(StationFault::kNoRight);
   CommandClient& client = state_->client();
   const auto id = client.send(std::move(action), wait_for_bridge, true);
   if (!id) return tl::unexpected(id.error());
@@ -276,15 +293,20 @@ StationOutcome Station::execute(AlarmAction action, Duration wait_for_bridge,
 
 tl::expected<std::uint64_t, StationFault> Station::send(AlarmAction action,
                                                         Duration wait_for_bridge) {
+  if (!may_command()) return tl::unexpected(StationFault::kNoRight);
   return state_->client().send(std::move(action), wait_for_bridge, false);
 }
 
 void Station::on_result(std::function<void(const StationResult&)> handler) {
-  state_->client().on_result(std::move(handler));
+  if (may_command()) state_->client().on_result(std::move(handler));
 }
 
-std::uint64_t Station::reserve_request_id() { return state_->client().reserve_request_id(); }
+std::uint64_t Station::reserve_request_id() {
+  return may_command() ? state_->client().reserve_request_id() : ++state_->refused;
+}
 
-const std::string& Station::requester() const { return state_->client().requester(); }
+const std::string& Station::requester() const {
+  return may_command() ? state_->client().requester() : state_->name;
+}
 
 }  // namespace fieldcast

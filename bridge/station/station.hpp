@@ -30,6 +30,7 @@ enum class StationFault : std::uint8_t {
   kNotSent,   // it does not fit the topic: a name or a list is too long
   kNotAPath,  // the channel is not named as BUS/DEVICE/CHANNEL
   kNoPerson,  // the person's name has other characters than those of a user, or too many
+  kNoRight,   // the identity of this station, by DDS Security, is none that commands
 };
 [[nodiscard]] std::string_view to_text(StationFault fault);
 
@@ -93,13 +94,18 @@ class Station {
   void subscribe_alarm_status(std::function<void(const StationAlarmStatus&)> on_status,
                               std::function<void(const StationAlarmStatus& last)> gone = {});
 
+  // By DDS Security, what this station may do besides reading. Without it, everything.
+  [[nodiscard]] bool may_command() const;
+  [[nodiscard]] bool may_declare_interest() const;
+
   // An interest in channels at a refresh, kept up until withdrawn or until this process dies.
+  // Throws DdsError unless may_declare_interest().
   void declare_interest(const std::string& pattern, Duration refresh);
   void withdraw_interest(const std::string& pattern);
 
   // Writes the command once a bridge is matched in both directions (at most wait_for_bridge) and
   // blocks for its one result, at most lifespan + wait_for_result. request_id and requester are
-  // filled in here. Any thread; many at a time.
+  // filled in here. Any thread; many at a time. kNoRight unless may_command(), as all below.
   [[nodiscard]] StationOutcome execute(StationCommand command,
                                        Duration wait_for_bridge = std::chrono::seconds{3},
                                        Duration wait_for_result = std::chrono::seconds{5});

@@ -76,6 +76,7 @@ enum class AlarmActionKind : std::uint8_t {
 struct AlarmAction {
   std::string requester;  // with request_id the key: one result for each pair
   std::uint64_t request_id = 0;
+  std::string subject{};  // who asked, by DDS Security; empty without it
   AlarmActionKind kind = AlarmActionKind::kAcknowledge;
   AlarmKey alarm;        // of maintenance: bus and device
   std::string by, note;  // the person, and one line of theirs

@@ -11,7 +11,9 @@ import sys
 import tempfile
 import unittest
 
-from plant import Plant, run_cli
+import e2e_station
+from e2e_station import SECONDS, Browser, Socket, Station, is_kind
+from plant import Plant, run_cli, wait_until
 
 BIN_DIR = ""
 
@@ -88,7 +90,7 @@ class Secured(unittest.TestCase):
         for role in ("hall", "wall"):
             refused = self.as_member(role, "write", "press-1/press/setpoint=1")
             self.assertNotEqual(refused.code, 0)
-            self.assertIn("that needs an identity of role plant", refused.err)
+            self.assertIn("that needs an identity of role plant", refused.out + refused.err)
         self.assertEqual(self.as_member("mes", "write", "mill-1/mill/speed=7", "--verify").code, 0)
         self.assertEqual(self.as_member("press", "write", "press-1/press/setpoint=7", "--verify").code, 0)
         self.elsewhere.wait(30)
@@ -102,6 +104,57 @@ class Secured(unittest.TestCase):
     def audit(self):
         done = run_cli(BIN_DIR, "audit", "--json", "--store", os.path.join(self.plant.run, "plant.db"))
         return [entry["who"] for entry in done.json_lines()]
+
+    def page(self, name):
+        """fieldcast-station as this member: a browser at it, and its /live, which has a value."""
+        station = Station(self.plant, name, "web: { local-role: operator }\n", "--listen", "127.0.0.1:0", "--security", self.member(name))
+        station.__enter__()
+        self.addCleanup(lambda: station.__exit__(None, None, None))
+        browser = Browser(station)
+        live = Socket(browser)
+        self.addCleanup(live.socket.close)
+        live.send({"subscribe": "*"})
+        live.until(lambda message: isinstance(message, list) and any(quality == 0 for _, _, quality in message))
+        return station, browser, live
+
+    def test_the_page_of_a_station_that_may_only_read_shows_values_and_says_why_it_cannot_write(self):
+        station, browser, live = self.page("hall")
+        self.assertEqual(len(browser.get("/api/catalogue")["channels"]), 3)
+        live.send({"write": {"channel": "mill-1/mill/speed", "value": 99, "verify": True}, "id": 7})
+        result = live.until(is_kind("result"))
+        self.assertEqual((result["id"], result["state"]), (7, "not-sent"), result)
+        self.assertIn("needs an identity of role plant", result["reason"])
+        self.assertIsNone(station.process.poll(), station.log())
+
+    def test_the_page_of_a_plant_writes_on_its_buses(self):
+        _, _, live = self.page("press")
+        live.send({"write": {"channel": "press-1/press/setpoint", "value": 31, "verify": True}, "id": 8})
+        result = live.until(is_kind("result"))
+        self.assertEqual((result["id"], result["state"]), (8, "verified"), result)
+
+    def test_a_station_does_not_start_with_the_identity_of_a_bridge(self):
+        for more, code in ((["--check"], 3), ([], 4)):
+            refused = subprocess.run([os.path.join(BIN_DIR, "fieldcast-station"), "--listen", "127.0.0.1:0", "--security",
+                                      self.member("line-7"), *more], capture_output=True, text=True, timeout=30)
+            self.assertEqual(refused.returncode, code)
+            self.assertIn("name the folder of a station or a plant", refused.stdout + refused.stderr)
+
+    def test_who_is_revoked_is_refused_by_the_programs_that_run(self):
+        self.secure("add", "plant", "former", "--authority", self.authority)
+        old = os.path.join(self.folder, "former")
+        shutil.copytree(self.member("former"), old)
+        station, _, live = self.page("hall")
+        watching = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast"), "watch", "--json", "--domain", str(self.plant.domain), "--security",
+                                     old], stdout=subprocess.PIPE, text=True)
+        self.addCleanup(watching.communicate)
+        self.addCleanup(watching.kill)
+        watching.stdout.readline()
+        self.secure("revoke", "former", "--authority", self.authority)
+        wait_until(lambda: "plant former is revoked" in self.plant.log("fieldcast-bridge") and "plant former is revoked" in station.log(), SECONDS,
+                   "the list is not taken")
+        refused = run_cli(BIN_DIR, "write", "mill-1/mill/speed=1", "--timeout", "1s", "--domain", str(self.plant.domain), "--security", old)
+        self.assertNotEqual(refused.code, 0)
+        live.until(lambda message: isinstance(message, list) and any(quality == 0 for _, _, quality in message))
 
     def test_who_has_no_identity_finds_no_bridge(self):
         self.nobody.wait(30)
@@ -145,5 +198,5 @@ class Secured(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    BIN_DIR = sys.argv.pop()
+    BIN_DIR = e2e_station.BIN_DIR = sys.argv.pop()
     unittest.main()

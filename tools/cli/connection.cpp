@@ -4,7 +4,6 @@
 
 #include "bridge/dds/multicast.hpp"
 #include "bridge/security/authority.hpp"
-#include "bridge/security/member_folder.hpp"
 #include "config/loader.hpp"
 #include "tools/cli/clock.hpp"
 
@@ -24,19 +23,10 @@ namespace {
 
 // Why nothing would be received, in the words of the folder instead of the library's.
 std::string fault_of_security(const std::string& folder) {
-  const security::MemberCheck check = security::check_member(folder, utc_now());
   std::string text;
-  for (const std::string& fault : check.faults)
+  for (const std::string& fault : security::check_program(folder, false, utc_now()).faults)
     text += (text.empty() ? "security: " : "\nsecurity: ") + fault;
-  if (!text.empty()) return text;
-  const auto member = security::read_member(folder);
-  if (member && member->role == security::MemberRole::kBridge) {
-    return fmt::format(
-        "security: {} makes this program the bridge {}, which neither reads nor commands; name the "
-        "folder of a station or a plant by --security FOLDER",
-        folder, member->name);
-  }
-  return {};
+  return text;
 }
 
 }  // namespace

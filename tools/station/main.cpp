@@ -12,6 +12,8 @@
 #include "bridge/dds/library.hpp"
 #include "bridge/exit_code.hpp"
 #include "bridge/log/log.hpp"
+#include "bridge/security/authority.hpp"
+#include "bridge/service/identity_watch.hpp"
 #include "bridge/service/service.hpp"
 #include "bridge/service/signals.hpp"
 #include "bridge/write_faults.hpp"
@@ -31,6 +33,7 @@ struct Options {
   std::optional<fieldcast::ListenSpec> listen;
   std::optional<std::uint32_t> domain;
   std::vector<std::string> interfaces;
+  std::string security;
   bool check = false;
 };
 
@@ -64,7 +67,19 @@ std::optional<StationSpec> spec_of(const Options& options) {
   }
   if (options.domain) spec.dds.domain = *options.domain;
   if (!options.interfaces.empty()) spec.dds.interfaces = options.interfaces;
+  if (!options.security.empty()) spec.dds.security = options.security;
   return spec;
+}
+
+ExitCode check_identity(const StationSpec& spec) {
+  if (!spec.dds.security) return ExitCode::kOk;
+  const auto check =
+      fieldcast::security::check_program(*spec.dds.security, false, fieldcast::read_clocks().utc);
+  for (const auto& lines : {check.faults, check.warnings}) {
+    for (const std::string& line : lines)
+      std::fputs(fmt::format("security: {}\n", line).c_str(), stderr);
+  }
+  return check.faults.empty() ? ExitCode::kOk : ExitCode::kBadConfiguration;
 }
 
 void on_hangup(WebStation& station) {
@@ -92,6 +107,11 @@ class WhileItLives {
 };
 
 ExitCode serve(fieldcast::Signals& signals, const StationSpec& spec) {
+  fieldcast::IdentityWatch identity(false);
+  if (!identity.look(spec.dds, fieldcast::read_clocks())) {
+    fieldcast::log_error("web", "cannot start: its identity is not in order");
+    return ExitCode::kCannotStart;
+  }
   WebStation station(spec, FIELDCAST_VERSION);
   const WhileItLives watched(signals, station);
   if (const auto started = station.start(); !started) {
@@ -107,6 +127,7 @@ ExitCode serve(fieldcast::Signals& signals, const StationSpec& spec) {
     const int signal = signals.wait(service.sleep(kHousekeeping));
     if (signal == 0) {
       fieldcast::log_summaries(fieldcast::steady_now());
+      (void)identity.look(spec.dds, fieldcast::read_clocks());
     } else if (signal == SIGHUP) {
       service.reloading(fieldcast::steady_now());
       on_hangup(station);
@@ -144,6 +165,9 @@ ExitCode run(int argc, char** argv) {
   line.number("--domain", options.domain, 0, 232, "DDS domain, instead of the configuration's");
   line.texts("--interface", options.interfaces,
              "IPv4 address that DDS may use, instead of the configuration's; may be repeated");
+  line.text("--security", options.security,
+            "join as the member whose folder this is (fieldcast secure add), instead of the "
+            "configuration's");
   line.flag("--check", options.check, "only report the faults of the configuration");
   if (const auto ended = line.parse(argc, argv)) {
     std::fputs(ended->text.c_str(), ended->fault ? stderr : stdout);
@@ -152,7 +176,7 @@ ExitCode run(int argc, char** argv) {
   fieldcast::Signals signals;
   const auto spec = spec_of(options);
   if (!spec) return ExitCode::kBadConfiguration;
-  if (options.check) return ExitCode::kOk;
+  if (options.check) return check_identity(*spec);
   fieldcast::open_log(spec->log.level);
   fieldcast::set_library_lines(log_library);
   ExitCode code = ExitCode::kCannotStart;

@@ -40,6 +40,12 @@ struct AlarmActionsTest : testing::Test {
   AlarmActions actions{alarms, commands};
 };
 
+TEST_F(AlarmActionsTest, TheAuditNamesTheAuthenticatedSubject) {
+  AlarmAction action = acknowledge(1);
+  action.subject = "plant mes";
+  EXPECT_EQ(audit_entry(action).who, "anna (plant mes, cli:1:2)");
+}
+
 TEST_F(AlarmActionsTest, EachHasOneResultAndOneEntryInTheAudit) {
   const CommandResult done = actions.take(acknowledge(1), kThen);
   EXPECT_EQ(done.state, CommandState::kDone);

@@ -286,14 +286,19 @@ TEST_F(DdsSecurity, SamplesInClearInTheNameOfABridgeAreRefused) {
 
 TEST_F(DdsSecurity, AReadonlyStationIsToldThatItMayNotCommand) {
   Station wall(as_new({kStationReadonly, "wall", {}}), "wall");
+  EXPECT_FALSE(wall.may_command());
+  const auto outcome = wall.execute(write_running("press-1"), 0s);
+  ASSERT_FALSE(outcome);
+  EXPECT_EQ(outcome.error(), StationFault::kNoRight);
+  EXPECT_THAT(to_text(outcome), HasSubstr("needs an identity of role plant"));
+  EXPECT_FALSE(wall.may_declare_interest());
   try {
-    (void)wall.execute(write_running("press-1"), 0s);
+    wall.declare_interest("press-1", 1s);
     FAIL();
   } catch (const DdsError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("station-readonly wall may not read"));
-    EXPECT_THAT(error.what(), HasSubstr("role plant"));
+    EXPECT_THAT(error.what(), HasSubstr("station-readonly wall may not write"));
+    EXPECT_THAT(error.what(), HasSubstr("role station or plant"));
   }
-  EXPECT_THROW(wall.declare_interest("press-1", 1s), DdsError);
 }
 
 TEST_F(DdsSecurity, CommandsAndInterestsOfAForgingStationAreNotHeardByTheBridge) {

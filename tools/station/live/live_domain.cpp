@@ -21,6 +21,7 @@ class StationPort : public CommandPort {
     return station_.send(std::move(action), CommandDesk::kFinding);
   }
   void declare(const std::string& pattern, Duration refresh) override {
+    if (!station_.may_declare_interest()) return;  // it has what others are interested in
     refresh == Duration{} ? station_.withdraw_interest(pattern)
                           : station_.declare_interest(pattern, refresh);
   }
