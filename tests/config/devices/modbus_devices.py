@@ -1,0 +1,49 @@
+"""Modbus TCP devices with known registers, all behind one port: what is not told holds 0. For tests; written apart from our codecs."""
+
+import socketserver
+import struct
+import threading
+
+BITS, REGISTERS = (1, 2), (3, 4)
+
+
+class Devices:
+    """memory: {(unit, function, address): word or bit}. Serves on 127.0.0.1 while it is entered; `port` is where."""
+
+    def __init__(self, memory):
+        devices = self
+        self.memory, self.asked = memory, set()  # asked: (unit, function, first, count)
+
+        class Connection(socketserver.StreamRequestHandler):
+            def handle(self):
+                while header := self.rfile.read(7):
+                    transaction, _, length, unit = struct.unpack(">HHHB", header)
+                    answer = devices.answer(unit, self.rfile.read(length - 1))
+                    self.wfile.write(struct.pack(">HHHB", transaction, 0, len(answer) + 1, unit) + answer)
+
+        class Server(socketserver.ThreadingTCPServer):
+            allow_reuse_address = daemon_threads = True
+
+        self._server = Server(("127.0.0.1", 0), Connection)
+        self.port = self._server.server_address[1]
+
+    def answer(self, unit, request):
+        function = request[0]
+        if function not in BITS + REGISTERS:
+            return bytes([function | 0x80, 1])  # nothing here can be written
+        first, count = struct.unpack(">HH", request[1:5])
+        self.asked.add((unit, function, first, count))
+        values = [self.memory.get((unit, function, first + i), 0) for i in range(count)]
+        if function in BITS:
+            data = sum(bit << i for i, bit in enumerate(values)).to_bytes((count + 7) // 8, "little")
+        else:
+            data = struct.pack(f">{count}H", *values)
+        return bytes([function, len(data)]) + data
+
+    def __enter__(self):
+        threading.Thread(target=self._server.serve_forever, args=(0.05,), daemon=True).start()
+        return self
+
+    def __exit__(self, *_):
+        self._server.shutdown()
+        self._server.server_close()

@@ -1,0 +1,224 @@
+"""The device templates that come with Fieldcast: each names its source, loads, runs against the simulator, and reads right values.
+
+usage: templates_test.py BIN_DIR SOURCE_DIR
+
+What registers mean is in examples.txt, written from the sources that the templates name.
+"""
+
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path[:0] = [HERE, os.path.join(HERE, "..", "..", "tools")]
+from modbus_devices import Devices
+from plant import claim_domain, wait_until
+
+BIN_DIR, SOURCE_DIR = "", ""
+KEYS = ["Device", "Source", "Checked", "Line", "Words", "Reading", "Traps"]  # of every header, in this order
+SECONDS = 30
+
+
+class Template:
+    def __init__(self, path):
+        self.name = os.path.basename(path)[:-len(".yaml")]
+        with open(path, encoding="utf-8") as file:
+            self.text = file.read()
+        self.ours = "Our own map" in self.text  # an example to copy from, no device that one can buy
+        entries = re.split(r"^  - ", self.text.partition("\nchannels:\n")[2], flags=re.MULTILINE)[1:]
+        self.channels = {re.search(r"name: ([\w.-]+)", entry)[1]: entry for entry in entries}
+
+    def header(self):
+        """{key: text} of its comment."""
+        lines = [line[2:] for line in self.text.splitlines()[1:] if line.startswith("# ")]
+        found = {}
+        for line in lines:
+            if match := re.match(r"(\w+): +(.+)", line):
+                key = match[1]
+                found[key] = match[2]
+            else:
+                found[key] += " " + line.strip()
+        return found
+
+    def scheduled(self):
+        return {name for name, entry in self.channels.items() if "mode: on-demand" not in entry}
+
+
+def templates():
+    folder = os.path.join(SOURCE_DIR, "config", "devices")
+    names = sorted(file.removesuffix(".yaml") for file in os.listdir(folder))
+    return [Template(os.path.join(folder, name + ".yaml")) for name in names]
+
+
+def examples():
+    """{template: [(function, first, words, {channel: value})]}"""
+    with open(os.path.join(HERE, "examples.txt"), encoding="utf-8") as file:
+        lines = file.read().replace("\\\n", " ").splitlines()
+    found = {}
+    for line in filter(lambda line: line and not line.startswith("#"), lines):
+        if match := re.fullmatch(r"\[([\w-]+)\]", line):
+            rows = found.setdefault(match[1], [])
+            continue
+        function, address, words, values = re.fullmatch(r"(\d) ([\dA-Fx+-]+): ([\dA-F ]+) -> (.+)", line).groups()
+        first = sum(int(number, 0) for number in re.findall(r"[+-]?(?:0x[\dA-F]+|\d+)", address))
+        if int(function) in (1, 2):
+            items = [int(bit) for bit in words.replace(" ", "")]
+        else:
+            items = [int(word, 16) for word in words.split()]
+        pairs = (pair.split("=") for pair in values.split())
+        rows.append((int(function), first, items, {name: json.loads(value) for name, value in pairs}))
+    return found
+
+
+def bus(template, port, protocol):
+    return (f"  - name: {template}\n    port: {{ {port} }}\n    protocol: {protocol}\n"
+            f"    devices: [ {{ name: device, address: 1, template: {template} }} ]\n")
+
+
+def run(program, *arguments):
+    return subprocess.run([os.path.join(BIN_DIR, program), *arguments], capture_output=True, text=True, timeout=2 * SECONDS)
+
+
+class InAFolder(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="fieldcast-templates-")
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        os.symlink(os.path.join(SOURCE_DIR, "config", "devices"), os.path.join(self.folder, "devices"))
+
+    def file(self, name, text):
+        path = os.path.join(self.folder, name)
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        return path
+
+    def lines(self, names):
+        """A configuration with a line of 9600 baud for each template."""
+        text = "bridge: templates\nbuses:\n"
+        for name in names:
+            text += bus(name, f"serial: {self.folder}/{name}, baud: 9600, format: 8N1", "modbus-rtu")
+        return self.file("lines.yaml", text)
+
+
+class Headers(unittest.TestCase):
+    def test_of_every_device_say_the_same_things(self):
+        for template in templates():
+            with self.subTest(template=template.name):
+                if not template.ours:
+                    header = template.header()
+                    self.assertEqual(list(header), KEYS)
+                    self.assertEqual([key for key, text in header.items() if not text.strip()], [])
+
+    def test_only_setpoints_and_relays_can_be_written(self):
+        """docs/devices.md promises it."""
+        bought = [template for template in templates() if not template.ours]
+        written = {template.name for template in bought if re.search("access: (read-write|write-only)", template.text)}
+        self.assertEqual(written, {"delta-dtb", "omron-e5cc", "waveshare-relay-8"})
+
+    def test_of_no_template_has_a_line_above_140_columns(self):
+        for template in templates():
+            with self.subTest(template=template.name):
+                self.assertEqual([line for line in template.text.splitlines() if len(line) > 140], [])
+
+
+class Examples(unittest.TestCase):
+    def test_are_there_for_every_device(self):
+        self.assertEqual({template.name for template in templates() if not template.ours} ^ examples().keys(), set())
+
+
+class Loading(InAFolder):
+    def test_every_template_passes_the_check_on_each_of_its_protocols(self):
+        names = {template.name: len(template.channels) for template in templates()}
+        for protocol in ["modbus-rtu", "modbus-ascii", "modbus-tcp"]:
+            text = "bridge: templates\nbuses:\n"
+            for number, name in enumerate(names):
+                port = f"tcp: 127.0.0.1:{20000 + number}" if protocol == "modbus-tcp" else f"serial: /dev/{name}"
+                text += bus(name, port, protocol)
+            done = run("fieldcast-bridge", "--check", self.file("check.yaml", text))
+            self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
+            lines = done.stdout.splitlines()
+            self.assertEqual(len(lines), 1 + len(names), done.stdout)
+            for line, (name, channels) in zip(lines[1:], names.items()):
+                self.assertRegex(line, rf"^  {name}: .* {channels} channels?$")
+
+
+class Simulation(InAFolder):
+    def test_every_channel_is_read_in_time_from_a_simulated_device(self):
+        """In virtual time. Where blocks bridge no gaps, the device has no register that the template does not name."""
+        known = {template.name: template for template in templates()}
+        strict = [name for name, template in known.items() if "max-gap: 0" in template.text]
+        self.assertGreater(len(strict), 10)
+        faults = "buses:\n" + "".join(f"  {name}: {{ devices: {{ device: {{ only-configured: true }} }} }}\n" for name in strict)
+        done = run("fieldcast", "plan", self.lines(known), "--simulate", "2min", "--json",
+                   "--faults", self.file("faults.yaml", faults))
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        buses = {bus["bus"]: bus for bus in map(json.loads, done.stdout.splitlines()) if "simulated" in bus}
+        self.assertEqual(buses.keys() ^ known.keys(), set())
+        for name, bus in buses.items():
+            with self.subTest(template=name):
+                self.assertEqual((bus["missed"], bus["failures"]), (0, {}))
+                read = {channel["channel"] for channel in bus["channels"] if channel["refreshes"] > 0}
+                self.assertEqual(known[name].scheduled() - read, set())
+
+
+class Values(InAFolder):
+    def test_are_what_the_sources_say(self):
+        """Every device behind one port of Modbus TCP; registers that no example tells hold 0."""
+        known = [template for template in templates() if not template.ours]
+        memory, expected = {}, {}
+        for unit, template in enumerate(known, 1):
+            for function, first, items, values in examples()[template.name]:
+                memory.update({(unit, function, first + i): item for i, item in enumerate(items)})
+                expected.update({(template.name, channel): value for channel, value in values.items()})
+        scheduled = {(template.name, channel) for template in known for channel in template.scheduled()}
+        self.assertEqual(expected.keys() - scheduled, set(), "of an example")
+        domain, claim = claim_domain()
+        self.addCleanup(claim.close)
+        with Devices(memory) as devices:
+            text = (f"bridge: templates\ndds: {{ domain: {domain}, interfaces: [127.0.0.1] }}\nbuses:\n  - name: all\n"
+                    f"    port: {{ tcp: 127.0.0.1:{devices.port} }}\n    protocol: modbus-tcp\n    devices:\n")
+            for unit, template in enumerate(known, 1):
+                text += f"      - {{ name: {template.name}, address: {unit}, template: {template.name}, pause: 0ms }}\n"
+            config = self.file("values.yaml", text)
+            with open(os.path.join(self.folder, "bridge.log"), "w+", encoding="utf-8") as log:
+                command = [os.path.join(BIN_DIR, "fieldcast-bridge"), config]
+                bridge = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+                try:
+                    wait_until(lambda: not self.wrong(config, expected, scheduled), SECONDS,
+                               lambda: f"as the sources say: {self.wrong(config, expected, scheduled)}")
+                    bridge.terminate()
+                    self.assertEqual(bridge.wait(SECONDS), 0)
+                except BaseException:
+                    log.seek(0)
+                    sys.stderr.write(log.read())
+                    raise
+                finally:
+                    if bridge.poll() is None:
+                        bridge.kill()
+                        bridge.wait()
+
+    @staticmethod
+    def wrong(config, expected, scheduled):
+        """{(device, channel): sample} of those that are not GOOD, or not what an example says."""
+        done = run("fieldcast", "watch", "--json", "--once", "--config", config)
+        samples = {(s["device"], s["channel"]): s for s in map(json.loads, done.stdout.splitlines())}
+
+        def right(key):
+            sample = samples.get(key)
+            if sample is None or sample["quality"] != "GOOD":
+                return False
+            wanted, value = expected.get(key), sample["value"]
+            if wanted is None or isinstance(wanted, bool):
+                return wanted in (None, value)
+            return abs(value - wanted) <= 1e-6 * max(1, abs(wanted))
+
+        return {key: samples.get(key) for key in scheduled if not right(key)}
+
+
+if __name__ == "__main__":
+    BIN_DIR, SOURCE_DIR = sys.argv[1:3]
+    unittest.main(argv=sys.argv[:1], verbosity=2)
