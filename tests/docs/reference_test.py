@@ -158,6 +158,26 @@ class Protocols(unittest.TestCase):
         return re.sub(r"\d+", "0", re.sub(r"0[xX][0-9A-Fa-f]+", "0", at))
 
 
+class Devices(unittest.TestCase):
+    def test_are_those_of_the_folder(self):
+        listed = re.findall(r"^\| (.+?) \| \[`([\w-]+)`\]\(\.\./config/devices/([\w-]+)\.yaml\) \| (\w+) \| (\d+) \| (.+?) \|$",
+                            section("docs/devices.md", "The list"), re.MULTILINE)
+        folder = {name.removesuffix(".yaml") for name in os.listdir(os.path.join(SOURCE_DIR, "config", "devices"))}
+        self.assertEqual(sorted(row[1] for row in listed), sorted(folder - {"press", "energy-meter", "drive"}))
+        for device, template, file, protocol, channels, source in listed:
+            with self.subTest(template):
+                text = read(f"config/devices/{file}.yaml")
+                head = re.sub(r"\s*\n#\s+", " ", text)
+                self.assertEqual((template, int(channels)), (file, len(re.findall(r"^  - ", text, re.MULTILINE))))
+                self.assertIn(f"Device:   {device}", head)
+                self.assertIn(f"Source:   {source}", head)
+                self.assertIn(protocol.lower(), re.search(r"^protocols: (.+)$", text, re.MULTILINE)[1])
+
+    def test_of_a_head_every_line_is_explained(self):
+        keys = re.findall(r"^# (\w+): ", read("config/devices/pzem-016.yaml"), re.MULTILINE)
+        self.assertEqual(first_cells(section("docs/devices.md", "Another device")), keys)
+
+
 class ProgramPort(unittest.TestCase):
     def test_its_exit_codes_are_those_that_it_tells(self):
         said = re.sub(r'"\s*"', "", read("tools/program-port/main.cpp"))
