@@ -6,6 +6,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <random>
 
 #include "bridge/bus/back_off.hpp"
 #include "bridge/bus/clock.hpp"
@@ -29,6 +30,8 @@ namespace asio = boost::asio;
 constexpr Duration kReportPeriod = std::chrono::seconds{1};
 // Of a line that is leased in the middle of an exchange.
 constexpr Duration kLongestSettling = std::chrono::seconds{1};
+// On a fenced wire, after the decision: less than what FenceTimes leaves between two masters.
+constexpr Duration kLatestSend = std::chrono::milliseconds{20};
 // However often the state changes.
 constexpr Duration kLeastReportGap = std::chrono::milliseconds{100};
 
@@ -53,6 +56,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
       : io_(io),
         plans_(plans),
         spec_(spec),
+        fenced_(fence_of(spec.port).is(Fence::kListen)),
         sink_(sink),
         engine_(spec, codec_),
         port_(make_port(io, spec.port, modules)),
@@ -62,6 +66,8 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
         settled_(io),
         notices_(spec.name),
         mapping_(read_clocks()) {
+    std::random_device random;  // differs between the bridges at one wire
+    engine_.set_fence_order(random() % WireFence::kRanks, random());
     if (const auto* serial = std::get_if<SerialPortSpec>(&spec_.port))
       watch_.emplace(io, serial->path, [this] { device_came(); });
   }
@@ -91,10 +97,10 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
 
   void command(Command command) {
     if (stopped_) return sink_.complete(shutdown_result(command, steady_now()), mapping_);
-    process(CommandArrived{std::move(command)}, steady_now());
+    process_after_bytes(CommandArrived{std::move(command)});
   }
 
-  void event(const BusEvent& event) { process(event, steady_now()); }
+  void event(const BusEvent& event) { process_after_bytes(event); }
 
   void lease(const std::string& who, const Granted& granted, Revoked revoked) {
     if (revoked_)
@@ -192,6 +198,12 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     if (const Revoked revoked = std::exchange(revoked_, {})) revoked(reason);
   }
 
+  // What has arrived is delivered first: on a fenced wire it may be another master.
+  void process_after_bytes(const BusEvent& event) {
+    if (fenced_ && open_ && !revoked_) port_->poll();
+    process(event, steady_now());
+  }
+
   void process(const BusEvent& event, Instant now) {
     if (stopped_) return;
     FIELDCAST_CHECK(!processing_);  // ports and sinks never call back from inside
@@ -205,7 +217,14 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     if (report_soon_ && now - reported_ >= kLeastReportGap) report(now);
   }
 
+  // On a fenced wire a request that comes late may meet another master: it is not sent, and the
+  // engine waits for its answer in vain.
+  [[nodiscard]] bool too_late(Instant decided) const {
+    return fenced_ && steady_now() - decided > kLatestSend;
+  }
+
   void execute(const Send& send, Instant now) {
+    if (too_late(now)) return;
     if (trace_) trace_line(mapping_.to_utc(now), spec_.name, TraceMark::kSent, to_hex(send.bytes));
     port_->write(send.bytes);
   }
@@ -299,6 +318,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   asio::io_context& plans_;
   const std::shared_ptr<Gate> gate_ = std::make_shared<Gate>(io_);
   const BusSpec spec_;
+  const bool fenced_;  // others may stand at the wire
   BusSink& sink_;
   IconvCodec codec_;
   BusEngine engine_;

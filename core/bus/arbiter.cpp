@@ -24,6 +24,17 @@ std::optional<Bytes> Arbiter::next(Instant now) {
   return send(now);
 }
 
+std::optional<Bytes> Arbiter::sign(Instant now, bool due) {
+  if (wire_.waiting()) return std::nullopt;
+  auto read = devices_.sign(now, late_.read_gate());
+  if (!read || (!due && reads_.slack(now) < read->timeout)) return std::nullopt;
+  Flight sign;
+  sign.kind = Flight::Kind::kProbe;
+  sign.asked = {read->device, std::move(read->request), {}, {}};
+  wire_.launch(std::move(sign));
+  return send(now);
+}
+
 std::optional<Flight> Arbiter::choose(Instant now) {
   if (!commands_.empty()) {
     const bool reads_first = command_was_last_ && !commands_.begun() && reads_.due(now);

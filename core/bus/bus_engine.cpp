@@ -34,6 +34,7 @@ void BusEngine::handle(const Opened&, Instant now, ActionSink&) {
   (void)break_off();
   parts_.late.start_anew();
   parts_.wire.opened(now);
+  parts_.fence.opened(now);
   parts_.devices.opened(now);
 }
 
@@ -43,16 +44,9 @@ void BusEngine::handle(const Closed& event, Instant now, ActionSink& sink) {
   state_ = BusState::kClosed;
   closed_because_ = event.cause;
   if (event.cause != Cause::kPortClosed) outcomes_.count(event.cause);
-  const auto broken = break_off();
+  give_up(Cause::kPortClosed, now, sink);
   // What a connection brought late ends with it, unless there is a serial line behind it.
   if (parts_.setup.plain_tcp()) parts_.late.forget_all();
-  if (broken) {
-    if (broken->is_command())
-      parts_.commands.failed(broken->batch, Cause::kPortClosed, 0, parts_.wire.driver().answered(),
-                             now, sink);
-    if (broken->kind == Flight::Kind::kRead) parts_.reads.broken_off(broken->block, now);
-    outcomes_.count(Cause::kPortClosed);
-  }
   for (ChannelIndex c = 0; c < parts_.channels.size(); ++c)
     parts_.channels.failing(c, Cause::kPortClosed, now);
   parts_.commands.refuse_all(Cause::kOffline, "port is down: " + event.reason, now, sink);
@@ -63,13 +57,16 @@ void BusEngine::handle(const Received& event, Instant now, ActionSink& sink) {
     parts_.wire.count_stray(event.bytes.size());
     if (state_ != BusState::kRunning) return;
     parts_.wire.stray(now);
-    if (!parts_.late.none_owed())
-      outcomes_.take_late(parts_.late.in_strays(event.bytes, now), now, sink);
-    return;
+    std::vector<LateAnswers::Late> late;
+    if (!parts_.late.none_owed()) late = parts_.late.in_strays(event.bytes, now);
+    parts_.fence.bytes_came(false, now);
+    if (late.empty() && parts_.fence.stray(event.bytes, now)) let_go(now, sink);
+    return outcomes_.take_late(late, now, sink);
   }
   Bytes out;
   const auto outcome = parts_.wire.on_bytes(event.bytes, now, out);
   const Asked& asked = parts_.wire.flight().asked;
+  parts_.fence.bytes_came(parts_.wire.driver().received().empty(), now);
   if (outcome != ExchangeDriver::Outcome::kSend)
     outcomes_.take_late(parts_.late.in_exchange(asked, parts_.wire.driver(), now), now, sink);
   // An answer that began before its request had ended is another one.
@@ -134,9 +131,7 @@ void BusEngine::settle(Instant now, ActionSink& sink) {
     sink.publish(std::move(late));
   }
   parts_.commands.expire(now, sink);
-  if (state_ == BusState::kRunning && !parts_.wire.exchanging()) {
-    if (auto request = arbiter_.next(now)) sink.push(Send{std::move(*request)});
-  }
+  if (state_ == BusState::kRunning && !parts_.wire.exchanging()) send_next(now, sink);
   if (auto told = overload_.update(parts_.reads.stretch(), now)) sink.push(std::move(*told));
   if (auto draft = parts_.reads.draft()) sink.push(MakePlan{std::move(draft)});
   set_timer(sink);
@@ -150,7 +145,7 @@ void BusEngine::set_timer(ActionSink& sink) {
     if (parts_.wire.exchanging())
       next = std::min(next, parts_.wire.driver().deadline());
     else if (state_ == BusState::kRunning)
-      next = std::min(next, arbiter_.look_again());
+      next = std::min(next, next_request_at_);
   }
   if (next == timer_) return;
   timer_ = next;
@@ -160,10 +155,15 @@ void BusEngine::set_timer(ActionSink& sink) {
 void BusEngine::advance(ExchangeDriver::Outcome outcome, Bytes out, Instant now, ActionSink& sink) {
   if (outcome == ExchangeDriver::Outcome::kWaiting) return;
   if (outcome == ExchangeDriver::Outcome::kSend) {
+    if (!parts_.fence.keeps(now)) return give_up(Cause::kForeignMaster, now, sink);
     parts_.late.start_anew();
+    (void)parts_.fence.sending(out, parts_.wire.driver().sent_until());
     return sink.push(Send{std::move(out)});
   }
   const bool done = outcome == ExchangeDriver::Outcome::kDone;
+  const Cause cause = parts_.wire.driver().cause();
+  const bool answered = done || cause == Cause::kDeviceError || cause == Cause::kDeviceBusy;
+  if (parts_.fence.ended(answered, parts_.wire.driver().received(), now)) let_go(now, sink);
   auto reopen = outcomes_.conclude(done, now, sink);
   if (!reopen) return;
   sink.push(std::move(*reopen));
@@ -179,6 +179,53 @@ std::optional<Flight> BusEngine::break_off() {
   return parts_.wire.abort();
 }
 
+void BusEngine::give_up(Cause cause, Instant now, ActionSink& sink) {
+  const auto broken = break_off();
+  if (!broken) return;
+  if (broken->is_command())
+    parts_.commands.failed(broken->batch, cause, 0, parts_.wire.driver().answered(), now, sink);
+  if (broken->kind == Flight::Kind::kRead) parts_.reads.broken_off(broken->block, now);
+  outcomes_.count(cause);
+}
+
+void BusEngine::send_next(Instant now, ActionSink& sink) {
+  WireFence& fence = parts_.fence;
+  if (!fence.may_send(now)) {
+    next_request_at_ = fence.look_again(now);
+    return;
+  }
+  auto request = arbiter_.next(now);
+  const Instant free_at = parts_.wire.free_at();
+  if (!request && now >= free_at && now >= fence.sign_from()) {
+    const bool due = now >= fence.sign_due();
+    request = arbiter_.sign(now, due);
+    if (!request && due) fence.no_sign(now);
+  }
+  if (!request) {
+    const Instant sign = now < fence.sign_from() ? fence.sign_from() : fence.sign_due();
+    next_request_at_ = std::min(arbiter_.look_again(), std::max(sign, free_at));
+    return;
+  }
+  if (fence.sending(*request, parts_.wire.driver().sent_until())) {
+    sink.push(Notice{Notice::Kind::kForeignMasterEnded,
+                     {},
+                     Cause::kNone,
+                     "the wire was silent: this bridge sends again"});
+  }
+  sink.push(Send{std::move(*request)});
+}
+
+void BusEngine::let_go(Instant now, ActionSink& sink) {
+  outcomes_.count(Cause::kForeignMaster);
+  for (ChannelIndex c = 0; c < parts_.channels.size(); ++c)
+    parts_.channels.failing(c, Cause::kForeignMaster, now);
+  sink.push(Notice{Notice::Kind::kForeignMaster,
+                   {},
+                   Cause::kForeignMaster,
+                   parts_.fence.text() + "; nothing is sent until the wire was silent for " +
+                       to_text(parts_.fence.times().listen)});
+}
+
 BusReport BusEngine::bus_report(Instant now) {
   const WireLoad::Shares shares = parts_.wire.shares(now);
   BusReport report;
@@ -188,6 +235,8 @@ BusReport BusEngine::bus_report(Instant now) {
   report.measured_load = shares.reading;
   report.planned_load = parts_.reads.planned_load();
   report.stretch = parts_.reads.stretch();
+  report.listening = state_ == BusState::kRunning && parts_.fence.listening();
+  report.foreign_masters = parts_.fence.foreign_masters();
   report.exchanges = parts_.wire.exchanges();
   report.samples = samples_;
   report.commands = parts_.commands.done();

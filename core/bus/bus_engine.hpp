@@ -50,6 +50,9 @@ class BusEngine {
   // An answer may be on its way.
   [[nodiscard]] bool exchanging() const { return parts_.wire.exchanging(); }
 
+  // Of the bridges at one wire (`fence: listen`): wire_fence.hpp. Before the first event.
+  void set_fence_order(unsigned rank, std::uint64_t seed) { parts_.fence.set_order(rank, seed); }
+
   // While set, exchanges are described in Traced actions.
   void set_trace(bool on) { tracing_ = on; }
 
@@ -72,6 +75,12 @@ class BusEngine {
   // The exchange on the wire goes on, or ends.
   void advance(ExchangeDriver::Outcome outcome, Bytes out, Instant now, ActionSink& sink);
   std::optional<Flight> break_off();
+  // Likewise; what waits for it is told the cause.
+  void give_up(Cause cause, Instant now, ActionSink& sink);
+  // The wire is free: the next request, if it may and need be sent.
+  void send_next(Instant now, ActionSink& sink);
+  // Another master speaks on the wire: nothing is sent until it is silent.
+  void let_go(Instant now, ActionSink& sink);
 
   BusParts parts_;
   Arbiter arbiter_;         // before an exchange
@@ -81,6 +90,7 @@ class BusEngine {
   BusState state_ = BusState::kOpening;
   Cause closed_because_ = Cause::kNone;  // while it is closed
   bool begun_ = false;                   // the first event has come
+  Instant next_request_at_ = kNever;     // when to look for one, while the wire rests
   Instant timer_ = kNever;               // as the shell was told last
   bool tracing_ = false;
   std::uint64_t samples_ = 0;   // published

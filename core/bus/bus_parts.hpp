@@ -11,6 +11,7 @@
 #include "core/bus/late_answers.hpp"
 #include "core/bus/read_path.hpp"
 #include "core/bus/wire.hpp"
+#include "core/bus/wire_fence.hpp"
 
 namespace fieldcast {
 
@@ -23,7 +24,8 @@ struct BusParts {
         reads(setup, channels),
         devices(setup, reads.first_ranges()),
         late(setup),
-        wire(setup) {}
+        wire(setup),
+        fence(setup.spec()) {}
 
   const BusSetup setup;
   ChannelTable channels;
@@ -32,6 +34,7 @@ struct BusParts {
   DeviceMonitor devices;
   LateAnswers late;
   Wire wire;
+  WireFence fence;
 };
 
 }  // namespace fieldcast

@@ -155,6 +155,25 @@ std::optional<DeviceMonitor::Probe> DeviceMonitor::probe(Instant now, const Gate
   return std::nullopt;
 }
 
+std::optional<DeviceMonitor::Probe> DeviceMonitor::sign(Instant now, const Gate& gate) const {
+  std::optional<Probe> best;
+  bool best_is_sick = true;
+  for (DeviceIndex index = 0; index < devices_.size(); ++index) {
+    const Device& device = devices_[index];
+    if (!probed_[index] || device.health.offline() || device.paused_until > now) continue;
+    Request request = ReadRequest{{*probed_[index]}};
+    if (gate(index, request) > now) continue;
+    const bool sick = device.deferred_until != kLongAgo;
+    const Duration takes =
+        setup_.wire_time(index, request) + longest_answer(index) + setup_.silence();
+    const bool better = !best || (sick == best_is_sick ? takes < best->timeout : best_is_sick);
+    if (!better) continue;
+    best = Probe{index, std::move(request), takes};
+    best_is_sick = sick;
+  }
+  return best;
+}
+
 // What can be spared of the configured timeout; nothing: too little. A while later the probe is
 // made all the same.
 std::optional<Duration> DeviceMonitor::probe_timeout(DeviceIndex index, const Request& request,

@@ -89,6 +89,9 @@ class DeviceMonitor {
   // The probe that is due now, if the wire has time for one.
   [[nodiscard]] std::optional<Probe> probe(Instant now, const Gate& gate, const Slack& slack);
   [[nodiscard]] Instant next_probe() const;
+  // A short read of a device that answers, of those that may be asked now the one with the quickest
+  // answer, a sick one last; `timeout`: what it takes, mostly.
+  [[nodiscard]] std::optional<Probe> sign(Instant now, const Gate& gate) const;
   // The port was opened: a device that did not answer before may do so now.
   void opened(Instant now);
 

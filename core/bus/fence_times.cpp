@@ -1,0 +1,39 @@
+#include "core/bus/fence_times.hpp"
+
+#include <algorithm>
+
+#include "core/bus/owed_answers.hpp"
+#include "core/model/make_protocol.hpp"
+
+namespace fieldcast {
+namespace {
+
+// What it holds back, and the delays of a process.
+constexpr Duration kSlowestAdapter = std::chrono::milliseconds{20};
+
+// The longest silence behind a request to the device. Where answers show nothing, nobody is asked
+// until the late one can no longer come (LateAnswers).
+Duration silence_behind(const DeviceSpec& device, const BusSpec& bus) {
+  const auto protocol = make_protocol(device, line_of(bus.port));
+  if (!protocol || device.channels.empty()) return {};
+  const bool nameless = (*protocol)->traits().identity == AnswerIdentity::kNone;
+  const auto size = (*protocol)->size(ReadRequest{{device.channels.front().range}});
+  return device.timeout * (nameless ? OwedAnswers::kLateFactor : 1) + bus.gap_allowance +
+         device.pause + (size ? size->pauses : Duration{});
+}
+
+}  // namespace
+
+FenceTimes fence_times(const BusSpec& bus) {
+  FenceTimes times;
+  times.hold = fence_of(bus.port).hold;
+  times.quiet = times.hold;
+  for (const DeviceSpec& device : bus.devices)
+    times.quiet = std::max(times.quiet, silence_behind(device, bus));
+  times.claim = times.quiet + times.hold;
+  times.listen = times.claim + times.hold;
+  times.slot = std::max(times.hold / 4, kSlowestAdapter + line_of(bus.port).characters(2));
+  return times;
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,121 @@
+// Several masters and the devices of one bus at one half-duplex line, in virtual time, character by
+// character: everybody hears everybody, and what overlaps is garbled.
+//
+// Each master is a whole BusEngine behind an adapter that may hold bytes back, give an echo, be cut
+// off from the line, or stand still like a process that is stopped. Deterministic by its seed. Runs
+// on the thread of the test; throws std::runtime_error when a device cannot be simulated.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "core/bus/bus_engine.hpp"
+#include "tools/sim/device/device.hpp"
+
+namespace fieldcast::test {
+
+struct WireFaults {
+  double noise = 0;  // characters a second that nobody sent
+  double late = 0;   // probability of an answer that comes `late_by` later
+  Duration late_by = std::chrono::milliseconds{250};
+  Duration answer_after = std::chrono::milliseconds{3};
+};
+
+struct Adapter {
+  Duration latency{};  // received bytes are held back for as long
+  bool echo = false;
+};
+
+class SharedWire {
+ public:
+  struct Counts {
+    std::uint64_t frames = 0;           // of masters
+    std::uint64_t garbled = 0;          // frames of which a character overlapped one of another
+    std::uint64_t garbled_answers = 0;  // of them those of devices that overlapped each other
+    std::uint64_t turns = 0;            // a frame of another master than the one before
+    Duration shortest_turn = Duration::max();  // silence before such a frame
+  };
+  struct Master {
+    Master(const BusSpec& spec, const Adapter& behind) : engine(spec), adapter(behind) {}
+    BusEngine engine;
+    Adapter adapter;
+    bool open = false, cut = false;
+    Instant stopped_until = kLongAgo;
+    Instant timer = kNever;
+    Bytes received;  // held back by the adapter
+    Instant deliver_at = kNever;
+    Instant sends_until = kLongAgo;
+    std::uint64_t frames = 0, answers = 0, good = 0, wrong = 0;
+    Instant last_frame = kLongAgo, first_frame = kNever;
+    std::vector<Notice> notices;
+  };
+
+  SharedWire(const BusSpec& spec, const std::vector<Adapter>& masters, const WireFaults& faults,
+             std::uint64_t seed);
+
+  void run_until(Instant until);
+  void open(std::size_t master);   // the process starts, and opens its port
+  void close(std::size_t master);  // it dies
+  void stop(std::size_t master, Duration time) { masters_[master]->stopped_until = now_ + time; }
+  void cut(std::size_t master, bool off) { masters_[master]->cut = off; }
+
+  // Whether a good value is right; empty: all are.
+  std::function<bool(ChannelIndex, const Value&)> judge;
+  // Told of each frame that leaves, with its sender: a master, or -1 for a device.
+  std::function<void(Instant, int, ByteView)> watch;
+
+  [[nodiscard]] Instant now() const { return now_; }
+  [[nodiscard]] const Counts& counts() const { return counts_; }
+  [[nodiscard]] Master& master(std::size_t index) { return *masters_[index]; }
+  [[nodiscard]] sim::SimDevice& device(std::size_t index) { return *devices_[index].device; }
+
+ private:
+  struct Device {
+    std::unique_ptr<sim::SimDevice> device;
+    std::unique_ptr<sim::Receiver> receiver;
+    Instant sends_until = kLongAgo;
+  };
+  struct Transmission {
+    int sender;  // a master; kDevices + index; kNoise
+    Bytes characters;
+    Instant start;
+    std::size_t passed = 0;
+    bool garbled = false;
+    std::vector<bool> spoilt{};
+    [[nodiscard]] Instant end_of(std::size_t index, Duration character) const {
+      return start + character * static_cast<std::int64_t>(index + 1);
+    }
+  };
+  static constexpr int kDevices = 100, kNoise = 1000;
+
+  void transmit(int sender, ByteView characters, Instant start);
+  void collide(Transmission& a, Transmission& b);
+  void note_turn(std::size_t master, Instant start);
+  void pass(Transmission& transmission);
+  void to_devices(int sender, std::uint8_t character, Instant end);
+  void to_masters(int sender, std::uint8_t character, Instant end);
+  void react(std::size_t device, sim::Reaction& reaction, Instant at);
+  void feed(std::size_t master, const BusEvent& event);
+  void act(std::size_t master, const Action& action);
+  [[nodiscard]] Instant silence_due() const;
+  [[nodiscard]] Instant due_of(const Master& master) const;
+  void serve(std::size_t master);
+  void plan_noise();
+
+  BusSpec spec_;
+  WireFaults faults_;
+  Duration character_;
+  bool half_duplex_ = true;
+  std::mt19937_64 random_;
+  std::vector<std::unique_ptr<Master>> masters_;
+  std::vector<Device> devices_;
+  std::vector<Transmission> transmissions_;
+  Instant now_{}, noise_at_ = kNever;
+  Instant wire_silent_since_{};
+  int last_master_ = -1;
+  Counts counts_;
+};
+
+}  // namespace fieldcast::test
