@@ -29,8 +29,8 @@ class Arbiter {
   // Starts the next exchange and returns its first request; nothing while the wire must be silent,
   // or rests. REQUIRES: no exchange is on the wire.
   [[nodiscard]] std::optional<Bytes> next(Instant now);
-  // Starts a short read that keeps the wire from being silent for long (wire_fence.hpp), and returns
-  // its request; nothing: no device can be asked now, or, unless it is `due`, a read would be late
+  // Starts a short read that keeps the wire from being silent for long (WireFence), and returns its
+  // request; nothing: no device can be asked now, or, unless it is `due`, a read would be late
   // for it. REQUIRES: next() had nothing, and the wire is free.
   [[nodiscard]] std::optional<Bytes> sign(Instant now, bool due);
   // When next() has something to do again, unless something happens before.
