@@ -152,6 +152,8 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     notices_.port_opened();
     report_soon_ = true;
     process(Opened{}, now);
+    // The first time at once: whoever started the bus waits for it.
+    if (!std::exchange(was_open_, true) && report_soon_) report(now);
   }
 
   void on_received(ByteView bytes, Instant arrival) override {
@@ -342,6 +344,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   Instant next_plan_report_{};       // not before
   bool open_ = false;                // the port
   bool report_soon_ = false;
+  bool was_open_ = false;
   bool trace_ = false;
   bool processing_ = false;
   bool stopped_ = false;

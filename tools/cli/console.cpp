@@ -11,6 +11,8 @@ namespace fieldcast::cli {
 
 bool output_is_terminal() { return isatty(STDOUT_FILENO) == 1; }
 
+bool errors_are_seen() { return isatty(STDERR_FILENO) == 1; }
+
 Screen output_screen() {
   if (!output_is_terminal()) return {};
   winsize size{};

@@ -13,6 +13,7 @@ namespace fieldcast::cli {
 // Standard output as it is now: zero bounds and no colour when it is no terminal; NO_COLOR is
 // honoured (no-color.org).
 [[nodiscard]] bool output_is_terminal();
+[[nodiscard]] bool errors_are_seen();  // standard error is a terminal
 [[nodiscard]] Screen output_screen();
 
 // Takes the terminal's other screen while it lives, so that the user's scroll-back stays as it was.

@@ -24,6 +24,9 @@ struct Streams {
   [[nodiscard]] Screen wide_screen() const { return {0, 0, colour}; }
 };
 
+// "fieldcast scan: FAULT" on `err`.
+ExitCode usage_fault(std::ostream& err, std::string_view command, std::string_view fault);
+
 class Command {
  public:
   virtual ~Command() = default;

@@ -1,4 +1,5 @@
 #include <array>
+#include <ostream>
 
 #include "tools/cli/command/command.hpp"
 
@@ -12,6 +13,9 @@ CommandEntry status_command();
 CommandEntry sessions_command();
 CommandEntry plan_command();
 CommandEntry inspect_command();
+CommandEntry read_command();
+CommandEntry poke_command();
+CommandEntry scan_command();
 CommandEntry sim_check_command();
 CommandEntry history_command();
 CommandEntry devices_command();
@@ -22,12 +26,18 @@ CommandEntry alarms_command();
 CommandEntry doctor_command();
 CommandEntry secure_command();
 
+ExitCode usage_fault(std::ostream& err, std::string_view command, std::string_view fault) {
+  err << "fieldcast " << command << ": " << fault << '\n';
+  return ExitCode::kUsage;
+}
+
 std::span<const CommandEntry> commands() {
   static const std::array all{
-      watch_command(),    write_command(),   acquire_command(), status_command(),
-      sessions_command(), plan_command(),    inspect_command(), sim_check_command(),
-      history_command(),  devices_command(), audit_command(),   user_command(),
-      token_command(),    alarms_command(),  doctor_command(),  secure_command(),
+      watch_command(),    write_command(),  acquire_command(),   status_command(),
+      sessions_command(), plan_command(),   inspect_command(),   scan_command(),
+      read_command(),     poke_command(),   sim_check_command(), history_command(),
+      devices_command(),  audit_command(),  user_command(),      token_command(),
+      alarms_command(),   doctor_command(), secure_command(),
   };
   return all;
 }

@@ -1,0 +1,199 @@
+// Reading and writing without a configuration: what is said on the command line, what items mean,
+// and the commands themselves on a pseudo-terminal with a device behind it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "config/loader.hpp"
+#include "core/model/make_protocol.hpp"
+#include "tests/bridge/support/modbus_device.hpp"
+#include "tools/cli/command/poke.hpp"
+#include "tools/cli/command/read.hpp"
+#include "tools/cli/command/scan.hpp"
+#include "tools/cli/direct/address_steps.hpp"
+#include "tools/cli/direct/meanings.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+std::unique_ptr<Protocol> protocol(const char* name) {
+  return find_protocol(name)->make(DeviceLink{}).value();
+}
+
+TEST(AddressSteps, CountInTheNotationOfTheFamily) {
+  const auto modbus = protocol("modbus-rtu");
+  EXPECT_EQ(address_behind(*modbus, "holding:100", 2), "holding:102");
+  EXPECT_EQ(address_behind(*modbus, "40009", 2), "40011");
+  EXPECT_EQ(address_behind(*modbus, "holding:65535", 1), std::nullopt);
+  EXPECT_EQ(address_behind(*modbus, "nonsense", 1), std::nullopt);
+  EXPECT_EQ(address_behind(*protocol("s7-ppi"), "VW100", 2), "VW102");
+  EXPECT_EQ(address_behind(*protocol("omron-hostlink"), "DM0009", 1), "DM0010");
+}
+
+TEST(Meanings, OfARegisterPairInEveryOrder) {
+  const auto meanings = meanings_of("float32,int16");
+  ASSERT_TRUE(meanings);
+  EXPECT_EQ(meanings->size(), 6u);
+  // 1.5 as an IEEE 754 single is 3FC00000.
+  const Bytes image{0x3F, 0xC0, 0x00, 0x00};
+  const std::vector<std::string> addresses{"holding:0", "holding:1"};
+  const auto lines = meaning_lines(addresses, 16, image, *meanings, {});
+  std::string text;
+  for (const auto& line : lines) text += line + '\n';
+  EXPECT_THAT(text, HasSubstr("holding:0  3F C0\n"));
+  EXPECT_THAT(text, HasSubstr("  float32                  1.5\n"));
+  EXPECT_THAT(text, HasSubstr("  int16                    16320\n"));
+  EXPECT_THAT(text, HasSubstr("  int16 bytes swapped      -16321\n"));
+}
+
+TEST(Meanings, AllTypesAndWhatIsNone) {
+  const auto all = meanings_of("all");
+  ASSERT_TRUE(all);
+  EXPECT_GT(all->size(), 20u);
+  EXPECT_FALSE(meanings_of("flaot32"));
+  EXPECT_FALSE(meanings_of(""));
+  EXPECT_FALSE(meanings_of("int16,"));
+}
+
+struct Ended {
+  ExitCode code;
+  std::string out, err;
+};
+
+struct DirectTest : testing::Test {
+  LineOptions line() const {
+    return {.port = pty.path(),
+            .baud = 115200,
+            .format = "8N1",
+            .timeout = std::chrono::milliseconds{200}};
+  }
+  Ended read(ReadOptions options) {
+    std::ostringstream out, err;
+    const auto code = cli::read(options, interrupt, out, err, {});
+    return {code, out.str(), err.str()};
+  }
+  Ended poke(PokeOptions options) {
+    std::ostringstream out, err;
+    const auto code = cli::poke(options, interrupt, out, err);
+    return {code, out.str(), err.str()};
+  }
+  Ended scan(ScanOptions options) {
+    std::ostringstream out, err;
+    const auto code = cli::scan(options, interrupt, out, err, {});
+    return {code, out.str(), err.str()};
+  }
+
+  test::Pty pty;
+  test::ModbusDevice device{pty};
+  Interrupt interrupt;
+};
+
+TEST_F(DirectTest, ReadsValuesOneBehindTheOther) {
+  const auto ended = read({.line = line(), .addresses = {"holding:100"}, .count = 3});
+  EXPECT_EQ(ended.code, ExitCode::kOk) << ended.err;
+  EXPECT_EQ(ended.out, "holding:100 = 100\nholding:101 = 101\nholding:102 = 102\n");
+}
+
+TEST_F(DirectTest, ReadsMoreThanOneRequestHolds) {
+  const auto ended = read({.line = line(), .addresses = {"holding:0"}, .count = 300, .json = true});
+  EXPECT_EQ(ended.code, ExitCode::kOk) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr(",298,299]"));
+  EXPECT_EQ(device.reads(), 3u);
+}
+
+TEST_F(DirectTest, ShowsWhatRegistersMean) {
+  const auto ended = read({.line = line(), .addresses = {"holding:7"}, .count = 2, .as = "uint32"});
+  EXPECT_EQ(ended.code, ExitCode::kOk) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("uint32                   458760"));  // 7 << 16 | 8
+  EXPECT_THAT(ended.out, HasSubstr("uint32 words swapped     524295"));
+}
+
+TEST_F(DirectTest, SaysWhatADeviceRefuses) {
+  const auto ended = read({.line = line(), .addresses = {"coil:1", "holding:5"}});
+  EXPECT_EQ(ended.code, ExitCode::kFailed);
+  EXPECT_THAT(ended.err, HasSubstr("illegal function"));
+  EXPECT_THAT(ended.out, HasSubstr("holding:5 = 5"));
+}
+
+TEST_F(DirectTest, SaysWhatIsNoAddress) {
+  const auto ended = read({.line = line(), .addresses = {"holdin:1"}});
+  EXPECT_EQ(ended.code, ExitCode::kUsage);
+  EXPECT_THAT(ended.err, HasSubstr("did you mean holding:1?"));
+  EXPECT_EQ(device.reads(), 0u);
+}
+
+TEST_F(DirectTest, WritesAndReadsBack) {
+  const auto ended = poke({.line = line(), .assignments = {"holding:40=1234"}, .verify = true});
+  EXPECT_EQ(ended.code, ExitCode::kOk) << ended.err;
+  EXPECT_EQ(ended.out, "holding:40 = 1234: verified (read back 1234)\n");
+  EXPECT_EQ(device.held(40), 1234);
+}
+
+TEST_F(DirectTest, AWrongValueIsFoundBeforeAnythingIsWritten) {
+  const auto ended = poke({.line = line(), .assignments = {"holding:40=1", "holding:41=x"}});
+  EXPECT_EQ(ended.code, ExitCode::kUsage);
+  EXPECT_THAT(ended.err, HasSubstr("'x' is no number"));
+  EXPECT_EQ(device.writes(), 0u);
+}
+
+TEST_F(DirectTest, ASilentDeviceIsSaidToBeSilent) {
+  device.set_silent(true);
+  const auto ended = read({.line = line(), .addresses = {"holding:5"}});
+  EXPECT_EQ(ended.code, ExitCode::kFailed);
+  EXPECT_THAT(ended.err, HasSubstr("holding:5: "));
+}
+
+TEST_F(DirectTest, ScanFindsTheDeviceAndWritesNothingToIt) {
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("fieldcast-scan-" + std::to_string(::getpid()));
+  std::filesystem::create_directory(folder);
+  const std::string file = folder / "found.yaml";
+  const auto ended = scan({.port = pty.path(),
+                           .baud = 115200,
+                           .format = "8N1",
+                           .addresses = "1-2",
+                           .timeout = std::chrono::milliseconds{300},
+                           .out = file});
+  EXPECT_EQ(ended.code, ExitCode::kOk) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("modbus-rtu 115200 8N1"));
+  EXPECT_EQ(device.writes(), 0u);
+  const auto loaded = config::load_file(file);
+  EXPECT_TRUE(loaded);
+  // Never over a file that is there.
+  EXPECT_EQ(scan({.port = pty.path(),
+                  .baud = 115200,
+                  .format = "8N1",
+                  .addresses = "1",
+                  .timeout = std::chrono::milliseconds{300},
+                  .out = file})
+                .code,
+            ExitCode::kUsage);
+  std::filesystem::remove_all(folder);
+}
+
+TEST_F(DirectTest, ScanSaysThatNobodyAnswers) {
+  device.set_silent(true);
+  const auto ended = scan({.port = pty.path(),
+                           .baud = 9600,
+                           .format = "8N1",
+                           .addresses = "1",
+                           .timeout = std::chrono::milliseconds{20}});
+  EXPECT_EQ(ended.code, ExitCode::kNothing);
+  EXPECT_THAT(ended.err, HasSubstr("no device answered 2 questions"));
+  EXPECT_EQ(ended.out, "");
+}
+
+TEST_F(DirectTest, APortThatIsNotThereIsSaid) {
+  const auto ended = scan({.port = "/dev/fieldcast-none", .addresses = "1"});
+  EXPECT_EQ(ended.code, ExitCode::kTrouble);
+  EXPECT_THAT(ended.err, HasSubstr("/dev/fieldcast-none"));
+}
+
+}  // namespace
+}  // namespace fieldcast::cli

@@ -1,0 +1,206 @@
+// A scan: what is asked and in which order, what a device says of itself, and the whole of it on a
+// pseudo-terminal with a device that answers at one setting only.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "core/codec/checksum.hpp"
+#include "tools/cli/scan/identity.hpp"
+#include "tools/cli/scan/scan_plan.hpp"
+#include "tools/cli/scan/scan_view.hpp"
+#include "tools/cli/scan/scanner.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+const ProtocolEntry& rtu() { return *find_protocol("modbus-rtu"); }
+
+std::vector<ScanLine> lines_of(std::size_t formats, std::vector<std::uint16_t> addresses) {
+  auto usual = usual_formats(rtu(), {}, {});
+  usual.resize(formats);
+  return scan_lines(rtu(), usual, addresses);
+}
+
+ScanAnswer value() { return {.device = true, .took = std::chrono::milliseconds{3}, .bytes = 7}; }
+ScanAnswer silence() { return {.cause = Cause::kNoAnswer}; }
+ScanAnswer noise() { return {.cause = Cause::kChecksum, .bytes = 3}; }
+
+TEST(ScanPlan, ReadsAddresses) {
+  EXPECT_THAT(*addresses_from("1-4"), ElementsAre(1, 2, 3, 4));
+  EXPECT_THAT(*addresses_from("7,1,10-12,11"), ElementsAre(1, 7, 10, 11, 12));
+  EXPECT_THAT(*addresses_from("65535"), ElementsAre(65535));
+  for (const char* bad : {"", "x", "1-", "-3", "4-2", "1,,2", "1,", "70000", "1 2"})
+    EXPECT_FALSE(addresses_from(bad)) << bad;
+}
+
+TEST(ScanPlan, FactoryFormatIsFirstAndNoneComesTwice) {
+  for (const ProtocolEntry& entry : protocols()) {
+    const auto formats = usual_formats(entry, {}, {});
+    EXPECT_EQ(formats.front(), entry.factory_line) << entry.name;
+    std::set<std::string> texts;
+    for (const auto& format : formats) EXPECT_TRUE(texts.insert(to_text(format)).second);
+  }
+  EXPECT_EQ(usual_formats(rtu(), {}, {}).size(), 12u);
+}
+
+TEST(ScanPlan, WhatIsSaidHolds) {
+  for (const auto& format : usual_formats(rtu(), 300, {})) EXPECT_EQ(format.baud, 300u);
+  const auto one = usual_formats(rtu(), 9600, LineFormat{1, 8, Parity::kOdd, 1});
+  ASSERT_EQ(one.size(), 1u);
+  EXPECT_EQ(to_text(one.front()), "9600 8O1");
+}
+
+TEST(ScanPlan, EveryProtocolHasAQuestionThatItsNotationNames) {
+  for (const ProtocolEntry& entry : protocols()) {
+    const auto protocol = scan_protocol(entry);
+    ASSERT_TRUE(protocol) << entry.name;
+    const auto questions = questions_of(*protocol);
+    EXPECT_FALSE(questions.empty()) << entry.name;
+    for (const auto& question : questions) {
+      const auto parsed = protocol->parse_address(question.at);
+      ASSERT_TRUE(parsed) << entry.name << ' ' << question.at;
+      EXPECT_EQ(parsed->area, question.range.area);
+      EXPECT_EQ(parsed->first, question.range.first);
+    }
+  }
+}
+
+TEST(ScanPlan, AddressesThatTheProtocolHasNotAreLeftOut) {
+  const auto lines = scan_lines(rtu(), {LineFormat{}}, {0, 1, 247, 248, 300});
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_THAT(lines.front().addresses, ElementsAre(1, 247));
+  EXPECT_THAT(scan_lines(rtu(), {LineFormat{}}, {300}), IsEmpty());
+}
+
+TEST(Scanner, AsksEveryLineTwiceWhenNobodyAnswers) {
+  Scanner scanner(lines_of(3, {1, 2}));
+  std::multiset<std::tuple<std::size_t, int, std::size_t>> asked;
+  std::size_t left = scanner.left();
+  while (const auto ask = scanner.next()) {
+    EXPECT_EQ(scanner.left(), left--);
+    asked.insert({ask->line, ask->address, ask->question});
+    scanner.answered(silence());
+  }
+  EXPECT_EQ(asked.size(), 12u);
+  EXPECT_EQ((std::set(asked.begin(), asked.end()).size()), 12u);
+  EXPECT_EQ(scanner.left(), 0u);
+  EXPECT_THAT(scanner.found(), IsEmpty());
+}
+
+TEST(Scanner, AnAnswerSettlesTheLineAndTheSilentAreAskedAgain) {
+  Scanner scanner(lines_of(5, {1, 2, 3, 4}));
+  std::vector<std::string> asked;
+  while (const auto ask = scanner.next()) {
+    asked.push_back(std::to_string(ask->line) + ':' + std::to_string(ask->address) + '/' +
+                    std::to_string(ask->question));
+    const bool first = ask->line == 1 && ask->address == 2;
+    const bool second = ask->line == 1 && ask->address == 3 && ask->question == 1;
+    scanner.answered(first || second ? value() : silence());
+  }
+  EXPECT_THAT(asked, ElementsAre("0:1/0", "0:2/0", "0:3/0", "0:4/0", "1:1/0", "1:2/0", "1:3/0",
+                                 "1:4/0", "1:1/1", "1:3/1", "1:4/1"));
+  ASSERT_EQ(scanner.found().size(), 2u);
+  EXPECT_EQ(scanner.found()[0].address, 2);
+  EXPECT_EQ(scanner.found()[1].address, 3);
+}
+
+TEST(Scanner, ALineOnWhichOthersSpeakIsLeft) {
+  Scanner scanner(lines_of(2, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10}));
+  std::map<std::size_t, unsigned> asked;
+  while (const auto ask = scanner.next()) {
+    ++asked[ask->line];
+    scanner.answered(ask->line == 0 ? noise() : silence());
+  }
+  EXPECT_EQ(asked[0], 2 * Scanner::kBabble);
+  EXPECT_EQ(asked[1], 20u);
+  EXPECT_THAT(scanner.noisy_lines(), ElementsAre(0));
+}
+
+TEST(Scanner, AllAnswerAtOnce) {
+  Scanner scanner(lines_of(2, {1, 2}));
+  unsigned asked = 0;
+  while (scanner.next()) {
+    scanner.answered(value());
+    ++asked;
+  }
+  EXPECT_EQ(asked, 2u);
+}
+
+TEST(ScanIdentity, ModbusDevicesNameThemselves) {
+  // The example of Modbus Application Protocol V1.1b3, 6.21.
+  const std::string vendor = "Company identification", product = "Product code XX",
+                    version = "V2.11";
+  Bytes answer{5, 0x2B, 0x0E, 1, 1, 0, 0, 3};
+  std::uint8_t id = 0;
+  for (const auto& text : {vendor, product, version}) {
+    answer.push_back(id++);
+    answer.push_back(static_cast<std::uint8_t>(text.size()));
+    answer.insert(answer.end(), text.begin(), text.end());
+  }
+  const std::uint16_t crc = crc16_modbus(answer);
+  answer.push_back(static_cast<std::uint8_t>(crc));
+  answer.push_back(static_cast<std::uint8_t>(crc >> 8));
+
+  const auto exchange = modbus_identity("modbus-rtu", 5);
+  Bytes out;
+  EXPECT_EQ(exchange->start(out).kind, Step::Kind::kSend);
+  EXPECT_EQ(to_hex(ByteView(out).first(5)), "05 2B 0E 01 00");
+  for (std::size_t size = 1; size < answer.size(); ++size)
+    EXPECT_EQ(exchange->on_bytes(ByteView(answer).first(size), out).kind, Step::Kind::kNeedMore);
+  ASSERT_EQ(exchange->on_bytes(answer, out).kind, Step::Kind::kDone);
+  const Bytes& items = exchange->reply().front().items;
+  EXPECT_EQ(std::string(items.begin(), items.end()), vendor + ", " + product + ", " + version);
+}
+
+TEST(ScanIdentity, NothingThatComesBreaksIt) {
+  std::uint32_t random = 1;
+  for (const char* protocol : {"modbus-rtu", "modbus-ascii", "modbus-tcp"}) {
+    for (unsigned run = 0; run < 3000; ++run) {
+      const auto exchange = modbus_identity(protocol, 5);
+      Bytes out, bytes;
+      (void)exchange->start(out);
+      for (unsigned i = 0; i < 40; ++i) {
+        random = random * 1664525 + 1013904223;
+        bytes.push_back(i < 3 && (random >> 30) != 0 ? out[i]
+                                                     : static_cast<std::uint8_t>(random >> 24));
+      }
+      if (exchange->on_bytes(bytes, out).kind == Step::Kind::kDone) {
+        EXPECT_EQ(exchange->reply().size(), 1u);
+      }
+    }
+  }
+}
+
+TEST(ScanIdentity, ARefusalIsNoName) {
+  Bytes answer{5, 0xAB, 1};
+  const std::uint16_t crc = crc16_modbus(answer);
+  answer.push_back(static_cast<std::uint8_t>(crc));
+  answer.push_back(static_cast<std::uint8_t>(crc >> 8));
+  const auto exchange = modbus_identity("modbus-rtu", 5);
+  Bytes out;
+  (void)exchange->start(out);
+  const Step step = exchange->on_bytes(answer, out);
+  EXPECT_EQ(step.kind, Step::Kind::kFailed);
+  EXPECT_EQ(step.cause, Cause::kDeviceError);
+  EXPECT_EQ(modbus_identity("omron-hostlink", 5), nullptr);
+}
+
+TEST(ScanView, WhatDevicesSayStaysAComment) {
+  Scanner scanner(lines_of(1, {1, 2}));
+  scanner.answered(value());
+  scanner.answered({.device = true, .cause = Cause::kDeviceError, .device_code = 2, .bytes = 5});
+  scanner.set_identity(0, "Evil\n      - name: more\x1b[2J");
+  const std::string text = configuration_text("/dev/ttyUSB0", true, scanner);
+  EXPECT_THAT(text, HasSubstr("baud: 19200, format: 8E1"));
+  EXPECT_THAT(text, HasSubstr("# it says: Evil\\x0A      - name: more\\x1B[2J\n"));
+  EXPECT_THAT(text, HasSubstr("# it answers, but refuses: 02 illegal data address"));
+}
+
+}  // namespace
+}  // namespace fieldcast::cli

@@ -1,0 +1,146 @@
+#include "tools/cli/command/poke.hpp"
+
+#include <fmt/format.h>
+
+#include <ostream>
+
+#include "core/model/make_protocol.hpp"
+#include "tools/cli/command/command.hpp"
+#include "tools/cli/direct/direct_bus.hpp"
+#include "tools/cli/view/command_text.hpp"
+#include "tools/cli/view/sample_text.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+struct Write {
+  std::string at, type;
+  Encoding encoding;
+  std::vector<Value> values;
+};
+
+// "holding:100=7", "holding:100=7,8,9"; of a string everything behind '='. The error is one line.
+tl::expected<Write, std::string> write_of(const std::string& assignment, const std::string& type,
+                                          const Protocol& protocol) {
+  const auto equals = assignment.find('=');
+  if (equals == 0 || equals == std::string::npos)
+    return tl::unexpected(fmt::format("'{}' is not ADDRESS=VALUE", printable(assignment)));
+  Write write{assignment.substr(0, equals), {}};
+  if (const auto parsed = protocol.parse_address(write.at); !parsed)
+    return tl::unexpected(fmt::format("{}: {}; allowed: {}", printable(write.at),
+                                      parsed.error().what, parsed.error().allowed));
+  write.type = type_at(write.at, type);
+  const auto encoding = parse_type(write.type);
+  if (!encoding) return tl::unexpected(encoding.error());
+  write.encoding = *encoding;
+  std::string_view rest = std::string_view(assignment).substr(equals + 1);
+  while (true) {
+    const auto comma = write.encoding.is_text() ? std::string_view::npos : rest.find(',');
+    auto value = value_from_text(write.encoding, rest.substr(0, comma));
+    if (!value) return tl::unexpected(fmt::format("{}: {}", printable(write.at), value.error()));
+    write.values.push_back(*std::move(value));
+    if (comma == std::string_view::npos) return write;
+    rest.remove_prefix(comma + 1);
+  }
+}
+
+std::string values_text(const std::vector<Value>& values, const std::string& type) {
+  std::string text;
+  for (const Value& value : values) text += (text.empty() ? "" : ", ") + value_text(value, type);
+  return text;
+}
+
+void show(const PokeOptions& options, const Write& write, const CommandResult& result,
+          std::ostream& out, std::ostream& err) {
+  if (options.json) {
+    Json json{{"address", write.at},
+              {"state", to_text(result.state)},
+              {"cause", to_name(result.cause)},
+              {"device_code", result.device_code},
+              {"reason", result.reason},
+              {"values", Json::array()}};
+    for (const Value& value : result.values) json["values"].push_back(to_json(value));
+    out << to_line(json) << '\n';
+  }
+  std::string line = fmt::format("{} = {}: {}", write.at, values_text(write.values, write.type),
+                                 to_text(result.state));
+  if (!result.reason.empty()) line += ": " + result.reason;
+  if (!result.values.empty())
+    line += fmt::format(" (read back {})", values_text(result.values, write.type));
+  const bool done = result.state == CommandState::kDone || result.state == CommandState::kVerified;
+  if (!options.json || !done) (done ? out : err) << printable(line) << '\n';
+  out.flush();
+}
+
+}  // namespace
+
+ExitCode poke(const PokeOptions& options, const Interrupt& interrupt, std::ostream& out,
+              std::ostream& err) {
+  const auto named = named_protocol(protocol_of(options.line), "poke", err);
+  if (!named) return ExitCode::kUsage;
+  const auto bus = bus_of(options.line, *named);
+  if (!bus) return usage_fault(err, "poke", bus.error());
+  const auto protocol = *make_protocol(bus->devices.front(), line_of(bus->port));
+  std::vector<Write> writes;
+  for (const std::string& assignment : options.assignments) {
+    auto write = write_of(assignment, options.type, *protocol);
+    if (!write) return usage_fault(err, "poke", write.error());
+    writes.push_back(*std::move(write));
+  }
+  DirectBus line(*bus, options.trace);
+  if (const auto opened = line.open(interrupt); !opened) {
+    if (interrupt.raised()) return ExitCode::kInterrupted;
+    err << "fieldcast poke: " << printable(opened.error()) << '\n';
+    return ExitCode::kTrouble;
+  }
+  for (const Write& write : writes) {
+    fieldcast::Command command;
+    command.device = "device";
+    command.target = AddressTarget{write.at, write.encoding};
+    command.values = write.values;
+    command.count = static_cast<std::uint32_t>(write.values.size());
+    command.verify = options.verify;
+    const auto result = line.run(std::move(command), interrupt);
+    if (!result) {
+      err << "fieldcast poke: interrupted; whether " << printable(write.at)
+          << " was written is not known\n";
+      return ExitCode::kInterrupted;
+    }
+    show(options, write, *result, out, err);
+    if (result->state == CommandState::kRejected) return ExitCode::kRejected;
+    if (result->state == CommandState::kFailed) return ExitCode::kFailed;
+  }
+  return ExitCode::kOk;
+}
+
+namespace {
+
+class PokeCommand final : public CommandWith<PokeOptions> {
+ public:
+  void describe(CommandLine& line) override {
+    add_line_options(line, options_.line);
+    line.texts("ADDRESS=VALUE", options_.assignments,
+               "holding:100=7; further values of the items behind it with commas")
+        .required();
+    line.text(
+        "--type", options_.type,
+        "Of the values: uint16, float32, string(8), .. (what the address implies, or uint16)");
+    line.flag("--verify", options_.verify, "Read back what was written");
+    line.flag("--trace", options_.trace, "The bytes on the line, as they pass");
+    line.flag("--json", options_.json, "JSON lines").excludes("--trace");
+  }
+  ExitCode run(const Streams& streams) override {
+    Interrupt interrupt;
+    return poke(options_, interrupt, streams.out, streams.err);
+  }
+};
+
+}  // namespace
+
+CommandEntry poke_command();
+CommandEntry poke_command() {
+  return {"poke", "Write to a line; needs no bridge and no configuration",
+          make_command<PokeCommand>};
+}
+
+}  // namespace fieldcast::cli

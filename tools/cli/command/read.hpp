@@ -1,0 +1,31 @@
+// `fieldcast read`: reads addresses of a device on a line, without a bridge and without a
+// configuration.
+#pragma once
+
+#include <cstdint>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "tools/cli/direct/line_options.hpp"
+#include "tools/cli/exit_code.hpp"
+#include "tools/cli/interrupt.hpp"
+#include "tools/cli/view/text_table.hpp"
+
+namespace fieldcast::cli {
+
+struct ReadOptions {
+  LineOptions line;
+  std::vector<std::string> addresses;
+  std::uint32_t count = 1;  // values at each address
+  std::string type;         // empty: what the address implies, or uint16
+  std::string as;           // "float32,int32", "all": what items mean
+  bool trace = false;
+  bool json = false;
+};
+
+// Continues after an address that the device refuses; the code is that of the last fault.
+[[nodiscard]] ExitCode read(const ReadOptions& options, const Interrupt& interrupt,
+                            std::ostream& out, std::ostream& err, const Screen& screen);
+
+}  // namespace fieldcast::cli

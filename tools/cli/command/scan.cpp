@@ -1,0 +1,299 @@
+#include "tools/cli/command/scan.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+#include <ostream>
+
+#include "bridge/security/file_access.hpp"
+#include "bridge/security/pki.hpp"
+#include "tools/cli/command/command.hpp"
+#include "tools/cli/console.hpp"
+#include "tools/cli/direct/line_options.hpp"
+#include "tools/cli/direct/line_talk.hpp"
+#include "tools/cli/scan/identity.hpp"
+#include "tools/cli/scan/scan_view.hpp"
+#include "tools/cli/scan/scanner.hpp"
+#include "tools/cli/view/sample_text.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+bool is_serial(const ScanOptions& options) { return options.port.find('/') != std::string::npos; }
+
+PortSpec port_with(const PortSpec& port, const LineFormat& format) {
+  PortSpec with = port;
+  if (auto* serial = std::get_if<SerialPortSpec>(&with)) serial->line = format;
+  return with;
+}
+
+// The error is one line.
+tl::expected<std::vector<ScanLine>, std::string> lines_of(const ScanOptions& options) {
+  const bool serial = is_serial(options);
+  const auto addresses = addresses_from(options.addresses);
+  if (!addresses) return tl::unexpected(addresses.error());
+  LineOptions line{.port = options.port, .baud = options.baud, .format = options.format};
+  const auto said = port_of(line, LineFormat{});
+  if (!said) return tl::unexpected(said.error());
+  std::optional<LineFormat> format;
+  if (!options.format.empty()) format = line_of(*said);
+  std::vector<std::string> names = options.protocols;
+  if (names.empty()) names = {serial ? "modbus-rtu" : "modbus-tcp"};
+  std::vector<ScanLine> lines;
+  for (const std::string& name : names) {
+    const ProtocolEntry* entry = find_protocol(name);
+    if (entry == nullptr) {
+      std::string all;
+      for (const auto& known : protocols())
+        all += (all.empty() ? "" : ", ") + std::string(known.name);
+      return tl::unexpected(
+          fmt::format("protocol '{}' is unknown; there are {}", printable(name), all));
+    }
+    if (serial && entry->network_only)
+      return tl::unexpected(
+          fmt::format("{} needs HOST:PORT; on a serial port it is {}", name, entry->instead));
+    const auto formats = serial ? usual_formats(*entry, options.baud, format)
+                                : std::vector<LineFormat>{entry->factory_line};
+    for (ScanLine& more : scan_lines(*entry, formats, *addresses)) lines.push_back(std::move(more));
+  }
+  if (lines.empty())
+    return tl::unexpected(
+        fmt::format("the protocol has none of the addresses {}", options.addresses));
+  return lines;
+}
+
+// The text line below the findings, redrawn in place; nothing where nobody looks at it.
+class Progress {
+ public:
+  Progress(std::ostream& err, bool serial)
+      : err_(err), serial_(serial), began_(std::chrono::steady_clock::now()) {}
+  ~Progress() { clear(); }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void show(const Scanner& scanner) {
+    if (!errors_are_seen()) return;
+    const auto elapsed = std::chrono::steady_clock::now() - began_;
+    err_ << "\r\033[K" << clip(progress_text(scanner, elapsed, serial_), 78) << std::flush;
+    shown_ = true;
+  }
+  void clear() {
+    if (std::exchange(shown_, false)) err_ << "\r\033[K" << std::flush;
+  }
+
+ private:
+  std::ostream& err_;
+  const bool serial_;
+  const std::chrono::steady_clock::time_point began_;
+  bool shown_ = false;
+};
+
+class Scan {
+ public:
+  Scan(const ScanOptions& options, PortSpec port, std::vector<ScanLine> lines,
+       const Interrupt& interrupt, std::ostream& err)
+      : options_(options),
+        port_(std::move(port)),
+        serial_(is_serial(options)),
+        scanner_(std::move(lines)),
+        talk_(interrupt),
+        interrupt_(interrupt),
+        err_(err) {}
+
+  // Until it is over or interrupted. The error: the port does not open.
+  tl::expected<void, std::string> run() {
+    Progress progress(err_, serial_);
+    while (const auto ask = scanner_.next()) {
+      progress.show(scanner_);
+      if (auto ready = turn_to(ask->line); !ready) {
+        if (interrupt_.raised()) return {};
+        return ready;
+      }
+      if (questions_.empty()) {
+        scanner_.skip_line();
+        continue;
+      }
+      const auto answer = question(*ask);
+      if (interrupt_.raised()) return {};
+      if (!answer) return tl::unexpected(answer.error());
+      scanner_.answered(*answer);
+    }
+    for (std::size_t i = 0; i < scanner_.found().size() && !interrupt_.raised(); ++i)
+      scanner_.set_identity(i, identity_of(scanner_.found()[i]));
+    return {};
+  }
+  [[nodiscard]] const Scanner& scanner() const { return scanner_; }
+
+ private:
+  // The port and the protocol as the line has them.
+  tl::expected<void, std::string> turn_to(std::size_t line) {
+    if (line_ == line) return {};
+    const ScanLine& next = scanner_.lines()[line];
+    if (!line_ || serial_) {
+      if (auto opened = talk_.open(port_with(port_, next.format)); !opened) return opened;
+    }
+    line_ = line;
+    protocol_ = scan_protocol(*next.protocol);
+    questions_ = questions_of(*protocol_);
+    return {};
+  }
+
+  [[nodiscard]] std::unique_ptr<Protocol> device(std::uint16_t address) const {
+    return scan_protocol(*scanner_.lines()[*line_].protocol, address);
+  }
+
+  tl::expected<ScanAnswer, std::string> question(const ScanAsk& ask) {
+    const auto protocol = device(ask.address);
+    if (!protocol) return ScanAnswer{};
+    const ScanQuestion& asked = questions_[std::min(ask.question, questions_.size() - 1)];
+    auto heard =
+        talk_.ask(protocol->begin(ReadRequest{{asked.range}}, {++sequence_}), options_.timeout);
+    if (!heard) return tl::unexpected(std::move(heard.error()));
+    ScanAnswer answer{.cause = heard->cause,
+                      .device_code = heard->device_code,
+                      .took = heard->took,
+                      .bytes = heard->bytes};
+    if (answer.cause == Cause::kNone && !heard->reply.empty()) {
+      answer.cause = heard->reply.front().cause;
+      answer.device_code = heard->reply.front().device_code;
+    }
+    answer.device = answer.cause == Cause::kNone || answer.cause == Cause::kDeviceError ||
+                    answer.cause == Cause::kDeviceBusy;
+    return answer;
+  }
+
+  std::string identity_of(const ScanFound& found) {
+    if (!turn_to(found.line)) return {};
+    const ScanLine& line = scanner_.lines()[found.line];
+    const auto address = static_cast<std::uint8_t>(found.address);
+    if (auto exchange = modbus_identity(line.protocol->name, address)) {
+      const auto heard = talk_.ask(std::move(exchange), options_.timeout);
+      if (!heard || heard->cause != Cause::kNone) return {};
+      const Bytes& text = heard->reply.front().items;
+      return {text.begin(), text.end()};
+    }
+    const auto type = type_address(line.protocol->name);
+    const auto protocol = device(found.address);
+    if (!type || !protocol) return {};
+    const auto at = protocol->parse_address(type->at);
+    if (!at) return {};
+    const auto heard = talk_.ask(
+        protocol->begin(ReadRequest{{{at->area, at->first, 1}}}, {++sequence_}), options_.timeout);
+    if (!heard || heard->cause != Cause::kNone || heard->reply.front().cause != Cause::kNone)
+      return {};
+    std::uint64_t number = 0;
+    for (const std::uint8_t byte : heard->reply.front().items) number = number << 8 | byte;
+    return fmt::format("{} {} ({} is {})", type->label, number, type->at, number);
+  }
+
+  const ScanOptions& options_;
+  const PortSpec port_;
+  const bool serial_;
+  Scanner scanner_;
+  LineTalk talk_;
+  const Interrupt& interrupt_;
+  std::ostream& err_;
+  std::optional<std::size_t> line_;  // that the port has
+  std::unique_ptr<Protocol> protocol_;
+  std::vector<ScanQuestion> questions_;
+  std::uint16_t sequence_ = 0;
+};
+
+void explain_nothing(const ScanOptions& options, const Scanner& scanner, bool serial,
+                     std::ostream& err) {
+  err << "no device answered " << scanner.asked() << " questions on " << printable(options.port)
+      << '\n';
+  for (const std::size_t line : scanner.noisy_lines())
+    err << "  bytes came that are no answer: " << line_text(scanner.lines()[line], serial) << '\n';
+  if (!scanner.noisy_lines().empty())
+    err << "another master may speak there, or the settings are others\n";
+  else if (serial)
+    err << "look at A and B (D+ and D-) of the line, its termination and the supply of the device; "
+           "try --protocol, --addresses 1-247, or a longer --timeout\n";
+}
+
+void show(const ScanOptions& options, const Scanner& scanner, std::ostream& out,
+          const Screen& screen) {
+  const bool serial = is_serial(options);
+  if (options.json) {
+    for (const ScanFound& found : scanner.found())
+      out << to_line(found_json(options.port, scanner.lines()[found.line], found, serial)) << '\n';
+  } else {
+    for (const auto& line : found_lines(scanner, serial, screen)) out << line << '\n';
+  }
+  out.flush();
+}
+
+}  // namespace
+
+ExitCode scan(const ScanOptions& options, const Interrupt& interrupt, std::ostream& out,
+              std::ostream& err, const Screen& screen) {
+  auto lines = lines_of(options);
+  if (!lines) return usage_fault(err, "scan", lines.error());
+  std::error_code ignored;
+  if (!options.out.empty() && std::filesystem::exists(options.out, ignored))
+    return usage_fault(err, "scan", options.out + " is there already; it is not written over");
+  const auto port = port_of(LineOptions{.port = options.port}, LineFormat{});
+  const bool serial = is_serial(options);
+  Scan run(options, *port, *std::move(lines), interrupt, err);
+  const auto done = run.run();
+  const Scanner& scanner = run.scanner();
+  if (!scanner.found().empty()) show(options, scanner, out, screen);
+  if (!done) {
+    err << "fieldcast scan: " << printable(options.port) << ": " << printable(done.error()) << '\n';
+    return ExitCode::kTrouble;
+  }
+  if (interrupt.raised()) {
+    err << "fieldcast scan: interrupted; " << scanner.asked() << " questions were asked\n";
+    return ExitCode::kInterrupted;
+  }
+  if (scanner.found().empty()) {
+    explain_nothing(options, scanner, serial, err);
+    return ExitCode::kNothing;
+  }
+  if (options.out.empty()) return ExitCode::kOk;
+  try {
+    security::write_new(options.out, configuration_text(options.port, serial, scanner),
+                        security::kForAll);
+  } catch (const security::SecurityError& error) {
+    err << "fieldcast scan: " << error.what() << '\n';
+    return ExitCode::kTrouble;
+  }
+  err << "written: " << printable(options.out) << "; look at it with fieldcast-bridge --check "
+      << printable(options.out) << '\n';
+  return ExitCode::kOk;
+}
+
+namespace {
+
+class ScanCommand final : public CommandWith<ScanOptions> {
+ public:
+  void describe(CommandLine& line) override {
+    line.text("PORT", options_.port, "A serial port (/dev/ttyUSB0) or HOST:PORT").required();
+    line.texts(
+        "--protocol", options_.protocols,
+        "That devices may speak, in the order of trying (modbus-rtu; HOST:PORT: modbus-tcp)");
+    line.number("--baud", options_.baud, 50, 4'000'000, "Only this rate (the usual ones)");
+    line.text("--format", options_.format, "Only this format: 8N1, 8E1, .. (the usual ones)");
+    line.text("--addresses", options_.addresses, "Of devices: 1-32, 1,2,10-12 (1-32)");
+    line.duration("--timeout", options_.timeout, CommandLine::kShortest,
+                  "To the first byte of an answer (200ms)");
+    line.text("--out", options_.out, "Write a first configuration there; the file must not exist");
+    line.flag("--json", options_.json, "JSON lines");
+  }
+  ExitCode run(const Streams& streams) override {
+    Interrupt interrupt;
+    return scan(options_, interrupt, streams.out, streams.err, streams.wide_screen());
+  }
+};
+
+}  // namespace
+
+CommandEntry scan_command();
+CommandEntry scan_command() {
+  return {"scan", "Find the devices of a line and its settings; needs no bridge",
+          make_command<ScanCommand>};
+}
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,32 @@
+// `fieldcast scan`: finds the baud rate, the format and the devices of a line by questions that
+// change nothing in any device, and writes a first configuration.
+#pragma once
+
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/time.hpp"
+#include "tools/cli/exit_code.hpp"
+#include "tools/cli/interrupt.hpp"
+#include "tools/cli/view/text_table.hpp"
+
+namespace fieldcast::cli {
+
+struct ScanOptions {
+  std::string port;
+  std::vector<std::string> protocols;  // empty: modbus-rtu, for HOST:PORT modbus-tcp
+  std::optional<std::uint32_t> baud;
+  std::string format;
+  std::string addresses = "1-32";
+  Duration timeout = std::chrono::milliseconds{200};
+  std::string out;  // a configuration is written there; it must not exist
+  bool json = false;
+};
+
+// What was found until an interrupt is shown too.
+[[nodiscard]] ExitCode scan(const ScanOptions& options, const Interrupt& interrupt,
+                            std::ostream& out, std::ostream& err, const Screen& screen);
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,119 @@
+#include "tools/cli/direct/direct_bus.hpp"
+
+#include <condition_variable>
+#include <mutex>
+
+#include "bridge/bus/bus_runner.hpp"
+#include "bridge/bus/bus_sink.hpp"
+#include "bridge/bus/io_thread.hpp"
+#include "bridge/log/log.hpp"
+#include "core/model/port_spec.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+constexpr std::chrono::milliseconds kInterruptCheck{50};
+constexpr std::chrono::milliseconds kTraceFlush{200};
+constexpr std::chrono::hours kResultLimit{24};  // the engine answers every command long before
+
+// What the bus says, kept for the thread that waits.
+class Results final : public BusSink {
+ public:
+  struct Heard {
+    bool running = false;
+    std::string closed;  // why the port is closed; empty: it was not
+    std::optional<CommandResult> result;
+  };
+
+  // What was heard once it is `enough`. Nothing: `limit` passed or the interrupt came before.
+  template <class Enough>
+  std::optional<Heard> wait(const Interrupt& interrupt, Duration limit, const Enough& enough) {
+    const auto end = std::chrono::steady_clock::now() + limit;
+    std::unique_lock lock(mutex_);
+    while (!enough(heard_)) {
+      if (interrupt.raised() || std::chrono::steady_clock::now() >= end) return std::nullopt;
+      changed_.wait_for(lock, kInterruptCheck);
+    }
+    return heard_;
+  }
+  void forget_result() {
+    change([](Heard& heard) { heard.result.reset(); });
+  }
+
+  void complete(const CommandResult& result, const UtcMapping&) override {
+    change([&](Heard& heard) { heard.result = result; });
+  }
+  void report(const BusReport& report, UtcTime) override {
+    change([&](Heard& heard) {
+      heard.running = report.state == BusState::kRunning;
+      heard.closed =
+          report.closed_because == Cause::kNone ? "" : std::string(to_text(report.closed_because));
+    });
+  }
+  void publish(std::vector<Sample>, const UtcMapping&) override {}
+  void promise(ChannelIndex, std::optional<Duration>) override {}
+  void report(std::string_view, const DeviceReport&, UtcTime) override {}
+  void report(PlanReport, UtcTime) override {}
+
+ private:
+  template <class Change>
+  void change(const Change& what) {
+    const std::lock_guard lock(mutex_);
+    what(heard_);
+    changed_.notify_all();
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  Heard heard_;
+};
+
+}  // namespace
+
+struct DirectBus::State {
+  State(const BusSpec& bus, bool trace)
+      : port(name_of(bus.port)), runner(io.context(), plans.context(), bus, results) {
+    open_log(LogLevel::kWarning);
+    runner.set_trace(trace);
+    runner.start();
+  }
+  ~State() { (void)runner.stop().wait_for(std::chrono::seconds{2}); }
+
+  const std::string port;
+  std::uint64_t commands = 0;
+  Results results;
+  IoThread io{"line"};
+  IoThread plans{"plans"};
+  BusRunner runner;
+};
+
+DirectBus::DirectBus(const BusSpec& bus, bool trace)
+    : state_(std::make_unique<State>(bus, trace)) {}
+
+DirectBus::~DirectBus() {
+  state_.reset();
+  flush_log(kTraceFlush);
+}
+
+tl::expected<void, std::string> DirectBus::open(const Interrupt& interrupt) {
+  const auto known = [](const Results::Heard& heard) {
+    return heard.running || !heard.closed.empty();
+  };
+  const auto heard = state_->results.wait(interrupt, kOpenLimit, known);
+  if (heard && heard->running) return {};
+  if (interrupt.raised()) return tl::unexpected(std::string());
+  return tl::unexpected(state_->port + ": " + (heard ? heard->closed : "it does not open"));
+}
+
+std::optional<CommandResult> DirectBus::run(fieldcast::Command command,
+                                            const Interrupt& interrupt) {
+  command.requester = "command line";
+  command.request_id = ++state_->commands;
+  state_->results.forget_result();
+  if (!state_->runner.post(std::move(command))) return std::nullopt;
+  const auto answered = [](const Results::Heard& heard) { return heard.result.has_value(); };
+  const auto heard = state_->results.wait(interrupt, kResultLimit, answered);
+  return heard ? heard->result : std::nullopt;
+}
+
+}  // namespace fieldcast::cli

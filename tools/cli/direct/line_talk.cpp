@@ -1,0 +1,136 @@
+#include "tools/cli/direct/line_talk.hpp"
+
+#include <algorithm>
+#include <boost/asio/io_context.hpp>
+
+#include "bridge/bus/clock.hpp"
+#include "bridge/port/port.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+// A signal is seen within this.
+constexpr std::chrono::milliseconds kTalkCheck{50};
+constexpr std::chrono::seconds kOpenLimit{5};
+// Silence inside an answer that ends it: adapters deliver in pieces.
+constexpr std::chrono::milliseconds kGapAllowance{30};
+// A line that never falls silent is asked all the same.
+constexpr std::chrono::milliseconds kLongestStray{300};
+
+}  // namespace
+
+struct LineTalk::State final : PortListener {
+  explicit State(const Interrupt& given) : interrupt(given) {}
+
+  void on_opened() override { opened = true; }
+  void on_received(ByteView bytes, Instant arrival) override {
+    last_byte = arrival;
+    strays += bytes.size();
+    if (!driver || !driver->active()) return;
+    Bytes out;
+    outcome = driver->on_bytes(bytes, arrival, out);
+    if (outcome == ExchangeDriver::Outcome::kSend) again = std::move(out);
+  }
+  void on_closed(std::string reason, Cause) override { closed = std::move(reason); }
+
+  // Runs the port's handlers until `until`, the interrupt, or something happened.
+  void wait(Instant until) {
+    const Duration rest = std::max<Duration>(until - steady_now(), Duration::zero());
+    io.restart();
+    (void)io.run_one_for(std::min<Duration>(rest, kTalkCheck));
+  }
+  [[nodiscard]] std::string why_closed() const {
+    return interrupt.raised() ? std::string() : closed.value_or("the port does not open");
+  }
+
+  const Interrupt& interrupt;
+  boost::asio::io_context io{1};
+  std::unique_ptr<Port> port;
+  std::optional<ExchangeDriver> driver;
+  Duration silence{};
+  bool opened = false;
+  std::optional<std::string> closed;
+  Instant last_byte = kLongAgo;
+  std::size_t strays = 0;  // since the last request
+  ExchangeDriver::Outcome outcome = ExchangeDriver::Outcome::kWaiting;
+  Bytes again;  // the next request of the exchange
+};
+
+LineTalk::LineTalk(const Interrupt& interrupt) : state_(std::make_unique<State>(interrupt)) {}
+
+LineTalk::~LineTalk() { close(); }
+
+void LineTalk::close() {
+  if (state_->port) state_->port->close();
+  state_->port.reset();
+  state_->driver.reset();
+}
+
+tl::expected<void, std::string> LineTalk::open(const PortSpec& spec) {
+  close();
+  State& state = *state_;
+  state.opened = false;
+  state.closed.reset();
+  state.last_byte = kLongAgo;
+  state.silence = silence_of(StandardSilence{}, line_of(spec));
+  state.driver.emplace(line_of(spec), kGapAllowance, Echo::kUnknown);
+  state.port = make_port(state.io, spec);
+  state.port->open(state);
+  const Instant limit = steady_now() + kOpenLimit;
+  while (!state.opened && !state.closed && !state.interrupt.raised() && steady_now() < limit)
+    state.wait(limit);
+  if (state.opened) return {};
+  return tl::unexpected(state.why_closed());
+}
+
+tl::expected<LineTalk::Answer, std::string> LineTalk::ask(std::unique_ptr<Exchange> exchange,
+                                                          Duration timeout) {
+  using Outcome = ExchangeDriver::Outcome;
+  State& state = *state_;
+  const Instant limit = steady_now() + kLongestStray;
+  const auto silent_at = [&] {
+    return state.last_byte == kLongAgo ? kLongAgo : state.last_byte + state.silence;
+  };
+  while (steady_now() < std::min(silent_at(), limit) && !state.closed && !state.interrupt.raised())
+    state.wait(std::min(silent_at(), limit));
+
+  Bytes out;
+  state.strays = 0;
+  state.outcome = Outcome::kWaiting;
+  state.driver->begin(std::move(exchange), timeout, true, steady_now(), out);
+  state.port->write(out);
+  while (state.driver->active() && !state.closed && !state.interrupt.raised()) {
+    state.wait(state.driver->deadline());
+    if (state.outcome == Outcome::kWaiting && steady_now() >= state.driver->deadline()) {
+      state.port->poll();
+      out.clear();
+      if (state.outcome == Outcome::kWaiting && steady_now() >= state.driver->deadline()) {
+        state.outcome = state.driver->on_timer(steady_now(), out);
+        if (state.outcome == Outcome::kSend) state.again = out;
+      }
+    }
+    if (state.outcome == Outcome::kSend) {
+      state.outcome = Outcome::kWaiting;
+      state.port->write(std::exchange(state.again, {}));
+    }
+    if (state.outcome != Outcome::kWaiting) break;
+  }
+  if (state.closed || state.interrupt.raised()) {
+    state.driver->abort();
+    return tl::unexpected(state.why_closed());
+  }
+  Answer answer;
+  answer.bytes = state.strays;
+  if (state.outcome == Outcome::kDone) {
+    answer.took = state.driver->answer_time();
+    answer.reply = state.driver->exchange().reply();
+  } else {
+    answer.cause = state.driver->cause();
+    answer.device_code = state.driver->device_code();
+    answer.took = state.driver->answer_time();
+  }
+  (void)state.driver->finish();
+  return answer;
+}
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,49 @@
+// Runs single exchanges on a port, one after the other, in the caller's thread: what a scan needs,
+// where the engine would plan, learn and probe. Timeouts, echo and frames are those of the engine's
+// own ExchangeDriver.
+//
+// Used on one thread.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <tl/expected.hpp>
+
+#include "core/bus/exchange_driver.hpp"
+#include "core/model/port_spec.hpp"
+#include "tools/cli/interrupt.hpp"
+
+namespace fieldcast::cli {
+
+class LineTalk {
+ public:
+  // What came of an exchange. `device_code` with Cause::kDeviceError.
+  struct Answer {
+    Cause cause = Cause::kNone;  // kNone: `reply` holds
+    std::uint16_t device_code = 0;
+    Reply reply;
+    Duration took{};        // the device's own time before its answer
+    std::size_t bytes = 0;  // that came
+  };
+
+  explicit LineTalk(const Interrupt& interrupt);
+  ~LineTalk();  // close()
+  LineTalk(const LineTalk&) = delete;
+  LineTalk& operator=(const LineTalk&) = delete;
+
+  // Closes what was open. The error says why the port does not open, a text line for people; it is
+  // empty when the interrupt was raised.
+  [[nodiscard]] tl::expected<void, std::string> open(const PortSpec& port);
+  // Waits for silence on the line before it sends, and for the answer, at most `timeout` to its
+  // first byte. The error as of open(): the port is gone. REQUIRES: open() was successful.
+  [[nodiscard]] tl::expected<Answer, std::string> ask(std::unique_ptr<Exchange> exchange,
+                                                      Duration timeout);
+  void close();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace fieldcast::cli

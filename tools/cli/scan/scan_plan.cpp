@@ -1,0 +1,152 @@
+#include "tools/cli/scan/scan_plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <set>
+
+#include "tools/cli/view/text_table.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+constexpr std::size_t kMostQuestions = 2;
+
+// Of devices on site, by what their manuals name as delivered and as usual, the commonest first.
+constexpr std::array<LineFormat, 12> kByteFormats{{{9600, 8, Parity::kNone, 1},
+                                                   {19200, 8, Parity::kEven, 1},
+                                                   {9600, 8, Parity::kEven, 1},
+                                                   {19200, 8, Parity::kNone, 1},
+                                                   {115200, 8, Parity::kNone, 1},
+                                                   {38400, 8, Parity::kNone, 1},
+                                                   {57600, 8, Parity::kNone, 1},
+                                                   {4800, 8, Parity::kNone, 1},
+                                                   {38400, 8, Parity::kEven, 1},
+                                                   {115200, 8, Parity::kEven, 1},
+                                                   {9600, 8, Parity::kNone, 2},
+                                                   {2400, 8, Parity::kNone, 1}}};
+constexpr std::array<LineFormat, 8> kTextFormats{{{9600, 7, Parity::kEven, 1},
+                                                  {9600, 7, Parity::kEven, 2},
+                                                  {19200, 7, Parity::kEven, 1},
+                                                  {19200, 7, Parity::kEven, 2},
+                                                  {38400, 7, Parity::kEven, 2},
+                                                  {115200, 7, Parity::kEven, 2},
+                                                  {9600, 8, Parity::kNone, 1},
+                                                  {19200, 8, Parity::kEven, 1}}};
+
+bool same_format(const LineFormat& a, const LineFormat& b) {
+  return a.data_bits == b.data_bits && a.parity == b.parity && a.stop_bits == b.stop_bits;
+}
+
+// How protocols spell the first item of an area.
+std::optional<std::string> first_of(const Protocol& protocol, AreaIndex index) {
+  const std::string name(protocol.areas()[index].name);
+  for (const char* end : {":0", "0", "B0", "W0", "00"}) {
+    const auto parsed = protocol.parse_address(name + end);
+    if (parsed && parsed->area == index && parsed->first == 0 && !parsed->bit) return name + end;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::unique_ptr<Protocol> scan_protocol(const ProtocolEntry& entry, std::uint16_t address) {
+  auto made = entry.make(entry.variants.empty() ? DeviceLink{.address = address}
+                                                : link_of(entry.variants.front(), address));
+  return made ? *std::move(made) : nullptr;
+}
+
+std::unique_ptr<Protocol> scan_protocol(const ProtocolEntry& entry) {
+  auto made = scan_protocol(entry, 1);
+  return made ? std::move(made) : scan_protocol(entry, 0);
+}
+
+std::vector<LineFormat> usual_formats(const ProtocolEntry& protocol,
+                                      std::optional<std::uint32_t> baud,
+                                      const std::optional<LineFormat>& format) {
+  std::vector<LineFormat> usual{protocol.factory_line};
+  if (protocol.factory_line.data_bits == 8)
+    usual.insert(usual.end(), kByteFormats.begin(), kByteFormats.end());
+  else
+    usual.insert(usual.end(), kTextFormats.begin(), kTextFormats.end());
+  // What was said holds also where it is not usual.
+  for (LineFormat& line : usual) {
+    if (baud) line.baud = *baud;
+    if (format) line = {line.baud, format->data_bits, format->parity, format->stop_bits};
+  }
+  std::vector<LineFormat> formats;
+  for (const LineFormat& line : usual) {
+    const bool known = std::any_of(formats.begin(), formats.end(), [&](const LineFormat& other) {
+      return other.baud == line.baud && same_format(other, line);
+    });
+    if (!known) formats.push_back(line);
+  }
+  return formats;
+}
+
+tl::expected<std::vector<std::uint16_t>, std::string> addresses_from(std::string_view text) {
+  const auto fault = [&] {
+    return tl::unexpected(fmt::format("addresses '{}' are not understood; write 1-32, or 1,2,10-12",
+                                      printable(text)));
+  };
+  std::set<std::uint16_t> addresses;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  while (at != end) {
+    std::uint16_t first = 0;
+    auto read = std::from_chars(at, end, first);
+    if (read.ec != std::errc{}) return fault();
+    std::uint16_t last = first;
+    if (read.ptr != end && *read.ptr == '-') {
+      read = std::from_chars(read.ptr + 1, end, last);
+      if (read.ec != std::errc{} || last < first) return fault();
+    }
+    for (unsigned address = first; address <= last; ++address)
+      addresses.insert(static_cast<std::uint16_t>(address));
+    at = read.ptr;
+    if (at != end && *at++ != ',') return fault();
+    if (at == end && text.back() == ',') return fault();
+  }
+  if (addresses.empty()) return fault();
+  return std::vector<std::uint16_t>(addresses.begin(), addresses.end());
+}
+
+std::vector<ScanLine> scan_lines(const ProtocolEntry& protocol,
+                                 const std::vector<LineFormat>& formats,
+                                 const std::vector<std::uint16_t>& addresses) {
+  const auto made = scan_protocol(protocol);
+  if (!made) return {};
+  const Traits& traits = made->traits();
+  std::vector<std::uint16_t> there;
+  for (const std::uint16_t address : addresses) {
+    if (address >= traits.lowest_address && address <= traits.highest_address)
+      there.push_back(address);
+  }
+  if (protocol.one_device) there.assign(1, traits.lowest_address);
+  std::vector<ScanLine> lines;
+  for (const LineFormat& format : formats) {
+    if (!there.empty()) lines.push_back({&protocol, format, there});
+  }
+  return lines;
+}
+
+std::vector<ScanQuestion> questions_of(const Protocol& protocol) {
+  std::vector<ScanQuestion> questions;
+  const auto add = [&](bool registers) {
+    for (std::size_t i = 0; i < protocol.areas().size(); ++i) {
+      const auto index = static_cast<AreaIndex>(i);
+      if ((protocol.areas()[i].item_bits > 1) != registers) continue;
+      const Range range{index, 0, std::max<std::uint32_t>(1, protocol.areas()[i].alignment)};
+      const auto at = first_of(protocol, index);
+      if (at && questions.size() < kMostQuestions && protocol.size(ReadRequest{{range}}))
+        questions.push_back({*at, range});
+    }
+  };
+  add(true);
+  if (questions.empty()) add(false);
+  return questions;
+}
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,55 @@
+// What a scan asks, and in which order: lines (protocol, baud rate, format), on each the addresses.
+// Pure values and functions.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "core/frame/line.hpp"
+#include "core/protocol/registry.hpp"
+
+namespace fieldcast::cli {
+
+// A question that changes nothing in any device: one item of an area is read.
+struct ScanQuestion {
+  std::string at;  // "holding:0"
+  Range range;
+};
+
+struct ScanLine {
+  const ProtocolEntry* protocol = nullptr;
+  LineFormat format{};
+  std::vector<std::uint16_t> addresses;
+};
+
+// The protocol for a device at `address`; null: it has no such address.
+[[nodiscard]] std::unique_ptr<Protocol> scan_protocol(const ProtocolEntry& entry,
+                                                      std::uint16_t address);
+// The same for any device, to look at its areas and codes.
+[[nodiscard]] std::unique_ptr<Protocol> scan_protocol(const ProtocolEntry& entry);
+
+// The settings in which lines of a protocol are found, the commonest first; those of its factory
+// before all. With `baud` or `format` (its bits, parity and stop) only those that have them.
+[[nodiscard]] std::vector<LineFormat> usual_formats(const ProtocolEntry& protocol,
+                                                    std::optional<std::uint32_t> baud,
+                                                    const std::optional<LineFormat>& format);
+
+// "1-32", "1,2,10-12". The error is one line.
+[[nodiscard]] tl::expected<std::vector<std::uint16_t>, std::string> addresses_from(
+    std::string_view text);
+
+// Lines of a protocol: one for each format. Addresses that the protocol does not have are left out;
+// a protocol with one device on its line is asked once.
+[[nodiscard]] std::vector<ScanLine> scan_lines(const ProtocolEntry& protocol,
+                                               const std::vector<LineFormat>& formats,
+                                               const std::vector<std::uint16_t>& addresses);
+
+// One or two questions, each of another area: what a device has not, it may leave unanswered.
+[[nodiscard]] std::vector<ScanQuestion> questions_of(const Protocol& protocol);
+
+}  // namespace fieldcast::cli

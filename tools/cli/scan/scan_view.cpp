@@ -1,0 +1,133 @@
+#include "tools/cli/scan/scan_view.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/protocol/device_code.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+std::string format_text(const LineFormat& format) {
+  const std::string text = to_text(format);  // "9600 8N1"
+  return text.substr(text.find(' ') + 1);
+}
+
+std::string answer_text(const ScanLine& line, const ScanAnswer& answer) {
+  if (answer.cause == Cause::kNone) return "value";
+  if (answer.cause == Cause::kDeviceError)
+    return "refuses: " +
+           device_code_words(scan_protocol(*line.protocol)->traits().codes, answer.device_code);
+  return std::string(to_text(answer.cause));
+}
+
+// Whatever a device says of itself, on one line.
+std::string comment_text(std::string_view text) {
+  std::string line = printable(text);
+  for (char& c : line) {
+    if (c == '\n' || c == '\r') c = ' ';
+  }
+  return line;
+}
+
+std::string_view type_of(const Protocol& protocol, const ScanQuestion& question) {
+  switch (protocol.areas()[question.range.area].item_bits) {
+    case 1: return "bool";
+    case 8: return "uint8";
+    case 32: return "uint32";
+    case 64: return "uint64";
+    default: return "uint16";
+  }
+}
+
+}  // namespace
+
+std::string line_text(const ScanLine& line, bool serial) {
+  return std::string(line.protocol->name) + (serial ? ' ' + to_text(line.format) : "");
+}
+
+std::string progress_text(const Scanner& scanner, Duration elapsed, bool serial) {
+  const auto ask = scanner.next();
+  if (!ask) return {};
+  const std::size_t left = scanner.left(), asked = scanner.asked();
+  std::string text = fmt::format("{}, address {}: {} of at most {} asked, {} found",
+                                 line_text(scanner.lines()[ask->line], serial), ask->address, asked,
+                                 asked + left, scanner.found().size());
+  if (asked > 0) {
+    const auto seconds = static_cast<std::int64_t>(
+        to_seconds(elapsed) / static_cast<double>(asked) * static_cast<double>(left) + 0.5);
+    text += fmt::format(", {} left", to_text(Duration(std::chrono::seconds{seconds})));
+  }
+  return text;
+}
+
+std::vector<std::string> found_lines(const Scanner& scanner, bool serial, const Screen& screen) {
+  TextTable table({{"ADDRESS", Align::kRight},
+                   {"PROTOCOL AND LINE"},
+                   {"ANSWER"},
+                   {"AFTER", Align::kRight},
+                   {"WHAT IT SAYS OF ITSELF"}});
+  for (const ScanFound& found : scanner.found()) {
+    const ScanLine& line = scanner.lines()[found.line];
+    table.add_row({{std::to_string(found.address)},
+                   {line_text(line, serial)},
+                   {answer_text(line, found.answer),
+                    found.answer.cause == Cause::kNone ? Tone::kGood : Tone::kPlain},
+                   {fmt::format("{:.1f} ms", to_seconds(found.answer.took) * 1e3)},
+                   {comment_text(found.identity)}});
+  }
+  return table.render(screen);
+}
+
+Json found_json(const std::string& port, const ScanLine& line, const ScanFound& found,
+                bool serial) {
+  Json json{{"port", port}, {"protocol", line.protocol->name}};
+  if (serial) {
+    json["baud"] = line.format.baud;
+    json["format"] = format_text(line.format);
+  }
+  json["address"] = found.address;
+  json["answer"] = found.answer.cause == Cause::kNone ? "value" : to_name(found.answer.cause);
+  json["device_code"] = found.answer.device_code;
+  json["answer_time"] = found.answer.took.count();
+  json["identity"] = found.identity;
+  return json;
+}
+
+std::string configuration_text(const std::string& port, bool serial, const Scanner& scanner) {
+  const ScanLine& line = scanner.lines()[scanner.found().front().line];
+  const auto protocol = scan_protocol(*line.protocol);
+  const auto questions = questions_of(*protocol);
+  const std::string reached = serial ? fmt::format("serial: \"{}\", baud: {}, format: {}", port,
+                                                   line.format.baud, format_text(line.format))
+                                     : fmt::format("tcp: \"{}\"", port);
+  std::string text = fmt::format(
+      "# Written by `fieldcast scan`. Replace the channels by those of your devices, look at the\n"
+      "# file with `fieldcast-bridge --check FILE`, then start `fieldcast-bridge FILE`.\n"
+      "bridge: bridge-1\n"
+      "dds: {{ domain: 0, interfaces: [127.0.0.1] }}\n"
+      "buses:\n"
+      "  - name: bus-1\n"
+      "    port: {{ {} }}\n"
+      "    protocol: {}\n"
+      "    devices:\n",
+      reached, line.protocol->name);
+  for (const ScanFound& found : scanner.found()) {
+    if (questions.empty() || found.line != scanner.found().front().line) continue;
+    const ScanQuestion& asked = questions[std::min(found.question, questions.size() - 1)];
+    text +=
+        fmt::format("      - name: device-{}\n        address: {}\n", found.address, found.address);
+    if (!found.identity.empty())
+      text += fmt::format("        # it says: {}\n", comment_text(found.identity));
+    if (found.answer.cause != Cause::kNone)
+      text += fmt::format("        # it answers, but {} {}\n", answer_text(line, found.answer),
+                          asked.at);
+    text += fmt::format(
+        "        channels:\n          - {{ name: first, at: \"{}\", type: {}, refresh: 1s }}\n",
+        asked.at, type_of(*protocol, asked));
+  }
+  return text;
+}
+
+}  // namespace fieldcast::cli

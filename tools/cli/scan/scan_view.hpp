@@ -1,0 +1,33 @@
+// What a scan found, as lines for people, as JSON, and as a first configuration. Pure functions.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/model/port_spec.hpp"
+#include "tools/cli/scan/scanner.hpp"
+#include "tools/cli/view/json.hpp"
+#include "tools/cli/view/text_table.hpp"
+
+namespace fieldcast::cli {
+
+// "modbus-rtu 9600 8N1"; without the format for a port that has no line.
+[[nodiscard]] std::string line_text(const ScanLine& line, bool serial);
+
+// "modbus-rtu 9600 8N1, address 12: 44 of 384 asked, 2 found, 1min 5s left".
+[[nodiscard]] std::string progress_text(const Scanner& scanner, Duration elapsed, bool serial);
+
+[[nodiscard]] std::vector<std::string> found_lines(const Scanner& scanner, bool serial,
+                                                   const Screen& screen);
+// {"port", "protocol", "baud", "format", "address", "answer", "device_code", "answer_time",
+// "identity"}; answer_time in nanoseconds.
+[[nodiscard]] Json found_json(const std::string& port, const ScanLine& line, const ScanFound& found,
+                              bool serial);
+
+// A configuration for fieldcast-bridge: one bus, each device with the one channel that was asked.
+// REQUIRES: something was found.
+[[nodiscard]] std::string configuration_text(const std::string& port, bool serial,
+                                             const Scanner& scanner);
+
+}  // namespace fieldcast::cli

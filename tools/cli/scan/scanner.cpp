@@ -1,0 +1,79 @@
+#include "tools/cli/scan/scanner.hpp"
+
+#include <algorithm>
+
+namespace fieldcast::cli {
+
+Scanner::Scanner(std::vector<ScanLine> lines) : lines_(std::move(lines)) {
+  if (lines_.empty()) pass_ = kPasses;
+}
+
+std::optional<ScanAsk> Scanner::next() const {
+  if (over()) return std::nullopt;
+  return ScanAsk{line_, lines_[line_].addresses[index_], pass_};
+}
+
+void Scanner::answered(const ScanAnswer& answer) {
+  ++asked_;
+  if (answer.device) {
+    settled_ = line_;
+    found_.push_back({line_, lines_[line_].addresses[index_], pass_, answer, {}});
+    babble_ = 0;
+    return advance();
+  }
+  babble_ = answer.bytes > 0 ? babble_ + 1 : 0;
+  if (answer.bytes > 0 && std::find(noisy_.begin(), noisy_.end(), line_) == noisy_.end())
+    noisy_.push_back(line_);
+  if (babble_ >= kBabble && !settled_) return next_line();
+  advance();
+}
+
+void Scanner::skip_line() { next_line(); }
+
+void Scanner::advance() {
+  const auto known = [&] {
+    return std::any_of(found_.begin(), found_.end(), [&](const ScanFound& found) {
+      return found.line == line_ && found.address == lines_[line_].addresses[index_];
+    });
+  };
+  do {
+    if (++index_ == lines_[line_].addresses.size()) return next_line();
+  } while (known());
+}
+
+void Scanner::next_line() {
+  babble_ = 0;
+  index_ = 0;
+  if (settled_) {
+    line_ = *settled_;
+    ++pass_;
+  } else if (++line_ == lines_.size()) {
+    line_ = 0;
+    ++pass_;
+  }
+  if (over() || !settled_) return;
+  // Who answered in the first pass is not asked again.
+  const auto& addresses = lines_[line_].addresses;
+  const auto silent = [&](std::uint16_t address) {
+    return std::none_of(found_.begin(), found_.end(), [&](const ScanFound& found) {
+      return found.line == line_ && found.address == address;
+    });
+  };
+  const auto first = std::find_if(addresses.begin(), addresses.end(), silent);
+  if (first == addresses.end()) pass_ = kPasses;
+  index_ = static_cast<std::size_t>(first - addresses.begin());
+}
+
+std::size_t Scanner::left() const {
+  if (over()) return 0;
+  std::size_t left = lines_[line_].addresses.size() - index_;
+  if (settled_) return left + (pass_ + 1 < kPasses ? lines_[line_].addresses.size() : 0);
+  std::size_t all = 0;
+  for (std::size_t line = 0; line < lines_.size(); ++line) {
+    all += lines_[line].addresses.size();
+    if (line > line_) left += lines_[line].addresses.size();
+  }
+  return left + (kPasses - 1 - pass_) * all;
+}
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,78 @@
+// The course of a scan, as a state machine: next() says what to ask, answered() what came of it.
+// The first line on which a device answers is the line; the others are not asked any more. Whoever
+// was silent there is asked once more, with another question. Pure; one owner.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/cause.hpp"
+#include "core/base/time.hpp"
+#include "tools/cli/scan/scan_plan.hpp"
+
+namespace fieldcast::cli {
+
+struct ScanAsk {
+  std::size_t line = 0;  // index in the lines
+  std::uint16_t address = 1;
+  std::size_t question = 0;  // index in questions_of(); the last one where there are fewer
+};
+
+struct ScanAnswer {
+  bool device = false;            // a device answered: with a value, or by refusing
+  Cause cause = Cause::kNone;     // of a refusal; of no answer
+  std::uint16_t device_code = 0;  // of a refusal
+  Duration took{};
+  std::size_t bytes = 0;  // that came at all
+};
+
+struct ScanFound {
+  std::size_t line = 0;
+  std::uint16_t address = 1;
+  std::size_t question = 0;
+  ScanAnswer answer;
+  std::string identity;  // what the device says of itself; empty: nothing
+};
+
+class Scanner {
+ public:
+  // So many questions in a row that brought bytes and no answer: somebody else speaks there.
+  static constexpr unsigned kBabble = 8;
+
+  explicit Scanner(std::vector<ScanLine> lines);
+
+  // Nothing: the scan is over.
+  [[nodiscard]] std::optional<ScanAsk> next() const;
+  // To what next() said.
+  void answered(const ScanAnswer& answer);
+  // The line of next() cannot be asked (its port does not take the settings): it is left out.
+  void skip_line();
+
+  [[nodiscard]] const std::vector<ScanLine>& lines() const { return lines_; }
+  [[nodiscard]] const std::vector<ScanFound>& found() const { return found_; }
+  void set_identity(std::size_t found, std::string identity) {
+    found_[found].identity = std::move(identity);
+  }
+  [[nodiscard]] std::size_t asked() const { return asked_; }
+  // That are still to be asked, unless a device answers.
+  [[nodiscard]] std::size_t left() const;
+  // The lines on which bytes came that were no answer.
+  [[nodiscard]] const std::vector<std::size_t>& noisy_lines() const { return noisy_; }
+
+ private:
+  void advance();
+  void next_line();
+  [[nodiscard]] bool over() const { return pass_ == kPasses; }
+
+  static constexpr std::size_t kPasses = 2;
+  std::vector<ScanLine> lines_;
+  std::vector<ScanFound> found_;
+  std::vector<std::size_t> noisy_;
+  std::optional<std::size_t> settled_;  // the line on which a device answered
+  std::size_t pass_ = 0, line_ = 0, index_ = 0, asked_ = 0;
+  unsigned babble_ = 0;
+};
+
+}  // namespace fieldcast::cli
