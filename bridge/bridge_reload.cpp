@@ -113,7 +113,9 @@ tl::expected<Bridge::Reloaded, std::string> Bridge::State::reload(const BridgeSp
   if (!link) {  // a reload failed before, and so did the way back
     return done(start(wanted, program::Server::Modules::kKeep));
   }
-  const ReloadPlan plan = plan_reload(spec, wanted);
+  ReloadPlan plan = plan_reload(spec, wanted);
+  if (plan.whole_bridge.empty() && link->has_new_identity())
+    plan = ReloadPlan{.whole_bridge = {"a renewed certificate"}};
   Reloaded waiting;
   for (const auto& leased : disturbed_by(plan, wanted, program.leased()))
     waiting.waits_for.push_back(fmt::format("{}/{} by {}", leased.bus, leased.device, leased.who));

@@ -103,6 +103,12 @@ void read_security(MapReader& map, DdsSpec& spec) {
     } else {
       spec.security = resolve(*map.find("security")->position.source, given);
     }
+    if (spec.security && !spec.discovery_servers.empty()) {
+      map.faults().add(map.position_of("security"),
+                       "security with a discovery server: Fast DDS 2.9 ends the program with it",
+                       "one of them; without a discovery server members find each other by "
+                       "multicast");
+    }
     return;
   }
   if (map.find("security") != nullptr) return;

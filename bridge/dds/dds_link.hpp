@@ -70,6 +70,10 @@ class DdsLink {
   DdsLink(const DdsLink&) = delete;
   DdsLink& operator=(const DdsLink&) = delete;
 
+  // The folder of the bridge's identity has a renewed certificate, which a new link would take. Any
+  // thread.
+  [[nodiscard]] bool has_new_identity() const;
+
   // Publishes the catalogue of the bus and makes its Sample writers: one for each distinct refresh,
   // none with more than 256 channels. Its commands arrive from here on: listen_for_commands(). One
   // thread at a time. Throws DdsError. REQUIRES: no bus of this name.

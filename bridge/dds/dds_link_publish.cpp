@@ -4,6 +4,8 @@
 
 namespace fieldcast {
 
+bool DdsLink::has_new_identity() const { return state_->domain.has_new_identity(); }
+
 void DdsLink::publish(std::string_view name, std::span<const Sample> samples,
                       const UtcMapping& mapping) {
   if (publish_block(name, samples, mapping)) publish_each(name, samples, mapping);

@@ -212,6 +212,10 @@ Domain::Domain(const DdsSpec& spec, const std::string& name,
     throw DdsError("dds: security: domain " + std::to_string(spec.domain) + " is not 0.." +
                    std::to_string(security::kHighestDomain));
   }
+  // It protects what it sends to the server for nobody, and asserts that there is somebody
+  // (SecurityManager::encode_rtps_message).
+  if (spec.security && !spec.discovery_servers.empty())
+    throw DdsError("dds: security: Fast DDS 2.9 ends the program with a discovery server");
   for (const std::string& address : spec.interfaces) {
     if (!has_interface(address))
       throw DdsError("dds: no interface of this machine has the address " + address);

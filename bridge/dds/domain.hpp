@@ -76,6 +76,9 @@ class Domain {
   // Who this participant is by DDS Security; nothing without it.
   [[nodiscard]] const std::optional<security::Member>& member() const { return member_; }
 
+  // The folder of the member has a renewed certificate, which a new participant would take.
+  [[nodiscard]] bool has_new_identity() const { return watch_ && watch_->has_new_identity(); }
+
   // Its listener is not called any more when these return.
   void remove(dds::DataWriter* writer);
   void remove(dds::DataReader* reader);

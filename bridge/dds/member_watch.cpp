@@ -3,14 +3,30 @@
 #include <pthread.h>
 
 #include "bridge/dds/library.hpp"
+#include "bridge/security/authority.hpp"
 #include "bridge/security/file_access.hpp"
 #include "bridge/security/member_folder.hpp"
 #include "bridge/security/pki.hpp"
 
 namespace fieldcast {
+namespace {
+
+// Empty: it cannot be read.
+std::string identity_in(const std::string& folder) {
+  try {
+    return security::read_file(folder + '/' + std::string(security::kIdentity));
+  } catch (const security::SecurityError&) { return {}; }
+}
+
+UtcTime utc_now() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return {std::chrono::duration_cast<std::chrono::nanoseconds>(now).count()};
+}
+
+}  // namespace
 
 MemberWatch::MemberWatch(std::string folder, std::shared_ptr<IncomingFilter> filter)
-    : folder_(std::move(folder)), filter_(std::move(filter)) {
+    : folder_(std::move(folder)), filter_(std::move(filter)), identity_(identity_in(folder_)) {
   thread_ = std::thread([this] { run(); });
 }
 
@@ -26,8 +42,27 @@ MemberWatch::~MemberWatch() {
 void MemberWatch::run() {
   pthread_setname_np(pthread_self(), "members");
   std::unique_lock lock(mutex_);
-  do read_list();
-  while (!changed_.wait_for(lock, kPeriod, [this] { return ends_; }));
+  do {
+    read_list();
+    look_at_identity();
+  } while (!changed_.wait_for(lock, kPeriod, [this] { return ends_; }));
+}
+
+bool MemberWatch::has_new_identity() const {
+  const std::string identity = identity_in(folder_);
+  return !identity.empty() && identity != identity_ &&
+         security::check_member(folder_, utc_now()).faults.empty();
+}
+
+// Said once the files have come to rest.
+void MemberWatch::look_at_identity() {
+  if (renewed_ >= 2) return;
+  renewed_ = has_new_identity() ? renewed_ + 1 : 0;
+  if (renewed_ == 2) {
+    say_security(false, folder_ +
+                            " has a renewed certificate; this program takes it when it starts "
+                            "again, a bridge also at a reload (SIGHUP)");
+  }
 }
 
 void MemberWatch::read_list() {

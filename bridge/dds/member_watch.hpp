@@ -1,5 +1,6 @@
 // Looks after the folder of a member while its participant is in the domain: a list of revoked
-// certificates that comes later holds at once, without a new start.
+// certificates that comes later holds at once, without a new start. A renewed certificate is said:
+// Fast DDS 2.9.1 reads it when a participant is made.
 //
 // Owns a thread, "members", that looks at the files each kPeriod. Who was refused once stays so
 // until the process ends, whatever the folder says then. A list that is not signed by the authority
@@ -28,12 +29,18 @@ class MemberWatch {
   MemberWatch(const MemberWatch&) = delete;
   MemberWatch& operator=(const MemberWatch&) = delete;
 
+  // The folder has another certificate than when this was made, and is in order. Any thread.
+  [[nodiscard]] bool has_new_identity() const;
+
  private:
   void run();
   void read_list();
+  void look_at_identity();
 
   const std::string folder_;
   const std::shared_ptr<IncomingFilter> filter_;
+  const std::string identity_;     // the certificate
+  std::uint32_t renewed_ = 0;      // how many times running there was another one
   std::string list_;               // the last one that was good
   std::uint32_t wrong_ = 0;        // how many times running the file was not good
   std::set<std::string> refused_;  // common names

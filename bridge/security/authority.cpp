@@ -54,7 +54,7 @@ Authority::Authority(std::string folder) : folder_(std::move(folder)) {
                                       kPermissionsCa, kGovernance, kRevoked, kIssued, kMembers}) {
     if (!fs::exists(path(file), none)) {
       throw SecurityError(folder_ + " is no authority's folder: " + std::string(file) +
-                          " is missing; fieldcast secure init makes one");
+                          " is missing; --authority names one, fieldcast secure init makes one");
     }
   }
 }

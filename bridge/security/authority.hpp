@@ -41,7 +41,8 @@ class Authority {
   // The folder that was made for it. A name is given once, also when it is revoked.
   std::string add(const Member& member, UtcTime now, Duration life = kMemberLife);
   // A new certificate and new permissions for the same key and subject. The folder may be copied
-  // over the old one while programs run: they go on, and take the new files when they start again.
+  // over the old one while programs run: they go on, and take the new files when they start again,
+  // or when a bridge is reloaded.
   void renew(const std::string& name, UtcTime now, Duration life = kMemberLife);
   // All certificates that it ever had. Writes the list anew, also into the folders of all members.
   void revoke(const std::string& name, UtcTime now);

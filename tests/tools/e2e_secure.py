@@ -5,6 +5,7 @@ usage: e2e_secure.py BIN_DIR
 
 import os
 import shutil
+import signal
 import stat
 import subprocess
 import sys
@@ -95,6 +96,7 @@ class Secured(unittest.TestCase):
         self.assertEqual(self.as_member("press", "write", "press-1/press/setpoint=7", "--verify").code, 0)
         self.elsewhere.wait(30)
         self.assertNotEqual(self.elsewhere.returncode, 0)
+        self.assertIn("plant press may command press-* only", "".join(self.elsewhere.communicate()))
         speed = [sample["value"] for sample in self.as_member("hall", "watch", "mill-1", "--once", "--json").json_lines()]
         self.assertEqual(speed, [7])
         audit = self.audit()
@@ -138,6 +140,17 @@ class Secured(unittest.TestCase):
                                       self.member("line-7"), *more], capture_output=True, text=True, timeout=30)
             self.assertEqual(refused.returncode, code)
             self.assertIn("name the folder of a station or a plant", refused.stdout + refused.stderr)
+
+    def test_a_reload_takes_a_renewed_certificate(self):
+        self.secure("renew", "line-7", "--authority", self.authority)
+        log = "fieldcast-bridge"
+        wait_until(lambda: "has a renewed certificate" in self.plant.log(log), SECONDS, lambda: self.plant.log(log))
+        self.plant.bridge.send_signal(signal.SIGHUP)
+        wait_until(lambda: "reloaded: everything started anew" in self.plant.log(log), SECONDS, lambda: self.plant.log(log))
+        self.assertIn("reloading: a renewed certificate", self.plant.log(log))
+        self.assertEqual(self.as_member("mes", "write", "mill-1/mill/speed=7", "--verify").code, 0)
+        self.plant.bridge.send_signal(signal.SIGHUP)  # now it has it
+        wait_until(lambda: "2 untouched" in self.plant.log(log), SECONDS, lambda: self.plant.log(log))
 
     def test_who_is_revoked_is_refused_by_the_programs_that_run(self):
         self.secure("add", "plant", "former", "--authority", self.authority)

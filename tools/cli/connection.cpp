@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "bridge/dds/multicast.hpp"
 #include "bridge/security/authority.hpp"
+#include "bridge/security/member_folder.hpp"
 #include "config/loader.hpp"
+#include "core/model/pattern.hpp"
 #include "tools/cli/clock.hpp"
 
 namespace fieldcast::cli {
@@ -46,6 +50,17 @@ tl::expected<DdsSpec, std::string> resolve(const ConnectionOptions& options) {
       return tl::unexpected(std::move(fault));
   }
   return spec;
+}
+
+std::string held_remark(const DdsSpec& spec, std::string_view bus) {
+  if (!spec.security) return {};
+  const auto member = security::read_member(*spec.security);
+  if (!member || member->buses.empty() ||
+      std::ranges::any_of(member->buses, [&](const auto& one) { return glob_matches(one, bus); }))
+    return {};
+  std::string buses;
+  for (const std::string& one : member->buses) buses += (buses.empty() ? "" : ", ") + one;
+  return fmt::format("; {} {} may command {} only", to_text(member->role), member->name, buses);
 }
 
 std::string domain_text(const DdsSpec& spec) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <tl/expected.hpp>
 #include <vector>
 
@@ -30,6 +31,9 @@ struct ConnectionOptions {
 void add_connection(CommandLine& line, ConnectionOptions& options);
 
 // The fault is for people: every fault of the file or of the member's folder, one on each line.
+// "; plant press may command press-* only", if that is why a command to the bus has no result.
+[[nodiscard]] std::string held_remark(const DdsSpec& spec, std::string_view bus);
+
 [[nodiscard]] tl::expected<DdsSpec, std::string> resolve(const ConnectionOptions& options);
 
 // "DDS domain 0 on 127.0.0.1"

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
 #include <thread>
 
 namespace fieldcast {
@@ -44,6 +45,24 @@ TEST(IncomingFilter, NothingElseMayBeInClear) {
   EXPECT_FALSE(may_be_in_clear(both)) << "behind something harmless";
   EXPECT_FALSE(may_be_in_clear(message({0x15, 5, 20}))) << "cut off";
   EXPECT_FALSE(may_be_in_clear(data_of(1, 0, 0xc2, 0x40))) << "a number of ours";
+}
+
+// Run under the sanitizers too: nothing is read behind the end of a message.
+TEST(IncomingFilter, AnyBytesAreTakenOrNot) {
+  std::mt19937 random(1);
+  const Bytes samples = data_of(0, 1, 3);
+  std::size_t taken = 0;
+  for (int i = 0; i < 100'000; ++i) {
+    Bytes bytes = data_of(1, 0, 0xc2);
+    if (i % 2 == 0) bytes.insert(bytes.end(), samples.begin() + 20, samples.end());
+    for (unsigned n = random() % 4; n > 0; --n)
+      bytes[20 + random() % (bytes.size() - 20)] = static_cast<std::uint8_t>(random());
+    bytes.resize(20 + random() % (bytes.size() - 19));
+    bytes.shrink_to_fit();
+    taken += may_be_in_clear(bytes);
+  }
+  EXPECT_GT(taken, 1000U);
+  EXPECT_LT(taken, 99'000U);
 }
 
 TEST(IncomingFilter, WhatIsInClearIsTakenOnlyWhereMessagesAreNotProtected) {

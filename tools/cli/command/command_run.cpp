@@ -87,7 +87,8 @@ bool CommandRun::send(Errand& errand) {
     outcome.state = sent.error() == StationFault::kNoBridge ? Outcome::State::kNoResult
                                                             : Outcome::State::kNotSent;
     outcome.result.reason = sent.error() == StationFault::kNoBridge
-                                ? "no bridge takes commands in " + domain_text(spec_)
+                                ? "no bridge takes commands in " + domain_text(spec_) +
+                                      held_remark(spec_, errand.command.bus)
                                 : std::string(to_text(sent.error()));
     return false;
   }
@@ -138,8 +139,9 @@ ExitCode CommandRun::execute(std::vector<Errand> errands) {
       outcome.result.reason =
           domain_.interrupted()
               ? "interrupted; whether it was executed is not known"
-              : fmt::format("no result within {}; whether it was executed is not known",
-                            to_text(options_.timeout + kResultGrace));
+              : fmt::format("no result within {}; whether it was executed is not known{}",
+                            to_text(options_.timeout + kResultGrace),
+                            held_remark(spec_, errands[entry->second.errand].command.bus));
       finish(errands[entry->second.errand]);
       entry = waiting.erase(entry);
     }

@@ -47,8 +47,8 @@ ExitCode add(const SecureOptions& options, UtcTime now, std::ostream& out) {
 ExitCode renew(const SecureOptions& options, UtcTime now, std::ostream& out) {
   Authority(options.folder).renew(options.member.name, now, options.life);
   out << fmt::format(
-      "{0} is renewed. Copy {1}/members/{0} over its folder; its programs take it when they start "
-      "the next time.\n",
+      "{0} is renewed. Copy {1}/members/{0} over its folder; a bridge takes it at a reload "
+      "(SIGHUP), other programs when they start the next time.\n",
       options.member.name, options.folder);
   return ExitCode::kOk;
 }
