@@ -174,8 +174,14 @@ class Values(InAFolder):
             for function, first, items, values in examples()[template.name]:
                 memory.update({(unit, function, first + i): item for i, item in enumerate(items)})
                 expected.update({(template.name, channel): value for channel, value in values.items()})
-        scheduled = {(template.name, channel) for template in known for channel in template.scheduled()}
-        self.assertEqual(expected.keys() - scheduled, set(), "of an example")
+        channels = {(template.name, channel) for template in known for channel in template.channels}
+        self.assertEqual(expected.keys() - channels, set(), "of an example")
+        os.unlink(os.path.join(self.folder, "devices"))
+        os.mkdir(os.path.join(self.folder, "devices"))
+        for template in known:
+            text, on_demand = re.subn("mode: on-demand", "refresh: 1min", template.text)  # here all are read
+            self.file(f"devices/{template.name}.yaml", text)
+            self.assertEqual(on_demand, len(template.channels.keys() - template.scheduled()))
         domain, claim = claim_domain()
         self.addCleanup(claim.close)
         with Devices(memory) as devices:
@@ -188,8 +194,8 @@ class Values(InAFolder):
                 command = [os.path.join(BIN_DIR, "fieldcast-bridge"), config]
                 bridge = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
                 try:
-                    wait_until(lambda: not self.wrong(config, expected, scheduled), SECONDS,
-                               lambda: f"as the sources say: {self.wrong(config, expected, scheduled)}")
+                    wait_until(lambda: not self.wrong(config, expected, channels), SECONDS,
+                               lambda: f"as the sources say: {self.wrong(config, expected, channels)}")
                     bridge.terminate()
                     self.assertEqual(bridge.wait(SECONDS), 0)
                 except BaseException:
@@ -202,7 +208,7 @@ class Values(InAFolder):
                         bridge.wait()
 
     @staticmethod
-    def wrong(config, expected, scheduled):
+    def wrong(config, expected, channels):
         """{(device, channel): sample} of those that are not GOOD, or not what an example says."""
         done = run("fieldcast", "watch", "--json", "--once", "--config", config)
         samples = {(s["device"], s["channel"]): s for s in map(json.loads, done.stdout.splitlines())}
@@ -212,11 +218,11 @@ class Values(InAFolder):
             if sample is None or sample["quality"] != "GOOD":
                 return False
             wanted, value = expected.get(key), sample["value"]
-            if wanted is None or isinstance(wanted, bool):
+            if wanted is None or isinstance(wanted, (bool, str)):
                 return wanted in (None, value)
             return abs(value - wanted) <= 1e-6 * max(1, abs(wanted))
 
-        return {key: samples.get(key) for key in scheduled if not right(key)}
+        return {key: samples.get(key) for key in channels if not right(key)}
 
 
 if __name__ == "__main__":
