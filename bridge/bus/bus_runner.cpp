@@ -6,7 +6,10 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <map>
+#include <mutex>
 #include <random>
+#include <string>
 
 #include "bridge/bus/back_off.hpp"
 #include "bridge/bus/clock.hpp"
@@ -39,6 +42,30 @@ constexpr Duration kLeastReportGap = std::chrono::milliseconds{100};
 std::string with_port_name(const PortSpec& port, const std::string& reason) {
   if (std::holds_alternative<DialInPortSpec>(port)) return reason;  // it names its module
   return fmt::format("{}: {}", name_of(port), reason);
+}
+
+// Buses of this process that stopped while a device could still answer: until when, by port. What
+// is opened there next waits for that, so that nobody takes an answer to another one's request.
+class AnswersUnderWay {
+ public:
+  void left(const PortSpec& port, Instant until) {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(until_, [now = steady_now()](const auto& row) { return row.second < now; });
+    if (until != kLongAgo) until_[name_of(port)] = until;
+  }
+  [[nodiscard]] Instant until(const PortSpec& port) const {
+    const std::lock_guard lock(mutex_);
+    const auto found = until_.find(name_of(port));
+    return found == until_.end() ? kLongAgo : found->second;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<std::string, Instant> until_;
+};
+AnswersUnderWay& answers_under_way() {
+  static AnswersUnderWay all;
+  return all;
 }
 
 CommandResult shutdown_result(const Command& command, Instant now) {
@@ -87,6 +114,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     revoke("the bus stops");
     process(StopRequested{}, steady_now());
     stopped_ = true;
+    answers_under_way().left(spec_.port, engine_.answers_until());
     report(steady_now(), BusState::kStopped);
     timer_.cancel();
     reopening_.cancel();
@@ -151,7 +179,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     back_off_.opened(now);
     notices_.port_opened();
     report_soon_ = true;
-    process(Opened{}, now);
+    process(Opened{answers_under_way().until(spec_.port)}, now);
     // The first time at once: whoever started the bus waits for it.
     if (!std::exchange(was_open_, true) && report_soon_) report(now);
   }

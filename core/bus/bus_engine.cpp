@@ -28,12 +28,12 @@ void BusEngine::on_event(const BusEvent& event, Instant now, Actions& actions) {
   settle(now, sink);
 }
 
-void BusEngine::handle(const Opened&, Instant now, ActionSink&) {
+void BusEngine::handle(const Opened& event, Instant now, ActionSink&) {
   if (state_ == BusState::kStopped) return;
   state_ = BusState::kRunning;
   (void)break_off();
   parts_.late.start_anew();
-  parts_.wire.opened(now);
+  parts_.wire.opened(std::max(now, event.quiet_until));
   parts_.fence.opened(now);
   parts_.devices.opened(now);
 }
@@ -110,7 +110,7 @@ void BusEngine::handle(const LeaseEnded&, Instant now, ActionSink& sink) {
 }
 
 void BusEngine::handle(const StopRequested&, Instant now, ActionSink& sink) {
-  (void)parts_.wire.abort();
+  (void)break_off();
   state_ = BusState::kStopped;
   parts_.commands.refuse_all(Cause::kShutdown, text_of(Cause::kShutdown), now, sink);
 }

@@ -53,6 +53,11 @@ class BusEngine {
   // Of the bridges at one wire (`fence: listen`): wire_fence.hpp. Before the first event.
   void set_fence_order(unsigned rank, std::uint64_t seed) { parts_.fence.set_order(rank, seed); }
 
+  // After StopRequested: until when answers to what was sent may come; kLongAgo: none will.
+  [[nodiscard]] Instant answers_until() const {
+    return parts_.setup.plain_tcp() ? kLongAgo : parts_.late.owed_until();
+  }
+
   // While set, exchanges are described in Traced actions.
   void set_trace(bool on) { tracing_ = on; }
 

@@ -21,8 +21,11 @@ class PlanDraft;  // core/dispatch/plan_draft.hpp
 
 // Events. The shell tells them in the order in which they happened.
 
-// The port is ready; nothing that was sent before is on the wire any more.
-struct Opened {};
+// The port is ready. `quiet_until`: answers to what another engine sent into it may come until
+// then; nothing is sent before, and what comes is nobody's.
+struct Opened {
+  Instant quiet_until = kLongAgo;
+};
 // The port is gone, or could not be opened.
 struct Closed {
   std::string reason;

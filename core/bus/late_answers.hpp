@@ -52,6 +52,8 @@ class LateAnswers {
     };
   }
   [[nodiscard]] bool none_owed() const { return owed_.empty(); }
+  // The last answer that is owed can come until then; kLongAgo: none is.
+  [[nodiscard]] Instant owed_until() const { return owed_.until(); }
   [[nodiscard]] bool owes_same(const Asked& asked) const { return owed_.owes_same(asked); }
 
   // The exchange in `driver` was answered, `refused` by a refusal. `longest`: the longest time that

@@ -118,9 +118,15 @@ void OutcomeRouter::take_late(const std::vector<LateAnswers::Late>& answers, Ins
   for (const LateAnswers::Late& answer : answers) {
     const DeviceIndex device = answer.asked.device;
     devices_.learn_late(device, answer.taken);
-    if (answer.block.points.empty()) continue;
-    devices_.answered(device, sink);
-    arbiter_.suspend(device, now);  // it is read again, if it was offline until now
+    const bool awaited = !answer.block.points.empty();
+    // A probe waits for as long as the wire can spare: an answer that missed that shows all the
+    // same that the device is back.
+    const bool back = devices_.offline(device) && answer.taken <= setup_.device(device).timeout;
+    if (awaited || back) {
+      devices_.answered(device, sink);
+      arbiter_.suspend(device, now);  // it is read again, if it was offline until now
+    }
+    if (!awaited) continue;
     reads_.answered(answer.block, answer.reply, now, now, sink);
     const bool waits = wire_.waiting() && wire_.flight().kind == Flight::Kind::kRead;
     if (waits && same_read(answer.asked, wire_.flight().asked)) wire_.drop();  // not needed again

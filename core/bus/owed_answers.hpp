@@ -77,6 +77,11 @@ class OwedAnswers {
   [[nodiscard]] Instant askable_from(const Asked& next, bool same_is_fine) const;
   [[nodiscard]] std::vector<Debt>& debts() { return debts_; }
   [[nodiscard]] bool empty() const { return debts_.empty(); }
+  [[nodiscard]] Instant until() const {
+    Instant last = kLongAgo;
+    for (const Debt& debt : debts_) last = std::max(last, debt.until());
+    return last;
+  }
   [[nodiscard]] bool owes_same(const Asked& asked) const;
 
  private:

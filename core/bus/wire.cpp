@@ -62,7 +62,8 @@ Wire::Ended Wire::conclude(bool done, Instant now) {
   ended.answered = done || ended.cause == Cause::kDeviceError || ended.cause == Cause::kDeviceBusy;
   ended.device_code = driver_.device_code();
   ended.exchange = driver_.finish();
-  free_at_ = now + setup_.silence();
+  // What ended it may have come before the request had left.
+  free_at_ = std::max(now, driver_.sent_until()) + setup_.silence();
   ended.spent = spent_ = free_at_ - flight_->started;
   if (ended.cause == Cause::kNoAnswer || ended.cause == Cause::kTruncated)
     flight_->unanswered = true;

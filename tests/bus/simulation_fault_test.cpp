@@ -63,6 +63,23 @@ TEST(Simulation, DeadDeviceComesBackByItself) {
   for (ChannelIndex c = 5; c < 10; ++c) EXPECT_EQ(bus.channels()[c].quality, Quality::kGood);
 }
 
+// The wire can spare less for a probe than the device takes.
+TEST(Simulation, ASlowDeviceComesBackOnAWireThatIsBusy) {
+  BusSpec spec = plant(2, 1, "refresh: 60ms, timeout: 200ms");
+  spec.devices[1].channels[0].refresh = 5s;
+  sim::BusFaults faults;
+  faults.devices["unit-2"].delay.base = 60ms;
+  faults.devices["unit-2"].silence.push_back({60s, 180s});
+  VirtualBus bus(spec, faults, 1);
+  bus.run_until(Instant{170s});
+  ASSERT_EQ(bus.engine().device_report(1, bus.now()).state, DeviceState::kOffline);
+  bus.run_until(Instant{240s});
+  EXPECT_EQ(bus.engine().device_report(1, bus.now()).state, DeviceState::kOnline);
+  bus.watch_from_now();
+  bus.run_until(Instant{300s});
+  EXPECT_GE(bus.channels()[1].good, 5u);
+}
+
 TEST(Simulation, NobodyKnowsHowADeviceBehindAClosedPortIs) {
   VirtualBus bus(plant(1, 5, "refresh: 500ms"), {}, 3);
   bus.run_until(Instant{10s});

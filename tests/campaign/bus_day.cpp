@@ -146,7 +146,7 @@ Duration BusDay::between(Duration least, Duration most) {
 }
 
 // The engine of the variant in force begins after `absence`, with the channels of that variant.
-void BusDay::begin(Duration absence) {
+void BusDay::begin(Duration absence, const Opened& opened) {
   channels_.clear();
   const BusSpec& spec = variants_[variant_];
   for (DeviceIndex d = 0; d < spec.devices.size(); ++d) {
@@ -162,7 +162,7 @@ void BusDay::begin(Duration absence) {
   }
   busy_ = true;
   disturbed_ = now() + absence;
-  bus_->replace_engine(spec, absence);
+  bus_->replace_engine(spec, absence, opened);
 }
 
 // New contents, as after a restart of the device.
@@ -282,7 +282,11 @@ void BusDay::operate() {
   if (chosen < 0.7) command();
 }
 
+// A reload goes on at once, and knows what was asked. Who takes over from another process does not:
+// answers from before that come later than three timeouts after their request are beyond what a
+// protocol without numbers can tell.
 void BusDay::replace_engine(bool in_order) {
+  Opened opened;
   if (in_order) {
     if (transcribing_) note("-- reload");
     ++counts_.reloads;
@@ -290,14 +294,14 @@ void BusDay::replace_engine(bool in_order) {
     if (!pending_.empty())
       return violate("a stop left command " + std::to_string(pending_.begin()->first) +
                      " without a result");
+    opened.quiet_until = bus_->engine().answers_until();
+    variant_ = random_() % variants_.size();
   } else {
     if (transcribing_) note("-- the engine is killed");
     ++counts_.takeovers;
     pending_.clear();  // their results are the successor's, by the store
   }
-  if (in_order) variant_ = random_() % variants_.size();
-  // A reload goes on at once, a standby within its lease.
-  begin(in_order ? between(1ms, 200ms) : between(300ms, 1500ms));
+  begin(in_order ? between(1ms, 200ms) : between(700ms, 1500ms), opened);
 }
 
 void BusDay::lease() {

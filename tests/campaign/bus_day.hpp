@@ -89,7 +89,7 @@ class BusDay {
   [[nodiscard]] Instant now() const { return bus_->now(); }
   [[nodiscard]] double chance() { return std::generate_canonical<double, 53>(random_); }
   [[nodiscard]] Duration between(Duration least, Duration most);
-  void begin(Duration absence);
+  void begin(Duration absence, const Opened& opened = {});
   void poke_all(DeviceIndex device);
   [[nodiscard]] Value memory(const Channel& channel) const;
   void changed(Channel& channel);

@@ -72,7 +72,7 @@ void VirtualBus::plug() {
   feed(Opened{});
 }
 
-void VirtualBus::replace_engine(const BusSpec& spec, Duration absence) {
+void VirtualBus::replace_engine(const BusSpec& spec, Duration absence, const Opened& opened) {
   engine_.reset();
   timer_ = reopen_at_ = kNever;
   run_until(now_ + absence);
@@ -80,7 +80,7 @@ void VirtualBus::replace_engine(const BusSpec& spec, Duration absence) {
   engine_.emplace(spec_);
   const bool connection = std::holds_alternative<TcpPortSpec>(spec_.port);
   if (!line_ || connection) line_ = plant_->open_line();
-  feed(Opened{});
+  feed(opened);
 }
 
 void VirtualBus::send(ByteView bytes) {

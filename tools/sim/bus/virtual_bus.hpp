@@ -34,10 +34,10 @@ class VirtualBus {
   void feed(const BusEvent& event);  // at the instant reached
   void unplug();
   void plug();
-  // The process of the engine is killed, and another one begins with `spec` after `absence`. On a
+  // The engine goes, and another one begins with `spec` after `absence`, as `opened` says. On a
   // serial line what the devices still say reaches the new one; a TCP connection is a new one.
   // REQUIRES: not inside the watcher; the devices of `spec` are those of the plant.
-  void replace_engine(const BusSpec& spec, Duration absence);
+  void replace_engine(const BusSpec& spec, Duration absence, const Opened& opened = {});
 
   [[nodiscard]] Instant now() const { return now_; }
   [[nodiscard]] bool plugged() const { return line_ != nullptr; }
