@@ -30,7 +30,7 @@ buses:
       - name: press
         address: 1
         channels:
-          - { name: temperature, at: "holding:100", type: int16 }
+          - { name: temperature, at: "holding:100", type: int16, limits: { high: 30000 } }
           - { name: setpoint, at: "holding:110", type: int16, access: read-write }
   - name: mill-1
     port: { serial: {run}/mill-1, baud: 115200, format: 8N1 }
@@ -94,6 +94,7 @@ class Secured(unittest.TestCase):
             self.assertIn("that needs an identity of role plant", refused.out + refused.err)
         self.assertEqual(self.as_member("mes", "write", "mill-1/mill/speed=7", "--verify").code, 0)
         self.assertEqual(self.as_member("press", "write", "press-1/press/setpoint=7", "--verify").code, 0)
+        self.assertEqual(self.as_member("mes", "alarms", "maintenance", "press-1/press", "--for", "1m").code, 0)
         self.elsewhere.wait(30)
         self.assertNotEqual(self.elsewhere.returncode, 0)
         self.assertIn("plant press may command press-* only", "".join(self.elsewhere.communicate()))
@@ -102,6 +103,7 @@ class Secured(unittest.TestCase):
         audit = self.audit()
         self.assertTrue(any(who.startswith("plant mes (") for who in audit), audit)
         self.assertTrue(any(who.startswith("plant press (") for who in audit), audit)
+        self.assertTrue(any("(plant mes, " in who for who in audit), audit)
 
     def audit(self):
         done = run_cli(BIN_DIR, "audit", "--json", "--store", os.path.join(self.plant.run, "plant.db"))
