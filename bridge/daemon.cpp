@@ -18,6 +18,7 @@
 #include "bridge/service/signals.hpp"
 #include "config/loader.hpp"
 #include "core/base/counted.hpp"
+#include "core/bus/fence_text.hpp"
 #include "core/model/overlap.hpp"
 #include "core/schedule/bus_schedule.hpp"
 #include "core/schedule/overload.hpp"
@@ -85,6 +86,25 @@ void log_overloads(const BridgeSpec& spec) {
                  [](const std::string& bus, const std::string& text) { log_warning(bus, text); });
 }
 
+// What keeps a second master off each wire, where there may be one: of a standby group all buses.
+template <typename Say, typename Warn>
+void tell_fences(const BridgeSpec& spec, Say say, Warn warn) {
+  for (const BusSpec& bus : spec.buses) {
+    if (!spec.standby && !fence_of(bus.port).kind) continue;
+    const FenceText fence = fence_text(bus);
+    if (fence.missing && spec.standby)
+      warn(bus.name, "fence: " + fence.text);
+    else
+      say(bus.name, "fence: " + fence.text);
+  }
+}
+
+void log_fences(const BridgeSpec& spec) {
+  tell_fences(
+      spec, [](const std::string& bus, const std::string& text) { log_info(bus, text); },
+      [](const std::string& bus, const std::string& text) { log_warning(bus, text); });
+}
+
 // What is wrong with the bridge's identity, or will be soon.
 security::MemberCheck check_security(const BridgeSpec& spec) {
   if (!spec.dds.security) return {};
@@ -120,6 +140,7 @@ class Reloader {
     }
     open_log(loaded->log.level);
     log_overloads(*loaded);
+    log_fences(*loaded);
     wanted_ = *std::move(loaded);
     begun_ = steady_now();
     say_at_ = begun_;
@@ -185,6 +206,7 @@ class WhileItLives {
 
 ExitCode serve(Signals& signals, const BridgeSpec& spec, const DaemonOptions& options) {
   log_overloads(spec);
+  log_fences(spec);
   IdentityWatch identity(true);
   if (!identity.look(spec.dds, read_clocks())) {
     log_error(spec.name, "cannot start: its identity is not in order");
@@ -248,6 +270,12 @@ ExitCode check_configuration(const std::string& path) {
   };
   tell_overloads(*loaded, warn);
   tell_overlaps(*loaded, warn);
+  tell_fences(
+      *loaded,
+      [](const std::string& bus, const std::string& text) {
+        std::fputs(fmt::format("{}: {}\n", bus, text).c_str(), stdout);
+      },
+      warn);
   const security::MemberCheck identity = check_security(*loaded);
   if (loaded->dds.without_security) warn("dds", kOpen);
   for (const std::string& line : identity.warnings) warn("security", line);

@@ -15,6 +15,8 @@ class BackOff {
   // A port that stays open for this long has recovered; one that opens and falls at once has not.
   static constexpr Duration kProven = std::chrono::seconds{5};
 
+  explicit BackOff(Duration longest = kLongest) : longest_(longest) {}
+
   // There is a new reason to try.
   void reset() { next_ = kFirst; }
   void opened(Instant now) { opened_ = now; }
@@ -23,11 +25,12 @@ class BackOff {
     if (opened_ != kLongAgo && now - opened_ >= kProven) next_ = kFirst;
     opened_ = kLongAgo;
     const Duration wait = next_;
-    next_ = std::min(next_ * 2, kLongest);
+    next_ = std::min(next_ * 2, longest_);
     return wait;
   }
 
  private:
+  Duration longest_;
   Instant opened_ = kLongAgo;
   Duration next_ = kFirst;
 };

@@ -68,6 +68,12 @@ AnswersUnderWay& answers_under_way() {
   return all;
 }
 
+// A server with one client is free as soon as it gives up another bridge, and that is not told.
+Duration longest_back_off(const BusSpec& spec) {
+  return fence_of(spec.port).is(Fence::kOneClient) ? Duration{std::chrono::seconds{1}}
+                                                   : BackOff::kLongest;
+}
+
 CommandResult shutdown_result(const Command& command, Instant now) {
   return rejection(command, Cause::kShutdown, "the bridge is stopping this bus", now);
 }
@@ -254,7 +260,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   }
 
   void execute(const Send& send, Instant now) {
-    if (too_late(now)) return;
+    if (too_late(now)) return engine_.not_sent(now);
     if (trace_) trace_line(mapping_.to_utc(now), spec_.name, TraceMark::kSent, to_hex(send.bytes));
     port_->write(send.bytes);
   }
@@ -358,7 +364,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   asio::steady_timer ticking_;
   asio::steady_timer settled_;  // of settling_
   std::chrono::steady_clock::time_point next_tick_;
-  BackOff back_off_;
+  BackOff back_off_{longest_back_off(spec_)};
   std::optional<DeviceWatch> watch_;            // of a serial port; while it is closed
   std::optional<DeviceWatch::Identity> tried_;  // what was there when the port was opened last
   NoticeLog notices_;

@@ -54,21 +54,27 @@ bool peer_answers(int fd) {
 }
 
 std::optional<Stream::End> SocketStream::restore(int fd) {
-  tune_socket(fd);  // the programming session had a patience of its own
+  // The programming session had a patience of its own.
+  tune_socket(fd, clients_ == Clients::kOne ? kUnacknowledgedByOne : kUnacknowledged);
   return std::nullopt;
 }
 
 Stream::End SocketStream::end_of(int error) const {
+  const bool closed = error == 0 || error == ECONNRESET;
+  if (clients_ == Clients::kOne && closed && steady_now() - began_ < kAtOnce) {
+    return {"closed by the server at once: it takes one client, and another one has it",
+            Cause::kPortInUse};
+  }
   return {error == 0 ? std::string("closed by the peer") : errno_text(error)};
 }
 
 std::shared_ptr<SocketStream> make_socket_stream(asio::io_context& io, FileDescriptor socket,
-                                                 PortListener& listener) {
+                                                 PortListener& listener, Clients clients) {
   const int fd = socket.get();
   const int flags = ::fcntl(fd, F_GETFL);
   if (flags < 0 || ::fcntl(fd, F_SETFL, flags | O_NONBLOCK) != 0) return nullptr;
-  tune_socket(fd);
-  auto stream = std::make_shared<SocketStream>(io, listener);
+  tune_socket(fd, clients == Clients::kOne ? kUnacknowledgedByOne : kUnacknowledged);
+  auto stream = std::make_shared<SocketStream>(io, listener, clients);
   return stream->assign(std::move(socket)) ? stream : nullptr;
 }
 

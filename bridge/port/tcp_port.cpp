@@ -43,7 +43,7 @@ class TcpOpening final : public PortOpening {
         socket_, endpoints,
         [self = self_as<TcpOpening>()](boost::system::error_code fault, const tcp::endpoint&) {
           if (self->over_) return;
-          if (fault) return self->give_up(fault.message());
+          if (fault) return self->give_up(self->with_fence(fault.message()));
           self->connected();
         });
   }
@@ -52,9 +52,16 @@ class TcpOpening final : public PortOpening {
     limit_.cancel();
     boost::system::error_code fault;
     FileDescriptor socket(socket_.release(fault));
-    auto stream = fault ? nullptr : make_socket_stream(io_, std::move(socket), listener_);
+    const Clients clients = spec_.fence.is(Fence::kOneClient) ? Clients::kOne : Clients::kMany;
+    auto stream = fault ? nullptr : make_socket_stream(io_, std::move(socket), listener_, clients);
     if (!stream) return give_up("the connection is gone already");
     opened(std::move(stream));
+  }
+
+  // Why a server that takes one client may refuse.
+  [[nodiscard]] std::string with_fence(std::string reason) const {
+    if (!spec_.fence.is(Fence::kOneClient)) return reason;
+    return reason + " (it takes one client: another one may have it)";
   }
 
   void give_up(std::string reason) { fail(std::move(reason), Cause::kPortUnreachable); }

@@ -57,6 +57,8 @@ class BusEngine {
   [[nodiscard]] Instant answers_until() const {
     return parts_.setup.plain_tcp() ? kLongAgo : parts_.late.owed_until();
   }
+  // The request of the last Send did not leave: on a fenced wire others may begin.
+  void not_sent(Instant now) { parts_.fence.not_sent(now); }
 
   // While set, exchanges are described in Traced actions.
   void set_trace(bool on) { tracing_ = on; }

@@ -19,7 +19,10 @@ std::uint64_t next_random(std::uint64_t& state) {
 }  // namespace
 
 WireFence::WireFence(const BusSpec& bus)
-    : on_(fence_of(bus.port).is(Fence::kListen)), times_(fence_times(bus)), finder_(bus) {}
+    : on_(fence_of(bus.port).is(Fence::kListen)),
+      waits_(fence_of(bus.port).is(Fence::kLock) || fence_of(bus.port).is(Fence::kOneClient)),
+      times_(fence_times(bus)),
+      finder_(bus) {}
 
 void WireFence::set_order(unsigned rank, std::uint64_t seed) {
   rank_ = std::min(rank, kRanks - 1);
@@ -27,6 +30,7 @@ void WireFence::set_order(unsigned rank, std::uint64_t seed) {
 }
 
 void WireFence::opened(Instant now) {
+  if (waits_) not_before_ = now + times_.quiet;
   if (!on_) return;
   listen_from(now, now);
   strays_.clear();
@@ -60,7 +64,7 @@ Instant WireFence::slot_from(Instant now) const {
 }
 
 bool WireFence::may_send(Instant now) {
-  if (!on_) return true;
+  if (!on_) return now >= not_before_;
   if (holding_) {
     const bool lost = now - busy_until_ > times_.claim;
     const bool deaf = now - heard_ > kDeaf * times_.listen;
@@ -70,7 +74,9 @@ bool WireFence::may_send(Instant now) {
   return now >= slot_from(now);
 }
 
-Instant WireFence::look_again(Instant now) const { return holding_ ? not_before_ : slot_from(now); }
+Instant WireFence::look_again(Instant now) const {
+  return holding_ || !on_ ? not_before_ : slot_from(now);
+}
 
 bool WireFence::keeps(Instant now) const {
   return !on_ || (holding_ && now - busy_until_ <= times_.claim);
@@ -90,6 +96,10 @@ bool WireFence::sending(ByteView request, Instant until) {
   sent_.assign(request.begin(), request.end());
   strays_.clear();
   return taken_back;
+}
+
+void WireFence::not_sent(Instant now) {
+  if (on_ && holding_) lapse(now);
 }
 
 Instant WireFence::sign_due() const {

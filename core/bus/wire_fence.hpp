@@ -10,8 +10,11 @@
 //   - when bytes break the first exchanges: another one began at the same instant. Both let go, and
 //     begin again after delays of their own.
 //
-// Owned by the bus engine, on the bus's thread. Nothing can fail. Without `fence: listen` it allows
-// everything and does nothing.
+// With `fence: lock` and `one-client` a bridge that has opened the port waits until the device that
+// another bridge asked last has answered: its answer is not ours. Without a fence everything is
+// allowed.
+//
+// Owned by the bus engine, on the bus's thread. Nothing can fail.
 #pragma once
 
 #include <cstdint>
@@ -57,6 +60,8 @@ class WireFence {
   [[nodiscard]] bool keeps(Instant now) const;
   // A request leaves the wire by `until`. True: the wire was another master's before.
   bool sending(ByteView request, Instant until);
+  // It did not leave after all.
+  void not_sent(Instant now);
   // From when on, and by when, the bridge should make itself heard. REQUIRES: may_send().
   [[nodiscard]] Instant sign_from() const;
   [[nodiscard]] Instant sign_due() const;
@@ -88,6 +93,7 @@ class WireFence {
   [[nodiscard]] bool take_foreign(ByteView frame, Instant now);
 
   const bool on_;
+  const bool waits_;  // after the opening alone
   const FenceTimes times_;
   const RequestFinder finder_;
   unsigned rank_ = 0;

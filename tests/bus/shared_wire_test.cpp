@@ -133,6 +133,26 @@ TEST_P(SharedLine, NoiseAndLateAnswersMakeNobodySendIntoAnother) {
   }
 }
 
+// The requests of 30 s, from the first one on.
+std::uint64_t requests_of(const BusSpec& spec) {
+  SharedWire wire(spec, {Adapter{}}, {}, 1);
+  wire.open(0);
+  while (wire.master(0).frames == 0) wire.run_until(wire.now() + 1ms);
+  wire.run_until(wire.master(0).first_frame + 30s);
+  return wire.master(0).frames;
+}
+
+TEST_P(SharedLine, TheFenceCostsABusThatIsNeverIdleNothing) {
+  BusSpec fenced = spec_;
+  for (DeviceSpec& device : fenced.devices)
+    for (ChannelSpec& channel : device.channels) channel.mode = Mode::kIntensive;
+  BusSpec open = fenced;
+  std::get<SerialPortSpec>(open.port).fence = {};
+  const std::uint64_t with = requests_of(fenced), without = requests_of(open);
+  EXPECT_EQ(with, without);
+  RecordProperty("with", std::to_string(with));
+}
+
 INSTANTIATE_TEST_SUITE_P(Bus, SharedLine, testing::ValuesIn(kinds_of_lines()),
                          [](const auto& kind) {
                            std::string name = kind.param.name;

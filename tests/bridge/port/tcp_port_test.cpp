@@ -50,6 +50,16 @@ TEST_F(TcpPortTest, CarriesBytesBothWays) {
   EXPECT_EQ(probe.received, answer);
 }
 
+TEST_F(TcpPortTest, AServerWithOneClientThatClosesAtOnceIsInUse) {
+  TcpPortSpec one = spec();
+  one.fence.kind = Fence::kOneClient;
+  TcpPort port(io, one);
+  connect(port);
+  peer.close();
+  ASSERT_TRUE(run_until(io, [this] { return !probe.closed.empty(); }));
+  EXPECT_THAT(probe.closed.front(), HasSubstr("another one has it"));
+}
+
 TEST_F(TcpPortTest, AClosedPeerIsToldOnce) {
   TcpPort port(io, spec());
   connect(port);

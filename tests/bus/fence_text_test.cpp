@@ -1,0 +1,82 @@
+#include "core/bus/fence_text.hpp"
+
+#include <gtest/gtest.h>
+
+#include "core/bus/fence_times.hpp"
+
+namespace fieldcast {
+namespace {
+
+using namespace std::chrono_literals;
+
+BusSpec bus_with(const PortSpec& port, const std::string& protocol) {
+  BusSpec bus;
+  bus.name = "bus";
+  bus.port = port;
+  DeviceSpec device;
+  device.name = "unit";
+  device.protocol = protocol;
+  device.channels.resize(1);
+  device.channels.front().range = {2, 0, 1};
+  bus.devices.push_back(device);
+  return bus;
+}
+
+SerialPortSpec serial(std::optional<Fence> fence) {
+  SerialPortSpec port;
+  port.path = "/dev/ttyUSB0";
+  port.fence.kind = fence;
+  return port;
+}
+
+TcpPortSpec tcp(std::optional<Fence> fence, bool line) {
+  TcpPortSpec port;
+  port.host = "server";
+  if (line) port.line = LineFormat{};
+  port.fence.kind = fence;
+  return port;
+}
+
+TEST(FenceText, SaysWhichFenceAPortHasAndWhetherOneIsMissing) {
+  const auto text = [](const PortSpec& port, const char* protocol = "modbus-rtu") {
+    return fence_text(bus_with(port, protocol));
+  };
+  EXPECT_TRUE(text(serial({})).missing);
+  EXPECT_TRUE(text(serial(Fence::kNone)).missing);
+  EXPECT_FALSE(text(serial(Fence::kListen)).missing);
+  EXPECT_FALSE(text(serial(Fence::kLock)).missing);
+  EXPECT_TRUE(text(tcp({}, true)).missing);
+  EXPECT_FALSE(text(tcp(Fence::kListen, true)).missing);
+  EXPECT_FALSE(text(tcp(Fence::kOneClient, true)).missing);
+  EXPECT_FALSE(text(tcp({}, false), "modbus-tcp").missing);
+  EXPECT_TRUE(text(tcp({}, false)).missing) << "frames of a line over TCP: a serial server";
+  EXPECT_FALSE(text(DialInPortSpec{"17", {}}).missing);
+  EXPECT_NE(text(serial(Fence::kListen)).text.find("silent for 420ms"), std::string::npos)
+      << text(serial(Fence::kListen)).text;
+}
+
+// A listener that waits for so long has heard whoever sends, however the devices answer.
+TEST(FenceTimes, TheListenerWaitsLongerThanTheOneThatSendsIsEverSilent) {
+  BusSpec bus = bus_with(serial(Fence::kListen), "modbus-rtu");
+  bus.devices.front().timeout = 1s;
+  bus.devices.front().pause = 300ms;
+  bus.gap_allowance = 20ms;
+  const FenceTimes times = fence_times(bus);
+  EXPECT_EQ(times.hold, 100ms);
+  EXPECT_EQ(times.quiet, 1320ms);
+  EXPECT_EQ(times.claim, 1420ms);
+  EXPECT_EQ(times.listen, 1520ms);
+  bus.devices.front().timeout = 10ms;
+  bus.devices.front().pause = 0ms;
+  EXPECT_EQ(fence_times(bus).listen, 300ms) << "three times the hold at least";
+}
+
+// Where answers show nothing, nobody is asked while one may still come late.
+TEST(FenceTimes, OfAProtocolWhoseAnswersShowNothingAreLonger) {
+  BusSpec bus = bus_with(serial(Fence::kListen), "s7-freeport");
+  bus.devices.front().channels.front().range = {0, 0, 1};
+  EXPECT_EQ(fence_times(bus).quiet, 620ms);
+}
+
+}  // namespace
+}  // namespace fieldcast

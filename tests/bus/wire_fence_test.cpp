@@ -1,0 +1,149 @@
+#include "core/bus/wire_fence.hpp"
+
+#include <gtest/gtest.h>
+
+namespace fieldcast {
+namespace {
+
+using namespace std::chrono_literals;
+
+BusSpec bus_with(Fence fence) {
+  BusSpec bus;
+  bus.name = "bus";
+  SerialPortSpec port;
+  port.fence.kind = fence;
+  bus.port = port;
+  DeviceSpec device;
+  device.protocol = "modbus-rtu";
+  device.channels.resize(1);
+  device.channels.front().range = {2, 0, 1};
+  bus.devices.push_back(device);
+  return bus;
+}
+
+const Bytes kForeign{0x02, 0x03, 0x00, 0x64, 0x00, 0x02, 0x85, 0xE7};
+const Bytes kOwn{0x01, 0x03, 0x00, 0x64, 0x00, 0x02, 0x85, 0xD4};
+
+struct WireFenceTest : testing::Test {
+  Instant at(Duration time) const { return Instant{10s + time}; }
+  // Listens for 420 ms after 0, then sends at 420 ms, and is answered at 440 ms.
+  void hold() {
+    fence.opened(at(0ms));
+    ASSERT_TRUE(fence.may_send(at(420ms)));
+    fence.sending(kOwn, at(425ms));
+    fence.bytes_came(false, at(440ms));
+    ASSERT_FALSE(fence.ended(true, Bytes{0x01, 0x83, 0x02, 0xC0, 0xF1}, at(440ms)));
+  }
+  bool stray(ByteView bytes, Instant now) {
+    fence.bytes_came(false, now);
+    return fence.stray(bytes, now);
+  }
+  WireFence fence{bus_with(Fence::kListen)};
+};
+
+TEST_F(WireFenceTest, WithoutAFenceEverythingIsAllowed) {
+  WireFence none(bus_with(Fence::kNone));
+  none.opened(at(0ms));
+  EXPECT_TRUE(none.may_send(at(0ms)));
+  EXPECT_EQ(none.sign_from(), kNever);
+}
+
+TEST_F(WireFenceTest, ALockIsWaitedWithUntilTheAnswerToAnotherBridgeHasCome) {
+  WireFence lock(bus_with(Fence::kLock));
+  lock.opened(at(0ms));
+  EXPECT_FALSE(lock.may_send(at(219ms)));
+  EXPECT_EQ(lock.look_again(at(219ms)), at(220ms));
+  EXPECT_TRUE(lock.may_send(at(220ms)));
+}
+
+TEST_F(WireFenceTest, NothingIsSentBeforeTheWireWasSilent) {
+  fence.opened(at(0ms));
+  EXPECT_FALSE(fence.may_send(at(419ms)));
+  EXPECT_FALSE(stray(Bytes{0x55}, at(419ms)));
+  EXPECT_FALSE(fence.may_send(at(838ms)));
+  EXPECT_TRUE(fence.may_send(at(839ms)));
+}
+
+TEST_F(WireFenceTest, AHigherRankBeginsInALaterSlot) {
+  fence.set_order(2, 1);
+  fence.opened(at(0ms));
+  EXPECT_FALSE(fence.may_send(at(469ms)));
+  EXPECT_TRUE(fence.may_send(at(470ms)));
+  EXPECT_FALSE(fence.may_send(at(490ms))) << "the slot of the next rank";
+  EXPECT_EQ(fence.look_again(at(490ms)), at(670ms));
+}
+
+TEST_F(WireFenceTest, TheRequestOfAnotherMasterTakesTheWireAwayAndIsToldOnce) {
+  hold();
+  EXPECT_TRUE(fence.may_send(at(450ms)));
+  EXPECT_TRUE(stray(kForeign, at(460ms)));
+  EXPECT_FALSE(fence.may_send(at(470ms)));
+  EXPECT_TRUE(fence.listening());
+  EXPECT_EQ(fence.text(), "another master speaks on the wire: 02 03 00 64 00 02 85 E7");
+  EXPECT_FALSE(stray(kForeign, at(560ms))) << "told";
+  EXPECT_EQ(fence.foreign_masters(), 1u);
+  EXPECT_TRUE(fence.may_send(at(980ms)));
+  EXPECT_TRUE(fence.sending(kOwn, at(985ms))) << "the wire was another master's";
+}
+
+TEST_F(WireFenceTest, ARequestInPiecesIsOne) {
+  hold();
+  EXPECT_FALSE(stray(ByteView(kForeign).first(3), at(460ms)));
+  EXPECT_TRUE(stray(ByteView(kForeign).subspan(3), at(461ms)));
+}
+
+TEST_F(WireFenceTest, ALateEchoIsNoOtherMaster) {
+  hold();
+  EXPECT_FALSE(stray(kOwn, at(445ms)));
+  EXPECT_TRUE(fence.may_send(at(450ms)));
+}
+
+// Function 6 repeats the request: one of them may be a device that answers twice.
+TEST_F(WireFenceTest, WhatCouldBeAnAnswerIsBelievedTheThirdTime) {
+  const Bytes write{0x02, 0x06, 0x00, 0x01, 0x00, 0x03, 0x98, 0x38};
+  hold();
+  EXPECT_FALSE(stray(write, at(450ms)));
+  EXPECT_FALSE(stray(write, at(480ms)));
+  EXPECT_TRUE(stray(write, at(510ms)));
+}
+
+TEST_F(WireFenceTest, WhoWasSilentForTooLongListensAnew) {
+  hold();
+  EXPECT_TRUE(fence.keeps(at(760ms)));
+  EXPECT_TRUE(fence.may_send(at(760ms)));
+  EXPECT_FALSE(fence.keeps(at(761ms)));
+  EXPECT_FALSE(fence.may_send(at(761ms)));
+  EXPECT_FALSE(fence.may_send(at(860ms))) << "it must hear who began just now";
+}
+
+TEST_F(WireFenceTest, NoiseDelaysTheBeginningForAWhileAndFramesForEver) {
+  const Bytes answer{0x02, 0x03, 0x04, 0x00, 0x00, 0x00, 0x00, 0xC9, 0x33};
+  fence.opened(at(0ms));
+  Instant now = at(0ms);
+  for (; now < at(10s); now += 50ms) {
+    EXPECT_FALSE(stray(answer, now));
+    EXPECT_FALSE(fence.may_send(now)) << "somebody is answered there";
+  }
+  const Instant noisy = now;
+  for (; !fence.may_send(now) && now < at(30s); now += 50ms) (void)stray(Bytes{0xFF, 0x55}, now);
+  EXPECT_GE(now - noisy, 9 * 420ms);
+  EXPECT_LE(now - noisy, 11 * 420ms);
+}
+
+TEST_F(WireFenceTest, BrokenBytesInTheFirstExchangeAreACollision) {
+  fence.opened(at(0ms));
+  ASSERT_TRUE(fence.may_send(at(420ms)));
+  fence.sending(kOwn, at(425ms));
+  fence.bytes_came(false, at(430ms));
+  EXPECT_FALSE(fence.ended(false, Bytes{0x13, 0x37}, at(460ms)));
+  EXPECT_TRUE(fence.listening());
+}
+
+TEST_F(WireFenceTest, OneThatSendsMakesItselfHeard) {
+  hold();
+  EXPECT_EQ(fence.sign_from(), at(515ms));
+  EXPECT_EQ(fence.sign_due(), at(540ms));
+}
+
+}  // namespace
+}  // namespace fieldcast
