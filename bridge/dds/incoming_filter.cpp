@@ -118,7 +118,9 @@ bool IncomingFilter::takes(std::span<const std::uint8_t> message) {
   const bool is_protected =
       message.size() > kMessageHeader &&
       static_cast<Submessage>(message[kMessageHeader]) == Submessage::kSrtpsPrefix;
-  return is_protected || !protects_messages_ || may_be_in_clear(message);
+  if (is_protected || !protects_messages_ || may_be_in_clear(message)) return true;
+  ++refused_in_clear_;
+  return false;
 }
 
 std::vector<IncomingFilter::Bytes> IncomingFilter::goodbyes() {

@@ -40,6 +40,8 @@ class IncomingFilter {
   void refuse(const security::GuidStart& subject);
 
   [[nodiscard]] bool takes(std::span<const std::uint8_t> message);
+  // Messages that were not taken because they are in clear.
+  [[nodiscard]] std::uint64_t refused_in_clear() const { return refused_in_clear_; }
 
   // Messages by which the library learns that refused participants have left, each once for every
   // thread that asks.
@@ -55,6 +57,7 @@ class IncomingFilter {
 
   const bool protects_messages_;
   const std::uint64_t number_;  // no two filters of a process share it
+  std::atomic<std::uint64_t> refused_in_clear_{0};
   std::atomic<std::size_t> refused_participants_{0};
   std::atomic<bool> refuses_{false};
   std::mutex mutex_;

@@ -45,6 +45,7 @@ void MemberWatch::run() {
   do {
     read_list();
     look_at_identity();
+    look_at_refused();
   } while (!changed_.wait_for(lock, kPeriod, [this] { return ends_; }));
 }
 
@@ -63,6 +64,15 @@ void MemberWatch::look_at_identity() {
                             " has a renewed certificate; this program takes it when it starts "
                             "again, a bridge also at a reload (SIGHUP)");
   }
+}
+
+// The first, the tenth, the hundredth, whatever an outsider sends.
+void MemberWatch::look_at_refused() {
+  const std::uint64_t refused = filter_->refused_in_clear();
+  if (refused < say_refused_) return;
+  while (say_refused_ <= refused) say_refused_ *= 10;
+  say_security(false, "messages in clear were refused, " + std::to_string(refused) +
+                          " so far: somebody sends under the name of a member, or as none");
 }
 
 void MemberWatch::read_list() {

@@ -36,10 +36,12 @@ class MemberWatch {
   void run();
   void read_list();
   void look_at_identity();
+  void look_at_refused();
 
   const std::string folder_;
   const std::shared_ptr<IncomingFilter> filter_;
   const std::string identity_;     // the certificate
+  std::uint64_t say_refused_ = 1;  // messages in clear, from so many on
   std::uint32_t renewed_ = 0;      // how many times running there was another one
   std::string list_;               // the last one that was good
   std::uint32_t wrong_ = 0;        // how many times running the file was not good

@@ -66,7 +66,9 @@ TEST(IncomingFilter, AnyBytesAreTakenOrNot) {
 }
 
 TEST(IncomingFilter, WhatIsInClearIsTakenOnlyWhereMessagesAreNotProtected) {
-  EXPECT_FALSE(IncomingFilter(true).takes(data_of(0, 1, 3)));
+  IncomingFilter filter(true);
+  EXPECT_FALSE(filter.takes(data_of(0, 1, 3)));
+  EXPECT_EQ(filter.refused_in_clear(), 1U);
   EXPECT_TRUE(IncomingFilter(false).takes(data_of(0, 1, 3)));
   EXPECT_TRUE(IncomingFilter(true).takes(message({0x33, 1, 20, 0}))) << "protected as a whole";
   EXPECT_FALSE(IncomingFilter(true).takes(Bytes{'R', 'T', 'P', 'S'}));

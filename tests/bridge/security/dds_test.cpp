@@ -279,6 +279,11 @@ TEST_F(DdsSecurity, SamplesInClearInTheNameOfABridgeAreRefused) {
   send_in_clear(domain_.number(), writer->guid(), 2, status);
   std::this_thread::sleep_for(kLongEnough / 2);
   EXPECT_EQ(taken(), std::nullopt);
+  EXPECT_TRUE(eventually([&] {
+    return std::ranges::any_of(said().all(), [](const std::string& line) {
+      return line.starts_with("messages in clear were refused");
+    });
+  }));
   status.bus("press-2");
   writer->write(&status);
   EXPECT_TRUE(eventually([&] { return taken() == "press-2"; }));
