@@ -163,6 +163,7 @@ bool WireFence::stray(ByteView bytes, Instant now) {
     append(burst_, bytes);
     if (burst_.size() > kKept) burst_.clear();
   }
+  if (began) strays_.clear();  // no frame has such a pause
   append(strays_, bytes);
   if (strays_.size() > kKept)
     strays_.erase(strays_.begin(), strays_.end() - static_cast<std::ptrdiff_t>(kKept));

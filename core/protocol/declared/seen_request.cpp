@@ -1,6 +1,8 @@
 // Requests of other masters in a declared protocol: any operation, to any device.
 #include "core/protocol/seen_request.hpp"
 
+#include <algorithm>
+
 #include "core/protocol/declared/declaration.hpp"
 #include "core/protocol/declared/frame.hpp"
 
@@ -22,8 +24,12 @@ Seen match(const Declaration& declaration, const Operation& operation, const Fra
   context.command = operation.command;
   context.item_bits = area.item_bits;
   context.refusal = refusal;
-  for (std::uint32_t count = operation.min_count;
-       count <= std::min<std::uint32_t>(operation.max_count, kMostItemsTried); ++count) {
+  // Without items the frame is the same for every count.
+  const bool counts = std::ranges::any_of(
+      frame.fields, [](const Field& field) { return field.kind == FieldKind::kItems; });
+  const std::uint32_t most =
+      counts ? std::min<std::uint32_t>(operation.max_count, kMostItemsTried) : operation.min_count;
+  for (std::uint32_t count = operation.min_count; count <= most; ++count) {
     context.count = count;
     const MatchResult found = match_frame(frame, bytes, context, area.record ? area.items : 0);
     const bool plausible = found.checked ? !found.bad_check : found.known >= kEnoughKnown;
