@@ -69,6 +69,7 @@ bool WireFence::may_send(Instant now) {
     const bool lost = now - busy_until_ > times_.claim;
     const bool deaf = now - heard_ > kDeaf * times_.listen;
     if (!lost && !deaf) return now >= not_before_;
+    cut_off_ = deaf;
     lapse(now);
   }
   return now >= slot_from(now);
@@ -125,6 +126,7 @@ void WireFence::bytes_came(bool echo, Instant now) {
 void WireFence::heard(Instant now) {
   if (!keeps(now)) return listen_from(now, now);
   busy_until_ = heard_ = now;
+  cut_off_ = false;
 }
 
 // What this bridge sent or received last, once more: an echo that comes late, or a device that
@@ -193,8 +195,8 @@ bool WireFence::ended(bool answered, ByteView received, Instant now) {
   if (confirmed_) return false;
   // Nobody answered yet: perhaps another one began when this one did.
   draw_rank();
-  if (!received.empty()) {
-    listen_from(heard_, now);
+  if (!received.empty() || cut_off_) {
+    listen_from(std::max(busy_until_, heard_), now);
   } else {
     not_before_ = now + rank_ * times_.slot;
   }

@@ -106,6 +106,7 @@ class WireFence {
   Bytes burst_;                     // bytes without a longer pause between them
   bool told_ = false;               // the other master
   // While holding.
+  bool cut_off_ = false;           // perhaps: nobody was heard for long
   bool confirmed_ = false;         // an exchange was answered
   Instant busy_until_ = kLongAgo;  // others could hear something until then
   Instant heard_ = kLongAgo;       // of somebody else

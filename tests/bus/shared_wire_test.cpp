@@ -133,6 +133,34 @@ TEST_P(SharedLine, NoiseAndLateAnswersMakeNobodySendIntoAnother) {
   }
 }
 
+// Who is cut off hears nobody and listens before each request; when its cable is plugged in again one
+// of both gives way.
+TEST_P(SharedLine, OfTwoWhoseCableIsPluggedInAgainOneGivesWay) {
+  std::uint64_t garbled = 0;
+  for (std::uint64_t seed = 1; seed <= seeds(); ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Chance chance(seed);
+    SharedWire wire(spec_, chance.adapters(), {}, seed);
+    wire.open(0);
+    wire.run_until(Instant{2s + chance.up_to(1s)});
+    wire.open(1);
+    wire.run_until(wire.now() + 3s);
+    wire.cut(0, true);
+    wire.run_until(wire.now() + 15s + chance.up_to(5s));
+    EXPECT_GT(wire.master(1).good, 20u) << "the other one took the wire";
+    wire.cut(0, false);
+    wire.run_until(wire.now() + 10s);
+    // Mostly none; a request may be under way when the cable is plugged in.
+    EXPECT_LE(wire.counts().garbled, 8u);
+    garbled += wire.counts().garbled;
+    const auto listening = [&](std::size_t master) {
+      return wire.master(master).engine.bus_report(wire.now()).listening;
+    };
+    EXPECT_NE(listening(0), listening(1)) << "one of them goes on";
+  }
+  RecordProperty("garbled", std::to_string(garbled));
+}
+
 // The requests of 30 s, from the first one on.
 std::uint64_t requests_of(const BusSpec& spec) {
   SharedWire wire(spec, {Adapter{}}, {}, 1);
