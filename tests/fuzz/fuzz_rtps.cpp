@@ -1,0 +1,55 @@
+// Fuzz target of what Fieldcast itself reads of RTPS messages: joining them, the mark of an
+// instance that is let go, and what DDS Security lets through in clear. Whatever comes: a joined
+// message is no longer than its parts and never too long, and only what holds a mark changes.
+//
+// Input: for each message length(1), then so many bytes.
+#include <cstdlib>
+
+#include "bridge/dds/incoming_filter.hpp"
+#include "bridge/dds/joined_message.hpp"
+#include "bridge/dds/rtps_message.hpp"
+#include "bridge/dds/unregister_note.hpp"
+#include "core/base/bytes.hpp"
+
+namespace fieldcast {
+namespace {
+
+constexpr std::size_t kMost = 200;  // bytes of a joined message
+
+void require(bool holds) {
+  if (!holds) std::abort();
+}
+
+void run_one(ByteView data) {
+  JoinedMessage joined(kMost);
+  IncomingFilter protecting(true), open(false);
+  std::size_t sum = 0;
+  while (!data.empty()) {
+    const std::size_t size = std::min<std::size_t>(data[0], data.size() - 1);
+    const ByteView message = data.subspan(1, size);
+    data = data.subspan(1 + size);
+    (void)may_be_in_clear(message);
+    (void)protecting.takes(message);
+    (void)open.takes(message);
+    Bytes marked(message.begin(), message.end());
+    const bool marks = holds_marks(marked);
+    turn_marks_into_notes(marked);
+    if (!marks) require(marked == Bytes(message.begin(), message.end()));
+    require(!holds_marks(marked));
+    if (!joined.append(message)) continue;
+    sum += message.size();
+    if (data.size() % 3 != 0) continue;
+    const auto whole = joined.whole();
+    require(whole.size() <= kMost && whole.size() <= sum && whole.size() >= kMessageHeader);
+    joined.clear();
+    sum = 0;
+  }
+}
+
+}  // namespace
+}  // namespace fieldcast
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  fieldcast::run_one({data, size});
+  return 0;
+}

@@ -1,0 +1,39 @@
+// Fuzz target of the configuration of fieldcast-station, and of the addresses that it may name. A
+// text is a configuration, or has faults that each say where and what.
+//
+// Input: the text.
+#include <cstdlib>
+
+#include "core/base/bytes.hpp"
+#include "tools/station/configuration.hpp"
+
+namespace fieldcast::web {
+namespace {
+
+void run_one(ByteView data) {
+  const std::string text(data.begin(), data.end());
+  config::FileReader nothing;
+  nothing.read = [](const std::string&) -> tl::expected<std::string, config::FileError> {
+    return tl::unexpected(config::FileError::kMissing);
+  };
+  if (const auto listen = listen_from(text); listen && listen->host.empty()) std::abort();
+  const auto loaded = load_station_text(text, "station.yaml", nothing);
+  if (loaded) {
+    (void)exposures_of(*loaded);
+    return;
+  }
+  if (loaded.error().empty()) std::abort();
+  for (const config::Fault& fault : loaded.error()) {
+    if (fault.what.empty() || fault.line < 1 || fault.column < 1 ||
+        to_text(fault).find('\n') != std::string::npos)
+      std::abort();
+  }
+}
+
+}  // namespace
+}  // namespace fieldcast::web
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  fieldcast::web::run_one({data, size});
+  return 0;
+}
