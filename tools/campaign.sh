@@ -20,11 +20,12 @@ done
 has() { [ "${#parts[@]}" -eq 0 ] || [[ " ${parts[*]} " == *" $1 "* ]]; }
 
 tools/install.sh campaign
-if has virtual; then
-  tools/build.sh -DFIELDCAST_TESTS=ON virtual_campaign
-fi
-if has system; then
-  tools/build.sh -DFIELDCAST_TESTS=ON fieldcast fieldcast-bridge fieldcast-sim fault_shim store_writer
+targets=()
+if has virtual || has endurance; then targets+=(virtual_campaign); fi
+if has system || has endurance; then targets+=(fieldcast fieldcast-bridge fieldcast-sim fault_shim store_writer); fi
+if has network; then targets+=(fieldcast fieldcast-bridge fieldcast-sim cyclone-watch); fi
+if [ "${#targets[@]}" -gt 0 ]; then
+  tools/build.sh -DFIELDCAST_TESTS=ON "${targets[@]}"
 fi
 if has fuzz; then
   tools/build.sh --folder build-fuzz -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DFIELDCAST_FUZZ=ON -DFIELDCAST_PCH=OFF \
