@@ -133,8 +133,8 @@ TEST_P(SharedLine, NoiseAndLateAnswersMakeNobodySendIntoAnother) {
   }
 }
 
-// Who is cut off hears nobody and listens before each request; when its cable is plugged in again one
-// of both gives way.
+// Who is cut off hears nobody and listens before each request. When its cable is plugged in again
+// one of both gives way.
 TEST_P(SharedLine, OfTwoWhoseCableIsPluggedInAgainOneGivesWay) {
   std::uint64_t garbled = 0;
   for (std::uint64_t seed = 1; seed <= seeds(); ++seed) {
