@@ -51,8 +51,6 @@ void WireFence::lapse(Instant now) {
   told_ = false;
 }
 
-void WireFence::draw_rank() { rank_ = static_cast<unsigned>(next_random(random_) % kRanks); }
-
 // Who heard the same last byte counts the same slots: two of different ranks never begin in one.
 Instant WireFence::slot_from(Instant now) const {
   const Instant first = silent_since_ + times_.listen + rank_ * times_.slot;
@@ -194,12 +192,12 @@ bool WireFence::ended(bool answered, ByteView received, Instant now) {
   if (found.size > 0 && !own(frame) && believe(found, now)) return take_foreign(frame, now);
   if (confirmed_) return false;
   // Nobody answered yet: perhaps another one began when this one did.
-  draw_rank();
-  if (!received.empty() || cut_off_) {
+  const auto drawn = static_cast<unsigned>(next_random(random_) % kRanks);
+  if (!received.empty()) rank_ = drawn;
+  if (!received.empty() || cut_off_)
     listen_from(std::max(busy_until_, heard_), now);
-  } else {
-    not_before_ = now + rank_ * times_.slot;
-  }
+  else
+    not_before_ = now + drawn * times_.slot;
   return false;
 }
 

@@ -86,7 +86,6 @@ class WireFence {
   void listen_from(Instant silent_since, Instant now);
   void lapse(Instant now);
   void heard(Instant now);
-  void draw_rank();
   [[nodiscard]] Instant slot_from(Instant now) const;
   [[nodiscard]] bool believe(const RequestFinder::Found& found, Instant now);
   [[nodiscard]] bool own(ByteView frame) const;
