@@ -7,6 +7,7 @@
 #include "bridge/bridge_state.hpp"
 #include "bridge/bus/clock.hpp"
 #include "bridge/check.hpp"
+#include "bridge/dds/multicast.hpp"
 #include "bridge/exit_code.hpp"
 
 namespace fieldcast {
@@ -72,6 +73,8 @@ tl::expected<void, std::string> Bridge::State::start(const BridgeSpec& wanted,
     serve_metrics(spec);
     want_buses(spec);
     guard->settle(give_up);
+    if (const auto absent = servers_remark(spec.dds.discovery_servers, link->missing_servers()))
+      log_warning("dds", *absent);
     for (const BusSpec& bus : spec.buses) {
       if (give_up()) return {};
       start_buses({bus.name}, spec);

@@ -11,6 +11,7 @@
 #include "bridge/bridge.hpp"
 #include "bridge/bus/clock.hpp"
 #include "bridge/dds/library.hpp"
+#include "bridge/dds/sample_load.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/security/authority.hpp"
 #include "bridge/service/identity_watch.hpp"
@@ -213,6 +214,7 @@ ExitCode serve(Signals& signals, const BridgeSpec& spec, const DaemonOptions& op
     return ExitCode::kCannotStart;
   }
   if (spec.dds.without_security) log_warning("dds", kOpen);
+  if (const auto small = rate_remark(spec)) log_warning("dds", *small);
   Bridge bridge;
   const WhileItLives watched(signals, bridge);
   bool trace = options.trace;
@@ -276,6 +278,7 @@ ExitCode check_configuration(const std::string& path) {
         std::fputs(fmt::format("{}: {}\n", bus, text).c_str(), stdout);
       },
       warn);
+  if (const auto small = rate_remark(*loaded)) warn("dds", *small);
   const security::MemberCheck identity = check_security(*loaded);
   if (loaded->dds.without_security) warn("dds", kOpen);
   for (const std::string& line : identity.warnings) warn("security", line);

@@ -8,6 +8,7 @@
 #include "config/limits.hpp"
 #include "config/port.hpp"
 #include "config/scalars.hpp"
+#include "config/unique_names.hpp"
 
 namespace fieldcast::config {
 namespace {
@@ -124,6 +125,33 @@ void read_security(MapReader& map, DdsSpec& spec) {
 
 }  // namespace
 
+std::optional<std::uint64_t> RateRule::operator()(const Node& node, std::string_view key,
+                                                  FaultList& faults) const {
+  static constexpr std::string_view kAllowed = "50kB/s to 1000MB/s, with kB/s or MB/s";
+  static constexpr std::pair<std::string_view, std::uint64_t> kUnits[] = {{"kB/s", 1'000},
+                                                                          {"MB/s", 1'000'000}};
+  const std::string* text = scalar_of(node, key, kAllowed, faults);
+  if (text == nullptr) return std::nullopt;
+  for (const auto& [unit, worth] : kUnits) {
+    if (!text->ends_with(unit)) continue;
+    const auto number = number_from(std::string_view(*text).substr(0, text->size() - unit.size()));
+    if (!number) continue;
+    const double rate = *number * static_cast<double>(worth);
+    if (rate >= static_cast<double>(kMinRate) && rate <= static_cast<double>(kMaxRate))
+      return static_cast<std::uint64_t>(rate);
+    faults.add(node.position, fmt::format("{} '{}' is too small or too large", key, *text),
+               std::string(kAllowed));
+    return std::nullopt;
+  }
+  faults.add(node.position, fmt::format("{} '{}' cannot be understood", key, *text),
+             std::string(kAllowed));
+  return std::nullopt;
+}
+std::string RateRule::schema() const {
+  return R"({ "type": "string", "pattern": "^[0-9]+(\\.[0-9]+)?(kB|MB)/s$" })";
+}
+std::string RateRule::form() const { return "50kB/s to 1000MB/s"; }
+
 void read_dds(MapReader& file, DdsSpec& spec, Library& library) {
   const Node* node = file.find("dds");
   if (node == nullptr) return;
@@ -135,6 +163,42 @@ void read_dds(MapReader& file, DdsSpec& spec, Library& library) {
   if (map.read("profile", profile, TextRule{kMaxPath}))
     spec.profile = library.check_file(*map.find("profile"));
   read_security(map, spec);
+}
+
+std::vector<DdsSite> read_sites(MapReader& file, Library& library) {
+  std::vector<DdsSite> sites;
+  const Node* node = file.find("sites");
+  if (node == nullptr) {
+    read_dds(file, sites.emplace_back().dds, library);
+    return sites;
+  }
+  if (file.find("dds") != nullptr) {
+    file.faults().add(file.position_of("dds"), "'dds' and 'sites' in one map",
+                      "one of them: each site has a 'dds' of its own");
+  }
+  if (node->kind != Kind::kList || node->items.empty() || node->items.size() > kMaxSites) {
+    const bool list = node->kind == Kind::kList;
+    file.faults().add(
+        node->position,
+        fmt::format("sites is {}", list ? (node->items.empty() ? "empty" : "too long")
+                                        : std::string(to_text(node->kind))),
+        fmt::format("a list of 1 to {} sites, each {{ name: N, dds: {{ .. }} }}", kMaxSites));
+    return sites;
+  }
+  UniqueNames names;
+  for (const Node* item : node->items) {
+    MapReader map(*item, site_rows(), file.faults());
+    DdsSite& site = sites.emplace_back();
+    site_rows().read(map, site);
+    if (!site.name.empty()) names.add("site", site.name, map.position_of("name"), file.faults());
+    read_dds(map, site.dds, library);
+    // The library keeps one participant profile of a name until the process ends.
+    if (site.dds.profile && sites.size() > 1 && sites.front().dds.profile != site.dds.profile) {
+      file.faults().add(item->position, "sites with different profiles",
+                        "the same profile for all sites, or a program for each");
+    }
+  }
+  return sites;
 }
 
 void read_log(MapReader& file, LogSpec& spec) {

@@ -36,7 +36,11 @@ inline constexpr std::size_t kMaxBuses = 256;
 inline constexpr std::size_t kMaxDevices = 247;       // of a bus
 inline constexpr std::size_t kMaxChannels = 100'000;  // of a bridge
 inline constexpr std::size_t kMaxInterfaces = 16;
-inline constexpr std::size_t kMaxServers = 8;   // discovery servers
+inline constexpr std::size_t kMaxServers = 8;  // discovery servers
+inline constexpr std::size_t kMaxSites = 16;   // of a station
+inline constexpr std::uint64_t kMinRate =
+    50'000;  // bytes a second: two messages of 32 000 in 1.3 s
+inline constexpr std::uint64_t kMaxRate = 1'000'000'000;
 inline constexpr std::size_t kMaxOptions = 32;  // of a device
 
 // Texts, in bytes. Unit and description as in core/model/spec.hpp.

@@ -27,12 +27,14 @@ test=(
   libmodbus-dev python3-pymodbus python3-serial python3-serial-asyncio mbpoll socat cyclonedds-dev cyclonedds-tools
   # the tests start servers of their own
   postgresql
+  # discovery servers, firewalls and tunnels
+  fastdds-tools nftables openvpn
   # a browser, for the station's page
   chromium
 )
 campaign=(
-  # libFuzzer; networks made by the campaign, and the discovery server in them
-  clang libclang-rt-14-dev fastdds-tools iproute2
+  # libFuzzer
+  clang libclang-rt-14-dev
 )
 ci=(clang-tidy codespell git lintian python3-prometheus-client)
 

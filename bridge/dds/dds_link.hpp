@@ -141,6 +141,8 @@ class DdsLink {
   void forget(const AlarmKey& alarm);
 
   [[nodiscard]] BusCounters counters(std::string_view bus) const;  // any thread
+  // The discovery servers of the configuration that do not answer. Any thread.
+  [[nodiscard]] std::vector<std::string> missing_servers() const;
 
   // Removes every bus, waits up to `linger` until readers have the last results, leaves the domain.
   // Handlers are not called after it returns. Main thread; a second call has no effect.

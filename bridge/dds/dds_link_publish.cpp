@@ -116,6 +116,10 @@ void DdsLink::forget(const AlarmKey& alarm) {
     state_->alarm_status->unregister_instance(&gone.mapped(), dds::HANDLE_NIL);
 }
 
+std::vector<std::string> DdsLink::missing_servers() const {
+  return state_->domain.missing_servers();
+}
+
 DdsLink::BusCounters DdsLink::counters(std::string_view name) const {
   const std::shared_lock lock(state_->mutex);
   LinkedBus* bus = state_->find(name);

@@ -27,6 +27,7 @@ using rtps_transport::UDPv4TransportDescriptor;
 
 constexpr const char* kProfile = "fieldcast";
 constexpr const char* kLoopback = "127.0.0.1";
+constexpr const char* kFlowController = "fieldcast";
 constexpr std::uint32_t kHighestDomain = 232;  // the ports of RTPS end there (RTPS 2.2, 9.6.1)
 
 // The library would open no socket and say nothing.
@@ -73,56 +74,49 @@ void pass_through_ours(dds::TransportConfigQos& transport,
     one = std::make_shared<NoteTransportDescriptor>(one, filter);
 }
 
-// Of "host:port"; throws DdsError, which says what it is of.
-rtps::Locator_t locator_of(const std::string& what, const std::string& text, std::int32_t kind) {
+// Of "host:port".
+rtps::Locator_t locator_of(const std::string& text) {
   const auto colon = text.rfind(':');
   const std::string host = text.substr(0, colon);
   unsigned port = 0;
   const char* end = text.data() + text.size();
   if (colon == std::string::npos ||
       std::from_chars(text.data() + colon + 1, end, port).ptr != end || port == 0 || port > 65535) {
-    throw DdsError("dds: " + what + " '" + text + "' is not host:port");
+    throw DdsError("dds: discovery server '" + text + "' is not host:port");
   }
   const auto found = rtps::IPLocator::resolveNameDNS(host);
   const std::string address = rtps::IPLocator::isIPv4(host) ? host
                               : found.first.empty()         ? ""
                                                             : *found.first.begin();
-  if (address.empty()) throw DdsError("dds: " + what + ": no address known for '" + host + "'");
-  rtps::Locator_t locator(kind, port);
+  if (address.empty()) throw DdsError("dds: discovery server: no address known for '" + host + "'");
+  rtps::Locator_t locator(LOCATOR_KIND_UDPv4, port);
   rtps::IPLocator::setIPv4(locator, address);
   return locator;
-}
-
-// One end listens at a port, the other ones connect; both use a connection once it is there.
-void set_tcp(const DdsTcpSpec& tcp, dds::DomainParticipantQos& qos) {
-  auto transport = std::make_shared<rtps_transport::TCPv4TransportDescriptor>();
-  transport->sendBufferSize = 0;  // the kernel's
-  transport->receiveBufferSize = 0;
-  if (tcp.listen != 0) transport->add_listener_port(tcp.listen);
-  if (!tcp.public_address.empty()) transport->set_WAN_address(tcp.public_address);
-  if (!tcp.ca.empty()) {
-    using Tls = rtps_transport::TCPTransportDescriptor::TLSConfig;
-    transport->apply_security = true;
-    Tls& tls = transport->tls_config;
-    tls.verify_file = tcp.ca;
-    tls.cert_chain_file = tcp.certificate;
-    tls.private_key_file = tcp.key;
-    tls.verify_mode = Tls::VERIFY_PEER | Tls::VERIFY_FAIL_IF_NO_PEER_CERT;
-    tls.options = Tls::DEFAULT_WORKAROUNDS | Tls::NO_COMPRESSION | Tls::NO_SSLV2 | Tls::NO_SSLV3 |
-                  Tls::NO_TLSV1 | Tls::NO_TLSV1_1;
-  }
-  qos.transport().user_transports.push_back(transport);
-  for (const std::string& peer : tcp.connect) {
-    qos.wire_protocol().builtin.initialPeersList.push_back(
-        locator_of("tcp", peer, LOCATOR_KIND_TCPv4));
-  }
 }
 
 void set_discovery_servers(const std::vector<std::string>& servers,
                            dds::DomainParticipantQos& qos) {
   for (std::size_t i = 0; i < servers.size(); ++i)
-    join_discovery_server(qos, locator_of("discovery server", servers[i], LOCATOR_KIND_UDPv4),
-                          static_cast<unsigned>(i));
+    join_discovery_server(qos, locator_of(servers[i]), static_cast<unsigned>(i));
+}
+
+// What writers send, what they send again, and what they send to those who join late passes through
+// it; heartbeats, acknowledgements and discovery do not. A message must fit into one period.
+std::shared_ptr<rtps_transport::FlowControllerDescriptor> flow_controller(std::uint64_t rate) {
+  constexpr std::uint64_t kLargest = 65'536, kShortest = 20;  // a datagram; milliseconds
+  auto controller = std::make_shared<rtps_transport::FlowControllerDescriptor>();
+  controller->name = kFlowController;
+  controller->scheduler = rtps_transport::FlowControllerSchedulerPolicy::HIGH_PRIORITY;
+  controller->period_ms = std::max(kShortest, (kLargest * 1000 + rate - 1) / rate);
+  controller->max_bytes_per_period = static_cast<std::int32_t>(rate * controller->period_ms / 1000);
+  return controller;
+}
+
+// What is short and waited for goes before samples, catalogues and what is sent again.
+bool is_urgent(const std::string& topic) {
+  return topic == kCommandTopic.name || topic == kAlarmActionTopic.name ||
+         topic == kCommandResultTopic.name || topic == kBridgeTopic.name ||
+         topic == kInterestTopic.name;
 }
 
 // The plugins of DDS Security 1.1 that every vendor has, and the files of the member.
@@ -188,7 +182,7 @@ dds::DomainParticipantQos participant_qos(const DdsSpec& spec, const std::string
   // Transports of the user's profile are the user's business; without any, ours.
   if (!spec.profile || qos.transport().user_transports.empty()) set_transports(spec, qos);
   pass_through_ours(qos.transport(), filter);
-  if (spec.tcp) set_tcp(*spec.tcp, qos);
+  if (spec.max_rate != 0) qos.flow_controllers().push_back(flow_controller(spec.max_rate));
   set_discovery_servers(spec.discovery_servers, qos);
   if (spec.security) set_security(*spec.security, qos);
   return qos;
@@ -203,9 +197,11 @@ std::vector<std::string> used_interfaces(const DdsSpec& spec) {
   return used;  // an empty list: all there are
 }
 
-Domain::Domain(const DdsSpec& spec, const std::string& name,
-               dds::DomainParticipantListener* listener)
-    : member_(member_of(spec)), filter_(filter_of(spec)) {
+Domain::Domain(const DdsSpec& spec, const std::string& name, DiscoveryListener* listener)
+    : servers_(spec.discovery_servers, listener),
+      member_(member_of(spec)),
+      filter_(filter_of(spec)),
+      has_max_rate_(spec.max_rate != 0) {
   if (spec.domain > kHighestDomain)
     throw DdsError("dds: domain " + std::to_string(spec.domain) + " is not 0..232");
   if (spec.security && spec.domain > security::kHighestDomain) {
@@ -225,7 +221,7 @@ Domain::Domain(const DdsSpec& spec, const std::string& name,
   const dds::DomainParticipantQos qos = participant_qos(spec, name, filter_);
   // Discovery reaches the listener all the same: it has no bit in the mask.
   participant_.reset(
-      factory->create_participant(spec.domain, qos, listener, dds::StatusMask::none()));
+      factory->create_participant(spec.domain, qos, &servers_, dds::StatusMask::none()));
   if (participant_ == nullptr) {
     throw DdsError("dds: cannot join domain " + std::to_string(spec.domain) +
                    (spec.security ? "; fieldcast secure check " + *spec.security +
@@ -308,6 +304,12 @@ dds::DataWriter* Domain::make_writer(dds::Topic* topic, dds::DataWriterQos qos,
                                      const std::string& label, dds::DataWriterListener* listener,
                                      dds::StatusMask mask) {
   qos.user_data().setValue(std::vector<rtps::octet>(label.begin(), label.end()));
+  if (has_max_rate_) {
+    qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;
+    qos.publish_mode().flow_controller_name = kFlowController;
+    qos.properties().properties().emplace_back("fastdds.sfc.priority",
+                                               is_urgent(topic->get_name()) ? "-10" : "0");
+  }
   check_right(*topic, true);
   const security::TopicRight* right = security::right_of(topic->get_name());
   dds::Publisher* publisher = right != nullptr && right->by_bus ? held_publisher_ : publisher_;

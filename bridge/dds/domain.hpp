@@ -18,6 +18,7 @@
 #include "bridge/dds/fastdds.hpp"
 #include "bridge/dds/incoming_filter.hpp"
 #include "bridge/dds/member_watch.hpp"
+#include "bridge/dds/server_watch.hpp"
 #include "bridge/dds/topics/topic_type.hpp"
 #include "bridge/dds/topics/topics.hpp"
 #include "bridge/security/topic_rights.hpp"
@@ -35,7 +36,7 @@ class Domain {
   // `name` is what other participants see. The listener is told of discovery only and outlives the
   // domain; may be null. Throws DdsError: an address of no interface here, a profile that cannot be
   // read, a discovery server that is not host:port, a member's folder that is not in order.
-  Domain(const DdsSpec& spec, const std::string& name, dds::DomainParticipantListener* listener);
+  Domain(const DdsSpec& spec, const std::string& name, DiscoveryListener* listener);
   ~Domain();  // leaves the domain
   Domain(const Domain&) = delete;
   Domain& operator=(const Domain&) = delete;
@@ -78,6 +79,8 @@ class Domain {
 
   // The folder of the member has a renewed certificate, which a new participant would take.
   [[nodiscard]] bool has_new_identity() const { return watch_ && watch_->has_new_identity(); }
+  // The discovery servers of the configuration that do not answer. Any thread.
+  [[nodiscard]] std::vector<std::string> missing_servers() const { return servers_.missing(); }
 
   // Its listener is not called any more when these return.
   void remove(dds::DataWriter* writer);
@@ -95,11 +98,13 @@ class Domain {
   dds::DataReader* make_reader(dds::Topic* topic, const dds::DataReaderQos& qos,
                                dds::DataReaderListener* listener, dds::StatusMask mask);
 
+  ServerWatch servers_;  // before the participant, which calls it
   struct Leave {
     void operator()(dds::DomainParticipant* participant) const;  // deletes every entity first
   };
   std::optional<security::Member> member_;
   std::shared_ptr<IncomingFilter> filter_;  // null without DDS Security
+  const bool has_max_rate_;
   std::unique_ptr<dds::DomainParticipant, Leave> participant_;
   dds::Publisher* publisher_ = nullptr;
   dds::Publisher* held_publisher_ = nullptr;  // of what is by bus, for a member held to buses

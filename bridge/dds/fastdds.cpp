@@ -50,4 +50,14 @@ void join_discovery_server(dds::DomainParticipantQos& qos, const rtps::Locator_t
 #endif
 }
 
+// 44.53.IDENTITY.5f.45.50.52.4f.53.49.4d.41, "DS" and "_EPROSIMA".
+std::optional<unsigned> server_identity(const rtps::GuidPrefix_t& participant) {
+  static constexpr std::string_view kBefore = "DS", kAfter = "_EPROSIMA";
+  const std::string_view bytes(reinterpret_cast<const char*>(participant.value),
+                               rtps::GuidPrefix_t::size);
+  if (!bytes.starts_with(kBefore) || bytes.substr(kBefore.size() + 1) != kAfter)
+    return std::nullopt;
+  return participant.value[kBefore.size()];
+}
+
 }  // namespace fieldcast

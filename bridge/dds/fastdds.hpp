@@ -57,7 +57,6 @@
 #include <fastdds/rtps/transport/ChainingTransportDescriptor.hpp>
 #include <fastdds/rtps/transport/NetworkBuffer.hpp>
 #include <fastdds/rtps/transport/SenderResource.hpp>
-#include <fastdds/rtps/transport/TCPv4TransportDescriptor.hpp>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.hpp>
 #include <fastdds/utils/IPLocator.hpp>
 #else
@@ -69,7 +68,6 @@
 #include <fastdds/rtps/participant/ParticipantDiscoveryInfo.h>
 #include <fastdds/rtps/transport/ChainingTransport.h>
 #include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
-#include <fastdds/rtps/transport/TCPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/writer/WriterDiscoveryInfo.h>
 #include <fastrtps/utils/IPLocator.h>
@@ -83,6 +81,7 @@
 #include <cstring>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -150,6 +149,9 @@ void join_discovery_server(dds::DomainParticipantQos& qos, const rtps::Locator_t
 
 // ---- discovery
 
+// Of a participant that is a discovery server: its identity.
+[[nodiscard]] std::optional<unsigned> server_identity(const rtps::GuidPrefix_t& participant);
+
 struct FoundWriter {
   bool gone = false;  // it was there, and is no more
   rtps::GUID_t guid;
@@ -168,7 +170,7 @@ struct FoundParticipant {
 
 // Told of others in the domain, on a thread of the library.
 class DiscoveryListener : public dds::DomainParticipantListener {
- protected:
+ public:
   virtual void on_writer(const FoundWriter&) {}
   virtual void on_participant(const FoundParticipant&) {}
 

@@ -6,6 +6,7 @@
 #include <net/if.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <memory>
 
@@ -58,6 +59,21 @@ std::optional<std::string> multicast_remark(const DdsSpec& spec) {
     }
   }
   return std::nullopt;
+}
+
+std::optional<std::string> servers_remark(const std::vector<std::string>& named,
+                                          const std::vector<std::string>& missing) {
+  if (missing.empty()) return std::nullopt;
+  std::string text;
+  for (const std::string& server : missing) {
+    const auto identity = std::find(named.begin(), named.end(), server) - named.begin();
+    text += fmt::format("{}{} (fast-discovery-server -i {})", text.empty() ? "" : ", ", server,
+                        identity);
+  }
+  return fmt::format("no answer of the discovery server {}: {}", text,
+                     missing.size() < named.size()
+                         ? "participants find each other by the others as long as those run"
+                         : "participants do not find each other until one runs");
 }
 
 }  // namespace fieldcast

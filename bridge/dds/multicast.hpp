@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/model/spec.hpp"
 
@@ -17,5 +18,9 @@ namespace fieldcast {
 // What is to be told of this process in the domain: one line with the remedy. With a discovery
 // server multicast is not needed; a profile's transports are the user's business.
 [[nodiscard]] std::optional<std::string> multicast_remark(const DdsSpec& spec);
+
+// The same of discovery servers that do not answer; nothing: none of `named` is `missing`.
+[[nodiscard]] std::optional<std::string> servers_remark(const std::vector<std::string>& named,
+                                                        const std::vector<std::string>& missing);
 
 }  // namespace fieldcast

@@ -69,6 +69,7 @@ std::string_view to_text(StationFault fault) {
     case StationFault::kNoResult: return "no result came in time";
     case StationFault::kNotSent: return "the command does not fit the topic";
     case StationFault::kNotAPath: return "a channel is named BUS/DEVICE/CHANNEL";
+    case StationFault::kNoSite: return "of several sites, a bus is named SITE:BUS";
     case StationFault::kNoPerson:
       return "a person's name has 1 to 64 letters, digits, '-', '_', '.', '@'";
     case StationFault::kNoRight:
@@ -303,6 +304,10 @@ void Station::on_result(std::function<void(const StationResult&)> handler) {
 
 std::uint64_t Station::reserve_request_id() {
   return may_command() ? state_->client().reserve_request_id() : ++state_->refused;
+}
+
+std::vector<std::string> Station::missing_servers() const {
+  return state_->domain.missing_servers();
 }
 
 const std::string& Station::requester() const {

@@ -29,6 +29,7 @@ enum class StationFault : std::uint8_t {
   kNoResult,  // the command was written and no result came within its lifespan and the wait
   kNotSent,   // it does not fit the topic: a name or a list is too long
   kNotAPath,  // the channel is not named as BUS/DEVICE/CHANNEL
+  kNoSite,    // of several sites, the bus names none
   kNoPerson,  // the person's name has other characters than those of a user, or too many
   kNoRight,   // the identity of this station, by DDS Security, is none that commands
 };
@@ -131,6 +132,9 @@ class Station {
                                        Duration wait_for_result = std::chrono::seconds{5});
   [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(
       AlarmAction action, Duration wait_for_bridge = std::chrono::seconds{3});
+
+  // The discovery servers of the configuration that do not answer. Any thread.
+  [[nodiscard]] std::vector<std::string> missing_servers() const;
 
   // Unique for each process and object. The requester of a person's command is made of it:
   // ".../anna".

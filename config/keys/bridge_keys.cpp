@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "config/dds.hpp"
 #include "config/limits.hpp"
 #include "config/port.hpp"
 #include "config/program.hpp"
@@ -114,7 +115,7 @@ const Rows<DdsSpec>& dds_rows() {
             .schema = HostPortRule{}.schema()}},
           {{.name = "discovery-servers",
             .fallback = "none",
-            .text = "the same for servers that know each other, in the order of their identities: "
+            .text = "several, in the order of their identities 0, 1, ..; every program names all: "
                     "`[a:11811, b:11811]`",
             .schema = R"({ "type": "array", "minItems": 1, "maxItems": )" +
                       std::to_string(kMaxServers) +
@@ -133,7 +134,27 @@ const Rows<DdsSpec>& dds_rows() {
             .text = "the folder of a member, relative to this file, as `fieldcast secure add` "
                     "makes it; `none` where everybody in the network may read and command",
             .schema = std::string(kPath)}},
+          field<DdsSpec>({.name = "max-rate",
+                          .fallback = "no bound",
+                          .text = "how fast this program sends what it publishes, for all readers "
+                                  "together; discovery and acknowledgements come on top"},
+                         &DdsSpec::max_rate, RateRule{}),
       });
+  return rows;
+}
+
+const Rows<DdsSite>& site_rows() {
+  static const Rows<DdsSite> rows(
+      "site", "a site",
+      {
+          field<DdsSite>({.name = "name",
+                          .fallback = std::string(kNeeded),
+                          .text = "stands before the names of its buses: `north:line-7`",
+                          .example = "a name for the site"},
+                         &DdsSite::name, NameRule{}),
+          {{.name = "dds", .text = "as of the bridge", .schema = "{}"}},
+      },
+      "One of several sites that a station watches.");
   return rows;
 }
 

@@ -11,6 +11,7 @@ namespace fieldcast::config {
 [[nodiscard]] const Rows<BridgeSpec>& identity_rows();
 [[nodiscard]] const Rows<StandbySpec>& standby_rows();
 [[nodiscard]] const Rows<DdsSpec>& dds_rows();
+[[nodiscard]] const Rows<DdsSite>& site_rows();  // of a station
 [[nodiscard]] const Rows<LogSpec>& log_rows();
 [[nodiscard]] const Rows<StoreSpec>& store_rows();
 [[nodiscard]] const Rows<MetricsSpec>& metrics_rows();

@@ -119,36 +119,26 @@ struct BusSpec {
   friend bool operator==(const BusSpec&, const BusSpec&) = default;
 };
 
-// DDS over TCP, through one port of a firewall: one end listens, the others connect to it.
-struct DdsTcpSpec {
-  std::uint16_t listen = 0;          // 0: this end connects
-  std::string public_address;        // IPv4 of the listening end as others reach it; empty: its own
-  std::vector<std::string> connect;  // "host:port" of listening ends
-  std::string ca, certificate, key;  // paths of PEM files; empty: no TLS
-  friend bool operator==(const DdsTcpSpec&, const DdsTcpSpec&) = default;
-};
-
 struct DdsSpec {
   std::uint32_t domain = 0;                          // 0..232
   std::vector<std::string> interfaces{"127.0.0.1"};  // IPv4 addresses that DDS may use
-  // "host:port" of Fast DDS discovery servers that know each other; the first one has the identity
-  // 0, the second 1. Empty: multicast.
+  // "host:port" of Fast DDS discovery servers; the first one has the identity 0, the second 1. All
+  // participants name all of them. Empty: multicast.
   std::vector<std::string> discovery_servers;
   // A Fast DDS XML file of the user; its participant profile "fieldcast" is used.
   std::optional<std::string> profile;
   std::optional<std::string> partition;
   std::optional<std::string> security;  // a member's folder, made by `fieldcast secure add`
   bool without_security = false;        // said in words
-  std::optional<DdsTcpSpec> tcp;        // beside UDP
   std::uint64_t max_rate = 0;           // of samples on their way out, bytes a second; 0: no bound
   friend bool operator==(const DdsSpec&, const DdsSpec&) = default;
 };
 
 // One of several sites that a station watches: a domain, a partition, a discovery server..
-struct SiteSpec {
+struct DdsSite {
   std::string name;  // goes before the names of its buses: "north:line-7"; empty: the only one
   DdsSpec dds;
-  friend bool operator==(const SiteSpec&, const SiteSpec&) = default;
+  friend bool operator==(const DdsSite&, const DdsSite&) = default;
 };
 
 enum class LogLevel : std::uint8_t { kError, kWarning, kInfo, kDebug };

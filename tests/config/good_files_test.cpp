@@ -97,7 +97,9 @@ TEST_F(Everything, TopLevelKeysArrive) {
                                std::vector<std::string>{"10.0.0.2:11811", "10.0.0.3:11811"},
                                "profile.xml",
                                "hall",
-                               "member"}));
+                               "member",
+                               false,
+                               2'500'000}));
   EXPECT_EQ(spec.log.level, LogLevel::kDebug);
   EXPECT_EQ(spec.store, (StoreSpec{"plant.db",
                                    {"serial", "server/*/x"},

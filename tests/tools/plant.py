@@ -74,8 +74,9 @@ def run_cli(bin_dir, *arguments, seconds=CLI_SECONDS, stdin=""):
 
 
 class Plant:
-    def __init__(self, bin_dir, config, dds="", joins=()):
+    def __init__(self, bin_dir, config, dds="", joins=(), interfaces="127.0.0.1"):
         """`dds`: more keys of that section, each after a comma. `joins`: more options of every command."""
+        self.interfaces = interfaces
         self.bin_dir, self.config, self.dds, self.joins = bin_dir, config, dds, joins
         self.domain, self._claim = claim_domain()
         self.run = self.sim = self.bridge = None
@@ -85,7 +86,7 @@ class Plant:
         self.file = os.path.join(self.run, "plant.yaml")
         with open(self.file, "w", encoding="utf-8") as file:
             file.write(self.config.replace("{run}", self.run))
-            file.write(f"\ndds: {{ domain: {self.domain}, interfaces: [127.0.0.1]{self.dds} }}\n")
+            file.write(f"\ndds: {{ domain: {self.domain}, interfaces: [{self.interfaces}]{self.dds} }}\n")
         try:
             self.sim = self._start("fieldcast-sim")
             for path in self._lines():

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
 
 #include "bridge/dds/multicast.hpp"
 #include "bridge/security/authority.hpp"
@@ -10,11 +11,13 @@
 #include "config/loader.hpp"
 #include "core/model/pattern.hpp"
 #include "tools/cli/clock.hpp"
+#include "tools/station/configuration.hpp"
 
 namespace fieldcast::cli {
 
 void add_connection(CommandLine& line, ConnectionOptions& options) {
-  line.text("--config", options.config, "Join the DDS domain of this configuration file")
+  line.text("--config", options.config,
+            "Join the DDS domain of this configuration file, a bridge's or a station's")
       .existing_file();
   line.number("--domain", options.domain, 0, 232, "DDS domain (default 0)");
   line.texts("--interface", options.interfaces,
@@ -33,50 +36,103 @@ std::string fault_of_security(const std::string& folder) {
   return text;
 }
 
+// A station's file has one of these keys, a bridge's has none.
+bool is_of_station(const std::string& path) {
+  std::ifstream file(path);
+  for (std::string text; std::getline(file, text);) {
+    for (const std::string_view key : {"station:", "sites:", "web:", "record:"}) {
+      if (text.starts_with(key)) return true;
+    }
+  }
+  return false;
+}
+
+tl::expected<Connection, std::string> connection_of(const std::string& path) {
+  if (is_of_station(path)) {
+    auto loaded = web::load_station(path);
+    if (!loaded) return tl::unexpected(config::to_text(loaded.error()));
+    return Connection(std::move(loaded->sites));
+  }
+  auto loaded = config::load_file(path);
+  if (!loaded) return tl::unexpected(config::to_text(loaded.error()));
+  return Connection(std::move(loaded->dds));
+}
+
 }  // namespace
 
-tl::expected<DdsSpec, std::string> resolve(const ConnectionOptions& options) {
-  DdsSpec spec;
+tl::expected<Connection, std::string> resolve(const ConnectionOptions& options) {
+  Connection found{DdsSpec{}};
   if (!options.config.empty()) {
-    auto loaded = config::load_file(options.config);
-    if (!loaded) return tl::unexpected(config::to_text(loaded.error()));
-    spec = std::move(loaded->dds);
+    auto loaded = connection_of(options.config);
+    if (!loaded) return loaded;
+    found = *std::move(loaded);
   }
-  if (options.domain) spec.domain = *options.domain;
-  if (!options.interfaces.empty()) spec.interfaces = options.interfaces;
-  if (!options.security.empty()) spec.security = options.security;
-  if (spec.security) {
-    if (std::string fault = fault_of_security(*spec.security); !fault.empty())
+  if (found.sites.size() > 1 &&
+      (options.domain || !options.interfaces.empty() || !options.security.empty())) {
+    return tl::unexpected(fmt::format(
+        "{} has several sites, each with a domain of its own: leave out --domain, --interface and "
+        "--security",
+        options.config));
+  }
+  for (DdsSite& site : found.sites) {
+    if (options.domain) site.dds.domain = *options.domain;
+    if (!options.interfaces.empty()) site.dds.interfaces = options.interfaces;
+    if (!options.security.empty()) site.dds.security = options.security;
+    if (!site.dds.security) continue;
+    if (std::string fault = fault_of_security(*site.dds.security); !fault.empty())
       return tl::unexpected(std::move(fault));
   }
-  return spec;
+  return found;
 }
 
-std::string held_remark(const DdsSpec& spec, std::string_view bus) {
-  if (!spec.security) return {};
-  const auto member = security::read_member(*spec.security);
-  if (!member || member->buses.empty() ||
-      std::ranges::any_of(member->buses, [&](const auto& one) { return glob_matches(one, bus); }))
-    return {};
-  std::string buses;
-  for (const std::string& one : member->buses) buses += (buses.empty() ? "" : ", ") + one;
-  return fmt::format("; {} {} may command {} only", to_text(member->role), member->name, buses);
+std::string held_remark(const Connection& connection, std::string_view bus) {
+  for (const DdsSite& site : connection.sites) {
+    const std::string prefix = site.name.empty() ? "" : site.name + ':';
+    if (!site.dds.security || !bus.starts_with(prefix)) continue;
+    const std::string_view there = bus.substr(prefix.size());
+    const auto member = security::read_member(*site.dds.security);
+    if (!member || member->buses.empty() ||
+        std::ranges::any_of(member->buses,
+                            [&](const auto& one) { return glob_matches(one, there); }))
+      continue;
+    std::string buses;
+    for (const std::string& one : member->buses) buses += (buses.empty() ? "" : ", ") + one;
+    return fmt::format("; {} {} may command {} only", to_text(member->role), member->name, buses);
+  }
+  return {};
 }
 
-std::string domain_text(const DdsSpec& spec) {
+std::string domain_text(const Connection& connection) {
+  if (connection.sites.size() > 1) {
+    std::string text = "the sites ";
+    for (std::size_t i = 0; i < connection.sites.size(); ++i)
+      text += (i == 0 ? "" : ", ") + connection.sites[i].name;
+    return text;
+  }
+  const DdsSpec& spec = connection.sites.front().dds;
   std::string text = fmt::format("DDS domain {} on ", spec.domain);
   for (std::size_t i = 0; i < spec.interfaces.size(); ++i)
     text += (i == 0 ? "" : ", ") + spec.interfaces[i];
   return text;
 }
 
-std::string no_bridge_text(const DdsSpec& spec) {
-  if (const auto alone = multicast_remark(spec))
-    return fmt::format("no bridge found in {}: {}", domain_text(spec), *alone);
+std::string no_bridge_text(const Connection& connection, const std::vector<std::string>& missing) {
+  for (const DdsSite& site : connection.sites) {
+    const std::vector<std::string>& named = site.dds.discovery_servers;
+    std::vector<std::string> absent;
+    for (const std::string& server : named) {
+      if (std::find(missing.begin(), missing.end(), server) != missing.end())
+        absent.push_back(server);
+    }
+    if (const auto remark = servers_remark(named, absent))
+      return fmt::format("no bridge found in {}: {}", domain_text(connection), *remark);
+    if (const auto alone = multicast_remark(site.dds))
+      return fmt::format("no bridge found in {}: {}", domain_text(connection), *alone);
+  }
   return fmt::format(
       "no bridge found in {} within {}: is fieldcast-bridge running, with the same domain and "
       "interfaces? (--config FILE, or --domain N and --interface A)",
-      domain_text(spec), to_text(kBridgeWait));
+      domain_text(connection), to_text(kBridgeWait));
 }
 
 }  // namespace fieldcast::cli

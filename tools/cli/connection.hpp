@@ -1,5 +1,5 @@
-// Where a command looks for bridges: the DDS domain of a configuration file, or that of --domain
-// and --interface.
+// Where a command looks for bridges: the DDS domain of a bridge's or a station's configuration
+// file, the sites of a station's, or the domain of --domain and --interface.
 #pragma once
 
 #include <cstdint>
@@ -30,16 +30,26 @@ struct ConnectionOptions {
 // --config, --domain, --interface and --security.
 void add_connection(CommandLine& line, ConnectionOptions& options);
 
+// The domain that a command joins, or those of several sites.
+struct Connection {
+  Connection(DdsSpec spec) : sites{DdsSite{{}, std::move(spec)}} {}
+  Connection(std::vector<DdsSite> given) : sites(std::move(given)) {}
+
+  std::vector<DdsSite> sites;  // one at least
+};
+
 // The fault is for people: every fault of the file or of the member's folder, one on each line.
+[[nodiscard]] tl::expected<Connection, std::string> resolve(const ConnectionOptions& options);
+
 // "; plant press may command press-* only", if that is why a command to the bus has no result.
-[[nodiscard]] std::string held_remark(const DdsSpec& spec, std::string_view bus);
+[[nodiscard]] std::string held_remark(const Connection& connection, std::string_view bus);
 
-[[nodiscard]] tl::expected<DdsSpec, std::string> resolve(const ConnectionOptions& options);
-
-// "DDS domain 0 on 127.0.0.1"
-[[nodiscard]] std::string domain_text(const DdsSpec& spec);
+// "DDS domain 0 on 127.0.0.1", "the sites north, south"
+[[nodiscard]] std::string domain_text(const Connection& connection);
 
 // Nobody was found there: what that means and what to look at.
-[[nodiscard]] std::string no_bridge_text(const DdsSpec& spec);
+// `missing`: discovery servers that do not answer.
+[[nodiscard]] std::string no_bridge_text(const Connection& connection,
+                                         const std::vector<std::string>& missing);
 
 }  // namespace fieldcast::cli

@@ -2,8 +2,8 @@
 
 namespace fieldcast::cli {
 
-DomainView::DomainView(const DdsSpec& spec, Interrupt& interrupt)
-    : interrupt_(interrupt), station_(spec, "fieldcast-cli") {
+DomainView::DomainView(const Connection& connection, Interrupt& interrupt)
+    : interrupt_(interrupt), station_(connection.sites, "fieldcast-cli") {
   interrupt_.on_raise([this] { inbox_.close(); });
 }
 

@@ -8,7 +8,8 @@
 #include <variant>
 
 #include "bridge/base/bounded_queue.hpp"
-#include "bridge/station/station.hpp"
+#include "bridge/station/sites.hpp"
+#include "tools/cli/connection.hpp"
 #include "tools/cli/interrupt.hpp"
 #include "tools/cli/model/catalogue.hpp"
 
@@ -33,7 +34,7 @@ class DomainView {
   static constexpr std::size_t kMaxWaiting = 65536;
 
   // Joins the domain. Throws DdsError.
-  DomainView(const DdsSpec& spec, Interrupt& interrupt);
+  DomainView(const Connection& connection, Interrupt& interrupt);
   ~DomainView();
   DomainView(const DomainView&) = delete;
   DomainView& operator=(const DomainView&) = delete;
@@ -47,7 +48,10 @@ class DomainView {
   void subscribe_program_sessions();
   void subscribe_alarms();  // and what people did about them
 
-  [[nodiscard]] Station& station() { return station_; }
+  [[nodiscard]] Sites& station() { return station_; }
+  [[nodiscard]] std::vector<std::string> missing_servers() const {
+    return station_.missing_servers();
+  }
   [[nodiscard]] BoundedQueue<DomainEvent>& inbox() { return inbox_; }
   [[nodiscard]] bool interrupted() const { return interrupt_.raised(); }
 
@@ -55,7 +59,7 @@ class DomainView {
   Interrupt& interrupt_;
   // Before the station: its threads write here until it is gone.
   BoundedQueue<DomainEvent> inbox_{kMaxWaiting};
-  Station station_;
+  Sites station_;
 };
 
 }  // namespace fieldcast::cli

@@ -2,4 +2,5 @@
 // header below.
 #pragma once
 
+#include "bridge/station/sites.hpp"
 #include "bridge/station/station.hpp"

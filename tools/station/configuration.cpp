@@ -138,6 +138,12 @@ const Rows<StationSpec>& station_rows() {
                               .text = "the name that other DDS participants see"},
                              &StationSpec::name, config::NameRule{}),
           {{.name = "dds", .text = "as of the bridge: `domain`, `interfaces`, ..", .schema = "{}"}},
+          {{.name = "sites",
+            .fallback = "the one of `dds`",
+            .text =
+                "several sites at once, instead of `dds`: a list of `{ name: N, dds: { .. } }`; "
+                "the name stands before those of its buses, `north:line-7`",
+            .schema = "{}"}},
           {{.name = "log", .text = "as of the bridge: `level`", .schema = "{}"}},
           {{.name = "web", .text = "where the page is served", .schema = "{}"}},
           {{.name = "store",
@@ -234,7 +240,7 @@ LoadedStation load_station_text(std::string_view text, const std::string& file_n
     config::Library library(reader, options, faults, text.size());
     MapReader file(*document->root, station_rows(), faults);
     station_rows().read(file, spec);
-    read_dds(file, spec.dds, library);
+    spec.sites = read_sites(file, library);
     read_log(file, spec.log);
     read_store(file, spec.store);
     read_record(file, spec);

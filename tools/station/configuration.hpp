@@ -27,7 +27,7 @@ struct WebSpec {
 
 struct StationSpec {
   std::string name = "station";
-  DdsSpec dds;
+  std::vector<DdsSite> sites{DdsSite{}};  // one without a name, or several
   LogSpec log;
   WebSpec web;
   // `samples` are the patterns of what is recorded; none: nothing is.

@@ -5,6 +5,9 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <memory>
+#include <utility>
+#include <vector>
 
 #include "bridge/base/command_line.hpp"
 #include "bridge/bus/clock.hpp"
@@ -65,21 +68,32 @@ std::optional<StationSpec> spec_of(const Options& options) {
                  stderr);
     if (!exposures.empty()) return std::nullopt;
   }
-  if (options.domain) spec.dds.domain = *options.domain;
-  if (!options.interfaces.empty()) spec.dds.interfaces = options.interfaces;
-  if (!options.security.empty()) spec.dds.security = options.security;
+  if (spec.sites.size() > 1 &&
+      (options.domain || !options.interfaces.empty() || !options.security.empty())) {
+    std::fputs(
+        "--domain, --interface, --security: each of several sites says its own in the file\n",
+        stderr);
+    return std::nullopt;
+  }
+  if (options.domain) spec.sites.front().dds.domain = *options.domain;
+  if (!options.interfaces.empty()) spec.sites.front().dds.interfaces = options.interfaces;
+  if (!options.security.empty()) spec.sites.front().dds.security = options.security;
   return spec;
 }
 
 ExitCode check_identity(const StationSpec& spec) {
-  if (!spec.dds.security) return ExitCode::kOk;
-  const auto check =
-      fieldcast::security::check_program(*spec.dds.security, false, fieldcast::read_clocks().utc);
-  for (const auto& lines : {check.faults, check.warnings}) {
-    for (const std::string& line : lines)
-      std::fputs(fmt::format("security: {}\n", line).c_str(), stderr);
+  bool good = true;
+  for (const fieldcast::DdsSite& site : spec.sites) {
+    if (!site.dds.security) continue;
+    const auto check =
+        fieldcast::security::check_program(*site.dds.security, false, fieldcast::read_clocks().utc);
+    for (const auto& lines : {check.faults, check.warnings}) {
+      for (const std::string& line : lines)
+        std::fputs(fmt::format("security: {}\n", line).c_str(), stderr);
+    }
+    good = good && check.faults.empty();
   }
-  return check.faults.empty() ? ExitCode::kOk : ExitCode::kBadConfiguration;
+  return good ? ExitCode::kOk : ExitCode::kBadConfiguration;
 }
 
 void on_hangup(WebStation& station) {
@@ -106,9 +120,27 @@ class WhileItLives {
   fieldcast::Signals& signals_;
 };
 
+// The identity of the program at each of its sites.
+class SiteIdentities {
+ public:
+  explicit SiteIdentities(const StationSpec& spec) {
+    for (const fieldcast::DdsSite& site : spec.sites)
+      each_.emplace_back(site.dds, std::make_unique<fieldcast::IdentityWatch>(false));
+  }
+  // False: one of them is not in order.
+  [[nodiscard]] bool look() {
+    bool good = true;
+    for (auto& [dds, watch] : each_) good = watch->look(dds, fieldcast::read_clocks()) && good;
+    return good;
+  }
+
+ private:
+  std::vector<std::pair<fieldcast::DdsSpec, std::unique_ptr<fieldcast::IdentityWatch>>> each_;
+};
+
 ExitCode serve(fieldcast::Signals& signals, const StationSpec& spec) {
-  fieldcast::IdentityWatch identity(false);
-  if (!identity.look(spec.dds, fieldcast::read_clocks())) {
+  SiteIdentities identities(spec);
+  if (!identities.look()) {
     fieldcast::log_error("web", "cannot start: its identity is not in order");
     return ExitCode::kCannotStart;
   }
@@ -127,7 +159,7 @@ ExitCode serve(fieldcast::Signals& signals, const StationSpec& spec) {
     const int signal = signals.wait(service.sleep(kHousekeeping));
     if (signal == 0) {
       fieldcast::log_summaries(fieldcast::steady_now());
-      (void)identity.look(spec.dds, fieldcast::read_clocks());
+      (void)identities.look();
     } else if (signal == SIGHUP) {
       service.reloading(fieldcast::steady_now());
       on_hangup(station);

@@ -3,16 +3,19 @@
 #include <fmt/format.h>
 #include <sodium.h>
 
+#include <algorithm>
 #include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <future>
+#include <iterator>
 #include <optional>
 #include <utility>
 
 #include "bridge/bus/clock.hpp"
 #include "bridge/bus/io_thread.hpp"
+#include "bridge/dds/multicast.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/store/authenticator.hpp"
 #include "bridge/store/store.hpp"
@@ -32,6 +35,7 @@ namespace asio = boost::asio;
 using boost::system::error_code;
 
 constexpr std::chrono::milliseconds kTurn{500};        // of the io thread, for the watchdog
+constexpr std::chrono::seconds kServersAnswer{3};      // until then nothing is said of them
 constexpr std::chrono::milliseconds kStopLimit{2500};  // for pages to be told
 constexpr Duration kFlushLimit = std::chrono::seconds{2};
 
@@ -77,12 +81,15 @@ struct WebStation::State {
   [[nodiscard]] UserWatch::Ask ask_users();
   [[nodiscard]] tl::expected<std::unique_ptr<TlsServer>, std::string> tls_server() const;
   void turn();
+  void tell_servers();  // which of them do not answer, when that changes
 
   const StationSpec spec;
   const std::string version;
   std::atomic<std::chrono::nanoseconds::rep> turned{0};  // of the io thread, monotonic
   std::atomic<const char*> busy = "starting";
   bool started = false;
+  std::vector<std::string> missing_servers;  // as last told
+  Instant servers_from{};                    // they had the time to answer
 
   // In the order of the start; what is below uses what is above.
   std::unique_ptr<Store> store;
@@ -125,8 +132,9 @@ void WebStation::State::join_domain() {
       recorder->on_alarm_status(status, utc_now());
     };
   }
-  domain = std::make_unique<LiveDomain>(io.context(), spec.dds, spec.name, version, store.get(),
+  domain = std::make_unique<LiveDomain>(io.context(), spec.sites, spec.name, version, store.get(),
                                         std::move(tap));
+  servers_from = steady_now() + kServersAnswer;
 }
 
 LoginCheck WebStation::State::login_check() {
@@ -189,8 +197,26 @@ void WebStation::State::open_site(std::unique_ptr<TlsServer> tls) {
                  {*domain, database.get(), store.get(), recorder.get(), *server, utc_now});
 }
 
+void WebStation::State::tell_servers() {
+  std::vector<std::string> now = domain->missing_servers();
+  if (now == missing_servers) return;
+  missing_servers = std::move(now);
+  for (const DdsSite& one : spec.sites) {
+    const std::vector<std::string>& named = one.dds.discovery_servers;
+    std::vector<std::string> absent;
+    std::copy_if(named.begin(), named.end(), std::back_inserter(absent),
+                 [this](const auto& address) {
+                   return std::count(missing_servers.begin(), missing_servers.end(), address) != 0;
+                 });
+    const std::string of = one.name.empty() ? "" : "site " + one.name + ": ";
+    if (const auto remark = servers_remark(named, absent)) log_warning("dds", of + *remark);
+  }
+  if (missing_servers.empty()) log_info("dds", "every discovery server answers");
+}
+
 void WebStation::State::turn() {
   turned = steady_now().time_since_epoch().count();
+  if (domain && steady_now() > servers_from) tell_servers();
   turning->expires_after(kTurn);
   turning->async_wait([this](error_code cancelled) {
     if (!cancelled) turn();

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 
+#include <atomic>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <filesystem>
 #include <fstream>
@@ -242,6 +243,40 @@ TEST(DdsSettings, StatisticsOfTheLibraryArePublishedWhenAskedFor) {
        {"_fastdds_statistics_history2history_latency", "_fastdds_statistics_physical_data"}) {
     EXPECT_TRUE(eventually([&] { return discoveries.is_written(topic); })) << topic;
   }
+}
+
+// 20 exchanges of 1 000 channels are 20 messages of 30 kB: at 500 kB/s they need over a second.
+TEST(DdsSettings, MaxRateHoldsAndNoSampleIsLost) {
+  constexpr std::size_t kChannels = 1000;
+  constexpr std::uint64_t kRounds = 20;
+  DdsSpec bounded = loopback();
+  bounded.max_rate = 500'000;
+  const std::string bus = bus_name("bounded");
+  Obedient bridge(bus, kChannels, bounded);
+  Station station(loopback(), "reader");
+  std::atomic<std::size_t> samples = 0, last = 0;
+  station.subscribe_samples([&](const StationSample& sample) {
+    if (sample.bus != bus) return;
+    ++samples;
+    if (sample.sequence == kRounds) ++last;
+  });
+  const auto publish = [&](std::uint64_t round) {
+    std::vector<Sample> all;
+    for (ChannelIndex i = 0; i < kChannels; ++i) all.push_back(good(i, 0.5, round));
+    bridge.link.publish(bus, all, both_clocks());
+  };
+  publish(1);
+  ASSERT_TRUE(eventually([&] { return samples >= kChannels; }));
+  const auto began = std::chrono::steady_clock::now();
+  for (std::uint64_t round = 2; round <= kRounds; ++round) publish(round);
+  // A command's result does not wait for all of it.
+  EXPECT_TRUE(station.execute(write_running(bus)));
+  const auto answered = std::chrono::steady_clock::now();
+  ASSERT_TRUE(eventually([&] { return last >= kChannels; }));
+  const auto ended = std::chrono::steady_clock::now();
+  EXPECT_GE(samples, kRounds * kChannels);
+  EXPECT_GT(ended - began, std::chrono::milliseconds{800});
+  EXPECT_LT(answered, ended);
 }
 
 TEST(DdsSettings, PartitionHoldsForCommandsToo) {

@@ -38,7 +38,7 @@ TEST(StationConfiguration, EverythingHasADefault) {
   EXPECT_EQ(loaded->web.listen, (ListenSpec{"127.0.0.1", 8090}));
   EXPECT_FALSE(loaded->store);
   EXPECT_FALSE(loaded->web.local_role);
-  EXPECT_EQ(loaded->dds, DdsSpec{});
+  EXPECT_EQ(loaded->sites, std::vector<DdsSite>{DdsSite{}});
 }
 
 TEST(StationConfiguration, EveryKeyIsRead) {
@@ -57,7 +57,7 @@ store: { path: hall.db, keep: 7d }
 record: { patterns: ["press-shop/*"] }
 )");
   ASSERT_TRUE(loaded) << config::to_text(loaded.error());
-  EXPECT_EQ(loaded->dds.domain, 7u);
+  EXPECT_EQ(loaded->sites.front().dds.domain, 7u);
   EXPECT_EQ(loaded->log.level, LogLevel::kDebug);
   EXPECT_EQ(loaded->web.listen, (ListenSpec{"10.0.0.7", 443}));
   EXPECT_EQ(loaded->web.certificate, "cert.pem");
@@ -121,6 +121,32 @@ TEST(StationConfiguration, TheCommandLineGoesBeforeTheFile) {
             (ListenSpec{"127.0.0.1", 9}));
   EXPECT_THAT(faults("station: a\n", ListenSpec{"10.0.0.7", 9}),
               testing::Contains(HasSubstr("without TLS")));
+}
+
+TEST(StationConfiguration, SeveralSitesEachHaveADomainOfTheirOwn) {
+  const auto loaded = load(R"(
+sites:
+  - { name: north, dds: { domain: 3, partition: hall } }
+  - { name: south, dds: { discovery-servers: ["127.0.0.1:11811", "127.0.0.1:11812"] } }
+)");
+  ASSERT_TRUE(loaded) << config::to_text(loaded.error());
+  ASSERT_EQ(loaded->sites.size(), 2u);
+  EXPECT_EQ(loaded->sites[0].name, "north");
+  EXPECT_EQ(loaded->sites[0].dds.domain, 3u);
+  EXPECT_EQ(loaded->sites[0].dds.partition, "hall");
+  EXPECT_EQ(loaded->sites[1].name, "south");
+  EXPECT_EQ(loaded->sites[1].dds.discovery_servers.size(), 2u);
+}
+
+TEST(StationConfiguration, SitesThatCannotBeToldApartAreFaults) {
+  EXPECT_THAT(faults("sites: [ { name: a }, { name: a } ]\n"),
+              testing::ElementsAre(HasSubstr("site 'a' exists already")));
+  EXPECT_THAT(faults("sites: [ { dds: { domain: 1 } } ]\n"),
+              testing::ElementsAre(HasSubstr("name")));
+  EXPECT_THAT(faults("sites: [ { name: a } ]\ndds: { domain: 1 }\n"),
+              testing::ElementsAre(HasSubstr("'dds' and 'sites' in one map")));
+  EXPECT_THAT(faults("sites: []\n"), testing::ElementsAre(HasSubstr("sites is empty")));
+  EXPECT_THAT(faults("sites: north\n"), testing::ElementsAre(HasSubstr("a list of 1 to 16 sites")));
 }
 
 TEST(StationConfiguration, AnAddressToListenAtIsNoName) {

@@ -53,7 +53,7 @@ std::vector<Errand> errands_of(const ChannelPath& wanted, const Catalogue& catal
 
 }  // namespace
 
-ExitCode acquire(const AcquireOptions& options, const DdsSpec& spec, Interrupt& interrupt,
+ExitCode acquire(const AcquireOptions& options, const Connection& connection, Interrupt& interrupt,
                  std::ostream& out, std::ostream& err) {
   const auto wanted = parse_device_or_channel(options.target);
   if (!wanted) return usage(err, wanted.error());
@@ -62,8 +62,8 @@ ExitCode acquire(const AcquireOptions& options, const DdsSpec& spec, Interrupt& 
   if (!options.at.empty() && !wanted->channel.empty())
     return usage(err, "with --at name BUS/DEVICE only");
 
-  DomainView domain(spec, interrupt);
-  CommandRun run(domain, spec, {options.json, options.timeout}, out, err);
+  DomainView domain(connection, interrupt);
+  CommandRun run(domain, connection, {options.json, options.timeout}, out, err);
   const bool raw = !options.at.empty();
   if (!run.learn({*wanted}, raw ? CommandRun::Wanted::kDevice : CommandRun::Wanted::kChannels))
     return run.why_not();
@@ -93,9 +93,10 @@ class AcquireCommand final : public CommandWith<AcquireOptions> {
         .needs("--at");
   }
   ExitCode run(const Streams& streams) override {
-    return in_domain(options_.connection, streams, [&](const DdsSpec& spec, Interrupt& interrupt) {
-      return acquire(options_, spec, interrupt, streams.out, streams.err);
-    });
+    return in_domain(options_.connection, streams,
+                     [&](const Connection& connection, Interrupt& interrupt) {
+                       return acquire(options_, connection, interrupt, streams.out, streams.err);
+                     });
   }
 };
 

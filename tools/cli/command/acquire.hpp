@@ -18,7 +18,7 @@ struct AcquireOptions : CommandOptions {
 };
 
 // The code of the worst result. Throws DdsError.
-[[nodiscard]] ExitCode acquire(const AcquireOptions& options, const DdsSpec& spec,
+[[nodiscard]] ExitCode acquire(const AcquireOptions& options, const Connection& connection,
                                Interrupt& interrupt, std::ostream& out, std::ostream& err);
 
 }  // namespace fieldcast::cli

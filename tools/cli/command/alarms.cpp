@@ -65,21 +65,21 @@ Told listen(DomainView& domain) {
 }
 
 // Nothing: the bridges have told.
-std::optional<ExitCode> trouble(const DomainView& domain, const Told& told, const DdsSpec& spec,
-                                std::ostream& err) {
+std::optional<ExitCode> trouble(const DomainView& domain, const Told& told,
+                                const Connection& connection, std::ostream& err) {
   if (domain.interrupted()) return ExitCode::kInterrupted;
   if (told.bridge) return std::nullopt;
-  err << "fieldcast alarms: " << no_bridge_text(spec) << '\n';
+  err << "fieldcast alarms: " << no_bridge_text(connection, domain.missing_servers()) << '\n';
   return ExitCode::kNoBridge;
 }
 
 }  // namespace
 
-ExitCode alarms(const AlarmsOptions& options, const DdsSpec& spec, Interrupt& interrupt,
+ExitCode alarms(const AlarmsOptions& options, const Connection& connection, Interrupt& interrupt,
                 std::ostream& out, std::ostream& err) {
-  DomainView domain(spec, interrupt);
+  DomainView domain(connection, interrupt);
   const Told told = listen(domain);
-  if (const auto code = trouble(domain, told, spec, err)) return *code;
+  if (const auto code = trouble(domain, told, connection, err)) return *code;
   if (options.json) {
     for (const auto& [key, known] : told.alarms) out << to_line(alarm_json(key, known)) << '\n';
   } else {
@@ -168,11 +168,12 @@ Json outcome_json(const AlarmAction& action, const StationOutcome& outcome) {
 
 }  // namespace
 
-ExitCode act_on_alarms(const AlarmsOptions& options, const std::string& by, const DdsSpec& spec,
-                       Interrupt& interrupt, std::ostream& out, std::ostream& err) {
-  DomainView domain(spec, interrupt);
+ExitCode act_on_alarms(const AlarmsOptions& options, const std::string& by,
+                       const Connection& connection, Interrupt& interrupt, std::ostream& out,
+                       std::ostream& err) {
+  DomainView domain(connection, interrupt);
   const Told told = listen(domain);
-  if (const auto code = trouble(domain, told, spec, err)) return *code;
+  if (const auto code = trouble(domain, told, connection, err)) return *code;
   const std::vector<AlarmAction> actions = actions_of(options, by, told.alarms);
   if (actions.empty()) {
     err << fmt::format("fieldcast alarms: of {} there is no alarm to {}\n", options.pattern.text(),
@@ -253,11 +254,13 @@ class AlarmsCommand final : public CommandWith<AlarmsOptions> {
   }
   ExitCode run(const Streams& streams) override {
     if (!options_.action && options_.span) return stored_alarms(options_, streams.out, streams.err);
-    return in_domain(options_.connection, streams, [&](const DdsSpec& spec, Interrupt& interrupt) {
-      return options_.action
-                 ? act_on_alarms(options_, login_name(), spec, interrupt, streams.out, streams.err)
-                 : alarms(options_, spec, interrupt, streams.out, streams.err);
-    });
+    return in_domain(
+        options_.connection, streams, [&](const Connection& connection, Interrupt& interrupt) {
+          return options_.action
+                     ? act_on_alarms(options_, login_name(), connection, interrupt, streams.out,
+                                     streams.err)
+                     : alarms(options_, connection, interrupt, streams.out, streams.err);
+        });
   }
 
  private:

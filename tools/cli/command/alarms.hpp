@@ -30,13 +30,13 @@ struct AlarmsOptions {
 };
 
 // kOk when a bridge was there (also without any alarm), else kNoBridge. Throws DdsError.
-[[nodiscard]] ExitCode alarms(const AlarmsOptions& options, const DdsSpec& spec,
+[[nodiscard]] ExitCode alarms(const AlarmsOptions& options, const Connection& connection,
                               Interrupt& interrupt, std::ostream& out, std::ostream& err);
 // Acts in the name of `by`. kNothing when no alarm is meant; else the code of the worst result.
 // Throws DdsError. REQUIRES: an action.
 [[nodiscard]] ExitCode act_on_alarms(const AlarmsOptions& options, const std::string& by,
-                                     const DdsSpec& spec, Interrupt& interrupt, std::ostream& out,
-                                     std::ostream& err);
+                                     const Connection& connection, Interrupt& interrupt,
+                                     std::ostream& out, std::ostream& err);
 // kOk when there were some, else kNothing. Throws StoreError.
 [[nodiscard]] ExitCode stored_alarms(const AlarmsOptions& options, std::ostream& out,
                                      std::ostream& err);

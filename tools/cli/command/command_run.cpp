@@ -19,9 +19,9 @@ struct Waiting {
 
 }  // namespace
 
-CommandRun::CommandRun(DomainView& domain, const DdsSpec& spec, Options options, std::ostream& out,
-                       std::ostream& err)
-    : domain_(domain), spec_(spec), options_(options), out_(out), err_(err) {
+CommandRun::CommandRun(DomainView& domain, const Connection& connection, Options options,
+                       std::ostream& out, std::ostream& err)
+    : domain_(domain), connection_(connection), options_(options), out_(out), err_(err) {
   domain_.subscribe_results();
   domain_.subscribe_channels();
   domain_.subscribe_status();
@@ -53,7 +53,10 @@ bool CommandRun::learn(const std::vector<ChannelPath>& paths, Wanted wanted) {
     }
   }
   if (!catalogue_.empty() && !domain_.interrupted()) return true;
-  err_ << "fieldcast: " << (domain_.interrupted() ? "interrupted" : no_bridge_text(spec_)) << '\n';
+  err_ << "fieldcast: "
+       << (domain_.interrupted() ? "interrupted"
+                                 : no_bridge_text(connection_, domain_.missing_servers()))
+       << '\n';
   return false;
 }
 
@@ -87,8 +90,8 @@ bool CommandRun::send(Errand& errand) {
     outcome.state = sent.error() == StationFault::kNoBridge ? Outcome::State::kNoResult
                                                             : Outcome::State::kNotSent;
     outcome.result.reason = sent.error() == StationFault::kNoBridge
-                                ? "no bridge takes commands in " + domain_text(spec_) +
-                                      held_remark(spec_, errand.command.bus)
+                                ? "no bridge takes commands in " + domain_text(connection_) +
+                                      held_remark(connection_, errand.command.bus)
                                 : std::string(to_text(sent.error()));
     return false;
   }
@@ -141,7 +144,7 @@ ExitCode CommandRun::execute(std::vector<Errand> errands) {
               ? "interrupted; whether it was executed is not known"
               : fmt::format("no result within {}; whether it was executed is not known{}",
                             to_text(options_.timeout + kResultGrace),
-                            held_remark(spec_, errands[entry->second.errand].command.bus));
+                            held_remark(connection_, errands[entry->second.errand].command.bus));
       finish(errands[entry->second.errand]);
       entry = waiting.erase(entry);
     }

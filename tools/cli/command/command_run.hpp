@@ -34,7 +34,7 @@ class CommandRun {
     Duration timeout = std::chrono::seconds{5};
   };
   // REQUIRES: the domain view lives longer.
-  CommandRun(DomainView& domain, const DdsSpec& spec, Options options, std::ostream& out,
+  CommandRun(DomainView& domain, const Connection& connection, Options options, std::ostream& out,
              std::ostream& err);
 
   // Reads the catalogue until it holds every path, or until nothing new comes. For a path without a
@@ -61,7 +61,7 @@ class CommandRun {
   void print(const Outcome& outcome);
 
   DomainView& domain_;
-  const DdsSpec& spec_;
+  const Connection& connection_;
   Options options_;
   std::ostream& out_;
   std::ostream& err_;

@@ -4,15 +4,15 @@
 
 namespace fieldcast::cli {
 
-ExitCode in_domain(const ConnectionOptions& connection, const Streams& streams,
+ExitCode in_domain(const ConnectionOptions& options, const Streams& streams,
                    const DomainCommand& command) {
   Interrupt interrupt;  // before DDS starts its threads
-  const auto spec = resolve(connection);
-  if (!spec) {
-    streams.err << spec.error() << '\n';
+  const auto connection = resolve(options);
+  if (!connection) {
+    streams.err << connection.error() << '\n';
     return ExitCode::kUsage;
   }
-  return command(*spec, interrupt);
+  return command(*connection, interrupt);
 }
 
 }  // namespace fieldcast::cli

@@ -10,10 +10,10 @@
 
 namespace fieldcast::cli {
 
-using DomainCommand = std::function<ExitCode(const DdsSpec& spec, Interrupt& interrupt)>;
+using DomainCommand = std::function<ExitCode(const Connection& connection, Interrupt& interrupt)>;
 
 // kUsage when the configuration file has faults.
-[[nodiscard]] ExitCode in_domain(const ConnectionOptions& connection, const Streams& streams,
+[[nodiscard]] ExitCode in_domain(const ConnectionOptions& options, const Streams& streams,
                                  const DomainCommand& command);
 
 }  // namespace fieldcast::cli

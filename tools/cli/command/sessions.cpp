@@ -11,9 +11,9 @@
 #include "tools/cli/view/sessions_view.hpp"
 
 namespace fieldcast::cli {
-ExitCode sessions(const SessionsOptions& options, const DdsSpec& spec, Interrupt& interrupt,
-                  std::ostream& out, std::ostream& err) {
-  DomainView domain(spec, interrupt);
+ExitCode sessions(const SessionsOptions& options, const Connection& connection,
+                  Interrupt& interrupt, std::ostream& out, std::ostream& err) {
+  DomainView domain(connection, interrupt);
   SessionsModel model;
   bool bridge = false;
   const auto began = instant_now();
@@ -41,7 +41,7 @@ ExitCode sessions(const SessionsOptions& options, const DdsSpec& spec, Interrupt
   }
   if (domain.interrupted() && !options.time) return ExitCode::kInterrupted;
   if (!bridge) {
-    err << "fieldcast sessions: " << no_bridge_text(spec) << '\n';
+    err << "fieldcast sessions: " << no_bridge_text(connection, domain.missing_servers()) << '\n';
     return ExitCode::kNoBridge;
   }
   if (!options.time && options.json) {
@@ -65,9 +65,10 @@ class SessionsCommand final : public CommandWith<SessionsOptions> {
     add_connection(line, options_.connection);
   }
   ExitCode run(const Streams& streams) override {
-    return in_domain(options_.connection, streams, [&](const DdsSpec& spec, Interrupt& interrupt) {
-      return sessions(options_, spec, interrupt, streams.out, streams.err);
-    });
+    return in_domain(options_.connection, streams,
+                     [&](const Connection& connection, Interrupt& interrupt) {
+                       return sessions(options_, connection, interrupt, streams.out, streams.err);
+                     });
   }
 };
 

@@ -19,7 +19,7 @@ struct SessionsOptions {
 };
 
 // kOk when a bridge is there, with or without sessions, else kNoBridge. Throws DdsError.
-[[nodiscard]] ExitCode sessions(const SessionsOptions& options, const DdsSpec& spec,
+[[nodiscard]] ExitCode sessions(const SessionsOptions& options, const Connection& connection,
                                 Interrupt& interrupt, std::ostream& out, std::ostream& err);
 
 }  // namespace fieldcast::cli

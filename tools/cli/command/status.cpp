@@ -54,9 +54,9 @@ void draw(LiveScreen& live, const StatusModel& model) {
 
 }  // namespace
 
-ExitCode status(const StatusOptions& options, const DdsSpec& spec, Interrupt& interrupt,
+ExitCode status(const StatusOptions& options, const Connection& connection, Interrupt& interrupt,
                 std::ostream& out, std::ostream& err) {
-  DomainView domain(spec, interrupt);
+  DomainView domain(connection, interrupt);
   StatusModel model;
   const auto began = instant_now();
   const auto end = began + options.time.value_or(kBridgeWait);
@@ -81,7 +81,7 @@ ExitCode status(const StatusOptions& options, const DdsSpec& spec, Interrupt& in
   live.reset();
   if (domain.interrupted() && !options.time) return ExitCode::kInterrupted;
   if (model.buses.empty()) {
-    err << "fieldcast status: " << no_bridge_text(spec) << '\n';
+    err << "fieldcast status: " << no_bridge_text(connection, domain.missing_servers()) << '\n';
     return ExitCode::kNoBridge;
   }
   if (!options.json) {
@@ -106,9 +106,10 @@ class StatusCommand final : public CommandWith<StatusOptions> {
     add_connection(line, options_.connection);
   }
   ExitCode run(const Streams& streams) override {
-    return in_domain(options_.connection, streams, [&](const DdsSpec& spec, Interrupt& interrupt) {
-      return status(options_, spec, interrupt, streams.out, streams.err);
-    });
+    return in_domain(options_.connection, streams,
+                     [&](const Connection& connection, Interrupt& interrupt) {
+                       return status(options_, connection, interrupt, streams.out, streams.err);
+                     });
   }
 
  private:

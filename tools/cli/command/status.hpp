@@ -19,7 +19,7 @@ struct StatusOptions {
 };
 
 // kOk when a bus reported, else kNoBridge. Throws DdsError.
-[[nodiscard]] ExitCode status(const StatusOptions& options, const DdsSpec& spec,
+[[nodiscard]] ExitCode status(const StatusOptions& options, const Connection& connection,
                               Interrupt& interrupt, std::ostream& out, std::ostream& err);
 
 }  // namespace fieldcast::cli

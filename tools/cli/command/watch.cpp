@@ -29,11 +29,11 @@ constexpr Duration kOnceWait = std::chrono::seconds{10};
 
 class Watch {
  public:
-  Watch(const WatchOptions& options, const DdsSpec& spec, Interrupt& interrupt, std::ostream& out,
-        std::ostream& err)
+  Watch(const WatchOptions& options, const Connection& connection, Interrupt& interrupt,
+        std::ostream& out, std::ostream& err)
       : options_(options),
-        spec_(spec),
-        domain_(spec, interrupt),
+        connection_(connection),
+        domain_(connection, interrupt),
         model_(options.pattern),
         out_(out),
         err_(err) {}
@@ -53,7 +53,7 @@ class Watch {
   [[nodiscard]] ExitCode verdict() const;
 
   const WatchOptions& options_;
-  const DdsSpec& spec_;
+  const Connection& connection_;
   DomainView domain_;
   WatchModel model_;
   std::ostream& out_;
@@ -72,7 +72,8 @@ ExitCode Watch::run() {
                                      : std::nullopt;
   const auto end = limit ? began + *limit : kNever;
   last_news_ = began;
-  if (const auto small = receive_buffer_remark(spec_); small && !options_.once)
+  if (const auto small = receive_buffer_remark(connection_.sites.front().dds);
+      small && !options_.once)
     err_ << "fieldcast watch: " << *small << '\n' << std::flush;
   if (output_is_terminal() && !options_.once && !options_.json)
     screen_ = std::make_unique<LiveScreen>(out_);
@@ -98,7 +99,9 @@ ExitCode Watch::run() {
       hinted = true;
       if (options_.once) break;
       if (!screen_)
-        err_ << "fieldcast watch: " << no_bridge_text(spec_) << "; still waiting\n" << std::flush;
+        err_ << "fieldcast watch: " << no_bridge_text(connection_, domain_.missing_servers())
+             << "; still waiting\n"
+             << std::flush;
     }
     out_.flush();
   }
@@ -150,8 +153,8 @@ void Watch::draw(Instant now) {
   const auto screen = output_screen();
   auto lines = watch_lines(model_, now, utc_now(), screen);
   if (!model_.anything_announced())
-    lines.push_back(
-        clip(fmt::format("waiting for a bridge in {} ..", domain_text(spec_)), screen.columns));
+    lines.push_back(clip(fmt::format("waiting for a bridge in {} ..", domain_text(connection_)),
+                         screen.columns));
   if (remark_ && !remark_->empty()) lines.push_back(clip(*remark_, screen.columns));
   screen_->draw(lines);
 }
@@ -197,7 +200,7 @@ ExitCode Watch::verdict() const {
     return options_.once || options_.time ? ExitCode::kInterrupted : ExitCode::kOk;
   if (model_.sampled() != 0 || (options_.once && !model_.rows().empty())) return ExitCode::kOk;
   if (!model_.anything_announced()) {
-    err_ << "fieldcast watch: " << no_bridge_text(spec_) << '\n';
+    err_ << "fieldcast watch: " << no_bridge_text(connection_, domain_.missing_servers()) << '\n';
     return ExitCode::kNoBridge;
   }
   err_ << "fieldcast watch: a bridge is there, but "
@@ -211,9 +214,9 @@ ExitCode Watch::verdict() const {
 
 }  // namespace
 
-ExitCode watch(const WatchOptions& options, const DdsSpec& spec, Interrupt& interrupt,
+ExitCode watch(const WatchOptions& options, const Connection& connection, Interrupt& interrupt,
                std::ostream& out, std::ostream& err) {
-  return Watch(options, spec, interrupt, out, err).run();
+  return Watch(options, connection, interrupt, out, err).run();
 }
 
 namespace {
@@ -231,9 +234,10 @@ class WatchCommand final : public CommandWith<WatchOptions> {
     add_connection(line, options_.connection);
   }
   ExitCode run(const Streams& streams) override {
-    return in_domain(options_.connection, streams, [&](const DdsSpec& spec, Interrupt& interrupt) {
-      return watch(options_, spec, interrupt, streams.out, streams.err);
-    });
+    return in_domain(options_.connection, streams,
+                     [&](const Connection& connection, Interrupt& interrupt) {
+                       return watch(options_, connection, interrupt, streams.out, streams.err);
+                     });
   }
 };
 

@@ -23,7 +23,7 @@ struct WatchOptions {
 
 // kOk when samples came (and for an endless watch that Ctrl-C ends), kNothing or kNoBridge when
 // not. Throws DdsError.
-[[nodiscard]] ExitCode watch(const WatchOptions& options, const DdsSpec& spec, Interrupt& interrupt,
-                             std::ostream& out, std::ostream& err);
+[[nodiscard]] ExitCode watch(const WatchOptions& options, const Connection& connection,
+                             Interrupt& interrupt, std::ostream& out, std::ostream& err);
 
 }  // namespace fieldcast::cli

@@ -58,8 +58,8 @@ void hold_back_if_any_is_refused(std::vector<Errand>& errands) {
   }
 }
 
-ExitCode write_channels(const WriteOptions& options, const DdsSpec& spec, Interrupt& interrupt,
-                        std::ostream& out, std::ostream& err) {
+ExitCode write_channels(const WriteOptions& options, const Connection& connection,
+                        Interrupt& interrupt, std::ostream& out, std::ostream& err) {
   std::vector<Assignment> assignments;
   std::vector<ChannelPath> paths;
   for (const auto& word : options.words) {
@@ -68,8 +68,8 @@ ExitCode write_channels(const WriteOptions& options, const DdsSpec& spec, Interr
     paths.push_back(assignment->path);
     assignments.push_back(*std::move(assignment));
   }
-  DomainView domain(spec, interrupt);
-  CommandRun run(domain, spec, {options.json, options.timeout}, out, err);
+  DomainView domain(connection, interrupt);
+  CommandRun run(domain, connection, {options.json, options.timeout}, out, err);
   if (!run.learn(paths)) return run.why_not();
   std::vector<Errand> errands;
   for (const auto& assignment : assignments)
@@ -78,8 +78,8 @@ ExitCode write_channels(const WriteOptions& options, const DdsSpec& spec, Interr
   return run.execute(std::move(errands));
 }
 
-ExitCode write_address(const WriteOptions& options, const DdsSpec& spec, Interrupt& interrupt,
-                       std::ostream& out, std::ostream& err) {
+ExitCode write_address(const WriteOptions& options, const Connection& connection,
+                       Interrupt& interrupt, std::ostream& out, std::ostream& err) {
   const auto device = parse_device_or_channel(options.words.front());
   if (!device || !device->channel.empty())
     return usage(err, "with --at write BUS/DEVICE and then the values");
@@ -104,8 +104,8 @@ ExitCode write_address(const WriteOptions& options, const DdsSpec& spec, Interru
   errand.outcome = {Outcome::State::kResult, device->bus, device->device, options.at, true,
                     command.values,          {},          type->text,     {}};
 
-  DomainView domain(spec, interrupt);
-  CommandRun run(domain, spec, {options.json, options.timeout}, out, err);
+  DomainView domain(connection, interrupt);
+  CommandRun run(domain, connection, {options.json, options.timeout}, out, err);
   if (!run.learn({*device}, CommandRun::Wanted::kDevice)) return run.why_not();
   std::vector<Errand> errands;
   const bool known = run.catalogue().has_bus(device->bus);
@@ -116,10 +116,10 @@ ExitCode write_address(const WriteOptions& options, const DdsSpec& spec, Interru
 
 }  // namespace
 
-ExitCode write(const WriteOptions& options, const DdsSpec& spec, Interrupt& interrupt,
+ExitCode write(const WriteOptions& options, const Connection& connection, Interrupt& interrupt,
                std::ostream& out, std::ostream& err) {
-  return options.at.empty() ? write_channels(options, spec, interrupt, out, err)
-                            : write_address(options, spec, interrupt, out, err);
+  return options.at.empty() ? write_channels(options, connection, interrupt, out, err)
+                            : write_address(options, connection, interrupt, out, err);
 }
 
 namespace {
@@ -134,9 +134,10 @@ class WriteCommand final : public CommandWith<WriteOptions> {
     add_command_options(line, options_, "Write to");
   }
   ExitCode run(const Streams& streams) override {
-    return in_domain(options_.connection, streams, [&](const DdsSpec& spec, Interrupt& interrupt) {
-      return write(options_, spec, interrupt, streams.out, streams.err);
-    });
+    return in_domain(options_.connection, streams,
+                     [&](const Connection& connection, Interrupt& interrupt) {
+                       return write(options_, connection, interrupt, streams.out, streams.err);
+                     });
   }
 };
 

@@ -18,7 +18,7 @@ struct WriteOptions : CommandOptions {
 
 // The code of the worst result. Nothing is sent when one of the assignments is refused here. Throws
 // DdsError.
-[[nodiscard]] ExitCode write(const WriteOptions& options, const DdsSpec& spec, Interrupt& interrupt,
-                             std::ostream& out, std::ostream& err);
+[[nodiscard]] ExitCode write(const WriteOptions& options, const Connection& connection,
+                             Interrupt& interrupt, std::ostream& out, std::ostream& err);
 
 }  // namespace fieldcast::cli

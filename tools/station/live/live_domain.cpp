@@ -12,7 +12,7 @@ constexpr std::chrono::seconds kLook{1};  // for values that are overdue
 
 class StationPort : public CommandPort {
  public:
-  explicit StationPort(Station& station) : station_(station) {}
+  explicit StationPort(Sites& station) : station_(station) {}
   std::uint64_t reserve_request_id() override { return station_.reserve_request_id(); }
   tl::expected<std::uint64_t, StationFault> send(StationCommand command) override {
     return station_.send(std::move(command), CommandDesk::kFinding);
@@ -27,7 +27,7 @@ class StationPort : public CommandPort {
   }
 
  private:
-  Station& station_;
+  Sites& station_;
 };
 
 // Versions of the catalogue grow over restarts of the program, as long as its clock does.
@@ -38,14 +38,14 @@ std::uint64_t first_version() {
 }  // namespace
 
 struct LiveDomain::State {
-  State(boost::asio::io_context& context, const DdsSpec& spec, const std::string& name,
-        const std::string& version, Audit* audit, DomainTap also)
+  State(boost::asio::io_context& context, const std::vector<DdsSite>& sites,
+        const std::string& name, const std::string& version, Audit* audit, DomainTap also)
       : io(context),
         tap(std::move(also)),
         live{model, frames, interests, desk, [] { return read_clocks().utc; }, version},
         desk(context, port, audit,
              [this](const CommandOutcome& outcome) { hub.on_outcome(outcome); }),
-        station(spec, name) {}
+        station(sites, name) {}
 
   void listen();
   void deliver();
@@ -80,7 +80,7 @@ struct LiveDomain::State {
   }};
   StationPort port{station};
   CommandDesk desk;
-  Station station;  // last: its callbacks use what is above
+  Sites station;  // last: its callbacks use what is above
 };
 
 void LiveDomain::State::deliver() {
@@ -124,9 +124,10 @@ void LiveDomain::State::listen() {
   station.subscribe_samples(both(&DomainInbox::on_sample, tap.sample));
 }
 
-LiveDomain::LiveDomain(boost::asio::io_context& io, const DdsSpec& spec, const std::string& name,
-                       const std::string& version, Audit* audit, DomainTap tap)
-    : state_(std::make_unique<State>(io, spec, name, version, audit, std::move(tap))) {
+LiveDomain::LiveDomain(boost::asio::io_context& io, const std::vector<DdsSite>& sites,
+                       const std::string& name, const std::string& version, Audit* audit,
+                       DomainTap tap)
+    : state_(std::make_unique<State>(io, sites, name, version, audit, std::move(tap))) {
   state_->listen();
   state_->watch();
 }
@@ -143,6 +144,10 @@ LiveHub& LiveDomain::hub() { return state_->hub; }
 
 MakeLiveProtocol LiveDomain::make_protocol() {
   return [this](const Caller& caller, LivePeer& peer) { return state_->hub.make(caller, peer); };
+}
+
+std::vector<std::string> LiveDomain::missing_servers() const {
+  return state_->station.missing_servers();
 }
 
 LiveDomain::Counters LiveDomain::counters() const {

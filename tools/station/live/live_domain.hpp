@@ -9,7 +9,7 @@
 #include <memory>
 #include <string>
 
-#include "bridge/station/station.hpp"
+#include "bridge/station/sites.hpp"
 #include "bridge/store/audit.hpp"
 #include "tools/station/live/command_desk.hpp"
 #include "tools/station/live/domain_inbox.hpp"
@@ -32,9 +32,11 @@ struct DomainTap {
 
 class LiveDomain {
  public:
-  // Joins the domain. `name` is the station's; `version` the program's. Throws DdsError.
-  LiveDomain(boost::asio::io_context& io, const DdsSpec& spec, const std::string& name,
-             const std::string& version, Audit* audit = nullptr, DomainTap tap = {});
+  // Joins the domain, or those of several sites. `name` is the station's; `version` the program's.
+  // Throws DdsError.
+  LiveDomain(boost::asio::io_context& io, const std::vector<DdsSite>& sites,
+             const std::string& name, const std::string& version, Audit* audit = nullptr,
+             DomainTap tap = {});
   ~LiveDomain();
   LiveDomain(const LiveDomain&) = delete;
   LiveDomain& operator=(const LiveDomain&) = delete;
@@ -54,6 +56,8 @@ class LiveDomain {
     std::size_t channels = 0, connected = 0, interests = 0;
   };
   [[nodiscard]] Counters counters() const;
+  // Discovery servers that do not answer.
+  [[nodiscard]] std::vector<std::string> missing_servers() const;
 
  private:
   struct State;

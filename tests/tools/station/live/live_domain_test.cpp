@@ -77,7 +77,7 @@ struct LiveDomainTest : ::testing::Test {
 
   const std::string bus = bus_name("live");
   boost::asio::io_context io;
-  web::LiveDomain domain{io, loopback(), "wall", "1.2.3"};
+  web::LiveDomain domain{io, {DdsSite{{}, loopback()}}, "wall", "1.2.3"};
 };
 
 TEST_F(LiveDomainTest, WhatABridgePublishesIsAtThePage) {

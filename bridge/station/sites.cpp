@@ -1,0 +1,308 @@
+#include "bridge/station/sites.hpp"
+
+#include <algorithm>
+#include <mutex>
+#include <utility>
+
+#include "bridge/check.hpp"
+#include "core/model/channel_path.hpp"
+#include "core/model/pattern.hpp"
+
+namespace fieldcast {
+namespace {
+
+constexpr char kAfterSite = ':';  // no name of a site or a bus has it
+
+// A handler and the one of what is gone share one turn.
+template <class Handler, class Gone>
+void share_turn(Handler& handler, Gone& gone, bool several) {
+  if (!several) return;
+  const auto mutex = std::make_shared<std::mutex>();
+  handler = [mutex, inner = std::move(handler)](const auto& message) {
+    const std::lock_guard lock(*mutex);
+    inner(message);
+  };
+  if (!gone) return;
+  gone = [mutex, inner = std::move(gone)](const auto&... message) {
+    const std::lock_guard lock(*mutex);
+    inner(message...);
+  };
+}
+
+Station::OnGone gone_at_site(const Station::OnGone& gone, const std::string& prefix) {
+  if (!gone || prefix.empty()) return gone;
+  return [gone, prefix](const std::string& bus, const std::string& device,
+                        const std::string& channel) { gone(prefix + bus, device, channel); };
+}
+
+constexpr auto kNameBus = [](auto& message, const std::string& prefix) {
+  message.bus.insert(0, prefix);
+};
+constexpr auto kNameBusAndBridge = [](auto& message, const std::string& prefix) {
+  message.bus.insert(0, prefix);
+  message.bridge.insert(0, prefix);
+};
+
+}  // namespace
+
+std::optional<std::string> pattern_at_site(std::string_view pattern, std::string_view site) {
+  if (site.empty()) return std::string(pattern);
+  const auto slash = pattern.find('/');
+  const std::string_view bus = pattern.substr(0, slash);
+  const std::string_view rest = slash == pattern.npos ? std::string_view{} : pattern.substr(slash);
+  if (const auto colon = bus.find(kAfterSite); colon != bus.npos) {
+    if (!glob_matches(bus.substr(0, colon), site)) return std::nullopt;
+    return std::string(bus.substr(colon + 1)).append(rest);
+  }
+  // A star has to stand for the end of the site's name; the last one that can leaves the most.
+  const std::string prefix = std::string(site) + kAfterSite;
+  for (auto star = bus.rfind('*'); star != bus.npos;
+       star = star == 0 ? bus.npos : bus.rfind('*', star - 1)) {
+    if (glob_matches(bus.substr(0, star + 1), prefix))
+      return std::string(bus.substr(star)).append(rest);
+  }
+  return std::nullopt;
+}
+
+Sites::Sites(const std::vector<DdsSite>& sites, const std::string& name) {
+  FIELDCAST_CHECK(!sites.empty());
+  for (const DdsSite& site : sites) {
+    FIELDCAST_CHECK(sites.size() == 1 || !site.name.empty());
+    Site joined{site.name, site.name.empty() ? "" : site.name + kAfterSite, nullptr};
+    try {
+      joined.station = std::make_unique<Station>(site.dds, name);
+    } catch (const DdsError& error) {
+      if (site.name.empty()) throw;
+      throw DdsError("site " + site.name + ": " + error.what());
+    }
+    sites_.push_back(std::move(joined));
+  }
+}
+
+Sites::~Sites() = default;
+
+template <class Message, class Name>
+auto Sites::at_site(const Site& site, const std::function<void(const Message&)>& handler,
+                    Name name) {
+  if (!handler || site.prefix.empty()) return handler;
+  return std::function<void(const Message&)>(
+      [handler, name, prefix = site.prefix](const Message& message) {
+        Message named = message;
+        name(named, prefix);
+        handler(named);
+      });
+}
+
+template <class Message, class Name, class Subscribe>
+void Sites::subscribe_all(std::function<void(const Message&)> handler,
+                          std::function<void(const Message&)> gone, Name name,
+                          Subscribe subscribe) {
+  share_turn(handler, gone, sites_.size() > 1);
+  for (const Site& site : sites_)
+    subscribe(*site.station, at_site(site, handler, name), at_site(site, gone, name));
+}
+
+void Sites::subscribe_samples(Station::OnSample on_sample, Station::OnGone gone) {
+  share_turn(on_sample, gone, sites_.size() > 1);
+  for (const Site& site : sites_) {
+    site.station->subscribe_samples(at_site<StationSample>(site, on_sample, kNameBus),
+                                    gone_at_site(gone, site.prefix));
+  }
+}
+
+void Sites::subscribe_channels(std::function<void(const StationChannel&)> on_channel,
+                               Station::OnGone gone) {
+  share_turn(on_channel, gone, sites_.size() > 1);
+  for (const Site& site : sites_) {
+    site.station->subscribe_channels(at_site<StationChannel>(site, on_channel, kNameBusAndBridge),
+                                     gone_at_site(gone, site.prefix));
+  }
+}
+
+void Sites::subscribe_bus_status(std::function<void(const StationBusStatus&)> on_status,
+                                 std::function<void(const StationBusStatus&)> gone) {
+  subscribe_all<StationBusStatus>(std::move(on_status), std::move(gone), kNameBusAndBridge,
+                                  [](Station& station, auto status, auto last) {
+                                    station.subscribe_bus_status(std::move(status),
+                                                                 std::move(last));
+                                  });
+}
+
+void Sites::subscribe_device_status(std::function<void(const StationDeviceStatus&)> on_status,
+                                    std::function<void(const StationDeviceStatus&)> gone) {
+  subscribe_all<StationDeviceStatus>(std::move(on_status), std::move(gone), kNameBus,
+                                     [](Station& station, auto status, auto last) {
+                                       station.subscribe_device_status(std::move(status),
+                                                                       std::move(last));
+                                     });
+}
+
+void Sites::subscribe_bridges(std::function<void(const StationBridge&)> on_bridge,
+                              std::function<void(const StationBridge&)> gone) {
+  const auto name = [](StationBridge& bridge, const std::string& prefix) {
+    bridge.bridge.insert(0, prefix);
+    for (StationBridge::Bus& each : bridge.buses) each.bus.insert(0, prefix);
+  };
+  subscribe_all<StationBridge>(std::move(on_bridge), std::move(gone), name,
+                               [](Station& station, auto bridge, auto last) {
+                                 station.subscribe_bridges(std::move(bridge), std::move(last));
+                               });
+}
+
+void Sites::subscribe_program_sessions(
+    std::function<void(const ProgramSessionReport&)> on_session) {
+  subscribe_all<ProgramSessionReport>(std::move(on_session), {}, kNameBus,
+                                      [](Station& station, auto session, auto) {
+                                        station.subscribe_program_sessions(std::move(session));
+                                      });
+}
+
+void Sites::subscribe_read_plans(std::function<void(const StationReadPlan&)> on_plan,
+                                 std::function<void(const std::string& bus)> gone) {
+  share_turn(on_plan, gone, sites_.size() > 1);
+  const auto name = [](std::string& bus, const std::string& prefix) { bus.insert(0, prefix); };
+  for (const Site& site : sites_) {
+    site.station->subscribe_read_plans(at_site<StationReadPlan>(site, on_plan, kNameBus),
+                                       at_site<std::string>(site, gone, name));
+  }
+}
+
+void Sites::subscribe_alarms(std::function<void(const StationAlarm&)> on_alarm,
+                             std::function<void(const StationAlarm&)> gone) {
+  subscribe_all<StationAlarm>(std::move(on_alarm), std::move(gone), kNameBus,
+                              [](Station& station, auto alarm, auto last) {
+                                station.subscribe_alarms(std::move(alarm), std::move(last));
+                              });
+}
+
+void Sites::subscribe_alarm_status(std::function<void(const StationAlarmStatus&)> on_status,
+                                   std::function<void(const StationAlarmStatus&)> gone) {
+  const auto name = [](StationAlarmStatus& status, const std::string& prefix) {
+    status.alarm.bus.insert(0, prefix);
+  };
+  subscribe_all<StationAlarmStatus>(
+      std::move(on_status), std::move(gone), name, [](Station& station, auto status, auto last) {
+        station.subscribe_alarm_status(std::move(status), std::move(last));
+      });
+}
+
+Station::BlockCounters Sites::block_counters() const {
+  Station::BlockCounters all;
+  for (const Site& site : sites_) {
+    const Station::BlockCounters each = site.station->block_counters();
+    all.blocks += each.blocks;
+    all.missing += each.missing;
+    all.requests += each.requests;
+  }
+  return all;
+}
+
+bool Sites::may_declare_interest() const {
+  return std::any_of(sites_.begin(), sites_.end(),
+                     [](const Site& site) { return site.station->may_declare_interest(); });
+}
+
+void Sites::declare_interest(const std::string& pattern, Duration refresh) {
+  for (const Site& site : sites_) {
+    const auto there = pattern_at_site(pattern, site.name);
+    if (there && (sites_.size() == 1 || site.station->may_declare_interest()))
+      site.station->declare_interest(*there, refresh);
+  }
+}
+
+void Sites::withdraw_interest(const std::string& pattern) {
+  for (const Site& site : sites_) {
+    if (const auto there = pattern_at_site(pattern, site.name))
+      site.station->withdraw_interest(*there);
+  }
+}
+
+Station* Sites::take_site(std::string& bus) {
+  for (const Site& site : sites_) {
+    if (!bus.starts_with(site.prefix)) continue;
+    bus.erase(0, site.prefix.size());
+    return site.station.get();
+  }
+  return nullptr;
+}
+
+StationOutcome Sites::execute(StationCommand command, Duration wait_for_bridge,
+                              Duration wait_for_result) {
+  const std::string named = command.bus;
+  Station* station = take_site(command.bus);
+  if (station == nullptr) return tl::unexpected(StationFault::kNoSite);
+  if (command.command.request_id == 0) command.command.request_id = reserve_request_id();
+  StationOutcome outcome = station->execute(std::move(command), wait_for_bridge, wait_for_result);
+  if (outcome) outcome->bus = named;
+  return outcome;
+}
+
+tl::expected<std::uint64_t, StationFault> Sites::send(StationCommand command,
+                                                      Duration wait_for_bridge) {
+  Station* station = take_site(command.bus);
+  if (station == nullptr) return tl::unexpected(StationFault::kNoSite);
+  if (command.command.request_id == 0) command.command.request_id = reserve_request_id();
+  return station->send(std::move(command), wait_for_bridge);
+}
+
+StationOutcome Sites::execute(AlarmAction action, Duration wait_for_bridge,
+                              Duration wait_for_result) {
+  const std::string named = action.alarm.bus;
+  Station* station = take_site(action.alarm.bus);
+  if (station == nullptr) return tl::unexpected(StationFault::kNoSite);
+  if (action.request_id == 0) action.request_id = reserve_request_id();
+  StationOutcome outcome = station->execute(std::move(action), wait_for_bridge, wait_for_result);
+  if (outcome) outcome->bus = named;
+  return outcome;
+}
+
+tl::expected<std::uint64_t, StationFault> Sites::send(AlarmAction action,
+                                                      Duration wait_for_bridge) {
+  Station* station = take_site(action.alarm.bus);
+  if (station == nullptr) return tl::unexpected(StationFault::kNoSite);
+  if (action.request_id == 0) action.request_id = reserve_request_id();
+  return station->send(std::move(action), wait_for_bridge);
+}
+
+StationOutcome Sites::write(std::string_view path, Value value, bool verify) {
+  auto named = ChannelPath::parse(path);
+  if (!named) return tl::unexpected(StationFault::kNotAPath);
+  Station* station = take_site(named->bus);
+  if (station == nullptr) return tl::unexpected(StationFault::kNoSite);
+  StationCommand command;
+  command.bus = std::move(named->bus);
+  command.command.request_id = reserve_request_id();
+  command.command.device = std::move(named->device);
+  command.command.target = ChannelTarget{std::move(named->channel)};
+  command.command.values = {std::move(value)};
+  command.command.verify = verify;
+  return station->execute(std::move(command));
+}
+
+void Sites::on_result(std::function<void(const StationResult&)> handler) {
+  std::function<void(const StationResult&)> none;
+  share_turn(handler, none, sites_.size() > 1);
+  for (const Site& site : sites_)
+    site.station->on_result(at_site<StationResult>(site, handler, kNameBus));
+}
+
+std::vector<std::string> Sites::missing_servers() const {
+  std::vector<std::string> missing;
+  for (const Site& site : sites_) {
+    for (std::string& server : site.station->missing_servers()) {
+      if (std::find(missing.begin(), missing.end(), server) == missing.end())
+        missing.push_back(std::move(server));
+    }
+  }
+  return missing;
+}
+
+// All stations count together, as nobody else asks them.
+std::uint64_t Sites::reserve_request_id() {
+  const std::lock_guard lock(reserving_);
+  std::uint64_t id = 0;
+  for (const Site& site : sites_) id = site.station->reserve_request_id();
+  return id;
+}
+
+}  // namespace fieldcast
