@@ -8,8 +8,8 @@
 namespace fieldcast {
 namespace {
 
-// What it holds back, and the delays of a process.
-constexpr Duration kSlowestAdapter = std::chrono::milliseconds{20};
+// What the adapters of two bridges hold back together (latency timers of 16 ms), and some delay.
+constexpr Duration kSlowestAdapters = std::chrono::milliseconds{35};
 
 // The longest silence behind a request to the device. Where answers show nothing, nobody is asked
 // until the late one can no longer come (LateAnswers).
@@ -32,7 +32,7 @@ FenceTimes fence_times(const BusSpec& bus) {
     times.quiet = std::max(times.quiet, silence_behind(device, bus));
   times.claim = times.quiet + times.hold;
   times.listen = times.claim + times.hold;
-  times.slot = std::max(times.hold / 4, kSlowestAdapter + line_of(bus.port).characters(2));
+  times.slot = std::max(times.hold / 4, kSlowestAdapters + line_of(bus.port).characters(2));
   return times;
 }
 

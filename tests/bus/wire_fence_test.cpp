@@ -67,10 +67,11 @@ TEST_F(WireFenceTest, NothingIsSentBeforeTheWireWasSilent) {
 TEST_F(WireFenceTest, AHigherRankBeginsInALaterSlot) {
   fence.set_order(2, 1);
   fence.opened(at(0ms));
-  EXPECT_FALSE(fence.may_send(at(469ms)));
-  EXPECT_TRUE(fence.may_send(at(470ms)));
-  EXPECT_FALSE(fence.may_send(at(490ms))) << "the slot of the next rank";
-  EXPECT_EQ(fence.look_again(at(490ms)), at(670ms));
+  const Duration slot = fence.times().slot, first = 420ms + 2 * slot;
+  EXPECT_FALSE(fence.may_send(at(first - 1ms)));
+  EXPECT_TRUE(fence.may_send(at(first)));
+  EXPECT_FALSE(fence.may_send(at(first + slot))) << "the slot of the next rank";
+  EXPECT_EQ(fence.look_again(at(first + slot)), at(first + 8 * slot));
 }
 
 TEST_F(WireFenceTest, TheRequestOfAnotherMasterTakesTheWireAwayAndIsToldOnce) {
