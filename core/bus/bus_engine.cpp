@@ -15,6 +15,16 @@ BusEngine::BusEngine(const BusSpec& spec, TextCodec& codec)
       outcomes_(parts_, arbiter_),
       overload_(parts_.reads.stretch()) {}
 
+void BusEngine::inherit(const BusInheritance& inherited, Instant now) {
+  for (const Sample& sample : inherited.samples) parts_.channels.inherit(sample);
+  for (const auto& [name, learned] : inherited.devices) {
+    const auto device = parts_.setup.find(name);
+    if (!device) continue;
+    parts_.devices.inherit(*device, learned);
+    parts_.reads.inherit(*device, learned, now);
+  }
+}
+
 void BusEngine::on_event(const BusEvent& event, Instant now, Actions& actions) {
   ActionSink sink(parts_.setup, samples_, actions, tracing_);
   if (!begun_) {

@@ -16,6 +16,7 @@
 #include "core/bus/event.hpp"
 #include "core/bus/outcome_router.hpp"
 #include "core/bus/overload_watch.hpp"
+#include "core/model/inheritance.hpp"
 #include "core/model/spec.hpp"
 #include "core/model/status.hpp"
 
@@ -28,6 +29,10 @@ class BusEngine {
   explicit BusEngine(const BusSpec& spec, TextCodec& codec = plain_text_codec());
   BusEngine(const BusEngine&) = delete;
   BusEngine& operator=(const BusEngine&) = delete;
+
+  // Goes on where another bridge was: its samples count on, and what was learned of devices need
+  // not be learned again. REQUIRES: no event yet.
+  void inherit(const BusInheritance& inherited, Instant now);
 
   // Appends what is to be done. `now` never goes back.
   void on_event(const BusEvent& event, Instant now, Actions& actions);

@@ -63,6 +63,16 @@ std::optional<ChannelIndex> ChannelTable::find(DeviceIndex device, std::string_v
   return found->second;
 }
 
+void ChannelTable::inherit(const Sample& sample) {
+  if (sample.channel >= entries_.size() || sample.sequence == 0) return;
+  Sample& last = entries_[sample.channel].last;
+  if (sample.value.index() != last.value.index()) {
+    last.sequence = sample.sequence;
+  } else {
+    last = sample;
+  }
+}
+
 std::optional<Duration> ChannelTable::refresh(ChannelIndex channel) const {
   return entries_[channel].freshness.refresh();
 }

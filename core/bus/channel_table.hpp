@@ -35,6 +35,10 @@ class ChannelTable {
   [[nodiscard]] ChannelIndex end_of(DeviceIndex device) const { return first_[device + 1u]; }
   [[nodiscard]] std::optional<ChannelIndex> find(DeviceIndex device, std::string_view name) const;
 
+  // The last sample, as another bridge has published it. One of another type is not taken, but its
+  // sequence.
+  void inherit(const Sample& sample);
+
   // The refresh in force; nothing while nobody is promised anything (on demand, no interest).
   [[nodiscard]] std::optional<Duration> refresh(ChannelIndex channel) const;
   void set_refresh(ChannelIndex channel, std::optional<Duration> refresh, Instant now);

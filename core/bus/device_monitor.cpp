@@ -75,6 +75,18 @@ void DeviceMonitor::learn(DeviceIndex index, const Request& request, Duration an
     devices_[index].area_times[area_of(request)].learn(answer_time);
 }
 
+void DeviceMonitor::inherit(DeviceIndex index, const DeviceReport& learned) {
+  if (learned.answer_time > Duration::zero())
+    devices_[index].answer_time.learn(learned.answer_time);
+  const auto areas = setup_.protocol(index).areas();
+  for (const AreaReport& of_area : learned.areas) {
+    for (std::size_t area = 0; area < areas.size(); ++area) {
+      if (areas[area].name == of_area.area && of_area.answer_time > Duration::zero())
+        devices_[index].area_times[area].learn(of_area.answer_time);
+    }
+  }
+}
+
 void DeviceMonitor::learn_late(DeviceIndex index, Duration answer_time) {
   devices_[index].answer_time.late(answer_time);
   for (AnswerTime& area : devices_[index].area_times) area.late(answer_time);

@@ -70,6 +70,8 @@ class DeviceMonitor {
   // After an exchange: any valid answer, a refusal too.
   void answered(DeviceIndex device, ActionSink& sink);
   void learn(DeviceIndex device, const Request& request, Duration answer_time);
+  // What another bridge has learned.
+  void inherit(DeviceIndex device, const DeviceReport& learned);
   // An answer came after it had been given up.
   void learn_late(DeviceIndex device, Duration answer_time);
   void busy(DeviceIndex device, Instant now);

@@ -173,6 +173,27 @@ void ReadPath::learn(DeviceIndex device, AreaIndex area, Duration answer_time) {
   planned_times_.answered(device, area, answer_time, *scheduler_);
 }
 
+void ReadPath::inherit(DeviceIndex device, const DeviceReport& learned, Instant now) {
+  const auto areas = setup_.protocol(device).areas();
+  for (const AreaReport& of_area : learned.areas) {
+    for (AreaIndex area = 0; area < areas.size(); ++area) {
+      if (areas[area].name != of_area.area) continue;
+      if (of_area.answer_time > Duration::zero()) learn(device, area, of_area.answer_time);
+      if (of_area.longest_block != 0) scheduler_->set_longest(device, area, of_area.longest_block);
+    }
+  }
+  for (PointIndex point = 0; point < map_.points.size(); ++point) {
+    if (map_.points[point].device != device) continue;
+    if (std::ranges::find(learned.refused, text(point)) == learned.refused.end()) continue;
+    Block alone;
+    alone.device = device;
+    alone.points = {point};
+    alone.ranges = {map_.points[point].range};
+    for (const PointIndex bad : scheduler_->refused(alone, now, kForgetRefused))
+      learned_[device].refused.emplace(bad, std::uint16_t{0});
+  }
+}
+
 void ReadPath::failed(const Block& block, bool longer, Cause cause, std::uint16_t code, Instant now,
                       ActionSink& sink) {
   if (cause != Cause::kDeviceError && cause != Cause::kUnsupported) {

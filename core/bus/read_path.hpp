@@ -60,6 +60,8 @@ class ReadPath {
                 ActionSink& sink);
   // An answer began `answer_time` after the end of its request.
   void learn(DeviceIndex device, AreaIndex area, Duration answer_time);
+  // What another bridge has learned: answer times, the longest blocks, refused addresses.
+  void inherit(DeviceIndex device, const DeviceReport& learned, Instant now);
   // The read of a block failed. `longer`: as in Read.
   void failed(const Block& block, bool longer, Cause cause, std::uint16_t code, Instant now,
               ActionSink& sink);

@@ -259,5 +259,25 @@ TEST(ChannelTable, ASampleThatComesJustTooLateIsAMiss) {
   EXPECT_EQ(table.report(0, Instant{2001ms}).last_miss, Cause::kLate);
 }
 
+TEST(ChannelTable, SequencesGoOnWhereAnotherBridgeWas) {
+  const BusSpec bus = one_device({channel("a", 1s)});
+  ChannelTable table(bus);
+  Sample last;
+  last.value = std::uint64_t{7};
+  last.quality = Quality::kGood;
+  last.acquired = Instant{1s};
+  last.sequence = 41;
+  table.inherit(last);
+  table.start(Instant{2s});
+  std::vector<Sample> out;
+  table.expire(Instant{5s}, out);
+  ASSERT_EQ(out.size(), 1u) << "nobody answers: the last value once more";
+  EXPECT_EQ(out[0].sequence, 42u);
+  EXPECT_EQ(out[0].value, last.value);
+  EXPECT_NE(out[0].quality, Quality::kGood);
+  table.acquired(0, 16, items(8), Instant{6s}, out);
+  EXPECT_EQ(out.back().sequence, 43u);
+}
+
 }  // namespace
 }  // namespace fieldcast

@@ -180,5 +180,17 @@ TEST_F(ReadPathTest, TheFirstRangeOfADeviceIsItsProbe) {
   EXPECT_EQ(reads_.first_ranges(), (std::vector<std::optional<Range>>{Range{kHolding, 100, 1}}));
 }
 
+// As another bridge has learned it: the device is not asked for what it refused there.
+TEST_F(ReadPathTest, WhatAnotherBridgeHasLearnedIsNotLearnedAgain) {
+  DeviceReport learned;
+  learned.refused = {"holding:103"};
+  reads_.inherit(0, learned, Instant{});
+  EXPECT_EQ(next(Instant{}).block.ranges, (std::vector<Range>{{kHolding, 100, 3}}));
+  DeviceReport report;
+  reads_.describe(0, report);
+  EXPECT_EQ(report.refused, learned.refused);
+  EXPECT_TRUE(samples().empty());
+}
+
 }  // namespace
 }  // namespace fieldcast

@@ -1,0 +1,23 @@
+// What a bus takes over from the bridge that served it before: the last samples and what was
+// learned of its devices. Plain values.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/base/time.hpp"
+#include "core/base/value.hpp"
+#include "core/model/sample.hpp"
+#include "core/model/status.hpp"
+
+namespace fieldcast {
+
+struct BusInheritance {
+  // By channel; with sequence 0 for those that were never published. `acquired` is on the clock of
+  // the engine that takes over.
+  std::vector<Sample> samples;
+  std::map<std::string, DeviceReport> devices;  // by name; what was learned
+};
+
+}  // namespace fieldcast
