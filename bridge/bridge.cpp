@@ -29,6 +29,7 @@ Bridge::~Bridge() { stop(); }
 tl::expected<void, std::string> Bridge::start(const BridgeSpec& spec,
                                               const std::function<bool()>& give_up) {
   const std::lock_guard lock(state_->changing);
+  state_->standby.leaving = false;
   return state_->start(spec, program::Server::Modules::kLetGo, give_up);
 }
 
@@ -51,8 +52,13 @@ std::vector<BusTurn> Bridge::turns() const {
 }
 
 void Bridge::stop() {
-  const std::lock_guard lock(state_->changing);
-  state_->stop_all();
+  const bool handed_over = state_->hand_over_before_stop();
+  {
+    const std::lock_guard lock(state_->changing);
+    state_->stop_all(program::Server::Modules::kLetGo,
+                     handed_over ? DdsLink::Leave::kHandOver : DdsLink::Leave::kDispose);
+  }
+  state_->standby.end();
 }
 
 std::string Bridge::busy_with() const { return state_->step.load(); }
@@ -72,12 +78,18 @@ tl::expected<void, std::string> Bridge::State::start(const BridgeSpec& wanted,
     join();
     serve_metrics(spec);
     want_buses(spec);
+    if (spec.standby) {
+      for (const BusSpec& bus : spec.buses) {
+        if (give_up()) return {};
+        prepare_bus(bus);
+      }
+    }
     guard->settle(give_up);
     if (const auto absent = servers_remark(spec.dds.discovery_servers, link->missing_servers()))
       log_warning("dds", *absent);
     for (const BusSpec& bus : spec.buses) {
       if (give_up()) return {};
-      start_buses({bus.name}, spec);
+      if (!spec.standby) start_buses({bus.name}, spec);
     }
     interests.all_added();
     if (const auto listening = program.start(spec.program); !listening) {
@@ -85,6 +97,7 @@ tl::expected<void, std::string> Bridge::State::start(const BridgeSpec& wanted,
       return tl::make_unexpected(listening.error());
     }
     guard->watch();
+    if (spec.standby) take_part();
   } catch (const DdsError& error) {
     stop_all(kept);
     return tl::make_unexpected(std::string(error.what()));
@@ -93,7 +106,7 @@ tl::expected<void, std::string> Bridge::State::start(const BridgeSpec& wanted,
 }
 
 // The order of a shutdown, all of it.
-void Bridge::State::stop_all(program::Server::Modules kept) {
+void Bridge::State::stop_all(program::Server::Modules kept, DdsLink::Leave leave) {
   if (!link) return;
   sinks.drop_from(steady_now() + kPublishLimit);
   metrics.reset();
@@ -103,15 +116,19 @@ void Bridge::State::stop_all(program::Server::Modules kept) {
   logins.reset();
   std::vector<std::string> names;
   for (const auto& [name, bus] : buses) names.push_back(name);
-  stop_buses(names, kDisposeLimit);     // 1.-4. above, all buses at the same time
+  stop_buses(names, kDisposeLimit, leave);  // 1.-4. above, all buses at the same time
+  leave_group();
   if (identities) identities->close();  // what waited is answered: its bus is gone
   step = "the bridge leaves the domain";
   // 5. the last results reach their readers, then we leave the domain; no handler is called
   // afterwards.
-  link->close(kLinger);
+  link->close(kLinger, leave);
   alarms.publish_with({});
   sinks.drain();
+  channel.reset();
+  standby.prepared.clear();
   link.reset();  // 6.
+  group.reset();
   guard.reset();
   commands.keep_identities({}, {});
   identities.reset();

@@ -18,6 +18,7 @@ constexpr std::chrono::milliseconds kStopTurn{100};
 constexpr int kStopTurns = 12;
 // How long the readers of all buses that stop may take for their last samples.
 constexpr std::chrono::milliseconds kBusLinger{300};
+constexpr Duration kProve = std::chrono::seconds{3};  // BusOutput::prove_until()
 
 }  // namespace
 
@@ -86,19 +87,36 @@ void Bridge::State::take_over_alarms(const std::string& bus) {
   }
 }
 
-// Throws DdsError, and then nothing of the bus is left.
-void Bridge::State::start_bus(const BusSpec& bus) {
-  FIELDCAST_CHECK(!buses.contains(bus.name));
+RunningBus Bridge::State::make_bus(const BusSpec& bus) {
   RunningBus made;
-  made.sink = std::make_unique<BusOutput>(
-      BusOutput::Shared{sinks, *link, store.get(), audit, alarms, figures}, bus);
+  const BusOutput::Shared shared{sinks,
+                                 *link,
+                                 store.get(),
+                                 audit,
+                                 alarms,
+                                 figures,
+                                 lease,
+                                 [this](const std::string& name, const CommandResult& result) {
+                                   return keeps_result(name, result);
+                                 },
+                                 spec.standby.has_value()};
+  made.sink = std::make_unique<BusOutput>(shared, bus);
   made.io = std::make_unique<IoThread>(bus.name);
-  made.runner =
-      std::make_shared<BusRunner>(made.io->context(), plans.context(), bus, *made.sink, &modules);
+  made.runner = std::make_shared<BusRunner>(made.io->context(), plans.context(), bus, *made.sink,
+                                            &modules, &lease);
+  return made;
+}
+
+// Throws DdsError, and then nothing of the bus is left.
+void Bridge::State::start_bus(const BusSpec& bus, const FollowedBus* followed,
+                              std::uint64_t margin) {
+  FIELDCAST_CHECK(!buses.contains(bus.name));
+  auto ready = standby.prepared.extract(bus.name);
+  RunningBus made = ready ? std::move(ready.mapped()) : make_bus(bus);
   commands.add(bus.name,
                made.runner);  // before the bus is announced: its commands may come at once
   try {
-    link->add_bus(bus);
+    followed == nullptr ? link->add_bus(bus) : link->take_over_bus(bus, *followed);
   } catch (const DdsError&) {
     commands.remove(bus.name);
     made.runner->stop().wait();  // answers what came meanwhile
@@ -109,13 +127,18 @@ void Bridge::State::start_bus(const BusSpec& bus) {
   }
   alarms.publish_again(bus.name);
   made.runner->set_trace(trace);
-  made.runner->start();
+  BusInheritance inherited = followed == nullptr ? BusInheritance{} : followed->state;
+  for (Sample& sample : inherited.samples) {
+    if (sample.sequence != 0) sample.sequence += margin;
+  }
+  if (followed != nullptr && margin != 0) made.sink->prove_until(steady_now() + kProve);
+  made.runner->start(std::move(inherited));
   interests.add(bus, made.runner);
   program.add_bus(bus, made.runner);
   buses.emplace(bus.name, std::move(made));
 }
 
-void Bridge::State::stop_buses(const std::vector<std::string>& names, Duration dispose_limit) {
+void Bridge::State::stop_runners(const std::vector<std::string>& names) {
   step = "the buses stop";
   std::vector<std::future<void>> stopped;
   for (const std::string& name : names) {
@@ -133,14 +156,21 @@ void Bridge::State::stop_buses(const std::vector<std::string>& names, Duration d
   }
   step = "the last samples leave";
   sinks.drain();  // 3. what they posted is published
+}
+
+void Bridge::State::stop_buses(const std::vector<std::string>& names, Duration dispose_limit,
+                               DdsLink::Leave leave) {
+  stop_runners(names);
   step = "the buses leave the domain";
   const Instant begun = steady_now(), gone = begun + kBusLinger;
   for (const std::string& name : names) {
     // 4. stations see the bus go
     const Instant now = steady_now();
-    link->remove_bus(
-        name, std::max(gone - now, Duration::zero()),
-        dispose_limit == Duration::max() ? Duration::max() : dispose_limit - (now - begun));
+    if (leave == DdsLink::Leave::kDispose) {
+      link->remove_bus(
+          name, std::max(gone - now, Duration::zero()),
+          dispose_limit == Duration::max() ? Duration::max() : dispose_limit - (now - begun));
+    }
     buses.erase(name);
     figures.remove(name);
   }

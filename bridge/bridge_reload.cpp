@@ -4,6 +4,7 @@
 
 #include "bridge/bridge_state.hpp"
 #include "bridge/bus/clock.hpp"
+#include "bridge/standby/common_configuration.hpp"
 #include "core/base/counted.hpp"
 
 namespace fieldcast {
@@ -97,6 +98,7 @@ tl::expected<void, std::string> Bridge::State::exchange_buses(const BridgeSpec& 
   }
   if (plan.metrics) serve_metrics(wanted);
   spec = wanted;
+  if (group) group->set_configuration(common_configuration(spec));
   const auto names = [](const std::vector<std::string>& listed) {
     return listed.empty() ? std::string{} : fmt::format(" ({})", fmt::join(listed, ", "));
   };
@@ -120,6 +122,8 @@ tl::expected<Bridge::Reloaded, std::string> Bridge::State::reload(const BridgeSp
   for (const auto& leased : disturbed_by(plan, wanted, program.leased()))
     waiting.waits_for.push_back(fmt::format("{}/{} by {}", leased.bus, leased.device, leased.who));
   if (!waiting.waits_for.empty()) return waiting;
+  // A waiting bridge has nothing that a new start would disturb.
+  if (group && !standby.serving) return done(start_anew(wanted, plan));
   return done(plan.whole_bridge.empty() ? exchange_buses(wanted, plan) : start_anew(wanted, plan));
 }
 

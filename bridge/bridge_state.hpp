@@ -1,8 +1,9 @@
 // What a running bridge is made of, and in which order its parts end. Private to Bridge; its
-// functions are in four files: start and stop, wiring, the set of buses, reload.
+// functions are in five files: start and stop, wiring, the set of buses, reload, standby.
 //
 // Owns everything that Bridge owns. The functions run on the main thread, which holds `changing`;
-// follow_guard() runs on the guard's thread and takes `changing` itself. DDS threads and those of
+// follow_guard() runs on the guard's thread and takes `changing` itself, and so does follow_role()
+// on that of the roles. DDS threads and those of
 // the programming server enter through the handlers that the wiring makes. join(), start_buses()
 // and start_bus() throw DdsError where DDS refuses; start() and reload() return it as one line.
 #pragma once
@@ -18,12 +19,15 @@
 #include <vector>
 
 #include "bridge/bridge.hpp"
+#include "bridge/bridge_roles.hpp"
 #include "bridge/bus/bus_runner.hpp"
 #include "bridge/bus/io_thread.hpp"
 #include "bridge/command/alarm_actions.hpp"
 #include "bridge/command/command_audit.hpp"
 #include "bridge/command/command_router.hpp"
 #include "bridge/dds/dds_link.hpp"
+#include "bridge/dds/standby_channel.hpp"
+#include "bridge/dds/standby_follower.hpp"
 #include "bridge/interest/interest_registry.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/metrics/metrics_server.hpp"
@@ -34,17 +38,13 @@
 #include "bridge/publish/publisher_thread.hpp"
 #include "bridge/reload_plan.hpp"
 #include "bridge/standby/bus_guard.hpp"
+#include "bridge/standby/master_lease.hpp"
+#include "bridge/standby/standby_group.hpp"
 #include "bridge/store/authenticator.hpp"
 #include "bridge/store/command_identities.hpp"
 #include "bridge/store/store.hpp"
 
 namespace fieldcast {
-
-struct RunningBus {
-  std::unique_ptr<BusOutput> sink;  // outlives the runner, and what it has posted
-  std::unique_ptr<IoThread> io;     // outlives the runner too
-  std::shared_ptr<BusRunner> runner;
-};
 
 struct Bridge::State {
   BridgeSpec spec;
@@ -65,12 +65,18 @@ struct Bridge::State {
   std::unique_ptr<Authenticator> logins;          // with a store only
   std::unique_ptr<CommandIdentities> identities;  // with a store only; closed before the link
   MetricsTable figures;                           // outlives the sinks
+  MasterLease lease;                              // the same; of a bridge that stands alone: holds
+  Standby standby;
   IoThread plans{"plans"};
   std::map<std::string, RunningBus, std::less<>> buses;
   PublisherThread sinks;
   std::unique_ptr<BusGuard> guard;  // outlives the link; its thread ends before the buses do
   std::unique_ptr<DdsLink> link;    // its handlers enter the members above: closed before they end
   std::unique_ptr<MetricsServer> metrics;  // with `metrics` only; ends before what it reads
+  // In a standby group only; they use the link, and end before it does.
+  std::unique_ptr<StandbyChannel> channel;
+  std::unique_ptr<StandbyFollower> follower;  // while another bridge of the group is master
+  std::unique_ptr<StandbyGroup> group;
 
   std::atomic<const char*> step = "starting";  // what the main thread is doing
   std::mutex changing;  // held while the set of buses changes, on the main thread or the guard's
@@ -79,7 +85,8 @@ struct Bridge::State {
   [[nodiscard]] tl::expected<void, std::string> start(
       const BridgeSpec& wanted, program::Server::Modules kept,
       const std::function<bool()>& give_up = [] { return false; });
-  void stop_all(program::Server::Modules kept = program::Server::Modules::kLetGo);
+  void stop_all(program::Server::Modules kept = program::Server::Modules::kLetGo,
+                DdsLink::Leave leave = DdsLink::Leave::kDispose);
   [[noreturn]] void abandon(const std::string& bus);
 
   // bridge_wiring.cpp.
@@ -87,6 +94,8 @@ struct Bridge::State {
   void join();
   void open_store();
   void keep_identities();
+  void keep_in_store(const std::string& requester, std::uint64_t request_id,
+                     std::function<void(CommandRouter::Identity)> kept);
   void serve_metrics(const BridgeSpec& wanted);
   void tell_other_bridges(DdsLink::Handlers& handlers);
   void publish_alarms();
@@ -96,9 +105,39 @@ struct Bridge::State {
   [[nodiscard]] std::vector<std::string> running(std::vector<std::string> names) const;
   void start_buses(const std::vector<std::string>& names, const BridgeSpec& from);
   [[nodiscard]] bool follow_guard(const std::set<std::string>& uncontested);
-  void start_bus(const BusSpec& bus);
+  void start_bus(const BusSpec& bus, const FollowedBus* followed = nullptr,
+                 std::uint64_t margin = 0);
   void take_over_alarms(const std::string& bus);
-  void stop_buses(const std::vector<std::string>& names, Duration dispose_limit = Duration::max());
+  void stop_buses(const std::vector<std::string>& names, Duration dispose_limit = Duration::max(),
+                  DdsLink::Leave leave = DdsLink::Leave::kDispose);
+  void stop_runners(const std::vector<std::string>& names);
+  [[nodiscard]] RunningBus make_bus(const BusSpec& bus);
+
+  // bridge_standby.cpp.
+  void join_group();
+  void stand_alone();
+  void take_part();
+  void prepare_bus(const BusSpec& bus);
+  void on_request(const StandbyRequest& request);
+  void leave_group();
+  void end_follower();
+  [[nodiscard]] bool hand_over_before_stop();
+  [[nodiscard]] bool follow_role();
+  [[nodiscard]] bool late_results_done();
+  void promote();
+  void finish_commands();
+  void release();
+  void step_back();
+  void start_as_standby();
+  void run_command(const std::string& bus, Command command);
+  void run_action(const AlarmAction& action);
+  void finish_held();
+  [[nodiscard]] StandbyFigures standby_figures() const;
+  void take_over_followed_alarms(const std::vector<std::string>& taken,
+                                 const std::vector<StationAlarmStatus>& followed);
+  [[nodiscard]] bool keeps_result(const std::string& bus, const CommandResult& result);
+  void keep_identity(const std::string& bus, const std::string& requester, std::uint64_t request_id,
+                     std::function<void(CommandRouter::Identity)> kept);
 
   // bridge_reload.cpp.
   [[nodiscard]] tl::expected<Reloaded, std::string> reload(const BridgeSpec& wanted);

@@ -43,15 +43,12 @@ void Bridge::State::join() {
   DdsLink::Handlers handlers;
   handlers.clock = [] { return read_clocks(); };
   handlers.on_command = [this](const std::string& bus, Command command) {
-    const AuditEntry asked = audit.asked(bus, command);
-    if (const auto refused = commands.take(bus, std::move(command), steady_now())) {
-      audit.refused(asked, *refused);
-      link->complete(bus, *refused, read_clocks());
-    }
+    if (standby.hold(bus, command)) return;
+    run_command(bus, std::move(command));
   };
   handlers.on_alarm_action = [this](const AlarmAction& action) {
-    const UtcMapping now = read_clocks();
-    link->complete(action.alarm.bus, alarm_actions.take(action, now), now);
+    if (standby.hold(action)) return;
+    run_action(action);
   };
   handlers.on_interest = [this](const Interest& interest) {
     if (const auto noted = interests.note(interest.station, interest.pattern, interest.refresh);
@@ -67,7 +64,9 @@ void Bridge::State::join() {
   if (const auto small = receive_buffer_remark(spec.dds)) log_warning("dds", *small);
   if (const auto alone = multicast_remark(spec.dds)) log_warning("dds", *alone);
   publish_alarms();
+  spec.standby ? join_group() : stand_alone();
   if (spec.store) open_store();
+  if (spec.store || spec.standby) keep_identities();
   audit.open(store.get());
 }
 
@@ -80,26 +79,30 @@ void Bridge::State::open_store() {
     store = std::move(opened);
   }
   logins = std::make_unique<Authenticator>(StoreAddress(spec.store->address), *store);
-  keep_identities();
+  identities = std::make_unique<CommandIdentities>(StoreAddress(spec.store->address));
+}
+
+void Bridge::State::keep_in_store(const std::string& requester, std::uint64_t request_id,
+                                  std::function<void(CommandRouter::Identity)> kept) {
+  identities->enter(requester, request_id,
+                    [kept = std::move(kept)](CommandIdentities::Verdict verdict) {
+                      switch (verdict) {
+                        case CommandIdentities::Verdict::kNew:
+                          return kept(CommandRouter::Identity::kNew);
+                        case CommandIdentities::Verdict::kKnown:
+                          return kept(CommandRouter::Identity::kKnown);
+                        case CommandIdentities::Verdict::kNotKept:
+                          return kept(CommandRouter::Identity::kNotKept);
+                      }
+                    });
 }
 
 void Bridge::State::keep_identities() {
-  identities = std::make_unique<CommandIdentities>(StoreAddress(spec.store->address));
   commands.keep_identities(
-      [this](const std::string& requester, std::uint64_t request_id, auto kept) {
-        identities->enter(requester, request_id,
-                          [kept = std::move(kept)](CommandIdentities::Verdict verdict) {
-                            switch (verdict) {
-                              case CommandIdentities::Verdict::kNew:
-                                return kept(CommandRouter::Identity::kNew);
-                              case CommandIdentities::Verdict::kKnown:
-                                return kept(CommandRouter::Identity::kKnown);
-                              case CommandIdentities::Verdict::kNotKept:
-                                return kept(CommandRouter::Identity::kNotKept);
-                            }
-                          });
-      },
+      [this](const std::string& bus, const std::string& requester, std::uint64_t request_id,
+             auto kept) { keep_identity(bus, requester, request_id, std::move(kept)); },
       [this](const std::string& bus, const CommandResult& refused) {
+        standby.answered(refused);
         audit.answered(bus, refused);
         link->complete(bus, refused, read_clocks());
       });
@@ -129,6 +132,7 @@ void Bridge::State::serve_metrics(const BridgeSpec& wanted) {
         MetricsSnapshot snapshot{.bridge = name, .receive_buffer = buffer};
         figures.copy_to(snapshot);
         snapshot.alarms = alarms.counts();
+        if (group) snapshot.standby = standby_figures();
         {
           const std::lock_guard lock(store_mutex);
           if (store) snapshot.store = store->counters();

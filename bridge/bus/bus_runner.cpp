@@ -21,6 +21,7 @@
 #include "bridge/log/notice_log.hpp"
 #include "bridge/port/device_watch.hpp"
 #include "bridge/port/port.hpp"
+#include "bridge/standby/master_lease.hpp"
 #include "core/bus/bus_engine.hpp"
 #include "core/dispatch/plan_draft.hpp"
 #include "core/model/command_refusal.hpp"
@@ -85,8 +86,9 @@ CommandResult shutdown_result(const Command& command, Instant now) {
 class BusRunner::Loop final : public PortListener, public std::enable_shared_from_this<Loop> {
  public:
   Loop(asio::io_context& io, asio::io_context& plans, const BusSpec& spec, BusSink& sink,
-       DialInRegistry* modules)
-      : io_(io),
+       DialInRegistry* modules, const MasterLease* lease)
+      : lease_of_master_(lease),
+        io_(io),
         plans_(plans),
         spec_(spec),
         fenced_(fence_of(spec.port).is(Fence::kListen)),
@@ -109,7 +111,8 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   std::atomic<std::size_t> waiting{0};
   std::atomic<Instant> last_turn{steady_now()};
 
-  void start() {
+  void start(const BusInheritance& inherited) {
+    engine_.inherit(inherited, steady_now());
     next_tick_ = std::chrono::steady_clock::now();
     tick();
     open_port();
@@ -261,6 +264,8 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
 
   void execute(const Send& send, Instant now) {
     if (too_late(now)) return engine_.not_sent(now);
+    // It is asked for again: by then it is known who is master.
+    if (lease_of_master_ != nullptr && !lease_of_master_->holds()) return engine_.not_sent(now);
     if (trace_) trace_line(mapping_.to_utc(now), spec_.name, TraceMark::kSent, to_hex(send.bytes));
     port_->write(send.bytes);
   }
@@ -350,6 +355,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     sink_.report(engine_.plan_report(), mapping_.to_utc(now));
   }
 
+  const MasterLease* const lease_of_master_;  // null: it always holds
   asio::io_context& io_;
   asio::io_context& plans_;
   const std::shared_ptr<Gate> gate_ = std::make_shared<Gate>(io_);
@@ -385,13 +391,13 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
 };
 
 BusRunner::BusRunner(asio::io_context& io, asio::io_context& plans, const BusSpec& spec,
-                     BusSink& sink, DialInRegistry* modules)
-    : loop_(std::make_shared<Loop>(io, plans, spec, sink, modules)) {}
+                     BusSink& sink, DialInRegistry* modules, const MasterLease* lease)
+    : loop_(std::make_shared<Loop>(io, plans, spec, sink, modules, lease)) {}
 
 BusRunner::~BusRunner() = default;
 
-void BusRunner::start() {
-  loop_->gate().post([loop = loop_] { loop->start(); });
+void BusRunner::start(BusInheritance inherited) {
+  loop_->gate().post([loop = loop_, inherited = std::move(inherited)] { loop->start(inherited); });
 }
 
 bool BusRunner::post(Command command) {

@@ -14,6 +14,7 @@
 #include "bridge/base/file_descriptor.hpp"
 #include "bridge/bus/bus_sink.hpp"
 #include "core/bus/event.hpp"
+#include "core/model/inheritance.hpp"
 #include "core/model/spec.hpp"
 
 namespace boost::asio {
@@ -23,6 +24,7 @@ class io_context;
 namespace fieldcast {
 
 class DialInRegistry;
+class MasterLease;
 
 // A bus's line in the hands of a programming session.
 struct LeasedLine {
@@ -43,15 +45,17 @@ class BusRunner {
 
   // `plans`: where plans are made, which takes too long for the bus's own thread; may end after the
   // bus, or before. The sink must outlive the runner's stop(), and so must the registry, which a
-  // dial-in port needs. REQUIRES: spec is as the loader makes it.
+  // dial-in port needs. Nothing is sent while the lease does not hold, which outlives the bus;
+  // null: it always holds. REQUIRES: spec is as the loader makes it.
   BusRunner(boost::asio::io_context& io, boost::asio::io_context& plans, const BusSpec& spec,
-            BusSink& sink, DialInRegistry* modules = nullptr);
+            BusSink& sink, DialInRegistry* modules = nullptr, const MasterLease* lease = nullptr);
   ~BusRunner();  // REQUIRES: stop() was waited for, or start() never called
   BusRunner(const BusRunner&) = delete;
   BusRunner& operator=(const BusRunner&) = delete;
 
-  // Opens the port, again and again until it opens.
-  void start();
+  // Opens the port, again and again until it opens. Before that it takes over what another bridge
+  // knew of the bus.
+  void start(BusInheritance inherited = {});
 
   // False: too many wait (the caller answers kQueueFull). A command taken ends in exactly one
   // BusSink::complete().

@@ -19,6 +19,11 @@ void CommandRouter::keep_identities(Keep keep, Refused refused) {
   refused_ = std::move(refused);
 }
 
+void CommandRouter::answered_elsewhere(const std::string& requester, std::uint64_t request_id) {
+  const std::lock_guard lock(mutex_);
+  (void)ledger_.enter(requester, request_id);
+}
+
 std::optional<CommandResult> CommandRouter::take(const std::string& bus, Command command,
                                                  Instant now) {
   Keep keep;
@@ -33,7 +38,7 @@ std::optional<CommandResult> CommandRouter::take(const std::string& bus, Command
     keep = keep_;
   }
   // Not under the lock: it may answer at once.
-  keep(command.requester, command.request_id,
+  keep(bus, command.requester, command.request_id,
        [this, bus, command, now](Identity identity) { on_identity(bus, command, identity, now); });
   return std::nullopt;
 }
@@ -68,6 +73,12 @@ void CommandRouter::on_identity(const std::string& bus, Command command, Identit
       case Identity::kNotKept:
         result = rejection(command, Cause::kOffline,
                            "the store is away, which keeps commands from running twice", received);
+        break;
+      case Identity::kNotNoted:
+        result = rejection(command, Cause::kOffline,
+                           "the other bridges of the standby group did not note it in time, which "
+                           "keeps commands from running twice",
+                           received);
         break;
     }
   }

@@ -18,20 +18,24 @@ namespace fieldcast {
 class CommandRouter {
  public:
   enum class Identity : std::uint8_t {
-    kNew,      // kept from now on
-    kKnown,    // kept before
-    kNotKept,  // the store did not take it
+    kNew,       // kept from now on
+    kKnown,     // kept before
+    kNotKept,   // the store did not take it
+    kNotNoted,  // not all bridges of the standby group have noted it
   };
   // Keeps the identity of a write so that it outlives this process, then calls `kept` once, on any
   // thread.
-  using Keep = std::function<void(const std::string& requester, std::uint64_t request_id,
-                                  std::function<void(Identity)> kept)>;
+  using Keep = std::function<void(const std::string& bus, const std::string& requester,
+                                  std::uint64_t request_id, std::function<void(Identity)> kept)>;
   using Refused = std::function<void(const std::string& bus, const CommandResult& result)>;
 
   // From here on a write runs when its identity is kept and was not before; `refused` is called for
   // the others. A null `keep` ends it; the owner of `keep` makes sure that nothing is called
   // afterwards.
   void keep_identities(Keep keep, Refused refused);
+
+  // Another bridge has answered it: it is a duplicate from here on.
+  void answered_elsewhere(const std::string& requester, std::uint64_t request_id);
 
   // A bus takes commands from here on, until it is removed.
   void add(const std::string& bus, std::shared_ptr<BusRunner> runner);

@@ -24,6 +24,17 @@ void BlockWriter::on_publication_matched(dds::DataWriter*,
   if (status.current_count_change > 0) on_reader_();
 }
 
+void BlockWriter::go_on_with(std::uint64_t epoch, std::uint64_t number,
+                             std::span<const Sample> last, const UtcMapping& mapping) {
+  const std::lock_guard lock(mutex_);
+  block_.epoch(epoch);
+  number_ = number;
+  for (const Sample& sample : last) {
+    if (sample.channel < values_.size() && sample.sequence != 0)
+      to_last_value(sample, mapping, values_[sample.channel]);
+  }
+}
+
 void BlockWriter::write(std::span<const Sample> samples, const UtcMapping& mapping) {
   const std::lock_guard lock(mutex_);
   const bool wanted = readers() > 0;

@@ -37,6 +37,11 @@ class BlockWriter : private dds::DataWriterListener {
   BlockWriter(const BlockWriter&) = delete;
   BlockWriter& operator=(const BlockWriter&) = delete;
 
+  // Before anything is written: the stream of another bridge goes on here, after its block `number`
+  // and its last values.
+  void go_on_with(std::uint64_t epoch, std::uint64_t number, std::span<const Sample> last,
+                  const UtcMapping& mapping);
+
   void write(std::span<const Sample> samples, const UtcMapping& mapping);
   // The last value of every channel that has one, or an empty block. Returns the number of blocks.
   std::size_t write_snapshot();

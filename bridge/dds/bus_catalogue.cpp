@@ -32,6 +32,16 @@ void BusCatalogue::add(const DeviceSpec& device, const ChannelSpec& channel,
   to_idl(bridge_, bus_, device, channel, refresh, channels_.emplace_back());
 }
 
+void BusCatalogue::go_on_with(std::uint64_t epoch) {
+  const std::lock_guard lock(mutex_);
+  epoch_ = epoch;
+}
+
+std::uint64_t BusCatalogue::epoch() const {
+  const std::lock_guard lock(mutex_);
+  return epoch_;
+}
+
 bool BusCatalogue::publish() {
   const std::lock_guard lock(mutex_);
   bool taken = true;

@@ -31,6 +31,9 @@ class BusCatalogue {
   // Before publish(), in the order of the channel indices. Throws DdsError.
   void add(const DeviceSpec& device, const ChannelSpec& channel, std::optional<Duration> refresh);
   [[nodiscard]] bool publish();  // everything; false: it does not fit
+  // Before publish(): it is the same catalogue as that of another bridge, which has published it.
+  void go_on_with(std::uint64_t epoch);
+  [[nodiscard]] std::uint64_t epoch() const;
   // The keyed entry leaves at once, its block with flush().
   void set_refresh(ChannelIndex channel, std::optional<Duration> refresh);
   void flush();
@@ -50,8 +53,8 @@ class BusCatalogue {
   std::vector<dds::DataWriter*> writers_;  // of fieldcast/Channel
   const std::string bridge_;
   const std::string bus_;
-  const std::uint64_t epoch_;
-  std::mutex mutex_;                    // what follows
+  mutable std::mutex mutex_;  // what follows
+  std::uint64_t epoch_;
   std::vector<idl::Channel> channels_;  // by channel index, as published
   std::set<std::size_t> changed_;       // the first channel of blocks that flush() has to write
   idl::CatalogueBlock block_;

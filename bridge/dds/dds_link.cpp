@@ -131,6 +131,7 @@ void DdsLink::State::Receivers::close() const {
 
 template <class Message>
 void DdsLink::State::reject(const Message& message, const MalformedCommand& why) {
+  if (standing_by) return;
   const UtcMapping now = handlers.clock();
   Command refused;
   refused.requester = message.requester().c_str();
@@ -165,27 +166,65 @@ DdsLink::DdsLink(const DdsSpec& spec, const std::string& bridge_name, Handlers h
 
 DdsLink::~DdsLink() { close(); }
 
-void DdsLink::add_bus(const BusSpec& spec) {
+std::unique_ptr<LinkedBus> DdsLink::State::made(const BusSpec& spec) {
+  if (auto ready = prepared.extract(spec.name)) return std::move(ready.mapped());
   std::size_t channels = 0;
   for (const DeviceSpec& device : spec.devices) channels += device.channels.size();
-  const auto epoch = static_cast<std::uint64_t>(state_->handlers.clock().utc.nanoseconds);
-  auto bus = std::make_unique<LinkedBus>(
-      state_->domain, state_->bridge, spec, state_->catalogue_blocks,
-      BlockWriter::Stream{spec.name, channels, epoch, state_->block_bytes},
-      [state = state_.get(), name = spec.name] { state->snapshots->request(name); });
+  const auto epoch = static_cast<std::uint64_t>(handlers.clock().utc.nanoseconds);
+  return std::make_unique<LinkedBus>(domain, bridge, spec, catalogue_blocks,
+                                     BlockWriter::Stream{spec.name, channels, epoch, block_bytes},
+                                     [this, name = spec.name] { snapshots->request(name); });
+}
+
+void DdsLink::State::serve(const std::string& name, std::unique_ptr<LinkedBus> bus) {
+  {
+    const std::unique_lock lock(mutex);
+    buses[name] = std::move(bus);
+  }
+  listen_for(name);
+  snapshots->request(name);  // readers that matched before the bus was there
+}
+
+void DdsLink::State::listen_for(const std::string& bus) {
+  {
+    const std::lock_guard names_lock(names_mutex);
+    names.insert(bus);
+  }
+  if (!receivers.commands) receivers = listen({});
+  if (domain.member() && !held.contains(bus)) held[bus] = listen(bus);
+}
+
+void DdsLink::add_bus(const BusSpec& spec) {
+  auto bus = state_->made(spec);
   if (!bus->catalogue.publish())
     throw DdsError("dds: the catalogue of bus " + spec.name + " does not fit");
-  {
-    const std::unique_lock lock(state_->mutex);
-    state_->buses[spec.name] = std::move(bus);
-    const std::lock_guard names_lock(state_->names_mutex);
-    state_->names.insert(spec.name);
-  }
-  state_->snapshots->request(spec.name);  // readers that matched before the bus was there
-  listen_for_commands();
-  if (state_->domain.member() && !state_->held.contains(spec.name))
-    state_->held[spec.name] = state_->listen(spec.name);
+  state_->serve(spec.name, std::move(bus));
 }
+
+void DdsLink::prepare_bus(const BusSpec& spec) {
+  state_->prepared[spec.name] = state_->made(spec);
+  state_->listen_for(spec.name);
+}
+
+void DdsLink::take_over_bus(const BusSpec& spec, const FollowedBus& followed) {
+  auto bus = state_->made(spec);
+  bus->catalogue.go_on_with(followed.epoch);
+  bus->blocks.go_on_with(followed.epoch, followed.blocks, followed.state.samples,
+                         state_->handlers.clock());
+  state_->serve(spec.name, std::move(bus));
+}
+
+void DdsLink::stand_by(bool standing_by) { state_->standing_by = standing_by; }
+
+std::vector<StandbyBusFigures> DdsLink::stream_figures() const {
+  const std::shared_lock lock(state_->mutex);
+  std::vector<StandbyBusFigures> figures;
+  for (const auto& [name, bus] : state_->buses)
+    figures.push_back({name, bus->catalogue.epoch(), bus->blocks.written()});
+  return figures;
+}
+
+Domain& DdsLink::domain() { return state_->domain; }
 
 void DdsLink::listen_for_commands() {
   if (!state_->receivers.commands) state_->receivers = state_->listen({});
@@ -223,7 +262,7 @@ void DdsLink::remove_bus(std::string_view name, Duration linger, Duration limit)
 
 // In this order: nothing new comes in, the last results go out, the buses say goodbye, the
 // participant leaves with the state.
-void DdsLink::close(Duration linger) {
+void DdsLink::close(Duration linger, Leave leave) {
   if (state_->closed) return;
   state_->closed = true;
   state_->receivers.close();
@@ -236,7 +275,9 @@ void DdsLink::close(Duration linger) {
     const std::unique_lock lock(state_->mutex);
     buses.swap(state_->buses);
   }
-  for (auto& [name, bus] : buses) state_->dispose(*bus, Duration::zero());
+  if (leave == Leave::kDispose) {
+    for (auto& [name, bus] : buses) state_->dispose(*bus, Duration::zero());
+  }
   const auto end = std::chrono::steady_clock::now() + linger;
   for (auto& [name, bus] : buses)
     bus->catalogue.wait_for_readers(end - std::chrono::steady_clock::now());

@@ -16,11 +16,13 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "bridge/dds/dds_error.hpp"
 #include "bridge/dds/topics/topic_values.hpp"
 #include "bridge/dds/topics/utc_mapping.hpp"
 #include "bridge/standby/bus_claims.hpp"
+#include "bridge/standby/standby_values.hpp"
 #include "core/alarm/alarm_monitor.hpp"
 #include "core/alarm/alarm_status.hpp"
 #include "core/model/command.hpp"
@@ -30,6 +32,8 @@
 #include "core/plan/plan_report.hpp"
 
 namespace fieldcast {
+
+class Domain;
 
 class DdsLink {
  public:
@@ -78,6 +82,19 @@ class DdsLink {
   // none with more than 256 channels. Its commands arrive from here on: listen_for_commands(). One
   // thread at a time. Throws DdsError. REQUIRES: no bus of this name.
   void add_bus(const BusSpec& bus);
+  // For a bus that another bridge of the standby group serves: its writers are made and find their
+  // readers, and commands for it arrive, but nothing is written. add_bus() is to follow, or
+  // take_over_bus(). Like add_bus().
+  void prepare_bus(const BusSpec& bus);
+  // As add_bus(), for a bus that another bridge has served until now: samples and blocks go on
+  // where that one was. The catalogue is written by publish_again(), which may wait.
+  void take_over_bus(const BusSpec& bus, const FollowedBus& followed);
+  // While another bridge of the group serves the buses, malformed commands are its business.
+  void stand_by(bool standing_by);
+  // Of each bus that was added.
+  [[nodiscard]] std::vector<StandbyBusFigures> stream_figures() const;
+  // For endpoints of the standby group, which end before the link does.
+  [[nodiscard]] Domain& domain();
   // Plant systems find this bridge from here on. For a bridge whose buses are all served by others:
   // commands that are written when it takes one over must not be lost, as they would be before
   // discovery. A second call has no effect. One thread at a time. Throws DdsError.
@@ -144,9 +161,13 @@ class DdsLink {
   // The discovery servers of the configuration that do not answer. Any thread.
   [[nodiscard]] std::vector<std::string> missing_servers() const;
 
+  enum class Leave : std::uint8_t {
+    kDispose,   // stations see the buses go
+    kHandOver,  // another bridge serves them by now
+  };
   // Removes every bus, waits up to `linger` until readers have the last results, leaves the domain.
   // Handlers are not called after it returns. Main thread; a second call has no effect.
-  void close(Duration linger = std::chrono::milliseconds{200});
+  void close(Duration linger = std::chrono::milliseconds{200}, Leave leave = Leave::kDispose);
 
  private:
   struct State;

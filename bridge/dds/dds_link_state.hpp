@@ -2,6 +2,7 @@
 // adds and removes buses and leaves, dds_link_publish.cpp says what buses have to say.
 #pragma once
 
+#include <atomic>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -70,6 +71,10 @@ struct DdsLink::State {
   // The bus, or null. REQUIRES: mutex held, shared or not.
   LinkedBus* find(std::string_view name);
   void dispose(LinkedBus& bus, Duration linger, Duration limit = kInfinite);
+  // Made before, or now.
+  std::unique_ptr<LinkedBus> made(const BusSpec& spec);
+  void serve(const std::string& name, std::unique_ptr<LinkedBus> bus);
+  void listen_for(const std::string& bus);
 
   const std::string bridge;
   const Handlers handlers;
@@ -91,6 +96,8 @@ struct DdsLink::State {
   std::unique_ptr<BridgePresence> presence;
   std::shared_mutex mutex;  // the set of buses: shared to use one, alone to add or remove one
   std::map<std::string, std::unique_ptr<LinkedBus>, std::less<>> buses;
+  std::map<std::string, std::unique_ptr<LinkedBus>, std::less<>> prepared;
+  std::atomic<bool> standing_by = false;
   // Of the buses, once more: a thread of the library asks for them and holds locks of its own,
   // which whoever holds `mutex` may wait for when it makes a writer. Nothing is called under it.
   std::mutex names_mutex;

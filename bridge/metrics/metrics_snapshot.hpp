@@ -28,12 +28,21 @@ struct DeviceFigures {
   DeviceReport report;
 };
 
+// Of a bridge that belongs to a standby group.
+struct StandbyFigures {
+  bool master = false, ready = false;
+  std::uint32_t term = 0;
+  std::uint64_t takeovers = 0;  // times that this bridge became master
+  std::uint64_t behind = 0;     // blocks of the master that it has not followed yet
+};
+
 struct MetricsSnapshot {
   std::string bridge;  // its name
   std::vector<std::shared_ptr<const BusFigures>> buses;
   std::vector<std::shared_ptr<const DeviceFigures>> devices;
   std::optional<AlarmCounts> alarms;
-  std::optional<StoreCounters> store;           // nothing: there is no store
+  std::optional<StoreCounters> store;  // nothing: there is no store
+  std::optional<StandbyFigures> standby;
   std::optional<std::uint32_t> receive_buffer;  // bytes of a UDP socket; nothing: not known
 };
 

@@ -159,6 +159,20 @@ constexpr Row<AlarmCounts> kAlarmRows[] = {
      [](const AlarmCounts& alarms) { return number(std::uint64_t{alarms.chattering}); }},
 };
 
+constexpr Row<StandbyFigures> kStandbyRows[] = {
+    {{"fieldcast_standby_master", Kind::kGauge, "", "1: this bridge is master of its group."},
+     [](const StandbyFigures& standby) { return number(std::uint64_t{standby.master}); }},
+    {{"fieldcast_standby_ready", Kind::kGauge, "", "1: it is master, or could take over."},
+     [](const StandbyFigures& standby) { return number(std::uint64_t{standby.ready}); }},
+    {{"fieldcast_standby_term", Kind::kGauge, "", "Number of the mastership that it knows."},
+     [](const StandbyFigures& standby) { return number(std::uint64_t{standby.term}); }},
+    {{"fieldcast_standby_takeovers", Kind::kCounter, "", "Times that this bridge became master."},
+     [](const StandbyFigures& standby) { return number(standby.takeovers); }},
+    {{"fieldcast_standby_behind", Kind::kGauge, "",
+      "Blocks of samples of the master that it does not have yet."},
+     [](const StandbyFigures& standby) { return number(standby.behind); }},
+};
+
 constexpr Row<StoreCounters> kStoreRows[] = {
     {{"fieldcast_store_samples", Kind::kCounter, "", "Samples in committed transactions."},
      [](const StoreCounters& store) { return number(store.stored); }},
@@ -322,6 +336,10 @@ std::string metrics_text(const MetricsSnapshot& snapshot, MetricsFormat format) 
     out.line({}, number(std::uint64_t{*snapshot.receive_buffer}));
   }
   if (snapshot.alarms) write_alarms(out, *snapshot.alarms);
+  if (snapshot.standby) {
+    const std::vector<Labelled<StandbyFigures>> standby{{{}, &*snapshot.standby}};
+    write_rows(out, kStandbyRows, standby);
+  }
   if (snapshot.store) {
     const std::vector<Labelled<StoreCounters>> store{{{}, &*snapshot.store}};
     write_rows(out, kStoreRows, store);

@@ -41,10 +41,17 @@ void AlarmTable::loaded(AlarmSink& sink, const KeptAlarms& kept) {
 }
 
 void AlarmTable::loaded(const std::string& bus, const KeptAlarms& kept) {
-  std::set<AlarmKey> changed;
   {
     const std::lock_guard lock(mutex_);
     if (loading_ || sink_ == nullptr) return;  // all of it comes, or there is no store
+  }
+  followed(bus, kept);
+}
+
+void AlarmTable::followed(const std::string& bus, const KeptAlarms& kept) {
+  std::set<AlarmKey> changed;
+  {
+    const std::lock_guard lock(mutex_);
     const UtcTime now = read_clocks().utc;
     (void)end(book_.restore(bus, kept, now), now);
     changed = take_changes();

@@ -29,6 +29,8 @@ class AlarmTable {
   void loaded(AlarmSink& sink, const KeptAlarms& kept);
   // How another bridge, which has served the bus meanwhile, has left its alarms in the same store.
   void loaded(const std::string& bus, const KeptAlarms& kept);
+  // How another bridge of the standby group has left them, as it has published them.
+  void followed(const std::string& bus, const KeptAlarms& kept);
   // The store is about to close; what is still held goes to it. Null: there was none.
   void close(AlarmSink* sink);
 

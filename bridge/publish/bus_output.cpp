@@ -1,11 +1,17 @@
 #include "bridge/publish/bus_output.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include "bridge/bus/clock.hpp"
 
 namespace fieldcast {
 
 BusOutput::BusOutput(const Shared& shared, const BusSpec& bus)
     : audit_(shared.audit),
+      lease_(shared.lease),
+      keeps_result_(shared.keeps_result),
+      in_group_(shared.in_group),
       bus_(bus.name),
       dds_(shared.thread, shared.link, shared.figures, bus),
       alarms_(shared.alarms, bus) {
@@ -13,6 +19,14 @@ BusOutput::BusOutput(const Shared& shared, const BusSpec& bus)
 }
 
 void BusOutput::publish(std::vector<Sample> samples, const UtcMapping& mapping) {
+  if (!lease_.holds()) return;  // another bridge may publish by now
+  const bool good = std::ranges::find(samples, Quality::kGood, &Sample::quality) != samples.end();
+  if (good) {
+    foreign_ = false;
+    prove_until_ = kLongAgo;
+  }
+  // The other master of the group publishes what it reads there.
+  if (steady_now() < prove_until_.load() || (foreign_ && in_group_)) return;
   const bool left = dds_.publish_now(samples, mapping);
   const Instant now = steady_now();
   if (store_) store_->put(samples, mapping, now);
@@ -25,12 +39,15 @@ void BusOutput::promise(ChannelIndex channel, std::optional<Duration> gap) {
 }
 
 void BusOutput::complete(const CommandResult& result, const UtcMapping& mapping) {
+  if (keeps_result_ && keeps_result_(bus_, result)) return;
   audit_.answered(bus_, result);
   dds_.complete(result, mapping);
 }
 
 void BusOutput::report(const BusReport& report, UtcTime at) {
   const UtcMapping now = read_clocks();
+  if (report.foreign_masters > std::exchange(foreign_masters_, report.foreign_masters))
+    foreign_ = true;
   dds_.report(alarms_.on_time(now), now);
   dds_.report(report, at);
 }

@@ -2,6 +2,8 @@
 // Owns what belongs to the bus alone. Called on the bus's thread.
 #pragma once
 
+#include <atomic>
+#include <functional>
 #include <optional>
 
 #include "bridge/bus/bus_sink.hpp"
@@ -9,6 +11,7 @@
 #include "bridge/publish/alarm_reporter.hpp"
 #include "bridge/publish/dds_publisher.hpp"
 #include "bridge/publish/store_recorder.hpp"
+#include "bridge/standby/master_lease.hpp"
 
 namespace fieldcast {
 
@@ -22,8 +25,18 @@ class BusOutput final : public BusSink {
     CommandAudit& audit;
     AlarmTable& alarms;
     MetricsTable& figures;
+    MasterLease& lease;
+    // Takes a result instead of DDS: true, and it is not published.
+    std::function<bool(const std::string& bus, const CommandResult& result)> keeps_result{};
+    // Whether it belongs to a standby group.
+    bool in_group = false;
   };
   BusOutput(const Shared& shared, const BusSpec& bus);
+
+  // From a master that has just vanished the bus was taken over: until the first good value comes,
+  // or until then, bad ones stay here. The wire may be another bridge's after all, whose values
+  // they would push aside. Any thread.
+  void prove_until(Instant limit) { prove_until_ = limit; }
 
   void publish(std::vector<Sample> samples, const UtcMapping& mapping) override;
   void promise(ChannelIndex channel, std::optional<Duration> gap) override;
@@ -33,7 +46,13 @@ class BusOutput final : public BusSink {
   void report(PlanReport plan, UtcTime at) override;
 
  private:
+  std::atomic<Instant> prove_until_{kLongAgo};
   CommandAudit& audit_;
+  MasterLease& lease_;
+  const std::function<bool(const std::string&, const CommandResult&)> keeps_result_;
+  const bool in_group_;
+  std::uint64_t foreign_masters_ = 0;  // as of the last report
+  bool foreign_ = false;  // another master has the wire: no good value since it was heard
   const std::string bus_;
   DdsPublisher dds_;
   std::optional<StoreRecorder> store_;

@@ -43,7 +43,7 @@ std::optional<BridgeClaims> BusClaims::rival(const std::string& bus) const {
   const BridgeClaims* found = nullptr;
   for (const auto& [id, other] : others_) {
     const auto claim = other.claims.buses.find(bus);
-    if (!other.alive || claim == other.claims.buses.end()) continue;
+    if (!is_rival(other) || claim == other.claims.buses.end()) continue;
     if (const auto its = rank(claim->second, id); its < first) {
       first = its;
       found = &other.claims;
@@ -55,7 +55,7 @@ std::optional<BridgeClaims> BusClaims::rival(const std::string& bus) const {
 bool BusClaims::decide() {
   bool changed = false;
   for (auto& [bus, claim] : own_) {
-    const bool serving = !rival(bus);
+    const bool serving = !standing_by_ && !rival(bus);
     changed |= serving != claim.serving;
     claim.serving = serving;
   }
@@ -70,7 +70,7 @@ bool BusClaims::serves(const std::string& bus) const {
 std::set<std::string> BusClaims::contested() const {
   std::set<std::string> found;
   for (const auto& [id, other] : others_) {
-    if (!other.alive) continue;
+    if (!is_rival(other)) continue;
     for (const auto& [bus, claim] : other.claims.buses) {
       if (claim.serving && serves(bus)) found.insert(bus);
     }

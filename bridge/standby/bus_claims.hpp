@@ -4,9 +4,11 @@
 // The rule: a bridge that serves goes before one that waits; of two that both serve or both wait,
 // the one that has wanted the bus for longer; of two that began at the same instant, the one with
 // the smaller identity. So clocks that differ change who is first of several that begin together,
-// never who goes on.
+// never who goes on. Bridges of one standby group are no rivals: the group's election says which of
+// them serves.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <set>
@@ -30,6 +32,8 @@ struct BridgeClaims {
   std::string process;  // see process_identity.hpp
   UtcTime since;        // when it joined the domain
   std::map<std::string, BusClaim> buses;
+  std::string group{};  // its standby group; empty: none
+  std::int32_t strength = 0;
   friend bool operator==(const BridgeClaims&, const BridgeClaims&) = default;
 };
 
@@ -38,6 +42,9 @@ class BusClaims {
   // `id`: of this bridge in DDS, unique in the domain. Others are told apart by theirs.
   explicit BusClaims(std::string id = {}) : id_(std::move(id)) {}
   void set_id(std::string id) { id_ = std::move(id); }
+  void set_group(std::string group) { group_ = std::move(group); }
+  // While it stands by, another one of its group serves.
+  void set_standing_by(bool standing_by) { standing_by_ = standing_by; }
 
   // ---- the others
 
@@ -68,7 +75,11 @@ class BusClaims {
     BridgeClaims claims;
     bool alive = true;
   };
-  std::string id_;
+  [[nodiscard]] bool is_rival(const Other& other) const {
+    return other.alive && (group_.empty() || other.claims.group != group_);
+  }
+  std::string id_, group_;
+  bool standing_by_ = false;
   std::map<std::string, BusClaim> own_;
   std::map<std::string, Other> others_;
 };

@@ -51,6 +51,24 @@ void BusGuard::lost(const std::string& id) {
   wake_.notify_all();
 }
 
+void BusGuard::join_group(const std::string& group, std::int32_t strength) {
+  const std::lock_guard lock(mutex_);
+  own_.group = group;
+  own_.strength = strength;
+  claims_.set_group(group);
+  claims_.set_standing_by(true);
+}
+
+void BusGuard::stand_by(bool standing_by) {
+  {
+    const std::lock_guard lock(mutex_);
+    claims_.set_standing_by(standing_by);
+    if (!settled_ || !claims_.decide()) return;
+    contested_ = claims_.contested();
+  }
+  announce();
+}
+
 void BusGuard::want(const std::string& id, const std::vector<std::string>& buses) {
   {
     const std::lock_guard lock(mutex_);

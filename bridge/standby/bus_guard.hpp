@@ -46,6 +46,10 @@ class BusGuard {
 
   // ---- this bridge
 
+  // Before everything else: it belongs to a standby group, and stands by at first.
+  void join_group(const std::string& group, std::int32_t strength);
+  // Whether another bridge of the group serves. The others are told; changed() is not called.
+  void stand_by(bool standing_by);
   // Wants these buses and no others; `id` is its own in DDS. What it serves is decided by settle(),
   // or by itself once that was called.
   void want(const std::string& id, const std::vector<std::string>& buses);

@@ -27,17 +27,6 @@ bool is_better(const StandbyMember& a, const StandbyMember& b) {
 
 }  // namespace
 
-std::string_view to_text(StandbyRole role) {
-  switch (role) {
-    case StandbyRole::kWaiting: return "waiting";
-    case StandbyRole::kMaster: return "master";
-    case StandbyRole::kHandingOver: return "handing over";
-    case StandbyRole::kReleased: return "released";
-    case StandbyRole::kLeft: return "left";
-  }
-  return "unknown";
-}
-
 Election::Election(StandbyMember own, Instant now)
     : own_(std::move(own)), alone_since_(now), settled_(now + kSettle), looked_(now) {
   own_.role = StandbyRole::kWaiting;

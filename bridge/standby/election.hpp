@@ -28,7 +28,16 @@ enum class StandbyRole : std::uint8_t {
   kReleased,     // serves no longer, its successor is to take over
   kLeft,         // is no member any more
 };
-[[nodiscard]] std::string_view to_text(StandbyRole role);  // "waiting", "master", ...
+[[nodiscard]] constexpr std::string_view to_text(StandbyRole role) {
+  switch (role) {
+    case StandbyRole::kWaiting: return "waiting";
+    case StandbyRole::kMaster: return "master";
+    case StandbyRole::kHandingOver: return "handing over";
+    case StandbyRole::kReleased: return "released";
+    case StandbyRole::kLeft: return "left";
+  }
+  return "unknown";
+}
 
 // The counter in the upper half, a hash of the member's name in the lower one: members that cannot
 // hear each other choose different terms.

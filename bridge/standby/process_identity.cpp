@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <signal.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <array>
@@ -49,18 +50,44 @@ std::string own_process_identity() {
   return fmt::format("{}/{}/{}/{}", boot(), pid_namespace(), pid, start_of(pid).value_or(""));
 }
 
-bool has_ended(const std::string& identity) {
+namespace {
+
+struct Process {
+  std::string pid, start;
+};
+
+// Nothing: of another kernel, or out of sight.
+std::optional<Process> process_of(const std::string& identity) {
   const std::string here = fmt::format("{}/{}/", boot(), pid_namespace());
-  if (!identity.starts_with(here)) return false;
+  if (!identity.starts_with(here)) return std::nullopt;
   const std::string process = identity.substr(here.size());
   const auto slash = process.find('/');
   if (slash == 0 || slash == std::string::npos || process.find_first_not_of("0123456789") != slash)
-    return false;
-  const std::string pid = process.substr(0, slash);
-  if (const auto start = start_of(pid)) return *start != process.substr(slash + 1);
+    return std::nullopt;
+  return Process{process.substr(0, slash), process.substr(slash + 1)};
+}
+
+pid_t number_of(const Process& process) {
+  return static_cast<pid_t>(std::strtol(process.pid.c_str(), nullptr, 10));
+}
+
+}  // namespace
+
+bool has_ended(const std::string& identity) {
+  const auto process = process_of(identity);
+  if (!process) return false;
+  if (const auto start = start_of(process->pid)) return *start != process->start;
   // /proc may hide the processes of other users.
-  return ::kill(static_cast<pid_t>(std::strtol(pid.c_str(), nullptr, 10)), 0) != 0 &&
-         errno == ESRCH;
+  return ::kill(number_of(*process), 0) != 0 && errno == ESRCH;
+}
+
+FileDescriptor open_process(const std::string& identity) {
+  const auto process = process_of(identity);
+  if (!process) return {};
+  FileDescriptor handle(static_cast<int>(::syscall(SYS_pidfd_open, number_of(*process), 0)));
+  // Its number may be that of another process by now.
+  if (const auto start = start_of(process->pid); start && *start != process->start) return {};
+  return handle;
 }
 
 std::string own_host_name() {

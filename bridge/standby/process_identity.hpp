@@ -4,12 +4,17 @@
 
 #include <string>
 
+#include "bridge/base/file_descriptor.hpp"
+
 namespace fieldcast {
 
 [[nodiscard]] std::string own_process_identity();
 
 // True only if that process ran where this one can see it, and does not run any more.
 [[nodiscard]] bool has_ended(const std::string& identity);
+
+// Becomes readable when that process ends. None: it did not run where this one can see it.
+[[nodiscard]] FileDescriptor open_process(const std::string& identity);
 
 [[nodiscard]] std::string own_host_name();  // for people
 

@@ -8,6 +8,8 @@ void to_idl(const BridgeClaims& claims, idl::Bridge& out) {
   out.host() = cut_text(claims.host, 64);
   out.process() = cut_text(claims.process, 128);
   out.version() = FIELDCAST_VERSION;
+  out.standby_group() = cut_text(claims.group, kMaxNameLength);
+  out.strength(claims.strength);
   out.since(claims.since.nanoseconds);
   out.buses().clear();
   for (const auto& [name, claim] : claims.buses) {
@@ -25,6 +27,8 @@ BridgeClaims from_idl(const idl::Bridge& bridge) {
   claims.host = bridge.host().c_str();
   claims.process = bridge.process().c_str();
   claims.since = {bridge.since()};
+  claims.group = bridge.standby_group().c_str();
+  claims.strength = bridge.strength();
   for (const idl::BridgeBus& bus : bridge.buses())
     claims.buses[bus.bus().c_str()] = {{bus.since()}, bus.serving()};
   return claims;

@@ -77,7 +77,9 @@ TEST_F(CommandRouterTest, EveryCommandOfAFloodEndsInOneResult) {
 struct Keeper {
   explicit Keeper(CommandRouter& router) {
     router.keep_identities(
-        [this](const std::string&, std::uint64_t id, auto kept) { waiting[id] = kept; },
+        [this](const std::string&, const std::string&, std::uint64_t id, auto kept) {
+          waiting[id] = kept;
+        },
         [this](const std::string&, const CommandResult& result) { refused.push_back(result); });
   }
   std::map<std::uint64_t, std::function<void(CommandRouter::Identity)>> waiting;

@@ -136,5 +136,32 @@ TEST(BusClaims, ABusThatIsNotWantedAnyMoreIsFree) {
   EXPECT_THAT(domain.serving("bus"), ElementsAre("later"));
 }
 
+TEST(BusClaims, BridgesOfOneStandbyGroupAreNoRivalsButOthersAre) {
+  BusClaims own("a");
+  own.set_group("g");
+  own.want({"bus"}, UtcTime{10});
+  BridgeClaims other{"b", "host", "", {}, {{"bus", {UtcTime{1}, true}}}, "g"};
+  own.receive("b", other);
+  EXPECT_EQ(own.rival("bus"), std::nullopt);
+  other.group = "another";
+  own.receive("b", other);
+  EXPECT_TRUE(own.rival("bus"));
+  other.group = "";
+  own.receive("b", other);
+  EXPECT_TRUE(own.rival("bus"));
+}
+
+TEST(BusClaims, WhoStandsByServesNothing) {
+  BusClaims own("a");
+  own.set_group("g");
+  own.set_standing_by(true);
+  own.want({"bus"}, UtcTime{1});
+  EXPECT_FALSE(own.decide());
+  EXPECT_FALSE(own.serves("bus"));
+  own.set_standing_by(false);
+  EXPECT_TRUE(own.decide());
+  EXPECT_TRUE(own.serves("bus"));
+}
+
 }  // namespace
 }  // namespace fieldcast

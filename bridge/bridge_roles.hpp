@@ -1,0 +1,76 @@
+// What a bridge has because it belongs to a standby group: the thread that changes its role, the
+// buses that are prepared, and the commands that are held while another bridge is master. Private
+// to Bridge.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "bridge/bus/bus_runner.hpp"
+#include "bridge/bus/io_thread.hpp"
+#include "bridge/publish/bus_output.hpp"
+#include "bridge/standby/held_commands.hpp"
+#include "core/alarm/alarm_status.hpp"
+#include "core/model/command.hpp"
+
+namespace fieldcast {
+
+struct RunningBus {
+  std::unique_ptr<BusOutput> sink;  // outlives the runner, and what it has posted
+  std::unique_ptr<IoThread> io;     // outlives the runner too
+  std::shared_ptr<BusRunner> runner;
+};
+
+struct Standby {
+  struct HeldCommand {
+    std::string bus;
+    Command command;
+  };
+
+  ~Standby() { end(); }
+
+  // True: another bridge is master, and will answer it.
+  [[nodiscard]] bool hold(const std::string& bus, const Command& command);
+  [[nodiscard]] bool hold(const AlarmAction& action);
+  // A command that this bridge was to run has its result.
+  void answered(const CommandResult& result);
+  // What the group tells of others.
+  void seen_answer(const std::string& requester, std::uint64_t request_id);
+
+  // The thread of roles: calls `look` when it was notified, and while that says so, soon again.
+  void start(std::function<bool()> look);
+  void notify();
+  void wait(Duration time);
+  void end();  // a second call has no effect
+
+  // Under Bridge's `changing`.
+  bool serving = false;  // the buses of the group run here
+  std::map<std::string, RunningBus, std::less<>> prepared;
+
+  HeldCommands<HeldCommand> commands;
+  HeldCommands<AlarmAction> actions;
+  std::atomic<int> in_hand{0};  // commands that run here and have no result yet
+  std::atomic<bool> handing_over = false;
+  std::atomic<bool> leaving = false;  // the bridge stops
+  std::mutex follower_mutex;          // the follower, while it is made or ended
+  std::mutex late_mutex;
+  // Results that came while the lease did not hold.
+  std::vector<std::pair<std::string, CommandResult>> late;
+
+ private:
+  void run(const std::function<bool()>& look);
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool dirty_ = false, ending_ = false;
+  std::thread thread_;
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,426 @@
+// A bridge of a standby group: what it prepares, how it takes over, and how it lets go.
+#include <fmt/format.h>
+#include <pthread.h>
+
+#include "bridge/bridge_state.hpp"
+#include "bridge/bus/clock.hpp"
+#include "bridge/standby/common_configuration.hpp"
+#include "core/model/command_refusal.hpp"
+
+namespace fieldcast {
+namespace {
+
+constexpr Duration kLookAgain = std::chrono::milliseconds{20};
+// How long a master that hands over waits for the commands that run.
+constexpr Duration kFinish = std::chrono::milliseconds{200};
+// What a master that has let go had published arrives within this time, or is counted as lost.
+constexpr Duration kLastBlocks = std::chrono::milliseconds{50};
+// After its successor has taken over, so that it has written everything when this bridge leaves.
+constexpr Duration kAfterHandOver = std::chrono::milliseconds{500};
+// More than a master can have published since its successor has heard of it: numbers that the
+// successor leaves out, so that no sample of the old master is newer than one of the new.
+constexpr std::uint64_t kSequenceMargin = 1024;
+
+}  // namespace
+
+// ---- Standby
+
+bool Standby::hold(const std::string& bus, const Command& command) {
+  return commands.hold({command.requester, command.request_id}, {bus, command}, command.expires,
+                       steady_now());
+}
+
+bool Standby::hold(const AlarmAction& action) {
+  return actions.hold({action.requester, action.request_id}, action,
+                      steady_now() + std::chrono::seconds{10}, steady_now());
+}
+
+void Standby::answered(const CommandResult&) { --in_hand; }
+
+void Standby::seen_answer(const std::string& requester, std::uint64_t request_id) {
+  commands.answered({requester, request_id});
+  actions.answered({requester, request_id});
+}
+
+void Standby::start(std::function<bool()> look) {
+  if (thread_.joinable()) return;
+  ending_ = false;
+  thread_ = std::thread([this, look = std::move(look)] { run(look); });
+}
+
+void Standby::notify() {
+  const std::lock_guard lock(mutex_);
+  dirty_ = true;
+  changed_.notify_all();
+}
+
+// For what others do meanwhile.
+void Standby::wait(Duration time) { std::this_thread::sleep_for(time); }
+
+void Standby::end() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+    changed_.notify_all();
+  }
+  if (thread_.joinable()) thread_.join();
+}
+
+void Standby::run(const std::function<bool()>& look) {
+  pthread_setname_np(pthread_self(), "roles");
+  std::unique_lock lock(mutex_);
+  while (!ending_) {
+    dirty_ = false;
+    lock.unlock();
+    const bool again = look();
+    lock.lock();
+    const auto woken = [this] { return dirty_ || ending_; };
+    again ? changed_.wait_for(lock, kLookAgain, woken)
+          : changed_.wait_for(lock, std::chrono::seconds{1}, woken);
+  }
+}
+
+// ---- Bridge::State
+
+// Throws DdsError.
+void Bridge::State::join_group() {
+  const StandbySpec& wanted = *spec.standby;
+  guard->join_group(wanted.group, wanted.strength);
+  link->stand_by(true);
+  standby.commands.stand_by();
+  standby.actions.stand_by();
+  standby.serving = false;
+  standby.handing_over = false;
+  standby.in_hand = 0;
+  StandbyMember own;
+  own.bridge = spec.name;
+  own.since = read_clocks().utc.nanoseconds;
+  own.strength = wanted.strength;
+  own.configuration = common_configuration(spec);
+  StandbyGroup::Handlers handlers;
+  handlers.tell = [this](const StandbyMessage& message) { channel->tell(message); };
+  handlers.note = [this](const StandbyNote& note) { channel->tell(note); };
+  handlers.figures = [this] {
+    const std::lock_guard lock(standby.follower_mutex);
+    return follower ? follower->figures() : link->stream_figures();
+  };
+  handlers.changed = [this] { standby.notify(); };
+  handlers.noted = [this](const StandbyNote& note) {
+    const HeldCommands<Standby::HeldCommand>::Key key{note.requester, note.request_id};
+    if (note.kind == StandbyNoteKind::kReturned) return standby.commands.returned(key);
+    standby.commands.begun(note.bus, key, steady_now() + std::chrono::minutes{1});
+  };
+  group = std::make_unique<StandbyGroup>(wanted.group, own, lease, std::move(handlers));
+  StandbyChannelHandlers heard;
+  heard.member = [this](const StandbyMessage& message) { group->on_member(message); };
+  heard.lost = [this](const std::string& bridge) { group->on_lost(bridge); };
+  heard.note = [this](const StandbyNote& note) { group->on_note(note); };
+  heard.request = [this](const StandbyRequest& request) { on_request(request); };
+  channel = std::make_unique<StandbyChannel>(link->domain(), "fieldcast-bridge " + spec.name,
+                                             wanted.group, wanted.strength, std::move(heard));
+  follower = std::make_unique<StandbyFollower>(
+      link->domain(), spec.buses,
+      FollowerHandlers{[this](const std::string& requester, std::uint64_t request_id) {
+        standby.seen_answer(requester, request_id);
+        commands.answered_elsewhere(requester, request_id);
+      }});
+  group->start();
+}
+
+void Bridge::State::stand_alone() {
+  lease.set(kNever);
+  (void)standby.commands.take_over(steady_now());
+  (void)standby.actions.take_over(steady_now());
+}
+
+// Somebody wants another master.
+void Bridge::State::on_request(const StandbyRequest& request) {
+  if (group->role() != StandbyRole::kMaster) return;
+  const auto refused = group->hand_over(request.bridge);
+  const std::string who = request.by.empty() ? "somebody" : request.by;
+  if (refused)
+    return log_warning(spec.name, fmt::format("not handed over, as {} wants: {}", who, *refused));
+  log_info(spec.name, fmt::format("handed over, as {} wants", who));
+}
+
+// Everything that takes time is done before this bridge is master.
+void Bridge::State::prepare_bus(const BusSpec& bus) {
+  standby.prepared.emplace(bus.name, make_bus(bus));
+  link->prepare_bus(bus);
+}
+
+void Bridge::State::take_part() {
+  group->set_not_ready({});
+  log_info(spec.name, fmt::format("stands by in group {}, with strength {}", spec.standby->group,
+                                  spec.standby->strength));
+  standby.start([this] { return follow_role(); });
+  standby.notify();
+}
+
+void Bridge::State::leave_group() {
+  if (!group) return;
+  group->end();
+  end_follower();
+}
+
+// Not under the lock that the group's thread takes, as it waits for threads of the library.
+void Bridge::State::end_follower() {
+  std::unique_ptr<StandbyFollower> ended;
+  {
+    const std::lock_guard lock(standby.follower_mutex);
+    ended.swap(follower);
+  }
+}
+
+// On the main thread, before the stop. True: another bridge of the group serves the buses, and
+// nothing of them is to be disposed of.
+bool Bridge::State::hand_over_before_stop() {
+  standby.leaving = true;
+  {
+    const std::lock_guard lock(changing);
+    if (!group || !standby.serving) return group != nullptr;
+  }
+  if (const auto refused = group->hand_over({})) {
+    log_info(spec.name, fmt::format("no other bridge takes over: {}", *refused));
+    return false;
+  }
+  const Instant limit = steady_now() + kFinish + Election::kHandOver;
+  while (steady_now() < limit) {
+    const StandbyGroup::View view = group->view();
+    if (view.role == StandbyRole::kWaiting && view.master) {
+      standby.wait(kAfterHandOver);
+      return true;
+    }
+    standby.wait(kLookAgain);
+  }
+  return false;
+}
+
+// On the thread of roles. True: it is to be called again soon.
+bool Bridge::State::follow_role() {
+  const std::unique_lock lock(changing, std::try_to_lock);
+  if (!lock) return true;  // the main thread stops or reloads
+  if (standby.leaving && !standby.serving) return false;
+  if (!link) {  // it could not start again
+    start_as_standby();
+    return false;
+  }
+  if (!group) return false;
+  const StandbyRole role = group->role();
+  if (role == StandbyRole::kMaster && !standby.serving && !standby.handing_over) {
+    promote();
+  } else if (role == StandbyRole::kHandingOver && standby.serving) {
+    release();
+  } else if (role == StandbyRole::kWaiting && standby.serving) {
+    step_back();
+  } else if (standby.handing_over && role != StandbyRole::kReleased && !standby.leaving) {
+    start_as_standby();
+  }
+  finish_held();
+  return standby.handing_over || !late_results_done();
+}
+
+bool Bridge::State::late_results_done() {
+  const std::lock_guard lock(standby.late_mutex);
+  return standby.late.empty();
+}
+
+void Bridge::State::promote() {
+  const Instant begun = steady_now();
+  const auto released = group->released_by_other();
+  const bool whole = released && follower->wait_for(*released, kLastBlocks);
+  const UtcMapping now = read_clocks();
+  auto known = follower->take(now);
+  guard->stand_by(false);
+  link->stand_by(false);
+  standby.serving = true;
+  std::vector<std::string> taken;
+  for (const BusSpec& bus : spec.buses) {
+    FollowedBus& followed = known[bus.name];
+    const bool goes_on = followed.epoch != 0;
+    if (!guard->serves(bus.name)) {
+      start_buses({bus.name}, spec);  // says why not
+      continue;
+    }
+    try {
+      start_bus(bus, goes_on ? &followed : nullptr, whole ? 0 : kSequenceMargin);
+      if (goes_on) taken.push_back(bus.name);
+    } catch (const DdsError& error) { log_error(bus.name, error.what()); }
+  }
+  const Duration running = steady_now() - begun;
+  for (const std::string& bus : taken) link->publish_again(bus);
+  const std::vector<StationAlarmStatus> alarms_of_master = follower->alarms();
+  finish_commands();
+  end_follower();
+  if (taken.empty()) {
+    log_info(spec.name, fmt::format("is master of group {}", spec.standby->group));
+  } else {
+    log_warning(spec.name,
+                fmt::format("has taken over in group {} ({}), term {}: buses run after {}",
+                            spec.standby->group,
+                            released ? "the master has handed over" : "the master is gone",
+                            number_of(group->view().term), to_text(running)));
+  }
+  take_over_followed_alarms(taken, alarms_of_master);
+}
+
+// Commands that the old master has not answered.
+void Bridge::State::finish_commands() {
+  const UtcMapping now = read_clocks();
+  auto left = standby.commands.take_over(now.instant);
+  for (const auto& begun : left.begun) {
+    CommandResult failed;
+    failed.requester = begun.key.first;
+    failed.request_id = begun.key.second;
+    failed.state = CommandState::kFailed;
+    failed.cause = Cause::kShutdown;
+    failed.reason = "the bridge that had begun it is gone; unknown whether it took effect";
+    failed.received = failed.started = failed.completed = now.instant;
+    commands.answered_elsewhere(failed.requester, failed.request_id);
+    audit.answered(begun.bus, failed);
+    link->complete(begun.bus, failed, now);
+  }
+  for (Standby::HeldCommand& held : left.to_run) run_command(held.bus, std::move(held.command));
+  for (const AlarmAction& action : standby.actions.take_over(now.instant).to_run)
+    run_action(action);
+}
+
+// A common store knows more than what was published; a file of this host knows less.
+void Bridge::State::take_over_followed_alarms(const std::vector<std::string>& taken,
+                                              const std::vector<StationAlarmStatus>& followed) {
+  const bool common = spec.store && spec.store->address.starts_with("postgres");
+  for (const std::string& bus : taken) {
+    if (common) {
+      take_over_alarms(bus);
+      continue;
+    }
+    KeptAlarms kept;
+    for (const StationAlarmStatus& each : followed) {
+      if (each.alarm.bus != bus) continue;
+      kept.states.push_back({each.alarm, each.status});
+      if (each.status.active) kept.active.push_back({each.alarm, each.status});
+    }
+    alarms.followed(bus, kept);
+  }
+}
+
+// In order: what runs ends, then the buses are let go of.
+void Bridge::State::release() {
+  standby.handing_over = true;
+  standby.commands.stand_by();  // what comes now is the successor's
+  standby.actions.stand_by();
+  const Instant limit = steady_now() + kFinish;
+  while (standby.in_hand > 0 && steady_now() < limit) standby.wait(std::chrono::milliseconds{1});
+  std::vector<std::string> names;
+  for (const auto& [name, bus] : buses) names.push_back(name);
+  stop_runners(names);
+  standby.serving = false;
+  group->released();
+  log_info(spec.name, "has let go of its buses for another bridge of the group");
+}
+
+// Another bridge is master, of a later term.
+void Bridge::State::step_back() {
+  log_warning(spec.name,
+              fmt::format("steps back: {} is master of group {}",
+                          group->view().master.value_or("another bridge"), spec.standby->group));
+  if (!standby.leaving) return start_as_standby();
+  std::vector<std::string> names;
+  for (const auto& [name, bus] : buses) names.push_back(name);
+  stop_runners(names);
+  standby.serving = false;
+}
+
+// Everything begins anew, without disposing of what another bridge serves by now.
+void Bridge::State::start_as_standby() {
+  const BridgeSpec same = spec;
+  standby.serving = false;
+  if (link && standby.handing_over) standby.wait(kAfterHandOver);
+  stop_all(program::Server::Modules::kKeep, DdsLink::Leave::kHandOver);
+  {
+    const std::lock_guard lock(standby.late_mutex);
+    standby.late.clear();
+  }
+  standby.handing_over = false;
+  if (const auto started =
+          start(same, program::Server::Modules::kKeep, [this] { return standby.leaving.load(); });
+      !started) {
+    log_error(same.name, "cannot stand by: " + started.error());
+  }
+}
+
+void Bridge::State::run_command(const std::string& bus, Command command) {
+  const AuditEntry asked = audit.asked(bus, command);
+  ++standby.in_hand;
+  if (const auto refused = commands.take(bus, std::move(command), steady_now())) {
+    standby.answered(*refused);
+    audit.refused(asked, *refused);
+    link->complete(bus, *refused, read_clocks());
+  }
+}
+
+void Bridge::State::run_action(const AlarmAction& action) {
+  const UtcMapping now = read_clocks();
+  link->complete(action.alarm.bus, alarm_actions.take(action, now), now);
+}
+
+// Before a write goes to its bus: all who could answer for it know of it.
+void Bridge::State::keep_identity(const std::string& bus, const std::string& requester,
+                                  std::uint64_t request_id,
+                                  std::function<void(CommandRouter::Identity)> kept) {
+  const auto keep = [this, requester, request_id](auto then) {
+    if (!identities) return then(CommandRouter::Identity::kNew);
+    keep_in_store(requester, request_id, std::move(then));
+  };
+  if (!group) return keep(std::move(kept));
+  group->begin(bus, requester, request_id, [keep, kept = std::move(kept)](bool noted) {
+    if (!noted) return kept(CommandRouter::Identity::kNotNoted);
+    keep(kept);
+  });
+}
+
+// Whether a result stays here: its command runs at the successor, or nobody knows at this moment
+// who is master.
+bool Bridge::State::keeps_result(const std::string& bus, const CommandResult& result) {
+  standby.answered(result);
+  if (!spec.standby) return false;
+  if (standby.handing_over && result.state == CommandState::kRejected &&
+      result.cause == Cause::kShutdown) {
+    group->give_back(bus, result.requester, result.request_id);
+    return true;
+  }
+  // Members that cannot hear each other: the one that has the wire answers.
+  if (result.state == CommandState::kRejected && result.cause == Cause::kForeignMaster) return true;
+  if (lease.holds()) return false;
+  const std::lock_guard lock(standby.late_mutex);
+  standby.late.emplace_back(bus, result);
+  standby.notify();
+  return true;
+}
+
+StandbyFigures Bridge::State::standby_figures() const {
+  const StandbyGroup::View view = group->view();
+  StandbyFigures told;
+  told.master = view.role == StandbyRole::kMaster || view.role == StandbyRole::kHandingOver;
+  told.ready = told.master || view.not_ready.empty();
+  told.term = number_of(view.term);
+  told.takeovers = view.terms_begun;
+  told.behind = view.behind;
+  return told;
+}
+
+// Still master: what waited is answered.
+void Bridge::State::finish_held() {
+  if (!standby.serving || !lease.holds()) return;
+  std::vector<std::pair<std::string, CommandResult>> late;
+  {
+    const std::lock_guard lock(standby.late_mutex);
+    late.swap(standby.late);
+  }
+  for (const auto& [bus, result] : late) {
+    audit.answered(bus, result);
+    link->complete(bus, result, read_clocks());
+  }
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,131 @@
+// Commands at a waiting member of a standby group: it receives what the master receives, and holds
+// it until the result is seen. When it takes over it knows which ones are still to be run.
+//
+// Of a write that the master has begun nobody knows whether it took effect: it is answered as
+// failed, and never run again. Any thread.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/time.hpp"
+#include "core/bus/command_ledger.hpp"
+
+namespace fieldcast {
+
+// `Item`: a command with its bus, or what a person does about an alarm.
+template <class Item>
+class HeldCommands {
+ public:
+  static constexpr std::size_t kMost = 16384;  // more are not held: they have no result then
+  // After its lifespan the master has answered, or nobody will.
+  static constexpr Duration kLonger = std::chrono::seconds{10};
+  using Key = std::pair<std::string, std::uint64_t>;  // requester, request_id
+
+  struct Left {
+    std::vector<Item> to_run;  // in the order in which they came
+    struct Begun {
+      std::string bus;
+      Key key;
+    };
+    std::vector<Begun> begun;  // without a result
+  };
+
+  // True: it is held. False: this bridge is master, and it is to be run.
+  [[nodiscard]] bool hold(const Key& key, Item item, Instant expires, Instant now) {
+    const std::lock_guard lock(mutex_);
+    if (open_) return false;
+    expire(now);
+    if (answered_.contains(key) || entries_.size() >= kMost) return true;
+    Entry& entry = entries_[key];
+    if (!entry.has_item) entry.number = ++last_;
+    entry.item = std::move(item);
+    entry.has_item = true;
+    entry.until = expires == kNever ? kNever : expires + kLonger;
+    return true;
+  }
+  // The master has begun it. `until`: its result comes before, or never.
+  void begun(const std::string& bus, const Key& key, Instant until) {
+    const std::lock_guard lock(mutex_);
+    if (open_ || answered_.contains(key) || entries_.size() >= kMost) return;
+    Entry& entry = entries_[key];
+    if (entry.number == 0) entry.number = ++last_;
+    entry.begun = true;
+    entry.bus = bus;
+    entry.until = until;
+  }
+  // The master had begun it, and it had no effect.
+  void returned(const Key& key) {
+    const std::lock_guard lock(mutex_);
+    if (const auto found = entries_.find(key); found != entries_.end()) found->second.begun = false;
+  }
+  void answered(const Key& key) {
+    const std::lock_guard lock(mutex_);
+    if (open_) return;
+    entries_.erase(key);
+    if (!answered_.insert(key).second) return;
+    order_.push_back(key);
+    if (order_.size() <= CommandLedger::kRemembered) return;
+    answered_.erase(order_.front());
+    order_.pop_front();
+  }
+
+  // This bridge is master from here on: what is left, and nothing is held any more.
+  [[nodiscard]] Left take_over(Instant now) {
+    const std::lock_guard lock(mutex_);
+    expire(now);
+    open_ = true;
+    std::map<std::uint64_t, Item> in_order;
+    Left left;
+    for (auto& [key, entry] : entries_) {
+      if (entry.begun) {
+        left.begun.push_back({entry.bus, key});
+      } else if (entry.has_item) {
+        in_order.emplace(entry.number, std::move(entry.item));
+      }
+    }
+    for (auto& [number, item] : in_order) left.to_run.push_back(std::move(item));
+    entries_.clear();
+    return left;
+  }
+  // Another bridge is master, or will be: what comes is held.
+  void stand_by() {
+    const std::lock_guard lock(mutex_);
+    open_ = false;
+  }
+  [[nodiscard]] std::size_t size() const {
+    const std::lock_guard lock(mutex_);
+    return entries_.size();
+  }
+
+ private:
+  struct Entry {
+    Item item{};
+    bool has_item = false;
+    bool begun = false;
+    std::string bus;
+    std::uint64_t number = 0;
+    Instant until = kNever;
+  };
+  void expire(Instant now) {
+    if (now < look_) return;
+    look_ = now + std::chrono::seconds{1};
+    std::erase_if(entries_, [now](const auto& entry) { return entry.second.until <= now; });
+  }
+
+  mutable std::mutex mutex_;
+  bool open_ = true;  // a bridge that stands alone runs everything
+  std::map<Key, Entry> entries_;
+  std::set<Key> answered_;
+  std::deque<Key> order_;
+  std::uint64_t last_ = 0;
+  Instant look_ = kLongAgo;
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,336 @@
+#include "bridge/standby/standby_group.hpp"
+
+#include <poll.h>
+#include <pthread.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+
+#include "bridge/bus/clock.hpp"
+#include "bridge/check.hpp"
+#include "bridge/standby/process_identity.hpp"
+
+namespace fieldcast {
+namespace {
+
+constexpr std::size_t kMostWaiting = 4096;
+
+// A busy machine must not look like a dead one. Where the service may not have it, it does without.
+void ask_for_priority() {
+  sched_param wanted{};
+  wanted.sched_priority = 1;
+  (void)pthread_setschedparam(pthread_self(), SCHED_RR, &wanted);
+}
+
+}  // namespace
+
+StandbyGroup::StandbyGroup(std::string group, StandbyMember own, MasterLease& lease,
+                           Handlers handlers)
+    : group_(std::move(group)),
+      host_(own_host_name()),
+      process_(own_process_identity()),
+      lease_(lease),
+      handlers_(std::move(handlers)),
+      wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
+      election_(own, steady_now()),
+      strength_(own.strength),
+      own_name_(own.bridge) {
+  lease_.set(kLongAgo);
+}
+
+StandbyGroup::~StandbyGroup() { end(); }
+
+void StandbyGroup::start() {
+  thread_ = std::thread([this] { run(); });
+}
+
+void StandbyGroup::end() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+    lease_.set(kLongAgo);
+  }
+  wake();
+  thread_.join();
+  std::vector<Waiting> waiting;
+  StandbyMessage last;
+  {
+    const std::lock_guard lock(mutex_);
+    waiting.swap(waiting_);
+    last = message(steady_now());
+  }
+  for (const Waiting& each : waiting) each.done(false);
+  last.member.role = StandbyRole::kLeft;
+  last.member.not_ready = "it has ended";
+  handlers_.tell(last);
+}
+
+void StandbyGroup::wake() const {
+  const std::uint64_t one = 1;
+  (void)!::write(wake_.get(), &one, sizeof one);
+}
+
+void StandbyGroup::on_member(const StandbyMessage& message) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (ending_) return;
+    election_.receive(message.member, steady_now());
+    others_[message.member.bridge] = message;
+    follow_role();
+  }
+  wake();
+}
+
+void StandbyGroup::on_lost(const std::string& bridge) {
+  {
+    const std::lock_guard lock(mutex_);
+    election_.lost(bridge);
+  }
+  wake();
+}
+
+void StandbyGroup::on_note(const StandbyNote& note) {
+  if (note.bridge == own_name_) return;
+  handlers_.noted(note);
+  {
+    const std::lock_guard lock(mutex_);
+    if (note.term < noted_term_) return;
+    if (note.term > noted_term_) noted_ = 0;
+    noted_term_ = note.term;
+    noted_ = std::max(noted_, note.number);
+    beat_soon_ = true;
+  }
+  wake();
+}
+
+void StandbyGroup::set_not_ready(std::string reason) {
+  {
+    const std::lock_guard lock(mutex_);
+    election_.set_not_ready(std::move(reason));
+    beat_soon_ = true;
+  }
+  wake();
+}
+
+void StandbyGroup::set_configuration(std::string configuration) {
+  {
+    const std::lock_guard lock(mutex_);
+    election_.set_configuration(std::move(configuration));
+    beat_soon_ = true;
+  }
+  wake();
+}
+
+std::optional<std::string> StandbyGroup::hand_over(const std::string& successor) {
+  std::optional<std::string> refused;
+  {
+    const std::lock_guard lock(mutex_);
+    refused = election_.hand_over(successor, steady_now());
+    follow_role();
+  }
+  wake();
+  return refused;
+}
+
+void StandbyGroup::released() {
+  {
+    const std::lock_guard lock(mutex_);
+    election_.released(steady_now());
+    follow_role();
+  }
+  wake();
+}
+
+void StandbyGroup::yield(Duration rest) {
+  {
+    const std::lock_guard lock(mutex_);
+    election_.yield(rest, steady_now());
+    follow_role();
+  }
+  wake();
+}
+
+// What follows from a role that is another one, at once: nobody sends any more who is no master.
+void StandbyGroup::follow_role() {
+  lease_.set(election_.serves_until());
+  const StandbyRole role = election_.role();
+  if (role == told_) return;
+  if (role == StandbyRole::kMaster && told_ == StandbyRole::kWaiting) {
+    ++terms_begun_;
+    written_ = 0;
+    released_.reset();
+    for (const auto& [name, told] : others_) {
+      if (told.member.role == StandbyRole::kReleased && told.member.successor == own_name_ &&
+          election_.is_alive(name, steady_now()))
+        released_ = told.buses;
+    }
+  }
+  told_ = role;
+  beat_soon_ = true;
+  handlers_.changed();
+}
+
+StandbyMessage StandbyGroup::message(Instant now) {
+  StandbyMessage message;
+  message.group = group_;
+  message.member = election_.beat();
+  message.host = host_;
+  message.process = process_;
+  message.written = written_;
+  const auto master = election_.master(now);
+  const auto known = master ? others_.find(*master) : others_.end();
+  if (known != others_.end() && known->second.member.term == noted_term_) message.noted = noted_;
+  return message;
+}
+
+void StandbyGroup::begin(const std::string& bus, const std::string& requester,
+                         std::uint64_t request_id, std::function<void(bool)> done) {
+  StandbyNote note{group_, own_name_, 0, 0, StandbyNoteKind::kBegun, bus, requester, request_id};
+  bool room = true;
+  {
+    const std::lock_guard one(noting_);
+    {
+      const std::lock_guard lock(mutex_);
+      const Instant now = steady_now();
+      note.term = election_.term();
+      note.number = ++written_;
+      if (!noted_by_all(note.number, now)) {
+        room = waiting_.size() < kMostWaiting && !ending_;
+        if (room) waiting_.push_back({note.number, now + kNoteLimit, std::exchange(done, {})});
+      }
+    }
+    handlers_.note(note);
+  }
+  if (done) done(room);
+}
+
+void StandbyGroup::give_back(const std::string& bus, const std::string& requester,
+                             std::uint64_t request_id) {
+  const std::lock_guard one(noting_);
+  StandbyNote note{group_, own_name_, 0, 0, StandbyNoteKind::kReturned, bus, requester, request_id};
+  {
+    const std::lock_guard lock(mutex_);
+    note.term = election_.term();
+    note.number = ++written_;
+  }
+  handlers_.note(note);
+}
+
+// By all who could take over.
+bool StandbyGroup::noted_by_all(std::uint64_t number, Instant now) const {
+  return std::ranges::all_of(others_, [&](const auto& entry) {
+    const auto& [name, told] = entry;
+    if (!election_.is_alive(name, now) || !told.member.not_ready.empty()) return true;
+    return told.member.term == election_.term() && told.noted >= number;
+  });
+}
+
+std::vector<std::pair<std::function<void(bool)>, bool>> StandbyGroup::settle_notes(Instant now) {
+  std::vector<std::pair<std::function<void(bool)>, bool>> done;
+  std::erase_if(waiting_, [&](Waiting& each) {
+    const bool serves = election_.serves(now);
+    const bool noted = serves && noted_by_all(each.number, now);
+    if (!noted && serves && now < each.until) return false;
+    done.emplace_back(std::move(each.done), noted);
+    return true;
+  });
+  return done;
+}
+
+// A member under the same kernel is seen to end at once.
+void StandbyGroup::watch_processes() {
+  for (const auto& [name, told] : others_) {
+    Process& process = processes_[name];
+    if (process.identity == told.process) continue;
+    process.identity = told.process;
+    process.handle = open_process(told.process);
+  }
+}
+
+void StandbyGroup::look_at_processes(Instant) {
+  for (auto& [name, process] : processes_) {
+    if (!process.handle.valid()) continue;
+    pollfd ended{process.handle.get(), POLLIN, 0};
+    if (::poll(&ended, 1, 0) <= 0) continue;
+    process.handle.reset();
+    election_.lost(name);
+  }
+}
+
+void StandbyGroup::run() {
+  pthread_setname_np(pthread_self(), "standby");
+  ask_for_priority();
+  Instant next_beat = steady_now();
+  for (;;) {
+    std::vector<pollfd> sources{{wake_.get(), POLLIN, 0}};
+    std::vector<std::pair<std::function<void(bool)>, bool>> noted;
+    std::optional<StandbyMessage> told;
+    {
+      const std::lock_guard lock(mutex_);
+      if (ending_) return;
+      const Instant now = steady_now();
+      watch_processes();
+      look_at_processes(now);
+      election_.on_time(now);
+      follow_role();
+      noted = settle_notes(now);
+      if (now >= next_beat || std::exchange(beat_soon_, false)) {
+        told = message(now);
+        next_beat = now + Election::kBeat;
+      }
+      for (const auto& [name, process] : processes_) {
+        if (process.handle.valid()) sources.push_back({process.handle.get(), POLLIN, 0});
+      }
+    }
+    for (const auto& [done, all] : noted) done(all);
+    if (told) {
+      told->buses = handlers_.figures();
+      handlers_.tell(*told);
+    }
+    const auto tick = std::chrono::duration_cast<std::chrono::milliseconds>(Election::kTick);
+    (void)::poll(sources.data(), sources.size(), static_cast<int>(tick.count()));
+    std::uint64_t woken = 0;
+    (void)!::read(wake_.get(), &woken, sizeof woken);
+  }
+}
+
+std::optional<std::vector<StandbyBusFigures>> StandbyGroup::released_by_other() const {
+  const std::lock_guard lock(mutex_);
+  return released_;
+}
+
+StandbyRole StandbyGroup::role() const {
+  const std::lock_guard lock(mutex_);
+  return election_.role();
+}
+
+StandbyGroup::View StandbyGroup::view() const {
+  const std::vector<StandbyBusFigures> own = handlers_.figures();
+  const std::lock_guard lock(mutex_);
+  const Instant now = steady_now();
+  View view;
+  view.role = election_.role();
+  view.term = election_.term();
+  view.group = group_;
+  view.master = election_.master(now);
+  view.not_ready = election_.not_ready(now);
+  view.strength = strength_;
+  view.terms_begun = terms_begun_;
+  for (const auto& [name, told] : others_) {
+    if (!election_.is_alive(name, now)) continue;
+    view.others.push_back(name);
+    if (view.master != name) continue;
+    view.term = told.member.term;
+    for (const StandbyBusFigures& theirs : told.buses) {
+      const auto mine = std::ranges::find(own, theirs.bus, &StandbyBusFigures::bus);
+      if (mine != own.end() && mine->epoch == theirs.epoch && mine->blocks < theirs.blocks)
+        view.behind += theirs.blocks - mine->blocks;
+    }
+  }
+  return view;
+}
+
+}  // namespace fieldcast
