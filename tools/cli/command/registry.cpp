@@ -25,6 +25,7 @@ CommandEntry token_command();
 CommandEntry alarms_command();
 CommandEntry doctor_command();
 CommandEntry secure_command();
+CommandEntry standby_command();
 
 ExitCode usage_fault(std::ostream& err, std::string_view command, std::string_view fault) {
   err << "fieldcast " << command << ": " << fault << '\n';
@@ -37,7 +38,7 @@ std::span<const CommandEntry> commands() {
       sessions_command(), plan_command(),   inspect_command(),   scan_command(),
       read_command(),     poke_command(),   sim_check_command(), history_command(),
       devices_command(),  audit_command(),  user_command(),      token_command(),
-      alarms_command(),   doctor_command(), secure_command(),
+      alarms_command(),   doctor_command(), secure_command(),    standby_command(),
   };
   return all;
 }

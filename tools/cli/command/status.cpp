@@ -9,7 +9,9 @@
 #include "tools/cli/command/in_domain.hpp"
 #include "tools/cli/console.hpp"
 #include "tools/cli/domain_view.hpp"
+#include "tools/cli/standby_watch.hpp"
 #include "tools/cli/view/json.hpp"
+#include "tools/cli/view/standby_view.hpp"
 #include "tools/cli/view/status_view.hpp"
 
 namespace fieldcast::cli {
@@ -38,6 +40,13 @@ bool learn(StatusModel& model, const DomainEvent& event) {
   return false;
 }
 
+// Of bridges that stand by for each other: nothing without them.
+void print_members(const StandbyModel& model, std::ostream& out) {
+  if (model.empty()) return;
+  out << '\n';
+  for (const auto& line : standby_lines(model, output_screen())) out << line << '\n';
+}
+
 void print_event(const DomainEvent& event, std::ostream& out) {
   if (const auto* bus = std::get_if<StationBusStatus>(&event))
     out << to_line(status_json(*bus)) << '\n';
@@ -57,6 +66,7 @@ void draw(LiveScreen& live, const StatusModel& model) {
 ExitCode status(const StatusOptions& options, const Connection& connection, Interrupt& interrupt,
                 std::ostream& out, std::ostream& err) {
   DomainView domain(connection, interrupt);
+  StandbyWatch members(connection);
   StatusModel model;
   const auto began = instant_now();
   const auto end = began + options.time.value_or(kBridgeWait);
@@ -86,8 +96,10 @@ ExitCode status(const StatusOptions& options, const Connection& connection, Inte
   }
   if (!options.json) {
     print_table(model, out);
+    print_members(members.model(), out);
   } else if (!options.time) {
     print_json(model, out);
+    for (const auto& [key, member] : members.model()) out << to_line(standby_json(member)) << '\n';
   }
   out.flush();
   return out ? ExitCode::kOk : ExitCode::kTrouble;

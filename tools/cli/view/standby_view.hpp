@@ -1,0 +1,28 @@
+// The members of standby groups as a table and as JSON lines. Pure: the newest message of each, to
+// text.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bridge/standby/standby_values.hpp"
+#include "tools/cli/view/json.hpp"
+#include "tools/cli/view/text_table.hpp"
+
+namespace fieldcast::cli {
+
+// By group and bridge.
+using StandbyModel = std::map<std::pair<std::string, std::string>, StandbyMessage>;
+
+[[nodiscard]] std::vector<std::string> standby_lines(const StandbyModel& model,
+                                                     const Screen& screen);
+
+// The fields of Standby by their IDL names, and "topic".
+[[nodiscard]] Json standby_json(const StandbyMessage& message);
+
+// Blocks of the master that a waiting member has not followed yet.
+[[nodiscard]] std::uint64_t behind(const StandbyModel& model, const StandbyMessage& member);
+
+}  // namespace fieldcast::cli
