@@ -68,10 +68,10 @@ void BlockSubscription::on_data_available(dds::DataReader*) { wake(); }
 
 void BlockSubscription::on_subscription_matched(dds::DataReader*,
                                                 const dds::SubscriptionMatchedStatus& status) {
-  if (status.current_count_change >= 0) return;
+  if (status.current_count_change == 0) return;
   {
     const std::lock_guard lock(news_mutex_);
-    left_.push_back(status.last_publication_handle);
+    (status.current_count_change < 0 ? left_ : came_).push_back(status.last_publication_handle);
   }
   wake();
 }
@@ -88,7 +88,7 @@ void BlockSubscription::run() {
   pthread_setname_np(pthread_self(), "station");
   std::optional<Instant> due;
   while (true) {
-    std::vector<dds::InstanceHandle_t> left;
+    std::vector<dds::InstanceHandle_t> left, came;
     {
       std::unique_lock lock(news_mutex_);
       const auto ready = [this] { return fresh_ || ending_; };
@@ -100,11 +100,13 @@ void BlockSubscription::run() {
       if (ending_) return;
       fresh_ = false;
       left.swap(left_);
+      came.swap(came_);
     }
     const std::lock_guard lock(mutex_);
     take_catalogue();
     take_blocks();
     end_of(left);
+    return_of(came);
     ask_for_snapshots(now_steady());
     due = next_request();
   }
@@ -118,7 +120,7 @@ void BlockSubscription::take_catalogue() {
     if (info.valid_data) {
       const std::string name = catalogue_block_.bus().c_str();
       known_[info.instance_handle] = {name, catalogue_block_.epoch(), catalogue_block_.first(),
-                                      info.publication_handle};
+                                      info.publication_handle, catalogue_block_};
       bus_of(name).table.on_catalogue(catalogue_block_, handlers_);
     } else if (info.instance_state != dds::ALIVE_INSTANCE_STATE) {
       if (const auto node = known_.extract(info.instance_handle)) gone(node.mapped());
@@ -142,6 +144,19 @@ void BlockSubscription::end_of(const std::vector<dds::InstanceHandle_t>& writers
     std::erase_if(known_, [&](const auto& entry) {
       if (entry.second.writer != writer) return false;
       gone(entry.second);
+      if (lost_.size() < kMostLost) lost_.insert(entry);
+      return true;
+    });
+  }
+}
+
+// The same writer, after a network that was cut: what it had written holds again.
+void BlockSubscription::return_of(const std::vector<dds::InstanceHandle_t>& writers) {
+  for (const dds::InstanceHandle_t& writer : writers) {
+    std::erase_if(lost_, [&](const auto& entry) {
+      if (entry.second.writer != writer) return false;
+      if (known_.insert(entry).second)
+        bus_of(entry.second.bus).table.on_catalogue(entry.second.block, handlers_);
       return true;
     });
   }

@@ -44,6 +44,7 @@ class BlockSubscription : private dds::DataReaderListener {
   // How long to wait for a snapshot, from its request or from when the bus is known; then it is
   // requested again.
   static constexpr Duration kPatience = std::chrono::milliseconds{300};
+  static constexpr std::size_t kMostLost = 4096;  // catalogue blocks; more are not kept
 
   struct Bus {
     BusTable table;
@@ -55,6 +56,7 @@ class BlockSubscription : private dds::DataReaderListener {
     std::uint64_t epoch;
     std::uint32_t first;
     dds::InstanceHandle_t writer;
+    idl::CatalogueBlock block;
   };
 
   void on_data_available(dds::DataReader* reader) override;
@@ -66,6 +68,7 @@ class BlockSubscription : private dds::DataReaderListener {
   void take_catalogue();
   void take_blocks();
   void end_of(const std::vector<dds::InstanceHandle_t>& writers);
+  void return_of(const std::vector<dds::InstanceHandle_t>& writers);
   void gone(const Known& known);
   Bus& bus_of(const std::string& name);
   void ask_for_snapshots(Instant now);
@@ -79,6 +82,8 @@ class BlockSubscription : private dds::DataReaderListener {
   OnGone channel_gone_, sample_gone_;
   std::map<std::string, Bus, std::less<>> buses_;
   std::map<dds::InstanceHandle_t, Known> known_;
+  // What writers that were lost had written: the library does not give it again when they return.
+  std::map<dds::InstanceHandle_t, Known> lost_;
   idl::CatalogueBlock catalogue_block_;
   idl::SampleBlock block_;
   Counters counters_;
@@ -88,7 +93,7 @@ class BlockSubscription : private dds::DataReaderListener {
   std::mutex news_mutex_;  // what follows; never held while DDS is called
   std::condition_variable news_;
   bool fresh_ = false, ending_ = false;
-  std::vector<dds::InstanceHandle_t> left_;  // writers of the catalogue that are gone
+  std::vector<dds::InstanceHandle_t> left_, came_;  // writers of the catalogue
 
   dds::DataReader* catalogue_ = nullptr;
   std::thread thread_;  // last: it uses what is above

@@ -1,6 +1,10 @@
 """Bridges and stations on hosts of their own, on a network that loses, doubles, reorders and partitions, while everything restarts.
 
-usage: network_campaign.py --bin DIR [--seconds S] [--seed N] [--scenario multicast | discovery-server]..
+usage: network_campaign.py --bin DIR [--seconds S] [--seed N] [--scenario multicast | discovery-server | partition]..
+
+partition: a station is cut off for 12 s, and nothing else happens.
+
+The others:
 
 Two bridges with a bus each, a third one that waits for the bus of the first, a plant behind the network, two stations of ours, and one
 on Cyclone DDS (with `discovery-server` a third one of ours: Cyclone does not know Fast DDS's servers). 5 % of the frames are lost, 5 % doubled, 10 % delayed
@@ -119,14 +123,19 @@ class Campaign:
         self.hosts = ["plant", "server", *BRIDGES, "station-1", "station-2", "station-3"]
         self.programs = {}
 
-    def run(self, seconds, seed):
+    def run(self, scenario, seconds, seed):
         self.folder = tempfile.mkdtemp(prefix="fieldcast-network-")
         try:
             with LossyNetwork(self.hosts, seed) as self.network:
                 self.start_all()
                 self.wait_for_rest()
                 before = {name: self.used(name) for name in BRIDGES}
-                self.trouble(time.monotonic() + seconds)
+                if scenario == "partition":
+                    self.network.cut(["station-1"])
+                    time.sleep(PARTITION)
+                    self.network.mend()
+                else:
+                    self.trouble(time.monotonic() + seconds)
                 self.wait_for_rest()
                 self.compare()
                 self.check_commands()
@@ -312,7 +321,7 @@ def parse():
     parser.add_argument("--bin", required=True)
     parser.add_argument("--seconds", type=float, default=60)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--scenario", action="append", choices=["multicast", "discovery-server"])
+    parser.add_argument("--scenario", action="append", choices=["multicast", "discovery-server", "partition"])
     return parser.parse_args()
 
 
@@ -329,7 +338,7 @@ def main():
                 continue
             print(scenario, file=sys.stderr, flush=True)
             try:
-                counts[scenario] = Campaign(scenario, options.seed).run(options.seconds / len(scenarios), options.seed)
+                counts[scenario] = Campaign(scenario, options.seed).run(scenario, options.seconds / len(scenarios), options.seed)
             except NotPermitted as reason:
                 print(f"SKIPPED {scenario}: networks cannot be made here: {reason}", flush=True)
             except (Failure, subprocess.TimeoutExpired, OSError) as failure:
