@@ -144,6 +144,7 @@ class Secured(unittest.TestCase):
             self.assertIn("name the folder of a station or a plant", refused.stdout + refused.stderr)
 
     def test_a_reload_takes_a_renewed_certificate(self):
+        self.elsewhere.wait(30)  # it has the catalogue of the bridge as it is before
         self.secure("renew", "line-7", "--authority", self.authority)
         log = "fieldcast-bridge"
         wait_until(lambda: "has a renewed certificate" in self.plant.log(log), SECONDS, lambda: self.plant.log(log))
