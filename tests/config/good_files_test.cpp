@@ -90,11 +90,20 @@ class Everything : public testing::Test {
   BridgeSpec spec;
 };
 
+// Not in everything.yaml: they do not go together with its `security`.
+TEST(GoodFiles, DiscoveryServersKeepTheirOrder) {
+  const auto folder = source_dir() / "tests/config/good";
+  const auto loaded = load_text(slurp(folder / "servers.yaml"), "servers.yaml", within(folder));
+  ASSERT_TRUE(loaded) << faults_of(loaded);
+  EXPECT_EQ(loaded->dds.discovery_servers,
+            (std::vector<std::string>{"10.0.0.3:11811", "10.0.0.2:11811"}));
+}
+
 TEST_F(Everything, TopLevelKeysArrive) {
   EXPECT_EQ(spec.name, "all.keys_1");
   EXPECT_EQ(spec.dds, (DdsSpec{7,
                                {"127.0.0.1", "192.168.1.20"},
-                               std::vector<std::string>{"10.0.0.2:11811", "10.0.0.3:11811"},
+                               std::vector<std::string>{},
                                "profile.xml",
                                "hall",
                                "member",
