@@ -25,8 +25,8 @@ void read_engineers(MapReader& program, ProgramSpec& spec, Library& library, boo
   EngineersSpec& engineers = spec.engineers.emplace();
   engineer_rows().read(map, engineers);
   const bool listens = !engineers.listen.host.empty();
-  for (const auto& [key, target] :
-       {std::pair{"certificate", &engineers.certificate}, std::pair{"key", &engineers.key}}) {
+  for (const auto& [key, target] : {std::pair{"certificate", &engineers.tls.certificate},
+                                    std::pair{"key", &engineers.tls.key}}) {
     std::string path;
     if (map.read(key, path, TextRule{kMaxPath})) *target = library.check_file(*map.find(key));
   }

@@ -43,8 +43,8 @@ EngineerServer::EngineerServer(asio::io_context& io, EngineersSpec spec,
 EngineerServer::~EngineerServer() = default;
 
 tl::expected<void, std::string> EngineerServer::listen() {
-  if (!spec_.certificate.empty()) {
-    auto made = TlsServer::make(spec_.certificate, spec_.key);
+  if (!spec_.tls.certificate.empty()) {
+    auto made = TlsServer::make(spec_.tls.certificate, spec_.tls.key);
     if (!made) return tl::make_unexpected(made.error());
     tls_ = std::move(*made);
   }

@@ -167,19 +167,39 @@ struct ListenSpec {
 };
 [[nodiscard]] bool on_loopback(const ListenSpec& listen);
 enum class LoginRule : std::uint8_t { kOffLoopback, kAlways };  // where a login is demanded
+// By what an engineer logs in.
+enum class LoginProof : std::uint8_t { kPassword, kCertificate, kEither, kBoth };
+// TLS at a port that listens; all are paths of PEM files.
+struct TlsSpec {
+  std::string certificate, key;  // of the bridge; set: TLS
+  std::string authority;         // who signs the certificates of clients; empty: they need none
+  std::string revoked;           // a list of those that are not good any more; empty: none
+  friend bool operator==(const TlsSpec&, const TlsSpec&) = default;
+};
 struct EngineersSpec {
   ListenSpec listen;
-  std::string certificate, key;  // paths; set: TLS
+  TlsSpec tls;
   LoginRule login = LoginRule::kOffLoopback;
+  LoginProof proof = LoginProof::kPassword;
   Duration heartbeat = std::chrono::seconds{5};
   Duration idle = std::chrono::minutes{10};
   // For TLS, and for the request for a device. Not a key of the configuration.
   Duration handshake = std::chrono::seconds{10};
   friend bool operator==(const EngineersSpec&, const EngineersSpec&) = default;
 };
+// A module whose number is that of one that is connected.
+enum class SecondModule : std::uint8_t { kRefuse, kReplace };
 struct ModulesSpec {
   ListenSpec listen;
   program::RegistrationRule registration;
+  TlsSpec tls;
+  // Which numbers the certificate with this common name may tell; one that is not named here tells
+  // its common name.
+  std::map<std::string, std::vector<std::string>> subjects;
+  std::string secrets;            // a path: the secrets that modules prove to know; empty: none
+  std::vector<std::string> from;  // addresses and networks, "10.0.0.0/8"; empty: any
+  SecondModule second = SecondModule::kRefuse;
+  bool without_security = false;  // said in words
   friend bool operator==(const ModulesSpec&, const ModulesSpec&) = default;
 };
 struct ProgramSpec {

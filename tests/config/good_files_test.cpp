@@ -147,8 +147,8 @@ TEST_F(Everything, PortsArrive) {
   ASSERT_TRUE(spec.program.engineers && spec.program.modules);
   const EngineersSpec& engineers = *spec.program.engineers;
   EXPECT_EQ(engineers.listen, (ListenSpec{"0.0.0.0", 4950}));
-  EXPECT_TRUE(engineers.certificate.ends_with("profile.xml") &&
-              engineers.key.ends_with("profile.xml"));
+  EXPECT_TRUE(engineers.tls.certificate.ends_with("profile.xml") &&
+              engineers.tls.key.ends_with("profile.xml"));
   EXPECT_EQ(engineers.login, LoginRule::kAlways);
   EXPECT_EQ(engineers.heartbeat, seconds{2});
   EXPECT_EQ(engineers.idle, seconds{90});
