@@ -7,6 +7,7 @@
 #include "config/keys/bridge_keys.hpp"
 #include "config/limits.hpp"
 #include "config/port.hpp"
+#include "config/program_access.hpp"
 #include "config/scalars.hpp"
 #include "config/unique_names.hpp"
 #include "core/program/device_number.hpp"
@@ -20,42 +21,20 @@ using program::RegistrationRule;
 void read_engineers(MapReader& program, ProgramSpec& spec, Library& library, bool users) {
   const Node* node = program.find("engineers");
   if (node == nullptr) return;
-  auto& faults = program.faults();
-  MapReader map(*node, engineer_rows(), faults);
+  MapReader map(*node, engineer_rows(), program.faults());
   EngineersSpec& engineers = spec.engineers.emplace();
   engineer_rows().read(map, engineers);
-  const bool listens = !engineers.listen.host.empty();
-  for (const auto& [key, target] : {std::pair{"certificate", &engineers.tls.certificate},
-                                    std::pair{"key", &engineers.tls.key}}) {
-    std::string path;
-    if (map.read(key, path, TextRule{kMaxPath})) *target = library.check_file(*map.find(key));
-  }
-  const bool certificate = map.has("certificate"), key = map.has("key");
-  if (certificate != key) {
-    faults.add(map.position_of(certificate ? "certificate" : "key"),
-               certificate ? "'certificate' without 'key'" : "'key' without 'certificate'",
-               "both, as PEM files");
-  } else if (listens && !on_loopback(engineers.listen) && !certificate) {
-    faults.add(map.position_of("listen"), "engineers off the loopback without TLS",
-               "certificate and key, or an address 127.0.0.1");
-  }
-  if (listens && !on_loopback(engineers.listen) && !users) {
-    faults.add(map.position_of("listen"),
-               "engineers off the loopback have to log in, and without a store there are no users",
-               "store: { path: FILE } and 'fieldcast user add NAME --role programmer', or an "
-               "address 127.0.0.1");
-  } else if (engineers.login == LoginRule::kAlways && !users) {
-    faults.add(map.position_of("login"), "a login needs users, and without a store there are none",
-               "store: { path: FILE } and 'fieldcast user add NAME --role programmer'");
-  }
+  engineers.tls = read_tls(map, library);
+  check_engineers(map, engineers, users);
 }
 
-void read_modules(MapReader& program, ProgramSpec& spec) {
+void read_modules(MapReader& program, ProgramSpec& spec, Library& library) {
   const Node* node = program.find("modules");
   if (node == nullptr) return;
   MapReader map(*node, module_rows(), program.faults());
   ModulesSpec& modules = spec.modules.emplace();
   module_rows().read(map, modules);
+  read_module_access(map, modules, library);
   if (modules.registration.ask == RegistrationRule::Ask::kWords) return;
   for (const char* key : {"unit", "first", "words"}) {
     if (map.has(key))
@@ -115,7 +94,7 @@ void read_program(MapReader& bridge, ProgramSpec& spec, Library& library) {
   if (node == nullptr) return;
   MapReader map(*node, program_rows(), bridge.faults());
   read_engineers(map, spec, library, bridge.has("store"));
-  read_modules(map, spec);
+  read_modules(map, spec, library);
   if (spec.engineers && spec.modules && spec.engineers->listen == spec.modules->listen &&
       spec.modules->listen.port != 0) {
     bridge.faults().add(map.position_of("modules"), "modules and engineers listen at the same port",

@@ -8,8 +8,8 @@
 namespace fieldcast::config {
 
 //     program:
-//       engineers: { listen, certificate, key, login, heartbeat, idle }
-//       modules: { listen, ask, prefix, unit, first, words, timeout }
+//       engineers: { listen, certificate, key, authority, .., login, proof, heartbeat, idle }
+//       modules: { listen, ask, prefix, unit, .., certificate, key, authority, .., from, second }
 void read_program(MapReader& bridge, ProgramSpec& spec, Library& library);
 
 // The device numbers of the whole file: each once, and only where somebody can ask for it or dial

@@ -6,6 +6,7 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <functional>
 #include <memory>
+#include <string>
 
 #include "bridge/base/file_descriptor.hpp"
 
@@ -29,6 +30,8 @@ class ByteStream {
   // Nothing more is sent: a TCP peer reads the end of the stream. It may still send.
   virtual void end_sending() {}
   virtual void close() = 0;  // what is under way ends in an error
+  // The common name of the certificate that the peer has proven to own; empty: it showed none.
+  [[nodiscard]] virtual std::string peer_name() const { return {}; }
 };
 
 // ByteStream::queued() of a descriptor.

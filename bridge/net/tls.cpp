@@ -1,11 +1,18 @@
 #include "bridge/net/tls.hpp"
 
 #include <fmt/format.h>
+#include <openssl/err.h>
+#include <sys/stat.h>
 
+#include <algorithm>
+#include <array>
+#include <boost/asio/post.hpp>
 #include <boost/asio/ssl.hpp>
 #include <boost/asio/ssl/host_name_verification.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <set>
+
+#include "bridge/base/secret_file.hpp"
 
 namespace fieldcast {
 namespace {
@@ -13,6 +20,25 @@ namespace {
 namespace asio = boost::asio;
 using asio::ip::tcp;
 using Secure = asio::ssl::stream<tcp::socket>;
+
+// Of the certificate that the peer has shown; empty without one, and for a subject that has not
+// exactly one common name that can stand in a line of a log.
+std::string common_name_of(const SSL* tls) {
+  const std::unique_ptr<X509, decltype(&X509_free)> shown(SSL_get1_peer_certificate(tls),
+                                                          &X509_free);
+  if (!shown || SSL_get_verify_result(tls) != X509_V_OK) return {};
+  const X509_NAME* subject = X509_get_subject_name(shown.get());
+  const int at = X509_NAME_get_index_by_NID(subject, NID_commonName, -1);
+  if (at < 0 || X509_NAME_get_index_by_NID(subject, NID_commonName, at) >= 0) return {};
+  unsigned char* text = nullptr;
+  const int size =
+      ASN1_STRING_to_UTF8(&text, X509_NAME_ENTRY_get_data(X509_NAME_get_entry(subject, at)));
+  if (size < 0) return {};
+  const std::string name(reinterpret_cast<const char*>(text), static_cast<std::size_t>(size));
+  OPENSSL_free(text);
+  const bool plain = std::ranges::all_of(name, [](char c) { return c > ' ' && c <= '~'; });
+  return plain ? name : std::string{};
+}
 
 class TlsStream final : public ByteStream {
  public:
@@ -39,6 +65,7 @@ class TlsStream final : public ByteStream {
     boost::system::error_code ignored;
     stream_->next_layer().close(ignored);
   }
+  std::string peer_name() const override { return common_name_of(stream_->native_handle()); }
 
  private:
   std::shared_ptr<Secure> stream_;  // shared with the operations under way
@@ -73,34 +100,119 @@ void run_handshake(const std::shared_ptr<Secure>& stream,
 
 }  // namespace
 
+namespace {
+
+using Context = asio::ssl::context;
+using Fault = tl::unexpected<std::string>;
+using Done = tl::expected<void, std::string>;
+
+Fault fault_of(const std::string& file, const char* what, const boost::system::error_code& why) {
+  return Fault(fmt::format("{}: {}: {}", file, what, why.message()));
+}
+
+Done use_identity(Context& context, const TlsSpec& files) {
+  boost::system::error_code fault;
+  context.use_certificate_chain_file(files.certificate, fault);
+  if (fault) return fault_of(files.certificate, "no certificate in PEM form", fault);
+  if (auto closed = check_secret_file(files.key, Readers::kOwnerAndGroup); !closed) return closed;
+  context.use_private_key_file(files.key, Context::pem, fault);
+  if (fault)
+    return fault_of(files.key, "no private key in PEM form, or not the certificate's", fault);
+  return {};
+}
+
+Done use_authority(Context& context, const TlsSpec& files, TlsServer::Clients clients) {
+  boost::system::error_code fault;
+  context.load_verify_file(files.authority, fault);
+  if (fault) return fault_of(files.authority, "no certificates in PEM form", fault);
+  context.set_verify_mode(clients == TlsServer::Clients::kMust
+                              ? asio::ssl::verify_peer | asio::ssl::verify_fail_if_no_peer_cert
+                              : asio::ssl::verify_peer);
+  // A session that is resumed would not look at the list of revoked certificates again.
+  SSL_CTX_set_session_cache_mode(context.native_handle(), SSL_SESS_CACHE_OFF);
+  SSL_CTX_set_options(context.native_handle(), SSL_OP_NO_TICKET);
+  SSL_CTX_set_num_tickets(context.native_handle(), 0);
+  if (files.revoked.empty()) return {};
+  X509_STORE* store = SSL_CTX_get_cert_store(context.native_handle());
+  X509_LOOKUP* lookup = X509_STORE_add_lookup(store, X509_LOOKUP_file());
+  if (lookup == nullptr ||
+      X509_load_crl_file(lookup, files.revoked.c_str(), X509_FILETYPE_PEM) < 1) {
+    ERR_clear_error();
+    return Fault(files.revoked + ": no list of revoked certificates (CRL) in PEM form");
+  }
+  X509_STORE_set_flags(store, X509_V_FLAG_CRL_CHECK);
+  return {};
+}
+
+// Tells whether a file has changed.
+struct Stamp {
+  dev_t device = 0;
+  ino_t inode = 0;
+  off_t size = -1;
+  std::int64_t changed_ns = 0;
+  friend bool operator==(const Stamp&, const Stamp&) = default;
+};
+using Stamps = std::array<Stamp, 4>;
+
+Stamps stamps_of(const TlsSpec& files) {
+  Stamps stamps;
+  std::size_t i = 0;
+  for (const std::string* file :
+       {&files.certificate, &files.key, &files.authority, &files.revoked}) {
+    struct stat found {};
+    if (!file->empty() && ::stat(file->c_str(), &found) == 0)
+      stamps[i] = {found.st_dev, found.st_ino, found.st_size,
+                   found.st_ctim.tv_sec * 1'000'000'000 + found.st_ctim.tv_nsec};
+    ++i;
+  }
+  return stamps;
+}
+
+}  // namespace
+
 struct TlsServer::State {
-  asio::ssl::context context{asio::ssl::context::tls_server};
+  TlsSpec files;
+  Clients clients = Clients::kMust;
+  Stamps stamps;
+  std::unique_ptr<Context> context;  // null: a file is of no use now
+  std::string trouble;               // then: which
   std::set<std::shared_ptr<Secure>> shaking;
   bool closed = false;
+
+  void load() {
+    stamps = stamps_of(files);
+    auto made = std::make_unique<Context>(Context::tls_server);
+    set_rules(*made);
+    auto loaded = use_identity(*made, files);
+    if (loaded && !files.authority.empty()) loaded = use_authority(*made, files, clients);
+    context = loaded ? std::move(made) : nullptr;
+    trouble = loaded ? "" : loaded.error();
+  }
 };
 
 TlsServer::TlsServer(std::shared_ptr<State> state) : state_(std::move(state)) {}
 TlsServer::~TlsServer() { close(); }
 
-tl::expected<std::unique_ptr<TlsServer>, std::string> TlsServer::make(
-    const std::string& certificate, const std::string& key) {
+tl::expected<std::unique_ptr<TlsServer>, std::string> TlsServer::make(const TlsSpec& files,
+                                                                      Clients clients) {
   auto state = std::make_shared<State>();
-  set_rules(state->context);
-  boost::system::error_code fault;
-  state->context.use_certificate_chain_file(certificate, fault);
-  if (fault)
-    return tl::make_unexpected(
-        fmt::format("{}: no certificate in PEM form: {}", certificate, fault.message()));
-  state->context.use_private_key_file(key, asio::ssl::context::pem, fault);
-  if (fault)
-    return tl::make_unexpected(fmt::format(
-        "{}: no private key in PEM form, or not the certificate's: {}", key, fault.message()));
+  state->files = files;
+  state->clients = clients;
+  state->load();
+  if (!state->context) return Fault(state->trouble);
   return std::unique_ptr<TlsServer>(new TlsServer(std::move(state)));
 }
 
 std::function<void()> TlsServer::shake_hands(tcp::socket socket, Duration limit,
                                              std::function<void(TlsResult)> done) {
-  const auto stream = std::make_shared<Secure>(std::move(socket), state_->context);
+  if (stamps_of(state_->files) != state_->stamps) state_->load();
+  if (!state_->context) {
+    asio::post(socket.get_executor(), [state = state_, done = std::move(done)] {
+      if (!state->closed) done(Fault(state->trouble));
+    });
+    return [] {};
+  }
+  const auto stream = std::make_shared<Secure>(std::move(socket), *state_->context);
   state_->shaking.insert(stream);
   run_handshake(stream, Secure::server, limit,
                 [state = state_, stream, done = std::move(done)](TlsResult result) {
@@ -129,7 +241,7 @@ TlsClient::TlsClient(std::shared_ptr<State> state) : state_(std::move(state)) {}
 TlsClient::~TlsClient() = default;
 
 tl::expected<std::unique_ptr<TlsClient>, std::string> TlsClient::make(
-    const std::string& authorities) {
+    const std::string& authorities, const TlsSpec& own) {
   auto state = std::make_shared<State>();
   set_rules(state->context);
   boost::system::error_code fault;
@@ -142,6 +254,9 @@ tl::expected<std::unique_ptr<TlsClient>, std::string> TlsClient::make(
     return tl::make_unexpected(
         fmt::format("{}: no certificates in PEM form: {}", authorities, fault.message()));
   state->context.set_verify_mode(asio::ssl::verify_peer);
+  if (!own.certificate.empty()) {
+    if (auto used = use_identity(state->context, own); !used) return Fault(used.error());
+  }
   return std::unique_ptr<TlsClient>(new TlsClient(std::move(state)));
 }
 

@@ -1,5 +1,5 @@
-// TLS, both ends (OpenSSL). Lives on one io thread. TLS 1.2 and later,
-// server certificates only: users log in with a password inside.
+// TLS, both ends (OpenSSL). Lives on one io thread. TLS 1.2 and later. A server may ask for the
+// certificates of its clients; ByteStream::peer_name() then tells who a client is.
 #pragma once
 
 #include <functional>
@@ -9,6 +9,7 @@
 
 #include "bridge/net/byte_stream.hpp"
 #include "core/base/time.hpp"
+#include "core/model/spec.hpp"
 
 namespace fieldcast {
 
@@ -17,9 +18,17 @@ using TlsResult = tl::expected<std::unique_ptr<ByteStream>, std::string>;
 
 class TlsServer {
  public:
-  // PEM files. The error names the file.
+  // Whether a client shows a certificate that the authority signed.
+  enum class Clients : std::uint8_t { kMay, kMust };
+
+  // PEM files. The error names the file: there is none, it holds something else, the key is open to
+  // others. Without an authority clients show no certificate.
+  //
+  // Files that change are read again before the next connection, so that a certificate can be
+  // renewed and another one revoked while the server runs. While one of them is of no use, nobody
+  // is let in.
   [[nodiscard]] static tl::expected<std::unique_ptr<TlsServer>, std::string> make(
-      const std::string& certificate, const std::string& key);
+      const TlsSpec& files, Clients clients = Clients::kMust);
   ~TlsServer();
 
   // `done` is called once within the limit, never inside this call; not after close(). What comes
@@ -37,9 +46,9 @@ class TlsServer {
 class TlsClient {
  public:
   // `authorities`: a PEM file of those who may sign the bridge's certificate (or that certificate
-  // itself); empty: the system's.
+  // itself); empty: the system's. `own`: what this client shows of itself, if it has a certificate.
   [[nodiscard]] static tl::expected<std::unique_ptr<TlsClient>, std::string> make(
-      const std::string& authorities);
+      const std::string& authorities, const TlsSpec& own = {});
   ~TlsClient();
 
   // As the server's; the certificate must be for `host`.

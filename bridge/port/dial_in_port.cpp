@@ -38,8 +38,10 @@ class DialInPort::Opening final : public PortOpening {
   // The connection goes on without this port.
   void retire() {
     FileDescriptor socket = !over_ && stream() ? stream()->release() : FileDescriptor{};
+    auto presence = stream() ? stream()->detach() : nullptr;
     close();
-    if (socket.valid()) registry_.pass_on(number_, {std::move(socket), arrival_});
+    if (socket.valid())
+      registry_.pass_on(number_, {std::move(socket), arrival_, std::move(presence)});
   }
 
  private:
@@ -48,6 +50,7 @@ class DialInPort::Opening final : public PortOpening {
     auto line = make_socket_stream(io_, std::move(connection.socket), listener_);
     if (!line) return;  // gone already: the module dials in again
     arrival_ = connection.arrival;
+    line->attach(std::move(connection.presence));
     opened(std::move(line));
   }
 

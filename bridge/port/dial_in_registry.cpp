@@ -51,11 +51,12 @@ void DialInRegistry::release(const std::string& number, Id id) {
 }
 
 std::optional<ModuleConnection> DialInRegistry::offer(const std::string& number,
-                                                      FileDescriptor socket) {
+                                                      FileDescriptor socket,
+                                                      std::shared_ptr<void> presence) {
   std::unique_lock lock(mutex_);
   const std::uint64_t arrival = ++arrivals_;
   lock.unlock();
-  return offer(number, ModuleConnection{std::move(socket), arrival});
+  return offer(number, ModuleConnection{std::move(socket), arrival, std::move(presence)});
 }
 
 std::optional<ModuleConnection> DialInRegistry::offer(const std::string& number,

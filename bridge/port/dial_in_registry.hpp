@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -19,6 +20,9 @@ namespace fieldcast {
 struct ModuleConnection {
   FileDescriptor socket;
   std::uint64_t arrival = 0;
+  // Goes along with the socket, whoever has it, and ends with it: so the server of modules sees
+  // which are connected.
+  std::shared_ptr<void> presence{};
 };
 
 class DialInRegistry {
@@ -55,7 +59,8 @@ class DialInRegistry {
   // A module told this number just now. Given back when no bus is there for it; a module that
   // nobody takes yet waits, the newest one.
   [[nodiscard]] std::optional<ModuleConnection> offer(const std::string& number,
-                                                      FileDescriptor socket);
+                                                      FileDescriptor socket,
+                                                      std::shared_ptr<void> presence = {});
   // The same for a connection that has been there for a while. It is closed when its bus has had a
   // newer one: that one stays.
   [[nodiscard]] std::optional<ModuleConnection> offer(const std::string& number,

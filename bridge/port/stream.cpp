@@ -42,6 +42,7 @@ void Stream::close() {
   if (descriptor_.valid()) before_close(fd());
   readiness_.close();
   descriptor_.reset();
+  companion_.reset();
 }
 
 FileDescriptor Stream::release() {

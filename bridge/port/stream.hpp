@@ -50,6 +50,9 @@ class Stream : public std::enable_shared_from_this<Stream> {
   [[nodiscard]] FileDescriptor release();
   // Closes and tells the listener.
   void fail(End end);
+  // Let go when the descriptor is closed; detach() after release(), for whoever has it then.
+  void attach(std::shared_ptr<void> companion) { companion_ = std::move(companion); }
+  [[nodiscard]] std::shared_ptr<void> detach() { return std::move(companion_); }
 
  protected:
   // Sets the line up again after a lease; nothing, or why it is of no use any more.
@@ -73,6 +76,7 @@ class Stream : public std::enable_shared_from_this<Stream> {
 
   PortListener& listener_;
   FileDescriptor descriptor_;
+  std::shared_ptr<void> companion_;
   Readiness readiness_;  // of the descriptor
   boost::asio::steady_timer timer_;
   Unsent unsent_;

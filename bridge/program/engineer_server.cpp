@@ -44,7 +44,7 @@ EngineerServer::~EngineerServer() = default;
 
 tl::expected<void, std::string> EngineerServer::listen() {
   if (!spec_.tls.certificate.empty()) {
-    auto made = TlsServer::make(spec_.tls.certificate, spec_.tls.key);
+    auto made = TlsServer::make(spec_.tls);
     if (!made) return tl::make_unexpected(made.error());
     tls_ = std::move(*made);
   }

@@ -5,101 +5,28 @@
 
 #include <array>
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/steady_timer.hpp>
 
 #include "bridge/bus/clock.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/port/socket_stream.hpp"
+#include "bridge/program/module_arrival.hpp"
 
 namespace fieldcast::program {
 
 namespace asio = boost::asio;
 using asio::ip::tcp;
 
-// A module whose number is being asked for. Handlers hold it; once over_ is set they do nothing.
-class ModuleServer::Asked : public std::enable_shared_from_this<Asked> {
- public:
-  SilentConnections::Id id = 0;
-
-  Asked(ModuleServer& server, tcp::socket socket, std::string address)
-      : server_(server),
-        socket_(std::move(socket)),
-        timer_(server.io_),
-        registration_(server.spec_.registration),
-        address_(std::move(address)) {}
-
-  void start() {
-    boost::system::error_code ignored;
-    socket_.non_blocking(true, ignored);
-    tune_socket(socket_.native_handle());
-    follow(registration_.start(steady_now()));
-    read();
-  }
-  void close() {
-    over_ = true;
-    timer_.cancel();
-    boost::system::error_code ignored;
-    socket_.close(ignored);
-  }
-
- private:
-  void read() {
-    if (over_) return;
-    socket_.async_read_some(
-        asio::buffer(buffer_),
-        [self = shared_from_this()](boost::system::error_code fault, std::size_t count) {
-          if (self->over_) return;
-          if (fault) return self->end("the module is gone before it told its number");
-          self->follow(
-              self->registration_.on_bytes(ByteView(self->buffer_.data(), count), steady_now()));
-          self->read();
-        });
-  }
-
-  void follow(Registration::Outcome outcome) {
-    if (!outcome.send.empty() &&
-        ::send(socket_.native_handle(), outcome.send.data(), outcome.send.size(), MSG_NOSIGNAL) !=
-            static_cast<ssize_t>(outcome.send.size())) {
-      return end("the module takes no request");
-    }
-    if (outcome.fault) return end(*outcome.fault);
-    if (outcome.number) {
-      over_ = true;
-      timer_.cancel();
-      const auto self = shared_from_this();
-      server_.silent_.remove(id);
-      server_.asked_.erase(self);
-      return server_.registered(*outcome.number, std::move(socket_), address_);
-    }
-    timer_.expires_at(std::chrono::steady_clock::time_point{outcome.wake.time_since_epoch()});
-    timer_.async_wait([self = shared_from_this()](boost::system::error_code cancelled) {
-      if (!cancelled && !self->over_) self->follow(self->registration_.on_timer(steady_now()));
-    });
-  }
-
-  void end(const std::string& reason) {
-    const auto self = shared_from_this();
-    close();
-    server_.silent_.remove(id);
-    server_.refused(address_, reason);
-    server_.asked_.erase(self);
-  }
-
-  ModuleServer& server_;
-  tcp::socket socket_;
-  asio::steady_timer timer_;
-  Registration registration_;
-  std::string address_;
-  bool over_ = false;
-  std::array<std::uint8_t, 256> buffer_;
-};
-
 // A registered module that is no bus. While nobody programs it, what it says is dropped and its
 // loss noticed.
 class ModuleServer::Kept : public std::enable_shared_from_this<Kept> {
  public:
-  Kept(ModuleServer& server, std::string number, tcp::socket socket, std::uint64_t arrived)
-      : arrival(arrived), server_(server), number_(std::move(number)), socket_(std::move(socket)) {}
+  Kept(ModuleServer& server, std::string number, tcp::socket socket, std::uint64_t arrived,
+       std::shared_ptr<void> presence)
+      : arrival(arrived),
+        server_(server),
+        number_(std::move(number)),
+        socket_(std::move(socket)),
+        presence_(std::move(presence)) {}
 
   const std::uint64_t arrival;
 
@@ -131,16 +58,18 @@ class ModuleServer::Kept : public std::enable_shared_from_this<Kept> {
     lost_now ? lost() : listen();
   }
   // The connection goes on elsewhere; invalid while it is leased.
-  FileDescriptor release() {
+  ModuleConnection release() {
     if (leased_ || std::exchange(over_, true)) return {};
     boost::system::error_code fault;
     const int fd = socket_.release(fault);
-    return fault ? FileDescriptor{} : FileDescriptor(fd);
+    if (fault) return {};
+    return {FileDescriptor(fd), arrival, std::move(presence_)};
   }
   void close(const std::string& reason) {
     if (std::exchange(over_, true)) return;
     boost::system::error_code ignored;
     socket_.close(ignored);
+    presence_.reset();
     if (const auto revoked = std::exchange(revoked_, {})) revoked(reason);
   }
 
@@ -157,6 +86,7 @@ class ModuleServer::Kept : public std::enable_shared_from_this<Kept> {
   ModuleServer& server_;
   std::string number_;
   tcp::socket socket_;
+  std::shared_ptr<void> presence_;
   std::function<void(std::string)> revoked_;
   bool over_ = false, leased_ = false, listening_ = false;
 };
@@ -167,6 +97,9 @@ ModuleServer::ModuleServer(asio::io_context& io, DialInRegistry& registry, const
 ModuleServer::~ModuleServer() { close(); }
 
 tl::expected<void, std::string> ModuleServer::listen(const ModulesSpec& spec) {
+  auto gate = ModuleGate::make(spec);
+  if (!gate) return tl::unexpected(gate.error());
+  gate_ = *std::move(gate);
   const bool same_address = listener_ && spec.listen == spec_.listen;
   spec_ = spec;
   if (same_address) return {};
@@ -184,16 +117,31 @@ std::uint16_t ModuleServer::port() const {
 
 void ModuleServer::came(tcp::socket socket) {
   const std::string address = address_of(socket);
-  const auto asked = std::make_shared<Asked>(*this, std::move(socket), address);
-  asked->id = silent_.add(host_of(address), [this, weak = std::weak_ptr(asked), address] {
+  if (!gate_->admits(host_of(address))) return refused(address, "no module dials in from there");
+  const auto arrival = std::make_shared<Arrival>(*this, gate_, std::move(socket), address);
+  arrival->id = silent_.add(host_of(address), [this, weak = std::weak_ptr(arrival), address] {
     const auto oldest = weak.lock();
     if (!oldest) return;
     oldest->close();
-    asked_.erase(oldest);
+    arrivals_.erase(oldest);
     displaced(address);
   });
-  asked_.insert(asked);
-  asked->start();
+  arrivals_.insert(arrival);
+  arrival->start();
+}
+
+bool ModuleServer::connected(const std::string& number) const {
+  const auto found = present_.find(number);
+  return found != present_.end() && !found->second.expired();
+}
+
+std::shared_ptr<void> ModuleServer::appear(const std::string& number) {
+  // Numbers that were there once, and whatever others called themselves.
+  if (present_.size() >= 2 * kMaxKept)
+    std::erase_if(present_, [](const auto& entry) { return entry.second.expired(); });
+  const auto presence = std::make_shared<char>();
+  present_[number] = presence;
+  return presence;
 }
 
 // Told once, then counted.
@@ -213,7 +161,7 @@ void ModuleServer::registered(const std::string& number, tcp::socket socket,
   FileDescriptor released(socket.release(fault));
   if (fault) return;
   if (closed_) return;
-  auto ours = registry_.offer(number, std::move(released));
+  auto ours = registry_.offer(number, std::move(released), appear(number));
   drop_kept(number);
   if (ours) keep_new(number, std::move(*ours), address);
 }
@@ -242,8 +190,8 @@ void ModuleServer::keep_new(const std::string& number, ModuleConnection connecti
   if (!adopted) return;
   if (kept_.size() >= kMaxKept)
     return refused(address, fmt::format("module {} is one too many without a bus", number));
-  const auto module =
-      std::make_shared<Kept>(*this, number, std::move(*adopted), connection.arrival);
+  const auto module = std::make_shared<Kept>(*this, number, std::move(*adopted), connection.arrival,
+                                             std::move(connection.presence));
   kept_.emplace(number, module);
   module->listen();
 }
@@ -252,7 +200,7 @@ ModuleConnection ModuleServer::hand_over(const std::string& number) {
   const auto found = kept_.find(number);
   if (found == kept_.end()) return {};
   const auto module = found->second;
-  ModuleConnection connection{module->release(), module->arrival};
+  ModuleConnection connection = module->release();
   if (connection.socket.valid()) kept_.erase(number);
   return connection;
 }
@@ -282,8 +230,9 @@ void ModuleServer::end_lease(const std::string& number, bool lost) {
 void ModuleServer::close() {
   if (std::exchange(closed_, true)) return;
   listener_.reset();
-  for (const auto& asked : std::exchange(asked_, {})) asked->close();
+  for (const auto& arrival : std::exchange(arrivals_, {})) arrival->close();
   for (const auto& [number, module] : std::exchange(kept_, {})) module->close("the bridge stops");
+  for (const auto& pipe : std::exchange(pipes_, {})) pipe->close();
 }
 
 }  // namespace fieldcast::program

@@ -1,5 +1,5 @@
-// Where serial-to-network modules dial in: asks each for its device number and hands its socket to
-// the bus of that number; a module without a bus stays here, to be programmed, until a bus of its
+// Where serial-to-network modules dial in: lets in those that show what they must (ModuleGate), asks
+// each for its device number and hands its socket to the bus of that number; a module without a bus stays here, to be programmed, until a bus of its
 // number comes. A reload changes where it listens and how it asks; modules that are
 // connected stay. Lives on the server's io thread.
 #pragma once
@@ -15,7 +15,9 @@
 #include "bridge/net/listener.hpp"
 #include "bridge/port/dial_in_registry.hpp"
 #include "bridge/program/hooks.hpp"
+#include "bridge/program/module_gate.hpp"
 #include "bridge/program/silent_connections.hpp"
+#include "bridge/program/tls_pipe.hpp"
 #include "core/model/spec.hpp"
 
 namespace fieldcast::program {
@@ -50,11 +52,15 @@ class ModuleServer {
   void end_lease(const std::string& number, bool lost);
 
  private:
-  class Asked;
+  class Arrival;
   class Kept;
   void came(boost::asio::ip::tcp::socket socket);
   void registered(const std::string& number, boost::asio::ip::tcp::socket socket,
                   const std::string& address);
+  // Whether a module of this number is connected, wherever its socket is.
+  [[nodiscard]] bool connected(const std::string& number) const;
+  // What goes along with the socket of a new one.
+  [[nodiscard]] std::shared_ptr<void> appear(const std::string& number);
   void drop_kept(const std::string& number);  // if there is one: the module dialled in anew
   void keep_new(const std::string& number, ModuleConnection connection, const std::string& address);
   void refused(const std::string& address, const std::string& reason);
@@ -65,10 +71,13 @@ class ModuleServer {
   DialInRegistry& registry_;
   const Hooks& hooks_;
   std::unique_ptr<Listener> listener_;  // null: nowhere
-  std::unordered_set<std::shared_ptr<Asked>> asked_;
-  SilentConnections silent_{kMaxAsked, kMaxAskedOfOne};  // those of asked_
+  std::shared_ptr<ModuleGate> gate_;    // of spec_; null: it has never listened
+  std::unordered_set<std::shared_ptr<Arrival>> arrivals_;
+  SilentConnections silent_{kMaxAsked, kMaxAskedOfOne};  // those of arrivals_
   RepeatFilter displacements_;
   std::map<std::string, std::shared_ptr<Kept>> kept_;
+  std::map<std::string, std::weak_ptr<void>> present_;  // expired: not connected any more
+  std::unordered_set<std::shared_ptr<TlsPipe>> pipes_;
   bool closed_ = false;
 };
 

@@ -23,6 +23,24 @@ constexpr std::pair<std::string_view, RegistrationRule::Ask> kAsks[] = {
 constexpr std::pair<std::string_view, LoginRule> kLogins[] = {
     {"off-loopback", LoginRule::kOffLoopback}, {"always", LoginRule::kAlways}};
 
+constexpr std::pair<std::string_view, LoginProof> kProofs[] = {
+    {"password", LoginProof::kPassword},
+    {"certificate", LoginProof::kCertificate},
+    {"either", LoginProof::kEither},
+    {"both", LoginProof::kBoth}};
+
+constexpr std::pair<std::string_view, SecondModule> kSeconds[] = {
+    {"refuse", SecondModule::kRefuse}, {"replace", SecondModule::kReplace}};
+
+constexpr std::pair<std::string_view, bool> kOpenly[] = {{"none", true}};
+
+Key file_key(std::string_view name, std::string fallback, std::string text) {
+  return {.name = name,
+          .fallback = std::move(fallback),
+          .text = std::move(text),
+          .schema = R"({ "type": "string", "minLength": 1 })"};
+}
+
 template <typename T, typename Rule>
 Field<ModulesSpec> module_row(Key key, T RegistrationRule::*member, Rule rule) {
   return field<ModulesSpec>(
@@ -62,14 +80,19 @@ const Rows<EngineersSpec>& engineer_rows() {
                    "programmer",
                .example = "listen: 127.0.0.1:4950"},
               &EngineersSpec::listen, ListenRule{4950}),
-          {{.name = "certificate",
-            .fallback = "none: plain TCP on the loopback",
-            .text = "a PEM file, relative to this file: TLS",
-            .schema = R"({ "type": "string", "minLength": 1 })"}},
-          {{.name = "key",
-            .fallback = "none",
-            .text = "its private key, a PEM file",
-            .schema = R"({ "type": "string", "minLength": 1 })"}},
+          {file_key("certificate", "none: plain TCP on the loopback",
+                    "a PEM file, relative to this file: TLS")},
+          {file_key("key", "none", "its private key, a PEM file that others must not read")},
+          {file_key("authority", "none: engineers have no certificates",
+                    "a PEM file with who signs the certificates of engineers; an engineer's "
+                    "common name is the name of a user")},
+          {file_key("revoked", "none", "a list (CRL) of certificates that are not good any more")},
+          field<EngineersSpec>(
+              {.name = "proof",
+               .fallback = "password; certificate where there is an `authority`",
+               .text = "what an engineer logs in with; `either` takes one of the two, `both` "
+                       "wants both, of the same user"},
+              &EngineersSpec::proof, ChoiceRule<LoginProof>{kProofs}),
           field<EngineersSpec>(
               {.name = "login",
                .fallback = "off-loopback",
@@ -95,7 +118,9 @@ const Rows<ModulesSpec>& module_rows() {
       {
           field<ModulesSpec>({.name = "listen",
                               .fallback = "needed",
-                              .text = "`ADDRESS:PORT` of this machine",
+                              .text = "`ADDRESS:PORT` of this machine. Off the loopback it has "
+                                      "to be said who may dial in: `authority`, `secrets`, "
+                                      "`from`, or `security: none`",
                               .example = "listen: 127.0.0.1:4951"},
                              &ModulesSpec::listen, ListenRule{4951}),
           module_row(
@@ -121,6 +146,39 @@ const Rows<ModulesSpec>& module_rows() {
                      &RegistrationRule::words, WholeRule{1, kMaxNumberWords}),
           module_row({.name = "timeout", .fallback = "5s", .text = "for the number"},
                      &RegistrationRule::timeout, DurationRule{kMinRegistration, kMaxTimeout}),
+          {file_key("certificate", "none: plain TCP", "a PEM file, relative to this file: TLS")},
+          {file_key("key", "none", "its private key, a PEM file that others must not read")},
+          {file_key("authority", "none: modules have no certificates",
+                    "a PEM file with who signs the certificates of modules; a module tells the "
+                    "number that is its common name")},
+          {file_key("revoked", "none", "a list (CRL) of certificates that are not good any more")},
+          {{.name = "subjects",
+            .fallback = "none",
+            .text = "common names that are no numbers, with the number of each, or a list of them",
+            .schema = R"({ "type": "object", "additionalProperties": { "anyOf": [ )" +
+                      DeviceNumberRule{}.schema() + R"(, { "type": "array", "items": )" +
+                      DeviceNumberRule{}.schema() + R"( } ] } })",
+            .form = "`{ hut: 17, gateway: [18, 19] }`"}},
+          {file_key("secrets", "none",
+                    "a text file that others must not read: in each line a number, or `*`, and "
+                    "the secret that a module proves to know")},
+          {{.name = "from",
+            .fallback = "anywhere",
+            .text = "addresses and networks that modules dial in from: `[10.0.7.0/24]`",
+            .schema = R"({ "type": "array", "minItems": 1, "maxItems": )" +
+                      std::to_string(kMaxInterfaces) +
+                      R"(, "items": { "type": "string", "minLength": 1 } })"}},
+          field<ModulesSpec>(
+              {.name = "second",
+               .fallback = "refuse",
+               .text = "what happens to a module with the number of one that is connected; "
+                       "`replace` lets it take its place"},
+              &ModulesSpec::second, ChoiceRule<SecondModule>{kSeconds}),
+          field<ModulesSpec>(
+              {.name = "security",
+               .fallback = "needed off the loopback, unless one of the above holds",
+               .text = "`none`: whoever reaches the port may pretend to be any module"},
+              &ModulesSpec::without_security, ChoiceRule<bool>{kOpenly}),
       });
   return rows;
 }

@@ -27,7 +27,8 @@ std::string printable(std::string_view text) {
 
 }  // namespace
 
-Registration::Registration(const RegistrationRule& rule) : rule_(rule) {
+Registration::Registration(const RegistrationRule& rule, Challenge challenge)
+    : rule_(rule), challenge_(std::move(challenge)) {
   if (rule.ask != RegistrationRule::Ask::kWords) return;
   const ProtocolEntry* entry = find_protocol(rule.protocol);
   assert(entry != nullptr && "a protocol that is built in");
@@ -43,6 +44,8 @@ Registration::Outcome Registration::start(Instant now) {
   if (protocol_) return ask(now);
   Outcome outcome;
   outcome.wake = deadline_;
+  if (!challenge_.text.empty())
+    append(outcome.send, as_bytes("challenge " + challenge_.text + "\r\n"));
   return outcome;
 }
 
@@ -147,8 +150,23 @@ Registration::Outcome Registration::number_or_fault(std::string_view text) const
     }
     number = trimmed(number.substr(rule_.prefix.size()));
   }
+  std::string_view answer;
+  if (!challenge_.text.empty()) {
+    const auto blank = std::min(number.find(' '), number.size());
+    answer = trimmed(number.substr(blank));
+    number = number.substr(0, blank);
+  }
   if (!is_device_number(number))
     return {{}, {}, "'" + printable(number) + "' is no device number", kNever};
+  return challenge_.text.empty() ? Outcome{{}, std::string(number), {}, kNever}
+                                 : proven(number, answer);
+}
+
+Registration::Outcome Registration::proven(std::string_view number, std::string_view answer) const {
+  const std::string module = "module " + std::string(number);
+  if (answer.empty()) return {{}, {}, module + " does not answer the challenge", kNever};
+  if (!challenge_.fits(number, answer))
+    return {{}, {}, module + " does not know its secret", kNever};
   return {{}, std::string(number), {}, kNever};
 }
 

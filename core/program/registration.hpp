@@ -6,6 +6,7 @@
 // word, the first in the high byte.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,14 +30,20 @@ struct RegistrationRule {
   friend bool operator==(const RegistrationRule&, const RegistrationRule&) = default;
 };
 
+// What a module has to answer besides telling its number, by text only: "17 ANSWER".
+struct Challenge {
+  std::string text;  // sent at once, as a line "challenge TEXT"; empty: nothing is asked
+  std::function<bool(std::string_view number, std::string_view answer)> fits;
+};
+
 class Registration {
  public:
-  static constexpr std::size_t kMaxText = 128;  // prefix and number and ends of line
+  static constexpr std::size_t kMaxText = 128;  // prefix, number, answer and ends of line
   // A text without an end of line ends in silence.
   static constexpr Duration kTextEnds = std::chrono::milliseconds{300};
   static constexpr Duration kAnswerTimeout = std::chrono::milliseconds{1000};
 
-  explicit Registration(const RegistrationRule& rule);
+  explicit Registration(const RegistrationRule& rule, Challenge challenge = {});
 
   struct Outcome {
     Bytes send;                         // to the module
@@ -54,7 +61,10 @@ class Registration {
   [[nodiscard]] static Outcome refused(Cause cause, std::uint16_t code);
   [[nodiscard]] Outcome number_or_fault(std::string_view text) const;
 
+  [[nodiscard]] Outcome proven(std::string_view number, std::string_view answer) const;
+
   RegistrationRule rule_;
+  Challenge challenge_;
   std::unique_ptr<Protocol> protocol_;  // kWords
   std::unique_ptr<Exchange> exchange_;
   Bytes received_;

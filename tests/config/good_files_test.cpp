@@ -147,8 +147,11 @@ TEST_F(Everything, PortsArrive) {
   ASSERT_TRUE(spec.program.engineers && spec.program.modules);
   const EngineersSpec& engineers = *spec.program.engineers;
   EXPECT_EQ(engineers.listen, (ListenSpec{"0.0.0.0", 4950}));
-  EXPECT_TRUE(engineers.tls.certificate.ends_with("profile.xml") &&
-              engineers.tls.key.ends_with("profile.xml"));
+  for (const TlsSpec& tls : {engineers.tls, spec.program.modules->tls}) {
+    for (const std::string* file : {&tls.certificate, &tls.key, &tls.authority, &tls.revoked})
+      EXPECT_TRUE(file->ends_with("profile.xml")) << *file;
+  }
+  EXPECT_EQ(engineers.proof, LoginProof::kBoth);
   EXPECT_EQ(engineers.login, LoginRule::kAlways);
   EXPECT_EQ(engineers.heartbeat, seconds{2});
   EXPECT_EQ(engineers.idle, seconds{90});
@@ -156,6 +159,31 @@ TEST_F(Everything, PortsArrive) {
   EXPECT_EQ(spec.program.modules->registration,
             (program::RegistrationRule{program::RegistrationRule::Ask::kWords, "N", 3, 100, 4,
                                        seconds{9}}));
+}
+
+TEST_F(Everything, WhatModulesHaveToShowArrives) {
+  const ModulesSpec& modules = *spec.program.modules;
+  EXPECT_EQ(modules.subjects, (std::map<std::string, std::vector<std::string>>{
+                                  {"gateway", {"18", "P2"}}, {"hut", {"17"}}}));
+  EXPECT_EQ(modules.from, (std::vector<std::string>{"10.0.7.0/24", "fd00::/8"}));
+  EXPECT_EQ(modules.second, SecondModule::kReplace);
+  EXPECT_EQ(modules.secrets, "");  // a module that is asked for words answers no challenge
+}
+
+TEST(GoodFile, ModulesOffTheLoopbackNeedOneWordOfSecurity) {
+  const auto modules_of = [](const std::string& keys) {
+    const auto file = load_text(
+        "bridge: b\nprogram: { modules: { listen: \"0.0.0.0:4951\", " + keys +
+            " } }\nbuses:\n  - { name: x, port: { serial: /dev/ttyS0 }, protocol: modbus-rtu, "
+            "devices: [ { name: d, address: 1, channels: [ { name: a, at: \"holding:1\", "
+            "type: int16 } ] } ] }\n",
+        "good/x.yaml", within(source_dir() / "tests/config"));
+    EXPECT_TRUE(file) << keys << faults_of(file);
+    return file ? *file->program.modules : ModulesSpec{};
+  };
+  EXPECT_TRUE(modules_of("security: none").without_security);
+  EXPECT_EQ(modules_of("secrets: profile.xml").secrets, "good/profile.xml");
+  EXPECT_EQ(modules_of("from: [10.0.0.0/8]").from.size(), 1u);
 }
 
 TEST_F(Everything, MetricsListenWhereTheyAreTold) {

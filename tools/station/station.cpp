@@ -174,7 +174,7 @@ UserWatch::Ask WebStation::State::ask_users() {
 
 tl::expected<std::unique_ptr<TlsServer>, std::string> WebStation::State::tls_server() const {
   if (spec.web.certificate.empty()) return nullptr;
-  return TlsServer::make(spec.web.certificate, spec.web.key);
+  return TlsServer::make({.certificate = spec.web.certificate, .key = spec.web.key});
 }
 
 // REQUIRES: the listener is open.

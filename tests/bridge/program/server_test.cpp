@@ -97,7 +97,8 @@ TEST_F(ProgramServer, ADeviceLostInMidTransferIsToldAndFreed) {
   EXPECT_EQ(pair(*client, "17"), "@@0000FEFF");
 }
 
-TEST_F(ProgramServer, AModuleThatDialsInAnewReplacesItsOldConnection) {
+TEST_F(ProgramServer, AModuleThatDialsInAnewMayReplaceItsOldConnection) {
+  spec.modules->second = SecondModule::kReplace;
   start();
   TcpClient old = this->module("17\n");
   std::unique_ptr<TcpClient> client;

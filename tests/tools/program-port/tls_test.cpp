@@ -24,8 +24,8 @@ struct Tls : test::PortFixture {
       std::filesystem::permissions(
           folder / file, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
     }
-    spec.engineers->certificate = folder / "cert.pem";
-    spec.engineers->key = folder / "key.pem";
+    spec.engineers->tls.certificate = folder / "cert.pem";
+    spec.engineers->tls.key = folder / "key.pem";
   }
   [[nodiscard]] std::vector<std::string> secure(const std::string& password) const {
     return arguments(
@@ -89,7 +89,7 @@ TEST_F(Tls, AClientThatNeverShakesHandsIsHungUpAndAudited) {
 }
 
 TEST_F(Tls, AKeyThatIsNotTheCertificatesIsAnErrorInWords) {
-  spec.engineers->key = folder / "right";
+  spec.engineers->tls.key = folder / "right";
   const auto started = server.start(spec);
   ASSERT_FALSE(started);
   EXPECT_THAT(started.error(), HasSubstr("no private key"));

@@ -339,7 +339,7 @@ class HttpsServerTest : public HttpServerTest {
     ServerLimits limits;
     limits.handshake = 300ms;
     limits.handshakes = 3;
-    auto tls = TlsServer::make(folder_ + "/cert.pem", folder_ + "/key.pem");
+    auto tls = TlsServer::make({folder_ + "/cert.pem", folder_ + "/key.pem", {}, {}});
     ASSERT_TRUE(tls) << tls.error();
     restart(limits, *std::move(tls));
   }

@@ -1,0 +1,66 @@
+// Certificates for tests of TLS, made by openssl in a folder that goes with this object.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace fieldcast::test {
+
+class Certificates {
+ public:
+  // An authority, `ca.pem`.
+  Certificates() {
+    std::string pattern = testing::TempDir() + "certificates-XXXXXX";
+    EXPECT_NE(::mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+    make("ca", "/CN=plant", "-addext basicConstraints=critical,CA:TRUE", "");
+  }
+  ~Certificates() {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+  Certificates(const Certificates&) = delete;
+  Certificates& operator=(const Certificates&) = delete;
+
+  // NAME.pem and NAME.key, with this common name, signed by the authority.
+  void issue(const std::string& name, const std::string& common_name) const {
+    make(name, "/CN=" + common_name, "-addext subjectAltName=IP:127.0.0.1",
+         "-CA " + file("ca.pem") + " -CAkey " + file("ca.key"));
+  }
+  // One that no authority has signed.
+  void make_own(const std::string& name, const std::string& common_name) const {
+    make(name, "/CN=" + common_name, "-addext subjectAltName=IP:127.0.0.1", "");
+  }
+  [[nodiscard]] std::string file(const std::string& name) const { return folder_ + '/' + name; }
+  [[nodiscard]] std::string text(const std::string& name) const {
+    std::ifstream in(file(name));
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  // Readable for the owner only, unless told otherwise.
+  std::string write(const std::string& name, const std::string& content,
+                    unsigned mode = 0600) const {
+    std::ofstream(file(name)) << content;
+    std::filesystem::permissions(file(name), static_cast<std::filesystem::perms>(mode));
+    return file(name);
+  }
+
+ private:
+  void make(const std::string& name, const std::string& subject, const std::string& extension,
+            const std::string& authority) const {
+    const std::string command =
+        "openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -nodes -days 2 -subj "
+        "'" +
+        subject + "' " + extension + ' ' + authority + " -keyout " + file(name + ".key") +
+        " -out " + file(name + ".pem") + " >/dev/null 2>&1";
+    EXPECT_EQ(std::system(command.c_str()), 0) << command;
+  }
+
+  std::string folder_;
+};
+
+}  // namespace fieldcast::test
