@@ -11,15 +11,25 @@ namespace fieldcast {
 
 program::Hooks Bridge::State::program_hooks() {
   program::Hooks hooks;
-  hooks.login = [this](std::string user, std::string password, std::string address,
-                       std::function<void(program::LoginAnswer)> done) {
+  const auto verdict = [](std::function<void(program::LoginAnswer)> done) {
+    return [done = std::move(done)](const LoginResult& result) {
+      if (!result) return done({false, to_text(result.error())});
+      done({may(*result, Role::kProgrammer),
+            fmt::format("the role {} may not program", to_text(*result))});
+    };
+  };
+  // Without a store the authority of the certificates says who is an engineer.
+  hooks.certified = [this, verdict](std::string user, std::string address,
+                                    std::function<void(program::LoginAnswer)> done) {
+    if (!logins) return done({true, ""});
+    logins->authenticate({.user = std::move(user), .peer = std::move(address), .certified = true},
+                         verdict(std::move(done)));
+  };
+  hooks.login = [this, verdict](std::string user, Secret password, std::string address,
+                                std::function<void(program::LoginAnswer)> done) {
     if (!logins) return done({false, "this bridge has no users: its configuration has no store"});
     logins->authenticate({std::move(user), std::move(password), std::move(address)},
-                         [done = std::move(done)](LoginResult result) {
-                           if (!result) return done({false, to_text(result.error())});
-                           done({may(*result, Role::kProgrammer),
-                                 fmt::format("the role {} may not program", to_text(*result))});
-                         });
+                         verdict(std::move(done)));
   };
   hooks.audit = [this](const program::Transmission& what) {
     const std::lock_guard lock(store_mutex);

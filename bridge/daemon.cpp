@@ -8,11 +8,13 @@
 #include <cstring>
 #include <optional>
 
+#include "bridge/base/guarded_process.hpp"
 #include "bridge/bridge.hpp"
 #include "bridge/bus/clock.hpp"
 #include "bridge/dds/library.hpp"
 #include "bridge/dds/sample_load.hpp"
 #include "bridge/log/log.hpp"
+#include "bridge/program/access_text.hpp"
 #include "bridge/security/authority.hpp"
 #include "bridge/service/identity_watch.hpp"
 #include "bridge/service/service.hpp"
@@ -110,6 +112,13 @@ void log_fences(const BridgeSpec& spec) {
 security::MemberCheck check_security(const BridgeSpec& spec) {
   if (!spec.dds.security) return {};
   return security::check_program(*spec.dds.security, true, read_clocks().utc);
+}
+
+// Who may enter by the programming port.
+template <typename Tell>
+void tell_access(const ProgramSpec& spec, Tell tell) {
+  if (spec.engineers) tell(program::to_text(*spec.engineers));
+  if (spec.modules) tell(program::to_text(*spec.modules));
 }
 
 constexpr const char* kOpen = "security: none: whoever is in the network reads and commands";
@@ -215,6 +224,7 @@ ExitCode serve(Signals& signals, const BridgeSpec& spec, const DaemonOptions& op
   }
   if (spec.dds.without_security) log_warning("dds", kOpen);
   if (const auto small = rate_remark(spec)) log_warning("dds", *small);
+  tell_access(spec.program, [](const std::string& text) { log_info("program", text); });
   Bridge bridge;
   const WhileItLives watched(signals, bridge);
   bool trace = options.trace;
@@ -267,6 +277,8 @@ ExitCode check_configuration(const std::string& path) {
     return ExitCode::kBadConfiguration;
   }
   std::fputs(summary(*loaded).c_str(), stdout);
+  tell_access(loaded->program,
+              [](const std::string& text) { std::printf("  %s\n", text.c_str()); });
   const auto warn = [](const std::string& bus, const std::string& text) {
     std::fputs(fmt::format("warning: {}: {}\n", bus, text).c_str(), stderr);
   };
@@ -284,7 +296,9 @@ ExitCode check_configuration(const std::string& path) {
   for (const std::string& line : identity.warnings) warn("security", line);
   for (const std::string& line : identity.faults)
     std::fputs(fmt::format("security: {}\n", line).c_str(), stderr);
-  return identity.faults.empty() ? ExitCode::kOk : ExitCode::kBadConfiguration;
+  const auto files = program::check_files(loaded->program);
+  if (!files) std::fputs(fmt::format("program: {}\n", files.error()).c_str(), stderr);
+  return identity.faults.empty() && files ? ExitCode::kOk : ExitCode::kBadConfiguration;
 }
 
 ExitCode run_daemon(const DaemonOptions& options) {
@@ -295,6 +309,8 @@ ExitCode run_daemon(const DaemonOptions& options) {
     return ExitCode::kBadConfiguration;
   }
   open_log(loaded->log.level);
+  if (const std::string memory = unguarded_memory(); !memory.empty())
+    log_warning("security", memory);
   set_library_lines(log_library);
   const ExitCode code = serve(signals, *loaded, options);
   flush_log(kLastWords);

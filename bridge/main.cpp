@@ -5,6 +5,7 @@
 #include <exception>
 
 #include "bridge/base/command_line.hpp"
+#include "bridge/base/guarded_process.hpp"
 #include "bridge/daemon.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/write_faults.hpp"
@@ -36,6 +37,7 @@ fieldcast::ExitCode run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   fieldcast::make_writes_fail_not_kill();
+  fieldcast::guard_memory();
   try {
     return static_cast<int>(run(argc, argv));
   } catch (const std::exception& error) {

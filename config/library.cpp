@@ -5,10 +5,23 @@
 #include <algorithm>
 
 #include "config/limits.hpp"
+#include "config/recognition.hpp"
 #include "config/suggest.hpp"
 
 namespace fieldcast::config {
 namespace {
+
+// What a file is named as.
+constexpr std::string_view kChannelList = "channel list", kTemplate = "template",
+                           kProtocol = "protocol";
+
+// What is to be said of a text that is none of this kind, instead of parsing it; empty: it may be.
+std::string_view stranger_of(std::string_view text, std::string_view what) {
+  if (is_empty(text)) return {};
+  if (what == kChannelList) return has_columns(text) ? "" : kNoChannelList;
+  if (what == kTemplate) return is_template(text) ? "" : kNoTemplate;
+  return is_declaration(text) ? "" : kNoDeclaration;
+}
 
 // Template names are words, not paths: what a bridge reads is decided by its folders.
 bool is_word(std::string_view name) {
@@ -47,8 +60,7 @@ tl::expected<std::string, FileError> Library::read(const std::string& path) {
   return text;
 }
 
-const Node* Library::opened(const std::string& path, const Node& naming, std::string_view what,
-                            bool csv) {
+const Node* Library::opened(const std::string& path, const Node& naming, std::string_view what) {
   if (const auto known = documents_.find(path); known != documents_.end())
     return known->second->root;
   auto text = read(path);
@@ -58,12 +70,19 @@ const Node* Library::opened(const std::string& path, const Node& naming, std::st
                   "");
     return nullptr;
   }
-  return keep(path, std::move(*text), csv);
+  return keep(path, std::move(*text), what);
 }
 
-const Node* Library::keep(const std::string& path, std::string text, bool csv) {
+const Node* Library::keep(const std::string& path, std::string text, std::string_view what) {
+  const bool csv = what == kChannelList;
   Source source{path, std::move(text), documents_.size() + 1};
   const auto faults_before = faults_.size();
+  if (const std::string_view stranger = stranger_of(source.text, what); !stranger.empty()) {
+    auto unread = std::make_unique<Document>();
+    unread->source = {path, {}, source.order};
+    faults_.add({&unread->source, 0, 0}, std::string(stranger));
+    return documents_.emplace(path, std::move(unread)).first->second->root;
+  }
   auto document =
       csv ? parse_csv(std::move(source), faults_) : parse_yaml(std::move(source), faults_);
   if (document->root == nullptr && faults_.size() == faults_before)
@@ -72,7 +91,7 @@ const Node* Library::keep(const std::string& path, std::string text, bool csv) {
 }
 
 const Node* Library::channel_list(const Node& naming) {
-  return opened(resolve(*naming.position.source, naming.text), naming, "channel list", true);
+  return opened(resolve(*naming.position.source, naming.text), naming, kChannelList);
 }
 
 const Node* Library::device_template(const Node& naming) {
@@ -84,7 +103,7 @@ const Node* Library::device_template(const Node& naming) {
     return nullptr;
   }
   const auto directories = folders(naming, "devices/", options_.template_directories);
-  const Found found = in_directories(naming, "template", directories);
+  const Found found = in_directories(naming, kTemplate, directories);
   if (!found.exists)
     fault_missing(naming, fmt::format("template '{}' ", naming.text), FileError::kMissing,
                   directories, ".yaml");
@@ -93,7 +112,7 @@ const Node* Library::device_template(const Node& naming) {
 
 Library::Found Library::protocol_declaration(const Node& naming) {
   if (!is_word(naming.text)) return {};
-  return in_directories(naming, "protocol",
+  return in_directories(naming, kProtocol,
                         folders(naming, "protocols/", options_.protocol_directories));
 }
 
@@ -105,9 +124,9 @@ Library::Found Library::in_directories(const Node& naming, std::string_view what
                                        std::span<const std::string> directories) {
   for (const auto& directory : directories) {
     const std::string path = fmt::format("{}{}.yaml", directory, naming.text);
-    if (documents_.contains(path)) return {true, opened(path, naming, what, false)};
+    if (documents_.contains(path)) return {true, opened(path, naming, what)};
     auto text = read(path);
-    if (text) return {true, keep(path, std::move(*text), false)};
+    if (text) return {true, keep(path, std::move(*text), what)};
     if (text.error() == FileError::kMissing) continue;
     fault_missing(naming, fmt::format("{} '{}' ", what, naming.text), text.error(), directories,
                   ".yaml");

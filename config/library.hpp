@@ -41,8 +41,9 @@ class Library {
   std::string check_file(const Node& naming);
 
  private:
-  const Node* opened(const std::string& path, const Node& naming, std::string_view what, bool csv);
-  const Node* keep(const std::string& path, std::string text, bool csv);
+  // `what` the file is named as.
+  const Node* opened(const std::string& path, const Node& naming, std::string_view what);
+  const Node* keep(const std::string& path, std::string text, std::string_view what);
   // A file NAME.yaml in the first of the directories that has it.
   Found in_directories(const Node& naming, std::string_view what,
                        std::span<const std::string> directories);

@@ -12,6 +12,7 @@
 #include "config/limits.hpp"
 #include "config/port.hpp"
 #include "config/program.hpp"
+#include "config/recognition.hpp"
 #include "config/scalars.hpp"
 #include "config/store.hpp"
 #include "core/schedule/overload.hpp"
@@ -126,6 +127,10 @@ Loaded load_text(std::string_view text, const std::string& file_name, const File
     return tl::unexpected(
         whole_file(file_name, "the file is too large", fmt::format("{} MiB", kMaxFileBytes >> 20)));
   }
+  if (!is_empty(text) && !is_configuration(text)) {
+    return tl::unexpected(whole_file(file_name, std::string(kNoConfiguration),
+                                     "a map with " + joined(bridge_rows().keys)));
+  }
   FaultList faults;
   const auto document = parse_yaml(Source{file_name, std::string(text), 0}, faults);
   BridgeSpec spec;
@@ -150,6 +155,10 @@ Loaded load_file(const std::string& path, const LoadOptions& options) {
 }
 
 LoadedDeclaration load_declaration_text(std::string_view text, const std::string& file_name) {
+  if (!is_empty(text) && !is_declaration(text)) {
+    return tl::unexpected(whole_file(file_name, std::string(kNoDeclaration),
+                                     "a map with summary, areas, operations"));
+  }
   FaultList faults;
   const auto document = parse_yaml(Source{file_name, std::string(text), 0}, faults);
   declared::SharedDeclaration declaration;

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <openssl/err.h>
-#include <sys/stat.h>
 
 #include <algorithm>
 #include <array>
@@ -12,6 +11,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <set>
 
+#include "bridge/base/file_stamp.hpp"
 #include "bridge/base/secret_file.hpp"
 
 namespace fieldcast {
@@ -128,6 +128,10 @@ Done use_authority(Context& context, const TlsSpec& files, TlsServer::Clients cl
   context.set_verify_mode(clients == TlsServer::Clients::kMust
                               ? asio::ssl::verify_peer | asio::ssl::verify_fail_if_no_peer_cert
                               : asio::ssl::verify_peer);
+  // Signed by an authority of the file itself: whoever owns a certificate that may sign others, by
+  // mistake, makes no further ones for this bridge.
+  SSL_CTX_set_verify_depth(context.native_handle(), 0);
+  X509_STORE_set_flags(SSL_CTX_get_cert_store(context.native_handle()), X509_V_FLAG_PARTIAL_CHAIN);
   // A session that is resumed would not look at the list of revoked certificates again.
   SSL_CTX_set_session_cache_mode(context.native_handle(), SSL_SESS_CACHE_OFF);
   SSL_CTX_set_options(context.native_handle(), SSL_OP_NO_TICKET);
@@ -144,28 +148,11 @@ Done use_authority(Context& context, const TlsSpec& files, TlsServer::Clients cl
   return {};
 }
 
-// Tells whether a file has changed.
-struct Stamp {
-  dev_t device = 0;
-  ino_t inode = 0;
-  off_t size = -1;
-  std::int64_t changed_ns = 0;
-  friend bool operator==(const Stamp&, const Stamp&) = default;
-};
-using Stamps = std::array<Stamp, 4>;
+using Stamps = std::array<FileStamp, 4>;
 
 Stamps stamps_of(const TlsSpec& files) {
-  Stamps stamps;
-  std::size_t i = 0;
-  for (const std::string* file :
-       {&files.certificate, &files.key, &files.authority, &files.revoked}) {
-    struct stat found {};
-    if (!file->empty() && ::stat(file->c_str(), &found) == 0)
-      stamps[i] = {found.st_dev, found.st_ino, found.st_size,
-                   found.st_ctim.tv_sec * 1'000'000'000 + found.st_ctim.tv_nsec};
-    ++i;
-  }
-  return stamps;
+  return {FileStamp::of(files.certificate), FileStamp::of(files.key),
+          FileStamp::of(files.authority), FileStamp::of(files.revoked)};
 }
 
 }  // namespace
@@ -205,7 +192,8 @@ tl::expected<std::unique_ptr<TlsServer>, std::string> TlsServer::make(const TlsS
 
 std::function<void()> TlsServer::shake_hands(tcp::socket socket, Duration limit,
                                              std::function<void(TlsResult)> done) {
-  if (stamps_of(state_->files) != state_->stamps) state_->load();
+  if (!state_->files.authority.empty() && stamps_of(state_->files) != state_->stamps)
+    state_->load();
   if (!state_->context) {
     asio::post(socket.get_executor(), [state = state_, done = std::move(done)] {
       if (!state->closed) done(Fault(state->trouble));

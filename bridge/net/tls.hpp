@@ -24,9 +24,9 @@ class TlsServer {
   // PEM files. The error names the file: there is none, it holds something else, the key is open to
   // others. Without an authority clients show no certificate.
   //
-  // Files that change are read again before the next connection, so that a certificate can be
-  // renewed and another one revoked while the server runs. While one of them is of no use, nobody
-  // is let in.
+  // With an authority, files that change are read again before the next connection, so that a
+  // certificate can be renewed and another one revoked while the server runs. While one of them is
+  // of no use, nobody is let in.
   [[nodiscard]] static tl::expected<std::unique_ptr<TlsServer>, std::string> make(
       const TlsSpec& files, Clients clients = Clients::kMust);
   ~TlsServer();

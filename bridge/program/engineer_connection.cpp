@@ -7,6 +7,7 @@
 
 #include "bridge/bus/clock.hpp"
 #include "bridge/log/log.hpp"
+#include "bridge/net/listener.hpp"
 #include "bridge/port/serial_line.hpp"
 #include "bridge/port/socket_stream.hpp"
 
@@ -44,13 +45,21 @@ class Farewell : public std::enable_shared_from_this<Farewell> {
   const Instant limit_;
 };
 
+EngineerRules with_certificate(EngineerRules rules, bool is_login) {
+  rules.by_certificate = is_login;
+  return rules;
+}
+
 }  // namespace
 
 EngineerConnection::EngineerConnection(Surroundings& around, std::unique_ptr<ByteStream> stream,
-                                       std::string address, const EngineerRules& rules)
+                                       std::string address, const EngineerRules& rules,
+                                       LoginProof proof)
     : around_(around),
       address_(std::move(address)),
-      engineer_(rules, steady_now()),
+      proof_(proof),
+      certified_(stream->peer_name()),
+      engineer_(with_certificate(rules, certificate_is_login()), steady_now()),
       client_(std::make_shared<RelayEnd>(std::move(stream))),
       timer_(around.io) {}
 
@@ -63,6 +72,42 @@ void EngineerConnection::start() {
                     self->tell(ClientTakes{room});
                   }});
   tell(TimerFired{});  // sets the first timer
+  if (certificate_is_login()) check_certificate();
+}
+
+bool EngineerConnection::certificate_is_login() const {
+  return proof_ == LoginProof::kCertificate ||
+         (proof_ == LoginProof::kEither && !certified_.empty());
+}
+
+void EngineerConnection::check_certificate() {
+  const auto done = answer_to(certified_);
+  if (certified_.empty()) return done({false, "the certificate has no common name"});
+  if (!around_.hooks.certified) return done({true, ""});
+  around_.hooks.certified(certified_, host_of(address_), done);
+}
+
+// Any thread may call what this gives.
+std::function<void(LoginAnswer)> EngineerConnection::answer_to(const std::string& user) {
+  return [weak = weak_from_this(), &io = around_.io, user](const LoginAnswer& answer) {
+    asio::post(io, [weak, user, answer] {
+      const auto self = weak.lock();
+      if (!self) return;
+      if (answer.allowed) {
+        self->user_ = user;
+        self->around_.proven(self);
+      }
+      self->tell(LoginChecked{
+          answer.allowed, answer.allowed ? "" : fmt::format("user {}: {}", user, answer.reason)});
+    });
+  };
+}
+
+std::string EngineerConnection::fault_of_password(const std::string& user) const {
+  if (proof_ == LoginProof::kCertificate) return "here the certificate is the login";
+  if (!certified_.empty() && user != certified_)
+    return fmt::format("the certificate is that of {}", certified_);
+  return {};
 }
 
 void EngineerConnection::end(const std::string& reason) {
@@ -92,21 +137,11 @@ void EngineerConnection::execute(const ToDevice& what) {
 }
 
 void EngineerConnection::execute(const CheckLogin& what) {
-  const auto answered = [weak = weak_from_this(), &io = around_.io,
-                         user = what.user](const LoginAnswer& answer) {
-    asio::post(io, [weak, user, answer] {
-      const auto self = weak.lock();
-      if (!self) return;
-      if (answer.allowed) {
-        self->user_ = user;
-        self->around_.proven(self);
-      }
-      self->tell(LoginChecked{
-          answer.allowed, answer.allowed ? "" : fmt::format("user {}: {}", user, answer.reason)});
-    });
-  };
-  if (!around_.hooks.login) return answered({false, "this bridge has no users"});
-  around_.hooks.login(what.user, what.password, address_.substr(0, address_.rfind(':')), answered);
+  const auto done = answer_to(what.user);
+  if (const std::string fault = fault_of_password(what.user); !fault.empty())
+    return done({false, fault});
+  if (!around_.hooks.login) return done({false, "this bridge has no users"});
+  around_.hooks.login(what.user, Secret(what.password), host_of(address_), done);
 }
 
 void EngineerConnection::execute(const TakeDevice& what) {

@@ -10,6 +10,7 @@
 #include "bridge/program/device_registry.hpp"
 #include "bridge/program/hooks.hpp"
 #include "bridge/program/relay_end.hpp"
+#include "core/model/spec.hpp"
 #include "core/program/engineer.hpp"
 
 namespace fieldcast::program {
@@ -27,7 +28,7 @@ class EngineerConnection : public std::enable_shared_from_this<EngineerConnectio
   };
 
   EngineerConnection(Surroundings& around, std::unique_ptr<ByteStream> stream, std::string address,
-                     const EngineerRules& rules);
+                     const EngineerRules& rules, LoginProof proof = LoginProof::kPassword);
 
   void start();
   // The bridge stops: the client is told, the device freed.
@@ -38,6 +39,12 @@ class EngineerConnection : public std::enable_shared_from_this<EngineerConnectio
   void tick();
 
  private:
+  [[nodiscard]] bool certificate_is_login() const;
+  void check_certificate();
+  // What a check of this user is to call with its verdict.
+  [[nodiscard]] std::function<void(LoginAnswer)> answer_to(const std::string& user);
+  // Why a password of this user is not even looked at; empty: it is.
+  [[nodiscard]] std::string fault_of_password(const std::string& user) const;
   void tell(const EngineerEvent& event);
   void execute(const ToClient& what);
   void execute(const ToDevice& what);
@@ -56,6 +63,8 @@ class EngineerConnection : public std::enable_shared_from_this<EngineerConnectio
 
   Surroundings& around_;
   const std::string address_;
+  const LoginProof proof_;
+  const std::string certified_;  // the user of the certificate that the client has shown
   std::string user_;
   Engineer engineer_;
   std::shared_ptr<RelayEnd> client_, device_;

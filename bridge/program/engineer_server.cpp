@@ -16,7 +16,8 @@ using asio::ip::tcp;
 
 EngineerRules rules_of(const EngineersSpec& spec) {
   EngineerRules rules;
-  rules.login_needed = spec.login == LoginRule::kAlways || !on_loopback(spec.listen);
+  rules.login_needed = spec.login == LoginRule::kAlways || !on_loopback(spec.listen) ||
+                       spec.proof == LoginProof::kCertificate || spec.proof == LoginProof::kBoth;
   rules.heartbeat = spec.heartbeat;
   rules.idle = spec.idle;
   rules.handshake = spec.handshake;
@@ -44,7 +45,9 @@ EngineerServer::~EngineerServer() = default;
 
 tl::expected<void, std::string> EngineerServer::listen() {
   if (!spec_.tls.certificate.empty()) {
-    auto made = TlsServer::make(spec_.tls);
+    auto made =
+        TlsServer::make(spec_.tls, spec_.proof == LoginProof::kEither ? TlsServer::Clients::kMay
+                                                                      : TlsServer::Clients::kMust);
     if (!made) return tl::make_unexpected(made.error());
     tls_ = std::move(*made);
   }
@@ -80,8 +83,8 @@ void EngineerServer::came(tcp::socket socket) {
 }
 
 void EngineerServer::welcome(std::unique_ptr<ByteStream> stream, const std::string& address) {
-  const auto client =
-      std::make_shared<EngineerConnection>(around_, std::move(stream), address, rules_);
+  const auto client = std::make_shared<EngineerConnection>(around_, std::move(stream), address,
+                                                           rules_, spec_.proof);
   clients_.insert(client);
   ids_[client.get()] = silent_.add(host_of(address), [this, weak = std::weak_ptr(client), address] {
     if (const auto silent = weak.lock()) silent->displace();

@@ -6,11 +6,13 @@
 #include <functional>
 #include <string>
 
+#include "bridge/base/secret.hpp"
 #include "core/base/time.hpp"
 #include "core/model/status.hpp"
 
 namespace fieldcast::program {
 
+// Of the user of a certificate or of a password.
 struct LoginAnswer {
   bool allowed = false;
   std::string reason;  // why not
@@ -26,9 +28,12 @@ struct Transmission {
 
 struct Hooks {
   // `done` is called once, on any thread. Only programmers are allowed.
-  std::function<void(std::string user, std::string password, std::string address,
+  std::function<void(std::string user, Secret password, std::string address,
                      std::function<void(LoginAnswer)> done)>
       login;
+  // The same for a user whose certificate was verified. Missing: every certificate will do.
+  std::function<void(std::string user, std::string address, std::function<void(LoginAnswer)> done)>
+      certified;
   std::function<void(const Transmission&)> audit;
   std::function<void(const ProgramSessionReport&)> report;
 };

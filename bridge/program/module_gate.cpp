@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "bridge/log/log.hpp"
+
 namespace fieldcast::program {
 
 tl::expected<std::shared_ptr<ModuleGate>, std::string> ModuleGate::make(const ModulesSpec& spec) {
@@ -19,6 +21,7 @@ tl::expected<std::shared_ptr<ModuleGate>, std::string> ModuleGate::make(const Mo
     gate->tls_ = *std::move(tls);
   }
   if (!spec.secrets.empty()) {
+    gate->read_ = FileStamp::of(spec.secrets);
     auto secrets = ModuleSecrets::read(spec.secrets);
     if (!secrets) return tl::unexpected(secrets.error());
     gate->secrets_ = std::make_shared<const ModuleSecrets>(*std::move(secrets));
@@ -32,8 +35,16 @@ bool ModuleGate::admits(const std::string& host) const {
          });
 }
 
-Challenge ModuleGate::challenge() const {
+Challenge ModuleGate::challenge() {
   if (!secrets_) return {};
+  if (const FileStamp now = FileStamp::of(spec_.secrets); now != read_) {
+    read_ = now;
+    auto secrets = ModuleSecrets::read(spec_.secrets);
+    if (!secrets)
+      log_error("modules", secrets.error() + "; no module is let in until that is mended");
+    secrets_ =
+        std::make_shared<const ModuleSecrets>(secrets ? *std::move(secrets) : ModuleSecrets{});
+  }
   const std::string text = new_challenge();
   return {text, [secrets = secrets_, text](std::string_view number, std::string_view answer) {
             return secrets->fits(number, text, answer);

@@ -8,6 +8,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
+#include "bridge/base/file_stamp.hpp"
 #include "bridge/net/tls.hpp"
 #include "bridge/program/module_secrets.hpp"
 #include "core/access/network.hpp"
@@ -28,8 +29,9 @@ class ModuleGate {
   // Whether a module has to prove something: it is then told why it is refused. One that only has a
   // registration text would pass the words on to its PLC.
   [[nodiscard]] bool asks() const { return tls_ || secrets_; }
-  // A new one for each module.
-  [[nodiscard]] Challenge challenge() const;
+  // A new one for each module. Secrets that have changed are read again; while their file is of no
+  // use, nobody knows one.
+  [[nodiscard]] Challenge challenge();
   // Why the certificate with this common name is none for this number; empty: it is one, or none
   // is asked for.
   [[nodiscard]] std::string fault_of(const std::string& common_name,
@@ -42,6 +44,7 @@ class ModuleGate {
   std::vector<access::Network> networks_;
   std::unique_ptr<TlsServer> tls_;
   std::shared_ptr<const ModuleSecrets> secrets_;
+  FileStamp read_;  // their file, when it was read last
 };
 
 }  // namespace fieldcast::program

@@ -1,7 +1,7 @@
-// Where serial-to-network modules dial in: lets in those that show what they must (ModuleGate), asks
-// each for its device number and hands its socket to the bus of that number; a module without a bus stays here, to be programmed, until a bus of its
-// number comes. A reload changes where it listens and how it asks; modules that are
-// connected stay. Lives on the server's io thread.
+// Where serial-to-network modules dial in: lets in those that show what they must (ModuleGate),
+// asks each for its device number and hands its socket to the bus of that number; a module without
+// a bus stays here, to be programmed, until a bus of its number comes. A reload changes where it
+// listens and how it asks; modules that are connected stay. Lives on the server's io thread.
 #pragma once
 
 #include <boost/asio/ip/tcp.hpp>

@@ -66,11 +66,11 @@ std::string Authority::member_folder(const std::string& name) const {
 }
 
 Identity Authority::identities() const {
-  return {read_file(path(kIdentityCa)), read_file(path(kIdentityCaKey))};
+  return {read_file(path(kIdentityCa)), read_key(path(kIdentityCaKey))};
 }
 
 Identity Authority::permissions() const {
-  return {read_file(path(kPermissionsCa)), read_file(path(kPermissionsCaKey))};
+  return {read_file(path(kPermissionsCa)), read_key(path(kPermissionsCaKey))};
 }
 
 std::string Authority::issue_for(const Member& member, const std::string& key, UtcTime now,

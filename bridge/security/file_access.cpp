@@ -45,10 +45,9 @@ void fill(int file, const std::string& path, const std::string& text, mode_t mod
 
 }  // namespace
 
-std::string read_file(const std::string& path) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) fail("read", path);
-  const Descriptor owned(file);
+namespace {
+
+std::string whole(int file, const std::string& path) {
   std::string text;
   char part[4096];
   for (;;) {
@@ -58,6 +57,26 @@ std::string read_file(const std::string& path) {
     text.append(part, static_cast<std::size_t>(got));
     if (text.size() > kMaxFile) throw SecurityError("cannot read " + path + ": it is too long");
   }
+}
+
+}  // namespace
+
+std::string read_file(const std::string& path) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) fail("read", path);
+  const Descriptor owned(file);
+  return whole(file, path);
+}
+
+std::string read_key(const std::string& path) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) fail("read", path);
+  const Descriptor owned(file);
+  struct stat found {};
+  if (::fstat(file, &found) != 0) fail("read", path);
+  if ((found.st_mode & (S_IRWXG | S_IRWXO)) != 0)
+    throw SecurityError(path + ": others may read or change it; chmod 600 " + path);
+  return whole(file, path);
 }
 
 void write_new(const std::string& path, const std::string& text, mode_t mode) {

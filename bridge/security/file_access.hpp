@@ -12,6 +12,8 @@ inline constexpr mode_t kOwnerOnly = 0600;
 inline constexpr mode_t kForAll = 0644;
 
 [[nodiscard]] std::string read_file(const std::string& path);
+// The same for a private key. Fails if others than its owner may read or change it.
+[[nodiscard]] std::string read_key(const std::string& path);
 // Fails if it is there.
 void write_new(const std::string& path, const std::string& text, mode_t mode);
 // In one step: who reads it meanwhile gets the old one or the new one.

@@ -28,6 +28,7 @@ LoginResult refused(LoginRefused::Why why, Duration wait = {}) {
 std::string to_text(const LoginRefused& refused) {
   switch (refused.why) {
     case LoginRefused::Why::kWrong: return "wrong user or password";
+    case LoginRefused::Why::kUnknown: return "there is no such user";
     case LoginRefused::Why::kTooSoon:
       return "too many wrong passwords, try again in " +
              to_text(std::chrono::ceil<std::chrono::seconds>(refused.wait));
@@ -78,11 +79,13 @@ void Authenticator::handle(Waiting next, BoundedQueue<Waiting>& queue) {
 }
 
 Duration Authenticator::throttled(const LoginAttempt& attempt) {
+  if (attempt.certified) return {};  // nothing is guessed
   const std::lock_guard lock(mutex_);
   return throttle_.wait(attempt.user, attempt.peer, steady_now());
 }
 
 void Authenticator::count(const LoginAttempt& attempt, const LoginResult& result) {
+  if (attempt.certified) return;
   const std::lock_guard lock(mutex_);
   if (result) throttle_.succeeded(attempt.user, attempt.peer);
   if (!result && result.error().why == LoginRefused::Why::kWrong)
@@ -97,9 +100,11 @@ void Authenticator::refuse_all(BoundedQueue<Waiting>& queue) {
 LoginResult Authenticator::verdict(const LoginAttempt& attempt) {
   try {
     if (!connection_) connection_ = open_store(address_, IfMissing::kFail);
-    if (const auto role = UserTable(*connection_).verify(attempt.user, attempt.password))
-      return *role;
-    return refused(LoginRefused::Why::kWrong);
+    UserTable users(*connection_);
+    const auto role = attempt.certified ? users.role_of(attempt.user)
+                                        : users.verify(attempt.user, attempt.password.text());
+    if (role) return *role;
+    return refused(attempt.certified ? LoginRefused::Why::kUnknown : LoginRefused::Why::kWrong);
   } catch (const StoreError& error) {
     connection_.reset();
     log_counted(LogLevel::kError, "logins", "logins without the store", error.what());
@@ -108,12 +113,12 @@ LoginResult Authenticator::verdict(const LoginAttempt& attempt) {
 }
 
 void Authenticator::finish(Waiting waiting, const LoginResult& result) {
-  wipe(waiting.attempt.password);
+  waiting.attempt.password = {};
   const std::string who =
       shown(waiting.attempt.user) +
       (waiting.attempt.peer.empty() ? "" : " from " + shown(waiting.attempt.peer));
   audit_.append({.who = who,
-                 .what = "login",
+                 .what = waiting.attempt.certified ? "login by certificate" : "login",
                  .result = result ? "done" : "refused: " + to_text(result.error())});
   waiting.done(result);
 }

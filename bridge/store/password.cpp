@@ -17,7 +17,7 @@ void start_sodium() {
 
 }  // namespace
 
-std::string hash_password(const std::string& password) {
+std::string hash_password(std::string_view password) {
   start_sodium();
   std::array<char, crypto_pwhash_STRBYTES> hash{};
   if (crypto_pwhash_str_alg(hash.data(), password.data(), password.size(),
@@ -28,14 +28,9 @@ std::string hash_password(const std::string& password) {
   return hash.data();
 }
 
-bool password_fits(const std::string& hash, const std::string& password) {
+bool password_fits(const std::string& hash, std::string_view password) {
   start_sodium();
   return crypto_pwhash_str_verify(hash.c_str(), password.data(), password.size()) == 0;
-}
-
-void wipe(std::string& secret) {
-  sodium_memzero(secret.data(), secret.size());
-  secret.clear();
 }
 
 }  // namespace fieldcast

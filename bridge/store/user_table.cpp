@@ -23,7 +23,7 @@ bool plain(char c) {
 
 }  // namespace
 
-bool UserTable::add(const std::string& name, Role role, const std::string& password, UtcTime now) {
+bool UserTable::add(const std::string& name, Role role, std::string_view password, UtcTime now) {
   return connection_.execute(
              "insert into users (name, role, password_hash, created_at) values ($1, $2, $3, $4) on "
              "conflict do nothing",
@@ -49,7 +49,7 @@ std::vector<User> UserTable::list() {
   return users;
 }
 
-std::optional<Role> UserTable::verify(const std::string& name, const std::string& password) {
+std::optional<Role> UserTable::verify(const std::string& name, std::string_view password) {
   std::string hash = nobody();
   std::optional<Role> role;
   connection_.query("select role, password_hash from users where name = $1", SqlRow{name},
@@ -59,6 +59,15 @@ std::optional<Role> UserTable::verify(const std::string& name, const std::string
                       return false;
                     });
   return password_fits(hash, password) ? role : std::nullopt;
+}
+
+std::optional<Role> UserTable::role_of(const std::string& name) {
+  std::optional<Role> role;
+  connection_.query("select role from users where name = $1", SqlRow{name}, [&](const SqlRow& row) {
+    role = role_from(text_at(row, 0));
+    return false;
+  });
+  return role;
 }
 
 std::string fault_of_user_name(std::string_view name) {

@@ -24,13 +24,15 @@ class UserTable {
   explicit UserTable(SqlConnection& connection) : connection_(connection) {}
 
   // Everything throws StoreError. False: there is such a user already.
-  [[nodiscard]] bool add(const std::string& name, Role role, const std::string& password,
+  [[nodiscard]] bool add(const std::string& name, Role role, std::string_view password,
                          UtcTime now);
   [[nodiscard]] bool remove(const std::string& name);  // false: there is none
   [[nodiscard]] std::vector<User> list();              // by name
 
   // The role, when name and password fit. Takes the same time for a name that is unknown.
-  [[nodiscard]] std::optional<Role> verify(const std::string& name, const std::string& password);
+  [[nodiscard]] std::optional<Role> verify(const std::string& name, std::string_view password);
+  // Of a user who has proven who it is by other means; nothing: there is none.
+  [[nodiscard]] std::optional<Role> role_of(const std::string& name);
 
  private:
   SqlConnection& connection_;

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <tl/expected.hpp>
 
+#include "bridge/base/secret.hpp"
 #include "core/access/role.hpp"
 #include "core/base/time.hpp"
 
@@ -14,14 +15,16 @@ namespace fieldcast {
 
 struct LoginAttempt {
   std::string user;
-  std::string password;
+  Secret password;
   // The address it comes from, without the port: guessing is slowed down by user and peer.
   std::string peer;
+  bool certified = false;  // by a certificate that was verified: there is no password to check
 };
 
 struct LoginRefused {
   enum class Why : std::uint8_t {
     kWrong,        // no such user, or another password: the same answer after the same time
+    kUnknown,      // the user of a certificate is none of ours
     kTooSoon,      // after wrong passwords: not checked before `wait` is over
     kBusy,         // too many others log in
     kUnavailable,  // the store cannot be asked, or there is none

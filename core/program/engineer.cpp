@@ -13,7 +13,10 @@ std::string seconds_text(Duration time) { return fieldcast::to_text(time); }
 }  // namespace
 
 Engineer::Engineer(const EngineerRules& rules, Instant now)
-    : rules_(rules), handshake_until_(now + rules.handshake), received_at_(now) {}
+    : rules_(rules),
+      state_(rules.by_certificate ? State::kLogin : State::kHandshake),
+      handshake_until_(now + rules.handshake),
+      received_at_(now) {}
 
 void Engineer::on_event(const EngineerEvent& event, Instant now, Actions& actions) {
   if (over()) return;

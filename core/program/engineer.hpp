@@ -16,6 +16,9 @@ namespace fieldcast::program {
 
 struct EngineerRules {
   bool login_needed = false;
+  // The client has shown a certificate, and the shell finds out whether its user may program:
+  // LoginChecked comes without CheckLogin, and until then nothing else is done.
+  bool by_certificate = false;
   Duration heartbeat = std::chrono::seconds{5};
   Duration idle = std::chrono::minutes{10};  // without program bytes either way
   // From the connection, or from the end of a pairing, to the next pairing.

@@ -109,13 +109,13 @@ TEST(Limits, NamedFilesShareOneBudget) {
 
 TEST(Limits, NestingBeyondEveryParserEndsEarly) {
   for (const char open : {'[', '{'}) EXPECT_FALSE(load(std::string(200'000, open)));
-  std::string dashes;
+  std::string dashes = "buses:\n";
   for (int i = 0; i < 100'000; ++i) dashes += "- ";
   EXPECT_THAT(faults_of(load(dashes)), HasSubstr("too deep nesting"));
 }
 
 TEST(Limits, MoreBracketsOrCommasThanAnyPlantNeedsAreNotParsed) {
-  EXPECT_THAT(faults_of(load(std::string(kMaxBrackets + 1, '['))),
+  EXPECT_THAT(faults_of(load("buses: " + std::string(kMaxBrackets + 1, '['))),
               HasSubstr("400000 of [ and {; long channel lists belong in CSV"));
   std::string values = "buses: [";
   for (std::size_t i = 0; i <= kMaxCommas; ++i) values += "1,";
@@ -123,7 +123,8 @@ TEST(Limits, MoreBracketsOrCommasThanAnyPlantNeedsAreNotParsed) {
 }
 
 TEST(Limits, WhatTheParserWouldHoldAtOnceIsBounded) {
-  std::string values = "[", anchors, lines(kMaxLines + 1, '\n'), maps;
+  std::string values = "buses:\n  [", anchors = "bridge: ", lines(kMaxLines + 1, '\n'),
+              maps = "buses:\n";
   for (int i = 0; i < 1'000'000; ++i) values += "1,";
   for (std::size_t i = 0; i <= kMaxProperties; ++i) anchors += "&a ";
   for (std::size_t i = 0; i <= kMaxCollections; ++i) maps += "- a:\n";
@@ -134,7 +135,7 @@ TEST(Limits, WhatTheParserWouldHoldAtOnceIsBounded) {
 }
 
 TEST(Limits, AMapHoldsNoMillionOfKeys) {
-  std::string keys;
+  std::string keys = "bridge: b\n";
   for (std::size_t i = 0; i <= kMaxKeys; ++i) keys += "k" + std::to_string(i) + ": 1\n";
   EXPECT_THAT(faults_of(load(keys)), HasSubstr("the map has too many keys; allowed: 1000"));
 }

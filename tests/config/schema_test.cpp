@@ -168,7 +168,7 @@ TEST(ProtocolSchema, KnowsExactlyTheWordsThatTheLoaderKnows) {
     const auto loaded = load_declaration_text(
         field ? "areas: [{ name: a }]\noperations: [{ name: r, read: a, request: [" + text +
                     "], answer: [" + text + "] }]\n"
-              : text,
+              : "summary: s\n" + text,
         "t.yaml");
     ASSERT_FALSE(loaded);
     EXPECT_TRUE(std::ranges::any_of(

@@ -38,6 +38,22 @@ TEST(Engineer, ARightLoginOpensTheWayAndAWrongOneClosesIt) {
   EXPECT_THAT(bad.taken, IsEmpty());
 }
 
+TEST(Engineer, ACertificateIsTheLoginOnceItsUserIsFound) {
+  EngineerRules rules;
+  rules.login_needed = rules.by_certificate = true;
+  Bench good(rules), bad(rules);
+  for (Bench* b : {&good, &bad}) {
+    b->sends("@@V217FEFF");
+    EXPECT_THAT(b->taken, IsEmpty()) << "before it is known who it is";
+  }
+  good.tell(LoginChecked{true, ""});
+  EXPECT_THAT(good.taken, ElementsAre("17"));
+  bad.tell(LoginChecked{false, "no such user"});
+  EXPECT_EQ(bad.received(), "@@0004FEFF");
+  EXPECT_EQ(bad.hung_up, 1);
+  EXPECT_THAT(bad.taken, IsEmpty());
+}
+
 TEST(Engineer, ALoginThatCannotBeReadIsRefused) {
   for (const char* login :
        {"@@AU:FEFF", "@@AU6:6FEFF", "@@AUzz:00FEFF", "@@AU610a62:00FEFF", "@@AU616E6E61:00FEFF"}) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "bridge/base/errno_text.hpp"
+#include "bridge/base/guarded_process.hpp"
 #include "bridge/write_faults.hpp"
 #include "tools/cli/arguments.hpp"
 #include "tools/cli/console.hpp"
@@ -38,6 +39,7 @@ int run(int argc, const char* const* argv) {
 
 int main(int argc, char** argv) {
   fieldcast::make_writes_fail_not_kill();
+  fieldcast::guard_memory();
   try {
     return fieldcast::cli::run(argc, argv);
   } catch (const std::exception& error) {

@@ -3,8 +3,9 @@
 #include <termios.h>
 #include <unistd.h>
 
-#include <fstream>
 #include <iostream>
+
+#include "bridge/base/secret_file.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -26,34 +27,30 @@ class Silence {
   termios before_{};
 };
 
-tl::expected<std::string, std::string> first_line(std::istream& in, const std::string& source) {
+tl::expected<Secret, std::string> first_line(std::istream& in, const std::string& source) {
   std::string line;
   if (!std::getline(in, line)) return tl::unexpected("no password in " + source);
   if (!line.empty() && line.back() == '\r') line.pop_back();
-  return line;
+  return Secret::taken_from(line);
 }
 
-std::string asked(const char* question, std::istream& in, std::ostream& prompt) {
+Secret asked(const char* question, std::istream& in, std::ostream& prompt) {
   prompt << question << std::flush;
   std::string line;
   const Silence silence;
   std::getline(in, line);
   prompt << '\n';
-  return line;
+  return Secret::taken_from(line);
 }
 
 }  // namespace
 
-tl::expected<std::string, std::string> new_password(const std::string& file, std::istream& in,
-                                                    std::ostream& prompt) {
-  if (!file.empty() && file != "-") {
-    std::ifstream content(file);
-    if (!content) return tl::unexpected(file + " cannot be read");
-    return first_line(content, file);
-  }
+tl::expected<Secret, std::string> new_password(const std::string& file, std::istream& in,
+                                               std::ostream& prompt) {
+  if (!file.empty() && file != "-") return read_secret_line(file, Readers::kOwner);
   if (&in != &std::cin || ::isatty(STDIN_FILENO) != 1) return first_line(in, "the standard input");
-  std::string once = asked("password: ", in, prompt);
-  if (asked("once more: ", in, prompt) != once)
+  Secret once = asked("password: ", in, prompt);
+  if (!same_bytes(asked("once more: ", in, prompt).text(), once.text()))
     return tl::unexpected(std::string("the two passwords differ"));
   return once;
 }

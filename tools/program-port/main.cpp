@@ -1,11 +1,11 @@
 // fieldcast-port: links a virtual serial port to a PLC behind a bridge, for as long as it runs.
 #include <fmt/format.h>
-#include <sys/stat.h>
 
 #include <cstdio>
-#include <fstream>
 
 #include "bridge/base/command_line.hpp"
+#include "bridge/base/guarded_process.hpp"
+#include "bridge/base/secret_file.hpp"
 #include "bridge/write_faults.hpp"
 #include "config/port.hpp"
 #include "core/base/duration_text.hpp"
@@ -30,7 +30,7 @@ enum ExitCode : int {
 constexpr DurationBounds kHeartbeat{std::chrono::milliseconds{500}, std::chrono::minutes{10}, true};
 
 struct Arguments {
-  std::string server, device, link, line, user, password_file, authorities;
+  std::string server, device, link, line, user, password_file, authorities, certificate, key;
   std::string heartbeat = "5s";
   bool tls = false, markers = false, json = false;
 };
@@ -58,6 +58,9 @@ void describe(CommandLine& line, Arguments& given) {
   line.flag("--tls", given.tls, "the bridge speaks TLS, as it must off the loopback");
   line.text("--ca", given.authorities,
             "PEM file with who signs the bridge's certificate; default: the system's");
+  line.text("--certificate", given.certificate,
+            "PEM file with your certificate, where the bridge asks for one");
+  line.text("--key", given.key, "its private key; readable by you alone (chmod 600)");
   line.flag(
       "--markers", given.markers,
       "marker frames: instructions that end in CR, as older bridges know them; default: any bytes");
@@ -73,16 +76,9 @@ int fail(ExitCode code, const std::string& text) {
 }
 
 // The password, or why there is none.
-tl::expected<std::string, std::string> password_of(const std::string& path) {
-  struct stat file {};
-  if (::stat(path.c_str(), &file) != 0) return tl::make_unexpected(path + ": cannot be read");
-  if ((file.st_mode & (S_IRWXG | S_IRWXO)) != 0)
-    return tl::make_unexpected(fmt::format("{}: others may read it; chmod 600 {}", path, path));
-  std::ifstream in(path);
-  std::string password;
-  if (!std::getline(in, password))
-    return tl::make_unexpected(path + ": no password in its first line");
-  if (password.size() > program::kMaxLoginText)
+tl::expected<Secret, std::string> password_of(const std::string& path) {
+  auto password = read_secret_line(path, Readers::kOwner);
+  if (password && password->size() > program::kMaxLoginText)
     return tl::make_unexpected(path + ": a password of more than 128 bytes");
   return password;
 }
@@ -113,6 +109,15 @@ Usage read_line(const Arguments& given, port::PortOptions& options) {
   return {};
 }
 
+Usage read_certificate(const Arguments& given, port::PortOptions& options) {
+  if (given.certificate.empty() != given.key.empty())
+    return tl::make_unexpected("--certificate and --key go together");
+  if (given.certificate.empty()) return {};
+  if (!options.tls) return tl::make_unexpected("a certificate is shown with --tls alone");
+  options.own = {.certificate = given.certificate, .key = given.key};
+  return check_secret_file(given.key, Readers::kOwner);
+}
+
 Usage read_login(const Arguments& given, port::PortOptions& options) {
   if (given.user.empty() != given.password_file.empty())
     return tl::make_unexpected("--user and --password-file go together");
@@ -123,7 +128,7 @@ Usage read_login(const Arguments& given, port::PortOptions& options) {
   auto password = password_of(given.password_file);
   if (!password) return tl::make_unexpected(password.error());
   options.rules.user = given.user;
-  options.rules.password = *password;
+  options.rules.password = std::string(password->text());
   return {};
 }
 
@@ -145,9 +150,10 @@ tl::expected<port::PortOptions, std::string> options_of(const Arguments& given) 
   if (!heartbeat)
     return tl::make_unexpected("--heartbeat: " + fault_text(given.heartbeat, heartbeat.error()));
   options.rules.heartbeat = *heartbeat;
-  return read_line(given, options).and_then([&] { return read_login(given, options); }).map([&] {
-    return std::move(options);
-  });
+  return read_line(given, options)
+      .and_then([&] { return read_certificate(given, options); })
+      .and_then([&] { return read_login(given, options); })
+      .map([&] { return std::move(options); });
 }
 
 int run(const Arguments& given) {
@@ -168,6 +174,7 @@ int run(const Arguments& given) {
 
 int main(int argc, char** argv) {
   make_writes_fail_not_kill();
+  guard_memory();
   Arguments given;
   CommandLine line("fieldcast-port",
                    "Makes a virtual serial port at PATH that leads to a PLC behind a bridge: "

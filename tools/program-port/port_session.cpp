@@ -80,7 +80,7 @@ void PortSession::connect() {
               if (refused) return cannot_connect(refused.message());
               tune_socket(socket_.native_handle(), program::kTunnelPatience);
               if (!options_.tls) return connected(socket_stream(std::move(socket_)));
-              auto tls = TlsClient::make(options_.authorities);
+              auto tls = TlsClient::make(options_.authorities, options_.own);
               if (!tls) return cannot_connect(tls.error());
               tls_ = std::move(*tls);
               tls_->shake_hands(

@@ -21,6 +21,7 @@ struct PortOptions {
   std::uint16_t server_port = 0;
   bool tls = false;
   std::string authorities;  // PEM file; empty: the system's
+  TlsSpec own;              // the engineer's certificate and key, if there is one
   program::PortClientRules rules;
 };
 

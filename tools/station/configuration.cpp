@@ -11,6 +11,7 @@
 #include "config/limits.hpp"
 #include "config/port.hpp"
 #include "config/program.hpp"
+#include "config/recognition.hpp"
 #include "config/scalars.hpp"
 #include "config/store.hpp"
 #include "core/model/pattern.hpp"
@@ -232,6 +233,9 @@ std::vector<Exposure> exposures_of(const StationSpec& spec) {
 LoadedStation load_station_text(std::string_view text, const std::string& file_name,
                                 const config::FileReader& reader,
                                 const std::optional<ListenSpec>& listen) {
+  if (!config::is_empty(text) &&
+      !config::has_top_key(text, {"station", "dds", "log", "web", "store", "record"}))
+    return tl::make_unexpected(whole_file(file_name, "this is no configuration of a station"));
   FaultList faults;
   const auto document = config::parse_yaml(config::Source{file_name, std::string(text), 0}, faults);
   StationSpec spec;

@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "bridge/base/command_line.hpp"
+#include "bridge/base/guarded_process.hpp"
+#include "bridge/base/secret_file.hpp"
 #include "bridge/bus/clock.hpp"
 #include "bridge/dds/dds_error.hpp"
 #include "bridge/dds/library.hpp"
@@ -174,6 +176,16 @@ ExitCode serve(fieldcast::Signals& signals, const StationSpec& spec) {
   }
 }
 
+// What a file says is good by now; whether the key that it names is one for a service is seen here.
+ExitCode check_key(const StationSpec& spec) {
+  if (spec.web.key.empty()) return ExitCode::kOk;
+  const auto closed =
+      fieldcast::check_secret_file(spec.web.key, fieldcast::Readers::kOwnerAndGroup);
+  if (closed) return ExitCode::kOk;
+  std::fputs(fmt::format("web: {}\n", closed.error()).c_str(), stderr);
+  return ExitCode::kBadConfiguration;
+}
+
 ExitCode run(int argc, char** argv) {
   fieldcast::CommandLine line("fieldcast-station",
                               "Shows what bridges publish on DDS as a web page.");
@@ -208,7 +220,10 @@ ExitCode run(int argc, char** argv) {
   fieldcast::Signals signals;
   const auto spec = spec_of(options);
   if (!spec) return ExitCode::kBadConfiguration;
-  if (options.check) return check_identity(*spec);
+  if (options.check) {
+    const ExitCode identity = check_identity(*spec), key = check_key(*spec);
+    return identity == ExitCode::kOk ? key : identity;
+  }
   fieldcast::open_log(spec->log.level);
   fieldcast::set_library_lines(log_library);
   ExitCode code = ExitCode::kCannotStart;
@@ -225,6 +240,7 @@ ExitCode run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   fieldcast::make_writes_fail_not_kill();
+  fieldcast::guard_memory();
   try {
     return static_cast<int>(run(argc, argv));
   } catch (const std::exception& error) {

@@ -178,6 +178,20 @@ TEST_F(ModuleSecret, ASecretOfAllIsForNumbersWithoutOneOfTheirOwn) {
   expect_programmable("18", other);
 }
 
+TEST_F(ModuleSecret, ASecretThatChangesHoldsForTheNextModule) {
+  start();
+  const auto answered = [this](std::string_view secret) {
+    TcpClient module = this->module("");
+    module.send("ID=17 " + program::answer_to(challenge_of(module), "17", Secret(secret)) + "\r\n");
+    return module.receive("\r\n", std::chrono::milliseconds{200});
+  };
+  files.write("secrets", "17 a new secret of the hut\n");
+  EXPECT_EQ(answered(kSecret), "refused: module 17 does not know its secret\r\n");
+  EXPECT_EQ(answered("a new secret of the hut"), "");
+  files.write("secrets", "17 short\n");
+  EXPECT_EQ(answered("a new secret of the hut"), "refused: module 17 does not know its secret\r\n");
+}
+
 TEST_F(ModuleSecret, TheAnswerIsTheOneOfTheDocument) {
   // printf 'fieldcast module 17 abc' | openssl dgst -sha256 -hmac 'a secret of twenty-six let'
   EXPECT_EQ(program::answer_to("abc", "17", Secret(kSecret)),
@@ -208,7 +222,7 @@ TEST_F(ModuleAccess, AModuleFromElsewhereIsNotHeard) {
   expect_programmable("17", listed);
 }
 
-TEST_F(ModuleAccess, ASecondModuleOfANumberIsRefusedAndToldWhile) {
+TEST_F(ModuleAccess, ASecondModuleOfANumberIsRefusedAndTold) {
   start();
   TcpClient first = this->module("17\n");
   expect_programmable("17", first);

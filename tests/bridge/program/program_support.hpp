@@ -71,9 +71,12 @@ class ServerFixture : public testing::Test {
       const std::lock_guard lock(mutex);
       reports.push_back(report);
     };
-    made.login = [](const std::string& user, const std::string& password, const std::string&,
+    made.login = [](const std::string& user, const Secret& password, const std::string&,
                     const auto& done) {
-      done({user == "anna" && password == "secret", "wrong password"});
+      done({user == "anna" && password.text() == "secret", "wrong password"});
+    };
+    made.certified = [](const std::string& user, const std::string&, const auto& done) {
+      done({user == "anna", "the role viewer may not program"});
     };
     return made;
   }

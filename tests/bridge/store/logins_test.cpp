@@ -28,7 +28,7 @@ class Users : public testing::Test {
                   const std::string& password) {
     std::promise<LoginResult> answered;
     auto answer = answered.get_future();
-    authenticator.authenticate({user, password, "10.0.0.1"},
+    authenticator.authenticate({user, Secret(password), "10.0.0.1"},
                                [&](LoginResult result) { answered.set_value(result); });
     if (answer.wait_for(std::chrono::seconds{30}) != std::future_status::ready) {
       ADD_FAILURE() << "no answer in 30 s";
@@ -125,7 +125,7 @@ TEST_F(Users, GuessesThatAreSentAllAtOnceAreSlowedDownToo) {
   for (int i = 0; i < 10; ++i) {
     auto answered = std::make_shared<std::promise<LoginResult>>();
     answers.push_back(answered->get_future());
-    authenticator.authenticate({"ann", "guess" + std::to_string(i), "10.0.0.1"},
+    authenticator.authenticate({"ann", Secret("guess" + std::to_string(i)), "10.0.0.1"},
                                [answered](LoginResult result) { answered->set_value(result); });
   }
   unsigned looked_at = 0;
@@ -154,7 +154,7 @@ TEST_F(Users, WhoStillWaitsWhenTheRouterClosesIsTold) {
   {
     Authenticator authenticator(address_, audit_);
     for (int i = 0; i < 5; ++i)
-      authenticator.authenticate({"ann", "correct horse", "10.0.0.1"},
+      authenticator.authenticate({"ann", Secret("correct horse"), "10.0.0.1"},
                                  [&](const LoginResult&) { ++answered; });
   }
   EXPECT_EQ(answered, 5u);

@@ -27,10 +27,13 @@ class Certificates {
   Certificates(const Certificates&) = delete;
   Certificates& operator=(const Certificates&) = delete;
 
-  // NAME.pem and NAME.key, with this common name, signed by the authority.
-  void issue(const std::string& name, const std::string& common_name) const {
+  // NAME.pem and NAME.key, with this common name, signed by the authority, or by the owner of
+  // another certificate.
+  void issue(const std::string& name, const std::string& common_name,
+             const std::string& signer = "ca") const {
     make(name, "/CN=" + common_name, "-addext subjectAltName=IP:127.0.0.1",
-         "-CA " + file("ca.pem") + " -CAkey " + file("ca.key"));
+         "-CA " + file(signer + ".pem") + " -CAkey " + file(signer + ".key"));
+    if (signer != "ca") std::ofstream(file(name + ".pem"), std::ios::app) << text(signer + ".pem");
   }
   // One that no authority has signed.
   void make_own(const std::string& name, const std::string& common_name) const {

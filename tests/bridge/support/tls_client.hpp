@@ -21,8 +21,7 @@ class SecureClient {
         tcp_(port),
         tls_(SSL_new(context_.get()), &SSL_free) {
     if (!identity.empty()) {
-      EXPECT_EQ(SSL_use_certificate_file(tls_.get(), (identity + ".pem").c_str(), SSL_FILETYPE_PEM),
-                1);
+      EXPECT_EQ(SSL_use_certificate_chain_file(tls_.get(), (identity + ".pem").c_str()), 1);
       EXPECT_EQ(SSL_use_PrivateKey_file(tls_.get(), (identity + ".key").c_str(), SSL_FILETYPE_PEM),
                 1);
     }

@@ -30,13 +30,13 @@ ExitCode add(const UserOptions& options, SqlConnection& connection, std::istream
              std::ostream& err) {
   auto password = new_password(options.password_file, in, err);
   std::string fault = !password ? password.error() : fault_of_user_name(options.name);
-  if (fault.empty()) fault = fault_of_password(*password);
+  if (fault.empty()) fault = fault_of_password(password->text());
   if (!fault.empty()) {
     err << fault << '\n';
     return ExitCode::kUsage;
   }
-  const bool added = UserTable(connection).add(options.name, options.role, *password, utc_now());
-  wipe(*password);
+  const bool added =
+      UserTable(connection).add(options.name, options.role, password->text(), utc_now());
   if (!added) {
     err << "there is a user " << options.name << " already; remove it first\n";
     return ExitCode::kRejected;
@@ -97,7 +97,8 @@ class UserCommand final : public CommandWith<UserOptions> {
     add.value(
         "--role", [this](const std::string& text) { return read_role(text); },
         "viewer, operator or programmer (viewer)");
-    add.text("--password-file", options_.password_file, "The password is its first line");
+    add.text("--password-file", options_.password_file,
+             "The password is its first line; readable by you alone (chmod 600)");
     CommandLine& list = line.command("list", "List them with their roles");
     list.flag("--json", options_.json, "JSON lines");
     CommandLine& remove = line.command("remove", "Remove a user");

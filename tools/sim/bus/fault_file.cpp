@@ -7,6 +7,7 @@
 
 #include "config/loader.hpp"
 #include "config/map_reader.hpp"
+#include "config/recognition.hpp"
 #include "config/scalars.hpp"
 #include "config/suggest.hpp"
 #include "tools/sim/device/device.hpp"
@@ -231,6 +232,9 @@ void read_bus(const Node& node, BusFaults& bus, const BusSpec& spec, FaultList& 
 
 LoadedFaults parse_faults(std::string_view text, const std::string& file_name,
                           const BridgeSpec& plant) {
+  if (!config::is_empty(text) && !config::has_top_key(text, {"buses"}))
+    return tl::unexpected(
+        std::vector{config::Fault{file_name, 1, 1, "this is no file of faults", "buses: ..", {}}});
   FaultList faults;
   Faults all;
   const auto document = config::parse_yaml(config::Source{file_name, std::string(text), 0}, faults);

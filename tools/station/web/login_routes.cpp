@@ -22,7 +22,8 @@ HttpResponse json_response(const nlohmann::ordered_json& json) {
 HttpResponse response_of(const LoginRefused& refused) {
   using Why = LoginRefused::Why;
   switch (refused.why) {
-    case Why::kWrong: return error_response(401, "wrong user or password", "try again");
+    case Why::kWrong:
+    case Why::kUnknown: return error_response(401, "wrong user or password", "try again");
     case Why::kTooSoon: {
       const auto seconds = std::chrono::ceil<std::chrono::seconds>(refused.wait).count();
       HttpResponse response = error_response(429, "too many wrong passwords",
@@ -111,7 +112,7 @@ void Site::log_in(const HttpRequest& request, const Caller& caller, const Reply&
         error_response(400, "no user and password", R"({"user": "..", "password": ".."})"));
   if (!logins_.by_password)
     return reply(error_response(401, "there are no users", "the station needs a store"));
-  logins_.by_password({std::move(*user), std::move(*password), caller.peer}, done);
+  logins_.by_password({std::move(*user), Secret::taken_from(*password), caller.peer}, done);
 }
 
 // A cookie from before the login is worth nothing after it.

@@ -30,7 +30,8 @@ class SiteTest : public testing::Test {
     spec.version = "1.2.3";
     LoginCheck check;
     check.by_password = [this](LoginAttempt attempt, std::function<void(LoginVerdict)> done) {
-      attempts_.push_back(attempt.user + "/" + attempt.password + " from " + attempt.peer);
+      attempts_.push_back(attempt.user + "/" + std::string(attempt.password.text()) + " from " +
+                          attempt.peer);
       if (refused_) return done(tl::make_unexpected(*refused_));
       done(LoginGrant{attempt.user, role_});
     };

@@ -1,0 +1,79 @@
+#include "bridge/program/access_text.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <vector>
+
+#include "bridge/net/tls.hpp"
+#include "bridge/program/module_gate.hpp"
+
+namespace fieldcast::program {
+namespace {
+
+std::string address_text(const ListenSpec& listen) {
+  const bool v6 = listen.host.find(':') != std::string::npos;
+  return fmt::format("{}:{}", v6 ? '[' + listen.host + ']' : listen.host, listen.port);
+}
+
+std::string tls_text(const TlsSpec& tls) {
+  if (tls.authority.empty()) return "TLS";
+  return fmt::format("TLS with a certificate of {}{}", tls.authority,
+                     tls.revoked.empty() ? "" : " that is not revoked");
+}
+
+std::string tls_of(const EngineersSpec& engineers) {
+  if (engineers.tls.certificate.empty()) return "no TLS";
+  return engineers.proof == LoginProof::kEither ? "TLS" : tls_text(engineers.tls);
+}
+
+std::string login_text(const EngineersSpec& engineers) {
+  const bool far = !on_loopback(engineers.listen);
+  switch (engineers.proof) {
+    case LoginProof::kCertificate: return "the certificate is the login";
+    case LoginProof::kBoth: return "a login with the certificate and the password of a user";
+    default: break;
+  }
+  if (!far && engineers.login == LoginRule::kOffLoopback) return "no login on the loopback";
+  return engineers.proof == LoginProof::kEither
+             ? "a login with the certificate or the password of a user"
+             : "a login with the password of a user";
+}
+
+}  // namespace
+
+std::string to_text(const ModulesSpec& modules) {
+  std::vector<std::string> shown;
+  if (!modules.tls.certificate.empty()) shown.push_back(tls_text(modules.tls));
+  if (!modules.secrets.empty()) shown.push_back("the secret of " + modules.secrets);
+  if (!modules.from.empty()) shown.push_back(fmt::format("from {}", fmt::join(modules.from, ", ")));
+  const bool open =
+      modules.tls.authority.empty() && modules.secrets.empty() && modules.from.empty();
+  if (open)
+    shown.emplace_back(on_loopback(modules.listen)
+                           ? "whoever is on this machine may be any of them"
+                           : "security: none, whoever reaches the port may be any of them");
+  return fmt::format(
+      "modules dial in at {}: {}; a second one of a number {}", address_text(modules.listen),
+      fmt::join(shown, ", "),
+      modules.second == SecondModule::kRefuse ? "is refused" : "takes the place of the first");
+}
+
+std::string to_text(const EngineersSpec& engineers) {
+  return fmt::format("engineers connect at {}: {}, {}", address_text(engineers.listen),
+                     tls_of(engineers), login_text(engineers));
+}
+
+tl::expected<void, std::string> check_files(const ProgramSpec& program) {
+  if (program.modules) {
+    if (const auto gate = ModuleGate::make(*program.modules); !gate)
+      return tl::unexpected("modules: " + gate.error());
+  }
+  if (program.engineers && !program.engineers->tls.certificate.empty()) {
+    if (const auto tls = TlsServer::make(program.engineers->tls); !tls)
+      return tl::unexpected("engineers: " + tls.error());
+  }
+  return {};
+}
+
+}  // namespace fieldcast::program

@@ -1,0 +1,29 @@
+// `fieldcast module`: a serial line of this machine as a module that dials in at a bridge.
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <tl/expected.hpp>
+
+#include "bridge/program/module_client.hpp"
+#include "core/model/port_spec.hpp"
+#include "tools/cli/exit_code.hpp"
+
+namespace fieldcast::cli {
+
+struct ModuleArguments {
+  std::string server, number, prefix, line, format, authorities, certificate, key, secret_file;
+  std::uint32_t baud = 19200;
+  bool tls = false;
+};
+
+// The error is what is wrong with the command line, or with a file that it names.
+[[nodiscard]] tl::expected<program::ModuleOptions, std::string> options_of(
+    const ModuleArguments& given);
+[[nodiscard]] tl::expected<SerialPortSpec, std::string> serial_line_of(
+    const ModuleArguments& given);
+
+// Until SIGINT or SIGTERM.
+[[nodiscard]] ExitCode module(const ModuleArguments& given, std::ostream& out, std::ostream& err);
+
+}  // namespace fieldcast::cli
