@@ -203,6 +203,7 @@ void PortSession::wind_up() {
   signals_.cancel();
   timer_.cancel();
   ticking_.cancel();
+  limit_.cancel();
   signals_.async_wait([this](boost::system::error_code fault, int) {
     for (const auto& side : {bridge_, terminal_}) {
       if (side && !fault) side->close();
