@@ -26,7 +26,7 @@ void ask_for_priority() {
 
 }  // namespace
 
-StandbyGroup::StandbyGroup(std::string group, StandbyMember own, MasterLease& lease,
+StandbyGroup::StandbyGroup(std::string group, const StandbyMember& own, MasterLease& lease,
                            Handlers handlers)
     : group_(std::move(group)),
       host_(own_host_name()),

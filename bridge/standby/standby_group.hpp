@@ -37,7 +37,7 @@ class StandbyGroup {
     std::function<void(const StandbyNote&)> noted;
   };
   // `own`: as for Election. `lease` is kept by the group from here on; it outlives it.
-  StandbyGroup(std::string group, StandbyMember own, MasterLease& lease, Handlers handlers);
+  StandbyGroup(std::string group, const StandbyMember& own, MasterLease& lease, Handlers handlers);
   ~StandbyGroup();  // end()
   StandbyGroup(const StandbyGroup&) = delete;
   StandbyGroup& operator=(const StandbyGroup&) = delete;

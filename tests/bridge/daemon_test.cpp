@@ -320,7 +320,7 @@ std::string repeated(std::string_view part, std::size_t times) {
 }
 
 std::vector<HardFile> hard_files() {
-  std::string keys, bomb = "a0: &a0 [x, x, x, x, x, x, x, x, x]\n";
+  std::string keys = "bridge: b\n", bomb = "bridge: b\na0: &a0 [x, x, x, x, x, x, x, x, x]\n";
   for (int i = 0; i < 1'000'000; ++i) keys += "k" + std::to_string(i) + ": 1\n";
   for (int i = 1; i < 20; ++i) {
     const auto last = ", *a" + std::to_string(i - 1);
@@ -329,11 +329,11 @@ std::vector<HardFile> hard_files() {
   }
   return {{keys, "too many keys"},
           {bomb, "too many values"},
-          {repeated("[", 16u << 20), "too many values"},
-          {repeated("&a ", 5'000'000), "too many values"},
-          {repeated("\"\",", 1'500'000).insert(0, "["), "too many values"},
-          {repeated("- - a\n", 399'000), "a list"},
-          {repeated("- ''\n", 1'499'000), "a list"},
+          {repeated("[", 15u << 20).insert(0, "buses: "), "too many values"},
+          {repeated("&a ", 5'000'000).insert(0, "buses: "), "too many values"},
+          {repeated("\"\",", 1'500'000).insert(0, "buses: ["), "too many values"},
+          {repeated("- - a\n", 399'000), "this is no Fieldcast configuration"},
+          {repeated("- ''\n", 1'499'000), "this is no Fieldcast configuration"},
           {repeated("- x\n", 1'499'000) + "\"", "plant.yaml"},
           {"bridge: \"" + repeated("x\n", 8'000'000), "too many values"},
           {"bridge: " + repeated("x", 10'000'000), "plant.yaml"},

@@ -209,6 +209,7 @@ class Users(unittest.TestCase):
         path = os.path.join(plant.run, "secret")
         with open(path, "w", encoding="utf-8") as file:
             file.write("correct horse\n")
+        os.chmod(path, 0o600)
         self.assertEqual(self.add("cid", "", "--password-file", path, "--role", "operator").returncode, 0)
         self.assertEqual(self.names()["cid"], "operator")
 

@@ -234,7 +234,7 @@ LoadedStation load_station_text(std::string_view text, const std::string& file_n
                                 const config::FileReader& reader,
                                 const std::optional<ListenSpec>& listen) {
   if (!config::is_empty(text) &&
-      !config::has_top_key(text, {"station", "dds", "log", "web", "store", "record"}))
+      !config::has_top_key(text, {"station", "dds", "log", "web", "store", "record", "sites"}))
     return tl::make_unexpected(whole_file(file_name, "this is no configuration of a station"));
   FaultList faults;
   const auto document = config::parse_yaml(config::Source{file_name, std::string(text), 0}, faults);

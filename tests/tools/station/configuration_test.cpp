@@ -91,7 +91,8 @@ TEST(StationConfiguration, AFaultSaysWhereAndWhatWasMeant) {
               ElementsAre(HasSubstr("1:16: hosts: 'http://a' is no name of a host")));
   EXPECT_THAT(faults("web: { embed: [wiki.plant] }\n"),
               ElementsAre(HasSubstr("embed: 'wiki.plant' is no address of a site")));
-  EXPECT_THAT(faults("plans: [missing.yaml]\n"), ElementsAre(HasSubstr("unknown key 'plans'")));
+  EXPECT_THAT(faults("station: s\nplans: [missing.yaml]\n"),
+              ElementsAre(HasSubstr("unknown key 'plans'")));
   EXPECT_THAT(faults("store: { path: a.db }\nrecord: { patterns: [\"a/b/c/d\"] }\n"),
               ElementsAre(HasSubstr("2:22: patterns: ")));
   EXPECT_THAT(faults(""), ElementsAre("station.yaml:1:1: the file is empty"));
