@@ -39,7 +39,8 @@ void DeviceMonitor::tried(const Try& ended, Instant now, ActionSink& sink) {
       done || ended.cause == Cause::kDeviceError || ended.cause == Cause::kDeviceBusy;
   if (done || ended.cause == Cause::kNoAnswer) device.pauses.tried(ended.rest, done);
   if (done) device.answered_at = ended.answered;
-  device.paused_until = now + std::max(setup_.device(ended.device).pause, device.pauses.pause());
+  device.paused_until =
+      now + std::max(setup_.device(ended.device).pause, device.pauses.next_pause());
   if (ended.cause == Cause::kNoAnswer || ended.cause == Cause::kTruncated) {
     device.answer_time.timed_out();
     for (AnswerTime& area : device.area_times) area.timed_out();

@@ -6,10 +6,17 @@
 // Steps are a third to a half apart: a learned pause is hardly ever more than twice what is needed.
 // A retry comes after a longer rest than its request. So retries show how longer rests do, and a
 // pause is found even on a bus that never rests.
+//
+// Retries of a device that dies now and then look like that too. So a learned pause is put on trial
+// after some answers: some requests come after a shorter rest, and if they are answered, the pause
+// becomes that short and the next trial begins, with a greater step. A trial fails by its second
+// request without an answer. After a request that failed, the whole pause is kept for a while. A
+// pause that is needed is put on trial ever more rarely.
 #pragma once
 
-#include <algorithm>
 #include <array>
+#include <cstddef>
+#include <optional>
 
 #include "core/base/time.hpp"
 
@@ -25,47 +32,51 @@ class PauseLearning {
       std::chrono::milliseconds{150}, std::chrono::milliseconds{200},
       std::chrono::milliseconds{300}, std::chrono::milliseconds{500},
       std::chrono::milliseconds{700}, std::chrono::milliseconds{1000}};
+  // Answers before the pause is put on trial: at first, and at most. Each time twice as many.
+  static constexpr unsigned kFirstTrial = 64, kRarestTrial = 8192;
 
   // A request that began `rest` after the device's last answer was answered, or met silence.
-  void tried(Duration rest, bool answered) {
-    const auto at = std::upper_bound(kPauses.begin(), kPauses.end(), rest) - kPauses.begin();
-    shares_[static_cast<std::size_t>(at)].count(answered);
-    Share longer;  // rests longer than the step that is examined
-    for (std::size_t i = kPauses.size(); i > step_; --i) {
-      longer.add(shares_[i]);
-      const Share& share = shares_[i - 1];
-      if (share.tries < kFewest || share.failures < kOften) continue;
-      if (longer.tries < kFewest || longer.failures > kSeldom) return;
-      step_ = i;
-      shares_ = {};
-      return;
-    }
-  }
+  void tried(Duration rest, bool answered);
   void forget() { *this = {}; }
 
-  [[nodiscard]] Duration pause() const { return step_ == 0 ? Duration{} : kPauses[step_ - 1]; }
+  // What was learned.
+  [[nodiscard]] Duration pause() const { return of_step(step_); }
+  // Before the next request: the pause, or the shorter one that is on trial.
+  [[nodiscard]] Duration next_pause() const {
+    return of_step(trial_ && whole_pauses_ == 0 ? trial_->step : step_);
+  }
 
  private:
   static constexpr unsigned kFewest = 12;  // tries of each kind before anything is concluded
   static constexpr unsigned kMemory = 32;  // tries that a share follows
   static constexpr double kOften = 0.5, kSeldom = 0.05;  // shares of failures
+  static constexpr unsigned kAfterFailure = 8;  // answers after the whole pause, in a trial
   struct Share {
     unsigned tries = 0;
     double failures = 0;
-    void count(bool answered) {
-      ++tries;
-      const double weight = 1.0 / std::min(tries, kMemory);
-      failures += ((answered ? 0.0 : 1.0) - failures) * weight;
-    }
-    void add(const Share& other) {
-      if (other.tries == 0) return;
-      failures = (failures * tries + other.failures * other.tries) / (tries + other.tries);
-      tries += other.tries;
-    }
+    void count(bool answered);
+    void add(const Share& other);
   };
+  struct Trial {
+    std::size_t step = 0;  // on trial
+    std::size_t less = 1;  // than the pause in force, in steps
+    unsigned tries = 0, failures = 0;
+  };
+  [[nodiscard]] static Duration of_step(std::size_t step) {
+    return step == 0 ? Duration{} : kPauses[step - 1];
+  }
+  void lengthen();
+  void shorten(std::size_t step, bool answered);
+  void begin_trial(std::size_t less);
+  void end_trial(bool held);
+
   // Of rests shorter than each pause; the last one: of longer rests.
   std::array<Share, kPauses.size() + 1> shares_{};
   std::size_t step_ = 0;
+  std::optional<Trial> trial_;
+  unsigned whole_pauses_ = 0;  // answers to come before the trial goes on
+  unsigned answers_ = 0;       // since the last trial
+  unsigned next_trial_ = kFirstTrial;
 };
 
 }  // namespace fieldcast

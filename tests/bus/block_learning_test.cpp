@@ -110,5 +110,66 @@ TEST(PauseLearning, ALineThatLosesAnswersAtAnyTimeNeedsNoRest) {
   EXPECT_EQ(learning.pause(), Duration::zero());
 }
 
+// Deaf for `deaf` after its answers.
+struct DeafDevice {
+  Duration deaf;
+  PauseLearning& learning;
+  int asked = 0, failed = 0;
+  void ask(int requests) {
+    for (int i = 0; i < requests; ++i) {
+      const Duration rest = learning.next_pause() + 1ms;
+      ++asked;
+      learning.tried(rest, rest > deaf);
+      if (rest > deaf) continue;
+      ++failed;
+      learning.tried(rest + learning.next_pause() + 200ms, true);  // its repetition
+    }
+  }
+};
+
+// Retries into a device that died for a moment: silent after rests of each length up to a second.
+void learn_a_second(PauseLearning& learning) {
+  for (int i = 0; i < 12; ++i) learning.tried(5s, true);
+  for (int i = 0; i < 12; ++i) learning.tried(800ms, false);
+}
+
+TEST(PauseLearning, APauseThatIsNotNeededBecomesShorterAndGoes) {
+  for (const Duration deaf : {Duration{-1}, Duration{30ms}, Duration{180ms}}) {
+    PauseLearning learning;
+    learn_a_second(learning);
+    ASSERT_EQ(learning.pause(), 1s);
+    DeafDevice device{deaf, learning};
+    device.ask(400);
+    EXPECT_GE(learning.pause() + 1ms, deaf);
+    EXPECT_LE(learning.pause(), std::max(Duration{}, 2 * deaf)) << to_text(deaf);
+    EXPECT_LE(device.failed, 10);
+  }
+}
+
+TEST(PauseLearning, APauseThatIsNeededIsPutOnTrialEverMoreRarely) {
+  PauseLearning learning;
+  learn_a_second(learning);
+  DeafDevice device{900ms, learning};
+  device.ask(100'000);
+  EXPECT_EQ(learning.pause(), 1s);
+  EXPECT_LE(device.failed, 40);
+  const int before = device.failed;
+  device.ask(10'000);
+  EXPECT_LE(device.failed - before, 4);
+}
+
+TEST(PauseLearning, AfterARequestThatFailedTheWholePauseIsKeptForAWhile) {
+  PauseLearning learning;
+  learn_a_second(learning);
+  for (unsigned i = 0; i < PauseLearning::kFirstTrial; ++i) learning.tried(1s, true);
+  ASSERT_EQ(learning.next_pause(), 700ms);
+  learning.tried(700ms, false);
+  for (int i = 0; i < 8; ++i) {
+    EXPECT_EQ(learning.next_pause(), 1s);
+    learning.tried(1s, true);
+  }
+  EXPECT_EQ(learning.next_pause(), 700ms);
+}
+
 }  // namespace
 }  // namespace fieldcast
