@@ -31,18 +31,19 @@ Bytes highest_first(ByteView characters, const Word& word) {
 }
 
 std::optional<std::uint64_t> number_of(ByteView characters, const Word& word) {
-  const Bytes turned = highest_first(characters, word);
-  if (word.notation == Notation::kHex) return number_in(turned, 16);
-  if (word.notation == Notation::kDecimal) {
-    std::uint64_t number = 0;  // up to 18 digits
-    for (const std::uint8_t each : turned) {
-      if (each < '0' || each > '9') return std::nullopt;
-      number = number * 10 + (each - '0');
-    }
+  if (word.notation != Notation::kHex && word.notation != Notation::kDecimal) {
+    std::uint64_t number = 0;
+    for (std::size_t i = 0; i < characters.size(); ++i)
+      number = number << 8 | characters[word.little_endian ? characters.size() - 1 - i : i];
     return number;
   }
-  std::uint64_t number = 0;
-  for (const std::uint8_t each : turned) number = number << 8 | each;
+  const Bytes turned = highest_first(characters, word);
+  if (word.notation == Notation::kHex) return number_in(turned, 16);
+  std::uint64_t number = 0;  // up to 18 digits
+  for (const std::uint8_t each : turned) {
+    if (each < '0' || each > '9') return std::nullopt;
+    number = number * 10 + (each - '0');
+  }
   return number;
 }
 
@@ -93,6 +94,7 @@ class ParseRun {
     received_.text.count = operation.min_count;
   }
 
+  // Once.
   DeclaredMatch run() {
     for (at_ = 0; at_ < fields_.size(); ++at_) {
       starts_[at_] = offset_;
@@ -101,7 +103,7 @@ class ParseRun {
                       : field.text_size != 0          ? text(field)
                       : !field.text.empty()           ? mark(field)
                                                       : word(field);
-      if (received_.fit != Fit::kWhole) return received_;
+      if (received_.fit != Fit::kWhole) return std::move(received_);
     }
     starts_[at_] = offset_;
     received_.size = offset_;
@@ -112,7 +114,7 @@ class ParseRun {
       received_.bad_check |= said != check_of(field.check, field.bits,
                                               summed(operation_.request, field, bytes_, starts_));
     }
-    return received_;
+    return std::move(received_);
   }
 
  private:
@@ -240,7 +242,7 @@ class ParseRun {
   const unsigned item_bits_;
   const ByteView bytes_;
   DeclaredMatch received_;
-  Starts starts_{};
+  Starts starts_;  // up to the field that is examined
   std::size_t at_ = 0, offset_ = 0;
   std::uint64_t word_ = 0;
   std::optional<std::size_t> told_;
