@@ -60,7 +60,7 @@ INSTANTIATE_TEST_SUITE_P(NoiseDuringTheRequest, BusDaysThatFailed,
                            return "seed" + std::to_string(chosen.param.seed);
                          });
 
-// Retries into a device that died now and then made it rest for a second after each answer, for good.
+// Retries into a device that died now and then made it rest for a second after each answer.
 INSTANTIATE_TEST_SUITE_P(APauseThatWasNotNeeded, BusDaysThatFailed,
                          testing::Values(Found{"mitsubishi-fx", 31, 24h}), [](const auto& chosen) {
                            return "seed" + std::to_string(chosen.param.seed);
