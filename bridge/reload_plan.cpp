@@ -33,6 +33,12 @@ std::vector<std::string> changes_of_all(const BridgeSpec& running, const BridgeS
   return changes;
 }
 
+// A capture begins and ends while its bus runs.
+bool same_but_capture(const BusSpec& running, BusSpec wanted) {
+  wanted.capture = running.capture;
+  return running == wanted;
+}
+
 bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
@@ -47,11 +53,12 @@ ReloadPlan plan_reload(const BridgeSpec& running, const BridgeSpec& wanted) {
   plan.metrics = running.metrics != wanted.metrics;
   for (const BusSpec& bus : running.buses) {
     const BusSpec* same = find_bus(wanted, bus.name);
-    if (!same || *same != bus) plan.stop.push_back(bus.name);
+    if (!same || !same_but_capture(bus, *same)) plan.stop.push_back(bus.name);
   }
   for (const BusSpec& bus : wanted.buses) {
     const BusSpec* same = find_bus(running, bus.name);
-    (same && *same == bus ? plan.untouched : plan.start).push_back(bus.name);
+    const bool goes_on = same && same_but_capture(*same, bus);
+    (goes_on ? plan.untouched : plan.start).push_back(bus.name);
   }
   return plan;
 }

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "config/capture.hpp"
 #include "config/keys/bus_keys.hpp"
 #include "config/limits.hpp"
 #include "config/port.hpp"
@@ -88,6 +89,7 @@ BusSpec read_bus(const Node& node, LoadState& state) {
     context.protocol = read_protocol(*protocol, "protocol", state);
   if (const Node* port = map.require("port", port_forms()))
     spec.port = read_port(*port, context.protocol.name, state.faults);
+  read_capture(map, spec.capture);
   read_defaults(map, spec, context.defaults);
   read_devices(map, context, spec, state);
   return spec;

@@ -56,6 +56,11 @@ inline constexpr std::uint64_t kMaxStoreBytes = 1'000'000'000'000'000;
 inline constexpr Duration kMinKeep = std::chrono::hours{1};
 inline constexpr Duration kMaxKeep = std::chrono::hours{24 * 36'500};
 
+// Captures.
+inline constexpr std::uint64_t kMinCaptureBytes = 100'000;  // of one file
+inline constexpr std::uint64_t kMaxCaptureBytes = 1'000'000'000'000;
+inline constexpr std::uint32_t kMaxCaptureFiles = 10'000;
+
 // Times.
 inline constexpr Duration kMinRefresh = std::chrono::milliseconds{1};
 inline constexpr Duration kMaxRefresh = std::chrono::hours{24};

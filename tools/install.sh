@@ -25,6 +25,8 @@ test=(
   systemd util-linux iproute2
   # devices, masters and a DDS that others wrote, to test against
   libmodbus-dev python3-pymodbus python3-serial python3-serial-asyncio mbpoll socat cyclonedds-dev cyclonedds-tools
+  # what Wireshark makes of captures
+  tshark
   # the tests start servers of their own
   postgresql
   # discovery servers, firewalls and tunnels

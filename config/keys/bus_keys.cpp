@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "config/bus.hpp"
+#include "config/capture.hpp"
 #include "config/keys/common_forms.hpp"
 #include "config/keys/device_keys.hpp"
 #include "config/limits.hpp"
@@ -40,6 +41,10 @@ std::vector<Field<BusSpec>> bus_fields() {
                    "cyclic schedule; `dynamic` reads the most urgent channel with its "
                    "near neighbours, again and again, at most 20 blocks, and then those"},
           &BusSpec::planner, ChoiceRule<Planner>{kPlanners}),
+      {{.name = "capture",
+        .fallback = "only when somebody asks",
+        .text = "keeps what passes on the wire, for Wireshark, see below",
+        .schema = R"({ "$ref": "#/$defs/capture" })"}},
       {{.name = "defaults",
         .fallback = "none",
         .text = "every key marked ●, `silence`, `gap-allowance`",
@@ -85,6 +90,29 @@ std::vector<Field<BusDefaults>> bus_default_fields() {
 
 const Rows<BusSpec>& bus_rows() {
   static const Rows<BusSpec> rows("bus", "a bus", bus_fields());
+  return rows;
+}
+
+const Rows<CaptureSpec>& capture_rows() {
+  static const Rows<CaptureSpec> rows(
+      "capture", "'capture' of a bus",
+      {
+          field<CaptureSpec>({.name = "folder",
+                              .fallback = "needed",
+                              .text = "an existing folder, relative to this file; the names of the "
+                                      "files are bus and time",
+                              .example = "an existing folder"},
+                             &CaptureSpec::folder, TextRule{kMaxPath}),
+          field<CaptureSpec>({.name = "file-size",
+                              .fallback = "10MB",
+                              .text = "of one file, then the next begins"},
+                             &CaptureSpec::file_bytes, CaptureSizeRule{}),
+          field<CaptureSpec>({.name = "files",
+                              .fallback = "10",
+                              .text = "how many are kept; beyond it the oldest goes"},
+                             &CaptureSpec::files, WholeRule{2, kMaxCaptureFiles}),
+      },
+      "Files of a capture, one after the other: [docs/wireshark.md](../docs/wireshark.md).");
   return rows;
 }
 

@@ -1,4 +1,4 @@
-// The keys of a bus, of its port and of its `defaults`.
+// The keys of a bus, of its port, of its `capture` and of its `defaults`.
 #pragma once
 
 #include "config/cascade.hpp"
@@ -13,6 +13,7 @@ struct BusDefaults {
 };
 
 [[nodiscard]] const Rows<BusSpec>& bus_rows();
+[[nodiscard]] const Rows<CaptureSpec>& capture_rows();
 [[nodiscard]] const Rows<BusDefaults>& bus_default_rows();
 
 }  // namespace fieldcast::config

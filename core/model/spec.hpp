@@ -106,6 +106,15 @@ struct DeviceSpec {
   friend bool operator==(const DeviceSpec&, const DeviceSpec&) = default;
 };
 
+// Files with what passes on the wire of a bus: when one is full, the next begins, and the oldest
+// goes.
+struct CaptureSpec {
+  std::string folder;
+  std::uint64_t file_bytes = 10'000'000;
+  std::uint32_t files = 10;
+  friend bool operator==(const CaptureSpec&, const CaptureSpec&) = default;
+};
+
 struct BusSpec {
   std::string name;
   PortSpec port;
@@ -115,7 +124,8 @@ struct BusSpec {
   std::optional<bool> echo;  // the line gives back what is sent; nothing: found out
   Planner planner = Planner::kCyclic;
   std::vector<DeviceSpec> devices;
-  // A reload restarts only the buses that differ.
+  std::optional<CaptureSpec> capture;  // nothing: it is captured only when somebody asks
+  // A reload restarts only the buses that differ in more than their capture.
   friend bool operator==(const BusSpec&, const BusSpec&) = default;
 };
 

@@ -48,6 +48,8 @@ struct ProtocolEntry {
   std::string_view instead{};   // the protocol that fits where one of these two rules is broken
   bool one_device = false;      // a device has its line for itself
   bool carrier_checks = false;  // its frames have no check of their own
+  // Of Wireshark itself; empty: the one of share/wireshark/fieldcast.lua.
+  std::string_view dissector{};
   std::span<const ProtocolAlias> aliases{};
   std::span<const ProtocolVariant> variants{};  // the first one is without options, if it can be
 };

@@ -83,6 +83,14 @@ TEST(ReloadPlan, OnlyTheChangedBusRestarts) {
   EXPECT_THAT(plan.untouched, ElementsAre("a", "c"));
 }
 
+TEST(ReloadPlan, ACaptureBeginsAndEndsWhileItsBusRuns) {
+  BridgeSpec wanted = bridge({bus("a"), bus("b")});
+  wanted.buses[1].capture = CaptureSpec{"/tmp"};
+  const auto plan = plan_reload(bridge({bus("a"), bus("b")}), wanted);
+  EXPECT_THAT(plan.stop, IsEmpty());
+  EXPECT_THAT(plan.untouched, ElementsAre("a", "b"));
+}
+
 TEST(ReloadPlan, NewAndRemovedBusesStartAndStop) {
   const auto plan = plan_reload(bridge({bus("a"), bus("b")}), bridge({bus("b"), bus("c")}));
   EXPECT_THAT(plan.stop, ElementsAre("a"));

@@ -195,6 +195,11 @@ TEST_F(Everything, BusKeysArrive) {
   EXPECT_EQ(spec.buses[0].gap_allowance, milliseconds{33});
   EXPECT_EQ(spec.buses[0].echo, true);
   EXPECT_EQ(spec.buses[0].planner, Planner::kDynamicBlocks);
+  ASSERT_TRUE(spec.buses[0].capture);
+  EXPECT_TRUE(spec.buses[0].capture->folder.ends_with("wire")) << spec.buses[0].capture->folder;
+  EXPECT_EQ(spec.buses[0].capture->file_bytes, 250'000u);
+  EXPECT_EQ(spec.buses[0].capture->files, 3u);
+  EXPECT_FALSE(spec.buses[1].capture);
   EXPECT_EQ(spec.buses[1].planner, Planner::kCyclic);
   EXPECT_EQ(spec.buses[1].silence, SilenceRule{Duration{microseconds{600}}});
   EXPECT_EQ(spec.buses[1].echo, false);

@@ -158,6 +158,7 @@ const ProtocolEntry& rtu_entry() {
                                        .factory_line = {19200, 8, Parity::kEven, 1},
                                        .whole_bytes = true,
                                        .instead = kAscii.name,
+                                       .dissector = "mbrtu",
                                        .aliases = kRtuAliases,
                                        .variants = kRtuVariants};
   return entry;
@@ -185,6 +186,7 @@ const ProtocolEntry& tcp_entry() {
                                        .network_only = true,
                                        .instead = kRtu.name,
                                        .carrier_checks = true,
+                                       .dissector = "mbtcp",
                                        .aliases = kTcpAliases,
                                        .variants = kPlain};
   return entry;
