@@ -16,6 +16,7 @@ CommandEntry inspect_command();
 CommandEntry read_command();
 CommandEntry poke_command();
 CommandEntry scan_command();
+CommandEntry import_command();
 CommandEntry sim_check_command();
 CommandEntry history_command();
 CommandEntry devices_command();
@@ -40,7 +41,7 @@ std::span<const CommandEntry> commands() {
       read_command(),     poke_command(),   sim_check_command(), history_command(),
       devices_command(),  audit_command(),  user_command(),      token_command(),
       alarms_command(),   doctor_command(), secure_command(),    standby_command(),
-      module_command(),
+      module_command(),   import_command(),
   };
   return all;
 }

@@ -1,0 +1,211 @@
+// Lists of spreadsheets: what Excel does to them, Kepware's tags, and lists of vendors.
+#include "tests/tools/import/support.hpp"
+#include "tools/import/address.hpp"
+#include "tools/import/table.hpp"
+#include "tools/import/types.hpp"
+
+namespace fieldcast::importing {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string kKepware =
+    "Tag Name,Address,Data Type,Respect Data Type,Client Access,Scan Rate,Scaling,Raw Low,Raw "
+    "High,Scaled Low,Scaled High,Scaled Data Type,Clamp Low,Clamp High,Eng Units,Description,"
+    "Negate Value\n";
+
+std::string utf16(const std::string& ascii, bool big) {
+  std::string bytes = big ? "\xFE\xFF" : "\xFF\xFE";
+  for (const char c : ascii) {
+    if (big) bytes += '\0';
+    bytes += c;
+    if (!big) bytes += '\0';
+  }
+  return bytes;
+}
+
+TEST(ImportText, SpreadsheetsSaveItInManyEncodings) {
+  const std::string list = "Register;Name;Type;Unit\r\n40001;Power;UINT16;kW\r\n";
+  const std::string windows =
+      "Register;Name;Type;Unit\r\n40001;Power;UINT16;\xB0"
+      "C\r\n";
+  for (const std::string& bytes :
+       {list, "\xEF\xBB\xBF" + list, utf16(list, false), utf16(list, true),
+        utf16(list, false).substr(2), "sep=;\r\n" + list}) {
+    const auto outcome = import_text("meter.csv", bytes);
+    ASSERT_TRUE(outcome) << outcome.error();
+    EXPECT_EQ(channel_line(*outcome, "Power"),
+              "{ name: Power, at: \"holding:0\", type: uint16, unit: kW }");
+  }
+  EXPECT_THAT(channel_line(*import_text("meter.csv", windows), "Power"), HasSubstr("unit: \"°C\""));
+}
+
+TEST(ImportText, WhatIsNoTextGetsAClearWord) {
+  const auto fault = [](const std::string& bytes) { return import_text("f", bytes).error(); };
+  EXPECT_THAT(fault(""), HasSubstr("f: the file is empty"));
+  EXPECT_THAT(fault(" \r\n \t "), HasSubstr("the file is empty"));
+  EXPECT_THAT(fault(std::string("\x7F"
+                                "ELF\x02\0\0\0\xFF",
+                                9)),
+              HasSubstr("a program, no list"));
+  EXPECT_THAT(fault("%PDF-1.4\n\x01\xFF"), HasSubstr("a PDF"));
+  EXPECT_THAT(fault(std::string("\xD0\xCF\x11\xE0\0\0", 6)), HasSubstr("an old Excel file"));
+  EXPECT_THAT(fault(std::string(100, '\0')), HasSubstr("binary, no text"));
+  EXPECT_THAT(fault("Dear colleague,\nthe meter is broken.\n"), HasSubstr("of no format"));
+}
+
+TEST(ImportTable, CellsHoldQuotesSeparatorsAndLineEnds) {
+  const auto table = read_table("a,\"b \"\"c\"\", d\",e\n,,\n\"two\nlines\",x,,,\n");
+  ASSERT_TRUE(table);
+  ASSERT_EQ(table->rows.size(), 2u);
+  EXPECT_THAT(table->rows[0].cells, testing::ElementsAre("a", "b \"c\", d", "e"));
+  EXPECT_THAT(table->rows[1].cells, testing::ElementsAre("two\nlines", "x"));
+  EXPECT_EQ(table->rows[1].line, 3u);
+  EXPECT_THAT(read_table("a,b\nc,\"d\n").error(), HasSubstr("line 2: a quoted cell has no end"));
+}
+
+TEST(ImportAddress, IsUnderstoodInManyForms) {
+  const auto text = [](std::string_view written) {
+    const auto reference = reference_from(written);
+    if (!reference) return "fault: " + reference.error();
+    return reference->area ? address_text(*reference->area, reference->first, reference->bit)
+                           : "bare:" + std::to_string(reference->first);
+  };
+  EXPECT_EQ(text("40001"), "holding:0");
+  EXPECT_EQ(text("465536"), "holding:65535");
+  EXPECT_EQ(text("4x0101"), "holding:100");
+  EXPECT_EQ(text("4:101"), "holding:100");
+  EXPECT_EQ(text("30007.3"), "input-register:6.3");
+  EXPECT_EQ(text("%MW70"), "holding:70");
+  EXPECT_EQ(text("HR 12"), "holding:12");
+  EXPECT_EQ(text("0x1F"), "bare:31");
+  EXPECT_EQ(text("1234h"), "bare:4660");
+  EXPECT_THAT(text("40000"), HasSubstr("count from 1"));
+  EXPECT_THAT(text("470000"), HasSubstr("no number from 1 to 65536"));
+  EXPECT_THAT(text("40001.16"), HasSubstr("bit '16'"));
+}
+
+TEST(ImportType, HasManyNames) {
+  const auto type = [](std::string_view name) {
+    const auto found = type_by_name(name);
+    return found ? std::string(to_text(found->type)) : "unknown";
+  };
+  EXPECT_EQ(type("Float"), "float32");
+  EXPECT_EQ(type("32-bit unsigned integer"), "uint32");
+  EXPECT_EQ(type("REAL"), "float32");
+  EXPECT_EQ(type("S16"), "int16");
+  EXPECT_EQ(type("unsigned long"), "uint32");
+  EXPECT_EQ(type("STRING[16]"), "string");
+  EXPECT_EQ(type("complex"), "unknown");
+  EXPECT_EQ(type_by_name("FLOAT32_LE")->word_order, WordOrder::kLittleEndian);
+  EXPECT_EQ(type_by_name("UINT8H")->byte, 1);
+}
+
+TEST(ImportKepware, TagsBecomeChannels) {
+  const auto outcome = import_text(
+      "press.csv", kKepware +
+                       "Speed,400101,Word,1,RO,500,Linear,0,4095,0,1500,Double,0,0,rpm,,\n"
+                       "Energy,400110,Float,1,RO,1000,,,,,,,,,kWh,,\n"
+                       "Fault,40120.5,Boolean,1,RO,100,,,,,,,,,,,\n"
+                       "Hex,H4000A1,DWord,1,R/W,1000,,,,,,,,,,,1\n"
+                       "Label,400300.20L,String,1,RO,1000,,,,,,,,,,,\n"
+                       "Run,000001,Default,1,R/W,100,,,,,,,,,,,\n");
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_EQ(outcome->count(Fate::kMoved), 6u);
+  EXPECT_EQ(channel_line(*outcome, "Speed"),
+            "{ name: Speed, at: \"holding:100\", type: uint16, scale: 0.3663003663003663, unit: "
+            "rpm, refresh: 500ms }");
+  EXPECT_THAT(outcome->files[0].text, HasSubstr("word-order: little-endian"));
+  EXPECT_THAT(channel_line(*outcome, "Fault"), HasSubstr("at: \"holding:119.5\", type: bool"));
+  EXPECT_THAT(channel_line(*outcome, "Hex"),
+              HasSubstr("at: \"holding:160\", type: uint32, scale: -1"));
+  EXPECT_THAT(channel_line(*outcome, "Label"), HasSubstr("string(20), byte-order: little-endian"));
+  EXPECT_THAT(channel_line(*outcome, "Run"), HasSubstr("access: read-write"));
+}
+
+TEST(ImportKepware, ArraysBecomeAChannelForEachElement) {
+  const auto outcome =
+      import_text("a.csv", kKepware + "Limit,400201[2][2],Float Array,1,R/W,1000,,,,,,,,,,,\n");
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_EQ(outcome->count(Fate::kChanged), 4u);
+  EXPECT_THAT(channel_line(*outcome, "Limit-3"), HasSubstr("at: \"holding:206\""));
+}
+
+TEST(ImportKepware, WhatCannotBeMovedHasItsReason) {
+  const auto outcome =
+      import_text("a.csv", kKepware +
+                               "Flow,300010,Word,1,RO,100,Square Root,0,4095,0,100,Float,0,0,,,\n"
+                               "Day,400001,Date,1,RO,100,,,,,,,,,,,\n"
+                               "Far,470000,Word,1,RO,100,,,,,,,,,,,\n"
+                               "Good,400001,Word,1,RO,100,Linear,0,100,0,10,Float,1,1,,,\n");
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_THAT(fate_of(*outcome, "Flow"), HasSubstr("no: square-root scaling"));
+  EXPECT_THAT(fate_of(*outcome, "Day"), HasSubstr("no: dates"));
+  EXPECT_THAT(fate_of(*outcome, "Far"), HasSubstr("no number from 1 to 65536"));
+  EXPECT_THAT(fate_of(*outcome, "Good"), HasSubstr("not clamped"));
+}
+
+TEST(ImportList, DecimalCommasAndColumnsInAnyOrder) {
+  const auto outcome = import_text("meter.csv",
+                                   "Einheit;Faktor;REGISTER;Bezeichnung;Datentyp;Hersteller;;\r\n"
+                                   "V;0,1;40001;Spannung L1;UINT16;x;;\r\n"
+                                   "kWh;1/1000;40003;Zähler;UINT32;x;;\r\n"
+                                   ";;;;;;;\r\n");
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_THAT(channel_line(*outcome, "Spannung-L1"),
+              HasSubstr("at: \"holding:0\", type: uint16, scale: 0.1, unit: V"));
+  EXPECT_THAT(channel_line(*outcome, "Zaehler"), HasSubstr("scale: 0.001"));
+  EXPECT_THAT(outcome->notes, testing::Contains(HasSubstr("column 'Hersteller' is not used")));
+}
+
+TEST(ImportList, FunctionCodesDecideWhereDigitsAreAmbiguous) {
+  // 32016 is a holding register of an inverter here, no reference of an input register.
+  const auto outcome = import_text("inverter.csv",
+                                   "Signal Name,Address,Type,Gain,Unit,Function\n"
+                                   "PV1 voltage,32016,I16,10,V,03\n"
+                                   "Model,30000,STRING[30],,,03\n");
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_EQ(channel_line(*outcome, "PV1-voltage"),
+            "{ name: PV1-voltage, at: \"holding:32016\", type: int16, scale: 0.1, unit: V }");
+  EXPECT_THAT(channel_line(*outcome, "Model"),
+              HasSubstr("at: \"holding:30000\", type: string(30)"));
+}
+
+TEST(ImportedNames, AreAllowedUniqueAndNotTooLong) {
+  const std::string long_name(100, 'x');
+  const auto outcome = import_text("meter.csv",
+                                   "Address,Name,Type\n1,Power (kW),U16\n2,Power "
+                                   "(kW),U16\n3," +
+                                       long_name + ",U16\n4,мощность,U16\n");
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_FALSE(channel_line(*outcome, "Power-kW").empty());
+  EXPECT_FALSE(channel_line(*outcome, "Power-kW-2").empty());
+  EXPECT_FALSE(channel_line(*outcome, std::string(64, 'x')).empty());
+  EXPECT_THAT(channel_line(*outcome, "holding-4"), HasSubstr("description: \"мощность\""));
+}
+
+TEST(ImportedConfiguration, IsStretchedWhereTheLineCouldNeverCarryIt) {
+  std::string list = "Address,Name,Type,Refresh ms\n";
+  for (int i = 0; i < 2000; ++i)
+    list += std::to_string(i * 30) + ",p" + std::to_string(i) + ",U16,10\n";
+  ImportOptions options;
+  options.port = {.serial = "/dev/ttyS0", .line = {.baud = 1200}};
+  const auto outcome = import_text("meter.csv", list, options);
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_THAT(outcome->notes, testing::Contains(HasSubstr("far too slow")));
+}
+
+TEST(ImportedTemplate, IsCheckedAndWrittenForEachDevice) {
+  ImportOptions options;
+  options.as_template = true;
+  const auto outcome = import_text("meter.csv", "Address,Name,Type\n0,power,U16\n", options);
+  ASSERT_TRUE(outcome) << outcome.error();
+  ASSERT_EQ(outcome->files.size(), 1u);
+  EXPECT_EQ(outcome->files[0].name, "devices/meter.yaml");
+  EXPECT_THAT(outcome->files[0].text,
+              HasSubstr("protocols: [modbus-rtu, modbus-ascii, modbus-tcp]\nchannels:\n"
+                        "  - { name: power, at: \"holding:0\", type: uint16 }\n"));
+}
+
+}  // namespace
+}  // namespace fieldcast::importing

@@ -1,0 +1,255 @@
+#include "tools/cli/command/import.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <mutex>
+#include <ostream>
+
+#include "tools/cli/command/command.hpp"
+#include "tools/cli/console.hpp"
+#include "tools/cli/import/import_view.hpp"
+#include "tools/cli/import/input_files.hpp"
+#include "tools/cli/import/new_files.hpp"
+#include "tools/cli/interrupt.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using importing::Fate;
+using importing::ImportOptions;
+using importing::Outcome;
+using importing::WrittenFile;
+
+// A text line that is redrawn where somebody looks at it, once a second has passed.
+class ImportProgress {
+ public:
+  explicit ImportProgress(std::ostream& err)
+      : err_(err), began_(std::chrono::steady_clock::now()), seen_(errors_are_seen()) {}
+  ~ImportProgress() {
+    if (shown_) err_ << "\r\033[K" << std::flush;
+  }
+  ImportProgress(const ImportProgress&) = delete;
+  ImportProgress& operator=(const ImportProgress&) = delete;
+
+  void show(double done) {
+    const Duration elapsed = std::chrono::steady_clock::now() - began_;
+    if (!seen_ || elapsed < std::chrono::seconds{1} || done <= 0) return;
+    const double left = to_seconds(elapsed) / done * (1 - done);
+    err_ << fmt::format("\r\033[Kimporting: {:.0f} %, {:.0f} s left", done * 100, left)
+         << std::flush;
+    shown_ = true;
+  }
+
+ private:
+  std::ostream& err_;
+  const std::chrono::steady_clock::time_point began_;
+  const bool seen_;
+  bool shown_ = false;
+};
+
+bool is_folder(const std::string& out) {
+  std::error_code ignored;
+  return out.ends_with('/') || fs::is_directory(out, ignored);
+}
+
+// Empty: fine.
+std::string set_port(const std::string& port, ImportOptions& options) {
+  if (port.empty()) return {};
+  if (port.find('/') != std::string::npos) {
+    options.port.serial = port;
+  } else if (port.find(':') != std::string::npos) {
+    options.port.tcp = port;
+  } else {
+    return fmt::format("'{}' is no port; allowed: a path such as /dev/ttyUSB0, or HOST:PORT",
+                       printable(port));
+  }
+  return {};
+}
+
+// The names under which the configuration is checked are those under which it is written.
+ImportOptions import_options(const ImportCommandOptions& options) {
+  ImportOptions import = options.import;
+  import.lists = !import.as_template && is_folder(options.out);
+  if (!options.out.empty() && !is_folder(options.out))
+    import.file = fs::path(options.out).filename().string();
+  return import;
+}
+
+// Where each file goes; the error is one line.
+tl::expected<std::vector<NewFile>, std::string> placed(const ImportCommandOptions& options,
+                                                       const Outcome& outcome) {
+  std::vector<NewFile> files;
+  if (!is_folder(options.out)) {
+    if (outcome.files.size() != 1)
+      return tl::unexpected(
+          fmt::format("{} templates; --out needs a folder for them (NAME/)", outcome.files.size()));
+    files.push_back({options.out, outcome.files.front().text});
+    return files;
+  }
+  for (const WrittenFile& file : outcome.files)
+    files.push_back({(fs::path(options.out) / fs::path(file.name).filename()).string(), file.text});
+  return files;
+}
+
+class ImportRun {
+ public:
+  ImportRun(const ImportCommandOptions& options, std::mutex& writing, std::ostream& out,
+            std::ostream& err, const Screen& screen)
+      : options_(options), writing_(writing), out_(out), err_(err), screen_(screen) {}
+
+  ExitCode run() {
+    const auto inputs = read_inputs(options_.files);
+    if (!inputs) return usage_fault(err_, "import", inputs.error());
+    ImportOptions import = import_options(options_);
+    if (const std::string fault = set_port(options_.port, import); !fault.empty())
+      return usage_fault(err_, "import", fault);
+    const auto outcome = [&] {
+      ImportProgress progress(err_);
+      return importing::run_import(*inputs, import, [&](double done) { progress.show(done); });
+    }();
+    if (!outcome) return usage_fault(err_, "import", printable(outcome.error()));
+    show(*outcome);
+    if (outcome->files.empty()) {
+      err_ << "fieldcast import: nothing can be moved; nothing is written\n";
+      return ExitCode::kFound;
+    }
+    if (const ExitCode code = write(*outcome); code != ExitCode::kOk) return code;
+    return outcome->count(Fate::kRefused) == 0 ? ExitCode::kOk : ExitCode::kFound;
+  }
+
+ private:
+  void show(const Outcome& outcome) {
+    if (options_.json) {
+      for (const auto& row : outcome.rows) out_ << to_line(fate_json(row)) << '\n';
+    } else {
+      for (const std::string& line : outcome.recognised) out_ << printable(line) << '\n';
+      for (const std::string& line : import_lines(outcome, options_.all, screen_))
+        out_ << line << '\n';
+      out_ << import_summary(outcome) << '\n';
+    }
+    out_.flush();
+    for (const std::string& note : outcome.notes) err_ << "note: " << printable(note) << '\n';
+  }
+
+  ExitCode write(const Outcome& outcome) {
+    if (options_.out.empty()) {
+      err_ << "nothing is written; --out FILE or --out FOLDER/ writes it\n";
+      return ExitCode::kOk;
+    }
+    const auto files = placed(options_, outcome);
+    if (!files) return usage_fault(err_, "import", files.error());
+    std::error_code error;
+    if (is_folder(options_.out)) fs::create_directories(options_.out, error);
+    if (error)
+      return usage_fault(err_, "import",
+                         fmt::format("{}: {}", printable(options_.out), error.message()));
+    {
+      const std::lock_guard lock(writing_);
+      if (const auto fault = write_new_files(*files, options_.force))
+        return usage_fault(err_, "import", *fault);
+    }
+    for (const NewFile& file : *files) err_ << "written: " << printable(file.path) << '\n';
+    if (options_.import.as_template) {
+      err_ << "a device uses it by `template: "
+           << printable(fs::path(files->front().path).stem().string())
+           << "`; templates are looked for in the folder devices/ beside the configuration\n";
+    } else {
+      err_ << "it passed the check; `fieldcast plan " << printable(files->front().path)
+           << "` tells whether the line is fast enough\n";
+    }
+    return ExitCode::kOk;
+  }
+
+  const ImportCommandOptions& options_;
+  std::mutex& writing_;
+  std::ostream& out_;
+  std::ostream& err_;
+  const Screen& screen_;
+};
+
+}  // namespace
+
+ExitCode import_files(const ImportCommandOptions& options, std::mutex& writing, std::ostream& out,
+                      std::ostream& err, const Screen& screen) {
+  return ImportRun(options, writing, out, err, screen).run();
+}
+
+namespace {
+
+std::string known_formats() {
+  std::string names;
+  for (const auto& format : importing::formats())
+    names += (names.empty() ? "" : ", ") + std::string(format.name);
+  return names;
+}
+
+class ImportCommand final : public CommandWith<ImportCommandOptions> {
+ public:
+  void describe(CommandLine& line) override {
+    ImportOptions& import = options_.import;
+    line.texts("FILE", options_.files, "Lists of one or several programs").required();
+    line.value(
+        "--from",
+        [&import](const std::string& text) -> std::optional<std::string> {
+          if (importing::format_by_name(text) == nullptr) return "allowed: " + known_formats();
+          import.from = text;
+          return std::nullopt;
+        },
+        "Their format (found by the content): " + known_formats());
+    line.text("--out", options_.out,
+              "A configuration is written there; FOLDER/: with a channel list for each device");
+    line.flag("--template", import.as_template, "Write device templates");
+    line.flag("--force", options_.force, "Write over files that are there");
+    line.text("--bridge", import.bridge, "Name of the bridge (bridge-1)");
+    line.text("--bus", import.bus, "Name of the bus, if there is one");
+    line.text("--device", import.device, "Name of the device, if there is one");
+    line.text("--port", options_.port, "A serial port (/dev/ttyUSB0) or HOST:PORT");
+    line.number("--baud", import.port.line.baud, 50, 4'000'000, "Of the line");
+    line.text("--format", import.port.line.format, "Of the line: 8N1, 8E1, ..");
+    line.text("--protocol", import.protocol, "As configurations name it: modbus-rtu, ..");
+    line.number("--address", import.address, 0, 65535,
+                "On the bus, of the first device whose list says none (1)");
+    line.duration("--refresh", import.refresh, std::chrono::milliseconds{1},
+                  "Of all channels (as the list says)");
+    line.value(
+        "--word-order",
+        [&import](const std::string& text) -> std::optional<std::string> {
+          if (text != "big-endian" && text != "little-endian")
+            return "allowed: big-endian, little-endian";
+          import.word_order =
+              text == "big-endian" ? WordOrder::kBigEndian : WordOrder::kLittleEndian;
+          return std::nullopt;
+        },
+        "Of wide values, where the list does not say: big-endian, little-endian");
+    line.flag("--all", options_.all, "Show every value that moved as it is");
+    line.flag("--json", options_.json, "JSON lines, one for each value");
+  }
+
+  ExitCode run(const Streams& streams) override {
+    // Ends at once; while files are written, as soon as they are whole.
+    Interrupt interrupt;
+    std::mutex ending;
+    interrupt.on_raise([&ending] {
+      const std::lock_guard lock(ending);
+      ::_exit(to_int(ExitCode::kInterrupted));
+    });
+    const ExitCode code =
+        import_files(options_, ending, streams.out, streams.err, streams.wide_screen());
+    interrupt.on_raise({});
+    return code;
+  }
+};
+
+}  // namespace
+
+CommandEntry import_command();
+CommandEntry import_command() {
+  return {"import", "Make a configuration of other programs' lists; needs no bridge",
+          make_command<ImportCommand>};
+}
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,25 @@
+// What an import came to, as lines for people and as JSON. Pure functions.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/cli/view/json.hpp"
+#include "tools/cli/view/text_table.hpp"
+#include "tools/import/importer.hpp"
+
+namespace fieldcast::cli {
+
+// Of the values that moved as they are the first `kMovedShown`, unless all are wanted; what changed
+// or cannot be moved always.
+inline constexpr std::size_t kMovedShown = 20;
+[[nodiscard]] std::vector<std::string> import_lines(const importing::Outcome& outcome, bool all,
+                                                    const Screen& screen);
+
+// "12 moved, 3 moved with a change, 1 cannot be moved"
+[[nodiscard]] std::string import_summary(const importing::Outcome& outcome);
+
+// {"fate", "name", "channel", "at", "type", "why", "file", "line"}
+[[nodiscard]] Json fate_json(const importing::PointFate& row);
+
+}  // namespace fieldcast::cli

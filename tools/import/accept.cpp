@@ -1,0 +1,178 @@
+#include "tools/import/accept.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "config/loader.hpp"
+#include "core/schedule/bus_schedule.hpp"
+#include "core/schedule/overload.hpp"
+
+namespace fieldcast::importing {
+namespace {
+
+constexpr unsigned kMaxRounds = 200;  // of writing and checking; each tells up to 1000 faults
+constexpr unsigned kMaxStretch = 1024;
+constexpr Duration kDefaultRefresh = std::chrono::seconds{1};
+
+struct Checked {
+  std::vector<config::Fault> faults;
+  std::optional<BridgeSpec> spec;
+};
+
+// The files as the bridge would read them.
+Checked check(const std::vector<WrittenFile>& files, const std::string& main_file,
+              const std::string& main_text, bool refuse_hopeless) {
+  config::FileReader reader;
+  reader.read = [&](const std::string& path) -> tl::expected<std::string, config::FileError> {
+    const auto file = std::ranges::find(files, path, &WrittenFile::name);
+    if (file == files.end()) return tl::unexpected(config::FileError::kMissing);
+    return file->text;
+  };
+  config::LoadOptions options;
+  options.refuse_hopeless = refuse_hopeless;
+  auto loaded = config::load_text(main_text, main_file, reader, options);
+  if (!loaded) return {std::move(loaded.error()), std::nullopt};
+  return {{}, std::move(*loaded)};
+}
+
+class Acceptance {
+ public:
+  Acceptance(Found& found, const ImportOptions& options, const std::string& head)
+      : found_(found), options_(options), head_(head) {}
+
+  tl::expected<std::vector<WrittenFile>, std::string> run() {
+    for (unsigned round = 0; round < kMaxRounds; ++round) {
+      if (found_.buses.empty()) return std::vector<WrittenFile>{};
+      std::vector<WrittenFile> files = write();
+      const Checked result = checked(files, false);
+      if (result.faults.empty()) return stretched(std::move(files));
+      if (!take_out(files, result.faults))
+        return tl::unexpected(config::to_text(result.faults.front()));
+    }
+    return tl::unexpected(std::string("too many faults; split the list"));
+  }
+
+ private:
+  [[nodiscard]] Checked checked(const std::vector<WrittenFile>& files, bool refuse_hopeless) const {
+    const std::string main_file = options_.as_template ? "check.yaml" : files.front().name;
+    return check(files, main_file, main_text(files), refuse_hopeless);
+  }
+
+  std::vector<WrittenFile> write() const {
+    if (!options_.as_template)
+      return write_configuration(found_.buses, {.head = head_,
+                                                .bridge = options_.bridge,
+                                                .file = options_.file,
+                                                .lists = options_.lists});
+    std::vector<WrittenFile> files;
+    for (std::size_t i = 0; i < found_.buses.size(); ++i) {
+      for (std::size_t k = 0; k < found_.buses[i].devices.size(); ++k) {
+        WrittenFile file = write_template(found_.buses[i].devices[k], head_);
+        file.name = template_path(i, k);
+        for (WrittenChannel& channel : file.channels) channel.bus = i, channel.device = k;
+        files.push_back(std::move(file));
+      }
+    }
+    return files;
+  }
+
+  [[nodiscard]] std::string template_name(std::size_t bus, std::size_t device) const {
+    const std::string& name = found_.buses[bus].devices[device].name;
+    return found_.buses.size() == 1 ? name : fmt::format("{}-{}", found_.buses[bus].name, name);
+  }
+  [[nodiscard]] std::string template_path(std::size_t bus, std::size_t device) const {
+    return fmt::format("devices/{}.yaml", template_name(bus, device));
+  }
+
+  // A template is checked by a configuration that uses it.
+  [[nodiscard]] std::string main_text(const std::vector<WrittenFile>& files) const {
+    if (!options_.as_template) return files.front().text;
+    std::string text =
+        "bridge: check\nbuses:\n  - name: check\n    port: { tcp: 127.0.0.1:502 }\n"
+        "    protocol: modbus-tcp\n    devices:\n";
+    unsigned address = 1;
+    for (std::size_t i = 0; i < found_.buses.size(); ++i) {
+      for (std::size_t k = 0; k < found_.buses[i].devices.size(); ++k, ++address)
+        text += fmt::format("      - {{ name: d{0}, address: {0}, template: {1} }}\n", address,
+                            yaml_text(template_name(i, k)));
+    }
+    return text;
+  }
+
+  // True if a point was taken out for any of the faults.
+  bool take_out(const std::vector<WrittenFile>& files, const std::vector<config::Fault>& faults) {
+    std::map<std::tuple<std::size_t, std::size_t, std::size_t>, std::string> bad;
+    for (const config::Fault& fault : faults) {
+      for (const WrittenFile& file : files) {
+        if (fault.file != file.name) continue;
+        const auto channel =
+            std::ranges::lower_bound(file.channels, fault.line, {}, &WrittenChannel::line);
+        if (channel == file.channels.end() || channel->line != fault.line) continue;
+        std::string reason = fault.what;
+        if (!fault.allowed.empty()) reason += "; allowed: " + fault.allowed;
+        bad.try_emplace({channel->bus, channel->device, channel->point}, std::move(reason));
+      }
+    }
+    // From behind, so that indexes stay right.
+    for (auto it = bad.rbegin(); it != bad.rend(); ++it) {
+      const auto [bus, device, index] = it->first;
+      auto& points = found_.buses[bus].devices[device].points;
+      found_.refusals.push_back({points[index].listed, points[index].origin, it->second});
+      points.erase(points.begin() + static_cast<std::ptrdiff_t>(index));
+    }
+    for (Bus& bus : found_.buses)
+      std::erase_if(bus.devices, [](const Device& device) { return device.points.empty(); });
+    std::erase_if(found_.buses, [](const Bus& bus) { return bus.devices.empty(); });
+    return !bad.empty();
+  }
+
+  void stretch(unsigned factor) {
+    for (Bus& bus : found_.buses) {
+      for (Device& device : bus.devices) {
+        for (Point& point : device.points)
+          point.refresh = point.refresh.value_or(kDefaultRefresh) * factor;
+      }
+    }
+  }
+
+  // A bus that could never carry its channels gets longer refreshes; one that is late is told.
+  tl::expected<std::vector<WrittenFile>, std::string> stretched(std::vector<WrittenFile> files) {
+    Checked result = checked(files, true);
+    unsigned factor = 1;
+    while (!result.spec && factor < kMaxStretch) {
+      stretch(4);
+      factor *= 4;
+      files = write();
+      result = checked(files, true);
+    }
+    if (!result.spec) return tl::unexpected(config::to_text(result.faults.front()));
+    if (factor > 1)
+      found_.notes.push_back(fmt::format(
+          "the line is far too slow for the refreshes of the list: all are {} times as long; say "
+          "--refresh for one of your own",
+          factor));
+    if (options_.as_template) return files;
+    for (const BusSpec& bus : result.spec->buses) {
+      if (const auto overload = overload_of(bus, kAssumedAnswerTime))
+        found_.notes.push_back(fmt::format("{}: {}", bus.name, to_text(*overload)));
+    }
+    return files;
+  }
+
+  Found& found_;
+  const ImportOptions& options_;
+  const std::string& head_;
+};
+
+}  // namespace
+
+tl::expected<std::vector<WrittenFile>, std::string> write_accepted(Found& found,
+                                                                   const ImportOptions& options,
+                                                                   const std::string& head) {
+  return Acceptance(found, options, head).run();
+}
+
+}  // namespace fieldcast::importing

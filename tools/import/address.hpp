@@ -1,0 +1,37 @@
+// Addresses of Modbus as lists write them. Pure.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+
+namespace fieldcast::importing {
+
+enum class ModbusArea : std::uint8_t { kCoil, kInput, kInputRegister, kHolding };
+
+[[nodiscard]] constexpr bool holds_bits(ModbusArea area) {
+  return area == ModbusArea::kCoil || area == ModbusArea::kInput;
+}
+[[nodiscard]] constexpr bool can_be_written(ModbusArea area) {
+  return area == ModbusArea::kCoil || area == ModbusArea::kHolding;
+}
+
+// "holding:100", "holding:100.5".
+[[nodiscard]] std::string address_text(ModbusArea area, std::uint64_t first,
+                                       std::optional<std::uint8_t> bit = {});
+
+// "Holding Register", "4x", "AI", "input", "03", "FC4": the table that a word means.
+[[nodiscard]] std::optional<ModbusArea> area_by_name(std::string_view name);
+
+// "40101", "400101", "4x0101", "4:101", "30007.3", "%MW100", "HR100".
+struct Reference {
+  std::optional<ModbusArea> area;  // nothing: a bare number
+  std::uint32_t first = 0;         // counted from 0
+  std::optional<std::uint8_t> bit;
+};
+// The error says why it is none.
+[[nodiscard]] tl::expected<Reference, std::string> reference_from(std::string_view text);
+
+}  // namespace fieldcast::importing

@@ -1,0 +1,161 @@
+#include "tools/import/arrange.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "config/limits.hpp"
+#include "tools/import/names.hpp"
+
+namespace fieldcast::importing {
+namespace {
+
+bool same_port(const Port& a, const Port& b) { return a.serial == b.serial && a.tcp == b.tcp; }
+
+// Devices of one port belong to one bus: a port is opened once.
+void merge_buses(std::vector<Bus>& buses) {
+  std::vector<Bus> merged;
+  for (Bus& bus : buses) {
+    const auto known = std::ranges::find_if(merged, [&](const Bus& other) {
+      return same_port(other.port, bus.port) && other.protocol == bus.protocol;
+    });
+    if (known == merged.end()) {
+      merged.push_back(std::move(bus));
+      continue;
+    }
+    for (Device& device : bus.devices) known->devices.push_back(std::move(device));
+    if (!known->port.line.baud) known->port.line = bus.port.line;
+  }
+  buses = std::move(merged);
+}
+
+void merge_devices(Bus& bus) {
+  std::vector<Device> merged;
+  for (Device& device : bus.devices) {
+    if (device.points.empty()) continue;
+    const auto known = std::ranges::find_if(merged, [&](const Device& other) {
+      return device.address && other.address == device.address;
+    });
+    if (known == merged.end()) {
+      merged.push_back(std::move(device));
+    } else {
+      for (Point& point : device.points) known->points.push_back(std::move(point));
+    }
+  }
+  bus.devices = std::move(merged);
+}
+
+// The user's port is that of what has none, and of a single bus that has one.
+void set_ports(std::vector<Bus>& buses, const ImportOptions& options, Found& found) {
+  const bool said = !options.port.serial.empty() || !options.port.tcp.empty();
+  bool guessed = false;
+  std::size_t own = 0;
+  for (Bus& bus : buses) {
+    const bool none = bus.port.serial.empty() && bus.port.tcp.empty();
+    own += !none && buses.size() > 1;
+    if (said && (none || buses.size() == 1)) {
+      const Line line = bus.port.line;
+      bus.port = options.port;
+      if (!bus.port.line.baud) bus.port.line.baud = line.baud;
+      if (bus.port.line.format.empty()) bus.port.line.format = line.format;
+    } else if (none) {
+      guessed = true;
+      bus.port.serial = "/dev/ttyUSB0";
+      bus.port.line = options.port.line;
+      if (!bus.port.line.baud) bus.port.line.baud = 9600;
+      if (bus.port.line.format.empty()) bus.port.line.format = "8N1";
+    }
+    if (!options.protocol.empty()) bus.protocol = options.protocol;
+    if (bus.protocol.empty()) bus.protocol = bus.port.tcp.empty() ? "modbus-rtu" : "modbus-tcp";
+    if (!bus.port.tcp.empty() && bus.protocol == "modbus-tcp") bus.port.line = {};
+  }
+  if (guessed && !options.as_template)
+    found.notes.push_back(
+        "the list says no port: /dev/ttyUSB0 is a guess; say --port, and --baud, --format of a "
+        "serial line");
+  if (said && own > 0)
+    found.notes.push_back(fmt::format(
+        "{} buses keep the port that their files name; --port is that of the others", own));
+}
+
+void set_addresses(Bus& bus, const ImportOptions& options, Found& found) {
+  std::set<std::uint16_t> taken;
+  for (const Device& device : bus.devices) {
+    if (device.address) taken.insert(*device.address);
+  }
+  auto next = static_cast<std::uint16_t>(options.address.value_or(1));
+  for (Device& device : bus.devices) {
+    if (device.address) continue;
+    while (taken.contains(next)) ++next;
+    device.address = next;
+    taken.insert(next);
+    if (!options.address && !options.as_template)
+      found.notes.push_back(fmt::format(
+          "device '{}': the list says no address on the bus: {} is a guess; say --address",
+          device.name, next));
+  }
+}
+
+void name_points(Device& device) {
+  UniqueNames names;
+  for (Point& point : device.points) {
+    std::string name = plain_name(point.name);
+    // Nothing of the name is left: its address, and the name as a description.
+    const bool lost = name.empty();
+    if (lost) name = plain_name(point.at);
+    const bool foreign = lost || std::ranges::any_of(point.name, [](char c) {
+                           return static_cast<unsigned char>(c) >= 0x80;
+                         });
+    if (foreign && point.description.empty()) point.description = point.name;
+    if (point.unit.size() > config::kMaxUnit) {
+      point.unit = cut_text(point.unit, config::kMaxUnit);
+      point.changes.push_back("the unit is cut");
+    }
+    if (point.description.size() > config::kMaxDescription) {
+      point.description = cut_text(point.description, config::kMaxDescription);
+      point.changes.push_back("the description is cut");
+    }
+    std::string unique = names.unique(name);
+    if (unique != name)
+      point.changes.push_back(fmt::format("the name '{}' stands more than once", point.name));
+    point.listed = std::exchange(point.name, std::move(unique));
+  }
+}
+
+void set_names(std::vector<Bus>& buses, const ImportOptions& options) {
+  UniqueNames bus_names;
+  for (Bus& bus : buses) {
+    std::string name =
+        plain_name(buses.size() == 1 && !options.bus.empty() ? options.bus : bus.name);
+    if (name.empty())
+      name = buses.size() == 1 ? "bus-1" : fmt::format("bus-{}", &bus - &buses[0] + 1);
+    bus.name = bus_names.unique(std::move(name));
+    UniqueNames device_names;
+    for (Device& device : bus.devices) {
+      const bool alone = buses.size() == 1 && bus.devices.size() == 1;
+      std::string own = plain_name(alone && !options.device.empty() ? options.device : device.name);
+      if (own.empty()) own = fmt::format("device-{}", device.address.value_or(1));
+      device.name = device_names.unique(std::move(own));
+      name_points(device);
+      for (Point& point : device.points) {
+        if (options.refresh && !point.on_demand) point.refresh = options.refresh;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void arrange(Found& found, const ImportOptions& options) {
+  std::erase_if(found.buses, [](const Bus& bus) { return bus.devices.empty(); });
+  set_ports(found.buses, options, found);
+  merge_buses(found.buses);
+  for (Bus& bus : found.buses) merge_devices(bus);
+  std::erase_if(found.buses, [](const Bus& bus) { return bus.devices.empty(); });
+  for (Bus& bus : found.buses) set_addresses(bus, options, found);
+  set_names(found.buses, options);
+}
+
+}  // namespace fieldcast::importing

@@ -1,0 +1,29 @@
+// The keys of one channel, in YAML and as a row of a channel list. What all channels of a device
+// share stands at the device. Pure.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/import/model.hpp"
+
+namespace fieldcast::importing {
+
+struct SharedKeys {
+  std::optional<Duration> refresh;
+  WordOrder word_order = WordOrder::kBigEndian;
+  ByteOrder byte_order = ByteOrder::kBigEndian;
+};
+
+// REQUIRES: the device has points.
+[[nodiscard]] SharedKeys shared_keys(const Device& device);
+
+// "{ name: power, at: "holding:10", type: float32 }"
+[[nodiscard]] std::string yaml_channel(const Point& point, const SharedKeys& shared);
+
+// The columns that any channel of the device needs, and a row of them.
+[[nodiscard]] std::vector<std::string> csv_columns(const Device& device, const SharedKeys& shared);
+[[nodiscard]] std::string csv_row(const Point& point, const SharedKeys& shared,
+                                  const std::vector<std::string>& columns);
+
+}  // namespace fieldcast::importing

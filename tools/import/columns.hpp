@@ -1,0 +1,70 @@
+// The header row of a list: which column holds what, by the words that lists use. Pure.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "tools/import/table.hpp"
+
+namespace fieldcast::importing {
+
+enum class Field : std::uint8_t {
+  kName,
+  kGroup,
+  kAddress,
+  kArea,
+  kType,
+  kAccess,
+  kRefresh,
+  kScaling,
+  kRawLow,
+  kRawHigh,
+  kScaledLow,
+  kScaledHigh,
+  kClampLow,
+  kClampHigh,
+  kNegate,
+  kUnit,
+  kDescription,
+  kScale,
+  kDivisor,
+  kDecimals,
+  kOffset,
+  kBit,
+  kLength,
+  kWordOrder,
+  kDevice,  // its address on the bus
+  kMin,
+  kMax,
+  kCount  // of the fields
+};
+
+struct ColumnName {
+  std::string_view word;  // as column_word() makes it
+  Field field;
+};
+
+class Columns {
+ public:
+  // The first column of each field counts.
+  Columns(const Row& header, std::span<const ColumnName> names);
+
+  [[nodiscard]] bool has(Field field) const { return index_of(field).has_value(); }
+  [[nodiscard]] std::string_view cell(const Row& row, Field field) const;
+  [[nodiscard]] std::optional<std::size_t> index_of(Field field) const {
+    return indexes_[static_cast<std::size_t>(field)];
+  }
+  [[nodiscard]] std::size_t known() const { return known_; }
+  // Titles that none of the names knows.
+  [[nodiscard]] const std::vector<std::string>& ignored() const { return ignored_; }
+
+ private:
+  std::array<std::optional<std::size_t>, static_cast<std::size_t>(Field::kCount)> indexes_{};
+  std::size_t known_ = 0;
+  std::vector<std::string> ignored_;
+};
+
+}  // namespace fieldcast::importing

@@ -1,0 +1,461 @@
+// Register lists of vendors and of people: one row for each value, the titles in many words and in
+// any order. What a title means is one row of kListColumns.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "tools/import/address.hpp"
+#include "tools/import/columns.hpp"
+#include "tools/import/formats/readers.hpp"
+#include "tools/import/number.hpp"
+#include "tools/import/types.hpp"
+
+namespace fieldcast::importing {
+namespace {
+
+constexpr ColumnName kListColumns[] = {
+    {"name", Field::kName},
+    {"tagname", Field::kName},
+    {"tag", Field::kName},
+    {"signal", Field::kName},
+    {"signalname", Field::kName},
+    {"parameter", Field::kName},
+    {"parametername", Field::kName},
+    {"variable", Field::kName},
+    {"variablename", Field::kName},
+    {"registername", Field::kName},
+    {"measurement", Field::kName},
+    {"quantity", Field::kName},
+    {"point", Field::kName},
+    {"pointname", Field::kName},
+    {"label", Field::kName},
+    {"item", Field::kName},
+    {"symbol", Field::kName},
+    {"bezeichnung", Field::kName},
+    {"messwert", Field::kName},
+    {"nom", Field::kName},
+    {"nombre", Field::kName},
+    {"nome", Field::kName},
+    {"designation", Field::kName},
+    {"address", Field::kAddress},
+    {"adress", Field::kAddress},
+    {"addr", Field::kAddress},
+    {"adresse", Field::kAddress},
+    {"modbusaddress", Field::kAddress},
+    {"modbusadresse", Field::kAddress},
+    {"register", Field::kAddress},
+    {"registeraddress", Field::kAddress},
+    {"registernumber", Field::kAddress},
+    {"registerno", Field::kAddress},
+    {"regaddr", Field::kAddress},
+    {"reg", Field::kAddress},
+    {"registre", Field::kAddress},
+    {"registro", Field::kAddress},
+    {"startaddress", Field::kAddress},
+    {"startregister", Field::kAddress},
+    {"modbusregister", Field::kAddress},
+    {"modbusreg", Field::kAddress},
+    {"dataaddress", Field::kAddress},
+    {"addressdec", Field::kAddress},
+    {"addressdecimal", Field::kAddress},
+    {"decaddress", Field::kAddress},
+    {"addresshex", Field::kAddress},
+    {"hexaddress", Field::kAddress},
+    {"direccion", Field::kAddress},
+    {"indirizzo", Field::kAddress},
+    {"function", Field::kArea},
+    {"functioncode", Field::kArea},
+    {"fc", Field::kArea},
+    {"modbusfunction", Field::kArea},
+    {"modbusfunctioncode", Field::kArea},
+    {"functioncoderead", Field::kArea},
+    {"readfunction", Field::kArea},
+    {"readfc", Field::kArea},
+    {"funktion", Field::kArea},
+    {"funktionscode", Field::kArea},
+    {"registertype", Field::kArea},
+    {"regtype", Field::kArea},
+    {"area", Field::kArea},
+    {"table", Field::kArea},
+    {"objecttype", Field::kArea},
+    {"datatable", Field::kArea},
+    {"registertable", Field::kArea},
+    {"kind", Field::kArea},
+    {"type", Field::kType},
+    {"datatype", Field::kType},
+    {"dataformat", Field::kType},
+    {"format", Field::kType},
+    {"datentyp", Field::kType},
+    {"typ", Field::kType},
+    {"valuetype", Field::kType},
+    {"encoding", Field::kType},
+    {"tipo", Field::kType},
+    {"typededonnees", Field::kType},
+    {"access", Field::kAccess},
+    {"rw", Field::kAccess},
+    {"readwrite", Field::kAccess},
+    {"accesstype", Field::kAccess},
+    {"accessmode", Field::kAccess},
+    {"zugriff", Field::kAccess},
+    {"permission", Field::kAccess},
+    {"attribute", Field::kAccess},
+    {"mode", Field::kAccess},
+    {"scale", Field::kScale},
+    {"scaling", Field::kScale},
+    {"factor", Field::kScale},
+    {"scalefactor", Field::kScale},
+    {"scalingfactor", Field::kScale},
+    {"multiplier", Field::kScale},
+    {"faktor", Field::kScale},
+    {"skalierung", Field::kScale},
+    {"resolution", Field::kScale},
+    {"auflosung", Field::kScale},
+    {"gain", Field::kDivisor},
+    {"divisor", Field::kDivisor},
+    {"divider", Field::kDivisor},
+    {"decimals", Field::kDecimals},
+    {"decimalplaces", Field::kDecimals},
+    {"offset", Field::kOffset},
+    {"valueoffset", Field::kOffset},
+    {"bias", Field::kOffset},
+    {"unit", Field::kUnit},
+    {"units", Field::kUnit},
+    {"einheit", Field::kUnit},
+    {"engunit", Field::kUnit},
+    {"engunits", Field::kUnit},
+    {"engineeringunits", Field::kUnit},
+    {"uom", Field::kUnit},
+    {"unite", Field::kUnit},
+    {"unita", Field::kUnit},
+    {"unidad", Field::kUnit},
+    {"description", Field::kDescription},
+    {"beschreibung", Field::kDescription},
+    {"comment", Field::kDescription},
+    {"kommentar", Field::kDescription},
+    {"remark", Field::kDescription},
+    {"remarks", Field::kDescription},
+    {"notes", Field::kDescription},
+    {"note", Field::kDescription},
+    {"bit", Field::kBit},
+    {"bitposition", Field::kBit},
+    {"bitnumber", Field::kBit},
+    {"length", Field::kLength},
+    {"size", Field::kLength},
+    {"count", Field::kLength},
+    {"registers", Field::kLength},
+    {"numberofregisters", Field::kLength},
+    {"noofregisters", Field::kLength},
+    {"numregisters", Field::kLength},
+    {"quantityofregisters", Field::kLength},
+    {"words", Field::kLength},
+    {"anzahl", Field::kLength},
+    {"lange", Field::kLength},
+    {"wordorder", Field::kWordOrder},
+    {"byteorder", Field::kWordOrder},
+    {"endian", Field::kWordOrder},
+    {"endianness", Field::kWordOrder},
+    {"order", Field::kWordOrder},
+    {"slave", Field::kDevice},
+    {"slaveid", Field::kDevice},
+    {"slaveaddress", Field::kDevice},
+    {"unitid", Field::kDevice},
+    {"deviceid", Field::kDevice},
+    {"deviceaddress", Field::kDevice},
+    {"refresh", Field::kRefresh},
+    {"pollinterval", Field::kRefresh},
+    {"interval", Field::kRefresh},
+    {"scanrate", Field::kRefresh},
+    {"pollms", Field::kRefresh},
+    {"refreshms", Field::kRefresh},
+};
+
+constexpr unsigned kTitleRows = 20;  // a title may stand above the header row
+
+// The row that names the columns: the first one with an address and three names that are known.
+std::optional<std::size_t> header_row(const Table& table) {
+  for (std::size_t i = 0; i < std::min<std::size_t>(table.rows.size(), kTitleRows); ++i) {
+    const Columns columns(table.rows[i], kListColumns);
+    if (columns.has(Field::kAddress) && columns.known() >= 3) return i;
+  }
+  return std::nullopt;
+}
+
+class ListReader {
+ public:
+  ListReader(const SourceText& source, const ReadOptions& options, const Table& table,
+             std::size_t header)
+      : source_(source),
+        options_(options),
+        table_(table),
+        header_(header),
+        columns_(table.rows[header], kListColumns) {}
+
+  void read(Bus& bus, Found& found) {
+    counts_from_one_ = lists_references();
+    for (std::size_t i = header_ + 1; i < table_.rows.size(); ++i) {
+      const Row& row = table_.rows[i];
+      if (columns_.cell(row, Field::kAddress).empty() && known_cells(row) < 2) continue;  // a title
+      Point point;
+      point.name = name_of(row);
+      point.origin = {source_.file, row.line};
+      const auto fault = read_point(row, point);
+      if (fault) {
+        found.refusals.push_back({point.name, point.origin, *fault});
+      } else {
+        device_of(row, bus).points.push_back(std::move(point));
+      }
+    }
+    for (const std::string& title : columns_.ignored())
+      found.notes.push_back(fmt::format("{}: column '{}' is not used", source_.file, title));
+    if (took_holding_)
+      found.notes.push_back(
+          fmt::format("{}: no function code: addresses without one are taken for holding registers",
+                      source_.file));
+  }
+
+ private:
+  using MayFail = std::optional<std::string>;
+
+  [[nodiscard]] std::size_t known_cells(const Row& row) const {
+    std::size_t filled = 0;
+    for (const std::string& cell : row.cells) filled += !cell.empty();
+    return filled;
+  }
+
+  [[nodiscard]] std::string name_of(const Row& row) const {
+    for (const Field field : {Field::kName, Field::kDescription, Field::kAddress}) {
+      if (const auto cell = columns_.cell(row, field); !cell.empty()) return std::string(cell);
+    }
+    return {};
+  }
+
+  Device& device_of(const Row& row, Bus& bus) {
+    const auto unit = whole_from(columns_.cell(row, Field::kDevice));
+    const auto address = unit && *unit <= 255
+                             ? std::optional<std::uint16_t>(static_cast<std::uint16_t>(*unit))
+                             : std::nullopt;
+    for (Device& device : bus.devices) {
+      if (device.address == address && device.name.starts_with(stem_of(source_.file)))
+        return device;
+    }
+    Device& device = bus.devices.emplace_back();
+    device.address = address;
+    device.name = stem_of(source_.file) + (address ? fmt::format("-{}", *address) : "");
+    return device;
+  }
+
+  // Five or six digits in every row, of which the first one is the area's: references. A function
+  // of another area, or a 40000, says that they are plain numbers.
+  [[nodiscard]] bool lists_references() const {
+    std::size_t seen = 0;
+    for (std::size_t i = header_ + 1; i < table_.rows.size(); ++i) {
+      const Row& row = table_.rows[i];
+      const auto cell = first_address(columns_.cell(row, Field::kAddress));
+      if (cell.empty()) continue;
+      const auto reference = reference_from(cell);
+      if (!reference && known_cells(row) < 3) continue;
+      if (!reference || !reference->area) return false;
+      const auto said = area_by_name(columns_.cell(row, Field::kArea));
+      if (said && *said != *reference->area) return false;
+      ++seen;
+    }
+    return seen > 0;
+  }
+
+  // What an address may have behind it: "100-101", "100 (0x64)", "30001/2".
+  static std::string_view first_address(std::string_view cell) {
+    const std::size_t end = cell.find_first_of(" (/~,;", 1);
+    cell = cell.substr(0, end);
+    const std::size_t dash = cell.find("-", 2);
+    return dash == std::string_view::npos ? cell : cell.substr(0, dash);
+  }
+
+  tl::expected<Reference, std::string> address_of(const Row& row) {
+    const std::string_view cell = first_address(columns_.cell(row, Field::kAddress));
+    const auto title = columns_.index_of(Field::kAddress);
+    const bool hex =
+        title && column_word(table_.rows[header_].cell(*title)).find("hex") != std::string::npos;
+    const std::string text =
+        hex && !cell.starts_with("0x") ? fmt::format("0x{}", cell) : std::string(cell);
+    auto reference = reference_from(text);
+    if (!reference && !counts_from_one_ && whole_from(text) <= 65535u)
+      reference = Reference{.first = static_cast<std::uint32_t>(*whole_from(text))};
+    if (!reference) return reference;
+    const auto said = area_by_name(columns_.cell(row, Field::kArea));
+    if (reference->area && !counts_from_one_) {
+      // Only some rows look like references: the digits are plain numbers.
+      const auto whole = whole_from(text.substr(0, text.find('.')));
+      if (whole && *whole <= 65535) {
+        reference->area.reset();
+        reference->first = static_cast<std::uint32_t>(*whole);
+      }
+    }
+    if (!reference->area) reference->area = said;
+    if (!reference->area) {
+      took_holding_ = true;
+      reference->area = ModbusArea::kHolding;
+    }
+    if (const auto bit = whole_from(columns_.cell(row, Field::kBit))) {
+      if (*bit > 15) return tl::unexpected(fmt::format("bit {} is not 0 to 15", *bit));
+      reference->bit = static_cast<std::uint8_t>(*bit);
+    }
+    return reference;
+  }
+
+  MayFail read_point(const Row& row, Point& point) {
+    const auto reference = address_of(row);
+    if (!reference) return reference.error();
+    const ModbusArea area = *reference->area;
+    if (const auto fault = read_type(row, *reference, point)) return fault;
+    point.at = address_text(area, reference->first, reference->bit);
+    point.unit = columns_.cell(row, Field::kUnit);
+    if (point.unit == "-" || point.unit == "--") point.unit.clear();
+    if (columns_.has(Field::kName)) point.description = columns_.cell(row, Field::kDescription);
+    const std::string access = column_word(columns_.cell(row, Field::kAccess));
+    if (can_be_written(area)) {
+      if (access == "rw" || access == "readwrite" || access == "wr")
+        point.access = Access::kReadWrite;
+      if (access == "w" || access == "wo" || access == "writeonly" || access == "write")
+        point.access = Access::kWriteOnly;
+    }
+    const auto refresh = number_from(columns_.cell(row, Field::kRefresh));
+    if (refresh && *refresh > 0 && *refresh < 1e9)
+      point.refresh = std::chrono::microseconds{static_cast<std::int64_t>(*refresh * 1000)};
+    return read_scale(row, point);
+  }
+
+  MayFail read_type(const Row& row, const Reference& reference, Point& point) const {
+    const bool bit = holds_bits(*reference.area) || reference.bit;
+    const std::string_view name = columns_.cell(row, Field::kType);
+    const auto length = whole_from(columns_.cell(row, Field::kLength));
+    auto type = type_by_name(name);
+    // A type column may name the area, and the length alone the type.
+    if (!type && (name.empty() || area_by_name(name)) && !bit)
+      type = length == 2u   ? TypeName{.type = ValueType::kUint32}
+             : length == 4u ? TypeName{.type = ValueType::kUint64}
+                            : TypeName{.type = ValueType::kUint16};
+    if (bit) type = TypeName{.type = ValueType::kBool};
+    if (!type) return fmt::format("data type '{}' is unknown", name);
+    point.type = type->type;
+    point.byte = type->byte;
+    if ((point.type == ValueType::kInt8 || point.type == ValueType::kUint8) && !point.byte)
+      point.byte = 0;
+    if (point.type == ValueType::kBool && !bit) return "a bit of a register without its number";
+    if (point.type == ValueType::kString) {
+      const std::uint64_t bytes = type->string_bytes != 0 ? type->string_bytes
+                                  : length                ? *length * 2
+                                                          : 0;
+      if (bytes == 0 || bytes > kMaxStringBytes)
+        return "a text without a length of 1 to 125 registers";
+      point.string_bytes = static_cast<std::uint16_t>(bytes);
+    }
+    return read_order(row, *type, length, point);
+  }
+
+  MayFail read_order(const Row& row, const TypeName& type, std::optional<std::uint64_t> length,
+                     Point& point) const {
+    const std::string_view cell = columns_.cell(row, Field::kWordOrder);
+    const auto letters = orders_by_letters(cell);
+    if (letters && point.type != ValueType::kBool) {
+      point.word_order = letters->words;
+      point.byte_order = letters->bytes;
+    } else if (!cell.empty()) {
+      const std::string word = column_word(cell);
+      if (word.starts_with("little") || word == "le" || word.starts_with("lsw") ||
+          word.starts_with("lowword"))
+        point.word_order = WordOrder::kLittleEndian;
+    }
+    if (type.word_order) point.word_order = *type.word_order;
+    if (type.byte_order) point.byte_order = *type.byte_order;
+    if (options_.word_order) point.word_order = *options_.word_order;
+    const unsigned registers = registers_of(point.type, point.string_bytes);
+    if (registers == 1) point.word_order = WordOrder::kBigEndian;
+    // "INT" with a length of two registers is one of 32 bits.
+    const bool whole = point.type == ValueType::kInt16 || point.type == ValueType::kUint16;
+    if (whole && (length == 2u || length == 4u)) {
+      point.type =
+          *integer_of(static_cast<unsigned>(*length * 16), point.type == ValueType::kInt16);
+      if (options_.word_order) point.word_order = *options_.word_order;
+    }
+    return std::nullopt;
+  }
+
+  // "0.1", "x0.1", "1/10", "/10", "*0,01", "0.1 V"
+  static std::optional<double> factor_from(std::string_view cell) {
+    cell = trimmed(cell);
+    while (!cell.empty() && std::string_view("xX*").find(cell[0]) != std::string_view::npos)
+      cell = trimmed(cell.substr(1));
+    if (const std::size_t stroke = cell.find_first_of("/:"); stroke != std::string_view::npos) {
+      const auto above = stroke == 0 ? 1.0 : number_from(cell.substr(0, stroke));
+      const auto below = number_from(cell.substr(stroke + 1));
+      if (!above || !below || *below == 0) return std::nullopt;
+      return *above / *below;
+    }
+    if (const auto number = number_from(cell)) return number;
+    // "0.1 V", "0.1kWh"
+    return number_from(cell.substr(0, cell.find_first_not_of("+-0123456789.,")));
+  }
+
+  MayFail read_scale(const Row& row, Point& point) const {
+    const std::string_view scale = columns_.cell(row, Field::kScale);
+    const std::string_view divisor = columns_.cell(row, Field::kDivisor);
+    if (!scale.empty() && scale != "-") {
+      const auto factor = factor_from(scale);
+      if (!factor || *factor == 0) return fmt::format("scale '{}' is no number", scale);
+      point.scale = *factor;
+    } else if (!divisor.empty() && divisor != "-") {
+      const auto number = number_from(divisor);
+      if (!number || *number == 0) return fmt::format("divisor '{}' is no number", divisor);
+      point.scale = 1 / *number;
+    } else if (const auto digits = whole_from(columns_.cell(row, Field::kDecimals))) {
+      if (*digits > 12) return fmt::format("{} decimal places", *digits);
+      point.scale = 1 / std::pow(10.0, static_cast<double>(*digits));
+    }
+    if (const auto offset = number_from(columns_.cell(row, Field::kOffset))) point.offset = *offset;
+    if (!is_number(point.type)) {
+      point.scale = 1;
+      point.offset = 0;
+    }
+    return std::nullopt;
+  }
+
+  const SourceText& source_;
+  const ReadOptions& options_;
+  const Table& table_;
+  std::size_t header_;
+  Columns columns_;
+  bool counts_from_one_ = false;
+  bool took_holding_ = false;
+};
+
+}  // namespace
+
+Confidence recognise_modbus_list(const SourceText& source) {
+  const auto table =
+      read_table(std::string_view(source.text).substr(0, source.text.find('\n', 8192)));
+  if (!table) return 0;
+  const auto header = header_row(*table);
+  if (!header || table->rows.size() < *header + 2) return 0;
+  return Columns(table->rows[*header], kListColumns).known() >= 5 ? kLikely : kGuess;
+}
+
+Read read_modbus_list(std::span<const SourceText> sources, const ReadOptions& options) {
+  Found found;
+  Bus& bus = found.buses.emplace_back();
+  for (const SourceText& source : sources) {
+    const auto table = read_table(source.text);
+    if (!table) return tl::unexpected(fmt::format("{}: {}", source.file, table.error()));
+    const auto header = header_row(*table);
+    if (!header)
+      return tl::unexpected(fmt::format(
+          "{}: none of its first {} rows names the columns: an address (Address, Register) and "
+          "two more (Name, Type, Unit, Scale, Function, ..) are needed",
+          source.file, kTitleRows));
+    ListReader(source, options, *table, *header).read(bus, found);
+  }
+  return found;
+}
+
+}  // namespace fieldcast::importing

@@ -1,0 +1,136 @@
+#include "tools/import/importer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "tools/import/accept.hpp"
+#include "tools/import/arrange.hpp"
+#include "tools/import/text.hpp"
+#include "tools/import/xlsx.hpp"
+
+namespace fieldcast::importing {
+namespace {
+
+struct Group {
+  const Format* format = nullptr;
+  std::vector<SourceText> sources;
+};
+
+std::string format_names() {
+  std::string names;
+  for (const Format& format : formats())
+    names += (names.empty() ? "" : ", ") + std::string(format.name);
+  return names;
+}
+
+// Files of one format belong together.
+tl::expected<std::vector<Group>, std::string> recognise_all(const std::vector<InputFile>& inputs,
+                                                            const ImportOptions& options,
+                                                            Outcome& outcome) {
+  std::vector<Group> groups;
+  for (const InputFile& input : inputs) {
+    if (trimmed(input.bytes).empty())
+      return tl::unexpected(fmt::format("{}: the file is empty", input.file));
+    auto decoded = is_xlsx(input.bytes) ? table_of_xlsx(input.bytes) : decode_text(input.bytes);
+    if (!decoded) return tl::unexpected(fmt::format("{}: {}", input.file, decoded.error()));
+    SourceText source{input.file, std::move(decoded->text)};
+    Recognised recognised{format_by_name(options.from), kCertain};
+    if (recognised.format == nullptr) recognised = recognise(source);
+    if (recognised.format == nullptr)
+      return tl::unexpected(fmt::format("{}: of no format that is known here; --from says it: {}",
+                                        input.file, format_names()));
+    outcome.recognised.push_back(fmt::format(
+        "{}: {}{}, {}", input.file,
+        options.from.empty() ? std::string(to_text_of(recognised.confidence)) + ' ' : "",
+        recognised.format->title, decoded->encoding));
+    const auto known = std::ranges::find(groups, recognised.format, &Group::format);
+    Group& group =
+        known == groups.end() ? groups.emplace_back(Group{recognised.format, {}}) : *known;
+    group.sources.push_back(std::move(source));
+  }
+  return groups;
+}
+
+void append(Found& all, Found&& more) {
+  std::ranges::move(more.buses, std::back_inserter(all.buses));
+  std::ranges::move(more.refusals, std::back_inserter(all.refusals));
+  std::ranges::move(more.notes, std::back_inserter(all.notes));
+}
+
+std::string head_of(const std::vector<InputFile>& inputs, bool as_template) {
+  std::string files;
+  for (std::size_t i = 0; i < std::min<std::size_t>(inputs.size(), 3); ++i)
+    files += (i == 0 ? "" : ", ") + stem_of(inputs[i].file);
+  if (inputs.size() > 3) files += fmt::format(" and {} more", inputs.size() - 3);
+  for (char& c : files) c = static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+  return fmt::format(
+      "Written by `fieldcast import` from {}.\n{}"
+      "Compare the values with the device's display before you trust them.",
+      files,
+      as_template ? "A device uses it by `template: NAME`; put it into the folder devices/ beside "
+                    "the configuration.\n"
+                  : "");
+}
+
+void tell_moved(const Found& found, Outcome& outcome) {
+  for (const Bus& bus : found.buses) {
+    for (const Device& device : bus.devices) {
+      for (const Point& point : device.points) {
+        PointFate& row = outcome.rows.emplace_back();
+        row.fate = point.changes.empty() ? Fate::kMoved : Fate::kChanged;
+        row.name = point.listed;
+        row.channel = fmt::format("{}/{}/{}", bus.name, device.name, point.name);
+        row.at = point.at;
+        row.type = point.type == ValueType::kString ? fmt::format("string({})", point.string_bytes)
+                                                    : std::string(to_text(point.type));
+        row.words = fmt::format("{}", fmt::join(point.changes, "; "));
+        row.origin = point.origin;
+      }
+    }
+  }
+  for (const Refusal& refusal : found.refusals)
+    outcome.rows.push_back(
+        {Fate::kRefused, refusal.name, {}, {}, {}, refusal.reason, refusal.origin});
+  std::ranges::stable_sort(outcome.rows, {}, [](const PointFate& row) {
+    return std::pair(row.origin.file, row.origin.line);
+  });
+}
+
+}  // namespace
+
+std::size_t Outcome::count(Fate fate) const {
+  return static_cast<std::size_t>(std::ranges::count(rows, fate, &PointFate::fate));
+}
+
+tl::expected<Outcome, std::string> run_import(const std::vector<InputFile>& inputs,
+                                              const ImportOptions& options,
+                                              const Progress& progress) {
+  const auto tell = [&](double done) {
+    if (progress) progress(done);
+  };
+  Outcome outcome;
+  tell(0);
+  auto groups = recognise_all(inputs, options, outcome);
+  if (!groups) return tl::unexpected(groups.error());
+  tell(0.3);
+  Found found;
+  const ReadOptions read_options{options.word_order, options.protocol};
+  for (const Group& group : *groups) {
+    auto read = group.format->read(group.sources, read_options);
+    if (!read) return tl::unexpected(read.error());
+    append(found, std::move(*read));
+  }
+  tell(0.5);
+  arrange(found, options);
+  auto files = write_accepted(found, options, head_of(inputs, options.as_template));
+  if (!files) return tl::unexpected(files.error());
+  tell(1);
+  outcome.files = std::move(*files);
+  tell_moved(found, outcome);
+  outcome.notes = std::move(found.notes);
+  return outcome;
+}
+
+}  // namespace fieldcast::importing

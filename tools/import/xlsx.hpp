@@ -1,0 +1,23 @@
+// The first sheet of an Excel workbook (.xlsx) as a table of text, so that readers know text only.
+// Pure.
+//
+// Bounds: kMaxUnpacked bytes of each part, and those of table.hpp.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+
+#include "tools/import/text.hpp"
+
+namespace fieldcast::importing {
+
+inline constexpr std::size_t kMaxUnpacked = 64u << 20;
+
+// A zip archive with the parts of a workbook.
+[[nodiscard]] bool is_xlsx(std::string_view bytes);
+
+// Tabs between cells. The error says what is wrong.
+[[nodiscard]] tl::expected<Decoded, std::string> table_of_xlsx(std::string_view bytes);
+
+}  // namespace fieldcast::importing
