@@ -10,6 +10,8 @@ namespace fieldcast::importing {
 std::span<const Format> formats() {
   static constexpr std::array kFormats{
       Format{"kepware", "Kepware tag export (CSV)", recognise_kepware, read_kepware},
+      Format{"telegraf", "Telegraf inputs.modbus (TOML)", recognise_telegraf, read_telegraf},
+      Format{"mqmgateway", "mqmgateway, modmqttd (YAML)", recognise_mqmgateway, read_mqmgateway},
       Format{"modbus-list", "list of Modbus registers (CSV, Excel)", recognise_modbus_list,
              read_modbus_list},
   };

@@ -1,4 +1,4 @@
-// JSON as a tree, by nlohmann's events. Their iterator counts the lines, since the events have none.
+// JSON as a tree, by nlohmann's events. Their iterator counts the lines, since events have none.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>

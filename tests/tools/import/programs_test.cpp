@@ -1,0 +1,187 @@
+// Configurations of other programs: what their keys, orders of bytes and expressions become.
+#include <fmt/format.h>
+
+#include "tests/tools/import/support.hpp"
+#include "tools/import/formats/mqm_converter.hpp"
+
+namespace fieldcast::importing {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(ImportTelegraf, TheStyleRegisterBecomesOneDevice) {
+  const auto outcome = import_text("telegraf.conf", R"(
+[agent]
+  interval = "10s"
+[[inputs.modbus]]
+  name = "meter"
+  slave_id = 7
+  timeout = "1s"
+  controller = "file:///dev/ttyUSB3"
+  baud_rate = 19200
+  parity = "E"
+  stop_bits = 1
+  coils = [ { name = "run", address = [3] } ]
+  holding_registers = [
+    { name = "energy", byte_order = "CDAB", data_type = "UFIXED", scale = 0.001, address = [5,6] },
+    { name = "hole", byte_order = "AB", data_type = "UINT16", scale = 1.0, address = [7,9] },
+    { name = "half", byte_order = "AB", data_type = "FLOAT16-IEEE", scale = 1.0, address = [9] },
+    { name = "label", byte_order = "AB", data_type = "STRING", address = [20,21,22] },
+    { name = "flag", byte_order = "BA", data_type = "BIT", bit = 3, address = [30] },
+  ]
+  [inputs.modbus.workarounds]
+    pause_between_requests = "20ms"
+    max_word_registers_per_request = 60
+)");
+  ASSERT_TRUE(outcome) << outcome.error();
+  const std::string& text = outcome->files.front().text;
+  EXPECT_THAT(text, HasSubstr("serial: \"/dev/ttyUSB3\", baud: 19200, format: 8E1"));
+  EXPECT_THAT(text,
+              HasSubstr("address: 7\n        refresh: 10s\n        word-order: little-endian"));
+  EXPECT_THAT(text, HasSubstr("timeout: 1s\n        pause: 20ms\n        max-block: 60"));
+  EXPECT_EQ(channel_line(*outcome, "energy"),
+            "{ name: energy, at: \"holding:5\", type: uint32, scale: 0.001 }");
+  EXPECT_THAT(channel_line(*outcome, "label"), HasSubstr("string(6)"));
+  EXPECT_THAT(channel_line(*outcome, "flag"), HasSubstr("at: \"holding:30.11\", type: bool"));
+  EXPECT_EQ(fate_of(*outcome, "run"), "true and false instead of 1 and 0");
+  EXPECT_EQ(fate_of(*outcome, "hole"), "no: its addresses do not follow each other");
+  EXPECT_THAT(fate_of(*outcome, "half"), HasSubstr("no: half-precision"));
+}
+
+TEST(ImportTelegraf, RequestsAndMetricsBecomeADeviceForEachSlave) {
+  const auto outcome = import_text("telegraf.conf", R"(
+[[inputs.modbus]]
+  name = "gateway"
+  controller = "tcp://10.0.0.5:502"
+  [[inputs.modbus.request]]
+    slave_id = 1
+    byte_order = "ABCD"
+    register = "input"
+    fields = [
+      { address=0, name="voltage", type="INT16", scale=0.1 },
+      { address=1, name="skip", type="INT32", omit=true },
+      { address=3, name="low", type="INT8L" },
+    ]
+  [[inputs.modbus.metric]]
+    slave_id = 2
+    measurement = "pump"
+    fields = [ { address=8, name="power", type="FLOAT64", register="holding" } ]
+)");
+  ASSERT_TRUE(outcome) << outcome.error();
+  const std::string& text = outcome->files.front().text;
+  EXPECT_THAT(text, HasSubstr("tcp: \"10.0.0.5:502\" }\n    protocol: modbus-tcp"));
+  EXPECT_THAT(text, HasSubstr("- name: gateway\n        address: 1"));
+  EXPECT_THAT(text, HasSubstr("- name: gateway-2\n        address: 2"));
+  EXPECT_THAT(channel_line(*outcome, "low"), HasSubstr("type: int8, byte: low"));
+  EXPECT_THAT(channel_line(*outcome, "pump.power"), HasSubstr("at: \"holding:8\", type: float64"));
+  EXPECT_EQ(outcome->rows.size(), 3u);
+}
+
+TEST(ImportTelegraf, BrokenTomlNamesItsLine) {
+  const auto outcome =
+      import_text("telegraf.conf", "[[inputs.modbus]]\n  name = \"x\"\n  slave_id = = 1\n");
+  ASSERT_FALSE(outcome);
+  EXPECT_THAT(outcome.error(), HasSubstr("telegraf.conf: line 3: no TOML"));
+}
+
+const std::string kMqm = R"(
+modbus:
+  networks:
+    - name: hall
+      address: 10.0.0.6
+      port: 1502
+      slaves:
+        - address: 1,2
+          response_timeout: 50ms
+        - address: 1
+          name: boiler
+mqtt:
+  client_id: x
+  refresh: 10s
+  broker: { host: localhost }
+  objects:
+)";
+
+TEST(ImportMqmgateway, TopicsBecomeChannelsOfEverySlave) {
+  const auto outcome = import_text("config.yaml", kMqm + R"(
+    - topic: ${slave_name}/heat
+      network: hall
+      slave: 1-2
+      state:
+        - name: power
+          register: 11
+          count: 2
+          converter: std.float32(low_first=true)
+        - name: flow
+          register: 0x20
+          register_type: input
+          refresh: 1s
+          converter: expr.evaluate("(R0 - 100) / 4", 2)
+      commands:
+        - name: set
+          register: hall.1.0x30
+          register_type: holding
+      availability: { name: ok, register: 40, register_type: bit, available_value: 1 }
+)");
+  ASSERT_TRUE(outcome) << outcome.error();
+  const std::string& text = outcome->files.front().text;
+  EXPECT_THAT(text, HasSubstr("tcp: \"10.0.0.6:1502\""));
+  EXPECT_THAT(text, HasSubstr("- name: boiler\n        address: 1\n"));
+  EXPECT_THAT(text, HasSubstr("- name: slave-2\n        address: 2\n"));
+  EXPECT_THAT(text, HasSubstr("timeout: 50ms"));
+  EXPECT_THAT(channel_line(*outcome, "heat-power"), HasSubstr("at: \"holding:10\", type: float32"));
+  EXPECT_THAT(channel_line(*outcome, "heat-flow"),
+              HasSubstr("at: \"input-register:32\", type: uint16, scale: 0.25, offset: -25"));
+  EXPECT_THAT(channel_line(*outcome, "heat-set"), HasSubstr("access: write-only"));
+  EXPECT_THAT(channel_line(*outcome, "heat-ok"), HasSubstr("at: \"input:39\", type: bool"));
+}
+
+TEST(ImportMqmgateway, ACommandMakesWhatIsReadWritable) {
+  const auto outcome = import_text("config.yaml", kMqm + R"(
+    - topic: valve
+      commands: [ { name: set, register: hall.1.5, register_type: holding, converter: std.multiply(10) } ]
+      state: { register: hall.1.5, register_type: holding, converter: std.divide(10) }
+)");
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_EQ(outcome->rows.size(), 1u);
+  EXPECT_THAT(channel_line(*outcome, "valve"), HasSubstr("scale: 0.1, access: read-write"));
+}
+
+TEST(ImportMqmgateway, WhatHasNoCounterpartIsTold) {
+  const auto outcome = import_text("config.yaml", kMqm + R"(
+    - { topic: a, state: { register: hall.1.1, converter: my.plugin() } }
+    - { topic: b, state: { register: nowhere.1.1 } }
+    - { topic: c, state: { register: hall.1.2, converter: 'expr.evaluate("R0 * R0")' } }
+    - { topic: d, state: { register: hall.1.0 } }
+    - { topic: e, state: { register: hall.1.3, converter: 'std.map("1:on")' } }
+)");
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_THAT(fate_of(*outcome, "a"), HasSubstr("my.plugin has no counterpart"));
+  EXPECT_THAT(fate_of(*outcome, "b"), HasSubstr("no network 'nowhere'"));
+  EXPECT_THAT(fate_of(*outcome, "c"), HasSubstr("not linear"));
+  EXPECT_THAT(fate_of(*outcome, "d"), HasSubstr("count from 1"));
+  EXPECT_THAT(fate_of(*outcome, "e"), HasSubstr("not the text"));
+}
+
+TEST(ImportMqmgateway, LinearExpressionsAreUnderstood) {
+  const auto form = [](std::string_view text) {
+    const auto found = linear_form(text);
+    return found ? fmt::format("{}{} {} {}", found->function, found->low_first ? "!" : "",
+                               found->scale, found->offset)
+                 : "no";
+  };
+  EXPECT_EQ(form("R0"), " 1 0");
+  EXPECT_EQ(form("R0/10"), " 0.1 0");
+  EXPECT_EQ(form("-2 * (R0 - 3) + 1"), " -2 7");
+  EXPECT_EQ(form("int32(R1, R0) / 1000"), "int32! 0.001 0");
+  EXPECT_EQ(form("flt32bs(R0,R1)*2 + flt32bs(R0,R1)"), "flt32bs 3 0");
+  EXPECT_EQ(form("R0*R0"), "no");
+  EXPECT_EQ(form("1/R0"), "no");
+  EXPECT_EQ(form("R0/0"), "no");
+  EXPECT_EQ(form("R0 + R1"), "no");
+  EXPECT_EQ(form("7"), "no");
+  EXPECT_EQ(form(std::string(400, '(')), "no");
+}
+
+}  // namespace
+}  // namespace fieldcast::importing

@@ -1,0 +1,36 @@
+// The converters of mqmgateway: what `std.divide(10)` or `expr.evaluate("int32(R0, R1) / 100")`
+// makes of registers, as the type and the scale of a channel. Pure.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+
+#include "tools/import/model.hpp"
+
+namespace fieldcast::importing {
+
+struct Converted {
+  ValueType type = ValueType::kUint16;
+  std::uint16_t string_bytes = 0;
+  std::optional<std::uint8_t> bit, byte;
+  WordOrder word_order = WordOrder::kBigEndian;
+  ByteOrder byte_order = ByteOrder::kBigEndian;
+  double scale = 1, offset = 0;
+  std::string change;  // what is not as in the list; empty: nothing
+};
+
+// REQUIRES: `count`, the registers that are read, is 1 to 125. The error: what has no counterpart.
+[[nodiscard]] tl::expected<Converted, std::string> convert_mqm(std::string_view converter,
+                                                               unsigned count);
+
+// value = scale * X + offset, where X is one call such as `flt32(R0,R1)` or `R0`.
+struct LinearForm {
+  std::string function;    // "int32", "flt32bs", .. or empty: the register itself
+  bool low_first = false;  // (R1, R0)
+  double scale = 1, offset = 0;
+};
+// Nothing if the expression is not of this form.
+[[nodiscard]] std::optional<LinearForm> linear_form(std::string_view expression);
+
+}  // namespace fieldcast::importing
