@@ -76,6 +76,7 @@ tl::expected<void, std::string> Bridge::State::start(const BridgeSpec& wanted,
   (void)alarms.configure(spec.buses, read_clocks().utc);  // DDS starts anew, and knows of none
   try {
     join();
+    captures = std::make_unique<CaptureService>(spec.name);
     serve_metrics(spec);
     want_buses(spec);
     if (spec.standby) {
@@ -117,6 +118,7 @@ void Bridge::State::stop_all(program::Server::Modules kept, DdsLink::Leave leave
   std::vector<std::string> names;
   for (const auto& [name, bus] : buses) names.push_back(name);
   stop_buses(names, kDisposeLimit, leave);  // 1.-4. above, all buses at the same time
+  captures.reset();
   leave_group();
   if (identities) identities->close();  // what waited is answered: its bus is gone
   step = "the bridge leaves the domain";

@@ -127,6 +127,7 @@ void Bridge::State::start_bus(const BusSpec& bus, const FollowedBus* followed,
   }
   alarms.publish_again(bus.name);
   made.runner->set_trace(trace);
+  made.runner->set_capture(captures->add_bus(bus));
   BusInheritance inherited = followed == nullptr ? BusInheritance{} : followed->state;
   for (Sample& sample : inherited.samples) {
     if (sample.sequence != 0) sample.sequence += margin;
@@ -154,6 +155,7 @@ void Bridge::State::stop_runners(const std::vector<std::string>& names) {
       if (--turns < 0) abandon(names[i]);
     }
   }
+  for (const std::string& name : names) captures->remove_bus(name);
   step = "the last samples leave";
   sinks.drain();  // 3. what they posted is published
 }

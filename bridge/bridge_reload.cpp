@@ -97,6 +97,7 @@ tl::expected<void, std::string> Bridge::State::exchange_buses(const BridgeSpec& 
     return tl::make_unexpected(std::string(error.what()));
   }
   if (plan.metrics) serve_metrics(wanted);
+  for (const BusSpec& bus : wanted.buses) captures->configure(bus.name, bus.capture);
   spec = wanted;
   if (group) group->set_configuration(common_configuration(spec));
   const auto names = [](const std::vector<std::string>& listed) {

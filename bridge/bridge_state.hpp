@@ -22,6 +22,7 @@
 #include "bridge/bridge_roles.hpp"
 #include "bridge/bus/bus_runner.hpp"
 #include "bridge/bus/io_thread.hpp"
+#include "bridge/capture/capture_service.hpp"
 #include "bridge/command/alarm_actions.hpp"
 #include "bridge/command/command_audit.hpp"
 #include "bridge/command/command_router.hpp"
@@ -68,6 +69,7 @@ struct Bridge::State {
   MasterLease lease;                              // the same; of a bridge that stands alone: holds
   Standby standby;
   IoThread plans{"plans"};
+  std::unique_ptr<CaptureService> captures;  // while the bridge runs
   std::map<std::string, RunningBus, std::less<>> buses;
   PublisherThread sinks;
   std::unique_ptr<BusGuard> guard;  // outlives the link; its thread ends before the buses do

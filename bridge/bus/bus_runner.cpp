@@ -16,6 +16,7 @@
 #include "bridge/bus/engine_timer.hpp"
 #include "bridge/bus/gate.hpp"
 #include "bridge/bus/iconv_codec.hpp"
+#include "bridge/capture/capture_tap.hpp"
 #include "bridge/check.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/log/notice_log.hpp"
@@ -146,6 +147,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     revoked_ = std::move(revoked);
     report_soon_ = true;
     const bool answer_comes = engine_.exchanging();
+    capture_remark("leased to " + who + ": what is said meanwhile is not captured", steady_now());
     process(LeaseBegan{who}, steady_now());
     if (!answer_comes) return grant(granted);
     // The programming software must not take the answer to our last request for one to its own.
@@ -166,6 +168,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
       return on_closed(std::move(*lost), Cause::kPortClosed);
     }
     port_->end_lease();
+    capture_remark("the lease is over", steady_now());
     report_soon_ = true;
     process(LeaseEnded{}, steady_now());
   }
@@ -173,8 +176,9 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   void set_trace(bool on) {
     if (stopped_) return;
     trace_ = on;
-    engine_.set_trace(on);
   }
+
+  void set_capture(std::shared_ptr<CaptureTap> tap) { tap_ = std::move(tap); }
 
   void on_timer() {
     port_->poll();
@@ -187,6 +191,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     if (watch_) watch_->stop();
     back_off_.opened(now);
     notices_.port_opened();
+    capture_remark("the port is open", now);
     report_soon_ = true;
     process(Opened{answers_under_way().until(spec_.port)}, now);
     // The first time at once: whoever started the bus waits for it.
@@ -196,7 +201,12 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   void on_received(ByteView bytes, Instant arrival) override {
     if (trace_)
       trace_line(mapping_.to_utc(arrival), spec_.name, TraceMark::kReceived, to_hex(bytes));
+    if (capturing())
+      tap_->put({CaptureRecord::Kind::kReceived, mapping_.to_utc(arrival), 0,
+                 Bytes(bytes.begin(), bytes.end())});
     process(Received{bytes}, arrival);
+    if (capturing() && !engine_.exchanging())
+      tap_->put({CaptureRecord::Kind::kEnded, mapping_.to_utc(arrival)});
     port_->expect(engine_.missing());
   }
 
@@ -206,6 +216,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     revoke(reason);
     const Instant now = steady_now();
     notices_.port_closed(reason, now);
+    capture_remark("the port is closed: " + reason, now);
     report_soon_ = true;
     process(Closed{std::move(reason), cause}, now);
     reopen_later(now);
@@ -248,6 +259,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     FIELDCAST_CHECK(!processing_);  // ports and sinks never call back from inside
     processing_ = true;
     actions_.clear();
+    engine_.set_trace(trace_ || capturing());
     engine_.on_event(event, now, actions_);
     for (Action& action : actions_) {
       std::visit([&](auto& what) { execute(what, now); }, action);
@@ -267,6 +279,9 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     // It is asked for again: by then it is known who is master.
     if (lease_of_master_ != nullptr && !lease_of_master_->holds()) return engine_.not_sent(now);
     if (trace_) trace_line(mapping_.to_utc(now), spec_.name, TraceMark::kSent, to_hex(send.bytes));
+    if (capturing())
+      tap_->put({CaptureRecord::Kind::kSent, mapping_.to_utc(now),
+                 engine_.asked_device().value_or(0), send.bytes, engine_.request_text()});
     port_->write(send.bytes);
   }
   void execute(const SetTimer& timer, Instant) { timer_.set(timer.at); }
@@ -284,6 +299,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     report_soon_ = true;
   }
   void execute(const Traced& traced, Instant now) {
+    capture_remark(traced.device + ": " + traced.text, now);
     if (trace_)
       trace_line(mapping_.to_utc(now), spec_.name, TraceMark::kRemark,
                  fmt::format("{}: {}", traced.device, traced.text));
@@ -296,6 +312,11 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
         if (const auto loop = self.lock()) loop->event(PlanMade{draft});
       });
     });
+  }
+
+  [[nodiscard]] bool capturing() const { return tap_ && tap_->wanted(); }
+  void capture_remark(const std::string& text, Instant now) {
+    if (capturing()) tap_->put({CaptureRecord::Kind::kRemark, mapping_.to_utc(now), 0, {}, text});
   }
 
   void open_port() {
@@ -386,6 +407,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   bool report_soon_ = false;
   bool was_open_ = false;
   bool trace_ = false;
+  std::shared_ptr<CaptureTap> tap_;  // null: nobody captures this bus
   bool processing_ = false;
   bool stopped_ = false;
 };
@@ -430,6 +452,10 @@ void BusRunner::end_lease(std::uint64_t lease, std::optional<std::string> lost) 
 
 void BusRunner::set_trace(bool on) {
   loop_->gate().post([loop = loop_, on] { loop->set_trace(on); });
+}
+
+void BusRunner::set_capture(std::shared_ptr<CaptureTap> tap) {
+  loop_->gate().post([loop = loop_, tap = std::move(tap)] { loop->set_capture(tap); });
 }
 
 Instant BusRunner::last_turn() const { return loop_->last_turn; }

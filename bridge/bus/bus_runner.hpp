@@ -23,6 +23,7 @@ class io_context;
 
 namespace fieldcast {
 
+class CaptureTap;
 class DialInRegistry;
 class MasterLease;
 
@@ -63,6 +64,8 @@ class BusRunner {
   void post(std::vector<InterestChanged> interests);
   // Wire trace on stdout.
   void set_trace(bool on);
+  // What passes on the wire goes into the tap while that is wanted. Before start().
+  void set_capture(std::shared_ptr<CaptureTap> tap);
 
   // Leases the bus to `who`: its acquisition rests until end_lease(). `granted` is called once;
   // `revoked`, after a grant, when the port is lost or the bus stops before the lease ended. Both

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/bus/flight_text.hpp"
+
 namespace fieldcast {
 namespace {
 
@@ -234,6 +236,13 @@ void BusEngine::let_go(Instant now, ActionSink& sink) {
                    Cause::kForeignMaster,
                    parts_.fence.text() + "; nothing is sent until the wire was silent for " +
                        to_text(parts_.fence.times().listen)});
+}
+
+std::string BusEngine::request_text() const { return flight_text(parts_); }
+
+std::optional<DeviceIndex> BusEngine::asked_device() const {
+  if (!parts_.wire.exchanging()) return std::nullopt;
+  return parts_.wire.flight().asked.device;
 }
 
 BusReport BusEngine::bus_report(Instant now) {

@@ -65,6 +65,10 @@ class BusEngine {
   // The request of the last Send did not leave: on a fenced wire others may begin.
   void not_sent(Instant now) { parts_.fence.not_sent(now); }
 
+  // What the request on the wire is for, and the device that it goes to; empty: none is.
+  [[nodiscard]] std::string request_text() const;
+  [[nodiscard]] std::optional<DeviceIndex> asked_device() const;
+
   // While set, exchanges are described in Traced actions.
   void set_trace(bool on) { tracing_ = on; }
 

@@ -62,6 +62,9 @@ class CommandQueue {
   void refuse_all(Cause cause, const std::string& reason, Instant now, ActionSink& sink);
 
   [[nodiscard]] bool empty() const { return waiting_.empty(); }
+  [[nodiscard]] const Command* first() const {
+    return waiting_.empty() ? nullptr : &waiting_.front().job.command();
+  }
   // The first command has begun and is not finished.
   [[nodiscard]] bool begun() const { return begun_; }
   // When a command may be sent: the one that has begun, or else the first that may.

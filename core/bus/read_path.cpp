@@ -286,6 +286,18 @@ const std::string& ReadPath::text(PointIndex point) const {
   return channels_.spec(map_.channels_of[point].front()).at;
 }
 
+std::string ReadPath::channel_names(const Block& block, std::size_t most) const {
+  std::string names;
+  std::size_t named = 0, all = 0;
+  for (const PointIndex point : block.points) {
+    const auto& channels = map_.channels_of[point];
+    all += channels.size();
+    for (std::size_t i = 0; i < channels.size() && named < most; ++i, ++named)
+      names += (named == 0 ? "" : ", ") + channels_.spec(channels[i]).name;
+  }
+  return all > named ? names + ", +" + std::to_string(all - named) : names;
+}
+
 std::vector<std::optional<Range>> ReadPath::first_ranges() const {
   std::vector<std::optional<Range>> ranges(setup_.devices());
   for (const Point& point : map_.points) {

@@ -90,6 +90,8 @@ class ReadPath {
   [[nodiscard]] std::uint64_t plan_number() const { return plan_number_; }
   [[nodiscard]] PlanReport plan_report() const;
 
+  // "oil-temperature, running, +3": what a block reads, `most` of them by name.
+  [[nodiscard]] std::string channel_names(const Block& block, std::size_t most) const;
   // The first range of each device, nothing for a device without any.
   [[nodiscard]] std::vector<std::optional<Range>> first_ranges() const;
   // Adds what was learned of the device's blocks and addresses. REQUIRES: report.areas has its

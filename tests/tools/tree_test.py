@@ -15,7 +15,7 @@ import unittest
 SOURCE_DIR, NM, CORE_LIBRARIES = "", "nm", []
 
 # An arrow runs from a folder to the folders before it, never back and never across.
-LAYERS = [{"base"}, {"access", "frame", "codec"}, {"protocol"}, {"program"}, {"model"}, {"alarm", "plan"}, {"dispatch"}, {"schedule"}, {"bus"}]
+LAYERS = [{"base"}, {"access", "capture", "frame", "codec"}, {"protocol"}, {"program"}, {"model"}, {"alarm", "plan"}, {"dispatch"}, {"schedule"}, {"bus"}]
 RANK = {folder: rank for rank, folders in enumerate(LAYERS) for folder in folders}
 
 THIRD_PARTY = {"tl/expected.hpp"}

@@ -28,6 +28,7 @@ CommandEntry doctor_command();
 CommandEntry secure_command();
 CommandEntry standby_command();
 CommandEntry module_command();
+CommandEntry capture_command();
 
 ExitCode usage_fault(std::ostream& err, std::string_view command, std::string_view fault) {
   err << "fieldcast " << command << ": " << fault << '\n';
@@ -41,7 +42,7 @@ std::span<const CommandEntry> commands() {
       read_command(),     poke_command(),   sim_check_command(), history_command(),
       devices_command(),  audit_command(),  user_command(),      token_command(),
       alarms_command(),   doctor_command(), secure_command(),    standby_command(),
-      module_command(),   import_command(),
+      module_command(),   import_command(), capture_command(),
   };
   return all;
 }

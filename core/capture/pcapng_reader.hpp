@@ -1,0 +1,85 @@
+// Reads the packets of a pcapng file, block by block, in either byte order, from whatever gives the
+// bytes. What it does not know it skips, as the format demands.
+//
+// Pure; owns at most one block (pcapng.hpp: kMaxBlock). What can fail: the bytes are no pcapng, a
+// block contradicts itself, the file ends in the middle of one. What came before stays good.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "core/base/bytes.hpp"
+#include "core/base/time.hpp"
+#include "core/capture/capture_record.hpp"
+
+namespace fieldcast::pcapng {
+
+struct Interface {
+  std::uint16_t linktype = 0;
+  std::string name;
+  std::uint64_t units_per_second = 1'000'000;  // of its times
+  std::int64_t offset_seconds = 0;
+};
+
+struct ReadPacket {
+  Interface interface;
+  UtcTime at;
+  std::optional<Direction> direction;
+  std::string comment;  // several are joined by line ends
+  Bytes data;
+  bool cut = false;  // the capture kept only its beginning
+};
+
+enum class Fault : std::uint8_t {
+  kNoCapture,  // not a pcapng file
+  kOldFormat,  // a pcap file, of the format before
+  kBroken,     // a block whose lengths do not fit together
+  kTooLong,    // a block beyond kMaxBlock
+  kCut,        // the file ends in the middle of a block
+};
+[[nodiscard]] std::string_view to_text(Fault fault);
+
+class Reader {
+ public:
+  static constexpr std::size_t kMaxInterfaces = 1024;
+
+  // Puts up to `size` bytes at `to` and says how many; fewer only at the end.
+  using Source = std::function<std::size_t(std::uint8_t* to, std::size_t size)>;
+  explicit Reader(Source source) : source_(std::move(source)) {}
+
+  // The next packet; nothing: the end of the file. After a fault there is no more.
+  [[nodiscard]] tl::expected<std::optional<ReadPacket>, Fault> next();
+  // Of the packets that were lost, as the file says; known at its end.
+  [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
+  // Where the block begins that was read last.
+  [[nodiscard]] std::uint64_t offset() const { return offset_; }
+
+ private:
+  struct Block {
+    std::uint32_t type = 0;
+    ByteView body;  // of block_
+  };
+  [[nodiscard]] tl::expected<std::optional<Block>, Fault> read_block();
+  [[nodiscard]] tl::expected<void, Fault> read_section();
+  [[nodiscard]] std::optional<Fault> add_interface(ByteView body);
+  [[nodiscard]] tl::expected<ReadPacket, Fault> enhanced(ByteView body) const;
+  [[nodiscard]] tl::expected<ReadPacket, Fault> simple(ByteView body) const;
+  void add_statistics(ByteView body);
+  template <typename Take>
+  void options(ByteView body, const Take& take) const;
+  [[nodiscard]] std::uint32_t u32(ByteView bytes, std::size_t at) const;
+  [[nodiscard]] std::uint16_t u16(ByteView bytes, std::size_t at) const;
+
+  Source source_;
+  std::vector<Interface> interfaces_;
+  Bytes block_;
+  std::uint64_t offset_ = 0, next_offset_ = 0;
+  std::uint64_t dropped_ = 0;
+  bool big_endian_ = false;
+  bool begun_ = false;
+};
+
+}  // namespace fieldcast::pcapng

@@ -1,0 +1,208 @@
+// The service over its real socket.
+#include "bridge/capture/capture_service.hpp"
+
+#include <gmock/gmock.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstring>
+
+#include "bridge/base/file_descriptor.hpp"
+#include "bridge/capture/capture_socket.hpp"
+#include "core/capture/pcapng_reader.hpp"
+#include "core/capture/upper_pdu.hpp"
+
+namespace fieldcast {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr std::string_view kBridge = "service-test";
+
+BusSpec one_meter() {
+  BusSpec bus;
+  bus.name = "line";
+  bus.port = SerialPortSpec{"/dev/line"};
+  bus.devices.push_back({.name = "meter", .protocol = "modbus-rtu"});
+  return bus;
+}
+
+class Client {
+ public:
+  Client() : socket_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    const auto name = capture_socket_name(::geteuid(), std::string(kBridge), ::getpid());
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::memcpy(address.sun_path + 1, name.data(), name.size());
+    const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+    const timeval limit{10, 0};
+    ::setsockopt(socket_.get(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+    for (int i = 0; i < 1000 && !connected_; ++i) {  // it listens soon
+      connected_ = ::connect(socket_.get(), reinterpret_cast<sockaddr*>(&address), size) == 0;
+      if (!connected_) ::usleep(1000);
+    }
+  }
+  [[nodiscard]] bool connected() const { return connected_; }
+  void say(const std::string& text) { (void)::send(socket_.get(), text.data(), text.size(), 0); }
+  void end() { ::shutdown(socket_.get(), SHUT_WR); }
+  // Up to the end of the text line, or of everything.
+  std::string line() {
+    std::string text;
+    for (char c{}; ::recv(socket_.get(), &c, 1, 0) == 1 && c != '\n';) text += c;
+    return text;
+  }
+  Bytes rest() {
+    Bytes all, part(65536);
+    for (;;) {
+      const auto got = ::recv(socket_.get(), part.data(), part.size(), 0);
+      if (got <= 0) return all;
+      all.insert(all.end(), part.begin(), part.begin() + got);
+    }
+  }
+
+ private:
+  FileDescriptor socket_;
+  bool connected_ = false;
+};
+
+struct Found {
+  std::vector<std::string> frames;  // "> 01 03 [comment]"
+  std::uint64_t dropped = 0;
+  bool whole = false;
+};
+Found read(ByteView bytes) {
+  pcapng::Reader reader([&](std::uint8_t* to, std::size_t size) {
+    const std::size_t given = std::min(size, bytes.size());
+    std::memcpy(to, bytes.data(), given);
+    bytes = bytes.subspan(given);
+    return given;
+  });
+  Found found;
+  auto packet = reader.next();
+  for (; packet && *packet; packet = reader.next()) {
+    const auto pdu = parse_upper_pdu((*packet)->data);
+    found.frames.push_back(((*packet)->direction == Direction::kSent ? "> " : "< ") +
+                           (pdu ? pdu->dissector + " " + to_hex(pdu->frame) : "?") + " [" +
+                           (*packet)->comment + "]");
+  }
+  found.whole = packet.has_value();
+  found.dropped = reader.dropped();
+  return found;
+}
+
+TEST(CaptureServiceTest, AClientGetsTheFramesOfItsBusWhileItListens) {
+  CaptureService service{std::string(kBridge)};
+  const auto tap = service.add_bus(one_meter());
+  Client client;
+  ASSERT_TRUE(client.connected());
+  EXPECT_FALSE(tap->wanted());
+  client.say("capture line\n");
+  ASSERT_EQ(client.line(), "ok");
+  EXPECT_TRUE(tap->wanted());
+  tap->put({CaptureRecord::Kind::kSent, {1'000'000}, 0, {1, 3}, "meter: read"});
+  tap->put({CaptureRecord::Kind::kReceived, {2'000'000}, 0, {1, 0x83, 2}, {}});
+  tap->put({CaptureRecord::Kind::kRemark, {2'000'000}, 0, {}, "meter: refused"});
+  service.remove_bus("line");
+  const Found found = read(client.rest());
+  EXPECT_THAT(found.frames,
+              ElementsAre("> mbrtu 01 03 [meter: read]", "< mbrtu 01 83 02 [meter: refused]"));
+  EXPECT_TRUE(found.whole);
+}
+
+TEST(CaptureServiceTest, AClientThatEndsGetsTheEndOfItsFile) {
+  CaptureService service{std::string(kBridge)};
+  const auto tap = service.add_bus(one_meter());
+  Client client;
+  client.say("capture line\n");
+  ASSERT_EQ(client.line(), "ok");
+  client.end();
+  EXPECT_TRUE(read(client.rest()).whole);
+  for (int i = 0; i < 2000 && tap->wanted(); ++i) ::usleep(1000);
+  EXPECT_FALSE(tap->wanted());
+}
+
+TEST(CaptureServiceTest, WhatTheTapDroppedIsSaidInTheFile) {
+  CaptureService service{std::string(kBridge)};
+  const auto tap = service.add_bus(one_meter());
+  Client client;
+  client.say("capture line\n");
+  ASSERT_EQ(client.line(), "ok");
+  // Faster than the service looks.
+  const auto sent = [](std::int64_t at) {
+    return CaptureRecord{CaptureRecord::Kind::kSent, {at}, 0, Bytes(100), {}};
+  };
+  for (std::size_t i = 0; i < 10 * CaptureTap::kMaxRecords; ++i) tap->put(sent(1));
+  service.remove_bus("line");
+  const Found found = read(client.rest());
+  EXPECT_TRUE(found.whole);
+  EXPECT_GT(found.dropped, 0u);
+}
+
+TEST(CaptureServiceTest, WhoAsksForNoBusIsToldWhichThereAre) {
+  CaptureService service{std::string(kBridge)};
+  (void)service.add_bus(one_meter());
+  Client list, other, nonsense;
+  list.say("list\n");
+  EXPECT_EQ(list.line(), "ok bridge service-test buses line");
+  other.say("capture lime\n");
+  EXPECT_EQ(other.line(), "no line");
+  nonsense.say(std::string(1000, 'x'));
+  EXPECT_THAT(nonsense.line(), HasSubstr("refused"));
+}
+
+TEST(CaptureServiceTest, AnotherUserIsRefused) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can be another user";
+  CaptureService service{std::string(kBridge)};
+  (void)service.add_bus(one_meter());
+  Client first;  // it listens
+  ASSERT_TRUE(first.connected());
+  const auto name = capture_socket_name(0, std::string(kBridge), ::getpid());
+  const pid_t child = ::fork();
+  if (child == 0) {  // a process of another user: no more than system calls
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::memcpy(address.sun_path + 1, name.data(), name.size());
+    const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+    const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
+    char answer[8] = {};
+    if (::setuid(65534) != 0 ||
+        ::connect(socket, reinterpret_cast<sockaddr*>(&address), size) != 0 ||
+        ::send(socket, "capture line\n", 13, 0) != 13 ||
+        ::recv(socket, answer, 7, MSG_WAITALL) != 7)
+      ::_exit(1);
+    ::_exit(std::strcmp(answer, "refused") == 0 ? 0 : 2);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0);
+}
+
+TEST(CaptureSocket, ItsNameSaysWhoseItIs) {
+  const auto parsed = parse_capture_socket(capture_socket_name(998, "line-7", 4711));
+  ASSERT_TRUE(parsed);
+  EXPECT_EQ(parsed->user, 998u);
+  EXPECT_EQ(parsed->bridge, "line-7");
+  EXPECT_EQ(parsed->process, 4711);
+  for (const char* other : {"", "fieldcast/capture/", "fieldcast/capture/0/a/1/2",
+                            "fieldcast/capture/x/a/1", "dbus-1234", "fieldcast/capture/0//1"})
+    EXPECT_FALSE(parse_capture_socket(other)) << other;
+}
+
+TEST(CaptureSocket, TheTableOfTheKernelNamesEachOnce) {
+  const auto found = capture_sockets(
+      "Num       RefCount Protocol Flags    Type St Inode Path\n"
+      "0000: 00000002 00000000 00010000 0001 01 504 @fieldcast/capture/0/demo/23788\n"
+      "0000: 00000003 00000000 00000000 0001 03 505 @fieldcast/capture/0/demo/23788\n"
+      "0000: 00000003 00000000 00000000 0001 03 506 /run/dbus/system_bus_socket\n"
+      "0000: 00000003 00000000 00000000 0001 03 507\n"
+      "0000: 00000002 00000000 00010000 0001 01 508 @fieldcast/capture/998/line/1\n");
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[1].bridge, "line");
+}
+
+}  // namespace
+}  // namespace fieldcast

@@ -1,0 +1,108 @@
+#include "core/capture/frame_gatherer.hpp"
+
+#include <gtest/gtest.h>
+
+namespace fieldcast {
+namespace {
+
+using Kind = CaptureRecord::Kind;
+
+UtcTime ms(std::int64_t at) { return {at * 1'000'000}; }
+
+class FrameGathererTest : public testing::Test {
+ protected:
+  void take(Kind kind, std::int64_t at, const std::string& hex, const std::string& text = {}) {
+    gatherer_.take({kind, ms(at), 0, *from_hex(hex), text}, frames_);
+  }
+  void take_text(Kind kind, std::int64_t at, const std::string& text = {}) {
+    gatherer_.take({kind, ms(at), 0, {}, text}, frames_);
+  }
+  // "0 > 01 03 [what for]", a text line each.
+  [[nodiscard]] std::string frames() const {
+    std::string text;
+    for (const CapturedFrame& frame : frames_)
+      text += std::to_string(frame.at.nanoseconds / 1'000'000) +
+              (frame.direction == Direction::kSent ? " > " : " < ") + to_hex(frame.bytes) +
+              (frame.comment.empty() ? "" : " [" + frame.comment + "]") + "\n";
+    return text;
+  }
+
+  FrameGatherer gatherer_;
+  std::vector<CapturedFrame> frames_;
+};
+
+TEST_F(FrameGathererTest, PiecesOfAnAnswerAreOneFrameWithTheTimeOfTheLast) {
+  take(Kind::kSent, 0, "01 03 00", "read");
+  take(Kind::kReceived, 5, "01 03 02");
+  take(Kind::kReceived, 25, "00 2A");
+  take_text(Kind::kRemark, 25, "1 sample");
+  EXPECT_EQ(frames(), "0 > 01 03 00 [read]\n25 < 01 03 02 00 2A [1 sample]\n");
+}
+
+TEST_F(FrameGathererTest, ARequestThatNobodyAnswersSaysSo) {
+  take(Kind::kSent, 0, "01 03", "read");
+  take_text(Kind::kRemark, 200, "no answer");
+  EXPECT_EQ(frames(), "0 > 01 03 [read\nno answer]\n");
+}
+
+TEST_F(FrameGathererTest, EachRoundOfAnExchangeIsAFrameOfItsOwn) {
+  take(Kind::kSent, 0, "68");
+  take(Kind::kReceived, 5, "E5");
+  take(Kind::kSent, 6, "10");
+  take(Kind::kReceived, 9, "68 02");
+  take_text(Kind::kEnded, 9);
+  EXPECT_EQ(frames(), "0 > 68\n5 < E5\n6 > 10\n9 < 68 02\n");
+}
+
+TEST_F(FrameGathererTest, AnEchoIsNoPartOfTheAnswer) {
+  take(Kind::kSent, 0, "01 03");
+  take(Kind::kReceived, 5, "01");
+  take(Kind::kReceived, 6, "03 01 83");
+  gatherer_.flush(frames_);
+  EXPECT_EQ(frames(), "0 > 01 03\n6 > 01 03 [the line gave the request back (echo)]\n6 < 01 83\n");
+}
+
+TEST_F(FrameGathererTest, AnAnswerThatEqualsItsRequestIsAnAnswer) {
+  take(Kind::kSent, 0, "01 06 00");
+  take(Kind::kReceived, 5, "01 06 00");
+  take_text(Kind::kEnded, 5);
+  EXPECT_EQ(frames(), "0 > 01 06 00\n5 < 01 06 00\n");
+}
+
+TEST_F(FrameGathererTest, WhatNobodyAskedForIsCutBySilence) {
+  take(Kind::kReceived, 0, "AA");
+  take(Kind::kReceived, 20, "BB");
+  take(Kind::kReceived, 120, "CC");
+  gatherer_.look(ms(140), frames_);
+  EXPECT_EQ(frames(), "20 < AA BB\n");
+  gatherer_.look(ms(200), frames_);
+  EXPECT_EQ(frames(), "20 < AA BB\n120 < CC\n");
+}
+
+TEST_F(FrameGathererTest, WhatIsMissingIsSaidAtTheNextFrame) {
+  take(Kind::kSent, 0, "01");
+  gatherer_.lost(17, frames_);
+  take(Kind::kReceived, 50, "02");
+  gatherer_.flush(frames_);
+  EXPECT_EQ(frames(),
+            "0 > 01\n50 < 02 [17 pieces are missing before this frame: the capture was too slow "
+            "for them]\n");
+}
+
+TEST_F(FrameGathererTest, AFloodIsCutIntoFrames) {
+  gatherer_.take({Kind::kReceived, ms(0), 0, Bytes(FrameGatherer::kMaxFrame + 3), {}}, frames_);
+  gatherer_.flush(frames_);
+  ASSERT_EQ(frames_.size(), 2u);
+  EXPECT_EQ(frames_[0].bytes.size(), FrameGatherer::kMaxFrame);
+  EXPECT_EQ(frames_[1].bytes.size(), 3u);
+}
+
+TEST_F(FrameGathererTest, ALongCommentIsCutBetweenCharacters) {
+  std::string text(FrameGatherer::kMaxComment - 1, 'x');
+  take(Kind::kSent, 0, "01", text + "°C");
+  gatherer_.flush(frames_);
+  EXPECT_EQ(frames_[0].comment, text);
+}
+
+}  // namespace
+}  // namespace fieldcast

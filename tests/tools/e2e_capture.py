@@ -1,0 +1,267 @@
+"""`fieldcast capture` on a bridge with simulated devices of every family, and what Wireshark (tshark) makes of the files.
+
+usage: e2e_capture.py BIN_DIR SOURCE_DIR
+"""
+
+import json
+import os
+import re
+import signal
+import socket
+import stat
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from plant import Plant, run_cli, wait_until
+
+BIN_DIR, SOURCE_DIR, LUA = "", "", ""
+
+SECONDS = "2500ms"  # of each capture: every refresh of the plant comes in it
+MORE_BUSES = """
+  - name: ascii
+    port: { serial: {run}/ascii, baud: 19200, format: 7E1 }
+    protocol: modbus-ascii
+    defaults: { refresh: 500ms }
+    devices: [ { name: mixer, address: 5, channels: [ { name: speed, at: "holding:7", type: uint16, access: read-write } ] } ]
+    capture: { folder: {run}/wire, file-size: 100kB, files: 3 }
+  - name: network
+    port: { tcp: 127.0.0.1:PORT }
+    protocol: modbus-tcp
+    defaults: { refresh: 500ms }
+    devices: [ { name: meter, address: 1, channels: [ { name: power, at: "holding:0", type: float32, unit: kW } ] } ]
+"""
+# Of each bus what its dissector must have found somewhere, and may not leave out.
+FAMILIES = {
+    "press-shop": ["mbrtu.unit_id", "modbus.regval_uint16", "modbus.request_frame"],
+    "network": ["mbtcp.trans_id", "modbus.regval_uint16", "modbus.request_frame"],
+    "ascii": ["fieldcast_modbus_ascii.unit", "fieldcast_modbus_ascii.lrc", "modbus.regval_uint16"],
+    "assembly": ["fieldcast_omron_hostlink.header", "fieldcast_omron_hostlink.end_code", "fieldcast_omron_hostlink.data",
+                 "fieldcast_omron_hostlink.sid", "fieldcast_omron_hostlink.command"],
+    "lift": ["fieldcast_mitsubishi_fx.command", "fieldcast_mitsubishi_fx.address", "fieldcast_mitsubishi_fx.data"],
+    "mixer": ["fieldcast_dtc.address", "fieldcast_dtc.command", "fieldcast_dtc.data", "fieldcast_dtc.codes"],
+    "packing": ["fieldcast_s7_ppi.item", "fieldcast_s7_ppi.result", "fieldcast_s7_ppi.data", "fieldcast_s7_ppi.fcs"],
+    "yard": ["fieldcast_s7_freeport.window", "fieldcast_frame.bytes", "mbrtu.unit_id"],
+}
+
+plant, captures = None, {}
+
+
+class Demo(Plant):
+    def _status(self):
+        """With the bus that has no serial line."""
+        result = self.cli("status", "--json")
+        states = [line["state"] for line in result.json_lines() if line["topic"] == "BusStatus"] if result.code == 0 else []
+        return states == ["running"] * (len(self._lines()) + 1)
+
+
+def free_port():
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        return listener.getsockname()[1]
+
+
+def plant_text():
+    with open(os.path.join(SOURCE_DIR, "config/examples/demo.yaml"), encoding="utf-8") as file:
+        text = re.sub(r"(?m)^dds:.*$", "", file.read()).replace("/tmp/fieldcast-demo", "{run}")
+    return text.rstrip() + MORE_BUSES.replace("PORT", str(free_port()))
+
+
+def tshark(path, *options):
+    """What tshark prints, which must run the Lua file without a fault."""
+    ran = subprocess.run(["tshark", "-n", "-X", f"lua_script:{LUA}", "-o", "mbrtu.tcp.port:502", "-o", "mbrtu.crc_verification:TRUE", "-r", path, *options],
+                         capture_output=True, text=True, timeout=60)
+    faults = [line for line in ran.stderr.splitlines() if "Running as user" not in line]
+    if ran.returncode != 0 or faults:
+        raise AssertionError(f"tshark ended with {ran.returncode}: {faults}")
+    return ran.stdout
+
+
+def packets(path):
+    """Of each packet its fields by name, every one a list."""
+    rows = [json.loads(line) for line in tshark(path, "-T", "ek").splitlines() if line.startswith('{"timestamp"')]
+    found = []
+    for row in rows:
+        fields = {}
+
+        def collect(node):
+            for key, value in node.items():
+                if isinstance(value, dict):
+                    collect(value)
+                else:
+                    fields.setdefault(key, []).extend(value if isinstance(value, list) else [value])
+
+        collect(row["layers"])
+        found.append(fields)
+    return found
+
+
+def named(fields, name):
+    """By the name of Wireshark's filter: ek puts the protocol before it."""
+    wanted = name.replace(".", "_")
+    return [value for key, values in fields.items() if key == wanted or key.endswith("_" + wanted) for value in values]
+
+
+def capture(bus, path, *options):
+    return subprocess.Popen([os.path.join(BIN_DIR, "fieldcast"), "capture", bus, "--out", path, "--bridge", "demo", *options],
+                            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def setUpModule():
+    global plant
+    plant = Demo(BIN_DIR, plant_text())
+    plant.__enter__()
+    os.mkdir(os.path.join(plant.run, "wire"))
+    running = {bus: capture(bus, os.path.join(plant.run, bus + ".pcapng"), "--seconds", SECONDS) for bus in FAMILIES}
+    write = plant.cli("write", "ascii/mixer/speed=4711", "--verify")
+    if write.code != 0:
+        raise AssertionError(str(write))
+    for bus, process in running.items():
+        out, err = process.communicate(timeout=30)
+        if process.returncode != 0 or not re.fullmatch(rf"fieldcast capture: \d+ frames of {bus}\n", err):
+            raise AssertionError(f"{bus}: {process.returncode} {out}{err}")
+        captures[bus] = packets(os.path.join(plant.run, bus + ".pcapng"))
+
+
+def tearDownModule():
+    plant.__exit__(None, None, None)
+
+
+class Wireshark(unittest.TestCase):
+    def test_every_family_has_its_fields_and_no_frame_is_at_fault(self):
+        for bus, wanted in FAMILIES.items():
+            with self.subTest(bus=bus):
+                frames = captures[bus]
+                self.assertGreater(len(frames), 4)
+                for name in wanted:
+                    self.assertTrue(any(named(fields, name) for fields in frames), f"no {name} in {frames[:4]}")
+                for fields in frames:
+                    for fault in ["_ws.malformed", "fault", "expert.severity"]:
+                        bad = [value for value in named(fields, fault) if value not in ("2097152", "1048576")]  # comments, and a chat
+                        self.assertFalse(bad, fields)
+
+    def test_every_frame_of_modbus_rtu_is_decoded_and_answers_have_the_registers_that_were_asked_for(self):
+        frames, asked, matched = captures["press-shop"], {}, 0
+        self.assertTrue(all(named(fields, "mbrtu.crc16.status") == ["1"] for fields in frames))
+        for number, fields in enumerate(frames, 1):
+            self.assertNotIn("Unable to classify", json.dumps(fields))
+            if words := named(fields, "modbus.word_cnt"):
+                asked[str(number)] = int(words[0])
+            requests = named(fields, "modbus.request_frame")
+            if requests and requests[0] in asked:
+                self.assertEqual(len(named(fields, "modbus.regval_uint16")), asked[requests[0]], fields)
+                matched += 1
+        self.assertGreaterEqual(matched, len(asked) - 2)  # one at each end of the capture
+        self.assertGreater(matched, 10)
+
+    def test_a_value_that_was_written_stands_in_the_answers(self):
+        self.assertIn("4711", [value for fields in captures["ascii"] for value in named(fields, "modbus.regval_uint16")])
+
+    def test_comments_say_device_channels_and_outcome(self):
+        comments = [comment for fields in captures["press-shop"] for comment in named(fields, "frame.comment")]
+        self.assertTrue(any(re.match(r"press-1: read holding:0\.\.\d+ \(.*oil-temperature", comment) for comment in comments), comments[:9])
+        self.assertTrue(any(re.search(r"items, \d+ samples$", comment) for comment in comments), comments[:9])
+        written = [comment for fields in captures["ascii"] for comment in named(fields, "frame.comment")]
+        self.assertTrue(any("mixer: write holding:7 (speed; command of" in comment for comment in written), written)
+
+    def test_microseconds_directions_and_the_name_of_the_bus(self):
+        frames = captures["press-shop"]
+        self.assertEqual({tuple(named(fields, "frame.interface_name")) for fields in frames}, {("press-shop",)})
+        directions = {value for fields in frames for value in named(fields, "frame.packet_flags_direction")}
+        self.assertEqual({int(value, 16) for value in directions}, {1, 2})
+        self.assertTrue(any(int(fields["frame_frame_time_epoch"][0].rstrip("0").split(".")[1][3:6] or 0) for fields in frames))
+
+    def test_samples_inside_rtps(self):
+        def text(value):
+            return struct.pack("<I", len(value) + 1) + value.encode() + b"\0"
+
+        def aligned(data, size):
+            return data + bytes(-len(data) % size)
+
+        data = b""
+        for name in ["press-shop", "press-1", "force"]:
+            data = aligned(data, 4) + text(name)
+        data = aligned(aligned(data, 4) + struct.pack("<I", 3), 8) + struct.pack("<d", 12.5)  # a double
+        data = aligned(data + struct.pack("<IH", 0, 0), 8) + struct.pack("<qQ", 1_700_000_000_123_456_789, 42)
+        serialized = b"\0\1\0\0" + data
+        body = struct.pack("<HHIIIi", 0, 16, 0x07040000, 0x02240000, 0, 1) + serialized
+        rtps = b"RTPS\2\3\1\17" + bytes(12) + struct.pack("<BBH", 0x15, 5, len(body)) + body
+        udp = struct.pack(">HHHH", 50000, 51661, 8 + len(rtps), 0) + rtps
+        ip = struct.pack(">BBHHHBBHII", 0x45, 0, 20 + len(udp), 0, 0, 64, 17, 0, 0x7F000001, 0x7F000001) + udp
+
+        def block(kind, inner):
+            inner = aligned(inner, 4)
+            return struct.pack("<II", kind, len(inner) + 12) + inner + struct.pack("<I", len(inner) + 12)
+
+        with tempfile.NamedTemporaryFile(suffix=".pcapng") as file:
+            file.write(block(0x0A0D0D0A, struct.pack("<IHHq", 0x1A2B3C4D, 1, 0, -1)) + block(1, struct.pack("<HHI", 101, 0, 0)))
+            file.write(block(6, struct.pack("<IIIII", 0, 0, 0, len(ip), len(ip)) + ip))
+            file.flush()
+            names = ["bus", "device", "channel", "value", "quality", "sequence", "acquired_at"]
+            line = tshark(file.name, "-T", "fields", *[word for name in names for word in ("-e", "fieldcast_sample." + name)])
+        self.assertEqual(line.split("\t")[:6], ["press-shop", "press-1", "force", "12.5", "0", "42"])
+        self.assertIn("22:13:20.123456789", line)
+
+
+class Capture(unittest.TestCase):
+    def test_a_file_is_for_its_owner_only_and_never_written_over(self):
+        path = os.path.join(plant.run, "lift.pcapng")
+        self.assertEqual(stat.S_IMODE(os.stat(path).st_mode), 0o600)
+        before = os.path.getsize(path)
+        result = run_cli(BIN_DIR, "capture", "lift", "--out", path, "--bridge", "demo", "--seconds", "1")
+        self.assertEqual((result.code, os.path.getsize(path)), (9, before), str(result))
+        self.assertIn("never overwrites", result.err)
+
+    def test_who_asks_for_no_bus_is_told_which_there_are(self):
+        path = os.path.join(plant.run, "none.pcapng")
+        result = run_cli(BIN_DIR, "capture", "lifts", "--out", path, "--bridge", "demo")
+        self.assertEqual(result.code, 4, str(result))
+        self.assertIn("lift", result.err)
+        self.assertFalse(os.path.exists(path))
+
+    def test_control_c_and_a_size_end_it_with_a_whole_file(self):
+        path = os.path.join(plant.run, "interrupted.pcapng")
+        process = capture("press-shop", path)
+        wait_until(lambda: os.path.exists(path) and os.path.getsize(path) > 2000, 10, "frames come")
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=10)
+        self.assertEqual(process.returncode, 0, err)
+        self.assertGreater(len(tshark(path)), 100)
+        path = os.path.join(plant.run, "small.pcapng")
+        process = capture("press-shop", path, "--size", "10kB")
+        _, err = process.communicate(timeout=20)
+        self.assertEqual(process.returncode, 0, err)
+        self.assertLess(os.path.getsize(path), 10_000)
+
+    def test_the_bridge_captures_by_itself(self):
+        def found():
+            return [name for name in os.listdir(os.path.join(plant.run, "wire")) if re.fullmatch(r"ascii-\d{8}T\d{6}Z\.pcapng", name)]
+
+        names = wait_until(found, 20, lambda: plant.log("fieldcast-bridge"))
+        path = os.path.join(plant.run, "wire", names[0])
+        wait_until(lambda: os.path.getsize(path) > 1000, 10, "frames come")
+        self.assertEqual(stat.S_IMODE(os.stat(path).st_mode), 0o600)
+        self.assertGreater(len(tshark(path)), 100)
+
+
+class End(unittest.TestCase):
+    def test_a_capture_ends_whole_with_its_bridge(self):
+        other = Plant(BIN_DIR, "bridge: short\nbuses:\n  - name: short\n    port: { serial: {run}/short, baud: 19200 }\n    protocol: modbus-rtu\n"
+                               "    devices: [ { name: d, address: 1, channels: [ { name: a, at: \"holding:1\", type: int16, refresh: 100ms } ] } ]\n")
+        with other, tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "short.pcapng")
+            process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast"), "capture", "short", "--out", path], stderr=subprocess.PIPE, text=True)
+            wait_until(lambda: os.path.exists(path) and os.path.getsize(path) > 1000, 10, "frames come")
+            other.bridge.terminate()
+            _, err = process.communicate(timeout=20)
+            self.assertEqual(process.returncode, 0, err)
+            self.assertIn("the bridge or the bus ended", err)
+            self.assertGreater(len(tshark(path)), 100)
+
+
+if __name__ == "__main__":
+    BIN_DIR, SOURCE_DIR = sys.argv.pop(1), sys.argv.pop(1)
+    LUA = os.path.join(SOURCE_DIR, "tools/wireshark/fieldcast.lua")
+    unittest.main()
