@@ -15,7 +15,7 @@ build=(
   # DDS and its code generator, which needs a Java that its package does not name
   libfastrtps-dev libfastcdr-dev fastddsgen openjdk-17-jre-headless
   libboost-dev libfmt-dev libspdlog-dev libyaml-cpp-dev libcli11-dev libexpected-dev libsqlite3-dev libssl-dev libpq-dev libsodium-dev libtinyxml2-dev zlib1g-dev
-  nlohmann-json3-dev libtomlplusplus-dev
+  nlohmann-json3-dev libtomlplusplus-dev libzip-dev
 )
 packaging=(dpkg-dev file)
 test=(

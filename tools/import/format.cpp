@@ -12,6 +12,11 @@ std::span<const Format> formats() {
       Format{"kepware", "Kepware tag export (CSV)", recognise_kepware, read_kepware},
       Format{"telegraf", "Telegraf inputs.modbus (TOML)", recognise_telegraf, read_telegraf},
       Format{"mqmgateway", "mqmgateway, modmqttd (YAML)", recognise_mqmgateway, read_mqmgateway},
+      Format{"epics", "EPICS modbus: st.cmd, databases, substitutions", recognise_epics,
+             read_epics},
+      Format{"wb-mqtt-serial", "wb-mqtt-serial template or configuration (JSON)", recognise_wb,
+             read_wb},
+      Format{"neuron", "Neuron tags (JSON, CSV, Excel)", recognise_neuron, read_neuron},
       Format{"modbus-list", "list of Modbus registers (CSV, Excel)", recognise_modbus_list,
              read_modbus_list},
   };

@@ -13,6 +13,9 @@
 
 namespace fieldcast::importing {
 
+// Of one import: more than a configuration may hold is never made, whatever a list multiplies.
+inline constexpr std::size_t kMaxPoints = 100'000;
+
 struct Origin {
   std::string file;
   unsigned line = 0;  // from 1; of a table of Excel: the row

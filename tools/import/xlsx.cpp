@@ -1,11 +1,174 @@
+// A workbook is a zip archive of XML: libzip unpacks it, tinyxml2 reads it. Of the format only what
+// a list needs: texts, numbers and truth values of one sheet (ECMA-376, part 1, 18.3).
 #include "tools/import/xlsx.hpp"
 
+#include <fmt/format.h>
+#include <tinyxml2.h>
+#include <zip.h>
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <vector>
+
+#include "tools/import/number.hpp"
+#include "tools/import/table.hpp"
+
 namespace fieldcast::importing {
+namespace {
+
+class Archive {
+ public:
+  explicit Archive(std::string_view bytes) {
+    zip_source_t* source = zip_source_buffer_create(bytes.data(), bytes.size(), 0, nullptr);
+    if (source == nullptr) return;
+    archive_ = zip_open_from_source(source, ZIP_RDONLY, nullptr);
+    if (archive_ == nullptr) zip_source_free(source);
+  }
+  ~Archive() {
+    if (archive_ != nullptr) zip_discard(archive_);
+  }
+  Archive(const Archive&) = delete;
+  Archive& operator=(const Archive&) = delete;
+  [[nodiscard]] bool is_open() const { return archive_ != nullptr; }
+
+  // Nothing: it is not there, damaged, or larger than the bound.
+  [[nodiscard]] std::optional<std::string> part(const std::string& name) const {
+    zip_stat_t stat;
+    if (zip_stat(archive_, name.c_str(), 0, &stat) != 0 || (stat.valid & ZIP_STAT_SIZE) == 0 ||
+        stat.size > kMaxUnpacked)
+      return std::nullopt;
+    zip_file_t* file = zip_fopen(archive_, name.c_str(), 0);
+    if (file == nullptr) return std::nullopt;
+    std::string text(stat.size, '\0');
+    const zip_int64_t got = zip_fread(file, text.data(), text.size());
+    zip_fclose(file);
+    if (got < 0 || static_cast<std::size_t>(got) != text.size()) return std::nullopt;
+    return text;
+  }
+
+  // The first one in the order of their numbers.
+  [[nodiscard]] std::string first_sheet() const {
+    std::string best;
+    for (zip_int64_t i = 0; i < zip_get_num_entries(archive_, 0); ++i) {
+      const char* name = zip_get_name(archive_, static_cast<zip_uint64_t>(i), 0);
+      if (name == nullptr || !std::string_view(name).starts_with("xl/worksheets/sheet")) continue;
+      const std::string_view text = name;
+      if (best.empty() || text.size() < best.size() || (text.size() == best.size() && text < best))
+        best = text;
+    }
+    return best;
+  }
+
+ private:
+  zip_t* archive_ = nullptr;
+};
+
+// All texts below an element: a text in several fonts is several of them.
+std::string text_below(const tinyxml2::XMLElement& element) {
+  std::string text;
+  for (const auto* child = element.FirstChildElement(); child != nullptr;
+       child = child->NextSiblingElement()) {
+    if (std::strcmp(child->Name(), "t") == 0) {
+      if (child->GetText() != nullptr) text += child->GetText();
+    } else if (std::strcmp(child->Name(), "r") == 0) {
+      text += text_below(*child);
+    }
+  }
+  return text;
+}
+
+std::vector<std::string> shared_texts(const Archive& archive) {
+  std::vector<std::string> texts;
+  const auto part = archive.part("xl/sharedStrings.xml");
+  tinyxml2::XMLDocument document;
+  if (!part || document.Parse(part->data(), part->size()) != tinyxml2::XML_SUCCESS ||
+      document.RootElement() == nullptr)
+    return texts;
+  for (const auto* item = document.RootElement()->FirstChildElement("si"); item != nullptr;
+       item = item->NextSiblingElement("si"))
+    texts.push_back(text_below(*item));
+  return texts;
+}
+
+// "AB12" is in the column 27.
+std::size_t column_of(const char* reference, std::size_t otherwise) {
+  if (reference == nullptr) return otherwise;
+  std::size_t column = 0;
+  for (; *reference >= 'A' && *reference <= 'Z' && column < 100'000; ++reference)
+    column = column * 26 + static_cast<std::size_t>(*reference - 'A' + 1);
+  return column == 0 ? otherwise : column - 1;
+}
+
+std::string cell_text(const tinyxml2::XMLElement& cell, const std::vector<std::string>& shared) {
+  const char* type = cell.Attribute("t");
+  const std::string_view kind = type == nullptr ? "n" : type;
+  if (const auto* inside = cell.FirstChildElement("is")) return text_below(*inside);
+  const auto* value = cell.FirstChildElement("v");
+  const std::string text = value == nullptr || value->GetText() == nullptr ? "" : value->GetText();
+  if (kind == "s") {
+    const auto index = whole_from(text);
+    return index && *index < shared.size() ? shared[*index] : std::string();
+  }
+  if (kind == "b") return text == "1" ? "true" : "false";
+  return text;
+}
+
+void append_cell(std::string& table, std::string_view text) {
+  if (text.find_first_of("\t\n\r\"") == std::string_view::npos) {
+    table += text;
+    return;
+  }
+  table += '"';
+  for (const char c : text) {
+    if (c == '"') table += '"';
+    table += c;
+  }
+  table += '"';
+}
+
+std::string table_of(const tinyxml2::XMLElement& sheet, const std::vector<std::string>& shared) {
+  std::string table;
+  std::size_t line = 1;
+  const auto* data = sheet.FirstChildElement("sheetData");
+  for (const auto* row = data == nullptr ? nullptr : data->FirstChildElement("row"); row != nullptr;
+       row = row->NextSiblingElement("row")) {
+    // The line of the text is the row of the sheet.
+    const std::size_t number = row->UnsignedAttribute("r", static_cast<unsigned>(line));
+    for (; line < std::min<std::size_t>(number, kMaxRows); ++line) table += '\n';
+    std::size_t column = 0;
+    for (const auto* cell = row->FirstChildElement("c"); cell != nullptr;
+         cell = cell->NextSiblingElement("c"), ++column) {
+      const std::size_t wanted = column_of(cell->Attribute("r"), column);
+      if (wanted >= kMaxCells) break;
+      for (; column < wanted; ++column) table += '\t';
+      append_cell(table, cell_text(*cell, shared));
+      table += '\t';
+    }
+    table += '\n';
+    ++line;
+  }
+  return table;
+}
+
+}  // namespace
 
 bool is_xlsx(std::string_view bytes) { return bytes.starts_with("PK\x03\x04"); }
 
-tl::expected<Decoded, std::string> table_of_xlsx(std::string_view) {
-  return tl::unexpected(std::string("an Excel workbook or another archive; save the sheet as CSV"));
+tl::expected<Decoded, std::string> table_of_xlsx(std::string_view bytes) {
+  const Archive archive(bytes);
+  if (!archive.is_open()) return tl::unexpected(std::string("a zip archive that is damaged"));
+  const std::string name = archive.first_sheet();
+  if (name.empty())
+    return tl::unexpected(std::string("a zip archive, no Excel workbook; unpack it first"));
+  const auto part = archive.part(name);
+  tinyxml2::XMLDocument document;
+  if (!part || document.Parse(part->data(), part->size()) != tinyxml2::XML_SUCCESS ||
+      document.RootElement() == nullptr)
+    return tl::unexpected(
+        fmt::format("an Excel workbook whose sheet {} is damaged or larger than {} MiB", name,
+                    kMaxUnpacked >> 20));
+  return Decoded{table_of(*document.RootElement(), shared_texts(archive)), "Excel workbook"};
 }
 
 }  // namespace fieldcast::importing

@@ -12,7 +12,7 @@
 
 namespace fieldcast::importing {
 
-inline constexpr std::size_t kMaxUnpacked = 64u << 20;
+inline constexpr std::size_t kMaxUnpacked = 32u << 20;
 
 // A zip archive with the parts of a workbook.
 [[nodiscard]] bool is_xlsx(std::string_view bytes);

@@ -259,6 +259,8 @@ class MqmReader {
         continue;
       }
       for (const std::uint16_t slave : place.slaves) {
+        if (made_ >= kMaxPoints) return refuse(node, point.name, "too many channels");
+        made_ += std::max(elements, 1u);
         std::vector<Point>& points = device_of(*bus, slave).points;
         if (elements > 1) {
           append_array(points, point, area, place.first, elements);
@@ -318,6 +320,7 @@ class MqmReader {
   const SourceText& source_;
   Found& found_;
   std::map<std::string, const Node*, std::less<>> networks_;
+  std::size_t made_ = 0;  // points
 };
 
 std::optional<std::string> MqmReader::read(const Node& root) {

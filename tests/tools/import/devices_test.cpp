@@ -1,0 +1,276 @@
+// Templates and projects of wb-mqtt-serial, EPICS and Neuron: what their channels, records and tags
+// become.
+#include "tests/tools/import/support.hpp"
+#include "tools/import/formats/epics_files.hpp"
+#include "tools/import/formats/wb_condition.hpp"
+
+namespace fieldcast::importing {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+const std::string kWbHead = R"({
+  // comments are fine
+  "device_type": "meter", "device": { "name": "Meter", "id": "meter",
+    "response_timeout_ms": 300, "max_read_registers": 20, "guard_interval_us": 5000,
+    "setup": [ { "address": 1, "value": 1 } ],
+    "parameters": { "mode": { "default": 1 }, "other": { "title": "x" } },
+    "subdevices": [ { "title": "lamp", "device": { "channels": [
+      { "name": "Level", "reg_type": "holding", "address": 2, "min": 0, "max": 100 } ] } } ],
+    "channels": [
+)";
+const std::string kWbTail = "] } }";
+
+TEST(ImportWb, ChannelsOfATemplateBecomeADevice) {
+  const auto outcome = import_text("config-meter.json", kWbHead + R"(
+    { "name": "Voltage", "type": "voltage", "reg_type": "input", "address": "0x10", "format": "u32",
+      "scale": 0.001, "word_order": "little_endian" },
+    { "name": "Alarm", "reg_type": "holding", "address": "20:3:1", "readonly": true },
+    { "name": "High", "reg_type": "holding", "address": "21:8:8", "readonly": true },
+    { "name": "Relay", "reg_type": "coil", "address": 7, "type": "switch" },
+    { "name": "Lamp", "device_type": "lamp", "shift": 100, "stride": 3 },
+    { "name": "Error", "reg_type": "input", "address": 5, "format": "s16", "error_value": "0x7FFF" }
+)" + kWbTail);
+  ASSERT_TRUE(outcome) << outcome.error();
+  const std::string& text = outcome->files.front().text;
+  EXPECT_THAT(text, HasSubstr("timeout: 300ms\n        pause: 5ms\n        max-block: 20"));
+  EXPECT_THAT(text, HasSubstr("word-order: little-endian"));
+  EXPECT_EQ(channel_line(*outcome, "Voltage"),
+            "{ name: Voltage, at: \"input-register:16\", type: uint32, scale: 0.001, unit: V }");
+  EXPECT_THAT(channel_line(*outcome, "Alarm"), HasSubstr("at: \"holding:20.3\", type: bool }"));
+  EXPECT_THAT(channel_line(*outcome, "High"), HasSubstr("type: uint8, byte: high"));
+  EXPECT_THAT(channel_line(*outcome, "Relay"), HasSubstr("access: read-write"));
+  EXPECT_THAT(channel_line(*outcome, "Lamp-Level"),
+              HasSubstr("at: \"holding:105\", type: uint16, access: read-write, "
+                        "write: { min: 0, max: 100 }"));
+  EXPECT_EQ(fate_of(*outcome, "Error"), "the raw value 0x7FFF means an error");
+  EXPECT_THAT(outcome->notes, Contains(HasSubstr("1 writes when the program starts")));
+}
+
+TEST(ImportWb, WhatTheUsualDeviceLacksIsReadByCommand) {
+  const auto outcome = import_text("config-meter.json", kWbHead + R"(
+    { "name": "there", "reg_type": "input", "address": 1, "condition": "mode==1" },
+    { "name": "away", "reg_type": "input", "address": 2, "condition": "(mode>=2)||other==1" },
+    { "name": "idle", "reg_type": "input", "address": 3, "enabled": false }
+)" + kWbTail);
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_EQ(fate_of(*outcome, "there"), "ok");
+  EXPECT_THAT(channel_line(*outcome, "away"), HasSubstr("mode: on-demand"));
+  EXPECT_THAT(fate_of(*outcome, "away"), HasSubstr("the device has it where (mode>=2)||other==1"));
+  EXPECT_THAT(channel_line(*outcome, "idle"), HasSubstr("mode: on-demand"));
+}
+
+TEST(ImportWb, WhatCannotBeMovedHasItsReason) {
+  const auto outcome = import_text("config-meter.json", kWbHead + R"(
+    { "name": "text", "reg_type": "input", "address": 1, "format": "string", "string_data_size": 6 },
+    { "name": "bits", "reg_type": "input", "address": "1:2:3" },
+    { "name": "odd", "reg_type": "input", "address": 3, "format": "u24" },
+    { "name": "foreign", "reg_type": "relay", "address": 3 },
+    { "name": "rgb", "consists_of": [ { "reg_type": "holding", "address": 4 } ] },
+    { "name": "part", "device_type": "nothing" },
+    { "name": "good", "reg_type": "input", "address": 9 }
+)" + kWbTail);
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_THAT(fate_of(*outcome, "text"), HasSubstr("no: a text with one character"));
+  EXPECT_THAT(fate_of(*outcome, "bits"), HasSubstr("no: 3 bits of a register"));
+  EXPECT_THAT(fate_of(*outcome, "odd"), HasSubstr("no: the format u24"));
+  EXPECT_THAT(fate_of(*outcome, "foreign"), HasSubstr("not of Modbus"));
+  EXPECT_THAT(fate_of(*outcome, "rgb"), HasSubstr("several registers"));
+  EXPECT_THAT(fate_of(*outcome, "part"), HasSubstr("not in the template"));
+  EXPECT_EQ(fate_of(*outcome, "good"), "ok");
+}
+
+TEST(ImportWb, FilesThatAreNoTemplatesOfModbusAreToldBesideTheOthers) {
+  const auto outcome = run_import(
+      {{"config-a.json", R"({"device_type":"a","device":{"name":"A","id":"a","channels":[
+          {"name":"x","reg_type":"input","address":1}]}})"},
+       {"config-b.json", R"({"device_type":"b","device":{"name":"B","protocol":"milur","channels":[
+          {"name":"x","reg_type":"input","address":1}]}})"},
+       {"config-c.json.jinja", R"({"device_type":"c","device":{"name":"C","channels":[
+          {% for i in range(3) %}{"name":"x","reg_type":"input","address":1},{% endfor %}]}})"}},
+      {});
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_EQ(outcome->count(Fate::kMoved), 1u);
+  EXPECT_THAT(fate_of(*outcome, "B"), HasSubstr("milur is not Modbus"));
+  EXPECT_THAT(fate_of(*outcome, "config-c.json"), HasSubstr("a Jinja template"));
+}
+
+TEST(ImportWb, AConfigurationNamesPortsAndTemplates) {
+  const auto outcome = run_import(
+      {{"wb-mqtt-serial.conf", R"({ "ports": [ { "path": "/dev/ttyRS485-1", "baud_rate": 9600,
+          "parity": "N", "data_bits": 8, "stop_bits": 2, "devices": [
+            { "slave_id": "17", "device_type": "meter", "name": "hall", "mode": 2 },
+            { "slave_id": 18, "device_type": "gone" } ] } ] })"},
+       {"config-meter.json", kWbHead + R"(
+          { "name": "x", "reg_type": "input", "address": 2, "condition": "mode==2" })" +
+                                 kWbTail}},
+      {});
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_THAT(outcome->files.front().text,
+              HasSubstr("serial: \"/dev/ttyRS485-1\", baud: 9600, format: 8N2"));
+  EXPECT_THAT(outcome->files.front().text, HasSubstr("- name: hall\n        address: 17"));
+  EXPECT_EQ(fate_of(*outcome, "x"), "ok");
+  EXPECT_THAT(fate_of(*outcome, "gone"), HasSubstr("\"device_type\": \"gone\""));
+}
+
+TEST(ImportWb, ConditionsFollowTheirRules) {
+  const auto holds = [](std::string_view condition) -> std::string {
+    const auto result = condition_holds(condition, [](std::string_view name) {
+      return name == "a" ? std::optional<double>(2) : std::nullopt;
+    });
+    return !result ? "broken" : *result ? "yes" : "no";
+  };
+  EXPECT_EQ(holds("a==2"), "yes");
+  EXPECT_EQ(holds("a!=2||(a>1&&a<=2)"), "yes");
+  EXPECT_EQ(holds("b==2"), "no");
+  EXPECT_EQ(holds("b!=2"), "yes");
+  EXPECT_EQ(holds("isDefined(a)&&isDefined(b)==0"), "yes");
+  EXPECT_EQ(holds("a=="), "broken");
+  EXPECT_EQ(holds("a==2)"), "broken");
+  EXPECT_EQ(holds(std::string(1000, '(')), "broken");
+}
+
+const std::string kScript = R"ioc(
+epicsEnvSet("DEV", "PLC1")
+drvAsynIPPortConfigure("$(DEV)","10.0.0.9:502",0,0,1)
+modbusInterposeConfig("$(DEV)",0,2000,10)
+drvModbusAsynConfigure("In",  "$(DEV)", 3, 4, 0100, 020, "INT16", 100, "Koyo")
+drvModbusAsynConfigure("Bits","$(DEV)", 3, 1, 04000, 040, 0, 250, "Koyo")
+drvModbusAsynConfigure("Out", "$(DEV)", 3, 6, 200, 8, 4, 1, "Koyo")
+dbLoadRecords("meter.db", "P=X:")
+dbLoadTemplate("bits.substitutions")
+)ioc";
+
+std::vector<InputFile> ioc(const std::string& database, const std::string& substitutions = {}) {
+  std::vector<InputFile> files{{"st.cmd", kScript}, {"db/meter.db", database}};
+  files.push_back({"bits.substitutions", substitutions.empty()
+                                             ? "# file pattern {\nfile \"a.template\" { }"
+                                             : substitutions});
+  return files;
+}
+
+TEST(ImportEpics, RecordsBehindAStartupScriptBecomeChannels) {
+  const auto outcome = run_import(ioc(R"ioc(
+record(ai, "$(P)Power") {
+  field(DTYP, "asynInt32")  field(INP, "@asyn(In 2)FLOAT32_LE")
+  field(EGU, "kW")  field(SCAN, ".5 second")
+  field(HIGH, "90") field(HSV, "MINOR")
+}
+record(ai, "$(P)Level") {
+  field(DTYP, "asynInt32") field(INP, "@asynMask(In 4 12)MODBUS_DATA")
+  field(LINR, "LINEAR") field(EGUL, "0") field(EGUF, "4095") field(SCAN, "I/O Intr")
+}
+record(bi, "$(P)Ready") { field(DTYP, "asynUInt32Digital") field(INP, "@asynMask(In 5 0x80)") }
+record(ao, "$(P)Set") { field(DTYP, "asynInt32") field(OUT, "@asyn(Out 1)") }
+record(calc, "$(P)Sum") { field(CALC, "A+B") }
+)ioc",
+                                      R"ioc(
+file "../../db/bi_bit.template" { pattern
+{P,   R,   PORT, OFFSET, SCAN}
+{X:,  C0,  Bits, 010,    "I/O Intr"}
+}
+file "$(ASYN)/db/asynRecord.db" { pattern {P, R} {X:, Asyn} }
+)ioc"),
+                                  {});
+  ASSERT_TRUE(outcome) << outcome.error();
+  const std::string& text = outcome->files.front().text;
+  EXPECT_THAT(text, HasSubstr("- name: PLC1\n    port: { tcp: \"10.0.0.9:502\" }"));
+  EXPECT_THAT(text, HasSubstr("address: 3\n"));
+  EXPECT_THAT(text, HasSubstr("timeout: 2s\n        pause: 10ms"));
+  EXPECT_EQ(channel_line(*outcome, "X-Power"),
+            "{ name: X-Power, at: \"input-register:66\", type: float32, unit: kW, refresh: 500ms, "
+            "limits: { high: 90 } }");
+  EXPECT_THAT(channel_line(*outcome, "X-Level"),
+              HasSubstr("at: \"input-register:68\", type: uint16, refresh: 100ms"));
+  EXPECT_THAT(channel_line(*outcome, "X-Ready"), HasSubstr("at: \"input-register:69.7\""));
+  EXPECT_THAT(channel_line(*outcome, "X-Set"),
+              HasSubstr("at: \"holding:201\", type: uint16, access: read-write"));
+  EXPECT_THAT(channel_line(*outcome, "X-C0"), HasSubstr("at: \"coil:2056\", type: bool"));
+  EXPECT_THAT(outcome->notes, Contains(HasSubstr("1 records that read no device")));
+  EXPECT_THAT(outcome->notes, Contains(HasSubstr("1 records about the driver")));
+}
+
+TEST(ImportEpics, WhatCannotBeMovedHasItsReason) {
+  const auto outcome = run_import(ioc(R"ioc(
+record(ai, "a") { field(DTYP, "asynInt32") field(INP, "@asyn(In 0)INT16SM") }
+record(ai, "b") { field(DTYP, "asynInt32") field(INP, "@asyn(Nowhere 0)INT16") }
+record(ao, "c") { field(DTYP, "asynInt32") field(OUT, "@asyn(In 0)INT16") }
+record(mbbi, "d") { field(DTYP, "asynUInt32Digital") field(INP, "@asynMask(In 0 0x30)") }
+record(ai, "e") { field(DTYP, "asynInt32") field(INP, "@asyn(In 0)") field(LINR, "typeKdegC") }
+record(ai, "f") { field(DTYP, "asynInt32") field(INP, "@asyn(In 0)") }
+)ioc"),
+                                  {});
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_THAT(fate_of(*outcome, "a"), HasSubstr("sign and magnitude"));
+  EXPECT_THAT(fate_of(*outcome, "b"), HasSubstr("makes the port 'Nowhere'"));
+  EXPECT_THAT(fate_of(*outcome, "c"), HasSubstr("the record writes"));
+  EXPECT_THAT(fate_of(*outcome, "d"), HasSubstr("the bits 0x30"));
+  EXPECT_THAT(fate_of(*outcome, "e"), HasSubstr("not linear"));
+  EXPECT_EQ(fate_of(*outcome, "f"), "ok");
+}
+
+TEST(ImportEpics, AFileThatIsMissingIsNamed) {
+  const auto alone = run_import({{"meter.db",
+                                  "record(ai, \"x\") { field(DTYP, \"asynInt32\") "
+                                  "field(INP, \"@asyn(In 0)\") }"}},
+                                {});
+  ASSERT_TRUE(alone) << alone.error();
+  EXPECT_TRUE(alone->files.empty());
+  EXPECT_THAT(fate_of(*alone, "x"), HasSubstr("st.cmd"));
+  const auto script = run_import({{"st.cmd", kScript}}, {});
+  ASSERT_TRUE(script) << script.error();
+  EXPECT_THAT(fate_of(*script, "meter.db"), HasSubstr("not among those that were given"));
+}
+
+TEST(ImportEpics, MacrosThatNameThemselvesEnd) {
+  EXPECT_EQ(expand("$(A)-$(B=7)-${C}", {{"A", "x$(D)"}, {"D", "y"}}), "xy-7-${C}");
+  EXPECT_LT(expand("$(A)", {{"A", "$(A)$(A)$(A)"}}).size(), 3 * kMaxExpanded);
+  EXPECT_EQ(c_number("04000"), 2048);
+  EXPECT_EQ(c_number("0x1F"), 31);
+  EXPECT_EQ(c_number("-16"), -16);
+  EXPECT_EQ(c_number("12x"), std::nullopt);
+}
+
+TEST(ImportNeuron, TagsOfGroupsBecomeChannelsOfEachSlave) {
+  const auto outcome = import_text("neuron.json", R"({ "nodes": [ {
+    "name": "plant", "plugin": "Modbus RTU",
+    "params": { "link": 0, "device": "/dev/ttyS2", "baud": 3, "parity": 2, "data": 3, "stop": 0,
+                "timeout": 3000, "interval": 20, "endianess": 4 },
+    "groups": [ { "group": "g", "interval": 3000, "tags": [
+      { "name": "power", "address": "1!400001", "attribute": 1, "type": 9, "decimal": 0.1, "bias": 5 },
+      { "name": "count", "address": "2!300010#BB", "attribute": 3, "type": 6 },
+      { "name": "run", "address": "1!000003", "attribute": 3, "type": 11 },
+      { "name": "flag", "address": "1!400020.4", "attribute": 1, "type": 11 },
+      { "name": "text", "address": "1!400030.10L", "attribute": 1, "type": 13 },
+      { "name": "raw", "address": "1!400040.8", "attribute": 1, "type": 14 } ] } ] },
+    { "name": "other", "plugin": "S7COMM", "groups": [] } ] })");
+  ASSERT_TRUE(outcome) << outcome.error();
+  const std::string& text = outcome->files.front().text;
+  EXPECT_THAT(text, HasSubstr("serial: \"/dev/ttyS2\", baud: 19200, format: 8E1"));
+  EXPECT_THAT(text, HasSubstr("refresh: 3s\n        word-order: little-endian"));
+  EXPECT_EQ(channel_line(*outcome, "power"),
+            "{ name: power, at: \"holding:0\", type: float32, scale: 0.1, offset: 5 }");
+  EXPECT_THAT(channel_line(*outcome, "count"), HasSubstr("at: \"input-register:9\", type: uint32"));
+  EXPECT_THAT(channel_line(*outcome, "run"), HasSubstr("at: \"coil:2\""));
+  EXPECT_THAT(channel_line(*outcome, "flag"), HasSubstr("at: \"holding:19.4\""));
+  EXPECT_THAT(channel_line(*outcome, "text"), HasSubstr("string(10), byte-order: little-endian"));
+  EXPECT_THAT(fate_of(*outcome, "raw"), HasSubstr("no counterpart"));
+  EXPECT_THAT(fate_of(*outcome, "other"), HasSubstr("s7comm is not Modbus"));
+}
+
+TEST(ImportNeuron, TablesOfItsPagesAreUnderstood) {
+  const auto outcome =
+      import_text("tags.csv",
+                  "group,interval,name,address,attribute,type,description,decimal,precision,bias\n"
+                  "a,1000,power,1!400001,Read Subscribe,FLOAT,,0.5,,\n"
+                  "b,2000,set,1!400003#B,Read Write,INT16,setpoint,,,\n");
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_THAT(channel_line(*outcome, "a.power"),
+              HasSubstr("type: float32, scale: 0.5, refresh: 1s"));
+  EXPECT_THAT(channel_line(*outcome, "b.set"), HasSubstr("byte-order: little-endian"));
+  EXPECT_THAT(channel_line(*outcome, "b.set"), HasSubstr("access: read-write"));
+}
+
+}  // namespace
+}  // namespace fieldcast::importing

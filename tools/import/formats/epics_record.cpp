@@ -1,0 +1,299 @@
+// Source: epics-modules/modbus docs/source/creating_driver.rst (data types), device_support.rst
+// (interfaces, offsets, masks); EPICS record reference (LINR, ASLO, AOFF, alarms).
+#include "tools/import/formats/epics_record.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "tools/import/address.hpp"
+#include "tools/import/array_points.hpp"
+#include "tools/import/number.hpp"
+#include "tools/import/types.hpp"
+
+namespace fieldcast::importing {
+namespace {
+
+using MayFail = std::optional<std::string>;
+
+// modbusDataType_t since R3-1, for scripts that give the number.
+constexpr std::array<std::string_view, 37> kNumbered{
+    "INT16",           "INT16SM",      "BCD_UNSIGNED",  "BCD_SIGNED",
+    "UINT16",          "INT32_LE",     "INT32_LE_BS",   "INT32_BE",
+    "INT32_BE_BS",     "UINT32_LE",    "UINT32_LE_BS",  "UINT32_BE",
+    "UINT32_BE_BS",    "INT64_LE",     "INT64_LE_BS",   "INT64_BE",
+    "INT64_BE_BS",     "UINT64_LE",    "UINT64_LE_BS",  "UINT64_BE",
+    "UINT64_BE_BS",    "FLOAT32_LE",   "FLOAT32_LE_BS", "FLOAT32_BE",
+    "FLOAT32_BE_BS",   "FLOAT64_LE",   "FLOAT64_LE_BS", "FLOAT64_BE",
+    "FLOAT64_BE_BS",   "STRING_HIGH",  "STRING_LOW",    "STRING_HIGH_LOW",
+    "STRING_LOW_HIGH", "ZSTRING_HIGH", "ZSTRING_LOW",   "ZSTRING_HIGH_LOW",
+    "ZSTRING_LOW_HIGH"};
+
+std::string_view field(const EpicsRecord& record, std::string_view name) {
+  const auto found = record.fields.find(name);
+  return found == record.fields.end() ? std::string_view() : std::string_view(found->second);
+}
+std::optional<double> number_field(const EpicsRecord& record, std::string_view name) {
+  return number_from(field(record, name));
+}
+
+std::optional<ModbusArea> area_of(unsigned function) {
+  switch (function) {
+    case 1:
+    case 5:
+    case 15: return ModbusArea::kCoil;
+    case 2: return ModbusArea::kInput;
+    case 4: return ModbusArea::kInputRegister;
+    case 3:
+    case 6:
+    case 16:
+    case 123:
+    case 223: return ModbusArea::kHolding;
+    default: return std::nullopt;
+  }
+}
+bool writes(unsigned function) {
+  return function == 5 || function == 6 || function == 15 || function == 16 || function == 223;
+}
+
+class RecordReader {
+ public:
+  RecordReader(const EpicsRecord& record, const AsynLink& link, const ModbusPort& port)
+      : record_(record), link_(link), port_(port) {}
+
+  MayFail read(std::vector<Point>& points) {
+    const auto area = area_of(port_.function);
+    if (!area) return fmt::format("its port uses the function {}", port_.function);
+    const auto offset = c_number(link_.offset);
+    const std::int64_t first = offset.value_or(-1) + std::max<std::int64_t>(port_.start, 0);
+    if (!offset || *offset < 0 || first > 65535)
+      return fmt::format("'{}' is no offset", link_.offset);
+    point_.name = record_.name;
+    point_.origin = record_.origin;
+    point_.unit = field(record_, "EGU");
+    point_.description = field(record_, "DESC");
+    if (const auto fault = read_direction()) return fault;
+    if (const auto fault = read_value(*area, *offset)) return fault;
+    read_alarms();
+    point_.at = address_text(*area, static_cast<std::uint64_t>(first), bit_);
+    if (elements_ > 0) {
+      append_array(points, point_, *area, static_cast<std::uint32_t>(first), elements_);
+    } else {
+      points.push_back(std::move(point_));
+    }
+    return std::nullopt;
+  }
+
+ private:
+  MayFail read_direction() {
+    const bool out = writes(port_.function);
+    const bool out_record = record_.fields.contains("OUT") ||
+                            field(record_, "DTYP").find("Out") != std::string_view::npos ||
+                            field(record_, "DTYP") == "asynOctetWrite";
+    if (out_record != out)
+      return fmt::format("the record {}, its port has the function {}",
+                         out_record ? "writes" : "reads", port_.function);
+    if (!out) {
+      read_period();
+    } else if (port_.poll_ms > 0 && !port_.other_address_back) {
+      point_.access = Access::kReadWrite;
+      point_.changes.emplace_back("it is read again and again, not only at the start");
+    } else {
+      point_.access = Access::kWriteOnly;
+    }
+    return std::nullopt;
+  }
+
+  // ".1 second", "10 second"; else as often as the port polls.
+  void read_period() {
+    const std::string_view scan = field(record_, "SCAN");
+    const std::size_t second = scan.find("second");
+    const auto seconds = second == std::string_view::npos
+                             ? std::nullopt
+                             : number_from(fmt::format("0{}", trimmed(scan.substr(0, second))));
+    if (seconds && *seconds > 0 && *seconds < 86400) {
+      point_.refresh = std::chrono::milliseconds{static_cast<std::int64_t>(*seconds * 1000)};
+    } else if (port_.poll_ms > 0 && port_.poll_ms < 86'400'000) {
+      point_.refresh = std::chrono::milliseconds{port_.poll_ms};
+    }
+  }
+
+  MayFail read_value(ModbusArea area, std::int64_t offset) {
+    const std::string_view interface = field(record_, "DTYP");
+    if (interface.find("Array") != std::string_view::npos) {
+      const auto count = whole_from(field(record_, "NELM"));
+      if (!count || *count == 0 || *count > 2000) return "an array without NELM";
+      elements_ = static_cast<unsigned>(*count);
+    }
+    if (holds_bits(area)) {
+      point_.type = ValueType::kBool;
+      const bool one_bit = !link_.masked || interface != "asynUInt32Digital" ||
+                           c_number(link_.mask).value_or(1) == 1;
+      return one_bit ? MayFail() : "several bits in one record; write a channel for each";
+    }
+    if (interface == "asynUInt32Digital") return read_mask();
+    return read_typed(interface, offset);
+  }
+
+  // Some bits of a register of 16.
+  MayFail read_mask() {
+    const std::int64_t mask = c_number(link_.mask).value_or(0xFFFF) & 0xFFFF;
+    if (std::has_single_bit(static_cast<std::uint64_t>(mask))) {
+      bit_ = static_cast<std::uint8_t>(std::countr_zero(static_cast<std::uint64_t>(mask)));
+      point_.type = ValueType::kBool;
+      return std::nullopt;
+    }
+    if (mask != 0 && mask != 0xFFFF)
+      return fmt::format("the bits {} of a register; a channel has one bit or all", link_.mask);
+    if (record_.type == "bi" || record_.type == "bo") return "a bit without its mask";
+    point_.type = ValueType::kUint16;
+    return std::nullopt;
+  }
+
+  MayFail read_typed(std::string_view interface, std::int64_t offset) {
+    std::string name = link_.driver_user;
+    if (name.empty() || name == "MODBUS_DATA") name = port_.data_type;
+    if (const auto number = c_number(name)) {
+      if (*number < 0 || *number >= static_cast<std::int64_t>(kNumbered.size()))
+        return fmt::format("the data type {} is unknown", name);
+      name = kNumbered[static_cast<std::size_t>(*number)];
+      if (*number != 0)
+        point_.changes.push_back(
+            fmt::format("data type {} is taken for {}, as since R3-1", *number, name));
+    }
+    if (interface.starts_with("asynOctet")) return read_text(name, offset);
+    if (name.find("STRING") != std::string::npos) return "a text in a record of numbers";
+    if (name == "INT16SM") return "sign and magnitude is no type of a channel";
+    if (name == "BCD_SIGNED") return "signed BCD is no type of a channel";
+    if (name == "BCD_UNSIGNED") name = "bcd16";
+    const auto type = type_by_name(name);
+    if (!type) return fmt::format("the data type {} is unknown", name);
+    point_.type = type->type;
+    point_.word_order = type->word_order.value_or(WordOrder::kBigEndian);
+    point_.byte_order = type->byte_order.value_or(ByteOrder::kBigEndian);
+    return read_scale();
+  }
+
+  MayFail read_text(const std::string& name, std::int64_t offset) {
+    if (name.ends_with("LOW_HIGH")) {
+      point_.byte_order = ByteOrder::kLittleEndian;
+    } else if (!name.ends_with("HIGH_LOW")) {
+      return "a text with one character in each register";
+    }
+    const auto elements = whole_from(field(record_, "NELM"));
+    const bool waveform = record_.type == "waveform" || record_.type == "lsi";
+    const std::int64_t room = port_.start < 0 ? port_.length : port_.length - offset;
+    const std::int64_t wanted = waveform && elements ? static_cast<std::int64_t>(*elements) : 40;
+    const std::int64_t bytes = std::min({wanted, 2 * room, std::int64_t{kMaxStringBytes}});
+    if (bytes <= 0) return "a text without a length";
+    point_.type = ValueType::kString;
+    point_.string_bytes = static_cast<std::uint16_t>(bytes);
+    return std::nullopt;
+  }
+
+  // VAL = raw * ASLO + AOFF, then by LINR.
+  MayFail read_scale() {
+    if (const auto slope = number_field(record_, "ASLO"); slope && *slope != 0)
+      point_.scale = *slope;
+    point_.offset = number_field(record_, "AOFF").value_or(0);
+    const std::string_view linear = field(record_, "LINR");
+    if (linear.empty() || linear == "NO CONVERSION" || linear.starts_with("NO "))
+      return std::nullopt;
+    if (linear == "SLOPE") {
+      apply(number_field(record_, "ESLO").value_or(1), number_field(record_, "EOFF").value_or(0));
+      return std::nullopt;
+    }
+    if (linear != "LINEAR") return fmt::format("the conversion {} is not linear", linear);
+    return read_range();
+  }
+
+  void apply(double slope, double offset) {
+    point_.scale *= slope == 0 ? 1 : slope;
+    point_.offset = point_.offset * (slope == 0 ? 1 : slope) + offset;
+  }
+
+  // LINEAR: the range of so many bits becomes EGUL to EGUF; negative bits have a sign.
+  MayFail read_range() {
+    const double low = number_field(record_, "EGUL").value_or(0);
+    const double high = number_field(record_, "EGUF").value_or(0);
+    const auto bits = link_.masked ? c_number(link_.mask) : std::nullopt;
+    if (low == high) return "LINR is LINEAR without EGUL and EGUF";
+    if (!bits || *bits == 0 || *bits > 16 || *bits < -16)
+      return "LINR is LINEAR without a number of bits";
+    const bool with_sign = *bits < 0;
+    const double steps = static_cast<double>(std::int64_t{1} << std::abs(*bits));
+    if (with_sign && *bits != -16) return fmt::format("a sign in bit {} of a register", -*bits - 1);
+    point_.type = with_sign ? ValueType::kInt16 : ValueType::kUint16;
+    if (*bits != 16 && *bits != -16)
+      point_.changes.push_back(fmt::format("bits above {} are not cut off", *bits - 1));
+    const double slope = (high - low) / (steps - 1);
+    apply(slope, low + (with_sign ? steps / 2 * slope : 0));
+    return std::nullopt;
+  }
+
+  // Limits with a severity; they have to rise.
+  void read_alarms() {
+    if (!is_number(point_.type) || point_.access == Access::kWriteOnly) return;
+    const auto limit = [&](std::string_view value, std::string_view severity) {
+      const std::string_view level = field(record_, severity);
+      return level.empty() || level == "NO_ALARM" ? std::nullopt : number_field(record_, value);
+    };
+    const std::array limits{limit("LOLO", "LLSV"), limit("LOW", "LSV"), limit("HIGH", "HSV"),
+                            limit("HIHI", "HHSV")};
+    std::optional<double> before;
+    for (const auto& one : limits) {
+      if (one && before && *one <= *before) {
+        point_.changes.emplace_back("without its alarm limits, which do not rise");
+        return;
+      }
+      if (one) before = one;
+    }
+    point_.low_low = limits[0];
+    point_.low = limits[1];
+    point_.high = limits[2];
+    point_.high_high = limits[3];
+    const auto hysteresis = number_field(record_, "HYST");
+    if (before && hysteresis && *hysteresis > 0) point_.hysteresis = hysteresis;
+  }
+
+  const EpicsRecord& record_;
+  const AsynLink& link_;
+  const ModbusPort& port_;
+  Point point_;
+  std::optional<std::uint8_t> bit_;
+  unsigned elements_ = 0;  // 0: no array
+};
+
+}  // namespace
+
+std::optional<AsynLink> link_of(const EpicsRecord& record) {
+  std::string_view text = field(record, "INP");
+  if (text.empty()) text = field(record, "OUT");
+  text = trimmed(text);
+  AsynLink link;
+  link.masked = text.starts_with("@asynMask(");
+  if (!link.masked && !text.starts_with("@asyn(")) return std::nullopt;
+  const std::size_t open = text.find('('), close = text.find(')');
+  if (close == std::string_view::npos) return std::nullopt;
+  link.driver_user = trimmed(text.substr(close + 1));
+  std::string inside(text.substr(open + 1, close - open - 1));
+  std::ranges::replace(inside, ',', ' ');
+  std::vector<std::string_view> parts;
+  for (const std::string_view part : split(inside, ' ')) {
+    if (!part.empty()) parts.push_back(part);
+  }
+  if (parts.empty()) return std::nullopt;
+  link.port = parts[0];
+  link.offset = parts.size() > 1 ? std::string(parts[1]) : "0";
+  if (link.masked && parts.size() > 2) link.mask = parts[2];
+  return link;
+}
+
+std::optional<std::string> read_epics_record(const EpicsRecord& record, const AsynLink& link,
+                                             const ModbusPort& port, std::vector<Point>& points) {
+  return RecordReader(record, link, port).read(points);
+}
+
+}  // namespace fieldcast::importing

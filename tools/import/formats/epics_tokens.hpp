@@ -1,0 +1,31 @@
+// Words of EPICS databases and substitutions: names, quoted texts, and single brackets and commas;
+// comments are skipped. Pure.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace fieldcast::importing {
+
+struct EpicsToken {
+  std::string text;
+  unsigned line = 0;    // from 1
+  bool quoted = false;  // never a bracket
+  [[nodiscard]] bool is(std::string_view mark) const { return !quoted && text == mark; }
+};
+
+class EpicsTokens {
+ public:
+  explicit EpicsTokens(std::string_view text) : text_(text) {}
+  // Nothing at the end.
+  [[nodiscard]] std::optional<EpicsToken> next();
+
+ private:
+  void skip_blanks();
+  std::string_view text_;
+  std::size_t at_ = 0;
+  unsigned line_ = 1;
+};
+
+}  // namespace fieldcast::importing

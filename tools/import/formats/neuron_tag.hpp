@@ -1,0 +1,32 @@
+// One tag of Neuron as a point. Pure.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <tl/expected.hpp>
+
+#include "tools/import/model.hpp"
+
+namespace fieldcast::importing {
+
+// A tag as JSON and tables have it.
+struct NeuronTag {
+  std::string name, address, type, attribute, description;
+  std::optional<double> decimal, bias, interval_ms;
+};
+
+// Settings of the node: 1 is what nobody changed.
+struct NeuronOrders {
+  unsigned of_32 = 1, of_64 = 1;
+  std::uint32_t base = 1;  // the first address
+};
+
+struct ReadTag {
+  std::uint16_t slave = 0;
+  Point point;
+};
+// The error: why it cannot be moved.
+[[nodiscard]] tl::expected<ReadTag, std::string> read_neuron_tag(const NeuronTag& tag,
+                                                                 const NeuronOrders& orders);
+
+}  // namespace fieldcast::importing

@@ -1,0 +1,323 @@
+// wb-mqtt-serial: templates of devices, and its configuration, whose devices name templates.
+//
+// Source: wirenboard/wb-mqtt-serial README.md, templates/.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "tools/import/formats/readers.hpp"
+#include "tools/import/formats/wb_channel.hpp"
+#include "tools/import/formats/wb_condition.hpp"
+#include "tools/import/number.hpp"
+#include "tools/import/tree.hpp"
+
+namespace fieldcast::importing {
+namespace {
+
+constexpr unsigned kMaxParts = 8;         // parts in parts
+constexpr unsigned kMaxPartsRead = 5000;  // of a device
+
+struct WbFile {
+  const SourceText* source = nullptr;
+  std::unique_ptr<config::Document> document;
+  [[nodiscard]] const Node& root() const { return *document->root; }
+};
+
+std::optional<Duration> milliseconds_at(const Node& map, std::string_view key) {
+  const auto number = number_at(map, key);
+  if (!number || *number <= 0 || *number > 60'000) return std::nullopt;
+  return std::chrono::microseconds{static_cast<std::int64_t>(*number * 1000)};
+}
+
+// The channels of one device, or of a part of it.
+class WbDeviceReader {
+ public:
+  WbDeviceReader(const WbFile& file, const Node& device, Found& found)
+      : file_(file), device_(device), found_(found) {}
+
+  void read(Device& device, std::string_view prefix, const WbBase& base, unsigned depth,
+            const Node* settings) {
+    settings_ = settings;
+    read_part(device_, device, prefix, base, depth);
+  }
+
+  // What the template says of its device as a whole.
+  void describe(Device& device) {
+    if (const auto timeout = milliseconds_at(device_, "response_timeout_ms");
+        timeout && *timeout >= std::chrono::milliseconds{50})
+      device.timeout = timeout;  // shorter ones are counted without the line's own time
+    if (const auto guard = number_at(device_, "guard_interval_us");
+        guard && *guard > 0 && *guard <= 60e6)
+      device.pause = std::chrono::microseconds{static_cast<std::int64_t>(*guard)};
+    if (const auto block = whole_at(device_, "max_read_registers");
+        block && *block > 0 && *block < 125)
+      device.max_block = static_cast<unsigned>(*block);
+    if (const auto gap = whole_at(device_, "max_reg_hole"); gap && *gap < 125)
+      device.max_gap = static_cast<unsigned>(*gap);
+    note_list("setup", "writes when the program starts");
+    note_list("parameters", "settings");
+  }
+
+ private:
+  void note_list(std::string_view key, std::string_view words) {
+    const Node* list = child(device_, key);
+    const std::size_t count =
+        list == nullptr ? 0 : std::max(list->items.size(), list->entries.size());
+    if (count > 0)
+      found_.notes.push_back(
+          fmt::format("{}: {} {} of the device are not moved", file_.source->file, count, words));
+  }
+
+  void read_part(const Node& part, Device& device, std::string_view prefix, const WbBase& base,
+                 unsigned depth) {
+    const Node* channels = child(part, "channels");
+    if (!is_list(channels)) return;
+    for (const Node* channel : channels->items) {
+      std::string name(text_at(*channel, "name"));
+      if (!prefix.empty())
+        name = name.empty() ? std::string(prefix) : fmt::format("{} {}", prefix, name);
+      if (!text_at(*channel, "device_type").empty()) {
+        read_sub_device(*channel, device, name, base, depth);
+      } else {
+        read_channel(*channel, device, std::move(name), base);
+      }
+    }
+  }
+
+  // A part that is one of several kinds: its default one.
+  void read_sub_device(const Node& channel, Device& device, const std::string& name,
+                       const WbBase& base, unsigned depth) {
+    const Node* kinds = child(device_, "subdevices");
+    const std::string_view kind = text_at(channel, "device_type");
+    const auto refuse = [&](std::string reason) {
+      found_.refusals.push_back({name, {file_.source->file, line_of(channel)}, std::move(reason)});
+    };
+    if (depth == kMaxParts || ++parts_ > kMaxPartsRead) return refuse("parts in parts, too deep");
+    if (is_list(kinds)) {
+      for (const Node* candidate : kinds->items) {
+        const Node* inner = child(*candidate, "device");
+        const bool meant =
+            text_at(*candidate, "title") == kind || text_at(*candidate, "device_type") == kind;
+        if (!meant || inner == nullptr) continue;
+        const auto plus = [](std::uint32_t a, std::optional<std::uint64_t> b) {
+          return a + static_cast<std::uint32_t>(std::min<std::uint64_t>(b.value_or(0), 65535));
+        };
+        return read_part(*inner, device, name,
+                         {plus(base.shift, whole_at(channel, "shift")),
+                          plus(base.stride, whole_at(channel, "stride"))},
+                         depth + 1);
+      }
+    }
+    refuse(fmt::format("the part '{}' is not in the template", kind));
+  }
+
+  void read_channel(const Node& channel, Device& device, std::string name, const WbBase& base) {
+    // Of a configuration: a word about a channel of the template.
+    const bool placed =
+        child(channel, "address") != nullptr || child(channel, "reg_type") != nullptr;
+    if (settings_ == &device_ && !placed) return;
+    Point point;
+    point.name = std::move(name);
+    point.origin = {file_.source->file, line_of(channel)};
+    auto fault = read_wb_channel(channel, base, point);
+    if (fault) {
+      found_.refusals.push_back({point.name, point.origin, std::move(*fault)});
+      return;
+    }
+    for (const std::string_view key : {"read_period_ms", "read_rate_limit_ms", "poll_interval"}) {
+      if (const auto period = number_at(channel, key); period && *period >= 1 && *period < 8e7)
+        point.refresh = std::chrono::milliseconds{static_cast<std::int64_t>(*period)};
+    }
+    read_presence(channel, point);
+    device.points.push_back(std::move(point));
+  }
+
+  // Channels that are off, or are not there by the device's usual settings.
+  void read_presence(const Node& channel, Point& point) const {
+    const std::string_view condition = text_at(channel, "condition");
+    if (bool_at(channel, "enabled") == false && point.access != Access::kWriteOnly) {
+      point.on_demand = true;
+      point.changes.emplace_back("off in the template: read by command only");
+    }
+    if (condition.empty()) return;
+    const auto holds =
+        condition_holds(condition, [this](std::string_view name) { return parameter(name); });
+    if (holds == true || point.on_demand) return;
+    if (point.access != Access::kWriteOnly) point.on_demand = true;
+    point.changes.push_back(fmt::format(
+        "read by command only: the device has it where {}, and that is not its usual setting",
+        condition));
+  }
+
+  // Of the configuration, or the template's default.
+  [[nodiscard]] std::optional<double> parameter(std::string_view name) const {
+    if (settings_ != nullptr) {
+      if (const auto set = number_at(*settings_, name)) return set;
+    }
+    const Node* parameters = child(device_, "parameters");
+    if (parameters == nullptr) return std::nullopt;
+    if (const Node* one = child(*parameters, name)) return number_at(*one, "default");
+    if (is_list(parameters)) {
+      for (const Node* one : parameters->items) {
+        if (text_at(*one, "id") == name) return number_at(*one, "default");
+      }
+    }
+    return std::nullopt;
+  }
+
+  const WbFile& file_;
+  const Node& device_;
+  Found& found_;
+  const Node* settings_ = nullptr;
+  unsigned parts_ = 0;
+};
+
+class WbReader {
+ public:
+  explicit WbReader(Found& found) : found_(found) {}
+
+  void read(const std::vector<WbFile>& files) {
+    for (const WbFile& file : files) {
+      if (const Node* device = child(file.root(), "device"))
+        templates_[std::string(text_at(file.root(), "device_type"))] = {&file, device};
+    }
+    bool configured = false;
+    for (const WbFile& file : files) {
+      const Node* ports = child(file.root(), "ports");
+      if (!is_list(ports)) continue;
+      configured = true;
+      for (const Node* port : ports->items) read_port(file, *port);
+    }
+    if (configured) return;
+    Bus bus;
+    for (const WbFile& file : files) {
+      if (const Node* device = child(file.root(), "device")) read_template(file, *device, bus);
+    }
+    found_.buses.push_back(std::move(bus));
+  }
+
+ private:
+  struct Template {
+    const WbFile* file = nullptr;
+    const Node* device = nullptr;
+  };
+
+  void refuse_file(const WbFile& file, const Node& at, std::string name, std::string reason) {
+    found_.refusals.push_back(
+        {std::move(name), {file.source->file, line_of(at)}, std::move(reason)});
+  }
+
+  // True for a template of Modbus.
+  bool is_modbus(const WbFile& file, const Node& device) {
+    const std::string_view protocol = text_at(device, "protocol");
+    if (protocol.empty() || protocol == "modbus" || protocol == "modbus-tcp") return true;
+    refuse_file(file, device, std::string(text_at(device, "name")),
+                fmt::format("its protocol {} is not Modbus", protocol));
+    return false;
+  }
+
+  void read_template(const WbFile& file, const Node& node, Bus& bus) {
+    if (!is_modbus(file, node)) return;
+    Device device;
+    device.name = stem_of(file.source->file);
+    for (const std::string_view begin : {"config-"}) {
+      if (device.name.starts_with(begin)) device.name.erase(0, begin.size());
+    }
+    device.description = text_at(node, "name");
+    WbDeviceReader reader(file, node, found_);
+    reader.describe(device);
+    reader.read(device, {}, {}, 0, nullptr);
+    bus.devices.push_back(std::move(device));
+  }
+
+  void read_port(const WbFile& file, const Node& node) {
+    Bus bus;
+    if (const auto address = text_at(node, "address"); !address.empty()) {
+      bus.port.tcp = fmt::format("{}:{}", address, whole_at(node, "port").value_or(502));
+      bus.protocol = text_at(node, "port_type") == "modbus tcp" ? "modbus-tcp" : "modbus-rtu";
+    } else {
+      bus.port.serial = text_at(node, "path");
+      bus.protocol = "modbus-rtu";
+      if (const auto baud = whole_at(node, "baud_rate"); baud && *baud < 10'000'000)
+        bus.port.line.baud = static_cast<std::uint32_t>(*baud);
+      const std::string_view parity = text_at(node, "parity");
+      bus.port.line.format =
+          fmt::format("{}{}{}", whole_at(node, "data_bits").value_or(8),
+                      parity.empty() ? 'N' : parity[0], whole_at(node, "stop_bits").value_or(1));
+    }
+    const Node* devices = child(node, "devices");
+    if (!is_list(devices)) return;
+    for (const Node* device : devices->items) read_device(file, *device, bus);
+    found_.buses.push_back(std::move(bus));
+  }
+
+  void read_device(const WbFile& file, const Node& node, Bus& bus) {
+    if (bool_at(node, "enabled") == false) return;
+    Device device;
+    const std::string_view type = text_at(node, "device_type");
+    device.name = text_at(node, "name");
+    if (device.name.empty()) device.name = text_at(node, "id");
+    if (device.name.empty()) device.name = type;
+    const auto unit = whole_at(node, "slave_id");
+    if (unit && *unit <= 255) device.address = static_cast<std::uint16_t>(*unit);
+    if (!type.empty()) {
+      const auto known = templates_.find(type);
+      if (known == templates_.end())
+        return refuse_file(file, node, device.name,
+                           fmt::format("its template is not among the files: give the one with "
+                                       "\"device_type\": \"{}\", too",
+                                       type));
+      if (!is_modbus(*known->second.file, *known->second.device)) return;
+      WbDeviceReader reader(*known->second.file, *known->second.device, found_);
+      reader.describe(device);
+      reader.read(device, {}, {}, 0, &node);
+    }
+    if (is_modbus(file, node)) {
+      WbDeviceReader own(file, node, found_);
+      if (type.empty()) own.describe(device);
+      own.read(device, {}, {}, 0, &node);
+    }
+    bus.devices.push_back(std::move(device));
+  }
+
+  Found& found_;
+  std::map<std::string, Template, std::less<>> templates_;
+};
+
+bool is_jinja(std::string_view text) {
+  return text.find("{%") != std::string_view::npos || text.find("{{") != std::string_view::npos;
+}
+
+}  // namespace
+
+Confidence recognise_wb(const SourceText& source) {
+  const std::string_view text = source.text;
+  const auto has = [&](std::string_view word) { return text.find(word) != std::string_view::npos; };
+  if (has("\"device_type\"") && has("\"channels\"") && has("\"device\"")) return kCertain;
+  if (has("\"ports\"") && has("\"devices\"") && has("\"slave_id\"")) return kLikely;
+  return has("\"reg_type\"") && has("\"channels\"") ? kLikely : 0;
+}
+
+Read read_wb(std::span<const SourceText> sources, const ReadOptions&) {
+  Found found;
+  std::vector<WbFile> files;
+  for (const SourceText& source : sources) {
+    auto tree = read_json(source.text);
+    if (tree) {
+      files.push_back({&source, std::move(*tree)});
+      continue;
+    }
+    found.refusals.push_back(
+        {stem_of(source.file),
+         {source.file, 1},
+         is_jinja(source.text)
+             ? "a Jinja template, no JSON yet: `make templates` of wb-mqtt-serial "
+               "makes it, and installed systems have it made"
+             : tree.error()});
+  }
+  WbReader(found).read(files);
+  return found;
+}
+
+}  // namespace fieldcast::importing
