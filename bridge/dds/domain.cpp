@@ -58,11 +58,16 @@ void set_transports(const DdsSpec& spec, dds::DomainParticipantQos& qos) {
   transport.user_transports.push_back(udp);
 }
 
+// Who sees messages on their way in: null without DDS Security, and without discovery servers.
+struct Incoming {
+  std::shared_ptr<IncomingFilter> filter;
+  std::shared_ptr<ServerRestarts> restarts;
+};
+
 // Messages pass through ours on their way out, where notes of unregistered instances get their
-// keys, and on their way in, where the filter sees them. The library's own transports cannot be
-// reached, so that UDP of the user's or ours takes their place.
-void pass_through_ours(dds::TransportConfigQos& transport,
-                       const std::shared_ptr<IncomingFilter>& filter) {
+// keys, and on their way in. The library's own transports cannot be reached, so that UDP of the
+// user's or ours takes their place.
+void pass_through_ours(dds::TransportConfigQos& transport, const Incoming& incoming) {
   if (std::exchange(transport.use_builtin_transports, false) &&
       std::none_of(transport.user_transports.begin(), transport.user_transports.end(),
                    [](const auto& one) {
@@ -71,7 +76,7 @@ void pass_through_ours(dds::TransportConfigQos& transport,
     transport.user_transports.push_back(std::make_shared<UDPv4TransportDescriptor>());
   }
   for (auto& one : transport.user_transports)
-    one = std::make_shared<NoteTransportDescriptor>(one, filter);
+    one = std::make_shared<NoteTransportDescriptor>(one, incoming.filter, incoming.restarts);
 }
 
 // Of "host:port".
@@ -160,7 +165,7 @@ std::shared_ptr<IncomingFilter> filter_of(const DdsSpec& spec) {
 }
 
 dds::DomainParticipantQos participant_qos(const DdsSpec& spec, const std::string& name,
-                                          const std::shared_ptr<IncomingFilter>& filter) {
+                                          const Incoming& incoming) {
   auto* factory = dds::DomainParticipantFactory::get_instance();
   dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
   if (spec.profile) {
@@ -181,7 +186,7 @@ dds::DomainParticipantQos participant_qos(const DdsSpec& spec, const std::string
   qos.name() = name;
   // Transports of the user's profile are the user's business; without any, ours.
   if (!spec.profile || qos.transport().user_transports.empty()) set_transports(spec, qos);
-  pass_through_ours(qos.transport(), filter);
+  pass_through_ours(qos.transport(), incoming);
   if (spec.max_rate != 0) qos.flow_controllers().push_back(flow_controller(spec.max_rate));
   set_discovery_servers(spec.discovery_servers, qos);
   if (spec.security) set_security(*spec.security, qos);
@@ -218,7 +223,7 @@ Domain::Domain(const DdsSpec& spec, const std::string& name, DiscoveryListener* 
   }
   prepare_library();
   auto* factory = dds::DomainParticipantFactory::get_instance();
-  const dds::DomainParticipantQos qos = participant_qos(spec, name, filter_);
+  const dds::DomainParticipantQos qos = participant_qos(spec, name, {filter_, servers_.restarts()});
   // Discovery reaches the listener all the same: it has no bit in the mask.
   participant_.reset(
       factory->create_participant(spec.domain, qos, &servers_, dds::StatusMask::none()));

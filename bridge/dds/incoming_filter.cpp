@@ -1,20 +1,18 @@
 #include "bridge/dds/incoming_filter.hpp"
 
 #include <algorithm>
-#include <initializer_list>
 #include <utility>
 
+#include "bridge/dds/participant_note.hpp"
 #include "bridge/dds/rtps_message.hpp"
 
 namespace fieldcast {
 namespace {
 
-using EntityId = std::array<std::uint8_t, 4>;
-// RTPS 2.2, 9.3.1.2, and DDS Security 1.1, 7.3.7.
-constexpr EntityId kParticipantWriter{0x00, 0x01, 0x00, 0xc2};
-constexpr EntityId kParticipantReader{0x00, 0x01, 0x00, 0xc7};
-constexpr EntityId kHandshakeWriter{0x00, 0x02, 0x01, 0xc3};
+// DDS Security 1.1, 7.3.7.
+constexpr EntityBytes kHandshakeWriter{0x00, 0x02, 0x01, 0xc3};
 constexpr std::size_t kPrefixOffset = 8;
+
 // Nobody writes as many messages: numbers from here on are ours.
 constexpr std::uint32_t kOurNumbers = 0x40000000;  // the upper half
 
@@ -63,7 +61,7 @@ bool may_be_in_clear(std::span<const std::uint8_t> message) {
     if (rest.size() < kSubmessageHeader) return false;
     const auto kind = static_cast<Submessage>(rest[0]);
     if (const std::size_t entities = entities_of(kind); entities != 0) {
-      EntityId writer{};
+      EntityBytes writer{};
       const std::size_t number = entities + 2 * writer.size();
       if (rest.size() < number + sizeof kOurNumbers) return false;
       std::copy_n(rest.begin() + static_cast<std::ptrdiff_t>(entities + writer.size()),
@@ -144,32 +142,10 @@ IncomingFilter::Bytes IncomingFilter::goodbye_of_sender(std::span<const std::uin
   return is_refused(prefix) ? goodbye(prefix) : Bytes{};
 }
 
-// RTPS 2.2, 8.5.3.3.2: the participant with this GUID was disposed, says its own writer. The
-// library takes no lower number of a writer than the last one, and may_be_in_clear() none as high
-// as ours.
+// The library takes no lower number of a writer than the last one, and may_be_in_clear() none as
+// high as ours.
 IncomingFilter::Bytes IncomingFilter::goodbye(const Prefix& prefix) {
-  constexpr std::uint8_t kInlineQos = 2;
-  Bytes bytes{'R', 'T', 'P', 'S', 2, 2, 1, 15};
-  const std::uint32_t number = ++goodbyes_;
-  const auto add = [&bytes](std::initializer_list<std::uint8_t> more) {
-    bytes.insert(bytes.end(), more);
-  };
-  const auto add_little = [&bytes](std::uint64_t value, int size) {
-    for (int i = 0; i < size; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> 8 * i));
-  };
-  bytes.insert(bytes.end(), prefix.begin(), prefix.end());
-  add({static_cast<std::uint8_t>(Submessage::kData), kLittleEndian | kInlineQos, 52, 0});
-  add({0, 0, 16, 0});
-  bytes.insert(bytes.end(), kParticipantReader.begin(), kParticipantReader.end());
-  bytes.insert(bytes.end(), kParticipantWriter.begin(), kParticipantWriter.end());
-  add_little(kOurNumbers, 4);
-  add_little(number, 4);
-  add({0x70, 0, 16, 0});  // the key: the GUID
-  bytes.insert(bytes.end(), prefix.begin(), prefix.end());
-  add({0, 0, 1, 0xc1});
-  add({0x71, 0, 4, 0, 0, 0, 0, 3});  // disposed and unregistered
-  add({1, 0, 0, 0});
-  return bytes;
+  return participant_gone(prefix, std::uint64_t{kOurNumbers} << 32 | ++goodbyes_, false);
 }
 
 }  // namespace fieldcast

@@ -1,5 +1,6 @@
 #include "bridge/dds/note_transport.hpp"
 
+#include <chrono>
 #include <vector>
 
 #include "bridge/dds/joined_sending.hpp"
@@ -30,6 +31,11 @@ class NoteTransport : public PassingTransport {
 
  protected:
   void on_received(const IncomingMessage& message) override {
+    if (ServerRestarts* restarts = descriptor_.restarts.get()) {
+      const Instant now{std::chrono::steady_clock::now().time_since_epoch()};
+      const ServerRestarts::Bytes goodbye = restarts->goodbye_before(message.bytes, now);
+      if (!goodbye.empty()) message.deliver(goodbye);
+    }
     IncomingFilter* filter = descriptor_.filter.get();
     if (filter == nullptr) return message.deliver(message.bytes);
     for (const IncomingFilter::Bytes& bytes : filter->goodbyes()) message.deliver(bytes);

@@ -1,13 +1,16 @@
 // Which of the discovery servers that a configuration names have answered: without one nobody is
 // found, and Fast DDS says nothing. Stands before another listener of the participant, which
-// it tells everything. Called by threads of the library; missing() on any thread.
+// it tells everything, and tells ServerRestarts which servers the library knows. Called by threads
+// of the library; missing() on any thread.
 #pragma once
 
+#include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
 #include "bridge/dds/fastdds.hpp"
+#include "bridge/dds/server_restarts.hpp"
 
 namespace fieldcast {
 
@@ -15,7 +18,13 @@ class ServerWatch : public DiscoveryListener {
  public:
   // `servers` as in DdsSpec. The other listener outlives it; may be null.
   ServerWatch(std::vector<std::string> servers, DiscoveryListener* other)
-      : servers_(std::move(servers)), here_(servers_.size()), other_(other) {}
+      : servers_(std::move(servers)),
+        here_(servers_.size()),
+        restarts_(servers_.empty() ? nullptr : std::make_shared<ServerRestarts>()),
+        other_(other) {}
+
+  // What the transport asks about what comes; null without servers.
+  [[nodiscard]] const std::shared_ptr<ServerRestarts>& restarts() const { return restarts_; }
 
   // Those that are not there: never found, or given up after their lease.
   [[nodiscard]] std::vector<std::string> missing() const {
@@ -34,6 +43,7 @@ class ServerWatch : public DiscoveryListener {
   void on_participant(const FoundParticipant& participant) override {
     if (const auto identity = server_identity(participant.prefix);
         identity && *identity < servers_.size()) {
+      restarts_->on_server(*identity, !participant.gone);
       const std::lock_guard lock(mutex_);
       here_[*identity] = !participant.gone;
     }
@@ -43,6 +53,7 @@ class ServerWatch : public DiscoveryListener {
   const std::vector<std::string> servers_;
   mutable std::mutex mutex_;
   std::vector<bool> here_;
+  const std::shared_ptr<ServerRestarts> restarts_;
   DiscoveryListener* const other_;
 };
 

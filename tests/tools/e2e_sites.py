@@ -119,6 +119,17 @@ class DiscoveryServers(unittest.TestCase):
         wait_until(found, FOUND_SECONDS, lambda: f"a new station does not find all {when}")
         print(f"{when}: a new station has every channel after {time.monotonic() - began:.1f} s", flush=True)
 
+    def test_a_server_that_starts_anew_at_once_is_joined_again(self):
+        servers = Servers(self)
+        servers.start(0)
+        key = f', discovery-server: "127.0.0.1:{servers.ports[0]}"'
+        with Plant(BIN_DIR, CONFIG.replace("{name}", "served"), dds=key) as plant:
+            for number in range(5):  # its messages have numbers that a new one reaches only after as many stations
+                self.assert_new_station_finds_all(plant, f"as station {number + 1}")
+            servers.stop(0)
+            servers.start(0)
+            self.assert_new_station_finds_all(plant, "with the server anew")
+
     def test_one_of_two_may_be_away_and_both_may_start_anew(self):
         servers = Servers(self)
         servers.start(0)

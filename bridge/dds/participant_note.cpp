@@ -1,0 +1,66 @@
+#include "bridge/dds/participant_note.hpp"
+
+#include <initializer_list>
+
+#include "bridge/dds/rtps_message.hpp"
+
+namespace fieldcast {
+
+namespace {
+
+class NoteBytes {
+ public:
+  explicit NoteBytes(const ParticipantPrefix& prefix) : bytes_{'R', 'T', 'P', 'S', 2, 2, 1, 15} {
+    add(prefix);
+  }
+  void add(std::initializer_list<std::uint8_t> more) {
+    bytes_.insert(bytes_.end(), more.begin(), more.end());
+  }
+  template <std::size_t size>
+  void add(const std::array<std::uint8_t, size>& more) {
+    bytes_.insert(bytes_.end(), more.begin(), more.end());
+  }
+  void add_number(std::uint64_t number) {  // RTPS 2.2, 9.3.2: the upper half comes first
+    add_little(static_cast<std::uint32_t>(number >> 32));
+    add_little(static_cast<std::uint32_t>(number));
+  }
+  void add_little(std::uint32_t value) {
+    for (int i = 0; i < 4; ++i) bytes_.push_back(static_cast<std::uint8_t>(value >> 8 * i));
+  }
+  [[nodiscard]] std::vector<std::uint8_t> take() { return std::move(bytes_); }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+};
+
+constexpr std::uint8_t kHasKeys = 2, kWantsNoAnswer = 2;
+constexpr std::uint32_t kOurCount = 0x7fffffff;  // no writer has sent as many
+
+}  // namespace
+
+std::vector<std::uint8_t> participant_gone(const ParticipantPrefix& prefix, std::uint64_t number,
+                                           bool follows_what_was_lost) {
+  NoteBytes message(prefix);
+  if (follows_what_was_lost) {
+    message.add(
+        {static_cast<std::uint8_t>(Submessage::kHeartbeat), kLittleEndian | kWantsNoAnswer, 28, 0});
+    message.add(kParticipantReader);
+    message.add(kParticipantWriter);
+    message.add_number(number);  // the first that it has, and the last
+    message.add_number(number);
+    message.add_little(kOurCount);
+  }
+  message.add({static_cast<std::uint8_t>(Submessage::kData), kLittleEndian | kHasKeys, 52, 0});
+  message.add({0, 0, 16, 0});
+  message.add(kParticipantReader);
+  message.add(kParticipantWriter);
+  message.add_number(number);
+  message.add({0x70, 0, 16, 0});  // the key: the GUID
+  message.add(prefix);
+  message.add({0, 0, 1, 0xc1});
+  message.add({0x71, 0, 4, 0, 0, 0, 0, 3});  // disposed and unregistered
+  message.add({1, 0, 0, 0});
+  return message.take();
+}
+
+}  // namespace fieldcast

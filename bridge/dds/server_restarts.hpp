@@ -1,0 +1,63 @@
+// Discovery servers that start anew, recognised by what they send.
+//
+// A server of Fast DDS 2.9.1 has the same GUID after a restart, and numbers its messages from 1
+// again. A participant takes them for old ones (WriterProxy::process_heartbeat,
+// StatefulWriter::process_acknack), and learns nothing from the server until the numbers have grown
+// beyond those of before, which may take for ever. It would begin anew with a server that it has
+// given up, but that needs 20 s without a message of the server.
+//
+// Here a restart is recognised by numbers that begin anew, and the library is told that the server
+// has left, by a message like that of a server that ends. It joins the server again at once.
+//
+// Any thread.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "core/base/time.hpp"
+
+namespace fieldcast {
+
+class ServerRestarts {
+ public:
+  using Bytes = std::vector<std::uint8_t>;
+  static constexpr unsigned kMostServers = 256;  // their identity is one byte
+  // A message is not delayed by more, so that a lower number after it is no old one.
+  static constexpr Duration kLongestDelay = std::chrono::seconds{1};
+
+  // What the library knows: the server with this identity is here, or has left.
+  void on_server(unsigned identity, bool here);
+
+  // Of a message from the network, before the library reads it. Not empty: a message that the
+  // library must read first. A server that the library does not know needs none.
+  [[nodiscard]] Bytes goodbye_before(std::span<const std::uint8_t> message, Instant now);
+
+  struct Announcement {  // of a participant, by the server
+    std::uint64_t number = 0;
+    std::uint64_t stamp = 0;  // when the server numbered it; grows with the number
+  };
+  struct Heartbeat {
+    std::uint64_t last = 0;  // the number of the last announcement
+    std::uint64_t count = 0;
+  };
+
+ private:
+  struct Server {
+    bool here = false;
+    Announcement announcement;   // the one with the highest number
+    Heartbeat settled, highest;  // settled: the highest, kLongestDelay ago or longer
+    Instant highest_since{};
+  };
+  // Whether it is of another server than those before.
+  static bool is_another(Server& server, const Announcement& announcement);
+  static bool is_another(Server& server, const Heartbeat& heartbeat, Instant now);
+
+  std::mutex mutex_;
+  std::array<Server, kMostServers> servers_{};  // by identity
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,136 @@
+#include "bridge/dds/server_restarts.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace fieldcast {
+namespace {
+
+using Bytes = ServerRestarts::Bytes;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr Instant kStart{seconds{100}};
+
+// A message of the discovery server with identity 1; RTPS 2.2, 9.4.
+Bytes from_server(std::initializer_list<std::uint8_t> submessages) {
+  Bytes bytes{'R', 'T', 'P', 'S', 2,   2,   1,   15,  'D', 'S',
+              1,   '_', 'E', 'P', 'R', 'O', 'S', 'I', 'M', 'A'};
+  bytes.insert(bytes.end(), submessages);
+  return bytes;
+}
+// 09 flags length | seconds, fraction; 15 flags length | extra to-inline-qos reader writer number
+Bytes announcement(std::uint8_t number, std::uint8_t second) {
+  return from_server({0x09, 1, 8,  0,    second, 0, 0,  0,    0, 0, 0, 0,  //
+                      0x15, 5, 20, 0,    0,      0, 16, 0,                 //
+                      0,    1, 0,  0xc7, 0,      1, 0,  0xc2,              //
+                      0,    0, 0,  0,    number, 0, 0,  0});
+}
+// 07 flags length | reader writer first last count
+Bytes heartbeat(std::uint8_t last, std::uint8_t count) {
+  return from_server({0x07, 3, 28, 0, 0,    1, 0, 0xc7, 0,     1, 0, 0xc2,  //
+                      0,    0, 0,  0, 1,    0, 0, 0,                        //
+                      0,    0, 0,  0, last, 0, 0, 0,    count, 0, 0, 0});
+}
+
+struct Restarts : ::testing::Test {
+  Restarts() { restarts.on_server(1, true); }
+  bool says_goodbye(const Bytes& message, Instant now = kStart) {
+    return !restarts.goodbye_before(message, now).empty();
+  }
+  ServerRestarts restarts;
+};
+
+TEST_F(Restarts, ANumberThatReturnsWithALaterInstantIsAnotherServers) {
+  EXPECT_FALSE(says_goodbye(announcement(7, 20)));
+  EXPECT_FALSE(says_goodbye(announcement(9, 30)));
+  EXPECT_TRUE(says_goodbye(announcement(1, 40)));
+}
+
+TEST_F(Restarts, WhatIsSentAgainOrComesLateIsOfTheSameServer) {
+  EXPECT_FALSE(says_goodbye(announcement(9, 30)));
+  EXPECT_FALSE(says_goodbye(announcement(7, 20)));
+  EXPECT_FALSE(says_goodbye(announcement(9, 30)));
+  EXPECT_FALSE(says_goodbye(announcement(10, 30)));
+}
+
+TEST_F(Restarts, HeartbeatsThatBeginAnewAreAnotherServers) {
+  EXPECT_FALSE(says_goodbye(heartbeat(50, 80), kStart));
+  EXPECT_FALSE(says_goodbye(heartbeat(50, 81), kStart + seconds{2}));
+  EXPECT_TRUE(says_goodbye(heartbeat(3, 82), kStart + seconds{3})) << "fewer announcements";
+  restarts.on_server(1, true);
+  EXPECT_FALSE(says_goodbye(heartbeat(3, 83), kStart + seconds{5}));
+  EXPECT_TRUE(says_goodbye(heartbeat(3, 2), kStart + seconds{7})) << "fewer heartbeats";
+}
+
+TEST_F(Restarts, HeartbeatsThatOvertakeEachOtherAreOfTheSameServer) {
+  EXPECT_FALSE(says_goodbye(heartbeat(50, 80), kStart));
+  EXPECT_FALSE(says_goodbye(heartbeat(49, 79), kStart + milliseconds{30}));
+  EXPECT_FALSE(says_goodbye(heartbeat(51, 82), kStart + seconds{9}));
+  EXPECT_FALSE(says_goodbye(heartbeat(50, 81), kStart + seconds{9} + milliseconds{30}));
+}
+
+TEST_F(Restarts, AServerThatTheLibraryDoesNotKnowIsNotTakenLeaveOf) {
+  restarts.on_server(1, false);
+  EXPECT_FALSE(says_goodbye(announcement(9, 30)));
+  EXPECT_FALSE(says_goodbye(announcement(1, 40)));
+  restarts.on_server(1, true);
+  EXPECT_FALSE(says_goodbye(announcement(2, 41))) << "it is the one that is known now";
+}
+
+TEST_F(Restarts, LeaveIsTakenOnceUntilTheServerIsFound) {
+  EXPECT_FALSE(says_goodbye(announcement(9, 30)));
+  EXPECT_TRUE(says_goodbye(announcement(1, 40)));
+  EXPECT_FALSE(says_goodbye(announcement(1, 50)));
+  restarts.on_server(1, true);
+  EXPECT_TRUE(says_goodbye(announcement(1, 60)));
+}
+
+TEST_F(Restarts, OthersMayBeginAnewAsTheyLike) {
+  Bytes before = announcement(9, 30), after = announcement(1, 40);
+  before[8] = after[8] = 'X';
+  EXPECT_FALSE(says_goodbye(before));
+  EXPECT_FALSE(says_goodbye(after));
+  EXPECT_FALSE(says_goodbye({}));
+}
+
+TEST_F(Restarts, TheGoodbyeIsThatOfAServerThatEnds) {
+  EXPECT_FALSE(says_goodbye(announcement(9, 30)));
+  const Bytes expected = from_server({
+      0x07, 3,    28,   0,                        // heartbeat, no answer is wanted
+      0,    1,    0,    0xc7, 0,   1,   0, 0xc2,  // of participants
+      0,    0,    0,    0,    10,  0,   0, 0,     // the first that there is
+      0,    0,    0,    0,    10,  0,   0, 0,     // the last
+      0xff, 0xff, 0xff, 0x7f,                     // its count
+      0x15, 3,    52,   0,                        // data with inline QoS
+      0,    0,    16,   0,                        //
+      0,    1,    0,    0xc7, 0,   1,   0, 0xc2,  //
+      0,    0,    0,    0,    10,  0,   0, 0,     // the number
+      0x70, 0,    16,   0,    'D', 'S', 1, '_',  'E', 'P', 'R', 'O',  // the key
+      'S',  'I',  'M',  'A',  0,   0,   1, 0xc1,                      //
+      0x71, 0,    4,    0,    0,   0,   0, 3,                         // disposed and unregistered
+      1,    0,    0,    0,                                            // the end
+  });
+  EXPECT_EQ(restarts.goodbye_before(announcement(1, 40), kStart), expected);
+}
+
+// Run under the sanitizers too: nothing is read behind the end of a message.
+TEST_F(Restarts, AnyBytesAreReadWithinTheMessage) {
+  std::mt19937 random(1);
+  Bytes all = announcement(9, 30);
+  const Bytes second = heartbeat(50, 80);
+  all.insert(all.end(), second.begin() + 20, second.end());
+  for (int i = 0; i < 100'000; ++i) {
+    Bytes bytes = all;
+    for (unsigned n = random() % 4; n > 0; --n)
+      bytes[20 + random() % (bytes.size() - 20)] = static_cast<std::uint8_t>(random());
+    bytes.resize(random() % (bytes.size() + 1));
+    bytes.shrink_to_fit();
+    (void)restarts.goodbye_before(bytes, kStart + milliseconds{i});
+    restarts.on_server(1, true);
+  }
+}
+
+}  // namespace
+}  // namespace fieldcast
