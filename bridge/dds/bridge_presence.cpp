@@ -47,16 +47,35 @@ void BridgePresence::on_data_available(dds::DataReader* reader) {
   idl::Bridge received;
   dds::SampleInfo info;
   while (reader->take_next_sample(&received, &info) == ReturnCode_t::RETCODE_OK) {
-    if (info.valid_data && !is_own(info.publication_handle))
-      handlers_.received(text_of(info.publication_handle), from_idl(received));
+    if (!info.valid_data || is_own(info.publication_handle)) continue;
+    const BridgeClaims claims = from_idl(received);
+    const std::lock_guard lock(mutex_);
+    lost_.forget(info.publication_handle, info.publication_handle);
+    known_[info.publication_handle] = claims;
+    handlers_.received(text_of(info.publication_handle), claims);
   }
 }
 
 void BridgePresence::on_subscription_matched(dds::DataReader*,
                                              const dds::SubscriptionMatchedStatus& status) {
   if (is_own(status.last_publication_handle)) return;
-  const std::string id = text_of(status.last_publication_handle);
-  status.current_count_change > 0 ? handlers_.found(id) : handlers_.lost(id);
+  if (status.current_count_change > 0) matched(status.last_publication_handle);
+  if (status.current_count_change < 0) unmatched(status.last_publication_handle);
+}
+
+// One that was lost by the network claims what it claimed before; what it said since comes after.
+void BridgePresence::matched(const Handle& writer) {
+  const std::lock_guard lock(mutex_);
+  handlers_.found(text_of(writer));
+  for (auto& [instance, claims] : lost_.take(writer)) {
+    if (known_.try_emplace(instance, claims).second) handlers_.received(text_of(writer), claims);
+  }
+}
+
+void BridgePresence::unmatched(const Handle& writer) {
+  const std::lock_guard lock(mutex_);
+  if (auto node = known_.extract(writer)) lost_.keep(writer, writer, std::move(node.mapped()));
+  handlers_.lost(text_of(writer));
 }
 
 void BridgePresence::on_liveliness_changed(dds::DataReader*,

@@ -3,10 +3,13 @@
 #pragma once
 
 #include <functional>
+#include <map>
+#include <mutex>
 #include <string>
 
 #include "bridge/dds/dds_link.hpp"
 #include "bridge/dds/domain.hpp"
+#include "bridge/dds/lost_instances.hpp"
 #include "bridge/dds/topics/conversion.hpp"
 
 namespace fieldcast {
@@ -26,12 +29,19 @@ class BridgePresence : private dds::DataReaderListener {
   void on_liveliness_changed(dds::DataReader* reader,
                              const dds::LivelinessChangedStatus& status) override;
   [[nodiscard]] bool is_own(const Handle& writer) const;
+  void matched(const Handle& writer);
+  void unmatched(const Handle& writer);
 
+  static constexpr std::size_t kMostLost = 256;  // bridges
   Domain& domain_;
   const DdsLink::BridgeHandlers handlers_;
   dds::DataWriter* writer_;
   dds::DataReader* reader_;
   idl::Bridge announced_;
+  // The reader is called on any of the participant's threads; what it said is handed on in order.
+  std::mutex mutex_;
+  std::map<Handle, BridgeClaims> known_;  // by writer: what it said last
+  LostInstances<BridgeClaims> lost_{kMostLost};
 };
 
 }  // namespace fieldcast

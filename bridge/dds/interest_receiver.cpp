@@ -26,6 +26,7 @@ void InterestReceiver::on_data_available(dds::DataReader* reader) {
   dds::SampleInfo info;
   while (reader->take_next_sample(&sample, &info) == ReturnCode_t::RETCODE_OK) {
     const auto known = known_.find(info.instance_handle);
+    lost_.forget(info.publication_handle, info.instance_handle);
     if (info.valid_data && info.instance_state == dds::ALIVE_INSTANCE_STATE) {
       std::optional<Interest> interest = from_idl(sample);
       if (!interest) {
@@ -70,20 +71,34 @@ void InterestReceiver::on_sample_rejected(dds::DataReader*, const dds::SampleRej
          " that a bridge holds");
 }
 
-// A station that dies, or leaves without withdrawing: the library delivers no note for its
-// instances.
 void InterestReceiver::on_subscription_matched(dds::DataReader*,
                                                const dds::SubscriptionMatchedStatus& status) {
-  if (status.current_count_change >= 0) return;
   const std::lock_guard lock(mutex_);
+  if (status.current_count_change < 0) end_of(status.last_publication_handle);
+  if (status.current_count_change > 0) return_of(status.last_publication_handle);
+}
+
+// A station that dies, or leaves without withdrawing: the library delivers no note for its
+// instances.
+void InterestReceiver::end_of(const dds::InstanceHandle_t& writer) {
   for (auto one = known_.begin(); one != known_.end();) {
-    if (one->second.writer != status.last_publication_handle) {
+    if (one->second.writer != writer) {
       ++one;
       continue;
     }
-    const Known ended = std::move(one->second);
-    one = known_.erase(one);
-    if (!ended.silent) end(ended.interest);
+    auto ended = known_.extract(one++);
+    if (!ended.mapped().silent) end(ended.mapped().interest);
+    lost_.keep(writer, ended.key(), std::move(ended.mapped().interest));
+  }
+}
+
+void InterestReceiver::return_of(const dds::InstanceHandle_t& writer) {
+  for (auto& [instance, interest] : lost_.take(writer)) {
+    if (known_.size() >= static_cast<std::size_t>(kMaxInterests)) {
+      refuse(std::to_string(kMaxInterests) + " interests are held already");
+    } else if (known_.try_emplace(instance, Known{interest, writer, false}).second) {
+      handler_(std::move(interest));
+    }
   }
 }
 

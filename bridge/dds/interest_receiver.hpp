@@ -11,6 +11,7 @@
 #include <map>
 
 #include "bridge/dds/domain.hpp"
+#include "bridge/dds/lost_instances.hpp"
 #include "bridge/dds/topics/conversion.hpp"
 
 namespace fieldcast {
@@ -33,6 +34,8 @@ class InterestReceiver : private dds::DataReaderListener {
                              const dds::LivelinessChangedStatus& status) override;
 
   void end(Interest interest);
+  void end_of(const dds::InstanceHandle_t& writer);
+  void return_of(const dds::InstanceHandle_t& writer);
   void refuse(const idl::Interest& interest, const std::string& why);
   void refuse(const std::string& text);
 
@@ -51,6 +54,7 @@ class InterestReceiver : private dds::DataReaderListener {
   std::mutex mutex_;  // the reader is called on any of the participant's threads
   // The end of an interest comes without its names; at most kMaxInterests.
   std::map<dds::InstanceHandle_t, Known> known_;
+  LostInstances<Interest> lost_{static_cast<std::size_t>(kMaxInterests)};
 };
 
 }  // namespace fieldcast

@@ -71,7 +71,7 @@ void BlockSubscription::on_subscription_matched(dds::DataReader*,
   if (status.current_count_change == 0) return;
   {
     const std::lock_guard lock(news_mutex_);
-    (status.current_count_change < 0 ? left_ : came_).push_back(status.last_publication_handle);
+    matches_.push_back({status.last_publication_handle, status.current_count_change > 0});
   }
   wake();
 }
@@ -88,7 +88,7 @@ void BlockSubscription::run() {
   pthread_setname_np(pthread_self(), "station");
   std::optional<Instant> due;
   while (true) {
-    std::vector<dds::InstanceHandle_t> left, came;
+    std::vector<Match> matches;
     {
       std::unique_lock lock(news_mutex_);
       const auto ready = [this] { return fresh_ || ending_; };
@@ -99,14 +99,12 @@ void BlockSubscription::run() {
       }
       if (ending_) return;
       fresh_ = false;
-      left.swap(left_);
-      came.swap(came_);
+      matches.swap(matches_);
     }
     const std::lock_guard lock(mutex_);
     take_catalogue();
     take_blocks();
-    end_of(left);
-    return_of(came);
+    for (const Match& match : matches) match.came ? return_of(match.writer) : end_of(match.writer);
     ask_for_snapshots(now_steady());
     due = next_request();
   }
@@ -119,10 +117,12 @@ void BlockSubscription::take_catalogue() {
   while (catalogue_->take_next_sample(&catalogue_block_, &info) == ReturnCode_t::RETCODE_OK) {
     if (info.valid_data) {
       const std::string name = catalogue_block_.bus().c_str();
+      lost_.forget(info.publication_handle, info.instance_handle);
       known_[info.instance_handle] = {name, catalogue_block_.epoch(), catalogue_block_.first(),
                                       info.publication_handle, catalogue_block_};
       bus_of(name).table.on_catalogue(catalogue_block_, handlers_);
     } else if (info.instance_state != dds::ALIVE_INSTANCE_STATE) {
+      lost_.forget(info.publication_handle, info.instance_handle);
       if (const auto node = known_.extract(info.instance_handle)) gone(node.mapped());
     }
   }
@@ -139,26 +139,23 @@ void BlockSubscription::take_blocks() {
 }
 
 // A writer that dies or leaves without a word: the library delivers no note of its instances.
-void BlockSubscription::end_of(const std::vector<dds::InstanceHandle_t>& writers) {
-  for (const dds::InstanceHandle_t& writer : writers) {
-    std::erase_if(known_, [&](const auto& entry) {
-      if (entry.second.writer != writer) return false;
-      gone(entry.second);
-      if (lost_.size() < kMostLost) lost_.insert(entry);
-      return true;
-    });
+void BlockSubscription::end_of(const dds::InstanceHandle_t& writer) {
+  for (auto known = known_.begin(); known != known_.end();) {
+    if (known->second.writer != writer) {
+      ++known;
+      continue;
+    }
+    auto node = known_.extract(known++);
+    gone(node.mapped());
+    lost_.keep(writer, node.key(), std::move(node.mapped()));
   }
 }
 
 // The same writer, after a network that was cut: what it had written holds again.
-void BlockSubscription::return_of(const std::vector<dds::InstanceHandle_t>& writers) {
-  for (const dds::InstanceHandle_t& writer : writers) {
-    std::erase_if(lost_, [&](const auto& entry) {
-      if (entry.second.writer != writer) return false;
-      if (known_.insert(entry).second)
-        bus_of(entry.second.bus).table.on_catalogue(entry.second.block, handlers_);
-      return true;
-    });
+void BlockSubscription::return_of(const dds::InstanceHandle_t& writer) {
+  for (auto& [instance, lost] : lost_.take(writer)) {
+    const auto [known, is_new] = known_.try_emplace(instance, std::move(lost));
+    if (is_new) bus_of(known->second.bus).table.on_catalogue(known->second.block, handlers_);
   }
 }
 

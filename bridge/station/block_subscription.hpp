@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "bridge/dds/domain.hpp"
+#include "bridge/dds/lost_instances.hpp"
 #include "bridge/station/bus_table.hpp"
 
 namespace fieldcast {
@@ -44,7 +45,7 @@ class BlockSubscription : private dds::DataReaderListener {
   // How long to wait for a snapshot, from its request or from when the bus is known; then it is
   // requested again.
   static constexpr Duration kPatience = std::chrono::milliseconds{300};
-  static constexpr std::size_t kMostLost = 4096;  // catalogue blocks; more are not kept
+  static constexpr std::size_t kMostLost = 4096;  // catalogue blocks
 
   struct Bus {
     BusTable table;
@@ -67,8 +68,8 @@ class BlockSubscription : private dds::DataReaderListener {
   // REQUIRES, all of them: mutex_ held.
   void take_catalogue();
   void take_blocks();
-  void end_of(const std::vector<dds::InstanceHandle_t>& writers);
-  void return_of(const std::vector<dds::InstanceHandle_t>& writers);
+  void end_of(const dds::InstanceHandle_t& writer);
+  void return_of(const dds::InstanceHandle_t& writer);
   void gone(const Known& known);
   Bus& bus_of(const std::string& name);
   void ask_for_snapshots(Instant now);
@@ -82,8 +83,7 @@ class BlockSubscription : private dds::DataReaderListener {
   OnGone channel_gone_, sample_gone_;
   std::map<std::string, Bus, std::less<>> buses_;
   std::map<dds::InstanceHandle_t, Known> known_;
-  // What writers that were lost had written: the library does not give it again when they return.
-  std::map<dds::InstanceHandle_t, Known> lost_;
+  LostInstances<Known> lost_{kMostLost};
   idl::CatalogueBlock catalogue_block_;
   idl::SampleBlock block_;
   Counters counters_;
@@ -93,7 +93,11 @@ class BlockSubscription : private dds::DataReaderListener {
   std::mutex news_mutex_;  // what follows; never held while DDS is called
   std::condition_variable news_;
   bool fresh_ = false, ending_ = false;
-  std::vector<dds::InstanceHandle_t> left_, came_;  // writers of the catalogue
+  struct Match {
+    dds::InstanceHandle_t writer;  // of the catalogue
+    bool came;                     // or left
+  };
+  std::vector<Match> matches_;
 
   dds::DataReader* catalogue_ = nullptr;
   std::thread thread_;  // last: it uses what is above

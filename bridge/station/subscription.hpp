@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "bridge/dds/domain.hpp"
+#include "bridge/dds/lost_instances.hpp"
 
 namespace fieldcast {
 
@@ -18,8 +19,8 @@ class Subscription : private dds::DataReaderListener {
   using Message = typename Type::Message;
   struct Handlers {
     std::function<void(const Message&)> sample;
-    // An instance was disposed, or nobody writes it any more: the message with its keys. Null:
-    // nobody asks.
+    // An instance was disposed, or nobody writes it any more: its last message. Null: nobody asks.
+    // Where a lost writer returns, `sample` is told its instances again.
     std::function<void(const Message&)> gone;
     // No sample of an instance came within the reader's deadline, which somebody writes still: the
     // message with its keys. Null: nobody asks.
@@ -32,7 +33,8 @@ class Subscription : private dds::DataReaderListener {
                const dds::DataReaderQos& qos, Handlers handlers)
       : domain_(domain),
         limit_(static_cast<std::size_t>(qos.resource_limits().max_instances)),
-        handlers_(std::move(handlers)) {
+        handlers_(std::move(handlers)),
+        lost_(limit_) {
     dds::StatusMask mask = dds::StatusMask::data_available();
     if (remembers()) mask << dds::StatusMask::subscription_matched();
     if (handlers_.deadline_missed) mask << dds::StatusMask::requested_deadline_missed();
@@ -48,9 +50,10 @@ class Subscription : private dds::DataReaderListener {
     dds::SampleInfo info;
     while (reader->take_next_sample(&received_, &info) == ReturnCode_t::RETCODE_OK) {
       if (info.valid_data) {
-        if (remembers()) remember(info);
+        if (remembers()) remember(info.instance_handle, info.publication_handle);
         handlers_.sample(received_);
       } else if (info.instance_state != dds::ALIVE_INSTANCE_STATE) {
+        lost_.forget(info.publication_handle, info.instance_handle);
         // Such a note comes without its keys.
         if (const auto node = known_.extract(info.instance_handle)) end(node.key(), node.mapped());
       }
@@ -60,8 +63,9 @@ class Subscription : private dds::DataReaderListener {
   // note of it.
   void on_subscription_matched(dds::DataReader*,
                                const dds::SubscriptionMatchedStatus& status) override {
-    if (status.current_count_change >= 0) return;
     const std::lock_guard lock(mutex_);
+    if (status.current_count_change > 0) return_of(status.last_publication_handle);
+    if (status.current_count_change >= 0) return;
     for (auto known = known_.begin(); known != known_.end();) {
       if (known->second.writer != status.last_publication_handle) {
         ++known;
@@ -69,6 +73,7 @@ class Subscription : private dds::DataReaderListener {
       }
       const auto node = known_.extract(known++);
       end(node.key(), node.mapped());
+      lost_.keep(node.mapped().writer, node.key(), std::move(node.mapped().last));
     }
   }
   // Fast DDS 2.9.1 goes on counting for an instance whose last writer has gone. Such misses are not
@@ -86,22 +91,33 @@ class Subscription : private dds::DataReaderListener {
   }
 
   struct Known {
-    Message last;                  // for its keys
+    Message last;                  // for its keys, and if its writer returns
     dds::InstanceHandle_t writer;  // of the latest sample
   };
   [[nodiscard]] bool remembers() const {
     return handlers_.gone != nullptr || handlers_.deadline_missed != nullptr;
   }
-  // REQUIRES for both: mutex_ held.
-  void remember(const dds::SampleInfo& info) {
-    const auto known = known_.find(info.instance_handle);
+  // REQUIRES for all: mutex_ held.
+  void remember(const dds::InstanceHandle_t& instance, const dds::InstanceHandle_t& writer) {
+    lost_.forget(writer, instance);
+    const auto known = known_.find(instance);
     if (known != known_.end()) {
-      known->second.writer = info.publication_handle;
+      known->second.last = received_;
+      known->second.writer = writer;
     } else if (known_.size() < limit_) {
-      known_.emplace(info.instance_handle, Known{received_, info.publication_handle});
+      known_.emplace(instance, Known{received_, writer});
       if (handlers_.deadline_missed == nullptr) return;
       const std::lock_guard lock(promised_mutex_);
-      promised_.emplace(info.instance_handle, received_);
+      promised_.emplace(instance, received_);
+    }
+  }
+  // What it had written holds again; what it wrote since is still to come.
+  void return_of(const dds::InstanceHandle_t& writer) {
+    for (auto& [instance, last] : lost_.take(writer)) {
+      if (known_.contains(instance)) continue;  // another one writes it now
+      received_ = std::move(last);
+      remember(instance, writer);
+      handlers_.sample(received_);
     }
   }
   void end(const dds::InstanceHandle_t& instance, const Known& known) {
@@ -118,7 +134,8 @@ class Subscription : private dds::DataReaderListener {
   std::mutex mutex_;  // the library calls on any of the participant's threads
   Message received_;
   std::map<dds::InstanceHandle_t, Known> known_;  // if remembers(); at most limit_
-  std::mutex promised_mutex_;                     // after mutex_ and the reader's
+  LostInstances<Message> lost_;
+  std::mutex promised_mutex_;  // after mutex_ and the reader's
   // Those of known_, for what a missed deadline names; only with `deadline_missed`.
   std::map<dds::InstanceHandle_t, Message> promised_;
   dds::DataReader* reader_ = nullptr;
