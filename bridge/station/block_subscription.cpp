@@ -12,6 +12,17 @@ namespace fieldcast {
 
 namespace {
 
+// Of one bus two bridges may write for a moment, and each of them may be the one that stays.
+dds::DataReaderQos catalogue_qos() {
+  constexpr std::int32_t kWriters = 4;
+  dds::DataReaderQos qos = reader_qos(kCatalogueBlockTopic);
+  qos.history().depth = kWriters;
+  auto& limits = qos.resource_limits();
+  limits.max_samples_per_instance = kWriters;
+  limits.max_samples = kWriters * limits.max_instances;
+  return qos;
+}
+
 Instant now_steady() { return Instant{std::chrono::steady_clock::now().time_since_epoch()}; }
 
 }  // namespace
@@ -23,7 +34,7 @@ BlockSubscription::BlockSubscription(Domain& domain, std::string station)
     if (channel_gone_) channel_gone_(last.bus, last.device, last.channel);
   };
   catalogue_ =
-      domain_.reader(kCatalogueBlockTopic, this,
+      domain_.reader(kCatalogueBlockTopic, catalogue_qos(), this,
                      dds::StatusMask::data_available() << dds::StatusMask::subscription_matched());
   thread_ = std::thread([this] { run(); });
 }
@@ -118,12 +129,13 @@ void BlockSubscription::take_catalogue() {
     if (info.valid_data) {
       const std::string name = catalogue_block_.bus().c_str();
       lost_.forget(info.publication_handle, info.instance_handle);
-      known_[info.instance_handle] = {name, catalogue_block_.epoch(), catalogue_block_.first(),
-                                      info.publication_handle, catalogue_block_};
+      known_[{info.publication_handle, info.instance_handle}] = {
+          name, catalogue_block_.epoch(), catalogue_block_.first(), catalogue_block_};
       bus_of(name).table.on_catalogue(catalogue_block_, handlers_);
     } else if (info.instance_state != dds::ALIVE_INSTANCE_STATE) {
       lost_.forget(info.publication_handle, info.instance_handle);
-      if (const auto node = known_.extract(info.instance_handle)) gone(node.mapped());
+      if (const auto node = known_.extract({info.publication_handle, info.instance_handle}))
+        gone(node.mapped());
     }
   }
 }
@@ -141,26 +153,32 @@ void BlockSubscription::take_blocks() {
 // A writer that dies or leaves without a word: the library delivers no note of its instances.
 void BlockSubscription::end_of(const dds::InstanceHandle_t& writer) {
   for (auto known = known_.begin(); known != known_.end();) {
-    if (known->second.writer != writer) {
+    if (known->first.first != writer) {
       ++known;
       continue;
     }
     auto node = known_.extract(known++);
     gone(node.mapped());
-    lost_.keep(writer, node.key(), std::move(node.mapped()));
+    lost_.keep(writer, node.key().second, std::move(node.mapped()));
   }
 }
 
 // The same writer, after a network that was cut: what it had written holds again.
 void BlockSubscription::return_of(const dds::InstanceHandle_t& writer) {
   for (auto& [instance, lost] : lost_.take(writer)) {
-    const auto [known, is_new] = known_.try_emplace(instance, std::move(lost));
+    const auto [known, is_new] = known_.try_emplace({writer, instance}, std::move(lost));
     if (is_new) bus_of(known->second.bus).table.on_catalogue(known->second.block, handlers_);
   }
 }
 
 void BlockSubscription::gone(const Known& known) {
-  bus_of(known.bus).table.on_catalogue_gone(known.epoch, known.first, handlers_);
+  BusTable& table = bus_of(known.bus).table;
+  table.on_catalogue_gone(known.epoch, known.first, handlers_);
+  if (table.is_known()) return;
+  // The epoch is over: what another bridge wrote of this bus holds now, under a smaller one too.
+  for (const auto& [written, other] : known_) {
+    if (other.bus == known.bus) table.on_catalogue(other.block, handlers_);
+  }
 }
 
 void BlockSubscription::ask_for_snapshots(Instant now) {

@@ -56,7 +56,6 @@ class BlockSubscription : private dds::DataReaderListener {
     std::string bus;
     std::uint64_t epoch;
     std::uint32_t first;
-    dds::InstanceHandle_t writer;
     idl::CatalogueBlock block;
   };
 
@@ -82,7 +81,8 @@ class BlockSubscription : private dds::DataReaderListener {
   BusTable::Handlers handlers_;
   OnGone channel_gone_, sample_gone_;
   std::map<std::string, Bus, std::less<>> buses_;
-  std::map<dds::InstanceHandle_t, Known> known_;
+  // By writer and instance: of one bus two bridges may write.
+  std::map<std::pair<dds::InstanceHandle_t, dds::InstanceHandle_t>, Known> known_;
   LostInstances<Known> lost_{kMostLost};
   idl::CatalogueBlock catalogue_block_;
   idl::SampleBlock block_;

@@ -56,6 +56,31 @@ TEST(DdsLink, EveryChannelOf300ArrivesFromOneRefreshClass) {
   EXPECT_THAT(received.problems.all(), ::testing::IsEmpty());
 }
 
+// Two masters that start before they have found each other: one of them steps back.
+TEST(DdsLink, TheChannelsOfABridgeAreThereWhenAnotherOneOfALaterEpochHasLeft) {
+  const std::string bus = bus_name("twice");
+  Received of_first, of_second;
+  DdsLink first(loopback(), "first", of_first.handlers());
+  first.add_bus(bus_of(bus, 2));
+  auto second = std::make_unique<DdsLink>(loopback(), "second", of_second.handlers());
+  second->add_bus(bus_of(bus, 3));
+  Station station(loopback(), "watcher");
+  Collected<StationSample> samples;
+  station.subscribe_samples([&](const StationSample& sample) { samples.add(sample); });
+  second->publish(bus, one_of_each(3), both_clocks());
+  ASSERT_TRUE(eventually([&] { return channels_of(samples.all(), bus).size() == 3; }));
+
+  second.reset();
+  std::uint64_t sequence = 100;
+  EXPECT_TRUE(eventually([&] {
+    first.publish(bus, one_of_each(2, ++sequence), both_clocks());
+    const auto all = samples.all();
+    return std::any_of(all.begin(), all.end(), [&](const StationSample& sample) {
+      return sample.bus == bus && sample.sequence > 100;
+    });
+  }));
+}
+
 // One writer with all of them costs a reader's discovery a time that grows with their square.
 TEST(DdsLink, TheKeyedCatalogueIsSplitAmongWriters) {
   constexpr std::size_t kChannels = 2 * kChannelsPerCatalogueWriter + 1;
