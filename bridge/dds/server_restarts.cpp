@@ -91,12 +91,12 @@ bool ServerRestarts::is_another(Server& server, const Announcement& announcement
 
 bool ServerRestarts::is_another(Server& server, const Heartbeat& heartbeat, Instant now) {
   if (now - server.highest_since >= kLongestDelay) {
-    server.settled = server.highest;
+    server.settled = server.highest.count;
     server.highest_since = now;
   }
   server.highest = {std::max(server.highest.last, heartbeat.last),
                     std::max(server.highest.count, heartbeat.count)};
-  return heartbeat.last < server.settled.last || heartbeat.count < server.settled.count;
+  return heartbeat.count < server.settled;
 }
 
 ServerRestarts::Bytes ServerRestarts::goodbye_before(Span message, Instant now) {

@@ -41,15 +41,16 @@ class ServerRestarts {
     std::uint64_t stamp = 0;  // when the server numbered it; grows with the number
   };
   struct Heartbeat {
-    std::uint64_t last = 0;  // the number of the last announcement
+    std::uint64_t last = 0;  // the highest number that the server has; not the highest it had
     std::uint64_t count = 0;
   };
 
  private:
   struct Server {
     bool here = false;
-    Announcement announcement;   // the one with the highest number
-    Heartbeat settled, highest;  // settled: the highest, kLongestDelay ago or longer
+    Announcement announcement;  // the one with the highest number
+    Heartbeat highest;          // each the highest of all
+    std::uint64_t settled = 0;  // the highest count, kLongestDelay ago or longer
     Instant highest_since{};
   };
   // Whether it is of another server than those before.
