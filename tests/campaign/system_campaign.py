@@ -29,6 +29,7 @@ import urllib.request
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(HERE, "..", "tools")]
+import store_kills  # noqa: E402
 from fault_shim import FaultShim  # noqa: E402
 from plant import Failure, Plant, wait_until  # noqa: E402
 
@@ -425,57 +426,8 @@ def killed_at_a_write(seed):
     return {"kills": kills}
 
 
-def run_writer(shim, *words):
-    writer = os.path.join(options.bin, "store_writer")
-    return subprocess.run([writer, *words], capture_output=True, text=True, timeout=60, env=shim.environment())
-
-
-def last_number(text, word):
-    numbers = [int(row.split()[1]) for row in text.splitlines() if row.startswith(word + " ")]
-    return numbers[-1] if numbers else 0
-
-
 def killed_at_every_instant(seed):
-    """A store's writer is killed before, within and after each of its operations: what was reported is there."""
-    counts = {"kills": 0}
-    chance = random.Random(seed)
-    with tempfile.TemporaryDirectory() as scratch:
-        for what, number, report in (("commands", "12", "taken"), ("samples", "2", "stored")):
-            kill = 1
-            while True:
-                for how in range(3):
-                    if options.quick and chance.random() > (0.06 if what == "commands" else 0.01):
-                        continue
-                    folder = tempfile.mkdtemp(dir=scratch)
-                    path = os.path.join(folder, "store.db")
-                    shim = FaultShim(options.shim, folder, path)
-                    shim.kill_how, shim.kill_at = how, kill
-                    killed = run_writer(shim, path, what, number)
-                    shim.clear()
-                    told = last_number(killed.stdout, report)
-                    checked = run_writer(shim, path, "check", *(("0", str(told)) if what == "commands" else (str(told), "0")))
-                    if checked.returncode != 0:
-                        raise Failure(f"killed at operation {kill} of {what}, {('before', 'within', 'after')[how]} it: "
-                                      f"{checked.stdout}{checked.stderr}")
-                    counts["kills"] += killed.returncode == -signal.SIGKILL
-                folder = tempfile.mkdtemp(dir=scratch)
-                if not operations_of(what, number, scratch) > kill:
-                    break
-                kill += 1
-    return counts
-
-
-OPERATIONS = {}
-
-
-def operations_of(what, number, scratch):
-    """How many operations a writer does that nobody kills."""
-    if what not in OPERATIONS:
-        folder = tempfile.mkdtemp(dir=scratch)
-        shim = FaultShim(options.shim, folder, os.path.join(folder, "store.db"))
-        run_writer(shim, os.path.join(folder, "store.db"), what, number)
-        OPERATIONS[what] = shim.operations
-    return OPERATIONS[what]
+    return store_kills.killed_at_every_instant(options)
 
 
 SCENARIOS = {  # name: (function, whether it is among the short ones)
