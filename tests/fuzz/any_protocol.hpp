@@ -1,5 +1,5 @@
 // What a fuzz target does with any protocol: bytes as the answers to a request, and into the
-// explainer.
+// explainer; the latter for one input in eight.
 //
 // Input: area, first, count, kind of request, cut; then for each round length(1) and so many bytes
 // of answer.
