@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # The fault campaign: builds what it needs, runs its parts in shares of the time, shows how far it is, and prints a report.
 #
-#   tools/campaign.sh --minutes N [--seed S] [--part NAME].. [--counts FILE] [--report FILE] [--files DIR]
+#   tools/campaign.sh --minutes N [--seed S] [--part NAME].. [--counts FILE] [--report FILE] [--files DIR] [--grown DIR]
 #
 # Parts: see PARTS in tests/campaign/campaign.py; all of them where none is named. --counts: what was executed is added to the counts
-# in FILE, over all runs. --files: where transcripts and inputs that fail are written (a new folder in /tmp). Ctrl-C ends it at once
-# with the report so far. The exit code is 1 when something did not hold. tools/test.sh runs each part for some seconds.
+# in FILE, over all runs. --files: where transcripts and inputs that fail are written (a new folder in /tmp). --grown: where the inputs
+# that fuzzing found are kept, with which the next run begins. Ctrl-C ends it at once with the report so far. The exit code is 1 when
+# something did not hold. tools/test.sh runs each part for some seconds.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -13,7 +14,7 @@ parts=()
 words=("$@")
 for ((i = 0; i < $#; ++i)); do
   case "${words[i]}" in
-    -h | --help) sed -n '2,9s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 0 ;;
     --part) parts+=("${words[i + 1]:-}") ;;
   esac
 done

@@ -1,8 +1,9 @@
 """Runs every libFuzzer program over its corpus for a share of the time, and counts what each executed.
 
-usage: fuzz_campaign.py --seconds S [--seed N] --bin DIR [--target NAME].. [--artifacts DIR] [--jobs N]
+usage: fuzz_campaign.py --seconds S [--seed N] --bin DIR [--target NAME].. [--artifacts DIR] [--grown DIR] [--jobs N]
 
-An input that fails is kept in the folder of artifacts, and named in a line that begins with FAIL. The last line is the counts as JSON.
+Every target gets the same time. An input that fails is kept in the folder of artifacts, and named in a line that begins with FAIL. With
+--grown the inputs that it found are kept there, and the next run begins with them. The last line is the counts as JSON.
 """
 
 import argparse
@@ -19,6 +20,11 @@ import time
 
 CORPUS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "fuzz", "corpus")
 EXECUTED = re.compile(r"stat::number_of_executed_units:\s*(\d+)")
+# Longer inputs than these say nothing new, and each takes longer: bytes of a frame, of a program's messages. Others: libFuzzer's own.
+LONGEST = {"dtc": 600, "lzw": 300, "mitsubishi_fx": 600, "modbus": 600, "modbus_rtu_declared": 600, "omron_fins": 600, "omron_hostlink": 600,
+           "program": 600, "s7_freeport": 600, "s7_ppi": 600, "instrument": 600, "address": 120}
+# Where memory was taken, in all its detail, is needed once an input failed: replay it without these.
+SANITIZER = "malloc_context_size=0:quarantine_size_mb=16"
 PULSE = re.compile(r"^#(\d+)\s")
 
 
@@ -29,7 +35,8 @@ def parse():
     parser.add_argument("--bin", required=True)
     parser.add_argument("--target", action="append")
     parser.add_argument("--artifacts", default=".")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--grown")
+    parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)))
     return parser.parse_args()
 
 
@@ -38,12 +45,13 @@ class Fuzzer:
 
     def __init__(self, options, name, seconds, scratch):
         self.name, self.executed, self.artifacts = name, 0, options.artifacts
-        grown = os.path.join(scratch, name)  # what it finds goes here, not into the tree
+        grown = os.path.join(options.grown or scratch, name)  # what it finds goes here, not into the tree
         os.makedirs(grown, exist_ok=True)
         command = [os.path.join(options.bin, "fuzz_" + name), f"-max_total_time={max(1, int(seconds))}", "-print_final_stats=1",
-                   f"-seed={options.seed}", "-timeout=25", "-rss_limit_mb=2048",
+                   f"-seed={options.seed}", "-timeout=25", "-rss_limit_mb=2048", f"-max_len={LONGEST.get(name, 0)}",
                    f"-artifact_prefix={options.artifacts}/{name}-", grown, os.path.join(CORPUS, name)]
-        self.process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, errors="replace")
+        self.process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, errors="replace",
+                                        env={"ASAN_OPTIONS": SANITIZER, **os.environ})
         self.tail = []
         self.reader = threading.Thread(target=self.read, daemon=True)
         self.reader.start()
