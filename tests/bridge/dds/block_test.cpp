@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <limits>
 
 #include "bridge/dds/topics/conversion.hpp"
 #include "bridge/dds/topics/sample_type.hpp"
+#include "bridge/dds/topics/topic_type.hpp"
 
 namespace fieldcast {
 namespace {
@@ -90,6 +92,19 @@ TEST(SampleBlock, KeepsItsSizeOnTheWire) {
       EXPECT_LE(block.channels().size(), BlockFiller::kMaxRows);
     }
   }
+}
+
+// The generated code would make room for them before it reads one.
+TEST(SampleBlock, MoreTextsThanItMayHaveAreRefusedBeforeMemoryIsTaken) {
+  constexpr std::uint32_t kTexts = 4'000'000;  // a gigabyte
+  idl::SampleBlock block;
+  block.bus() = "line";
+  TopicType<idl::SampleBlockPubSubType> type;
+  rtps::SerializedPayload_t payload(1024);
+  ASSERT_TRUE(type.to_bytes(&block, payload));
+  std::memcpy(payload.data + payload.length - sizeof kTexts, &kTexts, sizeof kTexts);
+  EXPECT_FALSE(type.from_bytes(payload, &block));
+  EXPECT_LT(block.texts().capacity(), 10'000U);
 }
 
 TEST(SampleBlock, WhatDoesNotFitTogetherIsRefused) {
