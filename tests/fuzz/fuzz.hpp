@@ -15,8 +15,8 @@ inline void check_explanation(const std::vector<FrameField>& fields, std::size_t
   }
 }
 
-// Whether what this input holds is explained too: one in eight is. A text for people takes longer to
-// make than what the bytes mean, and has less to find.
+// Whether what this input holds is explained too: one in eight is. A text for people takes longer
+// to make than what the bytes mean, and has less to find.
 inline bool is_explained(ByteView data) {
   unsigned sum = 0;
   for (const std::uint8_t byte : data) sum += byte;

@@ -1,6 +1,6 @@
 // Fuzz target of the files that say who somebody is: who a member's folder is made for, what its
-// governance asks, the name in a certificate, the secrets of modules. A fault is one line, without a
-// word of the file where that is a secret.
+// governance asks, the name in a certificate, the secrets of modules. A fault is one line, without
+// a word of the file where that is a secret.
 //
 // Input: kind(1), then the text.
 #include <sys/mman.h>
