@@ -15,6 +15,7 @@ namespace {
 
 constexpr unsigned kMaxRounds = 200;  // of writing and checking; each tells up to 1000 faults
 constexpr unsigned kMaxStretch = 1024;
+constexpr std::size_t kTemplatesOfABus = 200;  // of the configuration that checks them
 constexpr Duration kDefaultRefresh = std::chrono::seconds{1};
 
 struct Checked {
@@ -71,7 +72,7 @@ class Acceptance {
     for (std::size_t i = 0; i < found_.buses.size(); ++i) {
       for (std::size_t k = 0; k < found_.buses[i].devices.size(); ++k) {
         WrittenFile file = write_template(found_.buses[i].devices[k], head_);
-        file.name = template_path(i, k);
+        file.name = fmt::format("devices/{}.yaml", found_.buses[i].devices[k].name);
         for (WrittenChannel& channel : file.channels) channel.bus = i, channel.device = k;
         files.push_back(std::move(file));
       }
@@ -79,25 +80,20 @@ class Acceptance {
     return files;
   }
 
-  [[nodiscard]] std::string template_name(std::size_t bus, std::size_t device) const {
-    const std::string& name = found_.buses[bus].devices[device].name;
-    return found_.buses.size() == 1 ? name : fmt::format("{}-{}", found_.buses[bus].name, name);
-  }
-  [[nodiscard]] std::string template_path(std::size_t bus, std::size_t device) const {
-    return fmt::format("devices/{}.yaml", template_name(bus, device));
-  }
-
   // A template is checked by a configuration that uses it.
+  // REQUIRES: one bus, as arrange() makes of templates.
   [[nodiscard]] std::string main_text(const std::vector<WrittenFile>& files) const {
     if (!options_.as_template) return files.front().text;
-    std::string text =
-        "bridge: check\nbuses:\n  - name: check\n    port: { tcp: 127.0.0.1:502 }\n"
-        "    protocol: modbus-tcp\n    devices:\n";
-    unsigned address = 1;
-    for (std::size_t i = 0; i < found_.buses.size(); ++i) {
-      for (std::size_t k = 0; k < found_.buses[i].devices.size(); ++k, ++address)
-        text += fmt::format("      - {{ name: d{0}, address: {0}, template: {1} }}\n", address,
-                            yaml_text(template_name(i, k)));
+    std::string text = "bridge: check\nbuses:\n";
+    const auto& devices = found_.buses.front().devices;
+    for (std::size_t i = 0; i < devices.size(); ++i) {
+      if (i % kTemplatesOfABus == 0)
+        text += fmt::format(
+            "  - name: check-{}\n    port: {{ tcp: 127.0.0.1:502 }}\n    protocol: modbus-tcp\n"
+            "    devices:\n",
+            i / kTemplatesOfABus);
+      text += fmt::format("      - {{ name: d{0}, address: {0}, template: {1} }}\n",
+                          i % kTemplatesOfABus, yaml_text(devices[i].name));
     }
     return text;
   }

@@ -98,6 +98,16 @@ void set_addresses(Bus& bus, const ImportOptions& options, Found& found) {
   }
 }
 
+// A template has neither a port nor an address: what matters is that their names differ.
+void forget_buses(std::vector<Bus>& buses) {
+  for (std::size_t i = 1; i < buses.size(); ++i)
+    std::ranges::move(buses[i].devices, std::back_inserter(buses[0].devices));
+  if (buses.size() > 1) buses.resize(1);
+  for (Bus& bus : buses) {
+    for (Device& device : bus.devices) device.address.reset();
+  }
+}
+
 void name_points(Device& device) {
   UniqueNames names;
   for (Point& point : device.points) {
@@ -154,6 +164,7 @@ void arrange(Found& found, const ImportOptions& options) {
   merge_buses(found.buses);
   for (Bus& bus : found.buses) merge_devices(bus);
   std::erase_if(found.buses, [](const Bus& bus) { return bus.devices.empty(); });
+  if (options.as_template) forget_buses(found.buses);
   for (Bus& bus : found.buses) set_addresses(bus, options, found);
   set_names(found.buses, options);
 }

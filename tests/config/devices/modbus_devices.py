@@ -1,11 +1,33 @@
 """Modbus TCP devices with known registers, all behind one port: what is not told holds 0. For tests; written apart from our codecs."""
 
 import contextlib
+import json
+import re
 import socketserver
 import struct
 import threading
 
 BITS, REGISTERS = (1, 2), (3, 4)
+
+
+def read_examples(path):
+    """{name: [(function, first, items, {channel: value})]} of a file such as examples.txt, whose head tells its form."""
+    with open(path, encoding="utf-8") as file:
+        lines = file.read().replace("\\\n", " ").splitlines()
+    found = {}
+    for line in filter(lambda line: line and not line.startswith("#"), lines):
+        if match := re.fullmatch(r"\[([\w-]+)\]", line):
+            rows = found.setdefault(match[1], [])
+            continue
+        function, address, words, values = re.fullmatch(r"(\d) ([\dA-Fx+-]+): ([\dA-F ]+) -> (.+)", line).groups()
+        first = sum(int(number, 0) for number in re.findall(r"[+-]?(?:0x[\dA-F]+|\d+)", address))
+        if int(function) in BITS:
+            items = [int(bit) for bit in words.replace(" ", "")]
+        else:
+            items = [int(word, 16) for word in words.split()]
+        pairs = (pair.split("=") for pair in values.split())
+        rows.append((int(function), first, items, {name: json.loads(value) for name, value in pairs}))
+    return found
 
 
 class Devices:

@@ -15,7 +15,7 @@ import unittest
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(HERE, "..", "..", "tools")]
-from modbus_devices import Devices
+from modbus_devices import Devices, read_examples
 from plant import claim_domain, wait_until
 
 BIN_DIR, SOURCE_DIR = "", ""
@@ -55,23 +55,8 @@ def templates():
 
 
 def examples():
-    """{template: [(function, first, words, {channel: value})]}"""
-    with open(os.path.join(HERE, "examples.txt"), encoding="utf-8") as file:
-        lines = file.read().replace("\\\n", " ").splitlines()
-    found = {}
-    for line in filter(lambda line: line and not line.startswith("#"), lines):
-        if match := re.fullmatch(r"\[([\w-]+)\]", line):
-            rows = found.setdefault(match[1], [])
-            continue
-        function, address, words, values = re.fullmatch(r"(\d) ([\dA-Fx+-]+): ([\dA-F ]+) -> (.+)", line).groups()
-        first = sum(int(number, 0) for number in re.findall(r"[+-]?(?:0x[\dA-F]+|\d+)", address))
-        if int(function) in (1, 2):
-            items = [int(bit) for bit in words.replace(" ", "")]
-        else:
-            items = [int(word, 16) for word in words.split()]
-        pairs = (pair.split("=") for pair in values.split())
-        rows.append((int(function), first, items, {name: json.loads(value) for name, value in pairs}))
-    return found
+    """{template: [(function, first, items, {channel: value})]}"""
+    return read_examples(os.path.join(HERE, "examples.txt"))
 
 
 def bus(template, port, protocol):

@@ -133,6 +133,8 @@ class EpicsLoader {
       const SourceText* source = given(path);
       if (source == nullptr) return missing(path, call.origin);
       load_substitutions(*source, macros);
+    } else if (const SourceText* source = given(path)) {
+      load_database(*source, macros);
     } else {
       load_template(path, macros, call.origin);
     }

@@ -69,6 +69,7 @@ class NeuronReader {
       tag.interval_ms = number_from(row.cell(interval));
       add(bus, stem_of(source_.file), tag, {}, {source_.file, row.line});
     }
+    if (bus.devices.size() == 1) bus.devices.front().name = stem_of(source_.file);
   }
 
  private:
@@ -98,6 +99,7 @@ class NeuronReader {
     for (Device& device : bus.devices) {
       device.timeout = timeout_;
       device.pause = pause_;
+      if (bus.devices.size() == 1) device.name = name;
     }
     found_.buses.push_back(std::move(bus));
   }

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "tools/import/address.hpp"
 #include "tools/import/number.hpp"
@@ -160,9 +159,6 @@ void read_numbers(const Node& channel, Point& point) {
   if (!is_number(point.type)) return;
   if (const auto scale = number_at(channel, "scale"); scale && *scale != 0) point.scale = *scale;
   point.offset = number_at(channel, "offset").value_or(0);
-  const auto round = number_at(channel, "round_to");
-  if (round && *round > std::abs(point.scale) * 1.001)
-    point.changes.push_back(fmt::format("not rounded to {}", text_at(channel, "round_to")));
   if (const std::string_view error = text_at(channel, "error_value"); !error.empty())
     point.changes.push_back(fmt::format("the raw value {} means an error", error));
   if (point.access == Access::kReadOnly) return;

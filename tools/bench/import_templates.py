@@ -1,0 +1,56 @@
+#!/usr/bin/env python3
+"""Imports every file of a folder by itself, as device templates, and counts what became of files and of values.
+
+usage: import_templates.py FOLDER [BIN_DIR]
+
+For wb-mqtt-serial: its folder templates/, or the one that its build makes of the Jinja files. Nothing is kept.
+"""
+
+import collections
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+SHOWN = 12  # reasons, of each kind
+
+
+def kind_of(words):
+    """The words without what differs from value to value."""
+    return re.sub(r"'[^']*'", "'..'", re.sub(r"\b(0x[\dA-Fa-f]+|\d+)\b", "N", words))[:90]
+
+
+def import_file(program, path, folder):
+    """(exit code, [row of each value])"""
+    done = subprocess.run([program, "import", path, "--template", "--json", "--force", "--out", folder + "/"], capture_output=True,
+                          text=True, timeout=120)
+    return done.returncode, [json.loads(line) for line in done.stdout.splitlines()], done.stderr
+
+
+def main(source, bin_dir="build/bin"):
+    program = os.path.join(bin_dir, "fieldcast")
+    files, values, reasons, changes = (collections.Counter() for _ in range(4))
+    with tempfile.TemporaryDirectory() as folder:
+        for name in sorted(os.listdir(source)):
+            code, rows, said = import_file(program, os.path.join(source, name), folder)
+            fates = collections.Counter(row["fate"] for row in rows)
+            values += fates
+            taken = fates["moved"] + fates["changed"]
+            files["whole" if code == 0 else "in part" if code == 1 and taken else "refused"] += 1
+            if code > 1:
+                reasons[kind_of(said.splitlines()[-1])] += 1
+            reasons.update(kind_of(row["why"]) for row in rows if row["fate"] == "refused")
+            changes.update(kind_of(re.sub(r"where .*?, and", "where .., and", change)) for row in rows if row["fate"] == "changed"
+                           for change in row["why"].split("; "))
+    print(f"files: {sum(files.values())}: " + ", ".join(f"{count} {fate}" for fate, count in files.most_common()))
+    print(f"values: {sum(values.values())}: " + ", ".join(f"{count} {fate}" for fate, count in values.most_common()))
+    for title, counts in [("not moved:", reasons), ("moved with a change:", changes)]:
+        print(title)
+        for words, count in counts.most_common(SHOWN):
+            print(f"{count:7}  {words}")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
