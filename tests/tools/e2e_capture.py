@@ -205,6 +205,30 @@ class Wireshark(unittest.TestCase):
         self.assertIn("22:13:20.123456789", line)
 
 
+class Inspect(unittest.TestCase):
+    def test_values_of_every_family_by_the_configuration(self):
+        for bus in FAMILIES:
+            with self.subTest(bus=bus):
+                result = run_cli(BIN_DIR, "inspect", os.path.join(plant.run, bus + ".pcapng"), "--config", plant.file, "--json")
+                frames = result.json_lines()
+                self.assertEqual((result.code, len(frames)), (0, len(captures[bus])), str(result)[-2000:])
+                found = {(value["device"], value["channel"]) for frame in frames for value in frame["values"]}
+                devices = {frame["comment"].split(":")[0] for frame in frames if ": read" in frame["comment"]}
+                self.assertEqual({device for device, _ in found}, devices)
+        self.assertIn({"device": "mixer", "channel": "speed", "value": 4711, "unit": ""},
+                      [value for frame in run_cli(BIN_DIR, "inspect", os.path.join(plant.run, "ascii.pcapng"), "--config", plant.file, "--json").json_lines()
+                       for value in frame["values"]])
+
+    def test_a_file_that_is_cut_shows_what_is_whole(self):
+        with open(os.path.join(plant.run, "lift.pcapng"), "rb") as whole, tempfile.NamedTemporaryFile(suffix=".pcapng") as cut:
+            cut.write(whole.read()[:-300])
+            cut.flush()
+            result = run_cli(BIN_DIR, "inspect", cut.name, "--config", plant.file)
+        self.assertEqual(result.code, 1, str(result))
+        self.assertIn("is cut in the middle of a block", result.err)
+        self.assertIn("lift-1/floor = ", result.out)
+
+
 class Capture(unittest.TestCase):
     def test_a_file_is_for_its_owner_only_and_never_written_over(self):
         path = os.path.join(plant.run, "lift.pcapng")

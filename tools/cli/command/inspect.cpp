@@ -1,48 +1,49 @@
 #include "tools/cli/command/inspect.hpp"
 
+#include <fstream>
 #include <istream>
 #include <ostream>
 
+#include "config/loader.hpp"
 #include "core/base/bytes.hpp"
+#include "core/capture/trace_text.hpp"
 #include "tools/cli/command/command.hpp"
-#include "tools/cli/model/named_protocol.hpp"
+#include "tools/cli/inspect/capture_input.hpp"
 #include "tools/cli/view/inspect_view.hpp"
 #include "tools/cli/view/json.hpp"
 
 namespace fieldcast::cli {
 namespace {
 
-// Of the whole input; a frame is far shorter, a slip of the hand far longer.
+// Of a frame in hexadecimal; a frame is far shorter, a slip of the hand far longer.
 constexpr std::size_t kMaxHexCharacters = 65536;
+constexpr std::size_t kMaxTraceCharacters = 64 << 20;
 
-std::string hex_of(const InspectOptions& options, std::istream& in) {
-  std::string hex;
-  for (const auto& part : options.hex) hex += part + ' ';
+// What is to be explained: from the command line, or from `in`.
+std::string text_of(const InspectOptions& options, std::istream& in) {
+  std::string text;
+  for (const auto& part : options.hex) text += part + (parse_trace_text(part) ? '\n' : ' ');
   if (options.hex.empty()) {
-    for (char c; hex.size() <= kMaxHexCharacters && in.get(c);) hex += c;
+    for (char c; text.size() <= kMaxTraceCharacters && in.get(c);) text += c;
   }
-  return hex;
+  return text;
 }
 
-}  // namespace
-
-ExitCode inspect(const InspectOptions& options, std::istream& in, std::ostream& out,
-                 std::ostream& err, const Screen& screen) {
-  const auto protocol = named_protocol(options.protocol, "inspect", err);
-  if (!protocol) return ExitCode::kUsage;
-  const auto hex = hex_of(options, in);
+ExitCode inspect_hex(const NamedProtocol& protocol, const std::string& hex,
+                     const InspectOptions& options, std::ostream& out, std::ostream& err,
+                     const Screen& screen) {
   const auto frame = hex.size() <= kMaxHexCharacters ? from_hex(hex) : std::nullopt;
   if (!frame || frame->empty()) {
     err << "fieldcast inspect: "
         << (hex.size() > kMaxHexCharacters ? "more than 65536 characters are" : "that is")
         << " no frame; write its bytes in hexadecimal, for instance 01 03 00 64 00 02 85 D4 or "
-           "01030064000285D4\n";
+           "01030064000285D4, or lines of the bridge's trace\n";
     return ExitCode::kUsage;
   }
-  const auto fields = protocol->built_in != nullptr
-                          ? protocol->built_in->explain(*frame)
-                          : declared::explain(*protocol->declaration.value, *frame);
-  const std::string_view name = protocol->name();
+  const auto fields = protocol.built_in != nullptr
+                          ? protocol.built_in->explain(*frame)
+                          : declared::explain(*protocol.declaration.value, *frame);
+  const std::string_view name = protocol.name();
   if (options.json) {
     out << to_line(inspect_json(name, *frame, fields)) << '\n';
   } else {
@@ -51,14 +52,69 @@ ExitCode inspect(const InspectOptions& options, std::istream& in, std::ostream& 
   return count_faults(fields) == 0 ? ExitCode::kOk : ExitCode::kFound;
 }
 
+// The whole configuration, or nothing, with the reason on `err`.
+std::optional<BridgeSpec> load_configuration(const std::string& path, std::ostream& err) {
+  auto loaded = config::load_file(path);
+  if (loaded) return *std::move(loaded);
+  err << config::to_text(loaded.error()) << '\n';
+  return std::nullopt;
+}
+
+FrameReport::Options report_options(const InspectOptions& options,
+                                    const std::optional<BridgeSpec>& spec) {
+  return {.json = options.json, .fields = options.fields, .spec = spec ? &*spec : nullptr};
+}
+
+}  // namespace
+
+ExitCode inspect(const InspectOptions& given, std::istream& in, std::ostream& out,
+                 std::ostream& err, const Screen& screen) {
+  InspectOptions options = given;
+  std::optional<BridgeSpec> spec;
+  if (!options.config.empty()) {
+    spec = load_configuration(options.config, err);
+    if (!spec) return ExitCode::kUsage;
+  }
+  auto how = report_options(options, spec);
+  if (std::ifstream file(options.protocol, std::ios::binary); file && is_capture(file)) {
+    FrameReport report(how, out, screen);
+    return show_capture(file, options.protocol, report, err);
+  }
+  // With a configuration the first word may be what is to be explained.
+  if (options.protocol.empty() || parse_trace_text(options.protocol)) {
+    if (!spec) {
+      err << "fieldcast inspect: which protocol? Name it, or the configuration with --config\n";
+      return ExitCode::kUsage;
+    }
+    if (!options.protocol.empty()) options.hex.insert(options.hex.begin(), options.protocol);
+  } else {
+    how.protocol = named_protocol(options.protocol, "inspect", err);
+    if (!how.protocol) return ExitCode::kUsage;
+  }
+  const std::string text = text_of(options, in);
+  FrameReport report(how, out, screen);
+  if (show_trace(text, report)) return report.faulty() > 0 ? ExitCode::kFound : ExitCode::kOk;
+  if (how.protocol) return inspect_hex(*how.protocol, text, options, out, err, screen);
+  err << "fieldcast inspect: that are no lines of the bridge's trace, which look like "
+         "2026-11-22T14:24:21.126358Z line >> 01 03 00 64 00 02 85 D4; of a frame alone the "
+         "protocol must be named\n";
+  return ExitCode::kUsage;
+}
+
 namespace {
 
 class InspectCommand final : public CommandWith<InspectOptions> {
  public:
   void describe(CommandLine& line) override {
-    line.text("PROTOCOL", options_.protocol, kProtocolHelp).required();
-    line.texts("HEX", options_.hex, "The frame's bytes; from standard input when there are none");
-    line.flag("--json", options_.json, "One JSON object");
+    line.text("PROTOCOL", options_.protocol,
+              std::string(kProtocolHelp) + "; or the file of a capture (.pcapng)");
+    line.texts("HEX", options_.hex,
+               "The frame's bytes, or lines of the bridge's trace; from standard input when there "
+               "are none");
+    line.text("--config", options_.config, "Shows values by the channels of this configuration")
+        .existing_file();
+    line.flag("--fields", options_.fields, "Every field of each frame of a capture or a trace");
+    line.flag("--json", options_.json, "One JSON object for each frame");
   }
   ExitCode run(const Streams& streams) override {
     return inspect(options_, streams.in, streams.out, streams.err, streams.wide_screen());
@@ -69,7 +125,8 @@ class InspectCommand final : public CommandWith<InspectOptions> {
 
 CommandEntry inspect_command();
 CommandEntry inspect_command() {
-  return {"inspect", "Explain a frame; needs no bridge", make_command<InspectCommand>};
+  return {"inspect", "Explain a frame, a trace or a capture; needs no bridge",
+          make_command<InspectCommand>};
 }
 
 }  // namespace fieldcast::cli

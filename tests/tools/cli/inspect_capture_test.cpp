@@ -1,0 +1,257 @@
+// Captures and traces in `fieldcast inspect`.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "config/loader.hpp"
+#include "core/capture/pcapng_writer.hpp"
+#include "core/capture/upper_pdu.hpp"
+#include "core/model/make_protocol.hpp"
+#include "tools/cli/command/inspect.hpp"
+#include "tools/cli/inspect/value_decoder.hpp"
+#include "tools/cli/view/json.hpp"
+#include "tools/cli/view/sample_text.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+constexpr const char* kPlant = R"(bridge: b
+buses:
+  - name: line
+    port: { serial: /dev/line, baud: 9600 }
+    protocol: modbus-rtu
+    devices:
+      - name: meter
+        address: 1
+        channels:
+          - { name: voltage, at: "holding:100", type: uint16, unit: V, scale: 0.1 }
+          - { name: current, at: "holding:101", type: int16, unit: A }
+          - { name: far, at: "holding:300", type: float32 }
+  - name: net
+    port: { tcp: 127.0.0.1:502 }
+    protocol: modbus-tcp
+    devices:
+      - name: drive
+        address: 1
+        channels: [ { name: speed, at: "holding:5", type: uint16, unit: rpm } ]
+  - name: press
+    port: { serial: /dev/press, baud: 9600 }
+    protocol: s7-ppi
+    devices:
+      - name: plc
+        address: 2
+        channels:
+          - { name: count, at: VW100, type: uint16 }
+          - { name: on, at: M0.1 }
+)";
+
+class InspectCapture : public testing::Test {
+ protected:
+  InspectCapture() {
+    char name[] = "/tmp/fieldcast-inspect-XXXXXX";
+    folder_ = ::mkdtemp(name);
+    std::ofstream(config_ = folder_ + "/plant.yaml") << kPlant;
+  }
+  ~InspectCapture() override { std::filesystem::remove_all(folder_); }
+
+  struct Inspected {
+    ExitCode code;
+    std::string out, err;
+  };
+  static Inspected run(const InspectOptions& options, const std::string& input = {}) {
+    std::istringstream in(input);
+    std::ostringstream out, err;
+    const auto code = inspect(options, in, out, err, {});
+    return {code, out.str(), err.str()};
+  }
+  std::string file(const Bytes& bytes) {
+    std::ofstream(folder_ + "/x.pcapng", std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size()));
+    return folder_ + "/x.pcapng";
+  }
+  static Bytes head() {
+    Bytes out;
+    pcapng::append_section(out, "test", "");
+    pcapng::append_interface(out, "line", "");
+    return out;
+  }
+  static void add(Bytes& out, Direction direction, const std::string& hex,
+                  const std::string& comment = {}, const char* dissector = "mbrtu") {
+    const Bytes data = make_upper_pdu(dissector, "", direction, *from_hex(hex));
+    pcapng::append_packet(out, {{1'700'000'000'000'000'000}, direction, data, comment});
+  }
+
+  std::string folder_, config_;
+};
+
+// holding:100..101: 2301, -5
+constexpr const char* kRequest = "01 03 00 64 00 02 85 D4";
+constexpr const char* kAnswer = "01 03 04 08 FD FF FB 69 D0";
+
+TEST_F(InspectCapture, ValuesComeByTheConfiguration) {
+  Bytes bytes = head();
+  add(bytes, Direction::kSent, kRequest, "meter: read holding:100..101 (voltage, current)");
+  add(bytes, Direction::kReceived, kAnswer);
+  const auto shown = run({.protocol = file(bytes), .config = config_});
+  EXPECT_THAT(shown.out, HasSubstr("2023-11-14T22:13:20.000Z line >> modbus-rtu 01 03 00 64"));
+  EXPECT_THAT(shown.out, HasSubstr("  # meter: read holding:100..101 (voltage, current)\n"));
+  EXPECT_THAT(shown.out, HasSubstr("  meter/voltage = 230.1 V\n  meter/current = -5 A\n"));
+  EXPECT_EQ(shown.code, ExitCode::kOk) << shown.out;
+  EXPECT_EQ(shown.err, "fieldcast inspect: 2 frames, 0 with a fault\n");
+}
+
+TEST_F(InspectCapture, ACaptureOfOthersHasNoComments) {
+  Bytes bytes = head();
+  add(bytes, Direction::kSent, kRequest);
+  add(bytes, Direction::kReceived, kAnswer);
+  EXPECT_THAT(run({.protocol = file(bytes), .config = config_}).out,
+              HasSubstr("meter/voltage = 230.1 V"));
+}
+
+TEST_F(InspectCapture, WithoutAConfigurationFramesAreExplained) {
+  Bytes bytes = head();
+  add(bytes, Direction::kSent, kRequest);
+  add(bytes, Direction::kReceived, "01 03 04 08 FD FF FB 12 34");
+  const auto shown = run({.protocol = file(bytes)});
+  EXPECT_EQ(shown.code, ExitCode::kFound);
+  EXPECT_THAT(shown.out, HasSubstr("!! CRC"));
+  EXPECT_EQ(shown.err, "fieldcast inspect: 2 frames, 1 with a fault\n");
+  EXPECT_THAT(run({.protocol = file(bytes), .fields = true}).out, HasSubstr("function"));
+}
+
+TEST_F(InspectCapture, ACutFileShowsWhatIsWholeAndNamesTheCut) {
+  Bytes bytes = head();
+  add(bytes, Direction::kSent, kRequest);
+  const std::size_t whole = bytes.size();
+  add(bytes, Direction::kReceived, kAnswer);
+  bytes.resize(bytes.size() - 5);
+  const auto shown = run({.protocol = file(bytes)});
+  EXPECT_EQ(shown.code, ExitCode::kFound);
+  EXPECT_THAT(shown.out, HasSubstr(">> modbus-rtu"));
+  EXPECT_THAT(shown.out, Not(HasSubstr("<<")));
+  EXPECT_THAT(shown.err, HasSubstr("x.pcapng is cut in the middle of a block at byte " +
+                                   std::to_string(whole) + "; 1 frame before it"));
+}
+
+TEST_F(InspectCapture, WhatIsNoCaptureIsRefused) {
+  const auto old = run({.protocol = file(*from_hex("D4C3B2A1020004000000000000000000"))});
+  EXPECT_EQ(old.code, ExitCode::kUsage);
+  EXPECT_THAT(old.err, HasSubstr("save it as pcapng in Wireshark"));
+}
+
+TEST_F(InspectCapture, PastedLinesOfATrace) {
+  const std::string trace =
+      "Nov 22 gate fieldcast-bridge[8]: 2026-11-22T14:24:21.126358Z line >> 01 03 00 64 00 02 85 "
+      "D4\nsomething else\n"
+      "2026-11-22T14:24:21.136358Z line << 01 03 04\n"
+      "2026-11-22T14:24:21.146358Z line << 08 FD FF FB 69 D0\n"
+      "2026-11-22T14:24:21.146358Z line -- meter: read holding:100.., 2 items, 2 samples\n";
+  const auto shown = run({.config = config_}, trace);
+  EXPECT_EQ(shown.code, ExitCode::kOk) << shown.err;
+  EXPECT_EQ(shown.out,
+            "2026-11-22T14:24:21.126358Z line >> modbus-rtu 01 03 00 64 00 02 85 D4\n"
+            "2026-11-22T14:24:21.146358Z line << modbus-rtu 01 03 04 08 FD FF FB 69 D0\n"
+            "  meter/voltage = 230.1 V\n"
+            "  meter/current = -5 A\n"
+            "2026-11-22T14:24:21.146358Z line -- meter: read holding:100.., 2 items, 2 samples\n");
+  // The same without a configuration, and as arguments.
+  EXPECT_THAT(run({.protocol = "modbus-rtu"}, trace).out, HasSubstr("line >> modbus-rtu 01 03"));
+  EXPECT_THAT(run({.protocol = "modbus-rtu", .hex = {"line >> 01 03 00 64 00 02 85 D4"}}).out,
+              HasSubstr("line >> modbus-rtu 01 03"));
+  EXPECT_THAT(run({.protocol = "line >> 01 03 00 64 00 02 85 D4", .config = config_}).out,
+              HasSubstr("line >> modbus-rtu 01 03"));
+}
+
+TEST_F(InspectCapture, JsonHasDirectionCommentAndValues) {
+  Bytes bytes = head();
+  add(bytes, Direction::kSent, kRequest, "why");
+  add(bytes, Direction::kReceived, kAnswer);
+  std::istringstream lines(run({.protocol = file(bytes), .json = true, .config = config_}).out);
+  std::string first, second;
+  std::getline(lines, first);
+  std::getline(lines, second);
+  EXPECT_EQ(Json::parse(first)["direction"], "sent");
+  EXPECT_EQ(Json::parse(first)["comment"], "why");
+  EXPECT_EQ(Json::parse(second)["values"][0]["channel"], "voltage");
+  EXPECT_EQ(Json::parse(second)["values"][0]["value"], 230.1);
+}
+
+TEST_F(InspectCapture, WithoutAProtocolItAsksForOne) {
+  EXPECT_THAT(run({}).err, HasSubstr("which protocol?"));
+  EXPECT_THAT(run({.config = config_}, "01 03").err, HasSubstr("the protocol must be named"));
+}
+
+// ---- values
+
+class Decoding : public testing::Test {
+ protected:
+  Decoding() : plant_(*config::load_text(kPlant, "plant.yaml", {})) {}
+  static std::vector<std::string> text(const std::vector<DecodedValue>& values) {
+    std::vector<std::string> all;
+    for (const auto& each : values)
+      all.push_back(each.channel + "=" + value_text(each.value, each.type));
+    return all;
+  }
+  BridgeSpec plant_;
+};
+
+TEST_F(Decoding, TransactionNumbersOfModbusTcpAreFound) {
+  ValueDecoder decoder(plant_.buses[1]);
+  for (const char* number : {"12 34", "12 35", "00 01"}) {
+    (void)decoder.take(Direction::kSent, *from_hex(std::string(number) + "000000060103 00050001"),
+                       {});
+    EXPECT_THAT(text(decoder.take(Direction::kReceived,
+                                  *from_hex(std::string(number) + "000000050103 0205DC"), {})),
+                ElementsAre("speed=1500"));
+  }
+}
+
+// Several ranges and rounds: the comment says which.
+TEST_F(Decoding, SeveralRangesAndRoundsByTheComment) {
+  const DeviceSpec& plc = plant_.buses[2].devices[0];
+  const auto protocol = *make_protocol(plc, {});
+  const ReadRequest request{{plc.channels[0].range, plc.channels[1].range}};
+  auto exchange = protocol->begin(request, {7});
+  Bytes first, poll;
+  (void)exchange->start(first);
+  const Bytes received{0xE5};
+  (void)exchange->on_bytes(received, poll);
+  if (poll.empty()) (void)exchange->on_silence(poll);
+  ValueDecoder decoder(plant_.buses[2]);
+  EXPECT_THAT(decoder.take(Direction::kSent, first, "plc: read V:100..101, M:0 (count, on)"),
+              IsEmpty());
+  EXPECT_THAT(decoder.take(Direction::kReceived, received, {}), IsEmpty());
+  EXPECT_THAT(decoder.take(Direction::kSent, poll, "plc: read V:100..101, M:0 (count, on)"),
+              IsEmpty());
+  // An S7 answer with two items: 0x1234, and the byte 02.
+  Bytes answer = *from_hex(
+      "68 1E 1E 68 00 02 08 32 03 00 00 00 07 00 02 00 0B 00 00 04 02 FF 04 00 10 12 34 FF 04 00 "
+      "08 02");
+  answer[1] = answer[2] = static_cast<std::uint8_t>(answer.size() - 4);
+  std::uint8_t sum = 0;
+  for (std::size_t i = 4; i < answer.size(); ++i) sum = static_cast<std::uint8_t>(sum + answer[i]);
+  answer.push_back(sum);
+  answer.push_back(0x16);
+  EXPECT_THAT(text(decoder.take(Direction::kReceived, answer, {})),
+              ElementsAre("count=4660", "on=true"));
+}
+
+TEST_F(Decoding, AnAnswerToNobodyHasNoValues) {
+  ValueDecoder decoder(plant_.buses[0]);
+  EXPECT_THAT(decoder.take(Direction::kReceived, *from_hex(kAnswer), {}), IsEmpty());
+  (void)decoder.take(Direction::kSent, *from_hex("01 06 00 64 00 01 08 15"), {});
+  EXPECT_THAT(decoder.take(Direction::kReceived, *from_hex(kAnswer), {}), IsEmpty());
+}
+
+}  // namespace
+}  // namespace fieldcast::cli

@@ -1,0 +1,63 @@
+// Explains frames that passed on buses, one after the other: from a capture or from lines of a
+// trace. With a configuration each answer has its values. Writes to the streams given; main thread.
+#pragma once
+
+#include <iosfwd>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "core/capture/capture_record.hpp"
+#include "core/model/spec.hpp"
+#include "tools/cli/inspect/value_decoder.hpp"
+#include "tools/cli/model/named_protocol.hpp"
+#include "tools/cli/view/text_table.hpp"
+
+namespace fieldcast::cli {
+
+struct SeenFrame {
+  std::string time, bus;  // for people; empty: not said
+  std::optional<Direction> direction;
+  std::string protocol;  // empty: what the configuration says, or the default
+  Bytes bytes;
+  std::string comment;
+};
+
+class FrameReport {
+ public:
+  struct Options {
+    bool json = false;
+    bool fields = false;                    // every field of each frame; else its faults only
+    std::optional<NamedProtocol> protocol;  // where a frame names none
+    const BridgeSpec* spec = nullptr;       // null: no values
+  };
+  FrameReport(Options options, std::ostream& out, const Screen& screen);
+
+  void show(const SeenFrame& frame);
+  // What a trace says of an exchange.
+  void remark(const std::string& time, const std::string& bus, const std::string& text);
+
+  [[nodiscard]] std::size_t frames() const { return frames_; }
+  [[nodiscard]] std::size_t faulty() const { return faulty_; }    // frames with a fault
+  [[nodiscard]] std::size_t unknown() const { return unknown_; }  // frames of no known protocol
+
+ private:
+  struct Explained {
+    std::string protocol;
+    std::vector<FrameField> fields;
+  };
+  [[nodiscard]] ValueDecoder* decoder_of(const std::string& bus);
+  [[nodiscard]] Explained explain(const SeenFrame& frame, const ValueDecoder* decoder) const;
+  void show_lines(const SeenFrame& frame, const Explained& explained,
+                  const std::vector<DecodedValue>& values);
+  void show_json(const SeenFrame& frame, const Explained& explained,
+                 const std::vector<DecodedValue>& values);
+
+  const Options options_;
+  std::ostream& out_;
+  const Screen screen_;
+  std::map<std::string, std::unique_ptr<ValueDecoder>, std::less<>> decoders_;  // by bus
+  std::size_t frames_ = 0, faulty_ = 0, unknown_ = 0;
+};
+
+}  // namespace fieldcast::cli
