@@ -16,6 +16,7 @@ build=(
   libfastrtps-dev libfastcdr-dev fastddsgen openjdk-17-jre-headless
   libboost-dev libfmt-dev libspdlog-dev libyaml-cpp-dev libcli11-dev libexpected-dev libsqlite3-dev libssl-dev libpq-dev libsodium-dev libtinyxml2-dev zlib1g-dev
   nlohmann-json3-dev libtomlplusplus-dev libzip-dev
+  libncurses-dev
 )
 packaging=(dpkg-dev file)
 test=(
@@ -31,8 +32,8 @@ test=(
   postgresql
   # discovery servers, firewalls and tunnels
   fastdds-tools nftables openvpn
-  # a browser, for the station's page
-  chromium
+  # a browser, for the station's page, and a terminal, for the screens
+  chromium python3-pyte
 )
 campaign=(
   # libFuzzer

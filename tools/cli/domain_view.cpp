@@ -2,6 +2,17 @@
 
 namespace fieldcast::cli {
 
+bool update(StatusModel& model, const DomainEvent& event) {
+  if (const auto* bus = std::get_if<StationBusStatus>(&event))
+    return model.buses.insert_or_assign(bus->bus, *bus).second;
+  if (const auto* device = std::get_if<StationDeviceStatus>(&event))
+    return model.devices.insert_or_assign({device->bus, device->device}, *device).second;
+  if (const auto* bus = std::get_if<BusGone>(&event)) model.buses.erase(bus->bus);
+  if (const auto* device = std::get_if<DeviceGone>(&event))
+    model.devices.erase({device->bus, device->device});
+  return false;
+}
+
 DomainView::DomainView(const Connection& connection, Interrupt& interrupt)
     : interrupt_(interrupt), station_(connection.sites, "fieldcast-cli") {
   interrupt_.on_raise([this] { inbox_.close(); });
@@ -25,9 +36,13 @@ void DomainView::subscribe_samples() {
 
 void DomainView::subscribe_status() {
   station_.subscribe_bus_status(
-      [this](const StationBusStatus& status) { inbox_.put_newest(status); });
+      [this](const StationBusStatus& status) { inbox_.put_newest(status); },
+      [this](const StationBusStatus& last) { inbox_.put_newest(BusGone{last.bus}); });
   station_.subscribe_device_status(
-      [this](const StationDeviceStatus& status) { inbox_.put_newest(status); });
+      [this](const StationDeviceStatus& status) { inbox_.put_newest(status); },
+      [this](const StationDeviceStatus& last) {
+        inbox_.put_newest(DeviceGone{last.bus, last.device});
+      });
 }
 
 void DomainView::subscribe_alarms() {

@@ -12,11 +12,18 @@
 #include "tools/cli/connection.hpp"
 #include "tools/cli/interrupt.hpp"
 #include "tools/cli/model/catalogue.hpp"
+#include "tools/cli/view/status_facts.hpp"
 
 namespace fieldcast::cli {
 
 struct ChannelGone {
   ChannelPath path;
+};
+struct BusGone {
+  std::string bus;
+};
+struct DeviceGone {
+  std::string bus, device;
 };
 struct AlarmGone {
   StationAlarm last;
@@ -24,9 +31,14 @@ struct AlarmGone {
 struct AlarmStatusGone {
   StationAlarmStatus last;
 };
-using DomainEvent = std::variant<StationChannel, StationSample, ChannelGone, StationBusStatus,
-                                 StationDeviceStatus, StationResult, ProgramSessionReport,
-                                 StationAlarm, AlarmGone, StationAlarmStatus, AlarmStatusGone>;
+using DomainEvent =
+    std::variant<StationChannel, StationSample, ChannelGone, StationBusStatus, StationDeviceStatus,
+                 StationResult, ProgramSessionReport, StationAlarm, AlarmGone, StationAlarmStatus,
+                 AlarmStatusGone, BusGone, DeviceGone>;
+
+// Puts the status of a bus or a device into the model, or takes out what is gone. True when it
+// names one for the first time.
+bool update(StatusModel& model, const DomainEvent& event);
 
 class DomainView {
  public:

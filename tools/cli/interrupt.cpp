@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "tools/cli/exit_code.hpp"
+#include "tools/cli/terminal.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -51,7 +52,9 @@ void Interrupt::wait_for_signals() {
   // A command whose output nobody takes hangs in it: the second signal ends it, or the limit.
   const timespec limit{kEndLimit.count(), 0};
   while (sigtimedwait(&set, nullptr, &limit) < 0 && errno == EINTR) {}
-  if (!ending_) std::_Exit(to_int(ExitCode::kTrouble));
+  if (ending_) return;
+  give_terminal_back_now();
+  std::_Exit(to_int(ExitCode::kTrouble));
 }
 
 }  // namespace fieldcast::cli

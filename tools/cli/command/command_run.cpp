@@ -27,6 +27,25 @@ CommandRun::CommandRun(DomainView& domain, const Connection& connection, Options
   domain_.subscribe_status();
 }
 
+Errand channel_write(const ChannelPath& path, Value value, WriteDetails details) {
+  Errand errand;
+  errand.command.bus = path.bus;
+  auto& command = errand.command.command;
+  command.device = path.device;
+  command.target = ChannelTarget{path.channel};
+  command.operation = Operation::kWrite;
+  command.values = {value};
+  command.verify = details.verify;
+  errand.outcome.bus = path.bus;
+  errand.outcome.device = path.device;
+  errand.outcome.target = path.channel;
+  errand.outcome.write = true;
+  errand.outcome.wanted = {std::move(value)};
+  errand.outcome.type = std::move(details.type);
+  errand.outcome.unit = std::move(details.unit);
+  return errand;
+}
+
 Errand unknown_bus(ChannelPath path, const std::string& at, bool write,
                    const Catalogue& catalogue) {
   auto reason = catalogue.explain_unknown(path);

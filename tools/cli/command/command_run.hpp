@@ -21,6 +21,13 @@ struct Errand {
   [[nodiscard]] bool to_be_sent() const { return outcome.state == Outcome::State::kResult; }
 };
 
+// A write of one value to a channel.
+struct WriteDetails {
+  std::string type, unit;  // of the channel
+  bool verify = false;     // read back
+};
+[[nodiscard]] Errand channel_write(const ChannelPath& path, Value value, WriteDetails details);
+
 // For a command to an address `at` on a bus that no bridge announced. When only the device is
 // unknown, the bridge refuses the command.
 [[nodiscard]] Errand unknown_bus(ChannelPath path, const std::string& at, bool write,

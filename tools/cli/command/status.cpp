@@ -7,9 +7,11 @@
 #include "tools/cli/clock.hpp"
 #include "tools/cli/command/command.hpp"
 #include "tools/cli/command/in_domain.hpp"
+#include "tools/cli/command/status_live.hpp"
 #include "tools/cli/console.hpp"
 #include "tools/cli/domain_view.hpp"
 #include "tools/cli/standby_watch.hpp"
+#include "tools/cli/terminal.hpp"
 #include "tools/cli/view/json.hpp"
 #include "tools/cli/view/standby_view.hpp"
 #include "tools/cli/view/status_view.hpp"
@@ -17,7 +19,7 @@
 namespace fieldcast::cli {
 namespace {
 
-constexpr Duration kRedraw = std::chrono::milliseconds{500};
+constexpr Duration kLook = std::chrono::milliseconds{500};
 
 void print_json(const StatusModel& model, std::ostream& out) {
   for (const auto& [name, bus] : model.buses) out << to_line(status_json(bus)) << '\n';
@@ -25,19 +27,8 @@ void print_json(const StatusModel& model, std::ostream& out) {
 }
 
 void print_table(const StatusModel& model, std::ostream& out) {
-  auto screen = output_screen();
-  screen.columns = 0;  // a table that is printed once is better wrapped than cut
+  const Screen screen = output_screen();
   for (const auto& line : status_lines(model, utc_now(), screen)) out << line << '\n';
-}
-
-// Puts the event into the model; true when it names a bus or device for the first time.
-bool learn(StatusModel& model, const DomainEvent& event) {
-  if (const auto* bus = std::get_if<StationBusStatus>(&event))
-    return model.buses.insert_or_assign(bus->bus, *bus).second;
-  if (const auto* device = std::get_if<StationDeviceStatus>(&event)) {
-    return model.devices.insert_or_assign({device->bus, device->device}, *device).second;
-  }
-  return false;
 }
 
 // Of bridges that stand by for each other: nothing without them.
@@ -54,11 +45,12 @@ void print_event(const DomainEvent& event, std::ostream& out) {
     out << to_line(status_json(*device)) << '\n';
 }
 
-void draw(LiveScreen& live, const StatusModel& model) {
-  const auto screen = output_screen();
-  auto lines = status_lines(model, utc_now(), screen);
-  if (lines.size() > screen.rows) lines.resize(screen.rows);
-  live.draw(lines);
+// A terminal that cannot show a screen gets text, and is told why.
+bool screen_wanted(const StatusOptions& options, std::ostream& err) {
+  if (!options.screen || options.json || !output_is_terminal()) return false;
+  const std::string reason = no_screen_reason();
+  if (!reason.empty()) err << "fieldcast status: " << reason << ": text instead\n" << std::flush;
+  return reason.empty();
 }
 
 }  // namespace
@@ -69,26 +61,26 @@ ExitCode status(const StatusOptions& options, const Connection& connection, Inte
   StandbyWatch members(connection);
   StatusModel model;
   const auto began = instant_now();
+  domain.subscribe_status();
+  if (screen_wanted(options, err)) {
+    status_live(connection, domain, model, options.time ? began + *options.time : kNever);
+    print_table(model, out);
+    return out.flush() ? ExitCode::kOk : ExitCode::kTrouble;
+  }
+
   const auto end = began + options.time.value_or(kBridgeWait);
   auto last_news = began;
-  std::unique_ptr<LiveScreen> live;
-  if (options.time && !options.json && output_is_terminal())
-    live = std::make_unique<LiveScreen>(out);
-  domain.subscribe_status();
-
   for (auto now = began; now < end && !domain.inbox().closed() && out; now = instant_now()) {
     if (!options.time && !model.buses.empty() && now - last_news >= kQuietTime) break;
-    const auto wake = options.time          ? now + kRedraw
+    const auto wake = options.time          ? now + kLook
                       : model.buses.empty() ? end
                                             : last_news + kQuietTime;
     for (const auto& event : domain.inbox().take_all(to_steady(std::min(end, wake)))) {
-      if (learn(model, event)) last_news = instant_now();
+      if (update(model, event)) last_news = instant_now();
       if (options.time && options.json) print_event(event, out);
     }
-    if (live) draw(*live, model);
     out.flush();
   }
-  live.reset();
   if (domain.interrupted() && !options.time) return ExitCode::kInterrupted;
   if (model.buses.empty()) {
     err << "fieldcast status: " << no_bridge_text(connection, domain.missing_servers()) << '\n';
@@ -110,7 +102,10 @@ namespace {
 class StatusCommand final : public CommandWith<StatusOptions> {
  public:
   void describe(CommandLine& line) override {
-    line.flag("--once", once_, "Each bus and device once, then end (the default)");
+    line.flag("--once", once_,
+              "Each bus and device once as text, then end: the default where the "
+              "output is no terminal");
+    line.flag("--plain", plain_, "The same, with --for what it is at the end");
     line.duration("--for", options_.time, CommandLine::kShortest,
                   "Follow it for this time (20, 2min)")
         .excludes("--once");
@@ -118,6 +113,8 @@ class StatusCommand final : public CommandWith<StatusOptions> {
     add_connection(line, options_.connection);
   }
   ExitCode run(const Streams& streams) override {
+    options_.screen = !once_ && !plain_;
+    use_terminal_locale();
     return in_domain(options_.connection, streams,
                      [&](const Connection& connection, Interrupt& interrupt) {
                        return status(options_, connection, interrupt, streams.out, streams.err);
@@ -125,7 +122,7 @@ class StatusCommand final : public CommandWith<StatusOptions> {
   }
 
  private:
-  bool once_ = false;  // the default, which scripts may say aloud
+  bool once_ = false, plain_ = false;
 };
 
 }  // namespace

@@ -14,7 +14,9 @@ namespace fieldcast::cli {
 struct StatusOptions {
   ConnectionOptions connection;
   bool json = false;
-  // Follows it for so long: a live table, or a line for each report; nothing: once.
+  bool screen = true;  // where the output is a terminal
+  // Follows it for so long: the screen, or a line for each report; nothing: once, or until the
+  // user leaves the screen.
   std::optional<Duration> time;
 };
 

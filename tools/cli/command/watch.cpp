@@ -12,9 +12,11 @@
 #include "tools/cli/command/command.hpp"
 #include "tools/cli/command/in_domain.hpp"
 #include "tools/cli/command/pattern_option.hpp"
+#include "tools/cli/command/watch_live.hpp"
 #include "tools/cli/console.hpp"
 #include "tools/cli/domain_view.hpp"
 #include "tools/cli/model/watch_model.hpp"
+#include "tools/cli/terminal.hpp"
 #include "tools/cli/view/json.hpp"
 #include "tools/cli/view/sample_text.hpp"
 #include "tools/cli/view/watch_view.hpp"
@@ -22,7 +24,7 @@
 namespace fieldcast::cli {
 namespace {
 
-constexpr Duration kRedraw = std::chrono::milliseconds{200};
+constexpr Duration kLook = std::chrono::milliseconds{200};
 constexpr Duration kInterestWait = std::chrono::seconds{1};
 constexpr Duration kLagAgain = std::chrono::seconds{1};  // between two events that we are too slow
 constexpr Duration kOnceWait = std::chrono::seconds{10};
@@ -42,7 +44,8 @@ class Watch {
 
  private:
   void read(const DomainEvent& event, Instant now);
-  void draw(Instant now);
+  void print_lines(Instant began, Instant end);
+  [[nodiscard]] bool screen_wanted();
   void remark_interest(Instant now, Instant began);
   void tell_lag(Instant now);
   [[nodiscard]] bool complete(Instant now) const;
@@ -58,11 +61,10 @@ class Watch {
   WatchModel model_;
   std::ostream& out_;
   std::ostream& err_;
-  std::optional<std::string> remark_;   // of our interest, once it is known
-  std::unique_ptr<LiveScreen> screen_;  // a live table in a terminal
-  Instant last_news_{};                 // when the catalogue last grew
-  std::uint64_t missing_told_ = 0;      // blocks that the last event counted
-  std::optional<Instant> lag_told_;     // when that was
+  std::optional<std::string> remark_;  // of our interest, once it is known
+  Instant last_news_{};                // when the catalogue last grew
+  std::uint64_t missing_told_ = 0;     // blocks that the last event counted
+  std::optional<Instant> lag_told_;    // when that was
 };
 
 ExitCode Watch::run() {
@@ -75,37 +77,17 @@ ExitCode Watch::run() {
   if (const auto small = receive_buffer_remark(connection_.sites.front().dds);
       small && !options_.once)
     err_ << "fieldcast watch: " << *small << '\n' << std::flush;
-  if (output_is_terminal() && !options_.once && !options_.json)
-    screen_ = std::make_unique<LiveScreen>(out_);
   domain_.subscribe_channels();
   domain_.subscribe_samples();
   if (options_.refresh)
     domain_.station().declare_interest(options_.pattern.text(), *options_.refresh);
 
-  auto next_draw = began;
-  bool hinted = false;
-  for (auto now = began; now < end && !domain_.inbox().closed() && out_; now = instant_now()) {
-    for (const auto& event : domain_.inbox().take_all(to_steady(std::min(end, now + kRedraw))))
-      read(event, instant_now());
-    now = instant_now();
-    remark_interest(now, began);
-    tell_lag(now);
-    if (screen_ && now >= next_draw) {
-      draw(now);
-      next_draw = now + kRedraw;
-    }
-    if (options_.once && complete(now)) break;
-    if (!model_.anything_announced() && now - began > kBridgeWait && !hinted) {
-      hinted = true;
-      if (options_.once) break;
-      if (!screen_)
-        err_ << "fieldcast watch: " << no_bridge_text(connection_, domain_.missing_servers())
-             << "; still waiting\n"
-             << std::flush;
-    }
-    out_.flush();
+  if (screen_wanted()) {
+    watch_live(options_, connection_, domain_, model_, end);
+    print_table(output_screen());
+  } else {
+    print_lines(began, end);
   }
-  if (std::exchange(screen_, nullptr)) print_table(output_screen());
   if (options_.once && !domain_.interrupted()) print_all();
   out_.flush();
   err_ << "fieldcast watch: " << model_.summary();
@@ -116,9 +98,29 @@ ExitCode Watch::run() {
   return verdict();
 }
 
+void Watch::print_lines(Instant began, Instant end) {
+  bool hinted = false;
+  for (auto now = began; now < end && !domain_.inbox().closed() && out_; now = instant_now()) {
+    for (const auto& event : domain_.inbox().take_all(to_steady(std::min(end, now + kLook))))
+      read(event, instant_now());
+    now = instant_now();
+    remark_interest(now, began);
+    tell_lag(now);
+    if (options_.once && complete(now)) break;
+    if (!model_.anything_announced() && now - began > kBridgeWait && !hinted) {
+      hinted = true;
+      if (options_.once) break;
+      err_ << "fieldcast watch: " << no_bridge_text(connection_, domain_.missing_servers())
+           << "; still waiting\n"
+           << std::flush;
+    }
+    out_.flush();
+  }
+}
+
 void Watch::read(const DomainEvent& event, Instant now) {
   if (const auto* sample = std::get_if<StationSample>(&event)) {
-    if (model_.on_sample(*sample, now) && !options_.once && !screen_) print(*sample);
+    if (model_.on_sample(*sample, now) && !options_.once) print(*sample);
   } else if (const auto* channel = std::get_if<StationChannel>(&event)) {
     model_.on_channel(*channel);
     last_news_ = now;
@@ -134,7 +136,7 @@ void Watch::remark_interest(Instant now, Instant began) {
       now - std::max(began, last_news_) < kInterestWait)
     return;
   remark_ = model_.interest_remark(*options_.refresh).value_or("");
-  if (!remark_->empty() && !screen_) err_ << "fieldcast watch: " << *remark_ << '\n' << std::flush;
+  if (!remark_->empty()) err_ << "fieldcast watch: " << *remark_ << '\n' << std::flush;
 }
 
 // In JSON lines as an event. Elsewhere the table's footer says it, and the last line of all.
@@ -149,14 +151,12 @@ void Watch::tell_lag(Instant now) {
   out_ << to_line(lag_json(counters)) << '\n';
 }
 
-void Watch::draw(Instant now) {
-  const auto screen = output_screen();
-  auto lines = watch_lines(model_, now, utc_now(), screen);
-  if (!model_.anything_announced())
-    lines.push_back(clip(fmt::format("waiting for a bridge in {} ..", domain_text(connection_)),
-                         screen.columns));
-  if (remark_ && !remark_->empty()) lines.push_back(clip(*remark_, screen.columns));
-  screen_->draw(lines);
+// A terminal that cannot show a screen gets lines, and is told why.
+bool Watch::screen_wanted() {
+  if (options_.once || options_.json || options_.plain || !output_is_terminal()) return false;
+  const std::string reason = no_screen_reason();
+  if (!reason.empty()) err_ << "fieldcast watch: " << reason << ": lines instead\n" << std::flush;
+  return reason.empty();
 }
 
 bool Watch::complete(Instant now) const {
@@ -226,6 +226,7 @@ class WatchCommand final : public CommandWith<WatchOptions> {
   void describe(CommandLine& line) override {
     line.value("PATTERN", pattern_into(options_.pattern), kPatternHelp);
     line.flag("--json", options_.json, "JSON lines");
+    line.flag("--plain", options_.plain, "Lines, where a terminal would get the screen");
     line.flag("--once", options_.once, "Each matching channel once, then end");
     line.duration("--for", options_.time, CommandLine::kShortest,
                   "End after this time (20, 500ms, 2min); with --once the longest wait (10s)");
@@ -234,6 +235,7 @@ class WatchCommand final : public CommandWith<WatchOptions> {
     add_connection(line, options_.connection);
   }
   ExitCode run(const Streams& streams) override {
+    options_.unicode = use_terminal_locale();
     return in_domain(options_.connection, streams,
                      [&](const Connection& connection, Interrupt& interrupt) {
                        return watch(options_, connection, interrupt, streams.out, streams.err);
@@ -245,7 +247,7 @@ class WatchCommand final : public CommandWith<WatchOptions> {
 
 CommandEntry watch_command();
 CommandEntry watch_command() {
-  return {"watch", "Show samples: a live table, lines, or JSON lines", make_command<WatchCommand>};
+  return {"watch", "Show samples: a screen, lines, or JSON lines", make_command<WatchCommand>};
 }
 
 }  // namespace fieldcast::cli

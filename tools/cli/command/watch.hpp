@@ -1,4 +1,4 @@
-// `fieldcast watch`: the newest samples as a live table, as lines, or as JSON lines.
+// `fieldcast watch`: the newest samples as a screen (docs/screens.md), as lines, or as JSON lines.
 #pragma once
 
 #include <iosfwd>
@@ -16,6 +16,8 @@ struct WatchOptions {
   ConnectionOptions connection;
   Pattern pattern;
   bool json = false;
+  bool plain = false;               // lines, also in a terminal
+  bool unicode = false;             // the terminal shows more than ASCII
   bool once = false;                // every matching channel once, in the order of names
   std::optional<Duration> time;     // ends after this; with once: the longest wait
   std::optional<Duration> refresh;  // keeps the channels this fresh while it runs

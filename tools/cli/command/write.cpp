@@ -30,21 +30,7 @@ Errand errand_of(const Assignment& assignment, const Catalogue& catalogue, bool 
   const auto value = value_from_text(*encoding, assignment.value);
   if (!value) return refused(Cause::kWrongType, value.error());
 
-  Errand errand;
-  errand.command.bus = assignment.path.bus;
-  errand.command.command.device = assignment.path.device;
-  errand.command.command.target = ChannelTarget{assignment.path.channel};
-  errand.command.command.operation = Operation::kWrite;
-  errand.command.command.values = {*value};
-  errand.command.command.verify = verify;
-  errand.outcome.bus = assignment.path.bus;
-  errand.outcome.device = assignment.path.device;
-  errand.outcome.target = assignment.path.channel;
-  errand.outcome.write = true;
-  errand.outcome.wanted = {*value};
-  errand.outcome.type = channel->type;
-  errand.outcome.unit = channel->unit;
-  return errand;
+  return channel_write(assignment.path, *value, {channel->type, channel->unit, verify});
 }
 
 // Several assignments belong together: when one cannot be, none is sent.

@@ -83,6 +83,11 @@ std::string utc_text(UtcTime time) {
   return buffer.data();
 }
 
+std::string clock_text(UtcTime time) {
+  const std::string text = utc_text(time);
+  return text == "-" ? text : text.substr(11, 8) + 'Z';
+}
+
 std::string sample_line(const StationSample& sample, const StationChannel* about) {
   std::string line = fmt::format("{}  {}/{}/{}  ", utc_text(sample.acquired_at), sample.bus,
                                  sample.device, sample.channel);

@@ -31,6 +31,9 @@ namespace fieldcast::cli {
 // "2026-11-21T03:04:05.678Z"; "-" for no such time.
 [[nodiscard]] std::string utc_text(UtcTime time);
 
+// "03:04:05Z"; "-" for no such time.
+[[nodiscard]] std::string clock_text(UtcTime time);
+
 // The two lines above in one, for logs: time, path, value and unit, quality. `about` may be null.
 [[nodiscard]] std::string sample_line(const StationSample& sample, const StationChannel* about);
 

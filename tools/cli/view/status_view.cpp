@@ -2,180 +2,110 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <cstdio>
+#include <algorithm>
+#include <set>
 
+#include "tools/cli/screen/cell_text.hpp"
 #include "tools/cli/view/sample_text.hpp"
 
 namespace fieldcast::cli {
 namespace {
 
-std::string formatted(const char* format, double number) {
-  std::array<char, 32> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), format, number);
-  return buffer.data();
-}
+constexpr std::size_t kPlainColumns = 80;
+constexpr std::size_t kFactIndent = 12;
 
-std::string percent(double share) { return formatted("%.1f %%", share * 100); }
-std::string milliseconds(Duration time) {
-  return time == Duration{} ? "-" : formatted("%.2f ms", to_seconds(time) * 1e3);
-}
-
-std::string causes_text(const CauseCounts& causes) {
-  std::string text;
-  for (const auto& [name, count] : causes)
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, count);
-  return text;
-}
-
-std::string spaced(const std::vector<std::string>& addresses) {
-  std::string text;
-  for (const auto& at : addresses) text += (text.empty() ? "" : " ") + at;
-  return text;
-}
-
-// "holding 2.10 ms, blocks to 60, at most 64"
-std::string areas_text(const std::vector<AreaReport>& areas) {
-  std::string text;
-  for (const AreaReport& area : areas) {
-    text += fmt::format("{}{} {}, blocks to {}", text.empty() ? "" : "; ", area.area,
-                        milliseconds(area.answer_time), area.largest_block);
-    if (area.longest_block != 0) text += fmt::format(", at most {}", area.longest_block);
-  }
-  return text;
-}
-
-Tone tone_of(BusState state) {
-  return state == BusState::kRunning  ? Tone::kGood
-         : state == BusState::kClosed ? Tone::kBad
-                                      : Tone::kWarning;
-}
-
-Tone tone_of(DeviceState state) {
-  switch (state) {
-    case DeviceState::kOnline: return Tone::kGood;
-    case DeviceState::kOffline: return Tone::kBad;
-    default: return Tone::kWarning;
-  }
-}
-
-// "closed: no such device file"
-std::string state_text(const BusReport& report) {
-  std::string text(to_text(report.state));
-  if (report.closed_because != Cause::kNone && report.closed_because != Cause::kPortClosed)
-    text += fmt::format(": {}", to_text(report.closed_because));
-  return text;
-}
-
-// What to look at where a device answers and its answers cannot be read.
-std::vector<std::string> hints(const StatusModel& model) {
-  std::vector<std::string> lines;
-  for (const auto& [key, status] : model.devices) {
-    if (status.report.state == DeviceState::kOnline || status.report.state == DeviceState::kUnknown)
-      continue;
-    CauseCounts broken;
-    for (const Cause cause : {Cause::kTruncated, Cause::kChecksum, Cause::kMalformed,
-                              Cause::kForeign, Cause::kOverlong}) {
-      const auto found = status.causes.find(std::string(to_name(cause)));
-      if (found != status.causes.end()) broken.insert(*found);
+void add_facts(std::vector<std::string>& lines, const std::vector<StatusFact>& facts,
+               const Screen& screen) {
+  const std::size_t columns = screen.columns != 0 ? screen.columns : kPlainColumns;
+  for (const StatusFact& fact : facts) {
+    const auto name = fitted(fact.name, kFactIndent - 4);
+    std::string before = "  " + name + "  ";
+    for (const auto& text : wrapped(
+             shown(fact.text), columns > 2 * kFactIndent ? columns - kFactIndent : kFactIndent)) {
+      lines.push_back(before + painted(text, fact.tone, screen.colour));
+      before.assign(kFactIndent, ' ');
     }
-    if (broken.empty()) continue;
-    lines.push_back(fmt::format(
-        "{}/{}: bytes come that are no answers ({}): baud, parity or stop bits may be wrong, or "
-        "two devices share an address; the bridge's log says what the bytes look like",
-        key.first, key.second, causes_text(broken)));
   }
-  return lines;
 }
 
-Tone load_tone(double share) {
-  return share > 1 ? Tone::kBad : share > 0.9 ? Tone::kWarning : Tone::kPlain;
-}
+using DeviceEntry = std::map<std::pair<std::string, std::string>, StationDeviceStatus>::value_type;
 
-TextTable bus_table(const StatusModel& model, UtcTime now) {
-  TextTable table({{"bus"},
-                   {"state"},
-                   {"wire", Align::kRight},
-                   {"planned", Align::kRight},
-                   {"reading", Align::kRight},
-                   {"stretch", Align::kRight},
-                   {"exchanges", Align::kRight},
-                   {"samples", Align::kRight},
-                   {"commands", Align::kRight},
-                   {"missed", Align::kRight},
-                   {"reopened", Align::kRight},
-                   {"age", Align::kRight},
-                   {"failures"},
-                   {"missed because"}});
-  for (const auto& [name, status] : model.buses) {
-    const auto& report = status.report;
-    table.add_row(
-        {{name},
-         {state_text(report), tone_of(report.state)},
-         {percent(report.utilisation)},
-         {percent(report.planned_load), load_tone(report.planned_load)},
-         {percent(report.measured_load)},
-         {formatted("%.2f", report.stretch), report.stretch > 1 ? Tone::kBad : Tone::kPlain},
-         {std::to_string(report.exchanges)},
-         {std::to_string(report.samples)},
-         {std::to_string(report.commands)},
-         {std::to_string(report.deadline_misses),
-          report.deadline_misses == 0 ? Tone::kPlain : Tone::kWarning},
-         {std::to_string(report.reopened)},
-         {age_text(status.reported_at, now), Tone::kFaint},
-         {causes_text(status.causes), Tone::kWarning},
-         {causes_text(status.misses), Tone::kWarning}});
-  }
-  return table;
-}
-
-TextTable device_table(const StatusModel& model) {
-  TextTable table({{"device"},
+TextTable device_table(const std::vector<const DeviceEntry*>& devices) {
+  TextTable table({{"  bus/device"},
                    {"state"},
                    {"answers in", Align::kRight},
-                   {"spread", Align::kRight},
                    {"timeout", Align::kRight},
-                   {"rests", Align::kRight},
                    {"exchanges", Align::kRight},
-                   {"failures", Align::kRight},
-                   {"retries", Align::kRight},
-                   {"missed", Align::kRight},
-                   {"areas"},
-                   {"refused"},
-                   {"gaps refused"},
-                   {"causes"}});
-  for (const auto& [key, status] : model.devices) {
-    const auto& report = status.report;
+                   {"failed", Align::kRight},
+                   {"missed", Align::kRight}});
+  for (const DeviceEntry* entry : devices) {
+    const auto& report = entry->second.report;
     table.add_row(
-        {{key.first + '/' + key.second},
+        {{"  " + entry->first.first + '/' + entry->first.second},
          {std::string(to_text(report.state)), tone_of(report.state)},
-         {milliseconds(report.answer_time)},
-         {milliseconds(report.answer_spread), Tone::kFaint},
-         {milliseconds(report.timeout)},
-         {milliseconds(report.pause), Tone::kFaint},
+         {milliseconds_text(report.answer_time)},
+         {milliseconds_text(report.timeout)},
          {std::to_string(report.exchanges)},
          {std::to_string(report.failures), report.failures == 0 ? Tone::kPlain : Tone::kWarning},
-         {std::to_string(report.retries)},
          {std::to_string(report.deadline_misses),
-          report.deadline_misses == 0 ? Tone::kPlain : Tone::kWarning},
-         {areas_text(report.areas)},
-         {spaced(report.refused), Tone::kWarning},
-         {spaced(report.refused_gaps), Tone::kWarning},
-         {causes_text(status.causes), Tone::kWarning}});
+          report.deadline_misses == 0 ? Tone::kPlain : Tone::kWarning}});
   }
   return table;
+}
+
+int order_of(DeviceState state) {
+  switch (state) {
+    case DeviceState::kOffline: return 0;
+    case DeviceState::kDegraded: return 1;
+    case DeviceState::kUnknown: return 2;
+    case DeviceState::kOnline: break;
+  }
+  return 3;
+}
+
+// The devices of one bus, bad ones first; what is special about each below the table.
+void add_devices(std::vector<std::string>& lines, const StatusModel& model, const std::string& bus,
+                 const StationBusStatus* status, const Screen& screen) {
+  std::vector<const DeviceEntry*> devices;
+  for (const DeviceEntry& entry : model.devices) {
+    if (entry.first.first == bus) devices.push_back(&entry);
+  }
+  if (devices.empty()) return;
+  std::ranges::stable_sort(devices, {},
+                           [](const auto* entry) { return order_of(entry->second.report.state); });
+  for (auto& line : device_table(devices).render({0, 0, screen.colour}))
+    lines.push_back(std::move(line));
+  for (const DeviceEntry* entry : devices) {
+    std::vector<StatusFact> special;
+    for (StatusFact& fact : device_facts(entry->second, status)) {
+      const bool in_table = fact.name == "times" || fact.name == "so far" ||
+                            (fact.name == "state" && fact.text == "online");
+      if (!in_table) special.push_back(std::move(fact));
+    }
+    if (special.empty()) continue;
+    lines.push_back(painted(shown(bus + '/' + entry->first.second), Tone::kTitle, screen.colour));
+    add_facts(lines, special, screen);
+  }
 }
 
 }  // namespace
 
 std::vector<std::string> status_lines(const StatusModel& model, UtcTime now, const Screen& screen) {
-  auto lines = bus_table(model, now).render(screen);
-  if (!model.devices.empty()) {
-    lines.emplace_back();
-    for (auto& line : device_table(model).render(screen)) lines.push_back(std::move(line));
-    const auto more = hints(model);
-    if (!more.empty()) lines.emplace_back();
-    for (const auto& hint : more) lines.push_back(printable(hint));
+  std::vector<std::string> lines;
+  std::set<std::string> names;
+  for (const auto& [name, bus] : model.buses) names.insert(name);
+  for (const auto& [key, device] : model.devices) names.insert(key.first);
+  for (const std::string& name : names) {
+    if (!lines.empty()) lines.emplace_back();
+    const auto found = model.buses.find(name);
+    const StationBusStatus* bus = found == model.buses.end() ? nullptr : &found->second;
+    std::string head = "bus " + name;
+    if (bus != nullptr)
+      head +=
+          fmt::format("  bridge {}, reported {} ago", bus->bridge, age_text(bus->reported_at, now));
+    lines.push_back(painted(shown(head), Tone::kTitle, screen.colour));
+    if (bus != nullptr) add_facts(lines, bus_facts(*bus), screen);
+    add_devices(lines, model, name, bus, screen);
   }
   return lines;
 }

@@ -8,17 +8,13 @@
 
 #include "bridge/station/station.hpp"
 #include "tools/cli/view/json.hpp"
+#include "tools/cli/view/status_facts.hpp"
 #include "tools/cli/view/text_table.hpp"
 
 namespace fieldcast::cli {
 
-struct StatusModel {
-  std::map<std::string, StationBusStatus> buses;
-  std::map<std::pair<std::string, std::string>, StationDeviceStatus> devices;  // by bus and name
-};
-
-// Two tables: buses with the use of their wire, devices with what they learned; counters of each
-// cause beside them.
+// For each bus its facts in words, a table of its devices with bad ones first, and below it what is
+// special about each. Texts are wrapped at the screen's width, or at 80 columns.
 [[nodiscard]] std::vector<std::string> status_lines(const StatusModel& model, UtcTime now,
                                                     const Screen& screen);
 

@@ -1,0 +1,100 @@
+#include "tools/cli/screen/status_screen.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/tools/cli/screen/screen_text.hpp"
+#include "tools/cli/screen/cell_text.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+class StatusScreenTest : public testing::Test {
+ protected:
+  StatusScreenTest() {
+    for (const char* name : {"a-line", "press"}) {
+      StationBusStatus bus{"line-7", name, {}, {}, at_.utc};
+      bus.report.state = BusState::kRunning;
+      bus.report.utilisation = 0.731;
+      model_.buses[name] = bus;
+    }
+    add("a-line", "meter", DeviceState::kOnline, {});
+    add("press", "p1", DeviceState::kOnline, {});
+    add("press", "p2", DeviceState::kOffline, {{"NO_ANSWER", 6}, {"CHECKSUM", 1}});
+  }
+  void add(const std::string& bus, const std::string& device, DeviceState state,
+           const CauseCounts& causes) {
+    StationDeviceStatus status{bus, device, {}, causes, at_.utc};
+    status.report.state = state;
+    status.report.exchanges = 400;
+    model_.devices[{bus, device}] = status;
+  }
+  std::string draw(std::size_t columns = 80, std::size_t rows = 24) {
+    at_.now += std::chrono::seconds{1};
+    const Frame frame = screen_.frame(at_, {columns, rows, false});
+    EXPECT_EQ(frame.lines.size(), rows);
+    for (const FrameLine& line : frame.lines) {
+      std::size_t used = 0;
+      for (const Span& span : line.spans) used += columns_of(span.text);
+      EXPECT_EQ(used, columns) << text_of(line);
+    }
+    return text_of(frame);
+  }
+  bool press(const Key& key) { return screen_.on_key(key, at_); }
+
+  Moment at_{Instant{}, UtcTime{1'700'000'000'000'000'000}};
+  StatusModel model_;
+  StatusScreen screen_{model_};
+};
+
+TEST_F(StatusScreenTest, BadOnesComeFirst) {
+  const std::string text = draw();
+  EXPECT_THAT(text, HasSubstr("2/3 online  2 of 2 buses running"));
+  EXPECT_LT(text.find("- press"), text.find("- a-line"));
+  EXPECT_LT(text.find("p2"), text.find("p1"));
+  EXPECT_THAT(text, HasSubstr("wire 73.1 %"));
+}
+
+TEST_F(StatusScreenTest, TheDetailsSayWhyADeviceIsOffline) {
+  draw();
+  EXPECT_TRUE(press({Key::Kind::kDown}));
+  const std::string text = draw(100);
+  EXPECT_THAT(text, AllOf(HasSubstr("press/p2"), HasSubstr("offline: no answer 6 times"),
+                          HasSubstr("look at its power, its cable")));
+}
+
+TEST_F(StatusScreenTest, FilterSortBadOnlyAndQuit) {
+  draw();
+  for (const char* letter : {"/", "o", "f", "f", "l"}) EXPECT_TRUE(press(text_key(letter)));
+  EXPECT_THAT(draw(), AllOf(HasSubstr("p2"), Not(HasSubstr("p1")), Not(HasSubstr("a-line"))));
+  EXPECT_TRUE(press({Key::Kind::kEscape}));
+  EXPECT_TRUE(press(text_key("s")));
+  const std::string text = draw();
+  EXPECT_LT(text.find("- a-line"), text.find("- press"));
+  EXPECT_TRUE(press(text_key("b")));
+  EXPECT_THAT(draw(), AllOf(HasSubstr("p2"), Not(HasSubstr("meter"))));
+  EXPECT_TRUE(press(function_key(1)));
+  EXPECT_THAT(draw(), HasSubstr("gap: unused addresses between two channels"));
+  EXPECT_TRUE(press({Key::Kind::kEscape}));
+  EXPECT_FALSE(press(text_key("q")));
+}
+
+TEST_F(StatusScreenTest, EverySizeIsDrawnWhole) {
+  for (std::size_t rows = 1; rows < 30; ++rows) {
+    for (const std::size_t columns : {1, 5, 20, 40, 60, 79, 80, 120, 300}) draw(columns, rows);
+  }
+  EXPECT_THAT(draw(20, 12), AllOf(HasSubstr("p2"), HasSubstr("offline")));
+}
+
+TEST_F(StatusScreenTest, WithoutABridgeTheNoticeIsShown) {
+  model_ = {};
+  screen_.set_notice("waiting for a bridge");
+  EXPECT_THAT(draw(), HasSubstr("waiting for a bridge"));
+}
+
+}  // namespace
+}  // namespace fieldcast::cli

@@ -1,0 +1,60 @@
+// A list of buses, devices and channels that folds and scrolls, with one selected row. Pure values.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <set>
+#include <vector>
+
+#include "core/model/channel_path.hpp"
+
+namespace fieldcast::cli {
+
+// How bad something is: the smaller, the worse.
+enum class Rank : std::uint8_t { kBad, kUncertain, kUnread, kGood };
+
+// One row. A bus has an empty device, a device an empty channel.
+struct ListRow {
+  ChannelPath id;
+  Rank rank = Rank::kGood;  // of a group: of its worst member
+  // Of a group: what is in it, folded or not.
+  std::uint32_t members = 0, good = 0, bad = 0;
+  bool folded = false;
+  const void* item = nullptr;  // the owner's; of a channel in a list of channels its samples
+  [[nodiscard]] bool is_bus() const { return id.device.empty(); }
+  [[nodiscard]] bool is_device() const { return !is_bus() && id.channel.empty(); }
+  [[nodiscard]] bool is_channel() const { return !id.channel.empty(); }
+  [[nodiscard]] bool is_group() const { return members != 0; }
+};
+using ListRows = std::vector<ListRow>;
+
+class RowList {
+ public:
+  // Other rows, or the same in another order. What was selected stays so; a row that is gone gives
+  // its place to the one that stands there now. The first row stays selected while nobody moved.
+  void assign(ListRows rows);
+  [[nodiscard]] const ListRows& rows() const { return rows_; }
+
+  [[nodiscard]] const ListRow* selected() const;  // null: the list is empty
+  [[nodiscard]] std::size_t index() const { return index_; }
+  void select(std::size_t index);  // the last one when there are fewer
+  void move(std::ptrdiff_t by);    // as far as it goes
+  // The first row that is shown on so many lines; follows the selection.
+  std::size_t top(std::size_t lines);
+  // Without the selection, as a wheel does; the selection stays in sight.
+  void scroll(std::ptrdiff_t by, std::size_t lines);
+
+  // Folding takes effect at the next assign().
+  [[nodiscard]] bool is_folded(const ChannelPath& id) const { return folded_.contains(id); }
+  void fold(const ChannelPath& id, bool folded);
+  void unfold_all() { folded_.clear(); }
+
+ private:
+  ListRows rows_;
+  ChannelPath selected_;
+  bool moved_ = false;  // by a person
+  std::size_t index_ = 0, top_ = 0;
+  std::set<ChannelPath> folded_;
+};
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,266 @@
+#include "tools/cli/screen/status_screen.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <utility>
+
+#include "tools/cli/screen/cell_text.hpp"
+#include "tools/cli/screen/channel_rows.hpp"
+#include "tools/cli/screen/status_details.hpp"
+#include "tools/cli/view/sample_text.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+const std::array kStatusBar{
+    BarKey{"F1", "help", function_key(1)}, BarKey{"/", "filter", text_key("/")},
+    BarKey{"s", "sort", text_key("s")},    BarKey{"b", "bad only", text_key("b")},
+    BarKey{"d", "details", text_key("d")}, BarKey{"q", "quit", text_key("q")},
+};
+
+constexpr std::array<std::string_view, 23> kStatusHelp{
+    "",
+    "Up Down PgUp PgDn Home End: move (j and k too; the wheel scrolls)",
+    "Enter, Space, Left, Right: fold and unfold a bus (or click it)",
+    "/ F3 F4: filter, words that name, state or causes must have; Esc clears it",
+    "s F6: bad first, or by name",
+    "b: only what is not as it should be",
+    "d: details of the selected row, or more rows",
+    "q F10: quit (Ctrl-C too)",
+    "",
+    "wire: share of the last second in which the wire of the bus was busy",
+    "answers in: from the end of a request to the first byte of its answer",
+    "timeout: how long an answer is waited for; learned, never above the configured one",
+    "exchanges: requests with their answers, since the bridge started",
+    "failed: exchanges without a valid answer; the details have their causes",
+    "missed: refreshes that passed without a new value",
+    "planned: share of the wire that all refreshes take together, by the plan",
+    "reading: share of the wire that reading took in the last 10 s",
+    "overloaded: the plan needs more than the whole wire, every refresh takes longer",
+    "gap: unused addresses between two channels; a block runs across them to save a request, "
+    "unless the device refuses that",
+    "degraded: some exchanges with the device fail, offline: all do",
+    "leased: an engineer programs a device of the bus",
+    "",
+    "Causes stand in docs/qualities.md, with what to do.",
+};
+
+struct StatusColumns {
+  std::size_t name = 0, state = 10, load = 0, exchanges = 0, failed = 0, missed = 0;
+};
+
+StatusColumns columns_for(std::size_t columns) {
+  StatusColumns widths;
+  if (columns < 30) widths.state = 8;
+  if (columns >= 44) widths.load = 11;
+  if (columns >= 56) widths.missed = 8;
+  if (columns >= 74) widths.exchanges = 10, widths.failed = 8;
+  const std::size_t used = widths.state + widths.load + widths.exchanges + widths.failed +
+                           widths.missed + (widths.load != 0 ? 1 : 0) +
+                           (widths.exchanges != 0 ? 2 : 0) + (widths.missed != 0 ? 1 : 0) + 1;
+  widths.name = columns - std::min(columns, used);
+  return widths;
+}
+
+struct StatusCells {
+  std::string name;
+  Span state;
+  std::string load, exchanges, failed, missed;
+};
+
+FrameLine line_of(const StatusCells& cells, std::size_t columns, bool head) {
+  const StatusColumns widths = columns_for(columns);
+  std::vector<Span> spans;
+  const auto add = [&](const std::string& text, std::size_t width, Align align, Tone tone) {
+    if (width == 0) return;
+    if (!spans.empty()) spans.push_back({" "});
+    spans.push_back({fitted(text, width, align), tone});
+  };
+  const Tone bad = head ? Tone::kPlain : Tone::kWarning;
+  const auto counted = [&](const std::string& text) { return text == "0" ? Tone::kPlain : bad; };
+  add(cells.name, widths.name, Align::kLeft, head ? Tone::kPlain : Tone::kTitle);
+  add(cells.state.text, widths.state, Align::kLeft, cells.state.tone);
+  add(cells.load, widths.load, Align::kRight, Tone::kPlain);
+  add(cells.exchanges, widths.exchanges, Align::kRight, Tone::kPlain);
+  add(cells.failed, widths.failed, Align::kRight, counted(cells.failed));
+  add(cells.missed, widths.missed, Align::kRight, counted(cells.missed));
+  return full_line(std::move(spans), columns, head);
+}
+
+std::uint64_t total(const CauseCounts& causes) {
+  return std::accumulate(causes.begin(), causes.end(), std::uint64_t{0},
+                         [](std::uint64_t sum, const auto& one) { return sum + one.second; });
+}
+
+std::string searched(const std::string& name, std::string_view state, const CauseCounts& causes) {
+  return name + ' ' + std::string(state) + ' ' + causes_text(causes);
+}
+
+}  // namespace
+
+Rank rank_of(const StationBusStatus& bus) {
+  if (bus.report.state == BusState::kClosed) return Rank::kBad;
+  return bus.report.state == BusState::kRunning && bus.report.stretch <= 1 ? Rank::kGood
+                                                                           : Rank::kUncertain;
+}
+
+Rank rank_of(const StationDeviceStatus& device) {
+  switch (device.report.state) {
+    case DeviceState::kOffline: return Rank::kBad;
+    case DeviceState::kDegraded: return Rank::kUncertain;
+    case DeviceState::kUnknown: return Rank::kUnread;
+    case DeviceState::kOnline: break;
+  }
+  return Rank::kGood;
+}
+
+void StatusScreen::rebuild(const Moment& moment) {
+  const auto words = filter_words(control_.filter.text());
+  struct Group {
+    ListRow bus;
+    ListRows devices;
+    bool chosen = false;
+  };
+  std::map<std::string, Group> groups;
+  for (const auto& [name, bus] : model_.buses) {
+    Group& group = groups[name];
+    group.bus.id = {name, {}, {}};
+    group.bus.rank = rank_of(bus);
+    group.chosen = (!bad_only_ || group.bus.rank != Rank::kGood) &&
+                   has_words(searched(name, to_text(bus.report.state), bus.causes), words);
+  }
+  for (const auto& [key, device] : model_.devices) {
+    Group& group = groups[key.first];
+    group.bus.id = {key.first, {}, {}};
+    const Rank rank = rank_of(device);
+    ++group.bus.members;
+    group.bus.good += rank == Rank::kGood ? 1 : 0;
+    group.bus.bad += rank == Rank::kBad ? 1 : 0;
+    group.bus.rank = std::min(group.bus.rank, rank);
+    if (bad_only_ && rank == Rank::kGood) continue;
+    if (!has_words(
+            searched(key.first + '/' + key.second, to_text(device.report.state), device.causes),
+            words))
+      continue;
+    group.devices.push_back({.id = {key.first, key.second, {}}, .rank = rank});
+    group.chosen = true;
+  }
+  std::vector<Group> ordered;
+  for (auto& [name, group] : groups) {
+    if (group.chosen) ordered.push_back(std::move(group));
+  }
+  if (!by_name_)
+    std::ranges::stable_sort(ordered, {}, [](const Group& group) { return group.bus.rank; });
+  ListRows rows;
+  for (Group& group : ordered) {
+    group.bus.folded = control_.list.is_folded(group.bus.id);
+    rows.push_back(group.bus);
+    if (group.bus.folded) continue;
+    if (!by_name_) std::ranges::stable_sort(group.devices, {}, &ListRow::rank);
+    rows.insert(rows.end(), group.devices.begin(), group.devices.end());
+  }
+  control_.list.assign(std::move(rows));
+  control_.stale = false;
+  sorted_at_ = moment.now;
+}
+
+bool StatusScreen::on_key(const Key& given, const Moment& moment) {
+  const Key key = control_.bar_key(given).value_or(given);
+  const bool in_list = control_.mode == ListControl::Mode::kList;
+  const auto is = [&](std::string_view letter, int function) {
+    return in_list && ((key.kind == Key::Kind::kText && key.text == letter) ||
+                       (key.kind == Key::Kind::kFunction && key.number == function));
+  };
+  auto took = ListControl::Took::kKey;
+  if (is("s", 6))
+    by_name_ = !by_name_;
+  else if (is("b", -1))
+    bad_only_ = !bad_only_;
+  else
+    took = control_.on_key(key);
+  if (control_.stale || is("s", 6) || is("b", -1)) rebuild(moment);
+  return took != ListControl::Took::kQuit;
+}
+
+FrameLine StatusScreen::title(const Moment& moment, std::size_t columns) const {
+  std::size_t online = 0, running = 0;
+  for (const auto& [key, device] : model_.devices)
+    online += device.report.state == DeviceState::kOnline ? 1 : 0;
+  for (const auto& [name, bus] : model_.buses)
+    running += bus.report.state == BusState::kRunning ? 1 : 0;
+  const std::size_t devices = model_.devices.size(), buses = model_.buses.size();
+  const bool well = online == devices && running == buses;
+  const std::array pieces{
+      std::string(columns < 44 ? "status" : "fieldcast status"),
+      fmt::format("{}/{} online", online, devices),
+      fmt::format("{} of {} buses running", running, buses),
+      std::string(by_name_ ? "sort: name" : "sort: bad first"),
+      control_.filter.text().empty() ? std::string{} : "filter: " + shown(control_.filter.text()),
+  };
+  const std::string text = fitting_pieces(pieces, columns);
+  std::vector<Span> spans{{text, well ? Tone::kTitle : Tone::kWarning}};
+  const std::string clock = clock_text(moment.utc);
+  if (columns_of(text) + clock.size() + 2 <= columns) {
+    spans.push_back({std::string(columns - columns_of(text) - clock.size(), ' ')});
+    spans.push_back({clock, Tone::kFaint});
+  }
+  return full_line(std::move(spans), columns);
+}
+
+FrameLine StatusScreen::row_line(const ListRow& row, std::size_t columns) const {
+  StatusCells cells;
+  if (row.is_bus()) {
+    const char* fold = !row.is_group() ? "  " : row.folded ? "+ " : "- ";
+    cells.name = fold + shown(row.id.bus);
+    if (const auto found = model_.buses.find(row.id.bus); found != model_.buses.end()) {
+      const auto& bus = found->second;
+      const bool overloaded = bus.report.state == BusState::kRunning && bus.report.stretch > 1;
+      cells.state = {overloaded ? "overloaded" : std::string(to_text(bus.report.state)),
+                     overloaded ? Tone::kWarning : tone_of(bus.report.state)};
+      cells.load = "wire " + percent_text(bus.report.utilisation);
+      cells.exchanges = std::to_string(bus.report.exchanges);
+      cells.failed = std::to_string(total(bus.causes));
+      cells.missed = std::to_string(bus.report.deadline_misses);
+    }
+  } else if (const auto found = model_.devices.find({row.id.bus, row.id.device});
+             found != model_.devices.end()) {
+    const auto& device = found->second;
+    cells.name = (columns < 44 ? " " : "    ") + shown(row.id.device);
+    cells.state = {std::string(to_text(device.report.state)), tone_of(device.report.state)};
+    cells.load = milliseconds_text(device.report.answer_time);
+    cells.exchanges = std::to_string(device.report.exchanges);
+    cells.failed = std::to_string(device.report.failures);
+    cells.missed = std::to_string(device.report.deadline_misses);
+  }
+  return line_of(cells, columns, false);
+}
+
+Frame StatusScreen::frame(const Moment& moment, const Screen& screen) {
+  const std::size_t known = model_.buses.size() + model_.devices.size();
+  if (control_.stale || !sorted_at_ || moment.now - *sorted_at_ >= kSortAgain ||
+      std::exchange(known_, known) != known)
+    rebuild(moment);
+  std::vector<FrameLine> below;
+  if (const ListRow* row = control_.list.selected(); row != nullptr && control_.details)
+    below = status_details(model_, row->id, moment.utc, screen.columns);
+  Layout layout = layout_of(screen, below.size());
+  layout.list_top -= layout.state;  // what it would say stands in the title
+  layout.list_rows += std::exchange(layout.state, 0);
+  ScreenParts parts;
+  parts.title = title(moment, screen.columns);
+  parts.head = line_of({"bus, device", {"state"}, "answers in", "exchanges", "failed", "missed"},
+                       screen.columns, true);
+  parts.row = [&](const ListRow& row, std::size_t columns) { return row_line(row, columns); };
+  parts.pane = std::move(below);
+  parts.notice = model_.buses.empty() ? shown(notice_)
+                 : bad_only_          ? std::string("all is as it should be (b shows it)")
+                                      : std::string("nothing matches the filter (Esc)");
+  parts.bar = kStatusBar;
+  parts.help = kStatusHelp;
+  return control_.compose(layout, parts);
+}
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,44 @@
+// The screen of `fieldcast status`: keys in, frames out. Buses with their devices, bad ones first;
+// below them everything that is known of the selected one, in words. Pure: no terminal, no clock,
+// no DDS. Main thread; the model lives longer.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "tools/cli/screen/frame.hpp"
+#include "tools/cli/screen/list_control.hpp"
+#include "tools/cli/view/status_facts.hpp"
+
+namespace fieldcast::cli {
+
+[[nodiscard]] Rank rank_of(const StationBusStatus& bus);
+[[nodiscard]] Rank rank_of(const StationDeviceStatus& device);
+
+class StatusScreen {
+ public:
+  explicit StatusScreen(const StatusModel& model) : model_(model) {}
+
+  // False: the person wants to leave.
+  [[nodiscard]] bool on_key(const Key& key, const Moment& moment);
+  // In place of rows while there are none.
+  void set_notice(std::string notice) { notice_ = std::move(notice); }
+  [[nodiscard]] Frame frame(const Moment& moment, const Screen& screen);
+
+ private:
+  static constexpr Duration kSortAgain = std::chrono::seconds{1};
+
+  void rebuild(const Moment& moment);
+  [[nodiscard]] FrameLine title(const Moment& moment, std::size_t columns) const;
+  [[nodiscard]] FrameLine row_line(const ListRow& row, std::size_t columns) const;
+
+  const StatusModel& model_;
+  ListControl control_;
+  bool by_name_ = false;  // else bad first
+  bool bad_only_ = false;
+  std::optional<Instant> sorted_at_;
+  std::size_t known_ = 0;  // buses and devices, when the rows were made
+  std::string notice_;
+};
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,85 @@
+// The screen of `fieldcast watch`: keys in, frames and intents out. Pure: no terminal, no clock, no
+// DDS. Main thread; the models live longer.
+//
+// A write is typed, then shown with the old and the new value, and leaves as an intent only when a
+// person confirms it. One is on its way at a time.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "tools/cli/screen/channel_rows.hpp"
+#include "tools/cli/screen/frame.hpp"
+#include "tools/cli/screen/list_control.hpp"
+#include "tools/cli/screen/trend.hpp"
+#include "tools/cli/view/command_text.hpp"
+#include "tools/cli/view/status_view.hpp"
+
+namespace fieldcast::cli {
+
+struct QuitIntent {};
+struct WriteIntent {
+  ChannelPath path;
+  Value value;
+  std::string type, unit;
+  bool verify = false;
+};
+using Intent = std::variant<std::monostate, QuitIntent, WriteIntent>;
+
+class WatchScreen {
+ public:
+  // `unicode`: the terminal shows more than ASCII.
+  WatchScreen(const WatchModel& model, const StatusModel& status, bool unicode)
+      : model_(model), status_(status), unicode_(unicode) {}
+
+  void on_sample(const StationSample& sample);
+  [[nodiscard]] Intent on_key(const Key& key, const Moment& moment);
+  // What became of the write.
+  void on_outcome(const Outcome& outcome);
+  // In place of rows while there are none, and what is worth a warning. Empty: nothing.
+  void set_notice(std::string notice) { notice_ = std::move(notice); }
+  void set_remark(std::string remark) { remark_ = std::move(remark); }
+
+  [[nodiscard]] Frame frame(const Moment& moment, const Screen& screen);
+
+ private:
+  static constexpr Duration kSortAgain = std::chrono::seconds{1};
+
+  enum class Question : unsigned char { kNone, kValue, kConfirm };
+
+  void rebuild(const Moment& moment);
+  bool on_own_key(const Key& key);
+  void ask_for_value();
+  [[nodiscard]] Intent on_question_key(const Key& key);
+  void take_value();
+  [[nodiscard]] std::vector<FrameLine> pane(const Moment& moment, std::size_t columns) const;
+  [[nodiscard]] std::string input_text() const;
+  [[nodiscard]] std::vector<FrameLine> question_lines(const Moment& moment, std::size_t columns);
+  [[nodiscard]] std::vector<FrameLine> channel_details(const ListRow& row, const Moment& moment,
+                                                       std::size_t columns) const;
+  [[nodiscard]] FrameLine title(const Moment& moment, std::size_t columns) const;
+  [[nodiscard]] FrameLine state_line(std::size_t list_rows, std::size_t columns);
+  [[nodiscard]] FrameLine group_line(const ListRow& row, std::size_t columns) const;
+
+  const WatchModel& model_;
+  const StatusModel& status_;
+  const bool unicode_;
+  ListControl control_;
+  ChannelChoice choice_;
+  ChannelRows sums_;  // without the rows, which the control has
+  TrendBook trends_;
+  std::optional<Instant> sorted_at_;
+  std::string notice_, remark_;
+  Span message_;
+
+  Question question_ = Question::kNone;
+  LineEdit typed_;
+  std::string fault_;  // of what was typed
+  WriteIntent write_;  // that is asked about, or on its way
+  bool waiting_ = false;
+  std::size_t columns_ = 80;    // of the last frame
+  std::size_t input_line_ = 0;  // of the question, where the value is typed
+};
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,42 @@
+// What is known of a bus and of a device as named lines: each number with its name and its unit.
+// Pure functions; shared by the screens and the plain text of `fieldcast status`.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "bridge/station/station.hpp"
+#include "tools/cli/view/text_table.hpp"
+
+namespace fieldcast::cli {
+
+struct StatusModel {
+  std::map<std::string, StationBusStatus> buses;
+  std::map<std::pair<std::string, std::string>, StationDeviceStatus> devices;  // by bus and name
+};
+
+struct StatusFact {
+  std::string_view name;  // "wire"
+  std::string text;       // "busy 73.1 % of the last second; ..."; not yet printable()
+  Tone tone = Tone::kPlain;
+};
+
+[[nodiscard]] Tone tone_of(BusState state);
+[[nodiscard]] Tone tone_of(DeviceState state);
+
+// The state and why comes first. What is nothing worth telling is left out.
+[[nodiscard]] std::vector<StatusFact> bus_facts(const StationBusStatus& bus);
+// The bus may be null: unknown.
+[[nodiscard]] std::vector<StatusFact> device_facts(const StationDeviceStatus& device,
+                                                   const StationBusStatus* bus);
+
+// "73.1 %", "2.15 ms"; "-" for no time.
+[[nodiscard]] std::string percent_text(double share);
+[[nodiscard]] std::string milliseconds_text(Duration time);
+// "CHECKSUM 3, NO_ANSWER 12"
+[[nodiscard]] std::string causes_text(const CauseCounts& causes);
+
+}  // namespace fieldcast::cli
