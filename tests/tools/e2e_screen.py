@@ -140,7 +140,7 @@ class Screen(unittest.TestCase):
         terminal = self.watch()
         terminal.press("\x1a")
         terminal.wait_until(lambda _: terminal.is_stopped(), "it is stopped")
-        self.assertIn(RESTORED, terminal.said)
+        terminal.wait_until(lambda _: RESTORED in terminal.said, "the first screen is back")
         self.assertEqual(terminal.modes_now(), terminal.modes)
         os.kill(terminal.pid, signal.SIGCONT)
         terminal.screen.reset()

@@ -104,14 +104,26 @@ class Terminal:
         while (left := end - time.monotonic()) > 0:
             if not select.select([self.master], [], [], left)[0]:
                 break
-            try:
-                text = os.read(self.master, 65536)
-            except OSError:  # the other end is closed
+            if not self._take():
                 return False
-            self.said += text
-            # pyte knows no answer to some questions of ncurses; they change nothing that is shown.
-            self.stream.feed(re.sub(rb"\x1b\[\?[0-9;]*[\$]p|\x1b\[[>=][0-9;]*c", b"", text))
         return True
+
+    def _take(self):
+        try:
+            text = os.read(self.master, 65536)
+        except OSError:  # the other end is closed
+            return False
+        self.said += text
+        self.stream.feed(text)
+        return True
+
+    def read_once(self, seconds):
+        """Takes what comes next, at once when it comes. fed_seconds: what showing it took."""
+        select.select([self.master], [], [], seconds)
+        began = time.monotonic()
+        while select.select([self.master], [], [], 0)[0] and self._take():
+            pass
+        self.fed_seconds = time.monotonic() - began
 
     def text(self):
         return "\n".join(line.rstrip() for line in self.screen.display)

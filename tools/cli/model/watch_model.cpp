@@ -21,8 +21,8 @@ double RateMeter::rate(Instant now) const {
   const double elapsed = to_seconds(now - *began_);
   if (last_ != 0 && elapsed < to_seconds(kWindow)) return last_;
   // The first window, or a full one without a new one begun: what came slows down, or stopped. Two
-  // samples make one interval.
-  return counted_ < 2 || elapsed <= 0 ? 0 : static_cast<double>(counted_ - 1) / elapsed;
+  // samples make one interval; what comes at once at the beginning makes no rate.
+  return counted_ < 2 || elapsed < 0.1 ? 0 : static_cast<double>(counted_ - 1) / elapsed;
 }
 
 WatchModel::Row* WatchModel::row(const ChannelPath& path) {
