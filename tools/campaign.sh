@@ -31,5 +31,7 @@ fi
 if has fuzz; then
   tools/build.sh --folder build-fuzz -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DFIELDCAST_FUZZ=ON -DFIELDCAST_PCH=OFF \
     -DFIELDCAST_TESTS=ON -DFIELDCAST_BENCHES=OFF fuzz_all
+  tools/build.sh --folder build-fuzz-fast -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DFIELDCAST_FUZZ=ON -DFIELDCAST_FUZZ_FAST=ON \
+    -DFIELDCAST_PCH=OFF -DFIELDCAST_TESTS=ON -DFIELDCAST_BENCHES=OFF fuzz_small
 fi
 exec python3 tests/campaign/campaign.py "$@"

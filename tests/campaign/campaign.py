@@ -1,6 +1,7 @@
 """The fault campaign: runs its parts in shares of the time, shows how far it is, and writes a report.
 
-usage: campaign.py --minutes N [--seed S] [--part NAME].. [--counts FILE] [--report FILE] [--grown DIR] [--bin DIR] [--fuzz-bin DIR]
+usage: campaign.py --minutes N [--seed S] [--part NAME].. [--counts FILE] [--report FILE] [--grown DIR]
+       [--bin DIR] [--fuzz-bin DIR] [--fuzz-fast-bin DIR]
 
 Each part is a program of its own. It prints lines that begin with FAIL or VIOLATION for what does not hold, and its counts as one JSON
 object in its last line. Counts are added to those in FILE, over all runs. Ctrl-C ends the part under way and writes the report so far.
@@ -42,7 +43,8 @@ def virtual_commands(options, seconds, seed):
 
 def fuzz_commands(options, seconds, seed):
     return [script("fuzz_campaign.py") + ["--seconds", str(seconds), "--seed", str(seed), "--bin", options.fuzz_bin,
-                                          "--artifacts", options.files] + (["--grown", options.grown] if options.grown else [])]
+                                          "--fast-bin", options.fuzz_fast_bin, "--artifacts", options.files]
+            + (["--grown", options.grown] if options.grown else [])]
 
 
 def system_commands(options, seconds, seed):
@@ -200,6 +202,7 @@ def parse():
     parser.add_argument("--grown", help="where inputs that fuzzing found are kept for the next run")
     parser.add_argument("--bin", default="build/bin")
     parser.add_argument("--fuzz-bin", default="build-fuzz/bin")
+    parser.add_argument("--fuzz-fast-bin", default="build-fuzz-fast/bin")
     options = parser.parse_args()
     if options.minutes <= 0 or options.seed < 1:
         parser.error("--minutes and --seed are greater than 0")

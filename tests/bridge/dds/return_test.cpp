@@ -1,0 +1,91 @@
+// A network that is cut for longer than the lease of participants, 10 s: what has not changed
+// meanwhile is there again on both sides. Nothing is received in this process while it is cut
+// (lossy_receive.hpp).
+#include <gtest/gtest.h>
+
+#include <optional>
+
+#include "tests/bridge/dds/dds_support.hpp"
+#include "tools/bench/lossy_receive.hpp"
+
+namespace fieldcast::testing {
+namespace {
+
+// How often each thing came, and how often it was said to be gone.
+class Counts {
+ public:
+  void add(const std::string& name) {
+    const std::lock_guard lock(mutex_);
+    ++counts_[name];
+  }
+  void clear() {
+    const std::lock_guard lock(mutex_);
+    counts_.clear();
+  }
+  // Those that are not there.
+  [[nodiscard]] std::string lacking(const std::vector<std::string>& names) const {
+    const std::lock_guard lock(mutex_);
+    std::string all;
+    for (const std::string& name : names) {
+      if (!counts_.contains(name)) all += name + ' ';
+    }
+    return all;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<std::string, int> counts_;
+};
+
+bool soon(const std::function<bool()>& condition) {  // the lease, and what discovery takes
+  return eventually(condition) || eventually(condition) || eventually(condition);
+}
+
+TEST(CutNetwork, WhatHasNotChangedIsThereAgain) {
+  const std::string bus = bus_name("cut");
+  Counts came, gone;
+  DdsLink::Handlers handlers;
+  handlers.clock = both_clocks;
+  handlers.on_command = [](const std::string&, const Command&) {};
+  handlers.on_interest = [&](const Interest& interest) {
+    (interest.refresh ? came : gone).add("interest");
+  };
+  handlers.on_problem = [](const std::string&) {};
+  handlers.bridges = {.found = [](auto&) {},
+                      .received = [&](auto&, auto&&) { came.add("claims"); },
+                      .alive = [](auto&, bool) {},
+                      .lost = [&](auto&) { gone.add("claims"); }};
+  DdsLink link(loopback(), "here", handlers);
+  Received elsewhere;
+  DdsLink::Handlers others = elsewhere.handlers();
+  others.bridges = {[](auto&) {}, [](auto&, auto&&) {}, [](auto&, bool) {}, [](auto&) {}};
+  DdsLink other(loopback(), "there", others);
+  other.announce({.bridge = "there", .host = "host"});
+  link.add_bus(bus_of(bus, 2));
+  link.report(bus, PlanReport{}, {6});
+  link.report({bus, "d", "c0", LimitKind::kHigh}, AlarmStatus{});
+  link.report(bus, "d", DeviceReport{}, {7});
+
+  Station station(loopback(), "watcher");
+  station.subscribe_channels([&](const StationChannel&) { came.add("channel"); },
+                             [&](auto&, auto&, auto&) { gone.add("channel"); });
+  station.subscribe_read_plans([&](const StationReadPlan&) { came.add("plan"); },
+                               [&](const std::string&) { gone.add("plan"); });
+  station.subscribe_alarm_status([&](const StationAlarmStatus&) { came.add("alarm status"); },
+                                 [&](const StationAlarmStatus&) { gone.add("alarm status"); });
+  station.subscribe_device_status([&](const StationDeviceStatus&) { came.add("device status"); },
+                                  [&](const StationDeviceStatus&) { gone.add("device status"); });
+  station.declare_interest("cut/*/*", std::chrono::seconds{1});
+
+  const std::vector<std::string> all{"channel",       "plan",     "alarm status",
+                                     "device status", "interest", "claims"};
+  ASSERT_TRUE(eventually([&] { return came.lacking(all).empty(); })) << came.lacking(all);
+  came.clear();
+  bench::lose(1);
+  EXPECT_TRUE(soon([&] { return gone.lacking(all).empty(); })) << gone.lacking(all);
+  bench::lose(0);
+  EXPECT_TRUE(soon([&] { return came.lacking(all).empty(); })) << came.lacking(all);
+}
+
+}  // namespace
+}  // namespace fieldcast::testing
