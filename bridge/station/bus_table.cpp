@@ -50,10 +50,14 @@ void BusTable::on_catalogue_gone(std::uint64_t epoch, std::uint32_t first,
       std::min<std::size_t>(rows_.size(), std::size_t{first} + kEntriesPerBlock);
   for (std::size_t i = first; i < end; ++i) forget(rows_[i], handlers);
   // With the last entry the epoch is over: the next one may come from a clock that is behind.
-  if (std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return row.entry != nullptr; }))
-    return;
+  if (has_catalogue()) return;
   rows_.clear();
   epoch_ = 0;
+}
+
+bool BusTable::has_catalogue() const {
+  return std::any_of(rows_.begin(), rows_.end(),
+                     [](const Row& row) { return row.entry != nullptr; });
 }
 
 void BusTable::count(std::uint64_t number) {
@@ -65,7 +69,10 @@ void BusTable::count(std::uint64_t number) {
 }
 
 void BusTable::on_samples(const idl::SampleBlock& block, const Handlers& handlers) {
-  if (!is_whole(block) || !enter(block.epoch(), handlers)) return;
+  if (!is_whole(block)) return;
+  // Who writes it may be gone before its catalogue comes, and then nobody tells that it is gone.
+  if (block.epoch() > epoch_ && has_catalogue()) return;
+  if (!enter(block.epoch(), handlers)) return;
   count(block.number());
   if (block.snapshot()) {
     snapshot_ = true;

@@ -1,8 +1,9 @@
 // What a station knows of one bus from its blocks: the catalogue, the last value of each channel,
 // and whether blocks are missing. Pure: no DDS entity, no clock, no thread; one owner.
 //
-// A bus that starts anew has a greater epoch, and its table begins anew. A channel is reported once
-// its catalogue entry and a value are known, whichever comes first.
+// A bus that starts anew has a greater epoch, and its table begins anew with the catalogue of that
+// epoch. A channel is reported once its catalogue entry and a value are known, whichever comes
+// first.
 #pragma once
 
 #include <cstdint>
@@ -44,6 +45,7 @@ class BusTable {
   };
   // False: of an epoch that is over.
   bool enter(std::uint64_t epoch, const Handlers& handlers);
+  [[nodiscard]] bool has_catalogue() const;
   void count(std::uint64_t number);
   Row* row(std::uint32_t channel);  // null: beyond every bound
   static void forget(Row& row, const Handlers& handlers);

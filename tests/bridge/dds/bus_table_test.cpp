@@ -145,6 +145,20 @@ TEST_F(BusTableTest, ABusThatStartsAnewBeginsAnew) {
   EXPECT_THAT(said(), IsEmpty()) << "the epoch before is over";
 }
 
+// As of a second master that steps back before its catalogue has come.
+TEST_F(BusTableTest, SamplesAloneDoNotEndAnEpochThatHasACatalogue) {
+  on(bus.catalogue(1));
+  on(bus.snapshot({0}, 9));
+  (void)said();
+  Bus later(101);
+  on(later.snapshot({0}, 1));
+  on(bus.samples({0}, 10));
+  EXPECT_THAT(said(), ElementsAre("c0#10"));
+  on(later.catalogue(1));
+  EXPECT_THAT(said(), ElementsAre("-c0", "+c0"));
+  EXPECT_TRUE(table.wants_snapshot());
+}
+
 TEST_F(BusTableTest, WithItsCatalogueABusIsGoneAndMayComeBackWithALowerEpoch) {
   on(bus.catalogue(65));
   on(bus.catalogue(65, 64));
