@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -13,7 +14,7 @@
 namespace fieldcast::importing {
 namespace {
 
-constexpr unsigned kMaxRounds = 200;  // of writing and checking; each tells up to 1000 faults
+constexpr unsigned kMaxRounds = 30;  // of writing and checking; each tells up to 1000 faults
 constexpr unsigned kMaxStretch = 1024;
 constexpr std::size_t kTemplatesOfABus = 200;  // of the configuration that checks them
 constexpr Duration kDefaultRefresh = std::chrono::seconds{1};
@@ -41,22 +42,32 @@ Checked check(const std::vector<WrittenFile>& files, const std::string& main_fil
 
 class Acceptance {
  public:
-  Acceptance(Found& found, const ImportOptions& options, const std::string& head)
-      : found_(found), options_(options), head_(head) {}
+  Acceptance(Found& found, const ImportOptions& options, const std::string& head,
+             const Progress& progress)
+      : found_(found), options_(options), head_(head), progress_(progress) {}
 
   tl::expected<std::vector<WrittenFile>, std::string> run() {
     for (unsigned round = 0; round < kMaxRounds; ++round) {
       if (found_.buses.empty()) return std::vector<WrittenFile>{};
+      tell(round, 0.1);
       std::vector<WrittenFile> files = write();
+      tell(round, 0.4);
       const Checked result = checked(files, false);
       if (result.faults.empty()) return stretched(std::move(files));
       if (!take_out(files, result.faults))
         return tl::unexpected(config::to_text(result.faults.front()));
     }
-    return tl::unexpected(std::string("too many faults; split the list"));
+    return tl::unexpected(fmt::format(
+        "more than {} values that the check refuses; is it another kind of list? --from says it",
+        kMaxRounds * 1000));
   }
 
  private:
+  // Most lists are right at once: each round has half of what is left.
+  void tell(unsigned round, double part) const {
+    if (progress_) progress_(1 - std::pow(0.5, round) * (1 - 0.5 * part));
+  }
+
   [[nodiscard]] Checked checked(const std::vector<WrittenFile>& files, bool refuse_hopeless) const {
     const std::string main_file = options_.as_template ? "check.yaml" : files.front().name;
     return check(files, main_file, main_text(files), refuse_hopeless);
@@ -136,6 +147,7 @@ class Acceptance {
 
   // A bus that could never carry its channels gets longer refreshes; one that is late is told.
   tl::expected<std::vector<WrittenFile>, std::string> stretched(std::vector<WrittenFile> files) {
+    tell(0, 0.8);
     Checked result = checked(files, true);
     unsigned factor = 1;
     while (!result.spec && factor < kMaxStretch) {
@@ -161,14 +173,16 @@ class Acceptance {
   Found& found_;
   const ImportOptions& options_;
   const std::string& head_;
+  const Progress& progress_;
 };
 
 }  // namespace
 
 tl::expected<std::vector<WrittenFile>, std::string> write_accepted(Found& found,
                                                                    const ImportOptions& options,
-                                                                   const std::string& head) {
-  return Acceptance(found, options, head).run();
+                                                                   const std::string& head,
+                                                                   const Progress& progress) {
+  return Acceptance(found, options, head, progress).run();
 }
 
 }  // namespace fieldcast::importing

@@ -12,6 +12,7 @@ namespace fieldcast::importing {
 // error: something else is wrong, which the user has to mend (--port, --protocol ..).
 // REQUIRES: arranged.
 [[nodiscard]] tl::expected<std::vector<WrittenFile>, std::string> write_accepted(
-    Found& found, const ImportOptions& options, const std::string& head);
+    Found& found, const ImportOptions& options, const std::string& head,
+    const Progress& progress = {});
 
 }  // namespace fieldcast::importing

@@ -74,6 +74,14 @@ std::string head_of(const std::vector<InputFile>& inputs, bool as_template) {
                   : "");
 }
 
+std::size_t count_points(const Found& found) {
+  std::size_t points = 0;
+  for (const Bus& bus : found.buses) {
+    for (const Device& device : bus.devices) points += device.points.size();
+  }
+  return points;
+}
+
 void tell_moved(const Found& found, Outcome& outcome) {
   for (const Bus& bus : found.buses) {
     for (const Device& device : bus.devices) {
@@ -124,7 +132,11 @@ tl::expected<Outcome, std::string> run_import(const std::vector<InputFile>& inpu
   }
   tell(0.5);
   arrange(found, options);
-  auto files = write_accepted(found, options, head_of(inputs, options.as_template));
+  if (const std::size_t points = count_points(found); points > kMaxPoints)
+    return tl::unexpected(fmt::format(
+        "{} values; a bridge has at most {} channels: split the lists", points, kMaxPoints));
+  auto files = write_accepted(found, options, head_of(inputs, options.as_template),
+                              [&](double done) { tell(0.5 + 0.5 * done); });
   if (!files) return tl::unexpected(files.error());
   tell(1);
   outcome.files = std::move(*files);

@@ -195,6 +195,24 @@ TEST(ImportedConfiguration, IsStretchedWhereTheLineCouldNeverCarryIt) {
   EXPECT_THAT(outcome->notes, testing::Contains(HasSubstr("far too slow")));
 }
 
+TEST(ImportedConfiguration, OfTooManyValuesGetsAClearWord) {
+  std::string list = "Address,Name,Type\n";
+  for (int i = 0; i <= 100'000; ++i) list += std::to_string(i % 60'000) + ",p,U16\n";
+  const auto outcome = import_text("meter.csv", list);
+  ASSERT_FALSE(outcome);
+  EXPECT_EQ(outcome.error(),
+            "100001 values; a bridge has at most 100000 channels: split the lists");
+  // As many again would be made of a few rows.
+  const auto arrays = import_text(
+      "a.csv", kKepware + [] {
+        std::string rows;
+        for (int i = 0; i < 200; ++i)
+          rows += "T" + std::to_string(i) + ",400001[1000],Word Array,1,RO,1000,,,,,,,,,,,\n";
+        return rows;
+      }());
+  EXPECT_TRUE(arrays || arrays.error().find("split") != std::string::npos);
+}
+
 TEST(ImportedTemplate, IsCheckedAndWrittenForEachDevice) {
   ImportOptions options;
   options.as_template = true;
