@@ -9,7 +9,7 @@ namespace fieldcast::importing {
 void append_array(std::vector<Point>& points, const Point& first, ModbusArea area,
                   std::uint32_t address, unsigned count) {
   const unsigned step = holds_bits(area) ? 1 : registers_of(first.type, first.string_bytes);
-  for (unsigned i = 0; i < count && points.size() < kMaxPoints; ++i) {
+  for (unsigned i = 0; i < count && points.size() <= kMaxPoints; ++i) {
     Point point = first;
     point.name = fmt::format("{}-{}", first.name, i);
     point.at = address_text(area, address + std::uint64_t{i} * step);

@@ -9,7 +9,7 @@
 namespace fieldcast::importing {
 
 // Appends `count` points after the first one's pattern: NAME-0, NAME-1, .. behind each other in the
-// area. REQUIRES: count > 0.
+// area; it ends one point above kMaxPoints. REQUIRES: count > 0.
 void append_array(std::vector<Point>& points, const Point& first, ModbusArea area,
                   std::uint32_t address, unsigned count);
 
