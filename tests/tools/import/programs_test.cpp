@@ -82,6 +82,9 @@ TEST(ImportTelegraf, BrokenTomlNamesItsLine) {
       import_text("telegraf.conf", "[[inputs.modbus]]\n  name = \"x\"\n  slave_id = = 1\n");
   ASSERT_FALSE(outcome);
   EXPECT_THAT(outcome.error(), HasSubstr("telegraf.conf: line 3: no TOML"));
+  // toml++ 3.3.0 asserts here.
+  EXPECT_THAT(import_text("telegraf.conf", "[[inputs.modbus]]\n[.a]\n").error(),
+              HasSubstr("telegraf.conf: no TOML: a key or a value that is none"));
 }
 
 const std::string kMqm = R"(
