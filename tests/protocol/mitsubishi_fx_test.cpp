@@ -200,6 +200,15 @@ TEST(FxExchange, ARequestThatTheLineGarbledIsSentAgain) {
       drive(*device.begin(device.write("D0", "0001")), std::vector<Bytes>{{0x15}, {0x06}}).done());
 }
 
+// The answer to the request that was sent again may still come: it is owed.
+TEST(FxExchange, SilenceBehindARefusalIsNoRefusal) {
+  const Device device = plc();
+  for (const Request& request : {device.write("D0", "0001"), device.read("D0")}) {
+    const auto exchange = device.begin(request);
+    EXPECT_EQ(drive(*exchange, std::vector<Bytes>{{0x15}, {}}).cause, Cause::kNoAnswer);
+  }
+}
+
 TEST(FxExchange, AnAcknowledgementBehindOtherCharactersIsNone) {
   const Device device = plc();
   const auto exchange = device.begin(device.write("D0", "0001"));

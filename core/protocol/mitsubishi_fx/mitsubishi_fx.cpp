@@ -126,6 +126,7 @@ class FxRead final : public Exchange {
     if (silence_ != Cause::kDeviceError) return Step::failed(silence_);
     if (asked_again_) return Step::failed(silence_, kNak);
     asked_again_ = true;
+    silence_ = Cause::kNoAnswer;  // until something comes of this request
     return start(out);
   }
   const Reply& reply() const override { return reply_; }
@@ -222,6 +223,7 @@ class FxWrite final : public Exchange {
     if (silence_ != Cause::kDeviceError) return Step::failed(silence_);
     if (asked_again_) return Step::failed(silence_, kNak);
     asked_again_ = true;
+    silence_ = Cause::kNoAnswer;  // until something comes of this request
     return start(out);
   }
   const Reply& reply() const override { return reply_; }
