@@ -10,14 +10,15 @@ constexpr unsigned kMaxDoublings = 8;
 void AnswerTime::measure(Duration measured) {
   if (in_window_ == kWindow) {
     longest_before_ = longest_;
-    soonest_before_ = soonest_;
+    second_before_ = second_;
     longest_ = Duration::zero();
-    soonest_ = Duration::max();
+    soonest_ = second_ = Duration::max();
     in_window_ = 0;
     windows_ = 1;
   }
   ++in_window_;
   longest_ = std::max(longest_, measured);
+  second_ = std::min(second_, std::max(soonest_, measured));
   soonest_ = std::min(soonest_, measured);
 }
 

@@ -31,10 +31,10 @@ class AnswerTime {
   [[nodiscard]] Duration longest() const { return std::max(longest_, longest_before_); }
   // The answer began too long before its request had ended: no answer of this device ever did so.
   // It is another device's answer, or a second one. Never true on a line that does not keep to its
-  // baud rate.
+  // baud rate. One answer that was not its own does not count: nobody knows the first ones.
   [[nodiscard]] bool too_early(Duration measured, Duration character) const {
     return in_window_ + windows_ * kWindow >= kWindow / 16 &&
-           std::min(soonest_, soonest_before_) > -character && measured < -2 * character;
+           std::min(second_, second_before_) > -character && measured < -2 * character;
   }
   [[nodiscard]] Duration mean() const { return mean_; }  // zero before the first answer
   [[nodiscard]] Duration spread() const { return spread_; }
@@ -52,7 +52,8 @@ class AnswerTime {
   unsigned doublings_ = 0;
   unsigned in_window_ = 0, windows_ = 0;
   Duration longest_{}, longest_before_{};
-  Duration soonest_ = Duration::max(), soonest_before_ = Duration::max();
+  Duration soonest_ = Duration::max();
+  Duration second_ = Duration::max(), second_before_ = Duration::max();  // behind the soonest
 };
 
 }  // namespace fieldcast
