@@ -195,7 +195,9 @@ std::optional<Duration> DeviceMonitor::probe_timeout(DeviceIndex index, const Re
   const Duration spare = slack() - wire;
   const Duration whole = setup_.device(index).timeout;
   if (spare >= whole) return whole;
-  const bool overdue = now >= devices_[index].health.probe_at() + DeviceHealth::kLastProbe;
+  const Instant due = devices_[index].health.probe_at();
+  if (now < due + kProbePatience) return std::nullopt;
+  const bool overdue = now >= due + DeviceHealth::kLastProbe;
   if (!overdue && spare < kShortestProbe) return std::nullopt;
   return std::clamp(spare, kShortestProbe, whole);
 }

@@ -28,6 +28,9 @@ class DeviceMonitor {
   static constexpr Duration kShortestProbe = std::chrono::milliseconds{10};
   // Until the next look, when the wire had no time for a probe.
   static constexpr Duration kProbeRetry = std::chrono::milliseconds{20};
+  // A probe waits so long for a moment in which the wire can spare the whole timeout, before a
+  // shorter one is tried.
+  static constexpr Duration kProbePatience = std::chrono::seconds{1};
   // A sick device wastes at most one part in this many of the wire's time.
   static constexpr int kSickShare = 10;
 

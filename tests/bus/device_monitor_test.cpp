@@ -153,7 +153,8 @@ TEST_F(DeviceMonitorTest, AProbeTakesWhatTheWireCanSpare) {
   take_offline(0, Instant{1s});
   EXPECT_FALSE(probe(Instant{1500ms}, 0ms));
   EXPECT_EQ(monitor_.next_probe(), Instant{1500ms} + DeviceMonitor::kProbeRetry);
-  const auto shorter = probe(Instant{1520ms}, 100ms);
+  EXPECT_FALSE(probe(Instant{1520ms}, 100ms)) << "a longer pause of the wire may come";
+  const auto shorter = probe(Instant{1500ms} + DeviceMonitor::kProbePatience, 100ms);
   ASSERT_TRUE(shorter);
   EXPECT_LT(shorter->timeout, 100ms);
   const auto overdue = probe(Instant{1500ms} + DeviceHealth::kLastProbe, 0ms);
