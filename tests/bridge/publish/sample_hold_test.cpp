@@ -1,0 +1,60 @@
+#include "bridge/publish/sample_hold.hpp"
+
+#include <gtest/gtest.h>
+
+namespace fieldcast {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Instant kNow{std::chrono::hours{1}};
+
+Sample sample_of(ChannelIndex channel, Quality quality, std::uint64_t sequence) {
+  Sample sample;
+  sample.channel = channel;
+  sample.quality = quality;
+  sample.sequence = sequence;
+  return sample;
+}
+
+std::vector<std::uint64_t> sequences(const std::vector<Sample>& samples) {
+  std::vector<std::uint64_t> all;
+  for (const Sample& sample : samples) all.push_back(sample.sequence);
+  return all;
+}
+
+using Sequences = std::vector<std::uint64_t>;
+
+TEST(SampleHold, LetsEverythingPassAtOnceWhereNothingSpeaksAgainstIt) {
+  SampleHold hold;
+  EXPECT_EQ(sequences(hold.pass({sample_of(1, Quality::kBadNoAnswer, 7)}, true, kNow)),
+            Sequences{7});
+}
+
+TEST(SampleHold, WhatStayedWhileAnotherMasterHadTheWireLeavesWithTheFirstGoodValue) {
+  SampleHold hold;
+  hold.foreign_master();
+  EXPECT_TRUE(hold.pass({sample_of(1, Quality::kUncertain, 7)}, true, kNow).empty());
+  EXPECT_TRUE(hold.pass({sample_of(2, Quality::kUncertain, 8)}, true, kNow).empty());
+  EXPECT_TRUE(hold.pass({sample_of(1, Quality::kBadNoAnswer, 9)}, true, kNow).empty());
+  EXPECT_EQ(sequences(hold.pass({sample_of(2, Quality::kGood, 10)}, true, kNow)),
+            (Sequences{9, 10}));
+  EXPECT_EQ(sequences(hold.pass({}, true, kNow)), Sequences{});
+}
+
+TEST(SampleHold, AfterATakeoverBadValuesWaitForTheFirstGoodOneOrForTheirTime) {
+  SampleHold hold;
+  hold.prove_until(kNow + 3s);
+  EXPECT_TRUE(hold.pass({sample_of(1, Quality::kBadNoAnswer, 7)}, true, kNow).empty());
+  EXPECT_TRUE(hold.pass({}, true, kNow + 2s).empty());
+  EXPECT_EQ(sequences(hold.pass({}, true, kNow + 3s)), Sequences{7});
+}
+
+TEST(SampleHold, WhoIsInDoubtWhetherItIsMasterPublishesNothingBeforeItKnows) {
+  SampleHold hold;
+  EXPECT_TRUE(hold.pass({sample_of(1, Quality::kGood, 7)}, false, kNow).empty());
+  EXPECT_EQ(sequences(hold.pass({sample_of(2, Quality::kGood, 8)}, true, kNow)), (Sequences{7, 8}));
+}
+
+}  // namespace
+}  // namespace fieldcast
