@@ -43,6 +43,15 @@ void SharedWire::close(std::size_t index) {
   master.timer = master.deliver_at = kNever;
 }
 
+void SharedWire::replace(std::size_t index, unsigned rank, std::uint64_t seed) {
+  const Master& before = *masters_[index];
+  auto made = std::make_unique<Master>(spec_, before.adapter);
+  made->cut = before.cut;
+  made->stopped_until = before.stopped_until;
+  made->engine.set_fence_order(rank, seed);
+  masters_[index] = std::move(made);
+}
+
 Instant SharedWire::due_of(const Master& master) const {
   if (!master.open) return kNever;
   return std::max(std::min(master.timer, master.deliver_at), master.stopped_until);
@@ -218,8 +227,10 @@ void SharedWire::act(std::size_t index, const Action& action) {
       if (judge && !judge(sample.channel, sample.value)) ++master.wrong;
     }
   }
+  if (on_action) on_action(index, action);
   const auto* sent = std::get_if<Send>(&action);
   if (sent == nullptr) return;
+  if (may_send && !may_send(index)) return master.engine.not_sent(now_);
   ++master.frames;
   master.last_frame = now_;
   if (master.first_frame == kNever) master.first_frame = now_;

@@ -58,11 +58,19 @@ class SharedWire {
   void run_until(Instant until);
   void open(std::size_t master);   // the process starts, and opens its port
   void close(std::size_t master);  // it dies
+  // Another engine behind the same adapter, closed; `rank` and `seed` as in set_fence_order().
+  // REQUIRES: not inside a callback.
+  void replace(std::size_t master, unsigned rank, std::uint64_t seed);
+  void feed(std::size_t master, const BusEvent& event);  // at the instant reached
   void stop(std::size_t master, Duration time) { masters_[master]->stopped_until = now_ + time; }
   void cut(std::size_t master, bool off) { masters_[master]->cut = off; }
 
   // Whether a good value is right; empty: all are.
   std::function<bool(ChannelIndex, const Value&)> judge;
+  // Whether this master may send and publish now; empty: all may.
+  std::function<bool(std::size_t)> may_send;
+  // Told of each action of a master.
+  std::function<void(std::size_t, const Action&)> on_action;
   // Told of each frame that leaves, with its sender: a master, or -1 for a device.
   std::function<void(Instant, int, ByteView)> watch;
 
@@ -97,7 +105,6 @@ class SharedWire {
   void to_devices(int sender, std::uint8_t character, Instant end);
   void to_masters(int sender, std::uint8_t character, Instant end);
   void react(std::size_t device, sim::Reaction& reaction, Instant at);
-  void feed(std::size_t master, const BusEvent& event);
   void act(std::size_t master, const Action& action);
   [[nodiscard]] Instant silence_due() const;
   [[nodiscard]] Instant due_of(const Master& master) const;

@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "tests/bus/late_storm.hpp"
+#include "tests/campaign/plant_memory.hpp"
 #include "tools/sim/bus/virtual_bus.hpp"
 
 namespace fieldcast::test {
@@ -72,9 +73,6 @@ class BusDay {
   struct Channel {
     DeviceIndex device = 0;
     const ChannelSpec* spec = nullptr;
-    const Area* area = nullptr;
-    Value holds, held;  // the device's memory, and what it was before `changed`
-    Instant changed = kLongAgo;
     Instant published{};
     std::optional<Duration> gap;  // promised
     bool shown_good = false;
@@ -90,9 +88,6 @@ class BusDay {
   [[nodiscard]] double chance() { return std::generate_canonical<double, 53>(random_); }
   [[nodiscard]] Duration between(Duration least, Duration most);
   void begin(Duration absence, const Opened& opened = {});
-  void poke_all(DeviceIndex device);
-  [[nodiscard]] Value memory(const Channel& channel) const;
-  void changed(Channel& channel);
   void see(const Action& action);
   void see_send(const Send& send);
   void see_sample(const Sample& sample);
@@ -114,9 +109,10 @@ class BusDay {
   std::mt19937_64 random_;
   Duration length_;
   Sabotage sabotage_ = Sabotage::kNone;
+  const BusSpec whole_;            // every channel that there ever is
   std::vector<BusSpec> variants_;  // of the configuration
   std::size_t variant_ = 0;
-  std::vector<std::unique_ptr<Protocol>> protocols_;  // of each device
+  PlantMemory memory_;
   std::vector<Channel> channels_;
   std::map<std::uint64_t, Pending> pending_;
   std::uint64_t next_command_ = 1;
@@ -124,7 +120,6 @@ class BusDay {
   std::size_t restarted_ = 0;
   std::vector<Instant> dead_until_;  // each device
   Instant disturbed_{};              // the last time that something else kept the bus from reading
-  std::uint64_t generation_ = 0;
   bool leased_ = false, transcribing_ = false;
   bool busy_ = false;  // the engine of the day runs
   Instant wire_free_{};

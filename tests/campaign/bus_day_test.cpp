@@ -66,6 +66,18 @@ INSTANTIATE_TEST_SUITE_P(APauseThatWasNotNeeded, BusDaysThatFailed,
                            return "seed" + std::to_string(chosen.param.seed);
                          });
 
+// Each probe of a slow device came in a pause of the wire that was too short for it.
+INSTANTIATE_TEST_SUITE_P(ProbedInShortPauses, BusDaysThatFailed,
+                         testing::Values(Found{"modbus-rtu-declared", 229, 24h}),
+                         [](const auto& chosen) {
+                           return "seed" + std::to_string(chosen.param.seed);
+                         });
+// Silence behind a refusal was taken for a refusal, and nothing was owed.
+INSTANTIATE_TEST_SUITE_P(SilenceBehindARefusal, BusDaysThatFailed,
+                         testing::Values(Found{"mitsubishi-fx", 442, 24h}), [](const auto& chosen) {
+                           return "seed" + std::to_string(chosen.param.seed);
+                         });
+
 std::string violation_of(Sabotage what) {
   BusDay day(storm_kinds()[0], 1, 24h);
   day.sabotage(what);

@@ -1,9 +1,10 @@
-// Days of every protocol in virtual time, one after the other: see bus_day.hpp.
+// Days of every protocol in virtual time, one after the other: see bus_day.hpp and group_day.hpp.
 //
-//     virtual_campaign [--seeds FIRST..LAST] [--hours H] [--seconds S] [--protocol NAME]
-//                      [--share I/N] [--transcripts FOLDER]
+//     virtual_campaign [--seeds FIRST..LAST] [--hours H] [--group-hours H] [--seconds S]
+//                      [--protocol NAME] [--share I/N] [--transcripts FOLDER]
 //
-// A seed is a plant with one bus of each protocol. --seconds ends it after the day under way,
+// A seed is a plant with one bus of each protocol for --hours (24), and then a standby group at one
+// bus of each protocol of a line for --group-hours (1); 0 leaves them out. --seconds ends it after the day under way,
 // --share takes each N-th seed, for one process on each core. Ctrl-C ends it at once with what was
 // done so far. A violation writes transcript-SEED-PROTOCOL.txt and does not stop the others; the
 // exit code is 1 then. The last line is one JSON object with the counts.
@@ -17,6 +18,7 @@
 #include <string>
 
 #include "tests/campaign/bus_day.hpp"
+#include "tests/campaign/group_day.hpp"
 
 using namespace fieldcast;
 
@@ -26,7 +28,7 @@ std::atomic<bool> interrupted = false;
 
 struct Arguments {
   std::uint64_t first = 1, last = 1000, share = 0, shares = 1;
-  double hours = 24, seconds = 0;  // 0: no limit
+  double hours = 24, group_hours = 1, seconds = 0;  // 0: no limit
   std::string protocol, transcripts = ".";
 };
 
@@ -46,6 +48,8 @@ Arguments parse(int count, char** words) {
       std::tie(arguments.share, arguments.shares) = middle("/");
     else if (name == "--hours")
       arguments.hours = std::stod(value);
+    else if (name == "--group-hours")
+      arguments.group_hours = std::stod(value);
     else if (name == "--seconds")
       arguments.seconds = std::stod(value);
     else if (name == "--protocol")
@@ -68,20 +72,27 @@ class Campaign {
     for (std::uint64_t seed = arguments_.first; seed <= arguments_.last && !over(); ++seed) {
       if (seed % arguments_.shares != arguments_.share) continue;
       for (const test::StormKind& kind : test::storm_kinds()) {
-        if (!arguments_.protocol.empty() && kind.name.find(arguments_.protocol) == kind.name.npos)
-          continue;
-        if (over()) break;
-        day(kind, seed);
+        if (over() || !is_wanted(kind) || arguments_.hours <= 0) continue;
+        hours_ += day<test::BusDay>(kind, seed, arguments_.hours, "", sum_);
+        ++days_;
+      }
+      for (const test::StormKind& kind : test::group_kinds()) {
+        if (over() || !is_wanted(kind) || arguments_.group_hours <= 0) continue;
+        group_hours_ +=
+            day<test::GroupDay>(kind, seed, arguments_.group_hours, "group-", group_sum_);
       }
       if (!over()) ++seeds_;
       progress();
     }
     print();
-    return sum_.violations == 0 ? 0 : 1;
+    return violations() == 0 ? 0 : 1;
   }
 
  private:
-  [[nodiscard]] Duration length() const { return from_seconds(arguments_.hours * 3600); }
+  [[nodiscard]] bool is_wanted(const test::StormKind& kind) const {
+    return kind.name.find(arguments_.protocol) != kind.name.npos;
+  }
+  [[nodiscard]] std::uint64_t violations() const { return sum_.violations + group_sum_.violations; }
   [[nodiscard]] double elapsed() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
   }
@@ -89,56 +100,76 @@ class Campaign {
     return interrupted || (arguments_.seconds > 0 && elapsed() > arguments_.seconds);
   }
 
-  void day(const test::StormKind& kind, std::uint64_t seed) {
-    test::BusDay day(kind, seed, length());
+  // Returns the hours that passed in it.
+  template <class Day, class Counts>
+  double day(const test::StormKind& kind, std::uint64_t seed, double hours,
+             const std::string& prefix, Counts& sum) {
+    const Duration length = from_seconds(hours * 3600);
+    Day day(kind, seed, length);
     day.run([] { return interrupted.load(); });
-    sum_.add(day.counts());
-    hours_ += to_seconds(day.reached()) / 3600;
-    ++days_;
-    if (day.violation()) tell(kind, seed, *day.violation());
+    sum.add(day.counts());
+    if (day.violation()) {
+      // The same day once more, with its text.
+      Day again(kind, seed, length);
+      again.keep_transcript();
+      again.run();
+      tell(prefix + std::to_string(seed) + "-" + kind.name, *day.violation(), again.transcript());
+    }
+    return to_seconds(day.reached()) / 3600;
   }
 
-  // The same day once more, with its text.
-  void tell(const test::StormKind& kind, std::uint64_t seed, const std::string& violation) {
-    std::string file =
-        arguments_.transcripts + "/transcript-" + std::to_string(seed) + "-" + kind.name + ".txt";
+  void tell(const std::string& name, const std::string& violation,
+            const std::deque<std::string>& transcript) {
+    std::string file = arguments_.transcripts + "/transcript-" + name + ".txt";
     for (char& c : file) c = c == ' ' ? '-' : c;
-    test::BusDay again(kind, seed, length());
-    again.keep_transcript();
-    again.run();
     std::ofstream out(file);
-    for (const std::string& line : again.transcript()) out << line << '\n';
-    std::printf("VIOLATION seed %llu %s: %s; transcript: %s\n",
-                static_cast<unsigned long long>(seed), kind.name.c_str(), violation.c_str(),
+    for (const std::string& text : transcript) out << text << '\n';
+    std::printf("VIOLATION seed %s: %s; transcript: %s\n", name.c_str(), violation.c_str(),
                 file.c_str());
     std::fflush(stdout);
   }
 
   void progress() const {
-    std::fprintf(stderr, "%llu seeds, %.0f bus hours, %llu violations, %.0f s\n",
-                 static_cast<unsigned long long>(seeds_), hours_,
-                 static_cast<unsigned long long>(sum_.violations), elapsed());
+    std::fprintf(stderr, "%llu seeds, %.0f bus hours, %.0f group hours, %llu violations, %.0f s\n",
+                 static_cast<unsigned long long>(seeds_), hours_, group_hours_,
+                 static_cast<unsigned long long>(violations()), elapsed());
   }
 
   void print() const {
-    const std::pair<const char*, std::uint64_t> rows[] = {{"seeds", seeds_},
-                                                          {"days", days_},
-                                                          {"requests", sum_.requests},
-                                                          {"samples", sum_.samples},
-                                                          {"good", sum_.good},
-                                                          {"late", sum_.late},
-                                                          {"doubled", sum_.doubled},
-                                                          {"commands", sum_.commands},
-                                                          {"results", sum_.results},
-                                                          {"done", sum_.done},
-                                                          {"unplugged", sum_.unplugged},
-                                                          {"reloads", sum_.reloads},
-                                                          {"takeovers", sum_.takeovers},
-                                                          {"leases", sum_.leases},
-                                                          {"interests", sum_.interests},
-                                                          {"device_restarts", sum_.device_restarts},
-                                                          {"violations", sum_.violations}};
-    std::printf("{\"bus_hours\": %.1f, \"seconds\": %.1f", hours_, elapsed());
+    const std::pair<const char*, std::uint64_t> rows[] = {
+        {"seeds", seeds_},
+        {"days", days_},
+        {"requests", sum_.requests},
+        {"samples", sum_.samples},
+        {"good", sum_.good},
+        {"late", sum_.late},
+        {"doubled", sum_.doubled},
+        {"commands", sum_.commands},
+        {"results", sum_.results},
+        {"done", sum_.done},
+        {"unplugged", sum_.unplugged},
+        {"reloads", sum_.reloads},
+        {"takeovers", sum_.takeovers},
+        {"leases", sum_.leases},
+        {"interests", sum_.interests},
+        {"device_restarts", sum_.device_restarts},
+        {"group_frames", group_sum_.frames},
+        {"group_turns", group_sum_.turns},
+        {"group_garbled", group_sum_.garbled},
+        {"group_samples", group_sum_.samples},
+        {"group_good", group_sum_.good},
+        {"group_commands", group_sum_.commands},
+        {"group_results", group_sum_.results},
+        {"group_second_results", group_sum_.second_results},
+        {"group_executed", group_sum_.executed},
+        {"group_kills", group_sum_.kills},
+        {"group_stops", group_sum_.stops},
+        {"group_hand_overs", group_sum_.hand_overs},
+        {"group_cuts", group_sum_.cuts},
+        {"group_takeovers", group_sum_.takeovers},
+        {"violations", violations()}};
+    std::printf("{\"bus_hours\": %.1f, \"group_hours\": %.1f, \"seconds\": %.1f", hours_,
+                group_hours_, elapsed());
     for (const auto& [name, count] : rows)
       std::printf(", \"%s\": %llu", name, static_cast<unsigned long long>(count));
     std::printf("}\n");
@@ -147,8 +178,9 @@ class Campaign {
   Arguments arguments_;
   std::chrono::steady_clock::time_point began_;
   std::uint64_t seeds_ = 0, days_ = 0;
-  double hours_ = 0;
+  double hours_ = 0, group_hours_ = 0;
   test::DayCounts sum_;
+  test::GroupCounts group_sum_;
 };
 
 }  // namespace

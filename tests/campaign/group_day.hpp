@@ -1,0 +1,151 @@
+// A day of a standby group in virtual time: two or three bridges at one wire that is fenced by
+// listening, and a network between them and a station that loses, delays and is cut in two.
+// Processes are killed, stand still and come back; masters hand over because somebody wants it;
+// commands and new values come all the time.
+//
+// What must hold is checked at every step; the first thing that does not is the day's violation:
+//   - a master does not send into what another one sends, and takes the wire after its silence;
+//   - no two are master for longer than it takes them to hear each other;
+//   - the samples of a channel count on, and none of an old master comes after one of the new;
+//   - a command has a result, a write never two that contradict, and it never runs twice;
+//   - a good value is what its device held a moment ago;
+//   - while a bridge could serve, channels are read, and none is shown good in silence.
+// What a cut of the network excuses stands at each check. Deterministic by protocol and seed; one
+// thread; no clock, no I/O.
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <random>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/bus/fence_times.hpp"
+#include "tests/bus/late_storm.hpp"
+#include "tests/campaign/group_member.hpp"
+#include "tests/campaign/plant_memory.hpp"
+
+namespace fieldcast::test {
+
+struct GroupCounts {
+  std::uint64_t frames = 0, garbled = 0, turns = 0;  // of masters; while they begin
+  std::uint64_t samples = 0, good = 0;
+  std::uint64_t commands = 0, results = 0, executed = 0;
+  std::uint64_t second_results = 0;  // FAILED behind another one, as docs/redundancy.md says
+  std::uint64_t kills = 0, stops = 0, hand_overs = 0, cuts = 0, takeovers = 0;
+  std::uint64_t violations = 0;
+  void add(const GroupCounts& other);
+};
+
+// The protocols of a line that several masters can stand at.
+[[nodiscard]] std::vector<StormKind> group_kinds();
+
+class GroupDay {
+ public:
+  static constexpr std::size_t kTranscriptLines = 2000;  // the last ones are kept
+
+  GroupDay(const StormKind& kind, std::uint64_t seed, Duration length,
+           GroupSabotage sabotage = GroupSabotage::kNone);
+  ~GroupDay();
+  GroupDay(const GroupDay&) = delete;
+  GroupDay& operator=(const GroupDay&) = delete;
+
+  void keep_transcript() { transcribing_ = true; }
+  // To the end of the day, or to its first violation, or until `stop` says true.
+  void run(const std::function<bool()>& stop = {});
+
+  [[nodiscard]] const std::optional<std::string>& violation() const { return violation_; }
+  [[nodiscard]] const std::deque<std::string>& transcript() const { return transcript_; }
+  [[nodiscard]] GroupCounts counts() const;
+  [[nodiscard]] Duration reached() const { return now() - Instant{}; }
+
+ private:
+  // As the station sees it.
+  struct Channel {
+    DeviceIndex device = 0;
+    const ChannelSpec* spec = nullptr;
+    Duration gap{};  // promised
+    std::uint64_t epoch = 0, sequence = 0;
+    Instant master_began{};
+    bool shown_good = false;
+    Instant published{}, last_good{};
+  };
+  struct Pending {
+    ChannelIndex channel = 0;
+    std::optional<Value> written;
+    Instant sent{};
+    std::vector<CommandResult> results;
+  };
+  struct Writes {  // of a device
+    std::uint64_t sent = 0, refused = 0, excused = 0;
+  };
+
+  [[nodiscard]] Instant now() const { return wire_->now(); }
+  [[nodiscard]] double chance() { return std::generate_canonical<double, 53>(random_); }
+  [[nodiscard]] Duration between(Duration least, Duration most);
+
+  // The day.
+  void run_until(Instant until);
+  void operate();
+  void restart_members();
+  void kill();
+  void stop_one();
+  void hand_over();
+  void cut();
+  void command();
+  void tell(std::size_t from, GroupMessage message);
+  [[nodiscard]] std::vector<std::size_t> living() const;
+
+  // The checks.
+  void see_frame(Instant start, int sender, ByteView bytes);
+  void see_action(std::size_t member, const Action& action);
+  void judge_values(const GroupBlock& block);
+  void see_block(const GroupBlock& block);
+  void see_sample(const GroupBlock& block, const Sample& sample);
+  void see_result(const CommandResult& result);
+  void judge_results(std::uint64_t id, const Pending& pending);
+  void judge_masters();
+  void judge_writes();
+  void sweep();
+  [[nodiscard]] bool was_cut_since(Instant when) const;
+  void note(const std::string& text);
+  void violate(const std::string& what);
+
+  const StormKind kind_;
+  std::mt19937_64 random_;
+  const Duration length_;
+  const GroupSabotage sabotage_;
+  BusSpec spec_;
+  FenceTimes times_;
+  std::unique_ptr<SharedWire> wire_;
+  std::unique_ptr<GroupNetwork> network_;
+  PlantMemory memory_;
+  std::vector<std::unique_ptr<GroupMember>> members_;
+  std::vector<Instant> restarts_;  // of each member; kNever: it lives
+  bool one_kernel_ = false;        // members see each other's processes end
+  Instant heal_at_ = kNever, healed_ = kLongAgo;
+
+  std::vector<Channel> channels_;
+  std::map<std::uint64_t, Pending> pending_;
+  std::set<std::uint64_t> settled_;  // writes that have their result, of the last minutes
+  std::uint64_t next_command_ = 1;
+  std::vector<Writes> writes_;
+  Instant served_since_{}, two_since_ = kNever;
+  // The wire.
+  int last_master_ = -1;
+  Instant wire_until_{}, busy_since_{};
+  Instant other_until_{};  // of the frames of another master than the last one
+  std::uint64_t garbled_ = 0;
+
+  std::optional<GroupBlock> before_;  // of the master before, for a sabotage
+  bool transcribing_ = false;
+  GroupCounts counts_;
+  std::optional<std::string> violation_;
+  std::deque<std::string> transcript_;
+};
+
+}  // namespace fieldcast::test

@@ -1,0 +1,153 @@
+// A bridge of a standby group in virtual time: its election, its engine at the wire, what it
+// follows of the master, the commands that it holds and the notes of writes that begin. It does
+// what the shell does (bridge/bridge_standby.cpp, bridge/standby/standby_group.cpp,
+// bridge/publish/bus_output.cpp) without its threads, with the same Election, HeldCommands,
+// CommandLedger and BusEngine.
+//
+// Deterministic by its seed; one thread; nothing can fail.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "bridge/publish/sample_hold.hpp"
+#include "bridge/standby/election.hpp"
+#include "bridge/standby/held_commands.hpp"
+#include "core/bus/command_ledger.hpp"
+#include "tests/bus/shared_wire.hpp"
+#include "tests/campaign/group_network.hpp"
+
+namespace fieldcast::test {
+
+// What a test breaks on purpose, to see that it is found.
+enum class GroupSabotage : std::uint8_t {
+  kNone,
+  kDeaf,        // two masters that do not listen to the wire
+  kOldSample,   // a master that is replaced publishes once more
+  kSequences,   // a new master counts its samples anew
+  kTwoRuns,     // a new master runs what the old one has begun
+  kNoResult,    // a result is kept back
+  kTwoResults,  // a result comes twice
+  kValue,       // a good sample shows another value
+  kSilence,     // a new master keeps the samples of a channel back
+  kTwoMasters,  // a master does not step back
+};
+
+class GroupMember {
+ public:
+  struct Outside {
+    SharedWire& wire;
+    std::function<void(GroupMessage)> tell;  // the other members, and the station
+    std::function<void()> joined;            // as a waiting member
+    std::function<void(const std::string&)> note;
+    GroupSabotage sabotage = GroupSabotage::kNone;
+  };
+  GroupMember(std::size_t index, std::int32_t strength, const BusSpec& spec, Outside outside,
+              std::uint64_t seed);
+
+  // ---- what happens to its process
+  void start(Instant now);
+  void kill();
+  void stop(Duration time, Instant now);  // it stands still, and goes on
+  // Another member's process was seen to end.
+  void lost(const std::string& name);
+  // Somebody wants another master. False: refused.
+  bool hand_over(Instant now);
+
+  void receive(const GroupMessage& message, Instant now);
+  void on_action(const Action& action, Instant now);
+  void on_time(Instant now);
+  [[nodiscard]] Instant next_due() const;
+  // The last values once more, as for a reader that has just come. Of a master.
+  void publish_again(Instant now);
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] bool alive() const { return alive_; }
+  [[nodiscard]] bool may_send(Instant now) const;
+  [[nodiscard]] bool serving() const { return serving_; }
+  [[nodiscard]] StandbyTerm term() const { return election_ ? election_->term() : 0; }
+  // Since when it could be master, without a break; kNever: it cannot.
+  [[nodiscard]] Instant fit_since() const { return fit_since_; }
+  [[nodiscard]] std::uint64_t takeovers() const { return takeovers_; }
+
+ private:
+  struct Waiting {
+    std::uint64_t number;
+    Instant until;
+    Command command;
+  };
+  struct Followed {
+    std::uint64_t epoch = 0, blocks = 0;
+    std::vector<Sample> samples;
+    std::vector<StandbyTerm> terms;  // in which each came first
+    std::map<std::string, DeviceReport> devices;
+  };
+  using Key = HeldCommands<Command>::Key;
+
+  void join(Instant now);
+  void follow_role(Instant now);
+  void promote(Instant now);
+  void finish_commands(Instant now);
+  void release(Instant now);
+  void leave(Instant now);
+  void let_go_of_the_bus();
+
+  void run(Command command, Instant now);
+  void begin(Command command, Instant now);
+  void settle_notes(Instant now);
+  [[nodiscard]] bool noted_by_all(std::uint64_t number, Instant now) const;
+  void tell_note(StandbyNoteKind kind, const Key& key, std::uint64_t number);
+  void refuse(const Command& command, Cause cause, Instant now);
+  void complete(const CommandResult& result, Instant now);
+
+  void publish(std::vector<Sample> samples, Instant now);
+  void remain_master(Instant now);
+  void follow(const GroupBlock& block);
+  void on_note(const StandbyNote& note);
+  [[nodiscard]] StandbyMessage message(Instant now);
+  void note(const std::string& text) const { outside_.note(name_ + " " + text); }
+  [[nodiscard]] Duration between(Duration least, Duration most);
+
+  const std::size_t index_;
+  const std::string name_;
+  const std::int32_t strength_;
+  const BusSpec& spec_;
+  const Outside outside_;
+  std::mt19937_64 random_;
+
+  bool alive_ = false;
+  Instant stopped_until_ = kLongAgo;
+  std::vector<GroupMessage> inbox_;  // while it stands still
+  Instant joins_at_ = kNever, ready_at_ = kNever, fit_since_ = kNever;
+  std::optional<Election> election_;
+  std::unique_ptr<HeldCommands<Command>> held_;
+  std::unique_ptr<CommandLedger> ledger_;
+
+  // The group.
+  std::map<std::string, StandbyMessage> others_;
+  StandbyRole told_ = StandbyRole::kWaiting;
+  std::optional<StandbyBusFigures> released_;  // by the master before
+  Instant next_tick_{}, next_beat_{};
+  bool regained_ = false;
+  bool beat_soon_ = false;
+  std::uint64_t written_ = 0, noted_ = 0;
+  StandbyTerm noted_term_ = 0;
+  std::vector<Waiting> waiting_;
+
+  // The bus.
+  bool serving_ = false, handing_over_ = false;
+  Instant promoted_{}, promote_by_ = kNever, release_by_ = kNever, leave_at_ = kNever;
+  Followed followed_;  // as a waiting member; as master what it published
+  std::uint64_t in_hand_ = 0;
+  std::vector<CommandResult> late_;
+  std::unique_ptr<SampleHold> hold_;
+  Instant next_report_{};
+  std::uint64_t takeovers_ = 0;
+};
+
+}  // namespace fieldcast::test

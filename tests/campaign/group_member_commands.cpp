@@ -1,0 +1,100 @@
+// How a member of a standby group runs commands, and tells the others of writes that begin.
+#include <algorithm>
+
+#include "core/model/command_refusal.hpp"
+#include "tests/campaign/group_member.hpp"
+
+namespace fieldcast::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration kNoteLimit = 1s;  // as StandbyGroup::kNoteLimit
+
+}  // namespace
+
+void GroupMember::finish_commands(Instant now) {
+  auto left = held_->take_over(now);
+  for (const auto& begun : left.begun) {
+    CommandResult failed;
+    failed.requester = begun.key.first;
+    failed.request_id = begun.key.second;
+    failed.cause = Cause::kShutdown;
+    failed.reason = "the bridge that had begun it is gone";
+    (void)ledger_->enter(failed.requester, failed.request_id);
+    outside_.tell(failed);
+  }
+  for (Command& command : left.to_run) run(std::move(command), now);
+}
+
+void GroupMember::run(Command command, Instant now) {
+  ++in_hand_;
+  if (!ledger_->enter(command.requester, command.request_id))
+    return refuse(command, Cause::kDuplicate, now);
+  if (command.operation == Operation::kWrite) return begin(std::move(command), now);
+  outside_.wire.feed(index_, CommandArrived{std::move(command)});
+}
+
+void GroupMember::refuse(const Command& command, Cause cause, Instant now) {
+  complete(rejection(command, cause, "refused by the bridge", now), now);
+}
+
+void GroupMember::tell_note(StandbyNoteKind kind, const Key& key, std::uint64_t number) {
+  StandbyNote note;
+  note.bridge = name_;
+  note.term = election_->term();
+  note.number = number;
+  note.kind = kind;
+  note.bus = spec_.name;
+  note.requester = key.first;
+  note.request_id = key.second;
+  outside_.tell(note);
+}
+
+// Before a write runs, all who could take over have noted that it begins.
+void GroupMember::begin(Command command, Instant now) {
+  const Key key{command.requester, command.request_id};
+  waiting_.push_back({++written_, now + kNoteLimit, std::move(command)});
+  tell_note(StandbyNoteKind::kBegun, key, written_);
+  settle_notes(now);
+}
+
+bool GroupMember::noted_by_all(std::uint64_t number, Instant now) const {
+  return std::ranges::all_of(others_, [&](const auto& entry) {
+    const auto& [name, told] = entry;
+    if (!election_->is_alive(name, now) || !told.member.not_ready.empty()) return true;
+    return told.member.term == election_->term() && told.noted >= number;
+  });
+}
+
+void GroupMember::settle_notes(Instant now) {
+  std::vector<std::pair<Command, bool>> done;
+  std::erase_if(waiting_, [&](Waiting& each) {
+    const bool serves = election_->serves(now);
+    const bool noted = serves && noted_by_all(each.number, now);
+    if (!noted && serves && now < each.until) return false;
+    done.emplace_back(std::move(each.command), noted);
+    return true;
+  });
+  for (auto& [command, noted] : done) {
+    if (!noted) {
+      refuse(command, Cause::kOffline, now);
+    } else if (!serving_) {
+      refuse(command, Cause::kShutdown, now);
+    } else {
+      outside_.wire.feed(index_, CommandArrived{std::move(command)});
+    }
+  }
+}
+
+void GroupMember::complete(const CommandResult& result, Instant now) {
+  if (in_hand_ > 0) --in_hand_;
+  const bool rejected = result.state == CommandState::kRejected;
+  if (handing_over_ && rejected && result.cause == Cause::kShutdown)
+    return tell_note(StandbyNoteKind::kReturned, {result.requester, result.request_id}, ++written_);
+  if (rejected && result.cause == Cause::kForeignMaster) return;
+  if (!may_send(now)) return late_.push_back(result);
+  outside_.tell(result);
+}
+
+}  // namespace fieldcast::test
