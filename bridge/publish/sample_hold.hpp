@@ -24,8 +24,8 @@ class SampleHold {
   // Another master of the group has the wire, and publishes what it reads there.
   void foreign_master() { foreign_ = true; }
 
-  // What leaves now of these samples and of those that stayed here. `serves`: this bridge is master.
-  // Also to be called without samples now and then.
+  // What leaves now of these samples and of those that stayed here. `serves`: this bridge is
+  // master. Also to be called without samples now and then.
   [[nodiscard]] std::vector<Sample> pass(std::vector<Sample> samples, bool serves, Instant now) {
     const bool good = std::ranges::find(samples, Quality::kGood, &Sample::quality) != samples.end();
     if (serves && good) {

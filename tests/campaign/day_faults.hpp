@@ -1,5 +1,5 @@
-// What goes wrong in a day of a bus, and which configurations it has: chosen by chance, the same for
-// the same seed. Pure functions.
+// What goes wrong in a day of a bus, and which configurations it has: chosen by chance, the same
+// for the same seed. Pure functions.
 #pragma once
 
 #include <random>

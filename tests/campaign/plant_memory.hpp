@@ -1,4 +1,4 @@
-// What the simulated devices of a bus hold, as its channels show it: what a good value is judged by.
+// What the simulated devices of a bus hold, as its channels show it: good values are judged by it.
 //
 // Reads and fills the devices, which outlive it. One thread; throws std::runtime_error for a device
 // that cannot be filled or read.

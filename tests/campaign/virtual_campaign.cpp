@@ -4,10 +4,10 @@
 //                      [--protocol NAME] [--share I/N] [--transcripts FOLDER]
 //
 // A seed is a plant with one bus of each protocol for --hours (24), and then a standby group at one
-// bus of each protocol of a line for --group-hours (1); 0 leaves them out. --seconds ends it after the day under way,
-// --share takes each N-th seed, for one process on each core. Ctrl-C ends it at once with what was
-// done so far. A violation writes transcript-SEED-PROTOCOL.txt and does not stop the others; the
-// exit code is 1 then. The last line is one JSON object with the counts.
+// bus of each protocol of a line for --group-hours (1); 0 leaves them out. --seconds ends it after
+// the day under way, --share takes each N-th seed, for one process on each core. Ctrl-C ends it at
+// once with what was done so far. A violation writes transcript-SEED-PROTOCOL.txt and does not stop
+// the others; the exit code is 1 then. The last line is one JSON object with the counts.
 #include <atomic>
 #include <chrono>
 #include <csignal>
