@@ -64,7 +64,7 @@ def endurance_commands(options, seconds, seed):
 PARTS = [
     Part("virtual", 0.25, "days of plants with every protocol, in virtual time", virtual_commands),
     Part("fuzz", 0.25, "any bytes into whatever reads bytes or texts", fuzz_commands),
-    Part("system", 0.20, "the bridge on a machine whose disk, clock, descriptors and memory fail", system_commands, grace=240),
+    Part("system", 0.20, "the bridge on a machine whose disk, clock, descriptors and memory fail", system_commands, grace=480),
     Part("network", 0.20, "bridges and stations of two vendors on a network that loses, doubles, reorders and partitions",
          network_commands, grace=300),
     Part("endurance", 0.10, "one plant for long: memory, descriptors and threads stay flat; 72 hours in virtual time", endurance_commands,

@@ -431,7 +431,6 @@ def killed_at_every_instant(seed):
 
 
 SCENARIOS = {  # name: (function, whether it is among the short ones)
-    "killed-at-every-instant": (killed_at_every_instant, True),
     "disk-full": (disk_full, True),
     "disk-really-full": (disk_really_full, False),
     "disk-read-only": (disk_read_only, False),
@@ -442,6 +441,7 @@ SCENARIOS = {  # name: (function, whether it is among the short ones)
     "memory-limited": (memory_limited, False),
     "stop-and-go": (stop_and_go, False),
     "killed-at-a-write": (killed_at_a_write, False),
+    "killed-at-every-instant": (killed_at_every_instant, True),
 }
 
 
