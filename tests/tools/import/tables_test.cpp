@@ -171,6 +171,17 @@ TEST(ImportList, FunctionCodesDecideWhereDigitsAreAmbiguous) {
               HasSubstr("at: \"holding:30000\", type: string(30)"));
 }
 
+TEST(ImportList, AnAddressWithADecimalIsABitOnlyWhereTheTypeIsOne) {
+  const auto outcome = import_text("meter.csv",
+                                   "Register,Name,Type\n40001.0,power,UINT16\n40002.0,ready,Bool\n"
+                                   "40003.4,odd,UINT32\n40004.12,alarm,\n");
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_THAT(channel_line(*outcome, "power"), HasSubstr("at: \"holding:0\", type: uint16"));
+  EXPECT_THAT(channel_line(*outcome, "ready"), HasSubstr("at: \"holding:1.0\", type: bool"));
+  EXPECT_THAT(fate_of(*outcome, "odd"), HasSubstr("no: data type 'UINT32' at a single bit"));
+  EXPECT_THAT(channel_line(*outcome, "alarm"), HasSubstr("at: \"holding:3.12\", type: bool"));
+}
+
 TEST(ImportedNames, AreAllowedUniqueAndNotTooLong) {
   const std::string long_name(100, 'x');
   const auto outcome = import_text("meter.csv",

@@ -305,9 +305,10 @@ class ListReader {
   }
 
   MayFail read_point(const Row& row, Point& point) {
-    const auto reference = address_of(row);
+    auto reference = address_of(row);
     if (!reference) return reference.error();
     const ModbusArea area = *reference->area;
+    if (const auto fault = check_bit(row, *reference)) return fault;
     if (const auto fault = read_type(row, *reference, point)) return fault;
     point.at = address_text(area, reference->first, reference->bit);
     point.unit = columns_.cell(row, Field::kUnit);
@@ -324,6 +325,17 @@ class ListReader {
     if (refresh && *refresh > 0 && *refresh < 1e9)
       point.refresh = std::chrono::microseconds{static_cast<std::int64_t>(*refresh * 1000)};
     return read_scale(row, point);
+  }
+
+  // "40001.0" of a number is no bit: a spreadsheet wrote the address with a decimal.
+  MayFail check_bit(const Row& row, Reference& reference) const {
+    const auto type = type_by_name(columns_.cell(row, Field::kType));
+    const bool number = type && type->type != ValueType::kBool;
+    if (!reference.bit || !number || holds_bits(*reference.area)) return std::nullopt;
+    if (*reference.bit != 0 || !columns_.cell(row, Field::kBit).empty())
+      return fmt::format("data type '{}' at a single bit", columns_.cell(row, Field::kType));
+    reference.bit.reset();
+    return std::nullopt;
   }
 
   MayFail read_type(const Row& row, const Reference& reference, Point& point) const {
