@@ -10,6 +10,7 @@ pseudo-terminal. Keys go to the end of the list and back; the time is from the k
 import argparse
 import glob
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -70,6 +71,7 @@ def main():
             terminal.wait_for(f"{options.channels} of {options.channels} GOOD", 60)
             terminal.read(3)
             figure(f"processor of watch, {options.channels} channels each second", share(terminal, options.seconds), "of a core", 0.3)
+            print("the screen says:", re.search(r"\d+ samples/s", terminal.text()).group())
             times = []
             for i in range(60):
                 end = i % 2 == 0

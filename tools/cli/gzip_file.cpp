@@ -1,9 +1,12 @@
 #include "tools/cli/gzip_file.hpp"
 
+#include <fcntl.h>
+#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <filesystem>
 #include <limits>
 
 #include "bridge/base/errno_text.hpp"
@@ -19,18 +22,52 @@ gzFile gzip(void* file) { return static_cast<gzFile>(file); }
 
 void GzipFile::Closer::operator()(void* file) const { ::gzclose(gzip(file)); }
 
-GzipFile::GzipFile(std::string path)
-    : path_(std::move(path)), file_(::gzopen(path_.c_str(), "wbxe")) {
+GzipFile::GzipFile(std::string path) : path_(std::move(path)) {
+  open();
+  if (descriptor_ < 0) {
+    fail();
+    return;
+  }
+  file_.reset(::gzdopen(::fcntl(descriptor_, F_DUPFD_CLOEXEC, 0), "wb"));
   if (file_)
     ::gzbuffer(gzip(file_.get()), kBuffer);
   else
     fail();
 }
 
-GzipFile::~GzipFile() = default;
+GzipFile::~GzipFile() {
+  file_.reset();
+  if (descriptor_ >= 0) ::close(descriptor_);
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+void GzipFile::open() {
+  constexpr mode_t kMode = 0666;
+  if (::faccessat(AT_FDCWD, path_.c_str(), F_OK, AT_SYMLINK_NOFOLLOW) == 0) {
+    errno = EEXIST;
+    return;
+  }
+  const auto folder = std::filesystem::path(path_).parent_path();
+  descriptor_ =
+      ::open(folder.empty() ? "." : folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, kMode);
+  if (descriptor_ >= 0 || (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL)) return;
+  temporary_ = path_ + ".part";
+  descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kMode);
+  if (descriptor_ < 0) temporary_.clear();
+}
+
+// Fails when somebody else has made a file of this name meanwhile.
+void GzipFile::give_name() {
+  const std::string from =
+      temporary_.empty() ? "/proc/self/fd/" + std::to_string(descriptor_) : temporary_;
+  if (::linkat(AT_FDCWD, from.c_str(), AT_FDCWD, path_.c_str(),
+               temporary_.empty() ? AT_SYMLINK_FOLLOW : 0) != 0)
+    fail();
+}
 
 std::optional<std::string> GzipFile::close() {
   if (file_ && ::gzclose(gzip(file_.release())) != Z_OK) fail();
+  if (!fault_) give_name();
   return fault_;
 }
 

@@ -1,4 +1,5 @@
-// A file that is compressed while it is written (RFC 1952), for std::ostream. Owns the file. One
+// A file that is compressed while it is written (RFC 1952), for std::ostream. It has no name until
+// it is whole: whatever ends the process before, nothing half written is left. Owns the file. One
 // owner, the main thread.
 #pragma once
 
@@ -30,8 +31,12 @@ class GzipFile final : public std::streambuf {
     void operator()(void* file) const;
   };
   void fail();  // keeps the first reason
+  void open();
+  void give_name();
 
   const std::string path_;
+  int descriptor_ = -1;    // of the file, for its name
+  std::string temporary_;  // its name meanwhile, on a file system without files that have none
   std::unique_ptr<void, Closer> file_;  // gzFile; null: it could not be opened, or it is closed
   std::optional<std::string> fault_;
 };

@@ -8,8 +8,11 @@
 #include "tools/cli/command/command.hpp"
 #include "tools/cli/command/pattern_option.hpp"
 #include "tools/cli/command/span_option.hpp"
+#include "tools/cli/console.hpp"
 #include "tools/cli/gzip_file.hpp"
+#include "tools/cli/progress_line.hpp"
 #include "tools/cli/view/bucket_view.hpp"
+#include "tools/cli/view/progress_text.hpp"
 #include "tools/cli/view/record_view.hpp"
 
 namespace fieldcast::cli {
@@ -19,8 +22,10 @@ namespace {
 // Prints what the options ask for; counts what was printed.
 class Printer {
  public:
-  Printer(const HistoryOptions& options, SqlConnection& connection, std::ostream& out)
-      : options_(options), connection_(connection), out_(out) {}
+  // `progress` may be null: the lines themselves are on the terminal.
+  Printer(const HistoryOptions& options, SqlConnection& connection, std::ostream& out,
+          ProgressLine* progress)
+      : options_(options), connection_(connection), out_(out), progress_(progress) {}
 
   // Each sample. How many channels of the pattern the store knows.
   std::size_t samples() {
@@ -53,15 +58,23 @@ class Printer {
   [[nodiscard]] std::size_t lines() const { return lines_; }
 
  private:
+  static constexpr std::size_t kLook = 256;  // lines between two looks at the clock
+
   bool line(const std::string& text) {
     ++lines_;
     out_ << text << '\n';
+    if (progress_ != nullptr && lines_ % kLook == 0) {
+      progress_->show([this](Duration elapsed) {
+        return progress_count_text("history", lines_, "lines", elapsed);
+      });
+    }
     return out_.good();
   }
 
   const HistoryOptions& options_;
   SqlConnection& connection_;
   std::ostream& out_;
+  ProgressLine* progress_;
   std::size_t lines_ = 0;
 };
 
@@ -102,8 +115,11 @@ ExitCode history(const HistoryOptions& options, std::ostream& out, std::ostream&
   std::optional<GzipFile> file;
   if (!options.gzip.empty()) file.emplace(options.gzip);
   std::ostream to(file ? &*file : out.rdbuf());
-  Printer printer(options, *connection, to);
+  ProgressLine progress(err);
+  const bool lines_are_seen = !file && output_is_terminal();
+  Printer printer(options, *connection, to, lines_are_seen ? nullptr : &progress);
   const std::size_t channels = every ? printer.buckets(*every) : printer.samples();
+  progress.clear();
   bool written = !to.flush().fail();
   if (const auto fault = file ? file->close() : std::nullopt) {
     err << printable(*fault) << '\n';

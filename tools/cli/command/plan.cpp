@@ -9,7 +9,9 @@
 #include "tools/cli/command/command.hpp"
 #include "tools/cli/model/bus_plan.hpp"
 #include "tools/cli/model/bus_simulation.hpp"
+#include "tools/cli/progress_line.hpp"
 #include "tools/cli/view/plan_view.hpp"
+#include "tools/cli/view/progress_text.hpp"
 #include "tools/cli/view/simulation_view.hpp"
 #include "tools/sim/bus/fault_file.hpp"
 
@@ -41,8 +43,15 @@ ExitCode simulate_all(const BridgeSpec& spec, const PlanOptions& options, std::o
   for (const auto& bus : spec.buses) {
     const auto plan = make_plan(bus, options.answer_time);
     const auto began = std::chrono::steady_clock::now();
+    ProgressLine progress(err);
+    const auto show = [&](double share) {
+      progress.show([&](Duration elapsed) {
+        return progress_text("simulating " + bus.name, share, elapsed);
+      });
+    };
     const auto simulation =
-        simulate(plan, faults.buses[bus.name], {options.simulate, options.seed});
+        simulate(plan, faults.buses[bus.name], {options.simulate, options.seed}, show);
+    progress.clear();
     const Duration took = std::chrono::steady_clock::now() - began;
     if (simulation.bus.deadline_misses != 0) verdict = ExitCode::kFound;
     if (options.json) {

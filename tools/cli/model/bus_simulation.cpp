@@ -7,23 +7,45 @@
 namespace fieldcast::cli {
 namespace {
 
+// Virtual time in small steps, each of which is told.
+class Steps {
+ public:
+  Steps(sim::VirtualBus& bus, Duration length, const OnSimulated& on_simulated)
+      : bus_(bus), length_(length), on_simulated_(on_simulated) {}
+
+  void run_until(Instant until) {
+    constexpr int kSteps = 200;
+    const Duration step = std::max<Duration>(length_ / kSteps, std::chrono::milliseconds{1});
+    while (on_simulated_ && bus_.now() + step < until) {
+      bus_.run_until(bus_.now() + step);
+      on_simulated_(to_seconds(bus_.now() - Instant{}) / to_seconds(length_));
+    }
+    bus_.run_until(until);
+  }
+
+ private:
+  sim::VirtualBus& bus_;
+  const Duration length_;
+  const OnSimulated& on_simulated_;
+};
+
 // The instants at which the port comes and goes.
-void run(sim::VirtualBus& bus, const sim::BusFaults& faults, Instant end) {
+void run(sim::VirtualBus& bus, const sim::BusFaults& faults, Instant end, Steps steps) {
   for (const sim::Window& window : faults.unplugged) {
     if (window.from >= end - Instant{}) break;
-    bus.run_until(Instant{window.from});
+    steps.run_until(Instant{window.from});
     if (bus.plugged()) bus.unplug();
     const Instant back = window.to == sim::kForever ? end : std::min(end, Instant{window.to});
-    bus.run_until(back);
+    steps.run_until(back);
     if (back < end) bus.plug();
   }
-  bus.run_until(end);
+  steps.run_until(end);
 }
 
 }  // namespace
 
 BusSimulation simulate(const BusPlan& plan, const sim::BusFaults& faults,
-                       const SimulationOptions& options) {
+                       const SimulationOptions& options, const OnSimulated& on_simulated) {
   sim::BusFaults all = faults;
   std::ranges::sort(all.unplugged, {}, &sim::Window::from);
   for (const DeviceSpec& device : plan.bus->devices) {
@@ -33,7 +55,7 @@ BusSimulation simulate(const BusPlan& plan, const sim::BusFaults& faults,
   }
   sim::VirtualBus bus(*plan.bus, all, options.seed);
   (void)bus.engine().bus_report(bus.now());
-  run(bus, all, Instant{options.length});
+  run(bus, all, Instant{options.length}, Steps(bus, options.length, on_simulated));
 
   BusSimulation result;
   result.plan = &plan;

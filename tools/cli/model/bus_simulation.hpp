@@ -19,6 +19,9 @@ struct SimulationOptions {
   std::uint64_t seed = 1;
 };
 
+// Told a hundred times or so, with the share of the virtual time that is over. Changes nothing.
+using OnSimulated = std::function<void(double share)>;
+
 struct BusSimulation {
   const BusPlan* plan = nullptr;  // what was predicted; outlives the simulation
   SimulationOptions options;
@@ -31,6 +34,7 @@ struct BusSimulation {
 // Devices answer after the plan's answer time, unless the faults say otherwise. Throws
 // std::runtime_error when the bus cannot be simulated. One seed, one run.
 [[nodiscard]] BusSimulation simulate(const BusPlan& plan, const sim::BusFaults& faults,
-                                     const SimulationOptions& options);
+                                     const SimulationOptions& options,
+                                     const OnSimulated& on_simulated = {});
 
 }  // namespace fieldcast::cli
