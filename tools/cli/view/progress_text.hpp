@@ -9,7 +9,7 @@
 
 namespace fieldcast::cli {
 
-// "simulating line: 42 %, 1min 5s left". `share` is what is done of 1; until a tenth of a second has
+// "simulating line: 42 %, 65s left". `share` is what is done of 1; until a tenth of a second has
 // passed nothing is said of the rest.
 [[nodiscard]] std::string progress_text(std::string_view what, double share, Duration elapsed);
 
