@@ -21,7 +21,7 @@ class CaptureService {
  public:
   static constexpr std::size_t kMaxClients = 16;
   // How often what came is written: what the taps must hold.
-  static constexpr Duration kTurn = std::chrono::milliseconds{50};
+  static constexpr Duration kTurn = std::chrono::milliseconds{100};
 
   explicit CaptureService(const std::string& bridge);
   ~CaptureService();  // every file and stream ends whole, as far as half a second allows

@@ -24,7 +24,7 @@
 namespace fieldcast::cli {
 namespace {
 
-constexpr int kLookMilliseconds = 50;  // for Ctrl-C and the end of the time
+constexpr int kLookMilliseconds = 200;  // for Ctrl-C and the end of the time
 constexpr Duration kProgressGap = std::chrono::milliseconds{500};
 constexpr Duration kLastBlocks = std::chrono::seconds{2};  // after the end was asked for
 constexpr std::size_t kTail = 512;                         // what the end of a file may take
