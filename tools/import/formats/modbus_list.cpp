@@ -1,5 +1,5 @@
 // Register lists of vendors and of people: one row for each value, the titles in many words and in
-// any order. What a title means is one row of kListColumns.
+// any order (modbus_list_columns.cpp).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 
 #include "tools/import/address.hpp"
 #include "tools/import/columns.hpp"
+#include "tools/import/formats/modbus_list_columns.hpp"
 #include "tools/import/formats/readers.hpp"
 #include "tools/import/number.hpp"
 #include "tools/import/types.hpp"
@@ -15,168 +16,12 @@
 namespace fieldcast::importing {
 namespace {
 
-constexpr ColumnName kListColumns[] = {
-    {"name", Field::kName},
-    {"tagname", Field::kName},
-    {"tag", Field::kName},
-    {"signal", Field::kName},
-    {"signalname", Field::kName},
-    {"parameter", Field::kName},
-    {"parametername", Field::kName},
-    {"variable", Field::kName},
-    {"variablename", Field::kName},
-    {"registername", Field::kName},
-    {"measurement", Field::kName},
-    {"quantity", Field::kName},
-    {"point", Field::kName},
-    {"pointname", Field::kName},
-    {"label", Field::kName},
-    {"item", Field::kName},
-    {"symbol", Field::kName},
-    {"bezeichnung", Field::kName},
-    {"messwert", Field::kName},
-    {"nom", Field::kName},
-    {"nombre", Field::kName},
-    {"nome", Field::kName},
-    {"designation", Field::kName},
-    {"address", Field::kAddress},
-    {"adress", Field::kAddress},
-    {"addr", Field::kAddress},
-    {"adresse", Field::kAddress},
-    {"modbusaddress", Field::kAddress},
-    {"modbusadresse", Field::kAddress},
-    {"register", Field::kAddress},
-    {"registeraddress", Field::kAddress},
-    {"registernumber", Field::kAddress},
-    {"registerno", Field::kAddress},
-    {"regaddr", Field::kAddress},
-    {"reg", Field::kAddress},
-    {"registre", Field::kAddress},
-    {"registro", Field::kAddress},
-    {"startaddress", Field::kAddress},
-    {"startregister", Field::kAddress},
-    {"modbusregister", Field::kAddress},
-    {"modbusreg", Field::kAddress},
-    {"dataaddress", Field::kAddress},
-    {"addressdec", Field::kAddress},
-    {"addressdecimal", Field::kAddress},
-    {"decaddress", Field::kAddress},
-    {"addresshex", Field::kAddress},
-    {"hexaddress", Field::kAddress},
-    {"direccion", Field::kAddress},
-    {"indirizzo", Field::kAddress},
-    {"function", Field::kArea},
-    {"functioncode", Field::kArea},
-    {"fc", Field::kArea},
-    {"modbusfunction", Field::kArea},
-    {"modbusfunctioncode", Field::kArea},
-    {"functioncoderead", Field::kArea},
-    {"readfunction", Field::kArea},
-    {"readfc", Field::kArea},
-    {"funktion", Field::kArea},
-    {"funktionscode", Field::kArea},
-    {"registertype", Field::kArea},
-    {"regtype", Field::kArea},
-    {"area", Field::kArea},
-    {"table", Field::kArea},
-    {"objecttype", Field::kArea},
-    {"datatable", Field::kArea},
-    {"registertable", Field::kArea},
-    {"kind", Field::kArea},
-    {"type", Field::kType},
-    {"datatype", Field::kType},
-    {"dataformat", Field::kType},
-    {"format", Field::kType},
-    {"datentyp", Field::kType},
-    {"typ", Field::kType},
-    {"valuetype", Field::kType},
-    {"encoding", Field::kType},
-    {"tipo", Field::kType},
-    {"typededonnees", Field::kType},
-    {"access", Field::kAccess},
-    {"rw", Field::kAccess},
-    {"readwrite", Field::kAccess},
-    {"accesstype", Field::kAccess},
-    {"accessmode", Field::kAccess},
-    {"zugriff", Field::kAccess},
-    {"permission", Field::kAccess},
-    {"attribute", Field::kAccess},
-    {"mode", Field::kAccess},
-    {"scale", Field::kScale},
-    {"scaling", Field::kScale},
-    {"factor", Field::kScale},
-    {"scalefactor", Field::kScale},
-    {"scalingfactor", Field::kScale},
-    {"multiplier", Field::kScale},
-    {"faktor", Field::kScale},
-    {"skalierung", Field::kScale},
-    {"resolution", Field::kScale},
-    {"auflosung", Field::kScale},
-    {"gain", Field::kDivisor},
-    {"divisor", Field::kDivisor},
-    {"divider", Field::kDivisor},
-    {"decimals", Field::kDecimals},
-    {"decimalplaces", Field::kDecimals},
-    {"offset", Field::kOffset},
-    {"valueoffset", Field::kOffset},
-    {"bias", Field::kOffset},
-    {"unit", Field::kUnit},
-    {"units", Field::kUnit},
-    {"einheit", Field::kUnit},
-    {"engunit", Field::kUnit},
-    {"engunits", Field::kUnit},
-    {"engineeringunits", Field::kUnit},
-    {"uom", Field::kUnit},
-    {"unite", Field::kUnit},
-    {"unita", Field::kUnit},
-    {"unidad", Field::kUnit},
-    {"description", Field::kDescription},
-    {"beschreibung", Field::kDescription},
-    {"comment", Field::kDescription},
-    {"kommentar", Field::kDescription},
-    {"remark", Field::kDescription},
-    {"remarks", Field::kDescription},
-    {"notes", Field::kDescription},
-    {"note", Field::kDescription},
-    {"bit", Field::kBit},
-    {"bitposition", Field::kBit},
-    {"bitnumber", Field::kBit},
-    {"length", Field::kLength},
-    {"size", Field::kLength},
-    {"count", Field::kLength},
-    {"registers", Field::kLength},
-    {"numberofregisters", Field::kLength},
-    {"noofregisters", Field::kLength},
-    {"numregisters", Field::kLength},
-    {"quantityofregisters", Field::kLength},
-    {"words", Field::kLength},
-    {"anzahl", Field::kLength},
-    {"lange", Field::kLength},
-    {"wordorder", Field::kWordOrder},
-    {"byteorder", Field::kWordOrder},
-    {"endian", Field::kWordOrder},
-    {"endianness", Field::kWordOrder},
-    {"order", Field::kWordOrder},
-    {"slave", Field::kDevice},
-    {"slaveid", Field::kDevice},
-    {"slaveaddress", Field::kDevice},
-    {"unitid", Field::kDevice},
-    {"deviceid", Field::kDevice},
-    {"deviceaddress", Field::kDevice},
-    {"refresh", Field::kRefresh},
-    {"pollinterval", Field::kRefresh},
-    {"interval", Field::kRefresh},
-    {"scanrate", Field::kRefresh},
-    {"pollms", Field::kRefresh},
-    {"refreshms", Field::kRefresh},
-};
-
 constexpr unsigned kTitleRows = 20;  // a title may stand above the header row
 
 // The row that names the columns: the first one with an address and three names that are known.
 std::optional<std::size_t> header_row(const Table& table) {
   for (std::size_t i = 0; i < std::min<std::size_t>(table.rows.size(), kTitleRows); ++i) {
-    const Columns columns(table.rows[i], kListColumns);
+    const Columns columns(table.rows[i], list_columns());
     if (columns.has(Field::kAddress) && columns.known() >= 3) return i;
   }
   return std::nullopt;
@@ -190,7 +35,7 @@ class ListReader {
         options_(options),
         table_(table),
         header_(header),
-        columns_(table.rows[header], kListColumns) {}
+        columns_(table.rows[header], list_columns()) {}
 
   void read(Bus& bus, Found& found) {
     counts_from_one_ = lists_references();
@@ -450,7 +295,7 @@ Confidence recognise_modbus_list(const SourceText& source) {
   if (!table) return 0;
   const auto header = header_row(*table);
   if (!header || table->rows.size() < *header + 2) return 0;
-  return Columns(table->rows[*header], kListColumns).known() >= 5 ? kLikely : kGuess;
+  return Columns(table->rows[*header], list_columns()).known() >= 5 ? kLikely : kGuess;
 }
 
 Read read_modbus_list(std::span<const SourceText> sources, const ReadOptions& options) {
