@@ -22,6 +22,10 @@ void cut(std::string& text, std::size_t limit) {
 }  // namespace
 
 void FrameGatherer::take(CaptureRecord record, std::vector<CapturedFrame>& out) {
+  // What came of an exchange that was under way at the beginning is the end of an answer only.
+  if (record.kind != CaptureRecord::Kind::kReceived && !std::exchange(begun_, true) &&
+      std::exchange(answer_, std::nullopt) && record.kind == CaptureRecord::Kind::kRemark)
+    return;
   switch (record.kind) {
     case CaptureRecord::Kind::kSent:
       give_request(out);

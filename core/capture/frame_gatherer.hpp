@@ -39,6 +39,7 @@ class FrameGatherer {
   Bytes echo_;                            // the last request: it may come back before the answer
   std::size_t device_ = 0;
   bool asked_ = false;  // an exchange is under way
+  bool begun_ = false;  // an exchange has begun or ended
   std::string note_;    // for the next frame
 };
 

@@ -79,6 +79,14 @@ TEST_F(FrameGathererTest, WhatNobodyAskedForIsCutBySilence) {
   EXPECT_EQ(frames(), "20 < AA BB\n120 < CC\n");
 }
 
+TEST_F(FrameGathererTest, TheRestOfAnAnswerAtTheBeginningIsLeftOut) {
+  take(Kind::kReceived, 0, "02 00 2A");
+  take_text(Kind::kRemark, 0, "1 sample");
+  take(Kind::kSent, 10, "01 03 00");
+  take_text(Kind::kEnded, 20);
+  EXPECT_EQ(frames(), "10 > 01 03 00\n");
+}
+
 TEST_F(FrameGathererTest, WhatIsMissingIsSaidAtTheNextFrame) {
   take(Kind::kSent, 0, "01");
   gatherer_.lost(17, frames_);
