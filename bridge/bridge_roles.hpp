@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
@@ -41,14 +42,17 @@ struct Standby {
   [[nodiscard]] bool hold(const std::string& bus, const Command& command);
   [[nodiscard]] bool hold(const AlarmAction& action);
   // A command that this bridge was to run has its result.
-  void answered(const CommandResult& result);
+  void answered();
   // What the group tells of others.
   void seen_answer(const std::string& requester, std::uint64_t request_id);
 
   // The thread of roles: calls `look` when it was notified, and while that says so, soon again.
   void start(std::function<bool()> look);
   void notify();
-  void wait(Duration time);
+  // Asks `reached` now and after each notify(), until `limit`; what it said last. No lock is held
+  // meanwhile.
+  [[nodiscard]] bool wait_until(Instant limit, const std::function<bool()>& reached);
+  void linger(Duration time);
   void end();  // a second call has no effect
 
   // Under Bridge's `changing`.
@@ -69,7 +73,8 @@ struct Standby {
   void run(const std::function<bool()>& look);
   std::mutex mutex_;
   std::condition_variable changed_;
-  bool dirty_ = false, ending_ = false;
+  std::uint64_t notified_ = 0;
+  bool ending_ = false;
   std::thread thread_;
 };
 

@@ -1,6 +1,5 @@
 // A bridge of a standby group: what it prepares, how it takes over, and how it lets go.
 #include <fmt/format.h>
-#include <pthread.h>
 
 #include "bridge/bridge_state.hpp"
 #include "bridge/bus/clock.hpp"
@@ -10,7 +9,6 @@
 namespace fieldcast {
 namespace {
 
-constexpr Duration kLookAgain = std::chrono::milliseconds{20};
 // How long a master that hands over waits for the commands that run.
 constexpr Duration kFinish = std::chrono::milliseconds{200};
 // What a master that has let go had published arrives within this time, or is counted as lost.
@@ -22,65 +20,6 @@ constexpr Duration kAfterHandOver = std::chrono::milliseconds{500};
 constexpr std::uint64_t kSequenceMargin = 1024;
 
 }  // namespace
-
-// ---- Standby
-
-bool Standby::hold(const std::string& bus, const Command& command) {
-  return commands.hold({command.requester, command.request_id}, {bus, command}, command.expires,
-                       steady_now());
-}
-
-bool Standby::hold(const AlarmAction& action) {
-  return actions.hold({action.requester, action.request_id}, action,
-                      steady_now() + std::chrono::seconds{10}, steady_now());
-}
-
-void Standby::answered(const CommandResult&) { --in_hand; }
-
-void Standby::seen_answer(const std::string& requester, std::uint64_t request_id) {
-  commands.answered({requester, request_id});
-  actions.answered({requester, request_id});
-}
-
-void Standby::start(std::function<bool()> look) {
-  if (thread_.joinable()) return;
-  ending_ = false;
-  thread_ = std::thread([this, look = std::move(look)] { run(look); });
-}
-
-void Standby::notify() {
-  const std::lock_guard lock(mutex_);
-  dirty_ = true;
-  changed_.notify_all();
-}
-
-// For what others do meanwhile.
-void Standby::wait(Duration time) { std::this_thread::sleep_for(time); }
-
-void Standby::end() {
-  {
-    const std::lock_guard lock(mutex_);
-    ending_ = true;
-    changed_.notify_all();
-  }
-  if (thread_.joinable()) thread_.join();
-}
-
-void Standby::run(const std::function<bool()>& look) {
-  pthread_setname_np(pthread_self(), "roles");
-  std::unique_lock lock(mutex_);
-  while (!ending_) {
-    dirty_ = false;
-    lock.unlock();
-    const bool again = look();
-    lock.lock();
-    const auto woken = [this] { return dirty_ || ending_; };
-    again ? changed_.wait_for(lock, kLookAgain, woken)
-          : changed_.wait_for(lock, std::chrono::seconds{1}, woken);
-  }
-}
-
-// ---- Bridge::State
 
 // Throws DdsError.
 void Bridge::State::join_group() {
@@ -176,6 +115,7 @@ void Bridge::State::end_follower() {
 // nothing of them is to be disposed of.
 bool Bridge::State::hand_over_before_stop() {
   standby.leaving = true;
+  standby.notify();
   {
     const std::lock_guard lock(changing);
     if (!group || !standby.serving) return group != nullptr;
@@ -184,16 +124,12 @@ bool Bridge::State::hand_over_before_stop() {
     log_info(spec.name, fmt::format("no other bridge takes over: {}", *refused));
     return false;
   }
-  const Instant limit = steady_now() + kFinish + Election::kHandOver;
-  while (steady_now() < limit) {
+  const bool replaced = standby.wait_until(steady_now() + kFinish + Election::kHandOver, [this] {
     const StandbyGroup::View view = group->view();
-    if (view.role == StandbyRole::kWaiting && view.master) {
-      standby.wait(kAfterHandOver);
-      return true;
-    }
-    standby.wait(kLookAgain);
-  }
-  return false;
+    return view.role == StandbyRole::kWaiting && view.master.has_value();
+  });
+  if (replaced) standby.linger(kAfterHandOver);
+  return replaced;
 }
 
 // On the thread of roles. True: it is to be called again soon.
@@ -309,8 +245,7 @@ void Bridge::State::release() {
   standby.handing_over = true;
   standby.commands.stand_by();  // what comes now is the successor's
   standby.actions.stand_by();
-  const Instant limit = steady_now() + kFinish;
-  while (standby.in_hand > 0 && steady_now() < limit) standby.wait(std::chrono::milliseconds{1});
+  (void)standby.wait_until(steady_now() + kFinish, [this] { return standby.in_hand == 0; });
   std::vector<std::string> names;
   for (const auto& [name, bus] : buses) names.push_back(name);
   stop_runners(names);
@@ -335,7 +270,7 @@ void Bridge::State::step_back() {
 void Bridge::State::start_as_standby() {
   const BridgeSpec same = spec;
   standby.serving = false;
-  if (link && standby.handing_over) standby.wait(kAfterHandOver);
+  if (link && standby.handing_over) standby.linger(kAfterHandOver);
   stop_all(program::Server::Modules::kKeep, DdsLink::Leave::kHandOver);
   {
     const std::lock_guard lock(standby.late_mutex);
@@ -353,7 +288,7 @@ void Bridge::State::run_command(const std::string& bus, Command command) {
   const AuditEntry asked = audit.asked(bus, command);
   ++standby.in_hand;
   if (const auto refused = commands.take(bus, std::move(command), steady_now())) {
-    standby.answered(*refused);
+    standby.answered();
     audit.refused(asked, *refused);
     link->complete(bus, *refused, read_clocks());
   }
@@ -382,7 +317,7 @@ void Bridge::State::keep_identity(const std::string& bus, const std::string& req
 // Whether a result stays here: its command runs at the successor, or nobody knows at this moment
 // who is master.
 bool Bridge::State::keeps_result(const std::string& bus, const CommandResult& result) {
-  standby.answered(result);
+  standby.answered();
   if (!spec.standby) return false;
   if (standby.handing_over && result.state == CommandState::kRejected &&
       result.cause == Cause::kShutdown) {

@@ -3,9 +3,9 @@
 //
 // Owns everything that Bridge owns. The functions run on the main thread, which holds `changing`;
 // follow_guard() runs on the guard's thread and takes `changing` itself, and so does follow_role()
-// on that of the roles. DDS threads and those of
-// the programming server enter through the handlers that the wiring makes. join(), start_buses()
-// and start_bus() throw DdsError where DDS refuses; start() and reload() return it as one line.
+// on that of the roles. DDS threads and those of the programming server enter through the handlers
+// that the wiring makes. join(), start_buses() and start_bus() throw DdsError where DDS refuses;
+// start() and reload() return it as one line.
 #pragma once
 
 #include <atomic>

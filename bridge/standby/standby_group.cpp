@@ -250,7 +250,7 @@ void StandbyGroup::watch_processes() {
   }
 }
 
-void StandbyGroup::look_at_processes(Instant) {
+void StandbyGroup::look_at_processes() {
   for (auto& [name, process] : processes_) {
     if (!process.handle.valid()) continue;
     pollfd ended{process.handle.get(), POLLIN, 0};
@@ -273,7 +273,7 @@ void StandbyGroup::run() {
       if (ending_) return;
       const Instant now = steady_now();
       watch_processes();
-      look_at_processes(now);
+      look_at_processes();
       election_.on_time(now);
       follow_role();
       noted = settle_notes(now);

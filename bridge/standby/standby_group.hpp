@@ -99,7 +99,7 @@ class StandbyGroup {
   [[nodiscard]] std::vector<std::pair<std::function<void(bool)>, bool>> settle_notes(Instant now);
   [[nodiscard]] bool noted_by_all(std::uint64_t number, Instant now) const;
   void watch_processes();
-  void look_at_processes(Instant now);
+  void look_at_processes();
   void wake() const;
 
   const std::string group_;

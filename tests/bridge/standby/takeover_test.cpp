@@ -175,6 +175,27 @@ struct TakeoverTest : testing::Test {
       newest = std::max(newest, request.connection);
     }
   }
+  // Writes 1..kWrites, one each 15 ms, as a plant that knows of no bridges; half of them before
+  // the master gets `signal`. Their ids.
+  static constexpr int kWrites = 60;
+  std::vector<std::uint64_t> write_while_the_master_gets(int signal) {
+    std::vector<std::uint64_t> ids;
+    for (int i = 1; i <= kWrites; ++i) {
+      StationCommand command;
+      command.bus = "one";
+      command.command.device = "plc";
+      command.command.target = ChannelTarget{"level"};
+      command.command.values = {Value{static_cast<std::uint64_t>(i)}};
+      command.lifespan = 10s;
+      const auto id = watch.station().send(command, 5s);
+      EXPECT_TRUE(id) << "write " << i;
+      ids.push_back(id.value_or(0));
+      if (i == kWrites / 2) a->signal(signal);
+      std::this_thread::sleep_for(15ms);
+    }
+    EXPECT_TRUE(within([&] { return watch.results().size() == ids.size(); }));
+    return ids;
+  }
   void print(const char* what, std::vector<milliseconds> gaps) {
     std::sort(gaps.begin(), gaps.end());
     std::printf(
@@ -254,22 +275,7 @@ TEST_F(TakeoverTest, AMasterThatStoodStillDoesNotSpeakAgainAndStandsBy) {
 // Each write is carried out at most once, and has a result.
 TEST_F(TakeoverTest, OverAKillEachCommandHasAResultAndNoWriteRunsTwice) {
   start_both();
-  constexpr int kWrites = 60;
-  std::vector<std::uint64_t> ids;
-  for (int i = 1; i <= kWrites; ++i) {
-    StationCommand command;
-    command.bus = "one";
-    command.command.device = "plc";
-    command.command.target = ChannelTarget{"level"};
-    command.command.values = {Value{static_cast<std::uint64_t>(i)}};
-    command.lifespan = 10s;
-    const auto id = watch.station().send(command, 5s);
-    ASSERT_TRUE(id);
-    ids.push_back(*id);
-    if (i == kWrites / 2) a->signal(SIGKILL);
-    std::this_thread::sleep_for(15ms);
-  }
-  EXPECT_TRUE(within([&] { return watch.results().size() == ids.size(); }));
+  const auto ids = write_while_the_master_gets(SIGKILL);
   const auto results = watch.last_results();
   const auto written = device.writes();
   int done = 0;
@@ -292,22 +298,7 @@ TEST_F(TakeoverTest, OverAKillEachCommandHasAResultAndNoWriteRunsTwice) {
 
 TEST_F(TakeoverTest, OverAHandOverEveryCommandIsDoneOnce) {
   start_both();
-  constexpr int kWrites = 60;
-  std::vector<std::uint64_t> ids;
-  for (int i = 1; i <= kWrites; ++i) {
-    StationCommand command;
-    command.bus = "one";
-    command.command.device = "plc";
-    command.command.target = ChannelTarget{"level"};
-    command.command.values = {Value{static_cast<std::uint64_t>(i)}};
-    command.lifespan = 10s;
-    const auto id = watch.station().send(command, 5s);
-    ASSERT_TRUE(id);
-    ids.push_back(*id);
-    if (i == kWrites / 2) a->signal(SIGTERM);
-    std::this_thread::sleep_for(15ms);
-  }
-  EXPECT_TRUE(within([&] { return watch.results().size() == ids.size(); }));
+  (void)write_while_the_master_gets(SIGTERM);
   for (const auto& [id, result] : watch.last_results())
     EXPECT_EQ(result.state, CommandState::kDone) << id << ": " << result.reason;
   for (const auto& [id, count] : watch.results()) EXPECT_EQ(count, 1) << id;

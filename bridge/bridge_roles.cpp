@@ -1,0 +1,85 @@
+#include "bridge/bridge_roles.hpp"
+
+#include <pthread.h>
+
+#include "bridge/bus/clock.hpp"
+
+namespace fieldcast {
+namespace {
+
+constexpr std::chrono::milliseconds kLookAgain{20};
+
+}  // namespace
+
+bool Standby::hold(const std::string& bus, const Command& command) {
+  return commands.hold({command.requester, command.request_id}, {bus, command}, command.expires,
+                       steady_now());
+}
+
+bool Standby::hold(const AlarmAction& action) {
+  return actions.hold({action.requester, action.request_id}, action,
+                      steady_now() + std::chrono::seconds{10}, steady_now());
+}
+
+void Standby::answered() {
+  if (--in_hand == 0 && handing_over) notify();
+}
+
+void Standby::seen_answer(const std::string& requester, std::uint64_t request_id) {
+  commands.answered({requester, request_id});
+  actions.answered({requester, request_id});
+}
+
+void Standby::start(std::function<bool()> look) {
+  if (thread_.joinable()) return;
+  ending_ = false;
+  thread_ = std::thread([this, look = std::move(look)] { run(look); });
+}
+
+void Standby::notify() {
+  const std::lock_guard lock(mutex_);
+  ++notified_;
+  changed_.notify_all();
+}
+
+bool Standby::wait_until(Instant limit, const std::function<bool()>& reached) {
+  for (;;) {
+    std::unique_lock lock(mutex_);
+    const std::uint64_t seen = notified_;
+    lock.unlock();
+    if (reached()) return true;
+    const Duration left = limit - steady_now();
+    if (left <= Duration::zero()) return false;
+    lock.lock();
+    changed_.wait_for(lock, left, [&] { return notified_ != seen; });
+  }
+}
+
+void Standby::linger(Duration time) {
+  (void)wait_until(steady_now() + time, [] { return false; });
+}
+
+void Standby::end() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+    changed_.notify_all();
+  }
+  if (thread_.joinable()) thread_.join();
+}
+
+void Standby::run(const std::function<bool()>& look) {
+  pthread_setname_np(pthread_self(), "roles");
+  std::unique_lock lock(mutex_);
+  while (!ending_) {
+    const std::uint64_t seen = notified_;
+    lock.unlock();
+    const bool again = look();
+    lock.lock();
+    const auto woken = [&] { return notified_ != seen || ending_; };
+    again ? changed_.wait_for(lock, kLookAgain, woken)
+          : changed_.wait_for(lock, std::chrono::seconds{1}, woken);
+  }
+}
+
+}  // namespace fieldcast
