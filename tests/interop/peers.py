@@ -1,11 +1,15 @@
 """What the interop tests share: programs that say READY, a null-modem cable, and mbpoll."""
 
+import contextlib
+import fcntl
 import itertools
 import os
 import re
 import select
 import socket
+import struct
 import subprocess
+import termios
 import threading
 import time
 import tty
@@ -92,6 +96,41 @@ class Cable:
         self.thread.join()
         for fd in [self.wake, self.waker] + [fd for end in self.ends for fd in end]:
             os.close(fd)
+
+
+TCGETS2 = 0x802C542A  # of Linux: struct termios2, which has the speed in baud
+
+
+class SerialCable(Cable):
+    """A cable as a serial line has it: characters take their time, and reach only who has the same speed, parity and data bits; others
+    get noise. `asked` is what `left` sent."""
+
+    def __enter__(self):
+        self.asked = []
+        return super().__enter__()
+
+    @staticmethod
+    def _settings(end):
+        fields = struct.unpack("=4IB19s2I", fcntl.ioctl(end, TCGETS2, bytes(44)))
+        flags, baud = fields[2], fields[7]
+        return baud, flags & (termios.CSIZE | termios.PARENB | termios.PARODD)
+
+    def _pump(self):
+        masters = [master for master, _ in self.ends]
+        while True:
+            readable = select.select(masters + [self.wake], [], [])[0]
+            if self.wake in readable:
+                return
+            for master in readable:
+                data, other = os.read(master, 4096), masters[1 - masters.index(master)]
+                if master == masters[0]:
+                    self.asked.append(data)
+                settings = self._settings(master)
+                time.sleep(len(data) * 11 / settings[0])
+                if self._settings(other) != settings:
+                    data = bytes(byte ^ 0x6B for byte in data)
+                with contextlib.suppress(BlockingIOError):  # nobody reads there
+                    os.write(other, data)
 
 
 _asked = itertools.count()

@@ -20,6 +20,10 @@
 namespace fieldcast::cli {
 namespace {
 
+// Devices that tell messages apart by half a second of silence (libmodbus does) drop what they took
+// for one at the speed before.
+constexpr std::chrono::milliseconds kForgotten{600};
+
 bool is_serial(const ScanOptions& options) { return options.port.find('/') != std::string::npos; }
 
 PortSpec port_with(const PortSpec& port, const LineFormat& format) {
@@ -133,6 +137,7 @@ class Scan {
     if (!line_ || serial_) {
       if (auto opened = talk_.open(port_with(port_, next.format)); !opened) return opened;
     }
+    if (line_ && serial_) talk_.rest(kForgotten);
     line_ = line;
     protocol_ = scan_protocol(*next.protocol);
     questions_ = questions_of(*protocol_);

@@ -66,6 +66,12 @@ void LineTalk::close() {
   state_->driver.reset();
 }
 
+void LineTalk::rest(Duration time) {
+  const Instant until = steady_now() + time;
+  while (!state_->closed && !state_->interrupt.raised() && steady_now() < until)
+    state_->wait(until);
+}
+
 tl::expected<void, std::string> LineTalk::open(const PortSpec& spec) {
   close();
   State& state = *state_;

@@ -39,6 +39,8 @@ class LineTalk {
   // first byte. The error as of open(): the port is gone. REQUIRES: open() was successful.
   [[nodiscard]] tl::expected<Answer, std::string> ask(std::unique_ptr<Exchange> exchange,
                                                       Duration timeout);
+  // Leaves the line alone for so long; less when the interrupt is raised. REQUIRES: as ask().
+  void rest(Duration time);
   void close();
 
  private:
