@@ -109,6 +109,17 @@ tl::expected<void, std::string> Bridge::State::exchange_buses(const BridgeSpec& 
   return {};
 }
 
+// Another bridge of the group serves meanwhile, and this one starts as a standby, with what it has
+// in its folder then: no refresh is missed.
+bool Bridge::State::hand_over_for_renewal() {
+  if (const auto refused = group->hand_over({})) {
+    log_warning(spec.name, "renewed with a gap, as no other bridge takes over: " + *refused);
+    return false;
+  }
+  log_info(spec.name, "reloading: a renewed certificate: another bridge of the group takes over");
+  return true;
+}
+
 tl::expected<Bridge::Reloaded, std::string> Bridge::State::reload(const BridgeSpec& wanted) {
   const auto done = [](const tl::expected<void, std::string>& result) {
     return result.map([] { return Reloaded{}; });
@@ -117,12 +128,14 @@ tl::expected<Bridge::Reloaded, std::string> Bridge::State::reload(const BridgeSp
     return done(start(wanted, program::Server::Modules::kKeep));
   }
   ReloadPlan plan = plan_reload(spec, wanted);
-  if (plan.whole_bridge.empty() && link->has_new_identity())
-    plan = ReloadPlan{.whole_bridge = {"a renewed certificate"}};
+  const bool renewed = plan.whole_bridge.empty() && link->has_new_identity();
+  const bool only_renewed = renewed && plan.nothing();
+  if (renewed) plan = ReloadPlan{.whole_bridge = {"a renewed certificate"}};
   Reloaded waiting;
   for (const auto& leased : disturbed_by(plan, wanted, program.leased()))
     waiting.waits_for.push_back(fmt::format("{}/{} by {}", leased.bus, leased.device, leased.who));
   if (!waiting.waits_for.empty()) return waiting;
+  if (group && standby.serving && only_renewed && hand_over_for_renewal()) return Reloaded{};
   // A waiting bridge has nothing that a new start would disturb.
   if (group && !standby.serving) return done(start_anew(wanted, plan));
   return done(plan.whole_bridge.empty() ? exchange_buses(wanted, plan) : start_anew(wanted, plan));

@@ -145,6 +145,7 @@ struct Bridge::State {
   [[nodiscard]] tl::expected<Reloaded, std::string> reload(const BridgeSpec& wanted);
   [[nodiscard]] tl::expected<void, std::string> start_anew(const BridgeSpec& wanted,
                                                            const ReloadPlan& plan);
+  [[nodiscard]] bool hand_over_for_renewal();
   [[nodiscard]] tl::expected<void, std::string> restart_program(const BridgeSpec& wanted);
   [[nodiscard]] tl::expected<void, std::string> exchange_buses(const BridgeSpec& wanted,
                                                                const ReloadPlan& plan);

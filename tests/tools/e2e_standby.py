@@ -93,7 +93,7 @@ class Network:
             raise AssertionError(f"ip {' '.join(words)}: {done.stderr}")
 
 
-def serve_device():
+def serve_device(listening):
     """A Modbus TCP device that takes many connections. Every read gives a greater value."""
     counter = [0]
 
@@ -113,7 +113,6 @@ def serve_device():
                     connection.sendall(data[:4] + len(answer).to_bytes(2, "big") + answer)
                     data = data[12:]
 
-    listening = socket.create_server(("10.77.0.3", DEVICE_PORT))
     while True:
         connection, _ = listening.accept()
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -123,9 +122,9 @@ def serve_device():
 class Watch:
     """What a station sees of the channel, and when."""
 
-    def __init__(self, network):
-        self.process = network.start("s", os.path.join(BIN_DIR, "fieldcast"), "watch", "--json", "--interface", "10.77.0.3",
-                                     "--for", "300", stdout=subprocess.PIPE, text=True)
+    def __init__(self, process):
+        """`process`: fieldcast watch --json, its output in a pipe of text."""
+        self.process = process
         self.lock = threading.Lock()
         self.good, self.last, self.longest, self.sequence, self.faults = 0, None, 0.0, 0, []
         self.reader = threading.Thread(target=self._read, daemon=True)
@@ -206,7 +205,8 @@ class Standby(unittest.TestCase):
         self._says("a", "is master of group g")
         self._bridge("b")
         self._says("b", "stands by in group g")
-        watch = Watch(self.network)
+        watch = Watch(self.network.start("s", os.path.join(BIN_DIR, "fieldcast"), "watch", "--json", "--interface", "10.77.0.3",
+                                         "--for", "300", stdout=subprocess.PIPE, text=True))
         self.addCleanup(watch.end)
         watch.goes_on()
         time.sleep(1)
@@ -252,5 +252,5 @@ class Standby(unittest.TestCase):
 if __name__ == "__main__":
     if "--device" in sys.argv:
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
-        serve_device()
+        serve_device(socket.create_server(("10.77.0.3", DEVICE_PORT)))
     unittest.main()
