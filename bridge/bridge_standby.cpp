@@ -288,9 +288,8 @@ void Bridge::State::run_command(const std::string& bus, Command command) {
   const AuditEntry asked = audit.asked(bus, command);
   ++standby.in_hand;
   if (const auto refused = commands.take(bus, std::move(command), steady_now())) {
-    standby.answered();
     audit.refused(asked, *refused);
-    link->complete(bus, *refused, read_clocks());
+    if (!keeps_result(bus, *refused)) link->complete(bus, *refused, read_clocks());
   }
 }
 

@@ -112,7 +112,7 @@ void Bridge::State::keep_identities() {
       [this](const std::string& bus, const std::string& requester, std::uint64_t request_id,
              auto kept) { keep_identity(bus, requester, request_id, std::move(kept)); },
       [this](const std::string& bus, const CommandResult& refused) {
-        standby.answered();
+        if (keeps_result(bus, refused)) return;
         audit.answered(bus, refused);
         link->complete(bus, refused, read_clocks());
       });

@@ -1,6 +1,5 @@
 #include "bridge/publish/bus_output.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "bridge/bus/clock.hpp"
@@ -19,14 +18,8 @@ BusOutput::BusOutput(const Shared& shared, const BusSpec& bus)
 }
 
 void BusOutput::publish(std::vector<Sample> samples, const UtcMapping& mapping) {
-  if (!lease_.holds()) return;  // another bridge may publish by now
-  const bool good = std::ranges::find(samples, Quality::kGood, &Sample::quality) != samples.end();
-  if (good) {
-    foreign_ = false;
-    prove_until_ = kLongAgo;
-  }
-  // The other master of the group publishes what it reads there.
-  if (steady_now() < prove_until_.load() || (foreign_ && in_group_)) return;
+  samples = hold_.pass(std::move(samples), lease_.holds(), steady_now());
+  if (samples.empty()) return;
   const bool left = dds_.publish_now(samples, mapping);
   const Instant now = steady_now();
   if (store_) store_->put(samples, mapping, now);
@@ -46,8 +39,10 @@ void BusOutput::complete(const CommandResult& result, const UtcMapping& mapping)
 
 void BusOutput::report(const BusReport& report, UtcTime at) {
   const UtcMapping now = read_clocks();
-  if (report.foreign_masters > std::exchange(foreign_masters_, report.foreign_masters))
-    foreign_ = true;
+  const bool foreign =
+      report.foreign_masters > std::exchange(foreign_masters_, report.foreign_masters);
+  if (foreign && in_group_) hold_.foreign_master();
+  publish({}, now);  // what stayed here
   dds_.report(alarms_.on_time(now), now);
   dds_.report(report, at);
 }

@@ -2,7 +2,6 @@
 // Owns what belongs to the bus alone. Called on the bus's thread.
 #pragma once
 
-#include <atomic>
 #include <functional>
 #include <optional>
 
@@ -10,6 +9,7 @@
 #include "bridge/command/command_audit.hpp"
 #include "bridge/publish/alarm_reporter.hpp"
 #include "bridge/publish/dds_publisher.hpp"
+#include "bridge/publish/sample_hold.hpp"
 #include "bridge/publish/store_recorder.hpp"
 #include "bridge/standby/master_lease.hpp"
 
@@ -36,7 +36,7 @@ class BusOutput final : public BusSink {
   // From a master that has just vanished the bus was taken over: until the first good value comes,
   // or until then, bad ones stay here. The wire may be another bridge's after all, whose values
   // they would push aside. Any thread.
-  void prove_until(Instant limit) { prove_until_ = limit; }
+  void prove_until(Instant limit) { hold_.prove_until(limit); }
 
   void publish(std::vector<Sample> samples, const UtcMapping& mapping) override;
   void promise(ChannelIndex channel, std::optional<Duration> gap) override;
@@ -46,13 +46,12 @@ class BusOutput final : public BusSink {
   void report(PlanReport plan, UtcTime at) override;
 
  private:
-  std::atomic<Instant> prove_until_{kLongAgo};
+  SampleHold hold_;
   CommandAudit& audit_;
   MasterLease& lease_;
   const std::function<bool(const std::string&, const CommandResult&)> keeps_result_;
   const bool in_group_;
   std::uint64_t foreign_masters_ = 0;  // as of the last report
-  bool foreign_ = false;  // another master has the wire: no good value since it was heard
   const std::string bus_;
   DdsPublisher dds_;
   std::optional<StoreRecorder> store_;

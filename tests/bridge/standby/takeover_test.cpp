@@ -175,21 +175,24 @@ struct TakeoverTest : testing::Test {
       newest = std::max(newest, request.connection);
     }
   }
+  std::uint64_t write(int value) {
+    StationCommand command;
+    command.bus = "one";
+    command.command.device = "plc";
+    command.command.target = ChannelTarget{"level"};
+    command.command.values = {Value{static_cast<std::uint64_t>(value)}};
+    command.lifespan = 10s;
+    const auto id = watch.station().send(command, 5s);
+    EXPECT_TRUE(id) << "write " << value;
+    return id.value_or(0);
+  }
   // Writes 1..kWrites, one each 15 ms, as a plant that knows of no bridges; half of them before
   // the master gets `signal`. Their ids.
   static constexpr int kWrites = 60;
   std::vector<std::uint64_t> write_while_the_master_gets(int signal) {
     std::vector<std::uint64_t> ids;
     for (int i = 1; i <= kWrites; ++i) {
-      StationCommand command;
-      command.bus = "one";
-      command.command.device = "plc";
-      command.command.target = ChannelTarget{"level"};
-      command.command.values = {Value{static_cast<std::uint64_t>(i)}};
-      command.lifespan = 10s;
-      const auto id = watch.station().send(command, 5s);
-      EXPECT_TRUE(id) << "write " << i;
-      ids.push_back(id.value_or(0));
+      ids.push_back(write(i));
       if (i == kWrites / 2) a->signal(signal);
       std::this_thread::sleep_for(15ms);
     }
@@ -264,10 +267,16 @@ TEST_F(TakeoverTest, AMasterThatStoodStillDoesNotSpeakAgainAndStandsBy) {
   ASSERT_TRUE(says("b", "has taken over in group g"));
   expect_samples();
   print("a master that falls silent", {watch.longest_gap()});
-  a->signal(SIGCONT);
+  std::set<std::uint64_t> ids;
+  for (int value = 1; value <= 5; ++value) ids.insert(write(value));
+  EXPECT_TRUE(within([&] { return watch.results().size() == ids.size(); }));
+  a->signal(SIGCONT);  // finds the five, too
   ASSERT_TRUE(says("a", "steps back"));
   ASSERT_TRUE(says("a", "stands by in group g", 2));
   expect_samples();
+  for (const auto& [id, count] : watch.results()) EXPECT_EQ(count, 1) << id;
+  for (const auto& [id, result] : watch.last_results())
+    EXPECT_EQ(result.state, CommandState::kDone) << id << ": " << result.reason;
   EXPECT_EQ(watch.fault(), "");
   expect_one_master();
 }
