@@ -144,15 +144,6 @@ void StandbyGroup::released() {
   wake();
 }
 
-void StandbyGroup::yield(Duration rest) {
-  {
-    const std::lock_guard lock(mutex_);
-    election_.yield(rest, steady_now());
-    follow_role();
-  }
-  wake();
-}
-
 // What follows from a role that is another one, at once: nobody sends any more who is no master.
 void StandbyGroup::follow_role() {
   lease_.set(election_.serves_until());

@@ -56,7 +56,6 @@ class StandbyGroup {
   // As in Election.
   [[nodiscard]] std::optional<std::string> hand_over(const std::string& successor);
   void released();
-  void yield(Duration rest);
 
   // Before a write goes to its bus: the others note that it begins. `done` is called once, on any
   // thread; false: not all have noted it in time, and it must not run. Only as master.
