@@ -172,6 +172,10 @@ void BlockSubscription::return_of(const dds::InstanceHandle_t& writer) {
 }
 
 void BlockSubscription::gone(const Known& known) {
+  // The bridge that took the bus over goes on with the same epoch: its channels are there.
+  for (const auto& [written, other] : known_) {
+    if (other.bus == known.bus && other.epoch == known.epoch && other.first == known.first) return;
+  }
   BusTable& table = bus_of(known.bus).table;
   table.on_catalogue_gone(known.epoch, known.first, handlers_);
   if (table.is_known()) return;
