@@ -15,7 +15,7 @@ import unittest
 
 BUILD_DIR = SOURCE_DIR = PACKAGES_DIR = ""
 PROGRAMS = ["fieldcast", "fieldcast-bridge", "fieldcast-port", "fieldcast-sim", "fieldcast-station"]
-MAX_PACKAGES_BYTES = 7_000_000  # all three together; fieldcast-station with its page is 1.9 MB of it
+MAX_PACKAGES_BYTES = 7_500_000  # all three together; fieldcast-station with its page is 2.1 MB of it
 
 def run(*command, **options):
     result = subprocess.run(command, capture_output=True, text=True, timeout=280, **options)
