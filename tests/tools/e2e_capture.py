@@ -19,6 +19,8 @@ from plant import Plant, run_cli, wait_until
 
 BIN_DIR, SOURCE_DIR, LUA = "", "", ""
 
+# Whoever captures asks every bridge of the machine: those of other tests have other names.
+BRIDGE, SHORT = f"capture-{os.getpid()}", f"short-{os.getpid()}"
 SECONDS = "2500ms"  # of each capture: every refresh of the plant comes in it
 MORE_BUSES = """
   - name: ascii
@@ -66,6 +68,7 @@ def free_port():
 def plant_text():
     with open(os.path.join(SOURCE_DIR, "config/examples/demo.yaml"), encoding="utf-8") as file:
         text = re.sub(r"(?m)^dds:.*$", "", file.read()).replace("/tmp/fieldcast-demo", "{run}")
+    text = re.sub(r"(?m)^bridge:.*$", f"bridge: {BRIDGE}", text)
     return text.rstrip() + MORE_BUSES.replace("PORT", str(free_port()))
 
 
@@ -105,16 +108,18 @@ def named(fields, name):
 
 
 def capture(bus, path, *options):
-    return subprocess.Popen([os.path.join(BIN_DIR, "fieldcast"), "capture", bus, "--out", path, "--bridge", "demo", *options],
+    return subprocess.Popen([os.path.join(BIN_DIR, "fieldcast"), "capture", bus, "--out", path, "--bridge", BRIDGE, *options],
                             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
 def setUpModule():
     global plant
     plant = Demo(BIN_DIR, plant_text())
-    plant.__enter__()
+    unittest.enterModuleContext(plant)
     os.mkdir(os.path.join(plant.run, "wire"))
     running = {bus: capture(bus, os.path.join(plant.run, bus + ".pcapng"), "--seconds", SECONDS) for bus in FAMILIES}
+    for process in running.values():
+        unittest.addModuleCleanup(ended, process)
     write = plant.cli("write", "ascii/mixer/speed=4711", "--verify")
     if write.code != 0:
         raise AssertionError(str(write))
@@ -125,8 +130,9 @@ def setUpModule():
         captures[bus] = packets(os.path.join(plant.run, bus + ".pcapng"))
 
 
-def tearDownModule():
-    plant.__exit__(None, None, None)
+def ended(process):
+    with process:
+        process.kill()
 
 
 class Wireshark(unittest.TestCase):
@@ -234,13 +240,13 @@ class Capture(unittest.TestCase):
         path = os.path.join(plant.run, "lift.pcapng")
         self.assertEqual(stat.S_IMODE(os.stat(path).st_mode), 0o600)
         before = os.path.getsize(path)
-        result = run_cli(BIN_DIR, "capture", "lift", "--out", path, "--bridge", "demo", "--seconds", "1")
+        result = run_cli(BIN_DIR, "capture", "lift", "--out", path, "--bridge", BRIDGE, "--seconds", "1")
         self.assertEqual((result.code, os.path.getsize(path)), (9, before), str(result))
         self.assertIn("never overwrites", result.err)
 
     def test_who_asks_for_no_bus_is_told_which_there_are(self):
         path = os.path.join(plant.run, "none.pcapng")
-        result = run_cli(BIN_DIR, "capture", "lifts", "--out", path, "--bridge", "demo")
+        result = run_cli(BIN_DIR, "capture", "lifts", "--out", path, "--bridge", BRIDGE)
         self.assertEqual(result.code, 4, str(result))
         self.assertIn("lift", result.err)
         self.assertFalse(os.path.exists(path))
@@ -272,11 +278,12 @@ class Capture(unittest.TestCase):
 
 class End(unittest.TestCase):
     def test_a_capture_ends_whole_with_its_bridge(self):
-        other = Plant(BIN_DIR, "bridge: short\nbuses:\n  - name: short\n    port: { serial: {run}/short, baud: 19200 }\n    protocol: modbus-rtu\n"
+        other = Plant(BIN_DIR, f"bridge: {SHORT}\nbuses:\n  - name: {SHORT}\n"
+                               "    port: { serial: {run}/short, baud: 19200 }\n    protocol: modbus-rtu\n"
                                "    devices: [ { name: d, address: 1, channels: [ { name: a, at: \"holding:1\", type: int16, refresh: 100ms } ] } ]\n")
         with other, tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "short.pcapng")
-            process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast"), "capture", "short", "--out", path], stderr=subprocess.PIPE, text=True)
+            process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast"), "capture", SHORT, "--out", path], stderr=subprocess.PIPE, text=True)
             wait_until(lambda: os.path.exists(path) and os.path.getsize(path) > 1000, 10, "frames come")
             other.bridge.terminate()
             _, err = process.communicate(timeout=20)
