@@ -44,17 +44,30 @@ def claim_domain():
     """A DDS domain that no other test on this machine uses while the result lives: (its number, what holds it).
 
     The claim is the highest port of the domain's range (7400 + 250 * domain ..), which no participant below the 120th takes.
-    Above domain 100 the ports are those that the kernel assigns.
+    Above domain 100 the ports are those that the kernel assigns. A domain with a participant of somebody who claimed nothing, such as
+    what a test left behind that was killed, is passed over.
     """
     for attempt in range(90):
         domain = 10 + (os.getpid() + attempt) % 90
         claim = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
             claim.bind(("127.0.0.1", 7400 + 250 * domain + 249))
-            return domain, claim
+            if not udp_ports() & set(range(7400 + 250 * domain, 7400 + 250 * domain + 249)):
+                return domain, claim
         except OSError:
-            claim.close()
-    raise Failure("every DDS domain from 10 to 99 is claimed by a test")
+            pass
+        claim.close()
+    raise Failure("every DDS domain from 10 to 99 is claimed by a test, or in use")
+
+
+def udp_ports():
+    """Those that somebody on this machine has."""
+    found = set()
+    for table in ("/proc/net/udp", "/proc/net/udp6"):
+        if os.path.exists(table):
+            with open(table, encoding="ascii") as file:
+                found |= {int(line.split()[1].rpartition(":")[2], 16) for line in file.readlines()[1:]}
+    return found
 
 
 class Result:
