@@ -49,6 +49,8 @@ class Runner:
         for block in unused_files(blocks):
             raise block.fault(f"nothing in the document uses {block.markers['file']}: use it in a command, or write "
                               "<!-- tried by: TEST --> beside it")
+        if any(command.startswith("fieldcast capture ") for block in blocks if block.language == "sh" for command in block.commands()):
+            self.sandbox.wait_for_turn()
         for block in blocks:
             if block.language == STOP:
                 self.stop(block)

@@ -20,6 +20,7 @@ from plant import claim_domain  # noqa: E402
 COMMAND_SECONDS = 60
 READY_SECONDS = 20
 STOP_SECONDS = 10
+TURN_SECONDS = 60
 # What a program that runs until it is stopped says when it is at work.
 READY = {"fieldcast-sim": "READY", "fieldcast-bridge": "running: ", "fieldcast-port": "paired", "fieldcast": ""}
 DDS_COMMANDS = ["watch", "write", "acquire", "status", "sessions", "alarms"]
@@ -40,7 +41,7 @@ class Sandbox:
         self.bin_dir, self.source_dir = os.path.abspath(bin_dir), os.path.abspath(source_dir)
         self.folder = tempfile.mkdtemp(prefix="fieldcast-docs-")
         self.domain, self._claim = claim_domain()
-        self.ports, self.running = {}, []
+        self.ports, self.running, self._turn = {}, [], None
         for name in ["work", "shims", "pids", "home", "tmp"]:
             os.mkdir(os.path.join(self.folder, name))
         self.work = os.path.join(self.folder, "work")
@@ -52,7 +53,20 @@ class Sandbox:
             return self.stop()
         finally:
             self._claim.close()
+            if self._turn:
+                self._turn.close()
             shutil.rmtree(self.folder, ignore_errors=True)
+
+    def wait_for_turn(self):
+        """Until no other sandbox of this machine has its turn: `fieldcast capture` asks every bridge of the machine for a bus."""
+        self._turn, end = socket.socket(socket.AF_UNIX), time.monotonic() + TURN_SECONDS
+        while True:
+            try:
+                return self._turn.bind("\0fieldcast-docs-turn")
+            except OSError:
+                if time.monotonic() > end:
+                    raise RuntimeError(f"another document that captures runs on this machine since {TURN_SECONDS} s") from None
+                time.sleep(0.1)
 
     def _shim(self, name, text):
         path = os.path.join(self.folder, "shims", name)
