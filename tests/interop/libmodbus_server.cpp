@@ -49,7 +49,7 @@ int serve_rtu(modbus_t* bus, modbus_mapping_t* memory, int delay_ms) {
   std::array<std::uint8_t, MODBUS_RTU_MAX_ADU_LENGTH> request;
   for (;;) {
     const int size = modbus_receive(bus, request.data());
-    if (size < 0 && errno != EMBBADCRC && errno != ETIMEDOUT && errno != EINTR)
+    if (size < 0 && errno < MODBUS_ENOBASE && errno != ETIMEDOUT && errno != EINTR)
       return fail("receive");  // the port is gone
     if (size <= 0) continue;   // broken, or to another unit
     if (delay_ms > 0) ::usleep(static_cast<useconds_t>(delay_ms) * 1000);
