@@ -263,8 +263,10 @@ class Campaign:
             station.forget()
         time.sleep(NEW)
         for station in self.stations:
-            if station.fell_back:
-                raise Failure(f"{station.host}: {station.fell_back[0]}")
+            # Who reads samples one by one sees both members of a pair for a moment: docs/redundancy.md.
+            fell_back = [text for text in station.fell_back if station.parse is ours or not text.startswith(BRIDGES[PAIR[0]] + "/")]
+            if fell_back:
+                raise Failure(f"{station.host}: {fell_back[0]}")
         first, *others = [station.samples() for station in self.stations]
         for channel in WANTED:
             for number, other in enumerate(others):
