@@ -230,7 +230,8 @@ class SitesOfAStation(unittest.TestCase):
         wait_until(lambda: len(get("/api/channels")) == 2 * CHANNELS, FOUND_SECONDS, lambda: str(get("/api/channels"))[:500])
         self.assertEqual({channel["channel"].split("/")[0] for channel in get("/api/channels")}, {"north:line", "south:line"})
         self.assertEqual(len(get("/api/channels?pattern=south:line")), CHANNELS)
-        self.assertEqual({bridge["bridge"] for bridge in get("/api/bridges")}, {"north:bridge", "south:bridge"})
+        wait_until(lambda: {bridge["bridge"] for bridge in get("/api/bridges")} == {"north:bridge", "south:bridge"}, FOUND_SECONDS,
+                   lambda: str(get("/api/bridges")))
         station.send_signal(signal.SIGTERM)
         self.assertEqual(station.wait(10), 0)
 
