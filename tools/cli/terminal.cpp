@@ -73,6 +73,7 @@ int colour_of(Tone tone) {
 std::string utf8_of(wint_t character) {
   std::array<char, MB_LEN_MAX> bytes{};
   std::mbstate_t state{};
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): the state is its own
   const std::size_t size = std::wcrtomb(bytes.data(), static_cast<wchar_t>(character), &state);
   return size == static_cast<std::size_t>(-1) ? std::string{} : std::string(bytes.data(), size);
 }

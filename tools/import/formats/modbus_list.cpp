@@ -113,7 +113,7 @@ class ListReader {
   static std::string_view first_address(std::string_view cell) {
     const std::size_t end = cell.find_first_of(" (/~,;", 1);
     cell = cell.substr(0, end);
-    const std::size_t dash = cell.find("-", 2);
+    const std::size_t dash = cell.find('-', 2);
     return dash == std::string_view::npos ? cell : cell.substr(0, dash);
   }
 
@@ -231,9 +231,9 @@ class ListReader {
     if (registers == 1) point.word_order = WordOrder::kBigEndian;
     // "INT" with a length of two registers is one of 32 bits.
     const bool whole = point.type == ValueType::kInt16 || point.type == ValueType::kUint16;
-    if (whole && (length == 2u || length == 4u)) {
-      point.type =
-          *integer_of(static_cast<unsigned>(*length * 16), point.type == ValueType::kInt16);
+    const auto said = static_cast<unsigned>(length.value_or(0));
+    if (whole && (said == 2 || said == 4)) {
+      point.type = *integer_of(said * 16, point.type == ValueType::kInt16);
       if (options_.word_order) point.word_order = *options_.word_order;
     }
     return std::nullopt;
