@@ -10,14 +10,14 @@ Scanner::Scanner(std::vector<ScanLine> lines) : lines_(std::move(lines)) {
 
 std::optional<ScanAsk> Scanner::next() const {
   if (over()) return std::nullopt;
-  return ScanAsk{line_, lines_[line_].addresses[index_], repeated_ ? 0 : pass_};
+  return ScanAsk{line_, lines_[line_].addresses[index_], pass_};
 }
 
 void Scanner::answered(const ScanAnswer& answer) {
   ++asked_;
   if (answer.device) {
     settled_ = line_;
-    found_.push_back({line_, lines_[line_].addresses[index_], repeated_ ? 0 : pass_, answer, {}});
+    found_.push_back({line_, lines_[line_].addresses[index_], pass_, answer, {}});
     babble_ = 0;
     return advance();
   }
@@ -25,17 +25,12 @@ void Scanner::answered(const ScanAnswer& answer) {
   if (answer.bytes > 0 && std::find(noisy_.begin(), noisy_.end(), line_) == noisy_.end())
     noisy_.push_back(line_);
   if (babble_ >= kBabble && !settled_) return next_line();
-  if (pass_ > 0 && !repeated_) {
-    repeated_ = true;
-    return;
-  }
   advance();
 }
 
 void Scanner::skip_line() { next_line(); }
 
 void Scanner::advance() {
-  repeated_ = false;
   const auto known = [&] {
     return std::any_of(found_.begin(), found_.end(), [&](const ScanFound& found) {
       return found.line == line_ && found.address == lines_[line_].addresses[index_];
@@ -49,7 +44,6 @@ void Scanner::advance() {
 void Scanner::next_line() {
   babble_ = 0;
   index_ = 0;
-  repeated_ = false;
   if (settled_) {
     line_ = *settled_;
     ++pass_;
@@ -72,13 +66,14 @@ void Scanner::next_line() {
 
 std::size_t Scanner::left() const {
   if (over()) return 0;
-  std::size_t left = requests(line_, pass_) - index_ * (pass_ + 1) - (repeated_ ? 1 : 0);
-  if (settled_) return left + (pass_ + 1 < kPasses ? requests(line_, pass_ + 1) : 0);
+  std::size_t left = lines_[line_].addresses.size() - index_;
+  if (settled_) return left + (pass_ + 1 < kPasses ? lines_[line_].addresses.size() : 0);
+  std::size_t all = 0;
   for (std::size_t line = 0; line < lines_.size(); ++line) {
-    if (line > line_) left += requests(line, pass_);
-    if (pass_ + 1 < kPasses) left += requests(line, pass_ + 1);
+    all += lines_[line].addresses.size();
+    if (line > line_) left += lines_[line].addresses.size();
   }
-  return left;
+  return left + (kPasses - 1 - pass_) * all;
 }
 
 }  // namespace fieldcast::cli

@@ -1,9 +1,6 @@
 // The course of a scan, as a state machine: next() says what to ask, answered() what came of it.
 // The first line on which a device answers is the line; the others are not asked any more. Whoever
-// was silent there is asked once more: twice in a row, with another question and the first one.
-// Devices made with libmodbus take what follows a request to another unit for that unit's answer,
-// and so would never be found where nobody else answers (_modbus_rtu_receive(), libmodbus 3.1).
-// Pure; one owner.
+// was silent there is asked once more, with another question. Pure; one owner.
 #pragma once
 
 #include <cstdint>
@@ -68,9 +65,6 @@ class Scanner {
   void advance();
   void next_line();
   [[nodiscard]] bool over() const { return pass_ == kPasses; }
-  [[nodiscard]] std::size_t requests(std::size_t line, std::size_t pass) const {
-    return lines_[line].addresses.size() * (pass + 1);
-  }
 
   static constexpr std::size_t kPasses = 2;
   std::vector<ScanLine> lines_;
@@ -78,7 +72,6 @@ class Scanner {
   std::vector<std::size_t> noisy_;
   std::optional<std::size_t> settled_;  // the line on which a device answered
   std::size_t pass_ = 0, line_ = 0, index_ = 0, asked_ = 0;
-  bool repeated_ = false;  // the second request of two in a row
   unsigned babble_ = 0;
 };
 
