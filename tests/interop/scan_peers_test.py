@@ -59,7 +59,7 @@ class ScanTest(unittest.TestCase):
     def test_the_last_of_the_usual_settings(self):
         if not WHOLE:
             self.skipTest("takes minutes: --whole")
-        print(f"unknown settings, the last that is tried, units 1-32: {self.scan([LIBMODBUS], 2400, 32, limit=400):.1f} s")
+        print(f"unknown settings, the last that is tried, units 1-32: {self.scan([sys.executable, PYMODBUS], 2400, 32, limit=400):.1f} s")
 
     def test_reads_and_pokes_what_mbpoll_sees(self):
         with SerialCable() as cable, Program(sys.executable, PYMODBUS, "rtu", cable.right, 19200, 3) as device:
