@@ -6,17 +6,16 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <map>
-#include <mutex>
 #include <random>
 #include <string>
 
+#include "bridge/bus/answers_under_way.hpp"
 #include "bridge/bus/back_off.hpp"
 #include "bridge/bus/clock.hpp"
 #include "bridge/bus/engine_timer.hpp"
 #include "bridge/bus/gate.hpp"
 #include "bridge/bus/iconv_codec.hpp"
-#include "bridge/capture/capture_tap.hpp"
+#include "bridge/bus/wire_record.hpp"
 #include "bridge/check.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/log/notice_log.hpp"
@@ -46,25 +45,6 @@ std::string with_port_name(const PortSpec& port, const std::string& reason) {
   return fmt::format("{}: {}", name_of(port), reason);
 }
 
-// Buses of this process that stopped while a device could still answer: until when, by port. What
-// is opened there next waits for that, so that nobody takes an answer to another one's request.
-class AnswersUnderWay {
- public:
-  void left(const PortSpec& port, Instant until) {
-    const std::lock_guard lock(mutex_);
-    std::erase_if(until_, [now = steady_now()](const auto& row) { return row.second < now; });
-    if (until != kLongAgo) until_[name_of(port)] = until;
-  }
-  [[nodiscard]] Instant until(const PortSpec& port) const {
-    const std::lock_guard lock(mutex_);
-    const auto found = until_.find(name_of(port));
-    return found == until_.end() ? kLongAgo : found->second;
-  }
-
- private:
-  mutable std::mutex mutex_;
-  std::map<std::string, Instant> until_;
-};
 AnswersUnderWay& answers_under_way() {
   static AnswersUnderWay all;
   return all;
@@ -101,6 +81,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
         ticking_(io),
         settled_(io),
         notices_(spec.name),
+        record_(spec.name),
         mapping_(read_clocks()) {
     std::random_device random;  // differs between the bridges at one wire
     engine_.set_fence_order(random() % WireFence::kRanks, random());
@@ -124,7 +105,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     revoke("the bus stops");
     process(StopRequested{}, steady_now());
     stopped_ = true;
-    answers_under_way().left(spec_.port, engine_.answers_until());
+    answers_under_way().left(name_of(spec_.port), engine_.answers_until(), steady_now());
     report(steady_now(), BusState::kStopped);
     timer_.cancel();
     reopening_.cancel();
@@ -147,7 +128,8 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     revoked_ = std::move(revoked);
     report_soon_ = true;
     const bool answer_comes = engine_.exchanging();
-    capture_remark("leased to " + who + ": what is said meanwhile is not captured", steady_now());
+    record_.remark("leased to " + who + ": what is said meanwhile is not captured",
+                   mapping_.to_utc(steady_now()));
     process(LeaseBegan{who}, steady_now());
     if (!answer_comes) return grant(granted);
     // The programming software must not take the answer to our last request for one to its own.
@@ -168,17 +150,13 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
       return on_closed(std::move(*lost), Cause::kPortClosed);
     }
     port_->end_lease();
-    capture_remark("the lease is over", steady_now());
+    record_.remark("the lease is over", mapping_.to_utc(steady_now()));
     report_soon_ = true;
     process(LeaseEnded{}, steady_now());
   }
 
-  void set_trace(bool on) {
-    if (stopped_) return;
-    trace_ = on;
-  }
-
-  void set_capture(std::shared_ptr<CaptureTap> tap) { tap_ = std::move(tap); }
+  void set_trace(bool on) { record_.set_trace(on); }
+  void set_capture(std::shared_ptr<CaptureTap> tap) { record_.set_tap(std::move(tap)); }
 
   void on_timer() {
     port_->poll();
@@ -191,22 +169,17 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     if (watch_) watch_->stop();
     back_off_.opened(now);
     notices_.port_opened();
-    capture_remark("the port is open", now);
+    record_.remark("the port is open", mapping_.to_utc(now));
     report_soon_ = true;
-    process(Opened{answers_under_way().until(spec_.port)}, now);
+    process(Opened{answers_under_way().until(name_of(spec_.port))}, now);
     // The first time at once: whoever started the bus waits for it.
     if (!std::exchange(was_open_, true) && report_soon_) report(now);
   }
 
   void on_received(ByteView bytes, Instant arrival) override {
-    if (trace_)
-      trace_line(mapping_.to_utc(arrival), spec_.name, TraceMark::kReceived, to_hex(bytes));
-    if (capturing())
-      tap_->put({CaptureRecord::Kind::kReceived, mapping_.to_utc(arrival), 0,
-                 Bytes(bytes.begin(), bytes.end())});
+    record_.received(bytes, mapping_.to_utc(arrival));
     process(Received{bytes}, arrival);
-    if (capturing() && !engine_.exchanging())
-      tap_->put({CaptureRecord::Kind::kEnded, mapping_.to_utc(arrival)});
+    if (!engine_.exchanging()) record_.frame_ended(mapping_.to_utc(arrival));
     port_->expect(engine_.missing());
   }
 
@@ -216,7 +189,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     revoke(reason);
     const Instant now = steady_now();
     notices_.port_closed(reason, now);
-    capture_remark("the port is closed: " + reason, now);
+    record_.remark("the port is closed: " + reason, mapping_.to_utc(now));
     report_soon_ = true;
     process(Closed{std::move(reason), cause}, now);
     reopen_later(now);
@@ -259,7 +232,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     FIELDCAST_CHECK(!processing_);  // ports and sinks never call back from inside
     processing_ = true;
     actions_.clear();
-    engine_.set_trace(trace_ || capturing());
+    engine_.set_trace(record_.wanted());
     engine_.on_event(event, now, actions_);
     for (Action& action : actions_) {
       std::visit([&](auto& what) { execute(what, now); }, action);
@@ -278,10 +251,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     if (too_late(now)) return engine_.not_sent(now);
     // It is asked for again: by then it is known who is master.
     if (lease_of_master_ != nullptr && !lease_of_master_->holds()) return engine_.not_sent(now);
-    if (trace_) trace_line(mapping_.to_utc(now), spec_.name, TraceMark::kSent, to_hex(send.bytes));
-    if (capturing())
-      tap_->put({CaptureRecord::Kind::kSent, mapping_.to_utc(now),
-                 engine_.asked_device().value_or(0), send.bytes, engine_.request_text()});
+    record_.sent(send.bytes, engine_, mapping_.to_utc(now));
     port_->write(send.bytes);
   }
   void execute(const SetTimer& timer, Instant) { timer_.set(timer.at); }
@@ -298,12 +268,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     notices_.notice(notice, now);
     report_soon_ = true;
   }
-  void execute(const Traced& traced, Instant now) {
-    capture_remark(traced.device + ": " + traced.text, now);
-    if (trace_)
-      trace_line(mapping_.to_utc(now), spec_.name, TraceMark::kRemark,
-                 fmt::format("{}: {}", traced.device, traced.text));
-  }
+  void execute(const Traced& traced, Instant now) { record_.traced(traced, mapping_.to_utc(now)); }
 
   void execute(const MakePlan& wanted, Instant) {
     asio::post(plans_, [draft = wanted.draft, gate = gate_, self = weak_from_this()] {
@@ -312,11 +277,6 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
         if (const auto loop = self.lock()) loop->event(PlanMade{draft});
       });
     });
-  }
-
-  [[nodiscard]] bool capturing() const { return tap_ && tap_->wanted(); }
-  void capture_remark(const std::string& text, Instant now) {
-    if (capturing()) tap_->put({CaptureRecord::Kind::kRemark, mapping_.to_utc(now), 0, {}, text});
   }
 
   void open_port() {
@@ -395,6 +355,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   std::optional<DeviceWatch> watch_;            // of a serial port; while it is closed
   std::optional<DeviceWatch::Identity> tried_;  // what was there when the port was opened last
   NoticeLog notices_;
+  WireRecord record_;
   UtcMapping mapping_;
   Actions actions_;
   std::uint64_t lease_ = 0;  // the last one
@@ -406,8 +367,6 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   bool open_ = false;                // the port
   bool report_soon_ = false;
   bool was_open_ = false;
-  bool trace_ = false;
-  std::shared_ptr<CaptureTap> tap_;  // null: nobody captures this bus
   bool processing_ = false;
   bool stopped_ = false;
 };
