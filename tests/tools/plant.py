@@ -7,12 +7,14 @@ CONFIG is a plant's YAML in which {run} stands for the folder. Everything is sta
 what the programs left behind (processes, links) is a failure.
 """
 
+import contextlib
 import json
 import os
 import shutil
 import signal
 import socket
 import subprocess
+import sys
 import tempfile
 import time
 
@@ -84,6 +86,27 @@ class Result:
 def run_cli(bin_dir, *arguments, seconds=CLI_SECONDS, stdin=""):
     process = subprocess.run([os.path.join(bin_dir, "fieldcast"), *arguments], capture_output=True, text=True, timeout=seconds, input=stdin)
     return Result(process)
+
+
+@contextlib.contextmanager
+def running_bridge(bin_dir, config, log):
+    """A bridge of this file, while it is entered; then SIGTERM must end it with code 0. When anything fails, what it said is shown."""
+    with open(log, "w+", encoding="utf-8") as said:
+        bridge = subprocess.Popen([os.path.join(bin_dir, "fieldcast-bridge"), config], stdin=subprocess.DEVNULL, stdout=said, stderr=said)
+        try:
+            yield
+            bridge.terminate()
+            code = bridge.wait(STOP_SECONDS)
+            if code != 0:
+                raise Failure(f"the bridge ended with {code}")
+        except BaseException:
+            said.seek(0)
+            sys.stderr.write(said.read())
+            raise
+        finally:
+            if bridge.poll() is None:
+                bridge.kill()
+                bridge.wait()
 
 
 class Plant:

@@ -16,7 +16,7 @@ import unittest
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(HERE, "..", "..", "tools")]
 from modbus_devices import Devices, read_examples
-from plant import claim_domain, wait_until
+from plant import claim_domain, running_bridge, wait_until
 
 BIN_DIR, SOURCE_DIR = "", ""
 KEYS = ["Device", "Source", "Checked", "Line", "Words", "Reading", "Traps"]  # of every header, in this order
@@ -175,22 +175,9 @@ class Values(InAFolder):
             for unit, template in enumerate(known, 1):
                 text += f"      - {{ name: {template.name}, address: {unit}, template: {template.name}, pause: 0ms }}\n"
             config = self.file("values.yaml", text)
-            with open(os.path.join(self.folder, "bridge.log"), "w+", encoding="utf-8") as log:
-                command = [os.path.join(BIN_DIR, "fieldcast-bridge"), config]
-                bridge = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
-                try:
-                    wait_until(lambda: not self.wrong(config, expected, channels), SECONDS,
-                               lambda: f"as the sources say: {self.wrong(config, expected, channels)}")
-                    bridge.terminate()
-                    self.assertEqual(bridge.wait(SECONDS), 0)
-                except BaseException:
-                    log.seek(0)
-                    sys.stderr.write(log.read())
-                    raise
-                finally:
-                    if bridge.poll() is None:
-                        bridge.kill()
-                        bridge.wait()
+            with running_bridge(BIN_DIR, config, os.path.join(self.folder, "bridge.log")):
+                wait_until(lambda: not self.wrong(config, expected, channels), SECONDS,
+                           lambda: f"as the sources say: {self.wrong(config, expected, channels)}")
 
     @staticmethod
     def wrong(config, expected, channels):

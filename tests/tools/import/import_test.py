@@ -10,7 +10,6 @@ import json
 import os
 import re
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
@@ -20,7 +19,7 @@ import zipfile
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [os.path.join(HERE, "..", "..", "config", "devices"), os.path.join(HERE, "..")]
 from modbus_devices import Devices, read_examples
-from plant import claim_domain, wait_until
+from plant import claim_domain, running_bridge, wait_until
 
 BIN_DIR, SOURCE_DIR = "", ""
 LISTS = os.path.join(HERE, "lists")
@@ -123,21 +122,8 @@ class RealDevices(InAFolder):
             self.read_all(config, expected)
 
     def read_all(self, config, expected):
-        with open(self.path("bridge.log"), "w+", encoding="utf-8") as log:
-            bridge = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast-bridge"), config], stdin=subprocess.DEVNULL, stdout=log,
-                                      stderr=log)
-            try:
-                wait_until(lambda: not self.wrong(config, expected), SECONDS, lambda: f"right: {self.wrong(config, expected)}")
-                bridge.send_signal(signal.SIGTERM)
-                self.assertEqual(bridge.wait(SECONDS), 0)
-            except BaseException:
-                log.seek(0)
-                sys.stderr.write(log.read())
-                raise
-            finally:
-                if bridge.poll() is None:
-                    bridge.kill()
-                    bridge.wait()
+        with running_bridge(BIN_DIR, config, self.path("bridge.log")):
+            wait_until(lambda: not self.wrong(config, expected), SECONDS, lambda: f"right: {self.wrong(config, expected)}")
 
     @staticmethod
     def wrong(config, expected):
