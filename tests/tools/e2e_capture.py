@@ -22,6 +22,10 @@ BIN_DIR, SOURCE_DIR, LUA = "", "", ""
 # Whoever captures asks every bridge of the machine: those of other tests have other names.
 BRIDGE, SHORT = f"capture-{os.getpid()}", f"short-{os.getpid()}"
 SECONDS = "2500ms"  # of each capture: every refresh of the plant comes in it
+# What the bridge says of an exchange when a busy machine held the devices or the bridge up in the midst of a frame: broken bytes are on
+# the wire then, and Wireshark is right to find fault with them. Such a capture is taken again.
+HELD_UP = re.compile(r": (no answer|answer broken off|checksum error|malformed answer|answer of another device or request|answer too long)")
+TRIALS = 8
 MORE_BUSES = """
   - name: ascii
     port: { serial: {run}/ascii, baud: 19200, format: 7E1 }
@@ -117,7 +121,21 @@ def setUpModule():
     plant = Demo(BIN_DIR, plant_text())
     unittest.enterModuleContext(plant)
     os.mkdir(os.path.join(plant.run, "wire"))
-    running = {bus: capture(bus, os.path.join(plant.run, bus + ".pcapng"), "--seconds", SECONDS) for bus in FAMILIES}
+    wanted = list(FAMILIES)
+    for trial in range(TRIALS):
+        wanted = [bus for bus, frames in captured(wanted, trial).items() if held_up(frames)]
+        if not wanted:
+            return
+    raise AssertionError(f"{TRIALS} captures of {wanted} have broken frames: {[comments(captures[bus]) for bus in wanted]}")
+
+
+def captured(buses, trial):
+    """Captures them all at once while a value is written, and keeps what tshark makes of them; a capture of an earlier trial is gone."""
+    paths = {bus: os.path.join(plant.run, bus + ".pcapng") for bus in buses}
+    if trial > 0:
+        for path in paths.values():
+            os.unlink(path)
+    running = {bus: capture(bus, path, "--seconds", SECONDS) for bus, path in paths.items()}
     for process in running.values():
         unittest.addModuleCleanup(ended, process)
     write = plant.cli("write", "ascii/mixer/speed=4711", "--verify")
@@ -127,7 +145,16 @@ def setUpModule():
         out, err = process.communicate(timeout=30)
         if process.returncode != 0 or not re.fullmatch(rf"fieldcast capture: \d+ frames of {bus}\n", err):
             raise AssertionError(f"{bus}: {process.returncode} {out}{err}")
-        captures[bus] = packets(os.path.join(plant.run, bus + ".pcapng"))
+        captures[bus] = packets(paths[bus])
+    return {bus: captures[bus] for bus in buses}
+
+
+def comments(frames):
+    return [comment for fields in frames for comment in named(fields, "frame.comment")]
+
+
+def held_up(frames):
+    return any(HELD_UP.search(comment) for comment in comments(frames))
 
 
 def ended(process):
@@ -166,10 +193,10 @@ class Wireshark(unittest.TestCase):
         self.assertIn("4711", [value for fields in captures["ascii"] for value in named(fields, "modbus.regval_uint16")])
 
     def test_comments_say_device_channels_and_outcome(self):
-        comments = [comment for fields in captures["press-shop"] for comment in named(fields, "frame.comment")]
-        self.assertTrue(any(re.match(r"press-1: read holding:0\.\.\d+ \(.*oil-temperature", comment) for comment in comments), comments[:9])
-        self.assertTrue(any(re.search(r"items, \d+ samples$", comment) for comment in comments), comments[:9])
-        written = [comment for fields in captures["ascii"] for comment in named(fields, "frame.comment")]
+        said = comments(captures["press-shop"])
+        self.assertTrue(any(re.match(r"press-1: read holding:0\.\.\d+ \(.*oil-temperature", comment) for comment in said), said[:9])
+        self.assertTrue(any(re.search(r"items, \d+ samples$", comment) for comment in said), said[:9])
+        written = comments(captures["ascii"])
         self.assertTrue(any("mixer: write holding:7 (speed; command of" in comment for comment in written), written)
 
     def test_microseconds_directions_and_the_name_of_the_bus(self):
