@@ -154,7 +154,9 @@ std::vector<std::string> filter_words(std::string_view filter) {
 
 bool has_words(std::string_view text, const std::vector<std::string>& words) {
   return std::ranges::all_of(words, [&](const std::string& word) {
-    return !std::ranges::search(text, word, {}, lower).empty();
+    // Not std::ranges::search: clang 14 does not compile that of GCC 12's library.
+    return std::search(text.begin(), text.end(), word.begin(), word.end(),
+                       [](char a, char b) { return lower(a) == b; }) != text.end();
   });
 }
 
