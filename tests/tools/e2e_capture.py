@@ -3,6 +3,7 @@
 usage: e2e_capture.py BIN_DIR SOURCE_DIR
 """
 
+import contextlib
 import json
 import os
 import re
@@ -149,6 +150,35 @@ def captured(buses, trial):
     return {bus: captures[bus] for bus in buses}
 
 
+def aligned(data, size):
+    return data + bytes(-len(data) % size)
+
+
+LINKTYPE_RAW, LINKTYPE_UPPER_PDU = 101, 252
+
+
+@contextlib.contextmanager
+def pcapng(linktype, packets):
+    """A file with these packets; its path."""
+    def block(kind, inner):
+        inner = aligned(inner, 4)
+        return struct.pack("<II", kind, len(inner) + 12) + inner + struct.pack("<I", len(inner) + 12)
+
+    with tempfile.NamedTemporaryFile(suffix=".pcapng") as file:
+        file.write(block(0x0A0D0D0A, struct.pack("<IHHq", 0x1A2B3C4D, 1, 0, -1)) + block(1, struct.pack("<HHI", linktype, 0, 0)))
+        for data in packets:
+            file.write(block(6, struct.pack("<IIIII", 0, 0, 0, len(data), len(data)) + data))
+        file.flush()
+        yield file.name
+
+
+def upper_pdu(dissector, frame):
+    """Sent by a device."""
+    name = aligned(dissector.encode(), 4)
+    ports = struct.pack(">HHIHHIHHI", 24, 4, 2, 25, 4, 502, 26, 4, 49152)
+    return struct.pack(">HH", 12, len(name)) + name + ports + bytes(4) + frame
+
+
 def comments(frames):
     return [comment for fields in frames for comment in named(fields, "frame.comment")]
 
@@ -210,9 +240,6 @@ class Wireshark(unittest.TestCase):
         def text(value):
             return struct.pack("<I", len(value) + 1) + value.encode() + b"\0"
 
-        def aligned(data, size):
-            return data + bytes(-len(data) % size)
-
         data = b""
         for name in ["press-shop", "press-1", "force"]:
             data = aligned(data, 4) + text(name)
@@ -224,18 +251,40 @@ class Wireshark(unittest.TestCase):
         udp = struct.pack(">HHHH", 50000, 51661, 8 + len(rtps), 0) + rtps
         ip = struct.pack(">BBHHHBBHII", 0x45, 0, 20 + len(udp), 0, 0, 64, 17, 0, 0x7F000001, 0x7F000001) + udp
 
-        def block(kind, inner):
-            inner = aligned(inner, 4)
-            return struct.pack("<II", kind, len(inner) + 12) + inner + struct.pack("<I", len(inner) + 12)
-
-        with tempfile.NamedTemporaryFile(suffix=".pcapng") as file:
-            file.write(block(0x0A0D0D0A, struct.pack("<IHHq", 0x1A2B3C4D, 1, 0, -1)) + block(1, struct.pack("<HHI", 101, 0, 0)))
-            file.write(block(6, struct.pack("<IIIII", 0, 0, 0, len(ip), len(ip)) + ip))
-            file.flush()
-            names = ["bus", "device", "channel", "value", "quality", "sequence", "acquired_at"]
-            line = tshark(file.name, "-T", "fields", *[word for name in names for word in ("-e", "fieldcast_sample." + name)])
+        names = ["bus", "device", "channel", "value", "quality", "sequence", "acquired_at"]
+        with pcapng(LINKTYPE_RAW, [ip]) as path:
+            line = tshark(path, "-T", "fields", *[word for name in names for word in ("-e", "fieldcast_sample." + name)])
         self.assertEqual(line.split("\t")[:6], ["press-shop", "press-1", "force", "12.5", "0", "42"])
         self.assertIn("22:13:20.123456789", line)
+
+
+class Compressed(unittest.TestCase):
+    """What the Lua file makes of compressed packets of DTC, by the same vectors as the codec of the bridge."""
+
+    def packet(self, codes, length):
+        codes = length.to_bytes(2, "big") + codes
+        return upper_pdu("fieldcast-dtc", b"\1" + len(codes).to_bytes(2, "big") + codes)
+
+    def setUp(self):
+        with open(os.path.join(SOURCE_DIR, "tests/vectors/dtc.json"), encoding="utf-8") as file:
+            self.vectors = [vector for vector in json.load(file) if "codes_hex" in vector]
+
+    def test_every_vector_gives_its_original(self):
+        wanted = [(bytes.fromhex(vector["codes_hex"]), bytes.fromhex(vector["original_hex"])) for vector in self.vectors if vector["kind"] == "ok"]
+        with pcapng(LINKTYPE_UPPER_PDU, [self.packet(codes, len(original)) for codes, original in wanted]) as path:
+            shown = tshark(path, "-x").split("\nDecompressed (")[1:]
+        found = [bytes.fromhex("".join(re.findall(r"(?m)^[0-9a-f]{4}  ((?:[0-9a-f]{2} )+)", dump.split("\n\n")[0]))) for dump in shown]
+        self.assertEqual(found, [original for _, original in wanted])
+        self.assertTrue(any(len(original) > 2048 for _, original in wanted))  # a full dictionary
+
+    def test_what_is_broken_is_a_fault_and_no_message(self):
+        broken = [self.packet(bytes.fromhex(vector["codes_hex"]), vector["original_length"]) for vector in self.vectors if vector["kind"] != "ok"]
+        codes, original = next((bytes.fromhex(vector["codes_hex"]), bytes.fromhex(vector["original_hex"])) for vector in self.vectors if vector["kind"] == "ok")
+        broken += [self.packet(codes[:cut], len(original)) for cut in range(len(codes))]
+        broken += [self.packet(codes, length) for length in [0, 1, len(original) - 1, len(original) + 1, 4097, 65535]] + [self.packet(codes + b"\0", len(original))]
+        with pcapng(LINKTYPE_UPPER_PDU, broken) as path:
+            faults = tshark(path, "-T", "fields", "-e", "fieldcast_dtc.fault").splitlines()
+        self.assertEqual((len(faults), [at for at, fault in enumerate(faults) if not fault]), (len(broken), []))
 
 
 class Inspect(unittest.TestCase):

@@ -386,6 +386,39 @@ do
     rest = { ProtoField.bytes, "Bytes" },
   })
 
+  local MAX_ORIGINAL = 4096  -- bytes, as Fieldcast takes them
+  local LAST_CODE = 4095
+
+  -- What the codes stand for: LZW over nibbles. The codes 0 to 15 are the nibbles themselves; each code adds the string before it and its
+  -- own first nibble as the next entry. Code k, counted from 0, has as many bits as the number 15 + k. Nothing: they are not that.
+  local function decompressed(codes, size)
+    local nibbles, start, length = {}, {}, {}
+    local at, waiting, bits = 0, 0, 0
+    local width, widest = 4, 16
+    local last_start, last_length = 0, 0
+    for k = 0, 2 * size do
+      if #nibbles == 2 * size then break end
+      local entry = 15 + k
+      if entry >= widest and entry <= LAST_CODE then width, widest = width + 1, widest * 2 end
+      while bits < width do
+        if at == codes:len() then return end
+        waiting, bits, at = waiting * 256 + codes(at, 1):uint(), bits + 8, at + 1
+      end
+      bits = bits - width
+      local code = math.floor(waiting / 2 ^ bits)
+      waiting = waiting % 2 ^ bits
+      if k > 0 and entry <= LAST_CODE then start[entry], length[entry] = last_start, last_length + 1 end
+      last_start, last_length = #nibbles + 1, code < 16 and 1 or length[code]
+      if not last_length or #nibbles + last_length > 2 * size then return end
+      if code < 16 then nibbles[last_start] = code end
+      -- One by one: the newest entry ends with the nibble that this writes first.
+      for i = 0, code < 16 and -1 or last_length - 1 do nibbles[last_start + i] = nibbles[start[code] + i] end
+    end
+    if at < codes:len() or waiting ~= 0 then return end
+    for i = 1, #nibbles do nibbles[i] = string.format("%X", nibbles[i]) end
+    return ByteArray.new(table.concat(nibbles))
+  end
+
   local function message(buffer, at, size, sub, sent)
     if size < 4 then
       sub:add(f.rest, buffer(at, size)):add_proto_expert_info(fault, "too short")
@@ -428,8 +461,17 @@ do
         says = message(buffer, 3, size, sub, sent)
       elseif size > 2 then
         sub:add(f.original, buffer(3, 2))
-        sub:add(f.codes, buffer(5, size - 2))
-        says = "compressed, " .. buffer(3, 2):uint() .. " bytes (fieldcast inspect dtc shows them)"
+        local codes = sub:add(f.codes, buffer(5, size - 2))
+        local original = buffer(3, 2):uint()
+        local plain = original <= MAX_ORIGINAL and decompressed(buffer(5, size - 2), original)
+        if plain and original > 0 then
+          says = message(plain:tvb("Decompressed"), 0, original, sub, sent) .. string.format(", %d bytes in %d", original, size - 2)
+        else
+          codes:add_proto_expert_info(fault, "the codes do not give a message of this length")
+          says = "compressed, broken"
+        end
+      else
+        sub:add(f.rest, buffer(3, size)):add_proto_expert_info(fault, "too short")
       end
       if size + 3 < length then sub:add(f.rest, buffer(size + 3)) end
     end
