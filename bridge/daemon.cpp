@@ -11,6 +11,7 @@
 #include "bridge/base/guarded_process.hpp"
 #include "bridge/bridge.hpp"
 #include "bridge/bus/clock.hpp"
+#include "bridge/capture/capture_check.hpp"
 #include "bridge/dds/library.hpp"
 #include "bridge/dds/sample_load.hpp"
 #include "bridge/log/log.hpp"
@@ -290,6 +291,8 @@ ExitCode check_configuration(const std::string& path) {
         std::fputs(fmt::format("{}: {}\n", bus, text).c_str(), stdout);
       },
       warn);
+  for (const CaptureRemark& remark : capture_remarks(*loaded))
+    warn(remark.bus, fmt::format("capture: {}: {}; {}", remark.folder, remark.what, remark.remedy));
   if (const auto small = rate_remark(*loaded)) warn("dds", *small);
   const security::MemberCheck identity = check_security(*loaded);
   if (loaded->dds.without_security) warn("dds", kOpen);

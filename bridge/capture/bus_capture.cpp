@@ -13,7 +13,7 @@ namespace fieldcast {
 namespace {
 
 constexpr std::string_view kApplication = "Fieldcast";
-constexpr std::string_view kDeclared = "fieldcast-frame";  // share/wireshark/fieldcast.lua
+constexpr std::string_view kDeclared = "fieldcast-frame";  // tools/wireshark/fieldcast.lua
 
 std::string about(const BusSpec& bus, const std::string& bridge) {
   std::string protocols;

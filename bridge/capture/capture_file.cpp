@@ -1,6 +1,7 @@
 #include "bridge/capture/capture_file.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -39,6 +40,11 @@ tl::expected<void, CaptureFile::Fault> CaptureFile::append(ByteView blocks) {
   }
   size_ += blocks.size();
   return {};
+}
+
+bool CaptureFile::removed() const {
+  struct stat about {};
+  return ::fstat(file_.get(), &about) == 0 && about.st_nlink == 0;
 }
 
 }  // namespace fieldcast

@@ -22,6 +22,8 @@ class CaptureFile {
 
   // All of it or nothing.
   [[nodiscard]] tl::expected<void, Fault> append(ByteView blocks);
+  // Somebody deleted it: what is appended is lost.
+  [[nodiscard]] bool removed() const;
   [[nodiscard]] std::uint64_t size() const { return size_; }
   [[nodiscard]] const std::string& path() const { return path_; }
 

@@ -1,76 +1,30 @@
 #include "bridge/capture/capture_ring.hpp"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <ctime>
 #include <filesystem>
 
-#include "bridge/base/errno_text.hpp"
+#include "bridge/capture/capture_folder.hpp"
 #include "bridge/log/log.hpp"
 
 namespace fieldcast {
 namespace {
 
-constexpr std::string_view kEnding = ".pcapng";
-constexpr std::string_view kTimeForm = "20261122T142421Z";
 constexpr int kMostOfOneSecond = 1000;
 constexpr std::size_t kTailBytes = 256;  // of the block at the end, at most
 
-std::string time_name(UtcTime at) {
-  const std::time_t seconds = at.nanoseconds / 1'000'000'000;
-  std::tm parts{};
-  ::gmtime_r(&seconds, &parts);
-  return fmt::format("{:%Y%m%dT%H%M%SZ}", parts);
-}
-
-bool has_time_form(std::string_view text) {
-  if (text.size() != kTimeForm.size()) return false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool digit = text[i] >= '0' && text[i] <= '9';
-    const bool digit_wanted = kTimeForm[i] >= '0' && kTimeForm[i] <= '9';
-    if (digit != digit_wanted || (!digit && text[i] != kTimeForm[i])) return false;
-  }
-  return true;
-}
-
-// The text behind the bus: "20261122T142421Z" or "20261122T142421Z-0002".
-bool is_ring_name(std::string_view rest) {
-  if (!has_time_form(rest.substr(0, kTimeForm.size()))) return false;
-  rest.remove_prefix(kTimeForm.size());
-  return rest.empty() || (rest.size() == 5 && rest[0] == '-' &&
-                          rest.find_first_not_of("0123456789", 1) == rest.npos);
-}
-
 // Nothing: there is. Else why the folder takes no more.
 std::optional<std::string> lack_of(const std::string& folder, std::uint64_t wanted) {
-  struct statvfs disk {};
-  if (::statvfs(folder.c_str(), &disk) != 0) return folder + ": " + errno_text(errno);
-  const std::uint64_t left = static_cast<std::uint64_t>(disk.f_bavail) * disk.f_frsize;
-  if (left >= wanted) return std::nullopt;
-  return fmt::format("{}: the disk is nearly full, {} MB are left", folder, left / 1'000'000);
+  const auto left = free_bytes_at(folder);
+  if (!left) return left.error();
+  if (*left >= wanted) return std::nullopt;
+  return fmt::format("{}: the disk is nearly full, {} MB are left", folder, *left / 1'000'000);
 }
 
 }  // namespace
-
-std::vector<std::string> ring_files(const std::string& bus, std::vector<std::string> names) {
-  std::erase_if(names, [&](const std::string& name) {
-    std::string_view rest = name;
-    if (!rest.starts_with(bus + "-") || !rest.ends_with(kEnding)) return true;
-    rest.remove_prefix(bus.size() + 1);
-    rest.remove_suffix(kEnding.size());
-    return !is_ring_name(rest);
-  });
-  // Without the ending, a name sorts before the same one with a number.
-  std::ranges::sort(names, {}, [](const std::string& name) {
-    return name.substr(0, name.size() - kEnding.size());
-  });
-  return names;
-}
 
 CaptureRing::CaptureRing(std::string bus, CaptureSpec spec,
                          std::function<Bytes(const std::string&)> head)
@@ -105,15 +59,18 @@ void CaptureRing::look(UtcTime now) {
   looked_ = now;
   const auto lack = lack_of(spec_.folder, stopped_ ? 2 * kLeastFree : kLeastFree);
   if (lack && !stopped_) return stop(*lack);
+  if (file_ && file_->removed()) end({});
   if (lack || !stopped_) return;
   stopped_ = false;  // until the next frame shows it
 }
 
 bool CaptureRing::begin(UtcTime at) {
-  const std::string name = fmt::format("{}/{}-{}", spec_.folder, bus_, time_name(at));
-  auto made = CaptureFile::make(name + std::string(kEnding));
+  const auto make = [&](int number) {
+    return CaptureFile::make(spec_.folder + "/" + ring_file_name(bus_, at, number));
+  };
+  auto made = make(1);
   for (int i = 2; !made && made.error().error == EEXIST && i < kMostOfOneSecond; ++i)
-    made = CaptureFile::make(fmt::format("{}-{:04}{}", name, i, kEnding));
+    made = make(i);
   if (!made) {
     stop(made.error().text);
     return false;
@@ -147,18 +104,17 @@ void CaptureRing::stop(const std::string& why) {
   end("stopped: " + why);
   stopped_ = true;
   if (std::exchange(told_, why) == why) return;
-  log_warning(bus_, fmt::format("capture: stopped: {}; the bus goes on, and the capture when there "
-                                "is room",
-                                why));
+  log_warning(
+      bus_, fmt::format("capture: stopped: {}; the bus goes on, and the capture when it can", why));
 }
 
+// The newest is the one that was begun now. The clock may have gone back since others were begun
+// (a machine that starts without a battery): those with later times are older, all the same.
 void CaptureRing::remove_oldest() const {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (std::filesystem::directory_iterator each(spec_.folder, error), end; !error && each != end;
-       each.increment(error))
-    names.push_back(each->path().filename().string());
-  names = ring_files(bus_, std::move(names));
+  std::vector<std::string> names = ring_files_in(spec_.folder, bus_);
+  const auto newest =
+      std::ranges::find(names, std::filesystem::path(file_->path()).filename().string());
+  if (newest != names.end()) std::rotate(names.begin(), newest + 1, names.end());
   for (std::size_t i = 0; i + spec_.files < names.size(); ++i)
     ::unlink((spec_.folder + "/" + names[i]).c_str());
 }

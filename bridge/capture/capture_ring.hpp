@@ -48,8 +48,4 @@ class CaptureRing final : public CaptureSink {
   UtcTime looked_;
 };
 
-// The files of a bus's ring among the names of a folder, the oldest first.
-[[nodiscard]] std::vector<std::string> ring_files(const std::string& bus,
-                                                  std::vector<std::string> names);
-
 }  // namespace fieldcast

@@ -243,6 +243,18 @@ TEST_F(DaemonTest, CheckTellsWhatAFileConfigures) {
   EXPECT_THAT(bridge.output(), HasSubstr("1 device, 1 channel"));
 }
 
+TEST_F(DaemonTest, CheckWarnsOfACaptureThatHasNoFolder) {
+  std::ofstream(file, std::ios::app)
+      << "  - name: kept\n    port: { serial: /dev/none }\n    protocol: modbus-rtu\n"
+         "    capture: { folder: /no/such/folder }\n"
+         "    devices: [ { name: plc, address: 1, channels: [ { name: a, at: \"holding:1\", type: "
+         "int16 } ] } ]\n";
+  Process check({file, "--check"});
+  EXPECT_EQ(check.exit_code(), static_cast<int>(ExitCode::kOk));
+  EXPECT_THAT(check.output(),
+              HasSubstr("warning: kept: capture: /no/such/folder: No such file or directory"));
+}
+
 TEST_F(DaemonTest, CheckWarnsOfChannelsThatLieOnEachOther) {
   std::ofstream(file, std::ios::app)
       << "  - name: slip\n    port: { serial: /dev/none }\n    protocol: modbus-rtu\n"

@@ -124,6 +124,27 @@ TEST_F(CaptureRingTest, NothingIsWrittenOverAndAFileIsForItsOwnerOnly) {
   EXPECT_EQ(about.st_mode & 0777, 0600u);
 }
 
+TEST_F(CaptureRingTest, AClockThatWentBackTakesOlderFilesAndNotTheNewOne) {
+  const auto all = ring(10'000, 2);
+  for (int i = 0; i < 2; ++i) all->packet(block(6000), {kNoon + i * kSecond});
+  constexpr std::int64_t kEarly = 86'400 * kSecond;  // a clock without a battery
+  all->packet(block(6000), {kEarly});
+  EXPECT_THAT(names(), ElementsAre("line-19700102T000000Z.pcapng", "line-20231114T221321Z.pcapng"));
+  all->packet(block(6000), {kEarly + kSecond});
+  EXPECT_THAT(names(), ElementsAre("line-19700102T000000Z.pcapng", "line-19700102T000001Z.pcapng"));
+  all->packet(block(6000), {kNoon});  // the clock is right again
+  EXPECT_THAT(names(), ElementsAre("line-19700102T000001Z.pcapng", "line-20231114T221320Z.pcapng"));
+}
+
+TEST_F(CaptureRingTest, AFileThatSomebodyDeletesIsFollowedByTheNext) {
+  const auto all = ring(10'000, 2);
+  all->packet(block(400), {kNoon});
+  std::filesystem::remove(folder_ + "/" + names().front());
+  all->look({kNoon + 1 * kSecond});
+  all->packet(block(400), {kNoon + 2 * kSecond});
+  EXPECT_THAT(names(), ElementsAre("line-20231114T221322Z.pcapng"));
+}
+
 TEST_F(CaptureRingTest, AMissingFolderIsWaitedFor) {
   std::filesystem::remove(folder_);
   const auto all = ring(10'000, 2);

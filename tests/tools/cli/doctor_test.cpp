@@ -255,5 +255,15 @@ TEST(Doctor, SeesThatTheFolderOfTheStoreIsMissing) {
   EXPECT_FALSE(facts.disk->folder_there);
 }
 
+TEST(Doctor, SeesThatTheFolderOfACaptureIsMissing) {
+  BridgeSpec spec;
+  spec.buses.emplace_back().name = "line";
+  spec.buses.front().capture = CaptureSpec{fs::temp_directory_path() / "no-such-folder"};
+  const Finding missing = only({.captures = gather_facts("/", &spec).captures});
+  EXPECT_EQ(missing.severity, Severity::kAdvice);
+  EXPECT_THAT(missing.what, HasSubstr("bus line: No such file or directory"));
+  EXPECT_THAT(missing.remedy, HasSubstr("mkdir"));
+}
+
 }  // namespace
 }  // namespace fieldcast::cli

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "bridge/capture/capture_check.hpp"
+
 namespace fieldcast::cli {
 
 // A serial adapter at the USB.
@@ -59,7 +61,8 @@ struct MachineFacts {
   std::vector<SerialPortFacts> ports;
   std::vector<InterfaceFacts> interfaces;  // that DDS shall use
   bool discovery_server = false;
-  std::optional<DiskFacts> disk;  // of a store that is a file
+  std::optional<DiskFacts> disk;        // of a store that is a file
+  std::vector<CaptureRemark> captures;  // what is wrong with the folders of captures
   std::size_t channels = 0;
 };
 

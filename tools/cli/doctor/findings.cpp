@@ -123,6 +123,11 @@ void look_at_disk(const MachineFacts& facts, Findings& found) {
   found.push_back(finding);
 }
 
+void look_at_capture(const CaptureRemark& capture, Findings& found) {
+  found.push_back({Severity::kAdvice, "capture", capture.folder,
+                   fmt::format("bus {}: {}", capture.bus, capture.what), capture.remedy});
+}
+
 // Those of the topics that have an instance for each channel.
 void look_at_profile(const MachineFacts& facts, Findings& found) {
   for (const ProfileLimit& limit : facts.profile_limits) {
@@ -162,6 +167,7 @@ std::vector<Finding> findings_of(const MachineFacts& facts) {
   for (const InterfaceFacts& interface : facts.interfaces)
     look_at_interface(interface, facts.discovery_server, found);
   look_at_disk(facts, found);
+  for (const CaptureRemark& capture : facts.captures) look_at_capture(capture, found);
   look_at_profile(facts, found);
   return found;
 }

@@ -161,6 +161,7 @@ void add_configuration(const Machine& machine, const BridgeSpec& spec, MachineFa
   }
   if (machine.is_this_one()) facts.interfaces = interface_facts(spec.dds.interfaces);
   facts.discovery_server = !spec.dds.discovery_servers.empty();
+  if (machine.is_this_one()) facts.captures = capture_remarks(spec);
   if (spec.store && machine.is_this_one()) facts.disk = disk_facts(*spec.store);
   if (spec.dds.profile) {
     facts.profile_file = *spec.dds.profile;
