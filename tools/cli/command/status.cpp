@@ -63,8 +63,9 @@ ExitCode status(const StatusOptions& options, const Connection& connection, Inte
   const auto began = instant_now();
   domain.subscribe_status();
   if (screen_wanted(options, err)) {
-    status_live(connection, domain, model, options.time ? began + *options.time : kNever);
+    status_live(connection, domain, model, members, options.time ? began + *options.time : kNever);
     print_table(model, out);
+    print_members(model.members, out);
     return out.flush() ? ExitCode::kOk : ExitCode::kTrouble;
   }
 

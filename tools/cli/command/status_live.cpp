@@ -22,7 +22,7 @@ std::string notice_of(const Connection& connection, DomainView& domain, Duration
 }  // namespace
 
 void status_live(const Connection& connection, DomainView& domain, StatusModel& model,
-                 Instant end) {
+                 StandbyWatch& members, Instant end) {
   StatusScreen screen(model);
   Terminal terminal;
   const auto began = instant_now();
@@ -35,6 +35,7 @@ void status_live(const Connection& connection, DomainView& domain, StatusModel& 
       if (!screen.on_key(*key, {now, utc_now()})) return;
     }
     for (const auto& event : domain.inbox().take_present()) update(model, event);
+    model.members = members.model();
     now = instant_now();
     if (!pressed && now < next_draw) continue;
     screen.set_notice(notice_of(connection, domain, now - began));

@@ -5,12 +5,14 @@
 
 #include "tools/cli/connection.hpp"
 #include "tools/cli/domain_view.hpp"
+#include "tools/cli/standby_watch.hpp"
 #include "tools/cli/view/status_facts.hpp"
 
 namespace fieldcast::cli {
 
 // Until `end`, until the user quits, or until the inbox is closed. REQUIRES: no_screen_reason() is
 // empty; the status is subscribed to. Throws std::runtime_error when the terminal cannot be used.
-void status_live(const Connection& connection, DomainView& domain, StatusModel& model, Instant end);
+void status_live(const Connection& connection, DomainView& domain, StatusModel& model,
+                 StandbyWatch& members, Instant end);
 
 }  // namespace fieldcast::cli

@@ -6,7 +6,9 @@
 
 #include "tools/cli/screen/cell_text.hpp"
 #include "tools/cli/screen/list_control.hpp"
+#include "tools/cli/screen/status_rows.hpp"
 #include "tools/cli/view/sample_text.hpp"
+#include "tools/cli/view/standby_facts.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -35,6 +37,22 @@ void add_fact(std::vector<FrameLine>& lines, const StatusFact& fact, std::size_t
   }
 }
 
+std::vector<FrameLine> standby_details(const StatusModel& model, const ChannelPath& id,
+                                       std::size_t columns) {
+  const StandbyMessage* const member = id.device.empty() ? nullptr : member_of(model, id);
+  const std::string group = standby_group_of(id);
+  const std::string name = "standby group " + group;
+  std::vector<FrameLine> lines{
+      full_line({{shown(id.device.empty() ? name : id.device), Tone::kTitle},
+                 {id.device.empty() ? std::string{} : "  of " + shown(name)}},
+                columns, true)};
+  if (!id.device.empty() && member == nullptr) return lines;
+  for (const StatusFact& fact :
+       member == nullptr ? group_facts(model.members, group) : member_facts(model.members, *member))
+    add_fact(lines, fact, columns);
+  return lines;
+}
+
 }  // namespace
 
 Span group_state(const StatusModel& model, const ChannelPath& id) {
@@ -53,6 +71,7 @@ Span group_state(const StatusModel& model, const ChannelPath& id) {
 
 std::vector<FrameLine> status_details(const StatusModel& model, const ChannelPath& id, UtcTime now,
                                       std::size_t columns) {
+  if (!standby_group_of(id).empty()) return standby_details(model, id, columns);
   const auto* bus = bus_of(model, id);
   const auto* device = id.device.empty() ? nullptr : device_of(model, id);
   const UtcTime reported = device != nullptr ? device->reported_at

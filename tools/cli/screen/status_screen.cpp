@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include "tools/cli/screen/cell_text.hpp"
-#include "tools/cli/screen/channel_rows.hpp"
 #include "tools/cli/screen/status_details.hpp"
+#include "tools/cli/screen/status_rows.hpp"
 #include "tools/cli/view/sample_text.hpp"
+#include "tools/cli/view/standby_facts.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -21,7 +23,7 @@ const std::array kStatusBar{
     BarKey{"d", "details", text_key("d")}, BarKey{"q", "quit", text_key("q")},
 };
 
-constexpr std::array<std::string_view, 23> kStatusHelp{
+constexpr std::array<std::string_view, 24> kStatusHelp{
     "",
     "Up Down PgUp PgDn Home End: move (j and k too; the wheel scrolls)",
     "Enter, Space, Left, Right: fold and unfold a bus (or click it)",
@@ -44,6 +46,7 @@ constexpr std::array<std::string_view, 23> kStatusHelp{
     "unless the device refuses that",
     "degraded: some exchanges with the device fail, offline: all do",
     "leased: an engineer programs a device of the bus",
+    "group: bridges that stand by for each other; behind: blocks of the master not followed yet",
     "",
     "Causes stand in docs/qualities.md, with what to do.",
 };
@@ -95,74 +98,47 @@ std::uint64_t total(const CauseCounts& causes) {
                          [](std::uint64_t sum, const auto& one) { return sum + one.second; });
 }
 
-std::string searched(const std::string& name, std::string_view state, const CauseCounts& causes) {
-  return name + ' ' + std::string(state) + ' ' + causes_text(causes);
+StatusCells bus_cells(const StationBusStatus& bus) {
+  const bool overloaded = bus.report.state == BusState::kRunning && bus.report.stretch > 1;
+  StatusCells cells;
+  cells.state = {overloaded ? "overloaded" : std::string(to_text(bus.report.state)),
+                 overloaded ? Tone::kWarning : tone_of(bus.report.state)};
+  cells.load = "wire " + percent_text(bus.report.utilisation);
+  cells.exchanges = std::to_string(bus.report.exchanges);
+  cells.failed = std::to_string(total(bus.causes));
+  cells.missed = std::to_string(bus.report.deadline_misses);
+  return cells;
+}
+
+StatusCells device_cells(const StationDeviceStatus& device) {
+  StatusCells cells;
+  cells.state = {std::string(to_text(device.report.state)), tone_of(device.report.state)};
+  cells.load = milliseconds_text(device.report.answer_time);
+  cells.exchanges = std::to_string(device.report.exchanges);
+  cells.failed = std::to_string(device.report.failures);
+  cells.missed = std::to_string(device.report.deadline_misses);
+  return cells;
+}
+
+// Of a group, or of a member.
+StatusCells standby_cells(const StatusModel& model, const ChannelPath& id) {
+  StatusCells cells;
+  if (id.device.empty()) {
+    const bool served = master_of(model.members, standby_group_of(id)) != nullptr;
+    cells.state = served ? Span{"served", Tone::kGood} : Span{"no master", Tone::kBad};
+  } else if (const StandbyMessage* member = member_of(model, id)) {
+    cells.state = {role_text(*member), tone_of(*member)};
+    if (member->member.role == StandbyRole::kWaiting)
+      cells.load = fmt::format("{} behind", behind(model.members, *member));
+  }
+  return cells;
 }
 
 }  // namespace
 
-Rank rank_of(const StationBusStatus& bus) {
-  if (bus.report.state == BusState::kClosed) return Rank::kBad;
-  return bus.report.state == BusState::kRunning && bus.report.stretch <= 1 ? Rank::kGood
-                                                                           : Rank::kUncertain;
-}
-
-Rank rank_of(const StationDeviceStatus& device) {
-  switch (device.report.state) {
-    case DeviceState::kOffline: return Rank::kBad;
-    case DeviceState::kDegraded: return Rank::kUncertain;
-    case DeviceState::kUnknown: return Rank::kUnread;
-    case DeviceState::kOnline: break;
-  }
-  return Rank::kGood;
-}
-
 void StatusScreen::rebuild(const Moment& moment) {
-  const auto words = filter_words(control_.filter.text());
-  struct Group {
-    ListRow bus;
-    ListRows devices;
-    bool chosen = false;
-  };
-  std::map<std::string, Group> groups;
-  for (const auto& [name, bus] : model_.buses) {
-    Group& group = groups[name];
-    group.bus.id = {name, {}, {}};
-    group.bus.rank = rank_of(bus);
-    group.chosen = (!bad_only_ || group.bus.rank != Rank::kGood) &&
-                   has_words(searched(name, to_text(bus.report.state), bus.causes), words);
-  }
-  for (const auto& [key, device] : model_.devices) {
-    Group& group = groups[key.first];
-    group.bus.id = {key.first, {}, {}};
-    const Rank rank = rank_of(device);
-    ++group.bus.members;
-    group.bus.good += rank == Rank::kGood ? 1 : 0;
-    group.bus.bad += rank == Rank::kBad ? 1 : 0;
-    group.bus.rank = std::min(group.bus.rank, rank);
-    if (bad_only_ && rank == Rank::kGood) continue;
-    if (!has_words(
-            searched(key.first + '/' + key.second, to_text(device.report.state), device.causes),
-            words))
-      continue;
-    group.devices.push_back({.id = {key.first, key.second, {}}, .rank = rank});
-    group.chosen = true;
-  }
-  std::vector<Group> ordered;
-  for (auto& [name, group] : groups) {
-    if (group.chosen) ordered.push_back(std::move(group));
-  }
-  if (!by_name_)
-    std::ranges::stable_sort(ordered, {}, [](const Group& group) { return group.bus.rank; });
-  ListRows rows;
-  for (Group& group : ordered) {
-    group.bus.folded = control_.list.is_folded(group.bus.id);
-    rows.push_back(group.bus);
-    if (group.bus.folded) continue;
-    if (!by_name_) std::ranges::stable_sort(group.devices, {}, &ListRow::rank);
-    rows.insert(rows.end(), group.devices.begin(), group.devices.end());
-  }
-  control_.list.assign(std::move(rows));
+  control_.list.assign(
+      status_rows(model_, {by_name_, bad_only_, control_.filter.text()}, control_.list));
   control_.stale = false;
   sorted_at_ = moment.now;
 }
@@ -192,11 +168,18 @@ FrameLine StatusScreen::title(const Moment& moment, std::size_t columns) const {
   for (const auto& [name, bus] : model_.buses)
     running += bus.report.state == BusState::kRunning ? 1 : 0;
   const std::size_t devices = model_.devices.size(), buses = model_.buses.size();
-  const bool well = online == devices && running == buses;
+  std::set<std::string> groups, served;
+  for (const auto& [key, member] : model_.members) {
+    groups.insert(key.first);
+    if (master_of(model_.members, key.first) != nullptr) served.insert(key.first);
+  }
+  const bool well = online == devices && running == buses && served == groups;
   const std::array pieces{
       std::string(columns < 44 ? "status" : "fieldcast status"),
       fmt::format("{}/{} online", online, devices),
       fmt::format("{} of {} buses running", running, buses),
+      groups.empty() ? std::string{}
+                     : fmt::format("{} of {} groups served", served.size(), groups.size()),
       std::string(by_name_ ? "sort: name" : "sort: bad first"),
       control_.filter.text().empty() ? std::string{} : "filter: " + shown(control_.filter.text()),
   };
@@ -211,35 +194,24 @@ FrameLine StatusScreen::title(const Moment& moment, std::size_t columns) const {
 }
 
 FrameLine StatusScreen::row_line(const ListRow& row, std::size_t columns) const {
+  const char* fold = !row.is_group() ? "  " : row.folded ? "+ " : "- ";
+  const char* indent = columns < 44 ? " " : "    ";
   StatusCells cells;
-  if (row.is_bus()) {
-    const char* fold = !row.is_group() ? "  " : row.folded ? "+ " : "- ";
-    cells.name = fold + shown(row.id.bus);
-    if (const auto found = model_.buses.find(row.id.bus); found != model_.buses.end()) {
-      const auto& bus = found->second;
-      const bool overloaded = bus.report.state == BusState::kRunning && bus.report.stretch > 1;
-      cells.state = {overloaded ? "overloaded" : std::string(to_text(bus.report.state)),
-                     overloaded ? Tone::kWarning : tone_of(bus.report.state)};
-      cells.load = "wire " + percent_text(bus.report.utilisation);
-      cells.exchanges = std::to_string(bus.report.exchanges);
-      cells.failed = std::to_string(total(bus.causes));
-      cells.missed = std::to_string(bus.report.deadline_misses);
-    }
-  } else if (const auto found = model_.devices.find({row.id.bus, row.id.device});
-             found != model_.devices.end()) {
-    const auto& device = found->second;
-    cells.name = (columns < 44 ? " " : "    ") + shown(row.id.device);
-    cells.state = {std::string(to_text(device.report.state)), tone_of(device.report.state)};
-    cells.load = milliseconds_text(device.report.answer_time);
-    cells.exchanges = std::to_string(device.report.exchanges);
-    cells.failed = std::to_string(device.report.failures);
-    cells.missed = std::to_string(device.report.deadline_misses);
+  if (!standby_group_of(row.id).empty()) {
+    cells = standby_cells(model_, row.id);
+  } else if (row.is_bus()) {
+    const auto found = model_.buses.find(row.id.bus);
+    if (found != model_.buses.end()) cells = bus_cells(found->second);
+  } else {
+    const auto found = model_.devices.find({row.id.bus, row.id.device});
+    if (found != model_.devices.end()) cells = device_cells(found->second);
   }
+  cells.name = row.is_bus() ? fold + shown(row.id.bus) : indent + shown(row.id.device);
   return line_of(cells, columns, false);
 }
 
 Frame StatusScreen::frame(const Moment& moment, const Screen& screen) {
-  const std::size_t known = model_.buses.size() + model_.devices.size();
+  const std::size_t known = model_.buses.size() + model_.devices.size() + model_.members.size();
   if (control_.stale || !sorted_at_ || moment.now - *sorted_at_ >= kSortAgain ||
       std::exchange(known_, known) != known)
     rebuild(moment);
@@ -255,9 +227,9 @@ Frame StatusScreen::frame(const Moment& moment, const Screen& screen) {
                        screen.columns, true);
   parts.row = [&](const ListRow& row, std::size_t columns) { return row_line(row, columns); };
   parts.pane = std::move(below);
-  parts.notice = model_.buses.empty() ? shown(notice_)
-                 : bad_only_          ? std::string("all is as it should be (b shows it)")
-                                      : std::string("nothing matches the filter (Esc)");
+  parts.notice = known == 0  ? shown(notice_)
+                 : bad_only_ ? std::string("all is as it should be (b shows it)")
+                             : std::string("nothing matches the filter (Esc)");
   parts.bar = kStatusBar;
   parts.help = kStatusHelp;
   return control_.compose(layout, parts);

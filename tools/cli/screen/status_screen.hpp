@@ -1,6 +1,6 @@
-// The screen of `fieldcast status`: keys in, frames out. Buses with their devices, bad ones first;
-// below them everything that is known of the selected one, in words. Pure: no terminal, no clock,
-// no DDS. Main thread; the model lives longer.
+// The screen of `fieldcast status`: keys in, frames out. Buses with their devices, standby groups
+// with their members, bad ones first; below them everything that is known of the selected one, in
+// words. Pure: no terminal, no clock, no DDS. Main thread; the model lives longer.
 #pragma once
 
 #include <optional>
@@ -11,9 +11,6 @@
 #include "tools/cli/view/status_facts.hpp"
 
 namespace fieldcast::cli {
-
-[[nodiscard]] Rank rank_of(const StationBusStatus& bus);
-[[nodiscard]] Rank rank_of(const StationDeviceStatus& device);
 
 class StatusScreen {
  public:
@@ -37,7 +34,7 @@ class StatusScreen {
   bool by_name_ = false;  // else bad first
   bool bad_only_ = false;
   std::optional<Instant> sorted_at_;
-  std::size_t known_ = 0;  // buses and devices, when the rows were made
+  std::size_t known_ = 0;  // buses, devices, members when the rows were made
   std::string notice_;
 };
 

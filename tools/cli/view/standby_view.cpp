@@ -5,7 +5,6 @@
 #include "tools/cli/view/sample_text.hpp"
 
 namespace fieldcast::cli {
-namespace {
 
 Tone tone_of(const StandbyMessage& member) {
   if (member.member.role == StandbyRole::kMaster) return Tone::kGood;
@@ -22,8 +21,6 @@ const StandbyMessage* master_of(const StandbyModel& model, const std::string& gr
   }
   return found;
 }
-
-}  // namespace
 
 std::uint64_t behind(const StandbyModel& model, const StandbyMessage& member) {
   const StandbyMessage* const master = master_of(model, member.group);

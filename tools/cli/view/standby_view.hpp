@@ -16,6 +16,10 @@ namespace fieldcast::cli {
 // By group and bridge.
 using StandbyModel = std::map<std::pair<std::string, std::string>, StandbyMessage>;
 
+[[nodiscard]] Tone tone_of(const StandbyMessage& member);
+// Of the greatest term, also while it hands over; null: the group has none.
+[[nodiscard]] const StandbyMessage* master_of(const StandbyModel& model, const std::string& group);
+
 [[nodiscard]] std::vector<std::string> standby_lines(const StandbyModel& model,
                                                      const Screen& screen);
 

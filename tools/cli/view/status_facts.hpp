@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bridge/station/station.hpp"
+#include "tools/cli/view/standby_view.hpp"
 #include "tools/cli/view/text_table.hpp"
 
 namespace fieldcast::cli {
@@ -16,6 +17,7 @@ namespace fieldcast::cli {
 struct StatusModel {
   std::map<std::string, StationBusStatus> buses;
   std::map<std::pair<std::string, std::string>, StationDeviceStatus> devices;  // by bus and name
+  StandbyModel members;                                                        // of standby groups
 };
 
 struct StatusFact {

@@ -33,6 +33,16 @@ class StatusScreenTest : public testing::Test {
     status.report.exchanges = 400;
     model_.devices[{bus, device}] = status;
   }
+  void stand_by(const std::string& bridge, StandbyRole role, const std::string& not_ready) {
+    StandbyMessage message;
+    message.group = "line-7";
+    message.member.bridge = bridge;
+    message.member.role = role;
+    message.member.not_ready = not_ready;
+    const bool master = role == StandbyRole::kMaster;
+    message.buses = {{.bus = "press", .epoch = 1, .blocks = master ? 112u : 100u}};
+    model_.members[{"line-7", bridge}] = message;
+  }
   std::string draw(std::size_t columns = 80, std::size_t rows = 24) {
     at_.now += std::chrono::seconds{1};
     const Frame frame = screen_.frame(at_, {columns, rows, false});
@@ -83,7 +93,34 @@ TEST_F(StatusScreenTest, FilterSortBadOnlyAndQuit) {
   EXPECT_FALSE(press(text_key("q")));
 }
 
+TEST_F(StatusScreenTest, AStandbyGroupHasARowAndItsMembersSayWhatTheyAre) {
+  stand_by("line-7-a", StandbyRole::kMaster, {});
+  stand_by("line-7-b", StandbyRole::kWaiting, {});
+  std::string text = draw(100);
+  EXPECT_THAT(text, AllOf(HasSubstr("1 of 1 groups served"), HasSubstr("- group line-7"),
+                          HasSubstr("master"), HasSubstr("12 behind")));
+  stand_by("line-7-b", StandbyRole::kWaiting, "its channels differ from those of line-7-a");
+  draw(100);
+  for (const char* letter : {"/", "n", "o", "t"}) EXPECT_TRUE(press(text_key(letter)));
+  EXPECT_TRUE(press({Key::Kind::kEnter}));
+  draw(100);
+  EXPECT_TRUE(press({Key::Kind::kDown}));
+  text = draw(100);
+  EXPECT_THAT(text, AllOf(HasSubstr("not ready"), HasSubstr("line-7-b"), Not(HasSubstr("press"))));
+  EXPECT_THAT(text, HasSubstr("does not take over: its channels differ from those of line-7-a"));
+}
+
+TEST_F(StatusScreenTest, AGroupWithoutAMasterStandsFirst) {
+  stand_by("line-7-b", StandbyRole::kWaiting, "it follows no master yet");
+  const std::string text = draw(100);
+  EXPECT_THAT(text, AllOf(HasSubstr("0 of 1 groups served"), HasSubstr("no master"),
+                          HasSubstr("nobody serves the buses of the group")));
+  EXPECT_LT(text.find("group line-7"), text.find("press"));
+}
+
 TEST_F(StatusScreenTest, EverySizeIsDrawnWhole) {
+  stand_by("line-7-a", StandbyRole::kMaster, {});
+  stand_by("line-7-b", StandbyRole::kWaiting, "its clock is far away");
   for (std::size_t rows = 1; rows < 30; ++rows) {
     for (const std::size_t columns : {1, 5, 20, 40, 60, 79, 80, 120, 300}) draw(columns, rows);
   }
