@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "tools/import/number.hpp"
@@ -32,6 +33,9 @@ class Archive {
   Archive& operator=(const Archive&) = delete;
   [[nodiscard]] bool is_open() const { return archive_ != nullptr; }
 
+  [[nodiscard]] bool has(const std::string& name) const {
+    return zip_name_locate(archive_, name.c_str(), 0) >= 0;
+  }
   // Nothing: it is not there, damaged, or larger than the bound.
   [[nodiscard]] std::optional<std::string> part(const std::string& name) const {
     zip_stat_t stat;
@@ -78,14 +82,30 @@ std::string text_below(const tinyxml2::XMLElement& element) {
   return text;
 }
 
-std::vector<std::string> shared_texts(const Archive& archive) {
+using Document = tinyxml2::XMLDocument;
+
+// With its root; the error names the part.
+tl::expected<std::unique_ptr<Document>, std::string> read_part(const Archive& archive,
+                                                               const std::string& name) {
+  const auto part = archive.part(name);
+  auto document = std::make_unique<Document>();
+  if (!part || document->Parse(part->data(), part->size()) != tinyxml2::XML_SUCCESS ||
+      document->RootElement() == nullptr)
+    return tl::unexpected(
+        fmt::format("an Excel workbook whose part {} is damaged or larger than "
+                    "{} MiB",
+                    name, kMaxUnpacked >> 20));
+  return document;
+}
+
+// Workbooks of numbers alone have none.
+tl::expected<std::vector<std::string>, std::string> shared_texts(const Archive& archive) {
+  static const std::string kPart = "xl/sharedStrings.xml";
   std::vector<std::string> texts;
-  const auto part = archive.part("xl/sharedStrings.xml");
-  tinyxml2::XMLDocument document;
-  if (!part || document.Parse(part->data(), part->size()) != tinyxml2::XML_SUCCESS ||
-      document.RootElement() == nullptr)
-    return texts;
-  for (const auto* item = document.RootElement()->FirstChildElement("si"); item != nullptr;
+  if (!archive.has(kPart)) return texts;
+  const auto document = read_part(archive, kPart);
+  if (!document) return tl::unexpected(document.error());
+  for (const auto* item = (*document)->RootElement()->FirstChildElement("si"); item != nullptr;
        item = item->NextSiblingElement("si"))
     texts.push_back(text_below(*item));
   return texts;
@@ -127,7 +147,9 @@ void append_cell(std::string& table, std::string_view text) {
   table += '"';
 }
 
-std::string table_of(const tinyxml2::XMLElement& sheet, const std::vector<std::string>& shared) {
+// Nothing: it is larger than kMaxUnpacked. Many cells may name one long text.
+std::optional<std::string> table_of(const tinyxml2::XMLElement& sheet,
+                                    const std::vector<std::string>& shared) {
   std::string table;
   std::size_t line = 1;
   const auto* data = sheet.FirstChildElement("sheetData");
@@ -144,6 +166,7 @@ std::string table_of(const tinyxml2::XMLElement& sheet, const std::vector<std::s
       for (; column < wanted; ++column) table += '\t';
       append_cell(table, cell_text(*cell, shared));
       table += '\t';
+      if (table.size() > kMaxUnpacked) return std::nullopt;
     }
     table += '\n';
     ++line;
@@ -161,14 +184,15 @@ tl::expected<Decoded, std::string> table_of_xlsx(std::string_view bytes) {
   const std::string name = archive.first_sheet();
   if (name.empty())
     return tl::unexpected(std::string("a zip archive, no Excel workbook; unpack it first"));
-  const auto part = archive.part(name);
-  tinyxml2::XMLDocument document;
-  if (!part || document.Parse(part->data(), part->size()) != tinyxml2::XML_SUCCESS ||
-      document.RootElement() == nullptr)
-    return tl::unexpected(
-        fmt::format("an Excel workbook whose sheet {} is damaged or larger than {} MiB", name,
-                    kMaxUnpacked >> 20));
-  return Decoded{table_of(*document.RootElement(), shared_texts(archive)), "Excel workbook"};
+  const auto sheet = read_part(archive, name);
+  if (!sheet) return tl::unexpected(sheet.error());
+  const auto shared = shared_texts(archive);
+  if (!shared) return tl::unexpected(shared.error());
+  auto table = table_of(*(*sheet)->RootElement(), *shared);
+  if (!table)
+    return tl::unexpected(fmt::format("an Excel workbook whose sheet has more than {} MiB of text",
+                                      kMaxUnpacked >> 20));
+  return Decoded{*std::move(table), "Excel workbook"};
 }
 
 }  // namespace fieldcast::importing

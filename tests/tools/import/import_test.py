@@ -198,6 +198,14 @@ class Words(InAFolder):
                 self.assertEqual(done.returncode, code, done.stderr)
                 self.assertIn(words, done.stdout + done.stderr)
 
+    def test_are_clear_for_a_workbook_that_unpacks_to_too_much_or_is_damaged(self):
+        excel(self.path("bomb.xlsx"), [["x" * 30000] * 200] * 10)  # 2000 cells name one text
+        self.assertIn("more than 32 MiB of text", self.fault(self.path("bomb.xlsx")))
+        with zipfile.ZipFile(self.path("half.xlsx"), "w") as book:
+            book.writestr("xl/worksheets/sheet1.xml", "<worksheet><sheetData/></worksheet>")
+            book.writestr("xl/sharedStrings.xml", "<sst><si><t>cut")
+        self.assertIn("part xl/sharedStrings.xml is damaged", self.fault(self.path("half.xlsx")))
+
     def test_name_what_an_option_may_be(self):
         made = self.file("list.csv", self.LIST)
         self.assertIn("allowed: kepware,", self.fault(made, "--from", "excel"))

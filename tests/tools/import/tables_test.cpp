@@ -145,6 +145,69 @@ TEST(ImportKepware, WhatCannotBeMovedHasItsReason) {
   EXPECT_THAT(fate_of(*outcome, "Good"), HasSubstr("not clamped"));
 }
 
+TEST(ImportKepware, AddressesOfS7200HaveTheWidthOfTheirType) {
+  const auto outcome = import_text("press.csv",
+                                   kKepware +
+                                       "Level,V00100,Word,1,RO,500,,,,,,,,,,,\n"
+                                       "Flow,V00104,Float,1,R/W,500,,,,,,,,,,,\n"
+                                       "Mode,M00001,Byte,1,RO,500,,,,,,,,,,,\n"
+                                       "Run,Q00000.03,Boolean,1,RO,500,,,,,,,,,,,\n"
+                                       "Input,AI00004,Short,1,RO,500,,,,,,,,,,,\n"
+                                       "Timer,T037,Long,1,RO,500,,,,,,,,,,,\n"
+                                       "List,V00200[3],DWord Array,1,RO,500,,,,,,,,,,,\n"
+                                       "High,V00100.12,Boolean,1,RO,500,,,,,,,,,,,\n"
+                                       "Done,T037,Boolean,1,RO,500,,,,,,,,,,,\n"
+                                       "Text,V00300.20,String,1,RO,500,,,,,,,,,,,\n"
+                                       "Some,V00100,Default,1,RO,500,,,,,,,,,,,\n",
+                                   {.protocol = "s7-ppi"});
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_THAT(channel_line(*outcome, "Level"), HasSubstr("at: VW100, type: uint16"));
+  EXPECT_THAT(channel_line(*outcome, "Flow"), HasSubstr("at: VD104, type: float32"));
+  EXPECT_THAT(channel_line(*outcome, "Mode"), HasSubstr("at: MB1, type: uint8"));
+  EXPECT_THAT(channel_line(*outcome, "Run"), HasSubstr("at: Q0.3, type: bool"));
+  EXPECT_THAT(channel_line(*outcome, "Input"), HasSubstr("at: AIW4, type: int16"));
+  EXPECT_THAT(channel_line(*outcome, "Timer"), HasSubstr("at: T37, type: int32"));
+  EXPECT_THAT(channel_line(*outcome, "List-2"), HasSubstr("at: VD208, type: uint32"));
+  EXPECT_THAT(fate_of(*outcome, "High"), HasSubstr("no: bit 12 of a word"));
+  EXPECT_THAT(fate_of(*outcome, "Done"), HasSubstr("no: the status bit"));
+  EXPECT_THAT(fate_of(*outcome, "Text"), HasSubstr("no: a text"));
+  EXPECT_THAT(fate_of(*outcome, "Some"), HasSubstr("no: data type 'Default'"));
+}
+
+TEST(ImportKepware, AddressesOfHostLinkAndFxAreTheSameButForTimersAndTexts) {
+  const std::string omron = kKepware +
+                            "Level,DM0100,Short,1,RO,500,,,,,,,,,,,\n"
+                            "Alarm,IR010.05,Boolean,1,RO,500,,,,,,,,,,,\n"
+                            "Run,AR003.15,Default,1,RO,500,,,,,,,,,,,\n"
+                            "Count,TC005,BCD,1,RO,500,,,,,,,,,,,\n"
+                            "Done,TS005,Boolean,1,RO,500,,,,,,,,,,,\n"
+                            "Label,DM0200.20H,String,1,RO,500,,,,,,,,,,,\n"
+                            "Wide,DM0300.10D,String,1,RO,500,,,,,,,,,,,\n"
+                            "Total,HR10[2],Long Array,1,RO,500,,,,,,,,,,,\n";
+  const auto outcome = import_text("plc.csv", omron, {.protocol = "omron-hostlink"});
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_THAT(channel_line(*outcome, "Level"), HasSubstr("at: DM0100, type: int16"));
+  EXPECT_THAT(channel_line(*outcome, "Alarm"), HasSubstr("at: IR010.05, type: bool"));
+  EXPECT_THAT(channel_line(*outcome, "Run"), HasSubstr("at: AR003.15, type: bool"));
+  EXPECT_THAT(channel_line(*outcome, "Count"), HasSubstr("at: T005, type: bcd16"));
+  EXPECT_THAT(channel_line(*outcome, "Done"), HasSubstr("at: TF005, type: bool"));
+  EXPECT_THAT(channel_line(*outcome, "Label"), HasSubstr("at: DM0200, type: string(20)"));
+  EXPECT_THAT(fate_of(*outcome, "Wide"), HasSubstr("no: a text with one character in a word"));
+  EXPECT_THAT(channel_line(*outcome, "Total-1"), HasSubstr("at: HR12, type: int32"));
+  const auto fx = import_text("fx.csv",
+                              kKepware +
+                                  "Speed,D0100,Float,1,RO,500,,,,,,,,,,,\n"
+                                  "Input,X017,Boolean,1,RO,500,,,,,,,,,,,\n"
+                                  "Limits,D0200[2],Word Array,1,RO,500,,,,,,,,,,,\n"
+                                  "Text,D0300.10,String,1,RO,500,,,,,,,,,,,\n",
+                              {.protocol = "mitsubishi-fx"});
+  ASSERT_TRUE(fx) << fx.error();
+  EXPECT_THAT(channel_line(*fx, "Speed"), HasSubstr("at: D0100, type: float32"));
+  EXPECT_THAT(channel_line(*fx, "Input"), HasSubstr("at: X017, type: bool"));
+  EXPECT_THAT(channel_line(*fx, "Limits-1"), HasSubstr("at: D201, type: uint16"));
+  EXPECT_THAT(fate_of(*fx, "Text"), HasSubstr("no: a text"));
+}
+
 TEST(ImportList, DecimalCommasAndColumnsInAnyOrder) {
   const auto outcome = import_text("meter.csv",
                                    "Einheit;Faktor;REGISTER;Bezeichnung;Datentyp;Hersteller;;\r\n"

@@ -12,6 +12,7 @@
 #include "tools/import/address.hpp"
 #include "tools/import/array_points.hpp"
 #include "tools/import/columns.hpp"
+#include "tools/import/formats/kepware_family.hpp"
 #include "tools/import/formats/readers.hpp"
 #include "tools/import/number.hpp"
 #include "tools/import/types.hpp"
@@ -160,15 +161,11 @@ class KepwareReader {
     return options_.protocol.empty() || options_.protocol.starts_with("modbus");
   }
 
-  // The addresses of other families are taken as they are; the check decides.
-  MayFail other_family(const Row& row, const std::string& type, Point& point,
+  MayFail other_family(const Row& row, const std::string& type, const Point& point,
                        std::vector<Point>& points) {
-    point.at = columns_.cell(row, Field::kAddress);
-    const auto known = type_by_name(type.empty() || type == "default" ? "word" : type);
-    if (!known) return fmt::format("data type '{}' is unknown", type);
-    point.type = known->type;
-    points.push_back(std::move(point));
-    return std::nullopt;
+    const auto moved = append_family_point(options_.protocol, columns_.cell(row, Field::kAddress),
+                                           type, point, points);
+    return moved ? MayFail() : moved.error();
   }
 
   void read_words(const Row& row, Point& point) const {
