@@ -142,7 +142,7 @@ void BusEngine::settle(Instant now, ActionSink& sink) {
     parts_.channels.expire(now, late);
     sink.publish(std::move(late));
   }
-  parts_.commands.expire(now, sink);
+  parts_.commands.expire(state_, now, sink);
   if (state_ == BusState::kRunning && !parts_.wire.exchanging()) send_next(now, sink);
   if (auto told = overload_.update(parts_.reads.stretch(), now)) sink.push(std::move(*told));
   if (auto draft = parts_.reads.draft()) sink.push(MakePlan{std::move(draft)});

@@ -65,9 +65,9 @@ std::optional<CommandFault> CommandQueue::obstacle(const CommandJob& job,
   switch (condition.bus) {
     case BusState::kStopped: return fault(Cause::kShutdown);
     case BusState::kLeased: return fault(Cause::kLeased);
-    case BusState::kOpening:
     case BusState::kClosed:
       return CommandFault{Cause::kOffline, "port of bus '" + setup_.spec().name + "' is down"};
+    case BusState::kOpening:  // it waits: the attempt ends in Opened or Closed
     case BusState::kRunning: break;
   }
   if (condition.device_offline)
@@ -172,14 +172,17 @@ void CommandQueue::complete(const Waiting& finished, Instant acquired, Instant n
   sink.publish(std::move(samples));
 }
 
-void CommandQueue::expire(Instant now, ActionSink& sink) {
+void CommandQueue::expire(BusState bus, Instant now, ActionSink& sink) {
   if (next_expiry() > now) return;
+  std::string reason(to_text(Cause::kExpired));
+  if (bus == BusState::kOpening)
+    reason += ": the port of bus '" + setup_.spec().name + "' was still being opened";
   const auto expired = std::stable_partition(
       waiting_.begin(), waiting_.end(),
       [&](const Waiting& each) { return each.job.started() || each.job.command().expires > now; });
   for (auto each = expired; each != waiting_.end(); ++each)
-    sink.push(Complete{refusal(each->job.command(), CommandState::kExpired, Cause::kExpired,
-                               std::string(to_text(Cause::kExpired)), each->received, now)});
+    sink.push(Complete{refusal(each->job.command(), CommandState::kExpired, Cause::kExpired, reason,
+                               each->received, now)});
   waiting_.erase(expired, waiting_.end());
 }
 

@@ -43,7 +43,8 @@ class CommandQueue {
   CommandQueue(const BusSetup& setup, ChannelTable& channels, TextCodec& codec);
 
   // Takes the command, or completes it with the reason against it. A reason that will never change
-  // (read-only, out of range) goes before one that may pass (port closed, device offline).
+  // (read-only, out of range) goes before one that may pass (port closed, device offline). While
+  // the port is being opened, a command waits: it is sent then, or refused when that failed.
   void accept(const Command& command, const Condition& condition, Instant now, ActionSink& sink);
 
   // The request of the first command whose device may be asked now. That command stays the first
@@ -55,8 +56,8 @@ class CommandQueue {
   void failed(std::size_t batch, Cause cause, std::uint16_t code, Instant acquired, Instant now,
               ActionSink& sink);
 
-  // Completes what may no longer begin. What has begun is never called back.
-  void expire(Instant now, ActionSink& sink);
+  // Completes what may no longer begin. What has begun is never called back. `bus`: for the reason.
+  void expire(BusState bus, Instant now, ActionSink& sink);
   [[nodiscard]] Instant next_expiry() const;
   // Completes every command with this reason.
   void refuse_all(Cause cause, const std::string& reason, Instant now, ActionSink& sink);

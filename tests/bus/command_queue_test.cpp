@@ -81,6 +81,28 @@ TEST_F(CommandQueueTest, AMomentaryRefusalSaysWhatIsDown) {
   EXPECT_TRUE(queue_.empty());
 }
 
+// A bridge that has just begun, or has just taken over, is about to open its port.
+TEST_F(CommandQueueTest, WhileThePortIsBeingOpenedACommandWaits) {
+  accept(write("r0", 1), {BusState::kOpening, false});
+  EXPECT_TRUE(results().empty());
+  EXPECT_EQ(refusal_of(write("r0", 2), {BusState::kOpening, true}), Cause::kOffline)
+      << "the device was known to be silent by the bridge before";
+  Command short_lived = write("r1", 3);
+  short_lived.expires = Instant{100ms};
+  accept(short_lived, {BusState::kOpening, false});
+  queue_.expire(BusState::kOpening, Instant{100ms}, sink_);
+  const auto expired = results();
+  ASSERT_EQ(expired.size(), 1u);
+  EXPECT_EQ(expired[0].state, CommandState::kExpired);
+  EXPECT_NE(expired[0].reason.find("the port of bus 'bus' was still being opened"),
+            std::string::npos)
+      << expired[0].reason;
+  queue_.refuse_all(Cause::kOffline, "port is down", Instant{1s}, sink_);
+  const auto refused = results();
+  ASSERT_EQ(refused.size(), 1u);
+  EXPECT_EQ(refused[0].state, CommandState::kRejected) << "it never began";
+}
+
 TEST_F(CommandQueueTest, ARefusedCommandDoesNotCountForTheRateLimit) {
   EXPECT_EQ(refusal_of(write("r2", 1), {BusState::kRunning, true}), Cause::kOffline);
   accept(write("r2", 1));
@@ -150,7 +172,7 @@ TEST_F(CommandQueueTest, WhatHasBegunDoesNotExpire) {
   accept(waits);
   EXPECT_EQ(queue_.next_expiry(), Instant{100ms});
   ASSERT_TRUE(next());
-  queue_.expire(Instant{100ms}, sink_);
+  queue_.expire(BusState::kRunning, Instant{100ms}, sink_);
   const auto all = results();
   ASSERT_EQ(all.size(), 1u);
   EXPECT_EQ(all[0].request_id, waits.request_id);
