@@ -132,7 +132,9 @@ void Bridge::State::start_bus(const BusSpec& bus, const FollowedBus* followed,
   for (Sample& sample : inherited.samples) {
     if (sample.sequence != 0) sample.sequence += margin;
   }
-  if (followed != nullptr && margin != 0) made.sink->prove_until(steady_now() + kProve);
+  if (spec.standby) inherited.above = sequences_of(standby.term);
+  const Instant now = steady_now();
+  if (followed != nullptr && margin != 0) made.sink->prove_until(now + kProve, now);
   made.runner->start(std::move(inherited));
   interests.add(bus, made.runner);
   program.add_bus(bus, made.runner);

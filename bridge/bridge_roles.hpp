@@ -18,6 +18,7 @@
 #include "bridge/bus/bus_runner.hpp"
 #include "bridge/bus/io_thread.hpp"
 #include "bridge/publish/bus_output.hpp"
+#include "bridge/standby/election.hpp"
 #include "bridge/standby/held_commands.hpp"
 #include "core/alarm/alarm_status.hpp"
 #include "core/model/command.hpp"
@@ -57,6 +58,7 @@ struct Standby {
 
   // Under Bridge's `changing`.
   bool serving = false;  // the buses of the group run here
+  StandbyTerm term = 0;  // in which their samples count
   std::map<std::string, RunningBus, std::less<>> prepared;
 
   HeldCommands<HeldCommand> commands;

@@ -15,8 +15,8 @@ constexpr Duration kFinish = std::chrono::milliseconds{200};
 constexpr Duration kLastBlocks = std::chrono::milliseconds{50};
 // After its successor has taken over, so that it has written everything when this bridge leaves.
 constexpr Duration kAfterHandOver = std::chrono::milliseconds{500};
-// More than a master can have published since its successor has heard of it: numbers that the
-// successor leaves out, so that no sample of the old master is newer than one of the new.
+// More than a master can have published since its successor has heard of it. The term leaves out
+// more (sequences_of), but for a master of an earlier version, or one of more than 2^32 samples.
 constexpr std::uint64_t kSequenceMargin = 1024;
 
 }  // namespace
@@ -151,6 +151,8 @@ bool Bridge::State::follow_role() {
     step_back();
   } else if (standby.handing_over && role != StandbyRole::kReleased && !standby.leaving) {
     start_as_standby();
+  } else if (role == StandbyRole::kMaster && standby.serving && group->term() != standby.term) {
+    remain_master();
   }
   finish_held();
   return standby.handing_over || !late_results_done();
@@ -170,6 +172,7 @@ void Bridge::State::promote() {
   guard->stand_by(false);
   link->stand_by(false);
   standby.serving = true;
+  standby.term = group->term();
   std::vector<std::string> taken;
   for (const BusSpec& bus : spec.buses) {
     FollowedBus& followed = known[bus.name];
@@ -195,9 +198,22 @@ void Bridge::State::promote() {
                 fmt::format("has taken over in group {} ({}), term {}: buses run after {}",
                             spec.standby->group,
                             released ? "the master has handed over" : "the master is gone",
-                            number_of(group->view().term), to_text(running)));
+                            number_of(standby.term), to_text(running)));
   }
   take_over_followed_alarms(taken, alarms_of_master);
+}
+
+// Another one may have been master meanwhile, with numbers greater than those of this one.
+void Bridge::State::remain_master() {
+  standby.term = group->term();
+  for (const auto& [name, bus] : buses) {
+    bus.runner->count_above(sequences_of(standby.term));
+    alarms.publish_again(name);
+  }
+  log_warning(spec.name,
+              fmt::format("remains master of group {}, term {}: another one may have been master "
+                          "meanwhile, and every channel is published once more",
+                          spec.standby->group, number_of(standby.term)));
 }
 
 // Commands that the old master has not answered.

@@ -127,6 +127,7 @@ struct Bridge::State {
   [[nodiscard]] bool follow_role();
   [[nodiscard]] bool late_results_done();
   void promote();
+  void remain_master();
   void finish_commands();
   void release();
   void step_back();

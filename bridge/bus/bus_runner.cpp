@@ -398,6 +398,10 @@ void BusRunner::post(std::vector<InterestChanged> interests) {
   });
 }
 
+void BusRunner::count_above(std::uint64_t number) {
+  loop_->gate().post([loop = loop_, number] { loop->event(CountAbove{number}); });
+}
+
 void BusRunner::lease(std::string who, Granted granted, Revoked revoked) {
   loop_->gate().post([loop = loop_, who = std::move(who), granted = std::move(granted),
                       revoked = std::move(revoked)] { loop->lease(who, granted, revoked); });

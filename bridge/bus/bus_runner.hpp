@@ -4,6 +4,7 @@
 // thread and only post to it.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <future>
 #include <memory>
@@ -62,6 +63,8 @@ class BusRunner {
   // BusSink::complete().
   [[nodiscard]] bool post(Command command);
   void post(std::vector<InterestChanged> interests);
+  // Samples count on from above this number, as CountAbove says.
+  void count_above(std::uint64_t number);
   // Wire trace on stdout.
   void set_trace(bool on);
   // What passes on the wire goes into the tap while that is wanted. Before start().

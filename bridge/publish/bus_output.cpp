@@ -41,7 +41,7 @@ void BusOutput::report(const BusReport& report, UtcTime at) {
   const UtcMapping now = read_clocks();
   const bool foreign =
       report.foreign_masters > std::exchange(foreign_masters_, report.foreign_masters);
-  if (foreign && in_group_) hold_.foreign_master();
+  if (foreign && in_group_) hold_.foreign_master(steady_now());
   publish({}, now);  // what stayed here
   dds_.report(alarms_.on_time(now), now);
   dds_.report(report, at);

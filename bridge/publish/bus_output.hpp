@@ -36,7 +36,7 @@ class BusOutput final : public BusSink {
   // From a master that has just vanished the bus was taken over: until the first good value comes,
   // or until then, bad ones stay here. The wire may be another bridge's after all, whose values
   // they would push aside. Any thread.
-  void prove_until(Instant limit) { hold_.prove_until(limit); }
+  void prove_until(Instant limit, Instant now) { hold_.prove_until(limit, now); }
 
   void publish(std::vector<Sample> samples, const UtcMapping& mapping) override;
   void promise(ChannelIndex channel, std::optional<Duration> gap) override;

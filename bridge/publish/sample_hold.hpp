@@ -19,16 +19,27 @@ namespace fieldcast {
 
 class SampleHold {
  public:
-  // Until then, or the first good value, bad ones stay here. Any thread.
-  void prove_until(Instant limit) { prove_until_ = limit; }
+  // Until then, or the first good value that is acquired after `now`, bad ones stay here. Any
+  // thread.
+  void prove_until(Instant limit, Instant now) {
+    proof_from_ = now;
+    prove_until_ = limit;
+  }
   // Another master of the group has the wire, and publishes what it reads there.
-  void foreign_master() { foreign_ = true; }
+  void foreign_master(Instant now) {
+    proof_from_ = now;
+    foreign_ = true;
+  }
 
   // What leaves now of these samples and of those that stayed here. `serves`: this bridge is
   // master. Also to be called without samples now and then.
   [[nodiscard]] std::vector<Sample> pass(std::vector<Sample> samples, bool serves, Instant now) {
-    const bool good = std::ranges::find(samples, Quality::kGood, &Sample::quality) != samples.end();
-    if (serves && good) {
+    const bool proof =
+        std::ranges::any_of(samples, [from = proof_from_.load()](const Sample& each) {
+          return each.quality == Quality::kGood &&
+                 each.acquired > from;  // not one that is told again
+        });
+    if (serves && proof) {
       foreign_ = false;
       prove_until_ = kLongAgo;
     }
@@ -48,7 +59,7 @@ class SampleHold {
   }
 
  private:
-  std::atomic<Instant> prove_until_{kLongAgo};
+  std::atomic<Instant> prove_until_{kLongAgo}, proof_from_{kLongAgo};
   bool foreign_ = false;  // no good value since it was heard
   std::map<ChannelIndex, Sample> held_;
 };

@@ -39,16 +39,30 @@ void Election::receive(const StandbyMember& member, Instant now) {
   Other& other = found->second;
   if (!is_new) {
     if (member.since == other.before) return;  // of its life before
-    if (member.since != other.told.since)
+    if (member.since != other.told.since) {
       other.before = other.told.since;
-    else if (member.beat <= other.told.beat)
+      const bool unheard = !other.seen_to_end && now - other.told_at >= kLease;
+      if (unheard && is_master(own_.role))
+        learn(StandbyTerm{number_of(greatest_) + kUnheardTerms} << 32);
+    } else if (member.beat <= other.told.beat) {
       return;  // it came twice, or late
+    }
   }
   other.told = member;
-  other.heard = now;
-  other.lost = member.role == StandbyRole::kLeft;
-  greatest_ = std::max(greatest_, member.term);
+  other.heard = other.told_at = now;
+  other.lost = other.seen_to_end = member.role == StandbyRole::kLeft;
+  learn(member.term);
   heed(member, now);
+}
+
+// Two terms of one number: members that did not hear each other had them, and the samples of both
+// have the same numbers. Whoever goes on takes a later one.
+void Election::learn(StandbyTerm term) {
+  const bool same = number_of(term) == number_of(greatest_) && term != greatest_;
+  const bool both =
+      static_cast<std::uint32_t>(term) != 0 && static_cast<std::uint32_t>(greatest_) != 0;
+  if (same && both) term = StandbyTerm{number_of(term) + 1} << 32;
+  greatest_ = std::max(greatest_, term);
 }
 
 // A message that changes what this member is.
@@ -63,8 +77,11 @@ void Election::heed(const StandbyMember& other, Instant now) {
     take_over();
 }
 
-void Election::lost(std::string_view bridge) {
-  if (const auto found = others_.find(bridge); found != others_.end()) found->second.lost = true;
+void Election::lost(std::string_view bridge, Instant now) {
+  const auto found = others_.find(bridge);
+  if (found == others_.end() || found->second.lost) return;
+  found->second.lost = true;
+  found->second.seen_to_end = now - found->second.told_at < kLease;
 }
 
 std::optional<std::string> Election::hand_over(std::string_view successor, Instant now) {
@@ -90,11 +107,6 @@ void Election::released(Instant now) {
   if (own_.role != StandbyRole::kHandingOver) return;
   own_.role = StandbyRole::kReleased;
   released_at_ = now;
-}
-
-void Election::yield(Duration rest, Instant now) {
-  if (own_.role != StandbyRole::kWaiting) step_back();
-  barred_until_ = now + rest;
 }
 
 void Election::step_back() {
@@ -139,8 +151,7 @@ void Election::consider(Instant now) {
     alone_since_ = now;
     return;
   }
-  if (now < settled_ || now < barred_until_ || now < doubt_until_ || !not_ready(now).empty())
-    return;
+  if (now < settled_ || now < doubt_until_ || !not_ready(now).empty()) return;
   // Better members take over first; each has some time for it.
   const Instant begun = std::max(alone_since_, settled_);
   if (const int better = better_ones(now); better > 0 && now - begun < better * kPatience) return;

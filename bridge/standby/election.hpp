@@ -7,6 +7,9 @@
 // - A master stays master, whoever comes later. It hands over when it is asked to.
 // - Each mastership has a term. A later one has a greater term, and no two members ever have the
 //   same. Of two masters that hear each other the one with the smaller term steps back at once.
+// - A master takes a later term where another one may have been master meanwhile: who was heard
+//   knows of a later term, or of another one of the same number, or has begun anew after nobody
+//   heard it for a while.
 // - A master that had no time for kDoubt, because its process was stopped or its machine stood
 //   still, serves nothing until it has listened again: another one may have taken over.
 #pragma once
@@ -45,6 +48,14 @@ using StandbyTerm = std::uint64_t;
 [[nodiscard]] constexpr std::uint32_t number_of(StandbyTerm term) {  // for people
   return static_cast<std::uint32_t>(term >> 32);
 }
+// The samples of a term count from above this number: those of a later term have greater numbers
+// than all before, whatever the new master knows of them. Of 2^32 samples of a channel for each
+// number of a term; below 2^63, as databases want it.
+[[nodiscard]] constexpr std::uint64_t sequences_of(StandbyTerm term) {
+  constexpr std::uint32_t kMost = 0x7fffffff;
+  const std::uint32_t number = number_of(term);
+  return std::uint64_t{number == 0 ? 0 : (number <= kMost ? number : kMost) - 1} << 32;
+}
 
 // What a member tells the others.
 struct StandbyMember {
@@ -75,6 +86,8 @@ class Election {
   static constexpr Duration kPatience = std::chrono::seconds{1};
   // A successor has so long to take over, then anybody may.
   static constexpr Duration kHandOver = std::chrono::seconds{1};
+  // More terms than there were while nobody heard a member that has begun anew since.
+  static constexpr std::uint32_t kUnheardTerms = 16;
 
   // `own`: name, since, strength, configuration.
   Election(StandbyMember own, Instant now);
@@ -83,7 +96,7 @@ class Election {
 
   void receive(const StandbyMember& member, Instant now);
   // Its process is gone, or it has left: at once, without its lease.
-  void lost(std::string_view bridge);
+  void lost(std::string_view bridge, Instant now);
   // Why this member cannot take over; empty: it can. A master stays one.
   void set_not_ready(std::string reason) { not_ready_ = std::move(reason); }
   void set_configuration(std::string configuration) {
@@ -94,9 +107,6 @@ class Election {
   [[nodiscard]] std::optional<std::string> hand_over(std::string_view successor, Instant now);
   // The buses are let go of, after kHandingOver.
   void released(Instant now);
-  // A master serves no longer without a successor: the wire is somebody else's, for instance. It
-  // does not take over for `rest`.
-  void yield(Duration rest, Instant now);
   // Every kTick or sooner. When kBeat has passed, or the role is another one, beat() is to be sent.
   void on_time(Instant now);
 
@@ -117,9 +127,11 @@ class Election {
  private:
   struct Other {
     StandbyMember told;
-    Instant heard;
+    Instant heard;    // as if at the end of a time in which this process stood still
+    Instant told_at;  // really
     bool lost = false;
-    std::int64_t before = 0;  // `since` of its life before this one
+    bool seen_to_end = false;  // it was heard up to its end
+    std::int64_t before = 0;   // `since` of its life before this one
   };
   [[nodiscard]] bool alive(const Other& other, Instant now) const {
     return !other.lost && now - other.heard < kLease;
@@ -131,6 +143,7 @@ class Election {
   void take_over();
   void step_back();
   void heed(const StandbyMember& other, Instant now);
+  void learn(StandbyTerm term);
 
   StandbyMember own_;
   std::string not_ready_ = "it has just begun";
@@ -138,8 +151,7 @@ class Election {
   StandbyTerm greatest_ = 0;  // heard of, or had
   Instant alone_since_;       // no master heard since then
   Instant settled_;           // others could be found until then
-  Instant barred_until_ = kLongAgo;
-  Instant looked_;  // the last on_time()
+  Instant looked_;            // the last on_time()
   Instant doubt_until_ = kLongAgo;
   Instant released_at_ = kNever;
 };

@@ -87,7 +87,7 @@ void StandbyGroup::on_member(const StandbyMessage& message) {
 void StandbyGroup::on_lost(const std::string& bridge) {
   {
     const std::lock_guard lock(mutex_);
-    election_.lost(bridge);
+    election_.lost(bridge, steady_now());
   }
   wake();
 }
@@ -148,7 +148,11 @@ void StandbyGroup::released() {
 void StandbyGroup::follow_role() {
   lease_.set(election_.serves_until());
   const StandbyRole role = election_.role();
-  if (role == told_) return;
+  const StandbyTerm term = election_.term();
+  const bool later = role == told_ && role == StandbyRole::kMaster && term != told_term_;
+  if (role == told_ && !later) return;
+  note_again_ |= later;
+  told_term_ = term;
   if (role == StandbyRole::kMaster && told_ == StandbyRole::kWaiting) {
     ++terms_begun_;
     written_ = 0;
@@ -190,7 +194,7 @@ void StandbyGroup::begin(const std::string& bus, const std::string& requester,
       note.number = ++written_;
       if (!noted_by_all(note.number, now)) {
         room = waiting_.size() < kMostWaiting && !ending_;
-        if (room) waiting_.push_back({note.number, now + kNoteLimit, std::exchange(done, {})});
+        if (room) waiting_.push_back({note, now + kNoteLimit, std::exchange(done, {})});
       }
     }
     handlers_.note(note);
@@ -210,6 +214,17 @@ void StandbyGroup::give_back(const std::string& bus, const std::string& requeste
   handlers_.note(note);
 }
 
+// Those under way, in the term that has just begun: the others count in it.
+std::vector<StandbyNote> StandbyGroup::notes_again() {
+  std::vector<StandbyNote> notes;
+  if (!std::exchange(note_again_, false)) return notes;
+  for (Waiting& each : waiting_) {
+    each.note.term = election_.term();
+    notes.push_back(each.note);
+  }
+  return notes;
+}
+
 // By all who could take over.
 bool StandbyGroup::noted_by_all(std::uint64_t number, Instant now) const {
   return std::ranges::all_of(others_, [&](const auto& entry) {
@@ -223,7 +238,7 @@ std::vector<std::pair<std::function<void(bool)>, bool>> StandbyGroup::settle_not
   std::vector<std::pair<std::function<void(bool)>, bool>> done;
   std::erase_if(waiting_, [&](Waiting& each) {
     const bool serves = election_.serves(now);
-    const bool noted = serves && noted_by_all(each.number, now);
+    const bool noted = serves && noted_by_all(each.note.number, now);
     if (!noted && serves && now < each.until) return false;
     done.emplace_back(std::move(each.done), noted);
     return true;
@@ -247,7 +262,7 @@ void StandbyGroup::look_at_processes() {
     pollfd ended{process.handle.get(), POLLIN, 0};
     if (::poll(&ended, 1, 0) <= 0) continue;
     process.handle.reset();
-    election_.lost(name);
+    election_.lost(name, steady_now());
   }
 }
 
@@ -259,6 +274,7 @@ void StandbyGroup::run() {
     std::vector<pollfd> sources{{wake_.get(), POLLIN, 0}};
     std::vector<std::pair<std::function<void(bool)>, bool>> noted;
     std::optional<StandbyMessage> told;
+    std::vector<StandbyNote> again;
     {
       const std::lock_guard lock(mutex_);
       if (ending_) return;
@@ -268,6 +284,7 @@ void StandbyGroup::run() {
       election_.on_time(now);
       follow_role();
       noted = settle_notes(now);
+      again = notes_again();
       if (now >= next_beat || std::exchange(beat_soon_, false)) {
         told = message(now);
         next_beat = now + Election::kBeat;
@@ -277,6 +294,7 @@ void StandbyGroup::run() {
       }
     }
     for (const auto& [done, all] : noted) done(all);
+    for (const StandbyNote& note : again) handlers_.note(note);
     if (told) {
       told->buses = handlers_.figures();
       handlers_.tell(*told);
@@ -296,6 +314,11 @@ std::optional<std::vector<StandbyBusFigures>> StandbyGroup::released_by_other() 
 StandbyRole StandbyGroup::role() const {
   const std::lock_guard lock(mutex_);
   return election_.role();
+}
+
+StandbyTerm StandbyGroup::term() const {
+  const std::lock_guard lock(mutex_);
+  return election_.term();
 }
 
 StandbyGroup::View StandbyGroup::view() const {

@@ -32,7 +32,7 @@ class StandbyGroup {
     std::function<void(const StandbyMessage&)> tell;
     std::function<void(const StandbyNote&)> note;
     std::function<std::vector<StandbyBusFigures>()> figures;
-    std::function<void()> changed;  // the role is another one; any thread
+    std::function<void()> changed;  // the role, or the term as master, is another one; any thread
     // What the master tells of a command; on the caller's thread of on_note().
     std::function<void(const StandbyNote&)> noted;
   };
@@ -80,10 +80,11 @@ class StandbyGroup {
   [[nodiscard]] std::optional<std::vector<StandbyBusFigures>> released_by_other() const;
   [[nodiscard]] View view() const;
   [[nodiscard]] StandbyRole role() const;
+  [[nodiscard]] StandbyTerm term() const;  // of this bridge, while it is master
 
  private:
   struct Waiting {
-    std::uint64_t number = 0;
+    StandbyNote note;
     Instant until{};
     std::function<void(bool)> done;
   };
@@ -96,6 +97,7 @@ class StandbyGroup {
   void follow_role();
   [[nodiscard]] StandbyMessage message(Instant now);
   [[nodiscard]] std::vector<std::pair<std::function<void(bool)>, bool>> settle_notes(Instant now);
+  [[nodiscard]] std::vector<StandbyNote> notes_again();
   [[nodiscard]] bool noted_by_all(std::uint64_t number, Instant now) const;
   void watch_processes();
   void look_at_processes();
@@ -118,6 +120,8 @@ class StandbyGroup {
   std::int32_t strength_ = 0;
   std::string own_name_;
   StandbyRole told_ = StandbyRole::kWaiting;
+  StandbyTerm told_term_ = 0;
+  bool note_again_ = false;
   std::uint64_t terms_begun_ = 0;
   std::optional<std::vector<StandbyBusFigures>> released_;  // by the master before
   bool beat_soon_ = false;

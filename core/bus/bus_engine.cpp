@@ -18,6 +18,7 @@ BusEngine::BusEngine(const BusSpec& spec, TextCodec& codec)
       overload_(parts_.reads.stretch()) {}
 
 void BusEngine::inherit(const BusInheritance& inherited, Instant now) {
+  parts_.channels.count_above(inherited.above);
   for (const Sample& sample : inherited.samples) parts_.channels.inherit(sample);
   for (const auto& [name, learned] : inherited.devices) {
     const auto device = parts_.setup.find(name);
@@ -125,6 +126,14 @@ void BusEngine::handle(const StopRequested&, Instant now, ActionSink& sink) {
   (void)break_off();
   state_ = BusState::kStopped;
   parts_.commands.refuse_all(Cause::kShutdown, text_of(Cause::kShutdown), now, sink);
+}
+
+void BusEngine::handle(const CountAbove& event, Instant, ActionSink& sink) {
+  if (state_ == BusState::kStopped) return;
+  parts_.channels.count_above(event.number);
+  std::vector<Sample> shown;
+  parts_.channels.again(shown);
+  sink.publish_uncounted(std::move(shown));
 }
 
 void BusEngine::handle(const PlanMade& event, Instant now, ActionSink&) {

@@ -83,6 +83,7 @@ class BusEngine {
   void handle(const LeaseBegan& event, Instant now, ActionSink& sink);
   void handle(const LeaseEnded& event, Instant now, ActionSink& sink);
   void handle(const StopRequested& event, Instant now, ActionSink& sink);
+  void handle(const CountAbove& event, Instant now, ActionSink& sink);
   void handle(const PlanMade& event, Instant now, ActionSink& sink);
   // After every event: what ran out by now, what goes on the wire next, and when to look again.
   void settle(Instant now, ActionSink& sink);

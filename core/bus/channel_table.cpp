@@ -114,7 +114,7 @@ bool ChannelTable::held_back(const Entry& entry, const Value& value, Instant acq
 }
 
 void ChannelTable::publish(Entry& entry, std::vector<Sample>& out, Instant when) {
-  ++entry.last.sequence;
+  entry.last.sequence = std::max(entry.last.sequence, above_) + 1;
   entry.published = when;
   out.push_back(entry.last);
 }
@@ -207,6 +207,15 @@ void ChannelTable::all_uncertain(Instant now, std::vector<Sample>& out) {
     if (!good) continue;
     entry.last.quality = Quality::kUncertain;
     publish(entry, out, entry.published);
+  }
+}
+
+// What was read because somebody asked stays as it is: another bridge may have read it later.
+void ChannelTable::again(std::vector<Sample>& out) {
+  for (Entry& entry : entries_) {
+    const bool shown = entry.last.sequence != 0;
+    const bool bad = entry.last.quality != Quality::kGood && entry.last.acquired != kLongAgo;
+    if (shown && (entry.freshness.refresh() || bad)) publish(entry, out, entry.published);
   }
 }
 

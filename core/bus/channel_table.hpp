@@ -6,6 +6,8 @@
 // that are no value of the channel's type become a sample of bad quality.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <queue>
 #include <span>
@@ -38,6 +40,11 @@ class ChannelTable {
   // The last sample, as another bridge has published it. One of another type is not taken, but its
   // sequence.
   void inherit(const Sample& sample);
+  // Samples count on from above this number.
+  void count_above(std::uint64_t number) { above_ = std::max(above_, number); }
+  // What each channel shows that is promised to somebody, or is not good, once more with its next
+  // number.
+  void again(std::vector<Sample>& out);
 
   // The refresh in force; nothing while nobody is promised anything (on demand, no interest).
   [[nodiscard]] std::optional<Duration> refresh(ChannelIndex channel) const;
@@ -97,6 +104,7 @@ class ChannelTable {
   void publish(Entry& entry, std::vector<Sample>& out, Instant when);
   [[nodiscard]] bool held_back(const Entry& entry, const Value& value, Instant acquired) const;
 
+  std::uint64_t above_ = 0;
   CauseCounters misses_;
   TextCodec& codec_;
   std::vector<Entry> entries_;

@@ -2,6 +2,7 @@
 // engine wants done (actions). Plain values without a thread; their receiver owns them.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -52,12 +53,17 @@ struct LeaseBegan {
 struct LeaseEnded {};
 // Every pending command is answered with kShutdown; nothing is sent afterwards.
 struct StopRequested {};
+// Another bridge may have published samples of this bus, with numbers up to this one: samples count
+// on from above it, and what channels show now is published once more.
+struct CountAbove {
+  std::uint64_t number = 0;
+};
 // The draft of the last MakePlan is made.
 struct PlanMade {
   std::shared_ptr<PlanDraft> draft;
 };
 using BusEvent = std::variant<Opened, Closed, Received, TimerFired, CommandArrived, InterestChanged,
-                              LeaseBegan, LeaseEnded, StopRequested, PlanMade>;
+                              LeaseBegan, LeaseEnded, StopRequested, CountAbove, PlanMade>;
 
 // Actions, to be executed in order.
 

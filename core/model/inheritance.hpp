@@ -2,6 +2,7 @@
 // learned of its devices. Plain values.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -18,6 +19,8 @@ struct BusInheritance {
   // the engine that takes over.
   std::vector<Sample> samples;
   std::map<std::string, DeviceReport> devices;  // by name; what was learned
+  // Samples count on from above it, also those of channels that were never published.
+  std::uint64_t above = 0;
 };
 
 }  // namespace fieldcast

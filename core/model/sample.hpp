@@ -20,7 +20,7 @@ struct Sample {
   Quality quality = Quality::kNotYetRead;
   std::uint16_t device_code = 0;  // with kBadDeviceError
   Instant acquired = kLongAgo;    // arrival of the answer's last byte; kLongAgo: never read
-  std::uint64_t sequence = 0;     // counts the samples of the channel, from 1
+  std::uint64_t sequence = 0;     // grows with each sample of the channel; 0: none yet
 };
 
 }  // namespace fieldcast

@@ -279,5 +279,32 @@ TEST(ChannelTable, SequencesGoOnWhereAnotherBridgeWas) {
   EXPECT_EQ(out.back().sequence, 43u);
 }
 
+// Also of channels of which this bridge has heard nothing.
+TEST(ChannelTable, CountsOnAboveWhatAnotherOneMayHavePublished) {
+  ChannelSpec on_demand = channel("b", 1s);
+  on_demand.mode = Mode::kOnDemand;
+  const BusSpec bus = one_device({channel("a", 1s), on_demand, channel("c", 1s)});
+  ChannelTable table(bus);
+  std::vector<Sample> out;
+  table.acquired(0, 16, items(7), Instant{1s}, out);
+  table.acquired(1, 16, items(8), Instant{1s}, out);
+  out.clear();
+  table.count_above(1000);
+  table.again(out);
+  ASSERT_EQ(out.size(), 1u) << "what is read on demand another one may have read later";
+  EXPECT_EQ(out[0].channel, 0u);
+  EXPECT_EQ(out[0].sequence, 1001u);
+  EXPECT_EQ(out[0].acquired, Instant{1s});
+  out.clear();
+  for (ChannelIndex each : {0u, 1u, 2u}) table.acquired(each, 16, items(9), Instant{2s}, out);
+  ASSERT_EQ(out.size(), 3u);
+  EXPECT_EQ(out[0].sequence, 1002u);
+  EXPECT_EQ(out[1].sequence, 1001u);
+  EXPECT_EQ(out[2].sequence, 1001u);
+  table.count_above(500);  // it only grows
+  table.acquired(0, 16, items(9), Instant{3s}, out);
+  EXPECT_EQ(out.back().sequence, 1003u);
+}
+
 }  // namespace
 }  // namespace fieldcast

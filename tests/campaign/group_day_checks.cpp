@@ -102,8 +102,11 @@ void GroupDay::see_sample(const GroupBlock& block, const Sample& sample) {
   Channel& channel = channels_[sample.channel];
   if (sabotage_ == GroupSabotage::kSilence && sample.channel == 0 && now() - Instant{} > 5min)
     return;
-  if (block.epoch < channel.epoch) return;
-  if (block.epoch > channel.epoch) {
+  // A catalogue is there as long as a bridge serves it.
+  const bool gone = std::ranges::none_of(
+      members_, [&](const auto& member) { return member->epoch() == channel.epoch; });
+  if (block.epoch < channel.epoch && !gone) return;
+  if (block.epoch != channel.epoch) {
     channel.epoch = block.epoch;
     channel.sequence = 0;
     channel.master_began = {};  // nobody knew what was before

@@ -11,11 +11,6 @@ using namespace std::chrono_literals;
 constexpr Duration kFinish = 200ms, kLastBlocks = 50ms, kAfterHandOver = 500ms, kProve = 3s;
 constexpr std::uint64_t kSequenceMargin = 1024;
 
-std::uint64_t sequence_margin(StandbyTerm counted, StandbyTerm own) {
-  const std::uint32_t before = number_of(counted), now = number_of(own);
-  return kSequenceMargin * (before != 0 && now > before ? now - before : 1);
-}
-
 std::string name_of_member(std::size_t index) {
   return std::string(1, static_cast<char>('a' + index));
 }
@@ -65,7 +60,7 @@ void GroupMember::stop(Duration time, Instant now) {
 }
 
 void GroupMember::lost(const std::string& name) {
-  if (election_) election_->lost(name);
+  if (election_) election_->lost(name, outside_.wire.now());
 }
 
 bool GroupMember::hand_over(Instant now) {
@@ -86,7 +81,6 @@ void GroupMember::join(Instant now) {
   std::size_t channels = 0;
   for (const DeviceSpec& device : spec_.devices) channels += device.channels.size();
   followed_.samples.resize(channels);
-  followed_.terms.resize(channels);
   held_->stand_by();
   outside_.wire.replace(index_, static_cast<unsigned>(random_() % WireFence::kRanks), random_());
   StandbyMember own;
@@ -162,7 +156,6 @@ void GroupMember::follow_role(Instant now) {
   if (role != told_) {
     if (role == StandbyRole::kMaster && told_ == StandbyRole::kWaiting) {
       written_ = 0;
-      regained_ = false;
       released_.reset();
       for (const auto& [name, told] : others_) {
         if (told.member.role == StandbyRole::kReleased && told.member.successor == name_ &&
@@ -189,7 +182,7 @@ void GroupMember::follow_role(Instant now) {
   }
   if (serving_ && may_send(now)) {
     publish({}, now);  // what stayed here
-    remain_master(now);
+    remain_master();
     for (const CommandResult& result : std::exchange(late_, {})) outside_.tell(result);
   }
 }
@@ -199,26 +192,21 @@ void GroupMember::promote(Instant now) {
       released_ && followed_.epoch == released_->epoch && followed_.blocks >= released_->blocks;
   if (released_ && !whole && now < promote_by_) return;
   promote_by_ = kNever;
-  // Who does not know each channel begins anew.
-  const bool goes_on = followed_.epoch != 0 &&
-                       std::ranges::none_of(followed_.samples,
-                                            [](const Sample& each) { return each.sequence == 0; });
+  const bool goes_on = followed_.epoch != 0;
   note(std::string("is master") + (whole ? ", was handed over to" : "") +
        (goes_on ? "" : ", begins anew"));
   ++takeovers_;
   serving_ = true;
   promoted_ = now;
-  if (!goes_on) {
-    for (Sample& sample : followed_.samples) sample = {};
-  }
-  BusInheritance inherited{followed_.samples, followed_.devices};
+  counted_ = term();
+  BusInheritance inherited{followed_.samples, followed_.devices, sequences_of(counted_)};
   for (Sample& sample : inherited.samples) {
-    if (sample.sequence != 0 && !whole)
-      sample.sequence += sequence_margin(followed_.terms[sample.channel], term());
+    if (sample.sequence != 0 && !whole) sample.sequence += kSequenceMargin;
     if (outside_.sabotage == GroupSabotage::kSequences) sample.sequence = 0;
   }
+  if (outside_.sabotage == GroupSabotage::kSequences) inherited.above = 0;
   if (!goes_on) followed_.epoch = static_cast<std::uint64_t>(now.time_since_epoch().count());
-  if (goes_on && !whole) hold_->prove_until(now + kProve);
+  if (goes_on && !whole) hold_->prove_until(now + kProve, now);
   outside_.wire.master(index_).engine.inherit(inherited, now);
   outside_.wire.open(index_);
   publish_again(now);
@@ -266,14 +254,9 @@ void GroupMember::receive(const GroupMessage& message, Instant now) {
   if (!election_) return;
   if (const auto* member = std::get_if<StandbyMessage>(&message)) {
     const std::string& name = member->member.bridge;
-    const auto known = others_.find(name);
-    const bool again = known != others_.end() &&
-                       known->second.member.since == member->member.since &&
-                       !election_->is_alive(name, now);
     election_->receive(member->member, now);
     others_[name] = *member;
     follow_role(now);
-    regained_ |= again && election_ && election_->role() == StandbyRole::kMaster;
     if (election_) settle_notes(now);
   } else if (const auto* noted = std::get_if<StandbyNote>(&message)) {
     on_note(*noted);
@@ -289,20 +272,17 @@ void GroupMember::receive(const GroupMessage& message, Instant now) {
   }
 }
 
-// Another one may have been master meanwhile: stations begin anew.
-void GroupMember::remain_master(Instant now) {
-  std::uint64_t epoch = followed_.epoch;
-  bool more = std::exchange(regained_, false);
-  for (const auto& [name, told] : others_) {
-    if (told.buses.empty()) continue;
-    const StandbyBusFigures& theirs = told.buses.front();
-    more |= std::pair(theirs.epoch, theirs.blocks) > std::pair(followed_.epoch, followed_.blocks);
-    epoch = std::max(epoch, theirs.epoch);
-  }
-  if (!more) return;
-  note("another one may have been master meanwhile");
-  followed_.epoch = std::max(static_cast<std::uint64_t>(now.time_since_epoch().count()), epoch + 1);
-  publish_again(now);
+// In a later term: another one may have been master meanwhile.
+void GroupMember::remain_master() {
+  if (election_->role() != StandbyRole::kMaster || counted_ == term()) return;
+  counted_ = term();
+  note("remains master, in term " + std::to_string(number_of(counted_)));
+  again_ = true;
+  outside_.wire.feed(index_, CountAbove{sequences_of(counted_)});
+  again_ = false;
+  for (const Waiting& each : waiting_)
+    tell_note(StandbyNoteKind::kBegun, {each.command.requester, each.command.request_id},
+              each.number);
 }
 
 void GroupMember::on_note(const StandbyNote& note) {
@@ -332,7 +312,6 @@ void GroupMember::follow(const GroupBlock& block) {
     Sample& known = followed_.samples[sample.channel];
     if (sample.sequence <= known.sequence) continue;
     known = sample;
-    followed_.terms[sample.channel] = block.term;
   }
 }
 
@@ -345,13 +324,13 @@ void GroupMember::on_action(const Action& action, Instant now) {
   const auto* notice = std::get_if<Notice>(&action);
   if (notice == nullptr) return;
   note("notice: " + notice->device + " " + notice->text);
-  if (notice->kind == Notice::Kind::kForeignMaster) hold_->foreign_master();
+  if (notice->kind == Notice::Kind::kForeignMaster) hold_->foreign_master(now);
 }
 
 void GroupMember::publish(std::vector<Sample> samples, Instant now) {
   samples = hold_->pass(std::move(samples), may_send(now), now);
   if (samples.empty()) return;
-  GroupBlock block{followed_.epoch, ++followed_.blocks, promoted_, term(), false, samples, {}};
+  GroupBlock block{followed_.epoch, ++followed_.blocks, promoted_, term(), again_, samples, {}};
   for (const Sample& sample : samples) followed_.samples[sample.channel] = sample;
   if (now >= next_report_) {
     next_report_ = now + 1s;

@@ -70,6 +70,8 @@ class GroupMember {
   [[nodiscard]] bool alive() const { return alive_; }
   [[nodiscard]] bool may_send(Instant now) const;
   [[nodiscard]] bool serving() const { return serving_; }
+  // Of the catalogue that it publishes; 0: none.
+  [[nodiscard]] std::uint64_t epoch() const { return alive_ && serving_ ? followed_.epoch : 0; }
   [[nodiscard]] StandbyTerm term() const { return election_ ? election_->term() : 0; }
   // Since when it could be master, without a break; kNever: it cannot.
   [[nodiscard]] Instant fit_since() const { return fit_since_; }
@@ -84,7 +86,6 @@ class GroupMember {
   struct Followed {
     std::uint64_t epoch = 0, blocks = 0;
     std::vector<Sample> samples;
-    std::vector<StandbyTerm> terms;  // in which each came first
     std::map<std::string, DeviceReport> devices;
   };
   using Key = HeldCommands<Command>::Key;
@@ -106,7 +107,7 @@ class GroupMember {
   void complete(const CommandResult& result, Instant now);
 
   void publish(std::vector<Sample> samples, Instant now);
-  void remain_master(Instant now);
+  void remain_master();
   void follow(const GroupBlock& block);
   void on_note(const StandbyNote& note);
   [[nodiscard]] StandbyMessage message(Instant now);
@@ -133,7 +134,6 @@ class GroupMember {
   StandbyRole told_ = StandbyRole::kWaiting;
   std::optional<StandbyBusFigures> released_;  // by the master before
   Instant next_tick_{}, next_beat_{};
-  bool regained_ = false;
   bool beat_soon_ = false;
   std::uint64_t written_ = 0, noted_ = 0;
   StandbyTerm noted_term_ = 0;
@@ -141,6 +141,8 @@ class GroupMember {
 
   // The bus.
   bool serving_ = false, handing_over_ = false;
+  StandbyTerm counted_ = 0;  // in which its samples count
+  bool again_ = false;       // what is published is what was known
   Instant promoted_{}, promote_by_ = kNever, release_by_ = kNever, leave_at_ = kNever;
   Followed followed_;  // as a waiting member; as master what it published
   std::uint64_t in_hand_ = 0;

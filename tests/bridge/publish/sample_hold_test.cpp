@@ -14,6 +14,7 @@ Sample sample_of(ChannelIndex channel, Quality quality, std::uint64_t sequence) 
   sample.channel = channel;
   sample.quality = quality;
   sample.sequence = sequence;
+  sample.acquired = kNow;
   return sample;
 }
 
@@ -33,7 +34,7 @@ TEST(SampleHold, LetsEverythingPassAtOnceWhereNothingSpeaksAgainstIt) {
 
 TEST(SampleHold, WhatStayedWhileAnotherMasterHadTheWireLeavesWithTheFirstGoodValue) {
   SampleHold hold;
-  hold.foreign_master();
+  hold.foreign_master(kNow - 1ms);
   EXPECT_TRUE(hold.pass({sample_of(1, Quality::kUncertain, 7)}, true, kNow).empty());
   EXPECT_TRUE(hold.pass({sample_of(2, Quality::kUncertain, 8)}, true, kNow).empty());
   EXPECT_TRUE(hold.pass({sample_of(1, Quality::kBadNoAnswer, 9)}, true, kNow).empty());
@@ -44,10 +45,19 @@ TEST(SampleHold, WhatStayedWhileAnotherMasterHadTheWireLeavesWithTheFirstGoodVal
 
 TEST(SampleHold, AfterATakeoverBadValuesWaitForTheFirstGoodOneOrForTheirTime) {
   SampleHold hold;
-  hold.prove_until(kNow + 3s);
+  hold.prove_until(kNow + 3s, kNow - 1ms);
   EXPECT_TRUE(hold.pass({sample_of(1, Quality::kBadNoAnswer, 7)}, true, kNow).empty());
   EXPECT_TRUE(hold.pass({}, true, kNow + 2s).empty());
   EXPECT_EQ(sequences(hold.pass({}, true, kNow + 3s)), Sequences{7});
+}
+
+TEST(SampleHold, AGoodValueOfBeforeProvesNothing) {
+  SampleHold hold;
+  hold.foreign_master(kNow);
+  EXPECT_TRUE(hold.pass({sample_of(1, Quality::kGood, 7)}, true, kNow + 1ms).empty());
+  Sample fresh = sample_of(2, Quality::kGood, 8);
+  fresh.acquired = kNow + 2ms;
+  EXPECT_EQ(sequences(hold.pass({fresh}, true, kNow + 2ms)), (Sequences{7, 8}));
 }
 
 TEST(SampleHold, WhoIsInDoubtWhetherItIsMasterPublishesNothingBeforeItKnows) {

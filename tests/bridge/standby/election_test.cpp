@@ -67,18 +67,27 @@ TEST(Election, AProcessThatIsSeenToEndIsReplacedAtOnce) {
   const auto b = group.add("b", 1);
   group.run(2s);
   group.kill(a);
-  group.of(b).lost("a");
+  group.of(b).lost("a", group.clock(group.node(b)));
   group.run(Election::kTick + 1ms);
   EXPECT_EQ(group.masters(), Names{"b"});
 }
 
 TEST(Election, AStrongerOneThatDoesNotTakeOverIsNotWaitedForForEver) {
-  Group group(1);
-  const auto a = group.add("a", 5);
-  group.add("b", 1);
-  group.of(a).yield(1h, group.clock(group.node(a)));
-  group.run(1s + Election::kPatience + 100ms);
-  EXPECT_EQ(group.masters(), Names{"b"});
+  Election own(member("b", 1), kStart);
+  own.set_not_ready("");
+  StandbyMember stronger = member("a", 5);
+  Instant now = kStart;
+  const auto run = [&](Duration time) {
+    for (const Instant end = now + time; now < end; now += Election::kTick) {
+      ++stronger.beat;
+      own.receive(stronger, now);
+      own.on_time(now);
+    }
+  };
+  run(Election::kSettle + Election::kPatience - 100ms);
+  EXPECT_EQ(own.role(), StandbyRole::kWaiting);
+  run(200ms);
+  EXPECT_EQ(own.role(), StandbyRole::kMaster);
 }
 
 TEST(Election, WhoIsNotReadyDoesNotTakeOverAndSaysWhy) {
@@ -171,15 +180,79 @@ TEST(Election, AMasterWhoseGroupKnowsAGreaterTermTakesAGreaterOne) {
   Group group(1);
   const auto a = group.add("a", 2);
   const auto b = group.add("b", 1);
+  const auto c = group.add("c", 0);
   group.run(2s);
   group.part(a, b);
+  group.part(a, c);
   group.run(1s);
-  group.of(b).yield(1h, group.clock(group.node(b)));  // the wire was not free
-  const auto seen = group.of(b).beat().term;
-  group.heal();
+  const auto seen = group.of(b).term();
+  group.kill(b);
+  group.run(100ms);
+  group.heal();  // before c takes over
   group.run(500ms);
   EXPECT_EQ(group.masters(), Names{"a"});
-  EXPECT_GT(group.of(a).term(), seen);
+  EXPECT_GT(number_of(group.of(a).term()), number_of(seen));
+}
+
+// Two that took over out of sight of each other publish the same numbers.
+TEST(Election, AMasterThatHearsOfAnotherTermOfItsNumberTakesALaterOne) {
+  Group group(1);
+  const auto a = group.add("a", 3);
+  const auto b = group.add("b", 2);
+  const auto c = group.add("c", 1);
+  group.run(2s);
+  group.part(a, b);
+  group.part(a, c);
+  group.part(b, c);
+  group.run(3s);
+  ASSERT_EQ(group.masters(), (Names{"a", "b", "c"}));
+  const auto number = number_of(group.of(b).term());
+  ASSERT_EQ(number_of(group.of(c).term()), number);
+  group.heal();
+  group.run(1s);
+  const auto masters = group.masters();
+  ASSERT_EQ(masters.size(), 1u);
+  ASSERT_NE(masters[0], "a") << "its term was the smallest";
+  EXPECT_GT(number_of(group.of(masters[0] == "b" ? b : c).term()), number);
+}
+
+// It may have been master, and remembers nothing.
+TEST(Election, AMasterTakesALaterTermWhenAMemberThatNobodyHeardBeginsAnew) {
+  for (const bool heard : {true, false}) {
+    Group group(1);
+    const auto a = group.add("a", 2);
+    const auto b = group.add("b", 1);
+    group.run(2s);
+    const auto first = number_of(group.of(a).term());
+    if (!heard) {
+      group.part(a, b);
+      group.run(2s);
+      ASSERT_EQ(group.masters(), (Names{"a", "b"}));
+      ASSERT_GT(number_of(group.of(b).term()), first);
+    }
+    group.kill(b);
+    group.of(a).lost("b", group.clock(group.node(a)));
+    group.run(1s);
+    group.heal();
+    group.restart(b);
+    group.run(3s);
+    EXPECT_EQ(group.masters(), Names{"a"});
+    if (heard) {
+      EXPECT_EQ(number_of(group.of(a).term()), first);
+    } else {
+      EXPECT_GT(number_of(group.of(a).term()), first + 1) << "and thus than that of b";
+    }
+  }
+}
+
+TEST(Election, TheSamplesOfALaterTermHaveGreaterNumbers) {
+  const auto term = [](std::uint32_t number) { return StandbyTerm{number} << 32 | 0xabcd; };
+  EXPECT_EQ(sequences_of(0), 0u);
+  EXPECT_EQ(sequences_of(term(1)), 0u)
+      << "a group that has had one master counts as a bridge alone";
+  EXPECT_EQ(sequences_of(term(2)), std::uint64_t{1} << 32);
+  EXPECT_GT(sequences_of(term(8)), sequences_of(term(7)));
+  EXPECT_LT(sequences_of(term(0xffffffff)), std::uint64_t{1} << 63) << "a column of a database";
 }
 
 // A day's troubles in some minutes. FIELDCAST_SEEDS: how many.

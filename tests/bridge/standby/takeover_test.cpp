@@ -11,9 +11,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <set>
 
+#include "bridge/dds/standby_channel.hpp"
 #include "bridge/station/station.hpp"
 #include "tests/bridge/support/claimed_domain.hpp"
 #include "tests/bridge/support/process.hpp"
@@ -48,10 +50,11 @@ class Watch {
     station_.subscribe_samples(
         [this](const StationSample& sample) {
           const std::lock_guard lock(mutex_);
+          std::uint64_t& sequence = sequences_[sample.channel];
+          if (sample.sequence <= sequence) fault_ = "a sequence went back";
+          sequence = sample.sequence;
           if (sample.channel != "count") return;
           const auto now = Clock::now();
-          if (sample.sequence <= sequence_) fault_ = "a sequence went back";
-          sequence_ = sample.sequence;
           if (sample.quality != Quality::kGood) {
             ++bad_;
             return;
@@ -92,11 +95,16 @@ class Watch {
     const std::lock_guard lock(mutex_);
     return last_result_;
   }
+  std::uint64_t sequence_of(const std::string& channel) {
+    const std::lock_guard lock(mutex_);
+    return sequences_[channel];
+  }
   Station& station() { return station_; }
 
  private:
   std::mutex mutex_;
-  std::uint64_t good_ = 0, bad_ = 0, sequence_ = 0;
+  std::uint64_t good_ = 0, bad_ = 0;
+  std::map<std::string, std::uint64_t> sequences_;  // by channel
   Clock::duration longest_{};
   Clock::time_point last_;
   std::string fault_;
@@ -272,6 +280,38 @@ TEST_F(TakeoverTest, AMasterThatStoodStillDoesNotSpeakAgainAndStandsBy) {
   for (const auto& [id, count] : watch.results()) EXPECT_EQ(count, 1) << id;
   for (const auto& [id, result] : watch.last_results())
     EXPECT_EQ(result.state, CommandState::kDone) << id << ": " << result.reason;
+  EXPECT_EQ(watch.fault(), "");
+  expect_one_master();
+}
+
+// After a cut of the network a third one tells of a term that nobody is master of any more: whoever
+// was, has published greater numbers.
+TEST_F(TakeoverTest, AMasterThatRemainsAfterACutCountsAboveTheOneThatLeft) {
+  start_both();
+  Domain outside(Watch::spec(domain.number()), "third", nullptr);
+  StandbyChannelHandlers nobody;
+  nobody.member = [](const auto&) {};
+  nobody.lost = [](const auto&) {};
+  nobody.note = [](const auto&) {};
+  nobody.request = [](const auto&) {};
+  StandbyChannel third(outside, "third", "g", 0, nobody);
+  StandbyMessage told;
+  told.group = "g";
+  told.member.bridge = "third";
+  told.member.since = 1;
+  told.member.not_ready = "it only knows of another master";
+  told.member.term = StandbyTerm{7} << 32 | 1;
+  EXPECT_TRUE(within([&] {
+    ++told.member.beat;
+    third.tell(told);
+    return watch.sequence_of("count") > sequences_of(told.member.term) &&
+           watch.sequence_of("level") > sequences_of(told.member.term);
+  }));
+  EXPECT_TRUE(says("a", "remains master of group g, term 8"));
+  expect_samples();
+  write(17);
+  EXPECT_TRUE(within([&] { return watch.results().size() == 1; }));
+  EXPECT_EQ(watch.last_results().begin()->second.state, CommandState::kDone);
   EXPECT_EQ(watch.fault(), "");
   expect_one_master();
 }
