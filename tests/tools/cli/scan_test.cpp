@@ -7,10 +7,15 @@
 #include <set>
 
 #include "core/codec/checksum.hpp"
+#include "core/protocol/omron_hostlink/hostlink.hpp"
+#include "tests/tools/sim/device_setup.hpp"
+#include "tests/tools/sim/listen.hpp"
 #include "tools/cli/scan/identity.hpp"
+#include "tools/cli/scan/omron_identity.hpp"
 #include "tools/cli/scan/scan_plan.hpp"
 #include "tools/cli/scan/scan_view.hpp"
 #include "tools/cli/scan/scanner.hpp"
+#include "tools/sim/device/hostlink_device.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -147,7 +152,7 @@ TEST(ScanIdentity, ModbusDevicesNameThemselves) {
   answer.push_back(static_cast<std::uint8_t>(crc));
   answer.push_back(static_cast<std::uint8_t>(crc >> 8));
 
-  const auto exchange = modbus_identity("modbus-rtu", 5);
+  const auto exchange = identity_exchange("modbus-rtu", 5);
   Bytes out;
   EXPECT_EQ(exchange->start(out).kind, Step::Kind::kSend);
   EXPECT_EQ(to_hex(ByteView(out).first(5)), "05 2B 0E 01 00");
@@ -160,9 +165,9 @@ TEST(ScanIdentity, ModbusDevicesNameThemselves) {
 
 TEST(ScanIdentity, NothingThatComesBreaksIt) {
   std::uint32_t random = 1;
-  for (const char* protocol : {"modbus-rtu", "modbus-ascii", "modbus-tcp"}) {
+  for (const char* protocol : {"modbus-rtu", "modbus-ascii", "modbus-tcp", "omron-hostlink"}) {
     for (unsigned run = 0; run < 3000; ++run) {
-      const auto exchange = modbus_identity(protocol, 5);
+      const auto exchange = identity_exchange(protocol, 5);
       Bytes out, bytes;
       (void)exchange->start(out);
       for (unsigned i = 0; i < 40; ++i) {
@@ -182,13 +187,80 @@ TEST(ScanIdentity, ARefusalIsNoName) {
   const std::uint16_t crc = crc16_modbus(answer);
   answer.push_back(static_cast<std::uint8_t>(crc));
   answer.push_back(static_cast<std::uint8_t>(crc >> 8));
-  const auto exchange = modbus_identity("modbus-rtu", 5);
+  const auto exchange = identity_exchange("modbus-rtu", 5);
   Bytes out;
   (void)exchange->start(out);
   const Step step = exchange->on_bytes(answer, out);
   EXPECT_EQ(step.kind, Step::Kind::kFailed);
   EXPECT_EQ(step.cause, Cause::kDeviceError);
-  EXPECT_EQ(modbus_identity("omron-hostlink", 5), nullptr);
+  EXPECT_EQ(identity_exchange("s7-ppi", 5), nullptr);
+}
+
+std::string hostlink_frame(const std::string& body) {
+  Bytes frame(body.begin(), body.end());
+  omron::append_end(frame, 0, true);
+  return {frame.begin(), frame.end()};
+}
+Bytes bytes_of(const std::string& text) { return {text.begin(), text.end()}; }
+std::string identity_in(const Exchange& exchange) {
+  const Bytes& items = exchange.reply().front().items;
+  return {items.begin(), items.end()};
+}
+
+TEST(ScanIdentity, AnOlderOmronNamesItsModel) {
+  const auto exchange = identity_exchange("omron-hostlink", 7);
+  Bytes out;
+  EXPECT_EQ(exchange->start(out).kind, Step::Kind::kSend);
+  EXPECT_EQ(std::string(out.begin(), out.end()), hostlink_frame("@07MM"));
+  const Bytes answer = bytes_of(hostlink_frame("@08MM0001") + hostlink_frame("@07MM0012"));
+  for (std::size_t size = 1; size < answer.size(); ++size)
+    EXPECT_EQ(exchange->on_bytes(ByteView(answer).first(size), out).kind, Step::Kind::kNeedMore);
+  ASSERT_EQ(exchange->on_bytes(answer, out).kind, Step::Kind::kDone);
+  EXPECT_EQ(identity_in(*exchange), "C20H/C28H/C40H/C200H/C200HS/C200HX/HG/HE (model code 12)");
+}
+
+TEST(ScanIdentity, AnUnknownModelIsShownByItsCode) {
+  EXPECT_EQ(hostlink_model_text(0x5A), "unknown model (model code 5A)");
+  const auto exchange = identity_exchange("omron-hostlink", 0);
+  Bytes out;
+  (void)exchange->start(out);
+  ASSERT_EQ(exchange->on_bytes(bytes_of(hostlink_frame("@00MM005A")), out).kind, Step::Kind::kDone);
+  EXPECT_EQ(identity_in(*exchange), "unknown model (model code 5A)");
+}
+
+TEST(ScanIdentity, ANewerOmronIsAskedByFinsToo) {
+  sim::HostLinkDevice device(sim::test::device_setup(3));
+  const auto receiver = device.open_receiver();
+  const auto exchange = identity_exchange("omron-hostlink", 3);
+  Bytes out;
+  Step step = exchange->start(out);
+  for (int question = 0; question < 2; ++question) {
+    ASSERT_EQ(step.kind, Step::Kind::kSend);
+    const Bytes answer = sim::test::listen(*receiver, out).answer;
+    EXPECT_EQ(answer.size(), step.characters);
+    out.clear();
+    step = exchange->on_bytes(answer, out);
+  }
+  ASSERT_EQ(step.kind, Step::Kind::kDone);
+  EXPECT_EQ(identity_in(*exchange), "CS/CJ (model code 30), CS1H-CPU67H, 04.00");
+}
+
+TEST(ScanIdentity, TheModelStaysWhereFinsIsNotAnswered) {
+  for (const char* second : {"", "@00IC", "@00FA18", "@00FA00400000000501040100"}) {
+    const auto exchange = identity_exchange("omron-hostlink", 0);
+    Bytes out;
+    (void)exchange->start(out);
+    ASSERT_EQ(exchange->on_bytes(bytes_of(hostlink_frame("@00MM0030")), out).kind,
+              Step::Kind::kSend);
+    const Step step = *second == '\0' ? exchange->on_silence(out)
+                                      : exchange->on_bytes(bytes_of(hostlink_frame(second)), out);
+    EXPECT_EQ(step.kind, Step::Kind::kDone) << second;
+    EXPECT_EQ(identity_in(*exchange), "CS/CJ (model code 30)") << second;
+  }
+  const auto refused = identity_exchange("omron-hostlink", 0);
+  Bytes out;
+  (void)refused->start(out);
+  EXPECT_EQ(refused->on_bytes(bytes_of(hostlink_frame("@00MM21")), out).device_code, 0x21);
 }
 
 TEST(ScanView, WhatDevicesSayStaysAComment) {

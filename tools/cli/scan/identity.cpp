@@ -6,6 +6,7 @@
 #include "core/base/escaped.hpp"
 #include "core/codec/checksum.hpp"
 #include "core/protocol/modbus/framing.hpp"
+#include "tools/cli/scan/omron_identity.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -113,13 +114,15 @@ class ModbusIdentity final : public Exchange {
 
 }  // namespace
 
-std::unique_ptr<Exchange> modbus_identity(std::string_view protocol, std::uint8_t unit) {
+std::unique_ptr<Exchange> identity_exchange(std::string_view protocol, std::uint16_t address) {
+  const auto unit = static_cast<std::uint8_t>(address);
   if (protocol == "modbus-rtu")
     return std::make_unique<ModbusIdentity>(Form::kRtu, modbus::rtu_framing(), unit);
   if (protocol == "modbus-ascii")
     return std::make_unique<ModbusIdentity>(Form::kAscii, modbus::ascii_framing(), unit);
   if (protocol == "modbus-tcp")
     return std::make_unique<ModbusIdentity>(Form::kTcp, modbus::tcp_framing(), unit);
+  if (protocol == "omron-hostlink") return hostlink_identity(address);
   return nullptr;
 }
 

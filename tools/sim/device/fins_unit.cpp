@@ -1,6 +1,7 @@
 #include "tools/sim/device/fins_unit.hpp"
 
 #include <algorithm>
+#include <string_view>
 
 #include "tools/sim/device/omron_memory.hpp"
 
@@ -11,6 +12,9 @@ constexpr std::size_t kAddressSize = 4, kMostAnswer = 538, kMostItems = 128;
 constexpr std::uint16_t kUndefined = 0x0401, kCommandTooLong = 0x1001, kCommandTooShort = 0x1002,
                         kCountDiffers = 0x1003, kNoArea = 0x1101, kStartOutside = 0x1103,
                         kEndOutside = 0x1104, kAnswerTooLong = 0x110B, kParameter = 0x110C;
+// A CPU with the banks of EM that this one has.
+constexpr std::string_view kCpuModel = "CS1H-CPU67H", kCpuVersion = "04.00";
+constexpr std::size_t kCpuText = 20, kCpuSystem = 40, kCpuAreas = 12, kBusUnits = 65;
 
 }  // namespace
 
@@ -44,6 +48,7 @@ FinsUnit::Result FinsUnit::dispatch(std::uint16_t command, ByteView text, Instan
     case 0x0105: return transfer(text, now);
     case 0x0401: mode_ = text.size() >= 3 ? text[2] : std::uint8_t{2}; return {};
     case 0x0402: mode_ = 0; return {};
+    case 0x0501: return cpu_data(text);
     case 0x0601: {  // status, mode, errors, and a message of sixteen characters
       Bytes data{static_cast<std::uint8_t>(mode_ == 0 ? 0x04 : 0x05), mode_};
       data.resize(10);
@@ -192,6 +197,23 @@ FinsUnit::Result FinsUnit::transfer(ByteView text, Instant now) {
   append_items(*from, count, now, data);
   store(*to, count, data, now);
   return {};
+}
+
+// [00: the CPU, 01: units on its bus] -> model(20) version(20) for the system(40) areas(12);
+// 01: 64 bytes of units and one of remote I/O; nothing: both (W342, 5-3-15).
+FinsUnit::Result FinsUnit::cpu_data(ByteView text) {
+  if (text.size() > 1) return {kCommandTooLong, {}};
+  if (!text.empty() && text[0] > 1) return {kParameter, {}};
+  Result result;
+  if (text.empty() || text[0] == 0) {
+    Bytes& data = result.data;
+    data.assign(kCpuModel.begin(), kCpuModel.end());
+    data.resize(kCpuText, ' ');
+    data.insert(data.end(), kCpuVersion.begin(), kCpuVersion.end());
+    data.resize(2 * kCpuText + kCpuSystem + kCpuAreas);
+  }
+  if (text.empty() || text[0] == 1) result.data.resize(result.data.size() + kBusUnits);
+  return result;
 }
 
 }  // namespace fieldcast::sim

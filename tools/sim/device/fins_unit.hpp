@@ -43,6 +43,7 @@ class FinsUnit {
   [[nodiscard]] Result fill(ByteView text, Instant now);
   [[nodiscard]] Result read_many(ByteView text, Instant now) const;
   [[nodiscard]] Result transfer(ByteView text, Instant now);
+  [[nodiscard]] static Result cpu_data(ByteView text);
 
   ItemMemory& memory_;
   DeviceStatistics& statistics_;
