@@ -1,11 +1,15 @@
 #include "tools/bench/plant.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <iostream>
 #include <random>
 #include <stdexcept>
 #include <thread>
+
+#include "tools/progress/progress_line.hpp"
 
 namespace fieldcast::bench {
 namespace {
@@ -112,7 +116,18 @@ void Plant::wait_until_seen(std::size_t channels, double seconds) {
 }
 
 void let_run(double seconds) {
-  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+  using Seconds = std::chrono::duration<double>;
+  constexpr Seconds kStep{0.2};
+  const auto began = std::chrono::steady_clock::now();
+  ProgressLine progress(std::cerr);
+  for (Seconds left{seconds}; left > Seconds{};) {
+    // Where nobody looks nothing wakes up beside what is measured.
+    std::this_thread::sleep_for(progress.seen() ? std::min(left, kStep) : left);
+    left = Seconds{seconds} - Seconds{std::chrono::steady_clock::now() - began};
+    progress.show([&](Duration elapsed) {
+      return progress_text("measuring", 1 - left.count() / seconds, elapsed);
+    });
+  }
 }
 
 double seconds_from(int argc, char** argv, double by_default) {

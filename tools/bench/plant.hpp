@@ -68,7 +68,8 @@ class Plant {
   std::unique_ptr<Station> station_;  // last: its callbacks use what is above
 };
 
-// Measures by the clock on the wall: the only waiting that benches do.
+// Measures by the clock on the wall: the only waiting that benches do. On a terminal it shows how
+// long it still takes.
 void let_run(double seconds);
 
 // --seconds N of the command line, or what a bench does by default.

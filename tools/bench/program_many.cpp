@@ -11,6 +11,7 @@
 #include "bridge/station/station.hpp"
 #include "core/codec/checksum.hpp"
 #include "tools/bench/figures.hpp"
+#include "tools/bench/plant.hpp"
 #include "tools/bench/program_net.hpp"
 
 namespace fieldcast::bench {
@@ -156,11 +157,11 @@ void many_bench(const ManyOptions& options) {
     threads.emplace_back([&rounds, &over, fd = client.get()] { rounds += program(fd, over); });
   const double cpu = bridge.process().cpu_seconds();
   const auto began = Clock::now();
-  std::this_thread::sleep_for(std::chrono::duration<double>(options.seconds));
+  let_run(options.seconds);
   over = true;
   for (std::thread& thread : threads) thread.join();
   const double took = seconds_since(began);
-  std::this_thread::sleep_for(std::chrono::seconds(1));
+  let_run(1);
 
   std::uint64_t others = 0, others_missed = 0, leased = 0;
   const std::lock_guard lock(mutex);

@@ -9,13 +9,6 @@ namespace fieldcast::cli {
 
 bool output_is_terminal() { return isatty(STDOUT_FILENO) == 1; }
 
-bool errors_are_seen() { return isatty(STDERR_FILENO) == 1; }
-
-std::size_t error_columns() {
-  winsize size{};
-  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col : 80;
-}
-
 Screen output_screen() {
   if (!output_is_terminal()) return {};
   winsize size{};

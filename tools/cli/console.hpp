@@ -8,8 +8,6 @@ namespace fieldcast::cli {
 // Standard output as it is now: zero bounds and no colour when it is no terminal; NO_COLOR is
 // honoured (no-color.org).
 [[nodiscard]] bool output_is_terminal();
-[[nodiscard]] bool errors_are_seen();       // standard error is a terminal
-[[nodiscard]] std::size_t error_columns();  // of that terminal; 80 where they are not known
 [[nodiscard]] Screen output_screen();
 
 }  // namespace fieldcast::cli

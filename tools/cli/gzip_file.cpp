@@ -8,6 +8,8 @@
 #include <cerrno>
 #include <filesystem>
 #include <limits>
+#include <mutex>
+#include <set>
 
 #include "bridge/base/errno_text.hpp"
 
@@ -17,6 +19,10 @@ namespace {
 constexpr unsigned kBuffer = 128 << 10;  // bytes; zlib.h asks for large ones
 
 gzFile gzip(void* file) { return static_cast<gzFile>(file); }
+
+// The temporary names of this process, for its end by a signal.
+std::mutex unfinished_mutex;
+std::set<std::string> unfinished;
 
 }  // namespace
 
@@ -38,7 +44,25 @@ GzipFile::GzipFile(std::string path) : path_(std::move(path)) {
 GzipFile::~GzipFile() {
   file_.reset();
   if (descriptor_ >= 0) ::close(descriptor_);
-  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+  drop_temporary();
+}
+
+void GzipFile::take_temporary(std::string path) {
+  const std::lock_guard lock(unfinished_mutex);
+  temporary_ = std::move(path);
+  unfinished.insert(temporary_);
+}
+
+void GzipFile::drop_temporary() {
+  if (temporary_.empty()) return;
+  const std::lock_guard lock(unfinished_mutex);
+  ::unlink(temporary_.c_str());
+  unfinished.erase(temporary_);
+}
+
+void GzipFile::remove_unfinished() noexcept {
+  const std::lock_guard lock(unfinished_mutex);
+  for (const std::string& path : unfinished) ::unlink(path.c_str());
 }
 
 void GzipFile::open() {
@@ -51,9 +75,9 @@ void GzipFile::open() {
   descriptor_ =
       ::open(folder.empty() ? "." : folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, kMode);
   if (descriptor_ >= 0 || (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL)) return;
-  temporary_ = path_ + ".part";
-  descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kMode);
-  if (descriptor_ < 0) temporary_.clear();
+  const std::string part = path_ + ".part";
+  descriptor_ = ::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kMode);
+  if (descriptor_ >= 0) take_temporary(part);
 }
 
 // Fails when somebody else has made a file of this name meanwhile.

@@ -22,6 +22,10 @@ class GzipFile final : public std::streambuf {
   // To be called once, at the end. What went wrong, for people; nothing: all is in the file.
   [[nodiscard]] std::optional<std::string> close();
 
+  // For a process that ends from another thread, at a signal: takes away what has a name already.
+  // Only a file system without files that have none needs it.
+  static void remove_unfinished() noexcept;
+
  protected:
   int_type overflow(int_type character) override;
   std::streamsize xsputn(const char* text, std::streamsize size) override;
@@ -33,6 +37,8 @@ class GzipFile final : public std::streambuf {
   void fail();  // keeps the first reason
   void open();
   void give_name();
+  void take_temporary(std::string path);
+  void drop_temporary();
 
   const std::string path_;
   int descriptor_ = -1;    // of the file, for its name

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "bridge/log/line_writer.hpp"
@@ -22,12 +24,15 @@ LineWriter& output() {
   return lines;
 }
 
-// What the bridge says is text from outside.
-void print(const std::string& line) { output().put(printable(line) + '\n'); }
-
-void print(const Json& line) { print(line.dump(-1, ' ', false, Json::error_handler_t::replace)); }
+std::string to_line(const Json& line) {
+  return line.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
 
 constexpr Duration kLastWords = std::chrono::milliseconds{300};
+
+std::string size_text(std::uint64_t bytes) {
+  return fmt::format("{:.1f} kB", static_cast<double>(bytes) / 1000);
+}
 
 std::string rate_text(double bytes_per_second) {
   char text[64];
@@ -37,26 +42,41 @@ std::string rate_text(double bytes_per_second) {
 
 }  // namespace
 
+PortReport::PortReport(bool json, std::string device, std::string link)
+    : json_(json),
+      redrawn_(!json && ::isatty(STDOUT_FILENO) == 1 && ::isatty(STDERR_FILENO) == 1),
+      device_(std::move(device)),
+      link_(std::move(link)),
+      progress_(std::cerr) {}
+
+// What the bridge says is text from outside. The line is written on another thread: where the
+// progress stands, it wipes that first.
+void PortReport::print(const std::string& line) {
+  output().put((redrawn_ ? "\r\x1b[K" : "") + printable(line) + '\n');
+}
+
 PortReport::~PortReport() { (void)output().flush(kLastWords); }
 
-void PortReport::state(const std::string& state, const std::string& text) const {
+void PortReport::state(const std::string& state, const std::string& text) {
   if (json_)
-    return print(Json{{"device", device_}, {"link", link_}, {"state", state}, {"text", text}});
+    return print(
+        to_line(Json{{"device", device_}, {"link", link_}, {"state", state}, {"text", text}}));
   print(fmt::format("{}: {}", device_, text));
 }
 
-void PortReport::dropped(const std::string& text) const {
-  if (json_) return print(Json{{"device", device_}, {"dropped", text}});
+void PortReport::dropped(const std::string& text) {
+  if (json_) return print(to_line(Json{{"device", device_}, {"dropped", text}}));
   print(fmt::format("{}: {}", device_, text));
 }
 
-void PortReport::line(std::uint32_t baud, unsigned stop_bits) const {
-  if (json_) return print(Json{{"device", device_}, {"baud", baud}, {"stop_bits", stop_bits}});
+void PortReport::line(std::uint32_t baud, unsigned stop_bits) {
+  if (json_)
+    return print(to_line(Json{{"device", device_}, {"baud", baud}, {"stop_bits", stop_bits}}));
   print(fmt::format("{}: the program sets {} baud, {} stop bits", device_, baud, stop_bits));
 }
 
 void PortReport::traffic(std::uint64_t sent, std::uint64_t received, Instant now, bool last) {
-  if (!last && sent == sent_ && received == received_) return void(at_ = now);
+  if (!last && (redrawn_ || (sent == sent_ && received == received_))) return void(at_ = now);
   const Instant from = last ? since_ : at_;
   const double seconds = std::max(to_seconds(now - from), 1e-3);
   const double out = static_cast<double>(last ? sent : sent - sent_) / seconds;
@@ -65,15 +85,40 @@ void PortReport::traffic(std::uint64_t sent, std::uint64_t received, Instant now
   sent_ = sent;
   received_ = received;
   if (json_) {
-    return print(Json{{"device", device_},
-                      {"bytes_to_device", sent},
-                      {"bytes_from_device", received},
-                      {"rate_to_device", out},
-                      {"rate_from_device", in},
-                      {"seconds", seconds}});
+    return print(to_line(Json{{"device", device_},
+                              {"bytes_to_device", sent},
+                              {"bytes_from_device", received},
+                              {"rate_to_device", out},
+                              {"rate_from_device", in},
+                              {"seconds", seconds}}));
   }
   print(fmt::format("{}: {} bytes sent ({}), {} received ({}){}", device_, sent, rate_text(out),
                     received, rate_text(in), last ? fmt::format(", in {:f} s", seconds) : ""));
+}
+
+void PortReport::show_traffic(std::uint64_t sent, std::uint64_t received, std::uint64_t waiting,
+                              Instant now) {
+  if (!redrawn_ || sent + received == 0) return;
+  progress_.show([&](Duration) {
+    const double seconds = std::max(to_seconds(now - shown_at_), 1e-3);
+    const double out = static_cast<double>(sent - shown_sent_) / seconds;
+    const double in = static_cast<double>(received - shown_received_) / seconds;
+    shown_at_ = now;
+    shown_sent_ = sent;
+    shown_received_ = received;
+    std::string text = fmt::format("{} sent ({}), {} received ({})", size_text(sent),
+                                   rate_text(out), size_text(received), rate_text(in));
+    if (waiting > 0) text += fmt::format(", {} to go", size_text(waiting));
+    return ProgressText{device_, text};
+  });
+}
+
+void PortReport::show_last_bytes(double share) {
+  if (!redrawn_) return;
+  progress_.show([&](Duration) {
+    return ProgressText{
+        device_, fmt::format("the last bytes: {:.0f} %; Ctrl-C drops the rest", share * 100)};
+  });
 }
 
 }  // namespace fieldcast::port

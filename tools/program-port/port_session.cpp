@@ -177,6 +177,8 @@ void PortSession::tick() {
   check_line();
   if (++ticks_ % kChecksOfReport == 0)
     report_.traffic(client_.bytes_to_device(), client_.bytes_from_device(), steady_now(), false);
+  report_.show_traffic(client_.bytes_to_device(), client_.bytes_from_device(), bridge_->unsent(),
+                       steady_now());
   ticking_.expires_after(kCheckPeriod);
   ticking_.async_wait([this](boost::system::error_code cancelled) {
     if (!cancelled && !over_) tick();
@@ -234,8 +236,22 @@ void PortSession::flush(Instant bridge_moved, Instant program_moved) {
   if (!more) return;
   limit_.expires_after(kCheckPeriod);
   limit_.async_wait([this, bridge_moved, program_moved](boost::system::error_code cancelled) {
-    if (!cancelled) flush(bridge_moved, program_moved);
+    if (cancelled) return;
+    tell_last_bytes();
+    flush(bridge_moved, program_moved);
   });
+}
+
+void PortSession::tell_last_bytes() {
+  const std::size_t left = bridge_ ? bridge_->unsent() : 0;
+  if (left == 0) return;
+  if (last_bytes_ == 0) {
+    last_bytes_ = left;
+    report_.state("last-bytes", fmt::format("{} bytes still wait for the bridge, which has to take "
+                                            "some within {} s; a second Ctrl-C drops them",
+                                            left, kFlushBridge.count()));
+  }
+  report_.show_last_bytes(1 - static_cast<double>(left) / static_cast<double>(last_bytes_));
 }
 
 }  // namespace fieldcast::port

@@ -50,6 +50,7 @@ class PortSession {
   void tick();
   void wind_up();
   void flush(Instant bridge_moved, Instant program_moved);
+  void tell_last_bytes();
 
   boost::asio::io_context& io_;
   const PortOptions options_;
@@ -64,6 +65,7 @@ class PortSession {
   std::shared_ptr<program::RelayEnd> bridge_, terminal_;
   std::optional<program::LineSettings> settings_;  // as last seen
   unsigned ticks_ = 0;
+  std::size_t last_bytes_ = 0;  // that waited for the bridge at the end; 0: none did
   program::PortEnd end_;
   bool over_ = false;
 };

@@ -5,7 +5,7 @@
 #include <ostream>
 
 #include "tools/cli/gzip_file.hpp"
-#include "tools/cli/view/progress_text.hpp"
+#include "tools/progress/progress_text.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -13,19 +13,30 @@ namespace {
 using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
+std::string wide(const ProgressText& text) { return progress_line_text(text, 200); }
+
 TEST(ProgressText, SaysHowMuchIsDoneAndHowLongTheRestTakes) {
-  EXPECT_EQ(progress_text("simulating line", 0, 1s), "simulating line: 0 %");
-  EXPECT_EQ(progress_text("simulating line", 0.25, 10s), "simulating line: 25 %, 30s left");
-  EXPECT_EQ(progress_text("simulating line", 0.5, 50ms), "simulating line: 50 %");
-  EXPECT_EQ(progress_text("simulating line", 7, 1s), "simulating line: 100 %, 0s left");
-  EXPECT_EQ(progress_text("simulating line", 1e-12, 10s), "simulating line: 0 %")
+  EXPECT_EQ(wide(progress_text("simulating line", 0, 1s)), "simulating line: 0 %");
+  EXPECT_EQ(wide(progress_text("simulating line", 0.25, 10s)), "simulating line: 25 %, 30s left");
+  EXPECT_EQ(wide(progress_text("simulating line", 0.5, 50ms)), "simulating line: 50 %");
+  EXPECT_EQ(wide(progress_text("simulating line", 7, 1s)), "simulating line: 100 %, 0s left");
+  EXPECT_EQ(wide(progress_text("simulating line", 1e-12, 10s)), "simulating line: 0 %")
       << "a guess of years is none";
 }
 
 TEST(ProgressText, CountsWhereNobodyKnowsTheEnd) {
-  EXPECT_EQ(progress_count_text("history", 1000, "lines", 4s),
+  EXPECT_EQ(wide(progress_count_text("history", 1000, "lines", 4s)),
             "history: 1000 lines, 250 each second");
-  EXPECT_EQ(progress_count_text("history", 1, "lines", 1ms), "history: 1 lines");
+  EXPECT_EQ(wide(progress_count_text("history", 1, "lines", 1ms)), "history: 1 lines");
+}
+
+TEST(ProgressText, OnANarrowTerminalHowFarItIsStays) {
+  const ProgressText text = progress_text("simulating boiler-house", 0.25, 10s);
+  EXPECT_EQ(progress_line_text(text, 40), "simulating boiler-house: 25 %, 30s left");
+  EXPECT_EQ(progress_line_text(text, 24), "simulat~: 25 %, 30s left");
+  EXPECT_EQ(progress_line_text(text, 19), "25 %, 30s left");
+  EXPECT_EQ(progress_line_text(text, 6), "25 %, ");
+  EXPECT_EQ(progress_line_text({"\x1b[2Jbus", "1 %"}, 40), "\\x1B[2Jbus: 1 %") << "of others";
 }
 
 class GzipFileTest : public testing::Test {

@@ -19,13 +19,12 @@
 #include "tools/cli/capture/block_cutter.hpp"
 #include "tools/cli/capture/bridge_socket.hpp"
 #include "tools/cli/command/command.hpp"
-#include "tools/cli/console.hpp"
+#include "tools/progress/progress_line.hpp"
 
 namespace fieldcast::cli {
 namespace {
 
-constexpr int kLookMilliseconds = 200;  // for Ctrl-C and the end of the time
-constexpr Duration kProgressGap = std::chrono::milliseconds{500};
+constexpr int kLookMilliseconds = 50;                      // for Ctrl-C and the end of the time
 constexpr Duration kLastBlocks = std::chrono::seconds{2};  // after the end was asked for
 constexpr std::size_t kTail = 512;                         // what the end of a file may take
 
@@ -104,7 +103,8 @@ class Capturing {
         interrupt_(interrupt),
         socket_(std::move(socket)),
         out_(std::move(out)),
-        err_(err) {}
+        err_(err),
+        progress_(err) {}
 
   ExitCode run() {
     while (!over_) {
@@ -151,22 +151,24 @@ class Capturing {
       asked_end_ = now;
     }
     over_ = asked_end_ && now - *asked_end_ > kLastBlocks;
-    if (!errors_are_seen() || now - shown_ < kProgressGap) return;
-    shown_ = now;
-    err_ << "\r\033[K" << clip(progress(now), 78) << std::flush;
+    progress_.show([&](Duration) { return progress(now); });
   }
 
-  [[nodiscard]] std::string progress(Instant now) const {
-    std::string text = fmt::format("{}, {} kB, {:.0f} s", counted(frames_, "frame", "frames"),
-                                   out_.size() / 1000, to_seconds(now - begun_));
-    if (options_.time)
-      text += fmt::format(", {:.0f} s to go",
-                          std::max(0.0, to_seconds(*options_.time - (now - begun_))));
-    return text + "; Ctrl-C ends";
+  [[nodiscard]] ProgressText progress(Instant now) const {
+    const Duration elapsed = now - begun_;
+    const std::string so_far =
+        fmt::format("{}, {} kB", counted(frames_, "frame", "frames"), out_.size() / 1000);
+    if (!options_.time)
+      return {"capturing " + options_.bus,
+              fmt::format("{:.0f}s, {}; Ctrl-C ends", to_seconds(elapsed), so_far)};
+    ProgressText text = progress_text("capturing " + options_.bus,
+                                      to_seconds(elapsed) / to_seconds(*options_.time), elapsed);
+    text.how_far += fmt::format(", {}; Ctrl-C ends", so_far);
+    return text;
   }
 
   ExitCode verdict() {
-    if (errors_are_seen()) err_ << "\r\033[K";
+    progress_.clear();
     const std::string what =
         fmt::format("{} of {}", counted(frames_, "frame", "frames"), printable(options_.bus));
     if (!fault_.empty()) {
@@ -191,10 +193,10 @@ class Capturing {
   FileDescriptor socket_;
   CaptureOut out_;
   std::ostream& err_;
+  ProgressLine progress_;
   BlockCutter cutter_;
   Bytes buffer_;
   const Instant begun_ = steady_now();
-  Instant shown_ = begun_;
   std::optional<Instant> asked_end_;
   std::string fault_;
   std::uint64_t frames_ = 0;  // written

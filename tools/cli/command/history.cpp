@@ -2,35 +2,78 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <ostream>
 
 #include "bridge/store/tiers/tier_history.hpp"
+#include "tools/cli/clock.hpp"
 #include "tools/cli/command/command.hpp"
 #include "tools/cli/command/pattern_option.hpp"
 #include "tools/cli/command/span_option.hpp"
 #include "tools/cli/console.hpp"
+#include "tools/cli/end_at_once.hpp"
 #include "tools/cli/gzip_file.hpp"
-#include "tools/cli/progress_line.hpp"
 #include "tools/cli/view/bucket_view.hpp"
-#include "tools/cli/view/progress_text.hpp"
 #include "tools/cli/view/record_view.hpp"
+#include "tools/progress/progress_line.hpp"
 
 namespace fieldcast::cli {
 
 namespace {
 
+// How much of the time that is asked for is printed: channels come one behind the other, each in the
+// order of time.
+class PrintedShare {
+ public:
+  PrintedShare(UtcTime to, std::size_t channels)
+      : to_(std::min(to, utc_now()).nanoseconds), channels_(std::max<std::size_t>(channels, 1)) {}
+
+  // Of a StoredChannel or a StoredSample.
+  template <class Named>
+  void reached(const Named& of, UtcTime at) {
+    if (index_ == 0 || of.channel != channel_ || of.device != device_ || of.bus != bus_) {
+      bus_ = of.bus;
+      device_ = of.device;
+      channel_ = of.channel;
+      first_ = at.nanoseconds;
+      ++index_;
+    }
+    at_ = at.nanoseconds;
+  }
+  // Of 1.
+  [[nodiscard]] double value() const {
+    if (index_ == 0) return 0;
+    const double span = static_cast<double>(std::max<std::int64_t>(to_ - first_, 1));
+    const double part = std::clamp(static_cast<double>(at_ - first_) / span, 0.0, 1.0);
+    return (static_cast<double>(index_ - 1) + part) / static_cast<double>(channels_);
+  }
+
+ private:
+  const std::int64_t to_;
+  const std::size_t channels_;
+  std::size_t index_ = 0;               // channels begun
+  std::string bus_, device_, channel_;  // the last one begun
+  std::int64_t first_ = 0, at_ = 0;
+};
+
 // Prints what the options ask for; counts what was printed.
 class Printer {
  public:
-  // `progress` may be null: the lines themselves are on the terminal.
+  // `progress` may be null: the lines themselves are on the terminal. `interrupt` may be null.
   Printer(const HistoryOptions& options, SqlConnection& connection, std::ostream& out,
-          ProgressLine* progress)
-      : options_(options), connection_(connection), out_(out), progress_(progress) {}
+          ProgressLine* progress, const Interrupt* interrupt)
+      : options_(options),
+        connection_(connection),
+        out_(out),
+        progress_(progress),
+        interrupt_(interrupt),
+        share_(options.span.to, SampleTable(connection).channels(options.pattern).size()) {}
 
   // Each sample. How many channels of the pattern the store knows.
   std::size_t samples() {
     if (options_.csv) out_ << history_csv_head() << '\n';
     const auto print = [&](const StoredSample& sample) {
+      share_.reached(sample, sample.published_at);
       return line(options_.json  ? to_line(record_json(sample))
                   : options_.csv ? history_csv(sample, options_.zone)
                                  : history_line(sample, options_.zone));
@@ -46,6 +89,7 @@ class Printer {
     const auto channels = SampleTable(connection_).channels(options_.pattern);
     for (const StoredChannel& channel : channels) {
       const auto print = [&](const Bucket& bucket) {
+        share_.reached(channel, bucket.start);
         return line(options_.json  ? to_line(bucket_json(channel, bucket))
                     : options_.csv ? bucket_csv(channel, bucket, options_.zone)
                                    : bucket_line(channel, bucket, options_.zone));
@@ -65,16 +109,21 @@ class Printer {
     out_ << text << '\n';
     if (progress_ != nullptr && lines_ % kLook == 0) {
       progress_->show([this](Duration elapsed) {
-        return progress_count_text("history", lines_, "lines", elapsed);
+        ProgressText told = progress_text("history", share_.value(), elapsed);
+        told.how_far += fmt::format(", {} lines", lines_);
+        return told;
       });
     }
-    return out_.good();
+    return out_.good() && !interrupted();
   }
+  [[nodiscard]] bool interrupted() const { return interrupt_ != nullptr && interrupt_->raised(); }
 
   const HistoryOptions& options_;
   SqlConnection& connection_;
   std::ostream& out_;
   ProgressLine* progress_;
+  const Interrupt* interrupt_;
+  PrintedShare share_;
   std::size_t lines_ = 0;
 };
 
@@ -100,7 +149,8 @@ std::string what_is_coarser(const HistoryOptions& options, SqlConnection& connec
 
 }  // namespace
 
-ExitCode history(const HistoryOptions& options, std::ostream& out, std::ostream& err) {
+ExitCode history(const HistoryOptions& options, std::ostream& out, std::ostream& err,
+                 const Interrupt* interrupt) {
   const auto address = resolve(options.source);
   if (!address) {
     err << address.error() << '\n';
@@ -117,10 +167,11 @@ ExitCode history(const HistoryOptions& options, std::ostream& out, std::ostream&
   std::ostream to(file ? &*file : out.rdbuf());
   ProgressLine progress(err);
   const bool lines_are_seen = !file && output_is_terminal();
-  Printer printer(options, *connection, to, lines_are_seen ? nullptr : &progress);
+  Printer printer(options, *connection, to, lines_are_seen ? nullptr : &progress, interrupt);
   const std::size_t channels = every ? printer.buckets(*every) : printer.samples();
   progress.clear();
   bool written = !to.flush().fail();
+  if (interrupt != nullptr && interrupt->raised()) return ExitCode::kInterrupted;
   if (const auto fault = file ? file->close() : std::nullopt) {
     err << printable(*fault) << '\n';
     written = false;
@@ -159,11 +210,14 @@ class HistoryCommand final : public CommandWith<HistoryOptions> {
   }
   ExitCode run(const Streams& streams) override {
     if (local_) options_.zone = Zone::kLocal;
-    return history(options_, streams.out, streams.err);
+    const EndAtOnce end(kLastLine);
+    return history(options_, streams.out, streams.err, &end.interrupt());
   }
 
  private:
   static constexpr std::uint32_t kMostPoints = 1'000'000;
+  // A database that searches, and an output that nobody takes, are not waited for.
+  static constexpr std::chrono::milliseconds kLastLine{100};
 
   SpanOption span_;
   bool local_ = false;

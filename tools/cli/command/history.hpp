@@ -9,6 +9,7 @@
 
 #include "core/model/pattern.hpp"
 #include "tools/cli/exit_code.hpp"
+#include "tools/cli/interrupt.hpp"
 #include "tools/cli/store_source.hpp"
 #include "tools/cli/view/time_text.hpp"
 
@@ -27,7 +28,9 @@ struct HistoryOptions {
   bool json = false;
 };
 
-// kOk when there was something, kNothing with the reason when not. Throws StoreError.
-[[nodiscard]] ExitCode history(const HistoryOptions& options, std::ostream& out, std::ostream& err);
+// kOk when there was something, kNothing with the reason when not, kInterrupted behind a whole line
+// when `interrupt` was raised; it may be null. Throws StoreError.
+[[nodiscard]] ExitCode history(const HistoryOptions& options, std::ostream& out, std::ostream& err,
+                               const Interrupt* interrupt = nullptr);
 
 }  // namespace fieldcast::cli

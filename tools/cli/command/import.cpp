@@ -1,19 +1,17 @@
 #include "tools/cli/command/import.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <chrono>
 #include <filesystem>
 #include <mutex>
 #include <ostream>
 
 #include "tools/cli/command/command.hpp"
-#include "tools/cli/console.hpp"
+#include "tools/cli/end_at_once.hpp"
 #include "tools/cli/import/import_view.hpp"
 #include "tools/cli/import/input_files.hpp"
 #include "tools/cli/import/new_files.hpp"
-#include "tools/cli/interrupt.hpp"
+#include "tools/progress/progress_line.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -23,33 +21,6 @@ using importing::Fate;
 using importing::ImportOptions;
 using importing::Outcome;
 using importing::WrittenFile;
-
-// A text line that is redrawn where somebody looks at it, once a second has passed.
-class ImportProgress {
- public:
-  explicit ImportProgress(std::ostream& err)
-      : err_(err), began_(std::chrono::steady_clock::now()), seen_(errors_are_seen()) {}
-  ~ImportProgress() {
-    if (shown_) err_ << "\r\033[K" << std::flush;
-  }
-  ImportProgress(const ImportProgress&) = delete;
-  ImportProgress& operator=(const ImportProgress&) = delete;
-
-  void show(double done) {
-    const Duration elapsed = std::chrono::steady_clock::now() - began_;
-    if (!seen_ || elapsed < std::chrono::seconds{1} || done <= 0) return;
-    const double left = to_seconds(elapsed) / done * (1 - done);
-    err_ << fmt::format("\r\033[Kimporting: {:.0f} %, {:.0f} s left", done * 100, left)
-         << std::flush;
-    shown_ = true;
-  }
-
- private:
-  std::ostream& err_;
-  const std::chrono::steady_clock::time_point began_;
-  const bool seen_;
-  bool shown_ = false;
-};
 
 bool is_folder(const std::string& out) {
   std::error_code ignored;
@@ -108,8 +79,10 @@ class ImportRun {
     if (const std::string fault = set_port(options_.port, import); !fault.empty())
       return usage_fault(err_, "import", fault);
     const auto outcome = [&] {
-      ImportProgress progress(err_);
-      return importing::run_import(*inputs, import, [&](double done) { progress.show(done); });
+      ProgressLine progress(err_);
+      return importing::run_import(*inputs, import, [&](double done) {
+        progress.show([&](Duration elapsed) { return progress_text("importing", done, elapsed); });
+      });
     }();
     if (!outcome) return usage_fault(err_, "import", printable(outcome.error()));
     show(*outcome);
@@ -142,13 +115,13 @@ class ImportRun {
     }
     const auto files = placed(options_, outcome);
     if (!files) return usage_fault(err_, "import", files.error());
-    std::error_code error;
-    if (is_folder(options_.out)) fs::create_directories(options_.out, error);
-    if (error)
-      return usage_fault(err_, "import",
-                         fmt::format("{}: {}", printable(options_.out), error.message()));
     {
       const std::lock_guard lock(writing_);
+      std::error_code error;
+      if (is_folder(options_.out)) fs::create_directories(options_.out, error);
+      if (error)
+        return usage_fault(err_, "import",
+                           fmt::format("{}: {}", printable(options_.out), error.message()));
       if (const auto fault = write_new_files(*files, options_.force))
         return usage_fault(err_, "import", *fault);
     }
@@ -230,17 +203,8 @@ class ImportCommand final : public CommandWith<ImportCommandOptions> {
   }
 
   ExitCode run(const Streams& streams) override {
-    // Ends at once; while files are written, as soon as they are whole.
-    Interrupt interrupt;
-    std::mutex ending;
-    interrupt.on_raise([&ending] {
-      const std::lock_guard lock(ending);
-      ::_exit(to_int(ExitCode::kInterrupted));
-    });
-    const ExitCode code =
-        import_files(options_, ending, streams.out, streams.err, streams.wide_screen());
-    interrupt.on_raise({});
-    return code;
+    EndAtOnce end;
+    return import_files(options_, end.whole(), streams.out, streams.err, streams.wide_screen());
   }
 };
 

@@ -7,12 +7,12 @@
 
 #include "config/loader.hpp"
 #include "tools/cli/command/command.hpp"
+#include "tools/cli/end_at_once.hpp"
 #include "tools/cli/model/bus_plan.hpp"
 #include "tools/cli/model/bus_simulation.hpp"
-#include "tools/cli/progress_line.hpp"
 #include "tools/cli/view/plan_view.hpp"
-#include "tools/cli/view/progress_text.hpp"
 #include "tools/cli/view/simulation_view.hpp"
+#include "tools/progress/progress_line.hpp"
 #include "tools/sim/bus/fault_file.hpp"
 
 namespace fieldcast::cli {
@@ -114,6 +114,7 @@ class PlanCommand final : public CommandWith<PlanOptions> {
     line.flag("--json", options_.json, "JSON lines");
   }
   ExitCode run(const Streams& streams) override {
+    const EndAtOnce end;
     return plan(options_, streams.out, streams.err, streams.wide_screen());
   }
 };

@@ -2,20 +2,18 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <filesystem>
 #include <ostream>
 
-#include "bridge/security/file_access.hpp"
-#include "bridge/security/pki.hpp"
 #include "tools/cli/command/command.hpp"
-#include "tools/cli/console.hpp"
 #include "tools/cli/direct/line_options.hpp"
 #include "tools/cli/direct/line_talk.hpp"
+#include "tools/cli/import/new_files.hpp"
 #include "tools/cli/scan/identity.hpp"
 #include "tools/cli/scan/scan_view.hpp"
 #include "tools/cli/scan/scanner.hpp"
 #include "tools/cli/view/sample_text.hpp"
+#include "tools/progress/progress_line.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -67,32 +65,6 @@ tl::expected<std::vector<ScanLine>, std::string> lines_of(const ScanOptions& opt
   return lines;
 }
 
-// The text line below the findings, redrawn in place; nothing where nobody looks at it.
-class Progress {
- public:
-  Progress(std::ostream& err, bool serial)
-      : err_(err), serial_(serial), began_(std::chrono::steady_clock::now()) {}
-  ~Progress() { clear(); }
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-
-  void show(const Scanner& scanner) {
-    if (!errors_are_seen()) return;
-    const auto elapsed = std::chrono::steady_clock::now() - began_;
-    err_ << "\r\033[K" << clip(progress_text(scanner, elapsed, serial_), 78) << std::flush;
-    shown_ = true;
-  }
-  void clear() {
-    if (std::exchange(shown_, false)) err_ << "\r\033[K" << std::flush;
-  }
-
- private:
-  std::ostream& err_;
-  const bool serial_;
-  const std::chrono::steady_clock::time_point began_;
-  bool shown_ = false;
-};
-
 class Scan {
  public:
   Scan(const ScanOptions& options, PortSpec port, std::vector<ScanLine> lines,
@@ -107,9 +79,9 @@ class Scan {
 
   // Until it is over or interrupted. The error: the port does not open.
   tl::expected<void, std::string> run() {
-    Progress progress(err_, serial_);
+    ProgressLine progress(err_);
     while (const auto ask = scanner_.next()) {
-      progress.show(scanner_);
+      progress.show([this](Duration elapsed) { return scan_progress(scanner_, elapsed, serial_); });
       if (auto ready = turn_to(ask->line); !ready) {
         if (interrupt_.raised()) return {};
         return ready;
@@ -123,8 +95,13 @@ class Scan {
       if (!answer) return tl::unexpected(answer.error());
       scanner_.answered(*answer);
     }
-    for (std::size_t i = 0; i < scanner_.found().size() && !interrupt_.raised(); ++i)
+    for (std::size_t i = 0; i < scanner_.found().size() && !interrupt_.raised(); ++i) {
+      progress.show([&](Duration) {
+        return ProgressText{"asking who they are",
+                            fmt::format("{} of {}", i + 1, scanner_.found().size())};
+      });
       scanner_.set_identity(i, identity_of(scanner_.found()[i]));
+    }
     return {};
   }
   [[nodiscard]] const Scanner& scanner() const { return scanner_; }
@@ -171,8 +148,7 @@ class Scan {
   std::string identity_of(const ScanFound& found) {
     if (!turn_to(found.line)) return {};
     const ScanLine& line = scanner_.lines()[found.line];
-    const auto address = static_cast<std::uint8_t>(found.address);
-    if (auto exchange = modbus_identity(line.protocol->name, address)) {
+    if (auto exchange = identity_exchange(line.protocol->name, found.address)) {
       const auto heard = talk_.ask(std::move(exchange), options_.timeout);
       if (!heard || heard->cause != Cause::kNone) return {};
       const Bytes& text = heard->reply.front().items;
@@ -258,11 +234,9 @@ ExitCode scan(const ScanOptions& options, const Interrupt& interrupt, std::ostre
     return ExitCode::kNothing;
   }
   if (options.out.empty()) return ExitCode::kOk;
-  try {
-    security::write_new(options.out, configuration_text(options.port, serial, scanner),
-                        security::kForAll);
-  } catch (const security::SecurityError& error) {
-    err << "fieldcast scan: " << error.what() << '\n';
+  const NewFile file{options.out, configuration_text(options.port, serial, scanner)};
+  if (const auto fault = write_new_files({file}, false)) {
+    err << "fieldcast scan: " << *fault << '\n';
     return ExitCode::kTrouble;
   }
   err << "written: " << printable(options.out) << "; look at it with fieldcast-bridge --check "

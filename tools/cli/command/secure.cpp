@@ -9,6 +9,7 @@
 #include "bridge/security/member_folder.hpp"
 #include "tools/cli/clock.hpp"
 #include "tools/cli/command/command.hpp"
+#include "tools/cli/interrupt.hpp"
 #include "tools/cli/view/json.hpp"
 
 namespace fieldcast::cli {
@@ -170,6 +171,8 @@ class SecureCommand final : public CommandWith<SecureOptions> {
     describe_action(check, SecureOptions::Action::kCheck);
   }
   ExitCode run(const Streams& streams) override {
+    // It takes a fraction of a second; a signal waits, so that no folder of keys is left half made.
+    const Interrupt interrupt;
     return secure(options_, utc_now(), streams.out, streams.err);
   }
 

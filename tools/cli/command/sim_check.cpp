@@ -6,7 +6,9 @@
 #include <ostream>
 
 #include "tools/cli/command/command.hpp"
+#include "tools/cli/end_at_once.hpp"
 #include "tools/cli/model/named_protocol.hpp"
+#include "tools/progress/progress_line.hpp"
 #include "tools/sim/check/sim_check.hpp"
 
 namespace fieldcast::cli {
@@ -64,8 +66,18 @@ ExitCode sim_check(const SimCheckOptions& options, std::ostream& out, std::ostre
   const auto subjects = protocol->built_in != nullptr ? sim::subjects_of(protocol->built_in->name)
                                                       : sim::subjects_of(protocol->declaration);
   sim::CheckRows all;
-  for (const auto& subject : subjects) {
-    for (auto& row : sim::sim_check(subject)) {
+  ProgressLine progress(err);
+  for (std::size_t i = 0; i < subjects.size(); ++i) {
+    const auto show = [&](double share) {
+      progress.show([&](Duration elapsed) {
+        return progress_text(
+            fmt::format("checking {}", protocol->name()),
+            (static_cast<double>(i) + share) / static_cast<double>(subjects.size()), elapsed);
+      });
+    };
+    auto rows = sim::sim_check(subjects[i], show);
+    progress.clear();
+    for (auto& row : rows) {
       if (options.json) out << to_line(check_json(protocol->name(), row)) << '\n';
       all.push_back(std::move(row));
     }
@@ -89,6 +101,7 @@ class SimCheckCommand final : public CommandWith<SimCheckOptions> {
     line.flag("--json", options_.json, "JSON lines");
   }
   ExitCode run(const Streams& streams) override {
+    const EndAtOnce end;
     return sim_check(options_, streams.out, streams.err, streams.wide_screen());
   }
 };

@@ -47,18 +47,14 @@ std::string line_text(const ScanLine& line, bool serial) {
   return std::string(line.protocol->name) + (serial ? ' ' + to_text(line.format) : "");
 }
 
-std::string progress_text(const Scanner& scanner, Duration elapsed, bool serial) {
+ProgressText scan_progress(const Scanner& scanner, Duration elapsed, bool serial) {
   const auto ask = scanner.next();
   if (!ask) return {};
-  const std::size_t left = scanner.left(), asked = scanner.asked();
-  std::string text = fmt::format("{}, address {}: {} of at most {} asked, {} found",
-                                 line_text(scanner.lines()[ask->line], serial), ask->address, asked,
-                                 asked + left, scanner.found().size());
-  if (asked > 0) {
-    const auto seconds = static_cast<std::int64_t>(
-        to_seconds(elapsed) / static_cast<double>(asked) * static_cast<double>(left) + 0.5);
-    text += fmt::format(", {} left", to_text(Duration(std::chrono::seconds{seconds})));
-  }
+  const std::size_t all = scanner.asked() + scanner.left();
+  ProgressText text = progress_text(
+      "scanning", static_cast<double>(scanner.asked()) / static_cast<double>(all), elapsed);
+  text.how_far += fmt::format(" at most, {} found; {}, address {}", scanner.found().size(),
+                              line_text(scanner.lines()[ask->line], serial), ask->address);
   return text;
 }
 

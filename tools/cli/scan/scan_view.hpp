@@ -9,14 +9,16 @@
 #include "tools/cli/scan/scanner.hpp"
 #include "tools/cli/view/json.hpp"
 #include "tools/cli/view/text_table.hpp"
+#include "tools/progress/progress_text.hpp"
 
 namespace fieldcast::cli {
 
 // "modbus-rtu 9600 8N1"; without the format for a port that has no line.
 [[nodiscard]] std::string line_text(const ScanLine& line, bool serial);
 
-// "modbus-rtu 9600 8N1, address 12: 44 of 384 asked, 2 found, 1min 5s left".
-[[nodiscard]] std::string progress_text(const Scanner& scanner, Duration elapsed, bool serial);
+// "scanning: 11 %, 65s left at most, 2 found; modbus-rtu 9600 8N1, address 12". Of all questions, as
+// if nobody answered any more.
+[[nodiscard]] ProgressText scan_progress(const Scanner& scanner, Duration elapsed, bool serial);
 
 [[nodiscard]] std::vector<std::string> found_lines(const Scanner& scanner, bool serial,
                                                    const Screen& screen);

@@ -1,20 +1,21 @@
-// One text line that tells how far a command is: on standard error, and only where that is a
-// terminal. It is wiped when the object goes. Main thread.
+// One text line that tells how far a program is: on standard error, and only where that is a
+// terminal. It is wiped when the object goes. Main thread, one at a time; nothing fails.
 #pragma once
 
 #include <chrono>
 #include <functional>
 #include <iosfwd>
-#include <string>
 
 #include "core/base/time.hpp"
+#include "tools/progress/progress_text.hpp"
 
-namespace fieldcast::cli {
+namespace fieldcast {
 
 class ProgressLine {
  public:
-  using Text = std::function<std::string(Duration elapsed)>;
+  using Text = std::function<ProgressText(Duration elapsed)>;
 
+  // `err` writes to standard error.
   explicit ProgressLine(std::ostream& err);
   ~ProgressLine() { clear(); }
   ProgressLine(const ProgressLine&) = delete;
@@ -24,13 +25,17 @@ class ProgressLine {
   // what is done by then needs no progress.
   void show(const Text& text);
   void clear();
+  [[nodiscard]] bool seen() const { return seen_; }  // by somebody
 
  private:
   std::ostream& err_;
-  const bool seen_;  // by somebody
+  const bool seen_;
   const std::chrono::steady_clock::time_point began_;
   std::chrono::steady_clock::time_point next_;
-  bool shown_ = false;
 };
 
-}  // namespace fieldcast::cli
+// For a process that ends from another thread, at a signal: wipes the line that is shown, if there
+// is one; no other one comes.
+void wipe_progress_at_end() noexcept;
+
+}  // namespace fieldcast
