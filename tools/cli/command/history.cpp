@@ -21,8 +21,8 @@ namespace fieldcast::cli {
 
 namespace {
 
-// How much of the time that is asked for is printed: channels come one behind the other, each in the
-// order of time.
+// How much of the time that is asked for is printed: channels come one behind the other, each in
+// the order of time.
 class PrintedShare {
  public:
   PrintedShare(UtcTime to, std::size_t channels)

@@ -16,8 +16,8 @@ namespace fieldcast::cli {
 // "modbus-rtu 9600 8N1"; without the format for a port that has no line.
 [[nodiscard]] std::string line_text(const ScanLine& line, bool serial);
 
-// "scanning: 11 %, 65s left at most, 2 found; modbus-rtu 9600 8N1, address 12". Of all questions, as
-// if nobody answered any more.
+// "scanning: 11 %, 65s left at most, 2 found; modbus-rtu 9600 8N1, address 12". Of all questions,
+// as if nobody answered any more.
 [[nodiscard]] ProgressText scan_progress(const Scanner& scanner, Duration elapsed, bool serial);
 
 [[nodiscard]] std::vector<std::string> found_lines(const Scanner& scanner, bool serial,

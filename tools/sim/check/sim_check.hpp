@@ -8,8 +8,8 @@
 
 namespace fieldcast::sim {
 
-// Every check of one subject. Deterministic; some seconds at most. `on_share` is told how much of it
-// is done, of 1.
+// Every check of one subject. Deterministic; some seconds at most. `on_share` is told how much of
+// it is done, of 1.
 [[nodiscard]] CheckRows sim_check(const Subject& subject,
                                   const std::function<void(double share)>& on_share = {});
 
