@@ -46,6 +46,11 @@ class ChannelTable {
   // number.
   void again(std::vector<Sample>& out);
 
+  // Whether it has ever had a value, from here or inherited.
+  [[nodiscard]] bool was_read(ChannelIndex channel) const {
+    return entries_[channel].last.acquired != kLongAgo;
+  }
+
   // The refresh in force; nothing while nobody is promised anything (on demand, no interest).
   [[nodiscard]] std::optional<Duration> refresh(ChannelIndex channel) const;
   void set_refresh(ChannelIndex channel, std::optional<Duration> refresh, Instant now);

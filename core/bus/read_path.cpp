@@ -149,6 +149,7 @@ void ReadPath::accept(PointIndex point, const Range& answered, ByteView items, I
   const unsigned bits = setup_.area(read.device, read.range.area).item_bits;
   const ByteView own = items.subspan(image_bytes(bits, read.range.first - answered.first),
                                      image_bytes(bits, read.range.count));
+  learned_[read.device].doubted.erase(point);
   if (learned_[read.device].refused.erase(point))
     sink.notice(Notice::Kind::kAddressRefused, read.device, Cause::kNone,
                 text(point) + " is answered again");
@@ -189,8 +190,11 @@ void ReadPath::inherit(DeviceIndex device, const DeviceReport& learned, Instant 
     alone.device = device;
     alone.points = {point};
     alone.ranges = {map_.points[point].range};
-    for (const PointIndex bad : scheduler_->refused(alone, now, kForgetRefused))
+    for (const PointIndex bad : scheduler_->refused(alone, now, kForgetRefused)) {
       learned_[device].refused.emplace(bad, std::uint16_t{0});
+      for (const ChannelIndex channel : map_.channels_of[bad])
+        channels_.failing(channel, Cause::kDeviceError, now);
+    }
   }
 }
 
@@ -215,6 +219,7 @@ void ReadPath::failed(const Block& block, bool longer, Cause cause, std::uint16_
 // The scheduler halves the block until the bad points stand alone; those are told at once.
 void ReadPath::refused(const Block& block, Cause cause, std::uint16_t code, Instant now,
                        std::vector<Sample>& samples, ActionSink& sink) {
+  if (doubts(block)) return scheduler_->failed(block, now, now);
   std::vector<BlockLearning>& areas = learned_[block.device].areas;
   if (block.ranges.size() == 1 && block.points.size() > 1) {
     std::vector<Range> wanted;
@@ -223,6 +228,14 @@ void ReadPath::refused(const Block& block, Cause cause, std::uint16_t code, Inst
   }
   for (const PointIndex point : scheduler_->refused(block, now, kForgetRefused))
     point_refused(point, cause, code, now, samples, sink);
+}
+
+bool ReadPath::doubts(const Block& block) {
+  if (block.points.size() != 1) return false;
+  const PointIndex point = block.points.front();
+  const bool was_read = std::ranges::any_of(
+      map_.channels_of[point], [&](ChannelIndex channel) { return channels_.was_read(channel); });
+  return was_read && learned_[block.device].doubted.insert(point).second;
 }
 
 void ReadPath::point_refused(PointIndex point, Cause cause, std::uint16_t code, Instant now,
@@ -245,6 +258,7 @@ void ReadPath::forget(DeviceIndex device) {
   planned_times_.forget(device);
   Learned& learned = learned_[device];
   learned.refused_longer = false;
+  learned.doubted.clear();
   for (AreaIndex area = 0; area < learned.areas.size(); ++area) {
     if (learned.areas[area].forget()) scheduler_->set_longest(device, area, 0);
   }

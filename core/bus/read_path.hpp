@@ -3,7 +3,8 @@
 // Owns the scheduler, the map from points to channels, the reads that are held back while their
 // answer could be mistaken, and what refusals taught about each device's addresses. Owned by the
 // bus engine, on the bus's thread. What can fail: a device refuses addresses; they are searched
-// for, told in a notice and in their samples, left alone for kForgetRefused, then tried again.
+// for, told in a notice and in their samples, left alone for kForgetRefused, then tried again. An
+// address that was read before is asked once more at once: the line may have garbled the request.
 #pragma once
 
 #include <cstdint>
@@ -11,6 +12,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <variant>
 #include <vector>
@@ -108,6 +110,7 @@ class ReadPath {
     std::vector<BlockLearning> areas;
     bool refused_longer = false;                  // reads are not made longer any more
     std::map<PointIndex, std::uint16_t> refused;  // points refused now, with the device's code
+    std::set<PointIndex> doubted;                 // points whose refusal was not believed at once
   };
   // Points of a block that one answer refused.
   struct RefusedPart {
@@ -121,6 +124,8 @@ class ReadPath {
               std::vector<Sample>& samples, ActionSink& sink);
   void refused(const Block& block, Cause cause, std::uint16_t code, Instant now,
                std::vector<Sample>& samples, ActionSink& sink);
+  // Whether a refusal of these points is to be heard a second time before it is believed.
+  [[nodiscard]] bool doubts(const Block& block);
   void point_refused(PointIndex point, Cause cause, std::uint16_t code, Instant now,
                      std::vector<Sample>& samples, ActionSink& sink);
   void update_point(PointIndex point, Instant now);

@@ -114,6 +114,37 @@ TEST_F(ReadPathTest, ARefusedAddressIsFoundAndTheOthersAreRead) {
   EXPECT_EQ(report.refused, std::vector<std::string>{"holding:102"});
 }
 
+// The line may have garbled the request into one that the device refuses.
+TEST_F(ReadPathTest, AnAddressThatWasReadIsAskedOnceMoreBeforeItsRefusalIsBelieved) {
+  reads_.set_interest(kOnInterest, 100ms, Instant{}, sink_);
+  const auto alone = [&](Instant now) {
+    for (Read read = next(now);; read = next(now)) {
+      if (read.block.ranges[0].first == 200) return read;
+      answer(read, test::items(Bytes(2 * read.block.ranges[0].count)), now);
+    }
+  };
+  answer(alone(Instant{}), test::items({0, 7}), Instant{20ms});
+  const auto after = [&] {
+    std::vector<Quality> all;
+    for (const Sample& sample : samples()) {
+      if (sample.channel == kOnInterest) all.push_back(sample.quality);
+    }
+    actions_.clear();
+    return all;
+  };
+  (void)after();
+  refuse(alone(Instant{200ms}), Instant{200ms});
+  EXPECT_TRUE(after().empty());
+  answer(alone(Instant{200ms}), test::items({0, 7}), Instant{220ms});
+  EXPECT_EQ(after(), std::vector<Quality>{Quality::kGood});
+
+  refuse(alone(Instant{400ms}), Instant{400ms});
+  refuse(alone(Instant{400ms}), Instant{420ms});
+  EXPECT_EQ(notices(), std::vector<std::string>{
+                           "on-interest is refused (02 illegal data address); asked again in 60s"});
+  EXPECT_EQ(after(), std::vector<Quality>{Quality::kBadDeviceError});
+}
+
 TEST_F(ReadPathTest, AReadThatWouldHaveToWaitIsMadeLonger) {
   const auto owed_of_four = [](DeviceIndex, const Request& request) {
     return std::get<ReadRequest>(request).ranges[0].count == 4 ? Instant{500ms} : kLongAgo;
@@ -190,6 +221,12 @@ TEST_F(ReadPathTest, WhatAnotherBridgeHasLearnedIsNotLearnedAgain) {
   reads_.describe(0, report);
   EXPECT_EQ(report.refused, learned.refused);
   EXPECT_TRUE(samples().empty());
+  channels_.start(Instant{});
+  std::vector<Sample> missed;
+  channels_.expire(Instant{1min}, missed);
+  const auto of_it = std::ranges::find(missed, 3u, &Sample::channel);
+  ASSERT_NE(of_it, missed.end());
+  EXPECT_EQ(of_it->quality, Quality::kBadDeviceError) << "why it is not read is known";
 }
 
 }  // namespace
