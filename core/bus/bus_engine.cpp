@@ -69,17 +69,16 @@ void BusEngine::handle(const Received& event, Instant now, ActionSink& sink) {
   if (!parts_.wire.exchanging() || state_ != BusState::kRunning) {
     parts_.wire.count_stray(event.bytes.size());
     if (state_ != BusState::kRunning) return;
-    parts_.wire.stray(now);
-    std::vector<LateAnswers::Late> late;
-    if (!parts_.late.none_owed()) late = parts_.late.in_strays(event.bytes, now);
-    parts_.fence.bytes_came(false, now);
-    if (late.empty() && parts_.fence.stray(event.bytes, now)) let_go(now, sink);
-    return outcomes_.take_late(late, now, sink);
+    return take_stray(event.bytes, now, sink);
   }
   Bytes out;
   const auto outcome = parts_.wire.on_bytes(event.bytes, now, out);
   const Asked& asked = parts_.wire.flight().asked;
   parts_.fence.bytes_came(parts_.wire.driver().received().empty(), now);
+  if (parts_.fence.listening()) {  // the wire may be another master's by now, and this its answer
+    give_up(Cause::kForeignMaster, now, sink);
+    return take_stray(event.bytes, now, sink);
+  }
   if (outcome != ExchangeDriver::Outcome::kSend)
     outcomes_.take_late(parts_.late.in_exchange(asked, parts_.wire.driver(), now), now, sink);
   // An answer that began before its request had ended is another one.
@@ -89,6 +88,18 @@ void BusEngine::handle(const Received& event, Instant now, ActionSink& sink) {
     return parts_.late.start_anew();
   }
   advance(outcome, std::move(out), now, sink);
+}
+
+// Bytes that nobody asked for. While the wire is not this bridge's they are no late answer either:
+// another master may have asked the same.
+void BusEngine::take_stray(ByteView bytes, Instant now, ActionSink& sink) {
+  parts_.wire.stray(now);
+  parts_.fence.bytes_came(false, now);
+  std::vector<LateAnswers::Late> late;
+  if (!parts_.late.none_owed() && !parts_.fence.listening())
+    late = parts_.late.in_strays(bytes, now);
+  if (late.empty() && parts_.fence.stray(bytes, now)) let_go(now, sink);
+  outcomes_.take_late(late, now, sink);
 }
 
 void BusEngine::handle(const TimerFired&, Instant, ActionSink&) { timer_ = kNever; }

@@ -96,6 +96,8 @@ class BusEngine {
   void give_up(Cause cause, Instant now, ActionSink& sink);
   // The wire is free: the next request, if it may and need be sent.
   void send_next(Instant now, ActionSink& sink);
+  // Bytes that nobody asked for.
+  void take_stray(ByteView bytes, Instant now, ActionSink& sink);
   // Another master speaks on the wire: nothing is sent until it is silent.
   void let_go(Instant now, ActionSink& sink);
 

@@ -1,0 +1,86 @@
+// An engine that loses its wire to another master (`fence: listen`): what that one is answered is
+// nothing that this one asked for.
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <string_view>
+
+#include "core/bus/bus_engine.hpp"
+#include "tests/bus/rtu_bus.hpp"
+
+namespace fieldcast::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+class LostWire : public testing::Test {
+ protected:
+  static BusSpec fenced() {
+    BusSpec spec = rtu_bus(1);
+    std::get<SerialPortSpec>(spec.port).fence.kind = Fence::kListen;
+    spec.devices[0].protocol = "modbus-ascii";
+    spec.devices[0].retries = 0;
+    return spec;
+  }
+  static Bytes bytes_of(std::string_view text) { return {text.begin(), text.end()}; }
+  // The request that is sent, if one is.
+  std::optional<Bytes> feed(const BusEvent& event) {
+    std::optional<Bytes> sent;
+    Actions actions;
+    engine_.on_event(event, now_, actions);
+    make_plans(engine_, now_, actions);
+    for (const Action& action : actions) {
+      if (const auto* send = std::get_if<Send>(&action)) sent = send->bytes;
+      if (const auto* publish = std::get_if<Publish>(&action)) {
+        for (const Sample& sample : publish->samples) good_ += sample.quality == Quality::kGood;
+      }
+    }
+    return sent;
+  }
+  // Asks for the four registers of the device.
+  Bytes ask() {
+    (void)feed(Opened{});
+    for (;;) {
+      now_ += 1ms;
+      if (auto sent = feed(TimerFired{})) return *sent;
+    }
+  }
+
+  const BusSpec spec_ = fenced();
+  const FenceTimes times_ = fence_times(spec_);
+  // Unit 1, four registers of 7 (Modbus over Serial Line V1.02, 2.5.2; the LRC is 100h - 28h).
+  const Bytes answer_ = bytes_of(":0103080007000700070007D8\r\n");
+  BusEngine engine_{spec_};
+  Instant now_{10s};
+  int good_ = 0;
+};
+
+TEST_F(LostWire, AnAnswerInTimeIsTaken) {
+  (void)ask();
+  now_ += 20ms;
+  (void)feed(Received{answer_});
+  EXPECT_EQ(good_, 4);
+}
+
+// It stood still in the midst of an exchange for so long that another one may have begun.
+TEST_F(LostWire, AnAnswerAfterALongStandstillMayBeAnotherMasters) {
+  (void)ask();
+  now_ += times_.claim + 50ms;
+  (void)feed(Received{answer_});
+  EXPECT_EQ(good_, 0);
+}
+
+// The exchange is over, its answer is still owed: another master asks the same.
+TEST_F(LostWire, AnAnswerToAnotherMasterIsNoLateOne) {
+  const Bytes request = ask();
+  now_ += times_.claim + 50ms;
+  (void)feed(TimerFired{});
+  (void)feed(Received{request});
+  EXPECT_TRUE(engine_.bus_report(now_).listening);
+  now_ += 100ms;
+  (void)feed(Received{answer_});
+  EXPECT_EQ(good_, 0);
+}
+
+}  // namespace
+}  // namespace fieldcast::test
