@@ -15,19 +15,19 @@ namespace {
 constexpr std::string_view kApplication = "Fieldcast";
 constexpr std::string_view kDeclared = "fieldcast-frame";  // tools/wireshark/fieldcast.lua
 
-std::string about(const BusSpec& bus, const std::string& bridge) {
+std::string about(const BusSpec& bus, const std::string& by) {
   std::string protocols;
   for (const DeviceSpec& device : bus.devices) {
     if (protocols.find(device.protocol) != protocols.npos) continue;
     protocols += (protocols.empty() ? "" : ", ") + device.protocol;
   }
-  return fmt::format("bus {} of bridge {}, {}, {}", bus.name, bridge, name_of(bus.port), protocols);
+  return fmt::format("bus {} of {}, {}, {}", bus.name, by, name_of(bus.port), protocols);
 }
 
 }  // namespace
 
-BusCapture::BusCapture(const BusSpec& bus, std::string bridge, std::shared_ptr<CaptureTap> tap)
-    : bus_(bus.name), about_(about(bus, bridge)), tap_(std::move(tap)) {
+BusCapture::BusCapture(const BusSpec& bus, const std::string& by, std::shared_ptr<CaptureTap> tap)
+    : bus_(bus.name), about_(about(bus, by)), tap_(std::move(tap)) {
   for (const DeviceSpec& device : bus.devices) {
     const ProtocolEntry* entry =
         device.declaration ? nullptr : find_protocol(std::string_view(device.protocol));

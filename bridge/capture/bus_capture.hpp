@@ -26,8 +26,8 @@ class CaptureSink {
 
 class BusCapture {
  public:
-  // `bridge`: its name, for the head of each file.
-  BusCapture(const BusSpec& bus, std::string bridge, std::shared_ptr<CaptureTap> tap);
+  // `by`: who speaks on the bus, for the head of each file: "bridge press-shop".
+  BusCapture(const BusSpec& bus, const std::string& by, std::shared_ptr<CaptureTap> tap);
 
   void add(CaptureSink& sink);
   void remove(CaptureSink& sink);

@@ -41,7 +41,7 @@ class CaptureService::Loop final : public std::enable_shared_from_this<Loop> {
 
   void add(const BusSpec& spec, const std::shared_ptr<CaptureTap>& tap) {
     Bus& bus = buses_[spec.name];
-    bus.capture = std::make_unique<BusCapture>(spec, bridge_, tap);
+    bus.capture = std::make_unique<BusCapture>(spec, "bridge " + bridge_, tap);
     configure(spec.name, spec.capture);
   }
 

@@ -185,21 +185,29 @@ class Scan(Folder):
         simulator.stdout.close()
 
     def test_an_omron_says_its_model(self):
-        file = self.path("found.yaml")
+        file, capture = self.path("found.yaml"), self.path("scan.pcapng")
         done = subprocess.run([program("fieldcast"), "scan", self.link, "--protocol", "omron-hostlink", "--baud", "9600", "--format", "7E2",
-                               "--addresses", "3-4", "--timeout", "500ms", "--out", file], capture_output=True, text=True, timeout=60)
+                               "--addresses", "3-4", "--timeout", "500ms", "--out", file, "--capture", capture],
+                              capture_output=True, text=True, timeout=60)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertIn("CS/CJ (model code 30), CS1H-CPU67H, 04.00", done.stdout)
         with open(file, encoding="utf-8") as written:
             self.assertIn("# it says: CS/CJ (model code 30)", written.read())
+        seen = subprocess.run([program("fieldcast"), "inspect", capture], capture_output=True, text=True, timeout=60)
+        self.assertEqual(seen.returncode, 0, seen.stdout + seen.stderr)
+        for words in ("4D 4D", "asks who it is", "no answer"):
+            self.assertIn(words, seen.stdout)
 
     def test_a_scan_shows_its_progress_and_ends(self):
-        file = self.path("found.yaml")
-        command = [program("fieldcast"), "scan", self.link, "--addresses", "5-200", "--out", file]
+        file, capture = self.path("found.yaml"), self.path("scan.pcapng")
+        command = [program("fieldcast"), "scan", self.link, "--addresses", "5-200", "--out", file, "--capture", capture]
         for columns, pattern in ((80, r"^scanning: \d+ %, .* left at most, 0 found; modbus"), (NARROW, r"^scanning: \d+ %|^\d+ %")):
             with Terminal(command, columns=columns) as terminal:
                 self.look(terminal, pattern)
                 self.end_by_ctrl_c(terminal)
+            seen = subprocess.run([program("fieldcast"), "inspect", capture], capture_output=True, text=True, timeout=60)
+            self.assertEqual(seen.returncode, 0, seen.stderr)
+            os.remove(capture)
         self.assertFalse(os.path.exists(file))
 
 

@@ -11,6 +11,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <iostream>
 #include <mutex>
 #include <stdexcept>
 #include <string>
@@ -18,6 +19,7 @@
 #include "bridge/dds/dds_link.hpp"
 #include "bridge/station/station.hpp"
 #include "tools/bench/process.hpp"
+#include "tools/progress/progress_line.hpp"
 
 namespace fieldcast::bench {
 namespace {
@@ -85,6 +87,7 @@ void run_station(const DdsSpec& spec, std::uint64_t commands, const Process& bri
                                std::to_string(wanted) + " were due");
   };
   std::printf("%12s %12s %16s %16s\n", "commands", "seconds", "station, MB", "bridge, MB");
+  ProgressLine progress(std::cerr);
   const auto began = std::chrono::steady_clock::now();
   const std::uint64_t tenth = std::max<std::uint64_t>(1, commands / 10);
   for (std::uint64_t sent = 1; sent <= commands; ++sent) {
@@ -96,8 +99,13 @@ void run_station(const DdsSpec& spec, std::uint64_t commands, const Process& bri
     if (const auto id = station.send(std::move(command)); !id)
       throw std::runtime_error(std::string(to_text(id.error())));
     if (sent > kInFlight) await(sent - kInFlight);
+    progress.show([&](Duration elapsed) {
+      return progress_text("commands", static_cast<double>(sent) / static_cast<double>(commands),
+                           elapsed);
+    });
     if (sent % tenth != 0 && sent != commands) continue;
     await(sent);
+    progress.clear();
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - began;
     std::printf("%12llu %12.1f %16.1f %16.1f\n", static_cast<unsigned long long>(sent),
                 seconds.count(), resident_mb(getpid()), bridge.resident_mb());

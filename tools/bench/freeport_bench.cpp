@@ -2,12 +2,15 @@
 // check makes possible.
 //
 // usage: freeport_bench [exchanges]     (10 million without an argument; virtual time)
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <iostream>
 
 #include "tests/bus/freeport_bus.hpp"
 #include "tests/bus/freeport_pairs.hpp"
 #include "tools/bench/figures.hpp"
+#include "tools/progress/progress_line.hpp"
 
 namespace {
 
@@ -19,7 +22,18 @@ constexpr Duration kAnswerTime = std::chrono::milliseconds{5};  // one scan of t
 
 void print_run(const char* line, double rate, std::uint64_t exchanges) {
   test::FreeportBus bus(kStations, rate, 2026, kAnswerTime);
-  bus.run(exchanges);
+  {
+    constexpr std::uint64_t kPart = 10'000;
+    ProgressLine progress(std::cerr);
+    while (bus.counts().exchanges < exchanges) {
+      const std::uint64_t done = bus.counts().exchanges;
+      bus.run(std::min(kPart, exchanges - done));
+      progress.show([&](Duration elapsed) {
+        return progress_text(line, static_cast<double>(done) / static_cast<double>(exchanges),
+                             elapsed);
+      });
+    }
+  }
   const test::FreeportBus::Counts& counts = bus.counts();
   const double seconds = to_seconds(bus.elapsed());
   std::printf("%s line: %llu exchanges in %.0f s of virtual time, %llu bits flipped\n", line,

@@ -14,6 +14,8 @@ import subprocess
 import sys
 import tempfile
 
+from progress import Progress
+
 SHOWN = 12  # reasons, of each kind
 
 
@@ -33,17 +35,20 @@ def main(source, bin_dir="build/bin"):
     program = os.path.join(bin_dir, "fieldcast")
     files, values, reasons, changes = (collections.Counter() for _ in range(4))
     with tempfile.TemporaryDirectory() as folder:
-        for name in sorted(os.listdir(source)):
-            code, rows, said = import_file(program, os.path.join(source, name), folder)
-            fates = collections.Counter(row["fate"] for row in rows)
-            values += fates
-            taken = fates["moved"] + fates["changed"]
-            files["whole" if code == 0 else "in part" if code == 1 and taken else "refused"] += 1
-            if code > 1:
-                reasons[kind_of(said.splitlines()[-1])] += 1
-            reasons.update(kind_of(row["why"]) for row in rows if row["fate"] == "refused")
-            changes.update(kind_of(re.sub(r"where .*?, and", "where .., and", change)) for row in rows if row["fate"] == "changed"
-                           for change in row["why"].split("; "))
+        names = sorted(os.listdir(source))
+        with Progress("importing", None, len(names)) as progress:
+            for number, name in enumerate(names):
+                progress.show(number)
+                code, rows, said = import_file(program, os.path.join(source, name), folder)
+                fates = collections.Counter(row["fate"] for row in rows)
+                values += fates
+                taken = fates["moved"] + fates["changed"]
+                files["whole" if code == 0 else "in part" if code == 1 and taken else "refused"] += 1
+                if code > 1:
+                    reasons[kind_of(said.splitlines()[-1])] += 1
+                reasons.update(kind_of(row["why"]) for row in rows if row["fate"] == "refused")
+                changes.update(kind_of(re.sub(r"where .*?, and", "where .., and", change)) for row in rows if row["fate"] == "changed"
+                               for change in row["why"].split("; "))
     print(f"files: {sum(files.values())}: " + ", ".join(f"{count} {fate}" for fate, count in files.most_common()))
     print(f"values: {sum(values.values())}: " + ", ".join(f"{count} {fate}" for fate, count in values.most_common()))
     for title, counts in [("not moved:", reasons), ("moved with a change:", changes)]:

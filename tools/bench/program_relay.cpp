@@ -6,10 +6,12 @@
 #include <termios.h>
 
 #include <atomic>
+#include <iostream>
 #include <thread>
 
 #include "tools/bench/figures.hpp"
 #include "tools/bench/program_net.hpp"
+#include "tools/progress/progress_line.hpp"
 
 namespace fieldcast::bench {
 namespace {
@@ -76,8 +78,9 @@ class Unframed {
   std::uint32_t left_ = 0;
 };
 
-// Bytes that came right, up to `total` or the first that is wrong.
-std::uint64_t compare(int fd, std::uint64_t seed, std::uint64_t total, bool framed) {
+// Bytes that came right, up to `total` or the first that is wrong; `so_far` on the way.
+std::uint64_t compare(int fd, std::uint64_t seed, std::uint64_t total, bool framed,
+                      std::atomic<std::uint64_t>& so_far) {
   Stream stream(seed);
   Bytes expected(kPiece), got;
   Unframed unframed;
@@ -103,6 +106,7 @@ std::uint64_t compare(int fd, std::uint64_t seed, std::uint64_t total, bool fram
       i += count;
       right += count;
     }
+    so_far = right;
   }
   return right;
 }
@@ -145,20 +149,27 @@ void relay_bench(const RelayOptions& options) {
   }
   const bool framed = !options.terminal;
   const auto total = static_cast<std::uint64_t>(options.gigabytes * 1e9) / kPiece * kPiece;
-  std::atomic<std::uint64_t> down{0}, up{0};
+  std::atomic<std::uint64_t> down{0}, up{0}, down_so_far{0}, up_so_far{0};
   const auto start = Clock::now();
-  std::thread threads[] = {std::thread([&] { produce(engineer.get(), 1, total, framed); }),
-                           std::thread([&] { down = compare(module.get(), 1, total, false); }),
-                           std::thread([&] { produce(module.get(), 2, total, false); }),
-                           std::thread([&] { up = compare(engineer.get(), 2, total, framed); })};
+  std::thread threads[] = {
+      std::thread([&] { produce(engineer.get(), 1, total, framed); }),
+      std::thread([&] { down = compare(module.get(), 1, total, false, down_so_far); }),
+      std::thread([&] { produce(module.get(), 2, total, false); }),
+      std::thread([&] { up = compare(engineer.get(), 2, total, framed, up_so_far); })};
   double early = 0, highest = 0, port_highest = 0;
+  ProgressLine progress(std::cerr);
   while ((down < total || up < total) && seconds_since(start) < 3600) {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     if (early == 0 && seconds_since(start) > 1) early = bridge.process().resident_mb();
     highest = std::max(highest, bridge.process().resident_mb());
     if (port) port_highest = std::max(port_highest, port->resident_mb());
     if (down > 0 && up > 0) break;  // each is set once, at the end of its stream
+    progress.show([&](Duration elapsed) {
+      const auto sum = static_cast<double>(down_so_far + up_so_far);
+      return progress_text("both ways", sum / 2 / static_cast<double>(total), elapsed);
+    });
   }
+  progress.clear();
   for (std::thread& thread : threads) thread.join();
   const double took = seconds_since(start);
   print_figure("bytes to the device that came right", static_cast<double>(down.load()), "",

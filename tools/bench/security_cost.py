@@ -14,6 +14,7 @@ import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "tests", "tools"))
 from plant import Plant  # noqa: E402
+from progress import Progress  # noqa: E402
 
 CHANNELS = 200
 CONFIG = """
@@ -53,12 +54,14 @@ def measure(bin_dir, protection, seconds, folder):
         try:
             pids = plant.bridge.pid, station.pid
             first, counted, begun = None, 0, None
-            for line in station.stdout:
-                counted += bool(re.search(rb'"quality": ?"GOOD"', line))
-                if first is None and counted > 2 * CHANNELS:  # everybody has joined
-                    first, counted, begun = [processor_seconds(pid) for pid in pids], 0, time.monotonic()
-                if begun is not None and time.monotonic() - begun > seconds:
-                    break
+            with Progress(f"protection {protection}", seconds) as progress:
+                for line in station.stdout:
+                    progress.show()
+                    counted += bool(re.search(rb'"quality": ?"GOOD"', line))
+                    if first is None and counted > 2 * CHANNELS:  # everybody has joined
+                        first, counted, begun = [processor_seconds(pid) for pid in pids], 0, time.monotonic()
+                    if begun is not None and time.monotonic() - begun > seconds:
+                        break
             spent = [(processor_seconds(pid) - before) * 1000 / counted for pid, before in zip(pids, first)]
         finally:
             station.kill()

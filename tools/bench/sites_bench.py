@@ -22,6 +22,7 @@ import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "tests", "tools"))
 import networks  # noqa: E402
+from progress import Progress, wait  # noqa: E402
 
 CHANNELS = 1000  # of a bus
 PORT = 5100
@@ -115,20 +116,22 @@ def measure(options, buses, wire):
             start("fast-discovery-server", "-i", "0", "-l", wire.near_address, "-p", "11811")
         start(f"{options.bin}/fieldcast-sim", f"{folder}/plant.yaml")
         bridge = start(f"{options.bin}/fieldcast-bridge", f"{folder}/plant.yaml")
-        time.sleep(15)  # every channel was read
+        wait(f"{buses} buses: every channel is read", 15)
         alone = memory(bridge.pid)
         began, before, spent, rates = time.monotonic(), wire.bytes(), processor_seconds(bridge.pid), Rates(wire)
         station = Station(wire.far, options.bin, f"{folder}/station.yaml")
         processes.append(station.process)
-        while len(station.channels) < buses * CHANNELS and time.monotonic() - began < options.seconds:
-            time.sleep(0.02)
+        with Progress(f"{buses} buses: the station joins", options.seconds, buses * CHANNELS) as progress:
+            while len(station.channels) < buses * CHANNELS and time.monotonic() - began < options.seconds:
+                progress.show(len(station.channels))
+                time.sleep(0.02)
         took, after = time.monotonic() - began, wire.bytes()
         spent = processor_seconds(bridge.pid) - spent
         missing = buses * CHANNELS - len(station.channels)
-        time.sleep(5)
+        wait("it falls quiet", 5)
         rates.stop()
         quiet = wire.bytes()
-        time.sleep(10)
+        wait("measuring", 10)
         steady = (wire.bytes()[0] - quiet[0]) / 10
         print(f"{buses:3} buses  {'every value after ' + format(took, '.2f') + ' s' if missing == 0 else str(missing) + ' values missing'}"
               f"  {(after[0] - before[0]) / 1e6:6.2f} MB to the station, {(after[1] - before[1]) / 1e6:5.2f} MB back"

@@ -4,9 +4,11 @@
 //     storm_bench [EXCHANGES] [PROTOCOL]     of each protocol, a million by default
 #include <cstdio>
 #include <cstdlib>
+#include <iostream>
 #include <string>
 
 #include "tests/bus/late_storm.hpp"
+#include "tools/progress/progress_line.hpp"
 
 using namespace fieldcast;
 using namespace std::chrono_literals;
@@ -24,9 +26,15 @@ int main(int count, char** arguments) {
     if (!only.empty() && kind.name.find(only) == std::string::npos) continue;
     const BusSpec spec = test::bus_of(kind, "200ms");
     test::LateStorm::Counts sum;
+    ProgressLine progress(std::cerr);
     for (std::uint64_t run = 0; sum.exchanges < exchanges; ++run) {
       test::StormFaults faults{.late = 0.05, .by = kLate[run % std::size(kLate)], .doubled = 0.02};
       if (kind.foreign) faults.foreign = 0.2;
+      progress.show([&](Duration elapsed) {
+        return progress_text(kind.name,
+                             static_cast<double>(sum.exchanges) / static_cast<double>(exchanges),
+                             elapsed);
+      });
       test::LateStorm storm(kind, spec, test::faults_of(spec, faults), run + 1);
       storm.run(std::min(kRun, exchanges - sum.exchanges));
       const auto counts = storm.counts();
@@ -40,6 +48,7 @@ int main(int count, char** arguments) {
         std::printf("  seed %llu: %s\n", static_cast<unsigned long long>(run) + 1,
                     counts.first_wrong.c_str());
     }
+    progress.clear();
     std::printf(
         "%-24s %10llu %9llu %9llu %12llu %9llu %6llu\n", kind.name.c_str(),
         static_cast<unsigned long long>(sum.exchanges), static_cast<unsigned long long>(sum.late),

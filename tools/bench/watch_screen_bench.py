@@ -18,6 +18,7 @@ import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "tests", "tools"))
 from plant import claim_domain  # noqa: E402
+from progress import Progress  # noqa: E402
 from terminal import Terminal  # noqa: E402
 
 BUSES = 10
@@ -36,8 +37,10 @@ def run_seconds(pid):
 def share(terminal, seconds):
     """Of one core, over so many seconds."""
     before, began = run_seconds(terminal.pid), time.monotonic()
-    while time.monotonic() - began < seconds:
-        terminal.read(0.2)
+    with Progress("measuring", seconds) as progress:
+        while time.monotonic() - began < seconds:
+            terminal.read(0.2)
+            progress.show()
     return (run_seconds(terminal.pid) - before) / (time.monotonic() - began)
 
 

@@ -8,6 +8,7 @@
 
 #include "tools/cli/exit_code.hpp"
 #include "tools/cli/terminal.hpp"
+#include "tools/progress/progress_line.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -54,7 +55,8 @@ void Interrupt::wait_for_signals() {
   while (sigtimedwait(&set, nullptr, &limit) < 0 && errno == EINTR) {}
   if (ending_) return;
   give_terminal_back_now();
-  std::_Exit(to_int(ExitCode::kTrouble));
+  wipe_progress_at_end();
+  std::_Exit(to_int(ExitCode::kInterrupted));
 }
 
 }  // namespace fieldcast::cli

@@ -7,6 +7,7 @@
 #include "core/model/make_protocol.hpp"
 #include "tools/cli/command/command.hpp"
 #include "tools/cli/direct/direct_bus.hpp"
+#include "tools/cli/direct/line_capture.hpp"
 #include "tools/cli/view/command_text.hpp"
 #include "tools/cli/view/sample_text.hpp"
 
@@ -72,6 +73,16 @@ void show(const PokeOptions& options, const Write& write, const CommandResult& r
   out.flush();
 }
 
+fieldcast::Command command_of(const Write& write, bool verify) {
+  fieldcast::Command command;
+  command.device = "device";
+  command.target = AddressTarget{write.at, write.encoding};
+  command.values = write.values;
+  command.count = static_cast<std::uint32_t>(write.values.size());
+  command.verify = verify;
+  return command;
+}
+
 }  // namespace
 
 ExitCode poke(const PokeOptions& options, const Interrupt& interrupt, std::ostream& out,
@@ -87,30 +98,26 @@ ExitCode poke(const PokeOptions& options, const Interrupt& interrupt, std::ostre
     if (!write) return usage_fault(err, "poke", write.error());
     writes.push_back(*std::move(write));
   }
-  DirectBus line(*bus, options.trace);
-  if (const auto opened = line.open(interrupt); !opened) {
-    if (interrupt.raised()) return ExitCode::kInterrupted;
-    err << "fieldcast poke: " << printable(opened.error()) << '\n';
-    return ExitCode::kTrouble;
-  }
-  for (const Write& write : writes) {
-    fieldcast::Command command;
-    command.device = "device";
-    command.target = AddressTarget{write.at, write.encoding};
-    command.values = write.values;
-    command.count = static_cast<std::uint32_t>(write.values.size());
-    command.verify = options.verify;
-    const auto result = line.run(std::move(command), interrupt);
-    if (!result) {
-      err << "fieldcast poke: interrupted; whether " << printable(write.at)
-          << " was written is not known\n";
-      return ExitCode::kInterrupted;
+  return on_line(options.capture, *bus, "poke", err, [&](LineCapture* capture) {
+    DirectBus line(*bus, options.trace, capture);
+    if (const auto opened = line.open(interrupt); !opened) {
+      if (interrupt.raised()) return ExitCode::kInterrupted;
+      err << "fieldcast poke: " << printable(opened.error()) << '\n';
+      return ExitCode::kTrouble;
     }
-    show(options, write, *result, out, err);
-    if (result->state == CommandState::kRejected) return ExitCode::kRejected;
-    if (result->state == CommandState::kFailed) return ExitCode::kFailed;
-  }
-  return ExitCode::kOk;
+    for (const Write& write : writes) {
+      const auto result = line.run(command_of(write, options.verify), interrupt);
+      if (!result) {
+        err << "fieldcast poke: interrupted; whether " << printable(write.at)
+            << " was written is not known\n";
+        return ExitCode::kInterrupted;
+      }
+      show(options, write, *result, out, err);
+      if (result->state == CommandState::kRejected) return ExitCode::kRejected;
+      if (result->state == CommandState::kFailed) return ExitCode::kFailed;
+    }
+    return ExitCode::kOk;
+  });
 }
 
 namespace {
@@ -127,6 +134,7 @@ class PokeCommand final : public CommandWith<PokeOptions> {
         "Of the values: uint16, float32, string(8), .. (what the address implies, or uint16)");
     line.flag("--verify", options_.verify, "Read back what was written");
     line.flag("--trace", options_.trace, "The bytes on the line, as they pass");
+    line.text("--capture", options_.capture, kCaptureHelp);
     line.flag("--json", options_.json, "JSON lines").excludes("--trace");
   }
   ExitCode run(const Streams& streams) override {

@@ -18,6 +18,7 @@ struct PokeOptions {
   std::string type;                      // empty: what the address implies, or uint16
   bool verify = false;
   bool trace = false;
+  std::string capture;  // a new file for what passes on the line; empty: none
   bool json = false;
 };
 

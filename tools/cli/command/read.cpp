@@ -8,6 +8,7 @@
 #include "tools/cli/command/command.hpp"
 #include "tools/cli/direct/address_steps.hpp"
 #include "tools/cli/direct/direct_bus.hpp"
+#include "tools/cli/direct/line_capture.hpp"
 #include "tools/cli/direct/meanings.hpp"
 #include "tools/cli/view/command_text.hpp"
 #include "tools/cli/view/sample_text.hpp"
@@ -169,20 +170,22 @@ ExitCode read(const ReadOptions& options, const Interrupt& interrupt, std::ostre
     if (!wanted) return usage_fault(err, "read", wanted.error());
     all.push_back(*std::move(wanted));
   }
-  DirectBus line(*bus, options.trace);
-  if (const auto opened = line.open(interrupt); !opened) {
-    if (interrupt.raised()) return ExitCode::kInterrupted;
-    err << "fieldcast read: " << printable(opened.error()) << '\n';
-    return ExitCode::kTrouble;
-  }
-  Reading reading(options, std::move(protocol), line, out, err);
-  ExitCode worst = ExitCode::kOk;
-  for (const Wanted& wanted : all) {
-    const ExitCode code = reading.read(wanted, meanings, screen, interrupt);
-    if (code == ExitCode::kInterrupted) return code;
-    if (code != ExitCode::kOk) worst = code;
-  }
-  return worst;
+  return on_line(options.capture, *bus, "read", err, [&](LineCapture* capture) {
+    DirectBus line(*bus, options.trace, capture);
+    if (const auto opened = line.open(interrupt); !opened) {
+      if (interrupt.raised()) return ExitCode::kInterrupted;
+      err << "fieldcast read: " << printable(opened.error()) << '\n';
+      return ExitCode::kTrouble;
+    }
+    Reading reading(options, std::move(protocol), line, out, err);
+    ExitCode worst = ExitCode::kOk;
+    for (const Wanted& wanted : all) {
+      const ExitCode code = reading.read(wanted, meanings, screen, interrupt);
+      if (code == ExitCode::kInterrupted) return code;
+      if (code != ExitCode::kOk) worst = code;
+    }
+    return worst;
+  });
 }
 
 namespace {
@@ -202,6 +205,7 @@ class ReadCommand final : public CommandWith<ReadOptions> {
               "What the items mean: types with commas (float32,int32), each in every order, or all")
         .excludes("--type");
     line.flag("--trace", options_.trace, "The bytes on the line, as they pass");
+    line.text("--capture", options_.capture, kCaptureHelp);
     line.flag("--json", options_.json, "JSON lines").excludes("--trace").excludes("--as");
   }
   ExitCode run(const Streams& streams) override {

@@ -21,6 +21,7 @@ struct ReadOptions {
   std::string type;         // empty: what the address implies, or uint16
   std::string as;           // "float32,int32", "all": what items mean
   bool trace = false;
+  std::string capture;  // a new file for what passes on the line; empty: none
   bool json = false;
 };
 

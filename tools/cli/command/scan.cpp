@@ -6,6 +6,7 @@
 #include <ostream>
 
 #include "tools/cli/command/command.hpp"
+#include "tools/cli/direct/line_capture.hpp"
 #include "tools/cli/direct/line_options.hpp"
 #include "tools/cli/direct/line_talk.hpp"
 #include "tools/cli/import/new_files.hpp"
@@ -65,15 +66,35 @@ tl::expected<std::vector<ScanLine>, std::string> lines_of(const ScanOptions& opt
   return lines;
 }
 
+// The line as a capture has it: a device stands for each protocol that is tried.
+BusSpec captured_bus(const PortSpec& port, const std::vector<ScanLine>& lines) {
+  BusSpec bus;
+  bus.name = "line";
+  bus.port = port;
+  for (const ScanLine& line : lines) {
+    if (bus.devices.empty() || bus.devices.back().protocol != line.protocol->name)
+      bus.devices.emplace_back().protocol = line.protocol->name;
+  }
+  return bus;
+}
+// Which of these devices stands for the protocol of a line.
+std::size_t protocol_index(const std::vector<ScanLine>& lines, std::size_t line) {
+  std::size_t index = 0;
+  for (std::size_t i = 1; i <= line; ++i) index += lines[i].protocol != lines[i - 1].protocol;
+  return index;
+}
+
 class Scan {
  public:
+  // `capture` may be null.
   Scan(const ScanOptions& options, PortSpec port, std::vector<ScanLine> lines,
-       const Interrupt& interrupt, std::ostream& err)
+       const Interrupt& interrupt, std::ostream& err, LineCapture* capture)
       : options_(options),
         port_(std::move(port)),
         serial_(is_serial(options)),
         scanner_(std::move(lines)),
-        talk_(interrupt),
+        capture_(capture),
+        talk_(interrupt, capture == nullptr ? nullptr : capture->tap()),
         interrupt_(interrupt),
         err_(err) {}
 
@@ -129,8 +150,8 @@ class Scan {
     const auto protocol = device(ask.address);
     if (!protocol) return ScanAnswer{};
     const ScanQuestion& asked = questions_[std::min(ask.question, questions_.size() - 1)];
-    auto heard =
-        talk_.ask(protocol->begin(ReadRequest{{asked.range}}, {++sequence_}), options_.timeout);
+    auto heard = talk(protocol->begin(ReadRequest{{asked.range}}, {++sequence_}), ask.address,
+                      "reads " + asked.at);
     if (!heard) return tl::unexpected(std::move(heard.error()));
     ScanAnswer answer{.cause = heard->cause,
                       .device_code = heard->device_code,
@@ -145,11 +166,20 @@ class Scan {
     return answer;
   }
 
+  tl::expected<LineTalk::Answer, std::string> talk(std::unique_ptr<Exchange> exchange,
+                                                   std::uint16_t address, const std::string& what) {
+    auto heard = talk_.ask(
+        std::move(exchange), options_.timeout,
+        {protocol_index(scanner_.lines(), *line_), fmt::format("address {}: {}", address, what)});
+    if (capture_ != nullptr) capture_->write();
+    return heard;
+  }
+
   std::string identity_of(const ScanFound& found) {
     if (!turn_to(found.line)) return {};
     const ScanLine& line = scanner_.lines()[found.line];
     if (auto exchange = identity_exchange(line.protocol->name, found.address)) {
-      const auto heard = talk_.ask(std::move(exchange), options_.timeout);
+      const auto heard = talk(std::move(exchange), found.address, "asks who it is");
       if (!heard || heard->cause != Cause::kNone) return {};
       const Bytes& text = heard->reply.front().items;
       return {text.begin(), text.end()};
@@ -159,8 +189,8 @@ class Scan {
     if (!type || !protocol) return {};
     const auto at = protocol->parse_address(type->at);
     if (!at) return {};
-    const auto heard = talk_.ask(
-        protocol->begin(ReadRequest{{{at->area, at->first, 1}}}, {++sequence_}), options_.timeout);
+    const auto heard = talk(protocol->begin(ReadRequest{{{at->area, at->first, 1}}}, {++sequence_}),
+                            found.address, "reads " + std::string(type->at));
     if (!heard || heard->cause != Cause::kNone || heard->reply.front().cause != Cause::kNone)
       return {};
     std::uint64_t number = 0;
@@ -172,6 +202,7 @@ class Scan {
   const PortSpec port_;
   const bool serial_;
   Scanner scanner_;
+  LineCapture* const capture_;
   LineTalk talk_;
   const Interrupt& interrupt_;
   std::ostream& err_;
@@ -206,6 +237,18 @@ void show(const ScanOptions& options, const Scanner& scanner, std::ostream& out,
   out.flush();
 }
 
+ExitCode write_configuration(const ScanOptions& options, const Scanner& scanner,
+                             std::ostream& err) {
+  const NewFile file{options.out, configuration_text(options.port, is_serial(options), scanner)};
+  if (const auto fault = write_new_files({file}, false)) {
+    err << "fieldcast scan: " << *fault << '\n';
+    return ExitCode::kTrouble;
+  }
+  err << "written: " << printable(options.out) << "; look at it with fieldcast-bridge --check "
+      << printable(options.out) << '\n';
+  return ExitCode::kOk;
+}
+
 }  // namespace
 
 ExitCode scan(const ScanOptions& options, const Interrupt& interrupt, std::ostream& out,
@@ -216,32 +259,27 @@ ExitCode scan(const ScanOptions& options, const Interrupt& interrupt, std::ostre
   if (!options.out.empty() && std::filesystem::exists(options.out, ignored))
     return usage_fault(err, "scan", options.out + " is there already; it is not written over");
   const auto port = port_of(LineOptions{.port = options.port}, LineFormat{});
-  const bool serial = is_serial(options);
-  Scan run(options, *port, *std::move(lines), interrupt, err);
-  const auto done = run.run();
-  const Scanner& scanner = run.scanner();
-  if (!scanner.found().empty()) show(options, scanner, out, screen);
-  if (!done) {
-    err << "fieldcast scan: " << printable(options.port) << ": " << printable(done.error()) << '\n';
-    return ExitCode::kTrouble;
-  }
-  if (interrupt.raised()) {
-    err << "fieldcast scan: interrupted; " << scanner.asked() << " questions were asked\n";
-    return ExitCode::kInterrupted;
-  }
-  if (scanner.found().empty()) {
-    explain_nothing(options, scanner, serial, err);
-    return ExitCode::kNothing;
-  }
-  if (options.out.empty()) return ExitCode::kOk;
-  const NewFile file{options.out, configuration_text(options.port, serial, scanner)};
-  if (const auto fault = write_new_files({file}, false)) {
-    err << "fieldcast scan: " << *fault << '\n';
-    return ExitCode::kTrouble;
-  }
-  err << "written: " << printable(options.out) << "; look at it with fieldcast-bridge --check "
-      << printable(options.out) << '\n';
-  return ExitCode::kOk;
+  const BusSpec captured = captured_bus(*port, *lines);
+  return on_line(options.capture, captured, "scan", err, [&](LineCapture* capture) {
+    Scan run(options, *port, *std::move(lines), interrupt, err, capture);
+    const auto done = run.run();
+    const Scanner& scanner = run.scanner();
+    if (!scanner.found().empty()) show(options, scanner, out, screen);
+    if (!done) {
+      err << "fieldcast scan: " << printable(options.port) << ": " << printable(done.error())
+          << '\n';
+      return ExitCode::kTrouble;
+    }
+    if (interrupt.raised()) {
+      err << "fieldcast scan: interrupted; " << scanner.asked() << " questions were asked\n";
+      return ExitCode::kInterrupted;
+    }
+    if (scanner.found().empty()) {
+      explain_nothing(options, scanner, is_serial(options), err);
+      return ExitCode::kNothing;
+    }
+    return options.out.empty() ? ExitCode::kOk : write_configuration(options, scanner, err);
+  });
 }
 
 namespace {
@@ -259,6 +297,7 @@ class ScanCommand final : public CommandWith<ScanOptions> {
     line.duration("--timeout", options_.timeout, CommandLine::kShortest,
                   "To the first byte of an answer (200ms)");
     line.text("--out", options_.out, "Write a first configuration there; the file must not exist");
+    line.text("--capture", options_.capture, kCaptureHelp);
     line.flag("--json", options_.json, "JSON lines");
   }
   ExitCode run(const Streams& streams) override {

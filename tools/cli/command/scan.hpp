@@ -21,7 +21,8 @@ struct ScanOptions {
   std::string format;
   std::string addresses = "1-32";
   Duration timeout = std::chrono::milliseconds{200};
-  std::string out;  // a configuration is written there; it must not exist
+  std::string out;      // a configuration is written there; it must not exist
+  std::string capture;  // a new file for what passes on the line; empty: none
   bool json = false;
 };
 

@@ -8,6 +8,7 @@
 #include "bridge/bus/io_thread.hpp"
 #include "bridge/log/log.hpp"
 #include "core/model/port_spec.hpp"
+#include "tools/cli/direct/line_capture.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -26,13 +27,18 @@ class Results final : public BusSink {
   };
 
   // What was heard once it is `enough`. Nothing: `limit` passed or the interrupt came before.
-  template <class Enough>
-  std::optional<Heard> wait(const Interrupt& interrupt, Duration limit, const Enough& enough) {
+  // `meanwhile` is called now and then.
+  template <class Enough, class Meanwhile>
+  std::optional<Heard> wait(const Interrupt& interrupt, Duration limit, const Enough& enough,
+                            const Meanwhile& meanwhile) {
     const auto end = std::chrono::steady_clock::now() + limit;
     std::unique_lock lock(mutex_);
     while (!enough(heard_)) {
       if (interrupt.raised() || std::chrono::steady_clock::now() >= end) return std::nullopt;
       changed_.wait_for(lock, kInterruptCheck);
+      lock.unlock();
+      meanwhile();
+      lock.lock();
     }
     return heard_;
   }
@@ -71,15 +77,23 @@ class Results final : public BusSink {
 }  // namespace
 
 struct DirectBus::State {
-  State(const BusSpec& bus, bool trace)
-      : port(name_of(bus.port)), runner(io.context(), plans.context(), bus, results) {
+  State(const BusSpec& bus, bool trace, LineCapture* given)
+      : port(name_of(bus.port)),
+        capture(given),
+        runner(io.context(), plans.context(), bus, results) {
     open_log(LogLevel::kWarning);
     runner.set_trace(trace);
+    if (capture != nullptr) runner.set_capture(capture->tap());
     runner.start();
   }
   ~State() { (void)runner.stop().wait_for(std::chrono::seconds{2}); }
 
+  void write_capture() const {
+    if (capture != nullptr) capture->write();
+  }
+
   const std::string port;
+  LineCapture* const capture;
   std::uint64_t commands = 0;
   Results results;
   IoThread io{"line"};
@@ -87,8 +101,8 @@ struct DirectBus::State {
   BusRunner runner;
 };
 
-DirectBus::DirectBus(const BusSpec& bus, bool trace)
-    : state_(std::make_unique<State>(bus, trace)) {}
+DirectBus::DirectBus(const BusSpec& bus, bool trace, LineCapture* capture)
+    : state_(std::make_unique<State>(bus, trace, capture)) {}
 
 DirectBus::~DirectBus() {
   state_.reset();
@@ -99,7 +113,8 @@ tl::expected<void, std::string> DirectBus::open(const Interrupt& interrupt) {
   const auto known = [](const Results::Heard& heard) {
     return heard.running || !heard.closed.empty();
   };
-  const auto heard = state_->results.wait(interrupt, kOpenLimit, known);
+  const auto heard =
+      state_->results.wait(interrupt, kOpenLimit, known, [this] { state_->write_capture(); });
   if (heard && heard->running) return {};
   if (interrupt.raised()) return tl::unexpected(std::string());
   return tl::unexpected(state_->port + ": " + (heard ? heard->closed : "it does not open"));
@@ -112,7 +127,8 @@ std::optional<CommandResult> DirectBus::run(fieldcast::Command command,
   state_->results.forget_result();
   if (!state_->runner.post(std::move(command))) return std::nullopt;
   const auto answered = [](const Results::Heard& heard) { return heard.result.has_value(); };
-  const auto heard = state_->results.wait(interrupt, kResultLimit, answered);
+  const auto heard =
+      state_->results.wait(interrupt, kResultLimit, answered, [this] { state_->write_capture(); });
   return heard ? heard->result : std::nullopt;
 }
 

@@ -15,14 +15,16 @@
 
 namespace fieldcast::cli {
 
+class LineCapture;
+
 class DirectBus {
  public:
   // How long a port may take to open.
   static constexpr Duration kOpenLimit = std::chrono::seconds{5};
 
-  // `trace`: the bytes go to the standard output as they pass, a text line each. REQUIRES: `bus` is
-  // as the loader makes it.
-  DirectBus(const BusSpec& bus, bool trace);
+  // `trace`: the bytes go to the standard output as they pass, a text line each. `capture` takes
+  // them, too, and outlives the bus; it may be null. REQUIRES: `bus` is as the loader makes it.
+  DirectBus(const BusSpec& bus, bool trace, LineCapture* capture = nullptr);
   ~DirectBus();  // closes the port
   DirectBus(const DirectBus&) = delete;
   DirectBus& operator=(const DirectBus&) = delete;

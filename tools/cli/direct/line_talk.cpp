@@ -20,12 +20,14 @@ constexpr std::chrono::milliseconds kLongestStray{300};
 }  // namespace
 
 struct LineTalk::State final : PortListener {
-  explicit State(const Interrupt& given) : interrupt(given) {}
+  State(const Interrupt& given, std::shared_ptr<CaptureTap> into)
+      : interrupt(given), tap(std::move(into)) {}
 
   void on_opened() override { opened = true; }
   void on_received(ByteView bytes, Instant arrival) override {
     last_byte = arrival;
     strays += bytes.size();
+    record(CaptureRecord::Kind::kReceived, bytes, {}, arrival);
     if (!driver || !driver->active()) return;
     Bytes out;
     outcome = driver->on_bytes(bytes, arrival, out);
@@ -39,11 +41,28 @@ struct LineTalk::State final : PortListener {
     io.restart();
     (void)io.run_one_for(std::min<Duration>(rest, kTalkCheck));
   }
+  void write(const Bytes& bytes, const LineNote& note) {
+    device = note.device;
+    record(CaptureRecord::Kind::kSent, bytes, note.text, steady_now());
+    port->write(bytes);
+  }
+  void record(CaptureRecord::Kind kind, ByteView bytes, const std::string& text, Instant at) const {
+    if (tap && tap->wanted())
+      tap->put({kind, read_clocks().to_utc(at), device, Bytes(bytes.begin(), bytes.end()), text});
+  }
+  // How the exchange ended, for the capture.
+  void record_end(const LineTalk::Answer& answer) const {
+    if (answer.cause != Cause::kNone)
+      record(CaptureRecord::Kind::kRemark, {}, std::string(to_text(answer.cause)), steady_now());
+    record(CaptureRecord::Kind::kEnded, {}, {}, steady_now());
+  }
   [[nodiscard]] std::string why_closed() const {
     return interrupt.raised() ? std::string() : closed.value_or("the port does not open");
   }
 
   const Interrupt& interrupt;
+  const std::shared_ptr<CaptureTap> tap;  // null: nobody captures
+  std::size_t device = 0;                 // that is asked, for the capture
   boost::asio::io_context io{1};
   std::unique_ptr<Port> port;
   std::optional<ExchangeDriver> driver;
@@ -56,7 +75,8 @@ struct LineTalk::State final : PortListener {
   Bytes again;  // the next request of the exchange
 };
 
-LineTalk::LineTalk(const Interrupt& interrupt) : state_(std::make_unique<State>(interrupt)) {}
+LineTalk::LineTalk(const Interrupt& interrupt, std::shared_ptr<CaptureTap> tap)
+    : state_(std::make_unique<State>(interrupt, std::move(tap))) {}
 
 LineTalk::~LineTalk() { close(); }
 
@@ -85,12 +105,18 @@ tl::expected<void, std::string> LineTalk::open(const PortSpec& spec) {
   const Instant limit = steady_now() + kOpenLimit;
   while (!state.opened && !state.closed && !state.interrupt.raised() && steady_now() < limit)
     state.wait(limit);
-  if (state.opened) return {};
+  if (state.opened) {
+    const bool serial = std::holds_alternative<SerialPortSpec>(spec);
+    state.record(CaptureRecord::Kind::kRemark, {},
+                 "the port is open" + (serial ? ": " + to_text(line_of(spec)) : std::string()),
+                 steady_now());
+    return {};
+  }
   return tl::unexpected(state.why_closed());
 }
 
 tl::expected<LineTalk::Answer, std::string> LineTalk::ask(std::unique_ptr<Exchange> exchange,
-                                                          Duration timeout) {
+                                                          Duration timeout, const LineNote& note) {
   using Outcome = ExchangeDriver::Outcome;
   State& state = *state_;
   const Instant limit = steady_now() + kLongestStray;
@@ -104,7 +130,7 @@ tl::expected<LineTalk::Answer, std::string> LineTalk::ask(std::unique_ptr<Exchan
   state.strays = 0;
   state.outcome = Outcome::kWaiting;
   state.driver->begin(std::move(exchange), timeout, true, steady_now(), out);
-  state.port->write(out);
+  state.write(out, note);
   while (state.driver->active() && !state.closed && !state.interrupt.raised()) {
     state.wait(state.driver->deadline());
     if (state.outcome == Outcome::kWaiting && steady_now() >= state.driver->deadline()) {
@@ -117,7 +143,7 @@ tl::expected<LineTalk::Answer, std::string> LineTalk::ask(std::unique_ptr<Exchan
     }
     if (state.outcome == Outcome::kSend) {
       state.outcome = Outcome::kWaiting;
-      state.port->write(std::exchange(state.again, {}));
+      state.write(std::exchange(state.again, {}), note);
     }
     if (state.outcome != Outcome::kWaiting) break;
   }
@@ -136,6 +162,7 @@ tl::expected<LineTalk::Answer, std::string> LineTalk::ask(std::unique_ptr<Exchan
     answer.took = state.driver->answer_time();
   }
   (void)state.driver->finish();
+  state.record_end(answer);
   return answer;
 }
 

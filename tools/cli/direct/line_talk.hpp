@@ -10,11 +10,18 @@
 #include <string>
 #include <tl/expected.hpp>
 
+#include "bridge/capture/capture_tap.hpp"
 #include "core/bus/exchange_driver.hpp"
 #include "core/model/port_spec.hpp"
 #include "tools/cli/interrupt.hpp"
 
 namespace fieldcast::cli {
+
+// What a capture says of an exchange.
+struct LineNote {
+  std::size_t device = 0;  // of the bus that is captured
+  std::string text;        // what is asked
+};
 
 class LineTalk {
  public:
@@ -27,7 +34,8 @@ class LineTalk {
     std::size_t bytes = 0;  // that came
   };
 
-  explicit LineTalk(const Interrupt& interrupt);
+  // What passes goes into the tap, where there is one; null: nobody captures.
+  explicit LineTalk(const Interrupt& interrupt, std::shared_ptr<CaptureTap> tap = nullptr);
   ~LineTalk();  // close()
   LineTalk(const LineTalk&) = delete;
   LineTalk& operator=(const LineTalk&) = delete;
@@ -38,7 +46,7 @@ class LineTalk {
   // Waits for silence on the line before it sends, and for the answer, at most `timeout` to its
   // first byte. The error as of open(): the port is gone. REQUIRES: open() was successful.
   [[nodiscard]] tl::expected<Answer, std::string> ask(std::unique_ptr<Exchange> exchange,
-                                                      Duration timeout);
+                                                      Duration timeout, const LineNote& note = {});
   // Leaves the line alone for so long; less when the interrupt is raised. REQUIRES: as ask().
   void rest(Duration time);
   void close();
