@@ -54,8 +54,8 @@ inline constexpr char kCaptureHelp[] =
     "Write what passes on the line into this new file, for Wireshark (x.pcapng)";
 
 // Runs `work` of a command ("read") with a capture in the file `path`; with null where that is
-// empty. `work` ends everything that uses the capture. The exit code of `work`; kTrouble when the file
-// cannot be made, or not be written whole.
+// empty. `work` ends everything that uses the capture. The exit code of `work`; kTrouble when the
+// file cannot be made, or not be written whole.
 [[nodiscard]] ExitCode on_line(const std::string& path, const BusSpec& bus,
                                const std::string& command, std::ostream& err,
                                const std::function<ExitCode(LineCapture* capture)>& work);
