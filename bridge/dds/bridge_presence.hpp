@@ -36,12 +36,12 @@ class BridgePresence : private dds::DataReaderListener {
   Domain& domain_;
   const DdsLink::BridgeHandlers handlers_;
   dds::DataWriter* writer_;
-  dds::DataReader* reader_;
   idl::Bridge announced_;
   // The reader is called on any of the participant's threads; what it said is handed on in order.
   std::mutex mutex_;
   std::map<Handle, BridgeClaims> known_;  // by writer: what it said last
   LostInstances<BridgeClaims> lost_{kMostLost};
+  dds::DataReader* reader_;  // last: from its making on it calls what uses the above
 };
 
 }  // namespace fieldcast
