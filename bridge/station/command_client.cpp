@@ -41,7 +41,11 @@ CommandClient::CommandClient(Domain& domain, const std::string& name)
 CommandClient::CommandClient(Domain& domain, const std::string& name, const std::string& identity)
     : domain_(domain),
       requester_(cut_text(name, kMaxNameLength) + identity),
-      of_persons_(cut_text(name, kMaxNameWithPerson) + identity + '/') {
+      of_persons_(cut_text(name, kMaxNameWithPerson) + identity + '/'),
+      servers_(domain, [this] {
+        const std::lock_guard lock(mutex_);
+        changed_.notify_all();
+      }) {
   listener_.client = this;
   // Results are volatile: the reader comes before the first command.
   results_ =
@@ -147,15 +151,16 @@ CommandClient::ActionWriter& CommandClient::action_writer() {
   return *(actions_ = std::move(made));
 }
 
-bool CommandClient::matched_both_ways(const Matches& writer) const {
-  if (writer.readers.empty()) return false;
-  // From every bridge that receives commands, results must come: the command may be for any of
-  // them.
-  return std::all_of(writer.readers.begin(), writer.readers.end(), [this](const auto& reader) {
-    return std::any_of(result_writers_.begin(), result_writers_.end(),
-                       [&](const auto& result_writer) {
-                         return participant_of(result_writer) == participant_of(reader);
-                       });
+bool CommandClient::reaches(const std::string& bus, const Matches& writer) const {
+  const auto has = [](const std::set<dds::InstanceHandle_t>& endpoints, const auto& participant) {
+    return std::any_of(endpoints.begin(), endpoints.end(), [&](const auto& endpoint) {
+      return participant_of(endpoint) == participant;
+    });
+  };
+  // Commands are volatile: a bridge that is found later never gets them.
+  const auto takers = servers_.takers(bus);
+  return !takers.empty() && std::all_of(takers.begin(), takers.end(), [&](const auto& taker) {
+    return has(writer.readers, taker) && has(result_writers_, taker);
   });
 }
 
@@ -167,10 +172,9 @@ tl::expected<std::uint64_t, StationFault> CommandClient::send(Message& message,
   std::uint64_t id = 0;
   {
     std::unique_lock lock(mutex_);
-    if (!changed_.wait_for(lock, wait_for_bridge, [&] { return matched_both_ways(writer); }) &&
-        writer.readers.empty()) {
+    const std::string bus = message.bus().c_str();
+    if (!changed_.wait_for(lock, wait_for_bridge, [&] { return reaches(bus, writer); }))
       return tl::unexpected(StationFault::kNoBridge);
-    }
     if (message.request_id() >= next_id_) return tl::unexpected(StationFault::kNotSent);
     id = message.request_id() != 0 ? message.request_id() : next_id_++;
     message.request_id(id);

@@ -12,6 +12,7 @@
 
 #include "bridge/dds/domain.hpp"
 #include "bridge/dds/topics/conversion.hpp"
+#include "bridge/station/bus_servers.hpp"
 #include "bridge/station/once_writer.hpp"
 #include "bridge/station/station.hpp"
 
@@ -83,9 +84,10 @@ class CommandClient {
   ActionWriter& action_writer();
   // Of this process, or of a person who asked it.
   [[nodiscard]] bool is_ours(std::string_view requester) const;
-  [[nodiscard]] bool matched_both_ways(const Matches& writer) const;
-  // Waits for bridges, then writes; gives the request_id, which is filled in here unless it was
-  // reserved.
+  // Whoever takes commands for the bus hears this writer, and is heard. REQUIRES: mutex_ held.
+  [[nodiscard]] bool reaches(const std::string& bus, const Matches& writer) const;
+  // Waits for the bridge of the bus, then writes; gives the request_id, which is filled in here
+  // unless it was reserved.
   template <class Message>
   [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(Message& message,
                                                                Writer<Message>& writer,
@@ -106,6 +108,7 @@ class CommandClient {
   std::uint64_t next_id_ = 1;
   std::map<std::uint64_t, std::optional<StationResult>> awaited_;
   std::function<void(const StationResult&)> handler_;
+  BusServers servers_;  // last: it calls what is above
 };
 
 }  // namespace fieldcast

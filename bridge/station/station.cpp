@@ -65,7 +65,7 @@ struct Station::State {
 
 std::string_view to_text(StationFault fault) {
   switch (fault) {
-    case StationFault::kNoBridge: return "no bridge answers in this domain";
+    case StationFault::kNoBridge: return "no bridge serves the bus; it was not sent";
     case StationFault::kNoResult: return "no result came in time";
     case StationFault::kNotSent: return "the command does not fit the topic";
     case StationFault::kNotAPath: return "a channel is named BUS/DEVICE/CHANNEL";

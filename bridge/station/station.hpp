@@ -25,7 +25,7 @@
 namespace fieldcast {
 
 enum class StationFault : std::uint8_t {
-  kNoBridge,  // no bridge took commands within the wait
+  kNoBridge,  // no bridge that serves the bus was found within the wait: it was not sent
   kNoResult,  // the command was written and no result came within its lifespan and the wait
   kNotSent,   // it does not fit the topic: a name or a list is too long
   kNotAPath,  // the channel is not named as BUS/DEVICE/CHANNEL
@@ -37,7 +37,7 @@ enum class StationFault : std::uint8_t {
 
 // What became of a command: its one result, or why there is none.
 using StationOutcome = tl::expected<StationResult, StationFault>;
-// "verified", "rejected: channel is read-only (READ_ONLY)", "no bridge answers in this domain".
+// "verified", "rejected: channel is read-only (READ_ONLY)", "no result came in time".
 [[nodiscard]] std::string to_text(const StationOutcome& outcome);
 
 // How old a value is by this machine's clock, against the instant at which the bridge had the last
@@ -104,7 +104,7 @@ class Station {
   void declare_interest(const std::string& pattern, Duration refresh);
   void withdraw_interest(const std::string& pattern);
 
-  // Writes the command once a bridge is matched in both directions (at most wait_for_bridge) and
+  // Writes the command once the bridge that serves the bus is found (at most wait_for_bridge) and
   // blocks for its one result, at most lifespan + wait_for_result. request_id and requester are
   // filled in here. Any thread; many at a time. kNoRight unless may_command(), as all below.
   [[nodiscard]] StationOutcome execute(StationCommand command,

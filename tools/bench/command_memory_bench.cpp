@@ -61,11 +61,16 @@ void run_bridge(const DdsSpec& spec) {
            },
        .on_interest = [](const Interest&) {},
        .on_problem =
-           [](const std::string& text) { std::fprintf(stderr, "bridge: %s\n", text.c_str()); }});
+           [](const std::string& text) { std::fprintf(stderr, "bridge: %s\n", text.c_str()); },
+       .bridges = {.found = [](const std::string&) {},
+                   .received = [](const std::string&, const BridgeClaims&) {},
+                   .alive = [](const std::string&, bool) {},
+                   .lost = [](const std::string&) {}}});
   self = &link;
   BusSpec bus;
   bus.name = kBus;
   link.add_bus(bus);  // commands come from here on
+  link.announce({.bridge = "bench", .buses = {{kBus, {.since = {1}, .serving = true}}}});
   int signal = 0;
   sigwait(&ending, &signal);
 }

@@ -102,6 +102,11 @@ std::string held_remark(const Connection& connection, std::string_view bus) {
   return {};
 }
 
+std::string not_served_text(const Connection& connection, std::string_view bus) {
+  return fmt::format("no bridge that serves {} was found in {} within {}; it was not sent{}", bus,
+                     domain_text(connection), to_text(kBridgeWait), held_remark(connection, bus));
+}
+
 std::string domain_text(const Connection& connection) {
   if (connection.sites.size() > 1) {
     std::string text = "the sites ";

@@ -44,6 +44,9 @@ struct Connection {
 // "; plant press may command press-* only", if that is why a command to the bus has no result.
 [[nodiscard]] std::string held_remark(const Connection& connection, std::string_view bus);
 
+// Why a command was not sent: no bridge of the bus was found within kBridgeWait.
+[[nodiscard]] std::string not_served_text(const Connection& connection, std::string_view bus);
+
 // "DDS domain 0 on 127.0.0.1", "the sites north, south"
 [[nodiscard]] std::string domain_text(const Connection& connection);
 

@@ -29,6 +29,7 @@ struct Agreeing {
       link.complete(action.alarm.bus, result, both_clocks());
     };
     link.add_bus(bus_of(bus, 1));
+    claim(link, {bus, bus + "-other"});  // so that what is for the other one is sent
   }
   Received received;
   DdsLink link{loopback(), "test", received.handlers()};

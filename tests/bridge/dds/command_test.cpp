@@ -104,7 +104,7 @@ TEST(DdsCommand, WhatBecameOfItIsTold) {
   result.reason = "channel is read-only";
   EXPECT_EQ(to_text(StationOutcome(result)), "rejected: channel is read-only (READ_ONLY)");
   EXPECT_EQ(to_text(StationOutcome(tl::unexpected(StationFault::kNoBridge))),
-            "no bridge answers in this domain");
+            "no bridge serves the bus; it was not sent");
 }
 
 TEST(DdsCommand, AnAgeCountsFromTheArrivalOfTheLastByte) {
@@ -133,6 +133,7 @@ TEST(DdsCommand, ExpiresTheWritersLifespanAfterItWasWritten) {
 TEST(DdsCommand, ForAnotherBridgesBusIsNotTaken) {
   const std::string bus = bus_name("ours");
   Obedient bridge(bus);
+  bridge.claim({bus, "not-" + bus});  // so that it is sent
   Station station(loopback(), "operator");
   StationCommand foreign = write_running("not-" + bus);
   foreign.lifespan = 100ms;
@@ -150,6 +151,33 @@ TEST(DdsCommand, WithoutABridgeIsNotWritten) {
   const auto result = station.execute(write_running("b"), 100ms);
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error(), StationFault::kNoBridge);
+}
+
+TEST(DdsCommand, WaitsForTheBridgeOfItsBus) {
+  const std::string first = bus_name("first"), second = bus_name("second");
+  Obedient one(first);
+  Station station(loopback(), "operator");
+  ASSERT_TRUE(station.execute(write_running(first)));
+  const auto nobody = station.execute(write_running(second), 100ms);
+  ASSERT_FALSE(nobody);
+  EXPECT_EQ(nobody.error(), StationFault::kNoBridge) << "another bridge is there";
+  StationOutcome outcome = nobody;
+  std::thread waiting([&] { outcome = station.execute(write_running(second), 20s); });
+  Obedient other(second);
+  waiting.join();
+  ASSERT_TRUE(outcome) << to_text(outcome);
+  EXPECT_EQ(other.received.commands.size(), 1u);
+}
+
+TEST(DdsCommand, GoesToTheMembersOfAStandbyGroupWhileNoneServes) {
+  const std::string bus = bus_name("group");
+  Obedient member(bus);
+  member.claim({bus}, false, "pair");
+  Station station(loopback(), "operator");
+  EXPECT_TRUE(station.execute(write_running(bus)));
+  member.claim({bus}, false, "");
+  ASSERT_TRUE(eventually([&] { return !station.execute(write_running(bus), 1ms); }))
+      << "who waits for another bridge takes none";
 }
 
 TEST(DdsCommand, RestartedBridgeNeverReceivesAnOldOne) {

@@ -100,6 +100,14 @@ class Collected {
   std::vector<T> items_;
 };
 
+// Of a link that says what it serves, and cares for no other.
+inline DdsLink::BridgeHandlers unheard() {
+  return {.found = [](const std::string&) {},
+          .received = [](const std::string&, const BridgeClaims&) {},
+          .alive = [](const std::string&, bool) {},
+          .lost = [](const std::string&) {}};
+}
+
 // Handlers of a link that receives commands and interests.
 struct Received {
   Collected<std::pair<std::string, Command>> commands;
@@ -118,6 +126,7 @@ struct Received {
                 },
             .on_interest = [this](Interest interest) { interests.add(std::move(interest)); },
             .on_problem = [this](std::string text) { problems.add(std::move(text)); },
+            .bridges = unheard(),
             .on_alarm_action =
                 [this](AlarmAction action) {
                   actions.add(action);
@@ -146,6 +155,14 @@ inline CommandResult done(const Command& command) {
   return result;
 }
 
+// Tells stations which buses a link serves, or waits for as a member of a group.
+inline void claim(DdsLink& link, const std::vector<std::string>& buses, bool serving = true,
+                  const std::string& group = "") {
+  BridgeClaims claims{.bridge = "test", .group = group};
+  for (const std::string& bus : buses) claims.buses[bus] = {.since = {1}, .serving = serving};
+  link.announce(claims);
+}
+
 // A bridge with one bus that does at once what it is told.
 struct Obedient {
   explicit Obedient(const std::string& bus, std::size_t channels = 1,
@@ -155,6 +172,11 @@ struct Obedient {
       link.complete(name, done(command), both_clocks());
     };
     link.add_bus(bus_of(bus, channels));
+    claim({bus});
+  }
+  void claim(const std::vector<std::string>& buses, bool serving = true,
+             const std::string& group = "") {
+    testing::claim(link, buses, serving, group);
   }
   Received received;
   DdsLink link;

@@ -8,8 +8,10 @@
 #include <map>
 #include <set>
 
+#include "bridge/dds/bridge_presence.hpp"
 #include "bridge/dds/domain.hpp"
 #include "bridge/dds/topics/topics.hpp"
+#include "bridge/station/subscription.hpp"
 #include "tests/bridge/dds/dds_support.hpp"
 
 namespace fieldcast::testing {
@@ -79,6 +81,27 @@ TEST(DdsLink, TheChannelsOfABridgeAreThereWhenAnotherOneOfALaterEpochHasLeft) {
       return sample.bus == bus && sample.sequence > 100;
     });
   }));
+}
+
+// What was found before it listens is told while it is made.
+TEST(BridgePresence, HearsOfBridgesThatAreThereBeforeIt) {
+  const DdsSpec spec = loopback();
+  Domain there(spec, "there", nullptr), here(spec, "here", nullptr);
+  BridgePresence first(there, "first", unheard());
+  first.announce({.bridge = "first"});
+  std::atomic<bool> known = false;
+  const Subscription<idl::BridgePubSubType> watching(
+      here, kBridgeTopic, {.sample = [&](const idl::Bridge&) { known = true; }});
+  ASSERT_TRUE(eventually([&] { return known.load(); }));
+  Collected<std::string> found, said;
+  DdsLink::BridgeHandlers handlers = unheard();
+  handlers.found = [&](const std::string& id) { found.add(id); };
+  handlers.received = [&](const std::string& id, const BridgeClaims&) { said.add(id); };
+  BridgePresence second(here, "second", handlers);
+  EXPECT_EQ(found.all(), std::vector<std::string>{first.id()});
+  EXPECT_TRUE(eventually([&] { return said.size() == 1; }));
+  second.close();
+  first.close();
 }
 
 // One writer with all of them costs a reader's discovery a time that grows with their square.

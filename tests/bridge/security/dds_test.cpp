@@ -154,7 +154,7 @@ void send_in_clear(std::uint32_t domain, const rtps::GUID_t& writer, std::uint8_
   add(number, sizeof number);
   add(payload.data, payload.length);
   const int file = ::socket(AF_INET, SOCK_DGRAM, 0);
-  for (unsigned participant = 0; participant < 8; ++participant) {
+  for (unsigned participant = 0; participant < 64; ++participant) {
     sockaddr_in to{};
     to.sin_family = AF_INET;
     to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
@@ -325,6 +325,7 @@ TEST_F(DdsSecurity, CommandsAndInterestsOfAForgingStationAreNotHeardByTheBridge)
 TEST_F(DdsSecurity, APlantIsHeardForItsBusesAlone) {
   Obedient bridge("press-1", 1, as_new({kBridge, "line-7", {}}));
   bridge.link.add_bus(bus_of("mill-1", 1));
+  bridge.claim({"press-1", "mill-1"});
   Station mes(as_new({kPlant, "mes", {"press-*"}}), "mes");
   const auto done = mes.execute(write_running("press-1"), 5s);
   ASSERT_TRUE(done) << to_text(done.error());
@@ -360,6 +361,7 @@ TEST_F(DdsSecurity, SamplesAndResultsOfAForgingStationAreRefusedByTheStations) {
   Received received;
   DdsLink bridge(as_new({kBridge, "line-7", {}}), "line-7", received.handlers());
   bridge.add_bus(bus_of("press-1", 1));
+  claim(bridge, {"press-1"});
   Received forged;
   DdsLink forging(forger({kStation, "wall", {}}, {kBridge, "wall", {}}), "line-7",
                   forged.handlers());

@@ -109,8 +109,7 @@ bool CommandRun::send(Errand& errand) {
     outcome.state = sent.error() == StationFault::kNoBridge ? Outcome::State::kNoResult
                                                             : Outcome::State::kNotSent;
     outcome.result.reason = sent.error() == StationFault::kNoBridge
-                                ? "no bridge takes commands in " + domain_text(connection_) +
-                                      held_remark(connection_, errand.command.bus)
+                                ? not_served_text(connection_, errand.command.bus)
                                 : std::string(to_text(sent.error()));
     return false;
   }

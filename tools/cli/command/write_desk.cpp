@@ -39,8 +39,7 @@ std::optional<Outcome> WriteDesk::step(Instant now) {
   if (sent.error() != StationFault::kNoBridge)
     return fail(Outcome::State::kNotSent, std::string(to_text(sent.error())));
   if (now < until_) return std::nullopt;
-  return fail(Outcome::State::kNoResult, "no bridge takes commands in " + domain_text(connection_) +
-                                             held_remark(connection_, errand_->command.bus));
+  return fail(Outcome::State::kNoResult, not_served_text(connection_, errand_->command.bus));
 }
 
 std::optional<Outcome> WriteDesk::on_result(const StationResult& result) {

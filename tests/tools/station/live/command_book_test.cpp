@@ -68,7 +68,7 @@ TEST_F(CommandBookTest, AFaultEndsIt) {
   const auto ended = book.on_fault(7, StationFault::kNoBridge);
   ASSERT_TRUE(ended);
   EXPECT_EQ(ended->outcome.state, "not-sent");
-  EXPECT_EQ(ended->outcome.reason, "no bridge answers in this domain");
+  EXPECT_EQ(ended->outcome.reason, "no bridge serves the bus; it was not sent");
 }
 
 TEST_F(CommandBookTest, OneUserCannotTakeAllPlaces) {

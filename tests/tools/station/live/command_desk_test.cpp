@@ -108,7 +108,7 @@ TEST_F(CommandDeskTest, WithoutABridgeItSaysSo) {
   ASSERT_TRUE(write());
   ASSERT_TRUE(run_until([&] { return !outcomes.empty(); }));
   EXPECT_EQ(outcomes[0].state, "not-sent");
-  EXPECT_THAT(audit.entries[0].result, ::testing::HasSubstr("no bridge answers"));
+  EXPECT_THAT(audit.entries[0].result, ::testing::HasSubstr("no bridge serves the bus"));
 }
 
 TEST_F(CommandDeskTest, AWorkerThatWaitsDoesNotHoldUpTheIoThread) {

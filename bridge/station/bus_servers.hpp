@@ -1,0 +1,55 @@
+// Which bridges take commands for a bus, by what they say on fieldcast/Bridge: the one that serves
+// it; while none does, the members of its standby group, who keep a command until one of them is
+// master. A bridge whose lease is over takes none.
+//
+// DDS calls on its threads. takers() on any thread.
+#pragma once
+
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "bridge/dds/domain.hpp"
+#include "bridge/dds/lost_instances.hpp"
+
+namespace fieldcast {
+
+class BusServers : private dds::DataReaderListener {
+ public:
+  using Participant = rtps::GuidPrefix_t;
+
+  // `changed` is called whenever what takers() says may be another. Throws DdsError.
+  BusServers(Domain& domain, std::function<void()> changed);
+  ~BusServers() override;
+  BusServers(const BusServers&) = delete;
+  BusServers& operator=(const BusServers&) = delete;
+
+  [[nodiscard]] std::vector<Participant> takers(const std::string& bus) const;
+
+ private:
+  using Handle = dds::InstanceHandle_t;
+  struct Known {
+    std::map<std::string, bool> buses;  // whether it serves them
+    bool in_group = false;
+  };
+  void on_data_available(dds::DataReader* reader) override;
+  void on_subscription_matched(dds::DataReader* reader,
+                               const dds::SubscriptionMatchedStatus& status) override;
+  void on_liveliness_changed(dds::DataReader* reader,
+                             const dds::LivelinessChangedStatus& status) override;
+
+  static constexpr std::size_t kMostLost = 256;  // bridges
+  Domain& domain_;
+  const std::function<void()> changed_;
+  mutable std::mutex mutex_;       // never held while changed_ is called
+  std::map<Handle, Known> known_;  // by writer: what it said last
+  std::set<Handle> silent_;        // writers whose lease is over
+  LostInstances<Known> lost_{kMostLost};
+  dds::DataReader* reader_;
+};
+
+}  // namespace fieldcast
