@@ -6,6 +6,7 @@
 
 #include "bridge/store/password.hpp"
 #include "bridge/store/users.hpp"
+#include "core/base/printable.hpp"
 
 namespace fieldcast {
 namespace {
@@ -37,15 +38,15 @@ bool UserTable::remove(const std::string& name) {
 
 std::vector<User> UserTable::list() {
   std::vector<User> users;
-  connection_.query("select name, role, created_at from users order by name", {},
-                    [&](const SqlRow& row) {
-                      const auto role = role_from(text_at(row, 1));
-                      if (!role)
-                        throw StoreError(fmt::format("store: user {} has the unknown role {}",
-                                                     text_at(row, 0), text_at(row, 1)));
-                      users.push_back({text_at(row, 0), *role, UtcTime{integer_at(row, 2)}});
-                      return true;
-                    });
+  connection_.query(
+      "select name, role, created_at from users order by name", {}, [&](const SqlRow& row) {
+        const auto role = role_from(text_at(row, 1));
+        if (!role)
+          throw StoreError(fmt::format("store: user {} has the unknown role {}",
+                                       printable(text_at(row, 0)), printable(text_at(row, 1))));
+        users.push_back({text_at(row, 0), *role, UtcTime{integer_at(row, 2)}});
+        return true;
+      });
   return users;
 }
 

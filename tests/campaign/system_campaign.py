@@ -352,18 +352,20 @@ def scrapes(plant):
 
 
 def memory_limited(seed):
-    """Little more address space than it has: it goes on, or ends with words, and comes back."""
+    """Little more address space than it has, while stations join: it goes on, or ends with words, and comes back."""
+    more = random.Random(seed).choice([0, 64, 256, 1024, 8192]) * 1024
     with ShimmedPlant() as plant:
         await_stored(plant)
         pid = plant.bridge.pid
         with open(f"/proc/{pid}/statm", encoding="utf-8") as file:
             pages = int(file.read().split()[0])
         before = resource.prlimit(pid, resource.RLIMIT_AS)
-        resource.prlimit(pid, resource.RLIMIT_AS, (pages * os.sysconf("SC_PAGE_SIZE") + 256 * 1024, before[1]))
+        resource.prlimit(pid, resource.RLIMIT_AS, (pages * os.sysconf("SC_PAGE_SIZE") + more, before[1]))
         plant.watching.begin()
         stored = plant.stored() if scrapes(plant) else 0
         for value in range(5):
             if plant.bridge.poll() is None:
+                plant.cli("watch", "--once")
                 plant.write(value)
         ended = plant.bridge.poll()
         if ended is None:

@@ -1,6 +1,7 @@
 // Fuzz target of what Fieldcast itself reads of RTPS messages: joining them, the mark of an
-// instance that is let go, and what DDS Security lets through in clear. Whatever comes: a joined
-// message is no longer than its parts and never too long, and only what holds a mark changes.
+// instance that is let go, what DDS Security lets through in clear, and discovery servers that
+// start anew. Whatever comes: a joined message is no longer than its parts and never too long, only
+// what holds a mark changes, and of one server that is here one goodbye is said.
 //
 // Input: for each message length(1), then so many bytes.
 #include <cstdlib>
@@ -8,6 +9,7 @@
 #include "bridge/dds/incoming_filter.hpp"
 #include "bridge/dds/joined_message.hpp"
 #include "bridge/dds/rtps_message.hpp"
+#include "bridge/dds/server_restarts.hpp"
 #include "bridge/dds/unregister_note.hpp"
 #include "core/base/bytes.hpp"
 
@@ -23,7 +25,11 @@ void require(bool holds) {
 void run_one(ByteView data) {
   JoinedMessage joined(kMost);
   IncomingFilter protecting(true), open(false);
+  ServerRestarts restarts;
+  restarts.on_server(1, true);
+  Instant now{std::chrono::seconds{100}};
   std::size_t sum = 0;
+  int goodbyes = 0;
   while (!data.empty()) {
     const std::size_t size = std::min<std::size_t>(data[0], data.size() - 1);
     const ByteView message = data.subspan(1, size);
@@ -31,6 +37,9 @@ void run_one(ByteView data) {
     (void)may_be_in_clear(message);
     (void)protecting.takes(message);
     (void)open.takes(message);
+    const auto goodbye = restarts.goodbye_before(message, now += std::chrono::milliseconds{400});
+    goodbyes += !goodbye.empty();
+    require(goodbyes <= 1 && (goodbye.empty() || goodbye.size() > kMessageHeader));
     Bytes marked(message.begin(), message.end());
     const bool marks = holds_marks(marked);
     turn_marks_into_notes(marked);

@@ -1,0 +1,83 @@
+// Fuzz target of the simulator: any text as a file of faults for a plant, and any bytes as what a
+// master sends to each kind of simulated device. Whatever comes: a file is one or has faults that
+// each say where and what, and a device answers no more than a frame.
+//
+// Input: kind of device, or the file of faults(1), pause in characters(1), then the bytes.
+#include <cstdlib>
+#include <string>
+
+#include "core/protocol/registry.hpp"
+#include "tools/sim/bus/fault_file.hpp"
+#include "tools/sim/device/device.hpp"
+
+namespace fieldcast::sim {
+namespace {
+
+constexpr std::size_t kLongestAnswer = 4096;
+
+void require(bool holds) {
+  if (!holds) std::abort();
+}
+
+DeviceSpec device_of(std::string_view protocol) {
+  DeviceSpec device{.name = "unit", .protocol = std::string(protocol)};
+  device.link.address = 1;
+  return device;
+}
+
+void read_faults(const std::string& text) {
+  static const BridgeSpec plant = [] {
+    BridgeSpec made;
+    made.buses.push_back({.name = "line", .port = SerialPortSpec{"/dev/line"}});
+    made.buses.back().devices = {device_of("modbus-rtu"), device_of("dtc")};
+    made.buses.back().devices[1].name = "mixer";
+    return made;
+  }();
+  const auto faults = parse_faults(text, "faults.yaml", plant);
+  if (faults) return;
+  require(!faults.error().empty());
+  for (const config::Fault& fault : faults.error())
+    require(!fault.what.empty() && fault.line >= 1 && fault.column >= 1 &&
+            to_text(fault).find('\n') == std::string::npos);
+}
+
+void talk(const DeviceKind& kind, unsigned pause, ByteView bytes) {
+  DeviceSetup setup{.spec = device_of(kind.protocol), .stream = !kind.half_duplex};
+  setup.first_on_bus = true;
+  const auto device = kind.make(setup);
+  if (!device) return require(device.error().find('\n') == std::string::npos);
+  const auto receiver = (*device)->open_receiver();
+  Instant now{std::chrono::seconds{1}};
+  const Duration character = setup.line.characters(1);
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    now += i % 64 == 63 ? character * (1 + pause) : character;
+    Reaction reaction;
+    if (receiver->silence_due() <= now) receiver->on_silence(now, reaction);
+    receiver->on_character(bytes[i], now, reaction);
+    require(reaction.answer.size() <= kLongestAnswer);
+    if (reaction.hang_up) return;
+  }
+  for (int i = 0; i < 4 && receiver->silence_due() != kNever; ++i) {
+    now = std::max(now, receiver->silence_due());
+    Reaction reaction;
+    receiver->on_silence(now, reaction);
+    require(reaction.answer.size() <= kLongestAnswer);
+  }
+}
+
+void run_sim(ByteView data) {
+  if (data.size() < 2) return;
+  const auto kinds = device_kinds();
+  const std::size_t kind = data[0] % (kinds.size() + 1);
+  const ByteView rest = data.subspan(2);
+  if (kind == kinds.size()) return read_faults(std::string(rest.begin(), rest.end()));
+  talk(kinds[kind], data[1], rest);
+}
+
+}  // namespace
+}  // namespace fieldcast::sim
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  fieldcast::sim::run_sim({data, size});
+  return 0;
+}
