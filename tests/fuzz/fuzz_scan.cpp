@@ -12,9 +12,9 @@ namespace fieldcast::cli {
 namespace {
 
 void run_scan(ByteView data) {
-  constexpr std::array kForms{"modbus-rtu", "modbus-ascii", "modbus-tcp"};
+  constexpr std::array kForms{"modbus-rtu", "modbus-ascii", "modbus-tcp", "omron-hostlink"};
   if (data.size() < 2) return;
-  const auto exchange = modbus_identity(kForms[data[0] % kForms.size()], 1);
+  const auto exchange = identity_exchange(kForms[data[0] % kForms.size()], 1);
   if (!exchange) std::abort();
   const std::array<std::size_t, 1> cuts{data[1]};
   const std::vector<Bytes> answers{Bytes(data.begin() + 2, data.end())};

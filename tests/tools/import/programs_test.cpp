@@ -85,6 +85,9 @@ TEST(ImportTelegraf, BrokenTomlNamesItsLine) {
   // toml++ 3.3.0 asserts here.
   EXPECT_THAT(import_text("telegraf.conf", "[[inputs.modbus]]\n[.a]\n").error(),
               HasSubstr("telegraf.conf: no TOML: a key or a value that is none"));
+  // What toml++ 3.3.0 does here is undefined.
+  EXPECT_THAT(import_text("telegraf.conf", "[[inputs.modbus]]\n  slav\u00F2e_id = 1\n").error(),
+              HasSubstr("telegraf.conf: line 2: no TOML"));
 }
 
 const std::string kMqm = R"(
