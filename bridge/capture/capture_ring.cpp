@@ -65,12 +65,15 @@ void CaptureRing::look(UtcTime now) {
 }
 
 bool CaptureRing::begin(UtcTime at) {
-  const auto make = [&](int number) {
-    return CaptureFile::make(spec_.folder + "/" + ring_file_name(bus_, at, number));
+  const auto make = [&] {
+    return CaptureFile::make(spec_.folder + "/" + ring_file_name(bus_, at, number_));
   };
-  auto made = make(1);
-  for (int i = 2; !made && made.error().error == EEXIST && i < kMostOfOneSecond; ++i)
-    made = make(i);
+  // Names that were given are not given again, though their files may be gone.
+  const std::int64_t second = at.nanoseconds / 1'000'000'000;
+  number_ = std::exchange(second_, second) == second ? number_ + 1 : 1;
+  auto made = make();
+  for (; !made && made.error().error == EEXIST && number_ < kMostOfOneSecond; made = make())
+    ++number_;
   if (!made) {
     stop(made.error().text);
     return false;

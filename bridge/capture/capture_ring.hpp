@@ -46,6 +46,8 @@ class CaptureRing final : public CaptureSink {
   bool stopped_ = false;
   std::string told_;  // why it stopped, as the log says; empty: it goes on
   UtcTime looked_;
+  std::int64_t second_ = 0;  // in which the last file began
+  int number_ = 0;           // of the last file in it
 };
 
 }  // namespace fieldcast

@@ -136,6 +136,13 @@ TEST_F(CaptureRingTest, AClockThatWentBackTakesOlderFilesAndNotTheNewOne) {
   EXPECT_THAT(names(), ElementsAre("line-19700102T000001Z.pcapng", "line-20231114T221320Z.pcapng"));
 }
 
+TEST_F(CaptureRingTest, ManyFilesOfOneSecondStayInTheirOrder) {
+  const auto all = ring(10'000, 2);
+  for (int i = 0; i < 5; ++i) all->packet(block(6000), {kNoon + i});
+  EXPECT_THAT(names(), ElementsAre("line-20231114T221320Z-0004.pcapng",
+                                   "line-20231114T221320Z-0005.pcapng"));
+}
+
 TEST_F(CaptureRingTest, AFileThatSomebodyDeletesIsFollowedByTheNext) {
   const auto all = ring(10'000, 2);
   all->packet(block(400), {kNoon});

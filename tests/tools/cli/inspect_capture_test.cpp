@@ -149,6 +149,17 @@ TEST_F(InspectCapture, WhatIsNoCaptureIsRefused) {
   EXPECT_THAT(old.err, HasSubstr("save it as pcapng in Wireshark"));
 }
 
+TEST_F(InspectCapture, AFileNamedLikeACaptureIsNoProtocolWhateverIsInIt) {
+  const std::string path = folder_ + "/broken.pcapng";
+  EXPECT_THAT(run({.protocol = path}).err, HasSubstr("broken.pcapng: No such file"));
+  for (const char* text : {"", "\n", "text", "some: declaration"}) {
+    std::ofstream(path) << text;
+    const Inspected inspected = run({.protocol = path});
+    EXPECT_EQ(inspected.code, ExitCode::kUsage);
+    EXPECT_THAT(inspected.err, HasSubstr("broken.pcapng is no pcapng file"));
+  }
+}
+
 TEST_F(InspectCapture, PastedLinesOfATrace) {
   const std::string trace =
       "Nov 22 gate fieldcast-bridge[8]: 2026-11-22T14:24:21.126358Z line >> 01 03 00 64 00 02 85 "

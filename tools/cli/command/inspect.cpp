@@ -1,9 +1,13 @@
 #include "tools/cli/command/inspect.hpp"
 
+#include <fmt/format.h>
+
+#include <cerrno>
 #include <fstream>
 #include <istream>
 #include <ostream>
 
+#include "bridge/base/errno_text.hpp"
 #include "config/loader.hpp"
 #include "core/base/bytes.hpp"
 #include "core/capture/trace_text.hpp"
@@ -11,6 +15,7 @@
 #include "tools/cli/inspect/capture_input.hpp"
 #include "tools/cli/view/inspect_view.hpp"
 #include "tools/cli/view/json.hpp"
+#include "tools/cli/view/sample_text.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -76,7 +81,14 @@ ExitCode inspect(const InspectOptions& given, std::istream& in, std::ostream& ou
     if (!spec) return ExitCode::kUsage;
   }
   auto how = report_options(options, spec);
-  if (std::ifstream file(options.protocol, std::ios::binary); file && is_capture(file)) {
+  const bool named = has_name_of_capture(options.protocol);
+  std::ifstream file(options.protocol, std::ios::binary);
+  if (named && !file) {
+    err << fmt::format("fieldcast inspect: {}: {}\n", printable(options.protocol),
+                       errno_text(errno));
+    return ExitCode::kUsage;
+  }
+  if (named || (file && is_capture(file))) {
     FrameReport report(how, out, screen);
     return show_capture(file, options.protocol, report, err);
   }

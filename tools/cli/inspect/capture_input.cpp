@@ -61,6 +61,10 @@ bool is_capture(std::istream& in) {
   return false;
 }
 
+bool has_name_of_capture(std::string_view path) {
+  return path.ends_with(".pcapng") || path.ends_with(".pcap");
+}
+
 ExitCode show_capture(std::istream& in, const std::string& name, FrameReport& report,
                       std::ostream& err) {
   pcapng::Reader reader([&](std::uint8_t* to, std::size_t size) {
@@ -92,7 +96,8 @@ ExitCode show_capture(std::istream& in, const std::string& name, FrameReport& re
   }
   err << fmt::format("fieldcast inspect: {}, {} with a fault", frames, report.faulty());
   if (reader.dropped() > 0) err << fmt::format(", {} missing", reader.dropped());
-  if (others > 0) err << fmt::format("; {} packets are not from a bus", others);
+  if (others > 0)
+    err << fmt::format("; {} not from a bus", counted(others, "packet is", "packets are"));
   err << '\n';
   return report.faulty() > 0 ? ExitCode::kFound : ExitCode::kOk;
 }

@@ -14,6 +14,9 @@ namespace fieldcast::cli {
 // taken.
 [[nodiscard]] bool is_capture(std::istream& in);
 
+// "x.pcapng": what is in it is no protocol, whatever it is.
+[[nodiscard]] bool has_name_of_capture(std::string_view path);
+
 // Shows every frame. What ends it before its end goes to `err`; what came before is shown.
 // kFound: a frame has a fault, or the capture is cut. kUsage: it is no capture at all.
 [[nodiscard]] ExitCode show_capture(std::istream& in, const std::string& name, FrameReport& report,
