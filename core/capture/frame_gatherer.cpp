@@ -62,7 +62,7 @@ void FrameGatherer::take_received(CaptureRecord record, std::vector<CapturedFram
                          answer_->bytes.begin() + static_cast<std::ptrdiff_t>(echo_.size()));
     echo_.clear();
   }
-  while (answer_ && answer_->bytes.size() >= kMaxFrame) {
+  while (answer_->bytes.size() > kMaxFrame) {
     CapturedFrame part = *answer_;
     part.bytes.resize(kMaxFrame);
     answer_->bytes.erase(answer_->bytes.begin(), answer_->bytes.begin() + kMaxFrame);

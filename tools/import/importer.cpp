@@ -128,6 +128,9 @@ tl::expected<Outcome, std::string> run_import(const std::vector<InputFile>& inpu
   for (const Group& group : *groups) {
     auto read = group.format->read(group.sources, read_options);
     if (!read) return tl::unexpected(read.error());
+    if (count_points(*read) == 0 && read->refusals.empty())
+      return tl::unexpected(fmt::format("{}: it looks like {}, and names no value",
+                                        group.sources.front().file, group.format->title));
     append(found, std::move(*read));
   }
   tell(0.5);

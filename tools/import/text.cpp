@@ -1,8 +1,11 @@
 #include "tools/import/text.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 
 namespace fieldcast::importing {
 namespace {
@@ -114,12 +117,24 @@ void unify_line_ends(std::string& text) {
   text = std::move(whole);
 }
 
-bool has_control(std::string_view text) {
-  return std::ranges::any_of(text, [](char c) {
-    const auto byte = static_cast<unsigned char>(c);
-    return byte < 0x20 && c != '\n' && c != '\r' && c != '\t' && c != '\f';
-  });
+bool is_control(char c) {
+  const auto byte = static_cast<unsigned char>(c);
+  return byte < 0x20 && c != '\n' && c != '\r' && c != '\t' && c != '\f';
 }
+bool has_control(std::string_view text) { return std::ranges::any_of(text, is_control); }
+
+// A list may have slipped in one or two; what has many is no text.
+constexpr std::ptrdiff_t kFewControls = 10;
+
+// Nothing: there are too many. Else where the first is, for people.
+std::optional<std::string> few_controls(std::string_view text) {
+  if (std::ranges::count_if(text, is_control) > kFewControls) return std::nullopt;
+  const auto first = std::ranges::find_if(text, is_control);
+  return fmt::format("line {}: the character 0x{:02X}, which no list has: delete it",
+                     std::count(text.begin(), first, '\n') + 1, static_cast<unsigned char>(*first));
+}
+
+constexpr std::string_view kBinary = "binary, no text";
 
 // What people give by mistake, by its first bytes.
 std::string what_it_is(std::string_view bytes) {
@@ -132,7 +147,7 @@ std::string what_it_is(std::string_view bytes) {
   if (begins("\x89PNG") || begins("\xFF\xD8\xFF")) return "a picture, no list";
   if (begins("\x1F\x8B")) return "packed with gzip; unpack it first";
   if (begins("SQLite format 3")) return "a database of SQLite; export the tags as a list";
-  return "binary, no text";
+  return std::string(kBinary);
 }
 
 }  // namespace
@@ -147,12 +162,18 @@ tl::expected<Decoded, std::string> decode_text(std::string_view bytes) {
     decoded = {from_utf16(bytes.substr(bytes[0] == '\xFE' ? 2 : 0), true), "UTF-16"};
   } else if (is_utf8(bytes)) {
     decoded = {std::string(bytes), "UTF-8"};
-  } else if (!has_control(bytes)) {
+  } else if (std::ranges::count_if(bytes, is_control) <= kFewControls) {
     decoded = {from_windows(bytes), "Windows-1252"};
   } else {
     return tl::unexpected(what_it_is(bytes));
   }
-  if (has_control(decoded.text)) return tl::unexpected(what_it_is(bytes));
+  // Programs of DOS end a text so.
+  if (decoded.text.ends_with('\x1A')) decoded.text.pop_back();
+  if (has_control(decoded.text)) {
+    const std::string what = what_it_is(bytes);
+    const auto where = what == kBinary ? few_controls(decoded.text) : std::nullopt;
+    return tl::unexpected(where.value_or(what));
+  }
   unify_line_ends(decoded.text);
   return decoded;
 }

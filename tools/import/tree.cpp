@@ -1,5 +1,7 @@
 #include "tools/import/tree.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "config/fault_list.hpp"
@@ -35,6 +37,12 @@ std::string_view text_at(const Node& map, std::string_view key) { return text_of
 
 std::optional<double> number_at(const Node& map, std::string_view key) {
   return number_from(text_at(map, key));
+}
+
+std::optional<std::string> fault_of_number(const Node& map, std::string_view key) {
+  const std::string_view text = text_at(map, key);
+  if (text.empty() || number_from(text)) return std::nullopt;
+  return fmt::format("{} '{}' is no number", key, text);
 }
 
 std::optional<std::uint64_t> whole_at(const Node& map, std::string_view key) {

@@ -31,6 +31,8 @@ using Tree = tl::expected<std::unique_ptr<config::Document>, std::string>;
 [[nodiscard]] std::string_view text_of(const Node* node);
 [[nodiscard]] std::string_view text_at(const Node& map, std::string_view key);
 [[nodiscard]] std::optional<double> number_at(const Node& map, std::string_view key);
+// Of a key that is there and whose value is no number, or one without an end: a few words.
+[[nodiscard]] std::optional<std::string> fault_of_number(const Node& map, std::string_view key);
 [[nodiscard]] std::optional<std::uint64_t> whole_at(const Node& map, std::string_view key);
 // true, yes, on, 1; nothing if the key is not there.
 [[nodiscard]] std::optional<bool> bool_at(const Node& map, std::string_view key);

@@ -77,6 +77,23 @@ TEST(ImportTelegraf, RequestsAndMetricsBecomeADeviceForEachSlave) {
   EXPECT_EQ(outcome->rows.size(), 3u);
 }
 
+TEST(ImportTelegraf, WhatIsNoNumberIsRefusedAndNotLeftOut) {
+  const auto outcome = import_text("telegraf.conf", R"(
+[[inputs.modbus]]
+  name = "a"
+  controller = "tcp://10.0.0.5:502"
+  holding_registers = [
+    { name = "less", byte_order = "AB", data_type = "UINT16", scale = 1.0, address = [-1] },
+    { name = "scaled", byte_order = "AB", data_type = "UINT16", scale = nan, address = [5] },
+    { name = "good", byte_order = "AB", data_type = "UINT16", scale = 0.1, address = [6] },
+  ]
+)");
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_THAT(fate_of(*outcome, "less"), HasSubstr("no: '-1' is no address"));
+  EXPECT_THAT(fate_of(*outcome, "scaled"), HasSubstr("no: scale 'nan' is no number"));
+  EXPECT_EQ(fate_of(*outcome, "good"), "ok");
+}
+
 TEST(ImportTelegraf, BrokenTomlNamesItsLine) {
   const auto outcome =
       import_text("telegraf.conf", "[[inputs.modbus]]\n  name = \"x\"\n  slave_id = = 1\n");
@@ -187,6 +204,15 @@ TEST(ImportMqmgateway, LinearExpressionsAreUnderstood) {
   EXPECT_EQ(form("R0 + R1"), "no");
   EXPECT_EQ(form("7"), "no");
   EXPECT_EQ(form(std::string(400, '(')), "no");
+}
+
+TEST(ImportNeuron, AFileWithoutAValueSaysSo) {
+  const auto outcome = import_text("n.json", R"({
+    "nodes": [ { "name": "m", "plugin": "Modbus RTU" } ],
+    "tags": [ { "driver": "m", "tags": [ { "name": "a", "address": "1!400001" } ] } ] })");
+  ASSERT_FALSE(outcome);
+  EXPECT_THAT(outcome.error(), HasSubstr("n.json: it looks like Neuron"));
+  EXPECT_THAT(outcome.error(), HasSubstr("names no value"));
 }
 
 }  // namespace

@@ -51,6 +51,9 @@ TEST(ImportText, WhatIsNoTextGetsAClearWord) {
   EXPECT_THAT(fault("%PDF-1.4\n\x01\xFF"), HasSubstr("a PDF"));
   EXPECT_THAT(fault(std::string("\xD0\xCF\x11\xE0\0\0", 6)), HasSubstr("an old Excel file"));
   EXPECT_THAT(fault(std::string(100, '\0')), HasSubstr("binary, no text"));
+  EXPECT_THAT(fault("Register;Name;Type\n40001;a;UINT16\n40002;b\x0B;UINT16\n"),
+              HasSubstr("line 3: the character 0x0B"));
+  EXPECT_TRUE(import_text("f", "Register;Name;Type\r\n40001;a;UINT16\r\n\x1A"));
   EXPECT_THAT(fault("Dear colleague,\nthe meter is broken.\n"), HasSubstr("of no format"));
 }
 
@@ -206,6 +209,22 @@ TEST(ImportKepware, AddressesOfHostLinkAndFxAreTheSameButForTimersAndTexts) {
   EXPECT_THAT(channel_line(*fx, "Input"), HasSubstr("at: X017, type: bool"));
   EXPECT_THAT(channel_line(*fx, "Limits-1"), HasSubstr("at: D201, type: uint16"));
   EXPECT_THAT(fate_of(*fx, "Text"), HasSubstr("no: a text"));
+}
+
+TEST(ImportList, WhatIsNoAddressIsRefused) {
+  const auto outcome = import_text("meter.csv",
+                                   "Address;Name;Type\n"
+                                   "7;good;UINT16\n"
+                                   "99999999999999999999;big;UINT16\n"
+                                   "-5;less;UINT16\n"
+                                   "1e3;power;UINT16\n"
+                                   "n/a;none;UINT16\n"
+                                   "70000;far;UINT16\n");
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_THAT(channel_line(*outcome, "good"), HasSubstr("at: \"holding:7\""));
+  for (const char* name : {"big", "less", "power", "none", "far"})
+    EXPECT_THAT(fate_of(*outcome, name), HasSubstr("is no ")) << name;
+  EXPECT_EQ(outcome->count(Fate::kRefused), 5u);
 }
 
 TEST(ImportList, DecimalCommasAndColumnsInAnyOrder) {

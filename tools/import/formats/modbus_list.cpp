@@ -125,8 +125,9 @@ class ListReader {
     const std::string text =
         hex && !cell.starts_with("0x") ? fmt::format("0x{}", cell) : std::string(cell);
     auto reference = reference_from(text);
-    if (!reference && !counts_from_one_ && whole_from(text) <= 65535u)
-      reference = Reference{.first = static_cast<std::uint32_t>(*whole_from(text))};
+    if (const auto plain = whole_from(text);
+        !reference && !counts_from_one_ && plain && *plain <= 65535)
+      reference = Reference{.first = static_cast<std::uint32_t>(*plain)};
     if (!reference) return reference;
     const auto said = area_by_name(columns_.cell(row, Field::kArea));
     if (reference->area && !counts_from_one_) {

@@ -183,7 +183,8 @@ class TelegrafReader {
       std::optional<std::uint64_t> before, first;
       for (const Node* item : address->items) {
         const auto number = whole_from(text_of(item));
-        if (!number || (before && *number != *before + 1))
+        if (!number) return tl::unexpected(fmt::format("'{}' is no address", text_of(item)));
+        if (before && *number != *before + 1)
           return tl::unexpected(std::string("its addresses do not follow each other"));
         before = number;
         if (!first) first = number;
@@ -218,6 +219,7 @@ class TelegrafReader {
     if (!orders) return fmt::format("byte order '{}' is unknown", letters);
     point.word_order = orders->words;
     point.byte_order = orders->bytes;
+    if (const auto fault = fault_of_number(field, "scale")) return fault;
     const auto scale = number_at(field, "scale");
     if (scale && *scale != 0) point.scale = *scale;
     return read_type(field, lower(name), *address, place, point);

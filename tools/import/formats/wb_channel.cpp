@@ -155,18 +155,22 @@ MayFail read_part(const WbAddress& address, Point& point, std::optional<std::uin
   return fmt::format("{} bits of a register; a channel has one bit, a byte or all", *address.width);
 }
 
-void read_numbers(const Node& channel, Point& point) {
-  if (!is_number(point.type)) return;
+MayFail read_numbers(const Node& channel, Point& point) {
+  if (!is_number(point.type)) return std::nullopt;
+  for (const std::string_view key : {"scale", "offset"}) {
+    if (const auto fault = fault_of_number(channel, key)) return fault;
+  }
   if (const auto scale = number_at(channel, "scale"); scale && *scale != 0) point.scale = *scale;
   point.offset = number_at(channel, "offset").value_or(0);
   if (const std::string_view error = text_at(channel, "error_value"); !error.empty())
     point.changes.push_back(fmt::format("the raw value {} means an error", error));
-  if (point.access == Access::kReadOnly) return;
+  if (point.access == Access::kReadOnly) return std::nullopt;
   const auto low = number_at(channel, "min"), high = number_at(channel, "max");
   if (low && high && *low <= *high) {
     point.write_min = low;
     point.write_max = high;
   }
+  return std::nullopt;
 }
 
 void read_switch(const Node& channel, Point& point) {
@@ -209,7 +213,7 @@ std::optional<std::string> read_wb_channel(const Node& channel, const WbBase& ba
     point.access = Access::kReadOnly;
     point.changes.emplace_back("read only: half of a register");
   }
-  read_numbers(channel, point);
+  if (const auto fault = read_numbers(channel, point)) return fault;
   read_switch(channel, point);
   return std::nullopt;
 }
