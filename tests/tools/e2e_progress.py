@@ -187,7 +187,7 @@ class Scan(Folder):
     def test_an_omron_says_its_model(self):
         file, capture = self.path("found.yaml"), self.path("scan.pcapng")
         done = subprocess.run([program("fieldcast"), "scan", self.link, "--protocol", "omron-hostlink", "--baud", "9600", "--format", "7E2",
-                               "--addresses", "3-4", "--timeout", "500ms", "--out", file, "--capture", capture],
+                               "--addresses", "3-4", "--timeout", "3s", "--out", file, "--capture", capture],
                               capture_output=True, text=True, timeout=60)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertIn("CS/CJ (model code 30), CS1H-CPU67H, 04.00", done.stdout)

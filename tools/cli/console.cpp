@@ -1,6 +1,7 @@
 #include "tools/cli/console.hpp"
 
 #include <sys/ioctl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -8,6 +9,11 @@
 namespace fieldcast::cli {
 
 bool output_is_terminal() { return isatty(STDOUT_FILENO) == 1; }
+
+bool output_is_pipe() {
+  struct stat about {};
+  return fstat(STDOUT_FILENO, &about) == 0 && S_ISFIFO(about.st_mode);
+}
 
 Screen output_screen() {
   if (!output_is_terminal()) return {};

@@ -15,6 +15,8 @@ constexpr std::chrono::milliseconds kShowAgain{250};
 constexpr std::chrono::milliseconds kFirstShown{500};
 constexpr std::chrono::milliseconds kWriting{50};  // a line takes no longer, where somebody reads
 constexpr std::string_view kWipe = "\r\x1b[K";
+// Behind the text: room for the "^C" that a terminal shows, or the line would go on in a second one.
+constexpr std::size_t kMargin = 3;  // columns
 
 // What is on the terminal; who ends the process keeps the lock.
 std::timed_mutex terminal;
@@ -22,7 +24,7 @@ bool line_is_shown = false;
 
 std::size_t terminal_columns() {
   winsize size{};
-  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col : 80;
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > kMargin ? size.ws_col : 80;
 }
 
 }  // namespace
@@ -38,7 +40,7 @@ void ProgressLine::show(const Text& text) {
   const auto now = std::chrono::steady_clock::now();
   if (now < next_) return;
   next_ = now + kShowAgain;
-  const std::string line = progress_line_text(text(now - began_), terminal_columns() - 1);
+  const std::string line = progress_line_text(text(now - began_), terminal_columns() - kMargin);
   const std::lock_guard lock(terminal);
   err_ << kWipe << line << std::flush;
   line_is_shown = true;

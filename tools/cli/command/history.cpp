@@ -59,7 +59,8 @@ class PrintedShare {
 // Prints what the options ask for; counts what was printed.
 class Printer {
  public:
-  // `progress` may be null: the lines themselves are on the terminal. `interrupt` may be null.
+  // `progress` may be null: the lines themselves are on the terminal, or go to a program that may
+  // have it. `interrupt` may be null.
   Printer(const HistoryOptions& options, SqlConnection& connection, std::ostream& out,
           ProgressLine* progress, const Interrupt* interrupt)
       : options_(options),
@@ -166,8 +167,8 @@ ExitCode history(const HistoryOptions& options, std::ostream& out, std::ostream&
   if (!options.gzip.empty()) file.emplace(options.gzip);
   std::ostream to(file ? &*file : out.rdbuf());
   ProgressLine progress(err);
-  const bool lines_are_seen = !file && output_is_terminal();
-  Printer printer(options, *connection, to, lines_are_seen ? nullptr : &progress, interrupt);
+  const bool silent = !file && (output_is_terminal() || output_is_pipe());
+  Printer printer(options, *connection, to, silent ? nullptr : &progress, interrupt);
   const std::size_t channels = every ? printer.buckets(*every) : printer.samples();
   progress.clear();
   bool written = !to.flush().fail();

@@ -94,15 +94,29 @@ class Scan {
         serial_(is_serial(options)),
         scanner_(std::move(lines)),
         capture_(capture),
+        progress_(err),
         talk_(interrupt, capture == nullptr ? nullptr : capture->tap()),
-        interrupt_(interrupt),
-        err_(err) {}
+        interrupt_(interrupt) {
+    talk_.while_waiting(
+        [this] { progress_.show([this](Duration elapsed) { return progress(elapsed); }); });
+  }
 
   // Until it is over or interrupted. The error: the port does not open.
   tl::expected<void, std::string> run() {
-    ProgressLine progress(err_);
+    auto done = ask_all();
+    progress_.clear();
+    return done;
+  }
+  [[nodiscard]] const Scanner& scanner() const { return scanner_; }
+
+ private:
+  [[nodiscard]] ProgressText progress(Duration elapsed) const {
+    if (scanner_.next()) return scan_progress(scanner_, elapsed, serial_);
+    return {"asking who they are", fmt::format("{} of {}", named_, scanner_.found().size())};
+  }
+
+  tl::expected<void, std::string> ask_all() {
     while (const auto ask = scanner_.next()) {
-      progress.show([this](Duration elapsed) { return scan_progress(scanner_, elapsed, serial_); });
       if (auto ready = turn_to(ask->line); !ready) {
         if (interrupt_.raised()) return {};
         return ready;
@@ -116,18 +130,11 @@ class Scan {
       if (!answer) return tl::unexpected(answer.error());
       scanner_.answered(*answer);
     }
-    for (std::size_t i = 0; i < scanner_.found().size() && !interrupt_.raised(); ++i) {
-      progress.show([&](Duration) {
-        return ProgressText{"asking who they are",
-                            fmt::format("{} of {}", i + 1, scanner_.found().size())};
-      });
-      scanner_.set_identity(i, identity_of(scanner_.found()[i]));
-    }
+    for (; named_ < scanner_.found().size() && !interrupt_.raised(); ++named_)
+      scanner_.set_identity(named_, identity_of(scanner_.found()[named_]));
     return {};
   }
-  [[nodiscard]] const Scanner& scanner() const { return scanner_; }
 
- private:
   // The port and the protocol as the line has them.
   tl::expected<void, std::string> turn_to(std::size_t line) {
     if (line_ == line) return {};
@@ -203,9 +210,10 @@ class Scan {
   const bool serial_;
   Scanner scanner_;
   LineCapture* const capture_;
+  ProgressLine progress_;
   LineTalk talk_;
   const Interrupt& interrupt_;
-  std::ostream& err_;
+  std::size_t named_ = 0;            // devices that were asked who they are
   std::optional<std::size_t> line_;  // that the port has
   std::unique_ptr<Protocol> protocol_;
   std::vector<ScanQuestion> questions_;

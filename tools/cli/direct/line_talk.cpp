@@ -40,6 +40,7 @@ struct LineTalk::State final : PortListener {
     const Duration rest = std::max<Duration>(until - steady_now(), Duration::zero());
     io.restart();
     (void)io.run_one_for(std::min<Duration>(rest, kTalkCheck));
+    if (meanwhile) meanwhile();
   }
   void write(const Bytes& bytes, const LineNote& note) {
     device = note.device;
@@ -63,6 +64,7 @@ struct LineTalk::State final : PortListener {
   const Interrupt& interrupt;
   const std::shared_ptr<CaptureTap> tap;  // null: nobody captures
   std::size_t device = 0;                 // that is asked, for the capture
+  std::function<void()> meanwhile;
   boost::asio::io_context io{1};
   std::unique_ptr<Port> port;
   std::optional<ExchangeDriver> driver;
@@ -79,6 +81,10 @@ LineTalk::LineTalk(const Interrupt& interrupt, std::shared_ptr<CaptureTap> tap)
     : state_(std::make_unique<State>(interrupt, std::move(tap))) {}
 
 LineTalk::~LineTalk() { close(); }
+
+void LineTalk::while_waiting(std::function<void()> meanwhile) {
+  state_->meanwhile = std::move(meanwhile);
+}
 
 void LineTalk::close() {
   if (state_->port) state_->port->close();

@@ -5,6 +5,7 @@
 // Used on one thread.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -47,6 +48,8 @@ class LineTalk {
   // first byte. The error as of open(): the port is gone. REQUIRES: open() was successful.
   [[nodiscard]] tl::expected<Answer, std::string> ask(std::unique_ptr<Exchange> exchange,
                                                       Duration timeout, const LineNote& note = {});
+  // Called several times a second while it waits: for the progress.
+  void while_waiting(std::function<void()> meanwhile);
   // Leaves the line alone for so long; less when the interrupt is raised. REQUIRES: as ask().
   void rest(Duration time);
   void close();
