@@ -15,7 +15,7 @@ constexpr std::chrono::milliseconds kShowAgain{250};
 constexpr std::chrono::milliseconds kFirstShown{500};
 constexpr std::chrono::milliseconds kWriting{50};  // a line takes no longer, where somebody reads
 constexpr std::string_view kWipe = "\r\x1b[K";
-// Behind the text: room for the "^C" that a terminal shows, or the line would go on in a second one.
+// Behind the text: room for the "^C" of the terminal, or the line would go on in a second one.
 constexpr std::size_t kMargin = 3;  // columns
 
 // What is on the terminal; who ends the process keeps the lock.

@@ -53,7 +53,8 @@ ProgressText scan_progress(const Scanner& scanner, Duration elapsed, bool serial
   const std::size_t all = scanner.asked() + scanner.left();
   ProgressText text = progress_text(
       "scanning", static_cast<double>(scanner.asked()) / static_cast<double>(all), elapsed);
-  text.how_far += fmt::format(" at most, {} found; {}, address {}", scanner.found().size(),
+  if (text.how_far.ends_with("left")) text.how_far += " at most";
+  text.how_far += fmt::format(", {} found; {}, address {}", scanner.found().size(),
                               line_text(scanner.lines()[ask->line], serial), ask->address);
   return text;
 }
