@@ -163,7 +163,10 @@ void Library::fault_missing(const Node& naming, const std::string& what, FileErr
   const auto names = names_in(directories, suffix);
   const std::vector<std::string_view> candidates(names.begin(), names.end());
   const auto folder = directory_of(naming.text);
-  const auto meant = closest(std::string_view(naming.text).substr(folder.size()), candidates);
+  // A file that is there and cannot be read would be its own suggestion.
+  const auto meant = error == FileError::kMissing
+                         ? closest(std::string_view(naming.text).substr(folder.size()), candidates)
+                         : std::string();
   faults_.add(naming.position, what + std::string(to_text(error)), {},
               meant.empty() ? meant : std::string(folder) + meant);
 }

@@ -71,14 +71,15 @@ std::optional<CaptureRemark> remark_of(const BusSpec& bus, Room& room) {
   if (!S_ISDIR(about.st_mode))
     return CaptureRemark{bus.name, folder, "this is no folder: the bus runs, nothing is captured",
                          "name a folder"};
-  if (::faccessat(AT_FDCWD, folder.c_str(), W_OK | X_OK, AT_EACCESS) != 0)
+  if (::faccessat(AT_FDCWD, folder.c_str(), W_OK | X_OK, AT_EACCESS) != 0) {
+    const int error = errno;
     return CaptureRemark{
         bus.name, folder,
-        fmt::format("{}: the user that asks here may not write there, and a bridge "
-                    "of that user captures nothing",
-                    errno_text(errno)),
-        "chown it to the user that runs the bridge; the service may write below "
-        "/var/lib/fieldcast only"};
+        errno_text(error) + ": a bridge of the user that asks here captures nothing",
+        fmt::format("{}; the service may write below /var/lib/fieldcast only",
+                    error == EROFS ? "name a folder that can be written"
+                                   : "make the user that runs the bridge its owner")};
+  }
   return room_remark(bus, about.st_dev, room);
 }
 

@@ -1,5 +1,5 @@
 // One client of the capture service: reads its request, then gives it the blocks of its bus. What
-// it does not take in time is dropped and counted; it is told at the next frame and at the end.
+// it does not take in time is dropped and counted; the end says how many frames that were.
 //
 // Lives on the service's thread, shared with its own handlers under way.
 #pragma once

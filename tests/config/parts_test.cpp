@@ -105,6 +105,17 @@ TEST(Files, WhatIsNoRegularFileIsAFault) {
   EXPECT_EQ(faults_of(load_file("/no/such.yaml")), "/no/such.yaml:1:1: the file does not exist\n");
 }
 
+TEST(Files, ATemplateThatCannotBeReadIsNotSuggestedInItsPlace) {
+  const FileReader reader{[](const std::string&) { return tl::unexpected(FileError::kUnreadable); },
+                          [](const std::string&) { return std::vector<std::string>{"kind.yaml"}; }};
+  const std::string text =
+      "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0 }\n    protocol: "
+      "modbus-rtu\n    devices:\n"
+      "      - { name: d, address: 1, template: kind }\n";
+  const std::string faults = faults_of(load_text(text, "/etc/line.yaml", reader));
+  EXPECT_TRUE(faults.ends_with("template 'kind' cannot be read\n")) << faults;
+}
+
 TEST(Files, SmallWindowsHabitsAreTolerated) {
   std::string text =
       "\xEF\xBB\xBF" + plant("          - { name: a, at: \"holding:1\", type: int16 }\n");

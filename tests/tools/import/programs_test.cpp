@@ -177,6 +177,7 @@ TEST(ImportMqmgateway, WhatHasNoCounterpartIsTold) {
     - { topic: c, state: { register: hall.1.2, converter: 'expr.evaluate("R0 * R0")' } }
     - { topic: d, state: { register: hall.1.0 } }
     - { topic: e, state: { register: hall.1.3, converter: 'std.map("1:on")' } }
+    - { topic: f, state: { register: hall.1.4, count: -2, converter: std.string() } }
 )");
   ASSERT_TRUE(outcome) << outcome.error();
   EXPECT_THAT(fate_of(*outcome, "a"), HasSubstr("my.plugin has no counterpart"));
@@ -184,6 +185,7 @@ TEST(ImportMqmgateway, WhatHasNoCounterpartIsTold) {
   EXPECT_THAT(fate_of(*outcome, "c"), HasSubstr("not linear"));
   EXPECT_THAT(fate_of(*outcome, "d"), HasSubstr("count from 1"));
   EXPECT_THAT(fate_of(*outcome, "e"), HasSubstr("not the text"));
+  EXPECT_THAT(fate_of(*outcome, "f"), HasSubstr("-2 registers"));
 }
 
 TEST(ImportMqmgateway, LinearExpressionsAreUnderstood) {

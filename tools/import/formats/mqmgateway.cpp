@@ -47,6 +47,11 @@ struct Defaults {
   std::optional<Duration> refresh;
 };
 
+// Registers of one value; 0: what stands there is no count.
+std::uint64_t count_at(const Node& node) {
+  return child(node, "count") == nullptr ? 1 : whole_at(node, "count").value_or(0);
+}
+
 class MqmReader {
  public:
   MqmReader(const SourceText& source, Found& found) : source_(source), found_(found) {}
@@ -207,9 +212,9 @@ class MqmReader {
     if (!area)
       return refuse(node, name,
                     fmt::format("register type '{}' is unknown", text_at(node, "register_type")));
-    const std::uint64_t count = whole_at(node, "count").value_or(1);
+    const std::uint64_t count = count_at(node);
     if (count < 1 || count > kMaxCount)
-      return refuse(node, name, fmt::format("{} registers in one value", count));
+      return refuse(node, name, fmt::format("{} registers in one value", text_at(node, "count")));
     Point point;
     point.name = name;
     point.origin = {source_.file, line_of(node)};
@@ -279,14 +284,15 @@ class MqmReader {
     const auto area = area_at(command);
     if (!area || !can_be_written(*area))
       return refuse(command, name, "a command to a register that cannot be written");
-    const std::uint64_t count = whole_at(command, "count").value_or(1);
+    const std::uint64_t count = count_at(command);
     Point point;
     point.name = name;
     point.origin = {source_.file, line_of(command)};
     point.access = Access::kWriteOnly;
     bool array = false;
     if (count < 1 || count > kMaxCount)
-      return refuse(command, name, fmt::format("{} registers in one value", count));
+      return refuse(command, name,
+                    fmt::format("{} registers in one value", text_at(command, "count")));
     if (const auto fault =
             shape(command, *area, static_cast<unsigned>(count), *place, point, array))
       return refuse(command, name, *fault);
