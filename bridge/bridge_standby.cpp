@@ -88,6 +88,14 @@ void Bridge::State::prepare_bus(const BusSpec& bus) {
   link->prepare_bus(bus);
 }
 
+// At the start, for longer than usual.
+void Bridge::State::say_waits_for(const std::string& what) {
+  const Duration most = spec.standby ? Settling::kMostInGroup : Settling::kMost;
+  log_info(spec.name, fmt::format("serves nothing yet, and waits for {}; at most {} in all", what,
+                                  to_text(most)));
+  if (group) group->set_not_ready("it waits for " + what);
+}
+
 void Bridge::State::take_part() {
   group->set_not_ready({});
   log_info(spec.name, fmt::format("stands by in group {}, with strength {}", spec.standby->group,
@@ -212,7 +220,7 @@ void Bridge::State::remain_master() {
   }
   log_warning(spec.name,
               fmt::format("remains master of group {}, term {}: another one may have been master "
-                          "meanwhile, and every channel is published once more",
+                          "meanwhile; its samples count above those of that one",
                           spec.standby->group, number_of(standby.term)));
 }
 

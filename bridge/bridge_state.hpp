@@ -126,6 +126,7 @@ struct Bridge::State {
   [[nodiscard]] bool hand_over_before_stop();
   [[nodiscard]] bool follow_role();
   [[nodiscard]] bool late_results_done();
+  void say_waits_for(const std::string& what);
   void promote();
   void remain_master();
   void finish_commands();

@@ -153,10 +153,17 @@ void Bridge::State::serve_metrics(const BridgeSpec& wanted) {
 
 void Bridge::State::tell_other_bridges(DdsLink::Handlers& handlers) {
   guard = std::make_unique<BusGuard>(
-      spec.name,
-      BusGuard::Handlers{[this](const BridgeClaims& claims) { link->announce(claims); },
-                         [this](const auto& uncontested) { return follow_guard(uncontested); },
-                         [] { return read_clocks().utc; }});
+      spec.name, BusGuard::Handlers{
+                     [this](const BridgeClaims& claims) { link->announce(claims); },
+                     [this](const auto& uncontested) { return follow_guard(uncontested); },
+                     [] { return read_clocks().utc; },
+                     [this] {
+                       const std::size_t servers = spec.dds.discovery_servers.size();
+                       return Finding{servers > 0, link->missing_servers().size() < servers,
+                                      link->unknown_bridges(), 0};
+                     },
+                     [this] { return group ? group->view().others : std::vector<std::string>{}; },
+                     [this](const std::string& what) { say_waits_for(what); }});
   BusGuard& others = *guard;
   handlers.bridges = {[&others](const std::string& id) { others.found(id); },
                       [&others](const std::string& id, BridgeClaims claims) {

@@ -42,7 +42,7 @@ LinkedBus::LinkedBus(Domain& domain, const std::string& bridge, const BusSpec& s
 DdsLink::State::State(const DdsSpec& spec, const std::string& name, Handlers given)
     : bridge(name),
       handlers(std::move(given)),
-      domain(spec, "fieldcast-bridge " + name, &writers),
+      domain(spec, std::string(kBridgeParticipant) + name, &writers),
       block_bytes(stays_on_this_machine(spec) ? BlockWriter::kBytesOnLoopback
                                               : BlockWriter::kBytesOnNetworks),
       results(domain, "fieldcast-bridge " + name, handlers.clock, handlers.on_problem) {

@@ -160,6 +160,8 @@ class DdsLink {
   [[nodiscard]] BusCounters counters(std::string_view bus) const;  // any thread
   // The discovery servers of the configuration that do not answer. Any thread.
   [[nodiscard]] std::vector<std::string> missing_servers() const;
+  // Bridges that were found and have shown no writer yet. Any thread.
+  [[nodiscard]] std::size_t unknown_bridges() const;
 
   enum class Leave : std::uint8_t {
     kDispose,   // stations see the buses go

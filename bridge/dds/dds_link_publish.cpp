@@ -120,6 +120,8 @@ std::vector<std::string> DdsLink::missing_servers() const {
   return state_->domain.missing_servers();
 }
 
+std::size_t DdsLink::unknown_bridges() const { return state_->domain.unknown_bridges(); }
+
 DdsLink::BusCounters DdsLink::counters(std::string_view name) const {
   const std::shared_lock lock(state_->mutex);
   LinkedBus* bus = state_->find(name);

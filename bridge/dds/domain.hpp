@@ -82,6 +82,9 @@ class Domain {
   // The discovery servers of the configuration that do not answer. Any thread.
   [[nodiscard]] std::vector<std::string> missing_servers() const { return servers_.missing(); }
 
+  // Bridges that were found and have shown no writer yet. Any thread.
+  [[nodiscard]] std::size_t unknown_bridges() const { return servers_.unknown_bridges(); }
+
   // Its listener is not called any more when these return.
   void remove(dds::DataWriter* writer);
   void remove(dds::DataReader* reader);

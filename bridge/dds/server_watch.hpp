@@ -1,21 +1,30 @@
 // Which of the discovery servers that a configuration names have answered: without one nobody is
 // found, and Fast DDS says nothing. Stands before another listener of the participant, which
-// it tells everything, and tells ServerRestarts which servers the library knows. Called by threads
-// of the library; missing() on any thread.
+// it tells everything, and tells ServerRestarts which servers the library knows. And which bridges
+// are there that nothing else is known of: DDS Security may still ask who they are. Called by
+// threads of the library; missing() and unknown_bridges() on any thread.
 #pragma once
 
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "bridge/dds/fastdds.hpp"
 #include "bridge/dds/server_restarts.hpp"
+#include "bridge/dds/topics/topics.hpp"
 
 namespace fieldcast {
 
+// How the participant of a bridge is called, before the name of the bridge.
+inline constexpr std::string_view kBridgeParticipant = "fieldcast-bridge ";
+
 class ServerWatch : public DiscoveryListener {
  public:
+  static constexpr std::size_t kMostBridges = 4096;  // more are not waited for
+
   // `servers` as in DdsSpec. The other listener outlives it; may be null.
   ServerWatch(std::vector<std::string> servers, DiscoveryListener* other)
       : servers_(std::move(servers)),
@@ -36,8 +45,18 @@ class ServerWatch : public DiscoveryListener {
     return missing;
   }
 
+  // Bridges that were found and have shown no writer yet.
+  [[nodiscard]] std::size_t unknown_bridges() const {
+    const std::lock_guard lock(mutex_);
+    return unknown_.size();
+  }
+
  private:
   void on_writer(const FoundWriter& writer) override {
+    {
+      const std::lock_guard lock(mutex_);
+      if (writer.topic == kBridgeTopic.name) unknown_.erase(writer.guid.guidPrefix);
+    }
     if (other_ != nullptr) other_->on_writer(writer);
   }
   void on_participant(const FoundParticipant& participant) override {
@@ -47,12 +66,22 @@ class ServerWatch : public DiscoveryListener {
       const std::lock_guard lock(mutex_);
       here_[*identity] = !participant.gone;
     }
+    if (participant.name.starts_with(kBridgeParticipant)) {
+      const std::lock_guard lock(mutex_);
+      if (participant.gone) {
+        unknown_.erase(participant.prefix);
+        known_.erase(participant.prefix);
+      } else if (known_.size() < kMostBridges && known_.insert(participant.prefix).second) {
+        unknown_.insert(participant.prefix);
+      }
+    }
     if (other_ != nullptr) other_->on_participant(participant);
   }
 
   const std::vector<std::string> servers_;
   mutable std::mutex mutex_;
   std::vector<bool> here_;
+  std::set<rtps::GuidPrefix_t> known_, unknown_;  // bridges that are there; of them the unknown
   const std::shared_ptr<ServerRestarts> restarts_;
   DiscoveryListener* const other_;
 };

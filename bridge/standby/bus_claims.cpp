@@ -78,4 +78,12 @@ std::set<std::string> BusClaims::contested() const {
   return found;
 }
 
+std::size_t BusClaims::members_beside(const std::vector<std::string>& bridges) const {
+  return static_cast<std::size_t>(std::ranges::count_if(others_, [&](const auto& entry) {
+    const Other& other = entry.second;
+    return other.alive && !group_.empty() && other.claims.group == group_ &&
+           std::ranges::find(bridges, other.claims.bridge) == bridges.end();
+  }));
+}
+
 }  // namespace fieldcast

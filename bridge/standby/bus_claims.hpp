@@ -55,6 +55,9 @@ class BusClaims {
   // Others whose process runs where this one does, for set_alive().
   [[nodiscard]] std::map<std::string, std::string> processes() const;
 
+  // How many of the group there are beside these.
+  [[nodiscard]] std::size_t members_beside(const std::vector<std::string>& bridges) const;
+
   // ---- this bridge
 
   // Wants these buses, from now on those that are new. One it does not want any more is free.

@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "bridge/bus/clock.hpp"
 #include "bridge/standby/process_identity.hpp"
 
 namespace fieldcast {
@@ -81,12 +82,26 @@ void BusGuard::want(const std::string& id, const std::vector<std::string>& buses
 
 void BusGuard::settle(const std::function<bool()>& give_up) {
   std::unique_lock lock(mutex_);
-  const auto began = std::chrono::steady_clock::now();
-  const auto all_received = [&] {
-    const auto waited = std::chrono::steady_clock::now() - began;
-    return waited >= (silent_.empty() ? kSettle : kLongestSettle);
-  };
-  while (!all_received() && !give_up()) wake_.wait_for(lock, kAgain);
+  const Instant began = steady_now();
+  Settling settling(!own_.group.empty(), began);
+  bool told = false;
+  while (!give_up()) {
+    lock.unlock();
+    Finding finding = handlers_.finding();
+    const std::vector<std::string> heard = handlers_.members();
+    lock.lock();
+    finding.silent += silent_.size();
+    finding.unknown += claims_.members_beside(heard);
+    const Instant now = steady_now();
+    const auto what = settling.waits_for(finding, now);
+    if (!what) break;
+    if (now - began >= Settling::kLeast && !std::exchange(told, true)) {
+      lock.unlock();
+      handlers_.waits(*what);
+      lock.lock();
+    }
+    wake_.wait_for(lock, kAgain);
+  }
   lock.unlock();
   check_processes();
   lock.lock();

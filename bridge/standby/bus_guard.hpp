@@ -12,15 +12,12 @@
 #include <vector>
 
 #include "bridge/standby/bus_claims.hpp"
+#include "bridge/standby/settling.hpp"
 
 namespace fieldcast {
 
 class BusGuard {
  public:
-  // How long others have to be found at the start: discovery takes up to 0.9 s. Longer if one is
-  // found that has not said yet what it serves.
-  static constexpr Duration kSettle = std::chrono::seconds{1};
-  static constexpr Duration kLongestSettle = std::chrono::seconds{3};
   // Between two checks whether the process of another bridge, under the same kernel, still runs.
   static constexpr Duration kCheckPeriod = std::chrono::milliseconds{500};
 
@@ -31,6 +28,10 @@ class BusGuard {
     // again in a moment.
     std::function<bool(const std::set<std::string>& uncontested)> changed;
     std::function<UtcTime()> now;
+    std::function<Finding()> finding;  // without those of found(), and of the claims
+    std::function<std::vector<std::string>()> members;  // of the group, that are heard there
+    // What settle() waits for when it takes longer than Settling::kLeast. On its thread; once.
+    std::function<void(const std::string& what)> waits;
   };
   BusGuard(std::string bridge, Handlers handlers);
   ~BusGuard();  // end()
@@ -53,8 +54,8 @@ class BusGuard {
   // Wants these buses and no others; `id` is its own in DDS. What it serves is decided by settle(),
   // or by itself once that was called.
   void want(const std::string& id, const std::vector<std::string>& buses);
-  // Waits until the others can have announced themselves, or until `give_up` says so, then decides.
-  // At most kLongestSettle; once.
+  // Waits until the others can have announced themselves (settling.hpp), or until `give_up` says
+  // so, then decides. Once.
   void settle(const std::function<bool()>& give_up);
   [[nodiscard]] bool serves(const std::string& bus) const;
   // The one that serves a bus in place of this bridge, for people: "bridge 'b' on host h".

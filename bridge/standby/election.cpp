@@ -147,13 +147,22 @@ void Election::on_time(Instant now) {
 
 // Whether to take over.
 void Election::consider(Instant now) {
+  if (!not_ready(now).empty()) {
+    ready_since_ = kNever;
+  } else if (ready_since_ == kNever) {
+    ready_since_ = now;
+  }
   if (heard_master(now) != nullptr) {
     alone_since_ = now;
     return;
   }
-  if (now < settled_ || now < doubt_until_ || !not_ready(now).empty()) return;
+  if (now < settled_ || now < doubt_until_ || ready_since_ == kNever) return;
+  // Others may have become ready at the same time, and have to be heard.
+  const bool alone =
+      std::ranges::none_of(others_, [&](const auto& entry) { return alive(entry.second, now); });
+  if (!alone && now - ready_since_ < kListen) return;
   // Better members take over first; each has some time for it.
-  const Instant begun = std::max(alone_since_, settled_);
+  const Instant begun = std::max({alone_since_, settled_, ready_since_});
   if (const int better = better_ones(now); better > 0 && now - begun < better * kPatience) return;
   take_over();
 }

@@ -78,7 +78,8 @@ class Election {
   static constexpr Duration kLease = std::chrono::milliseconds{300};  // without one: it is gone
   // Shorter than the lease: who was silent for so long may have been replaced.
   static constexpr Duration kDoubt = std::chrono::milliseconds{220};
-  // How long a master in doubt listens: others beat meanwhile.
+  // How long a master in doubt listens, and one of several that has just become ready: others beat
+  // meanwhile.
   static constexpr Duration kListen = std::chrono::milliseconds{150};
   // How long others have to be found at the start.
   static constexpr Duration kSettle = std::chrono::seconds{1};
@@ -151,7 +152,8 @@ class Election {
   StandbyTerm greatest_ = 0;  // heard of, or had
   Instant alone_since_;       // no master heard since then
   Instant settled_;           // others could be found until then
-  Instant looked_;            // the last on_time()
+  Instant ready_since_ = kNever;
+  Instant looked_;  // the last on_time()
   Instant doubt_until_ = kLongAgo;
   Instant released_at_ = kNever;
 };

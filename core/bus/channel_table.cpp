@@ -210,12 +210,14 @@ void ChannelTable::all_uncertain(Instant now, std::vector<Sample>& out) {
   }
 }
 
-// What was read because somebody asked stays as it is: another bridge may have read it later.
+// What is good is not told again, as another bridge may have read it later: its next reading is
+// published, whatever the deadband.
 void ChannelTable::again(std::vector<Sample>& out) {
   for (Entry& entry : entries_) {
-    const bool shown = entry.last.sequence != 0;
-    const bool bad = entry.last.quality != Quality::kGood && entry.last.acquired != kLongAgo;
-    if (shown && (entry.freshness.refresh() || bad)) publish(entry, out, entry.published);
+    entry.published = kLongAgo;
+    const bool bad = entry.last.sequence != 0 && entry.last.quality != Quality::kGood;
+    const bool known = entry.freshness.refresh() || entry.last.acquired != kLongAgo;
+    if (bad && known) publish(entry, out, kLongAgo);
   }
 }
 

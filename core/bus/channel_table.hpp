@@ -42,8 +42,7 @@ class ChannelTable {
   void inherit(const Sample& sample);
   // Samples count on from above this number.
   void count_above(std::uint64_t number) { above_ = std::max(above_, number); }
-  // What each channel shows that is promised to somebody, or is not good, once more with its next
-  // number.
+  // Stations may show what another bridge has published: what is not good here is told once more.
   void again(std::vector<Sample>& out);
 
   // Whether it has ever had a value, from here or inherited.

@@ -54,7 +54,7 @@ struct LeaseEnded {};
 // Every pending command is answered with kShutdown; nothing is sent afterwards.
 struct StopRequested {};
 // Another bridge may have published samples of this bus, with numbers up to this one: samples count
-// on from above it, and what channels show now is published once more.
+// on from above it, and what is not good is told once more.
 struct CountAbove {
   std::uint64_t number = 0;
 };

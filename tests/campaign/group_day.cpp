@@ -97,7 +97,8 @@ GroupDay::GroupDay(const StormKind& kind, std::uint64_t seed, Duration length,
         i, static_cast<std::int32_t>(random_() % 3), spec_,
         GroupMember::Outside{*wire_,
                              [this, i](GroupMessage message) { tell(i, std::move(message)); },
-                             [this] {
+                             [this, i] {
+                               network_->forget(i);  // a new reader gets what is sent from now on
                                for (const auto& member : members_) member->publish_again(now());
                              },
                              [this](const std::string& text) { note(text); }, sabotage},

@@ -147,10 +147,11 @@ void GroupDay::judge_results(std::uint64_t id, const Pending& pending) {
   const std::string text = "command " + std::to_string(id);
   const bool cut = was_cut_since(pending.sent - 1s);
   // What may come beside the result: the bridge that ran it is gone, or the command reached its
-  // successor later than its result.
+  // successor later than its result, or a master that had stood still.
   const auto is_beside = [](const CommandResult& result) {
     return (result.state == CommandState::kFailed && result.cause == Cause::kShutdown) ||
-           result.cause == Cause::kDuplicate;
+           result.cause == Cause::kDuplicate ||
+           (result.state == CommandState::kRejected && result.cause == Cause::kOffline);
   };
   if (pending.results.empty()) {
     const bool somebody = std::ranges::any_of(members_, [&](const auto& member) {
@@ -214,10 +215,12 @@ void GroupDay::sweep() {
     return member->alive() && member->fit_since() != kNever && now() - member->fit_since() > 5s;
   });
   if (network_->is_cut() || !somebody) served_since_ = now();
+  Instant promoted = kLongAgo;  // a new master has each refresh once more
+  for (const auto& member : members_) promoted = std::max(promoted, member->promoted());
   for (std::size_t c = 0; c < channels_.size(); ++c) {
     const Channel& channel = channels_[c];
     const std::string text = "channel " + std::to_string(c);
-    const Duration silent = now() - std::max(channel.published, served_since_);
+    const Duration silent = now() - std::max({channel.published, served_since_, promoted});
     if (channel.shown_good && silent > channel.gap + kTakeover)
       return violate(text + " is shown good, and silent for " + to_text(silent));
     if (now() - std::max(channel.last_good, served_since_) > kMustBeGood + 5 * channel.gap)

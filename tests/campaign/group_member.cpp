@@ -277,9 +277,7 @@ void GroupMember::remain_master() {
   if (election_->role() != StandbyRole::kMaster || counted_ == term()) return;
   counted_ = term();
   note("remains master, in term " + std::to_string(number_of(counted_)));
-  again_ = true;
   outside_.wire.feed(index_, CountAbove{sequences_of(counted_)});
-  again_ = false;
   for (const Waiting& each : waiting_)
     tell_note(StandbyNoteKind::kBegun, {each.command.requester, each.command.request_id},
               each.number);
@@ -330,7 +328,7 @@ void GroupMember::on_action(const Action& action, Instant now) {
 void GroupMember::publish(std::vector<Sample> samples, Instant now) {
   samples = hold_->pass(std::move(samples), may_send(now), now);
   if (samples.empty()) return;
-  GroupBlock block{followed_.epoch, ++followed_.blocks, promoted_, term(), again_, samples, {}};
+  GroupBlock block{followed_.epoch, ++followed_.blocks, promoted_, term(), false, samples, {}};
   for (const Sample& sample : samples) followed_.samples[sample.channel] = sample;
   if (now >= next_report_) {
     next_report_ = now + 1s;

@@ -70,6 +70,7 @@ class GroupMember {
   [[nodiscard]] bool alive() const { return alive_; }
   [[nodiscard]] bool may_send(Instant now) const;
   [[nodiscard]] bool serving() const { return serving_; }
+  [[nodiscard]] Instant promoted() const { return serving_ ? promoted_ : kLongAgo; }
   // Of the catalogue that it publishes; 0: none.
   [[nodiscard]] std::uint64_t epoch() const { return alive_ && serving_ ? followed_.epoch : 0; }
   [[nodiscard]] StandbyTerm term() const { return election_ ? election_->term() : 0; }
@@ -142,7 +143,6 @@ class GroupMember {
   // The bus.
   bool serving_ = false, handing_over_ = false;
   StandbyTerm counted_ = 0;  // in which its samples count
-  bool again_ = false;       // what is published is what was known
   Instant promoted_{}, promote_by_ = kNever, release_by_ = kNever, leave_at_ = kNever;
   Followed followed_;  // as a waiting member; as master what it published
   std::uint64_t in_hand_ = 0;

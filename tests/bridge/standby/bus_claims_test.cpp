@@ -151,6 +151,18 @@ TEST(BusClaims, BridgesOfOneStandbyGroupAreNoRivalsButOthersAre) {
   EXPECT_TRUE(own.rival("bus"));
 }
 
+TEST(BusClaims, CountsMembersOfItsGroupThatAreNotHeardThere) {
+  BusClaims own("a");
+  own.set_group("g");
+  own.receive("1", {"b", "host", "", {}, {}, "g"});
+  own.receive("2", {"c", "host", "", {}, {}, "g"});
+  own.receive("3", {"d", "host", "", {}, {}, "another"});
+  EXPECT_EQ(own.members_beside({}), 2u);
+  EXPECT_EQ(own.members_beside({"b", "e"}), 1u);
+  own.set_alive("2", false);
+  EXPECT_EQ(own.members_beside({"b"}), 0u);
+}
+
 TEST(BusClaims, WhoStandsByServesNothing) {
   BusClaims own("a");
   own.set_group("g");

@@ -42,6 +42,24 @@ TEST(Election, OfEquallyStrongTheFirstByNameIsMaster) {
   EXPECT_EQ(group.masters(), Names{"a"});
 }
 
+// As when all have waited for one discovery server.
+TEST(Election, OfTwoThatBecomeReadyAtOneTimeOneIsMaster) {
+  for (const Duration apart : {Duration{0ms}, Duration{4ms}, Duration{40ms}, Duration{140ms}}) {
+    Group group(1);
+    const auto a = group.add("a", 1);
+    const auto b = group.add("b", 1);
+    group.of(a).set_not_ready("it waits");
+    group.of(b).set_not_ready("it waits");
+    group.run(5s);
+    group.of(b).set_not_ready("");
+    if (apart > 0ms) group.run(apart);
+    group.of(a).set_not_ready("");
+    group.run(3s);
+    EXPECT_EQ(group.masters().size(), 1u);
+    EXPECT_EQ(group.longest_two, 0ms) << to_text(apart);
+  }
+}
+
 TEST(Election, AMasterStaysWhoeverComesLater) {
   Group group(1);
   group.add("weak", 1);

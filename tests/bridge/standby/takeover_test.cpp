@@ -4,7 +4,10 @@
 // FIELDCAST_TAKEOVERS=20 does each so often, and prints the longest gaps of a channel.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <signal.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -113,6 +116,17 @@ class Watch {
   Station station_;
 };
 
+std::uint16_t free_udp_port() {
+  const FileDescriptor any(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  EXPECT_EQ(::bind(any.get(), reinterpret_cast<sockaddr*>(&address), size), 0);
+  EXPECT_EQ(::getsockname(any.get(), reinterpret_cast<sockaddr*>(&address), &size), 0);
+  return ntohs(address.sin_port);
+}
+
 int takeovers() {
   const char* const wanted = std::getenv("FIELDCAST_TAKEOVERS");
   return wanted == nullptr ? 1 : std::atoi(wanted);
@@ -135,7 +149,7 @@ struct TakeoverTest : testing::Test {
     const std::string file = folder / (name + ".yaml");
     std::ofstream(file)
         << "bridge: { name: " << name << ", standby: { group: g, strength: " << strength
-        << " } }\ndds: { domain: " << domain.number()
+        << " } }\ndds: { domain: " << domain.number() << dds
         << " }\nbuses:\n  - name: one\n    port: { tcp: 127.0.0.1:" << device.port()
         << " }\n    protocol: modbus-tcp\n"
         << "    devices:\n      - name: plc\n        address: 1\n        channels:\n"
@@ -238,6 +252,7 @@ struct TakeoverTest : testing::Test {
   }
 
   std::filesystem::path folder;
+  std::string dds;  // more of its section in the configuration
   test::ClaimedDomain domain;
   test::TcpDevice device;
   Watch watch{domain.number()};
@@ -338,6 +353,27 @@ TEST_F(TakeoverTest, OverAKillEachCommandHasAResultAndNoWriteRunsTwice) {
   }
   EXPECT_GE(done, kWrites / 2);  // what was under way at the kill is FAILED
   for (const auto& [id, count] : watch.results()) EXPECT_EQ(count, 1) << id;
+}
+
+// Nobody is found before the server is there.
+TEST_F(TakeoverTest, MembersThatStartBeforeTheirDiscoveryServerWaitForIt) {
+  const std::string server = "/usr/bin/fast-discovery-server";
+  if (::access(server.c_str(), X_OK) != 0) GTEST_SKIP() << "fastdds-tools is not installed";
+  const std::string port = std::to_string(free_udp_port());
+  dds = ", discovery-servers: [\"127.0.0.1:" + port + "\"]";
+  a = launch("a", 1);
+  b = launch("b", 1);
+  ASSERT_TRUE(says("a", "waits for a discovery server: none has answered"));
+  ASSERT_TRUE(says("b", "waits for a discovery server: none has answered"));
+  const auto is_master = [this](const std::string& name) {
+    return said(name).find("is master of group g") != std::string::npos;
+  };
+  EXPECT_FALSE(is_master("a") || is_master("b"));
+  const test::Process runs(server,
+                           std::vector<std::string>{"-i", "0", "-l", "127.0.0.1", "-p", port});
+  ASSERT_TRUE(says("a", "stands by in group g"));
+  ASSERT_TRUE(says("b", "stands by in group g"));
+  EXPECT_TRUE(within([&] { return is_master("a") || is_master("b"); }));
 }
 
 TEST_F(TakeoverTest, OverAHandOverEveryCommandIsDoneOnce) {
