@@ -26,8 +26,8 @@ void Bridge::State::join_group() {
   const StandbySpec& wanted = *spec.standby;
   guard->join_group(wanted.group, wanted.strength);
   link->stand_by(true);
-  standby.commands.stand_by();
-  standby.actions.stand_by();
+  standby.commands.join();
+  standby.actions.join();
   standby.serving = false;
   standby.handing_over = false;
   standby.in_hand = 0;

@@ -94,6 +94,13 @@ class HeldCommands {
     entries_.clear();
     return left;
   }
+  // This bridge joins its group, perhaps once more: results that were told before it could hear
+  // them are unknown to it, so what it held by then is not run any more. What comes is held.
+  void join() {
+    const std::lock_guard lock(mutex_);
+    entries_.clear();
+    open_ = false;
+  }
   // Another bridge is master, or will be: what comes is held.
   void stand_by() {
     const std::lock_guard lock(mutex_);

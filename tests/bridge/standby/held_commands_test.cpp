@@ -62,6 +62,20 @@ TEST_F(HeldCommandsTest, WhatIsTooOldIsForgotten) {
   EXPECT_THAT(held.take_over(kSoon + Held::kLonger).to_run, IsEmpty());
 }
 
+// Their results may have been told while it could not hear.
+TEST_F(HeldCommandsTest, WhoJoinsOnceMoreRunsNothingOfBefore) {
+  hold(1);
+  held.begun("bus", {"mes", 2}, kSoon);
+  held.answered({"mes", 3});
+  held.join();
+  hold(3);
+  EXPECT_EQ(held.size(), 0u) << "what was heard stays heard";
+  hold(4);
+  const auto left = held.take_over(kNow);
+  EXPECT_THAT(left.to_run, ElementsAre("4"));
+  EXPECT_THAT(left.begun, IsEmpty());
+}
+
 TEST_F(HeldCommandsTest, AMasterHoldsNothing) {
   (void)held.take_over(kNow);
   EXPECT_FALSE(held.hold({"mes", 1}, "1", kSoon, kNow));
