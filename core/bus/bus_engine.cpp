@@ -19,7 +19,10 @@ BusEngine::BusEngine(const BusSpec& spec, TextCodec& codec)
 
 void BusEngine::inherit(const BusInheritance& inherited, Instant now) {
   parts_.channels.count_above(inherited.above);
-  for (const Sample& sample : inherited.samples) parts_.channels.inherit(sample);
+  for (const Sample& sample : inherited.samples) {
+    parts_.channels.inherit(sample);
+    parts_.reads.inherit(sample.channel, sample.acquired);
+  }
   for (const auto& [name, learned] : inherited.devices) {
     const auto device = parts_.setup.find(name);
     if (!device) continue;

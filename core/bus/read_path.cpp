@@ -174,6 +174,11 @@ void ReadPath::learn(DeviceIndex device, AreaIndex area, Duration answer_time) {
   planned_times_.answered(device, area, answer_time, *scheduler_);
 }
 
+void ReadPath::inherit(ChannelIndex channel, Instant acquired) {
+  if (channel >= map_.point_of.size() || acquired == kLongAgo) return;
+  if (const auto point = map_.point_of[channel]) scheduler_->inherit(*point, acquired);
+}
+
 void ReadPath::inherit(DeviceIndex device, const DeviceReport& learned, Instant now) {
   const auto areas = setup_.protocol(device).areas();
   for (const AreaReport& of_area : learned.areas) {

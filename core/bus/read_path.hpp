@@ -62,6 +62,8 @@ class ReadPath {
                 ActionSink& sink);
   // An answer began `answer_time` after the end of its request.
   void learn(DeviceIndex device, AreaIndex area, Duration answer_time);
+  // Another bridge has read the channel last at `acquired`. REQUIRES: nothing was read yet.
+  void inherit(ChannelIndex channel, Instant acquired);
   // What another bridge has learned: answer times, the longest blocks, refused addresses.
   void inherit(DeviceIndex device, const DeviceReport& learned, Instant now);
   // The read of a block failed. `longer`: as in Read.

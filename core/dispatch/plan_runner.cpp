@@ -15,6 +15,10 @@ PlanRunner::PlanRunner(WireModel wire, std::span<const PlannedPoint> points, Rea
   }
 }
 
+void PlanRunner::inherit(PointIndex point, Instant acquired) {
+  inherited_.emplace_back(index_of(point), acquired);
+}
+
 Decision PlanRunner::next(Instant now) {
   seen_ = asked_ = now;
   wake(now);
@@ -38,6 +42,13 @@ void PlanRunner::begin(Instant now) {
   for (PointState& point : state_.points) {
     point.due = point.deadline = later(now, point.allowed_gap);
     if (point.period > Duration::zero()) point.due = std::min(point.phase, point.deadline);
+  }
+  for (const auto& [index, acquired] : std::exchange(inherited_, {})) {
+    PointState& point = state_.points[index];
+    const Instant until = std::max(now, later(acquired, point.allowed_gap));
+    if (until >= point.due) continue;
+    point.due = point.deadline = until;
+    point.eager = true;  // late it may be, but not for the plan
   }
   refresh_all(now);
 }

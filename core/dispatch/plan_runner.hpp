@@ -8,6 +8,7 @@
 
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/dispatch/decision.hpp"
@@ -24,6 +25,7 @@ class PlanRunner {
   PlanRunner(WireModel wire, std::span<const PlannedPoint> points, ReadPlan plan);
 
   // As in scheduler.hpp.
+  void inherit(PointIndex point, Instant acquired);
   [[nodiscard]] Decision next(Instant now);
   void acquired(const Block& block, Instant acquired);
   void failed(const Block& block, Instant now, Instant retry_at);
@@ -88,7 +90,8 @@ class PlanRunner {
   Instant seen_{};                   // the latest instant told
   std::vector<GroupIndex> changed_;  // the plan is amended for them when the wire is free
   std::optional<std::vector<OrderIndex>> remembered_;
-  std::vector<OrderIndex> refused_;  // scratch of refused()
+  std::vector<OrderIndex> refused_;                        // scratch of refused()
+  std::vector<std::pair<OrderIndex, Instant>> inherited_;  // until it begins
 };
 
 }  // namespace fieldcast

@@ -25,6 +25,9 @@ class Scheduler {
   // carry is never read. Time begins with the first call of next().
   Scheduler(const ScheduleInput& input, Planner planner, const CyclicWeights& weights = {});
 
+  // Somebody else has read the point before, at `acquired`: its first read is due a refresh later.
+  // REQUIRES: before the first call of next().
+  void inherit(PointIndex point, Instant acquired) { runner_.inherit(point, acquired); }
   // REQUIRES: the wire is free at `now`. Points whose device is paused until later are left out.
   [[nodiscard]] Decision next(Instant now) { return runner_.next(now); }
   // The points of the block were acquired at `acquired` (the answer's last byte).
