@@ -10,7 +10,7 @@ namespace fieldcast {
 namespace {
 
 // How long a master that hands over waits for the commands that run.
-constexpr Duration kFinish = std::chrono::milliseconds{200};
+constexpr Duration kFinish = std::chrono::seconds{1};
 // What a master that has let go had published arrives within this time, or is counted as lost.
 constexpr Duration kLastBlocks = std::chrono::milliseconds{50};
 // After its successor has taken over, so that it has written everything when this bridge leaves.

@@ -30,6 +30,39 @@ TEST_P(GroupDays, HoldEveryInvariant) {
 INSTANTIATE_TEST_SUITE_P(Protocols, GroupDays, testing::Range<std::size_t>(0, group_kinds().size()),
                          name_of_kind);
 
+// Days that showed a fault when it was there.
+struct Found {
+  std::string protocol;
+  std::uint64_t seed;
+  Duration length;
+};
+class GroupDaysThatFailed : public testing::TestWithParam<Found> {};
+
+TEST_P(GroupDaysThatFailed, Hold) {
+  const auto kinds = group_kinds();
+  const auto kind = std::ranges::find(kinds, GetParam().protocol, &StormKind::name);
+  ASSERT_NE(kind, kinds.end());
+  GroupDay day(*kind, GetParam().seed, GetParam().length);
+  day.run();
+  EXPECT_FALSE(day.violation()) << day.violation().value_or("");
+}
+
+std::string seed_of(const testing::TestParamInfo<Found>& chosen) {
+  return "seed" + std::to_string(chosen.param.seed);
+}
+
+// What another master was answered was taken for an answer to this one.
+INSTANTIATE_TEST_SUITE_P(AnswersOfTheOtherMaster, GroupDaysThatFailed,
+                         testing::Values(Found{"omron-hostlink C-mode", 38, 3min},
+                                         Found{"omron-hostlink C-mode", 101, 3min}),
+                         seed_of);
+// Each of several masters in a row began the refresh of a slow channel anew.
+INSTANTIATE_TEST_SUITE_P(HandedOverAgainAndAgain, GroupDaysThatFailed,
+                         testing::Values(Found{"dtc", 116, 5min}, Found{"dtc", 42, 8min}), seed_of);
+// A member that joined anew ran what it had held before, whose result it had not heard.
+INSTANTIATE_TEST_SUITE_P(HeldFromBefore, GroupDaysThatFailed,
+                         testing::Values(Found{"dtc", 65, 6min}), seed_of);
+
 // Within some days, of which others may find something else first.
 void expect_found(GroupSabotage what, const std::string& text) {
   std::string found;

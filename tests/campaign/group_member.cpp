@@ -8,7 +8,7 @@ namespace {
 using namespace std::chrono_literals;
 
 // As in bridge/bridge_standby.cpp and bridge/bridge_buses.cpp.
-constexpr Duration kFinish = 200ms, kLastBlocks = 50ms, kAfterHandOver = 500ms, kProve = 3s;
+constexpr Duration kFinish = 1s, kLastBlocks = 50ms, kAfterHandOver = 500ms, kProve = 3s;
 constexpr std::uint64_t kSequenceMargin = 1024;
 
 std::string name_of_member(std::size_t index) {
@@ -81,7 +81,7 @@ void GroupMember::join(Instant now) {
   std::size_t channels = 0;
   for (const DeviceSpec& device : spec_.devices) channels += device.channels.size();
   followed_.samples.resize(channels);
-  held_->stand_by();
+  held_->join();
   outside_.wire.replace(index_, static_cast<unsigned>(random_() % WireFence::kRanks), random_());
   StandbyMember own;
   own.bridge = name_;
