@@ -107,13 +107,14 @@ ServerRestarts::Bytes ServerRestarts::goodbye_before(Span message, Instant now) 
   if (!identity || *identity >= kMostServers) return {};
   const std::lock_guard lock(mutex_);
   Server& server = servers_[*identity];
-  bool another = false;
-  std::uint64_t last = 0;  // of the one before
+  bool another = server.heard != kNever && now - server.heard >= kSilence;
+  server.heard = now;
+  std::uint64_t last = std::max(server.announcement.number, server.highest.last);
   const auto restarted = [&](auto... news) {
     if (!is_another(server, news...)) return;
     another = true;
     last = std::max({last, server.announcement.number, server.highest.last});
-    server = Server{.here = server.here};
+    server = Server{.here = server.here, .heard = now};
     (void)is_another(server, news...);  // the first of the new one
   };
   for_each_news(

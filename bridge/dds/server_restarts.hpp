@@ -9,6 +9,10 @@
 // Here a restart is recognised by numbers that begin anew, and the library is told that the server
 // has left, by a message like that of a server that ends. It joins the server again at once.
 //
+// The same is done where nothing came from a server for kSilence: it sends each 2 s, and has let go
+// of who was cut off for so long, while the library would take it for present until 20 s are over,
+// and would learn nothing of what the server sent to others meanwhile.
+//
 // Any thread.
 #pragma once
 
@@ -28,6 +32,8 @@ class ServerRestarts {
   static constexpr unsigned kMostServers = 256;  // their identity is one byte
   // A message is not delayed by more, so that a lower number after it is no old one.
   static constexpr Duration kLongestDelay = std::chrono::seconds{1};
+  // Shorter than our lease (10 s), for which a server waits, by what we announce ourselves (3 s).
+  static constexpr Duration kSilence = std::chrono::seconds{7};
 
   // What the library knows: the server with this identity is here, or has left.
   void on_server(unsigned identity, bool here);
@@ -52,6 +58,7 @@ class ServerRestarts {
     Heartbeat highest;          // each the highest of all
     std::uint64_t settled = 0;  // the highest count, kLongestDelay ago or longer
     Instant highest_since{};
+    Instant heard = kNever;  // its last message
   };
   // Whether it is of another server than those before.
   static bool is_another(Server& server, const Announcement& announcement);

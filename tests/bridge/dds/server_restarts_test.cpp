@@ -55,6 +55,15 @@ TEST_F(Restarts, WhatIsSentAgainOrComesLateIsOfTheSameServer) {
   EXPECT_FALSE(says_goodbye(announcement(10, 30)));
 }
 
+TEST_F(Restarts, AServerThatWasNotHeardForLongerThanItWaitsForUsIsJoinedAnew) {
+  EXPECT_FALSE(says_goodbye(announcement(9, 30), kStart));
+  EXPECT_FALSE(says_goodbye(heartbeat(9, 4), kStart + seconds{6}));
+  EXPECT_TRUE(says_goodbye(heartbeat(9, 5), kStart + seconds{18}));
+  EXPECT_FALSE(says_goodbye(heartbeat(9, 6), kStart + seconds{19})) << "once";
+  restarts.on_server(1, true);
+  EXPECT_FALSE(says_goodbye(announcement(10, 50), kStart + seconds{20}));
+}
+
 TEST_F(Restarts, HeartbeatsThatBeginAnewAreAnotherServers) {
   EXPECT_FALSE(says_goodbye(heartbeat(50, 80), kStart));
   EXPECT_FALSE(says_goodbye(heartbeat(50, 81), kStart + seconds{2}));
@@ -65,8 +74,8 @@ TEST_F(Restarts, HeartbeatsThatBeginAnewAreAnotherServers) {
 TEST_F(Restarts, HeartbeatsThatOvertakeEachOtherAreOfTheSameServer) {
   EXPECT_FALSE(says_goodbye(heartbeat(50, 80), kStart));
   EXPECT_FALSE(says_goodbye(heartbeat(49, 79), kStart + milliseconds{30}));
-  EXPECT_FALSE(says_goodbye(heartbeat(51, 82), kStart + seconds{9}));
-  EXPECT_FALSE(says_goodbye(heartbeat(50, 81), kStart + seconds{9} + milliseconds{30}));
+  EXPECT_FALSE(says_goodbye(heartbeat(51, 82), kStart + seconds{6}));
+  EXPECT_FALSE(says_goodbye(heartbeat(50, 81), kStart + seconds{6} + milliseconds{30}));
 }
 
 TEST_F(Restarts, AServerThatTheLibraryDoesNotKnowIsNotTakenLeaveOf) {
