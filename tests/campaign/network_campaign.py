@@ -66,6 +66,7 @@ class Campaign:
         self.divided = False  # the pair has been cut apart, since the last command
         self.hosts = ["plant", *self.servers, *BRIDGES, "station-1", "station-2", "station-3"]
         self.programs = {}
+        self.over = threading.Event()  # no more commands
 
     def run(self, scenario, seconds, seed):
         self.folder = tempfile.mkdtemp(prefix="fieldcast-network-")
@@ -178,6 +179,8 @@ class Campaign:
         finally:
             self.network.mend()
             self.network.loss = self.network.doubled = self.network.delayed = 0.0
+            if sys.exc_info()[0]:  # also by Ctrl-C
+                self.over.set()
             commander.join()
 
     def note(self, text):
@@ -204,7 +207,7 @@ class Campaign:
         """Writes one after the other; each ends with one exit code."""
         configuration = self.configuration("station-1", PORTS)
         value = 0
-        while time.monotonic() < end:
+        while time.monotonic() < end and not self.over.is_set():
             value += 1
             bus = self.random.choice(sorted(PORTS))
             divided = self.divided
