@@ -124,7 +124,8 @@ void GroupDay::see_sample(const GroupBlock& block, const Sample& sample) {
     violate(text + " has a sample of an old master after one of the new");
   ++counts_.samples;
   channel.sequence = sample.sequence;
-  channel.master_began = block.began;
+  // Last values once more may be those of the master before.
+  if (!block.again) channel.master_began = block.began;
   channel.published = now();
   channel.shown_good = sample.quality == Quality::kGood;
   if (channel.shown_good) channel.last_good = now();
