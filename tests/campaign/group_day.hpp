@@ -70,7 +70,8 @@ class GroupDay {
     const ChannelSpec* spec = nullptr;
     Duration gap{};  // promised
     std::uint64_t epoch = 0, sequence = 0;
-    Instant master_began{};
+    Instant master_began{};  // whose sample counts
+    Instant again_began{};   // who told last values once more
     bool shown_good = false;
     Instant published{}, last_good{};
   };

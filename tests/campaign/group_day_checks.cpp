@@ -115,7 +115,8 @@ void GroupDay::see_sample(const GroupBlock& block, const Sample& sample) {
   // While the network was cut both sides had a master: what counts is the greater number.
   const bool cut = was_cut_since(std::max(block.began, channel.master_began) - 2s);
   if (sample.sequence <= channel.sequence) {
-    if (!block.again && block.began >= channel.master_began && !cut)
+    const bool overtaken = block.began < std::max(channel.master_began, channel.again_began);
+    if (!block.again && !overtaken && !cut)
       violate(text + " does not count on: " + std::to_string(sample.sequence) + " after " +
               std::to_string(channel.sequence));
     return;
@@ -124,8 +125,8 @@ void GroupDay::see_sample(const GroupBlock& block, const Sample& sample) {
     violate(text + " has a sample of an old master after one of the new");
   ++counts_.samples;
   channel.sequence = sample.sequence;
-  // Last values once more may be those of the master before.
-  if (!block.again) channel.master_began = block.began;
+  // Last values once more may be those of the master before, and come sooner than from that one.
+  (block.again ? channel.again_began : channel.master_began) = block.began;
   channel.published = now();
   channel.shown_good = sample.quality == Quality::kGood;
   if (channel.shown_good) channel.last_good = now();
