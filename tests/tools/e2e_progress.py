@@ -18,6 +18,7 @@ import threading
 import time
 import unittest
 
+from plant import InAFolder
 from terminal import Terminal
 
 BIN_DIR = ""
@@ -42,20 +43,7 @@ def program(name):
     return os.path.join(BIN_DIR, name)
 
 
-class Folder(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory(prefix="fieldcast-progress-")
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
-
-    def file(self, name, text):
-        with open(self.path(name), "w", encoding="utf-8") as file:
-            file.write(text)
-        return self.path(name)
-
+class Commands(InAFolder):
     def start(self, *command, **keywords):
         process = subprocess.Popen(command, stdin=subprocess.DEVNULL, **keywords)
         self.addCleanup(process.wait)
@@ -77,7 +65,7 @@ class Folder(unittest.TestCase):
             self.assertLessEqual(len(lines), 1, terminal.text())
 
 
-class Simulation(Folder):
+class Simulation(Commands):
     def test_a_simulation_shows_its_progress_and_ends(self):
         file = self.file("line.yaml", LINE.format(name="boiler-house", link="/tmp/none", baud="", protocol="modbus-rtu", at="holding:0"))
         for columns, pattern in ((80, r"^simulating boiler-house: \d+ %, .* left"), (NARROW, r"^(simu.*~: )?\d+ %")):
@@ -95,7 +83,7 @@ class Simulation(Folder):
         self.assertEqual((process.returncode, out, err), (130, b"", b""))
 
 
-class History(Folder):
+class History(Commands):
     ROWS, NAMES = 100_000, 1000  # of one channel, which is seen under many names: an export of minutes
 
     @classmethod
@@ -139,7 +127,7 @@ class History(Folder):
         process.stdout.close()
 
 
-class Import(Folder):
+class Import(Commands):
     ROWS = 100_000  # the most that is imported: it takes some seconds
 
     def setUp(self):
@@ -181,7 +169,7 @@ class Import(Folder):
                     self.assertEqual(file.read(), whole)
 
 
-class Scan(Folder):
+class Scan(Commands):
     def setUp(self):
         super().setUp()
         self.link = self.path("plc")
@@ -245,7 +233,7 @@ class SlowBridge(threading.Thread):
                 end.close()
 
 
-class Transfer(Folder):
+class Transfer(Commands):
     def setUp(self):
         super().setUp()
         self.bridge = SlowBridge()

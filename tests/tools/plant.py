@@ -17,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import unittest
 
 START_SECONDS = 20  # until the simulated lines and the bridge's first status are there
 STOP_SECONDS = 10
@@ -107,6 +108,23 @@ def running_bridge(bin_dir, config, log):
             if bridge.poll() is None:
                 bridge.kill()
                 bridge.wait()
+
+
+class InAFolder(unittest.TestCase):
+    """A test with a folder of its own, which is gone behind it."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="fieldcast-test-")
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def file(self, name, text):
+        with open(self.path(name), "w", encoding="utf-8") as file:
+            file.write(text)
+        return self.path(name)
 
 
 class Plant:

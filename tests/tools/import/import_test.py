@@ -12,14 +12,13 @@ import re
 import shutil
 import subprocess
 import sys
-import tempfile
 import unittest
 import zipfile
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [os.path.join(HERE, "..", "..", "config", "devices"), os.path.join(HERE, "..")]
 from modbus_devices import Devices, read_examples
-from plant import claim_domain, running_bridge, wait_until
+from plant import InAFolder, claim_domain, running_bridge, wait_until
 
 BIN_DIR, SOURCE_DIR = "", ""
 LISTS = os.path.join(HERE, "lists")
@@ -31,20 +30,7 @@ def run(program, *arguments, **keywords):
                           **keywords)
 
 
-class InAFolder(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory(prefix="fieldcast-import-")
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
-
-    def file(self, name, text):
-        with open(self.path(name), "w", encoding="utf-8") as file:
-            file.write(text)
-        return self.path(name)
-
+class Imports(InAFolder):
     def fault(self, *arguments, code=2):
         done = run("fieldcast", "import", *arguments)
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
@@ -73,7 +59,7 @@ def excel(path, table):
         book.writestr("xl/sharedStrings.xml", "<sst>" + "".join(f"<si><t>{text}</t></si>" for text in texts) + "</sst>")
 
 
-class RealDevices(InAFolder):
+class RealDevices(Imports):
     def lists(self, port):
         """The lists, with the port of the devices where theirs name one."""
         files = []
@@ -142,7 +128,7 @@ class RealDevices(InAFolder):
         return {key: (samples.get(key), wanted) for key, wanted in expected.items() if not right(key, wanted)}
 
 
-class Output(InAFolder):
+class Output(Imports):
     def test_passes_the_check_of_the_bridge_in_every_form(self):
         files = [os.path.join(LISTS, name) for name in os.listdir(LISTS) if name.endswith((".json", ".csv"))]
         for arguments, checked in [(["--out", self.path("one.yaml")], "one.yaml"), (["--out", self.path("lists/")], "lists/bridge.yaml"),
@@ -181,7 +167,7 @@ class Output(InAFolder):
         self.assertIn("2 templates; --out needs a folder", self.fault(*files, "--template", "--out", self.path("one.yaml")))
 
 
-class Words(InAFolder):
+class Words(Imports):
     def test_are_clear_for_what_is_no_list(self):
         with open(self.path("huge"), "wb") as file:
             file.truncate(1 << 30)  # 1 GiB of holes
