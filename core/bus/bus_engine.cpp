@@ -9,6 +9,13 @@ namespace {
 
 std::string text_of(Cause cause) { return std::string(to_text(cause)); }
 
+// By values or by a refusal.
+bool is_answered(ExchangeDriver::Outcome outcome, Cause cause) {
+  const bool refused = cause == Cause::kDeviceError || cause == Cause::kDeviceBusy;
+  return outcome == ExchangeDriver::Outcome::kDone ||
+         (outcome == ExchangeDriver::Outcome::kFailed && refused);
+}
+
 }  // namespace
 
 BusEngine::BusEngine(const BusSpec& spec, TextCodec& codec)
@@ -82,6 +89,7 @@ void BusEngine::handle(const Received& event, Instant now, ActionSink& sink) {
     give_up(Cause::kForeignMaster, now, sink);
     return take_stray(event.bytes, now, sink);
   }
+  if (another_asked(outcome, now, sink)) return;
   if (outcome != ExchangeDriver::Outcome::kSend)
     outcomes_.take_late(parts_.late.in_exchange(asked, parts_.wire.driver(), now), now, sink);
   // An answer that began before its request had ended is another one.
@@ -158,7 +166,7 @@ void BusEngine::settle(Instant now, ActionSink& sink) {
   if (parts_.wire.exchanging() && now >= parts_.wire.driver().deadline()) {
     Bytes out;
     const auto outcome = parts_.wire.on_timer(now, out);
-    advance(outcome, std::move(out), now, sink);
+    if (!another_asked(outcome, now, sink)) advance(outcome, std::move(out), now, sink);
   }
   if (state_ != BusState::kStopped && state_ != BusState::kLeased) {
     std::vector<Sample> late;
@@ -187,6 +195,14 @@ void BusEngine::set_timer(ActionSink& sink) {
   sink.push(SetTimer{next});
 }
 
+bool BusEngine::another_asked(ExchangeDriver::Outcome outcome, Instant now, ActionSink& sink) {
+  if (!is_answered(outcome, parts_.wire.driver().cause())) return false;
+  if (!parts_.fence.came_between(parts_.wire.driver().before_answer(), now)) return false;
+  let_go(now, sink);
+  give_up(Cause::kForeignMaster, now, sink);
+  return true;
+}
+
 void BusEngine::advance(ExchangeDriver::Outcome outcome, Bytes out, Instant now, ActionSink& sink) {
   if (outcome == ExchangeDriver::Outcome::kWaiting) return;
   if (outcome == ExchangeDriver::Outcome::kSend) {
@@ -195,11 +211,10 @@ void BusEngine::advance(ExchangeDriver::Outcome outcome, Bytes out, Instant now,
     (void)parts_.fence.sending(out, parts_.wire.driver().sent_until());
     return sink.push(Send{std::move(out)});
   }
-  const bool done = outcome == ExchangeDriver::Outcome::kDone;
-  const Cause cause = parts_.wire.driver().cause();
-  const bool answered = done || cause == Cause::kDeviceError || cause == Cause::kDeviceBusy;
-  if (parts_.fence.ended(answered, parts_.wire.driver().received(), now)) let_go(now, sink);
-  auto reopen = outcomes_.conclude(done, now, sink);
+  if (parts_.fence.ended(is_answered(outcome, parts_.wire.driver().cause()),
+                         parts_.wire.driver().received(), now))
+    let_go(now, sink);
+  auto reopen = outcomes_.conclude(outcome == ExchangeDriver::Outcome::kDone, now, sink);
   if (!reopen) return;
   sink.push(std::move(*reopen));
   state_ = BusState::kOpening;

@@ -89,6 +89,8 @@ class BusEngine {
   void settle(Instant now, ActionSink& sink);
   void set_timer(ActionSink& sink);
 
+  // An answer came, and before it the request of another master: the exchange is given up.
+  bool another_asked(ExchangeDriver::Outcome outcome, Instant now, ActionSink& sink);
   // The exchange on the wire goes on, or ends.
   void advance(ExchangeDriver::Outcome outcome, Bytes out, Instant now, ActionSink& sink);
   std::optional<Flight> break_off();

@@ -6,6 +6,7 @@
 // the exchange: see cause().
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 
@@ -69,6 +70,11 @@ class ExchangeDriver {
   [[nodiscard]] ByteView received() const { return echo_stripped_ ? received_ : ByteView{}; }
   // As many characters as the answer has, at least.
   [[nodiscard]] bool enough_came() const { return expected_ > 0 && received().size() >= expected_; }
+  // What came before an answer of the expected length. After kDone: nothing that was asked for.
+  [[nodiscard]] ByteView before_answer() const {
+    const ByteView all = received();
+    return all.first(all.size() - std::min<std::size_t>(all.size(), expected_));
+  }
   [[nodiscard]] Echo echo() const { return echo_; }
   [[nodiscard]] std::uint64_t bytes_sent() const { return bytes_sent_; }
   [[nodiscard]] std::uint64_t bytes_received() const { return bytes_received_; }

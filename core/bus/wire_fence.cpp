@@ -179,6 +179,16 @@ bool WireFence::stray(ByteView bytes, Instant now) {
   }
 }
 
+bool WireFence::find_foreign(ByteView bytes, Instant now) {
+  const RequestFinder::Found found = finder_.find(bytes);
+  const ByteView frame = bytes.subspan(found.at, found.size);
+  return found.size > 0 && !own(frame) && believe(found, now) && take_foreign(frame, now);
+}
+
+bool WireFence::came_between(ByteView bytes, Instant now) {
+  return on_ && holding_ && find_foreign(bytes, now);
+}
+
 bool WireFence::ended(bool answered, ByteView received, Instant now) {
   if (!on_ || !holding_) return false;
   if (answered) {
@@ -187,9 +197,7 @@ bool WireFence::ended(bool answered, ByteView received, Instant now) {
     return false;
   }
   // Within a long answer anything may look like a request: only what was no answer is searched.
-  const RequestFinder::Found found = finder_.find(received);
-  const ByteView frame = received.subspan(found.at, found.size);
-  if (found.size > 0 && !own(frame) && believe(found, now)) return take_foreign(frame, now);
+  if (find_foreign(received, now)) return true;
   if (confirmed_) return false;
   // Nobody answered yet: perhaps another one began when this one did.
   const auto drawn = static_cast<unsigned>(next_random(random_) % kRanks);

@@ -75,6 +75,9 @@ class WireFence {
   // They came while nobody was asked, and are no late answer. True: another master speaks. That is
   // told once for each time that it takes the wire.
   [[nodiscard]] bool stray(ByteView bytes, Instant now);
+  // An answer came, and these bytes between the request and the answer. True as above: another
+  // master has asked meanwhile, and the answer may be for that one.
+  [[nodiscard]] bool came_between(ByteView bytes, Instant now);
   // An exchange ended. `received`: what came, of which nothing belongs to an echo. True as above.
   [[nodiscard]] bool ended(bool answered, ByteView received, Instant now);
 
@@ -89,6 +92,7 @@ class WireFence {
   [[nodiscard]] Instant slot_from(Instant now) const;
   [[nodiscard]] bool believe(const RequestFinder::Found& found, Instant now);
   [[nodiscard]] bool own(ByteView frame) const;
+  [[nodiscard]] bool find_foreign(ByteView bytes, Instant now);
   [[nodiscard]] bool take_foreign(ByteView frame, Instant now);
 
   const bool on_;

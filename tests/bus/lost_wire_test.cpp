@@ -70,6 +70,27 @@ TEST_F(LostWire, AnAnswerAfterALongStandstillMayBeAnotherMasters) {
   EXPECT_EQ(good_, 0);
 }
 
+// Both began at the same instant: this one's request was garbled, the other one asks on.
+TEST_F(LostWire, AnAnswerBehindARequestOfAnotherMasterIsNotTaken) {
+  (void)ask();
+  now_ += 20ms;
+  (void)feed(Received{bytes_of(":01030064000494\r\n")});
+  EXPECT_FALSE(engine_.bus_report(now_).listening);
+  now_ += 20ms;
+  (void)feed(Received{answer_});
+  EXPECT_EQ(good_, 0);
+  EXPECT_TRUE(engine_.bus_report(now_).listening);
+}
+
+TEST_F(LostWire, AnAnswerBehindNoiseIsTaken) {
+  (void)ask();
+  now_ += 20ms;
+  (void)feed(Received{bytes_of("noise:0103\r\n")});
+  (void)feed(Received{answer_});
+  EXPECT_EQ(good_, 4);
+  EXPECT_FALSE(engine_.bus_report(now_).listening);
+}
+
 // The exchange is over, its answer is still owed: another master asks the same.
 TEST_F(LostWire, AnAnswerToAnotherMasterIsNoLateOne) {
   const Bytes request = ask();
