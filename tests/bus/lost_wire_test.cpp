@@ -74,7 +74,7 @@ TEST_F(LostWire, AnAnswerAfterALongStandstillMayBeAnotherMasters) {
 TEST_F(LostWire, AnAnswerBehindARequestOfAnotherMasterIsNotTaken) {
   (void)ask();
   now_ += 20ms;
-  (void)feed(Received{bytes_of(":01030064000494\r\n")});
+  (void)feed(Received{bytes_of(":010300C8000430\r\n")});
   EXPECT_FALSE(engine_.bus_report(now_).listening);
   now_ += 20ms;
   (void)feed(Received{answer_});

@@ -182,7 +182,7 @@ void GroupMember::follow_role(Instant now) {
   }
   if (serving_ && may_send(now)) {
     publish({}, now);  // what stayed here
-    remain_master();
+    remain_master(now);
     for (const CommandResult& result : std::exchange(late_, {})) outside_.tell(result);
   }
 }
@@ -197,7 +197,7 @@ void GroupMember::promote(Instant now) {
        (goes_on ? "" : ", begins anew"));
   ++takeovers_;
   serving_ = true;
-  promoted_ = now;
+  promoted_ = counted_since_ = now;
   counted_ = term();
   BusInheritance inherited{followed_.samples, followed_.devices, sequences_of(counted_)};
   for (Sample& sample : inherited.samples) {
@@ -273,9 +273,10 @@ void GroupMember::receive(const GroupMessage& message, Instant now) {
 }
 
 // In a later term: another one may have been master meanwhile.
-void GroupMember::remain_master() {
+void GroupMember::remain_master(Instant now) {
   if (election_->role() != StandbyRole::kMaster || counted_ == term()) return;
   counted_ = term();
+  counted_since_ = now;
   note("remains master, in term " + std::to_string(number_of(counted_)));
   outside_.wire.feed(index_, CountAbove{sequences_of(counted_)});
   for (const Waiting& each : waiting_)
@@ -328,7 +329,7 @@ void GroupMember::on_action(const Action& action, Instant now) {
 void GroupMember::publish(std::vector<Sample> samples, Instant now) {
   samples = hold_->pass(std::move(samples), may_send(now), now);
   if (samples.empty()) return;
-  GroupBlock block{followed_.epoch, ++followed_.blocks, promoted_, term(), false, samples, {}};
+  GroupBlock block{followed_.epoch, ++followed_.blocks, counted_since_, term(), false, samples, {}};
   for (const Sample& sample : samples) followed_.samples[sample.channel] = sample;
   if (now >= next_report_) {
     next_report_ = now + 1s;
@@ -341,7 +342,7 @@ void GroupMember::publish(std::vector<Sample> samples, Instant now) {
 
 void GroupMember::publish_again(Instant now) {
   if (!may_send(now)) return;
-  GroupBlock block{followed_.epoch, ++followed_.blocks, promoted_, term(), true, {}, {}};
+  GroupBlock block{followed_.epoch, ++followed_.blocks, counted_since_, term(), true, {}, {}};
   for (ChannelIndex c = 0; c < followed_.samples.size(); ++c) {
     if (followed_.samples[c].sequence != 0) block.samples.push_back(followed_.samples[c]);
   }

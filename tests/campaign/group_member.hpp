@@ -108,7 +108,7 @@ class GroupMember {
   void complete(const CommandResult& result, Instant now);
 
   void publish(std::vector<Sample> samples, Instant now);
-  void remain_master();
+  void remain_master(Instant now);
   void follow(const GroupBlock& block);
   void on_note(const StandbyNote& note);
   [[nodiscard]] StandbyMessage message(Instant now);
@@ -143,6 +143,7 @@ class GroupMember {
   // The bus.
   bool serving_ = false, handing_over_ = false;
   StandbyTerm counted_ = 0;  // in which its samples count
+  Instant counted_since_{};
   Instant promoted_{}, promote_by_ = kNever, release_by_ = kNever, leave_at_ = kNever;
   Followed followed_;  // as a waiting member; as master what it published
   std::uint64_t in_hand_ = 0;

@@ -23,7 +23,9 @@ namespace fieldcast::test {
 // What a master publishes of its bus.
 struct GroupBlock {
   std::uint64_t epoch = 0, number = 0;
-  Instant began{};       // of the master; for the checks alone
+  // Of the master's term, for the checks alone. Who remains master in a later term is a new one:
+  // another member may have been master meanwhile.
+  Instant began{};
   StandbyTerm term = 0;  // of the master, as members hear it from itself
   bool again = false;    // last values once more
   std::vector<Sample> samples;
