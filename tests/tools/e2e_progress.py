@@ -83,6 +83,13 @@ class Simulation(Commands):
         self.assertEqual((process.returncode, out, err), (130, b"", b""))
 
 
+class Bench(Commands):
+    def test_a_bench_shows_its_progress_and_ends(self):
+        with Terminal([program("list_bench"), "sustained"], columns=80) as terminal:
+            terminal.wait_for(r"(?m)^sustained load: \d+ %, .* left")
+            self.end_by_ctrl_c(terminal, -signal.SIGINT)
+
+
 class History(Commands):
     ROWS, NAMES = 100_000, 1000  # of one channel, which is seen under many names: an export of minutes
 

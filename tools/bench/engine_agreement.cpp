@@ -11,6 +11,7 @@
 #include "config/loader.hpp"
 #include "tests/dispatch/virtual_wire.hpp"
 #include "tests/plan/maps.hpp"
+#include "tools/bench/sustained.hpp"
 #include "tools/cli/model/bus_plan.hpp"
 #include "tools/cli/model/bus_simulation.hpp"
 
@@ -22,6 +23,7 @@ using namespace std::chrono_literals;
 constexpr std::uint32_t kBaud = 19200;
 constexpr Duration kSilence = 2'005'208ns;  // 3.5 characters: the least that an answer takes
 constexpr std::size_t kChannels = 300;
+constexpr double kMost = 1.0;  // of the bound
 
 BridgeSpec load(const test::Map& map, double stretch, const test::Notation& notation = {}) {
   auto loaded = config::load_text(test::configuration_of(map, stretch, kBaud, notation), "map.yaml",
@@ -53,20 +55,6 @@ std::uint64_t scheduler_missed(const test::Map& map, Duration answer, double sha
   wire.run(length);
   return wire.missed() + wire.overdue();
 }
-
-template <typename Missed>
-double sustained(Missed missed_at) {
-  double holds = 0.05, fails = 1.0;
-  while (fails - holds > 0.004) {
-    const double share = (holds + fails) / 2;
-    (missed_at(share) == 0 ? holds : fails) = share;
-  }
-  return holds;
-}
-
-}  // namespace
-
-namespace {
 
 struct Agreement {
   unsigned runs = 0, feasible = 0, disagree = 0, careful = 0;
@@ -106,33 +94,43 @@ void print_agreement(std::uint64_t first_seed, unsigned maps) {
       "%u random maps of %zu registers at 0.30 to 0.69 of the bound: plan, and 20 minutes of the "
       "engine\n",
       maps, kChannels);
-  const auto tell = [](const char* of, std::uint64_t seed, Duration answer) {
+  const auto tell = [](StepProgress& progress, const char* of, std::uint64_t seed,
+                       Duration answer) {
+    progress.clear();
     std::printf("  %s, seed %llu, answers after %.0f ms: called feasible, and missed\n", of,
                 static_cast<unsigned long long>(seed), to_seconds(answer) * 1e3);
   };
   constexpr Duration kAnswers[] = {Duration{0}, Duration{2ms}, Duration{5ms}, Duration{20ms}};
+  StepProgress maps_done("random maps", std::size(kAnswers) * maps);
   for (const Duration answer : kAnswers) {
     Agreement all;
-    for (std::uint64_t seed = first_seed; seed < first_seed + maps; ++seed) {
+    for (std::uint64_t seed = first_seed; seed < first_seed + maps; ++seed, maps_done.step()) {
       const test::Map map = test::random_map(seed, kChannels);
       const double share = 0.30 + 0.01 * static_cast<double>(seed * 7 % 40);
-      if (!all.add(load(map, bound(map, answer) / share), answer)) tell("modbus", seed, answer);
+      if (!all.add(load(map, bound(map, answer) / share), answer))
+        tell(maps_done, "modbus", seed, answer);
     }
+    maps_done.clear();
     all.print(("modbus, " + to_text(answer)).c_str());
   }
   std::puts("a tenth as many of 60 registers in other families, 0.45 to 0.84 of the wire");
+  const unsigned tenth = (maps + 9) / 10;
+  StepProgress others_done("maps of other families", 4 * tenth * std::size(kAnswers));
   for (const test::Notation notation :
        {test::Notation{"s7-ppi", "VW", 2}, test::Notation{"omron-hostlink", "DM", 1},
         test::Notation{"dtc", "int16:", 1}, test::Notation{"mitsubishi-fx", "D", 1}}) {
     Agreement all;
-    for (std::uint64_t seed = first_seed; seed < first_seed + (maps + 9) / 10; ++seed) {
+    for (std::uint64_t seed = first_seed; seed < first_seed + tenth; ++seed) {
       const bool one = std::string_view(notation.protocol) == "mitsubishi-fx";
       const test::Map map = test::random_map(seed, 60, one ? 1 : 3);
       for (const Duration answer : kAnswers) {
         const double stretch = stretch_of(map, notation, seed, answer);
-        if (!all.add(load(map, stretch, notation), answer)) tell(notation.protocol, seed, answer);
+        if (!all.add(load(map, stretch, notation), answer))
+          tell(others_done, notation.protocol, seed, answer);
+        others_done.step();
       }
     }
+    others_done.clear();
     all.print(notation.protocol);
   }
   std::puts("");
@@ -143,18 +141,21 @@ void print_engine(std::uint64_t first_seed, unsigned maps) {
       "sustained load of the whole engine, share of the bound, 10 min without a missed refresh, "
       "its start included;\n"
       "beside it the scheduler alone, which knows the answer time from the start");
+  StepProgress progress("sustained load", 3 * 2 * maps * trials_below(kMost));
   for (const Duration answer : {kSilence, Duration{5ms}, kSilence + 5ms}) {
     double engine = 0, alone = 0, least = 1;
     for (std::uint64_t seed = first_seed; seed < first_seed + maps; ++seed) {
       const test::Map map = test::random_map(seed, kChannels);
-      const double whole =
-          sustained([&](double share) { return missed(map, answer, share, 10min); });
+      const double whole = greatest_share(
+          kMost, progress, [&](double share) { return missed(map, answer, share, 10min) == 0; });
       engine += whole / maps;
       least = std::min(least, whole);
-      alone +=
-          sustained([&](double share) { return scheduler_missed(map, answer, share, 10min); }) /
-          maps;
+      const double scheduler = greatest_share(kMost, progress, [&](double share) {
+        return scheduler_missed(map, answer, share, 10min) == 0;
+      });
+      alone += scheduler / maps;
     }
+    progress.clear();
     std::printf("answers after %.3f ms: engine %.3f on average, %.3f at worst; scheduler %.3f\n",
                 to_seconds(answer) * 1e3, engine, least, alone);
     std::fflush(stdout);

@@ -6,16 +6,19 @@
 //                   [--patience SECONDS]
 // Without --buses: 8, 16 and 64 of 1 000 channels. Each way joins N times (2): blocks,
 // samples, cyclone-blocks, cyclone-samples.
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <iostream>
 #include <string>
 #include <vector>
 
 #include "tools/bench/figures.hpp"
 #include "tools/bench/plant.hpp"
 #include "tools/bench/stations.hpp"
+#include "tools/progress/progress_line.hpp"
 
 namespace fieldcast::bench {
 namespace {
@@ -52,8 +55,29 @@ constexpr Way kWays[] = {{"blocks", "bench_station", false},
                          {"cyclone-blocks", "cyclone-join", false},
                          {"cyclone-samples", "cyclone-join", true}};
 
+// How far the stations of one plant are.
+class Course {
+ public:
+  explicit Course(std::size_t stations) : stations_(static_cast<double>(stations)) {}
+
+  void show(double share_of_this_one) {
+    line_.show([&](Duration elapsed) {
+      return progress_text("joining", (joined_ + share_of_this_one) / stations_, elapsed);
+    });
+  }
+  void next() {
+    ++joined_;
+    line_.clear();
+  }
+
+ private:
+  double stations_, joined_ = 0;
+  ProgressLine line_{std::cerr};
+};
+
+// Waits for one station; `course` tells how many of them all are done, and this one's share.
 void join(const Options& options, const ScratchFolder& folder, unsigned domain, int buses,
-          const Way& way, const std::string& name, const Process& bridge) {
+          const Way& way, const std::string& name, const Process& bridge, Course& course) {
   const auto all = static_cast<std::uint64_t>(buses) * static_cast<std::uint64_t>(options.channels);
   const auto begun = std::chrono::steady_clock::now();
   const auto passed = [&] {
@@ -68,8 +92,11 @@ void join(const Options& options, const ScratchFolder& folder, unsigned domain, 
     if (listed == 0 && received.listed >= all) listed = passed();
     if (complete == 0 && received.channels >= all) complete = passed();
     if (listed > 0 && complete > 0) break;
+    course.show(static_cast<double>(received.listed + received.channels) /
+                static_cast<double>(2 * all));
     let_run(0.02);
   }
+  course.next();
   std::printf("%s: %llu of %llu channels listed, %llu with a value\n", way.name,
               static_cast<unsigned long long>(received.listed),
               static_cast<unsigned long long>(all),
@@ -91,11 +118,16 @@ void measure(const Options& options, int buses) {
       {std::to_string(domain), std::to_string(buses), std::to_string(options.channels)}, log);
   if (!wait_for_text(log, "published", 60)) throw std::runtime_error("the bridge does not publish");
   let_run(1);
+  std::vector<Way> ways(std::begin(kWays), std::end(kWays));
+  std::erase_if(ways, [&](const Way& way) {
+    return !has_program(way.program) || (!options.way.empty() && options.way != way.name);
+  });
   int number = 0;
-  for (const Way& way : kWays) {
-    if (!has_program(way.program) || (!options.way.empty() && options.way != way.name)) continue;
+  Course course(ways.size() * static_cast<std::size_t>(std::max(options.joins, 0)));
+  for (const Way& way : ways) {
     for (int i = 0; i < options.joins; ++i)
-      join(options, folder, domain, buses, way, "station-" + std::to_string(++number), bridge);
+      join(options, folder, domain, buses, way, "station-" + std::to_string(++number), bridge,
+           course);
   }
   print_figure("  resident memory of the bridge", bridge.resident_mb(), "MB",
                "goal < 300 with 64 000");

@@ -16,6 +16,8 @@
 #include "tests/dispatch/virtual_wire.hpp"
 #include "tests/plan/best_requests.hpp"
 #include "tests/plan/maps.hpp"
+#include "tools/bench/sustained.hpp"
+#include "tools/progress/step_progress.hpp"
 
 namespace {
 
@@ -89,7 +91,8 @@ double best_load(const Bus& bus) {
   return load;
 }
 
-void print_intensive(const Family& family, const test::Map& map, const char* name, Duration delay) {
+void print_intensive(const Family& family, const test::Map& map, const char* name, Duration delay,
+                     StepProgress& progress) {
   Bus bus = bus_of(family, map, delay, 1, Mode::kIntensive);
   for (Point& point : bus.input.points) point.refresh = 1s;
   Duration loop{};
@@ -99,11 +102,13 @@ void print_intensive(const Family& family, const test::Map& map, const char* nam
   wire.run(60s);
   wire.forget_gaps();
   wire.run(600s);
+  progress.step();
   double refreshes = 0;
   for (PointIndex point = 0; point < bus.input.points.size(); ++point)
     refreshes += static_cast<double>(wire.seen(point).count);
   refreshes /= 600;
   const double most = static_cast<double>(bus.input.points.size()) / to_seconds(loop);
+  progress.clear();
   std::printf(
       "%-15s %s %4.0f ms  %7.1f refreshes a second, the best requests %7.1f, ratio %.3f; %.1f "
       "requests a round\n",
@@ -124,16 +129,18 @@ Run run(const Bus& bus, Duration length) {
   return {wire.missed() + wire.overdue(), wire.load(), scheduler->planned_load()};
 }
 
-void print_sustained(const Family& family, const test::Map& map, const char* name, Duration delay) {
+constexpr double kMost = 1.2;  // of the best requests' load: more than can be sustained
+
+void print_sustained(const Family& family, const test::Map& map, const char* name, Duration delay,
+                     StepProgress& progress) {
   const double least = best_load(bus_of(family, map, delay, 1, Mode::kScheduled));
-  double holds = 0.05, fails = 1.2;
   Run at;
-  while (fails - holds > 0.004) {
-    const double load = (holds + fails) / 2;
-    const Run tried = run(bus_of(family, map, delay, least / load, Mode::kScheduled), 30min);
-    (tried.missed == 0 ? holds : fails) = load;
+  const double holds = bench::greatest_share(kMost, progress, [&](double share) {
+    const Run tried = run(bus_of(family, map, delay, least / share, Mode::kScheduled), 30min);
     if (tried.missed == 0) at = tried;
-  }
+    return tried.missed == 0;
+  });
+  progress.clear();
   std::printf(
       "%-15s %s %4.0f ms  sustained load %.3f of the best requests; planned %.3f, spent %.3f\n",
       family.name, name, to_seconds(delay) * 1e3, holds, at.planned, at.load);
@@ -150,12 +157,13 @@ int main(int argc, char** argv) {
     return argc == 1;
   };
   const char* const names[] = {"map11", "map12", "map13", "map14"};
-  const auto each = [&](const auto& print) {
+  const auto each = [&](const char* what, std::size_t steps, const auto& print) {
+    StepProgress progress(what, std::size(kFamilies) * std::size(names) * 2 * steps);
     for (const Family& family : kFamilies) {
       for (const char* name : names) {
         const test::Map map = test::read_map(std::string(FIELDCAST_MAPS) + "/" + name + ".csv");
         for (const Duration delay : {Duration{2ms}, Duration{20ms}})
-          print(family, map, name, delay);
+          print(family, map, name, delay, progress);
       }
     }
     std::puts("");
@@ -164,12 +172,12 @@ int main(int argc, char** argv) {
     std::puts(
         "intensive mode, all registers alike, 19200 baud: refreshes a second against a loop over "
         "the best requests");
-    each(print_intensive);
+    each("intensive mode", 1, print_intensive);
   }
   if (wanted("sustained")) {
     std::puts(
         "scheduled mode, refreshes 100 ms to 10 s: the load that runs 30 minutes without a missed "
         "refresh");
-    each(print_sustained);
+    each("sustained load", bench::trials_below(kMost), print_sustained);
   }
 }

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <random>
 #include <string>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "core/protocol/dtc/packet.hpp"
 #include "tests/core/lzw_reference.hpp"
 #include "tools/bench/figures.hpp"
+#include "tools/progress/step_progress.hpp"
 
 namespace {
 
@@ -43,25 +45,30 @@ std::vector<Bytes> messages(Kind kind, std::size_t length) {
   return all;
 }
 
-// Megabytes a second of input; the best of the rounds, as others share the machine.
-template <typename Work>
-double rate(const std::vector<Bytes>& all, double seconds, const Work& work) {
-  std::size_t bytes = 0;
-  for (const Bytes& each : all) bytes += each.size();
+// How long each measurement takes, and how many of them are done.
+struct Course {
+  double seconds;
+  StepProgress& progress;
+};
+
+// Megabytes a second of `bytes`, which `work` makes of all messages; the best of the rounds, as
+// others share the machine.
+double rate(std::size_t bytes, const Course& course, const std::function<void()>& work) {
   double best = 0;
-  const auto end = Clock::now() + std::chrono::duration<double>(seconds);
+  const auto end = Clock::now() + std::chrono::duration<double>(course.seconds);
   do {
     const auto start = Clock::now();
-    for (const Bytes& each : all) work(each);
+    work();
     const std::chrono::duration<double> spent = Clock::now() - start;
     best = std::max(best, static_cast<double>(bytes) / spent.count() / 1e6);
   } while (Clock::now() < end);
+  course.progress.step();
   return best;
 }
 
 volatile std::size_t g_sink = 0;
 
-void compare(Kind kind, std::size_t length, double seconds) {
+void compare(Kind kind, std::size_t length, const Course& course) {
   const auto all = messages(kind, length);
   LzwEncoder encoder;
   Bytes out(3 * length + 16), expanded;
@@ -82,29 +89,25 @@ void compare(Kind kind, std::size_t length, double seconds) {
     plain += dtc::kPacketHead + each.size();
     packed += packet.size();
   }
-  const double trie =
-      rate(all, seconds, [&](const Bytes& each) { g_sink = *encoder.encode(each, out); });
+  const std::size_t bytes = all.size() * length;
+  const double trie = rate(bytes, course, [&] {
+    for (const Bytes& each : all) g_sink = *encoder.encode(each, out);
+  });
   // Codes alone: our encoder packs them as well.
-  const double strings =
-      rate(all, seconds, [&](const Bytes& each) { g_sink = test::reference_codes(each).size(); });
+  const double strings = rate(bytes, course, [&] {
+    for (const Bytes& each : all) g_sink = test::reference_codes(each).size();
+  });
   std::vector<Bytes> codes;
   for (const Bytes& each : all)
     codes.emplace_back(out.begin(),
                        out.begin() + static_cast<std::ptrdiff_t>(*encoder.encode(each, out)));
-  std::size_t bytes = 0;
-  double back = 0;
-  const auto end = Clock::now() + std::chrono::duration<double>(seconds);
-  do {
-    bytes = 0;
-    const auto start = Clock::now();
+  const double back = rate(bytes, course, [&] {
     for (const Bytes& each : codes) {
       expanded.clear();
-      if (!lzw_decode(each, length, expanded)) std::exit(1);
-      bytes += expanded.size();
+      if (!lzw_decode(each, length, expanded) || expanded.size() != length) std::exit(1);
     }
-    const std::chrono::duration<double> spent = Clock::now() - start;
-    back = std::max(back, static_cast<double>(bytes) / spent.count() / 1e6);
-  } while (Clock::now() < end);
+  });
+  course.progress.clear();
 
   std::printf("\n%s, messages of %zu bytes; packets are %.2f of the plain ones, none is longer\n",
               kNames[static_cast<int>(kind)], length,
@@ -119,7 +122,10 @@ void compare(Kind kind, std::size_t length, double seconds) {
 
 int main(int argc, char** argv) {
   const double seconds = argc > 1 ? std::atof(argv[1]) : 0.3;
+  constexpr std::size_t kMeasurements = 3 * 3 * 3;  // kinds, lengths, and what is timed
+  StepProgress progress("measuring", kMeasurements);
+  const Course course{seconds, progress};
   for (const Kind kind : {Kind::kIdle, Kind::kSlow, Kind::kRandom}) {
-    for (const std::size_t length : {64u, 1024u, 4096u}) compare(kind, length, seconds);
+    for (const std::size_t length : {64u, 1024u, 4096u}) compare(kind, length, course);
   }
 }

@@ -29,6 +29,30 @@ async function startMock() {
   return { address, stop: () => child.kill() };
 }
 
+// How far it is, on standard error where that is a terminal: seconds of the whole are known but for the starts of the page.
+const progress = (() => {
+  const starts = 5, start_s = 1, whole_s = starts * start_s + 2 * seconds;
+  let timer, done_s = 0;
+  return {
+    begin(what, lasts_s) {
+      if (!process.stderr.isTTY) return;
+      const began = performance.now();
+      timer = setInterval(() => {
+        const at_s = Math.min(whole_s, done_s + Math.min(lasts_s, (performance.now() - began) / 1000));
+        const text = `${what}: ${(100 * at_s / whole_s).toFixed(0)} %, ${(whole_s - at_s).toFixed(0)}s left`;
+        process.stderr.write(`\r\x1b[K${text.slice(0, (process.stderr.columns || 80) - 1)}`);
+      }, 250);
+    },
+    end(lasts_s) {
+      done_s += lasts_s;
+      if (!process.stderr.isTTY) return;
+      clearInterval(timer);
+      process.stderr.write('\r\x1b[K');
+    },
+    starts, start_s,
+  };
+})();
+
 const quantile = (sorted, share) => sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))] ?? NaN;
 const row = (name, value, unit, ratio) => console.log(`${name.padEnd(34)}${value.padStart(9)} ${unit.padEnd(6)}${ratio === undefined ? '' : `  ${ratio.toFixed(2)} of the goal`}`);
 
@@ -86,7 +110,9 @@ try {
     const size = readdirSync(files).filter((name) => name !== 'embed').reduce((sum, name) => sum + gzipSync(readFileSync(join(files, name)), { level: 9 }).length, 0) / 1000;
     row('page, compressed', size.toFixed(1), 'kB', size / goals.page_kb);
   }
-  const { paint, data } = await starts(browser, 5);
+  progress.begin('opening the page', progress.starts * progress.start_s);
+  const { paint, data } = await starts(browser, progress.starts);
+  progress.end(progress.starts * progress.start_s);
   row('first paint (of 5)', paint.toFixed(0), 'ms', paint / goals.paint_ms);
   row('first data (of 5)', data.toFixed(0), 'ms', data / goals.data_ms);
   const page = await browser.open('#/live');
@@ -94,8 +120,10 @@ try {
   await until(async () => /[1-9]/.test(await page.textContent('.line .fixed')), 'values flow');
   row('values a second, as the page counts', (await page.textContent('.line .fixed')).replace(/\D/g, ''), '');
   for (const scrolling of [false, true]) {
-    const figures = await run(page, scrolling);
     const name = scrolling ? 'scrolling' : 'standing';
+    progress.begin(name, seconds);
+    const figures = await run(page, scrolling);
+    progress.end(seconds);
     row(`${name}: frames a second`, figures.fps.toFixed(1), '', goals.fps / figures.fps);
     row(`${name}: longest frame`, figures.longest.toFixed(0), 'ms');
     row(`${name}: tasks over 50 ms`, String(figures.longTasks), '');

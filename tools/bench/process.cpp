@@ -89,11 +89,31 @@ ScratchFolder::ScratchFolder() {
       (std::filesystem::temp_directory_path() / "fieldcast-bench-XXXXXX").string();
   if (!mkdtemp(pattern.data())) throw std::runtime_error("no temporary folder");
   path_ = pattern;
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
+  held_ = ends[1];
+  // Ctrl-C goes to its group as well: it has a session of its own. Programs of the bench may still
+  // write while they end, so it removes twice.
+  const char* const script = "cat; rm -rf -- \"$0\" 2>/dev/null || { sleep 2; rm -rf -- \"$0\"; }";
+  const char* const argv[] = {"sh", "-c", script, path_.c_str(), nullptr};
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_adddup2(&files, ends[0], STDIN_FILENO);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);
+  const int failed =
+      posix_spawnp(&remover_, "sh", &files, &attributes, const_cast<char* const*>(argv), environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&files);
+  close(ends[0]);
+  if (failed != 0) throw std::runtime_error("cannot start sh");
 }
 
 ScratchFolder::~ScratchFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
+  close(held_);
+  waitpid(remover_, nullptr, 0);
 }
 
 std::string ScratchFolder::write(const std::string& name, const std::string& text) const {

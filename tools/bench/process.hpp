@@ -33,7 +33,8 @@ class Process {
 // What a process holds in memory; 0 if it is gone.
 [[nodiscard]] double resident_mb(pid_t process);
 
-// A folder of its own below the system's temporary one, removed at the end.
+// A folder of its own below the system's temporary one, removed when this process ends, also by a
+// signal.
 class ScratchFolder {
  public:
   ScratchFolder();
@@ -46,6 +47,8 @@ class ScratchFolder {
 
  private:
   std::string path_;
+  int held_ = -1;       // open as long as this process lives
+  pid_t remover_ = -1;  // removes the folder when it is closed
 };
 
 // Waits until the path exists; false after the time is over.

@@ -5,6 +5,7 @@
 //        (all of them without an argument)
 //        schedule_bench mixed FIRST_SEED
 //        schedule_bench agree|engine FIRST_SEED MAPS
+#include <fmt/format.h>
 #include <time.h>
 
 #include <algorithm>
@@ -27,6 +28,8 @@
 #include "tests/dispatch/virtual_wire.hpp"
 #include "tests/plan/maps.hpp"
 #include "tools/bench/engine_agreement.hpp"
+#include "tools/bench/sustained.hpp"
+#include "tools/progress/step_progress.hpp"
 
 namespace {
 
@@ -51,14 +54,11 @@ Spent run(const test::Map& map, Planner planner, Duration delay, double stretch,
 }
 
 // The highest share of the bound at which half an hour passes without a missed refresh.
-double sustained(const test::Map& map, Planner planner, Duration delay) {
+double sustained(const test::Map& map, Planner planner, Duration delay, StepProgress& progress) {
   const double least = test::least_load(map, kBaud, delay);
-  double holds = 0.05, fails = 1.0;
-  while (fails - holds > 0.004) {
-    const double load = (holds + fails) / 2;
-    (run(map, planner, delay, least / load, 30min).missed == 0 ? holds : fails) = load;
-  }
-  return holds;
+  return bench::greatest_share(1.0, progress, [&](double share) {
+    return run(map, planner, delay, least / share, 30min).missed == 0;
+  });
 }
 
 void print_sustained() {
@@ -73,24 +73,26 @@ void print_sustained() {
     std::printf(" %15s", std::string(to_text(planner)).c_str());
   std::printf(" %12s %15s\n", "at most", "cyclic of that");
   double sum[4] = {}, most_sum = 0, share_sum = 0;
+  StepProgress progress("sustained load", 4 * 2 * 4 * bench::trials_below(1.0));
   for (const int number : {11, 12, 13, 14}) {
     const test::Map map =
         test::read_map(std::string(FIELDCAST_MAPS) + "/map" + std::to_string(number) + ".csv");
     for (const Duration delay : {Duration{0}, Duration{5ms}}) {
-      std::printf("map%-7d %4.0fms", number, to_seconds(delay) * 1e3);
+      std::string row = fmt::format("map{:<7} {:4.0f}ms", number, to_seconds(delay) * 1e3);
       const double most =
           test::least_load(map, kBaud, delay) / test::proven_load(map, kBaud, delay);
       double cyclic = 0;
       for (std::size_t i = 0; i < std::size(planners); ++i) {
-        const double load = sustained(map, planners[i], delay);
+        const double load = sustained(map, planners[i], delay, progress);
         sum[i] += load / 8;
         if (planners[i] == Planner::kCyclic) cyclic = load;
-        std::printf(" %15.3f", load);
-        std::fflush(stdout);
+        row += fmt::format(" {:15.3f}", load);
       }
       most_sum += most / 8;
       share_sum += cyclic / most / 8;
-      std::printf(" %12.3f %15.3f\n", most, cyclic / most);
+      progress.clear();
+      std::printf("%s %12.3f %15.3f\n", row.c_str(), most, cyclic / most);
+      std::fflush(stdout);
     }
   }
   std::printf("%-17s", "average");
@@ -100,12 +102,15 @@ void print_sustained() {
 
 void print_spent() {
   std::puts("wire time in scheduled mode at half the bound's load, against the plan's own");
+  StepProgress progress("spent wire time", 8);
   for (const int number : {11, 12, 13, 14}) {
     const test::Map map =
         test::read_map(std::string(FIELDCAST_MAPS) + "/map" + std::to_string(number) + ".csv");
     for (const Duration delay : {Duration{0}, Duration{5ms}}) {
       const Spent spent =
           run(map, Planner::kCyclic, delay, test::least_load(map, kBaud, delay) / 0.5, 30min);
+      progress.step();
+      progress.clear();
       std::printf("map%-7d %4.0fms  planned %.3f  spent %.3f  ratio %.3f  missed %llu\n", number,
                   to_seconds(delay) * 1e3, spent.planned, spent.load, spent.load / spent.planned,
                   static_cast<unsigned long long>(spent.missed));
@@ -122,6 +127,7 @@ Duration processor_time() {
 }
 
 void print_decision() {
+  constexpr std::uint64_t kDecisions = 50'000, kStep = 1000;
   std::puts(
       "cost of a decision (next and acquired) and of building, random maps at a load of about 0.5");
   for (const std::size_t channels : {300u, 1000u, 10'000u}) {
@@ -138,7 +144,8 @@ void print_decision() {
     std::vector<Duration> took;
     Duration total{};
     Instant now = wire.now();
-    while (decisions < 50'000) {
+    StepProgress progress(fmt::format("decisions of {} channels", channels), kDecisions / kStep);
+    while (decisions < kDecisions) {
       const Duration asked = processor_time();
       const Decision decision = scheduler->next(now);
       if (const auto* block = std::get_if<Block>(&decision)) {
@@ -150,8 +157,9 @@ void print_decision() {
       took.push_back(processor_time() - asked);
       replan(*scheduler, now);  // on another thread, in a bridge
       total += took.back();
-      ++decisions;
+      if (++decisions % kStep == 0) progress.step();
     }
+    progress.clear();
     std::sort(took.begin(), took.end());
     std::printf(
         "%6zu channels: build %6.1f ms, decision %5.2f us on average, %6.1f us in 999 of 1000\n",
@@ -258,7 +266,8 @@ void print_mixed(std::uint64_t first) {
   };
   std::map<int, Row> rows;  // by planned load, in tenths
   double farthest = 0;
-  for (std::uint64_t seed = first; seed < first + 200; ++seed) {
+  StepProgress progress("random buses", 200);
+  for (std::uint64_t seed = first; seed < first + 200; ++seed, progress.step()) {
     const MixedBus bus = mixed_bus(seed);
     const Prediction prediction = predict(bus.input, {.remedies = false});
     Row& row = rows[static_cast<int>(prediction.planned_load * 10)];
@@ -272,12 +281,14 @@ void print_mixed(std::uint64_t first) {
     row.missed += wire.missed();
     row.missing += wire.missed() + wire.overdue() > 0;
     farthest = std::max(farthest, std::abs(wire.load() / prediction.load - 1));
-    if (wire.missed() > 0)
-      std::printf("  seed %llu: planned %.3f, %llu misses in %.0f s\n",
-                  static_cast<unsigned long long>(seed), prediction.planned_load,
-                  static_cast<unsigned long long>(wire.missed()),
-                  to_seconds(10 * prediction.horizon));
+    if (wire.missed() == 0) continue;
+    progress.clear();
+    std::printf("  seed %llu: planned %.3f, %llu misses in %.0f s\n",
+                static_cast<unsigned long long>(seed), prediction.planned_load,
+                static_cast<unsigned long long>(wire.missed()),
+                to_seconds(10 * prediction.horizon));
   }
+  progress.clear();
   std::puts("planned load   buses  feasible  of these with a miss   reads       misses");
   for (const auto& [tenth, row] : rows)
     std::printf("%.1f to %.1f %11d %9d %21d %9llu %10llu\n", tenth / 10.0, (tenth + 1) / 10.0,

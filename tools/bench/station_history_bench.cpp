@@ -7,15 +7,15 @@
 // --file: where the store with the 30 days is made and left, to be asked by a real station;
 // otherwise it is removed. --seconds: of recording, 20.
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <thread>
 
 #include "tools/bench/figures.hpp"
+#include "tools/bench/process.hpp"
 #include "tools/bench/store_history.hpp"
+#include "tools/progress/step_progress.hpp"
 #include "tools/station/api/history.hpp"
 #include "tools/station/record/recorder.hpp"
 
@@ -93,7 +93,9 @@ void record(const std::string& file, double seconds) {
   const auto began = steady_clock::now();
   double handing = 0;
   std::uint64_t sequence = 0;
-  for (int burst = 0; burst < kBursts * static_cast<int>(seconds); ++burst) {
+  const int bursts = kBursts * static_cast<int>(seconds);
+  StepProgress progress("recording", static_cast<std::size_t>(bursts));
+  for (int burst = 0; burst < bursts; ++burst) {
     std::this_thread::sleep_until(began + std::chrono::milliseconds{10} * burst);
     const int first = burst % kBursts * (kChannels / kBursts);
     if (first == 0) ++sequence;
@@ -108,7 +110,9 @@ void record(const std::string& file, double seconds) {
       recorder.on_sample(sample, utc);
     }
     handing += std::chrono::duration<double>(steady_clock::now() - start).count();
+    progress.step();
   }
+  progress.clear();
   (void)store.flush(std::chrono::seconds{60});
   const double wall = std::chrono::duration<double>(steady_clock::now() - began).count();
   const auto recorded = static_cast<double>(recorder.counters().recorded);
@@ -130,12 +134,13 @@ int main(int argc, char** argv) {
     if (word == "--file") file = argv[i + 1];
     if (word == "--seconds") seconds = std::atof(argv[i + 1]);
   }
-  const auto folder =
-      std::filesystem::temp_directory_path() / ("fieldcast-history-" + std::to_string(::getpid()));
-  std::filesystem::create_directory(folder);
   try {
-    ask_history(file.empty() ? (folder / "history.db").string() : file);
-    record((folder / "recorded.db").string(), seconds);
-  } catch (const std::exception& error) { std::fprintf(stderr, "%s\n", error.what()); }
-  std::filesystem::remove_all(folder);
+    const ScratchFolder folder;
+    ask_history(file.empty() ? folder.path() + "/history.db" : file);
+    record(folder.path() + "/recorded.db", seconds);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "station_history_bench: %s\n", error.what());
+    return 1;
+  }
+  return 0;
 }

@@ -9,6 +9,7 @@
 #include "bridge/store/tiers/tier_history.hpp"
 #include "bridge/store/tiers/tier_writer.hpp"
 #include "tools/bench/figures.hpp"
+#include "tools/progress/step_progress.hpp"
 
 namespace fieldcast::bench {
 namespace {
@@ -38,7 +39,8 @@ double best_of(int runs, const auto& work) {
 
 // Day by day, so that a server's time limit for a statement suffices.
 void insert_samples(SqlConnection& connection, std::int64_t channel) {
-  for (std::int64_t day = 0; day < kDays; ++day) {
+  StepProgress progress("making samples", kDays);
+  for (std::int64_t day = 0; day < kDays; ++day, progress.step()) {
     connection.execute(
         "with recursive n(i) as (select 0 union all select i + 1 from n where i < 86399) "
         "insert into samples (channel, published_at, sequence, acquired_at, quality, device_code, "
@@ -92,12 +94,16 @@ void fill_thirty_days(const StoreAddress& address) {
   double longest = 0;
   bool more = true;
   const double tiered = seconds_of([&] {
-    while (more)
+    // Those of the samples; the few of coarser tiers follow.
+    StepProgress progress("making tiers", kDays * kDay / TierWriter::kSamplesAtOnce);
+    for (; more; progress.step())
       longest = std::max(longest, seconds_of([&] { more = tiers.step(*connection, kEnd); }));
   });
   print_figure("  their tiers, as for a store of an older version", tiered, "s", "");
   print_figure("  the longest step of it", 1e3 * longest, "ms", "");
-  for (std::size_t i = 1; i < ids.size(); ++i) copy_tiers(*connection, ids[0], ids[i]);
+  StepProgress progress("copying tiers", ids.size());
+  for (std::size_t i = 1; i < ids.size(); ++i, progress.step())
+    copy_tiers(*connection, ids[0], ids[i]);
 }
 
 void read_thirty_days(const StoreAddress& address) {
