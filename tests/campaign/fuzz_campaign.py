@@ -3,8 +3,9 @@
 usage: fuzz_campaign.py --seconds S [--seed N] --bin DIR [--fast-bin DIR] [--target NAME].. [--artifacts DIR] [--grown DIR] [--jobs N]
 
 DIR of --bin has the programs with sanitizers, DIR of --fast-bin those of small decoders without them, which execute ten times as
-many inputs and are counted apart. Every program gets the same time. An input that fails is kept in the folder of artifacts, and named in a line that begins with FAIL. With
---grown the inputs that it found are kept there, and the next run begins with them. The last line is the counts as JSON.
+many inputs and are counted apart: which branches an input takes guides them, not how often it takes each. Every program gets the
+same time. An input that fails is kept in the folder of artifacts, and named in a line that begins with FAIL. With --grown the
+inputs that it found are kept there, and the next run begins with them. The last line is the counts as JSON.
 """
 
 import argparse
@@ -47,12 +48,13 @@ class Fuzzer:
 
     def __init__(self, options, program, seconds, scratch):
         self.name, self.program, self.executed = os.path.basename(program)[len("fuzz_"):], program, 0
+        self.fast = bool(options.fast_bin) and os.path.dirname(program) == options.fast_bin.rstrip("/")
         name = self.name
         grown = os.path.join(options.grown or scratch, name)  # what it finds goes here, not into the tree
         os.makedirs(grown, exist_ok=True)
         command = [program, f"-max_total_time={max(1, int(seconds))}", "-print_final_stats=1",
                    f"-seed={options.seed}", "-timeout=25", "-rss_limit_mb=2048", f"-max_len={LONGEST.get(name, 0)}",
-                   f"-artifact_prefix={options.artifacts}/{name}-", grown, os.path.join(CORPUS, name)]
+                   f"-use_counters={0 if self.fast else 1}", f"-artifact_prefix={options.artifacts}/{name}-", grown, os.path.join(CORPUS, name)]
         self.process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, errors="replace",
                                         env={"ASAN_OPTIONS": SANITIZER, **os.environ})
         self.tail = []
@@ -100,7 +102,7 @@ def main():
             for fuzzer in [each for each in running if stopped.is_set() or each.process.poll() is not None]:
                 running.remove(fuzzer)
                 fault = fuzzer.finish(stopped.is_set())
-                (fast if fuzzer.program.startswith(str(options.fast_bin)) else executed)[fuzzer.name] = fuzzer.executed
+                (fast if fuzzer.fast else executed)[fuzzer.name] = fuzzer.executed
                 print(f"{fuzzer.name}: {fuzzer.executed:,} executions, {len(waiting) + len(running)} programs to go", file=sys.stderr, flush=True)
                 if fault:
                     failed = True
