@@ -65,8 +65,9 @@ struct Standby {
   HeldCommands<AlarmAction> actions;
   std::atomic<int> in_hand{0};  // commands that run here and have no result yet
   std::atomic<bool> handing_over = false;
-  std::atomic<bool> leaving = false;  // the bridge stops
-  std::mutex follower_mutex;          // the follower, while it is made or ended
+  std::atomic<bool> leaving = false;       // the bridge stops
+  std::atomic<bool> readers_came = false;  // or asked for what they lack
+  std::mutex follower_mutex;               // the follower, while it is made or ended
   std::mutex late_mutex;
   // Results that came while the lease did not hold.
   std::vector<std::pair<std::string, CommandResult>> late;

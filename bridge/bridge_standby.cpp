@@ -19,6 +19,14 @@ constexpr Duration kAfterHandOver = std::chrono::milliseconds{500};
 // more (sequences_of), but for a master of an earlier version, or one of more than 2^32 samples.
 constexpr std::uint64_t kSequenceMargin = 1024;
 
+std::uint64_t greatest_sequence(const std::map<std::string, FollowedBus>& known) {
+  std::uint64_t greatest = 0;
+  for (const auto& [name, bus] : known) {
+    for (const Sample& sample : bus.state.samples) greatest = std::max(greatest, sample.sequence);
+  }
+  return greatest;
+}
+
 }  // namespace
 
 // Throws DdsError.
@@ -43,6 +51,7 @@ void Bridge::State::join_group() {
     const std::lock_guard lock(standby.follower_mutex);
     return follower ? follower->figures() : link->stream_figures();
   };
+  handlers.readers_came = [this] { return standby.readers_came.exchange(false); };
   handlers.changed = [this] { standby.notify(); };
   handlers.noted = [this](const StandbyNote& note) {
     const HeldCommands<Standby::HeldCommand>::Key key{note.requester, note.request_id};
@@ -177,6 +186,7 @@ void Bridge::State::promote() {
   const bool whole = released && follower->wait_for(*released, kLastBlocks);
   const UtcMapping now = read_clocks();
   auto known = follower->take(now);
+  group->follows(greatest_sequence(known));
   guard->stand_by(false);
   link->stand_by(false);
   standby.serving = true;

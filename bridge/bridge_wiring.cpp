@@ -69,6 +69,7 @@ void Bridge::State::join() {
   handlers.on_problem = [](const std::string& text) {
     log_counted(LogLevel::kWarning, "dds", "problems with other participants", text);
   };
+  handlers.on_readers = [this] { standby.readers_came = true; };
   tell_other_bridges(handlers);
   link = std::make_unique<DdsLink>(spec.dds, spec.name, std::move(handlers));
   if (const auto small = receive_buffer_remark(spec.dds)) log_warning("dds", *small);

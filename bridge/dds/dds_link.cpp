@@ -25,11 +25,15 @@ constexpr std::size_t kSamplesOfBlock = 32;
 
 LinkedBus::LinkedBus(Domain& domain, const std::string& bridge, const BusSpec& spec,
                      dds::DataWriter* catalogue_blocks, const BlockWriter::Stream& stream,
-                     std::function<void()> on_reader)
+                     std::function<void()> on_reader, const std::function<void()>& on_match)
     : catalogue(domain, catalogue_blocks, bridge, spec.name, stream.epoch),
-      blocks(domain, "fieldcast-bridge " + bridge + ": " + spec.name, stream, on_reader),
+      blocks(domain, "fieldcast-bridge " + bridge + ": " + spec.name, stream,
+             [on_reader, on_match] {
+               on_match();
+               on_reader();
+             }),
       samples(domain, bridge, spec, stream.most_bytes,
-              {std::move(on_reader), [this](ChannelIndex channel, LastValue& out) {
+              {std::move(on_reader), on_match, [this](ChannelIndex channel, LastValue& out) {
                  return blocks.last_value(channel, out);
                }}) {
   ChannelIndex index = 0;
@@ -58,9 +62,11 @@ DdsLink::State::State(const DdsSpec& spec, const std::string& name, Handlers giv
   if (handlers.bridges.received)
     presence = std::make_unique<BridgePresence>(domain, label, handlers.bridges);
   snapshots = std::make_unique<SnapshotSender>(
-      domain, [this](const std::string& bus, SnapshotSender::Part part) {
+      domain,
+      [this](const std::string& bus, SnapshotSender::Part part) {
         return send_snapshot(bus, part);
-      });
+      },
+      handlers.on_readers);
 }
 
 SnapshotSender::Sent DdsLink::State::send_snapshot(const std::string& name,
@@ -171,9 +177,13 @@ std::unique_ptr<LinkedBus> DdsLink::State::made(const BusSpec& spec) {
   std::size_t channels = 0;
   for (const DeviceSpec& device : spec.devices) channels += device.channels.size();
   const auto epoch = static_cast<std::uint64_t>(handlers.clock().utc.nanoseconds);
-  return std::make_unique<LinkedBus>(domain, bridge, spec, catalogue_blocks,
-                                     BlockWriter::Stream{spec.name, channels, epoch, block_bytes},
-                                     [this, name = spec.name] { snapshots->request(name); });
+  return std::make_unique<LinkedBus>(
+      domain, bridge, spec, catalogue_blocks,
+      BlockWriter::Stream{spec.name, channels, epoch, block_bytes},
+      [this, name = spec.name] { snapshots->request(name); },
+      [this] {
+        if (handlers.on_readers) handlers.on_readers();
+      });
 }
 
 void DdsLink::State::serve(const std::string& name, std::unique_ptr<LinkedBus> bus) {

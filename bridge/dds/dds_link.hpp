@@ -57,6 +57,8 @@ class DdsLink {
     // What a person does about an alarm of a bus that was added. It is answered by complete().
     // Null: nobody listens.
     std::function<void(AlarmAction action)> on_alarm_action{};
+    // Readers of samples have come, or a station asks for the last values. Null: nobody listens.
+    std::function<void()> on_readers{};
   };
 
   struct BusCounters {

@@ -28,7 +28,9 @@ struct SampleWriters::Writer : dds::DataWriterListener {
   void on_publication_matched(dds::DataWriter*,
                               const dds::PublicationMatchedStatus& status) override {
     readers = static_cast<std::uint32_t>(status.current_count);
-    if (status.current_count_change > 0 && !all.awake_) all.hooks_.on_reader();
+    if (status.current_count_change <= 0) return;
+    all.hooks_.on_match();
+    if (!all.awake_) all.hooks_.on_reader();
   }
 };
 

@@ -32,6 +32,8 @@ class SampleWriters {
     // Called on a DDS thread for a reader that is matched while the writers rest: whoever owns them
     // is to call wake() soon, on another thread.
     std::function<void()> on_reader;
+    // Called on a DDS thread for each reader that is matched, before that one.
+    std::function<void()> on_match;
     // The last value of a channel, false if it has none. Any thread.
     std::function<bool(ChannelIndex, LastValue&)> last_value;
   };

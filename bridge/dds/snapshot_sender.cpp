@@ -7,8 +7,11 @@
 
 namespace fieldcast {
 
-SnapshotSender::SnapshotSender(Domain& domain, Send send)
-    : domain_(domain), send_(std::move(send)), thread_([this] { run(); }) {
+SnapshotSender::SnapshotSender(Domain& domain, Send send, std::function<void()> asked)
+    : domain_(domain),
+      send_(std::move(send)),
+      asked_(std::move(asked)),
+      thread_([this] { run(); }) {
   requests_ = domain.reader(kSnapshotRequestTopic, this, dds::StatusMask::data_available());
 }
 
@@ -37,7 +40,9 @@ void SnapshotSender::on_data_available(dds::DataReader* reader) {
   idl::SnapshotRequest asked;
   dds::SampleInfo info;
   while (reader->take_next_sample(&asked, &info) == ReturnCode_t::RETCODE_OK) {
-    if (info.valid_data) request(asked.bus().c_str());
+    if (!info.valid_data) continue;
+    if (asked_) asked_();
+    request(asked.bus().c_str());
   }
 }
 

@@ -32,7 +32,8 @@ class SnapshotSender : private dds::DataReaderListener {
   enum class Part : std::uint8_t { kFirst, kNext };
   // Writes a part of the snapshot of a bus, nothing if there is no such bus.
   using Send = std::function<Sent(const std::string& bus, Part part)>;
-  SnapshotSender(Domain& domain, Send send);
+  // `asked` is called on a DDS thread for each SnapshotRequest; it may be null.
+  SnapshotSender(Domain& domain, Send send, std::function<void()> asked);
   ~SnapshotSender() override;  // close()
 
   void request(const std::string& bus);
@@ -46,6 +47,7 @@ class SnapshotSender : private dds::DataReaderListener {
 
   Domain& domain_;
   const Send send_;
+  const std::function<void()> asked_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::set<std::string> requested_;

@@ -41,9 +41,8 @@ void Election::receive(const StandbyMember& member, Instant now) {
     if (member.since == other.before) return;  // of its life before
     if (member.since != other.told.since) {
       other.before = other.told.since;
-      const bool unheard = !other.seen_to_end && now - other.told_at >= kLease;
-      if (unheard && is_master(own_.role))
-        learn(StandbyTerm{number_of(greatest_) + kUnheardTerms} << 32);
+      if (unheard(other, now) && is_master(own_.role))
+        learn(StandbyTerm{above_unheard(other, now)} << 32);
     } else if (member.beat <= other.told.beat) {
       return;  // it came twice, or late
     }
@@ -52,7 +51,43 @@ void Election::receive(const StandbyMember& member, Instant now) {
   other.heard = other.told_at = now;
   other.lost = other.seen_to_end = member.role == StandbyRole::kLeft;
   learn(member.term);
+  other.known = greatest_;
   heed(member, now);
+}
+
+// A number above all that it may have had, or have heard of, since it was heard. It takes terms for
+// readers, too: no more in kForReaders than there are left out here.
+std::uint32_t Election::above_unheard(const Other& other, Instant now) {
+  const auto times = static_cast<std::uint32_t>((now - other.told_at) / kForReaders);
+  return number_of(other.known) + kUnheardTerms * (times + 1);
+}
+
+void Election::readers_came(Instant now) {
+  const bool somebody =
+      std::ranges::any_of(others_, [&](const auto& entry) { return unheard(entry.second, now); });
+  if (somebody) readers_came_ = std::min(readers_came_, now);
+}
+
+// A member that is in sight again tells its term itself.
+void Election::heed_readers(Instant now) {
+  if (readers_came_ == kNever || now - readers_came_ < kReturn || now < doubt_until_) return;
+  std::uint32_t number = 0;
+  for (const auto& [name, other] : others_) {
+    if (unheard(other, now)) number = std::max(number, above_unheard(other, now));
+  }
+  if (number == 0 || heard_master(now) != nullptr) readers_came_ = kNever;
+  if (readers_came_ == kNever || own_.role != StandbyRole::kMaster) return;
+  if (now < next_for_readers_) return;
+  readers_came_ = kNever;
+  next_for_readers_ = now + kForReaders;
+  learn(StandbyTerm{std::max(number, number_of(greatest_) + 1)} << 32);
+}
+
+void Election::follows(std::uint64_t sequence) {
+  const auto number = static_cast<std::uint32_t>(sequence >> 32) + 1;  // of sequences_of()
+  if (sequence == 0 || own_.role != StandbyRole::kMaster || number < number_of(own_.term)) return;
+  learn(StandbyTerm{number} << 32);
+  take_over();
 }
 
 // Two terms of one number: members that did not hear each other had them, and the samples of both
@@ -137,6 +172,7 @@ void Election::on_time(Instant now) {
     step_back();
     alone_since_ = now - kLease;
   }
+  heed_readers(now);
   if (own_.role == StandbyRole::kMaster && greatest_ > own_.term) take_over();  // a later term
   if (own_.role == StandbyRole::kHandingOver && !is_alive(own_.successor, now)) {
     own_.role = StandbyRole::kMaster;  // the successor is gone

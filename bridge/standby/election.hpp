@@ -9,7 +9,9 @@
 //   same. Of two masters that hear each other the one with the smaller term steps back at once.
 // - A master takes a later term where another one may have been master meanwhile: who was heard
 //   knows of a later term, or of another one of the same number, or has begun anew after nobody
-//   heard it for a while.
+//   heard it for a while; and where readers come, or ask for what they lack, while a member is out
+//   of sight: they may have followed that one. So does who takes over, and follows samples that
+//   count above its term.
 // - A master that had no time for kDoubt, because its process was stopped or its machine stood
 //   still, serves nothing until it has listened again: another one may have taken over.
 #pragma once
@@ -89,6 +91,10 @@ class Election {
   static constexpr Duration kHandOver = std::chrono::seconds{1};
   // More terms than there were while nobody heard a member that has begun anew since.
   static constexpr std::uint32_t kUnheardTerms = 16;
+  // Who was cut off together with a reader is heard again within this time.
+  static constexpr Duration kReturn = std::chrono::seconds{4};
+  // Between two terms that are taken for readers.
+  static constexpr Duration kForReaders = std::chrono::seconds{10};
 
   // `own`: name, since, strength, configuration.
   Election(StandbyMember own, Instant now);
@@ -108,6 +114,12 @@ class Election {
   [[nodiscard]] std::optional<std::string> hand_over(std::string_view successor, Instant now);
   // The buses are let go of, after kHandingOver.
   void released(Instant now);
+  // Readers of samples have come, or ask for what they lack: they may have been where another one
+  // was master, and ignore samples that count below those of that one.
+  void readers_came(Instant now);
+  // The samples that a new master has followed count up to here. It takes a later term where that
+  // is above its own: their master was not heard itself.
+  void follows(std::uint64_t sequence);
   // Every kTick or sooner. When kBeat has passed, or the role is another one, beat() is to be sent.
   void on_time(Instant now);
 
@@ -133,7 +145,13 @@ class Election {
     bool lost = false;
     bool seen_to_end = false;  // it was heard up to its end
     std::int64_t before = 0;   // `since` of its life before this one
+    StandbyTerm known = 0;     // the greatest one, when it was heard
   };
+  // Out of sight it may be alive, and master.
+  [[nodiscard]] static bool unheard(const Other& other, Instant now) {
+    return !other.seen_to_end && now - other.told_at >= kLease;
+  }
+  [[nodiscard]] static std::uint32_t above_unheard(const Other& other, Instant now);
   [[nodiscard]] bool alive(const Other& other, Instant now) const {
     return !other.lost && now - other.heard < kLease;
   }
@@ -145,6 +163,7 @@ class Election {
   void step_back();
   void heed(const StandbyMember& other, Instant now);
   void learn(StandbyTerm term);
+  void heed_readers(Instant now);
 
   StandbyMember own_;
   std::string not_ready_ = "it has just begun";
@@ -156,6 +175,8 @@ class Election {
   Instant looked_;  // the last on_time()
   Instant doubt_until_ = kLongAgo;
   Instant released_at_ = kNever;
+  Instant readers_came_ = kNever;        // and nothing has been done about it
+  Instant next_for_readers_ = kLongAgo;  // no term is taken for them before
 };
 
 }  // namespace fieldcast

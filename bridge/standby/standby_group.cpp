@@ -144,6 +144,15 @@ void StandbyGroup::released() {
   wake();
 }
 
+void StandbyGroup::follows(std::uint64_t sequence) {
+  {
+    const std::lock_guard lock(mutex_);
+    election_.follows(sequence);
+    follow_role();
+  }
+  wake();
+}
+
 // What follows from a role that is another one, at once: nobody sends any more who is no master.
 void StandbyGroup::follow_role() {
   lease_.set(election_.serves_until());
@@ -281,6 +290,7 @@ void StandbyGroup::run() {
       const Instant now = steady_now();
       watch_processes();
       look_at_processes();
+      if (handlers_.readers_came()) election_.readers_came(now);
       election_.on_time(now);
       follow_role();
       noted = settle_notes(now);

@@ -32,6 +32,8 @@ class StandbyGroup {
     std::function<void(const StandbyMessage&)> tell;
     std::function<void(const StandbyNote&)> note;
     std::function<std::vector<StandbyBusFigures>()> figures;
+    // Whether readers of samples have come, or asked for what they lack, since it was last called.
+    std::function<bool()> readers_came;
     std::function<void()> changed;  // the role, or the term as master, is another one; any thread
     // What the master tells of a command; on the caller's thread of on_note().
     std::function<void(const StandbyNote&)> noted;
@@ -56,6 +58,7 @@ class StandbyGroup {
   // As in Election.
   [[nodiscard]] std::optional<std::string> hand_over(const std::string& successor);
   void released();
+  void follows(std::uint64_t sequence);
 
   // Before a write goes to its bus: the others note that it begins. `done` is called once, on any
   // thread; false: not all have noted it in time, and it must not run. Only as master.

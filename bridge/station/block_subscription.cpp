@@ -188,24 +188,46 @@ void BlockSubscription::gone(const Known& known) {
 void BlockSubscription::ask_for_snapshots(Instant now) {
   if (blocks_ == nullptr) return;
   for (auto& [name, bus] : buses_) {
-    const bool wanted = bus.table.wants_snapshot() && bus.table.is_known();
-    if (!wanted) {
-      bus.wanted = false;
-      continue;
-    }
-    if (!bus.wanted) {
-      bus.wanted = true;
-      // A bus that is new sends one by itself.
-      bus.due = bus.table.missing() == 0 ? now + kPatience : now;
-    }
-    if (bus.due > now) continue;
+    const bool missing = is_missing_one(bus, now), behind = is_behind(bus, now);
+    if (!missing && !behind) continue;
     idl::SnapshotRequest request;
     request.bus() = cut_text(name, kMaxNameLength);
     request.station() = cut_text(station_, 128);
     requests_->write(&request);
     ++counters_.requests;
-    bus.due = now + kPatience;
   }
+}
+
+// Whether a snapshot is to be asked for now: blocks are missing.
+bool BlockSubscription::is_missing_one(Bus& bus, Instant now) {
+  if (!bus.table.wants_snapshot() || !bus.table.is_known()) {
+    bus.wanted = false;
+    return false;
+  }
+  if (!bus.wanted) {
+    bus.wanted = true;
+    // A bus that is new sends one by itself.
+    bus.due = bus.table.missing() == 0 ? now + kPatience : now;
+  }
+  if (bus.due > now) return false;
+  bus.due = now + kPatience;
+  return true;
+}
+
+// The same: samples are ignored.
+bool BlockSubscription::is_behind(Bus& bus, Instant now) {
+  if (!bus.table.is_behind()) {
+    bus.rest_behind = {};
+    return false;
+  }
+  if (bus.rest_behind == Duration::zero()) {
+    bus.rest_behind = kBehind;
+    bus.due_behind = now + bus.rest_behind;
+  }
+  if (bus.due_behind > now) return false;
+  bus.rest_behind = std::min(2 * bus.rest_behind, Duration{kMostBehind});
+  bus.due_behind = now + bus.rest_behind;
+  return true;
 }
 
 std::optional<Instant> BlockSubscription::next_request() const {
@@ -213,6 +235,8 @@ std::optional<Instant> BlockSubscription::next_request() const {
   if (blocks_ == nullptr) return next;
   for (const auto& [name, bus] : buses_) {
     if (bus.wanted) next = std::min(next.value_or(bus.due), bus.due);
+    if (bus.rest_behind > Duration::zero())
+      next = std::min(next.value_or(bus.due_behind), bus.due_behind);
   }
   return next;
 }

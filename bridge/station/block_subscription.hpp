@@ -45,12 +45,17 @@ class BlockSubscription : private dds::DataReaderListener {
   // How long to wait for a snapshot, from its request or from when the bus is known; then it is
   // requested again.
   static constexpr Duration kPatience = std::chrono::milliseconds{300};
+  // The same, for a master that is to count above what was taken before; twice as long each time.
+  static constexpr Duration kBehind = std::chrono::seconds{1},
+                            kMostBehind = std::chrono::minutes{1};
   static constexpr std::size_t kMostLost = 4096;  // catalogue blocks
 
   struct Bus {
     BusTable table;
     Instant due{};  // the next request for a snapshot, while one is wanted
     bool wanted = false;
+    Instant due_behind{};    // the next one, while samples come that count below those of before
+    Duration rest_behind{};  // zero: none do
   };
   struct Known {  // an instance of the catalogue: the note that it is gone comes without its keys
     std::string bus;
@@ -72,6 +77,8 @@ class BlockSubscription : private dds::DataReaderListener {
   void gone(const Known& known);
   Bus& bus_of(const std::string& name);
   void ask_for_snapshots(Instant now);
+  [[nodiscard]] static bool is_missing_one(Bus& bus, Instant now);
+  [[nodiscard]] static bool is_behind(Bus& bus, Instant now);
   [[nodiscard]] std::optional<Instant> next_request() const;
 
   Domain& domain_;

@@ -1,6 +1,7 @@
 #include "bridge/station/bus_table.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace fieldcast {
 
@@ -21,7 +22,16 @@ BusTable::Row* BusTable::row(std::uint32_t channel) {
   return &rows_[channel];
 }
 
+void BusTable::came_below(Row& row) {
+  if (row.below < kBehind && ++row.below == kBehind) ++behind_;
+}
+
+void BusTable::caught_up(Row& row) {
+  if (std::exchange(row.below, std::uint8_t{0}) == kBehind) --behind_;
+}
+
 void BusTable::forget(Row& row, const Handlers& handlers) {
+  caught_up(row);
   if (row.entry && handlers.gone) handlers.gone(row.sample);
   row = {};
 }
@@ -52,6 +62,7 @@ void BusTable::on_catalogue_gone(std::uint64_t epoch, std::uint32_t first,
   // With the last entry the epoch is over: the next one may come from a clock that is behind.
   if (has_catalogue()) return;
   rows_.clear();
+  behind_ = 0;
   epoch_ = 0;
 }
 
@@ -80,7 +91,10 @@ void BusTable::on_samples(const idl::SampleBlock& block, const Handlers& handler
   }
   for (std::size_t i = 0; i < block.channels().size(); ++i) {
     Row* const to = row(block.channels()[i]);
-    if (to == nullptr || block.sequences()[i] <= to->sample.sequence) continue;
+    if (to == nullptr) continue;
+    if (block.sequences()[i] < to->sample.sequence) came_below(*to);
+    if (block.sequences()[i] <= to->sample.sequence) continue;
+    caught_up(*to);
     if (read_row(block, i, to->sample) && to->entry && handlers.sample) handlers.sample(to->sample);
   }
 }

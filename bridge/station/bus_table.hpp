@@ -32,6 +32,9 @@ class BusTable {
 
   // Blocks are missing, or the last values have not come yet: a snapshot is wanted.
   [[nodiscard]] bool wants_snapshot() const { return hole_ || !snapshot_; }
+  // Samples come that count below those that were taken before: of a master of a standby group that
+  // has not heard of another one. It counts above them when it is asked for a snapshot.
+  [[nodiscard]] bool is_behind() const { return behind_ > 0; }
   [[nodiscard]] bool is_known() const { return epoch_ != 0; }
   [[nodiscard]] std::uint64_t missing() const { return missing_; }  // blocks, of all epochs
 
@@ -42,19 +45,25 @@ class BusTable {
   struct Row {
     std::unique_ptr<StationChannel> entry;  // null: not known yet
     StationSample sample;                   // sequence 0: none yet; without names before its entry
+    std::uint8_t below = 0;                 // samples that counted below it, up to kBehind
   };
+  // Of one the sender may be a master that was replaced, and whose sample was late.
+  static constexpr std::uint8_t kBehind = 2;
   // False: of an epoch that is over.
   bool enter(std::uint64_t epoch, const Handlers& handlers);
   [[nodiscard]] bool has_catalogue() const;
   void count(std::uint64_t number);
   Row* row(std::uint32_t channel);  // null: beyond every bound
-  static void forget(Row& row, const Handlers& handlers);
+  void came_below(Row& row);
+  void caught_up(Row& row);
+  void forget(Row& row, const Handlers& handlers);
 
   std::uint64_t epoch_ = 0;
   std::vector<Row> rows_;  // by number in the catalogue; at most kMaxChannels
   std::uint64_t last_number_ = 0;
   bool hole_ = false, snapshot_ = false;
   std::uint64_t missing_ = 0;
+  std::size_t behind_ = 0;  // rows with kBehind samples below
 };
 
 }  // namespace fieldcast

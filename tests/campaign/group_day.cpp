@@ -99,7 +99,9 @@ GroupDay::GroupDay(const StormKind& kind, std::uint64_t seed, Duration length,
                              [this, i](GroupMessage message) { tell(i, std::move(message)); },
                              [this, i] {
                                network_->forget(i);  // a new reader gets what is sent from now on
-                               for (const auto& member : members_) member->publish_again(now());
+                               for (std::size_t to = 0; to < members_.size(); ++to)
+                                 network_->apart(i, to) ? members_[to]->publish_again(now())
+                                                        : members_[to]->readers_came(now());
                              },
                              [this](const std::string& text) { note(text); }, sabotage},
         random_()));
@@ -146,9 +148,10 @@ void GroupDay::run_until(Instant until) {
       healed_ = now();
       note("-- the network is whole");
       if (network_->heal(now())) {
-        for (const auto& member : members_) member->publish_again(now());
+        for (const auto& member : members_) member->readers_came(now());
       }
     }
+    ask_for_samples();
     network_->deliver(now(), [this](std::size_t to, const GroupMessage& message) {
       if (to < members_.size()) return members_[to]->receive(message, now());
       if (const auto* block = std::get_if<GroupBlock>(&message)) see_block(*block);
@@ -242,6 +245,25 @@ void GroupDay::cut() {
   note(text);
   network_->cut(side, now());
   heal_at_ = now() + (chance() < 0.5 ? between(100ms, 3s) : between(3s, 40s));
+}
+
+// As BlockSubscription does where BusTable::is_behind().
+void GroupDay::ask_for_samples() {
+  const bool behind =
+      std::ranges::any_of(channels_, [](const Channel& channel) { return channel.below >= 2; });
+  if (!behind) {
+    ask_at_ = kNever;
+    ask_rest_ = 1s;
+    return;
+  }
+  if (ask_at_ == kNever) ask_at_ = now() + ask_rest_;
+  if (now() < ask_at_) return;
+  ask_rest_ = std::min(2 * ask_rest_, Duration{1min});
+  ask_at_ = now() + ask_rest_;
+  note("station: asks for the last values");
+  const auto shared = std::make_shared<const GroupMessage>(GroupSnapshotRequest{});
+  for (std::size_t to = 0; to < members_.size(); ++to)
+    network_->send(members_.size(), to, shared, now());
 }
 
 // A write of a new value, or a read.

@@ -74,6 +74,7 @@ class GroupDay {
     Instant again_began{};   // who told last values once more
     bool shown_good = false;
     Instant published{}, last_good{};
+    int below = 0;  // samples that counted below it, since one was taken
   };
   struct Pending {
     ChannelIndex channel = 0;
@@ -98,6 +99,7 @@ class GroupDay {
   void hand_over();
   void cut();
   void command();
+  void ask_for_samples();
   void tell(std::size_t from, GroupMessage message);
   [[nodiscard]] std::vector<std::size_t> living() const;
 
@@ -136,6 +138,8 @@ class GroupDay {
   std::uint64_t next_command_ = 1;
   std::vector<Writes> writes_;
   Instant served_since_{}, two_since_ = kNever;
+  Instant ask_at_ = kNever;  // for samples, by the station
+  Duration ask_rest_{};
   // The wire.
   int last_master_ = -1;
   Instant wire_until_{}, busy_since_{};

@@ -109,11 +109,15 @@ void GroupDay::see_sample(const GroupBlock& block, const Sample& sample) {
   if (block.epoch != channel.epoch) {
     channel.epoch = block.epoch;
     channel.sequence = 0;
+    channel.below = 0;
     channel.master_began = {};  // nobody knew what was before
   }
   const std::string text = "channel " + std::to_string(sample.channel);
   // While the network was cut both sides had a master: what counts is the greater number.
   const bool cut = was_cut_since(std::max(block.began, channel.master_began) - 2s);
+  channel.below = sample.sequence < channel.sequence   ? channel.below + 1
+                  : sample.sequence > channel.sequence ? 0
+                                                       : channel.below;
   if (sample.sequence <= channel.sequence) {
     const bool overtaken = block.began < std::max(channel.master_began, channel.again_began);
     if (!block.again && !overtaken && !cut)
@@ -213,8 +217,10 @@ void GroupDay::sweep() {
     each = pending_.erase(each);
   }
   judge_writes();
+  // One that stands still while no other one is there cannot serve; then it listens first.
   const bool somebody = std::ranges::any_of(members_, [&](const auto& member) {
-    return member->alive() && member->fit_since() != kNever && now() - member->fit_since() > 5s;
+    return member->alive() && member->fit_since() != kNever && now() - member->fit_since() > 5s &&
+           now() >= member->stopped_until() + 1s;
   });
   if (network_->is_cut() || !somebody) served_since_ = now();
   Instant promoted = kLongAgo;  // a new master has each refresh once more

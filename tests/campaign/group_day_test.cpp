@@ -63,6 +63,17 @@ INSTANTIATE_TEST_SUITE_P(HandedOverAgainAndAgain, GroupDaysThatFailed,
 INSTANTIATE_TEST_SUITE_P(HeldFromBefore, GroupDaysThatFailed,
                          testing::Values(Found{"dtc", 65, 6min}), seed_of);
 
+// After a cut whose other master was killed the station ignored the samples of the one that
+// remained.
+INSTANTIATE_TEST_SUITE_P(OnlyTheStationHeardTheOtherMaster, GroupDaysThatFailed,
+                         testing::Values(Found{"s7-freeport", 576, 6min},
+                                         Found{"modbus-rtu", 185, 8min}),
+                         seed_of);
+// A member that had followed samples, and had not heard their master, became master of a smaller
+// term.
+INSTANTIATE_TEST_SUITE_P(OnlySamplesWereHeard, GroupDaysThatFailed,
+                         testing::Values(Found{"modbus-ascii", 163, 27min}), seed_of);
+
 // Within some days, of which others may find something else first.
 void expect_found(GroupSabotage what, const std::string& text) {
   std::string found;

@@ -193,6 +193,9 @@ void GroupMember::promote(Instant now) {
   if (released_ && !whole && now < promote_by_) return;
   promote_by_ = kNever;
   const bool goes_on = followed_.epoch != 0;
+  std::uint64_t greatest = 0;
+  for (const Sample& sample : followed_.samples) greatest = std::max(greatest, sample.sequence);
+  if (outside_.sabotage != GroupSabotage::kSequences) election_->follows(greatest);
   note(std::string("is master") + (whole ? ", was handed over to" : "") +
        (goes_on ? "" : ", begins anew"));
   ++takeovers_;
@@ -269,6 +272,8 @@ void GroupMember::receive(const GroupMessage& message, Instant now) {
   } else if (const auto* command = std::get_if<Command>(&message)) {
     if (!held_->hold({command->requester, command->request_id}, *command, command->expires, now))
       run(*command, now);
+  } else if (std::holds_alternative<GroupSnapshotRequest>(message)) {
+    readers_came(now);
   }
 }
 
@@ -338,6 +343,11 @@ void GroupMember::publish(std::vector<Sample> samples, Instant now) {
           outside_.wire.master(index_).engine.device_report(d, now);
   }
   outside_.tell(std::move(block));
+}
+
+void GroupMember::readers_came(Instant now) {
+  if (election_) election_->readers_came(now);
+  publish_again(now);
 }
 
 void GroupMember::publish_again(Instant now) {

@@ -65,6 +65,8 @@ class GroupMember {
   [[nodiscard]] Instant next_due() const;
   // The last values once more, as for a reader that has just come. Of a master.
   void publish_again(Instant now);
+  // The same, for a reader that has come, or asks for what it lacks.
+  void readers_came(Instant now);
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] bool alive() const { return alive_; }
@@ -76,6 +78,8 @@ class GroupMember {
   [[nodiscard]] StandbyTerm term() const { return election_ ? election_->term() : 0; }
   // Since when it could be master, without a break; kNever: it cannot.
   [[nodiscard]] Instant fit_since() const { return fit_since_; }
+  // Its process goes on then, or has gone on since.
+  [[nodiscard]] Instant stopped_until() const { return stopped_until_; }
   [[nodiscard]] std::uint64_t takeovers() const { return takeovers_; }
 
  private:

@@ -31,7 +31,10 @@ struct GroupBlock {
   std::vector<Sample> samples;
   std::map<std::string, DeviceReport> devices;  // empty: not this time
 };
-using GroupMessage = std::variant<StandbyMessage, StandbyNote, GroupBlock, CommandResult, Command>;
+// Of the station, which lacks samples.
+struct GroupSnapshotRequest {};
+using GroupMessage = std::variant<StandbyMessage, StandbyNote, GroupBlock, CommandResult, Command,
+                                  GroupSnapshotRequest>;
 
 class GroupNetwork {
  public:

@@ -131,6 +131,25 @@ TEST_F(BusTableTest, AHoleThatTheSnapshotShowsIsClosedByIt) {
   EXPECT_EQ(table.missing(), 1u);
 }
 
+// A master of a standby group that has not heard of another one, which is gone.
+TEST_F(BusTableTest, WhoseSamplesCountBelowThoseOfBeforeIsBehindUntilTheyCountOn) {
+  on(bus.catalogue(2));
+  on(bus.samples({0, 1}, 500));
+  on(bus.samples({0}, 10));
+  EXPECT_FALSE(table.is_behind()) << "one of a master that was replaced may come late";
+  on(bus.samples({0}, 11));
+  EXPECT_TRUE(table.is_behind());
+  on(bus.samples({0}, 501));
+  EXPECT_FALSE(table.is_behind());
+  on(bus.snapshot({1}, 10));
+  on(bus.samples({1}, 11));
+  EXPECT_TRUE(table.is_behind());
+  on(bus.samples({0}, 502));
+  EXPECT_TRUE(table.is_behind()) << "the other channel is still ignored";
+  on(Bus(200).catalogue(2));
+  EXPECT_FALSE(table.is_behind()) << "it begins anew";
+}
+
 TEST_F(BusTableTest, ABusThatStartsAnewBeginsAnew) {
   on(bus.catalogue(1));
   on(bus.snapshot({0}, 9));

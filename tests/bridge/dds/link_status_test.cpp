@@ -1,8 +1,11 @@
 // Status and alarms of the bridge's link, as a station receives them, over real DDS on loopback.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <map>
 
+#include "bridge/dds/domain.hpp"
+#include "bridge/dds/taker.hpp"
 #include "tests/bridge/dds/dds_support.hpp"
 
 namespace fieldcast::testing {
@@ -103,6 +106,37 @@ TEST(DdsLink, AnAlarmOfEveryLimitReachesLateStationsAndGoesWithItsBus) {
   EXPECT_EQ(last[LimitKind::kHighHigh].state, AlarmState::kClear);
   link.remove_bus(bus);
   EXPECT_TRUE(eventually([&] { return gone.size() >= 2; })) << gone.size() << " alarms went";
+}
+
+// Also by readers of another vendor, and while others read already.
+TEST(DdsLink, TellsOfEachReaderOfSamplesThatComesAndOfRequestsForSnapshots) {
+  const std::string bus = bus_name("readers");
+  Received received;
+  DdsLink::Handlers handlers = received.handlers();
+  std::atomic<int> told{0};
+  handlers.on_readers = [&] { ++told; };
+  DdsLink link(loopback(), "test", std::move(handlers));
+  link.add_bus(bus_of(bus, 1));
+  link.publish(bus, std::vector{good(0, 0.5)}, both_clocks());
+  Domain other(loopback(), "other", nullptr);
+  for (int readers = 0; readers < 2; ++readers) {
+    const int before = told;
+    Collected<idl::Sample> samples;
+    Taker<idl::Sample> taker([&](const idl::Sample& sample, const auto&) { samples.add(sample); });
+    dds::DataReader* const reader =
+        other.reader(kSampleTopic, &taker, dds::StatusMask::data_available());
+    EXPECT_TRUE(eventually([&] { return told > before; }));
+    EXPECT_TRUE(eventually([&] { return samples.size() > 0; }));
+    other.remove(reader);
+  }
+  const int before = told;
+  idl::SnapshotRequest request;
+  request.bus() = bus;
+  dds::DataWriter* const requests = other.writer(kSnapshotRequestTopic, "other");
+  EXPECT_TRUE(eventually([&] {
+    requests->write(&request);
+    return told > before;
+  }));
 }
 
 }  // namespace
