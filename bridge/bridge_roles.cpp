@@ -12,12 +12,12 @@ constexpr std::chrono::milliseconds kLookAgain{20};
 }  // namespace
 
 bool Standby::hold(const std::string& bus, const Command& command) {
-  return commands.hold({command.requester, command.request_id}, {bus, command}, command.expires,
-                       steady_now());
+  return commands.hold(bus, {command.requester, command.request_id}, {bus, command},
+                       command.expires, steady_now());
 }
 
 bool Standby::hold(const AlarmAction& action) {
-  return actions.hold({action.requester, action.request_id}, action,
+  return actions.hold(action.alarm.bus, {action.requester, action.request_id}, action,
                       steady_now() + std::chrono::seconds{10}, steady_now());
 }
 

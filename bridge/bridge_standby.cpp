@@ -4,7 +4,6 @@
 #include "bridge/bridge_state.hpp"
 #include "bridge/bus/clock.hpp"
 #include "bridge/standby/common_configuration.hpp"
-#include "core/model/command_refusal.hpp"
 
 namespace fieldcast {
 namespace {
@@ -58,6 +57,7 @@ void Bridge::State::join_group() {
     if (note.kind == StandbyNoteKind::kReturned) return standby.commands.returned(key);
     standby.commands.begun(note.bus, key, steady_now() + std::chrono::minutes{1});
   };
+  handlers.held = [this](const StandbyNote& note) { answer_unknown(note); };
   group = std::make_unique<StandbyGroup>(wanted.group, own, lease, std::move(handlers));
   StandbyChannelHandlers heard;
   heard.member = [this](const StandbyMessage& message) { group->on_member(message); };
@@ -172,6 +172,7 @@ bool Bridge::State::follow_role() {
     remain_master();
   }
   finish_held();
+  tell_held();
   return standby.handing_over || !late_results_done();
 }
 
@@ -232,27 +233,6 @@ void Bridge::State::remain_master() {
               fmt::format("remains master of group {}, term {}: another one may have been master "
                           "meanwhile; its samples count above those of that one",
                           spec.standby->group, number_of(standby.term)));
-}
-
-// Commands that the old master has not answered.
-void Bridge::State::finish_commands() {
-  const UtcMapping now = read_clocks();
-  auto left = standby.commands.take_over(now.instant);
-  for (const auto& begun : left.begun) {
-    CommandResult failed;
-    failed.requester = begun.key.first;
-    failed.request_id = begun.key.second;
-    failed.state = CommandState::kFailed;
-    failed.cause = Cause::kShutdown;
-    failed.reason = "the bridge that had begun it is gone; unknown whether it took effect";
-    failed.received = failed.started = failed.completed = now.instant;
-    commands.answered_elsewhere(failed.requester, failed.request_id);
-    audit.answered(begun.bus, failed);
-    link->complete(begun.bus, failed, now);
-  }
-  for (Standby::HeldCommand& held : left.to_run) run_command(held.bus, std::move(held.command));
-  for (const AlarmAction& action : standby.actions.take_over(now.instant).to_run)
-    run_action(action);
 }
 
 // A common store knows more than what was published; a file of this host knows less.
@@ -318,54 +298,6 @@ void Bridge::State::start_as_standby() {
   }
 }
 
-void Bridge::State::run_command(const std::string& bus, Command command) {
-  const AuditEntry asked = audit.asked(bus, command);
-  ++standby.in_hand;
-  if (const auto refused = commands.take(bus, std::move(command), steady_now())) {
-    audit.refused(asked, *refused);
-    if (!keeps_result(bus, *refused)) link->complete(bus, *refused, read_clocks());
-  }
-}
-
-void Bridge::State::run_action(const AlarmAction& action) {
-  const UtcMapping now = read_clocks();
-  link->complete(action.alarm.bus, alarm_actions.take(action, now), now);
-}
-
-// Before a write goes to its bus: all who could answer for it know of it.
-void Bridge::State::keep_identity(const std::string& bus, const std::string& requester,
-                                  std::uint64_t request_id,
-                                  std::function<void(CommandRouter::Identity)> kept) {
-  const auto keep = [this, requester, request_id](auto then) {
-    if (!identities) return then(CommandRouter::Identity::kNew);
-    keep_in_store(requester, request_id, std::move(then));
-  };
-  if (!group) return keep(std::move(kept));
-  group->begin(bus, requester, request_id, [keep, kept = std::move(kept)](bool noted) {
-    if (!noted) return kept(CommandRouter::Identity::kNotNoted);
-    keep(kept);
-  });
-}
-
-// Whether a result stays here: its command runs at the successor, or nobody knows at this moment
-// who is master.
-bool Bridge::State::keeps_result(const std::string& bus, const CommandResult& result) {
-  standby.answered();
-  if (!spec.standby) return false;
-  if (standby.handing_over && result.state == CommandState::kRejected &&
-      result.cause == Cause::kShutdown) {
-    group->give_back(bus, result.requester, result.request_id);
-    return true;
-  }
-  // Members that cannot hear each other: the one that has the wire answers.
-  if (result.state == CommandState::kRejected && result.cause == Cause::kForeignMaster) return true;
-  if (lease.holds()) return false;
-  const std::lock_guard lock(standby.late_mutex);
-  standby.late.emplace_back(bus, result);
-  standby.notify();
-  return true;
-}
-
 StandbyFigures Bridge::State::standby_figures() const {
   const StandbyGroup::View view = group->view();
   StandbyFigures told;
@@ -375,20 +307,6 @@ StandbyFigures Bridge::State::standby_figures() const {
   told.takeovers = view.terms_begun;
   told.behind = view.behind;
   return told;
-}
-
-// Still master: what waited is answered.
-void Bridge::State::finish_held() {
-  if (!standby.serving || !lease.holds()) return;
-  std::vector<std::pair<std::string, CommandResult>> late;
-  {
-    const std::lock_guard lock(standby.late_mutex);
-    late.swap(standby.late);
-  }
-  for (const auto& [bus, result] : late) {
-    audit.answered(bus, result);
-    link->complete(bus, result, read_clocks());
-  }
 }
 
 }  // namespace fieldcast

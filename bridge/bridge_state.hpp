@@ -129,19 +129,25 @@ struct Bridge::State {
   void say_waits_for(const std::string& what);
   void promote();
   void remain_master();
-  void finish_commands();
   void release();
   void step_back();
   void start_as_standby();
-  void run_command(const std::string& bus, Command command);
-  void run_action(const AlarmAction& action);
-  void finish_held();
   [[nodiscard]] StandbyFigures standby_figures() const;
   void take_over_followed_alarms(const std::vector<std::string>& taken,
                                  const std::vector<StationAlarmStatus>& followed);
-  [[nodiscard]] bool keeps_result(const std::string& bus, const CommandResult& result);
+
+  // bridge_group_commands.cpp.
+  void finish_commands();
+  void tell_held();
+  void answer_unknown(const StandbyNote& held);
+  void answer_held(const std::string& bus, const CommandResult& result);
+  void run_command(const std::string& bus, Command command);
+  void run_action(const AlarmAction& action);
   void keep_identity(const std::string& bus, const std::string& requester, std::uint64_t request_id,
                      std::function<void(CommandRouter::Identity)> kept);
+  [[nodiscard]] bool keeps_result(const std::string& bus, const CommandResult& result);
+  [[nodiscard]] bool keep_late(const std::string& bus, const CommandResult& result);
+  void finish_held();
 
   // bridge_reload.cpp.
   [[nodiscard]] tl::expected<Reloaded, std::string> reload(const BridgeSpec& wanted);

@@ -19,9 +19,9 @@ void CommandRouter::keep_identities(Keep keep, Refused refused) {
   refused_ = std::move(refused);
 }
 
-void CommandRouter::answered_elsewhere(const std::string& requester, std::uint64_t request_id) {
+bool CommandRouter::answered_elsewhere(const std::string& requester, std::uint64_t request_id) {
   const std::lock_guard lock(mutex_);
-  (void)ledger_.enter(requester, request_id);
+  return ledger_.enter(requester, request_id);
 }
 
 std::optional<CommandResult> CommandRouter::take(const std::string& bus, Command command,

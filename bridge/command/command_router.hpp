@@ -34,8 +34,8 @@ class CommandRouter {
   // afterwards.
   void keep_identities(Keep keep, Refused refused);
 
-  // Another bridge has answered it: it is a duplicate from here on.
-  void answered_elsewhere(const std::string& requester, std::uint64_t request_id);
+  // Another bridge has answered it: it is a duplicate from here on. False: it was one before.
+  bool answered_elsewhere(const std::string& requester, std::uint64_t request_id);
 
   // A bus takes commands from here on, until it is removed.
   void add(const std::string& bus, std::shared_ptr<BusRunner> runner);

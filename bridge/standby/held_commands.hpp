@@ -2,9 +2,14 @@
 // it until the result is seen. When it takes over it knows which ones are still to be run.
 //
 // Of a write that the master has begun nobody knows whether it took effect: it is answered as
-// failed, and never run again. Any thread.
+// failed, and never run again.
+//
+// A command may have reached this member alone: it came while the group had no master, and another
+// one became master that was not there yet. So the master is told of what has no result for a
+// while; it answers what it does not know. Any thread.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -26,6 +31,10 @@ class HeldCommands {
   static constexpr std::size_t kMost = 16384;  // more are not held: they have no result then
   // After its lifespan the master has answered, or nobody will.
   static constexpr Duration kLonger = std::chrono::seconds{10};
+  // A master has told the result of most commands by then; it is told of the others, so often.
+  static constexpr Duration kTellAfter = std::chrono::seconds{1};
+  static constexpr unsigned kMostTold = 10;
+  static constexpr std::size_t kMostAtOnce = 64;
   using Key = std::pair<std::string, std::uint64_t>;  // requester, request_id
 
   struct Left {
@@ -36,9 +45,15 @@ class HeldCommands {
     };
     std::vector<Begun> begun;  // without a result
   };
+  struct Unanswered {
+    std::string bus;
+    Key key;
+    bool begun = false;  // by this master or the one before
+  };
 
   // True: it is held. False: this bridge is master, and it is to be run.
-  [[nodiscard]] bool hold(const Key& key, Item item, Instant expires, Instant now) {
+  [[nodiscard]] bool hold(const std::string& bus, const Key& key, Item item, Instant expires,
+                          Instant now) {
     const std::lock_guard lock(mutex_);
     if (open_) return false;
     expire(now);
@@ -47,6 +62,8 @@ class HeldCommands {
     if (!entry.has_item) entry.number = ++last_;
     entry.item = std::move(item);
     entry.has_item = true;
+    entry.bus = bus;
+    entry.tell_at = std::min(entry.tell_at, now + kTellAfter);
     entry.until = expires == kNever ? kNever : expires + kLonger;
     return true;
   }
@@ -74,6 +91,33 @@ class HeldCommands {
     if (order_.size() <= CommandLedger::kRemembered) return;
     answered_.erase(order_.front());
     order_.pop_front();
+  }
+
+  // This bridge is master, and nothing is held.
+  [[nodiscard]] bool runs() const {
+    const std::lock_guard lock(mutex_);
+    return open_;
+  }
+  // What the master of this term is to be told of now: it may never have received it.
+  [[nodiscard]] std::vector<Unanswered> unanswered(std::uint64_t term, Instant now) {
+    const std::lock_guard lock(mutex_);
+    std::vector<Unanswered> found;
+    if (open_) return found;
+    expire(now);
+    if (std::exchange(term_, term) != term) {
+      for (auto& [key, entry] : entries_) {
+        entry.tell_at = now + kTellAfter;
+        entry.told = 0;
+      }
+    }
+    for (auto& [key, entry] : entries_) {
+      if (entry.tell_at > now || entry.told >= kMostTold) continue;
+      if (found.size() == kMostAtOnce) break;
+      ++entry.told;
+      entry.tell_at = now + kTellAfter;
+      found.push_back({entry.bus, key, entry.begun});
+    }
+    return found;
   }
 
   // This bridge is master from here on: what is left, and nothing is held any more.
@@ -119,6 +163,8 @@ class HeldCommands {
     std::string bus;
     std::uint64_t number = 0;
     Instant until = kNever;
+    Instant tell_at = kNever;
+    unsigned told = 0;  // to the master of term_
   };
   void expire(Instant now) {
     if (now < look_) return;
@@ -132,6 +178,7 @@ class HeldCommands {
   std::set<Key> answered_;
   std::deque<Key> order_;
   std::uint64_t last_ = 0;
+  std::uint64_t term_ = 0;
   Instant look_ = kLongAgo;
 };
 

@@ -94,6 +94,10 @@ void StandbyGroup::on_lost(const std::string& bridge) {
 
 void StandbyGroup::on_note(const StandbyNote& note) {
   if (note.bridge == own_name_) return;
+  if (note.term == 0) {
+    if (role() == StandbyRole::kMaster) handlers_.held(note);
+    return;
+  }
   handlers_.noted(note);
   {
     const std::lock_guard lock(mutex_);
@@ -221,6 +225,13 @@ void StandbyGroup::give_back(const std::string& bus, const std::string& requeste
     note.number = ++written_;
   }
   handlers_.note(note);
+}
+
+void StandbyGroup::tell_held(const std::string& bus, const std::string& requester,
+                             std::uint64_t request_id, bool begun) {
+  const std::lock_guard one(noting_);
+  const auto kind = begun ? StandbyNoteKind::kBegun : StandbyNoteKind::kReturned;
+  handlers_.note({group_, own_name_, 0, 0, kind, bus, requester, request_id});
 }
 
 // Those under way, in the term that has just begun: the others count in it.

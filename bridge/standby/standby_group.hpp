@@ -37,6 +37,9 @@ class StandbyGroup {
     std::function<void()> changed;  // the role, or the term as master, is another one; any thread
     // What the master tells of a command; on the caller's thread of on_note().
     std::function<void(const StandbyNote&)> noted;
+    // What a waiting member tells the master of a command without a result; likewise, and only
+    // while this bridge is master.
+    std::function<void(const StandbyNote&)> held;
   };
   // `own`: as for Election. `lease` is kept by the group from here on; it outlives it.
   StandbyGroup(std::string group, const StandbyMember& own, MasterLease& lease, Handlers handlers);
@@ -66,6 +69,10 @@ class StandbyGroup {
              std::function<void(bool noted)> done);
   // A write that was begun had no effect: the successor runs it.
   void give_back(const std::string& bus, const std::string& requester, std::uint64_t request_id);
+
+  // As a waiting member: the master is told that this command has no result; `begun`: by a master.
+  void tell_held(const std::string& bus, const std::string& requester, std::uint64_t request_id,
+                 bool begun);
 
   struct View {
     StandbyRole role = StandbyRole::kWaiting;

@@ -36,6 +36,8 @@ enum class StandbyNoteKind : std::uint8_t {
 };
 struct StandbyNote {
   std::string group, bridge;
+  // 0: not by the master, but by a member that holds the command and hears no result. kBegun then
+  // means that a master had begun it, kReturned that none has, as far as this member knows.
   StandbyTerm term = 0;
   std::uint64_t number = 0;
   StandbyNoteKind kind = StandbyNoteKind::kBegun;

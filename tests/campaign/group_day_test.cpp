@@ -73,6 +73,11 @@ INSTANTIATE_TEST_SUITE_P(OnlyTheStationHeardTheOtherMaster, GroupDaysThatFailed,
 // term.
 INSTANTIATE_TEST_SUITE_P(OnlySamplesWereHeard, GroupDaysThatFailed,
                          testing::Values(Found{"modbus-ascii", 163, 27min}), seed_of);
+// A command reached only a member that did not become master.
+INSTANTIATE_TEST_SUITE_P(ReachedOneMemberAlone, GroupDaysThatFailed,
+                         testing::Values(Found{"modbus-rtu", 44, 1min},
+                                         Found{"mitsubishi-fx", 576, 1min}),
+                         seed_of);
 
 // Within some days, of which others may find something else first.
 void expect_found(GroupSabotage what, const std::string& text) {

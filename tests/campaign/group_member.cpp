@@ -91,7 +91,7 @@ void GroupMember::join(Instant now) {
   election_.emplace(own, now);
   told_ = StandbyRole::kWaiting;
   ready_at_ = now + between(100ms, 1s);
-  next_tick_ = next_beat_ = now;
+  next_tick_ = next_beat_ = next_look_ = now;
   note("joins the group");
   outside_.joined();
 }
@@ -104,8 +104,9 @@ bool GroupMember::may_send(Instant now) const {
 
 Instant GroupMember::next_due() const {
   if (!alive_) return kNever;
-  const Instant next = std::min({joins_at_, leave_at_, ready_at_, release_by_, promote_by_,
-                                 election_ ? std::min(next_tick_, next_beat_) : kNever});
+  const Instant next =
+      std::min({joins_at_, leave_at_, ready_at_, release_by_, promote_by_,
+                election_ ? std::min({next_tick_, next_beat_, next_look_}) : kNever});
   return std::max(next, stopped_until_);
 }
 
@@ -132,6 +133,7 @@ void GroupMember::on_time(Instant now) {
   follow_role(now);
   if (!election_) return;
   settle_notes(now);
+  if (next_look_ <= now) tell_held(now);
   if (next_beat_ <= now || std::exchange(beat_soon_, false)) {
     next_beat_ = now + Election::kBeat;
     outside_.tell(message(now));
@@ -262,7 +264,7 @@ void GroupMember::receive(const GroupMessage& message, Instant now) {
     follow_role(now);
     if (election_) settle_notes(now);
   } else if (const auto* noted = std::get_if<StandbyNote>(&message)) {
-    on_note(*noted);
+    noted->term == 0 ? answer_unknown(*noted, now) : on_note(*noted);
   } else if (const auto* block = std::get_if<GroupBlock>(&message)) {
     if (!serving_) follow(*block);
   } else if (const auto* result = std::get_if<CommandResult>(&message)) {
@@ -270,8 +272,8 @@ void GroupMember::receive(const GroupMessage& message, Instant now) {
     held_->answered({result->requester, result->request_id});
     (void)ledger_->enter(result->requester, result->request_id);
   } else if (const auto* command = std::get_if<Command>(&message)) {
-    if (!held_->hold({command->requester, command->request_id}, *command, command->expires, now))
-      run(*command, now);
+    const Key key{command->requester, command->request_id};
+    if (!held_->hold(spec_.name, key, *command, command->expires, now)) run(*command, now);
   } else if (std::holds_alternative<GroupSnapshotRequest>(message)) {
     readers_came(now);
   }

@@ -108,6 +108,8 @@ class GroupMember {
   void settle_notes(Instant now);
   [[nodiscard]] bool noted_by_all(std::uint64_t number, Instant now) const;
   void tell_note(StandbyNoteKind kind, const Key& key, std::uint64_t number);
+  void tell_held(Instant now);
+  void answer_unknown(const StandbyNote& held, Instant now);
   void refuse(const Command& command, Cause cause, Instant now);
   void complete(const CommandResult& result, Instant now);
 
@@ -138,7 +140,7 @@ class GroupMember {
   std::map<std::string, StandbyMessage> others_;
   StandbyRole told_ = StandbyRole::kWaiting;
   std::optional<StandbyBusFigures> released_;  // by the master before
-  Instant next_tick_{}, next_beat_{};
+  Instant next_tick_{}, next_beat_{}, next_look_{};
   bool beat_soon_ = false;
   std::uint64_t written_ = 0, noted_ = 0;
   StandbyTerm noted_term_ = 0;

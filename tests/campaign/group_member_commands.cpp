@@ -10,6 +10,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration kNoteLimit = 1s;  // as StandbyGroup::kNoteLimit
+constexpr Duration kLook = 1s;       // of the thread of roles
 
 }  // namespace
 
@@ -57,6 +58,36 @@ void GroupMember::begin(Command command, Instant now) {
   waiting_.push_back({++written_, now + kNoteLimit, std::move(command)});
   tell_note(StandbyNoteKind::kBegun, key, written_);
   settle_notes(now);
+}
+
+// As Bridge::State::tell_held() and answer_unknown().
+void GroupMember::tell_held(Instant now) {
+  next_look_ = now + kLook;
+  const auto master = election_->master(now);
+  const auto known = master ? others_.find(*master) : others_.end();
+  if (election_->role() != StandbyRole::kWaiting || known == others_.end()) return;
+  for (const auto& [bus, key, begun] : held_->unanswered(known->second.member.term, now)) {
+    StandbyNote note;
+    note.bridge = name_;
+    note.kind = begun ? StandbyNoteKind::kBegun : StandbyNoteKind::kReturned;
+    note.bus = bus;
+    std::tie(note.requester, note.request_id) = key;
+    outside_.tell(note);
+  }
+}
+
+void GroupMember::answer_unknown(const StandbyNote& held, Instant now) {
+  if (election_->role() != StandbyRole::kMaster || !held_->runs()) return;
+  if (!ledger_->enter(held.requester, held.request_id)) return;
+  const bool begun = held.kind == StandbyNoteKind::kBegun;
+  CommandResult result;
+  result.requester = held.requester;
+  result.request_id = held.request_id;
+  result.state = begun ? CommandState::kFailed : CommandState::kRejected;
+  result.cause = begun ? Cause::kShutdown : Cause::kOffline;
+  result.reason = begun ? "the bridge that had begun it is gone" : "it did not reach the master";
+  if (!may_send(now)) return late_.push_back(result);
+  outside_.tell(result);
 }
 
 bool GroupMember::noted_by_all(std::uint64_t number, Instant now) const {

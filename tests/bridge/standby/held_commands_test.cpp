@@ -16,7 +16,7 @@ constexpr Instant kSoon = kNow + std::chrono::seconds{5};
 struct HeldCommandsTest : testing::Test {
   HeldCommandsTest() { held.stand_by(); }
   void hold(std::uint64_t id) {
-    EXPECT_TRUE(held.hold({"mes", id}, std::to_string(id), kSoon, kNow));
+    EXPECT_TRUE(held.hold("bus", {"mes", id}, std::to_string(id), kSoon, kNow));
   }
   Held held;
 };
@@ -76,9 +76,44 @@ TEST_F(HeldCommandsTest, WhoJoinsOnceMoreRunsNothingOfBefore) {
   EXPECT_THAT(left.begun, IsEmpty());
 }
 
+// The master of term 1 may never have received it.
+TEST_F(HeldCommandsTest, TheMasterIsToldOfWhatHasNoResult) {
+  hold(1);
+  hold(2);
+  EXPECT_THAT(held.unanswered(1, kNow), IsEmpty()) << "most have their result soon";
+  const Instant later = kNow + Held::kTellAfter;
+  held.answered({"mes", 2});
+  const auto told = held.unanswered(1, later);
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(told[0].bus, "bus");
+  EXPECT_EQ(told[0].key.second, 1u);
+  EXPECT_FALSE(told[0].begun);
+  EXPECT_THAT(held.unanswered(1, later), IsEmpty()) << "not at once again";
+  EXPECT_EQ(held.unanswered(1, later + Held::kTellAfter).size(), 1u) << "it may not have heard";
+}
+
+TEST_F(HeldCommandsTest, ANewMasterIsToldOfWhatTheOneBeforeHasBegun) {
+  held.begun("bus", {"mes", 1}, kNow + std::chrono::minutes{1});
+  EXPECT_THAT(held.unanswered(1, kNow), IsEmpty());
+  EXPECT_THAT(held.unanswered(2, kNow + Held::kTellAfter), IsEmpty());
+  const auto told = held.unanswered(2, kNow + 2 * Held::kTellAfter);
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_TRUE(told[0].begun);
+}
+
+TEST_F(HeldCommandsTest, AMasterIsNotToldForEver) {
+  EXPECT_TRUE(held.hold("bus", {"mes", 1}, "1", kNever, kNow));
+  Instant now = kNow;
+  std::size_t told = 0;
+  for (int i = 0; i < 60; ++i) told += held.unanswered(1, now += Held::kTellAfter).size();
+  EXPECT_EQ(told, Held::kMostTold);
+  for (int i = 0; i < 60; ++i) told += held.unanswered(2, now += Held::kTellAfter).size();
+  EXPECT_EQ(told, 2 * Held::kMostTold);
+}
+
 TEST_F(HeldCommandsTest, AMasterHoldsNothing) {
   (void)held.take_over(kNow);
-  EXPECT_FALSE(held.hold({"mes", 1}, "1", kSoon, kNow));
+  EXPECT_FALSE(held.hold("bus", {"mes", 1}, "1", kSoon, kNow));
   held.stand_by();
   hold(1);
   EXPECT_EQ(held.size(), 1u);

@@ -1,0 +1,129 @@
+// Commands of a standby group: what a waiting member holds, what the master tells the group of
+// writes that begin, and who answers what was held when a master is gone.
+#include "bridge/bridge_state.hpp"
+#include "bridge/bus/clock.hpp"
+
+namespace fieldcast {
+namespace {
+
+// Of a command that this bridge does not run. `begun`: by another bridge.
+CommandResult unfinished(const std::string& requester, std::uint64_t request_id, bool begun,
+                         Instant now) {
+  CommandResult result;
+  result.requester = requester;
+  result.request_id = request_id;
+  result.state = begun ? CommandState::kFailed : CommandState::kRejected;
+  result.cause = begun ? Cause::kShutdown : Cause::kOffline;
+  result.reason = begun ? "the bridge that had begun it is gone; unknown whether it took effect"
+                        : "no bridge of the group was master when it came, and it did not reach "
+                          "the present one: it was not run, send it again";
+  result.received = result.started = result.completed = now;
+  return result;
+}
+
+}  // namespace
+
+// Commands that the old master has not answered.
+void Bridge::State::finish_commands() {
+  const UtcMapping now = read_clocks();
+  auto left = standby.commands.take_over(now.instant);
+  for (const auto& [bus, key] : left.begun) {
+    commands.answered_elsewhere(key.first, key.second);
+    answer_held(bus, unfinished(key.first, key.second, true, now.instant));
+  }
+  for (Standby::HeldCommand& held : left.to_run) run_command(held.bus, std::move(held.command));
+  for (const AlarmAction& action : standby.actions.take_over(now.instant).to_run)
+    run_action(action);
+}
+
+// At a waiting member: what the master may never have received.
+void Bridge::State::tell_held() {
+  if (!group) return;
+  const StandbyGroup::View view = group->view();
+  if (view.role != StandbyRole::kWaiting || !view.master) return;
+  for (const auto& [bus, key, begun] : standby.commands.unanswered(view.term, steady_now()))
+    group->tell_held(bus, key.first, key.second, begun);
+}
+
+// At the master, on a thread of DDS. What this bridge knows has a result, or will have one; so has
+// what comes before it has taken over, and is told again.
+void Bridge::State::answer_unknown(const StandbyNote& held) {
+  if (!standby.commands.runs()) return;
+  if (!commands.answered_elsewhere(held.requester, held.request_id)) return;
+  const bool begun = held.kind == StandbyNoteKind::kBegun;
+  const CommandResult result =
+      unfinished(held.requester, held.request_id, begun, read_clocks().instant);
+  if (keep_late(held.bus, result)) return;
+  answer_held(held.bus, result);
+}
+
+void Bridge::State::answer_held(const std::string& bus, const CommandResult& result) {
+  audit.answered(bus, result);
+  link->complete(bus, result, read_clocks());
+}
+
+void Bridge::State::run_command(const std::string& bus, Command command) {
+  const AuditEntry asked = audit.asked(bus, command);
+  ++standby.in_hand;
+  if (const auto refused = commands.take(bus, std::move(command), steady_now())) {
+    audit.refused(asked, *refused);
+    if (!keeps_result(bus, *refused)) link->complete(bus, *refused, read_clocks());
+  }
+}
+
+void Bridge::State::run_action(const AlarmAction& action) {
+  const UtcMapping now = read_clocks();
+  link->complete(action.alarm.bus, alarm_actions.take(action, now), now);
+}
+
+// Before a write goes to its bus: all who could answer for it know of it.
+void Bridge::State::keep_identity(const std::string& bus, const std::string& requester,
+                                  std::uint64_t request_id,
+                                  std::function<void(CommandRouter::Identity)> kept) {
+  const auto keep = [this, requester, request_id](auto then) {
+    if (!identities) return then(CommandRouter::Identity::kNew);
+    keep_in_store(requester, request_id, std::move(then));
+  };
+  if (!group) return keep(std::move(kept));
+  group->begin(bus, requester, request_id, [keep, kept = std::move(kept)](bool noted) {
+    if (!noted) return kept(CommandRouter::Identity::kNotNoted);
+    keep(kept);
+  });
+}
+
+// Whether a result stays here: its command runs at the successor, or nobody knows at this moment
+// who is master.
+bool Bridge::State::keeps_result(const std::string& bus, const CommandResult& result) {
+  standby.answered();
+  if (!spec.standby) return false;
+  if (standby.handing_over && result.state == CommandState::kRejected &&
+      result.cause == Cause::kShutdown) {
+    group->give_back(bus, result.requester, result.request_id);
+    return true;
+  }
+  // Members that cannot hear each other: the one that has the wire answers.
+  if (result.state == CommandState::kRejected && result.cause == Cause::kForeignMaster) return true;
+  return keep_late(bus, result);
+}
+
+// Nobody knows at this moment who is master.
+bool Bridge::State::keep_late(const std::string& bus, const CommandResult& result) {
+  if (lease.holds()) return false;
+  const std::lock_guard lock(standby.late_mutex);
+  standby.late.emplace_back(bus, result);
+  standby.notify();
+  return true;
+}
+
+// Still master: what waited is answered.
+void Bridge::State::finish_held() {
+  if (!standby.serving || !lease.holds()) return;
+  std::vector<std::pair<std::string, CommandResult>> late;
+  {
+    const std::lock_guard lock(standby.late_mutex);
+    late.swap(standby.late);
+  }
+  for (const auto& [bus, result] : late) answer_held(bus, result);
+}
+
+}  // namespace fieldcast

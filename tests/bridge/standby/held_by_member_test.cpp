@@ -1,0 +1,196 @@
+// A command that reached one member of a standby group alone, which does not become master: a real
+// bridge, and the other member played by the test.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "bridge/dds/standby_channel.hpp"
+#include "bridge/dds/topics/conversion.hpp"
+#include "bridge/station/subscription.hpp"
+#include "tests/bridge/support/claimed_domain.hpp"
+#include "tests/bridge/support/process.hpp"
+#include "tests/bridge/support/tcp_device.hpp"
+
+namespace fieldcast {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+// The member that the test plays, and a plant system that writes commands and reads results.
+class PlayedMember {
+ public:
+  explicit PlayedMember(std::uint32_t domain)
+      : domain_(spec(domain), "played", nullptr),
+        results_(domain_, kCommandResultTopic,
+                 {[this](const idl::CommandResult& result) { on_result(result); }, {}, {}}),
+        commands_(domain_.writer(kCommandTopic, command_writer_qos(60s), "plant-system")),
+        channel_(domain_, "played", "g", 9,
+                 {[this](const StandbyMessage& message) { on_member(message); },
+                  [](const std::string&) {}, [this](const StandbyNote& note) { on_note(note); },
+                  [](const StandbyRequest&) {}}),
+        beats_([this] { beat(); }) {}
+  ~PlayedMember() { leave(); }
+
+  // It ends, and says so.
+  void leave() {
+    ending_ = true;
+    if (beats_.joinable()) beats_.join();
+  }
+  [[nodiscard]] bool has_reader() const {
+    dds::PublicationMatchedStatus status;
+    commands_->get_publication_matched_status(status);
+    return status.current_count > 0;
+  }
+  void write(std::uint64_t id) {
+    Command command;
+    command.requester = "plant-system";
+    command.request_id = id;
+    command.device = "plc";
+    command.target = ChannelTarget{"level"};
+    command.values = {Value{id}};
+    idl::Command out;
+    ASSERT_TRUE(to_idl("one", command, out));
+    commands_->write(&out);
+  }
+  // Of a command that it holds.
+  void tell(StandbyNoteKind kind, std::uint64_t id) {
+    channel_.tell(StandbyNote{"g", "played", 0, 0, kind, "one", "plant-system", id});
+  }
+  // The first command that the bridge tells to hold; 0: none yet.
+  [[nodiscard]] std::uint64_t told() {
+    const std::lock_guard lock(mutex_);
+    return told_;
+  }
+  [[nodiscard]] std::vector<StationResult> results_of(std::uint64_t id) {
+    const std::lock_guard lock(mutex_);
+    return results_by_id_[id];
+  }
+
+ private:
+  static DdsSpec spec(std::uint32_t domain) {
+    DdsSpec spec;
+    spec.domain = domain;
+    return spec;
+  }
+  void beat() {
+    StandbyMessage message;
+    message.group = "g";
+    message.member.bridge = "played";
+    message.member.since = 1;
+    message.member.strength = 9;
+    message.member.role = StandbyRole::kMaster;
+    while (!ending_) {
+      ++message.member.beat;
+      message.member.term = term_;
+      channel_.tell(message);
+      std::this_thread::sleep_for(50ms);
+    }
+    ++message.member.beat;
+    message.member.role = StandbyRole::kLeft;
+    channel_.tell(message);
+  }
+  // This process was held up for too long, and the bridge has taken over: it is to wait again.
+  void on_member(const StandbyMessage& message) {
+    if (message.member.role == StandbyRole::kMaster && message.member.term > term_)
+      term_ = StandbyTerm{number_of(message.member.term) + 1} << 32;
+  }
+  void on_note(const StandbyNote& note) {
+    const std::lock_guard lock(mutex_);
+    if (note.bridge != "real" || note.term != 0 || told_ != 0) return;
+    EXPECT_EQ(note.kind, StandbyNoteKind::kReturned) << "nobody has begun it";
+    EXPECT_EQ(note.bus, "one");
+    told_ = note.request_id;
+  }
+  void on_result(const idl::CommandResult& result) {
+    const std::lock_guard lock(mutex_);
+    results_by_id_[result.request_id()].push_back(from_idl(result));
+  }
+
+  std::mutex mutex_;
+  std::uint64_t told_ = 0;
+  std::map<std::uint64_t, std::vector<StationResult>> results_by_id_;
+  std::atomic<StandbyTerm> term_ = StandbyTerm{5} << 32;
+  std::atomic<bool> ending_ = false;
+  Domain domain_;
+  Subscription<idl::CommandResultPubSubType> results_;
+  dds::DataWriter* commands_;
+  StandbyChannel channel_;
+  std::thread beats_;
+};
+
+struct HeldByMember : testing::Test {
+  ~HeldByMember() override { std::filesystem::remove(file); }
+  static bool within(const std::function<bool()>& condition, Duration limit = 20s) {
+    const auto deadline = std::chrono::steady_clock::now() + limit;
+    while (!condition()) {
+      if (std::chrono::steady_clock::now() > deadline) return false;
+      std::this_thread::sleep_for(2ms);
+    }
+    return true;
+  }
+  std::unique_ptr<test::Process> launch() const {
+    std::ofstream(file) << "bridge: { name: real, standby: { group: g } }\ndds: { domain: "
+                        << domain.number()
+                        << " }\nbuses:\n  - name: one\n    port: { tcp: 127.0.0.1:" << device.port()
+                        << " }\n    protocol: modbus-tcp\n    devices:\n      - name: plc\n"
+                           "        address: 1\n        channels:\n          - { name: level, at: "
+                           "\"holding:9\", type: uint16, access: read-write, refresh: 200ms }\n";
+    return std::make_unique<test::Process>(FIELDCAST_BRIDGE, std::vector<std::string>{file});
+  }
+  // What the bridge answers, once it is master.
+  StationResult answer_to(StandbyNoteKind kind, std::uint64_t id) {
+    (void)within([&] {
+      member.tell(kind, id);
+      return within([&] { return !member.results_of(id).empty(); }, 1s);
+    });
+    return result_of(id);
+  }
+  // The first result of a command, once it is there.
+  StationResult result_of(std::uint64_t id) {
+    EXPECT_TRUE(within([&] { return !member.results_of(id).empty(); })) << id;
+    const auto results = member.results_of(id);
+    return results.empty() ? StationResult{} : results.front();
+  }
+
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) /
+                                     ("fieldcast-held-" + std::to_string(::getpid()) + ".yaml");
+  test::ClaimedDomain domain;
+  test::TcpDevice device;
+  PlayedMember member{domain.number()};
+};
+
+TEST_F(HeldByMember, TellsTheMasterWhichAnswersWhatItDoesNotKnow) {
+  const auto bridge = launch();
+  ASSERT_TRUE(within([&] { return member.has_reader(); }));
+  for (std::uint64_t id = 1; id < 10 && member.told() == 0; ++id) {
+    member.write(id);
+    (void)within([&] { return member.told() != 0; }, 5s);
+  }
+  const std::uint64_t held = member.told();
+  ASSERT_NE(held, 0U) << "the master is not told";
+
+  member.leave();
+  EXPECT_EQ(result_of(held).state, CommandState::kDone) << "who takes over runs what it holds";
+  member.tell(StandbyNoteKind::kReturned, held);
+  const StationResult never_came = answer_to(StandbyNoteKind::kReturned, 101);
+  const StationResult begun = answer_to(StandbyNoteKind::kBegun, 102);
+  EXPECT_EQ(never_came.state, CommandState::kRejected);
+  EXPECT_THAT(never_came.reason, HasSubstr("send it again"));
+  EXPECT_EQ(begun.state, CommandState::kFailed);
+  EXPECT_THAT(begun.reason, HasSubstr("unknown whether it took effect"));
+  EXPECT_EQ(member.results_of(held).size(), 1U) << "it was known";
+  EXPECT_EQ(device.writes()[static_cast<std::uint16_t>(held)], 1);
+}
+
+}  // namespace
+}  // namespace fieldcast
