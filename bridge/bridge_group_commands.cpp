@@ -41,15 +41,22 @@ void Bridge::State::tell_held() {
   if (!group) return;
   const StandbyGroup::View view = group->view();
   if (view.role != StandbyRole::kWaiting || !view.master) return;
-  for (const auto& [bus, key, begun] : standby.commands.unanswered(view.term, steady_now()))
-    group->tell_held(bus, key.first, key.second, begun);
+  const auto tell = [this](const auto& unanswered) {
+    for (const auto& [bus, key, begun] : unanswered)
+      group->tell_held(bus, key.first, key.second, begun);
+  };
+  tell(standby.commands.unanswered(view.term, steady_now()));
+  tell(standby.actions.unanswered(view.term, steady_now()));
 }
 
 // At the master, on a thread of DDS. What this bridge knows has a result, or will have one; so has
 // what comes before it has taken over, and is told again.
 void Bridge::State::answer_unknown(const StandbyNote& held) {
-  if (!standby.commands.runs()) return;
-  if (!commands.answered_elsewhere(held.requester, held.request_id)) return;
+  if (!standby.commands.runs() || !standby.actions.runs()) return;
+  // A requester counts its commands and its actions on alarms together.
+  const bool command = commands.answered_elsewhere(held.requester, held.request_id);
+  const bool action = alarm_actions.answered_elsewhere(held.requester, held.request_id);
+  if (!command || !action) return;
   const bool begun = held.kind == StandbyNoteKind::kBegun;
   const CommandResult result =
       unfinished(held.requester, held.request_id, begun, read_clocks().instant);

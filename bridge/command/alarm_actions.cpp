@@ -24,6 +24,11 @@ AuditEntry audit_entry(const AlarmAction& action) {
   return entry;
 }
 
+bool AlarmActions::answered_elsewhere(const std::string& requester, std::uint64_t request_id) {
+  const std::lock_guard lock(mutex_);
+  return ledger_.enter(requester, request_id);
+}
+
 AlarmOutcome AlarmActions::act(const AlarmAction& action, UtcTime now) {
   {
     const std::lock_guard lock(mutex_);

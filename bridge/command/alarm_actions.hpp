@@ -17,6 +17,8 @@ class AlarmActions {
   AlarmActions(AlarmTable& alarms, CommandAudit& audit) : alarms_(alarms), audit_(audit) {}
 
   [[nodiscard]] CommandResult take(const AlarmAction& action, const UtcMapping& now);
+  // It has been answered without it: it is a duplicate from here on. False: it was one before.
+  bool answered_elsewhere(const std::string& requester, std::uint64_t request_id);
 
  private:
   [[nodiscard]] AlarmOutcome act(const AlarmAction& action, UtcTime now);

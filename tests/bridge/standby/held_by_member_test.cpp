@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <thread>
 #include <vector>
 
@@ -25,6 +26,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using testing::HasSubstr;
+using testing::Not;
 
 // The member that the test plays, and a plant system that writes commands and reads results.
 class PlayedMember {
@@ -34,6 +36,7 @@ class PlayedMember {
         results_(domain_, kCommandResultTopic,
                  {[this](const idl::CommandResult& result) { on_result(result); }, {}, {}}),
         commands_(domain_.writer(kCommandTopic, command_writer_qos(60s), "plant-system")),
+        actions_(domain_.writer(kAlarmActionTopic, alarm_action_writer_qos(10s), "plant-system")),
         channel_(domain_, "played", "g", 9,
                  {[this](const StandbyMessage& message) { on_member(message); },
                   [](const std::string&) {}, [this](const StandbyNote& note) { on_note(note); },
@@ -46,10 +49,11 @@ class PlayedMember {
     ending_ = true;
     if (beats_.joinable()) beats_.join();
   }
-  [[nodiscard]] bool has_reader() const {
-    dds::PublicationMatchedStatus status;
-    commands_->get_publication_matched_status(status);
-    return status.current_count > 0;
+  [[nodiscard]] bool has_readers() const {
+    dds::PublicationMatchedStatus of_commands, of_actions;
+    commands_->get_publication_matched_status(of_commands);
+    actions_->get_publication_matched_status(of_actions);
+    return of_commands.current_count > 0 && of_actions.current_count > 0;
   }
   void write(std::uint64_t id) {
     Command command;
@@ -62,12 +66,26 @@ class PlayedMember {
     ASSERT_TRUE(to_idl("one", command, out));
     commands_->write(&out);
   }
+  // What a person does about an alarm.
+  void act(std::uint64_t id) {
+    AlarmAction action;
+    action.requester = "plant-system";
+    action.request_id = id;
+    action.kind = AlarmActionKind::kMaintenance;
+    action.alarm.bus = "one";
+    action.alarm.device = "plc";
+    action.by = "anna";
+    action.duration = 1min;
+    idl::AlarmAction out;
+    ASSERT_TRUE(to_idl(action, out));
+    actions_->write(&out);
+  }
   // Of a command that it holds.
   void tell(StandbyNoteKind kind, std::uint64_t id) {
     channel_.tell(StandbyNote{"g", "played", 0, 0, kind, "one", "plant-system", id});
   }
-  // The first command that the bridge tells to hold; 0: none yet.
-  [[nodiscard]] std::uint64_t told() {
+  // What the bridge tells to hold.
+  [[nodiscard]] std::set<std::uint64_t> told() {
     const std::lock_guard lock(mutex_);
     return told_;
   }
@@ -106,10 +124,10 @@ class PlayedMember {
   }
   void on_note(const StandbyNote& note) {
     const std::lock_guard lock(mutex_);
-    if (note.bridge != "real" || note.term != 0 || told_ != 0) return;
+    if (note.bridge != "real" || note.term != 0) return;
     EXPECT_EQ(note.kind, StandbyNoteKind::kReturned) << "nobody has begun it";
     EXPECT_EQ(note.bus, "one");
-    told_ = note.request_id;
+    told_.insert(note.request_id);
   }
   void on_result(const idl::CommandResult& result) {
     const std::lock_guard lock(mutex_);
@@ -117,13 +135,14 @@ class PlayedMember {
   }
 
   std::mutex mutex_;
-  std::uint64_t told_ = 0;
+  std::set<std::uint64_t> told_;
   std::map<std::uint64_t, std::vector<StationResult>> results_by_id_;
   std::atomic<StandbyTerm> term_ = StandbyTerm{5} << 32;
   std::atomic<bool> ending_ = false;
   Domain domain_;
   Subscription<idl::CommandResultPubSubType> results_;
   dds::DataWriter* commands_;
+  dds::DataWriter* actions_;
   StandbyChannel channel_;
   std::thread beats_;
 };
@@ -171,17 +190,23 @@ struct HeldByMember : testing::Test {
 
 TEST_F(HeldByMember, TellsTheMasterWhichAnswersWhatItDoesNotKnow) {
   const auto bridge = launch();
-  ASSERT_TRUE(within([&] { return member.has_reader(); }));
-  for (std::uint64_t id = 1; id < 10 && member.told() == 0; ++id) {
-    member.write(id);
-    (void)within([&] { return member.told() != 0; }, 5s);
+  ASSERT_TRUE(within([&] { return member.has_readers(); }));
+  for (std::uint64_t id = 1; id < 10 && member.told().size() < 2; ++id) {
+    member.write(2 * id);
+    member.act(2 * id + 1);
+    (void)within([&] { return member.told().size() >= 2; }, 5s);
   }
-  const std::uint64_t held = member.told();
-  ASSERT_NE(held, 0U) << "the master is not told";
+  const auto all = member.told();
+  ASSERT_GE(all.size(), 2U) << "the master is not told";
+  const std::uint64_t held = *all.begin(), action = held + 1;
+  ASSERT_TRUE(all.contains(action));
 
   member.leave();
   EXPECT_EQ(result_of(held).state, CommandState::kDone) << "who takes over runs what it holds";
+  // It has no alarms, and says so.
+  EXPECT_THAT(result_of(action).reason, Not(HasSubstr("send it again")));
   member.tell(StandbyNoteKind::kReturned, held);
+  member.tell(StandbyNoteKind::kReturned, action);
   const StationResult never_came = answer_to(StandbyNoteKind::kReturned, 101);
   const StationResult begun = answer_to(StandbyNoteKind::kBegun, 102);
   EXPECT_EQ(never_came.state, CommandState::kRejected);
@@ -189,6 +214,7 @@ TEST_F(HeldByMember, TellsTheMasterWhichAnswersWhatItDoesNotKnow) {
   EXPECT_EQ(begun.state, CommandState::kFailed);
   EXPECT_THAT(begun.reason, HasSubstr("unknown whether it took effect"));
   EXPECT_EQ(member.results_of(held).size(), 1U) << "it was known";
+  EXPECT_EQ(member.results_of(action).size(), 1U);
   EXPECT_EQ(device.writes()[static_cast<std::uint16_t>(held)], 1);
 }
 
