@@ -28,7 +28,7 @@ void Bridge::State::finish_commands() {
   const UtcMapping now = read_clocks();
   auto left = standby.commands.take_over(now.instant);
   for (const auto& [bus, key] : left.begun) {
-    commands.answered_elsewhere(key.first, key.second);
+    commands.answered_elsewhere(key.first, key.second, now.instant);
     answer_held(bus, unfinished(key.first, key.second, true, now.instant));
   }
   for (Standby::HeldCommand& held : left.to_run) run_command(held.bus, std::move(held.command));
@@ -54,7 +54,7 @@ void Bridge::State::tell_held() {
 void Bridge::State::answer_unknown(const StandbyNote& held) {
   if (!standby.commands.runs() || !standby.actions.runs()) return;
   // A requester counts its commands and its actions on alarms together.
-  const bool command = commands.answered_elsewhere(held.requester, held.request_id);
+  const bool command = commands.answered_elsewhere(held.requester, held.request_id, steady_now());
   const bool action = alarm_actions.answered_elsewhere(held.requester, held.request_id);
   if (!command || !action) return;
   const bool begun = held.kind == StandbyNoteKind::kBegun;
@@ -70,6 +70,7 @@ void Bridge::State::answer_held(const std::string& bus, const CommandResult& res
 }
 
 void Bridge::State::run_command(const std::string& bus, Command command) {
+  if (commands.was_answered_elsewhere(command, steady_now())) return;
   const AuditEntry asked = audit.asked(bus, command);
   ++standby.in_hand;
   if (const auto refused = commands.take(bus, std::move(command), steady_now())) {

@@ -70,7 +70,7 @@ void Bridge::State::join_group() {
       link->domain(), spec.buses,
       FollowerHandlers{[this](const std::string& requester, std::uint64_t request_id) {
         standby.seen_answer(requester, request_id);
-        commands.answered_elsewhere(requester, request_id);
+        commands.answered_elsewhere(requester, request_id, steady_now());
       }});
   group->start();
 }

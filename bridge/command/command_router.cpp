@@ -19,9 +19,17 @@ void CommandRouter::keep_identities(Keep keep, Refused refused) {
   refused_ = std::move(refused);
 }
 
-bool CommandRouter::answered_elsewhere(const std::string& requester, std::uint64_t request_id) {
+bool CommandRouter::answered_elsewhere(const std::string& requester, std::uint64_t request_id,
+                                       Instant now) {
   const std::lock_guard lock(mutex_);
-  return ledger_.enter(requester, request_id);
+  const bool is_new = ledger_.enter(requester, request_id);
+  if (is_new) elsewhere_.note({requester, request_id}, now);
+  return is_new;
+}
+
+bool CommandRouter::was_answered_elsewhere(const Command& command, Instant now) {
+  const std::lock_guard lock(mutex_);
+  return elsewhere_.lately({command.requester, command.request_id}, now);
 }
 
 std::optional<CommandResult> CommandRouter::take(const std::string& bus, Command command,

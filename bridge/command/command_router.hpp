@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "bridge/bus/bus_runner.hpp"
+#include "bridge/command/answered_elsewhere.hpp"
 #include "core/bus/command_ledger.hpp"
 #include "core/model/command.hpp"
 
@@ -35,7 +36,9 @@ class CommandRouter {
   void keep_identities(Keep keep, Refused refused);
 
   // Another bridge has answered it: it is a duplicate from here on. False: it was one before.
-  bool answered_elsewhere(const std::string& requester, std::uint64_t request_id);
+  bool answered_elsewhere(const std::string& requester, std::uint64_t request_id, Instant now);
+  // That was a moment ago: a command that comes now was on its way, and has its result.
+  [[nodiscard]] bool was_answered_elsewhere(const Command& command, Instant now);
 
   // A bus takes commands from here on, until it is removed.
   void add(const std::string& bus, std::shared_ptr<BusRunner> runner);
@@ -54,6 +57,7 @@ class CommandRouter {
 
   std::mutex mutex_;
   CommandLedger ledger_;
+  AnsweredElsewhere elsewhere_;
   std::map<std::string, std::shared_ptr<BusRunner>, std::less<>> runners_;
   Keep keep_;
   Refused refused_;

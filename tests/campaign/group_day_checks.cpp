@@ -152,11 +152,10 @@ void GroupDay::see_result(const CommandResult& result) {
 void GroupDay::judge_results(std::uint64_t id, const Pending& pending) {
   const std::string text = "command " + std::to_string(id);
   const bool cut = was_cut_since(pending.sent - 1s);
-  // What may come beside the result: the bridge that ran it is gone, or the command reached its
-  // successor later than its result, or a master that had stood still.
+  // What may come beside the result: the bridge that ran it is gone, or the command reached a
+  // master that had stood still.
   const auto is_beside = [](const CommandResult& result) {
     return (result.state == CommandState::kFailed && result.cause == Cause::kShutdown) ||
-           result.cause == Cause::kDuplicate ||
            (result.state == CommandState::kRejected && result.cause == Cause::kOffline);
   };
   if (pending.results.empty()) {

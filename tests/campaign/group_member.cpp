@@ -39,6 +39,7 @@ void GroupMember::start(Instant now) {
   stopped_until_ = kLongAgo;
   held_ = std::make_unique<HeldCommands<Command>>();
   ledger_ = std::make_unique<CommandLedger>();
+  elsewhere_ = {};
   join(now);
 }
 
@@ -270,7 +271,7 @@ void GroupMember::receive(const GroupMessage& message, Instant now) {
   } else if (const auto* result = std::get_if<CommandResult>(&message)) {
     if (serving_) return;
     held_->answered({result->requester, result->request_id});
-    (void)ledger_->enter(result->requester, result->request_id);
+    answered_elsewhere({result->requester, result->request_id}, now);
   } else if (const auto* command = std::get_if<Command>(&message)) {
     const Key key{command->requester, command->request_id};
     if (!held_->hold(spec_.name, key, *command, command->expires, now)) run(*command, now);

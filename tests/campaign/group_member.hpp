@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "bridge/command/answered_elsewhere.hpp"
 #include "bridge/publish/sample_hold.hpp"
 #include "bridge/standby/election.hpp"
 #include "bridge/standby/held_commands.hpp"
@@ -108,6 +109,7 @@ class GroupMember {
   void settle_notes(Instant now);
   [[nodiscard]] bool noted_by_all(std::uint64_t number, Instant now) const;
   void tell_note(StandbyNoteKind kind, const Key& key, std::uint64_t number);
+  bool answered_elsewhere(const Key& key, Instant now);
   void tell_held(Instant now);
   void answer_unknown(const StandbyNote& held, Instant now);
   void refuse(const Command& command, Cause cause, Instant now);
@@ -135,6 +137,7 @@ class GroupMember {
   std::optional<Election> election_;
   std::unique_ptr<HeldCommands<Command>> held_;
   std::unique_ptr<CommandLedger> ledger_;
+  AnsweredElsewhere elsewhere_;
 
   // The group.
   std::map<std::string, StandbyMessage> others_;

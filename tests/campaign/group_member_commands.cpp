@@ -22,13 +22,21 @@ void GroupMember::finish_commands(Instant now) {
     failed.request_id = begun.key.second;
     failed.cause = Cause::kShutdown;
     failed.reason = "the bridge that had begun it is gone";
-    (void)ledger_->enter(failed.requester, failed.request_id);
+    answered_elsewhere(begun.key, now);
     outside_.tell(failed);
   }
   for (Command& command : left.to_run) run(std::move(command), now);
 }
 
+// As CommandRouter::answered_elsewhere().
+bool GroupMember::answered_elsewhere(const Key& key, Instant now) {
+  const bool is_new = ledger_->enter(key.first, key.second);
+  if (is_new) elsewhere_.note(key, now);
+  return is_new;
+}
+
 void GroupMember::run(Command command, Instant now) {
+  if (elsewhere_.lately({command.requester, command.request_id}, now)) return;
   ++in_hand_;
   if (!ledger_->enter(command.requester, command.request_id))
     return refuse(command, Cause::kDuplicate, now);
@@ -78,7 +86,7 @@ void GroupMember::tell_held(Instant now) {
 
 void GroupMember::answer_unknown(const StandbyNote& held, Instant now) {
   if (election_->role() != StandbyRole::kMaster || !held_->runs()) return;
-  if (!ledger_->enter(held.requester, held.request_id)) return;
+  if (!answered_elsewhere({held.requester, held.request_id}, now)) return;
   const bool begun = held.kind == StandbyNoteKind::kBegun;
   CommandResult result;
   result.requester = held.requester;

@@ -54,6 +54,19 @@ TEST_F(CommandRouterTest, ADuplicateIsRefusedAndNeverReachesTheBus) {
   EXPECT_EQ(sink.record().results[1].request_id, 2u);
 }
 
+TEST_F(CommandRouterTest, WhatAnotherBridgeHasJustAnsweredGetsNoSecondResult) {
+  const Instant now = steady_now(), later = now + AnsweredElsewhere::kFor;
+  EXPECT_TRUE(router.answered_elsewhere("test", 1, now));
+  EXPECT_FALSE(router.answered_elsewhere("test", 1, now)) << "it was known";
+  EXPECT_TRUE(router.was_answered_elsewhere(command(1), later - std::chrono::milliseconds{1}));
+  EXPECT_FALSE(router.was_answered_elsewhere(command(2), now));
+  // Somebody sends it again.
+  EXPECT_FALSE(router.was_answered_elsewhere(command(1), later));
+  const auto again = router.take("bus", command(1), later);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->cause, Cause::kDuplicate);
+}
+
 TEST_F(CommandRouterTest, ABusThatStopsIsARefusal) {
   router.remove("bus");
   const auto refused = router.take("bus", command(1), steady_now());

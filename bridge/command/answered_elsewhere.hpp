@@ -1,0 +1,47 @@
+// Commands that another bridge of the standby group has answered in the last seconds, or the master
+// in the place of one that is gone. Such a command may still be on its way to the master: it has
+// its result, and gets no second one.
+//
+// Pure; one owner, who guards it. Nothing can fail; when it is full, the oldest is forgotten.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "core/base/time.hpp"
+
+namespace fieldcast {
+
+class AnsweredElsewhere {
+ public:
+  // As long as DDS may take to deliver a command: a reader that is away for longer is given up.
+  static constexpr Duration kFor = std::chrono::seconds{10};
+  static constexpr std::size_t kMost = 4096;
+  using Key = std::pair<std::string, std::uint64_t>;  // requester, request_id
+
+  void note(const Key& key, Instant now) {
+    forget(now);
+    if (!keys_.insert(key).second) return;
+    order_.emplace_back(key, now);
+  }
+  [[nodiscard]] bool lately(const Key& key, Instant now) {
+    forget(now);
+    return keys_.contains(key);
+  }
+
+ private:
+  void forget(Instant now) {
+    while (!order_.empty() && (order_.front().second + kFor <= now || order_.size() >= kMost)) {
+      keys_.erase(order_.front().first);
+      order_.pop_front();
+    }
+  }
+
+  std::set<Key> keys_;
+  std::deque<std::pair<Key, Instant>> order_;  // oldest first
+};
+
+}  // namespace fieldcast
