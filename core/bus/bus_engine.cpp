@@ -94,7 +94,7 @@ void BusEngine::handle(const Received& event, Instant now, ActionSink& sink) {
     outcomes_.take_late(parts_.late.in_exchange(asked, parts_.wire.driver(), now), now, sink);
   // An answer that began before its request had ended is another one.
   if (outcome == ExchangeDriver::Outcome::kDone && !parts_.late.owes_same(asked) &&
-      parts_.devices.too_early(asked.device, parts_.wire.driver().answer_began())) {
+      is_too_early(asked.device)) {
     parts_.wire.wait_on();
     return parts_.late.start_anew();
   }
@@ -193,6 +193,12 @@ void BusEngine::set_timer(ActionSink& sink) {
   if (next == timer_) return;
   timer_ = next;
   sink.push(SetTimer{next});
+}
+
+bool BusEngine::is_too_early(DeviceIndex device) {
+  const Duration began = parts_.wire.driver().answer_began();
+  return parts_.devices.too_early(device, began) ||
+         parts_.fence.doubts_first(began, parts_.setup.line().characters(1));
 }
 
 bool BusEngine::another_asked(ExchangeDriver::Outcome outcome, Instant now, ActionSink& sink) {

@@ -89,6 +89,8 @@ class BusEngine {
   void settle(Instant now, ActionSink& sink);
   void set_timer(ActionSink& sink);
 
+  // The answer that came began before its request had ended.
+  [[nodiscard]] bool is_too_early(DeviceIndex device);
   // An answer came, and before it the request of another master: the exchange is given up.
   bool another_asked(ExchangeDriver::Outcome outcome, Instant now, ActionSink& sink);
   // The exchange on the wire goes on, or ends.

@@ -86,7 +86,7 @@ bool WireFence::sending(ByteView request, Instant until) {
   const bool taken_back = !holding_ && told_;
   if (!holding_) {
     holding_ = true;
-    confirmed_ = told_ = false;
+    confirmed_ = doubted_ = told_ = false;
     heard_ = until;
     doubtful_ = 0;
   }
@@ -183,6 +183,11 @@ bool WireFence::find_foreign(ByteView bytes, Instant now) {
   const RequestFinder::Found found = finder_.find(bytes);
   const ByteView frame = bytes.subspan(found.at, found.size);
   return found.size > 0 && !own(frame) && believe(found, now) && take_foreign(frame, now);
+}
+
+bool WireFence::doubts_first(Duration began, Duration character) {
+  if (!on_ || !holding_ || confirmed_ || began >= -2 * character) return false;
+  return !std::exchange(doubted_, true);
 }
 
 bool WireFence::came_between(ByteView bytes, Instant now) {

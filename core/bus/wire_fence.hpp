@@ -75,6 +75,10 @@ class WireFence {
   // They came while nobody was asked, and are no late answer. True: another master speaks. That is
   // told once for each time that it takes the wire.
   [[nodiscard]] bool stray(ByteView bytes, Instant now);
+  // The first answer since the wire was taken; `began`: after the end of its request. True: that is
+  // below zero, as if another one had taken the wire at the same instant and was answered. The wait
+  // goes on. Once for each time that the wire is taken: a line may not keep to its baud rate.
+  [[nodiscard]] bool doubts_first(Duration began, Duration character);
   // An answer came, and these bytes between the request and the answer. True as above: another
   // master has asked meanwhile, and the answer may be for that one.
   [[nodiscard]] bool came_between(ByteView bytes, Instant now);
@@ -111,6 +115,7 @@ class WireFence {
   // While holding.
   bool cut_off_ = false;           // perhaps: nobody was heard for long
   bool confirmed_ = false;         // an exchange was answered
+  bool doubted_ = false;           // the first answer was
   Instant busy_until_ = kLongAgo;  // others could hear something until then
   Instant heard_ = kLongAgo;       // of somebody else
   Bytes sent_, answer_;            // the last ones
