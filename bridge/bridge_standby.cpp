@@ -65,7 +65,7 @@ void Bridge::State::join_group() {
   heard.note = [this](const StandbyNote& note) { group->on_note(note); };
   heard.request = [this](const StandbyRequest& request) { on_request(request); };
   channel = std::make_unique<StandbyChannel>(link->domain(), "fieldcast-bridge " + spec.name,
-                                             wanted.group, wanted.strength, std::move(heard));
+                                             wanted.group, UtcTime{own.since}, std::move(heard));
   follower = std::make_unique<StandbyFollower>(
       link->domain(), spec.buses,
       FollowerHandlers{[this](const std::string& requester, std::uint64_t request_id) {

@@ -1,12 +1,14 @@
 #include "bridge/dds/standby_channel.hpp"
 
+#include <algorithm>
+
 #include "bridge/dds/topics/conversion.hpp"
 #include "bridge/dds/topics/conversion_standby.hpp"
 
 namespace fieldcast {
 
 StandbyChannel::StandbyChannel(Domain& domain, const std::string& label, std::string group,
-                               std::int32_t strength, StandbyChannelHandlers handlers)
+                               UtcTime since, StandbyChannelHandlers handlers)
     : domain_(domain),
       group_(std::move(group)),
       handlers_(std::move(handlers)),
@@ -19,7 +21,8 @@ StandbyChannel::StandbyChannel(Domain& domain, const std::string& label, std::st
         if (request.group() == group_) handlers_.request(from_idl(request));
       }) {
   const auto data = dds::StatusMask::data_available();
-  member_writer_ = domain.writer(kStandbyTopic, standby_writer_qos(strength), label);
+  const auto ownership = static_cast<std::int32_t>(since.nanoseconds / 1'000'000'000);
+  member_writer_ = domain.writer(kStandbyTopic, standby_writer_qos(ownership), label);
   note_writer_ = domain.writer(kStandbyNoteTopic, label);
   note_reader_ = domain.reader(kStandbyNoteTopic, &notes_, data);
   request_reader_ = domain.reader(kStandbyRequestTopic, &requests_, data);
@@ -72,6 +75,9 @@ void StandbyChannel::on_gone(const dds::InstanceHandle_t& writer) {
     if (found == bridges_.end()) return;
     bridge = found->second;
     bridges_.erase(found);
+    // What is given up is its life before, and it is here.
+    if (std::ranges::any_of(bridges_, [&](const auto& other) { return other.second == bridge; }))
+      return;
   }
   handlers_.lost(bridge);
 }

@@ -12,12 +12,12 @@
 
 #include "bridge/dds/domain.hpp"
 #include "bridge/dds/taker.hpp"
+#include "bridge/dds/topics/utc_mapping.hpp"
 #include "bridge/standby/standby_values.hpp"
 #include "idl/topics.h"
 
 namespace fieldcast {
 
-// All but the handlers: which group, and how strong its writer is.
 struct StandbyChannelHandlers {
   std::function<void(const StandbyMessage&)> member;    // of the group
   std::function<void(const std::string& bridge)> lost;  // it has left the domain
@@ -27,8 +27,10 @@ struct StandbyChannelHandlers {
 
 class StandbyChannel {
  public:
-  // Throws DdsError.
-  StandbyChannel(Domain& domain, const std::string& label, std::string group, std::int32_t strength,
+  // `since`: when the member begins. Of two writers of one name the one that began later is heard:
+  // DDS gives up a member that was killed only after its lease, and never where a discovery server
+  // has begun anew meanwhile. Throws DdsError.
+  StandbyChannel(Domain& domain, const std::string& label, std::string group, UtcTime since,
                  StandbyChannelHandlers handlers);
   ~StandbyChannel();  // close()
   StandbyChannel(const StandbyChannel&) = delete;

@@ -37,7 +37,7 @@ class PlayedMember {
                  {[this](const idl::CommandResult& result) { on_result(result); }, {}, {}}),
         commands_(domain_.writer(kCommandTopic, command_writer_qos(60s), "plant-system")),
         actions_(domain_.writer(kAlarmActionTopic, alarm_action_writer_qos(10s), "plant-system")),
-        channel_(domain_, "played", "g", 9,
+        channel_(domain_, "played", "g", UtcTime{1},
                  {[this](const StandbyMessage& message) { on_member(message); },
                   [](const std::string&) {}, [this](const StandbyNote& note) { on_note(note); },
                   [](const StandbyRequest&) {}}),

@@ -61,7 +61,7 @@ class Third {
   }
 
   Domain outside_;
-  StandbyChannel channel_{outside_, "third", "g", 0, nobody()};
+  StandbyChannel channel_{outside_, "third", "g", UtcTime{1}, nobody()};
   StandbyMessage told_;
   std::atomic<std::uint64_t> epoch_{0};
   Taker<idl::SampleBlock> taker_{[this](const idl::SampleBlock& block, const dds::SampleInfo&) {
