@@ -23,17 +23,26 @@ CommandResult unfinished(const std::string& requester, std::uint64_t request_id,
 
 }  // namespace
 
-// Commands that the old master has not answered.
-void Bridge::State::finish_commands() {
-  const UtcMapping now = read_clocks();
-  auto left = standby.commands.take_over(now.instant);
-  for (const auto& [bus, key] : left.begun) {
-    commands.answered_elsewhere(key.first, key.second, now.instant);
-    answer_held(bus, unfinished(key.first, key.second, true, now.instant));
-  }
+// Commands that the old master has not begun.
+void Bridge::State::run_held() {
+  const Instant now = steady_now();
+  for (Standby::HeldCommand& held : standby.commands.take_over(now))
+    run_command(held.bus, std::move(held.command));
+  for (const AlarmAction& action : standby.actions.take_over(now)) run_action(action);
+}
+
+// Those that it had begun: their results may still be on their way.
+void Bridge::State::finish_begun() {
+  (void)standby.wait_until(steady_now() + HeldCommands<Standby::HeldCommand>::kLastWords,
+                           [this] { return !standby.commands.waits(); });
+  auto left = standby.commands.give_up();
   for (Standby::HeldCommand& held : left.to_run) run_command(held.bus, std::move(held.command));
-  for (const AlarmAction& action : standby.actions.take_over(now.instant).to_run)
-    run_action(action);
+  const Instant now = steady_now();
+  for (const auto& [bus, key] : left.begun) {
+    commands.answered_elsewhere(key.first, key.second, now);
+    const CommandResult failed = unfinished(key.first, key.second, true, now);
+    if (!keep_late(bus, failed)) answer_held(bus, failed);
+  }
 }
 
 // At a waiting member: what the master may never have received.

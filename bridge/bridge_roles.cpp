@@ -26,7 +26,9 @@ void Standby::answered() {
 }
 
 void Standby::seen_answer(const std::string& requester, std::uint64_t request_id) {
+  const bool waits = commands.waits();
   commands.answered({requester, request_id});
+  if (waits) notify();
   actions.answered({requester, request_id});
 }
 

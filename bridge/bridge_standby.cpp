@@ -54,7 +54,10 @@ void Bridge::State::join_group() {
   handlers.changed = [this] { standby.notify(); };
   handlers.noted = [this](const StandbyNote& note) {
     const HeldCommands<Standby::HeldCommand>::Key key{note.requester, note.request_id};
-    if (note.kind == StandbyNoteKind::kReturned) return standby.commands.returned(key);
+    if (note.kind == StandbyNoteKind::kReturned) {
+      standby.commands.returned(key);
+      return standby.notify();
+    }
     standby.commands.begun(note.bus, key, steady_now() + std::chrono::minutes{1});
   };
   handlers.held = [this](const StandbyNote& note) { answer_unknown(note); };
@@ -208,8 +211,7 @@ void Bridge::State::promote() {
   const Duration running = steady_now() - begun;
   for (const std::string& bus : taken) link->publish_again(bus);
   const std::vector<StationAlarmStatus> alarms_of_master = follower->alarms();
-  finish_commands();
-  end_follower();
+  run_held();
   if (taken.empty()) {
     log_info(spec.name, fmt::format("is master of group {}", spec.standby->group));
   } else {
@@ -220,6 +222,8 @@ void Bridge::State::promote() {
                             number_of(standby.term), to_text(running)));
   }
   take_over_followed_alarms(taken, alarms_of_master);
+  finish_begun();
+  end_follower();
 }
 
 // Another one may have been master meanwhile, with numbers greater than those of this one.

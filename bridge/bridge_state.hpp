@@ -137,7 +137,8 @@ struct Bridge::State {
                                  const std::vector<StationAlarmStatus>& followed);
 
   // bridge_group_commands.cpp.
-  void finish_commands();
+  void run_held();
+  void finish_begun();
   void tell_held();
   void answer_unknown(const StandbyNote& held);
   void answer_held(const std::string& bus, const CommandResult& result);

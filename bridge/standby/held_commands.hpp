@@ -1,8 +1,9 @@
 // Commands at a waiting member of a standby group: it receives what the master receives, and holds
 // it until the result is seen. When it takes over it knows which ones are still to be run.
 //
-// Of a write that the master has begun nobody knows whether it took effect: it is answered as
-// failed, and never run again.
+// Of a write that the master has begun nobody knows whether it took effect. Its result may still be
+// on its way, or the word that it was given back; without either it is answered as failed, and
+// never run again.
 //
 // A command may have reached this member alone: it came while the group had no master, and another
 // one became master that was not there yet. So the master is told of what has no result for a
@@ -37,6 +38,9 @@ class HeldCommands {
   static constexpr std::size_t kMostAtOnce = 64;
   using Key = std::pair<std::string, std::uint64_t>;  // requester, request_id
 
+  // How long a new master waits for that.
+  static constexpr Duration kLastWords = std::chrono::milliseconds{250};
+
   struct Left {
     std::vector<Item> to_run;  // in the order in which they came
     struct Begun {
@@ -55,7 +59,7 @@ class HeldCommands {
   [[nodiscard]] bool hold(const std::string& bus, const Key& key, Item item, Instant expires,
                           Instant now) {
     const std::lock_guard lock(mutex_);
-    if (open_) return false;
+    if (open_ && !entries_.contains(key)) return false;
     expire(now);
     if (answered_.contains(key) || entries_.size() >= kMost) return true;
     Entry& entry = entries_[key];
@@ -84,7 +88,7 @@ class HeldCommands {
   }
   void answered(const Key& key) {
     const std::lock_guard lock(mutex_);
-    if (open_) return;
+    if (open_ && !entries_.contains(key)) return;
     entries_.erase(key);
     if (!answered_.insert(key).second) return;
     order_.push_back(key);
@@ -96,7 +100,7 @@ class HeldCommands {
   // This bridge is master, and nothing is held.
   [[nodiscard]] bool runs() const {
     const std::lock_guard lock(mutex_);
-    return open_;
+    return open_ && entries_.empty();
   }
   // What the master of this term is to be told of now: it may never have received it.
   [[nodiscard]] std::vector<Unanswered> unanswered(std::uint64_t term, Instant now) {
@@ -120,21 +124,29 @@ class HeldCommands {
     return found;
   }
 
-  // This bridge is master from here on: what is left, and nothing is held any more.
-  [[nodiscard]] Left take_over(Instant now) {
+  // This bridge is master from here on: what runs now. What was begun is waited for.
+  [[nodiscard]] std::vector<Item> take_over(Instant now) {
     const std::lock_guard lock(mutex_);
     expire(now);
     open_ = true;
-    std::map<std::uint64_t, Item> in_order;
+    return take_returned();
+  }
+  // After take_over(): something begun has neither a result nor been given back.
+  [[nodiscard]] bool waits() const {
+    const std::lock_guard lock(mutex_);
+    return open_ &&
+           std::ranges::any_of(entries_, [](const auto& each) { return each.second.begun; });
+  }
+  // kLastWords after take_over(), or when nothing is waited for any more: what was given back, and
+  // what nobody has answered. Nothing is held from here on.
+  [[nodiscard]] Left give_up() {
+    const std::lock_guard lock(mutex_);
     Left left;
-    for (auto& [key, entry] : entries_) {
-      if (entry.begun) {
-        left.begun.push_back({entry.bus, key});
-      } else if (entry.has_item) {
-        in_order.emplace(entry.number, std::move(entry.item));
-      }
+    if (!open_) return left;
+    left.to_run = take_returned();
+    for (const auto& [key, entry] : entries_) {
+      if (entry.begun) left.begun.push_back({entry.bus, key});
     }
-    for (auto& [number, item] : in_order) left.to_run.push_back(std::move(item));
     entries_.clear();
     return left;
   }
@@ -166,6 +178,18 @@ class HeldCommands {
     Instant tell_at = kNever;
     unsigned told = 0;  // to the master of term_
   };
+  std::vector<Item> take_returned() {
+    std::map<std::uint64_t, Item> in_order;
+    std::erase_if(entries_, [&](auto& each) {
+      auto& [key, entry] = each;
+      if (entry.begun) return false;
+      if (entry.has_item) in_order.emplace(entry.number, std::move(entry.item));
+      return true;
+    });
+    std::vector<Item> taken;
+    for (auto& [number, item] : in_order) taken.push_back(std::move(item));
+    return taken;
+  }
   void expire(Instant now) {
     if (now < look_) return;
     look_ = now + std::chrono::seconds{1};

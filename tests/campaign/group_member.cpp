@@ -48,7 +48,7 @@ void GroupMember::kill() {
   outside_.wire.close(index_);
   alive_ = serving_ = handing_over_ = false;
   election_.reset();
-  fit_since_ = joins_at_ = ready_at_ = leave_at_ = promote_by_ = release_by_ = kNever;
+  fit_since_ = joins_at_ = ready_at_ = leave_at_ = promote_by_ = give_up_at_ = release_by_ = kNever;
   inbox_.clear();
   waiting_.clear();
   late_.clear();
@@ -106,7 +106,7 @@ bool GroupMember::may_send(Instant now) const {
 Instant GroupMember::next_due() const {
   if (!alive_) return kNever;
   const Instant next =
-      std::min({joins_at_, leave_at_, ready_at_, release_by_, promote_by_,
+      std::min({joins_at_, leave_at_, ready_at_, release_by_, promote_by_, give_up_at_,
                 election_ ? std::min({next_tick_, next_beat_, next_look_}) : kNever});
   return std::max(next, stopped_until_);
 }
@@ -134,6 +134,7 @@ void GroupMember::on_time(Instant now) {
   follow_role(now);
   if (!election_) return;
   settle_notes(now);
+  finish_begun(now);
   if (next_look_ <= now) tell_held(now);
   if (next_beat_ <= now || std::exchange(beat_soon_, false)) {
     next_beat_ = now + Election::kBeat;
@@ -216,11 +217,12 @@ void GroupMember::promote(Instant now) {
   outside_.wire.master(index_).engine.inherit(inherited, now);
   outside_.wire.open(index_);
   publish_again(now);
-  finish_commands(now);
+  run_held(now);
 }
 
 // In order: what runs ends, then the bus is let go of.
 void GroupMember::release(Instant now) {
+  if (give_up_at_ != kNever) return;  // it has not taken over wholly
   if (!std::exchange(handing_over_, true)) {
     note("hands over");
     held_->stand_by();
@@ -241,7 +243,7 @@ void GroupMember::let_go_of_the_bus() {
 
 // Everything begins anew.
 void GroupMember::leave(Instant now) {
-  leave_at_ = promote_by_ = kNever;
+  leave_at_ = promote_by_ = give_up_at_ = kNever;
   fit_since_ = kNever;
   if (serving_) let_go_of_the_bus();
   StandbyMessage last = message(now);
@@ -269,7 +271,7 @@ void GroupMember::receive(const GroupMessage& message, Instant now) {
   } else if (const auto* block = std::get_if<GroupBlock>(&message)) {
     if (!serving_) follow(*block);
   } else if (const auto* result = std::get_if<CommandResult>(&message)) {
-    if (serving_) return;
+    if (serving_ && !held_->waits()) return;
     held_->answered({result->requester, result->request_id});
     answered_elsewhere({result->requester, result->request_id}, now);
   } else if (const auto* command = std::get_if<Command>(&message)) {

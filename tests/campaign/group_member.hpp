@@ -99,7 +99,8 @@ class GroupMember {
   void join(Instant now);
   void follow_role(Instant now);
   void promote(Instant now);
-  void finish_commands(Instant now);
+  void run_held(Instant now);
+  void finish_begun(Instant now);
   void release(Instant now);
   void leave(Instant now);
   void let_go_of_the_bus();
@@ -113,6 +114,8 @@ class GroupMember {
   void tell_held(Instant now);
   void answer_unknown(const StandbyNote& held, Instant now);
   void refuse(const Command& command, Cause cause, Instant now);
+  [[nodiscard]] static CommandResult unfinished(const Key& key, bool begun);
+  void answer(const CommandResult& result, Instant now);
   void complete(const CommandResult& result, Instant now);
 
   void publish(std::vector<Sample> samples, Instant now);
@@ -153,7 +156,8 @@ class GroupMember {
   bool serving_ = false, handing_over_ = false;
   StandbyTerm counted_ = 0;  // in which its samples count
   Instant counted_since_{};
-  Instant promoted_{}, promote_by_ = kNever, release_by_ = kNever, leave_at_ = kNever;
+  Instant promoted_{}, promote_by_ = kNever, give_up_at_ = kNever, release_by_ = kNever,
+                       leave_at_ = kNever;
   Followed followed_;  // as a waiting member; as master what it published
   std::uint64_t in_hand_ = 0;
   std::vector<CommandResult> late_;

@@ -14,18 +14,35 @@ constexpr Duration kLook = 1s;       // of the thread of roles
 
 }  // namespace
 
-void GroupMember::finish_commands(Instant now) {
-  auto left = held_->take_over(now);
-  for (const auto& begun : left.begun) {
-    CommandResult failed;
-    failed.requester = begun.key.first;
-    failed.request_id = begun.key.second;
-    failed.cause = Cause::kShutdown;
-    failed.reason = "the bridge that had begun it is gone";
-    answered_elsewhere(begun.key, now);
-    outside_.tell(failed);
-  }
+void GroupMember::run_held(Instant now) {
+  for (Command& command : held_->take_over(now)) run(std::move(command), now);
+  if (held_->waits()) give_up_at_ = now + HeldCommands<Command>::kLastWords;
+}
+
+// What the master before had begun.
+void GroupMember::finish_begun(Instant now) {
+  if (give_up_at_ == kNever || (held_->waits() && now < give_up_at_)) return;
+  give_up_at_ = kNever;
+  auto left = held_->give_up();
   for (Command& command : left.to_run) run(std::move(command), now);
+  for (const auto& [bus, key] : left.begun) {
+    answered_elsewhere(key, now);
+    answer(unfinished(key, true), now);
+  }
+}
+
+CommandResult GroupMember::unfinished(const Key& key, bool begun) {
+  CommandResult result;
+  std::tie(result.requester, result.request_id) = key;
+  result.state = begun ? CommandState::kFailed : CommandState::kRejected;
+  result.cause = begun ? Cause::kShutdown : Cause::kOffline;
+  result.reason = begun ? "the bridge that had begun it is gone" : "it did not reach the master";
+  return result;
+}
+
+void GroupMember::answer(const CommandResult& result, Instant now) {
+  if (!may_send(now)) return late_.push_back(result);
+  outside_.tell(result);
 }
 
 // As CommandRouter::answered_elsewhere().
@@ -87,15 +104,7 @@ void GroupMember::tell_held(Instant now) {
 void GroupMember::answer_unknown(const StandbyNote& held, Instant now) {
   if (election_->role() != StandbyRole::kMaster || !held_->runs()) return;
   if (!answered_elsewhere({held.requester, held.request_id}, now)) return;
-  const bool begun = held.kind == StandbyNoteKind::kBegun;
-  CommandResult result;
-  result.requester = held.requester;
-  result.request_id = held.request_id;
-  result.state = begun ? CommandState::kFailed : CommandState::kRejected;
-  result.cause = begun ? Cause::kShutdown : Cause::kOffline;
-  result.reason = begun ? "the bridge that had begun it is gone" : "it did not reach the master";
-  if (!may_send(now)) return late_.push_back(result);
-  outside_.tell(result);
+  answer(unfinished({held.requester, held.request_id}, held.kind == StandbyNoteKind::kBegun), now);
 }
 
 bool GroupMember::noted_by_all(std::uint64_t number, Instant now) const {
@@ -132,8 +141,7 @@ void GroupMember::complete(const CommandResult& result, Instant now) {
   if (handing_over_ && rejected && result.cause == Cause::kShutdown)
     return tell_note(StandbyNoteKind::kReturned, {result.requester, result.request_id}, ++written_);
   if (rejected && result.cause == Cause::kForeignMaster) return;
-  if (!may_send(now)) return late_.push_back(result);
-  outside_.tell(result);
+  answer(result, now);
 }
 
 }  // namespace fieldcast::test

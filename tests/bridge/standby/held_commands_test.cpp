@@ -26,7 +26,7 @@ TEST_F(HeldCommandsTest, WhatIsNotAnsweredRunsInTheOrderInWhichItCame) {
   hold(1);
   hold(2);
   held.answered({"mes", 1});
-  EXPECT_THAT(held.take_over(kNow).to_run, ElementsAre("3", "2"));
+  EXPECT_THAT(held.take_over(kNow), ElementsAre("3", "2"));
 }
 
 TEST_F(HeldCommandsTest, WhatTheMasterHasBegunIsNeverRunAgain) {
@@ -36,7 +36,10 @@ TEST_F(HeldCommandsTest, WhatTheMasterHasBegunIsNeverRunAgain) {
   hold(2);
   held.begun("bus", {"mes", 3}, kSoon);
   held.answered({"mes", 3});
-  const auto left = held.take_over(kNow);
+  EXPECT_THAT(held.take_over(kNow), IsEmpty());
+  EXPECT_TRUE(held.waits());
+  const auto left = held.give_up();
+  EXPECT_FALSE(held.waits());
   EXPECT_THAT(left.to_run, IsEmpty());
   ASSERT_EQ(left.begun.size(), 2u);
   EXPECT_EQ(left.begun[0].key.second, 1u);
@@ -48,18 +51,36 @@ TEST_F(HeldCommandsTest, WhatTheMasterGivesBackRuns) {
   hold(1);
   held.begun("bus", {"mes", 1}, kSoon);
   held.returned({"mes", 1});
-  EXPECT_THAT(held.take_over(kNow).to_run, ElementsAre("1"));
+  EXPECT_THAT(held.take_over(kNow), ElementsAre("1"));
+}
+
+// The word of a master that has handed over may overtake its last results.
+TEST_F(HeldCommandsTest, ANewMasterWaitsForWhatTheOneBeforeHasBegun) {
+  for (const std::uint64_t id : {1, 2, 3}) hold(id);
+  for (const std::uint64_t id : {1, 2, 3, 4}) held.begun("bus", {"mes", id}, kSoon);
+  EXPECT_THAT(held.take_over(kNow), IsEmpty());
+  held.answered({"mes", 1});
+  held.returned({"mes", 2});
+  EXPECT_TRUE(held.waits());
+  EXPECT_TRUE(held.hold("bus", {"mes", 4}, "4", kSoon, kNow)) << "it comes late, and was begun";
+  EXPECT_FALSE(held.hold("bus", {"mes", 5}, "5", kSoon, kNow));
+  const auto left = held.give_up();
+  EXPECT_THAT(left.to_run, ElementsAre("2"));
+  ASSERT_EQ(left.begun.size(), 2u);
+  EXPECT_EQ(left.begun[0].key.second, 3u);
+  EXPECT_EQ(left.begun[1].key.second, 4u);
+  EXPECT_FALSE(held.waits());
 }
 
 TEST_F(HeldCommandsTest, AnAnswerMayComeBeforeItsCommand) {
   held.answered({"mes", 1});
   hold(1);
-  EXPECT_THAT(held.take_over(kNow).to_run, IsEmpty());
+  EXPECT_THAT(held.take_over(kNow), IsEmpty());
 }
 
 TEST_F(HeldCommandsTest, WhatIsTooOldIsForgotten) {
   hold(1);
-  EXPECT_THAT(held.take_over(kSoon + Held::kLonger).to_run, IsEmpty());
+  EXPECT_THAT(held.take_over(kSoon + Held::kLonger), IsEmpty());
 }
 
 // Their results may have been told while it could not hear.
@@ -71,9 +92,8 @@ TEST_F(HeldCommandsTest, WhoJoinsOnceMoreRunsNothingOfBefore) {
   hold(3);
   EXPECT_EQ(held.size(), 0u) << "what was heard stays heard";
   hold(4);
-  const auto left = held.take_over(kNow);
-  EXPECT_THAT(left.to_run, ElementsAre("4"));
-  EXPECT_THAT(left.begun, IsEmpty());
+  EXPECT_THAT(held.take_over(kNow), ElementsAre("4"));
+  EXPECT_THAT(held.give_up().begun, IsEmpty());
 }
 
 // The master of term 1 may never have received it.
