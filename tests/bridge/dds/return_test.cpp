@@ -3,6 +3,7 @@
 // (lossy_receive.hpp).
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <optional>
 
 #include "tests/bridge/dds/dds_support.hpp"
@@ -69,6 +70,9 @@ TEST(CutNetwork, WhatHasNotChangedIsThereAgain) {
   Station station(loopback(), "watcher");
   station.subscribe_channels([&](const StationChannel&) { came.add("channel"); },
                              [&](auto&, auto&, auto&) { gone.add("channel"); });
+  std::atomic<std::uint64_t> sequence{0};
+  station.subscribe_samples([&](const StationSample& sample) { sequence = sample.sequence; },
+                            [](auto&, auto&, auto&) {});
   station.subscribe_read_plans([&](const StationReadPlan&) { came.add("plan"); },
                                [&](const std::string&) { gone.add("plan"); });
   station.subscribe_alarm_status([&](const StationAlarmStatus&) { came.add("alarm status"); },
@@ -85,6 +89,10 @@ TEST(CutNetwork, WhatHasNotChangedIsThereAgain) {
   EXPECT_TRUE(soon([&] { return gone.lacking(all).empty(); })) << gone.lacking(all);
   bench::lose(0);
   EXPECT_TRUE(soon([&] { return came.lacking(all).empty(); })) << came.lacking(all);
+  // Samples come, too, by a reader that is made anew: each of them or the last one.
+  for (std::uint64_t next = 1; next <= 3; ++next)
+    link.publish(bus, std::vector{good(0, 0.5, next)}, both_clocks());
+  EXPECT_TRUE(eventually([&] { return sequence == 3; }));
 }
 
 }  // namespace
