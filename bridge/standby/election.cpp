@@ -173,7 +173,9 @@ void Election::on_time(Instant now) {
     alone_since_ = now - kLease;
   }
   heed_readers(now);
-  if (own_.role == StandbyRole::kMaster && greatest_ > own_.term) take_over();  // a later term
+  const bool in_doubt = now < doubt_until_;  // it listens first
+  if (own_.role == StandbyRole::kMaster && greatest_ > own_.term && !in_doubt)
+    take_over();  // a later term
   if (own_.role == StandbyRole::kHandingOver && !is_alive(own_.successor, now)) {
     own_.role = StandbyRole::kMaster;  // the successor is gone
     own_.successor.clear();

@@ -68,6 +68,33 @@ TEST(Election, ATermForReadersIsAboveThoseThatAMemberOutOfSightTook) {
   EXPECT_GT(number_of(group.of(a).term()), others);
 }
 
+TEST(Election, AMasterThatStoodStillListensBeforeItTakesALaterTerm) {
+  Instant now{1h};
+  StandbyMember own, other;
+  own.bridge = "a";
+  Election a(own, now);
+  a.set_not_ready("");
+  const auto pass = [&](Duration time) {
+    for (const Instant end = now + time; now < end; now += Election::kTick) a.on_time(now);
+  };
+  other.bridge = "b";
+  other.since = other.beat = 1;
+  other.not_ready = "it has just begun";
+  a.receive(other, now);
+  pass(3s);
+  ASSERT_TRUE(a.serves(now));
+  const auto first = a.term();
+  now += 4s;  // b began anew, and was master perhaps
+  other.since = 2;
+  a.receive(other, now);
+  a.on_time(now);
+  EXPECT_FALSE(a.serves(now));
+  EXPECT_EQ(a.term(), first);
+  pass(Election::kListen + Election::kTick);
+  EXPECT_TRUE(a.serves(now));
+  EXPECT_GT(a.term(), first);
+}
+
 TEST(Election, WhoIsSeenToEndIsNotOutOfSight) {
   Group group(1);
   const auto a = group.add("a", 2);
