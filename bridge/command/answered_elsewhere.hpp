@@ -1,6 +1,6 @@
 // Commands that another bridge of the standby group has answered in the last seconds, or the master
-// in the place of one that is gone. Such a command may still be on its way to the master: it has
-// its result, and gets no second one.
+// in the place of one that is gone; or those that another one has begun. Such a command may still
+// be on its way to the master: it has its result, or its run, and gets no second one.
 //
 // Pure; one owner, who guards it. Nothing can fail; when it is full, the oldest is forgotten.
 #pragma once
@@ -26,6 +26,9 @@ class AnsweredElsewhere {
     forget(now);
     if (!keys_.insert(key).second) return;
     order_.emplace_back(key, now);
+  }
+  void remove(const Key& key) {
+    if (keys_.erase(key) > 0) std::erase_if(order_, [&](const auto& e) { return e.first == key; });
   }
   [[nodiscard]] bool lately(const Key& key, Instant now) {
     forget(now);

@@ -84,8 +84,8 @@ void CommandRouter::on_identity(const std::string& bus, Command command, Identit
         break;
       case Identity::kNotNoted:
         result = rejection(command, Cause::kOffline,
-                           "the other bridges of the standby group did not note it in time, which "
-                           "keeps commands from running twice",
+                           "the other bridges of the standby group did not note it in time, or one "
+                           "of them has begun it: commands do not run twice",
                            received);
         break;
     }

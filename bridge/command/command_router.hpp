@@ -22,7 +22,7 @@ class CommandRouter {
     kNew,       // kept from now on
     kKnown,     // kept before
     kNotKept,   // the store did not take it
-    kNotNoted,  // not all bridges of the standby group have noted it
+    kNotNoted,  // not all bridges of the standby group have noted it, or another one has begun it
   };
   // Keeps the identity of a write so that it outlives this process, then calls `kept` once, on any
   // thread.

@@ -84,6 +84,24 @@ void StandbyGroup::on_member(const StandbyMessage& message) {
   wake();
 }
 
+// Another one was master while this one stood still, and has begun a write that waits here, or that
+// has not come yet. It must not run twice.
+void StandbyGroup::give_up_begun(const StandbyNote& note) {
+  const AnsweredElsewhere::Key key{note.requester, note.request_id};
+  std::vector<std::function<void(bool)>> given_up;
+  {
+    const std::lock_guard lock(mutex_);
+    if (note.kind == StandbyNoteKind::kReturned) return begun_elsewhere_.remove(key);
+    begun_elsewhere_.note(key, steady_now());
+    std::erase_if(waiting_, [&](Waiting& each) {
+      if (AnsweredElsewhere::Key{each.note.requester, each.note.request_id} != key) return false;
+      given_up.push_back(std::move(each.done));
+      return true;
+    });
+  }
+  for (const auto& done : given_up) done(false);
+}
+
 void StandbyGroup::on_lost(const std::string& bridge) {
   {
     const std::lock_guard lock(mutex_);
@@ -99,6 +117,7 @@ void StandbyGroup::on_note(const StandbyNote& note) {
     return;
   }
   handlers_.noted(note);
+  give_up_begun(note);
   {
     const std::lock_guard lock(mutex_);
     if (note.term < noted_term_) return;
@@ -203,14 +222,17 @@ void StandbyGroup::begin(const std::string& bus, const std::string& requester,
     {
       const std::lock_guard lock(mutex_);
       const Instant now = steady_now();
+      room = !begun_elsewhere_.lately({requester, request_id}, now);
       note.term = election_.term();
-      note.number = ++written_;
-      if (!noted_by_all(note.number, now)) {
+      if (room) note.number = ++written_;
+      // Who stood still may have missed another master.
+      const bool sure = others_.empty() || election_.serves(now);
+      if (room && !(sure && noted_by_all(note.number, now))) {
         room = waiting_.size() < kMostWaiting && !ending_;
         if (room) waiting_.push_back({note, now + kNoteLimit, std::exchange(done, {})});
       }
     }
-    handlers_.note(note);
+    if (note.number != 0) handlers_.note(note);
   }
   if (done) done(room);
 }

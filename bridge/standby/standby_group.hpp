@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "bridge/base/file_descriptor.hpp"
+#include "bridge/command/answered_elsewhere.hpp"
 #include "bridge/standby/master_lease.hpp"
 #include "bridge/standby/standby_values.hpp"
 
@@ -64,7 +65,8 @@ class StandbyGroup {
   void follows(std::uint64_t sequence);
 
   // Before a write goes to its bus: the others note that it begins. `done` is called once, on any
-  // thread; false: not all have noted it in time, and it must not run. Only as master.
+  // thread; false: not all have noted it in time, or another one has begun it, and it must not run.
+  // Only as master.
   void begin(const std::string& bus, const std::string& requester, std::uint64_t request_id,
              std::function<void(bool noted)> done);
   // A write that was begun had no effect: the successor runs it.
@@ -103,6 +105,7 @@ class StandbyGroup {
     FileDescriptor handle;  // readable when it has ended
   };
   void run();
+  void give_up_begun(const StandbyNote& note);
   // REQUIRES for those that follow: mutex_ held.
   void follow_role();
   [[nodiscard]] StandbyMessage message(Instant now);
@@ -124,6 +127,7 @@ class StandbyGroup {
   std::map<std::string, StandbyMessage> others_;
   std::map<std::string, Process> processes_;
   std::vector<Waiting> waiting_;
+  AnsweredElsewhere begun_elsewhere_;
   std::uint64_t written_ = 0;  // of the present term, as master
   StandbyTerm noted_term_ = 0;
   std::uint64_t noted_ = 0;  // of the master's term

@@ -39,7 +39,7 @@ void GroupMember::start(Instant now) {
   stopped_until_ = kLongAgo;
   held_ = std::make_unique<HeldCommands<Command>>();
   ledger_ = std::make_unique<CommandLedger>();
-  elsewhere_ = {};
+  elsewhere_ = begun_elsewhere_ = {};
   join(now);
 }
 
@@ -267,7 +267,7 @@ void GroupMember::receive(const GroupMessage& message, Instant now) {
     follow_role(now);
     if (election_) settle_notes(now);
   } else if (const auto* noted = std::get_if<StandbyNote>(&message)) {
-    noted->term == 0 ? answer_unknown(*noted, now) : on_note(*noted);
+    noted->term == 0 ? answer_unknown(*noted, now) : on_note(*noted, now);
   } else if (const auto* block = std::get_if<GroupBlock>(&message)) {
     if (!serving_) follow(*block);
   } else if (const auto* result = std::get_if<CommandResult>(&message)) {
@@ -294,8 +294,9 @@ void GroupMember::remain_master(Instant now) {
               each.number);
 }
 
-void GroupMember::on_note(const StandbyNote& note) {
+void GroupMember::on_note(const StandbyNote& note, Instant now) {
   const Key key{note.requester, note.request_id};
+  give_up_begun(note, now);
   if (note.kind == StandbyNoteKind::kReturned)
     held_->returned(key);
   else if (outside_.sabotage != GroupSabotage::kTwoRuns)

@@ -121,7 +121,8 @@ class GroupMember {
   void publish(std::vector<Sample> samples, Instant now);
   void remain_master(Instant now);
   void follow(const GroupBlock& block);
-  void on_note(const StandbyNote& note);
+  void on_note(const StandbyNote& note, Instant now);
+  void give_up_begun(const StandbyNote& note, Instant now);
   [[nodiscard]] StandbyMessage message(Instant now);
   void note(const std::string& text) const { outside_.note(name_ + " " + text); }
   [[nodiscard]] Duration between(Duration least, Duration most);
@@ -141,6 +142,7 @@ class GroupMember {
   std::unique_ptr<HeldCommands<Command>> held_;
   std::unique_ptr<CommandLedger> ledger_;
   AnsweredElsewhere elsewhere_;
+  AnsweredElsewhere begun_elsewhere_;
 
   // The group.
   std::map<std::string, StandbyMessage> others_;

@@ -80,6 +80,7 @@ void GroupMember::tell_note(StandbyNoteKind kind, const Key& key, std::uint64_t 
 // Before a write runs, all who could take over have noted that it begins.
 void GroupMember::begin(Command command, Instant now) {
   const Key key{command.requester, command.request_id};
+  if (begun_elsewhere_.lately(key, now)) return refuse(command, Cause::kOffline, now);
   waiting_.push_back({++written_, now + kNoteLimit, std::move(command)});
   tell_note(StandbyNoteKind::kBegun, key, written_);
   settle_notes(now);
@@ -105,6 +106,20 @@ void GroupMember::answer_unknown(const StandbyNote& held, Instant now) {
   if (election_->role() != StandbyRole::kMaster || !held_->runs()) return;
   if (!answered_elsewhere({held.requester, held.request_id}, now)) return;
   answer(unfinished({held.requester, held.request_id}, held.kind == StandbyNoteKind::kBegun), now);
+}
+
+// As StandbyGroup::give_up_begun().
+void GroupMember::give_up_begun(const StandbyNote& note, Instant now) {
+  const Key key{note.requester, note.request_id};
+  if (note.kind == StandbyNoteKind::kReturned) return begun_elsewhere_.remove(key);
+  begun_elsewhere_.note(key, now);
+  std::vector<Command> given_up;
+  std::erase_if(waiting_, [&](Waiting& each) {
+    if (Key{each.command.requester, each.command.request_id} != key) return false;
+    given_up.push_back(std::move(each.command));
+    return true;
+  });
+  for (const Command& command : given_up) refuse(command, Cause::kOffline, now);
 }
 
 bool GroupMember::noted_by_all(std::uint64_t number, Instant now) const {
