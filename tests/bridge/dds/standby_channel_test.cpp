@@ -54,7 +54,11 @@ TEST(StandbyChannel, AMemberThatBeganAnewIsHeardBeforeItsLifeBeforeIsGivenUp) {
   Member listener("listener", 1 * kSecond);
   Member one("a", 100 * kSecond), other("a", 200 * kSecond);
   Member third("b", 200 * kSecond), fourth("b", 100 * kSecond);
-  for (const auto& [before, now] : {std::pair{&one, &other}, std::pair{&fourth, &third}}) {
+  struct Lives {
+    Member *before, *now;
+  };
+  for (const Lives& lives : {Lives{&one, &other}, Lives{&fourth, &third}}) {
+    Member *const before = lives.before, *const now = lives.now;
     const std::string name = now->told.member.bridge;
     EXPECT_TRUE(eventually([&] {
       before->tell();
