@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "bridge/bus/bus_runner.hpp"
-#include "bridge/command/answered_elsewhere.hpp"
+#include "bridge/command/recent_commands.hpp"
 #include "core/bus/command_ledger.hpp"
 #include "core/model/command.hpp"
 
@@ -57,7 +57,7 @@ class CommandRouter {
 
   std::mutex mutex_;
   CommandLedger ledger_;
-  AnsweredElsewhere elsewhere_;
+  RecentCommands elsewhere_;
   std::map<std::string, std::shared_ptr<BusRunner>, std::less<>> runners_;
   Keep keep_;
   Refused refused_;

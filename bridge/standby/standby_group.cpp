@@ -87,14 +87,14 @@ void StandbyGroup::on_member(const StandbyMessage& message) {
 // Another one was master while this one stood still, and has begun a write that waits here, or that
 // has not come yet. It must not run twice.
 void StandbyGroup::give_up_begun(const StandbyNote& note) {
-  const AnsweredElsewhere::Key key{note.requester, note.request_id};
+  const RecentCommands::Key key{note.requester, note.request_id};
   std::vector<std::function<void(bool)>> given_up;
   {
     const std::lock_guard lock(mutex_);
     if (note.kind == StandbyNoteKind::kReturned) return begun_elsewhere_.remove(key);
     begun_elsewhere_.note(key, steady_now());
     std::erase_if(waiting_, [&](Waiting& each) {
-      if (AnsweredElsewhere::Key{each.note.requester, each.note.request_id} != key) return false;
+      if (RecentCommands::Key{each.note.requester, each.note.request_id} != key) return false;
       given_up.push_back(std::move(each.done));
       return true;
     });
@@ -216,25 +216,25 @@ StandbyMessage StandbyGroup::message(Instant now) {
 void StandbyGroup::begin(const std::string& bus, const std::string& requester,
                          std::uint64_t request_id, std::function<void(bool)> done) {
   StandbyNote note{group_, own_name_, 0, 0, StandbyNoteKind::kBegun, bus, requester, request_id};
-  bool room = true;
+  bool may_run = true;
   {
     const std::lock_guard one(noting_);
     {
       const std::lock_guard lock(mutex_);
       const Instant now = steady_now();
-      room = !begun_elsewhere_.lately({requester, request_id}, now);
+      may_run = !begun_elsewhere_.lately({requester, request_id}, now);
       note.term = election_.term();
-      if (room) note.number = ++written_;
+      if (may_run) note.number = ++written_;
       // Who stood still may have missed another master.
       const bool sure = others_.empty() || election_.serves(now);
-      if (room && !(sure && noted_by_all(note.number, now))) {
-        room = waiting_.size() < kMostWaiting && !ending_;
-        if (room) waiting_.push_back({note, now + kNoteLimit, std::exchange(done, {})});
+      if (may_run && !(sure && noted_by_all(note.number, now))) {
+        may_run = waiting_.size() < kMostWaiting && !ending_;
+        if (may_run) waiting_.push_back({note, now + kNoteLimit, std::exchange(done, {})});
       }
     }
     if (note.number != 0) handlers_.note(note);
   }
-  if (done) done(room);
+  if (done) done(may_run);
 }
 
 void StandbyGroup::give_back(const std::string& bus, const std::string& requester,

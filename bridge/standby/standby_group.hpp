@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "bridge/base/file_descriptor.hpp"
-#include "bridge/command/answered_elsewhere.hpp"
+#include "bridge/command/recent_commands.hpp"
 #include "bridge/standby/master_lease.hpp"
 #include "bridge/standby/standby_values.hpp"
 
@@ -127,7 +127,7 @@ class StandbyGroup {
   std::map<std::string, StandbyMessage> others_;
   std::map<std::string, Process> processes_;
   std::vector<Waiting> waiting_;
-  AnsweredElsewhere begun_elsewhere_;
+  RecentCommands begun_elsewhere_;
   std::uint64_t written_ = 0;  // of the present term, as master
   StandbyTerm noted_term_ = 0;
   std::uint64_t noted_ = 0;  // of the master's term

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "bridge/command/answered_elsewhere.hpp"
+#include "bridge/command/recent_commands.hpp"
 #include "bridge/publish/sample_hold.hpp"
 #include "bridge/standby/election.hpp"
 #include "bridge/standby/held_commands.hpp"
@@ -141,8 +141,8 @@ class GroupMember {
   std::optional<Election> election_;
   std::unique_ptr<HeldCommands<Command>> held_;
   std::unique_ptr<CommandLedger> ledger_;
-  AnsweredElsewhere elsewhere_;
-  AnsweredElsewhere begun_elsewhere_;
+  RecentCommands elsewhere_;
+  RecentCommands begun_elsewhere_;
 
   // The group.
   std::map<std::string, StandbyMessage> others_;

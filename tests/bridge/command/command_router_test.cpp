@@ -55,7 +55,7 @@ TEST_F(CommandRouterTest, ADuplicateIsRefusedAndNeverReachesTheBus) {
 }
 
 TEST_F(CommandRouterTest, WhatAnotherBridgeHasJustAnsweredGetsNoSecondResult) {
-  const Instant now = steady_now(), later = now + AnsweredElsewhere::kFor;
+  const Instant now = steady_now(), later = now + RecentCommands::kFor;
   EXPECT_TRUE(router.answered_elsewhere("test", 1, now));
   EXPECT_FALSE(router.answered_elsewhere("test", 1, now)) << "it was known";
   EXPECT_TRUE(router.was_answered_elsewhere(command(1), later - std::chrono::milliseconds{1}));

@@ -1,6 +1,7 @@
-// Commands that another bridge of the standby group has answered in the last seconds, or the master
-// in the place of one that is gone; or those that another one has begun. Such a command may still
-// be on its way to the master: it has its result, or its run, and gets no second one.
+// Which commands were seen in the last seconds. Two owners in a standby group keep one each: the
+// router those that were answered without it, the group the writes that another bridge has begun.
+// Such a command may still be on its way here: it has its result, or its run, and gets no second
+// one.
 //
 // Pure; one owner, who guards it. Nothing can fail; when it is full, the oldest is forgotten.
 #pragma once
@@ -15,7 +16,7 @@
 
 namespace fieldcast {
 
-class AnsweredElsewhere {
+class RecentCommands {
  public:
   // As long as DDS may take to deliver a command: a reader that is away for longer is given up.
   static constexpr Duration kFor = std::chrono::seconds{10};
