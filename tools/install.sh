@@ -97,8 +97,11 @@ show_progress() {
     END { if (terminal == "yes" && told != "") printf "\r\033[K" >"/dev/stderr" }'
 }
 
+# The status lines have a descriptor of their own: apt closes it for what it starts, and packages that say something while they are
+# set up would fail. sudo closes what is above 2, so it is opened behind it.
 apt_get() {
-  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -y -qq -o Dpkg::Use-Pty=0 -o APT::Status-Fd=1 "$@" 2>&1 |
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive sh -c 'exec apt-get "$@" 3>&1' \
+    apt-get -y -qq -o Dpkg::Use-Pty=0 -o APT::Status-Fd=3 "$@" 2>&1 |
     show_progress || { cat "$log" >&2; fail "'apt-get $*' failed, see above"; }
 }
 
