@@ -24,7 +24,11 @@ void Wire::launch(Flight flight) {
 Bytes Wire::send(const Send& with, Instant now) {
   assert(waiting());
   Asked& asked = flight_->asked;
-  if (flight_->tries == 0) flight_->started = now;
+  if (flight_->tries == 0)
+    flight_->started = now;
+  else
+    flight_->idle += now - free_at_;
+  looked_ = now;
   flight_->rest = with.rest;
   asked.context = with.context;
   strays_since_ = kNever;
@@ -38,13 +42,22 @@ Bytes Wire::send(const Send& with, Instant now) {
   return out;
 }
 
+// Who looks later than at the deadline stood still: that is no time of the device's.
+void Wire::look(Instant now) {
+  const Instant since = std::max(driver_.deadline(), looked_);
+  if (now > since) flight_->idle += now - since;
+  looked_ = now;
+}
+
 ExchangeDriver::Outcome Wire::on_bytes(ByteView bytes, Instant now, Bytes& out) {
+  look(now);
   const auto outcome = driver_.on_bytes(bytes, now, out);
   flight_->asked.sent_until = driver_.sent_until();
   return outcome;
 }
 
 ExchangeDriver::Outcome Wire::on_timer(Instant now, Bytes& out) {
+  look(now);
   const auto outcome = driver_.on_timer(now, out);
   flight_->asked.sent_until = driver_.sent_until();
   return outcome;
@@ -64,7 +77,8 @@ Wire::Ended Wire::conclude(bool done, Instant now) {
   ended.exchange = driver_.finish();
   // What ended it may have come before the request had left.
   free_at_ = std::max(now, driver_.sent_until()) + setup_.silence();
-  ended.spent = spent_ = free_at_ - flight_->started;
+  spent_ = free_at_ - flight_->started;
+  ended.spent = spent_ - flight_->idle;
   if (ended.cause == Cause::kNoAnswer || ended.cause == Cause::kTruncated)
     flight_->unanswered = true;
   return ended;

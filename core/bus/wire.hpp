@@ -26,6 +26,7 @@ struct Flight {
   std::size_t batch = 1;    // kCommand: how many commands the request carries
   Duration timeout{};       // kProbe: what can be spared
   Instant started{};        // the first try
+  Duration idle{};          // since then: between tries, and while this process stood still
   unsigned tries = 0;       // that failed
   bool unanswered = false;  // a try got no answer: what comes now may be it
   Duration rest{};          // between the device's last answer and the last try
@@ -45,7 +46,7 @@ class Wire {
     Cause cause = Cause::kNone;
     std::uint16_t device_code = 0;
     std::unique_ptr<Exchange> exchange;  // its reply, when done
-    Duration spent{};                    // wire time since the first try, with silences
+    Duration spent{};                    // wire time of all tries, with silences
   };
   struct Send {
     ExchangeContext context;
@@ -94,6 +95,8 @@ class Wire {
   [[nodiscard]] WireLoad::Shares shares(Instant now);
 
  private:
+  void look(Instant now);
+
   const BusSetup& setup_;
   ExchangeDriver driver_;
   std::optional<Flight> flight_;
@@ -101,7 +104,8 @@ class Wire {
   Instant strays_since_ = kNever;  // while they keep the wire from being free
   std::uint64_t exchanges_ = 0;
   WireLoad load_;
-  Duration spent_{};  // of the try that ended last
+  Duration spent_{};         // since the first try, when the last one ended
+  Instant looked_ = kNever;  // the last event of the exchange
 };
 
 }  // namespace fieldcast

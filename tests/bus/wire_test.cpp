@@ -68,7 +68,24 @@ TEST_F(WireTest, ARepeatedFlightKeepsItsStartAndKnowsThatItWasNotAnswered) {
   EXPECT_TRUE(wire_.flight().unanswered);
   EXPECT_EQ(wire_.flight().asked.sent_until, Instant{300ms} + setup_.line().characters(8));
   (void)wire_.on_bytes(kAnswer, Instant{330ms}, out_);
-  EXPECT_EQ(wire_.conclude(true, Instant{330ms}).spent, 330ms + setup_.silence());
+  EXPECT_EQ(wire_.conclude(true, Instant{330ms}).spent, ended.spent + 30ms + setup_.silence())
+      << "the wire was free between the tries";
+}
+
+// What a device costs is what follows from it: it is left alone for ten times as long.
+TEST_F(WireTest, TimeInWhichTheProcessStoodStillIsNotTheDevices) {
+  wire_.launch(read());
+  (void)send(Instant{});
+  const Instant deadline = wire_.driver().deadline();
+  ASSERT_EQ(wire_.on_timer(deadline + 4s, out_), Outcome::kFailed);
+  const Duration lost = wire_.conclude(false, deadline + 4s).spent;
+  EXPECT_EQ(lost, deadline - Instant{} + setup_.silence());
+  wire_.repeat();
+  (void)send(Instant{8s});
+  const Bytes broken{0x01, 0x03, 0x02, 0x00, 0x2A, 0x00, 0x00};
+  (void)wire_.on_bytes(broken, Instant{12s}, out_);
+  if (wire_.exchanging()) (void)wire_.on_timer(Instant{12s}, out_);
+  EXPECT_EQ(wire_.conclude(false, Instant{12s}).spent, 2 * lost) << "also before bytes that waited";
 }
 
 TEST_F(WireTest, ARefusalIsAnAnswer) {

@@ -78,6 +78,10 @@ INSTANTIATE_TEST_SUITE_P(ReachedOneMemberAlone, GroupDaysThatFailed,
                          testing::Values(Found{"modbus-rtu", 44, 1min},
                                          Found{"mitsubishi-fx", 576, 1min}),
                          seed_of);
+// A bridge stood still for 4 s while a device was asked, and left that device alone for ten times
+// as long.
+INSTANTIATE_TEST_SUITE_P(AskedWhileItStoodStill, GroupDaysThatFailed,
+                         testing::Values(Found{"s7-freeport", 16000010, 15min}), seed_of);
 
 // Within some days, of which others may find something else first.
 void expect_found(GroupSabotage what, const std::string& text) {
