@@ -58,14 +58,18 @@ void Bridge::State::tell_held() {
   tell(standby.actions.unanswered(view.term, steady_now()));
 }
 
-// At the master, on a thread of DDS. What this bridge knows has a result, or will have one; so has
-// what comes before it has taken over, and is told again.
+// At the master, on a thread of DDS. What this bridge knows has a result, which the other one has
+// not heard, or will have one; so has what comes before it has taken over, and is told again.
 void Bridge::State::answer_unknown(const StandbyNote& held) {
   if (!standby.commands.runs() || !standby.actions.runs()) return;
   // A requester counts its commands and its actions on alarms together.
   const bool command = commands.answered_elsewhere(held.requester, held.request_id, steady_now());
   const bool action = alarm_actions.answered_elsewhere(held.requester, held.request_id);
-  if (!command || !action) return;
+  if (!command || !action) {
+    if (standby.has_result(held.requester, held.request_id))
+      group->tell_answered(held.bus, held.requester, held.request_id);
+    return;
+  }
   const bool begun = held.kind == StandbyNoteKind::kBegun;
   const CommandResult result =
       unfinished(held.requester, held.request_id, begun, read_clocks().instant);
@@ -73,8 +77,15 @@ void Bridge::State::answer_unknown(const StandbyNote& held) {
   answer_held(held.bus, result);
 }
 
+// What another bridge has answered, as its result or the master tells.
+void Bridge::State::seen_answer(const std::string& requester, std::uint64_t request_id) {
+  standby.seen_answer(requester, request_id);
+  commands.answered_elsewhere(requester, request_id, steady_now());
+}
+
 void Bridge::State::answer_held(const std::string& bus, const CommandResult& result) {
   audit.answered(bus, result);
+  standby.note_result(result.requester, result.request_id);
   link->complete(bus, result, read_clocks());
 }
 
@@ -90,6 +101,7 @@ void Bridge::State::run_command(const std::string& bus, Command command) {
 
 void Bridge::State::run_action(const AlarmAction& action) {
   const UtcMapping now = read_clocks();
+  standby.note_result(action.requester, action.request_id);
   link->complete(action.alarm.bus, alarm_actions.take(action, now), now);
 }
 
@@ -125,7 +137,10 @@ bool Bridge::State::keeps_result(const std::string& bus, const CommandResult& re
 
 // Nobody knows at this moment who is master.
 bool Bridge::State::keep_late(const std::string& bus, const CommandResult& result) {
-  if (lease.holds()) return false;
+  if (lease.holds()) {
+    standby.note_result(result.requester, result.request_id);
+    return false;
+  }
   const std::lock_guard lock(standby.late_mutex);
   standby.late.emplace_back(bus, result);
   standby.notify();

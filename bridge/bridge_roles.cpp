@@ -30,6 +30,17 @@ void Standby::seen_answer(const std::string& requester, std::uint64_t request_id
   commands.answered({requester, request_id});
   if (waits) notify();
   actions.answered({requester, request_id});
+  note_result(requester, request_id);
+}
+
+void Standby::note_result(const std::string& requester, std::uint64_t request_id) {
+  const std::lock_guard lock(answered_mutex_);
+  with_result_.note({requester, request_id}, steady_now());
+}
+
+bool Standby::has_result(const std::string& requester, std::uint64_t request_id) {
+  const std::lock_guard lock(answered_mutex_);
+  return with_result_.lately({requester, request_id}, steady_now());
 }
 
 void Standby::start(std::function<bool()> look) {

@@ -17,6 +17,7 @@
 
 #include "bridge/bus/bus_runner.hpp"
 #include "bridge/bus/io_thread.hpp"
+#include "bridge/command/recent_commands.hpp"
 #include "bridge/publish/bus_output.hpp"
 #include "bridge/standby/election.hpp"
 #include "bridge/standby/held_commands.hpp"
@@ -46,6 +47,10 @@ struct Standby {
   void answered();
   // What the group tells of others.
   void seen_answer(const std::string& requester, std::uint64_t request_id);
+  // This bridge tells its result.
+  void note_result(const std::string& requester, std::uint64_t request_id);
+  // Either was a moment ago.
+  [[nodiscard]] bool has_result(const std::string& requester, std::uint64_t request_id);
 
   // The thread of roles: calls `look` when it was notified, and while that says so, soon again.
   void start(std::function<bool()> look);
@@ -79,6 +84,8 @@ struct Standby {
   std::uint64_t notified_ = 0;
   bool ending_ = false;
   std::thread thread_;
+  std::mutex answered_mutex_;
+  RecentCommands with_result_{HeldCommands<HeldCommand>::kAnswersFor};
 };
 
 }  // namespace fieldcast

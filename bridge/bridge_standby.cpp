@@ -53,6 +53,8 @@ void Bridge::State::join_group() {
   handlers.readers_came = [this] { return standby.readers_came.exchange(false); };
   handlers.changed = [this] { standby.notify(); };
   handlers.noted = [this](const StandbyNote& note) {
+    if (note.kind == StandbyNoteKind::kAnswered)
+      return seen_answer(note.requester, note.request_id);
     const HeldCommands<Standby::HeldCommand>::Key key{note.requester, note.request_id};
     if (note.kind == StandbyNoteKind::kReturned) {
       standby.commands.returned(key);
@@ -72,8 +74,7 @@ void Bridge::State::join_group() {
   follower = std::make_unique<StandbyFollower>(
       link->domain(), spec.buses,
       FollowerHandlers{[this](const std::string& requester, std::uint64_t request_id) {
-        standby.seen_answer(requester, request_id);
-        commands.answered_elsewhere(requester, request_id, steady_now());
+        seen_answer(requester, request_id);
       }});
   group->start();
 }

@@ -141,6 +141,7 @@ struct Bridge::State {
   void finish_begun();
   void tell_held();
   void answer_unknown(const StandbyNote& held);
+  void seen_answer(const std::string& requester, std::uint64_t request_id);
   void answer_held(const std::string& bus, const CommandResult& result);
   void run_command(const std::string& bus, Command command);
   void run_action(const AlarmAction& action);

@@ -1,7 +1,7 @@
-// Which commands were seen in the last seconds. Two owners in a standby group keep one each: the
-// router those that were answered without it, the group the writes that another bridge has begun.
-// Such a command may still be on its way here: it has its result, or its run, and gets no second
-// one.
+// Which commands were seen in the last seconds. In a standby group the router keeps those that were
+// answered without it, the group the writes that another bridge has begun: such a command may still
+// be on its way here, and it gets no second result, or run. The bridge keeps those that have their
+// result: another member may hold one, and not have heard that.
 //
 // Pure; one owner, who guards it. Nothing can fail; when it is full, the oldest is forgotten.
 #pragma once
@@ -23,6 +23,9 @@ class RecentCommands {
   static constexpr std::size_t kMost = 4096;
   using Key = std::pair<std::string, std::uint64_t>;  // requester, request_id
 
+  RecentCommands() = default;
+  explicit RecentCommands(Duration kept) : kept_(kept) {}
+
   void note(const Key& key, Instant now) {
     forget(now);
     if (!keys_.insert(key).second) return;
@@ -38,12 +41,13 @@ class RecentCommands {
 
  private:
   void forget(Instant now) {
-    while (!order_.empty() && (order_.front().second + kFor <= now || order_.size() >= kMost)) {
+    while (!order_.empty() && (order_.front().second + kept_ <= now || order_.size() >= kMost)) {
       keys_.erase(order_.front().first);
       order_.pop_front();
     }
   }
 
+  Duration kept_ = kFor;
   std::set<Key> keys_;
   std::deque<std::pair<Key, Instant>> order_;  // oldest first
 };

@@ -7,7 +7,7 @@
 //
 // A command may have reached this member alone: it came while the group had no master, and another
 // one became master that was not there yet. So the master is told of what has no result for a
-// while; it answers what it does not know. Any thread.
+// while; it answers what it does not know, and says of what has its result that it has. Any thread.
 #pragma once
 
 #include <algorithm>
@@ -36,6 +36,9 @@ class HeldCommands {
   static constexpr Duration kTellAfter = std::chrono::seconds{1};
   static constexpr unsigned kMostTold = 10;
   static constexpr std::size_t kMostAtOnce = 64;
+  // The master knows so long that a command has its result: whoever holds one may have received it
+  // late, and joined the group behind its result.
+  static constexpr Duration kAnswersFor = std::chrono::seconds{30};
   using Key = std::pair<std::string, std::uint64_t>;  // requester, request_id
 
   // How long a new master waits for that.

@@ -84,8 +84,8 @@ void StandbyGroup::on_member(const StandbyMessage& message) {
   wake();
 }
 
-// Another one was master while this one stood still, and has begun a write that waits here, or that
-// has not come yet. It must not run twice.
+// Another one was master while this one stood still, and has begun or answered a write that waits
+// here, or that has not come yet. It must not run twice.
 void StandbyGroup::give_up_begun(const StandbyNote& note) {
   const RecentCommands::Key key{note.requester, note.request_id};
   std::vector<std::function<void(bool)>> given_up;
@@ -254,6 +254,13 @@ void StandbyGroup::tell_held(const std::string& bus, const std::string& requeste
   const std::lock_guard one(noting_);
   const auto kind = begun ? StandbyNoteKind::kBegun : StandbyNoteKind::kReturned;
   handlers_.note({group_, own_name_, 0, 0, kind, bus, requester, request_id});
+}
+
+void StandbyGroup::tell_answered(const std::string& bus, const std::string& requester,
+                                 std::uint64_t request_id) {
+  const std::lock_guard one(noting_);
+  const auto kind = StandbyNoteKind::kAnswered;
+  handlers_.note({group_, own_name_, term(), 0, kind, bus, requester, request_id});
 }
 
 // Those under way, in the term that has just begun: the others count in it.

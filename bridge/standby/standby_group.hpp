@@ -75,6 +75,9 @@ class StandbyGroup {
   // As a waiting member: the master is told that this command has no result; `begun`: by a master.
   void tell_held(const std::string& bus, const std::string& requester, std::uint64_t request_id,
                  bool begun);
+  // As master: a waiting member holds this command, which has its result.
+  void tell_answered(const std::string& bus, const std::string& requester,
+                     std::uint64_t request_id);
 
   struct View {
     StandbyRole role = StandbyRole::kWaiting;

@@ -33,13 +33,14 @@ struct StandbyMessage {
 enum class StandbyNoteKind : std::uint8_t {
   kBegun,     // from here on the command may have an effect
   kReturned,  // it had none, and the successor is to run it
+  kAnswered,  // it has its result: told to a member that holds it and has not heard that
 };
 struct StandbyNote {
   std::string group, bridge;
   // 0: not by the master, but by a member that holds the command and hears no result. kBegun then
   // means that a master had begun it, kReturned that none has, as far as this member knows.
   StandbyTerm term = 0;
-  std::uint64_t number = 0;
+  std::uint64_t number = 0;  // 0: not of those that all members must have
   StandbyNoteKind kind = StandbyNoteKind::kBegun;
   std::string bus;
   std::string requester;

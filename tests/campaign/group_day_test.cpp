@@ -83,6 +83,10 @@ INSTANTIATE_TEST_SUITE_P(ReachedOneMemberAlone, GroupDaysThatFailed,
 INSTANTIATE_TEST_SUITE_P(AskedWhileItStoodStill, GroupDaysThatFailed,
                          testing::Values(Found{"s7-freeport", 16000010, 15min}), seed_of);
 
+// A member got a command behind its result, before it had joined.
+INSTANTIATE_TEST_SUITE_P(ReceivedBehindItsResult, GroupDaysThatFailed,
+                         testing::Values(Found{"modbus-ascii", 905, 30min}), seed_of);
+
 // Within some days, of which others may find something else first.
 void expect_found(GroupSabotage what, const std::string& text) {
   std::string found;

@@ -40,6 +40,7 @@ void GroupMember::start(Instant now) {
   held_ = std::make_unique<HeldCommands<Command>>();
   ledger_ = std::make_unique<CommandLedger>();
   elsewhere_ = begun_elsewhere_ = {};
+  with_result_ = RecentCommands{HeldCommands<Command>::kAnswersFor};
   join(now);
 }
 
@@ -187,7 +188,7 @@ void GroupMember::follow_role(Instant now) {
   if (serving_ && may_send(now)) {
     publish({}, now);  // what stayed here
     remain_master(now);
-    for (const CommandResult& result : std::exchange(late_, {})) outside_.tell(result);
+    for (const CommandResult& result : std::exchange(late_, {})) answer(result, now);
   }
 }
 
@@ -272,8 +273,7 @@ void GroupMember::receive(const GroupMessage& message, Instant now) {
     if (!serving_) follow(*block);
   } else if (const auto* result = std::get_if<CommandResult>(&message)) {
     if (serving_ && !held_->waits()) return;
-    held_->answered({result->requester, result->request_id});
-    answered_elsewhere({result->requester, result->request_id}, now);
+    seen_answer({result->requester, result->request_id}, now);
   } else if (const auto* command = std::get_if<Command>(&message)) {
     const Key key{command->requester, command->request_id};
     if (!held_->hold(spec_.name, key, *command, command->expires, now)) run(*command, now);
@@ -299,6 +299,8 @@ void GroupMember::on_note(const StandbyNote& note, Instant now) {
   give_up_begun(note, now);
   if (note.kind == StandbyNoteKind::kReturned)
     held_->returned(key);
+  else if (note.kind == StandbyNoteKind::kAnswered)
+    seen_answer(key, now);
   else if (outside_.sabotage != GroupSabotage::kTwoRuns)
     held_->begun(note.bus, key, outside_.wire.now() + 1min);
   if (note.term < noted_term_) return;

@@ -111,6 +111,7 @@ class GroupMember {
   [[nodiscard]] bool noted_by_all(std::uint64_t number, Instant now) const;
   void tell_note(StandbyNoteKind kind, const Key& key, std::uint64_t number);
   bool answered_elsewhere(const Key& key, Instant now);
+  void seen_answer(const Key& key, Instant now);
   void tell_held(Instant now);
   void answer_unknown(const StandbyNote& held, Instant now);
   void refuse(const Command& command, Cause cause, Instant now);
@@ -143,6 +144,7 @@ class GroupMember {
   std::unique_ptr<CommandLedger> ledger_;
   RecentCommands elsewhere_;
   RecentCommands begun_elsewhere_;
+  RecentCommands with_result_;
 
   // The group.
   std::map<std::string, StandbyMessage> others_;

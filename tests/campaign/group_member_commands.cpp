@@ -42,6 +42,7 @@ CommandResult GroupMember::unfinished(const Key& key, bool begun) {
 
 void GroupMember::answer(const CommandResult& result, Instant now) {
   if (!may_send(now)) return late_.push_back(result);
+  with_result_.note({result.requester, result.request_id}, now);
   outside_.tell(result);
 }
 
@@ -50,6 +51,13 @@ bool GroupMember::answered_elsewhere(const Key& key, Instant now) {
   const bool is_new = ledger_->enter(key.first, key.second);
   if (is_new) elsewhere_.note(key, now);
   return is_new;
+}
+
+// As Bridge::State::seen_answer().
+void GroupMember::seen_answer(const Key& key, Instant now) {
+  held_->answered(key);
+  answered_elsewhere(key, now);
+  with_result_.note(key, now);
 }
 
 void GroupMember::run(Command command, Instant now) {
@@ -104,8 +112,12 @@ void GroupMember::tell_held(Instant now) {
 
 void GroupMember::answer_unknown(const StandbyNote& held, Instant now) {
   if (election_->role() != StandbyRole::kMaster || !held_->runs()) return;
-  if (!answered_elsewhere({held.requester, held.request_id}, now)) return;
-  answer(unfinished({held.requester, held.request_id}, held.kind == StandbyNoteKind::kBegun), now);
+  const Key key{held.requester, held.request_id};
+  if (!answered_elsewhere(key, now)) {
+    if (with_result_.lately(key, now)) tell_note(StandbyNoteKind::kAnswered, key, 0);
+    return;
+  }
+  answer(unfinished(key, held.kind == StandbyNoteKind::kBegun), now);
 }
 
 // As StandbyGroup::give_up_begun().

@@ -310,4 +310,22 @@ std::optional<ProgramSessionState> from_idl(idl::SessionState value) {
   return std::nullopt;
 }
 
+idl::StandbyNoteKind to_idl(StandbyNoteKind value) {
+  switch (value) {
+    case StandbyNoteKind::kBegun: return idl::NOTE_BEGUN;
+    case StandbyNoteKind::kReturned: return idl::NOTE_RETURNED;
+    case StandbyNoteKind::kAnswered: return idl::NOTE_ANSWERED;
+  }
+  std::abort();
+}
+
+std::optional<StandbyNoteKind> from_idl(idl::StandbyNoteKind value) {
+  switch (value) {
+    case idl::NOTE_BEGUN: return StandbyNoteKind::kBegun;
+    case idl::NOTE_RETURNED: return StandbyNoteKind::kReturned;
+    case idl::NOTE_ANSWERED: return StandbyNoteKind::kAnswered;
+  }
+  return std::nullopt;
+}
+
 }  // namespace fieldcast

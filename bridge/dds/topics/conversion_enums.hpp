@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "bridge/standby/standby_values.hpp"
 #include "core/alarm/alarm_status.hpp"
 #include "core/base/quality.hpp"
 #include "core/model/command.hpp"
@@ -29,6 +30,7 @@ namespace idl = ::fieldcast_idl;
 [[nodiscard]] idl::AlarmStage to_idl(AlarmStage value);
 [[nodiscard]] idl::AlarmActionKind to_idl(AlarmActionKind value);
 [[nodiscard]] idl::SessionState to_idl(ProgramSessionState value);
+[[nodiscard]] idl::StandbyNoteKind to_idl(StandbyNoteKind value);
 
 // Nothing for a number that the IDL does not name, and for limits that are no alarm's.
 [[nodiscard]] std::optional<Quality> from_idl(idl::Quality value);
@@ -45,5 +47,6 @@ namespace idl = ::fieldcast_idl;
 [[nodiscard]] std::optional<AlarmStage> from_idl(idl::AlarmStage value);
 [[nodiscard]] std::optional<AlarmActionKind> from_idl(idl::AlarmActionKind value);
 [[nodiscard]] std::optional<ProgramSessionState> from_idl(idl::SessionState value);
+[[nodiscard]] std::optional<StandbyNoteKind> from_idl(idl::StandbyNoteKind value);
 
 }  // namespace fieldcast

@@ -1,6 +1,7 @@
 #include "bridge/dds/topics/conversion_standby.hpp"
 
 #include "bridge/dds/topics/conversion.hpp"
+#include "bridge/dds/topics/conversion_enums.hpp"
 #include "bridge/dds/topics/topics.hpp"
 
 namespace fieldcast {
@@ -65,21 +66,17 @@ void to_idl(const StandbyNote& note, idl::StandbyNote& out) {
   out.bridge() = cut_text(note.bridge, kMaxNameLength);
   out.term(note.term);
   out.number(note.number);
-  out.kind(note.kind == StandbyNoteKind::kBegun ? idl::NOTE_BEGUN : idl::NOTE_RETURNED);
+  out.kind(to_idl(note.kind));
   out.bus() = cut_text(note.bus, kMaxNameLength);
   out.requester() = cut_text(note.requester, kAskerBytes);
   out.request_id(note.request_id);
 }
 
 StandbyNote from_idl(const idl::StandbyNote& note) {
-  return {note.group().c_str(),
-          note.bridge().c_str(),
-          note.term(),
-          note.number(),
-          note.kind() == idl::NOTE_RETURNED ? StandbyNoteKind::kReturned : StandbyNoteKind::kBegun,
-          note.bus().c_str(),
-          note.requester().c_str(),
-          note.request_id()};
+  return {note.group().c_str(), note.bridge().c_str(), note.term(), note.number(),
+          // What a later version may say beside these does not run again.
+          from_idl(note.kind()).value_or(StandbyNoteKind::kBegun), note.bus().c_str(),
+          note.requester().c_str(), note.request_id()};
 }
 
 void to_idl(const StandbyRequest& request, idl::StandbyRequest& out) {

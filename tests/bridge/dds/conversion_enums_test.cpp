@@ -161,6 +161,15 @@ TEST(EnumConversion, AlarmActionKind) {
   expect_all(kRows);
 }
 
+TEST(EnumConversion, StandbyNoteKind) {
+  constexpr Row<StandbyNoteKind, idl::StandbyNoteKind> kRows[] = {
+      {StandbyNoteKind::kBegun, idl::NOTE_BEGUN, 0},
+      {StandbyNoteKind::kReturned, idl::NOTE_RETURNED, 1},
+      {StandbyNoteKind::kAnswered, idl::NOTE_ANSWERED, 2},
+  };
+  expect_all(kRows);
+}
+
 TEST(EnumConversion, ProgramSessionState) {
   constexpr Row<ProgramSessionState, idl::SessionState> kRows[] = {
       {ProgramSessionState::kOpen, idl::SESSION_OPEN, 0},

@@ -89,6 +89,11 @@ class PlayedMember {
     const std::lock_guard lock(mutex_);
     return told_;
   }
+  // What the bridge says of commands that have their result.
+  [[nodiscard]] std::set<std::uint64_t> answered() {
+    const std::lock_guard lock(mutex_);
+    return answered_;
+  }
   [[nodiscard]] std::vector<StationResult> results_of(std::uint64_t id) {
     const std::lock_guard lock(mutex_);
     return results_by_id_[id];
@@ -124,7 +129,9 @@ class PlayedMember {
   }
   void on_note(const StandbyNote& note) {
     const std::lock_guard lock(mutex_);
-    if (note.bridge != "real" || note.term != 0) return;
+    if (note.bridge != "real") return;
+    if (note.kind == StandbyNoteKind::kAnswered) answered_.insert(note.request_id);
+    if (note.term != 0) return;
     EXPECT_EQ(note.kind, StandbyNoteKind::kReturned) << "nobody has begun it";
     EXPECT_EQ(note.bus, "one");
     told_.insert(note.request_id);
@@ -135,7 +142,7 @@ class PlayedMember {
   }
 
   std::mutex mutex_;
-  std::set<std::uint64_t> told_;
+  std::set<std::uint64_t> told_, answered_;
   std::map<std::uint64_t, std::vector<StationResult>> results_by_id_;
   std::atomic<StandbyTerm> term_ = StandbyTerm{5} << 32;
   std::atomic<bool> ending_ = false;
@@ -214,6 +221,9 @@ TEST_F(HeldByMember, TellsTheMasterWhichAnswersWhatItDoesNotKnow) {
   EXPECT_EQ(begun.state, CommandState::kFailed);
   EXPECT_THAT(begun.reason, HasSubstr("unknown whether it took effect"));
   EXPECT_EQ(member.results_of(held).size(), 1U) << "it was known";
+  EXPECT_TRUE(within([&] {
+    return member.answered() == std::set{held, action};
+  })) << "who holds it may not have heard its result";
   EXPECT_EQ(member.results_of(action).size(), 1U);
   EXPECT_EQ(device.writes()[static_cast<std::uint16_t>(held)], 1);
 }

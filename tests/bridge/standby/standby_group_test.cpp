@@ -60,6 +60,20 @@ TEST_F(StandbyGroupTest, AWriteThatComesBehindTheWordThatAnotherOneHasBegunItDoe
   EXPECT_TRUE(told_.empty()) << "it does not begin here";
 }
 
+TEST_F(StandbyGroupTest, AWriteThatAnotherOneHasAnsweredDoesNotRunOnceMore) {
+  begin(7);
+  other_says(StandbyNoteKind::kAnswered, 7);
+  EXPECT_EQ(noted_, false);
+}
+
+TEST_F(StandbyGroupTest, AMemberIsToldOfWhatHasItsResult) {
+  group_.tell_answered("bus", "plant", 7);
+  ASSERT_EQ(told_.size(), 1u);
+  EXPECT_EQ(told_[0].kind, StandbyNoteKind::kAnswered);
+  EXPECT_EQ(told_[0].request_id, 7u);
+  EXPECT_EQ(told_[0].number, 0u) << "not all have to note it";
+}
+
 TEST_F(StandbyGroupTest, AWriteThatWasGivenBackRuns) {
   other_says(StandbyNoteKind::kBegun, 7);
   other_says(StandbyNoteKind::kReturned, 7);
