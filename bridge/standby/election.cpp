@@ -41,8 +41,7 @@ void Election::receive(const StandbyMember& member, Instant now) {
     if (member.since == other.before) return;  // of its life before
     if (member.since != other.told.since) {
       other.before = other.told.since;
-      if (unheard(other, now) && is_master(own_.role))
-        learn(StandbyTerm{above_unheard(other, now)} << 32);
+      if (unheard(other, now) && is_master(own_.role)) count_from(above_unheard(other, now));
     } else if (member.beat <= other.told.beat) {
       return;  // it came twice, or late
     }
@@ -55,11 +54,28 @@ void Election::receive(const StandbyMember& member, Instant now) {
   heed(member, now);
 }
 
-// A number above all that it may have had, or have heard of, since it was heard. It takes terms for
-// readers, too: no more in kForReaders than there are left out here.
+// A number above all that it may have had, or have heard of, since it was heard.
+//
+// Let `known` be the number when both sides of a cut heard each other last. Then no side has come
+// further than known + T / kTermTime + members, T later:
+//   - Each takeover adds one. Of M members there are no more than M + M * T / kSettle.
+//   - Who counts above members that it does not hear counts from this number here. Its own `known`
+//     is of an instant at which its side had not come further than that, and one is added for each
+//     kTermTime since: it comes to the same line. So there is nothing added that would grow with
+//     how often members begin anew.
+// Whoever counts from this number a while later than the last sample of the other side is above it:
+// by one for each kTermTime of that while. The two are for a member that took over as soon as it
+// could, and began anew at once.
 std::uint32_t Election::above_unheard(const Other& other, Instant now) {
-  const auto times = static_cast<std::uint32_t>((now - other.told_at) / kForReaders);
-  return number_of(other.known) + kUnheardTerms * (times + 1);
+  const auto grown = std::max<std::int64_t>(2, (now - other.told_at) / kTermTime);
+  return static_cast<std::uint32_t>(
+      std::min<std::int64_t>(number_of(other.known) + grown, kMostTerms));
+}
+
+// The next term has this number at least, and there is one if the present one is below.
+void Election::count_from(std::uint32_t number) {
+  if (number_of(greatest_) < number)
+    learn(StandbyTerm{std::max(number - 1, number_of(own_.term) + 1)} << 32);
 }
 
 void Election::readers_came(Instant now) {
@@ -80,7 +96,7 @@ void Election::heed_readers(Instant now) {
   if (now < next_for_readers_) return;
   readers_came_ = kNever;
   next_for_readers_ = now + kForReaders;
-  learn(StandbyTerm{std::max(number, number_of(greatest_) + 1)} << 32);
+  count_from(std::max(number, number_of(greatest_) + 1));
 }
 
 void Election::follows(std::uint64_t sequence) {

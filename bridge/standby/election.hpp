@@ -53,10 +53,10 @@ using StandbyTerm = std::uint64_t;
 // The samples of a term count from above this number: those of a later term have greater numbers
 // than all before, whatever the new master knows of them. Of 2^32 samples of a channel for each
 // number of a term; below 2^63, as databases want it.
+inline constexpr std::uint32_t kMostTerms = 0x7fffffff;
 [[nodiscard]] constexpr std::uint64_t sequences_of(StandbyTerm term) {
-  constexpr std::uint32_t kMost = 0x7fffffff;
   const std::uint32_t number = number_of(term);
-  return std::uint64_t{number == 0 ? 0 : (number <= kMost ? number : kMost) - 1} << 32;
+  return std::uint64_t{number == 0 ? 0 : (number <= kMostTerms ? number : kMostTerms) - 1} << 32;
 }
 
 // What a member tells the others.
@@ -89,9 +89,12 @@ class Election {
   static constexpr Duration kPatience = std::chrono::seconds{1};
   // A successor has so long to take over, then anybody may.
   static constexpr Duration kHandOver = std::chrono::seconds{1};
-  // More terms than there were while nobody heard a member that has begun anew since.
-  static constexpr std::uint32_t kUnheardTerms = 16;
-  // Who was cut off together with a reader is heard again within this time.
+  // Members that are out of sight count one number in this time, at most: a member takes over once
+  // in kSettle, and groups have up to kSettle / kTermTime members. What is counted above them goes
+  // as far as they may have come, and no further: above_unheard().
+  static constexpr Duration kTermTime = std::chrono::milliseconds{250};
+  // Who was cut off together with a reader is heard again within this time. It is also what a term
+  // for readers is ahead of those that they may have followed: 16 numbers.
   static constexpr Duration kReturn = std::chrono::seconds{4};
   // Between two terms that are taken for readers.
   static constexpr Duration kForReaders = std::chrono::seconds{10};
@@ -152,6 +155,7 @@ class Election {
     return !other.seen_to_end && now - other.told_at >= kLease;
   }
   [[nodiscard]] static std::uint32_t above_unheard(const Other& other, Instant now);
+  void count_from(std::uint32_t number);
   [[nodiscard]] bool alive(const Other& other, Instant now) const {
     return !other.lost && now - other.heard < kLease;
   }

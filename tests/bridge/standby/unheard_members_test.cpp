@@ -2,6 +2,9 @@
 // readers may have followed that one.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdlib>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -61,11 +64,113 @@ TEST(Election, ATermForReadersIsAboveThoseThatAMemberOutOfSightTook) {
   }
   group.run(Election::kForReaders);
   const auto others = number_of(group.of(b).term());
-  ASSERT_GT(others, number_of(group.of(a).term()) + Election::kUnheardTerms);
+  ASSERT_GT(others, number_of(group.of(a).term()) + 16);
   group.kill(b);
   group.of(a).readers_came(group.clock(group.node(a)));
   group.run(Election::kReturn + 1s);
   EXPECT_GT(number_of(group.of(a).term()), others);
+}
+
+// Those that a master does not hear die, begin anew, take over, hand over, and take terms above
+// each other and for their readers. FIELDCAST_SEEDS: how many times.
+class OutOfSight {
+ public:
+  explicit OutOfSight(std::uint64_t seed) : group_(seed), members_(pick(2, 4)) {
+    for (std::size_t i = 0; i < members_; ++i)
+      group_.add(std::string(1, static_cast<char>('a' + i)), i == 0 ? 9 : pick<int>(0, 3));
+    group_.run(2s);
+    for (std::size_t i = 1; i < members_; ++i) group_.part(0, i);
+  }
+  // The greatest number of a term in which one of them was master, ever.
+  std::uint32_t trouble(int times) {
+    std::uint32_t most = 0;
+    for (int i = 0; i < times; ++i) {
+      const auto any = pick<std::size_t>(1, members_ - 1);
+      if (!group_.node(any).election)
+        group_.restart(any);
+      else if (const int what = pick(0, 3); what == 0)
+        (void)group_.of(any).hand_over("", clock(any));
+      else if (what == 1)
+        group_.of(any).readers_came(clock(any));
+      else
+        group_.kill(any);
+      for (Duration left = std::chrono::milliseconds{pick(20, 1500)}; left > 0ms; left -= 20ms) {
+        group_.run(20ms);
+        for (std::size_t m = 1; m < members_; ++m) most = std::max(most, look(m));
+      }
+    }
+    for (std::size_t m = 1; m < members_; ++m) group_.kill(m);
+    return most;
+  }
+  Group& group() { return group_; }
+  Election& master() { return group_.of(0); }
+  [[nodiscard]] Instant clock(std::size_t index) { return group_.clock(group_.node(index)); }
+
+ private:
+  template <class T = int>
+  T pick(T least, T most) {
+    return std::uniform_int_distribution<T>(least, most)(group_.random());
+  }
+  // As the bridge: it hands over at once, and who has stepped back begins anew.
+  std::uint32_t look(std::size_t index) {
+    if (!group_.node(index).election) return 0;
+    Election& election = group_.of(index);
+    if (election.role() == StandbyRole::kHandingOver) election.released(clock(index));
+    const bool was_master = election.term() != 0;
+    if (was_master && election.role() == StandbyRole::kWaiting) group_.restart(index);
+    return number_of(group_.of(index).term());
+  }
+
+  Group group_;
+  std::size_t members_;
+};
+
+int seeds() {
+  const char* const wanted = std::getenv("FIELDCAST_SEEDS");
+  return wanted == nullptr ? 60 : std::atoi(wanted);
+}
+
+TEST(Election, ATermForReadersIsAboveAllThatWereTakenOutOfSight) {
+  for (int seed = 1; seed <= seeds(); ++seed) {
+    OutOfSight others(static_cast<std::uint64_t>(seed));
+    const auto most = others.trouble(5 + seed % 60);
+    others.master().readers_came(others.clock(0));
+    others.group().run(Election::kReturn + 1s);
+    ASSERT_GT(number_of(others.master().term()), most) << seed;
+  }
+}
+
+TEST(Election, WhoBeginsAnewIsCountedAboveWithAllThatItMayHaveHeardOf) {
+  for (int seed = 1; seed <= seeds(); ++seed) {
+    OutOfSight others(static_cast<std::uint64_t>(seed));
+    const auto most = others.trouble(5 + seed % 60);
+    others.group().run(1s);
+    others.group().heal();
+    others.group().restart(1);
+    others.group().run(1s);
+    ASSERT_GT(number_of(others.master().term()), most) << seed;
+  }
+}
+
+// However often members begin anew: four numbers a second, for 17 years.
+TEST(Election, NumbersGrowNoFasterThanTimePasses) {
+  Group group(1);
+  const auto a = group.add("a", 2);
+  const auto b = group.add("b", 1);
+  group.run(2s);
+  const auto first = number_of(group.of(a).term());
+  const Instant begun = group.now();
+  for (int lives = 0; lives < 100; ++lives) {
+    group.kill(b);
+    group.run(Election::kLease + std::chrono::milliseconds{400 + lives * 7});
+    group.restart(b);
+    group.run(200ms);
+  }
+  const auto grown = number_of(group.of(a).term()) - first;
+  EXPECT_GT(grown, 100u);
+  EXPECT_LE(grown, (group.now() - begun) / Election::kTermTime);
+  constexpr Duration kYear = 24h * 365;
+  EXPECT_GE(kMostTerms / (kYear / Election::kTermTime), 17);
 }
 
 TEST(Election, AMasterThatStoodStillListensBeforeItTakesALaterTerm) {
