@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "bridge/dds/joined_sending.hpp"
+#include "bridge/dds/participant_number.hpp"
 #include "bridge/dds/unregister_note.hpp"
 
 namespace fieldcast {
@@ -20,6 +21,14 @@ class NoteTransport : public PassingTransport {
   }
 
   bool on_message(const OutgoingMessage& message) override {
+    if (descriptor_.restarts != nullptr) {
+      const auto announcement = with_number_above_servers(message.bytes);
+      if (!announcement.empty()) {
+        OutgoingMessage raised = message;
+        raised.bytes = announcement;
+        return pass(raised);
+      }
+    }
     if (!holds_marks(message.bytes)) return pass(message);
     thread_local std::vector<std::uint8_t> copy;  // at most one message of the transport
     copy.assign(message.bytes.begin(), message.bytes.end());

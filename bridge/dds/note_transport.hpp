@@ -1,7 +1,8 @@
 // A transport over another one that turns marked messages into notes of unregistered instances
 // (unregister_note.hpp) as they leave, and joins what belongs together (joined_sending.hpp).
 // Everything else goes through as it is. With DDS Security, what comes passes an IncomingFilter;
-// with discovery servers, the library is told of those that started anew.
+// with discovery servers, the library is told of those that started anew, and what it announces to
+// them gets another number (participant_number.hpp).
 #pragma once
 
 #include <memory>

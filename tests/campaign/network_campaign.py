@@ -2,7 +2,9 @@
 
 usage: network_campaign.py --bin DIR [--seconds S] [--seed N] [--scenario NAME]..
 
-multicast, discovery-server, discovery-servers (two), and partition: a station is cut off for 12 s, and nothing else happens.
+multicast, discovery-server, discovery-servers (two), and two in which nothing else happens: partition: a station is cut off for 12 s;
+given-up: a bridge behind a discovery server is, and a station is killed meanwhile, so that it never acknowledges that the server has
+given the bridge up.
 
 Two bridges with a bus each, a third one that waits for the bus of the first, a standby pair with a third bus, a plant behind the network,
 two stations of ours, and one on Cyclone DDS (with discovery servers a third one of ours: Cyclone does not know those of Fast DDS). 5 % of the
@@ -54,7 +56,8 @@ PORTS = {"north": 1502, "south": 1503, "east": 1504}
 WANTED = {f"{bus}/unit/{name}" for bus in PORTS for name in ["setpoint"] + [f"c{i}" for i in range(12)]}
 PAIR = ("pair-1", "pair-2")  # a standby group
 BRIDGES = {"bridge-1": "north", "bridge-2": "south", "bridge-3": "north", "pair-1": "east", "pair-2": "east"}
-SERVERS = {"discovery-server": ["server-1"], "discovery-servers": ["server-1", "server-2"]}
+SERVERS = {"discovery-server": ["server-1"], "discovery-servers": ["server-1", "server-2"], "given-up": ["server-1"]}
+SCENARIOS = ["multicast", "discovery-server", "discovery-servers"]
 options = None
 
 
@@ -79,6 +82,14 @@ class Campaign:
                     self.network.cut(["station-1"])
                     time.sleep(PARTITION)
                     self.network.mend()
+                elif scenario == "given-up":
+                    self.network.cut(["bridge-2"])
+                    time.sleep(PARTITION - 7)
+                    self.stations[1].process.kill()
+                    time.sleep(7)
+                    self.network.mend()
+                    self.stations[1].process.wait()
+                    self.stations[1].start()
                 else:
                     self.trouble(time.monotonic() + seconds)
                 self.wait_for_rest()
@@ -309,7 +320,7 @@ def main():
     global options
     options = parse()
     options.bin = os.path.abspath(options.bin)
-    scenarios = options.scenario or ["multicast", *SERVERS]
+    scenarios = options.scenario or SCENARIOS
     counts, failed = {}, False
     try:
         for scenario in scenarios:

@@ -1,13 +1,15 @@
 // Fuzz target of what Fieldcast itself reads of RTPS messages: joining them, the mark of an
-// instance that is let go, what DDS Security lets through in clear, and discovery servers that
-// start anew. Whatever comes: a joined message is no longer than its parts and never too long, only
-// what holds a mark changes, and of one server that is here one goodbye is said.
+// instance that is let go, what DDS Security lets through in clear, discovery servers that start
+// anew, and the number of what is announced to them. Whatever comes: a joined message is no longer
+// than its parts and never too long, only what holds a mark changes, and of one server that is here
+// one goodbye is said.
 //
 // Input: for each message length(1), then so many bytes.
 #include <cstdlib>
 
 #include "bridge/dds/incoming_filter.hpp"
 #include "bridge/dds/joined_message.hpp"
+#include "bridge/dds/participant_number.hpp"
 #include "bridge/dds/rtps_message.hpp"
 #include "bridge/dds/server_restarts.hpp"
 #include "bridge/dds/unregister_note.hpp"
@@ -40,6 +42,8 @@ void run_one(ByteView data) {
     const auto goodbye = restarts.goodbye_before(message, now += std::chrono::milliseconds{400});
     goodbyes += !goodbye.empty();
     require(goodbyes <= 1 && (goodbye.empty() || goodbye.size() > kMessageHeader));
+    const auto raised = with_number_above_servers(message);
+    require(raised.empty() || raised.size() == message.size());
     Bytes marked(message.begin(), message.end());
     const bool marks = holds_marks(marked);
     turn_marks_into_notes(marked);

@@ -1,0 +1,74 @@
+#include "bridge/dds/participant_number.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "bridge/dds/participant_note.hpp"
+#include "bridge/dds/rtps_message.hpp"
+
+namespace fieldcast {
+
+namespace {
+
+using Span = std::span<const std::uint8_t>;
+
+// RTPS 2.2, 9.4.5.3: 15 flags length | extra(2) to-parameters(2) reader(4) writer(4) number(8),
+// parameters: id(2) length(2) value.. A number has its upper half first.
+constexpr std::size_t kPrefix = 8, kPrefixSize = 12, kWriter = kSubmessageHeader + 8;
+constexpr std::size_t kParameters = kWriter + 12, kIdAndLength = 4;
+constexpr std::uint8_t kHasParameters = 2;
+// A parameter of the library: the writer(16) that wrote this at first, and the number(8) there.
+constexpr std::uint16_t kSampleIdentity = 0x800f, kLastParameter = 1;
+constexpr std::size_t kNumberInIdentity = 16, kIdentitySize = 24;
+// No server comes to 2^32 messages.
+constexpr std::uint32_t kUpperHalf = 1;
+
+std::uint16_t short_at(Span bytes, std::size_t at) {
+  std::uint16_t value = 0;
+  std::memcpy(&value, bytes.data() + at, sizeof value);
+  return value;
+}
+
+// Where the number stands in one submessage; 0: it is no announcement by `prefix`.
+std::size_t number_in(Span part, Span prefix) {
+  if (part.size() < kParameters || (part[1] & kHasParameters) == 0 ||
+      part[0] != static_cast<std::uint8_t>(Submessage::kData) ||
+      !std::ranges::equal(part.subspan(kWriter, kParticipantWriter.size()), kParticipantWriter))
+    return 0;
+  for (std::size_t at = kParameters; at + kIdAndLength <= part.size();) {
+    const std::uint16_t id = short_at(part, at), size = short_at(part, at + 2);
+    at += kIdAndLength;
+    if (id == kLastParameter || at + size > part.size()) return 0;
+    if (id == kSampleIdentity) {
+      const bool is_own =
+          size == kIdentitySize && std::ranges::equal(part.subspan(at, prefix.size()), prefix);
+      return is_own ? at + kNumberInIdentity : 0;
+    }
+    at += size;
+  }
+  return 0;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> with_number_above_servers(Span message) {
+  if (message.size() < kMessageHeader) return {};
+  const Span prefix = message.subspan(kPrefix, kPrefixSize);
+  std::vector<std::uint8_t> changed;
+  for (std::size_t at = kMessageHeader; at + kSubmessageHeader <= message.size();) {
+    const Span rest = message.subspan(at);
+    if ((rest[1] & kLittleEndian) != kOwnOrder) break;
+    // 0: to the end of the message (RTPS 2.2, 9.4.5.1.3)
+    const std::size_t length = short_at(rest, 2);
+    const std::size_t size = length == 0 ? rest.size() : kSubmessageHeader + length;
+    if (size > rest.size()) break;
+    if (const std::size_t number = number_in(rest.first(size), prefix); number != 0) {
+      if (changed.empty()) changed.assign(message.begin(), message.end());
+      std::memcpy(changed.data() + at + number, &kUpperHalf, sizeof kUpperHalf);
+    }
+    at += size;
+  }
+  return changed;
+}
+
+}  // namespace fieldcast
