@@ -8,6 +8,7 @@
 #include <mutex>
 #include <string_view>
 
+#include "bridge/dds/encoding_guard.hpp"
 #include "bridge/dds/fastdds.hpp"
 
 namespace fieldcast {
@@ -46,6 +47,7 @@ void say_security(bool error, std::string_view text) {
 void prepare_library() {
   static std::once_flag once;
   std::call_once(once, [] {
+    guard_encoding();
     Log::ClearConsumers();
     Log::RegisterConsumer(std::make_unique<PlainLines>());
     // The library's own view of a problem in the field: warnings, beside the errors that are always
