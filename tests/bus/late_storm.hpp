@@ -7,6 +7,7 @@
 #pragma once
 
 #include <memory>
+#include <ostream>
 #include <random>
 #include <span>
 #include <string>
@@ -27,6 +28,7 @@ struct StormKind {
   std::string type;
   bool foreign = true;  // its answers show whose they are, so that foreign ones can be told apart
   bool writes = true;   // a write changes nothing but its own channel
+  friend void PrintTo(const StormKind& kind, std::ostream* out) { *out << kind.name; }
 };
 [[nodiscard]] std::span<const StormKind> storm_kinds();
 [[nodiscard]] BusSpec bus_of(const StormKind& kind, const std::string& timeout);

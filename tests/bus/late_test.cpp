@@ -57,6 +57,7 @@ struct Seeded {
   std::string kind;
   Duration by;
   std::uint64_t seed;
+  friend void PrintTo(const Seeded& of, std::ostream* out) { *out << of.kind << ' ' << of.seed; }
 };
 class LateAnswerTwice : public testing::TestWithParam<Seeded> {};
 

@@ -37,6 +37,9 @@ struct Found {
   std::string protocol;
   std::uint64_t seed;
   Duration length = 3h;
+  friend void PrintTo(const Found& found, std::ostream* out) {
+    *out << found.protocol << ' ' << found.seed;
+  }
 };
 class BusDaysThatFailed : public testing::TestWithParam<Found> {};
 

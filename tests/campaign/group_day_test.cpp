@@ -35,6 +35,9 @@ struct Found {
   std::string protocol;
   std::uint64_t seed;
   Duration length;
+  friend void PrintTo(const Found& found, std::ostream* out) {
+    *out << found.protocol << ' ' << found.seed;
+  }
 };
 class GroupDaysThatFailed : public testing::TestWithParam<Found> {};
 

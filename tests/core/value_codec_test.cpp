@@ -20,6 +20,7 @@ struct Pair {
   unsigned item_bits;
   std::string items;
   Value value;
+  friend void PrintTo(const Pair& pair, std::ostream* out) { *out << pair.items; }
 };
 
 class BothWays : public testing::TestWithParam<Pair> {};
