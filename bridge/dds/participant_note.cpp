@@ -36,30 +36,45 @@ class NoteBytes {
 constexpr std::uint8_t kHasKeys = 2, kWantsNoAnswer = 2;
 constexpr std::uint32_t kOurCount = 0x7fffffff;  // no writer has sent as many
 
-}  // namespace
+void add_heartbeat(NoteBytes& message, std::uint64_t number) {
+  message.add(
+      {static_cast<std::uint8_t>(Submessage::kHeartbeat), kLittleEndian | kWantsNoAnswer, 28, 0});
+  message.add(kParticipantReader);
+  message.add(kParticipantWriter);
+  message.add_number(number);  // the first that it has, and the last
+  message.add_number(number);
+  message.add_little(kOurCount);
+}
 
-std::vector<std::uint8_t> participant_gone(const ParticipantPrefix& prefix, std::uint64_t number,
-                                           bool follows_what_was_lost) {
-  NoteBytes message(prefix);
-  if (follows_what_was_lost) {
-    message.add(
-        {static_cast<std::uint8_t>(Submessage::kHeartbeat), kLittleEndian | kWantsNoAnswer, 28, 0});
-    message.add(kParticipantReader);
-    message.add(kParticipantWriter);
-    message.add_number(number);  // the first that it has, and the last
-    message.add_number(number);
-    message.add_little(kOurCount);
-  }
+void add_end(NoteBytes& message, const ParticipantPrefix& of, std::uint64_t number) {
   message.add({static_cast<std::uint8_t>(Submessage::kData), kLittleEndian | kHasKeys, 52, 0});
   message.add({0, 0, 16, 0});
   message.add(kParticipantReader);
   message.add(kParticipantWriter);
   message.add_number(number);
   message.add({0x70, 0, 16, 0});  // the key: the GUID
-  message.add(prefix);
+  message.add(of);
   message.add({0, 0, 1, 0xc1});
   message.add({0x71, 0, 4, 0, 0, 0, 0, 3});  // disposed and unregistered
   message.add({1, 0, 0, 0});
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> participant_gone(const ParticipantPrefix& prefix, std::uint64_t number,
+                                           bool follows_what_was_lost) {
+  NoteBytes message(prefix);
+  if (follows_what_was_lost) add_heartbeat(message, number);
+  add_end(message, prefix, number);
+  return message.take();
+}
+
+std::vector<std::uint8_t> participants_gone(std::span<const ParticipantPrefix> others,
+                                            const ParticipantPrefix& server, std::uint64_t number) {
+  NoteBytes message(server);
+  add_heartbeat(message, number);
+  for (const ParticipantPrefix& other : others) add_end(message, other, number++);
+  add_end(message, server, number);
   return message.take();
 }
 

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace fieldcast {
@@ -20,5 +21,10 @@ inline constexpr EntityBytes kParticipantReader{0x00, 0x01, 0x00, 0xc7};
 [[nodiscard]] std::vector<std::uint8_t> participant_gone(const ParticipantPrefix& prefix,
                                                          std::uint64_t number,
                                                          bool follows_what_was_lost);
+// The same of others and then of a discovery server itself, in the server's name. The numbers
+// begin with this one.
+[[nodiscard]] std::vector<std::uint8_t> participants_gone(std::span<const ParticipantPrefix> others,
+                                                          const ParticipantPrefix& server,
+                                                          std::uint64_t number);
 
 }  // namespace fieldcast

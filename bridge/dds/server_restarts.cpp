@@ -1,6 +1,8 @@
 #include "bridge/dds/server_restarts.hpp"
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include "bridge/dds/fastdds.hpp"
 #include "bridge/dds/participant_note.hpp"
@@ -13,6 +15,7 @@ namespace {
 using Span = std::span<const std::uint8_t>;
 using Announcement = ServerRestarts::Announcement;
 using Heartbeat = ServerRestarts::Heartbeat;
+using Acknowledgement = ServerRestarts::Acknowledgement;
 
 constexpr std::size_t kSenderOffset = 8;
 
@@ -39,10 +42,38 @@ constexpr std::size_t kWriterInData = kSubmessageHeader + 8, kNumberInData = kWr
 constexpr std::size_t kWriterInHeartbeat = kSubmessageHeader + 4;
 constexpr std::size_t kLastInHeartbeat = kWriterInHeartbeat + 12;
 constexpr std::size_t kCountInHeartbeat = kLastInHeartbeat + 8;
+//                  ACKNACK 06 flags length | reader(4) writer(4) base(8) bits(4) map(4).. count(4)
+constexpr std::size_t kWriterInAckNack = kSubmessageHeader + 4;
+constexpr std::size_t kBaseInAckNack = kWriterInAckNack + 4, kBitsInAckNack = kBaseInAckNack + 8;
+constexpr std::size_t kMapInAckNack = kBitsInAckNack + 4;
+// RTPS 2.2, 9.3.1.3: those who say which endpoints a participant has.
+constexpr EntityBytes kWritersWriter{0, 0, 3, 0xc2}, kReadersWriter{0, 0, 4, 0xc2};
 
-// What the writer of participants says in this message, in its order.
-template <class OnAnnouncement, class OnHeartbeat>
-void for_each_news(Span message, OnAnnouncement on_announcement, OnHeartbeat on_heartbeat) {
+ParticipantPrefix prefix_of(Span message) {
+  ParticipantPrefix prefix{};
+  std::copy_n(message.begin() + kSenderOffset, prefix.size(), prefix.begin());
+  return prefix;
+}
+
+std::optional<Acknowledgement> acknowledgement_in(Span part, bool little) {
+  if (part.size() < kMapInAckNack) return std::nullopt;
+  const auto is_of = [&](const EntityBytes& writer) {
+    return std::equal(writer.begin(), writer.end(), part.begin() + kWriterInAckNack);
+  };
+  const bool of_writers = is_of(kWritersWriter);
+  if (!of_writers && !is_of(kReadersWriter)) return std::nullopt;
+  const std::uint64_t bits = integer_at(part, kBitsInAckNack, 4, little);
+  const std::size_t count = kMapInAckNack + 4 * ((bits + 31) / 32);
+  if (count + 4 > part.size()) return std::nullopt;
+  return Acknowledgement{of_writers, halves_at(part, kBaseInAckNack, little),
+                         integer_at(part, count, 4, little)};
+}
+
+// What the writer of participants says in this message, and what is acknowledged of endpoints, in
+// its order.
+template <class OnAnnouncement, class OnHeartbeat, class OnAcknowledgement>
+void for_each_news(Span message, OnAnnouncement on_announcement, OnHeartbeat on_heartbeat,
+                   OnAcknowledgement on_acknowledgement) {
   std::uint64_t stamp = 0;
   for (std::size_t at = kMessageHeader; at + kSubmessageHeader <= message.size();) {
     const Span rest = message.subspan(at);
@@ -66,6 +97,9 @@ void for_each_news(Span message, OnAnnouncement on_announcement, OnHeartbeat on_
                                  integer_at(part, kCountInHeartbeat, 4, little)});
         }
         break;
+      case Submessage::kAckNack:
+        if (const auto one = acknowledgement_in(part, little)) on_acknowledgement(*one);
+        break;
       default: break;
     }
     at += size;
@@ -78,6 +112,44 @@ void ServerRestarts::on_server(unsigned identity, bool here) {
   if (identity >= kMostServers) return;
   const std::lock_guard lock(mutex_);
   servers_[identity].here = here;
+}
+
+void ServerRestarts::on_other(const ParticipantPrefix& prefix, bool here) {
+  const std::lock_guard lock(mutex_);
+  if (!here) {
+    others_.erase(prefix);
+  } else if (others_.size() < kMostOthers) {
+    others_.try_emplace(prefix, Other{.heard = latest_});
+  }
+}
+
+void ServerRestarts::heard(const ParticipantPrefix& prefix, Instant now) {
+  latest_ = now;
+  const auto found = others_.find(prefix);
+  if (found == others_.end()) return;
+  if (now - found->second.heard >= kSilence) found->second.returned = now;
+  found->second.heard = now;
+}
+
+std::vector<ParticipantPrefix> ServerRestarts::silent_ones(Instant now) const {
+  std::vector<ParticipantPrefix> silent;
+  for (const auto& [prefix, other] : others_) {
+    const bool is_silent = now - other.heard >= kSilence || now < other.returned + kReturn;
+    if (is_silent && silent.size() < kMostEnds) silent.push_back(prefix);
+  }
+  return silent;
+}
+
+// A later one of base 0, where there was one of another base: a reader that is new.
+bool ServerRestarts::begins_anew(Server& server, const Acknowledgement& one) {
+  std::uint64_t& known = server.acknowledged[one.of_writers ? 1 : 0];
+  if (one.base != 0) {
+    known = std::max(known, one.count);
+    return false;
+  }
+  if (known == 0 || one.count <= known) return false;
+  server.acknowledged = {};
+  return true;
 }
 
 bool ServerRestarts::is_another(Server& server, const Announcement& announcement) {
@@ -101,11 +173,13 @@ bool ServerRestarts::is_another(Server& server, const Heartbeat& heartbeat, Inst
 
 ServerRestarts::Bytes ServerRestarts::goodbye_before(Span message, Instant now) {
   if (message.size() <= kMessageHeader) return {};
+  const ParticipantPrefix sender = prefix_of(message);
   rtps::GuidPrefix_t prefix;
-  std::copy_n(message.begin() + kSenderOffset, rtps::GuidPrefix_t::size, prefix.value);
+  std::copy(sender.begin(), sender.end(), prefix.value);
   const auto identity = server_identity(prefix);
-  if (!identity || *identity >= kMostServers) return {};
   const std::lock_guard lock(mutex_);
+  heard(sender, now);
+  if (!identity || *identity >= kMostServers) return {};
   Server& server = servers_[*identity];
   bool another = server.heard != kNever && now - server.heard >= kSilence;
   server.heard = now;
@@ -119,12 +193,14 @@ ServerRestarts::Bytes ServerRestarts::goodbye_before(Span message, Instant now) 
   };
   for_each_news(
       message, [&](const Announcement& one) { restarted(one); },
-      [&](const Heartbeat& one) { restarted(one, now); });
-  if (!another || !server.here) return {};
+      [&](const Heartbeat& one) { restarted(one, now); },
+      [&](const Acknowledgement& one) {
+        if (begins_anew(server, one)) server.begins_anew = true;
+      });
+  if (!server.here || !(another || server.begins_anew)) return {};
   server.here = false;  // once
-  ParticipantPrefix of{};
-  std::copy_n(prefix.value, of.size(), of.begin());
-  return participant_gone(of, last + 1, true);
+  if (!std::exchange(server.begins_anew, false)) return participant_gone(sender, last + 1, true);
+  return participants_gone(silent_ones(now), sender, last + 1);
 }
 
 }  // namespace fieldcast

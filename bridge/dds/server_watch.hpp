@@ -5,6 +5,7 @@
 // threads of the library; missing() and unknown_bridges() on any thread.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -65,6 +66,10 @@ class ServerWatch : public DiscoveryListener {
       restarts_->on_server(*identity, !participant.gone);
       const std::lock_guard lock(mutex_);
       here_[*identity] = !participant.gone;
+    } else if (restarts_ && !identity) {
+      ParticipantPrefix prefix{};
+      std::ranges::copy(participant.prefix.value, prefix.begin());
+      restarts_->on_other(prefix, !participant.gone);
     }
     if (participant.name.starts_with(kBridgeParticipant)) {
       const std::lock_guard lock(mutex_);

@@ -6,7 +6,6 @@
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <utility>
 
-#include "bridge/dds/dds_error.hpp"
 #include "bridge/dds/topics/conversion.hpp"
 
 namespace fieldcast {
@@ -116,12 +115,7 @@ void BlockSubscription::run() {
     const std::lock_guard lock(mutex_);
     take_catalogue();
     take_blocks();
-    bool returned = false;
-    for (const Match& match : matches) {
-      if (match.came && given_up_.erase(match.writer) > 0) returned = true;
-      match.came ? return_of(match.writer) : end_of(match.writer);
-    }
-    if (returned) read_blocks_anew();
+    for (const Match& match : matches) match.came ? return_of(match.writer) : end_of(match.writer);
     ask_for_snapshots(now_steady());
     due = next_request();
   }
@@ -158,8 +152,6 @@ void BlockSubscription::take_blocks() {
 
 // A writer that dies or leaves without a word: the library delivers no note of its instances.
 void BlockSubscription::end_of(const dds::InstanceHandle_t& writer) {
-  if (given_up_.size() >= kMostLost) given_up_.clear();
-  given_up_.insert(writer);
   for (auto known = known_.begin(); known != known_.end();) {
     if (known->first.first != writer) {
       ++known;
@@ -177,19 +169,6 @@ void BlockSubscription::return_of(const dds::InstanceHandle_t& writer) {
     const auto [known, is_new] = known_.try_emplace({writer, instance}, std::move(lost));
     if (is_new) bus_of(known->second.bus).table.on_catalogue(known->second.block, handlers_);
   }
-}
-
-// A bridge that was given up by us, or by the discovery server, need not have given us up. Then its
-// writer takes what this reader asks for as acknowledged, sends none of it, and what comes later
-// waits behind that. A reader that is new begins with what is written from now on; what is missing
-// comes as a snapshot.
-void BlockSubscription::read_blocks_anew() {
-  if (blocks_ == nullptr) return;
-  dds::DataReader* fresh = nullptr;
-  try {
-    fresh = domain_.reader(kSampleBlockTopic, this, dds::StatusMask::data_available());
-  } catch (const DdsError&) { return; }  // the one that is there goes on
-  domain_.remove(std::exchange(blocks_, fresh));
 }
 
 void BlockSubscription::gone(const Known& known) {

@@ -9,7 +9,6 @@
 #include <condition_variable>
 #include <map>
 #include <mutex>
-#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -75,7 +74,6 @@ class BlockSubscription : private dds::DataReaderListener {
   void take_blocks();
   void end_of(const dds::InstanceHandle_t& writer);
   void return_of(const dds::InstanceHandle_t& writer);
-  void read_blocks_anew();
   void gone(const Known& known);
   Bus& bus_of(const std::string& name);
   void ask_for_snapshots(Instant now);
@@ -93,7 +91,6 @@ class BlockSubscription : private dds::DataReaderListener {
   // By writer and instance: of one bus two bridges may write.
   std::map<std::pair<dds::InstanceHandle_t, dds::InstanceHandle_t>, Known> known_;
   LostInstances<Known> lost_{kMostLost};
-  std::set<dds::InstanceHandle_t> given_up_;  // writers of the catalogue; at most kMostLost
   idl::CatalogueBlock catalogue_block_;
   idl::SampleBlock block_;
   Counters counters_;

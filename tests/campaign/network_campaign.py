@@ -3,8 +3,8 @@
 usage: network_campaign.py --bin DIR [--seconds S] [--seed N] [--scenario NAME]..
 
 multicast, discovery-server, discovery-servers (two), and two in which nothing else happens: partition: a station is cut off for 12 s;
-given-up: a bridge behind a discovery server is, and a station is killed meanwhile, so that it never acknowledges that the server has
-given the bridge up.
+given-up: a bridge behind a discovery server is, and stations are killed before and meanwhile, so that they never acknowledge results, nor
+that the server has given the bridge up. A station that lives on must get results again.
 
 Two bridges with a bus each, a third one that waits for the bus of the first, a standby pair with a third bus, a plant behind the network,
 two stations of ours, and one on Cyclone DDS (with discovery servers a third one of ours: Cyclone does not know those of Fast DDS). 5 % of the
@@ -83,13 +83,7 @@ class Campaign:
                     time.sleep(PARTITION)
                     self.network.mend()
                 elif scenario == "given-up":
-                    self.network.cut(["bridge-2"])
-                    time.sleep(PARTITION - 7)
-                    self.stations[1].process.kill()
-                    time.sleep(7)
-                    self.network.mend()
-                    self.stations[1].process.wait()
-                    self.stations[1].start()
+                    self.give_up()
                 else:
                     self.trouble(time.monotonic() + seconds)
                 self.wait_for_rest()
@@ -160,6 +154,23 @@ class Campaign:
         def lacking():
             return {station.host: sorted(WANTED - station.fresh()) for station in self.stations if not WANTED <= station.fresh()}
         wait_until(lambda: not lacking(), SOON, lambda: f"values are lacking: {str(lacking())[:600]}")
+
+    def give_up(self):
+        living, killed = (WebStation(self, host) for host in ("station-1", "station-2"))
+        living.wait_for_result("at first")
+        killed.wait_for_result("at first")
+        killed.process.kill()
+        living.wait_for_result("after another station was killed")
+        self.network.cut(["bridge-2"])
+        time.sleep(PARTITION - 7)
+        self.stations[1].process.kill()
+        time.sleep(7)
+        self.network.mend()
+        self.stations[1].process.wait()
+        self.stations[1].start()
+        living.wait_for_result("from a bridge that returned")
+        self.counts["sent_to_stations"] = living.sent + killed.sent
+        living.process.kill()
 
     def used(self, host):
         """Descriptors and threads of a bridge: below `ip netns exec`, which becomes it."""
@@ -252,7 +263,7 @@ class Campaign:
         sent = sum(commands.values()) + len(PORTS)
         least = commands.get("done", 0) + len(PORTS)
         # Two masters that cannot hear each other may both run a command that reaches both (docs/redundancy.md).
-        if not least <= writes <= sent + self.counts["sent_while_divided"]:
+        if not least <= writes <= sent + self.counts["sent_while_divided"] + self.counts.get("sent_to_stations", 0):
             raise Failure(f"{writes} writes reached the plant: {sent} commands, of which {least} were done")
         self.counts["writes"] = writes
 
@@ -299,6 +310,43 @@ class Campaign:
             had = max(before[each] for each in (PAIR if host in PAIR else [host]))
             if descriptors > had[0] + 12 or threads > had[1] + 4:
                 raise Failure(f"{host} had {had} descriptors and threads, now {descriptors} and {threads}")
+
+
+class WebStation:
+    """fieldcast-station, which lives as long as the test wants."""
+
+    ADDRESS = "127.0.0.1:8090"  # of its own host
+
+    def __init__(self, campaign, host):
+        self.network, self.host, self.sent = campaign.network, host, 0
+        servers = ", ".join(f'"{self.network.address(each)}:11811"' for each in campaign.servers)
+        with open(campaign.path(host + "-web.yaml"), "w", encoding="utf-8") as file:
+            file.write(f"station: {host}-web\nweb: {{ listen: {self.ADDRESS}, local-role: operator }}\n"
+                       f"dds: {{ domain: {DOMAIN}, interfaces: [{self.network.address(host)}], security: none, discovery-servers: [{servers}] }}\n")
+        self.process = self.network.run(host, [campaign.program("fieldcast-station"), "--config", file.name], stdin=subprocess.DEVNULL,
+                                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+    def get(self, path, *options):
+        process = self.network.run(self.host, ["curl", "-sS", "-m", "5", "-H", f"Origin: http://{self.ADDRESS}", *options, f"http://{self.ADDRESS}{path}"],
+                                   stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        out, _ = process.communicate(timeout=SOON)
+        return json.loads(out) if out.startswith("{") else {}
+
+    def wait_for_result(self, when):
+        wait_until(self.has_result, SOON, f"{self.host}, which lives on, gets no result {when}")
+
+    def has_result(self):
+        """Whether a write is done within 5 s."""
+        asked = self.get("/api/commands", "-H", "Content-Type: application/json", "-d", '{"channel": "south/unit/setpoint", "value": 7}')
+        if "request_id" not in asked:
+            return False
+        self.sent += 1
+        end = time.monotonic() + 5
+        while time.monotonic() < end:
+            if self.get(f"/api/commands/result?request_id={asked['request_id']}").get("state", "").lower() == "done":
+                return True
+            time.sleep(0.2)
+        return False
 
 
 def sum_of(tree, name):

@@ -29,6 +29,7 @@ void run_one(ByteView data) {
   IncomingFilter protecting(true), open(false);
   ServerRestarts restarts;
   restarts.on_server(1, true);
+  restarts.on_other({}, true);
   Instant now{std::chrono::seconds{100}};
   std::size_t sum = 0;
   int goodbyes = 0;

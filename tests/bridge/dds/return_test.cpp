@@ -89,7 +89,7 @@ TEST(CutNetwork, WhatHasNotChangedIsThereAgain) {
   EXPECT_TRUE(soon([&] { return gone.lacking(all).empty(); })) << gone.lacking(all);
   bench::lose(0);
   EXPECT_TRUE(soon([&] { return came.lacking(all).empty(); })) << came.lacking(all);
-  // Samples come, too, by a reader that is made anew: each of them or the last one.
+  // Samples come, too: each of them or the last one.
   for (std::uint64_t next = 1; next <= 3; ++next)
     link.publish(bus, std::vector{good(0, 0.5, next)}, both_clocks());
   EXPECT_TRUE(eventually([&] { return sequence == 3; }));

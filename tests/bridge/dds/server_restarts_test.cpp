@@ -34,13 +34,93 @@ Bytes heartbeat(std::uint8_t last, std::uint8_t count) {
                       0,    0, 0,  0, last, 0, 0, 0,    count, 0, 0, 0});
 }
 
+// What the server acknowledges of our writers, or of our readers:
+// 06 flags length | reader writer base bits count
+Bytes acknowledgement(std::uint8_t base, std::uint8_t count, std::uint8_t entity = 3) {
+  return from_server({0x06, 1, 24, 0, 0,     0, entity, 0xc7, 0, 0, entity, 0xc2,  //
+                      0,    0, 0,  0, base,  0, 0,      0,                         //
+                      0,    0, 0,  0, count, 0, 0,      0});
+}
+// A message of another participant.
+Bytes from_other(std::uint8_t number) {
+  Bytes bytes = heartbeat(1, 1);
+  for (std::size_t i = 8; i < 20; ++i) bytes[i] = number;
+  return bytes;
+}
+ParticipantPrefix other(std::uint8_t number) {
+  ParticipantPrefix prefix;
+  prefix.fill(number);
+  return prefix;
+}
+
 struct Restarts : ::testing::Test {
   Restarts() { restarts.on_server(1, true); }
   bool says_goodbye(const Bytes& message, Instant now = kStart) {
     return !restarts.goodbye_before(message, now).empty();
   }
+  // All that is heard in the first two seconds: the server, and two others.
+  void hear_all() {
+    EXPECT_FALSE(says_goodbye(acknowledgement(0, 4)));
+    EXPECT_FALSE(says_goodbye(acknowledgement(2, 5), kStart + seconds{1}));
+    for (const std::uint8_t number : std::initializer_list<std::uint8_t>{1, 2}) {
+      restarts.on_other(other(number), true);
+      EXPECT_FALSE(says_goodbye(from_other(number), kStart + seconds{2}));
+    }
+  }
+  // Of whom the end is told by what comes before this message, the server last.
+  std::vector<int> ends_before(const Bytes& message, Instant now) {
+    const Bytes goodbye = restarts.goodbye_before(message, now);
+    std::vector<int> ends;
+    constexpr std::size_t kEnd = 56, kKey = 28;  // bytes of DATA, and before its key
+    for (std::size_t at = 20 + 32; at < goodbye.size(); at += kEnd)
+      ends.push_back(goodbye[at + kKey]);
+    return ends;
+  }
   ServerRestarts restarts;
 };
+
+TEST_F(Restarts, WhoWasGivenUpLetsGoOfThoseThatWereSilent) {
+  hear_all();
+  EXPECT_EQ(ends_before(acknowledgement(0, 6), kStart + seconds{14}),
+            (std::vector<int>{1, 2, 'D'}));
+}
+
+TEST_F(Restarts, WhoWasGivenUpKeepsThoseThatWereHeard) {
+  hear_all();
+  for (int second = 4; second < 14; second += 2)
+    EXPECT_FALSE(says_goodbye(from_other(2), kStart + seconds{second}));
+  EXPECT_EQ(ends_before(acknowledgement(0, 6), kStart + seconds{14}), (std::vector<int>{1, 'D'}));
+}
+
+TEST_F(Restarts, WhoIsHeardAgainAMomentBeforeWasSilent) {
+  hear_all();
+  EXPECT_FALSE(says_goodbye(from_other(2), kStart + milliseconds{13'900}));
+  EXPECT_EQ(ends_before(acknowledgement(0, 6), kStart + seconds{14}),
+            (std::vector<int>{1, 2, 'D'}));
+}
+
+TEST_F(Restarts, WhatIsToldOfOthersBeforeTheServerIsFoundAgainIsToldThen) {
+  hear_all();
+  EXPECT_EQ(ends_before(heartbeat(9, 9), kStart + seconds{14}), std::vector<int>{'D'});
+  EXPECT_TRUE(ends_before(acknowledgement(0, 6), kStart + milliseconds{14'100}).empty());
+  restarts.on_server(1, true);
+  EXPECT_EQ(ends_before(acknowledgement(0, 7), kStart + milliseconds{14'200}),
+            (std::vector<int>{1, 2, 'D'}));
+}
+
+TEST_F(Restarts, AnAcknowledgementThatComesLateIsNoNewBeginning) {
+  hear_all();
+  EXPECT_FALSE(says_goodbye(acknowledgement(0, 4), kStart + seconds{3}));
+  EXPECT_FALSE(says_goodbye(acknowledgement(0, 4, 4), kStart + seconds{3})) << "of our readers";
+}
+
+TEST_F(Restarts, ANewBeginningIsTakenForOne) {
+  hear_all();
+  EXPECT_TRUE(says_goodbye(acknowledgement(0, 6), kStart + seconds{14}));
+  restarts.on_server(1, true);
+  EXPECT_FALSE(says_goodbye(acknowledgement(0, 7), kStart + milliseconds{14'070}));
+  EXPECT_FALSE(says_goodbye(acknowledgement(2, 8), kStart + milliseconds{14'500}));
+}
 
 TEST_F(Restarts, ANumberThatReturnsWithALaterInstantIsAnotherServers) {
   EXPECT_FALSE(says_goodbye(announcement(7, 20)));
@@ -126,8 +206,8 @@ TEST_F(Restarts, TheGoodbyeIsThatOfAServerThatEnds) {
 TEST_F(Restarts, AnyBytesAreReadWithinTheMessage) {
   std::mt19937 random(1);
   Bytes all = announcement(9, 30);
-  const Bytes second = heartbeat(50, 80);
-  all.insert(all.end(), second.begin() + 20, second.end());
+  for (const Bytes& more : {heartbeat(50, 80), acknowledgement(2, 5)})
+    all.insert(all.end(), more.begin() + 20, more.end());
   for (int i = 0; i < 100'000; ++i) {
     Bytes bytes = all;
     for (unsigned n = random() % 4; n > 0; --n)
