@@ -145,7 +145,7 @@ IncomingFilter::Bytes IncomingFilter::goodbye_of_sender(std::span<const std::uin
 // The library takes no lower number of a writer than the last one, and may_be_in_clear() none as
 // high as ours.
 IncomingFilter::Bytes IncomingFilter::goodbye(const Prefix& prefix) {
-  return participant_gone(prefix, std::uint64_t{kOurNumbers} << 32 | ++goodbyes_, false);
+  return participant_gone(prefix, std::uint64_t{kOurNumbers} << 32 | ++goodbyes_);
 }
 
 }  // namespace fieldcast

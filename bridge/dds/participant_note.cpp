@@ -61,10 +61,8 @@ void add_end(NoteBytes& message, const ParticipantPrefix& of, std::uint64_t numb
 
 }  // namespace
 
-std::vector<std::uint8_t> participant_gone(const ParticipantPrefix& prefix, std::uint64_t number,
-                                           bool follows_what_was_lost) {
+std::vector<std::uint8_t> participant_gone(const ParticipantPrefix& prefix, std::uint64_t number) {
   NoteBytes message(prefix);
-  if (follows_what_was_lost) add_heartbeat(message, number);
   add_end(message, prefix, number);
   return message.take();
 }

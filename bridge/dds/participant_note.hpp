@@ -15,14 +15,12 @@ using EntityBytes = std::array<std::uint8_t, 4>;
 inline constexpr EntityBytes kParticipantWriter{0x00, 0x01, 0x00, 0xc2};
 inline constexpr EntityBytes kParticipantReader{0x00, 0x01, 0x00, 0xc7};
 
-// `number`: of the message, greater than those of the writer so far. `follows_what_was_lost`: a
-// heartbeat stands before it, by which a reliable reader does not wait for what it has not got.
-// Such a reader counts from its last number to this one, which is no far one therefore.
+// `number`: of the message, greater than those of the writer so far.
 [[nodiscard]] std::vector<std::uint8_t> participant_gone(const ParticipantPrefix& prefix,
-                                                         std::uint64_t number,
-                                                         bool follows_what_was_lost);
+                                                         std::uint64_t number);
 // The same of others and then of a discovery server itself, in the server's name. The numbers
-// begin with this one.
+// begin with this one. A heartbeat stands before them, by which a reliable reader does not wait for
+// what it has not got; it counts from its last number to this one, which is no far one therefore.
 [[nodiscard]] std::vector<std::uint8_t> participants_gone(std::span<const ParticipantPrefix> others,
                                                           const ParticipantPrefix& server,
                                                           std::uint64_t number);

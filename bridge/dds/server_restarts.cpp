@@ -116,10 +116,11 @@ void ServerRestarts::on_server(unsigned identity, bool here) {
 
 void ServerRestarts::on_other(const ParticipantPrefix& prefix, bool here) {
   const std::lock_guard lock(mutex_);
-  if (!here) {
-    others_.erase(prefix);
-  } else if (others_.size() < kMostOthers) {
-    others_.try_emplace(prefix, Other{.heard = latest_});
+  if (const auto found = others_.find(prefix); found != others_.end()) {
+    found->second.announced = latest_;
+    if (!here) others_.erase(found);
+  } else if (here && others_.size() < kMostOthers) {
+    others_.try_emplace(prefix, Other{.heard = latest_, .announced = latest_});
   }
 }
 
@@ -138,6 +139,17 @@ std::vector<ParticipantPrefix> ServerRestarts::silent_ones(Instant now) const {
     if (is_silent && silent.size() < kMostEnds) silent.push_back(prefix);
   }
   return silent;
+}
+
+std::vector<ParticipantPrefix> ServerRestarts::absent_ones(const Server& server,
+                                                           Instant now) const {
+  std::vector<ParticipantPrefix> absent;
+  if (server.anew == kNever || now - server.anew < kAbsence) return absent;
+  for (const auto& [prefix, other] : others_) {
+    const bool is_absent = other.announced < server.anew && now - other.heard >= kAbsence;
+    if (is_absent && absent.size() < kMostEnds) absent.push_back(prefix);
+  }
+  return absent;
 }
 
 // A later one of base 0, where there was one of another base: a reader that is new.
@@ -188,7 +200,7 @@ ServerRestarts::Bytes ServerRestarts::goodbye_before(Span message, Instant now) 
     if (!is_another(server, news...)) return;
     another = true;
     last = std::max({last, server.announcement.number, server.highest.last});
-    server = Server{.here = server.here, .heard = now};
+    server = Server{.here = server.here, .heard = now, .anew = now};
     (void)is_another(server, news...);  // the first of the new one
   };
   for_each_news(
@@ -197,10 +209,18 @@ ServerRestarts::Bytes ServerRestarts::goodbye_before(Span message, Instant now) 
       [&](const Acknowledgement& one) {
         if (begins_anew(server, one)) server.begins_anew = true;
       });
-  if (!server.here || !(another || server.begins_anew)) return {};
+  if (!server.here) return {};
+  std::vector<ParticipantPrefix> ends;
+  if (std::exchange(server.begins_anew, false)) {
+    server.anew = now;
+    another = true;
+    ends = silent_ones(now);
+  } else {
+    ends = absent_ones(server, now);
+  }
+  if (!another && ends.empty()) return {};
   server.here = false;  // once
-  if (!std::exchange(server.begins_anew, false)) return participant_gone(sender, last + 1, true);
-  return participants_gone(silent_ones(now), sender, last + 1);
+  return participants_gone(ends, sender, last + 1);
 }
 
 }  // namespace fieldcast

@@ -21,6 +21,10 @@
 // silent until then. The server tells it of those that are there. Those that were heard all the
 // time have not lost us: it was the server that was cut off.
 //
+// The end of a participant is told by a server that knew it, and by no other: who was killed less
+// than its lease before the server started anew, or while there was none, would be kept for ever.
+// Who was neither heard nor announced by a server for kAbsence since that began anew is let go of.
+//
 // Any thread.
 #pragma once
 
@@ -46,12 +50,14 @@ class ServerRestarts {
   static constexpr Duration kSilence = std::chrono::seconds{7};
   // So soon after others are heard again, the server begins anew.
   static constexpr Duration kReturn = std::chrono::seconds{3};
+  // Who lives joins a server again within seconds; one that was cut off for its lease, later.
+  static constexpr Duration kAbsence = std::chrono::seconds{20};
   // Others that are looked after; and of which the end is told at once.
   static constexpr std::size_t kMostOthers = 4096, kMostEnds = 500;
 
   // What the library knows: the server with this identity is here, or has left.
   void on_server(unsigned identity, bool here);
-  // The same of another participant, which is no server.
+  // The same of another participant, which is no server. Also when it is announced once more.
   void on_other(const ParticipantPrefix& prefix, bool here);
 
   // Of a message from the network, before the library reads it. Not empty: a message that the
@@ -83,9 +89,11 @@ class ServerRestarts {
     // The highest count since the server reads it; 0: it does not yet. Of readers, of writers.
     std::array<std::uint64_t, 2> acknowledged{};
     bool begins_anew = false;  // with us, and the library was not told
+    Instant anew = kNever;     // since when: with us, or with everybody
   };
   struct Other {
     Instant heard;                // its last message
+    Instant announced;            // by a server
     Instant returned = kLongAgo;  // when it was heard again after a silence
   };
   // Whether it is of another server than those before.
@@ -95,6 +103,7 @@ class ServerRestarts {
   // REQUIRES, all: mutex_ held.
   void heard(const ParticipantPrefix& prefix, Instant now);
   [[nodiscard]] std::vector<ParticipantPrefix> silent_ones(Instant now) const;
+  [[nodiscard]] std::vector<ParticipantPrefix> absent_ones(const Server& server, Instant now) const;
 
   std::mutex mutex_;
   std::array<Server, kMostServers> servers_{};  // by identity

@@ -97,6 +97,25 @@ class Watch:
         self.thread.join()
 
 
+class Page:
+    """The station with the page."""
+
+    def __init__(self, test, file):
+        self.process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast-station"), "--config", file, "--listen", "127.0.0.1:0"],
+                                        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        test.addCleanup(self.process.wait)
+        test.addCleanup(self.process.kill)
+        self.address = ""
+        for text in self.process.stdout:
+            if "http://" in text:
+                self.address = text[text.index("http://"):].split()[0].rstrip("/,")
+                break
+        threading.Thread(target=self.process.stdout.read, daemon=True).start()
+
+    def get(self, path):
+        return json.loads(subprocess.run(["curl", "-sS", self.address + path], check=True, capture_output=True, text=True).stdout)
+
+
 class DiscoveryServers(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -129,6 +148,25 @@ class DiscoveryServers(unittest.TestCase):
             servers.stop(0)
             servers.start(0)
             self.assert_new_station_finds_all(plant, "with the server anew")
+
+    def test_a_bridge_that_dies_with_its_server_is_gone_when_that_is_back(self):
+        servers = Servers(self)
+        servers.start(0)
+        key = f', discovery-server: "127.0.0.1:{servers.ports[0]}"'
+        with Plant(BIN_DIR, CONFIG.replace("{name}", "served"), dds=key) as plant:
+            file = os.path.join(plant.run, "station.yaml")
+            with open(file, "w", encoding="utf-8") as out:
+                out.write(f"station: page\ndds: {{ domain: {plant.domain}{key} }}\n")
+            page = Page(self, file)
+            wait_until(lambda: len(page.get("/api/bridges")) == 1 and len(page.get("/api/channels")) == CHANNELS, FOUND_SECONDS, "not found")
+            plant.bridge.kill()
+            plant.bridge.wait()
+            plant.bridge = None
+            servers.stop(0)
+            servers.start(0)
+            wait_until(lambda: not any(channel["quality"] == "GOOD" for channel in page.get("/api/channels")), FOUND_SECONDS, "values of nobody are good")
+            wait_until(lambda: not page.get("/api/bridges") + page.get("/api/buses") + page.get("/api/channels"), 40,
+                       lambda: f"there is still {page.get('/api/bridges')}")
 
     def test_one_of_two_may_be_away_and_both_may_start_anew(self):
         servers = Servers(self)
@@ -215,25 +253,15 @@ class SitesOfAStation(unittest.TestCase):
 
     def page(self, file):
         """The same by the station with the page."""
-        station = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast-station"), "--config", file, "--listen", "127.0.0.1:0"], stdout=subprocess.PIPE,
-                                   stderr=subprocess.STDOUT, text=True)
-        self.addCleanup(station.kill)
-        address = ""
-        for text in station.stdout:
-            if "http://" in text:
-                address = text[text.index("http://"):].split()[0].rstrip("/,")
-                break
-        threading.Thread(target=station.stdout.read, daemon=True).start()
-
-        def get(path):
-            return json.loads(subprocess.run(["curl", "-sS", address + path], check=True, capture_output=True, text=True).stdout)
+        station = Page(self, file)
+        get = station.get
         wait_until(lambda: len(get("/api/channels")) == 2 * CHANNELS, FOUND_SECONDS, lambda: str(get("/api/channels"))[:500])
         self.assertEqual({channel["channel"].split("/")[0] for channel in get("/api/channels")}, {"north:line", "south:line"})
         self.assertEqual(len(get("/api/channels?pattern=south:line")), CHANNELS)
         wait_until(lambda: {bridge["bridge"] for bridge in get("/api/bridges")} == {"north:bridge", "south:bridge"}, FOUND_SECONDS,
                    lambda: str(get("/api/bridges")))
-        station.send_signal(signal.SIGTERM)
-        self.assertEqual(station.wait(10), 0)
+        station.process.send_signal(signal.SIGTERM)
+        self.assertEqual(station.process.wait(10), 0)
 
 
 class Inside(Plant):

@@ -108,6 +108,33 @@ TEST_F(Restarts, WhatIsToldOfOthersBeforeTheServerIsFoundAgainIsToldThen) {
             (std::vector<int>{1, 2, 'D'}));
 }
 
+TEST_F(Restarts, WhoIsNeitherHeardNorAnnouncedSinceAServerBeganAnewIsLetGoOf) {
+  hear_all();
+  EXPECT_FALSE(says_goodbye(announcement(7, 20), kStart + seconds{3}));
+  EXPECT_TRUE(says_goodbye(announcement(1, 30), kStart + seconds{4})) << "another server";
+  restarts.on_server(1, true);
+  EXPECT_FALSE(says_goodbye(announcement(2, 31), kStart + seconds{5}));
+  restarts.on_other(other(2), true);  // announced
+  for (int second = 8; second < 24; second += 2)
+    EXPECT_FALSE(says_goodbye(announcement(2, 31), kStart + seconds{second}));
+  EXPECT_EQ(ends_before(announcement(2, 31), kStart + seconds{24}), (std::vector<int>{1, 'D'}));
+  restarts.on_other(other(1), false);
+  restarts.on_server(1, true);
+  EXPECT_FALSE(says_goodbye(announcement(2, 31), kStart + seconds{26})) << "once";
+}
+
+TEST_F(Restarts, WhoIsHeardWithoutAServerIsKept) {
+  hear_all();
+  EXPECT_FALSE(says_goodbye(announcement(7, 20), kStart + seconds{3}));
+  EXPECT_TRUE(says_goodbye(announcement(1, 30), kStart + seconds{4})) << "another server";
+  restarts.on_server(1, true);
+  for (int second = 6; second < 80; second += 2) {
+    for (const std::uint8_t number : std::initializer_list<std::uint8_t>{1, 2})
+      EXPECT_FALSE(says_goodbye(from_other(number), kStart + seconds{second}));
+    EXPECT_FALSE(says_goodbye(announcement(2, 31), kStart + seconds{second}));
+  }
+}
+
 TEST_F(Restarts, AnAcknowledgementThatComesLateIsNoNewBeginning) {
   hear_all();
   EXPECT_FALSE(says_goodbye(acknowledgement(0, 4), kStart + seconds{3}));
