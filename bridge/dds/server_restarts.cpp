@@ -136,7 +136,9 @@ std::vector<ParticipantPrefix> ServerRestarts::silent_ones(Instant now) const {
   std::vector<ParticipantPrefix> silent;
   for (const auto& [prefix, other] : others_) {
     const bool is_silent = now - other.heard >= kSilence || now < other.returned + kReturn;
-    if (is_silent && silent.size() < kMostEnds) silent.push_back(prefix);
+    // What the server has just told of it, it does not tell again.
+    const bool is_told = now - other.announced < kReturn;
+    if (is_silent && !is_told && silent.size() < kMostEnds) silent.push_back(prefix);
   }
   return silent;
 }

@@ -99,6 +99,13 @@ TEST_F(Restarts, WhoIsHeardAgainAMomentBeforeWasSilent) {
             (std::vector<int>{1, 2, 'D'}));
 }
 
+TEST_F(Restarts, WhoWasAnnouncedAMomentBeforeIsKept) {
+  hear_all();
+  EXPECT_FALSE(says_goodbye(from_other(2), kStart + milliseconds{13'900}));
+  restarts.on_other(other(2), true);
+  EXPECT_EQ(ends_before(acknowledgement(0, 6), kStart + seconds{14}), (std::vector<int>{1, 'D'}));
+}
+
 TEST_F(Restarts, WhatIsToldOfOthersBeforeTheServerIsFoundAgainIsToldThen) {
   hear_all();
   EXPECT_EQ(ends_before(heartbeat(9, 9), kStart + seconds{14}), std::vector<int>{'D'});
