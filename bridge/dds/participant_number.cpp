@@ -29,9 +29,11 @@ std::uint16_t short_at(Span bytes, std::size_t at) {
   return value;
 }
 
-// Where the number stands in one submessage; 0: it is no announcement by `prefix`.
+// Where the number stands in one submessage; 0: it is no announcement by `prefix`, or not in the
+// order in which the library writes.
 std::size_t number_in(Span part, Span prefix) {
   if (part.size() < kParameters || (part[1] & kHasParameters) == 0 ||
+      (part[1] & kLittleEndian) != kOwnOrder ||
       part[0] != static_cast<std::uint8_t>(Submessage::kData) ||
       !std::ranges::equal(part.subspan(kWriter, kParticipantWriter.size()), kParticipantWriter))
     return 0;
@@ -55,19 +57,13 @@ std::vector<std::uint8_t> with_number_above_servers(Span message) {
   if (message.size() < kMessageHeader) return {};
   const Span prefix = message.subspan(kPrefix, kPrefixSize);
   std::vector<std::uint8_t> changed;
-  for (std::size_t at = kMessageHeader; at + kSubmessageHeader <= message.size();) {
-    const Span rest = message.subspan(at);
-    if ((rest[1] & kLittleEndian) != kOwnOrder) break;
-    // 0: to the end of the message (RTPS 2.2, 9.4.5.1.3)
-    const std::size_t length = short_at(rest, 2);
-    const std::size_t size = length == 0 ? rest.size() : kSubmessageHeader + length;
-    if (size > rest.size()) break;
-    if (const std::size_t number = number_in(rest.first(size), prefix); number != 0) {
+  for_each_submessage(message, [&](const SubmessageView& one) {
+    if (const std::size_t number = number_in(one.bytes, prefix); number != 0) {
       if (changed.empty()) changed.assign(message.begin(), message.end());
-      std::memcpy(changed.data() + at + number, &kUpperHalf, sizeof kUpperHalf);
+      std::memcpy(changed.data() + one.begin + number, &kUpperHalf, sizeof kUpperHalf);
     }
-    at += size;
-  }
+    return true;
+  });
   return changed;
 }
 

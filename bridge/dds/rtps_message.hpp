@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace fieldcast {
 
@@ -35,5 +36,31 @@ enum class Submessage : std::uint8_t {
 inline constexpr std::uint8_t kLittleEndian = 1;
 inline constexpr std::uint8_t kOwnOrder =
     std::endian::native == std::endian::little ? kLittleEndian : 0;
+
+struct SubmessageView {
+  Submessage kind{};
+  bool little = false;                  // the order of its bytes
+  std::size_t begin = 0;                // in the message
+  std::span<const std::uint8_t> bytes;  // with its head
+};
+
+// Of a message of any bytes: one after the other while `each` says true, up to one that is longer
+// than the message.
+template <class Each>
+void for_each_submessage(std::span<const std::uint8_t> message, Each each) {
+  for (std::size_t begin = kMessageHeader; begin + kSubmessageHeader <= message.size();) {
+    const auto rest = message.subspan(begin);
+    SubmessageView one{static_cast<Submessage>(rest[0]), (rest[1] & kLittleEndian) != 0, begin,
+                       rest};
+    const std::size_t length = one.little ? rest[2] | rest[3] << 8 : rest[2] << 8 | rest[3];
+    // 9.4.5.1.3: 0 means to the end of the message, but of those that may be empty.
+    if (length != 0 || one.kind == Submessage::kPad || one.kind == Submessage::kInfoTs) {
+      if (kSubmessageHeader + length > rest.size()) return;
+      one.bytes = rest.first(kSubmessageHeader + length);
+    }
+    if (!each(one)) return;
+    begin += one.bytes.size();
+  }
+}
 
 }  // namespace fieldcast

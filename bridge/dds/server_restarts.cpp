@@ -38,6 +38,7 @@ bool is_of_participants(Span part, std::size_t writer) {
 // RTPS 2.2, 9.4.5: INFO_TS 09 flags length | instant(8)
 //                  DATA 15 flags length | extra(2) qos-offset(2) reader(4) writer(4) number(8)
 //                  HEARTBEAT 07 flags length | reader(4) writer(4) first(8) last(8) count(4)
+constexpr std::size_t kStampSize = kSubmessageHeader + 8;
 constexpr std::size_t kWriterInData = kSubmessageHeader + 8, kNumberInData = kWriterInData + 4;
 constexpr std::size_t kWriterInHeartbeat = kSubmessageHeader + 4;
 constexpr std::size_t kLastInHeartbeat = kWriterInHeartbeat + 12;
@@ -75,35 +76,31 @@ template <class OnAnnouncement, class OnHeartbeat, class OnAcknowledgement>
 void for_each_news(Span message, OnAnnouncement on_announcement, OnHeartbeat on_heartbeat,
                    OnAcknowledgement on_acknowledgement) {
   std::uint64_t stamp = 0;
-  for (std::size_t at = kMessageHeader; at + kSubmessageHeader <= message.size();) {
-    const Span rest = message.subspan(at);
-    const bool little = (rest[1] & kLittleEndian) != 0;
-    const std::size_t length = integer_at(rest, 2, 2, little);
-    // RTPS 2.2, 9.4.5.1.3: 0: to the end of the message
-    const std::size_t size = length == 0 ? rest.size() : kSubmessageHeader + length;
-    if (size > rest.size()) return;
-    const Span part = rest.first(size);
-    switch (static_cast<Submessage>(part[0])) {
+  for_each_submessage(message, [&](const SubmessageView& one) {
+    const bool little = one.little;
+    const Span part = one.bytes;
+    switch (one.kind) {
       case Submessage::kInfoTs:
-        stamp = length == 8 ? halves_at(part, kSubmessageHeader, little) : 0;
+        stamp = part.size() == kStampSize ? halves_at(part, kSubmessageHeader, little) : 0;
         break;
       case Submessage::kData:
-        if (size >= kNumberInData + 8 && is_of_participants(part, kWriterInData) && stamp != 0)
+        if (part.size() >= kNumberInData + 8 && is_of_participants(part, kWriterInData) &&
+            stamp != 0)
           on_announcement(Announcement{halves_at(part, kNumberInData, little), stamp});
         break;
       case Submessage::kHeartbeat:
-        if (size >= kCountInHeartbeat + 4 && is_of_participants(part, kWriterInHeartbeat)) {
+        if (part.size() >= kCountInHeartbeat + 4 && is_of_participants(part, kWriterInHeartbeat)) {
           on_heartbeat(Heartbeat{halves_at(part, kLastInHeartbeat, little),
                                  integer_at(part, kCountInHeartbeat, 4, little)});
         }
         break;
       case Submessage::kAckNack:
-        if (const auto one = acknowledgement_in(part, little)) on_acknowledgement(*one);
+        if (const auto seen = acknowledgement_in(part, little)) on_acknowledgement(*seen);
         break;
       default: break;
     }
-    at += size;
-  }
+    return true;
+  });
 }
 
 }  // namespace

@@ -61,16 +61,10 @@ std::size_t find_mark(std::span<const std::uint8_t> message, std::size_t begin, 
 template <class Found>
 void for_each_mark(std::span<const std::uint8_t> message, Found found) {
   if (message.size() < kMessageHeader || std::memcmp(message.data(), "RTPS", 4) != 0) return;
-  for (std::size_t begin = kMessageHeader; begin + kSubmessageHeader <= message.size();) {
-    if ((message[begin + 1] & kLittleEndian) != kOwnOrder) return;
-    const auto length = at<std::uint16_t>(message, begin + 2);
-    // 0: to the end of the message (RTPS 2.2, 9.4.5.1.3)
-    const std::size_t end = length == 0 ? message.size() : begin + kSubmessageHeader + length;
-    if (end > message.size()) return;
-    if (const std::size_t mark = find_mark(message, begin, end); mark != 0 && !found(begin, mark))
-      return;
-    begin = end;
-  }
+  for_each_submessage(message, [&](const SubmessageView& one) {
+    const std::size_t mark = find_mark(message, one.begin, one.begin + one.bytes.size());
+    return mark == 0 || found(one.begin, mark);
+  });
 }
 
 }  // namespace

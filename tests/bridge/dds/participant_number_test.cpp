@@ -31,6 +31,18 @@ TEST(ParticipantNumber, AnAnnouncementGetsANumberAboveAllOfAServer) {
   EXPECT_EQ(with_number_above_servers(announced(10, 0)), announced(10, 1));
 }
 
+// INFO_TS without an instant has a length of 0, and does not go to the end of the message.
+TEST(ParticipantNumber, AnAnnouncementIsFoundBehindAnEmptySubmessage) {
+  const auto without_instant = [](Bytes bytes) {
+    bytes[21] |= 2;
+    bytes[22] = 0;
+    bytes.erase(bytes.begin() + 24, bytes.begin() + 32);
+    return bytes;
+  };
+  EXPECT_EQ(with_number_above_servers(without_instant(announced(10, 0))),
+            without_instant(announced(10, 1)));
+}
+
 TEST(ParticipantNumber, ItIsTheSameEachTime) {
   EXPECT_EQ(with_number_above_servers(announced(10, 1)), announced(10, 1));
 }
