@@ -90,7 +90,7 @@ class ScanTest(unittest.TestCase):
             flooding = threading.Thread(target=flood)
             flooding.start()
             try:
-                code, out, err = run("scan", cable.left, "--addresses", "1-8", "--timeout", "150ms")
+                code, out, err = run("scan", cable.left, "--baud", 9600, "--addresses", "1-8", "--timeout", "150ms")
             finally:
                 stop.set()
                 flooding.join()

@@ -24,8 +24,16 @@ void Scanner::answered(const ScanAnswer& answer) {
   babble_ = answer.bytes > 0 ? babble_ + 1 : 0;
   if (answer.bytes > 0 && std::find(noisy_.begin(), noisy_.end(), line_) == noisy_.end())
     noisy_.push_back(line_);
-  if (babble_ >= kBabble && !settled_) return next_line();
+  if (!settled_ && babbles()) {
+    if (pass_ == 0) babbling_.push_back(line_);
+    return next_line();
+  }
   advance();
+}
+
+bool Scanner::babbles() const {
+  const bool before = std::find(babbling_.begin(), babbling_.end(), line_) != babbling_.end();
+  return babble_ >= (before ? 1 : kBabble);
 }
 
 void Scanner::skip_line() { next_line(); }

@@ -38,7 +38,8 @@ struct ScanFound {
 
 class Scanner {
  public:
-  // So many questions in a row that brought bytes and no answer: somebody else speaks there.
+  // So many questions in a row that brought bytes and no answer: somebody else speaks there. Once
+  // more in the second pass, and the line is left at once.
   static constexpr unsigned kBabble = 8;
 
   explicit Scanner(std::vector<ScanLine> lines);
@@ -64,12 +65,14 @@ class Scanner {
  private:
   void advance();
   void next_line();
+  [[nodiscard]] bool babbles() const;
   [[nodiscard]] bool over() const { return pass_ == kPasses; }
 
   static constexpr std::size_t kPasses = 2;
   std::vector<ScanLine> lines_;
   std::vector<ScanFound> found_;
   std::vector<std::size_t> noisy_;
+  std::vector<std::size_t> babbling_;   // left in the first pass
   std::optional<std::size_t> settled_;  // the line on which a device answered
   std::size_t pass_ = 0, line_ = 0, index_ = 0, asked_ = 0;
   unsigned babble_ = 0;
