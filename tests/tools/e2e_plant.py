@@ -234,11 +234,16 @@ class Acquire(unittest.TestCase):
 
 class Status(unittest.TestCase):
     def test_every_bus_and_device_is_there(self):
-        result = plant.cli("status", "--json")
-        self.assertEqual(result.code, 0, str(result))
-        lines = result.json_lines()
-        buses = {line["bus"]: line for line in lines if line["topic"] == "BusStatus"}
-        devices = {line["bus"] + "/" + line["device"]: line for line in lines if line["topic"] == "DeviceStatus"}
+        def statuses():
+            result = plant.cli("status", "--json")
+            self.assertEqual(result.code, 0, str(result))
+            lines = result.json_lines()
+            return ({line["bus"]: line for line in lines if line["topic"] == "BusStatus"},
+                    {line["bus"] + "/" + line["device"]: line for line in lines if line["topic"] == "DeviceStatus"})
+
+        # A device whose answer came late, on a machine that is busy, is degraded until it has answered again.
+        wait_until(lambda: {device["state"] for device in statuses()[1].values()} == {"online"}, 30, lambda: str(statuses()[1]))
+        buses, devices = statuses()
         self.assertEqual(set(buses), {"fast", "slow"})
         self.assertEqual(set(devices), {"fast/press", "slow/meter"})
         for bus in buses.values():
@@ -246,7 +251,6 @@ class Status(unittest.TestCase):
             self.assertGreater(bus["samples"], 0)
             self.assertTrue(0 <= bus["utilisation"] <= 1, bus)
         for device in devices.values():
-            self.assertEqual(device["state"], "online")
             self.assertGreater(device["answer_time"], 0)
 
     def test_people_get_a_table(self):
