@@ -8,6 +8,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <random>
 #include <string>
+#include <utility>
 
 #include "bridge/bus/answers_under_way.hpp"
 #include "bridge/bus/back_off.hpp"
@@ -238,19 +239,22 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
       std::visit([&](auto& what) { execute(what, now); }, action);
     }
     processing_ = false;
+    if (std::exchange(not_sent_, false)) process(NotSent{}, steady_now());
     if (report_soon_ && now - reported_ >= kLeastReportGap) report(now);
   }
 
-  // On a fenced wire a request that comes late may meet another master: it is not sent, and the
-  // engine waits for its answer in vain.
-  [[nodiscard]] bool too_late(Instant decided) const {
-    return fenced_ && steady_now() - decided > kLatestSend;
+  // On a fenced wire a request that comes late may meet another master. Without the master's lease
+  // it is asked for again: by then it is known who is master.
+  [[nodiscard]] bool may_send(Instant decided) const {
+    const bool too_late = fenced_ && steady_now() - decided > kLatestSend;
+    return !too_late && (lease_of_master_ == nullptr || lease_of_master_->holds());
   }
 
   void execute(const Send& send, Instant now) {
-    if (too_late(now)) return engine_.not_sent(now);
-    // It is asked for again: by then it is known who is master.
-    if (lease_of_master_ != nullptr && !lease_of_master_->holds()) return engine_.not_sent(now);
+    if (!may_send(now)) {
+      not_sent_ = true;
+      return;
+    }
     record_.sent(send.bytes, engine_, mapping_.to_utc(now));
     port_->write(send.bytes);
   }
@@ -367,6 +371,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   bool open_ = false;                // the port
   bool report_soon_ = false;
   bool was_open_ = false;
+  bool not_sent_ = false;  // the last Send was not carried out
   bool processing_ = false;
   bool stopped_ = false;
 };

@@ -158,6 +158,17 @@ void BusEngine::handle(const CountAbove& event, Instant, ActionSink& sink) {
   sink.publish_uncounted(std::move(shown));
 }
 
+void BusEngine::handle(const NotSent&, Instant now, ActionSink& sink) {
+  if (!parts_.wire.exchanging()) return;
+  parts_.fence.not_sent(now);
+  // What was sent before it may have had an effect.
+  if (!parts_.wire.first_request()) return give_up(Cause::kForeignMaster, now, sink);
+  const Flight kept = parts_.wire.not_sent(now);
+  parts_.devices.not_asked(kept.asked.device);
+  if (kept.is_command()) parts_.commands.not_sent(kept.batch);
+  if (kept.kind == Flight::Kind::kRead) parts_.reads.broken_off(kept.block, now);
+}
+
 void BusEngine::handle(const PlanMade& event, Instant now, ActionSink&) {
   parts_.reads.adopt(*event.draft, now);
 }

@@ -62,8 +62,6 @@ class BusEngine {
   [[nodiscard]] Instant answers_until() const {
     return parts_.setup.plain_tcp() ? kLongAgo : parts_.late.owed_until();
   }
-  // The request of the last Send did not leave: on a fenced wire others may begin.
-  void not_sent(Instant now) { parts_.fence.not_sent(now); }
 
   // What the request on the wire is for, and the device that it goes to; empty: none is.
   [[nodiscard]] std::string request_text() const;
@@ -84,6 +82,7 @@ class BusEngine {
   void handle(const LeaseEnded& event, Instant now, ActionSink& sink);
   void handle(const StopRequested& event, Instant now, ActionSink& sink);
   void handle(const CountAbove& event, Instant now, ActionSink& sink);
+  void handle(const NotSent& event, Instant now, ActionSink& sink);
   void handle(const PlanMade& event, Instant now, ActionSink& sink);
   // After every event: what ran out by now, what goes on the wire next, and when to look again.
   void settle(Instant now, ActionSink& sink);

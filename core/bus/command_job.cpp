@@ -89,6 +89,7 @@ void CommandJob::wrote() {
 }
 
 void CommandJob::answered(const Reply& reply) {
+  asked_ = true;
   for (const RangeReply& range : reply) {
     if (range.cause != Cause::kNone) return failed(range.cause, range.device_code);
   }
@@ -153,6 +154,7 @@ void CommandJob::resolve_doubt(const Bytes& items) {
 }
 
 void CommandJob::failed(Cause cause, std::uint16_t device_code) {
+  asked_ = true;
   const bool refused = cause == Cause::kDeviceError || cause == Cause::kDeviceBusy;
   if (cause == Cause::kDeviceError && has_plainer_form()) {
     distinct_ = false;

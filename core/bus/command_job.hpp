@@ -59,6 +59,11 @@ class CommandJob {
   void start(Instant now) {
     if (!started_) started_ = now;
   }
+  // The request of the last start() did not leave. Without one before it the command has not
+  // started.
+  void not_sent() {
+    if (!asked_) started_.reset();
+  }
 
   // Items that were read, with the channels they belong to: to be published as samples.
   struct Acquired {
@@ -130,6 +135,7 @@ class CommandJob {
   std::uint16_t device_code_ = 0;
   std::string reason_;
   std::optional<Instant> started_;
+  bool asked_ = false;  // a request of it came to its end
 };
 
 }  // namespace fieldcast

@@ -147,6 +147,11 @@ void CommandQueue::failed(std::size_t batch, Cause cause, std::uint16_t code, In
   finish(batch, acquired, now, sink);
 }
 
+void CommandQueue::not_sent(std::size_t batch) {
+  for (std::size_t i = 0; i < batch; ++i) waiting_[i].job.not_sent();
+  begun_ = waiting_.front().job.started();
+}
+
 // What the last request brought to its end leaves the queue; the others have more exchanges to
 // come.
 void CommandQueue::finish(std::size_t batch, Instant acquired, Instant now, ActionSink& sink) {

@@ -55,6 +55,8 @@ class CommandQueue {
                 ActionSink& sink);
   void failed(std::size_t batch, Cause cause, std::uint16_t code, Instant acquired, Instant now,
               ActionSink& sink);
+  // It did not leave: its commands wait as before, and may expire.
+  void not_sent(std::size_t batch);
 
   // Completes what may no longer begin. What has begun is never called back. `bus`: for the reason.
   void expire(BusState bus, Instant now, ActionSink& sink);

@@ -65,6 +65,8 @@ class DeviceMonitor {
   // answers show whose they are: the bus goes on meanwhile, and they still count.
   [[nodiscard]] Duration timeout(DeviceIndex device, const Request& request, bool command) const;
   void asked(DeviceIndex device) { ++devices_[device].report.exchanges; }
+  // The request did not leave.
+  void not_asked(DeviceIndex device) { --devices_[device].report.exchanges; }
 
   // After each try, and before it is repeated.
   void tried(const Try& ended, Instant now, ActionSink& sink);

@@ -58,12 +58,15 @@ struct StopRequested {};
 struct CountAbove {
   std::uint64_t number = 0;
 };
+// The last Send was not carried out: by its time another master may have had the wire. Nothing of
+// it left; told before anything else.
+struct NotSent {};
 // The draft of the last MakePlan is made.
 struct PlanMade {
   std::shared_ptr<PlanDraft> draft;
 };
 using BusEvent = std::variant<Opened, Closed, Received, TimerFired, CommandArrived, InterestChanged,
-                              LeaseBegan, LeaseEnded, StopRequested, CountAbove, PlanMade>;
+                              LeaseBegan, LeaseEnded, StopRequested, CountAbove, NotSent, PlanMade>;
 
 // Actions, to be executed in order.
 

@@ -11,12 +11,14 @@ void ExchangeDriver::begin(std::unique_ptr<Exchange> exchange, Duration timeout,
   echo_is_distinct_ = echo_is_distinct;
   cause_ = Cause::kNone;
   device_code_ = 0;
+  requests_ = 0;
   out.clear();
   const Step step = exchange_->start(out);
   sending(step, now, out);
 }
 
 void ExchangeDriver::sending(const Step& step, Instant now, const Bytes& out) {
+  ++requests_;
   sent_ = out;
   received_.clear();
   echo_stripped_ = echo_ == Echo::kAbsent;

@@ -40,6 +40,11 @@ class ExchangeDriver {
   Outcome on_bytes(ByteView bytes, Instant now, Bytes& out);
   Outcome on_timer(Instant now, Bytes& out);  // REQUIRES: now >= deadline()
   void abort() { exchange_.reset(); }
+  // The last request did not leave: the exchange is over.
+  void not_sent() {
+    bytes_sent_ -= sent_.size();
+    abort();
+  }
   // What has come was not the answer: the wait goes on with an exchange that has received nothing.
   // REQUIRES: the last outcome was kDone; `again` was made for the same request and has not begun.
   void wait_on(std::unique_ptr<Exchange> again);
@@ -53,6 +58,8 @@ class ExchangeDriver {
 
   [[nodiscard]] Cause cause() const { return cause_; }
   [[nodiscard]] std::uint16_t device_code() const { return device_code_; }
+  // Of the exchange, sent so far.
+  [[nodiscard]] unsigned requests() const { return requests_; }
   // The last request has left the wire by then.
   [[nodiscard]] Instant sent_until() const { return sent_until_; }
   // Arrival of the last byte.
@@ -92,6 +99,7 @@ class ExchangeDriver {
   bool echo_stripped_ = false;
   std::unique_ptr<Exchange> exchange_;
   Duration timeout_{};
+  unsigned requests_ = 0;
   Bytes sent_;
   Bytes received_;  // since the last send, echo taken away
   Instant sent_until_{};

@@ -98,6 +98,14 @@ std::optional<Flight> Wire::abort() {
   return std::exchange(flight_, std::nullopt);
 }
 
+Flight Wire::not_sent(Instant now) {
+  assert(first_request());
+  --exchanges_;
+  driver_.not_sent();
+  free_at_ = now + kNotSentRest;
+  return *std::exchange(flight_, std::nullopt);
+}
+
 void Wire::stray(Instant now) {
   if (strays_since_ == kNever) strays_since_ = now;
   if (now - strays_since_ < kLongestStray) free_at_ = std::max(free_at_, now + setup_.silence());

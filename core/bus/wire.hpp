@@ -38,6 +38,8 @@ class Wire {
  public:
   // Bytes that nobody asked for keep the wire from being free, but for no longer than this.
   static constexpr Duration kLongestStray = std::chrono::milliseconds{300};
+  // After a request that could not leave.
+  static constexpr Duration kNotSentRest = std::chrono::milliseconds{20};
 
   // How a try ended.
   struct Ended {
@@ -71,6 +73,13 @@ class Wire {
   [[nodiscard]] Flight take();
   // Ends the exchange from outside, if there is one.
   std::optional<Flight> abort();
+  // Ends the exchange whose only request did not leave: nobody owes an answer. The wire rests for a
+  // moment, so that who cannot send does not try all the time. REQUIRES: first_request().
+  [[nodiscard]] Flight not_sent(Instant now);
+  // An exchange is under way, and its first request is the last thing that was sent.
+  [[nodiscard]] bool first_request() const {
+    return exchanging() && flight_->tries == 0 && driver_.requests() == 1;
+  }
   // The flight waits to be sent again, and that is not needed any more.
   void drop() { flight_.reset(); }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 namespace fieldcast::test {
 
@@ -214,6 +215,7 @@ void SharedWire::feed(std::size_t index, const BusEvent& event) {
   engine.on_event(event, now_, actions);
   make_plans(engine, now_, actions);
   for (const Action& action : actions) act(index, action);
+  if (std::exchange(masters_[index]->not_sent, false)) feed(index, NotSent{});
 }
 
 void SharedWire::act(std::size_t index, const Action& action) {
@@ -230,7 +232,10 @@ void SharedWire::act(std::size_t index, const Action& action) {
   if (on_action) on_action(index, action);
   const auto* sent = std::get_if<Send>(&action);
   if (sent == nullptr) return;
-  if (may_send && !may_send(index)) return master.engine.not_sent(now_);
+  if (may_send && !may_send(index)) {
+    master.not_sent = true;
+    return;
+  }
   ++master.frames;
   master.last_frame = now_;
   if (master.first_frame == kNever) master.first_frame = now_;

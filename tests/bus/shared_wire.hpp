@@ -42,6 +42,7 @@ class SharedWire {
     BusEngine engine;
     Adapter adapter;
     bool open = false, cut = false;
+    bool not_sent = false;  // its last request
     Instant stopped_until = kLongAgo;
     Instant timer = kNever;
     Bytes received;  // held back by the adapter
