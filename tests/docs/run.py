@@ -22,6 +22,7 @@ from comparison import difference  # noqa: E402
 from document import Fault, STOP, inline_commands, is_configuration, parse, unused_files  # noqa: E402
 from fragment import whole, whole_declaration  # noqa: E402
 from sandbox import Sandbox  # noqa: E402
+from steady import steadily  # noqa: E402
 from tables import CHECKS  # noqa: E402
 
 PROGRAMS = ["fieldcast", "fieldcast-bridge", "fieldcast-sim", "fieldcast-port", "fieldcast-station"]
@@ -247,14 +248,19 @@ def main():
         if given.installed:
             return run_installed(given.installed, given.systemd, given.packages, given.arguments[0], given.arguments[1:])
         bin_dir, source_dir, *documents = given.arguments
-        for path in documents:
-            begin = time.monotonic()
+        def run(path):
             sandbox = Sandbox(bin_dir, source_dir)
             try:
                 runner = Runner(sandbox, path)
                 runner.run()
+                return runner
             finally:
                 sandbox.close()
+
+        for path in documents:
+            begin = time.monotonic()
+            # Documents show what a healthy bridge says, which one that could not run for a while does not.
+            runner = steadily(lambda path=path: run(path), Fault)
             counts = ", ".join(f"{number} {what}" for what, number in runner.count.items() if number)
             print(f"{path}: {counts or 'no command'}; {time.monotonic() - begin:.1f} s")
     except Fault as fault:

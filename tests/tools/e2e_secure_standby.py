@@ -15,6 +15,7 @@ import unittest
 
 from e2e_standby import BIN_DIR, SECONDS, Watch, serve_device
 from plant import claim_domain, run_cli, wait_until
+from steady import OnASteadyMachine
 
 CONFIG = """
 bridge: {{ name: {name}, standby: {{ group: g, strength: {strength} }} }}
@@ -31,7 +32,7 @@ buses:
 """
 
 
-class SecureStandby(unittest.TestCase):
+class SecureStandby(OnASteadyMachine, unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.mkdtemp(prefix="fieldcast-secure-standby-")
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)

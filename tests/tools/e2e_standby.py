@@ -19,6 +19,7 @@ import time
 import unittest
 
 from plant import wait_until
+from steady import OnASteadyMachine
 
 BIN_DIR = sys.argv.pop(1) if len(sys.argv) > 1 and not sys.argv[1].startswith("-") else "build/bin"
 SECONDS = 20
@@ -161,7 +162,7 @@ class Watch:
         wait_until(lambda: self.good > good + 10, SECONDS, "no samples")
 
 
-class Standby(unittest.TestCase):
+class Standby(OnASteadyMachine, unittest.TestCase):
     def setUp(self):
         reason = why_not()
         if reason:
