@@ -240,9 +240,24 @@ class SitesOfAStation(unittest.TestCase):
             status = [line for line in both("status", "--json").json_lines() if line["topic"] == "BusStatus"]
             self.assertEqual({line["bus"] for line in status}, {"north:line", "south:line"})
             self.assertEqual(both("watch", "south:*", "--once", "--json").json_lines()[0]["bus"], "south:line")
+            self.nobody_in_the_south(north, file)
             nowhere = both("write", "line/press/c3=1")
             self.assertNotEqual(nowhere.code, 0, str(nowhere))
             self.page(file)
+
+    def nobody_in_the_south(self, north, file):
+        domain, claim = claim_domain()
+        self.addCleanup(claim.close)
+        lonely = os.path.join(north.run, "lonely.yaml")
+        with open(file, encoding="utf-8") as made, open(lonely, "w", encoding="utf-8") as out:
+            out.write(re.sub(r"(name: south, dds: \{ domain: )\d+", rf"\g<1>{domain}", made.read()))
+        seen = run_cli(BIN_DIR, "watch", "--once", "--json", "--config", lonely)
+        self.assertEqual({line["bus"] for line in seen.json_lines()}, {"north:line"}, str(seen))
+        self.assertIn("no bridge found in site south", seen.err)
+        written = run_cli(BIN_DIR, "write", "south:line/press/c3=1", "--config", lonely)
+        self.assertEqual(written.code, 5, str(written))
+        self.assertIn("no bridge found in site south", written.err)
+        self.assertIn("no bridge found in site south", run_cli(BIN_DIR, "status", "--config", lonely).err)
 
     def value(self, plant):
         def read():

@@ -55,8 +55,10 @@ class Store(unittest.TestCase):
         self.assertEqual([s["sequence"] for s in samples], sorted({s["sequence"] for s in samples}))
         for sample in samples:
             self.assertGreaterEqual(sample["published_at"], sample["acquired_at"])
-        self.assertEqual(samples[-1]["quality"], "GOOD")
-        self.assertIsInstance(samples[-1]["value"], float)
+        # On a machine that is busy with other things one of them may say that it was late.
+        good = [s for s in samples if s["quality"] == "GOOD"]
+        self.assertGreater(len(good), 0, samples)
+        self.assertIsInstance(good[-1]["value"], float)
 
     def test_only_what_the_patterns_name_is_stored(self):
         wait_until(lambda: lines("history", "line/press/temperature"), 30, "no history")

@@ -19,6 +19,8 @@ namespace fieldcast::cli {
 inline constexpr Duration kBridgeWait = std::chrono::seconds{5};
 // When nothing new came for so long, everything that is there is known.
 inline constexpr Duration kQuietTime = std::chrono::milliseconds{700};
+// The same before a bus is called unknown: another bridge may have it, which shows itself later.
+inline constexpr Duration kOtherBridges = std::chrono::seconds{2};
 
 struct ConnectionOptions {
   std::string config;                   // its `dds:` section; empty: none

@@ -1,6 +1,23 @@
 #include "tools/cli/domain_view.hpp"
 
 namespace fieldcast::cli {
+namespace {
+
+struct BusOf {
+  std::string_view operator()(const StationResult&) const { return {}; }
+  std::string_view operator()(const ChannelGone& gone) const { return gone.path.bus; }
+  std::string_view operator()(const AlarmGone& gone) const { return gone.last.bus; }
+  std::string_view operator()(const StationAlarmStatus& one) const { return one.alarm.bus; }
+  std::string_view operator()(const AlarmStatusGone& gone) const { return gone.last.alarm.bus; }
+  template <class Named>
+  std::string_view operator()(const Named& named) const {
+    return named.bus;
+  }
+};
+
+}  // namespace
+
+std::string_view bus_of(const DomainEvent& event) { return std::visit(BusOf{}, event); }
 
 bool update(StatusModel& model, const DomainEvent& event) {
   if (const auto* bus = std::get_if<StationBusStatus>(&event))

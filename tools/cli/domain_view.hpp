@@ -5,6 +5,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <variant>
 
 #include "bridge/base/bounded_queue.hpp"
@@ -35,6 +36,9 @@ using DomainEvent =
     std::variant<StationChannel, StationSample, ChannelGone, StationBusStatus, StationDeviceStatus,
                  StationResult, ProgramSessionReport, StationAlarm, AlarmGone, StationAlarmStatus,
                  AlarmStatusGone, BusGone, DeviceGone>;
+
+// What it is about; empty: no bus, or none that it names.
+[[nodiscard]] std::string_view bus_of(const DomainEvent& event);
 
 // Puts the status of a bus or a device into the model, or takes out what is gone. True when it
 // names one for the first time.

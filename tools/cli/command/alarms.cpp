@@ -17,6 +17,7 @@
 #include "tools/cli/command/span_option.hpp"
 #include "tools/cli/console.hpp"
 #include "tools/cli/domain_view.hpp"
+#include "tools/cli/listening.hpp"
 #include "tools/cli/view/alarm_view.hpp"
 
 namespace fieldcast::cli {
@@ -29,11 +30,12 @@ AlarmKey key_of(const StationAlarm& alarm) {
 // What the bridges tell until nothing new comes.
 struct Told {
   KnownAlarms alarms;
-  bool bridge = false;  // one is there
+  Listening listening;
 
   // True for something new.
   bool note(const DomainEvent& event) {
-    if (std::holds_alternative<StationBusStatus>(event)) return !std::exchange(bridge, true);
+    if (const auto* bus = std::get_if<StationBusStatus>(&event))
+      return !listening.heard_site_of(bus->bus);
     if (const auto* gone = std::get_if<AlarmGone>(&event)) alarms[key_of(gone->last)].alarm = {};
     if (const auto* gone = std::get_if<AlarmStatusGone>(&event))
       alarms[gone->last.alarm].status = {};
@@ -45,18 +47,17 @@ struct Told {
   }
 };
 
-Told listen(DomainView& domain) {
+Told listen(DomainView& domain, const Connection& connection) {
   domain.subscribe_alarms();
   domain.subscribe_status();  // where no alarm is, a bus still reports
-  Told told;
   const auto began = instant_now();
+  Told told{{}, {connection, began}};
   const auto end = began + kBridgeWait;
-  auto last_news = began;
-  for (auto now = began; now < end && !domain.inbox().closed(); now = instant_now()) {
-    if (told.bridge && now - last_news >= kQuietTime) break;
-    const auto until = to_steady(told.bridge ? std::min(end, last_news + kQuietTime) : end);
+  for (auto now = began; now < std::min(end, told.listening.over_at()) && !domain.inbox().closed();
+       now = instant_now()) {
+    const auto until = to_steady(std::min(end, told.listening.over_at()));
     for (const auto& event : domain.inbox().take_all(until)) {
-      if (told.note(event)) last_news = instant_now();
+      if (told.note(event)) told.listening.news(bus_of(event), instant_now());
     }
   }
   std::erase_if(told.alarms,
@@ -68,7 +69,10 @@ Told listen(DomainView& domain) {
 std::optional<ExitCode> trouble(const DomainView& domain, const Told& told,
                                 const Connection& connection, std::ostream& err) {
   if (domain.interrupted()) return ExitCode::kInterrupted;
-  if (told.bridge) return std::nullopt;
+  if (const std::string silent = told.listening.silent_text();
+      told.listening.anybody() && !silent.empty())
+    err << "fieldcast alarms: " << silent << '\n';
+  if (told.listening.anybody()) return std::nullopt;
   err << "fieldcast alarms: " << no_bridge_text(connection, domain.missing_servers()) << '\n';
   return ExitCode::kNoBridge;
 }
@@ -78,7 +82,7 @@ std::optional<ExitCode> trouble(const DomainView& domain, const Told& told,
 ExitCode alarms(const AlarmsOptions& options, const Connection& connection, Interrupt& interrupt,
                 std::ostream& out, std::ostream& err) {
   DomainView domain(connection, interrupt);
-  const Told told = listen(domain);
+  const Told told = listen(domain, connection);
   if (const auto code = trouble(domain, told, connection, err)) return *code;
   if (options.json) {
     for (const auto& [key, known] : told.alarms) out << to_line(alarm_json(key, known)) << '\n';
@@ -172,7 +176,7 @@ ExitCode act_on_alarms(const AlarmsOptions& options, const std::string& by,
                        const Connection& connection, Interrupt& interrupt, std::ostream& out,
                        std::ostream& err) {
   DomainView domain(connection, interrupt);
-  const Told told = listen(domain);
+  const Told told = listen(domain, connection);
   if (const auto code = trouble(domain, told, connection, err)) return *code;
   const std::vector<AlarmAction> actions = actions_of(options, by, told.alarms);
   if (actions.empty()) {

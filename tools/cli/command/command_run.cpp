@@ -7,6 +7,7 @@
 #include <ostream>
 
 #include "tools/cli/clock.hpp"
+#include "tools/cli/listening.hpp"
 #include "tools/cli/view/json.hpp"
 
 namespace fieldcast::cli {
@@ -59,18 +60,23 @@ bool CommandRun::learn(const std::vector<ChannelPath>& paths, Wanted wanted) {
     return !path.channel.empty() && catalogue_.find(path) != nullptr;
   };
   const auto began = instant_now();
-  auto last_news = began;
+  Listening listening(connection_, began);
+  // Until when it may still become known.
+  const auto until = [&](const ChannelPath& path) {
+    if (!listening.heard_site_of(path.bus)) return began + kBridgeWait;
+    return listening.last_news() + (catalogue_.has_bus(path.bus) ? kQuietTime : kOtherBridges);
+  };
   while (!domain_.inbox().closed()) {
-    if (std::all_of(paths.begin(), paths.end(), known)) return true;
-    const auto now = instant_now();
-    if (!catalogue_.empty() && now - last_news >= kQuietTime) return true;
-    if (now - began >= kBridgeWait) break;
-    const auto until = catalogue_.empty() ? began + kBridgeWait
-                                          : std::min(began + kBridgeWait, last_news + kQuietTime);
-    for (const auto& event : domain_.inbox().take_all(to_steady(until))) {
-      if (note(event)) last_news = instant_now();
+    Instant wait = kLongAgo;
+    for (const ChannelPath& path : paths) {
+      if (!known(path)) wait = std::max(wait, until(path));
+    }
+    if (instant_now() >= wait) break;
+    for (const auto& event : domain_.inbox().take_all(to_steady(wait))) {
+      if (const auto bus = note(event)) listening.news(*bus, instant_now());
     }
   }
+  for (std::string& site : listening.silent_sites()) catalogue_.add_silent_site(std::move(site));
   if (!catalogue_.empty() && !domain_.interrupted()) return true;
   err_ << "fieldcast: "
        << (domain_.interrupted() ? "interrupted"
@@ -79,15 +85,18 @@ bool CommandRun::learn(const std::vector<ChannelPath>& paths, Wanted wanted) {
   return false;
 }
 
-// True for something new.
-bool CommandRun::note(const DomainEvent& event) {
+// The bus of something new.
+std::optional<std::string> CommandRun::note(const DomainEvent& event) {
   if (const auto* channel = std::get_if<StationChannel>(&event)) {
+    const bool is_new =
+        catalogue_.find({channel->bus, channel->device, channel->channel}) == nullptr;
     catalogue_.add(*channel);
-    return true;
+    return is_new ? std::optional(channel->bus) : std::nullopt;
   }
   // The catalogue has no rows for a device without channels, but its status tells of it.
   const auto* device = std::get_if<StationDeviceStatus>(&event);
-  return device != nullptr && catalogue_.add_device(device->bus, device->device);
+  const bool is_new = device != nullptr && catalogue_.add_device(device->bus, device->device);
+  return is_new ? std::optional(device->bus) : std::nullopt;
 }
 
 ExitCode CommandRun::why_not() const {

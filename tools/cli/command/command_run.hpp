@@ -2,6 +2,7 @@
 #pragma once
 
 #include <iosfwd>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -64,7 +65,7 @@ class CommandRun {
   static constexpr Duration kResultGrace = std::chrono::seconds{2};
 
   [[nodiscard]] bool send(Errand& errand);
-  bool note(const DomainEvent& event);
+  std::optional<std::string> note(const DomainEvent& event);
   void print(const Outcome& outcome);
 
   DomainView& domain_;

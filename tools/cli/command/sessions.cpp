@@ -8,6 +8,7 @@
 #include "tools/cli/connection.hpp"
 #include "tools/cli/console.hpp"
 #include "tools/cli/domain_view.hpp"
+#include "tools/cli/listening.hpp"
 #include "tools/cli/view/sessions_view.hpp"
 
 namespace fieldcast::cli {
@@ -15,18 +16,18 @@ ExitCode sessions(const SessionsOptions& options, const Connection& connection,
                   Interrupt& interrupt, std::ostream& out, std::ostream& err) {
   DomainView domain(connection, interrupt);
   SessionsModel model;
-  bool bridge = false;
   const auto began = instant_now();
-  auto last_news = began;
+  Listening listening(connection, began);
   const auto end = began + options.time.value_or(kBridgeWait);
   domain.subscribe_program_sessions();
 
   for (auto now = began; now < end && !domain.inbox().closed() && out; now = instant_now()) {
-    if (!options.time && bridge && now - last_news >= kQuietTime) break;
-    const auto wake = options.time || !bridge ? end : std::min(end, last_news + kQuietTime);
+    if (!options.time && now >= listening.over_at()) break;
+    const auto wake = options.time ? end : std::min(end, listening.over_at());
     for (const auto& event : domain.inbox().take_all(to_steady(wake))) {
-      if (!bridge || std::holds_alternative<ProgramSessionReport>(event)) last_news = instant_now();
-      bridge = true;
+      if (!listening.heard_site_of(bus_of(event)) ||
+          std::holds_alternative<ProgramSessionReport>(event))
+        listening.news(bus_of(event), instant_now());
       const auto* report = std::get_if<ProgramSessionReport>(&event);
       if (report == nullptr) continue;
       model.insert_or_assign({report->bus, report->device}, *report);
@@ -40,10 +41,12 @@ ExitCode sessions(const SessionsOptions& options, const Connection& connection,
     out.flush();
   }
   if (domain.interrupted() && !options.time) return ExitCode::kInterrupted;
-  if (!bridge) {
+  if (!listening.anybody()) {
     err << "fieldcast sessions: " << no_bridge_text(connection, domain.missing_servers()) << '\n';
     return ExitCode::kNoBridge;
   }
+  if (const std::string silent = listening.silent_text(); !silent.empty())
+    err << "fieldcast sessions: " << silent << '\n';
   if (!options.time && options.json) {
     for (const auto& [key, report] : model) out << to_line(session_json(report)) << '\n';
   } else if (!options.time) {

@@ -10,6 +10,7 @@
 #include "tools/cli/command/status_live.hpp"
 #include "tools/cli/console.hpp"
 #include "tools/cli/domain_view.hpp"
+#include "tools/cli/listening.hpp"
 #include "tools/cli/standby_watch.hpp"
 #include "tools/cli/terminal.hpp"
 #include "tools/cli/view/json.hpp"
@@ -70,14 +71,12 @@ ExitCode status(const StatusOptions& options, const Connection& connection, Inte
   }
 
   const auto end = began + options.time.value_or(kBridgeWait);
-  auto last_news = began;
+  Listening listening(connection, began);
   for (auto now = began; now < end && !domain.inbox().closed() && out; now = instant_now()) {
-    if (!options.time && !model.buses.empty() && now - last_news >= kQuietTime) break;
-    const auto wake = options.time          ? now + kLook
-                      : model.buses.empty() ? end
-                                            : last_news + kQuietTime;
+    if (!options.time && now >= listening.over_at()) break;
+    const auto wake = options.time ? now + kLook : listening.over_at();
     for (const auto& event : domain.inbox().take_all(to_steady(std::min(end, wake)))) {
-      if (update(model, event)) last_news = instant_now();
+      if (update(model, event)) listening.news(bus_of(event), instant_now());
       if (options.time && options.json) print_event(event, out);
     }
     out.flush();
@@ -87,6 +86,8 @@ ExitCode status(const StatusOptions& options, const Connection& connection, Inte
     err << "fieldcast status: " << no_bridge_text(connection, domain.missing_servers()) << '\n';
     return ExitCode::kNoBridge;
   }
+  if (const std::string silent = listening.silent_text(); !silent.empty())
+    err << "fieldcast status: " << silent << '\n';
   if (!options.json) {
     print_table(model, out);
     print_members(members.model(), out);

@@ -15,6 +15,7 @@
 #include "tools/cli/command/watch_live.hpp"
 #include "tools/cli/console.hpp"
 #include "tools/cli/domain_view.hpp"
+#include "tools/cli/listening.hpp"
 #include "tools/cli/model/watch_model.hpp"
 #include "tools/cli/terminal.hpp"
 #include "tools/cli/view/json.hpp"
@@ -61,10 +62,11 @@ class Watch {
   WatchModel model_;
   std::ostream& out_;
   std::ostream& err_;
-  std::optional<std::string> remark_;  // of our interest, once it is known
-  Instant last_news_{};                // when the catalogue last grew
-  std::uint64_t missing_told_ = 0;     // blocks that the last event counted
-  std::optional<Instant> lag_told_;    // when that was
+  std::optional<std::string> remark_;   // of our interest, once it is known
+  Instant last_news_{};                 // when the catalogue last grew
+  std::optional<Listening> listening_;  // of --once
+  std::uint64_t missing_told_ = 0;      // blocks that the last event counted
+  std::optional<Instant> lag_told_;     // when that was
 };
 
 ExitCode Watch::run() {
@@ -74,6 +76,7 @@ ExitCode Watch::run() {
                                      : std::nullopt;
   const auto end = limit ? began + *limit : kNever;
   last_news_ = began;
+  listening_.emplace(connection_, began);
   if (const auto small = receive_buffer_remark(connection_.sites.front().dds);
       small && !options_.once)
     err_ << "fieldcast watch: " << *small << '\n' << std::flush;
@@ -90,6 +93,9 @@ ExitCode Watch::run() {
   }
   if (options_.once && !domain_.interrupted()) print_all();
   out_.flush();
+  if (const std::string silent = listening_->silent_text();
+      options_.once && listening_->anybody() && !silent.empty())
+    err_ << "fieldcast watch: " << silent << '\n';
   err_ << "fieldcast watch: " << model_.summary();
   if (const auto lag = model_.lag_remark()) err_ << "; " << *lag;
   if (domain_.inbox().dropped() != 0)
@@ -124,6 +130,7 @@ void Watch::read(const DomainEvent& event, Instant now) {
   } else if (const auto* channel = std::get_if<StationChannel>(&event)) {
     model_.on_channel(*channel);
     last_news_ = now;
+    listening_->news(channel->bus, now);
   } else if (const auto* gone = std::get_if<ChannelGone>(&event)) {
     model_.on_gone(gone->path);
   }
@@ -161,7 +168,7 @@ bool Watch::screen_wanted() {
 
 bool Watch::complete(Instant now) const {
   return model_.anything_announced() && model_.awaited(options_.refresh.has_value()) == 0 &&
-         now - last_news_ > kQuietTime;
+         now > listening_->over_at();
 }
 
 void Watch::print_all() {

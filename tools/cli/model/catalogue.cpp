@@ -77,6 +77,9 @@ std::string Catalogue::explain_unknown(const ChannelPath& path) const {
     if (known.bus == path.bus && known.device == path.device) names.push_back(known.channel);
   }
   if (buses.empty()) return "no device is announced at all";
+  for (const std::string& site : silent_sites_) {
+    if (path.bus.starts_with(site + ':')) return "no bridge found in site " + site;
+  }
   if (devices.empty()) return unknown("bus", path.bus, std::move(buses), "");
   if (!has_device(path.bus, path.device))
     return unknown("device", path.device, std::move(devices), " on bus " + path.bus);

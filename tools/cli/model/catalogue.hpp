@@ -20,6 +20,9 @@ class Catalogue {
   void add(const StationChannel& channel);
   // True when it is new.
   bool add_device(const std::string& bus, const std::string& device);
+  // No bridge of this site of a station was found: its buses are not known, which is no fault of
+  // their names.
+  void add_silent_site(std::string site) { silent_sites_.insert(std::move(site)); }
   void remove(const ChannelPath& path) { channels_.erase(path); }
 
   [[nodiscard]] const StationChannel* find(const ChannelPath& path) const;
@@ -39,6 +42,7 @@ class Catalogue {
  private:
   std::map<ChannelPath, StationChannel> channels_;
   std::set<std::pair<std::string, std::string>> devices_;  // with their bus
+  std::set<std::string> silent_sites_;
 };
 
 }  // namespace fieldcast::cli
