@@ -8,8 +8,10 @@
 
 #include "tools/import/address.hpp"
 #include "tools/import/columns.hpp"
+#include "tools/import/formats/list_address.hpp"
 #include "tools/import/formats/modbus_list_columns.hpp"
 #include "tools/import/formats/readers.hpp"
+#include "tools/import/formats/reference_vote.hpp"
 #include "tools/import/number.hpp"
 #include "tools/import/types.hpp"
 
@@ -35,21 +37,28 @@ class ListReader {
         options_(options),
         table_(table),
         header_(header),
-        columns_(table.rows[header], list_columns()) {}
+        columns_(table.rows[header], list_columns()) {
+    const auto title = columns_.index_of(Field::kAddress);
+    hex_ = title && column_word(table.rows[header].cell(*title)).find("hex") != std::string::npos;
+  }
 
   void read(Bus& bus, Found& found) {
-    counts_from_one_ = lists_references();
     for (std::size_t i = header_ + 1; i < table_.rows.size(); ++i) {
       const Row& row = table_.rows[i];
       if (columns_.cell(row, Field::kAddress).empty() && known_cells(row) < 2) continue;  // a title
-      Point point;
-      point.name = name_of(row);
-      point.origin = {source_.file, row.line};
-      const auto fault = read_point(row, point);
-      if (fault) {
-        found.refusals.push_back({point.name, point.origin, *fault});
+      Entry& entry = entries_.emplace_back(Entry{.row = &row});
+      entry.point.name = name_of(row);
+      entry.point.origin = {source_.file, row.line};
+      entry.fault = read_cells(entry);
+    }
+    decide_references(found);
+    for (Entry& entry : entries_) {
+      Point& point = entry.point;
+      if (!entry.fault) entry.fault = place(entry);
+      if (entry.fault) {
+        found.refusals.push_back({point.name, point.origin, *entry.fault});
       } else {
-        device_of(row, bus).points.push_back(std::move(point));
+        device_of(*entry.row, bus).points.push_back(std::move(point));
       }
     }
     for (const std::string& title : columns_.ignored())
@@ -62,6 +71,15 @@ class ListReader {
 
  private:
   using MayFail = std::optional<std::string>;
+
+  // A row while the list is read. One with a fault takes part in no decision about the others.
+  struct Entry {
+    const Row* row = nullptr;
+    Point point{};
+    ListAddress address{};
+    std::optional<ModbusArea> said{};  // by the function or the table
+    MayFail fault{};
+  };
 
   [[nodiscard]] std::size_t known_cells(const Row& row) const {
     std::size_t filled = 0;
@@ -91,72 +109,74 @@ class ListReader {
     return device;
   }
 
-  // Five or six digits in every row, of which the first one is the area's: references. A function
-  // of another area, or a 40000, says that they are plain numbers.
-  [[nodiscard]] bool lists_references() const {
-    std::size_t seen = 0;
-    for (std::size_t i = header_ + 1; i < table_.rows.size(); ++i) {
-      const Row& row = table_.rows[i];
-      const auto cell = first_address(columns_.cell(row, Field::kAddress));
-      if (cell.empty()) continue;
-      const auto reference = reference_from(cell);
-      if (!reference && known_cells(row) < 3) continue;
-      if (!reference || !reference->area) return false;
-      const auto said = area_by_name(columns_.cell(row, Field::kArea));
-      if (said && *said != *reference->area) return false;
-      ++seen;
-    }
-    return seen > 0;
-  }
-
-  // What an address may have behind it: "100-101", "100 (0x64)", "30001/2".
-  static std::string_view first_address(std::string_view cell) {
-    const std::size_t end = cell.find_first_of(" (/~,;", 1);
-    cell = cell.substr(0, end);
-    const std::size_t dash = cell.find('-', 2);
-    return dash == std::string_view::npos ? cell : cell.substr(0, dash);
-  }
-
-  tl::expected<Reference, std::string> address_of(const Row& row) {
-    const std::string_view cell = first_address(columns_.cell(row, Field::kAddress));
-    const auto title = columns_.index_of(Field::kAddress);
-    const bool hex =
-        title && column_word(table_.rows[header_].cell(*title)).find("hex") != std::string::npos;
-    const std::string text =
-        hex && !cell.starts_with("0x") ? fmt::format("0x{}", cell) : std::string(cell);
-    auto reference = reference_from(text);
-    if (const auto plain = whole_from(text);
-        !reference && !counts_from_one_ && plain && *plain <= 65535)
-      reference = Reference{.first = static_cast<std::uint32_t>(*plain)};
-    if (!reference) return reference;
-    const auto said = area_by_name(columns_.cell(row, Field::kArea));
-    if (reference->area && !counts_from_one_) {
-      // Only some rows look like references: the digits are plain numbers.
-      const auto whole = whole_from(text.substr(0, text.find('.')));
-      if (whole && *whole <= 65535) {
-        reference->area.reset();
-        reference->first = static_cast<std::uint32_t>(*whole);
-      }
-    }
-    if (!reference->area) reference->area = said;
-    if (!reference->area) {
-      took_holding_ = true;
-      reference->area = ModbusArea::kHolding;
-    }
+  // What the row says by itself.
+  MayFail read_cells(Entry& entry) {
+    const Row& row = *entry.row;
+    const auto address = list_address_from(columns_.cell(row, Field::kAddress), hex_);
+    if (!address) return address.error();
+    entry.address = *address;
+    entry.said = area_by_name(columns_.cell(row, Field::kArea));
     if (const auto bit = whole_from(columns_.cell(row, Field::kBit))) {
-      if (*bit > 15) return tl::unexpected(fmt::format("bit {} is not 0 to 15", *bit));
-      reference->bit = static_cast<std::uint8_t>(*bit);
+      if (*bit > 15) return fmt::format("bit {} is not 0 to 15", *bit);
+      entry.address.bit = static_cast<std::uint8_t>(*bit);
     }
-    return reference;
+    if (const auto& reference = entry.address.reference;
+        reference && !entry.address.plain && entry.said && *entry.said != *reference->area)
+      return contradiction(entry);
+    return std::nullopt;
   }
 
-  MayFail read_point(const Row& row, Point& point) {
-    auto reference = address_of(row);
-    if (!reference) return reference.error();
-    const ModbusArea area = *reference->area;
-    if (const auto fault = check_bit(row, *reference)) return fault;
-    if (const auto fault = read_type(row, *reference, point)) return fault;
-    point.at = address_text(area, reference->first, reference->bit);
+  [[nodiscard]] std::string contradiction(const Entry& entry) const {
+    return fmt::format("the address '{}' and '{}' name different tables",
+                       columns_.cell(*entry.row, Field::kAddress),
+                       columns_.cell(*entry.row, Field::kArea));
+  }
+
+  // "40001" may be the first holding register, or register 40001: the whole list tells.
+  void decide_references(Found& found) {
+    ReferenceVote vote;
+    for (const Entry& entry : entries_) {
+      if (entry.fault || !entry.address.plain) continue;
+      const auto type = type_by_name(columns_.cell(*entry.row, Field::kType));
+      vote.add({.line = entry.row->line,
+                .cell = columns_.cell(*entry.row, Field::kAddress),
+                .reference = entry.address.is_open() ? entry.address.reference->area : std::nullopt,
+                .said = entry.said,
+                .is_number = type && is_number(type->type)});
+    }
+    counts_from_one_ = vote.counts_from_one();
+    for (Entry& entry : entries_) {
+      if (counts_from_one_ && !entry.fault && entry.address.is_open() && entry.said &&
+          *entry.said != *entry.address.reference->area)
+        entry.fault = contradiction(entry);
+    }
+    if (const std::string note = vote.note(); !note.empty())
+      found.notes.push_back(fmt::format("{}: {}", source_.file, note));
+  }
+
+  // The address as the whole list has it, and the type that depends on it.
+  MayFail place(Entry& entry) {
+    const ListAddress& address = entry.address;
+    Reference reference;
+    if (address.reference && (counts_from_one_ || !address.plain)) {
+      reference = *address.reference;
+    } else {
+      reference.area = entry.said;
+      reference.first = *address.plain;
+    }
+    reference.bit = address.bit;
+    if (!reference.area) {
+      took_holding_ = true;
+      reference.area = ModbusArea::kHolding;
+    }
+    return read_point(*entry.row, reference, entry.point);
+  }
+
+  MayFail read_point(const Row& row, Reference reference, Point& point) {
+    const ModbusArea area = *reference.area;
+    if (const auto fault = check_bit(row, reference)) return fault;
+    if (const auto fault = read_type(row, reference, point)) return fault;
+    point.at = address_text(area, reference.first, reference.bit);
     point.unit = columns_.cell(row, Field::kUnit);
     if (point.unit == "-" || point.unit == "--") point.unit.clear();
     if (columns_.has(Field::kName)) point.description = columns_.cell(row, Field::kDescription);
@@ -284,6 +304,8 @@ class ListReader {
   const Table& table_;
   std::size_t header_;
   Columns columns_;
+  std::vector<Entry> entries_;
+  bool hex_ = false;  // the column of the addresses
   bool counts_from_one_ = false;
   bool took_holding_ = false;
 };
