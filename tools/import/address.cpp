@@ -155,6 +155,11 @@ std::optional<ModbusArea> area_by_name(std::string_view name) {
   return area_by_name(word.substr(0, digits));
 }
 
+bool is_area_word(std::string_view name) {
+  const std::string word = column_word(name);
+  return !word.empty() && (word[0] < '0' || word[0] > '9') && area_by_name(name);
+}
+
 tl::expected<Reference, std::string> reference_from(std::string_view text) {
   text = trimmed(text);
   if (text.empty()) return tl::unexpected(std::string("no address"));

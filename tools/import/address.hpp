@@ -25,6 +25,9 @@ enum class ModbusArea : std::uint8_t { kCoil, kInput, kInputRegister, kHolding }
 // "Holding Register", "4x", "AI", "input", "03", "FC4": the table that a word means.
 [[nodiscard]] std::optional<ModbusArea> area_by_name(std::string_view name);
 
+// The same, but in words alone: "4" or "3 bananas" may mean anything in a column of types.
+[[nodiscard]] bool is_area_word(std::string_view name);
+
 // "40101", "400101", "4x0101", "4:101", "30007.3", "%MW100", "HR100".
 struct Reference {
   std::optional<ModbusArea> area;  // nothing: a bare number

@@ -4,19 +4,36 @@
 
 namespace fieldcast::importing {
 
-Columns::Columns(const Row& header, std::span<const ColumnName> names) {
+Columns::Columns(const Row& header, std::span<const ColumnName> names) : titles_(header.cells) {
   for (std::size_t i = 0; i < header.cells.size(); ++i) {
     const std::string word = column_word(header.cells[i]);
     const auto found = std::ranges::find(names, word, &ColumnName::word);
-    const bool free =
-        found != names.end() && !indexes_[static_cast<std::size_t>(found->field)].has_value();
-    if (free) {
-      indexes_[static_cast<std::size_t>(found->field)] = i;
-      ++known_;
-    } else if (!header.cells[i].empty()) {
-      ignored_.push_back(header.cells[i]);
-    }
+    meant_.push_back(found == names.end() ? std::nullopt : std::optional(found->field));
+    if (!meant_.back() || has(found->field)) continue;
+    indexes_[static_cast<std::size_t>(found->field)] = i;
+    ++known_;
   }
+}
+
+std::vector<std::size_t> Columns::others(Field field) const {
+  std::vector<std::size_t> columns;
+  for (std::size_t i = 0; i < meant_.size(); ++i) {
+    if (meant_[i] == field && index_of(field) != i) columns.push_back(i);
+  }
+  return columns;
+}
+
+void Columns::set(Field field, std::optional<std::size_t> column) {
+  indexes_[static_cast<std::size_t>(field)] = column;
+}
+
+std::vector<std::string> Columns::ignored() const {
+  std::vector<std::string> titles;
+  for (std::size_t i = 0; i < titles_.size(); ++i) {
+    if (!titles_[i].empty() && std::ranges::find(indexes_, i) == indexes_.end())
+      titles.push_back(titles_[i]);
+  }
+  return titles;
 }
 
 std::string_view Columns::cell(const Row& row, Field field) const {

@@ -57,14 +57,19 @@ class Columns {
   [[nodiscard]] std::optional<std::size_t> index_of(Field field) const {
     return indexes_[static_cast<std::size_t>(field)];
   }
+  // Further columns whose title means the same field.
+  [[nodiscard]] std::vector<std::size_t> others(Field field) const;
+  // Another column is that of the field; nothing: none is. Titles that are used are known.
+  void set(Field field, std::optional<std::size_t> column);
   [[nodiscard]] std::size_t known() const { return known_; }
-  // Titles that none of the names knows.
-  [[nodiscard]] const std::vector<std::string>& ignored() const { return ignored_; }
+  // Titles of columns that no field has.
+  [[nodiscard]] std::vector<std::string> ignored() const;
 
  private:
   std::array<std::optional<std::size_t>, static_cast<std::size_t>(Field::kCount)> indexes_{};
   std::size_t known_ = 0;
-  std::vector<std::string> ignored_;
+  std::vector<std::string> titles_;
+  std::vector<std::optional<Field>> meant_;  // by column
 };
 
 }  // namespace fieldcast::importing

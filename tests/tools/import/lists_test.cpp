@@ -102,5 +102,93 @@ TEST(ImportList, NumbersWithZerosInFrontAreNoCoils) {
   EXPECT_EQ(place_of(*outcome, "B"), "holding:102");
 }
 
+// "uint16", "no: .." if it was refused.
+std::string type_of(const Outcome& outcome, const std::string& name) {
+  const auto row = std::ranges::find(outcome.rows, name, &PointFate::name);
+  if (row == outcome.rows.end()) return "not in the list";
+  return row->fate == Fate::kRefused ? "no: " + row->words : row->type;
+}
+
+TEST(ImportList, ATypeThatSaysItsWidthKeepsIt) {
+  const auto bytes = import_text("meter.csv",
+                                 "Address,Name,Type,Length,Unit\n0,A,U16,2,V\n1,B,U32,4,V\n"
+                                 "3,C,FLOAT,4,V\n5,D,S16,2,V\n6,E,INT,4,V\n8,F,STRING,16,\n");
+  ASSERT_TRUE(bytes) << bytes.error();
+  EXPECT_EQ(type_of(*bytes, "A"), "uint16");
+  EXPECT_EQ(type_of(*bytes, "B"), "uint32");
+  EXPECT_EQ(type_of(*bytes, "C"), "float32");
+  EXPECT_EQ(type_of(*bytes, "D"), "int16");
+  EXPECT_EQ(type_of(*bytes, "E"), "int32");
+  EXPECT_EQ(type_of(*bytes, "F"), "string(16)");
+  EXPECT_EQ(bytes->count(Fate::kMoved), 6u);
+  const auto words = import_text("meter.csv",
+                                 "Address,Name,Type,Length\n0,A,U16,1\n1,B,U32,2\n3,C,REAL,4\n"
+                                 "7,D,BCD,2\n9,E,U16,2\n11,F,INT,3\n14,G,INT,x\n");
+  ASSERT_TRUE(words) << words.error();
+  EXPECT_EQ(type_of(*words, "C"), "float64");
+  EXPECT_EQ(type_of(*words, "D"), "bcd32");
+  EXPECT_EQ(type_of(*words, "E"), "uint16");
+  EXPECT_THAT(fate_of(*words, "E"), HasSubstr("which 32 bits do not fit"));
+  EXPECT_THAT(type_of(*words, "F"), HasSubstr("no: no 'INT' has 48 bits"));
+  EXPECT_THAT(type_of(*words, "G"), HasSubstr("no: length 'x' is not understood"));
+}
+
+TEST(ImportList, ALengthMakesATypeWithoutWidthAsWide) {
+  const auto outcome =
+      import_text("meter.csv",
+                  "Address,Name,Type,Size\n100,V,unsigned,16 bits\n102,P,signed,32 bits\n"
+                  "104,E,unsigned,64\n108,F,float,32 bit\n116,J,INT,2 words\n118,K,INT,4 bytes\n");
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_EQ(type_of(*outcome, "V"), "uint16");
+  EXPECT_EQ(type_of(*outcome, "P"), "int32");
+  EXPECT_EQ(type_of(*outcome, "E"), "uint64");
+  EXPECT_EQ(type_of(*outcome, "F"), "float32");
+  EXPECT_EQ(type_of(*outcome, "J"), "int32");
+  EXPECT_EQ(type_of(*outcome, "K"), "int32");
+  const auto range = import_text("meter.csv", "Address,Name,Type\n100-101,A,INT\n102,B,INT\n");
+  EXPECT_EQ(type_of(*range, "A"), "int32");
+  EXPECT_EQ(type_of(*range, "B"), "int16");
+}
+
+TEST(ImportList, AddressesTellWhatALengthCountsWhereNoTypeDoes) {
+  const auto list = [](const char* second, const char* third) {
+    const auto outcome =
+        import_text("meter.csv", std::string("Address,Name,Type,Length\n0,A,INT,2\n") + second +
+                                     ",B,INT,2\n" + third + ",C,INT,2\n");
+    return type_of(*outcome, "A") + ", " + fate_of(*outcome, "A");
+  };
+  EXPECT_EQ(list("1", "2"), "int16, ok");
+  EXPECT_EQ(list("2", "4"), "int32, ok");
+  EXPECT_EQ(list("10", "20"), "int32, length 2 is taken as registers");
+}
+
+TEST(ImportList, AColumnTypeMayNameTheTables) {
+  for (const char* title : {"Data Type", "Format", "Data Format"}) {
+    const auto outcome = import_text(
+        "meter.csv", std::string("Address,Name,Type,") + title +
+                         ",Unit\n0,A,Holding Register,FLOAT32,V\n2,B,Input Register,INT32,V\n"
+                         "4,C,Coil,BOOL,\n5,D,Discrete Input,BOOL,\n6,E,Coil,UINT16,\n");
+    ASSERT_TRUE(outcome) << outcome.error();
+    EXPECT_EQ(place_of(*outcome, "A") + type_of(*outcome, "A"), "holding:0float32");
+    EXPECT_EQ(place_of(*outcome, "B") + type_of(*outcome, "B"), "input-register:2int32");
+    EXPECT_EQ(place_of(*outcome, "C") + type_of(*outcome, "C"), "coil:4bool");
+    EXPECT_EQ(place_of(*outcome, "D") + type_of(*outcome, "D"), "input:5bool");
+    EXPECT_THAT(place_of(*outcome, "E"), HasSubstr("no: data type 'UINT16' in a table of single"));
+  }
+}
+
+TEST(ImportList, WordsThatOnlyBeginLikeATypeAreNone) {
+  const auto outcome = import_text("meter.csv",
+                                   "Address,Name,Data Format,Unit\n4,c,2 Words,\n6,d,3 bananas,\n"
+                                   "8,e,4Q_FP_PF,\n9,f,bananas,\n10,g,2,\n12,h,,\n13,i,INT16U,\n");
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_EQ(type_of(*outcome, "c"), "uint32");
+  for (const char* name : {"d", "e", "f", "g"})
+    EXPECT_THAT(type_of(*outcome, name), HasSubstr("is unknown")) << name;
+  EXPECT_EQ(type_of(*outcome, "h"), "uint16");
+  EXPECT_EQ(type_of(*outcome, "i"), "uint16");
+  EXPECT_THAT(outcome->notes, Contains(HasSubstr("without a data type are taken for unsigned")));
+}
+
 }  // namespace
 }  // namespace fieldcast::importing

@@ -8,7 +8,9 @@
 
 #include "tools/import/address.hpp"
 #include "tools/import/columns.hpp"
+#include "tools/import/formats/length_vote.hpp"
 #include "tools/import/formats/list_address.hpp"
+#include "tools/import/formats/list_type.hpp"
 #include "tools/import/formats/modbus_list_columns.hpp"
 #include "tools/import/formats/readers.hpp"
 #include "tools/import/formats/reference_vote.hpp"
@@ -40,6 +42,9 @@ class ListReader {
         columns_(table.rows[header], list_columns()) {
     const auto title = columns_.index_of(Field::kAddress);
     hex_ = title && column_word(table.rows[header].cell(*title)).find("hex") != std::string::npos;
+    find_areas();
+    if (const auto length = columns_.index_of(Field::kLength))
+      length_unit_ = length_unit_of_title(table.rows[header].cell(*length));
   }
 
   void read(Bus& bus, Found& found) {
@@ -50,6 +55,10 @@ class ListReader {
       entry.point.name = name_of(row);
       entry.point.origin = {source_.file, row.line};
       entry.fault = read_cells(entry);
+    }
+    decide_lengths();
+    for (Entry& entry : entries_) {
+      if (!entry.fault) entry.fault = set_width(entry);
     }
     decide_references(found);
     for (Entry& entry : entries_) {
@@ -63,6 +72,9 @@ class ListReader {
     }
     for (const std::string& title : columns_.ignored())
       found.notes.push_back(fmt::format("{}: column '{}' is not used", source_.file, title));
+    if (took_unsigned_)
+      found.notes.push_back(fmt::format(
+          "{}: values without a data type are taken for unsigned numbers", source_.file));
     if (took_holding_)
       found.notes.push_back(
           fmt::format("{}: no function code: addresses without one are taken for holding registers",
@@ -78,6 +90,9 @@ class ListReader {
     Point point{};
     ListAddress address{};
     std::optional<ModbusArea> said{};  // by the function or the table
+    ListType type{};
+    std::optional<Length> length{};
+    bool no_type = false;  // the cell names none
     MayFail fault{};
   };
 
@@ -109,13 +124,48 @@ class ListReader {
     return device;
   }
 
+  // A column of types in which every cell names a table tells the areas; the types are in another.
+  void find_areas() {
+    std::vector<std::size_t> columns = columns_.others(Field::kType);
+    if (const auto first = columns_.index_of(Field::kType)) columns.insert(columns.begin(), *first);
+    std::optional<std::size_t> types;
+    for (const std::size_t column : columns) {
+      if (!names_areas(column)) {
+        if (!types) types = column;
+      } else if (!columns_.has(Field::kArea)) {
+        columns_.set(Field::kArea, column);
+      }
+    }
+    columns_.set(Field::kType, types);
+  }
+
+  [[nodiscard]] bool names_areas(std::size_t column) const {
+    bool any = false;
+    for (std::size_t i = header_ + 1; i < table_.rows.size(); ++i) {
+      const auto cell = table_.rows[i].cell(column);
+      if (cell.empty()) continue;
+      if (!is_area_word(cell)) return false;
+      any = true;
+    }
+    return any;
+  }
+
   // What the row says by itself.
   MayFail read_cells(Entry& entry) {
     const Row& row = *entry.row;
     const auto address = list_address_from(columns_.cell(row, Field::kAddress), hex_);
     if (!address) return address.error();
     entry.address = *address;
+    const std::string_view type_cell = columns_.cell(row, Field::kType);
     entry.said = area_by_name(columns_.cell(row, Field::kArea));
+    const auto type = list_type_from(type_cell);
+    if (!type) return type.error();
+    entry.type = *type;
+    // One cell of a column of types may name the table.
+    if (!entry.said && !type->type && is_area_word(type_cell)) entry.said = area_by_name(type_cell);
+    const auto length = length_from(columns_.cell(row, Field::kLength));
+    if (!length) return length.error();
+    entry.length = *length;
     if (const auto bit = whole_from(columns_.cell(row, Field::kBit))) {
       if (*bit > 15) return fmt::format("bit {} is not 0 to 15", *bit);
       entry.address.bit = static_cast<std::uint8_t>(*bit);
@@ -125,6 +175,92 @@ class ListReader {
       return contradiction(entry);
     return std::nullopt;
   }
+
+  // Words, bytes or bits: all rows that are understood tell.
+  void decide_lengths() {
+    if (length_unit_ || !columns_.has(Field::kLength)) return;
+    LengthVote vote;
+    std::map<std::string, std::map<std::uint32_t, const Entry*>> places;
+    for (const Entry& entry : entries_) {
+      if (entry.fault) continue;
+      const bool explicit_width = entry.type.type && !entry.type.open;
+      // Of a byte, "1" may be its register too.
+      if (entry.length && explicit_width && bits_of(*entry.type.type) > 8)
+        vote.add_type(*entry.length, bits_of(*entry.type.type));
+      const std::string where = fmt::format("{}/{}", columns_.cell(*entry.row, Field::kDevice),
+                                            entry.said ? static_cast<int>(*entry.said) : -1);
+      const auto& address = entry.address;
+      places[where].try_emplace(address.plain ? *address.plain : address.reference->first, &entry);
+    }
+    for (const auto& [where, entries] : places) {
+      for (auto it = entries.begin(); std::next(it) != entries.end(); ++it) {
+        if (it->second->length)
+          vote.add_step(*it->second->length, std::next(it)->first - it->first);
+      }
+    }
+    length_unit_ = vote.unit();
+  }
+
+  // How many bits the row says besides its type; nothing: it does not.
+  std::optional<unsigned> said_bits(Entry& entry) const {
+    if (entry.type.bits > 0) return entry.type.bits;
+    if (entry.length) {
+      const Length& length = *entry.length;
+      if (const auto unit = length.unit ? length.unit : length_unit_; unit) {
+        // "64" among "16 bits" and "32 bits", though other rows count otherwise.
+        const bool fits = length.bits(*unit) <= 64 || !entry.type.open;
+        if (fits || length.unit || length.number > 64) return length.bits(*unit);
+        return length.number;
+      }
+      if (length.number == 16 || length.number == 32 || length.number == 64) {
+        const bool text = entry.type.type && entry.type.type->type == ValueType::kString;
+        if (!text) return length.number;
+      }
+      if (entry.type.open || !entry.type.type || bits_of(*entry.type.type) == 0)
+        entry.point.changes.push_back(
+            fmt::format("length {} is taken as registers", length.number));
+      return length.bits(LengthUnit::kWords);
+    }
+    if (entry.address.registers > 0) return entry.address.registers * 16;
+    return std::nullopt;
+  }
+
+  // The type as wide as the row says.
+  MayFail set_width(Entry& entry) {
+    auto& type = entry.type.type;
+    if (type && type->type == ValueType::kBool) return std::nullopt;
+    const auto bits = said_bits(entry);
+    if (!type) {
+      entry.no_type = true;
+      type = TypeName{};
+      entry.type.open = true;
+    }
+    if (!bits) return std::nullopt;
+    if (entry.no_type && *bits == 1) {
+      entry.no_type = false;
+      type->type = ValueType::kBool;
+      return std::nullopt;
+    }
+    if (entry.type.open) {
+      const auto wide = as_wide(type->type, *bits);
+      if (!wide && !entry.no_type)
+        return fmt::format("no '{}' has {} bits", columns_.cell(*entry.row, Field::kType), *bits);
+      if (!wide) return fmt::format("no data type, and no number has {} bits", *bits);
+      type->type = *wide;
+      return std::nullopt;
+    }
+    const unsigned own = bits_of(*type);
+    if (own == 0) {
+      const unsigned bytes = *bits / 8;
+      if (bytes == 0 || bytes > kMaxStringBytes) return kTextLength;
+      type->string_bytes = static_cast<std::uint16_t>(bytes);
+    } else if ((own + 15) / 16 != (*bits + 15) / 16) {
+      entry.point.changes.push_back(fmt::format("the type '{}' is taken, which {} bits do not fit",
+                                                columns_.cell(*entry.row, Field::kType), *bits));
+    }
+    return std::nullopt;
+  }
+  static constexpr const char* kTextLength = "a text without a length of 1 to 125 registers";
 
   [[nodiscard]] std::string contradiction(const Entry& entry) const {
     return fmt::format("the address '{}' and '{}' name different tables",
@@ -137,12 +273,11 @@ class ListReader {
     ReferenceVote vote;
     for (const Entry& entry : entries_) {
       if (entry.fault || !entry.address.plain) continue;
-      const auto type = type_by_name(columns_.cell(*entry.row, Field::kType));
       vote.add({.line = entry.row->line,
                 .cell = columns_.cell(*entry.row, Field::kAddress),
                 .reference = entry.address.is_open() ? entry.address.reference->area : std::nullopt,
                 .said = entry.said,
-                .is_number = type && is_number(type->type)});
+                .is_number = !entry.no_type && is_number(entry.type.type->type)});
     }
     counts_from_one_ = vote.counts_from_one();
     for (Entry& entry : entries_) {
@@ -169,13 +304,15 @@ class ListReader {
       took_holding_ = true;
       reference.area = ModbusArea::kHolding;
     }
-    return read_point(*entry.row, reference, entry.point);
+    return read_point(entry, reference);
   }
 
-  MayFail read_point(const Row& row, Reference reference, Point& point) {
+  MayFail read_point(Entry& entry, Reference reference) {
+    const Row& row = *entry.row;
+    Point& point = entry.point;
     const ModbusArea area = *reference.area;
-    if (const auto fault = check_bit(row, reference)) return fault;
-    if (const auto fault = read_type(row, reference, point)) return fault;
+    if (const auto fault = check_bit(entry, reference)) return fault;
+    if (const auto fault = read_type(entry, reference, point)) return fault;
     point.at = address_text(area, reference.first, reference.bit);
     point.unit = columns_.cell(row, Field::kUnit);
     if (point.unit == "-" || point.unit == "--") point.unit.clear();
@@ -194,46 +331,36 @@ class ListReader {
   }
 
   // "40001.0" of a number is no bit: a spreadsheet wrote the address with a decimal.
-  MayFail check_bit(const Row& row, Reference& reference) const {
-    const auto type = type_by_name(columns_.cell(row, Field::kType));
-    const bool number = type && type->type != ValueType::kBool;
-    if (!reference.bit || !number || holds_bits(*reference.area)) return std::nullopt;
-    if (*reference.bit != 0 || !columns_.cell(row, Field::kBit).empty())
-      return fmt::format("data type '{}' at a single bit", columns_.cell(row, Field::kType));
+  MayFail check_bit(const Entry& entry, Reference& reference) const {
+    const std::string_view name = columns_.cell(*entry.row, Field::kType);
+    const bool number = !entry.no_type && entry.type.type->type != ValueType::kBool;
+    if (!number) return std::nullopt;
+    if (holds_bits(*reference.area))
+      return fmt::format("data type '{}' in a table of single bits", name);
+    if (!reference.bit) return std::nullopt;
+    if (*reference.bit != 0 || !columns_.cell(*entry.row, Field::kBit).empty())
+      return fmt::format("data type '{}' at a single bit", name);
     reference.bit.reset();
     return std::nullopt;
   }
 
-  MayFail read_type(const Row& row, const Reference& reference, Point& point) const {
+  MayFail read_type(const Entry& entry, const Reference& reference, Point& point) {
     const bool bit = holds_bits(*reference.area) || reference.bit;
-    const std::string_view name = columns_.cell(row, Field::kType);
-    const auto length = whole_from(columns_.cell(row, Field::kLength));
-    auto type = type_by_name(name);
-    // A type column may name the area, and the length alone the type.
-    if (!type && (name.empty() || area_by_name(name)) && !bit)
-      type = length == 2u   ? TypeName{.type = ValueType::kUint32}
-             : length == 4u ? TypeName{.type = ValueType::kUint64}
-                            : TypeName{.type = ValueType::kUint16};
-    if (bit) type = TypeName{.type = ValueType::kBool};
-    if (!type) return fmt::format("data type '{}' is unknown", name);
-    point.type = type->type;
-    point.byte = type->byte;
+    const TypeName type = bit ? TypeName{.type = ValueType::kBool} : *entry.type.type;
+    took_unsigned_ = took_unsigned_ || (entry.no_type && !bit);
+    point.type = type.type;
+    point.byte = type.byte;
     if ((point.type == ValueType::kInt8 || point.type == ValueType::kUint8) && !point.byte)
       point.byte = 0;
     if (point.type == ValueType::kBool && !bit) return "a bit of a register without its number";
     if (point.type == ValueType::kString) {
-      const std::uint64_t bytes = type->string_bytes != 0 ? type->string_bytes
-                                  : length                ? *length * 2
-                                                          : 0;
-      if (bytes == 0 || bytes > kMaxStringBytes)
-        return "a text without a length of 1 to 125 registers";
-      point.string_bytes = static_cast<std::uint16_t>(bytes);
+      if (type.string_bytes == 0) return kTextLength;
+      point.string_bytes = type.string_bytes;
     }
-    return read_order(row, *type, length, point);
+    return read_order(*entry.row, type, point);
   }
 
-  MayFail read_order(const Row& row, const TypeName& type, std::optional<std::uint64_t> length,
-                     Point& point) const {
+  MayFail read_order(const Row& row, const TypeName& type, Point& point) const {
     const std::string_view cell = columns_.cell(row, Field::kWordOrder);
     const auto letters = orders_by_letters(cell);
     if (letters && point.type != ValueType::kBool) {
@@ -250,13 +377,6 @@ class ListReader {
     if (options_.word_order) point.word_order = *options_.word_order;
     const unsigned registers = registers_of(point.type, point.string_bytes);
     if (registers == 1) point.word_order = WordOrder::kBigEndian;
-    // "INT" with a length of two registers is one of 32 bits.
-    const bool whole = point.type == ValueType::kInt16 || point.type == ValueType::kUint16;
-    const auto said = static_cast<unsigned>(length.value_or(0));
-    if (whole && (said == 2 || said == 4)) {
-      point.type = *integer_of(said * 16, point.type == ValueType::kInt16);
-      if (options_.word_order) point.word_order = *options_.word_order;
-    }
     return std::nullopt;
   }
 
@@ -308,6 +428,8 @@ class ListReader {
   bool hex_ = false;  // the column of the addresses
   bool counts_from_one_ = false;
   bool took_holding_ = false;
+  bool took_unsigned_ = false;
+  std::optional<LengthUnit> length_unit_;  // of the numbers in the column of lengths
 };
 
 }  // namespace
