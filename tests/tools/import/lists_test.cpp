@@ -190,5 +190,17 @@ TEST(ImportList, WordsThatOnlyBeginLikeATypeAreNone) {
   EXPECT_THAT(outcome->notes, Contains(HasSubstr("without a data type are taken for unsigned")));
 }
 
+TEST(ImportList, ValuesOnPartsOfTheSameRegistersHaveANote) {
+  const auto outcome = import_text("meter.csv",
+                                   "Address,Name,Type,Slave\n0,A,U32,1\n1,B,U32,1\n3,C,U16,1\n"
+                                   "3,C again,S16,1\n10.1,bit,BOOL,1\n10.1,other,BOOL,1\n"
+                                   "10,word,U16,1\n0,D,U16,2\n");
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_EQ(fate_of(*outcome, "A"), "lies on registers of 'B' (line 3) too");
+  EXPECT_EQ(fate_of(*outcome, "B"), "lies on registers of 'A' (line 2) too");
+  EXPECT_EQ(fate_of(*outcome, "bit"), "is the bit of 'other' (line 7) too");
+  for (const char* name : {"C", "C again", "word", "D"}) EXPECT_EQ(fate_of(*outcome, name), "ok");
+}
+
 }  // namespace
 }  // namespace fieldcast::importing

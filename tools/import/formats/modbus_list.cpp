@@ -10,6 +10,7 @@
 #include "tools/import/columns.hpp"
 #include "tools/import/formats/length_vote.hpp"
 #include "tools/import/formats/list_address.hpp"
+#include "tools/import/formats/list_overlap.hpp"
 #include "tools/import/formats/list_type.hpp"
 #include "tools/import/formats/modbus_list_columns.hpp"
 #include "tools/import/formats/readers.hpp"
@@ -61,9 +62,13 @@ class ListReader {
       if (!entry.fault) entry.fault = set_width(entry);
     }
     decide_references(found);
+    std::vector<Placed> placed;
+    for (Entry& entry : entries_) {
+      if (!entry.fault) entry.fault = place(entry, placed);
+    }
+    note_overlaps(std::move(placed));
     for (Entry& entry : entries_) {
       Point& point = entry.point;
-      if (!entry.fault) entry.fault = place(entry);
       if (entry.fault) {
         found.refusals.push_back({point.name, point.origin, *entry.fault});
       } else {
@@ -290,7 +295,7 @@ class ListReader {
   }
 
   // The address as the whole list has it, and the type that depends on it.
-  MayFail place(Entry& entry) {
+  MayFail place(Entry& entry, std::vector<Placed>& placed) {
     const ListAddress& address = entry.address;
     Reference reference;
     if (address.reference && (counts_from_one_ || !address.plain)) {
@@ -304,7 +309,17 @@ class ListReader {
       took_holding_ = true;
       reference.area = ModbusArea::kHolding;
     }
-    return read_point(entry, reference);
+    if (const auto fault = read_point(entry, reference)) return fault;
+    const Point& point = entry.point;
+    placed.push_back({.device = columns_.cell(*entry.row, Field::kDevice),
+                      .area = *reference.area,
+                      .first = reference.first,
+                      .bit = point.type == ValueType::kBool ? reference.bit : std::nullopt,
+                      .registers = holds_bits(*reference.area)
+                                       ? 1
+                                       : registers_of(point.type, point.string_bytes),
+                      .point = &entry.point});
+    return std::nullopt;
   }
 
   MayFail read_point(Entry& entry, Reference reference) {
