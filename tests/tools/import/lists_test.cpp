@@ -1,6 +1,7 @@
 // Lists of makers and of people: what is not understood is never guessed without a word.
 #include "tests/tools/import/support.hpp"
 #include "tools/import/formats/list_address.hpp"
+#include "tools/import/formats/list_factor.hpp"
 
 namespace fieldcast::importing {
 namespace {
@@ -200,6 +201,58 @@ TEST(ImportList, ValuesOnPartsOfTheSameRegistersHaveANote) {
   EXPECT_EQ(fate_of(*outcome, "B"), "lies on registers of 'A' (line 2) too");
   EXPECT_EQ(fate_of(*outcome, "bit"), "is the bit of 'other' (line 7) too");
   for (const char* name : {"C", "C again", "word", "D"}) EXPECT_EQ(fate_of(*outcome, name), "ok");
+}
+
+TEST(ImportListFactor, IsUnderstoodInManyForms) {
+  const auto read = [](std::string_view cell, NumberStyle style = {}) {
+    const auto factor = factor_from(cell, style);
+    return factor && *factor ? (*factor)->value : 0;
+  };
+  for (const char* tenth :
+       {"0.1",  "0,1",     "x0.1",  "×0.1",     "* 0,1",  "1/10",      "/10",
+        "÷10",  ":10",     "10^-1", "10⁻¹",     "10**-1", "1 × 10^-1", "1 x 10-1",
+        "1E-1", "1 = 0.1", "0.1 V", "0.1A/bit", "1:10",   "10^(-1)"})
+    EXPECT_DOUBLE_EQ(read(tenth), 0.1) << tenth;
+  for (const char* thousand : {"10^3", "10³", "1e3", "x 1000"})
+    EXPECT_DOUBLE_EQ(read(thousand), 1000) << thousand;
+  EXPECT_DOUBLE_EQ(read("2^-7"), 1.0 / 128);
+  EXPECT_EQ(factor_from("0.01 kWh", {})->value().unit, "kWh");
+  for (const char* none : {"", "-", "none", "n/a"})
+    EXPECT_FALSE(factor_from(none, {})->has_value());
+  for (const char* odd : {"10-2", "0.1*n", "val/10", "0.1 .. 1", "0.01, signed", "FIX2", "0", "/0",
+                          "0.1 = 1", "1.000,5", "1,000", "10^0.5", "10^99"})
+    EXPECT_FALSE(factor_from(odd, {})) << odd;
+}
+
+TEST(ImportListFactor, OtherRowsTellWhatACommaMeans) {
+  NumberStyle german, english;
+  german.learn("0,1");
+  english.learn("0.25");
+  EXPECT_DOUBLE_EQ((*factor_from("1,000", german))->value, 1);
+  EXPECT_FALSE(factor_from("1.000", german));
+  EXPECT_FALSE(factor_from("1,000", english));
+  EXPECT_DOUBLE_EQ((*factor_from("1.000", english))->value, 1);
+}
+
+TEST(ImportList, FactorsThatAreNotUnderstoodAreRefused) {
+  const auto outcome = import_text(
+      "meter.csv",
+      "Address,Name,Type,Scale,Decimals,Offset,Unit\n0,A,INT16,10^-1,,,V\n1,B,INT16,val/10,,,V\n"
+      "2,C,INT16,1%,,,V\n3,D,INT16,,2,,V\n4,E,INT16,,0.1,,V\n5,F,INT16,,0.00,,V\n"
+      "6,G,INT16,,x.xx,,V\n7,H,INT16,,-1,,V\n8,I,INT16,0.5,2,,V\n9,J,INT16,0.1,1,,V\n"
+      "10,K,INT16,,,about 4,V\n");
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_THAT(channel_line(*outcome, "A"), HasSubstr("scale: 0.1,"));
+  EXPECT_EQ(fate_of(*outcome, "B"), "no: scale 'val/10' is no number");
+  EXPECT_THAT(fate_of(*outcome, "C"), HasSubstr("no: scale '1%' names another unit than 'V'"));
+  EXPECT_THAT(channel_line(*outcome, "D"), HasSubstr("scale: 0.01,"));
+  EXPECT_THAT(channel_line(*outcome, "E"), HasSubstr("scale: 0.1,"));
+  EXPECT_EQ(fate_of(*outcome, "E"), "decimals '0.1' is taken for the resolution");
+  for (const char* name : {"F", "G", "H"})
+    EXPECT_THAT(fate_of(*outcome, name), HasSubstr("is no count of places")) << name;
+  EXPECT_EQ(fate_of(*outcome, "I"), "decimals '2' is left out, the scale is taken");
+  EXPECT_EQ(fate_of(*outcome, "J"), "ok");
+  EXPECT_EQ(fate_of(*outcome, "K"), "no: offset 'about 4' is no number");
 }
 
 }  // namespace

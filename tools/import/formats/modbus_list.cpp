@@ -10,6 +10,7 @@
 #include "tools/import/columns.hpp"
 #include "tools/import/formats/length_vote.hpp"
 #include "tools/import/formats/list_address.hpp"
+#include "tools/import/formats/list_factor.hpp"
 #include "tools/import/formats/list_overlap.hpp"
 #include "tools/import/formats/list_type.hpp"
 #include "tools/import/formats/modbus_list_columns.hpp"
@@ -44,6 +45,7 @@ class ListReader {
     const auto title = columns_.index_of(Field::kAddress);
     hex_ = title && column_word(table.rows[header].cell(*title)).find("hex") != std::string::npos;
     find_areas();
+    learn_style();
     if (const auto length = columns_.index_of(Field::kLength))
       length_unit_ = length_unit_of_title(table.rows[header].cell(*length));
   }
@@ -395,43 +397,76 @@ class ListReader {
     return std::nullopt;
   }
 
-  // "0.1", "x0.1", "1/10", "/10", "*0,01", "0.1 V"
-  static std::optional<double> factor_from(std::string_view cell) {
-    cell = trimmed(cell);
-    while (!cell.empty() && std::string_view("xX*").find(cell[0]) != std::string_view::npos)
-      cell = trimmed(cell.substr(1));
-    if (const std::size_t stroke = cell.find_first_of("/:"); stroke != std::string_view::npos) {
-      const auto above = stroke == 0 ? 1.0 : number_from(cell.substr(0, stroke));
-      const auto below = number_from(cell.substr(stroke + 1));
-      if (!above || !below || *below == 0) return std::nullopt;
-      return *above / *below;
-    }
-    if (const auto number = number_from(cell)) return number;
-    // "0.1 V", "0.1kWh"
-    return number_from(cell.substr(0, cell.find_first_not_of("+-0123456789.,")));
-  }
+  static bool is_blank(std::string_view cell) { return cell.empty() || cell == "-"; }
 
   MayFail read_scale(const Row& row, Point& point) const {
-    const std::string_view scale = columns_.cell(row, Field::kScale);
     const std::string_view divisor = columns_.cell(row, Field::kDivisor);
-    if (!scale.empty() && scale != "-") {
-      const auto factor = factor_from(scale);
-      if (!factor || *factor == 0) return fmt::format("scale '{}' is no number", scale);
-      point.scale = *factor;
-    } else if (!divisor.empty() && divisor != "-") {
-      const auto number = number_from(divisor);
-      if (!number || *number == 0) return fmt::format("divisor '{}' is no number", divisor);
-      point.scale = 1 / *number;
-    } else if (const auto digits = whole_from(columns_.cell(row, Field::kDecimals))) {
-      if (*digits > 12) return fmt::format("{} decimal places", *digits);
-      point.scale = 1 / std::pow(10.0, static_cast<double>(*digits));
+    const std::string_view decimals = columns_.cell(row, Field::kDecimals);
+    const auto factor = factor_from(columns_.cell(row, Field::kScale), style_);
+    if (!factor) return "scale " + factor.error();
+    if (*factor) {
+      point.scale = (*factor)->value;
+      if (const std::string& unit = (*factor)->unit; !unit.empty() && point.unit.empty()) {
+        point.unit = unit;
+      } else if (!unit.empty() && unit != point.unit) {
+        return fmt::format("scale '{}' names another unit than '{}'",
+                           columns_.cell(row, Field::kScale), point.unit);
+      }
     }
-    if (const auto offset = number_from(columns_.cell(row, Field::kOffset))) point.offset = *offset;
+    if (!is_blank(divisor)) {
+      const auto number = factor_from(divisor, style_);
+      if (!number) return "divisor " + number.error();
+      if (*number && *factor && (*number)->value != 1)
+        return "a scale and a divisor, of which one is too many";
+      if (*number && !*factor) point.scale = 1 / (*number)->value;
+    }
+    if (!is_blank(decimals)) {
+      if (const auto fault = read_decimals(decimals, *factor || !is_blank(divisor), point))
+        return fault;
+    }
+    const std::string_view offset = columns_.cell(row, Field::kOffset);
+    if (!is_blank(offset)) {
+      const auto number = number_from(offset);
+      if (!number) return fmt::format("offset '{}' is no number", offset);
+      point.offset = *number;
+    }
     if (!is_number(point.type)) {
       point.scale = 1;
       point.offset = 0;
     }
     return std::nullopt;
+  }
+
+  // "2" places, or "0.01", which can only be the resolution.
+  static MayFail read_decimals(std::string_view cell, bool scaled, Point& point) {
+    double scale = 1;
+    if (const auto digits = whole_from(cell);
+        digits && cell.find_first_not_of("0123456789") == std::string_view::npos) {
+      if (*digits > 12) return fmt::format("{} decimal places", *digits);
+      scale = 1 / std::pow(10.0, static_cast<double>(*digits));
+    } else {
+      const auto number = number_from(cell);
+      const double places = number && *number > 0 ? -std::log10(*number) : 0;
+      if (places < 0.5 || std::abs(places - std::round(places)) > 1e-9)
+        return fmt::format("decimals '{}' is no count of places", cell);
+      scale = *number;
+      if (!scaled)
+        point.changes.push_back(fmt::format("decimals '{}' is taken for the resolution", cell));
+    }
+    if (!scaled) {
+      point.scale = scale;
+    } else if (scale != 1 && std::abs(point.scale / scale - 1) > 1e-9) {
+      point.changes.push_back(fmt::format("decimals '{}' is left out, the scale is taken", cell));
+    }
+    return std::nullopt;
+  }
+
+  // How the numbers of the factors are written, by all of them.
+  void learn_style() {
+    for (std::size_t i = header_ + 1; i < table_.rows.size(); ++i) {
+      for (const Field field : {Field::kScale, Field::kDivisor})
+        style_.learn(columns_.cell(table_.rows[i], field));
+    }
   }
 
   const SourceText& source_;
@@ -442,6 +477,7 @@ class ListReader {
   std::vector<Entry> entries_;
   bool hex_ = false;  // the column of the addresses
   bool counts_from_one_ = false;
+  NumberStyle style_;  // of the factors
   bool took_holding_ = false;
   bool took_unsigned_ = false;
   std::optional<LengthUnit> length_unit_;  // of the numbers in the column of lengths
