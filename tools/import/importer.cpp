@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <map>
 
+#include "core/base/number_text.hpp"
 #include "tools/import/accept.hpp"
 #include "tools/import/arrange.hpp"
 #include "tools/import/text.hpp"
+#include "tools/import/types.hpp"
 #include "tools/import/xlsx.hpp"
 
 namespace fieldcast::importing {
@@ -95,18 +97,43 @@ void tell_moved(const Found& found, Outcome& outcome) {
                                                     : std::string(to_text(point.type));
         row.words = fmt::format("{}", fmt::join(point.changes, "; "));
         row.origin = point.origin;
+        row.scale = point.scale;
+        row.offset = point.offset;
+        const bool wide = is_number(point.type) && registers_of(point.type, 0) > 1;
+        if (wide) row.word_order = point.word_order;
+        if (point.type != ValueType::kBool && !point.byte) row.byte_order = point.byte_order;
+        row.access = point.access;
       }
     }
   }
   for (const Refusal& refusal : found.refusals)
-    outcome.rows.push_back(
-        {Fate::kRefused, refusal.name, {}, {}, {}, refusal.reason, refusal.origin});
+    outcome.rows.push_back({.fate = Fate::kRefused,
+                            .name = refusal.name,
+                            .channel = {},
+                            .at = {},
+                            .type = {},
+                            .words = refusal.reason,
+                            .origin = refusal.origin});
   std::ranges::stable_sort(outcome.rows, {}, [](const PointFate& row) {
     return std::pair(row.origin.file, row.origin.line);
   });
 }
 
 }  // namespace
+
+std::string settings_of(const PointFate& row) {
+  std::string text;
+  const auto add = [&](std::string_view word) {
+    if (!text.empty()) text += ", ";
+    text += word;
+  };
+  if (row.scale != 1) add("scale " + number_text(row.scale));
+  if (row.offset != 0) add("offset " + number_text(row.offset));
+  if (row.word_order == WordOrder::kLittleEndian) add("low word first");
+  if (row.byte_order == ByteOrder::kLittleEndian) add("low byte first");
+  if (row.access != Access::kReadOnly) add(to_text(row.access));
+  return text;
+}
 
 std::size_t Outcome::count(Fate fate) const {
   return static_cast<std::size_t>(std::ranges::count(rows, fate, &PointFate::fate));

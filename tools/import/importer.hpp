@@ -47,7 +47,15 @@ struct PointFate {
   std::string at, type;
   std::string words;  // the changes, or the reason
   Origin origin;
+  // What the channel makes of the registers: value = raw * scale + offset.
+  double scale = 1, offset = 0;
+  WordOrder word_order = WordOrder::kBigEndian;
+  ByteOrder byte_order = ByteOrder::kBigEndian;
+  Access access = Access::kReadOnly;
 };
+
+// What of these is not the default: "scale 0.1, low word first, read-write".
+[[nodiscard]] std::string settings_of(const PointFate& row);
 
 struct Outcome {
   std::vector<std::string> recognised;  // one line for each file

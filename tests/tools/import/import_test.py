@@ -89,6 +89,8 @@ class RealDevices(Imports):
                        "--refresh", "500ms", "--out", config, "--json")
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
             rows = [json.loads(line) for line in done.stdout.splitlines()]
+            self.assertLess({"scale": 0.001, "word_order": "big-endian", "access": "read-only"}.items(),
+                            next(row for row in rows if row["name"] == "Wirkleistung gesamt").items())
             self.assertEqual([row for row in rows if row["fate"] == "refused"], [])
             self.assertEqual(len({row["file"] for row in rows}), 13)  # the script has no values of its own
             channels = {tuple(row["channel"].split("/")[1:]) for row in rows}

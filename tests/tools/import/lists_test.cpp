@@ -255,5 +255,16 @@ TEST(ImportList, FactorsThatAreNotUnderstoodAreRefused) {
   EXPECT_EQ(fate_of(*outcome, "K"), "no: offset 'about 4' is no number");
 }
 
+TEST(ImportOutcome, ShowsWhatAChannelMakesOfItsRegisters) {
+  const auto outcome = import_text("meter.csv",
+                                   "Address,Name,Type,Scale,Offset,Word Order,Access\n"
+                                   "0,A,FLOAT,0.1,-4,CDAB,R/W\n2,B,UINT16,1,,,R\n"
+                                   "3,C,UINT32,,,DCBA,R\n");
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_EQ(settings_of(outcome->rows[0]), "scale 0.1, offset -4, low word first, read-write");
+  EXPECT_EQ(settings_of(outcome->rows[1]), "");
+  EXPECT_EQ(settings_of(outcome->rows[2]), "low word first, low byte first");
+}
+
 }  // namespace
 }  // namespace fieldcast::importing

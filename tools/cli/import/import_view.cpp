@@ -30,7 +30,7 @@ Cell fate_cell(const PointFate& row) {
 
 std::vector<std::string> import_lines(const importing::Outcome& outcome, bool all,
                                       const Screen& screen) {
-  TextTable table({{"WHERE"}, {"NAME"}, {"CHANNEL"}, {"AT"}, {"TYPE"}, {"MOVED?"}});
+  TextTable table({{"WHERE"}, {"NAME"}, {"CHANNEL"}, {"AT"}, {"TYPE"}, {"WITH"}, {"MOVED?"}});
   const bool files = outcome.recognised.size() > 1;
   std::size_t moved = 0;
   for (const PointFate& row : outcome.rows) {
@@ -43,6 +43,7 @@ std::vector<std::string> import_lines(const importing::Outcome& outcome, bool al
                    {row.channel},
                    {row.at},
                    {row.type},
+                   {importing::settings_of(row)},
                    fate_cell(row)});
   }
   std::vector<std::string> lines =
@@ -61,14 +62,22 @@ std::string import_summary(const importing::Outcome& outcome) {
 
 Json fate_json(const PointFate& row) {
   constexpr const char* kFates[] = {"moved", "changed", "refused"};
-  return {{"fate", kFates[static_cast<std::size_t>(row.fate)]},
-          {"name", row.name},
-          {"channel", row.channel},
-          {"at", row.at},
-          {"type", row.type},
-          {"why", row.words},
-          {"file", row.origin.file},
-          {"line", row.origin.line}};
+  Json json = {{"fate", kFates[static_cast<std::size_t>(row.fate)]},
+               {"name", row.name},
+               {"channel", row.channel},
+               {"at", row.at},
+               {"type", row.type},
+               {"why", row.words},
+               {"file", row.origin.file},
+               {"line", row.origin.line}};
+  if (row.fate == Fate::kRefused) return json;
+  const auto order = [](bool little) { return little ? "little-endian" : "big-endian"; };
+  json["scale"] = row.scale;
+  json["offset"] = row.offset;
+  json["word_order"] = order(row.word_order == WordOrder::kLittleEndian);
+  json["byte_order"] = order(row.byte_order == ByteOrder::kLittleEndian);
+  json["access"] = to_text(row.access);
+  return json;
 }
 
 }  // namespace fieldcast::cli

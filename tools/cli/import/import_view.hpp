@@ -19,7 +19,8 @@ inline constexpr std::size_t kMovedShown = 20;
 // "12 moved, 3 moved with a change, 1 cannot be moved"
 [[nodiscard]] std::string import_summary(const importing::Outcome& outcome);
 
-// {"fate", "name", "channel", "at", "type", "why", "file", "line"}
+// {"fate", "name", "channel", "at", "type", "why", "file", "line"}, and of what moved "scale",
+// "offset", "word_order", "byte_order", "access"
 [[nodiscard]] Json fate_json(const importing::PointFate& row);
 
 }  // namespace fieldcast::cli
