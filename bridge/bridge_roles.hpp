@@ -70,6 +70,11 @@ struct Standby {
   HeldCommands<AlarmAction> actions;
   std::atomic<int> in_hand{0};  // commands that run here and have no result yet
   std::atomic<bool> handing_over = false;
+  Election::Memory remembered;   // of the membership before this one, ..
+  std::string remembered_group;  // .. in this group
+  std::string shadowed;          // why it must not be master: another one has its name; empty: none
+  bool has_namesake = false;     // which is not to be master
+  std::string said_not_ready;    // in the log
   std::atomic<bool> leaving = false;       // the bridge stops
   std::atomic<bool> readers_came = false;  // or asked for what they lack
   std::mutex follower_mutex;               // the follower, while it is made or ended

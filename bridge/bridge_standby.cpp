@@ -63,7 +63,10 @@ void Bridge::State::join_group() {
     standby.commands.begun(note.bus, key, steady_now() + std::chrono::minutes{1});
   };
   handlers.held = [this](const StandbyNote& note) { answer_unknown(note); };
-  group = std::make_unique<StandbyGroup>(wanted.group, own, lease, std::move(handlers));
+  if (standby.remembered_group != wanted.group) standby.remembered = {};
+  standby.remembered_group = wanted.group;
+  group = std::make_unique<StandbyGroup>(wanted.group, own, lease, std::move(handlers),
+                                         standby.remembered);
   StandbyChannelHandlers heard;
   heard.member = [this](const StandbyMessage& message) { group->on_member(message); };
   heard.lost = [this](const std::string& bridge) { group->on_lost(bridge); };
@@ -109,8 +112,17 @@ void Bridge::State::say_waits_for(const std::string& what) {
   if (group) group->set_not_ready("it waits for " + what);
 }
 
+void Bridge::State::say_unheard(std::size_t bridges) {
+  log_warning(spec.name,
+              fmt::format("{} bridges are in DDS domain {} and say nothing that this one can read: "
+                          "they may have died a moment ago, or dds: security: is not the same "
+                          "there and here",
+                          bridges, spec.dds.domain));
+}
+
 void Bridge::State::take_part() {
-  group->set_not_ready({});
+  standby.shadowed = "it has not looked";
+  look_for_namesake();  // says that it is ready
   log_info(spec.name, fmt::format("stands by in group {}, with strength {}", spec.standby->group,
                                   spec.standby->strength));
   standby.start([this] { return follow_role(); });
@@ -120,6 +132,7 @@ void Bridge::State::take_part() {
 void Bridge::State::leave_group() {
   if (!group) return;
   group->end();
+  standby.remembered = group->memory();
   end_follower();
 }
 
@@ -175,9 +188,45 @@ bool Bridge::State::follow_role() {
   } else if (role == StandbyRole::kMaster && standby.serving && group->term() != standby.term) {
     remain_master();
   }
+  if (!standby.handing_over) look_for_namesake();
+  say_not_ready();
   finish_held();
   tell_held();
   return standby.handing_over || !late_results_done();
+}
+
+// A file that was copied: two members of one name take each other for themselves. The one that was
+// there first goes on, the other one serves nothing.
+void Bridge::State::look_for_namesake() {
+  const auto found = guard->namesake();
+  const auto host = [&] { return found->claims.host; };
+  std::string shadowed;
+  if (found && found->goes_first && !standby.serving)
+    shadowed = fmt::format(
+        "another bridge of group {} is called {}, on host {}: give this one a "
+        "name of its own (bridge: {{ name: .. }})",
+        spec.standby->group, spec.name, host());
+  if (shadowed != standby.shadowed) {
+    group->set_not_ready(shadowed);
+    standby.shadowed = std::move(shadowed);
+  }
+  const bool besides = found && standby.shadowed.empty();
+  if (besides && !standby.has_namesake)
+    log_error(spec.name, fmt::format("another bridge of group {} has this name, on host {}: give "
+                                     "it a name of its own (bridge: {{ name: .. }})",
+                                     spec.standby->group, host()));
+  standby.has_namesake = besides;
+}
+
+// That this bridge cannot take over is told when it is so, not when it is needed.
+void Bridge::State::say_not_ready() {
+  if (!group || standby.serving || standby.handing_over) return;
+  std::string why = group->view().not_ready;
+  if (why == standby.said_not_ready) return;
+  if (!why.empty())
+    log_warning(spec.name,
+                fmt::format("does not take over in group {}: {}", spec.standby->group, why));
+  standby.said_not_ready = std::move(why);
 }
 
 bool Bridge::State::late_results_done() {

@@ -125,6 +125,9 @@ struct Bridge::State {
   void end_follower();
   [[nodiscard]] bool hand_over_before_stop();
   [[nodiscard]] bool follow_role();
+  void say_unheard(std::size_t bridges);
+  void look_for_namesake();
+  void say_not_ready();
   [[nodiscard]] bool late_results_done();
   void say_waits_for(const std::string& what);
   void promote();

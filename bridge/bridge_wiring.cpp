@@ -164,7 +164,8 @@ void Bridge::State::tell_other_bridges(DdsLink::Handlers& handlers) {
                                       link->unknown_bridges(), 0};
                      },
                      [this] { return group ? group->view().others : std::vector<std::string>{}; },
-                     [this](const std::string& what) { say_waits_for(what); }});
+                     [this](const std::string& what) { say_waits_for(what); },
+                     [this](std::size_t bridges) { say_unheard(bridges); }});
   BusGuard& others = *guard;
   handlers.bridges = {[&others](const std::string& id) { others.found(id); },
                       [&others](const std::string& id, BridgeClaims claims) {

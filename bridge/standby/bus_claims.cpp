@@ -78,6 +78,21 @@ std::set<std::string> BusClaims::contested() const {
   return found;
 }
 
+std::optional<BusClaims::Namesake> BusClaims::namesake(const BridgeClaims& own) const {
+  const auto order = [](const BridgeClaims& claims, const std::string& id) {
+    const bool serves =
+        std::ranges::any_of(claims.buses, [](const auto& entry) { return entry.second.serving; });
+    return std::tuple(!serves, claims.since, id);
+  };
+  for (const auto& [id, other] : others_) {
+    if (!other.alive || group_.empty() || other.claims.group != group_) continue;
+    const bool itself = !own.process.empty() && other.claims.process == own.process;
+    if (itself || other.claims.bridge != own.bridge) continue;
+    return Namesake{other.claims, order(other.claims, id) < order(own, id_)};
+  }
+  return std::nullopt;
+}
+
 std::size_t BusClaims::members_beside(const std::vector<std::string>& bridges) const {
   return static_cast<std::size_t>(std::ranges::count_if(others_, [&](const auto& entry) {
     const Other& other = entry.second;

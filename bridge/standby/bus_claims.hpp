@@ -58,6 +58,14 @@ class BusClaims {
   // How many of the group there are beside these.
   [[nodiscard]] std::size_t members_beside(const std::vector<std::string>& bridges) const;
 
+  // Another member of the group with the name of this one; `own`: what this one tells. Of both, the
+  // one that serves goes first, then the one that has been there for longer.
+  struct Namesake {
+    BridgeClaims claims;
+    bool goes_first = false;
+  };
+  [[nodiscard]] std::optional<Namesake> namesake(const BridgeClaims& own) const;
+
   // ---- this bridge
 
   // Wants these buses, from now on those that are new. One it does not want any more is free.

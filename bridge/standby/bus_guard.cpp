@@ -88,8 +88,9 @@ void BusGuard::settle(const std::function<bool()>& give_up) {
   while (!give_up()) {
     lock.unlock();
     Finding finding = handlers_.finding();
-    const std::vector<std::string> heard = handlers_.members();
+    std::vector<std::string> heard = handlers_.members();
     lock.lock();
+    heard.push_back(own_.bridge);  // one of this name is not heard there: namesake()
     finding.silent += silent_.size();
     finding.unknown += claims_.members_beside(heard);
     const Instant now = steady_now();
@@ -108,8 +109,10 @@ void BusGuard::settle(const std::function<bool()>& give_up) {
   settled_ = true;
   (void)claims_.decide();
   contested_ = claims_.contested();
+  const std::size_t unheard = silent_.size();
   lock.unlock();
   announce();
+  if (unheard > 0 && handlers_.unheard) handlers_.unheard(unheard);
 }
 
 bool BusGuard::serves(const std::string& bus) const {
@@ -121,6 +124,13 @@ std::string BusGuard::rival(const std::string& bus) const {
   const std::lock_guard lock(mutex_);
   const auto rival = claims_.rival(bus);
   return rival ? fmt::format("bridge '{}' on host {}", rival->bridge, rival->host) : "no bridge";
+}
+
+std::optional<BusClaims::Namesake> BusGuard::namesake() const {
+  const std::lock_guard lock(mutex_);
+  BridgeClaims own = own_;
+  own.buses = claims_.buses();
+  return claims_.namesake(own);
 }
 
 bool BusGuard::decide() {

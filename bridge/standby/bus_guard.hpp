@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <thread>
@@ -32,6 +33,8 @@ class BusGuard {
     std::function<std::vector<std::string>()> members;  // of the group, that are heard there
     // What settle() waits for when it takes longer than Settling::kLeast. On its thread; once.
     std::function<void(const std::string& what)> waits;
+    // So many are there and have said nothing when settle() gives up waiting for them. The same.
+    std::function<void(std::size_t bridges)> unheard;
   };
   BusGuard(std::string bridge, Handlers handlers);
   ~BusGuard();  // end()
@@ -60,6 +63,10 @@ class BusGuard {
   [[nodiscard]] bool serves(const std::string& bus) const;
   // The one that serves a bus in place of this bridge, for people: "bridge 'b' on host h".
   [[nodiscard]] std::string rival(const std::string& bus) const;
+
+  // Another member of the group has the name of this one: it goes first, and this one must not be
+  // master; or this one goes first.
+  [[nodiscard]] std::optional<BusClaims::Namesake> namesake() const;
 
   void watch();  // changed() is called from here on
   void end();    // changed() is not called any more when it returns

@@ -27,10 +27,30 @@ bool is_better(const StandbyMember& a, const StandbyMember& b) {
 
 }  // namespace
 
-Election::Election(StandbyMember own, Instant now)
-    : own_(std::move(own)), alone_since_(now), settled_(now + kSettle), looked_(now) {
+Election::Election(StandbyMember own, Instant now) : Election(std::move(own), now, Memory{}) {}
+
+Election::Election(StandbyMember own, Instant now, const Memory& before)
+    : own_(std::move(own)),
+      others_(before.others_),
+      greatest_(before.greatest_),
+      master_(before.master_),
+      configuration_(before.configuration_),
+      alone_since_(now),
+      settled_(now + kSettle),
+      looked_(now) {
   own_.role = StandbyRole::kWaiting;
   own_.term = 0;
+  // They have to be heard again.
+  for (auto& [name, other] : others_) other.heard = std::min(other.heard, now - kLease);
+}
+
+Election::Memory Election::memory() const {
+  Memory memory;
+  memory.others_ = others_;
+  memory.greatest_ = greatest_;
+  memory.master_ = master_;
+  memory.configuration_ = configuration_;
+  return memory;
 }
 
 void Election::receive(const StandbyMember& member, Instant now) {
@@ -120,6 +140,8 @@ void Election::learn(StandbyTerm term) {
 void Election::heed(const StandbyMember& other, Instant now) {
   if (is_master(other.role)) {
     alone_since_ = now;
+    master_ = other.bridge;
+    configuration_ = other.configuration;
     if (own_.role != StandbyRole::kWaiting && other.term > own_.term) step_back();
   }
   const bool asked = other.role == StandbyRole::kReleased && other.successor == own_.bridge;
@@ -173,6 +195,7 @@ void Election::take_over() {
   own_.term = ((greatest_ >> 32) + 1) << 32 | hash_of(own_.bridge);
   greatest_ = own_.term;
   doubt_until_ = kLongAgo;
+  master_.clear();  // its own channels are those of the group
 }
 
 void Election::on_time(Instant now) {
@@ -239,6 +262,7 @@ const Election::Other* Election::best_of_others(Instant now) const {
   const Other* best = nullptr;
   for (const auto& [name, other] : others_) {
     if (!alive(other, now) || !other.told.not_ready.empty()) continue;
+    if (other.told.role != StandbyRole::kWaiting) continue;
     if (other.told.configuration != own_.configuration) continue;
     if (best == nullptr || is_better(other.told, best->told)) best = &other;
   }
@@ -283,10 +307,9 @@ bool Election::is_alive(std::string_view bridge, Instant now) const {
 
 std::string Election::not_ready(Instant now) const {
   if (!not_ready_.empty() || is_master(own_.role)) return not_ready_;
-  const Other* const master = heard_master(now);
-  if (master != nullptr && master->told.configuration != own_.configuration)
-    return fmt::format("its channels differ from those of the master {}", master->told.bridge);
-  return {};
+  if (master_.empty() || configuration_ == own_.configuration) return {};
+  return fmt::format("its channels differ from those of the {}master {}",
+                     heard_master(now) == nullptr ? "last " : "", master_);
 }
 
 }  // namespace fieldcast

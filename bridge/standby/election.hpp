@@ -74,7 +74,28 @@ struct StandbyMember {
 };
 
 class Election {
+ private:
+  struct Other {
+    StandbyMember told;
+    Instant heard;    // as if at the end of a time in which this process stood still
+    Instant told_at;  // really
+    bool lost = false;
+    bool seen_to_end = false;  // it was heard up to its end
+    std::int64_t before = 0;   // `since` of its life before this one
+    StandbyTerm known = 0;     // the greatest one, when it was heard
+  };
+  using Others = std::map<std::string, Other, std::less<>>;
+
  public:
+  // What a member that begins anew in the same process goes on knowing: the terms of the group, and
+  // who was in it.
+  class Memory {
+    friend class Election;
+    Others others_;
+    StandbyTerm greatest_ = 0;
+    std::string master_, configuration_;  // the last master, and its channels
+  };
+
   static constexpr Duration kTick = std::chrono::milliseconds{25};
   static constexpr Duration kBeat = std::chrono::milliseconds{100};   // between two messages
   static constexpr Duration kLease = std::chrono::milliseconds{300};  // without one: it is gone
@@ -101,6 +122,8 @@ class Election {
 
   // `own`: name, since, strength, configuration.
   Election(StandbyMember own, Instant now);
+  Election(StandbyMember own, Instant now, const Memory& before);
+  [[nodiscard]] Memory memory() const;
 
   // ---- what happens
 
@@ -141,15 +164,6 @@ class Election {
   [[nodiscard]] std::string not_ready(Instant now) const;  // as the others are told
 
  private:
-  struct Other {
-    StandbyMember told;
-    Instant heard;    // as if at the end of a time in which this process stood still
-    Instant told_at;  // really
-    bool lost = false;
-    bool seen_to_end = false;  // it was heard up to its end
-    std::int64_t before = 0;   // `since` of its life before this one
-    StandbyTerm known = 0;     // the greatest one, when it was heard
-  };
   // Out of sight it may be alive, and master.
   [[nodiscard]] static bool unheard(const Other& other, Instant now) {
     return !other.seen_to_end && now - other.told_at >= kLease;
@@ -171,10 +185,11 @@ class Election {
 
   StandbyMember own_;
   std::string not_ready_ = "it has just begun";
-  std::map<std::string, Other, std::less<>> others_;
-  StandbyTerm greatest_ = 0;  // heard of, or had
-  Instant alone_since_;       // no master heard since then
-  Instant settled_;           // others could be found until then
+  Others others_;
+  StandbyTerm greatest_ = 0;            // heard of, or had
+  std::string master_, configuration_;  // the last master that was heard, and its channels
+  Instant alone_since_;                 // no master heard since then
+  Instant settled_;                     // others could be found until then
   Instant ready_since_ = kNever;
   Instant looked_;  // the last on_time()
   Instant doubt_until_ = kLongAgo;

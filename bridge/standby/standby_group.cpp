@@ -27,14 +27,14 @@ void ask_for_priority() {
 }  // namespace
 
 StandbyGroup::StandbyGroup(std::string group, const StandbyMember& own, MasterLease& lease,
-                           Handlers handlers)
+                           Handlers handlers, const Election::Memory& before)
     : group_(std::move(group)),
       host_(own_host_name()),
       process_(own_process_identity()),
       lease_(lease),
       handlers_(std::move(handlers)),
       wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
-      election_(own, steady_now()),
+      election_(own, steady_now(), before),
       strength_(own.strength),
       own_name_(own.bridge) {
   lease_.set(kLongAgo);
@@ -66,6 +66,11 @@ void StandbyGroup::end() {
   last.member.role = StandbyRole::kLeft;
   last.member.not_ready = "it has ended";
   handlers_.tell(last);
+}
+
+Election::Memory StandbyGroup::memory() const {
+  const std::lock_guard lock(mutex_);
+  return election_.memory();
 }
 
 void StandbyGroup::wake() const {
@@ -195,6 +200,8 @@ void StandbyGroup::follow_role() {
         released_ = told.buses;
     }
   }
+  // Who was master lets go of its buses, and joins anew.
+  if (role == StandbyRole::kWaiting) election_.set_not_ready("it begins anew");
   told_ = role;
   beat_soon_ = true;
   handlers_.changed();

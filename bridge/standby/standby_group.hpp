@@ -43,13 +43,17 @@ class StandbyGroup {
     std::function<void(const StandbyNote&)> held;
   };
   // `own`: as for Election. `lease` is kept by the group from here on; it outlives it.
-  StandbyGroup(std::string group, const StandbyMember& own, MasterLease& lease, Handlers handlers);
+  // `before`: of the membership before this one, in the same process.
+  StandbyGroup(std::string group, const StandbyMember& own, MasterLease& lease, Handlers handlers,
+               const Election::Memory& before = {});
   ~StandbyGroup();  // end()
   StandbyGroup(const StandbyGroup&) = delete;
   StandbyGroup& operator=(const StandbyGroup&) = delete;
 
   void start();
   void end();  // says that it leaves; no handler is called any more when it returns
+
+  [[nodiscard]] Election::Memory memory() const;
 
   // ---- the others, as DDS hears them
   void on_member(const StandbyMessage& message);

@@ -49,6 +49,7 @@ void GroupMember::kill() {
   outside_.wire.close(index_);
   alive_ = serving_ = handing_over_ = false;
   election_.reset();
+  remembered_ = {};
   fit_since_ = joins_at_ = ready_at_ = leave_at_ = promote_by_ = give_up_at_ = release_by_ = kNever;
   inbox_.clear();
   waiting_.clear();
@@ -90,7 +91,7 @@ void GroupMember::join(Instant now) {
   own.since = now.time_since_epoch().count();
   own.strength = strength_;
   own.configuration = "the same";
-  election_.emplace(own, now);
+  election_.emplace(own, now, remembered_);
   told_ = StandbyRole::kWaiting;
   ready_at_ = now + between(100ms, 1s);
   next_tick_ = next_beat_ = next_look_ = now;
@@ -169,7 +170,10 @@ void GroupMember::follow_role(Instant now) {
       }
       promote_by_ = released_ ? now + kLastBlocks : now;
     }
-    if (role == StandbyRole::kWaiting) promote_by_ = kNever;
+    if (role == StandbyRole::kWaiting) {
+      promote_by_ = kNever;
+      election_->set_not_ready("it begins anew");
+    }
     told_ = role;
     beat_soon_ = true;
   }
@@ -251,6 +255,7 @@ void GroupMember::leave(Instant now) {
   last.member.role = StandbyRole::kLeft;
   last.member.not_ready = "it has ended";
   outside_.tell(last);
+  remembered_ = election_->memory();
   election_.reset();
   joins_at_ = now + between(300ms, 1500ms);
 }

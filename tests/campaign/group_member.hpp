@@ -140,6 +140,7 @@ class GroupMember {
   std::vector<GroupMessage> inbox_;  // while it stands still
   Instant joins_at_ = kNever, ready_at_ = kNever, fit_since_ = kNever;
   std::optional<Election> election_;
+  Election::Memory remembered_;  // of the membership before
   std::unique_ptr<HeldCommands<Command>> held_;
   std::unique_ptr<CommandLedger> ledger_;
   RecentCommands elsewhere_;

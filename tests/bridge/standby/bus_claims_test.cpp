@@ -163,6 +163,26 @@ TEST(BusClaims, CountsMembersOfItsGroupThatAreNotHeardThere) {
   EXPECT_EQ(own.members_beside({"b"}), 0u);
 }
 
+TEST(BusClaims, OfTwoMembersOfOneNameTheOneThatServesOrWasFirstGoesOn) {
+  BusClaims claims("b");
+  claims.set_group("g");
+  const BridgeClaims own{"line-7", "host", "", UtcTime{20}, {}, "g"};
+  EXPECT_FALSE(claims.namesake(own));
+  claims.receive("a", {"line-8", "host", "", UtcTime{10}, {}, "g"});
+  claims.receive("c", {"line-7", "host", "", UtcTime{10}, {}, "another"});
+  EXPECT_FALSE(claims.namesake(own));
+  claims.receive("d", {"line-7", "there", "", UtcTime{10}, {}, "g"});
+  ASSERT_TRUE(claims.namesake(own));
+  EXPECT_TRUE(claims.namesake(own)->goes_first);
+  EXPECT_EQ(claims.namesake(own)->claims.host, "there");
+  claims.receive("d", {"line-7", "there", "", UtcTime{30}, {}, "g"});
+  EXPECT_FALSE(claims.namesake(own)->goes_first);
+  claims.receive("d", {"line-7", "there", "", UtcTime{30}, {{"bus", {UtcTime{30}, true}}}, "g"});
+  EXPECT_TRUE(claims.namesake(own)->goes_first) << "it serves";
+  claims.set_alive("d", false);
+  EXPECT_FALSE(claims.namesake(own));
+}
+
 TEST(BusClaims, WhoStandsByServesNothing) {
   BusClaims own("a");
   own.set_group("g");

@@ -131,6 +131,55 @@ TEST(Election, WhoseChannelsDifferFromThoseOfTheMasterDoesNotTakeOver) {
   EXPECT_EQ(own.not_ready(kStart), "its channels differ from those of the master a");
 }
 
+TEST(Election, NorWhenThatMasterIsGone) {
+  Election own(member("b", 1), kStart);
+  own.set_not_ready("");
+  StandbyMember master = member("a", 2);
+  master.role = StandbyRole::kMaster;
+  master.term = 1;
+  master.configuration = "another";
+  own.receive(master, kStart);
+  Instant now = kStart;
+  for (; now < kStart + 10s; now += Election::kTick) own.on_time(now);
+  EXPECT_EQ(own.role(), StandbyRole::kWaiting);
+  EXPECT_EQ(own.not_ready(now), "its channels differ from those of the last master a");
+  own.set_configuration("another");
+  for (; now < kStart + 12s; now += Election::kTick) own.on_time(now);
+  EXPECT_EQ(own.role(), StandbyRole::kMaster);
+}
+
+// It lets go of its buses and joins anew, in the same process.
+TEST(Election, WhoJoinsAnewCountsAboveWhatItKnew) {
+  Election before(member("b", 1), kStart);
+  before.set_not_ready("");
+  StandbyMember master = member("a", 2, 1);
+  master.role = StandbyRole::kMaster;
+  master.term = StandbyTerm{7} << 32;
+  before.receive(master, kStart);
+  Election own(member("b", 1, 2), kStart + 1s, before.memory());
+  own.set_not_ready("");
+  Instant now = kStart + 1s;
+  for (; now < kStart + 4s; now += Election::kTick) own.on_time(now);
+  ASSERT_EQ(own.role(), StandbyRole::kMaster);
+  EXPECT_EQ(number_of(own.term()), 8u);
+  // That master was cut off all the time, and has just begun anew: nobody knows of its last terms.
+  own.receive(member("a", 2, 3), now);
+  own.on_time(now);
+  EXPECT_GE(number_of(own.term()), 7 + (now - kStart) / Election::kTermTime);
+}
+
+TEST(Election, NobodyHandsOverToWhoHasJustLetGo) {
+  Election own(member("b", 1), kStart);
+  own.set_not_ready("");
+  StandbyMember old = member("a", 2);
+  old.role = StandbyRole::kReleased;
+  old.term = StandbyTerm{1} << 32;
+  old.successor = "b";
+  own.receive(old, kStart);
+  ASSERT_EQ(own.role(), StandbyRole::kMaster);
+  EXPECT_EQ(own.hand_over("", kStart), "nobody else is ready");
+}
+
 TEST(Election, APlannedHandOverLeavesNoTimeWithoutAMaster) {
   Group group(1);
   const auto a = group.add("a", 2);

@@ -115,6 +115,7 @@ class PlayedMember {
     while (!ending_) {
       ++message.member.beat;
       message.member.term = term_;
+      message.member.configuration = configuration();
       channel_.tell(message);
       std::this_thread::sleep_for(50ms);
     }
@@ -122,8 +123,17 @@ class PlayedMember {
     message.member.role = StandbyRole::kLeft;
     channel_.tell(message);
   }
+  // That of the real one: else it would not take over.
+  std::string configuration() {
+    const std::lock_guard lock(mutex_);
+    return configuration_;
+  }
   // This process was held up for too long, and the bridge has taken over: it is to wait again.
   void on_member(const StandbyMessage& message) {
+    {
+      const std::lock_guard lock(mutex_);
+      configuration_ = message.member.configuration;
+    }
     if (message.member.role == StandbyRole::kMaster && message.member.term > term_)
       term_ = StandbyTerm{number_of(message.member.term) + 1} << 32;
   }
@@ -143,6 +153,7 @@ class PlayedMember {
 
   std::mutex mutex_;
   std::set<std::uint64_t> told_, answered_;
+  std::string configuration_;
   std::map<std::uint64_t, std::vector<StationResult>> results_by_id_;
   std::atomic<StandbyTerm> term_ = StandbyTerm{5} << 32;
   std::atomic<bool> ending_ = false;

@@ -20,15 +20,24 @@ constexpr Duration kRequestLimit = std::chrono::seconds{3};
 constexpr Duration kTakeLimit = std::chrono::seconds{5};
 using GiveUp = std::function<bool()>;
 
-// A bridge by its name, or a group: then without a bridge. Nothing: nobody has that name.
+// A bridge by its name, or a group: then the strongest of it that waits and is ready, or no bridge
+// where there is none. Nothing: nobody has that name. A request without a name would be obeyed by
+// the new master, too, where it comes late.
 std::optional<StandbyRequest> request_for(const StandbyModel& model, const std::string& wanted) {
   for (const auto& [key, member] : model) {
     if (key.second == wanted) return StandbyRequest{key.first, wanted, "fieldcast standby"};
   }
-  for (const auto& [key, member] : model) {
-    if (key.first == wanted) return StandbyRequest{wanted, "", "fieldcast standby"};
+  const StandbyMember* best = nullptr;
+  bool is_group = false;
+  for (const auto& [key, message] : model) {
+    if (key.first != wanted) continue;
+    is_group = true;
+    const StandbyMember& member = message.member;
+    if (member.role != StandbyRole::kWaiting || !member.not_ready.empty()) continue;
+    if (best == nullptr || member.strength > best->strength) best = &member;  // by name
   }
-  return std::nullopt;
+  if (!is_group) return std::nullopt;
+  return StandbyRequest{wanted, best == nullptr ? "" : best->bridge, "fieldcast standby"};
 }
 
 const StandbyMessage* master_of(const StandbyModel& model, const std::string& group) {
@@ -52,6 +61,10 @@ ExitCode take(const StandbyOptions& options, StandbyWatch& members, const GiveUp
   if (!request->bridge.empty() && old == request->bridge) {
     out << fmt::format("{} is master already\n", old);
     return ExitCode::kOk;
+  }
+  if (request->bridge.empty()) {
+    err << fmt::format("fieldcast standby: no other bridge of group {} is ready\n", request->group);
+    return ExitCode::kRejected;
   }
   const auto target = before.find({request->group, request->bridge});
   if (target != before.end() && !target->second.member.not_ready.empty()) {
