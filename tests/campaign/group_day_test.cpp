@@ -90,8 +90,8 @@ INSTANTIATE_TEST_SUITE_P(AskedWhileItStoodStill, GroupDaysThatFailed,
 INSTANTIATE_TEST_SUITE_P(ReceivedBehindItsResult, GroupDaysThatFailed,
                          testing::Values(Found{"modbus-ascii", 905, 30min}), seed_of);
 
-// A member that had joined anew in the same process, and been cut off at once, did not know any more
-// that there was another one, which was master out of its sight and then killed.
+// A member that had joined anew in the same process, and been cut off at once, did not know any
+// more that there was another one, which was master out of its sight and then killed.
 INSTANTIATE_TEST_SUITE_P(CutOffWhenItJoinedAnew, GroupDaysThatFailed,
                          testing::Values(Found{"modbus-ascii", 3130, 5min}), seed_of);
 
