@@ -24,47 +24,45 @@ constexpr AreaWord kWords[] = {
     {"digitaloutput", ModbusArea::kCoil},
     {"discreteoutput", ModbusArea::kCoil},
     {"outputcoil", ModbusArea::kCoil},
-    {"1", ModbusArea::kCoil},
-    {"01", ModbusArea::kCoil},
-    {"5", ModbusArea::kCoil},
-    {"05", ModbusArea::kCoil},
-    {"15", ModbusArea::kCoil},
+    {"digitalausgang", ModbusArea::kCoil},
+    {"spule", ModbusArea::kCoil},
+    {"spulen", ModbusArea::kCoil},
     {"discrete", ModbusArea::kInput},
     {"discreteinput", ModbusArea::kInput},
     {"discreteinputs", ModbusArea::kInput},
     {"inputstatus", ModbusArea::kInput},
     {"digitalinput", ModbusArea::kInput},
     {"inputbit", ModbusArea::kInput},
+    {"digitaleingang", ModbusArea::kInput},
+    {"diskretereingang", ModbusArea::kInput},
     {"di", ModbusArea::kInput},
     {"1x", ModbusArea::kInput},
-    {"2", ModbusArea::kInput},
-    {"02", ModbusArea::kInput},
     {"input", ModbusArea::kInputRegister},
     {"inputs", ModbusArea::kInputRegister},
     {"inputregister", ModbusArea::kInputRegister},
     {"inputregisters", ModbusArea::kInputRegister},
     {"inputreg", ModbusArea::kInputRegister},
     {"analoginput", ModbusArea::kInputRegister},
+    {"analogeingang", ModbusArea::kInputRegister},
+    {"eingangsregister", ModbusArea::kInputRegister},
     {"ir", ModbusArea::kInputRegister},
     {"ai", ModbusArea::kInputRegister},
     {"3x", ModbusArea::kInputRegister},
-    {"4", ModbusArea::kInputRegister},
-    {"04", ModbusArea::kInputRegister},
     {"holding", ModbusArea::kHolding},
     {"holdings", ModbusArea::kHolding},
     {"holdingregister", ModbusArea::kHolding},
     {"holdingregisters", ModbusArea::kHolding},
     {"holdingreg", ModbusArea::kHolding},
     {"analogoutput", ModbusArea::kHolding},
+    {"analogausgang", ModbusArea::kHolding},
+    {"halteregister", ModbusArea::kHolding},
+    {"presetmultipleregisters", ModbusArea::kHolding},
+    {"presetsingleregister", ModbusArea::kHolding},
+    {"writemultipleregisters", ModbusArea::kHolding},
+    {"writesingleregister", ModbusArea::kHolding},
     {"hr", ModbusArea::kHolding},
     {"ao", ModbusArea::kHolding},
     {"4x", ModbusArea::kHolding},
-    {"3", ModbusArea::kHolding},
-    {"03", ModbusArea::kHolding},
-    {"6", ModbusArea::kHolding},
-    {"06", ModbusArea::kHolding},
-    {"16", ModbusArea::kHolding},
-    {"10h", ModbusArea::kHolding},
     {"register", ModbusArea::kHolding},
     {"registers", ModbusArea::kHolding},
 };
@@ -77,6 +75,80 @@ std::optional<ModbusArea> area_of_digit(char digit) {
     case '4': return ModbusArea::kHolding;
     default: return std::nullopt;
   }
+}
+
+// The table that a function of Modbus reads or writes.
+std::optional<ModbusArea> area_of_function(std::uint64_t code) {
+  switch (code) {
+    case 1:
+    case 5:
+    case 15: return ModbusArea::kCoil;
+    case 2: return ModbusArea::kInput;
+    case 3:
+    case 6:
+    case 16:
+    case 22:
+    case 23: return ModbusArea::kHolding;
+    case 4: return ModbusArea::kInputRegister;
+    default: return std::nullopt;
+  }
+}
+
+bool is_access(std::string_view word) {
+  for (const std::string_view access : {"", "r", "w", "rw", "ro", "wo", "read", "write"})
+    if (word == access) return true;
+  return false;
+}
+
+// "3", "03", "0x03", "10h", "03read".
+std::optional<ModbusArea> area_of_number(std::string_view word) {
+  const bool hex = word.starts_with("0x") || word.ends_with('h');
+  if (hex) return area_of_function(whole_from(word).value_or(0));
+  const std::size_t end = std::min(word.find_first_not_of("0123456789"), word.size());
+  if (end == 0 || !is_access(word.substr(end))) return std::nullopt;
+  return area_of_function(whole_from(word.substr(0, end)).value_or(0));
+}
+
+// The tables that a word of several words names; nothing if it names two.
+std::optional<ModbusArea> area_inside(const std::string& word) {
+  struct Part {
+    std::string_view text;
+    ModbusArea area;
+  };
+  constexpr Part kParts[] = {{"holding", ModbusArea::kHolding},
+                             {"halteregister", ModbusArea::kHolding},
+                             {"inputreg", ModbusArea::kInputRegister},
+                             {"eingangsregister", ModbusArea::kInputRegister},
+                             {"discretein", ModbusArea::kInput},
+                             {"discretestat", ModbusArea::kInput},
+                             {"coil", ModbusArea::kCoil}};
+  std::optional<ModbusArea> found;
+  for (const Part& part : kParts) {
+    if (word.find(part.text) == std::string::npos) continue;
+    if (found && *found != part.area) return std::nullopt;
+    found = part.area;
+  }
+  // "Read Input Registers (04)", "3 (Holding register)": the function agrees.
+  const std::size_t first = std::min(word.find_first_not_of("0123456789"), word.size());
+  const std::size_t last = word.find_last_not_of("0123456789");
+  for (const std::string& digits : {word.substr(0, first), word.substr(last + 1)}) {
+    const auto area = area_of_function(whole_from(digits).value_or(0));
+    if (found && area && digits.size() <= 2 && *area != *found) return std::nullopt;
+  }
+  return found;
+}
+
+std::optional<ModbusArea> area_of_word(std::string word) {
+  if (word.starts_with("modbus") && word.size() > 6) word.erase(0, 6);
+  for (const std::string_view begin : {"functioncode", "function", "funktion", "fc", "fn", "f"}) {
+    const bool number = word.size() > begin.size() && word.starts_with(begin) &&
+                        word[begin.size()] >= '0' && word[begin.size()] <= '9';
+    if (number) word.erase(0, begin.size());
+  }
+  const auto known = std::ranges::find(kWords, word, &AreaWord::word);
+  if (known != std::end(kWords)) return known->area;
+  const auto number = area_of_number(word);
+  return number ? number : area_inside(word);
 }
 
 bool all_digits(std::string_view text) {
@@ -135,24 +207,18 @@ std::string address_text(ModbusArea area, std::uint64_t first, std::optional<std
 }
 
 std::optional<ModbusArea> area_by_name(std::string_view name) {
-  std::string word = column_word(name);
-  for (const std::string_view begin : {"fc", "function", "fn", "modbus"}) {
-    if (word.starts_with(begin) && word.size() > begin.size()) word.erase(0, begin.size());
+  // "03/06", "3, 16", "(R/W) Holding": all that is named has to be in one table.
+  std::optional<ModbusArea> found;
+  while (!name.empty()) {
+    const std::size_t end = std::min(name.find_first_of("/,;+&|"), name.size());
+    const std::string word = column_word(name.substr(0, end));
+    name.remove_prefix(std::min(end + 1, name.size()));
+    if (is_access(word)) continue;
+    const auto area = area_of_word(word);
+    if (!area || (found && *found != *area)) return std::nullopt;
+    found = area;
   }
-  if (word.starts_with("0x") && word.size() == 4) word.erase(0, 2);
-  // "(R/W) Holding", "3 (Holding register)", "03/06": what comes first decides.
-  const auto found = std::ranges::find(kWords, word, &AreaWord::word);
-  if (found != std::end(kWords)) return found->area;
-  for (const std::string_view part : {"holding", "inputregister", "discrete", "coil"}) {
-    if (word.find(part) != std::string::npos) return area_by_name(part);
-  }
-  const std::size_t digits = word.find_first_not_of("0123456789");
-  if (digits == std::string::npos || digits == 0) {
-    const std::size_t stroke = name.find_first_of("/,+ ");
-    if (stroke != std::string_view::npos && stroke > 0) return area_by_name(name.substr(0, stroke));
-    return std::nullopt;
-  }
-  return area_by_name(word.substr(0, digits));
+  return found;
 }
 
 bool is_area_word(std::string_view name) {

@@ -266,5 +266,63 @@ TEST(ImportOutcome, ShowsWhatAChannelMakesOfItsRegisters) {
   EXPECT_EQ(settings_of(outcome->rows[2]), "low word first, low byte first");
 }
 
+TEST(ImportArea, IsNamedInManyWaysOrNotUnderstood) {
+  const auto read = [](std::string_view cell) {
+    const auto area = area_by_name(cell);
+    return area ? address_text(*area, 0) : "none";
+  };
+  for (const char* holding :
+       {"03", "FC03", "0x03", "F3", "Holding Register (R/W)", "(R/W) Holding", "03/06", "3, 6, 16",
+        "Halteregister", "HR", "4X", "Preset multiple registers", "23", "10h", "0x10",
+        "3 (Holding register)", "3 (read), 16 (write)"})
+    EXPECT_EQ(read(holding), "holding:0") << holding;
+  for (const char* input : {"Eingangsregister", "04", "FC 4", "F4", "04h", "3x", "Input Registers",
+                            "Read Input Registers (04)", "Analogeingang"})
+    EXPECT_EQ(read(input), "input-register:0") << input;
+  for (const char* coil : {"Spule", "01/05", "Coil", "1, 15"})
+    EXPECT_EQ(read(coil), "coil:0") << coil;
+  for (const char* bits : {"Discrete Input", "FC02", "Digitaleingang"})
+    EXPECT_EQ(read(bits), "input:0") << bits;
+  for (const char* odd : {"Foo", "Eingang", "Read", "7", "3/4", "1/6", "2/3", "Status", "3 bananas",
+                          "Input/Holding", "Input register (03)", "Coil or holding", ""})
+    EXPECT_EQ(read(odd), "none") << odd;
+}
+
+TEST(ImportList, WordsThatAreNotUnderstoodAreRefusedOrTold) {
+  const auto outcome = import_text(
+      "meter.csv",
+      "Address,Name,Type,Table,Word Order,Access,Slave,Bit,Refresh\n"
+      "0,A,FLOAT,Foo,,,,,\n2,B,FLOAT,7,,,,,\n4,C,FLOAT,Eingangsregister,,,,,\n"
+      "6,D,FLOAT,HR,swapped,,,,\n8,E,FLOAT,HR,LSB first,,,,\n10,F,FLOAT,HR,low/high,,,,\n"
+      "12,G,FLOAT,HR,R1:R0,,,,\n14,H,FLOAT,HR,Intel,,,,\n16,I,FLOAT,HR,3412,,,,\n"
+      "18,J,FLOAT,HR,bananas,,,,\n20,K,FLOAT,HR,little endian,,,,\n"
+      "22,L,FLOAT,HR,,maybe,,,\n24,M,FLOAT,HR,,lesen/schreiben,,,\n26,N,FLOAT,HR,,,300,,\n"
+      "28,O,UINT16,HR,,,,0-3,\n30,P,UINT16,HR,,,,,fast\n");
+  ASSERT_TRUE(outcome) << outcome.error();
+  for (const char* name : {"A", "B"})
+    EXPECT_THAT(fate_of(*outcome, name), HasSubstr("no: table or function '")) << name;
+  EXPECT_EQ(place_of(*outcome, "C"), "input-register:4");
+  for (const char* name : {"D", "E", "F", "I", "K"})
+    EXPECT_THAT(channel_line(*outcome, name), HasSubstr("word-order: little-endian")) << name;
+  for (const char* name : {"G", "H", "J"})
+    EXPECT_THAT(fate_of(*outcome, name), HasSubstr("no: order '")) << name;
+  EXPECT_THAT(fate_of(*outcome, "K"), HasSubstr("is taken for: low word first"));
+  EXPECT_THAT(fate_of(*outcome, "L"), HasSubstr("access 'maybe' is not understood: read-only"));
+  EXPECT_THAT(channel_line(*outcome, "M"), HasSubstr("access: read-write"));
+  EXPECT_THAT(fate_of(*outcome, "N"), HasSubstr("no: '300' is no address of a device"));
+  EXPECT_THAT(fate_of(*outcome, "O"), HasSubstr("no: bit '0-3' is not 0 to 15"));
+  EXPECT_THAT(fate_of(*outcome, "P"), HasSubstr("refresh 'fast' is no number of ms"));
+}
+
+TEST(ImportList, AnOrderOfTheUserIsForValuesWhoseListSaysNone) {
+  ImportOptions options;
+  options.word_order = WordOrder::kLittleEndian;
+  const auto outcome = import_text(
+      "meter.csv", "Address,Name,Type,Word Order\n0,A,FLOAT,ABCD\n2,B,FLOAT,\n", options);
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_THAT(channel_line(*outcome, "A"), Not(HasSubstr("word-order")));
+  EXPECT_THAT(channel_line(*outcome, "B"), HasSubstr("word-order: little-endian"));
+}
+
 }  // namespace
 }  // namespace fieldcast::importing

@@ -11,6 +11,7 @@
 #include "tools/import/formats/length_vote.hpp"
 #include "tools/import/formats/list_address.hpp"
 #include "tools/import/formats/list_factor.hpp"
+#include "tools/import/formats/list_order.hpp"
 #include "tools/import/formats/list_overlap.hpp"
 #include "tools/import/formats/list_type.hpp"
 #include "tools/import/formats/modbus_list_columns.hpp"
@@ -144,6 +145,20 @@ class ListReader {
       }
     }
     columns_.set(Field::kType, types);
+    release_function();
+  }
+
+  // "Function" may tell what a value is good for.
+  void release_function() {
+    const auto column = columns_.index_of(Field::kArea);
+    if (!column) return;
+    const std::string title = column_word(table_.rows[header_].cell(*column));
+    if (title != "function" && title != "funktion" && title != "kind") return;
+    for (std::size_t i = header_ + 1; i < table_.rows.size(); ++i) {
+      const auto cell = table_.rows[i].cell(*column);
+      if (area_by_name(cell) || cell.find_first_of("0123456789") != std::string_view::npos) return;
+    }
+    columns_.set(Field::kArea, std::nullopt);
   }
 
   [[nodiscard]] bool names_areas(std::size_t column) const {
@@ -164,7 +179,10 @@ class ListReader {
     if (!address) return address.error();
     entry.address = *address;
     const std::string_view type_cell = columns_.cell(row, Field::kType);
-    entry.said = area_by_name(columns_.cell(row, Field::kArea));
+    const std::string_view area_cell = columns_.cell(row, Field::kArea);
+    entry.said = area_by_name(area_cell);
+    if (!entry.said && !is_blank(area_cell))
+      return fmt::format("table or function '{}' is not understood", area_cell);
     const auto type = list_type_from(type_cell);
     if (!type) return type.error();
     entry.type = *type;
@@ -173,9 +191,14 @@ class ListReader {
     const auto length = length_from(columns_.cell(row, Field::kLength));
     if (!length) return length.error();
     entry.length = *length;
-    if (const auto bit = whole_from(columns_.cell(row, Field::kBit))) {
-      if (*bit > 15) return fmt::format("bit {} is not 0 to 15", *bit);
+    if (const std::string_view cell = columns_.cell(row, Field::kBit); !is_blank(cell)) {
+      const auto bit = whole_from(cell);
+      if (!bit || *bit > 15) return fmt::format("bit '{}' is not 0 to 15", cell);
       entry.address.bit = static_cast<std::uint8_t>(*bit);
+    }
+    if (const std::string_view cell = columns_.cell(row, Field::kDevice); !is_blank(cell)) {
+      const auto unit = whole_from(cell);
+      if (!unit || *unit > 255) return fmt::format("'{}' is no address of a device", cell);
     }
     if (const auto& reference = entry.address.reference;
         reference && !entry.address.plain && entry.said && *entry.said != *reference->area)
@@ -334,16 +357,18 @@ class ListReader {
     point.unit = columns_.cell(row, Field::kUnit);
     if (point.unit == "-" || point.unit == "--") point.unit.clear();
     if (columns_.has(Field::kName)) point.description = columns_.cell(row, Field::kDescription);
-    const std::string access = column_word(columns_.cell(row, Field::kAccess));
-    if (can_be_written(area)) {
-      if (access == "rw" || access == "readwrite" || access == "wr")
-        point.access = Access::kReadWrite;
-      if (access == "w" || access == "wo" || access == "writeonly" || access == "write")
-        point.access = Access::kWriteOnly;
-    }
-    const auto refresh = number_from(columns_.cell(row, Field::kRefresh));
-    if (refresh && *refresh > 0 && *refresh < 1e9)
+    const std::string_view access_cell = columns_.cell(row, Field::kAccess);
+    const auto access = access_from(access_cell);
+    if (!access)
+      point.changes.push_back(fmt::format("access '{}' is not understood: read-only", access_cell));
+    if (can_be_written(area)) point.access = access.value_or(Access::kReadOnly);
+    const std::string_view refresh_cell = columns_.cell(row, Field::kRefresh);
+    const auto refresh = number_from(refresh_cell);
+    if (refresh && *refresh > 0 && *refresh < 1e9) {
       point.refresh = std::chrono::microseconds{static_cast<std::int64_t>(*refresh * 1000)};
+    } else if (!is_blank(refresh_cell)) {
+      point.changes.push_back(fmt::format("refresh '{}' is no number of ms", refresh_cell));
+    }
     return read_scale(row, point);
   }
 
@@ -378,22 +403,24 @@ class ListReader {
   }
 
   MayFail read_order(const Row& row, const TypeName& type, Point& point) const {
+    if (point.type == ValueType::kBool) return std::nullopt;
     const std::string_view cell = columns_.cell(row, Field::kWordOrder);
-    const auto letters = orders_by_letters(cell);
-    if (letters && point.type != ValueType::kBool) {
-      point.word_order = letters->words;
-      point.byte_order = letters->bytes;
-    } else if (!cell.empty()) {
-      const std::string word = column_word(cell);
-      if (word.starts_with("little") || word == "le" || word.starts_with("lsw") ||
-          word.starts_with("lowword"))
-        point.word_order = WordOrder::kLittleEndian;
-    }
-    if (type.word_order) point.word_order = *type.word_order;
-    if (type.byte_order) point.byte_order = *type.byte_order;
-    if (options_.word_order) point.word_order = *options_.word_order;
-    const unsigned registers = registers_of(point.type, point.string_bytes);
-    if (registers == 1) point.word_order = WordOrder::kBigEndian;
+    const auto title = columns_.index_of(Field::kWordOrder);
+    const bool of_bytes =
+        title && column_word(table_.rows[header_].cell(*title)).find("byte") != std::string::npos;
+    const auto order = list_order_from(cell, of_bytes);
+    if (!order) return order.error();
+    const bool wide = registers_of(point.type, point.string_bytes) > 1;
+    if (wide && order->words && type.word_order && *order->words != *type.word_order)
+      return fmt::format("order '{}' and data type '{}' say different orders", cell,
+                         columns_.cell(row, Field::kType));
+    const auto words = type.word_order ? type.word_order : order->words;
+    const auto bytes = type.byte_order ? type.byte_order : order->bytes;
+    if (wide && point.type != ValueType::kString)
+      point.word_order = words.value_or(options_.word_order.value_or(WordOrder::kBigEndian));
+    point.byte_order = bytes.value_or(ByteOrder::kBigEndian);
+    if (wide && order->little_alone && !bytes)
+      point.changes.push_back(fmt::format("order '{}' is taken for: low word first", cell));
     return std::nullopt;
   }
 
