@@ -4,9 +4,11 @@
 
 namespace fieldcast::importing {
 
-Columns::Columns(const Row& header, std::span<const ColumnName> names) : titles_(header.cells) {
+Columns::Columns(const Row& header, std::span<const ColumnName> names,
+                 std::string (*word_of)(std::string_view))
+    : titles_(header.cells) {
   for (std::size_t i = 0; i < header.cells.size(); ++i) {
-    const std::string word = column_word(header.cells[i]);
+    const std::string word = word_of(header.cells[i]);
     const auto found = std::ranges::find(names, word, &ColumnName::word);
     meant_.push_back(found == names.end() ? std::nullopt : std::optional(found->field));
     if (!meant_.back() || has(found->field)) continue;

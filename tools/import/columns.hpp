@@ -49,8 +49,9 @@ struct ColumnName {
 
 class Columns {
  public:
-  // The first column of each field counts.
-  Columns(const Row& header, std::span<const ColumnName> names);
+  // The first column of each field counts. `word_of` makes the words of the names of a title.
+  Columns(const Row& header, std::span<const ColumnName> names,
+          std::string (*word_of)(std::string_view) = column_word);
 
   [[nodiscard]] bool has(Field field) const { return index_of(field).has_value(); }
   [[nodiscard]] std::string_view cell(const Row& row, Field field) const;

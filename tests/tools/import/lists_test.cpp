@@ -324,5 +324,30 @@ TEST(ImportList, AnOrderOfTheUserIsForValuesWhoseListSaysNone) {
   EXPECT_THAT(channel_line(*outcome, "B"), HasSubstr("word-order: little-endian"));
 }
 
+TEST(ImportList, TitlesMayHaveUmlautsAndRemarks) {
+  for (const auto& [scale, length] :
+       {std::pair("Auflösung", "Länge"), std::pair("AUFLÖSUNG", "Länge (Bytes)"),
+        std::pair("Aufloesung", "Laenge"), std::pair("Auflosung", "Lange")}) {
+    const auto outcome =
+        import_text("meter.csv", std::string("Adresse;Bezeichnung;Datentyp;") + scale +
+                                     ";Einheit;" + length + "\n40001;Vorlauf;INT;0,1;C;32 bit\n");
+    ASSERT_TRUE(outcome) << outcome.error();
+    EXPECT_EQ(channel_line(*outcome, "Vorlauf"),
+              "{ name: Vorlauf, at: \"holding:0\", type: int32, scale: 0.1, unit: C }");
+  }
+  const auto place = [](const std::string& titles, const std::string& cells) {
+    const auto outcome = import_text("meter.csv", titles + ",Name,Type\n" + cells + ",A,UINT16\n");
+    return outcome ? place_of(*outcome, "A") : outcome.error();
+  };
+  EXPECT_EQ(place("Reg. Addr (dec),Reg. Addr (hex)", "4096,1000"), "holding:4096");
+  EXPECT_EQ(place("Adresse hex,Adresse dez.", "1000,4096"), "holding:4096");
+  EXPECT_EQ(place("Register (1-based)", "1"), "holding:0");
+  EXPECT_EQ(place("Register (1-based)", "40001"), "holding:0");
+  EXPECT_THAT(place("Register (1-based)", "0"), HasSubstr("no: the addresses of the list count"));
+  EXPECT_EQ(place("Address (0-based)", "40001"), "holding:40001");
+  EXPECT_EQ(place("PLC Address,Protocol Address", "30002,1"), "input-register:1");
+  EXPECT_EQ(place("Start,End", "100,101"), "holding:100");
+}
+
 }  // namespace
 }  // namespace fieldcast::importing

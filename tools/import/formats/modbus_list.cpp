@@ -28,7 +28,7 @@ constexpr unsigned kTitleRows = 20;  // a title may stand above the header row
 // The row that names the columns: the first one with an address and three names that are known.
 std::optional<std::size_t> header_row(const Table& table) {
   for (std::size_t i = 0; i < std::min<std::size_t>(table.rows.size(), kTitleRows); ++i) {
-    const Columns columns(table.rows[i], list_columns());
+    const Columns columns = list_columns(table.rows[i]);
     if (columns.has(Field::kAddress) && columns.known() >= 3) return i;
   }
   return std::nullopt;
@@ -42,9 +42,10 @@ class ListReader {
         options_(options),
         table_(table),
         header_(header),
-        columns_(table.rows[header], list_columns()) {
+        columns_(list_columns(table.rows[header])) {
     const auto title = columns_.index_of(Field::kAddress);
     hex_ = title && column_word(table.rows[header].cell(*title)).find("hex") != std::string::npos;
+    if (title) counts_from_ = first_address_of_title(table.rows[header].cell(*title));
     find_areas();
     learn_style();
     if (const auto length = columns_.index_of(Field::kLength))
@@ -80,6 +81,9 @@ class ListReader {
     }
     for (const std::string& title : columns_.ignored())
       found.notes.push_back(fmt::format("{}: column '{}' is not used", source_.file, title));
+    if (counts_from_ == 1u)
+      found.notes.push_back(
+          fmt::format("{}: the addresses count from 1, as their title says", source_.file));
     if (took_unsigned_)
       found.notes.push_back(fmt::format(
           "{}: values without a data type are taken for unsigned numbers", source_.file));
@@ -178,6 +182,11 @@ class ListReader {
     const auto address = list_address_from(columns_.cell(row, Field::kAddress), hex_);
     if (!address) return address.error();
     entry.address = *address;
+    if (counts_from_ == 0u && address->is_open()) entry.address.reference.reset();
+    if (counts_from_ == 1u && address->plain) {
+      if (*address->plain == 0) return "the addresses of the list count from 1";
+      entry.address.plain = *address->plain - 1;
+    }
     const std::string_view type_cell = columns_.cell(row, Field::kType);
     const std::string_view area_cell = columns_.cell(row, Field::kArea);
     entry.said = area_by_name(area_cell);
@@ -502,7 +511,8 @@ class ListReader {
   std::size_t header_;
   Columns columns_;
   std::vector<Entry> entries_;
-  bool hex_ = false;  // the column of the addresses
+  bool hex_ = false;                     // the column of the addresses
+  std::optional<unsigned> counts_from_;  // as the title says
   bool counts_from_one_ = false;
   NumberStyle style_;  // of the factors
   bool took_holding_ = false;
@@ -518,7 +528,7 @@ Confidence recognise_modbus_list(const SourceText& source) {
   if (!table) return 0;
   const auto header = header_row(*table);
   if (!header || table->rows.size() < *header + 2) return 0;
-  return Columns(table->rows[*header], list_columns()).known() >= 5 ? kLikely : kGuess;
+  return list_columns(table->rows[*header]).known() >= 5 ? kLikely : kGuess;
 }
 
 Read read_modbus_list(std::span<const SourceText> sources, const ReadOptions& options) {

@@ -1,5 +1,11 @@
 #include "tools/import/formats/modbus_list_columns.hpp"
 
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "tools/import/text.hpp"
+
 namespace fieldcast::importing {
 namespace {
 
@@ -47,6 +53,20 @@ constexpr ColumnName kListColumns[] = {
     {"modbusreg", Field::kAddress},
     {"dataaddress", Field::kAddress},
     {"addressdec", Field::kAddress},
+    {"protocoladdress", Field::kAddress},
+    {"plcaddress", Field::kAddress},
+    {"pduaddress", Field::kAddress},
+    {"start", Field::kAddress},
+    {"startaddr", Field::kAddress},
+    {"startreg", Field::kAddress},
+    {"startadresse", Field::kAddress},
+    {"startingaddress", Field::kAddress},
+    {"registeradresse", Field::kAddress},
+    {"registernummer", Field::kAddress},
+    {"registeraddr", Field::kAddress},
+    {"regaddress", Field::kAddress},
+    {"regadresse", Field::kAddress},
+    {"modbusregisteraddress", Field::kAddress},
     {"addressdecimal", Field::kAddress},
     {"decaddress", Field::kAddress},
     {"addresshex", Field::kAddress},
@@ -70,12 +90,15 @@ constexpr ColumnName kListColumns[] = {
     {"objecttype", Field::kArea},
     {"datatable", Field::kArea},
     {"registertable", Field::kArea},
+    {"registertyp", Field::kArea},
+    {"tabelle", Field::kArea},
     {"kind", Field::kArea},
     {"type", Field::kType},
     {"datatype", Field::kType},
     {"dataformat", Field::kType},
     {"format", Field::kType},
     {"datentyp", Field::kType},
+    {"datenformat", Field::kType},
     {"typ", Field::kType},
     {"valuetype", Field::kType},
     {"encoding", Field::kType},
@@ -87,6 +110,8 @@ constexpr ColumnName kListColumns[] = {
     {"accesstype", Field::kAccess},
     {"accessmode", Field::kAccess},
     {"zugriff", Field::kAccess},
+    {"zugriffsart", Field::kAccess},
+    {"lesenschreiben", Field::kAccess},
     {"permission", Field::kAccess},
     {"attribute", Field::kAccess},
     {"mode", Field::kAccess},
@@ -100,11 +125,17 @@ constexpr ColumnName kListColumns[] = {
     {"skalierung", Field::kScale},
     {"resolution", Field::kScale},
     {"auflosung", Field::kScale},
+    {"aufloesung", Field::kScale},
+    {"multiplikator", Field::kScale},
+    {"mult", Field::kScale},
     {"gain", Field::kDivisor},
     {"divisor", Field::kDivisor},
     {"divider", Field::kDivisor},
+    {"teiler", Field::kDivisor},
     {"decimals", Field::kDecimals},
     {"decimalplaces", Field::kDecimals},
+    {"nachkommastellen", Field::kDecimals},
+    {"kommastellen", Field::kDecimals},
     {"offset", Field::kOffset},
     {"valueoffset", Field::kOffset},
     {"bias", Field::kOffset},
@@ -123,6 +154,7 @@ constexpr ColumnName kListColumns[] = {
     {"comment", Field::kDescription},
     {"kommentar", Field::kDescription},
     {"remark", Field::kDescription},
+    {"bemerkung", Field::kDescription},
     {"remarks", Field::kDescription},
     {"notes", Field::kDescription},
     {"note", Field::kDescription},
@@ -140,9 +172,14 @@ constexpr ColumnName kListColumns[] = {
     {"words", Field::kLength},
     {"anzahl", Field::kLength},
     {"lange", Field::kLength},
+    {"laenge", Field::kLength},
+    {"bytes", Field::kLength},
+    {"bits", Field::kLength},
     {"wordorder", Field::kWordOrder},
     {"byteorder", Field::kWordOrder},
     {"endian", Field::kWordOrder},
+    {"wortreihenfolge", Field::kWordOrder},
+    {"bytereihenfolge", Field::kWordOrder},
     {"endianness", Field::kWordOrder},
     {"order", Field::kWordOrder},
     {"slave", Field::kDevice},
@@ -151,6 +188,8 @@ constexpr ColumnName kListColumns[] = {
     {"unitid", Field::kDevice},
     {"deviceid", Field::kDevice},
     {"deviceaddress", Field::kDevice},
+    {"slaveadresse", Field::kDevice},
+    {"geraeteadresse", Field::kDevice},
     {"refresh", Field::kRefresh},
     {"pollinterval", Field::kRefresh},
     {"interval", Field::kRefresh},
@@ -159,8 +198,48 @@ constexpr ColumnName kListColumns[] = {
     {"refreshms", Field::kRefresh},
 };
 
+// Letters of other languages as the words above have them.
+constexpr std::pair<std::string_view, std::string_view> kLetters[] = {
+    {"ä", "ae"}, {"ö", "oe"}, {"ü", "ue"}, {"Ä", "ae"}, {"Ö", "oe"},
+    {"Ü", "ue"}, {"ß", "ss"}, {"é", "e"},  {"è", "e"},  {"ó", "o"},
+    {"ñ", "n"},  {"à", "a"},  {"á", "a"},  {"í", "i"},  {"ç", "c"}};
+
+// What may stand behind the word of a title.
+constexpr std::string_view kRemarks[] = {
+    "dec",         "decimal", "dez",    "dezimal",   "hex",       "hexadecimal",
+    "hexadezimal", "1based",  "0based", "onebased",  "zerobased", "base1",
+    "base0",       "words",   "bytes",  "registers", "bits",      "ms"};
+
+bool is_known(std::string_view word) {
+  return std::ranges::find(kListColumns, word, &ColumnName::word) != std::end(kListColumns);
+}
+
+std::string list_title_word(std::string_view title) {
+  std::string text = lower(title);
+  for (const auto& [letter, plain] : kLetters) {
+    for (std::size_t at = text.find(letter); at != std::string::npos; at = text.find(letter, at))
+      text.replace(at, letter.size(), plain);
+  }
+  const std::string word = column_word(text);
+  if (is_known(word)) return word;
+  // "Reg. Addr (dec)", "Adresse hex", "Register (1-based)", "Length (words)"
+  for (const std::string_view end : kRemarks) {
+    if (word.ends_with(end) && is_known(word.substr(0, word.size() - end.size())))
+      return word.substr(0, word.size() - end.size());
+  }
+  return word;
+}
+
 }  // namespace
 
-std::span<const ColumnName> list_columns() { return kListColumns; }
+Columns list_columns(const Row& header) { return {header, kListColumns, list_title_word}; }
+
+std::optional<unsigned> first_address_of_title(std::string_view title) {
+  const std::string word = column_word(title);
+  const auto has = [&](std::string_view part) { return word.find(part) != std::string::npos; };
+  if (has("1based") || has("onebased") || has("base1")) return 1;
+  if (has("0based") || has("zerobased") || has("base0") || has("protocol") || has("pdu")) return 0;
+  return std::nullopt;
+}
 
 }  // namespace fieldcast::importing
