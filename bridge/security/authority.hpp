@@ -8,10 +8,12 @@
 //     DIR/members/NAME/                what the member NAME gets: copy it to its machine
 //
 // Nothing that is there is written over, except by renew() and revoke(), which replace whole files.
-// Keys are readable for their owner only. All throw SecurityError: a folder that is there, or is
-// not, a file that cannot be read or written. One thread; one process at a time.
+// What fails, on a full disk for instance, leaves nothing half made. Keys are readable for their
+// owner only. All throw SecurityError: a folder that is there, or is not, a file that cannot be
+// read or written, one that others may change. One thread; one process at a time.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +34,13 @@ struct MemberState {
   bool revoked = false;
 };
 
+// What is in the folder of the members, and what is to be said of it: each a line for people.
+struct MemberList {
+  std::vector<MemberState> members;  // by name
+  std::vector<std::string> faults;   // a file of a member, or one issued to it, cannot be read
+  std::vector<std::string> strays;   // no member: an archive, a copy, an empty folder
+};
+
 class Authority {
  public:
   // Makes the folder, which must not be there, or be empty.
@@ -44,13 +53,21 @@ class Authority {
   // over the old one while programs run: they go on, and take the new files when they start again,
   // or when a bridge is reloaded.
   void renew(const std::string& name, UtcTime now, Duration life = kMemberLife);
-  // All certificates that it ever had. Writes the list anew, also into the folders of all members.
-  void revoke(const std::string& name, UtcTime now);
+  // All certificates that were ever issued to it, whether its folder is there or not. Writes the
+  // list anew, also into the folders of all members. Says which files could not be read or written;
+  // the others are done.
+  std::vector<std::string> revoke(const std::string& name, UtcTime now);
 
-  [[nodiscard]] std::vector<MemberState> members() const;  // by name
+  [[nodiscard]] MemberList members() const;
   [[nodiscard]] UtcTime not_after() const;  // of the authority itself, the sooner of its two
 
  private:
+  struct Issued {
+    std::vector<std::string> certificates;
+    std::vector<std::string> faults;  // files that could not be read
+  };
+  [[nodiscard]] Issued issued_to(const std::string& name) const;
+  [[nodiscard]] std::vector<std::string> copy_revocations() const;
   [[nodiscard]] std::string path(std::string_view file) const;
   [[nodiscard]] std::string member_folder(const std::string& name) const;
   [[nodiscard]] MemberState state_of(const std::string& name) const;
@@ -58,6 +75,8 @@ class Authority {
   [[nodiscard]] Identity permissions() const;
   [[nodiscard]] std::string issue_for(const Member& member, const std::string& key, UtcTime now,
                                       Duration life) const;
+  // The place of a certificate in the folder of all that were issued.
+  [[nodiscard]] std::string place_of(const std::string& certificate) const;
   [[nodiscard]] Grant grant(const Member& member, const std::string& certificate) const;
 
   std::string folder_;
@@ -69,9 +88,14 @@ struct MemberCheck {
   std::vector<std::string> warnings;  // it will soon not be let in
 };
 [[nodiscard]] MemberCheck check_member(const std::string& folder, UtcTime now);
+// What is wrong with the folder of an authority and its own files: each a line for people.
+[[nodiscard]] std::vector<std::string> authority_faults(const std::string& folder);
 // The same of the folder that a program was given. A bridge needs the identity of a bridge, and all
 // others need another one.
 [[nodiscard]] MemberCheck check_program(const std::string& folder, bool is_bridge, UtcTime now);
+
+// When the certificate in a member's folder ends; nothing: it cannot be read.
+[[nodiscard]] std::optional<UtcTime> end_of_member(const std::string& folder);
 
 // "2027-11-22".
 [[nodiscard]] std::string date_text(UtcTime time);

@@ -79,17 +79,86 @@ std::string read_key(const std::string& path) {
   return whole(file, path);
 }
 
-void write_new(const std::string& path, const std::string& text, mode_t mode) {
-  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kOwnerOnly);
+namespace {
+
+// The file beside it that takes its place once it is whole.
+std::string beside(const std::string& path) { return path + std::string(kUnfinished); }
+
+// On a failure nothing is left.
+void write_beside(const std::string& path, const std::string& text, mode_t mode) {
+  const std::string name = beside(path);
+  ::unlink(name.c_str());  // of a run that was interrupted
+  const int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kOwnerOnly);
   if (file < 0) fail("make", path);
-  fill(file, path, text, mode);
+  try {
+    fill(file, path, text, mode);
+  } catch (const SecurityError&) {
+    ::unlink(name.c_str());
+    throw;
+  }
+}
+
+// A name in a folder is on the disk when the folder is.
+void sync_folder_of(const std::string& path) {
+  const std::string folder = path.substr(0, path.rfind('/') + 1);
+  const int file = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return;
+  const Descriptor owned(file);
+  (void)::fsync(file);
+}
+
+bool is_there(const std::string& path) {
+  struct stat found {};
+  return ::lstat(path.c_str(), &found) == 0;
+}
+
+}  // namespace
+
+void move_new(const std::string& from, const std::string& to) {
+  if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) != 0) {
+    if (errno != EINVAL && errno != ENOSYS) fail("make", to);
+    // A file system that cannot do it in one step.
+    errno = EEXIST;
+    if (is_there(to) || std::rename(from.c_str(), to.c_str()) != 0) fail("make", to);
+  }
+  sync_folder_of(to);
+}
+
+void write_new(const std::string& path, const std::string& text, mode_t mode) {
+  write_beside(path, text, mode);
+  try {
+    move_new(beside(path), path);
+  } catch (const SecurityError&) {
+    ::unlink(beside(path).c_str());
+    throw;
+  }
 }
 
 void replace(const std::string& path, const std::string& text, mode_t mode) {
-  const std::string beside = path + ".new";
-  ::unlink(beside.c_str());  // of a run that was interrupted
-  write_new(beside, text, mode);
-  if (std::rename(beside.c_str(), path.c_str()) != 0) fail("replace", path);
+  replace_all({{path, text, mode}});
+}
+
+void replace_all(const std::vector<NewText>& files) {
+  const auto forget = [&files] {
+    for (const NewText& file : files) ::unlink(beside(file.path).c_str());
+  };
+  try {
+    for (const NewText& file : files) write_beside(file.path, file.text, file.mode);
+    for (const NewText& file : files) {
+      if (std::rename(beside(file.path).c_str(), file.path.c_str()) != 0)
+        fail("replace", file.path);
+    }
+  } catch (const SecurityError&) {
+    forget();
+    throw;
+  }
+  for (const NewText& file : files) sync_folder_of(file.path);
+}
+
+std::string open_to_change(const std::string& path) {
+  struct stat found {};
+  if (::stat(path.c_str(), &found) != 0 || (found.st_mode & (S_IWGRP | S_IWOTH)) == 0) return {};
+  return path + ": others may change it; chmod go-w " + path;
 }
 
 void make_folder(const std::string& path) {

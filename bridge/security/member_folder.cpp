@@ -2,15 +2,20 @@
 
 #include <sys/stat.h>
 
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <sstream>
+
+#include "bridge/base/errno_text.hpp"
 
 namespace fieldcast::security {
 namespace {
 
 constexpr std::size_t kMaxText = 8192;
 constexpr mode_t kNotForAll = S_IWGRP | S_IXGRP | S_IRWXO;
+constexpr mode_t kChange = S_IWGRP | S_IWOTH;  // by others than its owner
 
 tl::unexpected<std::string> fault(std::string text) { return tl::unexpected(std::move(text)); }
 
@@ -48,24 +53,46 @@ tl::expected<Member, std::string> member_from(std::string_view text) {
   return member;
 }
 
+namespace {
+
+// Why this user does not see what may well be there.
+std::optional<std::string> hidden(const std::string& path) {
+  struct stat found {};
+  if (::stat(path.c_str(), &found) == 0 || errno != EACCES) return std::nullopt;
+  return path + " cannot be read by this user: " + errno_text(EACCES);
+}
+
+// One of the files of a member is there, and nobody has it who must not.
+std::optional<std::string> fault_of_file(const std::string& folder, std::string_view file) {
+  const std::string path = folder + '/' + std::string(file);
+  if (auto why = hidden(path)) return why;
+  struct stat found {};
+  if (::stat(path.c_str(), &found) != 0 || !S_ISREG(found.st_mode)) {
+    const bool authority = ::stat((folder + "/members").c_str(), &found) == 0;
+    return authority ? folder + " is an authority's folder, not a member's: name " + folder +
+                           "/members/NAME, or a copy of it"
+                     : folder + " is no folder of a member: " + std::string(file) + " is missing";
+  }
+  if (file == kIdentityKey && (found.st_mode & kNotForAll) != 0)
+    return path + " is open to others than its owner; chmod 600 " + path;
+  if ((found.st_mode & kChange) != 0) return path + ": others may change it; chmod go-w " + path;
+  if (!std::ifstream(path)) return path + " cannot be read by this user";
+  return std::nullopt;
+}
+
+}  // namespace
+
 tl::expected<Member, std::string> read_member(const std::string& folder) {
+  if (auto why = hidden(folder)) return fault(*std::move(why));
   struct stat found {};
   if (::stat(folder.c_str(), &found) != 0 || !S_ISDIR(found.st_mode)) {
     return fault("there is no folder " + folder +
                  "; fieldcast secure add makes one for each member");
   }
+  if ((found.st_mode & kChange) != 0)
+    return fault(folder + ": others may change it; chmod go-w " + folder);
   for (const std::string_view file : kMemberFiles) {
-    const std::string path = folder + '/' + std::string(file);
-    if (::stat(path.c_str(), &found) != 0 || !S_ISREG(found.st_mode)) {
-      const bool authority = ::stat((folder + "/members").c_str(), &found) == 0;
-      return fault(authority ? folder + " is an authority's folder, not a member's: name " +
-                                   folder + "/members/NAME, or a copy of it"
-                             : folder + " is no folder of a member: " + std::string(file) +
-                                   " is missing");
-    }
-    if (file == kIdentityKey && (found.st_mode & kNotForAll) != 0)
-      return fault(path + " is open to others than its owner; chmod 600 " + path);
-    if (!std::ifstream(path)) return fault(path + " cannot be read by this user");
+    if (auto wrong = fault_of_file(folder, file)) return fault(*std::move(wrong));
   }
   std::ifstream in(folder + '/' + std::string(kMember));
   std::string text(kMaxText, '\0');

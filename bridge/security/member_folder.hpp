@@ -29,7 +29,8 @@ inline constexpr std::string_view kMemberFiles[] = {kIdentityCa,  kPermissionsCa
 [[nodiscard]] tl::expected<Member, std::string> member_from(std::string_view text);
 
 // Who the folder makes a program. The fault is for people: no such folder, a file is missing, a key
-// that others than the owner (and a group that may only read) can read.
+// that others than the owner (and a group that may only read) can read, a file or the folder itself
+// that others may change.
 [[nodiscard]] tl::expected<Member, std::string> read_member(const std::string& folder);
 
 // "file:///etc/fieldcast/security/identity.pem", as DDS wants it.

@@ -3,9 +3,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <filesystem>
+#include <fstream>
+#include <map>
 
 #include "bridge/security/file_access.hpp"
 #include "bridge/security/member_folder.hpp"
@@ -119,7 +123,7 @@ TEST_F(AuthorityTest, RevokingTakesEveryCertificateThatThereWas) {
   EXPECT_THROW(authority_.renew("mes", after(2 * kDay)), SecurityError);
   EXPECT_THROW(authority_.revoke("nobody", kToday), SecurityError);
   EXPECT_THROW(authority_.revoke("../members/wall", kToday), SecurityError);
-  const auto members = authority_.members();
+  const auto members = authority_.members().members;
   ASSERT_EQ(members.size(), 2U);
   EXPECT_TRUE(members[0].revoked);
   EXPECT_FALSE(members[1].revoked);
@@ -153,6 +157,155 @@ TEST_F(AuthorityTest, AnOpenKeyAndAMissingFileAreSaid) {
   EXPECT_THAT(read_member(folder).error(), HasSubstr("governance.p7s is missing"));
   EXPECT_THAT(read_member(folder_).error(), HasSubstr("authority's folder"));
   EXPECT_THAT(read_member(scratch_.path("none")).error(), HasSubstr("there is no folder"));
+}
+
+namespace fs = std::filesystem;
+
+// While it lives, no file grows beyond so many bytes: what a full disk does to writes.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t bytes) : before_(::signal(SIGXFSZ, SIG_IGN)) {
+    EXPECT_EQ(::getrlimit(RLIMIT_FSIZE, &limit_), 0);
+    const rlimit small{bytes, limit_.rlim_max};
+    EXPECT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  }
+  ~FullDisk() {
+    ::setrlimit(RLIMIT_FSIZE, &limit_);
+    ::signal(SIGXFSZ, before_);
+  }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+
+ private:
+  rlimit limit_{};
+  const sighandler_t before_;
+};
+
+// Every file below a folder, with what is in it.
+std::map<std::string, std::string> all_files(const std::string& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    files[entry.path()] = entry.is_directory() ? "a folder" : read_file(entry.path());
+  return files;
+}
+
+TEST_F(AuthorityTest, AFullDiskLeavesNothingHalfMade) {
+  (void)authority_.add({kPlant, "mes", {}}, kToday);
+  const auto before = all_files(folder_);
+  // Nothing, a part of a certificate, and all but the governance.
+  for (const rlim_t bytes : {0, 100, 700, 2000}) {
+    {
+      const FullDisk full(bytes);
+      EXPECT_THROW(authority_.add({kBridge, "line-7", {}}, kToday), SecurityError) << bytes;
+      EXPECT_THROW(authority_.renew("mes", after(kDay)), SecurityError) << bytes;
+      EXPECT_THROW((void)Authority::create(scratch_.path("other"), Protection::kEncrypt, kToday),
+                   SecurityError);
+    }
+    EXPECT_EQ(all_files(folder_), before) << bytes;
+    EXPECT_FALSE(fs::exists(scratch_.path("other"))) << bytes;
+  }
+  (void)authority_.add({kBridge, "line-7", {}}, kToday);
+  EXPECT_THAT(authority_.revoke("mes", kToday), IsEmpty());
+}
+
+TEST_F(AuthorityTest, AFileThatCannotBeReadIsNamedAndKeepsNobodyFromBeingRevoked) {
+  const std::string wall = authority_.add({kStation, "wall", {}}, kToday);
+  const std::string hall = authority_.add({kStation, "hall", {}}, kToday);
+  (void)authority_.add({kPlant, "mes", {}}, kToday);
+  std::ofstream(folder_ + "/issued/0123.pem");
+  std::ofstream(hall + "/identity.pem");
+  const auto named = [&](const std::vector<std::string>& faults) {
+    EXPECT_THAT(faults, ElementsAre(folder_ + "/issued/0123.pem is empty",
+                                    hall + "/identity.pem is empty"));
+  };
+  named(authority_.members().faults);
+  EXPECT_EQ(authority_.members().members.size(), 2U);
+  named(authority_.revoke("mes", kToday));
+  EXPECT_EQ(read_file(wall + "/revoked.pem"), read_file(folder_ + "/revoked.pem"));
+  EXPECT_EQ(revoked_subjects(read_file(wall + "/identity-ca.pem"), read_file(wall + "/revoked.pem"))
+                .size(),
+            1U);
+}
+
+TEST_F(AuthorityTest, WhatIsNoMemberIsNamedAndOtherwiseLeftAlone) {
+  const std::string wall = authority_.add({kStation, "wall", {}}, kToday);
+  (void)authority_.add({kPlant, "mes", {}}, kToday);
+  const std::string members = folder_ + "/members/";
+  std::ofstream(members + "x.tgz") << "an archive";
+  fs::copy(wall, members + "wall.bak", fs::copy_options::recursive);
+  fs::copy(wall, members + "wall-old", fs::copy_options::recursive);
+  fs::create_directory(members + "empty");
+  const MemberList all = authority_.members();
+  EXPECT_EQ(all.members.size(), 2U);
+  EXPECT_THAT(all.faults, IsEmpty());
+  EXPECT_THAT(all.strays, ElementsAre(HasSubstr("empty is no"), HasSubstr("wall-old is a copy of"),
+                                      HasSubstr("wall.bak is no"), HasSubstr("x.tgz is no")));
+  EXPECT_THAT(authority_.revoke("mes", kToday), IsEmpty());
+  EXPECT_EQ(read_file(wall + "/revoked.pem"), read_file(folder_ + "/revoked.pem"));
+}
+
+TEST_F(AuthorityTest, AMemberWhoseFolderIsGoneIsRevokedByWhatWasIssued) {
+  const std::string wall = authority_.add({kStation, "wall", {}}, kToday);
+  const std::string mes = authority_.add({kPlant, "mes", {}}, kToday);
+  const std::string certificate = read_file(mes + "/identity.pem");
+  fs::rename(mes, scratch_.path("mes"));
+  EXPECT_THAT(authority_.revoke("mes", kToday), IsEmpty());
+  EXPECT_TRUE(is_revoked(read_file(wall + "/revoked.pem"), certificate));
+  try {
+    (void)authority_.add({kPlant, "mes", {}}, kToday);
+    FAIL() << "its name would be refused";
+  } catch (const SecurityError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("add a member with another name"));
+  }
+}
+
+TEST_F(AuthorityTest, ASecondTryReachesThoseThatTheFirstLeftOut) {
+  const std::string wall = authority_.add({kStation, "wall", {}}, kToday);
+  (void)authority_.add({kPlant, "mes", {}}, kToday);
+  const std::string before = read_file(wall + "/revoked.pem");
+  (void)authority_.revoke("mes", kToday);
+  replace(wall + "/revoked.pem", before, kForAll);
+  EXPECT_THROW(authority_.revoke("mes", kToday), SecurityError) << "is revoked already";
+  EXPECT_EQ(read_file(wall + "/revoked.pem"), read_file(folder_ + "/revoked.pem"));
+}
+
+TEST_F(AuthorityTest, WhatOthersMayChangeIsRefusedWithTheRemedy) {
+  const std::string folder = authority_.add({kPlant, "mes", {}}, kToday);
+  const auto with = [](const std::string& path, int mode, const auto& faults) {
+    const auto before = fs::status(path).permissions();
+    fs::permissions(path, fs::perms(mode));
+    EXPECT_THAT(faults(), testing::Contains(HasSubstr("chmod go-w " + path))) << path;
+    fs::permissions(path, before);
+    EXPECT_THAT(faults(), IsEmpty()) << path;
+  };
+  const auto of_member = [&] { return check_member(folder, kToday).faults; };
+  with(folder, 0777, of_member);
+  with(folder, 0770, of_member);
+  for (const std::string_view file : {kIdentityCa, kPermissionsCa, kRevoked, kGovernance, kMember})
+    with(folder + '/' + std::string(file), 0666, of_member);
+  const auto of_authority = [&] { return authority_faults(folder_); };
+  with(folder_, 0777, of_authority);
+  for (const char* const part : {"/members", "/issued", "/identity-ca.pem", "/revoked.pem"})
+    with(folder_ + part, 0777, of_authority);
+  fs::permissions(folder_, fs::perms(0777));
+  EXPECT_THROW(Authority{folder_}, SecurityError);
+}
+
+// Root reads everything: the test runs as another user where it is root.
+TEST_F(AuthorityTest, AFolderOfAnotherUserIsOneThatCannotBeRead) {
+  const std::string folder = authority_.add({kPlant, "mes", {}}, kToday);
+  const std::string own = scratch_.path("");
+  fs::permissions(own, fs::perms(0755));
+  fs::permissions(folder_, fs::perms(::geteuid() == 0 ? 0700 : 0));
+  constexpr uid_t kNobody = 65534;
+  const uid_t before = ::geteuid();
+  ASSERT_EQ(before == 0 ? ::seteuid(kNobody) : 0, 0);
+  const MemberCheck check = check_member(folder, kToday);
+  const auto authority = authority_faults(folder_);
+  ASSERT_EQ(::seteuid(before), 0);
+  fs::permissions(folder_, fs::perms(0700));
+  EXPECT_THAT(check.faults, ElementsAre(HasSubstr("cannot be read by this user: Permission")));
+  EXPECT_THAT(authority, ElementsAre(HasSubstr("cannot be read by this user: Permission")));
 }
 
 TEST(MemberText, IsReadBackAndDistrusted) {

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <sstream>
 
 #include "tests/bridge/security/scratch_folder.hpp"
@@ -13,8 +15,10 @@ namespace {
 
 using enum SecureOptions::Action;
 using security::MemberRole;
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 constexpr UtcTime kToday{1'800'000'000'000'000'000};
 
@@ -81,6 +85,47 @@ TEST_F(SecureTest, SaysWhatItCannotDo) {
   EXPECT_EQ(run(kRevoke, {MemberRole::kBridge, "nobody", {}}), ExitCode::kRejected);
   EXPECT_THAT(err_, HasSubstr("no member nobody"));
   EXPECT_THAT(out_, IsEmpty());
+}
+
+TEST_F(SecureTest, NamesWhatItCannotReadAndGoesOn) {
+  ASSERT_EQ(run(kInit), ExitCode::kOk);
+  ASSERT_EQ(run(kAdd, {MemberRole::kStation, "wall", {}}), ExitCode::kOk);
+  ASSERT_EQ(run(kAdd, {MemberRole::kPlant, "mes", {}}), ExitCode::kOk);
+  std::ofstream(folder_ + "/members/x.tgz") << "an archive";
+  EXPECT_EQ(run(kCheck), ExitCode::kOk);
+  EXPECT_THAT(out_, AllOf(HasSubstr("stray: "), HasSubstr("x.tgz is no member's folder"),
+                          HasSubstr("in order")));
+  std::ofstream(folder_ + "/issued/0123.pem");
+  for (const auto action : {kShow, kRevoke}) {
+    EXPECT_EQ(run(action, {MemberRole::kPlant, "mes", {}}), ExitCode::kFound);
+    EXPECT_THAT(err_, HasSubstr("/issued/0123.pem is empty"));
+    EXPECT_THAT(out_, HasSubstr(action == kShow ? "wall" : "mes is revoked"));
+  }
+  EXPECT_EQ(run(kCheck), ExitCode::kFound);
+  EXPECT_THAT(out_, HasSubstr("fault: " + folder_ + "/issued/0123.pem is empty"));
+  EXPECT_EQ(run(kAdd, {MemberRole::kPlant, "mes", {}}), ExitCode::kRejected);
+  EXPECT_THAT(err_, AllOf(HasSubstr("is revoked"), Not(HasSubstr("renew"))));
+}
+
+TEST_F(SecureTest, QuotesAFolderInACommandForTheShell) {
+  for (const auto& [name, word] : {std::pair{"plant", "plant"},
+                                   {"Anlage Süd", "'Anlage Süd'"},
+                                   {"joe's", "'joe'\\''s'"},
+                                   {"a$b", "'a$b'"}}) {
+    folder_ = scratch_.path(name);
+    ASSERT_EQ(run(kInit), ExitCode::kOk);
+    EXPECT_THAT(out_, HasSubstr(word[0] == '\'' ? "--authority '" + scratch_.path(word + 1)
+                                                : "--authority " + scratch_.path(word)));
+  }
+}
+
+TEST_F(SecureTest, AFolderThatOthersMayChangeIsAFault) {
+  ASSERT_EQ(run(kInit), ExitCode::kOk);
+  std::filesystem::permissions(folder_, std::filesystem::perms(0777));
+  EXPECT_EQ(run(kCheck), ExitCode::kFound);
+  EXPECT_THAT(out_, HasSubstr("fault: " + folder_ + ": others may change it; chmod go-w"));
+  EXPECT_EQ(run(kAdd, {MemberRole::kBridge, "line-7", {}}), ExitCode::kRejected);
+  EXPECT_THAT(err_, HasSubstr("chmod go-w"));
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -25,12 +27,24 @@ std::string buses_text(const security::Member& member) {
   return text;
 }
 
+// As a word of a command line that a shell reads back.
+std::string shell_word(const std::string& text) {
+  const auto plain = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+           std::string_view("_-+=./:,@%").find(c) != std::string_view::npos;
+  };
+  if (!text.empty() && std::all_of(text.begin(), text.end(), plain)) return text;
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return word + '\'';
+}
+
 ExitCode init(const SecureOptions& options, UtcTime now, std::ostream& out) {
   const Authority made = Authority::create(options.folder, options.protection, now);
   out << fmt::format(
       "{} is the authority now, until {}. Keep a copy of it, and let nobody read its keys.\n"
       "Next: fieldcast secure add bridge NAME --authority {}\n",
-      options.folder, security::date_text(made.not_after()), options.folder);
+      options.folder, security::date_text(made.not_after()), shell_word(options.folder));
   return ExitCode::kOk;
 }
 
@@ -54,13 +68,19 @@ ExitCode renew(const SecureOptions& options, UtcTime now, std::ostream& out) {
   return ExitCode::kOk;
 }
 
-ExitCode revoke(const SecureOptions& options, UtcTime now, std::ostream& out) {
-  Authority(options.folder).revoke(options.member.name, now);
+// What is done for the others, and not for one of them.
+ExitCode end_with(const std::vector<std::string>& faults, std::ostream& err) {
+  for (const std::string& fault : faults) err << fault << '\n';
+  return faults.empty() ? ExitCode::kOk : ExitCode::kFound;
+}
+
+ExitCode revoke(const SecureOptions& options, UtcTime now, std::ostream& out, std::ostream& err) {
+  const auto faults = Authority(options.folder).revoke(options.member.name, now);
   out << fmt::format(
       "{} is revoked. Copy {}/{} into the folder of every other member, bridges first; a program "
       "refuses {} within a second, also one that runs.\n",
       options.member.name, options.folder, security::kRevoked, options.member.name);
-  return ExitCode::kOk;
+  return end_with(faults, err);
 }
 
 Json state_json(const MemberState& state) {
@@ -73,10 +93,9 @@ Json state_json(const MemberState& state) {
           {"revoked", state.revoked}};
 }
 
-ExitCode show(const SecureOptions& options, UtcTime now, std::ostream& out) {
-  const Authority authority(options.folder);
-  const auto members = authority.members();
-  for (const MemberState& state : members) {
+ExitCode show(const SecureOptions& options, UtcTime now, std::ostream& out, std::ostream& err) {
+  const security::MemberList all = Authority(options.folder).members();
+  for (const MemberState& state : all.members) {
     if (options.json) {
       out << to_line(state_json(state)) << '\n';
       continue;
@@ -89,25 +108,33 @@ ExitCode show(const SecureOptions& options, UtcTime now, std::ostream& out) {
                        : ended       ? "ended on " + end
                                      : "until " + end);
   }
-  if (members.empty() && !options.json)
+  if (all.members.empty() && all.faults.empty() && !options.json)
     out << fmt::format("no members yet; fieldcast secure add bridge NAME --authority {}\n",
-                       options.folder);
-  return ExitCode::kOk;
+                       shell_word(options.folder));
+  return end_with(all.faults, err);
+}
+
+MemberCheck check_authority(const std::string& folder, UtcTime now, std::ostream& out) {
+  MemberCheck all;
+  all.faults = security::authority_faults(folder);
+  if (!all.faults.empty()) return all;
+  const security::MemberList members = Authority(folder).members();
+  for (const std::string& stray : members.strays) out << "stray: " << stray << '\n';
+  all.faults = members.faults;
+  for (const MemberState& state : members.members) {
+    if (state.revoked) continue;
+    MemberCheck one = security::check_member(state.folder, now);
+    std::move(one.faults.begin(), one.faults.end(), std::back_inserter(all.faults));
+    std::move(one.warnings.begin(), one.warnings.end(), std::back_inserter(all.warnings));
+  }
+  return all;
 }
 
 ExitCode check(const SecureOptions& options, UtcTime now, std::ostream& out) {
-  MemberCheck all;
-  const bool authority = std::filesystem::exists(options.folder + "/members");
-  if (authority) {
-    for (const MemberState& state : Authority(options.folder).members()) {
-      if (state.revoked) continue;
-      MemberCheck one = security::check_member(state.folder, now);
-      std::move(one.faults.begin(), one.faults.end(), std::back_inserter(all.faults));
-      std::move(one.warnings.begin(), one.warnings.end(), std::back_inserter(all.warnings));
-    }
-  } else {
-    all = security::check_member(options.folder, now);
-  }
+  std::error_code unknown;  // a folder of somebody else: the check says so
+  const bool authority = std::filesystem::exists(options.folder + "/members", unknown);
+  const MemberCheck all = authority ? check_authority(options.folder, now, out)
+                                    : security::check_member(options.folder, now);
   for (const std::string& fault : all.faults) out << "fault: " << fault << '\n';
   for (const std::string& warning : all.warnings) out << "soon: " << warning << '\n';
   if (all.faults.empty() && all.warnings.empty()) out << options.folder << ": in order\n";
@@ -122,8 +149,8 @@ ExitCode secure(const SecureOptions& options, UtcTime now, std::ostream& out, st
       case SecureOptions::Action::kInit: return init(options, now, out);
       case SecureOptions::Action::kAdd: return add(options, now, out);
       case SecureOptions::Action::kRenew: return renew(options, now, out);
-      case SecureOptions::Action::kRevoke: return revoke(options, now, out);
-      case SecureOptions::Action::kShow: return show(options, now, out);
+      case SecureOptions::Action::kRevoke: return revoke(options, now, out, err);
+      case SecureOptions::Action::kShow: return show(options, now, out, err);
       case SecureOptions::Action::kCheck: return check(options, now, out);
     }
   } catch (const security::SecurityError& error) { err << error.what() << '\n'; }

@@ -21,7 +21,8 @@ struct SecureOptions {
   bool json = false;
 };
 
-// kRejected where a folder or a name is, or is not, there; kFound where kCheck finds a fault.
+// kRejected where a folder or a name is, or is not, there; kFound where kCheck finds a fault, or a
+// file of one of several members cannot be read or written: the others are done.
 [[nodiscard]] ExitCode secure(const SecureOptions& options, UtcTime now, std::ostream& out,
                               std::ostream& err);
 
