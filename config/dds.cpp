@@ -110,6 +110,13 @@ void read_security(MapReader& map, DdsSpec& spec) {
                        "one of them; without a discovery server members find each other by "
                        "multicast");
     }
+    if (spec.security && spec.domain > kMaxSecureDomain) {
+      map.faults().add(map.position_of("domain"),
+                       fmt::format("security in domain {}: Cyclone DDS reads no document that "
+                                   "names it",
+                                   spec.domain),
+                       fmt::format("a domain 0 to {} with security", kMaxSecureDomain));
+    }
     return;
   }
   if (map.find("security") != nullptr) return;

@@ -74,7 +74,8 @@ inline constexpr unsigned kMaxRetries = 10;
 inline constexpr int kMaxPriority = 100;
 inline constexpr double kMinElasticity = 0.1;
 inline constexpr double kMaxElasticity = 10;
-inline constexpr int kMaxStrength = 1000;    // in a standby group
-inline constexpr unsigned kMaxDomain = 232;  // DDS: the ports of 233 would be above 65535
+inline constexpr int kMaxStrength = 1000;          // in a standby group
+inline constexpr unsigned kMaxSecureDomain = 230;  // documents of DDS Security name no higher one
+inline constexpr unsigned kMaxDomain = 232;        // DDS: the ports of 233 would be above 65535
 
 }  // namespace fieldcast::config

@@ -4,12 +4,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "bridge/security/topic_rights.hpp"
 #include "tests/config/support.hpp"
 
 namespace fieldcast::config {
 namespace {
 
 using testing::HasSubstr;
+
+static_assert(kMaxSecureDomain == security::kHighestDomain);
 
 std::string channel_lines(std::size_t count) {
   std::string lines;
