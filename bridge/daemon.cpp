@@ -12,11 +12,11 @@
 #include "bridge/bridge.hpp"
 #include "bridge/bus/clock.hpp"
 #include "bridge/capture/capture_check.hpp"
+#include "bridge/dds/join_check.hpp"
 #include "bridge/dds/library.hpp"
 #include "bridge/dds/sample_load.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/program/access_text.hpp"
-#include "bridge/security/authority.hpp"
 #include "bridge/service/identity_watch.hpp"
 #include "bridge/service/service.hpp"
 #include "bridge/service/signals.hpp"
@@ -109,10 +109,9 @@ void log_fences(const BridgeSpec& spec) {
       [](const std::string& bus, const std::string& text) { log_warning(bus, text); });
 }
 
-// What is wrong with the bridge's identity, or will be soon.
-security::MemberCheck check_security(const BridgeSpec& spec) {
-  if (!spec.dds.security) return {};
-  return security::check_program(*spec.dds.security, true, read_clocks().utc);
+// What is wrong with how the bridge would join, or will be soon.
+JoinCheck check_joining(const BridgeSpec& spec) {
+  return check_joining(spec.dds, true, read_clocks().utc);
 }
 
 // Who may enter by the programming port.
@@ -120,6 +119,11 @@ template <typename Tell>
 void tell_access(const ProgramSpec& spec, Tell tell) {
   if (spec.engineers) tell(program::to_text(*spec.engineers));
   if (spec.modules) tell(program::to_text(*spec.modules));
+}
+
+void log_joining(const JoinCheck& joining) {
+  for (const JoinRemark& remark : joining.faults) log_error(remark.of, remark.text);
+  for (const JoinRemark& remark : joining.warnings) log_warning(remark.of, remark.text);
 }
 
 constexpr const char* kOpen = "security: none: whoever is in the network reads and commands";
@@ -134,10 +138,14 @@ class Reloader {
   static constexpr Duration kTryAgain = std::chrono::milliseconds{250};
   static constexpr Duration kSayAgain = std::chrono::minutes{1};
   static constexpr Duration kGiveUp = std::chrono::hours{1};
+  static constexpr const char* kRefused = "not reloaded: the old configuration goes on running";
 
   // `running`: buses_text() of what the bridge has begun with.
-  Reloader(Bridge& bridge, std::string path, std::string running)
-      : bridge_(bridge), path_(std::move(path)), running_(std::move(running)) {}
+  Reloader(Bridge& bridge, IdentityWatch& identity, std::string path, std::string running)
+      : bridge_(bridge),
+        identity_(identity),
+        path_(std::move(path)),
+        running_(std::move(running)) {}
 
   // The file as it is now; a reload that still waits is forgotten.
   void begin() {
@@ -147,7 +155,13 @@ class Reloader {
     if (!loaded) {
       refused_ = true;
       log_faults(loaded.error());
-      return log_error("configuration", "not reloaded: the old configuration goes on running");
+      return log_error("configuration", kRefused);
+    }
+    const JoinCheck joining = check_joining(*loaded);
+    log_joining(joining);
+    if (!joining.faults.empty()) {
+      refused_ = true;
+      return log_error("configuration", kRefused);
     }
     open_log(loaded->log.level);
     log_overloads(*loaded);
@@ -173,6 +187,7 @@ class Reloader {
     }
     if (done->waits_for.empty()) {
       running_ = buses_text(*wanted_);
+      identity_.joined(wanted_->dds, read_clocks().utc);
       return wanted_.reset();
     }
     const Instant now = steady_now();
@@ -195,6 +210,7 @@ class Reloader {
 
  private:
   Bridge& bridge_;
+  IdentityWatch& identity_;
   const std::string path_;
   std::string running_;
   std::optional<BridgeSpec> wanted_;  // while it waits
@@ -218,11 +234,14 @@ class WhileItLives {
 ExitCode serve(Signals& signals, const BridgeSpec& spec, const DaemonOptions& options) {
   log_overloads(spec);
   log_fences(spec);
-  IdentityWatch identity(true);
-  if (!identity.look(spec.dds, read_clocks())) {
-    log_error(spec.name, "cannot start: its identity is not in order");
-    return ExitCode::kCannotStart;
+  const JoinCheck joining = check_joining(spec);
+  log_joining(joining);
+  if (!joining.faults.empty()) {
+    log_error(spec.name, "cannot start: what it joins with is not in order");
+    return ExitCode::kBadConfiguration;
   }
+  IdentityWatch identity(true);
+  identity.joined(spec.dds, read_clocks().utc);
   if (spec.dds.without_security) log_warning("dds", kOpen);
   if (const auto small = rate_remark(spec)) log_warning("dds", *small);
   tell_access(spec.program, [](const std::string& text) { log_info("program", text); });
@@ -236,7 +255,7 @@ ExitCode serve(Signals& signals, const BridgeSpec& spec, const DaemonOptions& op
   }
   log_info(spec.name, "running: " + buses_text(spec));
   Service service(notify_address(), watchdog_limit());
-  Reloader reloader(bridge, options.configuration, buses_text(spec));
+  Reloader reloader(bridge, identity, options.configuration, buses_text(spec));
   service.ready(reloader.status());
   for (;;) {
     if (service.watched()) service.look(bridge.turns(), steady_now());
@@ -244,7 +263,7 @@ ExitCode serve(Signals& signals, const BridgeSpec& spec, const DaemonOptions& op
     switch (const int signal = signals.wait(sleep)) {
       case 0:
         log_summaries(steady_now());
-        (void)identity.look(spec.dds, read_clocks());
+        identity.look(read_clocks().utc);
         if (!reloader.waits()) break;
         reloader.go_on();
         if (!reloader.waits()) service.status(reloader.status());
@@ -294,14 +313,14 @@ ExitCode check_configuration(const std::string& path) {
   for (const CaptureRemark& remark : capture_remarks(*loaded))
     warn(remark.bus, fmt::format("capture: {}: {}; {}", remark.folder, remark.what, remark.remedy));
   if (const auto small = rate_remark(*loaded)) warn("dds", *small);
-  const security::MemberCheck identity = check_security(*loaded);
+  const JoinCheck joining = check_joining(*loaded);
   if (loaded->dds.without_security) warn("dds", kOpen);
-  for (const std::string& line : identity.warnings) warn("security", line);
-  for (const std::string& line : identity.faults)
-    std::fputs(fmt::format("security: {}\n", line).c_str(), stderr);
+  for (const JoinRemark& remark : joining.warnings) warn(remark.of, remark.text);
+  for (const JoinRemark& remark : joining.faults)
+    std::fputs(fmt::format("{}\n", to_text(remark)).c_str(), stderr);
   const auto files = program::check_files(loaded->program);
   if (!files) std::fputs(fmt::format("program: {}\n", files.error()).c_str(), stderr);
-  return identity.faults.empty() && files ? ExitCode::kOk : ExitCode::kBadConfiguration;
+  return joining.faults.empty() && files ? ExitCode::kOk : ExitCode::kBadConfiguration;
 }
 
 ExitCode run_daemon(const DaemonOptions& options) {

@@ -1,15 +1,12 @@
 #include "bridge/dds/domain.hpp"
 
-#include <arpa/inet.h>
-#include <ifaddrs.h>
-
 #include <algorithm>
-#include <charconv>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <memory>
 #include <utility>
 
 #include "bridge/dds/dds_error.hpp"
+#include "bridge/dds/discovery_server.hpp"
 #include "bridge/dds/fastdds.hpp"
 #include "bridge/dds/library.hpp"
 #include "bridge/dds/note_transport.hpp"
@@ -29,21 +26,6 @@ constexpr const char* kProfile = "fieldcast";
 constexpr const char* kLoopback = "127.0.0.1";
 constexpr const char* kFlowController = "fieldcast";
 constexpr std::uint32_t kHighestDomain = 232;  // the ports of RTPS end there (RTPS 2.2, 9.6.1)
-
-// The library would open no socket and say nothing.
-bool has_interface(const std::string& address) {
-  ifaddrs* list = nullptr;
-  if (getifaddrs(&list) != 0) return true;  // cannot be known
-  const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> owner(list, freeifaddrs);
-  in_addr wanted{};
-  if (inet_pton(AF_INET, address.c_str(), &wanted) != 1) return false;
-  for (const ifaddrs* one = list; one != nullptr; one = one->ifa_next) {
-    if (one->ifa_addr == nullptr || one->ifa_addr->sa_family != AF_INET) continue;
-    if (reinterpret_cast<const sockaddr_in*>(one->ifa_addr)->sin_addr.s_addr == wanted.s_addr)
-      return true;
-  }
-  return false;
-}
 
 // UDP alone, although shared memory is the library's default: in Fast DDS 2.9 a participant that
 // leaves before all others have read its last message leaves them with a message whose memory is
@@ -79,30 +61,13 @@ void pass_through_ours(dds::TransportConfigQos& transport, const Incoming& incom
     one = std::make_shared<NoteTransportDescriptor>(one, incoming.filter, incoming.restarts);
 }
 
-// Of "host:port".
-rtps::Locator_t locator_of(const std::string& text) {
-  const auto colon = text.rfind(':');
-  const std::string host = text.substr(0, colon);
-  unsigned port = 0;
-  const char* end = text.data() + text.size();
-  if (colon == std::string::npos ||
-      std::from_chars(text.data() + colon + 1, end, port).ptr != end || port == 0 || port > 65535) {
-    throw DdsError("dds: discovery server '" + text + "' is not host:port");
-  }
-  const auto found = rtps::IPLocator::resolveNameDNS(host);
-  const std::string address = rtps::IPLocator::isIPv4(host) ? host
-                              : found.first.empty()         ? ""
-                                                            : *found.first.begin();
-  if (address.empty()) throw DdsError("dds: discovery server: no address known for '" + host + "'");
-  rtps::Locator_t locator(LOCATOR_KIND_UDPv4, port);
-  rtps::IPLocator::setIPv4(locator, address);
-  return locator;
-}
-
-void set_discovery_servers(const std::vector<std::string>& servers,
+void set_discovery_servers(const std::vector<ServerAddress>& servers,
                            dds::DomainParticipantQos& qos) {
-  for (std::size_t i = 0; i < servers.size(); ++i)
-    join_discovery_server(qos, locator_of(servers[i]), static_cast<unsigned>(i));
+  for (std::size_t i = 0; i < servers.size(); ++i) {
+    rtps::Locator_t locator(LOCATOR_KIND_UDPv4, servers[i].port);
+    rtps::IPLocator::setIPv4(locator, servers[i].address);
+    join_discovery_server(qos, locator, static_cast<unsigned>(i));
+  }
 }
 
 // What writers send, what they send again, and what they send to those who join late passes through
@@ -184,11 +149,18 @@ dds::DomainParticipantQos participant_qos(const DdsSpec& spec, const std::string
   discovery.leaseDuration = {10, 0};
   discovery.leaseDuration_announcementperiod = {0, 500'000'000};
   qos.name() = name;
+  std::vector<ServerAddress> servers;
+  for (const std::string& text : spec.discovery_servers) servers.push_back(server_address(text));
   // Transports of the user's profile are the user's business; without any, ours.
-  if (!spec.profile || qos.transport().user_transports.empty()) set_transports(spec, qos);
+  if (!spec.profile || qos.transport().user_transports.empty()) {
+    if (const auto fault = server_fault(
+            servers, own_addresses().value_or(std::vector<std::string>()), spec.interfaces))
+      throw DdsError("dds: " + *fault);
+    set_transports(spec, qos);
+  }
   pass_through_ours(qos.transport(), incoming);
   if (spec.max_rate != 0) qos.flow_controllers().push_back(flow_controller(spec.max_rate));
-  set_discovery_servers(spec.discovery_servers, qos);
+  set_discovery_servers(servers, qos);
   if (spec.security) set_security(*spec.security, qos);
   return qos;
 }
@@ -217,8 +189,10 @@ Domain::Domain(const DdsSpec& spec, const std::string& name, DiscoveryListener* 
   // (SecurityManager::encode_rtps_message).
   if (spec.security && !spec.discovery_servers.empty())
     throw DdsError("dds: security: Fast DDS 2.9 ends the program with a discovery server");
+  // The library would open no socket and say nothing.
+  const auto own = own_addresses();
   for (const std::string& address : spec.interfaces) {
-    if (!has_interface(address))
+    if (own && std::find(own->begin(), own->end(), address) == own->end())
       throw DdsError("dds: no interface of this machine has the address " + address);
   }
   prepare_library();

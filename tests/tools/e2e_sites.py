@@ -216,6 +216,35 @@ class DiscoveryServers(unittest.TestCase):
         self.assertEqual(bridge.wait(10), 0)
 
 
+class OwnServers(unittest.TestCase):
+    """A discovery server at an address of this machine."""
+
+    OWN = "10.77.0.3"
+
+    def test_at_an_address_that_dds_is_not_to_use_is_refused_in_words(self):
+        system("ip", "address", "add", self.OWN + "/32", "dev", "lo")
+        self.addCleanup(system, "ip", "address", "del", self.OWN + "/32", "dev", "lo")
+        folder = tempfile.mkdtemp(prefix="fieldcast-own-server-")
+        self.addCleanup(shutil.rmtree, folder)
+        domain, claim = claim_domain()
+        self.addCleanup(claim.close)
+        files = {}
+        for name, text in [("bridge", CONFIG.replace("{name}", "served").replace("{run}", folder)), ("station", "station: page\n")]:
+            files[name] = os.path.join(folder, name + ".yaml")
+            with open(files[name], "w", encoding="utf-8") as out:
+                out.write(text + f'dds: {{ domain: {domain}, discovery-server: "{self.OWN}:11811" }}\n')
+        for program in (["fieldcast-bridge", files["bridge"]], ["fieldcast-bridge", files["bridge"], "--check"],
+                        ["fieldcast-station", "--config", files["station"], "--listen", "127.0.0.1:0"],
+                        ["fieldcast-station", "--config", files["station"], "--check"],
+                        ["fieldcast", "watch", "--once", "--config", files["bridge"]]):
+            with self.subTest(program=program):
+                ended = subprocess.run([os.path.join(BIN_DIR, program[0]), *program[1:]], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                       text=True, timeout=30, check=False)
+                self.assertEqual(ended.returncode, 2 if program[0] == "fieldcast" else 3, ended.stdout)
+                self.assertIn(f"discovery server {self.OWN}:11811: {self.OWN} is an address of this machine", ended.stdout)
+                self.assertIn(f"name {self.OWN} in interfaces", ended.stdout)
+
+
 class SitesOfAStation(unittest.TestCase):
     """Two plants with the same names: one in a partition of its domain, one in another domain."""
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <fstream>
 
+#include "bridge/dds/join_check.hpp"
 #include "bridge/dds/multicast.hpp"
-#include "bridge/security/authority.hpp"
 #include "bridge/security/member_folder.hpp"
 #include "config/loader.hpp"
 #include "core/model/pattern.hpp"
@@ -28,11 +28,11 @@ void add_connection(CommandLine& line, ConnectionOptions& options) {
 
 namespace {
 
-// Why nothing would be received, in the words of the folder instead of the library's.
-std::string fault_of_security(const std::string& folder) {
+// Why nothing would be received, in words of ours instead of the library's.
+std::string fault_of_joining(const DdsSpec& spec) {
   std::string text;
-  for (const std::string& fault : security::check_program(folder, false, utc_now()).faults)
-    text += (text.empty() ? "security: " : "\nsecurity: ") + fault;
+  for (const JoinRemark& fault : check_joining(spec, false, utc_now()).faults)
+    text += (text.empty() ? "" : "\n") + to_text(fault);
   return text;
 }
 
@@ -78,8 +78,7 @@ tl::expected<Connection, std::string> resolve(const ConnectionOptions& options) 
     if (options.domain) site.dds.domain = *options.domain;
     if (!options.interfaces.empty()) site.dds.interfaces = options.interfaces;
     if (!options.security.empty()) site.dds.security = options.security;
-    if (!site.dds.security) continue;
-    if (std::string fault = fault_of_security(*site.dds.security); !fault.empty())
+    if (std::string fault = fault_of_joining(site.dds); !fault.empty())
       return tl::unexpected(std::move(fault));
   }
   return found;

@@ -14,10 +14,10 @@
 #include "bridge/base/secret_file.hpp"
 #include "bridge/bus/clock.hpp"
 #include "bridge/dds/dds_error.hpp"
+#include "bridge/dds/join_check.hpp"
 #include "bridge/dds/library.hpp"
 #include "bridge/exit_code.hpp"
 #include "bridge/log/log.hpp"
-#include "bridge/security/authority.hpp"
 #include "bridge/service/identity_watch.hpp"
 #include "bridge/service/service.hpp"
 #include "bridge/service/signals.hpp"
@@ -31,6 +31,7 @@ using fieldcast::ExitCode;
 using namespace fieldcast::web;
 
 constexpr fieldcast::Duration kHousekeeping = std::chrono::seconds{10};
+constexpr const char* kOpen = "security: none: whoever is in the network reads and commands";
 constexpr fieldcast::Duration kLastWords = std::chrono::milliseconds{300};
 
 struct Options {
@@ -83,15 +84,16 @@ std::optional<StationSpec> spec_of(const Options& options) {
   return spec;
 }
 
-ExitCode check_identity(const StationSpec& spec) {
+ExitCode check_joining(const StationSpec& spec) {
   bool good = true;
   for (const fieldcast::DdsSite& site : spec.sites) {
-    if (!site.dds.security) continue;
-    const auto check =
-        fieldcast::security::check_program(*site.dds.security, false, fieldcast::read_clocks().utc);
-    for (const auto& lines : {check.faults, check.warnings}) {
-      for (const std::string& line : lines)
-        std::fputs(fmt::format("security: {}\n", line).c_str(), stderr);
+    const auto check = fieldcast::check_joining(site.dds, false, fieldcast::read_clocks().utc);
+    for (const auto& remarks : {check.faults, check.warnings}) {
+      for (const fieldcast::JoinRemark& remark : remarks)
+        std::fputs(fmt::format("{}{}{}\n", site.name, site.name.empty() ? "" : ": ",
+                               fieldcast::to_text(remark))
+                       .c_str(),
+                   stderr);
     }
     good = good && check.faults.empty();
   }
@@ -122,30 +124,41 @@ class WhileItLives {
   fieldcast::Signals& signals_;
 };
 
-// The identity of the program at each of its sites.
+// The identity of the program at each of its sites, from its start on.
 class SiteIdentities {
  public:
-  explicit SiteIdentities(const StationSpec& spec) {
-    for (const fieldcast::DdsSite& site : spec.sites)
-      each_.emplace_back(site.dds, std::make_unique<fieldcast::IdentityWatch>(false));
+  explicit SiteIdentities(const StationSpec& spec)
+      : each_(spec.sites.size(), fieldcast::IdentityWatch(false)) {
+    for (std::size_t i = 0; i < each_.size(); ++i)
+      each_[i].joined(spec.sites[i].dds, fieldcast::read_clocks().utc);
   }
-  // False: one of them is not in order.
-  [[nodiscard]] bool look() {
-    bool good = true;
-    for (auto& [dds, watch] : each_) good = watch->look(dds, fieldcast::read_clocks()) && good;
-    return good;
+  void look() {
+    for (fieldcast::IdentityWatch& each : each_) each.look(fieldcast::read_clocks().utc);
   }
 
  private:
-  std::vector<std::pair<fieldcast::DdsSpec, std::unique_ptr<fieldcast::IdentityWatch>>> each_;
+  std::vector<fieldcast::IdentityWatch> each_;
 };
 
-ExitCode serve(fieldcast::Signals& signals, const StationSpec& spec) {
-  SiteIdentities identities(spec);
-  if (!identities.look()) {
-    fieldcast::log_error("web", "cannot start: its identity is not in order");
-    return ExitCode::kCannotStart;
+// False: it cannot join.
+bool log_joining(const StationSpec& spec) {
+  bool good = true;
+  for (const fieldcast::DdsSite& site : spec.sites) {
+    const auto check = fieldcast::check_joining(site.dds, false, fieldcast::read_clocks().utc);
+    for (const auto& fault : check.faults) fieldcast::log_error(fault.of, fault.text);
+    for (const auto& warning : check.warnings) fieldcast::log_warning(warning.of, warning.text);
+    if (site.dds.without_security) fieldcast::log_warning("dds", kOpen);
+    good = good && check.faults.empty();
   }
+  return good;
+}
+
+ExitCode serve(fieldcast::Signals& signals, const StationSpec& spec) {
+  if (!log_joining(spec)) {
+    fieldcast::log_error("web", "cannot start: what it joins with is not in order");
+    return ExitCode::kBadConfiguration;
+  }
+  SiteIdentities identities(spec);
   WebStation station(spec, FIELDCAST_VERSION);
   const WhileItLives watched(signals, station);
   if (const auto started = station.start(); !started) {
@@ -161,7 +174,7 @@ ExitCode serve(fieldcast::Signals& signals, const StationSpec& spec) {
     const int signal = signals.wait(service.sleep(kHousekeeping));
     if (signal == 0) {
       fieldcast::log_summaries(fieldcast::steady_now());
-      (void)identities.look();
+      identities.look();
     } else if (signal == SIGHUP) {
       service.reloading(fieldcast::steady_now());
       on_hangup(station);
@@ -186,6 +199,21 @@ ExitCode check_key(const StationSpec& spec) {
   return ExitCode::kBadConfiguration;
 }
 
+// What is good is said too: silence could be a program that looked at nothing.
+ExitCode check(const StationSpec& spec) {
+  const ExitCode joining = check_joining(spec), key = check_key(spec);
+  for (const fieldcast::DdsSite& site : spec.sites) {
+    if (site.dds.without_security)
+      std::fputs(
+          fmt::format("warning: {}dds: {}\n", site.name.empty() ? "" : site.name + ": ", kOpen)
+              .c_str(),
+          stderr);
+  }
+  if (joining != ExitCode::kOk) return joining;
+  if (key == ExitCode::kOk) std::puts("in order");
+  return key;
+}
+
 ExitCode run(int argc, char** argv) {
   fieldcast::CommandLine line("fieldcast-station",
                               "Shows what bridges publish on DDS as a web page.");
@@ -194,7 +222,8 @@ ExitCode run(int argc, char** argv) {
       "Signals: SIGHUP takes certificate and key from their files anew, SIGTERM and SIGINT stop in "
       "order.\n"
       "Exit codes: 0 in order, 1 a fault of the program, 2 command line, 3 faults in the "
-      "configuration, 4 the domain cannot be joined or the address is taken, 5 a library hung "
+      "configuration or the identity, 4 the domain cannot be joined or the address is taken, 5 a "
+      "library hung "
       "during the stop.");
   Options options;
   line.text("--config", options.config, "the configuration (YAML)").existing_file();
@@ -209,9 +238,15 @@ ExitCode run(int argc, char** argv) {
   line.number("--domain", options.domain, 0, 232, "DDS domain, instead of the configuration's");
   line.texts("--interface", options.interfaces,
              "IPv4 address that DDS may use, instead of the configuration's; may be repeated");
-  line.text("--security", options.security,
-            "join as the member whose folder this is (fieldcast secure add), instead of the "
-            "configuration's");
+  line.value(
+      "--security",
+      [&options](const std::string& text) -> std::optional<std::string> {
+        if (text.empty()) return "is empty; name the folder of a member, or leave it out";
+        options.security = text;
+        return std::nullopt;
+      },
+      "join as the member whose folder this is (fieldcast secure add), instead of the "
+      "configuration's");
   line.flag("--check", options.check, "only report the faults of the configuration");
   if (const auto ended = line.parse(argc, argv)) {
     std::fputs(ended->text.c_str(), ended->fault ? stderr : stdout);
@@ -220,10 +255,7 @@ ExitCode run(int argc, char** argv) {
   fieldcast::Signals signals;
   const auto spec = spec_of(options);
   if (!spec) return ExitCode::kBadConfiguration;
-  if (options.check) {
-    const ExitCode identity = check_identity(*spec), key = check_key(*spec);
-    return identity == ExitCode::kOk ? key : identity;
-  }
+  if (options.check) return check(*spec);
   fieldcast::open_log(spec->log.level);
   fieldcast::set_library_lines(log_library);
   ExitCode code = ExitCode::kCannotStart;

@@ -1,0 +1,31 @@
+#include "bridge/dds/join_check.hpp"
+
+#include <fmt/format.h>
+
+#include "bridge/dds/discovery_server.hpp"
+#include "bridge/security/authority.hpp"
+
+namespace fieldcast {
+
+std::string to_text(const JoinRemark& remark) { return remark.of + ": " + remark.text; }
+
+JoinCheck check_joining(const DdsSpec& spec, bool is_bridge, UtcTime now) {
+  JoinCheck check;
+  if (const auto fault = server_fault(spec)) check.faults.push_back({"dds", *fault});
+  if (!spec.security) return check;
+  if (spec.domain > security::kHighestDomain) {
+    check.faults.push_back({"dds", fmt::format("security in domain {}: it is for 0 to {}",
+                                               spec.domain, security::kHighestDomain)});
+  }
+  if (!spec.discovery_servers.empty()) {
+    check.faults.push_back({"dds",
+                            "security with a discovery server: Fast DDS 2.9 ends the program with "
+                            "it; members find each other by multicast"});
+  }
+  const security::MemberCheck identity = security::check_program(*spec.security, is_bridge, now);
+  for (const std::string& line : identity.faults) check.faults.push_back({"security", line});
+  for (const std::string& line : identity.warnings) check.warnings.push_back({"security", line});
+  return check;
+}
+
+}  // namespace fieldcast
