@@ -205,6 +205,32 @@ class Secured(unittest.TestCase):
         self.assertEqual(ended.returncode, 3)
         self.assertIn("the key is of another certificate", ended.stdout + ended.stderr)
 
+    def test_an_empty_option_is_refused_instead_of_meaning_no_security(self):
+        for program in (["fieldcast", "watch", "--once"], ["fieldcast-station", "--listen", "127.0.0.1:0"]):
+            refused = subprocess.run([os.path.join(BIN_DIR, program[0]), *program[1:], "--security", ""], capture_output=True, text=True, timeout=30)
+            self.assertEqual(refused.returncode, 2, refused.stdout + refused.stderr)
+            self.assertIn("is empty; name the folder of a member", refused.stderr)
+
+    def test_who_finds_no_bridge_as_a_member_is_told_what_security_has_to_do_with_it(self):
+        other = os.path.join(self.folder, "other")
+        self.secure("init", other)
+        self.secure("add", "station", "wall", "--authority", other)
+        wall = os.path.join(other, "members", "wall")
+        ended = run_cli(BIN_DIR, "watch", "--once", "--domain", str(self.plant.domain), "--security", wall)
+        self.assertEqual(ended.code, 3)
+        self.assertIn(f"by security ({wall}) only members of the same authority find each other", ended.err)
+        self.nobody.wait(30)
+
+    def test_the_check_of_a_station_says_what_is_good_and_what_is_open(self):
+        path = os.path.join(self.folder, "station.yaml")
+        for dds, told in (("", ""), (", security: none", "whoever is in the network reads and commands"), (f", security: {self.member('wall')}", "")):
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(f"station: page\ndds: {{ domain: 3{dds} }}\n")
+            done = subprocess.run([os.path.join(BIN_DIR, "fieldcast-station"), "--config", path, "--check"], capture_output=True, text=True, timeout=30)
+            self.assertEqual((done.returncode, done.stdout), (0, "in order\n"), done.stderr)
+            self.assertIn(told, done.stderr)
+            self.assertEqual(done.stderr == "", told == "", done.stderr)
+
     def test_keys_are_for_their_owner_alone(self):
         for path, _, names in os.walk(self.authority):
             for name in names:

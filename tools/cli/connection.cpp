@@ -22,8 +22,15 @@ void add_connection(CommandLine& line, ConnectionOptions& options) {
   line.number("--domain", options.domain, 0, 232, "DDS domain (default 0)");
   line.texts("--interface", options.interfaces,
              "IPv4 address that DDS may use (default 127.0.0.1); may be repeated");
-  line.text("--security", options.security,
-            "Join as the member whose folder this is (fieldcast secure add)");
+  line.value(
+      "--security",
+      [&options](const std::string& text) -> std::optional<std::string> {
+        // An unset variable of a script would join without security, and nobody would say so.
+        if (text.empty()) return "is empty; name the folder of a member, or leave it out";
+        options.security = text;
+        return std::nullopt;
+      },
+      "Join as the member whose folder this is (fieldcast secure add)");
 }
 
 namespace {
@@ -120,6 +127,23 @@ std::string domain_text(const Connection& connection) {
   return text;
 }
 
+namespace {
+
+// A member finds members only, and nobody says why: whom a bridge refuses may not know it.
+std::string member_remark(const Connection& connection) {
+  std::string folders;
+  for (const DdsSite& site : connection.sites) {
+    if (site.dds.security) folders += (folders.empty() ? "" : ", ") + *site.dds.security;
+  }
+  if (folders.empty()) return {};
+  return fmt::format(
+      "; by security ({}) only members of the same authority find each other, and none who is "
+      "revoked or whose certificate has ended: `fieldcast secure show` says it at the authority",
+      folders);
+}
+
+}  // namespace
+
 std::string no_bridge_text(const Connection& connection, const std::vector<std::string>& missing) {
   for (const DdsSite& site : connection.sites) {
     const std::vector<std::string>& named = site.dds.discovery_servers;
@@ -135,8 +159,8 @@ std::string no_bridge_text(const Connection& connection, const std::vector<std::
   }
   return fmt::format(
       "no bridge found in {} within {}: is fieldcast-bridge running, with the same domain and "
-      "interfaces? (--config FILE, or --domain N and --interface A)",
-      domain_text(connection), to_text(kBridgeWait));
+      "interfaces? (--config FILE, or --domain N and --interface A){}",
+      domain_text(connection), to_text(kBridgeWait), member_remark(connection));
 }
 
 }  // namespace fieldcast::cli
