@@ -58,6 +58,18 @@ void Bridge::State::tell_held() {
   tell(standby.actions.unanswered(view.term, steady_now()));
 }
 
+// Of a bridge that has handed over and joins anew: a plant system may have found it before its
+// successor.
+void Bridge::State::tell_last_words() {
+  const StandbyGroup::View view = group->view();
+  if (view.role != StandbyRole::kWaiting || !view.master) return;
+  const auto tell = [this](const auto& held) {
+    for (const auto& [bus, key, begun] : held) group->tell_held(bus, key.first, key.second, begun);
+  };
+  tell(standby.commands.last_words(steady_now()));
+  tell(standby.actions.last_words(steady_now()));
+}
+
 // At the master, on a thread of DDS. What this bridge knows has a result, which the other one has
 // not heard, or will have one; so has what comes before it has taken over, and is told again.
 void Bridge::State::answer_unknown(const StandbyNote& held) {

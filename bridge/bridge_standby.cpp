@@ -131,6 +131,7 @@ void Bridge::State::take_part() {
 
 void Bridge::State::leave_group() {
   if (!group) return;
+  tell_last_words();
   group->end();
   standby.remembered = group->memory();
   end_follower();

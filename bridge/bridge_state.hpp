@@ -125,6 +125,7 @@ struct Bridge::State {
   void end_follower();
   [[nodiscard]] bool hand_over_before_stop();
   [[nodiscard]] bool follow_role();
+  void tell_last_words();
   void say_unheard(std::size_t bridges);
   void look_for_namesake();
   void say_not_ready();

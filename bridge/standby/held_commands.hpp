@@ -127,6 +127,18 @@ class HeldCommands {
     return found;
   }
 
+  // This bridge leaves its group: what it alone may have received, and no master has begun.
+  [[nodiscard]] std::vector<Unanswered> last_words(Instant now) {
+    const std::lock_guard lock(mutex_);
+    std::vector<Unanswered> found;
+    if (open_) return found;
+    expire(now);
+    for (const auto& [key, entry] : entries_) {
+      if (entry.has_item && !entry.begun) found.push_back({entry.bus, key, false});
+    }
+    return found;
+  }
+
   // This bridge is master from here on: what runs now. What was begun is waited for.
   [[nodiscard]] std::vector<Item> take_over(Instant now) {
     const std::lock_guard lock(mutex_);

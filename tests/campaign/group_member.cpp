@@ -251,6 +251,7 @@ void GroupMember::leave(Instant now) {
   leave_at_ = promote_by_ = give_up_at_ = kNever;
   fit_since_ = kNever;
   if (serving_) let_go_of_the_bus();
+  tell_last_words(now);
   StandbyMessage last = message(now);
   last.member.role = StandbyRole::kLeft;
   last.member.not_ready = "it has ended";

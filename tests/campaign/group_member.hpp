@@ -113,6 +113,7 @@ class GroupMember {
   bool answered_elsewhere(const Key& key, Instant now);
   void seen_answer(const Key& key, Instant now);
   void tell_held(Instant now);
+  void tell_last_words(Instant now);
   void answer_unknown(const StandbyNote& held, Instant now);
   void refuse(const Command& command, Cause cause, Instant now);
   [[nodiscard]] static CommandResult unfinished(const Key& key, bool begun);

@@ -110,6 +110,19 @@ void GroupMember::tell_held(Instant now) {
   }
 }
 
+// As Bridge::State::tell_last_words().
+void GroupMember::tell_last_words(Instant now) {
+  if (election_->role() != StandbyRole::kWaiting || !election_->master(now)) return;
+  for (const auto& [bus, key, begun] : held_->last_words(now)) {
+    StandbyNote note;
+    note.bridge = name_;
+    note.kind = StandbyNoteKind::kReturned;
+    note.bus = bus;
+    std::tie(note.requester, note.request_id) = key;
+    outside_.tell(note);
+  }
+}
+
 void GroupMember::answer_unknown(const StandbyNote& held, Instant now) {
   if (election_->role() != StandbyRole::kMaster || !held_->runs()) return;
   const Key key{held.requester, held.request_id};

@@ -131,6 +131,20 @@ TEST_F(HeldCommandsTest, AMasterIsNotToldForEver) {
   EXPECT_EQ(told, 2 * Held::kMostTold);
 }
 
+// A bridge that joins anew forgets what it holds.
+TEST_F(HeldCommandsTest, TheMasterIsToldAtOnceOfWhatWouldBeForgotten) {
+  hold(1);
+  hold(2);
+  hold(3);
+  held.answered({"mes", 2});
+  held.begun("bus", {"mes", 3}, kNow + std::chrono::minutes{1});
+  const auto told = held.last_words(kNow);
+  ASSERT_EQ(told.size(), 1u) << "the master has 3";
+  EXPECT_EQ(told[0].key.second, 1u);
+  held.join();
+  EXPECT_THAT(held.last_words(kNow), IsEmpty());
+}
+
 TEST_F(HeldCommandsTest, AMasterHoldsNothing) {
   (void)held.take_over(kNow);
   EXPECT_FALSE(held.hold("bus", {"mes", 1}, "1", kSoon, kNow));
