@@ -296,8 +296,8 @@ TEST(ImportList, WordsThatAreNotUnderstoodAreRefusedOrTold) {
       "6,D,FLOAT,HR,swapped,,,,\n8,E,FLOAT,HR,LSB first,,,,\n10,F,FLOAT,HR,low/high,,,,\n"
       "12,G,FLOAT,HR,R1:R0,,,,\n14,H,FLOAT,HR,Intel,,,,\n16,I,FLOAT,HR,3412,,,,\n"
       "18,J,FLOAT,HR,bananas,,,,\n20,K,FLOAT,HR,little endian,,,,\n"
-      "22,L,FLOAT,HR,,maybe,,,\n24,M,FLOAT,HR,,lesen/schreiben,,,\n26,N,FLOAT,HR,,,300,,\n"
-      "28,O,UINT16,HR,,,,0-3,\n30,P,UINT16,HR,,,,,fast\n");
+      "22,L,FLOAT,HR,,maybe,,,\n24,M,FLOAT,HR,,lesen/schreiben,,,\n"
+      "28,O,UINT16,HR,,,,0-3,\n30,P,UINT16,HR,,,,,fast\n26,N,FLOAT,HR,,,300,,\n");
   ASSERT_TRUE(outcome) << outcome.error();
   for (const char* name : {"A", "B"})
     EXPECT_THAT(fate_of(*outcome, name), HasSubstr("no: table or function '")) << name;
@@ -347,6 +347,55 @@ TEST(ImportList, TitlesMayHaveUmlautsAndRemarks) {
   EXPECT_EQ(place("Address (0-based)", "40001"), "holding:40001");
   EXPECT_EQ(place("PLC Address,Protocol Address", "30002,1"), "input-register:1");
   EXPECT_EQ(place("Start,End", "100,101"), "holding:100");
+}
+
+TEST(ImportList, HexadecimalAddressesWithoutAMarkAreReadAsAWhole) {
+  const auto whole = import_text(
+      "meter.csv", "Address,Name,Type\n0000,A,FLOAT\n000C,B,FLOAT\n0012,C,FLOAT\n001E,D,FLOAT\n");
+  ASSERT_TRUE(whole) << whole.error();
+  EXPECT_EQ(place_of(*whole, "B"), "holding:12");
+  EXPECT_EQ(place_of(*whole, "C"), "holding:18");
+  EXPECT_EQ(place_of(*whole, "D"), "holding:30");
+  EXPECT_THAT(whole->notes,
+              Contains(HasSubstr("all addresses are hexadecimal, as '000C' (line 3)")));
+  const auto odd =
+      import_text("meter.csv", "Address,Name,Type\n100,A,U16\n101,B,U16\n102a,C,U16\n");
+  EXPECT_EQ(place_of(*odd, "A"), "holding:100");
+  EXPECT_THAT(place_of(*odd, "C"), HasSubstr("no: "));
+  EXPECT_THAT(odd->notes, Contains(HasSubstr("'102a' (line 4) may be hexadecimal")));
+  const auto marked =
+      import_text("meter.csv", "Address,Name,Type\n000CH,A,FLOAT\n0012,B,FLOAT\n256,C,FLOAT\n");
+  EXPECT_EQ(place_of(*marked, "A"), "holding:12");
+  EXPECT_THAT(place_of(*marked, "B"), HasSubstr("no: address '0012' may be hexadecimal"));
+  EXPECT_THAT(fate_of(*marked, "C"), HasSubstr("'256' is read as decimal"));
+}
+
+TEST(ImportList, AGainBelowOneMultiplies) {
+  const auto list = [](const std::string& first, const std::string& second) {
+    return import_text("meter.csv", "Address,Name,Type,Gain\n0,A,INT16," + first + "\n1,B,INT16," +
+                                        second + "\n2,C,INT16,1\n");
+  };
+  EXPECT_EQ(settings_of(list("10", "100")->rows[0]), "scale 0.1");
+  EXPECT_THAT(list("10", "100")->notes, Contains(HasSubstr("values are divided by it")));
+  EXPECT_EQ(settings_of(list("0.1", "0.01")->rows[0]), "scale 0.1");
+  EXPECT_THAT(list("0.1", "0.01")->notes, Contains(HasSubstr("values are multiplied by it")));
+  const auto both = list("10", "0.1");
+  for (const char* name : {"A", "B"})
+    EXPECT_THAT(fate_of(*both, name), HasSubstr("unclear whether to divide or to multiply"));
+  EXPECT_EQ(fate_of(*both, "C"), "ok");
+}
+
+TEST(ImportList, ABlankSlaveIsThatOfTheRowAbove) {
+  const auto outcome = import_text("meter.csv",
+                                   "Register,Name,Type,Slave\n40001,A,INT16,3\n40002,B,INT16,\n"
+                                   "40001,D,INT16,4\n40002,E,INT16,x\n40003,F,INT16,\n");
+  ASSERT_TRUE(outcome) << outcome.error();
+  ASSERT_EQ(outcome->rows.size(), 5u);
+  EXPECT_EQ(outcome->rows[1].channel, "bus-1/meter-3/B");
+  EXPECT_THAT(outcome->notes,
+              Contains(HasSubstr("(line 3, ..) are taken to have that of the row")));
+  EXPECT_THAT(fate_of(*outcome, "E"), HasSubstr("no: 'x' is no address of a device"));
+  EXPECT_THAT(fate_of(*outcome, "F"), HasSubstr("no: no address of its device"));
 }
 
 }  // namespace

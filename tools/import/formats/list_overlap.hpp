@@ -3,7 +3,6 @@
 #pragma once
 
 #include <optional>
-#include <string_view>
 #include <vector>
 
 #include "tools/import/address.hpp"
@@ -13,7 +12,7 @@ namespace fieldcast::importing {
 
 // A value of the list at its place.
 struct Placed {
-  std::string_view device;  // those of one are compared
+  std::optional<std::uint16_t> device;  // those of one are compared
   ModbusArea area = ModbusArea::kHolding;
   std::uint32_t first = 0;
   std::optional<std::uint8_t> bit;

@@ -48,6 +48,8 @@ class ListReader {
     if (title) counts_from_ = first_address_of_title(table.rows[header].cell(*title));
     find_areas();
     learn_style();
+    find_hex();
+    decide_gain();
     if (const auto length = columns_.index_of(Field::kLength))
       length_unit_ = length_unit_of_title(table.rows[header].cell(*length));
   }
@@ -61,6 +63,7 @@ class ListReader {
       entry.point.origin = {source_.file, row.line};
       entry.fault = read_cells(entry);
     }
+    doubt_bare_numbers();
     decide_lengths();
     for (Entry& entry : entries_) {
       if (!entry.fault) entry.fault = set_width(entry);
@@ -76,11 +79,12 @@ class ListReader {
       if (entry.fault) {
         found.refusals.push_back({point.name, point.origin, *entry.fault});
       } else {
-        device_of(*entry.row, bus).points.push_back(std::move(point));
+        device_of(entry, bus).points.push_back(std::move(point));
       }
     }
     for (const std::string& title : columns_.ignored())
       found.notes.push_back(fmt::format("{}: column '{}' is not used", source_.file, title));
+    tell_decisions(found);
     if (counts_from_ == 1u)
       found.notes.push_back(
           fmt::format("{}: the addresses count from 1, as their title says", source_.file));
@@ -101,7 +105,8 @@ class ListReader {
     const Row* row = nullptr;
     Point point{};
     ListAddress address{};
-    std::optional<ModbusArea> said{};  // by the function or the table
+    std::optional<ModbusArea> said{};     // by the function or the table
+    std::optional<std::uint16_t> unit{};  // the address of its device
     ListType type{};
     std::optional<Length> length{};
     bool no_type = false;  // the cell names none
@@ -121,11 +126,8 @@ class ListReader {
     return {};
   }
 
-  Device& device_of(const Row& row, Bus& bus) {
-    const auto unit = whole_from(columns_.cell(row, Field::kDevice));
-    const auto address = unit && *unit <= 255
-                             ? std::optional<std::uint16_t>(static_cast<std::uint16_t>(*unit))
-                             : std::nullopt;
+  Device& device_of(const Entry& entry, Bus& bus) const {
+    const auto address = entry.unit;
     for (Device& device : bus.devices) {
       if (device.address == address && device.name.starts_with(stem_of(source_.file)))
         return device;
@@ -205,10 +207,7 @@ class ListReader {
       if (!bit || *bit > 15) return fmt::format("bit '{}' is not 0 to 15", cell);
       entry.address.bit = static_cast<std::uint8_t>(*bit);
     }
-    if (const std::string_view cell = columns_.cell(row, Field::kDevice); !is_blank(cell)) {
-      const auto unit = whole_from(cell);
-      if (!unit || *unit > 255) return fmt::format("'{}' is no address of a device", cell);
-    }
+    if (const auto fault = read_unit(entry)) return fault;
     if (const auto& reference = entry.address.reference;
         reference && !entry.address.plain && entry.said && *entry.said != *reference->area)
       return contradiction(entry);
@@ -226,7 +225,7 @@ class ListReader {
       // Of a byte, "1" may be its register too.
       if (entry.length && explicit_width && bits_of(*entry.type.type) > 8)
         vote.add_type(*entry.length, bits_of(*entry.type.type));
-      const std::string where = fmt::format("{}/{}", columns_.cell(*entry.row, Field::kDevice),
+      const std::string where = fmt::format("{}/{}", entry.unit.value_or(0),
                                             entry.said ? static_cast<int>(*entry.said) : -1);
       const auto& address = entry.address;
       places[where].try_emplace(address.plain ? *address.plain : address.reference->first, &entry);
@@ -301,6 +300,105 @@ class ListReader {
   }
   static constexpr const char* kTextLength = "a text without a length of 1 to 125 registers";
 
+  // A blank cell below a filled one: a spreadsheet had merged them.
+  MayFail read_unit(Entry& entry) {
+    const std::string_view cell = columns_.cell(*entry.row, Field::kDevice);
+    if (is_blank(cell)) {
+      if (odd_unit_) return "no address of its device, and that of the row above is odd";
+      entry.unit = last_unit_;
+      if (last_unit_ && !merged_) merged_ = entry.row->line;
+      return std::nullopt;
+    }
+    const auto unit = whole_from(cell);
+    odd_unit_ = !unit || *unit > 255;
+    if (odd_unit_) return fmt::format("'{}' is no address of a device", cell);
+    last_unit_ = entry.unit = static_cast<std::uint16_t>(*unit);
+    return std::nullopt;
+  }
+
+  // Of a list whose addresses are marked ("0x10", "10h") a bare number may be of either kind.
+  void doubt_bare_numbers() {
+    const auto understood = [](const Entry& entry) { return !entry.fault; };
+    const auto is_bare = [](const Entry& entry) {
+      return !entry.address.marked_hex && entry.address.plain && !entry.address.reference;
+    };
+    if (hex_ || std::ranges::none_of(entries_, [&](const Entry& entry) {
+          return understood(entry) && entry.address.marked_hex;
+        }))
+      return;
+    for (Entry& entry : entries_) {
+      if (!understood(entry) || !is_bare(entry)) continue;
+      const std::string_view cell = columns_.cell(*entry.row, Field::kAddress);
+      if (cell.size() > 1 && cell[0] == '0') {
+        entry.fault = fmt::format("address '{}' may be hexadecimal, as others of the list", cell);
+      } else {
+        entry.point.changes.push_back(
+            fmt::format("address '{}' is read as decimal, others are hexadecimal", cell));
+      }
+    }
+  }
+
+  // "0012" beside "000C": all are hexadecimal, if each has as many digits, with zeros in front.
+  void find_hex() {
+    const Row* letters = nullptr;
+    bool zeros = false, same = true;
+    std::size_t size = 0;
+    for (std::size_t i = header_ + 1; i < table_.rows.size(); ++i) {
+      const std::string cell = lower(columns_.cell(table_.rows[i], Field::kAddress));
+      if (cell.empty() || cell[0] < '0' || cell[0] > '9' ||
+          cell.find_first_not_of("0123456789abcdef") != std::string::npos)
+        continue;
+      // "1e3" is a number with an exponent.
+      const std::size_t letter = cell.find_first_of("abcdef");
+      const bool exponent = letter != std::string::npos && cell[letter] == 'e' &&
+                            cell.find_first_of("abcdef", letter + 1) == std::string::npos;
+      if (exponent && letter + 1 < cell.size() && cell[0] != '0') continue;
+      if (letter != std::string::npos && !letters) letters = &table_.rows[i];
+      same = same && (size == 0 || size == cell.size());
+      size = cell.size();
+      zeros = zeros || (cell[0] == '0' && cell.size() > 2);
+    }
+    if (!letters || hex_) return;
+    hex_ = same && zeros;
+    const std::string_view cell = columns_.cell(*letters, Field::kAddress);
+    hex_note_ = hex_ ? fmt::format("all addresses are hexadecimal, as '{}' (line {}) is", cell,
+                                   letters->line)
+                     : fmt::format(
+                           "the address '{}' (line {}) may be hexadecimal; the others are "
+                           "read as decimal",
+                           cell, letters->line);
+  }
+
+  // Makers mean two things by a gain: 10, by which the raw value is divided, or 0.1, by which it is
+  // multiplied. Nobody divides by less than one; a column with both cannot be told.
+  void decide_gain() {
+    const auto column = columns_.index_of(Field::kDivisor);
+    if (!column || column_word(table_.rows[header_].cell(*column)) != "gain") return;
+    bool more = false, less = false;
+    for (std::size_t i = header_ + 1; i < table_.rows.size(); ++i) {
+      const auto factor = factor_from(table_.rows[i].cell(*column), style_);
+      if (!factor || !*factor) continue;
+      more = more || std::abs((*factor)->value) > 1;
+      less = less || std::abs((*factor)->value) < 1;
+    }
+    gain_ = more && less ? Gain::kUnclear : less ? Gain::kMultiplies : Gain::kDivides;
+  }
+
+  void tell_decisions(Found& found) const {
+    const auto tell = [&](std::string_view text) {
+      found.notes.push_back(fmt::format("{}: {}", source_.file, text));
+    };
+    if (!hex_note_.empty()) tell(hex_note_);
+    if (merged_)
+      tell(
+          fmt::format("rows without an address of their device (line {}, ..) are taken to have "
+                      "that of the row above",
+                      *merged_));
+    if (gain_ == Gain::kDivides) tell("column 'Gain': raw values are divided by it");
+    if (gain_ == Gain::kMultiplies)
+      tell("column 'Gain': raw values are multiplied by it, for it is below 1");
+  }
+
   [[nodiscard]] std::string contradiction(const Entry& entry) const {
     return fmt::format("the address '{}' and '{}' name different tables",
                        columns_.cell(*entry.row, Field::kAddress),
@@ -345,7 +443,7 @@ class ListReader {
     }
     if (const auto fault = read_point(entry, reference)) return fault;
     const Point& point = entry.point;
-    placed.push_back({.device = columns_.cell(*entry.row, Field::kDevice),
+    placed.push_back({.device = entry.unit,
                       .area = *reference.area,
                       .first = reference.first,
                       .bit = point.type == ValueType::kBool ? reference.bit : std::nullopt,
@@ -454,7 +552,13 @@ class ListReader {
       if (!number) return "divisor " + number.error();
       if (*number && *factor && (*number)->value != 1)
         return "a scale and a divisor, of which one is too many";
-      if (*number && !*factor) point.scale = 1 / (*number)->value;
+      if (*number && gain_ == Gain::kUnclear && (*number)->value != 1)
+        return fmt::format(
+            "gain '{}': others of the list are on the other side of 1, so that it "
+            "is unclear whether to divide or to multiply",
+            divisor);
+      if (*number && !*factor)
+        point.scale = gain_ == Gain::kMultiplies ? (*number)->value : 1 / (*number)->value;
     }
     if (!is_blank(decimals)) {
       if (const auto fault = read_decimals(decimals, *factor || !is_blank(divisor), point))
@@ -515,6 +619,12 @@ class ListReader {
   std::optional<unsigned> counts_from_;  // as the title says
   bool counts_from_one_ = false;
   NumberStyle style_;  // of the factors
+  enum class Gain { kNone, kDivides, kMultiplies, kUnclear };
+  Gain gain_ = Gain::kNone;
+  std::string hex_note_;
+  std::optional<std::uint16_t> last_unit_;
+  bool odd_unit_ = false;           // of the last row that has one
+  std::optional<unsigned> merged_;  // the first line that has the unit of the row above
   bool took_holding_ = false;
   bool took_unsigned_ = false;
   std::optional<LengthUnit> length_unit_;  // of the numbers in the column of lengths
