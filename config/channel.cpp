@@ -10,6 +10,7 @@
 #include "config/scalars.hpp"
 #include "config/text_number.hpp"
 #include "core/model/fit.hpp"
+#include "core/model/implied_type.hpp"
 
 namespace fieldcast::config {
 namespace {
@@ -59,14 +60,13 @@ void read_type(MapReader& map, Draft& draft) {
   draft.typed = map.read("type", type, TypeRule{});
   encoding.type = type.type;
   encoding.string_bytes = type.string_bytes;
-  const bool fixed = draft.address && (draft.address->bit || draft.address->width_bits == 1u ||
-                                       draft.area->item_bits == 1);
-  if (!map.has("type")) {
-    if (fixed)
+  if (!map.has("type") && draft.address) {
+    const auto fixed = fixed_type(*draft.address, *draft.area);
+    if (fixed && fixed->type == ValueType::kBool)
       encoding.type = ValueType::kBool, draft.typed = true;
-    else if (draft.address) {
-      map.faults().add(map.position(), "'type' is missing in a channel", allowed_types());
-    }
+    else
+      map.faults().add(map.position(), "'type' is missing in a channel", allowed_types(),
+                       fixed ? "type: " + fieldcast::to_text(*fixed) : std::string());
   }
   read_byte(map, draft);
   std::uint8_t bit = 0;

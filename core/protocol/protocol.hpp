@@ -36,8 +36,11 @@ using AreaIndex = std::uint8_t;
 
 // One register class of a protocol, addressed 0 .. items-1.
 struct Area {
-  std::string_view name;        // "holding", "V", "DM"
-  unsigned item_bits = 16;      // 1, 8, 16, 32 or 64
+  std::string_view name;    // "holding", "V", "DM"
+  unsigned item_bits = 16;  // 1, 8, 16, 32 or 64
+  // What an item holds, where the family leaves no choice: the variables of DTC, current values of
+  // timers and counters.
+  std::optional<ValueType> type = std::nullopt;
   std::uint32_t items = 65536;  // size of the address space
   bool writable = false;
   std::uint16_t max_read = 125;   // items in one range of a read

@@ -34,9 +34,14 @@ class FakeProtocol final : public Protocol {
 
  private:
   Traits traits_{"fake", "sizes only"};
-  std::array<Area, 4> areas_{Area{"register", 16, 65536, false, 125},
-                             Area{"bit", 1, 65536, false, 2000},
-                             Area{"bytewise", 1, 1024, false, 512, 0, 8},
+  std::array<Area, 4> areas_{Area{.name = "register"},
+                             Area{.name = "bit", .item_bits = 1, .max_read = 2000},
+                             Area{.name = "bytewise",
+                                  .item_bits = 1,
+                                  .items = 1024,
+                                  .max_read = 512,
+                                  .max_write = 0,
+                                  .alignment = 8},
                              Area{.name = "window",
                                   .item_bits = 8,
                                   .items = 64,

@@ -33,7 +33,7 @@ plant = None
 def setUpModule():
     global plant
     with open(os.path.join(SOURCE_DIR, "config/examples/demo.yaml"), encoding="utf-8") as file:
-        text = re.sub(r"(?m)^dds:.*$", "", file.read()).replace("/tmp/fieldcast-demo", "{run}")
+        text = re.sub(r"(?m)^dds:.*$", "", file.read()).replace("/tmp/fieldcast-demo", "{run}").replace("[raw-read]", "[raw-read, raw-write]")
     plant = Plant(BIN_DIR, text)
     plant.__enter__()
 
@@ -78,6 +78,24 @@ class Families(unittest.TestCase):
                 lines = result.json_lines()
                 self.assertEqual([line["state"] for line in lines], ["done"], str(result))
                 self.assertEqual(len(lines[0]["values"]), 1, str(result))
+
+    def test_a_write_to_an_address_has_the_type_that_the_address_implies(self):
+        for device, address, value, type_name in [("mixer/mixer-1", "float32:900", "21", "float32"), ("mixer/mixer-1", "float64:900", "21.5", "float64"),
+                                                  ("mixer/mixer-1", "int32:900", "99999", "int32"), ("mixer/mixer-1", "int16:901", "-1", "int16"),
+                                                  ("lift/lift-1", "C200", "-70000", "int32")]:
+            with self.subTest(address=address):
+                result = plant.cli("write", device, "--at", address, value, "--verify", "--json")
+                self.assertEqual(result.code, 0, str(result))
+                self.assertEqual([line["state"] for line in result.json_lines()], ["verified"], str(result))
+                result = plant.cli("acquire", device, "--at", address, "--type", type_name, "--json")
+                self.assertEqual(result.json_lines()[0]["values"], [float(value)], str(result))
+                result = plant.cli("acquire", device, "--at", address, "--json")
+                self.assertEqual(result.json_lines()[0]["values"], [float(value)], str(result))
+
+    def test_a_type_that_the_channels_do_not_tell_is_asked_for(self):
+        result = plant.cli("write", "assembly/robot", "--at", "T5", "100")
+        self.assertEqual(result.code, 2, str(result))
+        self.assertIn("say --type", result.err)
 
 
 if __name__ == "__main__":

@@ -148,6 +148,7 @@ class DtcProtocol final : public Protocol {
       areas_[type] = {
           .name = kTypeNames[type],
           .item_bits = kTypeBits[type],
+          .type = kValueTypes[type],
           .items = kVariables,
           .writable = true,
           .max_read = static_cast<std::uint16_t>(room * 8 / kTypeBits[type]),

@@ -12,6 +12,9 @@ enum Type : AreaIndex { kBit, kInt16, kInt32, kFloat32, kFloat64, kTypeCount };
 inline constexpr std::array<std::string_view, kTypeCount> kTypeNames{"bit", "int16", "int32",
                                                                      "float32", "float64"};
 inline constexpr std::array<unsigned, kTypeCount> kTypeBits{1, 16, 32, 32, 64};
+inline constexpr std::array<ValueType, kTypeCount> kValueTypes{
+    ValueType::kBool, ValueType::kInt16, ValueType::kInt32, ValueType::kFloat32,
+    ValueType::kFloat64};
 inline constexpr std::uint32_t kVariables = 65536;  // of each type
 
 // Bytes of a group's data: bits are packed, and filled to a byte. REQUIRES: type < kTypeCount.

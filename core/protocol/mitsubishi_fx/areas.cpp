@@ -16,12 +16,22 @@ constexpr std::array kRows{
     DeviceRow{.name = "D", .classic = {8000, 0x1000, {}}, .extended = {8000, 0x4000, {}}},
     DeviceRow{
         .name = "D", .first = 8000, .classic = {256, 0x0E00, {}}, .extended = {512, 0x8000, {}}},
-    DeviceRow{
-        .name = "T", .other = "TN", .classic = {256, 0x0800, {}}, .extended = {320, 0x1000, {}}},
-    DeviceRow{
-        .name = "C", .other = "CN", .classic = {200, 0x0A00, {}}, .extended = {200, 0x0A00, {}}},
-    DeviceRow{
-        .name = "C", .other = "CN", .item_bits = 32, .first = 200, .classic = {56, 0x0C00, {}}},
+    DeviceRow{.name = "T",
+              .other = "TN",
+              .type = ValueType::kInt16,
+              .classic = {256, 0x0800, {}},
+              .extended = {320, 0x1000, {}}},
+    DeviceRow{.name = "C",
+              .other = "CN",
+              .type = ValueType::kInt16,
+              .classic = {200, 0x0A00, {}},
+              .extended = {200, 0x0A00, {}}},
+    DeviceRow{.name = "C",
+              .other = "CN",
+              .item_bits = 32,
+              .first = 200,
+              .type = ValueType::kInt32,
+              .classic = {56, 0x0C00, {}}},
     DeviceRow{.name = "M",
               .item_bits = 1,
               .classic = {1536, 0x0100, 0x0800},
@@ -72,6 +82,7 @@ std::vector<Area> areas_reached(Commands commands) {
     const auto in_frame = static_cast<std::uint16_t>(kMaxBytes * 8 / row->item_bits);
     Area area{.name = area_name(*row),
               .item_bits = row->item_bits,
+              .type = row->type,
               .items = row->address_map(commands).items};
     area.max_read = in_frame;
     // Bits are forced one by one.

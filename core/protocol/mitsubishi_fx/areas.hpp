@@ -26,6 +26,7 @@ struct DeviceRow {
   unsigned item_bits = 16;  // 1, 16 or 32
   std::uint32_t first = 0;  // number of item 0: 8000 for special registers, 200 for 32-bit counters
   bool octal = false;       // X and Y
+  std::optional<ValueType> type = std::nullopt;  // Area::type
   AddressMap classic, extended;
   [[nodiscard]] const AddressMap& address_map(Commands commands) const {
     return commands == Commands::kClassic ? classic : extended;

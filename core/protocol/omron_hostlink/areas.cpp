@@ -55,7 +55,8 @@ constexpr std::array kRows{
             .letter = 'C',
             .c_items = 2048,
             .word_code = 0x89,
-            .fins_items = 4096},
+            .fins_items = 4096,
+            .c_type = ValueType::kBcd16},
     AreaRow{.name = "C",
             .other = "CNT",
             .letter = 'C',
@@ -63,7 +64,8 @@ constexpr std::array kRows{
             .word_code = 0x89,
             .fins_items = 4096,
             .c_offset = 2048,
-            .fins_offset = 0x8000},
+            .fins_offset = 0x8000,
+            .c_type = ValueType::kBcd16},
     AreaRow{.name = "TF",
             .other = "TIMF",
             .letter = 'G',
@@ -100,6 +102,7 @@ std::vector<Area> areas_reached(Mode mode) {
   for (const AreaRow* row : rows_of(mode)) {
     Area area{.name = row->name,
               .item_bits = row->flags ? 1u : 16u,
+              .type = fins ? std::nullopt : row->c_type,
               .items = fins ? row->fins_items : row->c_items};
     if (is_extended(*row)) area.bank = kBankWords;
     area.max_read = fins ? (row->flags ? kFinsReadFlags : kFinsReadWords)

@@ -26,6 +26,7 @@ struct AreaRow {
   std::uint32_t c_offset = 0;     // C-mode counters stand behind the timers, from 2048
   std::uint32_t fins_offset = 0;  // FINS counters stand behind the timers, from 8000h
   bool flags = false;             // one bit each
+  std::optional<ValueType> c_type = std::nullopt;  // Area::type in C-mode
 };
 
 inline constexpr std::uint32_t kBankWords = 32768;  // of EM; address = bank * kBankWords + word

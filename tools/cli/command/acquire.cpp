@@ -57,15 +57,17 @@ ExitCode acquire(const AcquireOptions& options, const Connection& connection, In
                  std::ostream& out, std::ostream& err) {
   const auto wanted = parse_device_or_channel(options.target);
   if (!wanted) return usage(err, wanted.error());
-  const auto type = address_type(options);
-  if (!type) return usage(err, type.error());
+  auto type = address_type(options);
+  if (!type && !options.type.empty()) return usage(err, type.error());
   if (!options.at.empty() && !wanted->channel.empty())
     return usage(err, "with --at name BUS/DEVICE only");
 
   DomainView domain(connection, interrupt);
   CommandRun run(domain, connection, {options.json, options.timeout}, out, err);
   const bool raw = !options.at.empty();
-  if (!run.learn({*wanted}, raw ? CommandRun::Wanted::kDevice : CommandRun::Wanted::kChannels))
+  const bool device_alone = raw && type;
+  if (!run.learn({*wanted},
+                 device_alone ? CommandRun::Wanted::kDevice : CommandRun::Wanted::kChannels))
     return run.why_not();
   if (options.at.empty()) return run.execute(errands_of(*wanted, run.catalogue()));
 
@@ -74,6 +76,8 @@ ExitCode acquire(const AcquireOptions& options, const Connection& connection, In
     errands.push_back(unknown_bus(*wanted, options.at, false, run.catalogue()));
     return run.execute(std::move(errands));
   }
+  if (!type) type = address_type(options, channels_of(run.catalogue(), *wanted));
+  if (!type) return usage(err, type.error());
   errands.push_back(
       errand_of(*wanted, AddressTarget{options.at, type->encoding}, options.at, type->text, {}));
   errands.front().command.command.count = options.count;

@@ -1,11 +1,14 @@
 // The options that `write` and `acquire` share.
 #pragma once
 
+#include <span>
 #include <string>
 #include <tl/expected.hpp>
+#include <vector>
 
 #include "bridge/base/command_line.hpp"
 #include "tools/cli/connection.hpp"
+#include "tools/cli/model/address_notation.hpp"
 #include "tools/cli/view/command_text.hpp"
 
 namespace fieldcast::cli {
@@ -13,7 +16,7 @@ namespace fieldcast::cli {
 struct CommandOptions {
   ConnectionOptions connection;
   std::string at;    // an address in the PLC's own notation; empty: channels
-  std::string type;  // of the values at the address; empty: what the address implies, or uint16
+  std::string type;  // of the values at the address; empty: what the address implies
   std::string byte;  // of a wider item, for an 8-bit type
   bool json = false;
   Duration timeout = std::chrono::seconds{5};
@@ -26,7 +29,12 @@ struct AddressType {
   std::string text;  // as in --type
   Encoding encoding;
 };
-// What --at, --type and --byte say together. The error is one line.
-[[nodiscard]] tl::expected<AddressType, std::string> address_type(const CommandOptions& options);
+// What --at, --type and --byte say together. Without --type the channels of the device may be
+// needed to tell which protocol it speaks. The error is one line.
+[[nodiscard]] tl::expected<AddressType, std::string> address_type(
+    const CommandOptions& options, std::span<const KnownChannel> channels = {});
+
+[[nodiscard]] std::vector<KnownChannel> channels_of(const Catalogue& catalogue,
+                                                    const ChannelPath& device);
 
 }  // namespace fieldcast::cli

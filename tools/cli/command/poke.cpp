@@ -8,6 +8,7 @@
 #include "tools/cli/command/command.hpp"
 #include "tools/cli/direct/direct_bus.hpp"
 #include "tools/cli/direct/line_capture.hpp"
+#include "tools/cli/model/address_notation.hpp"
 #include "tools/cli/view/command_text.hpp"
 #include "tools/cli/view/sample_text.hpp"
 
@@ -30,7 +31,9 @@ tl::expected<Write, std::string> write_of(const std::string& assignment, const s
   if (const auto parsed = protocol.parse_address(write.at); !parsed)
     return tl::unexpected(fmt::format("{}: {}; allowed: {}", printable(write.at),
                                       parsed.error().what, parsed.error().allowed));
-  write.type = type_at(write.at, type);
+  auto implied = type_at(write.at, type, protocol);
+  if (!implied) return tl::unexpected(std::move(implied.error()));
+  write.type = *std::move(implied);
   const auto encoding = parse_type(write.type);
   if (!encoding) return tl::unexpected(encoding.error());
   write.encoding = *encoding;
@@ -129,9 +132,8 @@ class PokeCommand final : public CommandWith<PokeOptions> {
     line.texts("ADDRESS=VALUE", options_.assignments,
                "holding:100=7; further values of the items behind it with commas")
         .required();
-    line.text(
-        "--type", options_.type,
-        "Of the values: uint16, float32, string(8), .. (what the address implies, or uint16)");
+    line.text("--type", options_.type,
+              "Of the values: uint16, float32, string(8), .. (what the address implies)");
     line.flag("--verify", options_.verify, "Read back what was written");
     line.flag("--trace", options_.trace, "The bytes on the line, as they pass");
     line.text("--capture", options_.capture, kCaptureHelp);

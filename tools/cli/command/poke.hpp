@@ -15,7 +15,7 @@ namespace fieldcast::cli {
 struct PokeOptions {
   LineOptions line;
   std::vector<std::string> assignments;  // "holding:100=7", with commas for values that follow
-  std::string type;                      // empty: what the address implies, or uint16
+  std::string type;                      // empty: what the address implies
   bool verify = false;
   bool trace = false;
   std::string capture;  // a new file for what passes on the line; empty: none

@@ -10,6 +10,7 @@
 #include "tools/cli/direct/direct_bus.hpp"
 #include "tools/cli/direct/line_capture.hpp"
 #include "tools/cli/direct/meanings.hpp"
+#include "tools/cli/model/address_notation.hpp"
 #include "tools/cli/view/command_text.hpp"
 #include "tools/cli/view/sample_text.hpp"
 
@@ -40,12 +41,16 @@ tl::expected<Wanted, std::string> wanted_at(const ReadOptions& options, const Pr
                                           ? "allowed: " + fault.allowed
                                           : "did you mean " + fault.suggestion + '?'));
   }
-  Wanted wanted{at, type_at(at, options.type)};
+  Wanted wanted{at, {}};
   wanted.item_bits = protocol.areas()[parsed->area].item_bits;
   if (!options.as.empty()) {
     if (parsed->bit || (wanted.item_bits != 8 && wanted.item_bits != 16))
       return tl::unexpected(fmt::format("{}: --as is for registers and bytes", printable(at)));
     wanted.type = wanted.item_bits == 8 ? "uint8" : "uint16";
+  } else {
+    auto type = type_at(at, options.type, protocol);
+    if (!type) return tl::unexpected(std::move(type.error()));
+    wanted.type = *std::move(type);
   }
   const auto encoding = parse_type(wanted.type);
   if (!encoding) return tl::unexpected(encoding.error());
@@ -198,9 +203,8 @@ class ReadCommand final : public CommandWith<ReadOptions> {
         .required();
     line.number("--count", options_.count, 1, kMaxRawValues,
                 "Values at each address, one behind the other (1)");
-    line.text(
-        "--type", options_.type,
-        "Of the values: uint16, float32, string(8), .. (what the address implies, or uint16)");
+    line.text("--type", options_.type,
+              "Of the values: uint16, float32, string(8), .. (what the address implies)");
     line.text("--as", options_.as,
               "What the items mean: types with commas (float32,int32), each in every order, or all")
         .excludes("--type");

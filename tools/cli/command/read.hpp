@@ -18,7 +18,7 @@ struct ReadOptions {
   LineOptions line;
   std::vector<std::string> addresses;
   std::uint32_t count = 1;  // values at each address
-  std::string type;         // empty: what the address implies, or uint16
+  std::string type;         // empty: what the address implies
   std::string as;           // "float32,int32", "all": what items mean
   bool trace = false;
   std::string capture;  // a new file for what passes on the line; empty: none

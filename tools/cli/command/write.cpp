@@ -64,6 +64,28 @@ ExitCode write_channels(const WriteOptions& options, const Connection& connectio
   return run.execute(std::move(errands));
 }
 
+// The write itself; the error is one line.
+tl::expected<Errand, std::string> address_errand(const WriteOptions& options,
+                                                 const ChannelPath& device,
+                                                 const AddressType& type) {
+  Errand errand;
+  errand.command.bus = device.bus;
+  auto& command = errand.command.command;
+  command.device = device.device;
+  command.target = AddressTarget{options.at, type.encoding};
+  command.operation = Operation::kWrite;
+  command.verify = options.verify;
+  for (auto word = options.words.begin() + 1; word != options.words.end(); ++word) {
+    const auto value = value_from_text(type.encoding, *word);
+    if (!value) return tl::unexpected(value.error());
+    command.values.push_back(*value);
+  }
+  command.count = static_cast<std::uint32_t>(command.values.size());
+  errand.outcome = {Outcome::State::kResult, device.bus, device.device, options.at, true,
+                    command.values,          {},         type.text,     {}};
+  return errand;
+}
+
 ExitCode write_address(const WriteOptions& options, const Connection& connection,
                        Interrupt& interrupt, std::ostream& out, std::ostream& err) {
   const auto device = parse_device_or_channel(options.words.front());
@@ -71,32 +93,29 @@ ExitCode write_address(const WriteOptions& options, const Connection& connection
     return usage(err, "with --at write BUS/DEVICE and then the values");
   if (options.words.size() < 2)
     return usage(err, fmt::format("no value for {}; write them after BUS/DEVICE", options.at));
-  const auto type = address_type(options);
-  if (!type) return usage(err, type.error());
-
-  Errand errand;
-  errand.command.bus = device->bus;
-  auto& command = errand.command.command;
-  command.device = device->device;
-  command.target = AddressTarget{options.at, type->encoding};
-  command.operation = Operation::kWrite;
-  command.verify = options.verify;
-  for (auto word = options.words.begin() + 1; word != options.words.end(); ++word) {
-    const auto value = value_from_text(type->encoding, *word);
-    if (!value) return usage(err, value.error());
-    command.values.push_back(*value);
+  auto type = address_type(options);
+  if (!type && !options.type.empty()) return usage(err, type.error());
+  std::vector<Errand> errands;
+  if (type) {
+    auto errand = address_errand(options, *device, *type);
+    if (!errand) return usage(err, errand.error());
+    errands.push_back(*std::move(errand));
   }
-  command.count = static_cast<std::uint32_t>(command.values.size());
-  errand.outcome = {Outcome::State::kResult, device->bus, device->device, options.at, true,
-                    command.values,          {},          type->text,     {}};
 
   DomainView domain(connection, interrupt);
   CommandRun run(domain, connection, {options.json, options.timeout}, out, err);
-  if (!run.learn({*device}, CommandRun::Wanted::kDevice)) return run.why_not();
-  std::vector<Errand> errands;
-  const bool known = run.catalogue().has_bus(device->bus);
-  errands.push_back(known ? std::move(errand)
-                          : unknown_bus(*device, options.at, true, run.catalogue()));
+  if (!run.learn({*device}, type ? CommandRun::Wanted::kDevice : CommandRun::Wanted::kChannels))
+    return run.why_not();
+  if (!run.catalogue().has_bus(device->bus)) {
+    errands = {unknown_bus(*device, options.at, true, run.catalogue())};
+  } else if (errands.empty()) {
+    auto errand = address_type(options, channels_of(run.catalogue(), *device))
+                      .and_then([&](const AddressType& told) {
+                        return address_errand(options, *device, told);
+                      });
+    if (!errand) return usage(err, errand.error());
+    errands.push_back(*std::move(errand));
+  }
   return run.execute(std::move(errands));
 }
 

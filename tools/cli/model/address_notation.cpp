@@ -2,13 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
 #include <vector>
 
-#include "core/codec/value_codec.hpp"
+#include "core/model/fit.hpp"
+#include "core/model/implied_type.hpp"
 #include "core/protocol/registry.hpp"
+#include "tools/cli/view/command_text.hpp"
+#include "tools/cli/view/text_table.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -27,23 +32,56 @@ const std::vector<std::unique_ptr<Protocol>>& families() {
   return all;
 }
 
-std::string type_of(const ParsedAddress& address, const Area& area) {
-  if (address.bit || area.item_bits == 1) return "bool";
-  if (!address.width_bits) return {};
-  const std::string type =
-      *address.width_bits == 1 ? "bool" : fmt::format("uint{}", *address.width_bits);
-  return value_type_from(type) ? type : std::string{};
+// Empty: no type has the width.
+std::string type_of(const ParsedAddress& address, const Protocol& protocol) {
+  const auto type = implied_type(address, protocol.areas()[address.area]);
+  return type ? to_text(*type) : std::string();
+}
+
+// Whether the channel can be one of a device of this family. Which bit or byte it means, where a
+// key of its own says so, the catalogue does not tell.
+bool can_have(const Protocol& protocol, const KnownChannel& channel) {
+  const auto address = protocol.parse_address(channel.at);
+  const auto type = parse_type(channel.type);
+  if (!address || !type) return false;
+  if (type->type == ValueType::kBool || width_bits(*type) == 8) return true;
+  return !check_fit(channel.at, *address, protocol.areas()[address->area], *type);
+}
+
+tl::unexpected<std::string> say_type(std::string_view at, std::string_view why) {
+  return tl::unexpected(fmt::format("{}: {}; say --type", printable(at), why));
 }
 
 }  // namespace
 
-std::string implied_type(std::string_view at) {
-  std::set<std::string> types;
+tl::expected<std::string, std::string> type_at(std::string_view at, const std::string& said,
+                                               const Protocol& protocol) {
+  if (!said.empty()) return said;
+  const auto address = protocol.parse_address(at);
+  std::string type = address ? type_of(*address, protocol) : std::string();
+  if (type.empty()) return say_type(at, "it does not imply a type");
+  return type;
+}
+
+tl::expected<std::string, std::string> type_at(std::string_view at, const std::string& said,
+                                               std::span<const KnownChannel> channels) {
+  if (!said.empty()) return said;
+  std::map<std::string, std::string_view> types;  // with a family that takes it so
   for (const auto& protocol : families()) {
     const auto address = protocol->parse_address(at);
-    if (address) types.insert(type_of(*address, protocol->areas()[address->area]));
+    const bool possible =
+        address && std::ranges::all_of(channels, [&](const KnownChannel& channel) {
+          return can_have(*protocol, channel);
+        });
+    if (possible) types.emplace(type_of(*address, *protocol), protocol->traits().name);
   }
-  return types.size() == 1 ? *types.begin() : std::string{};
+  // A declared protocol, or a slip: the bridge knows, and refuses what has another width.
+  if (types.empty()) return "uint16";
+  if (types.size() == 1 && !types.begin()->first.empty()) return types.begin()->first;
+  std::string all;
+  for (const auto& [type, family] : types)
+    all += fmt::format("{}{} ({})", all.empty() ? "" : ", ", type.empty() ? "none" : type, family);
+  return say_type(at, "the type depends on the protocol: " + all);
 }
 
 std::string device_code_at(std::string_view at, std::uint16_t code) {

@@ -96,12 +96,6 @@ tl::expected<Encoding, std::string> with_byte(Encoding encoding, std::string_vie
   return encoding;
 }
 
-std::string type_at(std::string_view at, const std::string& said) {
-  if (!said.empty()) return said;
-  const auto implied = implied_type(at);
-  return implied.empty() ? "uint16" : implied;
-}
-
 tl::expected<Value, std::string> value_from_text(const Encoding& encoding, std::string_view text) {
   const auto parsed = [&](ValueType type) { return parse_value(Encoding{type}, text); };
   if (encoding.type == ValueType::kString) return Value{std::string(text)};

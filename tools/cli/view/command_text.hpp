@@ -30,9 +30,6 @@ struct Assignment {
 // "low", "high", "0" .. "7": which byte of a wider item an 8-bit type means; empty: none.
 [[nodiscard]] tl::expected<Encoding, std::string> with_byte(Encoding encoding,
                                                             std::string_view byte);
-// The type of values at an address: what was said, or what the address implies
-// (address_notation.hpp), or uint16.
-[[nodiscard]] std::string type_at(std::string_view at, const std::string& said);
 
 // The value that `text` spells for a channel of this type. Whether it fits the channel is for the
 // bridge to say: an integer channel may be scaled, so a fraction is taken too. The fault is a line
