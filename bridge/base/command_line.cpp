@@ -39,6 +39,10 @@ const CommandLine::Option& CommandLine::Option::excludes(std::string_view other)
   as_option(option_)->excludes(owner_->state_->app->get_option(std::string(other)));
   return *this;
 }
+const CommandLine::Option& CommandLine::Option::one_each() const {
+  as_option(option_)->allow_extra_args(false);
+  return *this;
+}
 
 CommandLine::CommandLine(const std::string& name, const std::string& description)
     : state_(std::make_unique<State>()) {

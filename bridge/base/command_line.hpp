@@ -32,6 +32,7 @@ class CommandLine {
     const Option& existing_file() const;  // its text must name a file that is there
     const Option& needs(std::string_view other) const;
     const Option& excludes(std::string_view other) const;
+    const Option& one_each() const;  // of texts: one behind each name, which may be said again
 
    private:
     friend class CommandLine;

@@ -14,6 +14,12 @@ tl::unexpected<CommandFault> fault(Cause cause, std::string reason = {}) {
   return tl::make_unexpected(CommandFault{cause, std::move(reason)});
 }
 
+// Of a value of a declared record.
+tl::unexpected<CommandFault> never_written(const std::string& at) {
+  return fault(Cause::kReadOnly,
+               "'" + at + "' is read-only: the protocol has no operation that writes it alone");
+}
+
 std::string type_text(const Encoding& encoding) {
   const std::string type(to_text(encoding.type));
   if (encoding.type == ValueType::kString)
@@ -159,6 +165,7 @@ tl::expected<void, CommandFault> CommandJob::find_address(const DeviceSpec& devi
   const std::uint32_t most = device.max_block == 0 || write
                                  ? (write ? area.max_write : area.max_read)
                                  : std::min(area.max_read, device.max_block);
+  if (width > most && write && is_field(*address)) return never_written(target.at);
   if (width > most)
     return fault(Cause::kRange, "'" + target.at + "' needs " + std::to_string(width) +
                                     " items in one " + (write ? "write" : "read") +
@@ -178,8 +185,8 @@ tl::expected<void, CommandFault> CommandJob::add_values(const AddressTarget& tar
   const std::uint32_t width = item_count(encoding, area.item_bits);
   const std::uint64_t last_bit = bits ? *encoding.bit + std::uint64_t{count} - 1 : 0;
   const std::uint64_t items = bits ? last_bit / area.item_bits + 1 : std::uint64_t{width} * count;
-  // The bits of a declared field end with it.
-  const bool past_field = bits && address.value_bits != 0 && items > 1;
+  // A declared field is one value, and its bits end with it.
+  const bool past_field = is_field(address) && (bits ? items > 1 : count > 1);
   if (address.first + items > area.items || past_field)
     return fault(Cause::kBadAddress, "'" + target.at + "' with " + std::to_string(count) +
                                          " values reaches beyond the " +
@@ -241,8 +248,12 @@ tl::expected<void, CommandFault> CommandJob::prepare_write(const ChannelSpec* ch
     if (merge_needed_ && !first.readable)
       return fault(Cause::kUnsupported, "a bit of a word that cannot be read cannot be written");
   }
-  if (!protocol_->size(write_request()))
+  if (!protocol_->size(write_request())) {
+    if (const auto* address = std::get_if<AddressTarget>(&command_.target);
+        address != nullptr && is_field(*protocol_->parse_address(address->at)))
+      return never_written(address->at);
     return fault(Cause::kRange, "too many values for one request");
+  }
   phase_ = merge_needed_ ? Phase::kReadBefore : Phase::kWrite;
   return {};
 }

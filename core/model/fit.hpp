@@ -24,6 +24,11 @@ struct FitFault {
 [[nodiscard]] std::optional<FitFault> check_fit(std::string_view at, const ParsedAddress& address,
                                                 const Area& area, const Encoding& encoding);
 
+// It names one value of a declared record; those beside it have other widths.
+[[nodiscard]] constexpr bool is_field(const ParsedAddress& address) {
+  return address.value_bits != 0 || address.text_characters != 0;
+}
+
 // "byte: low, byte: high" or "byte: 0 to 3": how the bytes of an item are named.
 [[nodiscard]] std::string byte_names(unsigned item_bits);
 

@@ -17,6 +17,7 @@
 #include "tools/cli/command/scan.hpp"
 #include "tools/cli/direct/address_steps.hpp"
 #include "tools/cli/direct/meanings.hpp"
+#include "tools/cli/model/address_notation.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -144,6 +145,118 @@ TEST_F(DirectTest, AWrongValueIsFoundBeforeAnythingIsWritten) {
   EXPECT_EQ(ended.code, ExitCode::kUsage);
   EXPECT_THAT(ended.err, HasSubstr("'x' is no number"));
   EXPECT_EQ(device.writes(), 0u);
+}
+
+TEST_F(DirectTest, AValueThatDoesNotFitIsFoundBeforeAnythingIsWritten) {
+  const auto ended = poke({.line = line(), .assignments = {"holding:40=1", "holding:41=99999"}});
+  EXPECT_EQ(ended.code, ExitCode::kRejected);
+  EXPECT_EQ(ended.err,
+            "holding:41 = 99999: rejected: 99999 does not fit uint16; nothing is written\n");
+  EXPECT_EQ(device.writes(), 0u);
+}
+
+TEST_F(DirectTest, TheEndOfTheAddressesIsSaid) {
+  const auto ended = read({.line = line(), .addresses = {"holding:65535"}, .count = 2});
+  EXPECT_EQ(ended.code, ExitCode::kUsage);
+  EXPECT_THAT(ended.err, HasSubstr("holding:65535: with 2 values it reaches beyond the end of "
+                                   "holding; there is room for 1"));
+}
+
+TEST_F(DirectTest, AnAddressThatNoDeviceHasIsSaidByItsOption) {
+  LineOptions options = line();
+  options.address = 248;
+  const auto ended = read({.line = options, .addresses = {"holding:1"}});
+  EXPECT_EQ(ended.code, ExitCode::kUsage);
+  EXPECT_THAT(ended.err, HasSubstr("--address: address 248 is outside"));
+}
+
+TEST(LineOptions, SetTakesOneWordEach) {
+  LineOptions options;
+  std::vector<std::string> addresses;
+  CommandLine line("test", "");
+  add_line_options(line, options);
+  line.texts("ADDRESS", addresses, "").required();
+  const std::vector<const char*> words{"test",       "/dev/ttyS0", "--set",  "mode=fins",
+                                       "DM110=1e10", "--set",      "node=3", "DM111=1"};
+  const auto ended = line.parse(static_cast<int>(words.size()), words.data());
+  EXPECT_FALSE(ended) << ended->text;
+  EXPECT_EQ(options.settings, (std::vector<std::string>{"mode=fins", "node=3"}));
+  EXPECT_EQ(addresses, (std::vector<std::string>{"DM110=1e10", "DM111=1"}));
+}
+
+// A device whose answer is one record of values of several widths.
+struct RecordTest : DirectTest {
+  RecordTest() {
+    std::filesystem::create_directory(folder);
+    std::ofstream(file) << R"(
+summary: a scale
+addresses: { from: 1, to: 9 }
+areas: [{ name: state, record: true }]
+operations:
+  - name: read
+    read: state
+    request:
+      - { name: start, constant: "R" }
+      - { is: address }
+      - { is: checksum, kind: xor, of: start..address }
+    answer: &state
+      - { name: start, constant: "A" }
+      - { is: address }
+      - { name: weight, is: value, text: "+000.00" }
+      - { name: label, is: value, text: 4 }
+      - { name: tare, is: value, bytes: 2, signed: true }
+      - { is: checksum, kind: crc16-modbus, of: start..tare, bytes: 2 }
+  - name: set
+    write: state
+    request:
+      - { name: start, constant: "W" }
+      - { is: address }
+      - { name: tare, is: value, bytes: 2, signed: true }
+      - { is: checksum, kind: xor, of: start..tare }
+    answer: *state
+)";
+  }
+  ~RecordTest() override { std::filesystem::remove_all(folder); }
+  LineOptions line() const {
+    LineOptions options = DirectTest::line();
+    options.protocol = file;
+    return options;
+  }
+  std::string type_of(const char* at) const {
+    std::ostringstream err;
+    const auto named = named_protocol(file, "read", err);
+    EXPECT_TRUE(named) << err.str();
+    const auto bus = bus_of(line(), *named);
+    EXPECT_TRUE(bus) << bus.error();
+    return type_at(at, {}, **make_protocol(bus->devices.front(), LineFormat{})).value_or("?");
+  }
+
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("fieldcast-record-" + std::to_string(::getpid()));
+  const std::string file = folder / "scale.yaml";
+};
+
+TEST_F(RecordTest, AValueHasTheTypeOfItsField) {
+  EXPECT_EQ(type_of("weight"), "float64");
+  EXPECT_EQ(type_of("label"), "string(4)");
+  EXPECT_EQ(type_of("tare"), "int16");
+  EXPECT_EQ(type_of("tare.3"), "bool");
+}
+
+TEST_F(RecordTest, AValueHasNoNeighbours) {
+  const auto ended = read({.line = line(), .addresses = {"weight"}, .count = 2});
+  EXPECT_EQ(ended.code, ExitCode::kUsage);
+  EXPECT_THAT(ended.err, HasSubstr("weight is one value; --count is for what has neighbours"));
+  const auto more = poke({.line = line(), .assignments = {"tare=1,2"}});
+  EXPECT_EQ(more.code, ExitCode::kRejected);
+  EXPECT_THAT(more.err, HasSubstr("'tare' with 2 values reaches beyond the field"));
+}
+
+TEST_F(RecordTest, AValueThatNoOperationWritesIsReadOnly) {
+  const auto ended = poke({.line = line(), .assignments = {"weight=2.5"}});
+  EXPECT_EQ(ended.code, ExitCode::kRejected);
+  EXPECT_THAT(ended.err, HasSubstr("'weight' is read-only: the protocol has no operation that "
+                                   "writes it alone"));
 }
 
 TEST_F(DirectTest, ASilentDeviceIsSaidToBeSilent) {

@@ -4,6 +4,7 @@
 
 #include <ostream>
 
+#include "core/bus/command_job.hpp"
 #include "core/model/make_protocol.hpp"
 #include "tools/cli/command/command.hpp"
 #include "tools/cli/direct/direct_bus.hpp"
@@ -86,6 +87,26 @@ fieldcast::Command command_of(const Write& write, bool verify) {
   return command;
 }
 
+// What the bus would refuse before it asks the device; the first of them is shown. Nothing: all can
+// be tried.
+bool refuses_any(const PokeOptions& options, const std::vector<Write>& writes,
+                 const DeviceSpec& device, const Protocol& protocol, std::ostream& out,
+                 std::ostream& err) {
+  for (const Write& write : writes) {
+    const auto job = CommandJob::make(command_of(write, options.verify), device, 0, 0, protocol,
+                                      plain_text_codec());
+    if (job) continue;
+    CommandResult result;
+    result.state = CommandState::kRejected;
+    result.cause = job.error().cause;
+    result.reason = job.error().reason;
+    if (writes.size() > 1) result.reason += "; nothing is written";
+    show(options, write, result, out, err);
+    return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 ExitCode poke(const PokeOptions& options, const Interrupt& interrupt, std::ostream& out,
@@ -101,6 +122,8 @@ ExitCode poke(const PokeOptions& options, const Interrupt& interrupt, std::ostre
     if (!write) return usage_fault(err, "poke", write.error());
     writes.push_back(*std::move(write));
   }
+  if (refuses_any(options, writes, bus->devices.front(), *protocol, out, err))
+    return ExitCode::kRejected;
   return on_line(options.capture, *bus, "poke", err, [&](LineCapture* capture) {
     DirectBus line(*bus, options.trace, capture);
     if (const auto opened = line.open(interrupt); !opened) {

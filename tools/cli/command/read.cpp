@@ -4,6 +4,7 @@
 
 #include <ostream>
 
+#include "core/model/fit.hpp"
 #include "core/model/make_protocol.hpp"
 #include "tools/cli/command/command.hpp"
 #include "tools/cli/direct/address_steps.hpp"
@@ -56,6 +57,17 @@ tl::expected<Wanted, std::string> wanted_at(const ReadOptions& options, const Pr
   if (!encoding) return tl::unexpected(encoding.error());
   wanted.encoding = *encoding;
   wanted.value_items = item_count(*encoding, wanted.item_bits);
+  const Area& area = protocol.areas()[parsed->area];
+  if (!parsed->bit && options.count > 1 && is_field(*parsed))
+    return tl::unexpected(
+        fmt::format("{} is one value; --count is for what has neighbours", printable(at)));
+  if (!parsed->bit &&
+      parsed->first + std::uint64_t{options.count} * wanted.value_items > area.items)
+    return tl::unexpected(
+        fmt::format("{}: with {} values it reaches beyond the end of {}; there is "
+                    "room for {}",
+                    printable(at), options.count, area.name,
+                    (area.items - parsed->first) / wanted.value_items));
   std::uint32_t left = options.count, items = 0;
   // Bits of a word are counted by the engine.
   const std::uint32_t most =

@@ -37,7 +37,8 @@ void add_line_options(CommandLine& line, LineOptions& options) {
               "Of the line (what the protocol's devices have from the factory)");
   line.text("--format", options.format, "Data bits, parity, stop bits: 8N1, 8E1, 7E2, ..");
   line.number("--address", options.address, 0, kHighestAddress, "Of the device (1)");
-  line.texts("--set", options.settings, "NAME=VALUE: an option of the protocol");
+  line.texts("--set", options.settings, "NAME=VALUE: an option of the protocol; once for each")
+      .one_each();
   line.duration("--timeout", options.timeout, CommandLine::kShortest,
                 "To the first byte of an answer (500ms)");
   line.number("--retries", options.retries, 0, 10, "More tries of what was not answered (1)");
@@ -102,7 +103,8 @@ tl::expected<BusSpec, std::string> bus_of(const LineOptions& options,
   const auto made = make_protocol(device, line_of(bus.port));
   if (!made) {
     const OptionFault& fault = made.error();
-    return tl::unexpected(fmt::format("--set {}: {}; {}", printable(fault.option),
+    const std::string option = fault.option.empty() ? "--address" : "--set " + fault.option;
+    return tl::unexpected(fmt::format("{}: {}; allowed: {}", printable(option),
                                       printable(fault.what), fault.allowed));
   }
   const Traits& traits = (*made)->traits();
