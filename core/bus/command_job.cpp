@@ -153,7 +153,7 @@ void CommandJob::resolve_doubt(const Bytes& items) {
          "no answer, and reading back shows another value");
 }
 
-void CommandJob::failed(Cause cause, std::uint16_t device_code) {
+void CommandJob::failed(Cause cause, std::uint16_t device_code, std::string_view seen) {
   asked_ = true;
   const bool refused = cause == Cause::kDeviceError || cause == Cause::kDeviceBusy;
   if (cause == Cause::kDeviceError && has_plainer_form()) {
@@ -168,6 +168,7 @@ void CommandJob::failed(Cause cause, std::uint16_t device_code) {
     return;
   }
   std::string reason = error_text(cause, device_code, protocol_->traits());
+  if (!seen.empty()) reason.append("; ").append(seen);
   if (in_doubt_ || (phase_ == Phase::kWrite && !refused))
     reason += "; unknown whether the write took effect";
   else if (phase_ == Phase::kReadBack)

@@ -47,7 +47,8 @@ class CommandJob {
   // them the device refuses.
   void go_alone() { alone_ = true; }
   void answered(const Reply& reply);
-  void failed(Cause cause, std::uint16_t device_code);
+  // `seen`: what came in place of an answer, for the reason.
+  void failed(Cause cause, std::uint16_t device_code, std::string_view seen = {});
   // A line that may echo cannot confirm a write whose answer equals its request.
   void use_distinct_answers() { distinct_ = true; }
   // Nothing else can be written: a read before it shows whether the line echoes.

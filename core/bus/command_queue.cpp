@@ -135,14 +135,14 @@ void CommandQueue::answered(std::size_t batch, const Reply& reply, Instant acqui
 }
 
 void CommandQueue::failed(std::size_t batch, Cause cause, std::uint16_t code, Instant acquired,
-                          Instant now, ActionSink& sink) {
+                          Instant now, ActionSink& sink, std::string_view seen) {
   const bool refused =
       cause == Cause::kDeviceError || cause == Cause::kDeviceBusy || cause == Cause::kUnsupported;
   for (std::size_t i = 0; i < batch; ++i) {
     if (batch > 1 && refused)
       waiting_[i].job.go_alone();
     else
-      waiting_[i].job.failed(cause, code);
+      waiting_[i].job.failed(cause, code, seen);
   }
   finish(batch, acquired, now, sink);
 }

@@ -54,7 +54,7 @@ class CommandQueue {
   void answered(std::size_t batch, const Reply& reply, Instant acquired, Instant now,
                 ActionSink& sink);
   void failed(std::size_t batch, Cause cause, std::uint16_t code, Instant acquired, Instant now,
-              ActionSink& sink);
+              ActionSink& sink, std::string_view seen = {});
   // It did not leave: its commands wait as before, and may expire.
   void not_sent(std::size_t batch);
 

@@ -52,11 +52,14 @@ void DeviceMonitor::tried(const Try& ended, Instant now, ActionSink& sink) {
 
 void DeviceMonitor::judge_garbage(const Try& ended, bool answered, ActionSink& sink) {
   Garbage& garbage = devices_[ended.device].garbage;
+  anybody_answered_ = anybody_answered_ || answered;
+  // Worth saying where it is all that ever came, and nobody has said that the line echoes.
+  const bool echo = ended.echo_alone && !anybody_answered_ && !setup_.spec().echo;
   if (answered) {
     if (garbage.answered())
       sink.notice(Notice::Kind::kGarbageEnded, ended.device, Cause::kNone,
                   "its answers can be read again");
-  } else if (garbage.received(ended.received, ended.sent)) {
+  } else if (garbage.received(echo ? ended.sent : ended.received, ended.sent)) {
     sink.notice(Notice::Kind::kGarbage, ended.device, Cause::kNone,
                 garbage.text(setup_.line(), over_network(setup_.spec().port)));
   }

@@ -41,6 +41,7 @@ class DeviceMonitor {
     Duration rest{};             // between the device's last answer and the request
     Instant answered{};          // when done: arrival of the answer
     ByteView received, sent;     // the last ones
+    bool echo_alone = false;     // nothing came but what was sent, which `received` has not
   };
   // A read that shows whether an offline device is back. `timeout`: what can be spared.
   struct Probe {
@@ -143,6 +144,7 @@ class DeviceMonitor {
   const BusSetup& setup_;
   std::vector<std::optional<Range>> probed_;
   std::vector<Device> devices_;
+  bool anybody_answered_ = false;  // ever, on this line
 };
 
 }  // namespace fieldcast

@@ -83,6 +83,10 @@ class ExchangeDriver {
     return all.first(all.size() - std::min<std::size_t>(all.size(), expected_));
   }
   [[nodiscard]] Echo echo() const { return echo_; }
+  // What came since the last send is exactly what was sent.
+  [[nodiscard]] bool echo_alone() const {
+    return echo_ == Echo::kPresent && echo_stripped_ && received_.empty();
+  }
   [[nodiscard]] std::uint64_t bytes_sent() const { return bytes_sent_; }
   [[nodiscard]] std::uint64_t bytes_received() const { return bytes_received_; }
   void count_stray(std::size_t bytes) { bytes_received_ += bytes; }

@@ -60,9 +60,9 @@ void OutcomeRouter::note_try(const Wire::Ended& ended, Instant now, ActionSink& 
   } else {
     late_.unanswered(flight.asked, flight.block, longest, driver, now);
   }
-  devices_.tried(
-      {device, ended.cause, flight.rest, driver.answered(), driver.raw_received(), driver.sent()},
-      now, sink);
+  devices_.tried({device, ended.cause, flight.rest, driver.answered(), driver.raw_received(),
+                  driver.sent(), driver.echo_alone()},
+                 now, sink);
   if (ended.done) return;
   causes_.add(ended.cause);
   const auto codes = setup_.protocol(device).traits().codes;
@@ -96,7 +96,10 @@ void OutcomeRouter::deliver(const Flight& flight, const Wire::Ended& ended, Inst
     case Flight::Kind::kCommand:
       if (ended.done)
         return commands_.answered(flight.batch, ended.exchange->reply(), acquired, now, sink);
-      return commands_.failed(flight.batch, ended.cause, ended.device_code, acquired, now, sink);
+      return commands_.failed(flight.batch, ended.cause, ended.device_code, acquired, now, sink,
+                              wire_.driver().echo_alone() && !setup_.spec().echo
+                                  ? "what was sent comes back, and nothing else"
+                                  : "");
     case Flight::Kind::kProbe: return;
   }
 }

@@ -76,6 +76,21 @@ TEST_F(DeviceMonitorTest, BytesThatAreNoAnswerAreSaidOnceTheyRepeat) {
   EXPECT_EQ(notices(), Kinds{Notice::Kind::kGarbageEnded});
 }
 
+TEST_F(DeviceMonitorTest, AnEchoIsSaidWhereNobodyEverAnswered) {
+  const Bytes request{1, 3, 0, 0, 0, 1, 0x84, 0x0A};
+  const auto echoed = [&] {
+    for (int i = 0; i < 3; ++i)
+      monitor_.tried({.device = 0, .cause = Cause::kNoAnswer, .sent = request, .echo_alone = true},
+                     Instant{1s}, sink_);
+  };
+  echoed();
+  EXPECT_EQ(notices(), Kinds{Notice::Kind::kGarbage});
+  tried(0, Cause::kNone, Instant{2s});
+  EXPECT_EQ(notices(), Kinds{Notice::Kind::kGarbageEnded});
+  echoed();
+  EXPECT_EQ(notices(), Kinds{}) << "the adapter is known, and the device is silent";
+}
+
 TEST_F(DeviceMonitorTest, WhatWasLearnedShortensTheWaitForReadsAlone) {
   for (int i = 0; i < 20; ++i) monitor_.learn(0, kRead, 5ms);
   EXPECT_LT(monitor_.timeout(0, kRead, false), 200ms);

@@ -2,10 +2,13 @@
 // and the commands themselves on a pseudo-terminal with a device behind it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
 #include "config/loader.hpp"
 #include "core/capture/pcapng_reader.hpp"
@@ -18,6 +21,7 @@
 #include "tools/cli/direct/address_steps.hpp"
 #include "tools/cli/direct/meanings.hpp"
 #include "tools/cli/model/address_notation.hpp"
+#include "tools/cli/scan/scan_plan.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -252,6 +256,20 @@ TEST_F(RecordTest, AValueHasNoNeighbours) {
   EXPECT_THAT(more.err, HasSubstr("'tare' with 2 values reaches beyond the field"));
 }
 
+TEST_F(RecordTest, AScanReadsTheRecordWhole) {
+  std::ostringstream err;
+  const auto named = named_protocol(file, "scan", err);
+  ASSERT_TRUE(named) << err.str();
+  const auto protocol = scan_protocol(*named);
+  const auto questions = questions_of(*named, *protocol);
+  ASSERT_EQ(questions.size(), 1u);
+  EXPECT_EQ(questions[0].at, "weight");
+  EXPECT_EQ(questions[0].range.count, protocol->areas()[0].items);
+  const auto lines = scan_lines(*named, {LineFormat{}}, {0, 9, 10});
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_EQ(lines[0].addresses, (std::vector<std::uint16_t>{9}));
+}
+
 TEST_F(RecordTest, AValueThatNoOperationWritesIsReadOnly) {
   const auto ended = poke({.line = line(), .assignments = {"weight=2.5"}});
   EXPECT_EQ(ended.code, ExitCode::kRejected);
@@ -292,6 +310,48 @@ TEST_F(DirectTest, ScanFindsTheDeviceAndWritesNothingToIt) {
                 .code,
             ExitCode::kUsage);
   std::filesystem::remove_all(folder);
+}
+
+TEST_F(DirectTest, ScanSaysWhichProtocolWasMeant) {
+  const auto ended = scan({.port = pty.path(), .protocols = {"modbus-rtz"}});
+  EXPECT_EQ(ended.code, ExitCode::kUsage);
+  EXPECT_THAT(ended.err, HasSubstr("protocol 'modbus-rtz' is unknown; did you mean modbus-rtu?"));
+}
+
+// A line on which every byte comes back, and nobody answers.
+struct EchoTest : DirectTest {
+  EchoTest() {
+    device.stop();
+    echo = std::thread([this] {
+      while (running) {
+        pollfd wait{pty.master(), POLLIN, 0};
+        if (::poll(&wait, 1, 5) > 0) pty.send(pty.take());
+      }
+    });
+  }
+  ~EchoTest() override {
+    running = false;
+    echo.join();
+  }
+  std::atomic<bool> running = true;
+  std::thread echo;
+};
+
+TEST_F(EchoTest, AScanSaysThatWhatWasSentComesBack) {
+  const auto ended = scan({.port = pty.path(),
+                           .baud = 115200,
+                           .format = "8N1",
+                           .addresses = "1-10",
+                           .timeout = std::chrono::milliseconds{50}});
+  EXPECT_EQ(ended.code, ExitCode::kNothing);
+  EXPECT_THAT(ended.err, HasSubstr("what was sent comes back, and nothing else"));
+  EXPECT_THAT(ended.err, Not(HasSubstr("another master")));
+}
+
+TEST_F(EchoTest, AReadSaysThatWhatWasSentComesBack) {
+  const auto ended = read({.line = line(), .addresses = {"holding:5"}});
+  EXPECT_EQ(ended.code, ExitCode::kFailed);
+  EXPECT_THAT(ended.err, HasSubstr("what was sent comes back, and nothing else"));
 }
 
 TEST_F(DirectTest, ScanSaysThatNobodyAnswers) {

@@ -24,7 +24,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-const ProtocolEntry& rtu() { return *find_protocol("modbus-rtu"); }
+NamedProtocol rtu() { return {find_protocol("modbus-rtu"), {}}; }
 
 std::vector<ScanLine> lines_of(std::size_t formats, std::vector<std::uint16_t> addresses) {
   auto usual = usual_formats(rtu(), {}, {});
@@ -46,7 +46,7 @@ TEST(ScanPlan, ReadsAddresses) {
 
 TEST(ScanPlan, FactoryFormatIsFirstAndNoneComesTwice) {
   for (const ProtocolEntry& entry : protocols()) {
-    const auto formats = usual_formats(entry, {}, {});
+    const auto formats = usual_formats({&entry, {}}, {}, {});
     EXPECT_EQ(formats.front(), entry.factory_line) << entry.name;
     std::set<std::string> texts;
     for (const auto& format : formats) EXPECT_TRUE(texts.insert(to_text(format)).second);
@@ -63,9 +63,9 @@ TEST(ScanPlan, WhatIsSaidHolds) {
 
 TEST(ScanPlan, EveryProtocolHasAQuestionThatItsNotationNames) {
   for (const ProtocolEntry& entry : protocols()) {
-    const auto protocol = scan_protocol(entry);
+    const auto protocol = scan_protocol({&entry, {}});
     ASSERT_TRUE(protocol) << entry.name;
-    const auto questions = questions_of(*protocol);
+    const auto questions = questions_of({&entry, {}}, *protocol);
     EXPECT_FALSE(questions.empty()) << entry.name;
     for (const auto& question : questions) {
       const auto parsed = protocol->parse_address(question.at);
@@ -125,6 +125,15 @@ TEST(Scanner, ALineOnWhichOthersSpeakIsLeft) {
   EXPECT_EQ(asked[0], Scanner::kBabble + 1);
   EXPECT_EQ(asked[1], 20u);
   EXPECT_THAT(scanner.noisy_lines(), ElementsAre(0));
+}
+
+TEST(Scanner, AnEchoIsNobodyWhoSpeaks) {
+  Scanner scanner(lines_of(1, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10}));
+  while (scanner.next())
+    scanner.answered({.cause = Cause::kNoAnswer, .bytes = 8, .echo_alone = true});
+  EXPECT_EQ(scanner.asked(), 20u);
+  EXPECT_TRUE(scanner.echoed());
+  EXPECT_THAT(scanner.noisy_lines(), IsEmpty());
 }
 
 TEST(Scanner, AllAnswerAtOnce) {

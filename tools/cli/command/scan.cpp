@@ -32,7 +32,8 @@ PortSpec port_with(const PortSpec& port, const LineFormat& format) {
 }
 
 // The error is one line.
-tl::expected<std::vector<ScanLine>, std::string> lines_of(const ScanOptions& options) {
+tl::expected<std::vector<ScanLine>, std::string> lines_of(
+    const ScanOptions& options, const std::vector<NamedProtocol>& protocols) {
   const bool serial = is_serial(options);
   const auto addresses = addresses_from(options.addresses);
   if (!addresses) return tl::unexpected(addresses.error());
@@ -41,24 +42,16 @@ tl::expected<std::vector<ScanLine>, std::string> lines_of(const ScanOptions& opt
   if (!said) return tl::unexpected(said.error());
   std::optional<LineFormat> format;
   if (!options.format.empty()) format = line_of(*said);
-  std::vector<std::string> names = options.protocols;
-  if (names.empty()) names = {serial ? "modbus-rtu" : "modbus-tcp"};
   std::vector<ScanLine> lines;
-  for (const std::string& name : names) {
-    const ProtocolEntry* entry = find_protocol(name);
-    if (entry == nullptr) {
-      std::string all;
-      for (const auto& known : protocols())
-        all += (all.empty() ? "" : ", ") + std::string(known.name);
-      return tl::unexpected(
-          fmt::format("protocol '{}' is unknown; there are {}", printable(name), all));
-    }
-    if (serial && entry->network_only)
-      return tl::unexpected(
-          fmt::format("{} needs HOST:PORT; on a serial port it is {}", name, entry->instead));
-    const auto formats = serial ? usual_formats(*entry, options.baud, format)
-                                : std::vector<LineFormat>{entry->factory_line};
-    for (ScanLine& more : scan_lines(*entry, formats, *addresses)) lines.push_back(std::move(more));
+  for (const NamedProtocol& protocol : protocols) {
+    const ProtocolEntry* entry = protocol.built_in;
+    if (serial && entry != nullptr && entry->network_only)
+      return tl::unexpected(fmt::format("{} needs HOST:PORT; on a serial port it is {}",
+                                        entry->name, entry->instead));
+    const auto formats = serial ? usual_formats(protocol, options.baud, format)
+                                : std::vector<LineFormat>{protocol.factory_line()};
+    for (ScanLine& more : scan_lines(protocol, formats, *addresses))
+      lines.push_back(std::move(more));
   }
   if (lines.empty())
     return tl::unexpected(
@@ -72,15 +65,18 @@ BusSpec captured_bus(const PortSpec& port, const std::vector<ScanLine>& lines) {
   bus.name = "line";
   bus.port = port;
   for (const ScanLine& line : lines) {
-    if (bus.devices.empty() || bus.devices.back().protocol != line.protocol->name)
-      bus.devices.emplace_back().protocol = line.protocol->name;
+    if (!bus.devices.empty() && bus.devices.back().protocol == line.protocol.name()) continue;
+    DeviceSpec& device = bus.devices.emplace_back();
+    device.protocol = line.protocol.name();
+    device.declaration = line.protocol.declaration;
   }
   return bus;
 }
 // Which of these devices stands for the protocol of a line.
 std::size_t protocol_index(const std::vector<ScanLine>& lines, std::size_t line) {
   std::size_t index = 0;
-  for (std::size_t i = 1; i <= line; ++i) index += lines[i].protocol != lines[i - 1].protocol;
+  for (std::size_t i = 1; i <= line; ++i)
+    index += lines[i].protocol.name() != lines[i - 1].protocol.name();
   return index;
 }
 
@@ -144,13 +140,13 @@ class Scan {
     }
     if (line_ && serial_) talk_.rest(kForgotten);
     line_ = line;
-    protocol_ = scan_protocol(*next.protocol);
-    questions_ = questions_of(*protocol_);
+    protocol_ = scan_protocol(next.protocol);
+    questions_ = questions_of(next.protocol, *protocol_);
     return {};
   }
 
   [[nodiscard]] std::unique_ptr<Protocol> device(std::uint16_t address) const {
-    return scan_protocol(*scanner_.lines()[*line_].protocol, address);
+    return scan_protocol(scanner_.lines()[*line_].protocol, address);
   }
 
   tl::expected<ScanAnswer, std::string> question(const ScanAsk& ask) {
@@ -163,7 +159,8 @@ class Scan {
     ScanAnswer answer{.cause = heard->cause,
                       .device_code = heard->device_code,
                       .took = heard->took,
-                      .bytes = heard->bytes};
+                      .bytes = heard->bytes,
+                      .echo_alone = heard->echo_alone};
     if (answer.cause == Cause::kNone && !heard->reply.empty()) {
       answer.cause = heard->reply.front().cause;
       answer.device_code = heard->reply.front().device_code;
@@ -185,13 +182,13 @@ class Scan {
   std::string identity_of(const ScanFound& found) {
     if (!turn_to(found.line)) return {};
     const ScanLine& line = scanner_.lines()[found.line];
-    if (auto exchange = identity_exchange(line.protocol->name, found.address)) {
+    if (auto exchange = identity_exchange(line.protocol.name(), found.address)) {
       const auto heard = talk(std::move(exchange), found.address, "asks who it is");
       if (!heard || heard->cause != Cause::kNone) return {};
       const Bytes& text = heard->reply.front().items;
       return {text.begin(), text.end()};
     }
-    const auto type = type_address(line.protocol->name);
+    const auto type = type_address(line.protocol.name());
     const auto protocol = device(found.address);
     if (!type || !protocol) return {};
     const auto at = protocol->parse_address(type->at);
@@ -226,6 +223,10 @@ void explain_nothing(const ScanOptions& options, const Scanner& scanner, bool se
       << '\n';
   for (const std::size_t line : scanner.noisy_lines())
     err << "  bytes came that are no answer: " << line_text(scanner.lines()[line], serial) << '\n';
+  if (scanner.echoed())
+    err << "  what was sent comes back, and nothing else: the adapter gives back what it sends, "
+           "and "
+           "no device answers\n";
   if (!scanner.noisy_lines().empty())
     err << "another master may speak there, or the settings are others\n";
   else if (serial)
@@ -261,7 +262,15 @@ ExitCode write_configuration(const ScanOptions& options, const Scanner& scanner,
 
 ExitCode scan(const ScanOptions& options, const Interrupt& interrupt, std::ostream& out,
               std::ostream& err, const Screen& screen) {
-  auto lines = lines_of(options);
+  std::vector<std::string> names = options.protocols;
+  if (names.empty()) names = {is_serial(options) ? "modbus-rtu" : "modbus-tcp"};
+  std::vector<NamedProtocol> protocols;
+  for (const std::string& name : names) {
+    auto named = named_protocol(name, "scan", err);
+    if (!named) return ExitCode::kUsage;
+    protocols.push_back(*std::move(named));
+  }
+  auto lines = lines_of(options, protocols);
   if (!lines) return usage_fault(err, "scan", lines.error());
   std::error_code ignored;
   if (!options.out.empty() && std::filesystem::exists(options.out, ignored))

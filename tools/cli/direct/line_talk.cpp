@@ -166,6 +166,7 @@ tl::expected<LineTalk::Answer, std::string> LineTalk::ask(std::unique_ptr<Exchan
     answer.cause = state.driver->cause();
     answer.device_code = state.driver->device_code();
     answer.took = state.driver->answer_time();
+    answer.echo_alone = state.driver->echo_alone();
   }
   (void)state.driver->finish();
   state.record_end(answer);

@@ -31,8 +31,9 @@ class LineTalk {
     Cause cause = Cause::kNone;  // kNone: `reply` holds
     std::uint16_t device_code = 0;
     Reply reply;
-    Duration took{};        // the device's own time before its answer
-    std::size_t bytes = 0;  // that came
+    Duration took{};          // the device's own time before its answer
+    std::size_t bytes = 0;    // that came
+    bool echo_alone = false;  // they are exactly those that were sent
   };
 
   // What passes goes into the tap, where there is one; null: nobody captures.

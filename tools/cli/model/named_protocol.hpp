@@ -21,6 +21,9 @@ struct NamedProtocol {
   [[nodiscard]] std::string_view name() const {
     return built_in != nullptr ? built_in->name : std::string_view(declaration.value->name);
   }
+  [[nodiscard]] LineFormat factory_line() const {
+    return built_in != nullptr ? built_in->factory_line : LineFormat{};
+  }
 };
 
 // What is wrong with the name, or with the declaration, goes to err; `command` asks ("inspect").

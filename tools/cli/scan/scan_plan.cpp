@@ -40,8 +40,13 @@ bool same_format(const LineFormat& a, const LineFormat& b) {
   return a.data_bits == b.data_bits && a.parity == b.parity && a.stop_bits == b.stop_bits;
 }
 
-// How protocols spell the first item of an area.
-std::optional<std::string> first_of(const Protocol& protocol, AreaIndex index) {
+// How protocols spell the first item of an area; of a record, its first value.
+std::optional<std::string> first_of(const NamedProtocol& named, const Protocol& protocol,
+                                    AreaIndex index) {
+  if (named.built_in == nullptr) {
+    const declared::DeclaredArea& area = named.declaration.value->areas[index];
+    if (area.record && !area.places.empty()) return area.places.front().name;
+  }
   const std::string name(protocol.areas()[index].name);
   for (const char* end : {":0", "0", "B0", "W0", "00"}) {
     const auto parsed = protocol.parse_address(name + end);
@@ -52,22 +57,26 @@ std::optional<std::string> first_of(const Protocol& protocol, AreaIndex index) {
 
 }  // namespace
 
-std::unique_ptr<Protocol> scan_protocol(const ProtocolEntry& entry, std::uint16_t address) {
-  auto made = entry.make(entry.variants.empty() ? DeviceLink{.address = address}
-                                                : link_of(entry.variants.front(), address));
+std::unique_ptr<Protocol> scan_protocol(const NamedProtocol& named, std::uint16_t address) {
+  const ProtocolEntry* entry = named.built_in;
+  auto made = entry == nullptr ? declared::make(named.declaration.value, {.address = address})
+              : entry->variants.empty() ? entry->make({.address = address})
+                                        : entry->make(link_of(entry->variants.front(), address));
   return made ? *std::move(made) : nullptr;
 }
 
-std::unique_ptr<Protocol> scan_protocol(const ProtocolEntry& entry) {
-  auto made = scan_protocol(entry, 1);
-  return made ? std::move(made) : scan_protocol(entry, 0);
+std::unique_ptr<Protocol> scan_protocol(const NamedProtocol& named) {
+  if (named.built_in == nullptr)
+    return scan_protocol(named, named.declaration.value->lowest_address);
+  auto made = scan_protocol(named, 1);
+  return made ? std::move(made) : scan_protocol(named, 0);
 }
 
-std::vector<LineFormat> usual_formats(const ProtocolEntry& protocol,
+std::vector<LineFormat> usual_formats(const NamedProtocol& protocol,
                                       std::optional<std::uint32_t> baud,
                                       const std::optional<LineFormat>& format) {
-  std::vector<LineFormat> usual{protocol.factory_line};
-  if (protocol.factory_line.data_bits == 8)
+  std::vector<LineFormat> usual{protocol.factory_line()};
+  if (usual.front().data_bits == 8)
     usual.insert(usual.end(), kByteFormats.begin(), kByteFormats.end());
   else
     usual.insert(usual.end(), kTextFormats.begin(), kTextFormats.end());
@@ -113,7 +122,7 @@ tl::expected<std::vector<std::uint16_t>, std::string> addresses_from(std::string
   return std::vector<std::uint16_t>(addresses.begin(), addresses.end());
 }
 
-std::vector<ScanLine> scan_lines(const ProtocolEntry& protocol,
+std::vector<ScanLine> scan_lines(const NamedProtocol& protocol,
                                  const std::vector<LineFormat>& formats,
                                  const std::vector<std::uint16_t>& addresses) {
   const auto made = scan_protocol(protocol);
@@ -124,22 +133,25 @@ std::vector<ScanLine> scan_lines(const ProtocolEntry& protocol,
     if (address >= traits.lowest_address && address <= traits.highest_address)
       there.push_back(address);
   }
-  if (protocol.one_device) there.assign(1, traits.lowest_address);
+  if (protocol.built_in != nullptr && protocol.built_in->one_device)
+    there.assign(1, traits.lowest_address);
   std::vector<ScanLine> lines;
   for (const LineFormat& format : formats) {
-    if (!there.empty()) lines.push_back({&protocol, format, there});
+    if (!there.empty()) lines.push_back({protocol, format, there});
   }
   return lines;
 }
 
-std::vector<ScanQuestion> questions_of(const Protocol& protocol) {
+std::vector<ScanQuestion> questions_of(const NamedProtocol& named, const Protocol& protocol) {
   std::vector<ScanQuestion> questions;
   const auto add = [&](bool registers) {
     for (std::size_t i = 0; i < protocol.areas().size(); ++i) {
       const auto index = static_cast<AreaIndex>(i);
-      if ((protocol.areas()[i].item_bits > 1) != registers) continue;
-      const Range range{index, 0, std::max<std::uint32_t>(1, protocol.areas()[i].alignment)};
-      const auto at = first_of(protocol, index);
+      const Area& area = protocol.areas()[i];
+      if ((area.item_bits > 1) != registers) continue;
+      const bool record = area.window && named.built_in == nullptr;
+      const Range range{index, 0, record ? area.items : std::max<std::uint32_t>(1, area.alignment)};
+      const auto at = first_of(named, protocol, index);
       if (at && questions.size() < kMostQuestions && protocol.size(ReadRequest{{range}}))
         questions.push_back({*at, range});
     }

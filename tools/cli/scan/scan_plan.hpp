@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/frame/line.hpp"
-#include "core/protocol/registry.hpp"
+#include "tools/cli/model/named_protocol.hpp"
 
 namespace fieldcast::cli {
 
@@ -22,20 +22,20 @@ struct ScanQuestion {
 };
 
 struct ScanLine {
-  const ProtocolEntry* protocol = nullptr;
+  NamedProtocol protocol;
   LineFormat format{};
   std::vector<std::uint16_t> addresses;
 };
 
 // The protocol for a device at `address`; null: it has no such address.
-[[nodiscard]] std::unique_ptr<Protocol> scan_protocol(const ProtocolEntry& entry,
+[[nodiscard]] std::unique_ptr<Protocol> scan_protocol(const NamedProtocol& named,
                                                       std::uint16_t address);
 // The same for any device, to look at its areas and codes.
-[[nodiscard]] std::unique_ptr<Protocol> scan_protocol(const ProtocolEntry& entry);
+[[nodiscard]] std::unique_ptr<Protocol> scan_protocol(const NamedProtocol& named);
 
 // The settings in which lines of a protocol are found, the commonest first; those of its factory
 // before all. With `baud` or `format` (its bits, parity and stop) only those that have them.
-[[nodiscard]] std::vector<LineFormat> usual_formats(const ProtocolEntry& protocol,
+[[nodiscard]] std::vector<LineFormat> usual_formats(const NamedProtocol& protocol,
                                                     std::optional<std::uint32_t> baud,
                                                     const std::optional<LineFormat>& format);
 
@@ -45,11 +45,13 @@ struct ScanLine {
 
 // Lines of a protocol: one for each format. Addresses that the protocol does not have are left out;
 // a protocol with one device on its line is asked once.
-[[nodiscard]] std::vector<ScanLine> scan_lines(const ProtocolEntry& protocol,
+[[nodiscard]] std::vector<ScanLine> scan_lines(const NamedProtocol& protocol,
                                                const std::vector<LineFormat>& formats,
                                                const std::vector<std::uint16_t>& addresses);
 
-// One or two questions, each of another area: what a device has not, it may leave unanswered.
-[[nodiscard]] std::vector<ScanQuestion> questions_of(const Protocol& protocol);
+// One or two questions, each of another area: what a device has not, it may leave unanswered. A
+// declared record is read whole.
+[[nodiscard]] std::vector<ScanQuestion> questions_of(const NamedProtocol& named,
+                                                     const Protocol& protocol);
 
 }  // namespace fieldcast::cli

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/protocol/device_code.hpp"
+#include "tools/cli/model/address_notation.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -18,7 +19,7 @@ std::string answer_text(const ScanLine& line, const ScanAnswer& answer) {
   if (answer.cause == Cause::kNone) return "value";
   if (answer.cause == Cause::kDeviceError)
     return "refuses: " +
-           device_code_words(scan_protocol(*line.protocol)->traits().codes, answer.device_code);
+           device_code_words(scan_protocol(line.protocol)->traits().codes, answer.device_code);
   return std::string(to_text(answer.cause));
 }
 
@@ -31,20 +32,14 @@ std::string comment_text(std::string_view text) {
   return line;
 }
 
-std::string_view type_of(const Protocol& protocol, const ScanQuestion& question) {
-  switch (protocol.areas()[question.range.area].item_bits) {
-    case 1: return "bool";
-    case 8: return "uint8";
-    case 32: return "uint32";
-    case 64: return "uint64";
-    default: return "uint16";
-  }
+std::string type_of(const Protocol& protocol, const ScanQuestion& question) {
+  return type_at(question.at, {}, protocol).value_or("uint16");
 }
 
 }  // namespace
 
 std::string line_text(const ScanLine& line, bool serial) {
-  return std::string(line.protocol->name) + (serial ? ' ' + to_text(line.format) : "");
+  return std::string(line.protocol.name()) + (serial ? ' ' + to_text(line.format) : "");
 }
 
 ProgressText scan_progress(const Scanner& scanner, Duration elapsed, bool serial) {
@@ -79,7 +74,7 @@ std::vector<std::string> found_lines(const Scanner& scanner, bool serial, const 
 
 Json found_json(const std::string& port, const ScanLine& line, const ScanFound& found,
                 bool serial) {
-  Json json{{"port", port}, {"protocol", line.protocol->name}};
+  Json json{{"port", port}, {"protocol", line.protocol.name()}};
   if (serial) {
     json["baud"] = line.format.baud;
     json["format"] = format_text(line.format);
@@ -94,8 +89,8 @@ Json found_json(const std::string& port, const ScanLine& line, const ScanFound& 
 
 std::string configuration_text(const std::string& port, bool serial, const Scanner& scanner) {
   const ScanLine& line = scanner.lines()[scanner.found().front().line];
-  const auto protocol = scan_protocol(*line.protocol);
-  const auto questions = questions_of(*protocol);
+  const auto protocol = scan_protocol(line.protocol);
+  const auto questions = questions_of(line.protocol, *protocol);
   const std::string reached = serial ? fmt::format("serial: \"{}\", baud: {}, format: {}", port,
                                                    line.format.baud, format_text(line.format))
                                      : fmt::format("tcp: \"{}\"", port);
@@ -109,7 +104,7 @@ std::string configuration_text(const std::string& port, bool serial, const Scann
       "    port: {{ {} }}\n"
       "    protocol: {}\n"
       "    devices:\n",
-      reached, line.protocol->name);
+      reached, line.protocol.name());
   for (const ScanFound& found : scanner.found()) {
     if (questions.empty() || found.line != scanner.found().front().line) continue;
     const ScanQuestion& asked = questions[std::min(found.question, questions.size() - 1)];

@@ -21,8 +21,10 @@ void Scanner::answered(const ScanAnswer& answer) {
     babble_ = 0;
     return advance();
   }
-  babble_ = answer.bytes > 0 ? babble_ + 1 : 0;
-  if (answer.bytes > 0 && std::find(noisy_.begin(), noisy_.end(), line_) == noisy_.end())
+  echoed_ = echoed_ || answer.echo_alone;
+  const bool noise = answer.bytes > 0 && !answer.echo_alone;
+  babble_ = noise ? babble_ + 1 : 0;
+  if (noise && std::find(noisy_.begin(), noisy_.end(), line_) == noisy_.end())
     noisy_.push_back(line_);
   if (!settled_ && babbles()) {
     if (pass_ == 0) babbling_.push_back(line_);

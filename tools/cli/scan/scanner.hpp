@@ -25,7 +25,8 @@ struct ScanAnswer {
   Cause cause = Cause::kNone;     // of a refusal; of no answer
   std::uint16_t device_code = 0;  // of a refusal
   Duration took{};
-  std::size_t bytes = 0;  // that came at all
+  std::size_t bytes = 0;    // that came at all
+  bool echo_alone = false;  // they are those that were sent: the adapter's, nobody else speaks
 };
 
 struct ScanFound {
@@ -61,6 +62,8 @@ class Scanner {
   [[nodiscard]] std::size_t left() const;
   // The lines on which bytes came that were no answer.
   [[nodiscard]] const std::vector<std::size_t>& noisy_lines() const { return noisy_; }
+  // What was sent came back, and nothing else.
+  [[nodiscard]] bool echoed() const { return echoed_; }
 
  private:
   void advance();
@@ -76,6 +79,7 @@ class Scanner {
   std::optional<std::size_t> settled_;  // the line on which a device answered
   std::size_t pass_ = 0, line_ = 0, index_ = 0, asked_ = 0;
   unsigned babble_ = 0;
+  bool echoed_ = false;
 };
 
 }  // namespace fieldcast::cli
