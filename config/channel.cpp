@@ -239,7 +239,8 @@ void check_numbers(MapReader& map, Draft& draft) {
   const std::string type(fieldcast::to_text(spec.encoding.type));
   const bool number = is_number(spec.encoding);
   if (spec.encoding.scale == 0)
-    map.faults().add(map.position_of("scale"), "scale is 0", "any other number");
+    map.faults().add(map.position_of("scale"), "scale is 0",
+                     "any other number, with a decimal point: 0.1");
   check_deadband(map, spec);
   if (draft.typed && number) check_write_span(map, spec);
   if (!draft.typed || number) return;

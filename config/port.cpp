@@ -131,7 +131,12 @@ PortSpec read_serial(MapReader& map, const LineFormat& factory) {
   SerialPortSpec port;
   std::uint32_t baud = factory.baud;
   port.line = factory;
-  map.read("serial", port.path, TextRule{kMaxPath});
+  if (map.read("serial", port.path, TextRule{kMaxPath}) &&
+      port.path.find('/') == std::string::npos) {
+    map.faults().add(map.position_of("serial"),
+                     fmt::format("'{}' is no path of a serial port", port.path),
+                     "a path such as /dev/ttyUSB0 or /dev/serial/by-id/..");
+  }
   map.read("format", port.line, FormatRule{});
   map.read("baud", baud, BaudRule{});
   port.line.baud = baud;

@@ -25,6 +25,8 @@ namespace fieldcast::config {
 inline constexpr std::string_view kNoConfiguration = "this is no Fieldcast configuration";
 inline constexpr std::string_view kNoTemplate = "this is no device template";
 inline constexpr std::string_view kNoDeclaration = "this is no declaration of a protocol";
-inline constexpr std::string_view kNoChannelList = "this is no channel list";
+inline constexpr std::string_view kNoChannelList =
+    "this is no channel list: its first row names the columns, in small letters, name and at among "
+    "them (name,at,type)";
 
 }  // namespace fieldcast::config

@@ -211,6 +211,11 @@ Found key_inside_the_value_above(const Case& c) {
     return YamlTrouble{c.position(*above, above->content),
                        fmt::format("'{}' has no ':'", above->key()), "key: value", ""};
   if (!above->has_value() || c.line().content <= above->content) return {};
+  // "name: a" and deeper "at: b": as likely the first one has lost its "- ".
+  std::string allowed = spaces_text(above->content) + " before it";
+  if (!above->item && !c.line().item && c.line().content == above->content + 2)
+    allowed = fmt::format("'- ' before '{}' in {}, or {}", above->key(),
+                          line_text(c.number_of(*above)), allowed);
   return YamlTrouble{
       c.position(c.line(), c.line().content),
       c.line().item
@@ -218,7 +223,7 @@ Found key_inside_the_value_above(const Case& c) {
                         above->key(), line_text(c.number_of(*above)))
           : fmt::format("'{}' is indented deeper than '{}' in {}, which has a value already",
                         c.line().key(), above->key(), line_text(c.number_of(*above))),
-      spaces_text(above->content) + " before it", ""};
+      std::move(allowed), ""};
 }
 
 Found colon_inside_a_value(const Case& c) {
@@ -268,8 +273,12 @@ Found wrong_indentation(const Case& c) {
   const Level* below = nullptr;  // the nearest that are indented less and more
   const Level* deeper = nullptr;
   bool beside_list = false;
+  bool lost_dash = false;  // the items of that list begin with this key
   for (const Level& level : levels) {
-    beside_list = beside_list || (level.list && level.column == line.indent);
+    if (level.list && level.column == line.indent) {
+      beside_list = true;
+      lost_dash = level.line->key() == line.key();
+    }
     if (level.list != line.item) continue;
     if (level.column < line.indent) below = &level;
     if (level.column > line.indent && deeper == nullptr) deeper = &level;
@@ -280,6 +289,7 @@ Found wrong_indentation(const Case& c) {
     fitting += fmt::format("{}{} as in {}", fitting.empty() ? "" : ", or ",
                            spaces_text(level->column), line_text(c.number_of(*level->line)));
   }
+  if (!line.item && lost_dash) fitting = "'- ' before it, or " + fitting;
   const std::string name = line.item ? "this item" : fmt::format("'{}'", line.key());
   if (!line.item && beside_list)
     return YamlTrouble{c.position(line, line.indent),
@@ -303,6 +313,19 @@ Found wrong_escape(const Case& c) {
     const auto end = n - 1 == c.stopped.line ? std::size_t{c.stopped.column} : line.text.size();
     const auto at = line.text.substr(0, std::min(end, line.text.size())).rfind('\\');
     if (at == kNone) continue;
+    const auto sign = line.text.substr(std::min(at + 1, line.text.size()), 1);
+    const std::string_view digits = sign == "x"   ? "two"
+                                    : sign == "u" ? "four"
+                                    : sign == "U" ? "eight"
+                                                  : "";
+    if (!digits.empty() && c.says("scanning hex number"))
+      return YamlTrouble{
+          c.position(line, at),
+          fmt::format("'\\{}' without {} hexadecimal digits behind it", sign, digits),
+          sign == "x"   ? "\\x02"
+          : sign == "u" ? "\\u0002"
+                        : "\\U00000002",
+          ""};
     return YamlTrouble{c.position(line, at),
                        fmt::format("'{}' means nothing in \"...\"", line.text.substr(at, 2)),
                        "\\\\ for a backslash, or '...', which has no such signs", ""};
