@@ -51,10 +51,12 @@ AnswersUnderWay& answers_under_way() {
   return all;
 }
 
-// A server with one client is free as soon as it gives up another bridge, and that is not told.
+// A server with one client, or a port with a lock, is free as soon as another bridge gives it up,
+// and that is not told.
 Duration longest_back_off(const BusSpec& spec) {
-  return fence_of(spec.port).is(Fence::kOneClient) ? Duration{std::chrono::seconds{1}}
-                                                   : BackOff::kLongest;
+  const auto fence = fence_of(spec.port);
+  const bool taken = fence.is(Fence::kOneClient) || fence.is(Fence::kLock);
+  return taken ? Duration{std::chrono::seconds{1}} : BackOff::kLongest;
 }
 
 CommandResult shutdown_result(const Command& command, Instant now) {
@@ -308,7 +310,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   void tick() {
     const Instant now = steady_now();
     last_turn = now;
-    mapping_ = read_clocks();
+    mapping_ = mapping_.followed_by(read_clocks());
     notices_.tick(now);
     report(now);
     report_plan(now);

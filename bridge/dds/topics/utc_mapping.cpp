@@ -22,4 +22,11 @@ Instant UtcMapping::to_instant(UtcTime at) const {
   return Instant{Duration{nanoseconds}};
 }
 
+UtcMapping UtcMapping::followed_by(const UtcMapping& newer) const {
+  const std::int64_t now = newer.utc.nanoseconds, then = to_utc(newer.instant).nanoseconds;
+  std::int64_t apart = 0;
+  const bool far = __builtin_sub_overflow(now, then, &apart);
+  return far || apart > kSame.count() || apart < -kSame.count() ? newer : *this;
+}
+
 }  // namespace fieldcast

@@ -13,6 +13,11 @@ struct UtcMapping {
   // 0 ("no such time") for kLongAgo and kNever. Saturates instead of wrapping.
   [[nodiscard]] UtcTime to_utc(Instant at) const;
   [[nodiscard]] Instant to_instant(UtcTime at) const;  // the other way
+
+  // Below this a newer reading of the clocks tells nothing: a reading takes time itself.
+  static constexpr Duration kSame = std::chrono::microseconds{100};
+  // This one as long as `newer` says the same: one instant is then always told as the same time.
+  [[nodiscard]] UtcMapping followed_by(const UtcMapping& newer) const;
 };
 
 }  // namespace fieldcast

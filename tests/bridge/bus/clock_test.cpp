@@ -20,5 +20,17 @@ TEST(Clocks, BothReadingsAreOfThisMoment) {
   EXPECT_LE(mapping.utc.nanoseconds, wall_after);
 }
 
+TEST(Clock, OneInstantIsToldAsOneTimeUntilTheClockIsSet) {
+  using namespace std::chrono_literals;
+  const UtcMapping first{Instant{100s}, UtcTime{1'000'000'000}};
+  // A second later, read some nanoseconds off.
+  const UtcMapping same = first.followed_by({Instant{101s}, UtcTime{2'000'000'003}});
+  EXPECT_EQ(same.to_utc(Instant{100s}).nanoseconds, 1'000'000'000);
+  const UtcMapping set = first.followed_by({Instant{101s}, UtcTime{2'000'200'000}});
+  EXPECT_EQ(set.to_utc(Instant{101s}).nanoseconds, 2'000'200'000);
+  const UtcMapping back = first.followed_by({Instant{101s}, UtcTime{5}});
+  EXPECT_EQ(back.to_utc(Instant{101s}).nanoseconds, 5);
+}
+
 }  // namespace
 }  // namespace fieldcast

@@ -108,6 +108,14 @@ bool CommandRun::send(Errand& errand) {
   // Waits are short, so that Ctrl-C does not wait for a bridge that takes no commands.
   constexpr Duration kShortWait = std::chrono::milliseconds{100};
   auto& outcome = errand.outcome;
+  // The library of this program would keep it back, and the bridge's would not hear it.
+  if (const std::string held = held_remark(connection_, errand.command.bus); !held.empty()) {
+    outcome.state = Outcome::State::kRefusedHere;
+    outcome.result.state = CommandState::kRejected;
+    outcome.result.cause = to_name(Cause::kReadOnly);
+    outcome.result.reason = held.substr(2);  // behind "; "
+    return false;
+  }
   for (const auto until = instant_now() + kBridgeWait; !domain_.interrupted();) {
     const auto sent = domain_.station().send(errand.command, kShortWait);
     if (sent) {
