@@ -21,8 +21,8 @@ struct NumberStyle {
 };
 
 // "0.1", "x0.1", "1/10", "/10", "÷10", "*0,01", "10^-1", "10**-2", "10⁻³", "2^-7",
-// "1 × 10^-2", "1 = 0.1", "0.1 V", "1:100". Nothing inside: there is none ("-", "none"). The error says why it is
-// none.
+// "1 × 10^-2", "1 = 0.1", "0.1 V", "1:100". Nothing inside: there is none ("-", "none"). The
+// error says why it is none.
 [[nodiscard]] tl::expected<std::optional<Factor>, std::string> factor_from(std::string_view cell,
                                                                            NumberStyle style);
 

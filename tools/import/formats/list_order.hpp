@@ -16,9 +16,9 @@ struct ListOrder {
   bool little_alone = false;  // "little endian": of words for sure, of bytes perhaps
 };
 
-// "CDAB", "3412", "LSW first", "low/high", "swapped", "Little-Endian", "big-endian byte swap". Empty
-// where the cell is. `of_bytes`: the title speaks of bytes, where "swapped" may mean either. The
-// error: it is not understood.
+// "CDAB", "3412", "LSW first", "low/high", "swapped", "Little-Endian", "big-endian byte swap".
+// Empty where the cell is. `of_bytes`: the title speaks of bytes, where "swapped" may mean either.
+// The error: it is not understood.
 [[nodiscard]] tl::expected<ListOrder, std::string> list_order_from(std::string_view cell,
                                                                    bool of_bytes);
 
