@@ -10,6 +10,7 @@
 #include "tools/import/columns.hpp"
 #include "tools/import/formats/length_vote.hpp"
 #include "tools/import/formats/list_address.hpp"
+#include "tools/import/formats/list_columns.hpp"
 #include "tools/import/formats/list_factor.hpp"
 #include "tools/import/formats/list_order.hpp"
 #include "tools/import/formats/list_overlap.hpp"
@@ -42,17 +43,9 @@ class ListReader {
         options_(options),
         table_(table),
         header_(header),
-        columns_(list_columns(table.rows[header])) {
-    const auto title = columns_.index_of(Field::kAddress);
-    hex_ = title && column_word(table.rows[header].cell(*title)).find("hex") != std::string::npos;
-    if (title) counts_from_ = first_address_of_title(table.rows[header].cell(*title));
-    find_areas();
-    learn_style();
-    find_hex();
-    decide_gain();
-    if (const auto length = columns_.index_of(Field::kLength))
-      length_unit_ = length_unit_of_title(table.rows[header].cell(*length));
-  }
+        list_(table, header),
+        columns_(list_.columns),
+        length_unit_(list_.length_unit) {}
 
   void read(Bus& bus, Found& found) {
     for (std::size_t i = header_ + 1; i < table_.rows.size(); ++i) {
@@ -85,7 +78,7 @@ class ListReader {
     for (const std::string& title : columns_.ignored())
       found.notes.push_back(fmt::format("{}: column '{}' is not used", source_.file, title));
     tell_decisions(found);
-    if (counts_from_ == 1u)
+    if (list_.counts_from == 1u)
       found.notes.push_back(
           fmt::format("{}: the addresses count from 1, as their title says", source_.file));
     if (took_unsigned_)
@@ -138,54 +131,14 @@ class ListReader {
     return device;
   }
 
-  // A column of types in which every cell names a table tells the areas; the types are in another.
-  void find_areas() {
-    std::vector<std::size_t> columns = columns_.others(Field::kType);
-    if (const auto first = columns_.index_of(Field::kType)) columns.insert(columns.begin(), *first);
-    std::optional<std::size_t> types;
-    for (const std::size_t column : columns) {
-      if (!names_areas(column)) {
-        if (!types) types = column;
-      } else if (!columns_.has(Field::kArea)) {
-        columns_.set(Field::kArea, column);
-      }
-    }
-    columns_.set(Field::kType, types);
-    release_function();
-  }
-
-  // "Function" may tell what a value is good for.
-  void release_function() {
-    const auto column = columns_.index_of(Field::kArea);
-    if (!column) return;
-    const std::string title = column_word(table_.rows[header_].cell(*column));
-    if (title != "function" && title != "funktion" && title != "kind") return;
-    for (std::size_t i = header_ + 1; i < table_.rows.size(); ++i) {
-      const auto cell = table_.rows[i].cell(*column);
-      if (area_by_name(cell) || cell.find_first_of("0123456789") != std::string_view::npos) return;
-    }
-    columns_.set(Field::kArea, std::nullopt);
-  }
-
-  [[nodiscard]] bool names_areas(std::size_t column) const {
-    bool any = false;
-    for (std::size_t i = header_ + 1; i < table_.rows.size(); ++i) {
-      const auto cell = table_.rows[i].cell(column);
-      if (cell.empty()) continue;
-      if (!is_area_word(cell)) return false;
-      any = true;
-    }
-    return any;
-  }
-
   // What the row says by itself.
   MayFail read_cells(Entry& entry) {
     const Row& row = *entry.row;
-    const auto address = list_address_from(columns_.cell(row, Field::kAddress), hex_);
+    const auto address = list_address_from(columns_.cell(row, Field::kAddress), list_.hex);
     if (!address) return address.error();
     entry.address = *address;
-    if (counts_from_ == 0u && address->is_open()) entry.address.reference.reset();
-    if (counts_from_ == 1u && address->plain) {
+    if (list_.counts_from == 0u && address->is_open()) entry.address.reference.reset();
+    if (list_.counts_from == 1u && address->plain) {
       if (*address->plain == 0) return "the addresses of the list count from 1";
       entry.address.plain = *address->plain - 1;
     }
@@ -322,7 +275,7 @@ class ListReader {
     const auto is_bare = [](const Entry& entry) {
       return !entry.address.marked_hex && entry.address.plain && !entry.address.reference;
     };
-    if (hex_ || std::ranges::none_of(entries_, [&](const Entry& entry) {
+    if (list_.hex || std::ranges::none_of(entries_, [&](const Entry& entry) {
           return understood(entry) && entry.address.marked_hex;
         }))
       return;
@@ -338,64 +291,19 @@ class ListReader {
     }
   }
 
-  // "0012" beside "000C": all are hexadecimal, if each has as many digits, with zeros in front.
-  void find_hex() {
-    const Row* letters = nullptr;
-    bool zeros = false, same = true;
-    std::size_t size = 0;
-    for (std::size_t i = header_ + 1; i < table_.rows.size(); ++i) {
-      const std::string cell = lower(columns_.cell(table_.rows[i], Field::kAddress));
-      if (cell.empty() || cell[0] < '0' || cell[0] > '9' ||
-          cell.find_first_not_of("0123456789abcdef") != std::string::npos)
-        continue;
-      // "1e3" is a number with an exponent.
-      const std::size_t letter = cell.find_first_of("abcdef");
-      const bool exponent = letter != std::string::npos && cell[letter] == 'e' &&
-                            cell.find_first_of("abcdef", letter + 1) == std::string::npos;
-      if (exponent && letter + 1 < cell.size() && cell[0] != '0') continue;
-      if (letter != std::string::npos && !letters) letters = &table_.rows[i];
-      same = same && (size == 0 || size == cell.size());
-      size = cell.size();
-      zeros = zeros || (cell[0] == '0' && cell.size() > 2);
-    }
-    if (!letters || hex_) return;
-    hex_ = same && zeros;
-    const std::string_view cell = columns_.cell(*letters, Field::kAddress);
-    hex_note_ = hex_ ? fmt::format("all addresses are hexadecimal, as '{}' (line {}) is", cell,
-                                   letters->line)
-                     : fmt::format(
-                           "the address '{}' (line {}) may be hexadecimal; the others are "
-                           "read as decimal",
-                           cell, letters->line);
-  }
-
-  // Makers mean two things by a gain: 10, by which the raw value is divided, or 0.1, by which it is
-  // multiplied. Nobody divides by less than one; a column with both cannot be told.
-  void decide_gain() {
-    const auto column = columns_.index_of(Field::kDivisor);
-    if (!column || column_word(table_.rows[header_].cell(*column)) != "gain") return;
-    bool more = false, less = false;
-    for (std::size_t i = header_ + 1; i < table_.rows.size(); ++i) {
-      const auto factor = factor_from(table_.rows[i].cell(*column), style_);
-      if (!factor || !*factor) continue;
-      more = more || std::abs((*factor)->value) > 1;
-      less = less || std::abs((*factor)->value) < 1;
-    }
-    gain_ = more && less ? Gain::kUnclear : less ? Gain::kMultiplies : Gain::kDivides;
-  }
-
   void tell_decisions(Found& found) const {
     const auto tell = [&](std::string_view text) {
       found.notes.push_back(fmt::format("{}: {}", source_.file, text));
     };
-    if (!hex_note_.empty()) tell(hex_note_);
+    if (!list_.hex_note.empty()) tell(list_.hex_note);
     if (merged_)
       tell(
           fmt::format("rows without an address of their device (line {}, ..) are taken to have "
                       "that of the row above",
                       *merged_));
-    if (gain_ == Gain::kDivides) tell("column 'Gain': raw values are divided by it");
-    if (gain_ == Gain::kMultiplies)
+    if (list_.gain == ListColumns::Gain::kDivides)
+      tell("column 'Gain': raw values are divided by it");
+    if (list_.gain == ListColumns::Gain::kMultiplies)
       tell("column 'Gain': raw values are multiplied by it, for it is below 1");
   }
 
@@ -463,6 +371,9 @@ class ListReader {
     point.at = address_text(area, reference.first, reference.bit);
     point.unit = columns_.cell(row, Field::kUnit);
     if (point.unit == "-" || point.unit == "--") point.unit.clear();
+    if (holds_factor(point.unit))
+      point.changes.push_back(
+          fmt::format("unit '{}' holds a number, which is no part of the scale", point.unit));
     if (columns_.has(Field::kName)) point.description = columns_.cell(row, Field::kDescription);
     const std::string_view access_cell = columns_.cell(row, Field::kAccess);
     const auto access = access_from(access_cell);
@@ -533,10 +444,20 @@ class ListReader {
 
   static bool is_blank(std::string_view cell) { return cell.empty() || cell == "-"; }
 
+  // "0.1kWh", "V x10", "1/10 V"; not "1/min", "m3".
+  static bool holds_factor(std::string_view unit) {
+    const auto is_numeral = [](char c) { return c >= '0' && c <= '9'; };
+    if (unit.starts_with("1/") && unit.size() > 2 && !is_numeral(unit[2])) return false;
+    const std::size_t sign = unit.find_first_of("xX*");
+    const bool behind =
+        sign != std::string_view::npos && sign + 1 < unit.size() && is_numeral(unit[sign + 1]);
+    return behind || (!unit.empty() && is_numeral(unit[0]));
+  }
+
   MayFail read_scale(const Row& row, Point& point) const {
     const std::string_view divisor = columns_.cell(row, Field::kDivisor);
     const std::string_view decimals = columns_.cell(row, Field::kDecimals);
-    const auto factor = factor_from(columns_.cell(row, Field::kScale), style_);
+    const auto factor = factor_from(columns_.cell(row, Field::kScale), list_.style);
     if (!factor) return "scale " + factor.error();
     if (*factor) {
       point.scale = (*factor)->value;
@@ -548,17 +469,18 @@ class ListReader {
       }
     }
     if (!is_blank(divisor)) {
-      const auto number = factor_from(divisor, style_);
+      const auto number = factor_from(divisor, list_.style);
       if (!number) return "divisor " + number.error();
       if (*number && *factor && (*number)->value != 1)
         return "a scale and a divisor, of which one is too many";
-      if (*number && gain_ == Gain::kUnclear && (*number)->value != 1)
+      if (*number && list_.gain == ListColumns::Gain::kUnclear && (*number)->value != 1)
         return fmt::format(
             "gain '{}': others of the list are on the other side of 1, so that it "
             "is unclear whether to divide or to multiply",
             divisor);
       if (*number && !*factor)
-        point.scale = gain_ == Gain::kMultiplies ? (*number)->value : 1 / (*number)->value;
+        point.scale =
+            list_.gain == ListColumns::Gain::kMultiplies ? (*number)->value : 1 / (*number)->value;
     }
     if (!is_blank(decimals)) {
       if (const auto fault = read_decimals(decimals, *factor || !is_blank(divisor), point))
@@ -601,27 +523,14 @@ class ListReader {
     return std::nullopt;
   }
 
-  // How the numbers of the factors are written, by all of them.
-  void learn_style() {
-    for (std::size_t i = header_ + 1; i < table_.rows.size(); ++i) {
-      for (const Field field : {Field::kScale, Field::kDivisor})
-        style_.learn(columns_.cell(table_.rows[i], field));
-    }
-  }
-
   const SourceText& source_;
   const ReadOptions& options_;
   const Table& table_;
   std::size_t header_;
-  Columns columns_;
+  const ListColumns list_;
+  const Columns& columns_;
   std::vector<Entry> entries_;
-  bool hex_ = false;                     // the column of the addresses
-  std::optional<unsigned> counts_from_;  // as the title says
   bool counts_from_one_ = false;
-  NumberStyle style_;  // of the factors
-  enum class Gain { kNone, kDivides, kMultiplies, kUnclear };
-  Gain gain_ = Gain::kNone;
-  std::string hex_note_;
   std::optional<std::uint16_t> last_unit_;
   bool odd_unit_ = false;           // of the last row that has one
   std::optional<unsigned> merged_;  // the first line that has the unit of the row above
