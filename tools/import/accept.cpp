@@ -10,6 +10,7 @@
 #include "config/loader.hpp"
 #include "core/schedule/bus_schedule.hpp"
 #include "core/schedule/overload.hpp"
+#include "tools/import/arrange.hpp"
 
 namespace fieldcast::importing {
 namespace {
@@ -109,31 +110,58 @@ class Acceptance {
     return text;
   }
 
-  // True if a point was taken out for any of the faults.
+  // Faults by what they are of: a channel, a whole device, a whole bus. The first one counts.
+  struct Blamed {
+    std::map<std::tuple<std::size_t, std::size_t, std::size_t>, std::string> points;
+    std::map<std::pair<std::size_t, std::size_t>, std::string> devices;
+    std::map<std::size_t, std::string> buses;
+  };
+
+  static void blame(const WrittenFile& file, unsigned line, const std::string& reason,
+                    Blamed& blamed) {
+    const auto channel = std::ranges::lower_bound(file.channels, line, {}, &WrittenChannel::line);
+    if (channel != file.channels.end() && channel->line == line)
+      blamed.points.try_emplace({channel->bus, channel->device, channel->point}, reason);
+    for (const WrittenHead& head : file.heads) {
+      if (line < head.first || line > head.last) continue;
+      if (head.device) {
+        blamed.devices.try_emplace({head.bus, *head.device}, reason);
+      } else {
+        blamed.buses.try_emplace(head.bus, reason);
+      }
+    }
+  }
+
+  // True if something was taken out for any of the faults.
   bool take_out(const std::vector<WrittenFile>& files, const std::vector<config::Fault>& faults) {
-    std::map<std::tuple<std::size_t, std::size_t, std::size_t>, std::string> bad;
+    Blamed bad;
     for (const config::Fault& fault : faults) {
+      std::string reason = fault.what;
+      if (!fault.allowed.empty()) reason += "; allowed: " + fault.allowed;
       for (const WrittenFile& file : files) {
-        if (fault.file != file.name) continue;
-        const auto channel =
-            std::ranges::lower_bound(file.channels, fault.line, {}, &WrittenChannel::line);
-        if (channel == file.channels.end() || channel->line != fault.line) continue;
-        std::string reason = fault.what;
-        if (!fault.allowed.empty()) reason += "; allowed: " + fault.allowed;
-        bad.try_emplace({channel->bus, channel->device, channel->point}, std::move(reason));
+        if (fault.file == file.name) blame(file, fault.line, reason, bad);
       }
     }
     // From behind, so that indexes stay right.
-    for (auto it = bad.rbegin(); it != bad.rend(); ++it) {
+    for (auto it = bad.points.rbegin(); it != bad.points.rend(); ++it) {
       const auto [bus, device, index] = it->first;
       auto& points = found_.buses[bus].devices[device].points;
       found_.refusals.push_back({points[index].listed, points[index].origin, it->second});
       points.erase(points.begin() + static_cast<std::ptrdiff_t>(index));
     }
+    for (const auto& [place, reason] : bad.devices) {
+      Device& device = found_.buses[place.first].devices[place.second];
+      refuse_device(device, "its device", device.origin, reason, found_.refusals);
+    }
+    for (const auto& [index, reason] : bad.buses) {
+      Bus& bus = found_.buses[index];
+      for (Device& device : bus.devices)
+        refuse_device(device, "its bus", bus.origin, reason, found_.refusals);
+    }
     for (Bus& bus : found_.buses)
       std::erase_if(bus.devices, [](const Device& device) { return device.points.empty(); });
     std::erase_if(found_.buses, [](const Bus& bus) { return bus.devices.empty(); });
-    return !bad.empty();
+    return !bad.points.empty() || !bad.devices.empty() || !bad.buses.empty();
   }
 
   void stretch(unsigned factor) {

@@ -226,6 +226,15 @@ bool is_area_word(std::string_view name) {
   return !word.empty() && (word[0] < '0' || word[0] > '9') && area_by_name(name);
 }
 
+Slave slave_from(std::string_view text) {
+  text = trimmed(text);
+  if (text.empty()) return std::nullopt;
+  const auto number = whole_from(text);
+  if (!number || *number > 65535)
+    return tl::unexpected(fmt::format("'{}' is no address of a device on its bus", text));
+  return static_cast<std::uint16_t>(*number);
+}
+
 tl::expected<Reference, std::string> reference_from(std::string_view text) {
   text = trimmed(text);
   if (text.empty()) return tl::unexpected(std::string("no address"));

@@ -28,6 +28,11 @@ enum class ModbusArea : std::uint8_t { kCoil, kInput, kInputRegister, kHolding }
 // The same, but in words alone: "4" or "3 bananas" may mean anything in a column of types.
 [[nodiscard]] bool is_area_word(std::string_view name);
 
+// The address of a device on its bus, as a list says it: nothing where it says none. Which numbers
+// a bus has, the loader knows. The error says why it is none.
+using Slave = tl::expected<std::optional<std::uint16_t>, std::string>;
+[[nodiscard]] Slave slave_from(std::string_view text);
+
 // "40101", "400101", "4x0101", "4:101", "30007.3", "%MW100", "HR100".
 struct Reference {
   std::optional<ModbusArea> area;  // nothing: a bare number

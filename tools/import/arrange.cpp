@@ -156,9 +156,33 @@ void set_names(std::vector<Bus>& buses, const ImportOptions& options) {
   }
 }
 
+// What a reader found wrong with a bus or a device stands at each of its values.
+void refuse_faulty(Found& found) {
+  for (Bus& bus : found.buses) {
+    for (Device& device : bus.devices) {
+      if (!bus.fault.empty()) {
+        refuse_device(device, "its bus", bus.origin, bus.fault, found.refusals);
+      } else if (!device.fault.empty()) {
+        refuse_device(device, "its device", device.origin, device.fault, found.refusals);
+      }
+    }
+    std::erase_if(bus.devices, [](const Device& device) { return device.points.empty(); });
+  }
+}
+
 }  // namespace
 
+void refuse_device(Device& device, std::string_view whose, const Origin& where,
+                   const std::string& reason, std::vector<Refusal>& refusals) {
+  const std::string place = where.line == 0 ? "" : fmt::format(" ({}:{})", where.file, where.line);
+  const std::string words = fmt::format("{}{}: {}", whose, place, reason);
+  for (const Point& point : device.points)
+    refusals.push_back({point.listed.empty() ? point.name : point.listed, point.origin, words});
+  device.points.clear();
+}
+
 void arrange(Found& found, const ImportOptions& options) {
+  refuse_faulty(found);
   std::erase_if(found.buses, [](const Bus& bus) { return bus.devices.empty(); });
   set_ports(found.buses, options, found);
   merge_buses(found.buses);

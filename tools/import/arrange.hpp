@@ -9,4 +9,9 @@ namespace fieldcast::importing {
 // Points that cannot be named alike are named apart; what was taken for granted becomes a note.
 void arrange(Found& found, const ImportOptions& options);
 
+// Nothing of the device moves: a refusal for each of its points, which are taken away. "its bus
+// (telegraf.conf:12): REASON", with the place where the list says the bus, if it does.
+void refuse_device(Device& device, std::string_view whose, const Origin& where,
+                   const std::string& reason, std::vector<Refusal>& refusals);
+
 }  // namespace fieldcast::importing

@@ -8,6 +8,7 @@
 #include "core/base/number_text.hpp"
 #include "tools/import/accept.hpp"
 #include "tools/import/arrange.hpp"
+#include "tools/import/options_fault.hpp"
 #include "tools/import/text.hpp"
 #include "tools/import/types.hpp"
 #include "tools/import/xlsx.hpp"
@@ -147,6 +148,8 @@ tl::expected<Outcome, std::string> run_import(const std::vector<InputFile>& inpu
   };
   Outcome outcome;
   tell(0);
+  if (const auto fault = fault_of_options(options); fault && !options.as_template)
+    return tl::unexpected(*fault);
   auto groups = recognise_all(inputs, options, outcome);
   if (!groups) return tl::unexpected(groups.error());
   tell(0.3);

@@ -49,6 +49,8 @@ struct Device {
   std::optional<unsigned> retries, max_block, max_gap;
   bool write_multiple = false;  // functions 15 and 16 for single items too
   std::vector<Point> points;
+  Origin origin;      // line 0: each point has a row of its own
+  std::string fault;  // why nothing of it can be moved; empty: it can
 };
 
 struct Line {
@@ -68,6 +70,8 @@ struct Bus {
   Port port;
   std::string protocol;  // "modbus-rtu"; empty: not said
   std::vector<Device> devices;
+  Origin origin;      // line 0: unknown
+  std::string fault;  // why nothing of it can be moved; empty: it can
 };
 
 // What cannot be moved, and why.

@@ -62,14 +62,6 @@ std::vector<std::string> device_lines(const Device& device, const SharedKeys& sh
 
 constexpr std::string_view kWriteMultiple = "options: { write-single: multiple }";
 
-std::string port_text(const Port& port) {
-  std::string text =
-      port.tcp.empty() ? "serial: " + yaml_text(port.serial) : "tcp: " + yaml_text(port.tcp);
-  if (port.line.baud) text += fmt::format(", baud: {}", *port.line.baud);
-  if (!port.line.format.empty()) text += fmt::format(", format: {}", port.line.format);
-  return text;
-}
-
 WrittenFile channel_list(const Device& device, const SharedKeys& shared, WrittenChannel where) {
   WrittenFile file;
   LineWriter out;
@@ -97,10 +89,13 @@ class ConfigurationWriter {
     out_.line("buses:");
     for (std::size_t i = 0; i < buses.size(); ++i) {
       const Bus& bus = buses[i];
+      WrittenHead head{.first = out_.lines() + 1, .bus = i};
       out_.line(fmt::format("  - name: {}", yaml_text(bus.name)));
       out_.line(fmt::format("    port: {{ {} }}", port_text(bus.port)));
       out_.line(fmt::format("    protocol: {}", bus.protocol));
       out_.line("    devices:");
+      head.last = out_.lines();
+      files_.front().heads.push_back(head);
       for (std::size_t k = 0; k < bus.devices.size(); ++k) write_device(bus, i, k);
     }
     files_.front().text = out_.take();
@@ -112,18 +107,23 @@ class ConfigurationWriter {
     const Device& device = bus.devices[index];
     const SharedKeys shared = shared_keys(device);
     const WrittenChannel where{.bus = bus_index, .device = index};
+    WrittenHead head{.first = out_.lines() + 1, .bus = bus_index, .device = index};
     out_.line(fmt::format("      - name: {}", yaml_text(device.name)));
     out_.line(fmt::format("        address: {}", device.address.value_or(1)));
     for (const std::string& line : device_lines(device, shared)) out_.line("        " + line);
     if (device.write_multiple) out_.line(fmt::format("        {}", kWriteMultiple));
     if (!options_.lists) {
       out_.line("        channels:");
+      head.last = out_.lines();
+      files_.front().heads.push_back(head);
       write_channels(out_, device, shared, "          ", where, files_.front());
       return;
     }
     WrittenFile list = channel_list(device, shared, where);
     list.name = fmt::format("{}-{}.csv", bus.name, device.name);
     out_.line(fmt::format("        channels: {}", yaml_text(list.name)));
+    head.last = out_.lines();
+    files_.front().heads.push_back(head);
     files_.push_back(std::move(list));
   }
 
@@ -133,6 +133,14 @@ class ConfigurationWriter {
 };
 
 }  // namespace
+
+std::string port_text(const Port& port) {
+  std::string text =
+      port.tcp.empty() ? "serial: " + yaml_text(port.serial) : "tcp: " + yaml_text(port.tcp);
+  if (port.line.baud) text += fmt::format(", baud: {}", *port.line.baud);
+  if (!port.line.format.empty()) text += fmt::format(", format: {}", port.line.format);
+  return text;
+}
 
 std::vector<WrittenFile> write_configuration(const std::vector<Bus>& buses,
                                              const WriteOptions& options) {
@@ -152,6 +160,7 @@ WrittenFile write_template(const Device& device, std::string_view head) {
   for (const std::string& line : lines) out.line("  " + line);
   if (device.write_multiple) out.line(kWriteMultiple);
   out.line("channels:");
+  file.heads.push_back({.first = 1, .last = out.lines(), .device = 0});
   write_channels(out, device, shared, "  ", {}, file);
   file.text = out.take();
   return file;

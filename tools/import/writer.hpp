@@ -2,6 +2,7 @@
 // channels inline or in a channel list, or a device template. Pure.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,10 +17,18 @@ struct WrittenChannel {
   std::size_t bus = 0, device = 0, point = 0;
 };
 
+// The text lines that say something of a whole device, or of a bus.
+struct WrittenHead {
+  unsigned first = 0, last = 0;  // from 1
+  std::size_t bus = 0;
+  std::optional<std::size_t> device;
+};
+
 struct WrittenFile {
   std::string name;  // "plant.yaml", "devices/meter.yaml"
   std::string text;
   std::vector<WrittenChannel> channels;  // in the order of the text lines
+  std::vector<WrittenHead> heads;
 };
 
 struct WriteOptions {
@@ -36,6 +45,9 @@ struct WriteOptions {
 
 // The template of one device; its `name` is empty.
 [[nodiscard]] WrittenFile write_template(const Device& device, std::string_view head);
+
+// "serial: /dev/ttyS1, baud: 9600, format: 8N1": the keys of a port.
+[[nodiscard]] std::string port_text(const Port& port);
 
 // A scalar of YAML, with quotes where it needs them.
 [[nodiscard]] std::string yaml_text(std::string_view text);

@@ -20,6 +20,7 @@ struct OctetPort {
   std::string bits = "8", stop = "1";
   std::string protocol;
   std::optional<Duration> timeout, pause;
+  Origin origin;
 };
 
 class EpicsReader {
@@ -37,6 +38,7 @@ class EpicsReader {
       if (bus.port.tcp.empty() && !bus.port.serial.empty())
         bus.port.line.format = octet.bits + octet.parity + octet.stop;
       bus.protocol = octet.protocol;
+      bus.origin = octet.origin;
       for (Device& device : bus.devices) {
         device.timeout = octet.timeout;
         device.pause = octet.pause;
@@ -60,11 +62,13 @@ class EpicsReader {
     if (call.command == "drvAsynIPPortConfigure") {
       const std::string_view host = call.argument(1);
       octets_[name].port.tcp = host.substr(0, host.find(' '));
+      octets_[name].origin = call.origin;
       if (host.find("UDP") != std::string_view::npos)
         found_.notes.push_back(fmt::format("{}: UDP is not moved; TCP is taken", name));
       if (octets_[name].protocol.empty()) octets_[name].protocol = "modbus-tcp";
     } else if (call.command == "drvAsynSerialPortConfigure") {
       octets_[name].port.serial = call.argument(1);
+      octets_[name].origin = call.origin;
       if (octets_[name].protocol.empty()) octets_[name].protocol = "modbus-rtu";
     } else if (call.command == "asynSetOption") {
       set_option(octets_[name], call.argument(2), call.argument(3));
@@ -102,8 +106,13 @@ class EpicsReader {
     port.octet_port = call.argument(1);
     const auto slave = c_number(call.argument(2)), function = c_number(call.argument(3)),
                start = c_number(call.argument(4)), length = c_number(call.argument(5));
-    if (!slave || *slave < 0 || *slave > 255 || !function || *function < 0 || *function > 255 ||
-        !start || *start > 65535 || !length) {
+    if (slave && (*slave < 0 || *slave > 255)) {
+      found_.refusals.push_back(
+          {name, call.origin, fmt::format("{} is no address of a device on its bus", *slave)});
+      return;
+    }
+    if (!slave || !function || *function < 0 || *function > 255 || !start || *start > 65535 ||
+        !length) {
       found_.refusals.push_back(
           {name, call.origin, "the arguments of drvModbusAsynConfigure are no numbers"});
       return;

@@ -65,6 +65,7 @@ class MqmReader {
   void read_network(const Node& network) {
     Bus& bus = found_.buses.emplace_back();
     bus.name = text_at(network, "name");
+    bus.origin = {source_.file, line_of(network)};
     if (const auto device = text_at(network, "device"); !device.empty()) {
       bus.port.serial = device;
       if (const auto baud = whole_at(network, "baud"); baud && *baud < 10'000'000)

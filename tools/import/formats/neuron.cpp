@@ -85,6 +85,7 @@ class NeuronReader {
     }
     Bus bus;
     bus.name = name;
+    bus.origin = {source_.file, line_of(node)};
     NeuronOrders orders;
     const Node* settings = child(node, "params");
     if (settings == nullptr) settings = child(node, "setting");

@@ -87,6 +87,7 @@ class TelegrafReader {
 
   void read_plugin(const Node& plugin) {
     Bus bus;
+    bus.origin = {source_.file, line_of(plugin)};
     bus.port = port_of_controller(plugin);
     bus.protocol = protocol_of(plugin, bus.port);
     strings_ = {};
@@ -98,7 +99,7 @@ class TelegrafReader {
     for (const RegisterWord& list : kRegisterLists) {
       const Node* fields = child(plugin, list.word);
       if (!is_list(fields)) continue;
-      Device& device = device_of(bus, plugin, name, whole_at(plugin, "slave_id"));
+      Device& device = device_of(bus, plugin, name, plugin);
       for (const Node* field : fields->items) read_field(*field, {list.area, {}, {}}, device);
     }
     for (const std::string_view style : {"request", "metric"}) {
@@ -112,8 +113,7 @@ class TelegrafReader {
   void read_block(const Node& block, const Node& plugin, std::string_view name, Bus& bus) {
     const Node* fields = child(block, "fields");
     if (!is_list(fields)) return;
-    const auto unit = whole_at(block, "slave_id");
-    Device& device = device_of(bus, plugin, name, unit ? unit : 0u);
+    Device& device = device_of(bus, plugin, name, block);
     for (const Node* field : fields->items) {
       FieldPlace place;
       place.byte_order = text_at(block, "byte_order");
@@ -132,13 +132,18 @@ class TelegrafReader {
   }
 
   Device& device_of(Bus& bus, const Node& plugin, std::string_view name,
-                    std::optional<std::uint64_t> unit) const {
+                    const Node& says_slave) const {
+    const Slave slave = slave_from(text_at(says_slave, "slave_id"));
+    // Of a request that says none it is 0, as it is there.
     std::optional<std::uint16_t> address;
-    if (unit && *unit <= 255) address = static_cast<std::uint16_t>(*unit);
+    if (slave) address = *slave;
+    if (slave && !address && &says_slave != &plugin) address = 0;
     for (Device& device : bus.devices) {
-      if (device.address == address) return device;
+      if (device.address == address && slave && device.fault.empty()) return device;
     }
     Device& device = bus.devices.emplace_back();
+    device.origin = {source_.file, line_of(says_slave)};
+    if (!slave) device.fault = slave.error();
     device.name = bus.devices.size() == 1 || !address ? std::string(name)
                                                       : fmt::format("{}-{}", name, *address);
     device.address = address;

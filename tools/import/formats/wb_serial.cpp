@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 
+#include "tools/import/address.hpp"
 #include "tools/import/formats/readers.hpp"
 #include "tools/import/formats/wb_channel.hpp"
 #include "tools/import/formats/wb_condition.hpp"
@@ -233,6 +234,7 @@ class WbReader {
 
   void read_port(const WbFile& file, const Node& node) {
     Bus bus;
+    bus.origin = {file.source->file, line_of(node)};
     if (const auto address = text_at(node, "address"); !address.empty()) {
       bus.port.tcp = fmt::format("{}:{}", address, whole_at(node, "port").value_or(502));
       bus.protocol = text_at(node, "port_type") == "modbus tcp" ? "modbus-tcp" : "modbus-rtu";
@@ -259,8 +261,12 @@ class WbReader {
     device.name = text_at(node, "name");
     if (device.name.empty()) device.name = text_at(node, "id");
     if (device.name.empty()) device.name = type;
-    const auto unit = whole_at(node, "slave_id");
-    if (unit && *unit <= 255) device.address = static_cast<std::uint16_t>(*unit);
+    device.origin = {file.source->file, line_of(node)};
+    if (const Slave slave = slave_from(text_at(node, "slave_id"))) {
+      device.address = *slave;
+    } else {
+      device.fault = slave.error();
+    }
     if (!type.empty()) {
       const auto known = templates_.find(type);
       if (known == templates_.end())
