@@ -94,6 +94,39 @@ TEST(ImportTelegraf, WhatIsNoNumberIsRefusedAndNotLeftOut) {
   EXPECT_EQ(fate_of(*outcome, "good"), "ok");
 }
 
+TEST(ImportTelegraf, Float32OfTheStyleRegisterIsFixedPoint) {
+  const auto outcome = import_text("telegraf.conf", R"(
+[[inputs.modbus]]
+  name = "a"
+  slave_id = 1
+  controller = "tcp://10.0.0.5:502"
+  holding_registers = [
+    { name = "one", byte_order = "AB", data_type = "FLOAT32", scale = 0.1, address = [54] },
+    { name = "two", byte_order = "ABCD", data_type = "FLOAT32", scale = 0.1, address = [56,57] },
+    { name = "four", byte_order = "ABCDEFGH", data_type = "FLOAT32", scale = 0.1, address = [60,61,62,63] },
+    { name = "three", byte_order = "ABCD", data_type = "FLOAT32", scale = 0.1, address = [70,71,72] },
+    { name = "ieee", byte_order = "ABCD", data_type = "FLOAT32-IEEE", scale = 1.0, address = [80,81] },
+  ]
+[[inputs.modbus]]
+  name = "b"
+  controller = "tcp://10.0.0.6:502"
+  [[inputs.modbus.request]]
+    slave_id = 1
+    fields = [ { address=0, name="float", type="FLOAT32" } ]
+)");
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_EQ(channel_line(*outcome, "one"),
+            "{ name: one, at: \"holding:54\", type: uint16, scale: 0.1 }");
+  EXPECT_THAT(channel_line(*outcome, "two"), HasSubstr("at: \"holding:56\", type: uint32"));
+  EXPECT_THAT(channel_line(*outcome, "four"), HasSubstr("at: \"holding:60\", type: uint64"));
+  EXPECT_THAT(channel_line(*outcome, "ieee"), HasSubstr("at: \"holding:80\", type: float32"));
+  EXPECT_THAT(channel_line(*outcome, "float"), HasSubstr("type: float32"));
+  EXPECT_EQ(fate_of(*outcome, "one"), "ok");
+  EXPECT_THAT(fate_of(*outcome, "two"), HasSubstr("from 1.37 on it is one of IEEE"));
+  EXPECT_EQ(fate_of(*outcome, "three"), "no: float32 of 3 registers");
+  EXPECT_EQ(fate_of(*outcome, "ieee"), "ok");
+}
+
 TEST(ImportTelegraf, BrokenTomlNamesItsLine) {
   const auto outcome =
       import_text("telegraf.conf", "[[inputs.modbus]]\n  name = \"x\"\n  slave_id = = 1\n");

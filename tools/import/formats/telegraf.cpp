@@ -1,7 +1,7 @@
 // Telegraf's configuration: every [[inputs.modbus]] in its three styles. Addresses count from 0.
 //
 // Source: influxdata/telegraf plugins/inputs/modbus README.md and configuration_*.go (keys, data
-// types, orders of bytes).
+// types, orders of bytes), up to 1.36 and from 1.37 on; grid-x/serial serial.go (baud, parity).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -83,6 +83,7 @@ class TelegrafReader {
   struct FieldPlace {
     ModbusArea area = ModbusArea::kHolding;
     std::string_view byte_order, measurement;
+    bool in_register_style = false;
   };
 
   void read_plugin(const Node& plugin) {
@@ -100,7 +101,7 @@ class TelegrafReader {
       const Node* fields = child(plugin, list.word);
       if (!is_list(fields)) continue;
       Device& device = device_of(bus, plugin, name, plugin);
-      for (const Node* field : fields->items) read_field(*field, {list.area, {}, {}}, device);
+      for (const Node* field : fields->items) read_field(*field, {list.area, {}, {}, true}, device);
     }
     for (const std::string_view style : {"request", "metric"}) {
       const Node* blocks = child(plugin, style);
@@ -252,10 +253,14 @@ class TelegrafReader {
       point.string_bytes = static_cast<std::uint16_t>(2 * registers);
     } else if (name.starts_with("float16")) {
       return "half-precision floats are no type of a channel";
-    } else if (name == "fixed" || name == "ufixed") {
+    } else if (name == "fixed" || name == "ufixed" || is_fixed_point(name, place)) {
       const auto type = integer_of(static_cast<unsigned>(16 * count), name == "fixed");
       if (!type || count == 0) return fmt::format("{} of {} registers", name, count);
       point.type = *type;
+      if (name == "float32" && count == 2)
+        point.changes.emplace_back(
+            "FLOAT32 is an unsigned number, as up to Telegraf 1.36; from 1.37 on it is one of "
+            "IEEE: FLOAT32-IEEE says that in each of them");
     } else {
       const auto type = type_by_name(name.empty() ? "uint16" : name);
       if (!type) return fmt::format("data type '{}' is unknown", name);
@@ -266,6 +271,11 @@ class TelegrafReader {
     }
     point.at = address_text(place.area, first, bit);
     return std::nullopt;
+  }
+
+  // FLOAT32 of the style "register" is an unsigned number of its registers; FLOAT32-IEEE is a float.
+  static bool is_fixed_point(std::string_view name, const FieldPlace& place) {
+    return place.in_register_style && name == "float32";
   }
 
   const SourceText& source_;
