@@ -127,6 +127,26 @@ TEST(ImportTelegraf, Float32OfTheStyleRegisterIsFixedPoint) {
   EXPECT_EQ(fate_of(*outcome, "ieee"), "ok");
 }
 
+TEST(ImportTelegraf, AControllerOfUdpIsNoPort) {
+  const auto outcome = import_text("telegraf.conf", R"([[inputs.modbus]]
+  name = "a"
+  slave_id = 1
+  controller = "udp://10.0.0.5:502"
+  coils = [ { name = "x", data_type = "BOOL", address = [1] } ]
+[[inputs.modbus]]
+  name = "b"
+  slave_id = 1
+  controller = "tcp://10.0.0.5:502"
+  coils = [ { name = "y", data_type = "BOOL", address = [1] } ]
+)");
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_EQ(
+      fate_of(*outcome, "x"),
+      "no: its bus (telegraf.conf:1): its controller udp://10.0.0.5:502: a bus has no port of "
+      "UDP");
+  EXPECT_EQ(fate_of(*outcome, "y"), "ok");
+}
+
 TEST(ImportTelegraf, BrokenTomlNamesItsLine) {
   const auto outcome =
       import_text("telegraf.conf", "[[inputs.modbus]]\n  name = \"x\"\n  slave_id = = 1\n");

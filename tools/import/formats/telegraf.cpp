@@ -89,6 +89,9 @@ class TelegrafReader {
   void read_plugin(const Node& plugin) {
     Bus bus;
     bus.origin = {source_.file, line_of(plugin)};
+    if (const std::string_view controller = text_at(plugin, "controller");
+        controller.starts_with("udp:"))
+      bus.fault = fmt::format("its controller {}: a bus has no port of UDP", controller);
     bus.port = port_of_controller(plugin);
     bus.protocol = protocol_of(plugin, bus.port);
     strings_ = {};
