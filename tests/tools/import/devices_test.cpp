@@ -9,6 +9,7 @@ namespace {
 
 using testing::Contains;
 using testing::HasSubstr;
+using testing::Not;
 
 const std::string kWbHead = R"({
   // comments are fine
@@ -208,6 +209,25 @@ record(ai, "f") { field(DTYP, "asynInt32") field(INP, "@asyn(In 0)") }
   EXPECT_THAT(fate_of(*outcome, "d"), HasSubstr("the bits 0x30"));
   EXPECT_THAT(fate_of(*outcome, "e"), HasSubstr("not linear"));
   EXPECT_EQ(fate_of(*outcome, "f"), "ok");
+}
+
+TEST(ImportEpics, EachInterfaceHasItsOwnConversion) {
+  const auto outcome = run_import(ioc(R"ioc(
+record(ai, "a") { field(DTYP, "asynFloat64") field(INP, "@asyn(In 0)FLOAT32_BE")
+  field(LINR, "SLOPE") field(ESLO, "0.5") field(EOFF, "3") field(ASLO, "2") field(AOFF, "1") }
+record(ai, "b") { field(DTYP, "asynFloat64") field(INP, "@asyn(In 2)FLOAT32_BE")
+  field(LINR, "LINEAR") field(EGUF, "100") }
+record(ai, "c") { field(DTYP, "asynInt64") field(INP, "@asyn(In 4)INT64_BE")
+  field(LINR, "SLOPE") field(ESLO, "0.5") field(ASLO, "2") }
+record(ai, "d") { field(DTYP, "asynInt32") field(INP, "@asyn(In 8)")
+  field(LINR, "SLOPE") field(ESLO, "0.5") field(EOFF, "3") field(ASLO, "2") field(AOFF, "1") }
+)ioc"),
+                                  {});
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_THAT(channel_line(*outcome, "a"), HasSubstr("type: float32, scale: 2, offset: 1 }"));
+  EXPECT_THAT(channel_line(*outcome, "b"), HasSubstr("type: float32 }"));
+  EXPECT_THAT(channel_line(*outcome, "c"), HasSubstr("type: int64 }"));
+  EXPECT_THAT(channel_line(*outcome, "d"), HasSubstr("type: int16, offset: 3.5 }"));
 }
 
 TEST(ImportEpics, AFileThatIsMissingIsNamed) {

@@ -173,7 +173,7 @@ class RecordReader {
     point_.type = type->type;
     point_.word_order = type->word_order.value_or(WordOrder::kBigEndian);
     point_.byte_order = type->byte_order.value_or(ByteOrder::kBigEndian);
-    return read_scale();
+    return read_scale(interface);
   }
 
   MayFail read_text(const std::string& name, std::int64_t offset) {
@@ -193,11 +193,14 @@ class RecordReader {
     return std::nullopt;
   }
 
-  // VAL = raw * ASLO + AOFF, then by LINR.
-  MayFail read_scale() {
+  // VAL = raw * ASLO + AOFF, then by LINR. The device support of asynFloat64 leaves LINR out, that
+  // of asynInt64 gives the raw number.
+  MayFail read_scale(std::string_view interface) {
+    if (interface.starts_with("asynInt64")) return std::nullopt;
     if (const auto slope = number_field(record_, "ASLO"); slope && *slope != 0)
       point_.scale = *slope;
     point_.offset = number_field(record_, "AOFF").value_or(0);
+    if (interface.starts_with("asynFloat64")) return std::nullopt;
     const std::string_view linear = field(record_, "LINR");
     if (linear.empty() || linear == "NO CONVERSION" || linear.starts_with("NO "))
       return std::nullopt;
