@@ -230,6 +230,21 @@ record(ai, "d") { field(DTYP, "asynInt32") field(INP, "@asyn(In 8)")
   EXPECT_THAT(channel_line(*outcome, "d"), HasSubstr("type: int16, offset: 3.5 }"));
 }
 
+TEST(ImportEpics, LimitsOfWhatIsWrittenAreMoved) {
+  const auto outcome = run_import(ioc(R"ioc(
+record(ao, "a") { field(DTYP, "asynInt32") field(OUT, "@asyn(Out 0)")
+  field(ASLO, "0.1") field(DRVH, "50") field(DRVL, "1.5") }
+record(longout, "b") { field(DTYP, "asynInt32") field(OUT, "@asyn(Out 1)") field(DRVH, "7") }
+record(longout, "c") { field(DTYP, "asynInt32") field(OUT, "@asyn(Out 2)") field(DRVH, "-7") }
+)ioc"),
+                                  {});
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_THAT(channel_line(*outcome, "a"), HasSubstr("write: { min: 1.5, max: 50 }"));
+  EXPECT_THAT(fate_of(*outcome, "a"), HasSubstr("beyond DRVL and DRVH is refused"));
+  EXPECT_THAT(channel_line(*outcome, "b"), HasSubstr("write: { min: 0, max: 7 }"));
+  EXPECT_THAT(channel_line(*outcome, "c"), Not(HasSubstr("write: {")));
+}
+
 TEST(ImportEpics, AFileThatIsMissingIsNamed) {
   const auto alone = run_import({{"meter.db",
                                   "record(ai, \"x\") { field(DTYP, \"asynInt32\") "

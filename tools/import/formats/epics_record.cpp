@@ -173,7 +173,20 @@ class RecordReader {
     point_.type = type->type;
     point_.word_order = type->word_order.value_or(WordOrder::kBigEndian);
     point_.byte_order = type->byte_order.value_or(ByteOrder::kBigEndian);
-    return read_scale(interface);
+    if (const auto fault = read_scale(interface)) return fault;
+    read_drive_limits();
+    return std::nullopt;
+  }
+
+  // Limits of what is written, in the units of the record; none where they do not rise.
+  void read_drive_limits() {
+    if (!is_number(point_.type) || point_.access == Access::kReadOnly) return;
+    const double low = number_field(record_, "DRVL").value_or(0);
+    const double high = number_field(record_, "DRVH").value_or(0);
+    if (high <= low) return;
+    point_.write_min = low;
+    point_.write_max = high;
+    point_.changes.emplace_back("a value beyond DRVL and DRVH is refused, not brought to them");
   }
 
   MayFail read_text(const std::string& name, std::int64_t offset) {
