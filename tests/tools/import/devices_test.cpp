@@ -221,6 +221,8 @@ record(ai, "c") { field(DTYP, "asynInt64") field(INP, "@asyn(In 4)INT64_BE")
   field(LINR, "SLOPE") field(ESLO, "0.5") field(ASLO, "2") }
 record(ai, "d") { field(DTYP, "asynInt32") field(INP, "@asyn(In 8)")
   field(LINR, "SLOPE") field(ESLO, "0.5") field(EOFF, "3") field(ASLO, "2") field(AOFF, "1") }
+record(ai, "e") { field(DTYP, "asynInt32") field(INP, "@asynMask(In 9 -16)")
+  field(LINR, "LINEAR") field(EGUF, "10") field(EGUL, "-10") }
 )ioc"),
                                   {});
   ASSERT_TRUE(outcome) << outcome.error();
@@ -228,6 +230,9 @@ record(ai, "d") { field(DTYP, "asynInt32") field(INP, "@asyn(In 8)")
   EXPECT_THAT(channel_line(*outcome, "b"), HasSubstr("type: float32 }"));
   EXPECT_THAT(channel_line(*outcome, "c"), HasSubstr("type: int64 }"));
   EXPECT_THAT(channel_line(*outcome, "d"), HasSubstr("type: int16, offset: 3.5 }"));
+  // -32767 is -10 and 32767 is 10.
+  EXPECT_THAT(channel_line(*outcome, "e"), HasSubstr("type: int16, scale: 0.000305185"));
+  EXPECT_THAT(channel_line(*outcome, "e"), Not(HasSubstr("offset")));
 }
 
 TEST(ImportEpics, LimitsOfWhatIsWrittenAreMoved) {
@@ -243,6 +248,35 @@ record(longout, "c") { field(DTYP, "asynInt32") field(OUT, "@asyn(Out 2)") field
   EXPECT_THAT(fate_of(*outcome, "a"), HasSubstr("beyond DRVL and DRVH is refused"));
   EXPECT_THAT(channel_line(*outcome, "b"), HasSubstr("write: { min: 0, max: 7 }"));
   EXPECT_THAT(channel_line(*outcome, "c"), Not(HasSubstr("write: {")));
+}
+
+TEST(ImportEpics, BitsOfANumberKeepTheirSign) {
+  const auto outcome = run_import(ioc(R"ioc(
+record(longin, "low")   { field(DTYP, "asynInt32") field(INP, "@asynMask(In 0 8)") }
+record(longin, "signed") { field(DTYP, "asynInt32") field(INP, "@asynMask(In 1 -8)MODBUS_DATA") }
+record(longin, "twelve") { field(DTYP, "asynInt32") field(INP, "@asynMask(In 2 12)") }
+record(longin, "minus") { field(DTYP, "asynInt32") field(INP, "@asynMask(In 3 -12)") }
+record(longin, "all")   { field(DTYP, "asynInt32") field(INP, "@asynMask(In 4 16)INT16") }
+record(longin, "wide")  { field(DTYP, "asynInt32") field(INP, "@asynMask(In 5 20)INT16") }
+record(longin, "odd")   { field(DTYP, "asynInt32") field(INP, "@asynMask(In 6 77)") }
+record(longin, "float") { field(DTYP, "asynInt32") field(INP, "@asynMask(In 7 8)FLOAT32_BE") }
+record(longout, "out")  { field(DTYP, "asynInt32") field(OUT, "@asynMask(Out 1 -8)") }
+record(bi, "state")     { field(DTYP, "asynInt32") field(INP, "@asyn(In 9)") }
+)ioc"),
+                                  {});
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_THAT(channel_line(*outcome, "low"), HasSubstr("type: uint8, byte: low"));
+  EXPECT_EQ(fate_of(*outcome, "low"), "ok");
+  EXPECT_THAT(channel_line(*outcome, "signed"), HasSubstr("type: int8, byte: low"));
+  EXPECT_EQ(fate_of(*outcome, "twelve"), "bits above 11 are not cut off");
+  EXPECT_EQ(fate_of(*outcome, "minus"), "no: a sign in bit 11 of a number of 16 bits");
+  EXPECT_THAT(channel_line(*outcome, "all"), HasSubstr("type: uint16"));
+  EXPECT_EQ(fate_of(*outcome, "wide"), "no: 20 bits of a number of 16");
+  EXPECT_EQ(fate_of(*outcome, "odd"), "no: 77 bits");
+  EXPECT_EQ(fate_of(*outcome, "float"), "no: 8 bits of a floating-point number");
+  EXPECT_THAT(channel_line(*outcome, "out"), HasSubstr("type: int16"));
+  EXPECT_THAT(fate_of(*outcome, "out"), HasSubstr("bits above 7 are not cut off"));
+  EXPECT_EQ(fate_of(*outcome, "state"), "a number: 0 is off, any other is on");
 }
 
 TEST(ImportEpics, AFileThatIsMissingIsNamed) {

@@ -1,5 +1,7 @@
 // Source: epics-modules/modbus docs/source/creating_driver.rst (data types), device_support.rst
-// (interfaces, offsets, masks); EPICS record reference (LINR, ASLO, AOFF, alarms).
+// (interfaces, offsets, masks); epics-modules/asyn devAsynInt32.c, devAsynInt64.c, devAsynFloat64.c
+// (bits, which conversion an interface has); EPICS record reference (LINR, ASLO, AOFF, DRVH,
+// alarms).
 #include "tools/import/formats/epics_record.hpp"
 
 #include <fmt/format.h>
@@ -7,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstdlib>
 
 #include "tools/import/address.hpp"
 #include "tools/import/array_points.hpp"
@@ -173,8 +176,51 @@ class RecordReader {
     point_.type = type->type;
     point_.word_order = type->word_order.value_or(WordOrder::kBigEndian);
     point_.byte_order = type->byte_order.value_or(ByteOrder::kBigEndian);
+    note_states();
+    if (const auto fault = read_bits(interface)) return fault;
     if (const auto fault = read_scale(interface)) return fault;
     read_drive_limits();
+    return std::nullopt;
+  }
+
+  // Records that have states show the number of a register here.
+  void note_states() {
+    if (record_.type == "bi" || record_.type == "bo")
+      point_.changes.emplace_back("a number: 0 is off, any other is on");
+    if (record_.type == "mbbi" || record_.type == "mbbo")
+      point_.changes.emplace_back("the number of the register, not its state");
+  }
+
+  // @asynMask(PORT OFFSET BITS) of asynInt32: what is read has so many bits, of a negative number
+  // with a sign; what is written is not cut.
+  MayFail read_bits(std::string_view interface) {
+    if (!link_.masked || !interface.starts_with("asynInt32")) return std::nullopt;
+    const auto said = c_number(link_.mask);
+    if (!said || *said > 32 || *said < -32) return fmt::format("{} bits", link_.mask);
+    if (*said == 0 || std::abs(*said) == 32) return std::nullopt;
+    if (point_.type == ValueType::kFloat32 || point_.type == ValueType::kFloat64)
+      return fmt::format("{} bits of a floating-point number", link_.mask);
+    Encoding encoding;
+    encoding.type = point_.type;
+    const unsigned width = width_bits(encoding), bits = static_cast<unsigned>(std::abs(*said));
+    const bool with_sign = *said < 0, reads = !writes(port_.function);
+    bits_ = static_cast<int>(*said);
+    if (point_.type == ValueType::kBcd16)
+      return bits >= 14 ? MayFail() : fmt::format("{} bits of a BCD number", bits);
+    const bool signed_type = point_.type == integer_of(width, true);
+    if (bits > width)
+      return signed_type && !with_sign ? fmt::format("{} bits of a number of {}", bits, width)
+                                       : MayFail();
+    if (bits == 8 && width == 16 && reads) {
+      point_.byte = 0;
+      point_.type = *integer_of(8, with_sign);
+      return std::nullopt;
+    }
+    if (bits < width && with_sign && reads)
+      return fmt::format("a sign in bit {} of a number of {} bits", bits - 1, width);
+    point_.type = *integer_of(width, with_sign);
+    if (bits < width)
+      point_.changes.push_back(fmt::format("bits above {} are not cut off", bits - 1));
     return std::nullopt;
   }
 
@@ -230,22 +276,19 @@ class RecordReader {
     point_.offset = point_.offset * (slope == 0 ? 1 : slope) + offset;
   }
 
-  // LINEAR: the range of so many bits becomes EGUL to EGUF; negative bits have a sign.
+  // LINEAR: the range of so many bits becomes EGUL to EGUF. Of those with a sign the lowest number
+  // is not used.
   MayFail read_range() {
     const double low = number_field(record_, "EGUL").value_or(0);
     const double high = number_field(record_, "EGUF").value_or(0);
-    const auto bits = link_.masked ? c_number(link_.mask) : std::nullopt;
     if (low == high) return "LINR is LINEAR without EGUL and EGUF";
-    if (!bits || *bits == 0 || *bits > 16 || *bits < -16)
-      return "LINR is LINEAR without a number of bits";
-    const bool with_sign = *bits < 0;
-    const double steps = static_cast<double>(std::int64_t{1} << std::abs(*bits));
-    if (with_sign && *bits != -16) return fmt::format("a sign in bit {} of a register", -*bits - 1);
-    point_.type = with_sign ? ValueType::kInt16 : ValueType::kUint16;
-    if (*bits != 16 && *bits != -16)
-      point_.changes.push_back(fmt::format("bits above {} are not cut off", *bits - 1));
-    const double slope = (high - low) / (steps - 1);
-    apply(slope, low + (with_sign ? steps / 2 * slope : 0));
+    if (bits_ == 0) return "LINR is LINEAR without a number of bits";
+    const double steps = static_cast<double>(std::int64_t{1} << std::abs(bits_));
+    const double raw_low = bits_ < 0 ? 1 - steps / 2 : 0;
+    const double raw_high = bits_ < 0 ? steps / 2 - 1 : steps - 1;
+    if (raw_high == raw_low) return "LINR is LINEAR of one bit with a sign";
+    const double slope = (high - low) / (raw_high - raw_low);
+    apply(slope, low - raw_low * slope);
     return std::nullopt;
   }
 
@@ -280,6 +323,7 @@ class RecordReader {
   Point point_;
   std::optional<std::uint8_t> bit_;
   unsigned elements_ = 0;  // 0: no array
+  int bits_ = 0;           // of asynMask; below 0 with a sign, 0: not said
 };
 
 }  // namespace
