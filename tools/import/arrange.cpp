@@ -7,10 +7,14 @@
 #include <utility>
 
 #include "config/limits.hpp"
+#include "core/model/port_spec.hpp"
+#include "core/protocol/registry.hpp"
 #include "tools/import/names.hpp"
 
 namespace fieldcast::importing {
 namespace {
+
+constexpr std::string_view kGuessedPort = "/dev/ttyUSB0";
 
 bool same_port(const Port& a, const Port& b) { return a.serial == b.serial && a.tcp == b.tcp; }
 
@@ -47,8 +51,9 @@ void merge_devices(Bus& bus) {
   bus.devices = std::move(merged);
 }
 
-// The user's port is that of what has none, and of a single bus that has one.
-void set_ports(std::vector<Bus>& buses, const ImportOptions& options, Found& found) {
+// The user's port is that of what has none, and of a single bus that has one. True: a port was
+// guessed.
+bool set_ports(std::vector<Bus>& buses, const ImportOptions& options, Found& found) {
   const bool said = !options.port.serial.empty() || !options.port.tcp.empty();
   bool guessed = false;
   std::size_t own = 0;
@@ -56,16 +61,14 @@ void set_ports(std::vector<Bus>& buses, const ImportOptions& options, Found& fou
     const bool none = bus.port.serial.empty() && bus.port.tcp.empty();
     own += !none && buses.size() > 1;
     if (said && (none || buses.size() == 1)) {
-      const Line line = bus.port.line;
-      bus.port = options.port;
-      if (!bus.port.line.baud) bus.port.line.baud = line.baud;
-      if (bus.port.line.format.empty()) bus.port.line.format = line.format;
+      const Port listed = std::exchange(bus.port, options.port);
+      if (!bus.port.line.baud) bus.port.line.baud = listed.line.baud;
+      if (bus.port.line.format.empty()) bus.port.line.format = listed.line.format;
+      bus.port.usual = listed.usual;
     } else if (none) {
       guessed = true;
-      bus.port.serial = "/dev/ttyUSB0";
+      bus.port.serial = kGuessedPort;
       bus.port.line = options.port.line;
-      if (!bus.port.line.baud) bus.port.line.baud = 9600;
-      if (bus.port.line.format.empty()) bus.port.line.format = "8N1";
     }
     if (!options.protocol.empty()) bus.protocol = options.protocol;
     if (bus.protocol.empty()) bus.protocol = bus.port.tcp.empty() ? "modbus-rtu" : "modbus-tcp";
@@ -73,11 +76,39 @@ void set_ports(std::vector<Bus>& buses, const ImportOptions& options, Found& fou
   }
   if (guessed && !options.as_template)
     found.notes.push_back(
-        "the list says no port: /dev/ttyUSB0 is a guess; say --port, and --baud, --format of a "
-        "serial line");
+        fmt::format("the list says no port: {} is a guess; say --port, and --baud, --format of a "
+                    "serial line",
+                    kGuessedPort));
   if (said && own > 0)
     found.notes.push_back(fmt::format(
         "{} buses keep the port that their files name; --port is that of the others", own));
+  return guessed;
+}
+
+// What most devices of Modbus are set to; of another family as they come from the factory. The
+// loader's own default of Modbus is that of the standard, which few devices have.
+Line line_of_family(std::string_view protocol) {
+  const ProtocolEntry* entry = find_protocol(protocol);
+  if (entry == nullptr || protocol == "modbus-rtu") return {9600, "8N1"};
+  const std::string text = to_text(entry->factory_line);  // "9600 8E1"
+  return {entry->factory_line.baud, text.substr(text.find(' ') + 1)};
+}
+
+// A serial port is written with its baud rate and format: what the program of the list takes where
+// it says none, or what is usual.
+void fill_line(Bus& bus, bool tell, Found& found) {
+  Port& port = bus.port;
+  if (port.serial.empty() || (port.line.baud && !port.line.format.empty())) return;
+  const Line family = line_of_family(bus.protocol);
+  const std::string_view missing = !port.line.baud ? "baud rate" : "format of the line";
+  const bool program = !port.line.baud && port.usual.baud != 0;
+  if (!port.line.baud) port.line.baud = program ? port.usual.baud : family.baud;
+  if (port.line.format.empty()) port.line.format = family.format;
+  if (!tell) return;
+  found.notes.push_back(fmt::format(
+      "{}: the list says no {}: {} {} is taken{}{}; --port, --baud, --format say another",
+      port.serial, missing, *port.line.baud, port.line.format, program ? ", the baud rate of " : "",
+      program ? port.usual.program : ""));
 }
 
 void set_addresses(Bus& bus, const ImportOptions& options, Found& found) {
@@ -184,10 +215,13 @@ void refuse_device(Device& device, std::string_view whose, const Origin& where,
 void arrange(Found& found, const ImportOptions& options) {
   refuse_faulty(found);
   std::erase_if(found.buses, [](const Bus& bus) { return bus.devices.empty(); });
-  set_ports(found.buses, options, found);
+  const bool guessed = set_ports(found.buses, options, found);
   merge_buses(found.buses);
   for (Bus& bus : found.buses) merge_devices(bus);
   std::erase_if(found.buses, [](const Bus& bus) { return bus.devices.empty(); });
+  // A guess was told with all of its line.
+  for (Bus& bus : found.buses)
+    fill_line(bus, !options.as_template && !(guessed && bus.port.serial == kGuessedPort), found);
   if (options.as_template) forget_buses(found.buses);
   for (Bus& bus : found.buses) set_addresses(bus, options, found);
   set_names(found.buses, options);

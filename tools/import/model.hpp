@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/time.hpp"
@@ -58,11 +59,18 @@ struct Line {
   std::string format;  // "8N1"; empty: not said
 };
 
+// The baud rate that a program takes where its file says none.
+struct UsualBaud {
+  std::uint32_t baud = 0;  // 0: not known
+  std::string_view program;
+};
+
 // Where a bus is; empty where the list does not say.
 struct Port {
   std::string serial;  // a path
   std::string tcp;     // HOST:PORT
   Line line{};
+  UsualBaud usual{};
 };
 
 struct Bus {

@@ -68,6 +68,7 @@ class EpicsReader {
       if (octets_[name].protocol.empty()) octets_[name].protocol = "modbus-tcp";
     } else if (call.command == "drvAsynSerialPortConfigure") {
       octets_[name].port.serial = call.argument(1);
+      octets_[name].port.usual = {9600, "asyn"};
       octets_[name].origin = call.origin;
       if (octets_[name].protocol.empty()) octets_[name].protocol = "modbus-rtu";
     } else if (call.command == "asynSetOption") {

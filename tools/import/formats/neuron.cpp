@@ -22,8 +22,8 @@ namespace {
 constexpr unsigned kMaxShells = 8;  // of lists and maps around the nodes
 
 // What is behind its number in the settings of a serial node.
-constexpr std::array kBauds{115200u, 57600u, 38400u, 19200u, 9600u,
-                            4800u,   2400u,  1800u,  1200u,  600u};
+constexpr std::array kBauds{115200u, 57600u, 38400u, 19200u, 9600u, 4800u, 2400u,
+                            1800u,   1200u,  600u,   300u,   200u,  150u};
 
 class NeuronReader {
  public:
@@ -115,8 +115,11 @@ class NeuronReader {
       bus.protocol = "modbus-rtu";
       if (const auto baud = whole_at(settings, "baud"); baud && *baud < kBauds.size())
         bus.port.line.baud = kBauds[*baud];
+      bus.port.usual = {9600, "Neuron's page"};
       constexpr std::string_view kParities = "NOE";
       const auto parity = whole_at(settings, "parity").value_or(0);
+      if (parity >= 3)
+        bus.fault = "its line has the parity mark or space; a bus has none, odd or even";
       bus.port.line.format = fmt::format(
           "{}{}{}", 5 + std::min<std::uint64_t>(whole_at(settings, "data").value_or(3), 3),
           kParities[parity < 3 ? parity : 0], 1 + (whole_at(settings, "stop") == 1u ? 1 : 0));

@@ -52,7 +52,9 @@ Port port_of_controller(const Node& plugin) {
   const auto bits = whole_at(plugin, "data_bits").value_or(8);
   const auto stop = whole_at(plugin, "stop_bits").value_or(1);
   const std::string_view parity = text_at(plugin, "parity");
-  port.line.format = fmt::format("{}{}{}", bits, parity.empty() ? 'N' : parity[0], stop);
+  // Its library of serial ports takes 19200 8E1 where nothing is said.
+  port.line.format = fmt::format("{}{}{}", bits, parity.empty() ? 'E' : parity[0], stop);
+  port.usual = {19200, "Telegraf"};
   return port;
 }
 

@@ -243,6 +243,7 @@ class WbReader {
       bus.protocol = "modbus-rtu";
       if (const auto baud = whole_at(node, "baud_rate"); baud && *baud < 10'000'000)
         bus.port.line.baud = static_cast<std::uint32_t>(*baud);
+      bus.port.usual = {9600, "wb-mqtt-serial"};
       const std::string_view parity = text_at(node, "parity");
       bus.port.line.format =
           fmt::format("{}{}{}", whole_at(node, "data_bits").value_or(8),
