@@ -115,6 +115,23 @@ TEST(ImportWb, AConfigurationNamesPortsAndTemplates) {
   EXPECT_THAT(fate_of(*outcome, "gone"), HasSubstr("\"device_type\": \"gone\""));
 }
 
+TEST(ImportWb, ABitThatMeansTheOppositeIsRefused) {
+  const auto outcome = import_text("config-meter.json", kWbHead + R"(
+    { "name": "coil", "reg_type": "coil", "address": 1, "on_value": 0, "off_value": 1 },
+    { "name": "input", "reg_type": "discrete", "address": 1, "on_value": "0x00" },
+    { "name": "bit", "reg_type": "holding", "address": "10:2:1", "off_value": "1" },
+    { "name": "usual", "reg_type": "coil", "address": 2, "on_value": 1, "off_value": 0 },
+    { "name": "number", "reg_type": "holding", "address": 3, "on_value": 0, "off_value": 1 }
+)" + kWbTail);
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_EQ(fate_of(*outcome, "coil"),
+            "no: a bit that means the opposite (on_value 0, off_value 1); a channel's is on at 1");
+  EXPECT_THAT(fate_of(*outcome, "input"), HasSubstr("no: a bit that means the opposite"));
+  EXPECT_THAT(fate_of(*outcome, "bit"), HasSubstr("no: a bit that means the opposite"));
+  EXPECT_EQ(fate_of(*outcome, "usual"), "ok");
+  EXPECT_EQ(fate_of(*outcome, "number"), "a number: 0 is on, 1 is off");
+}
+
 TEST(ImportWb, ConditionsFollowTheirRules) {
   const auto holds = [](std::string_view condition) -> std::string {
     const auto result = condition_holds(condition, [](std::string_view name) {

@@ -173,12 +173,20 @@ MayFail read_numbers(const Node& channel, Point& point) {
   return std::nullopt;
 }
 
-void read_switch(const Node& channel, Point& point) {
+// What of the register means on and off. Of a single bit 1 is on here, always.
+MayFail read_switch(const Node& channel, Point& point) {
   const std::string_view on = text_at(channel, "on_value");
   const std::string_view off = text_at(channel, "off_value");
-  if (point.type == ValueType::kBool || (on.empty() && off.empty())) return;
-  point.changes.push_back(
-      fmt::format("a number: {} is on, {} is off", on.empty() ? "1" : on, off.empty() ? "0" : off));
+  if (on.empty() && off.empty()) return std::nullopt;
+  if (point.type != ValueType::kBool) {
+    point.changes.push_back(fmt::format("a number: {} is on, {} is off", on.empty() ? "1" : on,
+                                        off.empty() ? "0" : off));
+  } else if (whole_from(on) == 0u || (!off.empty() && whole_from(off) != 0u)) {
+    return fmt::format(
+        "a bit that means the opposite (on_value {}, off_value {}); a channel's is on at 1",
+        on.empty() ? "1" : on, off.empty() ? "0" : off);
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -214,8 +222,7 @@ std::optional<std::string> read_wb_channel(const Node& channel, const WbBase& ba
     point.changes.emplace_back("read only: half of a register");
   }
   if (const auto fault = read_numbers(channel, point)) return fault;
-  read_switch(channel, point);
-  return std::nullopt;
+  return read_switch(channel, point);
 }
 
 }  // namespace fieldcast::importing
