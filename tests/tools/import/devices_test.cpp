@@ -132,6 +132,36 @@ TEST(ImportWb, ABitThatMeansTheOppositeIsRefused) {
   EXPECT_EQ(fate_of(*outcome, "number"), "a number: 0 is on, 1 is off");
 }
 
+TEST(ImportWb, AConfigurationSaysWhichChannelsAreOn) {
+  const auto outcome = run_import({{"wb-mqtt-serial.conf",
+                                    R"({ "ports": [ { "path": "/dev/ttyRS485-1", "baud_rate": 9600,
+          "devices": [ { "slave_id": "17", "device_type": "meter", "channels": [
+            { "name": "V", "enabled": false }, { "name": "W", "enabled": true },
+            { "name": "R", "readonly": true, "address": 99, "read_period_ms": 5000 },
+            { "name": "Lamp", "channels": [
+              { "name": "Level", "enabled": false, "readonly": true } ] },
+            { "name": "Typo", "enabled": false },
+            { "name": "Own", "reg_type": "input", "address": 20 } ] } ] } ] })"},
+                                   {"config-meter.json", kWbHead + R"(
+          { "name": "V", "reg_type": "input", "address": 1 },
+          { "name": "W", "reg_type": "input", "address": 2, "enabled": false },
+          { "name": "R", "reg_type": "coil", "address": 3 },
+          { "name": "H", "reg_type": "input", "address": 4, "enabled": false, "hidden": true },
+          { "name": "Lamp", "device_type": "lamp" })" + kWbTail}},
+                                  {});
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_THAT(channel_line(*outcome, "V"), HasSubstr("mode: on-demand"));
+  EXPECT_EQ(fate_of(*outcome, "V"), "off in the configuration: read by command only");
+  EXPECT_EQ(fate_of(*outcome, "W"), "ok");
+  EXPECT_EQ(channel_line(*outcome, "W"), "{ name: W, at: \"input-register:2\", type: uint16 }");
+  EXPECT_EQ(channel_line(*outcome, "R"), "{ name: R, at: \"coil:3\", type: bool, refresh: 5s }");
+  EXPECT_EQ(fate_of(*outcome, "H"), "ok");
+  EXPECT_THAT(channel_line(*outcome, "Lamp-Level"), HasSubstr("mode: on-demand }"));
+  EXPECT_EQ(fate_of(*outcome, "Typo"), "no: no address");
+  EXPECT_EQ(fate_of(*outcome, "Own"), "ok");
+  EXPECT_EQ(outcome->rows.size(), 7u);
+}
+
 TEST(ImportWb, ConditionsFollowTheirRules) {
   const auto holds = [](std::string_view condition) -> std::string {
     const auto result = condition_holds(condition, [](std::string_view name) {

@@ -37,10 +37,16 @@ class WbDeviceReader {
   WbDeviceReader(const WbFile& file, const Node& device, Found& found)
       : file_(file), device_(device), found_(found) {}
 
-  void read(Device& device, std::string_view prefix, const WbBase& base, unsigned depth,
-            const Node* settings) {
+  // settings: what a configuration says of the device; nullptr: there is none.
+  void read(Device& device, const Node* settings) {
     settings_ = settings;
-    read_part(device_, device, prefix, base, depth);
+    const bool of_template = settings != nullptr && settings != &device_;
+    read_part(device_, device, {}, {}, of_template ? child(*settings, "channels") : nullptr, 0);
+  }
+
+  // A configuration's own channels: what it says of those of its template is no channel.
+  void leave_out_those_of(const Node& template_device) {
+    template_ = child(template_device, "channels");
   }
 
   // What the template says of its device as a whole.
@@ -70,25 +76,40 @@ class WbDeviceReader {
           fmt::format("{}: {} {} of the device are not moved", file_.source->file, count, words));
   }
 
+  // The channels of a list by their names; of several with one name the last one.
+  using ByName = std::map<std::string_view, const Node*>;
+  static ByName by_name(const Node* channels) {
+    ByName named;
+    if (!is_list(channels)) return named;
+    for (const Node* channel : channels->items) named[text_at(*channel, "name")] = channel;
+    return named;
+  }
+
+  // words: what the configuration says of channels of this part.
   void read_part(const Node& part, Device& device, std::string_view prefix, const WbBase& base,
-                 unsigned depth) {
+                 const Node* words, unsigned depth) {
     const Node* channels = child(part, "channels");
     if (!is_list(channels)) return;
+    const ByName said_of = by_name(words);
+    const ByName template_names = template_ == nullptr ? ByName{} : by_name(template_);
     for (const Node* channel : channels->items) {
       std::string name(text_at(*channel, "name"));
+      if (template_names.contains(name)) continue;
+      const auto said = said_of.find(name);
+      const Node* word = said == said_of.end() ? nullptr : said->second;
       if (!prefix.empty())
         name = name.empty() ? std::string(prefix) : fmt::format("{} {}", prefix, name);
       if (!text_at(*channel, "device_type").empty()) {
-        read_sub_device(*channel, device, name, base, depth);
+        read_sub_device(*channel, device, name, base, word, depth);
       } else {
-        read_channel(*channel, device, std::move(name), base);
+        read_channel(*channel, device, std::move(name), base, word);
       }
     }
   }
 
   // A part that is one of several kinds: its default one.
   void read_sub_device(const Node& channel, Device& device, const std::string& name,
-                       const WbBase& base, unsigned depth) {
+                       const WbBase& base, const Node* word, unsigned depth) {
     const Node* kinds = child(device_, "subdevices");
     const std::string_view kind = text_at(channel, "device_type");
     const auto refuse = [&](std::string reason) {
@@ -107,17 +128,14 @@ class WbDeviceReader {
         return read_part(*inner, device, name,
                          {plus(base.shift, whole_at(channel, "shift")),
                           plus(base.stride, whole_at(channel, "stride"))},
-                         depth + 1);
+                         word == nullptr ? nullptr : child(*word, "channels"), depth + 1);
       }
     }
     refuse(fmt::format("the part '{}' is not in the template", kind));
   }
 
-  void read_channel(const Node& channel, Device& device, std::string name, const WbBase& base) {
-    // Of a configuration: a word about a channel of the template.
-    const bool placed =
-        child(channel, "address") != nullptr || child(channel, "reg_type") != nullptr;
-    if (settings_ == &device_ && !placed) return;
+  void read_channel(const Node& channel, Device& device, std::string name, const WbBase& base,
+                    const Node* word) {
     Point point;
     point.name = std::move(name);
     point.origin = {file_.source->file, line_of(channel)};
@@ -126,20 +144,34 @@ class WbDeviceReader {
       found_.refusals.push_back({point.name, point.origin, std::move(*fault)});
       return;
     }
+    if (word != nullptr && bool_at(*word, "readonly") == true &&
+        point.access == Access::kReadWrite) {
+      point.access = Access::kReadOnly;
+      point.write_min.reset();
+      point.write_max.reset();
+    }
     for (const std::string_view key : {"read_period_ms", "read_rate_limit_ms", "poll_interval"}) {
-      if (const auto period = number_at(channel, key); period && *period >= 1 && *period < 8e7)
+      auto period = number_at(channel, key);
+      if (word != nullptr && number_at(*word, key)) period = number_at(*word, key);
+      if (period && *period >= 1 && *period < 8e7)
         point.refresh = std::chrono::milliseconds{static_cast<std::int64_t>(*period)};
     }
-    read_presence(channel, point);
+    read_presence(channel, word, point);
     device.points.push_back(std::move(point));
   }
 
-  // Channels that are off, or are not there by the device's usual settings.
-  void read_presence(const Node& channel, Point& point) const {
+  // Channels that are off, or are not there by the device's usual settings. What the configuration
+  // says of a channel counts more than what the template says.
+  void read_presence(const Node& channel, const Node* word, Point& point) const {
     const std::string_view condition = text_at(channel, "condition");
-    if (bool_at(channel, "enabled") == false && point.access != Access::kWriteOnly) {
+    const auto said = word == nullptr ? std::nullopt : bool_at(*word, "enabled");
+    const bool hidden = bool_at(channel, "hidden") == true;  // read there, and not shown
+    const bool on = said.value_or(bool_at(channel, "enabled") != false) || hidden;
+    if (!on && point.access != Access::kWriteOnly) {
       point.on_demand = true;
-      point.changes.emplace_back("off in the template: read by command only");
+      point.changes.push_back(
+          fmt::format("off in the {}: read by command only",
+                      said || settings_ == &device_ ? "configuration" : "template"));
     }
     if (condition.empty()) return;
     const auto holds =
@@ -171,6 +203,7 @@ class WbDeviceReader {
   const Node& device_;
   Found& found_;
   const Node* settings_ = nullptr;
+  const Node* template_ = nullptr;  // the channels of the template
   unsigned parts_ = 0;
 };
 
@@ -228,7 +261,7 @@ class WbReader {
     device.description = text_at(node, "name");
     WbDeviceReader reader(file, node, found_);
     reader.describe(device);
-    reader.read(device, {}, {}, 0, nullptr);
+    reader.read(device, nullptr);
     bus.devices.push_back(std::move(device));
   }
 
@@ -268,6 +301,7 @@ class WbReader {
     } else {
       device.fault = slave.error();
     }
+    const Node* of_template = nullptr;
     if (!type.empty()) {
       const auto known = templates_.find(type);
       if (known == templates_.end())
@@ -276,14 +310,16 @@ class WbReader {
                                        "\"device_type\": \"{}\", too",
                                        type));
       if (!is_modbus(*known->second.file, *known->second.device)) return;
-      WbDeviceReader reader(*known->second.file, *known->second.device, found_);
+      of_template = known->second.device;
+      WbDeviceReader reader(*known->second.file, *of_template, found_);
       reader.describe(device);
-      reader.read(device, {}, {}, 0, &node);
+      reader.read(device, &node);
     }
     if (is_modbus(file, node)) {
       WbDeviceReader own(file, node, found_);
+      if (of_template != nullptr) own.leave_out_those_of(*of_template);
       if (type.empty()) own.describe(device);
-      own.read(device, {}, {}, 0, &node);
+      own.read(device, &node);
     }
     bus.devices.push_back(std::move(device));
   }
