@@ -162,6 +162,22 @@ TEST(ImportWb, AConfigurationSaysWhichChannelsAreOn) {
   EXPECT_EQ(outcome->rows.size(), 7u);
 }
 
+TEST(ImportWb, PortsAndDevicesThatAreOffAreNotMoved) {
+  const auto outcome = import_text("wb-mqtt-serial.conf", R"({ "ports": [
+    { "path": "/dev/ttyS1", "enabled": false, "devices": [ { "slave_id": 1, "name": "a",
+        "channels": [ { "name": "x", "reg_type": "input", "address": 2 } ] } ] },
+    { "path": "/dev/ttyS2", "baud_rate": 9600, "enabled": true, "devices": [
+        { "slave_id": 2, "name": "b", "enabled": false,
+          "channels": [ { "name": "y", "reg_type": "input", "address": 2 } ] },
+        { "slave_id": 3, "name": "c",
+          "channels": [ { "name": "z", "reg_type": "input", "address": 2 } ] } ] } ] })");
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_THAT(fate_of(*outcome, "/dev/ttyS1"), HasSubstr("no: the port is off"));
+  EXPECT_THAT(fate_of(*outcome, "b"), HasSubstr("no: the device is off"));
+  EXPECT_EQ(fate_of(*outcome, "z"), "ok");
+  EXPECT_EQ(outcome->files.front().text.find("ttyS1"), std::string::npos);
+}
+
 TEST(ImportWb, ConditionsFollowTheirRules) {
   const auto holds = [](std::string_view condition) -> std::string {
     const auto result = condition_holds(condition, [](std::string_view name) {

@@ -268,6 +268,11 @@ class WbReader {
   void read_port(const WbFile& file, const Node& node) {
     Bus bus;
     bus.origin = {file.source->file, line_of(node)};
+    if (bool_at(node, "enabled") == false) {
+      const std::string_view path = text_at(node, "path");
+      return refuse_file(file, node, std::string(path.empty() ? text_at(node, "address") : path),
+                         "the port is off (\"enabled\": false), with what is on it");
+    }
     if (const auto address = text_at(node, "address"); !address.empty()) {
       bus.port.tcp = fmt::format("{}:{}", address, whole_at(node, "port").value_or(502));
       bus.protocol = text_at(node, "port_type") == "modbus tcp" ? "modbus-tcp" : "modbus-rtu";
@@ -289,12 +294,13 @@ class WbReader {
   }
 
   void read_device(const WbFile& file, const Node& node, Bus& bus) {
-    if (bool_at(node, "enabled") == false) return;
     Device device;
     const std::string_view type = text_at(node, "device_type");
     device.name = text_at(node, "name");
     if (device.name.empty()) device.name = text_at(node, "id");
     if (device.name.empty()) device.name = type;
+    if (bool_at(node, "enabled") == false)
+      return refuse_file(file, node, device.name, "the device is off (\"enabled\": false)");
     device.origin = {file.source->file, line_of(node)};
     if (const Slave slave = slave_from(text_at(node, "slave_id"))) {
       device.address = *slave;
