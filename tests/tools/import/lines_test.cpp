@@ -39,6 +39,16 @@ TEST(ImportLines, AnotherFamilyHasTheLineOfItsFactory) {
   EXPECT_EQ(port_of(outcome), "serial: \"/dev/ttyS1\", baud: 9600, format: 8E1");
 }
 
+TEST(ImportLines, OnlyListsOfModbusTellOfTheOrderOfWords) {
+  const std::string tags =
+      "Tag Name,Address,Data Type,Client Access\n\"a\",V00100,DWord,RO\n\"b\",400001,DWord,RO\n";
+  const auto ppi = import_text("k.csv", tags, {.from = "kepware", .protocol = "s7-ppi"});
+  ASSERT_TRUE(ppi) << ppi.error();
+  EXPECT_THAT(ppi->notes, Not(Contains(HasSubstr("low word first"))));
+  const auto modbus = import_text("k.csv", tags, {.from = "kepware"});
+  EXPECT_THAT(modbus->notes, Contains(HasSubstr("low word first")));
+}
+
 TEST(ImportLines, EachProgramHasItsOwnRate) {
   const auto wb = import_text("wb.conf", R"({ "ports": [ { "path": "/dev/ttyS1", "devices": [
       { "slave_id": 1, "name": "a",

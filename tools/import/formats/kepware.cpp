@@ -120,6 +120,11 @@ class KepwareReader {
   KepwareReader(const SourceText& source, const ReadOptions& options, const Columns& columns)
       : source_(source), options_(options), columns_(columns) {}
 
+  // Lists of other families have the order of their driver, and nothing is written of it.
+  [[nodiscard]] bool is_modbus() const {
+    return options_.protocol.empty() || options_.protocol.starts_with("modbus");
+  }
+
   void read_row(const Row& row, Device& device, std::vector<Refusal>& refusals) {
     Point point;
     point.name = columns_.cell(row, Field::kName);
@@ -155,10 +160,6 @@ class KepwareReader {
       append_array(points, point, area, address->reference.first, address->elements);
     }
     return std::nullopt;
-  }
-
-  [[nodiscard]] bool is_modbus() const {
-    return options_.protocol.empty() || options_.protocol.starts_with("modbus");
   }
 
   MayFail other_family(const Row& row, const std::string& type, const Point& point,
@@ -281,7 +282,8 @@ Read read_kepware(std::span<const SourceText> sources, const ReadOptions& option
     for (std::size_t i = 1; i < table->rows.size(); ++i)
       reader.read_row(table->rows[i], device, found.refusals);
     for (const Point& point : device.points)
-      wide |= point.type != ValueType::kString && registers_of(point.type, 0) > 1;
+      wide |=
+          reader.is_modbus() && point.type != ValueType::kString && registers_of(point.type, 0) > 1;
     for (const std::string& title : with_meaning(columns.ignored()))
       found.notes.push_back(fmt::format("{}: column '{}' is not used", source.file, title));
   }
