@@ -212,8 +212,7 @@ TEST_F(AuthorityTest, AFileThatCannotBeReadIsNamedAndKeepsNobodyFromBeingRevoked
   const std::string wall = authority_.add({kStation, "wall", {}}, kToday);
   const std::string hall = authority_.add({kStation, "hall", {}}, kToday);
   (void)authority_.add({kPlant, "mes", {}}, kToday);
-  std::ofstream(folder_ + "/issued/0123.pem");
-  std::ofstream(hall + "/identity.pem");
+  const std::ofstream unread(folder_ + "/issued/0123.pem"), cut(hall + "/identity.pem");
   const auto named = [&](const std::vector<std::string>& faults) {
     EXPECT_THAT(faults, ElementsAre(folder_ + "/issued/0123.pem is empty",
                                     hall + "/identity.pem is empty"));
