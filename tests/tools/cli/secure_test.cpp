@@ -95,7 +95,7 @@ TEST_F(SecureTest, NamesWhatItCannotReadAndGoesOn) {
   EXPECT_EQ(run(kCheck), ExitCode::kOk);
   EXPECT_THAT(out_, AllOf(HasSubstr("stray: "), HasSubstr("x.tgz is no member's folder"),
                           HasSubstr("in order")));
-  std::ofstream(folder_ + "/issued/0123.pem");
+  const std::ofstream unread(folder_ + "/issued/0123.pem");
   for (const auto action : {kShow, kRevoke}) {
     EXPECT_EQ(run(action, {MemberRole::kPlant, "mes", {}}), ExitCode::kFound);
     EXPECT_THAT(err_, HasSubstr("/issued/0123.pem is empty"));
