@@ -278,7 +278,8 @@ class TelegrafReader {
     return std::nullopt;
   }
 
-  // FLOAT32 of the style "register" is an unsigned number of its registers; FLOAT32-IEEE is a float.
+  // FLOAT32 of the style "register" is an unsigned number of its registers; FLOAT32-IEEE is a
+  // float.
   static bool is_fixed_point(std::string_view name, const FieldPlace& place) {
     return place.in_register_style && name == "float32";
   }
