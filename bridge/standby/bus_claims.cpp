@@ -55,7 +55,7 @@ std::optional<BridgeClaims> BusClaims::rival(const std::string& bus) const {
 bool BusClaims::decide() {
   bool changed = false;
   for (auto& [bus, claim] : own_) {
-    const bool serving = !standing_by_ && !rival(bus);
+    const bool serving = !standing_by_ && (claim.serving || !rival(bus));
     changed |= serving != claim.serving;
     claim.serving = serving;
   }

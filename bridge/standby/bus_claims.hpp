@@ -1,9 +1,11 @@
 // Which bridge serves a bus when several of one domain name it: each tells the others what it wants
 // and what it serves (topic fieldcast/Bridge), and each decides by the same rule. Pure; one owner.
 //
-// The rule: a bridge that serves goes before one that waits; of two that both serve or both wait,
-// the one that has wanted the bus for longer; of two that began at the same instant, the one with
-// the smaller identity. So clocks that differ change who is first of several that begin together,
+// The rule: a bridge that serves a bus keeps it, whatever other bridges claim: a claim can be forged.
+// One that waits gives way to a bridge that serves; of two that wait, the one that has wanted the
+// bus for longer goes first; of two that began at the same instant, the one with the smaller
+// identity. Two that both served before they met both go on, and the bus is contested(). So clocks
+// that differ change who is first of several that begin together,
 // never who goes on. Bridges of one standby group are no rivals: the group's election says which of
 // them serves.
 #pragma once

@@ -79,7 +79,7 @@ TEST(BusClaims, OfTwoThatBeginTogetherOneServes) {
   }
 }
 
-TEST(BusClaims, OfTwoThatServedBeforeTheyMetTheEarlierGoesOn) {
+TEST(BusClaims, TwoThatServedBeforeTheyMetBothGoOnAndKnowIt) {
   Domain domain;
   auto& a = domain.add("a", 7);
   auto& b = domain.add("b", 6);
@@ -88,8 +88,20 @@ TEST(BusClaims, OfTwoThatServedBeforeTheyMetTheEarlierGoesOn) {
   domain.tell();
   EXPECT_THAT(a.claims.contested(), ElementsAre("bus"));
   domain.come_to_rest();
-  EXPECT_THAT(domain.serving(), ElementsAre("b"));
-  EXPECT_THAT(b.claims.contested(), IsEmpty());
+  EXPECT_THAT(domain.serving(), ElementsAre("a", "b"));
+  EXPECT_THAT(a.claims.contested(), ElementsAre("bus"));
+  EXPECT_THAT(b.claims.contested(), ElementsAre("bus"));
+}
+
+TEST(BusClaims, AForgedClaimTakesNoBusFromTheBridgeThatServesIt) {
+  BusClaims own("m");
+  own.want({"bus"}, UtcTime{10});
+  ASSERT_TRUE(own.decide());
+  for (const bool serving : {true, false}) {
+    own.receive("a", {"m", "host", "", UtcTime{1}, {{"bus", {UtcTime{1}, serving}}}});
+    EXPECT_FALSE(own.decide());
+    EXPECT_TRUE(own.serves("bus"));
+  }
 }
 
 TEST(BusClaims, WhoWaitsTakesOverWhenTheOtherIsGoneAndOneOfSeveral) {
@@ -106,7 +118,7 @@ TEST(BusClaims, WhoWaitsTakesOverWhenTheOtherIsGoneAndOneOfSeveral) {
   EXPECT_THAT(domain.serving(), ElementsAre("third"));
 }
 
-TEST(BusClaims, WhoIsSilentIsNoRivalAndIsOneAgainWhenItIsReceived) {
+TEST(BusClaims, WhoIsSilentIsNoRivalAndTakesNoBusBackWhenItIsReceived) {
   Domain domain;
   auto& first = domain.add("first", 1);
   domain.come_to_rest();
@@ -116,9 +128,9 @@ TEST(BusClaims, WhoIsSilentIsNoRivalAndIsOneAgainWhenItIsReceived) {
   EXPECT_TRUE(later.claims.decide());
   EXPECT_TRUE(later.claims.serves("bus"));
   later.claims.set_alive("first", true);  // it was alive all the time, and served
-  EXPECT_TRUE(later.claims.decide());
-  EXPECT_FALSE(later.claims.serves("bus"));
-  EXPECT_TRUE(first.claims.serves("bus"));
+  EXPECT_FALSE(later.claims.decide());
+  EXPECT_TRUE(later.claims.serves("bus"));
+  EXPECT_THAT(later.claims.contested(), ElementsAre("bus"));
 }
 
 TEST(BusClaims, ABusThatIsNotWantedAnyMoreIsFree) {
