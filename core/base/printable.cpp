@@ -17,15 +17,6 @@ char32_t code_point(std::string_view character) {
   return code;
 }
 
-// Controls of ASCII and of Latin-1 (some terminals obey U+009B as they do ESC [), ends of lines and
-// paragraphs, and the marks that turn the direction of text (Unicode 15, 23.2 and UAX #9).
-bool stands_for_itself(char32_t code) {
-  if (code < 0x20 || (code >= 0x7F && code < 0xA0)) return false;
-  if (code == 0x061C || code == 0xFEFF) return false;
-  if (code >= 0x200B && code <= 0x200F) return false;
-  return !(code >= 0x2028 && code <= 0x202E) && !(code >= 0x2060 && code <= 0x2069);
-}
-
 std::string spelled(char32_t code) {
   switch (code) {
     case '\n': return "\\n";
@@ -41,6 +32,16 @@ std::string spelled(char32_t code) {
 
 }  // namespace
 
+// Controls of ASCII and of Latin-1 (some terminals obey U+009B as they do ESC [), ends of lines and
+// paragraphs, and the marks that turn the direction of text (Unicode 15, 23.2 and UAX #9).
+bool is_printable(std::string_view character) {
+  const char32_t code = code_point(character);
+  if (code < 0x20 || (code >= 0x7F && code < 0xA0)) return false;
+  if (code == 0x061C || code == 0xFEFF) return false;
+  if (code >= 0x200B && code <= 0x200F) return false;
+  return !(code >= 0x2028 && code <= 0x202E) && !(code >= 0x2060 && code <= 0x2069);
+}
+
 std::string printable(std::string_view text, std::size_t limit) {
   std::string out;
   std::size_t whole = 0;  // bytes of `out` that leave room for kCut
@@ -49,10 +50,10 @@ std::string printable(std::string_view text, std::size_t limit) {
     const std::string_view character = text.substr(0, length);
     if (length == 0) {
       out += escaped(text.substr(0, 1));
-    } else if (const char32_t code = code_point(character); stands_for_itself(code)) {
+    } else if (is_printable(character)) {
       out += character;
     } else {
-      out += spelled(code);
+      out += spelled(code_point(character));
     }
     if (out.size() > limit) {
       out.resize(whole);

@@ -15,10 +15,11 @@ TEST(Width, CountsCodePoints) {
 }
 
 TEST(Printable, ControlCharactersAreShownNotObeyed) {
-  EXPECT_EQ(printable("\x1b[2Jgone\n"), "\\x1B[2Jgone\\x0A");
+  EXPECT_EQ(printable("\x1b[2Jgone\n"), "\\x1B[2Jgone\\n");
   EXPECT_EQ(printable("\xC2\x9B"
                       "2J"),
-            "\\xC2\\x9B2J");  // U+009B is the one-character form of ESC [
+            "\\u009B2J");  // U+009B is the one-character form of ESC [
+  EXPECT_EQ(printable("a\u202eb\u2066"), "a\\u202Eb\\u2066") << "marks that turn the direction";
   EXPECT_EQ(printable("°C"), "°C");
 }
 

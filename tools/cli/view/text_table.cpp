@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "core/base/escaped.hpp"
+#include "core/base/printable.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -33,7 +33,9 @@ std::size_t display_width(std::string_view utf8) {
       std::count_if(utf8.begin(), utf8.end(), [](char c) { return !continues(c); }));
 }
 
-std::string printable(std::string_view text) { return escaped(text); }
+std::string printable(std::string_view text) {
+  return fieldcast::printable(text, std::string::npos);
+}
 
 std::string clip(std::string_view utf8, std::size_t columns) {
   std::size_t end = 0;

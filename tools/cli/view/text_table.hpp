@@ -27,7 +27,7 @@ struct Screen {
 // Columns that text takes in a terminal: code points, of which each is taken to be one column wide.
 [[nodiscard]] std::size_t display_width(std::string_view utf8);
 
-// What comes from the network is shown, never obeyed (core/base/escaped.hpp).
+// What comes from the network is shown, never obeyed (core/base/printable.hpp).
 [[nodiscard]] std::string printable(std::string_view text);
 
 // The first `columns` columns of text.

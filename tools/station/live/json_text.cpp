@@ -8,20 +8,26 @@
 
 #include "core/base/escaped.hpp"
 #include "core/base/number_text.hpp"
+#include "core/base/printable.hpp"
 
 namespace fieldcast::web {
 namespace {
 
-void append_control(std::string& out, char c) {
-  switch (c) {
+// REQUIRES: a character up to U+FFFF.
+void append_code(std::string& out, std::string_view character) {
+  switch (character.front()) {
     case '\n': out += "\\n"; return;
     case '\r': out += "\\r"; return;
     case '\t': out += "\\t"; return;
     default: break;
   }
-  std::array<char, 8> code{};
-  std::snprintf(code.data(), code.size(), "\\u%04x", static_cast<unsigned>(c) & 0xFFu);
-  out += code.data();
+  unsigned code = static_cast<unsigned char>(character.front());
+  if (character.size() == 2) code &= 0x1Fu;
+  if (character.size() == 3) code &= 0x0Fu;
+  for (const char c : character.substr(1)) code = code << 6 | (static_cast<unsigned>(c) & 0x3Fu);
+  std::array<char, 8> text{};
+  std::snprintf(text.data(), text.size(), "\\u%04x", code);
+  out += text.data();
 }
 
 bool is_plain(char c) {
@@ -44,10 +50,13 @@ void append_text(std::string& out, std::string_view text) {
     if (c == '"' || c == '\\') {
       out += '\\';
       out += c;
-    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) {
-      append_control(out, c);
     } else if (const std::size_t length = utf8_length(text); length != 0) {
-      out += text.substr(0, length);
+      const std::string_view character = text.substr(0, length);
+      if (!is_printable(character)) {
+        append_code(out, character);
+      } else {
+        out += character;
+      }
       taken = length;
     } else {
       out += "\xEF\xBF\xBD";
@@ -84,10 +93,8 @@ double milliseconds(Duration duration) { return static_cast<double>(duration.cou
 
 std::string& JsonObject::begin(std::string_view name) {
   if (text_.size() > 1) text_ += ',';
-  text_ += '"';
-  text_ += name;
-  text_ += "\":";
-  return text_;
+  append_text(text_, name);
+  return text_ += ':';
 }
 
 }  // namespace fieldcast::web

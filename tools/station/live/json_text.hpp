@@ -15,7 +15,8 @@ namespace fieldcast::web {
 // reads exactly.
 inline constexpr std::uint64_t kMaxExact = std::uint64_t{1} << 53;
 
-// With its quotes; bytes that are no UTF-8 become U+FFFD.
+// With its quotes. Bytes that are not UTF-8 become U+FFFD; a character that is not
+// is_printable() (core/base/printable.hpp) is written as \u202e.
 void append_text(std::string& out, std::string_view text);
 // The fewest digits that read back as the same number; null for NaN and infinities.
 void append_number(std::string& out, double number);
@@ -25,7 +26,8 @@ void append_value(std::string& out, const Value& value);
 [[nodiscard]] double unix_ms(UtcTime time);
 [[nodiscard]] double milliseconds(Duration duration);
 
-// One object; the commas are set by it.
+// One object; it sets the commas and escapes names as well as texts: some names, such as the causes
+// of a BusStatus, are received from the network.
 class JsonObject {
  public:
   JsonObject& add(std::string_view name, std::string_view text) {

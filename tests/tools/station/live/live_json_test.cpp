@@ -24,6 +24,25 @@ TEST(LiveJson, ABusHasTheFieldsOfItsTopic) {
   EXPECT_FALSE(json.contains("closed_because"));
 }
 
+// Causes come from the network: a forged one must not add a field to the object.
+TEST(LiveJson, HostileCausesStayKeys) {
+  const std::string forged = "x\":1},\"state\":\"stopped\",\"y\":{\"z";
+  const std::string odd = "a\nb\x01<script>\\\u202e\u009b\ufeff";
+  StationBusStatus bus = bus_of("shop");
+  bus.causes = {{forged, 1}, {odd, 2}};
+  bus.misses = {{"\xff", 3}};
+  const std::string text = bus_json(bus);
+  const Json json = Json::parse(text);
+  EXPECT_EQ(json["state"], "running");
+  EXPECT_EQ(json["causes"], Json({{forged, 1}, {odd, 2}}));
+  EXPECT_EQ(json["misses"], Json({{"\ufffd", 3}}));
+  EXPECT_NE(text.find("\\u202e\\u009b\\ufeff"), std::string::npos) << text;
+
+  StationDeviceStatus device = device_of("press", 1);
+  device.causes = bus.causes;
+  EXPECT_EQ(Json::parse(device_json(device))["causes"], json["causes"]);
+}
+
 TEST(LiveJson, ADeviceTellsWhatWasLearnedInMilliseconds) {
   StationDeviceStatus device = device_of("press", 1);
   device.report.answer_time = std::chrono::microseconds{1500};
