@@ -157,13 +157,14 @@ bool all_digits(std::string_view text) {
 
 using Parsed = tl::expected<Reference, std::string>;
 
-// Counted from 1.
-Parsed counted(std::optional<ModbusArea> area, std::string_view digits) {
+// Counted from `base`.
+Parsed counted(std::optional<ModbusArea> area, std::string_view digits, unsigned base) {
   const auto number = whole_from(digits);
-  if (!number || *number > 65536)
-    return tl::unexpected(fmt::format("'{}' is no number from 1 to 65536", digits));
-  if (*number == 0) return tl::unexpected(std::string("references count from 1"));
-  return Reference{area, static_cast<std::uint32_t>(*number - 1), {}};
+  if (!number || *number > 65535 + base)
+    return tl::unexpected(
+        fmt::format("'{}' is no number from {} to {}", digits, base, 65535 + base));
+  if (*number < base) return tl::unexpected(std::string("references count from 1"));
+  return Reference{area, static_cast<std::uint32_t>(*number - base), {}};
 }
 
 // Counted from 0.
@@ -174,7 +175,7 @@ Parsed offset(std::optional<ModbusArea> area, std::string_view digits) {
   return Reference{area, static_cast<std::uint32_t>(*number), {}};
 }
 
-Parsed without_bit(std::string_view text) {
+Parsed without_bit(std::string_view text, unsigned base) {
   if (text.starts_with("%MW")) return offset(ModbusArea::kHolding, text.substr(3));
   if (text.starts_with("%IW")) return offset(ModbusArea::kInputRegister, text.substr(3));
   if (text.starts_with("%M")) return offset(ModbusArea::kCoil, text.substr(2));
@@ -182,10 +183,10 @@ Parsed without_bit(std::string_view text) {
   // "4x0101", "4:101", "3-0007"
   if (text.size() > 2 && std::string_view("xX:-").find(text[1]) != std::string_view::npos &&
       !text.starts_with("0x") && !text.starts_with("0X")) {
-    if (const auto area = area_of_digit(text[0])) return counted(area, text.substr(2));
+    if (const auto area = area_of_digit(text[0])) return counted(area, text.substr(2), base);
   }
   if (all_digits(text) && (text.size() == 5 || text.size() == 6)) {
-    if (const auto area = area_of_digit(text[0])) return counted(area, text.substr(1));
+    if (const auto area = area_of_digit(text[0])) return counted(area, text.substr(1), base);
   }
   // "HR100", "holding:100"
   const std::size_t digit = text.find_first_of("0123456789");
@@ -235,12 +236,12 @@ Slave slave_from(std::string_view text) {
   return static_cast<std::uint16_t>(*number);
 }
 
-tl::expected<Reference, std::string> reference_from(std::string_view text) {
+tl::expected<Reference, std::string> reference_from(std::string_view text, unsigned base) {
   text = trimmed(text);
   if (text.empty()) return tl::unexpected(std::string("no address"));
   const std::size_t point = text.find_first_of(".");
-  if (point == std::string_view::npos) return without_bit(text);
-  auto reference = without_bit(trimmed(text.substr(0, point)));
+  if (point == std::string_view::npos) return without_bit(text, base);
+  auto reference = without_bit(trimmed(text.substr(0, point)), base);
   if (!reference) return reference;
   const auto bit = whole_from(text.substr(point + 1));
   if (!bit || *bit > 15)

@@ -39,7 +39,8 @@ struct Reference {
   std::uint32_t first = 0;         // counted from 0
   std::optional<std::uint8_t> bit;
 };
-// The error says why it is none.
-[[nodiscard]] tl::expected<Reference, std::string> reference_from(std::string_view text);
+// `base`: the number of the first one in "40001" and "4x0001". The error says why it is none.
+[[nodiscard]] tl::expected<Reference, std::string> reference_from(std::string_view text,
+                                                                  unsigned base = 1);
 
 }  // namespace fieldcast::importing

@@ -7,9 +7,11 @@
 #include <utility>
 
 #include "config/limits.hpp"
+#include "core/base/number_text.hpp"
 #include "core/model/port_spec.hpp"
 #include "core/protocol/registry.hpp"
 #include "tools/import/names.hpp"
+#include "tools/import/types.hpp"
 
 namespace fieldcast::importing {
 namespace {
@@ -187,10 +189,33 @@ void set_names(std::vector<Bus>& buses, const ImportOptions& options) {
   }
 }
 
+// The configuration has no scale at bits and texts: one that lost it would mean something else.
+std::optional<std::string> fault_of_scale(const Point& point) {
+  if (is_number(point.type) || (point.scale == 1 && point.offset == 0)) return std::nullopt;
+  const std::string has =
+      fmt::format("scale {}, offset {}", number_text(point.scale), number_text(point.offset));
+  if (point.type == ValueType::kString) return fmt::format("a text has no scale ({})", has);
+  if (point.scale == -1 && point.offset == 1)
+    return fmt::format(
+        "the list inverts this bit ({}), and a channel is always true at 1: take scale and offset "
+        "out of the list and invert the bit where it is used",
+        has);
+  return fmt::format("a bit has no scale ({})", has);
+}
+
+void refuse_scaled_bits(Device& device, std::vector<Refusal>& refusals) {
+  std::erase_if(device.points, [&](const Point& point) {
+    const auto fault = fault_of_scale(point);
+    if (fault) refusals.push_back({point.name, point.origin, *fault});
+    return fault.has_value();
+  });
+}
+
 // What a reader found wrong with a bus or a device stands at each of its values.
 void refuse_faulty(Found& found) {
   for (Bus& bus : found.buses) {
     for (Device& device : bus.devices) {
+      refuse_scaled_bits(device, found.refusals);
       if (!bus.fault.empty()) {
         refuse_device(device, "its bus", bus.origin, bus.fault, found.refusals);
       } else if (!device.fault.empty()) {

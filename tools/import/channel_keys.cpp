@@ -24,11 +24,6 @@ bool has_words(const Point& point) {
 }
 bool has_bytes(const Point& point) { return point.type != ValueType::kBool && !point.byte; }
 
-std::string type_text(const Point& point) {
-  if (point.type == ValueType::kString) return fmt::format("string({})", point.string_bytes);
-  return std::string(to_text(point.type));
-}
-
 class Keys {
  public:
   void add(std::string_view key, std::string value) { add({}, key, key, std::move(value)); }
@@ -112,6 +107,11 @@ bool is_word(std::string_view text) {
 }
 
 }  // namespace
+
+std::string type_text(const Point& point) {
+  if (point.type == ValueType::kString) return fmt::format("string({})", point.string_bytes);
+  return std::string(to_text(point.type));
+}
 
 std::string yaml_text(std::string_view text) {
   if (is_word(text)) return std::string(text);

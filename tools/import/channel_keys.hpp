@@ -15,6 +15,9 @@ struct SharedKeys {
   ByteOrder byte_order = ByteOrder::kBigEndian;
 };
 
+// "uint16", "string(20)".
+[[nodiscard]] std::string type_text(const Point& point);
+
 // REQUIRES: the device has points.
 [[nodiscard]] SharedKeys shared_keys(const Device& device);
 

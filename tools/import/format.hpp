@@ -23,7 +23,8 @@ struct SourceText {
 // What the list itself does not say and the user may.
 struct ReadOptions {
   std::optional<WordOrder> word_order;
-  std::string protocol;  // "mitsubishi-fx"; empty: a family of Modbus
+  std::optional<unsigned> base;  // the number of the first register: 0 or 1
+  std::string protocol;          // "mitsubishi-fx"; empty: a family of Modbus
 };
 
 // How sure it is that a text is of a format: 0 (it is not) to 100.
@@ -37,6 +38,7 @@ struct Format {
   // The files belong together. The error: they cannot be read at all, one line, with the file.
   tl::expected<Found, std::string> (*read)(std::span<const SourceText> sources,
                                            const ReadOptions& options) = nullptr;
+  std::string_view base;  // from which number its addresses count; empty: --base may say it
 };
 
 [[nodiscard]] std::span<const Format> formats();

@@ -8,6 +8,7 @@
 #include "core/base/number_text.hpp"
 #include "tools/import/accept.hpp"
 #include "tools/import/arrange.hpp"
+#include "tools/import/channel_keys.hpp"
 #include "tools/import/options_fault.hpp"
 #include "tools/import/text.hpp"
 #include "tools/import/types.hpp"
@@ -60,6 +61,7 @@ void append(Found& all, Found&& more) {
   std::ranges::move(more.buses, std::back_inserter(all.buses));
   std::ranges::move(more.refusals, std::back_inserter(all.refusals));
   std::ranges::move(more.notes, std::back_inserter(all.notes));
+  std::ranges::move(more.guesses, std::back_inserter(all.guesses));
 }
 
 std::string head_of(const std::vector<InputFile>& inputs, bool as_template) {
@@ -85,6 +87,40 @@ std::size_t count_points(const Found& found) {
   return points;
 }
 
+// A command that reads one value of the file, with what the configuration says of its device.
+std::string reading_of(const Found& found, const std::string& file) {
+  for (const Bus& bus : found.buses) {
+    for (const Device& device : bus.devices) {
+      const auto point = std::ranges::find_if(device.points, [&](const Point& one) {
+        return one.origin.file == file && one.access != Access::kWriteOnly;
+      });
+      if (point == device.points.end()) continue;
+      const Port& port = bus.port;
+      const bool ordered = point->word_order == WordOrder::kLittleEndian ||
+                           point->byte_order == ByteOrder::kLittleEndian;
+      return fmt::format("fieldcast read {} --protocol {}{}{} --address {} {} {} {}",
+                         port.tcp.empty() ? port.serial : port.tcp, bus.protocol,
+                         port.line.baud ? fmt::format(" --baud {}", *port.line.baud) : "",
+                         port.line.format.empty() ? "" : " --format " + port.line.format,
+                         device.address.value_or(1), point->at, ordered ? "--as" : "--type",
+                         type_text(*point));
+    }
+  }
+  return {};
+}
+
+// How a guess can be checked with the device itself.
+void tell_guesses(Found& found) {
+  for (const BaseGuess& guess : found.guesses) {
+    const std::string reading = reading_of(found, guess.file);
+    if (reading.empty()) continue;
+    found.notes.push_back(
+        fmt::format("{}: the addresses are taken to count from {}: {}; compare one value with the "
+                    "device's display: {}; if it differs, try --base {}",
+                    guess.file, guess.base, guess.reason, reading, 1 - guess.base));
+  }
+}
+
 void tell_moved(const Found& found, Outcome& outcome) {
   for (const Bus& bus : found.buses) {
     for (const Device& device : bus.devices) {
@@ -94,8 +130,7 @@ void tell_moved(const Found& found, Outcome& outcome) {
         row.name = point.listed;
         row.channel = fmt::format("{}/{}/{}", bus.name, device.name, point.name);
         row.at = point.at;
-        row.type = point.type == ValueType::kString ? fmt::format("string({})", point.string_bytes)
-                                                    : std::string(to_text(point.type));
+        row.type = type_text(point);
         row.words = fmt::format("{}", fmt::join(point.changes, "; "));
         row.origin = point.origin;
         row.scale = point.scale;
@@ -154,8 +189,11 @@ tl::expected<Outcome, std::string> run_import(const std::vector<InputFile>& inpu
   if (!groups) return tl::unexpected(groups.error());
   tell(0.3);
   Found found;
-  const ReadOptions read_options{options.word_order, options.protocol};
+  const ReadOptions read_options{options.word_order, options.base, options.protocol};
   for (const Group& group : *groups) {
+    if (options.base && !group.format->base.empty())
+      found.notes.push_back(fmt::format("--base is not used: addresses of {} count from {}",
+                                        group.format->title, group.format->base));
     auto read = group.format->read(group.sources, read_options);
     if (!read) return tl::unexpected(read.error());
     if (count_points(*read) == 0 && read->refusals.empty())
@@ -172,6 +210,7 @@ tl::expected<Outcome, std::string> run_import(const std::vector<InputFile>& inpu
                               [&](double done) { tell(0.5 + 0.5 * done); });
   if (!files) return tl::unexpected(files.error());
   tell(1);
+  tell_guesses(found);
   outcome.files = std::move(*files);
   tell_moved(found, outcome);
   outcome.notes = std::move(found.notes);

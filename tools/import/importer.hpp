@@ -27,6 +27,7 @@ struct ImportOptions {
   std::optional<std::uint32_t> address;  // of the first device that has none
   std::optional<Duration> refresh;       // of all channels
   std::optional<WordOrder> word_order;
+  std::optional<unsigned> base;  // 0 or 1, the number of the first register; empty: guessed
   bool as_template = false;
   bool lists = false;                // channels in lists beside the configuration
   std::string file = "bridge.yaml";  // the configuration, or with as_template the one template

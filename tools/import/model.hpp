@@ -19,7 +19,8 @@ inline constexpr std::size_t kMaxPoints = 100'000;
 
 struct Origin {
   std::string file;
-  unsigned line = 0;  // from 1; of a table of Excel: the row
+  unsigned line = 0;    // from 1; of a table of Excel: the row
+  unsigned column = 0;  // of the cell that is wrong, from 1; 0: not of one cell
 };
 
 // A channel to be. Its numbers mean what those of a channel mean: value = raw * scale + offset.
@@ -89,11 +90,19 @@ struct Refusal {
   std::string reason;
 };
 
+// From which number the addresses of a file were taken to count, which it does not say itself.
+struct BaseGuess {
+  std::string file;
+  unsigned base = 0;
+  std::string reason;
+};
+
 struct Found {
   std::vector<Bus> buses;
   std::vector<Refusal> refusals;
   std::vector<std::string>
       notes;  // of the whole list: what was taken for granted, what is left out
+  std::vector<BaseGuess> guesses;
 };
 
 }  // namespace fieldcast::importing

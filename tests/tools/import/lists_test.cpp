@@ -20,7 +20,7 @@ std::string place_of(const Outcome& outcome, const std::string& name) {
 
 TEST(ImportListAddress, IsUnderstoodWholeOrNotAtAll) {
   const auto read = [](std::string_view cell) -> std::string {
-    const auto address = list_address_from(cell, false);
+    const auto address = list_address_from(cell, {});
     if (!address) return "no: " + address.error();
     std::string text = address->plain ? std::to_string(*address->plain) : "reference";
     if (address->bit) text += "." + std::to_string(*address->bit);

@@ -223,6 +223,15 @@ TEST(ImportMqmgateway, ACommandMakesWhatIsReadWritable) {
   EXPECT_THAT(channel_line(*outcome, "valve"), HasSubstr("scale: 0.1, access: read-write"));
 }
 
+TEST(ImportMqmgateway, CommandsMayBeAMapOfOne) {
+  const auto outcome = import_text("config.yaml", kMqm + R"(
+    - topic: valve
+      commands: { name: set, register: hall.1.5, register_type: holding }
+)");
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_THAT(channel_line(*outcome, "valve-set"), HasSubstr("access: write-only"));
+}
+
 TEST(ImportMqmgateway, WhatHasNoCounterpartIsTold) {
   const auto outcome = import_text("config.yaml", kMqm + R"(
     - { topic: a, state: { register: hall.1.1, converter: my.plugin() } }

@@ -198,6 +198,14 @@ class ImportCommand final : public CommandWith<ImportCommandOptions> {
           return std::nullopt;
         },
         "Of wide values, where the list does not say: big-endian, little-endian");
+    line.value(
+        "--base",
+        [&import](const std::string& text) -> std::optional<std::string> {
+          if (text != "auto" && text != "0" && text != "1") return "allowed: auto, 0, 1";
+          import.base = text == "auto" ? std::nullopt : std::optional(text == "1" ? 1u : 0u);
+          return std::nullopt;
+        },
+        "The number of the first register in the list: 0, 1 or auto (guessed, with the reason)");
     line.flag("--all", options_.all, "Show every value that moved as it is");
     line.flag("--json", options_.json, "JSON lines, one for each value");
   }

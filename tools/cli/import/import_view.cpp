@@ -35,9 +35,9 @@ std::vector<std::string> import_lines(const importing::Outcome& outcome, bool al
   std::size_t moved = 0;
   for (const PointFate& row : outcome.rows) {
     if (row.fate == Fate::kMoved && ++moved > kMovedShown && !all) continue;
-    const std::string where = files
-                                  ? fmt::format("{}:{}", one_line(row.origin.file), row.origin.line)
-                                  : fmt::format("line {}", row.origin.line);
+    std::string where = files ? fmt::format("{}:{}", one_line(row.origin.file), row.origin.line)
+                              : fmt::format("line {}", row.origin.line);
+    if (row.origin.column > 0) where += fmt::format(":{}", row.origin.column);
     table.add_row({{where, Tone::kFaint},
                    {clip(one_line(row.name), 40)},
                    {row.channel},
@@ -70,6 +70,7 @@ Json fate_json(const PointFate& row) {
                {"why", row.words},
                {"file", row.origin.file},
                {"line", row.origin.line}};
+  if (row.origin.column > 0) json["column"] = row.origin.column;
   if (row.fate == Fate::kRefused) return json;
   const auto order = [](bool little) { return little ? "little-endian" : "big-endian"; };
   json["scale"] = row.scale;

@@ -134,7 +134,8 @@ class RecordReader {
       point_.type = ValueType::kBool;
       const bool one_bit = !link_.masked || interface != "asynUInt32Digital" ||
                            c_number(link_.mask).value_or(1) == 1;
-      return one_bit ? MayFail() : "several bits in one record; write a channel for each";
+      if (!one_bit) return "several bits in one record; write a channel for each";
+      return record_.type == "ai" || record_.type == "ao" ? read_scale(interface) : MayFail();
     }
     if (interface == "asynUInt32Digital") return read_mask();
     return read_typed(interface, offset);

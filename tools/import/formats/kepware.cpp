@@ -59,18 +59,18 @@ tl::expected<unsigned, std::string> elements_of(std::string_view brackets) {
   return elements;
 }
 
-// "H400A1": hexadecimal behind the digit of the area, counted from 1.
-ParsedKepware hexadecimal(std::string_view text) {
+// "H400A1": hexadecimal behind the digit of the area, counted from `base`.
+ParsedKepware hexadecimal(std::string_view text, unsigned base) {
   const auto digits = whole_from(fmt::format("0x{}", text.substr(1)));
   constexpr std::string_view kAreas = "0134";
   const std::size_t area = text.empty() ? std::string_view::npos : kAreas.find(text[0]);
-  if (!digits || area == std::string_view::npos || *digits == 0 || *digits > 65536)
+  if (!digits || area == std::string_view::npos || *digits < base || *digits > 65535 + base)
     return tl::unexpected(fmt::format("'H{}' is no address", text));
   return KepwareAddress{
-      {static_cast<ModbusArea>(area), static_cast<std::uint32_t>(*digits - 1), {}}};
+      {static_cast<ModbusArea>(area), static_cast<std::uint32_t>(*digits - base), {}}};
 }
 
-ParsedKepware string_address(std::string_view text, std::size_t point) {
+ParsedKepware string_address(std::string_view text, std::size_t point, unsigned base) {
   std::string_view length = text.substr(point + 1);
   KepwareAddress address;
   if (length.ends_with('L') || length.ends_with('l')) address.low_first = true;
@@ -79,14 +79,14 @@ ParsedKepware string_address(std::string_view text, std::size_t point) {
   if (!bytes || *bytes == 0 || *bytes > kMaxStringBytes)
     return tl::unexpected(
         fmt::format("a text of '{}' bytes; 1 to {} can be read", length, kMaxStringBytes));
-  auto reference = reference_from(text.substr(0, point));
+  auto reference = reference_from(text.substr(0, point), base);
   if (!reference) return tl::unexpected(reference.error());
   address.reference = *reference;
   address.string_bytes = static_cast<std::uint16_t>(*bytes);
   return address;
 }
 
-ParsedKepware kepware_address(std::string_view text, bool is_string) {
+ParsedKepware kepware_address(std::string_view text, bool is_string, unsigned base) {
   text = trimmed(text);
   unsigned elements = 0;
   if (const std::size_t bracket = text.find('['); bracket != std::string_view::npos) {
@@ -97,12 +97,12 @@ ParsedKepware kepware_address(std::string_view text, bool is_string) {
   }
   ParsedKepware parsed;
   if (text.starts_with('H') || text.starts_with('h')) {
-    parsed = hexadecimal(text.substr(1));
+    parsed = hexadecimal(text.substr(1), base);
   } else if (const std::size_t point = text.find('.');
              is_string && point != std::string_view::npos) {
-    parsed = string_address(text, point);
+    parsed = string_address(text, point, base);
   } else {
-    auto reference = reference_from(text);
+    auto reference = reference_from(text, base);
     if (!reference) return tl::unexpected(reference.error());
     parsed = KepwareAddress{*reference};
   }
@@ -145,13 +145,12 @@ class KepwareReader {
     read_words(row, point);
     if (const auto fault = read_scaling(row, point)) return fault;
     if (!is_modbus()) return other_family(row, type, point, points);
-    const auto address = kepware_address(columns_.cell(row, Field::kAddress), type == "string");
+    const auto address = kepware_address(columns_.cell(row, Field::kAddress), type == "string",
+                                         options_.base.value_or(1));
     if (!address) return address.error();
     const ModbusArea area = *address->reference.area;
     if (const auto fault = read_type(type, *address, area, point)) return fault;
     if (!can_be_written(area)) point.access = Access::kReadOnly;
-    if (!is_number(point.type) && (point.scale != 1 || point.offset != 0))
-      return "a scaled bit or text";
     if (array && address->elements == 0) return "an array without a number of elements";
     point.at = address_text(area, address->reference.first, address->reference.bit);
     if (address->elements == 0) {
@@ -284,6 +283,11 @@ Read read_kepware(std::span<const SourceText> sources, const ReadOptions& option
     for (const Point& point : device.points)
       wide |=
           reader.is_modbus() && point.type != ValueType::kString && registers_of(point.type, 0) > 1;
+    if (reader.is_modbus() && !options.base)
+      found.guesses.push_back(
+          {source.file, 1,
+           "400001 is register 0 where the setting Zero-Based Addressing of the "
+           "device is on, as the driver has it by default"});
     for (const std::string& title : with_meaning(columns.ignored()))
       found.notes.push_back(fmt::format("{}: column '{}' is not used", source.file, title));
   }

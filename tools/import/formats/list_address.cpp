@@ -16,6 +16,7 @@ namespace {
 constexpr unsigned kMostRegisters = 125;  // of one value
 
 using Parsed = tl::expected<ListAddress, std::string>;
+using Notation = AddressNotation;
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool all_digits(std::string_view text) {
@@ -51,12 +52,12 @@ bool has_thousands(std::string_view text) {
 }
 
 // One number, perhaps with its bit.
-Parsed single(std::string_view text, bool hex) {
+Parsed single(std::string_view text, Notation notation) {
   text = trimmed(text);
   ListAddress address;
   const bool marked = text.starts_with("0x") || text.starts_with("0X") || text.starts_with('$') ||
                       (lower(text).ends_with('h') && text.size() > 1 && is_digit(text[0]));
-  if (hex && !marked) {
+  if (notation.hex && !marked) {
     const auto number = whole_from(fmt::format("0x{}", text));
     if (!number || *number > 0xFFFF)
       return tl::unexpected(fmt::format("'{}' is no hexadecimal address from 0 to FFFF", text));
@@ -68,7 +69,7 @@ Parsed single(std::string_view text, bool hex) {
     if (is_digit(text[at - 1]))
       return tl::unexpected(fmt::format("'{}' is no address: a blank stands in it", text));
   }
-  const auto reference = reference_from(text);
+  const auto reference = reference_from(text, notation.base);
   const std::string_view digits = text.substr(0, text.find('.'));
   const auto number = whole_from(digits);
   if (number && *number <= 65535) address.plain = static_cast<std::uint32_t>(*number);
@@ -97,12 +98,18 @@ std::string whole_number(std::string_view first, std::string_view second) {
 }
 
 Parsed several(std::string_view cell, const std::vector<std::string_view>& parts, bool is_range,
-               bool hex) {
-  auto first = single(parts.front(), hex);
+               Notation notation) {
+  for (const std::string_view part : parts) {
+    if (trimmed(part).empty())
+      return tl::unexpected(fmt::format(
+          "the range '{}' is open; name its first and its last register: 40003..40004", cell));
+  }
+  auto first = single(parts.front(), notation);
   if (!first) return tl::unexpected(fmt::format("'{}' is no address", cell));
   for (std::size_t i = 1; i < parts.size(); ++i) {
     const auto next =
-        single(hex || is_range ? std::string(parts[i]) : whole_number(parts[0], parts[i]), hex);
+        single(notation.hex || is_range ? std::string(parts[i]) : whole_number(parts[0], parts[i]),
+               notation);
     const auto far = next ? steps(*first, *next) : std::nullopt;
     const bool right = far && (is_range ? *far >= 0 && *far < kMostRegisters
                                         : *far == static_cast<std::int64_t>(i));
@@ -120,36 +127,36 @@ bool is_reference_with_dash(std::string_view text) {
          std::string_view("0134").find(text[0]) != std::string_view::npos;
 }
 
-Parsed without_remark(std::string_view text, bool hex) {
+Parsed without_remark(std::string_view text, Notation notation) {
   if (has_thousands(text))
     return tl::unexpected(
         fmt::format("'{}' is no address: is it one number with separators, or two?", text));
   if (const std::size_t dots = text.find(".."); dots != std::string_view::npos && dots > 0) {
-    const std::string_view last = text.substr(text.find_first_not_of('.', dots));
-    return several(text, {text.substr(0, dots), last}, true, hex);
+    const std::size_t last = std::min(text.find_first_not_of('.', dots), text.size());
+    return several(text, {text.substr(0, dots), text.substr(last)}, true, notation);
   }
   // A spreadsheet with decimal commas wrote "40001,0".
   if (const std::size_t comma = text.find(','); comma != std::string_view::npos) {
     const std::string_view behind = text.substr(comma + 1);
     if (!behind.empty() && behind.find_first_not_of('0') == std::string_view::npos)
-      return single(text.substr(0, comma), hex);
+      return single(text.substr(0, comma), notation);
   }
   for (const char separator : {'-', '~'}) {
     const std::size_t at = text.find(separator, 1);
     if (at != std::string_view::npos && !is_reference_with_dash(text))
-      return several(text, {text.substr(0, at), text.substr(at + 1)}, true, hex);
+      return several(text, {text.substr(0, at), text.substr(at + 1)}, true, notation);
   }
   for (const char separator : {',', ';', '/', '+'}) {
     if (text.find(separator) != std::string_view::npos)
-      return several(text, split(text, separator), false, hex);
+      return several(text, split(text, separator), false, notation);
   }
-  return single(text, hex);
+  return single(text, notation);
 }
 
 // "100 (0x64)", "40001 (0)": the second number is the same one, or the one that counts from 0.
 Parsed with_remark(std::string_view cell, std::string_view text, std::string_view remark,
-                   bool hex) {
-  auto address = without_remark(trimmed(text), hex);
+                   Notation notation) {
+  auto address = without_remark(trimmed(text), notation);
   if (!address) return address;
   const auto number = whole_from(remark);
   if (number && address->plain && *number == *address->plain) return address;
@@ -162,7 +169,7 @@ Parsed with_remark(std::string_view cell, std::string_view text, std::string_vie
 
 }  // namespace
 
-tl::expected<ListAddress, std::string> list_address_from(std::string_view cell, bool hex) {
+tl::expected<ListAddress, std::string> list_address_from(std::string_view cell, Notation notation) {
   const std::string whole = plain_signs(cell);
   std::string_view text = whole;
   if (text.empty()) return tl::unexpected(std::string("no address"));
@@ -176,8 +183,8 @@ tl::expected<ListAddress, std::string> list_address_from(std::string_view cell, 
   const std::size_t bracket = text.find('(');
   auto address = bracket != std::string_view::npos && bracket > 0 && text.ends_with(')')
                      ? with_remark(cell, text.substr(0, bracket),
-                                   text.substr(bracket + 1, text.size() - bracket - 2), hex)
-                     : without_remark(text, hex);
+                                   text.substr(bracket + 1, text.size() - bracket - 2), notation)
+                     : without_remark(text, notation);
   if (address && bit) {
     if (address->bit || address->registers > 1)
       return tl::unexpected(fmt::format("'{}' is no address of a bit", cell));

@@ -24,10 +24,14 @@ struct ListAddress {
   [[nodiscard]] bool is_open() const { return reference && plain; }
 };
 
+struct AddressNotation {
+  bool hex = false;   // digits without a mark are hexadecimal
+  unsigned base = 1;  // the first number behind the digit of an area
+};
+
 // "40101", "4x0101", "%MW100", "0x64", "100 (0x64)", "100-101", "100..103", "100 to 101",
-// "100, 101", "30001/2", "40007 bit 3", "40007.3". `hex`: digits without a mark are hexadecimal.
-// Whatever else stands in the cell makes it no address; the error says why.
+// "100, 101", "30001/2", "40007 bit 3", "40007.3". Whatever else stands in the cell makes it no address; the error says why.
 [[nodiscard]] tl::expected<ListAddress, std::string> list_address_from(std::string_view cell,
-                                                                       bool hex);
+                                                                       AddressNotation notation);
 
 }  // namespace fieldcast::importing

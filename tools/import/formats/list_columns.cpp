@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tools/import/address.hpp"
+#include "tools/import/formats/list_address.hpp"
 #include "tools/import/formats/modbus_list_columns.hpp"
 #include "tools/import/text.hpp"
 
@@ -17,10 +18,12 @@ ListColumns::ListColumns(const Table& table, std::size_t header)
   if (const auto address = columns.index_of(Field::kAddress)) {
     hex = column_word(titles.cell(*address)).find("hex") != std::string::npos;
     counts_from = first_address_of_title(titles.cell(*address));
+    if (counts_from) counts_note = "their title says";
   }
   find_areas(table, header);
   learn_style(table, header);
   find_hex(table, header);
+  if (!counts_from) compare_addresses(table, header);
   decide_gain(table, header);
   if (const auto length = columns.index_of(Field::kLength))
     length_unit = length_unit_of_title(titles.cell(*length));
@@ -111,6 +114,32 @@ void ListColumns::decide_gain(const Table& table, std::size_t header) {
     less = less || std::abs((*factor)->value) < 1;
   }
   gain = more && less ? Gain::kUnclear : less ? Gain::kMultiplies : Gain::kDivides;
+}
+
+// "40001 | 0000", "5001 | 5000": a second column of addresses has them as the protocol has them, or
+// the first one does.
+void ListColumns::compare_addresses(const Table& table, std::size_t header) {
+  for (const std::size_t column : columns.others(Field::kAddress)) {
+    const std::string_view title = table.rows[header].cell(column);
+    const bool second_hex = column_word(title).find("hex") != std::string::npos;
+    bool from_one = true, from_zero = true, any = false;
+    for (std::size_t i = header + 1; i < table.rows.size(); ++i) {
+      const auto listed = list_address_from(columns.cell(table.rows[i], Field::kAddress), {hex});
+      const auto second = list_address_from(table.rows[i].cell(column), {second_hex});
+      if (!listed || !second || !listed->plain || !second->plain) continue;
+      any = true;
+      const auto is_behind = [](const ListAddress& counted, std::uint32_t number) {
+        return *counted.plain == number + 1 ||
+               (counted.reference && counted.reference->first == number);
+      };
+      from_one = from_one && is_behind(*listed, *second->plain);
+      from_zero = from_zero && is_behind(*second, *listed->plain);
+    }
+    if (!any || from_one == from_zero) continue;
+    counts_from = from_one ? 1 : 0;
+    counts_note = fmt::format("the column '{}' beside them shows", title);
+    return;
+  }
 }
 
 // How the numbers of the factors are written, by all of them.

@@ -19,7 +19,8 @@ struct ListColumns {
   enum class Gain { kNone, kDivides, kMultiplies, kUnclear };
 
   Columns columns;
-  std::optional<unsigned> counts_from;    // the addresses, as their title says
+  std::optional<unsigned> counts_from;    // the addresses, as their title or a second column says
+  std::string counts_note;                // which of both; empty: neither
   bool hex = false;                       // addresses without a mark
   std::string hex_note;                   // why, or why perhaps; empty: nothing to tell
   NumberStyle style;                      // of the factors
@@ -27,6 +28,7 @@ struct ListColumns {
   std::optional<LengthUnit> length_unit;  // as the title says
 
  private:
+  void compare_addresses(const Table& table, std::size_t header);
   void find_areas(const Table& table, std::size_t header);
   void release_function(const Table& table, std::size_t header);
   void learn_style(const Table& table, std::size_t header);

@@ -45,6 +45,7 @@ class ListReader {
         header_(header),
         list_(table, header),
         columns_(list_.columns),
+        base_(options.base ? options.base : list_.counts_from),
         length_unit_(list_.length_unit) {}
 
   void read(Bus& bus, Found& found) {
@@ -78,9 +79,7 @@ class ListReader {
     for (const std::string& title : columns_.ignored())
       found.notes.push_back(fmt::format("{}: column '{}' is not used", source_.file, title));
     tell_decisions(found);
-    if (list_.counts_from == 1u)
-      found.notes.push_back(
-          fmt::format("{}: the addresses count from 1, as their title says", source_.file));
+    tell_base(found);
     if (took_unsigned_)
       found.notes.push_back(fmt::format(
           "{}: values without a data type are taken for unsigned numbers", source_.file));
@@ -134,11 +133,16 @@ class ListReader {
   // What the row says by itself.
   MayFail read_cells(Entry& entry) {
     const Row& row = *entry.row;
-    const auto address = list_address_from(columns_.cell(row, Field::kAddress), list_.hex);
-    if (!address) return address.error();
+    const auto address = list_address_from(columns_.cell(row, Field::kAddress),
+                                           {list_.hex, options_.base.value_or(1)});
+    if (!address) {
+      entry.point.origin.column =
+          static_cast<unsigned>(columns_.index_of(Field::kAddress).value_or(0)) + 1;
+      return address.error();
+    }
     entry.address = *address;
-    if (list_.counts_from == 0u && address->is_open()) entry.address.reference.reset();
-    if (list_.counts_from == 1u && address->plain) {
+    if (base_ == 0u && address->is_open()) entry.address.reference.reset();
+    if (base_ == 1u && address->plain) {
       if (*address->plain == 0) return "the addresses of the list count from 1";
       entry.address.plain = *address->plain - 1;
     }
@@ -305,6 +309,38 @@ class ListReader {
       tell("column 'Gain': raw values are divided by it");
     if (list_.gain == ListColumns::Gain::kMultiplies)
       tell("column 'Gain': raw values are multiplied by it, for it is below 1");
+  }
+
+  void tell_base(Found& found) const {
+    if (list_.counts_from && base_ != list_.counts_from)
+      found.notes.push_back(
+          fmt::format("{}: the addresses count from {} by --base, not from {} as {}", source_.file,
+                      *base_, *list_.counts_from, list_.counts_note));
+    if (options_.base) return;
+    if (base_) {
+      found.notes.push_back(fmt::format("{}: the addresses count from {}, as {}", source_.file,
+                                        *base_, list_.counts_note));
+      return;
+    }
+    BaseGuess guess{source_.file, 0,
+                    "no title, no digit of a table and no second column says more"};
+    for (const Entry& entry : entries_) {
+      const std::string_view cell = columns_.cell(*entry.row, Field::kAddress);
+      if (entry.fault || cell.empty()) continue;
+      if (entry.address.plain == 0u) {
+        guess.reason = fmt::format("the list has an address 0 (line {})", entry.row->line);
+        break;
+      }
+      const bool reference = entry.address.reference && cell[0] >= '0' && cell[0] <= '9' &&
+                             (counts_from_one_ || !entry.address.plain);
+      if (!reference) continue;
+      guess.base = 1;
+      guess.reason = fmt::format(
+          "'{}' (line {}) begins with the digit of its table, and such references count from 1",
+          cell, entry.row->line);
+      break;
+    }
+    found.guesses.push_back(std::move(guess));
   }
 
   [[nodiscard]] std::string contradiction(const Entry& entry) const {
@@ -492,10 +528,6 @@ class ListReader {
       if (!number) return fmt::format("offset '{}' is no number", offset);
       point.offset = *number;
     }
-    if (!is_number(point.type)) {
-      point.scale = 1;
-      point.offset = 0;
-    }
     return std::nullopt;
   }
 
@@ -529,6 +561,7 @@ class ListReader {
   std::size_t header_;
   const ListColumns list_;
   const Columns& columns_;
+  const std::optional<unsigned> base_;  // of the addresses, as the user or the list says it
   std::vector<Entry> entries_;
   bool counts_from_one_ = false;
   std::optional<std::uint16_t> last_unit_;

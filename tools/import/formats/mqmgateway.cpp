@@ -177,6 +177,7 @@ class MqmReader {
                  "the quality of the other channels does not depend on it");
     }
     const Node* commands = child(object, "commands");
+    if (is_map(commands)) return read_command(*commands, defaults);
     if (!is_list(commands)) return;
     for (const Node* command : commands->items) read_command(*command, defaults);
   }

@@ -27,7 +27,8 @@ constexpr std::array kBauds{115200u, 57600u, 38400u, 19200u, 9600u, 4800u, 2400u
 
 class NeuronReader {
  public:
-  NeuronReader(const SourceText& source, Found& found) : source_(source), found_(found) {}
+  NeuronReader(const SourceText& source, const ReadOptions& options, Found& found)
+      : source_(source), found_(found), base_(options.base) {}
 
   void read(const Node& node, unsigned depth) {
     if (depth > kMaxShells) return;
@@ -52,6 +53,9 @@ class NeuronReader {
                              column("attribute"),  column("decimal"), column("bias"),
                              column("description")};
     Bus& bus = found_.buses.emplace_back();
+    NeuronOrders orders;
+    orders.base = base_.value_or(1);
+    tell_base(false);
     bool grouped = false;
     for (std::size_t i = 2; i < table.rows.size(); ++i)
       grouped |= table.rows[i].cell(group) != table.rows[1].cell(group);
@@ -67,7 +71,7 @@ class NeuronReader {
       tag.bias = number_from(row.cell(columns[5]));
       tag.description = row.cell(columns[6]);
       tag.interval_ms = number_from(row.cell(interval));
-      add(bus, stem_of(source_.file), tag, {}, {source_.file, row.line});
+      add(bus, stem_of(source_.file), tag, orders, {source_.file, row.line});
     }
     if (bus.devices.size() == 1) bus.devices.front().name = stem_of(source_.file);
   }
@@ -87,9 +91,12 @@ class NeuronReader {
     bus.name = name;
     bus.origin = {source_.file, line_of(node)};
     NeuronOrders orders;
+    orders.base = base_.value_or(1);
+    bool says_base = false;
     const Node* settings = child(node, "params");
     if (settings == nullptr) settings = child(node, "setting");
-    if (is_map(settings)) read_settings(*settings, plugin, bus, orders);
+    if (is_map(settings)) read_settings(*settings, plugin, bus, orders, says_base);
+    tell_base(says_base);
     const Node* groups = child(node, "groups");
     if (is_list(groups)) {
       for (const Node* group : groups->items)
@@ -105,8 +112,8 @@ class NeuronReader {
     found_.buses.push_back(std::move(bus));
   }
 
-  void read_settings(const Node& settings, std::string_view plugin, Bus& bus,
-                     NeuronOrders& orders) {
+  void read_settings(const Node& settings, std::string_view plugin, Bus& bus, NeuronOrders& orders,
+                     bool& says_base) {
     const auto host = text_at(settings, "host");
     const auto device = text_at(settings, "device");
     const bool rtu = plugin.find("rtu") != std::string_view::npos;
@@ -138,7 +145,8 @@ class NeuronReader {
     };
     timeout_ = span("timeout");
     pause_ = span("interval");
-    orders.base = whole_at(settings, "address_base") == 0u ? 0 : 1;
+    if (const auto base = whole_at(settings, "address_base"); base && !base_)
+      orders.base = *base == 0 ? 0 : 1, says_base = true;
     orders.of_32 = static_cast<unsigned>(whole_at(settings, "endianess").value_or(1));
     orders.of_64 = static_cast<unsigned>(whole_at(settings, "endianess_64").value_or(1));
   }
@@ -181,6 +189,15 @@ class NeuronReader {
 
   const SourceText& source_;
   Found& found_;
+  // A guess where neither the node nor the user says it.
+  void tell_base(bool known) {
+    if (!known && !base_)
+      found_.guesses.push_back({source_.file, 1,
+                                "a node of Neuron has its setting Start Address at 1 "
+                                "by default"});
+  }
+
+  std::optional<unsigned> base_;  // of the user
   std::optional<Duration> timeout_, pause_;
 };
 
@@ -210,7 +227,7 @@ Confidence recognise_neuron(const SourceText& source) {
   return has("!") ? kCertain : kLikely;
 }
 
-Read read_neuron(std::span<const SourceText> sources, const ReadOptions&) {
+Read read_neuron(std::span<const SourceText> sources, const ReadOptions& options) {
   Found found;
   for (const SourceText& source : sources) {
     const auto fail = [&](const std::string& what) {
@@ -220,13 +237,13 @@ Read read_neuron(std::span<const SourceText> sources, const ReadOptions&) {
     if (begin.starts_with('{') || begin.starts_with('[')) {
       const auto tree = read_json(source.text);
       if (!tree) return fail(tree.error());
-      NeuronReader(source, found).read(*(*tree)->root, 0);
+      NeuronReader(source, options, found).read(*(*tree)->root, 0);
     } else {
       const auto table = read_table(source.text);
       if (!table) return fail(table.error());
       if (!is_neuron_table(*table))
         return fail("no columns group, name, address, attribute, type in its first row");
-      NeuronReader(source, found).read_table(*table);
+      NeuronReader(source, options, found).read_table(*table);
     }
   }
   return found;

@@ -64,10 +64,8 @@ class TagReader {
     if (const auto fault = read_address()) return fault;
     if (const auto fault = read_orders()) return fault;
     read_attribute();
-    if (is_number(point.type)) {
-      if (tag_.decimal && *tag_.decimal != 0) point.scale = *tag_.decimal;
-      point.offset = tag_.bias.value_or(0);
-    }
+    if (tag_.decimal && *tag_.decimal != 0) point.scale = *tag_.decimal;
+    point.offset = tag_.bias.value_or(0);
     if (tag_.interval_ms && *tag_.interval_ms >= 1 && *tag_.interval_ms < 8e7)
       point.refresh = std::chrono::milliseconds{static_cast<std::int64_t>(*tag_.interval_ms)};
     return std::nullopt;

@@ -208,10 +208,17 @@ class TelegrafReader {
     return std::pair(*number, std::size_t{0});
   }
 
+  static MayFail read_factor(const Node& field, Point& point) {
+    if (const auto fault = fault_of_number(field, "scale")) return fault;
+    if (const auto scale = number_at(field, "scale"); scale && *scale != 0) point.scale = *scale;
+    return std::nullopt;
+  }
+
   static MayFail read_bit(const Node& field, const FieldPlace& place, Point& point) {
     const auto address = address_of(field);
     if (!address) return address.error();
     const std::string type = lower(text_at(field, "data_type")) + lower(text_at(field, "output"));
+    if (const auto fault = read_factor(field, point)) return fault;
     point.type = ValueType::kBool;
     point.at = address_text(place.area, address->first);
     if (type.find("bool") == std::string::npos)
@@ -230,9 +237,7 @@ class TelegrafReader {
     if (!orders) return fmt::format("byte order '{}' is unknown", letters);
     point.word_order = orders->words;
     point.byte_order = orders->bytes;
-    if (const auto fault = fault_of_number(field, "scale")) return fault;
-    const auto scale = number_at(field, "scale");
-    if (scale && *scale != 0) point.scale = *scale;
+    if (const auto fault = read_factor(field, point)) return fault;
     return read_type(field, lower(name), *address, place, point);
   }
 

@@ -156,7 +156,6 @@ MayFail read_part(const WbAddress& address, Point& point, std::optional<std::uin
 }
 
 MayFail read_numbers(const Node& channel, Point& point) {
-  if (!is_number(point.type)) return std::nullopt;
   for (const std::string_view key : {"scale", "offset"}) {
     if (const auto fault = fault_of_number(channel, key)) return fault;
   }
@@ -164,7 +163,7 @@ MayFail read_numbers(const Node& channel, Point& point) {
   point.offset = number_at(channel, "offset").value_or(0);
   if (const std::string_view error = text_at(channel, "error_value"); !error.empty())
     point.changes.push_back(fmt::format("the raw value {} means an error", error));
-  if (point.access == Access::kReadOnly) return std::nullopt;
+  if (point.access == Access::kReadOnly || !is_number(point.type)) return std::nullopt;
   const auto low = number_at(channel, "min"), high = number_at(channel, "max");
   if (low && high && *low <= *high) {
     point.write_min = low;
