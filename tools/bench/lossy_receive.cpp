@@ -14,6 +14,7 @@ namespace {
 
 std::atomic<double> share_lost = 0;
 std::atomic<std::uint64_t> datagrams_lost = 0;
+std::atomic<std::int64_t> until_lost = -1;  // datagrams before the one that is lost; negative: none
 
 bool lost() {
   thread_local std::minstd_rand random(std::random_device{}());
@@ -29,7 +30,9 @@ bool is_datagram(int socket) {
 
 // Of what a socket has just received; -1 bytes: nothing.
 bool is_lost(int socket, ssize_t size) {
-  if (size < 0 || !lost() || !is_datagram(socket)) return false;
+  const bool is_one = until_lost.load(std::memory_order_relaxed) >= 0;
+  if (size < 0 || !(is_one || lost()) || !is_datagram(socket)) return false;
+  if (is_one && until_lost.fetch_sub(1) != 0) return false;
   ++datagrams_lost;
   return true;
 }
@@ -37,6 +40,8 @@ bool is_lost(int socket, ssize_t size) {
 }  // namespace
 
 void lose(double share) { share_lost = share; }
+
+void lose_one(std::int64_t after) { until_lost = after; }
 
 std::uint64_t lost_datagrams() { return datagrams_lost; }
 
