@@ -13,6 +13,7 @@
 
 #include "bridge/base/file_stamp.hpp"
 #include "bridge/base/secret_file.hpp"
+#include "bridge/check.hpp"
 
 namespace fieldcast {
 namespace {
@@ -71,10 +72,17 @@ class TlsStream final : public ByteStream {
   std::shared_ptr<Secure> stream_;  // shared with the operations under way
 };
 
+// Of TLS 1.2: a key for each connection, and encryption that authenticates. TLS 1.3 has no others.
+constexpr const char* kCipherSuites = "ECDHE+AESGCM:ECDHE+CHACHA20";
+
 void set_rules(asio::ssl::context& context) {
   context.set_options(asio::ssl::context::default_workarounds | asio::ssl::context::no_sslv2 |
                       asio::ssl::context::no_sslv3 | asio::ssl::context::no_tlsv1 |
-                      asio::ssl::context::no_tlsv1_1);
+                      asio::ssl::context::no_tlsv1_1 | asio::ssl::context::no_compression);
+  SSL_CTX* const native = context.native_handle();
+  FIELDCAST_CHECK(SSL_CTX_set_min_proto_version(native, TLS1_2_VERSION) == 1);
+  FIELDCAST_CHECK(SSL_CTX_set_cipher_list(native, kCipherSuites) == 1);
+  SSL_CTX_set_options(native, SSL_OP_NO_RENEGOTIATION);
 }
 
 // A handshake with a limit. `keep` lives as long as it does.

@@ -1,5 +1,6 @@
-// TLS, both ends (OpenSSL). Lives on one io thread. TLS 1.2 and later. A server may ask for the
-// certificates of its clients; ByteStream::peer_name() then tells who a client is.
+// TLS, both ends (OpenSSL). Lives on one io thread. TLS 1.3, and TLS 1.2 with
+// ECDHE and AEAD suites only. A server may ask for the certificates of its clients;
+// ByteStream::peer_name() then tells who a client is.
 #pragma once
 
 #include <functional>

@@ -54,6 +54,18 @@ TEST(RecordView, CsvQuotesWhatWouldBreakIt) {
   EXPECT_EQ(history_csv(never), "2023-11-14T22:13:20.005Z,,press-shop,press-1,oil,,°C,GOOD");
 }
 
+TEST(RecordView, CsvTextIsNeverAFormula) {
+  for (const std::string text : {"=1+1", "+1", "-1", "@SUM(1)"}) {
+    EXPECT_EQ(csv_field(text), "'" + text);
+    EXPECT_THAT(history_csv(sample(text)), HasSubstr(",oil,'" + text + ","));
+  }
+  EXPECT_EQ(csv_field("\t=1"), "'\\x09=1");
+  EXPECT_EQ(csv_field("\r=1"), "'\\x0D=1");
+  EXPECT_EQ(csv_field("=A1,\"b\""), "\"'=A1,\"\"b\"\"\"");
+  EXPECT_EQ(csv_field("a=1"), "a=1");
+  EXPECT_THAT(history_csv(sample(-21.5)), HasSubstr(",oil,-21.5,"));
+}
+
 TEST(RecordView, NumbersKeepEveryDigitOfTheirType) {
   const auto value_of = [](double number, const std::string& type) {
     StoredSample stored = sample(number);

@@ -12,9 +12,17 @@ StationSample as_sample(const StoredSample& stored) {
           stored.quality, stored.device_code, stored.acquired_at, stored.sequence};
 }
 
+// Spreadsheets evaluate a cell that begins with one of these as a formula.
+constexpr std::string_view kFormulaStarts = "=+-@\t\r";
 constexpr std::string_view kTransmission = "program";  // the entries whose bytes are counted
 
 bool was_read(const StoredSample& sample) { return sample.acquired_at.nanoseconds != 0; }
+
+// Only a text can be a formula: "-5" of a number stays a number.
+std::string csv_value(const StoredSample& sample) {
+  const std::string text = value_text(sample.value, sample.type);
+  return std::holds_alternative<std::string>(sample.value) ? csv_field(text) : text;
+}
 
 std::string path_of(const StoredSample& sample) {
   return sample.bus + '/' + sample.device + '/' + sample.channel;
@@ -23,7 +31,9 @@ std::string path_of(const StoredSample& sample) {
 }  // namespace
 
 std::string csv_field(const std::string& raw) {
-  const std::string text = printable(raw);
+  std::string text = printable(raw);
+  if (!raw.empty() && kFormulaStarts.find(raw.front()) != kFormulaStarts.npos)
+    text.insert(text.begin(), '\'');
   if (text.find_first_of(",\"") == text.npos) return text;
   std::string quoted = "\"";
   for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -88,8 +98,8 @@ std::string history_csv(const StoredSample& sample, Zone zone) {
   return fmt::format("{},{},{},{},{},{},{},{}", time_text(sample.published_at, zone),
                      read ? time_text(sample.acquired_at, zone) : "", csv_field(sample.bus),
                      csv_field(sample.device), csv_field(sample.channel),
-                     read ? csv_field(value_text(sample.value, sample.type)) : "",
-                     csv_field(sample.unit), to_text(sample.quality));
+                     read ? csv_value(sample) : "", csv_field(sample.unit),
+                     to_text(sample.quality));
 }
 
 std::string audit_line(const AuditEntry& entry) {

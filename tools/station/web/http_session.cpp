@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "bridge/bus/clock.hpp"
+#include "tools/station/web/head_check.hpp"
 #include "tools/station/web/response_head.hpp"
 
 namespace fieldcast::web {
@@ -48,6 +49,11 @@ RawRequest raw_of(Request& request, const std::string& peer) {
   return raw;
 }
 
+template <typename Fields>
+std::size_t count_of(const Fields& fields) {
+  return static_cast<std::size_t>(std::distance(fields.begin(), fields.end()));
+}
+
 // The header as bytes again.
 template <typename Request>
 std::string head_of(const Request& request) {
@@ -67,6 +73,8 @@ struct HttpSession::Parser {
     parser.eager(true);
   }
   http::request_parser<http::string_body> parser;
+  HeadCheck head;
+  std::size_t fields = 0;  // of the header
   bool told_to_continue = false;
 };
 
@@ -150,10 +158,14 @@ void HttpSession::on_read(std::size_t count) {
 
 void HttpSession::parse() {
   auto& parser = parser_->parser;
-  while (!received_.empty() && !parser.is_done()) {
+  if (parser_->head.size() == 0) {
+    if (const auto fault = parser_->head.put(received_))
+      return refuse(fault->status, fault->error, fault->hint);
+  }
+  while (parser_->head.size() > 0 && !received_.empty() && !parser.is_done()) {
     error_code fault;
-    const std::size_t used =
-        parser.put(asio::const_buffer(received_.data(), received_.size()), fault);
+    const std::size_t size = parser.is_header_done() ? received_.size() : parser_->head.size();
+    const std::size_t used = parser.put(asio::const_buffer(received_.data(), size), fault);
     received_.erase(0, used);
     if (fault == http::error::need_more) break;
     if (fault == http::error::header_limit)
@@ -163,8 +175,12 @@ void HttpSession::parse() {
       return refuse(413, "the body is too long",
                     fmt::format("at most {} bytes", server_.limits.body_bytes));
     if (fault) return refuse(400, "no HTTP request", "send HTTP/1.1");
+    if (parser.is_header_done() && parser_->fields == 0) parser_->fields = count_of(parser.get());
     if (used == 0) break;
   }
+  // The parser adds trailer fields of a chunked body to the header: Host, Origin, Cookie.
+  if (parser.is_done() && count_of(parser.get()) != parser_->fields)
+    return refuse(400, "fields behind the body", "send them in the header");
   if (parser.is_done()) return on_request();
   // A header that is not complete yet is kept here until it is.
   if (received_.size() > server_.limits.header_bytes)
@@ -189,6 +205,7 @@ void HttpSession::on_request() {
   chunked_ = request.version() >= 11;
   const bool upgrades = beast::websocket::is_upgrade(request);
   RawRequest raw = raw_of(request, peer_);
+  head_only_ = raw.method == "HEAD";
   if (upgrades) return upgrade(raw);
   parser_.reset();
   enter(State::kHandler, server_.limits.handler);
@@ -244,8 +261,9 @@ void HttpSession::respond(HttpResponse response) {
                       streams && chunked_ && !bare};
   if (!streams && !bare) options.length = body->size();
   send(std::make_shared<const std::string>(response_head(response, options)));
-  if (!bare && !streams && !body->empty()) send(body);
-  if (!bare && streams)
+  const bool sends_body = !bare && !std::exchange(head_only_, false);
+  if (sends_body && !streams && !body->empty()) send(body);
+  if (sends_body && streams)
     pieces_ = std::make_shared<const std::function<void(std::function<void(Piece)>)>>(
         std::move(response.next));
   write();

@@ -95,6 +95,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   std::string received_;            // and not parsed yet
   std::string room_;                // for the next read
   bool reading_ = false, keep_alive_ = false, chunked_ = false;
+  bool head_only_ = false;    // the request was HEAD: its response has no body
   std::uint64_t answer_ = 0;  // counts responses: a handler's second reply is told by it
   // Of the response under way; null: its body does not come in pieces, or has ended.
   std::shared_ptr<const std::function<void(std::function<void(Piece)>)>> pieces_;

@@ -15,6 +15,12 @@ HttpResponse refusal(bool logged_in) {
 
 }  // namespace
 
+HttpResponse method_refusal(const std::string& allowed) {
+  HttpResponse refused = error_response(405, "method not allowed", "allowed here: " + allowed);
+  refused.headers.emplace_back("allow", allowed);
+  return refused;
+}
+
 bool may_use(Access access, const std::optional<Role>& role) {
   switch (access) {
     case Access::kPublic: return true;
@@ -32,29 +38,35 @@ void RouteTable::add(Route route) {
   FIELDCAST_CHECK(added);
 }
 
-tl::expected<const Route*, HttpResponse> RouteTable::find(Method method, const std::string& path,
-                                                          const std::optional<Role>& role) const {
+tl::expected<std::string, HttpResponse> RouteTable::allowed(const std::string& path,
+                                                            const std::optional<Role>& role) const {
   const auto at = routes_.find(path);
   if (at == routes_.end())
     return tl::make_unexpected(
         error_response(404, "no such page", "the addresses are in /api/openapi.yaml"));
-  const auto& methods = at->second;
-  const auto row = methods.find(method);
-  if (row != methods.end()) {
-    if (!may_use(row->second.access, role)) return tl::make_unexpected(refusal(role.has_value()));
-    return &row->second;
-  }
   const bool usable = std::ranges::any_of(
-      methods, [&](const auto& each) { return may_use(each.second.access, role); });
+      at->second, [&](const auto& each) { return may_use(each.second.access, role); });
   if (!usable) return tl::make_unexpected(refusal(role.has_value()));
-  std::string allowed;
-  for (const auto& [each, route] : methods) {
-    if (!allowed.empty()) allowed += ", ";
-    allowed += to_text(each);
+  std::string methods;
+  for (const auto& [each, route] : at->second) {
+    methods += to_text(each);
+    methods += each == Method::kGet ? ", HEAD, " : ", ";
   }
-  HttpResponse refused = error_response(405, "method not allowed", "allowed here: " + allowed);
-  refused.headers.emplace_back("allow", allowed);
-  return tl::make_unexpected(std::move(refused));
+  return methods + "OPTIONS";
+}
+
+tl::expected<const Route*, HttpResponse> RouteTable::find(Method method, const std::string& path,
+                                                          const std::optional<Role>& role) const {
+  if (const auto at = routes_.find(path); at != routes_.end()) {
+    const auto row = at->second.find(method);
+    if (row != at->second.end()) {
+      if (!may_use(row->second.access, role)) return tl::make_unexpected(refusal(role.has_value()));
+      return &row->second;
+    }
+  }
+  const auto methods = allowed(path, role);
+  if (!methods) return tl::make_unexpected(methods.error());
+  return tl::make_unexpected(method_refusal(*methods));
 }
 
 std::vector<const Route*> RouteTable::rows() const {

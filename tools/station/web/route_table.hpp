@@ -28,6 +28,9 @@ struct Route {
 // Whether this caller may use it; nobody is logged in: nothing.
 [[nodiscard]] bool may_use(Access access, const std::optional<Role>& role);
 
+// 405 with the header `allow`.
+[[nodiscard]] HttpResponse method_refusal(const std::string& allowed);
+
 class RouteTable {
  public:
   // REQUIRES: no such method and path yet, a path from "/", a handler.
@@ -38,6 +41,10 @@ class RouteTable {
   // does not exist by what a 405 says: access is checked first.
   [[nodiscard]] tl::expected<const Route*, HttpResponse> find(
       Method method, const std::string& path, const std::optional<Role>& role) const;
+
+  // The header `allow` of that path: "GET, HEAD, OPTIONS". Refuses as find() does.
+  [[nodiscard]] tl::expected<std::string, HttpResponse> allowed(
+      const std::string& path, const std::optional<Role>& role) const;
 
   [[nodiscard]] std::vector<const Route*> rows() const;  // by path
 

@@ -119,10 +119,22 @@ void Site::handle(RawRequest raw, Reply reply) {
     headers_.add_to(response, path);
     reply(std::move(response));
   };
-  const auto method = method_from(raw.method);
-  if (!method) return finish(error_response(405, "method not allowed", "GET, POST or DELETE"));
   if (!target) return finish(error_response(400, "the address is no path with a query", ""));
-  if (auto fault = fault_of(raw, *method != Method::kGet)) return finish(std::move(*fault));
+  const bool options = raw.method == "OPTIONS";
+  const auto method = raw.method == "HEAD" ? Method::kGet : method_from(raw.method);
+  const bool changes = method && *method != Method::kGet;
+  if (auto fault = fault_of(raw, changes)) return finish(std::move(*fault));
+  if (!method) {
+    const Known who = known(raw);
+    const auto allowed =
+        routes_.allowed(target->path, who.caller ? std::optional(who.caller->role) : std::nullopt);
+    if (!allowed) return finish(allowed.error());
+    if (!options) return finish(method_refusal(*allowed));
+    HttpResponse response;
+    response.status = 204;
+    response.headers.emplace_back("allow", *allowed);
+    return finish(std::move(response));
+  }
   if (!raw.body.empty() && !is_json(raw.content_type)) {
     return finish(error_response(415, "the body is not JSON",
                                  "send the header Content-Type: application/json"));

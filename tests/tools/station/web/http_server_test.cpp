@@ -363,6 +363,32 @@ TEST_F(HttpsServerTest, TlsOfThePresentIsSpokenAndNothingOlder) {
               HasSubstr("000"));
 }
 
+TEST_F(HttpsServerTest, OnlyEcdheWithAeadAndTls13AreSpoken) {
+  const auto spoken = [this](const std::string& options) {
+    const std::string command = "openssl s_client -connect 127.0.0.1:" + std::to_string(port_) +
+                                " " + options + " </dev/null 2>&1";
+    FILE* pipe = ::popen(command.c_str(), "r");
+    std::string text;
+    for (int c = 0; (c = std::fgetc(pipe)) != EOF;) text += static_cast<char>(c);
+    ::pclose(pipe);
+    return text;
+  };
+  for (const std::string suite : {"ECDHE-ECDSA-AES128-GCM-SHA256", "ECDHE-ECDSA-AES256-GCM-SHA384",
+                                  "ECDHE-ECDSA-CHACHA20-POLY1305"})
+    EXPECT_THAT(spoken("-tls1_2 -cipher " + suite), HasSubstr("Cipher is " + suite));
+  EXPECT_THAT(spoken("-tls1_3"), HasSubstr("New, TLSv1.3, Cipher is TLS_"));
+  // The alert shows that the server refuses, not the client.
+  for (const std::string suite :
+       {"ECDHE-ECDSA-AES128-SHA", "ECDHE-ECDSA-AES128-SHA256", "ECDHE-ECDSA-AES128-CCM",
+        "AES128-GCM-SHA256", "AES128-SHA", "DHE-RSA-AES128-GCM-SHA256"})
+    EXPECT_THAT(spoken("-tls1_2 -cipher " + suite + "@SECLEVEL=0"), HasSubstr("alert handshake"))
+        << suite;
+  for (const std::string version : {"-tls1", "-tls1_1"})
+    EXPECT_THAT(spoken(version + " -cipher DEFAULT@SECLEVEL=0"),
+                HasSubstr("alert protocol version"))
+        << version;
+}
+
 TEST_F(HttpsServerTest, GarbageInsteadOfAHandshakeEndsTheConnectionOnly) {
   for (const std::string& bytes :
        {std::string("GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"), std::string(3000, '\xff'),

@@ -174,6 +174,57 @@ TEST_F(HttpSessionTest, WhatIsNoRequestIsRefusedAndEndsTheConnection) {
   }
 }
 
+TEST_F(HttpSessionTest, AHeaderThatAProxyCouldReadDifferentlyIsRefused) {
+  const std::string chunks = "0\r\n\r\n";
+  const auto refusal_of = [&](const std::string& bytes) {
+    const auto link = connect();
+    const std::string status = send(link, bytes).substr(0, 12);
+    EXPECT_TRUE(link->station_ended) << bytes;
+    link->client_gone = true;
+    link->wake();
+    settle();
+    return status;
+  };
+  for (const std::string coding : {"gzip", "identity", "gzip, chunked", "chunked, chunked", "x"})
+    EXPECT_EQ(refusal_of(post(chunks, "Transfer-Encoding: " + coding + "\r\n")), "HTTP/1.1 501")
+        << coding;
+  for (const std::string& bytes :
+       {post("1", "Content-Length: 1\r\nContent-Length: 1\r\n"),
+        post("1", "Content-Length: 1, 1\r\n"), post("1", "Content-Length: +1\r\n"),
+        post(chunks, "Transfer-Encoding: chunked\r\nContent-Length: 5\r\n"),
+        post(chunks, "Content-Length: 5\r\nTransfer-Encoding: x\r\n"),
+        post(chunks, "Transfer-Encoding: chunked\r\nTransfer-Encoding: chunked\r\n"),
+        post(chunks, "Transfer-Encoding : chunked\r\n"),
+        post("0\r\nOrigin: x\r\n\r\n", "Transfer-Encoding: chunked\r\n"),
+        get("/hello", "A: b\r\n folded\r\n"), get("/hello", " A: b\r\n"),
+        get("/hello", "A : b\r\n"), get("/hello", "A\r\n"), get("/hello", ": b\r\n"),
+        get("/hello", "A: b\n"), get("/hello", "A: b\rC: d\r\n"),
+        get("/hello", std::string("A: b\0c\r\n", 9)), std::string("GET /hello HTTP/1.1\n"),
+        std::string("POST /echo HTTP/1.0\r\nTransfer-Encoding: chunked\r\n\r\n")})
+    EXPECT_EQ(refusal_of(bytes), "HTTP/1.1 400") << bytes;
+}
+
+TEST_F(HttpSessionTest, HeadHasTheHeaderOfGetAndNoBody) {
+  const auto link = connect();
+  for (const char* path : {"/hello", "/pieces", "/none"}) {
+    const std::string request = get(path);
+    const std::string whole = send(link, request);
+    const std::string head = send(link, "HEAD" + request.substr(3));
+    EXPECT_EQ(head, whole.substr(0, whole.find("\r\n\r\n") + 4)) << path;
+  }
+  EXPECT_THAT(send(link, get("/hello")), EndsWith("\r\n\r\nhello"));
+}
+
+TEST_F(HttpSessionTest, OptionsAndAnUnknownMethodAreToldWhatIsAllowed) {
+  const auto link = connect();
+  const std::string request = get("/hello").substr(3);
+  EXPECT_THAT(send(link, "OPTIONS" + request), StartsWith("HTTP/1.1 204 No Content\r\n"));
+  EXPECT_THAT(link->to_client, HasSubstr("\r\nallow: GET, HEAD, OPTIONS\r\n"));
+  EXPECT_THAT(send(link, "TRACE" + request), StartsWith("HTTP/1.1 405 "));
+  EXPECT_THAT(link->to_client, HasSubstr("\r\nallow: GET, HEAD, OPTIONS\r\n"));
+  EXPECT_THAT(send(link, "OPTIONS" + get("/none").substr(3)), StartsWith("HTTP/1.1 404 "));
+}
+
 TEST_F(HttpSessionTest, HeaderAndBodyHaveALimit) {
   auto link = connect();
   EXPECT_THAT(send(link, get("/hello", "A: " + std::string(7'900, 'a') + "\r\n")),

@@ -54,7 +54,7 @@ TEST_F(Routes, AnotherMethodIsRefusedWithThoseThatAreAllowed) {
   const auto refused = table_.find(Method::kGet, "/api/commands", Role::kOperator);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().status, 405u);
-  EXPECT_EQ(refused.error().headers, (TextPairs{{"allow", "POST, DELETE"}}));
+  EXPECT_EQ(refused.error().headers, (TextPairs{{"allow", "POST, DELETE, OPTIONS"}}));
   EXPECT_EQ(ask(Method::kGet, "/api/commands", {}), "401");
   EXPECT_EQ(ask(Method::kGet, "/api/commands", Role::kViewer), "403");
 }
