@@ -40,8 +40,10 @@ void set_transports(const DdsSpec& spec, dds::DomainParticipantQos& qos) {
   transport.user_transports.push_back(udp);
 }
 
-// Who sees messages on their way in: null without DDS Security, and without discovery servers.
+// The checks of received messages. The last two are null without DDS Security, and without
+// discovery servers.
 struct Incoming {
+  std::shared_ptr<SharedGuard> guard;
   std::shared_ptr<IncomingFilter> filter;
   std::shared_ptr<ServerRestarts> restarts;
 };
@@ -58,7 +60,8 @@ void pass_through_ours(dds::TransportConfigQos& transport, const Incoming& incom
     transport.user_transports.push_back(std::make_shared<UDPv4TransportDescriptor>());
   }
   for (auto& one : transport.user_transports)
-    one = std::make_shared<NoteTransportDescriptor>(one, incoming.filter, incoming.restarts);
+    one = std::make_shared<NoteTransportDescriptor>(one, incoming.guard, incoming.filter,
+                                                    incoming.restarts);
 }
 
 void set_discovery_servers(const std::vector<ServerAddress>& servers,
@@ -109,6 +112,15 @@ void set_security(const std::string& folder, dds::DomainParticipantQos& qos) {
   file("dds.sec.access.builtin.Access-Permissions.governance", security::kGovernance);
   file("dds.sec.access.builtin.Access-Permissions.permissions", security::kPermissions);
   set("dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC");
+}
+
+RtpsLimits limits_of(const DdsSpec& spec) {
+  RtpsLimits limits;
+  limits.relayed = !spec.discovery_servers.empty() || spec.profile.has_value();
+  limits.participants = spec.max_participants;
+  limits.endpoints = spec.max_endpoints;
+  limits.sample_bytes = spec.max_sample;
+  return limits;
 }
 
 std::optional<security::Member> member_of(const DdsSpec& spec) {
@@ -197,7 +209,8 @@ Domain::Domain(const DdsSpec& spec, const std::string& name, DiscoveryListener* 
   }
   prepare_library();
   auto* factory = dds::DomainParticipantFactory::get_instance();
-  const dds::DomainParticipantQos qos = participant_qos(spec, name, {filter_, servers_.restarts()});
+  const dds::DomainParticipantQos qos = participant_qos(
+      spec, name, {std::make_shared<SharedGuard>(limits_of(spec)), filter_, servers_.restarts()});
   // Discovery reaches the listener all the same: it has no bit in the mask.
   participant_.reset(
       factory->create_participant(spec.domain, qos, &servers_, dds::StatusMask::none()));

@@ -1,5 +1,6 @@
 #include "bridge/dds/note_transport.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <vector>
 
@@ -39,7 +40,14 @@ class NoteTransport : public PassingTransport {
   }
 
  protected:
-  void on_received(const IncomingMessage& message) override {
+  void on_received(const IncomingMessage& received) override {
+    thread_local DatagramGuard::Bytes scratch;  // at most one datagram, and room behind it
+    DatagramGuard::Address from{};
+    std::copy_n(received.remote.address, from.size(), from.begin());
+    const auto verdict = descriptor_.guard->check(received.bytes, from, scratch);
+    if (!verdict.before.empty()) received.deliver(verdict.before);
+    if (verdict.fault) return;
+    const IncomingMessage message{received.above, verdict.bytes, received.local, received.remote};
     if (ServerRestarts* restarts = descriptor_.restarts.get()) {
       const Instant now{std::chrono::steady_clock::now().time_since_epoch()};
       const ServerRestarts::Bytes goodbye = restarts->goodbye_before(message.bytes, now);

@@ -18,7 +18,10 @@ enum class Submessage : std::uint8_t {
   kHeartbeat = 0x07,
   kGap = 0x08,
   kInfoTs = 0x09,
+  kInfoSource = 0x0c,
+  kInfoReplyIp4 = 0x0d,
   kInfoDst = 0x0e,
+  kInfoReply = 0x0f,
   kNackFrag = 0x12,
   kHeartbeatFrag = 0x13,
   kData = 0x15,
@@ -29,6 +32,7 @@ enum class Submessage : std::uint8_t {
   kSecPrefix = 0x31,
   kSecPostfix = 0x32,
   kSrtpsPrefix = 0x33,  // the whole message is protected
+  kSrtpsPostfix = 0x34,
 };
 
 // The flag of every submessage for the order of its bytes, and its value where the library writes:

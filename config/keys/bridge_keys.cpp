@@ -139,6 +139,19 @@ const Rows<DdsSpec>& dds_rows() {
                           .text = "how fast this program sends what it publishes, for all readers "
                                   "together; discovery and acknowledgements come on top"},
                          &DdsSpec::max_rate, RateRule{}),
+          field<DdsSpec>({.name = "max-participants",
+                          .fallback = "1024",
+                          .text = "participants of the domain that are accepted at a time; more "
+                                  "are refused and counted"},
+                         &DdsSpec::max_participants, WholeRule{2, 65'536}),
+          field<DdsSpec>({.name = "max-endpoints",
+                          .fallback = "8192",
+                          .text = "readers and writers that are accepted of one participant"},
+                         &DdsSpec::max_endpoints, WholeRule{64, 65'536}),
+          field<DdsSpec>({.name = "max-sample",
+                          .fallback = "1048576",
+                          .text = "bytes of the longest message that is accepted in fragments"},
+                         &DdsSpec::max_sample, WholeRule{65'536, 67'108'864}),
       });
   return rows;
 }

@@ -141,6 +141,9 @@ struct DdsSpec {
   std::optional<std::string> security;  // a member's folder, made by `fieldcast secure add`
   bool without_security = false;        // said in words
   std::uint64_t max_rate = 0;           // of samples on their way out, bytes a second; 0: no bound
+  // What is accepted from the network: participants at a time, endpoints of each, and the bytes of
+  // a sample that arrives in fragments.
+  std::uint32_t max_participants = 1024, max_endpoints = 8192, max_sample = 1 << 20;
   friend bool operator==(const DdsSpec&, const DdsSpec&) = default;
 };
 

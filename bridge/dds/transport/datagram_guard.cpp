@@ -1,0 +1,233 @@
+#include "bridge/dds/transport/datagram_guard.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "bridge/dds/transport/rtps_cursor.hpp"
+
+namespace fieldcast {
+namespace {
+
+constexpr std::size_t kPrefixAt = 8;  // in the header of a message
+constexpr std::size_t kMostWriters = 65'536, kMostAddresses = 1024, kMostFragmented = 1024;
+constexpr Duration kIdleWriter = std::chrono::seconds{60};
+constexpr Duration kSilentParticipant = std::chrono::minutes{10};
+constexpr double kFragmentSeconds = 10;
+// The number of our own message that a participant has left: above those of its writer, and below
+// the ones with which DDS Security refuses a participant (incoming_filter.cpp).
+constexpr std::uint64_t kOurNumber = std::uint64_t{0x20000000} << 32;
+constexpr std::uint8_t kFinal = 2;  // the flag of a HEARTBEAT
+
+void put(std::span<std::uint8_t> to, std::uint32_t value, bool little) {
+  for (std::size_t i = 0; i < 4; ++i)
+    to[i] = static_cast<std::uint8_t>(value >> 8 * (little ? i : 3 - i));
+}
+void put_number(std::span<std::uint8_t> to, std::int64_t number, bool little) {
+  put(to, static_cast<std::uint32_t>(number >> 32), little);
+  put(to.subspan(4), static_cast<std::uint32_t>(number), little);
+}
+
+}  // namespace
+
+std::size_t DatagramGuard::Hash::operator()(const Guid& guid) const {
+  std::uint64_t upper = 0, lower = 0;
+  std::memcpy(&upper, guid.data(), 8);
+  std::memcpy(&lower, guid.data() + 8, 8);
+  return static_cast<std::size_t>((upper ^ lower * 0x9e3779b97f4a7c15U) * 0xff51afd7ed558ccdU);
+}
+
+DatagramGuard::Verdict DatagramGuard::check(std::span<const std::uint8_t> datagram,
+                                            const Address& from, Instant now, Bytes& scratch) {
+  datagram_ = datagram;
+  from_ = from;
+  now_ = now;
+  scratch_ = &scratch;
+  has_fragments_ = is_changed_ = false;
+  before_.clear();
+  if (const auto fault = fault_of(datagram, limits_, this)) {
+    ++refused_[static_cast<std::size_t>(*fault)];
+    return {fault, {}, std::move(before_)};
+  }
+  // The library copies the last fragment by the size of the first one that it has of the sample
+  // (CacheChange.h), which another datagram may have named: behind the datagram it must find
+  // memory of ours.
+  if (has_fragments_) {
+    scratch.reserve(datagram.size() + limits_.sample_bytes);
+    copy();
+  }
+  const std::span<const std::uint8_t> bytes =
+      is_changed_ ? std::span<const std::uint8_t>(scratch) : datagram;
+  return {std::nullopt, bytes, std::move(before_)};
+}
+
+std::span<std::uint8_t> DatagramGuard::copy() {
+  if (!is_changed_) scratch_->assign(datagram_.begin(), datagram_.end());
+  is_changed_ = true;
+  return *scratch_;
+}
+
+std::optional<RtpsFault> DatagramGuard::on_event(const RtpsEvent& event) {
+  switch (event.kind) {
+    case Submessage::kHeartbeat: return on_heartbeat(event);
+    case Submessage::kGap: return on_gap(event);
+    case Submessage::kDataFrag: return on_fragment(event);
+    default: break;
+  }
+  for (const std::size_t at : event.parameters.hidden) {  // an empty parameter of the same length
+    const auto whole = copy();
+    whole[event.parameters_at + at] = whole[event.parameters_at + at + 1] = 0;
+  }
+  return event.writer == kParticipantWriter ? on_participant(event) : on_endpoint(event);
+}
+
+std::optional<RtpsFault> DatagramGuard::on_participant(const RtpsEvent& event) {
+  const ParameterFacts& facts = event.parameters;
+  const auto& guid = facts.participant_guid.empty() ? facts.key_hash : facts.participant_guid;
+  if (guid.empty()) return RtpsFault::kParameter;
+  ParticipantPrefix prefix{};
+  std::copy_n(guid.begin(), prefix.size(), prefix.begin());
+  if (facts.status != 0) {
+    forget(prefix);
+    return std::nullopt;
+  }
+  if (const auto found = participants_.find(prefix); found != participants_.end()) {
+    found->second.seen = now_;
+    return std::nullopt;
+  }
+  if (!may_join()) return RtpsFault::kJoinRate;
+  if (participants_.size() >= limits_.participants && !make_room()) return RtpsFault::kParticipants;
+  participants_[prefix] = {now_, ++joined_, {}};
+  return std::nullopt;
+}
+
+// A token for each new participant of an address.
+bool DatagramGuard::may_join() {
+  if (joins_.size() >= kMostAddresses && !joins_.contains(from_)) joins_.clear();
+  const double most = 4.0 * limits_.joins_per_second;
+  auto [found, is_new] = joins_.try_emplace(from_, Bucket{most, now_});
+  Bucket& bucket = found->second;
+  bucket.tokens =
+      std::min(most, bucket.tokens + to_seconds(now_ - bucket.filled) * limits_.joins_per_second);
+  bucket.filled = now_;
+  if (bucket.tokens < 1) return false;
+  bucket.tokens -= 1;
+  return true;
+}
+
+// Forgets a participant that the library has given up long ago, or else the oldest one that has
+// announced no endpoint.
+bool DatagramGuard::make_room() {
+  auto oldest = participants_.end();
+  for (auto one = participants_.begin(); one != participants_.end(); ++one) {
+    if (now_ - one->second.seen > kSilentParticipant) {
+      oldest = one;
+      break;
+    }
+    if (one->second.endpoints.empty() &&
+        (oldest == participants_.end() || one->second.order < oldest->second.order))
+      oldest = one;
+  }
+  if (oldest == participants_.end()) return false;
+  before_ = participant_gone(oldest->first, kOurNumber + ++joined_);
+  forget(ParticipantPrefix{oldest->first});
+  return true;
+}
+
+void DatagramGuard::forget(const ParticipantPrefix& prefix) {
+  const auto found = participants_.find(prefix);
+  if (found == participants_.end()) return;
+  endpoints_ -= found->second.endpoints.size();
+  participants_.erase(found);
+}
+
+std::optional<RtpsFault> DatagramGuard::on_endpoint(const RtpsEvent& event) {
+  const ParameterFacts& facts = event.parameters;
+  const auto& raw = facts.endpoint_guid.empty() ? facts.key_hash : facts.endpoint_guid;
+  if (raw.empty()) return std::nullopt;  // the library ignores it
+  Guid guid{};
+  std::ranges::copy(raw, guid.begin());
+  ParticipantPrefix prefix{};
+  std::copy_n(guid.begin(), prefix.size(), prefix.begin());
+  const auto found = participants_.find(prefix);
+  if (found == participants_.end()) return std::nullopt;  // the library knows nobody of that name
+  auto& endpoints = found->second.endpoints;
+  if (facts.status != 0) {
+    endpoints_ -= endpoints.erase(guid);
+    return std::nullopt;
+  }
+  if (endpoints.contains(guid)) return std::nullopt;
+  if (endpoints.size() >= limits_.endpoints || endpoints_ >= limits_.endpoints_in_all)
+    return RtpsFault::kEndpoints;
+  endpoints.insert(guid);
+  ++endpoints_;
+  return std::nullopt;
+}
+
+DatagramGuard::Writer& DatagramGuard::writer_of(const RtpsEvent& event) {
+  Guid guid{};
+  std::copy_n(datagram_.begin() + kPrefixAt, 12, guid.begin());
+  std::ranges::copy(event.writer, guid.begin() + 12);
+  if (writers_.size() >= kMostWriters && !writers_.contains(guid)) writers_.clear();
+  Writer& writer = writers_[guid];
+  // A writer that was silent may have been given up and found again; its numbers went on.
+  if (writer.last >= 0 && now_ - writer.seen > kIdleWriter) writer = {};
+  writer.seen = now_;
+  return writer;
+}
+
+std::optional<RtpsFault> DatagramGuard::on_heartbeat(const RtpsEvent& event) {
+  Writer& writer = writer_of(event);
+  const std::int64_t most = writer.last < 0 ? kFirstJump : writer.last + kJump;
+  if (event.base - 1 > most) return RtpsFault::kSequenceNumber;
+  const bool is_newer =
+      writer.last < 0 || static_cast<std::int32_t>(event.count - writer.count) > 0;
+  writer.last = std::max(writer.last, event.base - 1);
+  if (!is_newer) return std::nullopt;  // the library ignores it
+  writer.count = event.count;
+  if (event.first >= writer.gap_end) writer.gapped = 0;
+  return std::nullopt;
+}
+
+std::optional<RtpsFault> DatagramGuard::on_gap(const RtpsEvent& event) {
+  Writer& writer = writer_of(event);
+  const std::int64_t most = writer.last < 0 ? kFirstJump : writer.last + kJump;
+  if (event.base > most) return RtpsFault::kGap;
+  const std::int64_t range = event.base - event.first + 1;
+  writer.gap_end = std::max(writer.gap_end, event.base);
+  writer.gapped += range;
+  if (writer.gapped <= kMostGapped) return std::nullopt;
+  writer.gapped = 0;
+  // Both have reader(4) writer(4), two numbers(8) and 4 more bytes.
+  const auto part = copy().subspan(event.at);
+  part[0] = static_cast<std::uint8_t>(Submessage::kHeartbeat);
+  part[1] = static_cast<std::uint8_t>((event.little ? kLittleEndian : 0) | kFinal);
+  const auto body = part.subspan(kSubmessageHeader);
+  writer.last = std::max(writer.last, event.base - 1);
+  put_number(body.subspan(8), event.base, event.little);
+  put_number(body.subspan(16), writer.last, event.little);
+  put(body.subspan(24), ++writer.count, event.little);
+  return std::nullopt;
+}
+
+// A sample that begins costs its size; the sum is forgiven within kFragmentSeconds.
+std::optional<RtpsFault> DatagramGuard::on_fragment(const RtpsEvent& event) {
+  has_fragments_ = true;
+  Guid guid{};
+  std::copy_n(datagram_.begin() + kPrefixAt, 12, guid.begin());
+  std::ranges::copy(event.writer, guid.begin() + 12);
+  const std::pair<Guid, std::int64_t> sample{guid, event.first};
+  if (std::ranges::count(fragmented_, sample) != 0) return std::nullopt;
+  Bucket& bucket = fragment_bytes_;
+  if (bucket.filled == Instant{}) bucket.tokens = limits_.fragment_bytes;
+  bucket.tokens = std::min<double>(
+      limits_.fragment_bytes,
+      bucket.tokens + to_seconds(now_ - bucket.filled) * limits_.fragment_bytes / kFragmentSeconds);
+  bucket.filled = now_;
+  if (bucket.tokens < event.sample_size) return RtpsFault::kFragmentMemory;
+  bucket.tokens -= event.sample_size;
+  fragmented_.push_back(sample);
+  if (fragmented_.size() > kMostFragmented) fragmented_.pop_front();
+  return std::nullopt;
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,113 @@
+// Decides for each datagram from the network whether the DDS library may read it. The rules for a
+// single datagram are in rtps_validator.hpp; the guard adds what needs memory:
+//
+// - How many participants and endpoints exist, and how fast participants join. When the table of
+//   participants is full, the oldest one that has announced no endpoint makes room: the library
+//   is told that it has left.
+// - How many bytes of fragmented samples are unfinished.
+// - Which sequence numbers a writer has reached. A GAP makes the library insert each number of its
+//   range into a set, a HEARTBEAT makes it count up to the first number (StatefulReader.cpp). A GAP
+//   over a long range therefore reaches the library as a HEARTBEAT whose first number is the end
+//   of the range: a reader has received everything before the range, so it means the same.
+//
+// Pure: `now` is an argument. One owner; not thread-safe.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "bridge/dds/transport/rtps_validator.hpp"
+#include "core/base/time.hpp"
+
+namespace fieldcast {
+
+class DatagramGuard final : private RtpsEvents {
+ public:
+  using Bytes = std::vector<std::uint8_t>;
+  using Address = std::array<std::uint8_t, 16>;  // of the sender, as in a locator
+
+  struct Verdict {
+    std::optional<RtpsFault> fault;       // none: the library may read `bytes`
+    std::span<const std::uint8_t> bytes;  // the datagram, or `scratch`
+    Bytes before;                         // not empty: a message that the library reads first
+  };
+
+  explicit DatagramGuard(const RtpsLimits& limits) : limits_(limits) {}
+
+  // `scratch` receives the datagram if a part of it must be hidden or replaced, or if the library
+  // needs memory of ours behind it.
+  [[nodiscard]] Verdict check(std::span<const std::uint8_t> datagram, const Address& from,
+                              Instant now, Bytes& scratch);
+
+  [[nodiscard]] const RtpsFaultCounts& refused() const { return refused_; }
+  [[nodiscard]] std::size_t participants() const { return participants_.size(); }
+  [[nodiscard]] std::size_t endpoints() const { return endpoints_; }
+
+  // Numbers of one writer in GAPs that the library may hold at a time.
+  static constexpr std::int64_t kMostGapped = 65'536;
+  // How far the first HEARTBEAT of a writer and a later one may move on. The library counts this
+  // range number by number.
+  static constexpr std::int64_t kFirstJump = std::int64_t{1} << 32, kJump = 1 << 20;
+
+ private:
+  using Guid = std::array<std::uint8_t, 16>;
+  struct Hash {
+    std::size_t operator()(const Guid& guid) const;
+  };
+  struct Participant {
+    Instant seen{};
+    std::uint64_t order = 0;  // in which it joined
+    std::set<Guid> endpoints;
+  };
+  struct Writer {
+    Instant seen{};
+    std::int64_t last = -1;   // the highest number that it announced; -1: none yet
+    std::uint32_t count = 0;  // of its newest HEARTBEAT
+    std::int64_t gapped = 0;  // numbers in GAPs since the library forgot them
+    std::int64_t gap_end = 0;
+  };
+  struct Bucket {
+    double tokens = 0;
+    Instant filled{};
+  };
+
+  std::optional<RtpsFault> on_event(const RtpsEvent& event) override;
+  std::optional<RtpsFault> on_participant(const RtpsEvent& event);
+  std::optional<RtpsFault> on_endpoint(const RtpsEvent& event);
+  std::optional<RtpsFault> on_heartbeat(const RtpsEvent& event);
+  std::optional<RtpsFault> on_gap(const RtpsEvent& event);
+  std::optional<RtpsFault> on_fragment(const RtpsEvent& event);
+  [[nodiscard]] bool make_room();
+  [[nodiscard]] bool may_join();
+  void forget(const ParticipantPrefix& prefix);
+  Writer& writer_of(const RtpsEvent& event);
+  std::span<std::uint8_t> copy();  // of the datagram, to be changed
+
+  const RtpsLimits limits_;
+  RtpsFaultCounts refused_{};
+  std::map<ParticipantPrefix, Participant> participants_;
+  std::size_t endpoints_ = 0;
+  std::uint64_t joined_ = 0;
+  std::map<Address, Bucket> joins_;
+  std::unordered_map<Guid, Writer, Hash> writers_;
+  std::deque<std::pair<Guid, std::int64_t>> fragmented_;  // writer and number, newest last
+  Bucket fragment_bytes_;
+
+  // Of the datagram that is being checked.
+  std::span<const std::uint8_t> datagram_;
+  Address from_{};
+  Instant now_{};
+  bool has_fragments_ = false;
+  Bytes* scratch_ = nullptr;
+  Bytes before_;
+  bool is_changed_ = false;
+};
+
+}  // namespace fieldcast

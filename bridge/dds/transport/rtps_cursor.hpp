@@ -1,0 +1,58 @@
+// Reads numbers of one byte order from a span of bytes, as CDR and RTPS lay them out. A read past
+// the end makes the cursor bad and returns 0, so that a caller checks once at the end.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace fieldcast {
+
+class RtpsCursor {
+ public:
+  RtpsCursor(std::span<const std::uint8_t> bytes, bool little) : bytes_(bytes), little_(little) {}
+
+  [[nodiscard]] bool good() const { return good_; }
+  [[nodiscard]] std::size_t at() const { return at_; }
+  [[nodiscard]] std::size_t left() const { return bytes_.size() - at_; }
+
+  std::uint8_t u8() { return static_cast<std::uint8_t>(number(1)); }
+  std::uint16_t u16() { return static_cast<std::uint16_t>(number(2)); }
+  std::uint32_t u32() { return static_cast<std::uint32_t>(number(4)); }
+  // A sequence number: the upper half first, signed (RTPS 2.2, 9.4.2.5).
+  std::int64_t sequence_number() {
+    const auto high = static_cast<std::int32_t>(u32());
+    const std::uint32_t low = u32();
+    return static_cast<std::int64_t>(high) * (std::int64_t{1} << 32) + low;
+  }
+  // The next `count` bytes; empty and bad if there are not as many.
+  std::span<const std::uint8_t> take(std::size_t count) {
+    if (count > left()) {
+      good_ = false;
+      return {};
+    }
+    at_ += count;
+    return bytes_.subspan(at_ - count, count);
+  }
+  // Skips the padding up to a multiple of 4, as far as there is some.
+  void align() {
+    const std::size_t padding = (4 - at_ % 4) % 4;
+    at_ += padding < left() ? padding : left();
+  }
+
+ private:
+  std::uint32_t number(std::size_t size) {
+    std::uint32_t value = 0;
+    const auto raw = take(size);
+    for (std::size_t i = 0; i < raw.size(); ++i)
+      value = value << 8 | raw[little_ ? raw.size() - 1 - i : i];
+    return value;
+  }
+
+  std::span<const std::uint8_t> bytes_;
+  std::size_t at_ = 0;
+  bool little_;
+  bool good_ = true;
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,53 @@
+// Validates one RTPS datagram (RTPS 2.2, chapter 9.4; DDS Security 1.1, 7.3.6) before the DDS
+// library reads it. Pure and stateless: bytes in, the cause of the refusal or the facts that the
+// guard needs out.
+//
+// Fast DDS 2.9.1 and 3.1.2 trust many lengths and counts of a datagram. The validator accepts a
+// datagram only if every length, count and number that the library uses without a check of its own
+// is within the bounds of the datagram and of RtpsLimits.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "bridge/dds/participant_note.hpp"
+#include "bridge/dds/rtps_message.hpp"
+#include "bridge/dds/transport/parameter_list.hpp"
+#include "bridge/dds/transport/rtps_fault.hpp"
+
+namespace fieldcast {
+
+// What a submessage tells the guard. Spans point into the datagram.
+struct RtpsEvent {
+  Submessage kind{};
+  std::size_t at = 0;  // of the submessage, in the datagram
+  bool little = false;
+  EntityBytes reader{}, writer{};
+  std::int64_t first = 0;   // a sequence number: of DATA, DATA_FRAG, the start of GAP, of HEARTBEAT
+  std::int64_t base = 0;    // of GAP: the first number behind the range
+  std::uint32_t count = 0;  // of HEARTBEAT
+  std::uint32_t sample_size = 0;  // of DATA_FRAG
+  std::size_t parameters_at = 0;  // of discovery DATA: the offset of its list in the datagram
+  ParameterFacts parameters;      // of discovery DATA and of inline QoS
+};
+
+class RtpsEvents {
+ public:
+  virtual ~RtpsEvents() = default;
+  // Called for DATA of discovery, DATA_FRAG, GAP, HEARTBEAT, in their order, after the submessage
+  // was found valid. A returned fault refuses the datagram.
+  virtual std::optional<RtpsFault> on_event(const RtpsEvent& event) = 0;
+};
+
+// Returns the first fault of the datagram. `events` may be null.
+[[nodiscard]] std::optional<RtpsFault> fault_of(std::span<const std::uint8_t> datagram,
+                                                const RtpsLimits& limits,
+                                                RtpsEvents* events = nullptr);
+
+// Built-in entities (RTPS 2.2, 9.3.1.2).
+inline constexpr EntityBytes kPublicationsWriter{0x00, 0x00, 0x03, 0xc2};
+inline constexpr EntityBytes kSubscriptionsWriter{0x00, 0x00, 0x04, 0xc2};
+
+}  // namespace fieldcast

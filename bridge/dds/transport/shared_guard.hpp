@@ -1,0 +1,30 @@
+// The guard of one participant, for the threads on which its transports receive; and the counts of
+// all guards of this process.
+#pragma once
+
+#include <mutex>
+#include <span>
+
+#include "bridge/dds/transport/datagram_guard.hpp"
+
+namespace fieldcast {
+
+// How many datagrams all guards of this process refused since its start, by cause. Any thread.
+[[nodiscard]] RtpsFaultCounts refused_datagrams();
+
+class SharedGuard {
+ public:
+  explicit SharedGuard(const RtpsLimits& limits) : guard_(limits) {}
+
+  // As DatagramGuard::check(), with the time of the call; `scratch` belongs to the caller's thread.
+  // Counts and logs what is refused: the first one of a cause, the tenth, the hundredth, ..
+  [[nodiscard]] DatagramGuard::Verdict check(std::span<const std::uint8_t> datagram,
+                                             const DatagramGuard::Address& from,
+                                             DatagramGuard::Bytes& scratch);
+
+ private:
+  std::mutex mutex_;
+  DatagramGuard guard_;
+};
+
+}  // namespace fieldcast
