@@ -6,6 +6,7 @@
 #include "bridge/bus/clock.hpp"
 #include "bridge/dds/multicast.hpp"
 #include "bridge/dds/receive_buffer.hpp"
+#include "bridge/dds/transport/shared_guard.hpp"
 
 namespace fieldcast {
 
@@ -140,7 +141,8 @@ void Bridge::State::serve_metrics(const BridgeSpec& wanted) {
   const auto buffer = wanted.dds.profile ? std::nullopt : granted_receive_buffer();
   metrics = std::make_unique<MetricsServer>(
       wanted.metrics->listen, [this, name = wanted.name, buffer](MetricsFormat format) {
-        MetricsSnapshot snapshot{.bridge = name, .receive_buffer = buffer};
+        MetricsSnapshot snapshot{
+            .bridge = name, .refused_datagrams = refused_datagrams(), .receive_buffer = buffer};
         figures.copy_to(snapshot);
         snapshot.alarms = alarms.counts();
         if (group) snapshot.standby = standby_figures();

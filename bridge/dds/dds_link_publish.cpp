@@ -1,6 +1,7 @@
 // What buses have to say: samples, results, reports.
 #include "bridge/dds/dds_link.hpp"
 #include "bridge/dds/dds_link_state.hpp"
+#include "bridge/dds/transport/shared_guard.hpp"
 
 namespace fieldcast {
 
@@ -46,11 +47,27 @@ void DdsLink::complete(std::string_view bus, const CommandResult& result,
   state_->results.send(out);
 }
 
+namespace {
+
+// They belong to the whole bridge: each of its buses shows them.
+void add_refused_datagrams(std::vector<idl::CauseCount>& causes) {
+  const RtpsFaultCounts counts = refused_datagrams();
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    if (counts[i] == 0) continue;
+    causes.emplace_back();
+    causes.back().cause() = "DATAGRAM_" + std::string(to_text(static_cast<RtpsFault>(i)));
+    causes.back().count(counts[i]);
+  }
+}
+
+}  // namespace
+
 void DdsLink::report(std::string_view name, const BusReport& report, UtcTime at) {
   const std::shared_lock lock(state_->mutex);
   LinkedBus* bus = state_->find(name);
   if (bus == nullptr) return;
   to_idl(state_->bridge, name, report, at, bus->status);
+  add_refused_datagrams(bus->status.causes());
   bus->status.dds_deadline_misses(bus->samples.counters().deadline_misses);
   bus->reported = true;
   bus->samples.tidy(state_->handlers.clock().instant);

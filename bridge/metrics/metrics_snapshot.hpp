@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bridge/dds/dds_link.hpp"
+#include "bridge/dds/transport/rtps_fault.hpp"
 #include "bridge/store/store.hpp"
 #include "core/alarm/alarm_book.hpp"
 #include "core/base/time.hpp"
@@ -43,6 +44,7 @@ struct MetricsSnapshot {
   std::optional<AlarmCounts> alarms;
   std::optional<StoreCounters> store;  // nothing: there is no store
   std::optional<StandbyFigures> standby;
+  RtpsFaultCounts refused_datagrams{};  // by all guards of this process
   std::optional<std::uint32_t> receive_buffer;  // bytes of a UDP socket; nothing: not known
 };
 

@@ -186,6 +186,8 @@ constexpr Row<StoreCounters> kStoreRows[] = {
 constexpr Family kBridge{"fieldcast_bridge_info", Kind::kGauge, "", "1, with the bridge's name."};
 constexpr Family kReceiveBuffer{"fieldcast_dds_receive_buffer_bytes", Kind::kGauge, "bytes",
                                 "What the kernel grants a UDP socket of this process."};
+constexpr Family kRefusedDatagrams{"fieldcast_dds_refused_datagrams", Kind::kCounter, "",
+                                   "Datagrams that the guard kept from DDS, by cause."};
 constexpr Family kBusState{"fieldcast_bus_state", Kind::kGauge, "",
                            "1 for the state that the bus is in, 0 for the others."};
 constexpr Family kClosed{"fieldcast_bus_closed", Kind::kGauge, "",
@@ -331,6 +333,12 @@ std::string metrics_text(const MetricsSnapshot& snapshot, MetricsFormat format) 
   out.line(label("bridge", snapshot.bridge), "1");
   write_buses(out, snapshot);
   write_devices(out, snapshot);
+  out.begin(kRefusedDatagrams);
+  for (std::size_t i = 0; i < kRtpsFaults; ++i) {
+    if (snapshot.refused_datagrams[i] == 0) continue;
+    out.line(label("cause", to_text(static_cast<RtpsFault>(i))),
+             number(snapshot.refused_datagrams[i]));
+  }
   if (snapshot.receive_buffer) {
     out.begin(kReceiveBuffer);
     out.line({}, number(std::uint64_t{*snapshot.receive_buffer}));

@@ -2,10 +2,12 @@
 #include <algorithm>
 
 #include "bridge/dds/topics/conversion.hpp"
+#include "bridge/dds/transport/rtps_fault.hpp"
 
 namespace fieldcast {
 
-static_assert(static_cast<std::size_t>(Cause::kCount) <= 64, "the IDL's sequence<CauseCount, 64>");
+static_assert(static_cast<std::size_t>(Cause::kCount) + kRtpsFaults <= 64,
+              "the IDL's sequence<CauseCount, 64>");
 
 namespace {
 

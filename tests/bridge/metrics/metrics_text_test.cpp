@@ -73,6 +73,7 @@ MetricsSnapshot snapshot() {
   table.copy_to(made);
   made.store = StoreCounters{.stored = 41, .dropped = 42, .waiting = 43};
   made.receive_buffer = 1 << 20;
+  made.refused_datagrams[static_cast<std::size_t>(RtpsFault::kGap)] = 44;
   return made;
 }
 
@@ -115,6 +116,7 @@ TEST(MetricsText, HasEveryFigureOfABus) {
            R"(fieldcast_dds_blocks_total{bus="press-shop"} 23)",
            R"(fieldcast_dds_block_readers{bus="press-shop"} 24)",
            R"(fieldcast_dds_receive_buffer_bytes 1048576)",
+           R"(fieldcast_dds_refused_datagrams_total{cause="GAP"} 44)",
        })
     EXPECT_THAT(samples, testing::Contains(line));
   EXPECT_THAT(samples, Each(Not(HasSubstr("fieldcast_bus_closed"))));
