@@ -27,7 +27,7 @@ constexpr std::array<Row, static_cast<std::size_t>(Cause::kCount)> kRows{{
     {"PORT_IN_USE", "in use by another program", Quality::kBadNoAnswer},
     {"PORT_UNREACHABLE", "no connection", Quality::kBadNoAnswer},
     {"DEVICE_ERROR", "refused by the device", Quality::kBadDeviceError},
-    {"DEVICE_BUSY", "device busy", Quality::kBadDeviceError},
+    {"DEVICE_BUSY", "device not ready", Quality::kBadDeviceError},
     {"RANGE", "value out of range", Quality::kBadRange},
     {"WRONG_TYPE", "value of the wrong type", Quality::kBadConfiguration},
     {"READ_ONLY", "channel is read-only", Quality::kBadConfiguration},

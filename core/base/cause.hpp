@@ -27,7 +27,7 @@ enum class Cause : std::uint8_t {
   kPortUnreachable,  // no connection, or no module that dialled in
   // the device
   kDeviceError,  // the device refused, with a code of its own
-  kDeviceBusy,   // the device asked to be left alone for a while
+  kDeviceBusy,   // the device, or the way to it, cannot at the moment; with a code of its own
   // values and commands
   kRange,  // outside the type, the scale or the configured limits
   kWrongType,

@@ -156,8 +156,10 @@ void ChannelTable::refused(ChannelIndex channel, Cause cause, std::uint16_t devi
   publish(entry, out, now);
 }
 
-void ChannelTable::failing(ChannelIndex channel, Cause cause, Instant now) {
+void ChannelTable::failing(ChannelIndex channel, Cause cause, Instant now,
+                           std::uint16_t device_code) {
   Entry& entry = entries_[channel];
+  entry.failing_code = device_code;
   const bool uncertain =
       entry.last.quality == Quality::kUncertain || entry.last.quality == Quality::kNotYetRead;
   if (entry.freshness.failing(cause, uncertain, now)) queue(channel);
@@ -185,6 +187,7 @@ void ChannelTable::expire(Instant now, std::vector<Sample>& out) {
     }
     if (!entry.freshness.expire(now, misses_)) continue;
     entry.last.quality = quality_of(entry.freshness.cause());
+    if (entry.freshness.cause() == Cause::kDeviceBusy) entry.last.device_code = entry.failing_code;
     if (entry.last.quality == Quality::kGood) entry.last.quality = Quality::kUncertain;
     // Uncertain is what is old; what was never read is not there yet, whatever delays it.
     if (entry.last.quality == Quality::kUncertain && entry.last.acquired == kLongAgo)

@@ -62,7 +62,7 @@ class ChannelTable {
                std::vector<Sample>& out);
   // The cause that a missed refresh will show. A refresh that was missed before the cause was known
   // is told once more, with it.
-  void failing(ChannelIndex channel, Cause cause, Instant now);
+  void failing(ChannelIndex channel, Cause cause, Instant now, std::uint16_t device_code = 0);
 
   // Starts the clock of every promise: a channel that is not read within its refresh from `now` is
   // late.
@@ -97,6 +97,8 @@ class ChannelTable {
     Instant read = kLongAgo;  // the last time, or the start of the promise
     std::uint64_t readings = 0;
     Duration worst_gap{};  // between two readings
+    std::uint16_t failing_code =
+        0;  // with Cause::kDeviceBusy: of the device, since the last sample
   };
   struct Expiry {
     Instant at;

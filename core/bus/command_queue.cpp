@@ -24,6 +24,15 @@ bool join(WriteRequest& write, const WriteRequest& other, const Protocol& protoc
   return true;
 }
 
+std::size_t bytes_of(const Command& command) {
+  std::size_t bytes = sizeof(CommandJob) + command.requester.size();
+  for (const Value& value : command.values) {
+    bytes += sizeof(Value);
+    if (const auto* text = std::get_if<std::string>(&value)) bytes += text->size();
+  }
+  return bytes;
+}
+
 }  // namespace
 
 CommandQueue::CommandQueue(const BusSetup& setup, ChannelTable& channels, TextCodec& codec)
@@ -32,15 +41,67 @@ CommandQueue::CommandQueue(const BusSetup& setup, ChannelTable& channels, TextCo
 void CommandQueue::accept(const Command& command, const Condition& condition, Instant now,
                           ActionSink& sink) {
   auto job = check(command, condition, now);
-  if (!job) {
-    const Cause cause = job.error().cause;
+  std::optional<CommandFault> fault;
+  if (!job)
+    fault = std::move(job.error());
+  else
+    fault = make_room(command, now, sink);
+  if (fault) {
     const CommandState state =
-        cause == Cause::kExpired ? CommandState::kExpired : CommandState::kRejected;
+        fault->cause == Cause::kExpired ? CommandState::kExpired : CommandState::kRejected;
     return sink.push(
-        Complete{refusal(command, state, cause, std::move(job.error().reason), now, now)});
+        Complete{refusal(command, state, fault->cause, std::move(fault->reason), now, now)});
   }
   if (const auto channel = job->written_channel()) last_write_[*channel] = now;
-  waiting_.push_back({std::move(*job), now});
+  Owner& owner = owners_.try_emplace(command.requester, Owner{0, 0, turn_ + 1}).first->second;
+  if (owner.commands++ == 0) ++turn_;
+  owner.bytes += bytes_of(command);
+  bytes_ += bytes_of(command);
+  waiting_.push_back({std::move(*job), now, &owner});
+}
+
+// One requester alone may fill the queue. When it is full, the newest command of the requester that
+// has the most leaves it for a requester that has less.
+std::optional<CommandFault> CommandQueue::make_room(const Command& command, Instant now,
+                                                    ActionSink& sink) {
+  const std::size_t bytes = bytes_of(command);
+  const auto known = owners_.find(command.requester);
+  const Owner own = known == owners_.end() ? Owner{} : known->second;
+  if (own.bytes + bytes > kMaxBytesOfRequester) {
+    return CommandFault{Cause::kQueueFull, std::to_string(own.commands) +
+                                               " commands of this requester are waiting already"};
+  }
+  while (waiting_.size() >= kMaxWaiting || bytes_ + bytes > kMaxBytes) {
+    const auto newest = newest_of_most(bytes_ + bytes > kMaxBytes, own);
+    if (newest == waiting_.end()) {
+      return CommandFault{Cause::kQueueFull,
+                          std::to_string(waiting_.size()) + " commands are waiting already"};
+    }
+    sink.push(Complete{refusal(newest->job.command(), CommandState::kRejected, Cause::kQueueFull,
+                               "the queue is full, and this requester has the most commands in it",
+                               newest->received, now)});
+    left(*newest);
+    waiting_.erase(newest);
+  }
+  return std::nullopt;
+}
+
+std::deque<CommandQueue::Waiting>::iterator CommandQueue::newest_of_most(bool by_bytes,
+                                                                         const Owner& own) {
+  const auto size = [&](const Owner& owner) { return by_bytes ? owner.bytes : owner.commands; };
+  auto newest = waiting_.end();
+  for (auto each = waiting_.begin(); each != waiting_.end(); ++each) {
+    if (each->job.started() || size(*each->owner) <= size(own) + (by_bytes ? 0 : 1)) continue;
+    if (newest == waiting_.end() || size(*each->owner) >= size(*newest->owner)) newest = each;
+  }
+  return newest;
+}
+
+void CommandQueue::left(const Waiting& waiting) {
+  const Command& command = waiting.job.command();
+  bytes_ -= bytes_of(command);
+  waiting.owner->bytes -= bytes_of(command);
+  if (--waiting.owner->commands == 0) owners_.erase(command.requester);
 }
 
 tl::expected<CommandJob, CommandFault> CommandQueue::check(const Command& command,
@@ -72,9 +133,6 @@ std::optional<CommandFault> CommandQueue::obstacle(const CommandJob& job,
   }
   if (condition.device_offline)
     return CommandFault{Cause::kOffline, "device '" + job.command().device + "' does not answer"};
-  if (waiting_.size() >= kMaxWaiting)
-    return CommandFault{Cause::kQueueFull,
-                        std::to_string(kMaxWaiting) + " commands are waiting already"};
   const auto channel = job.written_channel();
   if (!channel) return std::nullopt;
   const Duration interval = channels_.spec(*channel).write_interval;
@@ -88,9 +146,9 @@ std::optional<CommandFault> CommandQueue::obstacle(const CommandJob& job,
 std::optional<CommandQueue::Next> CommandQueue::next(Instant now, const Gate& gate,
                                                      bool echo_unknown) {
   if (!begun_) {
-    const auto ready = std::find_if(waiting_.begin(), waiting_.end(),
-                                    [&](const Waiting& each) { return gate(each.job) <= now; });
+    const auto ready = next_in_turn(now, gate);
     if (ready == waiting_.end()) return std::nullopt;
+    ready->owner->turn = ++turn_;
     std::rotate(waiting_.begin(), ready, ready + 1);
     begun_ = true;
   }
@@ -106,6 +164,17 @@ std::optional<CommandQueue::Next> CommandQueue::next(Instant now, const Gate& ga
     next.batch = gather(*write);
     for (std::size_t i = 0; i < next.batch; ++i) waiting_[i].job.start(now);
     next.request = std::move(*write);
+  }
+  return next;
+}
+
+// Of the requesters with a command that may be sent, the one that was served the longest ago.
+std::deque<CommandQueue::Waiting>::iterator CommandQueue::next_in_turn(Instant now,
+                                                                       const Gate& gate) {
+  auto next = waiting_.end();
+  for (auto each = waiting_.begin(); each != waiting_.end(); ++each) {
+    const bool earlier = next == waiting_.end() || each->owner->turn < next->owner->turn;
+    if (earlier && gate(each->job) <= now) next = each;
   }
   return next;
 }
@@ -162,6 +231,7 @@ void CommandQueue::finish(std::size_t batch, Instant acquired, Instant now, Acti
       continue;
     }
     complete(waiting_[at], acquired, now, sink);
+    left(waiting_[at]);
     waiting_.erase(waiting_.begin() + static_cast<std::ptrdiff_t>(at));
   }
   begun_ = at > 0;
@@ -185,9 +255,11 @@ void CommandQueue::expire(BusState bus, Instant now, ActionSink& sink) {
   const auto expired = std::stable_partition(
       waiting_.begin(), waiting_.end(),
       [&](const Waiting& each) { return each.job.started() || each.job.command().expires > now; });
-  for (auto each = expired; each != waiting_.end(); ++each)
+  for (auto each = expired; each != waiting_.end(); ++each) {
     sink.push(Complete{refusal(each->job.command(), CommandState::kExpired, Cause::kExpired, reason,
                                each->received, now)});
+    left(*each);
+  }
   waiting_.erase(expired, waiting_.end());
 }
 
@@ -211,6 +283,8 @@ void CommandQueue::refuse_all(Cause cause, const std::string& reason, Instant no
     sink.push(Complete{std::move(result)});
   }
   waiting_.clear();
+  owners_.clear();
+  bytes_ = 0;
   begun_ = false;
 }
 

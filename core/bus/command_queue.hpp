@@ -1,13 +1,15 @@
-// The commands of one bus: checked when they arrive, kept in order, one on the wire at a time, each
-// ended by exactly one result.
+// The commands of one bus: checked when they arrive, one on the wire at a time, each ended by
+// exactly one result. Requesters are served in turn; the commands of one requester keep their
+// order.
 //
 // Owns the waiting commands and the instant of each channel's last write. Owned by the bus engine,
-// on the bus's thread. What can fail: a command is refused with its cause; at most kMaxWaiting
-// wait, more are refused with kQueueFull.
+// on the bus's thread. What can fail: a command is refused with its cause. What a requester and
+// the whole queue may hold is limited; the requester that has the most is refused with kQueueFull.
 #pragma once
 
 #include <deque>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,6 +25,8 @@ namespace fieldcast {
 class CommandQueue {
  public:
   static constexpr std::size_t kMaxWaiting = 1024;
+  static constexpr std::size_t kMaxBytes = std::size_t{8} << 20;  // of all that wait
+  static constexpr std::size_t kMaxBytesOfRequester = kMaxBytes / 2;
   static constexpr std::size_t kMaxBatch = 64;  // commands in one request
 
   // What keeps a command from the wire at this moment, whatever it asks.
@@ -76,10 +80,23 @@ class CommandQueue {
   [[nodiscard]] std::uint64_t done() const { return done_; }
 
  private:
+  // What one requester has in the queue.
+  struct Owner {
+    std::size_t commands = 0;
+    std::size_t bytes = 0;
+    std::uint64_t turn = 0;  // when it was served, or its first command arrived
+  };
   struct Waiting {
     CommandJob job;
     Instant received{};
+    Owner* owner = nullptr;  // in owners_
   };
+  [[nodiscard]] std::optional<CommandFault> make_room(const Command& command, Instant now,
+                                                      ActionSink& sink);
+  // The newest command, not begun, of the requester with the most, if that has more than `own`.
+  [[nodiscard]] std::deque<Waiting>::iterator newest_of_most(bool by_bytes, const Owner& own);
+  [[nodiscard]] std::deque<Waiting>::iterator next_in_turn(Instant now, const Gate& gate);
+  void left(const Waiting& waiting);  // before it is removed
   [[nodiscard]] tl::expected<CommandJob, CommandFault> check(const Command& command,
                                                              const Condition& condition,
                                                              Instant now) const;
@@ -92,7 +109,10 @@ class CommandQueue {
   const BusSetup& setup_;
   ChannelTable& channels_;
   TextCodec& codec_;
-  std::deque<Waiting> waiting_;
+  std::deque<Waiting> waiting_;                       // as they arrived; what has begun is first
+  std::map<std::string, Owner, std::less<>> owners_;  // by requester, as long as it has commands
+  std::size_t bytes_ = 0;
+  std::uint64_t turn_ = 0;
   std::vector<Instant> last_write_;  // of each channel
   bool begun_ = false;
   std::uint64_t done_ = 0;

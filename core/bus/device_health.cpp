@@ -9,6 +9,7 @@ bool DeviceHealth::answered() {
   state_ = DeviceState::kOnline;
   cause_ = Cause::kNone;
   failures_ = 0;
+  busy_since_ = kNever;
   probe_interval_ = kFirstProbe;
   probe_at_ = kNever;
   return changed;
@@ -22,9 +23,18 @@ bool DeviceHealth::failed(Cause cause, Instant now) {
     return false;
   }
   const DeviceState before = state_;
-  // Broken answers show that somebody is there: only silence takes a device offline.
+  // Broken answers show that somebody is there: only silence takes a device offline, and a long
+  // time without any value.
   if (cause == Cause::kNoAnswer) ++failures_;
-  if (failures_ >= kFailuresToOffline) {
+  bool busy_too_long = false;
+  if (cause == Cause::kDeviceBusy) {
+    if (busy_since_ == kNever) {
+      busy_since_ = now;
+      return false;
+    }
+    busy_too_long = now - busy_since_ >= kBusyToOffline;
+  }
+  if (failures_ >= kFailuresToOffline || busy_too_long) {
     state_ = DeviceState::kOffline;
     probe_at_ = now + probe_interval_;
   } else if (state_ == DeviceState::kOnline ||

@@ -14,11 +14,14 @@ class DeviceHealth {
   // This many exchanges in a row without an answer, retries included in each, take a device
   // offline.
   static constexpr unsigned kFailuresToOffline = 2;
+  // So do answers that it cannot at the moment (Cause::kDeviceBusy), with no other answer between,
+  // after this time. One of them changes no state.
+  static constexpr Duration kBusyToOffline = std::chrono::seconds{10};
   static constexpr Duration kFirstProbe = std::chrono::milliseconds{500};
   static constexpr Duration kLastProbe = std::chrono::seconds{30};
 
   // Each returns true when the state changed.
-  bool answered();                        // any valid answer, an exception too
+  bool answered();                        // any valid answer, a refusal too
   bool failed(Cause cause, Instant now);  // an exchange with all its retries
 
   [[nodiscard]] DeviceState state() const { return state_; }
@@ -31,6 +34,7 @@ class DeviceHealth {
   DeviceState state_ = DeviceState::kUnknown;
   Cause cause_ = Cause::kNone;
   unsigned failures_ = 0;
+  Instant busy_since_ = kNever;
   Duration probe_interval_ = kFirstProbe;
   Instant probe_at_ = kNever;
 };

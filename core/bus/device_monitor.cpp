@@ -39,13 +39,17 @@ void DeviceMonitor::tried(const Try& ended, Instant now, ActionSink& sink) {
       done || ended.cause == Cause::kDeviceError || ended.cause == Cause::kDeviceBusy;
   if (done || ended.cause == Cause::kNoAnswer) device.pauses.tried(ended.rest, done);
   if (done) device.answered_at = ended.answered;
+  if (ended.cause == Cause::kDeviceBusy)
+    ++device.busy_in_a_row;
+  else if (answered)
+    device.busy_in_a_row = 0;
   device.paused_until =
       now + std::max(setup_.device(ended.device).pause, device.pauses.next_pause());
   if (ended.cause == Cause::kNoAnswer || ended.cause == Cause::kTruncated) {
     device.answer_time.timed_out();
     for (AnswerTime& area : device.area_times) area.timed_out();
   }
-  device.failure_share += ((answered ? 0.0 : 1.0) - device.failure_share) / 8;
+  device.failure_share += ((answered && !device.busy() ? 0.0 : 1.0) - device.failure_share) / 8;
   judge_garbage(ended, answered, sink);
   if (!done) device.report.causes.add(ended.cause);
 }
@@ -111,7 +115,9 @@ bool DeviceMonitor::failed(DeviceIndex index, Cause cause, Instant now, ActionSi
   }
   device.forget();
   sink.notice(Notice::Kind::kDeviceLost, index, cause,
-              "does not answer; asked ever more rarely until it does");
+              cause == Cause::kDeviceBusy
+                  ? "answers only that it cannot now; asked ever more rarely until it can"
+                  : "does not answer; asked ever more rarely until it does");
   return true;
 }
 

@@ -73,15 +73,18 @@ class DeviceMonitor {
   void tried(const Try& ended, Instant now, ActionSink& sink);
   void repeated(DeviceIndex device) { ++devices_[device].report.retries; }
 
-  // After an exchange: any valid answer, a refusal too.
+  // After an exchange: any valid answer, a refusal too, but not Cause::kDeviceBusy.
   void answered(DeviceIndex device, ActionSink& sink);
   void learn(DeviceIndex device, const Request& request, Duration answer_time);
   // What another bridge has learned.
   void inherit(DeviceIndex device, const DeviceReport& learned);
   // An answer came after it had been given up.
   void learn_late(DeviceIndex device, Duration answer_time);
+  // Leaves the device alone for kBusyPause.
   void busy(DeviceIndex device, Instant now);
-  // After an exchange without an answer. True: the device went offline, and another one may be
+  // Its last answers were Cause::kDeviceBusy, at least two. One alone may concern its block.
+  [[nodiscard]] bool stays_busy(DeviceIndex device) const { return devices_[device].busy(); }
+  // After an exchange without an answer, or with Cause::kDeviceBusy. True: the device went offline, and another one may be
   // there when it comes back; what was learned of it is forgotten.
   [[nodiscard]] bool failed(DeviceIndex device, Cause cause, Instant now, ActionSink& sink);
 
@@ -127,12 +130,14 @@ class DeviceMonitor {
     Instant answered_at = kLongAgo;       // its last answer
     Instant paused_until = kLongAgo;      // it wants a rest
     double failure_share = 0;             // of its last tries, 0..1
+    unsigned busy_in_a_row = 0;           // answers with Cause::kDeviceBusy, and no other between
     Instant deferred_until = kLongAgo;    // at the latest; kLongAgo: not deferred
     Duration wasted{};                    // wire time of its last failure
     Instant probe_not_before = kLongAgo;  // the wire had no time for a probe
     bool suspended = false;               // as the scheduler was told last
     DeviceReport report;                  // its counters
 
+    [[nodiscard]] bool busy() const { return busy_in_a_row > 1; }
     [[nodiscard]] bool sick() const { return failure_share > 0.2; }
     void forget();
   };

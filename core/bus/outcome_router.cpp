@@ -23,12 +23,13 @@ std::optional<Reopen> OutcomeRouter::conclude(bool done, Instant now, ActionSink
   }
   const Flight flight = wire_.take();
   if (done && !flight.unanswered) learn(flight);
-  if (ended.answered) devices_.answered(device, sink);
+  const bool busy = ended.cause == Cause::kDeviceBusy;
+  if (ended.answered && !busy) devices_.answered(device, sink);
   deliver(flight, ended, now, sink);
-  const bool lost = !ended.answered && device_failed(device, ended, now, sink);
+  const bool lost = (!ended.answered || busy) && device_failed(device, ended, now, sink);
   arbiter_.suspend(device, now);
   // Every device behind this connection is silent: perhaps only the connection is dead.
-  if (lost && devices_.all_offline() && over_network(setup_.spec().port))
+  if (lost && !busy && devices_.all_offline() && over_network(setup_.spec().port))
     return Reopen{"no device answers"};
   // A stream whose framing is lost cannot be mended in place (Modbus Messaging on TCP/IP, 4.2.2
   // leaves the reaction open: close). A serial line falls silent instead, also behind a serial
@@ -91,7 +92,8 @@ void OutcomeRouter::deliver(const Flight& flight, const Wire::Ended& ended, Inst
     case Flight::Kind::kRead:
       if (ended.done)
         return reads_.answered(flight.block, ended.exchange->reply(), acquired, now, sink);
-      if (ended.cause == Cause::kDeviceBusy) devices_.busy(flight.asked.device, now);
+      if (ended.cause == Cause::kDeviceBusy && devices_.stays_busy(flight.asked.device))
+        devices_.busy(flight.asked.device, now);
       return reads_.failed(flight.block, flight.longer, ended.cause, ended.device_code, now, sink);
     case Flight::Kind::kCommand:
       if (ended.done)
@@ -110,7 +112,7 @@ bool OutcomeRouter::device_failed(DeviceIndex device, const Wire::Ended& ended, 
   if (lost) {
     reads_.forget(device);
     for (ChannelIndex c = channels_.first_of(device); c < channels_.end_of(device); ++c)
-      channels_.failing(c, ended.cause, now);
+      channels_.failing(c, ended.cause, now, ended.device_code);
   }
   devices_.defer_if_sick(device, ended.spent, now);
   return lost;

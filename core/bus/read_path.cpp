@@ -136,6 +136,10 @@ void ReadPath::answered(const Block& block, const Reply& reply, Instant acquired
   std::vector<Sample> bad_samples;
   for (RefusedPart& part : bad) {
     const RangeReply answer = part.range == kNowhere ? RangeReply{} : reply[part.range];
+    if (answer.cause == Cause::kDeviceBusy) {
+      busy(part_of(block, std::move(part.points)), answer.device_code, now);
+      continue;
+    }
     refused(part_of(block, std::move(part.points)), answer.cause, answer.device_code, now,
             bad_samples, sink);
   }
@@ -150,6 +154,7 @@ void ReadPath::accept(PointIndex point, const Range& answered, ByteView items, I
   const ByteView own = items.subspan(image_bytes(bits, read.range.first - answered.first),
                                      image_bytes(bits, read.range.count));
   learned_[read.device].doubted.erase(point);
+  learned_[read.device].busy.erase(point);
   if (learned_[read.device].refused.erase(point))
     sink.notice(Notice::Kind::kAddressRefused, read.device, Cause::kNone,
                 text(point) + " is answered again");
@@ -205,6 +210,7 @@ void ReadPath::inherit(DeviceIndex device, const DeviceReport& learned, Instant 
 
 void ReadPath::failed(const Block& block, bool longer, Cause cause, std::uint16_t code, Instant now,
                       ActionSink& sink) {
+  if (cause == Cause::kDeviceBusy) return busy(block, code, now);
   if (cause != Cause::kDeviceError && cause != Cause::kUnsupported) {
     for (const PointIndex point : block.points) {
       for (const ChannelIndex channel : map_.channels_of[point])
@@ -219,6 +225,18 @@ void ReadPath::failed(const Block& block, bool longer, Cause cause, std::uint16_
   std::vector<Sample> samples;
   refused(block, cause, code, now, samples, sink);
   sink.publish(std::move(samples));
+}
+
+void ReadPath::busy(const Block& block, std::uint16_t code, Instant now) {
+  Duration longest = kLongestBusyPause;
+  for (const PointIndex point : block.points) {
+    longest = std::min(longest, map_.points[point].refresh);
+    for (const ChannelIndex channel : map_.channels_of[point])
+      channels_.failing(channel, Cause::kDeviceBusy, now, code);
+  }
+  Duration& pause = learned_[block.device].busy[block.points.front()];
+  pause = std::min(pause == Duration::zero() ? kFirstBusyPause : pause * 2, longest);
+  scheduler_->failed(block, now, now + pause);
 }
 
 // The scheduler halves the block until the bad points stand alone; those are told at once.
@@ -264,6 +282,7 @@ void ReadPath::forget(DeviceIndex device) {
   Learned& learned = learned_[device];
   learned.refused_longer = false;
   learned.doubted.clear();
+  learned.busy.clear();
   for (AreaIndex area = 0; area < learned.areas.size(); ++area) {
     if (learned.areas[area].forget()) scheduler_->set_longest(device, area, 0);
   }

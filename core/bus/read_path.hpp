@@ -37,6 +37,11 @@ class ReadPath {
   // Items that a read is made longer by, at most, as a multiple of the area's alignment.
   static constexpr std::uint32_t kMostLonger = 4;
 
+  // After an answer that the device cannot read a block at the moment. The pause doubles with each
+  // such answer, up to the shortest refresh in the block.
+  static constexpr Duration kFirstBusyPause = std::chrono::milliseconds{100};
+  static constexpr Duration kLongestBusyPause = std::chrono::seconds{30};
+
   // A read for the wire. `longer`: the request asks for more items than the block needs, so that
   // its answer differs from those that are owed.
   struct Read {
@@ -113,6 +118,8 @@ class ReadPath {
     bool refused_longer = false;                  // reads are not made longer any more
     std::map<PointIndex, std::uint16_t> refused;  // points refused now, with the device's code
     std::set<PointIndex> doubted;                 // points whose refusal was not believed at once
+    // The last pause of each block that the device cannot read at the moment, by its first point.
+    std::map<PointIndex, Duration> busy;
   };
   // Points of a block that one answer refused.
   struct RefusedPart {
@@ -126,6 +133,8 @@ class ReadPath {
               std::vector<Sample>& samples, ActionSink& sink);
   void refused(const Block& block, Cause cause, std::uint16_t code, Instant now,
                std::vector<Sample>& samples, ActionSink& sink);
+  // The device cannot read the block at the moment: it is requested again after a pause.
+  void busy(const Block& block, std::uint16_t code, Instant now);
   // Whether a refusal of these points is to be heard a second time before it is believed.
   [[nodiscard]] bool doubts(const Block& block);
   void point_refused(PointIndex point, Cause cause, std::uint16_t code, Instant now,

@@ -90,7 +90,8 @@ Registration::Outcome Registration::on_bytes(ByteView bytes, Instant now) {
     append(received_, bytes);
     Bytes out;
     const Step step = exchange_->on_bytes(received_, out);
-    if (step.kind == Step::Kind::kFailed && step.cause == Cause::kDeviceError)
+    if (step.kind == Step::Kind::kFailed &&
+        (step.cause == Cause::kDeviceError || step.cause == Cause::kDeviceBusy))
       return refused(step.cause, step.device_code);
     // What else fails while bytes come is asked again only in silence, or noise would be answered
     // with a storm of requests.

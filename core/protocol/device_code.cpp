@@ -4,11 +4,26 @@
 
 namespace fieldcast {
 
-std::string_view device_code_text(std::span<const DeviceCode> codes, std::uint16_t code) {
+namespace {
+
+// Null if neither the code nor its class has a row.
+const DeviceCode* row_of_code(std::span<const DeviceCode> codes, std::uint16_t code) {
   auto row = std::ranges::find(codes, code, &DeviceCode::code);
   if (row == codes.end() && code > 0xFF)
     row = std::ranges::find(codes, static_cast<std::uint16_t>(code & 0xFF00), &DeviceCode::code);
-  return row == codes.end() ? std::string_view{} : row->text;
+  return row == codes.end() ? nullptr : &*row;
+}
+
+}  // namespace
+
+Cause device_code_cause(std::span<const DeviceCode> codes, std::uint16_t code) {
+  const DeviceCode* row = row_of_code(codes, code);
+  return row == nullptr ? Cause::kDeviceError : row->cause;
+}
+
+std::string_view device_code_text(std::span<const DeviceCode> codes, std::uint16_t code) {
+  const DeviceCode* row = row_of_code(codes, code);
+  return row == nullptr ? std::string_view{} : row->text;
 }
 
 std::string device_code_words(std::span<const DeviceCode> codes, std::uint16_t code) {

@@ -1,5 +1,5 @@
 // What the codes mean with which devices refuse: exception codes, end codes, return codes. One row
-// for each, in the table of its family.
+// for each, in the table of its family. The row also says what the code means for the next read.
 #pragma once
 
 #include <cstdint>
@@ -7,12 +7,21 @@
 #include <string>
 #include <string_view>
 
+#include "core/base/cause.hpp"
+
 namespace fieldcast {
 
 struct DeviceCode {
   std::uint16_t code;  // four digits that end in 00 stand for their whole class: 2100 for 21xx
   std::string_view text;
+  // kDeviceError: the address, the value or the function is refused, and is requested again only
+  // after a while. kDeviceBusy: a state of the moment, handled like a missed answer. kChecksum: the
+  // line garbled the request.
+  Cause cause = Cause::kDeviceError;
 };
+
+// The cause of the code's row; kDeviceError for a code that the table does not know.
+[[nodiscard]] Cause device_code_cause(std::span<const DeviceCode> codes, std::uint16_t code);
 
 // "illegal data address", or nothing for a code that the table does not know.
 [[nodiscard]] std::string_view device_code_text(std::span<const DeviceCode> codes,

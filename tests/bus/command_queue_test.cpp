@@ -25,6 +25,22 @@ class CommandQueueTest : public testing::Test {
     command.values = {Value{value}};
     return command;
   }
+  Command acquire(const std::string& channel, const std::string& device = "unit-1") {
+    Command command = write(channel, 0, device);
+    command.operation = Operation::kAcquire;
+    command.values.clear();
+    return command;
+  }
+  static Command of(std::string requester, Command command) {
+    command.requester = std::move(requester);
+    return command;
+  }
+  // Runs the next exchange; the requester whose command ended.
+  std::string serve() {
+    if (!next()) return "nobody";
+    queue_.answered(1, test::items({0x01, 0x02}), Instant{}, Instant{}, sink_);
+    return results().front().requester;
+  }
   // The results since the last call.
   std::vector<CommandResult> results() {
     std::vector<CommandResult> all;
@@ -112,10 +128,73 @@ TEST_F(CommandQueueTest, ARefusedCommandDoesNotCountForTheRateLimit) {
   EXPECT_TRUE(results().empty());
 }
 
-TEST_F(CommandQueueTest, MoreThanTheLimitAreRefused) {
+TEST_F(CommandQueueTest, WhoFillsTheQueueIsRefusedAndAnotherIsNot) {
   for (std::size_t i = 0; i < CommandQueue::kMaxWaiting; ++i) accept(write("r0", i));
   EXPECT_TRUE(results().empty());
   EXPECT_EQ(refusal_of(write("r0", 1), {}), Cause::kQueueFull);
+  accept(of("another", write("r0", 1)));
+  const auto refused = results();
+  ASSERT_EQ(refused.size(), 1u);
+  EXPECT_EQ(refused[0].requester, "");
+  EXPECT_EQ(refused[0].request_id, CommandQueue::kMaxWaiting) << "its newest";
+  EXPECT_EQ(refused[0].state, CommandState::kRejected);
+  EXPECT_EQ(refused[0].cause, Cause::kQueueFull);
+}
+
+TEST_F(CommandQueueTest, RequestersAreServedInTurn) {
+  for (int i = 0; i < 100; ++i) accept(of("flood", acquire("r3")));
+  accept(of("b", acquire("r3")));
+  accept(of("b", acquire("r3")));
+  accept(of("c", acquire("r3", "unit-2")));
+  std::vector<std::string> served;
+  for (int i = 0; i < 6; ++i) served.push_back(serve());
+  EXPECT_EQ(served, (std::vector<std::string>{"flood", "b", "c", "flood", "b", "flood"}));
+}
+
+// The first command of a requester waits for one command of each other requester at most.
+TEST_F(CommandQueueTest, OneThatSendsAgainAfterEachResultDoesNotStarveTheOthers) {
+  for (int i = 0; i < 10; ++i) accept(of("flood", acquire("r3")));
+  std::map<std::string, int> served;
+  accept(of("polite", acquire("r3")));
+  for (int i = 0; i < 10; ++i) {
+    const std::string who = serve();
+    ++served[who];
+    if (who == "polite") accept(of("polite", acquire("r3")));
+  }
+  EXPECT_EQ(served["flood"], 5);
+  EXPECT_EQ(served["polite"], 5);
+}
+
+TEST_F(CommandQueueTest, AFloodOfManyNamesLeavesRoomForAnother) {
+  const std::size_t names = CommandQueue::kMaxWaiting / 4;
+  for (std::size_t i = 0; i < CommandQueue::kMaxWaiting; ++i)
+    accept(of("flood-" + std::to_string(i % names), write("r0", 1)));
+  EXPECT_TRUE(results().empty());
+  accept(of("another", write("r0", 1)));
+  const auto refused = results();
+  ASSERT_EQ(refused.size(), 1u);
+  EXPECT_EQ(refused[0].cause, Cause::kQueueFull);
+  EXPECT_EQ(refused[0].requester.substr(0, 6), "flood-");
+}
+
+TEST_F(CommandQueueTest, WithAsManyNamesAsTheQueueHoldsTheLastIsRefused) {
+  for (std::size_t i = 0; i < CommandQueue::kMaxWaiting; ++i)
+    accept(of(std::to_string(i), write("r0", 1)));
+  EXPECT_TRUE(results().empty());
+  EXPECT_EQ(refusal_of(of("another", write("r0", 1)), {}), Cause::kQueueFull);
+}
+
+TEST_F(CommandQueueTest, TheBytesOfARequesterAreLimited) {
+  const std::string name(20000, 'x');
+  std::size_t accepted = 0;
+  for (; accepted < CommandQueue::kMaxWaiting && results().empty(); ++accepted)
+    accept(of(name, write("r0", 1)));
+  EXPECT_LE(accepted, CommandQueue::kMaxBytesOfRequester / name.size() + 1);
+  EXPECT_GE(accepted, CommandQueue::kMaxBytesOfRequester / (name.size() + 2000));
+  queue_.refuse_all(Cause::kShutdown, "stopped", Instant{}, sink_);
+  actions_.clear();
+  accept(of(name, write("r0", 1)));
+  EXPECT_TRUE(results().empty()) << "the room is free again";
 }
 
 TEST_F(CommandQueueTest, WritesThatTouchTravelInOneRequestAndHaveAResultEach) {

@@ -32,6 +32,21 @@ TEST(DeviceHealth, WhatAnswersBrokenFromTheBeginningIsNotUnknown) {
   EXPECT_EQ(silent.state(), DeviceState::kUnknown);
 }
 
+// A state of the moment, until it has lasted for long with no other answer between.
+TEST(DeviceHealth, ADeviceThatStaysBusyGoesOffline) {
+  DeviceHealth health;
+  (void)health.answered();
+  EXPECT_FALSE(health.failed(Cause::kDeviceBusy, Instant{1s})) << "one answer shows little";
+  EXPECT_TRUE(health.failed(Cause::kDeviceBusy, Instant{2s}));
+  EXPECT_EQ(health.state(), DeviceState::kDegraded);
+  EXPECT_FALSE(health.failed(Cause::kDeviceBusy, Instant{10s}));
+  EXPECT_TRUE(health.failed(Cause::kDeviceBusy, Instant{1s} + DeviceHealth::kBusyToOffline));
+  EXPECT_TRUE(health.offline());
+  EXPECT_TRUE(health.answered());
+  EXPECT_FALSE(health.failed(Cause::kDeviceBusy, Instant{20s})) << "the time begins again";
+  EXPECT_EQ(health.state(), DeviceState::kOnline);
+}
+
 TEST(DeviceHealth, IsProbedEverMoreRarely) {
   DeviceHealth health;
   Instant now{};

@@ -12,7 +12,7 @@ import os
 import re
 
 PORTS = {"modbus-tcp": "{ tcp: 127.0.0.1:502 }"}
-DEVICE_CODE = re.compile(r'DeviceCode\{(0x[0-9A-Fa-f]+|\d+),\s*"([^"]*)"\}')
+DEVICE_CODE = re.compile(r'DeviceCode\{(0x[0-9A-Fa-f]+|\d+),\s*"([^"]*)"[,}]')
 
 
 def rows(block):

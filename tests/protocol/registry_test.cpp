@@ -71,6 +71,43 @@ TEST(DeviceCode, FinsAndItsFrameHaveOneTable) {
   EXPECT_EQ(device_code_words(codes, 0x2103), "2103 write refused");
 }
 
+TEST(DeviceCode, ACodeOrItsClassSaysWhatItMeansForTheNextRead) {
+  const auto fins =
+      find_protocol("omron-hostlink")->make({.address = 0, .options = {{"mode", "fins"}}});
+  ASSERT_TRUE(fins.has_value());
+  const auto codes = (*fins)->traits().codes;
+  EXPECT_EQ(device_code_cause(codes, 0x1103), Cause::kDeviceError);
+  EXPECT_EQ(device_code_cause(codes, 0x2201), Cause::kDeviceBusy);
+  EXPECT_EQ(device_code_cause(codes, 0x2204), Cause::kDeviceBusy) << "of the class 22xx";
+  EXPECT_EQ(device_code_cause(codes, 0x0205), Cause::kDeviceBusy);
+  EXPECT_EQ(device_code_cause(codes, 0x2104), Cause::kDeviceError);
+  EXPECT_EQ(device_code_cause(codes, 0x13), Cause::kChecksum);
+  EXPECT_EQ(device_code_cause(codes, 0x7777), Cause::kDeviceError) << "unknown codes refuse";
+}
+
+// Which codes of each family are states of the moment: all others refuse, or blame the line.
+TEST(DeviceCode, StatesOfTheMomentByFamily) {
+  using Codes = std::set<std::uint16_t>;
+  const std::map<std::string_view, Codes> expected{{"modbus-rtu", {4, 5, 6, 8, 0x0A, 0x0B}},
+                                                   {"modbus-ascii", {4, 5, 6, 8, 0x0A, 0x0B}},
+                                                   {"modbus-tcp", {4, 5, 6, 8, 0x0A, 0x0B}},
+                                                   {"s7-ppi", {1, 2, 9, 0x8001, 0x8404}},
+                                                   {"omron-hostlink", {1, 2, 0x0B, 0x21}},
+                                                   {"s7-freeport", {}},
+                                                   {"mitsubishi-fx", {}},
+                                                   {"dtc", {}}};
+  for (const ProtocolEntry& entry : protocols()) {
+    const auto made = entry.make({.address = 1});
+    ASSERT_TRUE(made.has_value()) << entry.name;
+    Codes found;
+    for (const DeviceCode& row : (*made)->traits().codes) {
+      if (row.cause == Cause::kDeviceBusy) found.insert(row.code);
+    }
+    ASSERT_TRUE(expected.contains(entry.name)) << entry.name;
+    EXPECT_EQ(found, expected.at(entry.name)) << entry.name;
+  }
+}
+
 TEST(Registry, AnUnknownOptionIsAFaultOfThatOption) {
   for (const ProtocolEntry& entry : protocols()) {
     const auto made = entry.make({.address = 1, .options = {{"no-such-option", "1"}}});

@@ -1,12 +1,8 @@
 #include "core/protocol/modbus/exchange.hpp"
 
+#include "core/protocol/modbus/function.hpp"
+
 namespace fieldcast::modbus {
-namespace {
-
-constexpr std::uint8_t kAcknowledge = 0x05;  // accepted, but the work takes long
-constexpr std::uint8_t kBusy = 0x06;
-
-}  // namespace
 
 Step ModbusExchange::start(Bytes& out) {
   framing_.wrap(header_, request_.pdu(), out);
@@ -38,8 +34,7 @@ Step ModbusExchange::on_silence(Bytes&) {
 Step ModbusExchange::take(ByteView pdu) {
   if ((pdu[0] & kExceptionFlag) != 0) {
     const std::uint8_t code = pdu[1];
-    return Step::failed(
-        code == kAcknowledge || code == kBusy ? Cause::kDeviceBusy : Cause::kDeviceError, code);
+    return Step::failed(device_code_cause(kExceptions, code), code);
   }
   reply_ = request_.unpack(pdu);
   return Step::done();

@@ -35,13 +35,13 @@ inline constexpr std::array kExceptions{
     DeviceCode{0x01, "illegal function"},
     DeviceCode{0x02, "illegal data address"},
     DeviceCode{0x03, "illegal data value"},
-    DeviceCode{0x04, "server device failure"},
-    DeviceCode{0x05, "acknowledge: still at work"},
-    DeviceCode{0x06, "server device busy"},
+    DeviceCode{0x04, "server device failure", Cause::kDeviceBusy},
+    DeviceCode{0x05, "acknowledge: still at work", Cause::kDeviceBusy},
+    DeviceCode{0x06, "server device busy", Cause::kDeviceBusy},
     DeviceCode{0x07, "negative acknowledgement"},  // PI-MBUS-300; older devices still send it
-    DeviceCode{0x08, "memory parity error"},
-    DeviceCode{0x0A, "gateway path unavailable"},
-    DeviceCode{0x0B, "gateway target did not respond"},
+    DeviceCode{0x08, "memory parity error", Cause::kDeviceBusy},
+    DeviceCode{0x0A, "gateway path unavailable", Cause::kDeviceBusy},
+    DeviceCode{0x0B, "gateway target did not respond", Cause::kDeviceBusy},
 };
 // "illegal data address"; "unknown exception".
 [[nodiscard]] std::string_view exception_text(std::uint8_t code);

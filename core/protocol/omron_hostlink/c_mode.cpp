@@ -131,7 +131,8 @@ class CModeExchange : public Exchange {
     if (*code == 0) return accept(data, parsed.last, out);
     // The XOR does not see two equal characters vanish: a refusal must have the shape of one, too.
     if (!data.empty() || !parsed.last) return Step::need_answer();
-    return Step::failed(refusal_cause(*code), static_cast<std::uint16_t>(*code));
+    const auto refused = static_cast<std::uint16_t>(*code);
+    return Step::failed(device_code_cause(kEndCodes, refused), refused);
   }
 
   bool giving_up_ = false;

@@ -199,7 +199,8 @@ class FinsExchange final : public Exchange {
     if (end_code != 0) {
       const bool shaped =
           message.empty() || (message.size() > head && (message[0] & kAnswerFlag) != 0);
-      return shaped ? Step::failed(refusal_cause(end_code), end_code) : Step::need_answer();
+      return shaped ? Step::failed(device_code_cause(kEndCodes, end_code), end_code)
+                    : Step::need_answer();
     }
     return judge_message(message, head);
   }
@@ -223,7 +224,8 @@ class FinsExchange final : public Exchange {
       // A refusal has no data but, from a relay, the node that failed. The XOR does not see two
       // equal characters vanish.
       const bool shaped = data.empty() || ((end & 0x8000) != 0 && data.size() == 2);
-      return shaped ? Step::failed(Cause::kDeviceError, end) : Step::need_answer();
+      const Cause cause = device_code_cause(kFinsCodes, end & 0x7FFF);
+      return shaped ? Step::failed(cause, end) : Step::need_answer();
     }
     if (data.size() != answer_size_) return Step::need_answer();
     return ranges_.size() > 1 ? unpack_many(data) : unpack(data);

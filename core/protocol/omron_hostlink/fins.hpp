@@ -44,7 +44,11 @@ struct FinsRoute {
 // End codes of FINS messages (W227, 5), behind those of the frames that carry them.
 inline constexpr auto kFinsCodes = [] {
   constexpr std::array kOwn{
-      DeviceCode{0x0205, "destination did not respond"},
+      DeviceCode{0x0100, "error of the local node", Cause::kDeviceBusy},
+      DeviceCode{0x0200, "destination cannot be reached", Cause::kDeviceBusy},
+      DeviceCode{0x0204, "destination busy", Cause::kDeviceBusy},
+      DeviceCode{0x0205, "destination did not respond", Cause::kDeviceBusy},
+      DeviceCode{0x0300, "error of the controller or the CPU unit", Cause::kDeviceBusy},
       DeviceCode{0x0401, "undefined command"},
       DeviceCode{0x0402, "not supported by this model"},
       DeviceCode{0x0500, "routing error"},
@@ -62,14 +66,15 @@ inline constexpr auto kFinsCodes = [] {
       DeviceCode{0x110C, "parameter error"},
       DeviceCode{0x2000, "read refused"},
       DeviceCode{0x2100, "write refused"},
-      DeviceCode{0x2201, "wrong mode: running"},
-      DeviceCode{0x2203, "wrong mode: PROGRAM"},
-      DeviceCode{0x2206, "wrong mode: RUN"},
+      DeviceCode{0x2200, "wrong mode", Cause::kDeviceBusy},
+      DeviceCode{0x2201, "wrong mode: running", Cause::kDeviceBusy},
+      DeviceCode{0x2203, "wrong mode: PROGRAM", Cause::kDeviceBusy},
+      DeviceCode{0x2206, "wrong mode: RUN", Cause::kDeviceBusy},
       DeviceCode{0x2300, "no such unit"},
-      DeviceCode{0x2502, "checksum error in memory"},
+      DeviceCode{0x2502, "checksum error in memory", Cause::kDeviceBusy},
       DeviceCode{0x2600, "protected"},
-      DeviceCode{0x3001, "no access right"},
-      DeviceCode{0x4001, "aborted"},
+      DeviceCode{0x3001, "no access right", Cause::kDeviceBusy},
+      DeviceCode{0x4001, "aborted", Cause::kDeviceBusy},
   };
   std::array<DeviceCode, kEndCodes.size() + kOwn.size()> all{};
   std::ranges::copy(kEndCodes, all.begin());

@@ -43,30 +43,26 @@ struct ParseResult {
 // The later frame of an answer, which begins with the first byte.
 [[nodiscard]] ParseResult later_frame(ByteView bytes);
 
-// What a refusal means. Our frames leave with a right FCS: where the PLC found it wrong, the line
-// garbled them, and they may be sent again.
-[[nodiscard]] constexpr Cause refusal_cause(std::uint32_t end_code) {
-  return end_code == 0x13 || end_code == 0xA3 ? Cause::kChecksum : Cause::kDeviceError;
-}
-
-// End codes of Host Link frames (W342, 4-3).
+// End codes of Host Link frames (W342, 4-3). Our frames leave with a right FCS: where the PLC found
+// it wrong, the line garbled them, and they may be sent again. A mode of the CPU that forbids the
+// command, and an error of the CPU, are states of the moment.
 inline constexpr std::array kEndCodes{
     DeviceCode{0x00, "normal completion"},
-    DeviceCode{0x01, "not executable in RUN mode"},
-    DeviceCode{0x02, "not executable in MONITOR mode"},
+    DeviceCode{0x01, "not executable in RUN mode", Cause::kDeviceBusy},
+    DeviceCode{0x02, "not executable in MONITOR mode", Cause::kDeviceBusy},
     DeviceCode{0x03, "program memory protected"},
     DeviceCode{0x04, "address over"},
-    DeviceCode{0x0B, "not executable in PROGRAM mode"},
-    DeviceCode{0x13, "FCS error"},
+    DeviceCode{0x0B, "not executable in PROGRAM mode", Cause::kDeviceBusy},
+    DeviceCode{0x13, "FCS error", Cause::kChecksum},
     DeviceCode{0x14, "format error"},
     DeviceCode{0x15, "entry number data error"},
     DeviceCode{0x16, "command not supported"},
     DeviceCode{0x18, "frame length error"},
     DeviceCode{0x19, "not executable"},
     DeviceCode{0x20, "I/O table not made"},
-    DeviceCode{0x21, "CPU unit error"},
+    DeviceCode{0x21, "CPU unit error", Cause::kDeviceBusy},
     DeviceCode{0x23, "user memory protected"},
-    DeviceCode{0xA3, "aborted: FCS error in the data"},
+    DeviceCode{0xA3, "aborted: FCS error in the data", Cause::kChecksum},
     DeviceCode{0xA4, "aborted: format error in the data"},
     DeviceCode{0xA5, "aborted: entry number error in the data"},
     DeviceCode{0xA8, "aborted: frame length error in the data"},

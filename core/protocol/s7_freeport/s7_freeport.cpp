@@ -23,9 +23,7 @@
 namespace fieldcast::s7_freeport {
 namespace {
 
-constexpr std::uint32_t kBytes = 4;  // of a window
-// A refusal code. Those below it say that the line garbled the request.
-constexpr std::uint32_t kUnknownCommand = 4;
+constexpr std::uint32_t kBytes = 4;        // of a window
 constexpr std::size_t kMaxReceived = 512;  // characters; more is a babbling line
 constexpr std::array kAreas{Area{.name = "window",
                                  .item_bits = 8,
@@ -127,8 +125,8 @@ class FreeportExchange final : public Exchange {
     const auto code = read_digits(frame.subspan(2, 2));
     if (!code || *code == 0 || !check_is_right(frame))
       return broken(code ? Cause::kChecksum : Cause::kMalformed);
-    return Step::failed(*code < kUnknownCommand ? Cause::kChecksum : Cause::kDeviceError,
-                        static_cast<std::uint16_t>(*code));
+    const auto refused = static_cast<std::uint16_t>(*code);
+    return Step::failed(device_code_cause(kRefusals, refused), refused);
   }
   Step broken(Cause cause) {  // waited out: the right frame may follow
     silence_ = cause;

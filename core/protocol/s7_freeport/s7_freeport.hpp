@@ -11,11 +11,11 @@ namespace fieldcast::s7_freeport {
 // Characters of each frame.
 inline constexpr std::size_t kRequest = 17, kAnswer = 12, kRefusal = 7;
 
-// Codes of its refusals.
+// Codes of its refusals. The first three say that the line garbled the request.
 inline constexpr std::array kRefusals{
-    DeviceCode{1, "wrong check"},
-    DeviceCode{2, "wrong length"},
-    DeviceCode{3, "not a digit"},
+    DeviceCode{1, "wrong check", Cause::kChecksum},
+    DeviceCode{2, "wrong length", Cause::kChecksum},
+    DeviceCode{3, "not a digit", Cause::kChecksum},
     DeviceCode{4, "unknown command"},
 };
 

@@ -24,11 +24,10 @@ namespace {
 
 constexpr std::uint8_t kFirst = 0x6C, kOdd = 0x5C,
                        kEven = 0x7C;  // frame control: first request, then alternating
-constexpr std::uint8_t kDataAnswer = 0x08, kNoResource = 0x02, kNoData = 0x09;
+constexpr std::uint8_t kDataAnswer = 0x08;
 constexpr std::uint8_t kControlMask = 0x0F;
 constexpr unsigned kMaxPolls = 10;
 constexpr std::size_t kMaxReceived = 1024;  // four of the largest telegrams
-constexpr std::uint16_t kBusyError = 0x8404;
 
 constexpr Traits kTraits{
     .name = "s7-ppi",
@@ -120,8 +119,7 @@ class PpiExchange final : public Exchange {
   Step take_short(const Telegram& telegram, const Step& before) {
     if (!ours(telegram)) return before;
     const auto code = static_cast<std::uint8_t>(telegram.control & kControlMask);
-    const bool later = code == kNoResource || code == kNoData;
-    return Step::failed(later ? Cause::kDeviceBusy : Cause::kDeviceError, code);
+    return Step::failed(device_code_cause(kErrorCodes, code), code);
   }
 
   Step take_long(const Telegram& telegram, const Step& before) {
@@ -134,8 +132,7 @@ class PpiExchange final : public Exchange {
     switch (judgement.kind) {
       case Judgement::Kind::kAnswer: reply_ = std::move(judgement.reply); return Step::done();
       case Judgement::Kind::kRefused:
-        return Step::failed(judgement.code == kBusyError ? Cause::kDeviceBusy : Cause::kDeviceError,
-                            judgement.code);
+        return Step::failed(device_code_cause(kErrorCodes, judgement.code), judgement.code);
       case Judgement::Kind::kMalformed: silence_ = Cause::kMalformed; break;
       case Judgement::Kind::kForeign: silence_ = Cause::kForeign; break;
     }

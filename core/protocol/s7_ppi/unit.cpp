@@ -95,7 +95,7 @@ std::optional<Reply> read_reply(ByteView data, const ReadRequest& read) {
       if (!image) return std::nullopt;
       reply.push_back({.items = std::move(*image)});
     } else {
-      reply.push_back({.cause = Cause::kDeviceError, .device_code = code});
+      reply.push_back({.cause = device_code_cause(kErrorCodes, code), .device_code = code});
     }
     const bool last = &range == &read.ranges.back();
     const std::size_t taken = kDataHead + (last ? *size : even(*size));

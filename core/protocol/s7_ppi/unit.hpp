@@ -42,17 +42,19 @@ struct Judgement {
 };
 [[nodiscard]] Judgement judge_unit(ByteView unit, const Request& request, std::uint16_t reference);
 
-// Return codes of items, and behind them class and code of a unit's header.
+// Return codes of items and of the link, and behind them class and code of a unit's header.
 inline constexpr std::array kErrorCodes{
-    DeviceCode{0x01, "hardware fault"},
+    DeviceCode{0x01, "hardware fault", Cause::kDeviceBusy},
+    DeviceCode{0x02, "no resource", Cause::kDeviceBusy},  // of the link, as 09
     DeviceCode{0x03, "object not accessible"},
     DeviceCode{0x05, "address out of range"},
     DeviceCode{0x06, "data type not supported"},
     DeviceCode{0x07, "size does not match"},
+    DeviceCode{0x09, "no data yet", Cause::kDeviceBusy},
     DeviceCode{0x0A, "object does not exist"},
-    DeviceCode{0x8001, "wrong position of the mode switch"},
+    DeviceCode{0x8001, "wrong position of the mode switch", Cause::kDeviceBusy},
     DeviceCode{0x8100, "syntax, size or function not supported"},
-    DeviceCode{0x8404, "busy"},
+    DeviceCode{0x8404, "busy", Cause::kDeviceBusy},
     DeviceCode{0x8500, "wrong length"},
     DeviceCode{0xD200, "refused by the protection of the CPU"},
     DeviceCode{0xD600, "password missing or wrong"},

@@ -17,7 +17,7 @@ std::string format_text(const LineFormat& format) {
 
 std::string answer_text(const ScanLine& line, const ScanAnswer& answer) {
   if (answer.cause == Cause::kNone) return "value";
-  if (answer.cause == Cause::kDeviceError)
+  if (answer.cause == Cause::kDeviceError || answer.device_code != 0)
     return "refuses: " +
            device_code_words(scan_protocol(line.protocol)->traits().codes, answer.device_code);
   return std::string(to_text(answer.cause));

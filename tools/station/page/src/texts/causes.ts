@@ -5,7 +5,7 @@ export const en = {
   'cause.MALFORMED': 'malformed answer', 'cause.FOREIGN': 'answer of another device', 'cause.OVERLONG': 'answer too long',
   'cause.PORT_CLOSED': 'port closed', 'cause.PORT_MISSING': 'no such device file', 'cause.PORT_DENIED': 'permission denied',
   'cause.PORT_IN_USE': 'in use by another program', 'cause.PORT_UNREACHABLE': 'no connection', 'cause.DEVICE_ERROR': 'refused by the device',
-  'cause.DEVICE_BUSY': 'device busy', 'cause.RANGE': 'value out of range', 'cause.WRONG_TYPE': 'value of the wrong type', 'cause.READ_ONLY': 'channel is read-only',
+  'cause.DEVICE_BUSY': 'device not ready', 'cause.RANGE': 'value out of range', 'cause.WRONG_TYPE': 'value of the wrong type', 'cause.READ_ONLY': 'channel is read-only',
   'cause.UNKNOWN_CHANNEL': 'unknown channel', 'cause.UNKNOWN_DEVICE': 'unknown device', 'cause.BAD_ADDRESS': 'no such address',
   'cause.RAW_NOT_ALLOWED': 'commands to addresses are not allowed', 'cause.EXPIRED': 'expired before it could run', 'cause.DUPLICATE': 'duplicate of an earlier command',
   'cause.QUEUE_FULL': 'too many commands are waiting', 'cause.RATE_LIMITED': 'written too often', 'cause.NOT_VERIFIED': 'the value read back differs',
