@@ -1,7 +1,7 @@
 // The listening socket with all connections behind it: HTTP sessions and the WebSockets that some
 // of them become. Lives on one io thread, which also runs the site.
 //
-// Limits: see ServerLimits. ConnectionTable decides which connection leaves when there are too many.
+// Limits: see ServerLimits. ConnectionTable decides which connection leaves beyond them.
 #pragma once
 
 #include <map>
